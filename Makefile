@@ -1,0 +1,50 @@
+# What a user of robot_vision types. The work is done by tools/*, each in a clean environment (tools/env).
+
+PREFIX ?= /opt/robot_vision
+
+.DEFAULT_GOAL := help
+.PHONY: help deps build demo test lint format bench install clean run-deps
+.NOTPARALLEL:
+MAKEFLAGS += --no-print-directory
+
+help:
+	@sed -n 's/^## //p' Makefile
+
+## make demo      build and show the synthetic scene; source=/dev/video0 for a camera, ARGS="name:=value ..." for more
+demo: build
+	@tools/demo $(if $(source),"source:=$(if $(wildcard $(source)),$(abspath $(source)),$(source))") $(ARGS)
+
+## make test      everything that can be checked; TESTS=core, python, nodes or a word of a test's name for a part
+test: deps
+	@tools/env tools/test $(TESTS)
+
+## make build     build into .ws; then `source .ws/devel/setup.bash`
+build: run-deps
+	@tools/env tools/build
+
+## make lint      formatting and static checks, as listed in .pre-commit-config.yaml
+lint: deps
+	@tools/env tools/lint
+
+## make format    correct the formatting
+format: deps
+	@tools/env tools/lint format
+
+## make bench     the figures of docs and README, measured here
+bench: deps build
+	@tools/env --source .ws/devel/setup.bash test/benchmarks/run $(ARGS)
+
+## make install   into PREFIX (default /opt/robot_vision) below DESTDIR; then `source PREFIX/setup.bash`
+install: build
+	@tools/env tools/install "$(PREFIX)" "$(DESTDIR)"
+
+## make deps      install what building, running and testing need (apt, through rosdep and package.xml)
+deps:
+	@tools/env tools/deps test
+
+run-deps:
+	@tools/env tools/deps run
+
+## make clean     remove .ws and build, all that was built
+clean:
+	rm -rf .ws build

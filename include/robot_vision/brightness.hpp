@@ -1,0 +1,43 @@
+#pragma once
+
+#include <opencv2/core.hpp>
+#include <string>
+
+namespace robot_vision
+{
+
+struct BrightnessParams
+{
+  double gain = 1.0;     // contrast: factor on every value, 0 to 10
+  double offset = 50.0;  // brightness: grey levels of 255 added after the gain, -255 to 255
+  double gamma = 1.0;    // exponent of the last step, 0.1 to 10; below 1 lifts the shadows
+};
+
+/// Throws std::invalid_argument naming the first parameter out of range, its value and the range.
+void validate(const BrightnessParams& params);
+
+/// Gain, offset and gamma: out = max * (clip(gain * in + offset) / max) ^ gamma, with max 255, or 65535 for 16 bits
+/// (where the offset counts 257-fold). Equal to cv::Mat::convertTo followed by cv::LUT with the gamma curve, to the
+/// bit. Holds the look-up tables, so that a frame is one pass.
+class Brightness
+{
+public:
+  /// Throws std::invalid_argument as validate() does.
+  explicit Brightness(const BrightnessParams& params = BrightnessParams());
+
+  /// Writes the picture in outputEncoding(encoding) into `out` (reused if it fits). `image` is not modified; an alpha
+  /// channel is kept. Throws std::invalid_argument if `image` is not a picture of `encoding` (see encoding.hpp).
+  void apply(const cv::Mat& image, const std::string& encoding, cv::Mat& out);
+
+  /// The encoding of what apply() writes: the input's own for bgr8, rgb8, bgra8, rgba8, mono8 and mono16, else bgr8.
+  static std::string outputEncoding(const std::string& encoding);
+
+private:
+  BrightnessParams params_;
+  cv::Mat table_;        // 1x256 CV_8UC1
+  cv::Mat alpha_table_;  // 1x256 CV_8UC4, the fourth channel unchanged
+  cv::Mat wide_table_;   // 1x65536 CV_16UC1, made when the first mono16 picture comes
+  cv::Mat bgr_;
+};
+
+}  // namespace robot_vision

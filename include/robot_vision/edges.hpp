@@ -1,0 +1,42 @@
+#pragma once
+
+#include <opencv2/core.hpp>
+#include <string>
+
+namespace robot_vision
+{
+
+struct EdgeParams
+{
+  int blur_size = 7;             // px, side of the box blur: odd, 1 (none) to 31
+  double low_threshold = 15.0;   // gradient magnitude from which a pixel prolongs an edge, 0 to 10000
+  double high_threshold = 30.0;  // gradient magnitude from which a pixel begins an edge, low_threshold to 10000
+  int aperture = 3;              // px, side of the Sobel kernel: 3, 5 or 7
+  bool l2_gradient = false;      // magnitude sqrt(dx^2 + dy^2) instead of |dx| + |dy|
+};
+
+/// Throws std::invalid_argument naming the first parameter out of range, its value and the range.
+void validate(const EdgeParams& params);
+
+/// Canny edges of a blurred picture: cv::cvtColor, cv::blur and cv::Canny, to the bit.
+/// Keeps its intermediate pictures from frame to frame, so a running stream allocates nothing.
+class EdgeDetector
+{
+public:
+  /// Throws std::invalid_argument as validate() does.
+  explicit EdgeDetector(const EdgeParams& params = EdgeParams());
+
+  /// Writes CV_8UC1, 255 on edges and 0 elsewhere, into `edges` (reused if it fits). `image` is not modified.
+  /// Throws std::invalid_argument if `image` is not a picture of `encoding` (see encoding.hpp).
+  void apply(const cv::Mat& image, const std::string& encoding, cv::Mat& edges);
+
+  /// The encoding of what apply() writes for input of `encoding`: mono8.
+  static std::string outputEncoding(const std::string& encoding);
+
+private:
+  EdgeParams params_;
+  cv::Mat gray_;
+  cv::Mat blurred_;
+};
+
+}  // namespace robot_vision

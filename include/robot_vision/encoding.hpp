@@ -1,0 +1,30 @@
+#pragma once
+
+#include <opencv2/core.hpp>
+#include <string>
+#include <vector>
+
+namespace robot_vision
+{
+
+/// Names of the pixel layouts that every function below accepts: those of sensor_msgs/image_encodings.h (bgr8, rgb8,
+/// bgra8, rgba8, mono8, mono16, bayer_*8, bayer_*16, yuv422 = UYVY, yuv422_yuy2 = YUYV), and from cameras nv12 and
+/// jpeg.
+std::vector<std::string> encodings();
+
+/// The cv::Mat type that holds a picture of this encoding, for instance CV_8UC3 for bgr8.
+/// Throws std::invalid_argument naming the encoding if it is unknown.
+int matType(const std::string& encoding);
+
+/// Throws std::invalid_argument naming encoding, size and what was expected if `image` cannot be a picture of it.
+void checkPixels(const cv::Mat& image, const std::string& encoding);
+
+/// Grey picture (CV_8UC1) as cv::cvtColor makes it; 16 bits are scaled by 255/65535; of YUV and JPEG the luma itself.
+/// `gray` shares the input's pixels where they are grey already, is reused if it fits, and never aliases other input.
+void toGray(const cv::Mat& image, const std::string& encoding, cv::Mat& gray);
+
+/// Colour picture (CV_8UC3, BGR order) as cv::cvtColor makes it; 16 bits are scaled by 255/65535.
+/// `bgr` shares the input's pixels where they are bgr8 already, and is reused if it fits.
+void toBgr(const cv::Mat& image, const std::string& encoding, cv::Mat& bgr);
+
+}  // namespace robot_vision

@@ -1,0 +1,18 @@
+#pragma once
+
+#include <string>
+
+namespace robot_vision
+{
+
+/// The shortest usual notation of a number: 0.5, 30, nan.
+std::string toText(double value);
+
+/// Throws std::invalid_argument "<name> is <value>, must be <expected>" unless `ok`.
+void require(bool ok, const std::string& name, const std::string& value, const std::string& expected);
+void require(bool ok, const std::string& name, double value, const std::string& expected);
+
+/// Throws std::invalid_argument naming parameter, value and range unless low <= value <= high; NaN is refused too.
+void requireRange(const std::string& name, double value, double low, double high);
+
+}  // namespace robot_vision

@@ -1,0 +1,44 @@
+#!/usr/bin/env python3
+"""Prints a line per node and second from /diagnostics: rate, age, processing time, state."""
+
+import rospy
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+
+from robot_vision.nodes.startup import init_node
+
+TOPICS = (
+    "/usb_cam/image_raw",
+    "/brightness/processed_image",
+    "/edge_detector/processed_image",
+)
+
+
+def line(status: DiagnosticStatus) -> str:
+    """The status of one node as one line of text."""
+    values = {pair.key: pair.value for pair in status.values}
+    return "{:<14} {:>6} Hz  age {:>8} ms  processing {:>8} ms  {}".format(
+        status.name.split(":")[0],
+        values.get("output rate (Hz)", "?"),
+        values.get("output age (ms)", "?"),
+        values.get("processing time (ms)", "?"),
+        status.message,
+    )
+
+
+def on_diagnostics(message: DiagnosticArray) -> None:
+    for status in message.status:
+        print(line(status), flush=True)
+
+
+def main() -> None:
+    init_node("demo_status")
+    if not rospy.get_param("~view", False):
+        print("No display: look at these topics, for instance with")
+        print("  rosrun image_view image_view image:=" + TOPICS[-1])
+        print(*("  " + topic for topic in TOPICS), sep="\n", flush=True)
+    rospy.Subscriber("/diagnostics", DiagnosticArray, on_diagnostics, queue_size=10)
+    rospy.spin()
+
+
+if __name__ == "__main__":
+    main()

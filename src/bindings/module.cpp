@@ -1,0 +1,197 @@
+#include <pybind11/numpy.h>
+#include <pybind11/pybind11.h>
+#include <pybind11/stl.h>
+
+#include <optional>
+
+#include "robot_vision/brightness.hpp"
+#include "robot_vision/edges.hpp"
+#include "robot_vision/encoding.hpp"
+#include "robot_vision/frame_source.hpp"
+#include "robot_vision/scene.hpp"
+
+namespace py = pybind11;
+using namespace py::literals;
+using namespace robot_vision;
+
+namespace
+{
+
+constexpr const char* kLayout =
+    "Pictures are (height, width) or (height, width, channels) arrays of uint8 or, for 16-bit encodings, uint16, whose "
+    "rows may be padded but not their pixels. ";
+
+/// A view of an array of pixels; the array must outlive it.
+cv::Mat view(const py::array& array)
+{
+  const bool wide = py::isinstance<py::array_t<std::uint16_t>>(array);
+  if (!wide && !py::isinstance<py::array_t<std::uint8_t>>(array))
+    throw py::type_error("expected an array of uint8 or uint16");
+  if (array.ndim() != 2 && array.ndim() != 3) throw py::value_error("expected an array of 2 or 3 dimensions");
+  const auto channels = static_cast<int>(array.ndim() == 3 ? array.shape(2) : 1);
+  if (channels < 1 || channels > 4) throw py::value_error("expected 1 to 4 channels");
+  if (array.ndim() == 3 && array.strides(2) != array.itemsize()) throw py::value_error("expected packed channels");
+  if (array.strides(1) != channels * array.itemsize()) throw py::value_error("expected packed pixels in each row");
+  if (array.strides(0) < array.shape(1) * array.strides(1)) throw py::value_error("expected rows from top to bottom");
+  return {static_cast<int>(array.shape(0)), static_cast<int>(array.shape(1)),
+          CV_MAKETYPE(wide ? CV_16U : CV_8U, channels), const_cast<void*>(array.data()),
+          static_cast<std::size_t>(array.strides(0))};
+}
+
+/// An array that owns the Mat's pixels (no copy).
+py::array toNumpy(cv::Mat mat)
+{
+  auto* owner = new cv::Mat(std::move(mat));
+  const py::capsule release(owner, [](void* p) { delete static_cast<cv::Mat*>(p); });
+  std::vector<py::ssize_t> shape = {owner->rows, owner->cols};
+  if (owner->channels() > 1) shape.push_back(owner->channels());
+  std::vector<py::ssize_t> strides = {static_cast<py::ssize_t>(owner->step[0]),
+                                      static_cast<py::ssize_t>(owner->elemSize()),
+                                      static_cast<py::ssize_t>(owner->elemSize1())};
+  strides.resize(shape.size());
+  const py::dtype type = owner->depth() == CV_16U ? py::dtype::of<std::uint16_t>() : py::dtype::of<std::uint8_t>();
+  return py::array(type, shape, strides, owner->data, release);
+}
+
+template <class Filter, class Params>
+py::array apply(const py::array& image, const std::string& encoding, const Params& params)
+{
+  const cv::Mat input = view(image);
+  cv::Mat output;
+  {
+    const py::gil_scoped_release unlocked;
+    Filter(params).apply(input, encoding, output);
+  }
+  return toNumpy(output);
+}
+
+py::array_t<double> toNumpy(const cv::Matx44d& matrix)
+{
+  return py::array_t<double>({4, 4}, matrix.val);
+}
+
+void bindFilters(py::module& m)
+{
+  py::class_<BrightnessParams>(m, "BrightnessParams", "Gain (0..10), offset (-255..255 grey levels), gamma (0.1..10).")
+      .def(py::init<>())
+      .def_readwrite("gain", &BrightnessParams::gain)
+      .def_readwrite("offset", &BrightnessParams::offset)
+      .def_readwrite("gamma", &BrightnessParams::gamma);
+  m.def(
+      "adjust_brightness", apply<Brightness, BrightnessParams>, "image"_a, "encoding"_a = "bgr8",
+      "params"_a = BrightnessParams(),
+      "255 * (clip(gain * image + offset) / 255) ** gamma, in the image's own encoding, or bgr8 for Bayer and YUV.\n\n"
+      "Raises ValueError for a parameter out of range or an image that is not of this encoding.");
+
+  py::class_<EdgeParams>(m, "EdgeParams", "Box blur (odd px), Canny thresholds, Sobel aperture (3, 5, 7), L2 norm.")
+      .def(py::init<>())
+      .def_readwrite("blur_size", &EdgeParams::blur_size)
+      .def_readwrite("low_threshold", &EdgeParams::low_threshold)
+      .def_readwrite("high_threshold", &EdgeParams::high_threshold)
+      .def_readwrite("aperture", &EdgeParams::aperture)
+      .def_readwrite("l2_gradient", &EdgeParams::l2_gradient);
+  m.def("find_edges", apply<EdgeDetector, EdgeParams>, "image"_a, "encoding"_a = "bgr8", "params"_a = EdgeParams(),
+        "Canny edges of the blurred grey picture: (height, width) uint8, 255 on edges and 0 elsewhere.\n\n"
+        "Raises ValueError for a parameter out of range or an image that is not of this encoding.");
+  m.def("encodings", &encodings, "The pixel layouts that are known, named as in sensor_msgs/image_encodings.");
+}
+
+void bindSources(py::module& m)
+{
+  py::class_<CaptureParams>(m, "CaptureParams",
+                            "What a camera is asked for; see frame_source.hpp for units and ranges.")
+      .def(py::init<>())
+      .def_readwrite("source", &CaptureParams::source)
+      .def_readwrite("video_device", &CaptureParams::video_device)
+      .def_readwrite("image_width", &CaptureParams::image_width)
+      .def_readwrite("image_height", &CaptureParams::image_height)
+      .def_readwrite("pixel_format", &CaptureParams::pixel_format)
+      .def_readwrite("io_method", &CaptureParams::io_method)
+      .def_readwrite("framerate", &CaptureParams::framerate)
+      .def_readwrite("poster", &CaptureParams::poster);
+}
+
+/// validate(params) for every kind of parameters.
+void bindValidate(py::module& m)
+{
+  const char* doc = "Raises ValueError naming the first parameter out of range, its value and the range.";
+  m.def("validate", py::overload_cast<const BrightnessParams&>(&validate), "params"_a, doc);
+  m.def("validate", py::overload_cast<const EdgeParams&>(&validate), "params"_a, doc);
+  m.def("validate", py::overload_cast<const CaptureParams&>(&validate), "params"_a, doc);
+  m.def("validate", py::overload_cast<const SceneParams&>(&validate), "params"_a, doc);
+}
+
+void bindScene(py::module& m)
+{
+  py::class_<CameraModel>(m, "CameraModel", "Pinhole camera with plumb_bob distortion.")
+      .def_readonly("width", &CameraModel::width, "px")
+      .def_readonly("height", &CameraModel::height, "px")
+      .def_property_readonly(
+          "K",
+          [](const CameraModel& c) {
+            return py::array_t<double>({3, 3}, c.K.val);
+          },
+          "3x3, px")
+      .def_readonly("D", &CameraModel::D, "k1, k2, p1, p2, k3");
+
+  py::class_<SceneParams>(m, "SceneParams", "Size (px), rate (Hz), seed and noise (grey levels) of the scene.")
+      .def(py::init<>())
+      .def_readwrite("width", &SceneParams::width)
+      .def_readwrite("height", &SceneParams::height)
+      .def_readwrite("rate", &SceneParams::rate)
+      .def_readwrite("seed", &SceneParams::seed)
+      .def_readwrite("noise", &SceneParams::noise);
+
+  py::class_<SceneObject>(m, "SceneObject", "One thing in the scene, as one frame shows it.")
+      .def_readonly("name", &SceneObject::name)
+      .def_property_readonly(
+          "pose", [](const SceneObject& o) { return toNumpy(o.pose.matrix); },
+          "4x4, object in the camera's optical frame, m")
+      .def_property_readonly(
+          "outline",
+          [](const SceneObject& o)
+          {
+            return py::array_t<double>({static_cast<py::ssize_t>(o.outline.size()), py::ssize_t{2}},
+                                       o.outline.empty() ? nullptr : &o.outline[0].x);
+          },
+          "(n, 2) array, px")
+      .def_property_readonly(
+          "center", [](const SceneObject& o) { return py::make_tuple(o.center.x, o.center.y); }, "(x, y), px")
+      .def_readonly("visible", &SceneObject::visible);
+
+  py::class_<SceneTruth>(m, "SceneTruth", "Where everything in the scene is in one frame.")
+      .def_readonly("frame", &SceneTruth::frame)
+      .def_property_readonly(
+          "camera", [](const SceneTruth& t) { return toNumpy(t.camera.matrix); }, "4x4, camera in the world, m")
+      .def_readonly("objects", &SceneTruth::objects);
+
+  py::class_<Scene>(m, "Scene", "A synthetic room with exact ground truth, the same for the same frame number.")
+      .def(py::init([](const SceneParams& params, const std::optional<py::array>& poster)
+                    { return Scene(params, poster ? view(*poster) : cv::Mat()); }),
+           "params"_a = SceneParams(), "poster"_a = py::none(), "poster: (height, width, 3) BGR picture for the wall.")
+      .def_property_readonly("camera", &Scene::camera)
+      .def("truth", &Scene::truth, "frame"_a)
+      .def(
+          "render",
+          [](const Scene& scene, std::int64_t frame)
+          {
+            cv::Mat bgr;
+            {
+              const py::gil_scoped_release unlocked;
+              scene.render(frame, bgr);
+            }
+            return toNumpy(bgr);
+          },
+          "frame"_a, "The picture of a frame: (height, width, 3) uint8, BGR.");
+}
+
+}  // namespace
+
+PYBIND11_MODULE(_core, m)
+{
+  m.doc() = std::string("The C++ core of robot_vision on NumPy arrays. ") + kLayout;
+  bindFilters(m);
+  bindSources(m);
+  bindScene(m);
+  bindValidate(m);
+}

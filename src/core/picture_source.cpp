@@ -1,0 +1,117 @@
+#include "picture_source.hpp"
+
+#include <glob.h>
+#include <sys/stat.h>
+
+#include <algorithm>
+#include <fstream>
+#include <iterator>
+#include <opencv2/imgcodecs.hpp>
+
+#include "robot_vision/jpeg.hpp"
+
+namespace robot_vision
+{
+namespace
+{
+
+std::vector<std::string> matches(const std::string& pattern)
+{
+  glob_t found;
+  std::vector<std::string> paths;
+  if (glob(pattern.c_str(), 0, nullptr, &found) == 0) paths.assign(found.gl_pathv, found.gl_pathv + found.gl_pathc);
+  globfree(&found);
+  return paths;
+}
+
+/// The path as a glob pattern that matches nothing but itself.
+std::string escaped(const std::string& path)
+{
+  std::string pattern;
+  for (const char c : path)
+  {
+    if (std::string("*?[\\").find(c) != std::string::npos) pattern += '\\';
+    pattern += c;
+  }
+  return pattern;
+}
+
+std::vector<std::string> pictures(const std::string& path)
+{
+  struct stat info;
+  const bool exists = stat(path.c_str(), &info) == 0;
+  if (exists && !S_ISDIR(info.st_mode)) return {path};
+
+  std::vector<std::string> found = matches(exists ? escaped(path) + "/*" : path);
+  found.erase(std::remove_if(found.begin(), found.end(), [](const std::string& f) { return !isPictureFile(f); }),
+              found.end());
+  if (found.empty()) throw SourceError(path + ": no pictures that OpenCV can read are there");
+  return found;
+}
+
+}  // namespace
+
+bool isPictureFile(const std::string& path)
+{
+  struct stat info;
+  return stat(path.c_str(), &info) == 0 && S_ISREG(info.st_mode) && cv::haveImageReader(path);
+}
+
+cv::Mat readPicture(const std::string& path)
+{
+  std::ifstream file(path, std::ios::binary);
+  const std::vector<char> bytes{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+  if (!file) throw SourceError(path + ": cannot be read");
+  const auto* data = reinterpret_cast<const unsigned char*>(bytes.data());
+  const bool jpeg = bytes.size() > 2 && data[0] == 0xFF && data[1] == 0xD8;
+  if (jpeg && !isCompleteJpeg(data, bytes.size())) throw SourceError(path + ": the JPEG is damaged or truncated");
+  cv::Mat picture;
+  try
+  {
+    if (!bytes.empty()) picture = cv::imdecode(bytes, cv::IMREAD_COLOR);
+  }
+  catch (const cv::Exception& e)  // for instance a size beyond OpenCV's limits
+  {
+    throw SourceError(path + ": " + e.err);
+  }
+  if (picture.empty()) throw SourceError(path + ": not a picture that OpenCV can read, or damaged");
+  return picture;
+}
+
+PictureSource::PictureSource(const std::string& path) : path_(path), files_(pictures(path))
+{
+  if (files_.front() == path) only_ = readPicture(files_.front());
+}
+
+ReadResult PictureSource::read(Frame& frame)
+{
+  frame.encoding = "bgr8";
+  if (!only_.empty())
+  {
+    frame.image = only_;
+    frame.sequence = sequence_++;
+    return ReadResult::kFrame;
+  }
+  if (failed_in_a_row_ == files_.size()) throw SourceError(path_ + ": none of its pictures can be read");
+  if (next_ == files_.size()) return ReadResult::kEnd;
+  const std::string& file = files_[next_++];
+  try
+  {
+    frame.image = readPicture(file);
+  }
+  catch (const SourceError& e)
+  {
+    ++failed_in_a_row_;
+    throw std::invalid_argument(e.what());  // of one picture: the next may be good
+  }
+  failed_in_a_row_ = 0;
+  frame.sequence = sequence_++;
+  return ReadResult::kFrame;
+}
+
+std::string PictureSource::description() const
+{
+  return (only_.empty() ? std::to_string(files_.size()) + " pictures" : std::string("picture")) + " from " + path_;
+}
+
+}  // namespace robot_vision

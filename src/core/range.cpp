@@ -1,0 +1,31 @@
+#include "robot_vision/range.hpp"
+
+#include <sstream>
+#include <stdexcept>
+
+namespace robot_vision
+{
+
+std::string toText(double value)
+{
+  std::ostringstream text;
+  text << value;
+  return text.str();
+}
+
+void require(bool ok, const std::string& name, const std::string& value, const std::string& expected)
+{
+  if (!ok) throw std::invalid_argument(name + " is " + value + ", must be " + expected);
+}
+
+void require(bool ok, const std::string& name, double value, const std::string& expected)
+{
+  require(ok, name, toText(value), expected);
+}
+
+void requireRange(const std::string& name, double value, double low, double high)
+{
+  require(value >= low && value <= high, name, value, "from " + toText(low) + " to " + toText(high));
+}
+
+}  // namespace robot_vision

@@ -1,0 +1,85 @@
+#include "robot_vision/scene.hpp"
+
+#include <stdexcept>
+
+#include "robot_vision/range.hpp"
+#include "scene_noise.hpp"
+#include "scene_stage.hpp"
+#include "scene_truth.hpp"
+
+namespace robot_vision
+{
+
+void validate(const SceneParams& params)
+{
+  const double smallest = 64, largest = 4096, narrowest = 3, most_noise = 30, fastest = 1000;
+  requireRange("width", params.width, smallest, largest);
+  requireRange("height", params.height, smallest, largest);
+  require(params.width <= narrowest * params.height, "width", params.width, "at most 3 times the height");
+  require(params.height <= narrowest * params.width, "height", params.height, "at most 3 times the width");
+  require(params.rate > 0.0 && params.rate <= fastest, "rate", params.rate, "above 0 and at most 1000");
+  requireRange("noise", params.noise, 0, most_noise);
+}
+
+namespace
+{
+
+const SceneParams& validated(const SceneParams& params)
+{
+  validate(params);
+  return params;
+}
+
+const cv::Mat& validated(const cv::Mat& poster)
+{
+  if (!poster.empty() && poster.type() != CV_8UC3) throw std::invalid_argument("poster must be an 8-bit BGR picture");
+  return poster;
+}
+
+}  // namespace
+
+struct Scene::Impl
+{
+  Impl(const SceneParams& params, const cv::Mat& poster)
+    : rate(validated(params).rate),
+      stage(validated(poster)),
+      lens(scene::sceneCamera(params.width, params.height)),
+      noise(params.noise, params.seed, 3 * params.width)
+  {
+  }
+
+  double rate;
+  scene::Stage stage;
+  scene::Lens lens;
+  scene::PixelNoise noise;
+};
+
+Scene::Scene(const SceneParams& params, const cv::Mat& poster_bgr)
+  : impl_(std::make_unique<const Impl>(params, poster_bgr))
+{
+}
+
+Scene::~Scene() = default;
+Scene::Scene(Scene&&) noexcept = default;
+Scene& Scene::operator=(Scene&&) noexcept = default;
+
+const CameraModel& Scene::camera() const
+{
+  return impl_->lens.camera;
+}
+
+SceneTruth Scene::truth(std::int64_t frame) const
+{
+  SceneTruth truth = scene::truthAt(scene::sceneTime(frame, impl_->rate), impl_->stage.posterAspect(), impl_->lens);
+  truth.frame = frame;
+  return truth;
+}
+
+void Scene::render(std::int64_t frame, cv::Mat& bgr) const
+{
+  bgr.create(impl_->lens.camera.height, impl_->lens.camera.width, CV_8UC3);
+  impl_->stage.paint(scene::sceneTime(frame, impl_->rate), impl_->lens, bgr);
+  impl_->noise.add(frame, bgr);
+}
+
+}  // namespace robot_vision

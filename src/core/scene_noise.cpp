@@ -1,0 +1,50 @@
+#include "scene_noise.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "scene_random.hpp"
+
+namespace robot_vision::scene
+{
+
+namespace
+{
+
+constexpr std::uint64_t kPlaces = 1 << 16;  // where a row may start, a power of two
+
+}  // namespace
+
+PixelNoise::PixelNoise(double sigma, std::uint64_t seed, int row_length) : seed_(mix(seed))
+{
+  if (sigma <= 0.0) return;
+  tile_.resize(kPlaces + static_cast<std::size_t>(row_length));
+  // Box-Muller by hand: the standard library's normal distribution differs between implementations.
+  std::uint64_t state = seed_;
+  for (std::int8_t& value : tile_)
+  {
+    const double u = 1.0 - unitInterval(state = mix(state)), v = unitInterval(state = mix(state));
+    const double normal = std::sqrt(-2.0 * std::log(u)) * std::cos(2.0 * CV_PI * v);
+    value = static_cast<std::int8_t>(std::clamp(std::lround(sigma * normal), -127L, 127L));
+  }
+}
+
+void PixelNoise::add(std::int64_t frame, cv::Mat& picture) const
+{
+  if (tile_.empty()) return;
+  const int length = picture.cols * picture.channels();
+  const std::uint64_t frame_key = mix(seed_ ^ static_cast<std::uint64_t>(frame));
+  for (int row = 0; row < picture.rows; ++row)
+  {
+    const std::int8_t* noise = tile_.data() + mix(frame_key + static_cast<std::uint64_t>(row)) % kPlaces;
+    std::uint8_t* pixels = picture.ptr<std::uint8_t>(row);
+    for (int i = 0; i < length; ++i)
+    {
+      // In 16 bits this becomes saturating vector code.
+      const auto sum = static_cast<std::int16_t>(pixels[i] + noise[i]);
+      pixels[i] = static_cast<std::uint8_t>(std::clamp<std::int16_t>(sum, 0, 255));
+    }
+  }
+}
+
+}  // namespace robot_vision::scene

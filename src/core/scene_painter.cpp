@@ -1,0 +1,165 @@
+#include "scene_painter.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace robot_vision::scene
+{
+
+namespace
+{
+
+constexpr int kSpan = 64;         // pixels that share a level
+constexpr int kFractionBits = 8;  // of texture coordinates
+constexpr int kOne = 1 << kFractionBits;
+
+// All four lanes of (a * (1 - f) + b * f), rounded. The lanes of the sum stay below 2^16, and arithmetic modulo 2^64
+// forgives that those of (b - a) may be negative.
+std::uint64_t mixLanes(std::uint64_t a, std::uint64_t b, std::uint64_t fraction)
+{
+  const std::uint64_t half = 0x0080008000800080, low_bytes = 0x00ff00ff00ff00ff;
+  return (((a << kFractionBits) + (b - a) * fraction + half) >> kFractionBits) & low_bytes;
+}
+
+void put(std::uint64_t texel, uchar* pixel)
+{
+  const uchar colour[3] = {static_cast<uchar>(texel), static_cast<uchar>(texel >> 16), static_cast<uchar>(texel >> 32)};
+  const int alpha = static_cast<int>(texel >> 48);
+  if (alpha == 255)
+    std::copy(colour, colour + 3, pixel);
+  else if (alpha > 0)
+    blend(pixel, colour, alpha);
+}
+
+// The finest level whose texels are a little larger than a pixel, so that nothing flickers and every edge is a ramp
+// that tells its sub-pixel position, as behind a real lens. `plane` maps rays to the unit square of the texture.
+const TextureLevel& pickLevel(const Texture& texture, const cv::Matx33f& plane, float x, float y, float focal)
+{
+  const cv::Vec3f p = plane * cv::Vec3f(x, y, 1.0F);
+  const float u = p[0] / p[2], v = p[1] / p[2];
+  const float step = 1.0F / (focal * p[2]);  // of a ray from pixel to pixel, over the depth term
+  const float width = static_cast<float>(texture.front().width), height = static_cast<float>(texture.front().height);
+  const auto texels = [&](int axis)
+  {
+    const float du = (plane(0, axis) - u * plane(2, axis)) * step * width;
+    const float dv = (plane(1, axis) - v * plane(2, axis)) * step * height;
+    return std::sqrt(du * du + dv * dv);
+  };
+  const float texel_size = 1.15F;  // px, at least
+  const float widest = width / (texel_size * std::max(texels(0), texels(1)));
+  std::size_t level = 0;
+  while (level + 1 < texture.size() && static_cast<float>(texture[level].width) > widest)
+    ++level;
+  return texture[level];
+}
+
+// Texture coordinates of a run of rays, in fractions of texels, counted from the border texel.
+struct Coordinates
+{
+  std::array<int, kSpan> u, v;
+};
+
+void locate(const cv::Matx33f& plane, const TextureLevel& level, const float* xs, const float* ys, int count,
+            Coordinates& at)
+{
+  const auto one = static_cast<float>(kOne);
+  const float width = static_cast<float>(level.width) * one, height = static_cast<float>(level.height) * one;
+  // Content starts half a texel right of the border texel's centre; the last half rounds.
+  const float shift = 0.5F * one + 0.5F, last_u = width + one - 1.0F, last_v = height + one - 1.0F;
+  const cv::Matx33f p(plane(0, 0) * width, plane(0, 1) * width, plane(0, 2) * width,     //
+                      plane(1, 0) * height, plane(1, 1) * height, plane(1, 2) * height,  //
+                      plane(2, 0), plane(2, 1), plane(2, 2));
+  for (int i = 0; i < count; ++i)
+  {
+    const float depth = 1.0F / (p(2, 0) * xs[i] + p(2, 1) * ys[i] + p(2, 2));
+    const float u = (p(0, 0) * xs[i] + p(0, 1) * ys[i] + p(0, 2)) * depth + shift;
+    const float v = (p(1, 0) * xs[i] + p(1, 1) * ys[i] + p(1, 2)) * depth + shift;
+    at.u[i] = static_cast<int>(std::min(std::max(u, 0.0F), last_u));
+    at.v[i] = static_cast<int>(std::min(std::max(v, 0.0F), last_v));
+  }
+}
+
+void sample(const TextureLevel& level, const Coordinates& at, int count, uchar* pixels)
+{
+  const std::size_t stride = static_cast<std::size_t>(level.width) + 2;
+  const std::uint64_t* texels = level.texels.data();
+  for (int i = 0; i < count; ++i)
+  {
+    const int u = at.u[i], v = at.v[i];
+    const std::uint64_t* corner = texels + static_cast<std::size_t>(v >> kFractionBits) * stride + (u >> kFractionBits);
+    const auto fu = static_cast<std::uint64_t>(u & (kOne - 1)), fv = static_cast<std::uint64_t>(v & (kOne - 1));
+    const std::uint64_t left = mixLanes(corner[0], corner[stride], fv);
+    const std::uint64_t right = mixLanes(corner[1], corner[stride + 1], fv);
+    put(mixLanes(left, right, fu), pixels + 3 * i);
+  }
+}
+
+}  // namespace
+
+cv::Matx33d rayToPlane(const cv::Affine3d& pose)
+{
+  const cv::Matx33d R = pose.rotation();
+  const cv::Vec3d t = pose.translation();
+  const cv::Matx33d plane(R(0, 0), R(0, 1), t[0], R(1, 0), R(1, 1), t[1], R(2, 0), R(2, 1), t[2]);
+  return plane.inv(cv::DECOMP_LU);
+}
+
+RowSpans rowSpans(const Polygon2& polygon, const CameraModel& camera)
+{
+  const int margin = 2;
+  RowSpans result;
+  if (polygon.empty()) return result;
+  const auto row_of = [&](double y, int extra)
+  { return static_cast<int>(std::clamp(std::floor(y) + extra, 0.0, static_cast<double>(camera.height))); };
+  const auto column_of = [&](double x, int extra)
+  { return static_cast<int>(std::clamp(std::floor(x) + extra, 0.0, static_cast<double>(camera.width))); };
+  const auto y_range = std::minmax_element(polygon.begin(), polygon.end(),
+                                           [](const cv::Point2d& a, const cv::Point2d& b) { return a.y < b.y; });
+  result.top = row_of(y_range.first->y, -margin);
+  result.spans.assign(row_of(y_range.second->y, margin + 1) - result.top, cv::Point(camera.width, 0));
+  for (std::size_t i = 0; i < polygon.size(); ++i)
+  {
+    const cv::Point2d &a = polygon[i], &b = polygon[(i + 1) % polygon.size()];
+    const double low = std::min(a.y, b.y), high = std::max(a.y, b.y);
+    const double slope = high > low ? (b.x - a.x) / (b.y - a.y) : 0.0;
+    for (int row = row_of(low, -margin); row < row_of(high, margin + 1); ++row)
+    {
+      // The part of this edge that comes within the margin of the row; a level edge counts whole.
+      const double from = high > low ? a.x + slope * (std::clamp(row - 1.0 * margin, low, high) - a.y) : a.x;
+      const double to = high > low ? a.x + slope * (std::clamp(row + 1.0 * margin, low, high) - a.y) : b.x;
+      cv::Point& span = result.spans[row - result.top];
+      span.x = std::min(span.x, column_of(std::min(from, to), -margin));
+      span.y = std::max(span.y, column_of(std::max(from, to), margin + 1));
+    }
+  }
+  return result;
+}
+
+void paintBoard(const Texture& texture, const cv::Affine3d& pose, const cv::Size2d& size, const Lens& lens,
+                cv::Mat& bgr)
+{
+  if (!facesCamera(pose)) return;
+  const Polygon3 seen = clipToView(corners(pose, size), lens);
+  const RowSpans rows = rowSpans(project(seen, lens.camera, 12), lens.camera);
+  // From metres around the middle, y up, to the unit square, y down.
+  const cv::Matx33d to_unit(1.0 / size.width, 0, 0.5, 0, -1.0 / size.height, 0.5, 0, 0, 1);
+  const cv::Matx33f plane = to_unit * rayToPlane(pose);
+  const auto focal = static_cast<float>(lens.camera.K(0, 0));
+  Coordinates at;
+  for (std::size_t i = 0; i < rows.spans.size(); ++i)
+  {
+    const int row = rows.top + static_cast<int>(i), end = rows.spans[i].y;
+    const float* xs = lens.rays.x.ptr<float>(row);
+    const float* ys = lens.rays.y.ptr<float>(row);
+    for (int column = rows.spans[i].x; column < end; column += kSpan)
+    {
+      const int count = std::min(kSpan, end - column), middle = column + count / 2;
+      const TextureLevel& level = pickLevel(texture, plane, xs[middle], ys[middle], focal);
+      locate(plane, level, xs + column, ys + column, count, at);
+      sample(level, at, count, bgr.ptr(row) + 3 * column);
+    }
+  }
+}
+
+}  // namespace robot_vision::scene

@@ -1,0 +1,72 @@
+// The patterns that detectors look for: tags, QR code, checkerboard.
+
+#include <array>
+#include <cstdint>
+
+#include "scene_textures.hpp"
+
+namespace robot_vision::scene
+{
+
+namespace
+{
+
+// Print on paper: neither clips when noise is added, and black stays out of the reach of any colour filter.
+const cv::Vec3b kBlack(28, 28, 28);
+const cv::Vec3b kWhite(232, 236, 236);
+
+// Data bits of the tags, row by row from the top left, most significant first; a set bit is white.
+constexpr std::array<std::uint64_t, 2> kTag36h11 = {0xd5d628584, 0xd97f18b49};
+
+constexpr std::array<const char*, 21> kQrModules = {
+    "#######...#...#######", "#.....#..###..#.....#", "#.###.#.#.###.#.###.#", "#.###.#.#.###.#.###.#",
+    "#.###.#.#..##.#.###.#", "#.....#.##..#.#.....#", "#######.#.#.#.#######", "........#####........",
+    "#.#####.....#.#####..", ".##......#..#.####..#", ".#.######.##.#...#.#.", "#.#.#...#....#.####.#",
+    "####.###...#.##......", "........##..#...#.###", "#######...#.###....#.", "#.....#.#.#..#..###..",
+    "#.###.#.##.#..#.#..##", "#.###.#.###...#..#...", "#.###.#.######...#...", "#.....#....#.#.#.##..",
+    "#######.##.#..#..#.#.",
+};
+
+}  // namespace
+
+cv::Mat tagCells(int id)
+{
+  const int data = 6, border = 2;  // one black cell and a white one around the data
+  const std::uint64_t code = kTag36h11.at(static_cast<std::size_t>(id));
+  cv::Mat cells(data + 2 * border, data + 2 * border, CV_8UC3, kWhite);
+  cells(cv::Rect(1, 1, data + 2, data + 2)).setTo(kBlack);
+  for (int bit = 0; bit < data * data; ++bit)
+  {
+    const bool white = (code >> (data * data - 1 - bit)) & 1;
+    if (white) cells.at<cv::Vec3b>(border + bit / data, border + bit % data) = kWhite;
+  }
+  return cells;
+}
+
+cv::Mat qrCells()
+{
+  const int modules = static_cast<int>(kQrModules.size()), quiet = 3;
+  cv::Mat cells(modules + 2 * quiet, modules + 2 * quiet, CV_8UC3, kWhite);
+  for (int y = 0; y < modules; ++y)
+  {
+    for (int x = 0; x < modules; ++x)
+    {
+      if (kQrModules[y][x] == '#') cells.at<cv::Vec3b>(quiet + y, quiet + x) = kBlack;
+    }
+  }
+  return cells;
+}
+
+cv::Mat checkerCells()
+{
+  const int columns = 9, rows = 7;  // squares
+  cv::Mat cells(2 * rows + 2, 2 * columns + 2, CV_8UC3, kWhite);
+  for (int y = 0; y < rows; ++y)
+  {
+    for (int x = y % 2; x < columns; x += 2)
+      cells(cv::Rect(1 + 2 * x, 1 + 2 * y, 2, 2)).setTo(kBlack);
+  }
+  return cells;
+}
+
+}  // namespace robot_vision::scene

@@ -1,0 +1,14 @@
+#pragma once
+
+#include <cstdint>
+
+#include "robot_vision/scene.hpp"
+#include "scene_view.hpp"
+
+namespace robot_vision::scene
+{
+
+/// Everything about the objects at a time of the motion, in seconds; `poster_aspect` is width over height.
+SceneTruth truthAt(double seconds, double poster_aspect, const Lens& lens);
+
+}  // namespace robot_vision::scene

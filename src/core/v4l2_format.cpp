@@ -1,0 +1,37 @@
+#include "v4l2_format.hpp"
+
+#include <algorithm>
+
+namespace robot_vision
+{
+namespace
+{
+
+template <class Condition>
+const V4l2Format* findFormat(Condition condition)
+{
+  const auto found = std::find_if(kV4l2Formats.begin(), kV4l2Formats.end(), condition);
+  return found == kV4l2Formats.end() ? nullptr : &*found;
+}
+
+}  // namespace
+
+const V4l2Format* findV4l2Format(const std::string& name)
+{
+  return findFormat([&name](const V4l2Format& format) { return name == format.name; });
+}
+
+const V4l2Format* findV4l2Format(std::uint32_t fourcc)
+{
+  return findFormat([fourcc](const V4l2Format& format) { return fourcc == format.fourcc; });
+}
+
+std::string describeFormat(std::uint32_t fourcc, std::uint32_t width, std::uint32_t height)
+{
+  std::string text;
+  for (int shift = 0; shift < 32; shift += 8)
+    text += static_cast<char>(fourcc >> shift & 0x7F);
+  return text + " " + std::to_string(width) + "x" + std::to_string(height);
+}
+
+}  // namespace robot_vision

@@ -1,0 +1,92 @@
+#include "frame_statistics.hpp"
+
+#include <algorithm>
+
+#include "params.hpp"
+#include "robot_vision/range.hpp"
+
+namespace robot_vision
+{
+
+void FrameStatistics::received(std::uint32_t sequence)
+{
+  const std::lock_guard<std::mutex> lock(mutex_);
+  // A larger step is another sender's number. (A sender in the process may leave all at 0: that is a step of 2^32 - 1.)
+  constexpr std::uint32_t kOtherSender = 100;
+  const std::uint32_t missing = sequence - last_sequence_ - 1;
+  if (has_sequence_ && missing < kOtherSender) dropped_ += missing;
+  has_sequence_ = true;
+  last_sequence_ = sequence;
+  ++received_;
+  ++period_.received;
+}
+
+void FrameStatistics::resumed()
+{
+  const std::lock_guard<std::mutex> lock(mutex_);
+  has_sequence_ = false;
+}
+
+void FrameStatistics::refused(const std::string& why)
+{
+  const std::lock_guard<std::mutex> lock(mutex_);
+  last_error_ = why;
+  ++refused_;
+  ++period_.refused;
+}
+
+void FrameStatistics::published(Clock::time_point begin, const ros::Time& stamp)
+{
+  const double processing_s = std::chrono::duration<double>(Clock::now() - begin).count();
+  const double age_s = ros::Time::now().toSec() - stamp.toSec();
+  const std::lock_guard<std::mutex> lock(mutex_);
+  ++published_;
+  ++period_.published;
+  period_.processing_s += processing_s;
+  if (stamp.isZero()) return;  // a sender that knows of no time
+  ++period_.stamped;
+  period_.age_s += age_s;
+}
+
+void FrameStatistics::setState(unsigned char level, const std::string& text)
+{
+  const std::lock_guard<std::mutex> lock(mutex_);
+  level_ = level;
+  state_ = text;
+}
+
+void FrameStatistics::report(diagnostic_updater::DiagnosticStatusWrapper& status)
+{
+  const std::lock_guard<std::mutex> lock(mutex_);
+  const double seconds = std::chrono::duration<double>(Clock::now() - period_.begin).count();
+  const auto mean = [](double sum, std::uint64_t count)
+  { return sum / static_cast<double>(std::max<std::uint64_t>(1, count)); };
+  status.summary(level_, state_);
+  if (period_.refused > 0)
+    status.mergeSummaryf(diagnostic_msgs::DiagnosticStatus::WARN, "%lu frames refused",
+                         static_cast<unsigned long>(period_.refused));
+  status.addf("input rate (Hz)", "%.2f", static_cast<double>(period_.received) / seconds);
+  status.addf("output rate (Hz)", "%.2f", static_cast<double>(period_.published) / seconds);
+  status.addf("processing time (ms)", "%.3f", mean(period_.processing_s, period_.published) * 1e3);
+  status.addf("output age (ms)", "%.3f", mean(period_.age_s, period_.stamped) * 1e3);
+  status.add("frames received", received_);
+  status.add("frames published", published_);
+  status.add("frames dropped", dropped_);
+  status.add("frames refused", refused_);
+  status.add("last error", last_error_);
+  period_ = Period();
+}
+
+FrameDiagnostics::FrameDiagnostics(const ros::NodeHandle& nh, const ros::NodeHandle& pnh, const std::string& name)
+  : updater_(nh, pnh, name)
+{
+  updater_.setHardwareID("none");
+  updater_.add("frames", [this](diagnostic_updater::DiagnosticStatusWrapper& status) { statistics_.report(status); });
+  double period = 1.0;
+  readParam(pnh, "diagnostic_period", period);
+  requireRange("diagnostic_period", period, 0.01, 3600.0);
+  timer_ =
+      nh.createWallTimer(ros::WallDuration(period), [this](const ros::WallTimerEvent&) { updater_.force_update(); });
+}
+
+}  // namespace robot_vision

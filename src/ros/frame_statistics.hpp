@@ -1,0 +1,74 @@
+#pragma once
+
+#include <diagnostic_updater/DiagnosticStatusWrapper.h>
+#include <diagnostic_updater/diagnostic_updater.h>
+#include <ros/ros.h>
+
+#include <chrono>
+#include <cstdint>
+#include <mutex>
+#include <string>
+
+namespace robot_vision
+{
+
+/// Counts what happens to a node's frames. Thread-safe.
+class FrameStatistics
+{
+public:
+  using Clock = std::chrono::steady_clock;
+
+  /// A frame came in; `sequence` is its number at the sender, whose gaps count as dropped frames.
+  void received(std::uint32_t sequence);
+  /// The numbers of the frames to come have nothing to do with those before.
+  void resumed();
+  /// A frame came in that cannot be used.
+  void refused(const std::string& why);
+  /// A frame that began to be worked on at `begin` has gone out; `stamp` is its time of capture.
+  void published(Clock::time_point begin, const ros::Time& stamp);
+  /// What the node is doing, for people: "running", "idle: nobody subscribes". `level` as diagnostic_msgs has it.
+  void setState(unsigned char level, const std::string& text);
+
+  /// Rates and means since the last report, totals, state and last error.
+  void report(diagnostic_updater::DiagnosticStatusWrapper& status);
+
+private:
+  struct Period
+  {
+    Clock::time_point begin = Clock::now();
+    std::uint64_t received = 0;
+    std::uint64_t published = 0;
+    std::uint64_t refused = 0;
+    double processing_s = 0.0;  // sum over the published frames
+    std::uint64_t stamped = 0;  // those of the published that carry a time
+    double age_s = 0.0;         // sum over the stamped frames
+  };
+
+  std::mutex mutex_;  // guards all below: callbacks, capture threads and the diagnostics timer meet here
+  Period period_;
+  bool has_sequence_ = false;
+  std::uint32_t last_sequence_ = 0;
+  std::uint64_t received_ = 0;
+  std::uint64_t published_ = 0;
+  std::uint64_t dropped_ = 0;
+  std::uint64_t refused_ = 0;
+  unsigned char level_ = 0;
+  std::string state_ = "starting";
+  std::string last_error_ = "none";
+};
+
+/// Publishes a node's FrameStatistics on /diagnostics, by wall time, also while simulated time stands still.
+class FrameDiagnostics
+{
+public:
+  /// Throws std::invalid_argument if ~diagnostic_period (s) is out of range.
+  FrameDiagnostics(const ros::NodeHandle& nh, const ros::NodeHandle& pnh, const std::string& name);
+  FrameStatistics& statistics() { return statistics_; }
+
+private:
+  FrameStatistics statistics_;
+  diagnostic_updater::Updater updater_;
+  ros::WallTimer timer_;
+};
+
+}  // namespace robot_vision

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <sensor_msgs/Image.h>
+
+#include <opencv2/core.hpp>
+#include <string>
+#include <vector>
+
+namespace robot_vision
+{
+
+/// The message's pixels as a cv::Mat on the same memory (a copy only for 16-bit pixels of the other byte order). The
+/// memory is shared with every other subscriber of the process: read it, never write to it.
+/// Throws std::invalid_argument naming encoding, size and the mismatch unless encoding, width, height, step, data and
+/// is_bigendian agree with each other.
+cv::Mat viewPixels(const sensor_msgs::Image& message);
+
+/// Messages to publish, reused when no subscriber of the process holds them any more: large pictures then cost no
+/// page faults. Not thread-safe.
+class ImagePool
+{
+public:
+  /// A message with room for a picture of this size and encoding; its header and pixels are whatever they were.
+  sensor_msgs::ImagePtr take(cv::Size size, const std::string& encoding);
+
+private:
+  std::vector<sensor_msgs::ImagePtr> messages_;
+};
+
+/// The pixels of a message taken from the pool, to be written.
+cv::Mat writablePixels(sensor_msgs::Image& message);
+
+}  // namespace robot_vision

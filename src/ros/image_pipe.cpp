@@ -1,0 +1,101 @@
+#include "image_pipe.hpp"
+
+#include <stdexcept>
+#include <utility>
+
+#include "params.hpp"
+#include "robot_vision/range.hpp"
+
+namespace robot_vision
+{
+
+using diagnostic_msgs::DiagnosticStatus;
+
+ImagePipe::ImagePipe(const ros::NodeHandle& nh, const ros::NodeHandle& pnh, const std::string& name, Step step)
+  : pnh_(pnh), name_(name), step_(std::move(step)), diagnostics_(nh, pnh, name), it_(nh), private_it_(pnh)
+{
+  readParam(pnh_, "always_subscribe", always_subscribe_);
+  checkTransport();
+  const auto on_connection = [this](const image_transport::SingleSubscriberPublisher&) { updateSubscription(); };
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    publisher_ = private_it_.advertise("processed_image", 1, on_connection, on_connection);
+  }
+  updateSubscription();
+}
+
+ImagePipe::~ImagePipe()
+{
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    stopping_ = true;  // from here on no connection touches subscriber_
+  }
+  subscriber_.shutdown();  // waits for the frame under way, which is published yet
+  publisher_.shutdown();
+}
+
+/// Asked at start, or the first subscriber would meet the exception.
+void ImagePipe::checkTransport()
+{
+  std::string transport = "raw";
+  readParam(pnh_, "image_transport", transport);
+  std::string known;
+  for (std::string name : it_.getLoadableTransports())
+  {
+    name.erase(0, name.find('/') + 1);  // it comes as image_transport/raw
+    if (name == transport) return;
+    known += (known.empty() ? "" : ", ") + name;
+  }
+  require(false, "image_transport", "'" + transport + "'", "one that is installed: " + known);
+}
+
+void ImagePipe::updateSubscription()
+{
+  const std::lock_guard<std::mutex> lock(mutex_);
+  if (stopping_) return;
+  const bool wanted = always_subscribe_ || publisher_.getNumSubscribers() > 0;
+  if (wanted && !subscriber_)
+  {
+    // A queue of one: after a slow frame the newest is next. Small packets must not wait for each other.
+    const image_transport::TransportHints hints("raw", ros::TransportHints().tcpNoDelay(), pnh_);
+    diagnostics_.statistics().resumed();
+    subscriber_ = it_.subscribe("image", 1, &ImagePipe::onImage, this, hints);
+    diagnostics_.statistics().setState(DiagnosticStatus::OK, "running on " + subscriber_.getTopic());
+  }
+  else if (!wanted)
+  {
+    subscriber_.shutdown();
+    diagnostics_.statistics().setState(DiagnosticStatus::OK, "idle: nobody subscribes");
+  }
+}
+
+void ImagePipe::onImage(const sensor_msgs::ImageConstPtr& message)
+{
+  const auto begin = FrameStatistics::Clock::now();
+  diagnostics_.statistics().received(message->header.seq);
+  try
+  {
+    publisher_.publish(sensor_msgs::ImageConstPtr(process(*message)));
+    diagnostics_.statistics().published(begin, message->header.stamp);
+  }
+  catch (const std::exception& e)
+  {
+    const std::string what = "refused a frame on " + subscriber_.getTopic() + " (" + message->encoding + ", " +
+                             std::to_string(message->width) + "x" + std::to_string(message->height) + "): " + e.what();
+    diagnostics_.statistics().refused(what);
+    if (throttle_.due()) ROS_ERROR("%s: %s", name_.c_str(), what.c_str());
+  }
+}
+
+sensor_msgs::ImagePtr ImagePipe::process(const sensor_msgs::Image& message)
+{
+  const cv::Mat image = viewPixels(message);
+  const sensor_msgs::ImagePtr result = pool_.take(image.size(), step_.output_encoding(message.encoding));
+  result->header = message.header;
+  cv::Mat out = writablePixels(*result);
+  step_.apply(image, message.encoding, out);
+  if (out.data != result->data.data()) throw std::logic_error("the result does not fit its message");
+  return result;
+}
+
+}  // namespace robot_vision

@@ -1,0 +1,68 @@
+#include "params.hpp"
+
+#include <sstream>
+#include <stdexcept>
+#include <type_traits>
+
+namespace robot_vision
+{
+namespace
+{
+
+/// A parameter's value as its YAML shows it.
+std::string toText(XmlRpc::XmlRpcValue& value)
+{
+  std::ostringstream text;
+  text << value;
+  return value.getType() == XmlRpc::XmlRpcValue::TypeString ? "'" + text.str() + "'" : text.str();
+}
+
+template <class T>
+void read(const ros::NodeHandle& nh, const std::string& name, T& value, const char* type)
+{
+  XmlRpc::XmlRpcValue found;
+  if (!nh.getParam(name, found)) return;
+  const bool rounded = std::is_same<T, int>::value && found.getType() == XmlRpc::XmlRpcValue::TypeDouble;
+  if (rounded || !nh.getParam(name, value))
+    throw std::invalid_argument(name + " is " + toText(found) + ", must be " + type);
+}
+
+}  // namespace
+
+void readParam(const ros::NodeHandle& nh, const std::string& name, bool& value)
+{
+  read(nh, name, value, "true or false");
+}
+
+void readParam(const ros::NodeHandle& nh, const std::string& name, int& value)
+{
+  read(nh, name, value, "an integer");
+}
+
+void readParam(const ros::NodeHandle& nh, const std::string& name, double& value)
+{
+  read(nh, name, value, "a number");
+}
+
+void readParam(const ros::NodeHandle& nh, const std::string& name, std::string& value)
+{
+  read(nh, name, value, "a string");
+}
+
+void readParams(const ros::NodeHandle& nh, dynamic_reconfigure::Config& config)
+{
+  for (auto& p : config.bools)
+  {
+    bool value = p.value != 0;  // the message's field is an integer
+    readParam(nh, p.name, value);
+    p.value = value;
+  }
+  for (auto& p : config.ints)
+    readParam(nh, p.name, p.value);
+  for (auto& p : config.doubles)
+    readParam(nh, p.name, p.value);
+  for (auto& p : config.strs)
+    readParam(nh, p.name, p.value);
+}
+
+}  // namespace robot_vision

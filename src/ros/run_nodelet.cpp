@@ -1,0 +1,95 @@
+#include "run_nodelet.hpp"
+
+#include <ros/ros.h>
+
+#include <atomic>
+#include <chrono>
+#include <csignal>
+#include <cstdlib>
+#include <exception>
+#include <thread>
+
+namespace robot_vision
+{
+namespace
+{
+
+std::atomic<bool> interrupted{false};
+std::atomic<bool> initialized{false};
+
+void onSignal(int)
+{
+  // ros::init() waits for the master deaf to shutdown requests, if it has parameters to set; the master knows nothing
+  // of this node yet.
+  if (!initialized) std::_Exit(0);
+  interrupted = true;
+  ros::requestShutdown();
+}
+
+/// ros::start() would wait for the master just as deaf. False if a signal came first.
+bool waitForMaster()
+{
+  for (bool said = false; !interrupted && !ros::master::check(); said = true)
+  {
+    if (!said) ROS_WARN("waiting for the master at %s", ros::master::getURI().c_str());
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  }
+  return !interrupted;
+}
+
+/// A driver or server that blocks a thread must not hold up the end of the process.
+void endWithinASecond(int exit_code)
+{
+  std::thread(
+      [exit_code]
+      {
+        std::this_thread::sleep_for(std::chrono::milliseconds(800));
+        std::_Exit(exit_code);
+      })
+      .detach();
+}
+
+int initAndSpin(nodelet::Nodelet& nodelet, const nodelet::V_string& arguments)
+{
+  try
+  {
+    nodelet.init(ros::this_node::getName(), ros::names::getRemappings(), arguments);
+  }
+  catch (const std::exception&)  // the nodelet has logged it
+  {
+    return interrupted ? 0 : 1;
+  }
+  try
+  {
+    ros::spin();
+  }
+  catch (const std::exception& e)
+  {
+    ROS_FATAL("%s: %s", ros::this_node::getName().c_str(), e.what());
+    return 1;
+  }
+  return 0;
+}
+
+}  // namespace
+
+int runNodelet(int argc, char** argv, const std::string& name,
+               const std::function<boost::shared_ptr<nodelet::Nodelet>()>& make)
+{
+  std::signal(SIGINT, onSignal);
+  std::signal(SIGTERM, onSignal);
+  ros::init(argc, argv, name, ros::init_options::NoSigintHandler);
+  initialized = true;
+  if (!waitForMaster()) return 0;
+  ros::start();
+  if (interrupted) ros::requestShutdown();  // ros::start() forgets a request that came before it
+
+  boost::shared_ptr<nodelet::Nodelet> nodelet = make();
+  const int exit_code = initAndSpin(*nodelet, nodelet::V_string(argv + 1, argv + argc));
+  endWithinASecond(exit_code);
+  nodelet.reset();
+  ros::shutdown();
+  return exit_code;
+}
+
+}  // namespace robot_vision

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <chrono>
+
+namespace robot_vision
+{
+
+/// Lets one message in five seconds through. rosconsole's own throttle counts per line of code, so that one nodelet's
+/// errors would silence another's in the same process.
+class Throttle
+{
+public:
+  bool due()
+  {
+    const auto now = std::chrono::steady_clock::now();
+    if (began_ && now - last_ < std::chrono::seconds(5)) return false;
+    began_ = true;
+    last_ = now;
+    return true;
+  }
+
+  /// Lets the next message through.
+  void reset() { began_ = false; }
+
+private:
+  bool began_ = false;
+  std::chrono::steady_clock::time_point last_;
+};
+
+}  // namespace robot_vision

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+#include <opencv2/core.hpp>
+
+/// Random pixels; each row is followed by `row_padding` others that do not belong to the picture.
+inline cv::Mat noise(cv::Size size, int type, int row_padding = 0)
+{
+  cv::Mat padded(size.height, size.width + row_padding, type);
+  cv::RNG random(0x5EED);
+  random.fill(padded, cv::RNG::UNIFORM, 0, padded.depth() == CV_16U ? 65536 : 256);
+  return padded.colRange(0, size.width);
+}
+
+/// A colour picture with soft shapes, as photographs have them.
+inline cv::Mat smooth(cv::Size size)
+{
+  cv::Mat_<cv::Vec3b> picture(size);
+  for (int y = 0; y < size.height; ++y)
+    for (int x = 0; x < size.width; ++x)
+    {
+      const auto wave = [&](double a, double b)
+      { return static_cast<std::uint8_t>(127.5 + 127.0 * std::sin(a * x + b * y) * std::cos(b * x - a * y)); };
+      picture(y, x) = {wave(0.05, 0.02), wave(0.03, 0.06), wave(0.11, 0.01)};
+    }
+  return std::move(picture);
+}
+
+/// Same size, type and bytes.
+inline bool equal(const cv::Mat& a, const cv::Mat& b)
+{
+  return a.size() == b.size() && a.type() == b.type() && cv::norm(a, b, cv::NORM_INF) == 0.0;
+}

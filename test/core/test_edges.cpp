@@ -1,0 +1,124 @@
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <opencv2/imgproc.hpp>
+
+#include "pictures.hpp"
+#include "refusal.hpp"
+#include "robot_vision/edges.hpp"
+#include "robot_vision/encoding.hpp"
+
+using namespace robot_vision;
+
+namespace
+{
+
+cv::Mat byOpenCv(const cv::Mat& image, const std::string& encoding, const EdgeParams& p)
+{
+  cv::Mat gray;
+  toGray(image, encoding, gray);
+  cv::Mat smooth;
+  cv::blur(gray, smooth, {p.blur_size, p.blur_size});
+  cv::Mat edges;
+  cv::Canny(smooth, edges, p.low_threshold, p.high_threshold, p.aperture, p.l2_gradient);
+  return edges;
+}
+
+EdgeParams edgeParams(int blur_size, double low, double high, int aperture, bool l2_gradient)
+{
+  EdgeParams params;
+  params.blur_size = blur_size;
+  params.low_threshold = low;
+  params.high_threshold = high;
+  params.aperture = aperture;
+  params.l2_gradient = l2_gradient;
+  return params;
+}
+
+cv::Mat colourful(cv::Size size, const std::string& encoding)
+{
+  if (encoding != "bgr8") return noise(size, matType(encoding), 3);
+  return smooth(size);
+}
+
+}  // namespace
+
+TEST(EdgeDetector, equalsTheOpenCvChainForEveryParameter)
+{
+  const cv::Mat image = smooth({97, 61});
+  for (const EdgeParams& params : {EdgeParams{}, edgeParams(1, 50, 150, 3, false), edgeParams(3, 0, 0, 3, true),
+                                   edgeParams(31, 1, 2, 5, false), edgeParams(7, 100, 900, 7, true)})
+  {
+    cv::Mat edges;
+    EdgeDetector(params).apply(image, "bgr8", edges);
+    EXPECT_TRUE(equal(edges, byOpenCv(image, "bgr8", params)));
+  }
+}
+
+TEST(EdgeDetector, equalsTheOpenCvChainForEveryEncodingAndSize)
+{
+  EdgeDetector detector;  // one for all: what it keeps from a picture must not show in the next
+  for (const std::string& encoding : encodings())
+    for (const cv::Size size : {cv::Size(80, 60), cv::Size(2, 3), cv::Size(6, 240), cv::Size(80, 60)})
+    {
+      if (encoding == "jpeg") continue;
+      const cv::Mat image = colourful(size, encoding);
+      const cv::Mat before = image.clone();
+      cv::Mat edges;
+      detector.apply(image, encoding, edges);
+      EXPECT_TRUE(equal(edges, byOpenCv(image, encoding, EdgeParams{}))) << encoding << " " << size;
+      EXPECT_TRUE(equal(image, before)) << encoding;
+    }
+}
+
+TEST(EdgeDetector, marksAStepOnlyAtTheStep)
+{
+  cv::Mat image(40, 40, CV_8UC1, cv::Scalar(0));
+  image.colRange(20, 40).setTo(200);
+  cv::Mat edges;
+  EdgeDetector().apply(image, "mono8", edges);
+  EXPECT_EQ(cv::countNonZero(edges.colRange(17, 23)), 40);
+  EXPECT_EQ(cv::countNonZero(edges), 40);
+}
+
+TEST(EdgeDetector, takesOnePixel)
+{
+  cv::Mat edges;
+  EdgeDetector().apply(cv::Mat(1, 1, CV_8UC3, cv::Scalar::all(9)), "bgr8", edges);
+  EXPECT_EQ(edges.size(), cv::Size(1, 1));
+  EXPECT_EQ(cv::countNonZero(edges), 0);
+}
+
+TEST(EdgeDetector, fillsTheMemoryItIsGiven)
+{
+  std::vector<std::uint8_t> memory(60 * 100, 77);
+  cv::Mat edges(60, 80, CV_8UC1, memory.data(), 100);
+  EdgeDetector().apply(smooth({80, 60}), "bgr8", edges);
+  EXPECT_EQ(edges.data, memory.data());
+  EXPECT_TRUE(equal(edges, byOpenCv(smooth({80, 60}), "bgr8", EdgeParams{})));
+  EXPECT_EQ(memory[80], 77);  // the padding of the first row
+}
+
+TEST(EdgeDetector, refusesWhatIsNotAPicture)
+{
+  cv::Mat edges;
+  EXPECT_THROW(EdgeDetector().apply(cv::Mat(), "bgr8", edges), std::invalid_argument);
+  EXPECT_THROW(EdgeDetector().apply(cv::Mat(4, 4, CV_8UC1), "bgr8", edges), std::invalid_argument);
+}
+
+TEST(EdgeParams, outOfRangeAreNamed)
+{
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_EQ(refusal([] { validate(edgeParams(0, 1, 2, 3, false)); }), "blur_size is 0, must be odd and from 1 to 31");
+  EXPECT_EQ(refusal([] { validate(edgeParams(4, 1, 2, 3, false)); }), "blur_size is 4, must be odd and from 1 to 31");
+  EXPECT_EQ(refusal([] { validate(edgeParams(33, 1, 2, 3, false)); }), "blur_size is 33, must be odd and from 1 to 31");
+  EXPECT_EQ(refusal([] { validate(edgeParams(7, -1, 2, 3, false)); }), "low_threshold is -1, must be from 0 to 10000");
+  EXPECT_EQ(refusal([=] { validate(edgeParams(7, nan, 2, 3, false)); }),
+            "low_threshold is nan, must be from 0 to 10000");
+  EXPECT_EQ(refusal([] { validate(edgeParams(7, 3, 2, 3, false)); }),
+            "high_threshold is 2, must be at least low_threshold, 3");
+  EXPECT_EQ(refusal([] { validate(edgeParams(7, 1, 10001, 3, false)); }),
+            "high_threshold is 10001, must be from 0 to 10000");
+  EXPECT_EQ(refusal([] { validate(edgeParams(7, 1, 2, 4, false)); }), "aperture is 4, must be 3, 5 or 7");
+  EXPECT_EQ(refusal([] { EdgeDetector{edgeParams(7, 1, 2, 9, false)}; }), "aperture is 9, must be 3, 5 or 7");
+}

@@ -1,0 +1,63 @@
+"""A private master for the whole run, and processes that are gone after each test."""
+
+import itertools
+import os
+
+import pytest
+import support
+
+
+@pytest.fixture(scope="session", autouse=True)
+def master(tmp_path_factory):
+    """A ROS master of our own, and this process as a node of it."""
+    folder = tmp_path_factory.mktemp("ros")
+    port = support.free_port()
+    os.environ.update(
+        ROS_MASTER_URI=f"http://127.0.0.1:{port}",
+        ROS_HOSTNAME="127.0.0.1",
+        ROS_HOME=str(folder),
+        ROSCONSOLE_STDOUT_LINE_BUFFERED="1",
+    )
+    process = support.Process(["rosmaster", "--core", "-p", str(port)], folder / "master.log")
+
+    import rosgraph
+    import rospy
+
+    support.wait_for(rosgraph.is_master_online, "the master")
+    rospy.init_node("test", disable_signals=True, disable_rosout=True)
+    yield process
+    rospy.signal_shutdown("tests done")
+    process.end()
+
+
+@pytest.fixture
+def start(tmp_path):
+    """Starts a command of this package or a path; start(name, "arg", ..., env={...}).
+
+    At the end of the test all are stopped, subscriptions closed and parameters forgotten.
+    """
+    import rospy
+
+    before = set(rospy.get_param_names())
+    processes = []
+    numbers = itertools.count()
+
+    def start_process(name, *arguments, env=None):
+        path = name if "/" in name else support.executable(name)
+        log = tmp_path / f"{next(numbers)}-{os.path.basename(path)}.log"
+        process = support.Process([path, *map(str, arguments)], log, env)
+        processes.append(process)
+        return process
+
+    yield start_process
+    for process in processes:
+        process.end()
+    for messages in list(support.open_messages):
+        messages.close()
+    for name in set(rospy.get_param_names()) - before:
+        rospy.delete_param(name)
+
+
+@pytest.fixture
+def diagnostics():
+    return support.Diagnostics()

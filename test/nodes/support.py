@@ -1,0 +1,159 @@
+"""What the tests of running nodes share: processes on a private master, topics, deadlines."""
+
+import contextlib
+import os
+import pathlib
+import signal
+import socket
+import subprocess
+import time
+from typing import Any, Callable, Dict, List, Optional, Set
+
+import roslib.packages
+import rospy
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+
+DEADLINE = 30.0  # s, for what takes a moment on an idle machine
+
+
+def wait_for(condition: Callable[[], Any], what: str, seconds: float = DEADLINE) -> Any:
+    """The first true value of `condition`; fails the test naming `what` after `seconds`."""
+    deadline = time.monotonic() + seconds
+    while time.monotonic() < deadline:
+        value = condition()
+        if value:
+            return value
+        time.sleep(0.02)
+    raise AssertionError(f"not within {seconds:.0f} s: {what}")
+
+
+def free_port() -> int:
+    """A TCP port that nobody listens on."""
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        return probe.getsockname()[1]
+
+
+class Process:
+    """A command under test, with its output in a file."""
+
+    def __init__(self, command: List[str], log: pathlib.Path, env: Optional[Dict[str, str]] = None):
+        self._log = log
+        with open(log, "wb") as out:
+            self._popen = subprocess.Popen(
+                command,
+                stdin=subprocess.DEVNULL,
+                stdout=out,
+                stderr=subprocess.STDOUT,
+                env=dict(os.environ, **(env or {})),
+                start_new_session=True,
+            )
+
+    @property
+    def pid(self) -> int:
+        return self._popen.pid
+
+    def output(self) -> str:
+        return self._log.read_text(errors="replace")
+
+    def running(self) -> bool:
+        return self._popen.poll() is None
+
+    def interrupt(self) -> None:
+        self._popen.send_signal(signal.SIGINT)
+
+    def exit_code(self, seconds: float = DEADLINE) -> int:
+        """Waits for the end; fails with the output if it does not come."""
+        try:
+            return self._popen.wait(seconds)
+        except subprocess.TimeoutExpired:
+            raise AssertionError(f"still running after {seconds} s:\n{self.output()}") from None
+
+    def wait_for_output(self, text: str, seconds: float = DEADLINE) -> None:
+        wait_for(
+            lambda: text in self.output() or not self.running(), "end or output " + text, seconds
+        )
+        assert text in self.output(), self.output()
+
+    def end(self) -> None:
+        """Ends the process and all that it started."""
+        if self.running():
+            self.interrupt()
+            with contextlib.suppress(subprocess.TimeoutExpired):
+                self._popen.wait(5.0)
+        with contextlib.suppress(ProcessLookupError):
+            os.killpg(self._popen.pid, signal.SIGKILL)
+        self._popen.wait()
+
+
+def executable(name: str) -> str:
+    """The path of an executable of this package."""
+    return roslib.packages.find_node("robot_vision", name)[0]
+
+
+open_messages: "List[Messages]" = []  # closed at the end of each test
+
+
+class Messages:
+    """All messages of a topic since this object was made."""
+
+    def __init__(self, topic: str, kind: Any):
+        open_messages.append(self)
+        self.received: List[Any] = []
+        self._topic = topic
+        self._subscriber = rospy.Subscriber(
+            topic, kind, self.received.append, queue_size=100, buff_size=2**26, tcp_nodelay=True
+        )
+
+    def wait(self, count: int = 1, seconds: float = DEADLINE) -> List[Any]:
+        """The first `count` messages."""
+        wait_for(
+            lambda: len(self.received) >= count,
+            f"{count} messages on {self._topic}",
+            seconds,
+        )
+        return self.received[:count]
+
+    def connected(self) -> bool:
+        return self._subscriber.get_num_connections() > 0
+
+    def close(self) -> None:
+        open_messages.remove(self)
+        self._subscriber.unregister()
+
+
+def stamp_of(message: Any) -> rospy.Time:
+    """The stamp of a message with a header, or of the first transform of a TFMessage."""
+    return message.header.stamp if hasattr(message, "header") else stamp_of(message.transforms[0])
+
+
+def same_frame(*topics: Messages) -> List[Any]:
+    """One message of each topic, all of the same stamp."""
+
+    def common() -> Set[Any]:
+        return set.intersection(*({stamp_of(m) for m in t.received} for t in topics))
+
+    stamp = max(wait_for(common, "a frame that has come on all topics"))
+    return [next(m for m in t.received if stamp_of(m) == stamp) for t in topics]
+
+
+class Diagnostics:
+    """The last status of every node on /diagnostics."""
+
+    def __init__(self) -> None:
+        self._statuses: Dict[str, DiagnosticStatus] = {}
+        self._subscriber = rospy.Subscriber("/diagnostics", DiagnosticArray, self._on_message)
+
+    def _on_message(self, message: DiagnosticArray) -> None:
+        for status in message.status:
+            self._statuses[status.name.split(":")[0]] = status
+
+    def next(self, node: str) -> DiagnosticStatus:
+        """The next status of `node` ("camera") that comes in."""
+        self._statuses.pop(node, None)
+        wait_for(lambda: node in self._statuses, "diagnostics of " + node)
+        return self._statuses[node]
+
+    def value(self, node: str, key: str) -> str:
+        """One value of the next status of `node`."""
+        return {pair.key: pair.value for pair in self.next(node).values}[key]

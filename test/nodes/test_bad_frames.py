@@ -1,0 +1,117 @@
+"""Frames that cannot be used are refused and counted, and the next good one is processed."""
+
+import numpy as np
+import pytest
+import rospy
+import support
+from sensor_msgs.msg import Image
+
+WIDTH, HEIGHT = 16, 8
+BYTES_PER_PIXEL = {
+    "bgr8": 3,
+    "rgb8": 3,
+    "bgra8": 4,
+    "rgba8": 4,
+    "mono8": 1,
+    "mono16": 2,
+    "yuv422": 2,
+    "yuv422_yuy2": 2,
+    "bayer_rggb8": 1,
+    "bayer_bggr8": 1,
+    "bayer_gbrg8": 1,
+    "bayer_grbg8": 1,
+    "bayer_rggb16": 2,
+    "bayer_bggr16": 2,
+    "bayer_gbrg16": 2,
+    "bayer_grbg16": 2,
+}
+
+
+def good(encoding):
+    """A message that is as it should be."""
+    message = Image(encoding=encoding, width=WIDTH, height=HEIGHT)
+    message.step = WIDTH * BYTES_PER_PIXEL[encoding]
+    message.data = bytes(np.arange(HEIGHT * message.step, dtype=np.uint32).astype(np.uint8))
+    message.header.frame_id = "good_" + encoding
+    return message
+
+
+def changed(of, **fields):
+    """A good message with some fields changed."""
+    message = good(of)
+    for name, value in fields.items():
+        setattr(message, name, value)
+    message.header.frame_id = "bad"
+    return message
+
+
+def bad(encoding):
+    """(what is wrong, message) for all that can be wrong with a frame of this encoding."""
+    step = good(encoding).step
+    data = good(encoding).data
+    # step * height is data's size, but only modulo 2^32
+    wrapping = changed(encoding, height=2**31 + HEIGHT, step=2 * step, data=data * 2)
+    return [
+        ("empty data", changed(encoding, data=b"")),
+        ("step too small", changed(encoding, step=step - 1, data=data[: HEIGHT * (step - 1)])),
+        ("step of zero", changed(encoding, step=0, data=b"")),
+        ("data too short", changed(encoding, data=data[:-1])),
+        ("data too long", changed(encoding, data=data + b"\0")),
+        ("no width", changed(encoding, width=0)),
+        ("no height", changed(encoding, height=0)),
+        ("nothing at all", changed(encoding, width=0, height=0, step=0, data=b"")),
+        ("huge width", changed(encoding, width=2**32 - 1)),
+        ("huge height", changed(encoding, height=2**32 - 1)),
+        ("huge size", changed(encoding, width=2**31, height=2**31, step=2**31)),
+        ("size that wraps to data's", wrapping),
+        ("unknown encoding", changed(encoding, encoding="rgb565")),
+        ("no encoding", changed(encoding, encoding="")),
+        ("compressed encoding", changed(encoding, encoding="jpeg")),
+        ("wrong endianness flag", changed(encoding, is_bigendian=2)),
+    ]
+
+
+@pytest.mark.parametrize("node", ["brightness_node", "edge_detector_node"])
+def test_bad_frames_are_refused_and_counted(start, diagnostics, node):
+    process = start(node, "__name:=filter", "image:=/frames", "_diagnostic_period:=0.02")
+    publisher = rospy.Publisher("/frames", Image, queue_size=10, tcp_nodelay=True)
+    results = support.Messages("/filter/processed_image", Image)
+    support.wait_for(lambda: publisher.get_num_connections() > 0, "the node's subscription")
+
+    refused = 0
+    for accepted, encoding in enumerate(BYTES_PER_PIXEL, 1):
+        for what, message in bad(encoding):
+            publisher.publish(message)
+            refused += 1
+            support.wait_for(
+                lambda: int(diagnostics.value("filter", "frames refused")) == refused,  # noqa: B023
+                f"refusal of {encoding} with {what}",
+            )
+        publisher.publish(good(encoding))
+        result = results.wait(accepted)[-1]
+        assert result.header.frame_id == "good_" + encoding
+        assert (result.width, result.height) == (WIDTH, HEIGHT)
+
+    assert len(results.received) == len(BYTES_PER_PIXEL)
+    assert process.running()
+    # The first one is logged at once, naming topic, encoding, size and reason.
+    expected = "refused a frame on /frames (bgr8, 16x8): data has 0 bytes, step * height is 384"
+    assert expected in process.output()
+    results.close()
+    publisher.unregister()
+
+
+def test_other_byte_order_is_honoured(start):
+    start("brightness_node", "__name:=filter", "image:=/frames", "_offset:=0")
+    publisher = rospy.Publisher("/frames", Image, queue_size=10)
+    results = support.Messages("/filter/processed_image", Image)
+    support.wait_for(lambda: publisher.get_num_connections() > 0, "the node's subscription")
+    levels = np.arange(WIDTH * HEIGHT, dtype=np.uint16) * 500
+    message = changed("mono16", is_bigendian=1, data=levels.astype(">u2").tobytes())
+    publisher.publish(message)
+    result = results.wait()[0]
+    assert result.encoding == "mono16"
+    order = ">u2" if result.is_bigendian else "<u2"
+    assert np.array_equal(np.frombuffer(result.data, order), levels)
+    results.close()
+    publisher.unregister()

@@ -1,0 +1,110 @@
+"""The demo on real input: a video of a photograph runs through its graph to the edges."""
+
+import re
+
+import cv2
+import numpy as np
+import pytest
+import skimage.data
+import support
+from sensor_msgs.msg import Image
+
+from robot_vision import Scene, SceneParams
+
+WIDTH, HEIGHT, FRAMES = 320, 240, 30
+
+
+@pytest.fixture(scope="module")
+def video(tmp_path_factory):
+    """A video of a window that wanders over a photograph."""
+    path = str(tmp_path_factory.mktemp("video") / "astronaut.mp4")
+    photograph = cv2.cvtColor(skimage.data.astronaut(), cv2.COLOR_RGB2BGR)
+    fourcc = cv2.VideoWriter_fourcc(*"mp4v")
+    writer = cv2.VideoWriter(path, cv2.CAP_FFMPEG, fourcc, 30, (WIDTH, HEIGHT))
+    for i in range(FRAMES):
+        x, y = 2 * i, i
+        writer.write(photograph[y : y + HEIGHT, x : x + WIDTH])
+    writer.release()
+    return path
+
+
+def decoded(path):
+    """The frames of a video as OpenCV decodes them."""
+    capture = cv2.VideoCapture(path, cv2.CAP_FFMPEG)
+    frames = []
+    while True:
+        ok, frame = capture.read()
+        if not ok:
+            return frames
+        frames.append(frame)
+
+
+def opencv_chain(frame):
+    """What the demo's brightness and edge detector make of a frame with their defaults."""
+    brighter = cv2.convertScaleAbs(frame, alpha=1.0, beta=50)
+    smooth = cv2.blur(cv2.cvtColor(brighter, cv2.COLOR_BGR2GRAY), (7, 7))
+    return cv2.Canny(smooth, 15, 30)
+
+
+@pytest.fixture
+def demo(start):
+    """Starts demo.launch on the test's master."""
+
+    def start_demo(*arguments):
+        return start("/usr/bin/roslaunch", "robot_vision", "demo.launch", *arguments)
+
+    return start_demo
+
+
+def test_edges_of_a_video_are_opencv_s(demo, video):
+    expected = {opencv_chain(frame).tobytes(): i for i, frame in enumerate(decoded(video))}
+    assert len(expected) == FRAMES
+    edges = support.Messages("/edge_detector/processed_image", Image)
+    demo("source:=" + video)
+    received = edges.wait(2 * FRAMES)
+    assert {(m.encoding, m.width, m.height, m.step) for m in received} == {
+        ("mono8", WIDTH, HEIGHT, WIDTH)
+    }
+    # Every picture is one of the expected, to the bit; as many frames on as their stamps say.
+    numbers = [expected[m.data] for m in received]
+    stamps = np.array([m.header.stamp.to_sec() for m in received])
+    assert np.all(np.diff(stamps) > 0)
+    late = np.diff(stamps) * 30 - np.diff(numbers) % FRAMES
+    assert np.median(np.abs(late)) < 0.5
+    assert len(set(numbers)) > FRAMES // 2
+    edges.close()
+
+
+def test_demo_prints_a_line_per_node_and_second(demo):
+    process = demo()
+    number = r"\s+[0-9.]+"
+    line = f"^{{}}{number} Hz  age{number} ms  processing{number} ms  "
+    for node in ("usb_cam", "brightness", "edge_detector"):
+        support.wait_for(
+            lambda: len(re.findall(line.format(node), process.output(), re.MULTILINE)) >= 3,  # noqa: B023
+            f"three lines of {node} in\n{process.output()}",
+        )
+    for topic in ("/usb_cam/image_raw", "/brightness/processed_image"):
+        assert topic in process.output()
+    process.interrupt()
+    assert process.exit_code() == 0, process.output()
+
+
+def test_demo_shows_the_scene(demo):
+    images = support.Messages("/usb_cam/image_raw", Image)
+    edges = support.Messages("/edge_detector/processed_image", Image)
+    demo()
+    first, result = support.same_frame(images, edges)
+    scene = Scene(SceneParams())
+    pictures = [scene.render(i).tobytes() for i in range(300)]
+    frame = pictures.index(first.data)
+    assert result.header.frame_id == first.header.frame_id
+    assert result.data == opencv_chain(scene.render(frame)).tobytes()
+
+
+def test_rosrun_finds_scripts_and_programs(start):
+    """In a checkout with its own workspace rosrun must not find a script twice, and ask."""
+    process = start("/usr/bin/rosrun", "robot_vision", "demo_status.py")
+    process.wait_for_output("No display")
+    other = start("/usr/bin/rosrun", "robot_vision", "camera_node", "_source:=synthetic")
+    other.wait_for_output("synthetic scene 640x480 at 30 Hz")

@@ -1,0 +1,79 @@
+"""Every executable ends with code 0 on SIGINT, wherever it is."""
+
+import pytest
+import rosgraph
+import support
+from sensor_msgs.msg import Image
+
+NODES = ["camera_node", "brightness_node", "edge_detector_node"]
+SHORT = 3.0  # s: a second is promised, a loaded machine gets two more
+
+
+@pytest.mark.parametrize("node", NODES)
+@pytest.mark.parametrize(
+    "argument, waiting",
+    [
+        ("__name:=waits", "waiting for the master"),
+        ("_source:=synthetic", "Failed to contact master"),
+    ],
+)
+def test_while_waiting_for_the_master(start, node, argument, waiting):
+    nowhere = {"ROS_MASTER_URI": f"http://127.0.0.1:{support.free_port()}"}
+    process = start(node, argument, env=nowhere)
+    process.wait_for_output(waiting)
+    process.interrupt()
+    assert process.exit_code(SHORT) == 0, process.output()
+
+
+@pytest.mark.parametrize("node", NODES)
+def test_while_idle(start, diagnostics, node):
+    process = start(node, "__name:=idle", "_source:=synthetic")
+    diagnostics.next("idle")
+    process.interrupt()
+    assert process.exit_code(SHORT) == 0, process.output()
+
+
+def test_the_status_printer_ends_too(start):
+    nowhere = {"ROS_MASTER_URI": f"http://127.0.0.1:{support.free_port()}"}
+    for env, output in [(nowhere, "waiting for the master"), ({}, "No display")]:
+        process = start("demo_status.py", env=env)
+        process.wait_for_output(output)
+        process.interrupt()
+        assert process.exit_code(SHORT) == 0, process.output()
+
+
+@pytest.mark.parametrize("node", NODES)
+def test_in_the_middle_of_a_frame(start, node):
+    # Frames so large that one is always being worked on.
+    size = ["_image_width:=1920", "_image_height:=1080"]
+    camera = start("camera_node", "__name:=camera", "_source:=synthetic", *size)
+    process = camera
+    topic = "/camera/image_raw"
+    if node != "camera_node":
+        process = start(node, "__name:=filter", "image:=/camera/image_raw")
+        topic = "/filter/processed_image"
+    messages = support.Messages(topic, Image)
+    messages.wait(5)
+    process.interrupt()
+    assert process.exit_code(SHORT) == 0, process.output()
+    messages.close()
+
+
+@pytest.mark.parametrize("node", NODES)
+def test_after_the_master_has_gone(start, node):
+    uri = f"http://127.0.0.1:{support.free_port()}"
+    master = start("/usr/bin/rosmaster", "--core", "-p", uri.rsplit(":", 1)[1])
+    process = start(node, "__name:=orphan", "_source:=synthetic", env={"ROS_MASTER_URI": uri})
+    lookup = rosgraph.Master("/test", uri)
+    support.wait_for(lambda: has_service(lookup, "/orphan/set_parameters"), "the node's services")
+    master.end()
+    process.interrupt()
+    assert process.exit_code(SHORT) == 0, process.output()
+
+
+def has_service(master, service):
+    """Whether a master that may not be up yet knows the service."""
+    try:
+        return master.lookupService(service)
+    except (rosgraph.MasterException, OSError):
+        return False

@@ -1,0 +1,224 @@
+"""Parameters: refused at start, refused live, changed live, saved."""
+
+import dynamic_reconfigure.client
+import numpy as np
+import pytest
+import rospy
+import support
+import yaml
+from sensor_msgs.msg import Image
+from std_srvs.srv import Trigger
+
+BAD_AT_START = [
+    # node, parameter, value, what the FATAL line says
+    ("brightness_node", "gain", -0.1, "gain is -0.1, must be from 0 to 10"),
+    ("brightness_node", "gain", 10.1, "gain is 10.1, must be from 0 to 10"),
+    ("brightness_node", "offset", -256, "offset is -256, must be from -255 to 255"),
+    ("brightness_node", "offset", 256, "offset is 256, must be from -255 to 255"),
+    ("brightness_node", "gamma", 0.05, "gamma is 0.05, must be from 0.1 to 10"),
+    ("brightness_node", "gamma", 11, "gamma is 11, must be from 0.1 to 10"),
+    ("brightness_node", "gain", "strong", "must be a number"),
+    ("brightness_node", "gain", True, "gain is 1, must be a number"),
+    ("brightness_node", "gain", "strong", "gain is 'strong', must be a number"),
+    ("brightness_node", "always_subscribe", "maybe", "must be true or false"),
+    (
+        "brightness_node",
+        "diagnostic_period",
+        0,
+        "diagnostic_period is 0, must be from 0.01 to 3600",
+    ),
+    ("camera_node", "diagnostic_period", -1, "diagnostic_period is -1, must be from 0.01 to 3600"),
+    ("edge_detector_node", "image_transport", "pigeon", "must be one that is installed: "),
+    ("edge_detector_node", "always_subscribe", 1.5, "must be true or false"),
+    ("camera_node", "always_subscribe", "x", "must be true or false"),
+    ("camera_node", "source", 7, "source is 7, must be a string"),
+    ("camera_node", "poster", "/no/poster.png", "/no/poster.png: cannot be read"),
+    ("camera_node", "image_width", 32, "image_width is 32, must be from 64 to 4096"),
+    ("camera_node", "image_width", 1600, "from a third to three times image_height, 480"),
+    ("edge_detector_node", "blur_size", 0, "blur_size is 0, must be odd and from 1 to 31"),
+    ("edge_detector_node", "blur_size", 4, "blur_size is 4, must be odd and from 1 to 31"),
+    ("edge_detector_node", "blur_size", 33, "blur_size is 33, must be odd and from 1 to 31"),
+    ("edge_detector_node", "low_threshold", -1, "low_threshold is -1, must be from 0 to 10000"),
+    (
+        "edge_detector_node",
+        "low_threshold",
+        40,
+        "high_threshold is 30, must be at least low_threshold, 40",
+    ),
+    (
+        "edge_detector_node",
+        "high_threshold",
+        10001,
+        "high_threshold is 10001, must be from 0 to 10000",
+    ),
+    ("edge_detector_node", "aperture", 4, "aperture is 4, must be 3, 5 or 7"),
+    ("edge_detector_node", "aperture", 9, "aperture is 9, must be 3, 5 or 7"),
+    ("edge_detector_node", "aperture", 3.5, "must be an integer"),
+    ("edge_detector_node", "l2_gradient", "yes, please", "must be true or false"),
+    ("camera_node", "image_width", 15, "image_width is 15, must be from 16 to 8192"),
+    ("camera_node", "image_width", 8193, "image_width is 8193, must be from 16 to 8192"),
+    ("camera_node", "image_height", 0, "image_height is 0, must be from 16 to 8192"),
+    ("camera_node", "framerate", -1, "framerate is -1, must be from 0 to 1000"),
+    ("camera_node", "framerate", 1001, "framerate is 1001, must be from 0 to 1000"),
+    ("camera_node", "loop", "often", "must be true or false"),
+    ("camera_node", "pixel_format", "h265", "must be yuyv, uyvy, grey, nv12 or mjpeg"),
+    ("camera_node", "io_method", "dma", "must be mmap, read or userptr"),
+    ("camera_node", "camera_name", "no/name", "must be letters, digits and _"),
+    (
+        "camera_node",
+        "camera_info_url",
+        "ftp://there",
+        "must be empty, file:///... or package://...",
+    ),
+]
+
+
+@pytest.mark.parametrize("node, name, value, message", BAD_AT_START)
+def test_bad_value_at_start_is_fatal(start, node, name, value, message):
+    rospy.set_param("/bad/" + name, value)
+    sources = ["_source:=synthetic"] if name != "source" else []
+    process = start(node, "__name:=bad", *sources)
+    assert process.exit_code() == 1
+    fatal = [line for line in process.output().splitlines() if "FATAL" in line]
+    assert len(fatal) == 1, process.output()
+    assert "/bad: " in fatal[0] and message in fatal[0]
+    assert name in fatal[0]
+    rospy.delete_param("/bad/" + name)
+
+
+@pytest.mark.parametrize(
+    "node, name, value, default, message",
+    [
+        ("brightness_node", "gain", 10.1, 1.0, "gain is 10.1"),
+        ("brightness_node", "gain", -1.0, 1.0, "gain is -1"),
+        ("brightness_node", "offset", -300.0, 50.0, "offset is -300"),
+        ("brightness_node", "offset", 256.0, 50.0, "offset is 256"),
+        ("brightness_node", "gamma", 10.5, 1.0, "gamma is 10.5"),
+        ("edge_detector_node", "blur_size", 0, 7, "blur_size is 0"),
+        ("edge_detector_node", "low_threshold", -1.0, 15.0, "low_threshold is -1"),
+        ("camera_node", "framerate", -1.0, 0.0, "framerate is -1"),
+        ("brightness_node", "gamma", 0.0, 1.0, "gamma is 0"),
+        ("brightness_node", "gamma", float("nan"), 1.0, "gamma is nan"),
+        ("edge_detector_node", "blur_size", 8, 7, "blur_size is 8"),
+        ("edge_detector_node", "blur_size", 99, 7, "blur_size is 99"),
+        ("edge_detector_node", "low_threshold", 31.0, 15.0, "high_threshold is 30"),
+        ("edge_detector_node", "high_threshold", 1e9, 30.0, "high_threshold is 1e+09"),
+        ("edge_detector_node", "aperture", 4, 3, "aperture is 4"),
+        ("camera_node", "framerate", 2000.0, 0.0, "framerate is 2000"),
+    ],
+)
+def test_bad_value_live_leaves_the_old_one(start, node, name, value, default, message):
+    process = start(node, "__name:=live", "_source:=synthetic")
+    client = dynamic_reconfigure.client.Client("/live", timeout=support.DEADLINE)
+    answer = client.update_configuration({name: value})
+    assert answer[name] == default
+    assert rospy.get_param("/live/" + name) == default
+    process.wait_for_output(message)
+    assert "WARN" in process.output()
+    assert process.running()
+    client.close()
+
+
+def test_values_change_live(start):
+    start("brightness_node", "__name:=live", "image:=/gray")
+    publisher = rospy.Publisher("/gray", Image, queue_size=1, latch=True)
+    publisher.publish(Image(encoding="mono8", width=1, height=1, step=1, data=b"\x64"))
+    client = dynamic_reconfigure.client.Client("/live", timeout=support.DEADLINE)
+    for values, level in [({}, 150), ({"offset": 7.0}, 107), ({"gain": 2.0, "offset": -50.0}, 150)]:
+        answer = client.update_configuration(values)
+        assert {name: answer[name] for name in values} == values
+        result = support.Messages("/live/processed_image", Image)
+        assert result.wait()[0].data == bytes([level])
+        result.close()
+        # The next subscription gets the latched frame again only once this one has gone.
+        support.wait_for(
+            lambda: publisher.get_num_connections() == 0, "the end of the subscription"
+        )
+    client.close()
+    publisher.unregister()
+
+
+def save(node):
+    rospy.wait_for_service(node + "/save_parameters", support.DEADLINE)
+    return rospy.ServiceProxy(node + "/save_parameters", Trigger)()
+
+
+BEFORE = """\
+# How bright it is here
+gain:   5  # contrast
+offset: "50" # brightness
+other_key: [1, 2]
+its_name: "7"  # stays a string
+nested:
+  gamma: 3
+"""
+AFTER = """\
+# How bright it is here
+gain: 2.0  # contrast
+offset: 1.0e-05 # brightness
+other_key: [1, 2]
+its_name: "7"  # stays a string
+nested:
+  gamma: 3
+gamma: 0.1
+"""
+
+
+def test_values_are_saved_where_they_were(start, tmp_path):
+    config = tmp_path / "brightness.yaml"
+    config.write_text(BEFORE)
+    config.chmod(0o640)
+    link = tmp_path / "link.yaml"
+    link.symlink_to(config)
+    start("brightness_node", "__name:=saving", f"_config_file:={link}", "_gain:=2.0")
+    client = dynamic_reconfigure.client.Client("/saving", timeout=support.DEADLINE)
+    client.update_configuration({"offset": 1e-05, "gamma": 0.1})
+    answer = save("/saving")
+    assert answer.success and answer.message == str(link)
+    assert config.read_text() == AFTER
+    assert yaml.safe_load(AFTER)["offset"] == 1e-05
+    assert link.is_symlink()
+    assert config.stat().st_mode & 0o777 == 0o640
+    assert len(list(tmp_path.glob("brightness.yaml*"))) == 1  # no temporary file is left
+    client.close()
+
+
+@pytest.mark.parametrize(
+    "content, why",
+    [
+        ("gain: [", "no valid YAML"),
+        ("- a list\n", "no map of parameters"),
+        ("{blur_size: 3, aperture: 5}\n", 'not one "name: value" in each line'),
+        ("blur_size:\n  3\n", 'not one "name: value" in each line'),
+        (None, "failed: No such file or directory"),
+    ],
+)
+def test_a_file_that_cannot_be_kept_is_not_touched(start, tmp_path, content, why):
+    config = tmp_path / ("config.yaml" if content else "missing_folder/config.yaml")
+    if content:
+        config.write_text(content)
+    start("edge_detector_node", "__name:=saving", f"_config_file:={config}")
+    answer = save("/saving")
+    assert not answer.success
+    assert str(config) in answer.message and why in answer.message
+    assert not content or config.read_text() == content
+
+
+def test_saving_needs_a_file_name(start):
+    start("camera_node", "__name:=saving", "_source:=synthetic")
+    answer = save("/saving")
+    assert not answer.success
+    assert "config_file" in answer.message
+
+
+def test_gain_is_applied_to_every_pixel(start):
+    start("brightness_node", "__name:=brighter", "image:=/ramp", "_gain:=1.5", "_offset:=-20")
+    publisher = rospy.Publisher("/ramp", Image, queue_size=1, latch=True)
+    publisher.publish(
+        Image(encoding="mono8", width=256, height=1, step=256, data=bytes(range(256)))
+    )
+    result = support.Messages("/brighter/processed_image", Image)
+    levels = np.clip(np.rint(np.arange(256) * 1.5 - 20), 0, 255)
+    assert np.array_equal(np.frombuffer(result.wait()[0].data, np.uint8), levels)
+    result.close()
+    publisher.unregister()

@@ -1,0 +1,60 @@
+"""The README's table of nodes against running nodes."""
+
+import pathlib
+import re
+
+import pytest
+import rosgraph
+import support
+
+README = pathlib.Path(__file__).resolve().parents[2] / "README.md"
+# What every node has without being named: of rosout, roscpp, dynamic_reconfigure, image_transport.
+UNNAMED = re.compile(
+    r"/rosout|.*/(get_loggers|set_logger_level|set_parameters|parameter_(descriptions|updates))"
+    r"|.*/(compressed|compressedDepth|theora)(/.*)?"
+)
+
+
+def rows():
+    """The cells of the table of nodes, by executable."""
+    lines = README.read_text().splitlines()
+    begin = lines.index("| node | nodelet | subscribes to | publishes | services |")
+    found = {}
+    for line in lines[begin + 2 :]:
+        if not line.startswith("|"):
+            return found
+        node, nodelet, *cells = (
+            re.findall(r"`([^`]+)`", cell) for cell in line.strip("|").split("|")
+        )
+        found[node[0]] = (nodelet[0], *cells)
+    return found
+
+
+def resolved(names):
+    return {name.replace("~", "/node/") if name[0] in "~/" else "/" + name for name in names}
+
+
+def test_every_nodelet_is_there():
+    declared = (README.parent / "nodelet_plugins.xml").read_text()
+    assert {nodelet for nodelet, *_ in rows().values()} == set(
+        re.findall(r'class name="([^"]+)"', declared)
+    )
+
+
+@pytest.mark.parametrize("node", rows())
+def test_topics_and_services(start, node):
+    _, subscribed, published, services = rows()[node]
+    start(node, "__name:=node", "_source:=synthetic", "_always_subscribe:=true")
+    expected = (resolved(published) | {"/diagnostics"}, resolved(subscribed), resolved(services))
+
+    def state():
+        topics_of_node = [
+            {name for name, nodes in part if "/node" in nodes and not UNNAMED.fullmatch(name)}
+            for part in rosgraph.Master("/test").getSystemState()
+        ]
+        return tuple(topics_of_node)
+
+    support.wait_for(
+        lambda: all(a >= b for a, b in zip(state(), expected)), f"{expected} of {node}"
+    )
+    assert state() == expected

@@ -1,0 +1,160 @@
+"""One truth about parameters, told by the core, the .cfg files, config/*.yaml and README."""
+
+import importlib
+import pathlib
+import re
+
+import pytest
+import yaml
+
+import robot_vision as rv
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+CORE = {
+    "brightness": rv.BrightnessParams,
+    "edge_detector": rv.EdgeParams,
+    "camera": rv.CaptureParams,
+}
+CONFIG = {"brightness": "Brightness", "edge_detector": "EdgeDetector", "camera": "Camera"}
+# Parameters of the nodes that the core knows nothing of: their C++ defaults.
+OF_THE_NODES = {
+    "camera": {
+        "loop": "false",
+        "camera_name": "head_camera",
+        "camera_frame_id": "head_camera",
+        "camera_info_url": "",
+    },
+    "all": {"always_subscribe": "false", "config_file": "", "diagnostic_period": "1"},
+    "all but camera": {"image_transport": "raw"},
+}
+
+
+def readme_rows():
+    """The README's table of parameters as {(node, parameter): row}."""
+    lines = (ROOT / "README.md").read_text().splitlines()
+    begin = lines.index("| node | parameter | type | default | range | unit | live | meaning |")
+    names = [cell.strip() for cell in lines[begin].strip("|").split("|")]
+    rows = {}
+    for line in lines[begin + 2 :]:
+        if not line.startswith("|"):
+            break
+        cells = [cell.strip() for cell in re.split(r"\|", line.strip("|"))]
+        row = dict(zip(names, cells))
+        rows[row["node"], row["parameter"].strip("`")] = row
+    return rows
+
+
+def cfg(node):
+    """The parameter descriptions that the node's .cfg file generates, by name."""
+    module = importlib.import_module(f"robot_vision.cfg.{CONFIG[node]}Config")
+    return {p["name"]: p for p in module.config_description["parameters"]}
+
+
+def core_defaults(node):
+    params = CORE[node]()
+    return {name: getattr(params, name) for name in dir(params) if not name.startswith("_")}
+
+
+def text(value):
+    """A value as the README writes it."""
+    if isinstance(value, bool):
+        return str(value).lower()
+    return f"{value:g}" if isinstance(value, (int, float)) else value
+
+
+@pytest.mark.parametrize("node", CORE)
+def test_cfg_defaults_equal_the_core_s(node):
+    core = core_defaults(node)
+    for name, description in cfg(node).items():
+        if name not in OF_THE_NODES.get(node, {}):
+            assert core[name] == description["default"], name
+
+
+@pytest.mark.parametrize("node", CORE)
+def test_config_files_equal_the_defaults(node):
+    values = yaml.safe_load((ROOT / "config" / (node + ".yaml")).read_text())
+    rows = readme_rows()
+    for name, value in values.items():
+        assert text(value) == rows[node, name]["default"], name
+    live = {name for (of, name), row in rows.items() if of == node and row["live"] == "yes"}
+    assert live <= set(values)
+
+
+@pytest.mark.parametrize("node", CORE)
+def test_readme_lists_every_parameter_with_its_default(node):
+    rows = {name: row for (of, name), row in readme_rows().items() if of == node}
+    expected = {name: text(value) for name, value in core_defaults(node).items()}
+    expected.update(OF_THE_NODES.get(node, {}))
+    assert {name: row["default"] for name, row in rows.items()} == expected
+    live = {name for name, row in rows.items() if row["live"] == "yes"}
+    assert live == set(cfg(node))
+
+
+def test_readme_lists_what_all_nodes_have():
+    rows = readme_rows()
+    for of in ("all", "all but camera"):
+        found = {name: row["default"] for (node, name), row in rows.items() if node == of}
+        assert found == OF_THE_NODES[of]
+
+
+@pytest.mark.parametrize("node", CORE)
+def test_readme_types_are_those_of_the_code(node):
+    types = {"int": int, "double": float, "bool": bool, "string": str}
+    for (of, name), row in readme_rows().items():
+        if of == node and name in core_defaults(node):
+            assert types[row["type"]] is type(core_defaults(node)[name]), name
+
+
+@pytest.mark.parametrize("node", CORE)
+def test_numeric_ranges_are_what_validate_accepts(node):
+    checked = 0
+    for (of, name), row in readme_rows().items():
+        match = re.fullmatch(r"(-?[\d.]+) to (-?[\d.]+)", row["range"])
+        if of != node or not match:
+            continue
+        low, high = (float(end) for end in match.groups())
+        if name in cfg(node):
+            assert (cfg(node)[name]["min"], cfg(node)[name]["max"]) == (low, high), name
+        kind = type(core_defaults(node)[name])
+        for value in (low, high):
+            rv.validate(with_value(node, name, kind(value)))
+        for value in (low - 1, high + 1):
+            with pytest.raises(ValueError, match=name):
+                rv.validate(with_value(node, name, kind(value)))
+        checked += 1
+    assert checked >= 3
+
+
+def with_value(node, name, value):
+    """Default parameters with one changed, and others moved where the two belong together."""
+    params = CORE[node]()
+    setattr(params, name, value)
+    if name == "low_threshold":
+        params.high_threshold = max(params.high_threshold, min(value, 10000.0))
+    if name == "high_threshold":
+        params.low_threshold = max(0.0, min(params.low_threshold, value))
+    return params
+
+
+def documented(node, name):
+    """What the code says of a parameter: the .cfg file's description, or the core's comment."""
+    if name in cfg(node):
+        return cfg(node)[name]["description"]
+    header = (ROOT / "include" / "robot_vision" / "frame_source.hpp").read_text()
+    return re.search(rf"^ *\S+ {name}(?: = [^;]+)?;(.*)$", header, re.MULTILINE).group(1)
+
+
+@pytest.mark.parametrize("node", CORE)
+def test_units_are_those_of_the_code(node):
+    for (of, name), row in readme_rows().items():
+        if of == node and row["unit"]:
+            assert re.search(r"\b{}\b".format(row["unit"]), documented(node, name)), name
+
+
+def test_choices_are_what_validate_accepts():
+    for name in ("pixel_format", "io_method"):
+        choices = re.split(", | or ", readme_rows()["camera", name]["range"])
+        for choice in choices:
+            rv.validate(with_value("camera", name, choice))
+        with pytest.raises(ValueError, match="must be " + readme_rows()["camera", name]["range"]):
+            rv.validate(with_value("camera", name, "other"))
