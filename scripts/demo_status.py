@@ -4,7 +4,7 @@
 import rospy
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 
-from robot_vision.nodes.startup import init_node
+from robot_vision.nodes.startup import run_node
 
 TOPICS = (
     "/usb_cam/image_raw",
@@ -30,15 +30,14 @@ def on_diagnostics(message: DiagnosticArray) -> None:
         print(line(status), flush=True)
 
 
-def main() -> None:
-    init_node("demo_status")
+def start() -> rospy.Subscriber:
+    """Says where to look, and from then on prints what the nodes report."""
     if not rospy.get_param("~view", False):
         print("No display: look at these topics, for instance with")
         print("  rosrun image_view image_view image:=" + TOPICS[-1])
         print(*("  " + topic for topic in TOPICS), sep="\n", flush=True)
-    rospy.Subscriber("/diagnostics", DiagnosticArray, on_diagnostics, queue_size=10)
-    rospy.spin()
+    return rospy.Subscriber("/diagnostics", DiagnosticArray, on_diagnostics, queue_size=10)
 
 
 if __name__ == "__main__":
-    main()
+    run_node("demo_status", start)

@@ -42,6 +42,34 @@ def test_the_status_printer_ends_too(start):
         assert process.exit_code(SHORT) == 0, process.output()
 
 
+LOCKED_NODE = """
+import threading, time, rospy
+from robot_vision.nodes.startup import run_node
+
+def start():
+    lock = threading.Lock()
+    rospy.on_shutdown(lock.acquire)
+    with lock:
+        print("locked", flush=True)
+        time.sleep(0.5)
+        if {stuck}:
+            time.sleep(60)
+
+run_node("locked", start)
+"""
+
+
+@pytest.mark.parametrize("stuck", [False, True])
+def test_python_node_that_holds_a_lock_which_its_shutdown_needs(start, tmp_path, stuck):
+    script = tmp_path / "locked.py"
+    script.write_text(LOCKED_NODE.format(stuck=stuck))
+    process = start("/usr/bin/python3", script)
+    process.wait_for_output("locked")
+    process.interrupt()
+    assert process.exit_code(2.0 + SHORT) == 0, process.output()
+    assert ("did not end within 2 s" in process.output()) == stuck
+
+
 @pytest.mark.parametrize("node", NODES)
 def test_in_the_middle_of_a_frame(start, node):
     # Frames so large that one is always being worked on.

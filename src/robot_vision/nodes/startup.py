@@ -1,32 +1,76 @@
-"""How a node starts."""
+"""How a node starts and ends."""
 
 import http.client
+import os
 import signal
 import sys
+import threading
 import time
 import xmlrpc.client
+from typing import Callable
 
 import rosgraph
 import rospy
 
+SIGNALS = (signal.SIGINT, signal.SIGTERM)
+SHUTDOWN_GRACE = 2.0  # s that a node has to end by itself after a signal
 
-def init_node(name: str) -> None:
-    """Makes this process the node `name`, as rospy.init_node does, once the master is there.
 
-    rospy would wait for the master deaf to Ctrl-C. Here SIGINT ends the process with exit code 0
-    while it waits.
+def run_node(name: str, start: Callable[[], object]) -> None:
+    """Runs this process as the node `name` until it is shut down; SIGINT then ends it with code 0.
+
+    Waits for the master, calls `start`, which makes the node's publishers and subscribers, and
+    keeps what it returns alive while the node spins.
+
+    rospy waits for the master deaf to Ctrl-C, and shuts down inside its signal handler, where it
+    blocks on any lock that the interrupted thread holds. Here a thread of its own does that.
     """
-    before = signal.signal(signal.SIGINT, lambda *_: sys.exit(0))
+    _wait_for_master(name)
+    _shut_down_on_signals()
+    try:
+        rospy.init_node(name, disable_signals=True)
+        node = start()
+        rospy.spin()
+        del node
+    except Exception:
+        # A node that is shut down while it starts finds rospy half closed.
+        if not rospy.is_shutdown():
+            raise
+
+
+def _wait_for_master(name: str) -> None:
+    """Returns when the master answers; a signal meanwhile ends the process with code 0."""
+    for number in SIGNALS:
+        signal.signal(number, lambda *_: sys.exit(0))
     master = rosgraph.Master("/" + name)
     waiting = False
     while True:
         try:
             master.getPid()
-            break
+            return
         except (OSError, rosgraph.MasterException, http.client.HTTPException, xmlrpc.client.Error):
             if not waiting:
                 print(f"waiting for the master at {master.master_uri}", file=sys.stderr, flush=True)
             waiting = True
             time.sleep(0.1)
-    signal.signal(signal.SIGINT, before)
-    rospy.init_node(name)
+
+
+def _shut_down_on_signals() -> None:
+    """From now on a signal shuts the node down; the process ends even if the node is stuck."""
+    reader, writer = os.pipe()
+    os.set_blocking(writer, False)
+    # The interpreter writes to the pipe at once, whatever the main thread is doing or holding.
+    signal.set_wakeup_fd(writer, warn_on_full_buffer=False)
+    for number in SIGNALS:
+        signal.signal(number, lambda *_: None)
+
+    def wait() -> None:
+        while os.read(reader, 1)[0] not in SIGNALS:
+            pass
+        threading.Thread(target=rospy.signal_shutdown, args=("signal",), daemon=True).start()
+        threading.main_thread().join(SHUTDOWN_GRACE)
+        if threading.main_thread().is_alive():
+            print(f"did not end within {SHUTDOWN_GRACE:g} s of a signal", file=sys.stderr)
+            os._exit(0)
+
+    threading.Thread(target=wait, name="signals", daemon=True).start()
