@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
@@ -27,8 +28,10 @@ using Values = std::vector<std::pair<std::string, std::string>>;  // name and va
 /// The shortest decimal that reads back as the same number, always recognisable as a floating-point one.
 std::string shortest(double value)
 {
+  const double magnitude = std::abs(value);
+  const bool ordinary = magnitude >= 1.0 && magnitude < 1e15;  // is written without an exponent
   char text[32];
-  for (int digits = 1; digits <= 17; ++digits)
+  for (int digits = ordinary ? static_cast<int>(std::log10(magnitude)) + 1 : 1; digits <= 17; ++digits)
   {
     std::snprintf(text, sizeof(text), "%.*g", digits, value);
     if (std::strtod(text, nullptr) == value) break;
@@ -107,8 +110,13 @@ bool editLine(std::string& line, const std::string& name, const std::string& val
   if (colon == std::string::npos || line[colon] != ':') return false;
   const std::size_t begin = std::min(line.find_first_not_of(" \t", colon + 1), line.size());
   const std::string rest = line.substr(begin);
-  const std::size_t length = scalarLength(rest);
-  line = line.substr(0, colon + 1) + " " + value + (length == 0 && !rest.empty() ? " " : "") + rest.substr(length);
+  const std::size_t end = begin + scalarLength(rest);
+  const std::size_t comment = line.find_first_not_of(" \t", end);
+  std::string edited = line.substr(0, colon + 1) + " " + value;
+  // A comment stays in its column, if the value leaves it there.
+  if (comment != std::string::npos)
+    edited += std::string(comment > edited.size() ? comment - edited.size() : 1, ' ') + line.substr(comment);
+  line = edited;
   return true;
 }
 
