@@ -26,6 +26,8 @@ public:
   using std::runtime_error::runtime_error;
 };
 
+constexpr double kDefaultRate = 30.0;  // Hz, of a source with no rate of its own
+
 struct CaptureParams
 {
   std::string source;  // synthetic, device, video, URL, picture, folder or glob; "": video_device

@@ -22,7 +22,8 @@ enum class Kind
   kSynthetic,
   kDevice,
   kUrl,
-  kFile,
+  kPictures,
+  kVideo,
 };
 
 bool startsWith(const std::string& text, const std::string& start)
@@ -37,14 +38,19 @@ std::string nameOf(const CaptureParams& params)
   return startsWith(source, "file://") ? source.substr(7) : source;
 }
 
+/// What a source is, or would be if it were there.
 Kind kindOf(const std::string& source)
 {
   if (source == "synthetic") return Kind::kSynthetic;
   if (source.find("://") != std::string::npos) return Kind::kUrl;
   struct stat info;
-  const bool exists = stat(source.c_str(), &info) == 0;
-  return exists ? (S_ISCHR(info.st_mode) ? Kind::kDevice : Kind::kFile)
-                : (startsWith(source, "/dev/") ? Kind::kDevice : Kind::kFile);
+  if (stat(source.c_str(), &info) != 0)
+  {
+    if (startsWith(source, "/dev/")) return Kind::kDevice;
+    return source.find_first_of("*?[") != std::string::npos ? Kind::kPictures : Kind::kVideo;
+  }
+  if (S_ISCHR(info.st_mode)) return Kind::kDevice;
+  return S_ISDIR(info.st_mode) || isPictureFile(source) ? Kind::kPictures : Kind::kVideo;
 }
 
 /// Where a relative path was looked for: a node's folder is seldom the one that its user sees.
@@ -65,15 +71,11 @@ void validateScene(const CaptureParams& params)
           params.image_width, "from a third to three times image_height, " + toText(params.image_height));
 }
 
-std::unique_ptr<FrameSource> openFile(const std::string& path)
+std::unique_ptr<FrameSource> openVideoFile(const std::string& path)
 {
   struct stat info;
-  const bool exists = stat(path.c_str(), &info) == 0;
-  if (exists && S_ISDIR(info.st_mode)) return std::make_unique<PictureSource>(path);
-  if (!exists && path.find_first_of("*?[") != std::string::npos) return std::make_unique<PictureSource>(path);
-  if (!exists) throw SourceError(path + ": no such file or folder" + lookedIn(path));
+  if (stat(path.c_str(), &info) != 0) throw SourceError(path + ": no such file or folder" + lookedIn(path));
   if (info.st_size == 0) throw SourceError(path + ": the file is empty");
-  if (isPictureFile(path)) return std::make_unique<PictureSource>(path);
   return std::make_unique<VideoSource>(path);
 }
 
@@ -94,7 +96,7 @@ void validate(const CaptureParams& params)
 
 double wantedRate(const CaptureParams& params)
 {
-  return params.framerate > 0.0 ? params.framerate : 30.0;
+  return params.framerate > 0.0 ? params.framerate : kDefaultRate;
 }
 
 bool mayComeLater(const CaptureParams& params)
@@ -115,10 +117,12 @@ std::unique_ptr<FrameSource> openSource(const CaptureParams& params)
       return std::make_unique<V4l2Source>(source, params);
     case Kind::kUrl:
       return std::make_unique<VideoSource>(source);
-    case Kind::kFile:
+    case Kind::kPictures:
+      return std::make_unique<PictureSource>(source);
+    case Kind::kVideo:
       break;
   }
-  return openFile(source);
+  return openVideoFile(source);
 }
 
 }  // namespace robot_vision

@@ -21,7 +21,7 @@ public:
   explicit PictureSource(const std::string& path);
   ReadResult read(Frame& frame) override;
   void rewind() override { next_ = 0; }
-  double rate() const override { return 30.0; }
+  double rate() const override { return kDefaultRate; }
   std::string description() const override;
 
 private:

@@ -1,11 +1,11 @@
 #include "v4l2_source.hpp"
 
 #include <sys/mman.h>
-#include <time.h>
 
 #include <algorithm>
 #include <cerrno>
 
+#include "robot_vision/monotonic.hpp"
 #include "robot_vision/range.hpp"
 #include "v4l2_format.hpp"
 
@@ -16,13 +16,6 @@ namespace
 
 constexpr int kWaitMs = 100;
 constexpr unsigned kBuffers = 4;
-
-std::int64_t monotonicNow()
-{
-  timespec now;
-  clock_gettime(CLOCK_MONOTONIC, &now);
-  return now.tv_sec * 1000000000LL + now.tv_nsec;
-}
 
 /// The driver's time stamp; some count by another clock, and then the arrival is the best that is known. It is also the
 /// latest possible: a driver may stamp a frame with the time when it should end, and give it before that.

@@ -9,8 +9,6 @@ namespace robot_vision
 namespace
 {
 
-constexpr double kFallbackRate = 30.0;  // Hz, for a container that states none
-
 /// Containers state a length rounded from the duration, and of a varying rate the mean: what is less than this short of
 /// it, in frames or in time, is not truncated.
 std::int64_t tolerance(std::int64_t expected)
@@ -26,7 +24,7 @@ VideoSource::VideoSource(const std::string& path) : path_(path), url_(path.find(
   rate_ = capture_.get(cv::CAP_PROP_FPS);
   expected_ = std::max<std::int64_t>(0, static_cast<std::int64_t>(capture_.get(cv::CAP_PROP_FRAME_COUNT)));
   live_ = url_ && expected_ == 0;
-  if (!(rate_ > 0.0 && rate_ <= 1000.0)) rate_ = kFallbackRate;
+  if (!(rate_ > 0.0 && rate_ <= 1000.0)) rate_ = kDefaultRate;  // the container states none
 }
 
 void VideoSource::open()
@@ -38,14 +36,17 @@ void VideoSource::open()
 #else
   const bool opened = capture_.open(path_, cv::CAP_FFMPEG);
 #endif
-  if (opened) return;
+  grabbed_ = opened && capture_.grab();
+  if (grabbed_) return;
   if (url_) throw SourceUnavailable(path_ + ": the stream cannot be opened");
   throw SourceError(path_ + ": not a picture or video that FFmpeg can read, or truncated");
 }
 
 ReadResult VideoSource::read(Frame& frame)
 {
-  if (!capture_.read(frame.image) || frame.image.empty()) return finish();
+  if (!grabbed_ && !capture_.grab()) return finish();
+  grabbed_ = false;
+  if (!capture_.retrieve(frame.image)) throw std::invalid_argument(path_ + ": a frame cannot be decoded");
   frame.encoding = "bgr8";
   frame.sequence = sequence_++;
   ++played_;
@@ -56,7 +57,6 @@ ReadResult VideoSource::read(Frame& frame)
 ReadResult VideoSource::finish() const
 {
   if (live_) throw SourceUnavailable(path_ + ": the stream has ended");
-  if (played_ == 0) throw SourceError(path_ + ": no frame can be decoded");
   const std::int64_t missing = expected_ - played_;
   const double missing_s = static_cast<double>(expected_) / rate_ - end_s_;
   if (missing > tolerance(expected_) && missing_s * rate_ > static_cast<double>(tolerance(expected_)))
@@ -67,7 +67,7 @@ ReadResult VideoSource::finish() const
 
 void VideoSource::rewind()
 {
-  if (live_ || played_ == 0) return;
+  if (live_) return;
   open();  // seeking to frame 0 is not exact in every container
   played_ = 0;
 }

@@ -30,6 +30,7 @@ private:
   double end_s_ = 0.0;         // time in the video at which the last frame ends
   std::int64_t sequence_ = 0;
   cv::VideoCapture capture_;
+  bool grabbed_ = false;  // the first frame: FFmpeg opens much that it cannot decode
 };
 
 }  // namespace robot_vision

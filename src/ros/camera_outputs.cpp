@@ -100,8 +100,8 @@ sensor_msgs::CameraInfoPtr CameraOutputs::cameraInfo(const sensor_msgs::Image& i
   { return of.width == image.width && of.height == image.height; };
   const bool calibrated = info->K[0] != 0.0;
   if (calibrated && !fits(*info) && throttle_.due())
-    ROS_WARN("%s: the calibration is for %ux%u, the picture has %ux%u: it is published as uncalibrated", name_.c_str(),
-             info->width, info->height, image.width, image.height);
+    ROS_WARN("%s: the calibration is for %ux%u, the picture has %ux%u: it is not used", name_.c_str(), info->width,
+             info->height, image.width, image.height);
   if (!calibrated || !fits(*info)) *info = model_ && fits(*model_) ? *model_ : sensor_msgs::CameraInfo();
   info->width = image.width;
   info->height = image.height;

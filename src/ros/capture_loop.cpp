@@ -92,8 +92,8 @@ void CaptureLoop::follow(const Orders& orders)
     idle();
   else if (!source_)
     retry();
-  else if (waitForNextFrame(orders.framerate))
-    readFrame(orders.loop);
+  else if (source_->rate() == 0.0 || waitUntil(next_frame_))
+    readFrame(orders);
 }
 
 /// Waits for new orders; a source that was not there is looked for meanwhile, so that its absence is told at once.
@@ -140,19 +140,18 @@ void CaptureLoop::lose(const std::string& why)
   listener_.onUnavailable(why);
 }
 
-/// False if an order came instead.
-bool CaptureLoop::waitForNextFrame(double framerate)
+/// Sets when the frame after this one is due.
+void CaptureLoop::pace(double framerate)
 {
   const double own_rate = source_->rate();
-  if (own_rate == 0.0) return true;
-  if (!waitUntil(next_frame_)) return false;
-  const double rate = framerate > 0.0 ? framerate : own_rate;
-  const std::chrono::duration<double> period(std::min(1.0 / rate, kLongestPeriod));
-  next_frame_ += std::chrono::duration_cast<Clock::duration>(period);
-  if (next_frame_ < Clock::now()) next_frame_ = Clock::now();  // too slow a machine must not gather a backlog
-  return true;
+  if (own_rate == 0.0) return;
+  const std::chrono::duration<double> wanted(std::min(1.0 / (framerate > 0.0 ? framerate : own_rate), kLongestPeriod));
+  const auto period = std::chrono::duration_cast<Clock::duration>(wanted);
+  // One late frame is made up for; too slow a machine must not gather a backlog.
+  next_frame_ = std::max(next_frame_ + period, Clock::now() - period);
 }
 
+/// False if an order came instead.
 bool CaptureLoop::waitUntil(Clock::time_point time)
 {
   std::unique_lock<std::mutex> lock(mutex_);
@@ -161,17 +160,17 @@ bool CaptureLoop::waitUntil(Clock::time_point time)
   return !changed_.wait_until(lock, time, ordered);
 }
 
-void CaptureLoop::readFrame(bool loop)
+void CaptureLoop::readFrame(const Orders& orders)
 {
   try
   {
     Frame frame;
     listener_.prepare(frame);
     const ReadResult result = source_->read(frame);
-    if (result == ReadResult::kEnd) end("", loop);
+    if (result == ReadResult::kEnd) end("", orders.loop);
     if (result == ReadResult::kTimeout && Clock::now() - last_frame_ > kStalled)
       throw SourceUnavailable(source_->description() + ": no frame for " + std::to_string(kStalled.count()) + " s");
-    if (result != ReadResult::kFrame) return;
+    if (result != ReadResult::kFrame) return;  // the one that is due is still to come
     last_frame_ = Clock::now();
     read_since_rewind_ = true;
     listener_.onFrame(frame);
@@ -179,15 +178,18 @@ void CaptureLoop::readFrame(bool loop)
   catch (const SourceUnavailable& e)
   {
     lose(e.what());
+    return;
   }
   catch (const SourceError& e)
   {
-    end(e.what(), loop);
+    end(e.what(), orders.loop);
+    return;
   }
   catch (const std::exception& e)
   {
     listener_.onRefused(e.what());
   }
+  pace(orders.framerate);
 }
 
 void CaptureLoop::end(const std::string& error, bool loop)

@@ -66,8 +66,8 @@ private:
   void idle();
   void retry();
   void open();
-  bool waitForNextFrame(double framerate);
-  void readFrame(bool loop);
+  void readFrame(const Orders& orders);
+  void pace(double framerate);
   void end(const std::string& error, bool loop);
   void finish(const std::string& error);
   void lose(const std::string& why);

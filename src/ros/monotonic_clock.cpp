@@ -1,23 +1,11 @@
 #include "monotonic_clock.hpp"
 
-#include <time.h>
-
 #include <limits>
+
+#include "robot_vision/monotonic.hpp"
 
 namespace robot_vision
 {
-namespace
-{
-
-std::int64_t monotonicNow()
-{
-  timespec now;
-  clock_gettime(CLOCK_MONOTONIC, &now);
-  return now.tv_sec * 1000000000LL + now.tv_nsec;
-}
-
-}  // namespace
-
 ros::Time toRosTime(std::int64_t monotonic_ns)
 {
   if (monotonic_ns == 0 || ros::Time::isSimTime()) return ros::Time::now();

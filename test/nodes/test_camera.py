@@ -115,6 +115,15 @@ def test_video_plays_at_the_rate_asked_for_and_loops(start, gray_video):
     assert sum(b < a for a, b in zip(levels, levels[1:])) >= 2  # began again
 
 
+def test_looping_keeps_the_rate(start, tmp_path):
+    for name in "ab":
+        cv2.imwrite(str(tmp_path / f"{name}.png"), np.zeros((48, 64, 3), np.uint8))
+    images = support.Messages("/camera/image_raw", Image)
+    start("camera_node", f"_source:={tmp_path}", "_loop:=true", "_framerate:=50")
+    stamps = [m.header.stamp.to_sec() for m in images.wait(51)]
+    assert (stamps[-1] - stamps[0]) / 50 == pytest.approx(0.02, rel=0.1)
+
+
 class MjpegServer(http.server.BaseHTTPRequestHandler):
     """A network camera: an endless stream of JPEGs, each of one grey level."""
 
@@ -180,6 +189,7 @@ def test_truncated_video_plays_what_there_is_and_exits_1(start, gray_video):
         ("empty.mp4", b"", "the file is empty"),
         ("half.mp4", "half a video", "not a picture or video that FFmpeg can read, or truncated"),
         ("text.mp4", b"This is a text.\n" * 100, "not a picture or video"),
+        ("text.png", b"hello", "not a picture or video"),
         ("folder", "folder", "no pictures that OpenCV can read"),
         ("*.png", None, "no pictures that OpenCV can read"),
         ("half.jpg", "half a jpeg", "damaged or truncated"),
