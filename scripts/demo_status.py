@@ -1,23 +1,25 @@
 #!/usr/bin/env python3
 """Prints a line per node and second from /diagnostics: rate, age, processing time, state."""
 
+from typing import Dict
+
 import rospy
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 
 from robot_vision.nodes.startup import run_node
 
-TOPICS = (
-    "/usb_cam/image_raw",
-    "/brightness/processed_image",
-    "/edge_detector/processed_image",
-)
+TOPICS = {
+    "usb_cam": "/usb_cam/image_raw",
+    "brightness": "/brightness/processed_image",
+    "edge_detector": "/edge_detector/processed_image",
+}
 
 
-def line(status: DiagnosticStatus) -> str:
+def line(name: str, status: DiagnosticStatus) -> str:
     """The status of one node as one line of text."""
     values = {pair.key: pair.value for pair in status.values}
     return "{:<14} {:>6} Hz  age {:>8} ms  processing {:>8} ms  {}".format(
-        status.name.split(":")[0],
+        name,
         values.get("output rate (Hz)", "?"),
         values.get("output age (ms)", "?"),
         values.get("processing time (ms)", "?"),
@@ -25,19 +27,34 @@ def line(status: DiagnosticStatus) -> str:
     )
 
 
-def on_diagnostics(message: DiagnosticArray) -> None:
-    for status in message.status:
-        print(line(status), flush=True)
+class Printer:
+    """Prints the nodes in the order in which the frames pass them."""
 
+    def __init__(self) -> None:
+        if not rospy.get_param("~view", False):
+            print("No display: look at these topics, for instance with")
+            print("  rosrun image_view image_view image:=" + TOPICS["edge_detector"])
+            print(*("  " + topic for topic in TOPICS.values()), sep="\n", flush=True)
+        self._round: Dict[str, DiagnosticStatus] = {}
+        self._subscriber = rospy.Subscriber("/diagnostics", DiagnosticArray, self._on_diagnostics)
 
-def start() -> rospy.Subscriber:
-    """Says where to look, and from then on prints what the nodes report."""
-    if not rospy.get_param("~view", False):
-        print("No display: look at these topics, for instance with")
-        print("  rosrun image_view image_view image:=" + TOPICS[-1])
-        print(*("  " + topic for topic in TOPICS), sep="\n", flush=True)
-    return rospy.Subscriber("/diagnostics", DiagnosticArray, on_diagnostics, queue_size=10)
+    def _on_diagnostics(self, message: DiagnosticArray) -> None:
+        for status in message.status:
+            name = status.name.split(":")[0]
+            if name not in TOPICS:
+                continue
+            if name in self._round:  # a node is missing from this round
+                self._print_round()
+            self._round[name] = status
+            if len(self._round) == len(TOPICS):
+                self._print_round()
+
+    def _print_round(self) -> None:
+        for name in TOPICS:
+            if name in self._round:
+                print(line(name, self._round[name]), flush=True)
+        self._round.clear()
 
 
 if __name__ == "__main__":
-    run_node("demo_status", start)
+    run_node("demo_status", Printer)

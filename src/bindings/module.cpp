@@ -18,24 +18,38 @@ namespace
 {
 
 constexpr const char* kLayout =
-    "Pictures are (height, width) or (height, width, channels) arrays of uint8 or, for 16-bit encodings, uint16, whose "
-    "rows may be padded but not their pixels. ";
+    "Pictures are (height, width) or (height, width, channels) arrays of uint8 or, for 16-bit encodings, uint16. They "
+    "are "
+    "used without a copy if their pixels lie side by side in each row; rows may be padded.";
 
-/// A view of an array of pixels; the array must outlive it.
-cv::Mat view(const py::array& array)
+/// An array of pixels and the view of it.
+struct Picture
+{
+  explicit Picture(py::array pixels);
+  py::array array;
+  cv::Mat view;
+};
+
+bool hasPackedRows(const py::array& array)
+{
+  const py::ssize_t channels = array.ndim() == 3 ? array.shape(2) : 1;
+  return (array.ndim() == 2 || array.strides(2) == array.itemsize()) &&
+         array.strides(1) == channels * array.itemsize() && array.strides(0) >= array.shape(1) * array.strides(1);
+}
+
+Picture::Picture(py::array pixels) : array(std::move(pixels))
 {
   const bool wide = py::isinstance<py::array_t<std::uint16_t>>(array);
   if (!wide && !py::isinstance<py::array_t<std::uint8_t>>(array))
-    throw py::type_error("expected an array of uint8 or uint16");
-  if (array.ndim() != 2 && array.ndim() != 3) throw py::value_error("expected an array of 2 or 3 dimensions");
+    throw py::type_error("expected an array of uint8 or uint16, got " + std::string(py::str(array.dtype())));
+  if (array.ndim() != 2 && array.ndim() != 3)
+    throw py::value_error("expected an array of 2 or 3 dimensions, got " + std::to_string(array.ndim()));
   const auto channels = static_cast<int>(array.ndim() == 3 ? array.shape(2) : 1);
-  if (channels < 1 || channels > 4) throw py::value_error("expected 1 to 4 channels");
-  if (array.ndim() == 3 && array.strides(2) != array.itemsize()) throw py::value_error("expected packed channels");
-  if (array.strides(1) != channels * array.itemsize()) throw py::value_error("expected packed pixels in each row");
-  if (array.strides(0) < array.shape(1) * array.strides(1)) throw py::value_error("expected rows from top to bottom");
-  return {static_cast<int>(array.shape(0)), static_cast<int>(array.shape(1)),
-          CV_MAKETYPE(wide ? CV_16U : CV_8U, channels), const_cast<void*>(array.data()),
-          static_cast<std::size_t>(array.strides(0))};
+  if (channels < 1 || channels > 4) throw py::value_error("expected 1 to 4 channels, got " + std::to_string(channels));
+  if (!hasPackedRows(array)) array = py::array::ensure(array, py::array::c_style);
+  view = cv::Mat(static_cast<int>(array.shape(0)), static_cast<int>(array.shape(1)),
+                 CV_MAKETYPE(wide ? CV_16U : CV_8U, channels), const_cast<void*>(array.data()),
+                 static_cast<std::size_t>(array.strides(0)));
 }
 
 /// An array that owns the Mat's pixels (no copy).
@@ -56,11 +70,11 @@ py::array toNumpy(cv::Mat mat)
 template <class Filter, class Params>
 py::array apply(const py::array& image, const std::string& encoding, const Params& params)
 {
-  const cv::Mat input = view(image);
+  const Picture input(image);
   cv::Mat output;
   {
     const py::gil_scoped_release unlocked;
-    Filter(params).apply(input, encoding, output);
+    Filter(params).apply(input.view, encoding, output);
   }
   return toNumpy(output);
 }
@@ -167,7 +181,7 @@ void bindScene(py::module& m)
 
   py::class_<Scene>(m, "Scene", "A synthetic room with exact ground truth, the same for the same frame number.")
       .def(py::init([](const SceneParams& params, const std::optional<py::array>& poster)
-                    { return Scene(params, poster ? view(*poster) : cv::Mat()); }),
+                    { return Scene(params, poster ? Picture(*poster).view : cv::Mat()); }),
            "params"_a = SceneParams(), "poster"_a = py::none(), "poster: (height, width, 3) BGR picture for the wall.")
       .def_property_readonly("camera", &Scene::camera)
       .def("truth", &Scene::truth, "frame"_a)

@@ -58,14 +58,21 @@ const Layout& layoutOf(const std::string& encoding)
   throw std::invalid_argument("encoding '" + encoding + "' is not one of " + known);
 }
 
+/// "3 x 8 bits (CV_8UC3)", for users of NumPy and of OpenCV.
+std::string describe(int type)
+{
+  return std::to_string(CV_MAT_CN(type)) + " x " + std::to_string(8 * CV_ELEM_SIZE1(type)) + " bits (" +
+         cv::typeToString(type) + ")";
+}
+
 const Layout& checkedLayout(const cv::Mat& image, const std::string& encoding)
 {
   const Layout& layout = layoutOf(encoding);
   const std::string what = encoding + " picture of " + std::to_string(image.cols) + "x" + std::to_string(image.rows);
   if (image.empty()) throw std::invalid_argument(what + " is empty");
   if (image.type() != layout.type)
-    throw std::invalid_argument(what + ": expected cv::Mat type " + cv::typeToString(layout.type) + ", got " +
-                                cv::typeToString(image.type()));
+    throw std::invalid_argument(what + ": expected pixels of " + describe(layout.type) + ", got " +
+                                describe(image.type()));
   if (image.cols % layout.width_multiple != 0 || image.rows % layout.height_multiple != 0)
     throw std::invalid_argument(what + ": expected columns to be a multiple of " +
                                 std::to_string(layout.width_multiple) + " and rows of " +

@@ -48,11 +48,12 @@ void FrameStatistics::published(Clock::time_point begin, const ros::Time& stamp)
   period_.age_s += age_s;
 }
 
-void FrameStatistics::setState(unsigned char level, const std::string& text)
+void FrameStatistics::setState(unsigned char level, const std::string& text, const std::string& silence)
 {
   const std::lock_guard<std::mutex> lock(mutex_);
   level_ = level;
   state_ = text;
+  silence_ = silence;
 }
 
 void FrameStatistics::report(diagnostic_updater::DiagnosticStatusWrapper& status)
@@ -61,7 +62,10 @@ void FrameStatistics::report(diagnostic_updater::DiagnosticStatusWrapper& status
   const double seconds = std::chrono::duration<double>(Clock::now() - period_.begin).count();
   const auto mean = [](double sum, std::uint64_t count)
   { return sum / static_cast<double>(std::max<std::uint64_t>(1, count)); };
-  status.summary(level_, state_);
+  if (period_.received == 0 && !silence_.empty())
+    status.summary(diagnostic_msgs::DiagnosticStatus::WARN, silence_);
+  else
+    status.summary(level_, state_);
   if (period_.refused > 0)
     status.mergeSummaryf(diagnostic_msgs::DiagnosticStatus::WARN, "%lu frames refused",
                          static_cast<unsigned long>(period_.refused));

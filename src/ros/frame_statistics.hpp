@@ -27,7 +27,8 @@ public:
   /// A frame that began to be worked on at `begin` has gone out; `stamp` is its time of capture.
   void published(Clock::time_point begin, const ros::Time& stamp);
   /// What the node is doing, for people: "running", "idle: nobody subscribes". `level` as diagnostic_msgs has it.
-  void setState(unsigned char level, const std::string& text);
+  /// `silence` is warned of instead when no frame came since the last report; empty: silence is as it should be.
+  void setState(unsigned char level, const std::string& text, const std::string& silence = "");
 
   /// Rates and means since the last report, totals, state and last error.
   void report(diagnostic_updater::DiagnosticStatusWrapper& status);
@@ -54,6 +55,7 @@ private:
   std::uint64_t refused_ = 0;
   unsigned char level_ = 0;
   std::string state_ = "starting";
+  std::string silence_;
   std::string last_error_ = "none";
 };
 

@@ -16,6 +16,8 @@ ImagePipe::ImagePipe(const ros::NodeHandle& nh, const ros::NodeHandle& pnh, cons
 {
   readParam(pnh_, "always_subscribe", always_subscribe_);
   checkTransport();
+  if (nh.resolveName("image") == "/image")
+    ROS_WARN("%s: topic 'image' is not remapped; typical use is image:=/usb_cam/image_raw", name_.c_str());
   const auto on_connection = [this](const image_transport::SingleSubscriberPublisher&) { updateSubscription(); };
   {
     const std::lock_guard<std::mutex> lock(mutex_);
@@ -60,7 +62,8 @@ void ImagePipe::updateSubscription()
     const image_transport::TransportHints hints("raw", ros::TransportHints().tcpNoDelay(), pnh_);
     diagnostics_.statistics().resumed();
     subscriber_ = it_.subscribe("image", 1, &ImagePipe::onImage, this, hints);
-    diagnostics_.statistics().setState(DiagnosticStatus::OK, "running on " + subscriber_.getTopic());
+    const std::string topic = subscriber_.getTopic();
+    diagnostics_.statistics().setState(DiagnosticStatus::OK, "running on " + topic, "no frames on " + topic);
   }
   else if (!wanted)
   {

@@ -1,5 +1,6 @@
 """The demo on real input: a video of a photograph runs through its graph to the edges."""
 
+import pathlib
 import re
 
 import cv2
@@ -11,6 +12,7 @@ from sensor_msgs.msg import Image
 
 from robot_vision import Scene, SceneParams
 
+DEMO = pathlib.Path(__file__).resolve().parents[2] / "tools" / "demo"
 WIDTH, HEIGHT, FRAMES = 320, 240, 30
 
 
@@ -100,6 +102,23 @@ def test_demo_shows_the_scene(demo):
     frame = pictures.index(first.data)
     assert result.header.frame_id == first.header.frame_id
     assert result.data == opencv_chain(scene.render(frame)).tobytes()
+
+
+def test_make_demo_fails_when_its_source_is_wrong(start, tmp_path):
+    path = tmp_path / "text.png"
+    path.write_text("hello")
+    process = start(str(DEMO), f"source:={path}", "view:=false")
+    assert process.exit_code() == 1
+    assert f"{path}: not a picture or video" in process.output()
+    assert "the demo ended by itself" in process.output()
+
+
+def test_make_demo_ends_with_0_on_interrupt(start):
+    process = start(str(DEMO), "view:=false")
+    process.wait_for_output("running on /brightness/processed_image")
+    process.interrupt()
+    assert process.exit_code() == 0, process.output()
+    assert "the demo ended by itself" not in process.output()
 
 
 def test_rosrun_finds_scripts_and_programs(start):

@@ -73,6 +73,16 @@ def test_always_subscribe_runs_without_an_audience(start, diagnostics, node):
     support.wait_for(lambda: frames_published(diagnostics, "eager") > 5, "frames that go out")
 
 
+@pytest.mark.parametrize("node", ["brightness_node", "edge_detector_node"])
+def test_silence_is_told(start, diagnostics, node):
+    process = start(node, "__name:=waits", "_always_subscribe:=true")
+    process.wait_for_output("topic 'image' is not remapped")
+    status = diagnostics.next("waits")
+    assert (status.level, status.message) == (1, "no frames on /image")
+    start("camera_node", "__name:=source", "_source:=synthetic", "~image_raw:=/image")
+    support.wait_for(lambda: diagnostics.next("waits").message == "running on /image", "frames")
+
+
 @pytest.mark.parametrize("node", ["camera_node", "brightness_node", "edge_detector_node"])
 def test_nodes_start_within_a_second(start, diagnostics, node):
     start("camera_node", "__name:=source", "_source:=synthetic", "_always_subscribe:=true")

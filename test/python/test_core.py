@@ -32,6 +32,17 @@ def test_rows_may_be_padded(picture):
     assert np.array_equal(rv.find_edges(part), rv.find_edges(part.copy()))
 
 
+@pytest.mark.parametrize(
+    "part", [np.s_[:, ::2], np.s_[::-1], np.s_[:, :, ::-1], np.s_[:, ::-1, :2]], ids=str
+)
+def test_any_other_layout_is_copied(picture, part):
+    view = picture[part]
+    encoding = "bgr8" if view.shape[2] == 3 else "yuv422"
+    assert np.array_equal(rv.find_edges(view, encoding), rv.find_edges(view.copy(), encoding))
+    channel = view[:, :, 1]
+    assert np.array_equal(rv.find_edges(channel, "mono8"), opencv_edges(channel.copy()))
+
+
 def test_brightness_equals_opencv(picture):
     params = rv.BrightnessParams()
     params.gain = 1.5
@@ -55,9 +66,6 @@ def test_brightness_equals_opencv(picture):
         (np.zeros((4, 4), np.uint8), "bgr8", ValueError),
         (np.zeros((0, 4, 3), np.uint8), "bgr8", ValueError),
         (np.zeros((4, 4, 3), np.uint8), "rgb565", ValueError),
-        (np.zeros((4, 8, 3), np.uint8)[:, ::2], "bgr8", ValueError),
-        (np.zeros((4, 4, 3), np.uint8)[::-1], "bgr8", ValueError),
-        (np.zeros((4, 4, 3), np.uint8)[:, :, ::-1], "bgr8", ValueError),
         (np.zeros((4, 5, 2), np.uint8), "yuv422", ValueError),
     ],
 )
