@@ -12,9 +12,15 @@ namespace robot_vision
 /// jpeg.
 std::vector<std::string> encodings();
 
+/// Whether it is one of encodings().
+bool isEncoding(const std::string& encoding);
+
 /// The cv::Mat type that holds a picture of this encoding, for instance CV_8UC3 for bgr8.
 /// Throws std::invalid_argument naming the encoding if it is unknown.
 int matType(const std::string& encoding);
+
+/// "3 x 8 bits (CV_8UC3)", a cv::Mat type for users of NumPy and of OpenCV.
+std::string describePixels(int type);
 
 /// Throws std::invalid_argument naming encoding, size and what was expected if `image` cannot be a picture of it.
 void checkPixels(const cv::Mat& image, const std::string& encoding);

@@ -4,6 +4,7 @@
 
 #include <optional>
 
+#include "arrays.hpp"
 #include "robot_vision/brightness.hpp"
 #include "robot_vision/edges.hpp"
 #include "robot_vision/encoding.hpp"
@@ -21,51 +22,6 @@ constexpr const char* kLayout =
     "Pictures are (height, width) or (height, width, channels) arrays of uint8 or, for 16-bit encodings, uint16. They "
     "are "
     "used without a copy if their pixels lie side by side in each row; rows may be padded.";
-
-/// An array of pixels and the view of it.
-struct Picture
-{
-  explicit Picture(py::array pixels);
-  py::array array;
-  cv::Mat view;
-};
-
-bool hasPackedRows(const py::array& array)
-{
-  const py::ssize_t channels = array.ndim() == 3 ? array.shape(2) : 1;
-  return (array.ndim() == 2 || array.strides(2) == array.itemsize()) &&
-         array.strides(1) == channels * array.itemsize() && array.strides(0) >= array.shape(1) * array.strides(1);
-}
-
-Picture::Picture(py::array pixels) : array(std::move(pixels))
-{
-  const bool wide = py::isinstance<py::array_t<std::uint16_t>>(array);
-  if (!wide && !py::isinstance<py::array_t<std::uint8_t>>(array))
-    throw py::type_error("expected an array of uint8 or uint16, got " + std::string(py::str(array.dtype())));
-  if (array.ndim() != 2 && array.ndim() != 3)
-    throw py::value_error("expected an array of 2 or 3 dimensions, got " + std::to_string(array.ndim()));
-  const auto channels = static_cast<int>(array.ndim() == 3 ? array.shape(2) : 1);
-  if (channels < 1 || channels > 4) throw py::value_error("expected 1 to 4 channels, got " + std::to_string(channels));
-  if (!hasPackedRows(array)) array = py::array::ensure(array, py::array::c_style);
-  view = cv::Mat(static_cast<int>(array.shape(0)), static_cast<int>(array.shape(1)),
-                 CV_MAKETYPE(wide ? CV_16U : CV_8U, channels), const_cast<void*>(array.data()),
-                 static_cast<std::size_t>(array.strides(0)));
-}
-
-/// An array that owns the Mat's pixels (no copy).
-py::array toNumpy(cv::Mat mat)
-{
-  auto* owner = new cv::Mat(std::move(mat));
-  const py::capsule release(owner, [](void* p) { delete static_cast<cv::Mat*>(p); });
-  std::vector<py::ssize_t> shape = {owner->rows, owner->cols};
-  if (owner->channels() > 1) shape.push_back(owner->channels());
-  std::vector<py::ssize_t> strides = {static_cast<py::ssize_t>(owner->step[0]),
-                                      static_cast<py::ssize_t>(owner->elemSize()),
-                                      static_cast<py::ssize_t>(owner->elemSize1())};
-  strides.resize(shape.size());
-  const py::dtype type = owner->depth() == CV_16U ? py::dtype::of<std::uint16_t>() : py::dtype::of<std::uint8_t>();
-  return py::array(type, shape, strides, owner->data, release);
-}
 
 template <class Filter, class Params>
 py::array apply(const py::array& image, const std::string& encoding, const Params& params)

@@ -47,22 +47,21 @@ constexpr std::array<Layout, 18> kLayouts = {{
     {"jpeg", CV_8UC1, kNone, kNone, 1, 1},
 }};
 
+/// Null if it is unknown.
+const Layout* findLayout(const std::string& encoding)
+{
+  const auto* found =
+      std::find_if(kLayouts.begin(), kLayouts.end(), [&](const Layout& l) { return encoding == l.name; });
+  return found == kLayouts.end() ? nullptr : found;
+}
+
 const Layout& layoutOf(const std::string& encoding)
 {
-  const auto found =
-      std::find_if(kLayouts.begin(), kLayouts.end(), [&](const Layout& l) { return encoding == l.name; });
-  if (found != kLayouts.end()) return *found;
+  if (const Layout* found = findLayout(encoding)) return *found;
   std::string known;
   for (const Layout& layout : kLayouts)
     known += std::string(known.empty() ? "" : ", ") + layout.name;
   throw std::invalid_argument("encoding '" + encoding + "' is not one of " + known);
-}
-
-/// "3 x 8 bits (CV_8UC3)", for users of NumPy and of OpenCV.
-std::string describe(int type)
-{
-  return std::to_string(CV_MAT_CN(type)) + " x " + std::to_string(8 * CV_ELEM_SIZE1(type)) + " bits (" +
-         cv::typeToString(type) + ")";
 }
 
 const Layout& checkedLayout(const cv::Mat& image, const std::string& encoding)
@@ -71,8 +70,8 @@ const Layout& checkedLayout(const cv::Mat& image, const std::string& encoding)
   const std::string what = encoding + " picture of " + std::to_string(image.cols) + "x" + std::to_string(image.rows);
   if (image.empty()) throw std::invalid_argument(what + " is empty");
   if (image.type() != layout.type)
-    throw std::invalid_argument(what + ": expected pixels of " + describe(layout.type) + ", got " +
-                                describe(image.type()));
+    throw std::invalid_argument(what + ": expected pixels of " + describePixels(layout.type) + ", got " +
+                                describePixels(image.type()));
   if (image.cols % layout.width_multiple != 0 || image.rows % layout.height_multiple != 0)
     throw std::invalid_argument(what + ": expected columns to be a multiple of " +
                                 std::to_string(layout.width_multiple) + " and rows of " +
@@ -118,9 +117,20 @@ std::vector<std::string> encodings()
   return names;
 }
 
+bool isEncoding(const std::string& encoding)
+{
+  return findLayout(encoding) != nullptr;
+}
+
 int matType(const std::string& encoding)
 {
   return layoutOf(encoding).type;
+}
+
+std::string describePixels(int type)
+{
+  return std::to_string(CV_MAT_CN(type)) + " x " + std::to_string(8 * CV_ELEM_SIZE1(type)) + " bits (" +
+         cv::typeToString(type) + ")";
 }
 
 void checkPixels(const cv::Mat& image, const std::string& encoding)

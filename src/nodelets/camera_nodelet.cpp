@@ -151,7 +151,7 @@ private:
     if (unavailable_.due()) NODELET_ERROR("%s: %s; trying again every second", getName().c_str(), why.c_str());
   }
 
-  void onIdle() override { diagnostics_->statistics().setState(DiagnosticStatus::OK, "idle: nobody subscribes"); }
+  void onIdle() override { diagnostics_->statistics().setIdle(); }
 
   void onEnd(const std::string& error) override
   {

@@ -14,10 +14,10 @@ void FrameStatistics::received(std::uint32_t sequence)
   // A larger step is another sender's number. (A sender in the process may leave all at 0: that is a step of 2^32 - 1.)
   constexpr std::uint32_t kOtherSender = 100;
   const std::uint32_t missing = sequence - last_sequence_ - 1;
-  if (has_sequence_ && missing < kOtherSender) dropped_ += missing;
+  if (has_sequence_ && missing < kOtherSender) totals_.dropped += missing;
   has_sequence_ = true;
   last_sequence_ = sequence;
-  ++received_;
+  ++totals_.received;
   ++period_.received;
 }
 
@@ -31,7 +31,7 @@ void FrameStatistics::refused(const std::string& why)
 {
   const std::lock_guard<std::mutex> lock(mutex_);
   last_error_ = why;
-  ++refused_;
+  ++totals_.refused;
   ++period_.refused;
 }
 
@@ -40,7 +40,7 @@ void FrameStatistics::published(Clock::time_point begin, const ros::Time& stamp)
   const double processing_s = std::chrono::duration<double>(Clock::now() - begin).count();
   const double age_s = ros::Time::now().toSec() - stamp.toSec();
   const std::lock_guard<std::mutex> lock(mutex_);
-  ++published_;
+  ++totals_.published;
   ++period_.published;
   period_.processing_s += processing_s;
   if (stamp.isZero()) return;  // a sender that knows of no time
@@ -54,6 +54,22 @@ void FrameStatistics::setState(unsigned char level, const std::string& text, con
   level_ = level;
   state_ = text;
   silence_ = silence;
+}
+
+void FrameStatistics::setRunning(const std::string& topic)
+{
+  setState(diagnostic_msgs::DiagnosticStatus::OK, "running on " + topic, "no frames on " + topic);
+}
+
+void FrameStatistics::setIdle()
+{
+  setState(diagnostic_msgs::DiagnosticStatus::OK, "idle: nobody subscribes");
+}
+
+FrameStatistics::Totals FrameStatistics::totals()
+{
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return totals_;
 }
 
 void FrameStatistics::report(diagnostic_updater::DiagnosticStatusWrapper& status)
@@ -73,10 +89,10 @@ void FrameStatistics::report(diagnostic_updater::DiagnosticStatusWrapper& status
   status.addf("output rate (Hz)", "%.2f", static_cast<double>(period_.published) / seconds);
   status.addf("processing time (ms)", "%.3f", mean(period_.processing_s, period_.published) * 1e3);
   status.addf("output age (ms)", "%.3f", mean(period_.age_s, period_.stamped) * 1e3);
-  status.add("frames received", received_);
-  status.add("frames published", published_);
-  status.add("frames dropped", dropped_);
-  status.add("frames refused", refused_);
+  status.add("frames received", totals_.received);
+  status.add("frames published", totals_.published);
+  status.add("frames dropped", totals_.dropped);
+  status.add("frames refused", totals_.refused);
   status.add("last error", last_error_);
   period_ = Period();
 }
@@ -85,7 +101,7 @@ FrameDiagnostics::FrameDiagnostics(const ros::NodeHandle& nh, const ros::NodeHan
   : updater_(nh, pnh, name)
 {
   updater_.setHardwareID("none");
-  updater_.add("frames", [this](diagnostic_updater::DiagnosticStatusWrapper& status) { statistics_.report(status); });
+  updater_.add("frames", [this](diagnostic_updater::DiagnosticStatusWrapper& status) { statistics_->report(status); });
   double period = 1.0;
   readParam(pnh, "diagnostic_period", period);
   requireRange("diagnostic_period", period, 0.01, 3600.0);

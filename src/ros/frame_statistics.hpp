@@ -6,6 +6,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <memory>
 #include <mutex>
 #include <string>
 
@@ -29,6 +30,18 @@ public:
   /// What the node is doing, for people: "running", "idle: nobody subscribes". `level` as diagnostic_msgs has it.
   /// `silence` is warned of instead when no frame came since the last report; empty: silence is as it should be.
   void setState(unsigned char level, const std::string& text, const std::string& silence = "");
+  /// The states of a node that works on the pictures of a topic.
+  void setRunning(const std::string& topic);
+  void setIdle();
+
+  struct Totals
+  {
+    std::uint64_t received = 0;
+    std::uint64_t published = 0;
+    std::uint64_t dropped = 0;
+    std::uint64_t refused = 0;
+  };
+  Totals totals();
 
   /// Rates and means since the last report, totals, state and last error.
   void report(diagnostic_updater::DiagnosticStatusWrapper& status);
@@ -49,10 +62,7 @@ private:
   Period period_;
   bool has_sequence_ = false;
   std::uint32_t last_sequence_ = 0;
-  std::uint64_t received_ = 0;
-  std::uint64_t published_ = 0;
-  std::uint64_t dropped_ = 0;
-  std::uint64_t refused_ = 0;
+  Totals totals_;
   unsigned char level_ = 0;
   std::string state_ = "starting";
   std::string silence_;
@@ -65,10 +75,11 @@ class FrameDiagnostics
 public:
   /// Throws std::invalid_argument if ~diagnostic_period (s) is out of range.
   FrameDiagnostics(const ros::NodeHandle& nh, const ros::NodeHandle& pnh, const std::string& name);
-  FrameStatistics& statistics() { return statistics_; }
+  FrameStatistics& statistics() { return *statistics_; }
+  std::shared_ptr<FrameStatistics> shared() { return statistics_; }
 
 private:
-  FrameStatistics statistics_;
+  std::shared_ptr<FrameStatistics> statistics_ = std::make_shared<FrameStatistics>();
   diagnostic_updater::Updater updater_;
   ros::WallTimer timer_;
 };

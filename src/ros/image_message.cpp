@@ -1,8 +1,10 @@
 #include "image_message.hpp"
 
-#include <boost/make_shared.hpp>
+#include <cv_bridge/cv_bridge.h>
 
+#include <algorithm>
 #include <atomic>
+#include <boost/make_shared.hpp>
 #include <cstdint>
 #include <limits>
 #include <stdexcept>
@@ -24,16 +26,20 @@ bool isLittleEndianHost()
 
 cv::Mat swapBytes(const cv::Mat& image)
 {
-  const cv::Mat bytes(image.rows, image.cols, CV_8UC2, image.data, image.step);
-  cv::Mat swapped(image.size(), image.type());
-  cv::Mat swapped_bytes(swapped.rows, swapped.cols, CV_8UC2, swapped.data, swapped.step);
-  const int order[] = {0, 1, 1, 0};
-  cv::mixChannels(&bytes, 1, &swapped_bytes, 1, order, 2);
+  cv::Mat swapped = image.clone();
+  const std::size_t sample = image.elemSize1();
+  for (int y = 0; y < swapped.rows; ++y)
+  {
+    std::uint8_t* const row = swapped.ptr(y);
+    for (std::uint8_t* p = row; p != row + swapped.cols * swapped.elemSize(); p += sample)
+      std::reverse(p, p + sample);
+  }
   return swapped;
 }
 
-void checkLayout(const sensor_msgs::Image& message, std::uint64_t pixel_bytes)
+void checkLayout(const sensor_msgs::Image& message, int type)
 {
+  const auto pixel_bytes = static_cast<std::uint64_t>(CV_ELEM_SIZE(type));
   const auto refuse = [](const std::string& why) { throw std::invalid_argument(why); };
   constexpr auto kLargest = static_cast<std::uint32_t>(std::numeric_limits<int>::max());
   if (message.width == 0 || message.height == 0) refuse("the picture has no pixels");
@@ -41,25 +47,97 @@ void checkLayout(const sensor_msgs::Image& message, std::uint64_t pixel_bytes)
   const std::uint64_t row_bytes = message.width * pixel_bytes;
   if (message.step < row_bytes)
     refuse("step is " + std::to_string(message.step) + ", must be at least " + std::to_string(row_bytes));
+  if (message.step % CV_ELEM_SIZE1(type) != 0)
+    refuse("step is " + std::to_string(message.step) + ", must be a multiple of " +
+           std::to_string(CV_ELEM_SIZE1(type)));
   const std::uint64_t bytes = std::uint64_t{message.step} * message.height;
   if (message.data.size() != bytes)
     refuse("data has " + std::to_string(message.data.size()) + " bytes, step * height is " + std::to_string(bytes));
   if (message.is_bigendian > 1) refuse("is_bigendian is " + std::to_string(message.is_bigendian) + ", must be 0 or 1");
 }
 
+/// The pixels of a checked message in this machine's byte order.
+cv::Mat view(const sensor_msgs::Image& message, int type)
+{
+  checkLayout(message, type);
+  auto* data = const_cast<std::uint8_t*>(message.data.data());
+  const cv::Mat pixels(static_cast<int>(message.height), static_cast<int>(message.width), type, data, message.step);
+  const bool other_order = (message.is_bigendian == 0) != isLittleEndianHost();
+  return pixels.elemSize1() > 1 && other_order ? swapBytes(pixels) : pixels;
+}
+
+/// Of the core's encodings those that a message can have.
+bool isCoreEncoding(const std::string& encoding)
+{
+  return isEncoding(encoding) && encoding != "jpeg" && encoding != "nv12";
+}
+
+/// The cv::Mat type of every encoding of sensor_msgs/Image.
+int anyMatType(const std::string& encoding)
+{
+  try
+  {
+    return isCoreEncoding(encoding) ? matType(encoding) : cv_bridge::getCvType(encoding);
+  }
+  catch (const cv_bridge::Exception& e)
+  {
+    throw std::invalid_argument("encoding '" + encoding + "' is unknown: " + e.what());
+  }
+}
+
 }  // namespace
 
 cv::Mat viewPixels(const sensor_msgs::Image& message)
 {
-  if (message.encoding == "jpeg" || message.encoding == "nv12")
+  if (isEncoding(message.encoding) && !isCoreEncoding(message.encoding))
     throw std::invalid_argument("encoding '" + message.encoding + "' is not one of sensor_msgs/Image");
-  const int type = matType(message.encoding);
-  checkLayout(message, static_cast<std::uint64_t>(CV_ELEM_SIZE(type)));
-  auto* data = const_cast<std::uint8_t*>(message.data.data());
-  const cv::Mat pixels(static_cast<int>(message.height), static_cast<int>(message.width), type, data, message.step);
+  const cv::Mat pixels = view(message, matType(message.encoding));
   checkPixels(pixels, message.encoding);
-  const bool other_order = (message.is_bigendian == 0) != isLittleEndianHost();
-  return pixels.depth() == CV_16U && other_order ? swapBytes(pixels) : pixels;
+  return pixels;
+}
+
+cv::Mat viewAnyPixels(const sensor_msgs::Image& message)
+{
+  return isCoreEncoding(message.encoding) ? viewPixels(message) : view(message, anyMatType(message.encoding));
+}
+
+void requireEncoding(const cv::Mat& pixels, const std::string& encoding)
+{
+  if (isCoreEncoding(encoding)) return checkPixels(pixels, encoding);
+  const int type = anyMatType(encoding);
+  if (pixels.empty()) throw std::invalid_argument("the picture has no pixels");
+  if (pixels.type() != type)
+    throw std::invalid_argument(encoding + " picture: expected pixels of " + describePixels(type) + ", got " +
+                                describePixels(pixels.type()));
+}
+
+cv::Mat convertPixels(const sensor_msgs::Image& message, const std::string& encoding)
+{
+  cv_bridge::CvImage source;
+  source.image = viewAnyPixels(message);
+  source.encoding = message.encoding;
+  if (encoding == message.encoding) return source.image;
+  try
+  {
+    cv::Mat converted;
+    if (encoding == "bgr8" && isCoreEncoding(message.encoding))
+      toBgr(source.image, message.encoding, converted);
+    else if (encoding == "mono8" && isCoreEncoding(message.encoding))
+      toGray(source.image, message.encoding, converted);
+    else
+      converted = cv_bridge::cvtColor(boost::make_shared<const cv_bridge::CvImage>(source), encoding)->image;
+    return converted;
+  }
+  catch (const std::exception& e)
+  {
+    throw std::invalid_argument("cannot be converted to '" + encoding + "': " + e.what());
+  }
+}
+
+std::string describeRefusal(const sensor_msgs::Image& message, const std::string& topic, const std::string& why)
+{
+  return "refused a frame on " + topic + " (" + message.encoding + ", " + std::to_string(message.width) + "x" +
+         std::to_string(message.height) + "): " + why;
 }
 
 sensor_msgs::ImagePtr ImagePool::take(cv::Size size, const std::string& encoding)
@@ -79,7 +157,7 @@ sensor_msgs::ImagePtr ImagePool::take(cv::Size size, const std::string& encoding
   free->encoding = encoding;
   free->width = static_cast<std::uint32_t>(size.width);
   free->height = static_cast<std::uint32_t>(size.height);
-  free->step = static_cast<std::uint32_t>(size.width * CV_ELEM_SIZE(matType(encoding)));
+  free->step = static_cast<std::uint32_t>(size.width * CV_ELEM_SIZE(anyMatType(encoding)));
   free->is_bigendian = isLittleEndianHost() ? 0 : 1;
   free->data.resize(std::size_t{free->step} * free->height);
   return free;
@@ -87,7 +165,7 @@ sensor_msgs::ImagePtr ImagePool::take(cv::Size size, const std::string& encoding
 
 cv::Mat writablePixels(sensor_msgs::Image& message)
 {
-  return {static_cast<int>(message.height), static_cast<int>(message.width), matType(message.encoding),
+  return {static_cast<int>(message.height), static_cast<int>(message.width), anyMatType(message.encoding),
           message.data.data(), message.step};
 }
 

@@ -15,6 +15,20 @@ namespace robot_vision
 /// is_bigendian agree with each other.
 cv::Mat viewPixels(const sensor_msgs::Image& message);
 
+/// The same for every encoding that cv_bridge knows (8UC1, 16-bit colour, 32FC1, ...), not only those of the core.
+cv::Mat viewAnyPixels(const sensor_msgs::Image& message);
+
+/// The picture in `encoding`: a view where it is in it already, otherwise converted as cv_bridge converts.
+/// Throws std::invalid_argument as viewPixels does, and if there is no such conversion.
+cv::Mat convertPixels(const sensor_msgs::Image& message, const std::string& encoding);
+
+/// Throws std::invalid_argument naming type and size expected unless `pixels` can be a picture of `encoding` (any that
+/// cv_bridge knows).
+void requireEncoding(const cv::Mat& pixels, const std::string& encoding);
+
+/// What to log of a picture that is refused: topic, encoding, size and why.
+std::string describeRefusal(const sensor_msgs::Image& message, const std::string& topic, const std::string& why);
+
 /// Messages to publish, reused when no subscriber of the process holds them any more: large pictures then cost no
 /// page faults. Not thread-safe.
 class ImagePool

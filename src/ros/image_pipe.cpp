@@ -4,18 +4,18 @@
 #include <utility>
 
 #include "params.hpp"
-#include "robot_vision/range.hpp"
+#include "transports.hpp"
 
 namespace robot_vision
 {
-
-using diagnostic_msgs::DiagnosticStatus;
 
 ImagePipe::ImagePipe(const ros::NodeHandle& nh, const ros::NodeHandle& pnh, const std::string& name, Step step)
   : pnh_(pnh), name_(name), step_(std::move(step)), diagnostics_(nh, pnh, name), it_(nh), private_it_(pnh)
 {
   readParam(pnh_, "always_subscribe", always_subscribe_);
-  checkTransport();
+  std::string transport = "raw";
+  readParam(pnh_, "image_transport", transport);
+  requireTransport(it_, transport);  // at start, or the first subscriber would meet the exception
   if (nh.resolveName("image") == "/image")
     ROS_WARN("%s: topic 'image' is not remapped; typical use is image:=/usb_cam/image_raw", name_.c_str());
   const auto on_connection = [this](const image_transport::SingleSubscriberPublisher&) { updateSubscription(); };
@@ -36,21 +36,6 @@ ImagePipe::~ImagePipe()
   publisher_.shutdown();
 }
 
-/// Asked at start, or the first subscriber would meet the exception.
-void ImagePipe::checkTransport()
-{
-  std::string transport = "raw";
-  readParam(pnh_, "image_transport", transport);
-  std::string known;
-  for (std::string name : it_.getLoadableTransports())
-  {
-    name.erase(0, name.find('/') + 1);  // it comes as image_transport/raw
-    if (name == transport) return;
-    known += (known.empty() ? "" : ", ") + name;
-  }
-  require(false, "image_transport", "'" + transport + "'", "one that is installed: " + known);
-}
-
 void ImagePipe::updateSubscription()
 {
   const std::lock_guard<std::mutex> lock(mutex_);
@@ -62,13 +47,12 @@ void ImagePipe::updateSubscription()
     const image_transport::TransportHints hints("raw", ros::TransportHints().tcpNoDelay(), pnh_);
     diagnostics_.statistics().resumed();
     subscriber_ = it_.subscribe("image", 1, &ImagePipe::onImage, this, hints);
-    const std::string topic = subscriber_.getTopic();
-    diagnostics_.statistics().setState(DiagnosticStatus::OK, "running on " + topic, "no frames on " + topic);
+    diagnostics_.statistics().setRunning(subscriber_.getTopic());
   }
   else if (!wanted)
   {
     subscriber_.shutdown();
-    diagnostics_.statistics().setState(DiagnosticStatus::OK, "idle: nobody subscribes");
+    diagnostics_.statistics().setIdle();
   }
 }
 
@@ -83,8 +67,7 @@ void ImagePipe::onImage(const sensor_msgs::ImageConstPtr& message)
   }
   catch (const std::exception& e)
   {
-    const std::string what = "refused a frame on " + subscriber_.getTopic() + " (" + message->encoding + ", " +
-                             std::to_string(message->width) + "x" + std::to_string(message->height) + "): " + e.what();
+    const std::string what = describeRefusal(*message, subscriber_.getTopic(), e.what());
     diagnostics_.statistics().refused(what);
     if (throttle_.due()) ROS_ERROR("%s: %s", name_.c_str(), what.c_str());
   }

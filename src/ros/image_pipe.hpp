@@ -33,7 +33,6 @@ public:
   ~ImagePipe();
 
 private:
-  void checkTransport();
   void updateSubscription();
   void onImage(const sensor_msgs::ImageConstPtr& message);
   sensor_msgs::ImagePtr process(const sensor_msgs::Image& message);

@@ -63,11 +63,11 @@ def test_100_loads_and_unloads_under_traffic(manager, kind):
         assert manager.unload("/cycled"), cycle
         assert manager.process.running(), manager.process.output()
         used.append(memory(manager.process))
-    # Frames on their way and what malloc keeps make single readings differ by some MiB: the lowest of many count. A
-    # leak of one 640x480 frame per cycle would be 44 MiB.
+    # Frames on their way and what malloc keeps make single readings differ by some MiB: the lowest
+    # of many count. A leak of one 640x480 frame per cycle would be 44 MiB.
     quarter = CYCLES // 4
     growth = min(used[-quarter:]) - min(used[quarter : 2 * quarter])
-    assert growth < 4.0, f"{growth:.1f} MiB in {2 * quarter} cycles: {np.round(used, 1)}"
+    assert growth < 4.0, f"{growth:.1f} MiB in {CYCLES // 2} cycles: {np.round(used, 1)}"
     assert manager.loaded() == {"/source"}
 
 

@@ -1,0 +1,74 @@
+#pragma once
+
+#include <pybind11/numpy.h>
+#include <pybind11/pybind11.h>
+
+#include <memory>
+#include <opencv2/core.hpp>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace robot_vision
+{
+
+namespace py = pybind11;
+
+/// An array of pixels and the view of it.
+struct Picture
+{
+  explicit Picture(py::array pixels);
+  py::array array;
+  cv::Mat view;
+};
+
+inline bool hasPackedRows(const py::array& array)
+{
+  const py::ssize_t channels = array.ndim() == 3 ? array.shape(2) : 1;
+  return (array.ndim() == 2 || array.strides(2) == array.itemsize()) &&
+         array.strides(1) == channels * array.itemsize() && array.strides(0) >= array.shape(1) * array.strides(1);
+}
+
+inline Picture::Picture(py::array pixels) : array(std::move(pixels))
+{
+  const bool wide = py::isinstance<py::array_t<std::uint16_t>>(array);
+  if (!wide && !py::isinstance<py::array_t<std::uint8_t>>(array))
+    throw py::type_error("expected an array of uint8 or uint16, got " + std::string(py::str(array.dtype())));
+  if (array.ndim() != 2 && array.ndim() != 3)
+    throw py::value_error("expected an array of 2 or 3 dimensions, got " + std::to_string(array.ndim()));
+  const auto channels = static_cast<int>(array.ndim() == 3 ? array.shape(2) : 1);
+  if (channels < 1 || channels > 4) throw py::value_error("expected 1 to 4 channels, got " + std::to_string(channels));
+  if (!hasPackedRows(array)) array = py::array::ensure(array, py::array::c_style);
+  view = cv::Mat(static_cast<int>(array.shape(0)), static_cast<int>(array.shape(1)),
+                 CV_MAKETYPE(wide ? CV_16U : CV_8U, channels), const_cast<void*>(array.data()),
+                 static_cast<std::size_t>(array.strides(0)));
+}
+
+/// The dtype of a cv::Mat's samples.
+inline py::dtype dtypeOf(const cv::Mat& mat)
+{
+  static const char* const names[] = {"u1", "i1", "u2", "i2", "i4", "f4", "f8"};  // by cv::Mat depth, CV_8U to CV_64F
+  return py::dtype(names[mat.depth()]);
+}
+
+/// An array of the Mat's pixels, without a copy: (height, width), or (height, width, channels) if there are several.
+/// `owner` is kept until the array and all views of it are gone. `Owner` keeps the pixels alive.
+template <class Owner>
+py::array toNumpy(const cv::Mat& mat, Owner owner)
+{
+  const py::capsule release(new Owner(std::move(owner)), [](void* p) { delete static_cast<Owner*>(p); });
+  std::vector<py::ssize_t> shape = {mat.rows, mat.cols};
+  if (mat.channels() > 1) shape.push_back(mat.channels());
+  std::vector<py::ssize_t> strides = {static_cast<py::ssize_t>(mat.step[0]), static_cast<py::ssize_t>(mat.elemSize()),
+                                      static_cast<py::ssize_t>(mat.elemSize1())};
+  strides.resize(shape.size());
+  return py::array(dtypeOf(mat), shape, strides, mat.data, release);
+}
+
+/// An array that owns the Mat's pixels.
+inline py::array toNumpy(const cv::Mat& mat)
+{
+  return toNumpy(mat, mat);
+}
+
+}  // namespace robot_vision

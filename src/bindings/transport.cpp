@@ -1,0 +1,136 @@
+#include <pybind11/stl.h>
+#include <ros/serialization.h>
+
+#include "arrays.hpp"
+#include "ros/image_runtime.hpp"
+#include "ros/save_params.hpp"
+
+namespace
+{
+
+using namespace robot_vision;
+using namespace py::literals;
+using Unlocked = py::call_guard<py::gil_scoped_release>;
+
+/// Pixels whose depth and channels are those of the array, of any type that a cv::Mat can have.
+cv::Mat viewOf(const py::array& array)
+{
+  static const std::string kinds[] = {"u1", "i1", "u2", "i2", "i4", "f4", "f8"};  // by cv::Mat depth
+  const std::string kind = std::string(1, array.dtype().kind()) + std::to_string(array.itemsize());
+  const auto* found = std::find(std::begin(kinds), std::end(kinds), kind);
+  if (found == std::end(kinds)) throw py::type_error("no picture has pixels of " + std::string(py::str(array.dtype())));
+  const auto channels = static_cast<int>(array.ndim() == 3 ? array.shape(2) : 1);
+  return {static_cast<int>(array.shape(0)), static_cast<int>(array.shape(1)),
+          CV_MAKETYPE(static_cast<int>(found - std::begin(kinds)), channels), const_cast<void*>(array.data()),
+          static_cast<std::size_t>(array.strides(0))};
+}
+
+py::bytes serialized(const sensor_msgs::CameraInfo& info)
+{
+  std::string bytes(ros::serialization::serializationLength(info), '\0');
+  ros::serialization::OStream stream(reinterpret_cast<std::uint8_t*>(&bytes[0]),
+                                     static_cast<std::uint32_t>(bytes.size()));
+  ros::serialization::serialize(stream, info);
+  return bytes;
+}
+
+/// (pixels, encoding, (seq, secs, nsecs, frame_id), camera_info as serialized or None), or None.
+py::object take(ImageInbox& inbox)
+{
+  std::optional<ReceivedImage> received;
+  {
+    const py::gil_scoped_release unlocked;
+    received = inbox.take();
+  }
+  if (!received) return py::none();
+  const std_msgs::Header& header = received->message->header;
+  const auto owner = std::make_pair(received->message, received->pixels);
+  py::array pixels = toNumpy(received->pixels, owner);
+  pixels.attr("setflags")("write"_a = false);
+  py::object info = py::none();
+  if (received->camera_info) info = serialized(*received->camera_info);
+  return py::make_tuple(pixels, received->encoding,
+                        py::make_tuple(header.seq, header.stamp.sec, header.stamp.nsec, header.frame_id), info);
+}
+
+void publish(ImageOutbox& outbox, const py::array& pixels, const std::string& encoding, std::uint32_t seq,
+             std::uint32_t secs, std::uint32_t nsecs, const std::string& frame_id)
+{
+  if (pixels.ndim() != 2 && pixels.ndim() != 3)
+    throw py::value_error("expected an array of 2 or 3 dimensions, got " + std::to_string(pixels.ndim()));
+  const py::array packed = hasPackedRows(pixels) ? pixels : py::array::ensure(pixels, py::array::c_style);
+  const cv::Mat view = viewOf(packed);
+  std_msgs::Header header;
+  header.seq = seq;
+  header.stamp = ros::Time(secs, nsecs);
+  header.frame_id = frame_id;
+  const py::gil_scoped_release unlocked;
+  outbox.publish(view, encoding, header);
+}
+
+/// `values`: bool, int, float and str by name.
+void save(const std::string& path, const py::dict& values)
+{
+  dynamic_reconfigure::Config config;
+  const auto put = [](auto& list, const std::string& name, auto value)
+  {
+    list.emplace_back();
+    list.back().name = name;
+    list.back().value = value;
+  };
+  for (const auto& [key, value] : values)
+  {
+    const auto name = key.cast<std::string>();
+    if (py::isinstance<py::bool_>(value))
+      put(config.bools, name, value.cast<bool>());
+    else if (py::isinstance<py::int_>(value))
+      put(config.ints, name, value.cast<int>());
+    else if (py::isinstance<py::float_>(value))
+      put(config.doubles, name, value.cast<double>());
+    else
+      put(config.strs, name, value.cast<std::string>());
+  }
+  saveParams(path, config);
+}
+
+std::shared_ptr<ImageInbox> makeInbox(ImageRuntime& runtime, const std::string& topic, const std::string& transport,
+                                      const std::string& parameters, const std::string& encoding,
+                                      const std::string& camera_info_topic,
+                                      const std::shared_ptr<FrameDiagnostics>& diagnostics)
+{
+  const ImageInbox::Params params{topic, transport, parameters, encoding, camera_info_topic};
+  return runtime.makeInbox(params, diagnostics ? diagnostics->shared() : std::make_shared<FrameStatistics>());
+}
+
+}  // namespace
+
+PYBIND11_MODULE(_transport, m)
+{
+  m.doc() = "roscpp's pictures for robot_vision.transport, which is documented.";
+  py::class_<FrameDiagnostics, std::shared_ptr<FrameDiagnostics>>(m, "Diagnostics");
+  py::class_<ImageInbox, std::shared_ptr<ImageInbox>>(m, "Inbox")
+      .def("open", &ImageInbox::open, Unlocked())
+      .def("close", &ImageInbox::close, Unlocked())
+      .def("publishers", &ImageInbox::publishers, Unlocked())
+      .def("take", take)
+      .def("finished", &ImageInbox::finished, Unlocked())
+      .def("refuse", &ImageInbox::refuse, "why"_a, Unlocked())
+      .def_property_readonly("received", [](const ImageInbox& inbox) { return inbox.totals().received; })
+      .def_property_readonly("dropped", [](const ImageInbox& inbox) { return inbox.totals().dropped; })
+      .def_property_readonly("refused", [](const ImageInbox& inbox) { return inbox.totals().refused; });
+  py::class_<ImageOutbox, std::shared_ptr<ImageOutbox>>(m, "Outbox")
+      .def("close", &ImageOutbox::close, Unlocked())
+      .def("subscribers", &ImageOutbox::subscribers, Unlocked())
+      .def("publish", publish, "pixels"_a, "encoding"_a, "seq"_a, "secs"_a, "nsecs"_a, "frame_id"_a);
+  py::class_<ImageRuntime>(m, "Runtime")
+      .def(py::init<const std::string&, const ros::M_string&>(), "name"_a, "options"_a, Unlocked())
+      .def("inbox", makeInbox, "topic"_a, "transport"_a, "parameters"_a, "encoding"_a, "camera_info_topic"_a,
+           "diagnostics"_a, Unlocked())
+      .def("outbox", &ImageRuntime::makeOutbox, "topic"_a, Unlocked())
+      .def("diagnostics", &ImageRuntime::makeDiagnostics, "node"_a, Unlocked())
+      .def("spin_once", &ImageRuntime::spinOnce, Unlocked())
+      .def("connections_changed", &ImageRuntime::connectionsChanged)
+      .def("stop", &ImageRuntime::stop, Unlocked());
+  m.def("save_params", save, "path"_a, "values"_a,
+        "Puts the values into a YAML file; see save_params.hpp. Raises RuntimeError naming the path.");
+}

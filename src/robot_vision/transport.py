@@ -1,0 +1,280 @@
+"""Pictures in a rospy node at C++ speed: the newest frame, over any transport, without a copy.
+
+    import rospy
+    from robot_vision.transport import ImageSubscriber
+
+    rospy.init_node("viewer")
+    ImageSubscriber("image", lambda frame: print(frame.image.shape), encoding="bgr8")
+    rospy.spin()
+
+roscpp and image_transport run inside the process as a second node, <node>_images. All callbacks
+are called by one thread, one after the other; what comes meanwhile is dropped but for the newest.
+Names are resolved by rospy: relative and private names, remappings and namespaces work as usual.
+"""
+
+import atexit
+import sys
+import threading
+import traceback
+from typing import Any, Callable, List, Optional
+
+import numpy as np
+import rospy
+from sensor_msgs.msg import CameraInfo
+from std_msgs.msg import Header
+
+from . import _transport
+
+
+class Frame:
+    """A picture that came in.
+
+    Attributes:
+        image: (height, width) or (height, width, channels) array, read-only; valid as long as it
+            is held, also after the subscriber is gone. Copy it to draw into it.
+        encoding: of the pixels, as in sensor_msgs/image_encodings.
+        header: of the message; publish results with it, so that stamp and frame_id survive.
+        camera_info: of the same stamp, from a CameraSubscriber, else None.
+    """
+
+    __slots__ = ("camera_info", "encoding", "header", "image")
+
+    def __init__(
+        self,
+        image: np.ndarray,
+        encoding: str,
+        header: Header,
+        camera_info: Optional[CameraInfo] = None,
+    ):
+        self.image = image
+        self.encoding = encoding
+        self.header = header
+        self.camera_info = camera_info
+
+
+Callback = Callable[[Frame], Any]
+
+
+class ImageSubscriber:
+    """Calls back with the newest picture of a topic.
+
+    A picture that cannot be used (wrong size, no such conversion) is refused with an error in the
+    log. A callback that raises is logged with its traceback. Both are counted, and the next
+    picture comes.
+
+    Args:
+        topic: a sensor_msgs/Image topic, or the base name of one, as image_transport has it.
+        callback: is called with a Frame.
+        encoding: to convert to, in C++: "bgr8", "mono8" or whatever cv_bridge converts to. None:
+            the message's own, as a view of its memory.
+        transport: raw, compressed, ... None: the parameter ~image_transport, or else raw.
+        diagnostics: of the node, to count in.
+        start: whether to subscribe at once; else with start().
+
+    Raises:
+        ValueError: the transport is not installed.
+    """
+
+    def __init__(
+        self,
+        topic: str,
+        callback: Callback,
+        encoding: Optional[str] = None,
+        transport: Optional[str] = None,
+        diagnostics: Optional[_transport.Diagnostics] = None,
+        start: bool = True,
+    ):
+        self.topic = rospy.resolve_name(topic)
+        self.failed = 0  # callbacks that raised
+        self._callback = callback
+        self._inbox = _process().runtime.inbox(
+            self.topic,
+            transport or rospy.get_param("~image_transport", "raw"),
+            rospy.get_name(),
+            encoding or "",
+            self._camera_info_topic(),
+            diagnostics,
+        )
+        if start:
+            self.start()
+
+    def start(self) -> None:
+        """Subscribes."""
+        _process().add(self)
+        self._inbox.open()
+
+    def unregister(self) -> None:
+        """Unsubscribes; a callback under way goes on to its end. Frames stay valid."""
+        self._inbox.close()
+        _process().remove(self)
+
+    def get_num_connections(self) -> int:
+        """How many publishers are connected."""
+        return self._inbox.publishers()
+
+    @property
+    def received(self) -> int:
+        """Pictures taken from the topic, those refused among them."""
+        return self._inbox.received
+
+    @property
+    def dropped(self) -> int:
+        """Pictures not seen, by the gaps in header.seq: a newer one came, or they were lost."""
+        return self._inbox.dropped
+
+    @property
+    def refused(self) -> int:
+        """Pictures that could not be used."""
+        return self._inbox.refused
+
+    def refuse(self, why: str) -> None:
+        """Counts the picture of the present callback as refused, and says why in the log."""
+        self._inbox.refuse(why)
+
+    def _camera_info_topic(self) -> str:
+        return ""
+
+    def _deliver(self) -> None:
+        taken = self._inbox.take()
+        if taken is None:
+            return
+        image, encoding, (seq, secs, nsecs, frame_id), info = taken
+        frame = Frame(image, encoding, Header(seq, rospy.Time(secs, nsecs), frame_id))
+        if info is not None:
+            frame.camera_info = CameraInfo().deserialize(info)
+        try:
+            self._callback(frame)
+            self._inbox.finished()
+        except Exception:
+            self.failed += 1
+            rospy.logerr("%s: the callback failed:\n%s", self.topic, traceback.format_exc())
+
+
+class CameraSubscriber(ImageSubscriber):
+    """An ImageSubscriber whose frames come with the camera_info of the same stamp.
+
+    The camera_info is that beside the picture's topic: of /usb_cam/image_raw /usb_cam/camera_info.
+    """
+
+    def _camera_info_topic(self) -> str:
+        return self.topic.rsplit("/", 1)[0] + "/camera_info"
+
+
+class ImagePublisher:
+    """Publishes pictures over every installed image_transport.
+
+    Args:
+        topic: the base name.
+        on_connection: is called when subscribers come or go.
+    """
+
+    def __init__(self, topic: str, on_connection: Optional[Callable[[], Any]] = None):
+        self.topic = rospy.resolve_name(topic)
+        self._on_connection = on_connection
+        self._outbox = _process().runtime.outbox(self.topic)
+        if on_connection:
+            _process().add_listener(on_connection)
+
+    def get_num_connections(self) -> int:
+        """How many subscribers there are; without any, pictures need not be made."""
+        return self._outbox.subscribers()
+
+    def publish(
+        self, image: np.ndarray, encoding: str = "bgr8", header: Optional[Header] = None
+    ) -> None:
+        """Publishes a copy of the picture; nothing if nobody subscribes.
+
+        Args:
+            image: (height, width) or (height, width, channels) array of the encoding's type.
+            encoding: as in sensor_msgs/image_encodings.
+            header: of what the picture was made from. None: the time is now.
+
+        Raises:
+            ValueError, TypeError: the array is no picture of this encoding.
+        """
+        header = header or Header(stamp=rospy.Time.now())
+        stamp = header.stamp
+        self._outbox.publish(image, encoding, header.seq, stamp.secs, stamp.nsecs, header.frame_id)
+
+    def unregister(self) -> None:
+        """Ends the topic."""
+        if self._on_connection:
+            _process().remove_listener(self._on_connection)
+        self._outbox.close()
+
+
+class _Process:
+    """The roscpp half of this process, and the thread of the callbacks."""
+
+    def __init__(self) -> None:
+        special = {
+            name: value
+            for name, value in rospy.names.load_mappings(sys.argv).items()
+            if name.startswith("__") and name not in ("__name", "__ns")
+        }
+        self.runtime = _transport.Runtime(rospy.get_name() + "_images", special)
+        self._lock = threading.Lock()  # guards the two lists
+        self._subscribers: List[ImageSubscriber] = []
+        self._listeners: List[Callable[[], Any]] = []
+        self._thread = threading.Thread(target=self._run, name="images", daemon=True)
+        rospy.on_shutdown(self.stop)
+        atexit.register(self.stop)  # in a process that never shuts rospy down
+        self._thread.start()
+
+    def add(self, subscriber: ImageSubscriber) -> None:
+        with self._lock:
+            if subscriber not in self._subscribers:
+                self._subscribers.append(subscriber)
+
+    def remove(self, subscriber: ImageSubscriber) -> None:
+        with self._lock:
+            if subscriber in self._subscribers:
+                self._subscribers.remove(subscriber)
+
+    def add_listener(self, listener: Callable[[], Any]) -> None:
+        with self._lock:
+            self._listeners.append(listener)
+
+    def remove_listener(self, listener: Callable[[], Any]) -> None:
+        with self._lock:
+            self._listeners.remove(listener)
+
+    def stop(self) -> None:
+        """Ends the roscpp node; a callback that never returns is left behind."""
+        self.runtime.stop()
+        if threading.current_thread() is not self._thread:
+            self._thread.join(1.0)
+
+    def _run(self) -> None:
+        while self.runtime.spin_once():
+            if self.runtime.connections_changed():
+                for listener in self._copy(self._listeners):
+                    self._call(listener)
+            for subscriber in self._copy(self._subscribers):
+                subscriber._deliver()
+
+    def _copy(self, items: List[Any]) -> List[Any]:
+        with self._lock:
+            return list(items)
+
+    @staticmethod
+    def _call(listener: Callable[[], Any]) -> None:
+        try:
+            listener()
+        except Exception:
+            rospy.logerr("a connection callback failed:\n%s", traceback.format_exc())
+
+
+_the_process: Optional[_Process] = None
+_the_process_lock = threading.Lock()
+
+
+def _process() -> _Process:
+    """The process's one roscpp half, started when it is first needed."""
+    global _the_process
+    with _the_process_lock:
+        if _the_process is None:
+            if not rospy.core.is_initialized():
+                raise rospy.ROSInitException("call rospy.init_node() first")
+            _the_process = _Process()
+        return _the_process

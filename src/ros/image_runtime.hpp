@@ -1,0 +1,55 @@
+#pragma once
+
+#include <image_transport/image_transport.h>
+#include <ros/callback_queue.h>
+#include <ros/ros.h>
+
+#include <atomic>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "image_inbox.hpp"
+#include "image_outbox.hpp"
+
+namespace robot_vision
+{
+
+/// The roscpp half of a process that is a node of another client library: a second node, with a queue for pictures that
+/// a thread of the caller works through, and a thread of its own for all else. One per process.
+class ImageRuntime
+{
+public:
+  /// Starts the node `name` (absolute). `options` are roscpp's special names (__ip, __hostname, ...) and their values.
+  ImageRuntime(const std::string& name, const ros::M_string& options);
+  ~ImageRuntime() { stop(); }
+  ImageRuntime(const ImageRuntime&) = delete;
+  ImageRuntime& operator=(const ImageRuntime&) = delete;
+
+  std::shared_ptr<ImageInbox> makeInbox(const ImageInbox::Params& params, std::shared_ptr<FrameStatistics> statistics);
+  std::shared_ptr<ImageOutbox> makeOutbox(const std::string& topic);
+  /// Statistics that are published on /diagnostics under the name of `node`, by its ~diagnostic_period.
+  std::shared_ptr<FrameDiagnostics> makeDiagnostics(const std::string& node);
+
+  /// Calls what waits in the queue, and waits at most 0.1 s for something to come. False after stop().
+  bool spinOnce();
+  /// Whether subscribers have come to an outbox, or gone, since the last call.
+  bool connectionsChanged() { return connections_changed_.exchange(false); }
+  /// Closes all that was made and ends the node; inboxes and outboxes stay valid, and do nothing more.
+  void stop();
+
+private:
+  std::atomic<bool> stopped_{false};
+  std::atomic<bool> connections_changed_{false};
+  ros::CallbackQueue queue_;
+  std::shared_ptr<ros::NodeHandle> nh_;
+  std::shared_ptr<image_transport::ImageTransport> it_;
+  std::shared_ptr<ros::AsyncSpinner> spinner_;
+  std::mutex mutex_;  // guards all below
+  std::vector<std::weak_ptr<ImageInbox>> inboxes_;
+  std::vector<std::weak_ptr<ImageOutbox>> outboxes_;
+  std::vector<std::shared_ptr<FrameDiagnostics>> diagnostics_;
+};
+
+}  // namespace robot_vision

@@ -1,0 +1,20 @@
+#include "transports.hpp"
+
+#include "robot_vision/range.hpp"
+
+namespace robot_vision
+{
+
+void requireTransport(const image_transport::ImageTransport& it, const std::string& transport)
+{
+  std::string known;
+  for (std::string name : it.getLoadableTransports())
+  {
+    name.erase(0, name.find('/') + 1);  // it comes as image_transport/raw
+    if (name == transport) return;
+    known += (known.empty() ? "" : ", ") + name;
+  }
+  require(false, "image_transport", "'" + transport + "'", "one that is installed: " + known);
+}
+
+}  // namespace robot_vision
