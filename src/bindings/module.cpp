@@ -11,17 +11,15 @@
 #include "robot_vision/frame_source.hpp"
 #include "robot_vision/scene.hpp"
 
-namespace py = pybind11;
-using namespace py::literals;
 using namespace robot_vision;
+using namespace py::literals;
 
 namespace
 {
 
 constexpr const char* kLayout =
     "Pictures are (height, width) or (height, width, channels) arrays of uint8 or, for 16-bit encodings, uint16. They "
-    "are "
-    "used without a copy if their pixels lie side by side in each row; rows may be padded.";
+    "are used without a copy if their pixels lie side by side in each row; rows may be padded.";
 
 template <class Filter, class Params>
 py::array apply(const py::array& image, const std::string& encoding, const Params& params)
@@ -35,7 +33,7 @@ py::array apply(const py::array& image, const std::string& encoding, const Param
   return toNumpy(output);
 }
 
-py::array_t<double> toNumpy(const cv::Matx44d& matrix)
+py::array_t<double> poseToNumpy(const cv::Matx44d& matrix)
 {
   return py::array_t<double>({4, 4}, matrix.val);
 }
@@ -115,7 +113,7 @@ void bindScene(py::module& m)
   py::class_<SceneObject>(m, "SceneObject", "One thing in the scene, as one frame shows it.")
       .def_readonly("name", &SceneObject::name)
       .def_property_readonly(
-          "pose", [](const SceneObject& o) { return toNumpy(o.pose.matrix); },
+          "pose", [](const SceneObject& o) { return poseToNumpy(o.pose.matrix); },
           "4x4, object in the camera's optical frame, m")
       .def_property_readonly(
           "outline",
@@ -132,7 +130,7 @@ void bindScene(py::module& m)
   py::class_<SceneTruth>(m, "SceneTruth", "Where everything in the scene is in one frame.")
       .def_readonly("frame", &SceneTruth::frame)
       .def_property_readonly(
-          "camera", [](const SceneTruth& t) { return toNumpy(t.camera.matrix); }, "4x4, camera in the world, m")
+          "camera", [](const SceneTruth& t) { return poseToNumpy(t.camera.matrix); }, "4x4, camera in the world, m")
       .def_readonly("objects", &SceneTruth::objects);
 
   py::class_<Scene>(m, "Scene", "A synthetic room with exact ground truth, the same for the same frame number.")
