@@ -114,7 +114,7 @@ PYBIND11_MODULE(_transport, m)
       .def("publishers", &ImageInbox::publishers, Unlocked())
       .def("take", take)
       .def("finished", &ImageInbox::finished, Unlocked())
-      .def("refuse", &ImageInbox::refuse, "why"_a, Unlocked())
+      .def("failed", &ImageInbox::failed, "why"_a, Unlocked())
       .def_property_readonly("received", [](const ImageInbox& inbox) { return inbox.totals().received; })
       .def_property_readonly("dropped", [](const ImageInbox& inbox) { return inbox.totals().dropped; })
       .def_property_readonly("refused", [](const ImageInbox& inbox) { return inbox.totals().refused; });

@@ -124,12 +124,8 @@ class ImageSubscriber:
 
     @property
     def refused(self) -> int:
-        """Pictures that could not be used."""
+        """Pictures that could not be used, those among them whose callback raised."""
         return self._inbox.refused
-
-    def refuse(self, why: str) -> None:
-        """Counts the picture of the present callback as refused, and says why in the log."""
-        self._inbox.refuse(why)
 
     def _camera_info_topic(self) -> str:
         return ""
@@ -145,9 +141,11 @@ class ImageSubscriber:
         try:
             self._callback(frame)
             self._inbox.finished()
-        except Exception:
+        except Exception as error:
             self.failed += 1
-            rospy.logerr("%s: the callback failed:\n%s", self.topic, traceback.format_exc())
+            self._inbox.failed(f"the callback failed: {error!r}")
+            text = f"{self.topic}: the callback failed:\n{traceback.format_exc()}"
+            rospy.logerr_throttle_identical(5.0, text)
 
 
 class CameraSubscriber(ImageSubscriber):
@@ -263,6 +261,15 @@ class _Process:
             listener()
         except Exception:
             rospy.logerr("a connection callback failed:\n%s", traceback.format_exc())
+
+
+def node_diagnostics() -> _transport.Diagnostics:
+    """Statistics for an ImageSubscriber, reported on /diagnostics under this node's name.
+
+    Raises:
+        ValueError: ~diagnostic_period is out of range.
+    """
+    return _process().runtime.diagnostics(rospy.get_name())
 
 
 _the_process: Optional[_Process] = None

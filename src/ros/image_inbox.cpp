@@ -122,6 +122,11 @@ void ImageInbox::finished()
   statistics_->published(taken_at_, taken_->header.stamp);
 }
 
+void ImageInbox::failed(const std::string& why)
+{
+  statistics_->refused(why);
+}
+
 void ImageInbox::refuse(const std::string& why)
 {
   const std::string what = describeRefusal(*taken_, params_.topic, why);

@@ -56,12 +56,13 @@ public:
   std::optional<ReceivedImage> take();
   /// The picture that was taken last has been worked on, and its results have gone out.
   void finished();
-  /// It could not be worked on: it is counted, and `why` is logged with topic, encoding and size, now and then.
-  void refuse(const std::string& why);
+  /// Working on it has failed, which the caller has logged: it counts as refused.
+  void failed(const std::string& why);
 
   FrameStatistics::Totals totals() const { return statistics_->totals(); }
 
 private:
+  void refuse(const std::string& why);
   void onImage(const sensor_msgs::ImageConstPtr& message);
   void onCameraInfo(const sensor_msgs::CameraInfoConstPtr& info);
   sensor_msgs::CameraInfoConstPtr infoOf(const sensor_msgs::Image& image) const;

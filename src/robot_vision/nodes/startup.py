@@ -20,7 +20,8 @@ def run_node(name: str, start: Callable[[], object]) -> None:
     """Runs this process as the node `name` until it is shut down; SIGINT then ends it with code 0.
 
     Waits for the master, calls `start`, which makes the node's publishers and subscribers, and
-    keeps what it returns alive while the node spins.
+    keeps what it returns alive while the node spins. A ValueError of it, a bad parameter, is a
+    FATAL line and exit code 1.
 
     rospy waits for the master deaf to Ctrl-C, and shuts down inside its signal handler, where it
     blocks on any lock that the interrupted thread holds. Here a thread of its own does that.
@@ -32,6 +33,9 @@ def run_node(name: str, start: Callable[[], object]) -> None:
         node = start()
         rospy.spin()
         del node
+    except ValueError as error:
+        rospy.logfatal("%s: %s", rospy.get_name(), error)
+        sys.exit(1)
     except Exception:
         # A node that is shut down while it starts finds rospy half closed.
         if not rospy.is_shutdown():

@@ -1,0 +1,73 @@
+"""What every node does that works on pictures."""
+
+import threading
+from typing import Any, Callable, List
+
+import rospy
+
+from .. import transport
+from .params import read_param
+
+
+class ImageNode:
+    """Works on the topic `image` while somebody subscribes to an output (or ~always_subscribe).
+
+    Counts and refuses frames, and reports on /diagnostics under the node's name.
+
+    Args:
+        process: works on a Frame and publishes.
+        encoding: that it wants its frames in.
+        camera_info: whether frames shall come with their camera_info.
+
+    Raises:
+        ValueError: a parameter is of the wrong type or out of range.
+    """
+
+    def __init__(
+        self,
+        process: Callable[[transport.Frame], Any],
+        encoding: str = "bgr8",
+        camera_info: bool = False,
+    ):
+        self._always = read_param("always_subscribe", False)
+        self._outputs: List[Any] = []
+        self._lock = threading.Lock()  # connections come in several threads
+        kind = transport.CameraSubscriber if camera_info else transport.ImageSubscriber
+        self._images = kind(
+            "image", process, encoding, diagnostics=transport.node_diagnostics(), start=False
+        )
+        if self._images.topic == "/image":
+            rospy.logwarn("topic 'image' is not remapped; typical use is image:=/usb_cam/image_raw")
+
+    def publisher(self, name: str, kind: Any) -> rospy.Publisher:
+        """A topic for results, which makes the node work."""
+        listener = _Listener(self.update)
+        output = rospy.Publisher(name, kind, queue_size=1, subscriber_listener=listener)
+        self._outputs.append(output)
+        return output
+
+    def image_publisher(self, name: str) -> transport.ImagePublisher:
+        """A topic for pictures, which makes the node work; draw only if it has connections."""
+        output = transport.ImagePublisher(name, on_connection=self.update)
+        self._outputs.append(output)
+        return output
+
+    def update(self) -> None:
+        """Subscribes or unsubscribes, as the outputs' audience asks for; call it once at start."""
+        with self._lock:
+            if self._always or any(output.get_num_connections() for output in self._outputs):
+                self._images.start()
+            else:
+                self._images.unregister()
+
+
+class _Listener(rospy.SubscribeListener):
+    def __init__(self, update: Callable[[], None]):
+        super().__init__()
+        self._update = update
+
+    def peer_subscribe(self, *_: Any) -> None:
+        self._update()
+
+    def peer_unsubscribe(self, *_: Any) -> None:
+        self._update()

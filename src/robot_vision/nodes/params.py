@@ -1,0 +1,90 @@
+"""A node's parameters: read strictly, changed live, saved."""
+
+import copy
+from typing import Any, Callable, Dict, Optional
+
+import dynamic_reconfigure.server
+import rospy
+from std_srvs.srv import Trigger, TriggerResponse
+
+from .. import _transport
+
+TYPES = {bool: "true or false", int: "an integer", float: "a number", str: "a string"}
+
+
+def read_param(name: str, default: Any) -> Any:
+    """The private parameter `name`, or `default` if it is not set.
+
+    Raises:
+        ValueError: it is of another type than the default; an integer will do for a float.
+    """
+    value = rospy.get_param("~" + name, default)
+    kind = type(default)
+    if kind is float and type(value) is int:
+        value = float(value)
+    if type(value) is not kind:
+        raise ValueError(f"{name} is {value!r}, must be {TYPES[kind]}")
+    return value
+
+
+class LiveParams:
+    """Parameters that change through dynamic_reconfigure and are saved by ~save_parameters.
+
+    Args:
+        config_type: the module that is generated from the .cfg file; its ranges are kept.
+        apply: puts values (by name) to use; may correct them in place, or raise ValueError to
+            refuse them: fatal at start; live, the old values stay and a warning says why.
+        save: writes values into the file that ~config_file names. None: each as a line of it.
+
+    Raises:
+        ValueError: a parameter has the wrong type, or is refused.
+    """
+
+    def __init__(
+        self,
+        config_type: Any,
+        apply: Callable[[Dict[str, Any]], None],
+        save: Optional[Callable[[str, Dict[str, Any]], None]] = None,
+    ):
+        self._type = config_type
+        self._apply = apply
+        self._save = save or _transport.save_params
+        self._accepted: Dict[str, Any] = {}
+        for name, default in config_type.defaults.items():
+            rospy.set_param("~" + name, read_param(name, default))
+        self._server = _Server(config_type, self._change)
+        rospy.Service("~save_parameters", Trigger, self._on_save)
+
+    def _change(self, config: Dict[str, Any], _level: int) -> Dict[str, Any]:
+        try:
+            self._require_ranges(config)
+            self._apply(config)
+        except ValueError as error:
+            if not self._accepted:
+                raise
+            rospy.logwarn("refused, the parameters stay as they are: %s", error)
+            return copy.deepcopy(self._accepted)
+        self._accepted = copy.deepcopy(config)
+        return config
+
+    def _require_ranges(self, config: Dict[str, Any]) -> None:
+        for name, low in self._type.min.items():
+            high = self._type.max[name]
+            if low != "" and type(config[name]) is not bool and not low <= config[name] <= high:
+                raise ValueError(f"{name} is {config[name]:g}, must be from {low:g} to {high:g}")
+
+    def _on_save(self, _request: Any) -> TriggerResponse:
+        path = rospy.get_param("~config_file", "")
+        try:
+            if not path:
+                raise RuntimeError("~config_file does not name a file")
+            self._save(path, {name: self._accepted[name] for name in self._type.defaults})
+        except (OSError, RuntimeError, ValueError) as error:
+            rospy.logerr("parameters not saved: %s", error)
+            return TriggerResponse(False, str(error))
+        return TriggerResponse(True, path)
+
+
+class _Server(dynamic_reconfigure.server.Server):
+    def _clamp(self, config: Dict[str, Any]) -> None:
+        """Leaves values out of range as they are, for the node to refuse instead of moving them."""
