@@ -12,6 +12,9 @@ TOPICS = {
     "usb_cam": "/usb_cam/image_raw",
     "brightness": "/brightness/processed_image",
     "edge_detector": "/edge_detector/processed_image",
+    "hsv_tracker": "/hsv_tracker/processed_image",
+    "ball_tracker": "/ball_tracker/processed_image",
+    "line_follower": "/line_follower/processed_image",
 }
 
 

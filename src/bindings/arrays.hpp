@@ -65,6 +65,22 @@ py::array toNumpy(const cv::Mat& mat, Owner owner)
   return py::array(dtypeOf(mat), shape, strides, mat.data, release);
 }
 
+/// Integer pixel positions from Python, (n, 2).
+using Points = py::array_t<int, py::array::c_style | py::array::forcecast>;
+
+inline std::vector<cv::Point> toPoints(const Points& points)
+{
+  if (points.size() == 0) return {};
+  if (points.ndim() != 2 || points.shape(1) != 2) throw py::value_error("expected an (n, 2) array of points");
+  const auto* first = reinterpret_cast<const cv::Point*>(points.data());
+  return {first, first + points.shape(0)};
+}
+
+inline py::array_t<double> toNumpy(const cv::Matx44d& matrix)
+{
+  return py::array_t<double>({4, 4}, matrix.val);
+}
+
 /// An array that owns the Mat's pixels.
 inline py::array toNumpy(const cv::Mat& mat)
 {

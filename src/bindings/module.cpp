@@ -5,14 +5,23 @@
 #include <optional>
 
 #include "arrays.hpp"
+#include "robot_vision/ball_tracker.hpp"
 #include "robot_vision/brightness.hpp"
 #include "robot_vision/edges.hpp"
 #include "robot_vision/encoding.hpp"
 #include "robot_vision/frame_source.hpp"
+#include "robot_vision/hsv.hpp"
+#include "robot_vision/line.hpp"
+#include "robot_vision/regions.hpp"
 #include "robot_vision/scene.hpp"
 
 using namespace robot_vision;
 using namespace py::literals;
+
+void bindBall(py::module& m);
+void bindColors(py::module& m);
+void bindLine(py::module& m);
+void bindOverlay(py::module& m);
 
 namespace
 {
@@ -31,11 +40,6 @@ py::array apply(const py::array& image, const std::string& encoding, const Param
     Filter(params).apply(input.view, encoding, output);
   }
   return toNumpy(output);
-}
-
-py::array_t<double> poseToNumpy(const cv::Matx44d& matrix)
-{
-  return py::array_t<double>({4, 4}, matrix.val);
 }
 
 void bindFilters(py::module& m)
@@ -83,15 +87,31 @@ void bindSources(py::module& m)
 void bindValidate(py::module& m)
 {
   const char* doc = "Raises ValueError naming the first parameter out of range, its value and the range.";
+  m.def("validate", py::overload_cast<const BallTrackerParams&>(&validate), "params"_a, doc);
   m.def("validate", py::overload_cast<const BrightnessParams&>(&validate), "params"_a, doc);
   m.def("validate", py::overload_cast<const EdgeParams&>(&validate), "params"_a, doc);
   m.def("validate", py::overload_cast<const CaptureParams&>(&validate), "params"_a, doc);
+  m.def("validate", py::overload_cast<const HsvRange&>(&validate), "params"_a, doc);
+  m.def("validate", py::overload_cast<const LineParams&>(&validate), "params"_a, doc);
+  m.def("validate", py::overload_cast<const RegionParams&>(&validate), "params"_a, doc);
   m.def("validate", py::overload_cast<const SceneParams&>(&validate), "params"_a, doc);
+}
+
+CameraModel makeCamera(int width, int height, const py::array_t<double, py::array::c_style | py::array::forcecast>& K,
+                       const std::vector<double>& D)
+{
+  if (K.size() != 9) throw py::value_error("K has " + std::to_string(K.size()) + " numbers, must have 9");
+  CameraModel camera{width, height, cv::Matx33d(K.data()), D};
+  validate(camera);
+  return camera;
 }
 
 void bindScene(py::module& m)
 {
-  py::class_<CameraModel>(m, "CameraModel", "Pinhole camera with plumb_bob distortion.")
+  py::class_<CameraModel>(m, "CameraModel", "Pinhole camera with plumb_bob or rational_polynomial distortion.")
+      .def(py::init(&makeCamera), "width"_a, "height"_a, "K"_a, "D"_a = std::vector<double>(),
+           "Size (px), K (3x3, px) and D (0, 4, 5 or 8 numbers), as in sensor_msgs/CameraInfo.\n\n"
+           "Raises ValueError for numbers that no camera has.")
       .def_readonly("width", &CameraModel::width, "px")
       .def_readonly("height", &CameraModel::height, "px")
       .def_property_readonly(
@@ -100,7 +120,7 @@ void bindScene(py::module& m)
             return py::array_t<double>({3, 3}, c.K.val);
           },
           "3x3, px")
-      .def_readonly("D", &CameraModel::D, "k1, k2, p1, p2, k3");
+      .def_readonly("D", &CameraModel::D, "k1, k2, p1, p2, k3, k4, k5, k6: the first 0, 4, 5 or 8");
 
   py::class_<SceneParams>(m, "SceneParams", "Size (px), rate (Hz), seed and noise (grey levels) of the scene.")
       .def(py::init<>())
@@ -113,7 +133,7 @@ void bindScene(py::module& m)
   py::class_<SceneObject>(m, "SceneObject", "One thing in the scene, as one frame shows it.")
       .def_readonly("name", &SceneObject::name)
       .def_property_readonly(
-          "pose", [](const SceneObject& o) { return poseToNumpy(o.pose.matrix); },
+          "pose", [](const SceneObject& o) { return toNumpy(o.pose.matrix); },
           "4x4, object in the camera's optical frame, m")
       .def_property_readonly(
           "outline",
@@ -130,7 +150,7 @@ void bindScene(py::module& m)
   py::class_<SceneTruth>(m, "SceneTruth", "Where everything in the scene is in one frame.")
       .def_readonly("frame", &SceneTruth::frame)
       .def_property_readonly(
-          "camera", [](const SceneTruth& t) { return poseToNumpy(t.camera.matrix); }, "4x4, camera in the world, m")
+          "camera", [](const SceneTruth& t) { return toNumpy(t.camera.matrix); }, "4x4, camera in the world, m")
       .def_readonly("objects", &SceneTruth::objects);
 
   py::class_<Scene>(m, "Scene", "A synthetic room with exact ground truth, the same for the same frame number.")
@@ -161,5 +181,9 @@ PYBIND11_MODULE(_core, m)
   bindFilters(m);
   bindSources(m);
   bindScene(m);
+  bindColors(m);
+  bindBall(m);
+  bindLine(m);
+  bindOverlay(m);
   bindValidate(m);
 }

@@ -2,6 +2,7 @@
 
 import itertools
 import os
+import shutil
 
 import pytest
 import support
@@ -54,10 +55,21 @@ def start(tmp_path):
         process.end()
     for messages in list(support.open_messages):
         messages.close()
-    for name in set(rospy.get_param_names()) - before:
-        rospy.delete_param(name)
+    for name in {name.split("/")[1] for name in set(rospy.get_param_names()) - before}:
+        rospy.delete_param("/" + name)  # with all below it: maps would leave their empty shells
 
 
 @pytest.fixture
 def diagnostics():
     return support.Diagnostics()
+
+
+@pytest.fixture
+def display(start, tmp_path, monkeypatch):
+    """A virtual X server for this process and its children; gives its frame buffer's file."""
+    # Without -noreset it turns clients away whenever the last one has gone, as xdotool does.
+    options = ["-displayfd", "1", "-noreset", "-fbdir", tmp_path, "-screen", "0", "1400x1100x24"]
+    process = start(shutil.which("Xvfb"), *options)
+    number = support.wait_for(lambda: process.output().split(), "the X server")[-1]
+    monkeypatch.setenv("DISPLAY", ":" + number)
+    return tmp_path / "Xvfb_screen0"

@@ -9,6 +9,7 @@ import subprocess
 import time
 from typing import Any, Callable, Dict, List, Optional, Set
 
+import numpy as np
 import roslib.packages
 import rospy
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
@@ -120,6 +121,29 @@ class Messages:
     def close(self) -> None:
         open_messages.remove(self)
         self._subscriber.unregister()
+
+
+def windows() -> Dict[str, str]:
+    """The names of the windows that can be seen, with their numbers."""
+    search = ["xdotool", "search", "--onlyvisible", "--name", "."]
+    found = subprocess.run(search, stdout=subprocess.PIPE, check=False, text=True).stdout.split()
+    names = {}
+    for number in found:
+        command = ["xdotool", "getwindowname", number]
+        name = subprocess.run(
+            command, stdout=subprocess.PIPE, check=False, text=True
+        ).stdout.strip()
+        names[name] = number
+    return names
+
+
+def screen(frame_buffer: pathlib.Path) -> np.ndarray:
+    """The pixels on the screen, (height, width, 3), BGR, from X's window dump (X11/XWDFile.h)."""
+    data = frame_buffer.read_bytes()
+    head = np.frombuffer(data[:100], ">u4")
+    header_size, width, height, row, colors = head[0], head[4], head[5], head[12], head[19]
+    pixels = np.frombuffer(data, np.uint8, row * height, header_size + 12 * colors)
+    return pixels.reshape(height, row)[:, : 4 * width].reshape(height, width, 4)[:, :, :3]
 
 
 def stamp_of(message: Any) -> rospy.Time:

@@ -81,6 +81,34 @@ def test_results_outlive_their_source(picture):
     assert np.array_equal(edges, expected)
 
 
+def test_line_is_found_in_a_mask():
+    mask = np.zeros((60, 320), np.uint8)
+    mask[:, 200:241] = 255
+    mask[10:50, 20:71] = 255
+    before = mask.copy()
+    line = rv.find_line(mask)
+    assert line.found
+    assert line.center == (220.0, 29.5) and line.area == 41 * 60
+    assert (line.offset, line.error, line.angle) == (60.5, 60.5 / 160.0, 0.0)
+    assert line.outline.dtype == np.int32
+    assert sorted(map(tuple, line.outline)) == [(200, 0), (200, 59), (240, 0), (240, 59)]
+    assert np.array_equal(mask, before)
+    # The smaller region is the line for who saw it there.
+    left = rv.find_line(mask[:, :160])
+    assert left.center == (45.0, 29.5)
+    assert rv.find_line(mask, previous=left).center == left.center
+
+
+def test_no_line_is_not_found():
+    line = rv.find_line(np.zeros((60, 320), np.uint8))
+    assert not line.found and line.confidence == 0.0 and line.outline.shape == (0, 2)
+    params = rv.LineParams()
+    params.min_area = 1201.0
+    assert not rv.find_line(np.full((30, 40), 255, np.uint8), params).found
+    with pytest.raises(ValueError):
+        rv.find_line(np.zeros((4, 4, 3), np.uint8))
+
+
 @pytest.mark.parametrize(
     "params, name, value, message",
     [
@@ -88,6 +116,7 @@ def test_results_outlive_their_source(picture):
         (rv.EdgeParams(), "blur_size", 2, "blur_size is 2, must be odd and from 1 to 31"),
         (rv.CaptureParams(), "framerate", -1, "framerate is -1, must be from 0 to 1000"),
         (rv.SceneParams(), "width", 0, "width is 0"),
+        (rv.LineParams(), "min_area", 0, "min_area is 0, must be from 1 to"),
     ],
 )
 def test_parameters_out_of_range_are_value_errors(params, name, value, message):

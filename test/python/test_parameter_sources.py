@@ -8,6 +8,8 @@ import pytest
 import yaml
 
 import robot_vision as rv
+from robot_vision.line_control import LineControlParams
+from robot_vision.nodes.colors import DEFAULT, HIGH, LOW
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 CORE = {
@@ -15,7 +17,8 @@ CORE = {
     "edge_detector": rv.EdgeParams,
     "camera": rv.CaptureParams,
 }
-CONFIG = {"brightness": "Brightness", "edge_detector": "EdgeDetector", "camera": "Camera"}
+# Nodes whose parameters the .cfg file declares, and nobody else.
+PYTHON = ("hsv_tracker", "ball_tracker", "line_follower", "simple_camera_view")
 # Parameters of the nodes that the core knows nothing of: their C++ defaults.
 OF_THE_NODES = {
     "camera": {
@@ -24,6 +27,10 @@ OF_THE_NODES = {
         "camera_frame_id": "head_camera",
         "camera_info_url": "",
     },
+    "hsv_tracker": {"colors": "blue: {low: [90, 50, 50], high: [120, 255, 255]}"},
+    "ball_tracker": {"ball_diameter": "0", "ball_frame_id": "ball"},
+    "line_follower": {},
+    "simple_camera_view": {"autosize": "true"},
     "all": {"always_subscribe": "false", "config_file": "", "diagnostic_period": "1"},
     "all but camera": {"image_transport": "raw"},
 }
@@ -46,7 +53,8 @@ def readme_rows():
 
 def cfg(node):
     """The parameter descriptions that the node's .cfg file generates, by name."""
-    module = importlib.import_module(f"robot_vision.cfg.{CONFIG[node]}Config")
+    name = "".join(word.capitalize() for word in node.split("_"))
+    module = importlib.import_module(f"robot_vision.cfg.{name}Config")
     return {p["name"]: p for p in module.config_description["parameters"]}
 
 
@@ -59,7 +67,9 @@ def text(value):
     """A value as the README writes it."""
     if isinstance(value, bool):
         return str(value).lower()
-    return f"{value:g}" if isinstance(value, (int, float)) else value
+    if isinstance(value, (int, float)):
+        return f"{value:.0f}" if abs(value) >= 1e5 else f"{value:g}"
+    return value
 
 
 @pytest.mark.parametrize("node", CORE)
@@ -70,14 +80,55 @@ def test_cfg_defaults_equal_the_core_s(node):
             assert core[name] == description["default"], name
 
 
-@pytest.mark.parametrize("node", CORE)
+@pytest.mark.parametrize("node", [*CORE, *PYTHON])
 def test_config_files_equal_the_defaults(node):
     values = yaml.safe_load((ROOT / "config" / (node + ".yaml")).read_text())
+    colors = values.pop("colors", None)
+    assert colors in (None, DEFAULT)
     rows = readme_rows()
     for name, value in values.items():
         assert text(value) == rows[node, name]["default"], name
     live = {name for (of, name), row in rows.items() if of == node and row["live"] == "yes"}
-    assert live <= set(values)
+    of_colors = {"color", *LOW, *HIGH} if colors else set()
+    assert live - of_colors <= set(values)
+    assert not of_colors & set(values)
+
+
+@pytest.mark.parametrize("node", PYTHON)
+def test_readme_says_what_the_cfg_files_of_python_nodes_say(node):
+    rows = {name: row for (of, name), row in readme_rows().items() if of == node}
+    described = cfg(node)
+    assert set(rows) == set(described) | set(OF_THE_NODES[node])
+    for name, row in rows.items():
+        if name in OF_THE_NODES[node]:
+            assert (row["default"], row["live"]) == (OF_THE_NODES[node][name], "no"), name
+            continue
+        parameter = described[name]
+        types = {"str": "string"}
+        assert row["type"] == types.get(parameter["type"], parameter["type"]), name
+        assert (row["default"], row["live"]) == (text(parameter["default"]), "yes"), name
+        if parameter["type"] in ("int", "double"):
+            assert row["range"] == f"{text(parameter['min'])} to {text(parameter['max'])}", name
+        assert row["unit"] in parameter["description"], name
+
+
+def test_line_follower_s_defaults_are_those_of_its_controller():
+    described = cfg("line_follower")
+    for name, field in LineControlParams.__dataclass_fields__.items():
+        assert described[name]["default"] == field.default, name
+    assert described["min_area"]["default"] == rv.LineParams().min_area
+
+
+@pytest.mark.parametrize("node", ["hsv_tracker", "ball_tracker"])
+def test_trackers_defaults_are_the_core_s(node):
+    described = cfg(node)
+    for params in (rv.RegionParams(), rv.BallTrackerParams()):
+        for name in set(described) & set(dir(params)):
+            if (node, name) != ("ball_tracker", "min_area"):  # a ball far away is small
+                assert described[name]["default"] == getattr(params, name), name
+    blue = rv.HsvRange()
+    assert tuple(described[name]["default"] for name in LOW) == tuple(blue.low)
+    assert tuple(described[name]["default"] for name in HIGH) == tuple(blue.high)
 
 
 @pytest.mark.parametrize("node", CORE)

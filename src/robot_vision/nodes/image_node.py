@@ -12,7 +12,8 @@ from .params import read_param
 class ImageNode:
     """Works on the topic `image` while somebody subscribes to an output (or ~always_subscribe).
 
-    Counts and refuses frames, and reports on /diagnostics under the node's name.
+    Counts and refuses frames, and reports on /diagnostics under the node's name. Give it its
+    outputs, then start() it.
 
     Args:
         process: works on a Frame and publishes.
@@ -30,6 +31,7 @@ class ImageNode:
         camera_info: bool = False,
     ):
         self._always = read_param("always_subscribe", False)
+        self._started = False
         self._outputs: List[Any] = []
         self._lock = threading.Lock()  # connections come in several threads
         kind = transport.CameraSubscriber if camera_info else transport.ImageSubscriber
@@ -41,20 +43,26 @@ class ImageNode:
 
     def publisher(self, name: str, kind: Any) -> rospy.Publisher:
         """A topic for results, which makes the node work."""
-        listener = _Listener(self.update)
+        listener = _Listener(self._update)
         output = rospy.Publisher(name, kind, queue_size=1, subscriber_listener=listener)
         self._outputs.append(output)
         return output
 
     def image_publisher(self, name: str) -> transport.ImagePublisher:
         """A topic for pictures, which makes the node work; draw only if it has connections."""
-        output = transport.ImagePublisher(name, on_connection=self.update)
+        output = transport.ImagePublisher(name, on_connection=self._update)
         self._outputs.append(output)
         return output
 
-    def update(self) -> None:
-        """Subscribes or unsubscribes, as the outputs' audience asks for; call it once at start."""
+    def start(self) -> None:
+        """Begins to work; the node has to be complete by now."""
+        self._started = True
+        self._update()
+
+    def _update(self) -> None:
         with self._lock:
+            if not self._started:
+                return
             if self._always or any(output.get_num_connections() for output in self._outputs):
                 self._images.start()
             else:

@@ -7,7 +7,7 @@ import sys
 import threading
 import time
 import xmlrpc.client
-from typing import Callable
+from typing import Any, Callable
 
 import rosgraph
 import rospy
@@ -16,12 +16,15 @@ SIGNALS = (signal.SIGINT, signal.SIGTERM)
 SHUTDOWN_GRACE = 2.0  # s that a node has to end by itself after a signal
 
 
-def run_node(name: str, start: Callable[[], object]) -> None:
+def run_node(
+    name: str, start: Callable[[], Any], spin: Callable[[Any], object] = lambda _: rospy.spin()
+) -> None:
     """Runs this process as the node `name` until it is shut down; SIGINT then ends it with code 0.
 
-    Waits for the master, calls `start`, which makes the node's publishers and subscribers, and
-    keeps what it returns alive while the node spins. A ValueError of it, a bad parameter, is a
-    FATAL line and exit code 1.
+    Waits for the master and calls `start`, which makes the node's publishers and subscribers. A
+    ValueError of it, a bad parameter, is a FATAL line and exit code 1. What it returns is kept
+    alive while the node spins: in `spin`, a main loop that is called with it and returns when the
+    node is shut down (rospy.is_shutdown()) or has done its work.
 
     rospy waits for the master deaf to Ctrl-C, and shuts down inside its signal handler, where it
     blocks on any lock that the interrupted thread holds. Here a thread of its own does that.
@@ -30,16 +33,21 @@ def run_node(name: str, start: Callable[[], object]) -> None:
     _shut_down_on_signals()
     try:
         rospy.init_node(name, disable_signals=True)
-        node = start()
-        rospy.spin()
+        node = _start_or_exit(start)
+        spin(node)
         del node
-    except ValueError as error:
-        rospy.logfatal("%s: %s", rospy.get_name(), error)
-        sys.exit(1)
     except Exception:
         # A node that is shut down while it starts finds rospy half closed.
         if not rospy.is_shutdown():
             raise
+
+
+def _start_or_exit(start: Callable[[], Any]) -> Any:
+    try:
+        return start()
+    except ValueError as error:
+        rospy.logfatal("%s: %s", rospy.get_name(), error)
+        sys.exit(1)
 
 
 def _wait_for_master(name: str) -> None:

@@ -1,0 +1,51 @@
+#pragma once
+
+#include <opencv2/core.hpp>
+#include <vector>
+
+namespace robot_vision
+{
+
+struct RegionParams
+{
+  double min_area = 200.0;  // px, regions with fewer pixels are left out, 0 to 1e9
+  int opening = 3;          // px, diameter of the ellipse that removes specks: odd, 1 (none) to 31
+  int closing = 3;          // px, diameter of the ellipse that fills gaps: odd, 1 (none) to 31
+};
+
+/// Throws std::invalid_argument naming the first parameter out of range, its value and the range.
+void validate(const RegionParams& params);
+
+/// Pixels of a mask that touch each other, at a side or a corner. Pixel centres have whole coordinates.
+struct Region
+{
+  cv::Rect box;                    // px
+  cv::Point2d center;              // px, the mean of the pixels' positions
+  double area = 0.0;               // px, the number of pixels: holes do not count
+  std::vector<cv::Point> outline;  // px, the pixels along the outer border (cv::CHAIN_APPROX_SIMPLE)
+  cv::Point2d circle_center;       // px, of the smallest circle around the outline
+  double circle_radius = 0.0;      // px, of the same; 0 for a single pixel
+  double roundness = 0.0;          // area to area of that circle, 0 to 1 (a disc)
+};
+
+/// Finds the regions of a mask: cv::morphologyEx, connected components and cv::findContours, on the part of it that is
+/// not black. Never changes: threads may share one.
+class RegionFinder
+{
+public:
+  /// Throws std::invalid_argument as validate() does.
+  explicit RegionFinder(const RegionParams& params = RegionParams());
+
+  /// The regions of `mask` (CV_8UC1, 0 and 255), the largest first. The mask itself is cleaned: opened, then closed.
+  /// Throws std::invalid_argument if `mask` is empty or of another type.
+  std::vector<Region> apply(cv::Mat& mask) const;
+
+private:
+  void clean(cv::Mat& mask) const;
+
+  RegionParams params_;
+  cv::Mat opening_;  // structuring elements
+  cv::Mat closing_;
+};
+
+}  // namespace robot_vision

@@ -1,0 +1,165 @@
+#include <pybind11/stl.h>
+
+#include <tuple>
+
+#include "arrays.hpp"
+#include "robot_vision/hsv.hpp"
+#include "robot_vision/regions.hpp"
+
+using namespace robot_vision;
+using namespace py::literals;
+
+namespace
+{
+
+using Color = std::tuple<int, int, int>;
+using Bytes = std::tuple<std::uint8_t, std::uint8_t, std::uint8_t>;
+using Point = std::pair<double, double>;
+
+void setLow(HsvRange& range, const Color& low)
+{
+  std::tie(range.h_low, range.s_low, range.v_low) = low;
+}
+
+void setHigh(HsvRange& range, const Color& high)
+{
+  std::tie(range.h_high, range.s_high, range.v_high) = high;
+}
+
+Color low(const HsvRange& range)
+{
+  return {range.h_low, range.s_low, range.v_low};
+}
+
+Color high(const HsvRange& range)
+{
+  return {range.h_high, range.s_high, range.v_high};
+}
+
+HsvRange makeRange(const Color& low, const Color& high)
+{
+  HsvRange range;
+  setLow(range, low);
+  setHigh(range, high);
+  return range;
+}
+
+cv::Vec3b toVec(const Bytes& color)
+{
+  const auto [first, second, third] = color;
+  return {first, second, third};
+}
+
+py::array applyMask(const HsvMask& mask, const py::array& image, const std::string& encoding)
+{
+  const Picture input(image);
+  cv::Mat output;
+  {
+    const py::gil_scoped_release unlocked;
+    mask.apply(input.view, encoding, output);
+  }
+  return toNumpy(output);
+}
+
+py::tuple findRegions(const RegionFinder& finder, const py::array& mask)
+{
+  const Picture input(mask);
+  cv::Mat cleaned;
+  std::vector<Region> regions;
+  {
+    const py::gil_scoped_release unlocked;
+    cleaned = input.view.clone();
+    regions = finder.apply(cleaned);
+  }
+  return py::make_tuple(toNumpy(cleaned), std::move(regions));
+}
+
+void bindRange(py::module& m)
+{
+  py::class_<HsvRange>(m, "HsvRange",
+                       "Colours from low to high, both (h, s, v) in 8-bit HSV as OpenCV has it: hue in half degrees "
+                       "(0..180), saturation and value (0..255). A low hue above the high one: through red.")
+      .def(py::init(&makeRange), "low"_a = low(HsvRange()), "high"_a = high(HsvRange()))
+      .def_property("low", &low, &setLow, "(h_low, s_low, v_low)")
+      .def_property("high", &high, &setHigh, "(h_high, s_high, v_high)")
+      .def_readwrite("h_low", &HsvRange::h_low)
+      .def_readwrite("s_low", &HsvRange::s_low)
+      .def_readwrite("v_low", &HsvRange::v_low)
+      .def_readwrite("h_high", &HsvRange::h_high)
+      .def_readwrite("s_high", &HsvRange::s_high)
+      .def_readwrite("v_high", &HsvRange::v_high);
+  m.def(
+      "range_around", [](const Bytes& hsv, int margin) { return rangeAround(toVec(hsv), margin); }, "hsv"_a,
+      "margin"_a = 10,
+      "The HsvRange to begin with for a colour (h, s, v): hue +- margin (0..90), saturation and value from 100 to "
+      "255.");
+  m.def(
+      "to_hsv",
+      [](const Bytes& bgr)
+      {
+        const cv::Vec3b hsv = toHsv(toVec(bgr));
+        return Color(hsv[0], hsv[1], hsv[2]);
+      },
+      "bgr"_a, "The colour (b, g, r) as (h, s, v), as cv2.cvtColor converts it.");
+}
+
+void bindMask(py::module& m)
+{
+  const char* doc =
+      "(height, width) uint8, 255 where the colour is in the range and 0 elsewhere: cv2.cvtColor to HSV and "
+      "cv2.inRange, to the bit.\n\n"
+      "Raises ValueError for a range that is none or an image that is not of this encoding.";
+  py::class_<HsvMask>(m, "HsvMask", "The pixels whose colour is in a range, for one picture after the other.")
+      .def(py::init<const HsvRange&>(), "range"_a = HsvRange())
+      .def("apply", &applyMask, "image"_a, "encoding"_a = "bgr8", doc);
+  m.def(
+      "hsv_mask",
+      [](const py::array& image, const HsvRange& range, const std::string& encoding)
+      { return applyMask(HsvMask(range), image, encoding); },
+      "image"_a, "range"_a = HsvRange(), "encoding"_a = "bgr8", doc);
+}
+
+void bindRegions(py::module& m)
+{
+  py::class_<RegionParams>(m, "RegionParams",
+                           "Least area (px), diameters of the ellipses that open and close the mask (odd px, 1: none).")
+      .def(py::init<>())
+      .def_readwrite("min_area", &RegionParams::min_area)
+      .def_readwrite("opening", &RegionParams::opening)
+      .def_readwrite("closing", &RegionParams::closing);
+
+  py::class_<Region>(m, "Region", "Pixels of a mask that touch each other; pixel centres have whole coordinates.")
+      .def_property_readonly(
+          "box", [](const Region& r) { return std::make_tuple(r.box.x, r.box.y, r.box.width, r.box.height); },
+          "(x, y, width, height), px")
+      .def_property_readonly(
+          "center", [](const Region& r) { return Point(r.center.x, r.center.y); }, "(x, y), px, of the pixels")
+      .def_readonly("area", &Region::area, "number of pixels, without holes")
+      .def_property_readonly(
+          "outline",
+          [](const Region& r) {
+            return py::array_t<int>({static_cast<py::ssize_t>(r.outline.size()), py::ssize_t{2}}, &r.outline[0].x);
+          },
+          "(n, 2) array of int, px: the pixels along the outer border, straight parts by their ends")
+      .def_property_readonly(
+          "circle_center", [](const Region& r) { return Point(r.circle_center.x, r.circle_center.y); },
+          "(x, y), px, of the smallest circle around the outline")
+      .def_readonly("circle_radius", &Region::circle_radius, "px")
+      .def_readonly("roundness", &Region::roundness, "area to area of the circle, 0 to 1 (a disc)");
+
+  py::class_<RegionFinder>(m, "RegionFinder", "Cleans masks and finds the regions in them.")
+      .def(py::init<const RegionParams&>(), "params"_a = RegionParams())
+      .def("apply", &findRegions, "mask"_a,
+           "The mask opened and closed, and the list of its regions, the largest first: (mask, regions).\n\n"
+           "mask: (height, width) uint8, 0 and 255; it is not modified. Raises ValueError if it is something else.");
+}
+
+}  // namespace
+
+/// Colours and what has them.
+void bindColors(py::module& m)
+{
+  bindRange(m);
+  bindMask(m);
+  bindRegions(m);
+}

@@ -1,0 +1,45 @@
+#include "robot_vision/line.hpp"
+
+#include "arrays.hpp"
+
+using namespace robot_vision;
+using namespace py::literals;
+
+void bindLine(py::module& m)
+{
+  py::class_<LineParams>(m, "LineParams", "Area of the smallest region that is taken for a line (1..1e9 px^2).")
+      .def(py::init<>())
+      .def_readwrite("min_area", &LineParams::min_area);
+
+  py::class_<Line>(m, "Line", "A line to follow; all zero and empty where none was found. Pixel centres are integers.")
+      .def(py::init<>())
+      .def_readonly("found", &Line::found)
+      .def_readonly("offset", &Line::offset, "px, centroid right of the middle of the picture")
+      .def_readonly("error", &Line::error, "offset in half picture widths, -1 (left border) to 1")
+      .def_readonly("angle", &Line::angle, "rad, direction in the picture, -pi/2 to pi/2: 0 straight up, right > 0")
+      .def_readonly("confidence", &Line::confidence, "0 to 1, see line.hpp")
+      .def_readonly("area", &Line::area, "px^2")
+      .def_property_readonly(
+          "center", [](const Line& l) { return py::make_tuple(l.center.x, l.center.y); }, "(x, y), px, centroid")
+      .def_property_readonly(
+          "outline",
+          [](const Line& l)
+          {
+            return py::array_t<int>({static_cast<py::ssize_t>(l.outline.size()), py::ssize_t{2}},
+                                    l.outline.empty() ? nullptr : &l.outline[0].x);
+          },
+          "(n, 2) int32 array, px, corners of the outer border");
+
+  m.def(
+      "find_line",
+      [](const py::array& mask, const LineParams& params, const Line& previous)
+      {
+        const Picture input(mask);
+        const py::gil_scoped_release unlocked;
+        return findLine(input.view, params, previous);
+      },
+      "mask"_a, "params"_a = LineParams(), "previous"_a = Line(),
+      "The line in a mask, (height, width) uint8, not 0 on the line: the largest connected region, of several alike "
+      "the one nearest to `previous`.\n\n"
+      "Raises ValueError for min_area out of range or what is no such mask.");
+}

@@ -1,0 +1,88 @@
+#include "robot_vision/overlay.hpp"
+
+#include <pybind11/stl.h>
+
+#include "arrays.hpp"
+
+using namespace robot_vision;
+using namespace py::literals;
+
+namespace
+{
+
+using Centers = py::array_t<double, py::array::c_style | py::array::forcecast>;
+using Color = std::array<double, 3>;
+
+/// The array's own pixels, to draw on.
+cv::Mat canvas(const py::array& bgr)
+{
+  const Picture picture(bgr);
+  if (!bgr.writeable()) throw py::value_error("cannot draw on an array that is read-only");
+  if (picture.array.data() != bgr.data()) throw py::value_error("cannot draw on an array with gaps in its rows");
+  return picture.view;
+}
+
+std::vector<cv::Point2d> toCenters(const Centers& centers)
+{
+  if (centers.size() == 0) return {};
+  if (centers.ndim() != 2 || centers.shape(1) != 2) throw py::value_error("expected an (n, 2) array of centres");
+  const auto* points = reinterpret_cast<const cv::Point2d*>(centers.data());
+  return {points, points + centers.shape(0)};
+}
+
+}  // namespace
+
+void bindOverlay(py::module& m)
+{
+  m.def(
+      "mask_picture",
+      [](const py::array& bgr, const py::array& mask)
+      {
+        const Picture picture(bgr), where(mask);
+        cv::Mat out;
+        {
+          const py::gil_scoped_release unlocked;
+          maskPicture(picture.view, where.view, out);
+        }
+        return toNumpy(out);
+      },
+      "bgr"_a, "mask"_a,
+      "The (height, width, 3) picture where the (height, width) mask is not 0, black elsewhere.\n\n"
+      "Raises ValueError for what is no picture, and no mask of its size.");
+  m.def(
+      "draw_outline",
+      [](const py::array& bgr, const Points& outline, const std::string& label, const Color& color)
+      {
+        cv::Mat picture = canvas(bgr);
+        const std::vector<cv::Point> polygon = toPoints(outline);
+        const py::gil_scoped_release unlocked;
+        drawOutline(picture, polygon, label, {color[0], color[1], color[2]});
+      },
+      "bgr"_a, "outline"_a, "label"_a = "", "color"_a = Color{0, 255, 0},
+      "Draws a closed polygon, (n, 2) int px, with a label (ASCII) on the picture, (height, width, 3) uint8.\n\n"
+      "Raises ValueError for an array that cannot be drawn on.");
+  m.def(
+      "draw_ball",
+      [](const py::array& bgr, const std::pair<double, double>& center, double radius, bool predicted)
+      {
+        cv::Mat picture = canvas(bgr);
+        const py::gil_scoped_release unlocked;
+        drawBall(picture, {center.first, center.second}, radius, predicted);
+      },
+      "bgr"_a, "center"_a, "radius"_a, "predicted"_a = false,
+      "Draws a ball on the picture, (height, width, 3) uint8: center (x, y) and radius in px; dashed if predicted.\n\n"
+      "Raises ValueError for an array that cannot be drawn on.");
+  m.def(
+      "draw_trail",
+      [](const py::array& bgr, const Centers& centers)
+      {
+        cv::Mat picture = canvas(bgr);
+        const std::vector<cv::Point2d> points = toCenters(centers);
+        const py::gil_scoped_release unlocked;
+        drawTrail(picture, points);
+      },
+      "bgr"_a, "centers"_a,
+      "Draws the way through centres, (n, 2) px, the newest last, on the picture, (height, width, 3) uint8; NaN "
+      "interrupts it.\n\n"
+      "Raises ValueError for an array that cannot be drawn on.");
+}

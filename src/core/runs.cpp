@@ -1,0 +1,86 @@
+#include "runs.hpp"
+
+#include <algorithm>
+#include <cstdint>
+#include <cstring>
+
+namespace robot_vision
+{
+namespace
+{
+
+/// The first pixel in [begin, end) that is not black, else end.
+const std::uint8_t* findWhite(const std::uint8_t* begin, const std::uint8_t* end)
+{
+  for (std::uint64_t eight = 0; end - begin >= 8; begin += 8)  // most of a mask is black
+  {
+    std::memcpy(&eight, begin, sizeof eight);
+    if (eight != 0) break;
+  }
+  return std::find_if(begin, end, [](std::uint8_t pixel) { return pixel != 0; });
+}
+
+void appendRow(const cv::Mat& mask, int y, std::vector<Run>& runs)
+{
+  const std::uint8_t* const row = mask.ptr(y);
+  const std::uint8_t* const row_end = row + mask.cols;
+  for (const std::uint8_t* begin = findWhite(row, row_end); begin != row_end;)
+  {
+    const std::uint8_t* const end = std::find(begin, row_end, std::uint8_t{0});
+    runs.push_back({y, static_cast<int>(begin - row), static_cast<int>(end - row), static_cast<int>(runs.size())});
+    begin = findWhite(end, row_end);
+  }
+}
+
+int findFirst(std::vector<Run>& runs, int index)
+{
+  while (runs[index].first != index)
+    index = runs[index].first = runs[runs[index].first].first;
+  return index;
+}
+
+void join(std::vector<Run>& runs, int a, int b)
+{
+  a = findFirst(runs, a);
+  b = findFirst(runs, b);
+  runs[std::max(a, b)].first = std::min(a, b);
+}
+
+/// Joins the runs from `row` on with those of the row before, which begin at `above`.
+void joinRows(std::vector<Run>& runs, int above, int row)
+{
+  for (int below = row; below < static_cast<int>(runs.size()); ++below)
+  {
+    while (above < row && runs[above].end < runs[below].begin)
+      ++above;
+    for (int touching = above; touching < row && runs[touching].begin <= runs[below].end; ++touching)
+      join(runs, touching, below);
+  }
+}
+
+}  // namespace
+
+std::vector<Run> findRuns(const cv::Mat& mask)
+{
+  std::vector<Run> runs;
+  int above = 0;
+  for (int y = 0; y < mask.rows; ++y)
+  {
+    const int row = static_cast<int>(runs.size());
+    appendRow(mask, y, runs);
+    joinRows(runs, above, row);
+    above = row;
+  }
+  for (Run& run : runs)
+    run.first = runs[run.first].first;
+  return runs;
+}
+
+const Run& runAt(const std::vector<Run>& runs, const cv::Point& pixel)
+{
+  const auto is_after = [](const cv::Point& p, const Run& run)
+  { return p.y < run.y || (p.y == run.y && p.x < run.begin); };
+  return *(std::upper_bound(runs.begin(), runs.end(), pixel, is_after) - 1);
+}
+
+}  // namespace robot_vision

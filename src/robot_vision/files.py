@@ -1,0 +1,63 @@
+"""Files that are written in one step or not at all."""
+
+import itertools
+import os
+import stat
+from typing import Optional
+
+
+def replace_file(path: str, data: bytes) -> None:
+    """Writes a file, or replaces it; a reader sees the old or the new one, never a part.
+
+    An old file keeps its permissions; of a symbolic link the file it leads to is replaced.
+
+    Raises:
+        OSError: it cannot be written; an old file is as it was.
+    """
+    path = os.path.realpath(path)
+    mode = stat.S_IMODE(os.stat(path).st_mode) if os.path.exists(path) else None
+    temporary = f"{path}.{os.getpid()}.tmp"  # in the same folder, or the rename is not atomic
+    _write_new(temporary, data, mode)
+    try:
+        os.replace(temporary, path)
+    except OSError:
+        os.unlink(temporary)
+        raise
+
+
+def add_file(folder: str, stem: str, suffix: str, data: bytes) -> str:
+    """Writes a new file, whole from the moment it is there; no other file is ever overwritten.
+
+    Returns:
+        Its path: stem and suffix, with -1, -2, ... between them if that name is taken.
+
+    Raises:
+        OSError: it cannot be written, or the file system has no hard links.
+    """
+    temporary = os.path.join(folder, f".{stem}.{os.getpid()}.tmp")
+    _write_new(temporary, data)
+    try:
+        for number in itertools.count():
+            path = os.path.join(folder, stem + (f"-{number}" if number else "") + suffix)
+            try:
+                os.link(temporary, path)  # unlike a rename, it fails if the name is taken
+                return path
+            except FileExistsError:
+                continue
+    finally:
+        os.unlink(temporary)
+
+
+def _write_new(path: str, data: bytes, mode: Optional[int] = None) -> None:
+    """Writes a file that is not there yet, down to the disk; the default mode is the umask's."""
+    flags = os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC
+    with open(os.open(path, flags, 0o666), "wb") as file:
+        try:
+            if mode is not None:
+                os.fchmod(file.fileno(), mode)
+            file.write(data)
+            file.flush()
+            os.fsync(file.fileno())
+        except OSError:
+            os.unlink(path)
+            raise

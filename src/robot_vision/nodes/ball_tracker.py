@@ -1,0 +1,142 @@
+"""The node ball_tracker: follows the largest round region of a colour."""
+
+import collections
+import math
+from typing import Any, Deque, Dict, Optional, Tuple
+
+import numpy as np
+import rospy
+import tf2_ros
+from geometry_msgs.msg import Point, PointStamped, TransformStamped, Vector3
+
+from .. import (
+    BallMeasurement,
+    BallPosition,
+    BallState,
+    BallTrackerParams,
+    CameraModel,
+    HsvMask,
+    HsvRange,
+    Region,
+    RegionFinder,
+    ball_position,
+    choose_ball,
+    draw_ball,
+    draw_trail,
+)
+from .. import BallTracker as Filter
+from ..cfg import BallTrackerConfig
+from ..msg import Detection, DetectionArray
+from ..transport import Frame
+from .colors import HIGH, LOW
+from .image_node import ImageNode
+from .messages import detection, detection_array, region_params
+from .params import LiveParams, read_param
+
+
+class BallTracker:
+    """Publishes ~objects (one ball or none), ~mask, ~processed_image with the ball and its trail.
+
+    If ~ball_diameter (m) is known, also ~position and the tf frame ~ball_frame_id, by camera_info.
+    """
+
+    def __init__(self) -> None:
+        self._trail: Deque[Tuple[float, float]] = collections.deque()
+        self._diameter = read_param("ball_diameter", 0.0)
+        if self._diameter < 0.0:
+            raise ValueError(f"ball_diameter is {self._diameter:g}, must be 0 (unknown) or more")
+        self._ball_frame = read_param("ball_frame_id", "ball")
+        self._params = LiveParams(BallTrackerConfig, self._configure)
+        self._node = ImageNode(self._process, camera_info=self._diameter > 0.0)
+        self._objects = self._node.publisher("~objects", DetectionArray)
+        self._mask = self._node.image_publisher("~mask")
+        self._processed = self._node.image_publisher("~processed_image")
+        if self._diameter > 0.0:
+            self._positions = self._node.publisher("~position", PointStamped)
+            self._tf = tf2_ros.TransformBroadcaster()
+        self._node.start()
+
+    def _configure(self, config: Dict[str, Any]) -> None:
+        low, high = (tuple(config[name] for name in names) for names in (LOW, HIGH))
+        mask = HsvMask(HsvRange(low=low, high=high))
+        params = BallTrackerParams()
+        for name in ("process_noise", "measurement_noise", "max_prediction", "gate"):
+            setattr(params, name, config[name])
+        # In one step: a frame may be under way.
+        finder = RegionFinder(region_params(config))
+        self._tools = mask, finder, Filter(params), config["min_roundness"], config["trail"]
+
+    def _process(self, frame: Frame) -> None:
+        mask_of, finder, tracker, min_roundness, trail = self._tools
+        mask, regions = finder.apply(mask_of.apply(frame.image))
+        time = frame.header.stamp.to_sec() or rospy.get_time()
+        expected = tracker.predict(time)
+        region = choose_ball(regions, min_roundness, expected.center if expected else None)
+        position = self._locate(frame, region) if region else None
+        measured = None
+        if region:
+            center = position.center if position else region.center
+            measured = BallMeasurement(center, region.circle_radius)
+        state = tracker.update(time, measured)
+        if state is None or state.predicted:
+            region = position = None
+        self._remember(state, trail)
+        self._publish(frame, state, region, position)
+        self._mask.publish(mask, "mono8", frame.header)
+
+    def _locate(self, frame: Frame, region: Region) -> Optional[BallPosition]:
+        """Where the ball is, if its size and the camera are known."""
+        info = frame.camera_info
+        if info is None:
+            return None
+        try:
+            if info.distortion_model == "equidistant":
+                raise ValueError("equidistant distortion is not known here")
+            camera = CameraModel(info.width, info.height, info.K, info.D)
+        except ValueError as error:
+            rospy.logwarn_throttle(5.0, "no position without a calibration: %s", error)
+            return None
+        return ball_position(camera, region.outline, self._diameter)
+
+    def _remember(self, state: Optional[BallState], length: int) -> None:
+        self._trail.append(state.center if state else (math.nan, math.nan))
+        while len(self._trail) > length:
+            self._trail.popleft()
+
+    def _publish(
+        self,
+        frame: Frame,
+        state: Optional[BallState],
+        region: Optional[Region],
+        position: Optional[BallPosition],
+    ) -> None:
+        found = [ball_detection(state, region)] if state else []
+        self._objects.publish(detection_array(frame, found))
+        if position:
+            self._publish_position(frame, position.position)
+        if self._processed.get_num_connections():
+            overlay = frame.image.copy()
+            draw_trail(overlay, np.array(self._trail))
+            if state:
+                draw_ball(overlay, state.center, state.radius, state.predicted)
+            self._processed.publish(overlay, "bgr8", frame.header)
+
+    def _publish_position(self, frame: Frame, position: np.ndarray) -> None:
+        self._positions.publish(PointStamped(frame.header, Point(*position)))
+        transform = TransformStamped(header=frame.header, child_frame_id=self._ball_frame)
+        transform.transform.translation = Vector3(*position)
+        transform.transform.rotation.w = 1.0  # a ball looks the same from everywhere
+        self._tf.sendTransform(transform)
+
+
+def ball_detection(state: BallState, region: Optional[Region]) -> Detection:
+    """The ball as a Detection; `region` is what was seen of it, None if it is predicted."""
+    message = detection(region, "ball", region.roundness) if region else Detection(label="ball")
+    message.id = 0
+    message.center = Point(*state.center, 0.0)
+    message.circle_center = message.center
+    message.circle_radius = state.radius
+    message.has_velocity = True
+    message.velocity = Vector3(*state.velocity, 0.0)
+    message.predicted = state.predicted
+    return message

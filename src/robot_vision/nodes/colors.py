@@ -1,0 +1,62 @@
+"""The named colours of a node: the parameter ~colors, with one of them in live parameters."""
+
+from typing import Any, Dict
+
+import rospy
+
+from .. import HsvRange, validate
+
+LOW = ("h_low", "s_low", "v_low")
+HIGH = ("h_high", "s_high", "v_high")
+DEFAULT = {"blue": {"low": [90, 50, 50], "high": [120, 255, 255]}}
+
+
+class NamedColors:
+    """Ranges by name, as ~colors has them, of which `color` names the one in h_low .. v_high.
+
+    Raises:
+        ValueError: ~colors is not of the form {name: {low: [h, s, v], high: [h, s, v]}}, or a
+            value is out of range.
+    """
+
+    def __init__(self) -> None:
+        self.ranges: Dict[str, HsvRange] = {}
+        given = rospy.get_param("~colors", DEFAULT)
+        if not isinstance(given, dict) or not given:
+            raise ValueError(f"colors is {given!r}, must be a map of at least one name to a range")
+        for name, entry in given.items():
+            self.ranges[str(name)] = _range(name, entry)
+        self._shown = ""
+        for name in (*LOW, *HIGH):  # of an earlier run: ~colors is what counts at start
+            if rospy.has_param("~" + name):
+                rospy.delete_param("~" + name)
+
+    def update(self, config: Dict[str, Any]) -> None:
+        """Takes over the range in `config`; of a colour newly named it is put there instead."""
+        name = config["color"] or self._shown or next(iter(self.ranges))
+        if name not in self.ranges:
+            known = ", ".join(self.ranges)
+            raise ValueError(f"color is {name!r}, must be one of {known}")
+        if name == self._shown:
+            low, high = ([config[key] for key in keys] for keys in (LOW, HIGH))
+            changed = HsvRange(low=tuple(low), high=tuple(high))
+            validate(changed)
+            self.ranges[name] = changed
+        shown = self.ranges[name]
+        config.update(zip(LOW, shown.low), color=name)
+        config.update(zip(HIGH, shown.high))
+        self._shown = name
+
+
+def _range(name: str, entry: Any) -> HsvRange:
+    try:
+        found = HsvRange(low=tuple(entry["low"]), high=tuple(entry["high"]))
+    except (KeyError, TypeError):
+        raise ValueError(
+            f"colors/{name} is {entry!r}, must be {{low: [h, s, v], high: [h, s, v]}}"
+        ) from None
+    try:
+        validate(found)
+    except ValueError as error:
+        raise ValueError(f"colors/{name}: {error}") from None
+    return found

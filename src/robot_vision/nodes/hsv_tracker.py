@@ -1,0 +1,61 @@
+"""The node hsv_tracker: regions of named colours."""
+
+from typing import Any, Dict, List, Tuple
+
+import numpy as np
+
+from .. import HsvMask, RegionFinder, _transport, draw_outline, mask_picture
+from ..cfg import HsvTrackerConfig
+from ..color_file import save_colors
+from ..msg import Detection, DetectionArray
+from ..transport import Frame
+from .colors import HIGH, LOW, NamedColors
+from .image_node import ImageNode
+from .messages import detection, detection_array, region_params
+from .params import LiveParams
+
+
+class HsvTracker:
+    """Publishes ~objects, ~mask (mono8) and ~processed_image (the picture where the mask is)."""
+
+    def __init__(self) -> None:
+        self._colors = NamedColors()
+        self._params = LiveParams(HsvTrackerConfig, self._configure, self._save)
+        self._node = ImageNode(self._process)
+        self._objects = self._node.publisher("~objects", DetectionArray)
+        self._mask = self._node.image_publisher("~mask")
+        self._processed = self._node.image_publisher("~processed_image")
+        self._node.start()
+
+    def _configure(self, config: Dict[str, Any]) -> None:
+        finder = RegionFinder(region_params(config))
+        self._colors.update(config)
+        masks = {name: HsvMask(color) for name, color in self._colors.ranges.items()}
+        self._tools = masks, finder  # in one step: a frame may be under way
+
+    def _process(self, frame: Frame) -> None:
+        mask, found = self._find(frame.image)
+        self._objects.publish(detection_array(frame, found))
+        self._mask.publish(mask, "mono8", frame.header)
+        if self._processed.get_num_connections():
+            overlay = mask_picture(frame.image, mask)
+            for one in found:
+                outline = np.array([(p.x, p.y) for p in one.outline], np.int32)
+                draw_outline(overlay, outline, one.label)
+            self._processed.publish(overlay, "bgr8", frame.header)
+
+    def _find(self, image: np.ndarray) -> Tuple[np.ndarray, List[Detection]]:
+        """All colours' mask and regions, the largest first."""
+        masks, finder = self._tools
+        union = np.zeros(0)
+        found: List[Detection] = []
+        for name, mask in masks.items():
+            cleaned, regions = finder.apply(mask.apply(image))
+            union = union | cleaned if union.size else cleaned
+            found += [detection(region, name) for region in regions]
+        return union, sorted(found, key=lambda one: -one.area)
+
+    def _save(self, path: str, values: Dict[str, Any]) -> None:
+        shown = ("color", *LOW, *HIGH)
+        _transport.save_params(path, {k: v for k, v in values.items() if k not in shown})
+        save_colors(path, self._colors.ranges)

@@ -1,0 +1,75 @@
+"""The node line_follower: drives along a line."""
+
+from typing import Any, Dict
+
+import rospy
+from geometry_msgs.msg import Point, Twist
+
+from .. import HsvMask, HsvRange, Line, LineParams, draw_outline, find_line
+from ..cfg import LineFollowerConfig
+from ..line_control import LineController, LineControlParams, must_stop
+from ..msg import Line as LineMessage
+from ..transport import Frame
+from .colors import HIGH, LOW
+from .drive import Drive
+from .image_node import ImageNode
+from .params import LiveParams
+
+CONTROL = tuple(LineControlParams.__dataclass_fields__)
+
+
+class LineFollower:
+    """Publishes cmd_vel, ~line and ~processed_image (the picture with the line outlined)."""
+
+    def __init__(self) -> None:
+        self._line = Line()  # in the last frame
+        self._stamp = rospy.Time()  # of the last frame
+        self._node = ImageNode(self._process)
+        self._lines = self._node.publisher("~line", LineMessage)
+        self._processed = self._node.image_publisher("~processed_image")
+        self._drive = Drive(self._node.publisher("cmd_vel", Twist))
+        self._params = LiveParams(LineFollowerConfig, self._configure)
+        self._node.start()
+
+    def _configure(self, config: Dict[str, Any]) -> None:
+        low, high = (tuple(config[name] for name in names) for names in (LOW, HIGH))
+        line = LineParams()
+        line.min_area = config["min_area"]
+        control = LineControlParams(**{name: config[name] for name in CONTROL})
+        mask = HsvMask(HsvRange(low=low, high=high))
+        # In one step: a frame may be under way.
+        self._tools = config["strip"], mask, line, LineController(control)
+        self._drive.timeout = config["timeout"]
+
+    def _process(self, frame: Frame) -> None:
+        strip, mask, params, controller = self._tools
+        height = frame.image.shape[0]
+        top = min(round(height * (1.0 - strip)), height - 1)
+        self._line = find_line(mask.apply(frame.image[top:]), params, self._line)
+        if self._is_fresh(frame.header.stamp):
+            now = frame.header.stamp.to_sec() or rospy.get_time()
+            self._drive.command(*controller.update(now, self._line))
+        self._publish(frame, top)
+
+    def _is_fresh(self, stamp: rospy.Time) -> bool:
+        """Whether to drive on a frame of this stamp: not on an old one, nor on one come again."""
+        old, self._stamp = self._stamp, stamp
+        if stamp.is_zero():  # a sender that knows of no time
+            return True
+        late = must_stop(rospy.get_time(), stamp.to_sec(), True, self._drive.timeout)
+        if late:
+            age = rospy.get_time() - stamp.to_sec()
+            rospy.logwarn_throttle(5.0, "frames are %.2f s old: they are not driven on", age)
+        return stamp != old and not late
+
+    def _publish(self, frame: Frame, top: int) -> None:
+        line = self._line
+        center = Point(line.center[0], line.center[1] + top, 0.0) if line.found else Point()
+        self._lines.publish(
+            LineMessage(frame.header, line.found, center, line.error, line.angle, line.confidence)
+        )
+        if self._processed.get_num_connections():
+            overlay = frame.image.copy()
+            strip = overlay[top:]
+            draw_outline(strip, line.outline, f"{line.error:+.2f}") if line.found else None
+            self._processed.publish(overlay, "bgr8", frame.header)

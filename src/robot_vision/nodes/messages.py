@@ -1,0 +1,41 @@
+"""Results of the core as messages."""
+
+from typing import Any, Dict, Iterable, List
+
+from geometry_msgs.msg import Point, Point32
+from sensor_msgs.msg import RegionOfInterest
+
+from .. import Region, RegionParams
+from ..msg import Detection, DetectionArray
+from ..transport import Frame
+
+
+def detection(region: Region, label: str, score: float = 1.0) -> Detection:
+    """A region of a mask as a Detection that is not followed from frame to frame."""
+    x, y, width, height = region.box
+    return Detection(
+        label=label,
+        id=-1,
+        score=score,
+        box=RegionOfInterest(x_offset=x, y_offset=y, width=width, height=height),
+        center=Point(*region.center, 0.0),
+        outline=[Point32(px, py, 0.0) for px, py in region.outline.tolist()],
+        circle_center=Point(*region.circle_center, 0.0),
+        circle_radius=region.circle_radius,
+        area=region.area,
+    )
+
+
+def detection_array(frame: Frame, detections: Iterable[Detection]) -> DetectionArray:
+    """All detections of a frame, under its header."""
+    found: List[Detection] = list(detections)
+    height, width = frame.image.shape[:2]
+    return DetectionArray(header=frame.header, width=width, height=height, detections=found)
+
+
+def region_params(config: Dict[str, Any]) -> RegionParams:
+    """The core's parameters of regions from live ones of the same names."""
+    params = RegionParams()
+    for name in ("min_area", "opening", "closing"):
+        setattr(params, name, config[name])
+    return params

@@ -1,0 +1,311 @@
+"""The viewer's window: what it shows and says, clicks, keys, and how it ends."""
+
+import ctypes
+import pathlib
+import re
+import subprocess
+
+import cv2
+import numpy as np
+import pytest
+import rosgraph
+import rospy
+import support
+import yaml
+from sensor_msgs.msg import Image
+
+from robot_vision.msg import Click
+
+NODE = "simple_camera_view_node.py"
+SHORT = 3.0  # s: a second is promised, a loaded machine gets two more
+WIDTH, HEIGHT = 320, 200
+BLUE, RED = (255, 144, 30), (20, 10, 220)  # BGR
+# What the course takes around their hues; red is 179 and wraps around.
+RANGES = {
+    BLUE: "  name: {low: [95, 100, 100], high: [115, 255, 255]}",
+    RED: "  name: {low: [169, 100, 100], high: [9, 255, 255]}",
+}
+HSV = {BLUE: (105, 225, 255), RED: (179, 243, 220)}
+
+
+def picture():
+    """Blue, but for a red rectangle from (200, 100) to (259, 139), and noise on the left."""
+    pixels = np.full((HEIGHT, WIDTH, 3), BLUE, np.uint8)
+    pixels[100:140, 200:260] = RED
+    pixels[:, :50] = np.random.RandomState(1).randint(0, 256, (HEIGHT, 50, 3))
+    return pixels
+
+
+def message(pixels, seconds):
+    """The pixels as rgb8: the node has to convert them."""
+    image = Image(encoding="rgb8", width=pixels.shape[1], height=pixels.shape[0])
+    image.step = 3 * image.width
+    image.data = pixels[:, :, ::-1].tobytes()
+    image.header.stamp = rospy.Time(seconds, 7)
+    image.header.frame_id = f"camera_{seconds}"
+    return image
+
+
+def xdotool(*arguments):
+    subprocess.run(["xdotool", *map(str, arguments)], check=True, stdout=subprocess.DEVNULL)
+
+
+def window(topic="/pictures", what=""):
+    """The number of the window with this topic, and text, in its title, once it is there."""
+
+    def found():
+        named = [number for name, number in support.windows().items() if topic + "  " in name]
+        return named if any(what in name for name in support.windows()) else []
+
+    return support.wait_for(found, f"a window with {topic} and {what}")[0]
+
+
+def click(number, x, y):
+    xdotool("mousemove", "--window", number, x, y, "click", 1)
+    xdotool("mousemove", 1300, 1000)  # the pointer is drawn into the picture
+
+
+def press(number, key):
+    xdotool("windowfocus", "--sync", number, "key", key)
+
+
+def close(number):
+    """What a window manager sends when its user closes a window: WM_DELETE_WINDOW (ICCCM)."""
+
+    class Message(ctypes.Structure):
+        _fields_ = (
+            ("type", ctypes.c_int),
+            ("serial", ctypes.c_ulong),
+            ("send_event", ctypes.c_int),
+            ("display", ctypes.c_void_p),
+            ("window", ctypes.c_ulong),
+            ("message_type", ctypes.c_ulong),
+            ("format", ctypes.c_int),
+            ("data", ctypes.c_long * 5),
+            ("padding", ctypes.c_long * 24),  # XSendEvent reads a whole XEvent
+        )
+
+    x11 = ctypes.CDLL("libX11.so.6")
+    x11.XOpenDisplay.restype = ctypes.c_void_p
+    x11.XInternAtom.restype = ctypes.c_ulong
+    display = ctypes.c_void_p(x11.XOpenDisplay(None))
+    protocols, delete = (
+        x11.XInternAtom(display, name, 0) for name in (b"WM_PROTOCOLS", b"WM_DELETE_WINDOW")
+    )
+    client_message = 33
+    event = Message(client_message, 0, 1, display, number, protocols, 32, (delete, 0))
+    x11.XSendEvent(display, ctypes.c_ulong(number), 0, ctypes.c_long(0), ctypes.byref(event))
+    x11.XCloseDisplay(display)
+
+
+@pytest.fixture
+def publisher():
+    made = rospy.Publisher("/pictures", Image, queue_size=1, latch=True)
+    yield made
+    made.unregister()
+
+
+@pytest.fixture
+def view(start, display, tmp_path):
+    """Starts the node, saving into tmp_path/saved, and waits for its window."""
+    (tmp_path / "saved").mkdir()
+
+    def start_view(*arguments):
+        folder = f"_save_folder:={tmp_path / 'saved'}"
+        process = start(NODE, "__name:=view", "image:=/pictures", folder, *arguments)
+        window()
+        return process
+
+    return start_view
+
+
+def show(publisher, pixels, seconds, display):
+    """Publishes a picture and waits until it is on the screen. The window is at (0, 0)."""
+    publisher.publish(message(pixels, seconds))
+    height, width = pixels.shape[:2]
+    support.wait_for(
+        lambda: np.array_equal(support.screen(display)[:height, :width], pixels),
+        "the picture on the screen, to the bit",
+    )
+
+
+def saved(tmp_path):
+    return sorted((tmp_path / "saved").iterdir())
+
+
+def test_title_tells_topic_rate_and_size(start, display):
+    start("camera_node", "__name:=camera", "_source:=synthetic", "_framerate:=15.0")
+    start(NODE, "image:=/camera/image_raw")
+    window("/camera/image_raw", "640x480")
+
+    def rate():
+        titles = [name for name in support.windows() if name.startswith("/camera/image_raw  ")]
+        found = re.fullmatch(r"/camera/image_raw  ([\d.]+) Hz  640x480", "".join(titles))
+        return found and 10.0 < float(found.group(1)) < 20.0
+
+    support.wait_for(rate, "a rate that is near the camera's")
+
+
+def test_the_rate_falls_to_zero_when_the_topic_falls_silent(view, publisher, display):
+    view()
+    show(publisher, picture(), 1, display)
+    window(what="0.0 Hz  320x200")
+
+
+def test_waiting_is_told(view, display):
+    view()
+    window(what="waiting")
+
+    def text_on_grey():
+        pixels = support.screen(display)[:480, :640]
+        grey = np.count_nonzero(pixels == 128)
+        return grey > 0.9 * pixels.size and np.count_nonzero(pixels > 200) > 500
+
+    support.wait_for(text_on_grey, "the text on grey")
+    number = window()
+    click(number, 100, 100)  # on no picture: nothing comes of it
+    press(number, "s")
+    press(number, "q")
+
+
+@pytest.mark.parametrize("x, y, color", [(200, 100, RED), (259, 139, RED), (199, 100, BLUE)])
+def test_a_click_is_published_and_printed(view, publisher, display, x, y, color):
+    process = view()
+    clicks = support.Messages("/view/clicked", Click)
+    support.wait_for(clicks.connected, "the connection")
+    show(publisher, picture(), 1, display)
+    click(window(), x, y)
+    (found,) = clicks.wait()
+    assert (found.x, found.y) == (x, y)
+    assert (tuple(found.bgr), tuple(found.hsv)) == (color, HSV[color])
+    process.wait_for_output(RANGES[color])
+    assert f"x {x}, y {y}: BGR {color}, HSV {HSV[color]}" in process.output()
+
+
+def test_a_click_has_the_header_of_the_picture_shown(view, publisher, display):
+    view()
+    clicks = support.Messages("/view/clicked", Click)
+    support.wait_for(clicks.connected, "the connection")
+    for seconds, pixels in [(1, picture()), (2, 255 - picture())]:
+        show(publisher, pixels, seconds, display)
+        click(window(), 230, 120)
+        found = clicks.wait(seconds)[-1]
+        assert (found.header.stamp, found.header.frame_id) == (
+            rospy.Time(seconds, 7),
+            f"camera_{seconds}",
+        )
+        assert tuple(found.bgr) == tuple(pixels[120, 230])
+
+
+@pytest.mark.parametrize("scale", [0.5, 3])
+def test_clicks_hit_the_picture_s_pixels_in_a_resized_window(view, publisher, display, scale):
+    view("_autosize:=false")
+    clicks = support.Messages("/view/clicked", Click)
+    support.wait_for(clicks.connected, "the connection")
+    publisher.publish(message(picture(), 1))
+    number = window(what="320x200")
+    xdotool("windowsize", "--sync", number, int(WIDTH * scale), int(HEIGHT * scale))
+
+    def red():
+        """The pixels on the screen that are quite red: (top, left), (bottom, right)."""
+        near = np.abs(support.screen(display).astype(int) - RED).max(axis=2) < 8
+        near[:, : int(50 * scale)] = False  # the noise
+        hits = np.argwhere(near)
+        return (hits.min(axis=0), hits.max(axis=0)) if len(hits) else None
+
+    def resized():
+        corners = red()
+        return corners and abs(np.ptp(corners, axis=0) - (40 * scale, 60 * scale)).max() <= 3
+
+    support.wait_for(resized, "the red rectangle at its new size")
+    (top, left), (bottom, right) = red()
+    for x, y, expected in [(left, top, (200, 100)), (right, bottom, (259, 139))]:
+        clicks.received.clear()
+        click(number, x, y)
+        (found,) = clicks.wait()
+        assert np.abs(np.subtract((found.x, found.y), expected)).max() <= max(1, 1 / scale)
+        assert tuple(found.bgr) == tuple(picture()[found.y, found.x])
+
+
+def test_s_saves_the_picture_and_never_over_a_file(view, publisher, display, tmp_path):
+    process = view()
+    show(publisher, picture(), 1, display)
+    (tmp_path / "saved" / "1.000000007.png").write_text("mine")
+    for count in (2, 3):
+        press(window(), "s")
+        support.wait_for(lambda: len(saved(tmp_path)) == count, "the file")  # noqa: B023
+    mine, *pictures = saved(tmp_path)[::-1]
+    assert mine.read_text() == "mine"
+    assert {path.name for path in pictures} == {"1.000000007-1.png", "1.000000007-2.png"}
+    for path in pictures:
+        process.wait_for_output(f"saved {path}")
+        assert np.array_equal(cv2.imread(str(path)), picture())
+
+
+def test_a_picture_that_cannot_be_saved_is_an_error_and_no_end(view, publisher, display, tmp_path):
+    (tmp_path / "saved").rmdir()
+    process = view()
+    show(publisher, picture(), 1, display)
+    press(window(), "s")
+    process.wait_for_output("no picture saved in")
+    assert "No such file or directory" in process.output()
+    (tmp_path / "saved").mkdir()
+    press(window(), "s")
+    support.wait_for(lambda: len(saved(tmp_path)) == 1, "the file")
+
+
+@pytest.mark.parametrize("how", ["q", "Escape", "close", "SIGINT"])
+@pytest.mark.parametrize("pictures", [True, False])
+def test_all_ways_to_end_it(view, publisher, display, how, pictures):
+    process = view()
+    number = window()
+    if pictures:
+        show(publisher, picture(), 1, display)
+    if how == "SIGINT":
+        process.interrupt()
+    elif how == "close":
+        close(int(number))
+    else:
+        press(number, how)
+    assert process.exit_code(SHORT) == 0, process.output()
+    assert "Traceback" not in process.output()
+    nodes = {
+        node for part in rosgraph.Master("/test").getSystemState() for _, of in part for node in of
+    }
+    assert not nodes & {"/view", "/view_images"}
+
+
+@pytest.mark.parametrize(
+    "display_name, said", [("", "DISPLAY is not set"), (":7654", "DISPLAY is ':7654'")]
+)
+def test_without_a_display(start, display_name, said):
+    process = start(NODE, env={"DISPLAY": display_name})
+    assert process.exit_code() == 1
+    (line,) = (line for line in process.output().splitlines() if "[FATAL]" in line)
+    assert said in line
+    assert "Traceback" not in process.output()
+
+
+@pytest.mark.parametrize(
+    "parameter, said",
+    [
+        ("_autosize:=3", "autosize is 3, must be true or false"),
+        ("_save_folder:=7", "save_folder is 7, must be a string"),
+        ("_image_transport:=pigeon", "must be one that is installed"),
+    ],
+)
+def test_bad_parameters_are_fatal(start, display, parameter, said):
+    process = start(NODE, "image:=/pictures", parameter)
+    assert process.exit_code() == 1
+    assert "[FATAL]" in process.output() and said in process.output()
+    assert "Traceback" not in process.output()
+
+
+def test_the_launch_file_loads_the_defaults(start, display):
+    config = pathlib.Path(__file__).resolve().parents[2] / "config" / "simple_camera_view.yaml"
+    defaults = yaml.safe_load(config.read_text())
+    assert defaults == {"autosize": True, "save_folder": "."}
+    start("/usr/bin/roslaunch", "robot_vision", "simple_camera_view.launch", "image:=/a/topic")
+    window("/a/topic")
+    for name, value in defaults.items():
+        assert rospy.get_param("/simple_camera_view/" + name) == value

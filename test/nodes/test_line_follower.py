@@ -1,0 +1,216 @@
+"""The line follower drives a simulated robot around a closed track, and stops when it must."""
+
+import time
+
+import numpy as np
+import pytest
+import rospy
+import support
+from geometry_msgs.msg import Twist
+from rosgraph_msgs.msg import Clock
+from sensor_msgs.msg import Image
+from std_srvs.srv import SetBool
+
+from robot_vision.msg import Line
+from robot_vision.simulation import DifferentialDrive, TrackWorld
+from robot_vision.track import course_track
+
+PERIOD = 1.0 / 30.0  # s, of the simulated camera
+
+
+class Robot:
+    """A simulated robot on a track: its camera, its clock, and what drives it."""
+
+    def __init__(self, track):
+        self.world = TrackWorld(track)
+        self.drive = DifferentialDrive(track.starts[0])
+        self.frame = 0
+        self.errors = []  # m left of the line, each frame
+        self.driven = 0.0  # m along the track
+        self._clock = rospy.Publisher("/clock", Clock, queue_size=10)
+        self._images = rospy.Publisher("/robot/image_raw", Image, queue_size=1)
+        self.commands = support.Messages("/robot/cmd_vel", Twist)
+        self.lines = support.Messages("/follower/line", Line)
+
+    def tick(self):
+        """The simulated time goes on by a frame."""
+        self.frame += 1
+        self.now = rospy.Time.from_sec(10.0 + self.frame * PERIOD)
+        self._clock.publish(self.now)
+
+    def publish_frame(self):
+        picture = self.world.render(self.drive.pose, self.frame)
+        height, width = picture.shape[:2]
+        image = Image(height=height, width=width, step=3 * width, encoding="bgr8")
+        image.header.stamp = self.now
+        image.data = picture.tobytes()
+        self._images.publish(image)
+
+    def wait_until_driven(self):
+        """Frames go out until the follower sees them, and the robot stands meanwhile."""
+
+        def answered():
+            self.tick()
+            self.publish_frame()
+            return self.lines.received
+
+        support.wait_for(answered, "the first line")
+
+    def step(self):
+        """One frame, the command that it brings, and the way that the robot drives by it."""
+        self.tick()
+        before = len(self.commands.received)
+        self.publish_frame()
+        deadline = time.monotonic() + support.DEADLINE
+        while len(self.commands.received) == before:  # wait_for() looks too seldom for 5000 frames
+            assert time.monotonic() < deadline, "no command"
+            time.sleep(0.0005)
+        command = self.commands.received[-1]
+        where = self.world.track.progress(self.drive.pose.x, self.drive.pose.y)
+        pose = self.drive.drive(command.linear.x, command.angular.z, PERIOD)
+        length = self.world.track.length
+        way = self.world.track.progress(pose.x, pose.y) - where
+        self.driven += (way + length / 2.0) % length - length / 2.0
+        self.errors.append(self.world.track.lateral_error(pose.x, pose.y))
+
+
+@pytest.fixture
+def follower(start):
+    """Starts the line follower on a robot's camera, on simulated time."""
+
+    def start_follower(*parameters):
+        rospy.set_param("/use_sim_time", True)
+        remapped = ["image:=/robot/image_raw", "cmd_vel:=/robot/cmd_vel"]
+        return start("line_follower.py", "__name:=follower", *remapped, *parameters)
+
+    return start_follower
+
+
+@pytest.mark.parametrize("direction", ["left", "right"])
+def test_three_laps(follower, direction, record_property):
+    track = course_track()
+    robot = Robot(track if direction == "left" else track.reversed())
+    follower()
+    robot.wait_until_driven()
+    while robot.driven < 3.0 * track.length:
+        robot.step()
+        assert abs(robot.errors[-1]) < 0.1, f"off the line after {robot.driven:.2f} m"
+    rms, largest = np.sqrt(np.mean(np.square(robot.errors))), np.max(np.abs(robot.errors))
+    report = f"lateral error in three laps: RMS {1e3 * rms:.1f} mm, at most {1e3 * largest:.1f} mm"
+    print(report)
+    record_property("lateral_error", report)
+    assert rms < 0.05
+
+
+def stands(commands):
+    """Whether the robot is told to stand from now on, again and again."""
+    del commands.received[:]
+    support.wait_for(lambda: len(commands.received) >= 5, "commands")
+    return all(c == Twist() for c in commands.received)
+
+
+def test_robot_stops_when_the_camera_dies(follower):
+    robot = Robot(course_track())
+    follower()
+    robot.wait_until_driven()
+    for _ in range(10):
+        robot.step()
+    assert robot.commands.received[-1].linear.x == 0.2
+    support.wait_for(lambda: robot.commands.received[-1] == Twist(), "the stop")
+    assert stands(robot.commands)
+    robot.step()  # and drives on with the camera
+    support.wait_for(lambda: robot.step() or robot.commands.received[-1].linear.x == 0.2, "driving")
+
+
+def test_robot_does_not_drive_on_the_same_frame_for_ever(follower):
+    robot = Robot(course_track())
+    follower()
+    robot.wait_until_driven()
+    robot.step()
+    for _ in range(60):  # a camera that hangs: the same picture and stamp, again and again
+        robot.publish_frame()
+        rospy.sleep(0.02)
+    assert stands(robot.commands)
+
+
+def test_robot_does_not_drive_on_old_frames(follower):
+    robot = Robot(course_track())
+    process = follower()
+    robot.wait_until_driven()
+    robot.step()
+    old = robot.now
+    for _ in range(60):  # a network that lags: new pictures, a second old
+        robot.tick()
+        now, robot.now = robot.now, robot.now - rospy.Duration(1.0)
+        robot.publish_frame()
+        robot.now = now
+        rospy.sleep(0.02)
+    assert robot.now > old
+    assert stands(robot.commands)
+    process.wait_for_output("frames are 1.00 s old: they are not driven on")
+
+
+def test_robot_stops_while_it_is_disabled(follower):
+    robot = Robot(course_track())
+    follower()
+    robot.wait_until_driven()
+    enable = rospy.ServiceProxy("/follower/enable", SetBool)
+    assert enable(False).message == "stopped"
+    del robot.commands.received[:]
+    for _ in range(20):
+        robot.step()
+    assert all(c == Twist() for c in robot.commands.received)
+    assert enable(True).message == "driving"
+    support.wait_for(lambda: robot.step() or robot.commands.received[-1].linear.x == 0.2, "driving")
+
+
+def test_robot_stops_where_there_is_no_line(follower):
+    robot = Robot(course_track())
+    follower()
+    robot.wait_until_driven()
+    robot.step()
+    robot.drive.pose = robot.drive.pose.along_arc(20.0, 0.0)  # carried away
+    for _ in range(5):
+        robot.step()
+    assert robot.commands.received[-1] == Twist()
+    last = robot.lines.received[-1]
+    assert (last.found, last.offset, last.confidence) == (False, 0.0, 0.0)
+
+
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_robot_searches_where_it_last_saw_the_line(follower, side):
+    robot = Robot(course_track())
+    follower("_search:=true", "_search_angular:=0.25", "_search_timeout:=2.0")
+    start = robot.drive.pose
+    # Beside the line, which is then seen on the other side.
+    robot.drive.pose = type(start)(start.x, start.y + side * 0.05, start.heading)
+    robot.wait_until_driven()
+    robot.step()
+    robot.drive.pose = type(start)(start.x, start.y + 20.0, start.heading)
+    for _ in range(10):
+        robot.step()
+    assert robot.commands.received[-1].angular.z == -side * 0.25
+    for _ in range(60):  # two seconds of simulated time
+        robot.step()
+    assert robot.commands.received[-1] == Twist()
+
+
+def test_robot_is_told_to_stop_when_the_node_ends(follower):
+    robot = Robot(course_track())
+    process = follower()
+    robot.wait_until_driven()
+    robot.step()
+    assert robot.commands.received[-1].linear.x == 0.2
+    process.interrupt()
+    assert process.exit_code(3.0) == 0, process.output()
+    assert robot.commands.received[-1] == Twist()
+
+
+def test_line_is_where_the_track_is(follower):
+    robot = Robot(course_track())
+    follower()
+    robot.wait_until_driven()
+    line = robot.lines.received[-1]
+    assert line.found and line.header.stamp <= robot.now
+    assert abs(line.offset) < 0.02 and abs(line.angle) < 0.05 and line.confidence > 0.1
+    assert abs(line.center.x - 159.5) < 3.0 and 180 <= line.center.y < 240

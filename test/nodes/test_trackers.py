@@ -1,0 +1,242 @@
+"""hsv_tracker and ball_tracker on the synthetic scene, against its ground truth and OpenCV."""
+
+import cv2
+import dynamic_reconfigure.client
+import numpy as np
+import pytest
+import rospy
+import support
+import tf2_msgs.msg
+import yaml
+from geometry_msgs.msg import PointStamped
+from sensor_msgs.msg import Image
+from std_srvs.srv import Trigger
+
+from robot_vision import Scene, SceneParams
+from robot_vision.msg import DetectionArray, GroundTruth
+
+BLUE = ((90, 50, 50), (120, 255, 255))
+KERNEL = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (3, 3))
+
+
+@pytest.fixture
+def camera(start):
+    start("camera_node", "__name:=camera", "_source:=synthetic")
+
+
+def by_stamp(messages):
+    return {support.stamp_of(m): m for m in messages.received}
+
+
+def pixels(message):
+    rows = np.frombuffer(message.data, np.uint8).reshape(message.height, message.step)
+    return rows.reshape(message.height, message.width, -1).squeeze()
+
+
+def cleaned(bgr, low, high):
+    """What the tracker's mask is by OpenCV."""
+    mask = cv2.inRange(cv2.cvtColor(bgr, cv2.COLOR_BGR2HSV), low, high)
+    mask = cv2.morphologyEx(mask, cv2.MORPH_OPEN, KERNEL)
+    return cv2.morphologyEx(mask, cv2.MORPH_CLOSE, KERNEL)
+
+
+def test_hsv_tracker_finds_the_ball_by_its_blue(start, camera):
+    start("hsv_tracker.py", "__name:=tracker", "image:=/camera/image_raw")
+    images = support.Messages("/camera/image_raw", Image)
+    objects = support.Messages("/tracker/objects", DetectionArray)
+    masks = support.Messages("/tracker/mask", Image)
+    pictures = support.Messages("/tracker/processed_image", Image)
+    image, found, mask, picture = support.same_frame(images, objects, masks, pictures)
+    assert found.header.frame_id == mask.header.frame_id == image.header.frame_id
+    assert (found.width, found.height) == (640, 480)
+    expected = cleaned(pixels(image), *BLUE)
+    assert mask.encoding == "mono8" and np.array_equal(pixels(mask), expected)
+
+    count, labels, stats, centers = cv2.connectedComponentsWithStats(expected)
+    wanted = [i for i in range(1, count) if stats[i, cv2.CC_STAT_AREA] >= 200]
+    assert len(found.detections) == len(wanted) >= 1
+    for one in found.detections:
+        i = labels[round(one.outline[0].y), round(one.outline[0].x)]
+        assert (one.label, one.id, one.score, one.area) == ("blue", -1, 1.0, stats[i, 4])
+        box = one.box
+        assert [box.x_offset, box.y_offset, box.width, box.height] == stats[i, :4].tolist()
+        assert np.allclose([one.center.x, one.center.y], centers[i])
+        outline = np.array([(p.x, p.y) for p in one.outline], np.float32)
+        (x, y), radius = cv2.minEnclosingCircle(outline)
+        circle = one.circle_center
+        assert np.allclose([circle.x, circle.y, one.circle_radius], [x, y, radius], atol=0.05)
+
+    inside = cv2.erode(expected, np.ones((9, 9))) > 0  # away from the lines that are drawn
+    assert inside.any()
+    assert np.array_equal(pixels(picture)[inside], pixels(image)[inside])
+    assert np.mean(np.any(pixels(picture) > 0, axis=2)) < 0.1  # black elsewhere
+
+
+def test_hsv_tracker_finds_several_colours_and_red_around_the_end(start, tmp_path):
+    picture = np.zeros((120, 160, 3), np.uint8)
+    for box, hue in [((10, 10, 30, 40), 178), ((60, 10, 30, 40), 3), ((110, 10, 30, 40), 60)]:
+        x, y, w, h = box
+        color = cv2.cvtColor(np.uint8([[[hue, 200, 200]]]), cv2.COLOR_HSV2BGR)[0, 0]
+        picture[y : y + h, x : x + w] = color
+    path = tmp_path / "colors.png"
+    cv2.imwrite(str(path), picture)
+    rospy.set_param(
+        "/tracker/colors",
+        {
+            "red": {"low": [170, 100, 100], "high": [10, 255, 255]},
+            "green": {"low": [50, 100, 100], "high": [70, 255, 255]},
+        },
+    )
+    rospy.set_param("/tracker/opening", 1)
+    start("camera_node", "__name:=camera", f"_source:={path}")
+    start("hsv_tracker.py", "__name:=tracker", "image:=/camera/image_raw")
+    found = support.Messages("/tracker/objects", DetectionArray).wait()[0]
+    centers = sorted((d.label, d.center.x, d.center.y, d.area) for d in found.detections)
+    assert centers == [
+        ("green", 124.5, 29.5, 1200.0),
+        ("red", 24.5, 29.5, 1200.0),
+        ("red", 74.5, 29.5, 1200.0),
+    ]
+
+
+def test_colours_are_changed_live_and_saved(start, camera, tmp_path):
+    path = tmp_path / "tracker.yaml"
+    path.write_text(
+        "# mine\ncolors:\n  blue: {low: [90, 50, 50], high: [120, 255, 255]}\n"
+        "  pink: {low: [150, 20, 20], high: [170, 255, 255]}\nmin_area: 200.0  # px\n"
+    )
+    for name, value in yaml.safe_load(path.read_text()).items():
+        rospy.set_param("/tracker/" + name, value)
+    process = start(
+        "hsv_tracker.py",
+        "__name:=tracker",
+        "image:=/camera/image_raw",
+        f"_config_file:={path}",
+    )
+    client = dynamic_reconfigure.client.Client("/tracker", timeout=support.DEADLINE)
+    assert client.get_configuration()["color"] == "blue"
+    config = client.update_configuration({"color": "pink"})
+    assert (config["h_low"], config["s_low"], config["h_high"]) == (150, 20, 170)
+    config = client.update_configuration({"h_low": 160, "min_area": 50.0})
+    config = client.update_configuration({"s_low": 255, "s_high": 10})
+    assert (config["s_low"], config["s_high"]) == (20, 255)
+    process.wait_for_output("refused, the parameters stay as they are: ")
+    config = client.update_configuration({"color": "mauve"})
+    assert config["color"] == "pink"
+    process.wait_for_output("color is 'mauve', must be one of blue, pink")
+    assert rospy.ServiceProxy("/tracker/save_parameters", Trigger)().success
+    text = path.read_text()
+    assert text.startswith("# mine\n") and "# px" in text
+    assert yaml.safe_load(text) == {
+        "colors": {
+            "blue": {"low": [90, 50, 50], "high": [120, 255, 255]},
+            "pink": {"low": [160, 20, 20], "high": [170, 255, 255]},
+        },
+        "min_area": 50.0,
+        "opening": 3,
+        "closing": 3,
+    }
+    client.close()
+
+
+@pytest.mark.parametrize(
+    "node, name, value, message",
+    [
+        ("hsv_tracker.py", "colors", {}, "colors is {}, must be a map"),
+        ("hsv_tracker.py", "colors", {"a": [1]}, "colors/a is [1], must be {low: [h, s, v]"),
+        (
+            "hsv_tracker.py",
+            "colors",
+            {"a": {"low": [1, 2, 300], "high": [4, 5, 6]}},
+            "colors/a: v_low is 300, must be",
+        ),
+        ("hsv_tracker.py", "opening", 4, "opening is 4, must be odd"),
+        ("ball_tracker.py", "h_low", 200, "h_low is 200, must be from 0 to 180"),
+        ("ball_tracker.py", "ball_diameter", -1, "ball_diameter is -1, must be"),
+        ("line_follower.py", "mode", "fast", "mode is fast, must be course or pid"),
+        ("line_follower.py", "min_speed", 0.3, "min_speed is 0.3, must be at most linear_speed"),
+        ("line_follower.py", "strip", "low", "strip is 'low', must be a number"),
+        ("line_follower.py", "image_transport", "pigeon", "must be one that is installed: "),
+    ],
+)
+def test_bad_value_at_start_is_fatal(start, node, name, value, message):
+    rospy.set_param("/bad/" + name, value)
+    process = start(node, "__name:=bad")
+    assert process.exit_code() == 1
+    fatal = [line for line in process.output().splitlines() if "FATAL" in line]
+    assert len(fatal) == 1, process.output()
+    assert "/bad: " in fatal[0] and message in fatal[0]
+
+
+def test_ball_is_followed_as_it_moves(start, camera):
+    """Centre within 1 px, position within 2 %, velocity within 10 %: medians, while visible."""
+    start("ball_tracker.py", "__name:=ball", "image:=/camera/image_raw", "_ball_diameter:=0.2")
+    objects = support.Messages("/ball/objects", DetectionArray)
+    positions = support.Messages("/ball/position", PointStamped)
+    transforms = support.Messages("/tf", tf2_msgs.msg.TFMessage)
+    truths = support.Messages("/camera/ground_truth", GroundTruth)
+    positions.wait(200)
+    scene = Scene(SceneParams())
+    truth_of = by_stamp(truths)
+    position_of = by_stamp(positions)
+    centers, places, speeds = [], [], []
+    for message in objects.received:
+        stamp = message.header.stamp
+        if stamp not in truth_of or stamp not in position_of:
+            continue
+        ball = next(o for o in truth_of[stamp].objects if o.name == "ball")
+        if not ball.visible:
+            continue
+        found = message.detections[0]
+        assert (found.label, found.id, found.predicted, found.has_velocity) == (
+            "ball",
+            0,
+            False,
+            True,
+        )
+        centers.append(np.hypot(found.center.x - ball.center.x, found.center.y - ball.center.y))
+        place = ball.pose.position
+        true = np.array([place.x, place.y, place.z])
+        p = position_of[stamp].point
+        places.append(np.linalg.norm([p.x, p.y, p.z] - true) / np.linalg.norm(true))
+        velocity = velocity_of_ball(scene, truth_of[stamp].frame)
+        error = np.subtract([found.velocity.x, found.velocity.y], velocity)
+        speeds.append(np.linalg.norm(error) / np.linalg.norm(velocity))
+    assert len(centers) > 100
+    assert np.median(centers) < 1.0 and np.percentile(centers, 99) < 3.0, np.percentile(
+        centers, [50, 99]
+    )
+    assert np.median(places) < 0.02, np.median(places)
+    assert np.median(speeds) < 0.1, np.median(speeds)
+    frames = {t.child_frame_id: t for m in transforms.received for t in m.transforms}
+    assert frames["ball"].header.frame_id == "head_camera"
+
+
+def velocity_of_ball(scene, frame):
+    """px/s, by the exact positions before and after."""
+    before, after = (
+        next(o for o in scene.truth(f).objects if o.name == "ball").center
+        for f in (frame - 1, frame + 1)
+    )
+    return np.subtract(after, before) / 2.0 * 30.0
+
+
+def test_ball_without_a_diameter_has_no_position(start, camera):
+    start("ball_tracker.py", "__name:=ball", "image:=/camera/image_raw")
+    found = support.Messages("/ball/objects", DetectionArray).wait(5)[-1].detections[0]
+    assert found.label == "ball"
+    assert "/ball/position" not in dict(rospy.get_published_topics())
+
+
+@pytest.mark.parametrize("node", ["hsv_tracker.py", "ball_tracker.py", "line_follower.py"])
+def test_python_nodes_are_lazy(start, diagnostics, camera, node):
+    start(node, "__name:=lazy", "image:=/camera/image_raw", "_diagnostic_period:=0.1")
+    assert diagnostics.next("lazy").message == "idle: nobody subscribes"
+    pictures = support.Messages("/lazy/processed_image", Image)
+    pictures.wait(3)
+    assert diagnostics.next("lazy").message == "running on /camera/image_raw"
+    pictures.close()
+    support.wait_for(
+        lambda: diagnostics.next("lazy").message == "idle: nobody subscribes", "idleness"
+    )
+    assert diagnostics.next("camera").message == "idle: nobody subscribes"
