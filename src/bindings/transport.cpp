@@ -1,6 +1,11 @@
 #include <pybind11/stl.h>
 #include <ros/serialization.h>
 
+#include <atomic>
+#include <chrono>
+#include <optional>
+#include <thread>
+
 #include "arrays.hpp"
 #include "ros/image_runtime.hpp"
 #include "ros/save_params.hpp"
@@ -10,7 +15,45 @@ namespace
 
 using namespace robot_vision;
 using namespace py::literals;
-using Unlocked = py::call_guard<py::gil_scoped_release>;
+
+std::atomic<int> calls_under_way{0};
+std::atomic<bool> process_ends{false};
+
+/// Leaves the GIL to others for the time of a call; not once the process ends: CPython kills a thread that takes the
+/// GIL back after the interpreter has gone, in the middle of C++ that cannot be unwound.
+class LeaveGil
+{
+public:
+  LeaveGil()
+  {
+    if (process_ends) return;
+    ++calls_under_way;
+    released_.emplace();
+  }
+  ~LeaveGil()
+  {
+    if (!released_) return;
+    released_.reset();
+    --calls_under_way;
+  }
+  LeaveGil(const LeaveGil&) = delete;
+  LeaveGil& operator=(const LeaveGil&) = delete;
+
+private:
+  std::optional<py::gil_scoped_release> released_;
+};
+
+using Unlocked = py::call_guard<LeaveGil>;
+
+/// Waits until no thread is in a call of this module any more; from now on none leaves the GIL.
+void endProcess()
+{
+  process_ends = true;  // under the GIL: no other thread is about to begin a call
+  const py::gil_scoped_release unlocked;
+  const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(2);
+  while (calls_under_way > 0 && std::chrono::steady_clock::now() < deadline)
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+}
 
 /// Pixels whose depth and channels are those of the array, of any type that a cv::Mat can have.
 cv::Mat viewOf(const py::array& array)
@@ -23,6 +66,14 @@ cv::Mat viewOf(const py::array& array)
   return {static_cast<int>(array.shape(0)), static_cast<int>(array.shape(1)),
           CV_MAKETYPE(static_cast<int>(found - std::begin(kinds)), channels), const_cast<void*>(array.data()),
           static_cast<std::size_t>(array.strides(0))};
+}
+
+/// The array, or a copy of it, with packed rows and this machine's byte order.
+py::array inMemoryOrder(const py::array& array)
+{
+  const py::object dtype = array.attr("dtype");
+  if (hasPackedRows(array) && dtype.attr("isnative").cast<bool>()) return array;
+  return array.attr("astype")(dtype.attr("newbyteorder")("="), "order"_a = "C");
 }
 
 py::bytes serialized(const sensor_msgs::CameraInfo& info)
@@ -39,7 +90,7 @@ py::object take(ImageInbox& inbox)
 {
   std::optional<ReceivedImage> received;
   {
-    const py::gil_scoped_release unlocked;
+    const LeaveGil unlocked;
     received = inbox.take();
   }
   if (!received) return py::none();
@@ -58,13 +109,15 @@ void publish(ImageOutbox& outbox, const py::array& pixels, const std::string& en
 {
   if (pixels.ndim() != 2 && pixels.ndim() != 3)
     throw py::value_error("expected an array of 2 or 3 dimensions, got " + std::to_string(pixels.ndim()));
-  const py::array packed = hasPackedRows(pixels) ? pixels : py::array::ensure(pixels, py::array::c_style);
+  if (pixels.ndim() == 3 && (pixels.shape(2) < 1 || pixels.shape(2) > CV_CN_MAX))
+    throw py::value_error("no picture has " + std::to_string(pixels.shape(2)) + " channels");
+  const py::array packed = inMemoryOrder(pixels);
   const cv::Mat view = viewOf(packed);
   std_msgs::Header header;
   header.seq = seq;
   header.stamp = ros::Time(secs, nsecs);
   header.frame_id = frame_id;
-  const py::gil_scoped_release unlocked;
+  const LeaveGil unlocked;
   outbox.publish(view, encoding, header);
 }
 
@@ -131,6 +184,7 @@ PYBIND11_MODULE(_transport, m)
       .def("spin_once", &ImageRuntime::spinOnce, Unlocked())
       .def("connections_changed", &ImageRuntime::connectionsChanged)
       .def("stop", &ImageRuntime::stop, Unlocked());
+  m.def("end_process", &endProcess, "To be called last, by atexit: waits for other threads' calls.");
   m.def("save_params", save, "path"_a, "values"_a,
         "Puts the values into a YAML file; see save_params.hpp. Raises RuntimeError naming the path.");
 }

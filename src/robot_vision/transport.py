@@ -24,6 +24,7 @@ from sensor_msgs.msg import CameraInfo
 from std_msgs.msg import Header
 
 from . import _transport
+from .registration import Registration
 
 
 class Frame:
@@ -72,7 +73,7 @@ class ImageSubscriber:
         start: whether to subscribe at once; else with start().
 
     Raises:
-        ValueError: the transport is not installed.
+        ValueError: there is no such encoding, or the transport is not installed.
     """
 
     def __init__(
@@ -210,14 +211,17 @@ class _Process:
             for name, value in rospy.names.load_mappings(sys.argv).items()
             if name.startswith("__") and name not in ("__name", "__ns")
         }
-        self.runtime = _transport.Runtime(rospy.get_name() + "_images", special)
+        name = rospy.get_name() + "_images"
+        self.runtime = _transport.Runtime(name, special)
+        self._registration = Registration(name)
         self._lock = threading.Lock()  # guards the two lists
         self._subscribers: List[ImageSubscriber] = []
         self._listeners: List[Callable[[], Any]] = []
         self._thread = threading.Thread(target=self._run, name="images", daemon=True)
+        self._thread.start()  # before the hook, which is called at once if rospy has been shut down
         rospy.on_shutdown(self.stop)
-        atexit.register(self.stop)  # in a process that never shuts rospy down
-        self._thread.start()
+        atexit.register(_transport.end_process)
+        atexit.register(self.stop)  # in a process that never shuts rospy down; called first
 
     def add(self, subscriber: ImageSubscriber) -> None:
         with self._lock:
@@ -239,17 +243,24 @@ class _Process:
 
     def stop(self) -> None:
         """Ends the roscpp node; a callback that never returns is left behind."""
+        self._registration.end()
         self.runtime.stop()
         if threading.current_thread() is not self._thread:
             self._thread.join(1.0)
 
     def _run(self) -> None:
-        while self.runtime.spin_once():
-            if self.runtime.connections_changed():
-                for listener in self._copy(self._listeners):
-                    self._call(listener)
-            for subscriber in self._copy(self._subscribers):
-                subscriber._deliver()
+        try:
+            while self.runtime.spin_once():
+                self._work()
+        except SystemExit:  # of a callback; only the main thread's would end the process
+            rospy.signal_shutdown("a callback has called sys.exit()")
+
+    def _work(self) -> None:
+        if self.runtime.connections_changed():
+            for listener in self._copy(self._listeners):
+                self._call(listener)
+        for subscriber in self._copy(self._subscribers):
+            subscriber._deliver()
 
     def _copy(self, items: List[Any]) -> List[Any]:
         with self._lock:

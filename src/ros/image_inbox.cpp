@@ -11,7 +11,7 @@ namespace robot_vision
 namespace
 {
 
-constexpr std::size_t kInfos = 10;  // how far camera_info may run ahead of its picture
+constexpr std::size_t kUnpaired = 10;  // how far pictures and camera_info may run ahead of each other
 
 }  // namespace
 
@@ -21,6 +21,7 @@ ImageInbox::ImageInbox(const Params& params, const ros::NodeHandle& nh,
   : params_(params), nh_(nh), it_(it), statistics_(std::move(statistics))
 {
   requireTransport(*it, params_.transport);
+  if (!params_.encoding.empty()) anyMatType(params_.encoding);
   statistics_->setIdle();
 }
 
@@ -36,8 +37,8 @@ void ImageInbox::open()
   const ros::TransportHints no_delay = ros::TransportHints().tcpNoDelay();
   if (!params_.camera_info_topic.empty())
     info_subscriber_ = nh_.subscribe<sensor_msgs::CameraInfo>(
-        params_.camera_info_topic, kInfos, [this](const sensor_msgs::CameraInfoConstPtr& info) { onCameraInfo(info); },
-        ros::VoidConstPtr(), no_delay);
+        params_.camera_info_topic, kUnpaired,
+        [this](const sensor_msgs::CameraInfoConstPtr& info) { onCameraInfo(info); }, ros::VoidConstPtr(), no_delay);
   const image_transport::TransportHints hints(params_.transport, no_delay, ros::NodeHandle(params_.parameters));
   subscriber_ = it->subscribe(
       params_.topic, 1, [this](const sensor_msgs::ImageConstPtr& message) { onImage(message); }, ros::VoidPtr(), hints);
@@ -53,7 +54,7 @@ void ImageInbox::close()
     open_ = false;
     std::swap(subscriber, subscriber_);
     std::swap(info_subscriber, info_subscriber_);
-    newest_.reset();
+    images_.clear();
     infos_.clear();
     statistics_->setIdle();
   }
@@ -70,44 +71,60 @@ std::uint32_t ImageInbox::publishers() const
 void ImageInbox::onImage(const sensor_msgs::ImageConstPtr& message)
 {
   const std::lock_guard<std::mutex> lock(mutex_);
-  if (open_) newest_ = message;
+  if (!open_) return;
+  images_.push_back(message);
+  if (images_.size() <= (params_.camera_info_topic.empty() ? 1 : kUnpaired)) return;
+  images_.pop_front();
+  if (!params_.camera_info_topic.empty() && throttle_.due())
+    ROS_WARN("pictures of %s without a camera_info of the same stamp on %s", params_.topic.c_str(),
+             params_.camera_info_topic.c_str());
 }
 
 void ImageInbox::onCameraInfo(const sensor_msgs::CameraInfoConstPtr& info)
 {
   const std::lock_guard<std::mutex> lock(mutex_);
+  if (!open_) return;
   infos_.push_back(info);
-  if (infos_.size() > kInfos) infos_.pop_front();
+  if (infos_.size() > kUnpaired) infos_.pop_front();
 }
 
 sensor_msgs::CameraInfoConstPtr ImageInbox::infoOf(const sensor_msgs::Image& image) const
 {
-  const auto found = std::find_if(infos_.begin(), infos_.end(),
+  const auto found = std::find_if(infos_.rbegin(), infos_.rend(),
                                   [&image](const auto& info) { return info->header.stamp == image.header.stamp; });
-  return found == infos_.end() ? nullptr : *found;
+  return found == infos_.rend() ? nullptr : *found;
+}
+
+std::optional<ReceivedImage> ImageInbox::takeNewest()
+{
+  const std::lock_guard<std::mutex> lock(mutex_);
+  for (auto image = images_.rbegin(); image != images_.rend(); ++image)
+  {
+    ReceivedImage received;
+    received.message = *image;
+    if (!params_.camera_info_topic.empty())
+    {
+      received.camera_info = infoOf(**image);
+      if (!received.camera_info) continue;  // it may still come
+    }
+    images_.erase(images_.begin(), image.base());  // and all that are older
+    return received;
+  }
+  return std::nullopt;
 }
 
 std::optional<ReceivedImage> ImageInbox::take()
 {
-  ReceivedImage received;
-  {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    if (!newest_) return std::nullopt;
-    if (!params_.camera_info_topic.empty())
-    {
-      received.camera_info = infoOf(*newest_);
-      if (!received.camera_info) return std::nullopt;  // it may still come
-    }
-    received.message = std::move(newest_);
-  }
-  taken_ = received.message;
+  std::optional<ReceivedImage> received = takeNewest();
+  if (!received) return std::nullopt;
+  taken_ = received->message;
   taken_at_ = FrameStatistics::Clock::now();
   statistics_->received(taken_->header.seq);
   try
   {
     const bool as_it_is = params_.encoding.empty();
-    received.encoding = as_it_is ? taken_->encoding : params_.encoding;
-    received.pixels = as_it_is ? viewAnyPixels(*taken_) : convertPixels(*taken_, params_.encoding);
+    received->encoding = as_it_is ? taken_->encoding : params_.encoding;
+    received->pixels = as_it_is ? viewAnyPixels(*taken_) : convertPixels(*taken_, params_.encoding);
   }
   catch (const std::exception& e)
   {

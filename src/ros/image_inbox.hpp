@@ -41,7 +41,8 @@ public:
   };
 
   /// `nh` and `it` bring the queue that the messages come through; once `it` is gone, the inbox stays closed.
-  /// Throws std::invalid_argument naming the installed transports if the one asked for is not among them.
+  /// Throws std::invalid_argument if there is no such encoding, or naming the installed transports if the one asked
+  /// for is not among them.
   ImageInbox(const Params& params, const ros::NodeHandle& nh,
              const std::shared_ptr<image_transport::ImageTransport>& it, std::shared_ptr<FrameStatistics> statistics);
   ~ImageInbox() { close(); }
@@ -65,6 +66,7 @@ private:
   void refuse(const std::string& why);
   void onImage(const sensor_msgs::ImageConstPtr& message);
   void onCameraInfo(const sensor_msgs::CameraInfoConstPtr& info);
+  std::optional<ReceivedImage> takeNewest();
   sensor_msgs::CameraInfoConstPtr infoOf(const sensor_msgs::Image& image) const;
 
   Params params_;
@@ -79,8 +81,9 @@ private:
   bool open_ = false;
   image_transport::Subscriber subscriber_;
   ros::Subscriber info_subscriber_;
-  sensor_msgs::ImageConstPtr newest_;
-  std::deque<sensor_msgs::CameraInfoConstPtr> infos_;  // the last few: they come on a connection of their own
+  // The newest, and if camera_info is asked for the last few: they come on two connections, either may be ahead.
+  std::deque<sensor_msgs::ImageConstPtr> images_;
+  std::deque<sensor_msgs::CameraInfoConstPtr> infos_;
 };
 
 }  // namespace robot_vision

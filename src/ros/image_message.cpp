@@ -72,20 +72,22 @@ bool isCoreEncoding(const std::string& encoding)
   return isEncoding(encoding) && encoding != "jpeg" && encoding != "nv12";
 }
 
-/// The cv::Mat type of every encoding of sensor_msgs/Image.
+}  // namespace
+
 int anyMatType(const std::string& encoding)
 {
+  if (isCoreEncoding(encoding)) return matType(encoding);
   try
   {
-    return isCoreEncoding(encoding) ? matType(encoding) : cv_bridge::getCvType(encoding);
+    const int type = cv_bridge::getCvType(encoding);
+    if (type == CV_MAT_TYPE(type)) return type;  // 8UC0 and 8UC513 leave the bits of a type
+    throw std::invalid_argument("encoding '" + encoding + "' has a number of channels that no picture has");
   }
   catch (const cv_bridge::Exception& e)
   {
     throw std::invalid_argument("encoding '" + encoding + "' is unknown: " + e.what());
   }
 }
-
-}  // namespace
 
 cv::Mat viewPixels(const sensor_msgs::Image& message)
 {

@@ -15,7 +15,11 @@ namespace robot_vision
 /// is_bigendian agree with each other.
 cv::Mat viewPixels(const sensor_msgs::Image& message);
 
-/// The same for every encoding that cv_bridge knows (8UC1, 16-bit colour, 32FC1, ...), not only those of the core.
+/// The cv::Mat type of every encoding that cv_bridge knows (8UC1, 16-bit colour, 32FC1, ...), not only of the core's.
+/// Throws std::invalid_argument naming the encoding if it is unknown.
+int anyMatType(const std::string& encoding);
+
+/// viewPixels() for all of these encodings.
 cv::Mat viewAnyPixels(const sensor_msgs::Image& message);
 
 /// The picture in `encoding`: a view where it is in it already, otherwise converted as cv_bridge converts.

@@ -2,7 +2,8 @@
 // `result`, which keeps the stamp. Prints JSON: latencies from stamp to arrival, CPU time of the processes ~pids.
 //
 // ~picture (empty: the stamps are another's, e.g. a camera's; only listen), ~width, ~height, ~rate (Hz), ~seconds,
-// ~warm_up (s, not counted), ~pids ("12 34"), ~expect: what one result is compared with: "", opencv, opencv_apps
+// ~warm_up (s, not counted), ~pids ("12 34"), ~expect: what one result is compared with: "", opencv, opencv_apps,
+// ~results (false: the processes note themselves when pictures arrive)
 
 #include <ros/ros.h>
 #include <sensor_msgs/Image.h>
@@ -28,6 +29,7 @@ struct Settings
   double seconds = 4.0;
   double warm_up = 1.0;
   std::string expect;
+  bool results = true;
   std::vector<clockid_t> clocks;
 };
 
@@ -43,6 +45,7 @@ Settings readSettings()
   pnh.getParam("seconds", settings.seconds);
   pnh.getParam("warm_up", settings.warm_up);
   pnh.getParam("expect", settings.expect);
+  pnh.getParam("results", settings.results);
   pnh.getParam("pids", pids);
   std::istringstream stream(pids);
   for (pid_t pid = 0; stream >> pid;)
@@ -147,13 +150,15 @@ public:
 
   bench::Result run()
   {
-    waitFor("for somebody who publishes the result", [this] { return results_.connected(); });
+    if (settings_.results) waitFor("for somebody who publishes the result", [this] { return results_.connected(); });
     if (settings_.picture.empty())
       listen();
     else
       publish();
     result_.seconds = bench::seconds(CLOCK_MONOTONIC) - wall_begin_;
     result_.cpu_seconds = cpuSeconds(settings_.clocks) - cpu_begin_;
+    result_.begin = begin_.toSec();
+    result_.end = end_.toSec();
     result_.latencies_ms = results_.latencies(begin_, end_);
     return result_;
   }

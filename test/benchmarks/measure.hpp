@@ -63,8 +63,10 @@ inline clockid_t clockOf(pid_t pid)
 struct Result
 {
   int sent = 0;
-  double seconds = 0.0;              // wall time of the frames counted
-  double cpu_seconds = 0.0;          // of the processes measured, in that time
+  double seconds = 0.0;      // wall time of the frames counted
+  double cpu_seconds = 0.0;  // of the processes measured, in that time
+  double begin = 0.0;        // stamps of the first and the last frame counted, in s
+  double end = 0.0;
   std::vector<double> latencies_ms;  // of the frames that came through
   double same_pixels = -1.0;         // share of a result's pixels that are as expected; -1: not looked at
 };
@@ -72,8 +74,9 @@ struct Result
 /// Writes the result as one line of JSON.
 inline void print(const Result& result)
 {
-  std::printf("{\"sent\": %d, \"seconds\": %.6f, \"cpu_seconds\": %.6f, \"same_pixels\": %.6f, \"latencies_ms\": [",
-              result.sent, result.seconds, result.cpu_seconds, result.same_pixels);
+  std::printf("{\"sent\": %d, \"seconds\": %.6f, \"cpu_seconds\": %.6f, \"same_pixels\": %.6f, ", result.sent,
+              result.seconds, result.cpu_seconds, result.same_pixels);
+  std::printf("\"begin\": %.9f, \"end\": %.9f, \"latencies_ms\": [", result.begin, result.end);
   const char* comma = "";
   for (const double latency : result.latencies_ms)
   {

@@ -1,6 +1,7 @@
 """A private master for the whole run, and processes that are gone after each test."""
 
 import itertools
+import logging
 import os
 import shutil
 
@@ -73,3 +74,20 @@ def display(start, tmp_path, monkeypatch):
     number = support.wait_for(lambda: process.output().split(), "the X server")[-1]
     monkeypatch.setenv("DISPLAY", ":" + number)
     return tmp_path / "Xvfb_screen0"
+
+
+@pytest.fixture
+def log(capfd):
+    """log() is all that this process has logged in the test: rospy's lines, then roscpp's."""
+
+    rospy_lines, roscpp_output = [], []
+    handler = logging.Handler()
+    handler.emit = lambda record: rospy_lines.append(record.getMessage())
+    logging.getLogger("rosout").addHandler(handler)
+
+    def read():
+        roscpp_output.append(capfd.readouterr().err)
+        return "\n".join(rospy_lines) + "".join(roscpp_output)
+
+    yield read
+    logging.getLogger("rosout").removeHandler(handler)

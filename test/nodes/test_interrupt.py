@@ -6,6 +6,7 @@ import support
 from sensor_msgs.msg import Image
 
 NODES = ["camera_node", "brightness_node", "edge_detector_node"]
+PYTHON_NODES = ["hsv_tracker.py", "ball_tracker.py", "line_follower.py"]
 SHORT = 3.0  # s: a second is promised, a loaded machine gets two more
 
 
@@ -25,7 +26,7 @@ def test_while_waiting_for_the_master(start, node, argument, waiting):
     assert process.exit_code(SHORT) == 0, process.output()
 
 
-@pytest.mark.parametrize("node", NODES)
+@pytest.mark.parametrize("node", [*NODES, *PYTHON_NODES])
 def test_while_idle(start, diagnostics, node):
     process = start(node, "__name:=idle", "_source:=synthetic")
     diagnostics.next("idle")

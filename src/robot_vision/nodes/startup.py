@@ -37,8 +37,8 @@ def run_node(
         spin(node)
         del node
     except Exception:
-        # A node that is shut down while it starts finds rospy half closed.
-        if not rospy.is_shutdown():
+        # A node that is shut down while it starts finds rospy, or its pictures, closed.
+        if not rospy.core.is_shutdown_requested():
             raise
 
 

@@ -1,0 +1,28 @@
+// A subscriber that does nothing with its pictures, the least that receiving can cost. At its end it prints JSON:
+// [stamp in s, latency in ms] of each.
+
+#include <ros/ros.h>
+#include <sensor_msgs/Image.h>
+
+#include <cstdio>
+#include <utility>
+#include <vector>
+
+int main(int argc, char** argv)
+{
+  ros::init(argc, argv, "plain_receiver");
+  ros::NodeHandle nh;
+  std::vector<std::pair<double, double>> arrivals;
+  const auto on_image = [&arrivals](const sensor_msgs::ImageConstPtr& message)
+  { arrivals.emplace_back(message->header.stamp.toSec(), (ros::Time::now() - message->header.stamp).toSec() * 1e3); };
+  const ros::Subscriber subscriber = nh.subscribe<sensor_msgs::Image>("image", 1, on_image);
+  ros::spin();
+  const char* comma = "[";
+  for (const auto& [stamp, latency] : arrivals)
+  {
+    std::printf("%s[%.9f, %.4f]", comma, stamp, latency);
+    comma = ", ";
+  }
+  std::printf("]\n");
+  return 0;
+}

@@ -1,0 +1,273 @@
+"""robot_vision.transport: every encoding, layout and kind of damage, as arrays in Python."""
+
+import gc
+import weakref
+
+import cv2
+import cv_bridge
+import numpy as np
+import pytest
+import rospy
+import support
+from frames import Frames, Source, message, new_topic
+from sensor_msgs.msg import Image
+from std_msgs.msg import Header
+
+from robot_vision.transport import ImagePublisher, ImageSubscriber
+
+COLOURS = {"bgr": 3, "rgb": 3, "bgra": 4, "rgba": 4}
+PATTERNS = ("rggb", "bggr", "gbrg", "grbg")
+TYPES = {"8U": "u1", "8S": "i1", "16U": "u2", "16S": "i2", "32S": "i4", "32F": "f4", "64F": "f8"}
+ENCODINGS = {  # name: dtype and channels
+    **{f"{name}{bits}": (f"u{bits // 8}", n) for name, n in COLOURS.items() for bits in (8, 16)},
+    **{f"mono{bits}": (f"u{bits // 8}", 1) for bits in (8, 16)},
+    **{f"bayer_{name}{bits}": (f"u{bits // 8}", 1) for name in PATTERNS for bits in (8, 16)},
+    **{name: ("u1", 2) for name in ("yuv422", "yuv422_yuy2")},
+    **{f"{name}C{n}": (dtype, n) for name, dtype in TYPES.items() for n in (1, 2, 3, 4)},
+}
+UNKNOWN = ["", "rgb565", "jpeg", "nv12", "8UC0", "8UC513", "9UC1", "BGR8", "passthrough"]
+
+
+def noise(encoding, height=4, width=6):
+    """A picture of the encoding with all values that it can have."""
+    dtype, channels = ENCODINGS[encoding]
+    rng = np.random.default_rng(3)
+    size = (height, width, channels) if channels > 1 else (height, width)
+    if dtype.startswith("f"):
+        return rng.uniform(-300.0, 300.0, size).astype(dtype)
+    limits = np.iinfo(dtype)
+    return rng.integers(limits.min, limits.max, size, dtype, endpoint=True)
+
+
+def by_cv_bridge(picture, encoding):
+    """What cv_bridge makes of a message, or None where it refuses."""
+    try:
+        return cv_bridge.CvBridge().imgmsg_to_cv2(picture, encoding)
+    except cv_bridge.CvBridgeError:
+        return None
+
+
+def assert_same(image, expected):
+    assert (image.dtype, image.shape) == (expected.dtype, expected.shape)
+    assert np.array_equal(image, expected)
+
+
+@pytest.fixture
+def source(start):
+    """A publisher on a topic of its own; `source.frames(...)` subscribes."""
+
+    class Topic(Source):
+        def frames(self, *args):
+            frames = Frames(self.topic, *args)
+            self.wait_for()
+            return frames
+
+    return Topic(new_topic())
+
+
+@pytest.mark.parametrize("padding, order", [(0, "<"), (8, "<"), (0, ">"), (24, ">")])
+@pytest.mark.parametrize("encoding", ENCODINGS)
+def test_the_array_is_the_picture(source, encoding, padding, order):
+    frames = source.frames()
+    sent = [noise(encoding), noise(encoding, 1, 2 if "yuv" in encoding else 1)]
+    for number, pixels in enumerate(sent, 1):
+        source.send(message(pixels, encoding, padding, order))
+        frame = frames.wait(number)[-1]
+        assert frame.encoding == encoding
+        assert_same(frame.image, pixels)
+        assert not frame.image.flags.writeable
+
+
+def test_conversions_are_those_of_cv_bridge(source):
+    """Every encoding to every other; of padded rows, which cv_bridge takes for pixels."""
+    targets = {target: source.frames(target) for target in ENCODINGS}
+    not_in_cv_bridge = set()
+    for number, encoding in enumerate(ENCODINGS, 1):
+        pixels = noise(encoding)
+        before = {target: len(frames.received) for target, frames in targets.items()}
+        source.send(message(pixels, encoding, padding=8))
+        support.wait_for(
+            lambda n=number: all(
+                len(f.received) + f.subscriber.refused == n for f in targets.values()
+            ),
+            encoding + " as all others",
+        )
+        for target, frames in targets.items():
+            came = len(frames.received) > before[target]
+            expected = by_cv_bridge(message(pixels, encoding), target)
+            if came and expected is None:
+                not_in_cv_bridge.add((encoding, target))
+            else:
+                assert came == (expected is not None), (encoding, target)
+            if came and expected is not None:
+                assert frames.received[-1].encoding == target
+                assert_same(frames.received[-1].image, expected)
+    # Newer versions of cv_bridge know yuv422_yuy2, too.
+    assert not_in_cv_bridge <= {("yuv422_yuy2", to) for to in ("bgr8", "mono8", "yuv422_yuy2")}
+
+
+@pytest.mark.parametrize("target, code", [("bgr8", "BGR"), ("mono8", "GRAY")])
+def test_yuyv_which_cv_bridge_may_not_know(source, target, code):
+    pixels = noise("yuv422_yuy2")
+    frames = source.frames(target)
+    source.send(message(pixels, "yuv422_yuy2"))
+    expected = cv2.cvtColor(pixels, getattr(cv2, f"COLOR_YUV2{code}_YUY2"))
+    assert_same(frames.wait()[0].image, expected)
+
+
+@pytest.mark.parametrize("encoding, target", [("bgr8", None), ("rgb8", "bgr8"), ("16UC1", "16UC1")])
+def test_4k(source, encoding, target):
+    pixels = noise(encoding, 2160, 3840)
+    frames = source.frames(target)
+    source.send(message(pixels, encoding))
+    image = frames.wait()[0].image
+    assert_same(image, pixels[:, :, ::-1] if target == "bgr8" else pixels)
+
+
+@pytest.mark.parametrize("encoding", UNKNOWN[1:])
+def test_an_unknown_encoding_is_refused_at_once(encoding):
+    with pytest.raises(ValueError, match=f"encoding '{encoding}'"):
+        ImageSubscriber(new_topic(), print, encoding=encoding)
+
+
+def damaged(encoding):
+    """Messages with everything that can be wrong with a picture of this encoding."""
+    good = message(noise(encoding), encoding)
+    step, height, data = good.step, good.height, good.data
+    wrongs = [
+        {"data": b""},
+        {"data": data[:-1]},
+        {"data": data + b"\0"},
+        {"step": 0, "data": b""},
+        {"step": step - 1, "data": data[: height * (step - 1)]},
+        {"width": 0},
+        {"height": 0},
+        {"width": 0, "height": 0, "step": 0, "data": b""},
+        {"width": 2**32 - 1},
+        {"height": 2**32 - 1},
+        {"width": 2**31, "height": 2**31, "step": 2**31},
+        {"height": 2**31 + height, "step": 2 * step, "data": data * 2},  # data's size mod 2^32
+        {"is_bigendian": 7},
+        *({"encoding": name} for name in UNKNOWN),
+    ]
+    for fields in wrongs:
+        bad = message(noise(encoding), encoding)
+        for name, value in fields.items():
+            setattr(bad, name, value)
+        yield fields, bad
+
+
+@pytest.mark.parametrize("encoding", ENCODINGS)
+def test_damaged_frames_are_refused_and_counted(source, encoding, log):
+    as_it_is, converted = source.frames(), source.frames("bgr8" if "C" not in encoding else None)
+    both = (as_it_is, converted)
+    for number, (fields, bad) in enumerate(damaged(encoding), 1):
+        source.send(bad)
+        for frames in both:
+            subscriber = frames.subscriber
+            support.wait_for(lambda s=subscriber, n=number: s.refused == n, f"refusal: {fields}")
+    source.send(message(noise(encoding), encoding))
+    for frames in both:
+        frames.wait()
+        assert (len(frames.received), frames.subscriber.refused) == (1, number)
+        assert (frames.subscriber.received, frames.subscriber.dropped) == (number + 1, 0)
+    what = f"refused a frame on {source.topic} ({encoding}, 6x4): data has 0 bytes, "
+    assert f"{what}step * height is {noise(encoding).nbytes}" in log()
+
+
+def test_a_view_is_the_message_s_own_memory(source):
+    pixels = noise("bgr8")
+    first, second = source.frames(), source.frames()
+    source.send(message(pixels, "bgr8", padding=6))
+    images = [frames.wait()[0].image for frames in (first, second)]
+    # roscpp gives both the same message: copies would lie elsewhere, and have packed rows.
+    assert images[0].ctypes.data == images[1].ctypes.data
+    assert images[0].strides == (6 * 3 + 6, 3, 1)
+    for image in images:
+        assert not image.flags.owndata
+        with pytest.raises(ValueError):
+            image[0, 0, 0] = 0
+        with pytest.raises(ValueError):
+            image.flags.writeable = True
+
+
+def test_frames_outlive_their_subscriber(source):
+    sent = [np.roll(noise("bgr8", 480, 640), n, axis=1) for n in range(3)]
+    views, converted = source.frames(), source.frames("mono8")
+    for number, pixels in enumerate(sent, 1):
+        source.send(message(pixels, "bgr8"))
+        views.wait(number)
+        converted.wait(number)
+    greys = [cv2.cvtColor(pixels, cv2.COLOR_BGR2GRAY) for pixels in sent]
+    kept = [frame.image[::2] for frame in views.received]  # slices keep the memory, too
+    kept_greys = [frame.image for frame in converted.received]
+    subscribers = [weakref.ref(frames.subscriber) for frames in (views, converted)]
+    views.close()
+    converted.close()
+    del views, converted
+    gc.collect()
+    support.wait_for(lambda: not any(s() for s in subscribers), "the end of the subscribers")
+    source.wait_for(0)
+    others = source.frames()
+    for number in range(1, 101):
+        source.send(message(np.full_like(sent[0], number), "bgr8"))
+        others.wait(number)
+        others.received[-1] = None  # frees the frame for the next
+    assert all(np.array_equal(a, b[::2]) for a, b in zip(kept, sent))
+    assert all(np.array_equal(a, b) for a, b in zip(kept_greys, greys))
+
+
+@pytest.mark.parametrize("encoding", ENCODINGS)
+def test_published_pictures_are_those_that_arrive(source, encoding):
+    """Over TCP to rospy, and inside the process; whatever way the array lies in memory."""
+    publisher = ImagePublisher(source.topic)
+    inside, outside = Frames(source.topic), support.Messages(source.topic, Image)
+    support.wait_for(lambda: publisher.get_num_connections() == 2, "the subscriptions")
+    pixels = noise(encoding)
+    layouts = [
+        pixels,
+        np.asfortranarray(pixels),
+        np.repeat(pixels, 2, axis=1)[:, ::2],
+        pixels[::-1].copy()[::-1],
+        np.pad(pixels, [(0, 0), (0, 2), (0, 0)][: pixels.ndim])[:, :-2],
+        pixels.astype(pixels.dtype.newbyteorder(">")),
+    ]
+    header = Header(stamp=rospy.Time(12, 34), frame_id="eye")
+    for number, layout in enumerate(layouts, 1):
+        sent = layout.copy() if layout is pixels else layout
+        publisher.publish(sent, encoding, header)
+        if sent is not layout:
+            sent[:] = 0  # it has been copied
+        frame, came = inside.wait(number)[-1], outside.wait(number)[-1]
+        assert_same(frame.image, pixels)
+        assert came.data == pixels.tobytes()
+        assert (came.step, came.encoding) == (pixels.strides[0], encoding)
+        for received in (frame.header, came.header):
+            assert (received.stamp, received.frame_id) == (header.stamp, "eye")
+    publisher.unregister()
+
+
+@pytest.mark.parametrize(
+    "array, encoding, error",
+    [
+        (np.zeros((4, 6, 3), bool), "bgr8", TypeError),
+        (np.zeros((4, 6), np.float16), "32FC1", TypeError),
+        (np.zeros((4, 6), np.int64), "32SC1", TypeError),
+        (np.zeros((4, 6), object), "mono8", TypeError),
+        (np.zeros(24, np.uint8), "mono8", ValueError),
+        (np.zeros((1, 4, 6, 3), np.uint8), "bgr8", ValueError),
+        (np.zeros((4, 6), np.uint8), "bgr8", ValueError),
+        (np.zeros((4, 6, 3), np.uint16), "bgr8", ValueError),
+        (np.zeros((0, 6, 3), np.uint8), "bgr8", ValueError),
+        (np.zeros((4, 0), np.uint8), "mono8", ValueError),
+        (np.zeros((4, 6, 0), np.uint8), "mono8", ValueError),
+        (np.zeros((4, 6, 513), np.uint8), "mono8", ValueError),
+        (np.zeros((4, 5, 2), np.uint8), "yuv422", ValueError),
+        *((np.zeros((4, 6, 3), np.uint8), name, ValueError) for name in UNKNOWN),
+    ],
+)
+def test_what_is_no_picture_is_not_published(array, encoding, error):
+    publisher = ImagePublisher(new_topic())
+    with pytest.raises(error):
+        publisher.publish(array, encoding)
+    publisher.unregister()
