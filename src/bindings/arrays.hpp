@@ -44,12 +44,8 @@ inline Picture::Picture(py::array pixels) : array(std::move(pixels))
                  static_cast<std::size_t>(array.strides(0)));
 }
 
-/// The dtype of a cv::Mat's samples.
-inline py::dtype dtypeOf(const cv::Mat& mat)
-{
-  static const char* const names[] = {"u1", "i1", "u2", "i2", "i4", "f4", "f8"};  // by cv::Mat depth, CV_8U to CV_64F
-  return py::dtype(names[mat.depth()]);
-}
+/// NumPy's names of samples by cv::Mat depth, CV_8U to CV_64F.
+constexpr const char* kSampleTypes[] = {"u1", "i1", "u2", "i2", "i4", "f4", "f8"};
 
 /// An array of the Mat's pixels, without a copy: (height, width), or (height, width, channels) if there are several.
 /// `owner` is kept until the array and all views of it are gone. `Owner` keeps the pixels alive.
@@ -62,7 +58,7 @@ py::array toNumpy(const cv::Mat& mat, Owner owner)
   std::vector<py::ssize_t> strides = {static_cast<py::ssize_t>(mat.step[0]), static_cast<py::ssize_t>(mat.elemSize()),
                                       static_cast<py::ssize_t>(mat.elemSize1())};
   strides.resize(shape.size());
-  return py::array(dtypeOf(mat), shape, strides, mat.data, release);
+  return py::array(py::dtype(kSampleTypes[mat.depth()]), shape, strides, mat.data, release);
 }
 
 /// Integer pixel positions from Python, (n, 2).
@@ -74,6 +70,14 @@ inline std::vector<cv::Point> toPoints(const Points& points)
   if (points.ndim() != 2 || points.shape(1) != 2) throw py::value_error("expected an (n, 2) array of points");
   const auto* first = reinterpret_cast<const cv::Point*>(points.data());
   return {first, first + points.shape(0)};
+}
+
+/// (n, 2) array of a copy of the points.
+template <class T>
+py::array_t<T> toNumpy(const std::vector<cv::Point_<T>>& points)
+{
+  return py::array_t<T>({static_cast<py::ssize_t>(points.size()), py::ssize_t{2}},
+                        points.empty() ? nullptr : &points[0].x);
 }
 
 inline py::array_t<double> toNumpy(const cv::Matx44d& matrix)

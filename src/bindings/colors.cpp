@@ -136,10 +136,7 @@ void bindRegions(py::module& m)
           "center", [](const Region& r) { return Point(r.center.x, r.center.y); }, "(x, y), px, of the pixels")
       .def_readonly("area", &Region::area, "number of pixels, without holes")
       .def_property_readonly(
-          "outline",
-          [](const Region& r) {
-            return py::array_t<int>({static_cast<py::ssize_t>(r.outline.size()), py::ssize_t{2}}, &r.outline[0].x);
-          },
+          "outline", [](const Region& r) { return toNumpy(r.outline); },
           "(n, 2) array of int, px: the pixels along the outer border, straight parts by their ends")
       .def_property_readonly(
           "circle_center", [](const Region& r) { return Point(r.circle_center.x, r.circle_center.y); },

@@ -22,12 +22,7 @@ void bindLine(py::module& m)
       .def_property_readonly(
           "center", [](const Line& l) { return py::make_tuple(l.center.x, l.center.y); }, "(x, y), px, centroid")
       .def_property_readonly(
-          "outline",
-          [](const Line& l)
-          {
-            return py::array_t<int>({static_cast<py::ssize_t>(l.outline.size()), py::ssize_t{2}},
-                                    l.outline.empty() ? nullptr : &l.outline[0].x);
-          },
+          "outline", [](const Line& l) { return toNumpy(l.outline); },
           "(n, 2) int32 array, px, corners of the outer border");
 
   m.def(

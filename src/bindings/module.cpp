@@ -136,13 +136,7 @@ void bindScene(py::module& m)
           "pose", [](const SceneObject& o) { return toNumpy(o.pose.matrix); },
           "4x4, object in the camera's optical frame, m")
       .def_property_readonly(
-          "outline",
-          [](const SceneObject& o)
-          {
-            return py::array_t<double>({static_cast<py::ssize_t>(o.outline.size()), py::ssize_t{2}},
-                                       o.outline.empty() ? nullptr : &o.outline[0].x);
-          },
-          "(n, 2) array, px")
+          "outline", [](const SceneObject& o) { return toNumpy(o.outline); }, "(n, 2) array, px")
       .def_property_readonly(
           "center", [](const SceneObject& o) { return py::make_tuple(o.center.x, o.center.y); }, "(x, y), px")
       .def_readonly("visible", &SceneObject::visible);

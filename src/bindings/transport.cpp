@@ -58,13 +58,13 @@ void endProcess()
 /// Pixels whose depth and channels are those of the array, of any type that a cv::Mat can have.
 cv::Mat viewOf(const py::array& array)
 {
-  static const std::string kinds[] = {"u1", "i1", "u2", "i2", "i4", "f4", "f8"};  // by cv::Mat depth
   const std::string kind = std::string(1, array.dtype().kind()) + std::to_string(array.itemsize());
-  const auto* found = std::find(std::begin(kinds), std::end(kinds), kind);
-  if (found == std::end(kinds)) throw py::type_error("no picture has pixels of " + std::string(py::str(array.dtype())));
+  const auto* const* found = std::find(std::begin(kSampleTypes), std::end(kSampleTypes), kind);
+  if (found == std::end(kSampleTypes))
+    throw py::type_error("no picture has pixels of " + std::string(py::str(array.dtype())));
   const auto channels = static_cast<int>(array.ndim() == 3 ? array.shape(2) : 1);
   return {static_cast<int>(array.shape(0)), static_cast<int>(array.shape(1)),
-          CV_MAKETYPE(static_cast<int>(found - std::begin(kinds)), channels), const_cast<void*>(array.data()),
+          CV_MAKETYPE(static_cast<int>(found - std::begin(kSampleTypes)), channels), const_cast<void*>(array.data()),
           static_cast<std::size_t>(array.strides(0))};
 }
 

@@ -16,7 +16,6 @@ from .. import (
     BallTrackerParams,
     CameraModel,
     HsvMask,
-    HsvRange,
     Region,
     RegionFinder,
     ball_position,
@@ -28,7 +27,7 @@ from .. import BallTracker as Filter
 from ..cfg import BallTrackerConfig
 from ..msg import Detection, DetectionArray
 from ..transport import Frame
-from .colors import HIGH, LOW
+from .colors import range_of
 from .image_node import ImageNode
 from .messages import detection, detection_array, region_params
 from .params import LiveParams, read_param
@@ -57,8 +56,7 @@ class BallTracker:
         self._node.start()
 
     def _configure(self, config: Dict[str, Any]) -> None:
-        low, high = (tuple(config[name] for name in names) for names in (LOW, HIGH))
-        mask = HsvMask(HsvRange(low=low, high=high))
+        mask = HsvMask(range_of(config))
         params = BallTrackerParams()
         for name in ("process_noise", "measurement_noise", "max_prediction", "gate"):
             setattr(params, name, config[name])

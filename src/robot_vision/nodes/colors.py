@@ -11,6 +11,12 @@ HIGH = ("h_high", "s_high", "v_high")
 DEFAULT = {"blue": {"low": [90, 50, 50], "high": [120, 255, 255]}}
 
 
+def range_of(config: Dict[str, Any]) -> HsvRange:
+    """The range in the live parameters h_low .. v_high."""
+    low, high = (tuple(config[name] for name in names) for names in (LOW, HIGH))
+    return HsvRange(low=low, high=high)
+
+
 class NamedColors:
     """Ranges by name, as ~colors has them, of which `color` names the one in h_low .. v_high.
 
@@ -38,8 +44,7 @@ class NamedColors:
             known = ", ".join(self.ranges)
             raise ValueError(f"color is {name!r}, must be one of {known}")
         if name == self._shown:
-            low, high = ([config[key] for key in keys] for keys in (LOW, HIGH))
-            changed = HsvRange(low=tuple(low), high=tuple(high))
+            changed = range_of(config)
             validate(changed)
             self.ranges[name] = changed
         shown = self.ranges[name]

@@ -4,10 +4,10 @@ from typing import Any, Dict, List, Tuple
 
 import numpy as np
 
-from .. import HsvMask, RegionFinder, _transport, draw_outline, mask_picture
+from .. import HsvMask, Region, RegionFinder, _transport, draw_outline, mask_picture
 from ..cfg import HsvTrackerConfig
 from ..color_file import save_colors
-from ..msg import Detection, DetectionArray
+from ..msg import DetectionArray
 from ..transport import Frame
 from .colors import HIGH, LOW, NamedColors
 from .image_node import ImageNode
@@ -35,25 +35,24 @@ class HsvTracker:
 
     def _process(self, frame: Frame) -> None:
         mask, found = self._find(frame.image)
-        self._objects.publish(detection_array(frame, found))
+        self._objects.publish(detection_array(frame, (detection(r, name) for name, r in found)))
         self._mask.publish(mask, "mono8", frame.header)
         if self._processed.get_num_connections():
             overlay = mask_picture(frame.image, mask)
-            for one in found:
-                outline = np.array([(p.x, p.y) for p in one.outline], np.int32)
-                draw_outline(overlay, outline, one.label)
+            for name, region in found:
+                draw_outline(overlay, region.outline, name)
             self._processed.publish(overlay, "bgr8", frame.header)
 
-    def _find(self, image: np.ndarray) -> Tuple[np.ndarray, List[Detection]]:
+    def _find(self, image: np.ndarray) -> Tuple[np.ndarray, List[Tuple[str, Region]]]:
         """All colours' mask and regions, the largest first."""
         masks, finder = self._tools
         union = np.zeros(0)
-        found: List[Detection] = []
+        found: List[Tuple[str, Region]] = []
         for name, mask in masks.items():
             cleaned, regions = finder.apply(mask.apply(image))
             union = union | cleaned if union.size else cleaned
-            found += [detection(region, name) for region in regions]
-        return union, sorted(found, key=lambda one: -one.area)
+            found += [(name, region) for region in regions]
+        return union, sorted(found, key=lambda one: -one[1].area)
 
     def _save(self, path: str, values: Dict[str, Any]) -> None:
         shown = ("color", *LOW, *HIGH)

@@ -5,12 +5,12 @@ from typing import Any, Dict
 import rospy
 from geometry_msgs.msg import Point, Twist
 
-from .. import HsvMask, HsvRange, Line, LineParams, draw_outline, find_line
+from .. import HsvMask, Line, LineParams, draw_outline, find_line
 from ..cfg import LineFollowerConfig
 from ..line_control import LineController, LineControlParams, must_stop
 from ..msg import Line as LineMessage
 from ..transport import Frame
-from .colors import HIGH, LOW
+from .colors import range_of
 from .drive import Drive
 from .image_node import ImageNode
 from .params import LiveParams
@@ -32,11 +32,10 @@ class LineFollower:
         self._node.start()
 
     def _configure(self, config: Dict[str, Any]) -> None:
-        low, high = (tuple(config[name] for name in names) for names in (LOW, HIGH))
         line = LineParams()
         line.min_area = config["min_area"]
         control = LineControlParams(**{name: config[name] for name in CONTROL})
-        mask = HsvMask(HsvRange(low=low, high=high))
+        mask = HsvMask(range_of(config))
         # In one step: a frame may be under way.
         self._tools = config["strip"], mask, line, LineController(control)
         self._drive.timeout = config["timeout"]
@@ -70,6 +69,6 @@ class LineFollower:
         )
         if self._processed.get_num_connections():
             overlay = frame.image.copy()
-            strip = overlay[top:]
-            draw_outline(strip, line.outline, f"{line.error:+.2f}") if line.found else None
+            if line.found:
+                draw_outline(overlay[top:], line.outline, f"{line.error:+.2f}")
             self._processed.publish(overlay, "bgr8", frame.header)
