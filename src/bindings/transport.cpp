@@ -85,6 +85,13 @@ py::bytes serialized(const sensor_msgs::CameraInfo& info)
   return bytes;
 }
 
+/// Text of a message, which may not be UTF-8.
+py::str toStr(const std::string& text)
+{
+  return py::reinterpret_steal<py::str>(
+      PyUnicode_DecodeUTF8(text.data(), static_cast<py::ssize_t>(text.size()), "replace"));
+}
+
 /// (pixels, encoding, (seq, secs, nsecs, frame_id), camera_info as serialized or None), or None.
 py::object take(ImageInbox& inbox)
 {
@@ -94,14 +101,14 @@ py::object take(ImageInbox& inbox)
     received = inbox.take();
   }
   if (!received) return py::none();
-  const std_msgs::Header& header = received->message->header;
+  const std_msgs::Header& header = received->header;
   const auto owner = std::make_pair(received->message, received->pixels);
   py::array pixels = toNumpy(received->pixels, owner);
   pixels.attr("setflags")("write"_a = false);
   py::object info = py::none();
   if (received->camera_info) info = serialized(*received->camera_info);
   return py::make_tuple(pixels, received->encoding,
-                        py::make_tuple(header.seq, header.stamp.sec, header.stamp.nsec, header.frame_id), info);
+                        py::make_tuple(header.seq, header.stamp.sec, header.stamp.nsec, toStr(header.frame_id)), info);
 }
 
 void publish(ImageOutbox& outbox, const py::array& pixels, const std::string& encoding, std::uint32_t seq,
@@ -122,7 +129,7 @@ void publish(ImageOutbox& outbox, const py::array& pixels, const std::string& en
 }
 
 /// `values`: bool, int, float and str by name.
-void save(const std::string& path, const py::dict& values)
+std::string edit(const std::string& path, const std::string& text, const py::dict& values)
 {
   dynamic_reconfigure::Config config;
   const auto put = [](auto& list, const std::string& name, auto value)
@@ -143,7 +150,7 @@ void save(const std::string& path, const py::dict& values)
     else
       put(config.strs, name, value.cast<std::string>());
   }
-  saveParams(path, config);
+  return editParams(path, text, config);
 }
 
 std::shared_ptr<ImageInbox> makeInbox(ImageRuntime& runtime, const std::string& topic, const std::string& transport,
@@ -181,10 +188,12 @@ PYBIND11_MODULE(_transport, m)
            "diagnostics"_a, Unlocked())
       .def("outbox", &ImageRuntime::makeOutbox, "topic"_a, Unlocked())
       .def("diagnostics", &ImageRuntime::makeDiagnostics, "node"_a, Unlocked())
-      .def("spin_once", &ImageRuntime::spinOnce, Unlocked())
+      .def("spin_once", &ImageRuntime::spinOnce, "timeout"_a, Unlocked())
+      .def("note_connections", &ImageRuntime::noteConnections, Unlocked())
       .def("connections_changed", &ImageRuntime::connectionsChanged)
       .def("stop", &ImageRuntime::stop, Unlocked());
   m.def("end_process", &endProcess, "To be called last, by atexit: waits for other threads' calls.");
-  m.def("save_params", save, "path"_a, "values"_a,
-        "Puts the values into a YAML file; see save_params.hpp. Raises RuntimeError naming the path.");
+  m.def("edit_params", edit, "path"_a, "text"_a, "values"_a,
+        "The YAML text of the file `path` with the values in it; see save_params.hpp. Raises RuntimeError naming the "
+        "path.");
 }

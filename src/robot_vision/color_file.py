@@ -7,7 +7,6 @@ PyYAML can read such a file but not write it back as it was. So it only tells wh
 the text is edited there, and the result is read again before it replaces the file.
 """
 
-import os
 import re
 from typing import Any, Dict, Mapping, Optional
 
@@ -15,25 +14,36 @@ import yaml
 
 from ._core import HsvRange
 from .colors import as_yaml
-from .files import replace_file
+from .files import read_text, replace_file
 
 NAME = re.compile("[A-Za-z][A-Za-z0-9_]*")
 
 
 def save_colors(path: str, colors: Mapping[str, HsvRange]) -> None:
-    """Puts colours into the file, and leaves everything else in it as it is.
+    """Puts colours into a YAML file, as edit_colors() does; without one it is made.
 
-    Args:
-        path: a YAML file; without one it is made. It is replaced in one step or not at all.
-        colors: by name; they replace those of the same names. The name of a new one consists of
-            letters, digits and _, a letter first, and is no word that YAML takes for something
-            else, such as yes.
+    The file is replaced in one step or not at all.
 
     Raises:
         ValueError: a name cannot be used, or the file is none that can be edited so.
         OSError: the file cannot be read or written.
     """
-    text = _load(path)
+    replace_file(path, edit_colors(path, read_text(path), colors).encode())
+
+
+def edit_colors(path: str, text: str, colors: Mapping[str, HsvRange]) -> str:
+    """The text of a file with colours in it, and everything else as it is.
+
+    Args:
+        path: of the file, for what is said of errors.
+        text: YAML.
+        colors: by name; they replace those of the same names. The name of a new one consists of
+            letters, digits and _, a letter first, and is no word that YAML takes for something
+            else, such as yes.
+
+    Raises:
+        ValueError: a name cannot be used, or the text is none that can be edited so.
+    """
     expected = _parse(path, text)
     old = expected.get("colors") or {}
     if not isinstance(old, dict):
@@ -49,24 +59,13 @@ def save_colors(path: str, colors: Mapping[str, HsvRange]) -> None:
             f"{path}: not overwritten, for it is not laid out like 'colors:', and below it "
             "'name: {low: [h, s, v], high: [h, s, v]}' in each line"
         )
-    replace_file(path, text.encode())
+    return text
 
 
 def _entry(old: Any, color: HsvRange) -> Dict[str, Any]:
     """What shall be read of a colour: its limits, and whatever else was there."""
     others = old if isinstance(old, dict) else {}
     return {**others, "low": list(color.low), "high": list(color.high)}
-
-
-def _load(path: str) -> str:
-    """The file's text with its line ends as they are; empty if there is no such file."""
-    if not os.path.lexists(path):
-        return ""
-    with open(path, encoding="utf-8", newline="") as file:
-        try:
-            return file.read()
-        except UnicodeDecodeError as error:
-            raise ValueError(f"{path}: not overwritten, for it is no text: {error}") from None
 
 
 def _parse(path: str, text: str) -> Dict[str, Any]:

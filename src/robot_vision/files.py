@@ -1,9 +1,25 @@
-"""Files that are written in one step or not at all."""
+"""Text that is edited, and files that are written in one step or not at all."""
 
 import itertools
 import os
 import stat
 from typing import Optional
+
+
+def read_text(path: str) -> str:
+    """A file's text with its line ends as they are; empty if there is no such file.
+
+    Raises:
+        ValueError: it is not UTF-8.
+        OSError: it cannot be read.
+    """
+    if not os.path.lexists(path):
+        return ""
+    with open(path, encoding="utf-8", newline="") as file:
+        try:
+            return file.read()
+        except UnicodeDecodeError as error:
+            raise ValueError(f"{path}: not overwritten, for it is no text: {error}") from None
 
 
 def replace_file(path: str, data: bytes) -> None:

@@ -7,6 +7,7 @@ from typing import Optional, Tuple
 from ._core import Line
 
 MODES = ("course", "pid")
+GAP = 0.5  # s between two lines: after more the integral and the change of the error say nothing
 
 
 @dataclass(frozen=True)
@@ -60,6 +61,7 @@ class LineController:
     def reset(self) -> None:
         """Forgets all it has seen, as for a robot that was carried elsewhere or paused."""
         self._time: Optional[float] = None  # of the last line, s
+        self._updated = -math.inf  # when update() was called last, s
         self._error = 0.0  # of the last line
         self._integral = 0.0  # of the error, s
         self._lost_since: Optional[float] = None  # s; None before any line and while there is one
@@ -68,18 +70,21 @@ class LineController:
         """The command for the line in one frame.
 
         Args:
-            time: when the frame was taken, s. An earlier one than the last begins anew.
+            time: when the frame was taken, s. An earlier one than the last begins anew, as does
+                a line after a gap of more than 0.5 s.
             line: what find_line() says, or None; None and a line not found are the same.
 
         Returns:
             Linear speed, m/s, and angular speed, rad/s, counter-clockwise.
         """
-        if self._time is not None and time < self._time:
+        if time < self._updated:
             self.reset()
+        self._updated = time
         if line is None or not line.found:
             return self._search(time)
-        if self._lost_since is not None:
+        if self._lost_since is not None or (self._time is not None and time - self._time > GAP):
             self.reset()
+            self._updated = time
         if self._params.mode == "course":
             command = self._params.linear_speed, self._steer(line.offset)
         else:

@@ -69,11 +69,11 @@ class ImageSubscriber:
         encoding: to convert to, in C++: "bgr8", "mono8" or whatever cv_bridge converts to. None:
             the message's own, as a view of its memory.
         transport: raw, compressed, ... None: the parameter ~image_transport, or else raw.
-        diagnostics: of the node, to count in.
+        diagnostics: of the node, to count in; for one subscriber only.
         start: whether to subscribe at once; else with start().
 
     Raises:
-        ValueError: there is no such encoding, or the transport is not installed.
+        ValueError: there is no such encoding or transport, or ~image_transport is no string.
     """
 
     def __init__(
@@ -87,10 +87,12 @@ class ImageSubscriber:
     ):
         self.topic = rospy.resolve_name(topic)
         self.failed = 0  # callbacks that raised
+        if transport is None:
+            transport = _transport_parameter()
         self._callback = callback
         self._inbox = _process().runtime.inbox(
             self.topic,
-            transport or rospy.get_param("~image_transport", "raw"),
+            transport,
             rospy.get_name(),
             encoding or "",
             self._camera_info_topic(),
@@ -144,7 +146,7 @@ class ImageSubscriber:
             self._inbox.finished()
         except Exception as error:
             self.failed += 1
-            self._inbox.failed(f"the callback failed: {error!r}")
+            self._inbox.failed(f"the callback failed: {error!a}")
             text = f"{self.topic}: the callback failed:\n{traceback.format_exc()}"
             rospy.logerr_throttle_identical(5.0, text)
 
@@ -156,7 +158,7 @@ class CameraSubscriber(ImageSubscriber):
     """
 
     def _camera_info_topic(self) -> str:
-        return self.topic.rsplit("/", 1)[0] + "/camera_info"
+        return rospy.resolve_name(self.topic.rsplit("/", 1)[0] + "/camera_info")
 
 
 class ImagePublisher:
@@ -164,7 +166,7 @@ class ImagePublisher:
 
     Args:
         topic: the base name.
-        on_connection: is called when subscribers come or go.
+        on_connection: is called when subscribers come or go, by the thread of all callbacks.
     """
 
     def __init__(self, topic: str, on_connection: Optional[Callable[[], Any]] = None):
@@ -172,7 +174,7 @@ class ImagePublisher:
         self._on_connection = on_connection
         self._outbox = _process().runtime.outbox(self.topic)
         if on_connection:
-            _process().add_listener(on_connection)
+            add_connection_listener(on_connection)
 
     def get_num_connections(self) -> int:
         """How many subscribers there are; without any, pictures need not be made."""
@@ -199,6 +201,7 @@ class ImagePublisher:
         """Ends the topic."""
         if self._on_connection:
             _process().remove_listener(self._on_connection)
+            self._on_connection = None
         self._outbox.close()
 
 
@@ -206,20 +209,23 @@ class _Process:
     """The roscpp half of this process, and the thread of the callbacks."""
 
     def __init__(self) -> None:
-        special = {
+        options = {
             name: value
             for name, value in rospy.names.load_mappings(sys.argv).items()
             if name.startswith("__") and name not in ("__name", "__ns")
         }
+        options["/diagnostics"] = rospy.resolve_name("/diagnostics")
         name = rospy.get_name() + "_images"
-        self.runtime = _transport.Runtime(name, special)
-        self._registration = Registration(name)
+        self.runtime = _transport.Runtime(name, options)
+        self._registrations = [Registration(node) for node in (name, rospy.get_name())]
+        self._stopped = False
         self._lock = threading.Lock()  # guards the two lists
         self._subscribers: List[ImageSubscriber] = []
         self._listeners: List[Callable[[], Any]] = []
         self._thread = threading.Thread(target=self._run, name="images", daemon=True)
         self._thread.start()  # before the hook, which is called at once if rospy has been shut down
-        rospy.on_shutdown(self.stop)
+        # After all that the node's own hooks do, which may well publish a last picture.
+        rospy.core.add_preshutdown_hook(lambda _reason: self.stop())
         atexit.register(_transport.end_process)
         atexit.register(self.stop)  # in a process that never shuts rospy down; called first
 
@@ -243,15 +249,19 @@ class _Process:
 
     def stop(self) -> None:
         """Ends the roscpp node; a callback that never returns is left behind."""
-        self._registration.end()
+        self._stopped = True
+        for registration in self._registrations:
+            registration.end()
         self.runtime.stop()
         if threading.current_thread() is not self._thread:
             self._thread.join(1.0)
 
     def _run(self) -> None:
         try:
-            while self.runtime.spin_once():
+            while self.runtime.spin_once(1.0):
                 self._work()
+            if not self._stopped:
+                rospy.signal_shutdown("the node of its pictures was shut down")
         except SystemExit:  # of a callback; only the main thread's would end the process
             rospy.signal_shutdown("a callback has called sys.exit()")
 
@@ -259,19 +269,32 @@ class _Process:
         if self.runtime.connections_changed():
             for listener in self._copy(self._listeners):
                 self._call(listener)
-        for subscriber in self._copy(self._subscribers):
-            subscriber._deliver()
+        for number, subscriber in enumerate(self._copy(self._subscribers)):
+            if number > 0:  # the callback before may have taken its time
+                self.runtime.spin_once(0.0)
+            self._call(subscriber._deliver)
 
     def _copy(self, items: List[Any]) -> List[Any]:
         with self._lock:
             return list(items)
 
     @staticmethod
-    def _call(listener: Callable[[], Any]) -> None:
+    def _call(function: Callable[[], Any]) -> None:
+        """Calls it, and lives on if it fails."""
         try:
-            listener()
+            function()
         except Exception:
-            rospy.logerr("a connection callback failed:\n%s", traceback.format_exc())
+            rospy.logerr("a callback failed:\n%s", traceback.format_exc())
+
+
+def add_connection_listener(listener: Callable[[], Any]) -> None:
+    """Has it called when subscribers of any ImagePublisher come or go, as its on_connection."""
+    _process().add_listener(listener)
+
+
+def note_connections() -> None:
+    """Has all listeners called, for subscribers of another kind of topic. Thread-safe."""
+    _process().runtime.note_connections()
 
 
 def node_diagnostics() -> _transport.Diagnostics:
@@ -281,6 +304,13 @@ def node_diagnostics() -> _transport.Diagnostics:
         ValueError: ~diagnostic_period is out of range.
     """
     return _process().runtime.diagnostics(rospy.get_name())
+
+
+def _transport_parameter() -> str:
+    name = rospy.get_param("~image_transport", "raw")
+    if not isinstance(name, str):
+        raise ValueError(f"image_transport is {name!r}, must be a string")
+    return name
 
 
 _the_process: Optional[_Process] = None

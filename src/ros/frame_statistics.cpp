@@ -11,8 +11,8 @@ namespace robot_vision
 void FrameStatistics::received(std::uint32_t sequence)
 {
   const std::lock_guard<std::mutex> lock(mutex_);
-  // A larger step is another sender's number. (A sender in the process may leave all at 0: that is a step of 2^32 - 1.)
-  constexpr std::uint32_t kOtherSender = 100;
+  // A larger step is another sender's number, or one back. (A sender in the process may leave all at 0: 2^32 - 1.)
+  constexpr std::uint32_t kOtherSender = 10000;
   const std::uint32_t missing = sequence - last_sequence_ - 1;
   if (has_sequence_ && missing < kOtherSender) totals_.dropped += missing;
   has_sequence_ = true;

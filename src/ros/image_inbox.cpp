@@ -11,6 +11,8 @@ namespace robot_vision
 namespace
 {
 
+// The transport is given: TransportHints would let a parameter of this name, which there cannot be, overrule it.
+constexpr const char* kNoParameter = "image_transport/none";
 constexpr std::size_t kUnpaired = 10;  // how far pictures and camera_info may run ahead of each other
 
 }  // namespace
@@ -27,21 +29,40 @@ ImageInbox::ImageInbox(const Params& params, const ros::NodeHandle& nh,
 
 void ImageInbox::open()
 {
-  const std::lock_guard<std::mutex> lock(mutex_);
   const auto it = it_.lock();
-  if (open_ || !it) return;
-  open_ = true;
-  statistics_->resumed();
-  statistics_->setRunning(params_.topic);
-  // A queue of one: after a slow frame the newest is next. Small packets must not wait for each other.
-  const ros::TransportHints no_delay = ros::TransportHints().tcpNoDelay();
-  if (!params_.camera_info_topic.empty())
-    info_subscriber_ = nh_.subscribe<sensor_msgs::CameraInfo>(
-        params_.camera_info_topic, kUnpaired,
-        [this](const sensor_msgs::CameraInfoConstPtr& info) { onCameraInfo(info); }, ros::VoidConstPtr(), no_delay);
-  const image_transport::TransportHints hints(params_.transport, no_delay, ros::NodeHandle(params_.parameters));
-  subscriber_ = it->subscribe(
-      params_.topic, 1, [this](const sensor_msgs::ImageConstPtr& message) { onImage(message); }, ros::VoidPtr(), hints);
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    if (open_ || !it) return;
+    open_ = true;
+    statistics_->resumed();
+    statistics_->setRunning(params_.topic);
+  }
+  // Not under the lock: this asks the master, and close() must not wait for that.
+  ros::Subscriber info_subscriber;
+  image_transport::Subscriber subscriber;
+  try
+  {
+    // A queue of one: after a slow frame the newest is next. Small packets must not wait for each other.
+    const ros::TransportHints no_delay = ros::TransportHints().tcpNoDelay();
+    if (!params_.camera_info_topic.empty())
+      info_subscriber = nh_.subscribe<sensor_msgs::CameraInfo>(
+          params_.camera_info_topic, kUnpaired,
+          [this](const sensor_msgs::CameraInfoConstPtr& info) { onCameraInfo(info); }, ros::VoidConstPtr(), no_delay);
+    const image_transport::TransportHints hints(params_.transport, no_delay, ros::NodeHandle(params_.parameters),
+                                                kNoParameter);
+    subscriber = it->subscribe(
+        params_.topic, 1, [this](const sensor_msgs::ImageConstPtr& message) { onImage(message); }, ros::VoidPtr(),
+        hints);
+  }
+  catch (...)
+  {
+    close();
+    throw;
+  }
+  const std::lock_guard<std::mutex> lock(mutex_);
+  if (!open_) return;  // closed meanwhile
+  std::swap(subscriber, subscriber_);
+  std::swap(info_subscriber, info_subscriber_);
 }
 
 void ImageInbox::close()
@@ -117,18 +138,21 @@ std::optional<ReceivedImage> ImageInbox::take()
 {
   std::optional<ReceivedImage> received = takeNewest();
   if (!received) return std::nullopt;
-  taken_ = received->message;
+  const sensor_msgs::ImageConstPtr message = received->message;
+  received->header = message->header;
+  taken_stamp_ = message->header.stamp;
   taken_at_ = FrameStatistics::Clock::now();
-  statistics_->received(taken_->header.seq);
+  statistics_->received(message->header.seq);
   try
   {
     const bool as_it_is = params_.encoding.empty();
-    received->encoding = as_it_is ? taken_->encoding : params_.encoding;
-    received->pixels = as_it_is ? viewAnyPixels(*taken_) : convertPixels(*taken_, params_.encoding);
+    received->encoding = as_it_is ? message->encoding : params_.encoding;
+    received->pixels = as_it_is ? viewAnyPixels(*message) : convertPixels(*message, params_.encoding);
+    if (received->pixels.u != nullptr) received->message.reset();
   }
   catch (const std::exception& e)
   {
-    refuse(e.what());
+    refuse(*message, e.what());
     return std::nullopt;
   }
   return received;
@@ -136,7 +160,7 @@ std::optional<ReceivedImage> ImageInbox::take()
 
 void ImageInbox::finished()
 {
-  statistics_->published(taken_at_, taken_->header.stamp);
+  statistics_->published(taken_at_, taken_stamp_);
 }
 
 void ImageInbox::failed(const std::string& why)
@@ -144,9 +168,9 @@ void ImageInbox::failed(const std::string& why)
   statistics_->refused(why);
 }
 
-void ImageInbox::refuse(const std::string& why)
+void ImageInbox::refuse(const sensor_msgs::Image& message, const std::string& why)
 {
-  const std::string what = describeRefusal(*taken_, params_.topic, why);
+  const std::string what = describeRefusal(message, params_.topic, why);
   statistics_->refused(what);
   if (throttle_.due()) ROS_ERROR("%s", what.c_str());
 }

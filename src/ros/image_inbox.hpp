@@ -19,7 +19,8 @@ namespace robot_vision
 /// A picture that came in.
 struct ReceivedImage
 {
-  sensor_msgs::ImageConstPtr message;           // owns the pixels, unless they were converted
+  sensor_msgs::ImageConstPtr message;  // owns the pixels; null if they were converted and own themselves
+  std_msgs::Header header;
   cv::Mat pixels;                               // not to be written: other subscribers of the process may share them
   std::string encoding;                         // of the pixels
   sensor_msgs::CameraInfoConstPtr camera_info;  // of the same stamp, if it was asked for
@@ -34,7 +35,7 @@ public:
   struct Params
   {
     std::string topic;              // absolute, it is not remapped any more
-    std::string transport = "raw";  // raw, compressed, ...
+    std::string transport = "raw";  // raw, compressed, ...; whatever the parameter image_transport says
     std::string parameters = "~";   // namespace of the transport's own parameters
     std::string encoding;           // to convert to; "": as it comes
     std::string camera_info_topic;  // to pair with, absolute; "": none
@@ -49,7 +50,7 @@ public:
   ImageInbox(const ImageInbox&) = delete;
   ImageInbox& operator=(const ImageInbox&) = delete;
 
-  void open();   // subscribes
+  void open();   // subscribes; waits for a master that does not answer, until roscpp is shut down
   void close();  // unsubscribes, and forgets a picture that was not taken yet
   std::uint32_t publishers() const;
 
@@ -63,7 +64,7 @@ public:
   FrameStatistics::Totals totals() const { return statistics_->totals(); }
 
 private:
-  void refuse(const std::string& why);
+  void refuse(const sensor_msgs::Image& message, const std::string& why);
   void onImage(const sensor_msgs::ImageConstPtr& message);
   void onCameraInfo(const sensor_msgs::CameraInfoConstPtr& info);
   std::optional<ReceivedImage> takeNewest();
@@ -74,7 +75,7 @@ private:
   std::weak_ptr<image_transport::ImageTransport> it_;
   std::shared_ptr<FrameStatistics> statistics_;
   Throttle throttle_;
-  sensor_msgs::ImageConstPtr taken_;
+  ros::Time taken_stamp_;
   FrameStatistics::Clock::time_point taken_at_;
 
   mutable std::mutex mutex_;  // guards all below

@@ -9,20 +9,18 @@ namespace robot_vision
 namespace
 {
 
-/// Forgets what is gone, so that a process that makes and drops them for ever does not grow.
-template <class T>
-void add(std::vector<std::weak_ptr<T>>& all, const std::shared_ptr<T>& one)
-{
-  all.erase(std::remove_if(all.begin(), all.end(), [](const auto& other) { return other.expired(); }), all.end());
-  all.push_back(one);
-}
-
 template <class T>
 void closeAll(const std::vector<std::weak_ptr<T>>& all)
 {
   for (const auto& one : all)
     if (const auto alive = one.lock()) alive->close();
 }
+
+/// Does nothing: a thread that waits for a callback wakes up.
+struct WakeUp : ros::CallbackInterface
+{
+  CallResult call() override { return Success; }
+};
 
 }  // namespace
 
@@ -39,49 +37,81 @@ ImageRuntime::ImageRuntime(const std::string& name, const ros::M_string& options
   spinner_->start();
 }
 
+/// Keeps it in mind, to be closed by stop(). What is gone is forgotten, so that a process that makes and drops for
+/// ever does not grow.
+template <class T>
+std::shared_ptr<T> ImageRuntime::add(std::vector<std::weak_ptr<T>>& all, std::shared_ptr<T> one)
+{
+  const std::lock_guard<std::mutex> lock(mutex_);
+  requireRunning();
+  all.erase(std::remove_if(all.begin(), all.end(), [](const auto& other) { return other.expired(); }), all.end());
+  all.push_back(one);
+  return one;
+}
+
+std::shared_ptr<image_transport::ImageTransport> ImageRuntime::transport()
+{
+  const std::lock_guard<std::mutex> lock(mutex_);
+  requireRunning();
+  return it_;
+}
+
+void ImageRuntime::requireRunning() const
+{
+  if (stopped_) throw std::runtime_error("the node has been shut down");
+}
+
 std::shared_ptr<ImageInbox> ImageRuntime::makeInbox(const ImageInbox::Params& params,
                                                     std::shared_ptr<FrameStatistics> statistics)
 {
-  const std::lock_guard<std::mutex> lock(mutex_);
-  if (stopped_) throw std::runtime_error("the node has been shut down");
-  auto inbox = std::make_shared<ImageInbox>(params, *nh_, it_, std::move(statistics));
-  add(inboxes_, inbox);
-  return inbox;
+  return add(inboxes_, std::make_shared<ImageInbox>(params, *nh_, transport(), std::move(statistics)));
 }
 
 std::shared_ptr<ImageOutbox> ImageRuntime::makeOutbox(const std::string& topic)
 {
-  const std::lock_guard<std::mutex> lock(mutex_);
-  if (stopped_) throw std::runtime_error("the node has been shut down");
-  auto outbox = std::make_shared<ImageOutbox>(topic, *it_, [this] { connections_changed_ = true; });
-  add(outboxes_, outbox);
-  return outbox;
+  return add(outboxes_, std::make_shared<ImageOutbox>(topic, *transport(), [this] { connections_changed_ = true; }));
 }
 
 std::shared_ptr<FrameDiagnostics> ImageRuntime::makeDiagnostics(const std::string& node)
 {
+  auto diagnostics = std::make_shared<FrameDiagnostics>(ros::NodeHandle(), ros::NodeHandle(node), node);
   const std::lock_guard<std::mutex> lock(mutex_);
-  if (stopped_) throw std::runtime_error("the node has been shut down");
-  diagnostics_.push_back(std::make_shared<FrameDiagnostics>(ros::NodeHandle(), ros::NodeHandle(node), node));
-  return diagnostics_.back();
+  requireRunning();
+  diagnostics_.push_back(diagnostics);
+  return diagnostics;
 }
 
-bool ImageRuntime::spinOnce()
+bool ImageRuntime::spinOnce(double timeout_s)
 {
-  if (!stopped_) queue_.callAvailable(ros::WallDuration(0.1));
-  return !stopped_;
+  if (!stopped_) queue_.callAvailable(ros::WallDuration(timeout_s));
+  return !stopped_ && !ros::isShuttingDown();
+}
+
+void ImageRuntime::noteConnections()
+{
+  connections_changed_ = true;
+  queue_.addCallback(boost::make_shared<WakeUp>());
 }
 
 void ImageRuntime::stop()
 {
   if (stopped_.exchange(true)) return;
   queue_.disable();  // wakes the thread that waits in it
-  const std::lock_guard<std::mutex> lock(mutex_);
-  closeAll(inboxes_);
-  closeAll(outboxes_);
+  decltype(inboxes_) inboxes;
+  decltype(outboxes_) outboxes;
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);  // nothing is added any more
+    std::swap(inboxes, inboxes_);
+    std::swap(outboxes, outboxes_);
+  }
+  closeAll(inboxes);
+  closeAll(outboxes);
   spinner_->stop();
-  diagnostics_.clear();
-  it_.reset();  // unloads the transports: at the end of the process that would be too late
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    diagnostics_.clear();
+    it_.reset();  // unloads the transports: at the end of the process that would be too late
+  }
   ros::shutdown();
 }
 

@@ -32,9 +32,12 @@ public:
   /// Statistics that are published on /diagnostics under the name of `node`, by its ~diagnostic_period.
   std::shared_ptr<FrameDiagnostics> makeDiagnostics(const std::string& node);
 
-  /// Calls what waits in the queue, and waits at most 0.1 s for something to come. False after stop().
-  bool spinOnce();
-  /// Whether subscribers have come to an outbox, or gone, since the last call.
+  /// Calls what waits in the queue, and waits at most `timeout_s` for something to come, or for stop(). False when the
+  /// node has ended: by stop(), or because somebody has shut it down (rosnode kill).
+  bool spinOnce(double timeout_s);
+  /// As if subscribers had come or gone; wakes the thread in spinOnce(). For topics of the other client library.
+  void noteConnections();
+  /// Whether subscribers have come or gone since the last call.
   bool connectionsChanged() { return connections_changed_.exchange(false); }
   /// Closes all that was made and ends the node; inboxes and outboxes stay valid, and do nothing more.
   void stop();
@@ -44,9 +47,15 @@ private:
   std::atomic<bool> connections_changed_{false};
   ros::CallbackQueue queue_;
   std::shared_ptr<ros::NodeHandle> nh_;
-  std::shared_ptr<image_transport::ImageTransport> it_;
   std::shared_ptr<ros::AsyncSpinner> spinner_;
-  std::mutex mutex_;  // guards all below
+
+  template <class T>
+  std::shared_ptr<T> add(std::vector<std::weak_ptr<T>>& all, std::shared_ptr<T> one);
+  std::shared_ptr<image_transport::ImageTransport> transport();
+  void requireRunning() const;
+
+  std::mutex mutex_;  // guards all below, and is never held while the master is asked
+  std::shared_ptr<image_transport::ImageTransport> it_;
   std::vector<std::weak_ptr<ImageInbox>> inboxes_;
   std::vector<std::weak_ptr<ImageOutbox>> outboxes_;
   std::vector<std::shared_ptr<FrameDiagnostics>> diagnostics_;

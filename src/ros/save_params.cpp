@@ -185,15 +185,20 @@ void replaceFile(const std::string& path, const std::string& text)
 
 }  // namespace
 
-void saveParams(const std::string& path, const dynamic_reconfigure::Config& config)
+std::string editParams(const std::string& path, const std::string& text, const dynamic_reconfigure::Config& config)
 {
   const Values values = toYaml(config);
-  std::string text = load(path);
   const YAML::Node before = parse(path, text);
+  std::string edited = text;
   for (const auto& [name, value] : values)
-    text = edit(text, name, value);
-  check(path, text, before, values);
-  replaceFile(target(path), text);
+    edited = edit(edited, name, value);
+  check(path, edited, before, values);
+  return edited;
+}
+
+void saveParams(const std::string& path, const dynamic_reconfigure::Config& config)
+{
+  replaceFile(target(path), editParams(path, load(path), config));
 }
 
 }  // namespace robot_vision

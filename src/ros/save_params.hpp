@@ -7,9 +7,12 @@
 namespace robot_vision
 {
 
-/// Puts the values of `config` into the YAML file at `path`, one "name: value" per line at its top level, and leaves
-/// everything else in it as it is: other keys, order, comments. The file is replaced in one step or not at all.
-/// Throws std::runtime_error naming the path and what is wrong.
+/// The YAML text with the values of `config` in it, one "name: value" per line at its top level, and everything else as
+/// it is: other keys, order, comments. Throws std::runtime_error naming `path`, where the text is from, and what is
+/// wrong.
+std::string editParams(const std::string& path, const std::string& text, const dynamic_reconfigure::Config& config);
+
+/// The same for the file at `path`, which is replaced in one step or not at all; without one it is made.
 void saveParams(const std::string& path, const dynamic_reconfigure::Config& config);
 
 }  // namespace robot_vision

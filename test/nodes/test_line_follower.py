@@ -150,6 +150,36 @@ def test_robot_does_not_drive_on_old_frames(follower):
     process.wait_for_output("frames are 1.00 s old: they are not driven on")
 
 
+def test_robot_stops_when_what_it_has_seen_is_old(follower):
+    """The age of the frame counts: it is not driven on for another timeout."""
+    robot = Robot(course_track())
+    follower("_timeout:=10.0")
+    robot.wait_until_driven()
+    for _ in range(270):  # 9 s
+        robot.tick()
+    robot.now -= rospy.Duration(8.9)
+    robot.publish_frame()
+    support.wait_for(lambda: robot.commands.received[-1].linear.x == 0.2, "driving")
+    support.wait_for(lambda: robot.commands.received[-1] == Twist(), "the stop", 6.0)
+
+
+def test_a_pause_leaves_nothing_behind(follower):
+    robot = Robot(course_track())
+    pose = robot.drive.pose
+    robot.drive.pose = type(pose)(pose.x, pose.y + 0.03, pose.heading)
+    follower("_mode:=pid", "_kp:=0.1", "_ki:=0.2", "_kd:=0.0")
+    robot.wait_until_driven()
+    enable = rospy.ServiceProxy("/follower/enable", SetBool)
+    enable(False)
+    for _ in range(60):  # 2 s that would be summed up
+        robot.step()
+    enable(True)
+    support.wait_for(lambda: robot.step() or robot.commands.received[-1].linear.x > 0, "driving")
+    error = robot.lines.received[-1].offset
+    assert abs(error) > 0.05
+    assert robot.commands.received[-1].angular.z == pytest.approx(-0.1 * error, rel=0.5)
+
+
 def test_robot_stops_while_it_is_disabled(follower):
     robot = Robot(course_track())
     follower()
@@ -197,7 +227,7 @@ def test_robot_searches_where_it_last_saw_the_line(follower, side):
 
 def test_robot_is_told_to_stop_when_the_node_ends(follower):
     robot = Robot(course_track())
-    process = follower()
+    process = follower("_timeout:=10.0")  # so that it is not the watchdog that stops it
     robot.wait_until_driven()
     robot.step()
     assert robot.commands.received[-1].linear.x == 0.2

@@ -1,5 +1,6 @@
 """robot_vision.transport: who is called when, with which frame; and what is counted."""
 
+import io
 import itertools
 import threading
 import time
@@ -61,6 +62,40 @@ def test_after_a_slow_callback_the_newest_frame_is_next(start):
     publisher.unregister()
 
 
+def test_a_slow_callback_of_another_topic_leaves_the_newest_frame_too(start):
+    """The pictures of both wait when the first callback begins; its topic's neighbour goes on."""
+    slow, other = ImagePublisher(new_topic()), ImagePublisher(new_topic())
+    begun, go_on = threading.Event(), threading.Event()
+    numbers = []
+
+    def publish(publisher, number):
+        publisher.publish(PICTURE, header=Header(seq=number, frame_id=str(number)))
+
+    def work(frame):
+        if frame.header.frame_id == "1":
+            begun.set()
+            assert go_on.wait(support.DEADLINE)
+        else:
+            publish(other, 2)
+
+    first = ImageSubscriber(slow.topic, work)
+    second = ImageSubscriber(other.topic, lambda frame: numbers.append(frame.header.frame_id))
+    for publisher in (slow, other):
+        support.wait_for(publisher.get_num_connections, "the subscription")
+    publish(slow, 1)
+    assert begun.wait(support.DEADLINE)
+    publish(other, 1)
+    publish(slow, 2)
+    go_on.set()
+    support.wait_for(lambda: numbers, "a frame")
+    first_after = numbers[0]
+    support.wait_for(lambda: numbers[-1] == "2", "the newest frame")
+    # The one that waited at the end of the first callback is in order; then never an old one.
+    assert first_after in "12" and numbers.count("2") == 1, numbers
+    for one in (first, second, slow, other):
+        one.unregister()
+
+
 @pytest.mark.parametrize("rate", [30, 60])
 def test_a_slow_callback_on_a_fast_topic_is_never_behind(source, rate):
     published = 0
@@ -103,6 +138,58 @@ def test_a_callback_that_raises_is_logged_and_counted(source, log):
     assert f"{images.topic}: the callback failed:" in log()
     assert "in work" in log()
     images.unregister()
+
+
+class Garbled(Image):
+    """A message whose frame_id is no UTF-8, as C++ nodes may send it."""
+
+    def serialize(self, buff):
+        inner = io.BytesIO()
+        super().serialize(inner)
+        buff.write(inner.getvalue().replace(b"garbled", b"gar\xffled"))
+
+
+def test_a_frame_id_that_is_no_text(source):
+    frames = Frames(source.topic)
+    source.wait_for()
+    picture = message(PICTURE, "bgr8")
+    picture.header.frame_id = "garbled"
+    garbled = Garbled(*(getattr(picture, slot) for slot in Image.__slots__))
+    source.send(garbled)
+    assert frames.wait()[0].header.frame_id == "gar\ufffdled"
+    source.send(numbered(7))
+    assert number_of(frames.wait(2)[1]) == 7
+
+
+def test_an_exception_that_is_no_text(source):
+    numbers = []
+
+    def work(frame):
+        numbers.append(number_of(frame))
+        raise ValueError("\udcff")
+
+    images = ImageSubscriber(source.topic, work)
+    source.wait_for()
+    for number in (1, 2):
+        source.send(numbered(number))
+        support.wait_for(lambda n=number: n in numbers, f"frame {number}")
+    support.wait_for(lambda: images.failed == 2, "the count")
+    images.unregister()
+
+
+def test_a_transport_given_is_not_overruled(source):
+    rospy.set_param("~image_transport", "semaphore")
+    try:
+        with pytest.raises(ValueError, match="image_transport is 'semaphore'"):
+            ImageSubscriber(source.topic, print)
+        images = ImageSubscriber(source.topic, print, transport="raw")
+        source.wait_for()
+        images.unregister()
+        rospy.set_param("~image_transport", 3)
+        with pytest.raises(ValueError, match="image_transport is 3, must be a string"):
+            ImageSubscriber(source.topic, print)
+    finally:
+        rospy.delete_param("~image_transport")
 
 
 def test_unregister_inside_the_callback(source):

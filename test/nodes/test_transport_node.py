@@ -3,6 +3,7 @@
 import os
 import shutil
 import signal
+import xmlrpc.client
 
 import numpy as np
 import pytest
@@ -22,6 +23,7 @@ import rospy
 from robot_vision import transport
 from robot_vision.transport import ImagePublisher, ImageSubscriber
 from std_msgs.msg import Header
+from std_srvs.srv import Empty
 """
 ECHO = """
 rospy.init_node("echo")
@@ -31,6 +33,10 @@ def echo(frame):
     print("image", flush=True)
     output.publish(frame.image, frame.encoding)
 
+def pause(_):
+    return []
+
+rospy.Service("~pause", Empty, pause)
 ImageSubscriber("image", echo, diagnostics=transport.node_diagnostics())
 ImageSubscriber("late", lambda _: print("late", flush=True))
 rospy.spin()
@@ -80,6 +86,15 @@ def test_a_transport_that_is_not_installed(run):
     process = run(ECHO, "_image_transport:=semaphore")
     assert process.exit_code() == 1
     assert "image_transport is 'semaphore', must be one that is installed:" in process.output()
+
+
+def test_a_node_whose_pictures_node_is_killed_ends(run):
+    process = run(ECHO)
+    master = rosgraph.Master("/test")
+    support.wait_for(lambda: "/image" in dict(master.getSystemState()[1]), "the subscription")
+    node = xmlrpc.client.ServerProxy(master.lookupNode("/echo_images"))
+    assert node.shutdown("/test", "killed")[0] == 1
+    assert process.exit_code() == 0, process.output()
 
 
 def test_simulated_time(run, diagnostics):
@@ -189,6 +204,9 @@ def test_a_master_that_is_restarted(start, run):
     second = run(ECHO, "__name:=second", "image:=/echo/out", env=env)
     frames_come(second, "image")
     frames_come(echo, "image")
+    services = dict(lookup.getSystemState()[2])
+    assert services["/echo/pause"] == ["/echo"]
+    assert "/echo" in dict(lookup.getSystemState()[0])["/rosout"]
     for process in (echo, second):
         process.interrupt()
         assert process.exit_code() == 0, process.output()

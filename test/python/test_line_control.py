@@ -56,6 +56,16 @@ def test_course_parameters(change, offset, command):
     assert answer == pytest.approx(command)
 
 
+def test_what_lies_before_a_gap_counts_no_more():
+    controller = LineController(replace(PID, kd=0.0))
+    for step in range(30):
+        controller.update(step / 30.0, line(0.2))
+    assert controller.update(1.0, line(0.1))[1] < -0.15  # with the integral
+    assert controller.update(1.6, line(0.1))[1] == pytest.approx(-0.1)
+    assert controller.update(100.0, None) == (0.0, 0.0)
+    assert controller.update(50.0, line(0.1))[1] == pytest.approx(-0.1)
+
+
 @pytest.mark.parametrize("params", [COURSE, PID], ids=["course", "pid"])
 @pytest.mark.parametrize("nothing", [None, line(0.9, found=False)], ids=["none", "not found"])
 def test_no_line_is_no_motion(params, nothing):

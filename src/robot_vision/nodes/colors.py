@@ -33,24 +33,25 @@ class NamedColors:
         for name, entry in given.items():
             self.ranges[str(name)] = _range(name, entry)
         self._shown = ""
+        self._values: Dict[str, int] = {}  # as shown last: h_low .. v_high
         for name in (*LOW, *HIGH):  # of an earlier run: ~colors is what counts at start
             if rospy.has_param("~" + name):
                 rospy.delete_param("~" + name)
 
     def update(self, config: Dict[str, Any]) -> None:
-        """Takes over the range in `config`; of a colour newly named it is put there instead."""
+        """Takes over the limits in `config` that have changed, and puts the rest there."""
         name = config["color"] or self._shown or next(iter(self.ranges))
         if name not in self.ranges:
             known = ", ".join(self.ranges)
             raise ValueError(f"color is {name!r}, must be one of {known}")
-        if name == self._shown:
-            changed = range_of(config)
-            validate(changed)
-            self.ranges[name] = changed
-        shown = self.ranges[name]
-        config.update(zip(LOW, shown.low), color=name)
-        config.update(zip(HIGH, shown.high))
-        self._shown = name
+        values = dict(zip((*LOW, *HIGH), (*self.ranges[name].low, *self.ranges[name].high)))
+        changed = {key: config[key] for key, old in self._values.items() if config[key] != old}
+        values.update(changed)
+        chosen = range_of(values)
+        validate(chosen)
+        self.ranges[name] = chosen
+        config.update(values, color=name)
+        self._shown, self._values = name, values
 
 
 def _range(name: str, entry: Any) -> HsvRange:

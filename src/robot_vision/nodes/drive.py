@@ -37,10 +37,10 @@ class Drive:
         rospy.on_shutdown(self._end)
         self._thread.start()
 
-    def command(self, linear: float, angular: float) -> None:
-        """Drives on: m/s forward, rad/s to the left."""
+    def command(self, linear: float, angular: float, age: float = 0.0) -> None:
+        """Drives on: m/s forward, rad/s to the left, by what was seen `age` s ago."""
         with self._lock:
-            self._commanded = time.monotonic()
+            self._commanded = time.monotonic() - max(age, 0.0)
             if self.enabled and not self._ended:
                 self._send(linear, angular)
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from .. import HsvMask, Region, RegionFinder, _transport, draw_outline, mask_picture
 from ..cfg import HsvTrackerConfig
-from ..color_file import save_colors
+from ..color_file import edit_colors
 from ..msg import DetectionArray
 from ..transport import Frame
 from .colors import HIGH, LOW, NamedColors
@@ -20,7 +20,7 @@ class HsvTracker:
 
     def __init__(self) -> None:
         self._colors = NamedColors()
-        self._params = LiveParams(HsvTrackerConfig, self._configure, self._save)
+        self._params = LiveParams(HsvTrackerConfig, self._configure, self._edit)
         self._node = ImageNode(self._process)
         self._objects = self._node.publisher("~objects", DetectionArray)
         self._mask = self._node.image_publisher("~mask")
@@ -54,7 +54,7 @@ class HsvTracker:
             found += [(name, region) for region in regions]
         return union, sorted(found, key=lambda one: -one[1].area)
 
-    def _save(self, path: str, values: Dict[str, Any]) -> None:
+    def _edit(self, path: str, text: str, values: Dict[str, Any]) -> str:
         shown = ("color", *LOW, *HIGH)
-        _transport.save_params(path, {k: v for k, v in values.items() if k not in shown})
-        save_colors(path, self._colors.ranges)
+        others = {name: value for name, value in values.items() if name not in shown}
+        return edit_colors(path, _transport.edit_params(path, text, others), self._colors.ranges)

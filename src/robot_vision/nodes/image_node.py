@@ -1,6 +1,5 @@
 """What every node does that works on pictures."""
 
-import threading
 from typing import Any, Callable, List
 
 import rospy
@@ -31,9 +30,7 @@ class ImageNode:
         camera_info: bool = False,
     ):
         self._always = read_param("always_subscribe", False)
-        self._started = False
         self._outputs: List[Any] = []
-        self._lock = threading.Lock()  # connections come in several threads
         kind = transport.CameraSubscriber if camera_info else transport.ImageSubscriber
         self._images = kind(
             "image", process, encoding, diagnostics=transport.node_diagnostics(), start=False
@@ -43,39 +40,34 @@ class ImageNode:
 
     def publisher(self, name: str, kind: Any) -> rospy.Publisher:
         """A topic for results, which makes the node work."""
-        listener = _Listener(self._update)
-        output = rospy.Publisher(name, kind, queue_size=1, subscriber_listener=listener)
+        output = rospy.Publisher(name, kind, queue_size=1, subscriber_listener=_Listener())
         self._outputs.append(output)
         return output
 
     def image_publisher(self, name: str) -> transport.ImagePublisher:
         """A topic for pictures, which makes the node work; draw only if it has connections."""
-        output = transport.ImagePublisher(name, on_connection=self._update)
+        output = transport.ImagePublisher(name)
         self._outputs.append(output)
         return output
 
     def start(self) -> None:
         """Begins to work; the node has to be complete by now."""
-        self._started = True
-        self._update()
+        transport.add_connection_listener(self._update)
+        transport.note_connections()
 
     def _update(self) -> None:
-        with self._lock:
-            if not self._started:
-                return
-            if self._always or any(output.get_num_connections() for output in self._outputs):
-                self._images.start()
-            else:
-                self._images.unregister()
+        """Only the thread of the pictures calls it, so subscribing and ending do not overlap."""
+        if self._always or any(output.get_num_connections() for output in self._outputs):
+            self._images.start()
+        else:
+            self._images.unregister()
 
 
 class _Listener(rospy.SubscribeListener):
-    def __init__(self, update: Callable[[], None]):
-        super().__init__()
-        self._update = update
+    """Asks nothing itself: rospy calls it with locks held."""
 
     def peer_subscribe(self, *_: Any) -> None:
-        self._update()
+        transport.note_connections()
 
     def peer_unsubscribe(self, *_: Any) -> None:
-        self._update()
+        transport.note_connections()

@@ -22,7 +22,7 @@ class LineFollower:
     """Publishes cmd_vel, ~line and ~processed_image (the picture with the line outlined)."""
 
     def __init__(self) -> None:
-        self._line = Line()  # in the last frame
+        self._followed = Line()  # as it was seen last
         self._stamp = rospy.Time()  # of the last frame
         self._node = ImageNode(self._process)
         self._lines = self._node.publisher("~line", LineMessage)
@@ -44,11 +44,16 @@ class LineFollower:
         strip, mask, params, controller = self._tools
         height = frame.image.shape[0]
         top = min(round(height * (1.0 - strip)), height - 1)
-        self._line = find_line(mask.apply(frame.image[top:]), params, self._line)
-        if self._is_fresh(frame.header.stamp):
-            now = frame.header.stamp.to_sec() or rospy.get_time()
-            self._drive.command(*controller.update(now, self._line))
-        self._publish(frame, top)
+        line = find_line(mask.apply(frame.image[top:]), params, self._followed)
+        if line.found:
+            self._followed = line
+        if not self._drive.enabled:
+            controller.reset()  # what it has summed up is of another place when it drives again
+        elif self._is_fresh(frame.header.stamp):
+            now = rospy.get_time()
+            seen = frame.header.stamp.to_sec() or now
+            self._drive.command(*controller.update(seen, line), now - seen)
+        self._publish(frame, line, top)
 
     def _is_fresh(self, stamp: rospy.Time) -> bool:
         """Whether to drive on a frame of this stamp: not on an old one, nor on one come again."""
@@ -61,8 +66,7 @@ class LineFollower:
             rospy.logwarn_throttle(5.0, "frames are %.2f s old: they are not driven on", age)
         return stamp != old and not late
 
-    def _publish(self, frame: Frame, top: int) -> None:
-        line = self._line
+    def _publish(self, frame: Frame, line: Line, top: int) -> None:
         center = Point(line.center[0], line.center[1] + top, 0.0) if line.found else Point()
         self._lines.publish(
             LineMessage(frame.header, line.found, center, line.error, line.angle, line.confidence)

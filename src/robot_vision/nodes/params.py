@@ -8,6 +8,7 @@ import rospy
 from std_srvs.srv import Trigger, TriggerResponse
 
 from .. import _transport
+from ..files import read_text, replace_file
 
 TYPES = {bool: "true or false", int: "an integer", float: "a number", str: "a string"}
 
@@ -34,7 +35,8 @@ class LiveParams:
         config_type: the module that is generated from the .cfg file; its ranges are kept.
         apply: puts values (by name) to use; may correct them in place, or raise ValueError to
             refuse them: fatal at start; live, the old values stay and a warning says why.
-        save: writes values into the file that ~config_file names. None: each as a line of it.
+        edit: puts values into the text of the file that ~config_file names: edit(path, text,
+            values) is the new text. None: each is a line of it.
 
     Raises:
         ValueError: a parameter has the wrong type, or is refused.
@@ -44,11 +46,11 @@ class LiveParams:
         self,
         config_type: Any,
         apply: Callable[[Dict[str, Any]], None],
-        save: Optional[Callable[[str, Dict[str, Any]], None]] = None,
+        edit: Optional[Callable[[str, str, Dict[str, Any]], str]] = None,
     ):
         self._type = config_type
         self._apply = apply
-        self._save = save or _transport.save_params
+        self._edit = edit or _transport.edit_params
         self._accepted: Dict[str, Any] = {}
         for name, default in config_type.defaults.items():
             rospy.set_param("~" + name, read_param(name, default))
@@ -74,11 +76,13 @@ class LiveParams:
                 raise ValueError(f"{name} is {config[name]:g}, must be from {low:g} to {high:g}")
 
     def _on_save(self, _request: Any) -> TriggerResponse:
-        path = rospy.get_param("~config_file", "")
+        accepted = self._accepted  # it is replaced, never changed
         try:
+            path = read_param("config_file", "")
             if not path:
                 raise RuntimeError("~config_file does not name a file")
-            self._save(path, {name: self._accepted[name] for name in self._type.defaults})
+            values = {name: accepted[name] for name in self._type.defaults}
+            replace_file(path, self._edit(path, read_text(path), values).encode())
         except (OSError, RuntimeError, ValueError) as error:
             rospy.logerr("parameters not saved: %s", error)
             return TriggerResponse(False, str(error))
