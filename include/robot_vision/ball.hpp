@@ -20,9 +20,10 @@ struct BallPosition
 /// cv::findContours gives it with or without its compression. The rays that touch a ball form a circular cone: its axis
 /// leads to the ball's centre and its half angle a to the distance, radius / sin(a), wherever the ball is in the
 /// picture. The cone is fitted to the outline's rays: least median of squares over cones through three of them
-/// (Rousseeuw 1984), then least squares with Tukey's weights, so that half of the ball may be hidden. Outline on the
-/// picture's border is left out, since it may be a cut. Nothing is returned for fewer than 8 other points, and for
-/// points that no cone in front of the camera fits.
+/// (Rousseeuw 1984), then least squares with Tukey's weights, so that half of a ball may be hidden: one of 20 px radius
+/// is then found within 2 % of its distance, one of 8 px within a quarter. Outline on the picture's border is left out,
+/// since it may be a cut. Nothing is returned for fewer than 8 other points, and for points that no cone in front of
+/// the camera fits: those of a square or of a bar, if it is large enough to tell (40 px).
 /// Throws std::invalid_argument as validate(camera) does, and for a diameter that is not positive.
 std::optional<BallPosition> ballPosition(const CameraModel& camera, const std::vector<cv::Point>& outline,
                                          double diameter);

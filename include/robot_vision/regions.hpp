@@ -24,8 +24,8 @@ struct Region
   double area = 0.0;               // px, the number of pixels: holes do not count
   std::vector<cv::Point> outline;  // px, the pixels along the outer border (cv::CHAIN_APPROX_SIMPLE)
   cv::Point2d circle_center;       // px, of the smallest circle around the outline
-  double circle_radius = 0.0;      // px, of the same; 0 for a single pixel
-  double roundness = 0.0;          // area to area of that circle, 0 to 1 (a disc)
+  double circle_radius = 0.0;      // px, of the same, through pixel centres; 0 for a single pixel
+  double roundness = 0.0;          // area to area of that circle half a pixel larger, 0 to 1 (a disc)
 };
 
 /// Finds the regions of a mask: cv::morphologyEx, connected components and cv::findContours, on the part of it that is

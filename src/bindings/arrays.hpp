@@ -3,6 +3,9 @@
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
 
+#include <algorithm>
+#include <cstdint>
+#include <cstdlib>
 #include <memory>
 #include <opencv2/core.hpp>
 #include <string>
@@ -22,11 +25,14 @@ struct Picture
   cv::Mat view;
 };
 
+/// Whether a cv::Mat can view the array: packed pixels, rows that do not overlap, and aligned samples.
 inline bool hasPackedRows(const py::array& array)
 {
   const py::ssize_t channels = array.ndim() == 3 ? array.shape(2) : 1;
+  const auto address = reinterpret_cast<std::uintptr_t>(array.data());
   return (array.ndim() == 2 || array.strides(2) == array.itemsize()) &&
-         array.strides(1) == channels * array.itemsize() && array.strides(0) >= array.shape(1) * array.strides(1);
+         array.strides(1) == channels * array.itemsize() && array.strides(0) >= array.shape(1) * array.strides(1) &&
+         array.strides(0) % array.itemsize() == 0 && address % static_cast<std::uintptr_t>(array.itemsize()) == 0;
 }
 
 inline Picture::Picture(py::array pixels) : array(std::move(pixels))
@@ -38,7 +44,7 @@ inline Picture::Picture(py::array pixels) : array(std::move(pixels))
     throw py::value_error("expected an array of 2 or 3 dimensions, got " + std::to_string(array.ndim()));
   const auto channels = static_cast<int>(array.ndim() == 3 ? array.shape(2) : 1);
   if (channels < 1 || channels > 4) throw py::value_error("expected 1 to 4 channels, got " + std::to_string(channels));
-  if (!hasPackedRows(array)) array = py::array::ensure(array, py::array::c_style);
+  if (!hasPackedRows(array)) array = array.attr("copy")("C");
   view = cv::Mat(static_cast<int>(array.shape(0)), static_cast<int>(array.shape(1)),
                  CV_MAKETYPE(wide ? CV_16U : CV_8U, channels), const_cast<void*>(array.data()),
                  static_cast<std::size_t>(array.strides(0)));
@@ -61,15 +67,27 @@ py::array toNumpy(const cv::Mat& mat, Owner owner)
   return py::array(py::dtype(kSampleTypes[mat.depth()]), shape, strides, mat.data, release);
 }
 
-/// Integer pixel positions from Python, (n, 2).
-using Points = py::array_t<int, py::array::c_style | py::array::forcecast>;
-
-inline std::vector<cv::Point> toPoints(const Points& points)
+/// Pixel positions from Python: (n, 2) of any type of integer, or what NumPy makes such an array of.
+inline std::vector<cv::Point> toPoints(const py::object& object)
 {
+  const py::array points = py::array::ensure(object);
+  if (!points) throw py::type_error("expected an (n, 2) array of points");
   if (points.size() == 0) return {};
   if (points.ndim() != 2 || points.shape(1) != 2) throw py::value_error("expected an (n, 2) array of points");
-  const auto* first = reinterpret_cast<const cv::Point*>(points.data());
-  return {first, first + points.shape(0)};
+  const char kind = points.dtype().kind();
+  if (kind != 'i' && kind != 'u')
+    throw py::type_error("expected points of whole pixels, got " + std::string(py::str(points.dtype())));
+  const py::array_t<std::int64_t, py::array::c_style | py::array::forcecast> values(points);
+  const std::int64_t far = 1 << 24;  // px: sums and differences of such numbers still fit an int
+  std::vector<cv::Point> pixels;
+  for (const auto* point = values.data(); point != values.data() + values.size(); point += 2)
+  {
+    if (std::max(std::abs(point[0]), std::abs(point[1])) > far)
+      throw py::value_error("expected points in a picture, got (" + std::to_string(point[0]) + ", " +
+                            std::to_string(point[1]) + ")");
+    pixels.emplace_back(static_cast<int>(point[0]), static_cast<int>(point[1]));
+  }
+  return pixels;
 }
 
 /// (n, 2) array of a copy of the points.

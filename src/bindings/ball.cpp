@@ -91,7 +91,7 @@ void bindBall(py::module& m)
           "(x, y), px, the position as the camera sees it");
   m.def(
       "ball_position",
-      [](const CameraModel& camera, const Points& outline, double diameter)
+      [](const CameraModel& camera, const py::object& outline, double diameter)
       {
         const std::vector<cv::Point> pixels = toPoints(outline);
         const py::gil_scoped_release unlocked;

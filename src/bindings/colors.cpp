@@ -142,7 +142,7 @@ void bindRegions(py::module& m)
           "circle_center", [](const Region& r) { return Point(r.circle_center.x, r.circle_center.y); },
           "(x, y), px, of the smallest circle around the outline")
       .def_readonly("circle_radius", &Region::circle_radius, "px")
-      .def_readonly("roundness", &Region::roundness, "area to area of the circle, 0 to 1 (a disc)");
+      .def_readonly("roundness", &Region::roundness, "area to area of the circle half a pixel larger, 0 to 1 (a disc)");
 
   py::class_<RegionFinder>(m, "RegionFinder", "Cleans masks and finds the regions in them.")
       .def(py::init<const RegionParams&>(), "params"_a = RegionParams())

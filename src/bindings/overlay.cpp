@@ -51,7 +51,7 @@ void bindOverlay(py::module& m)
       "Raises ValueError for what is no picture, and no mask of its size.");
   m.def(
       "draw_outline",
-      [](const py::array& bgr, const Points& outline, const std::string& label, const Color& color)
+      [](const py::array& bgr, const py::object& outline, const std::string& label, const Color& color)
       {
         cv::Mat picture = canvas(bgr);
         const std::vector<cv::Point> polygon = toPoints(outline);

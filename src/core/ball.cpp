@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <opencv2/imgproc.hpp>
 
 #include "robot_vision/range.hpp"
 
@@ -47,6 +48,7 @@ std::vector<cv::Vec3d> raysOfEdge(const CameraModel& camera, const std::vector<c
     const cv::Point2d half(sideways ? std::copysign(0.5, outwards.x) : 0.0,
                            sideways ? 0.0 : std::copysign(0.5, outwards.y));
     const cv::Point2d ray = camera.ray(cv::Point2d(pixel) + half);
+    if (std::isnan(ray.x)) continue;
     rays.push_back(cv::normalize(cv::Vec3d(ray.x, ray.y, 1.0)));
   }
   return rays;
@@ -58,14 +60,20 @@ double angleInside(const Cone& cone, const cv::Vec3d& ray)
   return (cone.dot(ray) - 1.0) / std::sqrt(cone.dot(cone) - 1.0);
 }
 
-double medianDeviation(const Cone& cone, const std::vector<cv::Vec3d>& rays)
+/// The deviation (rad) that a share of the rays, 0 to below 1, does not exceed.
+double deviationOf(double share, const Cone& cone, const std::vector<cv::Vec3d>& rays)
 {
   std::vector<double> deviations;
   for (const cv::Vec3d& ray : rays)
     deviations.push_back(std::abs(angleInside(cone, ray)));
-  const auto middle = deviations.begin() + static_cast<std::ptrdiff_t>(deviations.size() / 2);
-  std::nth_element(deviations.begin(), middle, deviations.end());
-  return *middle;
+  const auto largest = deviations.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(rays.size()));
+  std::nth_element(deviations.begin(), largest, deviations.end());
+  return *largest;
+}
+
+double medianDeviation(const Cone& cone, const std::vector<cv::Vec3d>& rays)
+{
+  return deviationOf(0.5, cone, rays);
 }
 
 /// Whether it is a cone around something in front of the camera; not if numbers are not finite.
@@ -116,6 +124,18 @@ Cone refined(const Cone& cone, const std::vector<cv::Vec3d>& rays, double grain)
   return squares.solve(sum, cv::DECOMP_LU);
 }
 
+/// Whether enough of the outline lies on the cone, and the cone is not much wider than the outline. `grain` (rad): as
+/// above; `extent` (rad): width and height of the outline.
+bool fits(const Cone& cone, const std::vector<cv::Vec3d>& rays, double grain, const cv::Size2d& extent)
+{
+  // Of the border of half a disc 59 % is arc, less with something of the same colour beside it. Of a square as much is
+  // off by more than this. A bar fits a cone by one of its sides, but a cone far too wide.
+  const double arc = 0.4, coarse = 3.5 * grain, ragged = 0.025 * std::min(extent.width, extent.height);
+  const double width = 2.0 * std::acos(1.0 / std::sqrt(cone.dot(cone)));
+  return deviationOf(arc, cone, rays) <= std::max(coarse, ragged) &&
+         width <= 1.5 * std::max(extent.width, extent.height);
+}
+
 }  // namespace
 
 std::optional<BallPosition> ballPosition(const CameraModel& camera, const std::vector<cv::Point>& outline,
@@ -135,7 +155,9 @@ std::optional<BallPosition> ballPosition(const CameraModel& camera, const std::v
   Cone cone = roughCone(rays);
   for (int step = 0; step < steps && isCone(cone); ++step)
     cone = refined(cone, rays, grain);
-  if (!isCone(cone)) return std::nullopt;
+  const cv::Rect box = cv::boundingRect(outline);
+  const cv::Size2d extent(box.width / camera.K(0, 0), box.height / camera.K(1, 1));
+  if (!isCone(cone) || !fits(cone, rays, grain, extent)) return std::nullopt;
 
   const double squared = cone.dot(cone), sine = std::sqrt(1.0 - 1.0 / squared);
   const cv::Point3d position(cone * (0.5 * diameter / sine / std::sqrt(squared)));

@@ -47,11 +47,12 @@ Distorted distort(const Coefficients& D, const cv::Point2d& p)
   return result;
 }
 
-// Newton from a guess; quadratic convergence, so a handful of steps reaches the last bits.
+// Newton from a guess; quadratic convergence, so a handful of steps reaches the last bits. NaN where the distortion,
+// which is a model within the picture at best, has no such point.
 cv::Point2d undistort(const Coefficients& D, const cv::Point2d& target, cv::Point2d guess)
 {
   const int max_steps = 20;
-  const double tolerance = 1e-14;
+  const double tolerance = 1e-14, good_enough = 1e-9;
   for (int step = 0; step < max_steps; ++step)
   {
     const Distorted now = distort(D, guess);
@@ -60,9 +61,11 @@ cv::Point2d undistort(const Coefficients& D, const cv::Point2d& target, cv::Poin
     const double det = J(0, 0) * J(1, 1) - J(0, 1) * J(1, 0);
     guess.x += (J(1, 1) * error.x - J(0, 1) * error.y) / det;
     guess.y += (J(0, 0) * error.y - J(1, 0) * error.x) / det;
-    if (error.dot(error) < tolerance * tolerance) break;
+    if (error.dot(error) < tolerance * tolerance) return guess;
   }
-  return guess;
+  const cv::Point2d error = target - distort(D, guess).point;
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  return error.dot(error) < good_enough * good_enough ? guess : cv::Point2d(nan, nan);
 }
 
 cv::Point2d normalised(const CameraModel& camera, const cv::Point2d& pixel)
@@ -114,7 +117,8 @@ RayTable rayTable(const CameraModel& camera)
     for (int column = 0; column < camera.width; ++column)
     {
       // The neighbour's ray is a close guess and saves most of the steps.
-      ray = undistort(D, normalised(camera, cv::Point2d(column, row)), ray);
+      const cv::Point2d target = normalised(camera, cv::Point2d(column, row));
+      ray = undistort(D, target, std::isnan(ray.x) ? target : ray);
       xs[column] = static_cast<float>(ray.x);
       ys[column] = static_cast<float>(ray.y);
     }

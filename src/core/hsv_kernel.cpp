@@ -3,7 +3,7 @@
 #include <algorithm>
 
 // Compiled for these as well, and chosen at run time, where compiler and C library can: SSE2, the baseline of x86, has
-// no instruction to take three-byte pixels apart. That of ARM has.
+// no instruction to take three-byte pixels apart. ARM's NEON has.
 #if defined(__x86_64__) && defined(__GLIBC__) && defined(__GNUC__) && !defined(__clang__)
 #define ROBOT_VISION_CLONES __attribute__((target_clones("avx2", "sse4.1", "default")))
 #else

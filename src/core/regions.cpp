@@ -14,6 +14,8 @@ namespace robot_vision
 namespace
 {
 
+constexpr double kToEdge = 0.5;  // px from the centre of a pixel to its side
+
 void requireDiameter(const std::string& name, int value)
 {
   require(value >= 1 && value <= 31 && value % 2 == 1, name, value, "odd and from 1 to 31");
@@ -62,9 +64,9 @@ void addCircle(Region& region)
   float radius = 0.0F;
   cv::minEnclosingCircle(hull, center, radius);
   region.circle_center = center;
-  region.circle_radius = radius;
-  // The circle goes through the centres of pixels, so the pixels may well cover more than it does.
-  region.roundness = std::min(1.0, region.area / (CV_PI * region.circle_radius * region.circle_radius));
+  region.circle_radius = hull.size() > 1 ? radius : 0.0;  // OpenCV's is never 0
+  const double edge = region.circle_radius + kToEdge;
+  region.roundness = std::min(1.0, region.area / (CV_PI * edge * edge));
 }
 
 }  // namespace

@@ -65,7 +65,8 @@ class FloorCamera:
     pitch: float = 0.6  # rad, downwards
 
     def __post_init__(self) -> None:
-        if not self.pitch > math.atan2(self.height / 2.0, self.focal):
+        half = math.atan2(self.height / 2.0, self.focal)
+        if not half < self.pitch < math.pi - half:
             raise ValueError(f"pitch is {self.pitch:g}, the horizon would be in view")
 
     def floor_points(self) -> Tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -115,7 +116,7 @@ class TrackWorld:
 
         Args:
             pose: of the robot.
-            frame: its number; each has noise of its own.
+            frame: its number; the noise differs from one to the next.
             top: the first row that is drawn, for who looks at the lower part only.
 
         Returns:

@@ -86,11 +86,15 @@ void run(const Case& c, const std::vector<cv::Mat>& frames, int rounds)
   std::array<cv::Mat, 2> masks;
   std::array<Times, 2> mask_times, region_times;
   double white = 0.0;
+  bool opencv_first = true;
   for (int round = 0; round < rounds; ++round)
     for (const cv::Mat& bgr : frames)
     {
-      measure([&] { opencv.findMask(bgr, masks[0]); }, mask_times[0]);
+      const auto opencv_mask = [&] { measure([&] { opencv.findMask(bgr, masks[0]); }, mask_times[0]); };
+      if (opencv_first) opencv_mask();
       measure([&] { ours.apply(bgr, "bgr8", masks[1]); }, mask_times[1]);
+      if (!opencv_first) opencv_mask();
+      opencv_first = !opencv_first;  // the second finds the picture in the cache
       if (cv::norm(masks[0], masks[1], cv::NORM_INF) != 0.0) throw std::runtime_error("the masks differ");
       white = 1e2 * cv::countNonZero(masks[0]) / static_cast<double>(masks[0].total());
       measure([&] { opencv.findRegions(masks[0]); }, region_times[0]);

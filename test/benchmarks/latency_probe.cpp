@@ -198,6 +198,7 @@ private:
       end_ = message->header.stamp;
       publisher.publish(message);
     }
+    if (!settings_.results) return;
     awaitLast();
     compare(*messages[static_cast<std::size_t>(warm_up + result_.sent - 1) % messages.size()]);
   }

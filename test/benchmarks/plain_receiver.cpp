@@ -15,7 +15,8 @@ int main(int argc, char** argv)
   std::vector<std::pair<double, double>> arrivals;
   const auto on_image = [&arrivals](const sensor_msgs::ImageConstPtr& message)
   { arrivals.emplace_back(message->header.stamp.toSec(), (ros::Time::now() - message->header.stamp).toSec() * 1e3); };
-  const ros::Subscriber subscriber = nh.subscribe<sensor_msgs::Image>("image", 1, on_image);
+  const ros::Subscriber subscriber =
+      nh.subscribe<sensor_msgs::Image>("image", 1, on_image, ros::VoidConstPtr(), ros::TransportHints().tcpNoDelay());
   ros::spin();
   const char* comma = "[";
   for (const auto& [stamp, latency] : arrivals)

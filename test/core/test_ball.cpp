@@ -87,7 +87,10 @@ TEST(BallPosition, isTheSameForACompressedOutline)
   const cv::Mat1b mask = seen(camera, {0.2, 0.1, 0.9});
   const std::vector<cv::Point> whole = outlineOf(mask), corners = outlineOf(mask, cv::CHAIN_APPROX_SIMPLE);
   ASSERT_LT(corners.size(), whole.size());
-  EXPECT_EQ(ballPosition(camera, corners, kDiameter)->position, ballPosition(camera, whole, kDiameter)->position);
+  const std::optional<BallPosition> of_corners = ballPosition(camera, corners, kDiameter);
+  const std::optional<BallPosition> of_all = ballPosition(camera, whole, kDiameter);
+  ASSERT_TRUE(of_corners && of_all);
+  EXPECT_EQ(of_corners->position, of_all->position);
 }
 
 TEST(BallPosition, isFoundWhereHalfTheBallIsHidden)
@@ -107,6 +110,30 @@ TEST(BallPosition, isFoundWhereHalfTheBallIsHidden)
   cv::Mat1b with_more = mask.clone();  // something of the same colour next to it
   with_more(cv::Rect(middle.x - 10, 0, 20, middle.y)) = 255;
   EXPECT_LT(errorOf(camera, outlineOf(with_more), ball), 0.01);
+}
+
+TEST(BallPosition, isFoundWhereHalfOfASmallBallIsHidden)
+{
+  const CameraModel camera = wideCamera();
+  for (const auto& [radius, error] : {std::pair(20.0, 0.02), std::pair(8.0, 0.25)})
+  {
+    const cv::Point3d ball(0.05, -0.03, kDiameter / 2.0 * camera.K(0, 0) / radius);
+    cv::Mat1b half = seen(camera, ball);
+    half.colRange(cvRound(camera.project(ball).x), 640) = 0;
+    EXPECT_LT(errorOf(camera, outlineOf(half), ball), error) << radius;
+  }
+}
+
+TEST(BallPosition, isNotMadeUpFromWhatIsNoBall)
+{
+  const CameraModel camera = wideCamera();
+  for (const cv::Size& size :
+       {cv::Size(300, 2), cv::Size(200, 6), cv::Size(400, 300), cv::Size(40, 40), cv::Size(60, 60), cv::Size(30, 90)})
+  {
+    cv::Mat1b mask(480, 640, uchar{0});
+    mask(cv::Rect({100, 80}, size)) = 255;
+    EXPECT_FALSE(ballPosition(camera, outlineOf(mask), kDiameter)) << size;
+  }
 }
 
 TEST(BallPosition, isFoundWhereThePictureEnds)

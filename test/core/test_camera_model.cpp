@@ -46,6 +46,17 @@ TEST(CameraModel, projectsAsOpenCvDoesWithAnyDistortion)
   }
 }
 
+TEST(CameraModel, aPixelWithoutARayHasNone)
+{
+  CameraModel camera = cameraWith({-0.3, 0.0, 0.0, 0.0});
+  camera.K = {420, 0, 320, 0, 420, 240, 0, 0, 1};
+  // The distortion brings nothing further out than r (1 - 0.3 r^2) at r = 1 / sqrt(0.9).
+  const double furthest = 420.0 * 2.0 / 3.0 / std::sqrt(0.9);
+  EXPECT_FALSE(std::isnan(camera.ray({320.0 + furthest - 1.0, 240.0}).x));
+  EXPECT_TRUE(std::isnan(camera.ray({320.0 + furthest + 1.0, 240.0}).x));
+  EXPECT_TRUE(std::isnan(camera.ray({0.0, 0.0}).y));
+}
+
 TEST(CameraModel, whatNoCameraHasIsNamed)
 {
   EXPECT_EQ(refusalOf(cameraWith({})), "");

@@ -1,5 +1,7 @@
 """hsv_tracker and ball_tracker on the synthetic scene, against its ground truth and OpenCV."""
 
+import itertools
+
 import cv2
 import dynamic_reconfigure.client
 import numpy as np
@@ -8,8 +10,9 @@ import rospy
 import support
 import tf2_msgs.msg
 import yaml
+from frames import Source, message, new_topic
 from geometry_msgs.msg import PointStamped
-from sensor_msgs.msg import Image
+from sensor_msgs.msg import CameraInfo, Image
 from std_srvs.srv import Trigger
 
 from robot_vision import Scene, SceneParams
@@ -121,6 +124,16 @@ def test_colours_are_changed_live_and_saved(start, camera, tmp_path):
     config = client.update_configuration({"s_low": 255, "s_high": 10})
     assert (config["s_low"], config["s_high"]) == (20, 255)
     process.wait_for_output("refused, the parameters stay as they are: ")
+    config = client.update_configuration({"color": "blue", "h_high": 130})
+    assert (config["h_low"], config["h_high"]) == (90, 130)  # a new limit of another colour
+    config = client.update_configuration({"h_high": 120})
+    config = client.update_configuration({"color": "pink"})
+    assert (config["h_low"], config["h_high"]) == (160, 170)
+    path.write_text(path.read_text() + "colors: [blue]\n")
+    before = path.read_text()
+    assert not rospy.ServiceProxy("/tracker/save_parameters", Trigger)().success
+    assert path.read_text() == before
+    path.write_text(before.replace("colors: [blue]\n", ""))
     config = client.update_configuration({"color": "mauve"})
     assert config["color"] == "pink"
     process.wait_for_output("color is 'mauve', must be one of blue, pink")
@@ -179,21 +192,19 @@ def test_ball_is_followed_as_it_moves(start, camera):
     scene = Scene(SceneParams())
     truth_of = by_stamp(truths)
     position_of = by_stamp(positions)
-    centers, places, speeds = [], [], []
-    for message in objects.received:
-        stamp = message.header.stamp
-        if stamp not in truth_of or stamp not in position_of:
+    centers, places, speeds, missed = [], [], [], 0
+    for array in objects.received:
+        stamp = array.header.stamp
+        if stamp not in truth_of or not min(position_of) <= stamp <= max(position_of):
             continue
         ball = next(o for o in truth_of[stamp].objects if o.name == "ball")
         if not ball.visible:
             continue
-        found = message.detections[0]
-        assert (found.label, found.id, found.predicted, found.has_velocity) == (
-            "ball",
-            0,
-            False,
-            True,
-        )
+        found = array.detections[0]
+        assert (found.label, found.id, found.has_velocity) == ("ball", 0, True)
+        if found.predicted or stamp not in position_of:
+            missed += 1
+            continue
         centers.append(np.hypot(found.center.x - ball.center.x, found.center.y - ball.center.y))
         place = ball.pose.position
         true = np.array([place.x, place.y, place.z])
@@ -202,7 +213,7 @@ def test_ball_is_followed_as_it_moves(start, camera):
         velocity = velocity_of_ball(scene, truth_of[stamp].frame)
         error = np.subtract([found.velocity.x, found.velocity.y], velocity)
         speeds.append(np.linalg.norm(error) / np.linalg.norm(velocity))
-    assert len(centers) > 100
+    assert len(centers) > 100 and missed < 0.05 * len(centers), missed
     assert np.median(centers) < 1.0 and np.percentile(centers, 99) < 3.0, np.percentile(
         centers, [50, 99]
     )
@@ -228,15 +239,40 @@ def test_ball_without_a_diameter_has_no_position(start, camera):
     assert "/ball/position" not in dict(rospy.get_published_topics())
 
 
+def test_a_camera_info_of_other_pictures_brings_no_position(start):
+    topic = new_topic()
+    pictures, infos = Source(topic), Source(topic.replace("image", "camera_info"), CameraInfo)
+    process = start("ball_tracker.py", "__name:=ball", f"image:={topic}", "_ball_diameter:=0.2")
+    objects = support.Messages("/ball/objects", DetectionArray)
+    positions = support.Messages("/ball/position", PointStamped)
+    pictures.wait_for()
+    infos.wait_for()
+    support.wait_for(positions.connected, "the positions")
+    picture = np.zeros((480, 640, 3), np.uint8)
+    cv2.circle(picture, (500, 240), 40, (255, 0, 0), -1)
+    for number in itertools.count(1):
+        image = message(picture, "bgr8")
+        image.header.stamp = rospy.Time(number)
+        info = CameraInfo(width=320, height=240, K=[300, 0, 160, 0, 300, 120, 0, 0, 1])
+        info.header = image.header
+        infos.send(info)
+        pictures.send(image)
+        if len(objects.received) > 2:
+            break
+        rospy.sleep(0.05)
+    assert objects.received[-1].detections[0].circle_radius == pytest.approx(40.0, abs=0.6)
+    process.wait_for_output("camera_info is of 320x240, the picture 640x480")
+    assert not positions.received
+
+
 @pytest.mark.parametrize("node", ["hsv_tracker.py", "ball_tracker.py", "line_follower.py"])
 def test_python_nodes_are_lazy(start, diagnostics, camera, node):
     start(node, "__name:=lazy", "image:=/camera/image_raw", "_diagnostic_period:=0.1")
-    assert diagnostics.next("lazy").message == "idle: nobody subscribes"
+    idle, running = "idle: nobody subscribes", "running on /camera/image_raw"
+    support.wait_for(lambda: diagnostics.next("lazy").message == idle, idle)
     pictures = support.Messages("/lazy/processed_image", Image)
     pictures.wait(3)
-    assert diagnostics.next("lazy").message == "running on /camera/image_raw"
+    support.wait_for(lambda: diagnostics.next("lazy").message == running, running)
     pictures.close()
-    support.wait_for(
-        lambda: diagnostics.next("lazy").message == "idle: nobody subscribes", "idleness"
-    )
-    assert diagnostics.next("camera").message == "idle: nobody subscribes"
+    support.wait_for(lambda: diagnostics.next("lazy").message == idle, idle)
+    support.wait_for(lambda: diagnostics.next("camera").message == idle, "the camera idle")

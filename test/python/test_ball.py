@@ -16,9 +16,7 @@ HIDDEN = 9  # frames, 0.3 s
 
 def ball_outline(bgr):
     """Outline of the largest region of the course's blue: (n, 2) int, px."""
-    mask = cv2.inRange(cv2.cvtColor(bgr, cv2.COLOR_BGR2HSV), (90, 50, 50), (120, 255, 255))
-    outlines = cv2.findContours(mask, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)[-2]
-    return max(outlines, key=len)[:, 0]
+    return rv.RegionFinder().apply(rv.hsv_mask(bgr))[1][0].outline
 
 
 @pytest.fixture(scope="module")

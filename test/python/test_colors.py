@@ -101,7 +101,9 @@ def test_regions_of_a_mask():
     assert small.center == pytest.approx((39.5, 14.5))
     assert small.circle_center == pytest.approx((39.5, 14.5), abs=0.5)
     assert small.circle_radius == pytest.approx(np.hypot(9.5, 5.5), abs=0.8)
-    assert small.roundness == pytest.approx(small.area / (np.pi * small.circle_radius**2), rel=1e-6)
+    assert small.roundness == pytest.approx(
+        small.area / (np.pi * (small.circle_radius + 0.5) ** 2), rel=1e-6
+    )
     assert small.outline.dtype.kind == "i" and small.outline.shape[1] == 2
     assert tuple(cv2.boundingRect(small.outline)) == small.box
     with pytest.raises(AttributeError):

@@ -56,6 +56,15 @@ def test_brightness_equals_opencv(picture):
     )
 
 
+def test_samples_that_are_not_aligned():
+    bytes_of_noise = np.random.default_rng(3).integers(0, 256, 1 + 4 * 9, np.uint8)
+    odd_place = np.frombuffer(bytes_of_noise.tobytes(), np.uint16, 16, offset=1).reshape(4, 4)
+    odd_rows = np.ndarray((4, 4), np.uint16, bytes_of_noise.tobytes(), 0, (9, 2))
+    for wide in (odd_place, odd_rows):
+        expected = np.minimum(wide.astype(int) + 50 * 257, 65535)
+        assert np.array_equal(rv.adjust_brightness(wide, "mono16"), expected)
+
+
 @pytest.mark.parametrize(
     "array, encoding, error",
     [

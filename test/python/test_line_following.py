@@ -20,8 +20,7 @@ STANDING = (0.0, 0.0)
 
 def line_mask(picture):
     """What has the line's colour: (height, width) uint8, 255 or 0."""
-    hsv = cv2.cvtColor(picture, cv2.COLOR_BGR2HSV)
-    return cv2.inRange(hsv, (0, 35, 0), (57, 255, 255))
+    return rv.hsv_mask(picture, rv.HsvRange((0, 35, 0), (57, 255, 255)))
 
 
 class Follower:

@@ -29,6 +29,23 @@ def test_drawing_is_on_the_array_itself(draw):
     assert whole.any(axis=2).sum() == expected.any(axis=2).sum()
 
 
+@pytest.mark.parametrize(
+    "points, error, match",
+    [
+        (np.full((4, 2), 1.5), TypeError, "expected points of whole pixels, got float64"),
+        (
+            [(1, 2), (3, 2**40)],
+            ValueError,
+            r"expected points in a picture, got \(3, 1099511627776\)",
+        ),
+        ([1, 2, 3], ValueError, r"expected an \(n, 2\) array of points"),
+    ],
+)
+def test_what_is_no_outline_is_refused(points, error, match):
+    with pytest.raises(error, match=match):
+        rv.draw_outline(np.zeros((8, 8, 3), np.uint8), points)
+
+
 def test_what_cannot_be_drawn_on_is_refused(draw):
     shown = np.zeros((40, 50, 3), np.uint8)
     shown.setflags(write=False)

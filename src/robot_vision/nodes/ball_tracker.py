@@ -8,6 +8,7 @@ import numpy as np
 import rospy
 import tf2_ros
 from geometry_msgs.msg import Point, PointStamped, TransformStamped, Vector3
+from sensor_msgs.msg import CameraInfo
 
 from .. import (
     BallMeasurement,
@@ -32,6 +33,8 @@ from .image_node import ImageNode
 from .messages import detection, detection_array, region_params
 from .params import LiveParams, read_param
 
+FILTER = ("process_noise", "measurement_noise", "max_prediction", "gate")
+
 
 class BallTracker:
     """Publishes ~objects (one ball or none), ~mask, ~processed_image with the ball and its trail.
@@ -41,6 +44,8 @@ class BallTracker:
 
     def __init__(self) -> None:
         self._trail: Deque[Tuple[float, float]] = collections.deque()
+        self._time = 0.0  # s, of the last frame
+        self._filter_params: Dict[str, Any] = {}
         self._diameter = read_param("ball_diameter", 0.0)
         if self._diameter < 0.0:
             raise ValueError(f"ball_diameter is {self._diameter:g}, must be 0 (unknown) or more")
@@ -57,12 +62,13 @@ class BallTracker:
 
     def _configure(self, config: Dict[str, Any]) -> None:
         mask = HsvMask(range_of(config))
-        params = BallTrackerParams()
-        for name in ("process_noise", "measurement_noise", "max_prediction", "gate"):
-            setattr(params, name, config[name])
-        # In one step: a frame may be under way.
         finder = RegionFinder(region_params(config))
-        self._tools = mask, finder, Filter(params), config["min_roundness"], config["trail"]
+        params = {name: config[name] for name in FILTER}
+        # A filter made anew has lost the ball: only when it must be.
+        tracker = self._tools[2] if params == self._filter_params else make_filter(params)
+        self._filter_params = params
+        # In one step: a frame may be under way.
+        self._tools = mask, finder, tracker, config["min_roundness"], config["trail"]
 
     def _process(self, frame: Frame) -> None:
         mask_of, finder, tracker, min_roundness, trail = self._tools
@@ -78,7 +84,7 @@ class BallTracker:
         state = tracker.update(time, measured)
         if state is None or state.predicted:
             region = position = None
-        self._remember(state, trail)
+        self._remember(time, state, trail)
         self._publish(frame, state, region, position)
         self._mask.publish(mask, "mono8", frame.header)
 
@@ -88,15 +94,16 @@ class BallTracker:
         if info is None:
             return None
         try:
-            if info.distortion_model == "equidistant":
-                raise ValueError("equidistant distortion is not known here")
-            camera = CameraModel(info.width, info.height, info.K, info.D)
+            camera = camera_model(info, frame.image.shape[1::-1])
         except ValueError as error:
             rospy.logwarn_throttle(5.0, "no position without a calibration: %s", error)
             return None
         return ball_position(camera, region.outline, self._diameter)
 
-    def _remember(self, state: Optional[BallState], length: int) -> None:
+    def _remember(self, time: float, state: Optional[BallState], length: int) -> None:
+        if time < self._time:  # a bag begins again
+            self._trail.clear()
+        self._time = time
         self._trail.append(state.center if state else (math.nan, math.nan))
         while len(self._trail) > length:
             self._trail.popleft()
@@ -125,6 +132,29 @@ class BallTracker:
         transform.transform.translation = Vector3(*position)
         transform.transform.rotation.w = 1.0  # a ball looks the same from everywhere
         self._tf.sendTransform(transform)
+
+
+def make_filter(values: Dict[str, float]) -> Filter:
+    """A filter with live parameters of the names of its own."""
+    params = BallTrackerParams()
+    for name, value in values.items():
+        setattr(params, name, value)
+    return Filter(params)
+
+
+def camera_model(info: CameraInfo, size: Tuple[int, int]) -> CameraModel:
+    """The camera of pictures of `size`, (width, height) in px.
+
+    Raises:
+        ValueError: camera_info is not calibrated, of other pictures, or of a model not known here.
+    """
+    if info.distortion_model == "equidistant":
+        raise ValueError("equidistant distortion is not known here")
+    if (info.width, info.height) != size:
+        raise ValueError(
+            f"camera_info is of {info.width}x{info.height}, the picture {size[0]}x{size[1]}"
+        )
+    return CameraModel(info.width, info.height, info.K, info.D)
 
 
 def ball_detection(state: BallState, region: Optional[Region]) -> Detection:

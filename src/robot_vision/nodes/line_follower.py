@@ -1,6 +1,6 @@
 """The node line_follower: drives along a line."""
 
-from typing import Any, Dict
+from typing import Any, Dict, Optional
 
 import rospy
 from geometry_msgs.msg import Point, Twist
@@ -22,6 +22,7 @@ class LineFollower:
     """Publishes cmd_vel, ~line and ~processed_image (the picture with the line outlined)."""
 
     def __init__(self) -> None:
+        self._control: Optional[LineControlParams] = None
         self._followed = Line()  # as it was seen last
         self._stamp = rospy.Time()  # of the last frame
         self._node = ImageNode(self._process)
@@ -36,8 +37,11 @@ class LineFollower:
         line.min_area = config["min_area"]
         control = LineControlParams(**{name: config[name] for name in CONTROL})
         mask = HsvMask(range_of(config))
+        # A controller made anew has forgotten where the line was: only when it must be.
+        controller = self._tools[3] if control == self._control else LineController(control)
+        self._control = control
         # In one step: a frame may be under way.
-        self._tools = config["strip"], mask, line, LineController(control)
+        self._tools = config["strip"], mask, line, controller
         self._drive.timeout = config["timeout"]
 
     def _process(self, frame: Frame) -> None:
