@@ -53,6 +53,12 @@ inline Picture::Picture(py::array pixels) : array(std::move(pixels))
 /// NumPy's names of samples by cv::Mat depth, CV_8U to CV_64F.
 constexpr const char* kSampleTypes[] = {"u1", "i1", "u2", "i2", "i4", "f4", "f8"};
 
+/// Of a cv::Mat depth, CV_8U to CV_64F; that of bytes without a look at its name.
+inline py::dtype sampleType(int depth)
+{
+  return depth == CV_8U ? py::dtype::of<std::uint8_t>() : py::dtype(kSampleTypes[depth]);
+}
+
 /// An array of the Mat's pixels, without a copy: (height, width), or (height, width, channels) if there are several.
 /// `owner` is kept until the array and all views of it are gone. `Owner` keeps the pixels alive.
 template <class Owner>
@@ -64,7 +70,7 @@ py::array toNumpy(const cv::Mat& mat, Owner owner)
   std::vector<py::ssize_t> strides = {static_cast<py::ssize_t>(mat.step[0]), static_cast<py::ssize_t>(mat.elemSize()),
                                       static_cast<py::ssize_t>(mat.elemSize1())};
   strides.resize(shape.size());
-  return py::array(py::dtype(kSampleTypes[mat.depth()]), shape, strides, mat.data, release);
+  return py::array(sampleType(mat.depth()), shape, strides, mat.data, release);
 }
 
 /// Pixel positions from Python: (n, 2) of any type of integer, or what NumPy makes such an array of.

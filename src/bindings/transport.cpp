@@ -92,23 +92,24 @@ py::str toStr(const std::string& text)
       PyUnicode_DecodeUTF8(text.data(), static_cast<py::ssize_t>(text.size()), "replace"));
 }
 
-/// (pixels, encoding, (seq, secs, nsecs, frame_id), camera_info as serialized or None), or None.
-py::object take(ImageInbox& inbox)
+/// (inbox, pixels, encoding, seq, secs, nsecs, frame_id, camera_info as serialized or None), or None.
+py::object next(ImageRuntime& runtime, double timeout_s)
 {
-  std::optional<ReceivedImage> received;
+  std::optional<ImageRuntime::Delivery> delivery;
   {
     const LeaveGil unlocked;
-    received = inbox.take();
+    delivery = runtime.next(timeout_s);
   }
-  if (!received) return py::none();
-  const std_msgs::Header& header = received->header;
-  const auto owner = std::make_pair(received->message, received->pixels);
-  py::array pixels = toNumpy(received->pixels, owner);
-  pixels.attr("setflags")("write"_a = false);
+  if (!delivery) return py::none();
+  ReceivedImage& received = delivery->picture;
+  const std_msgs::Header& header = received.header;
+  const auto owner = std::make_pair(received.message, received.pixels);
+  const py::array pixels = toNumpy(received.pixels, owner);
+  py::detail::array_proxy(pixels.ptr())->flags &= ~py::detail::npy_api::NPY_ARRAY_WRITEABLE_;
   py::object info = py::none();
-  if (received->camera_info) info = serialized(*received->camera_info);
-  return py::make_tuple(pixels, received->encoding,
-                        py::make_tuple(header.seq, header.stamp.sec, header.stamp.nsec, toStr(header.frame_id)), info);
+  if (received.camera_info) info = serialized(*received.camera_info);
+  return py::make_tuple(std::move(delivery->inbox), pixels, received.encoding, header.seq, header.stamp.sec,
+                        header.stamp.nsec, toStr(header.frame_id), info);
 }
 
 void publish(ImageOutbox& outbox, const py::array& pixels, const std::string& encoding, std::uint32_t seq,
@@ -172,8 +173,7 @@ PYBIND11_MODULE(_transport, m)
       .def("open", &ImageInbox::open, Unlocked())
       .def("close", &ImageInbox::close, Unlocked())
       .def("publishers", &ImageInbox::publishers, Unlocked())
-      .def("take", take)
-      .def("finished", &ImageInbox::finished, Unlocked())
+      .def("finished", &ImageInbox::finished)
       .def("failed", &ImageInbox::failed, "why"_a, Unlocked())
       .def_property_readonly("received", [](const ImageInbox& inbox) { return inbox.totals().received; })
       .def_property_readonly("dropped", [](const ImageInbox& inbox) { return inbox.totals().dropped; })
@@ -188,7 +188,8 @@ PYBIND11_MODULE(_transport, m)
            "diagnostics"_a, Unlocked())
       .def("outbox", &ImageRuntime::makeOutbox, "topic"_a, Unlocked())
       .def("diagnostics", &ImageRuntime::makeDiagnostics, "node"_a, Unlocked())
-      .def("spin_once", &ImageRuntime::spinOnce, "timeout"_a, Unlocked())
+      .def("next", next, "timeout"_a)
+      .def("running", &ImageRuntime::running)
       .def("note_connections", &ImageRuntime::noteConnections, Unlocked())
       .def("connections_changed", &ImageRuntime::connectionsChanged)
       .def("stop", &ImageRuntime::stop, Unlocked());

@@ -16,7 +16,7 @@ import atexit
 import sys
 import threading
 import traceback
-from typing import Any, Callable, List, Optional
+from typing import Any, Callable, Dict, List, Optional
 
 import numpy as np
 import rospy
@@ -103,13 +103,13 @@ class ImageSubscriber:
 
     def start(self) -> None:
         """Subscribes."""
-        _process().add(self)
+        _process().subscribers[self._inbox] = self
         self._inbox.open()
 
     def unregister(self) -> None:
         """Unsubscribes; a callback under way goes on to its end. Frames stay valid."""
         self._inbox.close()
-        _process().remove(self)
+        _process().subscribers.pop(self._inbox, None)
 
     def get_num_connections(self) -> int:
         """How many publishers are connected."""
@@ -133,14 +133,7 @@ class ImageSubscriber:
     def _camera_info_topic(self) -> str:
         return ""
 
-    def _deliver(self) -> None:
-        taken = self._inbox.take()
-        if taken is None:
-            return
-        image, encoding, (seq, secs, nsecs, frame_id), info = taken
-        frame = Frame(image, encoding, Header(seq, rospy.Time(secs, nsecs), frame_id))
-        if info is not None:
-            frame.camera_info = CameraInfo().deserialize(info)
+    def _deliver(self, frame: Frame) -> None:
         try:
             self._callback(frame)
             self._inbox.finished()
@@ -200,7 +193,7 @@ class ImagePublisher:
     def unregister(self) -> None:
         """Ends the topic."""
         if self._on_connection:
-            _process().remove_listener(self._on_connection)
+            _process().listeners.remove(self._on_connection)
             self._on_connection = None
         self._outbox.close()
 
@@ -217,11 +210,11 @@ class _Process:
         options["/diagnostics"] = rospy.resolve_name("/diagnostics")
         name = rospy.get_name() + "_images"
         self.runtime = _transport.Runtime(name, options)
-        self._registrations = [Registration(node) for node in (name, rospy.get_name())]
+        self._registration = Registration([name, rospy.get_name()])
         self._stopped = False
-        self._lock = threading.Lock()  # guards the two lists
-        self._subscribers: List[ImageSubscriber] = []
-        self._listeners: List[Callable[[], Any]] = []
+        # Both are changed in single steps only, which the GIL makes atomic.
+        self.subscribers: Dict[_transport.Inbox, ImageSubscriber] = {}
+        self.listeners: List[Callable[[], Any]] = []
         self._thread = threading.Thread(target=self._run, name="images", daemon=True)
         self._thread.start()  # before the hook, which is called at once if rospy has been shut down
         # After all that the node's own hooks do, which may well publish a last picture.
@@ -229,54 +222,38 @@ class _Process:
         atexit.register(_transport.end_process)
         atexit.register(self.stop)  # in a process that never shuts rospy down; called first
 
-    def add(self, subscriber: ImageSubscriber) -> None:
-        with self._lock:
-            if subscriber not in self._subscribers:
-                self._subscribers.append(subscriber)
-
-    def remove(self, subscriber: ImageSubscriber) -> None:
-        with self._lock:
-            if subscriber in self._subscribers:
-                self._subscribers.remove(subscriber)
-
-    def add_listener(self, listener: Callable[[], Any]) -> None:
-        with self._lock:
-            self._listeners.append(listener)
-
-    def remove_listener(self, listener: Callable[[], Any]) -> None:
-        with self._lock:
-            self._listeners.remove(listener)
-
     def stop(self) -> None:
         """Ends the roscpp node; a callback that never returns is left behind."""
         self._stopped = True
-        for registration in self._registrations:
-            registration.end()
+        self._registration.end()
         self.runtime.stop()
         if threading.current_thread() is not self._thread:
             self._thread.join(1.0)
 
     def _run(self) -> None:
         try:
-            while self.runtime.spin_once(1.0):
-                self._work()
+            while self.runtime.running():
+                self._call(self._work)
             if not self._stopped:
                 rospy.signal_shutdown("the node of its pictures was shut down")
         except SystemExit:  # of a callback; only the main thread's would end the process
             rospy.signal_shutdown("a callback has called sys.exit()")
 
     def _work(self) -> None:
-        if self.runtime.connections_changed():
-            for listener in self._copy(self._listeners):
-                self._call(listener)
-        for number, subscriber in enumerate(self._copy(self._subscribers)):
-            if number > 0:  # the callback before may have taken its time
-                self.runtime.spin_once(0.0)
-            self._call(subscriber._deliver)
-
-    def _copy(self, items: List[Any]) -> List[Any]:
-        with self._lock:
-            return list(items)
+        taken = self.runtime.next(1.0)
+        if taken is None:
+            if self.runtime.connections_changed():
+                for listener in list(self.listeners):
+                    self._call(listener)
+            return
+        inbox, image, encoding, seq, secs, nsecs, frame_id, info = taken
+        subscriber = self.subscribers.get(inbox)
+        if subscriber is None:  # it has just been unregistered
+            return
+        frame = Frame(image, encoding, _header(seq, secs, nsecs, frame_id))
+        if info is not None:
+            frame.camera_info = CameraInfo().deserialize(info)
+        subscriber._deliver(frame)
 
     @staticmethod
     def _call(function: Callable[[], Any]) -> None:
@@ -289,7 +266,7 @@ class _Process:
 
 def add_connection_listener(listener: Callable[[], Any]) -> None:
     """Has it called when subscribers of any ImagePublisher come or go, as its on_connection."""
-    _process().add_listener(listener)
+    _process().listeners.append(listener)
 
 
 def note_connections() -> None:
@@ -304,6 +281,15 @@ def node_diagnostics() -> _transport.Diagnostics:
         ValueError: ~diagnostic_period is out of range.
     """
     return _process().runtime.diagnostics(rospy.get_name())
+
+
+def _header(seq: int, secs: int, nsecs: int, frame_id: str) -> Header:
+    """A Header as its constructors make it; they would take longer than all else here."""
+    stamp = object.__new__(rospy.Time)
+    stamp.secs, stamp.nsecs = secs, nsecs
+    header = object.__new__(Header)
+    header.seq, header.stamp, header.frame_id = seq, stamp, frame_id
+    return header
 
 
 def _transport_parameter() -> str:

@@ -16,6 +16,8 @@ void closeAll(const std::vector<std::weak_ptr<T>>& all)
     if (const auto alive = one.lock()) alive->close();
 }
 
+constexpr double kWait = 1.0;  // s, with nothing to do
+
 /// Does nothing: a thread that waits for a callback wakes up.
 struct WakeUp : ros::CallbackInterface
 {
@@ -33,8 +35,12 @@ ImageRuntime::ImageRuntime(const std::string& name, const ros::M_string& options
   nh_ = std::make_shared<ros::NodeHandle>();  // starts roscpp
   nh_->setCallbackQueue(&queue_);
   it_ = std::make_shared<image_transport::ImageTransport>(*nh_);
-  spinner_ = std::make_shared<ros::AsyncSpinner>(1);
-  spinner_->start();
+  others_ = std::thread(
+      [this]
+      {
+        while (running())
+          ros::getGlobalCallbackQueue()->callAvailable(ros::WallDuration(kWait));
+      });
 }
 
 /// Keeps it in mind, to be closed by stop(). What is gone is forgotten, so that a process that makes and drops for
@@ -81,10 +87,30 @@ std::shared_ptr<FrameDiagnostics> ImageRuntime::makeDiagnostics(const std::strin
   return diagnostics;
 }
 
-bool ImageRuntime::spinOnce(double timeout_s)
+std::optional<ImageRuntime::Delivery> ImageRuntime::next(double timeout_s)
 {
-  if (!stopped_) queue_.callAvailable(ros::WallDuration(timeout_s));
-  return !stopped_ && !ros::isShuttingDown();
+  for (const double wait_s : {0.0, timeout_s})
+  {
+    queue_.callAvailable(ros::WallDuration(wait_s));
+    if (!running() || connections_changed_) return std::nullopt;
+    std::optional<Delivery> delivery = takeNext();
+    if (delivery) return delivery;
+  }
+  return std::nullopt;
+}
+
+std::optional<ImageRuntime::Delivery> ImageRuntime::takeNext()
+{
+  const std::lock_guard<std::mutex> lock(mutex_);
+  for (std::size_t asked = 0; asked < inboxes_.size(); ++asked)
+  {
+    turn_ = (turn_ + 1) % inboxes_.size();
+    const std::shared_ptr<ImageInbox> inbox = inboxes_[turn_].lock();
+    if (!inbox) continue;
+    std::optional<ReceivedImage> picture = inbox->take();
+    if (picture) return Delivery{inbox, std::move(*picture)};
+  }
+  return std::nullopt;
 }
 
 void ImageRuntime::noteConnections()
@@ -106,7 +132,8 @@ void ImageRuntime::stop()
   }
   closeAll(inboxes);
   closeAll(outboxes);
-  spinner_->stop();
+  ros::getGlobalCallbackQueue()->addCallback(boost::make_shared<WakeUp>());
+  others_.join();
   {
     const std::lock_guard<std::mutex> lock(mutex_);
     diagnostics_.clear();

@@ -7,7 +7,9 @@
 #include <atomic>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "image_inbox.hpp"
@@ -17,7 +19,8 @@ namespace robot_vision
 {
 
 /// The roscpp half of a process that is a node of another client library: a second node, with a queue for pictures that
-/// a thread of the caller works through, and a thread of its own for all else. One per process.
+/// a thread of the caller works through, and a thread of its own for all else. Both sleep while there is nothing to do.
+/// One per process.
 class ImageRuntime
 {
 public:
@@ -32,10 +35,18 @@ public:
   /// Statistics that are published on /diagnostics under the name of `node`, by its ~diagnostic_period.
   std::shared_ptr<FrameDiagnostics> makeDiagnostics(const std::string& node);
 
-  /// Calls what waits in the queue, and waits at most `timeout_s` for something to come, or for stop(). False when the
-  /// node has ended: by stop(), or because somebody has shut it down (rosnode kill).
-  bool spinOnce(double timeout_s);
-  /// As if subscribers had come or gone; wakes the thread in spinOnce(). For topics of the other client library.
+  struct Delivery
+  {
+    std::shared_ptr<ImageInbox> inbox;
+    ReceivedImage picture;
+  };
+
+  /// Calls what waits in the queue, and takes the newest picture of an inbox: of each in turn, if several have one.
+  /// Waits at most `timeout_s` for it. Nothing if none came, if connections have changed, and when the node has ended.
+  std::optional<Delivery> next(double timeout_s);
+  /// False when the node has ended: by stop(), or because somebody has shut it down (rosnode kill).
+  bool running() const { return !stopped_ && !ros::isShuttingDown(); }
+  /// As if subscribers had come or gone; wakes the thread in next(). For topics of the other client library.
   void noteConnections();
   /// Whether subscribers have come or gone since the last call.
   bool connectionsChanged() { return connections_changed_.exchange(false); }
@@ -47,16 +58,18 @@ private:
   std::atomic<bool> connections_changed_{false};
   ros::CallbackQueue queue_;
   std::shared_ptr<ros::NodeHandle> nh_;
-  std::shared_ptr<ros::AsyncSpinner> spinner_;
+  std::thread others_;  // works through roscpp's own queue
 
   template <class T>
   std::shared_ptr<T> add(std::vector<std::weak_ptr<T>>& all, std::shared_ptr<T> one);
   std::shared_ptr<image_transport::ImageTransport> transport();
   void requireRunning() const;
+  std::optional<Delivery> takeNext();
 
   std::mutex mutex_;  // guards all below, and is never held while the master is asked
   std::shared_ptr<image_transport::ImageTransport> it_;
   std::vector<std::weak_ptr<ImageInbox>> inboxes_;
+  std::size_t turn_ = 0;  // of the inbox that is asked first
   std::vector<std::weak_ptr<ImageOutbox>> outboxes_;
   std::vector<std::shared_ptr<FrameDiagnostics>> diagnostics_;
 };
