@@ -6,11 +6,14 @@ import re
 import cv2
 import numpy as np
 import pytest
+import rospy
 import skimage.data
 import support
+from geometry_msgs.msg import PointStamped, Twist
 from sensor_msgs.msg import Image
 
 from robot_vision import Scene, SceneParams
+from robot_vision.msg import DetectionArray, GroundTruth, Line
 
 DEMO = pathlib.Path(__file__).resolve().parents[2] / "tools" / "demo"
 WIDTH, HEIGHT, FRAMES = 320, 240, 30
@@ -102,6 +105,29 @@ def test_demo_shows_the_scene(demo):
     frame = pictures.index(first.data)
     assert result.header.frame_id == first.header.frame_id
     assert result.data == opencv_chain(scene.render(frame)).tobytes()
+
+
+def test_demo_finds_what_is_in_the_scene(demo):
+    truths = support.Messages("/usb_cam/ground_truth", GroundTruth)
+    objects = support.Messages("/hsv_tracker/objects", DetectionArray)
+    positions = support.Messages("/ball_tracker/position", PointStamped)
+    lines = support.Messages("/line_follower/line", Line)
+    commands = support.Messages("/line_follower/cmd_vel", Twist)
+    demo()
+    truth, tracked = support.same_frame(truths, objects)
+    ball = next(one for one in truth.objects if one.name == "ball")
+    places = [
+        np.hypot(d.center.x - ball.center.x, d.center.y - ball.center.y) for d in tracked.detections
+    ]
+    assert min(places) < 3.0, (ball.center, tracked.detections)
+    truth, position = support.same_frame(truths, positions)
+    point = next(one for one in truth.objects if one.name == "ball").pose.position
+    assert (position.point.x, position.point.y, position.point.z) == pytest.approx(
+        (point.x, point.y, point.z), rel=0.03, abs=0.02
+    )
+    support.wait_for(lambda: any(line.found for line in lines.received), "the line")
+    support.wait_for(lambda: any(c.linear.x == 0.2 for c in commands.received), "driving")
+    assert "/cmd_vel" not in dict(rospy.get_published_topics())  # a demo drives no robot
 
 
 def test_make_demo_fails_when_its_source_is_wrong(start, tmp_path):

@@ -81,7 +81,9 @@ def follower(start):
     def start_follower(*parameters):
         rospy.set_param("/use_sim_time", True)
         remapped = ["image:=/robot/image_raw", "cmd_vel:=/robot/cmd_vel"]
-        return start("line_follower.py", "__name:=follower", *remapped, *parameters)
+        # Longer than a stall of the machine: a command is that of the frame, not the watchdog's.
+        patient = "_timeout:=5.0"
+        return start("line_follower.py", "__name:=follower", *remapped, patient, *parameters)
 
     return start_follower
 
@@ -111,7 +113,7 @@ def stands(commands):
 
 def test_robot_stops_when_the_camera_dies(follower):
     robot = Robot(course_track())
-    follower()
+    follower("_timeout:=0.5")
     robot.wait_until_driven()
     for _ in range(10):
         robot.step()
@@ -124,7 +126,7 @@ def test_robot_stops_when_the_camera_dies(follower):
 
 def test_robot_does_not_drive_on_the_same_frame_for_ever(follower):
     robot = Robot(course_track())
-    follower()
+    follower("_timeout:=0.5")
     robot.wait_until_driven()
     robot.step()
     for _ in range(60):  # a camera that hangs: the same picture and stamp, again and again
@@ -135,7 +137,7 @@ def test_robot_does_not_drive_on_the_same_frame_for_ever(follower):
 
 def test_robot_does_not_drive_on_old_frames(follower):
     robot = Robot(course_track())
-    process = follower()
+    process = follower("_timeout:=0.5")
     robot.wait_until_driven()
     robot.step()
     old = robot.now
@@ -186,6 +188,7 @@ def test_robot_stops_while_it_is_disabled(follower):
     robot.wait_until_driven()
     enable = rospy.ServiceProxy("/follower/enable", SetBool)
     assert enable(False).message == "stopped"
+    support.wait_for(lambda: robot.commands.received[-1] == Twist(), "the stop")
     del robot.commands.received[:]
     for _ in range(20):
         robot.step()

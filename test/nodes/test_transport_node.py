@@ -136,7 +136,7 @@ def test_a_bag_recorded_and_played(start, tmp_path):
 
     played = topic + "_played"
     frames = Frames(played)
-    start(shutil.which("rosbag"), "play", "-d", 2, bag, f"{topic}:={played}")
+    start(shutil.which("rosbag"), "play", "-d", 2, "-r", 0.4, bag, f"{topic}:={played}")
     for number, frame in enumerate(frames.wait(5)):
         assert np.array_equal(frame.image, sent[number])
         assert frame.header.stamp == rospy.Time(100 + number)

@@ -35,7 +35,9 @@ class HsvTracker:
 
     def _process(self, frame: Frame) -> None:
         mask, found = self._find(frame.image)
-        self._objects.publish(detection_array(frame, (detection(r, name) for name, r in found)))
+        if self._objects.get_num_connections():
+            detections = (detection(region, name) for name, region in found)
+            self._objects.publish(detection_array(frame, detections))
         self._mask.publish(mask, "mono8", frame.header)
         if self._processed.get_num_connections():
             overlay = mask_picture(frame.image, mask)

@@ -2,6 +2,7 @@
 
 from typing import Any, Dict, Iterable, List
 
+import numpy as np
 from geometry_msgs.msg import Point, Point32
 from sensor_msgs.msg import RegionOfInterest
 
@@ -19,11 +20,24 @@ def detection(region: Region, label: str, score: float = 1.0) -> Detection:
         score=score,
         box=RegionOfInterest(x_offset=x, y_offset=y, width=width, height=height),
         center=Point(*region.center, 0.0),
-        outline=[Point32(px, py, 0.0) for px, py in region.outline.tolist()],
+        outline=points(region.outline),
         circle_center=Point(*region.circle_center, 0.0),
         circle_radius=region.circle_radius,
         area=region.area,
     )
+
+
+def points(positions: np.ndarray) -> List[Point32]:
+    """Pixel positions, (n, 2), as the points of a message.
+
+    An outline may have thousands of them: their constructor would take longer than the picture.
+    """
+    made = []
+    for x, y in positions.tolist():
+        point = object.__new__(Point32)
+        point.x, point.y, point.z = x, y, 0.0
+        made.append(point)
+    return made
 
 
 def detection_array(frame: Frame, detections: Iterable[Detection]) -> DetectionArray:
