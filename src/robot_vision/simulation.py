@@ -1,15 +1,17 @@
 """A robot on a floor with a line: how it moves, and what its camera sees. Exact and deterministic.
 
+The pictures are drawn as those of the synthetic scene, by its rays, textures and anti-aliasing.
 The floor is that of track.py. The robot's own frame is that of REP 103: x forward, y left, the
 origin between the wheels.
 """
 
 import math
 from dataclasses import dataclass
-from typing import Optional, Tuple
+from typing import Dict, Optional, Tuple
 
 import numpy as np
 
+from ._core import CameraModel, FloorScene
 from .track import Pose, Track
 
 LINE_WIDTH = 0.06  # m, as kSceneLineWidth
@@ -69,11 +71,27 @@ class FloorCamera:
         if not half < self.pitch < math.pi - half:
             raise ValueError(f"pitch is {self.pitch:g}, the horizon would be in view")
 
-    def floor_points(self) -> Tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Where the pixels' rays meet the floor, and the size of a pixel there.
+    def model(self, top: int = 0) -> CameraModel:
+        """The camera, or the part of it below the row `top`."""
+        center = (self.width - 1) / 2.0, (self.height - 1) / 2.0 - top
+        matrix = [[self.focal, 0.0, center[0]], [0.0, self.focal, center[1]], [0.0, 0.0, 1.0]]
+        return CameraModel(self.width, self.height - top, np.array(matrix))
+
+    def pose_on(self, robot: Pose) -> np.ndarray:
+        """The camera's optical frame (x right, y down, z ahead) in the floor's: 4x4, m."""
+        cos, sin = math.cos(robot.heading), math.sin(robot.heading)
+        ahead, left, up = np.array([cos, sin, 0.0]), np.array([-sin, cos, 0.0]), np.eye(3)[2]
+        axis = math.cos(self.pitch) * ahead - math.sin(self.pitch) * up
+        pose = np.eye(4)
+        pose[:3, :3] = np.transpose([-left, np.cross(axis, -left), axis])
+        pose[:3, 3] = np.array([robot.x, robot.y, 0.0]) + self.forward * ahead + self.above * up
+        return pose
+
+    def floor_points(self) -> Tuple[np.ndarray, np.ndarray]:
+        """Where the pixels' rays meet the floor.
 
         Returns:
-            Forward and left in the robot's frame, m, and m per px: (height, width) float32 each.
+            Forward and left in the robot's frame, m: (height, width) float32 each.
         """
         right = (np.arange(self.width) - (self.width - 1) / 2.0) / self.focal
         down = (np.arange(self.height) - (self.height - 1) / 2.0)[:, None] / self.focal
@@ -82,17 +100,13 @@ class FloorCamera:
         ahead = np.broadcast_to(
             self.forward + depth * (cos - down * sin), (self.height, self.width)
         )
-        size = np.broadcast_to(depth / self.focal, (self.height, self.width))
-        return (
-            ahead.astype(np.float32),
-            (-right * depth).astype(np.float32),
-            size.astype(np.float32),
-        )
+        return ahead.astype(np.float32), (-right * depth).astype(np.float32)
 
 
 class TrackWorld:
     """A grey floor with a yellow line along a track, as the robot's camera sees it."""
 
+    _TEXEL = 0.0025  # m of the floor
     _NOISE_PLACES = 1 << 16  # where the noise of a frame may begin
 
     def __init__(
@@ -105,7 +119,8 @@ class TrackWorld:
         """`noise` is the standard deviation of the pixel noise in grey levels, `seed` its seed."""
         self.track = track
         self.camera = camera or FloorCamera()
-        self._ahead, self._left, self._pixel = self.camera.floor_points()
+        self._floor, self._size, self._middle = _paint(track, self._TEXEL)
+        self._scenes: Dict[int, FloorScene] = {}  # by the first row that is drawn
         random = np.random.RandomState(seed)
         values = self.camera.height * self.camera.width * 3 + self._NOISE_PLACES
         self._noise = np.rint(random.normal(0.0, noise, values)).astype(np.int16)
@@ -122,22 +137,37 @@ class TrackWorld:
         Returns:
             (height - top, width, 3) uint8, BGR.
         """
-        ahead, left, pixel = self._ahead[top:], self._left[top:], self._pixel[top:]
-        cos, sin = np.float32(math.cos(pose.heading)), np.float32(math.sin(pose.heading))
-        x = np.float32(pose.x) + cos * ahead - sin * left
-        y = np.float32(pose.y) + sin * ahead + cos * left
-        within = LINE_WIDTH / 2.0 + float(pixel.max())
-        lateral, _ = self.track.locate(x.ravel(), y.ravel(), within)
-
-        picture = np.full((lateral.size, 3), FLOOR_COLOUR, np.int16)
-        at = np.flatnonzero(~np.isnan(lateral))
-        edge = (LINE_WIDTH / 2.0 - np.abs(lateral[at])) / pixel.ravel()[at]  # px inside the line
-        part = np.clip(0.5 + edge, 0.0, 1.0)[:, None]
-        picture[at] = np.rint(part * LINE_COLOUR + (1.0 - part) * FLOOR_COLOUR)
-
+        if top not in self._scenes:
+            model = self.camera.model(top)
+            self._scenes[top] = FloorScene(self._floor, self._size, model, FLOOR_COLOUR)
+        x, y = pose.x - self._middle[0], pose.y - self._middle[1]
+        picture = self._scenes[top].render(self.camera.pose_on(Pose(x, y, pose.heading)))
         begin = self._begins[frame % len(self._begins)] + 3 * self.camera.width * top
-        picture += self._noise[begin : begin + picture.size].reshape(picture.shape)
-        return np.clip(picture, 0, 255).astype(np.uint8).reshape(*ahead.shape, 3)
+        noise = self._noise[begin : begin + picture.size].reshape(picture.shape)
+        return np.clip(picture + noise, 0, 255).astype(np.uint8)
+
+
+def _paint(
+    track: Track, texel: float
+) -> Tuple[np.ndarray, Tuple[float, float], Tuple[float, float]]:
+    """The floor around a track from above: its picture, its size, and where its middle is, m.
+
+    Returns:
+        (height, width, 3) uint8, BGR, its top towards +x and its left side towards +y; (width,
+        height); (x, y).
+    """
+    left, right, back, front = track.bounds(2.0 * LINE_WIDTH)
+    columns, rows = (math.ceil(length / texel) for length in (left - right, front - back))
+    x = front - (np.arange(rows, dtype=np.float32)[:, None] + 0.5) * np.float32(texel)
+    y = left - (np.arange(columns, dtype=np.float32) + 0.5) * np.float32(texel)
+    x, y = np.broadcast_arrays(x, y)
+    lateral, _ = track.locate(x.ravel(), y.ravel(), LINE_WIDTH / 2.0 + texel)
+    at = np.flatnonzero(~np.isnan(lateral))
+    part = np.clip(0.5 + (LINE_WIDTH / 2.0 - np.abs(lateral[at])) / texel, 0.0, 1.0)[:, None]
+    floor = np.full((lateral.size, 3), FLOOR_COLOUR, np.uint8)
+    floor[at] = np.rint(part * LINE_COLOUR + (1.0 - part) * FLOOR_COLOUR)
+    size = columns * texel, rows * texel
+    return floor.reshape(rows, columns, 3), size, (front - size[1] / 2.0, left - size[0] / 2.0)
 
 
 def _approach(value: float, target: float, most: float) -> float:

@@ -66,6 +66,17 @@ class Track:
         turned = [Segment(segment.length, -segment.angle) for segment in self.segments[::-1]]
         return Track(turned, Pose(self.end.x, self.end.y, self.end.heading + math.pi))
 
+    def bounds(self, margin: float) -> Tuple[float, float, float, float]:
+        """Where the track and `margin` around it end: largest and smallest y, smallest and largest
+        x, m."""
+        points = [
+            start.along_arc(part * segment.length, part * segment.angle)
+            for start, segment in zip(self.starts, self.segments)
+            for part in np.linspace(0.0, 1.0, 65)
+        ]
+        x, y = [point.x for point in points], [point.y for point in points]
+        return max(y) + margin, min(y) - margin, min(x) - margin, max(x) + margin
+
     def lateral_error(self, x: float, y: float) -> float:
         """Distance of a point left of the track (right: negative), m; NaN beyond an open end."""
         return float(self.locate(np.array([x]), np.array([y]))[0][0])

@@ -94,7 +94,8 @@ def test_mirrored_track_is_driven_with_mirrored_commands(params):
     for follower in (here, there):
         follower.drive(60.0)
     commands, mirrored = np.array(here.commands), np.array(there.commands)
-    assert np.allclose(mirrored, commands * [1.0, -1.0], atol=1e-6)
+    # To the pixels' quantisation: a texel of the floor lies on one side of the middle.
+    assert np.allclose(mirrored, commands * [1.0, -1.0], atol=5e-3)
     assert commands[:, 1].max() > 0.1 and commands[:, 1].min() < -0.1
 
 
