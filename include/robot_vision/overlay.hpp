@@ -19,6 +19,10 @@ void maskPicture(const cv::Mat& bgr, const cv::Mat& mask, cv::Mat& out);
 void drawOutline(cv::Mat& bgr, const std::vector<cv::Point>& outline, const std::string& label,
                  const cv::Scalar& color = cv::Scalar(0, 255, 0));
 
+/// Writes one line of text (ASCII) from `position`, the left end of the line that the letters stand on.
+void drawText(cv::Mat& bgr, const std::string& text, const cv::Point& position,
+              const cv::Scalar& color = cv::Scalar(0, 255, 0));
+
 /// Draws a ball as a circle and a dot in the middle; if it is only predicted, the circle is thin and dashed.
 void drawBall(cv::Mat& bgr, const cv::Point2d& center, double radius, bool predicted = false);
 

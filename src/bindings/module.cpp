@@ -10,6 +10,7 @@
 #include "robot_vision/frame_source.hpp"
 #include "robot_vision/hsv.hpp"
 #include "robot_vision/line.hpp"
+#include "robot_vision/motion.hpp"
 #include "robot_vision/regions.hpp"
 #include "robot_vision/scene.hpp"
 
@@ -19,6 +20,7 @@ using namespace py::literals;
 void bindBall(py::module& m);
 void bindColors(py::module& m);
 void bindLine(py::module& m);
+void bindMotion(py::module& m);
 void bindOverlay(py::module& m);
 void bindScene(py::module& m);
 
@@ -93,6 +95,7 @@ void bindValidate(py::module& m)
   m.def("validate", py::overload_cast<const HsvRange&>(&validate), "params"_a, doc);
   m.def("validate", py::overload_cast<const LineParams&>(&validate), "params"_a, doc);
   m.def("validate", py::overload_cast<const RegionParams&>(&validate), "params"_a, doc);
+  m.def("validate", py::overload_cast<const MotionParams&>(&validate), "params"_a, doc);
   m.def("validate", py::overload_cast<const SceneParams&>(&validate), "params"_a, doc);
 }
 
@@ -107,6 +110,7 @@ PYBIND11_MODULE(_core, m)
   bindColors(m);
   bindBall(m);
   bindLine(m);
+  bindMotion(m);
   bindOverlay(m);
   bindValidate(m);
 }

@@ -62,6 +62,18 @@ void bindOverlay(py::module& m)
       "Draws a closed polygon, (n, 2) int px, with a label (ASCII) on the picture, (height, width, 3) uint8.\n\n"
       "Raises ValueError for an array that cannot be drawn on.");
   m.def(
+      "draw_text",
+      [](const py::array& bgr, const std::string& text, const std::pair<int, int>& position, const Color& color)
+      {
+        cv::Mat picture = canvas(bgr);
+        const py::gil_scoped_release unlocked;
+        drawText(picture, text, {position.first, position.second}, {color[0], color[1], color[2]});
+      },
+      "bgr"_a, "text"_a, "position"_a, "color"_a = Color{0, 255, 0},
+      "Writes a line of text (ASCII) on the picture, (height, width, 3) uint8, from the left end of its base line, "
+      "px.\n\n"
+      "Raises ValueError for an array that cannot be drawn on.");
+  m.def(
       "draw_ball",
       [](const py::array& bgr, const std::pair<double, double>& center, double radius, bool predicted)
       {

@@ -13,6 +13,8 @@ namespace
 {
 
 const cv::Scalar kYellow(0, 255, 255), kRed(0, 0, 255), kBlack(0, 0, 0);
+const int kFont = cv::FONT_HERSHEY_SIMPLEX;
+const double kFontScale = 0.5;
 const int kShift = 4;  // binary digits behind the point of what OpenCV draws
 
 /// Whether a number of pixels stays in range as a fixed-point number; NaN does not.
@@ -55,17 +57,23 @@ void drawOutline(cv::Mat& bgr, const std::vector<cv::Point>& outline, const std:
   if (outline.empty()) return;
   cv::polylines(bgr, outline, true, color, 2);
 
-  const int font = cv::FONT_HERSHEY_SIMPLEX, gap = 5;
-  const double scale = 0.5;
+  const int gap = 5;
   int below = 0;  // px that letters such as g reach below the line they stand on
-  const cv::Size text = cv::getTextSize(label, font, scale, 1, &below);
+  const cv::Size text = cv::getTextSize(label, kFont, kFontScale, 1, &below);
   const cv::Rect box = cv::boundingRect(outline);
   const int above_box = box.y - gap - below;
   const int line = above_box >= text.height ? above_box : box.br().y + gap + text.height;
   const cv::Point at(std::clamp(box.x, 0, std::max(bgr.cols - text.width, 0)),
                      std::clamp(line, std::min(text.height, bgr.rows), std::max(bgr.rows - below, text.height)));
-  cv::putText(bgr, label, at, font, scale, kBlack, 3, cv::LINE_AA);  // a rim, to be legible on anything
-  cv::putText(bgr, label, at, font, scale, color, 1, cv::LINE_AA);
+  drawText(bgr, label, at, color);
+}
+
+void drawText(cv::Mat& bgr, const std::string& text, const cv::Point& position, const cv::Scalar& color)
+{
+  checkPixels(bgr, "bgr8");
+  if (!isDrawable(cv::Point2d(position))) return;
+  cv::putText(bgr, text, position, kFont, kFontScale, kBlack, 3, cv::LINE_AA);  // a rim, to be legible on anything
+  cv::putText(bgr, text, position, kFont, kFontScale, color, 1, cv::LINE_AA);
 }
 
 void drawBall(cv::Mat& bgr, const cv::Point2d& center, double radius, bool predicted)

@@ -5,6 +5,7 @@
 #include <opencv2/imgproc.hpp>
 #include <utility>
 
+#include "rects.hpp"
 #include "robot_vision/encoding.hpp"
 #include "robot_vision/range.hpp"
 #include "runs.hpp"
@@ -24,12 +25,6 @@ void requireDiameter(const std::string& name, int value)
 cv::Mat ellipse(int diameter)
 {
   return cv::getStructuringElement(cv::MORPH_ELLIPSE, {diameter, diameter});
-}
-
-cv::Rect grown(const cv::Rect& box, int border, cv::Size picture)
-{
-  const cv::Rect larger(box.x - border, box.y - border, box.width + 2 * border, box.height + 2 * border);
-  return larger & cv::Rect({0, 0}, picture);
 }
 
 /// Sums over the pixels of a region.

@@ -38,6 +38,19 @@ def _median_hue(hues: np.ndarray) -> int:
     return int(np.argmin(np.where(counts > 0, costs, np.inf))) if hues.size else 0
 
 
+def outside(hsv: Tuple[int, int, int], colors: HsvRange) -> str:
+    """What to say of a colour picked that is too grey or dark for its range; empty if it fits."""
+    _, saturation, value = hsv
+    limits = []
+    for name, channel, lowest in (
+        ("saturation", saturation, colors.s_low),
+        ("value", value, colors.v_low),
+    ):
+        if channel < lowest:
+            limits.append(f"{name} {channel} is below {lowest}")
+    return f"the range does not hold this colour: {', '.join(limits)}" if limits else ""
+
+
 def as_yaml(colors: HsvRange) -> str:
     """The range as hsv_tracker's parameter file has it, on one line."""
     return f"{{low: {list(colors.low)}, high: {list(colors.high)}}}"

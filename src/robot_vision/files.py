@@ -33,7 +33,11 @@ def replace_file(path: str, data: bytes) -> None:
     path = os.path.realpath(path)
     mode = stat.S_IMODE(os.stat(path).st_mode) if os.path.exists(path) else None
     temporary = f"{path}.{os.getpid()}.tmp"  # in the same folder, or the rename is not atomic
-    _write_new(temporary, data, mode)
+    try:
+        _write_new(temporary, data, mode)
+    except OSError as error:
+        error.filename = path  # nobody knows of the other
+        raise
     try:
         os.replace(temporary, path)
     except OSError:

@@ -7,6 +7,12 @@
 
 namespace robot_vision
 {
+namespace
+{
+
+constexpr std::chrono::seconds kPatience(5);  // of silence until it is said in the log
+
+}  // namespace
 
 void FrameStatistics::received(std::uint32_t sequence)
 {
@@ -79,9 +85,20 @@ void FrameStatistics::report(diagnostic_updater::DiagnosticStatusWrapper& status
   const auto mean = [](double sum, std::uint64_t count)
   { return sum / static_cast<double>(std::max<std::uint64_t>(1, count)); };
   if (period_.received == 0 && !silence_.empty())
+  {
     status.summary(diagnostic_msgs::DiagnosticStatus::WARN, silence_);
+    if (Clock::now() - heard_ > kPatience && !silence_told_)
+    {
+      ROS_WARN("%s for %ld s", silence_.c_str(), static_cast<long>(kPatience.count()));
+      silence_told_ = true;
+    }
+  }
   else
+  {
     status.summary(level_, state_);
+    heard_ = Clock::now();
+    silence_told_ = false;
+  }
   if (period_.refused > 0)
     status.mergeSummaryf(diagnostic_msgs::DiagnosticStatus::WARN, "%lu frames refused",
                          static_cast<unsigned long>(period_.refused));

@@ -66,6 +66,8 @@ private:
   unsigned char level_ = 0;
   std::string state_ = "starting";
   std::string silence_;
+  Clock::time_point heard_ = Clock::now();  // of the last report that was not silent
+  bool silence_told_ = false;
   std::string last_error_ = "none";
 };
 

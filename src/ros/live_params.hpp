@@ -69,6 +69,8 @@ private:
       config_.__toMessage__(message);
       readParam(pnh_, "config_file", path);
       if (path.empty()) throw std::runtime_error("~config_file does not name a file");
+      // roslaunch has read it in its own folder; a node of it runs in another.
+      if (path.front() != '/') throw std::runtime_error("~config_file is '" + path + "', must be an absolute path");
       saveParams(path, message);
       response.success = true;
       response.message = path;

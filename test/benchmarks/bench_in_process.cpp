@@ -129,7 +129,8 @@ try
   const int threads = std::atoi(argv[5]);
   if (threads > 0) cv::setNumThreads(threads);
   ros::NodeHandle nh;
-  run(bench::movingMessages(argv[1], {std::atoi(argv[2]), std::atoi(argv[3])}), std::max(std::atoi(argv[4]), 1));
+  run(bench::pictureMessages(argv[1], {std::atoi(argv[2]), std::atoi(argv[3])}, false),
+      std::max(std::atoi(argv[4]), 1));
   return 0;
 }
 catch (const std::exception& e)

@@ -3,7 +3,7 @@
 //
 // ~picture (empty: the stamps are another's, e.g. a camera's; only listen), ~width, ~height, ~rate (Hz), ~seconds,
 // ~warm_up (s, not counted), ~pids ("12 34"), ~expect: what one result is compared with: "", opencv, opencv_apps,
-// ~results (false: the processes note themselves when pictures arrive)
+// ~results (false: the processes note themselves when pictures arrive), ~still (a box moves instead of the picture)
 
 #include <ros/ros.h>
 #include <sensor_msgs/Image.h>
@@ -30,6 +30,7 @@ struct Settings
   double warm_up = 1.0;
   std::string expect;
   bool results = true;
+  bool still = false;
   std::vector<clockid_t> clocks;
 };
 
@@ -46,6 +47,7 @@ Settings readSettings()
   pnh.getParam("warm_up", settings.warm_up);
   pnh.getParam("expect", settings.expect);
   pnh.getParam("results", settings.results);
+  pnh.getParam("still", settings.still);
   pnh.getParam("pids", pids);
   std::istringstream stream(pids);
   for (pid_t pid = 0; stream >> pid;)
@@ -183,7 +185,8 @@ private:
 
   void publish()
   {
-    const auto messages = bench::movingMessages(settings_.picture, {settings_.width, settings_.height});
+    const cv::Size size(settings_.width, settings_.height);
+    const auto messages = bench::pictureMessages(settings_.picture, size, settings_.still);
     ros::Publisher publisher = ros::NodeHandle().advertise<sensor_msgs::Image>("image", 1);
     waitFor("for somebody who takes the image", [&] { return publisher.getNumSubscribers() > 0; });
     const int warm_up = static_cast<int>(settings_.warm_up * settings_.rate);

@@ -28,6 +28,26 @@ inline std::vector<cv::Mat> movingPicture(const std::string& path, cv::Size size
   return frames;
 }
 
+/// Frames of a camera that stands still before a photograph: a part of it wanders as a box, and there is pixel noise.
+inline std::vector<cv::Mat> stillPicture(const std::string& path, cv::Size size)
+{
+  std::vector<cv::Mat> frames = movingPicture(path, size);
+  const cv::Mat behind = frames.front().clone();
+  const cv::Size box = size / 6;
+  cv::RNG random(1);
+  for (std::size_t i = 0; i < frames.size(); ++i)
+  {
+    behind.copyTo(frames[i]);
+    const cv::Point at(size.width / 4 + static_cast<int>(i) * size.width / 32, size.height / 3);
+    behind(cv::Rect({size.width / 2, size.height / 2}, box)).copyTo(frames[i](cv::Rect(at, box)));
+    cv::Mat noise(size, CV_16SC3), noisy;
+    random.fill(noise, cv::RNG::NORMAL, 0.0, 2.0);
+    cv::add(frames[i], noise, noisy, cv::noArray(), CV_8U);
+    frames[i] = noisy;
+  }
+  return frames;
+}
+
 /// The bare OpenCV chain. Memory is kept from frame to frame: the least that this work can cost.
 class EdgeChain
 {

@@ -30,11 +30,11 @@ inline cv::Mat view(const sensor_msgs::Image& message, int type)
           const_cast<std::uint8_t*>(message.data.data()), message.step};
 }
 
-/// movingPicture() as messages.
-inline std::vector<sensor_msgs::ImagePtr> movingMessages(const std::string& path, cv::Size size)
+/// stillPicture() or movingPicture() as messages.
+inline std::vector<sensor_msgs::ImagePtr> pictureMessages(const std::string& path, cv::Size size, bool still)
 {
   std::vector<sensor_msgs::ImagePtr> messages;
-  for (const cv::Mat& picture : movingPicture(path, size))
+  for (const cv::Mat& picture : still ? stillPicture(path, size) : movingPicture(path, size))
     messages.push_back(toMessage(picture));
   return messages;
 }

@@ -12,7 +12,7 @@ from sensor_msgs.msg import Image
 from std_srvs.srv import SetBool
 
 from robot_vision.msg import Line
-from robot_vision.simulation import DifferentialDrive, TrackWorld
+from robot_vision.simulation import LINE_COLOUR, DifferentialDrive, TrackWorld
 from robot_vision.track import course_track
 
 PERIOD = 1.0 / 30.0  # s, of the simulated camera
@@ -208,6 +208,19 @@ def test_robot_stops_where_there_is_no_line(follower):
     assert robot.commands.received[-1] == Twist()
     last = robot.lines.received[-1]
     assert (last.found, last.offset, last.confidence) == (False, 0.0, 0.0)
+
+
+def test_robot_stands_where_all_is_line(follower):
+    robot = Robot(course_track())
+    follower()
+    robot.wait_until_driven()
+    robot.step()
+    assert robot.commands.received[-1].linear.x == 0.2
+    robot.world.render = lambda *_: np.full((240, 320, 3), LINE_COLOUR, np.uint8)
+    for _ in range(3):
+        robot.step()
+    assert robot.commands.received[-1] == Twist()
+    assert not robot.lines.received[-1].found
 
 
 @pytest.mark.parametrize("side", [1.0, -1.0])

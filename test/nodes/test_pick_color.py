@@ -55,7 +55,11 @@ def printed(bgr, hsv, text, name="name"):
         (["--rgb", 30, 144, 255], printed(BLUE, BLUE_HSV, BLUE_YAML)),
         (["--hex", "#1e90ff"], printed(BLUE, BLUE_HSV, BLUE_YAML)),
         (["--hex", "1E90FF", "--name", "sky"], printed(BLUE, BLUE_HSV, BLUE_YAML, "sky")),
-        (["--hsv", 179, 1, 2], printed(None, (179, 1, 2), RED_YAML)),
+        (
+            ["--hsv", 179, 1, 2],
+            printed(None, (179, 1, 2), RED_YAML) + "the range does not hold this colour: "
+            "saturation 1 is below 100, value 2 is below 100\n",
+        ),
         (
             ["--bgr", 0, 0, 255],
             printed((0, 0, 255), (0, 255, 255), "{low: [170, 100, 100], high: [10, 255, 255]}"),
@@ -108,7 +112,7 @@ def test_a_topic_that_is_silent(pick):
     code, output = pick("--topic", "/silent", "--at", 1, 1, "--timeout", 0.5)
     assert code == 1
     assert output == (
-        "pick_color.py: /silent: no picture came within 0.5 s; nobody publishes them\n"
+        "pick_color.py: /silent: no picture came within 0.5 s; nobody publishes pictures there\n"
     )
 
 

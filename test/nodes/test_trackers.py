@@ -181,6 +181,38 @@ def test_bad_value_at_start_is_fatal(start, node, name, value, message):
     assert "/bad: " in fatal[0] and message in fatal[0]
 
 
+def test_limits_at_start_are_those_of_the_one_colour(start):
+    process = start("hsv_tracker.py", "__name:=tracker", "image:=/no", "_h_low:=10", "_h_high:=20")
+    client = dynamic_reconfigure.client.Client("/tracker", timeout=support.DEADLINE)
+    config = client.get_configuration()
+    assert (config["color"], config["h_low"], config["s_low"], config["h_high"]) == (
+        "blue",
+        10,
+        50,
+        20,
+    )
+    client.close()
+    assert process.running()
+
+
+@pytest.mark.parametrize("node", ["hsv_tracker.py", "brightness_node"])
+def test_a_config_file_must_be_absolute(start, node):
+    """roslaunch would have read it in one folder, and the node would write it in another."""
+    start(node, "__name:=saver", "image:=/no", "_config_file:=mine.yaml")
+    rospy.wait_for_service("/saver/save_parameters", support.DEADLINE)
+    answer = rospy.ServiceProxy("/saver/save_parameters", Trigger)()
+    assert not answer.success
+    assert answer.message == "~config_file is 'mine.yaml', must be an absolute path"
+
+
+@pytest.mark.parametrize("node", ["hsv_tracker.py", "brightness_node"])
+def test_silence_is_said_in_the_log(start, node):
+    process = start(node, "__name:=waiting", "image:=/nobody")
+    pictures = support.Messages("/waiting/processed_image", Image)
+    process.wait_for_output("no frames on /nobody for 5 s")
+    pictures.close()
+
+
 def test_ball_is_followed_as_it_moves(start, camera):
     """Centre within 1 px, position within 2 %, velocity within 10 %: medians, while visible."""
     start("ball_tracker.py", "__name:=ball", "image:=/camera/image_raw", "_ball_diameter:=0.2")

@@ -10,6 +10,7 @@ DRAW = {
     "outline": lambda picture: rv.draw_outline(picture, SQUARE, "ball", (255, 0, 0)),
     "ball": lambda picture: rv.draw_ball(picture, (20.5, 20.0), 9.0),
     "prediction": lambda picture: rv.draw_ball(picture, (20.5, 20.0), 9.0, predicted=True),
+    "text": lambda picture: rv.draw_text(picture, "ball", (5, 20)),
     "trail": lambda picture: rv.draw_trail(picture, [(5, 5), (20, 20), (30, 5)]),
 }
 

@@ -18,7 +18,7 @@ CORE = {
     "camera": rv.CaptureParams,
 }
 # Nodes whose parameters the .cfg file declares, and nobody else.
-PYTHON = ("hsv_tracker", "ball_tracker", "line_follower", "simple_camera_view")
+PYTHON = ("hsv_tracker", "ball_tracker", "line_follower", "motion_detector", "simple_camera_view")
 # Parameters of the nodes that the core knows nothing of: their C++ defaults.
 OF_THE_NODES = {
     "camera": {
@@ -30,6 +30,7 @@ OF_THE_NODES = {
     "hsv_tracker": {"colors": "blue: {low: [90, 50, 50], high: [120, 255, 255]}"},
     "ball_tracker": {"ball_diameter": "0", "ball_frame_id": "ball"},
     "line_follower": {},
+    "motion_detector": {},
     "simple_camera_view": {"autosize": "true"},
     "all": {"config_file": ""},
     "all but the viewer": {"always_subscribe": "false", "diagnostic_period": "1"},
@@ -118,6 +119,13 @@ def test_line_follower_s_defaults_are_those_of_its_controller():
     for name, field in LineControlParams.__dataclass_fields__.items():
         assert described[name]["default"] == field.default, name
     assert described["min_area"]["default"] == rv.LineParams().min_area
+
+
+def test_motion_detector_s_defaults_are_the_core_s():
+    described, params = cfg("motion_detector"), rv.MotionParams()
+    for name in (name for name in dir(params) if not name.startswith("_")):
+        of_node = "minArea" if name == "min_area" else name  # as the course names it
+        assert described[of_node]["default"] == getattr(params, name), name
 
 
 @pytest.mark.parametrize("node", ["hsv_tracker", "ball_tracker"])

@@ -9,7 +9,7 @@ import rospy
 
 from .. import range_around, to_hsv
 from ..cfg import SimpleCameraViewConfig
-from ..colors import as_yaml
+from ..colors import as_yaml, outside
 from ..files import add_file
 from ..msg import Click
 from ..transport import Frame, ImageSubscriber
@@ -89,7 +89,10 @@ class CameraView:
         bgr = tuple(frame.image[y, x].tolist())
         hsv = to_hsv(bgr)
         print(f"x {x}, y {y}: BGR {bgr}, HSV {hsv}; for the colors of hsv_tracker:")
-        print(f"  name: {as_yaml(range_around(hsv))}", flush=True)
+        color = range_around(hsv)
+        print(f"  name: {as_yaml(color)}", flush=True)
+        if outside(hsv, color):
+            print(outside(hsv, color), flush=True)
         self._clicked.publish(Click(header=frame.header, x=x, y=y, bgr=bgr, hsv=hsv))
 
     def _save(self) -> None:

@@ -5,6 +5,7 @@ from typing import Any, Dict
 import rospy
 
 from .. import HsvRange, validate
+from .params import read_param
 
 LOW = ("h_low", "s_low", "v_low")
 HIGH = ("h_high", "s_high", "v_high")
@@ -27,14 +28,16 @@ class NamedColors:
 
     def __init__(self) -> None:
         self.ranges: Dict[str, HsvRange] = {}
-        given = rospy.get_param("~colors", DEFAULT)
+        given = rospy.get_param("~colors", None)
+        if given is None:
+            given = _default()
         if not isinstance(given, dict) or not given:
             raise ValueError(f"colors is {given!r}, must be a map of at least one name to a range")
         for name, entry in given.items():
             self.ranges[str(name)] = _range(name, entry)
         self._shown = ""
         self._values: Dict[str, int] = {}  # as shown last: h_low .. v_high
-        for name in (*LOW, *HIGH):  # of an earlier run: ~colors is what counts at start
+        for name in (*LOW, *HIGH):  # where there is ~colors, it is what counts at start
             if rospy.has_param("~" + name):
                 rospy.delete_param("~" + name)
 
@@ -52,6 +55,14 @@ class NamedColors:
         self.ranges[name] = chosen
         config.update(values, color=name)
         self._shown, self._values = name, values
+
+
+def _default() -> Dict[str, Any]:
+    """~colors where it is not set: one colour, in the limits that are."""
+    (name, limits), *_ = DEFAULT.items()
+    low = [read_param(key, value) for key, value in zip(LOW, limits["low"])]
+    high = [read_param(key, value) for key, value in zip(HIGH, limits["high"])]
+    return {name: {"low": low, "high": high}}
 
 
 def _range(name: str, entry: Any) -> HsvRange:

@@ -42,6 +42,7 @@ class LineFollower:
         self._control = control
         # In one step: a frame may be under way.
         self._tools = config["strip"], mask, line, controller
+        self._min_confidence = config["min_confidence"]
         self._drive.timeout = config["timeout"]
 
     def _process(self, frame: Frame) -> None:
@@ -49,6 +50,8 @@ class LineFollower:
         height = frame.image.shape[0]
         top = min(round(height * (1.0 - strip)), height - 1)
         line = find_line(mask.apply(frame.image[top:]), params, self._followed)
+        if line.confidence < self._min_confidence:  # all of the picture, for instance
+            line = Line()
         if line.found:
             self._followed = line
         if not self._drive.enabled:

@@ -1,6 +1,7 @@
 """A node's parameters: read strictly, changed live, saved."""
 
 import copy
+import os
 from typing import Any, Callable, Dict, Optional
 
 import dynamic_reconfigure.server
@@ -81,6 +82,10 @@ class LiveParams:
             path = read_param("config_file", "")
             if not path:
                 raise RuntimeError("~config_file does not name a file")
+            if not os.path.isabs(
+                path
+            ):  # roslaunch has read it in its own folder, a node has another
+                raise RuntimeError(f"~config_file is '{path}', must be an absolute path")
             values = {name: accepted[name] for name in self._type.defaults}
             replace_file(path, self._edit(path, read_text(path), values).encode())
         except (OSError, RuntimeError, ValueError) as error:

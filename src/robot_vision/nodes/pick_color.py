@@ -14,7 +14,7 @@ import rospy
 
 from .. import range_around, to_hsv
 from ..color_file import save_colors
-from ..colors import HUES, as_yaml, median_hsv
+from ..colors import HUES, as_yaml, median_hsv, outside
 from ..transport import ImageSubscriber
 
 EXAMPLES = """examples:
@@ -34,6 +34,8 @@ def main() -> int:
         color = range_around(hsv, arguments.margin)
         print((f"BGR {bgr}, " if bgr else "") + f"HSV {hsv}; for the colors of hsv_tracker:")
         print(f"  {arguments.name or 'name'}: {as_yaml(color)}")
+        if outside(hsv, color):
+            print(outside(hsv, color))
         if arguments.save:
             save_colors(arguments.save, {arguments.name: color})
             print("saved in", arguments.save)
@@ -179,7 +181,7 @@ def _first_picture(topic: str, seconds: float) -> np.ndarray:
         return frames.get(timeout=seconds)
     except queue.Empty:
         why = "was usable" if subscriber.received else "came"
-        nobody = "" if subscriber.get_num_connections() else "; nobody publishes them"
+        nobody = "" if subscriber.get_num_connections() else "; nobody publishes pictures there"
         raise TimeoutError(
             f"{subscriber.topic}: no picture {why} within {seconds:g} s{nobody}"
         ) from None

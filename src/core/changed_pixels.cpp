@@ -1,0 +1,66 @@
+#include "changed_pixels.hpp"
+
+#include <algorithm>
+#include <cstdint>
+#include <opencv2/imgproc.hpp>
+
+#include "rects.hpp"
+
+namespace robot_vision
+{
+namespace
+{
+
+constexpr int kBlock = 64;  // px of a row that are looked at together
+
+/// The largest difference of two runs of pixels.
+int largestDifference(const std::uint8_t* __restrict a, const std::uint8_t* __restrict b, int count)
+{
+  std::uint8_t largest = 0;
+  for (int i = 0; i < count; ++i)
+  {
+    const std::uint8_t difference = static_cast<std::uint8_t>(std::max(a[i], b[i]) - std::min(a[i], b[i]));
+    largest = std::max(largest, difference);
+  }
+  return largest;
+}
+
+/// A rectangle around all pixels that differ by more than `threshold`.
+cv::Rect boxOfDifferences(const cv::Mat& a, const cv::Mat& b, double threshold)
+{
+  cv::Rect box;
+  for (int y = 0; y < a.rows; ++y)
+    for (int x = 0; x < a.cols; x += kBlock)
+    {
+      const int count = std::min(kBlock, a.cols - x);
+      if (largestDifference(a.ptr(y) + x, b.ptr(y) + x, count) > threshold) box |= cv::Rect(x, y, count, 1);
+    }
+  return box;
+}
+
+}  // namespace
+
+cv::Mat blurPart(const cv::Mat& picture, const cv::Rect& part, int blur_size)
+{
+  const cv::Rect outer = grown(part, blur_size / 2, picture.size());
+  // A copy: cv::GaussianBlur is exact for whole pictures only. What is invented beyond its border stays out of `part`.
+  cv::Mat blurred = picture(outer).clone();
+  if (blur_size > 1) cv::GaussianBlur(blurred, blurred, {blur_size, blur_size}, 0.0);
+  return blurred(part - outer.tl());
+}
+
+cv::Rect findChangedPixels(const cv::Mat& gray, const cv::Mat& reference, int blur_size, double threshold,
+                           cv::Mat& mask)
+{
+  mask.create(gray.size(), CV_8UC1);
+  mask.setTo(0);
+  // Means of pixels that differ by whole numbers up to the threshold do so too, also when they are rounded.
+  const cv::Rect part = grown(boxOfDifferences(gray, reference, threshold), blur_size / 2, gray.size());
+  if (part.empty()) return part;
+  cv::Mat difference;
+  cv::absdiff(blurPart(gray, part, blur_size), blurPart(reference, part, blur_size), difference);
+  cv::threshold(difference, mask(part), threshold, 255.0, cv::THRESH_BINARY);
+  return part;
+}
+
+}  // namespace robot_vision

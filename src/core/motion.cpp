@@ -1,0 +1,161 @@
+#include "robot_vision/motion.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+#include <opencv2/video/background_segm.hpp>
+#include <optional>
+
+#include "changed_pixels.hpp"
+#include "rects.hpp"
+#include "robot_vision/encoding.hpp"
+#include "robot_vision/range.hpp"
+
+namespace robot_vision
+{
+namespace
+{
+
+const std::vector<std::string> kMethods = {"first_frame", "previous_frame", "running_average", "mog2"};
+
+RegionParams regionParams(const MotionParams& params)
+{
+  RegionParams regions;
+  regions.min_area = params.min_area;
+  regions.opening = regions.closing = 1;
+  return regions;
+}
+
+/// By how much the picture is brighter than the reference: the median over a grid of pixels.
+int brighterBy(const cv::Mat& gray, const cv::Mat& reference)
+{
+  const int step = std::max(1, std::min(gray.rows, gray.cols) / 48);
+  std::vector<int> differences;
+  for (int y = step / 2; y < gray.rows; y += step)
+    for (int x = step / 2; x < gray.cols; x += step)
+      differences.push_back(gray.at<uchar>(y, x) - reference.at<uchar>(y, x));
+  const auto middle = differences.begin() + static_cast<std::ptrdiff_t>(differences.size() / 2);
+  std::nth_element(differences.begin(), middle, differences.end());
+  return *middle;
+}
+
+}  // namespace
+
+void validate(const MotionParams& params)
+{
+  if (std::find(kMethods.begin(), kMethods.end(), params.method) == kMethods.end())
+    require(false, "method", params.method, "first_frame, previous_frame, running_average or mog2");
+  require(params.blur_size >= 1 && params.blur_size <= 99 && params.blur_size % 2 == 1, "blur_size", params.blur_size,
+          "odd and from 1 to 99");
+  requireRange("threshold", params.threshold, 0.0, 255.0);
+  requireRange("dilate", params.dilate, 0.0, 50.0);
+  requireRange("min_area", params.min_area, 0.0, 1e9);
+  require(params.learning_rate > 0.0 && params.learning_rate <= 1.0, "learning_rate", params.learning_rate,
+          "above 0 and at most 1");
+  requireRange("max_changed", params.max_changed, 0.0, 1.0);
+  requireRange("settle", params.settle, 0.0, 3600.0);
+}
+
+struct MotionDetector::Impl
+{
+  explicit Impl(const MotionParams& p) : params(p), finder(regionParams(p)) {}
+
+  bool isNew(double time_s, const cv::Size& size) const { return background.size() != size || time_s < last_time; }
+
+  /// Takes the picture for the background.
+  void begin(const cv::Mat& picture)
+  {
+    picture.copyTo(background);
+    everywhere_since.reset();
+    if (params.method == "running_average") picture.convertTo(average, CV_32F);
+    if (params.method != "mog2") return;
+    mog2 = cv::createBackgroundSubtractorMOG2();
+    cv::Mat unused;
+    mog2->apply(picture, unused, 1.0);
+  }
+
+  void compare(const cv::Mat& picture, cv::Mat& mask)
+  {
+    cv::Rect part({0, 0}, picture.size());
+    if (mog2)
+    {
+      mog2->apply(picture, mask, params.learning_rate);
+      cv::compare(mask, 255.0, mask, cv::CMP_EQ);  // shadows are 127
+    }
+    else if (params.ignore_light)
+    {
+      cv::subtract(picture, cv::Scalar(brighterBy(picture, background)), lit);
+      part = findChangedPixels(lit, background, params.blur_size, params.threshold, mask);
+    }
+    else
+      part = findChangedPixels(picture, background, params.blur_size, params.threshold, mask);
+    part = grown(part, params.dilate, picture.size());
+    if (params.dilate > 0 && !part.empty()) cv::dilate(mask(part), mask(part), cv::Mat(), {-1, -1}, params.dilate);
+  }
+
+  void learn(const cv::Mat& picture)
+  {
+    if (params.method == "previous_frame") picture.copyTo(background);
+    if (params.method != "running_average") return;
+    cv::accumulateWeighted(picture, average, params.learning_rate);
+    average.convertTo(background, CV_8U);
+  }
+
+  MotionParams params;
+  RegionFinder finder;
+  cv::Mat background;  // CV_8UC1, grey; for mog2 only its size counts
+  cv::Mat average;     // CV_32FC1, from which it is rounded
+  cv::Mat lit;         // the picture in the background's light
+  cv::Ptr<cv::BackgroundSubtractorMOG2> mog2;
+  double last_time = 0.0;                  // s
+  std::optional<double> everywhere_since;  // s
+};
+
+MotionDetector::MotionDetector(const MotionParams& params)
+{
+  validate(params);
+  impl_ = std::make_unique<Impl>(params);
+}
+
+MotionDetector::~MotionDetector() = default;
+MotionDetector::MotionDetector(MotionDetector&&) noexcept = default;
+MotionDetector& MotionDetector::operator=(MotionDetector&&) noexcept = default;
+
+Motion MotionDetector::update(double time_s, const cv::Mat& image, const std::string& encoding)
+{
+  Impl& me = *impl_;
+  cv::Mat picture;  // grey; only colours tell shadows from what is dark
+  if (me.params.method == "mog2")
+    toBgr(image, encoding, picture);
+  else
+    toGray(image, encoding, picture);
+  Motion motion;
+  const bool is_new = me.isNew(time_s, picture.size());
+  me.last_time = time_s;
+  if (is_new)
+  {
+    me.begin(picture);
+    motion.mask = cv::Mat::zeros(picture.size(), CV_8UC1);
+    return motion;
+  }
+  me.compare(picture, motion.mask);
+  me.learn(picture);
+  motion.changed = cv::countNonZero(motion.mask) / static_cast<double>(motion.mask.total());
+  motion.everywhere = motion.changed > me.params.max_changed;
+  if (!motion.everywhere)
+  {
+    me.everywhere_since.reset();
+    motion.regions = me.finder.apply(motion.mask);
+    return motion;
+  }
+  if (!me.everywhere_since) me.everywhere_since = time_s;
+  if (time_s - *me.everywhere_since >= me.params.settle) me.begin(picture);
+  return motion;
+}
+
+void MotionDetector::reset()
+{
+  impl_->background.release();
+}
+
+}  // namespace robot_vision

@@ -1,0 +1,196 @@
+#include "robot_vision/motion.hpp"
+
+#include <gtest/gtest.h>
+
+#include <opencv2/imgproc.hpp>
+
+#include "pictures.hpp"
+#include "refusal.hpp"
+
+using namespace robot_vision;
+
+namespace
+{
+
+/// As courses write it.
+cv::Mat byOpenCv(const cv::Mat& image, const cv::Mat& background, const MotionParams& p)
+{
+  std::vector<cv::Mat> blurred;
+  for (const cv::Mat& picture : {background, image})
+  {
+    cv::Mat gray;
+    cv::cvtColor(picture, gray, cv::COLOR_BGR2GRAY);
+    cv::GaussianBlur(gray, gray, {p.blur_size, p.blur_size}, 0.0);
+    blurred.push_back(gray);
+  }
+  cv::Mat mask;
+  cv::absdiff(blurred[0], blurred[1], mask);
+  cv::threshold(mask, mask, p.threshold, 255.0, cv::THRESH_BINARY);
+  cv::dilate(mask, mask, cv::Mat(), {-1, -1}, p.dilate);
+  return mask;
+}
+
+MotionParams with(const std::string& method)
+{
+  MotionParams params;
+  params.method = method;
+  return params;
+}
+
+/// The picture with a box of noise in it.
+cv::Mat withBox(const cv::Mat& picture, const cv::Rect& box)
+{
+  cv::Mat changed = picture.clone();
+  noise(box.size(), CV_8UC3, 5).copyTo(changed(box));
+  return changed;
+}
+
+std::string refusalOf(const MotionParams& params)
+{
+  return refusal([&params] { validate(params); });
+}
+
+}  // namespace
+
+TEST(MotionDetector, equalsTheOpenCvChain)
+{
+  for (const cv::Size size : {cv::Size(320, 240), cv::Size(97, 61), cv::Size(1, 1), cv::Size(5, 200), cv::Size(200, 3)})
+    for (const int blur_size : {1, 3, 21, 99})
+      for (const double threshold : {0.0, 25.0, 255.0})
+      {
+        MotionParams params;
+        params.blur_size = blur_size;
+        params.threshold = threshold;
+        params.dilate = blur_size == 3 ? 0 : 2;
+        params.max_changed = 1.0;
+        MotionDetector detector(params);
+        const cv::Mat background = smooth(size);
+        EXPECT_EQ(cv::countNonZero(detector.update(0.0, background, "bgr8").mask), 0);
+        const cv::Rect whole({0, 0}, size);
+        for (const cv::Rect& box : {cv::Rect(0, 0, 40, 30), cv::Rect(60, 20, 30, 41), whole, cv::Rect(96, 60, 1, 1)})
+        {
+          if ((box & whole).empty()) continue;
+          const cv::Mat image = withBox(background, box & whole);
+          const cv::Mat before = image.clone();
+          const Motion motion = detector.update(1.0, image, "bgr8");
+          const cv::Mat expected = byOpenCv(image, background, params);
+          EXPECT_TRUE(equal(motion.mask, expected)) << size << blur_size << threshold << box;
+          EXPECT_EQ(motion.changed, cv::countNonZero(expected) / static_cast<double>(size.area()));
+          EXPECT_TRUE(equal(image, before));
+        }
+      }
+}
+
+TEST(MotionDetector, comparesWithTheFirstOrThePreviousFrame)
+{
+  const cv::Mat empty = smooth({160, 120}), full = withBox(empty, {40, 30, 50, 50});
+  MotionDetector first, previous(with("previous_frame"));
+  const auto regions = [](MotionDetector& detector, double time, const cv::Mat& image)
+  { return detector.update(time, image, "bgr8").regions.size(); };
+  const std::vector<cv::Mat> seen = {empty, full, full, empty};
+  std::vector<std::size_t> of_first, of_previous;
+  for (std::size_t i = 0; i < seen.size(); ++i)
+  {
+    of_first.push_back(regions(first, static_cast<double>(i), seen[i]));
+    of_previous.push_back(regions(previous, static_cast<double>(i), seen[i]));
+  }
+  EXPECT_EQ(of_first, (std::vector<std::size_t>{0, 1, 1, 0}));
+  EXPECT_EQ(of_previous, (std::vector<std::size_t>{0, 1, 0, 1}));
+  first.reset();
+  EXPECT_EQ(regions(first, 4.0, full), 0U);
+  EXPECT_EQ(regions(first, 5.0, full), 0U);
+  EXPECT_EQ(regions(first, 6.0, empty), 1U);
+}
+
+TEST(MotionDetector, boxesWhatMoved)
+{
+  const cv::Mat empty(240, 320, CV_8UC3, cv::Scalar::all(40));
+  cv::Mat moved = empty.clone();
+  const cv::Rect large(30, 40, 80, 60), small(200, 150, 40, 40), tiny(290, 20, 6, 6);
+  for (const cv::Rect& box : {large, small, tiny})
+    moved(box).setTo(220);
+  MotionDetector detector;
+  detector.update(0.0, empty, "bgr8");
+  const Motion motion = detector.update(0.1, moved, "bgr8");
+  ASSERT_EQ(motion.regions.size(), 2U);
+  for (const std::size_t i : {0, 1})
+  {
+    const cv::Rect truth = i == 0 ? large : small, found = motion.regions[i].box;
+    EXPECT_GT((found & truth).area() / static_cast<double>((found | truth).area()), 0.5);
+    EXPECT_EQ(found & truth, truth);  // the blur makes it wider
+  }
+}
+
+TEST(MotionDetector, whatStaysBecomesBackground)
+{
+  const cv::Mat empty = smooth({160, 120}), full = withBox(empty, {40, 30, 50, 50});
+  for (const char* method : {"running_average", "mog2"})
+  {
+    MotionDetector detector(with(method));
+    double time = 0.0;
+    for (; time < 2.0; time += 0.1)
+      EXPECT_TRUE(detector.update(time, empty, "bgr8").regions.empty()) << method;
+    EXPECT_EQ(detector.update(time, full, "bgr8").regions.size(), 1U) << method;
+    Motion motion;
+    for (const double end = time + 20.0; time < end; time += 0.1)
+      motion = detector.update(time, full, "bgr8");
+    EXPECT_TRUE(motion.regions.empty()) << method;
+  }
+}
+
+TEST(MotionDetector, aLampIsNoMotion)
+{
+  const cv::Mat dark = smooth({160, 120}) * 0.5;
+  const cv::Mat lit = dark + cv::Scalar::all(70), with_box = withBox(lit, {40, 30, 40, 40});
+  for (const char* method : {"first_frame", "running_average"})
+  {
+    MotionDetector detector(with(method));
+    detector.update(0.0, dark, "bgr8");
+    for (const double time : {1.0, 1.5, 2.0})  // the default settles after a second
+    {
+      const Motion motion = detector.update(time, lit, "bgr8");
+      EXPECT_TRUE(motion.everywhere && motion.regions.empty()) << method << time;
+    }
+    EXPECT_FALSE(detector.update(2.1, lit, "bgr8").everywhere) << method;
+    const Motion motion = detector.update(2.2, with_box, "bgr8");
+    ASSERT_EQ(motion.regions.size(), 1U) << method;
+    EXPECT_NEAR(motion.regions[0].center.x, 59.5, 10.0);  // noise: what is like the wall does not show
+  }
+  MotionParams params;
+  params.ignore_light = true;
+  MotionDetector detector(params);
+  detector.update(0.0, dark, "bgr8");
+  EXPECT_TRUE(detector.update(1.0, lit, "bgr8").regions.empty());
+  const Motion motion = detector.update(1.1, with_box, "bgr8");
+  EXPECT_FALSE(motion.everywhere);
+  EXPECT_EQ(motion.regions.size(), 1U);
+}
+
+TEST(MotionDetector, aPictureOfAnotherSizeOrAnEarlierTimeIsABackground)
+{
+  MotionDetector detector;
+  detector.update(5.0, cv::Mat(40, 60, CV_8UC1, cv::Scalar(0)), "mono8");
+  EXPECT_EQ(detector.update(6.0, cv::Mat(41, 60, CV_8UC1, cv::Scalar(200)), "mono8").changed, 0.0);
+  EXPECT_EQ(detector.update(7.0, cv::Mat(41, 60, CV_8UC1, cv::Scalar(0)), "mono8").changed, 1.0);
+  EXPECT_EQ(detector.update(1.0, cv::Mat(41, 60, CV_8UC1, cv::Scalar(0)), "mono8").changed, 0.0);
+  EXPECT_THROW(detector.update(8.0, cv::Mat(), "mono8"), std::invalid_argument);
+  EXPECT_THROW(detector.update(8.0, cv::Mat(41, 60, CV_8UC1), "bgr8"), std::invalid_argument);
+}
+
+TEST(MotionDetector, refusesWhatIsOutOfRange)
+{
+  EXPECT_EQ(refusalOf(MotionParams()), "");
+  EXPECT_EQ(refusalOf(with("magic")), "method is magic, must be first_frame, previous_frame, running_average or mog2");
+  MotionParams params;
+  params.blur_size = 20;
+  EXPECT_EQ(refusalOf(params), "blur_size is 20, must be odd and from 1 to 99");
+  params = MotionParams();
+  params.learning_rate = 0.0;
+  EXPECT_EQ(refusalOf(params), "learning_rate is 0, must be above 0 and at most 1");
+  params = MotionParams();
+  params.threshold = 256.0;
+  EXPECT_EQ(refusalOf(params), "threshold is 256, must be from 0 to 255");
+  params = MotionParams();
+  params.max_changed = 1.5;
+  EXPECT_EQ(refusalOf(params), "max_changed is 1.5, must be from 0 to 1");
+}

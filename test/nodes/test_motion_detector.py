@@ -1,0 +1,141 @@
+"""The node motion_detector: what it publishes, and when it is occupied."""
+
+import itertools
+
+import dynamic_reconfigure.client
+import numpy as np
+import pytest
+import rospy
+import support
+from frames import Source, message, new_topic
+from sensor_msgs.msg import Image
+from std_srvs.srv import Trigger
+
+from robot_vision.msg import DetectionArray, MotionState
+
+EMPTY = np.full((240, 320, 3), 60, np.uint8)
+BOX = (100, 80, 60, 50)  # x, y, width, height
+
+
+def with_box(picture=EMPTY):
+    x, y, width, height = BOX
+    full = picture.copy()
+    full[y : y + height, x : x + width] = 220
+    return full
+
+
+class Room:
+    """A camera at 10 Hz of its own time, and what the node says of its frames."""
+
+    def __init__(self, start, *arguments):
+        topic = new_topic()
+        self._source = Source(topic)
+        self._numbers = itertools.count(1)
+        self.process = start("motion_detector.py", "__name:=motion", f"image:={topic}", *arguments)
+        self.motion = support.Messages("/motion/motion", DetectionArray)
+        self.states = support.Messages("/motion/state", MotionState)
+        self.overlays = support.Messages("/motion/processed_image", Image)
+        self._source.wait_for()
+        for messages in (self.motion, self.states, self.overlays):
+            support.wait_for(messages.connected, "the node's topics")
+
+    def show(self, picture, frames=1):
+        """Shows a picture; the last frame's detections, state and overlay."""
+        for _ in range(frames):
+            sent = message(picture, "bgr8")
+            sent.header.stamp = rospy.Time.from_sec(next(self._numbers) / 10.0)
+            sent.header.frame_id = "eye"
+            self._source.send(sent)
+            answers = []
+            for messages in (self.motion, self.states, self.overlays):
+                answers.append(
+                    support.wait_for(
+                        lambda m=messages: [
+                            one
+                            for one in m.received
+                            if one.header.stamp == sent.header.stamp  # noqa: B023
+                        ],
+                        "the answer to a frame",
+                    )[0]
+                )
+            assert all(answer.header.frame_id == "eye" for answer in answers)
+        return answers
+
+
+def test_the_room_is_occupied_and_unoccupied_again(start):
+    room = Room(start, "_hold:=0.5")
+    motion, state, _ = room.show(EMPTY, 2)
+    assert not motion.detections and not state.occupied and state.changed == 0.0
+    motion, state, overlay = room.show(with_box())
+    assert (motion.width, motion.height) == (320, 240)
+    (found,) = motion.detections
+    assert found.label == "motion"
+    assert found.box.x_offset == pytest.approx(BOX[0], abs=8)
+    assert found.box.y_offset == pytest.approx(BOX[1], abs=8)
+    assert found.box.x_offset + found.box.width == pytest.approx(BOX[0] + BOX[2], abs=8)
+    assert found.box.y_offset + found.box.height == pytest.approx(BOX[1] + BOX[3], abs=8)
+    assert state.occupied and not state.everywhere
+    assert state.changed == pytest.approx(60 * 50 / (320 * 240), rel=0.5)
+    pixels = np.frombuffer(overlay.data, np.uint8).reshape(240, 320, 3)
+    green = (pixels == (0, 255, 0)).all(axis=2)
+    assert green[found.box.y_offset, found.box.x_offset + 5]
+    drawn = (pixels != 60).any(axis=2)
+    assert drawn[:25, :120].any() and drawn[225:].any()  # state and time
+    motion, state, _ = room.show(EMPTY, 4)
+    assert not motion.detections and state.occupied  # held for half a second
+    _, state, _ = room.show(EMPTY, 3)
+    assert not state.occupied
+
+
+def test_background_can_be_taken_anew(start):
+    room = Room(start)
+    room.show(EMPTY)
+    motion, _, _ = room.show(with_box(), 3)
+    assert len(motion.detections) == 1
+    assert rospy.ServiceProxy("/motion/reset_background", Trigger)().success
+    motion, _, _ = room.show(with_box(), 2)
+    assert not motion.detections
+    motion, _, _ = room.show(EMPTY)
+    assert len(motion.detections) == 1
+
+
+def test_light_is_reported_as_such(start):
+    room = Room(start, "_settle:=0.5")
+    room.show(EMPTY)
+    motion, state, _ = room.show(EMPTY + 100)
+    assert state.everywhere and not state.occupied and not motion.detections
+    room.process.wait_for_output("the whole picture changes")
+    _, state, _ = room.show(EMPTY + 100, 7)
+    assert not state.everywhere and state.changed == 0.0
+
+
+def test_method_is_changed_live(start):
+    room = Room(start)
+    client = dynamic_reconfigure.client.Client("/motion", timeout=support.DEADLINE)
+    room.show(EMPTY)
+    assert len(room.show(with_box())[0].detections) == 1
+    client.update_configuration({"method": "previous_frame"})
+    room.show(EMPTY)  # the background of a new detector
+    assert len(room.show(with_box())[0].detections) == 1
+    assert not room.show(with_box())[0].detections
+    config = client.update_configuration({"method": "magic", "blur_size": 20})
+    assert (config["method"], config["blur_size"]) == ("previous_frame", 21)
+    room.process.wait_for_output("refused, the parameters stay as they are: ")
+    client.close()
+
+
+@pytest.mark.parametrize(
+    "name, value, text",
+    [
+        ("method", "magic", "method is magic, must be first_frame, previous_frame"),
+        ("blur_size", 20, "blur_size is 20, must be odd and from 1 to 99"),
+        ("minArea", -1, "minArea is -1, must be from 0 to 1e+07"),
+        ("hold", "long", "hold is 'long', must be a number"),
+    ],
+)
+def test_bad_value_at_start_is_fatal(start, name, value, text):
+    rospy.set_param("/bad/" + name, value)
+    process = start("motion_detector.py", "__name:=bad")
+    assert process.exit_code() == 1
+    fatal = [line for line in process.output().splitlines() if "FATAL" in line]
+    assert len(fatal) == 1 and text in fatal[0], process.output()

@@ -1,0 +1,104 @@
+"""Motion in a photograph through which a box wanders, against the truth."""
+
+import cv2
+import numpy as np
+import pytest
+import skimage.data
+
+import robot_vision as rv
+
+PHOTOGRAPH = cv2.cvtColor(skimage.data.astronaut(), cv2.COLOR_RGB2BGR)[:384]
+BOX = np.random.default_rng(2).integers(0, 256, (70, 90, 3), np.uint8)
+RATE = 30.0  # Hz
+
+
+def place(frame):
+    """Top left corner of the box: it comes in, rests, and goes on out of the picture."""
+    step = min(frame, 60) + max(frame - 120, 0) - 30
+    return 8 * step, 100 + step
+
+
+def picture(frame, box=True, seed=0):
+    """A frame with the camera's noise, and the box's part of it as (x, y, width, height)."""
+    image = PHOTOGRAPH.copy()
+    width = image.shape[1]
+    x, y = place(frame)
+    left, right = max(x, 0), min(x + BOX.shape[1], width)
+    shown = box and right > left
+    if shown:
+        image[y : y + BOX.shape[0], left:right] = BOX[:, left - x : right - x]
+    noise = np.random.default_rng(seed + frame).normal(0.0, 2.0, image.shape)
+    image = np.clip(image + noise, 0, 255).astype(np.uint8)
+    return image, (left, y, right - left, BOX.shape[0]) if shown else None
+
+
+def iou(a, b):
+    left, top = max(a[0], b[0]), max(a[1], b[1])
+    right, bottom = min(a[0] + a[2], b[0] + b[2]), min(a[1] + a[3], b[1] + b[3])
+    common = max(right - left, 0) * max(bottom - top, 0)
+    return common / (a[2] * a[3] + b[2] * b[3] - common)
+
+
+def params(**values):
+    made = rv.MotionParams()
+    for name, value in values.items():
+        setattr(made, name, value)
+    return made
+
+
+@pytest.mark.parametrize("method", ["first_frame", "running_average", "mog2"])
+def test_box_is_found_when_and_where_it_is(method):
+    detector = rv.MotionDetector(params(method=method, learning_rate=0.002))
+    for frame in range(30):  # mog2 learns what is there
+        detector.update(frame / RATE, picture(0, box=False, seed=1000 + frame)[0])
+    right = wrong = missed = 0
+    for frame in range(220):
+        image, truth = picture(frame)
+        regions = detector.update(1.0 + frame / RATE, image).regions
+        if truth is not None and truth[2] < 30:
+            continue  # a strip at the border, smaller than the least area
+        hits = sum(truth is not None and iou(region.box, truth) >= 0.5 for region in regions)
+        right += hits > 0
+        wrong += len(regions) - hits
+        missed += truth is not None and not hits
+    assert right > 80
+    assert right / (right + wrong) >= 0.95 and right / (right + missed) >= 0.95
+
+
+def test_previous_frame_sees_what_moves_now():
+    detector = rv.MotionDetector(params(method="previous_frame"))
+    moving, resting = [], []
+    for frame in range(120):
+        image, truth = picture(frame)
+        regions = detector.update(frame / RATE, image).regions
+        if truth is not None and truth[2] == BOX.shape[1]:
+            (moving if frame <= 60 else resting).append(len(regions) > 0)
+    assert np.mean(moving) >= 0.95 and np.mean(resting) <= 0.05
+
+
+def test_a_shaken_camera_is_not_one_huge_box():
+    detector = rv.MotionDetector(params(threshold=10.0, max_changed=0.3))
+    still = picture(0, box=False)[0]
+    detector.update(0.0, still)
+    for number, (dx, dy) in enumerate([(30, 10), (-25, 20), (40, -30)], 1):
+        motion = detector.update(0.1 * number, np.roll(still, (dy, dx), (0, 1)))
+        assert motion.everywhere and not motion.regions
+    motion = detector.update(0.5, still)
+    assert not motion.everywhere and not motion.regions
+
+
+def test_lights_go_on_and_a_box_is_left():
+    """Afterwards the lit room is the background, and with a running average the box as well."""
+    detector = rv.MotionDetector(params(method="running_average", learning_rate=0.1))
+    dark = picture(0, box=False)[0] // 3
+    for frame in range(30):
+        assert not detector.update(frame / RATE, dark).regions
+    lit = picture(0, box=False)[0] // 2 + 100
+    changes = [detector.update(1.0 + frame / RATE, lit) for frame in range(60)]
+    assert changes[0].everywhere
+    assert not any(change.regions for change in changes[:1] + changes[45:])
+    left = lit.copy()
+    left[100:170, 200:290] = BOX
+    after = [detector.update(3.0 + frame / RATE, left) for frame in range(120)]
+    assert iou(after[0].regions[0].box, (200, 100, 90, 70)) > 0.5
+    assert not after[-1].regions
