@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <cstdlib>
+#include <opencv2/core/hal/intrin.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include "rects.hpp"
@@ -13,27 +15,32 @@ namespace
 
 constexpr int kBlock = 64;  // px of a row that are looked at together
 
-/// The largest difference of two runs of pixels.
-int largestDifference(const std::uint8_t* __restrict a, const std::uint8_t* __restrict b, int count)
+/// Whether any of two runs of pixels differ by more than `threshold`.
+bool differ(const std::uint8_t* a, const std::uint8_t* b, int count, std::uint8_t threshold)
 {
-  std::uint8_t largest = 0;
-  for (int i = 0; i < count; ++i)
-  {
-    const std::uint8_t difference = static_cast<std::uint8_t>(std::max(a[i], b[i]) - std::min(a[i], b[i]));
-    largest = std::max(largest, difference);
-  }
-  return largest;
+  int i = 0;
+#if CV_SIMD128
+  constexpr int kLanes = cv::v_uint8x16::nlanes;
+  cv::v_uint8x16 largest = cv::v_setzero_u8();
+  for (; i + kLanes <= count; i += kLanes)
+    largest = cv::v_max(largest, cv::v_absdiff(cv::v_load(a + i), cv::v_load(b + i)));
+  if (cv::v_check_any(largest > cv::v_setall_u8(threshold))) return true;
+#endif
+  for (; i < count; ++i)
+    if (std::abs(a[i] - b[i]) > threshold) return true;
+  return false;
 }
 
 /// A rectangle around all pixels that differ by more than `threshold`.
 cv::Rect boxOfDifferences(const cv::Mat& a, const cv::Mat& b, double threshold)
 {
+  const auto whole = static_cast<std::uint8_t>(threshold);  // more than 25.5 is more than 25, between whole numbers
   cv::Rect box;
   for (int y = 0; y < a.rows; ++y)
     for (int x = 0; x < a.cols; x += kBlock)
     {
       const int count = std::min(kBlock, a.cols - x);
-      if (largestDifference(a.ptr(y) + x, b.ptr(y) + x, count) > threshold) box |= cv::Rect(x, y, count, 1);
+      if (differ(a.ptr(y) + x, b.ptr(y) + x, count, whole)) box |= cv::Rect(x, y, count, 1);
     }
   return box;
 }

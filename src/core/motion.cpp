@@ -106,6 +106,7 @@ struct MotionDetector::Impl
   cv::Mat background;  // CV_8UC1, grey; for mog2 only its size counts
   cv::Mat average;     // CV_32FC1, from which it is rounded
   cv::Mat lit;         // the picture in the background's light
+  cv::Mat converted;   // memory for the next picture
   cv::Ptr<cv::BackgroundSubtractorMOG2> mog2;
   double last_time = 0.0;                  // s
   std::optional<double> everywhere_since;  // s
@@ -124,11 +125,13 @@ MotionDetector& MotionDetector::operator=(MotionDetector&&) noexcept = default;
 Motion MotionDetector::update(double time_s, const cv::Mat& image, const std::string& encoding)
 {
   Impl& me = *impl_;
-  cv::Mat picture;  // grey; only colours tell shadows from what is dark
-  if (me.params.method == "mog2")
+  cv::Mat picture = me.converted;  // it may come to share the input's pixels, which must not be kept
+  if (me.params.method == "mog2")  // only colours tell shadows from what is dark
     toBgr(image, encoding, picture);
   else
     toGray(image, encoding, picture);
+  const bool shared = picture.data >= image.datastart && picture.data < image.dataend;
+  if (!shared) me.converted = picture;
   Motion motion;
   const bool is_new = me.isNew(time_s, picture.size());
   me.last_time = time_s;
