@@ -106,6 +106,25 @@ def test_conversions_are_those_of_cv_bridge(source):
     assert not_in_cv_bridge <= {("yuv422_yuy2", to) for to in ("bgr8", "mono8", "yuv422_yuy2")}
 
 
+@pytest.mark.parametrize("height, width, order", [(1, 1, "<"), (2160, 3840, "<"), (5, 7, ">")])
+@pytest.mark.parametrize(
+    "encoding, target",
+    [
+        ("bgr8", "mono8"),
+        ("rgba8", "bgr8"),
+        ("mono16", "mono8"),
+        ("bgr16", "rgb16"),
+        ("32FC1", "32FC1"),
+    ],
+)
+def test_conversions_of_any_size_and_byte_order(source, encoding, target, height, width, order):
+    pixels = noise(encoding, height, width)
+    frames = source.frames(target)
+    source.send(message(pixels, encoding, padding=16, order=order))
+    expected = by_cv_bridge(message(pixels, encoding), target)  # it wants this machine's order
+    assert_same(frames.wait()[0].image, expected)
+
+
 @pytest.mark.parametrize("target, code", [("bgr8", "BGR"), ("mono8", "GRAY")])
 def test_yuyv_which_cv_bridge_may_not_know(source, target, code):
     pixels = noise("yuv422_yuy2")
