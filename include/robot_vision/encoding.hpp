@@ -29,6 +29,9 @@ void checkPixels(const cv::Mat& image, const std::string& encoding);
 /// `gray` shares the input's pixels where they are grey already, is reused if it fits, and never aliases other input.
 void toGray(const cv::Mat& image, const std::string& encoding, cv::Mat& gray);
 
+/// Whether a converted picture lies in the memory of its `source`, and so must not be kept or written.
+bool sharesPixels(const cv::Mat& picture, const cv::Mat& source);
+
 /// Colour picture (CV_8UC3, BGR order) as cv::cvtColor makes it; 16 bits are scaled by 255/65535.
 /// `bgr` shares the input's pixels where they are bgr8 already, and is reused if it fits.
 void toBgr(const cv::Mat& image, const std::string& encoding, cv::Mat& bgr);

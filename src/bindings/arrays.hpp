@@ -104,6 +104,12 @@ py::array_t<T> toNumpy(const std::vector<cv::Point_<T>>& points)
                         points.empty() ? nullptr : &points[0].x);
 }
 
+/// (x, y).
+inline std::pair<double, double> toPair(const cv::Point2d& point)
+{
+  return {point.x, point.y};
+}
+
 inline py::array_t<double> toNumpy(const cv::Matx44d& matrix)
 {
   return py::array_t<double>({4, 4}, matrix.val);

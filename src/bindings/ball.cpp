@@ -13,11 +13,6 @@ namespace
 
 using Pair = std::pair<double, double>;
 
-Pair toPair(const cv::Point2d& point)
-{
-  return {point.x, point.y};
-}
-
 /// One of the regions, or None.
 py::object choose(const py::list& regions, double min_roundness, const std::optional<Pair>& expected)
 {

@@ -14,7 +14,6 @@ namespace
 
 using Color = std::tuple<int, int, int>;
 using Bytes = std::tuple<std::uint8_t, std::uint8_t, std::uint8_t>;
-using Point = std::pair<double, double>;
 
 void setLow(HsvRange& range, const Color& low)
 {
@@ -133,13 +132,13 @@ void bindRegions(py::module& m)
           "box", [](const Region& r) { return std::make_tuple(r.box.x, r.box.y, r.box.width, r.box.height); },
           "(x, y, width, height), px")
       .def_property_readonly(
-          "center", [](const Region& r) { return Point(r.center.x, r.center.y); }, "(x, y), px, of the pixels")
+          "center", [](const Region& r) { return toPair(r.center); }, "(x, y), px, of the pixels")
       .def_readonly("area", &Region::area, "number of pixels, without holes")
       .def_property_readonly(
           "outline", [](const Region& r) { return toNumpy(r.outline); },
           "(n, 2) array of int, px: the pixels along the outer border, straight parts by their ends")
       .def_property_readonly(
-          "circle_center", [](const Region& r) { return Point(r.circle_center.x, r.circle_center.y); },
+          "circle_center", [](const Region& r) { return toPair(r.circle_center); },
           "(x, y), px, of the smallest circle around the outline")
       .def_readonly("circle_radius", &Region::circle_radius, "px")
       .def_readonly("roundness", &Region::roundness, "area to area of the circle half a pixel larger, 0 to 1 (a disc)");

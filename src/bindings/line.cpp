@@ -20,7 +20,7 @@ void bindLine(py::module& m)
       .def_readonly("confidence", &Line::confidence, "0 to 1, see line.hpp")
       .def_readonly("area", &Line::area, "px^2")
       .def_property_readonly(
-          "center", [](const Line& l) { return py::make_tuple(l.center.x, l.center.y); }, "(x, y), px, centroid")
+          "center", [](const Line& l) { return toPair(l.center); }, "(x, y), px, centroid")
       .def_property_readonly(
           "outline", [](const Line& l) { return toNumpy(l.outline); },
           "(n, 2) int32 array, px, corners of the outer border");

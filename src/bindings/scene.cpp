@@ -58,7 +58,7 @@ void bindRoom(py::module& m)
       .def_property_readonly(
           "outline", [](const SceneObject& o) { return toNumpy(o.outline); }, "(n, 2) array, px")
       .def_property_readonly(
-          "center", [](const SceneObject& o) { return py::make_tuple(o.center.x, o.center.y); }, "(x, y), px")
+          "center", [](const SceneObject& o) { return toPair(o.center); }, "(x, y), px")
       .def_readonly("visible", &SceneObject::visible);
 
   py::class_<SceneTruth>(m, "SceneTruth", "Where everything in the scene is in one frame.")

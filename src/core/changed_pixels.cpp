@@ -20,11 +20,13 @@ bool differ(const std::uint8_t* a, const std::uint8_t* b, int count, std::uint8_
 {
   int i = 0;
 #if CV_SIMD128
-  constexpr int kLanes = cv::v_uint8x16::nlanes;
+  constexpr int kLanes = 16;
+  std::uint8_t lanes[kLanes];
   cv::v_uint8x16 largest = cv::v_setzero_u8();
   for (; i + kLanes <= count; i += kLanes)
     largest = cv::v_max(largest, cv::v_absdiff(cv::v_load(a + i), cv::v_load(b + i)));
-  if (cv::v_check_any(largest > cv::v_setall_u8(threshold))) return true;
+  cv::v_store(lanes, largest);
+  if (*std::max_element(lanes, lanes + kLanes) > threshold) return true;
 #endif
   for (; i < count; ++i)
     if (std::abs(a[i] - b[i]) > threshold) return true;

@@ -29,8 +29,7 @@ void EdgeDetector::apply(const cv::Mat& image, const std::string& encoding, cv::
 {
   cv::Mat gray = gray_;  // toGray may let it share the input's pixels, which must not be kept
   toGray(image, encoding, gray);
-  const bool shared = gray.data >= image.datastart && gray.data < image.dataend;
-  if (!shared) gray_ = gray;
+  if (!sharesPixels(gray, image)) gray_ = gray;
 
   if (params_.blur_size > 1) cv::blur(gray, blurred_, {params_.blur_size, params_.blur_size});
   const cv::Mat& smooth = params_.blur_size > 1 ? blurred_ : gray;

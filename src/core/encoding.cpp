@@ -153,6 +153,11 @@ void toGray(const cv::Mat& image, const std::string& encoding, cv::Mat& gray)
     convert(image, layout.to_gray, gray);
 }
 
+bool sharesPixels(const cv::Mat& picture, const cv::Mat& source)
+{
+  return picture.data >= source.datastart && picture.data < source.dataend;
+}
+
 void toBgr(const cv::Mat& image, const std::string& encoding, cv::Mat& bgr)
 {
   const Layout& layout = checkedLayout(image, encoding);

@@ -130,8 +130,7 @@ Motion MotionDetector::update(double time_s, const cv::Mat& image, const std::st
     toBgr(image, encoding, picture);
   else
     toGray(image, encoding, picture);
-  const bool shared = picture.data >= image.datastart && picture.data < image.dataend;
-  if (!shared) me.converted = picture;
+  if (!sharesPixels(picture, image)) me.converted = picture;
   Motion motion;
   const bool is_new = me.isNew(time_s, picture.size());
   me.last_time = time_s;

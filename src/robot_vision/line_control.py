@@ -77,14 +77,13 @@ class LineController:
         Returns:
             Linear speed, m/s, and angular speed, rad/s, counter-clockwise.
         """
-        if time < self._updated:
+        found = line is not None and line.found
+        after_gap = self._time is not None and time - self._time > GAP
+        if time < self._updated or (found and (self._lost_since is not None or after_gap)):
             self.reset()
         self._updated = time
-        if line is None or not line.found:
+        if not found:
             return self._search(time)
-        if self._lost_since is not None or (self._time is not None and time - self._time > GAP):
-            self.reset()
-            self._updated = time
         if self._params.mode == "course":
             command = self._params.linear_speed, self._steer(line.offset)
         else:

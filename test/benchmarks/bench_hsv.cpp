@@ -39,13 +39,6 @@ void measure(const std::function<void()>& work, Times& times)
   times.push_back((bench::seconds(CLOCK_MONOTONIC) - begin) * 1e3);
 }
 
-double median(Times times)
-{
-  const auto middle = times.begin() + static_cast<std::ptrdiff_t>(times.size() / 2);
-  std::nth_element(times.begin(), middle, times.end());
-  return *middle;
-}
-
 class ByOpenCv
 {
 public:
@@ -103,7 +96,8 @@ void run(const Case& c, const std::vector<cv::Mat>& frames, int rounds)
   std::printf(
       "{\"name\": \"%s\", \"white\": %.3f, \"mask\": {\"opencv\": %.4f, \"ours\": %.4f}, "
       "\"regions\": {\"opencv\": %.4f, \"ours\": %.4f}}",
-      c.name, white, median(mask_times[0]), median(mask_times[1]), median(region_times[0]), median(region_times[1]));
+      c.name, white, bench::median(mask_times[0]), bench::median(mask_times[1]), bench::median(region_times[0]),
+      bench::median(region_times[1]));
 }
 
 }  // namespace

@@ -80,13 +80,6 @@ struct Times
   }
 };
 
-double median(std::vector<double> values)
-{
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 /// Turns are short, so that the noise of the machine meets all alike. The first frames of each are not counted: the
 /// work moves to another thread, and with it to other caches.
 void takeTurn(const Work& work, const std::vector<Message>& messages, Times& times)
@@ -114,8 +107,8 @@ void run(const std::vector<Message>& messages, int frames)
   const std::array<const char*, works.size()> names = {"opencv", "core", "nodelet"};
   std::printf("{\"threads\": %d", cv::getNumThreads());
   for (std::size_t which = 0; which < works.size(); ++which)
-    std::printf(", \"%s\": {\"cpu_ms\": %.4f, \"wall_ms\": %.4f}", names[which], median(times[which].cpu_ms),
-                median(times[which].wall_ms));
+    std::printf(", \"%s\": {\"cpu_ms\": %.4f, \"wall_ms\": %.4f}", names[which], bench::median(times[which].cpu_ms),
+                bench::median(times[which].wall_ms));
   std::printf("}\n");
 }
 

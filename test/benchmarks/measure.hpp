@@ -2,6 +2,7 @@
 
 #include <time.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
@@ -46,6 +47,13 @@ inline std::vector<cv::Mat> stillPicture(const std::string& path, cv::Size size)
     frames[i] = noisy;
   }
   return frames;
+}
+
+inline double median(std::vector<double> values)
+{
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
 }
 
 /// The bare OpenCV chain. Memory is kept from frame to frame: the least that this work can cost.

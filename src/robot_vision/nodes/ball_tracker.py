@@ -19,6 +19,7 @@ from .. import (
     HsvMask,
     Region,
     RegionFinder,
+    RegionParams,
     ball_position,
     choose_ball,
     draw_ball,
@@ -28,10 +29,10 @@ from .. import BallTracker as Filter
 from ..cfg import BallTrackerConfig
 from ..msg import Detection, DetectionArray
 from ..transport import Frame
-from .colors import range_of
+from .colors import REGION, range_of
 from .image_node import ImageNode
-from .messages import detection, detection_array, region_params
-from .params import LiveParams, read_param
+from .messages import detection, detection_array
+from .params import LiveParams, filled, read_param
 
 FILTER = ("process_noise", "measurement_noise", "max_prediction", "gate")
 
@@ -62,10 +63,13 @@ class BallTracker:
 
     def _configure(self, config: Dict[str, Any]) -> None:
         mask = HsvMask(range_of(config))
-        finder = RegionFinder(region_params(config))
+        finder = RegionFinder(filled(RegionParams(), config, REGION))
         params = {name: config[name] for name in FILTER}
         # A filter made anew has lost the ball: only when it must be.
-        tracker = self._tools[2] if params == self._filter_params else make_filter(params)
+        if params == self._filter_params:
+            tracker = self._tools[2]
+        else:
+            tracker = Filter(filled(BallTrackerParams(), config, FILTER))
         self._filter_params = params
         # In one step: a frame may be under way.
         self._tools = mask, finder, tracker, config["min_roundness"], config["trail"]
@@ -132,14 +136,6 @@ class BallTracker:
         transform.transform.translation = Vector3(*position)
         transform.transform.rotation.w = 1.0  # a ball looks the same from everywhere
         self._tf.sendTransform(transform)
-
-
-def make_filter(values: Dict[str, float]) -> Filter:
-    """A filter with live parameters of the names of its own."""
-    params = BallTrackerParams()
-    for name, value in values.items():
-        setattr(params, name, value)
-    return Filter(params)
 
 
 def camera_model(info: CameraInfo, size: Tuple[int, int]) -> CameraModel:

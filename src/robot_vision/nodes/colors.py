@@ -9,6 +9,7 @@ from .params import read_param
 
 LOW = ("h_low", "s_low", "v_low")
 HIGH = ("h_high", "s_high", "v_high")
+REGION = ("min_area", "opening", "closing")  # live parameters of what has a colour
 DEFAULT = {"blue": {"low": [90, 50, 50], "high": [120, 255, 255]}}
 
 

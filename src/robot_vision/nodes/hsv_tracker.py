@@ -4,15 +4,23 @@ from typing import Any, Dict, List, Tuple
 
 import numpy as np
 
-from .. import HsvMask, Region, RegionFinder, _transport, draw_outline, mask_picture
+from .. import (
+    HsvMask,
+    Region,
+    RegionFinder,
+    RegionParams,
+    _transport,
+    draw_outline,
+    mask_picture,
+)
 from ..cfg import HsvTrackerConfig
 from ..color_file import edit_colors
 from ..msg import DetectionArray
 from ..transport import Frame
-from .colors import HIGH, LOW, NamedColors
+from .colors import HIGH, LOW, REGION, NamedColors
 from .image_node import ImageNode
-from .messages import detection, detection_array, region_params
-from .params import LiveParams
+from .messages import detection, detection_array
+from .params import LiveParams, filled
 
 
 class HsvTracker:
@@ -28,7 +36,7 @@ class HsvTracker:
         self._node.start()
 
     def _configure(self, config: Dict[str, Any]) -> None:
-        finder = RegionFinder(region_params(config))
+        finder = RegionFinder(filled(RegionParams(), config, REGION))
         self._colors.update(config)
         masks = {name: HsvMask(color) for name, color in self._colors.ranges.items()}
         self._tools = masks, finder  # in one step: a frame may be under way

@@ -1,12 +1,12 @@
 """Results of the core as messages."""
 
-from typing import Any, Dict, Iterable, List
+from typing import Iterable, List
 
 import numpy as np
 from geometry_msgs.msg import Point, Point32
 from sensor_msgs.msg import RegionOfInterest
 
-from .. import Region, RegionParams
+from .. import Region
 from ..msg import Detection, DetectionArray
 from ..transport import Frame
 
@@ -45,11 +45,3 @@ def detection_array(frame: Frame, detections: Iterable[Detection]) -> DetectionA
     found: List[Detection] = list(detections)
     height, width = frame.image.shape[:2]
     return DetectionArray(header=frame.header, width=width, height=height, detections=found)
-
-
-def region_params(config: Dict[str, Any]) -> RegionParams:
-    """The core's parameters of regions from live ones of the same names."""
-    params = RegionParams()
-    for name in ("min_area", "opening", "closing"):
-        setattr(params, name, config[name])
-    return params

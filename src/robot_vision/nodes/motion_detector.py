@@ -14,9 +14,18 @@ from ..msg import DetectionArray, MotionState
 from ..transport import Frame
 from .image_node import ImageNode
 from .messages import detection, detection_array
-from .params import LiveParams
+from .params import LiveParams, filled
 
-PARAMS = ("method", "blur_size", "threshold", "dilate", "learning_rate", "max_changed", "settle")
+PARAMS = (
+    "method",
+    "blur_size",
+    "threshold",
+    "dilate",
+    "learning_rate",
+    "max_changed",
+    "settle",
+    "ignore_light",
+)
 
 
 class MotionDetector:
@@ -39,16 +48,13 @@ class MotionDetector:
         self._node.start()
 
     def _configure(self, config: Dict[str, Any]) -> None:
-        used = {name: config[name] for name in (*PARAMS, "minArea", "ignore_light")}
+        used = {name: config[name] for name in (*PARAMS, "minArea")}
+        if used != self._used:  # a detector made anew has lost the background: only when it must be
+            params = filled(MotionParams(), config, PARAMS)
+            params.min_area = config["minArea"]
+            self._detector = Detector(params)
+            self._used = used
         self._hold = config["hold"]
-        if used == self._used:
-            return
-        params = MotionParams()
-        for name in (*PARAMS, "ignore_light"):
-            setattr(params, name, config[name])
-        params.min_area = config["minArea"]
-        self._detector = Detector(params)
-        self._used = used
 
     def _process(self, frame: Frame) -> None:
         if self._shall_reset:

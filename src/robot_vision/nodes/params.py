@@ -2,7 +2,7 @@
 
 import copy
 import os
-from typing import Any, Callable, Dict, Optional
+from typing import Any, Callable, Dict, Iterable, Optional, TypeVar
 
 import dynamic_reconfigure.server
 import rospy
@@ -10,6 +10,8 @@ from std_srvs.srv import Trigger, TriggerResponse
 
 from .. import _transport
 from ..files import read_text, replace_file
+
+Params = TypeVar("Params")
 
 TYPES = {bool: "true or false", int: "an integer", float: "a number", str: "a string"}
 
@@ -27,6 +29,13 @@ def read_param(name: str, default: Any) -> Any:
     if type(value) is not kind:
         raise ValueError(f"{name} is {value!r}, must be {TYPES[kind]}")
     return value
+
+
+def filled(params: Params, config: Dict[str, Any], names: Iterable[str]) -> Params:
+    """The core's parameters with live ones of the same names in them."""
+    for name in names:
+        setattr(params, name, config[name])
+    return params
 
 
 class LiveParams:
