@@ -11,6 +11,7 @@
 #include "robot_vision/hsv.hpp"
 #include "robot_vision/line.hpp"
 #include "robot_vision/motion.hpp"
+#include "robot_vision/object_tracker.hpp"
 #include "robot_vision/regions.hpp"
 #include "robot_vision/scene.hpp"
 
@@ -21,6 +22,7 @@ void bindBall(py::module& m);
 void bindColors(py::module& m);
 void bindLine(py::module& m);
 void bindMotion(py::module& m);
+void bindObjectTracker(py::module& m);
 void bindOverlay(py::module& m);
 void bindScene(py::module& m);
 
@@ -96,6 +98,7 @@ void bindValidate(py::module& m)
   m.def("validate", py::overload_cast<const LineParams&>(&validate), "params"_a, doc);
   m.def("validate", py::overload_cast<const RegionParams&>(&validate), "params"_a, doc);
   m.def("validate", py::overload_cast<const MotionParams&>(&validate), "params"_a, doc);
+  m.def("validate", py::overload_cast<const ObjectTrackerParams&>(&validate), "params"_a, doc);
   m.def("validate", py::overload_cast<const SceneParams&>(&validate), "params"_a, doc);
 }
 
@@ -111,6 +114,7 @@ PYBIND11_MODULE(_core, m)
   bindBall(m);
   bindLine(m);
   bindMotion(m);
+  bindObjectTracker(m);
   bindOverlay(m);
   bindValidate(m);
 }

@@ -1,0 +1,101 @@
+#pragma once
+
+#include <array>
+#include <memory>
+#include <opencv2/core.hpp>
+#include <string>
+#include <vector>
+
+namespace robot_vision
+{
+
+struct ObjectTrackerParams
+{
+  int points = 40;              // of an object that are followed at most, 8 to 200
+  int window = 15;              // px, side of the window around a point that is followed: odd, 5 to 51
+  int levels = 3;               // halvings of the picture, for fast motion, 0 to 6
+  double max_error = 1.0;       // px by which following a point there and back may miss it, 0.1 to 10
+  double min_similarity = 0.5;  // correlation with the model at which a point counts as seen, 0 to 1
+  double min_confidence = 0.3;  // share of an object's points to be seen, below which it is lost, 0.05 to 1
+  double search_period = 0.25;  // s between searches of the picture for lost objects, 0 to 3600
+  int search_features = 1500;   // in the picture, compared with those of lost objects, 100 to 10000
+  double smoothing = 0.1;       // s, time constant of the filter of the velocity, 0 to 10
+};
+
+/// Throws std::invalid_argument naming the first parameter out of range, its value and the range.
+void validate(const ObjectTrackerParams& params);
+
+/// An object in a frame. If it is lost, everything but id and label is that of the last frame in which it was seen.
+struct TrackedObject
+{
+  int id = 0;
+  std::string label;
+  bool tracked = false;                // seen in this frame; else lost
+  std::array<cv::Point2d, 4> outline;  // px: what was the region's top left, top right, bottom right, bottom left
+  cv::Point2d center;                  // px
+  double scale = 1.0;                  // size, 1 when it was selected
+  double angle = 0.0;                  // rad, by which it has turned since, clockwise as seen, -pi to pi
+  cv::Point2d velocity;                // px/s of the centre, filtered
+  double confidence = 0.0;             // share of its points that are seen, 0 to 1; 0 if it is lost
+  std::vector<cv::Point2f> points;     // px, those seen; none if it is lost
+};
+
+/// How a point of the picture moves.
+struct FlowPoint
+{
+  cv::Point2f position;  // px, in the newest frame
+  cv::Point2f velocity;  // px/s
+};
+
+/// Follows selected objects from frame to frame, as pictures that are shifted, turned and scaled.
+///
+/// Feature points (Shi, Tomasi: Good Features to Track, 1994) are followed from the last frame by pyramidal Lucas-Kanade
+/// flow there and back. The similarity that most of them agree with is then corrected by the same flow from the object's
+/// first appearance, and is believed only if enough of the points still look as they did: errors do not add up, and an
+/// object that is covered, has left or has turned away is lost in that frame, not followed to somewhere else. Lost
+/// objects are searched for where they were last seen in every frame, and by their ORB features in the whole picture
+/// at intervals; what is found must look as the object did. No clock is read, and no chance is involved.
+class ObjectTracker
+{
+public:
+  /// Throws std::invalid_argument as validate() does.
+  explicit ObjectTracker(const ObjectTrackerParams& params = ObjectTrackerParams());
+  ~ObjectTracker();
+  ObjectTracker(ObjectTracker&&) noexcept;
+  ObjectTracker& operator=(ObjectTracker&&) noexcept;
+
+  /// Parameters from the next frame on; objects stay, with the points that they have.
+  /// Throws std::invalid_argument as validate() does.
+  void configure(const ObjectTrackerParams& params);
+
+  /// Selects what is in a region (px) of the newest frame, and returns its id: 1, 2, ... Throws std::invalid_argument if
+  /// there is no frame yet, the region is not inside of the picture, is smaller than 16x16 px, or has no features.
+  int select(const cv::Rect& region, const std::string& label = "");
+
+  /// Selects what is in a region of a frame of the past; it is lost until it is found in the next frame.
+  int select(const cv::Mat& image, const std::string& encoding, const cv::Rect& region, const std::string& label = "");
+
+  /// Forgets an object; whether there was one.
+  bool forget(int id);
+
+  /// Forgets all objects.
+  void clear();
+
+  /// The objects in the frame of `time_s` (s, of any clock), in the order in which they were selected. In a frame of
+  /// another size than the last, or of an earlier time, they are searched for as if they had been lost. `image` is not
+  /// modified. Throws std::invalid_argument if `image` is not a picture of `encoding` (see encoding.hpp).
+  std::vector<TrackedObject> update(double time_s, const cv::Mat& image, const std::string& encoding);
+
+  /// The objects as update() has returned them, and those selected since.
+  std::vector<TrackedObject> objects() const;
+
+  /// How the picture has moved from the last frame but one to the newest, at up to `count` of its feature points; none
+  /// where that cannot be said: after the first frame, one of another size, or of no later time.
+  std::vector<FlowPoint> flow(int count = 200);
+
+private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace robot_vision

@@ -1,0 +1,135 @@
+#include "robot_vision/object_tracker.hpp"
+
+#include <pybind11/stl.h>
+
+#include "arrays.hpp"
+
+using namespace robot_vision;
+using namespace py::literals;
+
+namespace
+{
+
+using Box = std::array<int, 4>;  // x, y, width, height
+
+cv::Rect toRect(const Box& box)
+{
+  return {box[0], box[1], box[2], box[3]};
+}
+
+py::tuple toTuple(const std::vector<FlowPoint>& flow)
+{
+  std::vector<cv::Point2f> positions, velocities;
+  for (const FlowPoint& point : flow)
+  {
+    positions.push_back(point.position);
+    velocities.push_back(point.velocity);
+  }
+  return py::make_tuple(toNumpy(positions), toNumpy(velocities));
+}
+
+void bindParams(py::module& m)
+{
+  py::class_<ObjectTrackerParams>(
+      m, "ObjectTrackerParams",
+      "Points of an object, window (odd px) and levels of the flow, its error there and back (px), least correlation "
+      "of a point (0..1), least share of points seen (0..1), s between searches, features of a search, time constant "
+      "of the velocity (s).")
+      .def(py::init<>())
+      .def_readwrite("points", &ObjectTrackerParams::points)
+      .def_readwrite("window", &ObjectTrackerParams::window)
+      .def_readwrite("levels", &ObjectTrackerParams::levels)
+      .def_readwrite("max_error", &ObjectTrackerParams::max_error)
+      .def_readwrite("min_similarity", &ObjectTrackerParams::min_similarity)
+      .def_readwrite("min_confidence", &ObjectTrackerParams::min_confidence)
+      .def_readwrite("search_period", &ObjectTrackerParams::search_period)
+      .def_readwrite("search_features", &ObjectTrackerParams::search_features)
+      .def_readwrite("smoothing", &ObjectTrackerParams::smoothing);
+}
+
+void bindResult(py::module& m)
+{
+  py::class_<TrackedObject>(m, "TrackedObject", "An object in a frame; if it is lost, as it was when last seen.")
+      .def_readonly("id", &TrackedObject::id)
+      .def_readonly("label", &TrackedObject::label)
+      .def_readonly("tracked", &TrackedObject::tracked, "seen in this frame; else lost")
+      .def_property_readonly(
+          "outline",
+          [](const TrackedObject& object)
+          { return toNumpy(std::vector<cv::Point2d>(object.outline.begin(), object.outline.end())); },
+          "(4, 2) px: what was the region's top left, top right, bottom right, bottom left")
+      .def_property_readonly(
+          "center", [](const TrackedObject& object) { return toPair(object.center); }, "(x, y), px")
+      .def_readonly("scale", &TrackedObject::scale, "size, 1 when it was selected")
+      .def_readonly("angle", &TrackedObject::angle, "rad, by which it has turned since, clockwise")
+      .def_property_readonly(
+          "velocity", [](const TrackedObject& object) { return toPair(object.velocity); }, "px/s of the centre")
+      .def_readonly("confidence", &TrackedObject::confidence, "share of its points that are seen, 0 to 1")
+      .def_property_readonly(
+          "points", [](const TrackedObject& object) { return toNumpy(object.points); }, "(n, 2) float32 px, those seen");
+}
+
+}  // namespace
+
+/// Objects that are followed.
+void bindObjectTracker(py::module& m)
+{
+  bindParams(m);
+  bindResult(m);
+  py::class_<ObjectTracker>(m, "ObjectTracker",
+                            "Follows selected objects from frame to frame, says when they are lost, and finds them "
+                            "again.")
+      .def(py::init<const ObjectTrackerParams&>(), "params"_a = ObjectTrackerParams())
+      .def("configure", &ObjectTracker::configure, "params"_a,
+           "Parameters from the next frame on; objects stay.\n\nRaises ValueError for one out of range.")
+      .def(
+          "select",
+          [](ObjectTracker& tracker, const Box& box, const std::string& label)
+          {
+            const py::gil_scoped_release unlocked;
+            return tracker.select(toRect(box), label);
+          },
+          "box"_a, "label"_a = "",
+          "Selects what is in a box (x, y, width, height; px) of the newest frame; its id.\n\nRaises ValueError if "
+          "there is no frame, the box is not inside of it, is too small, or has no features.")
+      .def(
+          "select_in",
+          [](ObjectTracker& tracker, const py::array& image, const Box& box, const std::string& label,
+             const std::string& encoding)
+          {
+            const Picture input(image);
+            const py::gil_scoped_release unlocked;
+            return tracker.select(input.view, encoding, toRect(box), label);
+          },
+          "image"_a, "box"_a, "label"_a = "", "encoding"_a = "bgr8",
+          "Selects what is in a box of a frame of the past; it is lost until it is found in the next frame. Its "
+          "id.\n\nRaises ValueError as select() does.")
+      .def("forget", &ObjectTracker::forget, "id"_a, "Forgets an object; whether there was one.")
+      .def("clear", &ObjectTracker::clear, "Forgets all objects.")
+      .def(
+          "update",
+          [](ObjectTracker& tracker, double time, const py::array& image, const std::string& encoding)
+          {
+            const Picture input(image);
+            const py::gil_scoped_release unlocked;
+            return tracker.update(time, input.view, encoding);
+          },
+          "time"_a, "image"_a, "encoding"_a = "bgr8",
+          "The TrackedObjects in the frame of a time, s, in the order in which they were selected.\n\n"
+          "Raises ValueError for an image that is not of this encoding.")
+      .def("objects", &ObjectTracker::objects, "The objects as update() has returned them, and those selected since.")
+      .def(
+          "flow",
+          [](ObjectTracker& tracker, int count)
+          {
+            std::vector<FlowPoint> flow;
+            {
+              const py::gil_scoped_release unlocked;
+              flow = tracker.flow(count);
+            }
+            return toTuple(flow);
+          },
+          "count"_a = 200,
+          "How the picture has moved to the newest frame: positions (n, 2) px and velocities (n, 2) px/s of up to "
+          "`count` of its points.");
+}

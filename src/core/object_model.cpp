@@ -1,0 +1,189 @@
+#include "object_model.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+#include <opencv2/video/tracking.hpp>
+#include <stdexcept>
+#include <string>
+
+namespace robot_vision
+{
+namespace
+{
+
+constexpr int kLongestSide = 96;      // px of a model
+constexpr int kSmallestSide = 16;     // px of a region
+constexpr int kFewestPoints = 8;      // of a region that can be followed
+constexpr int kBorder = 3;            // px of the model at whose edge there are no points
+constexpr int kWindow = 13;           // px around a point that are compared
+constexpr double kMinContrast = 2e-5; // least eigenvalue of the gradients around a point
+constexpr double kTolerance = 0.04;   // of the model's side, by which a point may be off: nothing is flat and rigid
+const cv::Size kFlowWindow(13, 13);
+constexpr int kFlowLevels = 2;
+
+std::string text(const cv::Rect& r)
+{
+  return std::to_string(r.width) + "x" + std::to_string(r.height) + " px at (" + std::to_string(r.x) + ", " +
+         std::to_string(r.y) + ")";
+}
+
+void checkRegion(const cv::Size& picture, const cv::Rect& region)
+{
+  const std::string size = std::to_string(picture.width) + "x" + std::to_string(picture.height);
+  const auto refuse = [&](const std::string& why)
+  { throw std::invalid_argument("region of " + text(region) + " " + why + " the picture of " + size); };
+  const std::int64_t right = std::int64_t{region.x} + region.width, bottom = std::int64_t{region.y} + region.height;
+  if (region.width < kSmallestSide || region.height < kSmallestSide)
+    refuse("is too small, must be at least 16x16 px inside");
+  if (region.x < 0 || region.y < 0 || right > picture.width || bottom > picture.height) refuse("is not inside");
+}
+
+cv::Mat smoothed(const cv::Mat& pixels)
+{
+  cv::Mat smooth;  // what is compared has been noisy, blurred, larger and smaller
+  cv::GaussianBlur(pixels, smooth, {5, 5}, 1.2);
+  return smooth;
+}
+
+/// The strongest corners that have some contrast at all.
+std::vector<cv::Point2f> findPoints(const cv::Mat& pixels, int count)
+{
+  const int block = 7;
+  const double distance = std::max(3.0, std::sqrt(pixels.total() / (2.0 * count)));
+  cv::Mat mask = cv::Mat::zeros(pixels.size(), CV_8UC1), contrast;
+  mask(cv::Rect(kBorder, kBorder, pixels.cols - 2 * kBorder, pixels.rows - 2 * kBorder)).setTo(255);
+  cv::cornerMinEigenVal(pixels, contrast, block);
+  mask.setTo(0, contrast < kMinContrast);
+  std::vector<cv::Point2f> points;
+  cv::goodFeaturesToTrack(pixels, points, count, 0.005, distance, mask, block);
+  return points;
+}
+
+/// Mean 0 and norm 1; nothing if there is no contrast.
+bool normalize(cv::Mat& window)
+{
+  window -= cv::mean(window)[0];
+  const double norm = cv::norm(window);
+  if (norm < 1e-3) return false;
+  window *= 1.0 / norm;
+  return true;
+}
+
+cv::Mat windowAt(const cv::Mat& pixels, const cv::Point2f& point)
+{
+  cv::Mat window;
+  cv::getRectSubPix(pixels, {kWindow, kWindow}, point, window, CV_32F);
+  return window;
+}
+
+/// Gives the pixels the brightness and contrast of the model, judged by those that are alike: the rest is covered.
+void matchLight(cv::Mat& pixels, const cv::Mat& model)
+{
+  double gain = 1.0, offset = 0.0, limit = 1e9;
+  for (int round = 0; round < 3; ++round)
+  {
+    double n = 0, x = 0, y = 0, xx = 0, xy = 0, errors = 0;
+    for (int row = 0; row < pixels.rows; row += 2)
+      for (int column = 0; column < pixels.cols; column += 2)
+      {
+        const double from = pixels.at<uchar>(row, column), to = model.at<uchar>(row, column);
+        const double error = gain * from + offset - to;
+        if (from == 0.0 || std::abs(error) > limit) continue;  // 0: outside of the picture
+        n += 1, x += from, y += to, xx += from * from, xy += from * to, errors += error * error;
+      }
+    const double variance = n * xx - x * x;
+    if (n < 20 || variance <= 0.0) return;
+    gain = std::clamp((n * xy - x * y) / variance, 0.25, 4.0);
+    offset = (y - gain * x) / n;
+    limit = round == 0 ? 40.0 : 1.5 * std::sqrt(errors / n) + 5.0;
+  }
+  pixels.convertTo(pixels, CV_8U, gain, offset);
+}
+
+}  // namespace
+
+ObjectModel::ObjectModel(const cv::Mat& gray, const cv::Rect& region, int points)
+{
+  checkRegion(gray.size(), region);
+  const double shrunk = std::min(1.0, kLongestSide / static_cast<double>(std::max(region.width, region.height)));
+  const cv::Size size(std::max(cvRound(region.width * shrunk), kSmallestSide / 2),
+                      std::max(cvRound(region.height * shrunk), kSmallestSide / 2));
+  cv::Mat small;
+  cv::resize(gray(region), small, size, 0.0, 0.0, cv::INTER_AREA);
+  pixels_ = smoothed(small);
+  points_ = findPoints(pixels_, points);
+  if (static_cast<int>(points_.size()) < kFewestPoints)
+    throw std::invalid_argument("region of " + text(region) + " has " + std::to_string(points_.size()) +
+                                " feature points, must have at least " + std::to_string(kFewestPoints) +
+                                ": select something with a pattern");
+  cv::buildOpticalFlowPyramid(pixels_, pyramid_, kFlowWindow, kFlowLevels, true);
+  for (const cv::Point2f& point : points_)
+  {
+    windows_.push_back(windowAt(pixels_, point));
+    normalize(windows_.back());
+  }
+  const double scale = 1.0 / shrunk, half = 0.5 * (scale - 1.0);  // pixels' middles, not their corners, are whole
+  first_pose_ = {scale, 0.0, {region.x + half, region.y + half}};
+  const auto right = static_cast<float>(region.width * shrunk - 0.5);
+  const auto bottom = static_cast<float>(region.height * shrunk - 0.5);
+  corners_ = {{-0.5F, -0.5F}, {right, -0.5F}, {right, bottom}, {-0.5F, bottom}};
+  center_ = {0.5 * (right - 0.5), 0.5 * (bottom - 0.5)};
+}
+
+cv::Mat ObjectModel::warped(FlowPicture& picture, const FlowParams& params, const Similarity& pose) const
+{
+  int halvings = cvRound(std::log2(std::max(pose.scale(), 1.0)));  // or far apart pixels would be taken
+  const cv::Mat& pixels = picture.halved(params, halvings);
+  const double factor = std::ldexp(1.0, -halvings);
+  const Similarity smaller{pose.a * factor, pose.b * factor, pose.shift * factor};
+  cv::Mat patch;
+  cv::warpAffine(pixels, patch, smaller.matrix(), pixels_.size(), cv::INTER_LINEAR | cv::WARP_INVERSE_MAP,
+                 cv::BORDER_CONSTANT);
+  return smoothed(patch);
+}
+
+ModelFit ObjectModel::fit(FlowPicture& picture, const FlowParams& params, const Similarity& pose, double min_similarity,
+                          int rounds) const
+{
+  ModelFit result{pose, {}, {}};
+  const double side = std::sqrt(static_cast<double>(pixels_.total()));
+  const double tolerance = std::max(1.5, kTolerance * side);
+  for (int round = 0; round < rounds; ++round)
+  {
+    cv::Mat patch = warped(picture, params, result.pose);
+    matchLight(patch, pixels_);
+    std::vector<cv::Point2f> found = points_;
+    std::vector<uchar> status;
+    std::vector<float> unused;
+    cv::calcOpticalFlowPyrLK(pyramid_, patch, points_, found, status, unused, kFlowWindow, kFlowLevels,
+                             {cv::TermCriteria::COUNT + cv::TermCriteria::EPS, 15, 0.02},
+                             cv::OPTFLOW_USE_INITIAL_FLOW);
+    const cv::Rect2f inside({0.0F, 0.0F}, cv::Size2f(picture.size()));
+    std::vector<std::size_t> which;
+    std::vector<cv::Point2f> from, to;
+    for (std::size_t i = 0; i < points_.size(); ++i)
+    {
+      if (!status[i] || !inside.contains(cv::Point2f(result.pose(cv::Point2d(found[i]))))) continue;
+      cv::Mat window = windowAt(patch, found[i]);
+      if (!normalize(window) || window.dot(windows_[i]) < min_similarity) continue;
+      which.push_back(i);
+      from.push_back(points_[i]);
+      to.push_back(found[i]);
+    }
+    result.seen.clear();
+    result.where.clear();
+    const auto correction = fitSimilarity(from, to, tolerance, kFewestPoints / 2);
+    if (!correction) return result;
+    for (std::size_t i = 0; i < from.size(); ++i)
+    {
+      if (cv::norm((*correction)(cv::Point2d(from[i])) - cv::Point2d(to[i])) > tolerance) continue;
+      result.seen.push_back(which[i]);
+      result.where.emplace_back(result.pose(cv::Point2d(to[i])));
+    }
+    result.pose = result.pose * *correction;
+  }
+  return result;
+}
+
+}  // namespace robot_vision

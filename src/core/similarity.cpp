@@ -1,0 +1,54 @@
+#include "similarity.hpp"
+
+#include <cmath>
+#include <opencv2/calib3d.hpp>
+
+namespace robot_vision
+{
+
+double Similarity::scale() const
+{
+  return std::hypot(a, b);
+}
+
+double Similarity::angle() const
+{
+  return std::atan2(b, a);
+}
+
+cv::Point2d Similarity::operator()(const cv::Point2d& p) const
+{
+  return {a * p.x - b * p.y + shift.x, b * p.x + a * p.y + shift.y};
+}
+
+std::vector<cv::Point2f> Similarity::operator()(const std::vector<cv::Point2f>& points) const
+{
+  std::vector<cv::Point2f> moved;
+  for (const cv::Point2f& p : points)
+    moved.emplace_back((*this)(cv::Point2d(p)));
+  return moved;
+}
+
+Similarity Similarity::operator*(const Similarity& inner) const
+{
+  return {a * inner.a - b * inner.b, b * inner.a + a * inner.b, (*this)(inner.shift)};
+}
+
+cv::Matx23d Similarity::matrix() const
+{
+  return {a, -b, shift.x, b, a, shift.y};
+}
+
+std::optional<Similarity> fitSimilarity(const std::vector<cv::Point2f>& from, const std::vector<cv::Point2f>& to,
+                                        double tolerance, int least)
+{
+  if (static_cast<int>(from.size()) < std::max(least, 2)) return std::nullopt;
+  std::vector<uchar> agrees;
+  // OpenCV seeds its random numbers anew in each call.
+  const cv::Mat fit = cv::estimateAffinePartial2D(from, to, agrees, cv::RANSAC, tolerance, 500, 0.99, 5);
+  if (fit.empty() || cv::countNonZero(agrees) < least) return std::nullopt;
+  const cv::Matx23d m = fit;
+  return Similarity{m(0, 0), m(1, 0), {m(0, 2), m(1, 2)}};
+}
+
+}  // namespace robot_vision
