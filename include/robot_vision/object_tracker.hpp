@@ -18,7 +18,7 @@ struct ObjectTrackerParams
   double min_similarity = 0.5;  // correlation with the model at which a point counts as seen, 0 to 1
   double min_confidence = 0.3;  // share of an object's points to be seen, below which it is lost, 0.05 to 1
   double search_period = 0.25;  // s between searches of the picture for lost objects, 0 to 3600
-  int search_features = 1500;   // in the picture, compared with those of lost objects, 100 to 10000
+  int search_features = 3000;   // in the picture, compared with those of lost objects, 100 to 10000
   double smoothing = 0.1;       // s, time constant of the filter of the velocity, 0 to 10
 };
 

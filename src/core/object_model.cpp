@@ -17,7 +17,7 @@ constexpr int kSmallestSide = 16;     // px of a region
 constexpr int kFewestPoints = 8;      // of a region that can be followed
 constexpr int kBorder = 3;            // px of the model at whose edge there are no points
 constexpr int kWindow = 13;           // px around a point that are compared
-constexpr double kMinContrast = 2e-5; // least eigenvalue of the gradients around a point
+constexpr double kMinContrast = 6e-5; // least eigenvalue of the gradients around a point
 constexpr double kTolerance = 0.04;   // of the model's side, by which a point may be off: nothing is flat and rigid
 const cv::Size kFlowWindow(13, 13);
 constexpr int kFlowLevels = 2;

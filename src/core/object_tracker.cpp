@@ -180,7 +180,8 @@ struct ObjectTracker::Impl
 
   bool tryPose(Object& object, const Similarity& pose, int rounds)
   {
-    const ModelFit fit = object.model.fit(newest, flow, pose, params.min_similarity, rounds);
+    const double similarity = 0.5 * (1.0 + params.min_similarity);  // the next coin in a row is quite like this one
+    const ModelFit fit = object.model.fit(newest, flow, pose, similarity, rounds);
     const double least = std::min(kFoundAgain * params.min_confidence, 1.0);
     return !isTaken(object, fit.pose) && accept(object, fit, least);
   }
