@@ -2,7 +2,7 @@
 
 import ctypes
 import os
-from typing import Any, Callable
+from typing import Any, Callable, Optional, Tuple
 
 import cv2
 import numpy as np
@@ -23,6 +23,11 @@ def require_display() -> None:
     x11.XCloseDisplay(ctypes.c_void_p(display))
 
 
+Point = Tuple[int, int]
+DRAG = 4  # px that the pointer moves before a click becomes a rectangle
+GREEN = (0, 255, 0)
+
+
 class Window:
     """A window that shows one picture after the other.
 
@@ -31,17 +36,34 @@ class Window:
         autosize: whether it takes the size of the picture; else it can be resized, and the picture
             is fitted in.
         on_click: is called by poll() with x and y, in px of the picture, for a left click.
+        on_drag: is called by poll() with x, y, width and height of a rectangle, in px of the
+            picture, that has been drawn with the left button; it is shown while it is drawn.
     """
 
-    def __init__(self, name: str, autosize: bool, on_click: Callable[[int, int], Any]):
+    def __init__(
+        self,
+        name: str,
+        autosize: bool,
+        on_click: Callable[[int, int], Any],
+        on_drag: Callable[[int, int, int, int], Any] = lambda *_: None,
+    ):
         self._name = name
         self._on_click = on_click
+        self._on_drag = on_drag
+        self._picture: Optional[np.ndarray] = None
+        self._pressed: Optional[Point] = None  # where the button was
+        self._dragged: Optional[Point] = None  # where the pointer is, if it has been moved since
         kind = cv2.WINDOW_AUTOSIZE if autosize else cv2.WINDOW_NORMAL | cv2.WINDOW_KEEPRATIO
         cv2.namedWindow(name, kind | cv2.WINDOW_GUI_NORMAL)
         cv2.setMouseCallback(name, self._on_mouse)
 
     def show(self, picture: np.ndarray) -> None:
-        """Shows a copy of a (height, width, 3) uint8 picture, BGR."""
+        """Shows a (height, width, 3) uint8 picture, BGR, which must stay as it is."""
+        self._picture = picture
+        if self._dragged:
+            x, y, width, height = self._rectangle()
+            picture = picture.copy()
+            cv2.rectangle(picture, (x, y), (x + width - 1, y + height - 1), GREEN, 1)
         cv2.imshow(self._name, picture)
 
     def set_title(self, title: str) -> None:
@@ -60,6 +82,31 @@ class Window:
         except cv2.error:  # some versions have no answer without a window
             return False
 
-    def _on_mouse(self, event: int, x: int, y: int, _flags: int, _parameter: Any) -> None:
+    def _on_mouse(self, event: int, x: int, y: int, flags: int, _parameter: Any) -> None:
         if event == cv2.EVENT_LBUTTONDOWN:
-            self._on_click(x, y)
+            self._pressed = (x, y)
+        elif event == cv2.EVENT_MOUSEMOVE and self._pressed and flags & cv2.EVENT_FLAG_LBUTTON:
+            if self._dragged or max(abs(x - self._pressed[0]), abs(y - self._pressed[1])) >= DRAG:
+                self._dragged = (x, y)
+                self._show_again()
+        elif event == cv2.EVENT_LBUTTONUP and self._pressed:
+            pressed, rectangle = self._pressed, self._dragged and self._rectangle()
+            self._pressed = self._dragged = None
+            if rectangle:
+                self._show_again()
+                self._on_drag(*rectangle)
+            else:
+                self._on_click(*pressed)
+
+    def _rectangle(self) -> Tuple[int, int, int, int]:
+        """x, y, width and height of what has been drawn, as far as it is in the picture."""
+        height, width = self._picture.shape[:2]
+        (left, right), (top, bottom) = (
+            sorted(min(max(end, 0), size - 1) for end in ends)
+            for ends, size in zip(zip(self._pressed, self._dragged), (width, height))
+        )
+        return left, top, right - left + 1, bottom - top + 1
+
+    def _show_again(self) -> None:
+        if self._picture is not None:
+            self.show(self._picture)

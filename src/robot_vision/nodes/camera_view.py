@@ -6,6 +6,7 @@ from typing import Any, Dict, Optional
 
 import cv2
 import rospy
+from sensor_msgs.msg import RegionOfInterest
 
 from .. import range_around, to_hsv
 from ..cfg import SimpleCameraViewConfig
@@ -27,7 +28,8 @@ class CameraView:
     """Shows the pictures of the topic `image`.
 
     A left click prints and publishes the pixel (~clicked, robot_vision/Click) and prints the range
-    around its colour for hsv_tracker. The key s saves the picture as PNG; q and Esc end the node.
+    around its colour for hsv_tracker. A rectangle dragged with the left button is published
+    (~selected, sensor_msgs/RegionOfInterest), for object_tracker to follow. The key s saves the picture as PNG; q and Esc end the node.
 
     Parameters:
         ~autosize (bool): the window takes the picture's size; else it can be resized.
@@ -47,8 +49,9 @@ class CameraView:
         self._newest: Optional[Frame] = None  # written by the thread of the pictures
         self._shown: Optional[Frame] = None
         self._clicked = rospy.Publisher("~clicked", Click, queue_size=10)
+        self._selected = rospy.Publisher("~selected", RegionOfInterest, queue_size=10)
         self._subscriber = ImageSubscriber("image", self._on_frame, encoding="bgr8")
-        self._window = Window(self._topic, autosize, self._on_click)
+        self._window = Window(self._topic, autosize, self._on_click, self._on_drag)
         self._window.show(waiting_picture(self._topic))
 
     def spin(self) -> None:
@@ -94,6 +97,13 @@ class CameraView:
         if outside(hsv, color):
             print(outside(hsv, color), flush=True)
         self._clicked.publish(Click(header=frame.header, x=x, y=y, bgr=bgr, hsv=hsv))
+
+    def _on_drag(self, x: int, y: int, width: int, height: int) -> None:
+        if self._shown is None:
+            return
+        print(f"x {x}, y {y}: selected {width}x{height} px", flush=True)
+        region = RegionOfInterest(x_offset=x, y_offset=y, width=width, height=height)
+        self._selected.publish(region)
 
     def _save(self) -> None:
         frame = self._shown

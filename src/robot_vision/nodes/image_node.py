@@ -11,6 +11,8 @@ from .params import read_param
 class ImageNode:
     """Works on the topic `image` while somebody subscribes to an output (or ~always_subscribe).
 
+    Or while it is `needed`: call reconsider() when that may have changed.
+
     Counts and refuses frames, and reports on /diagnostics under the node's name. Give it its
     outputs, then start() it.
 
@@ -18,6 +20,7 @@ class ImageNode:
         process: works on a Frame and publishes.
         encoding: that it wants its frames in.
         camera_info: whether frames shall come with their camera_info.
+        needed: whether there is work besides the outputs; is called by the thread of the pictures.
 
     Raises:
         ValueError: a parameter is of the wrong type or out of range.
@@ -28,8 +31,10 @@ class ImageNode:
         process: Callable[[transport.Frame], Any],
         encoding: str = "bgr8",
         camera_info: bool = False,
+        needed: Callable[[], bool] = lambda: False,
     ):
         self._always = read_param("always_subscribe", False)
+        self._needed = needed
         self._outputs: List[Any] = []
         kind = transport.CameraSubscriber if camera_info else transport.ImageSubscriber
         self._images = kind(
@@ -37,6 +42,11 @@ class ImageNode:
         )
         if self._images.topic == "/image":
             rospy.logwarn("topic 'image' is not remapped; typical use is image:=/usb_cam/image_raw")
+
+    @property
+    def topic(self) -> str:
+        """The topic of the pictures, resolved."""
+        return self._images.topic
 
     def publisher(self, name: str, kind: Any) -> rospy.Publisher:
         """A topic for results, which makes the node work."""
@@ -55,9 +65,14 @@ class ImageNode:
         transport.add_connection_listener(self._update)
         transport.note_connections()
 
+    def reconsider(self) -> None:
+        """Begins or ends to work if that is due. Thread-safe."""
+        transport.note_connections()
+
     def _update(self) -> None:
         """Only the thread of the pictures calls it, so subscribing and ending do not overlap."""
-        if self._always or any(output.get_num_connections() for output in self._outputs):
+        wanted = any(output.get_num_connections() for output in self._outputs)
+        if self._always or wanted or self._needed():
             self._images.start()
         else:
             self._images.unregister()

@@ -1,0 +1,96 @@
+"""Selects what another node has found, for object_tracker to follow."""
+
+import collections
+import threading
+from typing import Any, Deque, List, Tuple
+
+import cv2
+import numpy as np
+import rospy
+
+from .. import ObjectTracker, TrackedObject
+from ..msg import Detection, DetectionArray
+from ..transport import Frame
+
+HISTORY = 15  # frames that a detection may be late
+
+
+class AutoSelection:
+    """Selects detections that no tracked object covers, in the frame where they were found.
+
+    Args:
+        tracker: where objects are selected; select() is called when it is free.
+    """
+
+    def __init__(self, tracker: ObjectTracker):
+        self._tracker = tracker
+        self._label = ""
+        self._most = 1
+        self._lock = threading.Lock()  # guards the detections that have come
+        self._come: Deque[DetectionArray] = collections.deque(maxlen=HISTORY)
+        # The last frames, and the outlines of what was tracked in them.
+        self._frames: Deque[Tuple[Frame, List[np.ndarray]]] = collections.deque(maxlen=HISTORY)
+
+    def configure(self, label: str, most: int) -> None:
+        """Selects only what has this label, if it is not empty, and has at most so many objects."""
+        self._label = label
+        self._most = most
+
+    def add(self, detections: DetectionArray) -> None:
+        """Takes what was found; for another thread."""
+        with self._lock:
+            self._come.append(detections)
+
+    def select(self, frame: Frame, tracks: List[TrackedObject]) -> None:
+        """Selects what has been found up to this frame, in which these objects are."""
+        self._frames.append((frame, [track.outline for track in tracks if track.tracked]))
+        with self._lock:
+            come = [found for found in self._come if found.header.stamp <= frame.header.stamp]
+            for found in come:
+                self._come.remove(found)
+        for found in come:
+            stamps = [past.header.stamp for past, _ in self._frames]
+            if found.header.stamp in stamps:
+                self._select_uncovered(found.detections, stamps.index(found.header.stamp))
+
+    def _select_uncovered(self, detections: List[Detection], number: int) -> None:
+        frame, outlines = self._frames[number]
+        for found in detections:
+            if self._label not in ("", found.label) or is_covered(found, outlines):
+                continue
+            if not self._make_room():
+                return
+            box = found.box
+            region = box.x_offset, box.y_offset, box.width, box.height
+            try:
+                self._tracker.select_in(frame.image, region, found.label)
+            except ValueError as error:
+                rospy.logwarn_throttle(10.0, "a detection cannot be followed: %s", error)
+                continue
+            # Later detections of it are on their way, of frames in which it was not tracked yet.
+            for _, later in list(self._frames)[number:]:
+                later.append(np.array(cv2.boxPoints(box_of(region))))
+
+    def _make_room(self) -> bool:
+        """Whether one more object may be followed; one that is lost makes way for it."""
+        objects = self._tracker.objects()
+        if len(objects) < self._most:
+            return True
+        lost = [track.id for track in objects if not track.tracked]
+        return bool(lost) and self._tracker.forget(lost[0])
+
+
+def box_of(region: Tuple[int, int, int, int]) -> Any:
+    """(x, y, width, height) as OpenCV's RotatedRect."""
+    x, y, width, height = region
+    return (x + width / 2.0, y + height / 2.0), (width, height), 0.0
+
+
+def is_covered(found: Detection, outlines: List[np.ndarray]) -> bool:
+    """Whether the middle of what was found is inside of an outline."""
+    box = found.box
+    middle = box.x_offset + box.width / 2.0, box.y_offset + box.height / 2.0
+    return any(
+        cv2.pointPolygonTest(outline.astype(np.float32), middle, False) >= 0.0
+        for outline in outlines
+    )

@@ -1,0 +1,190 @@
+"""The node object_tracker: follows what is selected in the picture."""
+
+import threading
+from typing import Any, Dict, List, Optional, Tuple
+
+import rospy
+from sensor_msgs.msg import RegionOfInterest
+
+from .. import ObjectTracker as Tracker
+from .. import ObjectTrackerParams, TrackedObject
+from ..cfg import ObjectTrackerConfig
+from ..msg import DetectionArray, Flow, TrackStateArray
+from ..srv import ForgetObject, ForgetObjectResponse, SelectObject, SelectObjectResponse
+from ..transport import Frame
+from .auto_selection import AutoSelection
+from .image_node import ImageNode
+from .messages import detection_array
+from .params import LiveParams, filled
+from .tracks import detection_of, draw_tracks, flow_message, track_states
+
+PARAMS = (
+    "points",
+    "window",
+    "levels",
+    "max_error",
+    "min_similarity",
+    "min_confidence",
+    "search_period",
+    "search_features",
+    "smoothing",
+)
+FRESH = 1.0  # s: a frame that is older is not what somebody sees and selects in
+SELECT_TIMEOUT = 5.0  # s that the service waits for a frame
+FAR = 2**30  # px, more than any picture has
+
+
+class Selection:
+    """A region that waits for a frame to be selected in."""
+
+    def __init__(self, region: RegionOfInterest, label: str, replaces: bool):
+        corner = min(region.x_offset, FAR), min(region.y_offset, FAR)
+        self.box: Tuple[int, ...] = (*corner, min(region.width, FAR), min(region.height, FAR))
+        self.label = label
+        self.replaces = replaces  # all other objects
+        self.done = threading.Event()
+        self.id = -1
+        self.error = ""
+
+
+class ObjectTracker:
+    """Publishes ~object, ~state, ~flow and ~processed_image (outlines, points, what is lost).
+
+    Follows what ~select (sensor_msgs/RegionOfInterest), ~select_object and, if ~auto_select is
+    true, `detections` (robot_vision/DetectionArray) name, until ~forget. It looks at pictures as
+    long as it has objects, even if nobody subscribes: they would be lost.
+    """
+
+    def __init__(self) -> None:
+        self._lock = threading.Lock()  # guards what follows
+        self._tracker = Tracker()
+        self._waiting: List[Selection] = []
+        self._auto = AutoSelection(self._tracker)
+        self._time: Optional[float] = None  # s, of the newest frame
+        self._seen: Dict[int, float] = {}  # s, when each object was
+        self._was_busy = False  # after the last frame there were objects, or now there were to be
+        self._detections: Optional[rospy.Subscriber] = None
+        self._params = LiveParams(ObjectTrackerConfig, self._configure)
+        self._node = ImageNode(self._process, needed=self._is_needed)
+        self._object = self._node.publisher("~object", DetectionArray)
+        self._state = self._node.publisher("~state", TrackStateArray)
+        self._flow = self._node.publisher("~flow", Flow)
+        self._processed = self._node.image_publisher("~processed_image")
+        self._select = rospy.Subscriber("~select", RegionOfInterest, self._on_select)
+        rospy.Service("~select_object", SelectObject, self._on_select_object)
+        rospy.Service("~forget", ForgetObject, self._on_forget)
+        self._node.start()
+
+    def _configure(self, config: Dict[str, Any]) -> None:
+        with self._lock:
+            self._tracker.configure(filled(ObjectTrackerParams(), config, PARAMS))
+            self._config = config
+            self._auto.configure(config["auto_label"], config["max_objects"])
+        if config["auto_select"] and self._detections is None:
+            self._detections = rospy.Subscriber(
+                "detections", DetectionArray, self._auto.add, queue_size=10
+            )
+        elif not config["auto_select"] and self._detections is not None:
+            self._detections.unregister()
+            self._detections = None
+
+    def _is_needed(self) -> bool:
+        with self._lock:
+            return bool(self._waiting or self._tracker.objects() or self._detections)
+
+    def _process(self, frame: Frame) -> None:
+        now = frame.header.stamp.to_sec() or rospy.get_time()
+        with self._lock:
+            tracks = self._update(now, frame)
+            config = self._config
+            flow = self._tracker.flow(config["flow_points"]) if has_readers(self._flow) else None
+        if has_readers(self._object):
+            found = (detection_of(track, frame.image) for track in tracks if track.tracked)
+            self._object.publish(detection_array(frame, found))
+        if has_readers(self._state):
+            self._state.publish(track_states(frame, tracks))
+        if flow:
+            self._flow.publish(flow_message(frame, *flow))
+        if self._processed.get_num_connections():
+            overlay = frame.image.copy()
+            draw_tracks(overlay, tracks)
+            self._processed.publish(overlay, "bgr8", frame.header)
+        if not tracks and self._was_busy:
+            self._node.reconsider()
+        self._was_busy = bool(tracks)
+
+    def _update(self, now: float, frame: Frame) -> List[TrackedObject]:
+        """The objects in the frame, those among them that have just been selected."""
+        waiting, self._waiting = self._waiting, []
+        self._was_busy |= bool(waiting)
+        # Selected was what people saw: the last frame, if they were looking.
+        in_last = self._time is not None and 0.0 <= now - self._time < FRESH
+        if in_last:
+            self._select_all(waiting)
+        tracks = self._tracker.update(now, frame.image)
+        if not in_last:
+            self._select_all(waiting)
+        if self._detections:
+            self._auto.select(frame, tracks)
+        self._forget_lost(now, tracks)
+        self._time = now
+        return self._tracker.objects()
+
+    def _select_all(self, waiting: List[Selection]) -> None:
+        for selection in waiting:
+            others = [track.id for track in self._tracker.objects()] if selection.replaces else []
+            try:
+                selection.id = self._tracker.select(selection.box, selection.label)
+            except ValueError as error:
+                selection.error = str(error)
+                rospy.logerr("nothing selected on %s: %s", self._node.topic, error)
+            else:
+                for number in others:
+                    self._tracker.forget(number)
+            selection.done.set()
+
+    def _forget_lost(self, now: float, tracks: List[TrackedObject]) -> None:
+        limit = self._config["forget_after"]
+        seen = {
+            track.id: now if track.tracked else min(self._seen.get(track.id, now), now)
+            for track in tracks
+        }
+        for number in [number for number, last in seen.items() if 0.0 < limit < now - last]:
+            rospy.loginfo("object %d is forgotten: lost for %g s", number, limit)
+            self._tracker.forget(number)
+        self._seen = seen
+
+    def _await(self, selection: Selection) -> None:
+        with self._lock:
+            self._waiting.append(selection)
+        self._node.reconsider()
+
+    def _on_select(self, region: RegionOfInterest) -> None:
+        self._await(Selection(region, "", not self._config["several"]))
+
+    def _on_select_object(self, request: Any) -> SelectObjectResponse:
+        selection = Selection(request.region, request.label, False)
+        self._await(selection)
+        selection.done.wait(SELECT_TIMEOUT)
+        with self._lock:
+            if selection in self._waiting:
+                self._waiting.remove(selection)
+                selection.error = f"no frame on {self._node.topic} within {SELECT_TIMEOUT:g} s"
+        return SelectObjectResponse(not selection.error, selection.error, selection.id)
+
+    def _on_forget(self, request: Any) -> ForgetObjectResponse:
+        with self._lock:
+            known = [track.id for track in self._tracker.objects()]
+            if request.id != -1 and request.id not in known:
+                names = ", ".join(map(str, known)) or "none"
+                return ForgetObjectResponse(
+                    False, f"id is {request.id}, must be of an object ({names}), or -1 for all"
+                )
+            for number in known if request.id == -1 else [request.id]:
+                self._tracker.forget(number)
+        self._node.reconsider()
+        return ForgetObjectResponse(True, "")
+
+
+def has_readers(publisher: rospy.Publisher) -> bool:
+    return publisher.get_num_connections() > 0

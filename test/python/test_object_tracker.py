@@ -1,0 +1,252 @@
+"""Parts of photographs that move before other photographs, followed against the truth."""
+
+import itertools
+
+import cv2
+import numpy as np
+import pytest
+import skimage.data
+
+import robot_vision as rv
+
+RATE = 30.0  # Hz
+FRAMES = 600
+SIZE = (640, 480)
+
+
+def photograph(name, size=None):
+    picture = getattr(skimage.data, name)()
+    code = cv2.COLOR_GRAY2BGR if picture.ndim == 2 else cv2.COLOR_RGB2BGR
+    return cv2.resize(cv2.cvtColor(picture, code), size or picture.shape[1::-1])
+
+
+def part(name, box, size):
+    x, y, width, height = box
+    cut = photograph(name)[y : y + height, x : x + width]
+    return cv2.resize(cut, size, interpolation=cv2.INTER_AREA)
+
+
+FACE = (160, 20, 160, 200)  # of the astronaut
+
+
+def placement(picture, center, scale, angle):
+    """The affine matrix that puts the middle of a picture there."""
+    height, width = picture.shape[:2]
+    c, s = scale * np.cos(angle), scale * np.sin(angle)
+    turn = np.array([[c, -s], [s, c]])
+    shift = np.subtract(center, turn @ ((width - 1) / 2.0, (height - 1) / 2.0))
+    return np.column_stack([turn, shift])
+
+
+def outline(picture, place):
+    height, width = picture.shape[:2]
+    corners = np.array([(0, 0), (width, 0), (width, height), (0, height)]) - 0.5
+    return corners @ place[:, :2].T + place[:, 2]
+
+
+def put(background, picture, place):
+    """The background with the picture before it, as a camera sees it."""
+    if np.hypot(*place[:, 0]) < 1.0:
+        picture = cv2.GaussianBlur(picture, (0, 0), 0.5 / np.hypot(*place[:, 0]))
+    size = background.shape[1::-1]
+    seen = cv2.warpAffine(picture, place, size, borderMode=cv2.BORDER_REPLICATE)
+    mask = cv2.warpAffine(np.full(picture.shape, 255, np.uint8), place, size) / 255.0
+    return background * (1.0 - mask) + seen * mask
+
+
+def common(a, b):
+    return cv2.intersectConvexConvex(a.astype(np.float32), b.astype(np.float32))[0]
+
+
+def area(polygon):
+    return abs(cv2.contourArea(polygon.astype(np.float32)))
+
+
+def iou(a, b):
+    both = common(a, b)
+    return both / (area(a) + area(b) - both)
+
+
+def rectangle(left, top, right, bottom):
+    return np.array([(left, top), (right, top), (right, bottom), (left, bottom)], float)
+
+
+class Show:
+    """An object that wanders, turns, grows to twice and shrinks to half its size, is covered now
+    and then, blurred, lit and noisy; frame by frame."""
+
+    def __init__(self, picture, background="coffee", cover="brick", seed=0):
+        self._picture = picture
+        self._background = photograph(background, SIZE).astype(float)
+        self._cover = photograph(cover, SIZE).astype(float)
+        self._seed = seed
+
+    def frame(self, number):
+        """The picture, the object's true outline, and the share of it that is not to be seen."""
+        t = number / RATE
+        center = 319.5 + 190.0 * np.sin(0.9 * t), 239.5 + 110.0 * np.sin(1.3 * t)
+        place = placement(
+            self._picture, center, 2.0 ** np.sin(0.2 * np.pi * t), 1.2 * np.sin(0.7 * t)
+        )
+        image = put(self._background, self._picture, place)
+        true = outline(self._picture, place)
+        hidden = 1.0 - common(true, rectangle(0, 0, *SIZE)) / area(true)
+        left = -340 + 24 * (number % 150 - 90)  # of a bar that passes
+        if 0 <= number % 150 - 90 < 42:
+            bar = slice(max(left, 0), min(left + 340, SIZE[0]))
+            image[:, bar] = self._cover[:, bar]
+            covered = common(true, rectangle(left, 0, left + 340, SIZE[1])) / area(true)
+            hidden = max(hidden, covered)
+        if number % 100 >= 80:
+            image = cv2.blur(image, (9, 1))
+        image = image * (1.0 + 0.35 * np.sin(1.1 * t)) + 15.0 * np.sin(2.0 * t)
+        image += np.random.default_rng([self._seed, number]).normal(0.0, 4.0, image.shape)
+        return np.clip(image, 0, 255).astype(np.uint8), true, hidden
+
+
+def box_around(polygon):
+    """(x, y, width, height) of an upright rectangle of whole pixels."""
+    left, top = np.rint(polygon.min(axis=0) + 0.5).astype(int)
+    right, bottom = np.rint(polygon.max(axis=0) + 0.5).astype(int)
+    return left, top, right - left, bottom - top
+
+
+def longest_run(flags):
+    return max((len(list(run)) for flag, run in itertools.groupby(flags) if flag), default=0)
+
+
+PARTS = {
+    "face 140x160": (part("astronaut", FACE, (140, 160)), "coffee"),
+    "face 60x70": (part("astronaut", FACE, (60, 70)), "coffee"),
+    "face 250x300": (part("astronaut", FACE, (250, 300)), "coffee"),
+    "cat 110x100": (part("chelsea", (100, 60, 220, 200), (110, 100)), "astronaut"),
+    "cameraman 160x190": (part("camera", (60, 60, 340, 400), (160, 190)), "rocket"),
+    "cup 90x90": (part("coffee", (200, 100, 200, 200), (90, 90)), "astronaut"),
+    "coins 200x150": (part("coins", (0, 0, 384, 303), (200, 150)), "brick"),
+}
+
+
+@pytest.mark.parametrize("name", PARTS)
+def test_followed_or_declared_lost_and_found_again(name):
+    picture, background = PARTS[name]
+    show = Show(picture, background, "brick" if background != "brick" else "grass")
+    tracker = rv.ObjectTracker()
+    image, true, _ = show.frame(0)
+    tracker.update(0.0, image)
+    tracker.select(box_around(true), name)
+    errors, overlaps, missed = [], [], []
+    for number in range(1, FRAMES):
+        image, true, hidden = show.frame(number)
+        (found,) = tracker.update(number / RATE, image)
+        assert (found.id, found.label) == (1, name)
+        missed.append(not found.tracked and hidden < 0.3)
+        if found.tracked:
+            errors.append(np.hypot(*np.subtract(found.center, true.mean(axis=0))))
+            overlaps.append(iou(found.outline, true))
+    assert len(errors) > 0.75 * FRAMES
+    assert np.median(errors) < 1.0 and np.percentile(errors, 99) < 5.0, np.max(errors)
+    assert min(overlaps) >= 0.5  # no silent drift
+    assert longest_run(missed) <= RATE, longest_run(missed)
+
+
+def test_velocity_scale_and_angle_are_the_true_ones():
+    picture, background = part("astronaut", FACE, (100, 120)), photograph("coffee", SIZE)
+    tracker = rv.ObjectTracker()
+    for number in range(60):
+        t = number / RATE
+        center = 150.0 + 120.0 * t, 200.0 + 40.0 * t
+        place = placement(picture, center, 1.0 + 0.3 * t, 0.5 * t)
+        image = put(background, picture, place).astype(np.uint8)
+        found = tracker.update(t, image)
+        if number == 0:
+            tracker.select(box_around(outline(picture, place)))
+    (found,) = found
+    assert np.allclose(found.velocity, (120.0, 40.0), atol=5.0)
+    assert found.scale == pytest.approx(1.0 + 0.3 * t, rel=0.01)
+    assert found.angle == pytest.approx(0.5 * t, abs=0.01)
+    inside = [cv2.pointPolygonTest(found.outline.astype(np.float32), p.tolist(), False)
+              for p in found.points]  # fmt: skip
+    assert len(inside) > 20 and min(inside) >= 0.0
+
+
+def test_a_lamp_that_is_switched_is_no_loss():
+    picture, background = part("astronaut", FACE, (100, 120)), photograph("coffee", SIZE)
+    place = placement(picture, (320.0, 240.0), 1.0, 0.0)
+    image = put(background, picture, place)
+    tracker = rv.ObjectTracker()
+    tracker.update(0.0, image.astype(np.uint8))
+    tracker.select(box_around(outline(picture, place)))
+    for number in range(1, 30):
+        light = 0.5 if number % 10 >= 5 else 1.0
+        (found,) = tracker.update(number / RATE, (light * image).astype(np.uint8))
+        assert found.tracked and iou(found.outline, outline(picture, place)) > 0.9
+
+
+@pytest.mark.parametrize("poster", [None, "astronaut"])
+@pytest.mark.parametrize("name", ["poster", "box"])
+def test_things_of_the_synthetic_scene(poster, name):
+    """The poster is always seen; the box turns its other sides to the camera, and is lost."""
+    scene = rv.Scene(rv.SceneParams(), photograph(poster) if poster else None)
+    tracker = rv.ObjectTracker()
+    overlaps, seen = [], []
+    for number in range(FRAMES):
+        (true,) = (thing for thing in scene.truth(number).objects if thing.name == name)
+        silhouette = cv2.convexHull(np.asarray(true.outline, np.float32))[:, 0]
+        found = tracker.update(number / RATE, scene.render(number))
+        if not found:
+            assert true.visible
+            tracker.select(box_around(silhouette.astype(float)), name)
+            continue
+        seen.append(found[0].tracked)
+        if found[0].tracked:
+            overlaps.append(iou(found[0].outline, silhouette))
+    assert min(overlaps) >= 0.5
+    assert np.mean(seen) > (0.95 if name == "poster" else 0.3)
+
+
+def test_three_objects_that_pass_each_other():
+    pictures = [PARTS[name][0] for name in ("face 60x70", "cat 110x100", "cup 90x90")]
+    background = photograph("grass", SIZE)
+    tracker = rv.ObjectTracker()
+    seen = []
+    for number in range(240):
+        t = number / RATE
+        image, outlines = background.astype(float), []
+        for row, picture in enumerate(pictures):
+            center = 320.0 + 240.0 * np.cos(0.8 * t + np.pi * row), 140.0 + 110.0 * row
+            place = placement(picture, center, 1.0, 0.2 * np.sin(t + row))
+            image = put(image, picture, place)
+            outlines.append(outline(picture, place))
+        found = tracker.update(t, image.astype(np.uint8))
+        if number == 0:
+            for row, true in enumerate(outlines):
+                assert tracker.select(box_around(true), str(row)) == row + 1
+            continue
+        assert [one.label for one in found] == ["0", "1", "2"]
+        for one, true in zip(found, outlines):
+            seen.append(one.tracked)
+            if one.tracked:
+                assert iou(one.outline, true) >= 0.5
+    assert np.mean(seen) > 0.95
+
+
+def test_selecting_in_other_encodings_and_bad_selections():
+    gray = cv2.cvtColor(photograph("astronaut", SIZE), cv2.COLOR_BGR2GRAY)
+    tracker = rv.ObjectTracker()
+    with pytest.raises(ValueError, match="there is no picture yet"):
+        tracker.select((10, 10, 50, 50))
+    tracker.update(0.0, gray, "mono8")
+    for box, text in [
+        ((600, 400, 100, 50), r"region of 100x50 px at \(600, 400\) is not inside the picture of"),
+        ((10, 10, 15, 50), "is too small, must be at least 16x16 px"),
+    ]:
+        with pytest.raises(ValueError, match=text):
+            tracker.select(box)
+    with pytest.raises(TypeError):
+        tracker.select((1.5, 2.5, 40.0, 40.0))
+    assert tracker.select_in(gray, (200, 50, 100, 100), "old", "mono8") == 1
+    (found,) = tracker.update(0.1, gray, "mono8")
+    assert found.tracked and found.outline[0] == pytest.approx((199.5, 49.5), abs=0.5)
+    positions, velocities = tracker.flow()
+    assert positions.shape == velocities.shape and len(positions) > 50
+    assert np.abs(velocities).max() < 1.0
