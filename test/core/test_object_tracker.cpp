@@ -179,7 +179,9 @@ TEST(ObjectTracker, searchesAfterAJumpInTimeOrSize)
   EXPECT_LT(distance(back.center, elsewhere), 1.0);
   EXPECT_EQ(back.velocity, cv::Point2d());
   EXPECT_TRUE(tracker.flow().empty());
-  const cv::Mat larger = with(kObject, {400.0, 300.0}, 1.0, 0.0, blots({640, 480}, 5));
+  cv::Mat background;
+  cv::resize(kBackground, background, {640, 480});
+  const cv::Mat larger = with(kObject, {400.0, 300.0}, 1.0, 0.0, background);
   const TrackedObject found = tracker.update(-4.7, larger, "bgr8").at(0);
   EXPECT_TRUE(found.tracked);
   EXPECT_LT(distance(found.center, {400.0, 300.0}), 1.0);
