@@ -12,7 +12,7 @@ import rosgraph
 import rospy
 import support
 import yaml
-from sensor_msgs.msg import Image
+from sensor_msgs.msg import Image, RegionOfInterest
 
 from robot_vision.msg import Click
 
@@ -195,6 +195,57 @@ def test_a_click_has_the_header_of_the_picture_shown(view, publisher, display):
             f"camera_{seconds}",
         )
         assert tuple(found.bgr) == tuple(pixels[120, 230])
+
+
+def drag(number, begin, end, between=lambda: None):
+    """Draws a rectangle with the left button; `between` is called before it is released."""
+    xdotool("mousemove", "--window", number, *begin, "mousedown", 1)
+    middle = [(a + b) // 2 for a, b in zip(begin, end)]
+    for place in (middle, end):
+        xdotool("mousemove", "--window", number, *place)
+    between()
+    xdotool("mouseup", 1)
+    xdotool("mousemove", 1300, 1000)
+
+
+@pytest.mark.parametrize(
+    "begin, end, expected",
+    [
+        ((200, 100), (259, 139), (200, 100, 60, 40)),
+        ((259, 139), (200, 100), (200, 100, 60, 40)),
+        ((300, 150), (600, 500), (300, 150, 20, 50)),  # out of the picture
+    ],
+)
+def test_a_dragged_rectangle_is_drawn_and_published(
+    view, publisher, display, begin, end, expected
+):
+    process = view()
+    clicks = support.Messages("/view/clicked", Click)
+    regions = support.Messages("/view/selected", RegionOfInterest)
+    for messages in (clicks, regions):
+        support.wait_for(messages.connected, "the connection")
+    show(publisher, picture(), 1, display)
+    x, y, width, height = expected
+
+    border = np.zeros((HEIGHT, WIDTH), bool)
+    border[y : y + height, x : x + width] = True
+    border[y + 1 : y + height - 1, x + 1 : x + width - 1] = False
+
+    def is_drawn():
+        green = (support.screen(display)[:HEIGHT, :WIDTH] == (0, 255, 0)).all(axis=2)
+        return np.mean(green[border]) > 0.7 and not green[~border].any()  # the pointer is before it
+
+    drag(window(), begin, end, lambda: support.wait_for(is_drawn, "the rectangle"))
+    (found,) = regions.wait()
+    assert (found.x_offset, found.y_offset, found.width, found.height) == expected
+    process.wait_for_output(f"x {x}, y {y}: selected {width}x{height} px")
+    support.wait_for(
+        lambda: np.array_equal(support.screen(display)[:HEIGHT, :WIDTH], picture()),
+        "the picture without a rectangle",
+    )
+    click(window(), 230, 120)  # is no drag, nor was the drag a click
+    assert [(one.x, one.y) for one in clicks.wait()] == [(230, 120)]
+    assert len(regions.received) == 1
 
 
 @pytest.mark.parametrize("scale", [0.5, 3])

@@ -47,6 +47,7 @@ def test_every_nodelet_is_there():
 def test_topics_and_services(start, display, node):
     _, subscribed, published, services = rows()[node]
     parameters = ["_source:=synthetic", "_always_subscribe:=true", "_ball_diameter:=0.2"]
+    parameters += ["_auto_select:=true"]
     start(node, "__name:=node", *parameters)
     reports = set() if node == "simple_camera_view_node.py" else {"/diagnostics"}
     expected = (resolved(published) | reports, resolved(subscribed), resolved(services))

@@ -18,7 +18,14 @@ CORE = {
     "camera": rv.CaptureParams,
 }
 # Nodes whose parameters the .cfg file declares, and nobody else.
-PYTHON = ("hsv_tracker", "ball_tracker", "line_follower", "motion_detector", "simple_camera_view")
+PYTHON = (
+    "hsv_tracker",
+    "ball_tracker",
+    "line_follower",
+    "motion_detector",
+    "object_tracker",
+    "simple_camera_view",
+)
 # Parameters of the nodes that the core knows nothing of: their C++ defaults.
 OF_THE_NODES = {
     "camera": {
@@ -31,6 +38,7 @@ OF_THE_NODES = {
     "ball_tracker": {"ball_diameter": "0", "ball_frame_id": "ball"},
     "line_follower": {},
     "motion_detector": {},
+    "object_tracker": {},
     "simple_camera_view": {"autosize": "true"},
     "all": {"config_file": ""},
     "all but the viewer": {"always_subscribe": "false", "diagnostic_period": "1"},
@@ -126,6 +134,19 @@ def test_motion_detector_s_defaults_are_the_core_s():
     for name in (name for name in dir(params) if not name.startswith("_")):
         of_node = "minArea" if name == "min_area" else name  # as the course names it
         assert described[of_node]["default"] == getattr(params, name), name
+
+
+def test_object_tracker_s_defaults_and_ranges_are_the_core_s():
+    described = cfg("object_tracker")
+    for name in (name for name in dir(rv.ObjectTrackerParams()) if not name.startswith("_")):
+        assert described[name]["default"] == getattr(rv.ObjectTrackerParams(), name), name
+        for end, beyond in (("min", -1), ("max", 1)):
+            params = rv.ObjectTrackerParams()
+            setattr(params, name, described[name][end])
+            rv.validate(params)
+            setattr(params, name, described[name][end] + beyond)
+            with pytest.raises(ValueError, match=name):
+                rv.validate(params)
 
 
 @pytest.mark.parametrize("node", ["hsv_tracker", "ball_tracker"])
