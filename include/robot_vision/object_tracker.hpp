@@ -49,12 +49,13 @@ struct FlowPoint
 
 /// Follows selected objects from frame to frame, as pictures that are shifted, turned and scaled.
 ///
-/// Feature points (Shi, Tomasi: Good Features to Track, 1994) are followed from the last frame by pyramidal Lucas-Kanade
-/// flow there and back. The similarity that most of them agree with is then corrected by the same flow from the object's
-/// first appearance, and is believed only if enough of the points still look as they did: errors do not add up, and an
-/// object that is covered, has left or has turned away is lost in that frame, not followed to somewhere else. Lost
-/// objects are searched for where they were last seen in every frame, and by their ORB features in the whole picture
-/// at intervals; what is found must look as the object did. No clock is read, and no chance is involved.
+/// Feature points (Shi, Tomasi: Good Features to Track, 1994) are followed from the last frame by pyramidal
+/// Lucas-Kanade flow there and back. The similarity that most of them agree with is then corrected by the same flow
+/// from the object's first appearance, and is believed only if enough of the points still look as they did: errors do
+/// not add up, and an object that is covered, has left or has turned away is lost in that frame, not followed to
+/// somewhere else. Lost objects are searched for where they were last seen in every frame, and by their ORB features in
+/// the whole picture at intervals; what is found must look as the object did. No clock is read, and no chance is
+/// involved.
 class ObjectTracker
 {
 public:
@@ -68,8 +69,8 @@ public:
   /// Throws std::invalid_argument as validate() does.
   void configure(const ObjectTrackerParams& params);
 
-  /// Selects what is in a region (px) of the newest frame, and returns its id: 1, 2, ... Throws std::invalid_argument if
-  /// there is no frame yet, the region is not inside of the picture, is smaller than 16x16 px, or has no features.
+  /// Selects what is in a region (px) of the newest frame, and returns its id: 1, 2, ... Throws std::invalid_argument
+  /// if there is no frame yet, the region is not inside of the picture, is smaller than 16x16 px, or has no features.
   int select(const cv::Rect& region, const std::string& label = "");
 
   /// Selects what is in a region of a frame of the past; it is lost until it is found in the next frame.

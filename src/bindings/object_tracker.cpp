@@ -66,7 +66,8 @@ void bindResult(py::module& m)
           "velocity", [](const TrackedObject& object) { return toPair(object.velocity); }, "px/s of the centre")
       .def_readonly("confidence", &TrackedObject::confidence, "share of its points that are seen, 0 to 1")
       .def_property_readonly(
-          "points", [](const TrackedObject& object) { return toNumpy(object.points); }, "(n, 2) float32 px, those seen");
+          "points", [](const TrackedObject& object) { return toNumpy(object.points); },
+          "(n, 2) float32 px, those seen");
 }
 
 }  // namespace

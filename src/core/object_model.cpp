@@ -12,13 +12,13 @@ namespace robot_vision
 namespace
 {
 
-constexpr int kLongestSide = 96;      // px of a model
-constexpr int kSmallestSide = 16;     // px of a region
-constexpr int kFewestPoints = 8;      // of a region that can be followed
-constexpr int kBorder = 3;            // px of the model at whose edge there are no points
-constexpr int kWindow = 13;           // px around a point that are compared
-constexpr double kMinContrast = 6e-5; // least eigenvalue of the gradients around a point
-constexpr double kTolerance = 0.04;   // of the model's side, by which a point may be off: nothing is flat and rigid
+constexpr int kLongestSide = 96;       // px of a model
+constexpr int kSmallestSide = 16;      // px of a region
+constexpr int kFewestPoints = 8;       // of a region that can be followed
+constexpr int kBorder = 3;             // px of the model at whose edge there are no points
+constexpr int kWindow = 13;            // px around a point that are compared
+constexpr double kMinContrast = 6e-5;  // least eigenvalue of the gradients around a point
+constexpr double kTolerance = 0.04;    // of the model's side, by which a point may be off: nothing is flat and rigid
 const cv::Size kFlowWindow(13, 13);
 constexpr int kFlowLevels = 2;
 
@@ -157,8 +157,7 @@ ModelFit ObjectModel::fit(FlowPicture& picture, const FlowParams& params, const 
     std::vector<uchar> status;
     std::vector<float> unused;
     cv::calcOpticalFlowPyrLK(pyramid_, patch, points_, found, status, unused, kFlowWindow, kFlowLevels,
-                             {cv::TermCriteria::COUNT + cv::TermCriteria::EPS, 15, 0.02},
-                             cv::OPTFLOW_USE_INITIAL_FLOW);
+                             {cv::TermCriteria::COUNT + cv::TermCriteria::EPS, 15, 0.02}, cv::OPTFLOW_USE_INITIAL_FLOW);
     const cv::Rect2f inside({0.0F, 0.0F}, cv::Size2f(picture.size()));
     std::vector<std::size_t> which;
     std::vector<cv::Point2f> from, to;

@@ -17,11 +17,11 @@ namespace robot_vision
 namespace
 {
 
-constexpr int kFewestPoints = 5;       // that a similarity is believed by
-constexpr double kMaxGrowth = 1.4;     // of the scale in one frame, or its inverse
-constexpr double kMaxTurn = 0.6;       // rad in one frame
+constexpr int kFewestPoints = 5;    // that a similarity is believed by
+constexpr double kMaxGrowth = 1.4;  // of the scale in one frame, or its inverse
+constexpr double kMaxTurn = 0.6;    // rad in one frame
 constexpr double kMinScale = 0.1, kMaxScale = 10.0;
-constexpr double kFoundAgain = 1.3;    // what is found again must be surer than what is followed, by this factor
+constexpr double kFoundAgain = 1.3;  // what is found again must be surer than what is followed, by this factor
 constexpr int kFollowRounds = 2, kPlaceRounds = 3, kSearchRounds = 5;  // of corrections by the model
 
 struct Object
@@ -208,9 +208,9 @@ struct ObjectTracker::Impl
   cv::Mat converted;  // memory for the next picture
   std::vector<Object> objects;
   int last_id = 0;
-  double time = 0.0;          // s, of the newest picture
-  double passed = 0.0;        // s, since the last; 0 if it cannot be compared with it
-  double searched = -1e300;   // s
+  double time = 0.0;         // s, of the newest picture
+  double passed = 0.0;       // s, since the last; 0 if it cannot be compared with it
+  double searched = -1e300;  // s
 };
 
 ObjectTracker::ObjectTracker(const ObjectTrackerParams& params)

@@ -136,8 +136,9 @@ TEST(ObjectTracker, keepsSeveralApart)
 {
   ObjectTracker tracker;
   const cv::Mat other = blots({50, 50}, 4);
-  const auto picture = [&](double t)
-  { return with(other, {249.5 - 20.0 * t, 60.0}, 1.0, 0.0, with(kObject, {60.0 + 30.0 * t, 170.0})); };
+  const auto picture = [&](double t) {
+    return with(other, {249.5 - 20.0 * t, 60.0}, 1.0, 0.0, with(kObject, {60.0 + 30.0 * t, 170.0}));
+  };
   tracker.update(0.0, picture(0.0), "bgr8");
   EXPECT_EQ(tracker.select({31, 146, 60, 50}, "a"), 1);
   EXPECT_EQ(tracker.select({225, 36, 50, 50}, "b"), 2);

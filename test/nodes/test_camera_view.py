@@ -216,9 +216,7 @@ def drag(number, begin, end, between=lambda: None):
         ((300, 150), (600, 500), (300, 150, 20, 50)),  # out of the picture
     ],
 )
-def test_a_dragged_rectangle_is_drawn_and_published(
-    view, publisher, display, begin, end, expected
-):
+def test_a_dragged_rectangle_is_drawn_and_published(view, publisher, display, begin, end, expected):
     process = view()
     clicks = support.Messages("/view/clicked", Click)
     regions = support.Messages("/view/selected", RegionOfInterest)

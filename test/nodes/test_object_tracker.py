@@ -25,9 +25,7 @@ SMALL = cv2.resize(ASTRONAUT[300:460, 160:320], (48, 48), interpolation=cv2.INTE
 
 
 def region(x, y, picture=OBJECT):
-    return RegionOfInterest(
-        x_offset=x, y_offset=y, width=picture.shape[1], height=picture.shape[0]
-    )
+    return RegionOfInterest(x_offset=x, y_offset=y, width=picture.shape[1], height=picture.shape[0])
 
 
 def picture(x=None, y=80, other=None):
