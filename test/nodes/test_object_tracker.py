@@ -119,11 +119,8 @@ def test_select_by_the_service_follow_lose_and_find_again(start):
         found, states = desk.show(picture())
         assert not found and states[1].state == TrackState.LOST
         assert states[1].label == "face" and states[1].confidence == 0 and not states[1].points
-    for wait in range(30):
-        found, states = desk.show(picture(200, 30))
-        if found:
-            break
-    assert found and wait < 30
+    back = (desk.show(picture(200, 30))[0] for _ in range(30))  # a second
+    found = next(filter(None, back))
     assert (found[0].center.x, found[0].center.y) == pytest.approx((231.5, 69.5), abs=0.5)
 
 

@@ -29,7 +29,8 @@ class CameraView:
 
     A left click prints and publishes the pixel (~clicked, robot_vision/Click) and prints the range
     around its colour for hsv_tracker. A rectangle dragged with the left button is published
-    (~selected, sensor_msgs/RegionOfInterest), for object_tracker to follow. The key s saves the picture as PNG; q and Esc end the node.
+    (~selected, sensor_msgs/RegionOfInterest), for object_tracker to follow. The key s saves the
+    picture as PNG; q and Esc end the node.
 
     Parameters:
         ~autosize (bool): the window takes the picture's size; else it can be resized.
