@@ -2,6 +2,7 @@
 
 import concurrent.futures
 import itertools
+import subprocess
 
 import cv2
 import dynamic_reconfigure.client
@@ -14,7 +15,14 @@ from frames import Source, message, new_topic
 from geometry_msgs.msg import Point
 from sensor_msgs.msg import Image, RegionOfInterest
 
-from robot_vision.msg import Detection, DetectionArray, Flow, TrackState, TrackStateArray
+from robot_vision.msg import (
+    Detection,
+    DetectionArray,
+    Flow,
+    GroundTruth,
+    TrackState,
+    TrackStateArray,
+)
 from robot_vision.srv import ForgetObject, SelectObject
 
 RATE = 30.0  # Hz, of the pictures' own time
@@ -310,6 +318,42 @@ def test_what_is_lost_for_long_is_forgotten(start):
     desk.select(region(40, 80), "face", picture(40))
     kept = [bool(desk.show(picture())[1]) for _ in range(20)]
     assert kept == [True] * 15 + [False] * 5
+
+
+def test_a_rectangle_dragged_in_the_launch_file_s_window_is_followed(start, display):
+    """The scene's poster, from the picture on the screen to the messages."""
+    start("camera_node", "__name:=usb_cam", "_source:=synthetic")
+    start("/usr/bin/roslaunch", "robot_vision", "object_tracker.launch", "view:=true")
+    objects = support.Messages("/object_tracker/object", DetectionArray)
+    truths = support.Messages("/usb_cam/ground_truth", GroundTruth)
+
+    def poster(truth):
+        return next(thing for thing in truth.objects if thing.name == "poster")
+
+    def corners(thing):
+        outline = np.array([(corner.x, corner.y) for corner in thing.outline])
+        return outline.min(axis=0), outline.max(axis=0)
+
+    def window():
+        title = "/object_tracker/processed_image  "
+        shown = [number for name, number in support.windows().items() if name.startswith(title)]
+        return shown if any("640x480" in name for name in support.windows()) else []
+
+    number = support.wait_for(window, "the window with pictures")[0]
+    truth = support.wait_for(lambda: [t for t in truths.received[-1:] if poster(t).visible], "it")
+    begin, end = (corner.astype(int).tolist() for corner in corners(poster(truth[0])))
+    command = ["xdotool", "mousemove", "--window", number, *begin, "mousedown", 1]
+    for place in ([sum(pair) // 2 for pair in zip(begin, end)], end):
+        command += ["mousemove", "--window", number, *place]
+    subprocess.run(["xdotool", *map(str, command[1:]), "mouseup", "1"], check=True)
+    found = support.wait_for(
+        lambda: [one for one in objects.received if one.detections], "the poster to be followed"
+    )[0]
+    truth = of_stamp(truths, found.header.stamp)
+    low, high = corners(poster(truth))
+    box = found.detections[0].box
+    assert (box.x_offset, box.y_offset) == pytest.approx(low, abs=12)
+    assert (box.x_offset + box.width, box.y_offset + box.height) == pytest.approx(high, abs=12)
 
 
 @pytest.mark.parametrize(
