@@ -84,7 +84,8 @@ public:
 
   /// The objects in the frame of `time_s` (s, of any clock), in the order in which they were selected. In a frame of
   /// another size than the last, or of an earlier time, they are searched for as if they had been lost. `image` is not
-  /// modified. Throws std::invalid_argument if `image` is not a picture of `encoding` (see encoding.hpp).
+  /// modified. Throws std::invalid_argument if `image` is not a picture of `encoding` (see encoding.hpp), and for a
+  /// time that is not finite.
   std::vector<TrackedObject> update(double time_s, const cv::Mat& image, const std::string& encoding);
 
   /// The objects as update() has returned them, and those selected since.

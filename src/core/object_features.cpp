@@ -10,8 +10,9 @@ namespace
 {
 
 constexpr int kObjectFeatures = 300;
-constexpr int kSmallRegion = 120;  // px: a shorter side is enlarged, or features would look beyond its edges
-constexpr float kRatio = 0.85F;    // of the distances to the best and the second best match (Lowe, 2004)
+constexpr int kSmallRegion = 120;     // px: a shorter side is enlarged, or features would look beyond its edges
+constexpr int kSmallestPicture = 16;  // px: cv::ORB would fail on what is left of a smaller one
+constexpr float kRatio = 0.85F;       // of the distances to the best and the second best match (Lowe, 2004)
 constexpr int kFewestMatches = 5;
 constexpr double kTolerance = 4.0;  // px
 
@@ -39,6 +40,7 @@ Features objectFeatures(const cv::Mat& gray, const cv::Rect& region)
 
 Features pictureFeatures(const cv::Mat& gray, int count)
 {
+  if (std::min(gray.rows, gray.cols) < kSmallestPicture) return {};
   return find(gray, count, 1.0, {});
 }
 

@@ -106,11 +106,10 @@ void matchLight(cv::Mat& pixels, const cv::Mat& model)
 ObjectModel::ObjectModel(const cv::Mat& gray, const cv::Rect& region, int points)
 {
   checkRegion(gray.size(), region);
-  const double shrunk = std::min(1.0, kLongestSide / static_cast<double>(std::max(region.width, region.height)));
-  const cv::Size size(std::max(cvRound(region.width * shrunk), kSmallestSide / 2),
-                      std::max(cvRound(region.height * shrunk), kSmallestSide / 2));
+  const double longest = std::max(region.width, region.height), shortest = std::min(region.width, region.height);
+  const double shrunk = std::min(1.0, std::max(kLongestSide / longest, kSmallestSide / shortest));
   cv::Mat small;
-  cv::resize(gray(region), small, size, 0.0, 0.0, cv::INTER_AREA);
+  cv::resize(gray(region), small, {}, shrunk, shrunk, cv::INTER_AREA);
   pixels_ = smoothed(small);
   points_ = findPoints(pixels_, points);
   if (static_cast<int>(points_.size()) < kFewestPoints)

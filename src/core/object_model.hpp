@@ -17,7 +17,7 @@ struct ModelFit
   std::vector<cv::Point2f> where;  // px of the picture, of these
 };
 
-/// The first appearance of an object: its pixels, at most 96 to a side, and their feature points.
+/// The first appearance of an object: its pixels, 96 to the longer side if it has more, and their feature points.
 class ObjectModel
 {
 public:

@@ -21,6 +21,7 @@ constexpr int kFewestPoints = 5;    // that a similarity is believed by
 constexpr double kMaxGrowth = 1.4;  // of the scale in one frame, or its inverse
 constexpr double kMaxTurn = 0.6;    // rad in one frame
 constexpr double kMinScale = 0.1, kMaxScale = 10.0;
+constexpr double kSame = 0.5;        // overlap of the outlines of what is one object
 constexpr double kFoundAgain = 1.3;  // what is found again must be surer than what is followed, by this factor
 constexpr int kFollowRounds = 2, kPlaceRounds = 3, kSearchRounds = 5;  // of corrections by the model
 
@@ -43,6 +44,14 @@ bool isPlausible(const Similarity& last, const Similarity& next)
 {
   const double growth = next.scale() / last.scale();
   return growth < kMaxGrowth && growth > 1.0 / kMaxGrowth && turnBetween(last, next) < kMaxTurn;
+}
+
+/// Intersection over union of two convex polygons, 0 to 1.
+double overlap(const std::vector<cv::Point2f>& a, const std::vector<cv::Point2f>& b)
+{
+  std::vector<cv::Point2f> unused;
+  const double both = cv::intersectConvexConvex(a, b, unused);
+  return both / (cv::contourArea(a) + cv::contourArea(b) - both);
 }
 
 bool isInside(const cv::Size& picture, const cv::Point2f& p)
@@ -164,17 +173,16 @@ struct ObjectTracker::Impl
     object.state.velocity += share * ((object.state.center - before) / passed - object.state.velocity);
   }
 
-  /// Whether what has been found is another object that is followed already.
+  /// Whether what has been found is another object of that name, which is followed already.
   bool isTaken(const Object& finder, const Similarity& pose) const
   {
-    const cv::Point2f center = pose(finder.model.center());
+    const std::vector<cv::Point2f> outline = pose(finder.model.corners());
     return std::any_of(objects.begin(), objects.end(),
                        [&](const Object& other)
                        {
                          if (&other == &finder || !other.state.tracked || other.state.label != finder.state.label)
                            return false;
-                         const std::vector<cv::Point2f> outline = other.pose(other.model.corners());
-                         return cv::pointPolygonTest(outline, center, false) > 0.0;
+                         return overlap(outline, other.pose(other.model.corners())) > kSame;
                        });
   }
 
@@ -263,6 +271,7 @@ void ObjectTracker::clear()
 std::vector<TrackedObject> ObjectTracker::update(double time_s, const cv::Mat& image, const std::string& encoding)
 {
   Impl& me = *impl_;
+  require(std::isfinite(time_s), "time", time_s, "finite");
   cv::Mat gray = me.converted;  // it may come to share the input's pixels, which must not be kept
   toGray(image, encoding, gray);
   if (!sharesPixels(gray, image)) me.converted = gray;

@@ -158,6 +158,33 @@ TEST(ObjectTracker, keepsSeveralApart)
   EXPECT_TRUE(tracker.update(3.0, picture(0.0), "bgr8").empty());
 }
 
+TEST(ObjectTracker, followsLongAndLargeRegions)
+{
+  const cv::Mat large = blots({400, 300}, 7);
+  for (const cv::Rect& region : {cv::Rect(20, 100, 280, 16), cv::Rect(150, 20, 17, 200), cv::Rect(10, 10, 301, 223)})
+  {
+    ObjectTracker tracker;
+    tracker.update(0.0, large(cv::Rect({40, 30}, kPicture)), "bgr8");
+    tracker.select(region);
+    TrackedObject found;
+    for (int frame = 1; frame <= 8; ++frame)
+      found = tracker.update(frame * kPeriod, large(cv::Rect({40 - frame, 30 + frame}, kPicture)), "bgr8").at(0);
+    EXPECT_TRUE(found.tracked) << region;
+    const cv::Point2d corner(region.x - 0.5 + 8.0, region.y - 0.5 - 8.0);
+    EXPECT_LT(distance(found.outline[0], corner), 0.5) << region;
+    EXPECT_LT(distance(found.outline[2], corner + cv::Point2d(region.width, region.height)), 0.5) << region;
+  }
+}
+
+TEST(ObjectTracker, findsNothingAgainWhereItIsFollowedAlready)
+{
+  ObjectTracker tracker = selected();
+  EXPECT_EQ(tracker.select(with(kObject, kStart), "bgr8", kRegion, "thing"), 2);
+  EXPECT_EQ(tracker.select(with(kObject, kStart), "bgr8", kRegion, "another name"), 3);
+  const std::vector<TrackedObject> found = tracker.update(kPeriod, with(kObject, kStart), "bgr8");
+  EXPECT_TRUE(found[0].tracked && !found[1].tracked && found[2].tracked);
+}
+
 TEST(ObjectTracker, selectsInAFrameOfThePast)
 {
   ObjectTracker tracker;
@@ -186,7 +213,9 @@ TEST(ObjectTracker, searchesAfterAJumpInTimeOrSize)
   const TrackedObject found = tracker.update(-4.7, larger, "bgr8").at(0);
   EXPECT_TRUE(found.tracked);
   EXPECT_LT(distance(found.center, {400.0, 300.0}), 1.0);
-  EXPECT_FALSE(tracker.update(-4.6, cv::Mat(10, 7, CV_8UC1, cv::Scalar(0)), "mono8").at(0).tracked);
+  for (const cv::Size tiny : {cv::Size(1, 1), cv::Size(7, 10), cv::Size(16, 640), cv::Size(640, 17)})
+    EXPECT_FALSE(tracker.update(-9.0, noise(tiny, CV_8UC1), "mono8").at(0).tracked) << tiny;
+  EXPECT_THROW(tracker.update(std::nan(""), larger, "bgr8"), std::invalid_argument);
 }
 
 TEST(ObjectTracker, isTheSameForTheSameFrames)

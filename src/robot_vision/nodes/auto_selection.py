@@ -12,7 +12,7 @@ from .. import ObjectTracker, TrackedObject
 from ..msg import Detection, DetectionArray
 from ..transport import Frame
 
-HISTORY = 15  # frames that a detection may be late
+HISTORY = 8  # frames that a detection may be late
 
 
 class AutoSelection:
