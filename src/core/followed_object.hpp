@@ -1,0 +1,64 @@
+#pragma once
+
+#include <opencv2/core.hpp>
+#include <string>
+#include <vector>
+
+#include "flow_picture.hpp"
+#include "object_features.hpp"
+#include "object_model.hpp"
+#include "robot_vision/object_tracker.hpp"
+
+namespace robot_vision
+{
+
+/// Two frames, one after the other, and what is needed to follow something from one to the next.
+struct FramePair
+{
+  FlowPicture last, newest;
+  double passed = 0.0;  // s from one to the other; 0 if they cannot be compared
+  FlowParams flow;
+};
+
+/// One object of an ObjectTracker: what it looks like, and where it was seen last.
+class FollowedObject
+{
+public:
+  /// In a region of a grey picture (CV_8UC1), lost at first. Throws std::invalid_argument as ObjectModel does.
+  FollowedObject(int id, const std::string& label, const cv::Mat& gray, const cv::Rect& region, int points);
+
+  const TrackedObject& state() const { return state_; }
+  const Features& features() const { return features_; }
+  const Similarity& pose() const { return pose_; }
+  /// Where it was when it was selected.
+  const Similarity& firstPose() const { return model_.firstPose(); }
+  /// Its outline, were it there.
+  std::vector<cv::Point2f> outlineAt(const Similarity& pose) const { return pose(model_.corners()); }
+
+  /// It is where it was in the picture that it was selected in.
+  void markSeen();
+
+  /// It is not seen in this frame.
+  void lose();
+
+  /// Follows it from the last frame to the newest, or loses it.
+  void follow(FramePair& frames, const ObjectTrackerParams& params);
+
+  /// How it would look where it is searched for.
+  ModelFit fitAt(const Similarity& pose, FramePair& frames, double min_similarity, int rounds) const;
+
+  /// It is there if that share of its points is seen, and it has a sensible size; whether it is.
+  bool accept(const ModelFit& fit, double min_confidence);
+
+private:
+  Similarity startOf(FramePair& frames) const;
+  void describe();
+
+  ObjectModel model_;
+  Features features_;
+  Similarity pose_;
+  std::vector<std::size_t> seen_;  // the model's points that were in the last frame
+  TrackedObject state_;
+};
+
+}  // namespace robot_vision
