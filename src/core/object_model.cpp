@@ -142,42 +142,53 @@ cv::Mat ObjectModel::warped(FlowPicture& picture, const FlowParams& params, cons
   return smoothed(patch);
 }
 
+std::vector<std::size_t> ObjectModel::findIn(const cv::Mat& patch, double min_similarity,
+                                             std::vector<cv::Point2f>& found) const
+{
+  const cv::TermCriteria criteria(cv::TermCriteria::COUNT + cv::TermCriteria::EPS, 15, 0.02);
+  std::vector<uchar> status;
+  std::vector<float> unused;
+  found = points_;
+  cv::calcOpticalFlowPyrLK(pyramid_, patch, points_, found, status, unused, kFlowWindow, kFlowLevels, criteria,
+                           cv::OPTFLOW_USE_INITIAL_FLOW);
+  std::vector<std::size_t> alike;
+  for (std::size_t i = 0; i < points_.size(); ++i)
+  {
+    if (!status[i]) continue;
+    cv::Mat window = windowAt(patch, found[i]);
+    if (normalize(window) && window.dot(windows_[i]) >= min_similarity) alike.push_back(i);
+  }
+  return alike;
+}
+
 ModelFit ObjectModel::fit(FlowPicture& picture, const FlowParams& params, const Similarity& pose, double min_similarity,
                           int rounds) const
 {
   ModelFit result{pose, {}, {}};
-  const double side = std::sqrt(static_cast<double>(pixels_.total()));
-  const double tolerance = std::max(1.5, kTolerance * side);
+  const double tolerance = std::max(1.5, kTolerance * std::sqrt(static_cast<double>(pixels_.total())));
+  const cv::Rect2d inside({0.0, 0.0}, cv::Size2d(picture.size()));
   for (int round = 0; round < rounds; ++round)
   {
+    result.seen.clear();
+    result.where.clear();
     cv::Mat patch = warped(picture, params, result.pose);
     matchLight(patch, pixels_);
-    std::vector<cv::Point2f> found = points_;
-    std::vector<uchar> status;
-    std::vector<float> unused;
-    cv::calcOpticalFlowPyrLK(pyramid_, patch, points_, found, status, unused, kFlowWindow, kFlowLevels,
-                             {cv::TermCriteria::COUNT + cv::TermCriteria::EPS, 15, 0.02}, cv::OPTFLOW_USE_INITIAL_FLOW);
-    const cv::Rect2f inside({0.0F, 0.0F}, cv::Size2f(picture.size()));
-    std::vector<std::size_t> which;
-    std::vector<cv::Point2f> from, to;
-    for (std::size_t i = 0; i < points_.size(); ++i)
+    std::vector<cv::Point2f> found, from, to;
+    std::vector<std::size_t> alike = findIn(patch, min_similarity, found);
+    const auto is_outside = [&](std::size_t i) { return !inside.contains(result.pose(cv::Point2d(found[i]))); };
+    alike.erase(std::remove_if(alike.begin(), alike.end(), is_outside), alike.end());
+    for (const std::size_t i : alike)
     {
-      if (!status[i] || !inside.contains(cv::Point2f(result.pose(cv::Point2d(found[i]))))) continue;
-      cv::Mat window = windowAt(patch, found[i]);
-      if (!normalize(window) || window.dot(windows_[i]) < min_similarity) continue;
-      which.push_back(i);
       from.push_back(points_[i]);
       to.push_back(found[i]);
     }
-    result.seen.clear();
-    result.where.clear();
     const auto correction = fitSimilarity(from, to, tolerance, kFewestPoints / 2);
     if (!correction) return result;
-    for (std::size_t i = 0; i < from.size(); ++i)
+    for (const std::size_t i : alike)
     {
-      if (cv::norm((*correction)(cv::Point2d(from[i])) - cv::Point2d(to[i])) > tolerance) continue;
-      result.seen.push_back(which[i]);
-      result.where.emplace_back(result.pose(cv::Point2d(to[i])));
+      if (cv::norm((*correction)(cv::Point2d(points_[i])) - cv::Point2d(found[i])) > tolerance) continue;
+      result.seen.push_back(i);
+      result.where.emplace_back(result.pose(cv::Point2d(found[i])));
     }
     result.pose = result.pose * *correction;
   }

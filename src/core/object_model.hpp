@@ -37,7 +37,10 @@ public:
                int rounds) const;
 
 private:
+  /// What the picture shows where the object would be, in the model's pixels.
   cv::Mat warped(FlowPicture& picture, const FlowParams& params, const Similarity& pose) const;
+  /// Where each point is in such a patch, and which of them look as they should there.
+  std::vector<std::size_t> findIn(const cv::Mat& patch, double min_similarity, std::vector<cv::Point2f>& found) const;
 
   Similarity first_pose_;
   cv::Mat pixels_;                // CV_8UC1, smoothed

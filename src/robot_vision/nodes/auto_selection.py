@@ -2,7 +2,7 @@
 
 import collections
 import threading
-from typing import Any, Deque, List, Tuple
+from typing import Deque, List, Tuple
 
 import cv2
 import numpy as np
@@ -11,6 +11,7 @@ import rospy
 from .. import ObjectTracker, TrackedObject
 from ..msg import Detection, DetectionArray
 from ..transport import Frame
+from .tracks import box_of
 
 HISTORY = 8  # frames that a detection may be late
 
@@ -45,12 +46,12 @@ class AutoSelection:
         """Selects what has been found up to this frame, in which these objects are."""
         self._frames.append((frame, [track.outline for track in tracks if track.tracked]))
         with self._lock:
-            come = [found for found in self._come if found.header.stamp <= frame.header.stamp]
-            for found in come:
-                self._come.remove(found)
+            come, self._come = list(self._come), collections.deque(maxlen=HISTORY)
+        stamps = [past.header.stamp for past, _ in self._frames]
         for found in come:
-            stamps = [past.header.stamp for past, _ in self._frames]
-            if found.header.stamp in stamps:
+            if found.header.stamp > frame.header.stamp:
+                self.add(found)  # its frame is still to come
+            elif found.header.stamp in stamps:
                 self._select_uncovered(found.detections, stamps.index(found.header.stamp))
 
     def _select_uncovered(self, detections: List[Detection], number: int) -> None:
@@ -60,8 +61,7 @@ class AutoSelection:
                 continue
             if not self._make_room():
                 return
-            box = found.box
-            region = box.x_offset, box.y_offset, box.width, box.height
+            region = box_of(found.box)
             try:
                 self._tracker.select_in(frame.image, region, found.label)
             except ValueError as error:
@@ -69,7 +69,7 @@ class AutoSelection:
                 continue
             # Later detections of it are on their way, of frames in which it was not tracked yet.
             for _, later in list(self._frames)[number:]:
-                later.append(np.array(cv2.boxPoints(box_of(region))))
+                later.append(corners_of(region))
 
     def _make_room(self) -> bool:
         """Whether one more object may be followed; one that is lost makes way for it."""
@@ -80,16 +80,16 @@ class AutoSelection:
         return bool(lost) and self._tracker.forget(lost[0])
 
 
-def box_of(region: Tuple[int, int, int, int]) -> Any:
-    """(x, y, width, height) as OpenCV's RotatedRect."""
-    x, y, width, height = region
-    return (x + width / 2.0, y + height / 2.0), (width, height), 0.0
+def corners_of(box: Tuple[int, int, int, int]) -> np.ndarray:
+    """The corners, (4, 2), of (x, y, width, height)."""
+    x, y, width, height = box
+    return np.array([(x, y), (x + width, y), (x + width, y + height), (x, y + height)], float)
 
 
 def is_covered(found: Detection, outlines: List[np.ndarray]) -> bool:
     """Whether the middle of what was found is inside of an outline."""
-    box = found.box
-    middle = box.x_offset + box.width / 2.0, box.y_offset + box.height / 2.0
+    x, y, width, height = box_of(found.box)
+    middle = x + width / 2.0, y + height / 2.0
     return any(
         cv2.pointPolygonTest(outline.astype(np.float32), middle, False) >= 0.0
         for outline in outlines

@@ -1,7 +1,7 @@
 """The node object_tracker: follows what is selected in the picture."""
 
 import threading
-from typing import Any, Dict, List, Optional, Tuple
+from typing import Any, Dict, List, Optional
 
 import rospy
 from sensor_msgs.msg import RegionOfInterest
@@ -16,7 +16,7 @@ from .auto_selection import AutoSelection
 from .image_node import ImageNode
 from .messages import detection_array
 from .params import LiveParams, filled
-from .tracks import detection_of, draw_tracks, flow_message, track_states
+from .tracks import box_of, detection_of, draw_tracks, flow_message, track_states
 
 PARAMS = (
     "points",
@@ -31,15 +31,13 @@ PARAMS = (
 )
 FRESH = 1.0  # s: a frame that is older is not what somebody sees and selects in
 SELECT_TIMEOUT = 5.0  # s that the service waits for a frame
-FAR = 2**30  # px, more than any picture has
 
 
 class Selection:
     """A region that waits for a frame to be selected in."""
 
     def __init__(self, region: RegionOfInterest, label: str, replaces: bool):
-        corner = min(region.x_offset, FAR), min(region.y_offset, FAR)
-        self.box: Tuple[int, ...] = (*corner, min(region.width, FAR), min(region.height, FAR))
+        self.box = box_of(region)
         self.label = label
         self.replaces = replaces  # all other objects
         self.done = threading.Event()

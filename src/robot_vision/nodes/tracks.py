@@ -1,6 +1,6 @@
 """Tracked objects as messages, and as people see them."""
 
-from typing import Iterable, List
+from typing import Iterable, List, Tuple
 
 import cv2
 import numpy as np
@@ -13,6 +13,13 @@ from ..transport import Frame
 from .messages import points
 
 RED = (0, 0, 255)
+FAR = 2**30  # px, more than any picture has
+
+
+def box_of(region: RegionOfInterest) -> Tuple[int, int, int, int]:
+    """(x, y, width, height) for the core, which refuses what is not in the picture."""
+    sides = region.x_offset, region.y_offset, region.width, region.height
+    return tuple(min(side, FAR) for side in sides)
 
 
 def detection_of(track: TrackedObject, picture: np.ndarray) -> Detection:
