@@ -7,6 +7,7 @@
 #include "robot_vision/brightness.hpp"
 #include "robot_vision/edges.hpp"
 #include "robot_vision/encoding.hpp"
+#include "robot_vision/face_detector.hpp"
 #include "robot_vision/frame_source.hpp"
 #include "robot_vision/hsv.hpp"
 #include "robot_vision/line.hpp"
@@ -19,6 +20,7 @@ using namespace py::literals;
 
 void bindBall(py::module& m);
 void bindColors(py::module& m);
+void bindFaces(py::module& m);
 void bindLine(py::module& m);
 void bindMotion(py::module& m);
 void bindOverlay(py::module& m);
@@ -91,6 +93,7 @@ void bindValidate(py::module& m)
   m.def("validate", py::overload_cast<const BallTrackerParams&>(&validate), "params"_a, doc);
   m.def("validate", py::overload_cast<const BrightnessParams&>(&validate), "params"_a, doc);
   m.def("validate", py::overload_cast<const EdgeParams&>(&validate), "params"_a, doc);
+  m.def("validate", py::overload_cast<const FaceParams&>(&validate), "params"_a, doc);
   m.def("validate", py::overload_cast<const CaptureParams&>(&validate), "params"_a, doc);
   m.def("validate", py::overload_cast<const HsvRange&>(&validate), "params"_a, doc);
   m.def("validate", py::overload_cast<const LineParams&>(&validate), "params"_a, doc);
@@ -109,6 +112,7 @@ PYBIND11_MODULE(_core, m)
   bindScene(m);
   bindColors(m);
   bindBall(m);
+  bindFaces(m);
   bindLine(m);
   bindMotion(m);
   bindOverlay(m);

@@ -10,6 +10,7 @@ import yaml
 import robot_vision as rv
 from robot_vision.line_control import LineControlParams
 from robot_vision.nodes.colors import DEFAULT, HIGH, LOW
+from robot_vision.nodes.face_detector import COURSE, PARAMS
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 CORE = {
@@ -18,7 +19,16 @@ CORE = {
     "camera": rv.CaptureParams,
 }
 # Nodes whose parameters the .cfg file declares, and nobody else.
-PYTHON = ("hsv_tracker", "ball_tracker", "line_follower", "motion_detector", "simple_camera_view")
+PYTHON = (
+    "hsv_tracker",
+    "ball_tracker",
+    "line_follower",
+    "face_detector",
+    "motion_detector",
+    "simple_camera_view",
+)
+# What the launch files set otherwise: the course's node finds small faces only.
+CONFIGURED = {("face_detector", "haar_maxSize"): "0"}
 # Parameters of the nodes that the core knows nothing of: their C++ defaults.
 OF_THE_NODES = {
     "camera": {
@@ -30,6 +40,7 @@ OF_THE_NODES = {
     "hsv_tracker": {"colors": "blue: {low: [90, 50, 50], high: [120, 255, 255]}"},
     "ball_tracker": {"ball_diameter": "0", "ball_frame_id": "ball"},
     "line_follower": {},
+    "face_detector": {},
     "motion_detector": {},
     "simple_camera_view": {"autosize": "true"},
     "all": {"config_file": ""},
@@ -89,7 +100,7 @@ def test_config_files_equal_the_defaults(node):
     assert colors in (None, DEFAULT)
     rows = readme_rows()
     for name, value in values.items():
-        assert text(value) == rows[node, name]["default"], name
+        assert text(value) == CONFIGURED.get((node, name), rows[node, name]["default"]), name
     live = {name for (of, name), row in rows.items() if of == node and row["live"] == "yes"}
     of_colors = {"color", *LOW, *HIGH} if colors else set()
     assert live - of_colors <= set(values)
@@ -126,6 +137,13 @@ def test_motion_detector_s_defaults_are_the_core_s():
     for name in (name for name in dir(params) if not name.startswith("_")):
         of_node = "minArea" if name == "min_area" else name  # as the course names it
         assert described[of_node]["default"] == getattr(params, name), name
+
+
+def test_face_detector_s_defaults_are_the_core_s():
+    described, params = cfg("face_detector"), rv.FaceParams()
+    for name in (*PARAMS, *COURSE):
+        if name != "haar_maxSize":
+            assert described[name]["default"] == getattr(params, COURSE.get(name, name)), name
 
 
 @pytest.mark.parametrize("node", ["hsv_tracker", "ball_tracker"])
