@@ -100,17 +100,31 @@ def test_demo_shows_the_scene(demo):
     edges = support.Messages("/edge_detector/processed_image", Image)
     demo()
     first, result = support.same_frame(images, edges)
-    scene = Scene(SceneParams())
+    portrait = cv2.cvtColor(skimage.data.astronaut(), cv2.COLOR_RGB2BGR)
+    scene = Scene(SceneParams(), portrait)
     pictures = [scene.render(i).tobytes() for i in range(300)]
     frame = pictures.index(first.data)
     assert result.header.frame_id == first.header.frame_id
     assert result.data == opencv_chain(scene.render(frame)).tobytes()
 
 
+def sees_the_portrait(truth, faces):
+    """Whether a face is found where the poster's is, 0.44 by 0.21 of its size from the corner."""
+    poster = next(one for one in truth.objects if one.name == "poster")
+    bottom_left, bottom_right, _, top_left = (np.array([p.x, p.y]) for p in poster.outline)
+    across, down = bottom_right - bottom_left, bottom_left - top_left
+    face = top_left + 0.44 * across + 0.21 * down
+    near = 0.05 * np.hypot(*across)
+    return any(
+        np.hypot(d.center.x - face[0], d.center.y - face[1]) < near for d in faces.detections
+    )
+
+
 def test_demo_finds_what_is_in_the_scene(demo):
     truths = support.Messages("/usb_cam/ground_truth", GroundTruth)
     objects = support.Messages("/hsv_tracker/objects", DetectionArray)
     positions = support.Messages("/ball_tracker/position", PointStamped)
+    faces = support.Messages("/face_detector/faces", DetectionArray)
     lines = support.Messages("/line_follower/line", Line)
     commands = support.Messages("/line_follower/cmd_vel", Twist)
     demo()
@@ -125,6 +139,7 @@ def test_demo_finds_what_is_in_the_scene(demo):
     assert (position.point.x, position.point.y, position.point.z) == pytest.approx(
         (point.x, point.y, point.z), rel=0.03, abs=0.02
     )
+    support.wait_for(lambda: sees_the_portrait(*support.same_frame(truths, faces)), "the face")
     support.wait_for(lambda: any(line.found for line in lines.received), "the line")
     support.wait_for(lambda: any(c.linear.x == 0.2 for c in commands.received), "driving")
     assert "/cmd_vel" not in dict(rospy.get_published_topics())  # a demo drives no robot
