@@ -1,6 +1,7 @@
 """Faces in photographs, against OpenCV's own search of every frame."""
 
 import math
+import pathlib
 import time
 
 import cv2
@@ -296,7 +297,7 @@ def test_cascades_that_are_none(tmp_path, parameter, name, content, text):
     if content == "folder":
         path.mkdir()
     elif content == "cut":
-        whole = open(CASCADES + "haarcascade_frontalface_default.xml").read()
+        whole = pathlib.Path(CASCADES, "haarcascade_frontalface_default.xml").read_text()
         path.write_text(whole[: len(whole) // 2])
     elif content is not None:
         path.write_text(content)
