@@ -2,6 +2,8 @@
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
 
+#include <opencv2/core/utility.hpp>
+
 #include "arrays.hpp"
 #include "robot_vision/ball_tracker.hpp"
 #include "robot_vision/brightness.hpp"
@@ -86,6 +88,14 @@ void bindSources(py::module& m)
       .def_readwrite("poster", &CaptureParams::poster);
 }
 
+/// What OpenCV itself does with a picture in several threads.
+void bindThreads(py::module& m)
+{
+  m.def(
+      "set_threads", [](int count) { cv::setNumThreads(count > 0 ? count : cv::getNumberOfCPUs()); }, "count"_a,
+      "How many threads of OpenCV's share the work on one picture, in this process; 0: as many as there are cores.");
+}
+
 /// validate(params) for every kind of parameters.
 void bindValidate(py::module& m)
 {
@@ -109,6 +119,7 @@ PYBIND11_MODULE(_core, m)
   m.doc() = std::string("The C++ core of robot_vision on NumPy arrays. ") + kLayout;
   bindFilters(m);
   bindSources(m);
+  bindThreads(m);
   bindScene(m);
   bindColors(m);
   bindBall(m);

@@ -41,6 +41,7 @@ from ._core import (
     hsv_mask,
     mask_picture,
     range_around,
+    set_threads,
     to_hsv,
     validate,
 )
@@ -86,6 +87,7 @@ __all__ = [
     "hsv_mask",
     "mask_picture",
     "range_around",
+    "set_threads",
     "to_hsv",
     "validate",
 ]

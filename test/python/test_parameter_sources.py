@@ -45,6 +45,7 @@ OF_THE_NODES = {
     "simple_camera_view": {"autosize": "true"},
     "all": {"config_file": ""},
     "all but the viewer": {"always_subscribe": "false", "diagnostic_period": "1"},
+    "Python but the viewer": {"threads": "1"},
     "all but camera": {"image_transport": "raw"},
 }
 
@@ -170,7 +171,7 @@ def test_readme_lists_every_parameter_with_its_default(node):
 
 def test_readme_lists_what_all_nodes_have():
     rows = readme_rows()
-    for of in ("all", "all but the viewer", "all but camera"):
+    for of in ("all", "all but the viewer", "Python but the viewer", "all but camera"):
         found = {name: row["default"] for (node, name), row in rows.items() if node == of}
         assert found == OF_THE_NODES[of]
 

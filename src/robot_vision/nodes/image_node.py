@@ -4,8 +4,10 @@ from typing import Any, Callable, List
 
 import rospy
 
-from .. import transport
+from .. import set_threads, transport
 from .params import read_param
+
+MOST_THREADS = 256
 
 
 class ImageNode:
@@ -30,6 +32,7 @@ class ImageNode:
         camera_info: bool = False,
     ):
         self._always = read_param("always_subscribe", False)
+        set_threads(read_threads())
         self._outputs: List[Any] = []
         kind = transport.CameraSubscriber if camera_info else transport.ImageSubscriber
         self._images = kind(
@@ -61,6 +64,18 @@ class ImageNode:
             self._images.start()
         else:
             self._images.unregister()
+
+
+def read_threads() -> int:
+    """~threads: a robot has other work for its cores, and sharing a picture costs more in all.
+
+    Raises:
+        ValueError: it is out of range.
+    """
+    threads = read_param("threads", 1)
+    if not 0 <= threads <= MOST_THREADS:
+        raise ValueError(f"threads is {threads}, must be from 0 (all cores) to {MOST_THREADS}")
+    return threads
 
 
 class _Listener(rospy.SubscribeListener):
