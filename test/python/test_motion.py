@@ -105,7 +105,7 @@ def test_lights_go_on_and_a_box_is_left():
 
 
 class Room:
-    """The synthetic scene before a camera that stands still: a ball bounces, a box moves at times."""
+    """The synthetic scene before a still camera: a ball bounces, a box moves now and then."""
 
     def __init__(self):
         params = rv.SceneParams()
