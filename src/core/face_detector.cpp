@@ -18,10 +18,12 @@ namespace robot_vision
 namespace
 {
 
-constexpr int kCell = 8;                // px, side of what is compared to see where something moves
-constexpr double kMostParts = 0.3;      // of the picture, which is searched between searches of the whole
-constexpr double kTurnSurprise = 1.25;  // by how much the next search may take longer than the last
-constexpr int kEyeFace = 128;           // px, width to which a face is brought to look for its eyes
+constexpr int kCell = 8;            // px, side of what is compared to see where something moves
+constexpr double kMostParts = 0.3;  // of the picture, which is searched between searches of the whole
+constexpr double kRest = 4.0;       // times as long as a search, until parts are searched again
+constexpr double kLeastRest = 0.1;  // s
+constexpr double kSurprise = 1.25;  // by how much the next search may take longer than the last
+constexpr int kEyeFace = 128;       // px, width to which a face is brought to look for its eyes
 constexpr int kEyeNeighbors = 3;
 
 }  // namespace
@@ -72,14 +74,14 @@ struct FaceDetector::Impl
     if (!result || result->job.gray.size() != gray.size() || result->job.time > time) return;
     const double took = time - result->job.time;
     if (result->job.whole) search_time = took;
-    rest_until = time + took;
+    rest_until = time + std::max(kRest * took, kLeastRest);
     tracks.add(*result, time);
   }
 
   void search()
   {
     if (worker->busy()) return;
-    const double pause = std::max(params.max_search_period - kTurnSurprise * search_time, 0.0);
+    const double pause = std::max(params.max_search_period - kSurprise * search_time, 0.0);
     FaceJob job;
     job.time = time;
     job.whole = !searched || time - *searched >= pause;
@@ -121,7 +123,7 @@ struct FaceDetector::Impl
   double time = 0.0;               // s, of the same
   std::optional<double> searched;  // s, the frame of the last search of a whole picture
   double search_time = 0.0;        // s
-  double rest_until = 0.0;         // s
+  double rest_until = 0.0;         // s, no parts are searched before
 };
 
 FaceDetector::FaceDetector(const FaceParams& params) : impl_(std::make_unique<Impl>(params))

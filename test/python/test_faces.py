@@ -15,6 +15,7 @@ import robot_vision as rv
 CASCADES = "/usr/share/opencv4/haarcascades/"
 FRONTAL = cv2.CascadeClassifier(CASCADES + "haarcascade_frontalface_default.xml")
 PROFILE = cv2.CascadeClassifier(CASCADES + "haarcascade_profileface.xml")
+PROFILE_PORTRAIT = cv2.cvtColor(skimage.data.camera(), cv2.COLOR_GRAY2BGR)
 
 
 def params(**values):
@@ -64,8 +65,8 @@ def test_no_face_is_lost_that_a_search_of_every_frame_finds(kind):
     detector = rv.FaceDetector(params())
     found = wrong = wrong_reference = 0
     ids = set()
-    for number in range(75):
-        image, truth = frame(2 * number, kind)
+    for number in range(0, 150, 3):
+        image, truth = frame(number, kind)
         faces = detector.update(number / RATE, image)
         expected = reference(image)
         right = [face for face in faces if is_at(face, truth)]
@@ -75,32 +76,28 @@ def test_no_face_is_lost_that_a_search_of_every_frame_finds(kind):
         found += len(right)
         wrong += len(faces) - len(right)
         wrong_reference += sum(iou(box, truth) < 0.5 for box in expected)
-    assert found > 60 and len(ids) == 1
+    assert found >= 45 and len(ids) == 1
     assert wrong <= wrong_reference
 
 
 @pytest.mark.parametrize("mirrored", [False, True])
-def test_a_search_finds_what_opencv_finds(mirrored):
-    detector = rv.FaceDetector(params())
-    for picture in (PORTRAIT, cv2.resize(PORTRAIT, None, fx=1.5, fy=1.5), BACKGROUND):
-        image = np.ascontiguousarray(picture[:, ::-1]) if mirrored else picture
-        found = detector.detect(image)
-        single = {box for box in reference(image) if box in boxes(found)}
-        if searched(FRONTAL, cv2.equalizeHist(cv2.cvtColor(image, cv2.COLOR_BGR2GRAY))):
-            assert boxes(found) == reference(image)
-        assert single == boxes(found)
-        # That in the background goes from size to size by itself.
-        assert boxes(rv.FaceDetector(params()).update(0.0, image)) == boxes(found)
-        assert [face.id for face in found] == [-1] * len(found)
-
-
-def test_profiles_are_found_from_both_sides():
-    profile = params(cascade_1="haarcascade_russian_plate_number.xml", min_size=30, min_neighbors=1)
-    detector = rv.FaceDetector(profile)
-    image = cv2.cvtColor(skimage.data.camera(), cv2.COLOR_GRAY2BGR)
-    found = boxes(detector.detect(image))
-    mirrored = boxes(detector.detect(np.ascontiguousarray(image[:, ::-1])))
-    assert found and mirrored == {(512 - x - w, y, w, h) for x, y, w, h in found}
+@pytest.mark.parametrize(
+    "picture, is_there",
+    [
+        (PORTRAIT, True),
+        (cv2.resize(PORTRAIT, None, fx=1.5, fy=1.5), True),
+        (BACKGROUND, False),
+        (PROFILE_PORTRAIT, True),  # of which only the mirrored picture shows the side that is known
+        (cv2.resize(PROFILE_PORTRAIT, None, fx=1.2, fy=1.2), True),
+    ],
+)
+def test_a_search_finds_what_opencv_finds(picture, is_there, mirrored):
+    image = np.ascontiguousarray(picture[:, ::-1]) if mirrored else picture
+    found = rv.FaceDetector(params()).detect(image)
+    assert boxes(found) == reference(image) and (found or not is_there)
+    assert [face.id for face in found] == [-1] * len(found)
+    # The search for new faces goes from size to size, so that it can be ended.
+    assert boxes(rv.FaceDetector(params()).update(0.0, image)) == boxes(found)
 
 
 def test_sizes_are_kept():
