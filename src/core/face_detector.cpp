@@ -88,7 +88,7 @@ struct FaceDetector::Impl
     if (job.whole)
     {
       searched = time;
-      moving.take(0);
+      moving.clear();
       job.parts = {cv::Rect({0, 0}, gray.size())};
       job.sizes = {params.min_size, params.max_size};
     }
@@ -119,7 +119,8 @@ struct FaceDetector::Impl
   cv::CascadeClassifier eyes;
   FaceTracks tracks;
   MovingParts moving{kCell};
-  cv::Mat gray;                    // of the newest frame
+  cv::Mat gray;                    // of the newest picture
+  cv::Size size;                   // px, of the frames that are followed
   double time = 0.0;               // s, of the same
   std::optional<double> searched;  // s, the frame of the last search of a whole picture
   double search_time = 0.0;        // s
@@ -138,6 +139,7 @@ void FaceDetector::configure(const FaceParams& params)
   auto next = std::make_unique<Impl>(params);
   next->tracks = std::move(impl_->tracks);
   next->gray = impl_->gray;
+  next->size = impl_->size;
   next->time = impl_->time;
   impl_ = std::move(next);
 }
@@ -155,10 +157,11 @@ std::vector<Face> FaceDetector::detect(const cv::Mat& image, const std::string& 
 
 std::vector<Face> FaceDetector::update(double time_s, const cv::Mat& image, const std::string& encoding)
 {
+  require(std::isfinite(time_s), "time_s", time_s, "finite");
   Impl& me = *impl_;
-  const cv::Size size = me.gray.size();
   const cv::Mat plain = me.prepare(image, encoding);
-  if (me.gray.size() != size || time_s < me.time) me.forget();
+  if (me.gray.size() != me.size || time_s < me.time) me.forget();
+  me.size = me.gray.size();
   me.time = time_s;
   me.moving.update(plain);  // equalised, all of it changes when something bright comes in
   me.takeResult();

@@ -18,7 +18,7 @@ constexpr double kSmaller = 0.75;  // of its size, which a known face may have b
 constexpr double kLarger = 1.35;
 constexpr double kSmoothing = 0.25;  // share of the newest motion in the velocity
 constexpr double kRemember = 2.0;    // s after which a face that comes back is another one
-constexpr double kSame = 0.6;        // of the smaller box, which lies in that of the same face
+constexpr double kSame = 0.5;        // of the smaller of two boxes of one face, which lies in the other
 constexpr int kMostTrust = 15;       // frames that a face is believed in although it is not seen
 constexpr std::size_t kPast = 128;   // frames
 
@@ -27,10 +27,10 @@ cv::Point2d middle(const cv::Rect& box)
   return {box.x + 0.5 * box.width, box.y + 0.5 * box.height};
 }
 
-double overlap(const cv::Rect& a, const cv::Rect& b)
+/// Whether two boxes are of one face: most of the smaller lies in the other.
+bool isSame(const cv::Rect& a, const cv::Rect& b)
 {
-  const double common = (a & b).area();
-  return common / (a.area() + b.area() - common);
+  return (a & b).area() > kSame * std::min(a.area(), b.area());
 }
 
 /// By how much of its size a face may be away from where it should be.
@@ -49,7 +49,7 @@ cv::Rect boxAt(const FaceTrack& track, double time_s)
 /// Where the face should be.
 cv::Rect expectedBox(const FaceTrack& track, double time_s)
 {
-  const cv::Point2d moved = track.velocity * (time_s - track.time);
+  const cv::Point2d moved = track.velocity * std::min(time_s - track.time, 1.0);
   return track.box + cv::Point(cvRound(moved.x), cvRound(moved.y));
 }
 
@@ -168,9 +168,8 @@ void FaceTracks::add(const FaceResult& result, double time_s)
   const double time = result.job.time;
   for (const FoundFace& face : result.found)
   {
-    const auto known =
-        std::find_if(tracks_.begin(), tracks_.end(),
-                     [&](const FaceTrack& track) { return overlap(boxAt(track, time), face.box) > 0.3; });
+    const auto known = std::find_if(tracks_.begin(), tracks_.end(),
+                                    [&](const FaceTrack& track) { return isSame(boxAt(track, time), face.box); });
     if (known != tracks_.end() && known->visible)
     {
       known->seen = std::max(known->seen, time);
@@ -225,12 +224,8 @@ void FaceTracks::dropDoubles()
                    [](const FaceTrack& a, const FaceTrack& b) { return a.trust > b.trust; });
   for (std::size_t i = 0; i < tracks_.size(); ++i)
   {
-    const auto same = [&](const FaceTrack& other)
-    {
-      const int smaller = std::min(tracks_[i].box.area(), other.box.area());
-      return other.visible && (tracks_[i].box & other.box).area() > kSame * smaller;
-    };
     if (!tracks_[i].visible) continue;
+    const auto same = [&](const FaceTrack& other) { return other.visible && isSame(tracks_[i].box, other.box); };
     const auto next = tracks_.begin() + static_cast<std::ptrdiff_t>(i) + 1;
     tracks_.erase(std::remove_if(next, tracks_.end(), same), tracks_.end());
   }

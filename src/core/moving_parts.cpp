@@ -71,7 +71,7 @@ std::vector<cv::Rect> MovingParts::take(int border)
                         cvCeil((box[cv::CC_STAT_TOP] + box[cv::CC_STAT_HEIGHT]) * size_.y));
     add(grown(cv::Rect(first, end), border, picture_), parts);
   }
-  changed_.setTo(0);
+  clear();
   return parts;
 }
 

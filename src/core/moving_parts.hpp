@@ -19,6 +19,9 @@ public:
   /// Forgets what has changed in a part of the picture, px.
   void ignore(const cv::Rect& part);
 
+  /// Forgets all changes.
+  void clear() { changed_.setTo(0); }
+
   /// Boxes (px) around what has changed since the last call, each `border` px larger on all sides. They do not overlap.
   std::vector<cv::Rect> take(int border);
 

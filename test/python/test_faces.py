@@ -233,7 +233,10 @@ def test_another_size_and_an_earlier_time_begin_anew():
     assert face.id == 0
     (face,) = detector.update(1.0, picture, "mono8")
     assert face.id == 1
-    (face,) = detector.update(1.1, np.ascontiguousarray(picture[:, 100:]), "mono8")
+    detector.detect(PORTRAIT)  # has nothing to do with it
+    (face,) = detector.update(1.1, picture, "mono8")
+    assert face.id == 1
+    (face,) = detector.update(1.2, np.ascontiguousarray(picture[:, 100:]), "mono8")
     assert face.id == 2 and is_at(face, (170, 190, 100, 100))
 
 
@@ -254,6 +257,17 @@ def test_bad_pictures_are_refused():
         detector.update(0.0, np.zeros((4, 4), np.uint8))
     with pytest.raises(ValueError):
         detector.detect(np.zeros((0, 4), np.uint8), "mono8")
+    for time_s in (math.nan, math.inf):
+        with pytest.raises(ValueError, match="time_s is .*, must be finite"):
+            detector.update(time_s, PORTRAIT)
+
+
+def test_a_long_pause_does_not_move_a_face():
+    detector = rv.FaceDetector(params(cascade_2=""))
+    for number in range(10):
+        detector.update(number / RATE, crowd([(20 + 8 * number, 160)]), "mono8")
+    (face,) = detector.update(1e9, crowd([(240, 160)]), "mono8")
+    assert is_at(face, (270, 190, 100, 100))
 
 
 @pytest.mark.parametrize(
