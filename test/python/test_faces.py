@@ -258,7 +258,7 @@ def test_bad_pictures_are_refused():
     with pytest.raises(ValueError):
         detector.detect(np.zeros((0, 4), np.uint8), "mono8")
     for time_s in (math.nan, math.inf):
-        with pytest.raises(ValueError, match="time_s is .*, must be finite"):
+        with pytest.raises(ValueError, match=r"time_s is .*, must be finite"):
             detector.update(time_s, PORTRAIT)
 
 
