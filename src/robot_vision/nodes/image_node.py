@@ -1,6 +1,6 @@
 """What every node does that works on pictures."""
 
-from typing import Any, Callable, List
+from typing import Any, Callable, List, Tuple
 
 import rospy
 
@@ -11,7 +11,8 @@ MOST_THREADS = 256
 
 
 class ImageNode:
-    """Works on the topic `image` while somebody subscribes to an output (or ~always_subscribe).
+    """Works on the topic `image` while somebody subscribes to an output (or ~always_subscribe), or
+    as long as keep_working() wants it.
 
     Counts and refuses frames, and reports on /diagnostics under the node's name. Give it its
     outputs, then start() it.
@@ -33,7 +34,10 @@ class ImageNode:
     ):
         self._always = read_param("always_subscribe", False)
         set_threads(read_threads())
+        self._wanted = False
         self._outputs: List[Any] = []
+        self._inputs: List[Tuple[Any, ...]] = []  # names, types and callbacks
+        self._subscribers: List[rospy.Subscriber] = []  # to them, while the node works
         kind = transport.CameraSubscriber if camera_info else transport.ImageSubscriber
         self._images = kind(
             "image", process, encoding, diagnostics=transport.node_diagnostics(), start=False
@@ -53,6 +57,15 @@ class ImageNode:
         self._outputs.append(output)
         return output
 
+    def subscriber(self, name: str, kind: Any, callback: Callable[[Any], Any]) -> None:
+        """One more topic that is subscribed to while the node works: its newest message."""
+        self._inputs.append((name, kind, callback))
+
+    def keep_working(self, wanted: bool) -> None:
+        """Whether to work although nobody subscribes. Thread-safe."""
+        self._wanted = wanted
+        transport.note_connections()
+
     def start(self) -> None:
         """Begins to work; the node has to be complete by now."""
         transport.add_connection_listener(self._update)
@@ -60,10 +73,18 @@ class ImageNode:
 
     def _update(self) -> None:
         """Only the thread of the pictures calls it, so subscribing and ending do not overlap."""
-        if self._always or any(output.get_num_connections() for output in self._outputs):
+        listened = any(output.get_num_connections() for output in self._outputs)
+        if self._always or self._wanted or listened:
             self._images.start()
+            if not self._subscribers:
+                self._subscribers = [
+                    rospy.Subscriber(name, kind, callback, queue_size=1, tcp_nodelay=True)
+                    for name, kind, callback in self._inputs
+                ]
         else:
             self._images.unregister()
+            while self._subscribers:
+                self._subscribers.pop().unregister()
 
 
 def read_threads() -> int:
