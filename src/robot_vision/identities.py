@@ -39,8 +39,9 @@ class _Face:
 class Identities:
     """The names of faces by the ids of their detector.
 
-    A face gets a name, or another, or none, when more than half of its last predictions agree;
-    until then it keeps the one it had. A time is in s on any clock that never goes back.
+    A face gets a name when more than half of its last predictions agree, and loses it, to another
+    or to none, when more than three quarters do: what alternates keeps its name. A time is in s on
+    any clock that never goes back.
     """
 
     def __init__(self) -> None:
@@ -77,7 +78,7 @@ class Identities:
         named = [(self._accepted(name, distance), distance) for name, distance in face.votes]
         counts = collections.Counter(name for name, _ in named)
         name, count = counts.most_common(1)[0]
-        if 2 * count > self.params.votes:
+        if count > (0.75 if face.name != UNKNOWN else 0.5) * self.params.votes:
             face.name = name
         agreeing = [distance for name, distance in named if name == face.name]
         distances = agreeing or [distance for _, distance in named]
