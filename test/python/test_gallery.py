@@ -89,11 +89,13 @@ def test_gallery_that_is_not_there_is_empty_and_made_when_needed(tmp_path):
 
 def test_gallery_that_is_no_folder_is_refused(tmp_path):
     (tmp_path / "file").write_text("")
-    with pytest.raises(ValueError, match="gallery is '.*/file', must be a folder"):
+    with pytest.raises(ValueError, match=r"gallery is '.*/file', must be a folder"):
         Gallery(str(tmp_path / "file"))
 
 
-@pytest.mark.parametrize("name", ["Zoë", "李", "Ann-Marie O'Neil", "x" * 60, "😀" * 60, "~", "$HOME"])
+@pytest.mark.parametrize(
+    "name", ["Zoë", "李", "Ann-Marie O'Neil", "x" * 60, "😀" * 60, "~", "$HOME"]
+)
 def test_names_of_all_scripts(tmp_path, name):
     gallery = Gallery(str(tmp_path))
     gallery.add(name, photographs(ANNA, 1))
@@ -110,9 +112,9 @@ def test_names_that_are_none_change_nothing(folder, name):
     for use in (
         lambda: gallery.add(name, photographs(CARLA, 1)),
         lambda: gallery.forget(name),
-        lambda: name and gallery.import_folder(str(folder), name) or gallery.forget(name),
+        lambda: (name and gallery.import_folder(str(folder), name)) or gallery.forget(name),
     ):
-        with pytest.raises(ValueError, match="name|nobody"):
+        with pytest.raises(ValueError, match=r"name|nobody"):
             use()
     assert files(folder.parent) == before
 

@@ -8,6 +8,7 @@ import pytest
 import yaml
 
 import robot_vision as rv
+from robot_vision.identities import VoteParams
 from robot_vision.line_control import LineControlParams
 from robot_vision.nodes.colors import DEFAULT, HIGH, LOW
 from robot_vision.nodes.face_detector import COURSE, PARAMS
@@ -25,6 +26,7 @@ PYTHON = (
     "line_follower",
     "face_detector",
     "motion_detector",
+    "face_recognizer",
     "simple_camera_view",
 )
 # What the launch files set otherwise: the course's node finds small faces only.
@@ -42,6 +44,7 @@ OF_THE_NODES = {
     "line_follower": {},
     "face_detector": {},
     "motion_detector": {},
+    "face_recognizer": {"gallery": ""},
     "simple_camera_view": {"autosize": "true"},
     "all": {"config_file": ""},
     "all but the viewer": {"always_subscribe": "false", "diagnostic_period": "1"},

@@ -101,7 +101,7 @@ def test_normalized_faces_are_alike_in_any_size_and_light():
 
 
 def test_portrait_has_the_face_in_its_middle_and_is_bounded():
-    x, y, width, height = find_face(ASTRONAUT)
+    _, _, width, height = find_face(ASTRONAUT)
     picture = portrait(ASTRONAUT)
     assert picture.shape == (
         height + 2 * round(MARGIN * height),
