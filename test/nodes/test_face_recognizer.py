@@ -302,20 +302,17 @@ def test_one_is_enrolled_at_a_time_and_the_node_ends_meanwhile(start, folder):
         with contextlib.suppress(rospy.ServiceException):  # the node ends
             answers.append(enroll("Eve"))
 
-    waiting = threading.Thread(target=wait)
-    waiting.start()
-    support.wait_for(
-        lambda: (
-            "somebody else is being enrolled" in enroll("Ivy", 0).message
-            if answers == []
-            else answers
-        ),
-        "the refusal",
-    )
+    waiting = [threading.Thread(target=wait, daemon=True) for _ in range(2)]
+    for thread in waiting:
+        thread.start()
+    (refused,) = support.wait_for(lambda: answers, "the refusal of one of the two")
+    assert not refused.success and refused.message == "somebody else is being enrolled"
     door.process.interrupt()
     assert door.process.exit_code(3.0) == 0
-    waiting.join(support.DEADLINE)
-    assert not waiting.is_alive() and not any(answer.success for answer in answers)
+    for thread in waiting:
+        thread.join(support.DEADLINE)
+        assert not thread.is_alive()
+    assert not any(answer.success for answer in answers)
 
 
 def test_folders_are_enrolled_listed_and_forgotten(start, tmp_path):
