@@ -1,6 +1,7 @@
 """Faces in pictures: found, cut out, and made alike for a recogniser."""
 
 import functools
+import threading
 from typing import Optional, Tuple
 
 import cv2
@@ -120,11 +121,15 @@ def _largest_face(picture: np.ndarray) -> Optional[Box]:
     rows, columns = picture.shape
     size = max(1, round(columns / scale)), max(1, round(rows / scale))
     small = cv2.resize(picture, size, interpolation=cv2.INTER_AREA)
-    faces = _detector().detectMultiScale(small, 1.1, 4, minSize=(MIN_FACE, MIN_FACE))
+    with _detecting:
+        faces = _detector().detectMultiScale(small, 1.1, 4, minSize=(MIN_FACE, MIN_FACE))
     if len(faces) == 0:
         return None
     x, y, width, height = (round(value * scale) for value in max(faces, key=lambda box: box[2]))
     return x, y, width, height
+
+
+_detecting = threading.Lock()  # a cascade keeps what it works on
 
 
 @functools.lru_cache(maxsize=None)

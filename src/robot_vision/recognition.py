@@ -36,9 +36,17 @@ class LbphRecognizer(Recognizer):
 
     It is trained within milliseconds a face, and as sure as the light, the look and the camera
     are those of the pictures it was trained with.
+
+    Raises:
+        ValueError: this OpenCV has been built without it.
     """
 
     def __init__(self) -> None:
+        if not hasattr(cv2, "face"):
+            raise ValueError(
+                f"the OpenCV in {cv2.__file__} has no module face; that of the package "
+                "python3-opencv has, and pip's opencv-contrib-python, but not its opencv-python"
+            )
         self._model = cv2.face.LBPHFaceRecognizer_create(radius=2, neighbors=8, grid_x=8, grid_y=8)
         self._trained = False
 

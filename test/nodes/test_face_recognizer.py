@@ -392,6 +392,26 @@ def test_faces_that_cannot_be_used_are_refused(start, folder):
     assert door.look(ANNA) == "Anna"
 
 
+def test_missing_faces_and_those_of_another_camera_are_told(start, folder):
+    door = Door(start, f"_gallery:={folder}", *AT_ONCE)
+    image = message(BLANK, "bgr8")
+    seconds = itertools.count(1000)
+
+    def tell():
+        image.header.stamp = rospy.Time(next(seconds))
+        door.images.send(image)
+        return f"no faces come on {door.faces.topic}" in door.process.output()
+
+    support.wait_for(tell, "the warning that there is no detector")
+    for number in range(FRAMES):
+        found = DetectionArray(image.header, 320, 240, [])
+        found.header.stamp = rospy.Time(2000 + number)
+        door.faces.send(found)
+        time.sleep(0.05)  # the node takes the newest only
+    door.process.wait_for_output(f"no pictures on {door.images.topic} have the stamps of")
+    assert door.look(ANNA) == "Anna"
+
+
 def test_default_gallery_is_in_the_folder_of_ros(start, tmp_path):
     cv2.imwrite(str(tmp_path / "photo.png"), photograph(ANNA, 0)[0])
     start("face_recognizer.py", "__name:=door", env={"ROS_HOME": str(tmp_path / "home")})

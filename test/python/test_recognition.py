@@ -1,5 +1,6 @@
 """Faces in photographs: found, made alike, told apart and named by votes."""
 
+import concurrent.futures
 import math
 import threading
 
@@ -42,6 +43,12 @@ def test_face_is_found_in_a_photograph_of_any_size(scale):
     assert is_around(box, [scale * value for value in FACE], scale * 100), box
     assert find_face(cv2.cvtColor(picture, cv2.COLOR_BGR2GRAY)) == box
     assert np.array_equal(picture, before)
+
+
+def test_faces_are_found_by_several_threads_at_once():
+    pictures = [photograph(ANNA, number)[0] for number in range(40)]
+    with concurrent.futures.ThreadPoolExecutor(4) as threads:
+        assert list(threads.map(find_face, pictures)) == [find_face(one) for one in pictures]
 
 
 def test_largest_face_is_the_one():
@@ -138,6 +145,12 @@ def test_recognizer_forgets_when_it_is_trained_anew():
     assert recognizer.predict(anna)[1] > VoteParams().max_distance
     recognizer.train([], [])
     assert recognizer.predict(anna) == (NOBODY, math.inf)
+
+
+def test_opencv_without_the_recogniser_is_told(monkeypatch):
+    monkeypatch.delattr(cv2, "face")
+    with pytest.raises(ValueError, match=r"the OpenCV in .* has no module face"):
+        LbphRecognizer()
 
 
 def voted(identities, *names, distance=50.0, number=1, start=0.0):

@@ -22,6 +22,7 @@ from .image_node import ImageNode
 from .params import LiveParams, filled
 
 VOTES = tuple(VoteParams.__dataclass_fields__)
+SILENCE = 5.0  # s without faces, while pictures come, until it is told
 GREEN, RED = (0.0, 255.0, 0.0), (0.0, 0.0, 255.0)
 
 
@@ -38,6 +39,7 @@ class FaceRecognizer:
         self._names: List[str] = []  # by the recogniser's labels
         self._identities = Identities()
         self._pairs = FramePairs()
+        self._last_frame = self._last_faces = 0.0  # s of the monotonic clock
         self._node = ImageNode(self._on_frame)
         self._node.subscriber("faces", DetectionArray, self._on_faces)
         self._faces = self._node.publisher("~faces", DetectionArray)
@@ -62,14 +64,27 @@ class FaceRecognizer:
             self._identities.clear()
 
     def _on_frame(self, frame: Frame) -> None:
+        now = time.monotonic()
+        if now - self._last_frame > SILENCE:  # it begins to work
+            self._last_faces = now
+        self._last_frame = now
+        if now - self._last_faces > SILENCE:
+            topic = rospy.resolve_name("faces")
+            rospy.logwarn_throttle(10.0, f"no faces come on {topic}: is there a face detector?")
         faces = self._pairs.message_of(frame)
         if faces:
             self._process(frame, faces)
 
     def _on_faces(self, faces: DetectionArray) -> None:
+        self._last_faces = time.monotonic()
         frame = self._pairs.frame_of(faces)
         if frame:
             self._process(frame, faces)
+        elif self._pairs.apart():
+            image, topic = rospy.resolve_name("image"), rospy.resolve_name("faces")
+            rospy.logwarn_throttle(
+                10.0, f"no pictures on {image} have the stamps of {topic}: is it another camera's?"
+            )
 
     def _process(self, frame: Frame, faces: DetectionArray) -> None:
         now = time.monotonic()
@@ -87,8 +102,8 @@ class FaceRecognizer:
                 return
             self._identities.see((face.id for face in faces.detections), now)
             self._publish(frame, faces, found)
-        seen = [box_of(face) for face in faces.detections if not face.predicted]
-        self._services.offer(frame.image, seen, now)
+            seen = [box_of(face) for face in faces.detections if not face.predicted]
+            self._services.offer(frame.image, seen, now)
 
     def _identify(self, image: np.ndarray, face: Detection, now: float) -> Identity:
         if face.predicted:  # there may be something else in its place

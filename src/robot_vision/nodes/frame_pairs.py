@@ -38,6 +38,10 @@ class FramePairs:
                 self._messages.append(message)
             return frame
 
+    def apart(self) -> bool:
+        """Whether many messages in a row had no frame."""
+        return len(self._messages) == FRAMES
+
 
 def _taken(waiting: Deque[Any], stamp: Any) -> Optional[Any]:
     """The newest of this stamp, or None; those before it are waited for no more."""
