@@ -228,8 +228,9 @@ def test_enrollment_takes_pictures_of_one_clear_face():
     assert enrollment.outcome() == (
         "took 0 of 2 pictures; 2 showed no clear face; 1 showed no face; 1 showed several faces"
     )
-    for now in (10.0, 10.0 + PERIOD / 2, 10.0 + PERIOD, 20.0):
+    for now, taken in [(10.0, 1), (10.0 + PERIOD / 2, 1), (10.0 + 1.5 * PERIOD, 2), (20.0, 2)]:
         enrollment.offer(image, [head], now)
+        assert len(enrollment.portraits) == taken
     assert enrollment.wait(0.0, lambda: False)
     assert list(enrollment.portraits) == ["picture 1", "picture 2"]
     for taken in enrollment.portraits.values():
