@@ -7,14 +7,14 @@ from typing import Optional, Tuple
 import cv2
 import numpy as np
 
+from ._core import FaceDetector, FaceParams
+
 Box = Tuple[int, int, int, int]  # px: x, y, width, height
 
 SIDE = 100  # px, of a face that a recogniser sees
 MARGIN = 0.5  # of the face's size, around it in a portrait
 PORTRAIT_SIDE = 400  # px, of the largest portrait
-CASCADE = "/usr/share/opencv4/haarcascades/haarcascade_frontalface_default.xml"
 SEARCH_SIDE = 640  # px: a larger picture is searched in this size
-MIN_FACE = 40  # px, in the picture that is searched
 
 
 def cut_out(image: np.ndarray, box: Box, margin: float = 0.0) -> np.ndarray:
@@ -122,19 +122,20 @@ def _largest_face(picture: np.ndarray) -> Optional[Box]:
     size = max(1, round(columns / scale)), max(1, round(rows / scale))
     small = cv2.resize(picture, size, interpolation=cv2.INTER_AREA)
     with _detecting:
-        faces = _detector().detectMultiScale(small, 1.1, 4, minSize=(MIN_FACE, MIN_FACE))
-    if len(faces) == 0:
+        faces = _detector().detect(small, "mono8")
+    if not faces:
         return None
-    x, y, width, height = (round(value * scale) for value in max(faces, key=lambda box: box[2]))
+    x, y, width, height = (round(value * scale) for value in faces[0].box)
     return x, y, width, height
 
 
-_detecting = threading.Lock()  # a cascade keeps what it works on
+_detecting = threading.Lock()  # a detector is for one thread at a time
 
 
 @functools.lru_cache(maxsize=None)
-def _detector() -> cv2.CascadeClassifier:
-    detector = cv2.CascadeClassifier(CASCADE)
-    if detector.empty():
-        raise OSError(f"{CASCADE} is missing or damaged; it is of the package opencv-data")
-    return detector
+def _detector() -> FaceDetector:
+    params = FaceParams()
+    params.cascade_2 = ""  # nobody can be recognised by a profile
+    params.scale_factor = 1.1
+    params.min_neighbors = 4
+    return FaceDetector(params)

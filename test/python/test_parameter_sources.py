@@ -8,7 +8,6 @@ import pytest
 import yaml
 
 import robot_vision as rv
-from robot_vision.identities import VoteParams
 from robot_vision.line_control import LineControlParams
 from robot_vision.nodes.colors import DEFAULT, HIGH, LOW
 from robot_vision.nodes.face_detector import COURSE, PARAMS
