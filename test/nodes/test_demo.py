@@ -13,7 +13,8 @@ from geometry_msgs.msg import PointStamped, Twist
 from sensor_msgs.msg import Image
 
 from robot_vision import Scene, SceneParams
-from robot_vision.msg import DetectionArray, GroundTruth, Line
+from robot_vision.msg import DetectionArray, FaceIdentityArray, GroundTruth, Line
+from robot_vision.srv import EnrollFace
 
 DEMO = pathlib.Path(__file__).resolve().parents[2] / "tools" / "demo"
 WIDTH, HEIGHT, FRAMES = 320, 240, 30
@@ -143,6 +144,21 @@ def test_demo_finds_what_is_in_the_scene(demo):
     support.wait_for(lambda: any(line.found for line in lines.received), "the line")
     support.wait_for(lambda: any(c.linear.x == 0.2 for c in commands.received), "driving")
     assert "/cmd_vel" not in dict(rospy.get_published_topics())  # a demo drives no robot
+
+
+def test_the_portrait_is_enrolled_and_recognised(demo, start, tmp_path):
+    demo()
+    remapped = "image:=/usb_cam/image_raw", "faces:=/face_detector/faces"
+    start("face_recognizer.py", *remapped, f"_gallery:={tmp_path / 'gallery'}")
+    rospy.wait_for_service("/face_recognizer/enroll", support.DEADLINE)
+    answer = rospy.ServiceProxy("/face_recognizer/enroll", EnrollFace)("Eileen", 5)
+    assert answer.success, answer.message
+    identities = support.Messages("/face_recognizer/identities", FaceIdentityArray)
+    support.wait_for(
+        lambda: any(one.name == "Eileen" for m in identities.received for one in m.identities),
+        "the name",
+    )
+    assert len(list((tmp_path / "gallery" / "Eileen").glob("*.png"))) == 5
 
 
 def test_make_demo_fails_when_its_source_is_wrong(start, tmp_path):

@@ -19,6 +19,7 @@ from ..transport import Frame
 from .frame_pairs import FramePairs
 from .gallery_services import GalleryServices
 from .image_node import ImageNode
+from .messages import corners
 from .params import LiveParams, filled
 
 VOTES = tuple(VoteParams.__dataclass_fields__)
@@ -141,13 +142,11 @@ def box_of(face: Detection) -> Box:
 
 def draw_identity(bgr: np.ndarray, box: Box, identity: Identity) -> None:
     """Draws a face's box with name and distance; letters that the overlay lacks become plain."""
-    x, y, width, height = box
-    right, bottom = x + width - 1, y + height - 1
     name = unicodedata.normalize("NFKD", identity.name)
     name = "".join(letter for letter in name if not unicodedata.combining(letter))
     draw_outline(
         bgr,
-        [(x, y), (right, y), (right, bottom), (x, bottom)],
+        corners(box),
         f"{name.encode('ascii', 'replace').decode()} {identity.distance:.0f}",
         GREEN if identity.known else RED,
     )
