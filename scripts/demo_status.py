@@ -15,6 +15,7 @@ TOPICS = {
     "hsv_tracker": "/hsv_tracker/processed_image",
     "ball_tracker": "/ball_tracker/processed_image",
     "line_follower": "/line_follower/processed_image",
+    "face_detector": "/face_detector/processed_image",
     "motion_detector": "/motion_detector/processed_image",
 }
 

@@ -37,7 +37,7 @@ struct CaptureParams
   std::string pixel_format = "yuyv";  // asked of a device: yuyv, uyvy, grey, nv12 or mjpeg
   std::string io_method = "mmap";     // mmap; usb_cam's read and userptr are accepted and taken as mmap
   double framerate = 0.0;             // Hz, to 1000; 0: a video's own, 30 for devices, pictures and the scene
-  std::string poster;                 // picture file on the wall of the scene; "": a generated pattern
+  std::string poster;                 // picture file on the scene's wall; "": a pattern; auto: a portrait, if any
 };
 
 /// Throws std::invalid_argument naming the first parameter out of range, its value and the range.

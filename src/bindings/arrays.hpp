@@ -9,6 +9,7 @@
 #include <memory>
 #include <opencv2/core.hpp>
 #include <string>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -108,6 +109,19 @@ py::array_t<T> toNumpy(const std::vector<cv::Point_<T>>& points)
 inline std::pair<double, double> toPair(const cv::Point2d& point)
 {
   return {point.x, point.y};
+}
+
+/// x, y, width, height.
+using Box = std::tuple<int, int, int, int>;
+
+inline Box toBox(const cv::Rect& box)
+{
+  return {box.x, box.y, box.width, box.height};
+}
+
+inline cv::Rect toRect(const Box& box)
+{
+  return {std::get<0>(box), std::get<1>(box), std::get<2>(box), std::get<3>(box)};
 }
 
 inline py::array_t<double> toNumpy(const cv::Matx44d& matrix)

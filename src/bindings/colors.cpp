@@ -129,8 +129,7 @@ void bindRegions(py::module& m)
 
   py::class_<Region>(m, "Region", "Pixels of a mask that touch each other; pixel centres have whole coordinates.")
       .def_property_readonly(
-          "box", [](const Region& r) { return std::make_tuple(r.box.x, r.box.y, r.box.width, r.box.height); },
-          "(x, y, width, height), px")
+          "box", [](const Region& r) { return toBox(r.box); }, "(x, y, width, height), px")
       .def_property_readonly(
           "center", [](const Region& r) { return toPair(r.center); }, "(x, y), px, of the pixels")
       .def_readonly("area", &Region::area, "number of pixels, without holes")

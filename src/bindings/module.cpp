@@ -2,11 +2,14 @@
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
 
+#include <opencv2/core/utility.hpp>
+
 #include "arrays.hpp"
 #include "robot_vision/ball_tracker.hpp"
 #include "robot_vision/brightness.hpp"
 #include "robot_vision/edges.hpp"
 #include "robot_vision/encoding.hpp"
+#include "robot_vision/face_detector.hpp"
 #include "robot_vision/frame_source.hpp"
 #include "robot_vision/hsv.hpp"
 #include "robot_vision/line.hpp"
@@ -20,6 +23,7 @@ using namespace py::literals;
 
 void bindBall(py::module& m);
 void bindColors(py::module& m);
+void bindFaces(py::module& m);
 void bindLine(py::module& m);
 void bindMotion(py::module& m);
 void bindObjectTracker(py::module& m);
@@ -86,6 +90,14 @@ void bindSources(py::module& m)
       .def_readwrite("poster", &CaptureParams::poster);
 }
 
+/// What OpenCV itself does with a picture in several threads.
+void bindThreads(py::module& m)
+{
+  m.def(
+      "set_threads", [](int count) { cv::setNumThreads(count > 0 ? count : cv::getNumberOfCPUs()); }, "count"_a,
+      "How many threads of OpenCV's share the work on one picture, in this process; 0: as many as there are cores.");
+}
+
 /// validate(params) for every kind of parameters.
 void bindValidate(py::module& m)
 {
@@ -93,6 +105,7 @@ void bindValidate(py::module& m)
   m.def("validate", py::overload_cast<const BallTrackerParams&>(&validate), "params"_a, doc);
   m.def("validate", py::overload_cast<const BrightnessParams&>(&validate), "params"_a, doc);
   m.def("validate", py::overload_cast<const EdgeParams&>(&validate), "params"_a, doc);
+  m.def("validate", py::overload_cast<const FaceParams&>(&validate), "params"_a, doc);
   m.def("validate", py::overload_cast<const CaptureParams&>(&validate), "params"_a, doc);
   m.def("validate", py::overload_cast<const HsvRange&>(&validate), "params"_a, doc);
   m.def("validate", py::overload_cast<const LineParams&>(&validate), "params"_a, doc);
@@ -109,9 +122,11 @@ PYBIND11_MODULE(_core, m)
   m.doc() = std::string("The C++ core of robot_vision on NumPy arrays. ") + kLayout;
   bindFilters(m);
   bindSources(m);
+  bindThreads(m);
   bindScene(m);
   bindColors(m);
   bindBall(m);
+  bindFaces(m);
   bindLine(m);
   bindMotion(m);
   bindObjectTracker(m);

@@ -10,13 +10,6 @@ using namespace py::literals;
 namespace
 {
 
-using Box = std::array<int, 4>;  // x, y, width, height
-
-cv::Rect toRect(const Box& box)
-{
-  return {box[0], box[1], box[2], box[3]};
-}
-
 py::tuple toTuple(const std::vector<FlowPoint>& flow)
 {
   std::vector<cv::Point2f> positions, velocities;

@@ -42,13 +42,16 @@ void bindCamera(py::module& m)
 
 void bindRoom(py::module& m)
 {
-  py::class_<SceneParams>(m, "SceneParams", "Size (px), rate (Hz), seed and noise (grey levels) of the scene.")
+  py::class_<SceneParams>(
+      m, "SceneParams",
+      "Size (px), rate (Hz), seed and noise (grey levels) of the scene; still: its camera does not move.")
       .def(py::init<>())
       .def_readwrite("width", &SceneParams::width)
       .def_readwrite("height", &SceneParams::height)
       .def_readwrite("rate", &SceneParams::rate)
       .def_readwrite("seed", &SceneParams::seed)
-      .def_readwrite("noise", &SceneParams::noise);
+      .def_readwrite("noise", &SceneParams::noise)
+      .def_readwrite("still", &SceneParams::still);
 
   py::class_<SceneObject>(m, "SceneObject", "One thing in the scene, as one frame shows it.")
       .def_readonly("name", &SceneObject::name)

@@ -47,27 +47,35 @@ cv::Rect boxOfDifferences(const cv::Mat& a, const cv::Mat& b, double threshold)
   return box;
 }
 
-}  // namespace
-
+/// `picture` blurred, within `part`; to the bit as if all of it were.
 cv::Mat blurPart(const cv::Mat& picture, const cv::Rect& part, int blur_size)
 {
   const cv::Rect outer = grown(part, blur_size / 2, picture.size());
   // A copy: cv::GaussianBlur is exact for whole pictures only. What is invented beyond its border stays out of `part`.
-  cv::Mat blurred = picture(outer).clone();
-  if (blur_size > 1) cv::GaussianBlur(blurred, blurred, {blur_size, blur_size}, 0.0);
-  return blurred(part - outer.tl());
+  return blurred(picture(outer).clone(), blur_size)(part - outer.tl());
 }
 
-cv::Rect findChangedPixels(const cv::Mat& gray, const cv::Mat& reference, int blur_size, double threshold,
+}  // namespace
+
+cv::Mat blurred(const cv::Mat& picture, int blur_size)
+{
+  cv::Mat result;
+  cv::GaussianBlur(picture, result, {blur_size, blur_size}, 0.0);
+  return result;
+}
+
+cv::Rect findChangedPixels(const cv::Mat& gray, const Reference& reference, int blur_size, double threshold,
                            cv::Mat& mask)
 {
   mask.create(gray.size(), CV_8UC1);
   mask.setTo(0);
   // Means of pixels that differ by whole numbers up to the threshold do so too, also when they are rounded.
-  const cv::Rect part = grown(boxOfDifferences(gray, reference, threshold), blur_size / 2, gray.size());
+  const cv::Rect part = grown(boxOfDifferences(gray, reference.picture, threshold), blur_size / 2, gray.size());
   if (part.empty()) return part;
+  const cv::Mat background =
+      reference.blurred.empty() ? blurPart(reference.picture, part, blur_size) : reference.blurred(part);
   cv::Mat difference;
-  cv::absdiff(blurPart(gray, part, blur_size), blurPart(reference, part, blur_size), difference);
+  cv::absdiff(blurPart(gray, part, blur_size), background, difference);
   cv::threshold(difference, mask(part), threshold, 255.0, cv::THRESH_BINARY);
   return part;
 }

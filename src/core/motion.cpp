@@ -66,6 +66,7 @@ struct MotionDetector::Impl
   void begin(const cv::Mat& picture)
   {
     picture.copyTo(background);
+    if (params.method == "first_frame") blurred_background = blurred(background, params.blur_size);
     everywhere_since.reset();
     if (params.method == "running_average") picture.convertTo(average, CV_32F);
     if (params.method != "mog2") return;
@@ -74,7 +75,8 @@ struct MotionDetector::Impl
     mog2->apply(picture, unused, 1.0);
   }
 
-  void compare(const cv::Mat& picture, cv::Mat& mask)
+  /// Returns the part of the mask outside of which it is black.
+  cv::Rect compare(const cv::Mat& picture, cv::Mat& mask)
   {
     cv::Rect part({0, 0}, picture.size());
     if (mog2)
@@ -85,12 +87,13 @@ struct MotionDetector::Impl
     else if (params.ignore_light)
     {
       cv::subtract(picture, cv::Scalar(brighterBy(picture, background)), lit);
-      part = findChangedPixels(lit, background, params.blur_size, params.threshold, mask);
+      part = findChangedPixels(lit, {background, blurred_background}, params.blur_size, params.threshold, mask);
     }
     else
-      part = findChangedPixels(picture, background, params.blur_size, params.threshold, mask);
+      part = findChangedPixels(picture, {background, blurred_background}, params.blur_size, params.threshold, mask);
     part = grown(part, params.dilate, picture.size());
     if (params.dilate > 0 && !part.empty()) cv::dilate(mask(part), mask(part), cv::Mat(), {-1, -1}, params.dilate);
+    return part;
   }
 
   void learn(const cv::Mat& picture)
@@ -103,10 +106,11 @@ struct MotionDetector::Impl
 
   MotionParams params;
   RegionFinder finder;
-  cv::Mat background;  // CV_8UC1, grey; for mog2 only its size counts
-  cv::Mat average;     // CV_32FC1, from which it is rounded
-  cv::Mat lit;         // the picture in the background's light
-  cv::Mat converted;   // memory for the next picture
+  cv::Mat background;          // CV_8UC1, grey; for mog2 only its size counts
+  cv::Mat blurred_background;  // of first_frame only: the others have another one in every frame
+  cv::Mat average;             // CV_32FC1, from which it is rounded
+  cv::Mat lit;                 // the picture in the background's light
+  cv::Mat converted;           // memory for the next picture
   cv::Ptr<cv::BackgroundSubtractorMOG2> mog2;
   double last_time = 0.0;                  // s
   std::optional<double> everywhere_since;  // s
@@ -140,9 +144,9 @@ Motion MotionDetector::update(double time_s, const cv::Mat& image, const std::st
     motion.mask = cv::Mat::zeros(picture.size(), CV_8UC1);
     return motion;
   }
-  me.compare(picture, motion.mask);
+  const cv::Rect part = me.compare(picture, motion.mask);
   me.learn(picture);
-  motion.changed = cv::countNonZero(motion.mask) / static_cast<double>(motion.mask.total());
+  motion.changed = cv::countNonZero(motion.mask(part)) / static_cast<double>(motion.mask.total());
   motion.everywhere = motion.changed > me.params.max_changed;
   if (!motion.everywhere)
   {

@@ -35,6 +35,17 @@ struct Sums
   std::int64_t y = 0;
 };
 
+cv::Rect boxOf(const std::vector<Run>& runs)
+{
+  int left = runs.front().begin, right = runs.front().end;
+  for (const Run& run : runs)
+  {
+    left = std::min(left, run.begin);
+    right = std::max(right, run.end);
+  }
+  return {left, runs.front().y, right - left, runs.back().y + 1 - runs.front().y};
+}
+
 /// By the index of a region's first run.
 std::vector<Sums> sumUp(const std::vector<Run>& runs)
 {
@@ -84,9 +95,9 @@ std::vector<Region> RegionFinder::apply(cv::Mat& mask) const
 {
   checkPixels(mask, "mono8");
   clean(mask);
-  const cv::Rect white = cv::boundingRect(mask);
-  if (white.empty()) return {};
-  const std::vector<Run> runs = findRuns(mask(white));
+  const std::vector<Run> runs = findRuns(mask);
+  if (runs.empty()) return {};
+  const cv::Rect white = boxOf(runs);
   const std::vector<Sums> all_sums = sumUp(runs);
   std::vector<std::vector<cv::Point>> borders;
   std::vector<cv::Vec4i> hierarchy;  // of each border: the next one, the previous, the first hole, the parent
@@ -95,12 +106,12 @@ std::vector<Region> RegionFinder::apply(cv::Mat& mask) const
   std::vector<Region> regions;
   for (int outer = 0; outer >= 0; outer = hierarchy[outer][0])
   {
-    const Sums& sums = all_sums[runAt(runs, borders[outer][0] - white.tl()).first];
+    const Sums& sums = all_sums[runAt(runs, borders[outer][0]).first];
     const auto area = static_cast<double>(sums.count);
     if (area < params_.min_area) continue;
     Region region;
     region.area = area;
-    region.center = {white.x + sums.x / area, white.y + sums.y / area};
+    region.center = {sums.x / area, sums.y / area};
     region.outline = std::move(borders[outer]);
     region.box = cv::boundingRect(region.outline);
     addCircle(region);
@@ -112,6 +123,7 @@ std::vector<Region> RegionFinder::apply(cv::Mat& mask) const
 
 void RegionFinder::clean(cv::Mat& mask) const
 {
+  if (params_.opening <= 1 && params_.closing <= 1) return;
   const cv::Rect white = cv::boundingRect(mask);
   if (white.empty()) return;
   cv::Mat part = mask(grown(white, params_.closing, mask.size()));  // as far as the closing reaches, and nothing else

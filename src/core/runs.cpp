@@ -26,7 +26,8 @@ void appendRow(const cv::Mat& mask, int y, std::vector<Run>& runs)
   const std::uint8_t* const row_end = row + mask.cols;
   for (const std::uint8_t* begin = findWhite(row, row_end); begin != row_end;)
   {
-    const std::uint8_t* const end = std::find(begin, row_end, std::uint8_t{0});
+    const void* const black = std::memchr(begin, 0, static_cast<std::size_t>(row_end - begin));
+    const std::uint8_t* const end = black ? static_cast<const std::uint8_t*>(black) : row_end;
     runs.push_back({y, static_cast<int>(begin - row), static_cast<int>(end - row), static_cast<int>(runs.size())});
     begin = findWhite(end, row_end);
   }

@@ -6,6 +6,7 @@
 #include "scene_noise.hpp"
 #include "scene_stage.hpp"
 #include "scene_truth.hpp"
+#include "scene_world.hpp"
 
 namespace robot_vision
 {
@@ -42,13 +43,19 @@ struct Scene::Impl
 {
   Impl(const SceneParams& params, const cv::Mat& poster)
     : rate(validated(params).rate),
+      still(params.still),
       stage(validated(poster)),
       lens(scene::sceneCamera(params.width, params.height)),
       noise(params.noise, params.seed, 3 * params.width)
   {
   }
 
+  double timeOf(std::int64_t frame) const { return scene::sceneTime(frame, rate); }
+
+  cv::Affine3d cameraAt(std::int64_t frame) const { return scene::cameraPose(still ? 0.0 : timeOf(frame)); }
+
   double rate;
+  bool still;
   scene::Stage stage;
   scene::Lens lens;
   scene::PixelNoise noise;
@@ -70,7 +77,8 @@ const CameraModel& Scene::camera() const
 
 SceneTruth Scene::truth(std::int64_t frame) const
 {
-  SceneTruth truth = scene::truthAt(scene::sceneTime(frame, impl_->rate), impl_->stage.posterAspect(), impl_->lens);
+  SceneTruth truth =
+      scene::truthAt(impl_->timeOf(frame), impl_->cameraAt(frame), impl_->stage.posterAspect(), impl_->lens);
   truth.frame = frame;
   return truth;
 }
@@ -78,7 +86,7 @@ SceneTruth Scene::truth(std::int64_t frame) const
 void Scene::render(std::int64_t frame, cv::Mat& bgr) const
 {
   bgr.create(impl_->lens.camera.height, impl_->lens.camera.width, CV_8UC3);
-  impl_->stage.paint(scene::sceneTime(frame, impl_->rate), impl_->lens, bgr);
+  impl_->stage.paint(impl_->timeOf(frame), impl_->cameraAt(frame), impl_->lens, bgr);
   impl_->noise.add(frame, bgr);
 }
 

@@ -1,5 +1,7 @@
 #include "scene_source.hpp"
 
+#include <filesystem>
+
 #include "picture_source.hpp"
 #include "robot_vision/range.hpp"
 
@@ -17,11 +19,20 @@ SceneParams sceneParams(const CaptureParams& params)
   return scene;
 }
 
+/// The photograph of a face that python3-skimage brings along.
+constexpr const char* kPortrait = "/usr/lib/python3/dist-packages/skimage/data/astronaut.png";
+
+/// An empty picture: the scene has a pattern of its own.
+cv::Mat readPoster(const std::string& poster)
+{
+  if (poster.empty() || (poster == "auto" && !std::filesystem::exists(kPortrait))) return {};
+  return readPicture(poster == "auto" ? kPortrait : poster);
+}
+
 }  // namespace
 
 SceneSource::SceneSource(const CaptureParams& params)
-  : rate_(wantedRate(params)),
-    scene_(sceneParams(params), params.poster.empty() ? cv::Mat() : readPicture(params.poster))
+  : rate_(wantedRate(params)), scene_(sceneParams(params), readPoster(params.poster))
 {
 }
 

@@ -61,10 +61,10 @@ Stage::Stage(const cv::Mat& poster_bgr)
   crate_ = {pictureTexture(cratePicture(0.94)), pictureTexture(cratePicture(0.78)), pictureTexture(cratePicture(1.08))};
 }
 
-void Stage::paint(double seconds, const Lens& lens, cv::Mat& bgr) const
+void Stage::paint(double seconds, const cv::Affine3d& camera, const Lens& lens, cv::Mat& bgr) const
 {
   const cv::Vec3d lamp(-0.45, 0.45, 0.77);  // the direction to it, in the world
-  const cv::Affine3d world_in_camera = cameraPose(seconds).inv();
+  const cv::Affine3d world_in_camera = camera.inv();
   bgr.setTo(cv::Scalar(140, 165, 178));  // shows through where two anti-aliased edges meet
   paintBoard(floor_.texture, world_in_camera * floor_.board.pose, floor_.board.size, lens, bgr);
   paintLine(world_in_camera, lens, bgr);

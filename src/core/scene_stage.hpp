@@ -18,8 +18,9 @@ public:
   /// Width over height of the poster.
   double posterAspect() const { return poster_aspect_; }
 
-  /// Draws the room at a time of the motion, in seconds. Every pixel is written.
-  void paint(double seconds, const Lens& lens, cv::Mat& bgr) const;
+  /// Draws the room at a time of the motion, in seconds, as a camera (its pose in the world) sees it. Every pixel is
+  /// written.
+  void paint(double seconds, const cv::Affine3d& camera, const Lens& lens, cv::Mat& bgr) const;
 
 private:
   struct Item

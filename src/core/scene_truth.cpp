@@ -99,13 +99,13 @@ bool isVisible(const Seen& one, const std::vector<Seen>& all, const CameraModel&
 
 }  // namespace
 
-SceneTruth truthAt(double seconds, double poster_aspect, const Lens& lens)
+SceneTruth truthAt(double seconds, const cv::Affine3d& pose, double poster_aspect, const Lens& lens)
 {
   const CameraModel& camera = lens.camera;
   const double qr = kSceneQrSide, tag = kSceneTagSide, square = kSceneCheckerSquare;
   SceneTruth truth;
-  truth.camera = cameraPose(seconds);
-  const cv::Affine3d world = truth.camera.inv();
+  truth.camera = pose;
+  const cv::Affine3d world = pose.inv();
   const Board poster = posterBoard(poster_aspect);
   const std::vector<Seen> all = {seenBall(seconds, world, camera),
                                  seenBoard("tag_0", tagBoard(0), {tag, tag}, world, camera),

@@ -426,6 +426,27 @@ TEST(SceneTruth, boxMovesNowAndThenOnly)
   EXPECT_LT(moving, frames / 3);
 }
 
+TEST(SceneTruth, aStillCameraStaysWhereItIsInTheFirstFrame)
+{
+  SceneParams params = withoutNoise();
+  params.still = true;
+  const Scene scene(params);
+  for (const int frame : {0, 100, 250})
+  {
+    const SceneTruth truth = scene.truth(frame), moving = quiet().truth(frame);
+    EXPECT_EQ(truth.camera.matrix, quiet().truth(0).camera.matrix);
+    const auto inWorld = [](const SceneTruth& of) { return of.camera * find(of, "ball").pose; };
+    EXPECT_LT(cv::norm(inWorld(truth).translation() - inWorld(moving).translation()), 1e-9);
+  }
+  cv::Mat still, moving;
+  scene.render(0, still);
+  quiet().render(0, moving);
+  EXPECT_TRUE(sameBytes(still, moving));
+  scene.render(100, still);
+  quiet().render(100, moving);
+  EXPECT_FALSE(sameBytes(still, moving));
+}
+
 TEST(SceneTruth, everythingIsVisibleMostOfTheTime)
 {
   const std::vector<std::string> names = {"ball", "tag_0", "tag_1", "qr_code", "checkerboard", "line", "box", "poster"};

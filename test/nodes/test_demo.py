@@ -13,7 +13,8 @@ from geometry_msgs.msg import PointStamped, Twist
 from sensor_msgs.msg import Image
 
 from robot_vision import Scene, SceneParams
-from robot_vision.msg import DetectionArray, GroundTruth, Line
+from robot_vision.msg import DetectionArray, FaceIdentityArray, GroundTruth, Line
+from robot_vision.srv import EnrollFace
 
 DEMO = pathlib.Path(__file__).resolve().parents[2] / "tools" / "demo"
 WIDTH, HEIGHT, FRAMES = 320, 240, 30
@@ -100,17 +101,31 @@ def test_demo_shows_the_scene(demo):
     edges = support.Messages("/edge_detector/processed_image", Image)
     demo()
     first, result = support.same_frame(images, edges)
-    scene = Scene(SceneParams())
+    portrait = cv2.cvtColor(skimage.data.astronaut(), cv2.COLOR_RGB2BGR)
+    scene = Scene(SceneParams(), portrait)
     pictures = [scene.render(i).tobytes() for i in range(300)]
     frame = pictures.index(first.data)
     assert result.header.frame_id == first.header.frame_id
     assert result.data == opencv_chain(scene.render(frame)).tobytes()
 
 
+def sees_the_portrait(truth, faces):
+    """Whether a face is found where the poster's is, 0.44 by 0.21 of its size from the corner."""
+    poster = next(one for one in truth.objects if one.name == "poster")
+    bottom_left, bottom_right, _, top_left = (np.array([p.x, p.y]) for p in poster.outline)
+    across, down = bottom_right - bottom_left, bottom_left - top_left
+    face = top_left + 0.44 * across + 0.21 * down
+    near = 0.05 * np.hypot(*across)
+    return any(
+        np.hypot(d.center.x - face[0], d.center.y - face[1]) < near for d in faces.detections
+    )
+
+
 def test_demo_finds_what_is_in_the_scene(demo):
     truths = support.Messages("/usb_cam/ground_truth", GroundTruth)
     objects = support.Messages("/hsv_tracker/objects", DetectionArray)
     positions = support.Messages("/ball_tracker/position", PointStamped)
+    faces = support.Messages("/face_detector/faces", DetectionArray)
     lines = support.Messages("/line_follower/line", Line)
     commands = support.Messages("/line_follower/cmd_vel", Twist)
     demo()
@@ -125,9 +140,25 @@ def test_demo_finds_what_is_in_the_scene(demo):
     assert (position.point.x, position.point.y, position.point.z) == pytest.approx(
         (point.x, point.y, point.z), rel=0.03, abs=0.02
     )
+    support.wait_for(lambda: sees_the_portrait(*support.same_frame(truths, faces)), "the face")
     support.wait_for(lambda: any(line.found for line in lines.received), "the line")
     support.wait_for(lambda: any(c.linear.x == 0.2 for c in commands.received), "driving")
     assert "/cmd_vel" not in dict(rospy.get_published_topics())  # a demo drives no robot
+
+
+def test_the_portrait_is_enrolled_and_recognised(demo, start, tmp_path):
+    demo()
+    remapped = "image:=/usb_cam/image_raw", "faces:=/face_detector/faces"
+    start("face_recognizer.py", *remapped, f"_gallery:={tmp_path / 'gallery'}")
+    rospy.wait_for_service("/face_recognizer/enroll", support.DEADLINE)
+    answer = rospy.ServiceProxy("/face_recognizer/enroll", EnrollFace)("Eileen", 5)
+    assert answer.success, answer.message
+    identities = support.Messages("/face_recognizer/identities", FaceIdentityArray)
+    support.wait_for(
+        lambda: any(one.name == "Eileen" for m in identities.received for one in m.identities),
+        "the name",
+    )
+    assert len(list((tmp_path / "gallery" / "Eileen").glob("*.png"))) == 5
 
 
 def test_make_demo_fails_when_its_source_is_wrong(start, tmp_path):

@@ -102,3 +102,69 @@ def test_lights_go_on_and_a_box_is_left():
     after = [detector.update(3.0 + frame / RATE, left) for frame in range(120)]
     assert iou(after[0].regions[0].box, (200, 100, 90, 70)) > 0.5
     assert not after[-1].regions
+
+
+class Room:
+    """The synthetic scene before a still camera: a ball bounces, a box moves now and then."""
+
+    def __init__(self):
+        params = rv.SceneParams()
+        params.still = True
+        self._scene = rv.Scene(params)
+        params.noise = 0.0
+        self._clean = rv.Scene(params)
+        self._first = self.gray(0)
+
+    def gray(self, frame):
+        return cv2.cvtColor(self._clean.render(frame), cv2.COLOR_BGR2GRAY)
+
+    def picture(self, frame):
+        return self._scene.render(frame)
+
+    def changed(self, frame):
+        """Where the picture is another one than at first, by more than 25 grey levels."""
+        return cv2.absdiff(self.gray(frame), self._first) > 25
+
+    def silhouette(self, frame, name):
+        """Where an object is, and its outline's points."""
+        outline = next(o.outline for o in self._scene.truth(frame).objects if o.name == name)
+        mask = np.zeros(self._first.shape, np.uint8)
+        cv2.fillPoly(mask, [np.rint(outline).astype(np.int32)], 255)
+        return mask > 0, outline
+
+
+def test_the_scene_s_box_and_ball_are_found_while_they_are_elsewhere():
+    room = Room()
+    detector = rv.MotionDetector(params())
+    detector.update(0.0, room.picture(0))
+    rest = {name: room.silhouette(0, name)[0] for name in ("box", "ball")}
+    found = missed = right = wrong = moved_box = 0
+    for frame in range(5, 600, 5):
+        motion = detector.update(frame / RATE, room.picture(frame))
+        changed = room.changed(frame)
+        for name in rest:
+            now = room.silhouette(frame, name)[0]
+            fresh = now & ~rest["box"] & ~rest["ball"] & changed
+            if fresh.sum() < 1000:  # too much of it is where something was at first
+                continue
+            moved_box += name == "box"
+            seen = (motion.mask[fresh] > 0).mean() >= 0.9
+            inside = any(covers(region.box, fresh) for region in motion.regions)
+            found += seen and inside
+            missed += not (seen and inside)
+        for region in motion.regions:
+            x, y, width, height = region.box
+            true = changed[y : y + height, x : x + width].sum() >= 0.3 * region.area
+            right += true
+            wrong += not true
+    assert moved_box > 30 and found + missed > 100
+    assert found / (found + missed) >= 0.95 and right / (right + wrong) >= 0.95
+    # Whenever the box is where it was, nothing is said to have moved there.
+    quiet = detector.update(21.0, room.picture(1)).mask[rest["box"] & ~rest["ball"]]
+    assert not quiet.any()
+
+
+def covers(box, mask):
+    """Whether a box holds nine tenths of a mask's pixels."""
+    x, y, width, height = box
+    return mask[y : y + height, x : x + width].sum() >= 0.9 * mask.sum()

@@ -1,17 +1,18 @@
 """What every node does that works on pictures."""
 
-from typing import Any, Callable, List
+from typing import Any, Callable, List, Tuple
 
 import rospy
 
-from .. import transport
+from .. import set_threads, transport
 from .params import read_param
+
+MOST_THREADS = 256
 
 
 class ImageNode:
-    """Works on the topic `image` while somebody subscribes to an output (or ~always_subscribe).
-
-    Or while it is `needed`: call reconsider() when that may have changed.
+    """Works on the topic `image` while somebody subscribes to an output (or ~always_subscribe), or
+    as long as keep_working() wants it.
 
     Counts and refuses frames, and reports on /diagnostics under the node's name. Give it its
     outputs, then start() it.
@@ -20,7 +21,6 @@ class ImageNode:
         process: works on a Frame and publishes.
         encoding: that it wants its frames in.
         camera_info: whether frames shall come with their camera_info.
-        needed: whether there is work besides the outputs; is called by the thread of the pictures.
 
     Raises:
         ValueError: a parameter is of the wrong type or out of range.
@@ -31,11 +31,13 @@ class ImageNode:
         process: Callable[[transport.Frame], Any],
         encoding: str = "bgr8",
         camera_info: bool = False,
-        needed: Callable[[], bool] = lambda: False,
     ):
         self._always = read_param("always_subscribe", False)
-        self._needed = needed
+        set_threads(read_threads())
+        self._wanted = False
         self._outputs: List[Any] = []
+        self._inputs: List[Tuple[Any, ...]] = []  # names, types and callbacks
+        self._subscribers: List[rospy.Subscriber] = []  # to them, while the node works
         kind = transport.CameraSubscriber if camera_info else transport.ImageSubscriber
         self._images = kind(
             "image", process, encoding, diagnostics=transport.node_diagnostics(), start=False
@@ -60,22 +62,46 @@ class ImageNode:
         self._outputs.append(output)
         return output
 
+    def subscriber(self, name: str, kind: Any, callback: Callable[[Any], Any]) -> None:
+        """One more topic that is subscribed to while the node works: its newest message."""
+        self._inputs.append((name, kind, callback))
+
+    def keep_working(self, wanted: bool) -> None:
+        """Whether to work although nobody subscribes. Thread-safe."""
+        self._wanted = wanted
+        transport.note_connections()
+
     def start(self) -> None:
         """Begins to work; the node has to be complete by now."""
         transport.add_connection_listener(self._update)
         transport.note_connections()
 
-    def reconsider(self) -> None:
-        """Begins or ends to work if that is due. Thread-safe."""
-        transport.note_connections()
-
     def _update(self) -> None:
         """Only the thread of the pictures calls it, so subscribing and ending do not overlap."""
-        wanted = any(output.get_num_connections() for output in self._outputs)
-        if self._always or wanted or self._needed():
+        listened = any(output.get_num_connections() for output in self._outputs)
+        if self._always or self._wanted or listened:
             self._images.start()
+            if not self._subscribers:
+                self._subscribers = [
+                    rospy.Subscriber(name, kind, callback, queue_size=1, tcp_nodelay=True)
+                    for name, kind, callback in self._inputs
+                ]
         else:
             self._images.unregister()
+            while self._subscribers:
+                self._subscribers.pop().unregister()
+
+
+def read_threads() -> int:
+    """~threads: a robot has other work for its cores, and sharing a picture costs more in all.
+
+    Raises:
+        ValueError: it is out of range.
+    """
+    threads = read_param("threads", 1)
+    if not 0 <= threads <= MOST_THREADS:
+        raise ValueError(f"threads is {threads}, must be from 0 (all cores) to {MOST_THREADS}")
+    return threads
 
 
 class _Listener(rospy.SubscribeListener):

@@ -1,6 +1,6 @@
 """Results of the core as messages."""
 
-from typing import Iterable, List
+from typing import Iterable, List, Tuple
 
 import numpy as np
 from geometry_msgs.msg import Point, Point32
@@ -9,6 +9,8 @@ from sensor_msgs.msg import RegionOfInterest
 from .. import Region
 from ..msg import Detection, DetectionArray
 from ..transport import Frame
+
+Box = Tuple[int, int, int, int]  # x, y, width, height, px
 
 
 def detection(region: Region, label: str, score: float = 1.0) -> Detection:
@@ -25,6 +27,27 @@ def detection(region: Region, label: str, score: float = 1.0) -> Detection:
         circle_radius=region.circle_radius,
         area=region.area,
     )
+
+
+def box_detection(box: Box, label: str, id: int = -1, score: float = 1.0) -> Detection:
+    """An upright rectangle as a Detection."""
+    x, y, width, height = box
+    return Detection(
+        label=label,
+        id=id,
+        score=score,
+        box=RegionOfInterest(x_offset=x, y_offset=y, width=width, height=height),
+        center=Point(x + (width - 1) / 2.0, y + (height - 1) / 2.0, 0.0),
+        outline=points(corners(box)),
+        area=width * height,
+    )
+
+
+def corners(box: Box) -> np.ndarray:
+    """The outermost pixels of a box, (4, 2), clockwise from the top left."""
+    x, y, width, height = box
+    right, bottom = x + width - 1, y + height - 1
+    return np.array([(x, y), (right, y), (right, bottom), (x, bottom)])
 
 
 def points(positions: np.ndarray) -> List[Point32]:

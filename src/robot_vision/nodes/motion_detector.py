@@ -13,7 +13,7 @@ from ..cfg import MotionDetectorConfig
 from ..msg import DetectionArray, MotionState
 from ..transport import Frame
 from .image_node import ImageNode
-from .messages import detection, detection_array
+from .messages import corners, detection, detection_array
 from .params import LiveParams, filled
 
 PARAMS = (
@@ -78,9 +78,7 @@ class MotionDetector:
     def _publish_overlay(self, frame: Frame, motion: Motion, occupied: bool, now: float) -> None:
         overlay = frame.image.copy()
         for region in motion.regions:
-            x, y, width, height = region.box
-            right, bottom = x + width - 1, y + height - 1
-            draw_outline(overlay, [(x, y), (right, y), (right, bottom), (x, bottom)])
+            draw_outline(overlay, corners(region.box))
         state = "Occupied" if occupied else "Unoccupied"
         draw_text(overlay, "Everything changes" if motion.everywhere else state, (10, 20))
         when = time.strftime("%A %d %B %Y %H:%M:%S", time.localtime(now))

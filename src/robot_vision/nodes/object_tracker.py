@@ -60,10 +60,10 @@ class ObjectTracker:
         self._auto = AutoSelection(self._tracker)
         self._time: Optional[float] = None  # s, of the newest frame
         self._seen: Dict[int, float] = {}  # s, when each object was
-        self._was_busy = False  # after the last frame there were objects, or now there were to be
+        self._busy = False  # with objects, or to be so
         self._detections: Optional[rospy.Subscriber] = None
+        self._node = ImageNode(self._process)
         self._params = LiveParams(ObjectTrackerConfig, self._configure)
-        self._node = ImageNode(self._process, needed=self._is_needed)
         self._object = self._node.publisher("~object", DetectionArray)
         self._state = self._node.publisher("~state", TrackStateArray)
         self._flow = self._node.publisher("~flow", Flow)
@@ -78,17 +78,21 @@ class ObjectTracker:
             self._tracker.configure(filled(ObjectTrackerParams(), config, PARAMS))
             self._config = config
             self._auto.configure(config["auto_label"], config["max_objects"])
-        if config["auto_select"] and self._detections is None:
-            self._detections = rospy.Subscriber(
-                "detections", DetectionArray, self._auto.add, queue_size=10
-            )
-        elif not config["auto_select"] and self._detections is not None:
-            self._detections.unregister()
-            self._detections = None
+            if config["auto_select"] and self._detections is None:
+                self._detections = rospy.Subscriber(
+                    "detections", DetectionArray, self._auto.add, queue_size=10
+                )
+            elif not config["auto_select"] and self._detections is not None:
+                self._detections.unregister()
+                self._detections = None
+            self._keep_working()
 
-    def _is_needed(self) -> bool:
-        with self._lock:
-            return bool(self._waiting or self._tracker.objects() or self._detections)
+    def _keep_working(self) -> None:
+        """Looks at pictures as long as there is something to follow; called with the lock held."""
+        busy = bool(self._waiting or self._tracker.objects() or self._detections)
+        if busy != self._busy:
+            self._busy = busy
+            self._node.keep_working(busy)
 
     def _process(self, frame: Frame) -> None:
         now = frame.header.stamp.to_sec() or rospy.get_time()
@@ -96,6 +100,7 @@ class ObjectTracker:
             tracks = self._update(now, frame)
             config = self._config
             flow = self._tracker.flow(config["flow_points"]) if has_readers(self._flow) else None
+            self._keep_working()
         if has_readers(self._object):
             found = (detection_of(track, frame.image) for track in tracks if track.tracked)
             self._object.publish(detection_array(frame, found))
@@ -107,14 +112,10 @@ class ObjectTracker:
             overlay = frame.image.copy()
             draw_tracks(overlay, tracks)
             self._processed.publish(overlay, "bgr8", frame.header)
-        if not tracks and self._was_busy:
-            self._node.reconsider()
-        self._was_busy = bool(tracks)
 
     def _update(self, now: float, frame: Frame) -> List[TrackedObject]:
         """The objects in the frame, those among them that have just been selected."""
         waiting, self._waiting = self._waiting, []
-        self._was_busy |= bool(waiting)
         # Selected was what people saw: the last frame, if they were looking.
         in_last = self._time is not None and 0.0 <= now - self._time < FRESH
         if in_last:
@@ -155,7 +156,7 @@ class ObjectTracker:
     def _await(self, selection: Selection) -> None:
         with self._lock:
             self._waiting.append(selection)
-        self._node.reconsider()
+            self._keep_working()
 
     def _on_select(self, region: RegionOfInterest) -> None:
         self._await(Selection(region, "", not self._config["several"]))
@@ -168,6 +169,7 @@ class ObjectTracker:
             if selection in self._waiting:
                 self._waiting.remove(selection)
                 selection.error = f"no frame on {self._node.topic} within {SELECT_TIMEOUT:g} s"
+                self._keep_working()
         return SelectObjectResponse(not selection.error, selection.error, selection.id)
 
     def _on_forget(self, request: Any) -> ForgetObjectResponse:
@@ -180,7 +182,7 @@ class ObjectTracker:
                 )
             for number in known if request.id == -1 else [request.id]:
                 self._tracker.forget(number)
-        self._node.reconsider()
+            self._keep_working()
         return ForgetObjectResponse(True, "")
 
 

@@ -1,0 +1,81 @@
+#pragma once
+
+#include <memory>
+#include <opencv2/core.hpp>
+#include <string>
+#include <vector>
+
+namespace robot_vision
+{
+
+struct FaceParams
+{
+  // Cascade files of OpenCV, Haar or LBP: a path, or a name that is looked up where OpenCV's data is installed.
+  std::string cascade_1 = "haarcascade_frontalface_default.xml";  // searched first
+  std::string cascade_2 = "haarcascade_profileface.xml";  // where the first finds none, also mirrored; "": not used
+  std::string eye_cascade = "haarcascade_eye.xml";        // eyes in a face; "": not used
+  double scale_factor = 1.2;                              // from one size searched to the next, 1.01 to 4
+  int min_neighbors = 2;           // windows that must agree on a face besides the first, 0 to 100
+  int min_size = 40;               // px, side of the smallest face, 1 to 8192
+  int max_size = 0;                // px, side of the largest face: 0 (any) or min_size to 8192
+  bool equalize = true;            // stretch the grey levels (cv::equalizeHist) first
+  double max_search_period = 0.5;  // s within which a new face is found, 0 (search every frame) to 60
+  double hold = 0.5;               // s that a face is followed by its looks alone where no cascade sees it, 0 to 60
+  bool background = true;          // search whole pictures in a thread of its own, while update() goes on
+};
+
+/// Throws std::invalid_argument naming the first parameter out of range, its value and the range. Cascades are not
+/// read.
+void validate(const FaceParams& params);
+
+/// A face in a frame.
+struct Face
+{
+  int id = -1;             // the same for the same face from frame to frame, from 0; -1: not followed
+  cv::Rect box;            // px, as the cascade's window
+  double score = 0.0;      // 0 to 1: n / (n + 4) of the n windows that agree, or how alike it looks where predicted
+  cv::Point2d velocity;    // px/s of the middle
+  bool predicted = false;  // followed by its looks: no cascade has seen it in this frame
+};
+
+/// Finds faces with cascades of boosted features (Viola, Jones: Rapid Object Detection using a Boosted Cascade of
+/// Simple Features, CVPR 2001), and follows them.
+///
+/// detect() searches the whole picture, as cv::CascadeClassifier::detectMultiScale does. update() does that every now
+/// and then, so that a new face is found within max_search_period; in the frames between it searches around the faces
+/// that it knows, where a few windows of about the right size do, and where the picture has changed. A face is
+/// reported when a cascade has seen it in this very frame, or did within `hold` and its looks are still there.
+class FaceDetector
+{
+public:
+  /// Throws std::invalid_argument as validate() does, and naming the parameter and the file if one of the cascades is
+  /// not there or none.
+  explicit FaceDetector(const FaceParams& params = FaceParams());
+  ~FaceDetector();
+  FaceDetector(FaceDetector&&) noexcept;
+  FaceDetector& operator=(FaceDetector&&) noexcept;
+
+  /// Other parameters from now on; the faces remain known. Throws as the constructor does, and then changes nothing.
+  void configure(const FaceParams& params);
+
+  /// All faces of a picture by itself, the largest first. Whatever is followed is not touched.
+  /// Throws std::invalid_argument if `image` is not a picture of `encoding` (see encoding.hpp).
+  std::vector<Face> detect(const cv::Mat& image, const std::string& encoding);
+
+  /// The faces in the frame of `time_s` (s, of any clock), by their id. Another size of picture and time that goes back
+  /// make it forget them. Throws as detect() does.
+  std::vector<Face> update(double time_s, const cv::Mat& image, const std::string& encoding);
+
+  /// Up to two eyes, the left one in the picture first, in a face of the frame that was updated or detected last, px.
+  /// Empty if there is no eye_cascade.
+  std::vector<cv::Rect> findEyes(const Face& face);
+
+  /// The time that the last search of a whole picture took, s of update()'s clock; 0: none has ended.
+  double searchTime() const;
+
+private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace robot_vision

@@ -1,0 +1,8 @@
+#!/usr/bin/env python3
+"""Finds faces: see robot_vision.nodes.face_detector."""
+
+from robot_vision.nodes.face_detector import FaceDetector
+from robot_vision.nodes.startup import run_node
+
+if __name__ == "__main__":
+    run_node("face_detector", FaceDetector)

@@ -1,0 +1,8 @@
+#!/usr/bin/env python3
+"""Tells whose faces are seen: see robot_vision.nodes.face_recognizer."""
+
+from robot_vision.nodes.face_recognizer import FaceRecognizer
+from robot_vision.nodes.startup import run_node
+
+if __name__ == "__main__":
+    run_node("face_recognizer", FaceRecognizer)

@@ -1,0 +1,75 @@
+#include <pybind11/stl.h>
+
+#include "arrays.hpp"
+#include "robot_vision/face_detector.hpp"
+
+using namespace robot_vision;
+using namespace py::literals;
+
+/// Faces.
+void bindFaces(py::module& m)
+{
+  py::class_<FaceParams>(m, "FaceParams", "What is searched for, and how often; see face_detector.hpp.")
+      .def(py::init<>())
+      .def_readwrite("cascade_1", &FaceParams::cascade_1)
+      .def_readwrite("cascade_2", &FaceParams::cascade_2)
+      .def_readwrite("eye_cascade", &FaceParams::eye_cascade)
+      .def_readwrite("scale_factor", &FaceParams::scale_factor)
+      .def_readwrite("min_neighbors", &FaceParams::min_neighbors)
+      .def_readwrite("min_size", &FaceParams::min_size)
+      .def_readwrite("max_size", &FaceParams::max_size)
+      .def_readwrite("equalize", &FaceParams::equalize)
+      .def_readwrite("max_search_period", &FaceParams::max_search_period)
+      .def_readwrite("hold", &FaceParams::hold)
+      .def_readwrite("background", &FaceParams::background);
+
+  py::class_<Face>(m, "Face", "A face in a frame.")
+      .def_readonly("id", &Face::id, "the same for the same face from frame to frame; -1: not followed")
+      .def_property_readonly(
+          "box", [](const Face& face) { return toBox(face.box); }, "x, y, width, height, px")
+      .def_readonly("score", &Face::score, "0 to 1")
+      .def_property_readonly(
+          "velocity", [](const Face& face) { return toPair(face.velocity); }, "px/s, of its middle")
+      .def_readonly("predicted", &Face::predicted, "followed by its looks: no cascade has seen it in this frame");
+
+  py::class_<FaceDetector>(m, "FaceDetector", "Finds faces with OpenCV's cascades, and follows them.")
+      .def(py::init<const FaceParams&>(), "params"_a = FaceParams(),
+           "Raises ValueError for a parameter out of range, and for a cascade that is not there or none.")
+      .def("configure", &FaceDetector::configure, "params"_a, py::call_guard<py::gil_scoped_release>(),
+           "Other parameters from now on; the faces remain known. Raises as the constructor does.")
+      .def(
+          "detect",
+          [](FaceDetector& detector, const py::array& image, const std::string& encoding)
+          {
+            const Picture input(image);
+            const py::gil_scoped_release unlocked;
+            return detector.detect(input.view, encoding);
+          },
+          "image"_a, "encoding"_a = "bgr8",
+          "The Faces of a picture by itself, the largest first.\n\n"
+          "Raises ValueError for an image that is not of this encoding.")
+      .def(
+          "update",
+          [](FaceDetector& detector, double time, const py::array& image, const std::string& encoding)
+          {
+            const Picture input(image);
+            const py::gil_scoped_release unlocked;
+            return detector.update(time, input.view, encoding);
+          },
+          "time"_a, "image"_a, "encoding"_a = "bgr8",
+          "The Faces in the frame of a time, s, by their id: a new one within max_search_period.\n\n"
+          "Raises ValueError for an image that is not of this encoding.")
+      .def(
+          "find_eyes",
+          [](FaceDetector& detector, const Face& face)
+          {
+            std::vector<Box> boxes;
+            for (const cv::Rect& eye : detector.findEyes(face))
+              boxes.push_back(toBox(eye));
+            return boxes;
+          },
+          "face"_a,
+          "Up to two eyes in a face of the last frame, the left one in the picture first: x, y, width, height.")
+      .def_property_readonly("search_time", &FaceDetector::searchTime,
+                             "s that the last search of a whole picture took, 0: none has ended");
+}

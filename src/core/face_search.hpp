@@ -1,0 +1,67 @@
+#pragma once
+
+#include <atomic>
+#include <opencv2/core.hpp>
+#include <opencv2/objdetect.hpp>
+#include <string>
+#include <vector>
+
+#include "robot_vision/face_detector.hpp"
+
+namespace robot_vision
+{
+
+/// Reads a cascade: a path, or a name that is looked up where OpenCV's data is installed. Throws std::invalid_argument
+/// naming `parameter` and the file.
+cv::CascadeClassifier readCascade(const std::string& parameter, const std::string& name);
+
+/// How a face looks, that is which cascade sees it.
+enum class FaceView
+{
+  kFirst,
+  kSecond,
+  kMirrored  // the second cascade in the mirrored picture
+};
+
+struct FoundFace
+{
+  cv::Rect box;  // px
+  int neighbors = 0;
+  FaceView view = FaceView::kFirst;
+};
+
+/// Sides of faces, px.
+struct FaceSizes
+{
+  int smallest;
+  int largest;  // 0: any
+};
+
+/// Searches grey pictures for faces. It has memory of its own: each thread needs one.
+class FaceSearch
+{
+public:
+  /// Throws std::invalid_argument if a cascade cannot be read.
+  explicit FaceSearch(const FaceParams& params);
+
+  /// The faces in a part of the picture, the largest first: those that the first cascade sees, or else the second. The
+  /// windows are those of detectMultiScale on that part. Ends early, without any, when `stop` (may be null) is true.
+  std::vector<FoundFace> find(const cv::Mat& gray, const cv::Rect& part, const FaceSizes& sizes,
+                              const std::atomic<bool>* stop = nullptr);
+
+  /// The same of one view, from size to size by `scale_factor`.
+  std::vector<FoundFace> find(FaceView view, const cv::Mat& gray, const cv::Rect& part, const FaceSizes& sizes,
+                              double scale_factor, const std::atomic<bool>* stop = nullptr);
+
+  /// The views that there are, the first one first.
+  const std::vector<FaceView>& views() const { return views_; }
+
+private:
+  double scale_factor_;
+  int min_neighbors_;
+  cv::CascadeClassifier first_;
+  cv::CascadeClassifier second_;
+  std::vector<FaceView> views_ = {FaceView::kFirst};
+};
+
+}  // namespace robot_vision

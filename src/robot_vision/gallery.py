@@ -1,0 +1,255 @@
+"""The people whom a face recogniser knows: a folder, with a folder of pictures for each name.
+
+    faces/Anna/1.png
+    faces/Anna/2.png
+    faces/Zoë/1.png
+
+The pictures are all there is to know, and may be added and removed by hand. The faces in them are
+kept in one more file, .faces, which is made anew from them whenever it does not fit to them.
+"""
+
+import contextlib
+import hashlib
+import os
+from dataclasses import dataclass, field
+from typing import Dict, List, Mapping, Optional, Tuple
+
+import cv2
+import numpy as np
+
+from .face_cache import read_faces, write_faces
+from .face_picture import face_of, portrait
+from .gallery_files import (
+    check_name,
+    decode,
+    inside,
+    is_picture,
+    picture_files,
+    read_file,
+    reason,
+    shown,
+    write_numbered,
+)
+
+CACHE = ".faces"
+
+
+@dataclass
+class Added:
+    """What has become of pictures that were to be added."""
+
+    pictures: int = 0  # added
+    present: int = 0  # were there already
+    problems: List[str] = field(default_factory=list)  # what was refused, and why
+
+
+class Gallery:
+    """Names, and the faces in their pictures. Not thread-safe.
+
+    Args:
+        folder: of the names; need not be there before somebody is added.
+
+    Raises:
+        ValueError: it is no folder.
+    """
+
+    def __init__(self, folder: str):
+        self.folder = os.path.abspath(os.path.expanduser(folder))
+        if os.path.lexists(self.folder) and not os.path.isdir(self.folder):
+            raise ValueError(f"gallery is '{folder}', must be a folder")
+        self._faces: Dict[str, Dict[str, np.ndarray]] = {}  # by name and digest of the picture
+
+    def load(self) -> List[str]:
+        """Takes names and faces from the folder.
+
+        Returns:
+            What of it could not be used, and why.
+        """
+        problems: List[str] = []
+        cached: Optional[Dict[str, np.ndarray]] = None
+        try:
+            cached = read_faces(self._cache())
+        except (OSError, ValueError) as error:
+            problems.append(f"{CACHE} is made anew from the pictures: {reason(error)}")
+        self._faces = {}
+        for name in self._names_of_folders(problems):
+            faces = self._load_faces(name, cached or {}, problems)
+            if faces:
+                self._faces[name] = faces
+        if cached is None or set(cached) != set(self._by_digest()):
+            problems += self._save()
+        return problems
+
+    def names(self) -> Dict[str, int]:
+        """How many pictures there are of whom, in the order of the names."""
+        return {name: len(self._faces[name]) for name in sorted(self._faces)}
+
+    def training(self) -> Tuple[List[np.ndarray], List[int]]:
+        """All faces, and the position in names() of whose each is."""
+        faces: List[np.ndarray] = []
+        labels: List[int] = []
+        for label, name in enumerate(self.names()):
+            faces += self._faces[name].values()
+            labels += [label] * len(self._faces[name])
+        return faces, labels
+
+    def add(self, name: str, pictures: Mapping[str, np.ndarray]) -> Added:
+        """Adds those of a person's pictures that show a face; if one cannot be written, none.
+
+        Args:
+            name: of somebody known or new.
+            pictures: (height, width, 3) BGR, uint8, by what a problem shall call them.
+
+        Raises:
+            ValueError: nobody can have this name.
+            OSError: they cannot be written.
+        """
+        check_name(name)
+        added = Added()
+        known = self._faces.get(name, {})
+        faces: Dict[str, np.ndarray] = {}
+        files: List[bytes] = []
+        for source, picture in pictures.items():
+            png = cv2.imencode(".png", picture)[1].tobytes()
+            digest = _digest(png)
+            if digest in known or digest in faces:
+                added.present += 1
+                continue
+            try:
+                faces[digest] = face_of(picture)
+            except ValueError as error:
+                added.problems.append(f"{source}: {error}")
+                continue
+            files.append(png)
+        if files:
+            write_numbered(self._folder(name), files)
+            self._faces[name] = {**known, **faces}
+            added.pictures = len(files)
+            added.problems += self._save()
+        return added
+
+    def import_folder(self, folder: str, name: str = "") -> Added:
+        """Adds the largest face of each picture file, cut out with something around it.
+
+        Args:
+            folder: of pictures, which are left as they are.
+            name: whose pictures they are. Empty: they are in subfolders, whose names count.
+
+        Raises:
+            ValueError: nobody can have this name.
+            OSError: the folder cannot be read, or the gallery not be written.
+        """
+        if name:
+            return self._import_pictures(name, folder)
+        total = Added()
+        for person in sorted(os.listdir(folder)):
+            path = os.path.join(folder, person)
+            if person.startswith(".") or not os.path.isdir(path):
+                continue
+            try:
+                added = self._import_pictures(person, path)
+            except ValueError as error:
+                total.problems.append(f"{shown(path)}: {error}")
+                continue
+            total.pictures += added.pictures
+            total.present += added.present
+            total.problems += added.problems
+        return total
+
+    def forget(self, name: str) -> int:
+        """Removes a person's pictures, damaged ones, too; other files of the folder stay.
+
+        Returns:
+            How many pictures there were.
+
+        Raises:
+            ValueError: nobody is called so.
+            OSError: they cannot be removed.
+        """
+        check_name(name)
+        folder = self._folder(name)
+        if not os.path.isdir(folder) and name not in self._faces:
+            raise ValueError(f"nobody is called '{name}'")
+        paths = picture_files(folder) if os.path.isdir(folder) else []
+        for path in paths:
+            os.unlink(path)
+        with contextlib.suppress(OSError):  # it holds something else
+            os.rmdir(folder)
+        self._faces.pop(name, None)
+        write_faces(self._cache(), self._by_digest())
+        return len(paths)
+
+    def _names_of_folders(self, problems: List[str]) -> List[str]:
+        """The names that have a folder, and what else there is."""
+        names = []
+        try:
+            found = sorted(os.listdir(self.folder)) if os.path.isdir(self.folder) else []
+        except OSError as error:
+            problems.append(f"{shown(self.folder)} cannot be read: {reason(error)}")
+            return []
+        for name in found:
+            if name.startswith("."):
+                continue
+            try:
+                if os.path.isdir(self._folder(name)):
+                    check_name(name)
+                    names.append(name)
+                elif is_picture(name):
+                    raise ValueError("pictures belong into a folder with the person's name")
+            except ValueError as error:
+                problems.append(f"{shown(os.path.join(self.folder, name))} is not used: {error}")
+        return names
+
+    def _load_faces(
+        self, name: str, cached: Mapping[str, np.ndarray], problems: List[str]
+    ) -> Dict[str, np.ndarray]:
+        """The faces of a person by the digests of their pictures."""
+        faces: Dict[str, np.ndarray] = {}
+        folder = self._folder(name)
+        try:
+            paths = picture_files(folder)
+        except OSError as error:
+            problems.append(f"{shown(folder)} is not used: {reason(error)}")
+            return {}
+        for path in paths:
+            try:
+                data = read_file(inside(self.folder, path))
+                digest = _digest(data)
+                faces[digest] = cached[digest] if digest in cached else face_of(decode(data))
+            except (OSError, ValueError) as error:
+                problems.append(f"{shown(path)} is not used: {reason(error)}")
+        return faces
+
+    def _import_pictures(self, name: str, folder: str) -> Added:
+        check_name(name)
+        portraits: Dict[str, np.ndarray] = {}
+        problems: List[str] = []
+        for path in picture_files(folder):
+            try:
+                portraits[shown(path)] = portrait(decode(read_file(path)))
+            except (OSError, ValueError) as error:
+                problems.append(f"{shown(path)}: {reason(error)}")
+        added = self.add(name, portraits)
+        added.problems = problems + added.problems
+        return added
+
+    def _folder(self, name: str) -> str:
+        return inside(self.folder, os.path.join(self.folder, name))
+
+    def _cache(self) -> str:
+        return inside(self.folder, os.path.join(self.folder, CACHE))
+
+    def _by_digest(self) -> Dict[str, np.ndarray]:
+        return {digest: face for faces in self._faces.values() for digest, face in faces.items()}
+
+    def _save(self) -> List[str]:
+        """Writes the file of faces; what went wrong, which costs time at the next start only."""
+        try:
+            write_faces(self._cache(), self._by_digest())
+        except (OSError, ValueError) as error:
+            return [f"{CACHE} cannot be written, the next start takes longer: {reason(error)}"]
+        return []
+
+
+def _digest(data: bytes) -> str:
+    return hashlib.sha256(data).hexdigest()

@@ -1,0 +1,115 @@
+"""Picture files below a folder for each name: which there are, read with care, and written."""
+
+import contextlib
+import os
+import stat
+import unicodedata
+from typing import List, Sequence
+
+import cv2
+import numpy as np
+
+from .files import add_file
+from .identities import UNKNOWN
+
+SUFFIXES = (".bmp", ".jpeg", ".jpg", ".pgm", ".png", ".ppm", ".tif", ".tiff", ".webp")
+MAX_NAME = 60  # characters: fits into the 255 bytes of a file system's names in any script
+MAX_FILE = 64 << 20  # bytes
+
+
+def check_name(name: str) -> None:
+    """Raises ValueError if a person cannot have this name, which is that of a folder, too."""
+    if not 0 < len(name) <= MAX_NAME:
+        raise ValueError(f"a name of {len(name)} characters, must have 1 to {MAX_NAME}")
+    if name == UNKNOWN:
+        raise ValueError(f"nobody can be called '{UNKNOWN}'")
+    # Control characters, halves of characters, and what ends a line.
+    forbidden = [unicodedata.category(letter) in ("Cc", "Cs", "Zl", "Zp") for letter in name]
+    if any(forbidden) or "/" in name or "\\" in name:
+        raise ValueError(f"the name {name!a} must not hold /, \\ or control characters")
+    if name.startswith(".") or name != name.strip():
+        raise ValueError(f"the name {name!r} must not begin with a dot, nor begin or end in space")
+
+
+def inside(folder: str, path: str) -> str:
+    """The path, if it is in the folder; ValueError if it leads out of it by symbolic links."""
+    root = os.path.realpath(folder)
+    if os.path.commonpath([root, os.path.realpath(path)]) != root:
+        raise ValueError("it leads out of the gallery")
+    return path
+
+
+def is_picture(name: str) -> bool:
+    """Whether a file is called as pictures are, and not hidden."""
+    return name.lower().endswith(SUFFIXES) and not name.startswith(".")
+
+
+def picture_files(folder: str) -> List[str]:
+    """The paths of a folder's files that are called as pictures are, in order.
+
+    Raises:
+        OSError: the folder cannot be read.
+    """
+    return [os.path.join(folder, name) for name in sorted(os.listdir(folder)) if is_picture(name)]
+
+
+def read_file(path: str) -> bytes:
+    """A picture file as it is.
+
+    Raises:
+        ValueError: it is no file, or too large for a picture.
+        OSError: it cannot be read.
+    """
+    status = os.stat(path)
+    if not stat.S_ISREG(status.st_mode):  # a pipe would never end
+        raise ValueError("it is no file")
+    if status.st_size > MAX_FILE:
+        raise ValueError(f"it has {status.st_size >> 20} MB, must have at most {MAX_FILE >> 20}")
+    with open(path, "rb") as file:
+        return file.read()
+
+
+def decode(data: bytes) -> np.ndarray:
+    """The picture of a file, (height, width, 3), BGR.
+
+    Raises:
+        ValueError: it is none.
+    """
+    picture = None
+    with contextlib.suppress(cv2.error):  # of no data, and of more pixels than OpenCV takes
+        picture = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_COLOR)
+    if picture is None:
+        raise ValueError("it is damaged, or no picture")
+    return picture
+
+
+def write_numbered(folder: str, pngs: Sequence[bytes]) -> None:
+    """Writes <folder>/<n>.png with the next free numbers: all of them, or none.
+
+    Raises:
+        OSError: they cannot be written.
+    """
+    is_new = not os.path.lexists(folder)
+    os.makedirs(folder, exist_ok=True)
+    stems = [os.path.splitext(name)[0] for name in os.listdir(folder)]
+    first = 1 + max((int(stem) for stem in stems if stem.isdecimal()), default=0)
+    written: List[str] = []
+    try:
+        for number, png in enumerate(pngs, first):
+            written.append(add_file(folder, str(number), ".png", png))
+    except OSError:
+        for path in written:
+            os.unlink(path)
+        if is_new:
+            os.rmdir(folder)
+        raise
+
+
+def shown(path: str) -> str:
+    """A path as text for people and messages: what is no UTF-8 in it is replaced."""
+    return os.fsencode(path).decode(errors="replace")
+
+
+def reason(error: Exception) -> str:
+    """What an error says, without the path that is named beside it."""
+    return (error.strerror if isinstance(error, OSError) else None) or str(error)

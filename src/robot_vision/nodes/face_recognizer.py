@@ -1,0 +1,152 @@
+"""The node face_recognizer: whose the faces are that another node finds."""
+
+import threading
+import time
+import unicodedata
+from typing import Any, Dict, List, Tuple
+
+import numpy as np
+import rospy
+
+from .. import draw_outline
+from ..cfg import FaceRecognizerConfig
+from ..face_picture import Box, normalized
+from ..gallery import Gallery
+from ..identities import Identities, Identity, VoteParams
+from ..msg import Detection, DetectionArray, FaceIdentity, FaceIdentityArray
+from ..recognition import LbphRecognizer, Recognizer
+from ..transport import Frame
+from .frame_pairs import FramePairs
+from .gallery_services import GalleryServices
+from .image_node import ImageNode
+from .messages import corners
+from .params import LiveParams, filled
+
+VOTES = tuple(VoteParams.__dataclass_fields__)
+SILENCE = 5.0  # s without faces, while pictures come, until it is told
+GREEN, RED = (0.0, 255.0, 0.0), (0.0, 0.0, 255.0)
+
+
+class FaceRecognizer:
+    """Publishes ~faces (those that came in, with names), ~identities and ~processed_image.
+
+    The services ~enroll, ~enroll_folder, ~list_names and ~forget_name are about the people known.
+    """
+
+    def __init__(self) -> None:
+        # Guards all that follows: pictures and faces come from threads of their own.
+        self._lock = threading.Lock()
+        self._recognizer: Recognizer = LbphRecognizer()
+        self._names: List[str] = []  # by the recogniser's labels
+        self._identities = Identities()
+        self._pairs = FramePairs()
+        self._last_frame = self._last_faces = 0.0  # s of the monotonic clock
+        self._node = ImageNode(self._on_frame)
+        self._node.subscriber("faces", DetectionArray, self._on_faces)
+        self._faces = self._node.publisher("~faces", DetectionArray)
+        self._whose = self._node.publisher("~identities", FaceIdentityArray)
+        self._processed = self._node.image_publisher("~processed_image")
+        self._services = GalleryServices(self._learn, self._node.keep_working)
+        self._params = LiveParams(FaceRecognizerConfig, self._configure)
+        self._services.advertise()
+        self._node.start()
+
+    def _configure(self, config: Dict[str, Any]) -> None:
+        self._identities.params = filled(VoteParams(), config, VOTES)
+        self._services.timeout = config["enroll_timeout"]
+
+    def _learn(self, gallery: Gallery) -> None:
+        """Trains with other people while those known so far are still recognised."""
+        recognizer = LbphRecognizer()
+        recognizer.train(*gallery.training())
+        with self._lock:
+            self._recognizer = recognizer
+            self._names = list(gallery.names())
+            self._identities.clear()
+
+    def _on_frame(self, frame: Frame) -> None:
+        now = time.monotonic()
+        if now - self._last_frame > SILENCE:  # it begins to work
+            self._last_faces = now
+        self._last_frame = now
+        if now - self._last_faces > SILENCE:
+            topic = rospy.resolve_name("faces")
+            rospy.logwarn_throttle(10.0, f"no faces come on {topic}: is there a face detector?")
+        faces = self._pairs.message_of(frame)
+        if faces:
+            self._process(frame, faces)
+
+    def _on_faces(self, faces: DetectionArray) -> None:
+        self._last_faces = time.monotonic()
+        frame = self._pairs.frame_of(faces)
+        if frame:
+            self._process(frame, faces)
+        elif self._pairs.apart():
+            image, topic = rospy.resolve_name("image"), rospy.resolve_name("faces")
+            rospy.logwarn_throttle(
+                10.0, f"no pictures on {image} have the stamps of {topic}: is it another camera's?"
+            )
+
+    def _process(self, frame: Frame, faces: DetectionArray) -> None:
+        now = time.monotonic()
+        height, width = frame.image.shape[:2]
+        if (faces.width, faces.height) != (width, height):
+            rospy.logerr_throttle(
+                5.0, f"faces of a picture of {faces.width}x{faces.height}, not {width}x{height}"
+            )
+            return
+        with self._lock:
+            try:
+                found = [self._identify(frame.image, face, now) for face in faces.detections]
+            except ValueError as error:
+                rospy.logerr_throttle(5.0, f"faces that cannot be used: {error}")
+                return
+            self._identities.see((face.id for face in faces.detections), now)
+            self._publish(frame, faces, found)
+            seen = [box_of(face) for face in faces.detections if not face.predicted]
+            self._services.offer(frame.image, seen, now)
+
+    def _identify(self, image: np.ndarray, face: Detection, now: float) -> Identity:
+        if face.predicted:  # there may be something else in its place
+            return self._identities.of(face.id)
+        if face.id < 0:
+            return self._identities.at_once(*self._look(image, face))
+        if self._identities.due(face.id, now):
+            self._identities.vote(face.id, *self._look(image, face), now)
+        return self._identities.of(face.id)
+
+    def _look(self, image: np.ndarray, face: Detection) -> Tuple[str, float]:
+        """The name of who looks most like a face, and the distance; '' if nobody is known."""
+        label, distance = self._recognizer.predict(normalized(image, box_of(face)))
+        return self._names[label] if label >= 0 else "", distance
+
+    def _publish(self, frame: Frame, faces: DetectionArray, found: List[Identity]) -> None:
+        if self._processed.get_num_connections():
+            overlay = frame.image.copy()
+            for face, identity in zip(faces.detections, found):
+                draw_identity(overlay, box_of(face), identity)
+            self._processed.publish(overlay, "bgr8", frame.header)
+        whose = FaceIdentityArray(header=faces.header)
+        for face, identity in zip(faces.detections, found):
+            face.label, face.score = identity.name, identity.score
+            whose.identities.append(
+                FaceIdentity(face.id, identity.name, identity.distance, identity.known)
+            )
+        self._faces.publish(faces)
+        self._whose.publish(whose)
+
+
+def box_of(face: Detection) -> Box:
+    return face.box.x_offset, face.box.y_offset, face.box.width, face.box.height
+
+
+def draw_identity(bgr: np.ndarray, box: Box, identity: Identity) -> None:
+    """Draws a face's box with name and distance; letters that the overlay lacks become plain."""
+    name = unicodedata.normalize("NFKD", identity.name)
+    name = "".join(letter for letter in name if not unicodedata.combining(letter))
+    draw_outline(
+        bgr,
+        corners(box),
+        f"{name.encode('ascii', 'replace').decode()} {identity.distance:.0f}",
+        GREEN if identity.known else RED,
+    )

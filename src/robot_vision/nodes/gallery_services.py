@@ -1,0 +1,147 @@
+"""The services by which a face recogniser comes to know people."""
+
+import os
+import threading
+from typing import Any, Callable, Dict, List, Optional, Sequence
+
+import numpy as np
+import rospkg
+import rospy
+
+from ..enrollment import Enrollment
+from ..face_picture import Box
+from ..gallery import Added, Gallery
+from ..gallery_files import check_name
+from ..srv import (
+    EnrollFace,
+    EnrollFaceResponse,
+    EnrollFolder,
+    EnrollFolderResponse,
+    ForgetName,
+    ForgetNameResponse,
+    ListNames,
+    ListNamesResponse,
+)
+from .params import read_param
+
+PICTURES = 10  # that are taken if nothing is said of it
+MAX_PICTURES = 100
+
+
+class GalleryServices:
+    """~enroll, ~enroll_folder, ~list_names and ~forget_name, on the gallery that ~gallery names.
+
+    Args:
+        changed: is called with the gallery when it is loaded, and after every change.
+        keep_working: is called with True when pictures are wanted, and with False afterwards.
+
+    Raises:
+        ValueError: ~gallery is no folder.
+    """
+
+    def __init__(
+        self, changed: Callable[[Gallery], Any], keep_working: Callable[[bool], Any]
+    ) -> None:
+        self.timeout = 10.0  # s of the wall clock, for the pictures of ~enroll; may be replaced
+        self._changed = changed
+        self._keep_working = keep_working
+        self._enrollment: Optional[Enrollment] = None
+        self._enrolling = threading.Lock()  # held while pictures are taken: one person at a time
+        self._lock = threading.Lock()  # guards the gallery
+        default = os.path.join(rospkg.get_ros_home(), "robot_vision", "faces")
+        self._gallery = Gallery(read_param("gallery", "") or default)
+        _report(self._gallery.load())
+        changed(self._gallery)
+        people = self._gallery.names()
+        count = sum(people.values())
+        rospy.loginfo("%d people by %d pictures in %s", len(people), count, self._gallery.folder)
+
+    def advertise(self) -> None:
+        """Offers the services."""
+        rospy.Service("~enroll", EnrollFace, self._on_enroll)
+        rospy.Service("~enroll_folder", EnrollFolder, self._on_enroll_folder)
+        rospy.Service("~list_names", ListNames, self._on_list_names)
+        rospy.Service("~forget_name", ForgetName, self._on_forget_name)
+
+    def offer(self, image: np.ndarray, boxes: Sequence[Box], now: float) -> None:
+        """A picture, and the faces in it, for ~enroll: see Enrollment.offer()."""
+        enrollment = self._enrollment
+        if enrollment:
+            enrollment.offer(image, boxes, now)
+
+    def _on_enroll(self, request: Any) -> EnrollFaceResponse:
+        try:
+            added = self._enroll(request.name, request.pictures or PICTURES)
+        except (OSError, RuntimeError, ValueError) as error:
+            rospy.logerr("nobody enrolled: %s", error)
+            return EnrollFaceResponse(False, str(error), 0)
+        return EnrollFaceResponse(True, _summary(added, request.name), added.pictures)
+
+    def _enroll(self, name: str, pictures: int) -> Added:
+        check_name(name)
+        if pictures > MAX_PICTURES:
+            raise ValueError(f"pictures is {pictures}, must be from 1 to {MAX_PICTURES}")
+        if not self._enrolling.acquire(blocking=False):
+            raise RuntimeError("somebody else is being enrolled")
+        try:
+            portraits = self._take(Enrollment(pictures))
+        finally:
+            self._enrolling.release()
+        with self._lock:
+            added = self._gallery.add(name, portraits)
+            self._changed(self._gallery)
+        _report(added.problems)
+        return added
+
+    def _take(self, enrollment: Enrollment) -> Dict[str, np.ndarray]:
+        timeout = self.timeout
+        self._enrollment = enrollment
+        self._keep_working(True)
+        try:
+            if not enrollment.wait(timeout, rospy.is_shutdown):
+                raise RuntimeError(f"{enrollment.outcome()}, within {timeout:g} s")
+        finally:
+            self._enrollment = None
+            self._keep_working(False)
+        return enrollment.portraits
+
+    def _on_enroll_folder(self, request: Any) -> EnrollFolderResponse:
+        try:
+            if not os.path.isabs(request.folder):  # a node has another folder than its caller
+                raise ValueError(f"folder is '{request.folder}', must be an absolute path")
+            with self._lock:
+                added = self._gallery.import_folder(request.folder, request.name)
+                self._changed(self._gallery)
+        except (OSError, ValueError) as error:
+            rospy.logerr("no folder enrolled: %s", error)
+            return EnrollFolderResponse(False, str(error), 0, [])
+        _report(added.problems)
+        some = added.pictures + added.present > 0
+        who = request.name or "people"
+        return EnrollFolderResponse(some, _summary(added, who), added.pictures, added.problems)
+
+    def _on_list_names(self, _request: Any) -> ListNamesResponse:
+        with self._lock:
+            names = self._gallery.names()
+        return ListNamesResponse(list(names), list(names.values()))
+
+    def _on_forget_name(self, request: Any) -> ForgetNameResponse:
+        try:
+            with self._lock:
+                count = self._gallery.forget(request.name)
+                self._changed(self._gallery)
+        except (OSError, ValueError) as error:
+            rospy.logerr("nobody forgotten: %s", error)
+            return ForgetNameResponse(False, str(error), 0)
+        return ForgetNameResponse(True, f"{request.name} is forgotten", count)
+
+
+def _summary(added: Added, who: str) -> str:
+    present = f", {added.present} were there already" if added.present else ""
+    refused = f", {len(added.problems)} problems" if added.problems else ""
+    return f"{added.pictures} pictures of {who} added{present}{refused}"
+
+
+def _report(problems: List[str]) -> None:
+    for problem in problems:
+        rospy.logwarn("%s", problem)

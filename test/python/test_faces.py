@@ -1,0 +1,317 @@
+"""Faces in photographs, against OpenCV's own search of every frame."""
+
+import math
+import pathlib
+import time
+
+import cv2
+import numpy as np
+import pytest
+import skimage.data
+from faces import BACKGROUND, KINDS, PORTRAIT, RATE, frame, iou, is_at
+
+import robot_vision as rv
+
+CASCADES = "/usr/share/opencv4/haarcascades/"
+FRONTAL = cv2.CascadeClassifier(CASCADES + "haarcascade_frontalface_default.xml")
+PROFILE = cv2.CascadeClassifier(CASCADES + "haarcascade_profileface.xml")
+PROFILE_PORTRAIT = cv2.cvtColor(skimage.data.camera(), cv2.COLOR_GRAY2BGR)
+
+
+def params(**values):
+    """Every search in the caller's thread: the same frames give the same faces."""
+    made = rv.FaceParams()
+    made.background = False
+    for name, value in values.items():
+        setattr(made, name, value)
+    return made
+
+
+def searched(cascade, gray, mirrored=False):
+    """detectMultiScale with the parameters' defaults."""
+    pixels = cv2.flip(gray, 1) if mirrored else gray
+    found = cascade.detectMultiScale(pixels, 1.2, 2, 0, (40, 40))
+    width = gray.shape[1]
+    return {(width - x - w if mirrored else x, y, w, h) for x, y, w, h in map(tuple, found)}
+
+
+def reference(image):
+    """What the course's node finds, with profiles of both sides."""
+    gray = cv2.equalizeHist(cv2.cvtColor(image, cv2.COLOR_BGR2GRAY))
+    return searched(FRONTAL, gray) or searched(PROFILE, gray) | searched(PROFILE, gray, True)
+
+
+def boxes(faces):
+    return {face.box for face in faces}
+
+
+def people():
+    """Pictures, (25, 25), of 100 faces."""
+    return (skimage.data.lfw_subset()[:100] * 255).astype(np.uint8)
+
+
+def crowd(places, number=0, background=120):
+    """A picture with a face, 100 px, at each place, (x, y)."""
+    picture = np.full((480, 640), background, np.uint8)
+    for (x, y), face in zip(places, people()[number:]):
+        large = cv2.resize(face, (100, 100), interpolation=cv2.INTER_CUBIC)
+        faded = cv2.copyMakeBorder(large, *(30, 30, 30, 30), cv2.BORDER_REPLICATE)
+        picture[y : y + 160, x : x + 160] = faded
+    return picture
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_no_face_is_lost_that_a_search_of_every_frame_finds(kind):
+    detector = rv.FaceDetector(params())
+    found = wrong = wrong_reference = 0
+    ids = set()
+    for number in range(0, 150, 3):
+        image, truth = frame(number, kind)
+        faces = detector.update(number / RATE, image)
+        expected = reference(image)
+        right = [face for face in faces if is_at(face, truth)]
+        assert len(right) <= 1
+        assert right or not any(iou(box, truth) >= 0.5 for box in expected), number
+        ids.update(face.id for face in right)
+        found += len(right)
+        wrong += len(faces) - len(right)
+        wrong_reference += sum(iou(box, truth) < 0.5 for box in expected)
+    assert found >= 45 and len(ids) == 1
+    assert wrong <= wrong_reference
+
+
+@pytest.mark.parametrize("mirrored", [False, True])
+@pytest.mark.parametrize(
+    "picture, is_there",
+    [
+        (PORTRAIT, True),
+        (cv2.resize(PORTRAIT, None, fx=1.5, fy=1.5), True),
+        (BACKGROUND, False),
+        (PROFILE_PORTRAIT, True),  # of which only the mirrored picture shows the side that is known
+        (cv2.resize(PROFILE_PORTRAIT, None, fx=1.2, fy=1.2), True),
+    ],
+)
+def test_a_search_finds_what_opencv_finds(picture, is_there, mirrored):
+    image = np.ascontiguousarray(picture[:, ::-1]) if mirrored else picture
+    found = rv.FaceDetector(params()).detect(image)
+    assert boxes(found) == reference(image) and (found or not is_there)
+    assert [face.id for face in found] == [-1] * len(found)
+    # The search for new faces goes from size to size, so that it can be ended.
+    assert boxes(rv.FaceDetector(params()).update(0.0, image)) == boxes(found)
+
+
+def test_sizes_are_kept():
+    for smallest, largest in ((40, 60), (130, 0), (100, 125)):
+        detector = rv.FaceDetector(params(min_size=smallest, max_size=largest))
+        for number in range(8):
+            image, _ = frame(number)
+            for face in detector.update(number / RATE, image):
+                assert smallest <= face.box[2] <= (largest or 480)
+
+
+def test_lbp_cascades_find_faces_as_well():
+    lbp = params(cascade_1="lbpcascade_frontalface_improved.xml", cascade_2="")
+    image, truth = frame(0)
+    (face,) = rv.FaceDetector(lbp).detect(image)
+    assert iou(face.box, truth) > 0.4  # its window is tighter
+
+
+def test_eyes_are_in_the_face():
+    detector = rv.FaceDetector(params())
+    for scale in (0.6, 1.0, 2.0):
+        (face, *_) = (
+            face
+            for face in detector.detect(cv2.resize(PORTRAIT, None, fx=scale, fy=scale))
+            if is_at(face, tuple(scale * v for v in (170, 60, 108, 108)))
+        )
+        left, right = detector.find_eyes(face)
+        for (x, y, width, height), truth in ((left, (202, 102)), (right, (247, 103))):
+            middle = np.array([x + width / 2, y + height / 2]) / scale
+            assert np.abs(middle - truth).max() < 8
+    without = rv.FaceDetector(params(eye_cascade=""))
+    assert without.find_eyes(without.detect(PORTRAIT)[0]) == []
+
+
+def test_several_faces_keep_their_ids():
+    detector = rv.FaceDetector(params(cascade_2=""))
+    first = {}
+    for number in range(45):
+        shift = round(60 * math.sin(0.1 * number))
+        places = [(20, 160 + shift), (240, 160 - shift), (460, 160 + shift)]
+        faces = detector.update(number / RATE, crowd(places), "mono8")
+        for face in faces:
+            (nearest,) = (
+                i for i, (x, y) in enumerate(places) if is_at(face, (x + 30, y + 30, 100, 100))
+            )
+            assert first.setdefault(nearest, face.id) == face.id
+        assert len(faces) == 3, number
+    assert len(set(first.values())) == 3
+
+
+def test_a_new_face_is_found_within_the_period_and_one_that_goes_is_gone():
+    detector = rv.FaceDetector(params(cascade_2="", max_search_period=0.5, hold=0.3))
+    old = (40, 100)
+    for number in range(20):
+        assert not detector.update(number / RATE, crowd([]), "mono8")
+    times = []
+    for number in range(20, 60):
+        faces = detector.update(number / RATE, crowd([old]), "mono8")
+        times += [number] if faces else []
+    assert times[0] <= 20 + 0.5 * RATE and len(times) == 60 - times[0]
+    gone = [bool(detector.update(n / RATE, crowd([]), "mono8")) for n in range(60, 100)]
+    assert not any(gone[1:])
+    # It is remembered for a while.
+    (face,) = detector.update(101 / RATE, crowd([old]), "mono8") or detector.update(
+        117 / RATE, crowd([old]), "mono8"
+    )
+    assert face.id == 0
+
+
+def test_a_face_that_no_cascade_sees_is_predicted_by_its_looks():
+    detector = rv.FaceDetector(params(cascade_2="", hold=0.3))
+    picture = crowd([(240, 160)])
+    for number in range(20):
+        (face,) = detector.update(number / RATE, picture, "mono8")
+        assert not face.predicted
+    picture[214:238, 270:370] = 60  # a bar over the eyes
+    assert not rv.FaceDetector(params(cascade_2="")).detect(picture, "mono8")
+    states = [detector.update((20 + n) / RATE, picture, "mono8") for n in range(15)]
+    held = round(0.3 * RATE)
+    assert all(states[: held - 1]) and not any(states[held:])
+    for (face,) in states[: held - 1]:
+        assert face.predicted and face.id == 0 and 0.7 <= face.score <= 1.0
+        assert iou(face.box, (270, 190, 100, 100)) > 0.5
+
+
+def test_velocity_is_that_of_the_face():
+    detector = rv.FaceDetector(params(cascade_2=""))
+    for number in range(30):
+        faces = detector.update(number / RATE, crowd([(20 + 8 * number, 160)]), "mono8")
+    assert faces[0].velocity == pytest.approx((8 * RATE, 0.0), abs=0.25 * 8 * RATE)
+
+
+def test_a_moving_face_is_found_before_the_next_search_of_everything():
+    detector = rv.FaceDetector(params(cascade_2="", max_search_period=10.0))
+    detector.update(0.0, crowd([]), "mono8")
+    for number in range(1, 6):
+        faces = detector.update(number / RATE, crowd([(240, 160)]), "mono8")
+    assert [is_at(face, (270, 190, 100, 100)) for face in faces] == [True]
+
+
+def test_searches_in_the_background_find_the_same():
+    foreground, background = rv.FaceDetector(params()), rv.FaceDetector(params(background=True))
+    image, truth = frame(0)
+    expected = [is_at(face, truth) for face in foreground.update(0.0, image)]
+    start = time.monotonic()
+    faces, number = [], 0
+    while len(faces) < len(expected) and time.monotonic() < start + 30:
+        number += 1
+        faces = background.update(number / RATE, image)
+    assert [is_at(face, truth) for face in faces].count(True) == 1
+    assert background.search_time > 0.0
+
+
+def test_other_parameters_keep_the_faces():
+    detector = rv.FaceDetector(params())
+    image, truth = frame(0)
+    (before,) = (face for face in detector.update(0.0, image) if is_at(face, truth))
+    detector.configure(params(min_neighbors=3))
+    (after,) = (face for face in detector.update(1 / RATE, image) if is_at(face, truth))
+    assert after.id == before.id
+    with pytest.raises(ValueError, match="min_neighbors"):
+        detector.configure(params(min_neighbors=-1))
+    with pytest.raises(ValueError, match="cascade_1"):
+        detector.configure(params(cascade_1="none.xml"))
+    (after,) = (face for face in detector.update(2 / RATE, image) if is_at(face, truth))
+    assert after.id == before.id
+
+
+def test_another_size_and_an_earlier_time_begin_anew():
+    detector = rv.FaceDetector(params(cascade_2=""))
+    picture = crowd([(240, 160)])
+    (face,) = detector.update(5.0, picture, "mono8")
+    assert face.id == 0
+    (face,) = detector.update(1.0, picture, "mono8")
+    assert face.id == 1
+    detector.detect(PORTRAIT)  # has nothing to do with it
+    (face,) = detector.update(1.1, picture, "mono8")
+    assert face.id == 1
+    (face,) = detector.update(1.2, np.ascontiguousarray(picture[:, 100:]), "mono8")
+    assert face.id == 2 and is_at(face, (170, 190, 100, 100))
+
+
+@pytest.mark.parametrize("shape", [(1, 1), (10, 300), (300, 10), (24, 24)])
+def test_pictures_smaller_than_a_face(shape):
+    detector = rv.FaceDetector(params(min_size=1))
+    picture = np.random.default_rng(1).integers(0, 256, shape, np.uint8)
+    before = picture.copy()
+    for number in range(5):
+        detector.update(number / RATE, picture, "mono8")
+    detector.detect(picture, "mono8")
+    assert (picture == before).all()
+
+
+def test_bad_pictures_are_refused():
+    detector = rv.FaceDetector(params())
+    with pytest.raises(ValueError, match="bgr8"):
+        detector.update(0.0, np.zeros((4, 4), np.uint8))
+    with pytest.raises(ValueError):
+        detector.detect(np.zeros((0, 4), np.uint8), "mono8")
+    for time_s in (math.nan, math.inf):
+        with pytest.raises(ValueError, match=r"time_s is .*, must be finite"):
+            detector.update(time_s, PORTRAIT)
+
+
+def test_a_long_pause_does_not_move_a_face():
+    detector = rv.FaceDetector(params(cascade_2=""))
+    for number in range(10):
+        detector.update(number / RATE, crowd([(20 + 8 * number, 160)]), "mono8")
+    (face,) = detector.update(1e9, crowd([(240, 160)]), "mono8")
+    assert is_at(face, (270, 190, 100, 100))
+
+
+@pytest.mark.parametrize(
+    "name, value, text",
+    [
+        ("scale_factor", 1.0, "scale_factor is 1, must be from 1.01 to 4"),
+        ("scale_factor", math.nan, "scale_factor is nan"),
+        ("min_neighbors", 101, "min_neighbors is 101, must be from 0 to 100"),
+        ("min_size", 0, "min_size is 0, must be from 1 to 8192"),
+        ("max_size", 39, r"max_size is 39, must be 0 \(any\) or from min_size \(40\) to 8192"),
+        ("max_search_period", -1.0, "max_search_period is -1, must be from 0 to 60"),
+        ("hold", 61.0, "hold is 61, must be from 0 to 60"),
+        ("cascade_1", "", "cascade_1 is '', must be the name of a file"),
+    ],
+)
+def test_parameters_out_of_range(name, value, text):
+    with pytest.raises(ValueError, match=text):
+        rv.FaceDetector(params(**{name: value}))
+    with pytest.raises(ValueError, match=text):
+        rv.validate(params(**{name: value}))
+
+
+@pytest.mark.parametrize("parameter", ["cascade_1", "cascade_2", "eye_cascade"])
+@pytest.mark.parametrize(
+    "name, content, text",
+    [
+        ("there_is_none.xml", None, "which is in none of .*/haarcascades/.*opencv-data"),
+        ("./there_is_none.xml", None, "there is no such file"),
+        ("folder", "folder", "which is no file"),
+        ("empty.xml", "", "which is empty"),
+        ("text.xml", "I am no cascade", "which is no cascade of OpenCV's"),
+        ("other.xml", "<opencv_storage><a>1</a></opencv_storage>", "which is no cascade"),
+        ("cut.xml", "cut", "which is no cascade"),
+    ],
+)
+def test_cascades_that_are_none(tmp_path, parameter, name, content, text):
+    path = tmp_path / name
+    if content == "folder":
+        path.mkdir()
+    elif content == "cut":
+        whole = pathlib.Path(CASCADES, "haarcascade_frontalface_default.xml").read_text()
+        path.write_text(whole[: len(whole) // 2])
+    elif content is not None:
+        path.write_text(content)
+    given = name if content is None else str(path)
+    with pytest.raises(ValueError, match=f"^{parameter} is '{given}', {text}"):
+        rv.FaceDetector(params(**{parameter: given}))
