@@ -17,6 +17,7 @@ TOPICS = {
     "line_follower": "/line_follower/processed_image",
     "face_detector": "/face_detector/processed_image",
     "motion_detector": "/motion_detector/processed_image",
+    "object_tracker": "/object_tracker/processed_image",
 }
 
 

@@ -126,6 +126,7 @@ def test_demo_finds_what_is_in_the_scene(demo):
     objects = support.Messages("/hsv_tracker/objects", DetectionArray)
     positions = support.Messages("/ball_tracker/position", PointStamped)
     faces = support.Messages("/face_detector/faces", DetectionArray)
+    tracked_objects = support.Messages("/object_tracker/object", DetectionArray)
     lines = support.Messages("/line_follower/line", Line)
     commands = support.Messages("/line_follower/cmd_vel", Twist)
     demo()
@@ -141,6 +142,9 @@ def test_demo_finds_what_is_in_the_scene(demo):
         (point.x, point.y, point.z), rel=0.03, abs=0.02
     )
     support.wait_for(lambda: sees_the_portrait(*support.same_frame(truths, faces)), "the face")
+    support.wait_for(
+        lambda: sees_the_portrait(*support.same_frame(truths, tracked_objects)), "the face followed"
+    )
     support.wait_for(lambda: any(line.found for line in lines.received), "the line")
     support.wait_for(lambda: any(c.linear.x == 0.2 for c in commands.received), "driving")
     assert "/cmd_vel" not in dict(rospy.get_published_topics())  # a demo drives no robot
