@@ -33,7 +33,7 @@ void bindFaces(py::module& m)
       .def_readonly("predicted", &Face::predicted, "followed by its looks: no cascade has seen it in this frame");
 
   py::class_<FaceDetector>(m, "FaceDetector", "Finds faces with OpenCV's cascades, and follows them.")
-      .def(py::init<const FaceParams&>(), "params"_a = FaceParams(),
+      .def(py::init<const FaceParams&>(), "params"_a = FaceParams(), py::call_guard<py::gil_scoped_release>(),
            "Raises ValueError for a parameter out of range, and for a cascade that is not there or none.")
       .def("configure", &FaceDetector::configure, "params"_a, py::call_guard<py::gil_scoped_release>(),
            "Other parameters from now on; the faces remain known. Raises as the constructor does.")
@@ -63,6 +63,7 @@ void bindFaces(py::module& m)
           "find_eyes",
           [](FaceDetector& detector, const Face& face)
           {
+            const py::gil_scoped_release unlocked;
             std::vector<Box> boxes;
             for (const cv::Rect& eye : detector.findEyes(face))
               boxes.push_back(toBox(eye));

@@ -18,12 +18,13 @@ namespace robot_vision
 namespace
 {
 
-constexpr int kCell = 8;            // px, side of what is compared to see where something moves
-constexpr double kMostParts = 0.3;  // of the picture, which is searched between searches of the whole
-constexpr double kRest = 4.0;       // times as long as a search, until parts are searched again
-constexpr double kLeastRest = 0.1;  // s
-constexpr double kSurprise = 1.25;  // by how much the next search may take longer than the last
-constexpr int kEyeFace = 128;       // px, width to which a face is brought to look for its eyes
+constexpr int kCell = 8;               // px, side of what is compared to see where something moves
+constexpr double kMostParts = 0.3;     // of the picture, which is searched between searches of the whole
+constexpr double kRest = 4.0;          // times as long as a search, until parts are searched again
+constexpr double kLeastRest = 0.1;     // s
+constexpr double kLongestFrame = 0.1;  // s between frames of a stream that does not pause
+constexpr double kSurprise = 1.25;     // by how much the next search may take longer than the last
+constexpr int kEyeFace = 128;          // px, width to which a face is brought to look for its eyes
 constexpr int kEyeNeighbors = 3;
 
 }  // namespace
@@ -46,6 +47,13 @@ struct FaceDetector::Impl
     : params((validate(p), p)), near(p), worker(std::make_unique<FaceWorker>(p, p.background))
   {
     if (!p.eye_cascade.empty()) eyes = readCascade("eye_cascade", p.eye_cascade);
+  }
+
+  /// Whether the cascades that have been read, and the thread, are those that are wanted.
+  bool reads(const FaceParams& p) const
+  {
+    return p.cascade_1 == params.cascade_1 && p.cascade_2 == params.cascade_2 && p.eye_cascade == params.eye_cascade &&
+           p.background == params.background;
   }
 
   /// Returns the picture before equalisation; it may share the input's pixels.
@@ -72,10 +80,9 @@ struct FaceDetector::Impl
   {
     const std::optional<FaceResult> result = worker->take();
     if (!result || result->job.gray.size() != gray.size() || result->job.time > time) return;
-    const double took = time - result->job.time;
-    if (result->job.whole) search_time = took;
-    rest_until = time + std::max(kRest * took, kLeastRest);
-    tracks.add(*result, time);
+    if (result->job.whole) search_time = searching;
+    rest_until = time + std::max(kRest * searching, kLeastRest);
+    tracks.add(*result, time, params);
   }
 
   void search()
@@ -90,12 +97,13 @@ struct FaceDetector::Impl
       searched = time;
       moving.clear();
       job.parts = {cv::Rect({0, 0}, gray.size())};
-      job.sizes = {params.min_size, params.max_size};
+      job.windows = FaceWindows::of(params);
     }
     else if (time >= rest_until)
       chooseParts(job);
     if (job.parts.empty()) return;
     job.gray = gray.clone();
+    searching = 0.0;
     worker->start(std::move(job));
     if (!params.background) takeResult();
   }
@@ -105,7 +113,7 @@ struct FaceDetector::Impl
   {
     for (const cv::Rect& box : tracks.boxes())
       moving.ignore(grown(box, box.width / 2, gray.size()));
-    job.sizes = tracks.sizes(params);
+    job.windows = tracks.windows(params);
     job.parts = moving.take(params.min_size);
     double area = 0.0;
     for (const cv::Rect& part : job.parts)
@@ -121,9 +129,10 @@ struct FaceDetector::Impl
   MovingParts moving{kCell};
   cv::Mat gray;                    // of the newest picture
   cv::Size size;                   // px, of the frames that are followed
-  double time = 0.0;               // s, of the same
+  double time = 0.0;               // s, of the newest frame
   std::optional<double> searched;  // s, the frame of the last search of a whole picture
-  double search_time = 0.0;        // s
+  double search_time = 0.0;        // s, of the same
+  double searching = 0.0;          // s since the last search began, without pauses of the stream
   double rest_until = 0.0;         // s, no parts are searched before
 };
 
@@ -136,12 +145,19 @@ FaceDetector& FaceDetector::operator=(FaceDetector&&) noexcept = default;
 
 void FaceDetector::configure(const FaceParams& params)
 {
-  auto next = std::make_unique<Impl>(params);
-  next->tracks = std::move(impl_->tracks);
-  next->gray = impl_->gray;
-  next->size = impl_->size;
-  next->time = impl_->time;
-  impl_ = std::move(next);
+  validate(params);
+  if (!impl_->reads(params))
+  {
+    auto next = std::make_unique<Impl>(params);
+    next->tracks = std::move(impl_->tracks);
+    next->gray = impl_->gray;
+    next->size = impl_->size;
+    next->time = impl_->time;
+    impl_ = std::move(next);
+  }
+  impl_->params = params;
+  impl_->tracks.keep(FaceWindows::of(params));
+  impl_->searched.reset();
 }
 
 std::vector<Face> FaceDetector::detect(const cv::Mat& image, const std::string& encoding)
@@ -149,8 +165,7 @@ std::vector<Face> FaceDetector::detect(const cv::Mat& image, const std::string& 
   Impl& me = *impl_;
   me.prepare(image, encoding);
   std::vector<Face> faces;
-  const FaceSizes sizes{me.params.min_size, me.params.max_size};
-  for (const FoundFace& found : me.near.find(me.gray, cv::Rect({0, 0}, me.gray.size()), sizes))
+  for (const FoundFace& found : me.near.find(me.gray, cv::Rect({0, 0}, me.gray.size()), FaceWindows::of(me.params)))
     faces.push_back({-1, found.box, scoreOf(found.neighbors), {}, false});
   return faces;
 }
@@ -162,6 +177,7 @@ std::vector<Face> FaceDetector::update(double time_s, const cv::Mat& image, cons
   const cv::Mat plain = me.prepare(image, encoding);
   if (me.gray.size() != me.size || time_s < me.time) me.forget();
   me.size = me.gray.size();
+  me.searching += std::min(time_s - me.time, kLongestFrame);
   me.time = time_s;
   me.moving.update(plain);  // equalised, all of it changes when something bright comes in
   me.takeResult();

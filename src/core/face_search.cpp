@@ -27,7 +27,8 @@ std::string pathOf(const std::string& parameter, const std::string& name)
     {
       std::string path = folder;
       path += kind;
-      if (fs::exists(path + name)) return path + name;
+      std::error_code unknown;
+      if (fs::exists(path + name, unknown)) return path + name;
       tried += (tried.empty() ? "" : ", ") + path;
     }
   }
@@ -47,40 +48,38 @@ bool load(const std::string& path, cv::CascadeClassifier& cascade)
   }
 }
 
-/// The sides of windows between the sizes, growing by `factor` from the cascade's own: those of detectMultiScale.
-std::vector<int> windowSides(const cv::Size& window, const cv::Size& picture, const FaceSizes& sizes, double factor)
+/// The sizes that a window has, growing from the cascade's own: those of detectMultiScale.
+std::vector<cv::Size> windowSizes(const cv::Size& window, const cv::Size& picture, const FaceWindows& windows)
 {
-  std::vector<int> sides;
-  for (double scale = 1.0;; scale *= factor)
+  std::vector<cv::Size> sizes;
+  for (double scale = 1.0;; scale *= windows.scale_factor)
   {
     const cv::Size size(cvRound(window.width * scale), cvRound(window.height * scale));
-    if (size.width > picture.width || size.height > picture.height) return sides;
-    if (sizes.largest > 0 && std::max(size.width, size.height) > sizes.largest) return sides;
-    if (std::min(size.width, size.height) >= sizes.smallest && (sides.empty() || sides.back() != size.width))
-      sides.push_back(size.width);
+    if (size.width > picture.width || size.height > picture.height) return sizes;
+    if (windows.largest > 0 && std::max(size.width, size.height) > windows.largest) return sizes;
+    if (std::min(size.width, size.height) >= windows.smallest && (sizes.empty() || sizes.back() != size))
+      sizes.push_back(size);
   }
 }
 
 /// Every window of the cascade's that is a face.
-std::vector<cv::Rect> windows(cv::CascadeClassifier& cascade, const cv::Mat& gray, const FaceSizes& sizes,
-                              double factor, const std::atomic<bool>* stop)
+std::vector<cv::Rect> search(cv::CascadeClassifier& cascade, const cv::Mat& gray, const FaceWindows& windows,
+                             const std::atomic<bool>* stop)
 {
-  const auto search = [&](int smallest, int largest)
+  const std::vector<cv::Size> sizes = windowSizes(cascade.getOriginalWindowSize(), gray.size(), windows);
+  if (sizes.empty()) return {};  // OpenCV would take the nearest size, too small or too large as it is
+  std::vector<cv::Rect> found;
+  if (!stop)
   {
-    std::vector<cv::Rect> found;
-    cascade.detectMultiScale(gray, found, factor, 0, 0, {smallest, smallest}, {largest, largest});
+    cascade.detectMultiScale(gray, found, windows.scale_factor, 0, 0, sizes.front(), sizes.back());
     return found;
-  };
-  const int largest = sizes.largest > 0 ? sizes.largest : std::max(gray.cols, gray.rows);
-  if (!stop) return search(sizes.smallest, largest);
+  }
   // One call cannot be ended early, so one for each size.
   std::vector<cv::Rect> all;
-  std::vector<int> sides = windowSides(cascade.getOriginalWindowSize(), gray.size(), sizes, factor);
-  if (sides.empty()) sides.push_back(sizes.smallest);  // a single size may lie between two steps
-  for (const int side : sides)
+  for (const cv::Size& size : sizes)
   {
     if (*stop) return {};
-    const std::vector<cv::Rect> found = search(side, side);
+    cascade.detectMultiScale(gray, found, windows.scale_factor, 0, 0, size, size);
     all.insert(all.end(), found.begin(), found.end());
   }
   return all;
@@ -93,12 +92,15 @@ cv::CascadeClassifier readCascade(const std::string& parameter, const std::strin
   const std::string path = pathOf(parameter, name);
   cv::CascadeClassifier cascade;
   std::string wrong;
-  std::error_code unknown;
-  if (!fs::exists(path))
+  std::error_code error;
+  const fs::file_status status = fs::status(path, error);
+  if (status.type() == fs::file_type::not_found)
     wrong = "there is no such file";
-  else if (!fs::is_regular_file(path))
+  else if (status.type() == fs::file_type::none)
+    wrong = "which cannot be looked at: " + error.message();
+  else if (!fs::is_regular_file(status))
     wrong = "which is no file";
-  else if (fs::file_size(path, unknown) == 0)
+  else if (fs::file_size(path, error) == 0)
     wrong = "which is empty";
   else if (!load(path, cascade))
     wrong = "which is no cascade of OpenCV's, or must not be read";
@@ -106,23 +108,25 @@ cv::CascadeClassifier readCascade(const std::string& parameter, const std::strin
   return cascade;
 }
 
-FaceSearch::FaceSearch(const FaceParams& params)
-  : scale_factor_(params.scale_factor),
-    min_neighbors_(params.min_neighbors),
-    first_(readCascade("cascade_1", params.cascade_1))
+FaceWindows FaceWindows::of(const FaceParams& params)
+{
+  return {params.scale_factor, params.min_neighbors, params.min_size, params.max_size};
+}
+
+FaceSearch::FaceSearch(const FaceParams& params) : first_(readCascade("cascade_1", params.cascade_1))
 {
   if (params.cascade_2.empty()) return;
   second_ = readCascade("cascade_2", params.cascade_2);
   views_.insert(views_.end(), {FaceView::kSecond, FaceView::kMirrored});
 }
 
-std::vector<FoundFace> FaceSearch::find(const cv::Mat& gray, const cv::Rect& part, const FaceSizes& sizes,
+std::vector<FoundFace> FaceSearch::find(const cv::Mat& gray, const cv::Rect& part, const FaceWindows& windows,
                                         const std::atomic<bool>* stop)
 {
-  std::vector<FoundFace> found = find(FaceView::kFirst, gray, part, sizes, scale_factor_, stop);
+  std::vector<FoundFace> found = find(FaceView::kFirst, gray, part, windows, stop);
   if (!found.empty() || second_.empty()) return found;
-  found = find(FaceView::kSecond, gray, part, sizes, scale_factor_, stop);
-  for (const FoundFace& face : find(FaceView::kMirrored, gray, part, sizes, scale_factor_, stop))
+  found = find(FaceView::kSecond, gray, part, windows, stop);
+  for (const FoundFace& face : find(FaceView::kMirrored, gray, part, windows, stop))
   {
     const auto same = [&](const FoundFace& other) { return 2 * (face.box & other.box).area() > other.box.area(); };
     const auto known = std::find_if(found.begin(), found.end(), same);
@@ -135,7 +139,7 @@ std::vector<FoundFace> FaceSearch::find(const cv::Mat& gray, const cv::Rect& par
 }
 
 std::vector<FoundFace> FaceSearch::find(FaceView view, const cv::Mat& gray, const cv::Rect& part,
-                                        const FaceSizes& sizes, double scale_factor, const std::atomic<bool>* stop)
+                                        const FaceWindows& windows, const std::atomic<bool>* stop)
 {
   if (part.empty()) return {};
   cv::Mat pixels;
@@ -144,14 +148,15 @@ std::vector<FoundFace> FaceSearch::find(FaceView view, const cv::Mat& gray, cons
   else
     pixels = gray(part);
   cv::CascadeClassifier& cascade = view == FaceView::kFirst ? first_ : second_;
-  std::vector<cv::Rect> boxes = windows(cascade, pixels, sizes, scale_factor, stop);
+  std::vector<cv::Rect> boxes = search(cascade, pixels, windows, stop);
   std::vector<int> neighbors;
-  cv::groupRectangles(boxes, neighbors, min_neighbors_, kAlike);
+  cv::groupRectangles(boxes, neighbors, windows.min_neighbors, kAlike);
   std::vector<FoundFace> found;
   for (std::size_t i = 0; i < boxes.size(); ++i)
   {
-    if (view == FaceView::kMirrored) boxes[i].x = part.width - boxes[i].x - boxes[i].width;
-    found.push_back({boxes[i] + part.tl(), neighbors[i], view});
+    const cv::Rect box = boxes[i] & cv::Rect({0, 0}, part.size());  // a mean of windows, rounded, may stick out
+    const int x = view == FaceView::kMirrored ? part.width - box.x - box.width : box.x;
+    found.push_back({cv::Rect(part.x + x, part.y + box.y, box.width, box.height), neighbors[i], view});
   }
   std::sort(found.begin(), found.end(),
             [](const FoundFace& a, const FoundFace& b) { return a.box.area() > b.box.area(); });

@@ -30,11 +30,19 @@ struct FoundFace
   FaceView view = FaceView::kFirst;
 };
 
-/// Sides of faces, px.
-struct FaceSizes
+/// Which windows are looked at, and how many must agree: see FaceParams.
+struct FaceWindows
 {
-  int smallest;
-  int largest;  // 0: any
+  /// All that the parameters want.
+  static FaceWindows of(const FaceParams& params);
+
+  /// Whether a face of this side, px, is neither too small nor too large.
+  bool admit(int side) const { return side >= smallest && (largest == 0 || side <= largest); }
+
+  double scale_factor;
+  int min_neighbors;
+  int smallest;  // px
+  int largest;   // px, 0: any
 };
 
 /// Searches grey pictures for faces. It has memory of its own: each thread needs one.
@@ -46,19 +54,17 @@ public:
 
   /// The faces in a part of the picture, the largest first: those that the first cascade sees, or else the second. The
   /// windows are those of detectMultiScale on that part. Ends early, without any, when `stop` (may be null) is true.
-  std::vector<FoundFace> find(const cv::Mat& gray, const cv::Rect& part, const FaceSizes& sizes,
+  std::vector<FoundFace> find(const cv::Mat& gray, const cv::Rect& part, const FaceWindows& windows,
                               const std::atomic<bool>* stop = nullptr);
 
-  /// The same of one view, from size to size by `scale_factor`.
-  std::vector<FoundFace> find(FaceView view, const cv::Mat& gray, const cv::Rect& part, const FaceSizes& sizes,
-                              double scale_factor, const std::atomic<bool>* stop = nullptr);
+  /// The same of one view.
+  std::vector<FoundFace> find(FaceView view, const cv::Mat& gray, const cv::Rect& part, const FaceWindows& windows,
+                              const std::atomic<bool>* stop = nullptr);
 
   /// The views that there are, the first one first.
   const std::vector<FaceView>& views() const { return views_; }
 
 private:
-  double scale_factor_;
-  int min_neighbors_;
   cv::CascadeClassifier first_;
   cv::CascadeClassifier second_;
   std::vector<FaceView> views_ = {FaceView::kFirst};

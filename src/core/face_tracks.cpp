@@ -16,7 +16,8 @@ constexpr double kAlike = 0.7;     // correlation of looks that are the same fac
 constexpr double kFiner = 1.1;     // from size to size around a known face, where it costs little
 constexpr double kSmaller = 0.75;  // of its size, which a known face may have become
 constexpr double kLarger = 1.35;
-constexpr double kSmoothing = 0.25;  // share of the newest motion in the velocity
+constexpr double kSmoothing = 0.15;  // share of the newest motion in the velocity
+constexpr double kShortest = 1e-3;   // s between frames that a velocity is measured by
 constexpr double kRemember = 2.0;    // s after which a face that comes back is another one
 constexpr double kSame = 0.5;        // of the smaller of two boxes of one face, which lies in the other
 constexpr int kMostTrust = 15;       // frames that a face is believed in although it is not seen
@@ -58,13 +59,16 @@ cv::Rect expectedBox(const FaceTrack& track, double time_s)
 std::optional<FoundFace> findNear(const FaceTrack& track, const cv::Rect& part, const cv::Mat& gray, FaceSearch& search,
                                   const FaceParams& params)
 {
-  FaceSizes sizes{std::max(params.min_size, cvRound(kSmaller * track.box.width)), cvRound(kLarger * track.box.width)};
-  if (params.max_size > 0) sizes.largest = std::min(sizes.largest, params.max_size);
+  FaceWindows windows = FaceWindows::of(params);
+  windows.scale_factor = std::min(kFiner, params.scale_factor);
+  windows.smallest = std::max(params.min_size, cvRound(kSmaller * track.box.width));
+  windows.largest = cvRound(kLarger * track.box.width);
+  if (params.max_size > 0) windows.largest = std::min(windows.largest, params.max_size);
   std::vector<FaceView> views = search.views();
   std::stable_partition(views.begin(), views.end(), [&](FaceView view) { return view == track.view; });
   for (const FaceView view : views)
   {
-    const auto found = search.find(view, gray, part, sizes, std::min(kFiner, params.scale_factor));
+    const auto found = search.find(view, gray, part, windows);
     if (found.empty()) continue;
     return *std::max_element(found.begin(), found.end(),
                              [](const FoundFace& a, const FoundFace& b) { return a.neighbors < b.neighbors; });
@@ -75,7 +79,8 @@ std::optional<FoundFace> findNear(const FaceTrack& track, const cv::Rect& part, 
 void move(FaceTrack& track, double time_s, const cv::Rect& box)
 {
   const double seconds = time_s - track.time;
-  if (seconds > 0.0) track.velocity += kSmoothing * ((middle(box) - middle(track.box)) / seconds - track.velocity);
+  if (seconds > kShortest)
+    track.velocity += kSmoothing * ((middle(box) - middle(track.box)) / seconds - track.velocity);
   track.box = box;
   track.time = time_s;
   track.past.emplace_back(time_s, box);
@@ -163,11 +168,12 @@ void FaceTracks::follow(double time_s, const cv::Mat& gray, FaceSearch& search, 
   tracks_.erase(std::remove_if(tracks_.begin(), tracks_.end(), forgotten), tracks_.end());
 }
 
-void FaceTracks::add(const FaceResult& result, double time_s)
+void FaceTracks::add(const FaceResult& result, double time_s, const FaceParams& params)
 {
   const double time = result.job.time;
   for (const FoundFace& face : result.found)
   {
+    if (!FaceWindows::of(params).admit(face.box.width)) continue;  // searched for with other parameters
     const auto known = std::find_if(tracks_.begin(), tracks_.end(),
                                     [&](const FaceTrack& track) { return isSame(boxAt(track, time), face.box); });
     if (known != tracks_.end() && known->visible)
@@ -207,14 +213,22 @@ std::vector<cv::Rect> FaceTracks::boxes() const
   return boxes;
 }
 
-FaceSizes FaceTracks::sizes(const FaceParams& params) const
+FaceWindows FaceTracks::windows(const FaceParams& params) const
 {
-  if (tracks_.empty()) return {params.min_size, params.max_size};
+  FaceWindows windows = FaceWindows::of(params);
+  if (tracks_.empty()) return windows;
   const auto [smallest, largest] = std::minmax_element(
       tracks_.begin(), tracks_.end(), [](const FaceTrack& a, const FaceTrack& b) { return a.box.width < b.box.width; });
-  FaceSizes sizes{std::max(params.min_size, smallest->box.width / 2), 2 * largest->box.width};
-  if (params.max_size > 0) sizes.largest = std::min(sizes.largest, params.max_size);
-  return sizes;
+  windows.smallest = std::max(params.min_size, smallest->box.width / 2);
+  windows.largest = 2 * largest->box.width;
+  if (params.max_size > 0) windows.largest = std::min(windows.largest, params.max_size);
+  return windows;
+}
+
+void FaceTracks::keep(const FaceWindows& windows)
+{
+  const auto is_other = [&](const FaceTrack& track) { return !windows.admit(track.box.width); };
+  tracks_.erase(std::remove_if(tracks_.begin(), tracks_.end(), is_other), tracks_.end());
 }
 
 /// Two that have come to follow the same face are one: that which is trusted more, or the older one.

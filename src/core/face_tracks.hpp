@@ -54,16 +54,19 @@ public:
   void follow(double time_s, const cv::Mat& gray, FaceSearch& search, const FaceParams& params);
 
   /// Takes what a search of the frame of `result.job.time` has found, which may be some frames ago.
-  void add(const FaceResult& result, double time_s);
+  void add(const FaceResult& result, double time_s, const FaceParams& params);
 
   void clear() { tracks_.clear(); }
+
+  /// Forgets faces of other sizes.
+  void keep(const FaceWindows& windows);
 
   /// Those that are seen, or predicted, in the newest frame, by their id.
   std::vector<Face> faces() const;
 
-  /// Where they are now, and the range of their sizes; any size if there are none.
+  /// Where they are now, and windows of about their sizes; all of them if there are no faces.
   std::vector<cv::Rect> boxes() const;
-  FaceSizes sizes(const FaceParams& params) const;
+  FaceWindows windows(const FaceParams& params) const;
 
 private:
   void dropDoubles();

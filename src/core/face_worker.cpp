@@ -12,7 +12,7 @@ FaceResult searched(FaceSearch& search, FaceJob job, const std::atomic<bool>& st
   FaceResult result;
   for (const cv::Rect& part : job.parts)
   {
-    const std::vector<FoundFace> found = search.find(job.gray, part, job.sizes, &stop);
+    const std::vector<FoundFace> found = search.find(job.gray, part, job.windows, &stop);
     result.found.insert(result.found.end(), found.begin(), found.end());
   }
   result.job = std::move(job);

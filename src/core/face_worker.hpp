@@ -19,7 +19,7 @@ struct FaceJob
   cv::Mat gray;
   bool whole = false;           // the whole picture, or parts of it
   std::vector<cv::Rect> parts;  // px
-  FaceSizes sizes{};
+  FaceWindows windows{};
 };
 
 struct FaceResult

@@ -113,8 +113,8 @@ def test_a_face_keeps_its_id_while_it_moves_with_a_velocity(start):
     before = frame(18)[1]
     speed = RATE * (truth[0] - before[0]), RATE * (truth[1] - before[1])
     assert face.has_velocity
-    assert face.velocity.x == pytest.approx(speed[0], abs=0.4 * speed[0])
-    assert face.velocity.y == pytest.approx(speed[1], abs=0.4 * speed[0])
+    assert face.velocity.x == pytest.approx(speed[0], abs=0.5 * speed[0])
+    assert face.velocity.y == pytest.approx(speed[1], abs=0.5 * speed[0])
 
 
 def test_only_what_somebody_wants_is_subscribed_to(start):
@@ -148,7 +148,7 @@ def test_parameters_change_live_and_bad_ones_are_refused(start, tmp_path):
         ("cascade_1", "none.xml", "cascade_1 is 'none.xml', which is in none of"),
         ("cascade_1", str(empty), f"cascade_1 is '{empty}', which is empty"),
         ("eye_cascade", "/etc/passwd", "eye_cascade is '/etc/passwd', which is no cascade"),
-        ("haar_maxSize", 30, "max_size is 30, must be 0 (any) or from min_size (40) to 8192"),
+        ("haar_maxSize", 30, "haar_maxSize is 30, must be 0 (any) or from haar_minSize (40) to"),
     ):
         config = client.update_configuration({name: value})
         assert config[name] != value

@@ -1,5 +1,6 @@
 """The node face_detector: faces, by OpenCV's cascades, followed from frame to frame."""
 
+import re
 import threading
 from typing import Any, Dict, List, Optional, Tuple
 
@@ -42,11 +43,14 @@ class FaceDetector:
         params = filled(FaceParams(), config, PARAMS)
         for name, of_core in COURSE.items():
             setattr(params, of_core, config[name])
-        with self._lock:
-            if self._detector:
-                self._detector.configure(params)  # the faces keep their ids
-            else:
-                self._detector = Detector(params)
+        try:
+            with self._lock:
+                if self._detector:
+                    self._detector.configure(params)  # the faces keep their ids
+                else:
+                    self._detector = Detector(params)
+        except ValueError as error:
+            raise ValueError(in_course_s_words(str(error))) from None
         self._period = config["max_search_period"]
 
     def _process(self, frame: Frame) -> None:
@@ -88,6 +92,13 @@ class FaceDetector:
         for _, box in eyes:
             draw_outline(overlay, corners(box), color=EYE)
         self._processed.publish(overlay, "bgr8", frame.header)
+
+
+def in_course_s_words(text: str) -> str:
+    """A refusal with the names that the parameters have here."""
+    for name, of_core in COURSE.items():
+        text = re.sub(rf"\b{of_core}\b", name, text)
+    return text
 
 
 def face_detection(face: Face) -> Detection:
