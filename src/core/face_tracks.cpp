@@ -20,7 +20,8 @@ constexpr double kSmoothing = 0.15;  // share of the newest motion in the veloci
 constexpr double kShortest = 1e-3;   // s between frames that a velocity is measured by
 constexpr double kRemember = 2.0;    // s after which a face that comes back is another one
 constexpr double kSame = 0.5;        // of the smaller of two boxes of one face, which lies in the other
-constexpr int kMostTrust = 15;       // frames that a face is believed in although it is not seen
+constexpr int kDoubt = 2;            // times as much as a frame with it, a frame without a face counts
+constexpr int kMostTrust = 30;       // frames with a face that count
 constexpr std::size_t kPast = 128;   // frames
 
 cv::Point2d middle(const cv::Rect& box)
@@ -144,7 +145,7 @@ void FaceTracks::follow(double time_s, const cv::Mat& gray, FaceSearch& search, 
     const int margin = cvRound(uncertainty(time_s - track.time) * track.box.width);
     const auto found = findNear(track, grown(expected, margin, gray.size()), gray, search, params);
     const bool sure = found && isSure(*found, params);
-    track.trust = std::min(track.trust + (sure ? 1 : -1), kMostTrust);
+    track.trust = std::min(track.trust + (sure ? 1 : -kDoubt), kMostTrust);
     track.visible = track.trust > 0;
     if (!track.visible) continue;
     if (found)
@@ -183,7 +184,7 @@ void FaceTracks::add(const FaceResult& result, double time_s, const FaceParams& 
     }
     FaceTrack track = known != tracks_.end() ? *known : FaceTrack{};
     track.velocity = {};
-    track.trust = 2;  // for if it is not seen at once
+    track.trust = kDoubt + 1;  // for if it is not seen at once
     track.time = time;
     see(track, time, face);
     track.looks = FaceLooks(result.job.gray, face.box);
