@@ -25,7 +25,7 @@ struct ObjectTrackerParams
 /// Throws std::invalid_argument naming the first parameter out of range, its value and the range.
 void validate(const ObjectTrackerParams& params);
 
-/// An object in a frame. If it is lost, everything but id and label is that of the last frame in which it was seen.
+/// An object in a frame. If it is lost, outline, centre, scale and angle are those of the last frame it was seen in.
 struct TrackedObject
 {
   int id = 0;
@@ -35,7 +35,7 @@ struct TrackedObject
   cv::Point2d center;                  // px
   double scale = 1.0;                  // size, 1 when it was selected
   double angle = 0.0;                  // rad, by which it has turned since, clockwise as seen, -pi to pi
-  cv::Point2d velocity;                // px/s of the centre, filtered
+  cv::Point2d velocity;                // px/s of the centre, filtered; 0 if it is lost
   double confidence = 0.0;             // share of its points that are seen, 0 to 1; 0 if it is lost
   std::vector<cv::Point2f> points;     // px, those seen; none if it is lost
 };
@@ -56,6 +56,9 @@ struct FlowPoint
 /// somewhere else. Lost objects are searched for where they were last seen in every frame, and by their ORB features in
 /// the whole picture at intervals; what is found must look as the object did. No clock is read, and no chance is
 /// involved.
+///
+/// A pattern that repeats is followed to its next repetition if it moves by about half of one between two frames, and
+/// of two objects that look the same one may be found in the place of the other. Not for two threads at once.
 class ObjectTracker
 {
 public:

@@ -72,7 +72,7 @@ void bindObjectTracker(py::module& m)
   bindResult(m);
   py::class_<ObjectTracker>(m, "ObjectTracker",
                             "Follows selected objects from frame to frame, says when they are lost, and finds them "
-                            "again.")
+                            "again. Not for two threads at once.")
       .def(py::init<const ObjectTrackerParams&>(), "params"_a = ObjectTrackerParams())
       .def("configure", &ObjectTracker::configure, "params"_a,
            "Parameters from the next frame on; objects stay.\n\nRaises ValueError for one out of range.")

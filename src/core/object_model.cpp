@@ -12,13 +12,14 @@ namespace robot_vision
 namespace
 {
 
-constexpr int kLongestSide = 96;       // px of a model
-constexpr int kSmallestSide = 16;      // px of a region
-constexpr int kFewestPoints = 8;       // of a region that can be followed
-constexpr int kBorder = 3;             // px of the model at whose edge there are no points
-constexpr int kWindow = 13;            // px around a point that are compared
-constexpr double kMinContrast = 6e-5;  // least eigenvalue of the gradients around a point
-constexpr double kTolerance = 0.04;    // of the model's side, by which a point may be off: nothing is flat and rigid
+constexpr int kLongestSide = 96;        // px of a model
+constexpr int kSmallestSide = 16;       // px of a region
+constexpr double kEnlargedSide = 48.0;  // px of the model of a small one
+constexpr int kFewestPoints = 8;        // of a region that can be followed
+constexpr int kBorder = 3;              // px of the model at whose edge there are no points
+constexpr int kWindow = 13;             // px around a point that are compared
+constexpr double kMinContrast = 6e-5;   // least eigenvalue of the gradients around a point
+constexpr double kTolerance = 0.04;     // of the model's side, by which a point may be off: nothing is flat and rigid
 const cv::Size kFlowWindow(13, 13);
 constexpr int kFlowLevels = 2;
 
@@ -107,9 +108,11 @@ ObjectModel::ObjectModel(const cv::Mat& gray, const cv::Rect& region, int points
 {
   checkRegion(gray.size(), region);
   const double longest = std::max(region.width, region.height), shortest = std::min(region.width, region.height);
-  const double shrunk = std::min(1.0, std::max(kLongestSide / longest, kSmallestSide / shortest));
+  // What is small is enlarged: its points keep a distance from its edge and from each other.
+  const double larger = std::max(1.0, std::min(kLongestSide / longest, kEnlargedSide / shortest));
+  const double shrunk = std::min(larger, std::max(kLongestSide / longest, kSmallestSide / shortest));
   cv::Mat small;
-  cv::resize(gray(region), small, {}, shrunk, shrunk, cv::INTER_AREA);
+  cv::resize(gray(region), small, {}, shrunk, shrunk, shrunk > 1.0 ? cv::INTER_LINEAR : cv::INTER_AREA);
   pixels_ = smoothed(small);
   points_ = findPoints(pixels_, points);
   if (static_cast<int>(points_.size()) < kFewestPoints)

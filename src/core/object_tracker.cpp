@@ -15,6 +15,7 @@ namespace robot_vision
 namespace
 {
 
+constexpr double kShortest = 1e-3;                    // s between frames that a velocity is measured by
 constexpr double kSame = 0.5;                         // overlap of the outlines of what is one object
 constexpr double kFoundAgain = 1.3;                   // times as sure must be what is found as what is followed
 constexpr int kRoundsHere = 3, kRoundsElsewhere = 5;  // of corrections by the model
@@ -192,7 +193,7 @@ std::vector<FlowPoint> ObjectTracker::flow(int count)
 {
   FramePair& frames = impl_->frames;
   require(count > 0, "count", count, "above 0");
-  if (frames.last.empty() || frames.passed <= 0.0) return {};
+  if (frames.last.empty() || frames.passed < kShortest) return {};
   // Corners of the picture at half its size: they do for this, at a quarter of the price.
   int halvings = 1;
   const cv::Mat& small = frames.last.halved(frames.flow, halvings);

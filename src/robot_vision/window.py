@@ -84,7 +84,7 @@ class Window:
 
     def _on_mouse(self, event: int, x: int, y: int, flags: int, _parameter: Any) -> None:
         if event == cv2.EVENT_LBUTTONDOWN:
-            self._pressed = (x, y)
+            self._pressed, self._dragged = (x, y), None
         elif event == cv2.EVENT_MOUSEMOVE and self._pressed and flags & cv2.EVENT_FLAG_LBUTTON:
             if self._dragged or max(abs(x - self._pressed[0]), abs(y - self._pressed[1])) >= DRAG:
                 self._dragged = (x, y)

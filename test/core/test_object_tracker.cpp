@@ -198,6 +198,61 @@ TEST(ObjectTracker, selectsInAFrameOfThePast)
   EXPECT_TRUE(equal(past, before));
 }
 
+TEST(ObjectTracker, followsAJumpByFlowAlone)
+{
+  ObjectTrackerParams params;
+  params.search_period = 3600.0;
+  ObjectTracker tracker = selected(params);
+  const cv::Point2d there = kStart + cv::Point2d(24.0, -14.0);
+  const TrackedObject found = tracker.update(kPeriod, with(kObject, there), "bgr8").at(0);
+  EXPECT_TRUE(found.tracked);
+  EXPECT_LT(distance(found.center, there), 1.0);
+}
+
+TEST(ObjectTracker, searchesTheWholePictureAtIntervals)
+{
+  ObjectTrackerParams params;
+  params.search_period = 1.0;
+  ObjectTracker tracker = selected(params);
+  const cv::Mat elsewhere = with(kObject, {70.0, 60.0});
+  EXPECT_FALSE(tracker.update(0.1, kBackground, "bgr8").at(0).tracked);  // searched, in vain
+  for (const double time : {0.3, 0.6, 0.9})
+    EXPECT_FALSE(tracker.update(time, elsewhere, "bgr8").at(0).tracked) << time;
+  EXPECT_TRUE(tracker.update(1.2, elsewhere, "bgr8").at(0).tracked);
+}
+
+TEST(ObjectTracker, losesWhatIsHalfCoveredIfItMustBeSure)
+{
+  cv::Mat covered = with(kObject, kStart);
+  covered(cv::Rect(kRegion.x, kRegion.y, kRegion.width / 2, kRegion.height)).setTo(cv::Scalar::all(90));
+  ObjectTracker tracker = selected();
+  EXPECT_TRUE(tracker.update(kPeriod, covered, "bgr8").at(0).tracked);
+  ObjectTrackerParams params;
+  params.min_confidence = 0.9;
+  tracker.configure(params);
+  EXPECT_FALSE(tracker.update(2.0 * kPeriod, covered, "bgr8").at(0).tracked);
+}
+
+TEST(ObjectTracker, followsSmallRegions)
+{
+  for (const int side : {16, 20, 24})
+  {
+    int chosen = 0;
+    for (int seed = 0; seed < 20; ++seed)
+    {
+      const cv::Mat patch = blots({side, side}, 100 + seed);
+      const cv::Point2d place(100.0 + 0.5 * (side - 1), 80.0 + 0.5 * (side - 1)), moved = place + cv::Point2d(3.0, 2.0);
+      ObjectTracker tracker;
+      tracker.update(0.0, with(patch, place), "bgr8");
+      if (!refusal([&] { tracker.select(cv::Rect(100, 80, side, side)); }).empty()) continue;
+      ++chosen;
+      const TrackedObject found = tracker.update(kPeriod, with(patch, moved), "bgr8").at(0);
+      if (found.tracked) EXPECT_LT(distance(found.center, moved), 1.0);
+    }
+    EXPECT_GE(chosen, side < 20 ? 5 : 10) << side;  // of the others too few points are distinct
+  }
+}
+
 TEST(ObjectTracker, searchesAfterAJumpInTimeOrSize)
 {
   ObjectTracker tracker = selected();
@@ -213,8 +268,9 @@ TEST(ObjectTracker, searchesAfterAJumpInTimeOrSize)
   const TrackedObject found = tracker.update(-4.7, larger, "bgr8").at(0);
   EXPECT_TRUE(found.tracked);
   EXPECT_LT(distance(found.center, {400.0, 300.0}), 1.0);
+  double time = -9.0;  // going back, so that each is searched
   for (const cv::Size tiny : {cv::Size(1, 1), cv::Size(7, 10), cv::Size(16, 640), cv::Size(640, 17)})
-    EXPECT_FALSE(tracker.update(-9.0, noise(tiny, CV_8UC1), "mono8").at(0).tracked) << tiny;
+    EXPECT_FALSE(tracker.update(time -= 1.0, noise(tiny, CV_8UC1), "mono8").at(0).tracked) << tiny;
   EXPECT_THROW(tracker.update(std::nan(""), larger, "bgr8"), std::invalid_argument);
 }
 

@@ -233,6 +233,32 @@ def test_a_service_call_without_frames_is_answered(start):
     assert desk.process.running()
 
 
+def test_a_selection_after_a_pause_is_made_in_a_new_frame(start, diagnostics):
+    desk = Desk(start, "_diagnostic_period:=0.1", outputs=False)
+    assert desk.select(region(40, 80), "face", picture(40)).success
+    assert desk.forget(1).success
+    idle = "idle: nobody subscribes"
+    support.wait_for(lambda: diagnostics.next("eye").message == idle, idle)
+    assert desk.select(region(150, 80), "face", picture(150)).id == 2
+    desk.states = support.Messages("/eye/state", TrackStateArray)
+    support.wait_for(desk.states.connected, "the node's topic")
+    states = of_stamp(desk.states, desk.send(picture(154)))
+    assert [(track.id, track.state) for track in states.tracks] == [(2, TrackState.TRACKED)]
+
+
+def test_of_selections_that_wait_for_a_frame_the_last_one_counts(start):
+    desk = Desk(start)
+    selector = Source("/eye/select", RegionOfInterest)
+    selector.wait_for()
+    for x in (200, 120, 40):
+        selector.send(region(x, 80))
+    rospy.sleep(0.3)  # they have come, or the next frames show so
+    states = support.wait_for(lambda: desk.show(picture(40))[1], "the object")
+    assert set(states) == {1}
+    (found,), _ = desk.show(picture(44))
+    assert found.center.x == pytest.approx(75.5, abs=0.5)
+
+
 def test_flow_is_that_of_the_whole_picture(start):
     desk = Desk(start)
     flows = support.Messages("/eye/flow", Flow)
@@ -295,8 +321,9 @@ def test_detections_of_another_node_are_selected(start):
     stamp = desk.send(picture(40, other=(250, 20)))
     of_stamp(desk.states, stamp)
     desk.show(picture(44, other=(250, 20)))
-    # Two frames late, and something with another label first.
-    found_at(stamp, ("suit", region(250, 20, SMALL)), ("face", region(40, 80)))
+    # Two frames late, something with another label first, and one more than there is room for.
+    suit = region(250, 20, SMALL)
+    found_at(stamp, ("suit", suit), ("face", region(40, 80)), ("face", suit))
 
     def tracked():
         return desk.show(picture(46, other=(250, 20)))[0]
@@ -313,9 +340,10 @@ def test_detections_of_another_node_are_selected(start):
 
 
 def test_what_is_lost_for_long_is_forgotten(start):
-    desk = Desk(start, "_forget_after:=0.5")
+    desk = Desk(start, "_forget_after:=0.49")
     desk.show(picture(40))
     desk.select(region(40, 80), "face", picture(40))
+    desk.show(picture(40))
     kept = [bool(desk.show(picture())[1]) for _ in range(20)]
     assert kept == [True] * 15 + [False] * 5
 

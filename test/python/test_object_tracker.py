@@ -207,7 +207,7 @@ def test_things_of_the_synthetic_scene(poster, name):
     assert np.mean(seen) > (0.95 if name == "poster" else 0.3)
 
 
-def test_three_objects_that_pass_each_other():
+def test_three_objects_side_by_side():
     pictures = [PARTS[name][0] for name in ("face 60x70", "cat 110x100", "cup 90x90")]
     background = photograph("grass", SIZE)
     tracker = rv.ObjectTracker()

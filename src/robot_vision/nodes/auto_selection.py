@@ -2,7 +2,7 @@
 
 import collections
 import threading
-from typing import Deque, List, Tuple
+from typing import Deque, List, Set, Tuple
 
 import cv2
 import numpy as np
@@ -27,6 +27,8 @@ class AutoSelection:
         self._tracker = tracker
         self._label = ""
         self._most = 1
+        self._own: Set[int] = set()  # ids of what has been selected here
+        self._lost: List[int] = []  # those that are lost in this frame
         self._lock = threading.Lock()  # guards the detections that have come
         self._come: Deque[DetectionArray] = collections.deque(maxlen=HISTORY)
         # The last frames, and the outlines of what was tracked in them.
@@ -45,6 +47,8 @@ class AutoSelection:
     def select(self, frame: Frame, tracks: List[TrackedObject]) -> None:
         """Selects what has been found up to this frame, in which these objects are."""
         self._frames.append((frame, [track.outline for track in tracks if track.tracked]))
+        self._own &= {track.id for track in tracks}
+        self._lost = [track.id for track in tracks if track.id in self._own and not track.tracked]
         with self._lock:
             come, self._come = list(self._come), collections.deque(maxlen=HISTORY)
         stamps = [past.header.stamp for past, _ in self._frames]
@@ -59,25 +63,22 @@ class AutoSelection:
         for found in detections:
             if self._label not in ("", found.label) or is_covered(found, outlines):
                 continue
-            if not self._make_room():
+            full = len(self._own) >= self._most
+            if full and not self._lost:
                 return
             region = box_of(found.box)
             try:
-                self._tracker.select_in(frame.image, region, found.label)
+                selected = self._tracker.select_in(frame.image, region, found.label)
             except ValueError as error:
                 rospy.logwarn_throttle(10.0, "a detection cannot be followed: %s", error)
                 continue
+            if full:  # one that is lost makes way
+                self._own.remove(self._lost[0])
+                self._tracker.forget(self._lost.pop(0))
+            self._own.add(selected)
             # Later detections of it are on their way, of frames in which it was not tracked yet.
             for _, later in list(self._frames)[number:]:
                 later.append(corners_of(region))
-
-    def _make_room(self) -> bool:
-        """Whether one more object may be followed; one that is lost makes way for it."""
-        objects = self._tracker.objects()
-        if len(objects) < self._most:
-            return True
-        lost = [track.id for track in objects if not track.tracked]
-        return bool(lost) and self._tracker.forget(lost[0])
 
 
 def corners_of(box: Tuple[int, int, int, int]) -> np.ndarray:

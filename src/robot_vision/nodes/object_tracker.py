@@ -1,6 +1,7 @@
 """The node object_tracker: follows what is selected in the picture."""
 
 import threading
+import time
 from typing import Any, Dict, List, Optional
 
 import rospy
@@ -30,7 +31,7 @@ PARAMS = (
     "smoothing",
 )
 FRESH = 1.0  # s: a frame that is older is not what somebody sees and selects in
-SELECT_TIMEOUT = 5.0  # s that the service waits for a frame
+SELECT_TIMEOUT = 5.0  # s that a selection waits for a frame
 
 
 class Selection:
@@ -40,9 +41,14 @@ class Selection:
         self.box = box_of(region)
         self.label = label
         self.replaces = replaces  # all other objects
+        self.deadline = time.monotonic() + SELECT_TIMEOUT
         self.done = threading.Event()
         self.id = -1
         self.error = ""
+
+    def fail(self, error: str) -> None:
+        self.error = error
+        self.done.set()
 
 
 class ObjectTracker:
@@ -59,7 +65,7 @@ class ObjectTracker:
         self._waiting: List[Selection] = []
         self._auto = AutoSelection(self._tracker)
         self._time: Optional[float] = None  # s, of the newest frame
-        self._seen: Dict[int, float] = {}  # s, when each object was
+        self._lost: Dict[int, float] = {}  # s, since when each object is
         self._busy = False  # with objects, or to be so
         self._detections: Optional[rospy.Subscriber] = None
         self._node = ImageNode(self._process)
@@ -108,21 +114,27 @@ class ObjectTracker:
             self._state.publish(track_states(frame, tracks))
         if flow:
             self._flow.publish(flow_message(frame, *flow))
-        if self._processed.get_num_connections():
+        if has_readers(self._processed):
             overlay = frame.image.copy()
             draw_tracks(overlay, tracks)
             self._processed.publish(overlay, "bgr8", frame.header)
 
     def _update(self, now: float, frame: Frame) -> List[TrackedObject]:
         """The objects in the frame, those among them that have just been selected."""
+        self._drop_expired()
         waiting, self._waiting = self._waiting, []
         # Selected was what people saw: the last frame, if they were looking.
         in_last = self._time is not None and 0.0 <= now - self._time < FRESH
-        if in_last:
-            self._select_all(waiting)
-        tracks = self._tracker.update(now, frame.image)
-        if not in_last:
-            self._select_all(waiting)
+        try:
+            if in_last:
+                self._select_all(waiting)
+            tracks = self._tracker.update(now, frame.image)
+            if not in_last:
+                self._select_all(waiting)
+        finally:
+            for selection in waiting:
+                if not selection.done.is_set():
+                    selection.fail("the frame failed")
         if self._detections:
             self._auto.select(frame, tracks)
         self._forget_lost(now, tracks)
@@ -135,28 +147,43 @@ class ObjectTracker:
             try:
                 selection.id = self._tracker.select(selection.box, selection.label)
             except ValueError as error:
-                selection.error = str(error)
                 rospy.logerr("nothing selected on %s: %s", self._node.topic, error)
-            else:
-                for number in others:
-                    self._tracker.forget(number)
+                selection.fail(str(error))
+                continue
+            for number in others:
+                self._tracker.forget(number)
             selection.done.set()
 
     def _forget_lost(self, now: float, tracks: List[TrackedObject]) -> None:
         limit = self._config["forget_after"]
-        seen = {
-            track.id: now if track.tracked else min(self._seen.get(track.id, now), now)
+        self._lost = {
+            track.id: min(self._lost.get(track.id, now), now)
             for track in tracks
+            if not track.tracked
         }
-        for number in [number for number, last in seen.items() if 0.0 < limit < now - last]:
-            rospy.loginfo("object %d is forgotten: lost for %g s", number, limit)
-            self._tracker.forget(number)
-        self._seen = seen
+        for number, since in self._lost.items():
+            if 0.0 < limit < now - since:
+                rospy.loginfo("object %d is forgotten: lost for %g s", number, limit)
+                self._tracker.forget(number)
 
     def _await(self, selection: Selection) -> None:
         with self._lock:
+            outputs = (self._object, self._state, self._flow, self._processed)
+            if not self._busy and not any(has_readers(output) for output in outputs):
+                self._time = None  # no pictures have come: the last one is not what people saw
+            self._drop_expired()
+            if selection.replaces:
+                self._waiting = [other for other in self._waiting if not other.replaces]
             self._waiting.append(selection)
             self._keep_working()
+
+    def _drop_expired(self) -> None:
+        """Gives up what has been selected long before a frame came; called with the lock held."""
+        for selection in self._waiting:
+            if time.monotonic() > selection.deadline:
+                selection.fail(f"no frame on {self._node.topic} within {SELECT_TIMEOUT:g} s")
+                rospy.logerr_throttle(1.0, "nothing selected: " + selection.error)
+        self._waiting = [one for one in self._waiting if not one.done.is_set()]
 
     def _on_select(self, region: RegionOfInterest) -> None:
         self._await(Selection(region, "", not self._config["several"]))
@@ -164,13 +191,11 @@ class ObjectTracker:
     def _on_select_object(self, request: Any) -> SelectObjectResponse:
         selection = Selection(request.region, request.label, False)
         self._await(selection)
-        selection.done.wait(SELECT_TIMEOUT)
+        selection.done.wait(SELECT_TIMEOUT + 0.1)
         with self._lock:
-            if selection in self._waiting:
-                self._waiting.remove(selection)
-                selection.error = f"no frame on {self._node.topic} within {SELECT_TIMEOUT:g} s"
-                self._keep_working()
-        return SelectObjectResponse(not selection.error, selection.error, selection.id)
+            self._drop_expired()
+            self._keep_working()
+        return SelectObjectResponse(selection.id > 0, selection.error, selection.id)
 
     def _on_forget(self, request: Any) -> ForgetObjectResponse:
         with self._lock:
@@ -186,5 +211,5 @@ class ObjectTracker:
         return ForgetObjectResponse(True, "")
 
 
-def has_readers(publisher: rospy.Publisher) -> bool:
+def has_readers(publisher: Any) -> bool:
     return publisher.get_num_connections() > 0
