@@ -234,7 +234,10 @@ class Gallery:
         return added
 
     def _folder(self, name: str) -> str:
-        return inside(self.folder, os.path.join(self.folder, name))
+        folder = inside(self.folder, os.path.join(self.folder, name))
+        if os.path.islink(folder):  # to forget this name would remove another's pictures
+            raise ValueError("it is a symbolic link, must be a folder")
+        return folder
 
     def _cache(self) -> str:
         return inside(self.folder, os.path.join(self.folder, CACHE))

@@ -136,6 +136,18 @@ def test_links_out_of_the_gallery_are_not_followed(folder):
     assert files(outside) == before
 
 
+def test_link_to_another_name_is_none_of_its_own(folder):
+    (folder / "Anne").symlink_to("Anna")
+    before = files(folder)
+    gallery, problems = loaded(folder)
+    assert problems == [f"{folder}/Anne is not used: it is a symbolic link, must be a folder"]
+    assert gallery.names() == {"Anna": 3, "Bert": 2}
+    for use in (lambda: gallery.add("Anne", photographs(CARLA, 1)), lambda: gallery.forget("Anne")):
+        with pytest.raises(ValueError, match="it is a symbolic link"):
+            use()
+    assert files(folder) == before
+
+
 @pytest.mark.parametrize(
     "damage",
     [
