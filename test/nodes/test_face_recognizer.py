@@ -380,12 +380,26 @@ def test_gallery_that_cannot_be_made_is_told_when_it_is_needed(start):
     assert known() == {} and door.look(ANNA) == "unknown"
 
 
-def test_faces_that_cannot_be_used_are_refused(start, folder):
+@pytest.mark.parametrize(
+    "box, predicted, text",
+    [
+        ((310, 230, 0, 10), False, "the box 0x10 at (310, 230) is not in the picture of 320x240"),
+        ((330, 10, 20, 20), True, "the box 20x20 at (330, 10) is not in the picture of 320x240"),
+        ((0, 0, 2**32 - 1, 9), False, "the box 4294967295x9, must have sides of at most 640 px"),
+        ((0, 0, 9, 2**32 - 1), True, "the box 9x4294967295, must have sides of at most 640 px"),
+    ],
+)
+def test_boxes_that_cannot_be_used_are_refused(start, folder, box, predicted, text):
+    door = Door(start, f"_gallery:={folder}", *AT_ONCE)
+    door.send(photograph(ANNA, 20)[0], [face(box, 1, predicted=predicted)])
+    door.process.wait_for_output("faces that cannot be used: " + text)
+    assert door.look(ANNA) == "Anna"
+    assert "Traceback" not in door.process.output()
+
+
+def test_faces_of_a_picture_of_another_size_are_refused(start, folder):
     door = Door(start, f"_gallery:={folder}", *AT_ONCE)
     anna = photograph(ANNA, 20)[0]
-    door.send(anna, [face((310, 230, 0, 10), 1)])
-    door.process.wait_for_output("the box 0x10 at (310, 230) is not in the picture of 320x240")
-    door.send(anna, [face((330, 10, 20, 20), -1)])
     image = message(anna, "bgr8")
     image.header.stamp = rospy.Time(500)
     door.images.send(image)

@@ -10,7 +10,7 @@ import rospy
 
 from .. import draw_outline
 from ..cfg import FaceRecognizerConfig
-from ..face_picture import Box, normalized
+from ..face_picture import Box, check_box, normalized
 from ..gallery import Gallery
 from ..identities import Identities, Identity, VoteParams
 from ..msg import Detection, DetectionArray, FaceIdentity, FaceIdentityArray
@@ -95,12 +95,14 @@ class FaceRecognizer:
                 5.0, f"faces of a picture of {faces.width}x{faces.height}, not {width}x{height}"
             )
             return
+        try:
+            for face in faces.detections:
+                check_box(frame.image, box_of(face))
+        except ValueError as error:
+            rospy.logerr_throttle(5.0, f"faces that cannot be used: {error}")
+            return
         with self._lock:
-            try:
-                found = [self._identify(frame.image, face, now) for face in faces.detections]
-            except ValueError as error:
-                rospy.logerr_throttle(5.0, f"faces that cannot be used: {error}")
-                return
+            found = [self._identify(frame.image, face, now) for face in faces.detections]
             self._identities.see((face.id for face in faces.detections), now)
             self._publish(frame, faces, found)
             seen = [box_of(face) for face in faces.detections if not face.predicted]
@@ -121,11 +123,6 @@ class FaceRecognizer:
         return self._names[label] if label >= 0 else "", distance
 
     def _publish(self, frame: Frame, faces: DetectionArray, found: List[Identity]) -> None:
-        if self._processed.get_num_connections():
-            overlay = frame.image.copy()
-            for face, identity in zip(faces.detections, found):
-                draw_identity(overlay, box_of(face), identity)
-            self._processed.publish(overlay, "bgr8", frame.header)
         whose = FaceIdentityArray(header=faces.header)
         for face, identity in zip(faces.detections, found):
             face.label, face.score = identity.name, identity.score
@@ -134,6 +131,11 @@ class FaceRecognizer:
             )
         self._faces.publish(faces)
         self._whose.publish(whose)
+        if self._processed.get_num_connections():
+            overlay = frame.image.copy()
+            for face, identity in zip(faces.detections, found):
+                draw_identity(overlay, box_of(face), identity)
+            self._processed.publish(overlay, "bgr8", frame.header)
 
 
 def box_of(face: Detection) -> Box:
