@@ -43,6 +43,14 @@ class Added:
     problems: List[str] = field(default_factory=list)  # what was refused, and why
 
 
+@dataclass
+class Removed:
+    """What has become of pictures that were to be removed."""
+
+    pictures: int = 0  # removed
+    problems: List[str] = field(default_factory=list)  # what is still there, and why
+
+
 class Gallery:
     """Names, and the faces in their pictures. Not thread-safe.
 
@@ -156,28 +164,33 @@ class Gallery:
             total.problems += added.problems
         return total
 
-    def forget(self, name: str) -> int:
+    def forget(self, name: str) -> Removed:
         """Removes a person's pictures, damaged ones, too; other files of the folder stay.
-
-        Returns:
-            How many pictures there were.
 
         Raises:
             ValueError: nobody is called so.
-            OSError: they cannot be removed.
+            OSError: the folder cannot be read.
         """
         check_name(name)
         folder = self._folder(name)
         if not os.path.isdir(folder) and name not in self._faces:
             raise ValueError(f"nobody is called '{name}'")
         paths = picture_files(folder) if os.path.isdir(folder) else []
+        removed = Removed()
         for path in paths:
-            os.unlink(path)
+            try:
+                os.unlink(path)
+                removed.pictures += 1
+            except OSError as error:
+                removed.problems.append(f"{shown(path)} cannot be removed: {reason(error)}")
+        left = self._load_faces(name, self._by_digest(), []) if removed.problems else {}
+        self._faces.pop(name, None)
+        if left:
+            self._faces[name] = left
         with contextlib.suppress(OSError):  # it holds something else
             os.rmdir(folder)
-        self._faces.pop(name, None)
-        write_faces(self._cache(), self._by_digest())
-        return len(paths)
+        removed.problems += self._save_or_remove()
+        return removed
 
     def _names_of_folders(self, problems: List[str]) -> List[str]:
         """The names that have a folder, and what else there is."""
@@ -252,6 +265,19 @@ class Gallery:
         except (OSError, ValueError) as error:
             return [f"{CACHE} cannot be written, the next start takes longer: {reason(error)}"]
         return []
+
+    def _save_or_remove(self) -> List[str]:
+        """Writes the file of faces, for it holds some that have to go, or removes it."""
+        problems = self._save()
+        if not problems:
+            return []
+        try:
+            os.unlink(os.path.join(self.folder, CACHE))
+        except FileNotFoundError:
+            return problems
+        except OSError as error:
+            return [f"{CACHE} still holds the faces, and cannot be removed: {reason(error)}"]
+        return problems
 
 
 def _digest(data: bytes) -> str:

@@ -349,6 +349,17 @@ def test_folders_are_enrolled_listed_and_forgotten(start, tmp_path):
     assert course.exists() and door.look(ANNA) == "Anna"
 
 
+def test_forgotten_are_not_named_though_the_file_of_faces_cannot_be_written(start, folder):
+    door = Door(start, f"_gallery:={folder}", *AT_ONCE)
+    assert door.look(ANNA) == "Anna"
+    (folder / CACHE).unlink()
+    (folder / CACHE).mkdir()
+    answer = call("forget_name", ForgetName, "Anna")
+    assert not answer.success and answer.pictures == 8
+    assert answer.message.startswith("Anna is forgotten; .faces")
+    assert door.look(ANNA) == "unknown" and known() == {"Zoë": 8}
+
+
 def test_distance_of_strangers_is_changed_live(start, folder):
     door = Door(start, f"_gallery:={folder}", *AT_ONCE)
     client = dynamic_reconfigure.client.Client("/door", timeout=support.DEADLINE)

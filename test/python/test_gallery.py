@@ -17,7 +17,7 @@ import robot_vision.gallery
 import robot_vision.gallery_files
 from robot_vision.face_cache import HEAD
 from robot_vision.face_picture import find_face
-from robot_vision.gallery import CACHE, Gallery
+from robot_vision.gallery import CACHE, Gallery, Removed
 from robot_vision.gallery_files import MAX_FILE
 
 ESCAPES = ["", ".", "..", "../Anna", "/tmp/Anna", "a/b", "a\\b", ".Anna", " Anna", "Anna ", "a\nb"]
@@ -101,7 +101,7 @@ def test_names_of_all_scripts(tmp_path, name):
     gallery.add(name, photographs(ANNA, 1))
     gallery, problems = loaded(tmp_path)
     assert not problems and gallery.names() == {name: 1}
-    assert gallery.forget(name) == 1
+    assert gallery.forget(name).pictures == 1
     assert os.listdir(tmp_path) == [CACHE]
 
 
@@ -268,13 +268,47 @@ def test_forgotten_are_gone_with_all_pictures_but_no_other_files(folder):
     gallery = loaded(folder)[0]
     (folder / "Anna" / "damaged.png").write_text("")
     (folder / "Bert" / "notes.txt").write_text("mine")
-    assert gallery.forget("Anna") == 4
-    assert gallery.forget("Bert") == 2
+    assert gallery.forget("Anna") == Removed(4)
+    assert gallery.forget("Bert") == Removed(2)
     assert sorted(files(folder)) == [CACHE, "Bert/notes.txt"]
     assert len((folder / CACHE).read_bytes()) < 200  # no face is left in it
     assert gallery.names() == {} == loaded(folder)[0].names()
     with pytest.raises(ValueError, match="nobody is called 'Anna'"):
         gallery.forget("Anna")
+
+
+def test_forgotten_are_gone_though_the_file_of_faces_cannot_be_written(folder, monkeypatch):
+    gallery = loaded(folder)[0]
+
+    def refuse(path, data):
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    monkeypatch.setattr("robot_vision.face_cache.replace_file", refuse)
+    removed = gallery.forget("Anna")
+    assert removed.pictures == 3
+    (problem,) = removed.problems
+    assert problem.startswith(".faces cannot be written") and "No space left" in problem
+    assert gallery.names() == {"Bert": 2}
+    assert sorted(files(folder)) == ["Bert/1.png", "Bert/2.png"]
+
+
+def test_who_cannot_be_forgotten_whole_keeps_the_rest(folder, monkeypatch):
+    gallery = loaded(folder)[0]
+    unlink = os.unlink
+
+    def keep_the_second(path):
+        if str(path).endswith("2.png"):
+            raise PermissionError(errno.EPERM, os.strerror(errno.EPERM))
+        unlink(path)
+
+    monkeypatch.setattr(os, "unlink", keep_the_second)
+    removed = gallery.forget("Anna")
+    monkeypatch.undo()
+    problem = f"{folder}/Anna/2.png cannot be removed: Operation not permitted"
+    assert removed == Removed(2, [problem])
+    assert gallery.names() == {"Anna": 1, "Bert": 2}
+    assert same_faces(gallery, loaded(folder)[0])
+    assert gallery.forget("Anna") == Removed(1)
 
 
 def test_all_pictures_are_written_or_none(folder, monkeypatch):
@@ -393,9 +427,13 @@ def test_gallery_that_cannot_be_written_is_used(folder):
             for use in (
                 lambda: gallery.add("Anna", photographs(CARLA, 1)),
                 lambda: gallery.add("Carla", photographs(CARLA, 1)),
-                lambda: gallery.forget("Anna"),
             ):
                 with pytest.raises(PermissionError):
                     use()
+            removed = gallery.forget("Anna")
+            assert removed.pictures == 0
+            assert removed.problems[:3] == [
+                f"{faces}/Anna/{n}.png cannot be removed: Permission denied" for n in (1, 2, 3)
+            ]
             assert gallery.names() == {"Anna": 3, "Bert": 2}
         assert sorted(os.listdir(os.path.join(faces, "Anna"))) == sorted(before)

@@ -128,12 +128,17 @@ class GalleryServices:
     def _on_forget_name(self, request: Any) -> ForgetNameResponse:
         try:
             with self._lock:
-                count = self._gallery.forget(request.name)
+                removed = self._gallery.forget(request.name)
                 self._changed(self._gallery)
         except (OSError, ValueError) as error:
             rospy.logerr("nobody forgotten: %s", error)
             return ForgetNameResponse(False, str(error), 0)
-        return ForgetNameResponse(True, f"{request.name} is forgotten", count)
+        _report(removed.problems)
+        known = request.name in self._gallery.names()
+        text = "; ".join(
+            [f"{request.name} is {'still known' if known else 'forgotten'}", *removed.problems]
+        )
+        return ForgetNameResponse(not removed.problems, text, removed.pictures)
 
 
 def _summary(added: Added, who: str) -> str:
