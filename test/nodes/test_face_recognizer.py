@@ -317,6 +317,31 @@ def test_one_is_enrolled_at_a_time_and_the_node_ends_meanwhile(start, folder):
     assert not any(answer.success for answer in answers)
 
 
+def test_node_ends_while_a_folder_is_enrolled(start, tmp_path):
+    photo = cv2.resize(photograph(ANNA, 0)[0], (1600, 1200))
+    for name in ("Anna", "Eve"):
+        (tmp_path / "course" / name).mkdir(parents=True)
+        cv2.imwrite(str(tmp_path / "course" / name / "0.bmp"), photo)
+    eve = tmp_path / "course" / "Eve"
+    for number in range(1, 300):
+        (eve / f"{number}.bmp").symlink_to(eve / "0.bmp")
+    door = Door(start, f"_gallery:={tmp_path / 'faces'}", listen=False)
+    assert known() == {}
+    answers = []
+
+    def enroll_all():
+        with contextlib.suppress(rospy.ServiceException):  # the node ends
+            answers.append(call("enroll_folder", EnrollFolder, str(tmp_path / "course"), ""))
+
+    thread = threading.Thread(target=enroll_all, daemon=True)
+    thread.start()
+    support.wait_for(lambda: known() == {"Anna": 1}, "the first name, while the second is read")
+    door.process.interrupt()
+    assert door.process.exit_code(3.0) == 0, door.process.output()
+    thread.join(support.DEADLINE)
+    assert not thread.is_alive() and not any(answer.success for answer in answers)
+
+
 def test_folders_are_enrolled_listed_and_forgotten(start, tmp_path):
     course = tmp_path / "course"
     for name, person in [("Anna", ANNA), ("Zoë", BERT)]:

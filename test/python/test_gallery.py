@@ -1,5 +1,6 @@
 """A gallery of people on the disk: kept, imported, mended, and never left."""
 
+import concurrent.futures
 import contextlib
 import errno
 import os
@@ -7,6 +8,7 @@ import shutil
 import subprocess
 import sys
 import tempfile
+import threading
 
 import cv2
 import numpy as np
@@ -17,7 +19,7 @@ import robot_vision.gallery
 import robot_vision.gallery_files
 from robot_vision.face_cache import HEAD
 from robot_vision.face_picture import find_face
-from robot_vision.gallery import CACHE, Gallery, Removed
+from robot_vision.gallery import CACHE, Added, Gallery, Removed
 from robot_vision.gallery_files import MAX_FILE
 
 ESCAPES = ["", ".", "..", "../Anna", "/tmp/Anna", "a/b", "a\\b", ".Anna", " Anna", "Anna ", "a\nb"]
@@ -71,7 +73,7 @@ def test_what_was_added_is_there_after_a_start_without_a_search(folder, searched
     assert not problems and not searched
     assert list(gallery.names().items()) == [("Anna", 3), ("Bert", 2)]
     faces, labels = gallery.training()
-    assert sorted(labels) == [0, 0, 0, 1, 1] and len(faces) == 5
+    assert sorted(labels) == ["Anna"] * 3 + ["Bert"] * 2 and len(faces) == 5
     names = ["Anna/1.png", "Anna/2.png", "Anna/3.png", "Bert/1.png", "Bert/2.png"]
     assert sorted(files(folder)) == [CACHE, *names]
     picture = cv2.imread(str(folder / "Anna" / "2.png"))
@@ -262,6 +264,54 @@ def test_folders_of_pictures_are_imported_once(tmp_path):
     assert files(source) == before
     with pytest.raises(OSError, match="nowhere"):
         gallery.import_folder(str(tmp_path / "nowhere"))
+
+
+def test_gallery_is_not_imported_into_itself(folder):
+    gallery = loaded(folder)[0]
+    before = files(folder)
+    for source, name in [("", ""), ("", "Eve"), ("Anna", "Anna"), ("Anna", "")]:
+        with pytest.raises(ValueError, match=r"faces.* is in the gallery"):
+            gallery.import_folder(str(folder / source), name)
+    around = folder.parent / "around"
+    around.mkdir()
+    (around / "Anna").symlink_to(folder / "Anna")
+    added = gallery.import_folder(str(around))
+    assert added == Added(problems=[f"{around}/Anna: {around}/Anna is in the gallery"])
+    assert files(folder) == before
+
+
+def test_import_is_given_up_between_two_pictures(folder, searched):
+    source = folder.parent / "source"
+    for name in ("Carla", "Eve"):
+        (source / name).mkdir(parents=True)
+        for number, picture in enumerate(photographs(CARLA, 3).values()):
+            cv2.imwrite(str(source / name / f"{number}.png"), picture)
+    gallery = loaded(folder)[0]
+    with pytest.raises(InterruptedError, match=r"given up at .*Eve/1\.png"):
+        gallery.import_folder(str(source), given_up=lambda: len(searched) >= 2 * 4)
+    assert gallery.names() == {"Anna": 3, "Bert": 2, "Carla": 3}
+    assert same_faces(gallery, loaded(folder)[0])
+
+
+def test_names_are_told_while_faces_are_searched(folder, monkeypatch):
+    searching, go_on = threading.Event(), threading.Event()
+
+    def find(picture):
+        searching.set()
+        assert go_on.wait(30.0)
+        return find_face(picture)
+
+    gallery = loaded(folder)[0]
+    monkeypatch.setattr("robot_vision.face_picture.find_face", find)
+    with concurrent.futures.ThreadPoolExecutor(2) as threads:
+        adding = threads.submit(gallery.add, "Carla", photographs(CARLA, 2))
+        assert searching.wait(30.0)
+        try:
+            names = threads.submit(gallery.names).result(10.0)
+        finally:
+            go_on.set()
+        assert names == {"Anna": 3, "Bert": 2} and adding.result(30.0).pictures == 2
+    assert gallery.names() == {"Anna": 3, "Bert": 2, "Carla": 2}
 
 
 def test_forgotten_are_gone_with_all_pictures_but_no_other_files(folder):

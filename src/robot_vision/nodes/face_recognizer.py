@@ -57,11 +57,14 @@ class FaceRecognizer:
 
     def _learn(self, gallery: Gallery) -> None:
         """Trains with other people while those known so far are still recognised."""
+        faces, whose = gallery.training()
+        names = sorted(set(whose))
+        labels = {name: label for label, name in enumerate(names)}
         recognizer = LbphRecognizer()
-        recognizer.train(*gallery.training())
+        recognizer.train(faces, [labels[name] for name in whose])
         with self._lock:
             self._recognizer = recognizer
-            self._names = list(gallery.names())
+            self._names = names
             self._identities.clear()
 
     def _on_frame(self, frame: Frame) -> None:
