@@ -22,7 +22,7 @@ from sensor_msgs.msg import Image, RegionOfInterest
 from robot_vision.face_picture import find_face
 from robot_vision.gallery import CACHE, Gallery
 from robot_vision.msg import Detection, DetectionArray, FaceIdentityArray
-from robot_vision.nodes.frame_pairs import FRAMES, FramePairs
+from robot_vision.nodes.frame_pairs import MOST_BYTES, FramePairs
 from robot_vision.srv import EnrollFace, EnrollFolder, ForgetName, ListNames
 from robot_vision.transport import Frame
 
@@ -455,12 +455,15 @@ def test_missing_faces_and_those_of_another_camera_are_told(start, folder):
         return f"no faces come on {door.faces.topic}" in door.process.output()
 
     support.wait_for(tell, "the warning that there is no detector")
-    for number in range(FRAMES):
+
+    def tell_of_others():  # until it is told: the node takes the newest only
         found = DetectionArray(image.header, 320, 240, [])
-        found.header.stamp = rospy.Time(2000 + number)
+        found.header.stamp = rospy.Time(1000 + next(seconds))
         door.faces.send(found)
-        time.sleep(0.05)  # the node takes the newest only
-    door.process.wait_for_output(f"no pictures on {door.images.topic} have the stamps of")
+        text = f"no pictures on {door.images.topic} have the stamps of"
+        return text in door.process.output()
+
+    support.wait_for(tell_of_others, "the warning that the faces are another camera's")
     assert door.look(ANNA) == "Anna"
 
 
@@ -490,20 +493,70 @@ def test_bad_value_at_start_is_fatal(start, name, value, text):
 
 def stamped(kind, secs):
     made = kind()
-    made.header.stamp = rospy.Time(secs)
+    made.header.stamp = rospy.Time.from_sec(secs)
     return made
+
+
+def frames_of(seconds, image=BLANK):
+    return [Frame(image, "bgr8", stamped(DetectionArray, s).header) for s in seconds]
+
+
+def held(frames):
+    """How often each of these frames is held."""
+    return [sys.getrefcount(frame) for frame in frames]
 
 
 def test_pairs_hold_only_what_may_be_needed():
     pairs = FramePairs()
-    frames = [Frame(BLANK, "bgr8", stamped(DetectionArray, n).header) for n in range(100)]
-    before = [sys.getrefcount(frame) for frame in frames]
+    seconds = [0.1 * n for n in range(100)]
+    frames = frames_of(seconds)
+    before = held(frames)
     assert [pairs.message_of(frame) for frame in frames] == [None] * 100
-    assert pairs.frame_of(stamped(DetectionArray, 99 - FRAMES)) is None  # too late
-    assert pairs.frame_of(stamped(DetectionArray, 95)) is frames[95]
-    assert pairs.frame_of(stamped(DetectionArray, 94)) is None  # 95 was later
-    assert pairs.frame_of(stamped(DetectionArray, 99)) is frames[99]
-    assert [sys.getrefcount(frame) for frame in frames] == before
+    assert pairs.frame_of(stamped(DetectionArray, seconds[75])) is None  # too late
+    assert pairs.frame_of(stamped(DetectionArray, seconds[85])) is frames[85]
+    assert pairs.frame_of(stamped(DetectionArray, seconds[84])) is None  # 85 was later
+    assert pairs.frame_of(stamped(DetectionArray, seconds[99])) is frames[99]
+    assert held(frames) == before
     waits = stamped(DetectionArray, 200)
     assert pairs.frame_of(waits) is None
     assert pairs.message_of(Frame(BLANK, "bgr8", waits.header)) is waits
+
+
+def test_pairs_wait_for_a_detector_that_is_far_behind():
+    pairs = FramePairs()
+    frames = frames_of([n / 30.0 for n in range(90)])
+    for number, frame in enumerate(frames):
+        pairs.message_of(frame)
+        if number >= 30:  # 1 s behind
+            assert (
+                pairs.frame_of(stamped(DetectionArray, (number - 30) / 30.0)) is frames[number - 30]
+            )
+    assert not pairs.apart()
+
+
+def test_pairs_hold_no_more_than_their_bytes_nor_of_another_time():
+    pairs = FramePairs()
+    large = np.zeros((2000, 2000, 3), np.uint8)
+    frames = frames_of([0.01 * n for n in range(50)], large)
+    before = held(frames)
+    assert [pairs.message_of(frame) for frame in frames] == [None] * 50
+    kept = [now > then for now, then in zip(held(frames), before)]
+    assert sum(kept) == MOST_BYTES // large.nbytes and all(kept[-5:])
+    (earlier,) = frames_of([0.001])
+    pairs.message_of(earlier)
+    assert held(frames) == before
+    pairs.clear()
+    assert pairs.frame_of(stamped(DetectionArray, 0.001)) is None
+
+
+def test_pairs_are_apart_only_while_nothing_fits():
+    pairs = FramePairs()
+    for frame in frames_of(range(100, 110)):
+        pairs.message_of(frame)
+        assert not pairs.apart()
+        pairs.frame_of(stamped(DetectionArray, frame.header.stamp.to_sec() + 0.5))
+    assert pairs.apart()
+    for frame in frames_of(range(120, 125)):
+        pairs.message_of(frame)
+        assert pairs.frame_of(stamped(DetectionArray, frame.header.stamp.to_sec())) is frame
+        assert not pairs.apart()

@@ -41,7 +41,7 @@ class FaceRecognizer:
         self._identities = Identities()
         self._pairs = FramePairs()
         self._last_frame = self._last_faces = 0.0  # s of the monotonic clock
-        self._node = ImageNode(self._on_frame)
+        self._node = ImageNode(self._on_frame, idle=self._pairs.clear)
         self._node.subscriber("faces", DetectionArray, self._on_faces)
         self._faces = self._node.publisher("~faces", DetectionArray)
         self._whose = self._node.publisher("~identities", FaceIdentityArray)
