@@ -67,6 +67,16 @@ class Door:
             self.images.wait_for()
             self.faces.wait_for()
 
+    def restart_detector(self):
+        """Another publisher of faces, whose ids begin anew."""
+        self.faces.close()
+        self.faces = Source(self.faces.topic, DetectionArray)
+        self.faces.wait_for()
+
+    def restart_clock(self):
+        """From now on stamps are those of the beginning."""
+        self._stamps = itertools.count(0)  # of which no answer has come
+
     def send(self, picture, detections, faces_first=False):
         """A picture and the faces in it; their stamp."""
         with self._lock:
@@ -201,6 +211,15 @@ def test_looks_are_limited(start, folder):
     assert door.look(CARLA, of=-1) == "unknown" and door.look(ANNA, of=-1) == "Anna"
     assert call("forget_name", ForgetName, "Anna").success
     assert door.look(ANNA) == "unknown"  # at once
+
+
+def test_names_are_not_handed_on_when_the_detector_begins_anew(start, folder):
+    door = Door(start, f"_gallery:={folder}", "_votes:=1", "_rate:=0.1")
+    assert door.look(ANNA) == "Anna"
+    door.restart_detector()
+    assert door.look(BERT) == "Zoë"
+    door.restart_clock()
+    assert door.look(CARLA) == "unknown"
 
 
 def test_predicted_face_keeps_its_name_unseen(start, folder):

@@ -39,6 +39,8 @@ class FaceRecognizer:
         self._recognizer: Recognizer = LbphRecognizer()
         self._names: List[str] = []  # by the recogniser's labels
         self._identities = Identities()
+        self._connection: Any = None  # that the newest faces came by
+        self._stamp = rospy.Time()  # of them
         self._pairs = FramePairs()
         self._last_frame = self._last_faces = 0.0  # s of the monotonic clock
         self._node = ImageNode(self._on_frame, idle=self._pairs.clear)
@@ -105,11 +107,19 @@ class FaceRecognizer:
             rospy.logerr_throttle(5.0, f"faces that cannot be used: {error}")
             return
         with self._lock:
+            self._notice_other_ids(faces)
             found = [self._identify(frame.image, face, now) for face in faces.detections]
             self._identities.see((face.id for face in faces.detections), now)
             self._publish(frame, faces, found)
             seen = [box_of(face) for face in faces.detections if not face.predicted]
             self._services.offer(frame.image, seen, now)
+
+    def _notice_other_ids(self, faces: DetectionArray) -> None:
+        """Forgets who is who when the detector has begun anew: its ids are other faces' now."""
+        connection = getattr(faces, "_connection_header", None)  # one object for each connection
+        if connection is not self._connection or faces.header.stamp < self._stamp:
+            self._identities.clear()
+        self._connection, self._stamp = connection, faces.header.stamp
 
     def _identify(self, image: np.ndarray, face: Detection, now: float) -> Identity:
         if face.predicted:  # there may be something else in its place
