@@ -20,7 +20,6 @@ from .candidates import Candidates, digest_of
 from .face_cache import read_faces, write_faces
 from .face_picture import face_of
 from .gallery_files import (
-    check_name,
     decode,
     inside,
     is_picture,
@@ -28,6 +27,7 @@ from .gallery_files import (
     read_file,
     reason,
     shown,
+    valid_name,
     write_numbered,
 )
 
@@ -116,7 +116,7 @@ class Gallery:
             ValueError: nobody can have this name.
             OSError: they cannot be written.
         """
-        check_name(name)
+        name = valid_name(name)
         candidates = Candidates()
         candidates.offer(pictures)
         return self._keep(name, candidates)
@@ -161,7 +161,7 @@ class Gallery:
             ValueError: nobody is called so.
             OSError: the folder cannot be read.
         """
-        check_name(name)
+        name = valid_name(name)
         with self._lock:
             folder = self._folder(name)
             if not os.path.isdir(folder) and name not in self._faces:
@@ -196,7 +196,8 @@ class Gallery:
                 continue
             try:
                 if os.path.isdir(self._folder(name)):
-                    check_name(name)
+                    if name != valid_name(name):
+                        raise ValueError(f"its name must be in Unicode's form NFC, {name!a} is not")
                     names.append(name)
                 elif is_picture(name):
                     raise ValueError("pictures belong into a folder with the person's name")
@@ -225,7 +226,7 @@ class Gallery:
         return faces
 
     def _import_pictures(self, name: str, folder: str, given_up: Callable[[], Any]) -> Added:
-        check_name(name)
+        name = valid_name(name)
         self._check_source(folder)
         candidates = Candidates()
         candidates.read(folder, given_up)

@@ -17,18 +17,24 @@ MAX_NAME = 60  # characters: fits into the 255 bytes of a file system's names in
 MAX_FILE = 64 << 20  # bytes
 
 
-def check_name(name: str) -> None:
-    """Raises ValueError if a person cannot have this name, which is that of a folder, too."""
+def valid_name(name: str) -> str:
+    """A person's name, which is that of a folder, too; what reads the same is the same name.
+
+    Raises:
+        ValueError: nobody can have this name.
+    """
+    name = unicodedata.normalize("NFC", name)
     if not 0 < len(name) <= MAX_NAME:
         raise ValueError(f"a name of {len(name)} characters, must have 1 to {MAX_NAME}")
     if name == UNKNOWN:
         raise ValueError(f"nobody can be called '{UNKNOWN}'")
-    # Control characters, halves of characters, and what ends a line.
-    forbidden = [unicodedata.category(letter) in ("Cc", "Cs", "Zl", "Zp") for letter in name]
+    # Control characters, those that cannot be seen, halves of characters, and what ends a line.
+    forbidden = [unicodedata.category(letter) in ("Cc", "Cf", "Cs", "Zl", "Zp") for letter in name]
     if any(forbidden) or "/" in name or "\\" in name:
-        raise ValueError(f"the name {name!a} must not hold /, \\ or control characters")
+        raise ValueError(f"the name {name!a} must not hold /, \\, control or invisible characters")
     if name.startswith(".") or name != name.strip():
         raise ValueError(f"the name {name!r} must not begin with a dot, nor begin or end in space")
+    return name
 
 
 def inside(folder: str, path: str) -> str:

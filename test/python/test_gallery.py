@@ -23,7 +23,17 @@ from robot_vision.gallery import CACHE, Added, Gallery, Removed
 from robot_vision.gallery_files import MAX_FILE
 
 ESCAPES = ["", ".", "..", "../Anna", "/tmp/Anna", "a/b", "a\\b", ".Anna", " Anna", "Anna ", "a\nb"]
-ESCAPES += ["a\0b", "a\x1bb", "\u2028", "\udc80", "x" * 61, "unknown"]
+ESCAPES += [
+    "a\u202eb",
+    "a\u200bb",
+    "\ufeffa",
+    "a\0b",
+    "a\x1bb",
+    "\u2028",
+    "\udc80",
+    "x" * 61,
+    "unknown",
+]
 
 
 @pytest.fixture
@@ -105,6 +115,22 @@ def test_names_of_all_scripts(tmp_path, name):
     assert not problems and gallery.names() == {name: 1}
     assert gallery.forget(name).pictures == 1
     assert os.listdir(tmp_path) == [CACHE]
+
+
+def test_names_that_read_the_same_are_one_person(tmp_path):
+    composed, decomposed = "Zo\u00eb", "Zoe\u0308"
+    gallery = Gallery(str(tmp_path / "faces"))
+    gallery.add(decomposed, photographs(ANNA, 1))
+    (tmp_path / "course" / decomposed).mkdir(parents=True)
+    cv2.imwrite(str(tmp_path / "course" / decomposed / "1.png"), photograph(ANNA, 1)[0])
+    assert gallery.import_folder(str(tmp_path / "course")).pictures == 1
+    gallery.add(composed, photographs(ANNA, 1, first=2))
+    assert gallery.names() == {composed: 3}
+    (tmp_path / "faces" / decomposed).mkdir()
+    other, (problem,) = loaded(tmp_path / "faces")
+    assert other.names() == {composed: 3}
+    assert problem.endswith(r"its name must be in Unicode's form NFC, 'Zoe\u0308' is not")
+    assert gallery.forget(decomposed).pictures == 3
 
 
 @pytest.mark.parametrize("name", ESCAPES)

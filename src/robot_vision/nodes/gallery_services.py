@@ -12,7 +12,7 @@ import rospy
 from ..enrollment import Enrollment
 from ..face_picture import Box
 from ..gallery import Added, Gallery
-from ..gallery_files import check_name
+from ..gallery_files import valid_name
 from ..srv import (
     EnrollFace,
     EnrollFaceResponse,
@@ -111,7 +111,7 @@ class GalleryServices:
         return EnrollFaceResponse(True, _summary(added, request.name), added.pictures)
 
     def _enroll(self, name: str, pictures: int) -> Added:
-        check_name(name)
+        name = valid_name(name)
         if pictures > MAX_PICTURES:
             raise ValueError(f"pictures is {pictures}, must be from 1 to {MAX_PICTURES}")
         if not self._enrolling.acquire(blocking=False):
@@ -167,7 +167,7 @@ class GalleryServices:
             rospy.logerr("nobody forgotten: %s", error)
             return ForgetNameResponse(False, str(error), 0)
         _report(removed.problems)
-        known = request.name in self._gallery.names()
+        known = valid_name(request.name) in self._gallery.names()
         text = "; ".join(
             [f"{request.name} is {'still known' if known else 'forgotten'}", *removed.problems]
         )
