@@ -14,7 +14,7 @@ from .identities import UNKNOWN
 
 SUFFIXES = (".bmp", ".jpeg", ".jpg", ".pgm", ".png", ".ppm", ".tif", ".tiff", ".webp")
 MAX_NAME = 60  # characters: fits into the 255 bytes of a file system's names in any script
-MAX_FILE = 64 << 20  # bytes
+MAX_FILE = 64 << 20  # bytes, of a picture
 
 
 def valid_name(name: str) -> str:
@@ -59,18 +59,18 @@ def picture_files(folder: str) -> List[str]:
     return [os.path.join(folder, name) for name in sorted(os.listdir(folder)) if is_picture(name)]
 
 
-def read_file(path: str) -> bytes:
-    """A picture file as it is.
+def read_file(path: str, most: int = MAX_FILE) -> bytes:
+    """A file of at most so many bytes, as it is.
 
     Raises:
-        ValueError: it is no file, or too large for a picture.
+        ValueError: it is no file, or too large.
         OSError: it cannot be read.
     """
     status = os.stat(path)
     if not stat.S_ISREG(status.st_mode):  # a pipe would never end
         raise ValueError("it is no file")
-    if status.st_size > MAX_FILE:
-        raise ValueError(f"it has {status.st_size >> 20} MB, must have at most {MAX_FILE >> 20}")
+    if status.st_size > most:
+        raise ValueError(f"it has {status.st_size >> 20} MB, must have at most {most >> 20}")
     with open(path, "rb") as file:
         return file.read()
 

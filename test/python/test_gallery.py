@@ -3,6 +3,7 @@
 import concurrent.futures
 import contextlib
 import errno
+import hashlib
 import os
 import shutil
 import subprocess
@@ -183,6 +184,7 @@ def test_link_to_another_name_is_none_of_its_own(folder):
         lambda data: b"",
         lambda data: HEAD,
         lambda data: b"robot_vision faces 0\n" + data[len(HEAD) :],
+        lambda data: HEAD + hashlib.sha256(b"5\n").hexdigest().encode() + b"5\n",
         lambda data: data[:-5000] + bytes([data[-5000] ^ 1]) + data[-4999:],
         lambda data: np.random.default_rng(1).bytes(len(data)),
     ],
@@ -196,6 +198,18 @@ def test_damaged_file_of_faces_is_made_anew(folder, damage, searched):
     assert same_faces(gallery, good) and len(searched) == 5
     assert (folder / CACHE).read_bytes() == data
     assert not loaded(folder)[1] and len(searched) == 5
+
+
+def test_file_of_faces_that_is_a_pipe_or_far_too_large_is_made_anew(folder):
+    data = (folder / CACHE).read_bytes()
+    (folder / CACHE).unlink()
+    os.mkfifo(str(folder / CACHE))
+    (problem,) = loaded(folder)[1]
+    assert problem.endswith("it is no file") and (folder / CACHE).read_bytes() == data
+    os.truncate(str(folder / CACHE), 2 << 30)
+    (problem,) = loaded(folder)[1]
+    assert problem.endswith("it has 2048 MB, must have at most 1024")
+    assert (folder / CACHE).read_bytes() == data
 
 
 def test_pictures_changed_by_hand_are_noticed(folder, searched):
