@@ -485,6 +485,15 @@ def test_crash_while_adding_leaves_a_gallery_that_loads(folder, where, pictures)
     assert same_faces(gallery, loaded(folder)[0])
 
 
+def test_files_left_by_a_crash_of_a_process_of_the_same_number_are_in_nobodys_way(folder):
+    gallery = loaded(folder)[0]
+    (folder / f"{CACHE}.{os.getpid()}.tmp").write_text("")
+    for number in range(1, 9):
+        (folder / "Anna" / f".{number}.{os.getpid()}.tmp").write_text("")
+    assert gallery.add("Anna", photographs(CARLA, 2)) == Added(2)
+    assert same_faces(gallery, loaded(folder)[0])
+
+
 @contextlib.contextmanager
 def somebody_else():
     """Without root's right to write everywhere."""
