@@ -32,6 +32,7 @@ from .gallery_files import (
 )
 
 CACHE = ".faces"
+PRIVATE = 0o700  # mode of a gallery that is made: faces are nobody else's business
 
 
 @dataclass
@@ -246,6 +247,7 @@ class Gallery:
             present = candidates.repeated + len(candidates.faces) - len(new)
             added = Added(len(new), present, candidates.problems)
             if new:
+                os.makedirs(self.folder, PRIVATE, exist_ok=True)
                 write_numbered(self._folder(name), [candidates.files[digest] for digest in new])
                 self._faces[name] = {**known, **new}
                 added.problems += self._save()

@@ -97,6 +97,7 @@ def test_gallery_that_is_not_there_is_empty_and_made_when_needed(tmp_path):
     assert not problems and gallery.names() == {} and gallery.training() == ([], [])
     assert not folder.exists()
     gallery.add("Anna", photographs(ANNA, 1))
+    assert folder.stat().st_mode & 0o777 == 0o700  # faces are nobody else's business
     assert same_faces(gallery, loaded(folder)[0])
 
 
