@@ -57,15 +57,26 @@ class Door:
         self.process = start("face_recognizer.py", "__name:=door", *arguments)
         self.outputs = []
         if listen:
-            self.outputs = [
-                support.Messages("/door/faces", DetectionArray),
-                support.Messages("/door/identities", FaceIdentityArray),
-                support.Messages("/door/processed_image", Image),
-            ]
-            for output in self.outputs:
-                support.wait_for(output.connected, "the node's topics")
-            self.images.wait_for()
-            self.faces.wait_for()
+            self.listen()
+
+    def listen(self):
+        """Subscribes to all that the node publishes, which makes it work."""
+        self.outputs = [
+            support.Messages("/door/faces", DetectionArray),
+            support.Messages("/door/identities", FaceIdentityArray),
+            support.Messages("/door/processed_image", Image),
+        ]
+        for output in self.outputs:
+            support.wait_for(output.connected, "the node's topics")
+        self.images.wait_for()
+        self.faces.wait_for()
+
+    def listen_no_more(self):
+        """Has the node idle."""
+        while self.outputs:
+            self.outputs.pop().close()
+        self.images.wait_for(0)
+        self.faces.wait_for(0)
 
     def restart_detector(self):
         """Another publisher of faces, whose ids begin anew."""
@@ -250,6 +261,22 @@ def test_faces_may_come_before_their_picture_or_late(start, folder):
         time.sleep(0.05)
         door.faces.send(found)
     assert door.answer(late.header.stamp)[1].identities[0].name == "Anna"
+
+
+def test_pictures_do_not_wait_while_nobody_listens(start, folder, diagnostics):
+    door = Door(start, f"_gallery:={folder}", "_diagnostic_period:=0.1", *AT_ONCE)
+    anna = photograph(ANNA, 20)[0]
+    waits = message(anna, "bgr8")
+    waits.header.stamp = rospy.Time(0, 7)
+    door.images.send(waits)
+    support.wait_for(
+        lambda: diagnostics.value("door", "frames published") == "1", "the picture in the node"
+    )
+    door.listen_no_more()
+    door.listen()
+    door.faces.send(DetectionArray(waits.header, 320, 240, faces_of(anna)))
+    assert door.look(ANNA) == "Anna"
+    assert all(m.header.stamp != waits.header.stamp for o in door.outputs for m in o.received)
 
 
 def test_enrolling_from_the_live_picture_without_subscribers(start, tmp_path):
