@@ -21,8 +21,9 @@ from .face_cache import read_faces, write_faces
 from .face_picture import face_of
 from .gallery_files import (
     decode,
+    folder_of,
     inside,
-    is_picture,
+    names_in,
     picture_files,
     read_file,
     reason,
@@ -83,7 +84,7 @@ class Gallery:
             problems.append(f"{CACHE} is made anew from the pictures: {reason(error)}")
         with self._lock:
             self._faces = {}
-            for name in self._names_of_folders(problems):
+            for name in names_in(self.folder, problems):
                 faces = self._load_faces(name, cached or {}, problems)
                 if faces:
                     self._faces[name] = faces
@@ -184,28 +185,6 @@ class Gallery:
             removed.problems += self._save_or_remove()
             return removed
 
-    def _names_of_folders(self, problems: List[str]) -> List[str]:
-        """The names that have a folder, and what else there is."""
-        names = []
-        try:
-            found = sorted(os.listdir(self.folder)) if os.path.isdir(self.folder) else []
-        except OSError as error:
-            problems.append(f"{shown(self.folder)} cannot be read: {reason(error)}")
-            return []
-        for name in found:
-            if name.startswith("."):
-                continue
-            try:
-                if os.path.isdir(self._folder(name)):
-                    if name != valid_name(name):
-                        raise ValueError(f"its name must be in Unicode's form NFC, {name!a} is not")
-                    names.append(name)
-                elif is_picture(name):
-                    raise ValueError("pictures belong into a folder with the person's name")
-            except ValueError as error:
-                problems.append(f"{shown(os.path.join(self.folder, name))} is not used: {error}")
-        return names
-
     def _load_faces(
         self, name: str, cached: Mapping[str, np.ndarray], problems: List[str]
     ) -> Dict[str, np.ndarray]:
@@ -254,10 +233,7 @@ class Gallery:
             return added
 
     def _folder(self, name: str) -> str:
-        folder = inside(self.folder, os.path.join(self.folder, name))
-        if os.path.islink(folder):  # to forget this name would remove another's pictures
-            raise ValueError("it is a symbolic link, must be a folder")
-        return folder
+        return folder_of(self.folder, name)
 
     def _cache(self) -> str:
         return inside(self.folder, os.path.join(self.folder, CACHE))

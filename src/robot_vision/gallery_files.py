@@ -45,6 +45,41 @@ def inside(folder: str, path: str) -> str:
     return path
 
 
+def folder_of(gallery: str, name: str) -> str:
+    """The folder of a person's pictures in a gallery, which need not be there.
+
+    Raises:
+        ValueError: it is a link.
+    """
+    folder = inside(gallery, os.path.join(gallery, name))
+    if os.path.islink(folder):  # to forget this name would remove another's pictures
+        raise ValueError("it is a symbolic link, must be a folder")
+    return folder
+
+
+def names_in(gallery: str, problems: List[str]) -> List[str]:
+    """The names that have a folder in a gallery; what else there is becomes a problem."""
+    names = []
+    try:
+        found = sorted(os.listdir(gallery)) if os.path.isdir(gallery) else []
+    except OSError as error:
+        problems.append(f"{shown(gallery)} cannot be read: {reason(error)}")
+        return []
+    for name in found:
+        if name.startswith("."):
+            continue
+        try:
+            if os.path.isdir(folder_of(gallery, name)):
+                if name != valid_name(name):
+                    raise ValueError(f"its name must be in Unicode's form NFC, {name!a} is not")
+                names.append(name)
+            elif is_picture(name):
+                raise ValueError("pictures belong into a folder with the person's name")
+        except ValueError as error:
+            problems.append(f"{shown(os.path.join(gallery, name))} is not used: {error}")
+    return names
+
+
 def is_picture(name: str) -> bool:
     """Whether a file is called as pictures are, and not hidden."""
     return name.lower().endswith(SUFFIXES) and not name.startswith(".")
