@@ -1,7 +1,6 @@
 """Faces that have been found in pictures, in one file: a start need not search them all again."""
 
 import hashlib
-import json
 import os
 from typing import Dict, Mapping
 
@@ -10,10 +9,13 @@ import numpy as np
 
 from .face_picture import SIDE
 from .files import replace_file
+from .gallery_files import read_file
 
 # Of another version the faces might look otherwise.
-HEAD = f"robot_vision faces 1, {SIDE} px, OpenCV {cv2.__version__}\n".encode()
+HEAD = f"robot_vision faces 2, {SIDE} px, OpenCV {cv2.__version__}\n".encode()
 DIGEST = 64  # bytes, of a SHA-256 in hexadecimal digits
+RECORD = DIGEST + SIDE * SIDE  # bytes, of a face after the digest of its picture
+MOST = 1 << 30  # bytes: a hundred thousand faces
 
 
 def write_faces(path: str, faces: Mapping[str, np.ndarray]) -> None:
@@ -22,8 +24,7 @@ def write_faces(path: str, faces: Mapping[str, np.ndarray]) -> None:
     Raises:
         OSError: the file cannot be written.
     """
-    body = json.dumps(list(faces)).encode() + b"\n"
-    body += b"".join(face.tobytes() for face in faces.values())
+    body = b"".join(digest.encode() + face.tobytes() for digest, face in faces.items())
     replace_file(path, HEAD + hashlib.sha256(body).hexdigest().encode() + body)
 
 
@@ -36,13 +37,12 @@ def read_faces(path: str) -> Dict[str, np.ndarray]:
     """
     if not os.path.lexists(path):
         return {}
-    with open(path, "rb") as file:
-        data = file.read()
+    data = read_file(path, MOST)
     if not data.startswith(HEAD):
         raise ValueError("it is of another version, or no such file")
     digest, body = data[len(HEAD) : len(HEAD) + DIGEST], data[len(HEAD) + DIGEST :]
-    if hashlib.sha256(body).hexdigest().encode() != digest:
+    if hashlib.sha256(body).hexdigest().encode() != digest or len(body) % RECORD:
         raise ValueError("it is damaged")
-    names, _, pixels = body.partition(b"\n")
-    faces = np.frombuffer(pixels, np.uint8).reshape(-1, SIDE, SIDE)
-    return dict(zip(json.loads(names), faces))
+    records = np.frombuffer(body, np.uint8).reshape(-1, RECORD)
+    digests = (record[:DIGEST].tobytes().decode("latin-1") for record in records)
+    return dict(zip(digests, records[:, DIGEST:].reshape(-1, SIDE, SIDE)))

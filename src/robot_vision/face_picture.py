@@ -15,6 +15,20 @@ SIDE = 100  # px, of a face that a recogniser sees
 MARGIN = 0.5  # of the face's size, around it in a portrait
 PORTRAIT_SIDE = 400  # px, of the largest portrait
 SEARCH_SIDE = 640  # px: a larger picture is searched in this size
+MOST_SIDE = 2  # times the picture's longer side that a face's box may have: it is cut out whole
+
+
+def check_box(image: np.ndarray, box: Box) -> None:
+    """Raises ValueError if a box is empty, nowhere in the picture, or far larger than it."""
+    x, y, width, height = box
+    rows, columns = image.shape[:2]
+    if width <= 0 or height <= 0 or x + width <= 0 or y + height <= 0 or x >= columns or y >= rows:
+        raise ValueError(
+            f"the box {width}x{height} at ({x}, {y}) is not in the picture of {columns}x{rows}"
+        )
+    most = MOST_SIDE * max(rows, columns)
+    if max(width, height) > most:
+        raise ValueError(f"the box {width}x{height}, must have sides of at most {most} px")
 
 
 def cut_out(image: np.ndarray, box: Box, margin: float = 0.0) -> np.ndarray:
@@ -26,17 +40,14 @@ def cut_out(image: np.ndarray, box: Box, margin: float = 0.0) -> np.ndarray:
         margin: that is cut out around it, too, as a share of its size.
 
     Raises:
-        ValueError: the box is empty, or not in the picture.
+        ValueError: the box is none of a face in the picture, see check_box().
     """
+    check_box(image, box)
     x, y, width, height = box
     across, down = round(margin * width), round(margin * height)
     left, top, right, bottom = x - across, y - down, x + width + across, y + height + down
     rows, columns = image.shape[:2]
     inside = image[max(top, 0) : max(bottom, 0), max(left, 0) : max(right, 0)]
-    if width <= 0 or height <= 0 or inside.size == 0:
-        raise ValueError(
-            f"the box {width}x{height} at ({x}, {y}) is not in the picture of {columns}x{rows}"
-        )
     borders = max(-top, 0), max(bottom - rows, 0), max(-left, 0), max(right - columns, 0)
     return cv2.copyMakeBorder(inside, *borders, cv2.BORDER_REPLICATE)
 
@@ -52,7 +63,7 @@ def normalized(image: np.ndarray, box: Box) -> np.ndarray:
         (SIDE, SIDE) uint8, grey, equalised; without the noise that local patterns are made of.
 
     Raises:
-        ValueError: the box is empty, or not in the picture.
+        ValueError: the box is none of a face in the picture, see check_box().
     """
     face = gray(cut_out(image, box))
     shrinks = min(face.shape) > SIDE
@@ -70,7 +81,7 @@ def portrait(image: np.ndarray, box: Optional[Box] = None) -> np.ndarray:
         box: around the face; None: the largest.
 
     Raises:
-        ValueError: there is no face, or the box is not in the picture.
+        ValueError: there is no face, or the box is none of a face, see check_box().
     """
     picture = cut_out(image, box or _require_face(image), MARGIN)
     rows, columns = picture.shape[:2]

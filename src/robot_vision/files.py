@@ -2,6 +2,7 @@
 
 import itertools
 import os
+import secrets
 import stat
 from typing import Optional
 
@@ -32,7 +33,8 @@ def replace_file(path: str, data: bytes) -> None:
     """
     path = os.path.realpath(path)
     mode = stat.S_IMODE(os.stat(path).st_mode) if os.path.exists(path) else None
-    temporary = f"{path}.{os.getpid()}.tmp"  # in the same folder, or the rename is not atomic
+    # In the same folder, or the rename is not atomic.
+    temporary = f"{path}.{_random()}.tmp"
     try:
         _write_new(temporary, data, mode)
     except OSError as error:
@@ -54,7 +56,7 @@ def add_file(folder: str, stem: str, suffix: str, data: bytes) -> str:
     Raises:
         OSError: it cannot be written, or the file system has no hard links.
     """
-    temporary = os.path.join(folder, f".{stem}.{os.getpid()}.tmp")
+    temporary = os.path.join(folder, f".{stem}.{_random()}.tmp")
     _write_new(temporary, data)
     try:
         for number in itertools.count():
@@ -66,6 +68,11 @@ def add_file(folder: str, stem: str, suffix: str, data: bytes) -> str:
                 continue
     finally:
         os.unlink(temporary)
+
+
+def _random() -> str:
+    """Part of a name that no file has; a number of the process may be in one that it left."""
+    return secrets.token_hex(8)
 
 
 def _write_new(path: str, data: bytes, mode: Optional[int] = None) -> None:

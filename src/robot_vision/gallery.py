@@ -9,29 +9,31 @@ kept in one more file, .faces, which is made anew from them whenever it does not
 """
 
 import contextlib
-import hashlib
 import os
+import threading
 from dataclasses import dataclass, field
-from typing import Dict, List, Mapping, Optional, Tuple
+from typing import Any, Callable, Dict, List, Mapping, Optional, Tuple
 
-import cv2
 import numpy as np
 
+from .candidates import Candidates, digest_of
 from .face_cache import read_faces, write_faces
-from .face_picture import face_of, portrait
+from .face_picture import face_of
 from .gallery_files import (
-    check_name,
     decode,
+    folder_of,
     inside,
-    is_picture,
+    names_in,
     picture_files,
     read_file,
     reason,
     shown,
+    valid_name,
     write_numbered,
 )
 
 CACHE = ".faces"
+PRIVATE = 0o700  # mode of a gallery that is made: faces are nobody else's business
 
 
 @dataclass
@@ -43,8 +45,16 @@ class Added:
     problems: List[str] = field(default_factory=list)  # what was refused, and why
 
 
+@dataclass
+class Removed:
+    """What has become of pictures that were to be removed."""
+
+    pictures: int = 0  # removed
+    problems: List[str] = field(default_factory=list)  # what is still there, and why
+
+
 class Gallery:
-    """Names, and the faces in their pictures. Not thread-safe.
+    """Names, and the faces in their pictures. Thread-safe; nobody waits for a search of faces.
 
     Args:
         folder: of the names; need not be there before somebody is added.
@@ -57,6 +67,7 @@ class Gallery:
         self.folder = os.path.abspath(os.path.expanduser(folder))
         if os.path.lexists(self.folder) and not os.path.isdir(self.folder):
             raise ValueError(f"gallery is '{folder}', must be a folder")
+        self._lock = threading.Lock()  # guards the faces and the folder
         self._faces: Dict[str, Dict[str, np.ndarray]] = {}  # by name and digest of the picture
 
     def load(self) -> List[str]:
@@ -71,27 +82,30 @@ class Gallery:
             cached = read_faces(self._cache())
         except (OSError, ValueError) as error:
             problems.append(f"{CACHE} is made anew from the pictures: {reason(error)}")
-        self._faces = {}
-        for name in self._names_of_folders(problems):
-            faces = self._load_faces(name, cached or {}, problems)
-            if faces:
-                self._faces[name] = faces
-        if cached is None or set(cached) != set(self._by_digest()):
-            problems += self._save()
+        with self._lock:
+            self._faces = {}
+            for name in names_in(self.folder, problems):
+                faces = self._load_faces(name, cached or {}, problems)
+                if faces:
+                    self._faces[name] = faces
+            if cached is None or set(cached) != set(self._by_digest()):
+                problems += self._save()
         return problems
 
     def names(self) -> Dict[str, int]:
         """How many pictures there are of whom, in the order of the names."""
-        return {name: len(self._faces[name]) for name in sorted(self._faces)}
+        with self._lock:
+            return {name: len(self._faces[name]) for name in sorted(self._faces)}
 
-    def training(self) -> Tuple[List[np.ndarray], List[int]]:
-        """All faces, and the position in names() of whose each is."""
+    def training(self) -> Tuple[List[np.ndarray], List[str]]:
+        """All faces, and whose each is."""
         faces: List[np.ndarray] = []
-        labels: List[int] = []
-        for label, name in enumerate(self.names()):
-            faces += self._faces[name].values()
-            labels += [label] * len(self._faces[name])
-        return faces, labels
+        names: List[str] = []
+        with self._lock:
+            for name, theirs in self._faces.items():
+                faces += theirs.values()
+                names += [name] * len(theirs)
+        return faces, names
 
     def add(self, name: str, pictures: Mapping[str, np.ndarray]) -> Added:
         """Adds those of a person's pictures that show a face; if one cannot be written, none.
@@ -104,50 +118,36 @@ class Gallery:
             ValueError: nobody can have this name.
             OSError: they cannot be written.
         """
-        check_name(name)
-        added = Added()
-        known = self._faces.get(name, {})
-        faces: Dict[str, np.ndarray] = {}
-        files: List[bytes] = []
-        for source, picture in pictures.items():
-            png = cv2.imencode(".png", picture)[1].tobytes()
-            digest = _digest(png)
-            if digest in known or digest in faces:
-                added.present += 1
-                continue
-            try:
-                faces[digest] = face_of(picture)
-            except ValueError as error:
-                added.problems.append(f"{source}: {error}")
-                continue
-            files.append(png)
-        if files:
-            write_numbered(self._folder(name), files)
-            self._faces[name] = {**known, **faces}
-            added.pictures = len(files)
-            added.problems += self._save()
-        return added
+        name = valid_name(name)
+        candidates = Candidates()
+        candidates.offer(pictures)
+        return self._keep(name, candidates)
 
-    def import_folder(self, folder: str, name: str = "") -> Added:
+    def import_folder(
+        self, folder: str, name: str = "", given_up: Callable[[], Any] = lambda: False
+    ) -> Added:
         """Adds the largest face of each picture file, cut out with something around it.
 
         Args:
             folder: of pictures, which are left as they are.
             name: whose pictures they are. Empty: they are in subfolders, whose names count.
+            given_up: asked between two pictures, whether to stop.
 
         Raises:
-            ValueError: nobody can have this name.
-            OSError: the folder cannot be read, or the gallery not be written.
+            ValueError: nobody can have this name, or the folder is in the gallery.
+            OSError: the folder cannot be read, or the gallery not be written, or it was given up;
+                people before that are added.
         """
         if name:
-            return self._import_pictures(name, folder)
+            return self._import_pictures(name, folder, given_up)
+        self._check_source(folder)
         total = Added()
         for person in sorted(os.listdir(folder)):
             path = os.path.join(folder, person)
             if person.startswith(".") or not os.path.isdir(path):
                 continue
             try:
-                added = self._import_pictures(person, path)
+                added = self._import_pictures(person, path, given_up)
             except ValueError as error:
                 total.problems.append(f"{shown(path)}: {error}")
                 continue
@@ -156,49 +156,34 @@ class Gallery:
             total.problems += added.problems
         return total
 
-    def forget(self, name: str) -> int:
+    def forget(self, name: str) -> Removed:
         """Removes a person's pictures, damaged ones, too; other files of the folder stay.
-
-        Returns:
-            How many pictures there were.
 
         Raises:
             ValueError: nobody is called so.
-            OSError: they cannot be removed.
+            OSError: the folder cannot be read.
         """
-        check_name(name)
-        folder = self._folder(name)
-        if not os.path.isdir(folder) and name not in self._faces:
-            raise ValueError(f"nobody is called '{name}'")
-        paths = picture_files(folder) if os.path.isdir(folder) else []
-        for path in paths:
-            os.unlink(path)
-        with contextlib.suppress(OSError):  # it holds something else
-            os.rmdir(folder)
-        self._faces.pop(name, None)
-        write_faces(self._cache(), self._by_digest())
-        return len(paths)
-
-    def _names_of_folders(self, problems: List[str]) -> List[str]:
-        """The names that have a folder, and what else there is."""
-        names = []
-        try:
-            found = sorted(os.listdir(self.folder)) if os.path.isdir(self.folder) else []
-        except OSError as error:
-            problems.append(f"{shown(self.folder)} cannot be read: {reason(error)}")
-            return []
-        for name in found:
-            if name.startswith("."):
-                continue
-            try:
-                if os.path.isdir(self._folder(name)):
-                    check_name(name)
-                    names.append(name)
-                elif is_picture(name):
-                    raise ValueError("pictures belong into a folder with the person's name")
-            except ValueError as error:
-                problems.append(f"{shown(os.path.join(self.folder, name))} is not used: {error}")
-        return names
+        name = valid_name(name)
+        with self._lock:
+            folder = self._folder(name)
+            if not os.path.isdir(folder) and name not in self._faces:
+                raise ValueError(f"nobody is called '{name}'")
+            paths = picture_files(folder) if os.path.isdir(folder) else []
+            removed = Removed()
+            for path in paths:
+                try:
+                    os.unlink(path)
+                    removed.pictures += 1
+                except OSError as error:
+                    removed.problems.append(f"{shown(path)} cannot be removed: {reason(error)}")
+            left = self._load_faces(name, self._by_digest(), []) if removed.problems else {}
+            self._faces.pop(name, None)
+            if left:
+                self._faces[name] = left
+            with contextlib.suppress(OSError):  # it holds something else
+                os.rmdir(folder)
+            removed.problems += self._save_or_remove()
+            return removed
 
     def _load_faces(
         self, name: str, cached: Mapping[str, np.ndarray], problems: List[str]
@@ -214,27 +199,41 @@ class Gallery:
         for path in paths:
             try:
                 data = read_file(inside(self.folder, path))
-                digest = _digest(data)
+                digest = digest_of(data)
                 faces[digest] = cached[digest] if digest in cached else face_of(decode(data))
             except (OSError, ValueError) as error:
                 problems.append(f"{shown(path)} is not used: {reason(error)}")
         return faces
 
-    def _import_pictures(self, name: str, folder: str) -> Added:
-        check_name(name)
-        portraits: Dict[str, np.ndarray] = {}
-        problems: List[str] = []
-        for path in picture_files(folder):
-            try:
-                portraits[shown(path)] = portrait(decode(read_file(path)))
-            except (OSError, ValueError) as error:
-                problems.append(f"{shown(path)}: {reason(error)}")
-        added = self.add(name, portraits)
-        added.problems = problems + added.problems
-        return added
+    def _import_pictures(self, name: str, folder: str, given_up: Callable[[], Any]) -> Added:
+        name = valid_name(name)
+        self._check_source(folder)
+        candidates = Candidates()
+        candidates.read(folder, given_up)
+        return self._keep(name, candidates)
+
+    def _check_source(self, folder: str) -> None:
+        """Raises ValueError if a folder to import is the gallery's: its portraits are cut again."""
+        root = os.path.realpath(self.folder)
+        if os.path.commonpath([root, os.path.realpath(folder)]) == root:
+            raise ValueError(f"{shown(folder)} is in the gallery")
+
+    def _keep(self, name: str, candidates: Candidates) -> Added:
+        """Adds what is not known yet; if one file cannot be written, none."""
+        with self._lock:
+            known = self._faces.get(name, {})
+            new = {digest: face for digest, face in candidates.faces.items() if digest not in known}
+            present = candidates.repeated + len(candidates.faces) - len(new)
+            added = Added(len(new), present, candidates.problems)
+            if new:
+                os.makedirs(self.folder, PRIVATE, exist_ok=True)
+                write_numbered(self._folder(name), [candidates.files[digest] for digest in new])
+                self._faces[name] = {**known, **new}
+                added.problems += self._save()
+            return added
 
     def _folder(self, name: str) -> str:
-        return inside(self.folder, os.path.join(self.folder, name))
+        return folder_of(self.folder, name)
 
     def _cache(self) -> str:
         return inside(self.folder, os.path.join(self.folder, CACHE))
@@ -250,6 +249,15 @@ class Gallery:
             return [f"{CACHE} cannot be written, the next start takes longer: {reason(error)}"]
         return []
 
-
-def _digest(data: bytes) -> str:
-    return hashlib.sha256(data).hexdigest()
+    def _save_or_remove(self) -> List[str]:
+        """Writes the file of faces, for it holds some that have to go, or removes it."""
+        problems = self._save()
+        if not problems:
+            return []
+        try:
+            os.unlink(os.path.join(self.folder, CACHE))
+        except FileNotFoundError:
+            return problems
+        except OSError as error:
+            return [f"{CACHE} still holds the faces, and cannot be removed: {reason(error)}"]
+        return problems

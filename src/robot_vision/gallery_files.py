@@ -14,21 +14,27 @@ from .identities import UNKNOWN
 
 SUFFIXES = (".bmp", ".jpeg", ".jpg", ".pgm", ".png", ".ppm", ".tif", ".tiff", ".webp")
 MAX_NAME = 60  # characters: fits into the 255 bytes of a file system's names in any script
-MAX_FILE = 64 << 20  # bytes
+MAX_FILE = 64 << 20  # bytes, of a picture
 
 
-def check_name(name: str) -> None:
-    """Raises ValueError if a person cannot have this name, which is that of a folder, too."""
+def valid_name(name: str) -> str:
+    """A person's name, which is that of a folder, too; what reads the same is the same name.
+
+    Raises:
+        ValueError: nobody can have this name.
+    """
+    name = unicodedata.normalize("NFC", name)
     if not 0 < len(name) <= MAX_NAME:
         raise ValueError(f"a name of {len(name)} characters, must have 1 to {MAX_NAME}")
     if name == UNKNOWN:
         raise ValueError(f"nobody can be called '{UNKNOWN}'")
-    # Control characters, halves of characters, and what ends a line.
-    forbidden = [unicodedata.category(letter) in ("Cc", "Cs", "Zl", "Zp") for letter in name]
+    # Control characters, those that cannot be seen, halves of characters, and what ends a line.
+    forbidden = [unicodedata.category(letter) in ("Cc", "Cf", "Cs", "Zl", "Zp") for letter in name]
     if any(forbidden) or "/" in name or "\\" in name:
-        raise ValueError(f"the name {name!a} must not hold /, \\ or control characters")
+        raise ValueError(f"the name {name!a} must not hold /, \\, control or invisible characters")
     if name.startswith(".") or name != name.strip():
         raise ValueError(f"the name {name!r} must not begin with a dot, nor begin or end in space")
+    return name
 
 
 def inside(folder: str, path: str) -> str:
@@ -37,6 +43,41 @@ def inside(folder: str, path: str) -> str:
     if os.path.commonpath([root, os.path.realpath(path)]) != root:
         raise ValueError("it leads out of the gallery")
     return path
+
+
+def folder_of(gallery: str, name: str) -> str:
+    """The folder of a person's pictures in a gallery, which need not be there.
+
+    Raises:
+        ValueError: it is a link.
+    """
+    folder = inside(gallery, os.path.join(gallery, name))
+    if os.path.islink(folder):  # to forget this name would remove another's pictures
+        raise ValueError("it is a symbolic link, must be a folder")
+    return folder
+
+
+def names_in(gallery: str, problems: List[str]) -> List[str]:
+    """The names that have a folder in a gallery; what else there is becomes a problem."""
+    names = []
+    try:
+        found = sorted(os.listdir(gallery)) if os.path.isdir(gallery) else []
+    except OSError as error:
+        problems.append(f"{shown(gallery)} cannot be read: {reason(error)}")
+        return []
+    for name in found:
+        if name.startswith("."):
+            continue
+        try:
+            if os.path.isdir(folder_of(gallery, name)):
+                if name != valid_name(name):
+                    raise ValueError(f"its name must be in Unicode's form NFC, {name!a} is not")
+                names.append(name)
+            elif is_picture(name):
+                raise ValueError("pictures belong into a folder with the person's name")
+        except ValueError as error:
+            problems.append(f"{shown(os.path.join(gallery, name))} is not used: {error}")
+    return names
 
 
 def is_picture(name: str) -> bool:
@@ -53,18 +94,18 @@ def picture_files(folder: str) -> List[str]:
     return [os.path.join(folder, name) for name in sorted(os.listdir(folder)) if is_picture(name)]
 
 
-def read_file(path: str) -> bytes:
-    """A picture file as it is.
+def read_file(path: str, most: int = MAX_FILE) -> bytes:
+    """A file of at most so many bytes, as it is.
 
     Raises:
-        ValueError: it is no file, or too large for a picture.
+        ValueError: it is no file, or too large.
         OSError: it cannot be read.
     """
     status = os.stat(path)
     if not stat.S_ISREG(status.st_mode):  # a pipe would never end
         raise ValueError("it is no file")
-    if status.st_size > MAX_FILE:
-        raise ValueError(f"it has {status.st_size >> 20} MB, must have at most {MAX_FILE >> 20}")
+    if status.st_size > most:
+        raise ValueError(f"it has {status.st_size >> 20} MB, must have at most {most >> 20}")
     with open(path, "rb") as file:
         return file.read()
 

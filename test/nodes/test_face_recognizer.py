@@ -22,7 +22,7 @@ from sensor_msgs.msg import Image, RegionOfInterest
 from robot_vision.face_picture import find_face
 from robot_vision.gallery import CACHE, Gallery
 from robot_vision.msg import Detection, DetectionArray, FaceIdentityArray
-from robot_vision.nodes.frame_pairs import FRAMES, FramePairs
+from robot_vision.nodes.frame_pairs import MOST_BYTES, FramePairs
 from robot_vision.srv import EnrollFace, EnrollFolder, ForgetName, ListNames
 from robot_vision.transport import Frame
 
@@ -57,15 +57,36 @@ class Door:
         self.process = start("face_recognizer.py", "__name:=door", *arguments)
         self.outputs = []
         if listen:
-            self.outputs = [
-                support.Messages("/door/faces", DetectionArray),
-                support.Messages("/door/identities", FaceIdentityArray),
-                support.Messages("/door/processed_image", Image),
-            ]
-            for output in self.outputs:
-                support.wait_for(output.connected, "the node's topics")
-            self.images.wait_for()
-            self.faces.wait_for()
+            self.listen()
+
+    def listen(self):
+        """Subscribes to all that the node publishes, which makes it work."""
+        self.outputs = [
+            support.Messages("/door/faces", DetectionArray),
+            support.Messages("/door/identities", FaceIdentityArray),
+            support.Messages("/door/processed_image", Image),
+        ]
+        for output in self.outputs:
+            support.wait_for(output.connected, "the node's topics")
+        self.images.wait_for()
+        self.faces.wait_for()
+
+    def listen_no_more(self):
+        """Has the node idle."""
+        while self.outputs:
+            self.outputs.pop().close()
+        self.images.wait_for(0)
+        self.faces.wait_for(0)
+
+    def restart_detector(self):
+        """Another publisher of faces, whose ids begin anew."""
+        self.faces.close()
+        self.faces = Source(self.faces.topic, DetectionArray)
+        self.faces.wait_for()
+
+    def restart_clock(self):
+        """From now on stamps are those of the beginning."""
+        self._stamps = itertools.count(0)  # of which no answer has come
 
     def send(self, picture, detections, faces_first=False):
         """A picture and the faces in it; their stamp."""
@@ -203,6 +224,15 @@ def test_looks_are_limited(start, folder):
     assert door.look(ANNA) == "unknown"  # at once
 
 
+def test_names_are_not_handed_on_when_the_detector_begins_anew(start, folder):
+    door = Door(start, f"_gallery:={folder}", "_votes:=1", "_rate:=0.1")
+    assert door.look(ANNA) == "Anna"
+    door.restart_detector()
+    assert door.look(BERT) == "Zoë"
+    door.restart_clock()
+    assert door.look(CARLA) == "unknown"
+
+
 def test_predicted_face_keeps_its_name_unseen(start, folder):
     door = Door(start, f"_gallery:={folder}", *AT_ONCE)
     assert door.look(ANNA) == "Anna"
@@ -231,6 +261,22 @@ def test_faces_may_come_before_their_picture_or_late(start, folder):
         time.sleep(0.05)
         door.faces.send(found)
     assert door.answer(late.header.stamp)[1].identities[0].name == "Anna"
+
+
+def test_pictures_do_not_wait_while_nobody_listens(start, folder, diagnostics):
+    door = Door(start, f"_gallery:={folder}", "_diagnostic_period:=0.1", *AT_ONCE)
+    anna = photograph(ANNA, 20)[0]
+    waits = message(anna, "bgr8")
+    waits.header.stamp = rospy.Time(0, 7)
+    door.images.send(waits)
+    support.wait_for(
+        lambda: diagnostics.value("door", "frames published") == "1", "the picture in the node"
+    )
+    door.listen_no_more()
+    door.listen()
+    door.faces.send(DetectionArray(waits.header, 320, 240, faces_of(anna)))
+    assert door.look(ANNA) == "Anna"
+    assert all(m.header.stamp != waits.header.stamp for o in door.outputs for m in o.received)
 
 
 def test_enrolling_from_the_live_picture_without_subscribers(start, tmp_path):
@@ -317,6 +363,31 @@ def test_one_is_enrolled_at_a_time_and_the_node_ends_meanwhile(start, folder):
     assert not any(answer.success for answer in answers)
 
 
+def test_node_ends_while_a_folder_is_enrolled(start, tmp_path):
+    photo = cv2.resize(photograph(ANNA, 0)[0], (1600, 1200))
+    for name in ("Anna", "Eve"):
+        (tmp_path / "course" / name).mkdir(parents=True)
+        cv2.imwrite(str(tmp_path / "course" / name / "0.bmp"), photo)
+    eve = tmp_path / "course" / "Eve"
+    for number in range(1, 300):
+        (eve / f"{number}.bmp").symlink_to(eve / "0.bmp")
+    door = Door(start, f"_gallery:={tmp_path / 'faces'}", listen=False)
+    assert known() == {}
+    answers = []
+
+    def enroll_all():
+        with contextlib.suppress(rospy.ServiceException):  # the node ends
+            answers.append(call("enroll_folder", EnrollFolder, str(tmp_path / "course"), ""))
+
+    thread = threading.Thread(target=enroll_all, daemon=True)
+    thread.start()
+    support.wait_for(lambda: known() == {"Anna": 1}, "the first name, while the second is read")
+    door.process.interrupt()
+    assert door.process.exit_code(3.0) == 0, door.process.output()
+    thread.join(support.DEADLINE)
+    assert not thread.is_alive() and not any(answer.success for answer in answers)
+
+
 def test_folders_are_enrolled_listed_and_forgotten(start, tmp_path):
     course = tmp_path / "course"
     for name, person in [("Anna", ANNA), ("Zoë", BERT)]:
@@ -347,6 +418,17 @@ def test_folders_are_enrolled_listed_and_forgotten(start, tmp_path):
     answer = call("enroll_folder", EnrollFolder, str(course), "Eve")  # no pictures of its own
     assert not answer.success and answer.pictures == 0
     assert course.exists() and door.look(ANNA) == "Anna"
+
+
+def test_forgotten_are_not_named_though_the_file_of_faces_cannot_be_written(start, folder):
+    door = Door(start, f"_gallery:={folder}", *AT_ONCE)
+    assert door.look(ANNA) == "Anna"
+    (folder / CACHE).unlink()
+    (folder / CACHE).mkdir()
+    answer = call("forget_name", ForgetName, "Anna")
+    assert not answer.success and answer.pictures == 8
+    assert answer.message.startswith("Anna is forgotten; .faces")
+    assert door.look(ANNA) == "unknown" and known() == {"Zoë": 8}
 
 
 def test_distance_of_strangers_is_changed_live(start, folder):
@@ -380,12 +462,26 @@ def test_gallery_that_cannot_be_made_is_told_when_it_is_needed(start):
     assert known() == {} and door.look(ANNA) == "unknown"
 
 
-def test_faces_that_cannot_be_used_are_refused(start, folder):
+@pytest.mark.parametrize(
+    "box, predicted, text",
+    [
+        ((310, 230, 0, 10), False, "the box 0x10 at (310, 230) is not in the picture of 320x240"),
+        ((330, 10, 20, 20), True, "the box 20x20 at (330, 10) is not in the picture of 320x240"),
+        ((0, 0, 2**32 - 1, 9), False, "the box 4294967295x9, must have sides of at most 640 px"),
+        ((0, 0, 9, 2**32 - 1), True, "the box 9x4294967295, must have sides of at most 640 px"),
+    ],
+)
+def test_boxes_that_cannot_be_used_are_refused(start, folder, box, predicted, text):
+    door = Door(start, f"_gallery:={folder}", *AT_ONCE)
+    door.send(photograph(ANNA, 20)[0], [face(box, 1, predicted=predicted)])
+    door.process.wait_for_output("faces that cannot be used: " + text)
+    assert door.look(ANNA) == "Anna"
+    assert "Traceback" not in door.process.output()
+
+
+def test_faces_of_a_picture_of_another_size_are_refused(start, folder):
     door = Door(start, f"_gallery:={folder}", *AT_ONCE)
     anna = photograph(ANNA, 20)[0]
-    door.send(anna, [face((310, 230, 0, 10), 1)])
-    door.process.wait_for_output("the box 0x10 at (310, 230) is not in the picture of 320x240")
-    door.send(anna, [face((330, 10, 20, 20), -1)])
     image = message(anna, "bgr8")
     image.header.stamp = rospy.Time(500)
     door.images.send(image)
@@ -405,12 +501,15 @@ def test_missing_faces_and_those_of_another_camera_are_told(start, folder):
         return f"no faces come on {door.faces.topic}" in door.process.output()
 
     support.wait_for(tell, "the warning that there is no detector")
-    for number in range(FRAMES):
+
+    def tell_of_others():  # until it is told: the node takes the newest only
         found = DetectionArray(image.header, 320, 240, [])
-        found.header.stamp = rospy.Time(2000 + number)
+        found.header.stamp = rospy.Time(1000 + next(seconds))
         door.faces.send(found)
-        time.sleep(0.05)  # the node takes the newest only
-    door.process.wait_for_output(f"no pictures on {door.images.topic} have the stamps of")
+        text = f"no pictures on {door.images.topic} have the stamps of"
+        return text in door.process.output()
+
+    support.wait_for(tell_of_others, "the warning that the faces are another camera's")
     assert door.look(ANNA) == "Anna"
 
 
@@ -440,20 +539,70 @@ def test_bad_value_at_start_is_fatal(start, name, value, text):
 
 def stamped(kind, secs):
     made = kind()
-    made.header.stamp = rospy.Time(secs)
+    made.header.stamp = rospy.Time.from_sec(secs)
     return made
+
+
+def frames_of(seconds, image=BLANK):
+    return [Frame(image, "bgr8", stamped(DetectionArray, s).header) for s in seconds]
+
+
+def held(frames):
+    """How often each of these frames is held."""
+    return [sys.getrefcount(frame) for frame in frames]
 
 
 def test_pairs_hold_only_what_may_be_needed():
     pairs = FramePairs()
-    frames = [Frame(BLANK, "bgr8", stamped(DetectionArray, n).header) for n in range(100)]
-    before = [sys.getrefcount(frame) for frame in frames]
+    seconds = [0.1 * n for n in range(100)]
+    frames = frames_of(seconds)
+    before = held(frames)
     assert [pairs.message_of(frame) for frame in frames] == [None] * 100
-    assert pairs.frame_of(stamped(DetectionArray, 99 - FRAMES)) is None  # too late
-    assert pairs.frame_of(stamped(DetectionArray, 95)) is frames[95]
-    assert pairs.frame_of(stamped(DetectionArray, 94)) is None  # 95 was later
-    assert pairs.frame_of(stamped(DetectionArray, 99)) is frames[99]
-    assert [sys.getrefcount(frame) for frame in frames] == before
+    assert pairs.frame_of(stamped(DetectionArray, seconds[75])) is None  # too late
+    assert pairs.frame_of(stamped(DetectionArray, seconds[85])) is frames[85]
+    assert pairs.frame_of(stamped(DetectionArray, seconds[84])) is None  # 85 was later
+    assert pairs.frame_of(stamped(DetectionArray, seconds[99])) is frames[99]
+    assert held(frames) == before
     waits = stamped(DetectionArray, 200)
     assert pairs.frame_of(waits) is None
     assert pairs.message_of(Frame(BLANK, "bgr8", waits.header)) is waits
+
+
+def test_pairs_wait_for_a_detector_that_is_far_behind():
+    pairs = FramePairs()
+    frames = frames_of([n / 30.0 for n in range(90)])
+    for number, frame in enumerate(frames):
+        pairs.message_of(frame)
+        if number >= 30:  # 1 s behind
+            assert (
+                pairs.frame_of(stamped(DetectionArray, (number - 30) / 30.0)) is frames[number - 30]
+            )
+    assert not pairs.apart()
+
+
+def test_pairs_hold_no_more_than_their_bytes_nor_of_another_time():
+    pairs = FramePairs()
+    large = np.zeros((2000, 2000, 3), np.uint8)
+    frames = frames_of([0.01 * n for n in range(50)], large)
+    before = held(frames)
+    assert [pairs.message_of(frame) for frame in frames] == [None] * 50
+    kept = [now > then for now, then in zip(held(frames), before)]
+    assert sum(kept) == MOST_BYTES // large.nbytes and all(kept[-5:])
+    (earlier,) = frames_of([0.001])
+    pairs.message_of(earlier)
+    assert held(frames) == before
+    pairs.clear()
+    assert pairs.frame_of(stamped(DetectionArray, 0.001)) is None
+
+
+def test_pairs_are_apart_only_while_nothing_fits():
+    pairs = FramePairs()
+    for frame in frames_of(range(100, 110)):
+        pairs.message_of(frame)
+        assert not pairs.apart()
+        pairs.frame_of(stamped(DetectionArray, frame.header.stamp.to_sec() + 0.5))
+    assert pairs.apart()
+    for frame in frames_of(range(120, 125)):
+        pairs.message_of(frame)
+        assert pairs.frame_of(stamped(DetectionArray, frame.header.stamp.to_sec())) is frame
+        assert not pairs.apart()

@@ -7,6 +7,12 @@ from sensor_msgs.msg import Image
 
 NODES = ["camera_node", "brightness_node", "edge_detector_node"]
 PYTHON_NODES = ["hsv_tracker.py", "ball_tracker.py", "line_follower.py"]
+PYTHON_NODES += [
+    "face_detector.py",
+    "face_recognizer.py",
+    "motion_detector.py",
+    "object_tracker.py",
+]
 SHORT = 3.0  # s: a second is promised, a loaded machine gets two more
 
 

@@ -1,12 +1,15 @@
 """A gallery of people on the disk: kept, imported, mended, and never left."""
 
+import concurrent.futures
 import contextlib
 import errno
+import hashlib
 import os
 import shutil
 import subprocess
 import sys
 import tempfile
+import threading
 
 import cv2
 import numpy as np
@@ -17,11 +20,21 @@ import robot_vision.gallery
 import robot_vision.gallery_files
 from robot_vision.face_cache import HEAD
 from robot_vision.face_picture import find_face
-from robot_vision.gallery import CACHE, Gallery
+from robot_vision.gallery import CACHE, Added, Gallery, Removed
 from robot_vision.gallery_files import MAX_FILE
 
 ESCAPES = ["", ".", "..", "../Anna", "/tmp/Anna", "a/b", "a\\b", ".Anna", " Anna", "Anna ", "a\nb"]
-ESCAPES += ["a\0b", "a\x1bb", "\u2028", "\udc80", "x" * 61, "unknown"]
+ESCAPES += [
+    "a\u202eb",
+    "a\u200bb",
+    "\ufeffa",
+    "a\0b",
+    "a\x1bb",
+    "\u2028",
+    "\udc80",
+    "x" * 61,
+    "unknown",
+]
 
 
 @pytest.fixture
@@ -71,7 +84,7 @@ def test_what_was_added_is_there_after_a_start_without_a_search(folder, searched
     assert not problems and not searched
     assert list(gallery.names().items()) == [("Anna", 3), ("Bert", 2)]
     faces, labels = gallery.training()
-    assert sorted(labels) == [0, 0, 0, 1, 1] and len(faces) == 5
+    assert sorted(labels) == ["Anna"] * 3 + ["Bert"] * 2 and len(faces) == 5
     names = ["Anna/1.png", "Anna/2.png", "Anna/3.png", "Bert/1.png", "Bert/2.png"]
     assert sorted(files(folder)) == [CACHE, *names]
     picture = cv2.imread(str(folder / "Anna" / "2.png"))
@@ -84,6 +97,7 @@ def test_gallery_that_is_not_there_is_empty_and_made_when_needed(tmp_path):
     assert not problems and gallery.names() == {} and gallery.training() == ([], [])
     assert not folder.exists()
     gallery.add("Anna", photographs(ANNA, 1))
+    assert folder.stat().st_mode & 0o777 == 0o700  # faces are nobody else's business
     assert same_faces(gallery, loaded(folder)[0])
 
 
@@ -101,8 +115,24 @@ def test_names_of_all_scripts(tmp_path, name):
     gallery.add(name, photographs(ANNA, 1))
     gallery, problems = loaded(tmp_path)
     assert not problems and gallery.names() == {name: 1}
-    assert gallery.forget(name) == 1
+    assert gallery.forget(name).pictures == 1
     assert os.listdir(tmp_path) == [CACHE]
+
+
+def test_names_that_read_the_same_are_one_person(tmp_path):
+    composed, decomposed = "Zo\u00eb", "Zoe\u0308"
+    gallery = Gallery(str(tmp_path / "faces"))
+    gallery.add(decomposed, photographs(ANNA, 1))
+    (tmp_path / "course" / decomposed).mkdir(parents=True)
+    cv2.imwrite(str(tmp_path / "course" / decomposed / "1.png"), photograph(ANNA, 1)[0])
+    assert gallery.import_folder(str(tmp_path / "course")).pictures == 1
+    gallery.add(composed, photographs(ANNA, 1, first=2))
+    assert gallery.names() == {composed: 3}
+    (tmp_path / "faces" / decomposed).mkdir()
+    other, (problem,) = loaded(tmp_path / "faces")
+    assert other.names() == {composed: 3}
+    assert problem.endswith(r"its name must be in Unicode's form NFC, 'Zoe\u0308' is not")
+    assert gallery.forget(decomposed).pictures == 3
 
 
 @pytest.mark.parametrize("name", ESCAPES)
@@ -136,6 +166,18 @@ def test_links_out_of_the_gallery_are_not_followed(folder):
     assert files(outside) == before
 
 
+def test_link_to_another_name_is_none_of_its_own(folder):
+    (folder / "Anne").symlink_to("Anna")
+    before = files(folder)
+    gallery, problems = loaded(folder)
+    assert problems == [f"{folder}/Anne is not used: it is a symbolic link, must be a folder"]
+    assert gallery.names() == {"Anna": 3, "Bert": 2}
+    for use in (lambda: gallery.add("Anne", photographs(CARLA, 1)), lambda: gallery.forget("Anne")):
+        with pytest.raises(ValueError, match="it is a symbolic link"):
+            use()
+    assert files(folder) == before
+
+
 @pytest.mark.parametrize(
     "damage",
     [
@@ -143,6 +185,7 @@ def test_links_out_of_the_gallery_are_not_followed(folder):
         lambda data: b"",
         lambda data: HEAD,
         lambda data: b"robot_vision faces 0\n" + data[len(HEAD) :],
+        lambda data: HEAD + hashlib.sha256(b"5\n").hexdigest().encode() + b"5\n",
         lambda data: data[:-5000] + bytes([data[-5000] ^ 1]) + data[-4999:],
         lambda data: np.random.default_rng(1).bytes(len(data)),
     ],
@@ -156,6 +199,18 @@ def test_damaged_file_of_faces_is_made_anew(folder, damage, searched):
     assert same_faces(gallery, good) and len(searched) == 5
     assert (folder / CACHE).read_bytes() == data
     assert not loaded(folder)[1] and len(searched) == 5
+
+
+def test_file_of_faces_that_is_a_pipe_or_far_too_large_is_made_anew(folder):
+    data = (folder / CACHE).read_bytes()
+    (folder / CACHE).unlink()
+    os.mkfifo(str(folder / CACHE))
+    (problem,) = loaded(folder)[1]
+    assert problem.endswith("it is no file") and (folder / CACHE).read_bytes() == data
+    os.truncate(str(folder / CACHE), 2 << 30)
+    (problem,) = loaded(folder)[1]
+    assert problem.endswith("it has 2048 MB, must have at most 1024")
+    assert (folder / CACHE).read_bytes() == data
 
 
 def test_pictures_changed_by_hand_are_noticed(folder, searched):
@@ -252,17 +307,99 @@ def test_folders_of_pictures_are_imported_once(tmp_path):
         gallery.import_folder(str(tmp_path / "nowhere"))
 
 
+def test_gallery_is_not_imported_into_itself(folder):
+    gallery = loaded(folder)[0]
+    before = files(folder)
+    for source, name in [("", ""), ("", "Eve"), ("Anna", "Anna"), ("Anna", "")]:
+        with pytest.raises(ValueError, match=r"faces.* is in the gallery"):
+            gallery.import_folder(str(folder / source), name)
+    around = folder.parent / "around"
+    around.mkdir()
+    (around / "Anna").symlink_to(folder / "Anna")
+    added = gallery.import_folder(str(around))
+    assert added == Added(problems=[f"{around}/Anna: {around}/Anna is in the gallery"])
+    assert files(folder) == before
+
+
+def test_import_is_given_up_between_two_pictures(folder, searched):
+    source = folder.parent / "source"
+    for name in ("Carla", "Eve"):
+        (source / name).mkdir(parents=True)
+        for number, picture in enumerate(photographs(CARLA, 3).values()):
+            cv2.imwrite(str(source / name / f"{number}.png"), picture)
+    gallery = loaded(folder)[0]
+    with pytest.raises(InterruptedError, match=r"given up at .*Eve/1\.png"):
+        gallery.import_folder(str(source), given_up=lambda: len(searched) >= 2 * 4)
+    assert gallery.names() == {"Anna": 3, "Bert": 2, "Carla": 3}
+    assert same_faces(gallery, loaded(folder)[0])
+
+
+def test_names_are_told_while_faces_are_searched(folder, monkeypatch):
+    searching, go_on = threading.Event(), threading.Event()
+
+    def find(picture):
+        searching.set()
+        assert go_on.wait(30.0)
+        return find_face(picture)
+
+    gallery = loaded(folder)[0]
+    monkeypatch.setattr("robot_vision.face_picture.find_face", find)
+    with concurrent.futures.ThreadPoolExecutor(2) as threads:
+        adding = threads.submit(gallery.add, "Carla", photographs(CARLA, 2))
+        assert searching.wait(30.0)
+        try:
+            names = threads.submit(gallery.names).result(10.0)
+        finally:
+            go_on.set()
+        assert names == {"Anna": 3, "Bert": 2} and adding.result(30.0).pictures == 2
+    assert gallery.names() == {"Anna": 3, "Bert": 2, "Carla": 2}
+
+
 def test_forgotten_are_gone_with_all_pictures_but_no_other_files(folder):
     gallery = loaded(folder)[0]
     (folder / "Anna" / "damaged.png").write_text("")
     (folder / "Bert" / "notes.txt").write_text("mine")
-    assert gallery.forget("Anna") == 4
-    assert gallery.forget("Bert") == 2
+    assert gallery.forget("Anna") == Removed(4)
+    assert gallery.forget("Bert") == Removed(2)
     assert sorted(files(folder)) == [CACHE, "Bert/notes.txt"]
     assert len((folder / CACHE).read_bytes()) < 200  # no face is left in it
     assert gallery.names() == {} == loaded(folder)[0].names()
     with pytest.raises(ValueError, match="nobody is called 'Anna'"):
         gallery.forget("Anna")
+
+
+def test_forgotten_are_gone_though_the_file_of_faces_cannot_be_written(folder, monkeypatch):
+    gallery = loaded(folder)[0]
+
+    def refuse(path, data):
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    monkeypatch.setattr("robot_vision.face_cache.replace_file", refuse)
+    removed = gallery.forget("Anna")
+    assert removed.pictures == 3
+    (problem,) = removed.problems
+    assert problem.startswith(".faces cannot be written") and "No space left" in problem
+    assert gallery.names() == {"Bert": 2}
+    assert sorted(files(folder)) == ["Bert/1.png", "Bert/2.png"]
+
+
+def test_who_cannot_be_forgotten_whole_keeps_the_rest(folder, monkeypatch):
+    gallery = loaded(folder)[0]
+    unlink = os.unlink
+
+    def keep_the_second(path):
+        if str(path).endswith("2.png"):
+            raise PermissionError(errno.EPERM, os.strerror(errno.EPERM))
+        unlink(path)
+
+    monkeypatch.setattr(os, "unlink", keep_the_second)
+    removed = gallery.forget("Anna")
+    monkeypatch.undo()
+    problem = f"{folder}/Anna/2.png cannot be removed: Operation not permitted"
+    assert removed == Removed(2, [problem])
+    assert gallery.names() == {"Anna": 1, "Bert": 2}
+    assert same_faces(gallery, loaded(folder)[0])
+    assert gallery.forget("Anna") == Removed(1)
 
 
 def test_all_pictures_are_written_or_none(folder, monkeypatch):
@@ -349,6 +486,15 @@ def test_crash_while_adding_leaves_a_gallery_that_loads(folder, where, pictures)
     assert same_faces(gallery, loaded(folder)[0])
 
 
+def test_files_left_by_a_crash_of_a_process_of_the_same_number_are_in_nobodys_way(folder):
+    gallery = loaded(folder)[0]
+    (folder / f"{CACHE}.{os.getpid()}.tmp").write_text("")
+    for number in range(1, 9):
+        (folder / "Anna" / f".{number}.{os.getpid()}.tmp").write_text("")
+    assert gallery.add("Anna", photographs(CARLA, 2)) == Added(2)
+    assert same_faces(gallery, loaded(folder)[0])
+
+
 @contextlib.contextmanager
 def somebody_else():
     """Without root's right to write everywhere."""
@@ -381,9 +527,13 @@ def test_gallery_that_cannot_be_written_is_used(folder):
             for use in (
                 lambda: gallery.add("Anna", photographs(CARLA, 1)),
                 lambda: gallery.add("Carla", photographs(CARLA, 1)),
-                lambda: gallery.forget("Anna"),
             ):
                 with pytest.raises(PermissionError):
                     use()
+            removed = gallery.forget("Anna")
+            assert removed.pictures == 0
+            assert removed.problems[:3] == [
+                f"{faces}/Anna/{n}.png cannot be removed: Permission denied" for n in (1, 2, 3)
+            ]
             assert gallery.names() == {"Anna": 3, "Bert": 2}
         assert sorted(os.listdir(os.path.join(faces, "Anna"))) == sorted(before)

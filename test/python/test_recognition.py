@@ -96,6 +96,15 @@ def test_box_that_is_not_in_the_picture_is_refused(box):
         normalized(np.zeros((30, 40), np.uint8), box)
 
 
+@pytest.mark.parametrize("box", [(0, 0, 81, 10), (0, 0, 10, 81), (0, 0, 2**32 - 1, 2**32 - 1)])
+def test_box_far_larger_than_the_picture_is_refused(box):
+    picture = np.zeros((30, 40), np.uint8)
+    for use in (normalized, portrait):
+        with pytest.raises(ValueError, match=r"the box .* must have sides of at most 80 px"):
+            use(picture, box)
+    assert normalized(picture, (0, 0, 80, 80)).shape == (SIDE, SIDE)
+
+
 def test_normalized_faces_are_alike_in_any_size_and_light():
     box = 180, 70, 90, 90
     face = normalized(ASTRONAUT, box)

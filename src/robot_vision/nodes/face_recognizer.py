@@ -10,7 +10,7 @@ import rospy
 
 from .. import draw_outline
 from ..cfg import FaceRecognizerConfig
-from ..face_picture import Box, normalized
+from ..face_picture import Box, check_box, normalized
 from ..gallery import Gallery
 from ..identities import Identities, Identity, VoteParams
 from ..msg import Detection, DetectionArray, FaceIdentity, FaceIdentityArray
@@ -39,9 +39,11 @@ class FaceRecognizer:
         self._recognizer: Recognizer = LbphRecognizer()
         self._names: List[str] = []  # by the recogniser's labels
         self._identities = Identities()
+        self._connection: Any = None  # that the newest faces came by
+        self._stamp = rospy.Time()  # of them
         self._pairs = FramePairs()
         self._last_frame = self._last_faces = 0.0  # s of the monotonic clock
-        self._node = ImageNode(self._on_frame)
+        self._node = ImageNode(self._on_frame, idle=self._pairs.clear)
         self._node.subscriber("faces", DetectionArray, self._on_faces)
         self._faces = self._node.publisher("~faces", DetectionArray)
         self._whose = self._node.publisher("~identities", FaceIdentityArray)
@@ -57,11 +59,14 @@ class FaceRecognizer:
 
     def _learn(self, gallery: Gallery) -> None:
         """Trains with other people while those known so far are still recognised."""
+        faces, whose = gallery.training()
+        names = sorted(set(whose))
+        labels = {name: label for label, name in enumerate(names)}
         recognizer = LbphRecognizer()
-        recognizer.train(*gallery.training())
+        recognizer.train(faces, [labels[name] for name in whose])
         with self._lock:
             self._recognizer = recognizer
-            self._names = list(gallery.names())
+            self._names = names
             self._identities.clear()
 
     def _on_frame(self, frame: Frame) -> None:
@@ -95,16 +100,26 @@ class FaceRecognizer:
                 5.0, f"faces of a picture of {faces.width}x{faces.height}, not {width}x{height}"
             )
             return
+        try:
+            for face in faces.detections:
+                check_box(frame.image, box_of(face))
+        except ValueError as error:
+            rospy.logerr_throttle(5.0, f"faces that cannot be used: {error}")
+            return
         with self._lock:
-            try:
-                found = [self._identify(frame.image, face, now) for face in faces.detections]
-            except ValueError as error:
-                rospy.logerr_throttle(5.0, f"faces that cannot be used: {error}")
-                return
+            self._notice_other_ids(faces)
+            found = [self._identify(frame.image, face, now) for face in faces.detections]
             self._identities.see((face.id for face in faces.detections), now)
             self._publish(frame, faces, found)
             seen = [box_of(face) for face in faces.detections if not face.predicted]
             self._services.offer(frame.image, seen, now)
+
+    def _notice_other_ids(self, faces: DetectionArray) -> None:
+        """Forgets who is who when the detector has begun anew: its ids are other faces' now."""
+        connection = getattr(faces, "_connection_header", None)  # one object for each connection
+        if connection is not self._connection or faces.header.stamp < self._stamp:
+            self._identities.clear()
+        self._connection, self._stamp = connection, faces.header.stamp
 
     def _identify(self, image: np.ndarray, face: Detection, now: float) -> Identity:
         if face.predicted:  # there may be something else in its place
@@ -121,11 +136,6 @@ class FaceRecognizer:
         return self._names[label] if label >= 0 else "", distance
 
     def _publish(self, frame: Frame, faces: DetectionArray, found: List[Identity]) -> None:
-        if self._processed.get_num_connections():
-            overlay = frame.image.copy()
-            for face, identity in zip(faces.detections, found):
-                draw_identity(overlay, box_of(face), identity)
-            self._processed.publish(overlay, "bgr8", frame.header)
         whose = FaceIdentityArray(header=faces.header)
         for face, identity in zip(faces.detections, found):
             face.label, face.score = identity.name, identity.score
@@ -134,6 +144,11 @@ class FaceRecognizer:
             )
         self._faces.publish(faces)
         self._whose.publish(whose)
+        if self._processed.get_num_connections():
+            overlay = frame.image.copy()
+            for face, identity in zip(faces.detections, found):
+                draw_identity(overlay, box_of(face), identity)
+            self._processed.publish(overlay, "bgr8", frame.header)
 
 
 def box_of(face: Detection) -> Box:

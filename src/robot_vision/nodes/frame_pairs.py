@@ -6,7 +6,10 @@ from typing import Any, Deque, Optional
 
 from ..transport import Frame
 
-FRAMES = 10  # that wait for their message, so many frames may its node be behind
+SPAN = 2.0  # s, so far may the other node, or the pictures, be behind
+MOST_BYTES = 128 << 20  # of the frames that wait
+MOST_MESSAGES = 1000  # that wait; without stamps none is too old
+MANY = 10  # messages in a row without a frame: it is no accident
 
 
 class FramePairs:
@@ -16,9 +19,10 @@ class FramePairs:
     """
 
     def __init__(self) -> None:
-        self._lock = threading.Lock()  # guards both
-        self._frames: Deque[Frame] = collections.deque(maxlen=FRAMES)
-        self._messages: Deque[Any] = collections.deque(maxlen=FRAMES)
+        self._lock = threading.Lock()  # guards all that follows
+        self._frames: Deque[Frame] = collections.deque()
+        self._messages: Deque[Any] = collections.deque(maxlen=MOST_MESSAGES)
+        self._missed = 0  # messages in a row without a frame
 
     def message_of(self, frame: Frame) -> Optional[Any]:
         """The message that has waited for this frame; without one the frame waits for it."""
@@ -26,8 +30,11 @@ class FramePairs:
             message = _taken(self._messages, frame.header.stamp)
             if message is None:
                 self._frames.append(frame)
+                _drop_old(self._frames)
+                self._drop_many()
             else:
                 self._frames.clear()
+                self._missed = 0
             return message
 
     def frame_of(self, message: Any) -> Optional[Frame]:
@@ -36,11 +43,36 @@ class FramePairs:
             frame = _taken(self._frames, message.header.stamp)
             if frame is None:
                 self._messages.append(message)
+                _drop_old(self._messages)
+                self._missed += 1
+            else:
+                self._messages.clear()
+                self._missed = 0
             return frame
 
     def apart(self) -> bool:
         """Whether many messages in a row had no frame."""
-        return len(self._messages) == FRAMES
+        with self._lock:
+            return self._missed >= MANY
+
+    def clear(self) -> None:
+        """Lets all go that waits."""
+        with self._lock:
+            self._frames.clear()
+            self._messages.clear()
+            self._missed = 0
+
+    def _drop_many(self) -> None:
+        size = sum(frame.image.nbytes for frame in self._frames)
+        while size > MOST_BYTES and len(self._frames) > 1:
+            size -= self._frames.popleft().image.nbytes
+
+
+def _drop_old(waiting: Deque[Any]) -> None:
+    """Drops what is much older than the newest, or of a time before the stamps went back."""
+    newest = waiting[-1].header.stamp
+    while not 0.0 <= (newest - waiting[0].header.stamp).to_sec() <= SPAN:
+        waiting.popleft()
 
 
 def _taken(waiting: Deque[Any], stamp: Any) -> Optional[Any]:

@@ -1,8 +1,9 @@
 """The services by which a face recogniser comes to know people."""
 
+import contextlib
 import os
 import threading
-from typing import Any, Callable, Dict, List, Optional, Sequence
+from typing import Any, Callable, Dict, Iterator, List, Optional, Sequence
 
 import numpy as np
 import rospkg
@@ -11,7 +12,7 @@ import rospy
 from ..enrollment import Enrollment
 from ..face_picture import Box
 from ..gallery import Added, Gallery
-from ..gallery_files import check_name
+from ..gallery_files import valid_name
 from ..srv import (
     EnrollFace,
     EnrollFaceResponse,
@@ -26,6 +27,7 @@ from .params import read_param
 
 PICTURES = 10  # that are taken if nothing is said of it
 MAX_PICTURES = 100
+GRACE = 3.0  # s, longer than run_node() gives a node to end
 
 
 class GalleryServices:
@@ -47,7 +49,9 @@ class GalleryServices:
         self._keep_working = keep_working
         self._enrollment: Optional[Enrollment] = None
         self._enrolling = threading.Lock()  # held while pictures are taken: one person at a time
-        self._lock = threading.Lock()  # guards the gallery
+        self._learning = threading.Lock()  # held while it is learnt: the last change last
+        self._working = 0  # calls under way
+        self._ended = threading.Condition()  # of one of them
         default = os.path.join(rospkg.get_ros_home(), "robot_vision", "faces")
         self._gallery = Gallery(read_param("gallery", "") or default)
         _report(self._gallery.load())
@@ -58,16 +62,45 @@ class GalleryServices:
 
     def advertise(self) -> None:
         """Offers the services."""
-        rospy.Service("~enroll", EnrollFace, self._on_enroll)
-        rospy.Service("~enroll_folder", EnrollFolder, self._on_enroll_folder)
-        rospy.Service("~list_names", ListNames, self._on_list_names)
-        rospy.Service("~forget_name", ForgetName, self._on_forget_name)
+        rospy.on_shutdown(self._finish)
+        self._service("~enroll", EnrollFace, self._on_enroll)
+        self._service("~enroll_folder", EnrollFolder, self._on_enroll_folder)
+        self._service("~list_names", ListNames, self._on_list_names)
+        self._service("~forget_name", ForgetName, self._on_forget_name)
 
     def offer(self, image: np.ndarray, boxes: Sequence[Box], now: float) -> None:
         """A picture, and the faces in it, for ~enroll: see Enrollment.offer()."""
         enrollment = self._enrollment
         if enrollment:
             enrollment.offer(image, boxes, now)
+
+    def _service(self, name: str, kind: Any, handler: Callable[[Any], Any]) -> None:
+        def handle(request: Any) -> Any:
+            with self._at_work():
+                return handler(request)
+
+        rospy.Service(name, kind, handle)
+
+    @contextlib.contextmanager
+    def _at_work(self) -> Iterator[None]:
+        with self._ended:
+            self._working += 1
+        try:
+            yield
+        finally:
+            with self._ended:
+                self._working -= 1
+                self._ended.notify_all()
+
+    def _finish(self) -> None:
+        """Waits for the calls: the interpreter must not end while one is in C++, it would abort."""
+        with self._ended:
+            self._ended.wait_for(lambda: not self._working, GRACE)
+
+    def _learn(self) -> None:
+        with self._learning:
+            if not rospy.core.is_shutdown_requested():
+                self._changed(self._gallery)
 
     def _on_enroll(self, request: Any) -> EnrollFaceResponse:
         try:
@@ -78,7 +111,7 @@ class GalleryServices:
         return EnrollFaceResponse(True, _summary(added, request.name), added.pictures)
 
     def _enroll(self, name: str, pictures: int) -> Added:
-        check_name(name)
+        name = valid_name(name)
         if pictures > MAX_PICTURES:
             raise ValueError(f"pictures is {pictures}, must be from 1 to {MAX_PICTURES}")
         if not self._enrolling.acquire(blocking=False):
@@ -87,9 +120,8 @@ class GalleryServices:
             portraits = self._take(Enrollment(pictures))
         finally:
             self._enrolling.release()
-        with self._lock:
-            added = self._gallery.add(name, portraits)
-            self._changed(self._gallery)
+        added = self._gallery.add(name, portraits)
+        self._learn()
         _report(added.problems)
         return added
 
@@ -98,7 +130,7 @@ class GalleryServices:
         self._enrollment = enrollment
         self._keep_working(True)
         try:
-            if not enrollment.wait(timeout, rospy.is_shutdown):
+            if not enrollment.wait(timeout, rospy.core.is_shutdown_requested):
                 raise RuntimeError(f"{enrollment.outcome()}, within {timeout:g} s")
         finally:
             self._enrollment = None
@@ -109,9 +141,12 @@ class GalleryServices:
         try:
             if not os.path.isabs(request.folder):  # a node has another folder than its caller
                 raise ValueError(f"folder is '{request.folder}', must be an absolute path")
-            with self._lock:
-                added = self._gallery.import_folder(request.folder, request.name)
-                self._changed(self._gallery)
+            try:
+                added = self._gallery.import_folder(
+                    request.folder, request.name, rospy.core.is_shutdown_requested
+                )
+            finally:
+                self._learn()
         except (OSError, ValueError) as error:
             rospy.logerr("no folder enrolled: %s", error)
             return EnrollFolderResponse(False, str(error), 0, [])
@@ -121,19 +156,22 @@ class GalleryServices:
         return EnrollFolderResponse(some, _summary(added, who), added.pictures, added.problems)
 
     def _on_list_names(self, _request: Any) -> ListNamesResponse:
-        with self._lock:
-            names = self._gallery.names()
+        names = self._gallery.names()
         return ListNamesResponse(list(names), list(names.values()))
 
     def _on_forget_name(self, request: Any) -> ForgetNameResponse:
         try:
-            with self._lock:
-                count = self._gallery.forget(request.name)
-                self._changed(self._gallery)
+            removed = self._gallery.forget(request.name)
+            self._learn()
         except (OSError, ValueError) as error:
             rospy.logerr("nobody forgotten: %s", error)
             return ForgetNameResponse(False, str(error), 0)
-        return ForgetNameResponse(True, f"{request.name} is forgotten", count)
+        _report(removed.problems)
+        known = valid_name(request.name) in self._gallery.names()
+        text = "; ".join(
+            [f"{request.name} is {'still known' if known else 'forgotten'}", *removed.problems]
+        )
+        return ForgetNameResponse(not removed.problems, text, removed.pictures)
 
 
 def _summary(added: Added, who: str) -> str:

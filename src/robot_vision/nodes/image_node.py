@@ -21,6 +21,7 @@ class ImageNode:
         process: works on a Frame and publishes.
         encoding: that it wants its frames in.
         camera_info: whether frames shall come with their camera_info.
+        idle: is called when the work ends, to let go what was kept for it.
 
     Raises:
         ValueError: a parameter is of the wrong type or out of range.
@@ -31,7 +32,9 @@ class ImageNode:
         process: Callable[[transport.Frame], Any],
         encoding: str = "bgr8",
         camera_info: bool = False,
+        idle: Callable[[], Any] = lambda: None,
     ):
+        self._idle = idle
         self._always = read_param("always_subscribe", False)
         set_threads(read_threads())
         self._wanted = False
@@ -90,6 +93,7 @@ class ImageNode:
             self._images.unregister()
             while self._subscribers:
                 self._subscribers.pop().unregister()
+            self._idle()
 
 
 def read_threads() -> int:
