@@ -138,6 +138,8 @@ class ImageSubscriber:
             self._callback(frame)
             self._inbox.finished()
         except Exception as error:
+            if rospy.core.is_shutdown_requested():
+                return  # its topics are being closed
             self.failed += 1
             self._inbox.failed(f"the callback failed: {error!a}")
             text = f"{self.topic}: the callback failed:\n{traceback.format_exc()}"
