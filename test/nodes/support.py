@@ -146,6 +146,21 @@ def screen(frame_buffer: pathlib.Path) -> np.ndarray:
     return pixels.reshape(height, row)[:, : 4 * width].reshape(height, width, 4)[:, :, :3]
 
 
+def assert_fatal_at_start(start: Any, node: str, name: str, value: Any, text: str) -> None:
+    """Asserts that a Python node ends with code 1 and one FATAL line that has `text` in it.
+
+    Args:
+        start: the fixture.
+        name: of the private parameter that is set to `value`.
+    """
+    rospy.set_param("/bad/" + name, value)
+    process = start(node, "__name:=bad")
+    assert process.exit_code() == 1
+    fatal = [line for line in process.output().splitlines() if "FATAL" in line]
+    assert len(fatal) == 1, process.output()
+    assert "/bad: " in fatal[0] and text in fatal[0], process.output()
+
+
 def stamp_of(message: Any) -> rospy.Time:
     """The stamp of a message with a header, or of the first transform of a TFMessage."""
     return message.header.stamp if hasattr(message, "header") else stamp_of(message.transforms[0])

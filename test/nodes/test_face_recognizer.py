@@ -530,11 +530,7 @@ def test_default_gallery_is_in_the_folder_of_ros(start, tmp_path):
     ],
 )
 def test_bad_value_at_start_is_fatal(start, name, value, text):
-    rospy.set_param("/bad/" + name, value)
-    process = start("face_recognizer.py", "__name:=bad")
-    assert process.exit_code() == 1
-    fatal = [line for line in process.output().splitlines() if "FATAL" in line]
-    assert len(fatal) == 1 and text in fatal[0], process.output()
+    support.assert_fatal_at_start(start, "face_recognizer.py", name, value, text)
 
 
 def stamped(kind, secs):

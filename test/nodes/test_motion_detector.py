@@ -134,8 +134,4 @@ def test_method_is_changed_live(start):
     ],
 )
 def test_bad_value_at_start_is_fatal(start, name, value, text):
-    rospy.set_param("/bad/" + name, value)
-    process = start("motion_detector.py", "__name:=bad")
-    assert process.exit_code() == 1
-    fatal = [line for line in process.output().splitlines() if "FATAL" in line]
-    assert len(fatal) == 1 and text in fatal[0], process.output()
+    support.assert_fatal_at_start(start, "motion_detector.py", name, value, text)

@@ -394,8 +394,4 @@ def test_a_rectangle_dragged_in_the_launch_file_s_window_is_followed(start, disp
     ],
 )
 def test_bad_value_at_start_is_fatal(start, name, value, text):
-    rospy.set_param("/bad/" + name, value)
-    process = start("object_tracker.py", "__name:=bad")
-    assert process.exit_code() == 1
-    fatal = [line for line in process.output().splitlines() if "FATAL" in line]
-    assert len(fatal) == 1 and text in fatal[0], process.output()
+    support.assert_fatal_at_start(start, "object_tracker.py", name, value, text)

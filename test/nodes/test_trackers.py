@@ -173,12 +173,7 @@ def test_colours_are_changed_live_and_saved(start, camera, tmp_path):
     ],
 )
 def test_bad_value_at_start_is_fatal(start, node, name, value, message):
-    rospy.set_param("/bad/" + name, value)
-    process = start(node, "__name:=bad")
-    assert process.exit_code() == 1
-    fatal = [line for line in process.output().splitlines() if "FATAL" in line]
-    assert len(fatal) == 1, process.output()
-    assert "/bad: " in fatal[0] and message in fatal[0]
+    support.assert_fatal_at_start(start, node, name, value, message)
 
 
 def test_limits_at_start_are_those_of_the_one_colour(start):

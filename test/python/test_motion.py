@@ -4,6 +4,7 @@ import cv2
 import numpy as np
 import pytest
 import skimage.data
+from faces import iou
 
 import robot_vision as rv
 
@@ -30,13 +31,6 @@ def picture(frame, box=True, seed=0):
     noise = np.random.default_rng(seed + frame).normal(0.0, 2.0, image.shape)
     image = np.clip(image + noise, 0, 255).astype(np.uint8)
     return image, (left, y, right - left, BOX.shape[0]) if shown else None
-
-
-def iou(a, b):
-    left, top = max(a[0], b[0]), max(a[1], b[1])
-    right, bottom = min(a[0] + a[2], b[0] + b[2]), min(a[1] + a[3], b[1] + b[3])
-    common = max(right - left, 0) * max(bottom - top, 0)
-    return common / (a[2] * a[3] + b[2] * b[3] - common)
 
 
 def params(**values):
