@@ -86,8 +86,6 @@ cv::Rect findChangedPixels(const EncodedPicture& picture, const Reference& refer
                            cv::Mat& mask)
 {
   const cv::Size size = picture.pixels.size();
-  mask.create(size, CV_8UC1);
-  mask.setTo(0);
   // What is true of the rounding above is of a Gaussian's, too.
   const cv::Rect part = grown(boxOfDifferences(picture, reference, threshold), blur_size / 2, size);
   if (part.empty()) return part;

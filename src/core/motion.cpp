@@ -1,6 +1,7 @@
 #include "robot_vision/motion.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 #include <opencv2/video/background_segm.hpp>
@@ -101,6 +102,18 @@ struct MotionDetector::Impl
     if (params.method == "running_average") background.gray.convertTo(average, CV_32F);
   }
 
+  /// A black mask. The last one, if nobody holds it any more: blackening that costs less than new memory.
+  cv::Mat blackMask(const cv::Size& size)
+  {
+    const bool is_free = mask.size() == size && mask.u->refcount == 1;
+    std::atomic_thread_fence(std::memory_order_acquire);  // after the last reader's release in another thread
+    if (is_free)
+      mask(white).setTo(0);
+    else
+      mask = cv::Mat(size, CV_8UC1, cv::Scalar(0));  // cv::Mat::zeros would blacken what others hold
+    return mask;
+  }
+
   /// Returns the part of the mask outside of which it is black.
   cv::Rect compare(const EncodedPicture& picture, cv::Mat& mask)
   {
@@ -138,6 +151,8 @@ struct MotionDetector::Impl
   std::string encoding;  // of its pixels
   cv::Mat average;       // CV_32FC1, from which it is rounded
   cv::Mat lit;           // the picture in the background's light
+  cv::Mat mask;          // the last one that was given away
+  cv::Rect white;        // outside of this it is black
   cv::Mat converted;     // memory for the next picture
   cv::Ptr<cv::BackgroundSubtractorMOG2> mog2;
   double last_time = 0.0;                  // s
@@ -164,10 +179,12 @@ Motion MotionDetector::update(double time_s, const cv::Mat& image, const std::st
   if (is_new)
   {
     me.begin(picture);
-    motion.mask = cv::Mat::zeros(picture.pixels.size(), CV_8UC1);
+    motion.mask = me.blackMask(picture.pixels.size());
+    me.white = {};
     return motion;
   }
-  const cv::Rect part = me.compare(picture, motion.mask);
+  motion.mask = me.blackMask(picture.pixels.size());
+  const cv::Rect part = me.white = me.compare(picture, motion.mask);
   me.learn(picture.pixels);
   motion.changed = cv::countNonZero(motion.mask(part)) / static_cast<double>(motion.mask.total());
   motion.everywhere = motion.changed > me.params.max_changed;

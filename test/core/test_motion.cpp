@@ -125,6 +125,32 @@ TEST(MotionDetector, anotherEncodingIsANewBackground)
   EXPECT_GT(detector.update(2.0, rgb, "rgb8").changed, 0.0);
 }
 
+TEST(MotionDetector, masksStayAsTheyAreAndBeginBlack)
+{
+  const cv::Mat empty(120, 160, CV_8UC3, cv::Scalar::all(40));
+  const std::vector<cv::Rect> boxes = {{10, 20, 40, 30}, {90, 60, 50, 40}, {60, 10, 30, 30}};
+  MotionDetector detector, fresh;
+  detector.update(0.0, empty, "bgr8");
+  std::vector<Motion> kept;
+  for (int round = 0; round < 2; ++round)  // first all are held, then none
+  {
+    for (const cv::Rect& box : boxes)
+    {
+      cv::Mat moved = empty.clone();
+      moved(box).setTo(220);
+      fresh.reset();
+      fresh.update(0.0, empty, "bgr8");
+      const cv::Mat expected = fresh.update(1.0, moved, "bgr8").mask.clone();
+      Motion motion = detector.update(1.0, moved, "bgr8");
+      EXPECT_TRUE(equal(motion.mask, expected)) << box;
+      if (round == 0) kept.push_back(std::move(motion));
+    }
+    for (std::size_t i = 0; i < kept.size(); ++i)
+      EXPECT_EQ(cv::boundingRect(kept[i].mask) & boxes[i], boxes[i]);
+    kept.clear();
+  }
+}
+
 TEST(MotionDetector, outlinesAreWithinAPixelOfTheMask)
 {
   const cv::Mat empty(240, 320, CV_8UC3, cv::Scalar::all(40));
