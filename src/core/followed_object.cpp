@@ -13,7 +13,6 @@ constexpr int kFewestPoints = 5;                     // that a similarity is bel
 constexpr int kRounds = 2;                           // of corrections by the model
 constexpr double kTolerance = 2.0;                   // px by which flow may differ from a similarity
 constexpr double kMaxGrowth = 1.4;                   // of the scale in one frame, or its inverse
-constexpr double kShortest = 1e-3;                   // s between frames that a velocity is measured by
 constexpr double kMaxTurn = 0.6;                     // rad in one frame
 constexpr double kMinScale = 0.1, kMaxScale = 10.0;  // since it was selected
 
@@ -58,7 +57,7 @@ void FollowedObject::follow(FramePair& frames, const ObjectTrackerParams& params
   const cv::Point2d before = state_.center;
   const ModelFit fit = fitAt(startOf(frames), frames, params.min_similarity, kRounds);
   if (!isPlausible(pose_, fit.pose) || !accept(fit, params.min_confidence)) return lose();
-  if (frames.passed < kShortest) return;
+  if (!frames.measurable()) return;
   const double share = params.smoothing > 0.0 ? 1.0 - std::exp(-frames.passed / params.smoothing) : 1.0;
   state_.velocity += share * ((state_.center - before) / frames.passed - state_.velocity);
 }

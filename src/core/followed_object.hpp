@@ -15,6 +15,9 @@ namespace robot_vision
 /// Two frames, one after the other, and what is needed to follow something from one to the next.
 struct FramePair
 {
+  /// Whether a velocity can be measured in that time.
+  bool measurable() const { return passed >= 1e-3; }
+
   FlowPicture last, newest;
   double passed = 0.0;  // s from one to the other; 0 if they cannot be compared
   FlowParams flow;

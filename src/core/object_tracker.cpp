@@ -15,7 +15,6 @@ namespace robot_vision
 namespace
 {
 
-constexpr double kShortest = 1e-3;                    // s between frames that a velocity is measured by
 constexpr double kSame = 0.5;                         // overlap of the outlines of what is one object
 constexpr double kFoundAgain = 1.3;                   // times as sure must be what is found as what is followed
 constexpr int kRoundsHere = 3, kRoundsElsewhere = 5;  // of corrections by the model
@@ -160,7 +159,7 @@ void ObjectTracker::clear()
 std::vector<TrackedObject> ObjectTracker::update(double time_s, const cv::Mat& image, const std::string& encoding)
 {
   Impl& me = *impl_;
-  require(std::isfinite(time_s), "time", time_s, "finite");
+  requireFinite("time_s", time_s);
   cv::Mat gray = me.converted;  // it may come to share the input's pixels, which must not be kept
   toGray(image, encoding, gray);
   if (!sharesPixels(gray, image)) me.converted = gray;
@@ -193,7 +192,7 @@ std::vector<FlowPoint> ObjectTracker::flow(int count)
 {
   FramePair& frames = impl_->frames;
   require(count > 0, "count", count, "above 0");
-  if (frames.last.empty() || frames.passed < kShortest) return {};
+  if (frames.last.empty() || !frames.measurable()) return {};
   // Corners of the picture at half its size: they do for this, at a quarter of the price.
   int halvings = 1;
   const cv::Mat& small = frames.last.halved(frames.flow, halvings);
