@@ -48,9 +48,9 @@ public:
   void follow(FramePair& frames, const ObjectTrackerParams& params);
 
   /// How it would look where it is searched for.
-  ModelFit fitAt(const Similarity& pose, FramePair& frames, double min_similarity, int rounds) const;
+  ModelFit fitAt(const Similarity& pose, FramePair& frames, double min_similarity) const;
 
-  /// It is there if that share of its points is seen, and it has a sensible size; whether it is.
+  /// It is there if that share of its points is seen; whether it is.
   bool accept(const ModelFit& fit, double min_confidence);
 
 private:
