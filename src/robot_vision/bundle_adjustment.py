@@ -21,10 +21,14 @@ class Sightings(NamedTuple):
     points: np.ndarray  # (m, 4, 3) m, corners in the tag's frame
     pixels: np.ndarray  # (m, 4, 2) px
 
+    def where(self, chosen: np.ndarray) -> "Sightings":
+        """Those for which (m,) booleans are true."""
+        return Sightings(*(values[chosen] for values in self))
+
 
 def adjust(
     sightings: Sightings, camera: CameraModel, layout: np.ndarray, poses: np.ndarray
-) -> Tuple[np.ndarray, np.ndarray]:
+) -> Tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Finds the layout and the poses that explain the corners best.
 
     Robust nonlinear least squares of the distances in the picture: Triggs, McLauchlan, Hartley,
@@ -37,7 +41,7 @@ def adjust(
         poses: (f, 4, 4), a guess of the master's poses in the camera's frame.
 
     Returns:
-        The layout, and the residuals, (m, 4, 2) px.
+        The layout, the poses, and the residuals, (m, 4, 2) px.
     """
     count = len(layout)
 
@@ -62,7 +66,8 @@ def adjust(
         f_scale=OUTLIER,
         max_nfev=100,
     )
-    return _to_matrices(unpack(solution.x)[0]), residuals(solution.x)
+    found, moved = (_to_matrices(vectors) for vectors in unpack(solution.x))
+    return found, moved, residuals(solution.x)
 
 
 def _to_vectors(poses: np.ndarray) -> np.ndarray:

@@ -13,6 +13,7 @@ from .bundle_adjustment import Sightings, adjust
 MOST_FRAMES = 30  # that are compared for a first guess of where two tags are
 ALIKE_ANGLE = np.radians(5.0)  # between guesses of the same, standard deviation
 ALIKE_SHIFT = 0.3  # the same, of the size of the larger tag
+FAR = 5.0  # times the median distance of a tag's corners
 
 Frame = Mapping[int, np.ndarray]  # corners (4, 2) px by tag, see estimate_pose()
 
@@ -23,7 +24,8 @@ class Calibration:
 
     bundle: Bundle
     frames: int  # that showed at least two of its tags
-    sightings: Dict[int, int]  # by tag, in these frames
+    sightings: Dict[int, int]  # by tag, in these frames, without those that were rejected
+    rejected: int  # sightings of tags that were far from where they would have to be
     residuals: Dict[int, float]  # px by tag, root mean square distance of its corners
 
 
@@ -45,7 +47,7 @@ def calibrate(
 
     Raises:
         ValueError: the master has no size, a tag was not seen together with others so that there
-            is a way from it to the master, or one of the corners or sizes is none.
+            is a way from it to the master, or is loose, or one of the corners or sizes is none.
     """
     if master not in sizes:
         raise ValueError(f"the master tag {master} has no size: there are {sorted(sizes)}")
@@ -172,11 +174,25 @@ def _refine(
         np.array([entry[3] for entry in entries], float),
     )
     poses = np.array([poses.best.pose for _, poses in found])
-    matrices, residuals = adjust(sightings, camera, np.array(list(layout.values())), poses)
-    squares = np.sum(residuals**2, axis=-1)
+    # Robust as it is, what is far off still pulls: it is left out then.
+    matrices, poses, residuals = adjust(sightings, camera, np.array(list(layout.values())), poses)
+    distances = _distances(residuals)
+    kept = sightings.where(distances <= FAR * np.median(distances))
+    of_tag = {tag: kept.tags == index for index, tag in enumerate(tags)}
+    loose = sorted(tag for tag, chosen in of_tag.items() if not chosen.any())
+    if loose:
+        raise ValueError(f"tags {loose} are not on one rigid body with the others")
+    matrices, poses, residuals = adjust(kept, camera, matrices, poses)
+    squares = _distances(residuals) ** 2
     return Calibration(
         Bundle(name, [BundleTag(tag, sizes[tag], pose) for tag, pose in zip(tags, matrices)]),
         len(found),
-        {tag: int(np.sum(sightings.tags == i)) for i, tag in enumerate(tags)},
-        {tag: float(np.sqrt(np.mean(squares[sightings.tags == i]))) for i, tag in enumerate(tags)},
+        {tag: int(chosen.sum()) for tag, chosen in of_tag.items()},
+        len(distances) - len(squares),
+        {tag: float(np.sqrt(squares[chosen].mean())) for tag, chosen in of_tag.items()},
     )
+
+
+def _distances(residuals: np.ndarray) -> np.ndarray:
+    """px, root mean square distance of the corners of each tag, (m,)."""
+    return np.sqrt(np.mean(np.sum(residuals**2, axis=-1), axis=-1))
