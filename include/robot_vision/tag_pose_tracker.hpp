@@ -11,8 +11,9 @@ namespace robot_vision
 
 struct TagPoseParams
 {
-  double corner_noise = 0.2;  // px, standard deviation of the corners until it has been measured, 0.001 to 10
-  double max_gap = 0.5;       // s without its tags after which a body is a new one, above 0 to 60
+  double corner_noise = 0.2;    // px, standard deviation of the corners until it has been measured, 0.001 to 10
+  double lasting_noise = 0.05;  // px, the least part of it that does not change while a tag is at rest, 0 to 10
+  double max_gap = 0.5;         // s without its tags after which a body is a new one, above 0 to 60
 };
 
 /// Throws std::invalid_argument naming the first parameter out of range, its value and the range.
@@ -24,7 +25,8 @@ void validate(const TagPoseParams& params);
 /// multiple models; Blom, Bar-Shalom, 1988): those of a tag at rest are averaged over some 30 frames, those of a tag
 /// that moves are as they are seen. The two poses that they agree with are told apart by what all pictures have said
 /// so far, if this one does not. The noise of the corners is measured by how well they fit together and, at rest, how
-/// much they change, so that what all frames have in common is not believed to average out.
+/// much they change: what all frames have in common, which pixels and prints make the larger part, does not average
+/// out. A part of that moves all corners alike, and shows in no picture: hence lasting_noise.
 class TagPoseTracker
 {
 public:

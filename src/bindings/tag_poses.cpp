@@ -114,10 +114,13 @@ void bindTagPoses(py::module& m)
       "bundle"_a, "corners"_a, "camera"_a, "noise"_a = TagPoseParams().corner_noise,
       (std::string("The TagPoses of a Bundle in one picture.\n\nnoise: px, of each coordinate; ") + kCorners).c_str());
 
-  py::class_<TagPoseParams>(m, "TagPoseParams",
-                            "Noise of the corners until it has been measured (px), and s after which a body is new.")
+  py::class_<TagPoseParams>(
+      m, "TagPoseParams",
+      "Noise of the corners until it has been measured, the least part of it that lasts at rest (px), "
+      "and s after which a body is new.")
       .def(py::init<>())
       .def_readwrite("corner_noise", &TagPoseParams::corner_noise)
+      .def_readwrite("lasting_noise", &TagPoseParams::lasting_noise)
       .def_readwrite("max_gap", &TagPoseParams::max_gap);
 
   py::class_<TagPoseTracker>(m, "TagPoseTracker", "The pose of a Bundle over time.")

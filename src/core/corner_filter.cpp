@@ -14,6 +14,7 @@ const std::array<double, 5> kAccelerations = {0.0, 20.0, 150.0, 1200.0, 10000.0}
 const double kChange = 0.02;        // probability that another model holds from the next frame on
 const double kRestGain = 1.0 / 10;  // what has been seen before some 20 frames is forgotten
 const double kFastest = 1000.0;     // px/s, of a tag that is seen for the first time
+const double kLost = 5.0;           // standard deviations, from where the tag can have come to
 const double kCoordinates = 8.0;
 
 cv::Vec<double, 8> toState(const CornerFilter::Corners& corners)
@@ -40,17 +41,17 @@ void CornerFilter::update(double passed, const Corners& seen, double variance)
 {
   mix();
   const State measured = toState(seen);
+  for (std::size_t i = 0; i < kModels; ++i)
+    predict(models_[i], passed, kAccelerations[i]);
+  if (surprise(models_.back(), measured, variance) > kLost * kLost)
+  {
+    *this = CornerFilter(seen, variance);
+    return;
+  }
+  change_ = variance * surprise(models_.front(), measured, variance);
   std::array<double, kModels> likelihoods;
   for (std::size_t i = 0; i < kModels; ++i)
-  {
-    predict(models_[i], passed, kAccelerations[i]);
-    if (i == 0)
-    {
-      const State surprise = measured - models_[i].position;
-      change_ = surprise.dot(surprise) / kCoordinates * variance / (models_[i].covariance(0, 0) + variance);
-    }
     likelihoods[i] = correct(models_[i], measured, variance, i == 0 ? kRestGain : 0.0);
-  }
   const double best = *std::max_element(likelihoods.begin(), likelihoods.end());
   double sum = 0.0;
   for (std::size_t i = 0; i < kModels; ++i)
@@ -99,19 +100,25 @@ void CornerFilter::predict(Model& model, double passed, double acceleration)
   model.covariance = F * model.covariance * F.t() + push * push.t();
 }
 
+double CornerFilter::surprise(const Model& model, const State& seen, double variance)
+{
+  const State off = seen - model.position;
+  return off.dot(off) / kCoordinates / (model.covariance(0, 0) + variance);
+}
+
 double CornerFilter::correct(Model& model, const State& seen, double variance, double least_gain)
 {
-  const State surprise = seen - model.position;
+  const State off = seen - model.position;
   const double expected = model.covariance(0, 0) + variance;
   model.gain = std::max(model.covariance(0, 0) / expected, least_gain);
   const double velocity_gain = model.covariance(0, 1) / expected;
-  model.position += model.gain * surprise;
-  model.velocity += velocity_gain * surprise;
+  model.position += model.gain * off;
+  model.velocity += velocity_gain * off;
   // Joseph's form: right for any gain.
   const cv::Matx22d kept(1.0 - model.gain, 0.0, -velocity_gain, 1.0);
   const cv::Vec2d gains(model.gain, velocity_gain);
   model.covariance = kept * model.covariance * kept.t() + variance * (gains * gains.t());
-  return -(surprise.dot(surprise) / expected + kCoordinates * std::log(expected)) / 2.0;
+  return -(off.dot(off) / expected + kCoordinates * std::log(expected)) / 2.0;
 }
 
 CornerFilter::Corners CornerFilter::corners() const

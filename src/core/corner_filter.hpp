@@ -18,7 +18,7 @@ public:
   /// As seen, and the variance (px^2) of each coordinate.
   CornerFilter(const Corners& seen, double variance);
 
-  /// As seen after `passed` s.
+  /// As seen after `passed` s. Where no motion leads to is a beginning.
   void update(double passed, const Corners& seen, double variance);
 
   Corners corners() const;
@@ -40,6 +40,9 @@ private:
 
   void mix();
   static void predict(Model& model, double passed, double acceleration);
+
+  /// The mean square of what is unexpected about what was seen, by its variance: 1 on average.
+  static double surprise(const Model& model, const State& seen, double variance);
 
   /// The log likelihood of what was seen.
   static double correct(Model& model, const State& seen, double variance, double least_gain);

@@ -10,8 +10,11 @@ namespace robot_vision
 class CornerNoise
 {
 public:
-  /// px^2, until something has been measured.
-  explicit CornerNoise(double variance) : squares_(kPriorFreedom * variance), freedom_(kPriorFreedom) {}
+  /// px^2: all of it until something has been measured, and the least that stays.
+  CornerNoise(double variance, double least_lasting)
+    : squares_(kPriorFreedom * variance), freedom_(kPriorFreedom), least_lasting_(least_lasting)
+  {
+  }
 
   /// A sum of squared residuals and its degrees of freedom.
   void addResiduals(double squares, double freedom);
@@ -21,12 +24,12 @@ public:
 
   double total() const { return squares_ / freedom_; }
   double fresh() const;    // what is new in every frame
-  double lasting() const;  // what stays, as far as that is certain
+  double lasting() const;  // what stays
 
 private:
   static constexpr double kPriorFreedom = 4.0;
 
-  double squares_, freedom_;
+  double squares_, freedom_, least_lasting_;
   double change_squares_ = 0.0, change_freedom_ = 0.0;
 };
 

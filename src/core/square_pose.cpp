@@ -1,5 +1,6 @@
 #include "square_pose.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace robot_vision

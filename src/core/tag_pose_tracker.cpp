@@ -29,7 +29,9 @@ struct Followed
 struct TagPoseTracker::Impl
 {
   Impl(const Bundle& tags, const TagPoseParams& settings)
-    : bundle(tags), params(settings), noise(settings.corner_noise * settings.corner_noise)
+    : bundle(tags),
+      params(settings),
+      noise(settings.corner_noise * settings.corner_noise, settings.lasting_noise * settings.lasting_noise)
   {
   }
 
@@ -84,6 +86,7 @@ struct TagPoseTracker::Impl
 void validate(const TagPoseParams& params)
 {
   requireRange("corner_noise", params.corner_noise, 0.001, 10.0);
+  requireRange("lasting_noise", params.lasting_noise, 0.0, 10.0);
   require(params.max_gap > 0.0 && params.max_gap <= 60.0, "max_gap", params.max_gap, "above 0 to 60");
 }
 

@@ -87,7 +87,7 @@ def _to_matrices(vectors: np.ndarray) -> np.ndarray:
 def _project(
     sightings: Sightings, camera: CameraModel, layout: np.ndarray, poses: np.ndarray
 ) -> Tuple[np.ndarray, np.ndarray]:
-    """Where the corners are seen, (m, 4, 2), and how that changes with their place, (m, 4, 2, 3)."""
+    """Where corners are seen, (m, 4, 2), and how that changes with their place, (m, 4, 2, 3)."""
     tags, bodies = _to_matrices(layout)[sightings.tags], _to_matrices(poses)[sightings.frames]
     chain = bodies @ tags
     points = sightings.points @ chain[:, :3, :3].transpose(0, 2, 1) + chain[:, None, :3, 3]

@@ -264,16 +264,18 @@ TEST(TagPoseTracker, timeThatGoesBackAndGapsBeginAnew)
 
 TEST(TagPoseTracker, whatIsOutOfRangeIsNamed)
 {
-  const auto refused = [](double noise, double gap)
+  const auto refused = [](double noise, double lasting, double gap)
   {
     TagPoseParams params;
     params.corner_noise = noise;
+    params.lasting_noise = lasting;
     params.max_gap = gap;
     return refusal([&] { TagPoseTracker(singleTag(0, kSize), params); });
   };
-  EXPECT_EQ(refused(0.2, 0.5), "");
-  EXPECT_EQ(refused(0.0, 0.5), "corner_noise is 0, must be from 0.001 to 10");
-  EXPECT_EQ(refused(0.2, 0.0), "max_gap is 0, must be above 0 to 60");
+  EXPECT_EQ(refused(0.2, 0.0, 0.5), "");
+  EXPECT_EQ(refused(0.0, 0.0, 0.5), "corner_noise is 0, must be from 0.001 to 10");
+  EXPECT_EQ(refused(0.2, -1.0, 0.5), "lasting_noise is -1, must be from 0 to 10");
+  EXPECT_EQ(refused(0.2, 0.0, 0.0), "max_gap is 0, must be above 0 to 60");
   EXPECT_EQ(refusal([] { TagPoseTracker(singleTag(0, -1.0)); }),
             "size of tag 0 of bundle 'tag_0' is -1, must be above 0 (m)");
   TagPoseTracker tracker(singleTag(0, kSize));
