@@ -60,7 +60,8 @@ struct TagPoses
 {
   PoseEstimate best;                  // its covariance holds the chance that it is the other one
   std::optional<PoseEstimate> other;  // if there is one
-  double ratio = 0.0;                 // error of the best to that of the other, 0 if there is none
+  double ratio = 0.0;                 // error of the best to that of the other, 0 if there is none; above 1: the best
+                                      // one is so by what was seen before
   double probability = 1.0;           // that the best one is right, 0 to 1
 };
 

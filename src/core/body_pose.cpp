@@ -132,23 +132,22 @@ cv::Matx66d covarianceOf(const PoseFit& fit)
   return information.inv(cv::DECOMP_CHOLESKY);
 }
 
-TagPoses posesOf(const std::vector<PoseFit>& fits, double probability, const Sighting& sighting,
-                 const CameraModel& camera)
+TagPoses posesOf(const std::vector<WeighedPose>& poses, const Sighting& sighting, const CameraModel& camera)
 {
   const auto estimate = [&](const PoseFit& fit) {
     return PoseEstimate{fit.pose, covarianceOf(fit), errorOf(sighting, camera, fit.pose)};
   };
-  TagPoses poses;
-  poses.best = estimate(fits[0]);
-  if (fits.size() == 1) return poses;
-  poses.other = estimate(fits[1]);
-  poses.ratio = poses.best.error / poses.other->error;
-  poses.probability = probability;
+  TagPoses result;
+  result.best = estimate(poses[0].fit);
+  result.probability = poses[0].probability;
+  if (poses.size() == 1) return result;
+  result.other = estimate(poses[1].fit);
+  result.ratio = result.best.error / result.other->error;
   // The second moment about the best pose of what may be either of the two.
-  const cv::Vec6d between = difference(fits[0].pose, fits[1].pose);
-  poses.best.covariance =
-      probability * poses.best.covariance + (1.0 - probability) * (poses.other->covariance + between * between.t());
-  return poses;
+  const cv::Vec6d between = difference(poses[0].fit.pose, poses[1].fit.pose);
+  result.best.covariance = poses[0].probability * result.best.covariance +
+                           poses[1].probability * (result.other->covariance + between * between.t());
+  return result;
 }
 
 }  // namespace robot_vision

@@ -30,9 +30,14 @@ std::vector<PoseFit> fitBody(const std::vector<SeenTag>& tags, const CameraModel
 /// The covariance of a fit.
 cv::Matx66d covarianceOf(const PoseFit& fit);
 
-/// The poses of fits, the best one first, which is right with this probability; `sighting` is what they are measured
-/// by.
-TagPoses posesOf(const std::vector<PoseFit>& fits, double probability, const Sighting& sighting,
-                 const CameraModel& camera);
+/// One of the poses of a body, and the probability that it is right.
+struct WeighedPose
+{
+  PoseFit fit;
+  double probability;
+};
+
+/// The one or two poses, the best one first; their errors are those of `sighting`.
+TagPoses posesOf(const std::vector<WeighedPose>& poses, const Sighting& sighting, const CameraModel& camera);
 
 }  // namespace robot_vision

@@ -3,8 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
-
-#include "body_pose.hpp"
+#include <utility>
 
 namespace robot_vision
 {
@@ -21,6 +20,11 @@ double rotationVariance(const PoseFit& fit)
   return covariance(3, 3) + covariance(4, 4) + covariance(5, 5);
 }
 
+double angleBetween(const PoseFit& from, const PoseFit& to)
+{
+  return cv::norm(difference(from.pose, to.pose).get_minor<3, 1>(3, 0));
+}
+
 void normalise(std::vector<double>& weights)
 {
   const double sum = std::accumulate(weights.begin(), weights.end(), 0.0);
@@ -33,14 +37,14 @@ void normalise(std::vector<double>& weights)
 std::vector<double> PoseChoice::expected(double passed, const std::vector<PoseFit>& fits) const
 {
   std::vector<double> probabilities(fits.size(), last_.empty() ? 1.0 : kMistaken);
-  for (const Weighed& last : last_)
+  for (const WeighedPose& last : last_)
   {
     std::vector<double> ways(fits.size());
     for (std::size_t i = 0; i < fits.size(); ++i)
     {
-      const cv::Vec6d way = difference(last.fit.pose, fits[i].pose);
+      const double angle = angleBetween(last.fit, fits[i]);
       const double variance = kTurn * kTurn * passed * passed + rotationVariance(last.fit) + rotationVariance(fits[i]);
-      ways[i] = -(way[3] * way[3] + way[4] * way[4] + way[5] * way[5]) / (2.0 * variance);
+      ways[i] = -angle * angle / (2.0 * variance);
     }
     const double best = *std::max_element(ways.begin(), ways.end());
     for (double& way : ways)
@@ -53,7 +57,7 @@ std::vector<double> PoseChoice::expected(double passed, const std::vector<PoseFi
   return probabilities;
 }
 
-std::vector<double> PoseChoice::update(double passed, const std::vector<PoseFit>& fits, double share)
+std::vector<WeighedPose> PoseChoice::update(double passed, const std::vector<PoseFit>& fits, double share)
 {
   std::vector<double> probabilities = expected(passed, fits);
   double least = fits[0].cost;
@@ -62,10 +66,13 @@ std::vector<double> PoseChoice::update(double passed, const std::vector<PoseFit>
   for (std::size_t i = 0; i < fits.size(); ++i)
     probabilities[i] *= std::exp(share * (least - fits[i].cost) / 2.0);
   normalise(probabilities);
-  last_.clear();
+
+  std::vector<WeighedPose> weighed;
   for (std::size_t i = 0; i < fits.size(); ++i)
-    last_.push_back({fits[i], probabilities[i]});
-  return probabilities;
+    weighed.push_back({fits[i], probabilities[i]});
+  if (weighed.back().probability > weighed.front().probability) std::swap(weighed.front(), weighed.back());
+  last_ = weighed;
+  return weighed;
 }
 
 }  // namespace robot_vision

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "pose_fit.hpp"
+#include "body_pose.hpp"
 
 namespace robot_vision
 {
@@ -12,21 +12,16 @@ namespace robot_vision
 class PoseChoice
 {
 public:
-  /// The probabilities of the poses in a frame, which sum to 1. `passed`: s since the last frame; `share`: of what
-  /// the costs say that is new, 0 to 1.
-  std::vector<double> update(double passed, const std::vector<PoseFit>& fits, double share);
+  /// The poses of a frame, the more probable one first. `passed`: s since the last frame; `share`: of what the costs
+  /// say that is new, 0 to 1.
+  std::vector<WeighedPose> update(double passed, const std::vector<PoseFit>& fits, double share);
 
   void clear() { last_.clear(); }
 
 private:
-  struct Weighed
-  {
-    PoseFit fit;
-    double probability;
-  };
   std::vector<double> expected(double passed, const std::vector<PoseFit>& fits) const;
 
-  std::vector<Weighed> last_;
+  std::vector<WeighedPose> last_;
 };
 
 }  // namespace robot_vision

@@ -4,6 +4,7 @@
 #include <set>
 
 #include "body_pose.hpp"
+#include "pose_choice.hpp"
 #include "robot_vision/range.hpp"
 
 namespace robot_vision
@@ -51,8 +52,7 @@ std::optional<TagPoses> estimatePose(const Bundle& bundle, const std::vector<Tag
   const std::vector<SeenTag> tags = tagsOf(bundle, seen, camera, noise * noise);
   const std::vector<PoseFit> fits = fitBody(tags, camera);
   if (fits.empty()) return std::nullopt;
-  const double probability = fits.size() == 1 ? 1.0 : 1.0 / (1.0 + std::exp((fits[0].cost - fits[1].cost) / 2.0));
-  return posesOf(fits, probability, sightingOf(tags), camera);
+  return posesOf(PoseChoice().update(0.0, fits, 1.0), sightingOf(tags), camera);
 }
 
 }  // namespace robot_vision

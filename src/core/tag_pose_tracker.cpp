@@ -123,14 +123,12 @@ std::optional<TagPoses> TagPoseTracker::update(double time_s, const std::vector<
   self.forget(time_s);
   const double share = self.filter(time_s, tags);
 
-  std::vector<PoseFit> fits = fitBody(tags, camera);
+  const std::vector<PoseFit> fits = fitBody(tags, camera);
   if (fits.empty()) return std::nullopt;
-  const std::vector<double> probabilities = self.choice.update(time_s - self.time, fits, share);
+  const std::vector<WeighedPose> poses = self.choice.update(time_s - self.time, fits, share);
   self.time = time_s;
-  const bool swapped = probabilities.back() > probabilities.front();
-  if (swapped) std::swap(fits.front(), fits.back());
-  self.measure(raw, camera, fits.front().pose);
-  return posesOf(fits, swapped ? probabilities.back() : probabilities.front(), raw, camera);
+  self.measure(raw, camera, poses.front().fit.pose);
+  return posesOf(poses, raw, camera);
 }
 
 }  // namespace robot_vision
