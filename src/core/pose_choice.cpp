@@ -60,9 +60,7 @@ std::vector<double> PoseChoice::expected(double passed, const std::vector<PoseFi
 std::vector<WeighedPose> PoseChoice::update(double passed, const std::vector<PoseFit>& fits, double share)
 {
   std::vector<double> probabilities = expected(passed, fits);
-  double least = fits[0].cost;
-  for (const PoseFit& fit : fits)
-    least = std::min(least, fit.cost);
+  const double least = fits[0].cost;
   for (std::size_t i = 0; i < fits.size(); ++i)
     probabilities[i] *= std::exp(share * (least - fits[i].cost) / 2.0);
   normalise(probabilities);

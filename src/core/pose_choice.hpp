@@ -12,8 +12,8 @@ namespace robot_vision
 class PoseChoice
 {
 public:
-  /// The poses of a frame, the more probable one first. `passed`: s since the last frame; `share`: of what the costs
-  /// say that is new, 0 to 1.
+  /// The poses of a frame, the more probable one first. `passed`: s since the last frame; `fits`: that of the least
+  /// cost first; `share`: of what the costs say that is new, 0 to 1.
   std::vector<WeighedPose> update(double passed, const std::vector<PoseFit>& fits, double share);
 
   void clear() { last_.clear(); }
