@@ -1,7 +1,7 @@
 #include "robot_vision/tag_pose_tracker.hpp"
 
-#include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <map>
 
 #include "body_pose.hpp"

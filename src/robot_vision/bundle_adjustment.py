@@ -2,10 +2,10 @@
 
 from typing import NamedTuple, Tuple
 
+import cv2
 import numpy as np
 from scipy.optimize import least_squares
 from scipy.sparse import csr_matrix
-from scipy.spatial.transform import Rotation
 
 from ._core import CameraModel
 
@@ -72,16 +72,24 @@ def adjust(
 
 def _to_vectors(poses: np.ndarray) -> np.ndarray:
     """(n, 6), translations (m) and rotation vectors (rad) of (n, 4, 4)."""
-    if not len(poses):
-        return np.zeros((0, 6))
-    return np.hstack([poses[:, :3, 3], Rotation.from_matrix(poses[:, :3, :3]).as_rotvec()])
+    vectors = [np.append(pose[:3, 3], cv2.Rodrigues(pose[:3, :3])[0]) for pose in poses]
+    return np.reshape(vectors, (-1, 6))
 
 
 def _to_matrices(vectors: np.ndarray) -> np.ndarray:
     poses = np.tile(np.eye(4), (len(vectors), 1, 1))
-    poses[:, :3, :3] = Rotation.from_rotvec(vectors[:, 3:]).as_matrix()
+    angles, cross = _turns(vectors[:, 3:])
+    # Rodrigues' formula.
+    poses[:, :3, :3] += np.sin(angles) / angles * cross
+    poses[:, :3, :3] += (1.0 - np.cos(angles)) / angles**2 * cross @ cross
     poses[:, :3, 3] = vectors[:, :3]
     return poses
+
+
+def _turns(vectors: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
+    """Of rotation vectors (n, 3): their lengths, (n, 1, 1), never 0, and _cross()."""
+    angles = np.maximum(np.linalg.norm(vectors, axis=1), 1e-8)[:, None, None]
+    return angles, _cross(vectors)
 
 
 def _project(
@@ -144,7 +152,6 @@ def _cross(vectors: np.ndarray) -> np.ndarray:
 
 def _left_jacobians(vectors: np.ndarray) -> np.ndarray:
     """How rotations turn further when their rotation vectors change: (n, 3, 3)."""
-    angles = np.maximum(np.linalg.norm(vectors, axis=1), 1e-8)[:, None, None]
-    cross = _cross(vectors)
+    angles, cross = _turns(vectors)
     first, second = (1.0 - np.cos(angles)) / angles**2, (angles - np.sin(angles)) / angles**3
     return np.eye(3) + first * cross + second * cross @ cross

@@ -5,7 +5,6 @@ from itertools import combinations
 from typing import Dict, List, Mapping, NamedTuple, Sequence, Tuple
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from ._core import Bundle, BundleTag, CameraModel, estimate_pose, single_tag
 from .bundle_adjustment import Sightings, adjust
@@ -13,7 +12,10 @@ from .bundle_adjustment import Sightings, adjust
 MOST_FRAMES = 30  # that are compared for a first guess of where two tags are
 ALIKE_ANGLE = np.radians(5.0)  # between guesses of the same, standard deviation
 ALIKE_SHIFT = 0.3  # the same, of the size of the larger tag
-FAR = 5.0  # times the median distance of a tag's corners
+FAR = 5.0  # times the median distance of a tag's corners is too far
+NEAR = 0.5  # px, and this never is
+# Corners of a tag with sides of 1 in its frame.
+SQUARE = np.array([[-0.5, -0.5, 0.0], [0.5, -0.5, 0.0], [0.5, 0.5, 0.0], [-0.5, 0.5, 0.0]])
 
 Frame = Mapping[int, np.ndarray]  # corners (4, 2) px by tag, see estimate_pose()
 
@@ -135,11 +137,12 @@ def _most_supported(relations: Sequence[Sequence[_Guess]], size: float) -> _Gues
     guesses = [guess for frame in relations for guess in frame]
     owners = np.array([index for index, frame in enumerate(relations) for _ in frame])
     shifts = np.array([guess.pose[:3, 3] for guess in guesses]) / (ALIKE_SHIFT * size)
-    turns = Rotation.from_matrix([guess.pose[:3, :3] for guess in guesses])
+    turns = np.array([guess.pose[:3, :3] for guess in guesses])
     weights = np.array([guess.weight for guess in guesses])
     support = np.zeros(len(guesses))
     for index in range(len(guesses)):
-        angles = (turns[index].inv() * turns).magnitude() / ALIKE_ANGLE
+        cosines = (np.sum(turns * turns[index], axis=(1, 2)) - 1.0) / 2.0
+        angles = np.arccos(np.clip(cosines, -1.0, 1.0)) / ALIKE_ANGLE
         squares = angles**2 + np.sum((shifts - shifts[index]) ** 2, axis=1)
         alike = weights * np.exp(-squares / 2.0)
         best_of_frame = np.zeros(len(relations))
@@ -161,23 +164,12 @@ def _refine(
     guess = Bundle(name, [BundleTag(tag, sizes[tag], layout[tag]) for tag in tags])
     found = [(frame, estimate_pose(guess, frame, camera)) for frame in frames]
     found = [(frame, poses) for frame, poses in found if poses is not None]
-    entries = [
-        (index, tags.index(tag), sizes[tag], corners)
-        for index, (frame, _) in enumerate(found)
-        for tag, corners in frame.items()
-    ]
-    square = np.array([[-0.5, -0.5, 0.0], [0.5, -0.5, 0.0], [0.5, 0.5, 0.0], [-0.5, 0.5, 0.0]])
-    sightings = Sightings(
-        np.array([entry[0] for entry in entries]),
-        np.array([entry[1] for entry in entries]),
-        np.array([entry[2] * square for entry in entries]),
-        np.array([entry[3] for entry in entries], float),
-    )
+    sightings = _sightings_of([frame for frame, _ in found], tags, sizes)
     poses = np.array([poses.best.pose for _, poses in found])
     # Robust as it is, what is far off still pulls: it is left out then.
     matrices, poses, residuals = adjust(sightings, camera, np.array(list(layout.values())), poses)
     distances = _distances(residuals)
-    kept = sightings.where(distances <= FAR * np.median(distances))
+    kept = sightings.where(distances <= max(FAR * np.median(distances), NEAR))
     of_tag = {tag: kept.tags == index for index, tag in enumerate(tags)}
     loose = sorted(tag for tag, chosen in of_tag.items() if not chosen.any())
     if loose:
@@ -191,6 +183,17 @@ def _refine(
         len(distances) - len(squares),
         {tag: float(np.sqrt(squares[chosen].mean())) for tag, chosen in of_tag.items()},
     )
+
+
+def _sightings_of(
+    frames: Sequence[Frame], tags: Sequence[int], sizes: Mapping[int, float]
+) -> Sightings:
+    entries = [
+        (index, tags.index(tag), sizes[tag] * SQUARE, corners)
+        for index, frame in enumerate(frames)
+        for tag, corners in frame.items()
+    ]
+    return Sightings(*(np.array(column) for column in zip(*entries)))
 
 
 def _distances(residuals: np.ndarray) -> np.ndarray:

@@ -11,6 +11,7 @@ Positions are in m; what is left out of a pose is 0, and qw 1.
 import numbers
 from typing import Any, List, Mapping, Sequence
 
+import cv2
 import numpy as np
 import yaml
 from scipy.spatial.transform import Rotation
@@ -76,7 +77,7 @@ def parse_bundles(values: Any) -> List[Bundle]:
 
 def _line(tag: BundleTag) -> str:
     x, y, z = tag.pose[:3, 3]
-    qx, qy, qz, qw = Rotation.from_matrix(tag.pose[:3, :3]).as_quat()
+    qx, qy, qz, qw = Rotation.from_rotvec(cv2.Rodrigues(tag.pose[:3, :3])[0][:, 0]).as_quat()
     place = ", ".join(f"{key}: {value:.6f}" for key, value in zip("xyz", (x, y, z)))
     turn = f"qw: {qw:.8f}, qx: {qx:.8f}, qy: {qy:.8f}, qz: {qz:.8f}"
     return f"{{id: {tag.id}, size: {tag.size!r}, {place}, {turn}}}"
@@ -100,7 +101,7 @@ def _tag(entry: Any, where: str) -> BundleTag:
     if not 0.5 < np.linalg.norm(quaternion) < 2.0:
         raise ValueError(f"{where}: qx, qy, qz, qw are {quaternion.tolist()}, must have length 1")
     pose = np.eye(4)
-    pose[:3, :3] = Rotation.from_quat(quaternion).as_matrix()
+    pose[:3, :3] = cv2.Rodrigues(Rotation.from_quat(quaternion).as_rotvec())[0]
     pose[:3, 3] = [numbers_of[key] for key in "xyz"]
     return BundleTag(tag, numbers_of["size"], pose)
 

@@ -32,7 +32,7 @@ def random_layout(rng, count, flat):
     return layout
 
 
-def frames_of(rng, layout, camera, count, only=None):
+def frames_of(rng, layout, camera, count, only=None, noise=NOISE):
     """Corners by tag, from about 1 m away and from many sides; only(frame) says which tags."""
     frames = []
     while len(frames) < count:
@@ -41,7 +41,7 @@ def frames_of(rng, layout, camera, count, only=None):
         seen = {tag: corners_of(body @ layout[tag], camera, SIDE) for tag in tags}
         frames.append(
             {
-                tag: corners + rng.normal(0.0, NOISE, (4, 2))
+                tag: corners + rng.normal(0.0, noise, (4, 2))
                 for tag, corners in seen.items()
                 if faces_camera(body @ layout[tag]) and in_picture(corners, camera)
             }
@@ -80,6 +80,16 @@ def test_a_random_layout_is_recovered(model, flat):
     }
     for frame, old in zip(frames, before):
         assert all(np.array_equal(frame[tag], old[tag]) for tag in old)
+
+
+def test_exact_corners_give_the_exact_layout():
+    rng = np.random.default_rng(16)
+    layout = random_layout(rng, 3, False)
+    frames = frames_of(rng, layout, CAMERAS["equidistant"], 10, noise=0.0)
+    sizes = {tag: SIDE for tag in layout}
+    found = calibrate("box", frames, sizes, CAMERAS["equidistant"], MASTER)
+    shift, turn = worst(found.bundle, layout)
+    assert shift < 1e-5 and turn < 1e-3 and found.rejected == 0
 
 
 def test_tags_are_linked_by_others_where_the_master_is_out_of_sight():

@@ -305,3 +305,21 @@ def test_what_is_no_tag_is_refused():
     params.corner_noise = -1.0
     with pytest.raises(ValueError, match="corner_noise is -1, must be from"):
         rv.validate(params)
+
+
+def test_points_are_projected_as_opencv_does():
+    points = np.random.default_rng(1).uniform([-1, -1, 2], [1, 1, 3], (50, 3))
+    for model, camera in CAMERAS.items():
+        if model == "equidistant":
+            expected = cv2.fisheye.projectPoints(
+                points[:, None], np.zeros(3), np.zeros(3), K, np.array(camera.D)
+            )[0]
+        else:
+            expected = cv2.projectPoints(points, np.zeros(3), np.zeros(3), K, np.array(camera.D))[0]
+        pixels, jacobians = camera.project(points)
+        assert np.allclose(pixels, expected[:, 0], atol=1e-9)
+        step = 1e-6 * np.array([1.0, -2.0, 0.5])
+        assert np.allclose(camera.project(points + step)[0] - pixels, jacobians @ step, atol=1e-7)
+    assert np.isnan(camera.project(-points)[0]).all()
+    with pytest.raises(ValueError, match=r"\(n, 3\)"):
+        camera.project(points[:, :2])
