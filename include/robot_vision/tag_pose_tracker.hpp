@@ -22,8 +22,8 @@ void validate(const TagPoseParams& params);
 /// The pose of a bundle, or of a tag, over time.
 ///
 /// The corners are filtered before a pose is made of them, by models of rest and of motion that compete (interacting
-/// multiple models; Blom, Bar-Shalom, 1988): those of a tag at rest are averaged over some 30 frames, those of a tag
-/// that moves are as they are seen. The two poses that they agree with are told apart by what all pictures have said
+/// multiple models; Blom, Bar-Shalom, 1988): those of a tag at rest are averaged over some 20 frames, those of a tag
+/// that moves hardly at all. The two poses that they agree with are told apart by what all pictures have said
 /// so far, if this one does not. The noise of the corners is measured by how well they fit together and, at rest, how
 /// much they change: what all frames have in common, which pixels and prints make the larger part, does not average
 /// out. A part of that moves all corners alike, and shows in no picture: hence lasting_noise.
