@@ -75,6 +75,19 @@ std::array<cv::Affine3d, 2> startsOf(const std::vector<SeenTag>& tags, const Sig
   return best;
 }
 
+/// Whether a body may be there: not so far away that a tag is a small part of a pixel, nor seen from behind only.
+bool isPossible(const cv::Affine3d& body, const std::vector<SeenTag>& tags)
+{
+  const double farthest = 1e4;  // times the size of a tag
+  return std::any_of(tags.begin(), tags.end(),
+                     [&](const SeenTag& seen)
+                     {
+                       const cv::Affine3d pose = body * seen.tag.pose;
+                       const cv::Vec3d place = pose.translation(), out = pose.rotation() * cv::Vec3d(0, 0, 1);
+                       return out.dot(place) < 0.0 && cv::norm(place) < farthest * seen.tag.size;
+                     });
+}
+
 }  // namespace
 
 std::vector<SeenTag> tagsOf(const Bundle& bundle, const std::vector<TagCorners>& seen, const CameraModel& camera,
@@ -116,26 +129,17 @@ std::vector<PoseFit> fitBody(const std::vector<SeenTag>& tags, const CameraModel
   for (const cv::Affine3d& start : startsOf(tags, sighting, camera))
   {
     const PoseFit fit = fitPose(sighting, camera, start);
-    if (!std::isfinite(fit.cost)) continue;
+    if (!std::isfinite(fit.cost) || !isPossible(fit.pose, tags)) continue;
     if (fits.empty() || cv::norm(difference(fits[0].pose, fit.pose).get_minor<3, 1>(3, 0)) > same) fits.push_back(fit);
   }
   std::sort(fits.begin(), fits.end(), [](const PoseFit& a, const PoseFit& b) { return a.cost < b.cost; });
   return fits;
 }
 
-cv::Matx66d covarianceOf(const PoseFit& fit)
-{
-  // The tilt of a tag that is seen from the front does not show at all, to first order: a radian is a lot.
-  cv::Matx66d information = fit.information;
-  for (int i = 3; i < 6; ++i)
-    information(i, i) += 1.0;
-  return information.inv(cv::DECOMP_CHOLESKY);
-}
-
 TagPoses posesOf(const std::vector<WeighedPose>& poses, const Sighting& sighting, const CameraModel& camera)
 {
   const auto estimate = [&](const PoseFit& fit) {
-    return PoseEstimate{fit.pose, covarianceOf(fit), errorOf(sighting, camera, fit.pose)};
+    return PoseEstimate{fit.pose, fit.covariance, errorOf(sighting, camera, fit.pose)};
   };
   TagPoses result;
   result.best = estimate(poses[0].fit);

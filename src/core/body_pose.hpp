@@ -27,9 +27,6 @@ Sighting sightingOf(const std::vector<SeenTag>& tags);
 /// of the camera.
 std::vector<PoseFit> fitBody(const std::vector<SeenTag>& tags, const CameraModel& camera);
 
-/// The covariance of a fit.
-cv::Matx66d covarianceOf(const PoseFit& fit);
-
 /// One of the poses of a body, and the probability that it is right.
 struct WeighedPose
 {

@@ -16,8 +16,7 @@ const double kMistaken = 0.0005;  // probability that the wrong one was followed
 
 double rotationVariance(const PoseFit& fit)
 {
-  const cv::Matx66d covariance = covarianceOf(fit);
-  return covariance(3, 3) + covariance(4, 4) + covariance(5, 5);
+  return fit.covariance(3, 3) + fit.covariance(4, 4) + fit.covariance(5, 5);
 }
 
 double angleBetween(const PoseFit& from, const PoseFit& to)

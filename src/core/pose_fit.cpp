@@ -51,6 +51,21 @@ Linearised linearise(const Sighting& sighting, const CameraModel& camera, const 
   return sum;
 }
 
+/// The inverse; false if there is none.
+bool invert(cv::Matx66d information, cv::Matx66d& covariance)
+{
+  // The tilt of a tag that is seen from the front does not show at all, to first order: a radian is a lot.
+  for (int i = 3; i < 6; ++i)
+    information(i, i) += 1.0;
+  // Metres far away and radians differ too much in size to be inverted together.
+  cv::Matx66d scale = cv::Matx66d::zeros();
+  for (int i = 0; i < 6; ++i)
+    scale(i, i) = 1.0 / std::sqrt(information(i, i));
+  bool exists = false;
+  covariance = scale * (scale * information * scale).inv(cv::DECOMP_CHOLESKY, &exists) * scale;
+  return exists;
+}
+
 }  // namespace
 
 cv::Affine3d moved(const cv::Affine3d& pose, const cv::Vec6d& by)
@@ -88,7 +103,9 @@ PoseFit fitPose(const Sighting& sighting, const CameraModel& camera, const cv::A
     pose = next_pose;
     now = next;
   }
-  return {pose, now.information, now.cost};
+  PoseFit fit{pose, cv::Matx66d(), now.cost};
+  if (!invert(now.information, fit.covariance)) fit.cost = kInfinity;
+  return fit;
 }
 
 double costOf(const Sighting& sighting, const CameraModel& camera, const cv::Affine3d& pose)

@@ -21,14 +21,14 @@ struct Sighting
 struct PoseFit
 {
   cv::Affine3d pose;
-  cv::Matx66d information;  // inverse covariance of x, y, z, rotations about x, y, z, along the camera's axes
-  double cost = 0.0;        // sum of the squared residuals by their variances; infinite behind the camera
+  cv::Matx66d covariance;  // of x, y, z and the rotations about x, y, z, along the camera's axes
+  double cost = 0.0;       // sum of the squared residuals by their variances; infinite if there is no such pose
 };
 
 /// The pose near `start` that explains a sighting best (Levenberg, Marquardt).
 PoseFit fitPose(const Sighting& sighting, const CameraModel& camera, const cv::Affine3d& start);
 
-/// The cost alone.
+/// The cost alone; infinite behind the camera.
 double costOf(const Sighting& sighting, const CameraModel& camera, const cv::Affine3d& pose);
 
 /// px, root mean square distance of the pixels from where a pose has them.

@@ -307,6 +307,34 @@ def test_what_is_no_tag_is_refused():
         rv.validate(params)
 
 
+@pytest.mark.parametrize("model", CAMERAS)
+def test_of_any_quadrilateral_there_is_a_pose_an_error_or_nothing(model):
+    rng = np.random.default_rng(10)
+    tracker = rv.TagPoseTracker(TAG)
+    answers = {True: 0, False: 0, None: 0}
+    for frame in range(4000):
+        size = 10 ** rng.uniform(-0.5, 2.8) * rng.uniform(0.05, 1, 2)
+        bent = SQUARE[:, :2] * [1, -1] + rng.uniform(-0.35, 0.35, (4, 2))
+        corners = (
+            rng.uniform(-50, 690, 2) + size * bent @ turned([0, 0, rng.uniform(-3, 3)])[:2, :2]
+        )
+        try:
+            found = tracker.update(frame / RATE, {0: corners}, CAMERAS[model])
+        except ValueError:
+            answers[None] += 1
+            continue
+        answers[found is not None] += 1
+        if found is None:
+            continue
+        for one in filter(None, (found.best, found.other)):
+            assert np.allclose(one.pose[:3, :3] @ one.pose[:3, :3].T, np.eye(3), atol=1e-9)
+            assert np.isfinite(one.error) and one.pose[:3, 2] @ one.pose[:3, 3] < 0
+            variances = np.linalg.eigvalsh(one.covariance)
+            assert variances[-1] > 0 and variances[0] > -1e-9 * variances[-1]
+        assert 0.5 <= found.probability <= 1.0 and np.isfinite(found.ratio)
+    assert answers[True] > 1000 and answers[None] > 100
+
+
 def test_points_are_projected_as_opencv_does():
     points = np.random.default_rng(1).uniform([-1, -1, 2], [1, 1, 3], (50, 3))
     for model, camera in CAMERAS.items():
