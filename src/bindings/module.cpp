@@ -17,6 +17,7 @@
 #include "robot_vision/object_tracker.hpp"
 #include "robot_vision/regions.hpp"
 #include "robot_vision/scene.hpp"
+#include "robot_vision/tag_pose_tracker.hpp"
 
 using namespace robot_vision;
 using namespace py::literals;
@@ -29,6 +30,7 @@ void bindMotion(py::module& m);
 void bindObjectTracker(py::module& m);
 void bindOverlay(py::module& m);
 void bindScene(py::module& m);
+void bindTagPoses(py::module& m);
 
 namespace
 {
@@ -113,6 +115,7 @@ void bindValidate(py::module& m)
   m.def("validate", py::overload_cast<const MotionParams&>(&validate), "params"_a, doc);
   m.def("validate", py::overload_cast<const ObjectTrackerParams&>(&validate), "params"_a, doc);
   m.def("validate", py::overload_cast<const SceneParams&>(&validate), "params"_a, doc);
+  m.def("validate", py::overload_cast<const TagPoseParams&>(&validate), "params"_a, doc);
 }
 
 }  // namespace
@@ -131,5 +134,6 @@ PYBIND11_MODULE(_core, m)
   bindMotion(m);
   bindObjectTracker(m);
   bindOverlay(m);
+  bindTagPoses(m);
   bindValidate(m);
 }

@@ -53,7 +53,7 @@ sensor_msgs::CameraInfo toCameraInfo(const CameraModel& model)
   sensor_msgs::CameraInfo info;
   info.width = static_cast<std::uint32_t>(model.width);
   info.height = static_cast<std::uint32_t>(model.height);
-  info.distortion_model = "plumb_bob";
+  info.distortion_model = model.distortion_model;
   info.D.assign(model.D.begin(), model.D.end());
   std::copy(model.K.val, model.K.val + 9, info.K.begin());
   info.R = {1, 0, 0, 0, 1, 0, 0, 0, 1};

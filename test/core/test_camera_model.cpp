@@ -11,9 +11,31 @@ using namespace robot_vision;
 namespace
 {
 
-CameraModel cameraWith(const std::vector<double>& D)
+CameraModel cameraWith(const std::vector<double>& D, const std::string& distortion_model = "plumb_bob")
 {
-  return {640, 480, {520, 0, 318, 0, 515, 243, 0, 0, 1}, D};
+  return {640, 480, {520, 0, 318, 0, 515, 243, 0, 0, 1}, D, distortion_model};
+}
+
+const std::vector<double> kFisheye = {0.05, -0.02, 0.006, -0.001};
+
+std::vector<cv::Point3d> grid(double reach)
+{
+  std::vector<cv::Point3d> points;
+  for (double x = -1.1; x < 1.2; x += 0.2)
+    for (double y = -0.9; y < 1.0; y += 0.2)
+      points.emplace_back(reach * x, reach * y, 2.0);
+  return points;
+}
+
+void expectBothWays(const CameraModel& camera, const std::vector<cv::Point3d>& points,
+                    const std::vector<cv::Point2d>& expected)
+{
+  for (std::size_t i = 0; i < points.size(); ++i)
+  {
+    const cv::Point2d pixel = camera.project(points[i]), ray = camera.ray(pixel);
+    EXPECT_LT(cv::norm(pixel - expected[i]), 1e-9) << camera.D.size();
+    EXPECT_LT(cv::norm(2.0 * ray - cv::Point2d(points[i].x, points[i].y)), 1e-9) << camera.D.size();
+  }
 }
 
 std::string refusalOf(const CameraModel& camera)
@@ -31,19 +53,45 @@ TEST(CameraModel, projectsAsOpenCvDoesWithAnyDistortion)
   {
     const CameraModel camera = cameraWith(D);
     validate(camera);
-    std::vector<cv::Point3d> points;
-    for (double x = -1.1; x < 1.2; x += 0.2)
-      for (double y = -0.9; y < 1.0; y += 0.2)
-        points.emplace_back(x, y, 2.0);
+    const std::vector<cv::Point3d> points = grid(1.0);
     std::vector<cv::Point2d> expected;
     cv::projectPoints(points, cv::Vec3d::all(0), cv::Vec3d::all(0), camera.K, D, expected);
-    for (std::size_t i = 0; i < points.size(); ++i)
-    {
-      const cv::Point2d pixel = camera.project(points[i]), ray = camera.ray(pixel);
-      EXPECT_LT(cv::norm(pixel - expected[i]), 1e-9) << D.size();
-      EXPECT_LT(cv::norm(2.0 * ray - cv::Point2d(points[i].x, points[i].y)), 1e-9) << D.size();
-    }
+    expectBothWays(camera, points, expected);
   }
+}
+
+TEST(CameraModel, projectsAsOpenCvDoesWithAFisheye)
+{
+  for (const std::string& name : {"equidistant", "fisheye"})
+  {
+    CameraModel camera = cameraWith(kFisheye, name);
+    camera.K(0, 1) = 0.52;  // skew, which cv::fisheye has as a part of the focal length
+    validate(camera);
+    const std::vector<cv::Point3d> points = grid(4.0);  // 70 degrees from the axis
+    std::vector<cv::Point2d> expected;
+    cv::fisheye::projectPoints(points, expected, cv::Affine3d::Identity(), camera.K, kFisheye, 0.001);
+    expectBothWays(camera, points, expected);
+    EXPECT_LT(cv::norm(camera.ray(camera.project({0.0, 0.0, 1.0}))), 1e-15);
+  }
+}
+
+TEST(CameraModel, aProjectionChangesWithThePointAsItsJacobianSays)
+{
+  const double step = 1e-6;
+  for (const CameraModel& camera :
+       {cameraWith({0.45, -0.3, 0.001, -0.002, -0.02, 0.8, -0.1, -0.07}), cameraWith(kFisheye, "equidistant")})
+    for (const cv::Point3d& point : grid(1.0))
+    {
+      const cv::Matx23d jacobian = camera.projection(point).jacobian;
+      for (int axis = 0; axis < 3; ++axis)
+      {
+        cv::Vec3d there(point), back(point);
+        there[axis] += step;
+        back[axis] -= step;
+        const cv::Point2d change = (camera.project(there) - camera.project(back)) / (2.0 * step);
+        EXPECT_LT(cv::norm(change - cv::Point2d(jacobian(0, axis), jacobian(1, axis))), 1e-5);
+      }
+    }
 }
 
 TEST(CameraModel, aPixelWithoutARayHasNone)
@@ -55,18 +103,36 @@ TEST(CameraModel, aPixelWithoutARayHasNone)
   EXPECT_FALSE(std::isnan(camera.ray({320.0 + furthest - 1.0, 240.0}).x));
   EXPECT_TRUE(std::isnan(camera.ray({320.0 + furthest + 1.0, 240.0}).x));
   EXPECT_TRUE(std::isnan(camera.ray({0.0, 0.0}).y));
+  // Of an ideal fisheye, what is at 90 degrees or more is not in front of the camera.
+  camera = cameraWith({0.0, 0.0, 0.0, 0.0}, "equidistant");
+  EXPECT_FALSE(std::isnan(camera.ray({318.0 + 520.0 * 1.55, 243.0}).x));
+  EXPECT_TRUE(std::isnan(camera.ray({318.0 + 520.0 * 1.58, 243.0}).x));
+  EXPECT_TRUE(std::isnan(camera.project({0.1, 0.1, 0.0}).x));
 }
 
 TEST(CameraModel, whatNoCameraHasIsNamed)
 {
   EXPECT_EQ(refusalOf(cameraWith({})), "");
-  EXPECT_EQ(refusalOf(cameraWith({0.1, 0.2, 0.3})), "D is 3 numbers, must be 0, 4, 5 or 8 of them");
-  EXPECT_EQ(refusalOf(cameraWith(std::vector<double>(12))), "D is 12 numbers, must be 0, 4, 5 or 8 of them");
+  const std::string plumb_bob = "must be 0, 4, 5 or 8 of them (distortion_model plumb_bob)";
+  EXPECT_EQ(refusalOf(cameraWith({0.1, 0.2, 0.3})), "D is 3 numbers, " + plumb_bob);
+  EXPECT_EQ(refusalOf(cameraWith(std::vector<double>(12))), "D is 12 numbers, " + plumb_bob);
+  EXPECT_EQ(refusalOf(cameraWith(std::vector<double>(5), "equidistant")),
+            "D is 5 numbers, must be 4 of them (distortion_model equidistant)");
+  const std::string models = "must be plumb_bob, rational_polynomial, equidistant or fisheye";
+  EXPECT_EQ(refusalOf(cameraWith({}, "fish")), "distortion_model is 'fish', " + models);
+  EXPECT_EQ(refusalOf(cameraWith({}, "")), "");
+  EXPECT_EQ(refusalOf(cameraWith({0.1, 0.0, 0.0, 0.0}, "")), "distortion_model is '', " + models);
   EXPECT_EQ(refusalOf(cameraWith({0, 0, 0, std::numeric_limits<double>::infinity()})), "D is inf, must be finite");
   CameraModel camera = cameraWith({});
   camera.width = 0;
   EXPECT_EQ(refusalOf(camera), "width is 0, must be at least 1");
   camera = cameraWith({});
-  camera.K = cv::Matx33d::zeros();  // of a camera that was never calibrated
-  EXPECT_EQ(refusalOf(camera), "K is 0, must be above 0 where it is a focal length");
+  camera.K(1, 1) = -515;
+  EXPECT_EQ(refusalOf(camera), "K is -515, must be above 0 where it is a focal length");
+  camera.K(0, 2) = std::nan("");
+  EXPECT_EQ(refusalOf(camera), "K is nan, must be finite");
+  EXPECT_TRUE(isCalibrated(camera.K));
+  camera.K = cv::Matx33d::zeros();
+  EXPECT_FALSE(isCalibrated(camera.K));
+  EXPECT_EQ(refusalOf(camera), "K is 0 everywhere, must be that of a calibrated camera");
 }

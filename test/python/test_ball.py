@@ -139,6 +139,11 @@ def test_camera_of_a_camera_info():
     ):
         with pytest.raises(ValueError):
             rv.CameraModel(*wrong)
+    camera = rv.CameraModel(640, 480, matrix, (0.1,) * 4, "equidistant")
+    assert camera.distortion_model == "equidistant"
+    with pytest.raises(ValueError, match="distortion_model is 'fish', must be plumb_bob"):
+        rv.CameraModel(640, 480, matrix, (), "fish")
+    assert rv.is_calibrated(matrix) and not rv.is_calibrated(np.zeros((3, 3)))
 
 
 def test_position_of_few_points_is_none():

@@ -144,13 +144,11 @@ def camera_model(info: CameraInfo, size: Tuple[int, int]) -> CameraModel:
     Raises:
         ValueError: camera_info is not calibrated, of other pictures, or of a model not known here.
     """
-    if info.distortion_model == "equidistant":
-        raise ValueError("equidistant distortion is not known here")
     if (info.width, info.height) != size:
         raise ValueError(
             f"camera_info is of {info.width}x{info.height}, the picture {size[0]}x{size[1]}"
         )
-    return CameraModel(info.width, info.height, info.K, info.D)
+    return CameraModel(info.width, info.height, info.K, info.D, info.distortion_model)
 
 
 def ball_detection(state: BallState, region: Optional[Region]) -> Detection:

@@ -1,0 +1,152 @@
+#include "corner_filter.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace robot_vision
+{
+
+namespace
+{
+
+// px/s^2, standard deviation; the first: at rest.
+const std::array<double, 5> kAccelerations = {0.0, 20.0, 150.0, 1200.0, 10000.0};
+const double kChange = 0.02;        // probability that another model holds from the next frame on
+const double kRestGain = 1.0 / 10;  // what has been seen before some 20 frames is forgotten
+const double kFastest = 1000.0;     // px/s, of a tag that is seen for the first time
+const double kLost = 5.0;           // standard deviations, from where the tag can have come to
+const double kCoordinates = 8.0;
+
+cv::Vec<double, 8> toState(const CornerFilter::Corners& corners)
+{
+  cv::Vec<double, 8> state;
+  for (int i = 0; i < 4; ++i)
+  {
+    state[2 * i] = corners[static_cast<std::size_t>(i)].x;
+    state[2 * i + 1] = corners[static_cast<std::size_t>(i)].y;
+  }
+  return state;
+}
+
+}  // namespace
+
+CornerFilter::CornerFilter(const Corners& seen, double variance)
+{
+  const cv::Matx22d moving(variance, 0.0, 0.0, kFastest * kFastest);
+  models_.fill({toState(seen), State::all(0.0), moving, 1.0 / kModels, 1.0});
+  models_[0].covariance(1, 1) = 0.0;
+}
+
+void CornerFilter::update(double passed, const Corners& seen, double variance)
+{
+  mix();
+  const State measured = toState(seen);
+  for (std::size_t i = 0; i < kModels; ++i)
+    predict(models_[i], passed, kAccelerations[i]);
+  if (surprise(models_.back(), measured, variance) > kLost * kLost)
+  {
+    *this = CornerFilter(seen, variance);
+    return;
+  }
+  change_ = variance * surprise(models_.front(), measured, variance);
+  std::array<double, kModels> likelihoods;
+  for (std::size_t i = 0; i < kModels; ++i)
+    likelihoods[i] = correct(models_[i], measured, variance, i == 0 ? kRestGain : 0.0);
+  const double best = *std::max_element(likelihoods.begin(), likelihoods.end());
+  double sum = 0.0;
+  for (std::size_t i = 0; i < kModels; ++i)
+    sum += models_[i].probability *= std::exp(likelihoods[i] - best);
+  for (Model& model : models_)
+    model.probability /= sum;
+}
+
+void CornerFilter::mix()
+{
+  const std::array<Model, kModels> before = models_;
+  for (std::size_t to = 0; to < kModels; ++to)
+  {
+    Model& model = models_[to];
+    std::array<double, kModels> shares;
+    model.probability = 0.0;
+    for (std::size_t from = 0; from < kModels; ++from)
+    {
+      shares[from] = before[from].probability * (from == to ? 1.0 - kChange : kChange / (kModels - 1));
+      model.probability += shares[from];
+    }
+    model.position = model.velocity = State::all(0.0);
+    model.covariance = cv::Matx22d::zeros();
+    for (std::size_t from = 0; from < kModels; ++from)
+    {
+      shares[from] /= model.probability;
+      model.position += shares[from] * before[from].position;
+      model.velocity += shares[from] * before[from].velocity;
+    }
+    for (std::size_t from = 0; from < kModels; ++from)
+    {
+      const State p = before[from].position - model.position, v = before[from].velocity - model.velocity;
+      const cv::Matx22d spread(p.dot(p), p.dot(v), p.dot(v), v.dot(v));
+      model.covariance += shares[from] * (before[from].covariance + spread * (1.0 / kCoordinates));
+    }
+  }
+  models_[0].velocity = State::all(0.0);
+  models_[0].covariance(0, 1) = models_[0].covariance(1, 0) = models_[0].covariance(1, 1) = 0.0;
+}
+
+void CornerFilter::predict(Model& model, double passed, double acceleration)
+{
+  const cv::Matx22d F(1.0, passed, 0.0, 1.0);
+  const cv::Vec2d push(acceleration * passed * passed / 2.0, acceleration * passed);
+  model.position += passed * model.velocity;
+  model.covariance = F * model.covariance * F.t() + push * push.t();
+}
+
+double CornerFilter::surprise(const Model& model, const State& seen, double variance)
+{
+  const State off = seen - model.position;
+  return off.dot(off) / kCoordinates / (model.covariance(0, 0) + variance);
+}
+
+double CornerFilter::correct(Model& model, const State& seen, double variance, double least_gain)
+{
+  const State off = seen - model.position;
+  const double expected = model.covariance(0, 0) + variance;
+  model.gain = std::max(model.covariance(0, 0) / expected, least_gain);
+  const double velocity_gain = model.covariance(0, 1) / expected;
+  model.position += model.gain * off;
+  model.velocity += velocity_gain * off;
+  // Joseph's form: right for any gain.
+  const cv::Matx22d kept(1.0 - model.gain, 0.0, -velocity_gain, 1.0);
+  const cv::Vec2d gains(model.gain, velocity_gain);
+  model.covariance = kept * model.covariance * kept.t() + variance * (gains * gains.t());
+  return -(off.dot(off) / expected + kCoordinates * std::log(expected)) / 2.0;
+}
+
+CornerFilter::Corners CornerFilter::corners() const
+{
+  State mean = State::all(0.0);
+  for (const Model& model : models_)
+    mean += model.probability * model.position;
+  return {cv::Point2d(mean[0], mean[1]), {mean[2], mean[3]}, {mean[4], mean[5]}, {mean[6], mean[7]}};
+}
+
+double CornerFilter::variance() const
+{
+  const State mean = toState(corners());
+  double sum = 0.0;
+  for (const Model& model : models_)
+  {
+    const State off = model.position - mean;
+    sum += model.probability * (model.covariance(0, 0) + off.dot(off) / kCoordinates);
+  }
+  return sum;
+}
+
+double CornerFilter::gain() const
+{
+  double sum = 0.0;
+  for (const Model& model : models_)
+    sum += model.probability * model.gain;
+  return sum;
+}
+
+}  // namespace robot_vision

@@ -1,0 +1,121 @@
+#include "distortion.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace robot_vision
+{
+
+namespace
+{
+
+using Coefficients = std::array<double, 8>;
+
+const int kMaxSteps = 20;         // of Newton's method, which needs a handful
+const double kTolerance = 1e-14;  // its last step but one comes so close
+const double kGoodEnough = 1e-9;  // or else it ends so close
+const cv::Point2d kNone(std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::quiet_NaN());
+
+// OpenCV's model (calib3d, cv::projectPoints).
+Distorted byPolynomial(const Coefficients& D, const cv::Point2d& p)
+{
+  const double x = p.x, y = p.y, r2 = x * x + y * y;
+  const double k1 = D[0], k2 = D[1], p1 = D[2], p2 = D[3], k3 = D[4], k4 = D[5], k5 = D[6], k6 = D[7];
+  const double divisor = 1.0 + r2 * (k4 + r2 * (k5 + r2 * k6));
+  const double radial = (1.0 + r2 * (k1 + r2 * (k2 + r2 * k3))) / divisor;
+  const double growth = k1 + r2 * (2.0 * k2 + r2 * 3.0 * k3) - radial * (k4 + r2 * (2.0 * k5 + r2 * 3.0 * k6));
+  const double slope = 2.0 * growth / divisor;  // d radial / d x = slope * x
+  const double mixed = x * y * slope + 2.0 * (p1 * x + p2 * y);
+  Distorted result;
+  result.point = {x * radial + 2.0 * p1 * x * y + p2 * (r2 + 2.0 * x * x),
+                  y * radial + p1 * (r2 + 2.0 * y * y) + 2.0 * p2 * x * y};
+  result.jacobian = {radial + x * x * slope + 2.0 * p1 * y + 6.0 * p2 * x, mixed, mixed,
+                     radial + y * y * slope + 6.0 * p1 * y + 2.0 * p2 * x};
+  return result;
+}
+
+// The radius that a lens gives to an angle (rad) from its axis: Kannala and Brandt, A Generic Camera Model and
+// Calibration Method for Conventional, Wide-Angle, and Fish-Eye Lenses, PAMI 2006, with cv::fisheye's four terms.
+struct Radius
+{
+  double value, slope;
+};
+
+Radius radiusOf(const Coefficients& D, double angle)
+{
+  const double a2 = angle * angle;
+  return {angle * (1.0 + a2 * (D[0] + a2 * (D[1] + a2 * (D[2] + a2 * D[3])))),
+          1.0 + a2 * (3.0 * D[0] + a2 * (5.0 * D[1] + a2 * (7.0 * D[2] + a2 * 9.0 * D[3])))};
+}
+
+Distorted byAngle(const Coefficients& D, const cv::Point2d& p)
+{
+  const double r2 = p.dot(p), r = std::sqrt(r2), tiny = 1e-8;
+  if (r < tiny) return {p, cv::Matx22d::eye()};
+  const Radius radius = radiusOf(D, std::atan(r));
+  const double scale = radius.value / r;
+  const double bend = (radius.slope / (1.0 + r2) - scale) / r2;
+  return {scale * p, {scale + bend * p.x * p.x, bend * p.x * p.y, bend * p.x * p.y, scale + bend * p.y * p.y}};
+}
+
+cv::Point2d undistortPolynomial(const Coefficients& D, const cv::Point2d& target, cv::Point2d guess)
+{
+  for (int step = 0; step < kMaxSteps; ++step)
+  {
+    const Distorted now = byPolynomial(D, guess);
+    const cv::Point2d error = target - now.point;
+    const cv::Matx22d& J = now.jacobian;
+    const double det = J(0, 0) * J(1, 1) - J(0, 1) * J(1, 0);
+    guess.x += (J(1, 1) * error.x - J(0, 1) * error.y) / det;
+    guess.y += (J(0, 0) * error.y - J(1, 0) * error.x) / det;
+    if (error.dot(error) < kTolerance * kTolerance) return guess;
+  }
+  const cv::Point2d error = target - byPolynomial(D, guess).point;
+  return error.dot(error) < kGoodEnough * kGoodEnough ? guess : kNone;
+}
+
+cv::Point2d undistortAngle(const Coefficients& D, const cv::Point2d& target)
+{
+  const double wanted = std::hypot(target.x, target.y), tiny = 1e-8;
+  if (wanted < tiny) return target;
+  double angle = std::min(wanted, CV_PI / 2.0);
+  for (int step = 0; step < kMaxSteps; ++step)
+  {
+    const Radius now = radiusOf(D, angle);
+    angle += (wanted - now.value) / now.slope;
+    if (std::abs(wanted - now.value) < kTolerance) break;
+  }
+  const Radius reached = radiusOf(D, angle);
+  const bool found = std::abs(wanted - reached.value) < kGoodEnough && reached.slope > 0.0;
+  return found && angle > 0.0 && angle < CV_PI / 2.0 ? std::tan(angle) / wanted * target : kNone;
+}
+
+}  // namespace
+
+bool isEquidistant(const std::string& distortion_model)
+{
+  return distortion_model == "equidistant" || distortion_model == "fisheye";
+}
+
+bool isPolynomial(const std::string& distortion_model)
+{
+  return distortion_model == "plumb_bob" || distortion_model == "rational_polynomial";
+}
+
+Distortion::Distortion(const CameraModel& camera) : equidistant_(isEquidistant(camera.distortion_model))
+{
+  std::copy_n(camera.D.begin(), std::min(camera.D.size(), D_.size()), D_.begin());
+}
+
+Distorted Distortion::distort(const cv::Point2d& point) const
+{
+  return equidistant_ ? byAngle(D_, point) : byPolynomial(D_, point);
+}
+
+cv::Point2d Distortion::undistort(const cv::Point2d& target, const cv::Point2d& guess) const
+{
+  return equidistant_ ? undistortAngle(D_, target) : undistortPolynomial(D_, target, guess);
+}
+
+}  // namespace robot_vision

@@ -1,0 +1,129 @@
+#include "pose_fit.hpp"
+
+#include <cmath>
+#include <limits>
+
+namespace robot_vision
+{
+
+namespace
+{
+
+const double kInfinity = std::numeric_limits<double>::infinity();
+
+struct Linearised
+{
+  cv::Matx66d information = cv::Matx66d::zeros();
+  cv::Vec6d gradient;
+  double cost = 0.0;
+};
+
+/// d pixel / d (shift, rotation) of a point: the rotation moves it by its cross product with the lever.
+cv::Matx<double, 2, 6> jacobianOf(const cv::Matx23d& by_point, const cv::Vec3d& lever)
+{
+  const cv::Matx33d turn(0, lever[2], -lever[1], -lever[2], 0, lever[0], lever[1], -lever[0], 0);
+  const cv::Matx23d by_rotation = by_point * turn;
+  cv::Matx<double, 2, 6> result;
+  for (int row = 0; row < 2; ++row)
+    for (int column = 0; column < 3; ++column)
+    {
+      result(row, column) = by_point(row, column);
+      result(row, column + 3) = by_rotation(row, column);
+    }
+  return result;
+}
+
+Linearised linearise(const Sighting& sighting, const CameraModel& camera, const cv::Affine3d& pose)
+{
+  Linearised sum;
+  for (std::size_t i = 0; i < sighting.points.size(); ++i)
+  {
+    const cv::Vec3d lever = pose.rotation() * cv::Vec3d(sighting.points[i]);
+    const Projection seen = camera.projection(cv::Point3d(lever + pose.translation()));
+    const cv::Point2d residual = sighting.pixels[i] - seen.pixel;
+    const double weight = 1.0 / sighting.variances[i];
+    const cv::Matx<double, 2, 6> J = jacobianOf(seen.jacobian, lever);
+    sum.information += weight * (J.t() * J);
+    sum.gradient += weight * (J.t() * cv::Vec2d(residual));
+    sum.cost += weight * residual.dot(residual);
+  }
+  if (std::isnan(sum.cost)) sum.cost = kInfinity;
+  return sum;
+}
+
+/// The inverse; false if there is none.
+bool invert(cv::Matx66d information, cv::Matx66d& covariance)
+{
+  // The tilt of a tag that is seen from the front does not show at all, to first order: a radian is a lot.
+  for (int i = 3; i < 6; ++i)
+    information(i, i) += 1.0;
+  // Metres far away and radians differ too much in size to be inverted together.
+  cv::Matx66d scale = cv::Matx66d::zeros();
+  for (int i = 0; i < 6; ++i)
+    scale(i, i) = 1.0 / std::sqrt(information(i, i));
+  bool exists = false;
+  covariance = scale * (scale * information * scale).inv(cv::DECOMP_CHOLESKY, &exists) * scale;
+  return exists;
+}
+
+}  // namespace
+
+cv::Affine3d moved(const cv::Affine3d& pose, const cv::Vec6d& by)
+{
+  const cv::Affine3d turn(cv::Vec3d(by[3], by[4], by[5]));
+  return {turn.rotation() * pose.rotation(), pose.translation() + cv::Vec3d(by[0], by[1], by[2])};
+}
+
+cv::Vec6d difference(const cv::Affine3d& from, const cv::Affine3d& to)
+{
+  const cv::Vec3d shift = to.translation() - from.translation();
+  const cv::Vec3d turn = cv::Affine3d(to.rotation() * from.rotation().t()).rvec();
+  return {shift[0], shift[1], shift[2], turn[0], turn[1], turn[2]};
+}
+
+PoseFit fitPose(const Sighting& sighting, const CameraModel& camera, const cv::Affine3d& start)
+{
+  const int max_steps = 50;
+  const double least_gain = 1e-9;  // of the cost: far less than noise makes of it
+  cv::Affine3d pose = start;
+  Linearised now = linearise(sighting, camera, pose);
+  double damping = 1e-4;
+  for (int step = 0; step < max_steps && std::isfinite(now.cost); ++step)
+  {
+    cv::Matx66d damped = now.information;
+    for (int i = 0; i < 6; ++i)
+      damped(i, i) *= 1.0 + damping;
+    const cv::Vec6d by = damped.solve(now.gradient, cv::DECOMP_CHOLESKY);
+    if (by.dot(now.gradient) < least_gain) break;
+    const cv::Affine3d next_pose = moved(pose, by);
+    const Linearised next = linearise(sighting, camera, next_pose);
+    const bool better = next.cost < now.cost;
+    damping *= better ? 0.1 : 10.0;
+    if (!better) continue;
+    pose = next_pose;
+    now = next;
+  }
+  PoseFit fit{pose, cv::Matx66d(), now.cost};
+  if (!invert(now.information, fit.covariance)) fit.cost = kInfinity;
+  return fit;
+}
+
+double costOf(const Sighting& sighting, const CameraModel& camera, const cv::Affine3d& pose)
+{
+  double cost = 0.0;
+  for (std::size_t i = 0; i < sighting.points.size(); ++i)
+  {
+    const cv::Point2d residual = sighting.pixels[i] - camera.project(pose * sighting.points[i]);
+    cost += residual.dot(residual) / sighting.variances[i];
+  }
+  return std::isnan(cost) ? kInfinity : cost;
+}
+
+double errorOf(const Sighting& sighting, const CameraModel& camera, const cv::Affine3d& pose)
+{
+  Sighting unit = sighting;
+  unit.variances.assign(unit.points.size(), 1.0);
+  return std::sqrt(costOf(unit, camera, pose) / static_cast<double>(unit.points.size()));
+}
+
+}  // namespace robot_vision

@@ -1,0 +1,67 @@
+"""Tags as cameras see them, with everything known."""
+
+import cv2
+import numpy as np
+
+import robot_vision as rv
+
+SIZE = 0.2  # m
+K = np.array([[600.0, 0.0, 320.0], [0.0, 600.0, 240.0], [0.0, 0.0, 1.0]])
+CAMERAS = {
+    "plumb_bob": rv.CameraModel(640, 480, K, [-0.25, 0.07, 0.001, -0.002, 0.0]),
+    "rational_polynomial": rv.CameraModel(
+        640, 480, K, [0.45, -0.3, 0.001, -0.002, -0.02, 0.8, -0.1, -0.07], "rational_polynomial"
+    ),
+    "equidistant": rv.CameraModel(640, 480, K, [0.05, -0.02, 0.006, -0.001], "equidistant"),
+}
+SQUARE = np.array([[-0.5, -0.5, 0.0], [0.5, -0.5, 0.0], [0.5, 0.5, 0.0], [-0.5, 0.5, 0.0]])
+
+
+def turned(vector):
+    """The rotation (3, 3) of a rotation vector, rad."""
+    return cv2.Rodrigues(np.asarray(vector, float))[0]
+
+
+def matrix(rotation, place):
+    pose = np.eye(4)
+    pose[:3, :3], pose[:3, 3] = rotation, place
+    return pose
+
+
+def pose_in_view(rng, pixels, tilt):
+    """A tag with sides of so many pixels if it faces the camera, turned away by `tilt`, rad."""
+    distance = K[0, 0] * SIZE / pixels
+    reach = 0.3 if pixels < 200 else 0.1
+    place = distance * np.array([rng.uniform(-reach, reach), rng.uniform(-reach, reach) * 0.7, 1.0])
+    ray = place / np.linalg.norm(place)
+    across = np.cross([0.0, 0.0, 1.0], ray)
+    to_ray = turned(across / np.linalg.norm(across) * np.arcsin(np.linalg.norm(across)))
+    side, spin = rng.uniform(-np.pi, np.pi, 2)
+    away = turned([tilt * np.cos(side), tilt * np.sin(side), 0.0])
+    return matrix(to_ray @ away @ np.diag([1.0, -1.0, -1.0]) @ turned([0.0, 0.0, spin]), place)
+
+
+def corners_of(pose, camera, size=SIZE):
+    """(4, 2) px."""
+    return camera.project(size * SQUARE @ pose[:3, :3].T + pose[:3, 3])[0]
+
+
+def in_picture(corners, camera):
+    low, high = corners.min(axis=0), corners.max(axis=0)
+    return bool((low > 0).all() and (high < [camera.width - 1, camera.height - 1]).all())
+
+
+def faces_camera(pose):
+    return pose[:3, 2] @ pose[:3, 3] < -0.2 * np.linalg.norm(pose[:3, 3])
+
+
+def error_of(pose, truth):
+    """x, y, z (m) and rotations about x, y, z (rad) from a pose to the truth, camera's axes."""
+    turn = cv2.Rodrigues(truth[:3, :3] @ pose[:3, :3].T)[0][:, 0]
+    return np.concatenate([truth[:3, 3] - pose[:3, 3], turn])
+
+
+def squared_error(estimate, truth):
+    """The squared error by the covariance: 6 on average, if that is right."""
+    error = error_of(estimate.pose, truth)
+    return error @ np.linalg.solve(estimate.covariance, error)

@@ -1,0 +1,353 @@
+"""Poses of tags and bundles against the truth, from corners with noise."""
+
+import cv2
+import numpy as np
+import pytest
+from tags import (
+    CAMERAS,
+    SIZE,
+    SQUARE,
+    K,
+    corners_of,
+    error_of,
+    faces_camera,
+    in_picture,
+    matrix,
+    pose_in_view,
+    squared_error,
+    turned,
+)
+
+import robot_vision as rv
+
+TAG = rv.single_tag(0, SIZE)
+FRESH = rv.TagPoseParams()  # for corners with noise that is new in every frame
+FRESH.lasting_noise = 0.0
+RATE = 30.0  # Hz
+FREEDOM = 6  # of a pose
+
+
+def angle(error):
+    """Degrees, of an error's rotation."""
+    return np.degrees(np.linalg.norm(error[3:]))
+
+
+def single_shots(camera, sizes, noises, count, seed, tilts=(0, 15, 30, 45, 60, 75)):
+    """Poses of single pictures: (size px, truth, TagPoses); tilts in degrees."""
+    rng = np.random.default_rng(seed)
+    for _ in range(count):
+        for size in sizes:
+            for tilt in np.radians(tilts):
+                truth, noise = pose_in_view(rng, size, tilt), rng.choice(noises)
+                corners = corners_of(truth, camera) + rng.normal(0.0, noise, (4, 2))
+                found = rv.estimate_pose(TAG, {0: corners}, camera, noise)
+                assert found is not None
+                yield size, truth, found
+
+
+@pytest.mark.parametrize("model", CAMERAS)
+def test_poses_are_accurate_and_their_covariances_true(model):
+    sizes = [10, 20, 40, 60, 100, 200, 400]
+    shifts, turns = [], []
+    squares = {size: [] for size in sizes}
+    for size, truth, found in single_shots(CAMERAS[model], sizes, [0.1, 0.3, 0.5], 40, 1):
+        error = error_of(found.best.pose, truth)
+        shifts.append(np.linalg.norm(error[:3]) / np.linalg.norm(truth[:3, 3]))
+        if size >= 60:
+            turns.append(angle(error))
+        squares[size].append(squared_error(found.best, truth))
+    assert np.median(shifts) <= 0.01
+    assert np.median(turns) <= 1.0
+    for size in sizes:
+        assert 0.7 <= np.mean(squares[size]) / FREEDOM <= 1.5, size
+
+
+def test_the_probability_of_a_pose_is_how_often_it_is_right():
+    said, true = [], []
+    shots = single_shots(
+        CAMERAS["plumb_bob"], [10, 15, 20, 30], [0.3], 200, 2, (15, 30, 45, 60, 75)
+    )
+    for _, truth, found in shots:
+        if found.other is None or angle(error_of(found.best.pose, found.other.pose)) < 20.0:
+            continue
+        said.append(found.probability)
+        errors = [angle(error_of(one.pose, truth)) for one in (found.best, found.other)]
+        true.append(errors[0] < errors[1])
+        assert 0.0 < found.ratio <= 1.0 and found.best.error <= found.other.error
+    said, true = np.array(said), np.array(true)
+    for low, high in [(0.5, 0.6), (0.6, 0.8), (0.8, 0.95), (0.95, 1.0)]:
+        part = (said >= low) & (said < high)
+        assert part.sum() > 300
+        assert abs(said[part].mean() - true[part].mean()) < 0.06
+
+
+def test_bundles_are_found_with_true_covariances():
+    rng = np.random.default_rng(3)
+    camera = CAMERAS["plumb_bob"]
+    squares, shifts, turns = [], [], []
+    for trial in range(300):
+        flat = trial % 2
+        tags = [
+            rv.BundleTag(
+                tag,
+                0.1,
+                matrix(
+                    turned([0, 0, rng.uniform(-3, 3)] if flat else rng.uniform(-0.6, 0.6, 3)),
+                    rng.uniform(-0.4, 0.4, 3) * ([1, 1, 0] if flat else [1, 1, 0.5]),
+                ),
+            )
+            for tag in range(5)
+        ]
+        truth = pose_in_view(rng, rng.choice([40, 120]), rng.uniform(0, 1))
+        noise = rng.choice([0.1, 0.5])
+        seen = {}
+        for tag in tags:
+            corners = corners_of(truth @ tag.pose, camera, tag.size)
+            if faces_camera(truth @ tag.pose) and in_picture(corners, camera):
+                seen[tag.id] = corners + rng.normal(0.0, noise, (4, 2))
+        if len(seen) < 2:
+            continue
+        best = rv.estimate_pose(rv.Bundle("box", tags), seen, camera, noise).best
+        error = error_of(best.pose, truth)
+        squares.append(squared_error(best, truth))
+        shifts.append(np.linalg.norm(error[:3]) / truth[2, 3])
+        turns.append(angle(error))
+    assert len(squares) > 200
+    assert 0.7 <= np.mean(squares) / FREEDOM <= 1.5
+    assert np.median(shifts) <= 0.002 and np.median(turns) <= 0.5 and np.max(turns) < 15.0
+
+
+def still(pose):
+    while True:
+        yield pose
+
+
+def wandering(rng, pose, speed, rate):
+    """A pose that moves smoothly, root mean square `speed` (m/s) and `rate` (rad/s)."""
+    frequencies, phases = rng.uniform(0.2, 0.6, (2, 6)), rng.uniform(0, 2 * np.pi, (2, 6))
+    reach = np.array([speed] * 3 + [rate] * 3) / np.sqrt(3) / (2 * np.pi * frequencies)
+    frame = 0
+    while True:
+        angles = 2 * np.pi * frequencies * frame / RATE + phases
+        way = np.sum(reach * (np.sin(angles) - np.sin(phases)), axis=0)
+        yield matrix(turned(way[3:]) @ pose[:3, :3], pose[:3, 3] + way[:3])
+        frame += 1
+
+
+def track(tracker, camera, path, noise, rng, frames, lasting=0.0):
+    """What a tracker says: (frame, corners with noise, truth, TagPoses)."""
+    shift = rng.normal(0.0, lasting, (4, 2))
+    for frame, truth in zip(range(frames), path):
+        corners = corners_of(truth, camera)
+        if not in_picture(corners, camera) or not faces_camera(truth):
+            continue
+        corners = corners + shift + rng.normal(0.0, noise, (4, 2))
+        yield frame, corners, truth, tracker.update(frame / RATE, {0: corners}, camera)
+
+
+@pytest.mark.parametrize("model", CAMERAS)
+def test_a_tag_at_rest_jitters_half_as_much_as_one_shot_poses_or_less(model):
+    rng = np.random.default_rng(4)
+    camera = CAMERAS[model]
+    gains, squares = [], []
+    for noise in (0.1, 0.5):
+        for size in (30, 60, 150, 300):
+            for tilt in np.radians([10, 45, 70]):
+                tracker = rv.TagPoseTracker(TAG, FRESH)
+                ours, theirs = [], []
+                path = still(pose_in_view(rng, size, tilt))
+                for frame, corners, truth, found in track(tracker, camera, path, noise, rng, 150):
+                    if frame < 30:
+                        continue
+                    squares.append(squared_error(found.best, truth))
+                    ours.append(error_of(found.best.pose, truth))
+                    if model == "equidistant":
+                        single = rv.estimate_pose(TAG, {0: corners}, camera).best.pose
+                    else:
+                        _, turn, place = cv2.solvePnP(SIZE * SQUARE, corners, K, np.array(camera.D))
+                        single = matrix(turned(turn), place[:, 0])
+                    theirs.append(error_of(single, truth))
+                gains.append(np.std(theirs, axis=0) / np.std(ours, axis=0))
+                assert tracker.corner_noise == pytest.approx(noise, rel=0.3)
+    assert np.median(gains) > 3.0
+    assert np.percentile(gains, 2) > 2.0
+    assert 0.7 <= np.mean(squares) / FREEDOM <= 1.5
+
+
+@pytest.mark.parametrize("speed, rate", [(0.02, 0.05), (0.1, 0.2), (0.5, 1.0)])
+def test_a_tag_in_motion_is_where_and_what_the_covariance_says(speed, rate):
+    rng = np.random.default_rng(5)
+    camera = CAMERAS["plumb_bob"]
+    squares, ours, theirs, flips = [], [], [], []
+    for noise in (0.1, 0.3):
+        for size in (40, 80, 160):
+            for tilt in np.radians([10, 30, 50]):
+                path = wandering(rng, pose_in_view(rng, size, tilt), speed, rate)
+                tracker = rv.TagPoseTracker(TAG, FRESH)
+                for frame, corners, truth, found in track(tracker, camera, path, noise, rng, 200):
+                    error = error_of(found.best.pose, truth)
+                    flips.append(is_flipped(found, truth))
+                    if frame < 30:
+                        continue
+                    squares.append(squared_error(found.best, truth))
+                    single = rv.estimate_pose(TAG, {0: corners}, camera).best.pose
+                    ours.append(np.linalg.norm(error[:3]) / truth[2, 3])
+                    theirs.append(np.linalg.norm(error_of(single, truth)[:3]) / truth[2, 3])
+    assert 0.7 <= np.mean(squares) / FREEDOM <= 1.5
+    assert np.mean(ours) < 1.02 * np.mean(theirs)  # no lag
+    assert np.percentile(ours, 99) < 1.02 * np.percentile(theirs, 99)
+    assert np.mean(flips) < 0.005
+
+
+def is_flipped(found, truth):
+    """Whether the other pose is the right one, and that makes a difference."""
+    if found.other is None or angle(error_of(found.best.pose, found.other.pose)) < 15.0:
+        return False
+    return angle(error_of(found.other.pose, truth)) < angle(error_of(found.best.pose, truth))
+
+
+@pytest.mark.parametrize("passed", [1 / RATE, 1e-4, 0.0])
+def test_a_tag_that_jumps_is_followed_in_the_same_frame(passed):
+    rng = np.random.default_rng(6)
+    camera = CAMERAS["plumb_bob"]
+    tracker = rv.TagPoseTracker(TAG, FRESH)
+    for jump in (0.01, 0.1, 0.3):
+        here = pose_in_view(rng, 100, 0.6)
+        there = here.copy()
+        there[0, 3] += jump - 2 * jump * (here[0, 3] > 0)
+        list(track(tracker, camera, still(here), 0.1, rng, 60))
+        corners = corners_of(there, camera) + rng.normal(0.0, 0.1, (4, 2))
+        found = tracker.update(59 / RATE + passed, {0: corners}, camera)
+        errors = error_of(found.best.pose, there)
+        assert np.linalg.norm(errors[:2]) < 0.02 * jump + 0.0005
+        assert squared_error(found.best, there) < 6 * FREEDOM
+
+
+def test_time_decides_where_the_picture_does_not():
+    """A small tag comes from where it is well seen: the right pose is kept."""
+    rng = np.random.default_rng(7)
+    camera = CAMERAS["plumb_bob"]
+    flips, single_flips = [], []
+    for _ in range(20):
+        near = pose_in_view(rng, 80, 0.7)
+        tracker = rv.TagPoseTracker(TAG, FRESH)
+        scales = np.concatenate([np.linspace(1, 5, 120), np.full(120, 5.0)])
+        path = (matrix(near[:3, :3], scale * near[:3, 3]) for scale in scales)
+        for frame, corners, truth, found in track(tracker, camera, path, 0.2, rng, 240):
+            if frame >= 120:
+                flips.append(is_flipped(found, truth))
+                single_flips.append(is_flipped(rv.estimate_pose(TAG, {0: corners}, camera), truth))
+    assert np.mean(single_flips) > 0.2
+    assert np.mean(flips) < 0.005
+
+
+@pytest.mark.parametrize("least", [0.0, 0.05])
+def test_what_all_frames_have_in_common_is_not_averaged_out(least):
+    rng = np.random.default_rng(8)
+    camera = CAMERAS["plumb_bob"]
+    params = rv.TagPoseParams()
+    params.lasting_noise = least
+    squares = []
+    for _ in range(60):
+        path = still(pose_in_view(rng, 100, 0.7))
+        tracker = rv.TagPoseTracker(TAG, params)
+        lasting = 0.05 if least else 0.2
+        *_, (_, _, truth, found) = track(tracker, camera, path, 0.02, rng, 150, lasting)
+        squares.append(squared_error(found.best, truth))
+    if least:
+        assert 0.7 <= np.mean(squares) / FREEDOM <= 1.5
+    else:  # two numbers tell how large it is: the median is what can be right
+        assert 0.2 <= np.median(squares) / FREEDOM <= 3.0
+
+
+def test_a_bundle_is_tracked_while_tags_come_and_go():
+    rng = np.random.default_rng(9)
+    camera = CAMERAS["equidistant"]
+    places = [matrix(np.eye(3), [x, 0.0, 0.0]) for x in (-0.15, 0.0, 0.15)]
+    bundle = rv.Bundle("bar", [rv.BundleTag(i, 0.1, place) for i, place in enumerate(places)])
+    tracker = rv.TagPoseTracker(bundle, FRESH)
+    squares, seen_once = [], 0
+    path = wandering(rng, pose_in_view(rng, 120, 0.5), 0.1, 0.2)
+    for frame, truth in zip(range(400), path):
+        seen = {
+            tag.id: corners_of(truth @ tag.pose, camera, tag.size) + rng.normal(0.0, 0.2, (4, 2))
+            for tag in bundle.tags
+            if (frame // 20 + tag.id) % 3
+        }
+        seen_once += len(seen) == 1
+        found = tracker.update(frame / RATE, seen, camera)
+        squares.append(squared_error(found.best, truth))
+    assert 0.7 <= np.mean(squares) / FREEDOM <= 1.5
+    assert tracker.corner_noise == pytest.approx(0.2, rel=0.2)
+    assert tracker.update(14.0, {}, camera) is None
+    assert tracker.update(14.1, {9: np.zeros((4, 2))}, camera) is None
+
+
+def test_what_is_no_tag_is_refused():
+    camera = CAMERAS["plumb_bob"]
+    good = corners_of(pose_in_view(np.random.default_rng(0), 60, 0.5), camera)
+    bad = good.copy()
+    bad[2, 1] = np.nan
+    for corners, word in [(bad, "corners of tag 0"), (good[::-1], "convex"), (good[:3], "4, 2")]:
+        with pytest.raises(ValueError, match=word):
+            rv.estimate_pose(TAG, {0: corners}, camera)
+        with pytest.raises(ValueError, match=word):
+            rv.TagPoseTracker(TAG).update(0.0, {0: corners}, camera)
+    with pytest.raises(ValueError, match=r"size of tag 1 .* is -1, must be above 0"):
+        rv.single_tag(1, -1.0)
+    with pytest.raises(ValueError, match="number of tags"):
+        rv.Bundle("box", [])
+    with pytest.raises(ValueError, match=r"id of a tag .* is 3 twice"):
+        rv.Bundle("box", [rv.BundleTag(3, 0.1, np.eye(4))] * 2)
+    with pytest.raises(ValueError, match="4x4"):
+        rv.BundleTag(3, 0.1, np.eye(3))
+    params = rv.TagPoseParams()
+    params.corner_noise = -1.0
+    with pytest.raises(ValueError, match="corner_noise is -1, must be from"):
+        rv.validate(params)
+
+
+@pytest.mark.parametrize("model", CAMERAS)
+def test_of_any_quadrilateral_there_is_a_pose_an_error_or_nothing(model):
+    rng = np.random.default_rng(10)
+    tracker = rv.TagPoseTracker(TAG)
+    answers = {True: 0, False: 0, None: 0}
+    for frame in range(4000):
+        size = 10 ** rng.uniform(-0.5, 2.8) * rng.uniform(0.05, 1, 2)
+        bent = SQUARE[:, :2] * [1, -1] + rng.uniform(-0.35, 0.35, (4, 2))
+        corners = (
+            rng.uniform(-50, 690, 2) + size * bent @ turned([0, 0, rng.uniform(-3, 3)])[:2, :2]
+        )
+        try:
+            found = tracker.update(frame / RATE, {0: corners}, CAMERAS[model])
+        except ValueError:
+            answers[None] += 1
+            continue
+        answers[found is not None] += 1
+        if found is None:
+            continue
+        for one in filter(None, (found.best, found.other)):
+            assert np.allclose(one.pose[:3, :3] @ one.pose[:3, :3].T, np.eye(3), atol=1e-9)
+            assert np.isfinite(one.error) and one.pose[:3, 2] @ one.pose[:3, 3] < 0
+            variances = np.linalg.eigvalsh(one.covariance)
+            assert variances[-1] > 0 and variances[0] > -1e-9 * variances[-1]
+        assert 0.5 <= found.probability <= 1.0 and np.isfinite(found.ratio)
+    assert answers[True] > 1000 and answers[None] > 100
+
+
+def test_points_are_projected_as_opencv_does():
+    points = np.random.default_rng(1).uniform([-1, -1, 2], [1, 1, 3], (50, 3))
+    for model, camera in CAMERAS.items():
+        if model == "equidistant":
+            expected = cv2.fisheye.projectPoints(
+                points[:, None], np.zeros(3), np.zeros(3), K, np.array(camera.D)
+            )[0]
+        else:
+            expected = cv2.projectPoints(points, np.zeros(3), np.zeros(3), K, np.array(camera.D))[0]
+        pixels, jacobians = camera.project(points)
+        assert np.allclose(pixels, expected[:, 0], atol=1e-9)
+        step = 1e-6 * np.array([1.0, -2.0, 0.5])
+        assert np.allclose(camera.project(points + step)[0] - pixels, jacobians @ step, atol=1e-7)
+    assert np.isnan(camera.project(-points)[0]).all()
+    with pytest.raises(ValueError, match=r"\(n, 3\)"):
+        camera.project(points[:, :2])
