@@ -7,6 +7,7 @@
 #include "arrays.hpp"
 #include "robot_vision/ball_tracker.hpp"
 #include "robot_vision/brightness.hpp"
+#include "robot_vision/code_reader.hpp"
 #include "robot_vision/edges.hpp"
 #include "robot_vision/encoding.hpp"
 #include "robot_vision/face_detector.hpp"
@@ -22,6 +23,7 @@ using namespace robot_vision;
 using namespace py::literals;
 
 void bindBall(py::module& m);
+void bindCodes(py::module& m);
 void bindColors(py::module& m);
 void bindFaces(py::module& m);
 void bindLine(py::module& m);
@@ -104,6 +106,7 @@ void bindValidate(py::module& m)
   const char* doc = "Raises ValueError naming the first parameter out of range, its value and the range.";
   m.def("validate", py::overload_cast<const BallTrackerParams&>(&validate), "params"_a, doc);
   m.def("validate", py::overload_cast<const BrightnessParams&>(&validate), "params"_a, doc);
+  m.def("validate", py::overload_cast<const CodeReaderParams&>(&validate), "params"_a, doc);
   m.def("validate", py::overload_cast<const EdgeParams&>(&validate), "params"_a, doc);
   m.def("validate", py::overload_cast<const FaceParams&>(&validate), "params"_a, doc);
   m.def("validate", py::overload_cast<const CaptureParams&>(&validate), "params"_a, doc);
@@ -124,6 +127,7 @@ PYBIND11_MODULE(_core, m)
   bindSources(m);
   bindThreads(m);
   bindScene(m);
+  bindCodes(m);
   bindColors(m);
   bindBall(m);
   bindFaces(m);

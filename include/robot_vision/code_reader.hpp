@@ -1,0 +1,57 @@
+#pragma once
+
+#include <memory>
+#include <opencv2/core.hpp>
+#include <string>
+#include <vector>
+
+namespace robot_vision
+{
+
+struct CodeReaderParams
+{
+  std::string symbologies = "all";  // what is looked for: all, or some of codeTypes() with commas between them
+  int spacing = 1;                  // px between the lines along which the picture is scanned, 1 to 16
+};
+
+/// Names of the kinds of code that can be read: qr, ean13, ...
+std::vector<std::string> codeTypes();
+
+/// Throws std::invalid_argument naming the first parameter out of range, its value and the range.
+void validate(const CodeReaderParams& params);
+
+/// A code in a picture.
+struct Code
+{
+  std::string type;  // one of codeTypes()
+  std::string data;  // its content, byte by byte, of any value
+  /// px from the centre of the top left pixel. Of a QR code the corners of its modules, clockwise from its own top left
+  /// one; of a bar code a rectangle around the ends of the lines along which it was read, from any corner.
+  std::vector<cv::Point2d> polygon;
+  double score = 0.0;  // 0 to 1: 1 of a QR code, which corrects its errors; n / (n + 4) of n lines that agree
+};
+
+/// Reads QR codes and bar codes with zbar.
+///
+/// Bar codes of one type and content count as one code, wherever they are in the picture; QR codes do not. The bytes of
+/// a QR code come back as they are, unless it names their character set (ECI): then they come as UTF-8. (zbar before
+/// 0.23.1 guesses a character set, and always gives UTF-8.) Not for two threads at once.
+class CodeReader
+{
+public:
+  /// Throws std::invalid_argument as validate() does.
+  explicit CodeReader(const CodeReaderParams& params = CodeReaderParams());
+  ~CodeReader();
+  CodeReader(CodeReader&&) noexcept;
+  CodeReader& operator=(CodeReader&&) noexcept;
+
+  /// The codes in a picture, from top to bottom. `image` is not modified. Throws std::invalid_argument if it is not a
+  /// picture of `encoding` (see encoding.hpp).
+  std::vector<Code> read(const cv::Mat& image, const std::string& encoding);
+
+private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace robot_vision

@@ -1,0 +1,165 @@
+#include "robot_vision/code_reader.hpp"
+
+#include <zbar.h>
+
+#include <algorithm>
+#include <array>
+#include <new>
+#include <opencv2/imgproc.hpp>
+#include <utility>
+
+#include "robot_vision/encoding.hpp"
+#include "robot_vision/range.hpp"
+
+namespace robot_vision
+{
+namespace
+{
+
+constexpr std::array<std::pair<const char*, zbar::zbar_symbol_type_t>, 12> kTypes = {{
+    {"qr", zbar::ZBAR_QRCODE},
+    {"ean13", zbar::ZBAR_EAN13},
+    {"ean8", zbar::ZBAR_EAN8},
+    {"upca", zbar::ZBAR_UPCA},
+    {"upce", zbar::ZBAR_UPCE},
+    {"code128", zbar::ZBAR_CODE128},
+    {"code93", zbar::ZBAR_CODE93},
+    {"code39", zbar::ZBAR_CODE39},
+    {"i25", zbar::ZBAR_I25},
+    {"codabar", zbar::ZBAR_CODABAR},
+    {"databar", zbar::ZBAR_DATABAR},
+    {"databar_exp", zbar::ZBAR_DATABAR_EXP},
+}};
+
+struct Free
+{
+  void operator()(zbar::zbar_image_scanner_t* scanner) const { zbar::zbar_image_scanner_destroy(scanner); }
+  void operator()(zbar::zbar_image_t* image) const { zbar::zbar_image_destroy(image); }
+};
+
+template <class T>
+using Owned = std::unique_ptr<T, Free>;
+
+template <class T>
+Owned<T> owned(T* made)
+{
+  if (!made) throw std::bad_alloc();
+  return Owned<T>(made);
+}
+
+/// What lies between the commas, without blanks.
+std::vector<std::string> listed(const std::string& list)
+{
+  std::vector<std::string> words(1);
+  for (const char letter : list)
+    if (letter == ',')
+      words.emplace_back();
+    else if (letter != ' ')
+      words.back() += letter;
+  return words;
+}
+
+/// The name of a type of zbar's; none of what is part of a code, or was not asked for.
+const char* nameOf(zbar::zbar_symbol_type_t type)
+{
+  const auto* found = std::find_if(kTypes.begin(), kTypes.end(), [type](const auto& t) { return t.second == type; });
+  return found == kTypes.end() ? nullptr : found->first;
+}
+
+std::vector<cv::Point2d> polygonOf(const zbar::zbar_symbol_t* symbol, bool is_qr)
+{
+  std::vector<cv::Point> points;
+  for (unsigned i = 0; i < zbar::zbar_symbol_get_loc_size(symbol); ++i)
+    points.emplace_back(zbar::zbar_symbol_get_loc_x(symbol, i), zbar::zbar_symbol_get_loc_y(symbol, i));
+  if (is_qr)  // zbar goes around counter-clockwise
+    return {points.rbegin(), points.rend()};
+  std::array<cv::Point2f, 4> corners;
+  cv::minAreaRect(points).points(corners.data());
+  return {corners.begin(), corners.end()};
+}
+
+}  // namespace
+
+std::vector<std::string> codeTypes()
+{
+  std::vector<std::string> names;
+  for (const auto& type : kTypes)
+    names.emplace_back(type.first);
+  return names;
+}
+
+void validate(const CodeReaderParams& params)
+{
+  const std::vector<std::string> known = codeTypes();
+  std::string names = "all";
+  for (const std::string& name : known)
+    names += ", " + name;
+  if (params.symbologies != "all")
+    for (const std::string& name : listed(params.symbologies))
+      if (std::find(known.begin(), known.end(), name) == known.end())
+        require(false, "symbologies", "'" + params.symbologies + "'", "of " + names);
+  requireRange("spacing", params.spacing, 1.0, 16.0);
+}
+
+struct CodeReader::Impl
+{
+  Owned<zbar::zbar_image_scanner_t> scanner = owned(zbar::zbar_image_scanner_create());
+  Owned<zbar::zbar_image_t> image = owned(zbar::zbar_image_create());
+  cv::Mat converted;  // memory for the next picture
+
+  void set(zbar::zbar_symbol_type_t type, zbar::zbar_config_t option, int value)
+  {
+    zbar::zbar_image_scanner_set_config(scanner.get(), type, option, value);
+  }
+};
+
+CodeReader::CodeReader(const CodeReaderParams& params)
+{
+  validate(params);
+  impl_ = std::make_unique<Impl>();
+  impl_->set(zbar::ZBAR_NONE, zbar::ZBAR_CFG_ENABLE, 0);
+  const std::vector<std::string> wanted = listed(params.symbologies);
+  for (const auto& type : kTypes)
+    if (params.symbologies == "all" || std::find(wanted.begin(), wanted.end(), type.first) != wanted.end())
+      impl_->set(type.second, zbar::ZBAR_CFG_ENABLE, 1);
+  impl_->set(zbar::ZBAR_NONE, zbar::ZBAR_CFG_X_DENSITY, params.spacing);
+  impl_->set(zbar::ZBAR_NONE, zbar::ZBAR_CFG_Y_DENSITY, params.spacing);
+  // By its name, which zbar before 0.23.1 does not know: its header has no constant for it.
+  zbar::zbar_image_scanner_parse_config(impl_->scanner.get(), "qrcode.binary");
+  zbar::zbar_image_set_format(impl_->image.get(), zbar_fourcc('Y', '8', '0', '0'));
+}
+
+CodeReader::~CodeReader() = default;
+CodeReader::CodeReader(CodeReader&&) noexcept = default;
+CodeReader& CodeReader::operator=(CodeReader&&) noexcept = default;
+
+std::vector<Code> CodeReader::read(const cv::Mat& image, const std::string& encoding)
+{
+  Impl& me = *impl_;
+  cv::Mat gray = me.converted;  // it may come to share the input's pixels, which must not be kept
+  toGray(image, encoding, gray);
+  if (!sharesPixels(gray, image)) me.converted = gray;
+  if (!gray.isContinuous()) gray = gray.clone();  // zbar knows no padded rows
+  zbar::zbar_image_t* const picture = me.image.get();
+  zbar::zbar_image_set_size(picture, static_cast<unsigned>(gray.cols), static_cast<unsigned>(gray.rows));
+  zbar::zbar_image_set_data(picture, gray.data, gray.total(), nullptr);
+  zbar::zbar_scan_image(me.scanner.get(), picture);
+  std::vector<Code> codes;
+  for (const auto* symbol = zbar::zbar_image_first_symbol(picture); symbol; symbol = zbar::zbar_symbol_next(symbol))
+  {
+    const zbar::zbar_symbol_type_t type = zbar::zbar_symbol_get_type(symbol);
+    const char* const name = nameOf(type);
+    if (!name) continue;
+    Code code;
+    code.type = name;
+    code.data.assign(zbar::zbar_symbol_get_data(symbol), zbar::zbar_symbol_get_data_length(symbol));
+    code.polygon = polygonOf(symbol, type == zbar::ZBAR_QRCODE);
+    const double lines = zbar::zbar_symbol_get_quality(symbol);
+    code.score = type == zbar::ZBAR_QRCODE ? 1.0 : lines / (lines + 4.0);
+    codes.push_back(code);
+  }
+  zbar::zbar_image_set_data(picture, nullptr, 0, nullptr);  // the pixels are the caller's
+  return codes;
+}
+
+}  // namespace robot_vision
