@@ -12,6 +12,7 @@ struct CodeReaderParams
 {
   std::string symbologies = "all";  // what is looked for: all, or some of codeTypes() with commas between them
   int spacing = 1;                  // px between the lines along which the picture is scanned, 1 to 16
+  int enlarge = 1;                  // times the picture is enlarged first, 1 to 4: zbar wants modules of 3 px and more
 };
 
 /// Names of the kinds of code that can be read: qr, ean13, ...

@@ -11,10 +11,11 @@ void bindCodes(py::module& m)
 {
   py::class_<CodeReaderParams>(m, "CodeReaderParams",
                                "Symbologies (all, or some of code_types() with commas), px between the lines that are "
-                               "scanned (1..16).")
+                               "scanned (1..16), times the picture is enlarged first (1..4).")
       .def(py::init<>())
       .def_readwrite("symbologies", &CodeReaderParams::symbologies)
-      .def_readwrite("spacing", &CodeReaderParams::spacing);
+      .def_readwrite("spacing", &CodeReaderParams::spacing)
+      .def_readwrite("enlarge", &CodeReaderParams::enlarge);
 
   py::class_<Code>(m, "Code", "A code in a picture.")
       .def_readonly("type", &Code::type, "one of code_types()")

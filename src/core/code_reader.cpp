@@ -4,8 +4,10 @@
 
 #include <algorithm>
 #include <array>
+#include <map>
 #include <new>
 #include <opencv2/imgproc.hpp>
+#include <tuple>
 #include <utility>
 
 #include "robot_vision/encoding.hpp"
@@ -59,23 +61,37 @@ std::vector<std::string> listed(const std::string& list)
   return words;
 }
 
-/// The name of a type of zbar's; none of what is part of a code, or was not asked for.
-const char* nameOf(zbar::zbar_symbol_type_t type)
+using Types = std::map<zbar::zbar_symbol_type_t, std::string>;
+
+Types wantedTypes(const std::string& symbologies)
 {
-  const auto* found = std::find_if(kTypes.begin(), kTypes.end(), [type](const auto& t) { return t.second == type; });
-  return found == kTypes.end() ? nullptr : found->first;
+  const std::vector<std::string> names = listed(symbologies);
+  Types wanted;
+  for (const auto& [name, type] : kTypes)
+    if (symbologies == "all" || std::find(names.begin(), names.end(), name) != names.end()) wanted[type] = name;
+  return wanted;
 }
 
-std::vector<cv::Point2d> polygonOf(const zbar::zbar_symbol_t* symbol, bool is_qr)
+/// Where a code is in the picture that was enlarged so many times.
+std::vector<cv::Point2d> polygonOf(const zbar::zbar_symbol_t* symbol, double enlarged)
 {
-  std::vector<cv::Point> points;
+  // What zbar rounds down begins at the pixels' edges, not at their centres: the two cancel.
+  const auto place = [enlarged](int position) { return (position + 0.5) / enlarged - 0.5; };
+  std::vector<cv::Point2f> points;
   for (unsigned i = 0; i < zbar::zbar_symbol_get_loc_size(symbol); ++i)
-    points.emplace_back(zbar::zbar_symbol_get_loc_x(symbol, i), zbar::zbar_symbol_get_loc_y(symbol, i));
-  if (is_qr)  // zbar goes around counter-clockwise
-    return {points.rbegin(), points.rend()};
+    points.emplace_back(place(zbar::zbar_symbol_get_loc_x(symbol, i)), place(zbar::zbar_symbol_get_loc_y(symbol, i)));
+  if (zbar::zbar_symbol_get_type(symbol) == zbar::ZBAR_QRCODE)  // zbar goes around counter-clockwise
+    return {points.at(0), points.at(3), points.at(2), points.at(1)};
   std::array<cv::Point2f, 4> corners;
   cv::minAreaRect(points).points(corners.data());
   return {corners.begin(), corners.end()};
+}
+
+/// The order of codes from top to bottom.
+bool isAbove(const Code& a, const Code& b)
+{
+  const cv::Point2d middle_of_a = a.polygon[0] + a.polygon[2], middle_of_b = b.polygon[0] + b.polygon[2];
+  return std::tie(middle_of_a.y, middle_of_a.x) < std::tie(middle_of_b.y, middle_of_b.x);
 }
 
 }  // namespace
@@ -99,13 +115,16 @@ void validate(const CodeReaderParams& params)
       if (std::find(known.begin(), known.end(), name) == known.end())
         require(false, "symbologies", "'" + params.symbologies + "'", "of " + names);
   requireRange("spacing", params.spacing, 1.0, 16.0);
+  requireRange("enlarge", params.enlarge, 1.0, 4.0);
 }
 
 struct CodeReader::Impl
 {
   Owned<zbar::zbar_image_scanner_t> scanner = owned(zbar::zbar_image_scanner_create());
   Owned<zbar::zbar_image_t> image = owned(zbar::zbar_image_create());
-  cv::Mat converted;  // memory for the next picture
+  Types wanted;
+  int enlarge = 1;
+  cv::Mat converted, enlarged;  // memory for the next picture
 
   void set(zbar::zbar_symbol_type_t type, zbar::zbar_config_t option, int value)
   {
@@ -117,11 +136,13 @@ CodeReader::CodeReader(const CodeReaderParams& params)
 {
   validate(params);
   impl_ = std::make_unique<Impl>();
+  impl_->wanted = wantedTypes(params.symbologies);
+  impl_->enlarge = params.enlarge;
   impl_->set(zbar::ZBAR_NONE, zbar::ZBAR_CFG_ENABLE, 0);
-  const std::vector<std::string> wanted = listed(params.symbologies);
-  for (const auto& type : kTypes)
-    if (params.symbologies == "all" || std::find(wanted.begin(), wanted.end(), type.first) != wanted.end())
-      impl_->set(type.second, zbar::ZBAR_CFG_ENABLE, 1);
+  for (const auto& type : impl_->wanted)
+    impl_->set(type.first, zbar::ZBAR_CFG_ENABLE, 1);
+  // zbar takes UPC-A for a kind of EAN-13.
+  if (impl_->wanted.count(zbar::ZBAR_UPCA)) impl_->set(zbar::ZBAR_EAN13, zbar::ZBAR_CFG_ENABLE, 1);
   impl_->set(zbar::ZBAR_NONE, zbar::ZBAR_CFG_X_DENSITY, params.spacing);
   impl_->set(zbar::ZBAR_NONE, zbar::ZBAR_CFG_Y_DENSITY, params.spacing);
   // By its name, which zbar before 0.23.1 does not know: its header has no constant for it.
@@ -139,7 +160,13 @@ std::vector<Code> CodeReader::read(const cv::Mat& image, const std::string& enco
   cv::Mat gray = me.converted;  // it may come to share the input's pixels, which must not be kept
   toGray(image, encoding, gray);
   if (!sharesPixels(gray, image)) me.converted = gray;
-  if (!gray.isContinuous()) gray = gray.clone();  // zbar knows no padded rows
+  if (me.enlarge > 1)
+  {
+    cv::resize(gray, me.enlarged, {}, me.enlarge, me.enlarge, cv::INTER_CUBIC);
+    gray = me.enlarged;
+  }
+  else if (!gray.isContinuous())  // zbar knows no padded rows
+    gray = gray.clone();
   zbar::zbar_image_t* const picture = me.image.get();
   zbar::zbar_image_set_size(picture, static_cast<unsigned>(gray.cols), static_cast<unsigned>(gray.rows));
   zbar::zbar_image_set_data(picture, gray.data, gray.total(), nullptr);
@@ -147,18 +174,18 @@ std::vector<Code> CodeReader::read(const cv::Mat& image, const std::string& enco
   std::vector<Code> codes;
   for (const auto* symbol = zbar::zbar_image_first_symbol(picture); symbol; symbol = zbar::zbar_symbol_next(symbol))
   {
-    const zbar::zbar_symbol_type_t type = zbar::zbar_symbol_get_type(symbol);
-    const char* const name = nameOf(type);
-    if (!name) continue;
+    const auto type = me.wanted.find(zbar::zbar_symbol_get_type(symbol));
+    if (type == me.wanted.end()) continue;  // or it is a part of a code
     Code code;
-    code.type = name;
+    code.type = type->second;
     code.data.assign(zbar::zbar_symbol_get_data(symbol), zbar::zbar_symbol_get_data_length(symbol));
-    code.polygon = polygonOf(symbol, type == zbar::ZBAR_QRCODE);
+    code.polygon = polygonOf(symbol, me.enlarge);
     const double lines = zbar::zbar_symbol_get_quality(symbol);
-    code.score = type == zbar::ZBAR_QRCODE ? 1.0 : lines / (lines + 4.0);
+    code.score = type->first == zbar::ZBAR_QRCODE ? 1.0 : lines / (lines + 4.0);
     codes.push_back(code);
   }
   zbar::zbar_image_set_data(picture, nullptr, 0, nullptr);  // the pixels are the caller's
+  std::sort(codes.begin(), codes.end(), isAbove);
   return codes;
 }
 
