@@ -27,9 +27,8 @@ def sheets(markers: Sequence[Marker], page: str) -> List[Drawing]:
     columns, rows = number(free_width, side), number(free_height, side + LABEL)
     if not columns or not rows:
         raise ValueError(
-            f"with the white around it the marker is {side:.1f} mm wide; on {page} there is room "
-            f"for {min(free_width, free_height - LABEL):.1f} mm: a smaller size, or a file of its "
-            "own"
+            f"a marker is {side:.1f} mm wide with the white around it, and on {page} there is room "
+            f"for {min(free_width, free_height - LABEL):.1f} mm"
         )
     pages = []
     for first in range(0, len(markers), columns * rows):
