@@ -1,4 +1,4 @@
-"""Bar codes for the tests: the widths of their bars and spaces, by the tables of their standards."""
+"""Bar codes for the tests: the widths of their bars and spaces, by their standards' tables."""
 
 import itertools
 

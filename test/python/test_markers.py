@@ -36,8 +36,7 @@ def create(tmp_path):
             [sys.executable, str(SCRIPT), *map(str, arguments)],
             cwd=tmp_path,
             env={**os.environ, "ROS_MASTER_URI": "http://127.0.0.1:1"},
-            stdout=subprocess.PIPE,
-            stderr=subprocess.PIPE,
+            capture_output=True,
             text=True,
             timeout=60,
             check=False,
@@ -58,15 +57,14 @@ def rendered(path):
     """The pages of a file as grey pictures, and their pixels per mm."""
     if path.suffix == ".png":
         data = path.read_bytes()
-        kind, per_metre, also, unit = struct.unpack(">4sIIB", data[data.index(b"pHYs") :][:13])
+        per_metre, also, unit = struct.unpack(">IIB", data[data.index(b"pHYs") + 4 :][:9])
         assert (also, unit) == (per_metre, 1)
         return [cv2.imread(str(path), cv2.IMREAD_GRAYSCALE)], per_metre / 1000.0
     folder = path.parent / (path.name + ".rendered")
     folder.mkdir()
     command = {
-        ".pdf": ["pdftoppm", "-r", str(DPI), "-gray", str(path), str(folder / "page")],
-        ".svg": ["rsvg-convert", "-d", str(DPI), "-p", str(DPI), str(path), "-o"]
-        + [str(folder / "page.png")],
+        ".pdf": ["pdftoppm", "-r", str(DPI), "-gray", path, folder / "page"],
+        ".svg": ["rsvg-convert", "-d", str(DPI), "-p", str(DPI), path, "-o", folder / "page.png"],
     }[path.suffix]
     subprocess.run(command, check=True)
     return [cv2.imread(str(page), cv2.IMREAD_GRAYSCALE) for page in sorted(folder.iterdir())], MM
