@@ -7,13 +7,14 @@ import shlex
 import struct
 import subprocess
 import sys
+from typing import NamedTuple
 
 import cv2
 import numpy as np
 import pytest
 
 import robot_vision as rv
-from robot_vision.markers.command import EXAMPLES
+from robot_vision.markers.command import EXAMPLES, main
 from robot_vision.markers.drawing import runs
 
 SCRIPT = pathlib.Path(__file__).resolve().parents[2] / "scripts" / "create_marker.py"
@@ -27,20 +28,24 @@ OPENCV_S = {
 }
 
 
+class Result(NamedTuple):
+    returncode: int
+    stdout: str
+    stderr: str
+
+
 @pytest.fixture
-def create(tmp_path):
-    """create("-s", 5, 0) runs the command in a folder of its own, where no ROS master is."""
+def create(tmp_path, monkeypatch, capfd):
+    """create("-s", 5, 0) runs the command in a folder of its own."""
 
     def run(*arguments):
-        return subprocess.run(
-            [sys.executable, str(SCRIPT), *map(str, arguments)],
-            cwd=tmp_path,
-            env={**os.environ, "ROS_MASTER_URI": "http://127.0.0.1:1"},
-            capture_output=True,
-            text=True,
-            timeout=60,
-            check=False,
-        )
+        monkeypatch.chdir(tmp_path)
+        monkeypatch.setattr(sys, "argv", [str(SCRIPT), *map(str, arguments)])
+        try:
+            code = main()
+        except SystemExit as end:  # of argparse
+            code = end.code
+        return Result(code, *capfd.readouterr())
 
     return run
 
@@ -318,6 +323,20 @@ def test_every_example_of_the_help_works(create, tmp_path, line):
     if name:
         assert path.name in name.group()
     assert rendered(path)[0]
+
+
+def test_the_executable_needs_no_master(tmp_path):
+    for arguments, code in ((["0"], 0), (["0"], 1), (["--no-such-option"], 2)):
+        result = subprocess.run(
+            [sys.executable, str(SCRIPT), *arguments],
+            cwd=tmp_path,
+            env={**os.environ, "ROS_MASTER_URI": "http://127.0.0.1:1"},
+            capture_output=True,
+            timeout=60,
+            check=False,
+        )
+        assert result.returncode == code, result.stderr
+    assert os.listdir(tmp_path) == ["tag36h11_0.png"]
 
 
 def test_help_has_the_examples_and_all_families(create):
