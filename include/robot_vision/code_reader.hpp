@@ -18,6 +18,10 @@ struct CodeReaderParams
 /// Names of the kinds of code that can be read: qr, ean13, ...
 std::vector<std::string> codeTypes();
 
+/// Whether the bytes of a QR code come back as they are, which takes zbar 0.23.1 (Ubuntu 20.04 has 0.23.0). Older ones
+/// guess which character set they are of, and give UTF-8: what is not ASCII may come back changed.
+bool keepsBytes();
+
 /// Throws std::invalid_argument naming the first parameter out of range, its value and the range.
 void validate(const CodeReaderParams& params);
 
@@ -34,9 +38,9 @@ struct Code
 
 /// Reads QR codes and bar codes with zbar.
 ///
-/// Bar codes of one type and content count as one code, wherever they are in the picture; QR codes do not. The bytes of
-/// a QR code come back as they are, unless it names their character set (ECI): then they come as UTF-8. (zbar before
-/// 0.23.1 guesses a character set, and always gives UTF-8.) Not for two threads at once.
+/// Bar codes of one type and content count as one code, wherever they are in the picture; QR codes do not, but those
+/// that are parts of one content (structured append) are one code if all are there, and else none. Bytes whose
+/// character set a QR code names (ECI) come back as UTF-8. Not for two threads at once.
 class CodeReader
 {
 public:

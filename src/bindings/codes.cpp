@@ -38,5 +38,7 @@ void bindCodes(py::module& m)
           },
           "image"_a, "encoding"_a = "bgr8",
           "The Codes in a picture.\n\nRaises ValueError for an image that is not of this encoding.");
+  m.def("keeps_bytes", &keepsBytes,
+        "Whether the bytes of a QR code come back as they are; by a zbar before 0.23.1 what is not ASCII may not.");
   m.def("code_types", &codeTypes, "Names of the kinds of code that can be read.");
 }

@@ -140,6 +140,61 @@ CODE128 = [
     "211232",
     "2331112",
 ]
+CODE93 = dict(
+    zip(
+        "0123456789ABCDEFGHIJKLMNOPQRSTUVWXYZ-. $/+%abcd*",  # a to d: shifts
+        [
+            "131112",
+            "111213",
+            "111312",
+            "111411",
+            "121113",
+            "121212",
+            "121311",
+            "111114",
+            "131211",
+            "141111",
+            "211113",
+            "211212",
+            "211311",
+            "221112",
+            "221211",
+            "231111",
+            "112113",
+            "112212",
+            "112311",
+            "122112",
+            "132111",
+            "111123",
+            "111222",
+            "111321",
+            "121122",
+            "131121",
+            "212112",
+            "212211",
+            "211122",
+            "211221",
+            "221121",
+            "222111",
+            "112122",
+            "112221",
+            "122121",
+            "123111",
+            "121131",
+            "311112",
+            "311211",
+            "321111",
+            "112131",
+            "113121",
+            "211131",
+            "121221",
+            "312111",
+            "311121",
+            "122211",
+            "111141",
+        ],
+    )
+)
 CODE39 = {  # w: wide
     "0": "nnnwwnwnn", "1": "wnnwnnnnw", "2": "nnwwnnnnw", "3": "wnwwnnnnn", "4": "nnnwwnnnw",
     "5": "wnnwwnnnn", "6": "nnwwwnnnn", "7": "nnnwnnwnw", "8": "wnnwnnwnn", "9": "nnwwnnwnn",
@@ -194,6 +249,16 @@ def code128(text):
     values = [104, *(ord(letter) - 32 for letter in text)]
     check = (values[0] + sum(place * value for place, value in enumerate(values))) % 103
     return text, "".join(CODE128[value] for value in [*values, check, 106])
+
+
+def code93(text):
+    letters = list(CODE93)
+    checked = text
+    for most in (20, 15):
+        weights = itertools.cycle(range(1, most + 1))
+        places = [letters.index(letter) for letter in reversed(checked)]
+        checked += letters[sum(place * weight for place, weight in zip(places, weights)) % 47]
+    return text, "".join(CODE93[letter] for letter in f"*{checked}*") + "1"
 
 
 def wide(pattern, width=3):

@@ -1,9 +1,12 @@
 """QR codes and bar codes: random contents are read back, wherever and however they lie."""
 
+import ctypes
+
 import bar_codes
 import cv2
 import numpy as np
 import pytest
+import qrcode.util
 import skimage.data
 
 import robot_vision as rv
@@ -12,6 +15,7 @@ from robot_vision.plain_text import plain
 from robot_vision.repeats import Repeats
 
 QUIET = 4  # modules
+needs_bytes = pytest.mark.skipif(not rv.keeps_bytes(), reason="zbar is older than 0.23.1")
 
 
 def reader(**values):
@@ -43,7 +47,22 @@ def payload(rng, kind, length):
     return "".join(rng.choice(letters, max(length // 2, 1))).encode()
 
 
-@pytest.mark.parametrize("kind", ["bytes", "text", "digits", "capitals"])
+def test_bytes_are_kept_by_every_zbar_but_old_ones():
+    numbers = [ctypes.c_uint() for _ in range(3)]
+    ctypes.CDLL("libzbar.so.0").zbar_version(*map(ctypes.byref, numbers))
+    version = tuple(number.value for number in numbers)
+    assert rv.keeps_bytes() == (version >= (0, 23, 1)), version
+
+
+@pytest.mark.parametrize(
+    "kind",
+    [
+        pytest.param("bytes", marks=needs_bytes),
+        pytest.param("text", marks=needs_bytes),
+        "digits",
+        "capitals",
+    ],
+)
 def test_every_qr_code_is_read_back(kind):
     rng = np.random.default_rng(len(kind))
     qr = reader()
@@ -55,6 +74,7 @@ def test_every_qr_code_is_read_back(kind):
         assert found(qr.read(picture, "mono8")) == [("qr", data)], (data, level, picture.shape)
 
 
+@needs_bytes
 @pytest.mark.parametrize("level, most", [("L", 2953), ("M", 2331), ("Q", 1663), ("H", 1273)])
 def test_the_largest_qr_codes_are_read_back(level, most):
     data = payload(np.random.default_rng(most), "bytes", most)
@@ -63,6 +83,7 @@ def test_the_largest_qr_codes_are_read_back(level, most):
         qr_modules(data + b"x", level)
 
 
+@needs_bytes
 def test_all_bytes_are_read_back_at_once():
     data = bytes(range(256))
     assert found(reader().read(qr_picture(data, 3), "mono8")) == [("qr", data)]
@@ -100,7 +121,7 @@ def test_qr_codes_turned_and_tilted_are_read_and_located():
     qr = reader()
     errors, missed = [], 0
     for _ in range(120):
-        data = payload(rng, "bytes", int(rng.integers(1, 60)))
+        data = payload(rng, "capitals", int(rng.integers(1, 60)))
         modules = qr_picture(data, 1)
         module = rng.uniform(3.0, 400 / len(modules))
         picture, corners = seen(modules, rng.uniform(0, 2 * np.pi), module, 0.15, rng)
@@ -127,7 +148,7 @@ def test_enlarged_small_codes_are_read():
     plainly, enlarged = reader(), reader(enlarge=2)
     as_it_is, larger, errors = 0, 0, []
     for _ in range(40):
-        data = payload(rng, "bytes", int(rng.integers(1, 60)))
+        data = payload(rng, "capitals", int(rng.integers(1, 60)))
         picture, corners = seen(qr_picture(data, 1), rng.uniform(0, 2 * np.pi), 2.3, 0.05, rng)
         as_it_is += found(plainly.read(picture, "mono8")) == [("qr", data)]
         codes = enlarged.read(picture, "mono8")
@@ -143,7 +164,7 @@ def test_a_damaged_qr_code_is_read_right_or_not_at_all():
     qr = reader()
     read = 0
     for _ in range(60):
-        data = payload(rng, "bytes", 40)
+        data = payload(rng, "capitals", 40)
         picture = qr_picture(data, 4, "H")
         side = int(rng.integers(8, 110))
         x, y = rng.integers(0, len(picture) - side, 2)
@@ -160,6 +181,7 @@ BAR_CODES = {
     "upca": lambda digits: bar_codes.upca(digits[:11]),
     "upce": lambda digits: bar_codes.upce(digits[:5] + "1"),
     "code128": lambda digits: bar_codes.code128("Ab-" + digits[:9]),
+    "code93": lambda digits: bar_codes.code93("FACE-" + digits[:7]),
     "code39": lambda digits: bar_codes.code39("FACE-" + digits[:5]),
     "i25": lambda digits: bar_codes.i25(digits[:12]),
     "codabar": lambda digits: bar_codes.codabar(digits[:9]),
@@ -216,6 +238,50 @@ def test_only_the_symbologies_wanted_are_read():
         ("i25", []),
     ]:
         assert found(reader(symbologies=wanted).read(picture, "mono8")) == expected, wanted
+
+
+def with_header(monkeypatch, data, *header):
+    """A QR code of bytes after a header of (value, bits)."""
+
+    class Buffer(qrcode.util.BitBuffer):
+        def __init__(self):
+            super().__init__()
+            for value, bits in header:
+                self.put(value, bits)
+
+    with monkeypatch.context() as patched:
+        patched.setattr(qrcode.util, "BitBuffer", Buffer)
+        code = qrcode.QRCode(version=4, border=QUIET)
+        code.add_data(qrcode.util.QRData(data, mode=qrcode.util.MODE_8BIT_BYTE))
+        code.make(fit=False)
+    return np.kron(~np.array(code.get_matrix(), bool), np.full((4, 4), 255, np.uint8))
+
+
+def test_parts_of_a_content_are_one_code_if_all_are_there(monkeypatch):
+    parts = [
+        with_header(monkeypatch, text, (3, 4), (number, 4), (1, 4), (7, 8))
+        for number, text in enumerate((b"hello ", b"world"))
+    ]
+    for order in (parts, parts[::-1]):
+        assert found(reader().read(np.hstack(order), "mono8")) == [("qr", b"hello world")]
+    for part in parts:
+        assert not reader().read(part, "mono8")
+        assert not reader().read(np.hstack([part, part]), "mono8")
+
+
+@needs_bytes
+@pytest.mark.parametrize(
+    "data, number, expected",
+    [
+        ("Ä€".encode(), 26, ["Ä€".encode()]),
+        (b"\xc4", 3, ["Ä".encode()]),  # Latin-1
+        (b"\xff\x00", 100, [b"\xff\x00"]),  # not known
+        (b"\xff\x00", 26, []),  # no UTF-8
+    ],
+)
+def test_a_named_character_set_becomes_utf8(monkeypatch, data, number, expected):
+    picture = with_header(monkeypatch, data, (7, 4), (number, 8))
+    assert [code.data for code in reader().read(picture, "mono8")] == expected
 
 
 def test_nothing_is_read_where_there_is_nothing():

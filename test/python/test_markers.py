@@ -204,7 +204,7 @@ def test_pictures_of_sheets_are_a_file_each(create, tmp_path, ending):
 TEXTS = [
     "http://wiki.ros.org/robot_vision",
     "1234",
-    "Grüße, 世界 <&>\n\t",
+    "<&>\n\t",
     "x" * 300,
     "--page",
     "a b",
@@ -228,10 +228,12 @@ def test_a_text_becomes_a_qr_code(create, tmp_path, ending, page):
             assert box[0] == pytest.approx((len(picture) / scale - 50) / 2, abs=0.1)  # white
 
 
-def test_any_bytes_become_a_qr_code(create, tmp_path):
-    data = bytes(range(1, 256))
-    (path,) = made(create("-o", "bytes.png", os.fsdecode(data)), tmp_path)
-    assert rv.CodeReader().read(rendered(path)[0][0], "mono8")[0].data == data
+@pytest.mark.skipif(not rv.keeps_bytes(), reason="zbar is older than 0.23.1")
+def test_any_text_and_any_bytes_become_a_qr_code(create, tmp_path):
+    for name, data in (("text.png", "Grüße, 世界".encode()), ("bytes.png", bytes(range(1, 256)))):
+        assert create("-o", name, "--page", "A4", os.fsdecode(data)).returncode == 0
+        (picture,), _ = rendered(tmp_path / name)
+        assert [code.data for code in rv.CodeReader().read(picture, "mono8")] == [data]
 
 
 def test_the_level_of_a_qr_code_is_how_much_of_it_may_be_lost(create, tmp_path):

@@ -7,7 +7,7 @@ import numpy as np
 import rospy
 from geometry_msgs.msg import Point
 
-from .. import Code, CodeReaderParams, draw_outline
+from .. import Code, CodeReaderParams, draw_outline, keeps_bytes
 from .. import CodeReader as Reader
 from ..cfg import CodeReaderConfig
 from ..msg import Detection, DetectionArray
@@ -26,6 +26,10 @@ class CodeReader:
     """Publishes ~codes and ~processed_image (the grey picture with outlines, types and texts)."""
 
     def __init__(self) -> None:
+        if not keeps_bytes():
+            rospy.logwarn(
+                "zbar is older than 0.23.1: what is not ASCII in a QR code may be changed"
+            )
         self._repeats = Repeats()
         self._params = LiveParams(CodeReaderConfig, self._configure)
         self._node = ImageNode(self._process, encoding="mono8")
