@@ -14,7 +14,8 @@ import numpy as np
 import pytest
 
 import robot_vision as rv
-from robot_vision.markers.command import EXAMPLES, main
+from robot_vision.markers.arguments import EXAMPLES
+from robot_vision.markers.command import main
 from robot_vision.markers.drawing import runs
 
 SCRIPT = pathlib.Path(__file__).resolve().parents[2] / "scripts" / "create_marker.py"
