@@ -17,6 +17,7 @@ import robot_vision as rv
 from robot_vision.markers.arguments import EXAMPLES
 from robot_vision.markers.command import main
 from robot_vision.markers.drawing import runs
+from robot_vision.markers.marker import qr_modules
 
 SCRIPT = pathlib.Path(__file__).resolve().parents[2] / "scripts" / "create_marker.py"
 DPI = 508  # of what is rendered here: 20 px for a mm
@@ -226,7 +227,9 @@ def test_a_text_becomes_a_qr_code(create, tmp_path, ending, page):
         if not page:
             box = np.array(box_of_ink(picture)) / scale
             assert box[2:] == pytest.approx((50, 50), abs=0.1)
-            assert box[0] == pytest.approx((len(picture) / scale - 50) / 2, abs=0.1)  # white
+            white = 4 * 50 / len(qr_modules(text.encode()))
+            assert box[:2] == pytest.approx((white, white), abs=0.1)
+            assert len(picture) / scale == pytest.approx(50 + 2 * white, abs=0.1)
 
 
 @pytest.mark.skipif(not rv.keeps_bytes(), reason="zbar is older than 0.23.1")
