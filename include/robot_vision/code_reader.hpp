@@ -38,6 +38,7 @@ struct Code
 
 /// Reads QR codes and bar codes with zbar.
 ///
+/// A bar code is what two lines across it agree on at least; zbar itself asks for four of EAN, UPC and Codabar.
 /// Bar codes of one type and content count as one code, wherever they are in the picture; QR codes do not, but those
 /// that are parts of one content (structured append) are one code if all are there, and else none. Bytes whose
 /// character set a QR code names (ECI) come back as UTF-8. Not for two threads at once.

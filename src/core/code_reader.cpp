@@ -61,6 +61,9 @@ std::vector<std::string> listed(const std::string& list)
   return words;
 }
 
+// Along a single line anything may look like a bar code: not all kinds have a check digit.
+constexpr int kLeastLines = 2;
+
 // By its name: the headers of a zbar that does not have it have no constant for it either.
 constexpr const char* kKeepBytes = "qrcode.binary";
 
@@ -186,12 +189,14 @@ std::vector<Code> CodeReader::read(const cv::Mat& image, const std::string& enco
   {
     const auto type = me.wanted.find(zbar::zbar_symbol_get_type(symbol));
     if (type == me.wanted.end()) continue;  // or it is a part of a code
+    const bool is_qr = type->first == zbar::ZBAR_QRCODE;
+    const int lines = zbar::zbar_symbol_get_quality(symbol);
+    if (!is_qr && lines < kLeastLines) continue;
     Code code;
     code.type = type->second;
     code.data.assign(zbar::zbar_symbol_get_data(symbol), zbar::zbar_symbol_get_data_length(symbol));
     code.polygon = polygonOf(symbol, me.enlarge);
-    const double lines = zbar::zbar_symbol_get_quality(symbol);
-    code.score = type->first == zbar::ZBAR_QRCODE ? 1.0 : lines / (lines + 4.0);
+    code.score = is_qr ? 1.0 : lines / (lines + 4.0);
     codes.push_back(code);
   }
   zbar::zbar_image_set_data(picture, nullptr, 0, nullptr);  // the pixels are the caller's

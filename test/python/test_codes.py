@@ -212,6 +212,17 @@ def test_every_bar_code_is_read_back(kind):
             assert 0.5 < codes[0].score < 1.0
 
 
+@pytest.mark.parametrize("kind", ["code128", "code93", "code39", "i25"])
+def test_one_line_is_no_bar_code(kind):
+    _, widths = BAR_CODES[kind]("123456789012")
+    bars = bar_codes.picture(widths)
+    middle = len(bars) // 2
+    for lines, expected in [(1, 0), (2, 1), (3, 1)]:
+        picture = np.full((60, bars.shape[1]), 255, np.uint8)
+        picture[20 : 20 + lines] = bars[middle]
+        assert len(reader().read(picture, "mono8")) == expected, lines
+
+
 def test_codes_come_from_top_to_bottom():
     picture = np.full((480, 640), 255, np.uint8)
     places = {b"second": (150, 300), b"first": (20, 40), b"third": (300, 10)}
