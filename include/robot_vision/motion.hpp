@@ -32,7 +32,7 @@ struct Motion
   cv::Mat mask;                 // CV_8UC1, 255 where the picture has changed
   double changed = 0.0;         // share of the picture that has, 0 to 1
   bool everywhere = false;      // more than max_changed: nothing can be told, there are no regions
-  std::vector<Region> regions;  // of the mask, the largest first
+  std::vector<Region> regions;  // of the mask, the largest first, their outlines simplified to within 1 px
 };
 
 /// Finds what moves by comparing each frame with a background.
@@ -56,7 +56,7 @@ public:
   MotionDetector& operator=(MotionDetector&&) noexcept;
 
   /// The motion in the frame of `time_s` (s, of any clock). Nothing moves in the first frame, in one of another size
-  /// than the last, and when time has gone back: each is a new background. `image` is not modified.
+  /// or encoding than the last, and when time has gone back: each is a new background. `image` is not modified.
   /// Throws std::invalid_argument if `image` is not a picture of `encoding` (see encoding.hpp).
   Motion update(double time_s, const cv::Mat& image, const std::string& encoding);
 

@@ -15,4 +15,7 @@ void require(bool ok, const std::string& name, double value, const std::string& 
 /// Throws std::invalid_argument naming parameter, value and range unless low <= value <= high; NaN is refused too.
 void requireRange(const std::string& name, double value, double low, double high);
 
+/// Throws std::invalid_argument "<name> is <value>, must be finite" for NaN and infinities.
+void requireFinite(const std::string& name, double value);
+
 }  // namespace robot_vision

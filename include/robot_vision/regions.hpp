@@ -40,8 +40,12 @@ public:
   /// Throws std::invalid_argument if `mask` is empty or of another type.
   std::vector<Region> apply(cv::Mat& mask) const;
 
+  /// The same for a mask that is black outside of `part`, where nobody looks.
+  std::vector<Region> apply(cv::Mat& mask, const cv::Rect& part) const;
+
 private:
-  void clean(cv::Mat& mask) const;
+  /// Returns the part of it outside of which it is black now.
+  cv::Rect clean(cv::Mat& mask, const cv::Rect& part) const;
 
   RegionParams params_;
   cv::Mat opening_;  // structuring elements

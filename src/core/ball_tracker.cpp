@@ -14,11 +14,6 @@ double square(double value)
   return value * value;
 }
 
-void requireFinite(const std::string& name, double value)
-{
-  require(std::isfinite(value), name, value, "finite");
-}
-
 }  // namespace
 
 void validate(const BallTrackerParams& params)

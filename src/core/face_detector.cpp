@@ -1,7 +1,6 @@
 #include "robot_vision/face_detector.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <opencv2/imgproc.hpp>
 #include <optional>
 
@@ -172,7 +171,7 @@ std::vector<Face> FaceDetector::detect(const cv::Mat& image, const std::string& 
 
 std::vector<Face> FaceDetector::update(double time_s, const cv::Mat& image, const std::string& encoding)
 {
-  require(std::isfinite(time_s), "time_s", time_s, "finite");
+  requireFinite("time_s", time_s);
   Impl& me = *impl_;
   const cv::Mat plain = me.prepare(image, encoding);
   if (me.gray.size() != me.size || time_s < me.time) me.forget();

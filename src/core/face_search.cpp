@@ -113,6 +113,14 @@ FaceWindows FaceWindows::of(const FaceParams& params)
   return {params.scale_factor, params.min_neighbors, params.min_size, params.max_size};
 }
 
+FaceWindows FaceWindows::narrowed(int least, int most) const
+{
+  FaceWindows windows = *this;
+  windows.smallest = std::max(smallest, least);
+  windows.largest = largest == 0 ? most : std::min(largest, most);
+  return windows;
+}
+
 FaceSearch::FaceSearch(const FaceParams& params) : first_(readCascade("cascade_1", params.cascade_1))
 {
   if (params.cascade_2.empty()) return;

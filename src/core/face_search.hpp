@@ -39,6 +39,9 @@ struct FaceWindows
   /// Whether a face of this side, px, is neither too small nor too large.
   bool admit(int side) const { return side >= smallest && (largest == 0 || side <= largest); }
 
+  /// Those of them that are of these sides, px.
+  FaceWindows narrowed(int least, int most) const;
+
   double scale_factor;
   int min_neighbors;
   int smallest;  // px

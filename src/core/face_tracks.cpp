@@ -60,11 +60,9 @@ cv::Rect expectedBox(const FaceTrack& track, double time_s)
 std::optional<FoundFace> findNear(const FaceTrack& track, const cv::Rect& part, const cv::Mat& gray, FaceSearch& search,
                                   const FaceParams& params)
 {
-  FaceWindows windows = FaceWindows::of(params);
+  const int side = track.box.width;
+  FaceWindows windows = FaceWindows::of(params).narrowed(cvRound(kSmaller * side), cvRound(kLarger * side));
   windows.scale_factor = std::min(kFiner, params.scale_factor);
-  windows.smallest = std::max(params.min_size, cvRound(kSmaller * track.box.width));
-  windows.largest = cvRound(kLarger * track.box.width);
-  if (params.max_size > 0) windows.largest = std::min(windows.largest, params.max_size);
   std::vector<FaceView> views = search.views();
   std::stable_partition(views.begin(), views.end(), [&](FaceView view) { return view == track.view; });
   for (const FaceView view : views)
@@ -216,14 +214,11 @@ std::vector<cv::Rect> FaceTracks::boxes() const
 
 FaceWindows FaceTracks::windows(const FaceParams& params) const
 {
-  FaceWindows windows = FaceWindows::of(params);
-  if (tracks_.empty()) return windows;
+  const FaceWindows all = FaceWindows::of(params);
+  if (tracks_.empty()) return all;
   const auto [smallest, largest] = std::minmax_element(
       tracks_.begin(), tracks_.end(), [](const FaceTrack& a, const FaceTrack& b) { return a.box.width < b.box.width; });
-  windows.smallest = std::max(params.min_size, smallest->box.width / 2);
-  windows.largest = 2 * largest->box.width;
-  if (params.max_size > 0) windows.largest = std::min(windows.largest, params.max_size);
-  return windows;
+  return all.narrowed(smallest->box.width / 2, 2 * largest->box.width);
 }
 
 void FaceTracks::keep(const FaceWindows& windows)

@@ -9,20 +9,8 @@ namespace robot_vision
 namespace
 {
 
-constexpr int kFewestPoints = 5;                     // that a similarity is believed by
-constexpr int kRounds = 2;                           // of corrections by the model
-constexpr double kTolerance = 2.0;                   // px by which flow may differ from a similarity
-constexpr double kMaxGrowth = 1.4;                   // of the scale in one frame, or its inverse
-constexpr double kShortest = 1e-3;                   // s between frames that a velocity is measured by
-constexpr double kMaxTurn = 0.6;                     // rad in one frame
-constexpr double kMinScale = 0.1, kMaxScale = 10.0;  // since it was selected
-
-bool isPlausible(const Similarity& last, const Similarity& next)
-{
-  const double growth = next.scale() / last.scale();
-  const double turn = std::remainder(next.angle() - last.angle(), 2.0 * CV_PI);
-  return growth < kMaxGrowth && growth > 1.0 / kMaxGrowth && std::abs(turn) < kMaxTurn;
-}
+constexpr int kFewestPoints = 5;    // that a similarity is believed by
+constexpr double kTolerance = 2.0;  // px by which flow may differ from a similarity
 
 }  // namespace
 
@@ -56,9 +44,8 @@ void FollowedObject::lose()
 void FollowedObject::follow(FramePair& frames, const ObjectTrackerParams& params)
 {
   const cv::Point2d before = state_.center;
-  const ModelFit fit = fitAt(startOf(frames), frames, params.min_similarity, kRounds);
-  if (!isPlausible(pose_, fit.pose) || !accept(fit, params.min_confidence)) return lose();
-  if (frames.passed < kShortest) return;
+  if (!accept(fitAt(startOf(frames), frames, params.min_similarity), params.min_confidence)) return lose();
+  if (!frames.measurable()) return;
   const double share = params.smoothing > 0.0 ? 1.0 - std::exp(-frames.passed / params.smoothing) : 1.0;
   state_.velocity += share * ((state_.center - before) / frames.passed - state_.velocity);
 }
@@ -85,18 +72,15 @@ Similarity FollowedObject::startOf(FramePair& frames) const
   return fitSimilarity(from, to, kTolerance, kFewestPoints).value_or(predicted);
 }
 
-ModelFit FollowedObject::fitAt(const Similarity& pose, FramePair& frames, double min_similarity, int rounds) const
+ModelFit FollowedObject::fitAt(const Similarity& pose, FramePair& frames, double min_similarity) const
 {
-  return model_.fit(frames.newest, frames.flow, pose, min_similarity, rounds);
+  return model_.fit(frames.newest, frames.flow, pose, min_similarity);
 }
 
 bool FollowedObject::accept(const ModelFit& fit, double min_confidence)
 {
   const double confidence = static_cast<double>(fit.seen.size()) / static_cast<double>(model_.points().size());
-  const double scale = fit.pose.scale() / firstPose().scale();
-  if (static_cast<int>(fit.seen.size()) < kFewestPoints || confidence < min_confidence || scale < kMinScale ||
-      scale > kMaxScale)
-    return false;
+  if (static_cast<int>(fit.seen.size()) < kFewestPoints || confidence < min_confidence) return false;
   pose_ = fit.pose;
   seen_ = fit.seen;
   state_.tracked = true;

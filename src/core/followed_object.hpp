@@ -15,6 +15,9 @@ namespace robot_vision
 /// Two frames, one after the other, and what is needed to follow something from one to the next.
 struct FramePair
 {
+  /// Whether a velocity can be measured in that time.
+  bool measurable() const { return passed >= 1e-3; }
+
   FlowPicture last, newest;
   double passed = 0.0;  // s from one to the other; 0 if they cannot be compared
   FlowParams flow;
@@ -45,9 +48,9 @@ public:
   void follow(FramePair& frames, const ObjectTrackerParams& params);
 
   /// How it would look where it is searched for.
-  ModelFit fitAt(const Similarity& pose, FramePair& frames, double min_similarity, int rounds) const;
+  ModelFit fitAt(const Similarity& pose, FramePair& frames, double min_similarity) const;
 
-  /// It is there if that share of its points is seen, and it has a sensible size; whether it is.
+  /// It is there if that share of its points is seen; whether it is.
   bool accept(const ModelFit& fit, double min_confidence);
 
 private:

@@ -1,6 +1,7 @@
 #include "robot_vision/motion.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 #include <opencv2/video/background_segm.hpp>
@@ -15,6 +16,8 @@ namespace robot_vision
 {
 namespace
 {
+
+constexpr double kOutlineError = 1.0;  // px; the blur has made it a matter of several
 
 const std::vector<std::string> kMethods = {"first_frame", "previous_frame", "running_average", "mog2"};
 
@@ -60,57 +63,97 @@ struct MotionDetector::Impl
 {
   explicit Impl(const MotionParams& p) : params(p), finder(regionParams(p)) {}
 
-  bool isNew(double time_s, const cv::Size& size) const { return background.size() != size || time_s < last_time; }
+  bool isNew(double time_s, const EncodedPicture& picture) const
+  {
+    return background.pixels.size() != picture.pixels.size() || encoding != picture.encoding || time_s < last_time;
+  }
+
+  /// The picture as it is compared: in colours where only shadows look like what they fall on, and where it is enough
+  /// to make grey what differs; otherwise grey.
+  EncodedPicture prepare(const cv::Mat& image, const std::string& image_encoding)
+  {
+    checkPixels(image, image_encoding);
+    const bool is_compared_only = params.method == "first_frame" && !params.ignore_light;
+    if (is_compared_only && isComparable(image_encoding)) return {image, image_encoding};
+    EncodedPicture picture{converted, params.method == "mog2" ? "bgr8" : "mono8"};
+    if (params.method == "mog2")
+      toBgr(image, image_encoding, picture.pixels);
+    else
+      toGray(image, image_encoding, picture.pixels);
+    if (!sharesPixels(picture.pixels, image)) converted = picture.pixels;  // the input's must not be kept
+    return picture;
+  }
 
   /// Takes the picture for the background.
-  void begin(const cv::Mat& picture)
+  void begin(const EncodedPicture& picture)
   {
-    picture.copyTo(background);
-    if (params.method == "first_frame") blurred_background = blurred(background, params.blur_size);
+    encoding = picture.encoding;
+    picture.pixels.copyTo(background.pixels);
     everywhere_since.reset();
-    if (params.method == "running_average") picture.convertTo(average, CV_32F);
-    if (params.method != "mog2") return;
-    mog2 = cv::createBackgroundSubtractorMOG2();
-    cv::Mat unused;
-    mog2->apply(picture, unused, 1.0);
+    if (params.method == "mog2")
+    {
+      mog2 = cv::createBackgroundSubtractorMOG2();
+      cv::Mat unused;
+      mog2->apply(picture.pixels, unused, 1.0);
+      return;
+    }
+    toGray(background.pixels, encoding, background.gray);
+    if (params.method == "first_frame") background.blurred = blurred(background.gray, params.blur_size);
+    if (params.method == "running_average") background.gray.convertTo(average, CV_32F);
+  }
+
+  /// A black mask. The last one, if nobody holds it any more: blackening that costs less than new memory.
+  cv::Mat blackMask(const cv::Size& size)
+  {
+    const bool is_free = mask.size() == size && mask.u->refcount == 1;
+    std::atomic_thread_fence(std::memory_order_acquire);  // after the last reader's release in another thread
+    if (is_free)
+      mask(white).setTo(0);
+    else
+      mask = cv::Mat(size, CV_8UC1, cv::Scalar(0));  // cv::Mat::zeros would blacken what others hold
+    return mask;
   }
 
   /// Returns the part of the mask outside of which it is black.
-  cv::Rect compare(const cv::Mat& picture, cv::Mat& mask)
+  cv::Rect compare(const EncodedPicture& picture, cv::Mat& mask)
   {
-    cv::Rect part({0, 0}, picture.size());
+    const cv::Size size = picture.pixels.size();
+    cv::Rect part({0, 0}, size);
     if (mog2)
     {
-      mog2->apply(picture, mask, params.learning_rate);
+      mog2->apply(picture.pixels, mask, params.learning_rate);
       cv::compare(mask, 255.0, mask, cv::CMP_EQ);  // shadows are 127
     }
     else if (params.ignore_light)
     {
-      cv::subtract(picture, cv::Scalar(brighterBy(picture, background)), lit);
-      part = findChangedPixels(lit, {background, blurred_background}, params.blur_size, params.threshold, mask);
+      cv::subtract(picture.pixels, cv::Scalar(brighterBy(picture.pixels, background.gray)), lit);
+      part = findChangedPixels({lit, "mono8"}, background, params.blur_size, params.threshold, mask);
     }
     else
-      part = findChangedPixels(picture, {background, blurred_background}, params.blur_size, params.threshold, mask);
-    part = grown(part, params.dilate, picture.size());
+      part = findChangedPixels(picture, background, params.blur_size, params.threshold, mask);
+    part = grown(part, params.dilate, size);
     if (params.dilate > 0 && !part.empty()) cv::dilate(mask(part), mask(part), cv::Mat(), {-1, -1}, params.dilate);
     return part;
   }
 
+  /// The memory of background.gray is that of background.pixels here.
   void learn(const cv::Mat& picture)
   {
-    if (params.method == "previous_frame") picture.copyTo(background);
+    if (params.method == "previous_frame") picture.copyTo(background.pixels);
     if (params.method != "running_average") return;
     cv::accumulateWeighted(picture, average, params.learning_rate);
-    average.convertTo(background, CV_8U);
+    average.convertTo(background.pixels, CV_8U);
   }
 
   MotionParams params;
   RegionFinder finder;
-  cv::Mat background;          // CV_8UC1, grey; for mog2 only its size counts
-  cv::Mat blurred_background;  // of first_frame only: the others have another one in every frame
-  cv::Mat average;             // CV_32FC1, from which it is rounded
-  cv::Mat lit;                 // the picture in the background's light
-  cv::Mat converted;           // memory for the next picture
+  Reference background;  // blurred for first_frame only: the others have another one in every frame
+  std::string encoding;  // of its pixels
+  cv::Mat average;       // CV_32FC1, from which it is rounded
+  cv::Mat lit;           // the picture in the background's light
+  cv::Mat mask;          // the last one that was given away
+  cv::Rect white;        // outside of this it is black
+  cv::Mat converted;     // memory for the next picture
   cv::Ptr<cv::BackgroundSubtractorMOG2> mog2;
   double last_time = 0.0;                  // s
   std::optional<double> everywhere_since;  // s
@@ -129,29 +172,28 @@ MotionDetector& MotionDetector::operator=(MotionDetector&&) noexcept = default;
 Motion MotionDetector::update(double time_s, const cv::Mat& image, const std::string& encoding)
 {
   Impl& me = *impl_;
-  cv::Mat picture = me.converted;  // it may come to share the input's pixels, which must not be kept
-  if (me.params.method == "mog2")  // only colours tell shadows from what is dark
-    toBgr(image, encoding, picture);
-  else
-    toGray(image, encoding, picture);
-  if (!sharesPixels(picture, image)) me.converted = picture;
+  const EncodedPicture picture = me.prepare(image, encoding);
   Motion motion;
-  const bool is_new = me.isNew(time_s, picture.size());
+  const bool is_new = me.isNew(time_s, picture);
   me.last_time = time_s;
   if (is_new)
   {
     me.begin(picture);
-    motion.mask = cv::Mat::zeros(picture.size(), CV_8UC1);
+    motion.mask = me.blackMask(picture.pixels.size());
+    me.white = {};
     return motion;
   }
-  const cv::Rect part = me.compare(picture, motion.mask);
-  me.learn(picture);
+  motion.mask = me.blackMask(picture.pixels.size());
+  const cv::Rect part = me.white = me.compare(picture, motion.mask);
+  me.learn(picture.pixels);
   motion.changed = cv::countNonZero(motion.mask(part)) / static_cast<double>(motion.mask.total());
   motion.everywhere = motion.changed > me.params.max_changed;
   if (!motion.everywhere)
   {
     me.everywhere_since.reset();
-    motion.regions = me.finder.apply(motion.mask);
+    motion.regions = me.finder.apply(motion.mask, part);
+    for (Region& region : motion.regions)
+      cv::approxPolyDP(region.outline, region.outline, kOutlineError, true);
     return motion;
   }
   if (!me.everywhere_since) me.everywhere_since = time_s;
@@ -161,7 +203,7 @@ Motion MotionDetector::update(double time_s, const cv::Mat& image, const std::st
 
 void MotionDetector::reset()
 {
-  impl_->background.release();
+  impl_->background.pixels.release();
 }
 
 }  // namespace robot_vision

@@ -20,6 +20,7 @@ constexpr int kBorder = 3;              // px of the model at whose edge there a
 constexpr int kWindow = 13;             // px around a point that are compared
 constexpr double kMinContrast = 6e-5;   // least eigenvalue of the gradients around a point
 constexpr double kTolerance = 0.04;     // of the model's side, by which a point may be off: nothing is flat and rigid
+constexpr int kRounds = 2;              // of corrections: the first brings far away points into view
 const cv::Size kFlowWindow(13, 13);
 constexpr int kFlowLevels = 2;
 
@@ -94,7 +95,7 @@ void matchLight(cv::Mat& pixels, const cv::Mat& model)
         n += 1, x += from, y += to, xx += from * from, xy += from * to, errors += error * error;
       }
     const double variance = n * xx - x * x;
-    if (n < 20 || variance <= 0.0) return;
+    if (variance <= 0.0) return;
     gain = std::clamp((n * xy - x * y) / variance, 0.25, 4.0);
     offset = (y - gain * x) / n;
     limit = round == 0 ? 40.0 : 1.5 * std::sqrt(errors / n) + 5.0;
@@ -164,13 +165,13 @@ std::vector<std::size_t> ObjectModel::findIn(const cv::Mat& patch, double min_si
   return alike;
 }
 
-ModelFit ObjectModel::fit(FlowPicture& picture, const FlowParams& params, const Similarity& pose, double min_similarity,
-                          int rounds) const
+ModelFit ObjectModel::fit(FlowPicture& picture, const FlowParams& params, const Similarity& pose,
+                          double min_similarity) const
 {
   ModelFit result{pose, {}, {}};
   const double tolerance = std::max(1.5, kTolerance * std::sqrt(static_cast<double>(pixels_.total())));
   const cv::Rect2d inside({0.0, 0.0}, cv::Size2d(picture.size()));
-  for (int round = 0; round < rounds; ++round)
+  for (int round = 0; round < kRounds; ++round)
   {
     result.seen.clear();
     result.where.clear();

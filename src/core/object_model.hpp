@@ -31,10 +31,9 @@ public:
   const std::vector<cv::Point2f>& corners() const { return corners_; }  // clockwise from the top left
   cv::Point2d center() const { return center_; }
 
-  /// Corrects a pose by the points seen in the picture, so many times.
+  /// Corrects a pose by the points seen in the picture.
   /// `min_similarity`: correlation of a point's surroundings with the model's from which it counts as seen.
-  ModelFit fit(FlowPicture& picture, const FlowParams& params, const Similarity& pose, double min_similarity,
-               int rounds) const;
+  ModelFit fit(FlowPicture& picture, const FlowParams& params, const Similarity& pose, double min_similarity) const;
 
 private:
   /// What the picture shows where the object would be, in the model's pixels.

@@ -15,10 +15,8 @@ namespace robot_vision
 namespace
 {
 
-constexpr double kShortest = 1e-3;                    // s between frames that a velocity is measured by
-constexpr double kSame = 0.5;                         // overlap of the outlines of what is one object
-constexpr double kFoundAgain = 1.3;                   // times as sure must be what is found as what is followed
-constexpr int kRoundsHere = 3, kRoundsElsewhere = 5;  // of corrections by the model
+constexpr double kSame = 0.5;        // overlap of the outlines of what is one object
+constexpr double kFoundAgain = 1.3;  // times as sure must be what is found as what is followed
 
 /// Intersection over union of two convex polygons, 0 to 1.
 double overlap(const std::vector<cv::Point2f>& a, const std::vector<cv::Point2f>& b)
@@ -76,10 +74,10 @@ struct ObjectTracker::Impl
     return std::any_of(objects.begin(), objects.end(), is_there);
   }
 
-  bool tryPose(FollowedObject& object, const Similarity& pose, int rounds)
+  bool tryPose(FollowedObject& object, const Similarity& pose)
   {
     const double similarity = 0.5 * (1.0 + params.min_similarity);  // the next coin in a row is quite like this one
-    const ModelFit fit = object.fitAt(pose, frames, similarity, rounds);
+    const ModelFit fit = object.fitAt(pose, frames, similarity);
     return !isTaken(object, fit.pose) && object.accept(fit, std::min(kFoundAgain * params.min_confidence, 1.0));
   }
 
@@ -88,14 +86,14 @@ struct ObjectTracker::Impl
   {
     std::vector<FollowedObject*> lost;
     for (FollowedObject& object : objects)
-      if (!object.state().tracked && !tryPose(object, object.pose(), kRoundsHere)) lost.push_back(&object);
+      if (!object.state().tracked && !tryPose(object, object.pose())) lost.push_back(&object);
     if (lost.empty() || (time_s >= searched && time_s < searched + params.search_period)) return;
     searched = time_s;
     const Features features = pictureFeatures(frames.newest.gray(), params.search_features);
     for (FollowedObject* object : lost)
     {
       const auto found = matchFeatures(object->features(), features);
-      if (found) tryPose(*object, *found * object->firstPose(), kRoundsElsewhere);
+      if (found) tryPose(*object, *found * object->firstPose());
     }
   }
 
@@ -160,7 +158,7 @@ void ObjectTracker::clear()
 std::vector<TrackedObject> ObjectTracker::update(double time_s, const cv::Mat& image, const std::string& encoding)
 {
   Impl& me = *impl_;
-  require(std::isfinite(time_s), "time", time_s, "finite");
+  requireFinite("time_s", time_s);
   cv::Mat gray = me.converted;  // it may come to share the input's pixels, which must not be kept
   toGray(image, encoding, gray);
   if (!sharesPixels(gray, image)) me.converted = gray;
@@ -193,7 +191,7 @@ std::vector<FlowPoint> ObjectTracker::flow(int count)
 {
   FramePair& frames = impl_->frames;
   require(count > 0, "count", count, "above 0");
-  if (frames.last.empty() || frames.passed < kShortest) return {};
+  if (frames.last.empty() || !frames.measurable()) return {};
   // Corners of the picture at half its size: they do for this, at a quarter of the price.
   int halvings = 1;
   const cv::Mat& small = frames.last.halved(frames.flow, halvings);

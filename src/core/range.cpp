@@ -1,5 +1,6 @@
 #include "robot_vision/range.hpp"
 
+#include <cmath>
 #include <sstream>
 #include <stdexcept>
 
@@ -26,6 +27,11 @@ void require(bool ok, const std::string& name, double value, const std::string& 
 void requireRange(const std::string& name, double value, double low, double high)
 {
   require(value >= low && value <= high, name, value, "from " + toText(low) + " to " + toText(high));
+}
+
+void requireFinite(const std::string& name, double value)
+{
+  require(std::isfinite(value), name, value, "finite");
 }
 
 }  // namespace robot_vision

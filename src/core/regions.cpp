@@ -94,8 +94,13 @@ RegionFinder::RegionFinder(const RegionParams& params) : params_(params)
 std::vector<Region> RegionFinder::apply(cv::Mat& mask) const
 {
   checkPixels(mask, "mono8");
-  clean(mask);
-  const std::vector<Run> runs = findRuns(mask);
+  return apply(mask, cv::Rect({0, 0}, mask.size()));
+}
+
+std::vector<Region> RegionFinder::apply(cv::Mat& mask, const cv::Rect& part) const
+{
+  checkPixels(mask, "mono8");
+  const std::vector<Run> runs = findRuns(mask, clean(mask, part & cv::Rect({0, 0}, mask.size())));
   if (runs.empty()) return {};
   const cv::Rect white = boxOf(runs);
   const std::vector<Sums> all_sums = sumUp(runs);
@@ -121,19 +126,21 @@ std::vector<Region> RegionFinder::apply(cv::Mat& mask) const
   return regions;
 }
 
-void RegionFinder::clean(cv::Mat& mask) const
+cv::Rect RegionFinder::clean(cv::Mat& mask, const cv::Rect& part) const
 {
-  if (params_.opening <= 1 && params_.closing <= 1) return;
-  const cv::Rect white = cv::boundingRect(mask);
-  if (white.empty()) return;
-  cv::Mat part = mask(grown(white, params_.closing, mask.size()));  // as far as the closing reaches, and nothing else
+  if (part.empty() || (params_.opening <= 1 && params_.closing <= 1)) return part;
+  const cv::Rect white = cv::boundingRect(mask(part));
+  if (white.empty()) return white;
+  const cv::Rect reached = grown(white + part.tl(), params_.closing, mask.size());  // by the closing
+  cv::Mat pixels = mask(reached);
   const auto transform = [&](int operation, const cv::Mat& element)
   {
     // Isolated: the mask may be a part of a larger picture, which is none of its business.
-    cv::morphologyEx(part, part, operation, element, {-1, -1}, 1, cv::BORDER_CONSTANT | cv::BORDER_ISOLATED);
+    cv::morphologyEx(pixels, pixels, operation, element, {-1, -1}, 1, cv::BORDER_CONSTANT | cv::BORDER_ISOLATED);
   };
   if (params_.opening > 1) transform(cv::MORPH_OPEN, opening_);
   if (params_.closing > 1) transform(cv::MORPH_CLOSE, closing_);
+  return reached;
 }
 
 }  // namespace robot_vision

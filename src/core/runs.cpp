@@ -1,6 +1,8 @@
 #include "runs.hpp"
 
 #include <algorithm>
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <cstring>
 
@@ -9,22 +11,34 @@ namespace robot_vision
 namespace
 {
 
+/// The first of `kEights` times eight pixels in [begin, end) that are not all black, else the rest.
+template <std::size_t kEights>
+const std::uint8_t* skipBlack(const std::uint8_t* begin, const std::uint8_t* end)
+{
+  std::array<std::uint64_t, kEights> eights;
+  for (; end - begin >= static_cast<std::ptrdiff_t>(sizeof eights); begin += sizeof eights)
+  {
+    std::memcpy(eights.data(), begin, sizeof eights);
+    std::uint64_t any = 0;
+    for (const std::uint64_t eight : eights)
+      any |= eight;
+    if (any != 0) break;
+  }
+  return begin;
+}
+
 /// The first pixel in [begin, end) that is not black, else end.
 const std::uint8_t* findWhite(const std::uint8_t* begin, const std::uint8_t* end)
 {
-  for (std::uint64_t eight = 0; end - begin >= 8; begin += 8)  // most of a mask is black
-  {
-    std::memcpy(&eight, begin, sizeof eight);
-    if (eight != 0) break;
-  }
+  begin = skipBlack<1>(skipBlack<8>(begin, end), end);  // most of a mask is black
   return std::find_if(begin, end, [](std::uint8_t pixel) { return pixel != 0; });
 }
 
-void appendRow(const cv::Mat& mask, int y, std::vector<Run>& runs)
+void appendRow(const cv::Mat& mask, int y, const cv::Range& columns, std::vector<Run>& runs)
 {
   const std::uint8_t* const row = mask.ptr(y);
-  const std::uint8_t* const row_end = row + mask.cols;
-  for (const std::uint8_t* begin = findWhite(row, row_end); begin != row_end;)
+  const std::uint8_t* const row_end = row + columns.end;
+  for (const std::uint8_t* begin = findWhite(row + columns.start, row_end); begin != row_end;)
   {
     const void* const black = std::memchr(begin, 0, static_cast<std::size_t>(row_end - begin));
     const std::uint8_t* const end = black ? static_cast<const std::uint8_t*>(black) : row_end;
@@ -61,14 +75,14 @@ void joinRows(std::vector<Run>& runs, int above, int row)
 
 }  // namespace
 
-std::vector<Run> findRuns(const cv::Mat& mask)
+std::vector<Run> findRuns(const cv::Mat& mask, const cv::Rect& part)
 {
   std::vector<Run> runs;
   int above = 0;
-  for (int y = 0; y < mask.rows; ++y)
+  for (int y = part.y; y < part.br().y; ++y)
   {
     const int row = static_cast<int>(runs.size());
-    appendRow(mask, y, runs);
+    appendRow(mask, y, {part.x, part.br().x}, runs);
     joinRows(runs, above, row);
     above = row;
   }

@@ -52,6 +52,11 @@ class Frame:
         self.header = header
         self.camera_info = camera_info
 
+    @property
+    def time(self) -> float:
+        """s, when it was taken; now, if it has no stamp."""
+        return self.header.stamp.to_sec() or rospy.get_time()
+
 
 Callback = Callable[[Frame], Any]
 

@@ -39,10 +39,10 @@ void ImageInbox::open()
   }
   // Not under the lock: this asks the master, and close() must not wait for that.
   ros::Subscriber info_subscriber;
-  image_transport::Subscriber subscriber;
+  ImageSubscription subscription;
   try
   {
-    // A queue of one: after a slow frame the newest is next. Small packets must not wait for each other.
+    // Small packets must not wait for each other.
     const ros::TransportHints no_delay = ros::TransportHints().tcpNoDelay();
     if (!params_.camera_info_topic.empty())
       info_subscriber = nh_.subscribe<sensor_msgs::CameraInfo>(
@@ -50,9 +50,8 @@ void ImageInbox::open()
           [this](const sensor_msgs::CameraInfoConstPtr& info) { onCameraInfo(info); }, ros::VoidConstPtr(), no_delay);
     const image_transport::TransportHints hints(params_.transport, no_delay, ros::NodeHandle(params_.parameters),
                                                 kNoParameter);
-    subscriber = it->subscribe(
-        params_.topic, 1, [this](const sensor_msgs::ImageConstPtr& message) { onImage(message); }, ros::VoidPtr(),
-        hints);
+    subscription = ImageSubscription(nh_, *it, params_.topic, hints,
+                                     [this](const sensor_msgs::ImageConstPtr& message) { onImage(message); });
   }
   catch (...)
   {
@@ -61,32 +60,32 @@ void ImageInbox::open()
   }
   const std::lock_guard<std::mutex> lock(mutex_);
   if (!open_) return;  // closed meanwhile
-  std::swap(subscriber, subscriber_);
+  std::swap(subscription, subscription_);
   std::swap(info_subscriber, info_subscriber_);
 }
 
 void ImageInbox::close()
 {
-  image_transport::Subscriber subscriber;
+  ImageSubscription subscription;
   ros::Subscriber info_subscriber;
   {
     const std::lock_guard<std::mutex> lock(mutex_);
     if (!open_) return;
     open_ = false;
-    std::swap(subscriber, subscriber_);
+    std::swap(subscription, subscription_);
     std::swap(info_subscriber, info_subscriber_);
     images_.clear();
     infos_.clear();
     statistics_->setIdle();
   }
-  subscriber.shutdown();  // waits for a callback under way, which takes the lock
+  subscription.shutdown();  // waits for a callback under way, which takes the lock
   info_subscriber.shutdown();
 }
 
 std::uint32_t ImageInbox::publishers() const
 {
   const std::lock_guard<std::mutex> lock(mutex_);
-  return open_ ? subscriber_.getNumPublishers() : 0;
+  return open_ ? subscription_.publishers() : 0;
 }
 
 void ImageInbox::onImage(const sensor_msgs::ImageConstPtr& message)

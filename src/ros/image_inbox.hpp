@@ -11,6 +11,7 @@
 #include <string>
 
 #include "frame_statistics.hpp"
+#include "image_subscription.hpp"
 #include "throttle.hpp"
 
 namespace robot_vision
@@ -80,7 +81,7 @@ private:
 
   mutable std::mutex mutex_;  // guards all below
   bool open_ = false;
-  image_transport::Subscriber subscriber_;
+  ImageSubscription subscription_;
   ros::Subscriber info_subscriber_;
   // The newest, and if camera_info is asked for the last few: they come on two connections, either may be ahead.
   std::deque<sensor_msgs::ImageConstPtr> images_;

@@ -16,7 +16,7 @@ namespace robot_vision
 namespace
 {
 
-constexpr std::size_t kPooled = 4;  // one being filled, one queued, two held by slow subscribers
+constexpr std::size_t kPooled = 4;  // one being filled, one queued, two held by those who are slow
 
 bool isLittleEndianHost()
 {
@@ -142,20 +142,22 @@ std::string describeRefusal(const sensor_msgs::Image& message, const std::string
          std::to_string(message.height) + "): " + why;
 }
 
+sensor_msgs::ImagePtr ImagePool::take()
+{
+  for (const sensor_msgs::ImagePtr& message : messages_)
+  {
+    if (message.use_count() != 1) continue;
+    std::atomic_thread_fence(std::memory_order_acquire);  // after the last reader's release in another thread
+    return message;
+  }
+  const auto fresh = boost::make_shared<sensor_msgs::Image>();
+  if (messages_.size() < kPooled) messages_.push_back(fresh);
+  return fresh;
+}
+
 sensor_msgs::ImagePtr ImagePool::take(cv::Size size, const std::string& encoding)
 {
-  sensor_msgs::ImagePtr free;
-  for (const sensor_msgs::ImagePtr& message : messages_)
-    if (message.use_count() == 1) free = message;
-  if (free)
-  {
-    std::atomic_thread_fence(std::memory_order_acquire);  // after the last reader's release in another thread
-  }
-  else
-  {
-    free = boost::make_shared<sensor_msgs::Image>();
-    if (messages_.size() < kPooled) messages_.push_back(free);
-  }
+  sensor_msgs::ImagePtr free = take();
   free->encoding = encoding;
   free->width = static_cast<std::uint32_t>(size.width);
   free->height = static_cast<std::uint32_t>(size.height);

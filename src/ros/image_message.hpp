@@ -33,11 +33,14 @@ void requireEncoding(const cv::Mat& pixels, const std::string& encoding);
 /// What to log of a picture that is refused: topic, encoding, size and why.
 std::string describeRefusal(const sensor_msgs::Image& message, const std::string& topic, const std::string& why);
 
-/// Messages to publish, reused when no subscriber of the process holds them any more: large pictures then cost no
-/// page faults. Not thread-safe.
+/// Messages that are reused when nobody in the process holds them any more: large pictures then cost no page faults.
+/// Not thread-safe.
 class ImagePool
 {
 public:
+  /// A message; its header, layout and pixels are whatever they were.
+  sensor_msgs::ImagePtr take();
+
   /// A message with room for a picture of this size and encoding; its header and pixels are whatever they were.
   sensor_msgs::ImagePtr take(cv::Size size, const std::string& encoding);
 

@@ -10,7 +10,7 @@ namespace robot_vision
 {
 
 ImagePipe::ImagePipe(const ros::NodeHandle& nh, const ros::NodeHandle& pnh, const std::string& name, Step step)
-  : pnh_(pnh), name_(name), step_(std::move(step)), diagnostics_(nh, pnh, name), it_(nh), private_it_(pnh)
+  : nh_(nh), pnh_(pnh), name_(name), step_(std::move(step)), diagnostics_(nh, pnh, name), it_(nh), private_it_(pnh)
 {
   readParam(pnh_, "always_subscribe", always_subscribe_);
   std::string transport = "raw";
@@ -30,9 +30,9 @@ ImagePipe::~ImagePipe()
 {
   {
     const std::lock_guard<std::mutex> lock(mutex_);
-    stopping_ = true;  // from here on no connection touches subscriber_
+    stopping_ = true;  // from here on no connection touches subscription_
   }
-  subscriber_.shutdown();  // waits for the frame under way, which is published yet
+  subscription_.shutdown();  // waits for the frame under way, which is published yet
   publisher_.shutdown();
 }
 
@@ -41,17 +41,18 @@ void ImagePipe::updateSubscription()
   const std::lock_guard<std::mutex> lock(mutex_);
   if (stopping_) return;
   const bool wanted = always_subscribe_ || publisher_.getNumSubscribers() > 0;
-  if (wanted && !subscriber_)
+  if (wanted && !subscription_)
   {
-    // A queue of one: after a slow frame the newest is next. Small packets must not wait for each other.
+    // Small packets must not wait for each other.
     const image_transport::TransportHints hints("raw", ros::TransportHints().tcpNoDelay(), pnh_);
     diagnostics_.statistics().resumed();
-    subscriber_ = it_.subscribe("image", 1, &ImagePipe::onImage, this, hints);
-    diagnostics_.statistics().setRunning(subscriber_.getTopic());
+    subscription_ = ImageSubscription(nh_, it_, "image", hints,
+                                      [this](const sensor_msgs::ImageConstPtr& message) { onImage(message); });
+    diagnostics_.statistics().setRunning(subscription_.topic());
   }
   else if (!wanted)
   {
-    subscriber_.shutdown();
+    subscription_.shutdown();
     diagnostics_.statistics().setIdle();
   }
 }
@@ -67,7 +68,7 @@ void ImagePipe::onImage(const sensor_msgs::ImageConstPtr& message)
   }
   catch (const std::exception& e)
   {
-    const std::string what = describeRefusal(*message, subscriber_.getTopic(), e.what());
+    const std::string what = describeRefusal(*message, subscription_.topic(), e.what());
     diagnostics_.statistics().refused(what);
     if (throttle_.due()) ROS_ERROR("%s: %s", name_.c_str(), what.c_str());
   }

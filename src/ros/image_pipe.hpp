@@ -10,6 +10,7 @@
 
 #include "frame_statistics.hpp"
 #include "image_message.hpp"
+#include "image_subscription.hpp"
 #include "throttle.hpp"
 
 namespace robot_vision
@@ -37,6 +38,7 @@ private:
   void onImage(const sensor_msgs::ImageConstPtr& message);
   sensor_msgs::ImagePtr process(const sensor_msgs::Image& message);
 
+  ros::NodeHandle nh_;
   ros::NodeHandle pnh_;
   std::string name_;
   Step step_;
@@ -49,7 +51,7 @@ private:
   image_transport::ImageTransport it_;
   image_transport::ImageTransport private_it_;
   image_transport::Publisher publisher_;
-  image_transport::Subscriber subscriber_;
+  ImageSubscription subscription_;
 };
 
 }  // namespace robot_vision

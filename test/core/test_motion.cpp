@@ -81,6 +81,93 @@ TEST(MotionDetector, equalsTheOpenCvChain)
       }
 }
 
+TEST(MotionDetector, equalsTheOpenCvChainInEveryEncodingAndUnderNoise)
+{
+  const cv::Size size(199, 120);
+  cv::Mat background = smooth(size), grains(size, CV_16SC3);
+  cv::RNG(3).fill(grains, cv::RNG::NORMAL, 0.0, 9.0);  // colours differ by more than the threshold, grey does not
+  cv::Mat noisy;
+  cv::add(background, grains, noisy, cv::noArray(), CV_8U);
+  cv::Mat box = noisy(cv::Rect(70, 40, 41, 30));
+  cv::bitwise_not(box, box);
+  ASSERT_GT(cv::norm(background(cv::Rect(0, 0, 60, 120)), noisy(cv::Rect(0, 0, 60, 120)), cv::NORM_INF), 25.0);
+  const std::vector<std::pair<std::string, int>> codes = {{"bgr8", -1},
+                                                          {"rgb8", cv::COLOR_BGR2RGB},
+                                                          {"bgra8", cv::COLOR_BGR2BGRA},
+                                                          {"rgba8", cv::COLOR_BGR2RGBA},
+                                                          {"mono8", cv::COLOR_BGR2GRAY}};
+  for (const auto& [encoding, code] : codes)
+  {
+    const auto encoded = [code = code](const cv::Mat& bgr)
+    {
+      if (code < 0) return bgr;
+      cv::Mat result;
+      cv::cvtColor(bgr, result, code);
+      return result;
+    };
+    MotionDetector detector;
+    detector.update(0.0, encoded(background), encoding);
+    const Motion motion = detector.update(1.0, encoded(noisy), encoding);
+    EXPECT_TRUE(equal(motion.mask, byOpenCv(noisy, background, MotionParams()))) << encoding;
+    ASSERT_EQ(motion.regions.size(), 1U) << encoding;
+    EXPECT_EQ(motion.regions[0].area, cv::countNonZero(motion.mask)) << encoding;
+  }
+}
+
+TEST(MotionDetector, anotherEncodingIsANewBackground)
+{
+  const cv::Mat bgr = smooth({160, 120});
+  cv::Mat rgb;
+  cv::cvtColor(bgr, rgb, cv::COLOR_BGR2RGB);
+  MotionDetector detector;
+  detector.update(0.0, bgr, "bgr8");
+  EXPECT_EQ(detector.update(1.0, withBox(rgb, {10, 10, 40, 40}), "rgb8").changed, 0.0);
+  EXPECT_GT(detector.update(2.0, rgb, "rgb8").changed, 0.0);
+}
+
+TEST(MotionDetector, masksStayAsTheyAreAndBeginBlack)
+{
+  const cv::Mat empty(120, 160, CV_8UC3, cv::Scalar::all(40));
+  const std::vector<cv::Rect> boxes = {{10, 20, 40, 30}, {90, 60, 50, 40}, {60, 10, 30, 30}};
+  MotionDetector detector, fresh;
+  detector.update(0.0, empty, "bgr8");
+  std::vector<Motion> kept;
+  for (int round = 0; round < 2; ++round)  // first all are held, then none
+  {
+    for (const cv::Rect& box : boxes)
+    {
+      cv::Mat moved = empty.clone();
+      moved(box).setTo(220);
+      fresh.reset();
+      fresh.update(0.0, empty, "bgr8");
+      const cv::Mat expected = fresh.update(1.0, moved, "bgr8").mask.clone();
+      Motion motion = detector.update(1.0, moved, "bgr8");
+      EXPECT_TRUE(equal(motion.mask, expected)) << box;
+      if (round == 0) kept.push_back(std::move(motion));
+    }
+    for (std::size_t i = 0; i < kept.size(); ++i)
+      EXPECT_EQ(cv::boundingRect(kept[i].mask) & boxes[i], boxes[i]);
+    kept.clear();
+  }
+}
+
+TEST(MotionDetector, outlinesAreWithinAPixelOfTheMask)
+{
+  const cv::Mat empty(240, 320, CV_8UC3, cv::Scalar::all(40));
+  cv::Mat moved = empty.clone();
+  cv::circle(moved, {150, 120}, 60, cv::Scalar::all(200), cv::FILLED);
+  MotionDetector detector;
+  detector.update(0.0, empty, "bgr8");
+  const Motion motion = detector.update(1.0, moved, "bgr8");
+  ASSERT_EQ(motion.regions.size(), 1U);
+  std::vector<std::vector<cv::Point>> borders;
+  cv::findContours(motion.mask, borders, cv::RETR_EXTERNAL, cv::CHAIN_APPROX_NONE);
+  ASSERT_EQ(borders.size(), 1U);
+  EXPECT_LT(motion.regions[0].outline.size(), borders[0].size() / 8);
+  for (const cv::Point& point : borders[0])
+    EXPECT_LE(std::abs(cv::pointPolygonTest(motion.regions[0].outline, point, true)), 1.0 + 1e-6) << point;
+}
+
 TEST(MotionDetector, comparesWithTheFirstOrThePreviousFrame)
 {
   const cv::Mat empty = smooth({160, 120}), full = withBox(empty, {40, 30, 50, 50});

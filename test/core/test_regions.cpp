@@ -171,6 +171,30 @@ TEST(RegionFinder, cleansAsOpenCvDoesOnTheWholeMask)
     }
 }
 
+TEST(RegionFinder, looksOnlyAtThePartThatIsNotBlack)
+{
+  cv::Mat mask = cv::Mat::zeros(60, 150, CV_8UC1);
+  cv::rectangle(mask, cv::Rect(70, 20, 24, 20), cv::Scalar(255), cv::FILLED);
+  cv::rectangle(mask, cv::Rect(100, 25, 12, 10), cv::Scalar(255), cv::FILLED);
+  for (const int diameter : {1, 3, 9})  // the closing by 9 joins them, and reaches beyond
+  {
+    const RegionFinder finder(regionParams(0, 1, diameter));
+    cv::Mat whole = mask.clone(), part = mask.clone();
+    const std::vector<Region> expected = finder.apply(whole), found = finder.apply(part, {70, 20, 42, 20});
+    EXPECT_TRUE(equal(part, whole)) << diameter;
+    ASSERT_EQ(found.size(), expected.size()) << diameter;
+    for (std::size_t i = 0; i < found.size(); ++i)
+    {
+      EXPECT_EQ(found[i].box, expected[i].box) << diameter;
+      EXPECT_EQ(found[i].area, expected[i].area) << diameter;
+      EXPECT_EQ(found[i].outline, expected[i].outline) << diameter;
+    }
+  }
+  const RegionFinder finder(regionParams(0, 1, 1));
+  EXPECT_EQ(finder.apply(mask, {100, 0, 50, 60}).size(), 1U);  // or nothing would be gained
+  EXPECT_TRUE(finder.apply(mask, {}).empty());
+}
+
 TEST(RegionFinder, removesSpecksAndFillsGaps)
 {
   cv::Mat mask = black({60, 60});

@@ -115,6 +115,13 @@ class Messages:
         )
         return self.received[:count]
 
+    def of(self, stamp: rospy.Time) -> Any:
+        """The message of this stamp, such as the answer to a frame."""
+        return wait_for(
+            lambda: [message for message in self.received if stamp_of(message) == stamp],
+            f"the message of {stamp.to_sec():.3f} s on {self._topic}",
+        )[0]
+
     def connected(self) -> bool:
         return self._subscriber.get_num_connections() > 0
 

@@ -48,10 +48,7 @@ class Person:
 
     @staticmethod
     def answer(messages, header):
-        def matching():
-            return [m for m in messages.received if m.header.stamp == header.stamp]
-
-        (answer,) = support.wait_for(matching, "the answer to a frame")
+        answer = messages.of(header.stamp)
         assert answer.header.frame_id == header.frame_id
         return answer
 

@@ -46,18 +46,8 @@ class Room:
             sent.header.stamp = rospy.Time.from_sec(next(self._numbers) / 10.0)
             sent.header.frame_id = "eye"
             self._source.send(sent)
-            answers = []
-            for messages in (self.motion, self.states, self.overlays):
-                answers.append(
-                    support.wait_for(
-                        lambda m=messages: [
-                            one
-                            for one in m.received
-                            if one.header.stamp == sent.header.stamp  # noqa: B023
-                        ],
-                        "the answer to a frame",
-                    )[0]
-                )
+            topics = (self.motion, self.states, self.overlays)
+            answers = [topic.of(sent.header.stamp) for topic in topics]
             assert all(answer.header.frame_id == "eye" for answer in answers)
         return answers
 

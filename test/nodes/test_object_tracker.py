@@ -77,7 +77,7 @@ class Desk:
     def show(self, pixels):
         """Shows a frame; what is tracked in it, and all states by id."""
         stamp = self.send(pixels)
-        objects, states = (of_stamp(topic, stamp) for topic in (self.objects, self.states))
+        objects, states = (topic.of(stamp) for topic in (self.objects, self.states))
         assert objects.header.frame_id == states.header.frame_id == "camera"
         assert (objects.width, objects.height) == (320, 240)
         tracked = {track.id for track in states.tracks if track.state == TrackState.TRACKED}
@@ -95,13 +95,6 @@ class Desk:
 
     def forget(self, number):
         return self._forget(number)
-
-
-def of_stamp(topic, stamp):
-    def found():
-        return [one for one in topic.received if one.header.stamp == stamp]
-
-    return support.wait_for(found, f"the answer to the frame of {stamp.to_sec():.3f} s")[0]
 
 
 def test_select_by_the_service_follow_lose_and_find_again(start):
@@ -242,7 +235,7 @@ def test_a_selection_after_a_pause_is_made_in_a_new_frame(start, diagnostics):
     assert desk.select(region(150, 80), "face", picture(150)).id == 2
     desk.states = support.Messages("/eye/state", TrackStateArray)
     support.wait_for(desk.states.connected, "the node's topic")
-    states = of_stamp(desk.states, desk.send(picture(154)))
+    states = desk.states.of(desk.send(picture(154)))
     assert [(track.id, track.state) for track in states.tracks] == [(2, TrackState.TRACKED)]
 
 
@@ -266,7 +259,7 @@ def test_flow_is_that_of_the_whole_picture(start):
     large = cv2.resize(ASTRONAUT, (400, 400))
     for step in range(4):
         stamp = desk.send(large[20 + step : 260 + step, 40 - 2 * step : 360 - 2 * step])
-        flow = of_stamp(flows, stamp)
+        flow = flows.of(stamp)
         assert len(flow.points) == len(flow.velocities)
         assert flow.header.frame_id == "camera"
     velocities = np.array([(v.x, v.y) for v in flow.velocities])
@@ -280,7 +273,7 @@ def test_overlay_shows_what_is_tracked_and_says_what_is_lost(start):
     support.wait_for(overlays.connected, "the overlay")
 
     def overlay(pixels):
-        sent = of_stamp(overlays, desk.send(pixels))
+        sent = overlays.of(desk.send(pixels))
         return np.frombuffer(sent.data, np.uint8).reshape(240, 320, 3)
 
     desk.show(picture(100))
@@ -319,7 +312,7 @@ def test_detections_of_another_node_are_selected(start):
         finder.send(array)
 
     stamp = desk.send(picture(40, other=(250, 20)))
-    of_stamp(desk.states, stamp)
+    desk.states.of(stamp)
     desk.show(picture(44, other=(250, 20)))
     # Two frames late, something with another label first, and one more than there is room for.
     suit = region(250, 20, SMALL)
@@ -377,7 +370,7 @@ def test_a_rectangle_dragged_in_the_launch_file_s_window_is_followed(start, disp
     found = support.wait_for(
         lambda: [one for one in objects.received if one.detections], "the poster to be followed"
     )[0]
-    truth = of_stamp(truths, found.header.stamp)
+    truth = truths.of(found.header.stamp)
     low, high = corners(poster(truth))
     box = found.detections[0].box
     assert (box.x_offset, box.y_offset) == pytest.approx(low, abs=12)

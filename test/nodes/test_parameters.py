@@ -119,6 +119,16 @@ def test_bad_value_live_leaves_the_old_one(start, node, name, value, default, me
     client.close()
 
 
+def test_a_misspelt_parameter_of_a_python_node_is_told(start):
+    process = start(
+        "motion_detector.py", "__name:=typing", "_minaera:=300", "_minArea:=300", "_xyz:=1"
+    )
+    process.wait_for_output("parameter /typing/xyz is not known")
+    output = process.output()
+    assert "parameter /typing/minaera is not known, is minArea meant?" in output
+    assert output.count("is not known") == 2, output
+
+
 def test_values_change_live(start):
     start("brightness_node", "__name:=live", "image:=/gray")
     publisher = rospy.Publisher("/gray", Image, queue_size=1, latch=True)

@@ -211,7 +211,8 @@ def test_a_view_is_the_message_s_own_memory(source):
 
 
 def test_frames_outlive_their_subscriber(source):
-    sent = [np.roll(noise("bgr8", 480, 640), n, axis=1) for n in range(3)]
+    # More than are kept to be used again.
+    sent = [np.roll(noise("bgr8", 480, 640), n, axis=1) for n in range(6)]
     views, converted = source.frames(), source.frames("mono8")
     for number, pixels in enumerate(sent, 1):
         source.send(message(pixels, "bgr8"))

@@ -77,7 +77,7 @@ class BallTracker:
     def _process(self, frame: Frame) -> None:
         mask_of, finder, tracker, min_roundness, trail = self._tools
         mask, regions = finder.apply(mask_of.apply(frame.image))
-        time = frame.header.stamp.to_sec() or rospy.get_time()
+        time = frame.time
         expected = tracker.predict(time)
         region = choose_ball(regions, min_roundness, expected.center if expected else None)
         position = self._locate(frame, region) if region else None

@@ -5,7 +5,7 @@ from typing import Any, Dict
 import rospy
 
 from .. import HsvRange, validate
-from .params import read_param
+from .params import read_any, read_param
 
 LOW = ("h_low", "s_low", "v_low")
 HIGH = ("h_high", "s_high", "v_high")
@@ -29,7 +29,7 @@ class NamedColors:
 
     def __init__(self) -> None:
         self.ranges: Dict[str, HsvRange] = {}
-        given = rospy.get_param("~colors", None)
+        given = read_any("colors", None)
         if given is None:
             given = _default()
         if not isinstance(given, dict) or not given:

@@ -56,7 +56,7 @@ class FaceDetector:
     def _process(self, frame: Frame) -> None:
         drawn = self._processed.get_num_connections() > 0
         with_eyes = drawn or self._eyes.get_num_connections() > 0
-        time = frame.header.stamp.to_sec() or rospy.get_time()
+        time = frame.time
         with self._lock:
             faces = self._detector.update(time, frame.image)
             eyes = self._find_eyes(faces) if with_eyes else []

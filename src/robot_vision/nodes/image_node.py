@@ -5,7 +5,7 @@ from typing import Any, Callable, List, Tuple
 import rospy
 
 from .. import set_threads, transport
-from .params import read_param
+from .params import read_param, warn_of_unknown
 
 MOST_THREADS = 256
 
@@ -75,7 +75,8 @@ class ImageNode:
         transport.note_connections()
 
     def start(self) -> None:
-        """Begins to work; the node has to be complete by now."""
+        """Begins to work; the node has to be complete by now, all its parameters read."""
+        warn_of_unknown()
         transport.add_connection_listener(self._update)
         transport.note_connections()
 

@@ -60,7 +60,7 @@ class MotionDetector:
         if self._shall_reset:
             self._shall_reset = False
             self._detector.reset()
-        now = frame.header.stamp.to_sec() or rospy.get_time()
+        now = frame.time
         motion = self._detector.update(now, frame.image)
         if motion.everywhere:
             rospy.logwarn_throttle(5.0, "the whole picture changes: the light, or the camera moves")

@@ -101,7 +101,7 @@ class ObjectTracker:
             self._node.keep_working(busy)
 
     def _process(self, frame: Frame) -> None:
-        now = frame.header.stamp.to_sec() or rospy.get_time()
+        now = frame.time
         with self._lock:
             tracks = self._update(now, frame)
             config = self._config

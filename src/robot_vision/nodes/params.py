@@ -1,6 +1,7 @@
 """A node's parameters: read strictly, changed live, saved."""
 
 import copy
+import difflib
 import os
 from typing import Any, Callable, Dict, Iterable, Optional, TypeVar
 
@@ -13,6 +14,9 @@ from ..files import read_text, replace_file
 
 Params = TypeVar("Params")
 
+# What a node has asked for, and what its transport and LiveParams ask for in their own ways.
+_known = {"config_file", "diagnostic_period", "image_transport"}
+
 TYPES = {bool: "true or false", int: "an integer", float: "a number", str: "a string"}
 
 
@@ -22,13 +26,32 @@ def read_param(name: str, default: Any) -> Any:
     Raises:
         ValueError: it is of another type than the default; an integer will do for a float.
     """
-    value = rospy.get_param("~" + name, default)
+    value = read_any(name, default)
     kind = type(default)
     if kind is float and type(value) is int:
         value = float(value)
     if type(value) is not kind:
         raise ValueError(f"{name} is {value!r}, must be {TYPES[kind]}")
     return value
+
+
+def read_any(name: str, default: Any) -> Any:
+    """The private parameter `name` of any type, or `default` if it is not set."""
+    _known.add(name)
+    return rospy.get_param("~" + name, default)
+
+
+def warn_of_unknown() -> None:
+    """Names private parameters that nobody has asked for: they may be misspelt.
+
+    Maps are left out, which are names of other nodes and transports, too.
+    """
+    for name, value in sorted(rospy.get_param("~", {}).items()):
+        if name in _known or isinstance(value, dict):
+            continue
+        near = difflib.get_close_matches(name, _known, 1)
+        hint = f", is {near[0]} meant?" if near else ""
+        rospy.logwarn("parameter %s is not known%s", rospy.resolve_name("~" + name), hint)
 
 
 def filled(params: Params, config: Dict[str, Any], names: Iterable[str]) -> Params:
