@@ -50,8 +50,7 @@ class CodeReader:
 
     def _publish_news(self, frame: Frame, codes: List[Code]) -> None:
         """Publishes what is no repetition; if nothing is one, every frame is answered."""
-        now = frame.header.stamp.to_sec() or rospy.get_time()
-        news = self._repeats.news(((code.type, code.data) for code in codes), now)
+        news = self._repeats.news(((code.type, code.data) for code in codes), frame.time)
         if news or not self._repeats.period:
             told = [code for code in codes if (code.type, code.data) in news]
             found = (code_detection(code, frame.image) for code in told)
