@@ -3,6 +3,7 @@ from setuptools import setup
 
 setup(
     **generate_distutils_setup(
-        packages=["robot_vision", "robot_vision.nodes"], package_dir={"": "src"}
+        packages=["robot_vision", "robot_vision.markers", "robot_vision.nodes"],
+        package_dir={"": "src"},
     )
 )

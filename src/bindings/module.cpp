@@ -7,6 +7,7 @@
 #include "arrays.hpp"
 #include "robot_vision/ball_tracker.hpp"
 #include "robot_vision/brightness.hpp"
+#include "robot_vision/code_reader.hpp"
 #include "robot_vision/edges.hpp"
 #include "robot_vision/encoding.hpp"
 #include "robot_vision/face_detector.hpp"
@@ -17,12 +18,14 @@
 #include "robot_vision/object_tracker.hpp"
 #include "robot_vision/regions.hpp"
 #include "robot_vision/scene.hpp"
+#include "robot_vision/tag_detector.hpp"
 #include "robot_vision/tag_pose_tracker.hpp"
 
 using namespace robot_vision;
 using namespace py::literals;
 
 void bindBall(py::module& m);
+void bindCodes(py::module& m);
 void bindColors(py::module& m);
 void bindFaces(py::module& m);
 void bindLine(py::module& m);
@@ -31,6 +34,7 @@ void bindObjectTracker(py::module& m);
 void bindOverlay(py::module& m);
 void bindScene(py::module& m);
 void bindTagPoses(py::module& m);
+void bindTags(py::module& m);
 
 namespace
 {
@@ -106,6 +110,7 @@ void bindValidate(py::module& m)
   const char* doc = "Raises ValueError naming the first parameter out of range, its value and the range.";
   m.def("validate", py::overload_cast<const BallTrackerParams&>(&validate), "params"_a, doc);
   m.def("validate", py::overload_cast<const BrightnessParams&>(&validate), "params"_a, doc);
+  m.def("validate", py::overload_cast<const CodeReaderParams&>(&validate), "params"_a, doc);
   m.def("validate", py::overload_cast<const EdgeParams&>(&validate), "params"_a, doc);
   m.def("validate", py::overload_cast<const FaceParams&>(&validate), "params"_a, doc);
   m.def("validate", py::overload_cast<const CaptureParams&>(&validate), "params"_a, doc);
@@ -115,6 +120,7 @@ void bindValidate(py::module& m)
   m.def("validate", py::overload_cast<const MotionParams&>(&validate), "params"_a, doc);
   m.def("validate", py::overload_cast<const ObjectTrackerParams&>(&validate), "params"_a, doc);
   m.def("validate", py::overload_cast<const SceneParams&>(&validate), "params"_a, doc);
+  m.def("validate", py::overload_cast<const TagDetectorParams&>(&validate), "params"_a, doc);
   m.def("validate", py::overload_cast<const TagPoseParams&>(&validate), "params"_a, doc);
 }
 
@@ -127,6 +133,7 @@ PYBIND11_MODULE(_core, m)
   bindSources(m);
   bindThreads(m);
   bindScene(m);
+  bindCodes(m);
   bindColors(m);
   bindBall(m);
   bindFaces(m);
@@ -135,5 +142,6 @@ PYBIND11_MODULE(_core, m)
   bindObjectTracker(m);
   bindOverlay(m);
   bindTagPoses(m);
+  bindTags(m);
   bindValidate(m);
 }

@@ -47,6 +47,23 @@ def replace_file(path: str, data: bytes) -> None:
         raise
 
 
+def create_file(path: str, data: bytes) -> None:
+    """Writes a new file; a reader sees an empty or the whole one, and no other is overwritten.
+
+    Unlike add_file() it needs no hard links, which USB sticks do not have.
+
+    Raises:
+        FileExistsError: there is one of this name.
+        OSError: it cannot be written.
+    """
+    os.close(os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC, 0o666))
+    try:
+        replace_file(path, data)
+    except BaseException:
+        os.unlink(path)
+        raise
+
+
 def add_file(folder: str, stem: str, suffix: str, data: bytes) -> str:
     """Writes a new file, whole from the moment it is there; no other file is ever overwritten.
 

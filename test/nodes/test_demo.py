@@ -129,6 +129,7 @@ def test_demo_finds_what_is_in_the_scene(demo):
     tracked_objects = support.Messages("/object_tracker/object", DetectionArray)
     lines = support.Messages("/line_follower/line", Line)
     commands = support.Messages("/line_follower/cmd_vel", Twist)
+    codes = support.Messages("/code_reader/codes", DetectionArray)
     demo()
     truth, tracked = support.same_frame(truths, objects)
     ball = next(one for one in truth.objects if one.name == "ball")
@@ -147,6 +148,7 @@ def test_demo_finds_what_is_in_the_scene(demo):
     )
     support.wait_for(lambda: any(line.found for line in lines.received), "the line")
     support.wait_for(lambda: any(c.linear.x == 0.2 for c in commands.received), "driving")
+    assert {code.label for m in codes.wait() for code in m.detections} == {"robot_vision"}
     assert "/cmd_vel" not in dict(rospy.get_published_topics())  # a demo drives no robot
 
 

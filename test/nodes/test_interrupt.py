@@ -8,6 +8,7 @@ from sensor_msgs.msg import Image
 NODES = ["camera_node", "brightness_node", "edge_detector_node"]
 PYTHON_NODES = ["hsv_tracker.py", "ball_tracker.py", "line_follower.py"]
 PYTHON_NODES += [
+    "code_reader.py",
     "face_detector.py",
     "face_recognizer.py",
     "motion_detector.py",

@@ -11,7 +11,7 @@ import yaml
 from robot_vision import HsvRange, range_around, to_hsv
 from robot_vision.color_file import save_colors
 from robot_vision.colors import as_yaml, median_hsv
-from robot_vision.files import add_file, replace_file
+from robot_vision.files import add_file, create_file, replace_file
 from robot_vision.viewing import Rate, title, waiting_picture
 
 TEAL = HsvRange((80, 100, 100), (100, 255, 255))
@@ -247,6 +247,8 @@ def test_a_failure_leaves_the_old_file_and_no_other(tmp_path, monkeypatch):
         replace_file(str(file), b"new")
     with pytest.raises(OSError, match="No space left"):
         add_file(str(tmp_path), "file", ".png", b"new")
+    with pytest.raises(OSError, match="No space left"):
+        create_file(str(tmp_path / "new.png"), b"new")
     assert file.read_text() == "old" and os.listdir(tmp_path) == ["file.yaml"]
 
 
@@ -260,6 +262,17 @@ def test_added_files_never_take_a_name_that_is_taken(tmp_path):
     assert not os.path.exists(tmp_path / "nowhere") and len(os.listdir(tmp_path)) == 4
     with pytest.raises(OSError, match="No such file"):
         add_file(str(tmp_path / "missing"), "a", ".png", b"")
+
+
+def test_created_files_never_replace_one(tmp_path):
+    (tmp_path / "mine").write_text("mine")
+    (tmp_path / "link").symlink_to("nowhere")
+    create_file(str(tmp_path / "new"), b"new")
+    for name in ("mine", "link", "new"):
+        with pytest.raises(FileExistsError, match=name):
+            create_file(str(tmp_path / name), b"other")
+    assert (tmp_path / "mine").read_text() == "mine" and (tmp_path / "new").read_text() == "new"
+    assert sorted(os.listdir(tmp_path)) == ["link", "mine", "new"]
 
 
 def test_the_rate_is_that_of_the_last_seconds():

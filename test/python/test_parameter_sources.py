@@ -27,6 +27,7 @@ PYTHON = (
     "motion_detector",
     "object_tracker",
     "face_recognizer",
+    "code_reader",
     "simple_camera_view",
 )
 # What the launch files set otherwise: the course's node finds small faces only.
@@ -46,6 +47,7 @@ OF_THE_NODES = {
     "motion_detector": {},
     "object_tracker": {},
     "face_recognizer": {"gallery": ""},
+    "code_reader": {},
     "simple_camera_view": {"autosize": "true"},
     "all": {"config_file": ""},
     "all but the viewer": {"always_subscribe": "false", "diagnostic_period": "1"},

@@ -2,7 +2,6 @@
 
 import threading
 import time
-import unicodedata
 from typing import Any, Dict, List, Tuple
 
 import numpy as np
@@ -14,6 +13,7 @@ from ..face_picture import Box, check_box, normalized
 from ..gallery import Gallery
 from ..identities import Identities, Identity, VoteParams
 from ..msg import Detection, DetectionArray, FaceIdentity, FaceIdentityArray
+from ..plain_text import plain
 from ..recognition import LbphRecognizer, Recognizer
 from ..transport import Frame
 from .frame_pairs import FramePairs
@@ -156,12 +156,10 @@ def box_of(face: Detection) -> Box:
 
 
 def draw_identity(bgr: np.ndarray, box: Box, identity: Identity) -> None:
-    """Draws a face's box with name and distance; letters that the overlay lacks become plain."""
-    name = unicodedata.normalize("NFKD", identity.name)
-    name = "".join(letter for letter in name if not unicodedata.combining(letter))
+    """Draws a face's box with name and distance."""
     draw_outline(
         bgr,
         corners(box),
-        f"{name.encode('ascii', 'replace').decode()} {identity.distance:.0f}",
+        plain(f"{identity.name} {identity.distance:.0f}"),
         GREEN if identity.known else RED,
     )

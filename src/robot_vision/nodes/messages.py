@@ -43,6 +43,19 @@ def box_detection(box: Box, label: str, id: int = -1, score: float = 1.0) -> Det
     )
 
 
+def box_around(outline: np.ndarray, picture: np.ndarray) -> RegionOfInterest:
+    """The part of the picture that an outline, (n, 2) px, lies in."""
+    height, width = picture.shape[:2]
+    left, top = np.maximum(np.floor(outline.min(axis=0)), 0).astype(int)
+    right, bottom = np.minimum(np.ceil(outline.max(axis=0)), (width - 1, height - 1)).astype(int)
+    return RegionOfInterest(
+        x_offset=left,
+        y_offset=top,
+        width=max(right - left + 1, 0),
+        height=max(bottom - top + 1, 0),
+    )
+
+
 def corners(box: Box) -> np.ndarray:
     """The outermost pixels of a box, (4, 2), clockwise from the top left."""
     x, y, width, height = box

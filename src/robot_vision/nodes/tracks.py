@@ -10,7 +10,7 @@ from sensor_msgs.msg import RegionOfInterest
 from .. import TrackedObject, draw_outline, draw_text
 from ..msg import Detection, Flow, TrackState, TrackStateArray
 from ..transport import Frame
-from .messages import points
+from .messages import box_around, points
 
 RED = (0, 0, 255)
 FAR = 2**30  # px, more than any picture has
@@ -24,21 +24,13 @@ def box_of(region: RegionOfInterest) -> Tuple[int, int, int, int]:
 
 def detection_of(track: TrackedObject, picture: np.ndarray) -> Detection:
     """A tracked object as a Detection; its box ends where the picture does."""
-    height, width = picture.shape[:2]
-    left, top = np.maximum(np.floor(track.outline.min(axis=0)), 0).astype(int)
-    right, bottom = np.minimum(np.ceil(track.outline.max(axis=0)), (width - 1, height - 1))
     center = Point(*track.center, 0.0)
     sides = np.hypot(*(track.outline[1:3] - track.outline[:2]).T)
     return Detection(
         label=track.label,
         id=track.id,
         score=track.confidence,
-        box=RegionOfInterest(
-            x_offset=left,
-            y_offset=top,
-            width=max(int(right) - left + 1, 0),
-            height=max(int(bottom) - top + 1, 0),
-        ),
+        box=box_around(track.outline, picture),
         center=center,
         outline=points(track.outline),
         circle_center=center,

@@ -1,0 +1,44 @@
+#include <pybind11/stl.h>
+
+#include "arrays.hpp"
+#include "robot_vision/code_reader.hpp"
+
+using namespace robot_vision;
+using namespace py::literals;
+
+/// QR codes and bar codes.
+void bindCodes(py::module& m)
+{
+  py::class_<CodeReaderParams>(m, "CodeReaderParams",
+                               "Symbologies (all, or some of code_types() with commas), px between the lines that are "
+                               "scanned (1..16), times the picture is enlarged first (1..4).")
+      .def(py::init<>())
+      .def_readwrite("symbologies", &CodeReaderParams::symbologies)
+      .def_readwrite("spacing", &CodeReaderParams::spacing)
+      .def_readwrite("enlarge", &CodeReaderParams::enlarge);
+
+  py::class_<Code>(m, "Code", "A code in a picture.")
+      .def_readonly("type", &Code::type, "one of code_types()")
+      .def_property_readonly(
+          "data", [](const Code& code) { return py::bytes(code.data); }, "its content, bytes of any value")
+      .def_property_readonly(
+          "polygon", [](const Code& code) { return toNumpy(code.polygon); },
+          "(4, 2) px; of a QR code the corners of its modules, clockwise from its own top left one")
+      .def_readonly("score", &Code::score, "0 to 1: how sure it is");
+
+  py::class_<CodeReader>(m, "CodeReader", "Reads QR codes and bar codes. Not for two threads at once.")
+      .def(py::init<const CodeReaderParams&>(), "params"_a = CodeReaderParams())
+      .def(
+          "read",
+          [](CodeReader& reader, const py::array& image, const std::string& encoding)
+          {
+            const Picture input(image);
+            const py::gil_scoped_release unlocked;
+            return reader.read(input.view, encoding);
+          },
+          "image"_a, "encoding"_a = "bgr8",
+          "The Codes in a picture.\n\nRaises ValueError for an image that is not of this encoding.");
+  m.def("keeps_bytes", &keepsBytes,
+        "Whether the bytes of a QR code come back as they are; by a zbar before 0.23.1 what is not ASCII may not.");
+  m.def("code_types", &codeTypes, "Names of the kinds of code that can be read.");
+}

@@ -1,0 +1,132 @@
+"""The command create_marker.py: from ids and texts to files to print."""
+
+import argparse
+import os
+import re
+import sys
+from typing import Iterator, List, Sequence, Tuple
+
+from .._core import tag_family
+from ..files import create_file, replace_file
+from .arguments import FORMATS, parse
+from .drawing import Drawing
+from .marker import Marker, qr_marker, tag_marker
+from .sheet import sheets
+from .writers import to_pdf, to_png, to_svg
+
+LONGEST = 40  # letters of a text in a label
+
+
+def main() -> int:
+    """Runs the command; its exit code."""
+    arguments = parse(sys.argv[1:])
+    try:
+        for path in create(arguments):
+            print("written:", path)
+    except (OSError, ValueError) as error:
+        print(f"create_marker.py: {error}", file=sys.stderr)
+        return 1
+    except KeyboardInterrupt:
+        return 130
+    return 0
+
+
+def create(arguments: argparse.Namespace) -> List[str]:
+    """Writes the files asked for, and returns their paths.
+
+    Raises:
+        ValueError: there are no such markers, or they do not fit.
+        OSError: a file is there already, or cannot be written.
+    """
+    markers = [marker for text in arguments.what for marker in made_of(text, arguments)]
+    page = arguments.page or ("A4" if len(markers) > 1 else None)
+    pages = sheets(markers, page) if page else [markers[0].drawing()]
+    stem, kind = target(arguments, "pdf" if page else "png")
+    files = rendered(pages, stem, kind, arguments.dpi)
+    taken = [path for path, _ in files if os.path.lexists(path)]
+    if taken and not arguments.force:
+        raise FileExistsError(f"{taken[0]} is there already; --force replaces it")
+    write = replace_file if arguments.force else create_file
+    for path, data in files:
+        write(path, data)
+    return [path for path, _ in files]
+
+
+def made_of(text: str, arguments: argparse.Namespace) -> Iterator[Marker]:
+    """The markers that an argument means."""
+    size = 10.0 * arguments.size
+    if means_tags(text, arguments):
+        for id in ids(text, arguments.family):
+            yield tag_marker(arguments.family, id, size)
+    elif text:
+        yield qr_marker(os.fsencode(text), label(text), size, arguments.level)
+    else:
+        raise ValueError("an empty text needs no QR code")
+
+
+def means_tags(text: str, arguments: argparse.Namespace) -> bool:
+    """Whether it is meant as a list of ids, if perhaps a wrong one."""
+    return not arguments.qr and re.fullmatch("[-0-9,]+", text) is not None
+
+
+def ids(text: str, family: str) -> Iterator[int]:
+    """The ids in a list such as 0,3,7-9.
+
+    Raises:
+        ValueError: it is no such list, or the family has not all of them.
+    """
+    if not re.fullmatch("[0-9]+(-[0-9]+)?(,[0-9]+(-[0-9]+)?)*", text):
+        raise ValueError(f"'{text}' is no list of ids such as 0,3,7-9; --qr makes a QR code of it")
+    last_of_family = tag_family(family).ids - 1
+    for part in text.split(","):
+        first, last = int(part.split("-")[0]), int(part.split("-")[-1])
+        if first > last:
+            raise ValueError(f"ids {part}: the first must not be above the last")
+        if last > last_of_family:
+            raise ValueError(f"id {last}: {family} has the ids 0 to {last_of_family}")
+        yield from range(first, last + 1)
+
+
+def label(text: str) -> str:
+    """A text as people can read it on a sheet."""
+    shown = "".join(letter if letter.isprintable() else "?" for letter in text)
+    return shown if len(shown) <= LONGEST else shown[: LONGEST - 1] + "…"
+
+
+def target(arguments: argparse.Namespace, default: str) -> Tuple[str, str]:
+    """The file's path without its ending, and what kind of file it is.
+
+    Raises:
+        ValueError: its name ends in something else.
+    """
+    if not arguments.output:
+        return default_name(arguments), arguments.format or default
+    stem, ending = os.path.splitext(arguments.output)
+    kind = ending[1:].lower()
+    if kind not in FORMATS:
+        raise ValueError(f"{arguments.output} must end in .png, .svg or .pdf")
+    if arguments.format not in (None, kind):
+        raise ValueError(
+            f"{arguments.output} is no name of a file of the format {arguments.format}"
+        )
+    return stem, ending[1:]
+
+
+def default_name(arguments: argparse.Namespace) -> str:
+    """After the markers; it has no letter that a shell or a file system minds."""
+    names = []
+    for text in arguments.what:
+        tags = means_tags(text, arguments)
+        kind = arguments.family if tags else "qr"
+        names.append(kind + "_" + re.sub("[^a-z0-9-]", "_" if tags else "-", text.lower()))
+    return "_".join(names)[:100]
+
+
+def rendered(pages: Sequence[Drawing], stem: str, kind: str, dpi: int) -> List[Tuple[str, bytes]]:
+    """Paths and contents of the files."""
+    if kind.lower() == "pdf":
+        return [(f"{stem}.{kind}", to_pdf(pages))]
+    made = [to_svg(page) if kind.lower() == "svg" else to_png(page, dpi) for page in pages]
+    if len(made) == 1:
+        return [(f"{stem}.{kind}", made[0])]
+    return [(f"{stem}-{number}.{kind}", data) for number, data in enumerate(made, 1)]

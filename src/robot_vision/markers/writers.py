@@ -1,0 +1,103 @@
+"""Drawings as PDF, SVG and PNG."""
+
+import io
+import struct
+import zlib
+from typing import Sequence
+from xml.sax.saxutils import escape
+
+import cairo
+import numpy as np
+
+from .drawing import Drawing
+
+INCH = 25.4  # mm
+POINT = INCH / 72.0  # mm, cairo's unit in a PDF
+FONT = "sans-serif"
+MOST_PIXELS = 32767  # px, side of cairo's pictures
+
+
+def to_pdf(pages: Sequence[Drawing]) -> bytes:
+    """All pages in one file."""
+    data = io.BytesIO()
+    surface = cairo.PDFSurface(data, pages[0].width / POINT, pages[0].height / POINT)
+    for page in pages:
+        surface.set_size(page.width / POINT, page.height / POINT)
+        context = cairo.Context(surface)
+        context.scale(1.0 / POINT, 1.0 / POINT)
+        paint(context, page)
+        surface.show_page()
+    surface.finish()
+    return data.getvalue()
+
+
+def to_png(page: Drawing, dpi: int) -> bytes:
+    """A grey picture that tells its resolution; each edge of a bar is where a pixel begins.
+
+    Raises:
+        ValueError: it would have too many pixels.
+    """
+    scale = dpi / INCH
+    width, height = round(page.width * scale), round(page.height * scale)
+    if max(width, height) > MOST_PIXELS:
+        raise ValueError(f"at {dpi} dpi it is {width}x{height} px, must be at most {MOST_PIXELS}")
+    surface = cairo.ImageSurface(cairo.FORMAT_A8, width, height)
+    context = cairo.Context(surface)
+    context.set_antialias(cairo.ANTIALIAS_NONE)
+    context.scale(scale, scale)
+    paint(context, page)
+    surface.flush()
+    ink = np.frombuffer(surface.get_data(), np.uint8).reshape(height, surface.get_stride())
+    return png(255 - ink[:, :width], dpi)
+
+
+def paint(context: cairo.Context, page: Drawing) -> None:
+    """Draws on a context whose unit is the millimetre."""
+    context.set_source_rgba(0.0, 0.0, 0.0, 1.0)
+    for bar in page.bars:  # one shape: between shapes that touch, viewers show hair lines
+        context.rectangle(*bar)
+    context.fill()
+    context.select_font_face(FONT)
+    for text in page.texts:
+        context.set_font_size(text.size)
+        context.move_to(text.x - context.text_extents(text.text)[4] / 2.0, text.y)
+        context.show_text(text.text)
+
+
+def png(gray: np.ndarray, dpi: int) -> bytes:
+    """A (height, width) uint8 picture as a file with a pHYs chunk, which cairo does not write."""
+    height, width = gray.shape
+    per_metre = round(dpi / INCH * 1000.0)
+    rows = np.pad(gray, ((0, 0), (1, 0)))  # before each row the number of its filter, none
+
+    def chunk(kind: bytes, data: bytes) -> bytes:
+        return (
+            struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+        )
+
+    return b"".join(
+        (
+            b"\x89PNG\r\n\x1a\n",
+            chunk(b"IHDR", struct.pack(">IIBBBBB", width, height, 8, 0, 0, 0, 0)),
+            chunk(b"pHYs", struct.pack(">IIB", per_metre, per_metre, 1)),
+            chunk(b"IDAT", zlib.compress(rows.tobytes(), 9)),
+            chunk(b"IEND", b""),
+        )
+    )
+
+
+def to_svg(page: Drawing) -> bytes:
+    """A picture whose unit is the millimetre; cairo's depends on its version."""
+    size = f"{page.width:.4f}", f"{page.height:.4f}"
+    bars = "".join(f"M{x:.4f} {y:.4f}h{w:.4f}v{h:.4f}h{-w:.4f}z" for x, y, w, h in page.bars)
+    texts = "".join(
+        f'<text x="{text.x:.4f}" y="{text.y:.4f}" font-size="{text.size:.4f}" '
+        f'font-family="{FONT}" text-anchor="middle">{escape(text.text)}</text>\n'
+        for text in page.texts
+    )
+    return (
+        f'<svg xmlns="http://www.w3.org/2000/svg" width="{size[0]}mm" height="{size[1]}mm" '
+        f'viewBox="0 0 {size[0]} {size[1]}">\n'
+        '<rect width="100%" height="100%" fill="white"/>\n'
+        f'<path d="{bars}"/>\n{texts}</svg>\n'
+    ).encode()

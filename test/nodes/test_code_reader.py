@@ -1,0 +1,201 @@
+"""The node code_reader: what it says of the codes in its frames, and how often."""
+
+import itertools
+
+import dynamic_reconfigure.client
+import numpy as np
+import pytest
+import rospy
+import support
+from frames import Source, message, new_topic
+from sensor_msgs.msg import Image
+
+from robot_vision import CodeReader, keeps_bytes
+from robot_vision.markers.marker import qr_modules
+from robot_vision.msg import DetectionArray
+
+HELLO = b"Hello World!\n"
+GREETING = "Grüße an 世界".encode()
+BINARY = bytes([0, 255, 128, 10])
+
+
+def place(picture, data, x, y, module=4):
+    """Puts a QR code there, without the white around it."""
+    code = np.kron(~qr_modules(data), np.full((module, module), 255, np.uint8))
+    picture[y : y + len(code), x : x + len(code)] = code
+    return len(code)
+
+
+def with_codes(*data):
+    """A grey picture of codes side by side."""
+    picture = np.full((240, 640), 255, np.uint8)
+    for number, one in enumerate(data):
+        place(picture, one, 40 + 200 * number, 60)
+    return picture
+
+
+class Reader:
+    """A camera at 10 Hz of its own time, and what the node says of its frames."""
+
+    def __init__(self, start, *arguments):
+        topic = new_topic()
+        self.source = Source(topic)
+        self._numbers = itertools.count(1)
+        self.process = start("code_reader.py", "__name:=reader", f"image:={topic}", *arguments)
+        self.codes = support.Messages("/reader/codes", DetectionArray)
+        self.overlays = support.Messages("/reader/processed_image", Image)
+        self.source.wait_for()
+        for messages in (self.codes, self.overlays):
+            support.wait_for(messages.connected, "the node's topics")
+
+    def show(self, picture, encoding="mono8", **options):
+        """Shows a picture and waits for its overlay; the overlay."""
+        sent = message(picture, encoding, **options)
+        sent.header.stamp = rospy.Time.from_sec(next(self._numbers) / 10.0)
+        sent.header.frame_id = "eye"
+        self.source.send(sent)
+        return self.overlays.of(sent.header.stamp)
+
+    def read(self, *picture, **options):
+        """Shows a picture and waits for its overlay and its codes; the codes and the overlay."""
+        overlay = self.show(*picture, **options)
+        return self.codes.of(overlay.header.stamp), overlay
+
+
+def test_a_code_is_told_field_by_field(start):
+    reader = Reader(start)
+    picture = np.full((240, 320), 255, np.uint8)
+    side = place(picture, HELLO, 100, 50)
+    codes, overlay = reader.read(picture)
+    assert codes.header.frame_id == overlay.header.frame_id == "eye"
+    assert (codes.width, codes.height) == (320, 240)
+    (code,) = codes.detections
+    assert (code.label, code.code_type, code.code_data) == (HELLO.decode(), "qr", HELLO)
+    assert (code.id, code.score, code.has_velocity, code.predicted) == (-1, 1.0, False, False)
+    outline = [(p.x, p.y) for p in code.outline]
+    right, bottom = 100 + side, 50 + side
+    corners = [(100, 50), (right, 50), (right, bottom), (100, bottom)]
+    assert np.array(outline) == pytest.approx(np.array(corners) - 0.5, abs=2.0)
+    assert (code.center.x, code.center.y) == pytest.approx(np.mean(outline, axis=0))
+    assert code.area == pytest.approx(side**2, rel=0.05)
+    box = code.box
+    assert (box.x_offset, box.y_offset) == tuple(np.floor(np.min(outline, axis=0)))
+    assert (box.x_offset + box.width - 1, box.y_offset + box.height - 1) == tuple(
+        np.ceil(np.max(outline, axis=0))
+    )
+    assert (overlay.encoding, overlay.width, overlay.height) == ("bgr8", 320, 240)
+    pixels = np.frombuffer(overlay.data, np.uint8).reshape(240, 320, 3)
+    green = (pixels == (0, 255, 0)).all(axis=2)
+    for x, y in outline:
+        assert green[round(y) - 1 : round(y) + 2, round(x) - 1 : round(x) + 2].any()
+    drawn = (pixels != picture[:, :, None]).any(axis=2)
+    assert drawn[30:45, 100:160].any()  # the label
+    assert np.array_equal(drawn[60:120, 110:160], np.zeros((60, 50), bool))  # inside of the code
+
+
+@pytest.mark.skipif(not keeps_bytes(), reason="zbar is older than 0.23.1")
+def test_any_text_and_any_bytes_come_back(start):
+    codes, _ = Reader(start).read(with_codes(GREETING, BINARY))
+    assert {code.code_data: code.label for code in codes.detections} == {
+        GREETING: GREETING.decode(),
+        BINARY: "\x00\ufffd\ufffd\n",
+    }
+
+
+@pytest.mark.parametrize("encoding", ["bgr8", "mono16", "bayer_rggb8"])
+def test_pictures_of_every_kind_are_read(start, encoding):
+    gray = with_codes(b"kinds")
+    pictures = {
+        "bgr8": np.dstack([gray] * 3),
+        "mono16": gray.astype(np.uint16) * 257,
+        "bayer_rggb8": gray,
+    }
+    codes, _ = Reader(start).read(pictures[encoding], encoding, padding=6)
+    assert [code.code_data for code in codes.detections] == [b"kinds"]
+
+
+def test_a_code_is_told_again_after_a_while_only(start):
+    reader = Reader(start, "_repeat_period:=0.45")
+    shown = [(b"a",), (b"a",), (b"a", b"b"), (), (b"b",), (b"a", b"b"), (b"a", b"b"), (b"b",)]
+    stamps = [reader.show(with_codes(*data)).header.stamp for data in shown]
+    last, _ = reader.read(with_codes(b"end"))  # by then all before it has come
+    told = {
+        one.header.stamp: [code.label for code in one.detections] for one in reader.codes.received
+    }
+    expected = [["a"], None, ["b"], None, None, ["a"], None, ["b"]]
+    assert [told.get(stamp) for stamp in stamps] == expected
+    assert [code.label for code in last.detections] == ["end"]
+
+
+def test_every_frame_is_answered_without_a_period(start):
+    reader = Reader(start)
+    client = dynamic_reconfigure.client.Client("/reader", timeout=support.DEADLINE)
+    assert client.get_configuration()["repeat_period"] == 1.0
+    client.update_configuration({"repeat_period": 0.0})
+    for data in [(b"a", b"b"), (b"a", b"b"), (), (b"b",)]:
+        codes, _ = reader.read(with_codes(*data))
+        assert [code.label for code in codes.detections] == [one.decode() for one in data]
+    client.close()
+
+
+def test_symbologies_are_changed_live(start):
+    reader = Reader(start, "_repeat_period:=0")
+    client = dynamic_reconfigure.client.Client("/reader", timeout=support.DEADLINE)
+    assert reader.read(with_codes(b"a"))[0].detections
+    client.update_configuration({"symbologies": "ean13, code128"})
+    assert not reader.read(with_codes(b"a"))[0].detections
+    config = client.update_configuration({"symbologies": "ean13, aztec"})
+    assert config["symbologies"] == "ean13, code128"
+    reader.process.wait_for_output("refused, the parameters stay as they are: symbologies is ")
+    client.update_configuration({"symbologies": "qr", "enlarge": 2, "spacing": 2})
+    assert reader.read(with_codes(b"a"))[0].detections
+    client.close()
+
+
+def test_a_bad_frame_is_refused_and_the_next_is_read(start):
+    reader = Reader(start, "_repeat_period:=0")
+    bad = message(with_codes(b"a"), "mono8")
+    bad.data = bad.data[:1000]
+    reader.source.send(bad)
+    reader.process.wait_for_output("(mono8, 640x240): data has 1000 bytes")
+    assert reader.read(with_codes(b"a"))[0].detections
+
+
+def test_the_node_is_lazy(start, diagnostics):
+    topic = new_topic()
+    source = Source(topic)
+    start("code_reader.py", "__name:=lazy", f"image:={topic}", "_diagnostic_period:=0.1")
+    idle = "idle: nobody subscribes"
+    support.wait_for(lambda: diagnostics.next("lazy").message == idle, idle)
+    source.wait_for(0)
+    codes = support.Messages("/lazy/codes", DetectionArray)
+    source.wait_for(1)
+    codes.close()
+    source.wait_for(0)
+
+
+def test_the_code_in_the_scene_is_read(start):
+    start("camera_node", "__name:=camera", "_source:=synthetic")
+    start("code_reader.py", "__name:=reader", "image:=/camera/image_raw")
+    images = support.Messages("/camera/image_raw", Image)
+    codes = support.Messages("/reader/codes", DetectionArray)
+    image, found = support.same_frame(images, codes)
+    (code,) = found.detections
+    assert (code.label, code.code_type) == ("robot_vision", "qr")
+    picture = np.frombuffer(image.data, np.uint8).reshape(image.height, image.width, 3)
+    (expected,) = CodeReader().read(picture)
+    assert np.array([(p.x, p.y) for p in code.outline]) == pytest.approx(expected.polygon, abs=1e-4)
+
+
+@pytest.mark.parametrize(
+    "name, value, text",
+    [
+        ("symbologies", "aztec", "symbologies is 'aztec', must be of all, qr, ean13, "),
+        ("symbologies", 5, "symbologies is 5, must be a string"),
+        ("spacing", 0, "spacing is 0, must be from 1 to 16"),
+        ("enlarge", 5, "enlarge is 5, must be from 1 to 4"),
+        ("repeat_period", -1, "repeat_period is -1, must be from 0 to 3600"),
+    ],
+)
+def test_bad_value_at_start_is_fatal(start, name, value, text):
+    support.assert_fatal_at_start(start, "code_reader.py", name, value, text)

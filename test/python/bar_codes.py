@@ -1,0 +1,291 @@
+"""Bar codes for the tests: the widths of their bars and spaces, by their standards' tables."""
+
+import itertools
+
+import numpy as np
+
+DIGITS = (  # of EAN and UPC, left hand, odd parity
+    ["3211", "2221", "2122", "1411", "1132", "1231", "1114", "1312", "1213", "3112"]
+)
+PARITIES = [
+    "LLLLLL",
+    "LLGLGG",
+    "LLGGLG",
+    "LLGGGL",
+    "LGLLGG",
+    "LGGLLG",
+    "LGGGLL",
+    "LGLGLG",
+    "LGLGGL",
+    "LGGLGL",
+]
+UPCE_PARITIES = [
+    "GGGLLL",
+    "GGLGLL",
+    "GGLLGL",
+    "GGLLLG",
+    "GLGGLL",
+    "GLLGGL",
+    "GLLLGG",
+    "GLGLGL",
+    "GLGLLG",
+    "GLLGLG",
+]
+CODE128 = [
+    "212222",
+    "222122",
+    "222221",
+    "121223",
+    "121322",
+    "131222",
+    "122213",
+    "122312",
+    "132212",
+    "221213",
+    "221312",
+    "231212",
+    "112232",
+    "122132",
+    "122231",
+    "113222",
+    "123122",
+    "123221",
+    "223211",
+    "221132",
+    "221231",
+    "213212",
+    "223112",
+    "312131",
+    "311222",
+    "321122",
+    "321221",
+    "312212",
+    "322112",
+    "322211",
+    "212123",
+    "212321",
+    "232121",
+    "111323",
+    "131123",
+    "131321",
+    "112313",
+    "132113",
+    "132311",
+    "211313",
+    "231113",
+    "231311",
+    "112133",
+    "112331",
+    "132131",
+    "113123",
+    "113321",
+    "133121",
+    "313121",
+    "211331",
+    "231131",
+    "213113",
+    "213311",
+    "213131",
+    "311123",
+    "311321",
+    "331121",
+    "312113",
+    "312311",
+    "332111",
+    "314111",
+    "221411",
+    "431111",
+    "111224",
+    "111422",
+    "121124",
+    "121421",
+    "141122",
+    "141221",
+    "112214",
+    "112412",
+    "122114",
+    "122411",
+    "142112",
+    "142211",
+    "241211",
+    "221114",
+    "413111",
+    "241112",
+    "134111",
+    "111242",
+    "121142",
+    "121241",
+    "114212",
+    "124112",
+    "124211",
+    "411212",
+    "421112",
+    "421211",
+    "212141",
+    "214121",
+    "412121",
+    "111143",
+    "111341",
+    "131141",
+    "114113",
+    "114311",
+    "411113",
+    "411311",
+    "113141",
+    "114131",
+    "311141",
+    "411131",
+    "211412",
+    "211214",
+    "211232",
+    "2331112",
+]
+CODE93 = dict(
+    zip(
+        "0123456789ABCDEFGHIJKLMNOPQRSTUVWXYZ-. $/+%abcd*",  # a to d: shifts
+        [
+            "131112",
+            "111213",
+            "111312",
+            "111411",
+            "121113",
+            "121212",
+            "121311",
+            "111114",
+            "131211",
+            "141111",
+            "211113",
+            "211212",
+            "211311",
+            "221112",
+            "221211",
+            "231111",
+            "112113",
+            "112212",
+            "112311",
+            "122112",
+            "132111",
+            "111123",
+            "111222",
+            "111321",
+            "121122",
+            "131121",
+            "212112",
+            "212211",
+            "211122",
+            "211221",
+            "221121",
+            "222111",
+            "112122",
+            "112221",
+            "122121",
+            "123111",
+            "121131",
+            "311112",
+            "311211",
+            "321111",
+            "112131",
+            "113121",
+            "211131",
+            "121221",
+            "312111",
+            "311121",
+            "122211",
+            "111141",
+        ],
+    )
+)
+CODE39 = {  # w: wide
+    "0": "nnnwwnwnn", "1": "wnnwnnnnw", "2": "nnwwnnnnw", "3": "wnwwnnnnn", "4": "nnnwwnnnw",
+    "5": "wnnwwnnnn", "6": "nnwwwnnnn", "7": "nnnwnnwnw", "8": "wnnwnnwnn", "9": "nnwwnnwnn",
+    "A": "wnnnnwnnw", "B": "nnwnnwnnw", "C": "wnwnnwnnn", "D": "nnnnwwnnw", "E": "wnnnwwnnn",
+    "F": "nnwnwwnnn", "-": "nwnnnnwnw", ".": "wwnnnnwnn", " ": "nwwnnnwnn", "*": "nwnnwnwnn",
+}  # fmt: skip
+I25 = ["nnwwn", "wnnnw", "nwnnw", "wwnnn", "nnwnw", "wnwnn", "nwwnn", "nnnww", "wnnwn", "nwnwn"]
+CODABAR = {
+    "0": "nnnnnww", "1": "nnnnwwn", "2": "nnnwnnw", "3": "wwnnnnn", "4": "nnwnnwn", "5": "wnnnnwn",
+    "6": "nwnnnnw", "7": "nwnnwnn", "8": "nwwnnnn", "9": "wnnwnnn", "A": "nnwwnwn", "B": "nwnwnnw",
+}  # fmt: skip
+
+
+def check_digit(digits):
+    """Of EAN and UPC: weights 3 and 1 from the right."""
+    weights = itertools.cycle((3, 1))
+    return str(-sum(int(digit) * weight for digit, weight in zip(reversed(digits), weights)) % 10)
+
+
+def hand(digits, parities):
+    return "".join(
+        DIGITS[int(digit)][:: -1 if parity == "G" else 1] for digit, parity in zip(digits, parities)
+    )
+
+
+def ean13(digits):
+    """Of 12 digits: what is read, and the widths."""
+    digits += check_digit(digits)
+    left = hand(digits[1:7], PARITIES[int(digits[0])])
+    return digits, "111" + left + "11111" + hand(digits[7:], "LLLLLL") + "111"
+
+
+def ean8(digits):
+    digits += check_digit(digits)
+    return digits, "111" + hand(digits[:4], "LLLL") + "11111" + hand(digits[4:], "LLLL") + "111"
+
+
+def upca(digits):
+    digits, widths = ean13("0" + digits)
+    return digits[1:], widths
+
+
+def upce(digits):
+    """Of six digits, the last of which says where zeros were left out: 0 to 2."""
+    last = digits[5]
+    check = check_digit("0" + digits[:2] + last + "0000" + digits[2:5])
+    return "0" + digits + check, "111" + hand(digits, UPCE_PARITIES[int(check)]) + "111111"
+
+
+def code128(text):
+    """In code set B."""
+    values = [104, *(ord(letter) - 32 for letter in text)]
+    check = (values[0] + sum(place * value for place, value in enumerate(values))) % 103
+    return text, "".join(CODE128[value] for value in [*values, check, 106])
+
+
+def code93(text):
+    letters = list(CODE93)
+    checked = text
+    for most in (20, 15):
+        weights = itertools.cycle(range(1, most + 1))
+        places = [letters.index(letter) for letter in reversed(checked)]
+        checked += letters[sum(place * weight for place, weight in zip(places, weights)) % 47]
+    return text, "".join(CODE93[letter] for letter in f"*{checked}*") + "1"
+
+
+def wide(pattern, width=3):
+    return "".join(str(width) if element == "w" else "1" for element in pattern)
+
+
+def code39(text):
+    return text, "1".join(wide(CODE39[letter]) for letter in f"*{text}*")
+
+
+def i25(digits):
+    """Of an even number of digits: bars of one, spaces of the next."""
+    pairs = zip(digits[::2], digits[1::2])
+    data = "".join(
+        bar + space for a, b in pairs for bar, space in zip(wide(I25[int(a)]), wide(I25[int(b)]))
+    )
+    return digits, "1111" + data + "311"
+
+
+def codabar(digits):
+    text = f"A{digits}B"
+    return text, "1".join(wide(CODABAR[letter]) for letter in text)
+
+
+def picture(widths, module=2, height=60, quiet=12):
+    """Bars in px, (rows, columns) uint8, with white around them."""
+    colors = itertools.cycle((0, 255))
+    row = [value for width, value in zip(map(int, widths), colors) for _ in range(width)]
+    bars = np.tile(np.repeat(np.array(row, np.uint8), module), (height, 1))
+    return np.pad(bars, quiet * module, constant_values=255)

@@ -1,0 +1,357 @@
+"""create_marker.py: what it prints is measured, detected and read."""
+
+import os
+import pathlib
+import re
+import shlex
+import struct
+import subprocess
+import sys
+from typing import NamedTuple
+
+import cv2
+import numpy as np
+import pytest
+
+import robot_vision as rv
+from robot_vision.markers.arguments import EXAMPLES
+from robot_vision.markers.command import main
+from robot_vision.markers.drawing import runs
+from robot_vision.markers.marker import qr_modules
+
+SCRIPT = pathlib.Path(__file__).resolve().parents[2] / "scripts" / "create_marker.py"
+DPI = 508  # of what is rendered here: 20 px for a mm
+MM = DPI / 25.4
+FAMILIES = [family.name for family in rv.tag_families()]
+OPENCV_S = {
+    "tag16h5": cv2.aruco.DICT_APRILTAG_16h5,
+    "tag25h9": cv2.aruco.DICT_APRILTAG_25h9,
+    "tag36h11": cv2.aruco.DICT_APRILTAG_36h11,
+}
+
+
+class Result(NamedTuple):
+    returncode: int
+    stdout: str
+    stderr: str
+
+
+@pytest.fixture
+def create(tmp_path, monkeypatch, capfd):
+    """create("-s", 5, 0) runs the command in a folder of its own."""
+
+    def run(*arguments):
+        monkeypatch.chdir(tmp_path)
+        monkeypatch.setattr(sys, "argv", [str(SCRIPT), *map(str, arguments)])
+        try:
+            code = main()
+        except SystemExit as end:  # of argparse
+            code = end.code
+        return Result(code, *capfd.readouterr())
+
+    return run
+
+
+def made(result, folder):
+    """The files that a run has written, which it names and which are all there is."""
+    assert result.returncode == 0, result.stderr
+    names = re.findall("^written: (.+)$", result.stdout, re.MULTILINE)
+    assert sorted(os.listdir(folder)) == sorted(names)
+    return [folder / name for name in names]
+
+
+def rendered(path):
+    """The pages of a file as grey pictures, and their pixels per mm."""
+    if path.suffix == ".png":
+        data = path.read_bytes()
+        per_metre, also, unit = struct.unpack(">IIB", data[data.index(b"pHYs") + 4 :][:9])
+        assert (also, unit) == (per_metre, 1)
+        return [cv2.imread(str(path), cv2.IMREAD_GRAYSCALE)], per_metre / 1000.0
+    folder = path.parent / (path.name + ".rendered")
+    folder.mkdir()
+    command = {
+        ".pdf": ["pdftoppm", "-r", str(DPI), "-gray", path, folder / "page"],
+        ".svg": ["rsvg-convert", "-d", str(DPI), "-p", str(DPI), path, "-o", folder / "page.png"],
+    }[path.suffix]
+    subprocess.run(command, check=True)
+    return [cv2.imread(str(page), cv2.IMREAD_GRAYSCALE) for page in sorted(folder.iterdir())], MM
+
+
+def box_of_ink(picture):
+    """x, y, width and height of what is black, px; edges count as far as they are grey."""
+    ink = 255.0 - picture
+    columns, rows = ink.max(axis=0) / 255.0, ink.max(axis=1) / 255.0
+    (x, width), (y, height) = ((np.argmax(line > 0.5), line.sum()) for line in (columns, rows))
+    return x, y, width, height
+
+
+def cells_of(picture, number):
+    """The middles of so many cells to a side, True where they are black."""
+    places = ((np.arange(number) + 0.5) * len(picture) / number).astype(int)
+    return picture[np.ix_(places, places)] < 128
+
+
+def tags_in(picture, family):
+    """Corners (4, 2) by id of what OpenCV finds in a picture with some white around it."""
+    white = cv2.copyMakeBorder(picture, *[20] * 4, cv2.BORDER_CONSTANT, value=255)
+    dictionary = cv2.aruco.getPredefinedDictionary(OPENCV_S[family])
+    if hasattr(cv2.aruco, "ArucoDetector"):
+        corners, ids, _ = cv2.aruco.ArucoDetector(dictionary).detectMarkers(white)
+    else:
+        corners, ids, _ = cv2.aruco.detectMarkers(white, dictionary)
+    ids = [] if ids is None else ids.ravel().tolist()
+    assert len(set(ids)) == len(ids)
+    return {id: places[0] - 20 for id, places in zip(ids, corners)}
+
+
+@pytest.mark.parametrize("ending", ["png", "svg", "pdf"])
+@pytest.mark.parametrize("size, id", [(2, 0), (5, 1), (9, 586), (14.37, 100)])
+def test_a_tag_is_of_its_size_to_a_tenth_of_a_millimetre(create, tmp_path, ending, size, id):
+    (path,) = made(create("-s", size, "-o", f"tag.{ending}", id), tmp_path)
+    (picture,), scale = rendered(path)
+    whole = size * 10 * 10 / 8  # mm, with the white around it
+    assert np.array(picture.shape) / scale == pytest.approx((whole, whole), abs=0.1)
+    box = np.array(box_of_ink(picture)) / scale
+    expected = (whole - size * 10) / 2, (whole - size * 10) / 2, size * 10, size * 10
+    assert box == pytest.approx(expected, abs=0.06)  # 0.1 mm, and no more than a pixel less
+    assert np.array_equal(cells_of(picture, 10), rv.tag_cells("tag36h11", id) == 0)
+    assert list(tags_in(cv2.resize(picture, (400, 400)), "tag36h11")) == [id]
+
+
+@pytest.mark.parametrize("family", FAMILIES)
+@pytest.mark.parametrize("ending", ["png", "svg", "pdf"])
+def test_every_family_is_printed_cell_by_cell(create, tmp_path, family, ending):
+    facts = rv.tag_family(family)
+    white = 1 if facts.width - facts.width_at_border > 2 else 0  # around what has a meaning
+    for id in (0, 17, facts.ids - 1):
+        result = create("-s", 4, "--family", family, "-o", f"{id}.{ending}", id)
+        assert result.returncode == 0, result.stderr
+        (picture,), scale = rendered(tmp_path / f"{id}.{ending}")
+        number = facts.width + 2 * white
+        assert len(picture) / scale == pytest.approx(number * 40 / facts.width_at_border, abs=0.1)
+        expected = np.pad(rv.tag_cells(family, id) == 0, white)
+        assert np.array_equal(cells_of(picture, number), expected)
+        if family in OPENCV_S:
+            small = cv2.resize(picture, (300, 300), interpolation=cv2.INTER_AREA)
+            assert list(tags_in(small, family)) == [id]
+
+
+def test_png_edges_are_sharp(create, tmp_path):
+    (path,) = made(create("-s", 5, "--dpi", 150, 3), tmp_path)
+    assert path.name == "tag36h11_3.png"
+    (picture,), scale = rendered(path)
+    assert scale == pytest.approx(150 / 25.4, abs=1e-3)
+    assert set(np.unique(picture)) == {0, 255}
+
+
+@pytest.mark.parametrize("page, size", [("A4", (210, 297)), ("letter", (215.9, 279.4))])
+def test_a_sheet_has_all_tags_and_a_ruler_in_their_sizes(create, tmp_path, page, size):
+    (path,) = made(create("-s", 4, "--page", page, "0-10,37"), tmp_path)
+    assert path.name == "tag36h11_0-10_37.pdf"
+    (picture,), scale = rendered(path)
+    assert np.array(picture.shape[::-1]) / scale == pytest.approx(size, abs=0.1)
+    quarter = cv2.resize(picture, None, fx=0.25, fy=0.25, interpolation=cv2.INTER_AREA)
+    tags = tags_in(quarter, "tag36h11")
+    assert sorted(tags) == [*range(11), 37]
+    for id, corners in tags.items():
+        x, y = (corners.min(axis=0) * 4 - 2 * scale).astype(int)
+        around = picture[y : y + int(44 * scale), x : x + int(44 * scale)]
+        box = np.array(box_of_ink(around)) / scale
+        assert box[2:] == pytest.approx((40, 40), abs=0.1), id
+        marks = cut_marks(picture, x / scale + box[0] - 5, y / scale + box[1] - 5, 50, 55)
+        assert all(marks), (id, marks)
+    words = " ".join(text_of(path))
+    for id in tags:
+        assert f"tag36h11 id {id} 40 mm" in words
+    assert "Print at 100 %, then measure this ruler." in words
+    line = picture[-int(11.5 * scale), : int(113 * scale)] < 128  # across the ruler's ticks
+    ticks = np.flatnonzero(np.diff(line.astype(int)) > 0) / scale
+    assert np.diff(ticks) == pytest.approx([10] * 10, abs=0.06)
+    assert ticks[-1] - ticks[0] == pytest.approx(100, abs=0.1)
+
+
+def cut_marks(picture, left, top, width, height):
+    """Whether there is ink on the lines through each corner of a rectangle, outside of it; mm."""
+    for x, across in ((left, -1), (left + width, 1)):
+        for y, down in ((top, -1), (top + height, 1)):
+            for place in ((x + 2 * across, y), (x, y + 2 * down)):
+                column, row = np.rint(np.array(place) * MM).astype(int)
+                yield (picture[row - 1 : row + 2, column - 1 : column + 2] < 128).any()
+
+
+def text_of(path):
+    command = ["pdftotext", "-layout", str(path), "-"]
+    return subprocess.run(command, stdout=subprocess.PIPE, check=True, text=True).stdout.split()
+
+
+def test_a_sheet_is_followed_by_more_sheets(create, tmp_path):
+    (path,) = made(create("-s", 6, "0-13"), tmp_path)
+    pages, _ = rendered(path)
+    small = [cv2.resize(page, None, fx=0.3, fy=0.3) for page in pages]
+    ids = [sorted(tags_in(page, "tag36h11")) for page in small]
+    assert ids == [[0, 1, 2, 3, 4, 5], [6, 7, 8, 9, 10, 11], [12, 13]]
+
+
+@pytest.mark.parametrize("ending", ["png", "svg"])
+def test_pictures_of_sheets_are_a_file_each(create, tmp_path, ending):
+    paths = made(create("-s", 6, "--format", ending, "--dpi", 150, 0, "2-7"), tmp_path)
+    assert [path.name for path in paths] == [
+        f"tag36h11_0_tag36h11_2-7-{n}.{ending}" for n in (1, 2)
+    ]
+    pages = [page for path in paths for page in rendered(path)[0]]
+    small = [cv2.resize(page, (1050, 1485), interpolation=cv2.INTER_AREA) for page in pages]
+    assert [sorted(tags_in(page, "tag36h11")) for page in small] == [[0, 2, 3, 4, 5, 6], [7]]
+
+
+TEXTS = [
+    "http://wiki.ros.org/robot_vision",
+    "1234",
+    "<&>\n\t",
+    "x" * 300,
+    "--page",
+    "a b",
+]
+
+
+@pytest.mark.parametrize("ending", ["png", "svg", "pdf"])
+@pytest.mark.parametrize("page", [(), ("--page", "A4")])
+def test_a_text_becomes_a_qr_code(create, tmp_path, ending, page):
+    reader = rv.CodeReader()
+    for number, text in enumerate(TEXTS):
+        result = create("-s", 5, "--qr", "-o", f"{number}.{ending}", *page, "--", text)
+        assert result.returncode == 0, result.stderr
+        (picture,), scale = rendered(tmp_path / f"{number}.{ending}")
+        small = cv2.resize(picture, None, fx=0.7, fy=0.7, interpolation=cv2.INTER_AREA)
+        (code,) = reader.read(small, "mono8")
+        assert (code.type, code.data) == ("qr", text.encode())
+        if not page:
+            box = np.array(box_of_ink(picture)) / scale
+            assert box[2:] == pytest.approx((50, 50), abs=0.1)
+            white = 4 * 50 / len(qr_modules(text.encode()))
+            assert box[:2] == pytest.approx((white, white), abs=0.1)
+            assert len(picture) / scale == pytest.approx(50 + 2 * white, abs=0.1)
+
+
+@pytest.mark.skipif(not rv.keeps_bytes(), reason="zbar is older than 0.23.1")
+def test_any_text_and_any_bytes_become_a_qr_code(create, tmp_path):
+    for name, data in (("text.png", "Grüße, 世界".encode()), ("bytes.png", bytes(range(1, 256)))):
+        assert create("-o", name, "--page", "A4", os.fsdecode(data)).returncode == 0
+        (picture,), _ = rendered(tmp_path / name)
+        assert [code.data for code in rv.CodeReader().read(picture, "mono8")] == [data]
+
+
+def test_the_level_of_a_qr_code_is_how_much_of_it_may_be_lost(create, tmp_path):
+    text = "Much is lost, and still it is read."
+    modules = []
+    for level in "LMQH":
+        assert create("--level", level, "-o", f"{level}.svg", text).returncode == 0
+        width = re.search(r'width="([\d.]+)mm"', (tmp_path / f"{level}.svg").read_text()).group(1)
+        modules.append(8 * 90 / (float(width) - 90))  # eight are white, and the others 90 mm
+    assert modules == pytest.approx([29, 29, 33, 37], abs=0.01)
+    assert create("--level", "H", "-o", "covered.png", text).returncode == 0
+    (picture,), _ = rendered(tmp_path / "covered.png")
+    middle = slice(len(picture) // 2 - 150, len(picture) // 2 + 150)
+    picture[middle, middle] = 255
+    assert rv.CodeReader().read(picture, "mono8")[0].data == text.encode()
+
+
+@pytest.mark.parametrize(
+    "arguments, code, text",
+    [
+        (["587"], 1, "id 587: tag36h11 has the ids 0 to 586"),
+        (["--family", "tag16h5", "25-30"], 1, "id 30: tag16h5 has the ids 0 to 29"),
+        (["99999999999999999999"], 1, "id 99999999999999999999: tag36h11 has the ids 0 to 586"),
+        (["0-99999999999"], 1, "id 99999999999: tag36h11 has"),
+        (["5-3"], 1, "ids 5-3: the first must not be above the last"),
+        (["1,,2"], 1, "'1,,2' is no list of ids such as 0,3,7-9; --qr makes a QR code of it"),
+        (["-5"], 1, "'-5' is no list of ids"),
+        ([""], 1, "an empty text needs no QR code"),
+        (["--qr", "x" * 2332], 1, "2332 bytes fit no QR code of level M"),
+        (["--family", "tag36h10", "0"], 2, "argument --family: invalid choice: 'tag36h10'"),
+        (
+            ["-s", "15.3", "--page", "A4", "0"],
+            1,
+            "a marker is 191.2 mm wide with the white around it, and on A4 there is room for 190.0",
+        ),
+        (["-s", "20", "0", "1"], 1, "a marker is 250.0 mm wide with the white"),
+        (["-s", "0", "0"], 2, "argument -s/--size: 0 must be from 0.5 to 300"),
+        (["-s", "nan", "0"], 2, "argument -s/--size: nan must be from 0.5 to 300"),
+        (["-s", "five", "0"], 2, "argument -s/--size: invalid number value: 'five'"),
+        (["--dpi", "72", "0"], 2, "argument --dpi: 72 must be from 150 to 1200"),
+        (["--dpi", "1200", "-s", "100", "0"], 1, "at 1200 dpi it is 59055x59055 px, must be at"),
+        (["-o", "tag.jpg", "0"], 1, "tag.jpg must end in .png, .svg or .pdf"),
+        (
+            ["-o", "a.png", "--format", "pdf", "0"],
+            1,
+            "a.png is no name of a file of the format pdf",
+        ),
+        (["-o", "no/such/tag.png", "0"], 1, "No such file or directory: 'no/such/tag.png'"),
+        (["--page", "A3", "0"], 2, "argument --page: invalid choice: 'A3'"),
+        ([], 2, "the following arguments are required: what"),
+    ],
+)
+def test_what_cannot_be_made_is_refused(create, tmp_path, arguments, code, text):
+    result = create(*arguments)
+    assert (result.returncode, result.stdout) == (code, "")
+    assert f"create_marker.py: {'error: ' if code == 2 else ''}{text}" in re.sub(
+        r"\[Errno \d+\] ", "", result.stderr
+    )
+    assert "Traceback" not in result.stderr
+    assert not os.listdir(tmp_path)
+
+
+def test_no_file_is_overwritten_without_force(create, tmp_path):
+    old = tmp_path / "tag36h11_0.png"
+    old.write_text("mine")
+    result = create(0)
+    assert result.returncode == 1
+    assert result.stderr == (
+        "create_marker.py: tag36h11_0.png is there already; --force replaces it\n"
+    )
+    assert old.read_text() == "mine" and os.listdir(tmp_path) == [old.name]
+    (path,) = made(create("--force", 0), tmp_path)
+    assert cv2.imread(str(path)) is not None
+
+
+def test_no_sheet_is_written_if_one_is_there(create, tmp_path):
+    (tmp_path / "a-2.svg").symlink_to("nowhere")
+    result = create("-o", "a.svg", "-s", 9, "0-7")
+    assert result.returncode == 1 and "a-2.svg is there already" in result.stderr
+    assert os.listdir(tmp_path) == ["a-2.svg"]
+
+
+@pytest.mark.parametrize("line", [line for line in EXAMPLES.splitlines() if ".py" in line])
+def test_every_example_of_the_help_works(create, tmp_path, line):
+    command, _, said = line.strip().partition("   ")
+    words = shlex.split(command)
+    (path,) = made(create(*words[1:]), tmp_path)
+    name = re.search(r"[\w-]+\.(png|pdf|svg)", said) or re.search(r"-o ([\w.]+)", command)
+    if name:
+        assert path.name in name.group()
+    assert rendered(path)[0]
+
+
+def test_the_executable_needs_no_master(tmp_path):
+    for arguments, code in ((["0"], 0), (["0"], 1), (["--no-such-option"], 2)):
+        result = subprocess.run(
+            [sys.executable, str(SCRIPT), *arguments],
+            cwd=tmp_path,
+            env={**os.environ, "ROS_MASTER_URI": "http://127.0.0.1:1"},
+            capture_output=True,
+            timeout=60,
+            check=False,
+        )
+        assert result.returncode == code, result.stderr
+    assert os.listdir(tmp_path) == ["tag36h11_0.png"]
+
+
+def test_help_has_the_examples_and_all_families(create):
+    result = create("--help")
+    assert result.returncode == 0 and EXAMPLES.strip() in result.stdout
+    for family in FAMILIES:
+        assert family in result.stdout
+
+
+def test_runs_are_the_black_cells_of_a_row():
+    cells = np.array([[1, 1, 0, 1], [0, 0, 0, 0], [0, 1, 1, 1]], bool)
+    assert list(runs(cells)) == [(0, 0, 2), (0, 3, 4), (2, 1, 4)]
