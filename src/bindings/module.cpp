@@ -29,6 +29,7 @@ void bindMotion(py::module& m);
 void bindObjectTracker(py::module& m);
 void bindOverlay(py::module& m);
 void bindScene(py::module& m);
+void bindTags(py::module& m);
 
 namespace
 {
@@ -131,5 +132,6 @@ PYBIND11_MODULE(_core, m)
   bindMotion(m);
   bindObjectTracker(m);
   bindOverlay(m);
+  bindTags(m);
   bindValidate(m);
 }
