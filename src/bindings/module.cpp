@@ -17,6 +17,7 @@
 #include "robot_vision/object_tracker.hpp"
 #include "robot_vision/regions.hpp"
 #include "robot_vision/scene.hpp"
+#include "robot_vision/tag_detector.hpp"
 
 using namespace robot_vision;
 using namespace py::literals;
@@ -114,6 +115,7 @@ void bindValidate(py::module& m)
   m.def("validate", py::overload_cast<const MotionParams&>(&validate), "params"_a, doc);
   m.def("validate", py::overload_cast<const ObjectTrackerParams&>(&validate), "params"_a, doc);
   m.def("validate", py::overload_cast<const SceneParams&>(&validate), "params"_a, doc);
+  m.def("validate", py::overload_cast<const TagDetectorParams&>(&validate), "params"_a, doc);
 }
 
 }  // namespace
