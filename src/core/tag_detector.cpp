@@ -16,8 +16,9 @@ namespace robot_vision
 namespace
 {
 
-constexpr int kLargest = 8192;       // px: in larger pictures the library may need more stack than a thread has
-constexpr double kLossPeriod = 0.2;  // of max_search_period, in which one search for lost tags is allowed
+constexpr int kLargest = 8192;   // px: in larger pictures the library may need more stack than a thread has
+constexpr double kShort = 0.2;   // of max_search_period: between searches for lost tags, and for large ones
+constexpr double kGlance = 4.0;  // decimation at which these are searched for
 
 std::string sizeText(const cv::Size& size)
 {
@@ -72,11 +73,12 @@ struct TagDetector::Impl
     std::sort(tags.begin(), tags.end(), [&order](const Tag& a, const Tag& b) { return order(a) < order(b); });
   }
 
-  std::vector<Tag> searchAll()
+  std::vector<Tag> searchAll(double decimate)
   {
-    const double decimate = params.decimate == 0.0 ? 1.0 : params.decimate;
     return search.find(gray, cv::Rect({0, 0}, gray.size()), decimate, params.threads);
   }
+
+  double finest() const { return params.decimate == 0.0 ? 1.0 : params.decimate; }
 
   /// Around the tags that have not been seen in this frame; `again`: in full resolution, where that was not done.
   std::vector<Tag> searchNear(bool again)
@@ -126,7 +128,7 @@ struct TagDetector::Impl
     if (!searched) return true;
     const double since = time - *searched;
     return since + (time - last_time) > params.max_search_period ||
-           (since >= kLossPeriod * params.max_search_period && hasLost(last_time));
+           (since >= kShort * params.max_search_period && hasLost(last_time));
   }
 
   TagDetectorParams params;
@@ -137,6 +139,7 @@ struct TagDetector::Impl
   cv::Size size;                   // of the last one
   double time = 0.0;               // s, of the last one
   std::optional<double> searched;  // s, when a whole one was searched last
+  double glanced = 0.0;            // s, when one was, for large tags at least
 };
 
 TagDetector::TagDetector(const TagDetectorParams& params) : impl_(std::make_unique<Impl>(params))
@@ -159,7 +162,7 @@ std::vector<Tag> TagDetector::detect(const cv::Mat& image, const std::string& en
 {
   Impl& me = *impl_;
   me.setPicture(image, encoding);
-  std::vector<Tag> tags = me.searchAll();
+  std::vector<Tag> tags = me.searchAll(me.finest());
   me.gray.release();
   me.sort(tags);
   return tags;
@@ -184,8 +187,13 @@ std::vector<Tag> TagDetector::update(double time_s, const cv::Mat& image, const 
       me.take(me.searchNear(again), tags);
   if (me.isDue(last_time))
   {
-    me.take(me.searchAll(), tags);
-    me.searched = time_s;
+    me.take(me.searchAll(me.finest()), tags);
+    me.searched = me.glanced = time_s;
+  }
+  else if (me.params.decimate == 0.0 && time_s - me.glanced >= kShort * me.params.max_search_period)
+  {
+    me.take(me.searchAll(kGlance), tags);
+    me.glanced = time_s;
   }
   me.gray.release();
   me.sort(tags);

@@ -58,10 +58,10 @@ cv::Mat TagSearch::prepare(const cv::Mat& pixels, double decimate)
   const int below = std::max(least - pixels.rows, 0);
   if (right > 0 || below > 0)
     cv::copyMakeBorder(pixels, copy_, 0, below, 0, right, cv::BORDER_REPLICATE | cv::BORDER_ISOLATED);
-  else if (decimate > 1.0 || (pixels.isContinuous() && params_.blur == 0.0))
+  else if (decimate > 1.0 || (params_.blur == 0.0 && pixels.step <= 2 * static_cast<std::size_t>(pixels.cols)))
     return pixels;
   else
-    pixels.copyTo(copy_);  // it would blur the picture in place, and takes memory for as much as lies between the rows
+    pixels.copyTo(copy_);  // it would blur the picture in place, and takes memory for what lies between the rows
   return copy_;
 }
 

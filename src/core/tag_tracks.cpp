@@ -18,6 +18,7 @@ constexpr double kEdge = 16.0;        // px after decimation that a tag's shorte
 constexpr double kMostDecimated = 8;  // beyond it there is nothing to be gained
 constexpr double kStartle = 0.5;      // of its side that a tag may have moved in a frame when it was seen once
 constexpr double kUnrest = 0.1;       // of its side that it may deviate from its motion
+constexpr double kFastest = 60.0;     // sides per s: what is farther away was put there
 constexpr double kSwerve = 0.5;       // of its way that it may do so
 
 using Corners = std::array<cv::Point2d, 4>;
@@ -39,6 +40,27 @@ cv::Rect around(const Tag& tag, const Corners& corners, double border, const cv:
   const double cell = shortestAndLongest(corners).second / family.width_at_border;
   const std::vector<cv::Point2f> points(corners.begin(), corners.end());
   return grown(cv::boundingRect(points), cvCeil(cells * cell + border), picture);
+}
+
+cv::Point2d middleOf(const Corners& corners)
+{
+  return (corners[0] + corners[1] + corners[2] + corners[3]) / 4.0;
+}
+
+/// The track that the tag continues: of those not yet seen in its frame the one expected nearest to it.
+std::vector<TagTrack>::iterator nearest(std::vector<TagTrack>& tracks, const Tag& tag, double time_s)
+{
+  auto best = tracks.end();
+  double least = 0.0;
+  for (auto track = tracks.begin(); track != tracks.end(); ++track)
+  {
+    if (track->tag.id != tag.id || track->tag.family != tag.family || track->seen >= time_s) continue;
+    const double distance = cv::norm(middleOf(track->cornersAt(time_s)) - middleOf(tag.corners));
+    if (best != tracks.end() && distance >= least) continue;
+    best = track;
+    least = distance;
+  }
+  return best;
 }
 
 double borderOf(double decimate)
@@ -138,26 +160,18 @@ void follow(std::vector<TagTrack>& tracks, double time_s, const std::vector<Tag>
   std::vector<TagTrack> followed;
   for (const Tag& tag : tags)
   {
-    auto nearest = tracks.end();
-    double least = 0.0;
-    for (auto track = tracks.begin(); track != tracks.end(); ++track)
-    {
-      if (track->tag.id != tag.id || track->tag.family != tag.family || track->seen >= time_s) continue;
-      const Corners corners = track->cornersAt(time_s);
-      const double distance = cv::norm(corners[0] + corners[2] - tag.corners[0] - tag.corners[2]);
-      if (nearest != tracks.end() && distance >= least) continue;
-      nearest = track;
-      least = distance;
-    }
     TagTrack next;
     next.tag = tag;
     next.seen = time_s;
-    if (nearest != tracks.end())
+    const auto known = nearest(tracks, tag, time_s);
+    if (known != tracks.end())
     {
-      next.moving = true;
+      const double elapsed = time_s - known->seen;
       for (std::size_t i = 0; i < next.velocity.size(); ++i)
-        next.velocity[i] = (tag.corners[i] - nearest->tag.corners[i]) / (time_s - nearest->seen);
-      tracks.erase(nearest);
+        next.velocity[i] = (tag.corners[i] - known->tag.corners[i]) / elapsed;
+      next.moving = cv::norm(middleOf(known->cornersAt(time_s)) - middleOf(tag.corners)) <=
+                    kFastest * elapsed * shortestAndLongest(tag.corners).second;
+      tracks.erase(known);
     }
     followed.push_back(next);
   }
