@@ -54,7 +54,8 @@ struct Tag
 /// similarity: a tag is black and white in all its cells and around them. Of tag16h5 one wrong bit is corrected at
 /// most; as of the three families with more than 10000 ids, whose tables would take gigabytes.
 ///
-/// Two tags with the same id are both reported. A detector may be used by one thread at a time.
+/// The corners of a tag that the picture cuts off are some px off. Two tags with the same id are both reported. A
+/// detector may be used by one thread at a time.
 class TagDetector
 {
 public:

@@ -213,7 +213,7 @@ TEST(TagDetector, followsMovingTagsAsIfAllOfEveryFrameWereSearched)
       {
         ASSERT_EQ(truth.count(tag.id), 1U) << frame;
         errors.push_back(distance(tag.corners, truth[tag.id]));
-        EXPECT_LT(errors.back(), tag.id == kComing ? 4.0 : 1.0) << frame << " " << tag.id;
+        EXPECT_LT(errors.back(), tag.id == kComing ? 6.0 : 1.0) << frame << " " << tag.id;
       }
       for (const Tag& tag : reference.detect(gray, "mono8"))
       {
