@@ -18,7 +18,7 @@ struct TagDetectorParams
   bool refine_edges = true;        // move the edges to where the full picture changes most
   int max_hamming = 2;             // wrong bits that are corrected, 0 to 2; see TagDetector
   double min_margin = 0.0;         // grey levels, tags with a smaller margin are left out, 0 to 255
-  double min_similarity = 0.85;    // tags that look less like themselves are left out, -1 to 1
+  double min_similarity = 0.8;     // tags that look less like themselves are left out, -1 to 1
   double max_search_period = 0.5;  // s within which a new tag is found, 0 (all of every picture is searched) to 60
 };
 

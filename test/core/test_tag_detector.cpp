@@ -458,6 +458,19 @@ TEST(TagDetector, findsTagsInTheDarkUnlessAMarginIsAskedFor)
   EXPECT_TRUE(TagDetector(with([](TagDetectorParams& p) { p.min_margin = 20.0; })).detect(gray, "mono8").empty());
 }
 
+TEST(TagDetector, findsTagsHalfInTheShade)
+{
+  cv::RNG random(10);
+  cv::Mat gray = grayWall({320, 240});
+  drawTag(gray, kFamily, 5, tagCorners({160.0, 120.0}, 80.0, 0.2));
+  cv::Mat shade = gray.colRange(0, 165);
+  shade *= 0.6;
+  photograph(gray, random);
+  const std::vector<Tag> tags = TagDetector().detect(gray, "mono8");
+  ASSERT_EQ(tags.size(), 1U);
+  EXPECT_GT(tags[0].similarity, 0.88);
+}
+
 TEST(TagDetector, configureChangesWhatIsFound)
 {
   cv::Mat gray = grayWall({320, 240});

@@ -104,7 +104,7 @@ def test_frames_are_used_as_they_are_and_stay_so():
 
 
 def test_bad_input_is_refused_by_name():
-    with pytest.raises(ValueError, match="decimate is 2.5, must be 0"):
+    with pytest.raises(ValueError, match=r"decimate is 2\.5, must be 0"):
         rv.TagDetector(params(decimate=2.5))
     with pytest.raises(ValueError, match="tag family is 'aruco', must be one of tag36h11, "):
         rv.validate(params(families=["aruco"]))
