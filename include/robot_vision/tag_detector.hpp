@@ -12,7 +12,6 @@ namespace robot_vision
 struct TagDetectorParams
 {
   std::vector<std::string> families = {"tag36h11"};  // that are looked for, see tag_families.hpp; each once
-  int threads = 2;                                   // that share the search of a whole picture, 1 to 16
   double decimate = 0.0;           // edges are looked for in each such pixel: 1, 1.5, 2, 3 to 10; 0: by the tag's size
   double blur = 0.0;               // px of what is left then, sigma of a blur before; below 0 it sharpens, -5 to 5
   bool refine_edges = true;        // move the edges to where the full picture changes most
@@ -55,7 +54,8 @@ struct Tag
 /// most; as of the three families with more than 10000 ids, whose tables would take gigabytes.
 ///
 /// The corners of a tag that the picture cuts off are some px off. Two tags with the same id are both reported. A
-/// detector may be used by one thread at a time.
+/// detector may be used by one thread at a time, and starts none: the library's own are not safe, as one that starts
+/// late may still work when its memory is given back.
 class TagDetector
 {
 public:

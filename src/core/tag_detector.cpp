@@ -41,7 +41,6 @@ void validate(const TagDetectorParams& params)
     const auto count = std::count(params.families.begin(), params.families.end(), name);
     require(count == 1, "families", name + " twice", "each once");
   }
-  requireRange("threads", params.threads, 1.0, 16.0);
   require(isDecimation(params.decimate), "decimate", params.decimate, "0 (by the tag's size), 1, 1.5, 2, 3, ... or 10");
   requireRange("blur", params.blur, -5.0, 5.0);
   requireRange("max_hamming", params.max_hamming, 0.0, 2.0);
@@ -73,10 +72,7 @@ struct TagDetector::Impl
     std::sort(tags.begin(), tags.end(), [&order](const Tag& a, const Tag& b) { return order(a) < order(b); });
   }
 
-  std::vector<Tag> searchAll(double decimate)
-  {
-    return search.find(gray, cv::Rect({0, 0}, gray.size()), decimate, params.threads);
-  }
+  std::vector<Tag> searchAll(double decimate) { return search.find(gray, cv::Rect({0, 0}, gray.size()), decimate); }
 
   double finest() const { return params.decimate == 0.0 ? 1.0 : params.decimate; }
 
@@ -95,7 +91,7 @@ struct TagDetector::Impl
     join(regions);
     std::vector<Tag> tags;
     for (const TagRegion& region : regions)
-      for (const Tag& tag : search.find(gray, region.part, region.decimate, 1))
+      for (const Tag& tag : search.find(gray, region.part, region.decimate))
         if (isWhole(tag, region, gray.size())) merge(tags, {tag});
     return tags;
   }

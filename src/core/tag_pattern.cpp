@@ -13,9 +13,11 @@ constexpr int kBlack = -2;
 /// Grey level between pixels; negative outside of the picture.
 double levelAt(const cv::Mat& gray, const cv::Point2d& position)
 {
-  const int x = cvFloor(position.x);
-  const int y = cvFloor(position.y);
-  if (x < 0 || y < 0 || x + 1 >= gray.cols || y + 1 >= gray.rows) return -1.0;
+  const bool inside =
+      position.x >= 0.0 && position.y >= 0.0 && position.x < gray.cols - 1 && position.y < gray.rows - 1;
+  if (!inside) return -1.0;  // nor is NaN
+  const auto x = static_cast<int>(position.x);
+  const auto y = static_cast<int>(position.y);
   const double right = position.x - x;
   const double below = position.y - y;
   const auto* upper = gray.ptr<uchar>(y) + x;

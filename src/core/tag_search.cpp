@@ -12,9 +12,8 @@ namespace
 
 // The library's table takes 48 bytes for each word that it corrects: with two bits of the largest families 4 GB.
 constexpr int kManyIds = 10000;
-constexpr int kSmallDistance = 5;        // between tags, at which most patterns are near one
-constexpr double kPixelMiddle = 0.5;     // the library counts from the first pixel's corner, OpenCV from its middle
-constexpr double kThreadArea = 16384.0;  // px after decimation that are worth a thread of their own
+constexpr int kSmallDistance = 5;     // between tags, at which most patterns are near one
+constexpr double kPixelMiddle = 0.5;  // the library counts from the first pixel's corner, OpenCV from its middle
 
 int mostCorrected(const std::string& family)
 {
@@ -39,6 +38,7 @@ void TagSearch::configure(const TagDetectorParams& params)
 void TagSearch::makeDetector()
 {
   detector_.reset(apriltag_detector_create());
+  detector_->nthreads = 1;
   families_.clear();
   for (const std::string& name : params_.families)
   {
@@ -83,11 +83,9 @@ Tag TagSearch::toTag(const apriltag_detection_t& found, const cv::Mat& gray, con
   return tag;
 }
 
-std::vector<Tag> TagSearch::find(const cv::Mat& gray, const cv::Rect& part, double decimate, int threads)
+std::vector<Tag> TagSearch::find(const cv::Mat& gray, const cv::Rect& part, double decimate)
 {
   const cv::Mat pixels = prepare(gray(part), decimate);
-  const double area = static_cast<double>(pixels.total()) / (decimate * decimate);
-  detector_->nthreads = std::max(std::min(threads, static_cast<int>(area / kThreadArea)), 1);
   detector_->quad_decimate = static_cast<float>(decimate);
   detector_->quad_sigma = static_cast<float>(params_.blur);
   detector_->refine_edges = params_.refine_edges;

@@ -20,7 +20,7 @@ public:
   void configure(const TagDetectorParams& params);
 
   /// The tags in a part of a grey picture; `decimate` as in the parameters, but not 0.
-  std::vector<Tag> find(const cv::Mat& gray, const cv::Rect& part, double decimate, int threads);
+  std::vector<Tag> find(const cv::Mat& gray, const cv::Rect& part, double decimate);
 
 private:
   struct Family

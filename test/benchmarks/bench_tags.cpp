@@ -1,10 +1,10 @@
 // AprilTags, ours and with a plain call of libapriltag for each frame: bench_tags PICTURE WIDTH HEIGHT TAGS ROUNDS
 //
 // Tags of tag36h11 move before a photograph that moves, too, with pixel noise, at 30 Hz. Both see the same mono8 frames
-// in turns: the library in full resolution with 2 threads, as apriltag_ros uses it; ours with its own defaults. Prints
-// JSON: how many tags there are in a frame, and for both the CPU time (mean) and the latency (median and worst) of one
-// in ms, the tags found in all, the longest time in s that one was not, and how far from the truth the corners are
-// (median) in px.
+// in turns: the library in full resolution with 2 threads, as apriltag_ros uses it; ours in one, with its own defaults.
+// Prints JSON: how many tags there are in a frame, and for both the CPU time (mean) and the latency (median and worst)
+// of one in ms, the tags found in all, the longest time in s that one was not, and how far from the truth the corners
+// are (median) in px.
 
 #include <apriltag/apriltag.h>
 #include <apriltag/tag36h11.h>

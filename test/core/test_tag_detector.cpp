@@ -534,8 +534,8 @@ TEST(TagDetector, configureChangesWhatIsFound)
   EXPECT_EQ(idsOf(detector.update(0.0, gray, "mono8")), std::vector<int>{5});
   detector.configure(with([](TagDetectorParams& p) { p.families = {"tag25h9"}; }));
   EXPECT_EQ(idsOf(detector.update(0.1, gray, "mono8")), std::vector<int>{6});
-  EXPECT_EQ(refusal([&] { detector.configure(with([](TagDetectorParams& p) { p.threads = 0; })); }),
-            "threads is 0, must be from 1 to 16");
+  EXPECT_EQ(refusal([&] { detector.configure(with([](TagDetectorParams& p) { p.max_hamming = 3; })); }),
+            "max_hamming is 3, must be from 0 to 2");
   EXPECT_EQ(idsOf(detector.update(0.2, gray, "mono8")), std::vector<int>{6});
 }
 
@@ -551,7 +551,6 @@ TEST(TagDetector, refusesParametersOutOfRange)
             "families is tag16h5 twice, must be each once");
   EXPECT_NE(refusalOf([](P& p) { p.families = {"tag36"}; }).find("tag family is 'tag36', must be one of tag36h11, "),
             std::string::npos);
-  EXPECT_EQ(refusalOf([](P& p) { p.threads = 17; }), "threads is 17, must be from 1 to 16");
   for (const double value : {0.5, 2.5, 11.0, -1.0})
     EXPECT_EQ(refusalOf([value](P& p) { p.decimate = value; }).rfind("decimate is ", 0), 0U) << value;
   EXPECT_EQ(refusalOf([nan](P& p) { p.decimate = nan; }),

@@ -111,8 +111,8 @@ def test_bad_input_is_refused_by_name():
     with pytest.raises(ValueError, match="id of tag16h5 is 30, must be from 0 to 29"):
         rv.tag_cells("tag16h5", 30)
     detector = rv.TagDetector()
-    with pytest.raises(ValueError, match="threads is 0, must be from 1 to 16"):
-        detector.configure(params(threads=0))
+    with pytest.raises(ValueError, match="max_hamming is 3, must be from 0 to 2"):
+        detector.configure(params(max_hamming=3))
     with pytest.raises(ValueError, match="mono8"):
         detector.update(0.0, np.zeros((4, 4, 3), np.uint8), "mono8")
     with pytest.raises(ValueError, match="time_s is nan, must be finite"):
