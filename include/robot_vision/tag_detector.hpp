@@ -74,7 +74,7 @@ public:
   std::vector<Tag> detect(const cv::Mat& image, const std::string& encoding);
 
   /// The tags in the frame of `time_s` (s, of any clock), in the same order. Another size of picture and time that goes
-  /// back make it forget what it knows. Throws as detect() does, and for a time that is not finite.
+  /// back, or stands still, make it forget what it knows. Throws as detect() does, and for a time that is not finite.
   std::vector<Tag> update(double time_s, const cv::Mat& image, const std::string& encoding);
 
 private:

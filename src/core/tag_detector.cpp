@@ -76,7 +76,7 @@ struct TagDetector::Impl
 
   double finest() const { return params.decimate == 0.0 ? 1.0 : params.decimate; }
 
-  /// Around the tags that have not been seen in this frame; `again`: in full resolution, where that was not done.
+  /// Around the tags that have not been seen in this frame; `again`: in full resolution, where less was chosen.
   std::vector<Tag> searchNear(bool again)
   {
     std::vector<TagRegion> regions;
@@ -84,7 +84,7 @@ struct TagDetector::Impl
     {
       if (track.seen >= time) continue;
       TagRegion region = track.regionAt(time, params.decimate, gray.size());
-      if (again && region.decimate == 1.0) continue;
+      if (again && (region.decimate == 1.0 || params.decimate != 0.0)) continue;
       if (again) region = track.regionAt(time, 1.0, gray.size());
       if (!region.part.empty()) regions.push_back(region);
     }
