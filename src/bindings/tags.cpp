@@ -1,13 +1,16 @@
 #include <pybind11/stl.h>
 
 #include "arrays.hpp"
+#include "robot_vision/tag_detector.hpp"
 #include "robot_vision/tag_families.hpp"
 
 using namespace robot_vision;
 using namespace py::literals;
 
-/// AprilTags.
-void bindTags(py::module& m)
+namespace
+{
+
+void bindFamilies(py::module& m)
 {
   py::class_<TagFamily>(m, "TagFamily", "A family of AprilTags.")
       .def_readonly("name", &TagFamily::name)
@@ -23,4 +26,68 @@ void bindTags(py::module& m)
       "Picture of a tag, upright: (width, width) uint8, 0 or 255, a pixel per cell; see tag_families.hpp.\n\n"
       "The corners that are found are (width - width_at_border) / 2 cells from its edges.\n"
       "Raises ValueError for an unknown family, and for an id that it does not have.");
+}
+
+void bindDetector(py::module& m)
+{
+  py::class_<TagDetectorParams>(m, "TagDetectorParams", "What is searched for, and how; see tag_detector.hpp.")
+      .def(py::init<>())
+      .def_readwrite("families", &TagDetectorParams::families)
+      .def_readwrite("decimate", &TagDetectorParams::decimate)
+      .def_readwrite("blur", &TagDetectorParams::blur)
+      .def_readwrite("refine_edges", &TagDetectorParams::refine_edges)
+      .def_readwrite("max_hamming", &TagDetectorParams::max_hamming)
+      .def_readwrite("min_margin", &TagDetectorParams::min_margin)
+      .def_readwrite("min_similarity", &TagDetectorParams::min_similarity)
+      .def_readwrite("max_search_period", &TagDetectorParams::max_search_period);
+
+  py::class_<Tag>(m, "Tag", "A tag in a picture.")
+      .def_readonly("family", &Tag::family)
+      .def_readonly("id", &Tag::id)
+      .def_readonly("hamming", &Tag::hamming, "wrong bits that were corrected")
+      .def_readonly("margin", &Tag::margin, "grey levels, mean distance of the bits from the threshold")
+      .def_readonly("similarity", &Tag::similarity, "correlation of the picture with the tag's cells, at most 1")
+      .def_property_readonly(
+          "center", [](const Tag& tag) { return toPair(tag.center); }, "px, where the diagonals meet")
+      .def_property_readonly(
+          "corners",
+          [](const Tag& tag) { return toNumpy(std::vector<cv::Point2d>(tag.corners.begin(), tag.corners.end())); },
+          "(4, 2), px: the upright tag's bottom left, bottom right, top right, top left corner");
+
+  py::class_<TagDetector>(m, "TagDetector", "Finds AprilTags with libapriltag; see tag_detector.hpp.")
+      .def(py::init<const TagDetectorParams&>(), "params"_a = TagDetectorParams(),
+           py::call_guard<py::gil_scoped_release>(), "Raises ValueError for a parameter out of range.")
+      .def("configure", &TagDetector::configure, "params"_a, py::call_guard<py::gil_scoped_release>(),
+           "Other parameters from now on; tags remain known. Raises as the constructor does.")
+      .def(
+          "detect",
+          [](TagDetector& detector, const py::array& image, const std::string& encoding)
+          {
+            const Picture input(image);
+            const py::gil_scoped_release unlocked;
+            return detector.detect(input.view, encoding);
+          },
+          "image"_a, "encoding"_a = "bgr8",
+          "All Tags of a picture by itself, by family, id and place.\n\n"
+          "Raises ValueError for an image that is not of this encoding or too large.")
+      .def(
+          "update",
+          [](TagDetector& detector, double time, const py::array& image, const std::string& encoding)
+          {
+            const Picture input(image);
+            const py::gil_scoped_release unlocked;
+            return detector.update(time, input.view, encoding);
+          },
+          "time"_a, "image"_a, "encoding"_a = "bgr8",
+          "The Tags in the frame of a time, s: a new one within max_search_period.\n\n"
+          "Raises ValueError for an image that is not of this encoding or too large.");
+}
+
+}  // namespace
+
+/// AprilTags.
+void bindTags(py::module& m)
+{
+  bindFamilies(m);
+  bindDetector(m);
 }

@@ -1,0 +1,85 @@
+#pragma once
+
+#include <array>
+#include <memory>
+#include <opencv2/core.hpp>
+#include <string>
+#include <vector>
+
+namespace robot_vision
+{
+
+struct TagDetectorParams
+{
+  std::vector<std::string> families = {"tag36h11"};  // that are looked for, see tag_families.hpp; each once
+  double decimate = 0.0;           // edges are looked for in each such pixel: 1, 1.5, 2, 3 to 10; 0: by the tag's size
+  double blur = 0.0;               // px of what is left then, sigma of a blur before; below 0 it sharpens, -5 to 5
+  bool refine_edges = true;        // move the edges to where the full picture changes most
+  int max_hamming = 2;             // wrong bits that are corrected, 0 to 2; see TagDetector
+  double min_margin = 0.0;         // grey levels, tags with a smaller margin are left out, 0 to 255
+  double min_similarity = 0.8;     // tags that look less like themselves are left out, -1 to 1
+  double max_search_period = 0.5;  // s within which a new tag is found, 0 (all of every picture is searched) to 60
+};
+
+/// Throws std::invalid_argument naming the first parameter out of range, its value and the range.
+void validate(const TagDetectorParams& params);
+
+/// A tag in a picture.
+struct Tag
+{
+  std::string family;
+  int id = 0;
+  int hamming = 0;          // wrong bits that were corrected
+  double margin = 0.0;      // grey levels, mean distance of the bits from the threshold between black and white
+  double similarity = 0.0;  // correlation of the picture with the tag's cells and borders, at most 1
+  cv::Point2d center;       // px, where the diagonals meet
+  std::array<cv::Point2d, 4> corners;  // px: the upright tag's bottom left, bottom right, top right, top left one
+};
+
+/// Finds AprilTags with libapriltag (Wang, Olson: AprilTag 2: Efficient and robust fiducial detection, IROS 2016).
+///
+/// detect() searches the whole picture. update() does so every now and then, so that a new tag is found within
+/// max_search_period, and when a tag is lost; in the frames between it searches where the tags that it knows should
+/// have moved to. A tag is reported only where it was seen in this very frame. In a frame in which a tag comes into
+/// view it may thus be missing, and for max_search_period at most; nothing but that differs from detect(). One that is
+/// covered for a moment is looked for in its place, too.
+///
+/// decimate 0 searches whole pictures in full resolution, and around a tag in as little as its edges need. New tags of
+/// 64 px and more are then found within a fifth of max_search_period, as so often a fourth of the resolution is
+/// searched.
+///
+/// Whatever has four corners may decode as a tag: a quarter of all patterns is within two bits of a tag16h5. Such
+/// ghosts have large margins in harsh light, and real tags small ones in the dark. What tells them apart is the
+/// similarity: a tag is black and white in all its cells and around them. Of tag16h5 one wrong bit is corrected at
+/// most; as of the three families with more than 10000 ids, whose tables would take gigabytes.
+///
+/// The corners of a tag that the picture cuts off are some px off. Two tags with the same id are both reported. A
+/// detector may be used by one thread at a time, and starts none: the library's own are not safe, as one that starts
+/// late may still work when its memory is given back.
+class TagDetector
+{
+public:
+  /// Throws std::invalid_argument as validate() does.
+  explicit TagDetector(const TagDetectorParams& params = TagDetectorParams());
+  ~TagDetector();
+  TagDetector(TagDetector&&) noexcept;
+  TagDetector& operator=(TagDetector&&) noexcept;
+
+  /// Other parameters from now on; tags remain known. Throws std::invalid_argument as validate() does.
+  void configure(const TagDetectorParams& params);
+
+  /// All tags of a picture by itself, by family, id and place. What update() knows is not touched. `image` is not
+  /// modified, and not copied if it is mono8. Throws std::invalid_argument if it is not a picture of `encoding` (see
+  /// encoding.hpp), or has more than 8192 px in a row or a column.
+  std::vector<Tag> detect(const cv::Mat& image, const std::string& encoding);
+
+  /// The tags in the frame of `time_s` (s, of any clock), in the same order. Another size of picture and time that goes
+  /// back, or stands still, make it forget what it knows. Throws as detect() does, and for a time that is not finite.
+  std::vector<Tag> update(double time_s, const cv::Mat& image, const std::string& encoding);
+
+private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace robot_vision

@@ -1,0 +1,119 @@
+"""AprilTags from Python, and what must not be taken for them: photographs and noise."""
+
+import cv2
+import numpy as np
+import pytest
+import skimage.data
+
+import robot_vision as rv
+
+FAMILIES = [family.name for family in rv.tag_families()]
+CROP = (128, 96)  # px
+
+
+def params(**values):
+    made = rv.TagDetectorParams()
+    for name, value in values.items():
+        assert hasattr(made, name)
+        setattr(made, name, value)
+    return made
+
+
+def sheet(family, tag, scale=8):
+    """An upright tag on white paper, and its corners in the order of Tag.corners."""
+    facts = rv.tag_family(family)
+    cells = np.pad(rv.tag_cells(family, tag), 2, constant_values=255)
+    image = np.kron(cells, np.ones((scale, scale), np.uint8))
+    near = (facts.width - facts.width_at_border) / 2 + 2
+    far = near + facts.width_at_border
+    corners = np.array([(near, far), (far, far), (far, near), (near, near)])
+    return image, corners * scale - 0.5
+
+
+def photographs():
+    """Grey ones, of people and things, textures, prints and the sky."""
+    names = ("astronaut", "brick", "camera", "cat", "coffee", "coins", "grass", "gravel")
+    names += ("hubble_deep_field", "page", "retina", "rocket", "text")
+    for name in names:
+        image = getattr(skimage.data, name)()
+        yield cv2.cvtColor(image, cv2.COLOR_RGB2GRAY) if image.ndim == 3 else image
+
+
+def crops(count):
+    """Parts of the photographs in many scales; each tenth is noise of some grain and contrast."""
+    random = np.random.default_rng(1)
+    pictures = list(photographs())
+    for number in range(count):
+        if number % 10 == 9:
+            noise = random.integers(0, 256, CROP[::-1], np.uint8)
+            if number % 20 == 19:
+                noise = cv2.GaussianBlur(noise, (0, 0), random.uniform(0.7, 3.0))
+                noise = cv2.normalize(noise, None, 0, 255, cv2.NORM_MINMAX)
+            yield noise
+            continue
+        picture = pictures[random.integers(len(pictures))]
+        scale = np.exp(random.uniform(-1.2, 1.0))
+        width, height = (
+            min(int(side / scale), limit) for side, limit in zip(CROP, picture.shape[::-1])
+        )
+        x = random.integers(picture.shape[1] - width + 1)
+        y = random.integers(picture.shape[0] - height + 1)
+        part = picture[y : y + height, x : x + width]
+        way = cv2.INTER_AREA if scale < 1.0 else cv2.INTER_CUBIC
+        yield cv2.resize(part, CROP, interpolation=way)
+
+
+@pytest.mark.parametrize("family", FAMILIES)
+def test_upright_tag_is_found_where_it_is(family):
+    last = rv.tag_family(family).ids - 1
+    detector = rv.TagDetector(params(families=[family], max_hamming=0))
+    for tag in (0, last // 2, last):
+        image, corners = sheet(family, tag)
+        (found,) = detector.detect(image, "mono8")
+        assert (found.family, found.id, found.hamming) == (family, tag, 0)
+        assert found.similarity > 0.99
+        np.testing.assert_allclose(found.corners, corners, atol=0.3)
+        np.testing.assert_allclose(found.center, corners.mean(axis=0), atol=0.2)
+
+
+def test_photographs_and_noise_have_no_tags_in_them():
+    detector = rv.TagDetector(params(families=FAMILIES))
+    for number, image in enumerate(crops(10000)):
+        found = [(tag.family, tag.id, tag.similarity) for tag in detector.detect(image, "mono8")]
+        assert not found, number
+
+
+def test_similarity_and_not_the_margin_keeps_ghosts_out():
+    believing = rv.TagDetector(params(families=["tag16h5"], min_similarity=-1.0))
+    ghosts = [tag for image in crops(1000) for tag in believing.detect(image, "mono8")]
+    assert len(ghosts) > 20
+    assert max(ghost.margin for ghost in ghosts) > 40.0
+    assert max(ghost.similarity for ghost in ghosts) < rv.TagDetectorParams().min_similarity
+
+
+def test_frames_are_used_as_they_are_and_stay_so():
+    image, _ = sheet("tag36h11", 11)
+    wide = np.pad(image, ((0, 0), (0, 40)))
+    view = wide[:, : image.shape[1]]
+    detector = rv.TagDetector()
+    for time, frame in enumerate((image, view, view[:, ::1], np.asfortranarray(image))):
+        before = frame.copy()
+        assert [tag.id for tag in detector.update(time / 30.0, frame, "mono8")] == [11]
+        np.testing.assert_array_equal(frame, before)
+    assert [tag.id for tag in detector.detect(cv2.cvtColor(image, cv2.COLOR_GRAY2BGR))] == [11]
+
+
+def test_bad_input_is_refused_by_name():
+    with pytest.raises(ValueError, match=r"decimate is 2\.5, must be 0"):
+        rv.TagDetector(params(decimate=2.5))
+    with pytest.raises(ValueError, match="tag family is 'aruco', must be one of tag36h11, "):
+        rv.validate(params(families=["aruco"]))
+    with pytest.raises(ValueError, match="id of tag16h5 is 30, must be from 0 to 29"):
+        rv.tag_cells("tag16h5", 30)
+    detector = rv.TagDetector()
+    with pytest.raises(ValueError, match="max_hamming is 3, must be from 0 to 2"):
+        detector.configure(params(max_hamming=3))
+    with pytest.raises(ValueError, match="mono8"):
+        detector.update(0.0, np.zeros((4, 4, 3), np.uint8), "mono8")
+    with pytest.raises(ValueError, match="time_s is nan, must be finite"):
+        detector.update(float("nan"), np.zeros((4, 4), np.uint8), "mono8")
