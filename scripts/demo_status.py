@@ -18,6 +18,7 @@ TOPICS = {
     "face_detector": "/face_detector/processed_image",
     "motion_detector": "/motion_detector/processed_image",
     "object_tracker": "/object_tracker/processed_image",
+    "apriltag_detector": "/apriltag_detector/processed_image",
     "code_reader": "/code_reader/processed_image",
 }
 

@@ -1,4 +1,5 @@
 #include "robot_vision/overlay.hpp"
+#include "robot_vision/encoding.hpp"
 
 #include <pybind11/stl.h>
 
@@ -34,6 +35,22 @@ std::vector<cv::Point2d> toCenters(const Centers& centers)
 
 void bindOverlay(py::module& m)
 {
+  m.def(
+      "to_bgr",
+      [](const py::array& image, const std::string& encoding)
+      {
+        const Picture input(image);
+        cv::Mat bgr;
+        {
+          const py::gil_scoped_release unlocked;
+          toBgr(input.view, encoding, bgr);
+          if (sharesPixels(bgr, input.view)) bgr = bgr.clone();
+        }
+        return toNumpy(bgr);
+      },
+      "image"_a, "encoding"_a,
+      "A new (height, width, 3) picture, to draw on, of one of any encoding.\n\n"
+      "Raises ValueError for an image that is not of this encoding.");
   m.def(
       "mask_picture",
       [](const py::array& bgr, const py::array& mask)

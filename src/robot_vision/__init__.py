@@ -41,8 +41,8 @@ from ._core import (
     TagDetectorParams,
     TagFamily,
     TagPoseParams,
-    TagPoseTracker,
     TagPoses,
+    TagPoseTracker,
     TrackedObject,
     adjust_brightness,
     ball_position,
@@ -66,6 +66,7 @@ from ._core import (
     tag_cells,
     tag_families,
     tag_family,
+    to_bgr,
     to_hsv,
     validate,
 )
@@ -136,6 +137,7 @@ __all__ = [
     "tag_cells",
     "tag_families",
     "tag_family",
+    "to_bgr",
     "to_hsv",
     "validate",
 ]

@@ -61,6 +61,10 @@ class Frame:
 Callback = Callable[[Frame], Any]
 
 
+class FrameError(ValueError):
+    """A callback raises it for a frame that it cannot use, and the frame is refused."""
+
+
 class ImageSubscriber:
     """Calls back with the newest picture of a topic.
 
@@ -142,6 +146,11 @@ class ImageSubscriber:
         try:
             self._callback(frame)
             self._inbox.finished()
+        except FrameError as error:
+            height, width = frame.image.shape[:2]
+            what = f"({frame.encoding}, {width}x{height}): {error}"
+            self._inbox.failed(f"refused a frame on {self.topic} {what}")
+            rospy.logerr_throttle_identical(5.0, f"refused a frame on {self.topic} {what}")
         except Exception as error:
             if rospy.core.is_shutdown_requested():
                 return  # its topics are being closed

@@ -13,6 +13,7 @@ PYTHON_NODES += [
     "face_recognizer.py",
     "motion_detector.py",
     "object_tracker.py",
+    "apriltag_detector.py",
 ]
 SHORT = 3.0  # s: a second is promised, a loaded machine gets two more
 

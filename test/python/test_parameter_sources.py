@@ -27,6 +27,7 @@ PYTHON = (
     "motion_detector",
     "object_tracker",
     "face_recognizer",
+    "apriltag_detector",
     "code_reader",
     "simple_camera_view",
 )
@@ -47,6 +48,12 @@ OF_THE_NODES = {
     "motion_detector": {},
     "object_tracker": {},
     "face_recognizer": {"gallery": ""},
+    "apriltag_detector": {
+        "families": "tag36h11",
+        "tag_size": "0.1",
+        "standalone_tags": "",
+        "tag_bundles": "",
+    },
     "code_reader": {},
     "simple_camera_view": {"autosize": "true"},
     "all": {"config_file": ""},
@@ -146,6 +153,13 @@ def test_motion_detector_s_defaults_are_the_core_s():
         assert described[of_node]["default"] == getattr(params, name), name
 
 
+def test_apriltag_detector_s_defaults_are_the_core_s():
+    described = cfg("apriltag_detector")
+    for params in (rv.TagDetectorParams(), rv.TagPoseParams()):
+        for name in {name for name in dir(params) if not name.startswith("_")} & set(described):
+            assert described[name]["default"] == getattr(params, name), name
+
+
 def test_object_tracker_s_defaults_and_ranges_are_the_core_s():
     described = cfg("object_tracker")
     for name in (name for name in dir(rv.ObjectTrackerParams()) if not name.startswith("_")):
@@ -164,6 +178,13 @@ def test_face_detector_s_defaults_are_the_core_s():
     for name in (*PARAMS, *COURSE):
         if name != "haar_maxSize":
             assert described[name]["default"] == getattr(params, COURSE.get(name, name)), name
+
+
+def test_rviz_looks_from_the_camera():
+    shown = yaml.safe_load((ROOT / "config/robot_vision.rviz").read_text())
+    frame = shown["Visualization Manager"]["Global Options"]["Fixed Frame"]
+    assert frame == yaml.safe_load((ROOT / "config/camera.yaml").read_text())["camera_frame_id"]
+    assert f'<arg name="frame" default="{frame}"' in (ROOT / "launch/apriltag.launch").read_text()
 
 
 @pytest.mark.parametrize("node", ["hsv_tracker", "ball_tracker"])

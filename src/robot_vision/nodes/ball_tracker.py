@@ -8,14 +8,12 @@ import numpy as np
 import rospy
 import tf2_ros
 from geometry_msgs.msg import Point, PointStamped, TransformStamped, Vector3
-from sensor_msgs.msg import CameraInfo
 
 from .. import (
     BallMeasurement,
     BallPosition,
     BallState,
     BallTrackerParams,
-    CameraModel,
     HsvMask,
     Region,
     RegionFinder,
@@ -29,6 +27,7 @@ from .. import BallTracker as Filter
 from ..cfg import BallTrackerConfig
 from ..msg import Detection, DetectionArray
 from ..transport import Frame
+from .calibration import camera_model
 from .colors import REGION, range_of
 from .image_node import ImageNode
 from .messages import detection, detection_array
@@ -136,19 +135,6 @@ class BallTracker:
         transform.transform.translation = Vector3(*position)
         transform.transform.rotation.w = 1.0  # a ball looks the same from everywhere
         self._tf.sendTransform(transform)
-
-
-def camera_model(info: CameraInfo, size: Tuple[int, int]) -> CameraModel:
-    """The camera of pictures of `size`, (width, height) in px.
-
-    Raises:
-        ValueError: camera_info is not calibrated, of other pictures, or of a model not known here.
-    """
-    if (info.width, info.height) != size:
-        raise ValueError(
-            f"camera_info is of {info.width}x{info.height}, the picture {size[0]}x{size[1]}"
-        )
-    return CameraModel(info.width, info.height, info.K, info.D, info.distortion_model)
 
 
 def ball_detection(state: BallState, region: Optional[Region]) -> Detection:

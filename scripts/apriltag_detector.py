@@ -1,0 +1,8 @@
+#!/usr/bin/env python3
+"""Finds AprilTags and where they are: see robot_vision.nodes.apriltag_detector."""
+
+from robot_vision.nodes.apriltag_detector import ApriltagDetector
+from robot_vision.nodes.startup import run_node
+
+if __name__ == "__main__":
+    run_node("apriltag_detector", ApriltagDetector)

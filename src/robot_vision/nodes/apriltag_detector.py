@@ -1,0 +1,114 @@
+"""The node apriltag_detector: AprilTags, and where they are."""
+
+import threading
+from typing import Any, Dict
+
+import numpy as np
+import rospy
+from std_msgs.msg import Header
+from tf2_msgs.msg import TFMessage
+from visualization_msgs.msg import MarkerArray
+
+from .. import TagDetector as Detector
+from .. import TagDetectorParams, TagPoseParams, to_bgr
+from ..cfg import ApriltagDetectorConfig
+from ..msg import TagDetectionArray
+from ..tag_layout import TagLayout
+from ..tag_poses import TagLocator
+from ..transport import Frame, FrameError
+from .calibration import Calibration
+from .detect_service import DetectService
+from .image_node import ImageNode
+from .params import LiveParams, filled, read_any, read_param
+from .tag_messages import markers, tag_array, transforms
+from .tag_overlay import draw_tags
+
+DETECTOR = (
+    "decimate",
+    "blur",
+    "refine_edges",
+    "max_hamming",
+    "min_margin",
+    "min_similarity",
+    "max_search_period",
+)
+POSE = ("corner_noise", "lasting_noise", "max_gap")
+
+
+class ApriltagDetector:
+    """Publishes ~tags, /tf, ~markers and ~processed_image (outlines, ids, axes and distances).
+
+    Poses need camera_info of a calibrated camera; the picture is not to be rectified. ~detect
+    searches a file, or the next frame.
+    """
+
+    def __init__(self) -> None:
+        self._lock = threading.Lock()  # guards the tools: the pictures and ~detect share them
+        self._layout = TagLayout(
+            read_any("families", "tag36h11"),
+            read_param("tag_size", 0.1),
+            read_any("standalone_tags", []),
+            read_any("tag_bundles", []),
+        )
+        self._detector = Detector()
+        self._pose_params: Dict[str, Any] = {}
+        self._params = LiveParams(ApriltagDetectorConfig, self._configure)
+        self._node = ImageNode(self._process, encoding="")
+        self._calibration = Calibration(self._node, "poses of tags")
+        self._tags = self._node.publisher("~tags", TagDetectionArray)
+        self._markers = self._node.publisher("~markers", MarkerArray)
+        self._tf = self._node.publisher("/tf", TFMessage)
+        self._processed = self._node.image_publisher("~processed_image")
+        self._service = DetectService(self._node, self._detect)
+        self._node.start()
+
+    def _configure(self, config: Dict[str, Any]) -> None:
+        params = filled(TagDetectorParams(), config, DETECTOR)
+        params.families = self._layout.families
+        with self._lock:
+            self._detector.configure(params)
+            pose_params = {name: config[name] for name in POSE}
+            if pose_params != self._pose_params:  # poses begin anew: only when they must
+                self._pose_params = pose_params
+                self._locator = TagLocator(self._layout, filled(TagPoseParams(), config, POSE))
+            self._publish_tf = config["publish_tf"]
+
+    def _process(self, frame: Frame) -> None:
+        now, size = frame.time, frame.image.shape[1::-1]
+        camera = self._calibration.camera(size)
+        with self._lock:
+            try:
+                found = self._detector.update(now, frame.image, frame.encoding)
+            except (TypeError, ValueError) as error:
+                raise FrameError(error) from None
+            tags, bundles = self._locator.locate(now, found, camera)
+        if self._tags.get_num_connections():
+            self._tags.publish(tag_array(frame.header, size, tags, bundles))
+        if self._publish_tf and self._tf.get_num_connections():
+            self._broadcast(transforms(frame.header, tags, bundles))
+        if self._markers.get_num_connections():
+            self._markers.publish(markers(frame.header, tags))
+        if self._processed.get_num_connections():
+            overlay = to_bgr(frame.image, frame.encoding)
+            draw_tags(overlay, tags, camera)
+            self._processed.publish(overlay, "bgr8", frame.header)
+        self._service.offer(frame)
+
+    def _broadcast(self, message: TFMessage) -> None:
+        if not message.transforms:
+            return
+        if not message.transforms[0].header.frame_id:
+            rospy.logwarn_throttle(
+                60.0, f"no transforms: the pictures of {self._node.topic} have no frame_id"
+            )
+            return
+        self._tf.publish(message)
+
+    def _detect(self, image: np.ndarray, encoding: str, header: Header) -> TagDetectionArray:
+        """The tags of a picture by itself."""
+        size = image.shape[1::-1]
+        camera = self._calibration.camera_at_once(size)
+        with self._lock:
+            found = self._detector.detect(image, encoding)
+            tags, bundles = self._locator.locate_at_once(found, camera)
+        return tag_array(header, size, tags, bundles)

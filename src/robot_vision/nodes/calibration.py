@@ -1,0 +1,96 @@
+"""The camera of a topic of pictures, by the camera_info beside it."""
+
+import time
+from typing import Any, Optional, Tuple
+
+import rospy
+from sensor_msgs.msg import CameraInfo
+
+from .. import CameraModel, is_calibrated
+from .image_node import ImageNode
+
+PATIENCE = 2.0  # s that pictures come without camera_info until it is told
+
+
+class Calibration:
+    """The newest camera_info, whatever its stamp: pictures come without any, too.
+
+    It is on the topic camera_info if that is remapped, otherwise beside the picture's: of
+    /usb_cam/image_raw on /usb_cam/camera_info.
+
+    Args:
+        node: whose pictures they are.
+        missing: what there is not without it, for the warning.
+    """
+
+    def __init__(self, node: ImageNode, missing: str):
+        beside = node.topic.rsplit("/", 1)[0] + "/camera_info"
+        remapped = rospy.resolve_name("camera_info")
+        plain = rospy.get_namespace() + "camera_info"
+        self.topic = remapped if remapped != plain else beside
+        self._missing = missing
+        self._info: Optional[CameraInfo] = None
+        self._used: Tuple[Any, ...] = ()  # what the camera was made from
+        self._camera: Optional[CameraModel] = None
+        self._problem = ""
+        self._first_asked = 0.0  # s of the monotonic clock
+        node.subscriber(self.topic, CameraInfo, self._on_info)
+
+    def camera(self, size: Tuple[int, int]) -> Optional[CameraModel]:
+        """The camera of pictures of `size`, (width, height) in px.
+
+        The same object until it changes; None if it is not known, with one warning why.
+        """
+        info = self._info  # other threads replace it
+        if info is None:
+            self._complain_later()
+            return None
+        used = size, info.width, info.height, info.K, info.D, info.distortion_model
+        if used != self._used:
+            self._used = used
+            self._camera, problem = None, ""
+            try:
+                self._camera = camera_model(info, size)
+            except ValueError as error:
+                problem = str(error)
+            self._tell(problem)
+        return self._camera
+
+    def camera_at_once(self, size: Tuple[int, int]) -> Optional[CameraModel]:
+        """The same for a picture by itself; nothing is remembered, or told."""
+        info = self._info
+        try:
+            return camera_model(info, size) if info else None
+        except ValueError:
+            return None
+
+    def _on_info(self, info: CameraInfo) -> None:
+        self._info = info
+
+    def _complain_later(self) -> None:
+        now = time.monotonic()
+        self._first_asked = self._first_asked or now
+        if now - self._first_asked > PATIENCE:
+            self._tell("there is none")
+
+    def _tell(self, problem: str) -> None:
+        if problem and problem != self._problem:
+            rospy.logwarn("no %s: camera_info on %s: %s", self._missing, self.topic, problem)
+        elif self._problem and not problem:
+            rospy.loginfo("%s from now on: camera_info on %s", self._missing, self.topic)
+        self._problem = problem
+
+
+def camera_model(info: CameraInfo, size: Tuple[int, int]) -> CameraModel:
+    """The camera of pictures of `size`, (width, height) in px.
+
+    Raises:
+        ValueError: camera_info is not calibrated, of other pictures, or of a model not known here.
+    """
+    if not is_calibrated(info.K):
+        raise ValueError("the camera is not calibrated")
+    if (info.width, info.height) != size:
+        raise ValueError(
+            f"camera_info is of {info.width}x{info.height}, the picture {size[0]}x{size[1]}"
+        )
+    return CameraModel(info.width, info.height, info.K, info.D, info.distortion_model)

@@ -1,0 +1,169 @@
+"""Which tags there are: families, sizes, names, and those that are on one rigid body."""
+
+import re
+from dataclasses import dataclass
+from typing import Any, Dict, Iterable, List, NamedTuple, Sequence
+
+from . import Bundle, tag_family
+from .bundle_files import parse_bundles
+
+LARGEST = 100.0  # m
+
+
+class TagKey(NamedTuple):
+    """What tells a tag from others."""
+
+    family: str
+    id: int
+
+
+class _Tag(NamedTuple):
+    size: float  # m
+    name: str
+
+
+@dataclass(frozen=True)
+class FamilyBundle:
+    """A bundle and the family of its tags."""
+
+    family: str
+    bundle: Bundle
+
+
+class TagLayout:
+    """Sizes and names of tags, as the parameters of apriltag_ros have them.
+
+    Args:
+        families: names between commas, or a list; the first is that of entries without a family.
+        tag_size: m between the corners of all tags that are not in a list.
+        standalone_tags: [{id: 7 | ids: 10-19, size: m, name:, family:}, ...]; size, name and
+            family may be left out.
+        tag_bundles: see bundle_files; each may have a family.
+
+    Raises:
+        ValueError: says what is wrong, and where.
+    """
+
+    def __init__(
+        self, families: Any, tag_size: float, standalone_tags: Any = (), tag_bundles: Any = ()
+    ):
+        self.families = _families(families)
+        self._size = _checked_size(tag_size, "tag_size")
+        self._tags: Dict[TagKey, _Tag] = {}
+        for index, entry in enumerate(_list_of(standalone_tags, "standalone_tags")):
+            self._add(entry, f"standalone_tags[{index}]")
+        self.bundles = self._read_bundles(tag_bundles)
+        self._require_different_names()
+
+    def size(self, tag: TagKey) -> float:
+        """m, between the corners of a tag."""
+        return self._tags[tag].size if tag in self._tags else self._size
+
+    def frame_id(self, tag: TagKey) -> str:
+        """The name of a tag's transform: its own, tag_<id>, or <family>_<id> of another family."""
+        if tag in self._tags and self._tags[tag].name:
+            return self._tags[tag].name
+        prefix = "tag" if tag.family == self.families[0] else tag.family
+        return f"{prefix}_{tag.id}"
+
+    def _add(self, entry: Any, where: str) -> None:
+        if not isinstance(entry, dict):
+            raise ValueError(f"{where} is {entry!r}, must be a map")
+        unknown = sorted(set(entry) - {"id", "ids", "size", "name", "family"})
+        if unknown:
+            raise ValueError(f"{where} has '{unknown[0]}', must be id or ids, size, name, family")
+        family = self._family_of(entry, where)
+        ids = _ids_of(entry, where)
+        size = _checked_size(entry.get("size", self._size), f"{where}: size")
+        name = entry.get("name", "")
+        if not isinstance(name, str):
+            raise ValueError(f"{where}: name is {name!r}, must be a string")
+        if name and len(ids) > 1:
+            raise ValueError(f"{where}: name is '{name}', but there are {len(ids)} tags")
+        for number in ids:
+            self._require_id(family, number, where)
+            if TagKey(family, number) in self._tags:
+                raise ValueError(f"{where}: tag {number} of {family} is there twice")
+            self._tags[TagKey(family, number)] = _Tag(size, name)
+
+    def _read_bundles(self, values: Any) -> List[FamilyBundle]:
+        bundles = parse_bundles(list(_list_of(values, "tag_bundles")))
+        found = []
+        for value, bundle in zip(values, bundles):
+            where = f"bundle '{bundle.name}'"
+            family = self._family_of(value, where)
+            for tag in bundle.tags:
+                self._require_id(family, tag.id, where)
+                self._require_same_size(TagKey(family, tag.id), tag.size, where)
+            found.append(FamilyBundle(family, bundle))
+        return found
+
+    def _require_same_size(self, key: TagKey, size: float, where: str) -> None:
+        """A tag of a bundle has a pose of its own, too."""
+        known = self._tags.setdefault(key, _Tag(size, ""))
+        if known.size != size:
+            raise ValueError(
+                f"{where}: tag {key.id} of {key.family} has size {size:g}, elsewhere {known.size:g}"
+            )
+
+    def _family_of(self, entry: Dict[str, Any], where: str) -> str:
+        family = entry.get("family", self.families[0])
+        if family not in self.families:
+            known = ", ".join(self.families)
+            raise ValueError(f"{where}: family is {family!r}, must be one of families: {known}")
+        return family
+
+    @staticmethod
+    def _require_id(family: str, number: int, where: str) -> None:
+        ids = tag_family(family).ids
+        if not 0 <= number < ids:
+            raise ValueError(f"{where}: id is {number}, {family} has 0 to {ids - 1}")
+
+    def _require_different_names(self) -> None:
+        owners: Dict[str, str] = {}
+        named: Iterable[Any] = [
+            *((self.frame_id(tag), f"tag {tag.id} of {tag.family}") for tag in self._tags),
+            *((one.bundle.name, f"bundle '{one.bundle.name}'") for one in self.bundles),
+        ]
+        for name, owner in named:
+            if name in owners:
+                raise ValueError(f"{owners[name]} and {owner} have the same transform '{name}'")
+            owners[name] = owner
+
+
+def _families(value: Any) -> List[str]:
+    names = value.split(",") if isinstance(value, str) else value
+    if not isinstance(names, list) or not all(isinstance(name, str) for name in names):
+        raise ValueError(f"families is {value!r}, must be names between commas")
+    names = [name.strip() for name in names]
+    for name in names:
+        tag_family(name)
+        if names.count(name) > 1:
+            raise ValueError(f"families has '{name}' twice")
+    return names
+
+
+def _list_of(value: Any, name: str) -> Sequence[Any]:
+    if not isinstance(value, (list, tuple)):
+        raise ValueError(f"{name} is {value!r}, must be a list")
+    return value
+
+
+def _ids_of(entry: Dict[str, Any], where: str) -> List[int]:
+    if ("id" in entry) == ("ids" in entry):
+        raise ValueError(f"{where} must have either id or ids")
+    if "id" in entry:
+        if type(entry["id"]) is not int:
+            raise ValueError(f"{where}: id is {entry['id']!r}, must be a whole number")
+        return [entry["id"]]
+    span = re.fullmatch(r"\s*(\d{1,9})\s*-\s*(\d{1,9})\s*", str(entry["ids"]))
+    first, last = map(int, span.groups()) if span else (1, 0)
+    if first > last or last - first >= 100000:
+        raise ValueError(f"{where}: ids is {entry['ids']!r}, must be FIRST-LAST, as 10-19")
+    return list(range(first, last + 1))
+
+
+def _checked_size(value: Any, where: str) -> float:
+    if type(value) not in (int, float) or not 0.0 < value <= LARGEST:
+        raise ValueError(f"{where} is {value!r}, must be above 0 and at most {LARGEST:g} m")
+    return float(value)

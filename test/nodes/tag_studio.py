@@ -1,0 +1,120 @@
+"""What the tests of tags share: pictures of tags at known poses, and a detector that sees them."""
+
+import itertools
+
+import cv2
+import numpy as np
+import rospy
+import support
+from frames import Source, message, new_topic
+from sensor_msgs.msg import CameraInfo
+
+import robot_vision as rv
+from robot_vision.msg import TagDetectionArray
+
+K = np.array([[500.0, 0.0, 319.5], [0.0, 500.0, 239.5], [0.0, 0.0, 1.0]])
+SIZE = 0.2  # m
+SQUARE = SIZE * np.array([[-0.5, -0.5, 0], [0.5, -0.5, 0], [0.5, 0.5, 0], [-0.5, 0.5, 0]])
+
+
+def facing(x, y, z, turn=(0.0, 0.0, 0.0)):
+    """The pose, 4x4, of a tag that looks at the camera, turned by a rotation vector of its own."""
+    pose = np.eye(4)
+    pose[:3, :3] = np.diag([1.0, -1.0, -1.0]) @ cv2.Rodrigues(np.array(turn))[0]
+    pose[:3, 3] = x, y, z
+    return pose
+
+
+def corners_of(pose):
+    points = SQUARE @ pose[:3, :3].T + pose[:3, 3]
+    return points[:, :2] / points[:, 2:] * [K[0, 0], K[1, 1]] + K[:2, 2]
+
+
+def picture_of(poses, family="tag36h11"):
+    """A grey picture of tags, [(id, pose), ...]."""
+    picture = np.full((480, 640), 150.0)
+    for number, pose in poses:
+        cells = rv.tag_cells(family, number)
+        facts = rv.tag_family(family)
+        margin = (facts.width - facts.width_at_border) / 2.0
+        scale = 32
+        large = np.kron(cells, np.ones((scale, scale), np.uint8))
+        near, far = margin * scale - 0.5, (margin + facts.width_at_border) * scale - 0.5
+        own = np.array([[near, far], [far, far], [far, near], [near, near]], np.float32)
+        to_picture = cv2.getPerspectiveTransform(own, corners_of(pose).astype(np.float32))
+        seen = [
+            cv2.warpPerspective(layer, to_picture, (640, 480), flags=cv2.INTER_AREA)
+            for layer in (large.astype(np.float32), np.ones(large.shape, np.float32))
+        ]
+        inside = seen[1] > 0.999
+        picture[inside] = seen[0][inside] * 0.8 + 25.0
+    return cv2.GaussianBlur(picture, (0, 0), 0.7).round().astype(np.uint8)
+
+
+def matrix_of(pose):
+    """4x4, of a Pose or Transform."""
+    place = getattr(pose, "position", None) or pose.translation
+    turn = getattr(pose, "orientation", None) or pose.rotation
+    x, y, z, w = turn.x, turn.y, turn.z, turn.w
+    matrix = np.eye(4)
+    matrix[:3, :3] = [
+        [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
+        [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
+        [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
+    ]
+    matrix[:3, 3] = place.x, place.y, place.z
+    return matrix
+
+
+def angle_between(a, b):
+    """Degrees."""
+    return np.degrees(np.linalg.norm(cv2.Rodrigues(a[:3, :3].T @ b[:3, :3])[0]))
+
+
+def assert_near(pose, truth, metres=0.01, degrees=1.0):
+    assert np.linalg.norm(pose[:3, 3] - truth[:3, 3]) < metres * np.linalg.norm(truth[:3, 3])
+    assert angle_between(pose, truth) < degrees
+
+
+def calibrated(width=640, height=480, matrix=K, model="plumb_bob"):
+    return CameraInfo(
+        width=width, height=height, K=np.ravel(matrix).tolist(), D=[0.0] * 5, distortion_model=model
+    )
+
+
+class Studio:
+    """A camera at 10 Hz of its own time, and what the node says of its frames."""
+
+    def __init__(self, start, *arguments, info=None, tag_size=SIZE):
+        topic = new_topic()
+        self._source = Source(topic)
+        self.infos = Source(topic.replace("image", "camera_info"), CameraInfo)
+        self._numbers = itertools.count(1)
+        self.topic = topic
+        self.info = info
+        size = f"_tag_size:={tag_size}"
+        self.process = start(
+            "apriltag_detector.py", "__name:=tag", f"image:={topic}", size, *arguments
+        )
+        self.tags = support.Messages("/tag/tags", TagDetectionArray)
+        self._source.wait_for()
+        self.infos.wait_for()
+        support.wait_for(self.tags.connected, "~tags")
+
+    def show(self, picture, encoding="mono8", frame_id="eye"):
+        """Shows a picture; what the node has found in it."""
+        sent = message(picture, encoding)
+        sent.header.stamp = rospy.Time.from_sec(next(self._numbers) / 10.0)
+        sent.header.frame_id = frame_id
+        if self.info is not None:
+            self.infos.send(self.info)
+        self._source.send(sent)
+        return self.tags.of(sent.header.stamp)
+
+    def show_until(self, condition, picture, encoding="mono8"):
+        """Shows a picture until the answer is so; the answer."""
+        for _ in range(100):
+            answer = self.show(picture, encoding)
+            if condition(answer):
+                return answer
+        raise AssertionError("not in 100 frames")
