@@ -5,11 +5,11 @@
         layout:
           - {id: 0, size: 0.1, x: 0.0, y: 0.0, z: 0.0, qw: 1.0, qx: 0.0, qy: 0.0, qz: 0.0}
 
-Positions are in m; what is left out of a pose is 0, and qw 1.
+Positions are in m; what is left out of a pose is 0, and qw 1. A bundle may say its family.
 """
 
 import numbers
-from typing import Any, List, Mapping, Sequence
+from typing import Any, List, Mapping, Optional, Sequence
 
 import cv2
 import numpy as np
@@ -22,8 +22,11 @@ from .files import replace_file
 DEFAULTS = {"x": 0.0, "y": 0.0, "z": 0.0, "qw": 1.0, "qx": 0.0, "qy": 0.0, "qz": 0.0}
 
 
-def write_bundles(path: str, bundles: Sequence[Bundle]) -> None:
+def write_bundles(path: str, bundles: Sequence[Bundle], family: Optional[str] = None) -> None:
     """Writes a file, or replaces it, in one step or not at all.
+
+    Args:
+        family: of the tags; None: it is not in the file.
 
     Raises:
         OSError: it cannot be written.
@@ -31,7 +34,8 @@ def write_bundles(path: str, bundles: Sequence[Bundle]) -> None:
     lines = ["tag_bundles:"]
     for bundle in bundles:
         name = yaml.safe_dump(bundle.name, default_style='"', width=1000).strip()
-        lines += [f"  - name: {name}", "    layout:"]
+        lines += [f"  - name: {name}"] + ([f"    family: {family}"] if family else [])
+        lines += ["    layout:"]
         lines += [f"      - {_line(tag)}" for tag in bundle.tags]
     replace_file(path, ("\n".join(lines) + "\n").encode())
 

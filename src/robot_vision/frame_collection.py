@@ -1,0 +1,94 @@
+"""Frames that show tags together, chosen for learning where the tags are."""
+
+from collections import Counter
+from typing import Dict, Iterable, List, Set, Tuple
+
+import numpy as np
+
+ALIKE = 1.0 / 64.0  # of the picture's width: no corner has moved so far since an earlier frame
+
+
+class FrameCollection:
+    """Keeps frames with at least two of the tags, unless they are hardly different from others.
+
+    Args:
+        tags: ids of those that are on one rigid body.
+        master: the one of them that the others are to be linked with.
+        most: frames that are kept.
+    """
+
+    def __init__(self, tags: Iterable[int], master: int, most: int):
+        self._tags = sorted(tags)
+        self._master = master
+        self._corners = np.full((most, len(self._tags), 4, 2), np.inf)  # infinite where not seen
+        self._kept = 0
+        self._alone: Dict[int, np.ndarray] = {}
+        self.offered = 0  # frames, with tags or without
+
+    @property
+    def full(self) -> bool:
+        """Whether no more frames are kept."""
+        return self._kept == len(self._corners)
+
+    def add(self, width: int, tags: Iterable[Tuple[int, np.ndarray]]) -> None:
+        """Offers a frame of `width` px: ids and corners, (4, 2) px, of its tags.
+
+        An id that is there twice is left out: nobody can say which one is which.
+        """
+        self.offered += 1
+        tags = list(tags)
+        times = Counter(tag for tag, _ in tags)
+        found = {tag: corners for tag, corners in tags if times[tag] == 1 and tag in self._tags}
+        if len(found) == 1:
+            self._alone.update(found)
+        if len(found) < 2 or self.full:
+            return
+        seen = [self._tags.index(tag) for tag in found]
+        corners = np.array(list(found.values()), float)
+        moved = np.abs(self._corners[: self._kept, seen] - corners).max(axis=(1, 2, 3))
+        if not (moved < ALIKE * width).any():
+            self._corners[self._kept, seen] = corners
+            self._kept += 1
+
+    def frames(self) -> List[Dict[int, np.ndarray]]:
+        """Corners by tag of the frames that were kept; of a tag that was only seen alone, too."""
+        frames = [
+            {tag: corners for tag, corners in zip(self._tags, frame) if np.isfinite(corners).all()}
+            for frame in self._corners[: self._kept]
+        ]
+        together = {tag for frame in frames for tag in frame}
+        return frames + [
+            {tag: corners} for tag, corners in self._alone.items() if tag not in together
+        ]
+
+    def summary(self) -> str:
+        """What there is and what is missing, for people."""
+        shown = np.isfinite(self._corners[: self._kept, :, 0, 0]).astype(int)
+        together = shown.T @ shown
+        tags = [f"{tag} ({together[i, i]})" for i, tag in enumerate(self._tags) if together[i, i]]
+        pairs = [
+            f"{one}+{other} ({together[i, j]})"
+            for i, one in enumerate(self._tags)
+            for j, other in enumerate(self._tags)
+            if i < j and together[i, j]
+        ]
+        parts = [f"{self._kept} of {len(self._corners)} frames"]
+        if tags:
+            parts += ["tags: " + ", ".join(tags), "together: " + ", ".join(pairs)]
+        seen = {tag for tag, count in zip(self._tags, np.diag(together)) if count}.union(
+            self._alone
+        )
+        unseen = [str(tag) for tag in self._tags if tag not in seen]
+        loose = [str(tag) for tag in sorted(seen - self._linked(together) - {self._master})]
+        if unseen:
+            parts.append("not seen: " + ", ".join(unseen))
+        if loose:
+            parts.append(f"not linked with {self._master}: " + ", ".join(loose))
+        return "; ".join(parts)
+
+    def _linked(self, together: np.ndarray) -> Set[int]:
+        """The tags to which there is a way from the master, over pairs that were seen."""
+        reached = [self._tags.index(self._master)]
+        for index in reached:
+            reached += [i for i in np.flatnonzero(together[index]) if i not in reached]
+        return {self._tags[i] for i in reached}

@@ -1,0 +1,347 @@
+"""The command calibrate_bundle.py: known layouts, live and from bags, and clear errors."""
+
+import re
+import sys
+
+import cv2
+import numpy as np
+import pytest
+import rosbag
+import rosparam
+import rospy
+import support
+from frames import message
+from sensor_msgs.msg import CompressedImage
+from tag_studio import (
+    SIZE,
+    Studio,
+    angle_between,
+    assert_near,
+    calibrated,
+    facing,
+    matrix_of,
+    picture_of,
+)
+
+import robot_vision as rv
+from robot_vision.bundle_files import read_bundles, write_bundles
+from robot_vision.frame_collection import FrameCollection
+from robot_vision.nodes.calibrate_bundle import main
+
+IMAGE, INFO = "/eye/image_raw", "/eye/camera_info"
+
+
+def placed(x, y, z, turn=(0.0, 0.0, 0.0)):
+    pose = np.eye(4)
+    pose[:3, :3] = cv2.Rodrigues(np.array(turn))[0]
+    pose[:3, 3] = x, y, z
+    return pose
+
+
+LAYOUT = {  # faces of a body, as a box with its corners cut off
+    4: placed(0.0, 0.0, 0.0),
+    5: placed(0.28, 0.0, -0.08, (0.0, 0.7, 0.0)),
+    6: placed(0.0, 0.28, -0.08, (-0.7, 0.0, 0.0)),
+    7: placed(-0.28, 0.02, -0.06, (0.0, -0.6, 0.3)),
+}
+
+
+def views(count):
+    """Poses of the body, about 1 m away, from many sides."""
+    for i in range(count):
+        turn = 0.45 * np.array([np.cos(2.4 * i), np.sin(2.4 * i), 0.5 * np.sin(1.3 * i)])
+        yield facing(0.08 * np.sin(i), 0.05 * np.cos(1.7 * i), 1.05 + 0.1 * np.sin(0.9 * i), turn)
+
+
+def visible(body, hidden=()):
+    """The tags, [(id, pose), ...], that are turned to the camera."""
+    poses = {tag: body @ pose for tag, pose in LAYOUT.items() if tag not in hidden}
+    return [
+        (tag, pose)
+        for tag, pose in poses.items()
+        if pose[:3, 2] @ pose[:3, 3] < -0.4 * np.linalg.norm(pose[:3, 3])
+    ]
+
+
+def picture_at(body, hidden=()):
+    return picture_of(visible(body, hidden))
+
+
+@pytest.fixture(scope="module")
+def pictures():
+    return [picture_at(body) for body in views(24)]
+
+
+def write_bag(path, pictures, info=None, encoding="mono8"):
+    """A bag of pictures with rows that are padded, or of compressed ones."""
+    with rosbag.Bag(str(path), "w") as bag:
+        for number, picture in enumerate(pictures):
+            stamp = rospy.Time(100, number * 33_000_000)
+            if info is not None:
+                bag.write(INFO, info, stamp)
+            if encoding == "png":
+                data = cv2.imencode(".png", picture)[1].tobytes()
+                bag.write(IMAGE + "/compressed", CompressedImage(format="png", data=data), stamp)
+            else:
+                order = ">" if encoding == "mono16" else "<"
+                bag.write(IMAGE, message(picture, encoding, padding=4, order=order), stamp)
+    return path
+
+
+@pytest.fixture(scope="module")
+def bag(pictures, tmp_path_factory):
+    return write_bag(tmp_path_factory.mktemp("bags") / "box.bag", pictures, calibrated())
+
+
+def command(path):
+    return ["--name", "box", "--ids", "4-7", "--size", SIZE, "--output", path]
+
+
+@pytest.fixture
+def calibrate(monkeypatch, capsys, tmp_path):
+    """Runs the command here: its exit code and its output."""
+
+    def run(*arguments, output=tmp_path / "box.yaml"):
+        words = ["calibrate_bundle.py", *command(output), *arguments]
+        monkeypatch.setattr(sys, "argv", list(map(str, words)))
+        try:
+            code = main()
+        except SystemExit as error:
+            code = error.code
+        printed = capsys.readouterr()
+        return code, printed.out + printed.err
+
+    return run
+
+
+def assert_learnt(path, master=4, name="box"):
+    (bundle,) = read_bundles(str(path))
+    assert bundle.name == name and sorted(tag.id for tag in bundle.tags) == sorted(LAYOUT)
+    for tag in bundle.tags:
+        truth = np.linalg.inv(LAYOUT[master]) @ LAYOUT[tag.id]
+        assert tag.size == SIZE
+        assert np.linalg.norm(tag.pose[:3, 3] - truth[:3, 3]) < 0.0005, tag.id
+        assert angle_between(tag.pose, truth) < 0.2, tag.id
+
+
+def refused(calibrate, tmp_path, *arguments, **options):
+    """The error of a command that ends with 1, and writes nothing."""
+    code, output = calibrate(*arguments, **options)
+    *_, error = output.splitlines()
+    assert code == 1 and error.startswith("calibrate_bundle.py: "), output
+    assert not (tmp_path / "box.yaml").exists()
+    return error
+
+
+def frames_told(process):
+    """The number in the newest line of progress."""
+    return int(re.findall("^([0-9]+) of 300 frames", process.output(), re.MULTILINE)[-1])
+
+
+def test_live(start, pictures, tmp_path):
+    studio = Studio(start, info=calibrated())
+    path = tmp_path / "box.yaml"
+    process = start("calibrate_bundle.py", *command(path), "--master", 5, "tags:=/tag/tags")
+    alone = picture_at(next(views(1)), hidden=[5, 6, 7])
+    support.wait_for(
+        lambda: studio.show(alone) and "not seen: 5, 6, 7" in process.output(), "the recording"
+    )
+    two = picture_at(next(views(1)), hidden=[5, 7])
+    studio.show_until(lambda found: len(found.detections) == 2, two)
+    process.wait_for_output(
+        "tags: 4 (1), 6 (1); together: 4+6 (1); not seen: 5, 7; not linked with 5: 4, 6\n"
+    )
+    for picture, body in zip(pictures, views(24)):
+        count = len(visible(body))
+        studio.show_until(lambda found, count=count: len(found.detections) == count, picture)
+    support.wait_for(lambda: frames_told(process) >= 25, "all frames")
+    process.interrupt()
+    assert process.exit_code() == 0, process.output()
+    output = process.output()
+    count = frames_told(process)
+    assert f"box: 4 tags from {count} frames, in the frame of tag 5\n" in output
+    assert f"saved in {path}\n" in output and "LARGE" not in output
+    assert_learnt(path, master=5)
+
+
+def test_from_a_bag_and_into_the_detector(calibrate, start, bag, tmp_path):
+    code, output = calibrate("--bag", bag, "--image", IMAGE)
+    assert code == 0, output
+    path = tmp_path / "box.yaml"
+    assert_learnt(path)
+    assert path.read_text().startswith('tag_bundles:\n  - name: "box"\n    family: tag36h11\n')
+    for values, namespace in rosparam.load_file(str(path), default_namespace="/tag"):
+        rosparam.upload_params(namespace, values)
+    body = facing(0.0, 0.0, 1.2, (0.2, -0.3, 0.1))
+    studio = Studio(start, info=calibrated())
+    answer = studio.show_until(lambda found: found.bundles, picture_at(body, hidden=[4]))
+    (bundle,) = answer.bundles
+    assert (bundle.name, list(bundle.ids)) == ("box", [5, 6, 7])
+    assert_near(matrix_of(bundle.pose.pose), body, 0.003, 0.5)
+
+
+def test_compressed_pictures(calibrate, pictures, tmp_path):
+    bag = write_bag(tmp_path / "box.bag", pictures, calibrated(), "png")
+    code, output = calibrate("--bag", bag, "--image", IMAGE + "/compressed")
+    assert code == 0, output
+    assert_learnt(tmp_path / "box.yaml")
+
+
+@pytest.mark.parametrize("encoding", ["bgr8", "mono16"])
+def test_pictures_of_other_encodings(calibrate, pictures, tmp_path, encoding):
+    """Those of 16 bits with the bytes in the other order."""
+    made = [
+        np.repeat(picture[:, :, None], 3, 2) if encoding == "bgr8" else picture * np.uint16(257)
+        for picture in pictures
+    ]
+    bag = write_bag(tmp_path / "box.bag", made, calibrated(), encoding)
+    code, output = calibrate("--bag", bag, "--image", IMAGE)
+    assert code == 0, output
+    assert_learnt(tmp_path / "box.yaml")
+
+
+def test_ctrl_c_ends_the_collection(calibrate, bag, monkeypatch):
+    add = FrameCollection.add
+
+    def add_or_end(self, *arguments):
+        if self.offered == 12:
+            raise KeyboardInterrupt
+        add(self, *arguments)
+
+    monkeypatch.setattr(FrameCollection, "add", add_or_end)
+    code, output = calibrate("--bag", bag, "--image", IMAGE)
+    assert code == 0 and "box: 4 tags from 12 frames" in output, output
+
+
+def test_no_more_frames_than_asked_for(calibrate, bag):
+    code, output = calibrate("--bag", bag, "--image", IMAGE, "--frames", 12)
+    assert code == 0, output
+    assert "12 of 12 frames; tags: 4 (12), " in output
+    assert "box: 4 tags from 12 frames, in the frame of tag 4\n  tag 4: 0." in output
+
+
+def test_a_tag_of_another_size_than_said(calibrate, bag, tmp_path):
+    """A little larger it has large residuals, much larger it fits nowhere."""
+    bag = ("--bag", bag, "--image", IMAGE, "--frames", 12, "--size")
+    error = refused(calibrate, tmp_path, *bag, f"{SIZE},7:{1.3 * SIZE}")
+    assert (
+        "tag 7 fits in only 1 of the 10 frames that show it with others: is its size 0.26" in error
+    )
+    code, output = calibrate(*bag, f"{SIZE},7:{1.05 * SIZE}")
+    (large,) = (line for line in output.splitlines() if "LARGE" in line)
+    assert code == 0 and large.startswith("  tag 7: "), output
+    (bundle,) = read_bundles(str(tmp_path / "box.yaml"))
+    assert {tag.id: tag.size for tag in bundle.tags} == {4: SIZE, 5: SIZE, 6: SIZE, 7: 1.05 * SIZE}
+
+
+def test_a_file_is_replaced_only_by_force(calibrate, bag, tmp_path):
+    path = tmp_path / "box.yaml"
+    write_bundles(str(path), [rv.Bundle("old", [rv.BundleTag(1, 0.1, np.eye(4))])])
+    old = path.read_bytes()
+    code, output = calibrate("--bag", bag, "--image", IMAGE)
+    assert (code, output) == (
+        1,
+        f"calibrate_bundle.py: {path} is there already; --force replaces it\n",
+    )
+    assert path.read_bytes() == old
+    code, output = calibrate("--bag", bag, "--image", IMAGE, "--force")
+    assert code == 0, output
+    assert_learnt(path)
+    assert [entry.name for entry in tmp_path.iterdir()] == ["box.yaml"]
+
+
+def test_what_a_bag_lacks_is_named(calibrate, pictures, bag, tmp_path):
+    def error(path, *arguments, image=IMAGE):
+        return refused(calibrate, tmp_path, "--bag", path, "--image", image, *arguments)
+
+    few = pictures[:3]
+    assert "No such file" in error(tmp_path / "none.bag")
+    (tmp_path / "text.bag").write_text("not a bag")
+    assert f"{tmp_path}/text.bag cannot be read: " in error(tmp_path / "text.bag")
+    assert f"has no pictures on '/other', but on {IMAGE}" in error(bag, image="/other")
+    assert f"has no pictures on '{INFO}', but on {IMAGE}" in error(bag, image=INFO)
+    blind = write_bag(tmp_path / "blind.bag", few)
+    assert f"has no camera_info on '{INFO}', but on no topic" in error(blind)
+    assert f"no camera_info on '/x', but on {INFO}" in error(bag, "--camera-info", "/x")
+    plain = write_bag(tmp_path / "plain.bag", few, calibrated(matrix=np.zeros((3, 3))))
+    assert f"camera_info on {INFO}: the camera is not calibrated" in error(plain)
+    other = write_bag(tmp_path / "other.bag", few, calibrated(320, 240))
+    assert f"of 320x240, picture 0 on {IMAGE} 640x480" in error(other)
+    broken = write_bag(tmp_path / "broken.bag", [few[0][:, :0]], calibrated())
+    assert f"picture 0 on {IMAGE} cannot be used: " in error(broken)
+    floats = write_bag(tmp_path / "floats.bag", [np.float32(few[0])], calibrated(), "32FC1")
+    assert f"picture 0 on {IMAGE} cannot be used: " in error(floats)
+    with rosbag.Bag(str(tmp_path / "open.bag"), "w") as unfinished:
+        unfinished.write(INFO, calibrated())
+        unfinished.flush()
+        assert f"has no index: try rosbag reindex {tmp_path}/open.bag" in error(
+            tmp_path / "open.bag"
+        )
+    grey = write_bag(tmp_path / "grey.bag", [np.full((480, 640), 99, np.uint8)] * 2, calibrated())
+    assert "none of the tags was seen in 2 frames" in error(grey)
+
+
+def test_what_cannot_be_learnt_is_named(calibrate, bag, tmp_path):
+    def error(*arguments):
+        return refused(calibrate, tmp_path, "--bag", bag, "--image", IMAGE, *arguments)
+
+    assert "master tag 3 was not seen" in error("--ids", "3-7")
+    assert "tag 9 was not seen" in error("--ids", "4-7,9")
+    body = next(views(1))
+    apart = [picture_at(body, hidden=[6, 7]), picture_at(body, hidden=[4, 5, 7])]
+    bag = write_bag(tmp_path / "apart.bag", apart, calibrated())
+    assert "tags [6] were never seen together with the master tag 4" in error("--ids", "4-6")
+
+
+def test_a_live_recording_that_cannot_be_used(start, calibrate, monkeypatch, tmp_path):
+    nobody = start("calibrate_bundle.py", *command(tmp_path / "1.yaml"), "tags:=/nobody/tags")
+    studio = Studio(start, info=calibrated(matrix=np.zeros((3, 3))))
+    plain = start("calibrate_bundle.py", *command(tmp_path / "2.yaml"), "tags:=/tag/tags")
+    picture = picture_at(next(views(1)))
+    support.wait_for(lambda: studio.show(picture) and not plain.running(), "its end")
+    info = studio.topic.replace("image", "camera_info")
+    assert plain.exit_code() == 1
+    assert f": camera_info on {info}: the camera is not calibrated\n" in plain.output()
+    nobody.wait_for_output("waiting: no tags came on /nobody/tags; nobody publishes there\n")
+    nobody.interrupt()
+    assert nobody.exit_code() == 1
+    assert "calibrate_bundle.py: no tags came on /nobody/tags; nobody" in nobody.output()
+    monkeypatch.setenv("ROS_MASTER_URI", f"http://127.0.0.1:{support.free_port()}")
+    assert "no ROS master answers at http://127" in refused(calibrate, tmp_path)
+    assert list(tmp_path.glob("*.yaml")) == []
+
+
+@pytest.mark.parametrize(
+    "arguments, why",
+    [
+        (["--ids", "4"], "--ids: is '4', must be two or more different tags"),
+        (["--ids", "4,4-5"], "--ids: is '4,4-5', must be two or more different tags"),
+        (["--ids", "four"], "--ids: is 'four', must be as 0-5 or 0,2,7-9"),
+        (["--ids", "7-4"], "--ids: 7-4 must be from 0 to 586, lowest first"),
+        (["--ids", "586-587"], "--ids: 586-587 must be from 0 to 586"),
+        (["--family", "tag99h9"], "tag99h9"),
+        (["--master", "9"], "--master: tag 9 is not one of --ids"),
+        (["--size", "0"], "--size: '0' must be 0.1 or 3:0.1, above 0 and at most 100 m"),
+        (["--size", "4:0.1,6:0.1"], "--size: there is none of the tags 5, 7"),
+        (["--size", "0.1,9:0.1"], "--size: tag 9 is not one of --ids"),
+        (["--name", ""], "--name: is empty"),
+        (["--frames", "0"], "--frames: is 0, must be from 1 to 10000"),
+        (["--bag", "box.bag"], "--bag needs --image"),
+        (["--image", IMAGE], "--bag needs --image"),
+    ],
+)
+def test_what_is_no_command_is_refused(calibrate, arguments, why):
+    code, output = calibrate(*arguments)
+    assert code == 2 and why in output, output
+
+
+def test_an_output_that_cannot_be_written(calibrate, bag, tmp_path):
+    for output in (tmp_path, tmp_path / "none" / "box.yaml"):
+        arguments = ("--bag", bag, "--image", IMAGE)
+        error = refused(calibrate, tmp_path, *arguments, output=output)
+        assert f"{output} cannot be written" in error
+
+
+def test_help_has_examples(calibrate):
+    code, output = calibrate("--help")
+    assert code == 0 and "calibrate_bundle.py --name box --ids 0-5" in output
