@@ -11,13 +11,12 @@ Positions are in m; what is left out of a pose is 0, and qw 1. A bundle may say 
 import numbers
 from typing import Any, List, Mapping, Optional, Sequence
 
-import cv2
 import numpy as np
 import yaml
-from scipy.spatial.transform import Rotation
 
 from ._core import Bundle, BundleTag
 from .files import replace_file
+from .rotations import quaternion_of, rotation_of
 
 DEFAULTS = {"x": 0.0, "y": 0.0, "z": 0.0, "qw": 1.0, "qx": 0.0, "qy": 0.0, "qz": 0.0}
 
@@ -81,7 +80,7 @@ def parse_bundles(values: Any) -> List[Bundle]:
 
 def _line(tag: BundleTag) -> str:
     x, y, z = tag.pose[:3, 3]
-    qx, qy, qz, qw = Rotation.from_rotvec(cv2.Rodrigues(tag.pose[:3, :3])[0][:, 0]).as_quat()
+    qx, qy, qz, qw = quaternion_of(tag.pose[:3, :3])
     place = ", ".join(f"{key}: {value:.6f}" for key, value in zip("xyz", (x, y, z)))
     turn = f"qw: {qw:.8f}, qx: {qx:.8f}, qy: {qy:.8f}, qz: {qz:.8f}"
     return f"{{id: {tag.id}, size: {tag.size!r}, {place}, {turn}}}"
@@ -105,7 +104,7 @@ def _tag(entry: Any, where: str) -> BundleTag:
     if not 0.5 < np.linalg.norm(quaternion) < 2.0:
         raise ValueError(f"{where}: qx, qy, qz, qw are {quaternion.tolist()}, must have length 1")
     pose = np.eye(4)
-    pose[:3, :3] = cv2.Rodrigues(Rotation.from_quat(quaternion).as_rotvec())[0]
+    pose[:3, :3] = rotation_of(quaternion)
     pose[:3, 3] = [numbers_of[key] for key in "xyz"]
     return BundleTag(tag, numbers_of["size"], pose)
 

@@ -126,9 +126,21 @@ class TagLayout:
             *((one.bundle.name, f"bundle '{one.bundle.name}'") for one in self.bundles),
         ]
         for name, owner in named:
-            if name in owners:
-                raise ValueError(f"{owners[name]} and {owner} have the same transform '{name}'")
+            other = owners.get(name) or self._unnamed_owner(name) or owner
+            if other != owner:
+                raise ValueError(f"{other} and {owner} have the same transform '{name}'")
             owners[name] = owner
+
+    def _unnamed_owner(self, name: str) -> str:
+        """The tag that has this transform without being named, or an empty text."""
+        number = name.rpartition("_")[2]
+        if not re.fullmatch("[0-9]{1,9}", number):
+            return ""
+        for tag in (TagKey(family, int(number)) for family in self.families):
+            is_named = tag in self._tags and self._tags[tag].name
+            if not is_named and tag.id < tag_family(tag.family).ids and self.frame_id(tag) == name:
+                return f"tag {tag.id} of {tag.family}"
+        return ""
 
 
 def _families(value: Any) -> List[str]:

@@ -72,8 +72,8 @@ class TagLocator:
             if camera is not None:
                 poses = self._poses_of(time, tag, unique, camera)
             located.append(LocatedTag(tag, size, frame_id, poses, unique))
-        alone = [one.tag for one in located if one.unique]
-        return located, [] if camera is None else self._locate_bundles(time, alone, camera)
+        usable = [one.tag for one in located if one.unique and one.poses is not None]
+        return located, [] if camera is None else self._locate_bundles(time, usable, camera)
 
     def locate_at_once(
         self, tags: Sequence[Tag], camera: Optional[CameraModel]

@@ -34,6 +34,12 @@ def test_sizes_and_names_by_id_range_and_family():
     assert (bundle.family, bundle.bundle.name) == ("tag25h9", "box")
 
 
+def test_tags_may_be_renumbered():
+    tags = [{"id": 5, "name": "tag_6"}, {"id": 6, "name": "tag_5"}, {"id": 7, "name": "tag_7"}]
+    layout = TagLayout("tag36h11", 0.1, [*tags, {"id": 9, "name": "tag_99999"}])
+    assert layout.frame_id(TagKey("tag36h11", 6)) == "tag_5"
+
+
 def test_a_list_of_families():
     assert TagLayout(["tag16h5", "tag25h9"], 1).families == ["tag16h5", "tag25h9"]
 
@@ -61,6 +67,14 @@ def test_a_list_of_families():
         (
             ("tag36h11", 0.1, [{"id": 1, "name": "a"}, {"id": 2, "name": "a"}]),
             "tag 1 of tag36h11 and tag 2 of tag36h11 have the same transform 'a'",
+        ),
+        (
+            ("tag36h11", 0.1, [{"id": 7, "name": "tag_5"}]),
+            "tag 5 of tag36h11 and tag 7 of tag36h11 have the same transform 'tag_5'",
+        ),
+        (
+            ("tag36h11,tag25h9", 0.1, [], [{**BUNDLE, "name": "tag25h9_3"}]),
+            "tag 3 of tag25h9 and bundle 'tag25h9_3' have the same transform 'tag25h9_3'",
         ),
         (
             ("tag36h11", 0.1, [{"id": 5, "name": "box"}], [BUNDLE]),

@@ -1,7 +1,7 @@
 """The node apriltag_detector: AprilTags, and where they are."""
 
 import threading
-from typing import Any, Dict
+from typing import Any, Dict, Tuple
 
 import numpy as np
 import rospy
@@ -15,7 +15,7 @@ from ..cfg import ApriltagDetectorConfig
 from ..msg import TagDetectionArray
 from ..tag_layout import TagLayout
 from ..tag_poses import TagLocator
-from ..transport import Frame, FrameError
+from ..transport import Frame, FrameError, note_connections
 from .calibration import Calibration
 from .detect_service import DetectService
 from .image_node import ImageNode
@@ -52,14 +52,14 @@ class ApriltagDetector:
         )
         self._detector = Detector()
         self._pose_params: Dict[str, Any] = {}
-        self._params = LiveParams(ApriltagDetectorConfig, self._configure)
         self._node = ImageNode(self._process, encoding="")
+        self._params = LiveParams(ApriltagDetectorConfig, self._configure)
         self._calibration = Calibration(self._node, "poses of tags")
         self._tags = self._node.publisher("~tags", TagDetectionArray)
         self._markers = self._node.publisher("~markers", MarkerArray)
-        self._tf = self._node.publisher("/tf", TFMessage)
+        self._tf = self._node.publisher("/tf", TFMessage, counts=lambda: self._publish_tf)
         self._processed = self._node.image_publisher("~processed_image")
-        self._service = DetectService(self._node, self._detect)
+        self._service = DetectService(self._node, self._calibration, self._detect)
         self._node.start()
 
     def _configure(self, config: Dict[str, Any]) -> None:
@@ -72,8 +72,10 @@ class ApriltagDetector:
                 self._pose_params = pose_params
                 self._locator = TagLocator(self._layout, filled(TagPoseParams(), config, POSE))
             self._publish_tf = config["publish_tf"]
+        note_connections()  # of /tf, which may count now, or no longer
 
     def _process(self, frame: Frame) -> None:
+        self._service.offer(frame)
         now, size = frame.time, frame.image.shape[1::-1]
         camera = self._calibration.camera(size)
         with self._lock:
@@ -92,7 +94,6 @@ class ApriltagDetector:
             overlay = to_bgr(frame.image, frame.encoding)
             draw_tags(overlay, tags, camera)
             self._processed.publish(overlay, "bgr8", frame.header)
-        self._service.offer(frame)
 
     def _broadcast(self, message: TFMessage) -> None:
         if not message.transforms:
@@ -104,11 +105,17 @@ class ApriltagDetector:
             return
         self._tf.publish(message)
 
-    def _detect(self, image: np.ndarray, encoding: str, header: Header) -> TagDetectionArray:
-        """The tags of a picture by itself."""
+    def _detect(
+        self, image: np.ndarray, encoding: str, header: Header
+    ) -> Tuple[TagDetectionArray, str]:
+        """The tags of a picture by itself, and why they have no poses."""
         size = image.shape[1::-1]
-        camera = self._calibration.camera_at_once(size)
+        camera, problem = None, ""
+        try:
+            camera = self._calibration.camera_at_once(size)
+        except ValueError as error:
+            problem = str(error)
         with self._lock:
             found = self._detector.detect(image, encoding)
             tags, bundles = self._locator.locate_at_once(found, camera)
-        return tag_array(header, size, tags, bundles)
+        return tag_array(header, size, tags, bundles), problem

@@ -11,7 +11,7 @@ from sensor_msgs.msg import CameraInfo
 from .. import CameraModel
 from ..frame_collection import FrameCollection
 from ..msg import TagDetectionArray
-from .calibration import camera_model
+from .calibration import camera_model, remapped_camera_info
 
 PROGRESS = 1.0  # s between lines
 
@@ -60,9 +60,7 @@ class BundleRecorder:
         return self._camera
 
     def _subscribe_to_camera_info(self) -> None:
-        remapped = rospy.resolve_name("camera_info")
-        plain = rospy.get_namespace() + "camera_info"
-        self._info_topic = remapped if remapped != plain else self._camera_info_of_publisher()
+        self._info_topic = remapped_camera_info() or self._camera_info_of_publisher()
         if self._info_topic:
             self._subscribers.append(
                 rospy.Subscriber(self._info_topic, CameraInfo, self._on_info, queue_size=1)
@@ -71,8 +69,11 @@ class BundleRecorder:
     def _camera_info_of_publisher(self) -> str:
         """The topic, empty if it is not known (yet): a detector may subscribe to it only now."""
         master = rosgraph.Master(rospy.get_name())
-        publishers, subscribers, _ = master.getSystemState()
-        kinds = dict(master.getTopicTypes())
+        try:
+            publishers, subscribers, _ = master.getSystemState()
+            kinds = dict(master.getTopicTypes())
+        except (OSError, rosgraph.MasterException):  # asked again in a moment
+            return ""
         nodes = {node for topic, nodes in publishers if topic == self._topic for node in nodes}
         for topic, listeners in sorted(subscribers):
             if kinds.get(topic) == CameraInfo._type and nodes.intersection(listeners):

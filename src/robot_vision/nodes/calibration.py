@@ -1,5 +1,6 @@
 """The camera of a topic of pictures, by the camera_info beside it."""
 
+import threading
 import time
 from typing import Any, Optional, Tuple
 
@@ -25,11 +26,10 @@ class Calibration:
 
     def __init__(self, node: ImageNode, missing: str):
         beside = node.topic.rsplit("/", 1)[0] + "/camera_info"
-        remapped = rospy.resolve_name("camera_info")
-        plain = rospy.get_namespace() + "camera_info"
-        self.topic = remapped if remapped != plain else beside
+        self.topic = remapped_camera_info() or beside
         self._missing = missing
         self._info: Optional[CameraInfo] = None
+        self._came = threading.Event()
         self._used: Tuple[Any, ...] = ()  # what the camera was made from
         self._camera: Optional[CameraModel] = None
         self._problem = ""
@@ -56,16 +56,32 @@ class Calibration:
             self._tell(problem)
         return self._camera
 
-    def camera_at_once(self, size: Tuple[int, int]) -> Optional[CameraModel]:
-        """The same for a picture by itself; nothing is remembered, or told."""
-        info = self._info
+    def wait(self, seconds: float) -> None:
+        """Until there is a camera_info, for a moment at most; the node has to work."""
+        self._came.wait(seconds)
+
+    @property
+    def frame_id(self) -> str:
+        """Of the camera, as camera_info has it; empty if that is not known."""
+        return self._info.header.frame_id if self._info else ""
+
+    def camera_at_once(self, size: Tuple[int, int]) -> CameraModel:
+        """The same for a picture by itself; nothing is remembered, or told.
+
+        Raises:
+            ValueError: it is not known, and why.
+        """
         try:
-            return camera_model(info, size) if info else None
-        except ValueError:
-            return None
+            if self._info is None:
+                raise ValueError("there is none")
+            return camera_model(self._info, size)
+        except ValueError as error:
+            why = f"no {self._missing}: camera_info on {self.topic}: {error}"
+            raise ValueError(why) from None
 
     def _on_info(self, info: CameraInfo) -> None:
         self._info = info
+        self._came.set()
 
     def _complain_later(self) -> None:
         now = time.monotonic()
@@ -79,6 +95,12 @@ class Calibration:
         elif self._problem and not problem:
             rospy.loginfo("%s from now on: camera_info on %s", self._missing, self.topic)
         self._problem = problem
+
+
+def remapped_camera_info() -> str:
+    """What the name camera_info is remapped to; empty if it is not."""
+    remappings = rospy.names.get_resolved_mappings()
+    return remappings.get(rospy.get_namespace() + "camera_info", "")
 
 
 def camera_model(info: CameraInfo, size: Tuple[int, int]) -> CameraModel:

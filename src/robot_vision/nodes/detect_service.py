@@ -1,8 +1,10 @@
 """The service that searches one picture for tags."""
 
+import contextlib
 import os
 import threading
-from typing import Any, Callable, List
+import time
+from typing import Any, Callable, Iterator, List, Tuple
 
 import cv2
 import numpy as np
@@ -12,18 +14,23 @@ from std_msgs.msg import Header
 from ..msg import TagDetectionArray
 from ..srv import DetectTags, DetectTagsResponse
 from ..transport import Frame
+from .calibration import Calibration
 from .image_node import ImageNode
 
 TIMEOUT = 5.0  # s that a call waits for a frame
+CALIBRATION_TIMEOUT = 1.0  # s that the call for a file waits for camera_info
+BUSY = 1.0  # s since the last frame within which another may be under way
 
-Detect = Callable[[np.ndarray, str, Header], TagDetectionArray]
+# Searches a picture of an encoding: what is in it, and why there are no poses.
+Detect = Callable[[np.ndarray, str, Header], Tuple[TagDetectionArray, str]]
 
 
 class _Call:
-    def __init__(self) -> None:
+    def __init__(self, passes: int) -> None:
+        self.passes = passes  # frames that it lets go by
         self.done = threading.Event()
-        self.error = "the frame failed"
-        self.tags = TagDetectionArray()
+        self.error = ""
+        self.answer = TagDetectionArray(), ""
 
 
 class DetectService:
@@ -31,59 +38,82 @@ class DetectService:
 
     Args:
         node: whose frames they are.
-        detect: searches a picture of an encoding; may be called by any thread.
+        calibration: of its camera, which is the one for files, too.
+        detect: may be called by any thread.
     """
 
-    def __init__(self, node: ImageNode, detect: Detect):
+    def __init__(self, node: ImageNode, calibration: Calibration, detect: Detect):
         self._node = node
+        self._calibration = calibration
         self._detect = detect
-        self._lock = threading.Lock()  # guards the list
+        self._lock = threading.Lock()  # guards all that follows
         self._calls: List[_Call] = []
+        self._working = 0  # calls for which the node has to work
+        self._last_frame = -BUSY  # s of the monotonic clock
         rospy.Service("~detect", DetectTags, self._on_detect)
 
     def offer(self, frame: Frame) -> None:
-        """A frame, for the calls that wait for one."""
+        """A frame, before anything else is done with it, for the calls that wait for one."""
         with self._lock:
-            calls, self._calls = self._calls, []
-        for call in calls:
+            self._last_frame = time.monotonic()
+            ready = [call for call in self._calls if not call.passes]
+            self._calls = [call for call in self._calls if call.passes]
+            for call in self._calls:
+                call.passes -= 1
+        for call in ready:
             try:
-                call.tags = self._detect(frame.image, frame.encoding, frame.header)
-                call.error = ""
-            except ValueError as error:
+                call.answer = self._detect(frame.image, frame.encoding, frame.header)
+            except Exception as error:
                 call.error = str(error)
-            finally:
-                call.done.set()
+            call.done.set()
 
     def _on_detect(self, request: Any) -> DetectTagsResponse:
         try:
-            tags = self._of_file(request.file) if request.file else self._of_next_frame()
+            with self._at_work():
+                tags, why = self._of_file(request.file) if request.file else self._of_next_frame()
         except (OSError, RuntimeError, ValueError) as error:
             rospy.logerr("no tags detected: %s", error)
             return DetectTagsResponse(False, str(error), TagDetectionArray())
-        return DetectTagsResponse(True, "", tags)
+        return DetectTagsResponse(True, why, tags)
 
-    def _of_file(self, path: str) -> TagDetectionArray:
+    @contextlib.contextmanager
+    def _at_work(self) -> Iterator[None]:
+        self._count(1)
+        try:
+            yield
+        finally:
+            self._count(-1)
+
+    def _count(self, change: int) -> None:
+        with self._lock:
+            self._working += change
+            self._node.keep_working(self._working > 0)
+
+    def _of_file(self, path: str) -> Tuple[TagDetectionArray, str]:
         if not os.path.isabs(path):  # a node has another folder than its caller
             raise ValueError(f"file is '{path}', must be an absolute path")
         with open(path, "rb") as file:
             encoded = np.frombuffer(file.read(), np.uint8)
-        image = cv2.imdecode(encoded, cv2.IMREAD_COLOR) if encoded.size else None
+        image = None
+        with contextlib.suppress(cv2.error):  # of sizes that no picture has
+            image = cv2.imdecode(encoded, cv2.IMREAD_COLOR) if encoded.size else None
         if image is None:
             raise ValueError(f"{path} is no picture")
-        return self._detect(image, "bgr8", Header(stamp=rospy.Time.now()))
+        self._calibration.wait(CALIBRATION_TIMEOUT)
+        header = Header(stamp=rospy.Time.now(), frame_id=self._calibration.frame_id)
+        return self._detect(image, "bgr8", header)
 
-    def _of_next_frame(self) -> TagDetectionArray:
-        call = _Call()
+    def _of_next_frame(self) -> Tuple[TagDetectionArray, str]:
         with self._lock:
+            # One that was taken before the call may be under way.
+            call = _Call(passes=int(time.monotonic() - self._last_frame < BUSY))
             self._calls.append(call)
-            self._node.keep_working(True)
         arrived = call.done.wait(TIMEOUT)
         with self._lock:
             if call in self._calls:
                 self._calls.remove(call)
-            self._node.keep_working(bool(self._calls))
         if not arrived:
             raise RuntimeError(f"no frame on {self._node.topic} within {TIMEOUT:g} s")
         if call.error:
             raise RuntimeError(call.error)
-        return call.tags
+        return call.answer

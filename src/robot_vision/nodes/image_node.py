@@ -38,7 +38,7 @@ class ImageNode:
         self._always = read_param("always_subscribe", False)
         set_threads(read_threads())
         self._wanted = False
-        self._outputs: List[Any] = []
+        self._outputs: List[Tuple[Any, Callable[[], bool]]] = []  # and whether it counts
         self._inputs: List[Tuple[Any, ...]] = []  # names, types and callbacks
         self._subscribers: List[rospy.Subscriber] = []  # to them, while the node works
         kind = transport.CameraSubscriber if camera_info else transport.ImageSubscriber
@@ -53,16 +53,18 @@ class ImageNode:
         """The topic of the pictures, resolved."""
         return self._images.topic
 
-    def publisher(self, name: str, kind: Any) -> rospy.Publisher:
-        """A topic for results, which makes the node work."""
+    def publisher(
+        self, name: str, kind: Any, counts: Callable[[], bool] = lambda: True
+    ) -> rospy.Publisher:
+        """A topic for results, which makes the node work, while it counts."""
         output = rospy.Publisher(name, kind, queue_size=1, subscriber_listener=_Listener())
-        self._outputs.append(output)
+        self._outputs.append((output, counts))
         return output
 
     def image_publisher(self, name: str) -> transport.ImagePublisher:
         """A topic for pictures, which makes the node work; draw only if it has connections."""
         output = transport.ImagePublisher(name)
-        self._outputs.append(output)
+        self._outputs.append((output, lambda: True))
         return output
 
     def subscriber(self, name: str, kind: Any, callback: Callable[[Any], Any]) -> None:
@@ -82,7 +84,9 @@ class ImageNode:
 
     def _update(self) -> None:
         """Only the thread of the pictures calls it, so subscribing and ending do not overlap."""
-        listened = any(output.get_num_connections() for output in self._outputs)
+        listened = any(
+            counts() and output.get_num_connections() for output, counts in self._outputs
+        )
         if self._always or self._wanted or listened:
             self._images.start()
             if not self._subscribers:

@@ -13,13 +13,13 @@ from geometry_msgs.msg import (
     TransformStamped,
     Vector3,
 )
-from scipy.spatial.transform import Rotation
 from std_msgs.msg import ColorRGBA, Header
 from tf2_msgs.msg import TFMessage
 from visualization_msgs.msg import Marker, MarkerArray
 
 from .. import PoseEstimate
 from ..msg import TagBundlePose, TagDetection, TagDetectionArray
+from ..rotations import quaternion_of
 from ..tag_poses import LocatedBundle, LocatedTag
 
 THICKNESS = 0.05  # of a tag's marker, of its side
@@ -115,7 +115,7 @@ def _bundle(bundle: LocatedBundle) -> TagBundlePose:
 
 def _pose(matrix: np.ndarray) -> Pose:
     """Of a 4x4 matrix."""
-    turn = Rotation.from_matrix(matrix[:3, :3]).as_quat()
+    turn = quaternion_of(matrix[:3, :3])
     return Pose(Point(*matrix[:3, 3].tolist()), Quaternion(*turn.tolist()))
 
 

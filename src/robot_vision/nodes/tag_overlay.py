@@ -8,6 +8,7 @@ from .. import CameraModel, draw_outline
 from ..tag_poses import LocatedTag
 
 AXES = ((0.0, 0.0, 255.0), (0.0, 255.0, 0.0), (255.0, 0.0, 0.0))  # x red, y green, z blue
+FAR = 1e6  # px; an end beside the camera may be anywhere, or nowhere
 OUTLINE = (0.0, 255.0, 255.0)
 
 
@@ -25,7 +26,7 @@ def draw_tags(bgr: np.ndarray, tags: Iterable[LocatedTag], camera: Optional[Came
 def _draw_axes(bgr: np.ndarray, pose: np.ndarray, length: float, camera: CameraModel) -> None:
     ends = np.vstack([np.zeros(3), length * np.eye(3)])
     pixels, _ = camera.project(ends @ pose[:3, :3].T + pose[:3, 3])
-    if np.isfinite(pixels).all():
+    if (np.abs(pixels) < FAR).all():
         for end, color in zip(pixels[1:], AXES):
             draw_outline(bgr, _whole(np.array([pixels[0], end])), color=color)
 
