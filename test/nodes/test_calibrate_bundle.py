@@ -191,7 +191,7 @@ def test_compressed_pictures(calibrate, pictures, tmp_path):
 def test_pictures_of_other_encodings(calibrate, pictures, tmp_path, encoding):
     """Those of 16 bits with the bytes in the other order."""
     made = [
-        np.repeat(picture[:, :, None], 3, 2) if encoding == "bgr8" else picture * np.uint16(257)
+        np.repeat(picture[:, :, None], 3, 2) if encoding == "bgr8" else picture * np.uint16(256)
         for picture in pictures
     ]
     bag = write_bag(tmp_path / "box.bag", made, calibrated(), encoding)
@@ -302,7 +302,9 @@ def test_a_live_recording_that_cannot_be_used(start, calibrate, monkeypatch, tmp
     info = studio.topic.replace("image", "camera_info")
     assert plain.exit_code() == 1
     assert f": camera_info on {info}: the camera is not calibrated\n" in plain.output()
-    nobody.wait_for_output("waiting: no tags came on /nobody/tags; nobody publishes there\n")
+    nobody.wait_for_output(
+        "waiting: no tags came on /nobody/tags; nobody publishes there: see tags:= in --help\n"
+    )
     nobody.interrupt()
     assert nobody.exit_code() == 1
     assert "calibrate_bundle.py: no tags came on /nobody/tags; nobody" in nobody.output()

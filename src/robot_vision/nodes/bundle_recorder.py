@@ -124,7 +124,9 @@ class BundleRecorder:
     def _lacking(self) -> str:
         if not self._came:
             nobody = (
-                "" if self._subscribers[0].get_num_connections() else "; nobody publishes there"
+                ""
+                if self._subscribers[0].get_num_connections()
+                else "; nobody publishes there: see tags:= in --help"
             )
             return f"no tags came on {self._topic}{nobody}"
         if not self._info_topic:
