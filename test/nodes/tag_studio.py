@@ -103,13 +103,21 @@ class Studio:
 
     def show(self, picture, encoding="mono8", frame_id="eye"):
         """Shows a picture; what the node has found in it."""
+        return self.tags.of(self.send(picture, encoding, frame_id))
+
+    def send(self, picture, encoding="mono8", frame_id="eye"):
+        """Shows a picture; its stamp."""
         sent = message(picture, encoding)
         sent.header.stamp = rospy.Time.from_sec(next(self._numbers) / 10.0)
         sent.header.frame_id = frame_id
         if self.info is not None:
             self.infos.send(self.info)
         self._source.send(sent)
-        return self.tags.of(sent.header.stamp)
+        return sent.header.stamp
+
+    def wait_for_subscribers(self, count):
+        """Until so many look at the pictures."""
+        self._source.wait_for(count)
 
     def show_until(self, condition, picture, encoding="mono8"):
         """Shows a picture until the answer is so; the answer."""

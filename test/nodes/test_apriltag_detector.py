@@ -1,9 +1,12 @@
 """The node apriltag_detector: tags, poses, transforms, markers and ~detect, against the truth."""
 
 import itertools
+import struct
 import threading
+import zlib
 
 import cv2
+import dynamic_reconfigure.client
 import numpy as np
 import pytest
 import rospy
@@ -247,34 +250,75 @@ def test_a_frame_that_has_no_such_encoding_is_refused(start):
     assert studio.show(picture_of([(5, facing(0.0, 0.0, 1.0))])).detections
 
 
-def test_detect_a_file_and_the_next_frame(start, tmp_path):
-    studio = Studio(start, info=calibrated())
+class Caller:
+    """Calls ~detect in a thread, while the camera goes on."""
+
+    def __init__(self, studio):
+        self._studio = studio
+        studio.tags.close()  # nobody looks
+
+    def __call__(self, file="", picture=None, encoding="mono8"):
+        answers = []
+        detect = rospy.ServiceProxy("/tag/detect", DetectTags)
+        call = threading.Thread(target=lambda: answers.append(detect(file)))
+        call.start()
+        while call.is_alive():
+            if picture is None:
+                self._studio.infos.send(self._studio.info)
+            else:
+                self._studio.send(picture, encoding)
+            call.join(0.1)
+        return answers[0]
+
+
+def test_detect_the_next_frame(start):
+    detect = Caller(Studio(start, info=calibrated()))
     picture = picture_of([(9, facing(0.0, 0.0, 1.0)), (8, facing(0.3, 0.0, 1.0))])
-    studio.show_until(with_poses, picture)
+    answer = detect(picture=picture)
+    assert answer.success and [tag.id for tag in answer.tags.detections] == [8, 9]
+    assert answer.tags.header.frame_id == "eye"
+    answer = detect(picture=np.zeros((48, 64), np.uint8), encoding="8UC1")
+    assert not answer.success and "encoding '8UC1' is not one of" in answer.message
+
+
+def test_detect_a_file(start, tmp_path):
+    studio = Studio(start, info=calibrated())
+    studio.info.header.frame_id = "lens"
+    detect = Caller(studio)
+    picture = picture_of([(9, facing(0.0, 0.0, 1.0)), (8, facing(0.3, 0.0, 1.0))])
     path = str(tmp_path / "tags.png")
     cv2.imwrite(path, picture)
-    detect = rospy.ServiceProxy("/tag/detect", DetectTags)
     answer = detect(path)
-    assert answer.success and [tag.id for tag in answer.tags.detections] == [8, 9]
-    assert with_poses(answer.tags)
+    assert (answer.success, answer.message) == (True, "")
+    assert [tag.id for tag in answer.tags.detections] == [8, 9] and with_poses(answer.tags)
+    assert answer.tags.header.frame_id == "lens"
     assert_near(matrix_of(answer.tags.detections[1].pose.pose), facing(0, 0, 1.0), 0.01, 15.0)
+    cv2.imwrite(path, cv2.copyMakeBorder(picture, 8, 8, 8, 8, cv2.BORDER_REPLICATE))
+    answer = detect(path)
+    assert answer.success and not answer.tags.detections[0].has_pose
+    assert "camera_info is of 640x480, the picture 656x496" in answer.message
+    header = struct.pack(">IIBBBBB", 60000, 60000, 8, 0, 0, 0, 0)
+    chunk = (
+        struct.pack(">I", 13) + b"IHDR" + header + struct.pack(">I", zlib.crc32(b"IHDR" + header))
+    )
+    (tmp_path / "huge.png").write_bytes(b"\x89PNG\r\n\x1a\n" + chunk)
     for file, why in (
         ("tags.png", "file is 'tags.png', must be an absolute path"),
         (str(tmp_path / "none.png"), "No such file"),
+        (str(tmp_path / "huge.png"), "huge.png is no picture"),
         (__file__, "is no picture"),
     ):
         answer = detect(file)
         assert not answer.success and why in answer.message, answer.message
-    studio.tags.close()  # nobody looks any more
-    answers = []
-    call = threading.Thread(target=lambda: answers.append(detect("")))
-    call.start()
-    source = Source(studio.topic)
-    source.wait_for()
-    while call.is_alive():
-        source.send(message(picture, "mono8"))
-        call.join(0.1)
-    assert answers[0].success and [tag.id for tag in answers[0].tags.detections] == [8, 9]
+
+
+def test_detect_a_file_without_a_camera(start, tmp_path):
+    Studio(start).tags.close()
+    path = str(tmp_path / "tags.png")
+    cv2.imwrite(path, picture_of([(9, facing(0.0, 0.0, 1.0))]))
+    answer = rospy.ServiceProxy("/tag/detect", DetectTags)(path)
+    assert answer.success and [tag.id for tag in answer.tags.detections] == [9]
+    assert answer.message.startswith("no poses of tags: camera_info on /frames_")
 
 
 def test_detect_without_frames(start):
@@ -300,6 +344,19 @@ def test_listening_to_transforms_is_enough(start):
             break
         assert number < 1600
     assert transforms.received[0].transforms[0].child_frame_id == "tag_2"
+
+
+def test_listeners_to_transforms_that_are_off_do_not_count(start):
+    studio = Studio(start, "_publish_tf:=false", info=calibrated())
+    transforms = support.Messages("/tf", TFMessage)
+    support.wait_for(transforms.connected, "/tf")
+    studio.show(picture_of([(2, facing(0.0, 0.0, 1.0))]))
+    studio.tags.close()
+    studio.wait_for_subscribers(0)
+    config = dynamic_reconfigure.client.Client("/tag", timeout=support.DEADLINE)
+    config.update_configuration({"publish_tf": True})
+    studio.wait_for_subscribers(1)
+    assert not transforms.received
 
 
 @pytest.mark.parametrize(
