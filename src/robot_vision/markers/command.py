@@ -7,6 +7,7 @@ import sys
 from typing import Iterator, List, Sequence, Tuple
 
 from .._core import tag_family
+from ..commands import run_command
 from ..files import create_file, replace_file
 from .arguments import FORMATS, parse
 from .drawing import Drawing
@@ -20,15 +21,12 @@ LONGEST = 40  # letters of a text in a label
 def main() -> int:
     """Runs the command; its exit code."""
     arguments = parse(sys.argv[1:])
-    try:
+
+    def write() -> None:
         for path in create(arguments):
             print("written:", path)
-    except (OSError, ValueError) as error:
-        print(f"create_marker.py: {error}", file=sys.stderr)
-        return 1
-    except KeyboardInterrupt:
-        return 130
-    return 0
+
+    return run_command("create_marker.py", write)
 
 
 def create(arguments: argparse.Namespace) -> List[str]:

@@ -13,6 +13,7 @@ import rospy
 from .. import CameraModel
 from ..bundle_calibration import Calibration, calibrate
 from ..bundle_files import write_bundles
+from ..commands import run_command
 from ..frame_collection import FrameCollection
 from .bundle_arguments import parse_arguments
 from .bundle_bag import collect_from_bag
@@ -28,26 +29,23 @@ def main() -> int:
     arguments = parse_arguments(rospy.myargv(sys.argv)[1:])
     # Shells start their background jobs with it ignored.
     signal.signal(signal.SIGINT, signal.default_int_handler)
+    return run_command("calibrate_bundle.py", lambda: _learn(arguments))
+
+
+def _learn(arguments: argparse.Namespace) -> None:
     collection = FrameCollection(arguments.sizes, arguments.master, arguments.frames)
-    try:
-        _require_output(arguments)
-        camera = _collect(arguments, collection)
-        print(collection.summary(), flush=True)
-        frames = collection.frames()
-        if not frames:
-            raise ValueError(f"none of the tags was seen in {collection.offered} frames")
-        found = calibrate(arguments.name, frames, arguments.sizes, camera, arguments.master)
-        print(_report(found), flush=True)
-        _require_fit(found, frames, arguments.sizes)
-        _require_output(arguments)  # it may have come meanwhile
-        write_bundles(arguments.output, [found.bundle], arguments.family)
-        print("saved in", arguments.output)
-    except (OSError, ValueError) as error:
-        print(f"calibrate_bundle.py: {error}", file=sys.stderr)
-        return 1
-    except KeyboardInterrupt:
-        return 130
-    return 0
+    _require_output(arguments)
+    camera = _collect(arguments, collection)
+    print(collection.summary(), flush=True)
+    frames = collection.frames()
+    if not frames:
+        raise ValueError(f"none of the tags was seen in {collection.offered} frames")
+    found = calibrate(arguments.name, frames, arguments.sizes, camera, arguments.master)
+    print(_report(found), flush=True)
+    _require_fit(found, frames, arguments.sizes)
+    _require_output(arguments)  # it may have come meanwhile
+    write_bundles(arguments.output, [found.bundle], arguments.family)
+    print("saved in", arguments.output)
 
 
 def _require_output(arguments: argparse.Namespace) -> None:

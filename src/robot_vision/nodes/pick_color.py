@@ -15,6 +15,7 @@ import rospy
 from .. import range_around, to_hsv
 from ..color_file import save_colors
 from ..colors import HUES, as_yaml, median_hsv, outside
+from ..commands import run_command
 from ..transport import ImageSubscriber
 
 EXAMPLES = """examples:
@@ -29,22 +30,19 @@ EXAMPLES = """examples:
 def main() -> int:
     """Runs the command; its exit code."""
     arguments = _parse(rospy.myargv(sys.argv)[1:])
-    try:
-        bgr, hsv = _color(arguments)
-        color = range_around(hsv, arguments.margin)
-        print((f"BGR {bgr}, " if bgr else "") + f"HSV {hsv}; for the colors of hsv_tracker:")
-        print(f"  {arguments.name or 'name'}: {as_yaml(color)}")
-        if outside(hsv, color):
-            print(outside(hsv, color))
-        if arguments.save:
-            save_colors(arguments.save, {arguments.name: color})
-            print("saved in", arguments.save)
-    except (OSError, ValueError) as error:
-        print(f"pick_color.py: {error}", file=sys.stderr)
-        return 1
-    except KeyboardInterrupt:
-        return 130
-    return 0
+    return run_command("pick_color.py", lambda: _pick(arguments))
+
+
+def _pick(arguments: argparse.Namespace) -> None:
+    bgr, hsv = _color(arguments)
+    color = range_around(hsv, arguments.margin)
+    print((f"BGR {bgr}, " if bgr else "") + f"HSV {hsv}; for the colors of hsv_tracker:")
+    print(f"  {arguments.name or 'name'}: {as_yaml(color)}")
+    if outside(hsv, color):
+        print(outside(hsv, color))
+    if arguments.save:
+        save_colors(arguments.save, {arguments.name: color})
+        print("saved in", arguments.save)
 
 
 def _parse(command: Sequence[str]) -> argparse.Namespace:
