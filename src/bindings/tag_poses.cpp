@@ -3,6 +3,7 @@
 #include <map>
 
 #include "arrays.hpp"
+#include "robot_vision/bent_edges.hpp"
 #include "robot_vision/tag_pose.hpp"
 #include "robot_vision/tag_pose_tracker.hpp"
 
@@ -105,6 +106,16 @@ void bindResult(py::module& m)
 /// Poses of tags.
 void bindTagPoses(py::module& m)
 {
+  m.def(
+      "without_bent_edges",
+      [](const Matrix& corners, const CameraModel& camera)
+      {
+        const auto found = withoutBentEdges(toTags({{0, corners}}).front().corners, camera);
+        return toNumpy(std::vector<cv::Point2d>(found.begin(), found.end()));
+      },
+      "corners"_a, "camera"_a,
+      "Where the corners of a tag are, (4, 2) px, from those that a TagDetector finds: it fits straight lines to the "
+      "edges, which the lens has bent.");
   bindBundle(m);
   bindResult(m);
   m.def(

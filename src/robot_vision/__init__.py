@@ -69,6 +69,7 @@ from ._core import (
     to_bgr,
     to_hsv,
     validate,
+    without_bent_edges,
 )
 
 __all__ = [
@@ -140,4 +141,5 @@ __all__ = [
     "to_bgr",
     "to_hsv",
     "validate",
+    "without_bent_edges",
 ]

@@ -3,8 +3,6 @@
 from collections import Counter
 from typing import Dict, List, NamedTuple, Optional, Sequence, Tuple
 
-import numpy as np
-
 from . import (
     Bundle,
     CameraModel,
@@ -14,6 +12,7 @@ from . import (
     TagPoseTracker,
     estimate_pose,
     single_tag,
+    without_bent_edges,
 )
 from .tag_layout import TagKey, TagLayout
 
@@ -88,7 +87,7 @@ class TagLocator:
     def _poses_of(
         self, time: float, tag: Tag, unique: bool, camera: CameraModel
     ) -> Optional[TagPoses]:
-        key, corners = key_of(tag), {tag.id: np.asarray(tag.corners)}
+        key, corners = key_of(tag), {tag.id: without_bent_edges(tag.corners, camera)}
         try:
             if not unique:
                 return estimate_pose(self._single(key), corners, camera, self._params.corner_noise)
@@ -113,7 +112,7 @@ class TagLocator:
         for one, tracker in zip(self._layout.bundles, self._bundles):
             own = {tag.id for tag in one.bundle.tags}
             corners = {
-                tag.id: np.asarray(tag.corners)
+                tag.id: without_bent_edges(tag.corners, camera)
                 for tag in tags
                 if tag.family == one.family and tag.id in own
             }

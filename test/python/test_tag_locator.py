@@ -3,13 +3,13 @@
 from types import SimpleNamespace
 
 import numpy as np
-from tags import CAMERAS, SIZE, corners_of, matrix, turned
+from tags import SIZE, K, corners_of, matrix, turned
 
-from robot_vision import TagPoseParams
+from robot_vision import CameraModel, TagPoseParams
 from robot_vision.tag_layout import TagLayout
 from robot_vision.tag_poses import TagLocator
 
-CAMERA = CAMERAS["plumb_bob"]
+CAMERA = CameraModel(640, 480, K)
 FACING = np.diag([1.0, -1.0, -1.0])
 BODY = {"name": "body", "layout": [{"id": 1, "size": SIZE}, {"id": 2, "size": SIZE, "x": 0.4}]}
 

@@ -10,7 +10,7 @@ from typing import Mapping, Sequence
 import rosgraph
 import rospy
 
-from .. import CameraModel
+from .. import CameraModel, without_bent_edges
 from ..bundle_calibration import Calibration, calibrate
 from ..bundle_files import write_bundles
 from ..commands import run_command
@@ -37,9 +37,12 @@ def _learn(arguments: argparse.Namespace) -> None:
     _require_output(arguments)
     camera = _collect(arguments, collection)
     print(collection.summary(), flush=True)
-    frames = collection.frames()
-    if not frames:
+    if not collection.frames():
         raise ValueError(f"none of the tags was seen in {collection.offered} frames")
+    frames = [
+        {tag: without_bent_edges(corners, camera) for tag, corners in frame.items()}
+        for frame in collection.frames()
+    ]
     found = calibrate(arguments.name, frames, arguments.sizes, camera, arguments.master)
     print(_report(found), flush=True)
     _require_fit(found, frames, arguments.sizes)
