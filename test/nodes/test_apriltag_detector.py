@@ -194,6 +194,7 @@ def test_two_of_the_same_id_have_poses_but_no_transform(start):
         assert_near(matrix_of(tag.pose.pose), truth, 0.02, 15.0)
     (transform,) = transforms.of(answer.header.stamp).transforms
     assert transform.child_frame_id == "tag_6"
+    studio.process.wait_for_output("tag 4 of tag36h11 is there more than once: no transform of it")
 
 
 def test_markers_and_overlay(start):

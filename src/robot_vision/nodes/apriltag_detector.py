@@ -84,6 +84,10 @@ class ApriltagDetector:
             except (TypeError, ValueError) as error:
                 raise FrameError(error) from None
             tags, bundles = self._locator.locate(now, found, camera)
+        for twin in (tag.tag for tag in tags if not tag.unique):
+            rospy.logwarn_throttle(
+                10.0, f"tag {twin.id} of {twin.family} is there more than once: no transform of it"
+            )
         if self._tags.get_num_connections():
             self._tags.publish(tag_array(frame.header, size, tags, bundles))
         if self._publish_tf and self._tf.get_num_connections():
