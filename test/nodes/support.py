@@ -80,8 +80,9 @@ class Process:
         """Ends the process and all that it started."""
         if self.running():
             self.interrupt()
+            # roslaunch ends its nodes one by one; killed meanwhile, it would leave the rest.
             with contextlib.suppress(subprocess.TimeoutExpired):
-                self._popen.wait(5.0)
+                self._popen.wait(DEADLINE)
         with contextlib.suppress(ProcessLookupError):
             os.killpg(self._popen.pid, signal.SIGKILL)
         self._popen.wait()
