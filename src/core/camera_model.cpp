@@ -45,11 +45,11 @@ void validate(const CameraModel& camera)
   require(camera.height >= 1, "height", camera.height, "at least 1");
   require(isCalibrated(camera.K), "K", "0 everywhere", "that of a calibrated camera");
   for (const double value : camera.K.val)
-    require(std::isfinite(value), "K", value, "finite");
+    requireFinite("K", value);
   for (const int axis : {0, 1})
     require(camera.K(axis, axis) > 0.0, "K", camera.K(axis, axis), "above 0 where it is a focal length");
   for (const double value : camera.D)
-    require(std::isfinite(value), "D", value, "finite");
+    requireFinite("D", value);
   validateDistortion(camera.distortion_model, camera.D.size());
 }
 

@@ -111,6 +111,7 @@ struct MotionDetector::Impl
       mask(white).setTo(0);
     else
       mask = cv::Mat(size, CV_8UC1, cv::Scalar(0));  // cv::Mat::zeros would blacken what others hold
+    white = cv::Rect({0, 0}, size);                  // until it is known
     return mask;
   }
 
@@ -124,13 +125,13 @@ struct MotionDetector::Impl
       mog2->apply(picture.pixels, mask, params.learning_rate);
       cv::compare(mask, 255.0, mask, cv::CMP_EQ);  // shadows are 127
     }
-    else if (params.ignore_light)
-    {
-      cv::subtract(picture.pixels, cv::Scalar(brighterBy(picture.pixels, background.gray)), lit);
-      part = findChangedPixels({lit, "mono8"}, background, params.blur_size, params.threshold, mask);
-    }
     else
-      part = findChangedPixels(picture, background, params.blur_size, params.threshold, mask);
+    {
+      if (params.ignore_light)
+        cv::subtract(picture.pixels, cv::Scalar(brighterBy(picture.pixels, background.gray)), lit);
+      const EncodedPicture compared = params.ignore_light ? EncodedPicture{lit, "mono8"} : picture;
+      part = findChangedPixels(compared, background, params.blur_size, params.threshold, mask);
+    }
     part = grown(part, params.dilate, size);
     if (params.dilate > 0 && !part.empty()) cv::dilate(mask(part), mask(part), cv::Mat(), {-1, -1}, params.dilate);
     return part;

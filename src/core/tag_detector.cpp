@@ -166,7 +166,7 @@ std::vector<Tag> TagDetector::detect(const cv::Mat& image, const std::string& en
 
 std::vector<Tag> TagDetector::update(double time_s, const cv::Mat& image, const std::string& encoding)
 {
-  require(std::isfinite(time_s), "time_s", time_s, "finite");
+  requireFinite("time_s", time_s);
   Impl& me = *impl_;
   me.setPicture(image, encoding);
   if (me.gray.size() != me.size || time_s <= me.time)

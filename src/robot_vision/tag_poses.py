@@ -3,6 +3,8 @@
 from collections import Counter
 from typing import Dict, List, NamedTuple, Optional, Sequence, Tuple
 
+import numpy as np
+
 from . import (
     Bundle,
     CameraModel,
@@ -63,15 +65,18 @@ class TagLocator:
             self._camera = camera
         seen = Counter(key_of(tag) for tag in tags)
         located = []
+        usable: Dict[TagKey, np.ndarray] = {}  # corners for bundles
         for tag in tags:
             key = key_of(tag)
             unique = seen[key] == 1
             size, frame_id = self._layout.size(key), self._layout.frame_id(key)
             poses = None
             if camera is not None:
-                poses = self._poses_of(time, tag, unique, camera)
+                corners = without_bent_edges(tag.corners, camera)
+                poses = self._poses_of(time, key, corners, unique, camera)
+                if unique and poses is not None:
+                    usable[key] = corners
             located.append(LocatedTag(tag, size, frame_id, poses, unique))
-        usable = [one.tag for one in located if one.unique and one.poses is not None]
         return located, [] if camera is None else self._locate_bundles(time, usable, camera)
 
     def locate_at_once(
@@ -85,13 +90,13 @@ class TagLocator:
         self._bundles = [TagPoseTracker(one.bundle, self._params) for one in self._layout.bundles]
 
     def _poses_of(
-        self, time: float, tag: Tag, unique: bool, camera: CameraModel
+        self, time: float, key: TagKey, corners: np.ndarray, unique: bool, camera: CameraModel
     ) -> Optional[TagPoses]:
-        key, corners = key_of(tag), {tag.id: without_bent_edges(tag.corners, camera)}
+        seen = {key.id: corners}
         try:
             if not unique:
-                return estimate_pose(self._single(key), corners, camera, self._params.corner_noise)
-            return self._tracker(key).update(time, corners, camera)
+                return estimate_pose(self._single(key), seen, camera, self._params.corner_noise)
+            return self._tracker(key).update(time, seen, camera)
         except ValueError:  # the tag is where this camera has no rays
             return None
 
@@ -106,16 +111,12 @@ class TagLocator:
         return single_tag(key.id, self._layout.size(key))
 
     def _locate_bundles(
-        self, time: float, tags: Sequence[Tag], camera: CameraModel
+        self, time: float, corners_of: Dict[TagKey, np.ndarray], camera: CameraModel
     ) -> List[LocatedBundle]:
         found = []
         for one, tracker in zip(self._layout.bundles, self._bundles):
-            own = {tag.id for tag in one.bundle.tags}
-            corners = {
-                tag.id: without_bent_edges(tag.corners, camera)
-                for tag in tags
-                if tag.family == one.family and tag.id in own
-            }
+            keys = [TagKey(one.family, tag.id) for tag in one.bundle.tags]
+            corners = {key.id: corners_of[key] for key in keys if key in corners_of}
             if not corners:
                 continue
             try:

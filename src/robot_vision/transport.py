@@ -167,7 +167,7 @@ class CameraSubscriber(ImageSubscriber):
     """
 
     def _camera_info_topic(self) -> str:
-        return rospy.resolve_name(self.topic.rsplit("/", 1)[0] + "/camera_info")
+        return rospy.resolve_name(camera_info_beside(self.topic))
 
 
 class ImagePublisher:
@@ -278,6 +278,11 @@ class _Process:
             function()
         except Exception:
             rospy.logerr("a callback failed:\n%s", traceback.format_exc())
+
+
+def camera_info_beside(topic: str) -> str:
+    """The topic of the camera_info that belongs to one of pictures."""
+    return topic.rsplit("/", 1)[0] + "/camera_info"
 
 
 def add_connection_listener(listener: Callable[[], Any]) -> None:

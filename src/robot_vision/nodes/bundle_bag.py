@@ -10,6 +10,7 @@ import rosbag
 
 from .. import CameraModel, TagDetector, TagDetectorParams
 from ..frame_collection import FrameCollection
+from ..transport import camera_info_beside
 from .calibration import camera_model
 
 PICTURES = ("sensor_msgs/Image", "sensor_msgs/CompressedImage")
@@ -106,8 +107,7 @@ def _picture(message: Any) -> Tuple[np.ndarray, str]:
 
 def _beside(image: str, kind: str) -> str:
     """The topic of the camera_info that belongs to one of pictures."""
-    base = image if kind == PICTURES[0] else image.rsplit("/", 1)[0]
-    return base.rsplit("/", 1)[0] + "/camera_info"
+    return camera_info_beside(image if kind == PICTURES[0] else image.rsplit("/", 1)[0])
 
 
 def _require_topic(path: str, kinds: Dict[str, str], topic: str, wanted: Any, what: str) -> None:

@@ -8,6 +8,7 @@ import rospy
 from sensor_msgs.msg import CameraInfo
 
 from .. import CameraModel, is_calibrated
+from ..transport import camera_info_beside
 from .image_node import ImageNode
 
 PATIENCE = 2.0  # s that pictures come without camera_info until it is told
@@ -25,8 +26,7 @@ class Calibration:
     """
 
     def __init__(self, node: ImageNode, missing: str):
-        beside = node.topic.rsplit("/", 1)[0] + "/camera_info"
-        self.topic = remapped_camera_info() or beside
+        self.topic = remapped_camera_info() or camera_info_beside(node.topic)
         self._missing = missing
         self._info: Optional[CameraInfo] = None
         self._came = threading.Event()
