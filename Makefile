@@ -3,7 +3,7 @@
 PREFIX ?= /opt/robot_vision
 
 .DEFAULT_GOAL := help
-.PHONY: help deps build demo test lint format bench install clean run-deps
+.PHONY: help deps build demo test sanitize lint format bench install clean run-deps
 .NOTPARALLEL:
 MAKEFLAGS += --no-print-directory
 
@@ -22,6 +22,10 @@ test: deps
 build: run-deps
 	@tools/env tools/build
 
+## make sanitize  the gtests with AddressSanitizer and UndefinedBehaviorSanitizer; part of make test
+sanitize: deps
+	@tools/env tools/sanitize
+
 ## make lint      formatting and static checks, as listed in .pre-commit-config.yaml
 lint: deps
 	@tools/env tools/lint
@@ -30,7 +34,7 @@ lint: deps
 format: deps
 	@tools/env tools/lint format
 
-## make bench     the figures of docs and README, measured here
+## make bench     measure speed and write BENCHMARKS.md; ARGS=kernels, nodes or growth: only print that part
 bench: deps build
 	@tools/env --source .ws/devel/setup.bash test/benchmarks/run $(ARGS)
 

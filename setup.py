@@ -3,7 +3,12 @@ from setuptools import setup
 
 setup(
     **generate_distutils_setup(
-        packages=["robot_vision", "robot_vision.markers", "robot_vision.nodes"],
+        packages=[
+            "robot_vision",
+            "robot_vision.calibration",
+            "robot_vision.markers",
+            "robot_vision.nodes",
+        ],
         package_dir={"": "src"},
     )
 )

@@ -1,68 +1,8 @@
 #!/usr/bin/env python3
-"""Prints a line per node and second from /diagnostics: rate, age, processing time, state."""
+"""Prints what the nodes of the demo report: see robot_vision.nodes.demo_status."""
 
-from typing import Dict
-
-import rospy
-from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
-
+from robot_vision.nodes.demo_status import DemoStatus
 from robot_vision.nodes.startup import run_node
 
-TOPICS = {
-    "usb_cam": "/usb_cam/image_raw",
-    "brightness": "/brightness/processed_image",
-    "edge_detector": "/edge_detector/processed_image",
-    "hsv_tracker": "/hsv_tracker/processed_image",
-    "ball_tracker": "/ball_tracker/processed_image",
-    "line_follower": "/line_follower/processed_image",
-    "face_detector": "/face_detector/processed_image",
-    "motion_detector": "/motion_detector/processed_image",
-    "object_tracker": "/object_tracker/processed_image",
-    "apriltag_detector": "/apriltag_detector/processed_image",
-    "code_reader": "/code_reader/processed_image",
-}
-
-
-def line(name: str, status: DiagnosticStatus) -> str:
-    """The status of one node as one line of text."""
-    values = {pair.key: pair.value for pair in status.values}
-    return "{:<14} {:>6} Hz  age {:>8} ms  processing {:>8} ms  {}".format(
-        name,
-        values.get("output rate (Hz)", "?"),
-        values.get("output age (ms)", "?"),
-        values.get("processing time (ms)", "?"),
-        status.message,
-    )
-
-
-class Printer:
-    """Prints the nodes in the order in which the frames pass them."""
-
-    def __init__(self) -> None:
-        if not rospy.get_param("~view", False):
-            print("No display: look at these topics, for instance with")
-            print("  rosrun image_view image_view image:=" + TOPICS["edge_detector"])
-            print(*("  " + topic for topic in TOPICS.values()), sep="\n", flush=True)
-        self._round: Dict[str, DiagnosticStatus] = {}
-        self._subscriber = rospy.Subscriber("/diagnostics", DiagnosticArray, self._on_diagnostics)
-
-    def _on_diagnostics(self, message: DiagnosticArray) -> None:
-        for status in message.status:
-            name = status.name.split(":")[0]
-            if name not in TOPICS:
-                continue
-            if name in self._round:  # a node is missing from this round
-                self._print_round()
-            self._round[name] = status
-            if len(self._round) == len(TOPICS):
-                self._print_round()
-
-    def _print_round(self) -> None:
-        for name in TOPICS:
-            if name in self._round:
-                print(line(name, self._round[name]), flush=True)
-        self._round.clear()
-
-
 if __name__ == "__main__":
-    run_node("demo_status", Printer)
+    run_node("demo_status", DemoStatus, has_file=False)

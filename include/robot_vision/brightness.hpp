@@ -11,6 +11,7 @@ struct BrightnessParams
   double gain = 1.0;     // contrast: factor on every value, 0 to 10
   double offset = 50.0;  // brightness: grey levels of 255 added after the gain, -255 to 255
   double gamma = 1.0;    // exponent of the last step, 0.1 to 10; below 1 lifts the shadows
+  int threads = 1;       // that share a picture, 1 to 64; no more than cv::setNumThreads() allows
 };
 
 /// Throws std::invalid_argument naming the first parameter out of range, its value and the range.
@@ -33,10 +34,13 @@ public:
   static std::string outputEncoding(const std::string& encoding);
 
 private:
+  void applyTo(const cv::Mat& image, const cv::Range& rows, cv::Mat& out) const;
+
   BrightnessParams params_;
-  cv::Mat table_;        // 1x256 CV_8UC1
-  cv::Mat alpha_table_;  // 1x256 CV_8UC4, the fourth channel unchanged
-  cv::Mat wide_table_;   // 1x65536 CV_16UC1, made when the first mono16 picture comes
+  cv::Mat table_;         // 1x256 CV_8UC1
+  bool is_line_ = false;  // the table is that of a gain and an offset, which can be computed faster than looked up
+  cv::Mat alpha_table_;   // 1x256 CV_8UC4, the fourth channel unchanged
+  cv::Mat wide_table_;    // 1x65536 CV_16UC1, made when the first mono16 picture comes
   cv::Mat bgr_;
 };
 

@@ -23,7 +23,8 @@ struct HsvRange
 void validate(const HsvRange& range);
 
 /// The pixels of a picture whose colour is in a range: cv::cvtColor to HSV and cv::inRange (for a range through red the
-/// union of two), to the bit, in one pass without the HSV picture. Never changes: threads may share one.
+/// union of two), to the bit, in one pass without the HSV picture, by as many threads as cv::setNumThreads() says.
+/// Never changes: threads may share one.
 class HsvMask
 {
 public:

@@ -1,12 +1,67 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
+#include <opencv2/core.hpp>
+#include <vector>
 
 namespace robot_vision
 {
 
-/// True if the bytes are a JPEG stream from its start-of-image to its end-of-image marker (ITU-T T.81, annex B).
-/// Decoders fill the missing part of a truncated stream with grey instead of failing, so this has to be asked first.
+/// True if the bytes are a JPEG stream with a picture, from its start-of-image to its end-of-image marker (ITU-T T.81,
+/// annex B). Decoders that fill the missing part of a truncated stream with grey do not tell.
 bool isCompleteJpeg(const unsigned char* data, std::size_t size);
+
+/// 8192 x 8192: a stream of some hundred bytes can claim to be a picture that fills the memory.
+constexpr std::size_t kMostPixels = std::size_t{1} << 26;
+constexpr int kLongestJpegSide = 65500;  // px, libjpeg's own limit
+
+struct JpegInfo
+{
+  cv::Size size;       // px
+  bool color = false;  // else grey
+};
+
+/// Throws std::invalid_argument if the stream is not complete or has more than kMostPixels.
+JpegInfo readJpegInfo(const unsigned char* data, std::size_t size);
+
+/// Writes the stream into `out`, byte for byte. Only where a baseline stream has no Huffman tables, as some cameras'
+/// Motion JPEG, the standard ones (T.81, K.3) are put in: not every reader knows that they are meant.
+/// Throws as readJpegInfo does; it costs the reading of the markers, not of the pixels.
+JpegInfo copyJpeg(const unsigned char* data, std::size_t size, std::vector<std::uint8_t>& out);
+
+enum class JpegPixels
+{
+  kBgr,
+  kRgb,
+  kGray,  // the luma alone, which spares the work on the chroma
+};
+
+/// Throws std::invalid_argument unless `reduction` is 1, 2, 4 or 8.
+void validateReduction(int reduction);
+
+/// Decodes into `out` (CV_8UC3 or CV_8UC1, reused if it fits), as cv::imdecode does, but never turned by EXIF.
+/// `reduction` 1, 2, 4 or 8 gives 1/n of the size, rounded up, for much less work.
+/// What cameras write beside a whole picture is no damage: bytes in front of the first scan, padding or a few bytes
+/// in front of a later marker, odd versions, no Huffman tables. Pixels have no checksum: damage that still decodes, and
+/// leaves no more than those few bytes over, cannot be noticed. Throws std::invalid_argument if the stream is
+/// truncated, damaged, too large or of more scans than any picture needs.
+void decodeJpeg(const unsigned char* data, std::size_t size, JpegPixels pixels, cv::Mat& out, int reduction = 1);
+
+struct JpegParams
+{
+  int quality = 80;          // %, 1 to 100
+  bool progressive = false;  // rough picture first
+  bool optimize = false;     // Huffman tables made for the picture: smaller and slower
+  int restart_interval =
+      0;  // blocks of 16 x 16 px between markers that a damaged stream can be read on from, 0 to 65535
+};
+
+/// Throws std::invalid_argument naming the first parameter out of range, its value and the range.
+void validate(const JpegParams& params);
+
+/// Encodes mono8 (CV_8UC1), bgr8 (CV_8UC3) or bgra8 (CV_8UC4), with `rgb` rgb8 or rgba8, into `out`, with chroma of
+/// half the resolution, as cv::imencode does. Throws std::invalid_argument for pictures of another type or size.
+void encodeJpeg(const cv::Mat& image, bool rgb, const JpegParams& params, std::vector<std::uint8_t>& out);
 
 }  // namespace robot_vision

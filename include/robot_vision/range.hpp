@@ -1,12 +1,16 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 namespace robot_vision
 {
 
 /// The shortest usual notation of a number: 0.5, 30, nan.
 std::string toText(double value);
+
+/// "a, b, c": the words of a list, for a message.
+std::string joined(const std::vector<std::string>& words);
 
 /// Throws std::invalid_argument "<name> is <value>, must be <expected>" unless `ok`.
 void require(bool ok, const std::string& name, const std::string& value, const std::string& expected);

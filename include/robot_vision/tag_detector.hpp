@@ -19,6 +19,7 @@ struct TagDetectorParams
   double min_margin = 0.0;         // grey levels, tags with a smaller margin are left out, 0 to 255
   double min_similarity = 0.8;     // tags that look less like themselves are left out, -1 to 1
   double max_search_period = 0.5;  // s within which a new tag is found, 0 (all of every picture is searched) to 60
+  bool background = false;         // search whole pictures in a thread of its own, while update() goes on
 };
 
 /// Throws std::invalid_argument naming the first parameter out of range, its value and the range.
@@ -44,6 +45,12 @@ struct Tag
 /// view it may thus be missing, and for max_search_period at most; nothing but that differs from detect(). One that is
 /// covered for a moment is looked for in its place, too.
 ///
+/// In the background such a search takes no time of update(), which goes on around the known tags; what it finds is
+/// looked for in the newest frame, the farther around the longer it took, and reported there. A new tag then appears
+/// later by the time of a search and a frame, and results depend on how fast the machine is: for live pictures. The
+/// first frame, the first of another size, and that after time went back are searched by update() itself, and so is
+/// every frame if max_search_period is 0.
+///
 /// decimate 0 searches whole pictures in full resolution, and around a tag in as little as its edges need. New tags of
 /// 64 px and more are then found within a fifth of max_search_period, as so often a fourth of the resolution is
 /// searched.
@@ -53,9 +60,12 @@ struct Tag
 /// similarity: a tag is black and white in all its cells and around them. Of tag16h5 one wrong bit is corrected at
 /// most; as of the three families with more than 10000 ids, whose tables would take gigabytes.
 ///
-/// The corners of a tag that the picture cuts off are some px off. Two tags with the same id are both reported. A
-/// detector may be used by one thread at a time, and starts none: the library's own are not safe, as one that starts
-/// late may still work when its memory is given back.
+/// The corners of a tag that the picture cuts off are some px off. Two tags with the same id are both reported.
+///
+/// A detector may be used by one thread at a time. update() shares the searches around tags among OpenCV's threads
+/// (cv::setNumThreads), whose number changes no result; the library's own threads are not safe, as one that starts late
+/// may still work when its memory is given back. The destructor waits for a search in the background, which at
+/// 3840x2160 may take seconds, as the library cannot be interrupted; see abandonSearch().
 class TagDetector
 {
 public:
@@ -65,7 +75,8 @@ public:
   TagDetector(TagDetector&&) noexcept;
   TagDetector& operator=(TagDetector&&) noexcept;
 
-  /// Other parameters from now on; tags remain known. Throws std::invalid_argument as validate() does.
+  /// Other parameters from now on, also while a search is under way; tags remain known. Throws std::invalid_argument as
+  /// validate() does.
   void configure(const TagDetectorParams& params);
 
   /// All tags of a picture by itself, by family, id and place. What update() knows is not touched. `image` is not
@@ -76,6 +87,13 @@ public:
   /// The tags in the frame of `time_s` (s, of any clock), in the same order. Another size of picture and time that goes
   /// back, or stands still, make it forget what it knows. Throws as detect() does, and for a time that is not finite.
   std::vector<Tag> update(double time_s, const cv::Mat& image, const std::string& encoding);
+
+  /// Whether update() had to search a whole picture itself the last time, as no thread could be started for it.
+  bool lacksThreads() const;
+
+  /// From now on the destructor does not wait for a search in the background, which goes on to its end or that of the
+  /// process: for a process that is about to end. This library must stay loaded. May be called by any thread.
+  void abandonSearch();
 
 private:
   struct Impl;

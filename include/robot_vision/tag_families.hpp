@@ -25,10 +25,12 @@ const std::vector<TagFamily>& tagFamilies();
 /// Throws std::invalid_argument naming the families if there is none of this name.
 const TagFamily& tagFamily(const std::string& name);
 
-/// Picture of a tag, upright: CV_8UC1, 0 or 255, a pixel per cell, `width` cells square, the found corners
+constexpr int kFreeCell = 128;  // in tagCells(): it means nothing, and may have any colour
+
+/// Picture of a tag, upright: CV_8UC1, 0, 255 or kFreeCell, a pixel per cell, `width` cells square, the found corners
 /// (width - width_at_border) / 2 cells from its edges. The classic families bring their white border of one cell. The
-/// others have cells outside the found corners; what lies around those may have any colour. Cells that mean nothing are
-/// 0: the corners of the picture in the round families, the middle of tagCustom48h12; they may be left out in print.
+/// others have cells outside the found corners; what lies around those may have any colour. So may the free cells, the
+/// corners of the picture in the round families and the middle of tagCustom48h12: the library prints them black.
 /// Throws std::invalid_argument as tagFamily() does, and naming the ids if the family has no tag of this one.
 cv::Mat tagCells(const std::string& family, int id);
 

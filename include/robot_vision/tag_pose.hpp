@@ -12,6 +12,9 @@
 namespace robot_vision
 {
 
+/// Of x and y of the first corner of a tag to x and y of the last one, px^2.
+using CornerCovariance = cv::Matx<double, 8, 8>;
+
 /// Where a camera sees a tag.
 struct TagCorners
 {
@@ -19,6 +22,8 @@ struct TagCorners
   // px in the (distorted) picture, of the outer edge of the black border: AprilTag's order, counter-clockwise for
   // somebody who looks at the tag, from the bottom left one.
   std::array<cv::Point2d, 4> corners;
+  std::optional<CornerCovariance> covariance = std::nullopt;  // if it is known, as measureCorners() tells it: of what
+                                                              // the picture leaves open, without the lens
 };
 
 /// A tag on a rigid body. Its frame is that of apriltag_ros: for somebody who looks at the tag x right, y up, z out of
@@ -28,6 +33,9 @@ struct BundleTag
   int id = 0;
   double size = 0.0;                             // m, outer edge of the black border
   cv::Affine3d pose = cv::Affine3d::Identity();  // of the tag in the body's frame, m
+  // How well that is known, standard deviations; the body's frame is where its layout is right on the whole.
+  double shift_noise = 0.0;  // m, of x, y and z
+  double turn_noise = 0.0;   // rad, about each axis
 };
 
 /// Tags on one rigid body.
@@ -41,7 +49,7 @@ struct Bundle
 Bundle singleTag(int id, double size);
 
 /// Throws std::invalid_argument naming what is wrong, its value and the range: no tags, an id below 0 or twice, a size
-/// that is not positive, a pose that is none.
+/// that is not positive, a pose that is none, a noise that is negative.
 void validate(const Bundle& bundle);
 
 /// A pose of a body in the camera's optical frame.
@@ -61,18 +69,20 @@ struct TagPoses
   PoseEstimate best;                  // its covariance holds the chance that it is the other one
   std::optional<PoseEstimate> other;  // if there is one
   double ratio = 0.0;                 // error of the best to that of the other, 0 if there is none; above 1: the best
-                                      // one is so by what was seen before
+                                      // one is so by how well each corner is known, or by what was seen before
   double probability = 1.0;           // that the best one is right, 0 to 1
 };
 
 /// The pose of a bundle, or of a tag, from the corners of its tags in one picture; others are left out. Each of the two
 /// poses (Collins, Bartoli: Infinitesimal Plane-Based Pose Estimation, IJCV 2014) is where the squared distances of all
-/// corners, in the picture as it is, are least.
-/// `noise`: px, standard deviation of each coordinate of a corner. Nothing is returned if none of the tags is seen, or
-/// no pose in front of the camera is like it. Throws std::invalid_argument as the two validate() do, for a noise that
-/// is not positive, and for corners that are no tag's, naming them: not finite, not convex, in the wrong order, smaller
-/// than a pixel, where the camera has no rays, or of a tag that is there twice.
+/// corners, in the picture as it is and weighed by their covariances, are least.
+/// `noise`: px, 0.001 to 10, standard deviation of each coordinate of a corner of which no covariance is known;
+/// `lens_noise`: px, 0 to 10, the same of what the calibration leaves of the lens, alike in corners that are near each
+/// other. Nothing is returned if none of the tags is seen, or no pose in front of the camera is like it. Throws
+/// std::invalid_argument as the two validate() do, for a noise out of range, and for corners that are no tag's, naming
+/// them: not finite, not convex, in the wrong order, smaller than a pixel, where the camera has no rays, with a
+/// covariance that is none, or of a tag that is there twice.
 std::optional<TagPoses> estimatePose(const Bundle& bundle, const std::vector<TagCorners>& seen,
-                                     const CameraModel& camera, double noise);
+                                     const CameraModel& camera, double noise, double lens_noise);
 
 }  // namespace robot_vision

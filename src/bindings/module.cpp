@@ -61,7 +61,8 @@ void bindFilters(py::module& m)
       .def(py::init<>())
       .def_readwrite("gain", &BrightnessParams::gain)
       .def_readwrite("offset", &BrightnessParams::offset)
-      .def_readwrite("gamma", &BrightnessParams::gamma);
+      .def_readwrite("gamma", &BrightnessParams::gamma)
+      .def_readwrite("threads", &BrightnessParams::threads);
   m.def(
       "adjust_brightness", apply<Brightness, BrightnessParams>, "image"_a, "encoding"_a = "bgr8",
       "params"_a = BrightnessParams(),
@@ -74,7 +75,8 @@ void bindFilters(py::module& m)
       .def_readwrite("low_threshold", &EdgeParams::low_threshold)
       .def_readwrite("high_threshold", &EdgeParams::high_threshold)
       .def_readwrite("aperture", &EdgeParams::aperture)
-      .def_readwrite("l2_gradient", &EdgeParams::l2_gradient);
+      .def_readwrite("l2_gradient", &EdgeParams::l2_gradient)
+      .def_readwrite("threads", &EdgeParams::threads);
   m.def("find_edges", apply<EdgeDetector, EdgeParams>, "image"_a, "encoding"_a = "bgr8", "params"_a = EdgeParams(),
         "Canny edges of the blurred grey picture: (height, width) uint8, 255 on edges and 0 elsewhere.\n\n"
         "Raises ValueError for a parameter out of range or an image that is not of this encoding.");
@@ -93,6 +95,8 @@ void bindSources(py::module& m)
       .def_readwrite("pixel_format", &CaptureParams::pixel_format)
       .def_readwrite("io_method", &CaptureParams::io_method)
       .def_readwrite("framerate", &CaptureParams::framerate)
+      .def_readwrite("timeout", &CaptureParams::timeout)
+      .def_readwrite("scene", &CaptureParams::scene)
       .def_readwrite("poster", &CaptureParams::poster);
 }
 

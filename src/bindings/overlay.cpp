@@ -36,6 +36,24 @@ std::vector<cv::Point2d> toCenters(const Centers& centers)
 void bindOverlay(py::module& m)
 {
   m.def(
+      "to_gray",
+      [](const py::array& image, const std::string& encoding)
+      {
+        const Picture input(image);
+        cv::Mat gray;
+        {
+          const py::gil_scoped_release unlocked;
+          toGray(input.view, encoding, gray);
+        }
+        if (!sharesPixels(gray, input.view)) return toNumpy(gray);
+        py::array view = toNumpy(gray, input.array);
+        view.attr("setflags")("write"_a = false);
+        return view;
+      },
+      "image"_a, "encoding"_a,
+      "Grey picture, (height, width); a read-only view of the input where that is grey.\n\n"
+      "Raises ValueError for an image that is not of this encoding.");
+  m.def(
       "to_bgr",
       [](const py::array& image, const std::string& encoding)
       {

@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "arrays.hpp"
+#include "robot_vision/calibration_scene.hpp"
 #include "robot_vision/floor_scene.hpp"
 
 using namespace robot_vision;
@@ -123,6 +124,27 @@ void bindRoom(py::module& m)
           "frame"_a, "The picture of a frame: (height, width, 3) uint8, BGR.");
 }
 
+void bindCalibration(py::module& m)
+{
+  py::class_<CalibrationScene>(m, "CalibrationScene",
+                               "A checkerboard shown to the Scene's camera, each half second in another pose.")
+      .def(py::init<const SceneParams&>(), "params"_a = SceneParams())
+      .def_property_readonly("camera", &CalibrationScene::camera)
+      .def("truth", &CalibrationScene::truth, "frame"_a)
+      .def(
+          "render",
+          [](const CalibrationScene& scene, std::int64_t frame)
+          {
+            cv::Mat bgr;
+            {
+              const py::gil_scoped_release unlocked;
+              scene.render(frame, bgr);
+            }
+            return toNumpy(bgr);
+          },
+          "frame"_a, "The picture of a frame: (height, width, 3) uint8, BGR.");
+}
+
 py::array renderFloor(const FloorScene& scene, const Matrix& camera)
 {
   if (camera.ndim() != 2 || camera.shape(0) != 4 || camera.shape(1) != 4)
@@ -162,5 +184,6 @@ void bindScene(py::module& m)
 {
   bindCamera(m);
   bindRoom(m);
+  bindCalibration(m);
   bindFloor(m);
 }

@@ -1,9 +1,11 @@
 #include <pybind11/stl.h>
 
 #include <map>
+#include <variant>
 
 #include "arrays.hpp"
 #include "robot_vision/bent_edges.hpp"
+#include "robot_vision/measured_corners.hpp"
 #include "robot_vision/tag_pose.hpp"
 #include "robot_vision/tag_pose_tracker.hpp"
 
@@ -14,22 +16,34 @@ namespace
 {
 
 using Matrix = py::array_t<double, py::array::c_style | py::array::forcecast>;
-using CornersById = std::map<int, Matrix>;
+using CornersById = std::map<int, std::variant<TagCorners, Matrix>>;
+
+TagCorners toTag(int id, const Matrix& matrix)
+{
+  if (matrix.ndim() != 2 || matrix.shape(0) != 4 || matrix.shape(1) != 2)
+    throw py::value_error("expected a (4, 2) array of the corners of tag " + std::to_string(id));
+  TagCorners tag;
+  tag.id = id;
+  for (py::ssize_t i = 0; i < 4; ++i)
+    tag.corners[static_cast<std::size_t>(i)] = {matrix.at(i, 0), matrix.at(i, 1)};
+  return tag;
+}
 
 std::vector<TagCorners> toTags(const CornersById& corners)
 {
   std::vector<TagCorners> tags;
-  for (const auto& [id, matrix] : corners)
+  for (const auto& [id, found] : corners)
   {
-    if (matrix.ndim() != 2 || matrix.shape(0) != 4 || matrix.shape(1) != 2)
-      throw py::value_error("expected a (4, 2) array of the corners of tag " + std::to_string(id));
-    TagCorners tag;
-    tag.id = id;
-    for (py::ssize_t i = 0; i < 4; ++i)
-      tag.corners[static_cast<std::size_t>(i)] = {matrix.at(i, 0), matrix.at(i, 1)};
-    tags.push_back(tag);
+    const auto* measured = std::get_if<TagCorners>(&found);
+    tags.push_back(measured ? *measured : toTag(id, std::get<Matrix>(found)));
+    tags.back().id = id;
   }
   return tags;
+}
+
+py::array_t<double> toCorners(const std::array<cv::Point2d, 4>& corners)
+{
+  return toNumpy(std::vector<cv::Point2d>(corners.begin(), corners.end()));
 }
 
 cv::Affine3d toPose(const Matrix& matrix)
@@ -44,20 +58,22 @@ py::array_t<double> toMatrix(const cv::Matx66d& matrix)
 }
 
 constexpr const char* kCorners =
-    "corners: by id of the tag, (4, 2) px each, counter-clockwise for somebody who looks at the tag, from the bottom "
-    "left one; of tags that are not in the bundle they are left out. None is returned if no tag is left, or no pose in "
-    "front of the camera is like it.\n\nRaises ValueError for corners that are no tag's.";
+    "corners: by id of the tag, MeasuredCorners or (4, 2) px each, counter-clockwise for somebody who looks at the "
+    "tag, from the bottom left one; of tags that are not in the bundle they are left out. None is returned if no tag "
+    "is left, or no pose in front of the camera is like it.\n\nRaises ValueError for corners that are no tag's.";
 
 void bindBundle(py::module& m)
 {
   py::class_<BundleTag>(m, "BundleTag", "A tag on a rigid body: id, size (m) and 4x4 pose in the body's frame (m).")
       .def(py::init(
-               [](int id, double size, const Matrix& pose) {
-                 return BundleTag{id, size, toPose(pose)};
+               [](int id, double size, const Matrix& pose, double shift_noise, double turn_noise) {
+                 return BundleTag{id, size, toPose(pose), shift_noise, turn_noise};
                }),
-           "id"_a, "size"_a, "pose"_a)
+           "id"_a, "size"_a, "pose"_a, "shift_noise"_a = 0.0, "turn_noise"_a = 0.0)
       .def_readonly("id", &BundleTag::id)
       .def_readonly("size", &BundleTag::size, "m, outer edge of the black border")
+      .def_readonly("shift_noise", &BundleTag::shift_noise, "m, standard deviation of each coordinate of its place")
+      .def_readonly("turn_noise", &BundleTag::turn_noise, "rad, standard deviation of its rotation about each axis")
       .def_property_readonly(
           "pose", [](const BundleTag& tag) { return toNumpy(tag.pose.matrix); },
           "4x4, m; of the tag's frame: x right, y up, z out of it as seen in front of it, the origin in its middle");
@@ -101,17 +117,59 @@ void bindResult(py::module& m)
       .def_readonly("probability", &TagPoses::probability, "that the best one is right, 0 to 1");
 }
 
+void bindCorners(py::module& m)
+{
+  py::class_<TagCorners>(m, "MeasuredCorners", "Where the corners of a tag are, and how well that is known.")
+      .def(py::init(
+               [](const Matrix& corners, const Matrix& covariance)
+               {
+                 if (covariance.ndim() != 2 || covariance.shape(0) != 8 || covariance.shape(1) != 8)
+                   throw py::value_error("expected an (8, 8) covariance");
+                 TagCorners tag = toTag(0, corners);
+                 tag.covariance = CornerCovariance(covariance.data());
+                 return tag;
+               }),
+           "corners"_a, "covariance"_a)
+      .def_property_readonly(
+          "corners", [](const TagCorners& tag) { return toCorners(tag.corners); }, "(4, 2) px")
+      .def_property_readonly(
+          "covariance",
+          [](const TagCorners& tag) {
+            return py::array_t<double>({8, 8}, tag.covariance->val);
+          },
+          "8x8 px^2, of x and y of the first corner to x and y of the last one");
+  m.def(
+      "measure_corners",
+      [](const py::array& gray, const py::array& cells, int width_at_border, const Matrix& near,
+         const CameraModel& camera)
+      {
+        const Picture picture(gray), pattern(cells);
+        const TagCorners start = toTag(0, near);
+        const py::gil_scoped_release unlocked;
+        return measureCorners(picture.view, pattern.view, width_at_border, start, camera);
+      },
+      "gray"_a, "cells"_a, "width_at_border"_a, "near"_a, "camera"_a,
+      "The MeasuredCorners of a tag near where they were found, (4, 2) px, or None where the grey picture does not "
+      "look like it; see measured_corners.hpp.\n\ncells: of tag_cells(); width_at_border: of its TagFamily.");
+}
+
 }  // namespace
 
 /// Poses of tags.
 void bindTagPoses(py::module& m)
 {
+  bindCorners(m);
   m.def(
       "without_bent_edges",
       [](const Matrix& corners, const CameraModel& camera)
       {
-        const auto found = withoutBentEdges(toTags({{0, corners}}).front().corners, camera);
-        return toNumpy(std::vector<cv::Point2d>(found.begin(), found.end()));
+        const TagCorners found = toTag(0, corners);
+        const auto straight = [&]
+        {
+          const py::gil_scoped_release unlocked;
+          return withoutBentEdges(found.corners, camera);
+        };
+        return toCorners(straight());
       },
       "corners"_a, "camera"_a,
       "Where the corners of a tag are, (4, 2) px, from those that a TagDetector finds: it fits straight lines to the "
@@ -120,14 +178,22 @@ void bindTagPoses(py::module& m)
   bindResult(m);
   m.def(
       "estimate_pose",
-      [](const Bundle& bundle, const CornersById& corners, const CameraModel& camera, double noise)
-      { return estimatePose(bundle, toTags(corners), camera, noise); },
+      [](const Bundle& bundle, const CornersById& corners, const CameraModel& camera, double noise, double lens_noise)
+      {
+        const std::vector<TagCorners> seen = toTags(corners);
+        const py::gil_scoped_release unlocked;
+        return estimatePose(bundle, seen, camera, noise, lens_noise);
+      },
       "bundle"_a, "corners"_a, "camera"_a, "noise"_a = TagPoseParams().corner_noise,
-      (std::string("The TagPoses of a Bundle in one picture.\n\nnoise: px, of each coordinate; ") + kCorners).c_str());
+      "lens_noise"_a = TagPoseParams().lasting_noise,
+      (std::string("The TagPoses of a Bundle in one picture.\n\nnoise: px, of each coordinate where it was not "
+                   "measured; lens_noise: px, what the calibration leaves of the lens; ") +
+       kCorners)
+          .c_str());
 
   py::class_<TagPoseParams>(
       m, "TagPoseParams",
-      "Noise of the corners until it has been measured, the least part of it that lasts at rest (px), "
+      "Noise of the corners until it has been measured, what the calibration leaves of the lens (px), "
       "and s after which a body is new.")
       .def(py::init<>())
       .def_readwrite("corner_noise", &TagPoseParams::corner_noise)
@@ -139,9 +205,14 @@ void bindTagPoses(py::module& m)
       .def(
           "update",
           [](TagPoseTracker& tracker, double time, const CornersById& corners, const CameraModel& camera)
-          { return tracker.update(time, toTags(corners), camera); },
+          {
+            const std::vector<TagCorners> seen = toTags(corners);
+            const py::gil_scoped_release unlocked;
+            return tracker.update(time, seen, camera);
+          },
           "time"_a, "corners"_a, "camera"_a,
           (std::string("The TagPoses in the frame of a time, s.\n\n") + kCorners).c_str())
       .def_property_readonly("corner_noise", &TagPoseTracker::cornerNoise,
-                             "px, standard deviation of each coordinate of a corner, as measured");
+                             "px, standard deviation of each coordinate of a corner in the newest frame: of a bundle "
+                             "the corners of its tag that was seen with the least id");
 }

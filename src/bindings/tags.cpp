@@ -22,10 +22,47 @@ void bindFamilies(py::module& m)
   m.def("tag_families", &tagFamilies, "All TagFamilies that are known.");
   m.def("tag_family", &tagFamily, "name"_a, "The TagFamily of a name; raises ValueError naming all if it is none.");
   m.def(
-      "tag_cells", [](const std::string& family, int id) { return toNumpy(tagCells(family, id)); }, "family"_a, "id"_a,
-      "Picture of a tag, upright: (width, width) uint8, 0 or 255, a pixel per cell; see tag_families.hpp.\n\n"
+      "tag_cells",
+      [](const std::string& family, int id)
+      {
+        const auto cells = [&]
+        {
+          const py::gil_scoped_release unlocked;
+          return tagCells(family, id);
+        };
+        return toNumpy(cells());
+      },
+      "family"_a, "id"_a,
+      "Picture of a tag, upright: (width, width) uint8, a pixel per cell: 0, 255, or 128 where it may have any colour; "
+      "see tag_families.hpp.\n\n"
       "The corners that are found are (width - width_at_border) / 2 cells from its edges.\n"
       "Raises ValueError for an unknown family, and for an id that it does not have.");
+}
+
+/// A search in the background may have to be waited for.
+struct DeleteUnlocked
+{
+  void operator()(TagDetector* detector) const
+  {
+    const py::gil_scoped_release unlocked;
+    delete detector;
+  }
+};
+
+void bindTag(py::module& m)
+{
+  py::class_<Tag>(m, "Tag", "A tag in a picture.")
+      .def_readonly("family", &Tag::family)
+      .def_readonly("id", &Tag::id)
+      .def_readonly("hamming", &Tag::hamming, "wrong bits that were corrected")
+      .def_readonly("margin", &Tag::margin, "grey levels, mean distance of the bits from the threshold")
+      .def_readonly("similarity", &Tag::similarity, "correlation of the picture with the tag's cells, at most 1")
+      .def_property_readonly(
+          "center", [](const Tag& tag) { return toPair(tag.center); }, "px, where the diagonals meet")
+      .def_property_readonly(
+          "corners",
+          [](const Tag& tag) { return toNumpy(std::vector<cv::Point2d>(tag.corners.begin(), tag.corners.end())); },
+          "(4, 2), px: the upright tag's bottom left, bottom right, top right, top left corner");
 }
 
 void bindDetector(py::module& m)
@@ -39,22 +76,11 @@ void bindDetector(py::module& m)
       .def_readwrite("max_hamming", &TagDetectorParams::max_hamming)
       .def_readwrite("min_margin", &TagDetectorParams::min_margin)
       .def_readwrite("min_similarity", &TagDetectorParams::min_similarity)
-      .def_readwrite("max_search_period", &TagDetectorParams::max_search_period);
+      .def_readwrite("max_search_period", &TagDetectorParams::max_search_period)
+      .def_readwrite("background", &TagDetectorParams::background);
 
-  py::class_<Tag>(m, "Tag", "A tag in a picture.")
-      .def_readonly("family", &Tag::family)
-      .def_readonly("id", &Tag::id)
-      .def_readonly("hamming", &Tag::hamming, "wrong bits that were corrected")
-      .def_readonly("margin", &Tag::margin, "grey levels, mean distance of the bits from the threshold")
-      .def_readonly("similarity", &Tag::similarity, "correlation of the picture with the tag's cells, at most 1")
-      .def_property_readonly(
-          "center", [](const Tag& tag) { return toPair(tag.center); }, "px, where the diagonals meet")
-      .def_property_readonly(
-          "corners",
-          [](const Tag& tag) { return toNumpy(std::vector<cv::Point2d>(tag.corners.begin(), tag.corners.end())); },
-          "(4, 2), px: the upright tag's bottom left, bottom right, top right, top left corner");
-
-  py::class_<TagDetector>(m, "TagDetector", "Finds AprilTags with libapriltag; see tag_detector.hpp.")
+  py::class_<TagDetector, std::unique_ptr<TagDetector, DeleteUnlocked>>(
+      m, "TagDetector", "Finds AprilTags with libapriltag; see tag_detector.hpp.")
       .def(py::init<const TagDetectorParams&>(), "params"_a = TagDetectorParams(),
            py::call_guard<py::gil_scoped_release>(), "Raises ValueError for a parameter out of range.")
       .def("configure", &TagDetector::configure, "params"_a, py::call_guard<py::gil_scoped_release>(),
@@ -80,7 +106,12 @@ void bindDetector(py::module& m)
           },
           "time"_a, "image"_a, "encoding"_a = "bgr8",
           "The Tags in the frame of a time, s: a new one within max_search_period.\n\n"
-          "Raises ValueError for an image that is not of this encoding or too large.");
+          "Raises ValueError for an image that is not of this encoding or too large.")
+      .def_property_readonly("lacks_threads", &TagDetector::lacksThreads,
+                             "whether update() had to search a whole picture itself, as no thread could be started")
+      .def("abandon_search", &TagDetector::abandonSearch,
+           "Has the end of this object not wait for a search in the background: in a process that is about to end. "
+           "May be called by any thread.");
 }
 
 }  // namespace
@@ -89,5 +120,6 @@ void bindDetector(py::module& m)
 void bindTags(py::module& m)
 {
   bindFamilies(m);
+  bindTag(m);
   bindDetector(m);
 }

@@ -7,6 +7,8 @@
 #include <sstream>
 #include <utility>
 
+#include "corner_covariance.hpp"
+#include "lens_error.hpp"
 #include "robot_vision/range.hpp"
 #include "square_pose.hpp"
 
@@ -16,11 +18,20 @@ namespace robot_vision
 namespace
 {
 
+/// In the tag's frame.
+std::array<cv::Point3d, 4> cornersOf(double size)
+{
+  const double half = size / 2.0;
+  return {cv::Point3d(-half, -half, 0.0), {half, -half, 0.0}, {half, half, 0.0}, {-half, half, 0.0}};
+}
+
+/// In the body's.
 std::array<cv::Point3d, 4> cornersOf(const BundleTag& tag)
 {
-  const double half = tag.size / 2.0;
-  return {tag.pose * cv::Point3d(-half, -half, 0.0), tag.pose * cv::Point3d(half, -half, 0.0),
-          tag.pose * cv::Point3d(half, half, 0.0), tag.pose * cv::Point3d(-half, half, 0.0)};
+  std::array<cv::Point3d, 4> corners = cornersOf(tag.size);
+  for (cv::Point3d& corner : corners)
+    corner = tag.pose * corner;
+  return corners;
 }
 
 std::array<cv::Point2d, 4> raysOf(const std::array<cv::Point2d, 4>& corners, const CameraModel& camera)
@@ -52,9 +63,11 @@ void validateCorners(const TagCorners& seen, const CameraModel& camera)
   require(isConvex(seen.corners, least_area), name, corners.str(),
           "finite and convex, counter-clockwise as seen, of more than 1 px^2");
   require(isConvex(raysOf(seen.corners, camera), 0.0), name, corners.str(), "where the camera's distortion has rays");
+  require(!seen.covariance || isCovariance(*seen.covariance), "covariance of the " + name, "none",
+          "symmetric, positive definite and finite");
 }
 
-/// The poses of the body by those of each tag; those are best that explain the other tags, too.
+/// The poses of the body by those of each tag; those are best that explain the other tags, too. The better one first.
 std::array<cv::Affine3d, 2> startsOf(const std::vector<SeenTag>& tags, const Sighting& sighting,
                                      const CameraModel& camera)
 {
@@ -65,7 +78,13 @@ std::array<cv::Affine3d, 2> startsOf(const std::vector<SeenTag>& tags, const Sig
     std::array<cv::Affine3d, 2> poses = squarePoses(raysOf(seen.corners, camera), seen.tag.size);
     for (cv::Affine3d& pose : poses)
       pose = pose * seen.tag.pose.inv();
-    const double cost = std::min(costOf(sighting, camera, poses[0]), costOf(sighting, camera, poses[1]));
+    double cost = costOf(sighting, camera, poses[0]);
+    const double other_cost = costOf(sighting, camera, poses[1]);
+    if (other_cost < cost)
+    {
+      std::swap(poses[0], poses[1]);
+      cost = other_cost;
+    }
     if (&seen == &tags.front() || cost < least)
     {
       least = cost;
@@ -73,6 +92,50 @@ std::array<cv::Affine3d, 2> startsOf(const std::vector<SeenTag>& tags, const Sig
     }
   }
   return best;
+}
+
+/// The sighting with what the layout leaves open of where a body near there is seen.
+Sighting withLayout(Sighting sighting, const std::vector<SeenTag>& tags, const CameraModel& camera,
+                    const cv::Affine3d& body)
+{
+  for (std::size_t i = 0; i < tags.size(); ++i)
+  {
+    const BundleTag& tag = tags[i].tag;
+    if (tag.shift_noise == 0.0 && tag.turn_noise == 0.0) continue;
+    MotionJacobian J = pixelsByMotion(cornersOf(tag.size), camera, body * tag.pose);
+    for (int row = 0; row < J.rows; ++row)
+      for (int column = 0; column < J.cols; ++column)
+        J(row, column) *= column < 3 ? tag.shift_noise : tag.turn_noise;
+    const CornerCovariance layout = J * J.t();
+    if (!std::isfinite(cv::norm(layout))) continue;  // behind the camera: there is no pose
+    sighting[i].information = inverseOf(inverseOf(sighting[i].information) + layout);
+  }
+  return sighting;
+}
+
+/// What the covariance of a pose lacks when the lens' errors are taken to be others in each tag.
+cv::Matx66d sharedLensError(const PoseFit& fit, const Sighting& sighting, const std::vector<SeenTag>& tags,
+                            const CameraModel& camera)
+{
+  using Gain = cv::Matx<double, 6, 8>;  // the pose by the pixels, for a lens with an error of 1 px
+  std::vector<const SeenTag*> bent;     // by the lens
+  std::vector<Gain> gains;
+  for (std::size_t i = 0; i < tags.size(); ++i)
+  {
+    if (tags[i].lens_variance == 0.0) continue;
+    bent.push_back(&tags[i]);
+    gains.push_back(std::sqrt(tags[i].lens_variance) * fit.covariance *
+                    pixelsByMotion(sighting[i].points, camera, fit.pose).t() * sighting[i].information);
+  }
+  cv::Matx66d shared = cv::Matx66d::zeros();
+  for (std::size_t a = 0; a < bent.size(); ++a)
+  {
+    Gain others = Gain::zeros();  // what they do together, as alike as the lens is there and here
+    for (std::size_t b = 0; b < a; ++b)
+      others += gains[b] * lensLikeness(bent[b]->corners, bent[a]->corners, camera);
+    shared += gains[a] * others.t();
+  }
+  return shared + shared.t();
 }
 
 /// Whether a body may be there: not so far away that a tag is a small part of a pixel, nor seen from behind only.
@@ -91,7 +154,7 @@ bool isPossible(const cv::Affine3d& body, const std::vector<SeenTag>& tags)
 }  // namespace
 
 std::vector<SeenTag> tagsOf(const Bundle& bundle, const std::vector<TagCorners>& seen, const CameraModel& camera,
-                            double variance)
+                            double variance, double lens_variance)
 {
   std::vector<SeenTag> tags;
   std::set<int> ids;
@@ -102,20 +165,19 @@ std::vector<SeenTag> tagsOf(const Bundle& bundle, const std::vector<TagCorners>&
     if (tag == bundle.tags.end()) continue;
     require(ids.insert(one.id).second, "tag " + std::to_string(one.id), "seen twice", "seen once");
     validateCorners(one, camera);
-    tags.push_back({*tag, one.corners, variance});
+    tags.push_back({*tag, one.corners, one.covariance.value_or(variance * CornerCovariance::eye()),
+                    one.covariance.has_value(), lens_variance});
   }
   return tags;
 }
 
-Sighting sightingOf(const std::vector<SeenTag>& tags)
+Sighting sightingOf(const std::vector<SeenTag>& tags, const CameraModel& camera)
 {
   Sighting sighting;
   for (const SeenTag& seen : tags)
   {
-    const std::array<cv::Point3d, 4> points = cornersOf(seen.tag);
-    sighting.points.insert(sighting.points.end(), points.begin(), points.end());
-    sighting.pixels.insert(sighting.pixels.end(), seen.corners.begin(), seen.corners.end());
-    sighting.variances.insert(sighting.variances.end(), points.size(), seen.variance);
+    const CornerCovariance covariance = seen.covariance + lensError(seen.corners, seen.lens_variance, camera);
+    sighting.push_back({cornersOf(seen.tag), seen.corners, inverseOf(covariance)});
   }
   return sighting;
 }
@@ -125,11 +187,14 @@ std::vector<PoseFit> fitBody(const std::vector<SeenTag>& tags, const CameraModel
   std::vector<PoseFit> fits;
   if (tags.empty()) return fits;
   const double same = 0.005;  // rad, between two ways to the same pose
-  const Sighting sighting = sightingOf(tags);
-  for (const cv::Affine3d& start : startsOf(tags, sighting, camera))
+  const Sighting exact = sightingOf(tags, camera);
+  const std::array<cv::Affine3d, 2> starts = startsOf(tags, exact, camera);
+  const Sighting sighting = withLayout(exact, tags, camera, starts[0]);
+  for (const cv::Affine3d& start : starts)
   {
-    const PoseFit fit = fitPose(sighting, camera, start);
+    PoseFit fit = fitPose(sighting, camera, start);
     if (!std::isfinite(fit.cost) || !isPossible(fit.pose, tags)) continue;
+    fit.covariance += sharedLensError(fit, sighting, tags, camera);
     if (fits.empty() || cv::norm(difference(fits[0].pose, fit.pose).get_minor<3, 1>(3, 0)) > same) fits.push_back(fit);
   }
   std::sort(fits.begin(), fits.end(), [](const PoseFit& a, const PoseFit& b) { return a.cost < b.cost; });

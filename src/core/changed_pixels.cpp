@@ -5,9 +5,14 @@
 #include <cstdlib>
 #include <opencv2/core/hal/intrin.hpp>
 #include <opencv2/imgproc.hpp>
+#include <optional>
+#include <vector>
 
+#include "gauss_rows.hpp"
+#include "motion_band.hpp"
 #include "rects.hpp"
 #include "robot_vision/encoding.hpp"
+#include "row_bands.hpp"
 
 namespace robot_vision
 {
@@ -41,7 +46,8 @@ cv::Rect boxOfDifferences(const EncodedPicture& picture, const Reference& refere
   const auto bytes = static_cast<int>(pixels.elemSize());
   cv::Mat gray;
   cv::Rect box;
-  for (int y = 0; y < pixels.rows; ++y)
+  const auto look = [&](int y)
+  {
     for (int x = 0; x < pixels.cols; x += kBlock)
     {
       const cv::Rect block(x, y, std::min(kBlock, pixels.cols - x), 1);
@@ -54,6 +60,16 @@ cv::Rect boxOfDifferences(const EncodedPicture& picture, const Reference& refere
       }
       box |= block;
     }
+  };
+  // From both ends: between them only what is beside the box is left to look at.
+  int top = 0;
+  int bottom = pixels.rows;
+  while (box.empty() && top < bottom)
+    look(top++);
+  while (box.br().y < bottom && top < bottom)
+    look(--bottom);
+  for (int y = top; y < bottom; ++y)
+    look(y);
   return box;
 }
 
@@ -66,6 +82,13 @@ cv::Mat blurPart(const EncodedPicture& picture, const cv::Rect& part, int blur_s
   // A copy: cv::GaussianBlur is exact for whole pictures only. What is invented beyond its border stays out of `part`.
   if (gray.isSubmatrix()) gray = gray.clone();
   return blurred(gray, blur_size)(part - outer.tl());
+}
+
+/// The part of the picture outside of which no blurred pixel differs.
+cv::Rect partToCompare(const EncodedPicture& picture, const Reference& reference, const Comparison& how)
+{
+  // What is true of the rounding above is of a Gaussian's, too.
+  return grown(boxOfDifferences(picture, reference, how.threshold), how.blur_size / 2, picture.pixels.size());
 }
 
 }  // namespace
@@ -82,19 +105,57 @@ bool isComparable(const std::string& encoding)
   return encoding == "mono8" || encoding == "bgr8" || encoding == "rgb8" || encoding == "bgra8" || encoding == "rgba8";
 }
 
-cv::Rect findChangedPixels(const EncodedPicture& picture, const Reference& reference, int blur_size, double threshold,
-                           cv::Mat& mask)
+struct ChangedPixels::Impl
 {
-  const cv::Size size = picture.pixels.size();
-  // What is true of the rounding above is of a Gaussian's, too.
-  const cv::Rect part = grown(boxOfDifferences(picture, reference, threshold), blur_size / 2, size);
+  std::optional<GaussWeights> weights;
+  bool are_exact = false;  // the weights
+  std::vector<MotionBand> bands;
+};
+
+ChangedPixels::ChangedPixels() : impl_(std::make_unique<Impl>())
+{
+}
+ChangedPixels::~ChangedPixels() = default;
+ChangedPixels::ChangedPixels(ChangedPixels&&) noexcept = default;
+ChangedPixels& ChangedPixels::operator=(ChangedPixels&&) noexcept = default;
+
+cv::Rect ChangedPixels::find(const EncodedPicture& picture, const Reference& reference, const Comparison& how,
+                             cv::Mat& mask)
+{
+  Impl& me = *impl_;
+  if (!me.weights || me.weights->size() != how.blur_size)
+  {
+    me.weights.emplace(how.blur_size);
+    me.are_exact = me.weights->areExact();
+  }
+  if (!me.are_exact) return findByOpenCv(picture, reference, how, mask);
+  const cv::Rect part = partToCompare(picture, reference, how);
+  if (part.empty()) return part;
+  const cv::Rect grown_part = grown(part, how.dilate, mask.size());
+  const auto threshold = static_cast<std::uint8_t>(how.threshold);
+  const MotionComparison comparison{picture, reference, part, &*me.weights, threshold, how.dilate};
+  const int threads = cv::getNumThreads();
+  const int least_rows = 2 * (how.blur_size + 2 * how.dilate);  // twice those that a band makes for its neighbours, too
+  const int bands = bandsOf(grown_part.height, threads, least_rows);
+  if (me.bands.size() < static_cast<std::size_t>(bands)) me.bands.resize(static_cast<std::size_t>(bands));
+  forRowBands(grown_part.height, threads, least_rows,
+              [&](int i, const cv::Range& rows) { me.bands[static_cast<std::size_t>(i)].run(comparison, rows, mask); });
+  return grown_part;
+}
+
+cv::Rect ChangedPixels::findByOpenCv(const EncodedPicture& picture, const Reference& reference, const Comparison& how,
+                                     cv::Mat& mask)
+{
+  const cv::Rect part = partToCompare(picture, reference, how);
   if (part.empty()) return part;
   const cv::Mat background =
-      reference.blurred.empty() ? blurPart({reference.gray, "mono8"}, part, blur_size) : reference.blurred(part);
+      reference.blurred.empty() ? blurPart({reference.gray, "mono8"}, part, how.blur_size) : reference.blurred(part);
   cv::Mat difference;
-  cv::absdiff(blurPart(picture, part, blur_size), background, difference);
-  cv::threshold(difference, mask(part), threshold, 255.0, cv::THRESH_BINARY);
-  return part;
+  cv::absdiff(blurPart(picture, part, how.blur_size), background, difference);
+  cv::threshold(difference, mask(part), how.threshold, 255.0, cv::THRESH_BINARY);
+  const cv::Rect grown_part = grown(part, how.dilate, mask.size());
+  if (how.dilate > 0) cv::dilate(mask(grown_part), mask(grown_part), cv::Mat(), {-1, -1}, how.dilate);
+  return grown_part;
 }
 
 }  // namespace robot_vision

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <memory>
 #include <opencv2/core.hpp>
 #include <string>
 
@@ -24,14 +25,41 @@ struct Reference
 /// `gray` (CV_8UC1) blurred by a Gaussian.
 cv::Mat blurred(const cv::Mat& gray, int blur_size);
 
-/// Whether findChangedPixels() takes pictures of this encoding: what is grey in them is a mean of a pixel's own bytes.
+/// Whether ChangedPixels::find() takes pictures of this encoding: what is grey in them is a mean of a pixel's own
+/// bytes.
 bool isComparable(const std::string& encoding);
 
+/// How pictures are compared.
+struct Comparison
+{
+  int blur_size;     // px, side of the Gaussian
+  double threshold;  // grey levels
+  int dilate;        // px
+};
+
 /// Makes a black mask 255 where a picture (of a comparable encoding and the reference's size, as the mask) differs from
-/// the reference by more than `threshold` after a Gaussian blur of `blur_size`: cv::cvtColor, cv::GaussianBlur,
-/// cv::absdiff and cv::threshold, to the bit. Converts and blurs only where that can be, so that a picture like the
-/// other costs a look at each pixel. Returns the part of the mask that may have changed.
-cv::Rect findChangedPixels(const EncodedPicture& picture, const Reference& reference, int blur_size, double threshold,
-                           cv::Mat& mask);
+/// the reference: cv::cvtColor, cv::GaussianBlur, cv::absdiff, cv::threshold and cv::dilate (3x3, once per px), to the
+/// bit, with as many threads as cv::setNumThreads() says. Does so only where they can differ, so that a picture like
+/// the other costs a look at each pixel. Keeps its memory from frame to frame. Where OpenCV is so old that its Gaussian
+/// is another (before 4.5), it is OpenCV that works.
+class ChangedPixels
+{
+public:
+  ChangedPixels();
+  ~ChangedPixels();
+  ChangedPixels(ChangedPixels&&) noexcept;
+  ChangedPixels& operator=(ChangedPixels&&) noexcept;
+
+  /// Returns the part of the mask that may have changed.
+  cv::Rect find(const EncodedPicture& picture, const Reference& reference, const Comparison& how, cv::Mat& mask);
+
+  /// The same by OpenCV.
+  static cv::Rect findByOpenCv(const EncodedPicture& picture, const Reference& reference, const Comparison& how,
+                               cv::Mat& mask);
+
+private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
 
 }  // namespace robot_vision

@@ -7,6 +7,7 @@
 #include <map>
 #include <new>
 #include <opencv2/imgproc.hpp>
+#include <stdexcept>
 #include <tuple>
 #include <utility>
 
@@ -121,13 +122,11 @@ bool keepsBytes()
 void validate(const CodeReaderParams& params)
 {
   const std::vector<std::string> known = codeTypes();
-  std::string names = "all";
-  for (const std::string& name : known)
-    names += ", " + name;
   if (params.symbologies != "all")
     for (const std::string& name : listed(params.symbologies))
       if (std::find(known.begin(), known.end(), name) == known.end())
-        require(false, "symbologies", "'" + params.symbologies + "'", "of " + names);
+        throw std::invalid_argument("symbologies has '" + name +
+                                    "', must be all, or some with commas: " + joined(known));
   requireRange("spacing", params.spacing, 1.0, 16.0);
   requireRange("enlarge", params.enlarge, 1.0, 4.0);
 }

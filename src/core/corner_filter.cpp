@@ -9,11 +9,12 @@ namespace robot_vision
 namespace
 {
 
-// px/s^2, standard deviation; the first: at rest.
-const std::array<double, 5> kAccelerations = {0.0, 20.0, 150.0, 1200.0, 10000.0};
+// Standard deviations; the first: at rest.
+const std::array<double, 5> kAccelerations = {0.0, 20.0, 150.0, 1200.0, 10000.0};  // px/s^2
+// px/s, when a tag is seen for the first time. If all were as fast as the last, a slow tag would pass for one at rest.
+const std::array<double, 5> kVelocities = {0.0, 1.0, 10.0, 100.0, 1000.0};
 const double kChange = 0.02;        // probability that another model holds from the next frame on
 const double kRestGain = 1.0 / 10;  // what has been seen before some 20 frames is forgotten
-const double kFastest = 1000.0;     // px/s, of a tag that is seen for the first time
 const double kLost = 5.0;           // standard deviations, from where the tag can have come to
 const double kCoordinates = 8.0;
 
@@ -32,9 +33,11 @@ cv::Vec<double, 8> toState(const CornerFilter::Corners& corners)
 
 CornerFilter::CornerFilter(const Corners& seen, double variance)
 {
-  const cv::Matx22d moving(variance, 0.0, 0.0, kFastest * kFastest);
-  models_.fill({toState(seen), State::all(0.0), moving, 1.0 / kModels, 1.0});
-  models_[0].covariance(1, 1) = 0.0;
+  for (std::size_t i = 0; i < kModels; ++i)
+  {
+    const cv::Matx22d moving(variance, 0.0, 0.0, kVelocities[i] * kVelocities[i]);
+    models_[i] = {toState(seen), State::all(0.0), moving, 1.0 / kModels, 1.0};
+  }
 }
 
 void CornerFilter::update(double passed, const Corners& seen, double variance)

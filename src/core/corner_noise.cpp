@@ -29,19 +29,19 @@ void CornerNoise::addChange(double variance)
   change_freedom_ = kKept * change_freedom_ + kCoordinates;
 }
 
-double CornerNoise::fresh() const
+double CornerNoise::fresh(double least_lasting) const
 {
   const double all = total();
-  return change_freedom_ < kFewest ? std::max(all - least_lasting_, kLeast * all)
+  return change_freedom_ < kFewest ? std::max(all - least_lasting, kLeast * all)
                                    : std::min(all, change_squares_ / change_freedom_);
 }
 
-double CornerNoise::lasting() const
+double CornerNoise::lasting(double least_lasting) const
 {
-  if (change_freedom_ < kFewest) return least_lasting_;
-  const double all = total(), rest = all - fresh();
+  if (change_freedom_ < kFewest) return least_lasting;
+  const double all = total(), rest = all - fresh(least_lasting);
   const double doubt = all * std::sqrt(2.0 / freedom_ + 2.0 / change_freedom_);
-  return rest > kCertain * doubt ? std::max(rest, least_lasting_) : least_lasting_;
+  return rest > kCertain * doubt ? std::max(rest, least_lasting) : least_lasting;
 }
 
 }  // namespace robot_vision

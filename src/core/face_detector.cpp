@@ -4,6 +4,7 @@
 #include <opencv2/imgproc.hpp>
 #include <optional>
 
+#include "equalized_gray.hpp"
 #include "face_search.hpp"
 #include "face_tracks.hpp"
 #include "face_worker.hpp"
@@ -59,11 +60,15 @@ struct FaceDetector::Impl
   cv::Mat prepare(const cv::Mat& image, const std::string& encoding)
   {
     cv::Mat plain;
-    toGray(image, encoding, plain);
     if (params.equalize)
-      cv::equalizeHist(plain, gray);
+    {
+      toEqualizedGray(image, encoding, plain, gray);
+    }
     else
+    {
+      toGray(image, encoding, plain);
       plain.copyTo(gray);
+    }
     return plain;
   }
 

@@ -4,11 +4,12 @@
 #include <cstring>
 #include <utility>
 
-#include "hsv_kernel.hpp"
 #include "hsv_pixel.hpp"
 #include "hsv_tests.hpp"
+#include "kernels/kernels.hpp"
 #include "robot_vision/encoding.hpp"
 #include "robot_vision/range.hpp"
+#include "row_bands.hpp"
 
 namespace robot_vision
 {
@@ -86,12 +87,18 @@ void HsvMask::apply(const cv::Mat& image, const std::string& encoding, cv::Mat& 
     toBgr(image, encoding, pixels);
   }
   mask.create(pixels.size(), CV_8UC1);
-  for (int y = 0; y < pixels.rows; ++y)
-  {
-    const auto* row = pixels.ptr<cv::Vec3b>(y);
-    applyTests(is_rgb ? impl_->rgb : impl_->bgr, row->val, mask.cols, mask.ptr(y));
-    settle(row, mask.ptr(y), mask.cols, is_rgb, impl_->range);
-  }
+  const HsvTests& tests = is_rgb ? impl_->rgb : impl_->bgr;
+  const auto test = kernels().hsv;
+  forRowBands(pixels.rows, cv::getNumThreads(), kLeastRows,
+              [&](int, const cv::Range& rows)
+              {
+                for (int y = rows.start; y < rows.end; ++y)
+                {
+                  const auto* row = pixels.ptr<cv::Vec3b>(y);
+                  test(tests, row->val, mask.cols, mask.ptr(y));
+                  settle(row, mask.ptr(y), mask.cols, is_rgb, impl_->range);
+                }
+              });
 }
 
 HsvRange rangeAround(const cv::Vec3b& hsv, int margin)

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "hsv_pixel.hpp"
+#include "robot_vision/hsv.hpp"
 
 namespace robot_vision
 {

@@ -1,12 +1,11 @@
 #pragma once
 
-#include <array>
 #include <cstdint>
-
-#include "robot_vision/hsv.hpp"
 
 namespace robot_vision
 {
+
+struct HsvRange;
 
 /// A limit of the saturation as a line: diff * (max - min) - value * max - offset is its margin, where max and min are
 /// those of the pixel's three channels. At least `slack`: at or above the limit; below -slack: under it.
@@ -21,7 +20,7 @@ struct SaturationLimit
 /// side of the 90 half degrees that follow the limit. The channels' factors add up to 0.
 struct HueLimit
 {
-  std::array<std::int16_t, 3> channels = {};
+  std::int16_t channels[3] = {};  // no std::array: the kernels may call no function of a header
   std::int16_t offset = 0;
 };
 

@@ -8,7 +8,6 @@
 #include <optional>
 
 #include "changed_pixels.hpp"
-#include "rects.hpp"
 #include "robot_vision/encoding.hpp"
 #include "robot_vision/range.hpp"
 
@@ -118,23 +117,16 @@ struct MotionDetector::Impl
   /// Returns the part of the mask outside of which it is black.
   cv::Rect compare(const EncodedPicture& picture, cv::Mat& mask)
   {
-    const cv::Size size = picture.pixels.size();
-    cv::Rect part({0, 0}, size);
     if (mog2)
     {
       mog2->apply(picture.pixels, mask, params.learning_rate);
       cv::compare(mask, 255.0, mask, cv::CMP_EQ);  // shadows are 127
+      if (params.dilate > 0) cv::dilate(mask, mask, cv::Mat(), {-1, -1}, params.dilate);
+      return {{0, 0}, mask.size()};
     }
-    else
-    {
-      if (params.ignore_light)
-        cv::subtract(picture.pixels, cv::Scalar(brighterBy(picture.pixels, background.gray)), lit);
-      const EncodedPicture compared = params.ignore_light ? EncodedPicture{lit, "mono8"} : picture;
-      part = findChangedPixels(compared, background, params.blur_size, params.threshold, mask);
-    }
-    part = grown(part, params.dilate, size);
-    if (params.dilate > 0 && !part.empty()) cv::dilate(mask(part), mask(part), cv::Mat(), {-1, -1}, params.dilate);
-    return part;
+    if (params.ignore_light) cv::subtract(picture.pixels, cv::Scalar(brighterBy(picture.pixels, background.gray)), lit);
+    const EncodedPicture compared = params.ignore_light ? EncodedPicture{lit, "mono8"} : picture;
+    return changed_pixels.find(compared, background, {params.blur_size, params.threshold, params.dilate}, mask);
   }
 
   /// The memory of background.gray is that of background.pixels here.
@@ -148,6 +140,7 @@ struct MotionDetector::Impl
 
   MotionParams params;
   RegionFinder finder;
+  ChangedPixels changed_pixels;
   Reference background;  // blurred for first_frame only: the others have another one in every frame
   std::string encoding;  // of its pixels
   cv::Mat average;       // CV_32FC1, from which it is rounded

@@ -49,15 +49,7 @@ std::vector<std::string> pictures(const std::string& path)
   return found;
 }
 
-}  // namespace
-
-bool isPictureFile(const std::string& path)
-{
-  struct stat info;
-  return stat(path.c_str(), &info) == 0 && S_ISREG(info.st_mode) && cv::haveImageReader(path);
-}
-
-cv::Mat readPicture(const std::string& path)
+cv::Mat decodeFile(const std::string& path, int flags)
 {
   std::ifstream file(path, std::ios::binary);
   const std::vector<char> bytes{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
@@ -68,7 +60,7 @@ cv::Mat readPicture(const std::string& path)
   cv::Mat picture;
   try
   {
-    if (!bytes.empty()) picture = cv::imdecode(bytes, cv::IMREAD_COLOR);
+    if (!bytes.empty()) picture = cv::imdecode(bytes, flags);
   }
   catch (const cv::Exception& e)  // for instance a size beyond OpenCV's limits
   {
@@ -76,6 +68,24 @@ cv::Mat readPicture(const std::string& path)
   }
   if (picture.empty()) throw SourceError(path + ": not a picture that OpenCV can read, or damaged");
   return picture;
+}
+
+}  // namespace
+
+bool isPictureFile(const std::string& path)
+{
+  struct stat info;
+  return stat(path.c_str(), &info) == 0 && S_ISREG(info.st_mode) && cv::haveImageReader(path);
+}
+
+cv::Mat readPicture(const std::string& path)
+{
+  return decodeFile(path, cv::IMREAD_COLOR | cv::IMREAD_IGNORE_ORIENTATION);
+}
+
+cv::Mat readUpright(const std::string& path)
+{
+  return decodeFile(path, cv::IMREAD_COLOR);
 }
 
 PictureSource::PictureSource(const std::string& path) : path_(path), files_(pictures(path))

@@ -11,8 +11,11 @@ namespace robot_vision
 /// True if the file begins like a picture that OpenCV reads.
 bool isPictureFile(const std::string& path);
 
-/// The picture in BGR. Throws SourceError naming the path if it is missing, damaged or truncated.
+/// The pixels of a picture file, in BGR: as the sensor has them, whatever side of the camera was up, for so does its
+/// calibration; or turned by EXIF, as people look at it. Throws SourceError naming the path if it is missing, damaged
+/// or truncated.
 cv::Mat readPicture(const std::string& path);
+cv::Mat readUpright(const std::string& path);
 
 /// One picture again and again, or the pictures of a folder or glob in the order of their names.
 class PictureSource : public FrameSource
@@ -22,6 +25,7 @@ public:
   ReadResult read(Frame& frame) override;
   void rewind() override { next_ = 0; }
   double rate() const override { return kDefaultRate; }
+  bool fillsMemory() const override { return false; }
   std::string description() const override;
 
 private:

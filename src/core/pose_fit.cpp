@@ -18,34 +18,55 @@ struct Linearised
   double cost = 0.0;
 };
 
-/// d pixel / d (shift, rotation) of a point: the rotation moves it by its cross product with the lever.
-cv::Matx<double, 2, 6> jacobianOf(const cv::Matx23d& by_point, const cv::Vec3d& lever)
+using Corners = std::array<cv::Point2d, 4>;
+using Residuals = cv::Vec<double, 8>;
+
+/// The rows of d pixel / d (shift, rotation) of a point: the rotation moves it by its cross product with the lever.
+void setRows(MotionJacobian& jacobian, int first, const cv::Matx23d& by_point, const cv::Vec3d& lever)
 {
   const cv::Matx33d turn(0, lever[2], -lever[1], -lever[2], 0, lever[0], lever[1], -lever[0], 0);
   const cv::Matx23d by_rotation = by_point * turn;
-  cv::Matx<double, 2, 6> result;
   for (int row = 0; row < 2; ++row)
     for (int column = 0; column < 3; ++column)
     {
-      result(row, column) = by_point(row, column);
-      result(row, column + 3) = by_rotation(row, column);
+      jacobian(first + row, column) = by_point(row, column);
+      jacobian(first + row, column + 3) = by_rotation(row, column);
     }
-  return result;
+}
+
+/// Where the points are seen, and how that changes with the pose.
+MotionJacobian project(const std::array<cv::Point3d, 4>& points, const CameraModel& camera, const cv::Affine3d& pose,
+                       Corners& pixels)
+{
+  MotionJacobian J;
+  for (std::size_t i = 0; i < points.size(); ++i)
+  {
+    const cv::Vec3d lever = pose.rotation() * cv::Vec3d(points[i]);
+    const Projection seen = camera.projection(cv::Point3d(lever + pose.translation()));
+    setRows(J, 2 * static_cast<int>(i), seen.jacobian, lever);
+    pixels[i] = seen.pixel;
+  }
+  return J;
 }
 
 Linearised linearise(const Sighting& sighting, const CameraModel& camera, const cv::Affine3d& pose)
 {
   Linearised sum;
-  for (std::size_t i = 0; i < sighting.points.size(); ++i)
+  for (const SeenSquare& square : sighting)
   {
-    const cv::Vec3d lever = pose.rotation() * cv::Vec3d(sighting.points[i]);
-    const Projection seen = camera.projection(cv::Point3d(lever + pose.translation()));
-    const cv::Point2d residual = sighting.pixels[i] - seen.pixel;
-    const double weight = 1.0 / sighting.variances[i];
-    const cv::Matx<double, 2, 6> J = jacobianOf(seen.jacobian, lever);
-    sum.information += weight * (J.t() * J);
-    sum.gradient += weight * (J.t() * cv::Vec2d(residual));
-    sum.cost += weight * residual.dot(residual);
+    Corners pixels;
+    const MotionJacobian J = project(square.points, camera, pose, pixels);
+    Residuals residuals;
+    for (std::size_t i = 0; i < pixels.size(); ++i)
+    {
+      const int row = 2 * static_cast<int>(i);
+      residuals[row] = square.pixels[i].x - pixels[i].x;
+      residuals[row + 1] = square.pixels[i].y - pixels[i].y;
+    }
+    const cv::Matx<double, 6, 8> weighted = J.t() * square.information;
+    sum.information += weighted * J;
+    sum.gradient += weighted * residuals;
+    sum.cost += residuals.dot(square.information * residuals);
   }
   if (std::isnan(sum.cost)) sum.cost = kInfinity;
   return sum;
@@ -60,13 +81,23 @@ bool invert(cv::Matx66d information, cv::Matx66d& covariance)
   // Metres far away and radians differ too much in size to be inverted together.
   cv::Matx66d scale = cv::Matx66d::zeros();
   for (int i = 0; i < 6; ++i)
+  {
+    if (!(information(i, i) > 0.0)) return false;
     scale(i, i) = 1.0 / std::sqrt(information(i, i));
+  }
   bool exists = false;
   covariance = scale * (scale * information * scale).inv(cv::DECOMP_CHOLESKY, &exists) * scale;
-  return exists;
+  return exists && std::isfinite(cv::norm(covariance));
 }
 
 }  // namespace
+
+MotionJacobian pixelsByMotion(const std::array<cv::Point3d, 4>& points, const CameraModel& camera,
+                              const cv::Affine3d& pose)
+{
+  Corners pixels;
+  return project(points, camera, pose, pixels);
+}
 
 cv::Affine3d moved(const cv::Affine3d& pose, const cv::Vec6d& by)
 {
@@ -111,10 +142,16 @@ PoseFit fitPose(const Sighting& sighting, const CameraModel& camera, const cv::A
 double costOf(const Sighting& sighting, const CameraModel& camera, const cv::Affine3d& pose)
 {
   double cost = 0.0;
-  for (std::size_t i = 0; i < sighting.points.size(); ++i)
+  for (const SeenSquare& square : sighting)
   {
-    const cv::Point2d residual = sighting.pixels[i] - camera.project(pose * sighting.points[i]);
-    cost += residual.dot(residual) / sighting.variances[i];
+    Residuals residuals;
+    for (std::size_t i = 0; i < square.points.size(); ++i)
+    {
+      const cv::Point2d residual = square.pixels[i] - camera.project(pose * square.points[i]);
+      residuals[2 * static_cast<int>(i)] = residual.x;
+      residuals[2 * static_cast<int>(i) + 1] = residual.y;
+    }
+    cost += residuals.dot(square.information * residuals);
   }
   return std::isnan(cost) ? kInfinity : cost;
 }
@@ -122,8 +159,9 @@ double costOf(const Sighting& sighting, const CameraModel& camera, const cv::Aff
 double errorOf(const Sighting& sighting, const CameraModel& camera, const cv::Affine3d& pose)
 {
   Sighting unit = sighting;
-  unit.variances.assign(unit.points.size(), 1.0);
-  return std::sqrt(costOf(unit, camera, pose) / static_cast<double>(unit.points.size()));
+  for (SeenSquare& square : unit)
+    square.information = CornerCovariance::eye();
+  return std::sqrt(costOf(unit, camera, pose) / (4.0 * static_cast<double>(unit.size())));
 }
 
 }  // namespace robot_vision

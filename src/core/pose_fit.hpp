@@ -1,28 +1,37 @@
 #pragma once
 
+#include <array>
 #include <opencv2/core.hpp>
 #include <opencv2/core/affine.hpp>
 #include <vector>
 
-#include "robot_vision/camera_model.hpp"
+#include "robot_vision/tag_pose.hpp"
 
 namespace robot_vision
 {
 
-/// Points of a body, and where a camera sees them.
-struct Sighting
+/// The corners of a tag of a body, and where a camera sees them.
+struct SeenSquare
 {
-  std::vector<cv::Point3d> points;  // m, in the body's frame
-  std::vector<cv::Point2d> pixels;
-  std::vector<double> variances;  // px^2, of each coordinate of a pixel
+  std::array<cv::Point3d, 4> points;  // m, in the body's frame
+  std::array<cv::Point2d, 4> pixels;
+  CornerCovariance information;  // the inverse of the covariance of the pixels, 1/px^2
 };
+
+using Sighting = std::vector<SeenSquare>;
+
+/// The pixels of four points by the shift of the frame that they are in, and its rotation about its origin, along the
+/// camera's axes.
+using MotionJacobian = cv::Matx<double, 8, 6>;
+MotionJacobian pixelsByMotion(const std::array<cv::Point3d, 4>& points, const CameraModel& camera,
+                              const cv::Affine3d& pose);
 
 /// How well a pose explains a sighting.
 struct PoseFit
 {
   cv::Affine3d pose;
   cv::Matx66d covariance;  // of x, y, z and the rotations about x, y, z, along the camera's axes
-  double cost = 0.0;       // sum of the squared residuals by their variances; infinite if there is no such pose
+  double cost = 0.0;       // sum of the squared residuals by their covariances; infinite if there is no such pose
 };
 
 /// The pose near `start` that explains a sighting best (Levenberg, Marquardt).

@@ -14,6 +14,14 @@ std::string toText(double value)
   return text.str();
 }
 
+std::string joined(const std::vector<std::string>& words)
+{
+  std::string list;
+  for (const std::string& word : words)
+    list += (list.empty() ? "" : ", ") + word;
+  return list;
+}
+
 void require(bool ok, const std::string& name, const std::string& value, const std::string& expected)
 {
   if (!ok) throw std::invalid_argument(name + " is " + value + ", must be " + expected);

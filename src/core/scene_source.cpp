@@ -1,9 +1,12 @@
 #include "scene_source.hpp"
 
 #include <filesystem>
+#include <utility>
 
 #include "picture_source.hpp"
+#include "robot_vision/calibration_scene.hpp"
 #include "robot_vision/range.hpp"
+#include "robot_vision/scene.hpp"
 
 namespace robot_vision
 {
@@ -25,32 +28,55 @@ constexpr const char* kPortrait = "/usr/lib/python3/dist-packages/skimage/data/a
 /// An empty picture: the scene has a pattern of its own.
 cv::Mat readPoster(const std::string& poster)
 {
-  if (poster.empty() || (poster == "auto" && !std::filesystem::exists(kPortrait))) return {};
-  return readPicture(poster == "auto" ? kPortrait : poster);
+  if (poster.empty() || poster == "pattern" || (poster == "auto" && !std::filesystem::exists(kPortrait))) return {};
+  return readUpright(poster == "auto" ? kPortrait : poster);
 }
+
+/// Whatever has a camera, and can be rendered with its truth.
+template <class AnyScene>
+class SceneSource : public FrameSource
+{
+public:
+  SceneSource(const CaptureParams& params, AnyScene scene)
+    : name_(params.scene), rate_(wantedRate(params)), scene_(std::move(scene))
+  {
+  }
+
+  ReadResult read(Frame& frame) override
+  {
+    scene_.render(next_, frame.image);
+    frame.encoding = "bgr8";
+    frame.truth = std::make_shared<const SceneTruth>(scene_.truth(next_));
+    frame.sequence = next_++;
+    frame.monotonic_ns = 0;
+    return ReadResult::kFrame;
+  }
+
+  double rate() const override { return rate_; }
+
+  std::string description() const override
+  {
+    const CameraModel& camera = scene_.camera();
+    return "synthetic scene (" + name_ + ") " + std::to_string(camera.width) + "x" + std::to_string(camera.height) +
+           " at " + toText(rate_) + " Hz";
+  }
+
+  const CameraModel* cameraModel() const override { return &scene_.camera(); }
+
+private:
+  std::string name_;
+  double rate_;
+  AnyScene scene_;
+  std::int64_t next_ = 0;
+};
 
 }  // namespace
 
-SceneSource::SceneSource(const CaptureParams& params)
-  : rate_(wantedRate(params)), scene_(sceneParams(params), readPoster(params.poster))
+std::unique_ptr<FrameSource> openScene(const CaptureParams& params)
 {
-}
-
-ReadResult SceneSource::read(Frame& frame)
-{
-  scene_.render(next_, frame.image);
-  frame.encoding = "bgr8";
-  frame.truth = std::make_shared<const SceneTruth>(scene_.truth(next_));
-  frame.sequence = next_++;
-  frame.monotonic_ns = 0;
-  return ReadResult::kFrame;
-}
-
-std::string SceneSource::description() const
-{
-  const CameraModel& camera = scene_.camera();
-  return "synthetic scene " + std::to_string(camera.width) + "x" + std::to_string(camera.height) + " at " +
-         toText(rate_) + " Hz";
+  if (params.scene == "calibration")
+    return std::make_unique<SceneSource<CalibrationScene>>(params, CalibrationScene(sceneParams(params)));
+  return std::make_unique<SceneSource<Scene>>(params, Scene(sceneParams(params), readPoster(params.poster)));
 }
 
 }  // namespace robot_vision

@@ -4,11 +4,12 @@
 #include <cmath>
 #include <optional>
 #include <tuple>
+#include <utility>
 
 #include "robot_vision/encoding.hpp"
 #include "robot_vision/range.hpp"
 #include "robot_vision/tag_families.hpp"
-#include "tag_search.hpp"
+#include "tag_searches.hpp"
 #include "tag_tracks.hpp"
 
 namespace robot_vision
@@ -16,9 +17,10 @@ namespace robot_vision
 namespace
 {
 
-constexpr int kLargest = 8192;   // px: in larger pictures the library may need more stack than a thread has
-constexpr double kShort = 0.2;   // of max_search_period: between searches for lost tags, and for large ones
-constexpr double kGlance = 4.0;  // decimation at which these are searched for
+constexpr int kLargest = 8192;         // px: in larger pictures the library may need more stack than a thread has
+constexpr double kSearchesKept = 2.5;  // times of a search in the background that a tag is remembered
+constexpr double kShort = 0.2;         // of max_search_period: between searches for lost tags, and for large ones
+constexpr double kGlance = 4.0;        // decimation at which these are searched for
 
 std::string sizeText(const cv::Size& size)
 {
@@ -29,6 +31,19 @@ bool isDecimation(double value)
 {
   return value == 0.0 || value == 1.5 || (value >= 1.0 && value <= 10.0 && value == std::floor(value));
 }
+
+/// Lets go of a picture, which may be of the caller's pixels, however the search of it ends.
+class PictureGuard
+{
+public:
+  explicit PictureGuard(cv::Mat& picture) : picture_(picture) {}
+  ~PictureGuard() { picture_.release(); }
+  PictureGuard(const PictureGuard&) = delete;
+  PictureGuard& operator=(const PictureGuard&) = delete;
+
+private:
+  cv::Mat& picture_;
+};
 
 }  // namespace
 
@@ -51,7 +66,7 @@ void validate(const TagDetectorParams& params)
 
 struct TagDetector::Impl
 {
-  explicit Impl(const TagDetectorParams& p) : params((validate(p), p)), search(p) {}
+  explicit Impl(const TagDetectorParams& p) : params((validate(p), p)), searches(p) {}
 
   void setPicture(const cv::Mat& image, const std::string& encoding)
   {
@@ -72,8 +87,6 @@ struct TagDetector::Impl
     std::sort(tags.begin(), tags.end(), [&order](const Tag& a, const Tag& b) { return order(a) < order(b); });
   }
 
-  std::vector<Tag> searchAll(double decimate) { return search.find(gray, cv::Rect({0, 0}, gray.size()), decimate); }
-
   double finest() const { return params.decimate == 0.0 ? 1.0 : params.decimate; }
 
   /// Around the tags that have not been seen in this frame; `again`: in full resolution, where less was chosen.
@@ -89,10 +102,11 @@ struct TagDetector::Impl
       if (!region.part.empty()) regions.push_back(region);
     }
     join(regions);
+    const std::vector<std::vector<Tag>> found = searches.find(gray, regions);
     std::vector<Tag> tags;
-    for (const TagRegion& region : regions)
-      for (const Tag& tag : search.find(gray, region.part, region.decimate))
-        if (isWhole(tag, region, gray.size())) merge(tags, {tag});
+    for (std::size_t i = 0; i < regions.size(); ++i)
+      for (const Tag& tag : found[i])
+        if (isWhole(tag, regions[i], gray.size())) merge(tags, {tag});
     return tags;
   }
 
@@ -101,20 +115,35 @@ struct TagDetector::Impl
   {
     const std::size_t known = tags.size();
     merge(tags, found);
-    follow(tracks, time, {tags.begin() + static_cast<std::ptrdiff_t>(known), tags.end()}, params.max_search_period);
+    follow(tracks, time, {tags.begin() + static_cast<std::ptrdiff_t>(known), tags.end()});
   }
 
-  /// Whether a tag of the last frame should still be in view and is not.
-  bool hasLost(double last_time) const
+  /// Whether a tag of the frame that was searched in the background was seen in it, or has been since.
+  bool isKnown(const Tag& tag) const
   {
-    const cv::Rect2d view({0.0, 0.0}, cv::Size2d(gray.size()));
-    const auto lost = [&](const TagTrack& track)
-    {
-      const auto corners = track.cornersAt(time);
-      return track.seen == last_time &&
-             std::all_of(corners.begin(), corners.end(),
-                         [&view](const cv::Point2d& corner) { return view.contains(corner); });
-    };
+    const auto seenSince = [&](const TagTrack& track)
+    { return track.seen >= known_time && isSame(track.at(known_time), tag); };
+    return std::any_of(known.begin(), known.end(), [&tag](const Tag& other) { return isSame(other, tag); }) ||
+           std::any_of(tracks.begin(), tracks.end(), seenSince);
+  }
+
+  /// Knows the tags that a search of an earlier frame has found, where they were, to look for them in this one.
+  void takeFound()
+  {
+    const std::optional<std::vector<Tag>> found = searches.take();
+    if (!found) return;
+    std::vector<Tag> tags;
+    for (const Tag& tag : *found)
+      if (!isKnown(tag)) tags.push_back(tag);
+    follow(tracks, known_time, tags);
+    search_time = time - known_time;
+  }
+
+  /// Whether a tag that was seen since all was searched last should still be in view and is not.
+  bool hasLost() const
+  {
+    const auto lost = [this](const TagTrack& track)
+    { return track.seen < time && track.seen >= *searched && track.isInViewAt(time, gray.size()); };
     return std::any_of(tracks.begin(), tracks.end(), lost);
   }
 
@@ -124,18 +153,54 @@ struct TagDetector::Impl
     if (!searched) return true;
     const double since = time - *searched;
     return since + (time - last_time) > params.max_search_period ||
-           (since >= kShort * params.max_search_period && hasLost(last_time));
+           (since >= kShort * params.max_search_period && hasLost());
+  }
+
+  /// Searches the whole picture, if it is time to. `tags` are those of this frame so far.
+  void searchWhole(double last_time, std::vector<Tag>& tags)
+  {
+    const bool at_once = !params.background || params.max_search_period == 0.0 || starts;
+    if (!at_once && searches.busy()) return;
+    const bool due = isDue(last_time);
+    if (!due && (params.decimate != 0.0 || time - glanced < kShort * params.max_search_period)) return;
+    const double decimate = due ? finest() : kGlance;
+    if (due) searched = time;
+    glanced = time;
+    if (at_once)
+    {
+      take(searches.find(gray, decimate), tags);
+      return;
+    }
+    known = tags;
+    known_time = time;
+    // The input's pixels are its owner's again before the search ends; a converted picture can be given away.
+    const cv::Mat own = sharesPixels(gray, converted) ? std::exchange(converted, cv::Mat()) : gray.clone();
+    lacks_threads = !searches.start(own, decimate);
+    if (lacks_threads) take(searches.find(gray, decimate), tags);
+  }
+
+  void beginAnew()
+  {
+    tracks.clear();
+    searched.reset();
+    searches.drop();
+    starts = true;
   }
 
   TagDetectorParams params;
-  TagSearch search;
+  TagSearches searches;
   std::vector<TagTrack> tracks;
   cv::Mat converted;               // memory for the next picture
   cv::Mat gray;                    // the picture, while it is searched
   cv::Size size;                   // of the last one
   double time = 0.0;               // s, of the last one
+  bool starts = true;              // whether it is the first one
   std::optional<double> searched;  // s, when a whole one was searched last
   double glanced = 0.0;            // s, when one was, for large tags at least
+  std::vector<Tag> known;          // in the frame that is searched in the background
+  double known_time = 0.0;         // s, of this frame
+  double search_time = 0.0;        // s, that the last search in the background took
+  bool lacks_threads = false;      // whether none could be started for it
 };
 
 TagDetector::TagDetector(const TagDetectorParams& params) : impl_(std::make_unique<Impl>(params))
@@ -149,17 +214,27 @@ void TagDetector::configure(const TagDetectorParams& params)
 {
   validate(params);
   Impl& me = *impl_;
-  me.search.configure(params);
+  me.searches.configure(params);
   me.params = params;
   me.searched.reset();
+}
+
+bool TagDetector::lacksThreads() const
+{
+  return impl_->lacks_threads;
+}
+
+void TagDetector::abandonSearch()
+{
+  impl_->searches.abandon();
 }
 
 std::vector<Tag> TagDetector::detect(const cv::Mat& image, const std::string& encoding)
 {
   Impl& me = *impl_;
+  const PictureGuard guard(me.gray);
   me.setPicture(image, encoding);
-  std::vector<Tag> tags = me.searchAll(me.finest());
-  me.gray.release();
+  std::vector<Tag> tags = me.searches.find(me.gray, me.finest());
   me.sort(tags);
   return tags;
 }
@@ -168,30 +243,21 @@ std::vector<Tag> TagDetector::update(double time_s, const cv::Mat& image, const 
 {
   requireFinite("time_s", time_s);
   Impl& me = *impl_;
+  const PictureGuard guard(me.gray);
   me.setPicture(image, encoding);
-  if (me.gray.size() != me.size || time_s <= me.time)
-  {
-    me.tracks.clear();
-    me.searched.reset();
-  }
+  if (me.gray.size() != me.size || time_s <= me.time) me.beginAnew();
   const double last_time = me.time;
   me.size = me.gray.size();
   me.time = time_s;
+  me.takeFound();
   std::vector<Tag> tags;
   if (me.params.max_search_period > 0.0)
     for (const bool again : {false, true})
       me.take(me.searchNear(again), tags);
-  if (me.isDue(last_time))
-  {
-    me.take(me.searchAll(me.finest()), tags);
-    me.searched = me.glanced = time_s;
-  }
-  else if (me.params.decimate == 0.0 && time_s - me.glanced >= kShort * me.params.max_search_period)
-  {
-    me.take(me.searchAll(kGlance), tags);
-    me.glanced = time_s;
-  }
-  me.gray.release();
+  me.searchWhole(last_time, tags);
+  // Now, as a search may take longer than the period; and not before a second one can say how a new tag moves.
+  forget(me.tracks, time_s - std::max(me.params.max_search_period, kSearchesKept * me.search_time));
+  me.starts = false;
   me.sort(tags);
   return tags;
 }

@@ -85,15 +85,21 @@ cv::Mat tagCells(const std::string& family, int id)
 {
   requireRange("id of " + family, id, 0, tagFamily(family).ids - 1);
   const FamilyPtr record = makeFamily(family);
-  cv::Mat cells(record->total_width, record->total_width, CV_8UC1, cv::Scalar(0));
+  cv::Mat cells(record->total_width, record->total_width, CV_8UC1, cv::Scalar(kFreeCell));
   const int border = (record->total_width - record->width_at_border) / 2;
-  const int ring = record->reversed_border ? border : border - 1;  // the white one, inside or around the black one
-  const int side = record->total_width - 2 * ring;
-  cv::rectangle(cells, {ring, ring, side, side}, 255);
+  const int outer = border - 1;  // the ring around the corners that are found
+  const auto drawRing = [&cells](int first, int level)
+  {
+    const int side = cells.cols - 2 * first;
+    cv::rectangle(cells, {first, first, side, side}, level);
+  };
+  drawRing(outer, record->reversed_border ? 0 : 255);
+  drawRing(outer + 1, record->reversed_border ? 255 : 0);
   for (std::uint32_t bit = 0; bit < record->nbits; ++bit)
-    if (record->codes[id] >> (record->nbits - 1 - bit) & 1)
-      cells.at<uchar>(border + static_cast<int>(record->bit_y[bit]), border + static_cast<int>(record->bit_x[bit])) =
-          255;
+  {
+    const cv::Point cell(border + static_cast<int>(record->bit_x[bit]), border + static_cast<int>(record->bit_y[bit]));
+    cells.at<uchar>(cell) = (record->codes[id] >> (record->nbits - 1 - bit) & 1) != 0 ? 255 : 0;
+  }
   return cells;
 }
 

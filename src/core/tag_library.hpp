@@ -10,7 +10,7 @@ namespace robot_vision
 
 using FamilyPtr = std::unique_ptr<apriltag_family_t, void (*)(apriltag_family_t*)>;
 
-/// The library's own record of a family. Each detector needs one of its own.
+/// The library's own record of a family.
 /// Throws std::invalid_argument as tagFamily() does.
 FamilyPtr makeFamily(const std::string& name);
 

@@ -13,6 +13,9 @@ namespace robot_vision
 namespace
 {
 
+const double kMostShiftNoise = 1.0;  // m
+const double kMostTurnNoise = 0.5;   // rad: more is no small angle
+
 bool isPose(const cv::Affine3d& pose)
 {
   const double tolerance = 1e-6;
@@ -40,19 +43,22 @@ void validate(const Bundle& bundle)
     require(ids.insert(tag.id).second, "id of a tag" + of_bundle, std::to_string(tag.id) + " twice", "there once");
     require(tag.size > 0.0 && std::isfinite(tag.size), "size" + of_tag, tag.size, "above 0 (m)");
     require(isPose(tag.pose), "pose" + of_tag, "none", "a rotation and a finite translation");
+    requireRange("shift_noise" + of_tag, tag.shift_noise, 0.0, kMostShiftNoise);
+    requireRange("turn_noise" + of_tag, tag.turn_noise, 0.0, kMostTurnNoise);
   }
 }
 
 std::optional<TagPoses> estimatePose(const Bundle& bundle, const std::vector<TagCorners>& seen,
-                                     const CameraModel& camera, double noise)
+                                     const CameraModel& camera, double noise, double lens_noise)
 {
   validate(bundle);
   validate(camera);
-  require(noise > 0.0 && std::isfinite(noise), "noise", noise, "above 0 (px)");
-  const std::vector<SeenTag> tags = tagsOf(bundle, seen, camera, noise * noise);
+  requireRange("noise", noise, 0.001, 10.0);
+  requireRange("lens_noise", lens_noise, 0.0, 10.0);
+  const std::vector<SeenTag> tags = tagsOf(bundle, seen, camera, noise * noise, lens_noise * lens_noise);
   const std::vector<PoseFit> fits = fitBody(tags, camera);
   if (fits.empty()) return std::nullopt;
-  return posesOf(PoseChoice().update(0.0, fits, 1.0), sightingOf(tags), camera);
+  return posesOf(PoseChoice().update(0.0, fits, 1.0), sightingOf(tags, camera), camera);
 }
 
 }  // namespace robot_vision

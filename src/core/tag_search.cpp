@@ -2,52 +2,22 @@
 
 #include <algorithm>
 #include <opencv2/imgproc.hpp>
-
-#include "robot_vision/tag_families.hpp"
+#include <utility>
 
 namespace robot_vision
 {
 namespace
 {
 
-// The library's table takes 48 bytes for each word that it corrects: with two bits of the largest families 4 GB.
-constexpr int kManyIds = 10000;
-constexpr int kSmallDistance = 5;     // between tags, at which most patterns are near one
 constexpr double kPixelMiddle = 0.5;  // the library counts from the first pixel's corner, OpenCV from its middle
-
-int mostCorrected(const std::string& family)
-{
-  const TagFamily& facts = tagFamily(family);
-  return facts.ids > kManyIds || facts.distance <= kSmallDistance ? 1 : 2;
-}
 
 }  // namespace
 
-TagSearch::TagSearch(const TagDetectorParams& params) : params_(params)
+TagSearch::TagSearch(std::shared_ptr<const TagDictionary> dictionary, const TagDetectorParams& params)
+  : params_(params), dictionary_(std::move(dictionary)), detector_(dictionary_->makeDetector())
 {
-  makeDetector();
-}
-
-void TagSearch::configure(const TagDetectorParams& params)
-{
-  const bool same = params.families == params_.families && params.max_hamming == params_.max_hamming;
-  params_ = params;
-  if (!same) makeDetector();  // its tables take a while
-}
-
-void TagSearch::makeDetector()
-{
-  detector_.reset(apriltag_detector_create());
-  detector_->nthreads = 1;
-  families_.clear();
-  for (const std::string& name : params_.families)
-  {
-    FamilyPtr record = makeFamily(name);
-    apriltag_detector_add_family_bits(detector_.get(), record.get(),
-                                      std::min(params_.max_hamming, mostCorrected(name)));
-    TagPattern pattern(*record);
-    families_.push_back({std::move(record), std::move(pattern)});
-  }
+  detector_->quad_sigma = static_cast<float>(params_.blur);
+  detector_->refine_edges = params_.refine_edges;
 }
 
 /// The pixels as the library can have them.
@@ -76,10 +46,9 @@ Tag TagSearch::toTag(const apriltag_detection_t& found, const cv::Mat& gray, con
   tag.margin = static_cast<double>(found.decision_margin);
   tag.center = toPicture(found.c);
   std::transform(std::begin(found.p), std::end(found.p), tag.corners.begin(), toPicture);
-  const auto family = std::find_if(families_.begin(), families_.end(),
-                                   [&found](const Family& f) { return f.record.get() == found.family; });
   const cv::Matx33d shift(1.0, 0.0, -kPixelMiddle, 0.0, 1.0, -kPixelMiddle, 0.0, 0.0, 1.0);
-  tag.similarity = family->pattern.compare(gray(part), shift * cv::Matx33d(found.H->data), found.family->codes[tag.id]);
+  const TagPattern& pattern = dictionary_->patternOf(found.family);
+  tag.similarity = pattern.compare(gray(part), shift * cv::Matx33d(found.H->data), found.family->codes[tag.id]);
   return tag;
 }
 
@@ -87,8 +56,6 @@ std::vector<Tag> TagSearch::find(const cv::Mat& gray, const cv::Rect& part, doub
 {
   const cv::Mat pixels = prepare(gray(part), decimate);
   detector_->quad_decimate = static_cast<float>(decimate);
-  detector_->quad_sigma = static_cast<float>(params_.blur);
-  detector_->refine_edges = params_.refine_edges;
   image_u8_t image = {pixels.cols, pixels.rows, static_cast<int>(pixels.step), pixels.data};
   const std::unique_ptr<zarray_t, void (*)(zarray_t*)> found(apriltag_detector_detect(detector_.get(), &image),
                                                              apriltag_detections_destroy);

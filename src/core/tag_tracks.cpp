@@ -16,7 +16,9 @@ namespace
 constexpr int kTile = 4;              // px after decimation, of which the library finds the threshold
 constexpr double kEdge = 16.0;        // px after decimation that a tag's shortest edge needs to be found as ever
 constexpr double kMostDecimated = 8;  // beyond it there is nothing to be gained
-constexpr double kStartle = 0.5;      // of its side that a tag may have moved in a frame when it was seen once
+constexpr double kStartle = 0.5;      // of its side that a tag may have moved in a frame when it was seen once,
+constexpr double kHaste = 15.0;       // of its side, per s, in more than that,
+constexpr double kFarthest = 2.5;     // and of its side at most
 constexpr double kUnrest = 0.1;       // of its side that it may deviate from its motion
 constexpr double kFastest = 60.0;     // sides per s: what is farther away was put there
 constexpr double kSwerve = 0.5;       // of its way that it may do so
@@ -88,6 +90,22 @@ Corners TagTrack::cornersAt(double time_s) const
   return corners;
 }
 
+Tag TagTrack::at(double time_s) const
+{
+  Tag moved = tag;
+  moved.corners = cornersAt(time_s);
+  for (std::size_t i = 0; i < moved.corners.size(); ++i)
+    moved.center += (moved.corners[i] - tag.corners[i]) / 4.0;
+  return moved;
+}
+
+bool TagTrack::isInViewAt(double time_s, const cv::Size& picture) const
+{
+  const cv::Rect2d view({0.0, 0.0}, cv::Size2d(picture));
+  const Corners corners = cornersAt(time_s);
+  return std::all_of(corners.begin(), corners.end(), [&view](const cv::Point2d& p) { return view.contains(p); });
+}
+
 TagRegion TagTrack::regionAt(double time_s, double decimate, const cv::Size& picture) const
 {
   const auto sides = shortestAndLongest(tag.corners);
@@ -95,7 +113,9 @@ TagRegion TagTrack::regionAt(double time_s, double decimate, const cv::Size& pic
   double speed = 0.0;
   for (const cv::Point2d& v : velocity)
     speed = std::max(speed, cv::norm(v));
-  const double motion = moving ? kUnrest * sides.second + kSwerve * speed * (time_s - seen) : kStartle * sides.second;
+  const double age = time_s - seen;
+  const double motion = moving ? kUnrest * sides.second + kSwerve * speed * age
+                               : std::min(std::max(kHaste * age, kStartle), kFarthest) * sides.second;
   const cv::Rect box = around(tag, cornersAt(time_s), borderOf(decimate) + motion, picture);
   if (box.empty()) return {{}, decimate};
   const int grid = cvRound(kTile * decimate);
@@ -155,7 +175,7 @@ void merge(std::vector<Tag>& tags, const std::vector<Tag>& more)
   }
 }
 
-void follow(std::vector<TagTrack>& tracks, double time_s, const std::vector<Tag>& tags, double hold)
+void follow(std::vector<TagTrack>& tracks, double time_s, const std::vector<Tag>& tags)
 {
   std::vector<TagTrack> followed;
   for (const Tag& tag : tags)
@@ -175,9 +195,14 @@ void follow(std::vector<TagTrack>& tracks, double time_s, const std::vector<Tag>
     }
     followed.push_back(next);
   }
-  for (const TagTrack& track : tracks)
-    if (time_s - track.seen <= hold) followed.push_back(track);
+  followed.insert(followed.end(), tracks.begin(), tracks.end());
   tracks = std::move(followed);
+}
+
+void forget(std::vector<TagTrack>& tracks, double before)
+{
+  const auto isOld = [before](const TagTrack& track) { return track.seen < before; };
+  tracks.erase(std::remove_if(tracks.begin(), tracks.end(), isOld), tracks.end());
 }
 
 }  // namespace robot_vision

@@ -22,6 +22,12 @@ struct TagTrack
 
   std::array<cv::Point2d, 4> cornersAt(double time_s) const;
 
+  /// The tag as it should be, or should have been.
+  Tag at(double time_s) const;
+
+  /// Whether all of it should be in the picture.
+  bool isInViewAt(double time_s, const cv::Size& picture) const;
+
   /// Where it should be, with as much around it as it takes to find it there. `decimate` as in the parameters.
   TagRegion regionAt(double time_s, double decimate, const cv::Size& picture) const;
 };
@@ -38,7 +44,10 @@ bool isSame(const Tag& a, const Tag& b);
 /// Adds tags that are not yet among the others, and of two that are the same the one with fewer wrong bits.
 void merge(std::vector<Tag>& tags, const std::vector<Tag>& more);
 
-/// Takes over the tags of a frame, and forgets those that were not seen for longer than `hold` s.
-void follow(std::vector<TagTrack>& tracks, double time_s, const std::vector<Tag>& tags, double hold);
+/// Takes over the tags of a frame.
+void follow(std::vector<TagTrack>& tracks, double time_s, const std::vector<Tag>& tags);
+
+/// Forgets those that were seen last before a time, s.
+void forget(std::vector<TagTrack>& tracks, double before);
 
 }  // namespace robot_vision

@@ -26,12 +26,25 @@ const V4l2Format* findV4l2Format(std::uint32_t fourcc)
   return findFormat([fourcc](const V4l2Format& format) { return fourcc == format.fourcc; });
 }
 
-std::string describeFormat(std::uint32_t fourcc, std::uint32_t width, std::uint32_t height)
+std::string v4l2FormatNames()
+{
+  std::string names = kV4l2Formats.front().name;
+  for (std::size_t i = 1; i < kV4l2Formats.size(); ++i)
+    names += (i + 1 < kV4l2Formats.size() ? ", " : " or ") + std::string(kV4l2Formats[i].name);
+  return names;
+}
+
+std::string fourccText(std::uint32_t fourcc)
 {
   std::string text;
   for (int shift = 0; shift < 32; shift += 8)
     text += static_cast<char>(fourcc >> shift & 0x7F);
-  return text + " " + std::to_string(width) + "x" + std::to_string(height);
+  return text.substr(0, text.find_last_not_of(' ') + 1);
+}
+
+std::string describeFormat(std::uint32_t fourcc, std::uint32_t width, std::uint32_t height)
+{
+  return fourccText(fourcc) + " " + std::to_string(width) + "x" + std::to_string(height);
 }
 
 }  // namespace robot_vision

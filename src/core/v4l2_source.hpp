@@ -2,11 +2,14 @@
 
 #include <linux/videodev2.h>
 
+#include <memory>
 #include <string>
 #include <vector>
 
+#include "h264_decoder.hpp"
 #include "robot_vision/frame_source.hpp"
 #include "v4l2_device.hpp"
+#include "v4l2_mode.hpp"
 
 namespace robot_vision
 {
@@ -16,12 +19,16 @@ namespace robot_vision
 class V4l2Source : public FrameSource
 {
 public:
-  /// Opens the device and agrees on a format. Throws SourceUnavailable naming the device and the failed call.
-  V4l2Source(const std::string& device, const CaptureParams& params);
+  /// Agrees with the device on a format; `warning` is told with what there is to say of that. Throws SourceUnavailable
+  /// naming the device and the failed call.
+  V4l2Source(std::shared_ptr<V4l2Device> device, const CaptureParams& params, const std::string& warning = "");
   ~V4l2Source() override;
 
   ReadResult read(Frame& frame) override;
   double rate() const override { return 0.0; }
+  double period() const override;
+  bool fillsMemory() const override { return false; }
+  std::shared_ptr<V4l2Device> device() const override { return device_; }
   std::string description() const override;
   std::string warning() const override { return warning_; }
 
@@ -33,25 +40,22 @@ private:
   };
 
   void requireCapture();
-  bool askFor(std::uint32_t fourcc, const CaptureParams& params);
-  void setFormat(const CaptureParams& params);
-  void setRate(double rate);
   void start();
   void mapBuffers();
   void queue(unsigned index);
-  std::size_t rowStep() const;
-  int rows() const;
-  std::string damageOf(const v4l2_buffer& filled) const;
-  cv::Mat view(const v4l2_buffer& filled) const;
+  bool take(const v4l2_buffer& filled, Frame& frame);
+  [[noreturn]] void refuse(const v4l2_buffer& filled, const std::string& why);
 
-  V4l2Device device_;
-  v4l2_pix_format format_{};
-  double rate_ = 0.0;  // Hz, as the driver gave it; 0: it does not say
+  std::shared_ptr<V4l2Device> device_;  // its controls may be in use meanwhile
+  V4l2Mode mode_;
   std::string warning_;
+  std::unique_ptr<H264Decoder> decoder_;  // null: frames need none
+  std::uint32_t next_decoded_ = 0;        // the driver's number of the frame that follows the last one decoded
+  cv::Mat own_picture_;                   // of a frame that cannot be used where the driver has it
   bool streaming_ = false;
   std::vector<Buffer> buffers_;
   int held_ = -1;                     // index of the buffer that the last frame points into
-  std::int64_t first_sequence_ = -1;  // the driver's number of our frame 0, as if there were no damaged frames
+  std::int64_t first_sequence_ = -1;  // the driver's number of our frame 0, as if none had been refused
 };
 
 }  // namespace robot_vision

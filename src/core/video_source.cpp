@@ -9,6 +9,8 @@ namespace robot_vision
 namespace
 {
 
+constexpr int kOrientationAuto = 49;  // cv::CAP_PROP_ORIENTATION_AUTO; OpenCV that has no such name turns no frames
+
 /// Containers state a length rounded from the duration, and of a varying rate the mean: what is less than this short of
 /// it, in frames or in time, is not truncated.
 std::int64_t tolerance(std::int64_t expected)
@@ -36,6 +38,7 @@ void VideoSource::open()
 #else
   const bool opened = capture_.open(path_, cv::CAP_FFMPEG);
 #endif
+  capture_.set(kOrientationAuto, 0.0);  // the sensor's pixels, for so does the calibration have them
   grabbed_ = opened && capture_.grab();
   if (grabbed_) return;
   if (url_) throw SourceUnavailable(path_ + ": the stream cannot be opened");

@@ -18,6 +18,7 @@ Brightness makeFilter(const BrightnessConfig& config)
   params.gain = config.gain;
   params.offset = config.offset;
   params.gamma = config.gamma;
+  params.threads = config.threads;
   return Brightness(params);
 }
 

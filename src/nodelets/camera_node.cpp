@@ -5,6 +5,18 @@
 #include "factories.hpp"
 #include "ros/run_nodelet.hpp"
 
+namespace
+{
+
+constexpr const char* kAbout = R"(Publishes the frames of a camera, video, picture folder or synthetic scene.
+
+Publishes ~image_raw, ~image_mono, ~camera_info and /diagnostics, with _source:=synthetic also ~ground_truth and /tf.
+~stop_capture and ~start_capture (std_srvs/Empty) stop and start it. The controls of a device are in ~controls, live.
+~set_camera_info (sensor_msgs/SetCameraInfo) sets the calibration and saves it.
+)";
+
+}  // namespace
+
 int main(int argc, char** argv)
 {
   std::atomic<int> end_code{0};
@@ -17,6 +29,6 @@ int main(int argc, char** argv)
           ros::requestShutdown();
         });
   };
-  const int exit_code = robot_vision::runNodelet(argc, argv, "camera", make);
+  const int exit_code = robot_vision::runNodelet(argc, argv, "camera", kAbout, make);
   return exit_code != 0 ? exit_code : end_code.load();
 }

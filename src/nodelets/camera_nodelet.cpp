@@ -1,26 +1,34 @@
 #include <nodelet/nodelet.h>
 #include <robot_vision/CameraConfig.h>
+#include <std_srvs/Empty.h>
 
+#include <atomic>
 #include <boost/make_shared.hpp>
 #include <memory>
 #include <mutex>
 #include <pluginlib/class_list_macros.hpp>
 
 #include "factories.hpp"
+#include "robot_vision/monotonic.hpp"
 #include "robot_vision/range.hpp"
 #include "ros/camera_outputs.hpp"
 #include "ros/capture_loop.hpp"
+#include "ros/capture_status.hpp"
+#include "ros/control_params.hpp"
+#include "ros/control_server.hpp"
 #include "ros/frame_statistics.hpp"
 #include "ros/live_params.hpp"
 #include "ros/monotonic_clock.hpp"
+#include "ros/steady_stamps.hpp"
 #include "ros/throttle.hpp"
+#include "ros/unknown_params.hpp"
 
 namespace robot_vision
 {
 namespace
 {
 
-using diagnostic_msgs::DiagnosticStatus;
+using std_srvs::Empty;
 
 CaptureParams loadCaptureParams(const ros::NodeHandle& pnh)
 {
@@ -32,7 +40,10 @@ CaptureParams loadCaptureParams(const ros::NodeHandle& pnh)
   readParam(pnh, "pixel_format", params.pixel_format);
   readParam(pnh, "io_method", params.io_method);
   readParam(pnh, "framerate", params.framerate);
+  readParam(pnh, "timeout", params.timeout);
+  readParam(pnh, "scene", params.scene);
   readParam(pnh, "poster", params.poster);
+  params.kind = sourceKind(params);
   return params;
 }
 
@@ -42,6 +53,7 @@ CameraOutputs::Params loadOutputParams(const ros::NodeHandle& pnh)
   readParam(pnh, "camera_frame_id", params.frame_id);
   readParam(pnh, "camera_name", params.camera_name);
   readParam(pnh, "camera_info_url", params.camera_info_url);
+  readParam(pnh, "output_encoding", params.output_encoding);
   return params;
 }
 
@@ -61,21 +73,37 @@ private:
   void onInit() override
   try
   {
-    const ros::NodeHandle& pnh = getPrivateNodeHandle();
-    readParam(pnh, "always_subscribe", always_subscribe_);
+    ros::NodeHandle& pnh = getPrivateNodeHandle();
+    bool keep_streaming = false;
+    readParam(pnh, "always_subscribe", always_wanted_);
+    readParam(pnh, "keep_streaming", keep_streaming);
+    always_wanted_ = always_wanted_ || keep_streaming;
     diagnostics_ = std::make_unique<FrameDiagnostics>(getNodeHandle(), pnh, getName());
-    params_ = std::make_unique<LiveParams<CameraConfig>>(pnh, [this](const CameraConfig& config) { apply(config); });
+    status_ = std::make_unique<CaptureStatus>(diagnostics_->statistics());
+    params_ = std::make_unique<LiveParams<CameraConfig>>(
+        pnh, [this](const CameraConfig& config) { apply(config); },
+        [this] {
+          return controls_ ? ParamMaps{{"controls", controls_->settings()}} : ParamMaps();
+        });
     const CaptureParams capture = loadCaptureParams(pnh);
     validate(capture);
-    outputs_ = std::make_unique<CameraOutputs>(pnh, loadOutputParams(pnh), [this] { updateWanted(); });
+    const std::vector<ControlSetting> controls = readControlSettings(pnh);
+    if (capture.kind == SourceKind::kDevice)
+      controls_ = std::make_unique<ControlServer>(pnh, ControlPort(capture), controls);
+    outputs_ = std::make_unique<CameraOutputs>(pnh, loadOutputParams(pnh), [this] { updateDemand(); });
+    warnOfUnknownParams(pnh);
     CaptureListener& listener = *this;
-    auto loop = std::make_unique<CaptureLoop>(capture, listener);
+    auto loop = std::make_unique<CaptureLoop>(capture, listener, [this](const CaptureParams& of) { return open(of); });
     {
       const std::lock_guard<std::mutex> lock(mutex_);
       loop_ = std::move(loop);
       loop_->setPace(config_.framerate, config_.loop);
     }
-    updateWanted();
+    updateDemand();
+    start_ = pnh.advertiseService<Empty::Request, Empty::Response>(
+        "start_capture", [this](Empty::Request&, Empty::Response&) { return setStopped(false); });
+    stop_ = pnh.advertiseService<Empty::Request, Empty::Response>(
+        "stop_capture", [this](Empty::Request&, Empty::Response&) { return setStopped(true); });
   }
   catch (const std::exception& e)
   {
@@ -84,8 +112,17 @@ private:
     throw;   // the loader then reports failure instead of keeping a dead nodelet
   }
 
+  bool setStopped(bool stopped)
+  {
+    stopped_ = stopped;
+    updateDemand();
+    return true;
+  }
+
   void stop()
   {
+    start_.shutdown();
+    stop_.shutdown();
     std::unique_ptr<CaptureLoop> loop;
     {
       const std::lock_guard<std::mutex> lock(mutex_);
@@ -93,7 +130,9 @@ private:
     }
     loop.reset();  // waits for its thread, which uses all the others
     params_.reset();
+    controls_.reset();
     outputs_.reset();
+    status_.reset();
     diagnostics_.reset();
   }
 
@@ -105,21 +144,25 @@ private:
     if (loop_) loop_->setPace(config.framerate, config.loop);
   }
 
-  void updateWanted()
+  void updateDemand()
   {
     const std::lock_guard<std::mutex> lock(mutex_);
-    if (loop_) loop_->setWanted(always_subscribe_ || outputs_->wanted());
+    if (!loop_) return;
+    const bool wanted = always_wanted_ || outputs_->wanted();
+    loop_->setDemand(stopped_ ? Demand::kStopped : wanted ? Demand::kFrames : Demand::kIdle);
+  }
+
+  std::unique_ptr<FrameSource> open(const CaptureParams& params)
+  {
+    const auto open_source = [&params] { return openSource(params); };
+    return controls_ ? controls_->open(open_source) : open_source();
   }
 
   void onOpened(const FrameSource& source) override
   {
     outputs_->setModel(source.cameraModel());
-    diagnostics_->statistics().resumed();
-    const bool news = description_ != source.description();
-    description_ = source.description();
-    diagnostics_->statistics().setState(DiagnosticStatus::OK, description_);
-    if (!news) return;
-    NODELET_INFO("%s: %s", getName().c_str(), description_.c_str());
+    if (!status_->opened(source.description())) return;
+    NODELET_INFO("%s: %s", getName().c_str(), source.description().c_str());
     if (!source.warning().empty()) NODELET_WARN("%s: %s", getName().c_str(), source.warning().c_str());
   }
 
@@ -128,14 +171,24 @@ private:
   void onFrame(const Frame& frame) override
   {
     const auto begin = FrameStatistics::Clock::now();
-    const ros::Time stamp = toRosTime(frame.monotonic_ns);
+    const ros::Time stamp = stampOf(frame);
     diagnostics_->statistics().received(static_cast<std::uint32_t>(frame.sequence));
     outputs_->publish(frame, stamp);
-    diagnostics_->statistics().setState(DiagnosticStatus::OK, description_);
-    if (lost_) NODELET_INFO("%s: streaming again", getName().c_str());
-    lost_ = false;
+    if (status_->streaming()) NODELET_INFO("%s: streaming again", getName().c_str());
     unavailable_.reset();
     diagnostics_->statistics().published(begin, stamp);
+  }
+
+  ros::Time stampOf(const Frame& frame)
+  {
+    const ros::Time time = toRosTime(frame.monotonic_ns);
+    if (ros::Time::isSimTime()) return time;  // who simulates it may begin anew
+    const ros::Time stamp = stamps_.next(frame.monotonic_ns != 0 ? frame.monotonic_ns : monotonicNow(), time);
+    const double ahead = (stamp - time).toSec();
+    if (ahead > 0.001 && ahead_.due())
+      NODELET_WARN("%s: the clock was set back: stamps are %.3f s ahead, and at half speed until it has caught up",
+                   getName().c_str(), ahead);
+    return stamp;
   }
 
   void onRefused(const std::string& why) override
@@ -146,18 +199,21 @@ private:
 
   void onUnavailable(const std::string& why) override
   {
-    diagnostics_->statistics().setState(DiagnosticStatus::ERROR, why);
-    lost_ = true;
-    if (unavailable_.due()) NODELET_ERROR("%s: %s; trying again every second", getName().c_str(), why.c_str());
+    status_->lost(why);
+    if (unavailable_.due()) NODELET_ERROR("%s: %s; trying again", getName().c_str(), why.c_str());
   }
 
-  void onIdle() override { diagnostics_->statistics().setIdle(); }
+  void onIdle() override
+  {
+    if (stopped_) return status_->stopped();
+    unavailable_.reset();
+    if (status_->idle()) NODELET_INFO("%s: there again", getName().c_str());
+  }
 
   void onEnd(const std::string& error) override
   {
     const bool good = error.empty();
-    diagnostics_->statistics().setState(good ? DiagnosticStatus::OK : DiagnosticStatus::ERROR,
-                                        good ? "the source has ended" : error);
+    status_->ended(error);
     if (good)
       NODELET_INFO("%s: the source has ended", getName().c_str());
     else
@@ -166,17 +222,22 @@ private:
   }
 
   EndCallback on_end_;
-  bool always_subscribe_ = false;
+  bool always_wanted_ = false;
+  std::atomic<bool> stopped_{false};  // by ~stop_capture
   Throttle refused_;
   Throttle unavailable_;
-  std::string description_;
-  bool lost_ = false;  // since the last frame
+  Throttle ahead_;
+  SteadyStamps stamps_;
   std::unique_ptr<FrameDiagnostics> diagnostics_;
+  std::unique_ptr<CaptureStatus> status_;
   std::unique_ptr<CameraOutputs> outputs_;
+  std::unique_ptr<ControlServer> controls_;  // of a device, else null
   std::mutex mutex_;  // guards config_ and loop_ against connections and reconfiguring while they are being set up
   CameraConfig config_;
   std::unique_ptr<CaptureLoop> loop_;
   std::unique_ptr<LiveParams<CameraConfig>> params_;
+  ros::ServiceServer start_;
+  ros::ServiceServer stop_;
 };
 
 boost::shared_ptr<nodelet::Nodelet> makeCamera(const std::function<void(int exit_code)>& on_end)

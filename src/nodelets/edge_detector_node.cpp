@@ -1,7 +1,17 @@
 #include "factories.hpp"
 #include "ros/run_nodelet.hpp"
 
+namespace
+{
+
+constexpr const char* kAbout = R"(Finds edges in a camera's pictures.
+
+Subscribes to image, while somebody subscribes to ~processed_image (mono8). Publishes /diagnostics, too.
+)";
+
+}  // namespace
+
 int main(int argc, char** argv)
 {
-  return robot_vision::runNodelet(argc, argv, "edge_detector", robot_vision::makeEdgeDetector);
+  return robot_vision::runNodelet(argc, argv, "edge_detector", kAbout, robot_vision::makeEdgeDetector);
 }

@@ -20,6 +20,7 @@ EdgeDetector makeFilter(const EdgeDetectorConfig& config)
   params.high_threshold = config.high_threshold;
   params.aperture = config.aperture;
   params.l2_gradient = config.l2_gradient;
+  params.threads = config.threads;
   return EdgeDetector(params);
 }
 

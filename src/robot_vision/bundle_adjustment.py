@@ -5,12 +5,15 @@ from typing import NamedTuple, Tuple
 import cv2
 import numpy as np
 from scipy.optimize import least_squares
-from scipy.sparse import csr_matrix
+from scipy.sparse import csr_matrix, identity
+from scipy.sparse.linalg import splu
 
 from ._core import CameraModel
 
 OUTLIER = 1.0  # px, from where on a corner's weight falls
 ABSURD = 1000.0  # px, for corners that would be behind the camera
+SLIGHT = 1e-6  # px^2 / m^2 or rad^2: so much is known of what is not seen at all
+OPEN = 1e-9  # of what is known of a tag in given poses, without them: less is rounding
 
 
 class Sightings(NamedTuple):
@@ -68,6 +71,51 @@ def adjust(
     )
     found, moved = (_to_matrices(vectors) for vectors in unpack(solution.x))
     return found, moved, residuals(solution.x)
+
+
+def layout_covariance(
+    sightings: Sightings,
+    camera: CameraModel,
+    layout: np.ndarray,
+    poses: np.ndarray,
+    residuals: np.ndarray,
+) -> np.ndarray:
+    """How well a layout that adjust() found is known, as the residuals tell.
+
+    Returns:
+        (6n, 6n), of x, y, z (m) and the rotations about x, y, z (rad) of each tag, all along the
+        axes of the master; its own are 0, and those of tags that could be anywhere infinite.
+    """
+    used, frames = np.unique(sightings.frames, return_inverse=True)
+    sightings, vectors = sightings._replace(frames=frames), _to_vectors(layout)
+    jacobian = _jacobian(sightings, camera, vectors, _to_vectors(poses[used]))
+    size = 6 * (len(layout) - 1)
+    normal = (jacobian.T @ jacobian + SLIGHT * identity(jacobian.shape[1])).tocsc()
+    by_poses = normal[size:, :size]
+    known_by_poses = by_poses.T @ splu(normal[size:, size:]).solve(by_poses.toarray())
+    freedom = max(residuals.size - jacobian.shape[1], 1)
+    of_vectors, loose = _inverse(normal[:size, :size].toarray(), known_by_poses)
+    to_turns = np.eye(6 * len(layout))
+    for index, turn in enumerate(_left_jacobians(vectors[:, 3:])):
+        rows = slice(6 * index + 3, 6 * index + 6)
+        to_turns[rows, rows] = turn
+    covariance = np.zeros_like(to_turns)
+    covariance[6:, 6:] = np.sum(residuals**2) / freedom * of_vectors
+    covariance = to_turns @ covariance @ to_turns.T
+    variables = _columns(loose + 1).ravel()
+    covariance[variables, variables] = np.inf
+    return covariance
+
+
+def _inverse(known: np.ndarray, by_poses: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
+    """Of what is known of tags without what the poses take of it; the tags that it leaves open."""
+    scale = 1.0 / np.sqrt(np.diag(known))
+    values, vectors = np.linalg.eigh(scale[:, None] * (known - by_poses) * scale)
+    open_ways = vectors[:, values < OPEN]
+    by_tag = open_ways.reshape(len(known) // 6, 6, open_ways.shape[1])
+    shares = np.sum(by_tag**2, axis=1)
+    inverse = (vectors / np.maximum(values, OPEN)) @ vectors.T
+    return scale[:, None] * inverse * scale, np.unique(np.argmax(shares, axis=0))
 
 
 def _to_vectors(poses: np.ndarray) -> np.ndarray:

@@ -1,5 +1,6 @@
 """Learns where tags sit on a rigid body from frames that show several of them at once."""
 
+import math
 from dataclasses import dataclass
 from itertools import combinations
 from typing import Dict, List, Mapping, NamedTuple, Sequence, Tuple
@@ -7,7 +8,8 @@ from typing import Dict, List, Mapping, NamedTuple, Sequence, Tuple
 import numpy as np
 
 from ._core import Bundle, BundleTag, CameraModel, estimate_pose, single_tag
-from .bundle_adjustment import Sightings, adjust
+from .bundle_adjustment import Sightings, adjust, layout_covariance
+from .layout_noise import noises_of
 
 MOST_FRAMES = 30  # that are compared for a first guess of where two tags are
 ALIKE_ANGLE = np.radians(5.0)  # between guesses of the same, standard deviation
@@ -24,7 +26,7 @@ Frame = Mapping[int, np.ndarray]  # corners (4, 2) px by tag, see estimate_pose(
 class Calibration:
     """A bundle that was learnt, and how well it explains what was seen."""
 
-    bundle: Bundle
+    bundle: Bundle  # with how well it is known
     frames: int  # that showed at least two of its tags
     sightings: Dict[int, int]  # by tag, in these frames, without those that were rejected
     rejected: int  # sightings of tags that were far from where they would have to be
@@ -101,7 +103,7 @@ def _guess_layout(
     links: Dict[Tuple[int, int], _Guess] = {}
     for one, other in combinations(sizes, 2):
         both = [frame for frame in poses if one in frame and other in frame]
-        step = max(1, len(both) // MOST_FRAMES)
+        step = max(1, math.ceil(len(both) / MOST_FRAMES))
         relations = [
             [
                 _Guess(np.linalg.inv(a.pose) @ b.pose, a.weight * b.weight)
@@ -176,8 +178,20 @@ def _refine(
         raise ValueError(f"tags {loose} are not on one rigid body with the others")
     matrices, poses, residuals = adjust(kept, camera, matrices, poses)
     squares = _distances(residuals) ** 2
+    covariance = layout_covariance(kept, camera, matrices, poses, residuals)
+    variances = np.diag(covariance).reshape(-1, 6).sum(axis=1)
+    loose = sorted(tag for tag, value in zip(tags, variances) if not np.isfinite(value))
+    if loose:
+        raise ValueError(f"tags {loose} were seen too little with others to tell where they are")
+    noises = noises_of(covariance, matrices, [sizes[tag] for tag in tags])
     return Calibration(
-        Bundle(name, [BundleTag(tag, sizes[tag], pose) for tag, pose in zip(tags, matrices)]),
+        Bundle(
+            name,
+            [
+                BundleTag(tag, sizes[tag], pose, shift, turn)
+                for tag, pose, shift, turn in zip(tags, matrices, *noises)
+            ],
+        ),
         len(found),
         {tag: int(chosen.sum()) for tag, chosen in of_tag.items()},
         len(distances) - len(squares),

@@ -5,7 +5,9 @@
         layout:
           - {id: 0, size: 0.1, x: 0.0, y: 0.0, z: 0.0, qw: 1.0, qx: 0.0, qy: 0.0, qz: 0.0}
 
-Positions are in m; what is left out of a pose is 0, and qw 1. A bundle may say its family.
+Positions are in m; what is left out of a pose is 0, and qw 1. A bundle may say its family, and a
+tag how well its place is known: shift_noise (m, of x, y and z) and turn_noise (rad, about each
+axis), standard deviations.
 """
 
 import numbers
@@ -15,17 +17,21 @@ import numpy as np
 import yaml
 
 from ._core import Bundle, BundleTag
-from .files import replace_file
+from .files import create_file, replace_file, trying
 from .rotations import quaternion_of, rotation_of
 
 DEFAULTS = {"x": 0.0, "y": 0.0, "z": 0.0, "qw": 1.0, "qx": 0.0, "qy": 0.0, "qz": 0.0}
+NOISES = {"shift_noise": 0.0005, "turn_noise": 0.005}  # of a layout that was measured with care
 
 
-def write_bundles(path: str, bundles: Sequence[Bundle], family: Optional[str] = None) -> None:
-    """Writes a file, or replaces it, in one step or not at all.
+def write_bundles(
+    path: str, bundles: Sequence[Bundle], family: Optional[str] = None, replace: bool = True
+) -> None:
+    """Writes a file in one step or not at all.
 
     Args:
         family: of the tags; None: it is not in the file.
+        replace: a file that is there already.
 
     Raises:
         OSError: it cannot be written.
@@ -36,7 +42,8 @@ def write_bundles(path: str, bundles: Sequence[Bundle], family: Optional[str] = 
         lines += [f"  - name: {name}"] + ([f"    family: {family}"] if family else [])
         lines += ["    layout:"]
         lines += [f"      - {_line(tag)}" for tag in bundle.tags]
-    replace_file(path, ("\n".join(lines) + "\n").encode())
+    write = replace_file if replace else create_file
+    write(path, ("\n".join(lines) + "\n").encode())
 
 
 def read_bundles(path: str) -> List[Bundle]:
@@ -46,7 +53,7 @@ def read_bundles(path: str) -> List[Bundle]:
         ValueError: it is not such a file; says what is wrong, and where.
         OSError: it cannot be read.
     """
-    with open(path, encoding="utf-8") as file:
+    with trying(path, "read"), open(path, encoding="utf-8") as file:
         try:
             values = yaml.safe_load(file)
         except (UnicodeDecodeError, yaml.YAMLError) as error:
@@ -66,16 +73,37 @@ def parse_bundles(values: Any) -> List[Bundle]:
         ValueError: they are none; says what is wrong, and where.
     """
     bundles: List[Bundle] = []
-    for index, value in enumerate(_list_of(values, "tag_bundles")):
-        if not isinstance(value, dict):
-            raise ValueError(f"tag_bundles[{index}] is {value!r}, must be a map")
-        name = str(value.get("name", f"bundle_{index}"))
+    for index, value in enumerate(list_of(values, "tag_bundles")):
+        require_map(value, f"tag_bundles[{index}]", ("name", "family", "layout"))
+        name = value.get("name", f"bundle_{index}")
+        if not isinstance(name, str) or not name:
+            raise ValueError(f"tag_bundles[{index}]: name is {name!r}, must be a text")
         if any(bundle.name == name for bundle in bundles):
             raise ValueError(f"tag_bundles: '{name}' is there twice")
         where = f"layout of bundle '{name}'"
-        layout = _list_of(value.get("layout"), where)
+        layout = list_of(value.get("layout"), where)
         bundles.append(Bundle(name, [_tag(entry, where) for entry in layout]))
     return bundles
+
+
+def list_of(value: Any, where: str) -> Sequence[Any]:
+    """The value, if it is a list.
+
+    Raises:
+        ValueError: it is none; says where.
+    """
+    if not isinstance(value, (list, tuple)):
+        raise ValueError(f"{where} is {value!r}, must be a list")
+    return value
+
+
+def require_map(value: Any, where: str, keys: Sequence[str]) -> None:
+    """Raises ValueError if the value is no map, or has others than these keys."""
+    if not isinstance(value, dict):
+        raise ValueError(f"{where} is {value!r}, must be a map")
+    unknown = sorted(map(str, set(value).difference(keys)))
+    if unknown:
+        raise ValueError(f"{where} has '{unknown[0]}', must be {', '.join(keys)}")
 
 
 def _line(tag: BundleTag) -> str:
@@ -83,34 +111,30 @@ def _line(tag: BundleTag) -> str:
     qx, qy, qz, qw = quaternion_of(tag.pose[:3, :3])
     place = ", ".join(f"{key}: {value:.6f}" for key, value in zip("xyz", (x, y, z)))
     turn = f"qw: {qw:.8f}, qx: {qx:.8f}, qy: {qy:.8f}, qz: {qz:.8f}"
-    return f"{{id: {tag.id}, size: {tag.size!r}, {place}, {turn}}}"
-
-
-def _list_of(value: Any, where: str) -> List[Any]:
-    if not isinstance(value, list):
-        raise ValueError(f"{where} is {value!r}, must be a list")
-    return value
+    noise = f"shift_noise: {tag.shift_noise:.6f}, turn_noise: {tag.turn_noise:.5f}"
+    return f"{{id: {tag.id}, size: {tag.size!r}, {place}, {turn}, {noise}}}"
 
 
 def _tag(entry: Any, where: str) -> BundleTag:
-    if not isinstance(entry, dict):
-        raise ValueError(f"{where} has {entry!r}, must have maps")
+    require_map(entry, f"a tag in the {where}", ("id", "size", *DEFAULTS, *NOISES))
     tag = entry.get("id")
     if not isinstance(tag, int) or isinstance(tag, bool):
         raise ValueError(f"{where}: id is {tag!r}, must be a whole number")
     where = f"{where}, tag {tag}"
-    numbers_of = {key: _number(entry, key, where) for key in ("size", *DEFAULTS)}
+    numbers_of = {key: _number(entry, key, where) for key in ("size", *DEFAULTS, *NOISES)}
     quaternion = np.array([numbers_of[key] for key in ("qx", "qy", "qz", "qw")])
     if not 0.5 < np.linalg.norm(quaternion) < 2.0:
         raise ValueError(f"{where}: qx, qy, qz, qw are {quaternion.tolist()}, must have length 1")
     pose = np.eye(4)
     pose[:3, :3] = rotation_of(quaternion)
     pose[:3, 3] = [numbers_of[key] for key in "xyz"]
-    return BundleTag(tag, numbers_of["size"], pose)
+    return BundleTag(
+        tag, numbers_of["size"], pose, numbers_of["shift_noise"], numbers_of["turn_noise"]
+    )
 
 
 def _number(entry: Mapping[str, Any], key: str, where: str) -> float:
-    value = entry.get(key, DEFAULTS.get(key))
+    value = entry.get(key, {**DEFAULTS, **NOISES}.get(key))
     if not isinstance(value, numbers.Real) or isinstance(value, bool) or not np.isfinite(value):
         raise ValueError(f"{where}: {key} is {value!r}, must be a number")
     return float(value)

@@ -7,7 +7,8 @@ import cv2
 import numpy as np
 
 from .face_picture import face_of, portrait
-from .gallery_files import decode, picture_files, read_file, reason, shown
+from .files import reason
+from .gallery_files import decode, picture_files, read_file, shown
 
 
 class Candidates:

@@ -1,10 +1,27 @@
 """Text that is edited, and files that are written in one step or not at all."""
 
+import contextlib
 import itertools
 import os
 import secrets
 import stat
-from typing import Optional
+from typing import Iterator, Optional
+
+
+@contextlib.contextmanager
+def trying(path: str, what: str) -> Iterator[None]:
+    """Lets an OSError say "<path> cannot be <what>: ..." instead of a number; its type stays."""
+    try:
+        yield
+    except OSError as error:
+        if error.strerror is None:  # it says so already
+            raise
+        raise type(error)(f"{path} cannot be {what}: {error.strerror}") from error
+
+
+def reason(error: Exception) -> str:
+    """What an error says, without the path that is named beside it."""
+    return getattr(error.__cause__ or error, "strerror", None) or str(error)
 
 
 def read_text(path: str) -> str:
@@ -16,7 +33,7 @@ def read_text(path: str) -> str:
     """
     if not os.path.lexists(path):
         return ""
-    with open(path, encoding="utf-8", newline="") as file:
+    with trying(path, "read"), open(path, encoding="utf-8", newline="") as file:
         try:
             return file.read()
         except UnicodeDecodeError as error:
@@ -31,18 +48,18 @@ def replace_file(path: str, data: bytes) -> None:
     Raises:
         OSError: it cannot be written; an old file is as it was.
     """
-    path = os.path.realpath(path)
+    with trying(path, "written"):
+        _replace(os.path.realpath(path), data)
+
+
+def _replace(path: str, data: bytes) -> None:
     mode = stat.S_IMODE(os.stat(path).st_mode) if os.path.exists(path) else None
     # In the same folder, or the rename is not atomic.
     temporary = f"{path}.{_random()}.tmp"
-    try:
-        _write_new(temporary, data, mode)
-    except OSError as error:
-        error.filename = path  # nobody knows of the other
-        raise
+    _write_new(temporary, data, mode)
     try:
         os.replace(temporary, path)
-    except OSError:
+    except BaseException:
         os.unlink(temporary)
         raise
 
@@ -56,7 +73,8 @@ def create_file(path: str, data: bytes) -> None:
         FileExistsError: there is one of this name.
         OSError: it cannot be written.
     """
-    os.close(os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC, 0o666))
+    with trying(path, "written"):
+        os.close(os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC, 0o666))
     try:
         replace_file(path, data)
     except BaseException:
@@ -73,6 +91,11 @@ def add_file(folder: str, stem: str, suffix: str, data: bytes) -> str:
     Raises:
         OSError: it cannot be written, or the file system has no hard links.
     """
+    with trying(os.path.join(folder, stem + suffix), "written"):
+        return _add(folder, stem, suffix, data)
+
+
+def _add(folder: str, stem: str, suffix: str, data: bytes) -> str:
     temporary = os.path.join(folder, f".{stem}.{_random()}.tmp")
     _write_new(temporary, data)
     try:
@@ -102,6 +125,6 @@ def _write_new(path: str, data: bytes, mode: Optional[int] = None) -> None:
             file.write(data)
             file.flush()
             os.fsync(file.fileno())
-        except OSError:
+        except BaseException:
             os.unlink(path)
             raise

@@ -19,14 +19,16 @@ import numpy as np
 from .candidates import Candidates, digest_of
 from .face_cache import read_faces, write_faces
 from .face_picture import face_of
+from .files import reason, trying
 from .gallery_files import (
     decode,
+    entries,
     folder_of,
     inside,
+    is_picture,
     names_in,
     picture_files,
     read_file,
-    reason,
     shown,
     valid_name,
     write_numbered,
@@ -134,7 +136,8 @@ class Gallery:
             given_up: asked between two pictures, whether to stop.
 
         Raises:
-            ValueError: nobody can have this name, or the folder is in the gallery.
+            ValueError: nobody can have this name, or the folder is in the gallery, or has no
+                subfolders to take names from.
             OSError: the folder cannot be read, or the gallery not be written, or it was given up;
                 people before that are added.
         """
@@ -142,10 +145,18 @@ class Gallery:
             return self._import_pictures(name, folder, given_up)
         self._check_source(folder)
         total = Added()
-        for person in sorted(os.listdir(folder)):
+        found = [name for name in entries(folder) if not name.startswith(".")]
+        people = [name for name in found if os.path.isdir(os.path.join(folder, name))]
+        if not people:
+            raise ValueError(
+                f"{shown(folder)} must have a folder for each person, as Anna/1.jpg; "
+                "to take its own pictures, say whose they are by name"
+            )
+        nobodys = sum(map(is_picture, found))
+        if nobodys:
+            total.problems.append(f"{shown(folder)}: {nobodys} pictures in no person's folder")
+        for person in people:
             path = os.path.join(folder, person)
-            if person.startswith(".") or not os.path.isdir(path):
-                continue
             try:
                 added = self._import_pictures(person, path, given_up)
             except ValueError as error:
@@ -210,6 +221,8 @@ class Gallery:
         self._check_source(folder)
         candidates = Candidates()
         candidates.read(folder, given_up)
+        if not candidates.files and not candidates.problems:
+            candidates.problems.append(f"{shown(folder)}: there are no pictures in it")
         return self._keep(name, candidates)
 
     def _check_source(self, folder: str) -> None:
@@ -226,7 +239,8 @@ class Gallery:
             present = candidates.repeated + len(candidates.faces) - len(new)
             added = Added(len(new), present, candidates.problems)
             if new:
-                os.makedirs(self.folder, PRIVATE, exist_ok=True)
+                with trying(self.folder, "made"):
+                    os.makedirs(self.folder, PRIVATE, exist_ok=True)
                 write_numbered(self._folder(name), [candidates.files[digest] for digest in new])
                 self._faces[name] = {**known, **new}
                 added.problems += self._save()

@@ -1,16 +1,15 @@
 """Picture files below a folder for each name: which there are, read with care, and written."""
 
-import contextlib
 import os
 import stat
 import unicodedata
 from typing import List, Sequence
 
-import cv2
 import numpy as np
 
-from .files import add_file
+from .files import add_file, reason, trying
 from .identities import UNKNOWN
+from .pictures import upright
 
 SUFFIXES = (".bmp", ".jpeg", ".jpg", ".pgm", ".png", ".ppm", ".tif", ".tiff", ".webp")
 MAX_NAME = 60  # characters: fits into the 255 bytes of a file system's names in any script
@@ -61,7 +60,7 @@ def names_in(gallery: str, problems: List[str]) -> List[str]:
     """The names that have a folder in a gallery; what else there is becomes a problem."""
     names = []
     try:
-        found = sorted(os.listdir(gallery)) if os.path.isdir(gallery) else []
+        found = entries(gallery) if os.path.isdir(gallery) else []
     except OSError as error:
         problems.append(f"{shown(gallery)} cannot be read: {reason(error)}")
         return []
@@ -91,7 +90,17 @@ def picture_files(folder: str) -> List[str]:
     Raises:
         OSError: the folder cannot be read.
     """
-    return [os.path.join(folder, name) for name in sorted(os.listdir(folder)) if is_picture(name)]
+    return [os.path.join(folder, name) for name in entries(folder) if is_picture(name)]
+
+
+def entries(folder: str) -> List[str]:
+    """The names of what is in a folder, in order.
+
+    Raises:
+        OSError: it cannot be read.
+    """
+    with trying(shown(folder), "read"):
+        return sorted(os.listdir(folder))
 
 
 def read_file(path: str, most: int = MAX_FILE) -> bytes:
@@ -111,14 +120,12 @@ def read_file(path: str, most: int = MAX_FILE) -> bytes:
 
 
 def decode(data: bytes) -> np.ndarray:
-    """The picture of a file, (height, width, 3), BGR.
+    """The picture of a file, (height, width, 3), BGR, upright.
 
     Raises:
         ValueError: it is none.
     """
-    picture = None
-    with contextlib.suppress(cv2.error):  # of no data, and of more pixels than OpenCV takes
-        picture = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_COLOR)
+    picture = upright(data)
     if picture is None:
         raise ValueError("it is damaged, or no picture")
     return picture
@@ -131,8 +138,9 @@ def write_numbered(folder: str, pngs: Sequence[bytes]) -> None:
         OSError: they cannot be written.
     """
     is_new = not os.path.lexists(folder)
-    os.makedirs(folder, exist_ok=True)
-    stems = [os.path.splitext(name)[0] for name in os.listdir(folder)]
+    with trying(shown(folder), "made"):
+        os.makedirs(folder, exist_ok=True)
+    stems = [os.path.splitext(name)[0] for name in entries(folder)]
     first = 1 + max((int(stem) for stem in stems if stem.isdecimal()), default=0)
     written: List[str] = []
     try:
@@ -149,8 +157,3 @@ def write_numbered(folder: str, pngs: Sequence[bytes]) -> None:
 def shown(path: str) -> str:
     """A path as text for people and messages: what is no UTF-8 in it is replaced."""
     return os.fsencode(path).decode(errors="replace")
-
-
-def reason(error: Exception) -> str:
-    """What an error says, without the path that is named beside it."""
-    return (error.strerror if isinstance(error, OSError) else None) or str(error)

@@ -2,10 +2,11 @@
 
 import re
 from dataclasses import dataclass
-from typing import Any, Dict, Iterable, List, NamedTuple, Sequence
+from typing import Any, Dict, Iterable, List, NamedTuple
 
 from . import Bundle, tag_family
-from .bundle_files import parse_bundles
+from .bundle_files import list_of, parse_bundles, require_map
+from .tag_ids import parse_ids, require_id
 
 LARGEST = 100.0  # m
 
@@ -36,7 +37,7 @@ class TagLayout:
     Args:
         families: names between commas, or a list; the first is that of entries without a family.
         tag_size: m between the corners of all tags that are not in a list.
-        standalone_tags: [{id: 7 | ids: 10-19, size: m, name:, family:}, ...]; size, name and
+        standalone_tags: [{id: 7 | ids: 3,10-19, size: m, name:, family:}, ...]; size, name and
             family may be left out.
         tag_bundles: see bundle_files; each may have a family.
 
@@ -50,7 +51,7 @@ class TagLayout:
         self.families = _families(families)
         self._size = _checked_size(tag_size, "tag_size")
         self._tags: Dict[TagKey, _Tag] = {}
-        for index, entry in enumerate(_list_of(standalone_tags, "standalone_tags")):
+        for index, entry in enumerate(list_of(standalone_tags, "standalone_tags")):
             self._add(entry, f"standalone_tags[{index}]")
         self.bundles = self._read_bundles(tag_bundles)
         self._require_different_names()
@@ -67,13 +68,9 @@ class TagLayout:
         return f"{prefix}_{tag.id}"
 
     def _add(self, entry: Any, where: str) -> None:
-        if not isinstance(entry, dict):
-            raise ValueError(f"{where} is {entry!r}, must be a map")
-        unknown = sorted(set(entry) - {"id", "ids", "size", "name", "family"})
-        if unknown:
-            raise ValueError(f"{where} has '{unknown[0]}', must be id or ids, size, name, family")
+        require_map(entry, where, ("id", "ids", "size", "name", "family"))
         family = self._family_of(entry, where)
-        ids = _ids_of(entry, where)
+        ids = _ids_of(entry, family, where)
         size = _checked_size(entry.get("size", self._size), f"{where}: size")
         name = entry.get("name", "")
         if not isinstance(name, str):
@@ -81,19 +78,18 @@ class TagLayout:
         if name and len(ids) > 1:
             raise ValueError(f"{where}: name is '{name}', but there are {len(ids)} tags")
         for number in ids:
-            self._require_id(family, number, where)
             if TagKey(family, number) in self._tags:
                 raise ValueError(f"{where}: tag {number} of {family} is there twice")
             self._tags[TagKey(family, number)] = _Tag(size, name)
 
     def _read_bundles(self, values: Any) -> List[FamilyBundle]:
-        bundles = parse_bundles(list(_list_of(values, "tag_bundles")))
+        bundles = parse_bundles(values)
         found = []
         for value, bundle in zip(values, bundles):
             where = f"bundle '{bundle.name}'"
             family = self._family_of(value, where)
             for tag in bundle.tags:
-                self._require_id(family, tag.id, where)
+                _require_id(tag.id, family, where)
                 self._require_same_size(TagKey(family, tag.id), tag.size, where)
             found.append(FamilyBundle(family, bundle))
         return found
@@ -112,12 +108,6 @@ class TagLayout:
             known = ", ".join(self.families)
             raise ValueError(f"{where}: family is {family!r}, must be one of families: {known}")
         return family
-
-    @staticmethod
-    def _require_id(family: str, number: int, where: str) -> None:
-        ids = tag_family(family).ids
-        if not 0 <= number < ids:
-            raise ValueError(f"{where}: id is {number}, {family} has 0 to {ids - 1}")
 
     def _require_different_names(self) -> None:
         owners: Dict[str, str] = {}
@@ -155,24 +145,25 @@ def _families(value: Any) -> List[str]:
     return names
 
 
-def _list_of(value: Any, name: str) -> Sequence[Any]:
-    if not isinstance(value, (list, tuple)):
-        raise ValueError(f"{name} is {value!r}, must be a list")
-    return value
-
-
-def _ids_of(entry: Dict[str, Any], where: str) -> List[int]:
+def _ids_of(entry: Dict[str, Any], family: str, where: str) -> List[int]:
     if ("id" in entry) == ("ids" in entry):
         raise ValueError(f"{where} must have either id or ids")
-    if "id" in entry:
-        if type(entry["id"]) is not int:
-            raise ValueError(f"{where}: id is {entry['id']!r}, must be a whole number")
-        return [entry["id"]]
-    span = re.fullmatch(r"\s*(\d{1,9})\s*-\s*(\d{1,9})\s*", str(entry["ids"]))
-    first, last = map(int, span.groups()) if span else (1, 0)
-    if first > last or last - first >= 100000:
-        raise ValueError(f"{where}: ids is {entry['ids']!r}, must be FIRST-LAST, as 10-19")
-    return list(range(first, last + 1))
+    if "ids" in entry:
+        try:
+            return parse_ids(str(entry["ids"]), family)
+        except ValueError as error:
+            raise ValueError(f"{where}: {error}") from None
+    if type(entry["id"]) is not int:
+        raise ValueError(f"{where}: id is {entry['id']!r}, must be a whole number")
+    _require_id(entry["id"], family, where)
+    return [entry["id"]]
+
+
+def _require_id(id: int, family: str, where: str) -> None:
+    try:
+        require_id(id, family)
+    except ValueError as error:
+        raise ValueError(f"{where}: {error}") from None
 
 
 def _checked_size(value: Any, where: str) -> float:

@@ -8,6 +8,7 @@
 
 #include "image_pipe.hpp"
 #include "live_params.hpp"
+#include "unknown_params.hpp"
 
 namespace robot_vision
 {
@@ -37,6 +38,7 @@ private:
     { current()->apply(image, encoding, out); };
     pipe_ = std::make_unique<ImagePipe>(getNodeHandle(), getPrivateNodeHandle(), getName(),
                                         ImagePipe::Step{&Filter::outputEncoding, apply});
+    warnOfUnknownParams(getPrivateNodeHandle());
   }
   catch (const std::exception& e)
   {

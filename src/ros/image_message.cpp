@@ -66,17 +66,11 @@ cv::Mat view(const sensor_msgs::Image& message, int type)
   return pixels.elemSize1() > 1 && other_order ? swapBytes(pixels) : pixels;
 }
 
-/// Of the core's encodings those that a message can have.
-bool isCoreEncoding(const std::string& encoding)
-{
-  return isEncoding(encoding) && encoding != "jpeg" && encoding != "nv12";
-}
-
 }  // namespace
 
 int anyMatType(const std::string& encoding)
 {
-  if (isCoreEncoding(encoding)) return matType(encoding);
+  if (isMessageEncoding(encoding)) return matType(encoding);
   try
   {
     const int type = cv_bridge::getCvType(encoding);
@@ -91,7 +85,7 @@ int anyMatType(const std::string& encoding)
 
 cv::Mat viewPixels(const sensor_msgs::Image& message)
 {
-  if (isEncoding(message.encoding) && !isCoreEncoding(message.encoding))
+  if (isEncoding(message.encoding) && !isMessageEncoding(message.encoding))
     throw std::invalid_argument("encoding '" + message.encoding + "' is not one of sensor_msgs/Image");
   const cv::Mat pixels = view(message, matType(message.encoding));
   checkPixels(pixels, message.encoding);
@@ -100,12 +94,12 @@ cv::Mat viewPixels(const sensor_msgs::Image& message)
 
 cv::Mat viewAnyPixels(const sensor_msgs::Image& message)
 {
-  return isCoreEncoding(message.encoding) ? viewPixels(message) : view(message, anyMatType(message.encoding));
+  return isMessageEncoding(message.encoding) ? viewPixels(message) : view(message, anyMatType(message.encoding));
 }
 
 void requireEncoding(const cv::Mat& pixels, const std::string& encoding)
 {
-  if (isCoreEncoding(encoding)) return checkPixels(pixels, encoding);
+  if (isMessageEncoding(encoding)) return checkPixels(pixels, encoding);
   const int type = anyMatType(encoding);
   if (pixels.empty()) throw std::invalid_argument("the picture has no pixels");
   if (pixels.type() != type)
@@ -122,10 +116,9 @@ cv::Mat convertPixels(const sensor_msgs::Image& message, const std::string& enco
   try
   {
     cv::Mat converted;
-    if (encoding == "bgr8" && isCoreEncoding(message.encoding))
-      toBgr(source.image, message.encoding, converted);
-    else if (encoding == "mono8" && isCoreEncoding(message.encoding))
-      toGray(source.image, message.encoding, converted);
+    const bool common = encoding == "bgr8" || encoding == "rgb8" || encoding == "mono8";
+    if (common && isMessageEncoding(message.encoding))
+      toEncoding(source.image, message.encoding, encoding, converted);
     else
       converted = cv_bridge::cvtColor(boost::make_shared<const cv_bridge::CvImage>(source), encoding)->image;
     return converted;
@@ -165,6 +158,23 @@ sensor_msgs::ImagePtr ImagePool::take(cv::Size size, const std::string& encoding
   free->is_bigendian = isLittleEndianHost() ? 0 : 1;
   free->data.resize(std::size_t{free->step} * free->height);
   return free;
+}
+
+sensor_msgs::ImagePtr ImageMaker::make(const Fill& fill)
+{
+  const sensor_msgs::ImagePtr guess = size_.empty() ? nullptr : pool_.take(size_, encoding_);
+  cv::Mat pixels = guess ? writablePixels(*guess) : cv::Mat();
+  encoding_ = fill(pixels);
+  size_ = pixels.size();
+  if (guess && pixels.data == guess->data.data())
+  {
+    guess->encoding = encoding_;
+    return guess;
+  }
+  const sensor_msgs::ImagePtr image = pool_.take(size_, encoding_);
+  cv::Mat target = writablePixels(*image);
+  pixels.copyTo(target);
+  return image;
 }
 
 cv::Mat writablePixels(sensor_msgs::Image& message)

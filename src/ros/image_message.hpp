@@ -2,6 +2,7 @@
 
 #include <sensor_msgs/Image.h>
 
+#include <functional>
 #include <opencv2/core.hpp>
 #include <string>
 #include <vector>
@@ -46,6 +47,23 @@ public:
 
 private:
   std::vector<sensor_msgs::ImagePtr> messages_;
+};
+
+/// Makes messages of a stream of pictures whose size is known only when they are there. Not thread-safe.
+class ImageMaker
+{
+public:
+  /// Puts a picture into the cv::Mat, which has the memory of a message as large as the last one, or replaces it, and
+  /// returns its encoding.
+  using Fill = std::function<std::string(cv::Mat&)>;
+
+  /// A message with the picture; its header is whatever it was.
+  sensor_msgs::ImagePtr make(const Fill& fill);
+
+private:
+  ImagePool pool_;
+  cv::Size size_;  // of the last picture
+  std::string encoding_;
 };
 
 /// The pixels of a message taken from the pool, to be written.

@@ -32,7 +32,8 @@ ImageSubscription::ImageSubscription(ros::NodeHandle nh, image_transport::ImageT
 {
   if (hints.getTransport() != "raw")
   {
-    other_ = it.subscribe(topic, kQueue, callback, ros::VoidPtr(), hints);
+    // A remapping of `image` is none of `image/compressed`, which is what the plugin subscribes to.
+    other_ = it.subscribe(nh.resolveName(topic), kQueue, callback, ros::VoidPtr(), hints);
     return;
   }
   const auto pool = std::make_shared<SharedPool>();

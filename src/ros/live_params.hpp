@@ -7,6 +7,7 @@
 #include <functional>
 #include <stdexcept>
 #include <string>
+#include <system_error>
 
 #include "params.hpp"
 #include "save_params.hpp"
@@ -22,9 +23,12 @@ class LiveParams
 public:
   /// Puts the values to use, or throws std::invalid_argument to refuse them.
   using Apply = std::function<void(const Config&)>;
+  /// Maps of parameters to save with these.
+  using Maps = std::function<ParamMaps()>;
 
   /// Reads and applies the parameters of `pnh`; throws std::invalid_argument naming the first that cannot be.
-  LiveParams(const ros::NodeHandle& pnh, const Apply& apply) : pnh_(pnh), apply_(apply)
+  LiveParams(const ros::NodeHandle& pnh, const Apply& apply, const Maps& maps = nullptr)
+    : pnh_(pnh), apply_(apply), maps_(maps)
   {
     dynamic_reconfigure::Config message;
     Config::__getDefault__().__toMessage__(message);
@@ -71,21 +75,32 @@ private:
       if (path.empty()) throw std::runtime_error("~config_file does not name a file");
       // roslaunch has read it in its own folder; a node of it runs in another.
       if (path.front() != '/') throw std::runtime_error("~config_file is '" + path + "', must be an absolute path");
-      saveParams(path, message);
+      saveParams(path, message, maps_ ? maps_() : ParamMaps());
       response.success = true;
       response.message = path;
     }
+    catch (const std::system_error& e)  // such as the file of an installed package
+    {
+      refuse(response, std::string(e.what()) +
+                           "; ~config_file names the file, as config:=/absolute/path.yaml of the launch files does");
+    }
     catch (const std::exception& e)
     {
-      response.success = false;
-      response.message = e.what();
-      ROS_ERROR("%s: parameters not saved: %s", pnh_.getNamespace().c_str(), e.what());
+      refuse(response, e.what());
     }
     return true;
   }
 
+  void refuse(std_srvs::Trigger::Response& response, const std::string& why) const
+  {
+    response.success = false;
+    response.message = why;
+    ROS_ERROR("%s: parameters not saved: %s", pnh_.getNamespace().c_str(), why.c_str());
+  }
+
   ros::NodeHandle pnh_;
   Apply apply_;
+  Maps maps_;
   boost::recursive_mutex mutex_;  // guards config_ against the two services
   Config config_ = Config::__getDefault__();
   std::unique_ptr<dynamic_reconfigure::Server<Unclamped>> server_;

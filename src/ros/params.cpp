@@ -4,6 +4,8 @@
 #include <stdexcept>
 #include <type_traits>
 
+#include "unknown_params.hpp"
+
 namespace robot_vision
 {
 namespace
@@ -20,6 +22,7 @@ std::string toText(XmlRpc::XmlRpcValue& value)
 template <class T>
 void read(const ros::NodeHandle& nh, const std::string& name, T& value, const char* type)
 {
+  noteKnownParam(nh, name);
   XmlRpc::XmlRpcValue found;
   if (!nh.getParam(name, found)) return;
   const bool rounded = std::is_same<T, int>::value && found.getType() == XmlRpc::XmlRpcValue::TypeDouble;

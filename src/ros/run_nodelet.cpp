@@ -2,11 +2,13 @@
 
 #include <ros/ros.h>
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <csignal>
 #include <cstdlib>
 #include <exception>
+#include <iostream>
 #include <thread>
 
 namespace robot_vision
@@ -49,6 +51,18 @@ void endWithinASecond(int exit_code)
       .detach();
 }
 
+bool asksForHelp(int argc, char** argv)
+{
+  return std::any_of(argv + 1, argv + argc, [](const std::string& word) { return word == "-h" || word == "--help"; });
+}
+
+std::string usage(const std::string& name, const std::string& about)
+{
+  return "usage: rosrun robot_vision " + name + "_node [TOPIC:=OTHER ...] [_PARAMETER:=VALUE ...]\n\n" + about +
+         "\nIts parameters are described in the README of this package; its folder config has a file of them,\n"
+         "where ~save_parameters (std_srvs/Trigger) saves those that can be changed live.\n";
+}
+
 int initAndSpin(nodelet::Nodelet& nodelet, const nodelet::V_string& arguments)
 {
   try
@@ -73,9 +87,14 @@ int initAndSpin(nodelet::Nodelet& nodelet, const nodelet::V_string& arguments)
 
 }  // namespace
 
-int runNodelet(int argc, char** argv, const std::string& name,
+int runNodelet(int argc, char** argv, const std::string& name, const std::string& about,
                const std::function<boost::shared_ptr<nodelet::Nodelet>()>& make)
 {
+  if (asksForHelp(argc, argv))
+  {
+    std::cout << usage(name, about);
+    return 0;
+  }
   std::signal(SIGINT, onSignal);
   std::signal(SIGTERM, onSignal);
   ros::init(argc, argv, name, ros::init_options::NoSigintHandler);

@@ -2,6 +2,7 @@
 
 #include <dynamic_reconfigure/Config.h>
 
+#include <map>
 #include <string>
 
 namespace robot_vision
@@ -12,7 +13,10 @@ namespace robot_vision
 /// wrong.
 std::string editParams(const std::string& path, const std::string& text, const dynamic_reconfigure::Config& config);
 
-/// The same for the file at `path`, which is replaced in one step or not at all; without one it is made.
-void saveParams(const std::string& path, const dynamic_reconfigure::Config& config);
+using ParamMaps = std::map<std::string, dynamic_reconfigure::Config>;
+
+/// The same for the file at `path`, which is replaced in one step or not at all; without one it is made. The values of
+/// `maps` go into the maps of these names.
+void saveParams(const std::string& path, const dynamic_reconfigure::Config& config, const ParamMaps& maps = {});
 
 }  // namespace robot_vision

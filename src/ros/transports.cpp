@@ -1,5 +1,7 @@
 #include "transports.hpp"
 
+#include <vector>
+
 #include "robot_vision/range.hpp"
 
 namespace robot_vision
@@ -7,14 +9,14 @@ namespace robot_vision
 
 void requireTransport(const image_transport::ImageTransport& it, const std::string& transport)
 {
-  std::string known;
+  std::vector<std::string> known;
   for (std::string name : it.getLoadableTransports())
   {
     name.erase(0, name.find('/') + 1);  // it comes as image_transport/raw
     if (name == transport) return;
-    known += (known.empty() ? "" : ", ") + name;
+    known.push_back(name);
   }
-  require(false, "image_transport", "'" + transport + "'", "one that is installed: " + known);
+  require(false, "image_transport", "'" + transport + "'", "one that is installed: " + joined(known));
 }
 
 }  // namespace robot_vision

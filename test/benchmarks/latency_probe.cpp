@@ -1,11 +1,14 @@
-// Both ends of a measurement: publishes a moving photograph on `image` and waits for what others make of it on
-// `result`, which keeps the stamp. Prints JSON: latencies from stamp to arrival, CPU time of the processes ~pids.
+// Both ends of a measurement: publishes a moving photograph on `image`, and a camera_info beside it, and waits for what
+// others make of it on `result`, which keeps the stamp. Prints JSON: latencies from stamp to arrival, CPU time of the
+// processes ~pids.
 //
 // ~picture (empty: the stamps are another's, e.g. a camera's; only listen), ~width, ~height, ~rate (Hz), ~seconds,
 // ~warm_up (s, not counted), ~pids ("12 34"), ~expect: what one result is compared with: "", opencv, opencv_apps,
 // ~results (false: the processes note themselves when pictures arrive), ~still (a box moves instead of the picture)
 
+#include <image_transport/camera_common.h>
 #include <ros/ros.h>
+#include <sensor_msgs/CameraInfo.h>
 #include <sensor_msgs/Image.h>
 
 #include <map>
@@ -134,6 +137,23 @@ private:
   ros::AsyncSpinner spinner_;
 };
 
+/// Of a camera without distortion whose picture is as wide as 1.2 focal lengths.
+sensor_msgs::CameraInfo cameraInfo(cv::Size size)
+{
+  sensor_msgs::CameraInfo info;
+  info.width = static_cast<std::uint32_t>(size.width);
+  info.height = static_cast<std::uint32_t>(size.height);
+  info.distortion_model = "plumb_bob";
+  info.D.assign(5, 0.0);
+  const double focal_length = size.width / 1.2;
+  const double x = size.width / 2.0;
+  const double y = size.height / 2.0;
+  info.K = {focal_length, 0.0, x, 0.0, focal_length, y, 0.0, 0.0, 1.0};
+  info.R = {1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0};
+  info.P = {focal_length, 0.0, x, 0.0, 0.0, focal_length, y, 0.0, 0.0, 0.0, 1.0, 0.0};
+  return info;
+}
+
 template <class Condition>
 void waitFor(const std::string& what, const Condition& condition)
 {
@@ -187,7 +207,11 @@ private:
   {
     const cv::Size size(settings_.width, settings_.height);
     const auto messages = bench::pictureMessages(settings_.picture, size, settings_.still);
-    ros::Publisher publisher = ros::NodeHandle().advertise<sensor_msgs::Image>("image", 1);
+    ros::NodeHandle nh;
+    ros::Publisher publisher = nh.advertise<sensor_msgs::Image>("image", 1);
+    const std::string beside = image_transport::getCameraInfoTopic(nh.resolveName("image"));
+    ros::Publisher info_publisher = nh.advertise<sensor_msgs::CameraInfo>(beside, 1);
+    sensor_msgs::CameraInfo info = cameraInfo(size);
     waitFor("for somebody who takes the image", [&] { return publisher.getNumSubscribers() > 0; });
     const int warm_up = static_cast<int>(settings_.warm_up * settings_.rate);
     result_.sent = static_cast<int>(settings_.seconds * settings_.rate);
@@ -200,6 +224,8 @@ private:
       if (i == warm_up) begin(message->header.stamp);
       end_ = message->header.stamp;
       publisher.publish(message);
+      info.header = message->header;
+      info_publisher.publish(info);
     }
     if (!settings_.results) return;
     awaitLast();

@@ -2,7 +2,7 @@
 
 #include <cmath>
 #include <cstdint>
-#include <opencv2/core.hpp>
+#include <opencv2/imgproc.hpp>
 
 /// Random pixels; each row is followed by `row_padding` others that do not belong to the picture.
 inline cv::Mat noise(cv::Size size, int type, int row_padding = 0)
@@ -25,6 +25,38 @@ inline cv::Mat smooth(cv::Size size)
       picture(y, x) = {wave(0.05, 0.02), wave(0.03, 0.06), wave(0.11, 0.01)};
     }
   return std::move(picture);
+}
+
+/// Pictures on which filters go wrong: noise, saturated, chess boards, lines along the borders, soft shapes, nothing;
+/// in the middle of others.
+inline cv::Mat adversarial(cv::Size size, int kind)
+{
+  cv::Mat around(size + cv::Size(9, 2), CV_8UC1, cv::Scalar(77));
+  cv::Mat image = around(cv::Rect({5, 1}, size));
+  switch (kind % 6)
+  {
+    case 0:
+      noise(size, CV_8UC1).copyTo(image);
+      break;
+    case 1:
+      cv::threshold(noise(size, CV_8UC1), image, 127, 255, cv::THRESH_BINARY);
+      break;
+    case 2:
+      for (int y = 0; y < size.height; ++y)
+        for (int x = 0; x < size.width; ++x)
+          image.at<std::uint8_t>(y, x) = (x + y) % 2 == 0 ? 255 : 0;
+      break;
+    case 3:
+      image.setTo(0);
+      cv::rectangle(image, cv::Rect({0, 0}, size), 255);
+      break;
+    case 4:
+      cv::cvtColor(smooth(size), image, cv::COLOR_BGR2GRAY);
+      break;
+    default:
+      image.setTo(200);
+  }
+  return image;
 }
 
 /// Same size, type and bytes.

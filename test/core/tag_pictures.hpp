@@ -63,7 +63,7 @@ inline void drawPaper(cv::Mat& gray, const cv::Mat& paper, int border, const Tag
         const int column = cvFloor(cell[0] / cell[2]);
         const int row = cvFloor(cell[1] / cell[2]);
         const bool inside = column >= 0 && row >= 0 && column < paper.cols && row < paper.rows;
-        sum += inside ? (paper.at<uchar>(row, column) != 0 ? 235.0 : 20.0) : gray.at<uchar>(y, x);
+        sum += inside ? (paper.at<uchar>(row, column) == 255 ? 235.0 : 20.0) : gray.at<uchar>(y, x);
       }
       gray.at<uchar>(y, x) = cv::saturate_cast<uchar>(sum / 16.0);
     }
@@ -82,4 +82,16 @@ inline void addNoise(cv::Mat& gray, double deviation, cv::RNG& random)
   cv::Mat noise(gray.size(), CV_16SC1);
   random.fill(noise, cv::RNG::NORMAL, 0.0, deviation);
   cv::add(gray, noise, gray, cv::noArray(), CV_8U);
+}
+
+inline cv::Mat grayWall(cv::Size size)
+{
+  return cv::Mat(size, CV_8UC1, cv::Scalar(128));
+}
+
+/// As a camera sees it: a little out of focus, and noisy.
+inline void photograph(cv::Mat& gray, cv::RNG& random)
+{
+  cv::GaussianBlur(gray, gray, {0, 0}, 0.7);
+  addNoise(gray, 3.0, random);
 }

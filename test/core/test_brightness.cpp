@@ -65,6 +65,24 @@ TEST(Brightness, equalsTheOpenCvChain)
       }
 }
 
+TEST(Brightness, sharesPictures)
+{
+  for (const std::string encoding : {"bgr8", "mono8", "rgba8", "mono16", "yuv422"})
+    for (const int rows : {1, 40, 333})
+    {
+      const cv::Mat image = noise({50, rows}, matType(encoding), 5);
+      BrightnessParams params = brightnessParams(1.5, -20, 1);
+      cv::Mat alone;
+      Brightness(params).apply(image, encoding, alone);
+      for (params.threads = 2; params.threads <= 64; params.threads *= 2)
+      {
+        cv::Mat shared;
+        Brightness(params).apply(image, encoding, shared);
+        EXPECT_TRUE(equal(shared, alone)) << encoding << " " << rows << " " << params.threads;
+      }
+    }
+}
+
 TEST(Brightness, makesColourOfMosaicsAndYuv)
 {
   for (const std::string& encoding : encodings())

@@ -92,9 +92,9 @@ TEST(CodeReader, looksForWhatIsWanted)
 
 TEST(CodeReader, refusesWhatIsOutOfRange)
 {
-  const std::string types = "all, qr, ean13, ean8, upca, upce, code128, code93, code39, i25, codabar";
-  EXPECT_EQ(refusal([] { readerOf("aztec"); }), "symbologies is 'aztec', must be of " + types);
-  EXPECT_EQ(refusal([] { readerOf(""); }), "symbologies is '', must be of " + types);
+  const std::string types = "qr, ean13, ean8, upca, upce, code128, code93, code39, i25, codabar";
+  EXPECT_EQ(refusal([] { readerOf("aztec"); }), "symbologies has 'aztec', must be all, or some with commas: " + types);
+  EXPECT_EQ(refusal([] { readerOf(""); }), "symbologies has '', must be all, or some with commas: " + types);
   CodeReaderParams params;
   params.spacing = 17;
   EXPECT_EQ(refusal([&] { validate(params); }), "spacing is 17, must be from 1 to 16");

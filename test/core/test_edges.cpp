@@ -1,8 +1,10 @@
 #include <gtest/gtest.h>
 
 #include <limits>
+#include <numeric>
 #include <opencv2/imgproc.hpp>
 
+#include "core/kernels/kernels.hpp"
 #include "pictures.hpp"
 #include "refusal.hpp"
 #include "robot_vision/edges.hpp"
@@ -15,8 +17,9 @@ namespace
 
 cv::Mat byOpenCv(const cv::Mat& image, const std::string& encoding, const EdgeParams& p)
 {
+  const cv::Mat whole = image.clone();  // of a part of a picture filters would take what is around it for its border
   cv::Mat gray;
-  toGray(image, encoding, gray);
+  toGray(whole, encoding, gray);
   cv::Mat smooth;
   cv::blur(gray, smooth, {p.blur_size, p.blur_size});
   cv::Mat edges;
@@ -69,6 +72,86 @@ TEST(EdgeDetector, equalsTheOpenCvChainForEveryEncodingAndSize)
       EXPECT_TRUE(equal(edges, byOpenCv(image, encoding, EdgeParams{}))) << encoding << " " << size;
       EXPECT_TRUE(equal(image, before)) << encoding;
     }
+}
+
+TEST(EdgeDetector, sharesPicturesOfChangingSizeAndEncoding)
+{
+  cv::RNG random(0x5A4E);
+  for (const int threads : {1, 2, 7, 64})
+  {
+    EdgeParams params = edgeParams(5, 10, 40, 3, false);
+    params.threads = threads;
+    EdgeDetector detector(params);
+    for (const std::string encoding : {"bgr8", "mono16", "rgba8", "yuv422", "mono8"})
+      for (const int rows : {200, 3, 61})
+      {
+        const cv::Mat image = colourful({2 * random.uniform(1, 80), rows}, encoding);
+        cv::Mat edges;
+        detector.apply(image, encoding, edges);
+        EXPECT_TRUE(equal(edges, byOpenCv(image, encoding, params))) << encoding << " " << rows << " " << threads;
+      }
+  }
+}
+
+/// A line of one pixel that winds inwards, its turns three pixels apart.
+cv::Mat spiral(int size)
+{
+  cv::Mat picture(size, size, CV_8UC1, cv::Scalar(0));
+  cv::Point at(0, 0);
+  cv::Point step(1, 0);
+  for (int length = size - 1; length > 0; length -= step.x == 0 ? 0 : 3)
+  {
+    cv::line(picture, at, at + step * length, 255);
+    at += step * length;
+    step = {-step.y, step.x};
+  }
+  return picture;
+}
+
+TEST(EdgeDetector, equalsTheOpenCvChainForAdversarialPictures)
+{
+  cv::RNG random(0xED6E);
+  for (int i = 0; i < 300; ++i)
+  {
+    const cv::Size size(random.uniform(1, 200), random.uniform(1, 90));
+    EdgeParams params = edgeParams(1 + 2 * random.uniform(0, 16), random.uniform(0.0, 90.0), 0, 3, i % 2 == 0);
+    params.high_threshold = params.low_threshold + random.uniform(0.0, 120.0);
+    params.threads = random.uniform(1, 5);
+    const cv::Mat image = adversarial(size, i);
+    cv::Mat edges;
+    EdgeDetector(params).apply(image, "mono8", edges);
+    ASSERT_TRUE(equal(edges, byOpenCv(image, "mono8", params)))
+        << "picture " << i << ", " << size << ", blur " << params.blur_size << ", " << params.low_threshold << " to "
+        << params.high_threshold << ", " << params.threads << " threads";
+  }
+}
+
+TEST(EdgeDetector, followsAnEdgeThatWinds)
+{
+  cv::Mat image = spiral(301) / 8;         // weak, but for one pixel
+  image.at<std::uint8_t>(150, 150) = 255;  // in its middle
+  for (const int high : {100, 2000})
+  {
+    const EdgeParams params = edgeParams(1, 5, high, 3, false);
+    cv::Mat edges;
+    EdgeDetector(params).apply(image, "mono8", edges);
+    EXPECT_TRUE(equal(edges, byOpenCv(image, "mono8", params))) << high;
+  }
+}
+
+TEST(Division, isRoundedForEverySum)
+{
+  for (int side = 3; side <= 15; side += 2)
+  {
+    const int divisor = side * side;
+    const Division division(divisor);
+    std::vector<std::uint16_t> sums(static_cast<std::size_t>(255 * divisor + 1));
+    std::iota(sums.begin(), sums.end(), std::uint16_t{0});
+    std::vector<std::uint8_t> quotients(sums.size());
+    kernels().divide16(sums.data(), division, static_cast<int>(sums.size()), quotients.data());
+    for (std::size_t i = 0; i < sums.size(); ++i)
+      ASSERT_EQ(quotients[i], (2 * sums[i] + divisor) / (2 * divisor)) << sums[i] << " / " << divisor;
+  }
 }
 
 TEST(EdgeDetector, marksAStepOnlyAtTheStep)

@@ -205,6 +205,19 @@ TEST(HsvMask, takesRowsOfEveryLength)
   }
 }
 
+TEST(HsvMask, sharesPictures)
+{
+  const int before = cv::getNumThreads();
+  const cv::Mat image = noise({75, 201}, CV_8UC3, 1);
+  const cv::Mat expected = byOpenCv(toHsvPicture(image), HsvRange{});
+  for (const int threads : {1, 2, 5, 64})
+  {
+    cv::setNumThreads(threads);
+    EXPECT_TRUE(equal(maskOf(image, "bgr8", HsvRange{}), expected)) << threads;
+  }
+  cv::setNumThreads(before);
+}
+
 TEST(HsvMask, fillsTheMemoryItIsGiven)
 {
   std::vector<std::uint8_t> memory(60 * 100, 77);

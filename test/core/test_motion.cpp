@@ -4,6 +4,8 @@
 
 #include <opencv2/imgproc.hpp>
 
+#include "core/changed_pixels.hpp"
+#include "core/gauss_rows.hpp"
 #include "pictures.hpp"
 #include "refusal.hpp"
 
@@ -79,6 +81,54 @@ TEST(MotionDetector, equalsTheOpenCvChain)
           EXPECT_TRUE(equal(image, before));
         }
       }
+}
+
+TEST(MotionDetector, equalsTheOpenCvChainForAdversarialPictures)
+{
+  const int threads = cv::getNumThreads();
+  cv::RNG random(0x307104);
+  for (int i = 0; i < 200; ++i)
+  {
+    const cv::Size size(random.uniform(1, 200), random.uniform(1, 120));
+    MotionParams params;
+    params.method = i % 3 == 0 ? "previous_frame" : "first_frame";
+    params.blur_size = 1 + 2 * random.uniform(0, i % 10 == 0 ? 50 : 16);
+    params.threshold = random.uniform(0, 2) == 0 ? random.uniform(0.0, 255.0) : random.uniform(0, 30);
+    params.dilate = random.uniform(0, i % 10 == 1 ? 51 : 4);
+    params.max_changed = 1.0;
+    cv::setNumThreads(random.uniform(1, 5));
+    MotionDetector detector(params);
+    cv::Mat pictures[2];
+    cv::cvtColor(adversarial(size, i), pictures[0], cv::COLOR_GRAY2BGR);
+    cv::cvtColor(adversarial(size, i / 6), pictures[1], cv::COLOR_GRAY2BGR);
+    if (i % 2 == 0) cv::bitwise_not(pictures[1], pictures[1]);
+    detector.update(0.0, pictures[0], "bgr8");
+    const Motion motion = detector.update(1.0, pictures[1], "bgr8");
+    ASSERT_TRUE(equal(motion.mask, byOpenCv(pictures[1], pictures[0], params)))
+        << "pictures " << i << ", " << size << ", blur " << params.blur_size << ", threshold " << params.threshold
+        << ", dilation " << params.dilate << ", " << cv::getNumThreads() << " threads";
+  }
+  cv::setNumThreads(threads);
+}
+
+TEST(ChangedPixels, areTheSameByOpenCv)
+{
+  const cv::Mat before = smooth({160, 120}), image = withBox(before, {30, 40, 50, 20});
+  const MotionParams params;
+  Reference reference{before, {}, {}};
+  cv::cvtColor(before, reference.gray, cv::COLOR_BGR2GRAY);
+  cv::Mat mask(before.size(), CV_8UC1, cv::Scalar(0));
+  const cv::Rect part = ChangedPixels::findByOpenCv({image, "bgr8"}, reference,
+                                                    {params.blur_size, params.threshold, params.dilate}, mask);
+  EXPECT_TRUE(equal(mask, byOpenCv(image, before, params)));
+  EXPECT_EQ(part & cv::boundingRect(mask), cv::boundingRect(mask));
+}
+
+TEST(GaussRows, areOpenCvsForEverySize)
+{
+  if (CV_VERSION_MAJOR == 4 && CV_VERSION_MINOR < 5) GTEST_SKIP() << "of older OpenCV they may not be";
+  for (int size = 1; size < 100; size += 2)
+    EXPECT_TRUE(GaussWeights(size).areExact()) << size;
 }
 
 TEST(MotionDetector, equalsTheOpenCvChainInEveryEncodingAndUnderNoise)

@@ -1,16 +1,17 @@
 #include <gtest/gtest.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
+#include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 #include <opencv2/videoio.hpp>
 
+#include "core/picture_source.hpp"
 #include "pictures.hpp"
 #include "refusal.hpp"
 #include "robot_vision/frame_source.hpp"
+#include "temp_folder.hpp"
 
 using namespace robot_vision;
 
@@ -44,36 +45,19 @@ std::string openError(const CaptureParams& params)
   return "";
 }
 
-/// A folder that is gone, with all that is in it, at the end of the test.
 class Sources : public testing::Test
 {
 protected:
-  void SetUp() override
-  {
-    char pattern[] = "/tmp/robot_vision_sources_XXXXXX";
-    ASSERT_NE(mkdtemp(pattern), nullptr);
-    folder_ = pattern;
-  }
-
-  void TearDown() override
-  {
-    for (const std::string& name : names_)
-      unlink(path(name).c_str());
-    rmdir(folder_.c_str());
-  }
-
   std::string path(const std::string& name) const { return folder_ + "/" + name; }
 
   std::string write(const std::string& name, const std::string& bytes)
   {
-    names_.push_back(name);
     std::ofstream(path(name), std::ios::binary) << bytes;
     return path(name);
   }
 
   std::string writePicture(const std::string& name, const cv::Mat& picture)
   {
-    names_.push_back(name);
     cv::imwrite(path(name), picture);
     return path(name);
   }
@@ -81,22 +65,26 @@ protected:
   /// A video whose frame i has the grey level 20 * i all over.
   std::string writeVideo(const std::string& name)
   {
-    names_.push_back(name);
     cv::VideoWriter writer(path(name), cv::CAP_FFMPEG, cv::VideoWriter::fourcc('M', 'J', 'P', 'G'), 10.0, {64, 48});
     for (int i = 0; i < kVideoFrames; ++i)
       writer.write(cv::Mat(48, 64, CV_8UC3, cv::Scalar::all(20 * i)));
     return path(name);
   }
 
+  static std::string bytesOf(const std::string& file_name)
+  {
+    std::ifstream file(file_name, std::ios::binary);
+    return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+  }
+
   std::string cut(const std::string& name, const std::string& whole, double part)
   {
-    std::ifstream file(whole, std::ios::binary);
-    const std::string bytes{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+    const std::string bytes = bytesOf(whole);
     return write(name, bytes.substr(0, static_cast<std::size_t>(part * static_cast<double>(bytes.size()))));
   }
 
-  std::string folder_;
-  std::vector<std::string> names_;
+  const TempFolder temporary_;
+  const std::string folder_ = temporary_.path().string();
 };
 
 int centreLevel(const Frame& frame)
@@ -179,6 +167,47 @@ TEST_F(Sources, repeatOnePicture)
   }
 }
 
+// A calibration is of what the lens has thrown on the sensor. A poster is for people.
+TEST_F(Sources, doNotTurnPicturesAsTheirExifSays)
+{
+  // A segment with nothing but the orientation 6: to be turned clockwise.
+  const std::string exif(
+      "\xFF\xE1\0\x22"
+      "Exif\0\0"
+      "MM\0*\0\0\0\x08"
+      "\0\x01\x01\x12\0\x03\0\0\0\x01\0\x06\0\0\0\0\0\0",
+      36);
+  const std::string plain = writePicture("plain.jpg", smooth({64, 48}));
+  const std::string jpeg = bytesOf(plain);
+  const std::string turned = write("turned.jpg", jpeg.substr(0, 2) + exif + jpeg.substr(2));
+  Frame frame;
+  ASSERT_EQ(openSource(from(turned))->read(frame), ReadResult::kFrame);
+  EXPECT_TRUE(equal(frame.image, readPicture(plain)));
+  cv::Mat upright;
+  cv::rotate(readPicture(plain), upright, cv::ROTATE_90_CLOCKWISE);
+  EXPECT_TRUE(equal(readUpright(turned), upright));
+}
+
+TEST_F(Sources, doNotTurnVideosAsTheirContainerSays)
+{
+  const std::string plain = path("plain.mp4");
+  cv::VideoWriter(plain, cv::CAP_FFMPEG, cv::VideoWriter::fourcc('m', 'p', '4', 'v'), 10.0, {64, 48})
+      .write(smooth({64, 48}));
+  // The display matrix of the track: the fixed-point numbers of no turn become those of a quarter.
+  const std::string none(4, '\0'), one("\0\1\0\0", 4), minus("\xFF\xFF\0\0", 4);
+  std::string bytes = bytesOf(plain);
+  const std::size_t matrix = bytes.find(one + none + none + none + one, bytes.find("tkhd"));
+  ASSERT_NE(matrix, std::string::npos);
+  bytes.replace(matrix, 20, none + one + none + minus + none);
+  const std::string turned = write("turned.mp4", bytes);
+  cv::Mat by_default;
+  ASSERT_TRUE(cv::VideoCapture(turned, cv::CAP_FFMPEG).read(by_default));
+  ASSERT_TRUE(CV_VERSION_MINOR < 5 || by_default.size() == cv::Size(48, 64));
+  Frame frame;
+  ASSERT_EQ(openSource(from(turned))->read(frame), ReadResult::kFrame);
+  EXPECT_EQ(frame.image.size(), cv::Size(64, 48));
+}
+
 TEST_F(Sources, showAFolderOrGlobInTheOrderOfTheNames)
 {
   writePicture("b.png", cv::Mat(20, 20, CV_8UC3, cv::Scalar::all(2)));
@@ -246,9 +275,8 @@ TEST_F(Sources, thatAreWrongAreNamed)
     EXPECT_NE(error.find(why), std::string::npos) << error;
   }
   const std::string bare = folder_ + "/bare";
-  mkdir(bare.c_str(), 0700);
+  std::filesystem::create_directory(bare);
   EXPECT_EQ(openError(from(bare)), "wrong: " + bare + ": no pictures that OpenCV can read are there");
-  rmdir(bare.c_str());
 }
 
 TEST_F(Sources, thatMayComeLaterAreUnavailable)
@@ -258,6 +286,35 @@ TEST_F(Sources, thatMayComeLaterAreUnavailable)
             "unavailable: /dev/null: VIDIOC_QUERYCAP failed: Inappropriate ioctl for device");
   EXPECT_EQ(openError(from("http://127.0.0.1:9/stream")),
             "unavailable: http://127.0.0.1:9/stream: the stream cannot be opened");
+}
+
+TEST_F(Sources, leadingToAMissingDeviceAreDevices)
+{
+  namespace fs = std::filesystem;
+  fs::create_symlink("../../dev/video99", path("front"));
+  fs::create_symlink("front", path("camera.v4l"));
+  fs::create_symlink("none.mp4", path("film"));
+  EXPECT_EQ(openError(from(path("camera.v4l"))),
+            "unavailable: " + path("camera.v4l") + ": cannot be opened: No such file or directory");
+  EXPECT_EQ(openError(from(path("film"))), "wrong: " + path("film") + ": no such file or folder");
+}
+
+TEST_F(Sources, missingInSharedMemoryAreFiles)
+{
+  const std::string name = "/dev/shm/robot_vision_no_such_file.mp4";
+  EXPECT_EQ(openError(from(name)), "wrong: " + name + ": no such file or folder");
+}
+
+TEST_F(Sources, stayWhatTheyWereFoundToBe)
+{
+  const std::string link = path("camera");
+  std::filesystem::create_symlink("/dev/null", link);
+  CaptureParams params = from(link);
+  params.kind = sourceKind(params);
+  EXPECT_EQ(params.kind, SourceKind::kDevice);
+  std::filesystem::remove(link);
+  EXPECT_EQ(openError(params), "unavailable: " + link + ": cannot be opened: No such file or directory");
+  EXPECT_EQ(openError(from(link)), "wrong: " + link + ": no such file or folder");
 }
 
 TEST_F(Sources, takeTheDeviceIfNoneIsNamed)
@@ -295,9 +352,12 @@ TEST(CaptureParams, outOfRangeAreNamed)
   EXPECT_EQ(with(&CaptureParams::image_width, 15), "image_width is 15, must be from 16 to 8192");
   EXPECT_EQ(with(&CaptureParams::image_height, 8193), "image_height is 8193, must be from 16 to 8192");
   EXPECT_EQ(with(&CaptureParams::framerate, -1.0), "framerate is -1, must be from 0 to 1000");
-  EXPECT_EQ(with(&CaptureParams::pixel_format, "h265"),
-            "pixel_format is 'h265', must be yuyv, uyvy, grey, nv12 or mjpeg");
+  EXPECT_EQ(
+      with(&CaptureParams::pixel_format, "h265"),
+      "pixel_format is 'h265', must be yuyv, uyvy, nv12, nv21, yu12, bgr24, rgb24, mjpeg, bayer_rggb8, bayer_bggr8, "
+      "bayer_gbrg8, bayer_grbg8, h264, grey, y16, y10, yuv or yuvmono10");
   EXPECT_EQ(with(&CaptureParams::io_method, "dma"), "io_method is 'dma', must be mmap, read or userptr");
-  EXPECT_EQ(with(&CaptureParams::video_device, ""), "video_device is '', must be a device such as /dev/video0");
+  EXPECT_EQ(with(&CaptureParams::video_device, ""),
+            "video_device is '', must be a device such as /dev/video0, or its name");
   EXPECT_EQ(with(&CaptureParams::io_method, "userptr"), "");
 }

@@ -6,9 +6,9 @@
 #include <functional>
 #include <map>
 
+#include "found_tags.hpp"
 #include "pictures.hpp"
 #include "refusal.hpp"
-#include "tag_pictures.hpp"
 
 using namespace robot_vision;
 
@@ -18,48 +18,10 @@ namespace
 constexpr double kStep = 1.0 / 30.0;  // s
 constexpr const char* kFamily = "tag36h11";
 
-cv::Mat grayWall(cv::Size size)
-{
-  return cv::Mat(size, CV_8UC1, cv::Scalar(128));
-}
-
-/// As a camera sees it: a little out of focus, and noisy.
-void photograph(cv::Mat& gray, cv::RNG& random)
-{
-  cv::GaussianBlur(gray, gray, {0, 0}, 0.7);
-  addNoise(gray, 3.0, random);
-}
-
-double distance(const TagCorners& a, const TagCorners& b)
-{
-  double most = 0.0;
-  for (std::size_t i = 0; i < a.size(); ++i)
-    most = std::max(most, cv::norm(a[i] - b[i]));
-  return most;
-}
-
 double median(std::vector<double> values)
 {
   std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2), values.end());
   return values[values.size() / 2];
-}
-
-std::vector<int> idsOf(const std::vector<Tag>& tags)
-{
-  std::vector<int> ids;
-  for (const Tag& tag : tags)
-    ids.push_back(tag.id);
-  return ids;
-}
-
-/// The largest distance of the corners of tags that are the same in both; infinite if there are others.
-double difference(const std::vector<Tag>& a, const std::vector<Tag>& b)
-{
-  if (idsOf(a) != idsOf(b)) return std::numeric_limits<double>::infinity();
-  double most = 0.0;
-  for (std::size_t i = 0; i < a.size(); ++i)
-    most = std::max(most, distance(a[i].corners, b[i].corners));
-  return most;
 }
 
 /// A picture of tags of one family in rows, each turned and tilted otherwise. Ids are spread over the family.
@@ -79,13 +41,6 @@ std::map<int, TagCorners> drawRows(cv::Mat& gray, const std::string& family, dou
     drawTag(gray, family, id, truth[id]);
   }
   return truth;
-}
-
-TagDetectorParams with(const std::function<void(TagDetectorParams&)>& change)
-{
-  TagDetectorParams params;
-  change(params);
-  return params;
 }
 
 std::string refusalOf(const std::function<void(TagDetectorParams&)>& change)

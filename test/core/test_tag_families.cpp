@@ -2,8 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdlib>
 #include <set>
 
+#include "core/tag_library.hpp"
+#include "pictures.hpp"
 #include "refusal.hpp"
 
 using namespace robot_vision;
@@ -48,7 +51,6 @@ TEST(TagFamilies, cellsHaveTheBorderThatIsFound)
       const cv::Mat cells = tagCells(family.name, id);
       ASSERT_EQ(cells.type(), CV_8UC1);
       ASSERT_EQ(cells.size(), cv::Size(family.width, family.width));
-      EXPECT_EQ(cv::countNonZero(cells == 0) + cv::countNonZero(cells == 255), cells.size().area());
       const int first = (family.width - family.width_at_border) / 2;
       const int last = family.width - 1 - first;
       for (int i = first; i <= last; ++i)
@@ -60,6 +62,45 @@ TEST(TagFamilies, cellsHaveTheBorderThatIsFound)
           EXPECT_EQ(cells.at<uchar>(inner + step), 255 - inside) << family.name << inner;
         }
     }
+}
+
+TEST(TagFamilies, cellsAreThoseThatTheLibraryPrints)
+{
+  for (const TagFamily& family : tagFamilies())
+  {
+    const FamilyPtr record = makeFamily(family.name);
+    for (const int id : {0, 1, family.ids / 2, family.ids - 1})
+    {
+      const std::unique_ptr<image_u8_t, void (*)(void*)> printed(apriltag_to_image(record.get(), id), std::free);
+      const std::unique_ptr<uchar, void (*)(void*)> pixels(printed->buf, std::free);
+      const cv::Mat expected(printed->height, printed->width, CV_8UC1, printed->buf,
+                             static_cast<std::size_t>(printed->stride));
+      const cv::Mat cells = tagCells(family.name, id);
+      EXPECT_TRUE(equal(cells == 255, expected == 255)) << family.name << id;
+      EXPECT_EQ(cv::countNonZero((cells != 255) & (expected != 0)), 0) << family.name << id;
+    }
+  }
+}
+
+TEST(TagFamilies, freeCellsAreThoseThatNoBitAndNoBorderTakes)
+{
+  for (const TagFamily& family : tagFamilies())
+  {
+    const cv::Mat free_cells = tagCells(family.name, 0) == kFreeCell;
+    const int bits = std::stoi(family.name.substr(family.name.find_first_of("0123456789")));
+    const int rings = 8 * family.width_at_border;  // a cell wide, within and around the corners that are found
+    EXPECT_EQ(cv::countNonZero(free_cells), family.width * family.width - rings - bits) << family.name;
+    cv::Mat black_in_all = cv::Mat::ones(free_cells.size(), CV_8UC1), white_in_all = black_in_all.clone();
+    for (int id = 0; id < family.ids; id += std::max(family.ids / 200, 1))
+    {
+      const cv::Mat cells = tagCells(family.name, id);
+      EXPECT_TRUE(equal(cells == kFreeCell, free_cells)) << family.name << id;
+      black_in_all &= cells == 0;
+      white_in_all &= cells == 255;
+    }
+    const int always_the_same = cv::countNonZero(black_in_all) + cv::countNonZero(white_in_all);
+    EXPECT_EQ(always_the_same, rings) << family.name;
+  }
 }
 
 TEST(TagFamilies, tagsDifferHoweverTheyAreTurned)

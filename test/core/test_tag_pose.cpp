@@ -82,7 +82,7 @@ TEST(TagPose, axesAreThoseOfApriltagRos)
   // Upright before the camera: first the corner at the bottom left, then the one at the bottom right.
   const CameraModel camera{640, 480, kK, {}, ""};
   const TagCorners corners{7, {cv::Point2d(260, 300), {380, 300}, {380, 180}, {260, 180}}};
-  const auto poses = estimatePose(singleTag(7, kSize), {corners}, camera, 0.1);
+  const auto poses = estimatePose(singleTag(7, kSize), {corners}, camera, 0.1, 0.0);
   ASSERT_TRUE(poses);
   EXPECT_LT(angleBetween(poses->best.pose, facing({0, 0, 0}, {0, 0, 1})), 1e-6);
   EXPECT_LT(distanceBetween(poses->best.pose, facing({0, 0, 0}, {0, 0, 1})), 1e-6);
@@ -93,7 +93,7 @@ TEST(TagPose, exactCornersGiveTheExactPose)
   for (const CameraModel& camera : cameras())
     for (const cv::Affine3d& truth : somePoses())
     {
-      const auto poses = estimatePose(singleTag(0, kSize), {seenTag(truth, camera)}, camera, 0.1);
+      const auto poses = estimatePose(singleTag(0, kSize), {seenTag(truth, camera)}, camera, 0.1, 0.0);
       ASSERT_TRUE(poses);
       EXPECT_LT(angleBetween(poses->best.pose, truth), 1e-5);
       EXPECT_LT(distanceBetween(poses->best.pose, truth) / truth.translation()[2], 1e-6);
@@ -109,7 +109,7 @@ TEST(TagPose, bothPosesAreThoseOfOpenCvRefined)
   for (const cv::Affine3d& truth : somePoses())
   {
     const TagCorners corners = seenTag(truth, camera);
-    const auto poses = estimatePose(singleTag(0, kSize), {corners}, camera, 0.1);
+    const auto poses = estimatePose(singleTag(0, kSize), {corners}, camera, 0.1, 0.0);
     // OpenCV's order of a square's corners begins with the top left one.
     const double half = kSize / 2.0;
     const std::vector<cv::Point3d> square = {{-half, half, 0}, {half, half, 0}, {half, -half, 0}, {-half, -half, 0}};
@@ -145,14 +145,14 @@ TEST(TagPose, covarianceIsThatOfTheCornersThroughThePose)
       TagCorners shifted = corners;
       cv::Point2d& corner = shifted.corners[static_cast<std::size_t>(i / 2)];
       (i % 2 ? corner.y : corner.x) += side ? step : -step;
-      moved[side] = estimatePose(singleTag(0, kSize), {shifted}, camera, noise)->best.pose;
+      moved[side] = estimatePose(singleTag(0, kSize), {shifted}, camera, noise, 0.0)->best.pose;
     }
     const cv::Vec3d shift = moved[1].translation() - moved[0].translation();
     const cv::Vec3d turn = cv::Affine3d(moved[1].rotation() * moved[0].rotation().t()).rvec();
     const cv::Vec6d change = cv::Vec6d(shift[0], shift[1], shift[2], turn[0], turn[1], turn[2]) * (0.5 / step);
     expected += noise * noise * (change * change.t());
   }
-  const cv::Matx66d covariance = estimatePose(singleTag(0, kSize), {corners}, camera, noise)->best.covariance;
+  const cv::Matx66d covariance = estimatePose(singleTag(0, kSize), {corners}, camera, noise, 0.0)->best.covariance;
   for (int row = 0; row < 6; ++row)
     for (int column = 0; column < 6; ++column)
       EXPECT_NEAR(covariance(row, column), expected(row, column),
@@ -163,7 +163,7 @@ TEST(TagPose, aTagFarAwayHasTwoPosesThatAreAsProbable)
 {
   const CameraModel camera{640, 480, kK, {}, "plumb_bob"};
   const cv::Affine3d truth = facing({0.6, 0.0, 0.0}, {0, 0, 12});  // 10 px
-  const auto poses = estimatePose(singleTag(0, kSize), {seenTag(truth, camera)}, camera, 0.5);
+  const auto poses = estimatePose(singleTag(0, kSize), {seenTag(truth, camera)}, camera, 0.5, 0.0);
   ASSERT_TRUE(poses && poses->other);
   EXPECT_NEAR(poses->probability, 0.5, 0.05);
   EXPECT_NEAR(angleBetween(poses->best.pose, poses->other->pose), 1.2, 0.1);
@@ -180,17 +180,62 @@ TEST(TagPose, aBundleIsWhereAllOfItsTagsAre)
       std::vector<TagCorners> tags = {{99, {}}};  // not one of them: left out
       for (const BundleTag& tag : bundle.tags)
         tags.push_back(seen(tag, truth, camera));
-      const auto all = estimatePose(bundle, tags, camera, 0.2);
+      const auto all = estimatePose(bundle, tags, camera, 0.2, 0.0);
       ASSERT_TRUE(all);
       EXPECT_LT(angleBetween(all->best.pose, truth), 1e-5);
       EXPECT_LT(distanceBetween(all->best.pose, truth), 1e-5);
       EXPECT_GT(all->probability, 0.999);
-      const auto one = estimatePose(bundle, {tags[2]}, camera, 0.2);
+      const auto one = estimatePose(bundle, {tags[2]}, camera, 0.2, 0.0);
       EXPECT_LT(angleBetween(one->best.pose, truth), 1e-4);
       EXPECT_LT(10.0 * all->best.covariance(4, 4), one->best.covariance(4, 4));
     }
-  EXPECT_FALSE(estimatePose(bundle, {}, cameras()[0], 0.2));
-  EXPECT_FALSE(estimatePose(bundle, {{4, {}}}, cameras()[0], 0.2));
+  EXPECT_FALSE(estimatePose(bundle, {}, cameras()[0], 0.2, 0.0));
+  EXPECT_FALSE(estimatePose(bundle, {{4, {}}}, cameras()[0], 0.2, 0.0));
+}
+
+TEST(TagPose, aLayoutMakesPosesAsUncertainAsItIs)
+{
+  const CameraModel camera = cameras()[0];
+  const cv::Affine3d truth = facing({0.4, 0.2, 0.1}, {0.02, -0.01, 1.0});
+  Bundle bundle = singleTag(0, kSize);
+  const auto covariance = [&]
+  { return estimatePose(bundle, {seen(bundle.tags[0], truth, camera)}, camera, 0.1, 0.0)->best.covariance; };
+  const cv::Matx66d exact = covariance();
+  bundle.tags[0].shift_noise = 0.003;
+  bundle.tags[0].turn_noise = 0.02;
+  const cv::Matx66d more = covariance() - exact;
+  for (int i = 0; i < 6; ++i)
+    EXPECT_NEAR(more(i, i), i < 3 ? 9e-6 : 4e-4, i < 3 ? 9e-8 : 4e-6) << i;
+}
+
+TEST(TagPose, aSecondTagDoesNotHalveWhatTheLensLeavesOpen)
+{
+  const CameraModel camera = cameras()[0];
+  const Bundle pair = {"pair",
+                       {{1, 0.05, cv::Affine3d(cv::Vec3d(), cv::Vec3d(-0.04, 0, 0))},
+                        {2, 0.05, cv::Affine3d(cv::Vec3d(), cv::Vec3d(0.04, 0, 0))}}};
+  const cv::Affine3d truth = facing({0.3, 0.4, 0}, {0, 0, 1});
+  const std::vector<TagCorners> both = {seen(pair.tags[0], truth, camera), seen(pair.tags[1], truth, camera)};
+  const auto sideways = [&](const std::vector<TagCorners>& tags)
+  { return estimatePose(pair, tags, camera, 0.01, 0.2)->best.covariance(1, 1); };
+  EXPECT_NEAR(sideways(both) / sideways({both[0]}), 1.0, 0.05);
+}
+
+TEST(TagPose, cornersMayBeKnownAsWellOrAsBadlyAsOneLikes)
+{
+  const CameraModel camera = cameras()[0];
+  TagCorners corners = seenTag(facing({0.3, 0.4, 0}, {0, 0, 1}), camera, 0);
+  Bundle bundle = singleTag(0, kSize);
+  bundle.tags[0].shift_noise = 0.003;
+  for (const double variance : {3e-15, 1.0, 1e17})
+  {
+    corners.covariance = variance * CornerCovariance::eye();
+    const auto found = estimatePose(bundle, {corners}, camera, 0.1, 0.0);
+    ASSERT_TRUE(found) << variance;
+    const cv::Matx66d& covariance = found->best.covariance;
+    EXPECT_TRUE(std::isfinite(cv::norm(covariance))) << variance;
+    EXPECT_GT(covariance(0, 0), 8e-6) << variance;
+  }
 }
 
 TEST(TagPose, whatIsNoBundleIsNamed)
@@ -207,6 +252,11 @@ TEST(TagPose, whatIsNoBundleIsNamed)
   bundle = someBundle();
   bundle.tags[1].pose.matrix(0, 0) = 2.0;
   EXPECT_EQ(refused(bundle), "pose of tag 5 of bundle 'box' is none, must be a rotation and a finite translation");
+  bundle = someBundle();
+  bundle.tags[1].shift_noise = -0.1;
+  EXPECT_EQ(refused(bundle), "shift_noise of tag 5 of bundle 'box' is -0.1, must be from 0 to 1");
+  bundle.tags[1] = {5, 0.1, cv::Affine3d::Identity(), 0.0, 0.6};
+  EXPECT_EQ(refused(bundle), "turn_noise of tag 5 of bundle 'box' is 0.6, must be from 0 to 0.5");
 }
 
 TEST(TagPose, whatAreNoCornersIsNamed)
@@ -214,7 +264,7 @@ TEST(TagPose, whatAreNoCornersIsNamed)
   const CameraModel camera = cameras()[2];
   const TagCorners good = seenTag(facing({0.3, 0, 0}, {0, 0, 1}), camera, 2);
   const auto refused = [&](const TagCorners& corners)
-  { return refusal([&] { estimatePose(singleTag(2, kSize), {corners}, camera, 0.2); }); };
+  { return refusal([&] { estimatePose(singleTag(2, kSize), {corners}, camera, 0.2, 0.0); }); };
   EXPECT_EQ(refused(good), "");
   TagCorners bad{2, {cv::Point2d(10, 30), {30, 30}, {30, 10}, {10, std::nan("")}}};
   const std::string rule = ", must be finite and convex, counter-clockwise as seen, of more than 1 px^2";
@@ -234,10 +284,32 @@ TEST(TagPose, whatAreNoCornersIsNamed)
     corner += {2000, 0};
   EXPECT_NE(refused(bad).find("must be where the camera's distortion has rays"), std::string::npos) << refused(bad);
 
-  const auto twice = [&] { estimatePose(singleTag(2, kSize), {good, good}, camera, 0.2); };
+  const auto twice = [&] { estimatePose(singleTag(2, kSize), {good, good}, camera, 0.2, 0.0); };
   EXPECT_EQ(refusal(twice), "tag 2 is seen twice, must be seen once");
-  const auto noise = [&] { estimatePose(singleTag(2, kSize), {good}, camera, 0.0); };
-  EXPECT_EQ(refusal(noise), "noise is 0, must be above 0 (px)");
+  const auto noise = [&] { estimatePose(singleTag(2, kSize), {good}, camera, 1e-8, 0.0); };
+  EXPECT_EQ(refusal(noise), "noise is 1e-08, must be from 0.001 to 10");
+  const auto lens = [&] { estimatePose(singleTag(2, kSize), {good}, camera, 0.2, std::nan("")); };
+  EXPECT_EQ(refusal(lens), "lens_noise is nan, must be from 0 to 10");
+}
+
+TEST(TagPose, whatIsNoCovarianceIsNamed)
+{
+  const CameraModel camera = cameras()[2];
+  TagCorners corners = seenTag(facing({0.3, 0, 0}, {0, 0, 1}), camera, 2);
+  const auto refused = [&](int row, int column, double value)
+  {
+    corners.covariance = 0.01 * CornerCovariance::eye();
+    (*corners.covariance)(row, column) = value;
+    return refusal([&] { estimatePose(singleTag(2, kSize), {corners}, camera, 0.2, 0.0); });
+  };
+  EXPECT_EQ(refused(3, 3, 0.02), "");
+  const std::string rule =
+      "covariance of the corners of tag 2 is none, must be symmetric, positive definite and finite";
+  EXPECT_EQ(refused(3, 3, 0.0), rule);
+  EXPECT_EQ(refused(3, 3, -0.01), rule);
+  EXPECT_EQ(refused(3, 4, 0.001), rule);
+  EXPECT_EQ(refused(7, 7, std::nan("")), rule);
+  EXPECT_EQ(refused(7, 7, std::numeric_limits<double>::infinity()), rule);
 }
 
 TEST(TagPoseTracker, timeThatGoesBackAndGapsBeginAnew)

@@ -3,7 +3,9 @@
 import itertools
 import logging
 import os
+import re
 import shutil
+import sys
 
 import pytest
 import support
@@ -71,8 +73,11 @@ def display(start, tmp_path, monkeypatch):
     # Without -noreset it turns clients away whenever the last one has gone, as xdotool does.
     options = ["-displayfd", "1", "-noreset", "-fbdir", tmp_path, "-screen", "0", "1400x1100x24"]
     process = start(shutil.which("Xvfb"), *options)
-    number = support.wait_for(lambda: process.output().split(), "the X server")[-1]
-    monkeypatch.setenv("DISPLAY", ":" + number)
+    # It complains first of the numbers that other servers have.
+    number = support.wait_for(
+        lambda: re.findall(r"^\d+\n", process.output(), re.MULTILINE), "the X server"
+    )
+    monkeypatch.setenv("DISPLAY", ":" + number[0].strip())
     return tmp_path / "Xvfb_screen0"
 
 
@@ -91,3 +96,19 @@ def log(capfd):
 
     yield read
     logging.getLogger("rosout").removeHandler(handler)
+
+
+@pytest.fixture
+def run_main(monkeypatch, capsys):
+    """run_main(main, words): runs a command here; its exit code and its output."""
+
+    def run(main, words):
+        monkeypatch.setattr(sys, "argv", list(map(str, words)))
+        try:
+            code = main()
+        except SystemExit as error:
+            code = error.code
+        printed = capsys.readouterr()
+        return code, printed.out + printed.err
+
+    return run

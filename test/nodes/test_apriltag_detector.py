@@ -1,7 +1,9 @@
 """The node apriltag_detector: tags, poses, transforms, markers and ~detect, against the truth."""
 
 import itertools
+import pathlib
 import struct
+import sys
 import threading
 import zlib
 
@@ -30,6 +32,9 @@ from visualization_msgs.msg import Marker, MarkerArray
 
 from robot_vision.msg import GroundTruth, TagDetectionArray
 from robot_vision.srv import DetectTags
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "python"))
+from exif import sideways
 
 
 def with_poses(answer):
@@ -93,6 +98,28 @@ def test_poses_follow_the_scene(start):
     assert np.median(pixels) < 0.3, np.percentile(pixels, [50, 99])
     assert np.median(places) < 0.01, np.percentile(places, [50, 99])
     assert np.median(turns) < 2.0, np.percentile(turns, [50, 99])
+
+
+def test_corners_are_measured_or_not_while_it_runs(start):
+    studio = Studio(start, info=calibrated())
+    truth = facing(0.1, -0.05, 1.0, (0.5, 0.2, 0.3))
+
+    def deviation(answer):
+        return answer.detections[0].pose.covariance[14] ** 0.5  # of z, m
+
+    picture = picture_of([(5, truth)])
+    measured = studio.show_until(with_poses, picture)
+    assert_near(matrix_of(measured.detections[0].pose.pose), truth, metres=0.002, degrees=0.2)
+    config = dynamic_reconfigure.client.Client("/tag", timeout=support.DEADLINE)
+    config.update_configuration({"measure_corners": False})
+    found = studio.show_until(
+        lambda answer: with_poses(answer) and deviation(answer) > 2.0 * deviation(measured), picture
+    )
+    assert_near(matrix_of(found.detections[0].pose.pose), truth)
+    config.update_configuration({"measure_corners": True})
+    studio.show_until(
+        lambda answer: with_poses(answer) and deviation(answer) < 1.1 * deviation(measured), picture
+    )
 
 
 def test_without_calibration_there_are_corners_and_one_warning(start):
@@ -206,7 +233,8 @@ def test_markers_and_overlay(start):
     truth = facing(0.0, 0.0, 1.0, (0.6, 0.0, 0.0))
     picture = picture_of([(5, truth)])
     answer = studio.show_until(with_poses, picture)
-    box, text = boxes.wait()[-1].markers
+    support.wait_for(lambda: any(array.markers for array in boxes.received), "markers")
+    box, text = boxes.received[-1].markers
     assert (box.type, box.ns, box.id, box.scale.x) == (Marker.CUBE, "tag36h11", 5, SIZE)
     assert (text.type, text.text) == (Marker.TEXT_VIEW_FACING, "5")
     assert box.header.frame_id == "eye" and 0.0 < box.lifetime.to_sec() < 2.0
@@ -294,6 +322,12 @@ def test_detect_a_file(start, tmp_path):
     assert [tag.id for tag in answer.tags.detections] == [8, 9] and with_poses(answer.tags)
     assert answer.tags.header.frame_id == "lens"
     assert_near(matrix_of(answer.tags.detections[1].pose.pose), facing(0, 0, 1.0), 0.01, 15.0)
+    # Whatever side of the camera was up, its calibration is of the sensor's pixels.
+    file = cv2.imencode(".jpg", picture, [cv2.IMWRITE_JPEG_QUALITY, 99])[1].tobytes()
+    (tmp_path / "sideways.jpg").write_bytes(sideways(file))
+    answer = detect(str(tmp_path / "sideways.jpg"))
+    assert (answer.success, answer.message) == (True, "") and with_poses(answer.tags)
+    assert_near(matrix_of(answer.tags.detections[1].pose.pose), facing(0, 0, 1.0), 0.01, 15.0)
     cv2.imwrite(path, cv2.copyMakeBorder(picture, 8, 8, 8, 8, cv2.BORDER_REPLICATE))
     answer = detect(path)
     assert answer.success and not answer.tags.detections[0].has_pose
@@ -305,7 +339,7 @@ def test_detect_a_file(start, tmp_path):
     (tmp_path / "huge.png").write_bytes(b"\x89PNG\r\n\x1a\n" + chunk)
     for file, why in (
         ("tags.png", "file is 'tags.png', must be an absolute path"),
-        (str(tmp_path / "none.png"), "No such file"),
+        (str(tmp_path / "none.png"), "none.png cannot be read: No such file or directory"),
         (str(tmp_path / "huge.png"), "huge.png is no picture"),
         (__file__, "is no picture"),
     ):

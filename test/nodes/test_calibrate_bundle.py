@@ -1,7 +1,6 @@
 """The command calibrate_bundle.py: known layouts, live and from bags, and clear errors."""
 
 import re
-import sys
 
 import cv2
 import numpy as np
@@ -98,18 +97,11 @@ def command(path):
 
 
 @pytest.fixture
-def calibrate(monkeypatch, capsys, tmp_path):
+def calibrate(run_main, tmp_path):
     """Runs the command here: its exit code and its output."""
 
     def run(*arguments, output=tmp_path / "box.yaml"):
-        words = ["calibrate_bundle.py", *command(output), *arguments]
-        monkeypatch.setattr(sys, "argv", list(map(str, words)))
-        try:
-            code = main()
-        except SystemExit as error:
-            code = error.code
-        printed = capsys.readouterr()
-        return code, printed.out + printed.err
+        return run_main(main, ["calibrate_bundle.py", *command(output), *arguments])
 
     return run
 
@@ -255,7 +247,8 @@ def test_what_a_bag_lacks_is_named(calibrate, pictures, bag, tmp_path):
         return refused(calibrate, tmp_path, "--bag", path, "--image", image, *arguments)
 
     few = pictures[:3]
-    assert "No such file" in error(tmp_path / "none.bag")
+    missing = f"{tmp_path}/none.bag cannot be read: No such file or directory"
+    assert missing in error(tmp_path / "none.bag")
     (tmp_path / "text.bag").write_text("not a bag")
     assert f"{tmp_path}/text.bag cannot be read: " in error(tmp_path / "text.bag")
     assert f"has no pictures on '/other', but on {IMAGE}" in error(bag, image="/other")
@@ -269,6 +262,8 @@ def test_what_a_bag_lacks_is_named(calibrate, pictures, bag, tmp_path):
     assert f"of 320x240, picture 0 on {IMAGE} 640x480" in error(other)
     broken = write_bag(tmp_path / "broken.bag", [few[0][:, :0]], calibrated())
     assert f"picture 0 on {IMAGE} cannot be used: " in error(broken)
+    wide = write_bag(tmp_path / "wide.bag", [np.zeros((16, 8193), np.uint8)], calibrated())
+    assert f"picture 0 on {IMAGE} cannot be used: image is 8193x16" in error(wide)
     floats = write_bag(tmp_path / "floats.bag", [np.float32(few[0])], calibrated(), "32FC1")
     assert f"picture 0 on {IMAGE} cannot be used: " in error(floats)
     with rosbag.Bag(str(tmp_path / "open.bag"), "w") as unfinished:
@@ -316,15 +311,16 @@ def test_a_live_recording_that_cannot_be_used(start, calibrate, monkeypatch, tmp
 @pytest.mark.parametrize(
     "arguments, why",
     [
-        (["--ids", "4"], "--ids: is '4', must be two or more different tags"),
-        (["--ids", "4,4-5"], "--ids: is '4,4-5', must be two or more different tags"),
-        (["--ids", "four"], "--ids: is 'four', must be as 0-5 or 0,2,7-9"),
-        (["--ids", "7-4"], "--ids: 7-4 must be from 0 to 586, lowest first"),
-        (["--ids", "586-587"], "--ids: 586-587 must be from 0 to 586"),
+        (["--ids", "4"], "--ids: ids is '4', must be two or more different tags"),
+        (["--ids", "4,4-5"], "--ids: ids is '4,4-5', must be two or more different tags"),
+        (["--ids", "four"], "--ids: ids is 'four', must be a list such as 0,3,7-9"),
+        (["--ids", "7-4"], "--ids: ids is '7-4', must have the lower id of 7-4 first"),
+        (["--ids", "586-587"], "--ids: id is 587, tag36h11 has 0 to 586"),
         (["--family", "tag99h9"], "tag99h9"),
         (["--master", "9"], "--master: tag 9 is not one of --ids"),
         (["--size", "0"], "--size: '0' must be 0.1 or 3:0.1, above 0 and at most 100 m"),
         (["--size", "4:0.1,6:0.1"], "--size: there is none of the tags 5, 7"),
+        (["--size", "0.1,0.2"], "--size: is '0.1,0.2', must have one size for all others"),
         (["--size", "0.1,9:0.1"], "--size: tag 9 is not one of --ids"),
         (["--name", ""], "--name: is empty"),
         (["--frames", "0"], "--frames: is 0, must be from 1 to 10000"),
@@ -338,10 +334,13 @@ def test_what_is_no_command_is_refused(calibrate, arguments, why):
 
 
 def test_an_output_that_cannot_be_written(calibrate, bag, tmp_path):
-    for output in (tmp_path, tmp_path / "none" / "box.yaml"):
+    for output, why in (
+        (tmp_path, "it is a folder"),
+        (tmp_path / "none" / "box.yaml", f"{tmp_path}/none is no folder"),
+    ):
         arguments = ("--bag", bag, "--image", IMAGE)
         error = refused(calibrate, tmp_path, *arguments, output=output)
-        assert f"{output} cannot be written" in error
+        assert error.endswith(f"{output} cannot be written: {why}")
 
 
 def test_help_has_examples(calibrate):

@@ -5,6 +5,7 @@ import http.server
 import itertools
 import os
 import pathlib
+import subprocess
 import threading
 import time
 
@@ -15,8 +16,10 @@ import rospy
 import support
 import tf2_msgs.msg
 import yaml
+from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import CameraInfo, Image
 from sensor_msgs.srv import SetCameraInfo
+from std_srvs.srv import Empty
 
 from robot_vision import Scene, SceneParams
 from robot_vision.msg import GroundTruth
@@ -76,10 +79,9 @@ def test_scene_comes_with_its_truth(start):
 
 def test_frame_id_is_usb_cam_s_by_default(start):
     images = support.Messages("/camera/image_raw", Image)
-    process = start("camera_node", "_source:=synthetic")
+    start("camera_node", "_source:=synthetic")
     assert images.wait()[0].header.frame_id == "head_camera"
     assert rospy.get_param("/camera/loop") is False
-    assert "camera_info/head_camera.yaml" in process.output()
 
 
 def test_mono_is_the_grey_picture(start):
@@ -90,6 +92,51 @@ def test_mono_is_the_grey_picture(start):
     assert gray.encoding == "mono8"
     assert gray.header.frame_id == image.header.frame_id
     assert np.array_equal(pixels(gray), cv2.cvtColor(pixels(image), cv2.COLOR_BGR2GRAY))
+
+
+@pytest.mark.parametrize(
+    "wanted, published, code",
+    [
+        ("rgb8", "rgb8", cv2.COLOR_BGR2RGB),
+        ("mono8", "mono8", cv2.COLOR_BGR2GRAY),
+        ("native", "bgr8", None),
+    ],
+)
+def test_pictures_are_in_the_encoding_asked_for(start, wanted, published, code):
+    images = support.Messages("/camera/image_raw", Image)
+    truths = support.Messages("/camera/ground_truth", GroundTruth)
+    start("camera_node", "_source:=synthetic", "_output_encoding:=" + wanted)
+    image, truth = support.same_frame(images, truths)
+    expected = Scene(SceneParams()).render(truth.frame)
+    if code is not None:
+        expected = cv2.cvtColor(expected, code)
+    assert image.encoding == published
+    assert image.step == 640 * (1 if published == "mono8" else 3)
+    assert np.array_equal(np.frombuffer(image.data, np.uint8), expected.ravel())
+
+
+@pytest.mark.parametrize("parameter", ["video_device", "source"])
+def test_a_camera_is_waited_for_by_its_name(start, parameter):
+    process = start("camera_node", f"_{parameter}:=No Such Camera")
+    process.wait_for_output("trying again")
+    assert "'No Such Camera' is no camera; there is " in process.output()
+    process.interrupt()
+    assert process.exit_code() == 0
+
+
+def test_list_cameras_knows_its_arguments():
+    def run(*arguments):
+        command = [support.executable("list_cameras"), *arguments]
+        done = subprocess.run(command, capture_output=True, text=True, timeout=30)
+        return done.returncode, done.stdout, done.stderr
+
+    code, out, err = run("--help")
+    assert (code, err) == (0, "") and out.startswith("usage: list_cameras [NAME]")
+    assert run("--all")[0] == run("a", "b")[0] == 2
+    code, out, err = run("No Such Camera")
+    assert (code, out) == (1, "") and err.startswith("'No Such Camera' is no camera; there is ")
+    code, out, err = run("/dev/null")
+    assert (code, out, err) == (1, "", "/dev/null is no camera\n")
 
 
 def test_video_plays_at_its_rate_and_ends(start, gray_video):
@@ -148,7 +195,7 @@ def test_network_stream_plays_and_is_waited_for(start):
     port = support.free_port()
     url = f"http://127.0.0.1:{port}/stream.mjpg"
     process = start("camera_node", f"_source:={url}")
-    process.wait_for_output(url + ": the stream cannot be opened; trying again every second")
+    process.wait_for_output(url + ": the stream cannot be opened; trying again")
     images = support.Messages("/camera/image_raw", Image)
     server = http.server.ThreadingHTTPServer(("127.0.0.1", port), MjpegServer)
     server.daemon_threads = True
@@ -239,15 +286,54 @@ def test_damaged_pictures_of_a_folder_are_refused_and_counted(start, diagnostics
     assert str(tmp_path / "a.jpg") in process.output()
 
 
+def test_capture_stops_and_starts(start, diagnostics):
+    start("camera_node", "_source:=synthetic")
+    images = support.Messages("/camera/image_raw", Image)
+    images.wait()
+    rospy.ServiceProxy("/camera/stop_capture", Empty)()
+    support.wait_for(
+        lambda: diagnostics.next("camera").message == "stopped: ~start_capture starts it again",
+        "the end of the capture",
+    )
+    stopped = int(diagnostics.value("camera", "frames received"))
+    assert int(diagnostics.value("camera", "frames received")) == stopped
+    count = len(images.received)
+    rospy.ServiceProxy("/camera/start_capture", Empty)()
+    images.wait(count + 1)
+
+
+def test_capture_goes_on_without_subscribers_if_asked(start, diagnostics):
+    start("camera_node", "_source:=synthetic", "_keep_streaming:=true")
+    support.wait_for(
+        lambda: int(diagnostics.value("camera", "frames received")) > 3, "frames for nobody"
+    )
+
+
+def test_stamps_are_the_simulated_time_s(start):
+    """Also when it begins anew, as rosbag's does when it loops."""
+    rospy.set_param("/use_sim_time", True)
+    try:
+        clock = rospy.Publisher("/clock", Clock, queue_size=1, latch=True)
+        images = support.Messages("/camera/image_raw", Image)
+        start("camera_node", "_source:=synthetic")
+        for seconds in (1000, 2000, 500):
+            time_of_clock = rospy.Time(seconds, 250000000)
+            clock.publish(Clock(clock=time_of_clock))
+            support.wait_for(
+                lambda t=time_of_clock: images.received and images.received[-1].header.stamp == t,
+                f"a frame at {seconds} s",
+            )
+        clock.unregister()
+    finally:
+        rospy.delete_param("/use_sim_time")
+
+
 def test_calibration_is_set_saved_and_used(start, tmp_path):
     url = f"file://{tmp_path}/calibration.yaml"
     arguments = ["_source:=synthetic", "_camera_info_url:=" + url, "_camera_name:=eye"]
     start("camera_node", *arguments)
     rospy.wait_for_service("/camera/set_camera_info", support.DEADLINE)
-    info = CameraInfo(width=640, height=480, distortion_model="plumb_bob", D=[0.1, 0, 0, 0, 0])
-    info.K = [500.0, 0, 320, 0, 501.0, 240, 0, 0, 1]
-    info.R = [1.0, 0, 0, 0, 1, 0, 0, 0, 1]
-    info.P = [500.0, 0, 320, 0, 0, 501.0, 240, 0, 0, 0, 1, 0]
+    info = CameraInfo(**calibration_of(640, 480))
     assert rospy.ServiceProxy("/camera/set_camera_info", SetCameraInfo)(info).success
     saved = yaml.safe_load((tmp_path / "calibration.yaml").read_text())
     assert saved["camera_name"] == "eye"
@@ -260,25 +346,128 @@ def test_calibration_is_set_saved_and_used(start, tmp_path):
         infos.close()
 
 
-def test_calibration_of_another_size_is_not_published(start, tmp_path):
-    (tmp_path / "other.yaml").write_text(
-        yaml.safe_dump(
-            {
-                "image_width": 320,
-                "image_height": 240,
-                "camera_name": "head_camera",
-                "camera_matrix": {"rows": 3, "cols": 3, "data": [9.0, 0, 0, 0, 9, 0, 0, 0, 1]},
-                "distortion_model": "plumb_bob",
-                "distortion_coefficients": {"rows": 1, "cols": 5, "data": [0.0] * 5},
-                "rectification_matrix": {
-                    "rows": 3,
-                    "cols": 3,
-                    "data": [1.0, 0, 0, 0, 1, 0, 0, 0, 1],
-                },
-                "projection_matrix": {"rows": 3, "cols": 4, "data": [9.0] + [0.0] * 11},
-            }
-        )
+NO_CALIBRATION = [
+    # what a CameraInfo has instead of what it should, why it is refused
+    ({"width": 0}, "width is 0, must be 640, which the camera's pictures have"),
+    ({"height": 481}, "height is 481, must be 480, which the camera's pictures have"),
+    ({"K": [0.0] * 9}, "K is 0 everywhere, must be that of a calibrated camera"),
+    ({"K": [-5.0, 0, 320, 0, 500, 240, 0, 0, 1]}, "K is -5, must be above 0 where it is a focal"),
+    ({"K": [500, 0, float("nan"), 0, 500, 240, 0, 0, 1]}, "K is nan, must be finite"),
+    ({"D": [float("inf"), 0, 0, 0, 0]}, "D is inf, must be finite"),
+    ({"R": [float("nan")] * 9}, "R is nan, must be finite"),
+    ({"P": [float("nan")] * 12}, "P is nan, must be finite"),
+    ({"D": [0.1] * 3}, "D is 3 numbers, must be 0, 4, 5 or 8 of them"),
+    ({"distortion_model": "barrel"}, "distortion_model is 'barrel', must be plumb_bob, "),
+]
+
+
+def test_calibration_that_cannot_be_the_camera_s_is_refused(start, tmp_path):
+    """And the one that is saved stays, in its file and in use."""
+    path = tmp_path / "calibration.yaml"
+    write_calibration(path, 640, 480)
+    saved = path.read_bytes()
+    url = f"_camera_info_url:=file://{path}"
+    process = start("camera_node", "_source:=synthetic", url)
+    infos = support.Messages("/camera/camera_info", CameraInfo)
+    infos.wait()
+    give = rospy.ServiceProxy("/camera/set_camera_info", SetCameraInfo)
+    refused = [(CameraInfo(), "width is 0")] + [
+        (CameraInfo(**{**calibration_of(640, 480), **wrong}), why) for wrong, why in NO_CALIBRATION
+    ]
+    for info, why in refused:
+        answer = give(info)
+        assert not answer.success and why in answer.status_message, answer.status_message
+        process.wait_for_output("the calibration stays as it is: " + why)
+        assert path.read_bytes() == saved
+    assert list(tmp_path.glob("calibration*")) == [path]
+    count = len(infos.received)
+    assert infos.wait(count + 2)[-1].K[0] == 9.0
+
+
+def test_calibration_of_any_size_is_taken_until_a_picture_has_come(start, tmp_path):
+    """And of an unknown camera all else is looked at."""
+    start(
+        "camera_node",
+        "_source:=/dev/robot_vision_none",
+        f"_camera_info_url:=file://{tmp_path}/a.yaml",
     )
+    rospy.wait_for_service("/camera/set_camera_info", support.DEADLINE)
+    give = rospy.ServiceProxy("/camera/set_camera_info", SetCameraInfo)
+    answer = give(CameraInfo())
+    assert (answer.success, answer.status_message) == (False, "width is 0, must be at least 1")
+    assert not (tmp_path / "a.yaml").exists()
+    assert give(CameraInfo(**calibration_of(320, 240))).success
+    assert yaml.safe_load((tmp_path / "a.yaml").read_text())["image_width"] == 320
+
+
+def test_calibration_that_cannot_be_written_is_told(start, tmp_path):
+    (tmp_path / "file").touch()
+    for name, why in (
+        ("file/a.yaml", "Not a directory"),
+        ("a.txt", "must end in .yaml, .yml or .ini"),
+    ):
+        node = f"__name:=eye_{len(name)}"
+        start(
+            "camera_node", node, "_source:=synthetic", f"_camera_info_url:=file://{tmp_path}/{name}"
+        )
+        service = f"/{node.split('=')[1]}/set_camera_info"
+        rospy.wait_for_service(service, support.DEADLINE)
+        answer = rospy.ServiceProxy(service, SetCameraInfo)(CameraInfo(**calibration_of(640, 480)))
+        assert not answer.success and why in answer.status_message, answer.status_message
+
+
+def calibration_of(width, height):
+    """The fields of a CameraInfo."""
+    return {
+        "width": width,
+        "height": height,
+        "distortion_model": "plumb_bob",
+        "D": [0.1, 0, 0, 0, 0],
+        "K": [500.0, 0, 320, 0, 501, 240, 0, 0, 1],
+        "R": [1.0, 0, 0, 0, 1, 0, 0, 0, 1],
+        "P": [500.0, 0, 320, 0, 0, 501, 240, 0, 0, 0, 1, 0],
+    }
+
+
+def write_calibration(path, width, height):
+    """A calibration with a focal length of 9 px as camera_calibration saves it."""
+    identity, nine = [1.0, 0, 0, 0, 1, 0, 0, 0, 1], [9.0, 0, 0, 0, 9, 0, 0, 0, 1]
+    values = {
+        "image_width": width,
+        "image_height": height,
+        "camera_name": "head_camera",
+        "camera_matrix": {"rows": 3, "cols": 3, "data": nine},
+        "distortion_model": "plumb_bob",
+        "distortion_coefficients": {"rows": 1, "cols": 5, "data": [0.0] * 5},
+        "rectification_matrix": {"rows": 3, "cols": 3, "data": identity},
+        "projection_matrix": {"rows": 3, "cols": 4, "data": [9.0] + [0.0] * 11},
+    }
+    path.parent.mkdir(exist_ok=True)
+    path.write_text(yaml.safe_dump(values))
+
+
+def test_the_scene_knows_its_calibration_better_than_the_users_file(start, tmp_path):
+    path = tmp_path / "camera_info" / "head_camera.yaml"
+    write_calibration(path, 640, 480)
+    picture = tmp_path / "picture.png"
+    cv2.imwrite(str(picture), np.zeros((480, 640, 3), np.uint8))
+    exact = Scene(SceneParams()).camera.K[0, 0]
+    for source, argument, focal_length, said in [
+        (picture, "", 9.0, "camera_info/head_camera.yaml"),
+        ("synthetic", "", exact, "camera_info is the scene's own, exact"),
+        ("synthetic", f"file://{path}", 9.0, "camera_info is that of camera_info_url"),
+    ]:
+        infos = support.Messages("/camera/camera_info", CameraInfo)
+        arguments = [f"_source:={source}", "_camera_info_url:=" + argument]
+        process = start("camera_node", *arguments, env={"ROS_HOME": str(tmp_path)})
+        assert infos.wait()[0].K[0] == pytest.approx(focal_length), source
+        process.wait_for_output(said)
+        infos.close()
+        process.end()
+
+
+def test_calibration_of_another_size_is_not_published(start, tmp_path):
+    write_calibration(tmp_path / "other.yaml", 320, 240)
     picture = tmp_path / "picture.png"
     cv2.imwrite(str(picture), np.zeros((48, 64, 3), np.uint8))
     infos = support.Messages("/camera/camera_info", CameraInfo)

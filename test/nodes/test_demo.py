@@ -184,9 +184,20 @@ def test_make_demo_ends_with_0_on_interrupt(start):
     assert "the demo ended by itself" not in process.output()
 
 
+def test_the_help_of_the_status_printer_promises_no_file(start):
+    nowhere = {"ROS_MASTER_URI": "http://127.0.0.1:1"}
+    told = {}
+    for name in ("demo_status.py", "code_reader.py"):
+        process = start(name, "--help", env=nowhere)
+        assert process.exit_code() == 0, process.output()
+        told[name] = process.output()
+    assert "/diagnostics" in told["demo_status.py"] and "~view" in told["demo_status.py"]
+    assert [name for name, text in told.items() if "folder config" in text] == ["code_reader.py"]
+
+
 def test_rosrun_finds_scripts_and_programs(start):
     """In a checkout with its own workspace rosrun must not find a script twice, and ask."""
     process = start("/usr/bin/rosrun", "robot_vision", "demo_status.py")
     process.wait_for_output("No display")
     other = start("/usr/bin/rosrun", "robot_vision", "camera_node", "_source:=synthetic")
-    other.wait_for_output("synthetic scene 640x480 at 30 Hz")
+    other.wait_for_output("synthetic scene (room) 640x480 at 30 Hz")

@@ -412,11 +412,18 @@ def test_folders_are_enrolled_listed_and_forgotten(start, tmp_path):
     assert [door.look(p) for p in (ANNA, BERT)] == ["Anna", "unknown"]
     for name in ("Zoë", "..", "course"):
         assert not call("forget_name", ForgetName, name).success
-    for folder, text in [("course", "must be an absolute path"), ("/nowhere", "No such file")]:
+    for folder, text in [
+        ("course", "must be an absolute path"),
+        ("/nowhere", "/nowhere cannot be read: No"),
+    ]:
         answer = call("enroll_folder", EnrollFolder, folder, "")
         assert not answer.success and text in answer.message
     answer = call("enroll_folder", EnrollFolder, str(course), "Eve")  # no pictures of its own
     assert not answer.success and answer.pictures == 0
+    assert answer.message.endswith(f": {course}: there are no pictures in it")
+    answer = call("enroll_folder", EnrollFolder, str(course / "Anna"), "")  # a person's own
+    assert not answer.success and answer.pictures == 0
+    assert answer.message.startswith(f"{course}/Anna must have a folder for each person, as Anna/1")
     assert course.exists() and door.look(ANNA) == "Anna"
 
 

@@ -5,6 +5,8 @@ import rosgraph
 import support
 from sensor_msgs.msg import Image
 
+from robot_vision.msg import TagDetectionArray
+
 NODES = ["camera_node", "brightness_node", "edge_detector_node"]
 PYTHON_NODES = ["hsv_tracker.py", "ball_tracker.py", "line_follower.py"]
 PYTHON_NODES += [
@@ -93,6 +95,19 @@ def test_in_the_middle_of_a_frame(start, node):
     messages.wait(5)
     process.interrupt()
     assert process.exit_code(SHORT) == 0, process.output()
+    messages.close()
+
+
+def test_in_the_middle_of_a_search(start):
+    size = ["_image_width:=1920", "_image_height:=1080"]
+    start("camera_node", "__name:=camera", "_source:=synthetic", *size)
+    arguments = ["image:=/camera/image_raw", "_max_search_period:=0.01"]  # there always is one
+    process = start("apriltag_detector.py", "__name:=tag", *arguments)
+    messages = support.Messages("/tag/tags", TagDetectionArray)
+    messages.wait(5)
+    process.interrupt()
+    assert process.exit_code(SHORT) == 0, process.output()
+    assert "did not end" not in process.output()
     messages.close()
 
 

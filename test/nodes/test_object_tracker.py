@@ -292,31 +292,41 @@ def test_overlay_shows_what_is_tracked_and_says_what_is_lost(start):
     assert np.count_nonzero((red > 150) & (blue < 60) & (green < 60)) > 20
 
 
+class Finder:
+    """Another node that finds things."""
+
+    def __init__(self):
+        self._source = Source("/finder/found", DetectionArray)
+        self._source.wait_for()
+
+    def found_at(self, stamp, *things):
+        """Says that (label, box) or (label, box, id) were found in the frame of this stamp."""
+        array = DetectionArray(width=320, height=240)
+        array.header.stamp = stamp
+        for label, box, *number in things:
+            center = Point(box.x_offset + box.width / 2, box.y_offset + box.height / 2, 0)
+            found = Detection(label=label, box=box, center=center, id=number[0] if number else -1)
+            array.detections.append(found)
+        self._source.send(array)
+
+
 def test_detections_of_another_node_are_selected(start):
     desk = Desk(
         start,
         "_auto_select:=true",
         "_auto_label:=face",
+        "_auto_after:=0",
         "_max_objects:=1",
         "detections:=/finder/found",
     )
-    finder = Source("/finder/found", DetectionArray)
-    finder.wait_for()
-
-    def found_at(stamp, *things):
-        array = DetectionArray(width=320, height=240)
-        array.header.stamp = stamp
-        for label, box in things:
-            center = Point(box.x_offset + box.width / 2, box.y_offset + box.height / 2, 0)
-            array.detections.append(Detection(label=label, box=box, center=center))
-        finder.send(array)
+    finder = Finder()
 
     stamp = desk.send(picture(40, other=(250, 20)))
     desk.states.of(stamp)
     desk.show(picture(44, other=(250, 20)))
     # Two frames late, something with another label first, and one more than there is room for.
     suit = region(250, 20, SMALL)
-    found_at(stamp, ("suit", suit), ("face", region(40, 80)), ("face", suit))
+    finder.found_at(stamp, ("suit", suit), ("face", region(40, 80)), ("face", suit))
 
     def tracked():
         return desk.show(picture(46, other=(250, 20)))[0]
@@ -327,9 +337,30 @@ def test_detections_of_another_node_are_selected(start):
     for step in range(10):  # found again and again, it stays the same; another has no room
         x = 46 + 2 * step
         stamp = desk.send(picture(x, other=(250, 20)))
-        found_at(stamp, ("face", region(x, 80)), ("face", region(250, 20, SMALL)))
+        finder.found_at(stamp, ("face", region(x, 80)), ("face", region(250, 20, SMALL)))
         found, states = desk.show(picture(x, other=(250, 20)))
         assert set(states) == {1} and found
+
+
+@pytest.mark.parametrize("ids", [(), (7,)], ids=["followed by place", "followed by id"])
+def test_only_what_is_found_for_long_is_selected(start, ids):
+    """The suit is missed for three frames, the face is found in all."""
+    desk = Desk(start, "_auto_select:=true", "_auto_after:=0.19", "detections:=/finder/found")
+    finder = Finder()
+    for step in range(7):  # in the seventh frame the face was found for 0.2 s
+        pixels = picture(40 + 2 * step, other=(250, 20))
+        stamp = desk.send(pixels)
+        things = [("face", region(40 + 2 * step, 80), *ids)]
+        if step not in (2, 3, 4):
+            things.insert(0, ("face", region(250, 20, SMALL), *(number + 1 for number in ids)))
+        assert not desk.states.of(stamp).tracks
+        finder.found_at(stamp, *things)
+
+    def tracked():
+        return desk.show(pixels)[0]
+
+    (found,) = support.wait_for(tracked, "the detection to be followed")
+    assert found.center.x == pytest.approx(40 + 2 * step + 31.5, abs=0.5)
 
 
 def test_what_is_lost_for_long_is_forgotten(start):

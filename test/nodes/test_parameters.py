@@ -60,8 +60,14 @@ BAD_AT_START = [
     ("camera_node", "image_height", 0, "image_height is 0, must be from 16 to 8192"),
     ("camera_node", "framerate", -1, "framerate is -1, must be from 0 to 1000"),
     ("camera_node", "framerate", 1001, "framerate is 1001, must be from 0 to 1000"),
+    ("camera_node", "timeout", 0, "timeout is 0, must be from 0.1 to 3600"),
+    ("camera_node", "keep_streaming", 2, "keep_streaming is 2, must be true or false"),
+    ("camera_node", "controls", 5, "controls is 5, must be a map of controls' names and values"),
+    ("camera_node", "controls/gain", 0.5, "controls/gain is 0.5, must be an integer, true, false"),
+    ("camera_node", "brightness", 0.5, "brightness is 0.5, must be an integer, true, false"),
     ("camera_node", "loop", "often", "must be true or false"),
-    ("camera_node", "pixel_format", "h265", "must be yuyv, uyvy, grey, nv12 or mjpeg"),
+    ("camera_node", "pixel_format", "h265", "pixel_format is 'h265', must be yuyv, uyvy, nv12, "),
+    ("camera_node", "output_encoding", "yuv", "must be auto, bgr8, rgb8, mono8 or native"),
     ("camera_node", "io_method", "dma", "must be mmap, read or userptr"),
     ("camera_node", "camera_name", "no/name", "must be letters, digits and _"),
     (
@@ -119,14 +125,22 @@ def test_bad_value_live_leaves_the_old_one(start, node, name, value, default, me
     client.close()
 
 
-def test_a_misspelt_parameter_of_a_python_node_is_told(start):
-    process = start(
-        "motion_detector.py", "__name:=typing", "_minaera:=300", "_minArea:=300", "_xyz:=1"
-    )
+@pytest.mark.parametrize(
+    "node, right, wrong, meant",
+    [
+        ("motion_detector.py", "_minArea:=300", "minaera", "minArea"),
+        ("camera_node", "_image_width:=320", "image_widht", "image_width"),
+        ("brightness_node", "_diagnostic_period:=2", "gama", "gamma"),
+        ("edge_detector_node", "_always_subscribe:=false", "lowthreshold", "low_threshold"),
+    ],
+)
+def test_a_misspelt_parameter_is_told(start, node, right, wrong, meant):
+    known = ["_source:=synthetic"] if node == "camera_node" else ["_image_transport:=raw"]
+    known += ["_config_file:=/no/file.yaml", "_map/of:=others", right]
+    process = start(node, "__name:=typing", *known, f"_{wrong}:=300", "_xyz:=1")
     process.wait_for_output("parameter /typing/xyz is not known")
-    output = process.output()
-    assert "parameter /typing/minaera is not known, is minArea meant?" in output
-    assert output.count("is not known") == 2, output
+    process.wait_for_output(f"parameter /typing/{wrong} is not known, is {meant} meant?")
+    assert process.output().count("is not known") == 2, process.output()
 
 
 def test_values_change_live(start):
@@ -153,6 +167,10 @@ def save(node):
     return rospy.ServiceProxy(node + "/save_parameters", Trigger)()
 
 
+NOT_WRITTEN = (
+    "config.yaml cannot be written: No such file or directory; ~config_file names the file, as "
+    "config:=/absolute/path.yaml of the launch files does"
+)
 BEFORE = """\
 # How bright it is here
 gain:   5  # contrast
@@ -170,6 +188,7 @@ other_key: [1, 2]
 its_name: "7"  # stays a string
 nested:
   gamma: 3
+threads: 1
 gamma: 0.1
 """
 
@@ -200,7 +219,7 @@ def test_values_are_saved_where_they_were(start, tmp_path):
         ("- a list\n", "no map of parameters"),
         ("{blur_size: 3, aperture: 5}\n", 'not one "name: value" in each line'),
         ("blur_size:\n  3\n", 'not one "name: value" in each line'),
-        (None, "failed: No such file or directory"),
+        (None, NOT_WRITTEN),
     ],
 )
 def test_a_file_that_cannot_be_kept_is_not_touched(start, tmp_path, content, why):
@@ -212,6 +231,12 @@ def test_a_file_that_cannot_be_kept_is_not_touched(start, tmp_path, content, why
     assert not answer.success
     assert str(config) in answer.message and why in answer.message
     assert not content or config.read_text() == content
+
+
+def test_a_python_node_says_as_well_that_a_file_cannot_be_written(start):
+    start("code_reader.py", "__name:=saving", "_config_file:=/no/folder/config.yaml")
+    answer = save("/saving")
+    assert not answer.success and NOT_WRITTEN in answer.message
 
 
 def test_saving_needs_a_file_name(start):

@@ -5,6 +5,7 @@ import re
 
 import pytest
 import rosgraph
+import rosservice
 import support
 
 README = pathlib.Path(__file__).resolve().parents[2] / "README.md"
@@ -32,6 +33,17 @@ def rows():
     return found
 
 
+def service_types():
+    """Those that the table names, by executable and service."""
+    found = {}
+    for line in README.read_text().splitlines():
+        node = re.match(r"\| `(\w+(?:_node|\.py))` \|", line)
+        if node:
+            services = line.strip("| ").rpartition("|")[2]
+            found[node[1]] = dict(re.findall(r"`([^`]+)` \(([\w/]+)\)", services))
+    return found
+
+
 def resolved(names):
     return {name.replace("~", "/node/") if name[0] in "~/" else "/" + name for name in names}
 
@@ -41,6 +53,16 @@ def test_every_nodelet_is_there():
     assert {nodelet for nodelet, *_ in rows().values() if nodelet} == set(
         re.findall(r'class name="([^"]+)"', declared)
     )
+
+
+@pytest.mark.parametrize("node", rows())
+def test_the_help_names_topics_and_services(start, node):
+    process = start(node, "--help", env={"ROS_MASTER_URI": "http://127.0.0.1:1"})
+    assert process.exit_code() == 0, process.output()
+    assert f"usage: rosrun robot_vision {node} " in process.output()
+    words = set(re.findall(r"[~/\w]+", process.output()))
+    for names in rows()[node][1:]:
+        assert set(names) <= words
 
 
 @pytest.mark.parametrize("node", rows())
@@ -63,3 +85,7 @@ def test_topics_and_services(start, display, node):
         lambda: all(a >= b for a, b in zip(state(), expected)), f"{expected} of {node}"
     )
     assert state() == expected
+    there = {"~save_parameters": "std_srvs/Trigger", **service_types()[node]}
+    assert there.keys() == set(services)
+    for name, kind in there.items():
+        assert rosservice.get_service_type(*resolved([name])) == kind, name

@@ -103,7 +103,9 @@ def test_conversions_are_those_of_cv_bridge(source):
                 assert frames.received[-1].encoding == target
                 assert_same(frames.received[-1].image, expected)
     # Newer versions of cv_bridge know yuv422_yuy2, too.
-    assert not_in_cv_bridge <= {("yuv422_yuy2", to) for to in ("bgr8", "mono8", "yuv422_yuy2")}
+    assert not_in_cv_bridge <= {
+        ("yuv422_yuy2", to) for to in ("bgr8", "rgb8", "mono8", "yuv422_yuy2")
+    }
 
 
 @pytest.mark.parametrize("height, width, order", [(1, 1, "<"), (2160, 3840, "<"), (5, 7, ">")])
@@ -125,7 +127,7 @@ def test_conversions_of_any_size_and_byte_order(source, encoding, target, height
     assert_same(frames.wait()[0].image, expected)
 
 
-@pytest.mark.parametrize("target, code", [("bgr8", "BGR"), ("mono8", "GRAY")])
+@pytest.mark.parametrize("target, code", [("bgr8", "BGR"), ("rgb8", "RGB"), ("mono8", "GRAY")])
 def test_yuyv_which_cv_bridge_may_not_know(source, target, code):
     pixels = noise("yuv422_yuy2")
     frames = source.frames(target)

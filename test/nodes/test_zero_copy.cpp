@@ -14,6 +14,7 @@
 #include "robot_vision/encoding.hpp"
 #include "ros/image_message.hpp"
 #include "ros/image_pipe.hpp"
+#include "run_tests.hpp"
 
 using namespace robot_vision;
 
@@ -32,7 +33,7 @@ bool waitFor(const std::function<bool()>& condition)
 std::vector<std::string> messageEncodings()
 {
   std::vector<std::string> names = encodings();
-  names.erase(std::remove_if(names.begin(), names.end(), [](auto& n) { return n == "jpeg" || n == "nv12"; }),
+  names.erase(std::remove_if(names.begin(), names.end(), [](const auto& name) { return !isMessageEncoding(name); }),
               names.end());
   return names;
 }
@@ -184,10 +185,5 @@ TEST(ImagePool, reusesAMessageOnlyWhenNobodyHoldsIt)
 
 int main(int argc, char** argv)
 {
-  testing::InitGoogleTest(&argc, argv);
-  ros::init(argc, argv, "test_zero_copy");
-  ros::AsyncSpinner spinner(2);
-  const ros::NodeHandle keep_alive;
-  spinner.start();
-  return RUN_ALL_TESTS();
+  return runTests(argc, argv, "test_zero_copy");
 }

@@ -10,6 +10,7 @@ from tags import (
     in_picture,
     matrix,
     pose_in_view,
+    squared_error,
     turned,
 )
 
@@ -92,6 +93,48 @@ def test_exact_corners_give_the_exact_layout():
     assert shift < 1e-5 and turn < 1e-3 and found.rejected == 0
 
 
+def fitting_frame(bundle, layout):
+    """The pose of the frame in which a bundle is most like a layout."""
+    places = 0.5 * SIDE * np.array([[-1, -1, 0, 1 / (0.5 * SIDE)], [1, -1, 0, 1 / (0.5 * SIDE)]])
+    places = np.vstack([places, places * [-1, -1, 1, 1]])
+    learnt = np.vstack([places @ tag.pose[:3].T for tag in bundle.tags])
+    true = np.vstack([places @ layout[tag.id][:3].T for tag in bundle.tags])
+    # Kabsch: A solution for the best rotation to relate two sets of vectors, 1976.
+    u, _, vt = np.linalg.svd((learnt - learnt.mean(0)).T @ (true - true.mean(0)))
+    turn = vt.T @ np.diag([1.0, 1.0, np.linalg.det(vt.T @ u.T)]) @ u.T
+    return matrix(turn, true.mean(0) - turn @ learnt.mean(0))
+
+
+def test_a_layout_knows_how_well_it_is_known():
+    """And so do the poses of a bundle that was learnt from not many pictures."""
+    camera = CAMERAS["plumb_bob"]
+    shifts, turns, squares = [], [], []
+    for seed in range(20):
+        rng = np.random.default_rng(seed)
+        layout = random_layout(rng, 5, seed % 2)
+        frames = frames_of(rng, layout, camera, 30, noise=0.4)
+        bundle = calibrate("box", frames, {tag: SIDE for tag in layout}, camera, MASTER).bundle
+        frame = fitting_frame(bundle, layout)
+        for tag in bundle.tags:
+            error = error_of(frame @ tag.pose, layout[tag.id])
+            shifts.append(np.mean(error[:3] ** 2) / tag.shift_noise**2)
+            turns.append(np.mean(error[3:] ** 2) / tag.turn_noise**2)
+        for _ in range(10):
+            body = pose_in_view(rng, 120, rng.uniform(0, 1))
+            seen = {}
+            for tag, place in layout.items():
+                corners = corners_of(body @ place, camera, SIDE)
+                if faces_camera(body @ place) and in_picture(corners, camera):
+                    noise = rng.normal(0.0, 0.02, (4, 2))
+                    seen[tag] = rv.MeasuredCorners(corners + noise, 0.0004 * np.eye(8))
+            if len(seen) > 1:
+                best = rv.estimate_pose(bundle, seen, camera, lens_noise=0.0).best
+                squares.append(squared_error(best, body @ frame) / 6.0)
+    assert len(squares) > 150
+    for values in (shifts, turns, squares):
+        assert 0.7 < np.mean(values) < 1.5
+
+
 def test_tags_are_linked_by_others_where_the_master_is_out_of_sight():
     """Only neighbours in a row are seen together, and other tags than those asked for appear."""
     rng = np.random.default_rng(12)
@@ -170,6 +213,26 @@ def test_what_cannot_be_learnt_is_named():
     assert f"frame {index}: corners of tag {tag}" in refused(frames, sizes, camera, MASTER)
 
 
+def test_a_tag_that_could_be_anywhere_is_named():
+    rng = np.random.default_rng(15)
+    camera = CAMERAS["plumb_bob"]
+    layout = random_layout(rng, 4, True)
+    sizes = {tag: SIDE for tag in layout}
+    frames = frames_of(rng, layout, camera, 40, lambda i: [10, 11, 12] if i < 39 else [11, 13])
+    frames[39] = {tag: corners_of(place, camera, SIDE) for tag, place in both_in_view(layout)}
+    # What it was seen with is no square, and left out.
+    frames[39][11] = frames[39][11] + [[6, 6], [-6, 6], [6, -6], [-6, -6]]
+    with pytest.raises(ValueError, match=r"tags \[13\] were seen too little with others"):
+        calibrate("box", frames, sizes, camera, MASTER)
+
+
+def both_in_view(layout):
+    middle = (layout[11][:3, 3] + layout[13][:3, 3]) / 2.0
+    body = matrix(turned([np.pi + 0.3, 0, 0]), np.zeros(3))
+    body[:3, 3] = [0.0, 0.0, 1.2] - body[:3, :3] @ middle
+    return [(tag, body @ layout[tag]) for tag in (11, 13)]
+
+
 def test_a_bundle_is_read_as_it_was_written(tmp_path):
     rng = np.random.default_rng(15)
     path = tmp_path / "bundles.yaml"
@@ -178,7 +241,7 @@ def test_a_bundle_is_read_as_it_was_written(tmp_path):
         rv.Bundle(
             name,
             [
-                rv.BundleTag(i, 0.1 + i / 7, pose)
+                rv.BundleTag(i, 0.1 + i / 7, pose, 0.0001 * i, 0.001 * i)
                 for i, pose in random_layout(rng, 5, False).items()
             ],
         )
@@ -191,6 +254,8 @@ def test_a_bundle_is_read_as_it_was_written(tmp_path):
         assert [tag.id for tag in wrote.tags] == [tag.id for tag in read.tags]
         for one, two in zip(wrote.tags, read.tags):
             assert one.size == two.size and np.allclose(one.pose, two.pose, atol=1e-6)
+            assert one.shift_noise == pytest.approx(two.shift_noise, abs=1e-6)
+            assert one.turn_noise == pytest.approx(two.turn_noise, abs=1e-5)
 
 
 def test_files_of_apriltag_ros_are_read():
@@ -206,6 +271,8 @@ def test_files_of_apriltag_ros_are_read():
     )
     assert [bundle.name for bundle in bundles] == ["bundle_0", "b"]
     assert np.array_equal(bundles[0].tags[0].pose, np.eye(4))
+    (tag,) = bundles[0].tags
+    assert (tag.shift_noise, tag.turn_noise) == (0.0005, 0.005)  # they do not say
     assert np.allclose(bundles[1].tags[0].pose, matrix(np.diag([-1.0, -1.0, 1.0]), [1, 0, -0.5]))
 
 
@@ -220,14 +287,21 @@ def entries(**values):
         ([1], r"tag_bundles\[0\] is 1, must be a map"),
         ([{"name": "b"}], "layout of bundle 'b' is None, must be a list"),
         ([{"name": "b", "layout": []}], "number of tags of bundle 'b' is 0"),
-        ([{"name": "b", "layout": [7]}], "layout of bundle 'b' has 7, must have maps"),
+        ([{"name": "b", "layout": [7]}], "a tag in the layout of bundle 'b' is 7, must be a map"),
         (entries() * 2, "'b' is there twice"),
+        ([{"name": 5, "layout": []}], r"tag_bundles\[0\]: name is 5, must be a text"),
+        ([{"name": "", "layout": []}], r"tag_bundles\[0\]: name is '', must be a text"),
+        ([{"name": "b", "lay": []}], r"tag_bundles\[0\] has 'lay', must be name, family, layout"),
+        ([{3: 4, "x": 1}], r"tag_bundles\[0\] has '3', must be name"),
+        (entries(Qw=1.0), "tag in the layout of bundle 'b' has 'Qw', must be id, size, x, y, z, q"),
         (entries(id="x"), "id is 'x', must be a whole number"),
         (entries(id=-1), "is -1, must be at least 0"),
         (entries(size="big"), "tag 1: size is 'big', must be a number"),
         (entries(size=-0.1), "size of tag 1 of bundle 'b' is -0.1, must be above 0"),
         (entries(x=float("nan")), "x is nan, must be a number"),
         (entries(qw=0.0), "must have length 1"),
+        (entries(shift_noise=-1), "shift_noise of tag 1 of bundle 'b' is -1, must be from 0 to 1"),
+        (entries(turn_noise="a lot"), "tag 1: turn_noise is 'a lot', must be a number"),
         ([{"name": "b", "layout": entries()[0]["layout"] * 2}], "id of a tag .* is 1 twice"),
     ],
 )
@@ -243,4 +317,18 @@ def test_what_is_no_file_of_bundles_is_named(tmp_path, text, word):
     path = tmp_path / "bundles.yaml"
     path.write_text(text)
     with pytest.raises(ValueError, match=f"{path}.*{word}"):
+        read_bundles(str(path))
+
+
+def test_a_file_is_replaced_only_if_it_may_be(tmp_path):
+    path = tmp_path / "bundles.yaml"
+    for name in ("old", "new"):
+        write_bundles(str(path), [rv.Bundle(name, [rv.BundleTag(1, 0.1, np.eye(4))])])
+    with pytest.raises(FileExistsError, match=f"^{path} cannot be written: File exists$"):
+        write_bundles(
+            str(path), [rv.Bundle("no", [rv.BundleTag(1, 0.1, np.eye(4))])], replace=False
+        )
+    assert [bundle.name for bundle in read_bundles(str(path))] == ["new"]
+    path.unlink()
+    with pytest.raises(FileNotFoundError, match=f"^{path} cannot be read: No such file"):
         read_bundles(str(path))

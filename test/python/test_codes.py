@@ -353,9 +353,17 @@ def test_what_is_no_picture_is_refused():
 @pytest.mark.parametrize(
     "name, value, text",
     [
-        ("symbologies", "aztec", "symbologies is 'aztec', must be of all, qr, ean13, "),
-        ("symbologies", "qr,,ean8", "symbologies is 'qr,,ean8', must be of all, qr, ean13, "),
-        ("symbologies", "", "symbologies is '', must be of all, qr, ean13, "),
+        (
+            "symbologies",
+            "aztec",
+            "symbologies has 'aztec', must be all, or some with commas: qr, ean13, ",
+        ),
+        (
+            "symbologies",
+            "qr,,ean8",
+            "symbologies has '', must be all, or some with commas: qr, ean13, ",
+        ),
+        ("symbologies", "", "symbologies has '', must be all, or some with commas: qr, ean13, "),
         ("spacing", 0, "spacing is 0, must be from 1 to 16"),
         ("spacing", 17, "spacing is 17, must be from 1 to 16"),
         ("enlarge", 0, "enlarge is 0, must be from 1 to 4"),

@@ -260,8 +260,11 @@ def test_added_files_never_take_a_name_that_is_taken(tmp_path):
     texts = [(tmp_path / name).read_text() for name in ("a.png", "a-1.png", "a-3.png")]
     assert texts == ["mine", "one", "two"]
     assert not os.path.exists(tmp_path / "nowhere") and len(os.listdir(tmp_path)) == 4
-    with pytest.raises(OSError, match="No such file"):
+    with pytest.raises(FileNotFoundError) as error:
         add_file(str(tmp_path / "missing"), "a", ".png", b"")
+    assert str(error.value) == (
+        f"{tmp_path}/missing/a.png cannot be written: No such file or directory"
+    )
 
 
 def test_created_files_never_replace_one(tmp_path):

@@ -303,8 +303,24 @@ def test_folders_of_pictures_are_imported_once(tmp_path):
     assert gallery.import_folder(str(source / "unknown"), "Bert").pictures == 3
     assert gallery.names() == {"Anna": 3, "Bert": 3, "Zoë": 3}
     assert files(source) == before
-    with pytest.raises(OSError, match="nowhere"):
+    with pytest.raises(OSError, match=r"/nowhere cannot be read: No such file or directory$"):
         gallery.import_folder(str(tmp_path / "nowhere"))
+
+
+def test_what_an_imported_folder_lacks_is_told(tmp_path):
+    source = tmp_path / "photos"
+    (source / "Anna").mkdir(parents=True)
+    cv2.imwrite(str(source / "Anna" / "1.jpg"), photograph(ANNA, 1)[0])
+    gallery = Gallery(str(tmp_path / "faces"))
+    with pytest.raises(ValueError, match="photos/Anna must have a folder for each person, as Anna"):
+        gallery.import_folder(str(source / "Anna"))
+    (added, none) = gallery.import_folder(str(source)), gallery.import_folder(str(source), "Eve")
+    assert (added.pictures, added.problems) == (1, [])
+    assert (none.pictures, none.problems) == (0, [f"{source}: there are no pictures in it"])
+    for number in (1, 2):
+        cv2.imwrite(str(source / f"{number}.jpg"), photograph(BERT, number)[0])
+    again = gallery.import_folder(str(source))
+    assert (again.present, again.problems) == (1, [f"{source}: 2 pictures in no person's folder"])
 
 
 def test_gallery_is_not_imported_into_itself(folder):

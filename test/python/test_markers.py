@@ -12,12 +12,14 @@ from typing import NamedTuple
 import cv2
 import numpy as np
 import pytest
+import yaml
 
 import robot_vision as rv
 from robot_vision.markers.arguments import EXAMPLES
 from robot_vision.markers.command import main
 from robot_vision.markers.drawing import runs
 from robot_vision.markers.marker import qr_modules
+from robot_vision.markers.sheet import fitting
 
 SCRIPT = pathlib.Path(__file__).resolve().parents[2] / "scripts" / "create_marker.py"
 DPI = 508  # of what is rendered here: 20 px for a mm
@@ -122,7 +124,7 @@ def test_every_family_is_printed_cell_by_cell(create, tmp_path, family, ending):
         (picture,), scale = rendered(tmp_path / f"{id}.{ending}")
         number = facts.width + 2 * white
         assert len(picture) / scale == pytest.approx(number * 40 / facts.width_at_border, abs=0.1)
-        expected = np.pad(rv.tag_cells(family, id) == 0, white)
+        expected = np.pad(rv.tag_cells(family, id) < 255, white)
         assert np.array_equal(cells_of(picture, number), expected)
         small = cv2.resize(picture, (300, 300), interpolation=cv2.INTER_AREA)
         assert list(tags_in(small, family)) == [id]
@@ -238,7 +240,7 @@ def test_the_level_of_a_qr_code_is_how_much_of_it_may_be_lost(create, tmp_path):
     for level in "LMQH":
         assert create("--level", level, "-o", f"{level}.svg", text).returncode == 0
         width = re.search(r'width="([\d.]+)mm"', (tmp_path / f"{level}.svg").read_text()).group(1)
-        modules.append(8 * 90 / (float(width) - 90))  # eight are white, and the others 90 mm
+        modules.append(8 * 100 / (float(width) - 100))  # eight are white, and the others 100 mm
     assert modules == pytest.approx([29, 29, 33, 37], abs=0.01)
     assert create("--level", "H", "-o", "covered.png", text).returncode == 0
     (picture,), _ = rendered(tmp_path / "covered.png")
@@ -250,13 +252,14 @@ def test_the_level_of_a_qr_code_is_how_much_of_it_may_be_lost(create, tmp_path):
 @pytest.mark.parametrize(
     "arguments, code, text",
     [
-        (["587"], 1, "id 587: tag36h11 has the ids 0 to 586"),
-        (["--family", "tag16h5", "25-30"], 1, "id 30: tag16h5 has the ids 0 to 29"),
-        (["99999999999999999999"], 1, "id 99999999999999999999: tag36h11 has the ids 0 to 586"),
-        (["0-99999999999"], 1, "id 99999999999: tag36h11 has"),
-        (["5-3"], 1, "ids 5-3: the first must not be above the last"),
-        (["1,,2"], 1, "'1,,2' is no list of ids such as 0,3,7-9; --qr makes a QR code of it"),
-        (["-5"], 1, "'-5' is no list of ids"),
+        (["587"], 1, "id is 587, tag36h11 has 0 to 586; --qr makes a QR code of it"),
+        (["--family", "tag16h5", "25-30"], 1, "id is 30, tag16h5 has 0 to 29"),
+        (["99999999999999999999"], 1, "id is 99999999999999999999, tag36h11 has 0 to 586"),
+        (["0-99999999999"], 1, "id is 99999999999, tag36h11 has"),
+        (["5-3"], 1, "ids is '5-3', must have the lower id of 5-3 first"),
+        (["1,,2"], 1, "ids is '1,,2', must be a list such as 0,3,7-9; --qr makes a QR code of it"),
+        (["1 2"], 1, "ids is '1 2', must be a list"),
+        (["-5"], 1, "ids is '-5', must be a list"),
         ([""], 1, "an empty text needs no QR code"),
         (["--qr", "x" * 2332], 1, "2332 bytes fit no QR code of level M"),
         (["--family", "tag36h10", "0"], 2, "argument --family: invalid choice: 'tag36h10'"),
@@ -277,7 +280,11 @@ def test_the_level_of_a_qr_code_is_how_much_of_it_may_be_lost(create, tmp_path):
             1,
             "a.png is no name of a file of the format pdf",
         ),
-        (["-o", "no/such/tag.png", "0"], 1, "No such file or directory: 'no/such/tag.png'"),
+        (
+            ["-o", "no/such/tag.png", "0"],
+            1,
+            "no/such/tag.png cannot be written: No such file or directory",
+        ),
         (["--page", "A3", "0"], 2, "argument --page: invalid choice: 'A3'"),
         ([], 2, "the following arguments are required: what"),
     ],
@@ -285,11 +292,69 @@ def test_the_level_of_a_qr_code_is_how_much_of_it_may_be_lost(create, tmp_path):
 def test_what_cannot_be_made_is_refused(create, tmp_path, arguments, code, text):
     result = create(*arguments)
     assert (result.returncode, result.stdout) == (code, "")
-    assert f"create_marker.py: {'error: ' if code == 2 else ''}{text}" in re.sub(
-        r"\[Errno \d+\] ", "", result.stderr
-    )
+    assert f"create_marker.py: {'error: ' if code == 2 else ''}{text}" in result.stderr
     assert "Traceback" not in result.stderr
     assert not os.listdir(tmp_path)
+
+
+@pytest.mark.parametrize("family", FAMILIES)
+def test_the_size_told_is_that_between_the_corners_that_are_detected(create, tmp_path, family):
+    result = create("-s", 6.4, "--family", family, 1)
+    (told,) = re.findall(
+        r"^tag_size: ([\d.]+)  # m, side of (.+), for", result.stdout, re.MULTILINE
+    )
+    is_classic = family in ("tag36h11", "tag25h9", "tag16h5")
+    assert told[1] == ("the black square" if is_classic else "the square inside the black frame")
+    (picture,), scale = rendered(tmp_path / f"{family}_1.png")
+    corners = tags_in(picture, family)[1] / scale / 1000
+    sides = np.linalg.norm(corners - np.roll(corners, 1, axis=0), axis=1)
+    assert sides == pytest.approx([float(told[0])] * 4, abs=2e-4)
+    ink = np.array(box_of_ink(picture)[2:]) / scale / 1000
+    assert not is_classic or ink == pytest.approx([float(told[0])] * 2, abs=1e-4)
+
+
+def test_the_default_size_is_that_of_the_detector(create):
+    config = SCRIPT.parents[1] / "config" / "apriltag_detector.yaml"
+    tag_size = yaml.safe_load(config.read_text())["tag_size"]
+    assert f"\ntag_size: {tag_size:g}  # m" in create(0, "hello").stdout
+    assert "tag_size" not in create("hello").stdout
+
+
+def test_qr_codes_that_are_hard_to_read_are_told(create, tmp_path):
+    text = "x" * 300  # 69 modules of level M
+    result = create("-s", 2.5, "-o", "small.png", text)
+    assert "a cell has 0.36 mm, and few cameras read less than 0.4 mm: take a --size of 2.8, " in (
+        result.stderr
+    )
+    result = create("-s", 2.8, "-o", "good.png", text)
+    assert (result.returncode, result.stderr) == (0, "")
+    result = create("-s", 1.7, "-o", "tiny.pdf", text)
+    assert result.returncode == 1 and not (tmp_path / "tiny.pdf").exists()
+    assert (
+        ": a cell has 0.25 mm, 2.9 dots at 300 dpi, must have 3 dots: take a --size of 1.8, "
+        in (result.stderr)
+    )
+    # As small as it may be, it can be read off the picture.
+    assert create("-s", 1.8, "-o", "least.png", text).returncode == 0
+    (picture,), _ = rendered(tmp_path / "least.png")
+    assert [code.data for code in rv.CodeReader().read(picture, "mono8")] == [text.encode()]
+
+
+def test_forgotten_quotes_are_told(create, tmp_path):
+    for words in (("hello", "big", "world"), ("room", 12)):
+        result = create(*words)
+        assert result.returncode == 0
+        quoted = f"'{' '.join(map(str, words))}'"
+        assert f"each of the {len(words)} words has become a marker" in result.stderr
+        assert result.stderr.endswith(f"for one QR code write {quoted}\n")
+    for words in (["hello big world"], ["hello"], [1, 2]):
+        assert create("--force", *words).stderr == ""
+
+
+def test_labels_are_no_wider_than_their_marker():
+    for text, letter in (("x" * 40, 0.6), ("世界" * 20, 1.0)):
+        assert fitting(text, 0.0, 0.0, 20.0).size * letter * 40 == pytest.approx(20.0)
+    assert fitting("short", 0.0, 0.0, 20.0).size == 3.0
 
 
 def test_no_file_is_overwritten_without_force(create, tmp_path):

@@ -37,9 +37,12 @@ CONFIGURED = {("face_detector", "haar_maxSize"): "0"}
 OF_THE_NODES = {
     "camera": {
         "loop": "false",
+        "keep_streaming": "false",
+        "controls": "",
         "camera_name": "head_camera",
         "camera_frame_id": "head_camera",
         "camera_info_url": "",
+        "output_encoding": "auto",
     },
     "hsv_tracker": {"colors": "blue: {low: [90, 50, 50], high: [120, 255, 255]}"},
     "ball_tracker": {"ball_diameter": "0", "ball_frame_id": "ball"},
@@ -270,7 +273,7 @@ def test_units_are_those_of_the_code(node):
 
 
 def test_choices_are_what_validate_accepts():
-    for name in ("pixel_format", "io_method"):
+    for name in ("pixel_format", "io_method", "scene"):
         choices = re.split(", | or ", readme_rows()["camera", name]["range"])
         for choice in choices:
             rv.validate(with_value("camera", name, choice))

@@ -20,13 +20,14 @@ def test_sizes_and_names_by_id_range_and_family():
         0.1,
         [
             {"id": 7, "size": 0.2, "name": "dock"},
-            {"ids": "10-12", "size": 0.05},
+            {"ids": "10-11, 12", "size": 0.05},
+            {"ids": 20, "size": 0.3},
             {"id": 7, "family": "tag36h11", "size": 1},
         ],
         [BUNDLE],
     )
-    sizes = {n: layout.size(TagKey("tag25h9", n)) for n in (1, 7, 9, 10, 12, 13)}
-    assert sizes == {1: 0.1, 7: 0.2, 9: 0.1, 10: 0.05, 12: 0.05, 13: 0.1}
+    sizes = {n: layout.size(TagKey("tag25h9", n)) for n in (1, 7, 9, 10, 12, 13, 20)}
+    assert sizes == {1: 0.1, 7: 0.2, 9: 0.1, 10: 0.05, 12: 0.05, 13: 0.1, 20: 0.3}
     assert layout.size(TagKey("tag36h11", 7)) == 1.0
     names = [layout.frame_id(TagKey(*tag)) for tag in (("tag25h9", 7), ("tag36h11", 7))]
     assert names == ["dock", "tag36h11_7"]
@@ -58,8 +59,11 @@ def test_a_list_of_families():
         (("tag36h11", 0.1, [{"size": 1}]), "standalone_tags[0] must have either id or ids"),
         (("tag36h11", 0.1, [{"id": "1"}]), "id is '1', must be a whole number"),
         (("tag36h11", 0.1, [{"id": -1}]), "id is -1, tag36h11 has 0 to 586"),
-        (("tag36h11", 0.1, [{"ids": "9-3"}]), "ids is '9-3', must be FIRST-LAST"),
-        (("tag36h11", 0.1, [{"ids": "580-590"}]), "id is 587, tag36h11 has 0 to 586"),
+        (
+            ("tag36h11", 0.1, [{"ids": "9-3"}]),
+            "[0]: ids is '9-3', must have the lower id of 9-3 first",
+        ),
+        (("tag36h11", 0.1, [{"ids": "580-590"}]), "id is 590, tag36h11 has 0 to 586"),
         (("tag36h11", 0.1, [{"id": 1, "size": -1}]), "standalone_tags[0]: size is -1, must be"),
         (("tag36h11", 0.1, [{"ids": "1-2", "name": "a"}]), "name is 'a', but there are 2 tags"),
         (("tag36h11", 0.1, [{"id": 1, "family": "tag25h9"}]), "must be one of families: tag36h11"),

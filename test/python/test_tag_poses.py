@@ -301,10 +301,53 @@ def test_what_is_no_tag_is_refused():
         rv.Bundle("box", [rv.BundleTag(3, 0.1, np.eye(4))] * 2)
     with pytest.raises(ValueError, match="4x4"):
         rv.BundleTag(3, 0.1, np.eye(3))
+    for name, value in (("shift_noise", -0.1), ("turn_noise", np.nan)):
+        with pytest.raises(ValueError, match=f"{name} of tag 3 of bundle 'box' is"):
+            rv.Bundle("box", [rv.BundleTag(3, 0.1, np.eye(4), **{name: value})])
     params = rv.TagPoseParams()
     params.corner_noise = -1.0
     with pytest.raises(ValueError, match="corner_noise is -1, must be from"):
         rv.validate(params)
+
+
+def test_what_is_no_covariance_is_refused():
+    camera = CAMERAS["plumb_bob"]
+    corners = corners_of(pose_in_view(np.random.default_rng(0), 60, 0.5), camera)
+    good = 0.01 * np.eye(8) + 0.005
+    crooked, negative, unknown, exact = good.copy(), good.copy(), good.copy(), good.copy()
+    crooked[0, 3] += 0.001
+    negative[3, 3] = -0.01
+    unknown[5, 5] = np.nan
+    exact[2] = exact[:, 2] = 0.0  # as if one coordinate were known exactly
+    for bad in (crooked, negative, unknown, exact, np.ones((8, 8)), np.zeros((8, 8))):
+        seen = {0: rv.MeasuredCorners(corners, bad)}
+        for refuse in (
+            lambda seen: rv.estimate_pose(TAG, seen, camera),
+            lambda seen: rv.TagPoseTracker(TAG).update(0.0, seen, camera),
+        ):
+            with pytest.raises(ValueError) as error:
+                refuse(seen)
+            rule = " is none, must be symmetric, positive definite and finite"
+            assert str(error.value) == "covariance of the corners of tag 0" + rule
+    with pytest.raises(ValueError, match="8, 8"):
+        rv.MeasuredCorners(corners, np.eye(6))
+    found = rv.estimate_pose(TAG, {0: rv.MeasuredCorners(corners, good)}, camera)
+    assert np.isfinite(found.best.covariance).all()
+
+
+def test_the_lens_makes_poses_of_single_pictures_uncertain():
+    camera = CAMERAS["plumb_bob"]
+    truth = pose_in_view(np.random.default_rng(0), 100, 0.5)
+    seen = {0: rv.MeasuredCorners(corners_of(truth, camera), 1e-4 * np.eye(8))}
+    exact, off = (
+        rv.estimate_pose(TAG, seen, camera, lens_noise=noise).best.covariance
+        for noise in (0.0, 0.06)
+    )
+    # All corners move alike: across the line of sight the tag is where the ray is.
+    sideways = (0.06 * truth[2, 3] / K[0, 0]) ** 2
+    assert off[0, 0] - exact[0, 0] == pytest.approx(sideways, rel=0.1)
+    with pytest.raises(ValueError, match="lens_noise is -1, must be from 0 to 10"):
+        rv.estimate_pose(TAG, seen, camera, lens_noise=-1.0)
 
 
 @pytest.mark.parametrize("model", CAMERAS)

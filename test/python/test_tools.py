@@ -76,6 +76,16 @@ def test_an_unknown_system_is_told_in_one_sentence(tmp_path, os_release, said):
     assert len(result.stderr.strip().splitlines()) == 1
 
 
+def test_what_is_not_built_yet_can_be_linted(tmp_path):
+    checkout = tmp_path / "robot_vision"
+    built = shutil.ignore_patterns(".git", ".ws", "build", "transport_plugins.xml", "__pycache__")
+    shutil.copytree(str(ROOT), str(checkout), ignore=built)
+    (checkout / ".ws").mkdir()
+    result = run(checkout / "tools" / "env", checkout / "tools" / "lint", "catkin-lint")
+    assert result.stdout + result.stderr == ""
+    assert result.returncode == 0
+
+
 def test_help_names_every_command():
     result = run("make", "help")
     for command in ("demo", "test", "build", "lint", "bench", "install", "deps", "clean"):

@@ -11,157 +11,34 @@ them: test/nodes/test_v4l2.py.
 import json
 import os
 import pathlib
-import re
-import subprocess
 import sys
 import time
-import timeit
 import traceback
-from typing import Any, Callable, Dict, List, Optional
+from typing import Any, Dict, Optional
 
 import rosgraph
 import rospy
 import support
+from rig import (
+    FRAMES,
+    PATIENCE,
+    TRACING,
+    WORK,
+    Arrivals,
+    Camera,
+    Trace,
+    emulated_work,
+    plug_in,
+    read_directly,
+    run,
+    save_picture,
+    unplug,
+    v4l2,
+    wait_for,
+    wall_minus_monotonic,
+)
 from sensor_msgs.msg import CameraInfo, Image
-
-PATIENCE = 60.0  # s, for what takes a moment on a machine that is not emulated
-DRIVER = pathlib.Path("/sys/bus/platform/drivers/vivid")
-TRACING = pathlib.Path("/sys/kernel/tracing")
-FRAMES = 50  # that the figures of a stream are taken from
-WORK = "sum(range(300000))"  # tells how much slower than the host the guest is
-
-
-class Camera(support.Process):
-    """A camera_node under test."""
-
-    def __init__(self, out: pathlib.Path, name: str, device: str, *arguments: str):
-        command = [support.executable("camera_node"), "__name:=" + name]
-        command += ["_video_device:=" + device, *arguments]
-        super().__init__(command, out / (name + ".log"))
-        self.name = name
-        self.device = device
-
-    def holds_device(self) -> bool:
-        """Whether the process has its device open; one that was unplugged under it counts, too."""
-        for link in pathlib.Path(f"/proc/{self.pid}/fd").iterdir():
-            try:
-                target = os.readlink(str(link))
-            except FileNotFoundError:
-                continue
-            if target.split(" ")[0] == self.device:
-                return True
-        return False
-
-
-class Arrivals:
-    """When the messages of a topic came, with their headers, and the last of them."""
-
-    def __init__(self, topic: str, kind: Any):
-        self.headers: List[Dict[str, Any]] = []
-        self.last: Any = None
-        self._topic = topic
-        self._subscriber = rospy.Subscriber(topic, kind, self._on_message, buff_size=2**24)
-
-    def _on_message(self, message: Any) -> None:
-        header = message.header
-        self.headers.append(
-            {
-                "received_ns": time.time_ns(),
-                "stamp_ns": header.stamp.to_nsec(),
-                "frame_id": header.frame_id,
-            }
-        )
-        self.last = message
-
-    def wait_for_more(self, count: int) -> None:
-        """Waits until `count` messages have come since now."""
-        wanted = len(self.headers) + count
-        wait_for(lambda: len(self.headers) >= wanted, f"{count} more on {self._topic}")
-
-    def close(self) -> None:
-        self._subscriber.unregister()
-
-
-class Trace:
-    """The time stamps that the kernel gave with the frames, as its own trace shows them."""
-
-    def __init__(self) -> None:
-        (TRACING / "trace").write_text("")
-        self._switch(True)
-
-    def stamps(self) -> List[Dict[str, int]]:
-        self._switch(False)
-        found = re.findall(
-            r"v4l2_dqbuf:.*timestamp = (\d+).*sequence = (\d+)", (TRACING / "trace").read_text()
-        )
-        return [{"monotonic_ns": int(stamp), "sequence": int(number)} for stamp, number in found]
-
-    @staticmethod
-    def _switch(on: bool) -> None:
-        (TRACING / "events/v4l2/v4l2_dqbuf/enable").write_text("1" if on else "0")
-
-
-def wait_for(condition: Callable[[], Any], what: str) -> float:
-    """Waits until `condition` is true; the seconds that it took."""
-    begin = time.monotonic()
-    support.wait_for(condition, what, PATIENCE)
-    return time.monotonic() - begin
-
-
-def v4l2(device: str, *arguments: str) -> str:
-    """Runs v4l2-ctl on a device; its output."""
-    command = ["v4l2-ctl", "-d", device, *arguments]
-    return subprocess.run(
-        command,
-        check=True,
-        timeout=PATIENCE,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.STDOUT,
-        text=True,
-    ).stdout
-
-
-def unplug() -> None:
-    (DRIVER / "unbind").write_text("vivid.0")
-
-
-def plug_in() -> None:
-    """Gives the devices back, showing a picture that stands still.
-
-    Frames are stamped when they begin; by default vivid gives the time of their end, still to come.
-    """
-    (DRIVER / "bind").write_text("vivid.0")
-    for device in ("/dev/video0", "/dev/video1"):
-        wait_for(lambda path=device: os.path.exists(path), device)
-        v4l2(device, "-c", "osd_text_mode=2,test_pattern=4,show_border=1,show_square=1")
-        v4l2(device, "-c", "timestamp_source=1")
-
-
-def wall_minus_monotonic() -> int:
-    """The distance of the two clocks in ns: the quickest of some tries to read both at once."""
-    tries = []
-    for _ in range(50):
-        before, wall, after = time.monotonic_ns(), time.time_ns(), time.monotonic_ns()
-        tries.append((after - before, wall - (before + after) // 2))
-    return min(tries)[1]
-
-
-def read_directly(device: str, fourcc: str, path: pathlib.Path) -> None:
-    """Has v4l2-ctl read a frame of the standing picture; fails while somebody else streams."""
-    size = "width=640,height=480,pixelformat=" + fourcc
-    v4l2(device, "--set-fmt-video=" + size)
-    v4l2(device, "--stream-mmap", "--stream-count=1", f"--stream-to={path}")
-
-
-def save_picture(message: Image, path: pathlib.Path) -> Dict[str, Any]:
-    path.write_bytes(message.data)
-    fields = ("width", "height", "step", "encoding", "is_bigendian")
-    return {field: getattr(message, field) for field in fields}
-
-
-def emulated_work() -> float:
-    """Seconds that a piece of work takes here."""
-    return min(timeit.repeat(WORK, number=1, repeat=5))
+from survival import CONTROLS, Survival
 
 
 class Scenarios:
@@ -180,6 +57,8 @@ class Scenarios:
         return wait_for(lambda: not self.camera.holds_device(), "the end of streaming")
 
     def missing_at_start(self) -> Dict[str, Any]:
+        rospy.set_param("/camera/controls", CONTROLS)
+        rospy.set_param("/camera/config_file", str(self.out / "camera.yaml"))
         unplug()
         self.camera = Camera(self.out, "camera", "/dev/video0")
         self.camera.wait_for_output("trying again", PATIENCE)
@@ -315,17 +194,36 @@ class Scenarios:
         }
 
     def formats(self) -> Dict[str, Any]:
-        cameras = {}
-        for name in ("uyvy", "grey", "nv12", "mjpeg"):
-            node = "camera_" + name
-            cameras[name] = Camera(self.out, node, "/dev/video1", "_pixel_format:=" + name)
+        """Each format that vivid and we have, in one process: nodes take long to start here."""
+        grabbed = run([support.executable("test_grab_formats"), "/dev/video1", str(self.out)])
+        for line in grabbed["output"].splitlines():
+            name, _, source = line.split(", ")
+            read_directly("/dev/video1", f"{source.split()[0]:4}", self.out / (name + ".raw"))
+        return grabbed
+
+    def cameras(self) -> Dict[str, Any]:
+        """What list_cameras says, and nodes that are told names of the second camera."""
+        os.symlink("video1", "/dev/front_camera")  # as a rule of udev would
+        listed = {
+            "all": run([support.executable("list_cameras")]),
+            "one": run([support.executable("list_cameras"), "platform:vivid-001"]),
+            "link": run([support.executable("list_cameras"), "front_camera"]),
+        }
+        arguments = {
+            "native": ("_pixel_format:=bayer_gbrg8", "_output_encoding:=native"),
+            "mjpeg": ("_pixel_format:=mjpeg", "_image_width:=700", "_framerate:=1000"),
+        }
+        cameras = {
+            name: Camera(
+                self.out, "camera_" + name, "/dev/video1", "_source:=platform:vivid-001", *args
+            )
+            for name, args in arguments.items()
+        }
         for camera in cameras.values():
             camera.wait_for_output("from /dev/video1", PATIENCE)
-        seen = {}
+        seen: Dict[str, Any] = {"listed": listed}
         for name, camera in cameras.items():
             wait_for(lambda camera=camera: not camera.holds_device(), "an idle " + camera.name)
-            if name != "mjpeg":  # which vivid does not have
-                read_directly("/dev/video1", name.upper(), self.out / (name + ".raw"))
             seen[name] = {"pictures": self.pictures_of(camera, name), "log": camera.output()}
         for camera in cameras.values():
             camera.interrupt()
@@ -363,6 +261,7 @@ def main() -> None:
     (TRACING / "trace_clock").write_text("mono")
     rospy.init_node("guest", disable_signals=True, disable_rosout=True)
     scenarios = Scenarios(out)
+    survival = Survival(scenarios)
     seen: Dict[str, Any] = {"work": {"statement": WORK, "seconds": emulated_work()}}
     for scenario in (
         scenarios.missing_at_start,
@@ -373,8 +272,18 @@ def main() -> None:
         scenarios.lost_frames,
         scenarios.fatal_error,
         scenarios.stalled,
+        survival.controls,
         scenarios.unplugged,
+        survival.controls_after_unplugging,
+        survival.unplugged_while_idle,
+        survival.failing_calls,
+        survival.disconnected,
+        survival.busy,
+        survival.stopped,
+        survival.clock_set_back,
+        survival.cycles,
         scenarios.formats,
+        scenarios.cameras,
         scenarios.interrupt,
     ):
         name = scenario.__name__

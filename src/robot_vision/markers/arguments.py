@@ -10,7 +10,7 @@ from .sheet import PAGES
 FORMATS = ("png", "svg", "pdf")
 
 EXAMPLES = """examples:
-  create_marker.py 0                              tag36h11_0.png, 9 cm
+  create_marker.py 0                              tag36h11_0.png, 10 cm
   create_marker.py -s 5 0                         the same, 5 cm
   create_marker.py -s 4 0-11                      tag36h11_0-11.pdf, twelve tags on an A4 sheet
   create_marker.py --page Letter 0,3,7            tag36h11_0_3_7.pdf, on Letter sheets
@@ -34,16 +34,18 @@ def parse(command: Sequence[str]) -> argparse.Namespace:
     parser.add_argument(
         "what",
         nargs="+",
-        help="ids of tags (0, 0-11 or 0,3,7), or a text or URL, which becomes a QR code",
+        help="ids of tags (0, 0-11 or 0,3,7), or a text or URL, which becomes a QR code; a text "
+        "of several words needs quotes",
     )
     parser.add_argument(
         "-s",
         "--size",
         type=number(float, 0.5, 300.0),
-        default=9.0,
+        default=10.0,  # apriltag_detector's tag_size, too
         metavar="CM",
         help="side in cm (default: %(default)g): of a tag between its corners, which is the black "
-        "square of tag36h11, tag25h9 and tag16h5; of a QR code without the white around it",
+        "square of tag36h11, tag25h9 and tag16h5, and of the others the square inside the black "
+        "frame; of a QR code without the white around it",
     )
     parser.add_argument(
         "--family",
@@ -87,7 +89,8 @@ def add_output(parser: argparse.ArgumentParser) -> None:
         "--dpi",
         type=number(int, 150, 1200),
         default=300,
-        help="of PNG, 150 to 1200 (default: %(default)s)",
+        help="of PNG and of the printer, 150 to 1200 (default: %(default)s); a QR code must "
+        "have three dots for each of its cells",
     )
     parser.add_argument("--force", action="store_true", help="replace a file that is there already")
 

@@ -6,37 +6,55 @@ import re
 import sys
 from typing import Iterator, List, Sequence, Tuple
 
-from .._core import tag_family
 from ..commands import run_command
 from ..files import create_file, replace_file
+from ..tag_ids import parse_ids
+from .advice import cell_advice, require_dots, tag_size_line, words_advice
 from .arguments import FORMATS, parse
 from .drawing import Drawing
 from .marker import Marker, qr_marker, tag_marker
 from .sheet import sheets
 from .writers import to_pdf, to_png, to_svg
 
+PROGRAM = "create_marker.py"
 LONGEST = 40  # letters of a text in a label
 
 
 def main() -> int:
     """Runs the command; its exit code."""
     arguments = parse(sys.argv[1:])
-
-    def write() -> None:
-        for path in create(arguments):
-            print("written:", path)
-
-    return run_command("create_marker.py", write)
+    return run_command(PROGRAM, lambda: make(arguments))
 
 
-def create(arguments: argparse.Namespace) -> List[str]:
-    """Writes the files asked for, and returns their paths.
+def make(arguments: argparse.Namespace) -> None:
+    """Writes the files asked for, and tells what people should know of them.
 
     Raises:
-        ValueError: there are no such markers, or they do not fit.
+        ValueError: there are no such markers, or they do not fit, or nobody could read them.
         OSError: a file is there already, or cannot be written.
     """
     markers = [marker for text in arguments.what for marker in made_of(text, arguments)]
+    for marker in markers:
+        require_dots(marker, arguments.dpi)
+    for path in write(markers, arguments):
+        print("written:", path)
+    tags = [text for text in arguments.what if means_tags(text, arguments)]
+    if tags:
+        print(tag_size_line(arguments.family, 10.0 * arguments.size))
+    advice = [cell_advice(marker) for marker in markers]
+    if len(tags) < len(arguments.what):
+        advice.append(words_advice(arguments.what))
+    for line in filter(None, advice):
+        print(f"{PROGRAM}: {line}", file=sys.stderr)
+
+
+def write(markers: Sequence[Marker], arguments: argparse.Namespace) -> Iterator[str]:
+    """Writes the files, and gives the path of each as soon as it is there.
+
+    Raises:
+        ValueError: the markers do not fit.
+        OSError: a file is there already, or cannot be written.
+    """
     page = arguments.page or ("A4" if len(markers) > 1 else None)
     pages = sheets(markers, page) if page else [markers[0].drawing()]
     stem, kind = target(arguments, "pdf" if page else "png")
@@ -44,10 +62,10 @@ def create(arguments: argparse.Namespace) -> List[str]:
     taken = [path for path, _ in files if os.path.lexists(path)]
     if taken and not arguments.force:
         raise FileExistsError(f"{taken[0]} is there already; --force replaces it")
-    write = replace_file if arguments.force else create_file
+    put = replace_file if arguments.force else create_file
     for path, data in files:
-        write(path, data)
-    return [path for path, _ in files]
+        put(path, data)
+        yield path
 
 
 def made_of(text: str, arguments: argparse.Namespace) -> Iterator[Marker]:
@@ -64,25 +82,19 @@ def made_of(text: str, arguments: argparse.Namespace) -> Iterator[Marker]:
 
 def means_tags(text: str, arguments: argparse.Namespace) -> bool:
     """Whether it is meant as a list of ids, if perhaps a wrong one."""
-    return not arguments.qr and re.fullmatch("[-0-9,]+", text) is not None
+    return not arguments.qr and re.fullmatch("[-0-9, ]*[0-9][-0-9, ]*", text) is not None
 
 
-def ids(text: str, family: str) -> Iterator[int]:
+def ids(text: str, family: str) -> List[int]:
     """The ids in a list such as 0,3,7-9.
 
     Raises:
         ValueError: it is no such list, or the family has not all of them.
     """
-    if not re.fullmatch("[0-9]+(-[0-9]+)?(,[0-9]+(-[0-9]+)?)*", text):
-        raise ValueError(f"'{text}' is no list of ids such as 0,3,7-9; --qr makes a QR code of it")
-    last_of_family = tag_family(family).ids - 1
-    for part in text.split(","):
-        first, last = int(part.split("-")[0]), int(part.split("-")[-1])
-        if first > last:
-            raise ValueError(f"ids {part}: the first must not be above the last")
-        if last > last_of_family:
-            raise ValueError(f"id {last}: {family} has the ids 0 to {last_of_family}")
-        yield from range(first, last + 1)
+    try:
+        return parse_ids(text, family)
+    except ValueError as error:
+        raise ValueError(f"{error}; --qr makes a QR code of it") from None
 
 
 def label(text: str) -> str:

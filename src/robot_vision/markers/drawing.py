@@ -5,6 +5,8 @@ from typing import Iterator, List, Tuple
 
 import numpy as np
 
+INCH = 25.4  # mm
+
 Bar = Tuple[float, float, float, float]  # x, y, width, height, mm
 
 

@@ -54,7 +54,7 @@ def tag_marker(family: str, id: int, size: float) -> Marker:
         ValueError: there is no such family, or no such tag in it.
     """
     facts = tag_family(family)
-    cells = tag_cells(family, id) == 0
+    cells = tag_cells(family, id) < 255
     if facts.width - facts.width_at_border > 2:  # its outer cells have a meaning: not to be cut
         cells = np.pad(cells, 1)
     return Marker(cells, size / facts.width_at_border, size, f"{family}  id {id}  {size:g} mm")

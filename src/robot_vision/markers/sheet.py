@@ -1,6 +1,7 @@
 """Sheets of markers, to print and cut."""
 
 import math
+import unicodedata
 from typing import Dict, List, Sequence, Tuple
 
 from .drawing import Drawing, Text
@@ -64,8 +65,9 @@ def add_tile(drawing: Drawing, marker: Marker, x: float, y: float) -> None:
 
 
 def fitting(text: str, x: float, y: float, width: float) -> Text:
-    """A line of text that is no wider; letters are some 0.6 of the size wide."""
-    return Text(text, x, y, min(3.0, width / (0.6 * len(text))))
+    """A line of text that is no wider: letters are some 0.6 of the size wide, Chinese ones 1."""
+    letters = sum(1.0 if unicodedata.east_asian_width(letter) in "WF" else 0.6 for letter in text)
+    return Text(text, x, y, min(3.0, width / letters))
 
 
 def add_ruler(drawing: Drawing) -> None:

@@ -9,9 +9,8 @@ from xml.sax.saxutils import escape
 import cairo
 import numpy as np
 
-from .drawing import Drawing
+from .drawing import INCH, Drawing
 
-INCH = 25.4  # mm
 POINT = INCH / 72.0  # mm, cairo's unit in a PDF
 FONT = "sans-serif"
 MOST_PIXELS = 32767  # px, side of cairo's pictures

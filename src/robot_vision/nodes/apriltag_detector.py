@@ -1,7 +1,7 @@
 """The node apriltag_detector: AprilTags, and where they are."""
 
 import threading
-from typing import Any, Dict, Tuple
+from typing import Any, Dict, Optional, Tuple
 
 import numpy as np
 import rospy
@@ -10,7 +10,7 @@ from tf2_msgs.msg import TFMessage
 from visualization_msgs.msg import MarkerArray
 
 from .. import TagDetector as Detector
-from .. import TagDetectorParams, TagPoseParams, to_bgr
+from .. import TagDetectorParams, TagPoseParams, to_bgr, to_gray
 from ..cfg import ApriltagDetectorConfig
 from ..msg import TagDetectionArray
 from ..tag_layout import TagLayout
@@ -38,8 +38,9 @@ POSE = ("corner_noise", "lasting_noise", "max_gap")
 class ApriltagDetector:
     """Publishes ~tags, /tf, ~markers and ~processed_image (outlines, ids, axes and distances).
 
-    Poses need camera_info of a calibrated camera; the picture is not to be rectified. ~detect
-    searches a file, or the next frame.
+    Subscribes to image, and to camera_info beside it: poses need that of a calibrated camera; the
+    picture is not to be rectified. ~detect (robot_vision/DetectTags) searches a file, or the next
+    frame.
     """
 
     def __init__(self) -> None:
@@ -60,14 +61,17 @@ class ApriltagDetector:
         self._tf = self._node.publisher("/tf", TFMessage, counts=lambda: self._publish_tf)
         self._processed = self._node.image_publisher("~processed_image")
         self._service = DetectService(self._node, self._calibration, self._detect)
+        # A search of a large picture takes longer than a node has to end.
+        rospy.core.add_preshutdown_hook(lambda _reason: self._detector.abandon_search())
         self._node.start()
 
     def _configure(self, config: Dict[str, Any]) -> None:
         params = filled(TagDetectorParams(), config, DETECTOR)
         params.families = self._layout.families
+        params.background = True
         with self._lock:
             self._detector.configure(params)
-            pose_params = {name: config[name] for name in POSE}
+            pose_params = {name: config[name] for name in (*POSE, "measure_corners")}
             if pose_params != self._pose_params:  # poses begin anew: only when they must
                 self._pose_params = pose_params
                 self._locator = TagLocator(self._layout, filled(TagPoseParams(), config, POSE))
@@ -80,10 +84,13 @@ class ApriltagDetector:
         camera = self._calibration.camera(size)
         with self._lock:
             try:
-                found = self._detector.update(now, frame.image, frame.encoding)
+                gray = to_gray(frame.image, frame.encoding)
+                found = self._detector.update(now, gray, "mono8")
             except (TypeError, ValueError) as error:
                 raise FrameError(error) from None
-            tags, bundles = self._locator.locate(now, found, camera)
+            tags, bundles = self._locator.locate(now, found, camera, self._for_corners(gray))
+        if self._detector.lacks_threads:
+            rospy.logwarn_once("no thread can be started: frames wait for searches of all of one")
         for twin in (tag.tag for tag in tags if not tag.unique):
             rospy.logwarn_throttle(
                 10.0, f"tag {twin.id} of {twin.family} is there more than once: no transform of it"
@@ -98,6 +105,9 @@ class ApriltagDetector:
             overlay = to_bgr(frame.image, frame.encoding)
             draw_tags(overlay, tags, camera)
             self._processed.publish(overlay, "bgr8", frame.header)
+
+    def _for_corners(self, gray: np.ndarray) -> Optional[np.ndarray]:
+        return gray if self._pose_params["measure_corners"] else None
 
     def _broadcast(self, message: TFMessage) -> None:
         if not message.transforms:
@@ -120,6 +130,7 @@ class ApriltagDetector:
         except ValueError as error:
             problem = str(error)
         with self._lock:
-            found = self._detector.detect(image, encoding)
-            tags, bundles = self._locator.locate_at_once(found, camera)
+            gray = to_gray(image, encoding)
+            found = self._detector.detect(gray, "mono8")
+            tags, bundles = self._locator.locate_at_once(found, camera, self._for_corners(gray))
         return tag_array(header, size, tags, bundles), problem

@@ -2,7 +2,7 @@
 
 import collections
 import threading
-from typing import Deque, List, Set, Tuple
+from typing import Deque, List, NamedTuple, Set, Tuple
 
 import cv2
 import numpy as np
@@ -16,8 +16,17 @@ from .tracks import box_of
 HISTORY = 8  # frames that a detection may be late
 
 
+class Candidate(NamedTuple):
+    """What was found in the last detections, and since when (s) it has been in all of them."""
+
+    detection: Detection
+    since: float
+
+
 class AutoSelection:
     """Selects detections that no tracked object covers, in the frame where they were found.
+
+    Finders err, but seldom twice in the same place: what was not found for long is not selected.
 
     Args:
         tracker: where objects are selected; select() is called when it is free.
@@ -27,6 +36,8 @@ class AutoSelection:
         self._tracker = tracker
         self._label = ""
         self._most = 1
+        self._after = 0.0  # s
+        self._candidates: List[Candidate] = []
         self._own: Set[int] = set()  # ids of what has been selected here
         self._lost: List[int] = []  # those that are lost in this frame
         self._lock = threading.Lock()  # guards the detections that have come
@@ -34,10 +45,14 @@ class AutoSelection:
         # The last frames, and the outlines of what was tracked in them.
         self._frames: Deque[Tuple[Frame, List[np.ndarray]]] = collections.deque(maxlen=HISTORY)
 
-    def configure(self, label: str, most: int) -> None:
-        """Selects only what has this label, if it is not empty, and has at most so many objects."""
+    def configure(self, label: str, most: int, after: float) -> None:
+        """Selects at most so many objects, found without a gap for `after` seconds.
+
+        Only those with this label, if it is not empty.
+        """
         self._label = label
         self._most = most
+        self._after = after
 
     def add(self, detections: DetectionArray) -> None:
         """Takes what was found; for another thread."""
@@ -56,12 +71,24 @@ class AutoSelection:
             if found.header.stamp > frame.header.stamp:
                 self.add(found)  # its frame is still to come
             elif found.header.stamp in stamps:
-                self._select_uncovered(found.detections, stamps.index(found.header.stamp))
+                number = stamps.index(found.header.stamp)
+                self._update_candidates(found.detections, self._frames[number][0].time)
+                self._select_uncovered(number)
 
-    def _select_uncovered(self, detections: List[Detection], number: int) -> None:
+    def _update_candidates(self, detections: List[Detection], now: float) -> None:
+        before = self._candidates
+        self._candidates = [
+            Candidate(
+                one, min([now, *(old.since for old in before if is_same(old.detection, one))])
+            )
+            for one in detections
+            if self._label in ("", one.label)
+        ]
+
+    def _select_uncovered(self, number: int) -> None:
         frame, outlines = self._frames[number]
-        for found in detections:
-            if self._label not in ("", found.label) or is_covered(found, outlines):
+        for found, since in self._candidates:
+            if frame.time - since < self._after or is_covered(found, outlines):
                 continue
             full = len(self._own) >= self._most
             if full and not self._lost:
@@ -85,6 +112,13 @@ def corners_of(box: Tuple[int, int, int, int]) -> np.ndarray:
     """The corners, (4, 2), of (x, y, width, height)."""
     x, y, width, height = box
     return np.array([(x, y), (x + width, y), (x + width, y + height), (x, y + height)], float)
+
+
+def is_same(before: Detection, now: Detection) -> bool:
+    """Whether two detections, of a frame and the one before, are of the same thing."""
+    if before.label != now.label or before.id != now.id:
+        return False
+    return now.id >= 0 or is_covered(now, [corners_of(box_of(before.box))])
 
 
 def is_covered(found: Detection, outlines: List[np.ndarray]) -> bool:

@@ -39,7 +39,8 @@ FILTER = ("process_noise", "measurement_noise", "max_prediction", "gate")
 class BallTracker:
     """Publishes ~objects (one ball or none), ~mask, ~processed_image with the ball and its trail.
 
-    If ~ball_diameter (m) is known, also ~position and the tf frame ~ball_frame_id, by camera_info.
+    Subscribes to image. If ~ball_diameter (m) is known, it also publishes ~position and, in /tf,
+    the frame ~ball_frame_id, by the camera_info beside the image.
     """
 
     def __init__(self) -> None:

@@ -4,6 +4,8 @@ import argparse
 from typing import Dict, List, Optional, Sequence, Tuple
 
 from .. import tag_family
+from ..tag_ids import parse_ids
+from ..tag_layout import LARGEST
 
 EXAMPLES = """examples, with a running apriltag_detector and from a bag:
   calibrate_bundle.py --name box --ids 0-5 --size 0.1 --output box.yaml \\
@@ -17,7 +19,6 @@ Show the body from all sides, so that each tag is seen together with others, and
 ends the recording, and the layout is computed. A launch file loads it for the detector:
   <rosparam command="load" file="box.yaml" ns="apriltag_detector"/>
 """
-LARGEST = 100.0  # m, of a tag
 MOST_FRAMES = 10000
 
 
@@ -59,7 +60,7 @@ def parse_arguments(command: Sequence[str]) -> argparse.Namespace:
 
 def _complete(arguments: argparse.Namespace) -> None:
     """Checks what argparse does not, and adds the sizes by tag."""
-    ids = _ids_of(arguments.ids, tag_family(arguments.family).ids)
+    ids = _ids_of(arguments.ids, arguments.family)
     arguments.sizes = _sizes_of(arguments.size, ids)
     arguments.master = ids[0] if arguments.master is None else arguments.master
     if arguments.master not in ids:
@@ -78,19 +79,14 @@ def _complete(arguments: argparse.Namespace) -> None:
         )
 
 
-def _ids_of(text: str, count: int) -> List[int]:
-    ids: List[int] = []
-    for part in text.split(","):
-        first, _, last = part.partition("-")
-        try:
-            low, high = int(first), int(last or first)
-        except ValueError:
-            raise ValueError(f"argument --ids: is '{text}', must be as 0-5 or 0,2,7-9") from None
-        if not low <= high < count:
-            raise ValueError(f"argument --ids: {part} must be from 0 to {count - 1}, lowest first")
-        ids += range(low, high + 1)
+def _ids_of(text: str, family: str) -> List[int]:
+    tag_family(family)  # what is wrong with it is not about --ids
+    try:
+        ids = parse_ids(text, family)
+    except ValueError as error:
+        raise ValueError(f"argument --ids: {error}") from None
     if len(set(ids)) != len(ids) or len(ids) < 2:
-        raise ValueError(f"argument --ids: is '{text}', must be two or more different tags")
+        raise ValueError(f"argument --ids: ids is '{text}', must be two or more different tags")
     return sorted(ids)
 
 
@@ -105,6 +101,8 @@ def _sizes_of(text: str, ids: Sequence[int]) -> Dict[int, float]:
                 f"argument --size: '{part}' must be 0.1 or 3:0.1, above 0 and at most {LARGEST:g} m"
             ) from None
         if tag is None:
+            if default:
+                raise ValueError(f"argument --size: is '{text}', must have one size for all others")
             default = {number: size for number in ids}
         elif tag not in ids or tag in sizes:
             raise ValueError(f"argument --size: tag {tag} is not one of --ids, or is there twice")

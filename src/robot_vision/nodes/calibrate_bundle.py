@@ -1,6 +1,7 @@
 """The command calibrate_bundle.py: from pictures of a rigid body to the layout of its tags."""
 
 import argparse
+import math
 import os
 import signal
 import sys
@@ -46,16 +47,19 @@ def _learn(arguments: argparse.Namespace) -> None:
     found = calibrate(arguments.name, frames, arguments.sizes, camera, arguments.master)
     print(_report(found), flush=True)
     _require_fit(found, frames, arguments.sizes)
-    _require_output(arguments)  # it may have come meanwhile
-    write_bundles(arguments.output, [found.bundle], arguments.family)
+    write_bundles(arguments.output, [found.bundle], arguments.family, replace=arguments.force)
     print("saved in", arguments.output)
 
 
 def _require_output(arguments: argparse.Namespace) -> None:
+    """Raises OSError if the file cannot be written, which is better known before than after."""
     path = arguments.output
     folder = os.path.dirname(os.path.realpath(path))
-    if os.path.isdir(path) or not os.access(folder, os.W_OK | os.X_OK):
-        raise OSError(f"{path} cannot be written")
+    if os.path.isdir(path):
+        raise IsADirectoryError(f"{path} cannot be written: it is a folder")
+    if not os.access(folder, os.W_OK | os.X_OK):
+        why = "may not be written to" if os.path.isdir(folder) else "is no folder"
+        raise OSError(f"{path} cannot be written: {folder} {why}")
     if os.path.lexists(path) and not arguments.force:
         raise OSError(f"{path} is there already; --force replaces it")
 
@@ -78,9 +82,14 @@ def _report(found: Calibration) -> str:
         f"{found.bundle.name}: {len(found.bundle.tags)} tags from {found.frames} frames, "
         f"in the frame of tag {master.id}"
     ]
+    known = {tag.id: tag for tag in found.bundle.tags}
     for tag, residual in sorted(found.residuals.items()):
+        shift, turn = 1000.0 * known[tag].shift_noise, math.degrees(known[tag].turn_noise)
         large = "  LARGE: is it flat, of this size, and fixed?" if residual > limit else ""
-        lines.append(f"  tag {tag}: {residual:.2f} px in {found.sightings[tag]} sightings{large}")
+        lines.append(
+            f"  tag {tag}: {residual:.2f} px in {found.sightings[tag]} sightings, "
+            f"known to {shift:.2f} mm and {turn:.2f} degrees{large}"
+        )
     if found.rejected:
         lines.append(f"  left out: {found.rejected} sightings of tags that were somewhere else")
     return "\n".join(lines)

@@ -11,7 +11,7 @@ from sensor_msgs.msg import RegionOfInterest
 from .. import range_around, to_hsv
 from ..cfg import SimpleCameraViewConfig
 from ..colors import as_yaml, outside
-from ..files import add_file
+from ..files import add_file, reason
 from ..msg import Click
 from ..transport import Frame, ImageSubscriber
 from ..viewing import Rate, title, waiting_picture
@@ -117,7 +117,7 @@ class CameraView:
             path = add_file(self._folder, f"{stamp.secs}.{stamp.nsecs:09d}", ".png", png)
             print("saved", path, flush=True)
         except OSError as error:
-            rospy.logerr("no picture saved in %s: %s", self._folder, error.strerror)
+            rospy.logerr("no picture saved in %s: %s", self._folder, reason(error))
 
 
 def main() -> None:

@@ -23,7 +23,10 @@ LONGEST_LABEL = 60
 
 
 class CodeReader:
-    """Publishes ~codes and ~processed_image (the grey picture with outlines, types and texts)."""
+    """Publishes ~codes and ~processed_image (the grey picture with outlines, types and texts).
+
+    Subscribes to image.
+    """
 
     def __init__(self) -> None:
         if not keeps_bytes():

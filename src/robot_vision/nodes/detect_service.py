@@ -6,12 +6,13 @@ import threading
 import time
 from typing import Any, Callable, Iterator, List, Tuple
 
-import cv2
 import numpy as np
 import rospy
 from std_msgs.msg import Header
 
+from ..files import trying
 from ..msg import TagDetectionArray
+from ..pictures import sensor_pixels
 from ..srv import DetectTags, DetectTagsResponse
 from ..transport import Frame
 from .calibration import Calibration
@@ -92,11 +93,8 @@ class DetectService:
     def _of_file(self, path: str) -> Tuple[TagDetectionArray, str]:
         if not os.path.isabs(path):  # a node has another folder than its caller
             raise ValueError(f"file is '{path}', must be an absolute path")
-        with open(path, "rb") as file:
-            encoded = np.frombuffer(file.read(), np.uint8)
-        image = None
-        with contextlib.suppress(cv2.error):  # of sizes that no picture has
-            image = cv2.imdecode(encoded, cv2.IMREAD_COLOR) if encoded.size else None
+        with trying(path, "read"), open(path, "rb") as file:
+            image = sensor_pixels(file.read())
         if image is None:
             raise ValueError(f"{path} is no picture")
         self._calibration.wait(CALIBRATION_TIMEOUT)

@@ -27,7 +27,10 @@ SEEN, PREDICTED, EYE = (0, 255, 0), (0, 200, 255), (255, 200, 0)  # BGR
 
 
 class FaceDetector:
-    """Publishes ~faces, ~eyes and ~processed_image (boxes with id and score)."""
+    """Publishes ~faces, ~eyes and ~processed_image (boxes with id and score).
+
+    Subscribes to image.
+    """
 
     def __init__(self) -> None:
         self._lock = threading.Lock()  # of the detector

@@ -30,7 +30,8 @@ GREEN, RED = (0.0, 255.0, 0.0), (0.0, 0.0, 255.0)
 class FaceRecognizer:
     """Publishes ~faces (those that came in, with names), ~identities and ~processed_image.
 
-    The services ~enroll, ~enroll_folder, ~list_names and ~forget_name are about the people known.
+    Subscribes to image, and to the faces that a detector finds in it. The services ~enroll,
+    ~enroll_folder, ~list_names and ~forget_name are about the people known.
     """
 
     def __init__(self) -> None:

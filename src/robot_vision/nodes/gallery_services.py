@@ -152,8 +152,10 @@ class GalleryServices:
             return EnrollFolderResponse(False, str(error), 0, [])
         _report(added.problems)
         some = added.pictures + added.present > 0
-        who = request.name or "people"
-        return EnrollFolderResponse(some, _summary(added, who), added.pictures, added.problems)
+        text = _summary(added, request.name or "people")
+        if not some:
+            text += ": " + added.problems[0]
+        return EnrollFolderResponse(some, text, added.pictures, added.problems)
 
     def _on_list_names(self, _request: Any) -> ListNamesResponse:
         names = self._gallery.names()

@@ -24,7 +24,10 @@ from .params import LiveParams, filled
 
 
 class HsvTracker:
-    """Publishes ~objects, ~mask (mono8) and ~processed_image (the picture where the mask is)."""
+    """Publishes ~objects, ~mask (mono8) and ~processed_image (the picture where the mask is).
+
+    Subscribes to image.
+    """
 
     def __init__(self) -> None:
         self._colors = NamedColors()

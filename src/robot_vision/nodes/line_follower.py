@@ -19,7 +19,10 @@ CONTROL = tuple(LineControlParams.__dataclass_fields__)
 
 
 class LineFollower:
-    """Publishes cmd_vel, ~line and ~processed_image (the picture with the line outlined)."""
+    """Publishes cmd_vel, ~line and ~processed_image (the picture with the line outlined).
+
+    Subscribes to image. ~enable (std_srvs/SetBool) makes the robot stop, or drive again.
+    """
 
     def __init__(self) -> None:
         self._control: Optional[LineControlParams] = None

@@ -31,7 +31,7 @@ PARAMS = (
 class MotionDetector:
     """Publishes ~motion, ~state, ~mask (mono8) and ~processed_image (boxes, state and time).
 
-    ~reset_background (std_srvs/Trigger) makes the next frame the background.
+    Subscribes to image. ~reset_background (std_srvs/Trigger) makes the next frame the background.
     """
 
     def __init__(self) -> None:

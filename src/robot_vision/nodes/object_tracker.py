@@ -54,9 +54,9 @@ class Selection:
 class ObjectTracker:
     """Publishes ~object, ~state, ~flow and ~processed_image (outlines, points, what is lost).
 
-    Follows what ~select (sensor_msgs/RegionOfInterest), ~select_object and, if ~auto_select is
-    true, `detections` (robot_vision/DetectionArray) name, until ~forget. It looks at pictures as
-    long as it has objects, even if nobody subscribes: they would be lost.
+    Subscribes to image. Follows what ~select (sensor_msgs/RegionOfInterest), ~select_object and, if
+    ~auto_select is true, `detections` (robot_vision/DetectionArray) name, until ~forget. It looks
+    at pictures as long as it has objects, even if nobody subscribes: they would be lost.
     """
 
     def __init__(self) -> None:
@@ -83,7 +83,7 @@ class ObjectTracker:
         with self._lock:
             self._tracker.configure(filled(ObjectTrackerParams(), config, PARAMS))
             self._config = config
-            self._auto.configure(config["auto_label"], config["max_objects"])
+            self._auto.configure(config["auto_label"], config["max_objects"], config["auto_after"])
             if config["auto_select"] and self._detections is None:
                 self._detections = rospy.Subscriber(
                     "detections", DetectionArray, self._auto.add, queue_size=10

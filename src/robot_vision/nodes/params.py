@@ -17,6 +17,7 @@ Params = TypeVar("Params")
 # What a node has asked for, and what its transport and LiveParams ask for in their own ways.
 _known = {"config_file", "diagnostic_period", "image_transport"}
 
+ELSEWHERE = "; ~config_file names the file, as config:=/absolute/path.yaml of the launch files does"
 TYPES = {bool: "true or false", int: "an integer", float: "a number", str: "a string"}
 
 
@@ -121,8 +122,10 @@ class LiveParams:
             values = {name: accepted[name] for name in self._type.defaults}
             replace_file(path, self._edit(path, read_text(path), values).encode())
         except (OSError, RuntimeError, ValueError) as error:
-            rospy.logerr("parameters not saved: %s", error)
-            return TriggerResponse(False, str(error))
+            # Such as the file of an installed package.
+            why = f"{error}{ELSEWHERE if isinstance(error, OSError) else ''}"
+            rospy.logerr("parameters not saved: %s", why)
+            return TriggerResponse(False, why)
         return TriggerResponse(True, path)
 
 

@@ -7,7 +7,6 @@ import re
 import sys
 from typing import Callable, List, Optional, Sequence, Tuple
 
-import cv2
 import numpy as np
 import rosgraph
 import rospy
@@ -16,6 +15,8 @@ from .. import range_around, to_hsv
 from ..color_file import save_colors
 from ..colors import HUES, as_yaml, median_hsv, outside
 from ..commands import run_command
+from ..files import trying
+from ..pictures import upright
 from ..transport import ImageSubscriber
 
 EXAMPLES = """examples:
@@ -150,8 +151,8 @@ def _color(arguments: argparse.Namespace) -> Tuple[Optional[Color], Color]:
 
 
 def _load(path: str) -> np.ndarray:
-    data = np.frombuffer(pathlib.Path(path).read_bytes(), np.uint8)
-    picture = cv2.imdecode(data, cv2.IMREAD_COLOR) if data.size else None
+    with trying(path, "read"):
+        picture = upright(pathlib.Path(path).read_bytes())
     if picture is None:
         raise ValueError(f"{path}: no picture that OpenCV can read")
     return picture

@@ -1,6 +1,7 @@
 """How a node starts and ends."""
 
 import http.client
+import inspect
 import os
 import signal
 import sys
@@ -14,21 +15,39 @@ import rospy
 
 SIGNALS = (signal.SIGINT, signal.SIGTERM)
 SHUTDOWN_GRACE = 2.0  # s that a node has to end by itself after a signal
+USAGE = """usage: rosrun robot_vision {program} [TOPIC:=OTHER ...] [_PARAMETER:=VALUE ...]
+
+{module}
+
+{node}
+"""
+PARAMETERS = """
+Its parameters are described in the README of this package; its folder config has a file of them,
+where ~save_parameters (std_srvs/Trigger) saves those that can be changed live.
+"""
 
 
 def run_node(
-    name: str, start: Callable[[], Any], spin: Callable[[Any], object] = lambda _: rospy.spin()
+    name: str,
+    start: Callable[[], Any],
+    spin: Callable[[Any], object] = lambda _: rospy.spin(),
+    has_file: bool = True,
 ) -> None:
     """Runs this process as the node `name` until it is shut down; SIGINT then ends it with code 0.
 
     Waits for the master and calls `start`, which makes the node's publishers and subscribers. A
     ValueError of it, a bad parameter, is a FATAL line and exit code 1. What it returns is kept
     alive while the node spins: in `spin`, a main loop that is called with it and returns when the
-    node is shut down (rospy.is_shutdown()) or has done its work.
+    node is shut down (rospy.is_shutdown()) or has done its work. With --help it prints what the
+    docstrings of `start`, a class, and its module say instead, and needs no master; that there is
+    a file of its parameters only if it `has_file`.
 
     rospy waits for the master deaf to Ctrl-C, and shuts down inside its signal handler, where it
     blocks on any lock that the interrupted thread holds. Here a thread of its own does that.
     """
+    if {"-h", "--help"}.intersection(sys.argv[1:]):
+        print(_usage(start) + (PARAMETERS if has_file else ""), end="")
+        return
     _wait_for_master(name)
     _shut_down_on_signals()
     try:
@@ -40,6 +59,14 @@ def run_node(
         # A node that is shut down while it starts finds rospy, or its pictures, closed.
         if not rospy.core.is_shutdown_requested():
             raise
+
+
+def _usage(start: Callable[[], Any]) -> str:
+    return USAGE.format(
+        program=os.path.basename(sys.argv[0]),
+        module=inspect.getdoc(inspect.getmodule(start)),
+        node=str(inspect.getdoc(start)).partition("\n\nRaises:")[0],  # that is for programmers
+    )
 
 
 def _start_or_exit(start: Callable[[], Any]) -> Any:

@@ -1,0 +1,89 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <opencv2/core.hpp>
+#include <vector>
+
+namespace robot_vision
+{
+
+struct TheoraParams
+{
+  bool constant_quality = true;  // else constant bit rate
+  int quality = 31;              // 0 to 63
+  int target_bitrate = 800000;   // bit/s at 30 Hz, 1 to 99200000
+  int keyframe_frequency = 64;   // frames, 1 to 64: the most that are coded as changes of the one before
+};
+
+/// Throws std::invalid_argument naming the first parameter out of range, its value and the range.
+void validate(const TheoraParams& params);
+
+/// One of the three headers that a stream begins with, or one frame.
+struct TheoraPacket
+{
+  std::vector<std::uint8_t> data;
+  bool begins_stream = false;
+  bool ends_stream = false;
+  std::int64_t granule_position = 0;
+  std::int64_t number = 0;  // counts from 0, headers too
+};
+
+/// Makes a Theora stream of pictures. Brightness and colours are coded as theora_image_transport codes them, in the
+/// whole range of 0 to 255. The headers are repeated in front of every key frame, so that a reader who comes later, or
+/// has lost some, sees pictures again from there. Not thread-safe.
+class TheoraEncoder
+{
+public:
+  /// Throws std::invalid_argument as validate() does.
+  explicit TheoraEncoder(const TheoraParams& params = TheoraParams());
+  ~TheoraEncoder();
+  TheoraEncoder(TheoraEncoder&&) noexcept;
+  TheoraEncoder& operator=(TheoraEncoder&&) noexcept;
+
+  /// The next picture (CV_8UC3, BGR) as packets; another size than the last begins a new stream.
+  /// Throws std::invalid_argument for a picture of another type or with too many pixels.
+  std::vector<TheoraPacket> encode(const cv::Mat& bgr);
+
+  /// Makes the next picture a key frame.
+  void requestKeyframe() { keyframe_wanted_ = true; }
+
+  /// Of the stream so far; none before the first picture.
+  const std::vector<TheoraPacket>& headers() const { return headers_; }
+
+private:
+  struct Stream;
+
+  void begin(cv::Size size);
+  void setKeyframeFrequency(int frames);
+
+  TheoraParams params_;
+  bool keyframe_wanted_ = false;
+  std::unique_ptr<Stream> stream_;
+  std::vector<TheoraPacket> headers_;
+};
+
+/// Reads a Theora stream from wherever it is joined. Not thread-safe.
+class TheoraDecoder
+{
+public:
+  TheoraDecoder();
+  ~TheoraDecoder();
+  TheoraDecoder(TheoraDecoder&&) noexcept;
+  TheoraDecoder& operator=(TheoraDecoder&&) noexcept;
+
+  /// How much is done to soften the edges of blocks: 0 (nothing) to 7, as far as the library goes.
+  void setPostProcessing(int level);
+
+  /// True if the packet gave a picture (CV_8UC3, BGR); false for headers, and while headers or a key frame are waited
+  /// for. Throws std::invalid_argument if it is damaged or its picture too large.
+  bool decode(const TheoraPacket& packet, cv::Mat& bgr);
+
+private:
+  struct Stream;
+
+  int post_processing_ = 0;
+  std::unique_ptr<Stream> stream_;
+};
+
+}  // namespace robot_vision

@@ -1,0 +1,121 @@
+#include "box_rows.hpp"
+
+#include <cstring>
+
+namespace robot_vision
+{
+namespace
+{
+
+constexpr int kWidest16 = 15;  // px, side of the largest box whose sum of bytes fits 16 bits
+
+void slide(const std::uint8_t* entering, const std::uint8_t* leaving, int count, std::uint16_t* sums)
+{
+  kernels().slide16(entering, leaving, count, sums);
+}
+
+void slide(const std::uint8_t* entering, const std::uint8_t* leaving, int count, std::uint32_t* sums)
+{
+  kernels().slide32(entering, leaving, count, sums);
+}
+
+void widen(const std::uint16_t* single, const std::uint16_t* part, int width, bool odd, int count, std::uint16_t* wider)
+{
+  kernels().widen16(single, part, width, odd, count, wider);
+}
+
+void widen(const std::uint32_t* single, const std::uint32_t* part, int width, bool odd, int count, std::uint32_t* wider)
+{
+  kernels().widen32(single, part, width, odd, count, wider);
+}
+
+void divide(const std::uint16_t* sums, int by, int count, std::uint8_t* quotients)
+{
+  kernels().divide16(sums, Division(by), count, quotients);
+}
+
+// There is no tie, as the divisor is odd, and what is next to one is further from it than the quotient's rounding.
+void divide(const std::uint32_t* sums, int by, int count, std::uint8_t* quotients)
+{
+  kernels().divide32(sums, 1.0F / static_cast<float>(by), count, quotients);
+}
+
+}  // namespace
+
+void BoxRows::begin(GrayRows& rows, int size, int first)
+{
+  rows_ = &rows;
+  size_ = size;
+  y_ = first;
+  if (size == 1) return;
+  if (size <= kWidest16)
+    start(narrow_);
+  else
+    start(wide_);
+}
+
+void BoxRows::next(std::uint8_t* means)
+{
+  if (size_ == 1)
+    std::memcpy(means, rows_->row(y_), static_cast<std::size_t>(rows_->size().width));
+  else if (size_ <= kWidest16)
+    blur(narrow_, means);
+  else
+    blur(wide_, means);
+  ++y_;
+}
+
+template <class Sum>
+void BoxRows::start(Sums<Sum>& sums)
+{
+  const int width = rows_->size().width;
+  const int half = size_ / 2;
+  sums.nothing.resize(static_cast<std::size_t>(width));
+  sums.columns.assign(static_cast<std::size_t>(width + 2 * half), 0);
+  sums.boxes.resize(sums.columns.size());
+  for (int y = y_ - half; y <= y_ + half; ++y)
+    slide(mirrored(y), sums.nothing.data(), width, sums.columns.data() + half);
+}
+
+template <class Sum>
+void BoxRows::blur(Sums<Sum>& sums, std::uint8_t* means)
+{
+  const int width = rows_->size().width;
+  const int half = size_ / 2;
+  divide(addUp(sums), size_ * size_, width, means);
+  slide(mirrored(y_ + 1 + half), mirrored(y_ - half), width, sums.columns.data() + half);
+}
+
+/// The sums of the boxes around the row's pixels.
+template <class Sum>
+const Sum* BoxRows::addUp(Sums<Sum>& sums)
+{
+  const int width = rows_->size().width;
+  const int half = size_ / 2;
+  Sum* const columns = sums.columns.data() + half;
+  for (int i = 1; i <= half; ++i)
+  {
+    columns[-i] = columns[cv::borderInterpolate(-i, width, cv::BORDER_REFLECT_101)];
+    columns[width - 1 + i] = columns[cv::borderInterpolate(width - 1 + i, width, cv::BORDER_REFLECT_101)];
+  }
+  // From sums of one column to those of as many as the box has, by the bits of that number from the highest one on.
+  int bit = 0;
+  while (size_ >> (bit + 1) > 0)
+    ++bit;
+  const Sum* part = sums.columns.data();
+  for (int reach = 1; bit > 0;)
+  {
+    const int wider = size_ >> --bit;
+    widen(sums.columns.data(), part, reach, wider % 2 != 0, width + size_ - wider, sums.boxes.data());
+    part = sums.boxes.data();
+    reach = wider;
+  }
+  return part;
+}
+
+const std::uint8_t* BoxRows::mirrored(int y)
+{
+  return rows_->row(cv::borderInterpolate(y, rows_->size().height, cv::BORDER_REFLECT_101));
+}
+
+}  // namespace robot_vision

@@ -1,0 +1,17 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace robot_vision
+{
+
+/// A control's name as v4l2-ctl prints it: "Exposure, Auto" is exposure_auto.
+std::string controlName(const std::string& title);
+
+/// The ids of the controls that other kernels or usb_cam call by this name, the likeliest first; empty: it is no such
+/// name.
+std::vector<std::uint32_t> idsOfControlName(const std::string& name);
+
+}  // namespace robot_vision

@@ -1,0 +1,89 @@
+#include "device_access.hpp"
+
+#include <dirent.h>
+#include <grp.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <cstdio>
+#include <fstream>
+#include <memory>
+#include <vector>
+
+namespace robot_vision
+{
+namespace
+{
+
+std::string groupName(gid_t gid)
+{
+  group entry{};
+  group* found = nullptr;
+  std::vector<char> memory(16384);
+  getgrgid_r(gid, &entry, memory.data(), memory.size(), &found);
+  return found == nullptr ? std::to_string(gid) : entry.gr_name;
+}
+
+std::string whoMayOpen(const std::string& path)
+{
+  struct stat info;
+  if (stat(path.c_str(), &info) != 0) return "";
+  std::array<char, 8> mode{};
+  std::snprintf(mode.data(), mode.size(), "%04o", info.st_mode & 07777);
+  const std::string group = groupName(info.st_gid);
+  std::string text = "; its group is " + group + ", its mode " + mode.data() + ": ";
+  if ((info.st_mode & 0060) == 0060) text += "join with `sudo usermod -aG " + group + " $USER` and log in again, or ";
+  return text + "write the udev rule SUBSYSTEM==\"video4linux\", GROUP=\"video\", MODE=\"0660\"";
+}
+
+/// The names in a folder that are numbers: processes, or descriptors of one.
+std::vector<std::string> numbersIn(const std::string& folder)
+{
+  std::vector<std::string> names;
+  const std::unique_ptr<DIR, int (*)(DIR*)> open(opendir(folder.c_str()), closedir);
+  while (const dirent* entry = open ? readdir(open.get()) : nullptr)
+    if (entry->d_name[0] >= '0' && entry->d_name[0] <= '9') names.emplace_back(entry->d_name);
+  return names;
+}
+
+bool holds(const std::string& process, const struct stat& device)
+{
+  const std::string descriptors = "/proc/" + process + "/fd/";
+  for (const std::string& descriptor : numbersIn(descriptors))
+  {
+    struct stat info;
+    const bool known = stat((descriptors + descriptor).c_str(), &info) == 0;
+    if (known && info.st_dev == device.st_dev && info.st_ino == device.st_ino) return true;
+  }
+  return false;
+}
+
+/// Those whose descriptors this user may see, but this process, which has just tried.
+std::string whoHolds(const std::string& path)
+{
+  struct stat device;
+  if (stat(path.c_str(), &device) != 0) return "";
+  const std::string self = std::to_string(getpid());
+  std::string holders;
+  for (const std::string& process : numbersIn("/proc"))
+  {
+    if (process == self || !holds(process, device)) continue;
+    std::string name;
+    std::getline(std::ifstream("/proc/" + process + "/comm"), name);
+    holders += (holders.empty() ? "" : ", ") + name + " (process " + process + ")";
+  }
+  return holders.empty() ? "; `sudo fuser -v " + path + "` tells who holds it" : "; it is open in " + holders;
+}
+
+}  // namespace
+
+std::string accessAdvice(const std::string& path, int error)
+{
+  if (error == EACCES || error == EPERM) return whoMayOpen(path);
+  if (error == EBUSY) return whoHolds(path);
+  return "";
+}
+
+}  // namespace robot_vision

@@ -1,0 +1,37 @@
+#pragma once
+
+#include <cstdint>
+#include <opencv2/core.hpp>
+#include <string>
+#include <vector>
+
+namespace robot_vision
+{
+
+/// The grey rows of a picture, as toGray() makes them, from top to bottom. Only a window of them is kept, which stays
+/// in the processor's cache; of a grey picture they are its own.
+class GrayRows
+{
+public:
+  /// Whether rows of this encoding can be converted by themselves.
+  static bool takes(const std::string& encoding);
+
+  /// Of `image`, which has to stay, from row `first` on; `window` rows above the newest can be asked for again.
+  void begin(const cv::Mat& image, const std::string& encoding, int first, int window);
+
+  cv::Size size() const { return image_.size(); }
+
+  /// Row `y`, valid while it is in the window.
+  const std::uint8_t* row(int y);
+
+private:
+  void convertNext();
+
+  cv::Mat image_;
+  std::string encoding_;
+  std::vector<std::uint8_t> memory_;
+  cv::Mat ring_;  // in the memory, row y in row y % ring_.rows; empty if the picture is grey
+  int next_ = 0;  // the first row that is not converted
+};
+
+}  // namespace robot_vision

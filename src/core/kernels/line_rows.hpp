@@ -1,0 +1,24 @@
+#pragma once
+
+#include <cstdint>
+
+namespace robot_vision
+{
+namespace  // one for each instruction set
+{
+
+void applyLine(const std::uint8_t* __restrict values, float gain, float offset, int count,
+               std::uint8_t* __restrict results)
+{
+  constexpr float kTwo23 = 8388608.0F;  // a float as large has no fractional bits: adding it rounds
+  for (int i = 0; i < count; ++i)
+  {
+    const float value = static_cast<float>(values[i]) * gain + offset;
+    const float positive = value > 0.0F ? value : 0.0F;
+    const float limited = positive < 255.0F ? positive : 255.0F;
+    results[i] = static_cast<std::uint8_t>(static_cast<std::int32_t>((limited + kTwo23) - kTwo23));
+  }
+}
+
+}  // namespace
+}  // namespace robot_vision

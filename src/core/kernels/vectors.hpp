@@ -1,0 +1,135 @@
+#pragma once
+
+#ifdef __SSE2__
+#include <immintrin.h>
+#endif
+
+#include <cstdint>
+
+namespace robot_vision
+{
+namespace  // one for each instruction set
+{
+
+// What compilers do not find in loops: sums of products of neighbours. Simd::Vector is as wide as the instruction set
+// has it; it is there on x86 only.
+
+#if defined(__AVX512BW__)
+#define ROBOT_VISION_VECTORS
+
+struct Simd
+{
+  using Vector = __m512i;
+
+  static Vector load(const void* from) { return _mm512_loadu_si512(from); }
+  static void store(void* to, Vector v) { _mm512_storeu_si512(to, v); }
+  static Vector zeros() { return _mm512_setzero_si512(); }
+  static Vector words(int value) { return _mm512_set1_epi16(static_cast<short>(value)); }
+  static Vector integers(int value) { return _mm512_set1_epi32(value); }
+  static Vector addWords(Vector a, Vector b) { return _mm512_add_epi16(a, b); }
+  static Vector addIntegers(Vector a, Vector b) { return _mm512_add_epi32(a, b); }
+  static Vector multiplyWords(Vector a, Vector b) { return _mm512_mullo_epi16(a, b); }
+  static Vector lowBytes(Vector a, Vector b) { return _mm512_unpacklo_epi8(a, b); }
+  static Vector highBytes(Vector a, Vector b) { return _mm512_unpackhi_epi8(a, b); }
+  static Vector eitherBits(Vector a, Vector b) { return _mm512_or_si512(a, b); }
+  static Vector commonBits(Vector a, Vector b) { return _mm512_and_si512(a, b); }
+  static Vector upperWords(Vector a) { return _mm512_srli_epi32(a, 16); }
+  static Vector addBytePairs(Vector sum, Vector bytes, Vector factors)
+  {
+    return addWords(sum, _mm512_maddubs_epi16(bytes, factors));
+  }
+  static Vector addWordPairs(Vector sum, Vector a, Vector b)
+  {
+#ifdef __AVX512VNNI__
+    return _mm512_dpwssd_epi32(sum, a, b);
+#else
+    return addIntegers(sum, _mm512_madd_epi16(a, b));
+#endif
+  }
+  /// Undoes the order of lowBytes() and highBytes().
+  static void storeInOrder(std::uint16_t* to, Vector low, Vector high)
+  {
+    store(to, _mm512_permutex2var_epi64(low, _mm512_setr_epi64(0, 1, 8, 9, 2, 3, 10, 11), high));
+    store(to + 32, _mm512_permutex2var_epi64(low, _mm512_setr_epi64(4, 5, 12, 13, 6, 7, 14, 15), high));
+  }
+  /// Words of 0 to 255.
+  static void storeBytes(std::uint8_t* to, Vector first, Vector second)
+  {
+    const Vector packed = _mm512_packus_epi16(first, second);
+    store(to, _mm512_permutexvar_epi64(_mm512_setr_epi64(0, 2, 4, 6, 1, 3, 5, 7), packed));
+  }
+};
+
+#elif defined(__AVX2__)
+#define ROBOT_VISION_VECTORS
+
+struct Simd
+{
+  using Vector = __m256i;
+
+  static Vector load(const void* from) { return _mm256_loadu_si256(static_cast<const Vector*>(from)); }
+  static void store(void* to, Vector v) { _mm256_storeu_si256(static_cast<Vector*>(to), v); }
+  static Vector zeros() { return _mm256_setzero_si256(); }
+  static Vector words(int value) { return _mm256_set1_epi16(static_cast<short>(value)); }
+  static Vector integers(int value) { return _mm256_set1_epi32(value); }
+  static Vector addWords(Vector a, Vector b) { return _mm256_add_epi16(a, b); }
+  static Vector addIntegers(Vector a, Vector b) { return _mm256_add_epi32(a, b); }
+  static Vector multiplyWords(Vector a, Vector b) { return _mm256_mullo_epi16(a, b); }
+  static Vector lowBytes(Vector a, Vector b) { return _mm256_unpacklo_epi8(a, b); }
+  static Vector highBytes(Vector a, Vector b) { return _mm256_unpackhi_epi8(a, b); }
+  static Vector eitherBits(Vector a, Vector b) { return _mm256_or_si256(a, b); }
+  static Vector commonBits(Vector a, Vector b) { return _mm256_and_si256(a, b); }
+  static Vector upperWords(Vector a) { return _mm256_srli_epi32(a, 16); }
+  static Vector addBytePairs(Vector sum, Vector bytes, Vector factors)
+  {
+    return addWords(sum, _mm256_maddubs_epi16(bytes, factors));
+  }
+  static Vector addWordPairs(Vector sum, Vector a, Vector b) { return addIntegers(sum, _mm256_madd_epi16(a, b)); }
+  static void storeInOrder(std::uint16_t* to, Vector low, Vector high)
+  {
+    store(to, _mm256_permute2x128_si256(low, high, 0x20));
+    store(to + 16, _mm256_permute2x128_si256(low, high, 0x31));
+  }
+  static void storeBytes(std::uint8_t* to, Vector first, Vector second)
+  {
+    store(to, _mm256_permute4x64_epi64(_mm256_packus_epi16(first, second), 0xD8));
+  }
+};
+
+#elif defined(__SSE4_1__)
+#define ROBOT_VISION_VECTORS
+
+struct Simd
+{
+  using Vector = __m128i;
+
+  static Vector load(const void* from) { return _mm_loadu_si128(static_cast<const Vector*>(from)); }
+  static void store(void* to, Vector v) { _mm_storeu_si128(static_cast<Vector*>(to), v); }
+  static Vector zeros() { return _mm_setzero_si128(); }
+  static Vector words(int value) { return _mm_set1_epi16(static_cast<short>(value)); }
+  static Vector integers(int value) { return _mm_set1_epi32(value); }
+  static Vector addWords(Vector a, Vector b) { return _mm_add_epi16(a, b); }
+  static Vector addIntegers(Vector a, Vector b) { return _mm_add_epi32(a, b); }
+  static Vector multiplyWords(Vector a, Vector b) { return _mm_mullo_epi16(a, b); }
+  static Vector lowBytes(Vector a, Vector b) { return _mm_unpacklo_epi8(a, b); }
+  static Vector highBytes(Vector a, Vector b) { return _mm_unpackhi_epi8(a, b); }
+  static Vector eitherBits(Vector a, Vector b) { return _mm_or_si128(a, b); }
+  static Vector commonBits(Vector a, Vector b) { return _mm_and_si128(a, b); }
+  static Vector upperWords(Vector a) { return _mm_srli_epi32(a, 16); }
+  static Vector addBytePairs(Vector sum, Vector bytes, Vector factors)
+  {
+    return addWords(sum, _mm_maddubs_epi16(bytes, factors));
+  }
+  static Vector addWordPairs(Vector sum, Vector a, Vector b) { return addIntegers(sum, _mm_madd_epi16(a, b)); }
+  static void storeInOrder(std::uint16_t* to, Vector low, Vector high)
+  {
+    store(to, low);
+    store(to + 8, high);
+  }
+  static void storeBytes(std::uint8_t* to, Vector first, Vector second) { store(to, _mm_packus_epi16(first, second)); }
+};
+
+#endif
+
+}  // namespace
+}  // namespace robot_vision

@@ -1,0 +1,93 @@
+#include "tag_searches.hpp"
+
+#include <algorithm>
+#include <system_error>
+#include <utility>
+
+namespace robot_vision
+{
+namespace
+{
+
+cv::Rect wholeOf(const cv::Mat& picture)
+{
+  return {{0, 0}, picture.size()};
+}
+
+}  // namespace
+
+TagSearches::TagSearches(const TagDetectorParams& params)
+{
+  configure(params);
+}
+
+TagSearches::~TagSearches()
+{
+  if (!thread_.joinable()) return;
+  if (abandoned_)
+    thread_.detach();  // it has all that it works with
+  else
+    thread_.join();
+}
+
+void TagSearches::configure(const TagDetectorParams& params)
+{
+  const bool same = params.families == params_.families && params.max_hamming == params_.max_hamming;
+  if (!same || !dictionary_)  // its tables take a while
+    dictionary_ = std::make_shared<TagDictionary>(params.families, params.max_hamming);
+  params_ = params;
+  searches_.clear();
+  searches_.emplace_back(dictionary_, params_);
+  background_ = std::make_shared<TagSearch>(dictionary_, params_);
+  drop();
+}
+
+std::vector<Tag> TagSearches::find(const cv::Mat& gray, double decimate)
+{
+  return searches_.front().find(gray, wholeOf(gray), decimate);
+}
+
+std::vector<std::vector<Tag>> TagSearches::find(const cv::Mat& gray, const std::vector<TagRegion>& regions)
+{
+  const std::size_t threads = std::min(static_cast<std::size_t>(std::max(cv::getNumThreads(), 1)), regions.size());
+  while (searches_.size() < threads)
+    searches_.emplace_back(dictionary_, params_);
+  std::vector<std::vector<Tag>> found(regions.size());
+  std::atomic<std::size_t> next{0};  // they are of all sizes: who is done takes the next
+  const auto work = [&](const cv::Range& range)
+  {
+    for (int thread = range.start; thread < range.end; ++thread)
+      for (std::size_t i = next++; i < regions.size(); i = next++)
+        found[i] = searches_[static_cast<std::size_t>(thread)].find(gray, regions[i].part, regions[i].decimate);
+  };
+  cv::parallel_for_({0, static_cast<int>(threads)}, work);
+  return found;
+}
+
+bool TagSearches::start(const cv::Mat& gray, double decimate)
+{
+  std::packaged_task<std::vector<Tag>()> task([search = background_, gray, decimate]
+                                              { return search->find(gray, wholeOf(gray), decimate); });
+  std::future<std::vector<Tag>> result = task.get_future();
+  try
+  {
+    thread_ = std::thread(std::move(task));
+  }
+  catch (const std::system_error&)
+  {
+    return false;
+  }
+  running_ = std::move(result);
+  return true;
+}
+
+std::optional<std::vector<Tag>> TagSearches::take()
+{
+  if (!busy() || running_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return std::nullopt;
+  thread_.join();
+  std::future<std::vector<Tag>> ended = std::move(running_);
+  if (std::exchange(dropped_, false)) return std::nullopt;
+  return ended.get();
+}
+
+}  // namespace robot_vision

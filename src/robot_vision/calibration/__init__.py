@@ -1,0 +1,1 @@
+"""Calibrating a camera by pictures of a board: NumPy and OpenCV, no ROS."""

@@ -1,0 +1,132 @@
+"""Boards to calibrate by: where OpenCV finds their points in a picture."""
+
+from typing import Callable, Dict, NamedTuple, Optional, Tuple
+
+import cv2
+import numpy as np
+
+from .charuco import Charuco
+
+SUB_PIXEL_END = (cv2.TERM_CRITERIA_COUNT | cv2.TERM_CRITERIA_EPS, 40, 0.001)
+LARGEST_WINDOW = 11  # px, half a side of the part of the picture that a corner is refined in
+
+
+class Sighting(NamedTuple):
+    """Points of a board in a picture: (n, 3) m on the board, whose z is 0, and (n, 2) px."""
+
+    points: np.ndarray
+    pixels: np.ndarray
+
+
+class Board:
+    """A board of one kind.
+
+    Args:
+        points: all of its points, (n, 3) m.
+        find: gives of a grey picture the indices of points that are seen, and (n, 2) px.
+    """
+
+    def __init__(
+        self,
+        points: np.ndarray,
+        find: Callable[[np.ndarray], Optional[Tuple[np.ndarray, np.ndarray]]],
+    ):
+        self._points = points
+        self._find = find
+
+    def find(self, gray: np.ndarray) -> Optional[Sighting]:
+        """The board in a picture, (height, width) uint8; None if it is not there."""
+        found = self._find(gray)
+        if found is None:
+            return None
+        seen, pixels = found
+        return Sighting(self._points[seen], pixels)
+
+
+def chessboard(columns: int, rows: int, square: float) -> Board:
+    """A checkerboard with so many inner corners, and squares of so many m."""
+
+    def find(gray: np.ndarray) -> Optional[np.ndarray]:
+        # Not with CALIB_CB_NORMALIZE_IMAGE: it finds no more, and takes seconds over a board of
+        # which a part is hidden, or of another size.
+        flags = cv2.CALIB_CB_ADAPTIVE_THRESH | cv2.CALIB_CB_FAST_CHECK
+        found, pixels = cv2.findChessboardCorners(gray, (columns, rows), flags=flags)
+        if not found:
+            return None
+        grid = pixels.reshape(rows, columns, 2)
+        nearest = min(np.linalg.norm(np.diff(grid, axis=axis), axis=2).min() for axis in (0, 1))
+        half = int(min(max(nearest / 2.0, 2.0), LARGEST_WINDOW))  # no other corner is inside
+        return cv2.cornerSubPix(gray, pixels, (half, half), (-1, -1), SUB_PIXEL_END)
+
+    return _whole(_grid(columns, rows, square), find)
+
+
+def circles(columns: int, rows: int, spacing: float) -> Board:
+    """A grid of so many dark circles, so many m from middle to middle."""
+    # Not with CALIB_CB_CLUSTERING, which mixes up the circles in pictures of a fisheye lens.
+    find = _circle_finder((columns, rows), cv2.CALIB_CB_SYMMETRIC_GRID)
+    return _whole(_grid(columns, rows, spacing), find)
+
+
+def asymmetric_circles(columns: int, rows: int, spacing: float) -> Board:
+    """Dark circles in rows, every other one shifted, as OpenCV has them.
+
+    Args:
+        columns: circles in a row.
+        rows: of circles.
+        spacing: m between neighbouring rows; circles of a row are twice as far apart.
+    """
+    points = _grid(columns, rows, spacing)
+    points[:, 0] = 2.0 * points[:, 0] + spacing * (np.repeat(np.arange(rows), columns) % 2)
+    return _whole(points, _circle_finder((columns, rows), cv2.CALIB_CB_ASYMMETRIC_GRID))
+
+
+def charuco(columns: int, rows: int, square: float, marker: float, dictionary: str) -> Board:
+    """A checkerboard of so many squares with ArUco markers, of `marker` m, in the white ones.
+
+    Raises:
+        ValueError: OpenCV has no such dictionary, or no ArUco.
+    """
+    board = Charuco((columns, rows), square, marker, dictionary)
+    return Board(board.points, board.find)
+
+
+MAKERS: Dict[str, Callable[..., Board]] = {
+    "chessboard": chessboard,
+    "circles": circles,
+    "acircles": asymmetric_circles,
+    "charuco": charuco,
+}
+
+
+def _grid(columns: int, rows: int, spacing: float) -> np.ndarray:
+    """(rows * columns, 3) m, row by row."""
+    points = np.zeros((rows, columns, 3))
+    points[:, :, 0] = spacing * np.arange(columns)
+    points[:, :, 1] = spacing * np.arange(rows)[:, None]
+    return points.reshape(-1, 3)
+
+
+def _whole(points: np.ndarray, find: Callable[[np.ndarray], Optional[np.ndarray]]) -> Board:
+    """A board that is found whole or not at all."""
+
+    def find_all(gray: np.ndarray) -> Optional[Tuple[np.ndarray, np.ndarray]]:
+        pixels = find(gray)
+        return None if pixels is None else (np.arange(len(points)), pixels.reshape(-1, 2))
+
+    return Board(points, find_all)
+
+
+def _circle_finder(
+    size: Tuple[int, int], flags: int
+) -> Callable[[np.ndarray], Optional[np.ndarray]]:
+    def find(gray: np.ndarray) -> Optional[np.ndarray]:
+        params = cv2.SimpleBlobDetector_Params()
+        params.minArea = 12.0
+        params.maxArea = gray.size / (size[0] * size[1])  # OpenCV's own limit is for small pictures
+        params.minDistBetweenBlobs = 3.0
+        blobs = cv2.SimpleBlobDetector_create(params)
+        found, pixels = cv2.findCirclesGrid(gray, size, flags=flags, blobDetector=blobs)
+        return pixels if found else None
+
+    return find

@@ -1,0 +1,46 @@
+"""A picture of where in its pictures a camera has seen the board."""
+
+from typing import Sequence, Tuple
+
+import cv2
+import numpy as np
+
+from .boards import Sighting
+
+CELLS = (10, 8)  # across and down
+UNSEEN = (205, 205, 250)  # BGR: no point of the board was in this cell
+GOOD, BAD = np.array([60, 160, 0]), np.array([0, 0, 230])  # BGR, of views
+FRACTION_BITS = 4  # of coordinates that OpenCV draws at
+
+
+def seen_cells(sightings: Sequence[Sighting], size: Tuple[int, int]) -> np.ndarray:
+    """Which parts of the pictures, of `size` (width, height) px, had a point in them: (8, 10)."""
+    seen = np.zeros(CELLS[::-1], bool)
+    for one in sightings:
+        column, row = (one.pixels / size * CELLS).astype(int).T
+        inside = (column >= 0) & (column < CELLS[0]) & (row >= 0) & (row < CELLS[1])
+        seen[row[inside], column[inside]] = True
+    return seen
+
+
+def coverage_picture(
+    sightings: Sequence[Sighting], errors: np.ndarray, size: Tuple[int, int]
+) -> np.ndarray:
+    """All views in one picture, (height, width, 3) uint8 BGR: points, and the hull of each view.
+
+    Args:
+        errors: of the views, px: green where they are typical, red from twice of that.
+    """
+    cells = np.where(seen_cells(sightings, size)[:, :, None], 255, UNSEEN).astype(np.uint8)
+    picture = cv2.resize(cells, size, interpolation=cv2.INTER_NEAREST)
+    badness = np.clip(errors / max(np.median(errors), 1e-9) - 1.0, 0.0, 1.0)
+    radius = max(size) / 320.0
+    for one, bad in zip(sightings, badness):
+        color = (GOOD + bad * (BAD - GOOD)).tolist()
+        fixed = np.rint(one.pixels * 2**FRACTION_BITS).astype(np.int32)
+        hull = cv2.convexHull(fixed)
+        cv2.polylines(picture, [hull], True, color, 1, cv2.LINE_AA, FRACTION_BITS)
+        for x, y in fixed.tolist():
+            size_of_dot = round(radius * 2**FRACTION_BITS)
+            cv2.circle(picture, (x, y), size_of_dot, color, -1, cv2.LINE_AA, FRACTION_BITS)
+    return picture

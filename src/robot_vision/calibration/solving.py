@@ -1,0 +1,163 @@
+"""From views of a board to the camera that has seen them. The mathematics is OpenCV's."""
+
+from dataclasses import dataclass
+from typing import List, Sequence, Tuple
+
+import cv2
+import numpy as np
+
+from .boards import Sighting
+
+FEWEST_VIEWS = 5
+FISHEYE_FOCALS = (0.3, 0.4, 0.5, 0.7)  # to begin with, of the longer side of the picture
+MODELS = ("plumb_bob", "rational_polynomial", "equidistant")
+PARAMETERS = ("fx", "fy", "cx", "cy")
+COEFFICIENTS = {
+    "plumb_bob": ("k1", "k2", "p1", "p2", "k3"),
+    "rational_polynomial": ("k1", "k2", "p1", "p2", "k3", "k4", "k5", "k6"),
+    "equidistant": ("k1", "k2", "k3", "k4"),
+}
+
+
+@dataclass(frozen=True)
+class Calibration:
+    """A camera as the views have it, in the numbers of sensor_msgs/CameraInfo.
+
+    Attributes:
+        size: (width, height) of the pictures, px.
+        model: distortion_model.
+        K: 3x3, px.
+        D: distortion coefficients.
+        P: 3x4, px: of the rectified picture, all of whose pixels the camera has seen.
+        deviations: standard deviations of fx, fy, cx, cy (px) and D, as the residuals have it; 0 of
+            what was not estimated.
+        error: RMS distance between the points and where the camera would see them, px.
+        errors: the same of each view.
+    """
+
+    size: Tuple[int, int]
+    model: str
+    K: np.ndarray
+    D: np.ndarray
+    P: np.ndarray
+    deviations: np.ndarray
+    error: float
+    errors: np.ndarray
+
+
+def calibrate(
+    sightings: Sequence[Sighting], size: Tuple[int, int], model: str, third: bool = False
+) -> Calibration:
+    """The camera that has seen the sightings in pictures of `size`, (width, height) px.
+
+    Args:
+        model: one of MODELS.
+        third: whether plumb_bob has a third radial coefficient, which needs many views; else 0.
+
+    Raises:
+        ValueError: there are too few, or they do not fit any camera.
+    """
+    if len(sightings) < FEWEST_VIEWS:
+        raise ValueError(f"{len(sightings)} views of the board, {FEWEST_VIEWS} are needed at least")
+    solve = _solve_fisheye if model == "equidistant" else _solve_pinhole
+    try:
+        matrix, bend, deviations, errors = solve(sightings, size, model, third)
+        projection = _projection(matrix, bend, size, model)
+    except cv2.error as error:
+        raise ValueError(f"the views do not fit a camera ({model}): {error.err}") from None
+    if not all(np.isfinite(values).all() for values in (matrix, bend, errors)):
+        raise ValueError(f"the views do not fit a camera ({model})")
+    counts = [len(one.points) for one in sightings]
+    error = float(np.sqrt(np.average(np.square(errors), weights=counts)))
+    return Calibration(size, model, matrix, bend, projection, deviations, error, errors)
+
+
+Solution = Tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]  # K, D, deviations, errors
+
+
+def _solve_pinhole(
+    sightings: Sequence[Sighting], size: Tuple[int, int], model: str, third: bool
+) -> Solution:
+    flags = 0 if third else cv2.CALIB_FIX_K3
+    if model == "rational_polynomial":
+        flags = cv2.CALIB_RATIONAL_MODEL
+    points = [one.points.astype(np.float32) for one in sightings]
+    pixels = [one.pixels.astype(np.float32) for one in sightings]
+    _, matrix, bend, _, _, deviations, _, errors = cv2.calibrateCameraExtended(
+        points, pixels, size, None, None, flags=flags
+    )
+    count = len(COEFFICIENTS[model])
+    return (
+        matrix,
+        bend.ravel()[:count],
+        deviations.ravel()[: len(PARAMETERS) + count],
+        errors.ravel(),
+    )
+
+
+def _solve_fisheye(
+    sightings: Sequence[Sighting], size: Tuple[int, int], _model: str, _third: bool
+) -> Solution:
+    points = [one.points[None].astype(float) for one in sightings]
+    pixels = [one.pixels[None].astype(float) for one in sightings]
+    _, matrix, bend, turns, shifts = _best_fisheye(points, pixels, size)
+    normal, residuals = np.zeros((8, 8)), []
+    for on_board, seen, turn, shift in zip(points, pixels, turns, shifts):
+        expected, jacobian = cv2.fisheye.projectPoints(on_board, turn, shift, matrix, bend)
+        residuals.append((seen - expected).reshape(-1, 2))
+        normal += _without_pose(jacobian[:, :8], jacobian[:, 8:14])
+    return matrix, bend.ravel(), _deviations(normal, residuals), _rms(residuals)
+
+
+def _best_fisheye(
+    points: List[np.ndarray], pixels: List[np.ndarray], size: Tuple[int, int]
+) -> Tuple[float, np.ndarray, np.ndarray, List[np.ndarray], List[np.ndarray]]:
+    """What cv2.fisheye.calibrate() finds; from some focal lengths it goes astray, or fails."""
+    flags = (
+        cv2.fisheye.CALIB_USE_INTRINSIC_GUESS
+        | cv2.fisheye.CALIB_RECOMPUTE_EXTRINSIC
+        | cv2.fisheye.CALIB_FIX_SKEW
+    )
+    end = (cv2.TERM_CRITERIA_COUNT | cv2.TERM_CRITERIA_EPS, 100, 1e-9)
+    solutions, problem = [], None
+    column, row = size[0] / 2.0 - 0.5, size[1] / 2.0 - 0.5
+    for share in FISHEYE_FOCALS:
+        focal = share * max(size)
+        matrix = np.array([[focal, 0.0, column], [0.0, focal, row], [0.0, 0.0, 1.0]])
+        try:
+            solutions.append(
+                cv2.fisheye.calibrate(
+                    points, pixels, size, matrix, np.zeros((4, 1)), flags=flags, criteria=end
+                )
+            )
+        except cv2.error as error:
+            problem = error
+    if not solutions:
+        raise problem
+    return min(solutions, key=lambda solution: solution[0])
+
+
+def _without_pose(camera: np.ndarray, pose: np.ndarray) -> np.ndarray:
+    """What a view tells of the camera, (8, 8), after its own pose has been found from it, too."""
+    return camera.T @ (camera - pose @ np.linalg.lstsq(pose, camera, rcond=None)[0])
+
+
+def _deviations(normal: np.ndarray, residuals: List[np.ndarray]) -> np.ndarray:
+    values = np.concatenate(residuals).ravel()
+    freedom = max(len(values) - len(normal) - 6 * len(residuals), 1)
+    return np.sqrt(np.diag(np.linalg.pinv(normal)) * (values @ values / freedom))
+
+
+def _rms(residuals: List[np.ndarray]) -> np.ndarray:
+    """Of each view, px."""
+    return np.array([np.sqrt((one**2).sum(axis=1).mean()) for one in residuals])
+
+
+def _projection(
+    matrix: np.ndarray, bend: np.ndarray, size: Tuple[int, int], model: str
+) -> np.ndarray:
+    if model == "equidistant":
+        new = cv2.fisheye.estimateNewCameraMatrixForUndistortRectify(matrix, bend, size, np.eye(3))
+    else:
+        new, _ = cv2.getOptimalNewCameraMatrix(matrix, bend, size, 0.0)
+    return np.hstack([new, np.zeros((3, 1))])

@@ -1,0 +1,134 @@
+"""Which pictures of a board tell something new about the camera."""
+
+from typing import List, NamedTuple, Optional, Tuple
+
+import cv2
+import numpy as np
+
+from .boards import Board, Sighting
+
+ALIKE = 0.2  # sum of the differences of two descriptions that tell the same, as camera_calibration
+
+
+class View(NamedTuple):
+    """A picture that is used: its name, and the board in it."""
+
+    name: str
+    sighting: Sighting
+
+
+class ViewCollection:
+    """Keeps sharp pictures of the board in new places, sizes and tilts.
+
+    Args:
+        board: to look for.
+        most: pictures that are kept.
+        max_blur: px, width of an edge in a picture that is not blurred.
+    """
+
+    def __init__(self, board: Board, most: int, max_blur: float):
+        self._board = board
+        self._most = most
+        self._max_blur = max_blur
+        self._descriptions = np.empty((0, 6))
+        self.size: Optional[Tuple[int, int]] = None  # (width, height) of all pictures, px
+        self.views: List[View] = []
+        self.offered = self.unusable = self.without_board = self.blurred = self.alike = 0
+
+    @property
+    def full(self) -> bool:
+        """Whether no more pictures are kept."""
+        return len(self.views) == self._most
+
+    def offer(self, name: str, gray: np.ndarray) -> None:
+        """Looks at a picture, (height, width) uint8, and keeps it if it is of use.
+
+        Raises:
+            ValueError: it is not as large as those before.
+        """
+        size = gray.shape[1], gray.shape[0]
+        self.size = self.size or size
+        if size != self.size:
+            raise ValueError(
+                f"it has {size[0]}x{size[1]}, the pictures before {self.size[0]}x{self.size[1]}"
+            )
+        self.offered += 1
+        sighting = self._board.find(gray)
+        if sighting is None or not cv2.isContourConvex(outline(sighting).astype(np.float32)):
+            self.without_board += 1
+        elif edge_width(gray, sighting.pixels) > self._max_blur:
+            self.blurred += 1
+        else:
+            self._keep_new(View(name, sighting))
+
+    def skip(self) -> None:
+        """Counts a picture that cannot be looked at."""
+        self.offered += 1
+        self.unusable += 1
+
+    def summary(self) -> str:
+        """What there was, for people."""
+        unusable = f", {self.unusable} unusable" if self.unusable else ""
+        return (
+            f"{self.offered} pictures: {len(self.views)} used, {self.without_board} without the "
+            f"board, {self.blurred} blurred, {self.alike} like others{unusable}"
+        )
+
+    def _keep_new(self, view: View) -> None:
+        description = describe(view.sighting, self.size)
+        differences = np.abs(self._descriptions - description).sum(axis=1)
+        if self.full or (differences < ALIKE).any():
+            self.alike += 1
+            return
+        self.views.append(view)
+        self._descriptions = np.vstack([self._descriptions, description])
+
+
+def outline(sighting: Sighting) -> np.ndarray:
+    """Where the corners of the rectangle around the points are seen, by a plane's view: (4, 2) px.
+
+    Clockwise from the board's top left one. They are no convex shape if the points are mixed up.
+    """
+    flat = sighting.points[:, :2]
+    to_picture, _ = cv2.findHomography(flat, sighting.pixels)
+    if to_picture is None:
+        return np.zeros((4, 2))
+    (left, top), (right, bottom) = flat.min(axis=0), flat.max(axis=0)
+    corners = np.array([[[left, top], [right, top], [right, bottom], [left, bottom]]])
+    return cv2.perspectiveTransform(corners, to_picture)[0]
+
+
+def describe(sighting: Sighting, size: Tuple[int, int]) -> np.ndarray:
+    """Where the board is (x, y), how large, how skewed, and how it leans, (6,), each about 0 to 1.
+
+    Position, size and skew are camera_calibration's; the lean tells tilts to opposite sides apart.
+    """
+    quad = outline(sighting)
+    edges = np.roll(quad, -1, axis=0) - quad
+    lengths = np.linalg.norm(edges, axis=1)
+    area = cv2.contourArea(quad.astype(np.float32))
+    side = np.sqrt(area)
+    room = np.maximum(np.array(size) - side, 1.0)
+    place = np.clip((sighting.pixels.mean(axis=0) - side / 2.0) / room, 0.0, 1.0)
+    cosine = edges[0] @ edges[1] / (lengths[0] * lengths[1])
+    skew = min(1.0, 2.0 * abs(np.arcsin(np.clip(cosine, -1.0, 1.0))))
+    lean = (lengths[:2] - lengths[2:]) / (lengths[:2] + lengths[2:])
+    return np.array([*place, side / np.sqrt(size[0] * size[1]), skew, *lean])
+
+
+def edge_width(gray: np.ndarray, pixels: np.ndarray) -> float:
+    """How many px the board's edges are wide, in the direction in which they are widest.
+
+    About 2 to 3 if they are sharp: a picture that was blurred by motion has sharp ones, too, along
+    the motion.
+    """
+    x, y, width, height = cv2.boundingRect(pixels.astype(np.float32))
+    part = gray[max(y, 0) : y + height, max(x, 0) : x + width].astype(np.float32)
+    dark, bright = np.percentile(part, (5, 95))
+    per_pixel = 1.0 / 8.0  # of Sobel's sums
+    across, down = (
+        cv2.Sobel(part, cv2.CV_32F, *axis, scale=per_pixel) for axis in ((1, 0), (0, 1))
+    )
+    angles = np.linspace(0.0, np.pi, 4, endpoint=False)
+    steepest = min(np.percentile(np.abs(np.cos(a) * across + np.sin(a) * down), 99) for a in angles)
+    return (bright - dark) / max(steepest, 1e-6)

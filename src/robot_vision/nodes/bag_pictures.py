@@ -1,0 +1,57 @@
+"""Pictures in bags, for commands."""
+
+import contextlib
+import functools
+from typing import Callable, Dict, Iterator, Sequence, Tuple
+
+import numpy as np
+import rosbag
+
+from ..files import trying
+from .gray_pictures import gray_message
+
+# What a picture is called, and what reads it: (height, width) uint8, or ValueError.
+Named = Tuple[str, Callable[[], np.ndarray]]
+PICTURES = ("sensor_msgs/Image", "sensor_msgs/CompressedImage")
+
+
+@contextlib.contextmanager
+def opened(path: str) -> Iterator[rosbag.Bag]:
+    """A bag to read from.
+
+    Raises:
+        ValueError: it is none, or it breaks off.
+        OSError: it cannot be opened.
+    """
+    try:
+        with trying(path, "read"):
+            bag = rosbag.Bag(path)
+        with bag:
+            yield bag
+    except rosbag.ROSBagUnindexedException:
+        raise ValueError(f"{path} has no index: try rosbag reindex {path}") from None
+    except rosbag.ROSBagException as error:
+        raise ValueError(f"{path} cannot be read: {error}") from None
+
+
+def topics_of(bag: rosbag.Bag) -> Dict[str, str]:
+    """The type of the messages by topic, of those that have any."""
+    topics = bag.get_type_and_topic_info()[1]
+    return {name: one.msg_type for name, one in topics.items() if one.message_count}
+
+
+def require_topic(
+    path: str, kinds: Dict[str, str], topic: str, wanted: Sequence[str], what: str
+) -> None:
+    """Raises ValueError if the bag has no messages of the types `wanted` on the topic."""
+    if kinds.get(topic) not in wanted:
+        there = sorted(name for name, kind in kinds.items() if kind in wanted)
+        raise ValueError(
+            f"{path} has no {what} on '{topic}', but on {', '.join(there) or 'no topic'}"
+        )
+
+
+def pictures_on(bag: rosbag.Bag, topic: str) -> Iterator[Named]:
+    """The pictures on a topic."""
+    for number, (_, message, _) in enumerate(bag.read_messages(topic)):
+        yield f"picture {number}", functools.partial(gray_message, message)

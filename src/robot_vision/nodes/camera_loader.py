@@ -1,0 +1,200 @@
+"""The node camera_loader: cameras in one nodelet manager, each on its own."""
+
+import contextlib
+import http.client
+import threading
+import time
+import uuid
+import xmlrpc.client
+from typing import Dict, List, Tuple
+from xml.parsers.expat import ExpatError
+
+import bondpy.bondpy
+import rosgraph
+import rospy
+from nodelet.srv import NodeletList, NodeletLoad, NodeletUnload
+
+from ..camera_list import parse_cameras
+from .params import read_any, read_param
+
+PLUGIN = "robot_vision/camera"
+LOOK_AROUND = 0.5  # s, between looks at what there is to do
+UNTIL_BONDED = 2.0  # s, at most
+UNTIL_MANAGER_ENDS = 0.5  # s, if it ends together with this node
+NO_ANSWER = (OSError, ExpatError, http.client.HTTPException, xmlrpc.client.Error)
+FIRST_RETRY, LAST_RETRY = 1.0, 60.0  # s, until a camera that was refused is tried again
+MOST_CRASHES = 2  # of the manager while it loads a camera, until that one is left out
+
+
+class CameraLoader:
+    """Loads the cameras of the list ~cameras into ~manager, and again when that comes back.
+
+    A list that is wrong is told, and waited for in a better form: roslaunch would start a node that
+    ends over and over. A camera that is refused is tried again, less and less often. A bond with
+    each tells when the manager has died, and the manager when this node has: it unloads the cameras
+    then, but needs some seconds to notice; a loader that is there again before that unloads them
+    itself.
+    """
+
+    def __init__(self) -> None:
+        self._manager = rospy.resolve_name(read_param("manager", "camera_manager"))
+        self._crashes: Dict[str, int] = {}  # of each camera; empty: there is no list yet
+        self._wrong = ""  # what has been told of the list
+        # Guards _loaded and _lost: bonds break in threads of their own.
+        self._lock = threading.Lock()
+        self._loaded: Dict[str, Tuple[str, bondpy.bondpy.Bond]] = {}  # with the manager's URI
+        self._lost: Dict[str, str] = {}  # the URI of the manager that may have it still
+        self._refused: Dict[str, Tuple[float, float]] = {}  # when to try again, and the wait (s)
+        self._met = ""  # the URI of the manager that has none of another loader's cameras
+        self._waiting = False
+        self._done = threading.Event()
+        rospy.on_shutdown(self._end)
+
+    def run(self) -> None:
+        """Until the node is shut down."""
+        while not (self._read_list() or rospy.core.is_shutdown_requested()):
+            rospy.rostime.wallsleep(LOOK_AROUND)
+        while not rospy.core.is_shutdown_requested():
+            manager = self._manager_uri()
+            if manager and self._meet(manager):
+                # One that the manager dies of ends the round.
+                all(self._load(name, manager) for name in self._missing())
+            rospy.rostime.wallsleep(LOOK_AROUND)
+        self._done.wait()  # or the process would end before
+
+    def _read_list(self) -> bool:
+        """Whether ~cameras is a list; what is wrong with it is told once."""
+        try:
+            cameras = parse_cameras(read_any("cameras", None))
+        except ValueError as error:
+            if str(error) != self._wrong:
+                rospy.logerr("%s; waiting for another list in ~cameras", error)
+            self._wrong = str(error)
+            return False
+        for name, parameters in cameras.items():
+            rospy.set_param(rospy.resolve_name(name), parameters)
+        self._crashes = {rospy.resolve_name(name): 0 for name in cameras}
+        return True
+
+    def _manager_uri(self) -> str:
+        """Where the manager answers; empty if it does not."""
+        uri = ""
+        with contextlib.suppress(rosgraph.MasterException, *NO_ANSWER):
+            master = rosgraph.Master(rospy.get_name())
+            master.lookupService(self._manager + "/load_nodelet")
+            uri = master.lookupNode(self._manager)
+        if uri and not _answers(uri):
+            uri = ""
+        if not uri and not self._waiting and not rospy.core.is_shutdown_requested():
+            rospy.loginfo("waiting for the manager %s", self._manager)
+        self._waiting = not uri
+        return uri
+
+    def _meet(self, manager: str) -> bool:
+        """Whether a manager is ready for cameras.
+
+        What another one had is forgotten: a bond tells of its death later.
+        """
+        if manager == self._met:
+            return True
+        with self._lock:
+            old = {name: loaded for name, loaded in self._loaded.items() if loaded[0] != manager}
+            for name in old:
+                del self._loaded[name]
+        for _, bond in old.values():
+            bond.shutdown()
+        self._refused.clear()
+        service = rospy.ServiceProxy(self._manager + "/list", NodeletList)
+        try:
+            left = set(service().nodelets) & set(self._crashes)
+        except (rospy.ServiceException, rospy.ROSException):
+            return False
+        for name in sorted(left):
+            rospy.loginfo("%s: unloaded, another loader has left it", name)
+            self._unload(name)
+        self._met = manager
+        return True
+
+    def _missing(self) -> List[str]:
+        now = time.monotonic()
+        with self._lock:
+            return [
+                name
+                for name, crashes in self._crashes.items()
+                if name not in self._loaded
+                and crashes < MOST_CRASHES
+                and self._refused.get(name, (now, 0.0))[0] <= now
+            ]
+
+    def _load(self, name: str, manager: str) -> bool:
+        """Whether the manager is still there."""
+        bond = bondpy.bondpy.Bond(
+            self._manager + "/bond", str(uuid.uuid4()), on_broken=lambda: self._lose(name, bond)
+        )
+        service = rospy.ServiceProxy(self._manager + "/load_nodelet", NodeletLoad)
+        if self._lost.pop(name, "") == manager:
+            self._unload(name)
+        try:
+            service(name, PLUGIN, [], [], [], bond.id)
+        except (rospy.ServiceException, rospy.ROSException) as error:
+            bond.shutdown()
+            return self._survives(name, manager, error)
+        self._refused.pop(name, None)
+        with self._lock:
+            self._loaded[name] = manager, bond
+        bond.start()
+        # A manager that is ended before, crashes.
+        bond.wait_until_formed(rospy.Duration(UNTIL_BONDED))
+        rospy.loginfo("%s: loaded", name)
+        return True
+
+    def _survives(self, name: str, manager: str, error: Exception) -> bool:
+        """Whether the manager is still there after a camera has not been loaded; tells it."""
+        if rospy.core.is_shutdown_requested():
+            return False
+        if _answers(manager):
+            wait = min(2.0 * self._refused.get(name, (0.0, FIRST_RETRY / 2.0))[1], LAST_RETRY)
+            self._refused[name] = time.monotonic() + wait, wait
+            why = "%s: not loaded, the manager says why; trying again in %.0f s"
+            rospy.logerr(why, name, wait)
+            return True
+        self._crashes[name] += 1
+        again = self._crashes[name] < MOST_CRASHES
+        rospy.logerr(
+            "%s: the manager died of it; %s", name, "once more" if again else "it is left out"
+        )
+        return False
+
+    def _lose(self, name: str, bond: bondpy.bondpy.Bond) -> None:
+        with self._lock:
+            if self._loaded.get(name, ("", None))[1] is not bond:
+                return
+            self._lost[name], _ = self._loaded.pop(name)
+        if not rospy.core.is_shutdown_requested():
+            rospy.logwarn("%s: lost, the manager has died or unloaded it", name)
+
+    def _end(self) -> None:
+        # A manager that is ending, by the same Ctrl-C, would crash if a bond were to break now.
+        try:
+            rospy.rostime.wallsleep(UNTIL_MANAGER_ENDS)
+            if self._manager_uri():
+                with self._lock:
+                    loaded, self._loaded = self._loaded, {}
+                for name, (_, bond) in loaded.items():
+                    self._unload(name)
+                    bond.shutdown()
+        finally:
+            self._done.set()
+
+    def _unload(self, name: str) -> None:
+        service = rospy.ServiceProxy(self._manager + "/unload_nodelet", NodeletUnload)
+        with contextlib.suppress(rospy.ServiceException, rospy.ROSException):
+            service(name)
+
+
+def _answers(uri: str) -> bool:
+    """Whether there is a living node."""
+    try:
+        return xmlrpc.client.ServerProxy(uri).getPid("/camera_loader")[0] == 1
+    except NO_ANSWER:
+        return False

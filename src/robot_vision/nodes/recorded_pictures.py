@@ -1,0 +1,106 @@
+"""Pictures for a command, from wherever they were recorded."""
+
+import collections
+import functools
+import glob
+import itertools
+import os
+import pathlib
+import threading
+from typing import Deque, Iterator, List, Sequence
+
+import cv2
+import numpy as np
+
+from ..transport import Frame, ImageSubscriber
+from .bag_pictures import PICTURES, Named, opened, pictures_on, require_topic, topics_of
+from .gray_pictures import gray_file, gray_pixels
+
+SUFFIXES = (".bmp", ".jpeg", ".jpg", ".pgm", ".png", ".ppm", ".tif", ".tiff", ".webp")
+PATIENCE = 2.0  # s without a picture until it is told
+
+
+def from_files(names: Sequence[str]) -> Iterator[Named]:
+    """Pictures of folders, globs, pictures and videos, in the order of their names.
+
+    Raises:
+        ValueError: a file is no video though its name is no picture's, or there is nothing of a
+            name.
+    """
+    for path in (path for name in names for path in _paths(name)):
+        if path.lower().endswith(SUFFIXES):
+            yield path, functools.partial(_read, path)
+        else:
+            yield from _video(path)
+
+
+def from_bag(path: str, topic: str) -> Iterator[Named]:
+    """Pictures on a topic of a bag.
+
+    Raises:
+        ValueError: there is no such bag or topic.
+        OSError: the bag cannot be opened.
+    """
+    with opened(path) as bag:
+        require_topic(path, topics_of(bag), topic, PICTURES, "pictures")
+        yield from pictures_on(bag, topic)
+
+
+def from_topic(topic: str) -> Iterator[Named]:
+    """The newest pictures of a topic, until this process, which must be a node, is shut down."""
+    newest: Deque[Frame] = collections.deque(maxlen=1)
+    came = threading.Event()
+
+    def keep(frame: Frame) -> None:
+        newest.append(frame)
+        came.set()
+
+    subscriber = ImageSubscriber(topic, keep)
+    try:
+        for number in itertools.count():
+            while not newest:
+                if not came.wait(PATIENCE):
+                    _complain(subscriber)
+                came.clear()
+            frame = newest.pop()
+            yield f"picture {number}", functools.partial(gray_pixels, frame.image, frame.encoding)
+    finally:
+        subscriber.unregister()
+
+
+def _complain(subscriber: ImageSubscriber) -> None:
+    nobody = "" if subscriber.get_num_connections() else "; nobody publishes pictures there"
+    print(f"waiting: no picture comes on {subscriber.topic}{nobody}", flush=True)
+
+
+def _paths(name: str) -> List[str]:
+    if os.path.isdir(name):
+        found = [os.path.join(name, entry) for entry in sorted(os.listdir(name))]
+        pictures = [path for path in found if path.lower().endswith(SUFFIXES)]
+        if not pictures:
+            raise ValueError(f"{name}: no pictures in this folder")
+        return pictures
+    if os.path.exists(name):
+        return [name]
+    found = sorted(glob.glob(name))
+    if not found:
+        raise ValueError(f"{name}: no such file or folder")
+    return found
+
+
+def _read(path: str) -> np.ndarray:
+    return gray_file(pathlib.Path(path).read_bytes())
+
+
+def _video(path: str) -> Iterator[Named]:
+    video = cv2.VideoCapture(path, cv2.CAP_FFMPEG)
+    if hasattr(cv2, "CAP_PROP_ORIENTATION_AUTO"):  # before it came, OpenCV turned no frames
+        video.set(cv2.CAP_PROP_ORIENTATION_AUTO, 0)
+    found, number = True, 0
+    while found:
+        found, picture = video.read()
+        if found:
+            yield f"{path}, frame {number}", functools.partial(gray_pixels, picture, "bgr8")
+            number += 1
+    if not number:
+        raise ValueError(f"{path}: no picture and no video that OpenCV can read")

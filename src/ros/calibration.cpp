@@ -1,0 +1,186 @@
+#include "calibration.hpp"
+
+#include <camera_calibration_parsers/parse.h>
+#include <camera_calibration_parsers/parse_ini.h>
+#include <camera_calibration_parsers/parse_yml.h>
+#include <ros/package.h>
+
+#include <algorithm>
+#include <boost/algorithm/string/replace.hpp>
+#include <cctype>
+#include <cstdlib>
+#include <filesystem>
+#include <sstream>
+#include <stdexcept>
+
+#include "replace_file.hpp"
+#include "robot_vision/camera_model.hpp"
+#include "robot_vision/range.hpp"
+
+namespace robot_vision
+{
+namespace
+{
+
+const std::string kFile = "file://";
+const std::string kPackage = "package://";
+const std::string kDefaultUrl = "file://${ROS_HOME}/camera_info/${NAME}.yaml";
+
+bool isName(const std::string& text)
+{
+  const auto fits = [](unsigned char c) { return std::isalnum(c) != 0 || c == '_'; };
+  return !text.empty() && std::all_of(text.begin(), text.end(), fits);
+}
+
+std::string variable(const char* name)
+{
+  const char* value = std::getenv(name);
+  return value == nullptr ? "" : value;
+}
+
+std::string rosHome()
+{
+  const std::string home = variable("ROS_HOME");
+  return home.empty() ? variable("HOME") + "/.ros" : home;
+}
+
+/// The path of what is in a package, "name/path"; empty: there is no such thing.
+std::string inPackage(const std::string& name_and_path)
+{
+  const std::size_t slash = name_and_path.find('/');
+  if (slash == std::string::npos || slash + 1 == name_and_path.size()) return "";
+  const std::string folder = ros::package::getPath(name_and_path.substr(0, slash));
+  return folder.empty() ? "" : folder + name_and_path.substr(slash);
+}
+
+std::string pathOf(const std::string& url, const std::string& camera_name)
+{
+  std::string resolved = url.empty() ? kDefaultUrl : url;
+  boost::algorithm::replace_all(resolved, "${NAME}", camera_name);
+  boost::algorithm::replace_all(resolved, "${ROS_HOME}", rosHome());
+  const std::string wrong = "'" + url + "'";
+  if (resolved.rfind(kPackage, 0) == 0)
+  {
+    const std::string path = inPackage(resolved.substr(kPackage.size()));
+    require(!path.empty(), "camera_info_url", wrong, "package://, the name of a package that is there, / and a file");
+    return path;
+  }
+  const bool is_file = resolved.rfind(kFile + "/", 0) == 0;
+  require(is_file, "camera_info_url", wrong, "empty, file:///... or package://...");
+  return resolved.substr(kFile.size());
+}
+
+CameraModel modelOf(const sensor_msgs::CameraInfo& info)
+{
+  CameraModel model;
+  model.width = static_cast<int>(info.width);
+  model.height = static_cast<int>(info.height);
+  model.K = cv::Matx33d(info.K.data());
+  model.D = info.D;
+  model.distortion_model = info.distortion_model;
+  return model;
+}
+
+/// Throws std::invalid_argument naming what cannot be of a camera with pictures of this size; empty: of any.
+void requireUsable(const sensor_msgs::CameraInfo& info, cv::Size size)
+{
+  const std::string of_pictures = ", which the camera's pictures have";
+  if (!size.empty())
+  {
+    require(info.width == static_cast<std::uint32_t>(size.width), "width", info.width,
+            toText(size.width) + of_pictures);
+    require(info.height == static_cast<std::uint32_t>(size.height), "height", info.height,
+            toText(size.height) + of_pictures);
+  }
+  validate(modelOf(info));
+  for (const double value : info.R)
+    requireFinite("R", value);
+  for (const double value : info.P)
+    requireFinite("P", value);
+}
+
+}  // namespace
+
+Calibration::Calibration(const ros::NodeHandle& pnh, const std::string& camera_name, const std::string& url)
+  : name_(pnh.getNamespace()), camera_name_(camera_name)
+{
+  require(isName(camera_name), "camera_name", "'" + camera_name + "'", "letters, digits and _");
+  path_ = pathOf(url, camera_name);
+  service_ = ros::NodeHandle(pnh).advertiseService("set_camera_info", &Calibration::onSet, this);
+}
+
+sensor_msgs::CameraInfo Calibration::info()
+{
+  const std::lock_guard<std::mutex> lock(mutex_);
+  if (!read_) info_ = read();
+  read_ = true;
+  return info_;
+}
+
+void Calibration::setPictureSize(cv::Size size)
+{
+  const std::lock_guard<std::mutex> lock(mutex_);
+  size_ = size;
+}
+
+sensor_msgs::CameraInfo Calibration::read() const
+{
+  std::error_code ignored;
+  std::string of_camera;
+  sensor_msgs::CameraInfo info;
+  if (!std::filesystem::exists(path_, ignored))
+    ROS_WARN("%s: not calibrated: there is no %s", name_.c_str(), path_.c_str());
+  else if (!camera_calibration_parsers::readCalibration(path_, of_camera, info))
+    ROS_ERROR("%s: not calibrated: %s is no calibration that can be read", name_.c_str(), path_.c_str());
+  else
+    ROS_INFO("%s: calibrated by %s", name_.c_str(), path_.c_str());
+  if (!of_camera.empty() && of_camera != camera_name_)
+    ROS_WARN("%s: %s is of a camera named %s, this one is %s", name_.c_str(), path_.c_str(), of_camera.c_str(),
+             camera_name_.c_str());
+  return info;
+}
+
+void Calibration::set(const sensor_msgs::CameraInfo& info)
+{
+  std::unique_lock<std::mutex> lock(mutex_);
+  const cv::Size size = size_;
+  lock.unlock();  // pictures do not wait for the disk
+  requireUsable(info, size);
+  save(info);
+  lock.lock();
+  info_ = info;
+  read_ = true;
+}
+
+void Calibration::save(const sensor_msgs::CameraInfo& info) const
+{
+  const std::filesystem::path path(path_);
+  const bool ini = path.extension() == ".ini";
+  if (!ini && path.extension() != ".yaml" && path.extension() != ".yml")
+    throw std::runtime_error(path_ + ": the name must end in .yaml, .yml or .ini");
+  std::ostringstream text;
+  const bool written = ini ? camera_calibration_parsers::writeCalibrationIni(text, camera_name_, info)
+                           : camera_calibration_parsers::writeCalibrationYml(text, camera_name_, info);
+  if (!written) throw std::runtime_error(path_ + ": this format cannot hold the calibration, .yaml can");
+  std::filesystem::create_directories(path.parent_path());
+  replaceFile(path_, text.str());
+}
+
+bool Calibration::onSet(sensor_msgs::SetCameraInfo::Request& request, sensor_msgs::SetCameraInfo::Response& response)
+{
+  try
+  {
+    set(request.camera_info);
+    response.success = true;
+    response.status_message = path_;
+  }
+  catch (const std::exception& e)
+  {
+    response.success = false;
+    response.status_message = e.what();
+    ROS_ERROR("%s: the calibration stays as it is: %s", name_.c_str(), e.what());
+  }
+  return true;
+}
+
+}  // namespace robot_vision

@@ -1,0 +1,52 @@
+#include "capture_status.hpp"
+
+namespace robot_vision
+{
+
+using diagnostic_msgs::DiagnosticStatus;
+
+bool CaptureStatus::opened(const std::string& description)
+{
+  const bool news = description_ != description;
+  description_ = description;
+  statistics_.resumed();
+  if (!lost_) statistics_.setState(DiagnosticStatus::OK, description_);
+  return news;
+}
+
+void CaptureStatus::lost(const std::string& why)
+{
+  lost_ = true;
+  statistics_.setState(DiagnosticStatus::ERROR, why);
+}
+
+bool CaptureStatus::streaming()
+{
+  const bool again = lost_;
+  lost_ = false;
+  statistics_.setState(DiagnosticStatus::OK, description_);
+  return again;
+}
+
+bool CaptureStatus::idle()
+{
+  const bool again = lost_;
+  lost_ = false;
+  statistics_.setIdle();
+  return again;
+}
+
+void CaptureStatus::stopped()
+{
+  statistics_.setState(DiagnosticStatus::OK, "stopped: ~start_capture starts it again");
+}
+
+void CaptureStatus::ended(const std::string& error)
+{
+  if (error.empty())
+    statistics_.setState(DiagnosticStatus::OK, "the source has ended");
+  else
+    statistics_.setState(DiagnosticStatus::ERROR, error);
+}
+
+}  // namespace robot_vision

@@ -1,0 +1,86 @@
+#include <memory>
+#include <opencv2/imgproc.hpp>
+
+#include "contests.hpp"
+#include "core/changed_pixels.hpp"
+
+namespace bench
+{
+namespace
+{
+
+constexpr robot_vision::Comparison kHow{21, 25.0, 2};  // as MotionParams begins with
+
+/// Each frame is compared with the first.
+struct State
+{
+  explicit State(const std::vector<cv::Mat>& pictures) : frames(pictures)
+  {
+    background.pixels = frames.front().clone();
+    cv::cvtColor(background.pixels, background.gray, cv::COLOR_BGR2GRAY);
+    background.blurred = robot_vision::blurred(background.gray, kHow.blur_size);
+  }
+
+  void byOpenCv(const cv::Mat& frame)
+  {
+    cv::cvtColor(frame, gray, cv::COLOR_BGR2GRAY);
+    cv::GaussianBlur(gray, blurred, {kHow.blur_size, kHow.blur_size}, 0.0);
+    cv::absdiff(blurred, background.blurred, difference);
+    cv::threshold(difference, results.theirs, kHow.threshold, 255.0, cv::THRESH_BINARY);
+    cv::dilate(results.theirs, results.theirs, cv::Mat(), {-1, -1}, kHow.dilate);
+  }
+
+  void byUs(const cv::Mat& frame)
+  {
+    results.ours.create(frame.size(), CV_8UC1);
+    results.ours(white).setTo(0);
+    white = changed.find({frame, "bgr8"}, background, kHow, results.ours);
+  }
+
+  std::vector<cv::Mat> frames;
+  robot_vision::Reference background;
+  robot_vision::ChangedPixels changed;
+  cv::Mat gray, blurred, difference;
+  cv::Rect white{{0, 0}, frames.front().size()};  // outside of this our mask is black
+  Results results;
+};
+
+/// Before a camera that stands still: a part of the first frame as a box that wanders, and pixel noise.
+std::vector<cv::Mat> withBox(const std::vector<cv::Mat>& moving)
+{
+  const cv::Mat& behind = moving.front();
+  const cv::Size box = behind.size() / 6;
+  std::vector<cv::Mat> frames;
+  cv::RNG random(1);
+  for (std::size_t i = 0; i < moving.size(); ++i)
+  {
+    cv::Mat frame = behind.clone();
+    const cv::Point at(frame.cols / 4 + static_cast<int>(i) * frame.cols / 32, frame.rows / 3);
+    behind(cv::Rect({frame.cols / 2, frame.rows / 2}, box)).copyTo(frame(cv::Rect(at, box)));
+    cv::Mat noise(frame.size(), CV_16SC3);
+    random.fill(noise, cv::RNG::NORMAL, 0.0, 2.0);
+    cv::add(frame, noise, frames.emplace_back(), cv::noArray(), CV_8U);
+  }
+  return frames;
+}
+
+Work work(const char* name, bool still)
+{
+  const auto prepare = [still](const Setup& setup)
+  {
+    const auto state = std::make_shared<State>(still ? withBox(setup.frames) : setup.frames);
+    return Contest{[state](std::size_t i) { state->byOpenCv(state->frames[i]); },
+                   [state](std::size_t i) { state->byUs(state->frames[i]); },
+                   [state] { return state->results.same(); }};
+  };
+  return {name, "cvtColor, GaussianBlur, absdiff, threshold, dilate", 3.0, prepare, !still};
+}
+
+}  // namespace
+
+std::vector<Work> motionWorks()
+{
+  return {work("motion, all of the picture moves", false), work("motion, a box moves", true)};
+}
+
+}  // namespace bench

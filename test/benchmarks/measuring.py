@@ -1,0 +1,279 @@
+"""Runs programs and nodes on the same pictures, in turns, and takes their figures."""
+
+import contextlib
+import dataclasses
+import json
+import os
+import statistics
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any, Callable, Dict, Iterator, List, Sequence
+
+HERE = Path(__file__).resolve().parent
+sys.path[:0] = [str(HERE.parent / "nodes"), str(HERE.parent / "vivid")]
+
+import cv2  # noqa: E402
+import host  # noqa: E402
+import numpy as np  # noqa: E402
+import support  # noqa: E402
+from results import Comparison, Figures, Kernel, Size, to_kernels  # noqa: E402
+
+import robot_vision  # noqa: E402
+
+RATE = 30  # Hz
+WARM_UP = 1  # s, not counted
+KERNEL_SECONDS = 0.07  # of the time of a node's measurement, for each kernel
+STAMP_ERROR = 1e-6  # s, by which a stamp changes on its way through text
+
+Command = List[str]
+
+
+@dataclasses.dataclass
+class Contender:
+    """Something that works on frames; `result` is the topic where its pictures come out.
+
+    The commands are started in this order and ended in the opposite one; all are measured. Without
+    a result, the listener, which is not measured, or the first command prints at its end when each
+    frame arrived. A contender with `alone` is not a node: that one command is run and prints its
+    result.
+    """
+
+    name: str
+    commands: List[Command] = dataclasses.field(default_factory=list)
+    result: str = ""
+    expect: str = ""  # what the probe is to compare one result with
+    own_camera: bool = False
+    listener: Command = dataclasses.field(default_factory=list)
+    picture: str = ""  # portrait: the photograph keeps its shape, in another one's middle; tags
+    still: bool = False  # a box wanders before the photograph, instead of the photograph itself
+    alone: Command = dataclasses.field(default_factory=list)
+    beside: List[Command] = dataclasses.field(default_factory=list)  # meanwhile, not measured
+
+
+def percentile(values: Sequence[float], share: float) -> float:
+    ordered = sorted(values)
+    return ordered[min(len(ordered) - 1, int(share * len(ordered)))]
+
+
+def to_figures(result: Dict[str, Any]) -> Figures:
+    latencies = result["latencies_ms"]
+    if not latencies:
+        raise RuntimeError("no result has arrived")
+    return Figures(
+        cpu_ms=result["cpu_seconds"] / len(latencies) * 1e3,
+        core=result["cpu_seconds"] / result["seconds"] * 1e2,
+        median=statistics.median(latencies),
+        p99=percentile(latencies, 0.99),
+        arrived=min(len(latencies) / result["sent"], 1.0) * 1e2,
+        same=result["same_pixels"] * 1e2,
+        found=result.get("found", -1.0) * 1e2,
+    )
+
+
+def over_rounds(rounds: List[Figures]) -> Figures:
+    """The median of each figure."""
+    return Figures(
+        *(
+            statistics.median(getattr(figures, field.name) for figures in rounds)
+            for field in dataclasses.fields(Figures)
+        )
+    )
+
+
+class Bench:
+    """The programs, the private master and the settings of a run."""
+
+    def __init__(self, programs: Path, folder: Path, seconds: float, rounds: int):
+        self._programs = programs
+        self._folder = folder
+        self.seconds = seconds
+        self.rounds = rounds
+
+    def program(self, name: str, *args: Any) -> Command:
+        return [str(self._programs / name), *map(str, args)]
+
+    def picture(self, size: Size, kind: str = "") -> Path:
+        """A photograph of this size as a file; portrait and tags as a Contender has them.
+
+        nobody: one without faces; face: the part of the usual one that is its face.
+        """
+        import skimage.data
+
+        path = self._folder / "{}x{}{}.png".format(*size, kind)
+        if not path.exists():
+            photograph = enlarged(skimage.data.astronaut(), size)
+            if kind == "nobody":
+                photograph = enlarged(skimage.data.coffee(), size)
+            if kind == "face":
+                photograph = enlarged(skimage.data.astronaut()[20:240, 110:330], size)
+            if kind == "portrait":
+                width, height = size
+                left = (width - height) // 2
+                square = enlarged(skimage.data.astronaut(), (height, height))
+                photograph = enlarged(skimage.data.coffee(), size)
+                photograph[:, left : left + height] = square
+            if kind == "tags":
+                paste_tags(photograph)
+            cv2.imwrite(str(path), photograph)
+        return path
+
+    def compare(self, title: str, size: Size, contenders: List[Contender]) -> Comparison:
+        """Measures the contenders in turns; a figure is the median over the rounds."""
+        measured: List[List[Figures]] = [[] for _ in contenders]
+        for turn in range(self.rounds):
+            for contender, figures in zip(contenders, measured):
+                say("{}x{}, round {}: {}".format(*size, turn + 1, contender.name))
+                figures.append(self._measure(size, contender))
+        names = [contender.name for contender in contenders]
+        return Comparison(title, size, names, [over_rounds(rounds) for rounds in measured])
+
+    def in_process(self, size: Size, threads: int, frames: int) -> Dict[str, Any]:
+        say("{}x{}: in one process".format(*size))
+        args = ["__name:=bench_in_process", self.picture(size), *size, frames, threads]
+        return self._run(self.program("bench_in_process", *args), 60.0)
+
+    def kernels(self, *args: str) -> List[Kernel]:
+        """Medians of each repetition; of these the least, as nothing makes work faster."""
+        say(" ".join(["work on pixels", *args]))
+        command = self.program("bench_kernels", self.picture((1920, 1080)), *args)
+        command += [f"--benchmark_min_time={KERNEL_SECONDS * self.seconds}"]
+        command += [f"--benchmark_repetitions={self.rounds}", "--benchmark_format=json"]
+        done = subprocess.run(command, timeout=1800.0, text=True, capture_output=True)
+        if done.returncode != 0:
+            raise RuntimeError("{}\n{}".format(" ".join(command), done.stderr))
+        return to_kernels(json.loads(done.stdout)["benchmarks"])
+
+    def tags(self, size: Size, tags: int) -> Dict[str, Any]:
+        say("{}x{}: {} AprilTags".format(*size, tags))
+        args = [self.picture(size), *size, tags, self.rounds]
+        return self._run(self.program("bench_tags", *args), 300.0)
+
+    def findings(self, size: Size, kind: str, numbers: Sequence[int]) -> List[List[float]]:
+        """For each number: it, CPU ms per frame, how many were found."""
+        say("{}x{}: {} {}".format(*size, ", ".join(map(str, numbers)), kind))
+        args = [self.picture(size, "nobody"), self.picture((440, 440), "face"), kind, *size]
+        return self._run(self.program("bench_growth", *args, *numbers), 600.0)
+
+    def vm(self) -> Dict[str, float]:
+        """CPU seconds per frame of a V4L2 camera; empty if there can be no VM here."""
+        say("640x480: a V4L2 camera in a VM")
+        one_webcam = "n_devs=1 node_types=0x1 num_inputs=1 input_types=0x0"
+        out = self._folder / "vivid"
+        done = host.run_guest(HERE / "vivid_cpu.py", out, one_webcam, 600.0)
+        if done.returncode == host.UNAVAILABLE:
+            say(done.stdout.strip())
+            return {}
+        if done.returncode != 0:
+            raise RuntimeError(done.stdout + (out / "log").read_text(errors="replace"))
+        return json.loads((out / "cpu.json").read_text())
+
+    def chain(self, size: Size, threads: int) -> Command:
+        return self.program("bench_chain", self.picture(size), *size, self.seconds, RATE, threads)
+
+    def _measure(self, size: Size, contender: Contender) -> Figures:
+        deadline = self.seconds + WARM_UP + 45.0
+        if contender.alone:
+            return to_figures(self._run(contender.alone, deadline))
+        with contextlib.ExitStack() as stack:
+            processes = []
+            for number, command in enumerate(contender.commands):
+                log = self._folder / f"node-{number}.log"
+                process = support.Process(command, log)
+                stack.callback(process.end)
+                processes.append(process)
+            pids = [process.pid for process in processes]
+            for number, command in enumerate(contender.beside):
+                log = self._folder / f"beside-{number}.log"
+                stack.callback(support.Process(command, log).end)
+            if contender.listener:
+                teller = support.Process(contender.listener, self._folder / "listener.log")
+                stack.callback(teller.end)
+            else:
+                teller = processes[0]
+            try:
+                result = self._run(self._probe(size, contender, pids), deadline)
+            except RuntimeError as error:
+                logs = "\n".join(process.output() for process in processes)
+                raise RuntimeError(f"{contender.name}: {error}\n{logs}") from None
+        if not contender.result:
+            arrivals = [
+                arrival
+                for arrival in json.loads(teller.output().splitlines()[-1])
+                if result["begin"] - STAMP_ERROR < arrival[0] < result["end"] + STAMP_ERROR
+            ]
+            result["latencies_ms"] = [arrival[1] for arrival in arrivals]
+            if contender.listener and arrivals and arrivals[0][2] is not None:
+                result["found"] = sum(arrival[2] for arrival in arrivals) / result["sent"]
+        return to_figures(result)
+
+    def _probe(self, size: Size, contender: Contender, pids: List[int]) -> Command:
+        params = {
+            "picture": "" if contender.own_camera else self.picture(size, contender.picture),
+            "width": size[0],
+            "height": size[1],
+            "rate": float(RATE),
+            "seconds": float(self.seconds),
+            "warm_up": float(WARM_UP),
+            "expect": contender.expect,
+            "results": "true" if contender.result else "false",
+            "still": "true" if contender.still else "false",
+            # Two spaces, or a single number would not be read as text.
+            "pids": "  ".join(["", *map(str, pids), ""]),
+        }
+        return [
+            *self.program("latency_probe", "image:=/camera/image"),
+            "result:=" + (contender.result or "/nothing"),
+            *(f"_{name}:={value}" for name, value in params.items()),
+        ]
+
+    def _run(self, command: Command, deadline: float) -> Any:
+        """Runs a program that prints its result as JSON."""
+        done = subprocess.run(command, timeout=deadline, text=True, capture_output=True)
+        if done.returncode != 0:
+            raise RuntimeError("{}\n{}".format(" ".join(command), done.stderr))
+        return json.loads(done.stdout.splitlines()[-1])
+
+
+def enlarged(rgb: Any, size: Size) -> Any:
+    """The BGR picture of an RGB one, in this size."""
+    return cv2.resize(cv2.cvtColor(rgb, cv2.COLOR_RGB2BGR), size, interpolation=cv2.INTER_CUBIC)
+
+
+def paste_tags(photograph: np.ndarray) -> None:
+    """Tags 0 and 1 of tag36h11, with white around them, a quarter of the picture high."""
+    height, width = photograph.shape[:2]
+    for id_, left in enumerate((width // 5, width * 3 // 5)):
+        cells = np.pad(robot_vision.tag_cells("tag36h11", id_), 1, constant_values=255)
+        side = height // 4
+        sheet = cv2.resize(cells, (side, side), interpolation=cv2.INTER_AREA)
+        top = height // 3
+        photograph[top : top + side, left : left + side] = sheet[..., np.newaxis]
+
+
+Contenders = Callable[[Bench, Size], List[Contender]]
+
+
+def say(text: str) -> None:
+    print(text, file=sys.stderr, flush=True)
+
+
+@contextlib.contextmanager
+def private_master(folder: Path) -> Iterator[None]:
+    """A ROS master that nobody else knows of."""
+    import rosgraph
+
+    port = support.free_port()
+    os.environ.update(
+        ROS_MASTER_URI=f"http://127.0.0.1:{port}",
+        ROS_HOSTNAME="127.0.0.1",
+        ROS_HOME=str(folder),
+        ROS_LOG_DIR=str(folder / "log"),
+    )
+    os.environ.pop("ROS_IP", None)
+    master = support.Process(["rosmaster", "--core", "-p", str(port)], folder / "master.log")
+    try:
+        support.wait_for(rosgraph.is_master_online, "the master")
+        yield
+    finally:
+        master.end()

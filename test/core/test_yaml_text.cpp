@@ -1,0 +1,41 @@
+#include <gtest/gtest.h>
+
+#include "ros/yaml_text.hpp"
+
+using namespace robot_vision;
+
+TEST(YamlText, getsAMapThatItDoesNotHave)
+{
+  EXPECT_EQ(editYamlMap("", "controls", {{"gain", "5"}}), "controls:\n  gain: 5\n");
+  EXPECT_EQ(editYamlMap("loop: true\n", "controls", {{"gain", "5"}, {"gamma", "1"}}),
+            "loop: true\ncontrols:\n  gain: 5\n  gamma: 1\n");
+}
+
+TEST(YamlText, keepsWhatElseIsInAMap)
+{
+  const std::string before =
+      "controls:   # of the camera\n"
+      "    # how bright\n"
+      "    brightness: 7  # or so\n"
+      "    gain: [1,\n"
+      "      brightness: 3]\n"
+      "\n"
+      "brightness: 9\n";
+  const std::string after =
+      "controls:   # of the camera\n"
+      "    # how bright\n"
+      "    brightness: 8  # or so\n"
+      "    gain: [1,\n"
+      "      brightness: 3]\n"
+      "    gamma: 2\n"
+      "\n"
+      "brightness: 9\n";
+  EXPECT_EQ(editYamlMap(before, "controls", {{"brightness", "8"}, {"gamma", "2"}}), after);
+}
+
+TEST(YamlText, writesAMapInOneLineOverSeveral)
+{
+  EXPECT_EQ(editYamlMap("controls: {gain: 1, label: \"5\"}  # mine\nloop: true\n", "controls", {{"gain", "2"}}),
+            "controls:" + std::string(24, ' ') + "# mine\n  gain: 2\n  label: \"5\"\nloop: true\n");
+  EXPECT_EQ(editYamlMap("controls: {}\n", "controls", {{"gain", "2"}}), "controls:\n  gain: 2\n");
+}

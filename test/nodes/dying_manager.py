@@ -1,0 +1,27 @@
+#!/usr/bin/env python3
+"""A nodelet manager that dies of the nodelet /bad, and prints what else it is to load."""
+
+import os
+
+import bondpy.bondpy
+import rospy
+from nodelet.srv import NodeletList, NodeletLoad, NodeletLoadResponse
+
+rospy.init_node("manager")
+bonds = []
+
+
+def load(request):
+    if request.name == "/bad":
+        os._exit(1)
+    print("loaded", request.name, request.type, flush=True)
+    bonds.append(bondpy.bondpy.Bond(rospy.get_name() + "/bond", request.bond_id))
+    bonds[-1].start()
+    return NodeletLoadResponse(True)
+
+
+services = [
+    rospy.Service("~load_nodelet", NodeletLoad, load),
+    rospy.Service("~list", NodeletList, lambda _: [[]]),
+]
+rospy.spin()

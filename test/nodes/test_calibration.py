@@ -1,0 +1,110 @@
+"""A camera is calibrated by camera_calibration, and its pictures are rectified by image_proc."""
+
+import shutil
+import subprocess
+
+import cv2
+import numpy as np
+import rospy
+import support
+from sensor_msgs.msg import CameraInfo, Image
+
+from robot_vision import CalibrationScene, SceneParams
+from robot_vision.calibration.boards import chessboard
+from robot_vision.calibration.solving import calibrate
+
+BUTTON = (155, 155, 80)  # BGR, of one that can be pressed
+CORNERS = (8, 6)
+SHOWN = ["_source:=synthetic", "_scene:=calibration", "__name:=usb_cam"]
+
+
+def buttons(screen):
+    """The middles, [(x, y), ...], of the buttons that can be pressed: one below another."""
+    mask = np.uint8((support.screen(screen) == BUTTON).all(axis=2))
+    x, y, side, height = cv2.boundingRect(mask)
+    return [(x + side // 2, y + side * i + side // 2) for i in range(round(height / max(side, 1)))]
+
+
+def press(screen, number, of):
+    """Presses one of so many buttons once they can be pressed."""
+    support.wait_for(lambda: len(buttons(screen)) == of, f"{of} buttons", 120.0)
+    at = map(str, buttons(screen)[number])
+    subprocess.run(["xdotool", "mousemove", *at, "click", "1"], check=True)
+
+
+def corners_of(message):
+    """(6, 8, 2) px, or None if the whole board is not in the picture."""
+    rows = np.frombuffer(message.data, np.uint8).reshape(message.height, message.step)
+    found, corners = cv2.findChessboardCorners(rows, CORNERS)
+    if not found:
+        return None
+    end = (cv2.TERM_CRITERIA_COUNT | cv2.TERM_CRITERIA_EPS, 30, 0.001)
+    return cv2.cornerSubPix(rows, corners, (5, 5), (-1, -1), end).reshape(6, 8, 2)
+
+
+def bend(corners):
+    """The largest RMS distance of a row or column from its straight line, px."""
+
+    def residual(line):
+        return np.linalg.svd(line - line.mean(axis=0), compute_uv=False)[1] / np.sqrt(len(line))
+
+    return max(map(residual, [*corners, *corners.swapaxes(0, 1)]))
+
+
+def bends(raw, rectified, count):
+    """Of so many boards in different poses, before and after: (count, 2) px."""
+    topics = [support.Messages(topic, Image) for topic in (raw, rectified)]
+    boards = []
+
+    def look():
+        pair = support.same_frame(*topics)
+        board = [corners_of(message) for message in pair]
+        new = all(corners is not None for corners in board) and not any(
+            np.allclose(board, old, atol=2.0) for old in boards
+        )
+        if new:
+            boards.append(board)
+        return len(boards) == count
+
+    support.wait_for(look, f"{count} boards on {raw} and {rectified}")
+    for topic in topics:
+        topic.close()
+    return np.array([[bend(corners) for corners in board] for board in boards])
+
+
+def uncertainty():
+    """The standard deviations of D by as many views as the calibrator asks for at least."""
+    params = SceneParams()
+    params.rate = 2.0  # each frame another pose
+    scene, board = CalibrationScene(params), chessboard(*CORNERS, 0.05)
+    views = [board.find(cv2.cvtColor(scene.render(i), cv2.COLOR_BGR2GRAY)) for i in range(12)]
+    return calibrate(views, (640, 480), "plumb_bob").deviations[4:]
+
+
+def test_from_the_board_to_straight_lines(start, display, tmp_path):
+    """calibrate.launch as people use it, the next start of the camera, and rectify.launch."""
+    roslaunch, kept = shutil.which("roslaunch"), tmp_path / "kept.yaml"
+    shown = [*SHOWN, f"_camera_info_url:=file://{kept}"]  # or the scene knows it without
+    camera = start("camera_node", *shown)
+    rospy.wait_for_service("/usb_cam/set_camera_info", support.DEADLINE)
+    calibrator = start(roslaunch, "robot_vision", "calibrate.launch")
+    press(display, 0, of=1)  # CALIBRATE
+    press(display, 2, of=3)  # COMMIT
+    calibrator.exit_code()
+    camera.interrupt()
+    assert camera.exit_code() == 0
+    assert kept.exists(), calibrator.output()
+
+    start("camera_node", *shown)
+    infos = support.Messages("/usb_cam/camera_info", CameraInfo)
+    info, truth = infos.wait()[0], CalibrationScene().camera
+    infos.close()
+    assert np.allclose(info.K, truth.K.ravel(), rtol=0.005)
+    assert info.D != truth.D
+    assert (np.abs(np.subtract(info.D, truth.D)) <= 3.0 * uncertainty()).all()
+
+    start(roslaunch, "robot_vision", "rectify.launch")
+    before, after = bends("/usb_cam/image_mono", "/usb_cam/image_rect", 5).T
+    assert after.max() < 0.1 and before.mean() > 3.0 * after.mean()
+    color = support.Messages("/usb_cam/image_rect_color", Image).wait()[0]
+    assert (color.encoding, color.header.frame_id) == ("bgr8", "head_camera")

@@ -1,0 +1,368 @@
+#include <gtest/gtest.h>
+#include <image_transport/image_transport.h>
+#include <ros/ros.h>
+#include <sensor_msgs/CompressedImage.h>
+#include <sys/mman.h>
+
+#include <algorithm>
+#include <chrono>
+#include <functional>
+#include <mutex>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+#include <thread>
+
+#include "../core/refusal.hpp"
+#include "robot_vision/jpeg.hpp"
+#include "ros/camera_outputs.hpp"
+#include "run_tests.hpp"
+
+using namespace robot_vision;
+
+namespace
+{
+
+using Bytes = std::vector<std::uint8_t>;
+
+constexpr int kSequence = 7;
+const ros::Time kStamp(12, 34);
+
+bool waitFor(const std::function<bool()>& condition)
+{
+  const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(30);
+  while (!condition() && std::chrono::steady_clock::now() < deadline)
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  return condition();
+}
+
+/// The last message of a topic of this process.
+template <class Message>
+class Receiver
+{
+public:
+  explicit Receiver(const std::string& topic)
+    : subscriber_(ros::NodeHandle("~").subscribe<Message>(
+          topic, 10, [this](const boost::shared_ptr<const Message>& message) { put(message); }))
+  {
+  }
+
+  boost::shared_ptr<const Message> wait()
+  {
+    EXPECT_TRUE(waitFor([this] { return last() != nullptr; })) << "on " << subscriber_.getTopic();
+    return last();
+  }
+
+  boost::shared_ptr<const Message> last() const
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    return last_;
+  }
+
+private:
+  void put(const boost::shared_ptr<const Message>& message)
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    last_ = message;
+  }
+
+  mutable std::mutex mutex_;  // guards last_ against the spinner's threads
+  boost::shared_ptr<const Message> last_;
+  ros::Subscriber subscriber_;
+};
+
+cv::Mat picture()
+{
+  cv::Mat image(48, 64, CV_8UC3);
+  cv::RNG(7).fill(image, cv::RNG::UNIFORM, 0, 256);
+  cv::GaussianBlur(image, image, {9, 9}, 0);
+  return image;
+}
+
+Bytes jpegOf(const cv::Mat& image, int quality = 95)
+{
+  Bytes bytes;
+  cv::imencode(".jpg", image, bytes, {cv::IMWRITE_JPEG_QUALITY, quality});
+  return bytes;
+}
+
+Frame frameOf(Bytes& jpeg)
+{
+  Frame frame;
+  frame.image = cv::Mat(1, static_cast<int>(jpeg.size()), CV_8UC1, jpeg.data());
+  frame.encoding = "jpeg";
+  frame.sequence = kSequence;
+  return frame;
+}
+
+cv::Mat pixelsOf(const sensor_msgs::Image& image)
+{
+  return viewPixels(image);
+}
+
+bool equal(const cv::Mat& a, const cv::Mat& b)
+{
+  return a.size() == b.size() && a.type() == b.type() && cv::norm(a, b, cv::NORM_INF) == 0.0;
+}
+
+}  // namespace
+
+/// The outputs of a camera in a namespace of the test's own.
+class Outputs : public testing::Test
+{
+protected:
+  void make(const CameraOutputs::Params& params = {})
+  {
+    outputs_ = std::make_unique<CameraOutputs>(ros::NodeHandle("~"), params, [] {});
+    ASSERT_FALSE(outputs_->wanted());
+  }
+
+  void waitUntilWanted()
+  {
+    ASSERT_TRUE(waitFor([this] { return outputs_->wanted(); }));
+  }
+
+  void publish(const Frame& frame) { outputs_->publish(frame, kStamp); }
+
+  /// How often a topic is advertised.
+  static long topics(const std::string& name)
+  {
+    ros::V_string all;
+    ros::this_node::getAdvertisedTopics(all);
+    return std::count(all.begin(), all.end(), ros::NodeHandle("~").resolveName(name));
+  }
+
+  std::unique_ptr<CameraOutputs> outputs_;
+};
+
+TEST_F(Outputs, ofJpegArePassedOnUntouched)
+{
+  make();
+  Bytes jpeg = jpegOf(picture());
+  jpeg.erase(jpeg.end() - 200, jpeg.end() - 2);  // a decoder would refuse it
+  Receiver<sensor_msgs::CompressedImage> compressed("image_raw/compressed");
+  waitUntilWanted();
+  publish(frameOf(jpeg));
+  const auto message = compressed.wait();
+  EXPECT_EQ(message->data, jpeg);
+  EXPECT_EQ(message->format, "bgr8; jpeg compressed bgr8");
+  EXPECT_EQ(message->header.stamp, kStamp);
+  EXPECT_EQ(message->header.frame_id, "head_camera");
+}
+
+TEST_F(Outputs, ofGrayJpegSaySo)
+{
+  make();
+  cv::Mat gray;
+  cv::cvtColor(picture(), gray, cv::COLOR_BGR2GRAY);
+  Bytes jpeg = jpegOf(gray);
+  Receiver<sensor_msgs::CompressedImage> compressed("image_raw/compressed");
+  waitUntilWanted();
+  publish(frameOf(jpeg));
+  EXPECT_EQ(compressed.wait()->format, "mono8; jpeg compressed ");
+}
+
+TEST_F(Outputs, ofJpegAreDecodedForWhoWantsPixels)
+{
+  make();
+  Bytes jpeg = jpegOf(picture());
+  Receiver<sensor_msgs::Image> raw("image_raw");
+  waitUntilWanted();
+  publish(frameOf(jpeg));
+  EXPECT_EQ(raw.wait()->encoding, "bgr8");
+  EXPECT_TRUE(equal(pixelsOf(*raw.wait()), cv::imdecode(jpeg, cv::IMREAD_COLOR)));
+}
+
+TEST_F(Outputs, ofJpegAreGrayByTheirLuma)
+{
+  make();
+  Bytes jpeg = jpegOf(picture());
+  Receiver<sensor_msgs::Image> mono("image_mono");
+  waitUntilWanted();
+  publish(frameOf(jpeg));
+  EXPECT_EQ(mono.wait()->encoding, "mono8");
+  EXPECT_TRUE(equal(pixelsOf(*mono.wait()), cv::imdecode(jpeg, cv::IMREAD_GRAYSCALE)));
+}
+
+TEST_F(Outputs, tellTheCamerasSizeWithoutDecoding)
+{
+  make();
+  Bytes jpeg = jpegOf(picture());
+  jpeg.erase(jpeg.end() - 200, jpeg.end() - 2);
+  Receiver<sensor_msgs::CameraInfo> info("camera_info");
+  Receiver<sensor_msgs::CompressedImage> compressed("image_raw/compressed");
+  waitUntilWanted();
+  ASSERT_TRUE(waitFor(
+      [&]
+      {
+        publish(frameOf(jpeg));
+        return info.last() && compressed.last();
+      }));
+  EXPECT_EQ(info.last()->width, 64u);
+  EXPECT_EQ(info.last()->height, 48u);
+  EXPECT_EQ(info.last()->header.stamp, compressed.last()->header.stamp);
+  EXPECT_EQ(info.last()->header.frame_id, compressed.last()->header.frame_id);
+}
+
+// Recorders subscribe to all there is: a topic that can have no depths is not there, and one that has none now is no
+// reason to decode.
+TEST_F(Outputs, ofJpegAreNotDecodedForDepths)
+{
+  make();
+  EXPECT_EQ(topics("image_raw/compressedDepth"), 0);
+  EXPECT_EQ(topics("image_mono/compressedDepth"), 0);
+  EXPECT_EQ(topics("image_mono/compressed"), 1);
+  outputs_.reset();
+
+  CameraOutputs::Params params;
+  params.output_encoding = "native";
+  make(params);
+  Bytes jpeg = jpegOf(picture());
+  jpeg.erase(jpeg.end() - 200, jpeg.end() - 2);  // a decoder would refuse it
+  Receiver<sensor_msgs::CompressedImage> depth("image_raw/compressedDepth");
+  waitUntilWanted();
+  EXPECT_EQ(refusal([&] { publish(frameOf(jpeg)); }), "");
+}
+
+TEST_F(Outputs, ofDepthsAreForCompressedDepth)
+{
+  CameraOutputs::Params params;
+  params.output_encoding = "native";
+  make(params);
+  Receiver<sensor_msgs::CompressedImage> depth("image_raw/compressedDepth");
+  waitUntilWanted();
+  Frame frame;
+  frame.image = cv::Mat(48, 64, CV_16UC1, cv::Scalar(1234));
+  frame.encoding = "mono16";
+  publish(frame);
+  EXPECT_EQ(depth.wait()->format, "mono16; compressedDepth png");
+}
+
+TEST_F(Outputs, thatAreEqualAreMadeOnce)
+{
+  CameraOutputs::Params params;
+  params.output_encoding = "mono8";
+  make(params);
+  Receiver<sensor_msgs::Image> raw("image_raw");
+  Receiver<sensor_msgs::Image> mono("image_mono");
+  Bytes jpeg = jpegOf(picture());
+  ASSERT_TRUE(waitFor(
+      [&]
+      {
+        publish(frameOf(jpeg));
+        return raw.last() && mono.last();
+      }));
+  publish(frameOf(jpeg));
+  EXPECT_TRUE(waitFor([&] { return raw.last() == mono.last(); }));
+  EXPECT_TRUE(equal(pixelsOf(*mono.last()), cv::imdecode(jpeg, cv::IMREAD_GRAYSCALE)));
+}
+
+TEST_F(Outputs, tellTheSizeWithoutAPixelRead)
+{
+  make();
+  constexpr std::size_t kBytes = 64 * 48 * 2;
+  void* const unreadable = mmap(nullptr, kBytes, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+  ASSERT_NE(unreadable, MAP_FAILED);
+  Frame frame;
+  frame.image = cv::Mat(48, 64, CV_8UC2, unreadable);
+  frame.encoding = "yuv422_yuy2";
+  Receiver<sensor_msgs::CameraInfo> info("camera_info");
+  waitUntilWanted();
+  publish(frame);
+  EXPECT_EQ(info.wait()->width, 64u);
+  EXPECT_EQ(info.wait()->height, 48u);
+  munmap(unreadable, kBytes);
+}
+
+TEST_F(Outputs, ofTruncatedJpegAreRefused)
+{
+  make();
+  Bytes jpeg = jpegOf(picture());
+  jpeg.resize(jpeg.size() / 2);
+  Receiver<sensor_msgs::CompressedImage> compressed("image_raw/compressed");
+  waitUntilWanted();
+  EXPECT_THROW(publish(frameOf(jpeg)), std::invalid_argument);
+  EXPECT_FALSE(compressed.last());
+}
+
+// What one subscriber wants must not cost another his picture, above all not its camera_info.
+TEST_F(Outputs, thatCannotBeMadeCostNoOthers)
+{
+  CameraOutputs::Params params;
+  params.output_encoding = "native";
+  make(params);
+  Frame frame;
+  frame.image = cv::Mat(1, kLongestJpegSide + 1, CV_16UC1, cv::Scalar(1234));
+  frame.encoding = "mono16";
+  Receiver<sensor_msgs::CompressedImage> compressed("image_raw/compressed");
+  Receiver<sensor_msgs::Image> raw("image_raw");
+  Receiver<sensor_msgs::CameraInfo> info("camera_info");
+  Receiver<sensor_msgs::CompressedImage> depth("image_raw/compressedDepth");
+  Receiver<sensor_msgs::Image> mono("image_mono");
+  EXPECT_TRUE(waitFor(
+      [&]
+      {
+        const bool refused = !refusal([&] { publish(frame); }).empty();
+        return raw.last() && info.last() && depth.last() && mono.last() && refused;
+      }));
+  EXPECT_FALSE(compressed.last());
+}
+
+TEST_F(Outputs, ofDamagedJpegAreThoseThatNeedNoPixels)
+{
+  make();
+  Bytes jpeg = jpegOf(picture());
+  jpeg.erase(jpeg.end() - 200, jpeg.end() - 2);
+  Receiver<sensor_msgs::Image> raw("image_raw");
+  Receiver<sensor_msgs::CameraInfo> info("camera_info");
+  ASSERT_TRUE(waitFor([&] { return refusal([&] { publish(frameOf(jpeg)); }) != ""; }));  // raw is wanted
+  EXPECT_FALSE(info.last());
+  Receiver<sensor_msgs::CompressedImage> compressed("image_raw/compressed");
+  EXPECT_TRUE(waitFor(
+      [&]
+      {
+        EXPECT_NE(refusal([&] { publish(frameOf(jpeg)); }), "");
+        return compressed.last() && info.last();
+      }));
+  EXPECT_FALSE(raw.last());
+}
+
+TEST_F(Outputs, ofPixelsAreCompressedAsThePluginWould)
+{
+  ros::NodeHandle("~").setParam("image_raw/compressed/jpeg_quality", 40);
+  make();
+  Receiver<sensor_msgs::CompressedImage> compressed("image_raw/compressed");
+  waitUntilWanted();
+  Frame frame;
+  frame.image = picture();
+  frame.encoding = "bgr8";
+  publish(frame);
+  EXPECT_EQ(compressed.wait()->data, jpegOf(frame.image, 40));
+  EXPECT_EQ(compressed.wait()->format, "bgr8; jpeg compressed bgr8");
+  ros::NodeHandle("~").deleteParam("image_raw/compressed/jpeg_quality");
+}
+
+TEST_F(Outputs, leaveTheListOfDisabledPluginsAsItIs)
+{
+  ros::NodeHandle pnh("~");
+  make();
+  EXPECT_EQ(topics("image_raw/compressed"), 1);
+  EXPECT_EQ(topics("image_raw/theora"), 1);
+  EXPECT_FALSE(pnh.hasParam("image_raw/disable_pub_plugins"));
+
+  outputs_.reset();
+  const std::vector<std::string> disabled = {"image_transport/theora", "image_transport/compressed"};
+  pnh.setParam("image_raw/disable_pub_plugins", disabled);
+  make();
+  EXPECT_EQ(topics("image_raw/compressed"), 0);
+  EXPECT_EQ(topics("image_raw/theora"), 0);
+  EXPECT_EQ(topics("image_mono/compressed"), 1);
+  std::vector<std::string> after;
+  pnh.getParam("image_raw/disable_pub_plugins", after);
+  EXPECT_EQ(after, disabled);
+  pnh.deleteParam("image_raw/disable_pub_plugins");
+}
+
+int main(int argc, char** argv)
+{
+  return runTests(argc, argv, "camera_outputs");
+}

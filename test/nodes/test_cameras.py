@@ -1,0 +1,156 @@
+"""Several cameras in one manager: each on its own, whatever becomes of the others."""
+
+import os
+import pathlib
+import re
+import signal
+import sys
+import xmlrpc.client
+
+import cv2
+import numpy as np
+import rosgraph
+import rospy
+import support
+import yaml
+from nodelet.srv import NodeletList, NodeletUnload
+from sensor_msgs.msg import CameraInfo, Image
+from support import Messages, wait_for
+
+MANAGER = "/camera_manager"
+PROMPT = {"PYTHONUNBUFFERED": "1"}  # or rospy's INFO lines come when they fill a page
+BOND_BREAKS = 6.0  # s, after the last sign of life of the other side, 4 s and its own ticks
+SMALL = {"source": "synthetic", "image_width": 160, "image_height": 120}
+
+
+def loaded():
+    return set(rospy.ServiceProxy(MANAGER + "/list", NodeletList)().nodelets)
+
+
+def process_of(node):
+    """The process id of a node."""
+    uri = rosgraph.Master("/test").lookupNode(node)
+    return xmlrpc.client.ServerProxy(uri).getPid("/test")[2]
+
+
+def assert_frames(topic, width, frame_id):
+    images = Messages(topic + "/image_raw", Image)
+    infos = Messages(topic + "/camera_info", CameraInfo)
+    image, info = support.same_frame(images, infos)
+    assert (image.width, image.header.frame_id) == (width, frame_id)
+    assert info.header == image.header or info.header.frame_id == frame_id
+    images.close()
+    infos.close()
+
+
+def test_cameras_of_a_launch_file(start, tmp_path):
+    """Two work, a file is wrong and a device is missing; the manager dies, then the loader."""
+    cameras = [
+        {"name": "front", "rate": 20, **SMALL},
+        {"name": "wrong", "source": "/no/such/file.mp4"},
+        {"name": "mad", "source": "synthetic", "image_width": -1},
+        {"name": "missing", "source": "/dev/robot_vision_none"},
+        {"name": "rear", **SMALL, "image_width": 200, "camera_frame_id": "rear_eye"},
+    ]
+    config = tmp_path / "cameras.yaml"
+    config.write_text(yaml.safe_dump({"cameras": cameras}))
+    command = ["/usr/bin/roslaunch", "robot_vision", "cameras.launch", f"config:={config}"]
+    process = start(*command, env=PROMPT)
+    victims = (MANAGER, "/camera_loader", None)
+    for times, victim in enumerate(victims, 1):
+        last = re.compile("(?s)" + times * ".*/rear: loaded")
+        wait_for(lambda: last.match(process.output()), "the cameras")  # noqa: B023
+        assert_frames("/front", 160, "front")
+        assert_frames("/rear", 200, "rear_eye")
+        assert loaded() == {"/front", "/rear", "/missing"}
+        if victim:
+            os.kill(process_of(victim), signal.SIGKILL)
+    output = process.output()
+    assert "/no/such/file.mp4: no such file or folder" in output
+    assert "image_width is -1, must be from 16 to 8192" in output
+    for name in ("/wrong", "/mad"):
+        assert f"{name}: not loaded, the manager says why; trying again in 1 s" in output
+    assert "responded with an error" not in output and "b'" not in output
+
+
+def test_cameras_come_again_until_ctrl_c(start):
+    manager = start("/usr/lib/nodelet/nodelet", "manager", "__name:=camera_manager")
+    rospy.set_param("/camera_loader/cameras", [{"name": "front", **SMALL}])
+    loader = start("camera_loader.py", env=PROMPT)
+    loader.wait_for_output("/front: loaded")
+    assert loaded() == {"/front"}
+    rospy.ServiceProxy(MANAGER + "/unload_nodelet", NodeletUnload)("/front")
+    loader.wait_for_output("/front: lost, the manager has died or unloaded it")
+    wait_for(lambda: loaded() == {"/front"}, "the camera to be loaded again")
+    loader.interrupt()
+    assert loader.exit_code(5.0) == 0
+    assert loaded() == set()
+    assert manager.running()
+
+
+def test_a_loader_that_was_killed_finds_its_cameras_again(start):
+    """Also before the manager has noticed, and those of the loader before are not in its way."""
+    start("/usr/lib/nodelet/nodelet", "manager", "__name:=camera_manager")
+    rospy.set_param("/camera_loader/cameras", [{"name": "front", **SMALL}])
+    start("camera_loader.py", env=PROMPT).wait_for_output("/front: loaded")
+    os.kill(process_of("/camera_loader"), signal.SIGKILL)
+    loader = start("camera_loader.py", env=PROMPT)
+    loader.wait_for_output("/front: unloaded, another loader has left it")
+    loader.wait_for_output("/front: loaded")
+    assert "not loaded" not in loader.output()
+    assert_frames("/front", 160, "front")
+    # The bond of the dead loader would break now.
+    rospy.rostime.wallsleep(BOND_BREAKS)
+    assert loaded() == {"/front"} and "/front: lost" not in loader.output()
+
+
+def test_a_camera_that_was_refused_is_tried_again(start, tmp_path):
+    picture = tmp_path / "later.png"
+    start("/usr/lib/nodelet/nodelet", "manager", "__name:=camera_manager")
+    rospy.set_param("/camera_loader/cameras", [{"name": "front", "source": str(picture)}])
+    loader = start("camera_loader.py", env=PROMPT)
+    for seconds in (1, 2):
+        loader.wait_for_output(f"trying again in {seconds} s")
+    cv2.imwrite(str(picture), np.zeros((48, 64, 3), np.uint8))
+    loader.wait_for_output("/front: loaded")
+    assert_frames("/front", 64, "front")
+
+
+def test_a_camera_that_the_manager_dies_of_is_left_out(start):
+    script = str(pathlib.Path(__file__).with_name("dying_manager.py"))
+    rospy.set_param(
+        "/camera_loader/cameras",
+        [{"name": name, "source": "synthetic"} for name in ("front", "bad", "rear")],
+    )
+    loader = start("camera_loader.py", "_manager:=/manager", env=PROMPT)
+    loader.wait_for_output("waiting for the manager /manager")
+    for end in ("/bad: the manager died of it; once more", "of it; it is left out"):
+        manager = start(sys.executable, script)
+        loader.wait_for_output(end)
+        assert manager.exit_code() == 1
+        assert "loaded /front robot_vision/camera" in manager.output()
+    manager = start(sys.executable, script)
+    manager.wait_for_output("loaded /rear robot_vision/camera")
+    assert manager.running() and "loaded /front robot_vision/camera" in manager.output()
+
+
+def test_what_is_no_list_of_cameras_is_told_once_and_waited_for(start, tmp_path):
+    """roslaunch starts a loader that ends over and over."""
+    config = tmp_path / "cameras.yaml"
+    config.write_text(yaml.safe_dump({"cameras": [{"name": "front"}]}))
+    command = ["/usr/bin/roslaunch", "robot_vision", "cameras.launch", f"config:={config}"]
+    process = start(*command, env=PROMPT)
+    process.wait_for_output("cameras[0] (front): there is no source; waiting for another list")
+    rospy.set_param("/camera_loader/cameras", [])
+    process.wait_for_output("cameras is [], must be a list of maps with name and source; waiting")
+    rospy.set_param("/camera_loader/cameras", [{"name": "front", **SMALL}])
+    process.wait_for_output("/front: loaded")
+    assert process.output().count("there is no source") == 1
+    assert "has died" not in process.output(), process.output()
+
+
+def test_help_promises_no_file(start):
+    process = start("camera_loader.py", "--help")
+    assert process.exit_code() == 0
+    assert "Loads the cameras of the list ~cameras" in process.output()
+    assert "save_parameters" not in process.output()

@@ -1,0 +1,343 @@
+"""Our image_transport plugins: what they write and read, with republish as everybody runs it."""
+
+import pathlib
+import re
+import shutil
+import struct
+import subprocess
+
+import cv2
+import dynamic_reconfigure.client
+import numpy as np
+import pytest
+import rospy
+import support
+from frames import Frames, Source, message, new_topic
+from sensor_msgs.msg import CompressedImage, Image
+from std_msgs.msg import Header
+
+from robot_vision.transport import ImagePublisher, ImageSubscriber
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+REPUBLISH = "/usr/lib/image_transport/republish"
+if not pathlib.Path(REPUBLISH).exists():
+    REPUBLISH = "/opt/ros/noetic/lib/image_transport/republish"
+
+HEADER = Header(stamp=rospy.Time(12, 34), frame_id="eye")
+
+
+def picture(height=48, width=64):
+    """A colour picture with soft shapes, BGR."""
+    y, x = np.mgrid[:height, :width]
+    waves = [np.sin(0.11 * x + 0.04 * y), np.cos(0.07 * y), np.sin(0.05 * (x + y))]
+    return np.stack([127.5 + 127 * wave for wave in waves], axis=2).astype(np.uint8)
+
+
+def array(image):
+    """The pixels of an Image of 8 or 16 bits, or of 32FC1."""
+    if image.encoding == "32FC1":
+        return np.frombuffer(image.data, np.float32).reshape(image.height, image.width)
+    dtype = np.uint16 if "16" in image.encoding else np.uint8
+    return np.frombuffer(image.data, dtype).reshape(image.height, image.width, -1).squeeze()
+
+
+@pytest.fixture
+def republish(start):
+    """republish(from, to) gives the topics of the input and the output."""
+
+    def run(from_transport, to_transport, topic=None, **parameters):
+        source, target = topic or new_topic(), new_topic()
+        process = start(
+            REPUBLISH,
+            from_transport,
+            f"in:={source}",
+            to_transport,
+            f"out:={target}",
+            f"__name:=republish_{target.split('/')[1]}",
+            *[f"_{name}:={value}" for name, value in parameters.items()],
+        )
+        return source, target, process
+
+    return run
+
+
+def stamped(image, secs=HEADER.stamp.secs):
+    image.header = Header(stamp=rospy.Time(secs, HEADER.stamp.nsecs), frame_id=HEADER.frame_id)
+    return image
+
+
+def open_chain(publisher, image, *ends):
+    """Sends the picture until it has come through to all ends: connections take their time."""
+
+    def arrived():
+        publisher.send(stamped(image, 1))
+        return all(messages.received for messages in ends)
+
+    support.wait_for(arrived, "pictures at all ends")
+
+
+def through(source, kind, sent, messages):
+    """What comes when a message has been sent."""
+    publisher = Source(source, kind)
+    publisher.wait_for()
+    support.wait_for(messages.connected, "the answer's publisher")
+    publisher.send(sent)
+    return messages.wait()[0]
+
+
+def test_what_compressed_writes(republish):
+    source, target, _ = republish("raw", "compressed")
+    out = support.Messages(target + "/compressed", CompressedImage)
+    bgr = picture()
+    came = through(source, Image, stamped(message(bgr[:, :, ::-1], "rgb8", padding=6)), out)
+    assert came.format == "rgb8; jpeg compressed bgr8"
+    assert (came.header.stamp, came.header.frame_id) == (HEADER.stamp, "eye")
+    assert came.data == cv2.imencode(".jpg", bgr, [cv2.IMWRITE_JPEG_QUALITY, 80])[1].tobytes()
+
+    # Its settings are where everybody looks for them, and live.
+    client = dynamic_reconfigure.client.Client(target + "/compressed", timeout=support.DEADLINE)
+    assert client.get_configuration()["jpeg_quality"] == 80
+    client.update_configuration({"jpeg_quality": 30, "jpeg_progressive": True})
+    publisher = Source(source)
+    publisher.wait_for()
+    publisher.send(message(bgr, "bgr8"))
+    options = [cv2.IMWRITE_JPEG_QUALITY, 30, cv2.IMWRITE_JPEG_PROGRESSIVE, 1]
+    assert out.wait(2)[1].data == cv2.imencode(".jpg", bgr, options)[1].tobytes()
+    client.update_configuration({"format": "png", "png_level": 1})
+    publisher.send(message(bgr[:, :, 0].astype(np.uint16) * 257, "mono16"))
+    came = out.wait(3)[2]
+    assert came.format == "mono16; png compressed "
+    pixels = cv2.imdecode(np.frombuffer(came.data, np.uint8), cv2.IMREAD_UNCHANGED)
+    assert np.array_equal(pixels, bgr[:, :, 0].astype(np.uint16) * 257)
+    client.update_configuration({"format": "webp"})
+    assert client.get_configuration()["format"] == "png"
+    client.close()
+
+
+@pytest.mark.parametrize(
+    "format, suffix, encoding, mode, expected",
+    [
+        ("rgb8; png compressed bgr8", ".png", "rgb8", None, lambda bgr: bgr[:, :, ::-1]),
+        ("bgr8; jpeg compressed bgr8", ".jpg", "bgr8", "unchanged", lambda bgr: bgr),
+        ("jpeg", ".jpg", "mono8", "gray", None),
+    ],
+)
+def test_what_compressed_reads(republish, format, suffix, encoding, mode, expected):
+    parameters = {} if mode is None else {"compressed/mode": mode}
+    source, target, process = republish("compressed", "raw", **parameters)
+    out = support.Messages(target, Image)
+    file = cv2.imencode(suffix, picture())[1]
+    sent = CompressedImage(header=HEADER, format=format, data=file.tobytes())
+    came = through(source + "/compressed", CompressedImage, sent, out)
+    assert came.encoding == encoding
+    assert (came.header.stamp, came.header.frame_id) == (HEADER.stamp, "eye")
+    if expected is None:
+        assert np.array_equal(array(came), cv2.imdecode(file, cv2.IMREAD_GRAYSCALE))
+    else:
+        assert np.array_equal(array(came), expected(cv2.imdecode(file, cv2.IMREAD_COLOR)))
+
+    # What is damaged is refused, and the next picture comes.
+    publisher = Source(source + "/compressed", CompressedImage)
+    publisher.wait_for()
+    publisher.send(CompressedImage(format=format, data=file.tobytes()[:-20]))
+    process.wait_for_output(f"refused a frame on {source}/compressed: ")
+    publisher.send(sent)
+    out.wait(2)
+
+
+def test_python_reads_and_writes_every_transport():
+    topic = new_topic()
+    publisher = ImagePublisher(topic)
+    received = {name: [] for name in ("raw", "compressed", "theora")}
+    subscribers = [
+        ImageSubscriber(topic, frames.append, transport=name) for name, frames in received.items()
+    ]
+    support.wait_for(lambda: publisher.get_num_connections() == 3, "three subscriptions")
+    bgr = picture()
+    publisher.publish(bgr, "bgr8", HEADER)
+    support.wait_for(lambda: all(received.values()), "a frame over each transport")
+    frames = {name: came[0] for name, came in received.items()}
+    file = cv2.imencode(".jpg", bgr, [cv2.IMWRITE_JPEG_QUALITY, 80])[1]
+    assert np.array_equal(frames["raw"].image, bgr)
+    assert np.array_equal(frames["compressed"].image, cv2.imdecode(file, cv2.IMREAD_COLOR))
+    assert np.abs(frames["theora"].image.astype(float) - bgr).mean() < 8
+    for frame in frames.values():
+        assert (frame.encoding, frame.header.stamp, frame.header.frame_id) == (
+            "bgr8",
+            HEADER.stamp,
+            "eye",
+        )
+    for subscriber in subscribers:
+        subscriber.unregister()
+    publisher.unregister()
+
+
+def test_a_node_s_parameter_chooses_the_transport():
+    rospy.set_param("~image_transport", "compressed")
+    try:
+        topic = new_topic()
+        frames = Frames(topic, "mono8")
+        publisher = Source(topic + "/compressed", CompressedImage)
+        publisher.wait_for()
+        file = cv2.imencode(".png", picture())[1]
+        publisher.send(CompressedImage(format="png", data=file.tobytes()))
+        expected = cv2.cvtColor(picture(), cv2.COLOR_BGR2GRAY)
+        assert np.array_equal(frames.wait()[0].image, expected)
+    finally:
+        rospy.delete_param("~image_transport")
+
+
+@pytest.mark.parametrize("node", ["brightness_node", "motion_detector.py"])
+def test_nodes_read_what_they_are_remapped_to(start, node):
+    topic = new_topic()
+    start(node, f"image:={topic}", "_image_transport:=compressed", "__name:=reader")
+    out = support.Messages("/reader/processed_image", Image)
+    publisher = Source(topic + "/compressed", CompressedImage)
+    publisher.wait_for()
+    file = cv2.imencode(".jpg", picture())[1].tobytes()
+
+    def seen():
+        publisher.send(CompressedImage(header=HEADER, format="jpeg", data=file))
+        return out.received
+
+    assert support.wait_for(seen, "a picture")[0].header.stamp == HEADER.stamp
+
+
+def test_depth_goes_there_and_back(republish):
+    source, middle, _ = republish("raw", "compressedDepth")
+    _, target, _ = republish("compressedDepth", "raw", middle)
+    wire = support.Messages(middle + "/compressedDepth", CompressedImage)
+    out = support.Messages(target, Image)
+    publisher = Source(source)
+    millimetres = np.arange(48 * 64, dtype=np.uint16).reshape(48, 64) * 5
+    open_chain(publisher, message(millimetres, "16UC1"), wire, out)
+
+    publisher.send(stamped(message(millimetres, "16UC1")))
+    came, back = wire.of(HEADER.stamp), out.of(HEADER.stamp)
+    assert came.format == "16UC1; compressedDepth png"
+    assert struct.unpack("<i", came.data[:4]) == (0,)
+    png = cv2.imdecode(np.frombuffer(came.data[12:], np.uint8), cv2.IMREAD_UNCHANGED)
+    within = np.where(millimetres > 10000, 0, millimetres)
+    assert np.array_equal(png, within)
+    assert np.array_equal(array(back), within)
+    assert (back.encoding, back.header.stamp, back.header.frame_id) == (
+        "16UC1",
+        HEADER.stamp,
+        "eye",
+    )
+
+    metres = np.linspace(0.2, 12.0, 48 * 64, dtype=np.float32).reshape(48, 64)
+    metres[0, 0] = np.nan
+    publisher.send(stamped(message(metres, "32FC1"), 13))
+    came, back = wire.of(rospy.Time(13, 34)), out.of(rospy.Time(13, 34))
+    assert came.format == "32FC1; compressedDepth png"
+    assert struct.unpack("<iff", came.data[:12]) == (0, 10100.0, -1009.0)
+    decoded = array(back)
+    seen = metres < 10.0
+    assert np.array_equal(np.isnan(decoded), ~seen)
+    assert np.all(np.abs(decoded[seen] - metres[seen]) <= metres[seen] ** 2 / 10100 * 1.01 + 1e-6)
+
+
+def test_recording_all_topics_is_no_trouble_with_colours(republish):
+    """usb_cam#55: compressedDepth of a colour picture was an error with every frame."""
+    source, target, process = republish("raw", "compressedDepth")
+    out = support.Messages(target + "/compressedDepth", CompressedImage)
+    publisher = Source(source)
+    stays_empty = f"{target}/compressedDepth stays empty: bgr8 pictures hold no depths"
+
+    def told():
+        publisher.send(message(picture(), "bgr8"))
+        return stays_empty in process.output()
+
+    support.wait_for(told, stays_empty)
+    told()
+    open_chain(publisher, message(np.ones((4, 4), np.uint16), "16UC1"), out)
+    assert {sent.format for sent in out.received} == {"16UC1; compressedDepth png"}
+    assert process.output().count(stays_empty) == 1
+    assert "ERROR" not in process.output() and "WARN" not in process.output()
+
+
+def test_theora_is_seen_by_who_comes_late(republish):
+    source, middle, _ = republish("raw", "theora")
+    _, early, _ = republish("theora", "raw", middle)
+    first = support.Messages(early, Image)
+    publisher = Source(source)
+    open_chain(publisher, message(picture(), "bgr8"), first)
+
+    def show(number):
+        """The picture sent, once the early reader has it."""
+        shown = np.roll(picture(), number, axis=1)
+        image = stamped(message(shown, "bgr8"), number)
+        publisher.send(image)
+        first.of(image.header.stamp)
+        return shown
+
+    for number in range(10, 20):  # changes of the key frame
+        show(number)
+    _, late, process = republish("theora", "raw", middle)
+    second = support.Messages(late, Image)
+    numbers = iter(range(20, 10000))
+    support.wait_for(lambda: show(next(numbers)) is not None and second.received, "pictures")
+    number = next(numbers)
+    shown = show(number)
+    image = second.of(rospy.Time(number, HEADER.stamp.nsecs))
+    assert (image.encoding, image.header.frame_id) == ("bgr8", "eye")
+    assert np.abs(array(image).astype(float) - shown).mean() < 8
+    assert "ERROR" not in process.output()
+
+
+STUB = """
+cmake_minimum_required(VERSION 3.16)
+project(robot_vision LANGUAGES CXX)
+add_library(robot_vision_ros INTERFACE)
+function(enable_warnings target)
+endfunction()
+set(CATKIN_PACKAGE_LIB_DESTINATION lib)
+set(CATKIN_PACKAGE_SHARE_DESTINATION share)
+add_subdirectory(transports)
+if(TARGET robot_vision_transports)
+  message(STATUS "built")
+endif()
+"""
+
+
+@pytest.mark.parametrize(
+    "there, ours",
+    [
+        ([], ["compressedDepth", "compressed", "theora"]),
+        (["compressed"], ["compressedDepth", "theora"]),
+        (["compressed", "compressed_depth", "theora"], []),
+    ],
+)
+def test_ours_step_aside_for_the_standard_ones(start, tmp_path, there, ours):
+    shutil.copytree(str(ROOT / "src" / "transports"), str(tmp_path / "transports"))
+    (tmp_path / "CMakeLists.txt").write_text(STUB)
+    (tmp_path / "package.xml").write_text((ROOT / "package.xml").read_text())
+    options = []
+    for name in ("compressed", "compressed_depth", "theora"):
+        package = f"{name}_image_transport"
+        if name in there:
+            (tmp_path / package).mkdir()
+            (tmp_path / package / f"{package}Config.cmake").write_text("")
+            options.append(f"-D{package}_DIR={tmp_path / package}")
+        else:
+            options.append(f"-DCMAKE_DISABLE_FIND_PACKAGE_{package}=ON")
+    command = ["cmake", "-S", str(tmp_path), "-B", str(tmp_path / "build"), *options]
+    output = subprocess.run(command, stdout=subprocess.PIPE, check=True, text=True).stdout
+    assert ("-- built" in output) == bool(ours)
+    for name in there:
+        assert f"{name}_image_transport is there: its plugins are used, not ours" in output
+    plugins = (tmp_path / "transport_plugins.xml").read_text()
+    names = re.findall(r'"image_transport/(\w+)"', plugins)
+    assert names == [f"{name}_{end}" for name in ours for end in ("pub", "sub")]
+
+    # A list without plugins is no error to those who read it.
+    if not ours:
+        source, target = new_topic(), new_topic()
+        path = f"{tmp_path}:/usr/share:/opt/ros/noetic/share"
+        arguments = ["raw", f"in:={source}", f"out:={target}"]
+        process = start(REPUBLISH, *arguments, env={"ROS_PACKAGE_PATH": path})
+        Source(source).wait_for()
+        topics = [t for t, _ in rospy.get_published_topics() if t.startswith(target)]
+        assert topics == [target]
+        assert "ERROR" not in process.output()

@@ -1,0 +1,96 @@
+"""What the tests of calibration share: boards as pictures, and as cameras see them."""
+
+import cv2
+import numpy as np
+
+import robot_vision as rv
+
+SQUARE = 0.03  # m, also from circle to circle
+DOT = 40  # px per square of a board's picture
+MARKER = 0.022  # m
+BLACK, WHITE = 30, 230
+
+
+def chessboard(columns, rows):
+    """A grey picture with so many inner corners; one square is DOT px, the margin half a one."""
+    squares = np.indices((rows + 1, columns + 1)).sum(axis=0) % 2
+    return framed(np.kron(np.where(squares, WHITE, BLACK), np.ones((DOT, DOT))))
+
+
+def circles(columns, rows):
+    return dotted([(x, y) for y in range(rows) for x in range(columns)], columns, rows)
+
+
+def asymmetric_circles(columns, rows):
+    points = [(2 * x + y % 2, y) for y in range(rows) for x in range(columns)]
+    return dotted(points, 2 * columns, rows)
+
+
+def charuco(columns, rows, dictionary, first=BLACK):
+    """One whose upper left square is `first`: white with even rows in OpenCV before 4.6."""
+    side = round(DOT * MARKER / SQUARE)
+    margin = (DOT - side) // 2
+    whites = np.indices((rows, columns)).sum(axis=0) % 2 == (first == BLACK)
+    picture = np.kron(np.where(whites, WHITE, BLACK), np.ones((DOT, DOT)))
+    for number, (y, x) in enumerate(np.argwhere(whites) * DOT + margin):
+        picture[y : y + side, x : x + side] = marker(number, dictionary, side)
+    return framed(picture)
+
+
+def marker(number, dictionary, side):
+    aruco = cv2.aruco
+    words = aruco.getPredefinedDictionary(getattr(aruco, "DICT_" + dictionary.upper()))
+    draw = aruco.generateImageMarker if hasattr(aruco, "generateImageMarker") else aruco.drawMarker
+    return np.where(draw(words, number, side), WHITE, BLACK)
+
+
+def dotted(points, columns, rows):
+    picture = np.full((rows * DOT, columns * DOT), WHITE, np.uint8)
+    for x, y in points:
+        middle = (DOT * x + DOT // 2) * 16 - 8, (DOT * y + DOT // 2) * 16 - 8
+        cv2.circle(picture, middle, DOT * 16 * 3 // 10, BLACK, -1, cv2.LINE_AA, 4)
+    return framed(picture)
+
+
+def framed(picture):
+    return np.pad(np.uint8(picture), DOT // 2, constant_values=WHITE)
+
+
+class Studio:
+    """A camera to which somebody shows a board: each frame another pose, all of it in view."""
+
+    def __init__(self, board, camera, seed=1):
+        size = np.array(board.shape[::-1]) / DOT * SQUARE  # m
+        bgr = cv2.cvtColor(board, cv2.COLOR_GRAY2BGR)
+        self._scene = rv.FloorScene(bgr, tuple(size), camera)
+        self._camera = camera
+        self._random = np.random.RandomState(seed)
+        x, y = size / 2.0
+        self._corners = np.array([[-x, -y, 0.0], [x, -y, 0.0], [x, y, 0.0], [-x, y, 0.0]])
+        self._nearest = 0.75 * max(size * camera.K[[0, 1], [0, 1]] / (camera.width, camera.height))
+
+    def frame(self, noise=1.0):
+        """(height, width) uint8."""
+        on_floor = np.array([[0, -1, 0, 0], [1, 0, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1.0]])
+        seen = self._scene.render(np.linalg.inv(self._pose() @ on_floor))
+        gray = cv2.cvtColor(seen, cv2.COLOR_BGR2GRAY)
+        noisy = gray + self._random.normal(0.0, noise, gray.shape)
+        return np.clip(np.rint(noisy), 0, 255).astype(np.uint8)
+
+    def _pose(self):
+        """4x4, in the optical frame, of the board: x right, y up, z towards the camera."""
+        random, camera = self._random, self._camera
+        border = 3.0  # px
+        while True:
+            axis, tilt = random.uniform(0.0, 2.0 * np.pi), random.uniform(0.25, 0.75)
+            turn = cv2.Rodrigues(tilt * np.array([np.cos(axis), np.sin(axis), 0.0]))[0]
+            roll = cv2.Rodrigues(np.array([0.0, 0.0, random.uniform(-0.4, 0.4)]))[0]
+            pose = np.eye(4)
+            pose[:3, :3] = np.diag([1.0, -1.0, -1.0]) @ turn @ roll
+            pixel = random.uniform((0.0, 0.0), (camera.width, camera.height))
+            ray = (pixel - camera.K[:2, 2]) / camera.K[[0, 1], [0, 1]]
+            pose[:3, 3] = random.uniform(0.9, 2.0) * self._nearest * np.array([*ray, 1.0])
+            pixels, _ = camera.project(self._corners @ pose[:3, :3].T + pose[:3, 3])
+            inside = (pixels > border) & (pixels < [camera.width - border, camera.height - border])
+            if inside.all():
+                return pose

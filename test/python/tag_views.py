@@ -1,0 +1,105 @@
+"""Pictures of tags, rendered through a lens, with blur and noise."""
+
+import cv2
+import numpy as np
+from tags import (
+    CAMERAS,
+    SIZE,
+    corners_of,
+    faces_camera,
+    in_picture,
+    matrix,
+    pose_in_view,
+    turned,
+)
+
+import robot_vision as rv
+
+CAMERA = CAMERAS["plumb_bob"]
+
+
+def undistorted(pixels, camera):
+    """x / z and y / z of pixels, (n, 2)."""
+    lens = np.asarray(pixels, float)[:, None], camera.K, np.array(camera.D)
+    if camera.distortion_model == "equidistant":
+        return cv2.fisheye.undistortPoints(*lens)[:, 0]
+    until = cv2.TERM_CRITERIA_COUNT | cv2.TERM_CRITERIA_EPS, 100, 1e-9
+    # cv2.undistortPoints stops too early.
+    return cv2.undistortPointsIter(*lens, None, None, until)[:, 0]
+
+
+def rays_of(camera):
+    """x / z and y / z of all pixels, (height, width, 2)."""
+    pixels = np.mgrid[: camera.height, : camera.width][::-1].reshape(2, -1).T
+    return undistorted(pixels, camera).reshape(camera.height, camera.width, 2)
+
+
+RAYS = rays_of(CAMERA)
+
+
+def picture_of(
+    pose, camera, rays, number, rng, blur=None, noise=3.0, family="tag36h11", size=SIZE, onto=None
+):
+    """What the camera sees of a tag on white paper before a grey wall.
+
+    blur: sigma, px, any from 0.3 to 1 unless told; noise: grey levels, around the tag; size: m;
+    onto: a picture with other tags.
+    """
+    cells, width = rv.tag_cells(family, number), rv.tag_family(family).width_at_border
+    cells = np.pad(cells, 0 if len(cells) == width + 2 else 1, constant_values=255)
+    corners = corners_of(pose, camera, size)
+    border = (0.6 * len(cells) / width - 0.35) * np.ptp(corners, axis=0).max() + 4
+    left, top = np.maximum(corners.min(axis=0) - border, 0).astype(int)
+    right, bottom = np.minimum(corners.max(axis=0) + border, (camera.width, camera.height)).astype(
+        int
+    )
+    part = rays[top:bottom, left:right]
+    rays_of_side = 6 if max(part.shape) < 250 else 3  # per pixel
+    fine = cv2.resize(part, None, fx=rays_of_side, fy=rays_of_side, interpolation=cv2.INTER_LINEAR)
+    fine = np.dstack([fine, np.ones(fine.shape[:2])])
+    axes, place = pose[:3, :3], pose[:3, 3]
+    points = fine * (axes[:, 2] @ place / (fine @ axes[:, 2]))[..., None] - place
+    x, y = (points @ axes[:, :2]).transpose(2, 0, 1) / size
+    columns, rows = (np.floor(v * width + len(cells) / 2).astype(int) for v in (x, -y))
+    on_paper = (columns >= 0) & (columns < len(cells)) & (rows >= 0) & (rows < len(cells))
+    values = np.full(on_paper.shape, 140.0)
+    values[on_paper] = 30.0 + 0.75 * cells[rows[on_paper], columns[on_paper]]
+    near = cv2.resize(values, part.shape[1::-1], interpolation=cv2.INTER_AREA)
+    near = cv2.GaussianBlur(near, (0, 0), blur or rng.uniform(0.3, 1.0))
+    near += rng.normal(0.0, noise, near.shape)
+    picture = np.full((camera.height, camera.width), 140, np.uint8) if onto is None else onto
+    picture[top:bottom, left:right] = near.clip(0, 255).round()
+    return picture
+
+
+def turn_of(error):
+    """Degrees, of x, y, z and rotations."""
+    return np.degrees(np.linalg.norm(error[3:]))
+
+
+def moving(rng, pixels, frames):
+    """Poses of a tag that moves and turns, 30 a second, as long as it is seen."""
+    pose = pose_in_view(rng, pixels, np.radians(rng.uniform(0, 50)))
+    shift, turn = rng.uniform(-0.15, 0.15, 3) / 30.0, turned(rng.uniform(-0.7, 0.7, 3) / 30.0)
+    for _ in range(frames):
+        if not in_picture(corners_of(pose, CAMERA), CAMERA) or not faces_camera(pose):
+            return
+        yield pose
+        pose = matrix(pose[:3, :3] @ turn, pose[:3, 3] + shift)
+
+
+def badly_calibrated(rng, error):
+    """The camera with numbers that are off, by this on (root mean square) average, px."""
+    pixels = np.mgrid[20:640:60, 20:480:60].reshape(2, -1).T.astype(float)
+    points = np.column_stack([undistorted(pixels, CAMERA), np.ones(len(pixels))])
+    lens = rng.normal(0.0, [0.02, 0.05, 0.001, 0.001, 0.0])
+    focus, middle = rng.normal(0.0, 2.0, 2), rng.normal(0.0, 2.0, 2)
+    scale = 1.0
+    for _ in range(5):
+        matrix_off = CAMERA.K + scale * np.array(
+            [[focus[0], 0.0, middle[0]], [0.0, focus[1], middle[1]], [0.0, 0.0, 0.0]]
+        )
+        camera = rv.CameraModel(640, 480, matrix_off, list(np.array(CAMERA.D) + scale * lens))
+        off = camera.project(points)[0] - pixels
+        scale *= error / np.sqrt(np.mean(np.sum(off**2, axis=1)))
+    return camera

@@ -1,0 +1,276 @@
+"""Known cameras, from pictures of every kind of board."""
+
+import cv2
+import numpy as np
+import pytest
+import yaml
+from board_views import (
+    BLACK,
+    DOT,
+    MARKER,
+    SQUARE,
+    WHITE,
+    Studio,
+    asymmetric_circles,
+    charuco,
+    chessboard,
+    circles,
+    marker,
+)
+
+import robot_vision as rv
+from robot_vision.calibration import boards
+from robot_vision.calibration.boards import Sighting
+from robot_vision.calibration.camera_file import as_yaml, default_path
+from robot_vision.calibration.coverage import UNSEEN, coverage_picture, seen_cells
+from robot_vision.calibration.solving import calibrate
+from robot_vision.calibration.views import ViewCollection, describe, edge_width
+
+SIZE = (640, 480)
+K = np.array([[520.0, 0.0, 331.0], [0.0, 524.0, 236.0], [0.0, 0.0, 1.0]])
+WIDE = np.array([[290.0, 0.0, 322.0], [0.0, 291.0, 237.0], [0.0, 0.0, 1.0]])
+CAMERAS = {
+    "plumb_bob": rv.CameraModel(*SIZE, K, [-0.22, 0.07, 0.0008, -0.0005, 0.0]),
+    "rational_polynomial": rv.CameraModel(
+        *SIZE, K, [0.21, -0.04, 0.0006, -0.0004, 0.01, 0.42, 0.02, 0.0], "rational_polynomial"
+    ),
+    "equidistant": rv.CameraModel(*SIZE, WIDE, [0.02, -0.01, 0.004, -0.001], "equidistant"),
+}
+DICTIONARY = "4x4_50"
+BOARDS = {
+    "chessboard": (chessboard(8, 6), boards.chessboard(8, 6, SQUARE)),
+    "circles": (circles(8, 6), boards.circles(8, 6, SQUARE)),
+    "acircles": (asymmetric_circles(4, 9), boards.asymmetric_circles(4, 9, SQUARE)),
+    "charuco": (
+        charuco(8, 6, DICTIONARY),
+        boards.charuco(8, 6, SQUARE, MARKER, DICTIONARY),
+    ),
+}
+
+
+def collected(kind, model, count=16, seed=1):
+    """The views of so many frames."""
+    picture, board = BOARDS[kind]
+    studio = Studio(picture, CAMERAS[model], seed)
+    views = ViewCollection(board, 60, 6.0)
+    for number in range(count):
+        views.offer(str(number), studio.frame())
+    return views
+
+
+def numbers(camera):
+    """fx, fy, cx, cy and D."""
+    return np.array([*camera.K[[0, 1, 0, 1], [0, 1, 2, 2]], *camera.D])
+
+
+def solved(views, model, **options):
+    return calibrate([view.sighting for view in views.views], views.size, model, **options)
+
+
+def disagreement(found, truth, views):
+    """How far apart, px, two cameras see 95 % of the points where the board was seen, at most.
+
+    Elsewhere nothing holds a model with many coefficients.
+    """
+    seen = seen_cells([view.sighting for view in views.views], SIZE)
+    x, y = np.meshgrid(np.linspace(-1.0, 1.0, 21), np.linspace(-1.0, 1.0, 21))
+    rays = np.stack([x.ravel(), y.ravel(), np.ones(x.size)], axis=1)
+    pixels, _ = truth.project(rays)
+    inside = ((pixels >= 0.0) & (pixels < SIZE)).all(axis=1)
+    rays, pixels = rays[inside], pixels[inside]
+    column, row = (pixels / SIZE * seen.shape[::-1]).astype(int).T
+    camera = rv.CameraModel(*SIZE, found.K, found.D, found.model)
+    apart = np.linalg.norm(camera.project(rays)[0] - pixels, axis=1)
+    return np.percentile(apart[seen[row, column]], 95)
+
+
+@pytest.mark.parametrize("model", CAMERAS)
+@pytest.mark.parametrize("kind", BOARDS)
+def test_a_known_camera_is_found(kind, model):
+    """K within 0.5 %, although OpenCV finds points a little amiss where a lens bends much."""
+    truth, views = CAMERAS[model], collected(kind, model)
+    found = solved(views, model)
+    assert (found.model, found.size) == (model, SIZE)
+    error = np.abs(numbers(found) - numbers(truth))
+    assert (error[:4] < 0.005 * numbers(truth)[[0, 1, 0, 1]]).all()
+    assert found.error < 0.3
+    assert disagreement(found, truth, views) < 1.0 + 10.0 * found.error
+
+
+@pytest.mark.parametrize("kind, model", [("chessboard", "plumb_bob"), ("charuco", "equidistant")])
+def test_the_deviations_are_those_of_the_results(kind, model):
+    """Half of the results are within 0.67 of them, and hardly one beyond 4."""
+    truth, scores = numbers(CAMERAS[model])[:8], []
+    for seed in range(2, 6):
+        found = solved(collected(kind, model, 12, seed), model)
+        scores.append((numbers(found)[:8] - truth) / found.deviations[:8])
+    assert 0.3 < np.median(np.abs(scores)) < 1.5 and np.abs(scores).max() < 5.0
+
+
+def test_k3_is_0_unless_it_is_asked_for():
+    views = collected("circles", "plumb_bob")
+    without, with_it = solved(views, "plumb_bob"), solved(views, "plumb_bob", third=True)
+    assert without.D[4] == without.deviations[8] == 0.0
+    assert with_it.D[4] != 0.0 and with_it.deviations[8] > 0.0
+
+
+def test_only_what_tells_something_new_is_kept():
+    picture, board = BOARDS["chessboard"]
+    studio, views = Studio(picture, CAMERAS["plumb_bob"]), ViewCollection(board, 3, 6.0)
+    frame = studio.frame()
+    moved = cv2.filter2D(frame, -1, np.full((1, 15), 1.0 / 15.0))  # while it was taken
+    for gray in (frame, frame, moved, np.full(SIZE[::-1], 128, np.uint8)):
+        views.offer("frame", gray)
+    assert views.summary() == "4 pictures: 1 used, 1 without the board, 1 blurred, 1 like others"
+    while not views.full:
+        views.offer("more", studio.frame())
+    assert len(views.views) == 3
+    with pytest.raises(ValueError, match="it has 320x240, the pictures before 640x480"):
+        views.offer("small", frame[::2, ::2])
+
+
+@pytest.mark.parametrize("direction", [(1, 15), (15, 1)])
+def test_blur_is_measured_whatever_its_direction(direction):
+    picture, board = BOARDS["acircles"]
+    frame = Studio(picture, CAMERAS["plumb_bob"]).frame()
+    pixels = board.find(frame).pixels
+    moved = cv2.filter2D(frame, -1, np.full(direction, 1.0 / 15.0))
+    assert edge_width(frame, pixels) < 4.5 < 9.0 < edge_width(moved, pixels)
+
+
+@pytest.mark.parametrize(
+    "light", [lambda x: 0.06, lambda x: 0.15 + 0.85 * x], ids=["dark", "shade on one side"]
+)
+def test_chessboards_are_found_in_bad_light(light):
+    picture, board = BOARDS["chessboard"]
+    studio, shade = Studio(picture, CAMERAS["plumb_bob"]), light(np.linspace(0.0, 1.0, SIZE[0]))
+    for _ in range(5):
+        assert board.find(np.rint(studio.frame() * shade).astype(np.uint8)) is not None
+
+
+def seen_at(x, y, z, turn=0.0):
+    """A chessboard, its middle there (m), turned around its upright axis (rad): its description."""
+    points = np.array([[i % 8 - 3.5, i // 8 - 2.5, 0.0] for i in range(48)]) * SQUARE
+    turned = points @ cv2.Rodrigues(np.array([0.0, turn, 0.0]))[0].T + [x, y, z]
+    return describe(Sighting(points, CAMERAS["plumb_bob"].project(turned)[0]), SIZE)
+
+
+def test_views_are_described_by_place_size_and_tilt():
+    middle = seen_at(0.0, 0.0, 0.5)
+    assert np.allclose(middle[:2], 0.5, atol=0.06) and np.allclose(middle[3:], 0.0, atol=0.05)
+    left, low, far = seen_at(-0.1, 0.0, 0.5), seen_at(0.0, 0.08, 0.5), seen_at(0.0, 0.0, 1.0)
+    assert left[0] < middle[0] - 0.2 and left[1] == pytest.approx(middle[1], abs=0.02)
+    assert low[1] > middle[1] + 0.2 and low[0] == pytest.approx(middle[0], abs=0.02)
+    assert far[2] == pytest.approx(middle[2] / 2.0, rel=0.05)
+
+
+def test_opposite_tilts_are_different_views():
+    left, right = seen_at(0.0, 0.0, 0.5, -0.5), seen_at(0.0, 0.0, 0.5, 0.5)
+    assert np.abs(left - right)[:4].sum() < 0.1 < 0.2 < np.abs(left - right).sum()
+
+
+def test_a_part_of_a_charuco_board_is_enough():
+    picture, board = BOARDS["charuco"]
+    frame = Studio(picture, CAMERAS["plumb_bob"]).frame()
+    whole = board.find(frame)
+    x = int(np.median(whole.pixels[:, 0]))
+    frame[:, x:] = 128
+    part = board.find(frame)
+    assert 6 <= len(part.points) < len(whole.points)
+    at = {tuple(point): pixel for point, pixel in zip(whole.points.tolist(), whole.pixels)}
+    for point, pixel in zip(part.points.tolist(), part.pixels):
+        assert np.linalg.norm(at[tuple(point)] - pixel) < 1.0
+
+
+@pytest.mark.parametrize("first", [BLACK, WHITE])
+@pytest.mark.parametrize("size", [(8, 6), (7, 4), (5, 10)])
+def test_charuco_boards_of_old_and_new_opencv_are_found(size, first):
+    """Whole, with every corner in its place, whichever OpenCV has printed them."""
+    columns, rows = size
+    picture = charuco(columns, rows, DICTIONARY, first)
+    found = boards.charuco(columns, rows, SQUARE, MARKER, DICTIONARY).find(picture)
+    places = (found.points - found.points.min(axis=0))[:, :2] / SQUARE
+    if np.corrcoef(places[:, 1], found.pixels[:, 1])[0, 1] < 0:  # before 4.6 their y is upwards
+        places[:, 1] = places[:, 1].max() - places[:, 1]
+    assert len({tuple(place) for place in np.rint(places)}) == (columns - 1) * (rows - 1)
+    assert np.allclose(found.pixels, DOT * (places + 1.5) - 0.5, atol=1.0)
+
+
+@pytest.mark.parametrize("number", [3, 17])
+@pytest.mark.parametrize("size", [(8, 6), (5, 8), (7, 5)])
+def test_strange_markers_cost_no_charuco_view(size, number):
+    """Nor a corner: one of another board, with a number that this one has too."""
+    columns, rows = size
+    board = boards.charuco(columns, rows, SQUARE, MARKER, DICTIONARY)
+    studio = Studio(charuco(columns, rows, DICTIONARY), CAMERAS["plumb_bob"])
+    for frame in (studio.frame() for _ in range(10)):
+        expected = board.find(frame)
+        if expected is None:
+            continue
+        strange = frame.copy()
+        strange[2:46, 2:46] = WHITE
+        strange[8:40, 8:40] = marker(number, DICTIONARY, 32)
+        found = board.find(strange)
+        assert found is not None
+        away = np.linalg.norm(expected.pixels[:, None] - found.pixels, axis=2).min(axis=1)
+        assert np.count_nonzero(away < 0.5) > 0.9 * len(away)
+
+
+def test_charuco_markers_that_fit_two_patterns_are_no_board():
+    """Two rows of markers that are not neighbours: either pattern has them, at another place."""
+    picture = charuco(8, 6, DICTIONARY)
+    picture[DOT // 2 + DOT : DOT // 2 + 2 * DOT] = picture[DOT // 2 + 3 * DOT :] = WHITE
+    assert BOARDS["charuco"][1].find(picture) is None
+
+
+def test_too_few_views_are_refused():
+    with pytest.raises(ValueError, match="2 views of the board, 5 are needed at least"):
+        solved(collected("circles", "plumb_bob", 2), "plumb_bob")
+
+
+@pytest.mark.parametrize(
+    "words, why",
+    [
+        ((8, 6, SQUARE, MARKER, "9x9_50"), "dictionary is '9x9_50', must be one of .*4x4_50"),
+        ((12, 12, SQUARE, MARKER, "4x4_50"), "dictionary 4x4_50 has 50 markers, the board 72"),
+    ],
+)
+def test_charuco_boards_that_cannot_be(words, why):
+    with pytest.raises(ValueError, match=why):
+        boards.charuco(*words)
+
+
+def test_opencv_without_aruco_is_named(monkeypatch):
+    monkeypatch.delattr(cv2, "aruco")
+    with pytest.raises(ValueError, match=r"OpenCV .* has no aruco, which ChArUco boards need"):
+        boards.charuco(8, 6, SQUARE, MARKER, DICTIONARY)
+
+
+def test_coverage_shows_where_the_board_was():
+    sighting = Sighting(np.zeros((3, 3)), np.array([[5.0, 5.0], [300.0, 5.0], [300.0, 200.0]]))
+    seen = seen_cells([sighting], SIZE)
+    assert seen.sum() == 3 and seen[0, 0] and seen[0, 4] and seen[3, 4]
+    picture = coverage_picture([sighting, sighting], np.array([0.1, 0.1]), SIZE)
+    assert picture.shape == (480, 640, 3)
+    assert tuple(picture[470, 630]) == UNSEEN
+    assert picture[200, 300, 1] > 150 > picture[200, 300, 2]  # a green dot
+
+
+def test_the_file_is_camera_info_manager_s(monkeypatch):
+    found = solved(collected("circles", "equidistant"), "equidistant")
+    written = yaml.safe_load(as_yaml(found, "no: 1"))
+    assert (written["image_width"], written["image_height"]) == SIZE
+    assert (written["camera_name"], written["distortion_model"]) == ("no: 1", "equidistant")
+    for name, values in [
+        ("camera_matrix", found.K),
+        ("distortion_coefficients", found.D[None]),
+        ("rectification_matrix", np.eye(3)),
+        ("projection_matrix", found.P),
+    ]:
+        assert (written[name]["rows"], written[name]["cols"]) == values.shape
+        assert written[name]["data"] == values.ravel().tolist()
+    monkeypatch.setenv("ROS_HOME", "/home/of/ros")
+    assert default_path("eye") == "/home/of/ros/camera_info/eye.yaml"
+    monkeypatch.delenv("ROS_HOME")
+    monkeypatch.setenv("HOME", "/home/me")
+    assert default_path("eye") == "/home/me/.ros/camera_info/eye.yaml"

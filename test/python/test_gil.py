@@ -1,0 +1,81 @@
+"""What takes a while lets other threads of Python run meanwhile."""
+
+import sys
+import threading
+
+import numpy as np
+import pytest
+from tags import CAMERAS, SIZE, corners_of, matrix
+
+import robot_vision as rv
+
+CAMERA = CAMERAS["plumb_bob"]
+TAG = rv.single_tag(3, SIZE)
+CORNERS = corners_of(matrix(np.diag([1.0, -1.0, -1.0]), [0.05, -0.1, 1.0]), CAMERA)
+GRAY = np.full((480, 640), 128, np.uint8)
+CELLS = rv.tag_cells("tag36h11", 3)
+TRIES = 2000  # a thread that waits for the GIL has to wake up within one
+
+
+@pytest.fixture
+def never_switching():
+    """The GIL is passed on only where it is released."""
+    before = sys.getswitchinterval()
+    sys.setswitchinterval(1e3)
+    yield
+    sys.setswitchinterval(before)
+
+
+def lets_others_run(function):
+    """Whether another thread, which waits for nothing but the GIL, gets it during a call."""
+    ran, blocked = [], threading.Lock()
+
+    def run():
+        with blocked:
+            ran.append(True)
+
+    with blocked:
+        thread = threading.Thread(target=run)
+        thread.start()
+    for _ in range(TRIES):
+        if ran:
+            break
+        function()
+    let = bool(ran)
+    thread.join()
+    return let
+
+
+def searching(detector):
+    """Has it begin a search in the background."""
+    detector.update(0.0, GRAY, "mono8")
+    detector.update(10.0, GRAY, "mono8")
+    return detector
+
+
+TRACKER = rv.TagPoseTracker(TAG)
+DETECTOR = rv.TagDetector()
+CALLS = {
+    "estimate_pose": lambda: rv.estimate_pose(TAG, {3: CORNERS}, CAMERA),
+    "TagPoseTracker.update": lambda: TRACKER.update(0.0, {3: CORNERS}, CAMERA),
+    "measure_corners": lambda: rv.measure_corners(GRAY, CELLS, 8, CORNERS, CAMERA),
+    "without_bent_edges": lambda: rv.without_bent_edges(CORNERS, CAMERA),
+    "tag_cells": lambda: rv.tag_cells("tagStandard52h13", 3),
+    "TagDetector.detect": lambda: DETECTOR.detect(GRAY, "mono8"),
+}
+
+
+@pytest.mark.parametrize("name", CALLS)
+def test_a_call_lets_others_run(never_switching, name):
+    assert lets_others_run(CALLS[name])
+
+
+def test_what_is_no_call_lets_nobody_run(never_switching):
+    assert not lets_others_run(lambda: None)
+
+
+def test_a_detector_that_is_given_up_while_it_searches_lets_others_run(never_switching):
+    params = rv.TagDetectorParams()
+    params.background = True
+    detectors = [searching(rv.TagDetector(params))]
+    assert lets_others_run(lambda: detectors and detectors.pop())

@@ -1,0 +1,164 @@
+"""What the guest's scenarios share: nodes under test, vivid's devices, clocks, the trace."""
+
+import os
+import pathlib
+import re
+import subprocess
+import time
+import timeit
+from typing import Any, Callable, Dict, List
+
+import rospy
+import support
+from sensor_msgs.msg import Image
+
+PATIENCE = 60.0  # s, for what takes a moment on a machine that is not emulated
+DRIVER = pathlib.Path("/sys/bus/platform/drivers/vivid")
+TRACING = pathlib.Path("/sys/kernel/tracing")
+FRAMES = 50  # that the figures of a stream are taken from
+WORK = "sum(range(300000))"  # tells how much slower than the host the guest is
+
+
+class Camera(support.Process):
+    """A camera_node under test."""
+
+    def __init__(self, out: pathlib.Path, name: str, device: str, *arguments: str):
+        command = [support.executable("camera_node"), "__name:=" + name]
+        command += ["_video_device:=" + device, *arguments]
+        super().__init__(command, out / (name + ".log"))
+        self.name = name
+        self.device = device
+
+    def holds_device(self) -> bool:
+        """Whether the process has its device open; one that was unplugged under it counts, too."""
+        for link in pathlib.Path(f"/proc/{self.pid}/fd").iterdir():
+            try:
+                target = os.readlink(str(link))
+            except FileNotFoundError:
+                continue
+            if target.split(" ")[0] == self.device:
+                return True
+        return False
+
+
+class Arrivals:
+    """When the messages of a topic came, with their headers, and the last of them."""
+
+    def __init__(self, topic: str, kind: Any):
+        self.headers: List[Dict[str, Any]] = []
+        self.last: Any = None
+        self._topic = topic
+        self._subscriber = rospy.Subscriber(topic, kind, self._on_message, buff_size=2**24)
+
+    def _on_message(self, message: Any) -> None:
+        header = message.header
+        self.headers.append(
+            {
+                "received_ns": time.time_ns(),
+                "stamp_ns": header.stamp.to_nsec(),
+                "frame_id": header.frame_id,
+            }
+        )
+        self.last = message
+
+    def wait_for_more(self, count: int) -> None:
+        """Waits until `count` messages have come since now."""
+        wanted = len(self.headers) + count
+        wait_for(lambda: len(self.headers) >= wanted, f"{count} more on {self._topic}")
+
+    def close(self) -> None:
+        self._subscriber.unregister()
+
+
+class Trace:
+    """The time stamps that the kernel gave with the frames, as its own trace shows them."""
+
+    def __init__(self) -> None:
+        (TRACING / "trace").write_text("")
+        self._switch(True)
+
+    def stamps(self) -> List[Dict[str, int]]:
+        self._switch(False)
+        found = re.findall(
+            r"v4l2_dqbuf:.*timestamp = (\d+).*sequence = (\d+)", (TRACING / "trace").read_text()
+        )
+        return [{"monotonic_ns": int(stamp), "sequence": int(number)} for stamp, number in found]
+
+    @staticmethod
+    def _switch(on: bool) -> None:
+        (TRACING / "events/v4l2/v4l2_dqbuf/enable").write_text("1" if on else "0")
+
+
+def wait_for(condition: Callable[[], Any], what: str) -> float:
+    """Waits until `condition` is true; the seconds that it took."""
+    begin = time.monotonic()
+    support.wait_for(condition, what, PATIENCE)
+    return time.monotonic() - begin
+
+
+def v4l2(device: str, *arguments: str) -> str:
+    """Runs v4l2-ctl on a device; its output."""
+    command = ["v4l2-ctl", "-d", device, *arguments]
+    return subprocess.run(
+        command,
+        check=True,
+        timeout=PATIENCE,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+    ).stdout
+
+
+def run(command: List[str]) -> Dict[str, Any]:
+    """Runs a program to its end."""
+    done = subprocess.run(
+        command,
+        timeout=PATIENCE,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+    )
+    return {"output": done.stdout, "exit_code": done.returncode}
+
+
+def unplug() -> None:
+    (DRIVER / "unbind").write_text("vivid.0")
+
+
+def plug_in() -> None:
+    """Gives the devices back, showing a picture that stands still.
+
+    Frames are stamped when they begin; by default vivid gives the time of their end, still to come.
+    """
+    (DRIVER / "bind").write_text("vivid.0")
+    for device in ("/dev/video0", "/dev/video1"):
+        wait_for(lambda path=device: os.path.exists(path), device)
+        v4l2(device, "-c", "osd_text_mode=2,test_pattern=4,show_border=1,show_square=1")
+        v4l2(device, "-c", "timestamp_source=1")
+
+
+def wall_minus_monotonic() -> int:
+    """The distance of the two clocks in ns: the quickest of some tries to read both at once."""
+    tries = []
+    for _ in range(50):
+        before, wall, after = time.monotonic_ns(), time.time_ns(), time.monotonic_ns()
+        tries.append((after - before, wall - (before + after) // 2))
+    return min(tries)[1]
+
+
+def read_directly(device: str, fourcc: str, path: pathlib.Path) -> None:
+    """Has v4l2-ctl read a frame of the standing picture; fails while somebody else streams."""
+    size = "width=640,height=480,pixelformat=" + fourcc
+    v4l2(device, "--set-fmt-video=" + size)
+    v4l2(device, "--stream-mmap", "--stream-count=1", f"--stream-to={path}")
+
+
+def save_picture(message: Image, path: pathlib.Path) -> Dict[str, Any]:
+    path.write_bytes(message.data)
+    fields = ("width", "height", "step", "encoding", "is_bigendian")
+    return {field: getattr(message, field) for field in fields}
+
+
+def emulated_work() -> float:
+    """Seconds that a piece of work takes here."""
+    return min(timeit.repeat(WORK, number=1, repeat=5))
