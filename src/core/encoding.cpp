@@ -192,7 +192,9 @@ void toGray(const cv::Mat& image, const std::string& encoding, cv::Mat& gray)
   else if (layout.type == CV_8UC2)
     takeLuma(image, encoding, gray);
   else if (layout.to_gray != kNone)
-    convert(image, encoding, layout.to_gray, gray);
+  {
+    if (!convertRowsToGray(image, encoding, gray)) convert(image, encoding, layout.to_gray, gray);
+  }
   else if (image.depth() == CV_16U)
     image.convertTo(gray, CV_8U, scaleTo(255.0, encoding));
   else

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <utility>
 
+#include "gray_weights.hpp"
 #include "kernels/kernels.hpp"
 #include "row_bands.hpp"
 
@@ -37,6 +39,15 @@ constexpr std::array<BayerName, 4> kBayerNames = {{{"bayer_rggb8", false, true},
                                                    {"bayer_bggr8", false, false},
                                                    {"bayer_gbrg8", true, false},
                                                    {"bayer_grbg8", true, true}}};
+
+struct ColourName
+{
+  const char* encoding;
+  bool is_rgb;
+};
+
+constexpr std::array<ColourName, 4> kColourNames = {
+    {{"bgr8", false}, {"rgb8", true}, {"bgra8", false}, {"rgba8", true}}};
 
 /// Null if it is none of them.
 template <class Names>
@@ -132,6 +143,24 @@ bool convertRows(const cv::Mat& image, const std::string& encoding, bool is_rgb,
     return true;
   }
   return false;
+}
+
+bool convertRowsToGray(const cv::Mat& image, const std::string& encoding, cv::Mat& gray)
+{
+  const auto* colour = find(kColourNames, encoding);
+  const auto convert = kernels().gray;
+  if (colour == nullptr || convert == nullptr || grayWeightsOfBgr() == nullptr) return false;
+  GrayWeights weights = *grayWeightsOfBgr();
+  if (colour->is_rgb) std::swap(weights.channels[0], weights.channels[2]);
+  const cv::Mat source = image;
+  gray.create(source.size(), CV_8UC1);
+  forRows(source.size(),
+          [&](const cv::Range& rows)
+          {
+            for (int y = rows.start; y < rows.end; ++y)
+              convert(source.ptr(y), source.channels(), weights, source.cols, gray.ptr(y));
+          });
+  return true;
 }
 
 void takeLuma(const cv::Mat& image, const std::string& encoding, cv::Mat& luma)

@@ -35,6 +35,17 @@ const Conversion kConversions[] = {
     {"bayer_grbg8", cv::COLOR_BayerGB2BGR, cv::COLOR_BayerGB2RGB, cv::COLOR_BayerGB2GRAY},
 };
 
+struct GrayConversion
+{
+  const char* encoding;
+  int to_gray;
+};
+
+const GrayConversion kGrayConversions[] = {{"bgr8", cv::COLOR_BGR2GRAY},
+                                           {"rgb8", cv::COLOR_RGB2GRAY},
+                                           {"bgra8", cv::COLOR_BGRA2GRAY},
+                                           {"rgba8", cv::COLOR_RGBA2GRAY}};
+
 bool isBayer(const Conversion& conversion)
 {
   return std::string(conversion.encoding).substr(0, 5) == "bayer";
@@ -52,9 +63,9 @@ cv::Size allowed(const Conversion& conversion, cv::Size size)
 class Picture
 {
 public:
-  Picture(const Conversion& conversion, const cv::Size& size, int kind)
+  Picture(const std::string& encoding, const cv::Size& size, int kind)
   {
-    const int type = matType(conversion.encoding);
+    const int type = matType(encoding);
     const cv::Mat bytes = adversarial({size.width * CV_MAT_CN(type), size.height}, kind);
     around_ = cv::Mat(size.height + 2, bytes.cols + 9, CV_8UC1, cv::Scalar(77));
     cv::Mat inside = around_(cv::Rect({1 + kind % 7, 1}, bytes.size()));
@@ -80,7 +91,7 @@ cv::Mat byOpenCv(const cv::Mat& image, int code)
 
 void expectOpenCvs(const Conversion& conversion, const cv::Size& wanted, int kind)
 {
-  const Picture picture(conversion, allowed(conversion, wanted), kind);
+  const Picture picture(conversion.encoding, allowed(conversion, wanted), kind);
   const cv::Mat& image = picture.image;
   const cv::Mat before = image.clone();
   for (const int threads : {1, 3})
@@ -96,6 +107,21 @@ void expectOpenCvs(const Conversion& conversion, const cv::Size& wanted, int kin
     ASSERT_TRUE(equal(gray, byOpenCv(image, conversion.to_gray))) << what() << ' ' << image.size() << ' ' << threads;
   }
   EXPECT_TRUE(equal(image, before));
+}
+
+void expectOpenCvsGray(const GrayConversion& conversion, const cv::Size& size, int kind)
+{
+  const Picture picture(conversion.encoding, size, kind);
+  const cv::Mat before = picture.image.clone();
+  for (const int threads : {1, 3})
+  {
+    const ThreadCount count(threads);
+    cv::Mat gray;
+    toGray(picture.image, conversion.encoding, gray);
+    ASSERT_TRUE(equal(gray, byOpenCv(picture.image, conversion.to_gray)))
+        << conversion.encoding << ' ' << kind << ' ' << size << ' ' << threads;
+  }
+  EXPECT_TRUE(equal(picture.image, before));
 }
 
 }  // namespace
@@ -132,6 +158,35 @@ TEST(RowConversions, areThoseOfOpenCvForEachLumaWithEachChroma)
   }
 }
 
+TEST(RowConversions, makeTheGrayOfOpenCv)
+{
+  cv::RNG random(12);
+  for (const GrayConversion& conversion : kGrayConversions)
+  {
+    for (int i = 0; i < 150; ++i)
+      expectOpenCvsGray(conversion, {random.uniform(1, 260), random.uniform(1, 24)}, i);
+    for (int columns = 1; columns < 135; ++columns)
+      expectOpenCvsGray(conversion, {columns, 2}, 0);
+    expectOpenCvsGray(conversion, {641, 480}, 0);
+    expectOpenCvsGray(conversion, {4096, 2160}, 4);
+  }
+}
+
+TEST(RowConversions, makeTheGrayOfOpenCvForEveryColour)
+{
+  cv::Mat image(256, 256, CV_8UC3);
+  for (int blue = 0; blue < 256; blue += 3)
+  {
+    for (int y = 0; y < 256; ++y)
+      for (int x = 0; x < 256; ++x)
+        image.at<cv::Vec3b>(y, x) =
+            cv::Vec3b(static_cast<std::uint8_t>(blue), static_cast<std::uint8_t>(y), static_cast<std::uint8_t>(x));
+    cv::Mat gray;
+    toGray(image, "bgr8", gray);
+    ASSERT_TRUE(equal(gray, byOpenCv(image, cv::COLOR_BGR2GRAY))) << blue;
+  }
+}
+
 TEST(RowConversions, workInPlace)
 {
   for (const Conversion& conversion : kConversions)
@@ -145,6 +200,13 @@ TEST(RowConversions, workInPlace)
     toGray(same, conversion.encoding, same);
     EXPECT_TRUE(equal(same, byOpenCv(image, conversion.to_gray))) << conversion.encoding;
   }
+  for (const GrayConversion& conversion : kGrayConversions)
+  {
+    const cv::Mat image = noise({96, 48}, matType(conversion.encoding));
+    cv::Mat same = image;
+    toGray(same, conversion.encoding, same);
+    EXPECT_TRUE(equal(same, byOpenCv(image, conversion.to_gray))) << conversion.encoding;
+  }
 }
 
 // Or the tests above would compare OpenCV with itself.
@@ -155,4 +217,6 @@ TEST(RowConversions, areOursWithWideVectors)
   cv::Mat pixels;
   for (const Conversion& conversion : kConversions)
     EXPECT_EQ(convertRows(noise({96, 48}, matType(conversion.encoding)), conversion.encoding, false, pixels), wide);
+  for (const GrayConversion& conversion : kGrayConversions)
+    EXPECT_EQ(convertRowsToGray(noise({96, 48}, matType(conversion.encoding)), conversion.encoding, pixels), wide);
 }

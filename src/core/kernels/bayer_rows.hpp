@@ -41,7 +41,7 @@ inline void colourSites(const BayerRow& row, int i, Simd::Vector sites, bool thi
   const Simd::Vector own = PixelSimd::selectBits(sites, pixel, beside);
   const Simd::Vector green = PixelSimd::selectBits(sites, four, pixel);
   const Simd::Vector other = PixelSimd::selectBits(sites, corners, over);
-  storePixels(pixels + 3 * i, third ? other : own, green, third ? own : other);
+  storePixels(pixels + 3 * i, {third ? other : own, green, third ? own : other});
 }
 
 void colourBayer(const BayerRow& row, int count, std::uint8_t* pixels)

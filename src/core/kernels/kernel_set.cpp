@@ -4,6 +4,7 @@
 
 #include "bayer_rows.hpp"
 #include "edge_rows.hpp"
+#include "gray_pixels.hpp"
 #include "hsv_rows.hpp"
 #include "kernels.hpp"
 #include "line_rows.hpp"
@@ -36,6 +37,7 @@ const Kernels ROBOT_VISION_KERNELS = {
     markDifferences,
     unite,
     applyTests,
+    kMakeGray,
     everySecond,
     kColourYuv,
     kColourBayer,

@@ -54,6 +54,13 @@ struct SymmetricWeights
   const std::int32_t* pairs;    // all from end to end, two in each, the first in the lower word; the last may be with 0
 };
 
+/// The weights of a colour's channels in its grey, in parts of 2^shift; at most 32639 each.
+struct GrayWeights
+{
+  std::int16_t channels[3];
+  int shift;
+};
+
 /// How a row of YUV has its chroma, of which pairs of pixels have one sample: between the luma, or in rows of its own,
 /// as pairs (in `u` of YuvRow) or in two planes.
 enum class YuvLayout
@@ -140,6 +147,10 @@ struct Kernels
 
   /// 255, 0 or kUnsure for pixels of three bytes in the order that the hue limits have.
   void (*hsv)(const HsvTests& tests, const std::uint8_t* pixels, int count, std::uint8_t* mask);
+
+  /// The weighed sums of pixels of 3 or 4 channels, the fourth of which does not count, rounded (halves up). Null: not
+  /// faster than cv::cvtColor.
+  void (*gray)(const std::uint8_t* pixels, int channels, const GrayWeights& weights, int count, std::uint8_t* gray);
 
   /// The first of every two.
   void (*every_second)(const std::uint8_t* values, int count, std::uint8_t* results);

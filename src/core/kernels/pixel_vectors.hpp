@@ -13,8 +13,9 @@ namespace  // one for each instruction set
 #ifdef __AVX2__
 #define ROBOT_VISION_PIXELS
 
-/// For each byte of a vector, where in a plane the byte is that goes there when three planes become pixels. As 3 and
-/// the vector's (or its parts') size have no common factor, one order serves all three vectors of pixels.
+/// Of vectors with as many bytes, of three planes or of pixels of three channels that follow each other: as 3 and the
+/// size have no common factor, a channel has its bytes at other places in each of the pixels' three vectors, so that
+/// one order serves all of them.
 template <int kSize>
 struct PlanePlaces
 {
@@ -22,17 +23,41 @@ struct PlanePlaces
   {
     for (int channel = 0; channel < 3; ++channel)
       for (int i = 0; i < kSize; ++i)
-        of[channel][i] = static_cast<std::uint8_t>((kSize * ((channel + 3 * kSize - i) % 3) + i) / 3);
+      {
+        of_pixels[channel][i] = static_cast<std::uint8_t>((kSize * ((channel + 3 * kSize - i) % 3) + i) / 3);
+        of_planes[channel][i] = static_cast<std::uint8_t>((3 * i + channel) % kSize);
+      }
   }
 
-  std::uint8_t of[3][kSize] = {};
+  std::uint8_t of_pixels[3][kSize] = {};  // where in its plane the byte is that goes to a place among pixels
+  std::uint8_t of_planes[3][kSize] = {};  // where among pixels the byte is that goes to a place in its plane
+};
+
+/// As many pixels as there are bytes in a vector.
+struct Planes
+{
+  Simd::Vector first;
+  Simd::Vector second;
+  Simd::Vector third;
 };
 
 #if defined(__AVX512BW__)
 
 struct PixelSimd : Simd
 {
+  using Flags = __mmask64;  // one for each byte
+
+  static Flags above(Vector a, Vector b) { return _mm512_cmpgt_epi8_mask(a, b); }     // signed
+  static Flags notAbove(Vector a, Vector b) { return _mm512_cmple_epu8_mask(a, b); }  // unsigned
+  static Flags both(Flags a, Flags b) { return a & b; }
+  static bool any(Flags a) { return a != 0; }
+  static Vector bytesWhere(Flags where, Vector a) { return _mm512_maskz_mov_epi8(where, a); }
   static Vector bytes(int value) { return _mm512_set1_epi8(static_cast<char>(value)); }
+  static Vector largerBytes(Vector a, Vector b) { return _mm512_max_epu8(a, b); }
+  static Vector smallerBytes(Vector a, Vector b) { return _mm512_min_epu8(a, b); }
+  static Vector addSignedBytes(Vector a, Vector b) { return _mm512_adds_epi8(a, b); }  // limited
+  static Vector smallerWords(Vector a, Vector b) { return _mm512_min_epi16(a, b); }
+  static Vector packSignedWords(Vector a, Vector b) { return _mm512_packs_epi16(a, b); }
   static Vector subtractBytes(Vector a, Vector b) { return _mm512_sub_epi8(a, b); }
   static Vector lowerBytes(Vector a, Vector b) { return _mm512_subs_epu8(a, b); }  // 0 at the least
   static Vector meanBytes(Vector a, Vector b) { return _mm512_avg_epu8(a, b); }
@@ -44,6 +69,14 @@ struct PixelSimd : Simd
   static Vector packIntegers(Vector a, Vector b) { return _mm512_packs_epi32(a, b); }
   static Vector packWords(Vector a, Vector b) { return _mm512_packus_epi16(a, b); }
   static Vector shuffle(Vector a, const std::uint8_t* places) { return _mm512_shuffle_epi8(a, inAllParts(places)); }
+  static Vector upperBytes(Vector words) { return _mm512_srli_epi16(words, 8); }
+  /// Integers of 0 to 255, those of `a` first.
+  static void storeIntegersAsBytes(std::uint8_t* to, Vector a, Vector b, Vector c, Vector d)
+  {
+    const Vector packed = packWords(packIntegers(a, b), packIntegers(c, d));
+    const Vector places = _mm512_setr_epi32(0, 4, 8, 12, 1, 5, 9, 13, 2, 6, 10, 14, 3, 7, 11, 15);
+    store(to, _mm512_permutexvar_epi32(places, packed));
+  }
   static Vector integersOfBytes(const void* from)
   {
     return _mm512_cvtepu8_epi32(_mm_loadu_si128(static_cast<const __m128i*>(from)));
@@ -55,6 +88,12 @@ struct PixelSimd : Simd
   static Vector inAllParts(const void* sixteen)
   {
     return _mm512_broadcast_i32x4(_mm_loadu_si128(static_cast<const __m128i*>(sixteen)));
+  }
+  static Vector loadParts(const std::uint8_t* from, int step)
+  {
+    const auto part = [=](int i) { return _mm_loadu_si128(reinterpret_cast<const __m128i*>(from + i * step)); };
+    const __m512i first = _mm512_inserti32x4(_mm512_castsi128_si512(part(0)), part(1), 1);
+    return _mm512_inserti32x4(_mm512_inserti32x4(first, part(2), 2), part(3), 3);
   }
   static __m128i part(Vector a, int i)
   {
@@ -69,7 +108,19 @@ struct PixelSimd : Simd
 
 struct PixelSimd : Simd
 {
+  using Flags = Vector;
+
+  static Flags above(Vector a, Vector b) { return _mm256_cmpgt_epi8(a, b); }
+  static Flags notAbove(Vector a, Vector b) { return _mm256_cmpeq_epi8(smallerBytes(a, b), a); }
+  static Flags both(Flags a, Flags b) { return commonBits(a, b); }
+  static bool any(Flags a) { return _mm256_testz_si256(a, a) == 0; }
+  static Vector bytesWhere(Flags where, Vector a) { return commonBits(where, a); }
   static Vector bytes(int value) { return _mm256_set1_epi8(static_cast<char>(value)); }
+  static Vector largerBytes(Vector a, Vector b) { return _mm256_max_epu8(a, b); }
+  static Vector smallerBytes(Vector a, Vector b) { return _mm256_min_epu8(a, b); }
+  static Vector addSignedBytes(Vector a, Vector b) { return _mm256_adds_epi8(a, b); }
+  static Vector smallerWords(Vector a, Vector b) { return _mm256_min_epi16(a, b); }
+  static Vector packSignedWords(Vector a, Vector b) { return _mm256_packs_epi16(a, b); }
   static Vector subtractBytes(Vector a, Vector b) { return _mm256_sub_epi8(a, b); }
   static Vector lowerBytes(Vector a, Vector b) { return _mm256_subs_epu8(a, b); }  // 0 at the least
   static Vector meanBytes(Vector a, Vector b) { return _mm256_avg_epu8(a, b); }
@@ -84,6 +135,12 @@ struct PixelSimd : Simd
   static Vector packIntegers(Vector a, Vector b) { return _mm256_packs_epi32(a, b); }
   static Vector packWords(Vector a, Vector b) { return _mm256_packus_epi16(a, b); }
   static Vector shuffle(Vector a, const std::uint8_t* places) { return _mm256_shuffle_epi8(a, inAllParts(places)); }
+  static Vector upperBytes(Vector words) { return _mm256_srli_epi16(words, 8); }
+  static void storeIntegersAsBytes(std::uint8_t* to, Vector a, Vector b, Vector c, Vector d)
+  {
+    const Vector packed = packWords(packIntegers(a, b), packIntegers(c, d));
+    store(to, _mm256_permutevar8x32_epi32(packed, _mm256_setr_epi32(0, 4, 1, 5, 2, 6, 3, 7)));
+  }
   static Vector integersOfBytes(const void* from)
   {
     return _mm256_cvtepu8_epi32(_mm_loadl_epi64(static_cast<const __m128i*>(from)));
@@ -96,12 +153,34 @@ struct PixelSimd : Simd
   {
     return _mm256_broadcastsi128_si256(_mm_loadu_si128(static_cast<const __m128i*>(sixteen)));
   }
+  static Vector loadParts(const std::uint8_t* from, int step)
+  {
+    const auto part = [=](int i) { return _mm_loadu_si128(reinterpret_cast<const __m128i*>(from + i * step)); };
+    return _mm256_inserti128_si256(_mm256_castsi128_si256(part(0)), part(1), 1);
+  }
   static __m128i part(Vector a, int i) { return i == 0 ? _mm256_castsi256_si128(a) : _mm256_extracti128_si256(a, 1); }
 };
 
 #endif
 
 constexpr int kParts = static_cast<int>(sizeof(Simd::Vector)) / 16;
+
+/// As many pixels as a vector has integers, one in each; of three channels, with any fourth byte.
+template <int kChannels>
+Simd::Vector loadPixels(const std::uint8_t* from)
+{
+  if constexpr (kChannels == 4) return Simd::load(from);
+  static constexpr std::uint8_t kFours[16] = {0, 1, 2, 0, 3, 4, 5, 0, 6, 7, 8, 0, 9, 10, 11, 0};
+#ifdef __AVX512BW__
+  const Simd::Vector dense = _mm512_maskz_loadu_epi32(0x0FFF, from);
+  const Simd::Vector parts = _mm512_setr_epi32(0, 1, 2, 0, 3, 4, 5, 0, 6, 7, 8, 0, 9, 10, 11, 0);
+  return PixelSimd::shuffle(_mm512_maskz_permutexvar_epi32(0x7777, parts, dense), kFours);
+#else
+  const auto part = [](const std::uint8_t* at) { return _mm_loadu_si128(reinterpret_cast<const __m128i*>(at)); };
+  const __m128i last = _mm_srli_si128(part(from + 8), 4);  // not to read beyond the pixels
+  return PixelSimd::shuffle(_mm256_inserti128_si256(_mm256_castsi128_si256(part(from)), last, 1), kFours);
+#endif
+}
 
 #ifdef __AVX512VBMI__
 
@@ -133,19 +212,33 @@ inline void storePairs(std::uint8_t* to, Simd::Vector a, Simd::Vector b)
   _mm256_storeu_si256(reinterpret_cast<__m256i*>(to + 64), _mm512_castsi512_si256(rest));
 }
 
-/// As many pixels as there are bytes in a vector.
-inline void storePixels(std::uint8_t* to, Simd::Vector first, Simd::Vector second, Simd::Vector third)
+/// Of every three bytes one of each.
+inline Simd::Vector mixThirds(Simd::Vector x, Simd::Vector y, Simd::Vector z)
+{
+  constexpr __mmask64 kThirds = 0x9249249249249249;
+  return _mm512_mask_blend_epi8(kThirds << 2, _mm512_mask_blend_epi8(kThirds << 1, x, y), z);
+}
+
+inline void storePixels(std::uint8_t* to, const Planes& planes)
 {
   static constexpr PlanePlaces<64> kPlaces;
-  constexpr __mmask64 kThirds = 0x9249249249249249;
-  const auto mixed = [](Simd::Vector x, Simd::Vector y, Simd::Vector z)
-  { return _mm512_mask_blend_epi8(kThirds << 2, _mm512_mask_blend_epi8(kThirds << 1, x, y), z); };
-  const Simd::Vector a = _mm512_permutexvar_epi8(Simd::load(kPlaces.of[0]), first);
-  const Simd::Vector b = _mm512_permutexvar_epi8(Simd::load(kPlaces.of[1]), second);
-  const Simd::Vector c = _mm512_permutexvar_epi8(Simd::load(kPlaces.of[2]), third);
-  Simd::store(to, mixed(a, b, c));
-  Simd::store(to + 64, mixed(b, c, a));
-  Simd::store(to + 128, mixed(c, a, b));
+  const Simd::Vector a = _mm512_permutexvar_epi8(Simd::load(kPlaces.of_pixels[0]), planes.first);
+  const Simd::Vector b = _mm512_permutexvar_epi8(Simd::load(kPlaces.of_pixels[1]), planes.second);
+  const Simd::Vector c = _mm512_permutexvar_epi8(Simd::load(kPlaces.of_pixels[2]), planes.third);
+  Simd::store(to, mixThirds(a, b, c));
+  Simd::store(to + 64, mixThirds(b, c, a));
+  Simd::store(to + 128, mixThirds(c, a, b));
+}
+
+inline Planes loadPlanes(const std::uint8_t* from)
+{
+  static constexpr PlanePlaces<64> kPlaces;
+  const Simd::Vector a = Simd::load(from);
+  const Simd::Vector b = Simd::load(from + 64);
+  const Simd::Vector c = Simd::load(from + 128);
+  return {_mm512_permutexvar_epi8(Simd::load(kPlaces.of_planes[0]), mixThirds(a, c, b)),
+          _mm512_permutexvar_epi8(Simd::load(kPlaces.of_planes[1]), mixThirds(b, a, c)),
+          _mm512_permutexvar_epi8(Simd::load(kPlaces.of_planes[2]), mixThirds(c, b, a))};
 }
 
 #else
@@ -166,23 +259,35 @@ inline void storePairs(std::uint8_t* to, Simd::Vector a, Simd::Vector b)
   }
 }
 
-inline void storePixels(std::uint8_t* to, Simd::Vector first, Simd::Vector second, Simd::Vector third)
+inline Simd::Vector mixThirds(Simd::Vector x, Simd::Vector y, Simd::Vector z)
 {
-  static constexpr PlanePlaces<16> kPlaces;
   static constexpr std::uint8_t kSecond[] = {0, 255, 0, 0, 255, 0, 0, 255, 0, 0, 255, 0, 0, 255, 0, 0};
   static constexpr std::uint8_t kThird[] = {0, 0, 255, 0, 0, 255, 0, 0, 255, 0, 0, 255, 0, 0, 255, 0};
-  const auto mixed = [](Simd::Vector x, Simd::Vector y, Simd::Vector z)
-  {
-    const Simd::Vector two = PixelSimd::selectBits(PixelSimd::inAllParts(kSecond), y, x);
-    return PixelSimd::selectBits(PixelSimd::inAllParts(kThird), z, two);
-  };
-  const Simd::Vector a = PixelSimd::shuffle(first, kPlaces.of[0]);
-  const Simd::Vector b = PixelSimd::shuffle(second, kPlaces.of[1]);
-  const Simd::Vector c = PixelSimd::shuffle(third, kPlaces.of[2]);
-  const Simd::Vector mixes[] = {mixed(a, b, c), mixed(b, c, a), mixed(c, a, b)};
+  const Simd::Vector two = PixelSimd::selectBits(PixelSimd::inAllParts(kSecond), y, x);
+  return PixelSimd::selectBits(PixelSimd::inAllParts(kThird), z, two);
+}
+
+inline void storePixels(std::uint8_t* to, const Planes& planes)
+{
+  static constexpr PlanePlaces<16> kPlaces;
+  const Simd::Vector a = PixelSimd::shuffle(planes.first, kPlaces.of_pixels[0]);
+  const Simd::Vector b = PixelSimd::shuffle(planes.second, kPlaces.of_pixels[1]);
+  const Simd::Vector c = PixelSimd::shuffle(planes.third, kPlaces.of_pixels[2]);
+  const Simd::Vector mixes[] = {mixThirds(a, b, c), mixThirds(b, c, a), mixThirds(c, a, b)};
   for (int i = 0; i < kParts; ++i)
     for (int j = 0; j < 3; ++j)
       _mm_storeu_si128(reinterpret_cast<__m128i*>(to + 48 * i + 16 * j), PixelSimd::part(mixes[j], i));
+}
+
+inline Planes loadPlanes(const std::uint8_t* from)
+{
+  static constexpr PlanePlaces<16> kPlaces;
+  const Simd::Vector a = PixelSimd::loadParts(from, 48);
+  const Simd::Vector b = PixelSimd::loadParts(from + 16, 48);
+  const Simd::Vector c = PixelSimd::loadParts(from + 32, 48);
+  return {PixelSimd::shuffle(mixThirds(a, c, b), kPlaces.of_planes[0]),
+          PixelSimd::shuffle(mixThirds(b, a, c), kPlaces.of_planes[1]),
+          PixelSimd::shuffle(mixThirds(c, b, a), kPlaces.of_planes[2])};
 }
 
 #endif

@@ -1,0 +1,55 @@
+#include "gray_weights.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <opencv2/imgproc.hpp>
+
+namespace robot_vision
+{
+namespace
+{
+
+// ITU-R BT.601; older OpenCV has 14 bits of it.
+constexpr std::array<GrayWeights, 2> kKnown = {{{{3735, 19235, 9798}, 15}, {{1868, 9617, 4899}, 14}}};
+
+std::uint8_t mean(const cv::Vec3b& bgr, const GrayWeights& weights)
+{
+  int sum = 1 << (weights.shift - 1);
+  for (int i = 0; i < 3; ++i)
+    sum += bgr[i] * weights.channels[i];
+  return static_cast<std::uint8_t>(sum >> weights.shift);
+}
+
+/// Tries colours of all kinds in rows that leave a rest to any vectors.
+const GrayWeights* findWeights()
+{
+  cv::Mat colours(256, 271, CV_8UC3);
+  cv::RNG().fill(colours, cv::RNG::UNIFORM, 0, 256);
+  for (int i = 0; i < 256; ++i)  // each channel alone, and each without the others' black
+    for (int channel = 0; channel < 3; ++channel)
+    {
+      auto& alone = colours.at<cv::Vec3b>(i, channel) = cv::Vec3b(0, 0, 0);
+      auto& beside = colours.at<cv::Vec3b>(i, 3 + channel) = cv::Vec3b(255, 255, 255);
+      alone[channel] = beside[channel] = static_cast<std::uint8_t>(i);
+    }
+  cv::Mat gray;
+  cv::cvtColor(colours, gray, cv::COLOR_BGR2GRAY);
+  const auto are_weights = [&](const GrayWeights& weights)
+  {
+    return std::equal(gray.begin<std::uint8_t>(), gray.end<std::uint8_t>(), colours.begin<cv::Vec3b>(),
+                      [&](std::uint8_t level, const cv::Vec3b& bgr) { return level == mean(bgr, weights); });
+  };
+  const auto* found = std::find_if(kKnown.begin(), kKnown.end(), are_weights);
+  return found == kKnown.end() ? nullptr : found;
+}
+
+}  // namespace
+
+const GrayWeights* grayWeightsOfBgr()
+{
+  static const GrayWeights* const weights = findWeights();
+  return weights;
+}
+
+}  // namespace robot_vision
