@@ -46,9 +46,9 @@ cv::Rect boxOfDifferences(const EncodedPicture& picture, const Reference& refere
   const auto bytes = static_cast<int>(pixels.elemSize());
   cv::Mat gray;
   cv::Rect box;
-  const auto look = [&](int y)
+  const auto look = [&](int y, int begin, int end)
   {
-    for (int x = 0; x < pixels.cols; x += kBlock)
+    for (int x = begin; x < end; x += kBlock)
     {
       const cv::Rect block(x, y, std::min(kBlock, pixels.cols - x), 1);
       if ((box & block) == block) continue;
@@ -65,11 +65,14 @@ cv::Rect boxOfDifferences(const EncodedPicture& picture, const Reference& refere
   int top = 0;
   int bottom = pixels.rows;
   while (box.empty() && top < bottom)
-    look(top++);
+    look(top++, 0, pixels.cols);
   while (box.br().y < bottom && top < bottom)
-    look(--bottom);
+    look(--bottom, 0, pixels.cols);
   for (int y = top; y < bottom; ++y)
-    look(y);
+  {
+    look(y, 0, box.x);
+    look(y, box.br().x, pixels.cols);
+  }
   return box;
 }
 

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "aligned_rows.hpp"
 #include "box_rows.hpp"
 #include "edge_bits.hpp"
 #include "gray_rows.hpp"
@@ -13,25 +14,23 @@
 namespace robot_vision
 {
 
-/// `Count` rows of a picture with room on both sides, each used again for the row that is `Count` below it.
+/// `Count` rows of a picture, each used again for the row that is `Count` below it.
 template <class T, int Count>
 class RowRing
 {
 public:
-  static constexpr int kMargin = 16;  // kernels look at a pixel beside a row
-
+  /// To zeros.
   void resize(int width)
   {
-    stride_ = static_cast<std::size_t>(width + 2 * kMargin);
-    rows_.assign(stride_ * Count, T());
+    rows_.resize(Count, width);
+    rows_.fill(T());
   }
 
   /// The first pixel of row `y`, which is at least -1.
-  T* operator[](int y) { return rows_.data() + stride_ * static_cast<std::size_t>((y + Count) % Count) + kMargin; }
+  T* operator[](int y) { return rows_[(y + Count) % Count]; }
 
 private:
-  std::size_t stride_ = 0;
-  std::vector<T> rows_;
+  AlignedRows<T> rows_;
 };
 
 /// The first part of Canny's edge detector for some rows of a picture, up to the candidates for edges. Each row goes

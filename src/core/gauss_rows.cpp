@@ -65,8 +65,8 @@ void GaussRows::begin(GrayRows& rows, const GaussWeights& weights, int first)
   rows_ = &rows;
   weights_ = &weights;
   y_ = first;
-  sums_.resize(static_cast<std::size_t>(rows.size().width + 2 * weights.half() + 2 * kMargin));
-  means_.resize(static_cast<std::size_t>(rows.size().width + kMargin));
+  sums_.resize(1, rows.size().width + 2 * weights.half() + 2 * kMargin);
+  means_.resize(1, rows.size().width + kMargin);
   // From top to bottom, as rows are made.
   const int half = weights.half();
   for (int y = std::max(first - half, 0); y < std::min(first + half, rows.size().height); ++y)
@@ -87,16 +87,16 @@ const std::uint8_t* GaussRows::next()
   const int width = rows_->size().width;
   std::copy(window_.begin() + 1, window_.end(), window_.begin());
   window_.back() = mirroredRow(y_ + half);
-  std::uint16_t* const sums = sums_.data() + half;
+  std::uint16_t* const sums = sums_[0] + half;
   kernels().weigh_columns(window_.data(), weights_->weights(), width, sums);
   for (int i = 1; i <= half; ++i)
   {
     sums[-i] = sums[cv::borderInterpolate(-i, width, cv::BORDER_REFLECT_101)];
     sums[width - 1 + i] = sums[cv::borderInterpolate(width - 1 + i, width, cv::BORDER_REFLECT_101)];
   }
-  kernels().weigh_row(sums_.data(), weights_->weights(), width, means_.data());
+  kernels().weigh_row(sums_[0], weights_->weights(), width, means_[0]);
   ++y_;
-  return means_.data();
+  return means_[0];
 }
 
 }  // namespace robot_vision

@@ -4,6 +4,7 @@
 #include <opencv2/core.hpp>
 #include <vector>
 
+#include "aligned_rows.hpp"
 #include "gray_rows.hpp"
 #include "kernels/kernels.hpp"
 
@@ -54,8 +55,8 @@ private:
   const GaussWeights* weights_ = nullptr;
   int y_ = 0;
   std::vector<const std::uint8_t*> window_;
-  std::vector<std::uint16_t> sums_;  // of the columns, with those that are mirrored beyond both ends
-  std::vector<std::uint8_t> means_;
+  AlignedRows<std::uint16_t> sums_;  // one row, of the columns, with those that are mirrored beyond both ends
+  AlignedRows<std::uint8_t> means_;  // one row
 };
 
 }  // namespace robot_vision

@@ -34,8 +34,8 @@ void GrayRows::begin(const cv::Mat& image, const std::string& encoding, int firs
   if (encoding != "mono8")
   {
     const int rows = (bands(window) + 1) * kBand;
-    memory_.resize(static_cast<std::size_t>(rows) * static_cast<std::size_t>(image.cols));
-    ring_ = cv::Mat(rows, image.cols, CV_8UC1, memory_.data());
+    memory_.resize(rows, image.cols);
+    ring_ = cv::Mat(rows, image.cols, CV_8UC1, memory_[0], memory_.stride());
   }
   next_ = first / kBand * kBand;
 }

@@ -3,7 +3,8 @@
 #include <cstdint>
 #include <opencv2/core.hpp>
 #include <string>
-#include <vector>
+
+#include "aligned_rows.hpp"
 
 namespace robot_vision
 {
@@ -29,7 +30,7 @@ private:
 
   cv::Mat image_;
   std::string encoding_;
-  std::vector<std::uint8_t> memory_;
+  AlignedRows<std::uint8_t> memory_;
   cv::Mat ring_;  // in the memory, row y in row y % ring_.rows; empty if the picture is grey
   int next_ = 0;  // the first row that is not converted
 };

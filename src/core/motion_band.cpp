@@ -15,18 +15,6 @@ int rowsOfDilation(int dilate)
   return 2 * dilate + 1;
 }
 
-/// Writes to `spread` for each pixel the largest of itself and those up to `reach` after it; `row` is used up.
-void spreadRow(std::uint8_t* row, int reach, int count, std::uint8_t* spread)
-{
-  int done = 0;  // after a pixel
-  do
-  {
-    const int step = std::min(done + 1, reach - done);
-    done += step;
-    kernels().unite(row, row + step, count + reach - done, done == reach ? spread : row);
-  } while (done < reach);
-}
-
 }  // namespace
 
 void MotionBand::run(const MotionComparison& comparison, const cv::Range& rows, cv::Mat& mask)
@@ -44,13 +32,10 @@ void MotionBand::run(const MotionComparison& comparison, const cv::Range& rows, 
     const int end = std::min(y + dilate + 1, bottom);
     while (next_ < end)
       dilateNext(comparison);
-    std::uint8_t* const out = mask.ptr(y, grown_.x);
-    const std::uint8_t* united = dilatedRow(dilate, first);
-    for (int i = std::min(first + 1, end - 1); i < end; ++i)  // of a single row with itself
-    {
-      kernels().unite(united, dilatedRow(dilate, i), grown_.width, out);
-      united = out;
-    }
+    united_.clear();
+    for (int i = first; i < end; ++i)
+      united_.push_back(dilatedRow(dilate, i));
+    kernels().unite(united_.data(), end - first, grown_.width, mask.ptr(y, grown_.x));
   }
 }
 
@@ -68,8 +53,8 @@ void MotionBand::begin(const MotionComparison& comparison, int first)
     reference_blurred_.begin(reference_gray_, *comparison.blur, inner);
   }
   next_ = first;
-  marked_.resize(static_cast<std::size_t>(grown_.width + 2 * comparison.dilate));
-  dilated_.resize(static_cast<std::size_t>(grown_.width * rowsOfDilation(comparison.dilate)));
+  marked_.resize(1, grown_.width + 2 * comparison.dilate);
+  dilated_.resize(rowsOfDilation(comparison.dilate), grown_.width);
 }
 
 void MotionBand::dilateNext(const MotionComparison& comparison)
@@ -80,16 +65,20 @@ void MotionBand::dilateNext(const MotionComparison& comparison)
   const std::uint8_t* const picture = blurred_.next() + in_outer;
   const std::uint8_t* const reference = kept.empty() ? reference_blurred_.next() + in_outer : kept.ptr(next_, part.x);
   // What is `dilate` px after a place here is at that place in the mask.
-  std::fill(marked_.begin(), marked_.end(), std::uint8_t{0});
-  std::uint8_t* const marked = marked_.data() + part.x - grown_.x + comparison.dilate;
+  marked_.fill(0);
+  std::uint8_t* const marked = marked_[0] + part.x - grown_.x + comparison.dilate;
   kernels().mark_differences(picture, reference, comparison.threshold, part.width, marked);
-  spreadRow(marked_.data(), 2 * comparison.dilate, grown_.width, dilatedRow(comparison.dilate, next_));
+  united_.clear();
+  for (int i = 0; i < rowsOfDilation(comparison.dilate); ++i)
+    united_.push_back(marked_[0] + i);
+  kernels().unite(united_.data(), rowsOfDilation(comparison.dilate), grown_.width,
+                  dilatedRow(comparison.dilate, next_));
   ++next_;
 }
 
 std::uint8_t* MotionBand::dilatedRow(int dilate, int y)
 {
-  return dilated_.data() + static_cast<std::ptrdiff_t>(y % rowsOfDilation(dilate)) * grown_.width;
+  return dilated_[y % rowsOfDilation(dilate)];
 }
 
 }  // namespace robot_vision

@@ -4,6 +4,7 @@
 #include <opencv2/core.hpp>
 #include <vector>
 
+#include "aligned_rows.hpp"
 #include "changed_pixels.hpp"
 #include "gauss_rows.hpp"
 #include "gray_rows.hpp"
@@ -43,8 +44,9 @@ private:
   cv::Rect outer_;                    // of the pictures, that the blur looks at
   cv::Rect grown_;                    // of the mask
   int next_ = 0;                      // row of the picture
-  std::vector<std::uint8_t> marked_;  // a row of differences with black on both sides
-  std::vector<std::uint8_t> dilated_;
+  AlignedRows<std::uint8_t> marked_;  // a row of differences with black on both sides
+  AlignedRows<std::uint8_t> dilated_;
+  std::vector<const std::uint8_t*> united_;  // rows
 };
 
 }  // namespace robot_vision

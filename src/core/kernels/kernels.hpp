@@ -135,15 +135,15 @@ struct Kernels
   /// kSumBias and the weighed sum of the pixels above each other in 2 * half + 1 rows.
   void (*weigh_columns)(const std::uint8_t* const* rows, const SymmetricWeights& weights, int count,
                         std::uint16_t* sums);
-  /// The weighed mean, rounded, of such sums: of pixel i from i to i + 2 * half. Reads and writes up to 64 pixels more
-  /// than `count`.
+  /// The weighed mean, rounded, of such sums: of pixel i from i to i + 2 * half. Reads up to 128 sums and writes up to
+  /// 64 means more.
   void (*weigh_row)(const std::uint16_t* sums, const SymmetricWeights& weights, int count, std::uint8_t* means);
 
   /// 255 where two rows differ by more than the threshold, else 0
   void (*mark_differences)(const std::uint8_t* a, const std::uint8_t* b, std::uint8_t threshold, int count,
                            std::uint8_t* mask);
-  /// a | b; `united` may be either, and `b` what follows in `a`.
-  void (*unite)(const std::uint8_t* a, const std::uint8_t* b, int count, std::uint8_t* united);
+  /// The bits that any of so many rows has.
+  void (*unite)(const std::uint8_t* const* rows, int number, int count, std::uint8_t* united);
 
   /// 255, 0 or kUnsure for pixels of three bytes in the order that the hue limits have.
   void (*hsv)(const HsvTests& tests, const std::uint8_t* pixels, int count, std::uint8_t* mask);

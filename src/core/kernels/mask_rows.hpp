@@ -2,7 +2,7 @@
 
 #include <cstdint>
 
-#include "loops.hpp"
+#include "vectors.hpp"
 
 namespace robot_vision
 {
@@ -20,12 +20,36 @@ void markDifferences(const std::uint8_t* a, const std::uint8_t* b, std::uint8_t 
   }
 }
 
-void unite(const std::uint8_t* a, const std::uint8_t* b, int count, std::uint8_t* united)
+/// Up to kUnited columns.
+constexpr int kUnited = 64;
+
+void uniteInLoops(const std::uint8_t* const* rows, int number, int begin, int count, std::uint8_t* united)
 {
-  // What is written was read before, by this or an earlier index.
-  ROBOT_VISION_INDEPENDENT
+  std::uint8_t bits[kUnited];
   for (int i = 0; i < count; ++i)
-    united[i] = a[i] | b[i];
+    bits[i] = rows[0][begin + i];
+  for (int j = 1; j < number; ++j)
+    for (int i = 0; i < count; ++i)
+      bits[i] |= rows[j][begin + i];
+  for (int i = 0; i < count; ++i)
+    united[begin + i] = bits[i];
+}
+
+void unite(const std::uint8_t* const* rows, int number, int count, std::uint8_t* united)
+{
+  int begin = 0;
+#ifdef ROBOT_VISION_VECTORS
+  constexpr int kBytes = static_cast<int>(sizeof(Simd::Vector));
+  for (; begin + kBytes <= count; begin += kBytes)
+  {
+    Simd::Vector bits = Simd::load(rows[0] + begin);
+    for (int j = 1; j < number; ++j)
+      bits = Simd::eitherBits(bits, Simd::load(rows[j] + begin));
+    Simd::store(united + begin, bits);
+  }
+#endif
+  for (; begin < count; begin += kUnited)
+    uniteInLoops(rows, number, begin, count - begin < kUnited ? count - begin : kUnited, united);
 }
 
 }  // namespace

@@ -73,18 +73,66 @@ void weighColumns(const std::uint8_t* const* rows, const SymmetricWeights& weigh
     weighBlockInLoops(rows, weights, 0, count, sums);
 }
 
+/// Weighed sums around pixels with even and with odd indices.
+struct EvenAndOdd
+{
+  Vector even;
+  Vector odd;
+};
+
+#ifdef __AVX512BW__
+
+constexpr int kPairs = 16;  // in a line of the cache
+
+/// Adds the pairs from kFirst on, which begin in the first of two lines: a vector from the middle of them is made in
+/// registers, as each load of one touches both.
+template <int kFirst>
+inline void addPairs(const EvenAndOdd& line, const EvenAndOdd& next, const std::int32_t* pairs, int count,
+                     EvenAndOdd& sums)
+{
+  if constexpr (kFirst < kPairs)
+  {
+    if (kFirst >= count) return;
+    const Vector pair = Simd::integers(pairs[kFirst]);
+    sums.even = Simd::addWordPairs(sums.even, _mm512_alignr_epi32(next.even, line.even, kFirst), pair);
+    sums.odd = Simd::addWordPairs(sums.odd, _mm512_alignr_epi32(next.odd, line.odd, kFirst), pair);
+    addPairs<kFirst + 1>(line, next, pairs, count, sums);
+  }
+}
+
+inline void addPairs(const std::uint16_t* values, const SymmetricWeights& weights, EvenAndOdd& sums)
+{
+  EvenAndOdd line = {Simd::load(values), Simd::load(values + 1)};
+  for (int first = 0; first <= weights.half; first += kPairs)
+  {
+    const std::uint16_t* const after = values + 2 * (first + kPairs);
+    const EvenAndOdd next = {Simd::load(after), Simd::load(after + 1)};
+    addPairs<0>(line, next, weights.pairs + first, weights.half + 1 - first, sums);
+    line = next;
+  }
+}
+
+#else
+
+inline void addPairs(const std::uint16_t* values, const SymmetricWeights& weights, EvenAndOdd& sums)
+{
+  for (int j = 0; j <= weights.half; ++j)
+  {
+    const Vector pair = Simd::integers(weights.pairs[j]);
+    sums.even = Simd::addWordPairs(sums.even, Simd::load(values + 2 * j), pair);
+    sums.odd = Simd::addWordPairs(sums.odd, Simd::load(values + 2 * j + 1), pair);
+  }
+}
+
+#endif
+
 /// The means around as many pixels as a Vector has words.
 inline Vector weighNeighbours(const std::uint16_t* sums, const SymmetricWeights& weights)
 {
-  Vector even = Simd::integers(kMeanOffset);
-  Vector odd = even;
-  for (int j = 0; j <= 2 * weights.half; j += 2)
-  {
-    const Vector pair = Simd::integers(weights.pairs[j / 2]);
-    even = Simd::addWordPairs(even, Simd::load(sums + j), pair);
-    odd = Simd::addWordPairs(odd, Simd::load(sums + j + 1), pair);
-  }
-  return Simd::eitherBits(Simd::upperWords(even), Simd::commonBits(odd, Simd::integers(static_cast<int>(0xFFFF0000U))));
+  EvenAndOdd means = {Simd::integers(kMeanOffset), Simd::integers(kMeanOffset)};
+  addPairs(sums, weights, means);
+  return Simd::eitherBits(Simd::upperWords(means.even),
+                          Simd::commonBits(means.odd, Simd::integers(static_cast<int>(0xFFFF0000U))));
 }
 
 void weighRow(const std::uint16_t* sums, const SymmetricWeights& weights, int count, std::uint8_t* means)
