@@ -25,8 +25,9 @@ def manager(start):
             "/usr/lib/nodelet/nodelet",
             "manager",
             "__name:=" + MANAGER[1:],
-            # Frames and textures go back to the kernel when they are freed: malloc would keep some.
-            env={"MALLOC_MMAP_THRESHOLD_": "131072"},
+            # Frames and textures go back to the kernel when they are freed: malloc would keep some,
+            # and of all else some for each of the threads that come and go.
+            env={"MALLOC_MMAP_THRESHOLD_": "131072", "MALLOC_ARENA_MAX": "1"},
         )
 
         @staticmethod

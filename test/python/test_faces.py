@@ -232,10 +232,13 @@ def test_searches_in_the_background_find_the_same():
     foreground, background = rv.FaceDetector(params()), rv.FaceDetector(params(background=True))
     expected = foreground.update(0.0, image)
     start = time.monotonic()
-    faces, number = [], 0
-    while len(faces) < len(expected) and time.monotonic() < start + 30:
-        number += 1
-        faces = background.update(number / RATE, image)
+    faces, now = [], 0.0
+    while len(faces) < len(expected) and now < 30.0:
+        time.sleep(1.0 / RATE)
+        now = (
+            time.monotonic() - start
+        )  # what is found belongs to a moment that must not be long ago
+        faces = background.update(now, image)
     assert len(faces) == len(expected) and any(is_at(face, truth) for face in faces)
     for face in expected:
         assert any(is_at(other, face.box) for other in faces)
