@@ -16,6 +16,10 @@ class AlignedRows
 public:
   static constexpr std::size_t kMargin = 64 / sizeof(T);
 
+  AlignedRows() = default;
+  AlignedRows(AlignedRows&&) = default;  // a copy's rows would not begin where the others do
+  AlignedRows& operator=(AlignedRows&&) = default;
+
   /// All numbers are undefined then. Memory is kept.
   void resize(int rows, int width)
   {

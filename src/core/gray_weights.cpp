@@ -33,12 +33,23 @@ const GrayWeights* findWeights()
       auto& beside = colours.at<cv::Vec3b>(i, 3 + channel) = cv::Vec3b(255, 255, 255);
       alone[channel] = beside[channel] = static_cast<std::uint8_t>(i);
     }
-  cv::Mat gray;
-  cv::cvtColor(colours, gray, cv::COLOR_BGR2GRAY);
+  std::array<cv::Mat, 4> grays;
+  cv::Mat other;
+  cv::cvtColor(colours, grays[0], cv::COLOR_BGR2GRAY);
+  cv::cvtColor(colours, other, cv::COLOR_BGR2RGB);
+  cv::cvtColor(other, grays[1], cv::COLOR_RGB2GRAY);
+  cv::cvtColor(colours, other, cv::COLOR_BGR2BGRA);
+  cv::cvtColor(other, grays[2], cv::COLOR_BGRA2GRAY);
+  cv::cvtColor(colours, other, cv::COLOR_BGR2RGBA);
+  cv::cvtColor(other, grays[3], cv::COLOR_RGBA2GRAY);
   const auto are_weights = [&](const GrayWeights& weights)
   {
-    return std::equal(gray.begin<std::uint8_t>(), gray.end<std::uint8_t>(), colours.begin<cv::Vec3b>(),
-                      [&](std::uint8_t level, const cv::Vec3b& bgr) { return level == mean(bgr, weights); });
+    const auto are_those_of = [&](const cv::Mat& gray)
+    {
+      return std::equal(gray.begin<std::uint8_t>(), gray.end<std::uint8_t>(), colours.begin<cv::Vec3b>(),
+                        [&](std::uint8_t level, const cv::Vec3b& bgr) { return level == mean(bgr, weights); });
+    };
+    return std::all_of(grays.begin(), grays.end(), are_those_of);
   };
   const auto* found = std::find_if(kKnown.begin(), kKnown.end(), are_weights);
   return found == kKnown.end() ? nullptr : found;

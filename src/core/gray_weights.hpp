@@ -5,8 +5,8 @@
 namespace robot_vision
 {
 
-/// Those by which cv::cvtColor makes BGR of 8 bits grey, which differ between versions of OpenCV. Null: it does not do
-/// so by any that are known here.
+/// Those by which cv::cvtColor makes colours of 8 bits grey, for BGR, which differ between versions of OpenCV. Null: it
+/// does not do so by any that are known here.
 const GrayWeights* grayWeightsOfBgr();
 
 }  // namespace robot_vision

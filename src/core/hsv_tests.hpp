@@ -28,7 +28,8 @@ struct HueLimit
 ///
 /// OpenCV divides with tables of rounded reciprocals, which no such test can follow to the bit. So each has a margin
 /// and a slack, such that a margin of at least the slack proves the pixel to be inside and one below -slack to be
-/// outside. What is between, one pixel in some hundreds, has to be converted.
+/// outside. What is between, one pixel in some hundreds, has to be converted. Factors and slacks fit signed bytes,
+/// those of two channels together, too.
 struct HsvTests
 {
   explicit HsvTests(const HsvRange& range);

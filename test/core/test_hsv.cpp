@@ -1,8 +1,10 @@
 #include <gtest/gtest.h>
 
+#include <cstdlib>
 #include <opencv2/imgproc.hpp>
 #include <sstream>
 
+#include "core/hsv_tests.hpp"
 #include "pictures.hpp"
 #include "refusal.hpp"
 #include "robot_vision/encoding.hpp"
@@ -176,6 +178,37 @@ TEST(HsvMask, equalsOpenCvForEverySaturation)
         const HsvRange range = hsvRange({0, low, v_low}, {180, high, 255});
         EXPECT_TRUE(equal(maskOf(bgr, "bgr8", range), byOpenCv(hsv, range))) << text(range);
       }
+}
+
+// What vectors rely on.
+TEST(HsvTests, fitSignedBytes)
+{
+  static constexpr int kMost = 127;
+  const auto check = [](const HsvRange& range)
+  {
+    const HsvTests tests(range);
+    EXPECT_LE(tests.s_slack, kMost);
+    EXPECT_LE(tests.h_slack, kMost);
+    for (const SaturationLimit& limit : {tests.s_low, tests.s_above})
+    {
+      EXPECT_TRUE(0 <= limit.diff && limit.diff <= kMost) << limit.diff;
+      EXPECT_TRUE(0 <= limit.value && limit.value <= kMost) << limit.value;
+    }
+    for (const HueLimit& limit : {tests.h_low, tests.h_above})
+      for (int i = 0; i < 3; ++i)
+      {
+        EXPECT_LE(std::abs(limit.channels[i]), kMost);
+        EXPECT_LE(std::abs(limit.channels[i] + limit.channels[(i + 1) % 3]), kMost);
+      }
+  };
+  HsvRange range;
+  for (range.s_low = 0; range.s_low <= 255; ++range.s_low)
+    for (range.s_high = range.s_low; range.s_high <= 255; range.s_high += 16)
+      check(range);
+  range = HsvRange();
+  for (range.h_low = 0; range.h_low <= 180; ++range.h_low)
+    for (range.h_high = 0; range.h_high <= 180; ++range.h_high)
+      check(range);
 }
 
 TEST(HsvMask, takesEveryEncodingAndSize)

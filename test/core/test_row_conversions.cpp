@@ -2,6 +2,7 @@
 
 #include <opencv2/imgproc.hpp>
 
+#include "core/gray_weights.hpp"
 #include "core/kernels/kernels.hpp"
 #include "core/row_conversions.hpp"
 #include "pictures.hpp"
@@ -116,8 +117,10 @@ void expectOpenCvsGray(const GrayConversion& conversion, const cv::Size& size, i
   for (const int threads : {1, 3})
   {
     const ThreadCount count(threads);
-    cv::Mat gray;
+    cv::Mat around(size.height, size.width + 70, CV_8UC1, cv::Scalar(77));
+    cv::Mat gray = around.colRange(3, 3 + size.width);
     toGray(picture.image, conversion.encoding, gray);
+    EXPECT_EQ(cv::countNonZero(around.colRange(3 + size.width, around.cols) != 77), 0) << size;
     ASSERT_TRUE(equal(gray, byOpenCv(picture.image, conversion.to_gray)))
         << conversion.encoding << ' ' << kind << ' ' << size << ' ' << threads;
   }
@@ -175,15 +178,17 @@ TEST(RowConversions, makeTheGrayOfOpenCv)
 TEST(RowConversions, makeTheGrayOfOpenCvForEveryColour)
 {
   cv::Mat image(256, 256, CV_8UC3);
-  for (int blue = 0; blue < 256; blue += 3)
+  for (int first = 0; first < 256; ++first)
   {
     for (int y = 0; y < 256; ++y)
       for (int x = 0; x < 256; ++x)
         image.at<cv::Vec3b>(y, x) =
-            cv::Vec3b(static_cast<std::uint8_t>(blue), static_cast<std::uint8_t>(y), static_cast<std::uint8_t>(x));
+            cv::Vec3b(static_cast<std::uint8_t>(first), static_cast<std::uint8_t>(y), static_cast<std::uint8_t>(x));
     cv::Mat gray;
     toGray(image, "bgr8", gray);
-    ASSERT_TRUE(equal(gray, byOpenCv(image, cv::COLOR_BGR2GRAY))) << blue;
+    ASSERT_TRUE(equal(gray, byOpenCv(image, cv::COLOR_BGR2GRAY))) << first;
+    toGray(image, "rgb8", gray);
+    ASSERT_TRUE(equal(gray, byOpenCv(image, cv::COLOR_RGB2GRAY))) << first;
   }
 }
 
@@ -217,6 +222,9 @@ TEST(RowConversions, areOursWithWideVectors)
   cv::Mat pixels;
   for (const Conversion& conversion : kConversions)
     EXPECT_EQ(convertRows(noise({96, 48}, matType(conversion.encoding)), conversion.encoding, false, pixels), wide);
+  const bool known = grayWeightsOfBgr() != nullptr;
   for (const GrayConversion& conversion : kGrayConversions)
-    EXPECT_EQ(convertRowsToGray(noise({96, 48}, matType(conversion.encoding)), conversion.encoding, pixels), wide);
+    EXPECT_EQ(convertRowsToGray(noise({96, 48}, matType(conversion.encoding)), conversion.encoding, pixels),
+              wide && known);
+  if (!known) GTEST_SKIP() << "OpenCV makes grey by weights that are not known here";
 }

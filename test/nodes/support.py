@@ -8,9 +8,11 @@ import signal
 import socket
 import subprocess
 import time
+import xmlrpc.client
 from typing import Any, Callable, Dict, List, Optional, Set
 
 import numpy as np
+import rosgraph
 import roslib.packages
 import rospy
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
@@ -127,7 +129,16 @@ class Messages:
         )[0]
 
     def connected(self) -> bool:
-        return self._subscriber.get_num_connections() > 0
+        """Whether each publisher sends to this: one of rospy begins a bit after it has said so."""
+        topic, me = self._subscriber.resolved_name, rospy.get_name()
+        master = rosgraph.Master(me)
+        publishers = dict(master.getSystemState()[0]).get(topic, [])
+
+        def sends(node: str) -> bool:
+            _, _, connections = xmlrpc.client.ServerProxy(master.lookupNode(node)).getBusInfo(me)
+            return any((to, way, of) == (me, "o", topic) for _, to, way, _, of, *_ in connections)
+
+        return bool(publishers) and all(map(sends, publishers))
 
     def close(self) -> None:
         open_messages.remove(self)

@@ -235,9 +235,8 @@ def test_searches_in_the_background_find_the_same():
     faces, now = [], 0.0
     while len(faces) < len(expected) and now < 30.0:
         time.sleep(1.0 / RATE)
-        now = (
-            time.monotonic() - start
-        )  # what is found belongs to a moment that must not be long ago
+        # What is found belongs to a moment that must not be long ago.
+        now = time.monotonic() - start
         faces = background.update(now, image)
     assert len(faces) == len(expected) and any(is_at(face, truth) for face in faces)
     for face in expected:

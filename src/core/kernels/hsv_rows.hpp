@@ -89,8 +89,8 @@ public:
     const Vector diff = PixelSimd::subtractBytes(max, min);
     const Halves saturation = halves(diff, max);
     const Vector s = packed(sLimit(saturation.low), sLimit(saturation.high));
-    const Flags v_inside = PixelSimd::notAbove(PixelSimd::subtractBytes(max, v_low_), v_range_);
-    const Flags s_perhaps = PixelSimd::both(v_inside, PixelSimd::above(s, s_unsure_));
+    const Flags v_inside = PixelSimd::notAboveUnsigned(PixelSimd::subtractBytes(max, v_low_), v_range_);
+    const Flags s_perhaps = PixelSimd::both(v_inside, PixelSimd::aboveSigned(s, s_unsure_));
     if (!PixelSimd::any(s_perhaps))  // often: objects are small
     {
       Simd::store(mask, Simd::zeros());
@@ -101,8 +101,8 @@ public:
     const Vector h =
         PixelSimd::differentBits(packed(hLimit(two.low, third.low), hLimit(two.high, third.high)), h_outside_);
     const Vector slack = packed(hSlack(saturation.low), hSlack(saturation.high));
-    const Flags inside = PixelSimd::both(PixelSimd::above(s, s_sure_), PixelSimd::above(h, slack));
-    const Flags h_perhaps = PixelSimd::above(PixelSimd::addSignedBytes(h, slack), Simd::zeros());
+    const Flags inside = PixelSimd::both(PixelSimd::aboveSigned(s, s_sure_), PixelSimd::aboveSigned(h, slack));
+    const Flags h_perhaps = PixelSimd::aboveSigned(PixelSimd::addSignedBytes(h, slack), Simd::zeros());
     const Vector sure = PixelSimd::bytesWhere(PixelSimd::both(v_inside, inside), PixelSimd::bytes(255));
     const Vector perhaps = PixelSimd::bytesWhere(PixelSimd::both(s_perhaps, h_perhaps), PixelSimd::bytes(kUnsure));
     Simd::store(mask, Simd::eitherBits(sure, perhaps));

@@ -54,7 +54,7 @@ struct SymmetricWeights
   const std::int32_t* pairs;    // all from end to end, two in each, the first in the lower word; the last may be with 0
 };
 
-/// The weights of a colour's channels in its grey, in parts of 2^shift; at most 32639 each.
+/// The weights of a colour's channels in its grey, 0 to 32639 each, 2^shift together.
 struct GrayWeights
 {
   std::int16_t channels[3];
@@ -142,7 +142,7 @@ struct Kernels
   /// 255 where two rows differ by more than the threshold, else 0
   void (*mark_differences)(const std::uint8_t* a, const std::uint8_t* b, std::uint8_t threshold, int count,
                            std::uint8_t* mask);
-  /// The bits that any of so many rows has.
+  /// The bits that any of at least one row has; those may overlap each other.
   void (*unite)(const std::uint8_t* const* rows, int number, int count, std::uint8_t* united);
 
   /// 255, 0 or kUnsure for pixels of three bytes in the order that the hue limits have.

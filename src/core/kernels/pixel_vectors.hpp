@@ -47,8 +47,8 @@ struct PixelSimd : Simd
 {
   using Flags = __mmask64;  // one for each byte
 
-  static Flags above(Vector a, Vector b) { return _mm512_cmpgt_epi8_mask(a, b); }     // signed
-  static Flags notAbove(Vector a, Vector b) { return _mm512_cmple_epu8_mask(a, b); }  // unsigned
+  static Flags aboveSigned(Vector a, Vector b) { return _mm512_cmpgt_epi8_mask(a, b); }
+  static Flags notAboveUnsigned(Vector a, Vector b) { return _mm512_cmple_epu8_mask(a, b); }
   static Flags both(Flags a, Flags b) { return a & b; }
   static bool any(Flags a) { return a != 0; }
   static Vector bytesWhere(Flags where, Vector a) { return _mm512_maskz_mov_epi8(where, a); }
@@ -110,8 +110,8 @@ struct PixelSimd : Simd
 {
   using Flags = Vector;
 
-  static Flags above(Vector a, Vector b) { return _mm256_cmpgt_epi8(a, b); }
-  static Flags notAbove(Vector a, Vector b) { return _mm256_cmpeq_epi8(smallerBytes(a, b), a); }
+  static Flags aboveSigned(Vector a, Vector b) { return _mm256_cmpgt_epi8(a, b); }
+  static Flags notAboveUnsigned(Vector a, Vector b) { return _mm256_cmpeq_epi8(smallerBytes(a, b), a); }
   static Flags both(Flags a, Flags b) { return commonBits(a, b); }
   static bool any(Flags a) { return _mm256_testz_si256(a, a) == 0; }
   static Vector bytesWhere(Flags where, Vector a) { return commonBits(where, a); }
