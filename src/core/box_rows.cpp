@@ -74,7 +74,7 @@ void BoxRows::start(Sums<Sum>& sums)
   sums.columns.assign(static_cast<std::size_t>(width + 2 * half), 0);
   sums.boxes.resize(sums.columns.size());
   for (int y = y_ - half; y <= y_ + half; ++y)
-    slide(mirrored(y), sums.nothing.data(), width, sums.columns.data() + half);
+    slide(rows_->mirroredRow(y), sums.nothing.data(), width, sums.columns.data() + half);
 }
 
 template <class Sum>
@@ -83,7 +83,7 @@ void BoxRows::blur(Sums<Sum>& sums, std::uint8_t* means)
   const int width = rows_->size().width;
   const int half = size_ / 2;
   divide(addUp(sums), size_ * size_, width, means);
-  slide(mirrored(y_ + 1 + half), mirrored(y_ - half), width, sums.columns.data() + half);
+  slide(rows_->mirroredRow(y_ + 1 + half), rows_->mirroredRow(y_ - half), width, sums.columns.data() + half);
 }
 
 /// The sums of the boxes around the row's pixels.
@@ -92,12 +92,7 @@ const Sum* BoxRows::addUp(Sums<Sum>& sums)
 {
   const int width = rows_->size().width;
   const int half = size_ / 2;
-  Sum* const columns = sums.columns.data() + half;
-  for (int i = 1; i <= half; ++i)
-  {
-    columns[-i] = columns[cv::borderInterpolate(-i, width, cv::BORDER_REFLECT_101)];
-    columns[width - 1 + i] = columns[cv::borderInterpolate(width - 1 + i, width, cv::BORDER_REFLECT_101)];
-  }
+  mirrorEnds(sums.columns.data() + half, width, half);
   // From sums of one column to those of as many as the box has, by the bits of that number from the highest one on.
   int bit = 0;
   while (size_ >> (bit + 1) > 0)
@@ -111,11 +106,6 @@ const Sum* BoxRows::addUp(Sums<Sum>& sums)
     reach = wider;
   }
   return part;
-}
-
-const std::uint8_t* BoxRows::mirrored(int y)
-{
-  return rows_->row(cv::borderInterpolate(y, rows_->size().height, cv::BORDER_REFLECT_101));
 }
 
 }  // namespace robot_vision

@@ -35,7 +35,6 @@ private:
   void blur(Sums<Sum>& sums, std::uint8_t* means);
   template <class Sum>
   const Sum* addUp(Sums<Sum>& sums);
-  const std::uint8_t* mirrored(int y);
 
   GrayRows* rows_ = nullptr;
   int size_ = 1;

@@ -73,12 +73,7 @@ void GaussRows::begin(GrayRows& rows, const GaussWeights& weights, int first)
     rows.row(y);
   window_.assign(1, nullptr);  // is about to leave
   for (int y = first - half; y < first + half; ++y)
-    window_.push_back(mirroredRow(y));
-}
-
-const std::uint8_t* GaussRows::mirroredRow(int y)
-{
-  return rows_->row(cv::borderInterpolate(y, rows_->size().height, cv::BORDER_REFLECT_101));
+    window_.push_back(rows_->mirroredRow(y));
 }
 
 const std::uint8_t* GaussRows::next()
@@ -86,14 +81,10 @@ const std::uint8_t* GaussRows::next()
   const int half = weights_->half();
   const int width = rows_->size().width;
   std::copy(window_.begin() + 1, window_.end(), window_.begin());
-  window_.back() = mirroredRow(y_ + half);
+  window_.back() = rows_->mirroredRow(y_ + half);
   std::uint16_t* const sums = sums_[0] + half;
   kernels().weigh_columns(window_.data(), weights_->weights(), width, sums);
-  for (int i = 1; i <= half; ++i)
-  {
-    sums[-i] = sums[cv::borderInterpolate(-i, width, cv::BORDER_REFLECT_101)];
-    sums[width - 1 + i] = sums[cv::borderInterpolate(width - 1 + i, width, cv::BORDER_REFLECT_101)];
-  }
+  mirrorEnds(sums, width, half);
   kernels().weigh_row(sums_[0], weights_->weights(), width, means_[0]);
   ++y_;
   return means_[0];

@@ -49,8 +49,6 @@ public:
   static int window(const GaussWeights& weights) { return 2 * weights.half() + 1; }
 
 private:
-  const std::uint8_t* mirroredRow(int y);
-
   GrayRows* rows_ = nullptr;
   const GaussWeights* weights_ = nullptr;
   int y_ = 0;

@@ -25,6 +25,12 @@ public:
   /// Row `y`, valid while it is in the window.
   const std::uint8_t* row(int y);
 
+  /// The same of a row that may be beyond the picture, as cv::BORDER_REFLECT_101 continues it.
+  const std::uint8_t* mirroredRow(int y)
+  {
+    return row(cv::borderInterpolate(y, size().height, cv::BORDER_REFLECT_101));
+  }
+
 private:
   void convertNext();
 
@@ -34,5 +40,16 @@ private:
   cv::Mat ring_;  // in the memory, row y in row y % ring_.rows; empty if the picture is grey
   int next_ = 0;  // the first row that is not converted
 };
+
+/// Continues a row by `reach` numbers beyond both of its ends in the same way.
+template <class T>
+void mirrorEnds(T* row, int width, int reach)
+{
+  for (int i = 1; i <= reach; ++i)
+  {
+    row[-i] = row[cv::borderInterpolate(-i, width, cv::BORDER_REFLECT_101)];
+    row[width - 1 + i] = row[cv::borderInterpolate(width - 1 + i, width, cv::BORDER_REFLECT_101)];
+  }
+}
 
 }  // namespace robot_vision

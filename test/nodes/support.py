@@ -98,6 +98,11 @@ def executable(name: str) -> str:
     return roslib.packages.find_node("robot_vision", name)[0]
 
 
+def node_api(name: str) -> xmlrpc.client.ServerProxy:
+    """What a running node answers of itself (the ROS wiki's Slave API)."""
+    return xmlrpc.client.ServerProxy(rosgraph.Master(rospy.get_name()).lookupNode(name))
+
+
 open_messages: "List[Messages]" = []  # closed at the end of each test
 
 
@@ -131,11 +136,10 @@ class Messages:
     def connected(self) -> bool:
         """Whether each publisher sends to this: one of rospy begins a bit after it has said so."""
         topic, me = self._subscriber.resolved_name, rospy.get_name()
-        master = rosgraph.Master(me)
-        publishers = dict(master.getSystemState()[0]).get(topic, [])
+        publishers = dict(rosgraph.Master(me).getSystemState()[0]).get(topic, [])
 
         def sends(node: str) -> bool:
-            _, _, connections = xmlrpc.client.ServerProxy(master.lookupNode(node)).getBusInfo(me)
+            _, _, connections = node_api(node).getBusInfo(me)
             return any((to, way, of) == (me, "o", topic) for _, to, way, _, of, *_ in connections)
 
         return bool(publishers) and all(map(sends, publishers))

@@ -5,11 +5,9 @@ import pathlib
 import re
 import signal
 import sys
-import xmlrpc.client
 
 import cv2
 import numpy as np
-import rosgraph
 import rospy
 import support
 import yaml
@@ -29,8 +27,7 @@ def loaded():
 
 def process_of(node):
     """The process id of a node."""
-    uri = rosgraph.Master("/test").lookupNode(node)
-    return xmlrpc.client.ServerProxy(uri).getPid("/test")[2]
+    return support.node_api(node).getPid("/test")[2]
 
 
 def assert_frames(topic, width, frame_id):

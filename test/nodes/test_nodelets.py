@@ -2,11 +2,9 @@
 
 import pathlib
 import re
-import xmlrpc.client
 
 import numpy as np
 import pytest
-import rosgraph
 import rospy
 import support
 from nodelet.srv import NodeletList, NodeletLoad, NodeletUnload
@@ -121,8 +119,7 @@ def test_frames_go_from_nodelet_to_nodelet_inside_the_process(manager):
     assert manager.load("/edges", "edge_detector", {"/image": "/brightness/processed_image"})
 
     def transports(topic):
-        uri = rosgraph.Master("/test").lookupNode(MANAGER)
-        _, _, connections = xmlrpc.client.ServerProxy(uri).getBusInfo("/test")
+        _, _, connections = support.node_api(MANAGER).getBusInfo("/test")
         return {transport for _, _, _, transport, name, *_ in connections if name == topic}
 
     for topic in ("/camera/image_raw", "/brightness/processed_image"):

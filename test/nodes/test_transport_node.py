@@ -3,7 +3,6 @@
 import os
 import shutil
 import signal
-import xmlrpc.client
 
 import numpy as np
 import pytest
@@ -92,8 +91,7 @@ def test_a_node_whose_pictures_node_is_killed_ends(run):
     process = run(ECHO)
     master = rosgraph.Master("/test")
     support.wait_for(lambda: "/image" in dict(master.getSystemState()[1]), "the subscription")
-    node = xmlrpc.client.ServerProxy(master.lookupNode("/echo_images"))
-    assert node.shutdown("/test", "killed")[0] == 1
+    assert support.node_api("/echo_images").shutdown("/test", "killed")[0] == 1
     assert process.exit_code() == 0, process.output()
 
 
