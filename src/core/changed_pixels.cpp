@@ -94,6 +94,23 @@ cv::Rect partToCompare(const EncodedPicture& picture, const Reference& reference
   return grown(boxOfDifferences(picture, reference, how.threshold), how.blur_size / 2, picture.pixels.size());
 }
 
+/// Blackens a part of a mask but for what is in another, too.
+void blacken(const cv::Rect& part, const cv::Rect& but, cv::Mat& mask)
+{
+  const cv::Rect kept = part & but;
+  if (kept.empty())
+  {
+    mask(part).setTo(0);
+    return;
+  }
+  const cv::Rect above(part.tl(), cv::Point(part.br().x, kept.y));
+  const cv::Rect below(cv::Point(part.x, kept.br().y), part.br());
+  const cv::Rect left(cv::Point(part.x, kept.y), cv::Point(kept.x, kept.br().y));
+  const cv::Rect right(cv::Point(kept.br().x, kept.y), cv::Point(part.br().x, kept.br().y));
+  for (const cv::Rect& rest : {above, below, left, right})
+    mask(rest).setTo(0);
+}
+
 }  // namespace
 
 cv::Mat blurred(const cv::Mat& gray, int blur_size)
@@ -123,7 +140,7 @@ ChangedPixels::ChangedPixels(ChangedPixels&&) noexcept = default;
 ChangedPixels& ChangedPixels::operator=(ChangedPixels&&) noexcept = default;
 
 cv::Rect ChangedPixels::find(const EncodedPicture& picture, const Reference& reference, const Comparison& how,
-                             cv::Mat& mask)
+                             const cv::Rect& white, cv::Mat& mask)
 {
   Impl& me = *impl_;
   if (!me.weights || me.weights->size() != how.blur_size)
@@ -131,24 +148,26 @@ cv::Rect ChangedPixels::find(const EncodedPicture& picture, const Reference& ref
     me.weights.emplace(how.blur_size);
     me.are_exact = me.weights->areExact();
   }
-  if (!me.are_exact) return findByOpenCv(picture, reference, how, mask);
-  const cv::Rect part = partToCompare(picture, reference, how);
+  if (!me.are_exact) return findByOpenCv(picture, reference, how, white, mask);
+  const cv::Rect near = partToCompare(picture, reference, how);
+  const cv::Rect part = grown(near, std::max(me.weights->half(), how.dilate), mask.size());
+  blacken(white, part, mask);
   if (part.empty()) return part;
-  const cv::Rect grown_part = grown(part, how.dilate, mask.size());
   const auto threshold = static_cast<std::uint8_t>(how.threshold);
-  const MotionComparison comparison{picture, reference, part, &*me.weights, threshold, how.dilate};
+  const MotionComparison comparison{picture, reference, near, part, &*me.weights, threshold, how.dilate};
   const int threads = cv::getNumThreads();
   const int least_rows = 2 * (how.blur_size + 2 * how.dilate);  // twice those that a band makes for its neighbours, too
-  const int bands = bandsOf(grown_part.height, threads, least_rows);
+  const int bands = bandsOf(part.height, threads, least_rows);
   if (me.bands.size() < static_cast<std::size_t>(bands)) me.bands.resize(static_cast<std::size_t>(bands));
-  forRowBands(grown_part.height, threads, least_rows,
+  forRowBands(part.height, threads, least_rows,
               [&](int i, const cv::Range& rows) { me.bands[static_cast<std::size_t>(i)].run(comparison, rows, mask); });
-  return grown_part;
+  return part;
 }
 
 cv::Rect ChangedPixels::findByOpenCv(const EncodedPicture& picture, const Reference& reference, const Comparison& how,
-                                     cv::Mat& mask)
+                                     const cv::Rect& white, cv::Mat& mask)
 {
+  mask(white).setTo(0);
   const cv::Rect part = partToCompare(picture, reference, how);
   if (part.empty()) return part;
   const cv::Mat background =

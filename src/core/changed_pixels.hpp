@@ -37,11 +37,11 @@ struct Comparison
   int dilate;        // px
 };
 
-/// Makes a black mask 255 where a picture (of a comparable encoding and the reference's size, as the mask) differs from
-/// the reference: cv::cvtColor, cv::GaussianBlur, cv::absdiff, cv::threshold and cv::dilate (3x3, once per px), to the
-/// bit, with as many threads as cv::setNumThreads() says. Does so only where they can differ, so that a picture like
-/// the other costs a look at each pixel. Keeps its memory from frame to frame. Where OpenCV is so old that its Gaussian
-/// is another (before 4.5), it is OpenCV that works.
+/// Makes a mask 255 where a picture (of a comparable encoding and the reference's size, as the mask) differs from the
+/// reference, else 0: cv::cvtColor, cv::GaussianBlur, cv::absdiff, cv::threshold and cv::dilate (3x3, once per px), to
+/// the bit, with as many threads as cv::setNumThreads() says. Does so only where they can differ, so that a picture
+/// like the other costs a look at each pixel. Keeps its memory from frame to frame. Where OpenCV is so old that its
+/// Gaussian is another (before 4.5), it is OpenCV that works.
 class ChangedPixels
 {
 public:
@@ -50,12 +50,13 @@ public:
   ChangedPixels(ChangedPixels&&) noexcept;
   ChangedPixels& operator=(ChangedPixels&&) noexcept;
 
-  /// Returns the part of the mask that may have changed.
-  cv::Rect find(const EncodedPicture& picture, const Reference& reference, const Comparison& how, cv::Mat& mask);
+  /// The mask is black outside of `white` before, and outside of what is returned then.
+  cv::Rect find(const EncodedPicture& picture, const Reference& reference, const Comparison& how, const cv::Rect& white,
+                cv::Mat& mask);
 
   /// The same by OpenCV.
   static cv::Rect findByOpenCv(const EncodedPicture& picture, const Reference& reference, const Comparison& how,
-                               cv::Mat& mask);
+                               const cv::Rect& white, cv::Mat& mask);
 
 private:
   struct Impl;

@@ -1,6 +1,8 @@
 #include "gauss_rows.hpp"
 
 #include <algorithm>
+#include <functional>
+#include <numeric>
 #include <opencv2/imgproc.hpp>
 
 namespace robot_vision
@@ -12,11 +14,6 @@ constexpr int kMargin = 64;  // px that kernels may touch beyond a row's end
 constexpr int kWhole = 256;  // all weights together
 constexpr std::uint8_t kImpulse = 255;
 
-std::int32_t pairOf(int first, int second)
-{
-  return second * 0x10000 + first;
-}
-
 }  // namespace
 
 GaussWeights::GaussWeights(int size) : size_(size), half_(size / 2)
@@ -25,20 +22,18 @@ GaussWeights::GaussWeights(int size) : size_(size), half_(size / 2)
   cv::Mat row(1, 2 * size + 1, CV_8UC1, cv::Scalar(0));
   row.at<std::uint8_t>(size) = kImpulse;
   cv::GaussianBlur(row, row, {size, size}, 0.0);
-  int rest = kWhole;
-  values_.resize(static_cast<std::size_t>(half_ + 1));
-  for (int j = half_; j > 0; --j)
-  {
-    values_[j] = row.at<std::uint8_t>(size + j);
-    rest -= 2 * values_[j];
-  }
-  values_[0] = static_cast<std::uint16_t>(rest);
-  while (values_.back() == 0)  // of the largest windows those next to their ends
-    values_.pop_back();
-  half_ = static_cast<int>(values_.size()) - 1;
-  const auto at = [this](int i) { return i > 2 * half_ ? 0 : values_[static_cast<std::size_t>(std::abs(i - half_))]; };
-  for (int i = 0; i <= 2 * half_; i += 2)
-    pairs_.push_back(pairOf(at(i), at(i + 1)));
+  std::vector<std::uint16_t> beside;  // the middle, from it to the end
+  for (int j = 1; j <= half_; ++j)
+    beside.push_back(row.at<std::uint8_t>(size + j));
+  while (!beside.empty() && beside.back() == 0)  // of the largest windows those next to their ends
+    beside.pop_back();
+  half_ = static_cast<int>(beside.size());
+  words_.assign(static_cast<std::size_t>(2 * (kWeightMargin + half_) + 1), 0);
+  const auto middle = words_.begin() + kWeightMargin + half_;
+  std::copy(beside.begin(), beside.end(), middle + 1);
+  std::reverse_copy(beside.begin(), beside.end(), middle - half_);
+  *middle = static_cast<std::uint16_t>(std::accumulate(words_.begin(), words_.end(), kWhole, std::minus<>()));
+  bytes_.assign(words_.begin(), words_.end());
 }
 
 bool GaussWeights::areExact() const
@@ -51,42 +46,57 @@ bool GaussWeights::areExact() const
   GrayRows gray;
   gray.begin(picture, "mono8", 0, GaussRows::window(*this));
   GaussRows rows;
-  rows.begin(gray, *this, 0);
+  rows.begin(gray, *this);
   for (int y = 0; y < picture.rows; ++y)
   {
-    const std::uint8_t* const row = rows.next();
+    const int i = y % kWeighedRows;
+    if (i == 0) rows.begin(y, {{0, picture.cols}});
+    const std::uint8_t* const row = rows.row(i);
     if (!std::equal(row, row + picture.cols, expected.ptr(y))) return false;
   }
   return true;
 }
 
-void GaussRows::begin(GrayRows& rows, const GaussWeights& weights, int first)
+void GaussRows::begin(GrayRows& rows, const GaussWeights& weights)
 {
   rows_ = &rows;
   weights_ = &weights;
-  y_ = first;
-  sums_.resize(1, rows.size().width + 2 * weights.half() + 2 * kMargin);
+  sums_.resize(kWeighedRows, rows.size().width + 2 * weights.half() + 2 * kMargin);
   means_.resize(1, rows.size().width + kMargin);
-  // From top to bottom, as rows are made.
-  const int half = weights.half();
-  for (int y = std::max(first - half, 0); y < std::min(first + half, rows.size().height); ++y)
-    rows.row(y);
-  window_.assign(1, nullptr);  // is about to leave
-  for (int y = first - half; y < first + half; ++y)
-    window_.push_back(rows_->mirroredRow(y));
 }
 
-const std::uint8_t* GaussRows::next()
+void GaussRows::begin(int y, const std::vector<cv::Range>& spans)
+{
+  window_.clear();
+  for (int i = 0; i < window(*weights_); ++i)
+    window_.push_back(rows_->mirroredRow(y - weights_->half() + i));
+  spans_ = spans;
+  if (weights_->half() == 0) return;
+  for (const cv::Range& span : spans_)
+    weighColumns(span);
+}
+
+void GaussRows::weighColumns(const cv::Range& span)
 {
   const int half = weights_->half();
-  const int width = rows_->size().width;
-  std::copy(window_.begin() + 1, window_.end(), window_.begin());
-  window_.back() = rows_->mirroredRow(y_ + half);
-  std::uint16_t* const sums = sums_[0] + half;
-  kernels().weigh_columns(window_.data(), weights_->weights(), width, sums);
-  mirrorEnds(sums, width, half);
-  kernels().weigh_row(sums_[0], weights_->weights(), width, means_[0]);
-  ++y_;
+  const int begin = std::max(span.start - half, 0) / kColumns * kColumns;
+  const int end = std::min((span.end + half + kColumns - 1) / kColumns * kColumns, rows_->size().width);
+  columns_.clear();
+  for (const std::uint8_t* const row : window_)
+    columns_.push_back(row + begin);
+  std::uint16_t* sums[kWeighedRows];
+  for (int i = 0; i < kWeighedRows; ++i)
+    sums[i] = sums_[i] + half + begin;
+  kernels().weigh_columns(columns_.data(), weights_->weights(), end - begin, sums);
+}
+
+const std::uint8_t* GaussRows::row(int i)
+{
+  const int half = weights_->half();
+  if (half == 0) return window_[static_cast<std::size_t>(i)];
+  mirrorEnds(sums_[i] + half, rows_->size().width, half);
+  for (const cv::Range& span : spans_)
+    kernels().weigh_row(sums_[i] + span.start, weights_->weights(), span.size(), means_[0] + span.start);
   return means_[0];
 }
 

@@ -21,7 +21,8 @@ public:
   int size() const { return size_; }
   /// Of the window without its middle, as far as it has weights.
   int half() const { return half_; }
-  SymmetricWeights weights() const { return {half_, values_.data(), pairs_.data()}; }
+  /// Where half() is not 0.
+  SymmetricWeights weights() const { return {half_, bytes_.data() + kWeightMargin, words_.data() + kWeightMargin}; }
 
   /// Tries whether GaussRows make what cv::GaussianBlur does, to the bit. They do not if OpenCV's weights do not add up
   /// to 1, as before 4.5.
@@ -30,30 +31,38 @@ public:
 private:
   int size_;
   int half_;
-  std::vector<std::uint16_t> values_;
-  std::vector<std::int32_t> pairs_;
+  std::vector<std::uint8_t> bytes_;
+  std::vector<std::uint16_t> words_;
 };
 
-/// The rows of a grey picture after cv::GaussianBlur, from top to bottom.
+/// Rows of a grey picture after cv::GaussianBlur, from top to bottom.
 class GaussRows
 {
 public:
-  /// From row `first` on. `rows` and `weights` have to stay; `rows` has to be begun from the first row of the first
-  /// window on, with a window of window() rows.
-  void begin(GrayRows& rows, const GaussWeights& weights, int first);
+  static constexpr int kColumns = 64;  // at multiples of which spans begin
 
-  /// The next row; valid until the next call. There are 64 more pixels, which mean nothing.
-  const std::uint8_t* next();
+  /// `rows` and `weights` have to stay; `rows` has to be begun from the first row of the first window on, with a window
+  /// of window() rows.
+  void begin(GrayRows& rows, const GaussWeights& weights);
 
-  /// Rows that the blur of one looks at.
-  static int window(const GaussWeights& weights) { return 2 * weights.half() + 1; }
+  /// Begins kWeighedRows rows from row `y` on, which is not above the last call's, in these columns.
+  void begin(int y, const std::vector<cv::Range>& spans);
+
+  /// One of these rows; valid until the next one.
+  const std::uint8_t* row(int i);
+
+  /// Rows of the picture that are looked at together.
+  static int window(const GaussWeights& weights) { return SymmetricWeights::rows(weights.half()); }
 
 private:
+  void weighColumns(const cv::Range& span);
+
   GrayRows* rows_ = nullptr;
   const GaussWeights* weights_ = nullptr;
-  int y_ = 0;
   std::vector<const std::uint8_t*> window_;
-  AlignedRows<std::uint16_t> sums_;  // one row, of the columns, with those that are mirrored beyond both ends
+  std::vector<const std::uint8_t*> columns_;  // the same rows from a span's first column on
+  AlignedRows<std::uint16_t> sums_;           // of the columns, with those that are mirrored beyond both ends
+  std::vector<cv::Range> spans_;
   AlignedRows<std::uint8_t> means_;  // one row
 };
 

@@ -28,7 +28,8 @@ public:
   /// The same of a row that may be beyond the picture, as cv::BORDER_REFLECT_101 continues it.
   const std::uint8_t* mirroredRow(int y)
   {
-    return row(cv::borderInterpolate(y, size().height, cv::BORDER_REFLECT_101));
+    const bool is_beyond = y < 0 || y >= size().height;
+    return row(is_beyond ? cv::borderInterpolate(y, size().height, cv::BORDER_REFLECT_101) : y);
   }
 
 private:
@@ -47,8 +48,9 @@ void mirrorEnds(T* row, int width, int reach)
 {
   for (int i = 1; i <= reach; ++i)
   {
-    row[-i] = row[cv::borderInterpolate(-i, width, cv::BORDER_REFLECT_101)];
-    row[width - 1 + i] = row[cv::borderInterpolate(width - 1 + i, width, cv::BORDER_REFLECT_101)];
+    const int mirrored = i < width ? i : cv::borderInterpolate(-i, width, cv::BORDER_REFLECT_101);  // is a call
+    row[-i] = row[mirrored];
+    row[width - 1 + i] = row[width - 1 - mirrored];
   }
 }
 

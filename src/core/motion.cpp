@@ -6,6 +6,7 @@
 #include <opencv2/imgproc.hpp>
 #include <opencv2/video/background_segm.hpp>
 #include <optional>
+#include <utility>
 
 #include "changed_pixels.hpp"
 #include "robot_vision/encoding.hpp"
@@ -101,32 +102,38 @@ struct MotionDetector::Impl
     if (params.method == "running_average") background.gray.convertTo(average, CV_32F);
   }
 
-  /// A black mask. The last one, if nobody holds it any more: blackening that costs less than new memory.
-  cv::Mat blackMask(const cv::Size& size)
+  /// A mask that is black outside of `white`. The last one, if nobody holds it any more: blackening that costs less
+  /// than new memory.
+  void renewMask(const cv::Size& size)
   {
     const bool is_free = mask.size() == size && mask.u->refcount == 1;
     std::atomic_thread_fence(std::memory_order_acquire);  // after the last reader's release in another thread
-    if (is_free)
-      mask(white).setTo(0);
-    else
-      mask = cv::Mat(size, CV_8UC1, cv::Scalar(0));  // cv::Mat::zeros would blacken what others hold
-    white = cv::Rect({0, 0}, size);                  // until it is known
-    return mask;
+    if (is_free) return;
+    mask = cv::Mat(size, CV_8UC1, cv::Scalar(0));  // cv::Mat::zeros would blacken what others hold
+    white = {};
   }
 
-  /// Returns the part of the mask outside of which it is black.
-  cv::Rect compare(const EncodedPicture& picture, cv::Mat& mask)
+  void blackenMask()
   {
+    mask(white).setTo(0);
+    white = {};
+  }
+
+  /// Makes the mask.
+  void compare(const EncodedPicture& picture)
+  {
+    const cv::Rect was_white = std::exchange(white, cv::Rect({0, 0}, mask.size()));  // until it is known
     if (mog2)
     {
       mog2->apply(picture.pixels, mask, params.learning_rate);
       cv::compare(mask, 255.0, mask, cv::CMP_EQ);  // shadows are 127
       if (params.dilate > 0) cv::dilate(mask, mask, cv::Mat(), {-1, -1}, params.dilate);
-      return {{0, 0}, mask.size()};
+      return;
     }
     if (params.ignore_light) cv::subtract(picture.pixels, cv::Scalar(brighterBy(picture.pixels, background.gray)), lit);
     const EncodedPicture compared = params.ignore_light ? EncodedPicture{lit, "mono8"} : picture;
-    return changed_pixels.find(compared, background, {params.blur_size, params.threshold, params.dilate}, mask);
+    const Comparison how{params.blur_size, params.threshold, params.dilate};
+    white = changed_pixels.find(compared, background, how, was_white, mask);
   }
 
   /// The memory of background.gray is that of background.pixels here.
@@ -170,22 +177,22 @@ Motion MotionDetector::update(double time_s, const cv::Mat& image, const std::st
   Motion motion;
   const bool is_new = me.isNew(time_s, picture);
   me.last_time = time_s;
+  me.renewMask(picture.pixels.size());
+  motion.mask = me.mask;
   if (is_new)
   {
     me.begin(picture);
-    motion.mask = me.blackMask(picture.pixels.size());
-    me.white = {};
+    me.blackenMask();
     return motion;
   }
-  motion.mask = me.blackMask(picture.pixels.size());
-  const cv::Rect part = me.white = me.compare(picture, motion.mask);
+  me.compare(picture);
   me.learn(picture.pixels);
-  motion.changed = cv::countNonZero(motion.mask(part)) / static_cast<double>(motion.mask.total());
+  motion.changed = cv::countNonZero(motion.mask(me.white)) / static_cast<double>(motion.mask.total());
   motion.everywhere = motion.changed > me.params.max_changed;
   if (!motion.everywhere)
   {
     me.everywhere_since.reset();
-    motion.regions = me.finder.apply(motion.mask, part);
+    motion.regions = me.finder.apply(motion.mask, me.white);
     for (Region& region : motion.regions)
       cv::approxPolyDP(region.outline, region.outline, kOutlineError, true);
     return motion;

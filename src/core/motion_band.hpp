@@ -17,36 +17,47 @@ struct MotionComparison
 {
   EncodedPicture picture;
   Reference reference;
-  cv::Rect part;  // outside of which they do not differ
+  cv::Rect near;  // outside of which the blurred ones do not differ
+  cv::Rect part;  // near, and what the blur and the dilation of it look at
   const GaussWeights* blur;
   std::uint8_t threshold;
   int dilate;  // px
 };
 
 /// Some rows of the mask of what moves. Each row goes from the pictures to the mask while it is in the processor's
-/// cache.
+/// cache, and is blurred only where a pixel that differs is near.
 class MotionBand
 {
 public:
-  /// Writes rows of a mask: those of `part` grown by the dilation, `rows` counted from the first of them.
+  /// Writes rows of the comparison's part of a mask, `rows` counted from the first of them.
   void run(const MotionComparison& comparison, const cv::Range& rows, cv::Mat& mask);
 
 private:
-  /// What is left to make: differences, dilated along their row, each in row y % window of `dilated_`.
+  using Word = std::uint64_t;  // bits of kBlock pixels
+
   void begin(const MotionComparison& comparison, int first);
-  void dilateNext(const MotionComparison& comparison);
-  std::uint8_t* dilatedRow(int dilate, int y);
+  void makeNext(const MotionComparison& comparison);
+  void compareTo(const MotionComparison& comparison, int end);
+  void findSpans(const MotionComparison& comparison);
+  void mark(const MotionComparison& comparison, int i);
+  Word* dilated(int y) { return dilated_[y % window_]; }
 
   GrayRows gray_;
   GrayRows reference_gray_;
   GaussRows blurred_;
   GaussRows reference_blurred_;
-  cv::Rect outer_;                    // of the pictures, that the blur looks at
-  cv::Rect grown_;                    // of the mask
-  int next_ = 0;                      // row of the picture
-  AlignedRows<std::uint8_t> marked_;  // a row of differences with black on both sides
-  AlignedRows<std::uint8_t> dilated_;
-  std::vector<const std::uint8_t*> united_;  // rows
+  int words_ = 0;                 // of a row
+  std::vector<Word> near_;        // which pixels of a row are
+  std::vector<int> changed_;      // the last row in which grey pixels of a block differ
+  int compared_ = 0;              // the first row that is not in `changed_`
+  int assumed_ = 0;               // the first row before which all blocks are assumed to differ
+  std::vector<cv::Range> spans_;  // to be blurred in some rows
+  AlignedRows<Word> marked_;      // two rows: of blurred pixels that differ
+  AlignedRows<Word> dilated_;     // the same dilated along the row, each in row y % window_
+  int window_ = 1;                // rows that a dilation looks at, and those that are made with the last of them
+  int next_ = 0;                  // the first row that is not in `dilated_`
+  std::vector<const Word*> united_;
+  std::vector<Word> mask_;  // a row of it
 };
 
 }  // namespace robot_vision

@@ -111,17 +111,67 @@ TEST(MotionDetector, equalsTheOpenCvChainForAdversarialPictures)
   cv::setNumThreads(threads);
 }
 
-TEST(ChangedPixels, areTheSameByOpenCv)
+TEST(MotionDetector, equalsTheOpenCvChainWherePartsFarFromEachOtherMove)
 {
-  const cv::Mat before = smooth({160, 120}), image = withBox(before, {30, 40, 50, 20});
+  const int threads = cv::getNumThreads();
+  cv::RNG random(0x307105);
+  for (int i = 0; i < 60; ++i)
+  {
+    const cv::Size size(random.uniform(200, 1000), random.uniform(60, 300));
+    MotionParams params;
+    params.method = i % 3 == 0 ? "previous_frame" : "first_frame";
+    params.blur_size = 1 + 2 * random.uniform(0, i % 5 == 0 ? 50 : 12);
+    params.threshold = random.uniform(0, 10);
+    params.dilate = random.uniform(0, i % 5 == 1 ? 51 : 4);
+    params.max_changed = 1.0;
+    cv::setNumThreads(random.uniform(1, 4));
+    const cv::Mat before = smooth(size);
+    cv::Mat after = before.clone();
+    for (int parts = random.uniform(1, 6); parts > 0; --parts)
+    {
+      const cv::Point at(random.uniform(0, size.width), random.uniform(0, size.height));
+      const cv::Size of(random.uniform(1, 20), random.uniform(1, 20));
+      cv::Mat part = after(cv::Rect(at, of) & cv::Rect({0, 0}, size));
+      cv::bitwise_not(part, part);
+    }
+    MotionDetector detector(params);
+    detector.update(0.0, before, "bgr8");
+    const Motion motion = detector.update(1.0, after, "bgr8");
+    ASSERT_TRUE(equal(motion.mask, byOpenCv(after, before, params)))
+        << "pictures " << i << ", " << size << ", blur " << params.blur_size << ", threshold " << params.threshold
+        << ", dilation " << params.dilate << ", " << cv::getNumThreads() << " threads";
+  }
+  cv::setNumThreads(threads);
+}
+
+TEST(ChangedPixels, areTheSameByOpenCvAndNothingElseStaysWhite)
+{
+  const cv::Mat before = smooth({160, 120}), image = withBox(before, {60, 40, 50, 20});
   const MotionParams params;
+  const Comparison how{params.blur_size, params.threshold, params.dilate};
   Reference reference{before, {}, {}};
   cv::cvtColor(before, reference.gray, cv::COLOR_BGR2GRAY);
-  cv::Mat mask(before.size(), CV_8UC1, cv::Scalar(0));
-  const cv::Rect part = ChangedPixels::findByOpenCv({image, "bgr8"}, reference,
-                                                    {params.blur_size, params.threshold, params.dilate}, mask);
-  EXPECT_TRUE(equal(mask, byOpenCv(image, before, params)));
-  EXPECT_EQ(part & cv::boundingRect(mask), cv::boundingRect(mask));
+  const cv::Mat expected = byOpenCv(image, before, params);
+  const std::vector<cv::Rect> were_white = {{},
+                                            {0, 0, 160, 120},
+                                            {0, 0, 20, 10},
+                                            {70, 45, 10, 10},
+                                            {0, 50, 160, 5},
+                                            {80, 0, 5, 120},
+                                            {30, 20, 60, 30},
+                                            {80, 50, 80, 70}};
+  for (const bool is_changed : {true, false})
+    for (const cv::Rect& white : were_white)
+      for (const bool by_opencv : {true, false})
+      {
+        cv::Mat mask(before.size(), CV_8UC1, cv::Scalar(0));
+        mask(white).setTo(255);
+        const EncodedPicture picture{is_changed ? image : before, "bgr8"};
+        const cv::Rect part = by_opencv ? ChangedPixels::findByOpenCv(picture, reference, how, white, mask)
+                                        : ChangedPixels().find(picture, reference, how, white, mask);
+        EXPECT_TRUE(equal(mask, is_changed ? expected : cv::Mat(expected.size(), CV_8UC1, cv::Scalar(0)))) << white;
+        EXPECT_EQ(part & cv::boundingRect(mask), cv::boundingRect(mask));
+      }
 }
 
 TEST(GaussRows, areOpenCvsForEverySize)

@@ -56,6 +56,7 @@ def start(tmp_path):
     yield start_process
     for process in processes:
         process.end()
+        print(f"{process}:\n{process.output()[-4000:]}")  # shown of tests that fail
     for messages in list(support.open_messages):
         messages.close()
     for name in {name.split("/")[1] for name in set(rospy.get_param_names()) - before}:

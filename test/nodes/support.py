@@ -55,6 +55,9 @@ class Process:
                 start_new_session=True,
             )
 
+    def __str__(self) -> str:
+        return " ".join(map(str, self._popen.args))
+
     @property
     def pid(self) -> int:
         return self._popen.pid

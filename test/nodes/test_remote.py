@@ -84,7 +84,7 @@ def transport():
 def test_pictures_come_again_after_the_network_was_cut(network, run):
     launch = ["robot_vision", "remote.launch", f"transport:={transport()}"]
     robot = run(ROBOT, "roslaunch", *launch, "part:=capture", "source:=synthetic")
-    robot.wait_for_output("started with pid")
+    robot.wait_for_output("started core service")  # by the master, which the desk would miss before
     desk = run(DESK, "roslaunch", *launch, "part:=processing")
     stamps = run(DESK, "rostopic", "echo", "-p", STAMP)
 

@@ -3,12 +3,12 @@
 // each for all of the library, which could be one with instructions that the machine does not have.
 
 #include "bayer_rows.hpp"
+#include "bit_rows.hpp"
 #include "edge_rows.hpp"
 #include "gray_pixels.hpp"
 #include "hsv_rows.hpp"
 #include "kernels.hpp"
 #include "line_rows.hpp"
-#include "mask_rows.hpp"
 #include "table_rows.hpp"
 #include "weighted_rows.hpp"
 #include "yuv_rows.hpp"
@@ -35,7 +35,10 @@ const Kernels ROBOT_VISION_KERNELS = {
     weighColumns,
     weighRow,
     markDifferences,
+    splitMarks,
     unite,
+    uniteNeighbours,
+    spreadBits,
     applyTests,
     kMakeGray,
     everySecond,

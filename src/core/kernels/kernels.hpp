@@ -46,12 +46,19 @@ struct Gradients
 constexpr int kSumBias = 0x8000;
 constexpr int kMeanOffset = 256 * kSumBias + 0x8000;
 
-/// The weights of a window's pixels, in 256ths.
+constexpr int kWeighedRows = 4;  // that Kernels::weigh_columns makes at once
+constexpr int kWeightMargin =
+    8;  // zeros before and after weights, which are read in twos and fours that begin with any
+
+/// The weights of a window's pixels from end to end, in 256ths, the same from both ends; twice, as both are used.
 struct SymmetricWeights
 {
-  int half;                     // of the window without its middle
-  const std::uint16_t* values;  // of the middle, and of those beside it, from it to the end; these are at most 64
-  const std::int32_t* pairs;    // all from end to end, two in each, the first in the lower word; the last may be with 0
+  int half;  // of the window without its middle; at least 1
+  const std::uint8_t* bytes;
+  const std::uint16_t* words;
+
+  /// Rows of a picture that kWeighedRows rows of sums are made of: as many more as make them fours.
+  static constexpr int rows(int half) { return (2 * half + kWeighedRows + 3) / 4 * 4; }
 };
 
 /// The weights of a colour's channels in its grey, 0 to 32639 each, 2^shift together.
@@ -132,18 +139,26 @@ struct Kernels
   void (*look_up)(const std::uint8_t* table, const std::uint8_t* values, int count, std::uint8_t* results);
   bool has_fast_look_up;  // faster than to compute
 
-  /// kSumBias and the weighed sum of the pixels above each other in 2 * half + 1 rows.
+  /// kSumBias and the weighed sum of the pixels above each other in 2 * half + 1 rows: of those that begin with the
+  /// first row, and with the three after it. Rows that only make fours of them have to be there, too.
   void (*weigh_columns)(const std::uint8_t* const* rows, const SymmetricWeights& weights, int count,
-                        std::uint16_t* sums);
+                        std::uint16_t* const* sums);
   /// The weighed mean, rounded, of such sums: of pixel i from i to i + 2 * half. Reads up to 128 sums and writes up to
   /// 64 means more.
   void (*weigh_row)(const std::uint16_t* sums, const SymmetricWeights& weights, int count, std::uint8_t* means);
 
-  /// 255 where two rows differ by more than the threshold, else 0
+  /// Bits, 64 to a word from the lowest on: of pixels where two rows differ by more than the threshold; those beyond
+  /// the last pixel are 0.
   void (*mark_differences)(const std::uint8_t* a, const std::uint8_t* b, std::uint8_t threshold, int count,
-                           std::uint8_t* mask);
-  /// The bits that any of at least one row has; those may overlap each other.
-  void (*unite)(const std::uint8_t* const* rows, int number, int count, std::uint8_t* united);
+                           std::uint64_t* bits);
+  /// Those of the pixels of so many words that have kCandidate and kStrong.
+  void (*split_marks)(const std::uint8_t* marks, int words, std::uint64_t* candidates, std::uint64_t* strong);
+  /// Bits that any of these rows has.
+  void (*unite)(const std::uint64_t* const* rows, int number, int words, std::uint64_t* united);
+  /// Bits, and those as many places (1 to 63) before and after them. The words before and after the row's are 0.
+  void (*unite_neighbours)(const std::uint64_t* bits, int words, int places, std::uint64_t* united);
+  /// 255 for pixels whose bit is 1, else 0.
+  void (*spread_bits)(const std::uint64_t* bits, int count, std::uint8_t* bytes);
 
   /// 255, 0 or kUnsure for pixels of three bytes in the order that the hue limits have.
   void (*hsv)(const HsvTests& tests, const std::uint8_t* pixels, int count, std::uint8_t* mask);

@@ -52,16 +52,13 @@ struct PixelSimd : Simd
   static Flags both(Flags a, Flags b) { return a & b; }
   static bool any(Flags a) { return a != 0; }
   static Vector bytesWhere(Flags where, Vector a) { return _mm512_maskz_mov_epi8(where, a); }
-  static Vector bytes(int value) { return _mm512_set1_epi8(static_cast<char>(value)); }
   static Vector largerBytes(Vector a, Vector b) { return _mm512_max_epu8(a, b); }
   static Vector smallerBytes(Vector a, Vector b) { return _mm512_min_epu8(a, b); }
   static Vector addSignedBytes(Vector a, Vector b) { return _mm512_adds_epi8(a, b); }  // limited
   static Vector smallerWords(Vector a, Vector b) { return _mm512_min_epi16(a, b); }
   static Vector packSignedWords(Vector a, Vector b) { return _mm512_packs_epi16(a, b); }
   static Vector subtractBytes(Vector a, Vector b) { return _mm512_sub_epi8(a, b); }
-  static Vector lowerBytes(Vector a, Vector b) { return _mm512_subs_epu8(a, b); }  // 0 at the least
   static Vector meanBytes(Vector a, Vector b) { return _mm512_avg_epu8(a, b); }
-  static Vector differentBits(Vector a, Vector b) { return _mm512_xor_si512(a, b); }
   static Vector selectBits(Vector which, Vector a, Vector b) { return _mm512_ternarylogic_epi64(which, a, b, 0xCA); }
   static Vector multiplyIntegers(Vector a, Vector b) { return _mm512_mullo_epi32(a, b); }
   static Vector shiftIntegers(Vector a, int bits) { return _mm512_srl_epi32(a, _mm_cvtsi32_si128(bits)); }
@@ -115,16 +112,13 @@ struct PixelSimd : Simd
   static Flags both(Flags a, Flags b) { return commonBits(a, b); }
   static bool any(Flags a) { return _mm256_testz_si256(a, a) == 0; }
   static Vector bytesWhere(Flags where, Vector a) { return commonBits(where, a); }
-  static Vector bytes(int value) { return _mm256_set1_epi8(static_cast<char>(value)); }
   static Vector largerBytes(Vector a, Vector b) { return _mm256_max_epu8(a, b); }
   static Vector smallerBytes(Vector a, Vector b) { return _mm256_min_epu8(a, b); }
   static Vector addSignedBytes(Vector a, Vector b) { return _mm256_adds_epi8(a, b); }
   static Vector smallerWords(Vector a, Vector b) { return _mm256_min_epi16(a, b); }
   static Vector packSignedWords(Vector a, Vector b) { return _mm256_packs_epi16(a, b); }
   static Vector subtractBytes(Vector a, Vector b) { return _mm256_sub_epi8(a, b); }
-  static Vector lowerBytes(Vector a, Vector b) { return _mm256_subs_epu8(a, b); }  // 0 at the least
   static Vector meanBytes(Vector a, Vector b) { return _mm256_avg_epu8(a, b); }
-  static Vector differentBits(Vector a, Vector b) { return _mm256_xor_si256(a, b); }
   static Vector selectBits(Vector which, Vector a, Vector b)
   {
     return eitherBits(commonBits(which, a), _mm256_andnot_si256(which, b));

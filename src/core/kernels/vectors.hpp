@@ -24,16 +24,24 @@ struct Simd
   static Vector load(const void* from) { return _mm512_loadu_si512(from); }
   static void store(void* to, Vector v) { _mm512_storeu_si512(to, v); }
   static Vector zeros() { return _mm512_setzero_si512(); }
+  static Vector bytes(int value) { return _mm512_set1_epi8(static_cast<char>(value)); }
   static Vector words(int value) { return _mm512_set1_epi16(static_cast<short>(value)); }
   static Vector integers(int value) { return _mm512_set1_epi32(value); }
   static Vector addWords(Vector a, Vector b) { return _mm512_add_epi16(a, b); }
   static Vector addIntegers(Vector a, Vector b) { return _mm512_add_epi32(a, b); }
-  static Vector multiplyWords(Vector a, Vector b) { return _mm512_mullo_epi16(a, b); }
+  static Vector lowerBytes(Vector a, Vector b) { return _mm512_subs_epu8(a, b); }  // 0 at the least
   static Vector lowBytes(Vector a, Vector b) { return _mm512_unpacklo_epi8(a, b); }
   static Vector highBytes(Vector a, Vector b) { return _mm512_unpackhi_epi8(a, b); }
   static Vector eitherBits(Vector a, Vector b) { return _mm512_or_si512(a, b); }
+  static Vector differentBits(Vector a, Vector b) { return _mm512_xor_si512(a, b); }
   static Vector commonBits(Vector a, Vector b) { return _mm512_and_si512(a, b); }
   static Vector upperWords(Vector a) { return _mm512_srli_epi32(a, 16); }
+  static std::uint64_t nonzeroBytes(Vector a)
+  {
+    return _mm512_test_epi8_mask(a, a);
+  }                                                                                 // a bit for each, from the lowest
+  static Vector bytesOfBits(std::uint64_t bits) { return _mm512_movm_epi8(bits); }  // 255 for those that are 1
+  /// Of unsigned bytes and signed factors.
   static Vector addBytePairs(Vector sum, Vector bytes, Vector factors)
   {
     return addWords(sum, _mm512_maddubs_epi16(bytes, factors));
@@ -70,16 +78,29 @@ struct Simd
   static Vector load(const void* from) { return _mm256_loadu_si256(static_cast<const Vector*>(from)); }
   static void store(void* to, Vector v) { _mm256_storeu_si256(static_cast<Vector*>(to), v); }
   static Vector zeros() { return _mm256_setzero_si256(); }
+  static Vector bytes(int value) { return _mm256_set1_epi8(static_cast<char>(value)); }
   static Vector words(int value) { return _mm256_set1_epi16(static_cast<short>(value)); }
   static Vector integers(int value) { return _mm256_set1_epi32(value); }
   static Vector addWords(Vector a, Vector b) { return _mm256_add_epi16(a, b); }
   static Vector addIntegers(Vector a, Vector b) { return _mm256_add_epi32(a, b); }
-  static Vector multiplyWords(Vector a, Vector b) { return _mm256_mullo_epi16(a, b); }
+  static Vector lowerBytes(Vector a, Vector b) { return _mm256_subs_epu8(a, b); }  // 0 at the least
   static Vector lowBytes(Vector a, Vector b) { return _mm256_unpacklo_epi8(a, b); }
   static Vector highBytes(Vector a, Vector b) { return _mm256_unpackhi_epi8(a, b); }
   static Vector eitherBits(Vector a, Vector b) { return _mm256_or_si256(a, b); }
+  static Vector differentBits(Vector a, Vector b) { return _mm256_xor_si256(a, b); }
   static Vector commonBits(Vector a, Vector b) { return _mm256_and_si256(a, b); }
   static Vector upperWords(Vector a) { return _mm256_srli_epi32(a, 16); }
+  static std::uint64_t nonzeroBytes(Vector a)
+  {
+    return ~static_cast<std::uint32_t>(_mm256_movemask_epi8(_mm256_cmpeq_epi8(a, zeros())));
+  }
+  static Vector bytesOfBits(std::uint64_t bits)
+  {
+    const Vector places = _mm256_setr_epi64x(0, 0x0101010101010101, 0x0202020202020202, 0x0303030303030303);
+    const Vector each = _mm256_set1_epi64x(static_cast<std::int64_t>(0x8040201008040201));
+    const Vector all = _mm256_shuffle_epi8(integers(static_cast<int>(bits)), places);
+    return _mm256_cmpeq_epi8(commonBits(all, each), each);
+  }
   static Vector addBytePairs(Vector sum, Vector bytes, Vector factors)
   {
     return addWords(sum, _mm256_maddubs_epi16(bytes, factors));
@@ -106,16 +127,29 @@ struct Simd
   static Vector load(const void* from) { return _mm_loadu_si128(static_cast<const Vector*>(from)); }
   static void store(void* to, Vector v) { _mm_storeu_si128(static_cast<Vector*>(to), v); }
   static Vector zeros() { return _mm_setzero_si128(); }
+  static Vector bytes(int value) { return _mm_set1_epi8(static_cast<char>(value)); }
   static Vector words(int value) { return _mm_set1_epi16(static_cast<short>(value)); }
   static Vector integers(int value) { return _mm_set1_epi32(value); }
   static Vector addWords(Vector a, Vector b) { return _mm_add_epi16(a, b); }
   static Vector addIntegers(Vector a, Vector b) { return _mm_add_epi32(a, b); }
-  static Vector multiplyWords(Vector a, Vector b) { return _mm_mullo_epi16(a, b); }
+  static Vector lowerBytes(Vector a, Vector b) { return _mm_subs_epu8(a, b); }  // 0 at the least
   static Vector lowBytes(Vector a, Vector b) { return _mm_unpacklo_epi8(a, b); }
   static Vector highBytes(Vector a, Vector b) { return _mm_unpackhi_epi8(a, b); }
   static Vector eitherBits(Vector a, Vector b) { return _mm_or_si128(a, b); }
+  static Vector differentBits(Vector a, Vector b) { return _mm_xor_si128(a, b); }
   static Vector commonBits(Vector a, Vector b) { return _mm_and_si128(a, b); }
   static Vector upperWords(Vector a) { return _mm_srli_epi32(a, 16); }
+  static std::uint64_t nonzeroBytes(Vector a)
+  {
+    return ~static_cast<unsigned>(_mm_movemask_epi8(_mm_cmpeq_epi8(a, zeros()))) & 0xFFFF;
+  }
+  static Vector bytesOfBits(std::uint64_t bits)
+  {
+    const Vector places = _mm_set_epi64x(0x0101010101010101, 0);
+    const Vector each = _mm_set1_epi64x(static_cast<std::int64_t>(0x8040201008040201));
+    const Vector all = _mm_shuffle_epi8(words(static_cast<int>(bits)), places);
+    return _mm_cmpeq_epi8(commonBits(all, each), each);
+  }
   static Vector addBytePairs(Vector sum, Vector bytes, Vector factors)
   {
     return addWords(sum, _mm_maddubs_epi16(bytes, factors));

@@ -33,8 +33,7 @@ struct State
   void byUs(const cv::Mat& frame)
   {
     results.ours.create(frame.size(), CV_8UC1);
-    results.ours(white).setTo(0);
-    white = changed.find({frame, "bgr8"}, background, kHow, results.ours);
+    white = changed.find({frame, "bgr8"}, background, kHow, white, results.ours);
   }
 
   std::vector<cv::Mat> frames;
@@ -45,8 +44,9 @@ struct State
   Results results;
 };
 
-/// Before a camera that stands still: a part of the first frame as a box that wanders, and pixel noise.
-std::vector<cv::Mat> withBox(const std::vector<cv::Mat>& moving)
+/// Before a camera that stands still: parts of the first frame as boxes that wander from these places (shares of the
+/// frame's size), and pixel noise.
+std::vector<cv::Mat> withBoxes(const std::vector<cv::Mat>& moving, const std::vector<cv::Point2d>& places)
 {
   const cv::Mat& behind = moving.front();
   const cv::Size box = behind.size() / 6;
@@ -55,8 +55,12 @@ std::vector<cv::Mat> withBox(const std::vector<cv::Mat>& moving)
   for (std::size_t i = 0; i < moving.size(); ++i)
   {
     cv::Mat frame = behind.clone();
-    const cv::Point at(frame.cols / 4 + static_cast<int>(i) * frame.cols / 32, frame.rows / 3);
-    behind(cv::Rect({frame.cols / 2, frame.rows / 2}, box)).copyTo(frame(cv::Rect(at, box)));
+    for (const cv::Point2d& place : places)
+    {
+      const int moved = static_cast<int>(i) * frame.cols / 32;
+      const cv::Point at(cvRound(place.x * frame.cols) + moved, cvRound(place.y * frame.rows));
+      behind(cv::Rect({frame.cols / 2, frame.rows / 2}, box)).copyTo(frame(cv::Rect(at, box)));
+    }
     cv::Mat noise(frame.size(), CV_16SC3);
     random.fill(noise, cv::RNG::NORMAL, 0.0, 2.0);
     cv::add(frame, noise, frames.emplace_back(), cv::noArray(), CV_8U);
@@ -64,23 +68,25 @@ std::vector<cv::Mat> withBox(const std::vector<cv::Mat>& moving)
   return frames;
 }
 
-Work work(const char* name, bool still)
+/// Without places all of the picture moves.
+Work work(const char* name, const std::vector<cv::Point2d>& places)
 {
-  const auto prepare = [still](const Setup& setup)
+  const auto prepare = [places](const Setup& setup)
   {
-    const auto state = std::make_shared<State>(still ? withBox(setup.frames) : setup.frames);
+    const auto state = std::make_shared<State>(places.empty() ? setup.frames : withBoxes(setup.frames, places));
     return Contest{[state](std::size_t i) { state->byOpenCv(state->frames[i]); },
                    [state](std::size_t i) { state->byUs(state->frames[i]); },
                    [state] { return state->results.same(); }};
   };
-  return {name, "cvtColor, GaussianBlur, absdiff, threshold, dilate", 3.0, prepare, !still};
+  return {name, "cvtColor, GaussianBlur, absdiff, threshold, dilate", 3.0, prepare, places.empty()};
 }
 
 }  // namespace
 
 std::vector<Work> motionWorks()
 {
-  return {work("motion, all of the picture moves", false), work("motion, a box moves", true)};
+  return {work("motion, all of the picture moves", {}), work("motion, a box moves", {{0.25, 0.33}}),
+          work("motion, two boxes in opposite corners move", {{0.02, 0.02}, {0.6, 0.8}})};
 }
 
 }  // namespace bench
