@@ -17,17 +17,12 @@ struct EncodedPicture
 /// What pictures are compared with.
 struct Reference
 {
-  cv::Mat pixels;   // of the encoding that the pictures have
   cv::Mat gray;     // CV_8UC1
   cv::Mat blurred;  // the same blurred; empty: blurred anew each time, where it is needed
 };
 
 /// `gray` (CV_8UC1) blurred by a Gaussian.
 cv::Mat blurred(const cv::Mat& gray, int blur_size);
-
-/// Whether ChangedPixels::find() takes pictures of this encoding: what is grey in them is a mean of a pixel's own
-/// bytes.
-bool isComparable(const std::string& encoding);
 
 /// How pictures are compared.
 struct Comparison
@@ -37,11 +32,11 @@ struct Comparison
   int dilate;        // px
 };
 
-/// Makes a mask 255 where a picture (of a comparable encoding and the reference's size, as the mask) differs from the
-/// reference, else 0: cv::cvtColor, cv::GaussianBlur, cv::absdiff, cv::threshold and cv::dilate (3x3, once per px), to
-/// the bit, with as many threads as cv::setNumThreads() says. Does so only where they can differ, so that a picture
-/// like the other costs a look at each pixel. Keeps its memory from frame to frame. Where OpenCV is so old that its
-/// Gaussian is another (before 4.5), it is OpenCV that works.
+/// Makes a mask 255 where a picture (as toGray() takes them, of the reference's size) differs from the reference, else
+/// 0: toGray(), cv::GaussianBlur, cv::absdiff, cv::threshold and cv::dilate (3x3, once per px), to the bit, with as
+/// many threads as cv::setNumThreads() says. Blurs only near what differs, so that a picture like the other costs
+/// little more than to make it grey. Keeps its memory from frame to frame. Where OpenCV is so old that its Gaussian is
+/// another (before 4.5), it is OpenCV that works.
 class ChangedPixels
 {
 public:
@@ -50,13 +45,12 @@ public:
   ChangedPixels(ChangedPixels&&) noexcept;
   ChangedPixels& operator=(ChangedPixels&&) noexcept;
 
-  /// The mask is black outside of `white` before, and outside of what is returned then.
-  cv::Rect find(const EncodedPicture& picture, const Reference& reference, const Comparison& how, const cv::Rect& white,
-                cv::Mat& mask);
+  /// Writes all of the mask (CV_8UC1 of the size). Returns a part outside of which it is black.
+  cv::Rect find(const EncodedPicture& picture, const Reference& reference, const Comparison& how, cv::Mat& mask);
 
   /// The same by OpenCV.
   static cv::Rect findByOpenCv(const EncodedPicture& picture, const Reference& reference, const Comparison& how,
-                               const cv::Rect& white, cv::Mat& mask);
+                               cv::Mat& mask);
 
 private:
   struct Impl;

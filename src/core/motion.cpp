@@ -6,7 +6,6 @@
 #include <opencv2/imgproc.hpp>
 #include <opencv2/video/background_segm.hpp>
 #include <optional>
-#include <utility>
 
 #include "changed_pixels.hpp"
 #include "robot_vision/encoding.hpp"
@@ -65,16 +64,16 @@ struct MotionDetector::Impl
 
   bool isNew(double time_s, const EncodedPicture& picture) const
   {
-    return background.pixels.size() != picture.pixels.size() || encoding != picture.encoding || time_s < last_time;
+    return size != picture.pixels.size() || encoding != picture.encoding || time_s < last_time;
   }
 
-  /// The picture as it is compared: in colours where only shadows look like what they fall on, and where it is enough
-  /// to make grey what differs; otherwise grey.
+  /// The picture as it is compared: in colours where only shadows look like what they fall on, as it is where nothing
+  /// but the comparison makes it grey, otherwise grey.
   EncodedPicture prepare(const cv::Mat& image, const std::string& image_encoding)
   {
     checkPixels(image, image_encoding);
     const bool is_compared_only = params.method == "first_frame" && !params.ignore_light;
-    if (is_compared_only && isComparable(image_encoding)) return {image, image_encoding};
+    if (is_compared_only) return {image, image_encoding};
     EncodedPicture picture{converted, params.method == "mog2" ? "bgr8" : "mono8"};
     if (params.method == "mog2")
       toBgr(image, image_encoding, picture.pixels);
@@ -88,7 +87,7 @@ struct MotionDetector::Impl
   void begin(const EncodedPicture& picture)
   {
     encoding = picture.encoding;
-    picture.pixels.copyTo(background.pixels);
+    size = picture.pixels.size();
     everywhere_since.reset();
     if (params.method == "mog2")
     {
@@ -97,63 +96,54 @@ struct MotionDetector::Impl
       mog2->apply(picture.pixels, unused, 1.0);
       return;
     }
-    toGray(background.pixels, encoding, background.gray);
+    cv::Mat gray;
+    toGray(picture.pixels, encoding, gray);
+    gray.copyTo(background.gray);  // some are what they are grey of
     if (params.method == "first_frame") background.blurred = blurred(background.gray, params.blur_size);
     if (params.method == "running_average") background.gray.convertTo(average, CV_32F);
   }
 
-  /// A mask that is black outside of `white`. The last one, if nobody holds it any more: blackening that costs less
-  /// than new memory.
-  void renewMask(const cv::Size& size)
+  /// A mask to be written. The last one, if nobody holds it any more: it costs less than new memory.
+  void renewMask(const cv::Size& of)
   {
-    const bool is_free = mask.size() == size && mask.u->refcount == 1;
+    const bool is_free = mask.size() == of && mask.u->refcount == 1;
     std::atomic_thread_fence(std::memory_order_acquire);  // after the last reader's release in another thread
-    if (is_free) return;
-    mask = cv::Mat(size, CV_8UC1, cv::Scalar(0));  // cv::Mat::zeros would blacken what others hold
-    white = {};
+    if (!is_free) mask = cv::Mat(of, CV_8UC1);
   }
 
-  void blackenMask()
+  /// Makes the mask. Returns a part outside of which it is black.
+  cv::Rect compare(const EncodedPicture& picture)
   {
-    mask(white).setTo(0);
-    white = {};
-  }
-
-  /// Makes the mask.
-  void compare(const EncodedPicture& picture)
-  {
-    const cv::Rect was_white = std::exchange(white, cv::Rect({0, 0}, mask.size()));  // until it is known
     if (mog2)
     {
       mog2->apply(picture.pixels, mask, params.learning_rate);
       cv::compare(mask, 255.0, mask, cv::CMP_EQ);  // shadows are 127
       if (params.dilate > 0) cv::dilate(mask, mask, cv::Mat(), {-1, -1}, params.dilate);
-      return;
+      return {{0, 0}, mask.size()};
     }
     if (params.ignore_light) cv::subtract(picture.pixels, cv::Scalar(brighterBy(picture.pixels, background.gray)), lit);
     const EncodedPicture compared = params.ignore_light ? EncodedPicture{lit, "mono8"} : picture;
     const Comparison how{params.blur_size, params.threshold, params.dilate};
-    white = changed_pixels.find(compared, background, how, was_white, mask);
+    return changed_pixels.find(compared, background, how, mask);
   }
 
-  /// The memory of background.gray is that of background.pixels here.
   void learn(const cv::Mat& picture)
   {
-    if (params.method == "previous_frame") picture.copyTo(background.pixels);
+    if (params.method == "previous_frame") picture.copyTo(background.gray);
     if (params.method != "running_average") return;
     cv::accumulateWeighted(picture, average, params.learning_rate);
-    average.convertTo(background.pixels, CV_8U);
+    average.convertTo(background.gray, CV_8U);
   }
 
   MotionParams params;
   RegionFinder finder;
   ChangedPixels changed_pixels;
   Reference background;  // blurred for first_frame only: the others have another one in every frame
-  std::string encoding;  // of its pixels
+  cv::Size size;         // of the picture that it is of
+  std::string encoding;  // of the same
   cv::Mat average;       // CV_32FC1, from which it is rounded
   cv::Mat lit;           // the picture in the background's light
   cv::Mat mask;          // the last one that was given away
-  cv::Rect white;        // outside of this it is black
   cv::Mat converted;     // memory for the next picture
   cv::Ptr<cv::BackgroundSubtractorMOG2> mog2;
   double last_time = 0.0;                  // s
@@ -182,17 +172,17 @@ Motion MotionDetector::update(double time_s, const cv::Mat& image, const std::st
   if (is_new)
   {
     me.begin(picture);
-    me.blackenMask();
+    me.mask.setTo(0);
     return motion;
   }
-  me.compare(picture);
+  const cv::Rect part = me.compare(picture);
   me.learn(picture.pixels);
-  motion.changed = cv::countNonZero(motion.mask(me.white)) / static_cast<double>(motion.mask.total());
+  motion.changed = cv::countNonZero(motion.mask(part)) / static_cast<double>(motion.mask.total());
   motion.everywhere = motion.changed > me.params.max_changed;
   if (!motion.everywhere)
   {
     me.everywhere_since.reset();
-    motion.regions = me.finder.apply(motion.mask, me.white);
+    motion.regions = me.finder.apply(motion.mask, part);
     for (Region& region : motion.regions)
       cv::approxPolyDP(region.outline, region.outline, kOutlineError, true);
     return motion;
@@ -204,7 +194,7 @@ Motion MotionDetector::update(double time_s, const cv::Mat& image, const std::st
 
 void MotionDetector::reset()
 {
-  impl_->background.pixels.release();
+  impl_->size = {};
 }
 
 }  // namespace robot_vision

@@ -25,42 +25,46 @@ void prefetch(const std::uint8_t* bytes, int count)
 
 }  // namespace
 
-void MotionBand::run(const MotionComparison& comparison, const cv::Range& rows, cv::Mat& mask)
+cv::Rect MotionBand::run(const MotionComparison& comparison, const cv::Range& rows, cv::Mat& mask)
 {
-  const cv::Rect& part = comparison.part;
   const int dilate = comparison.dilate;
   begin(comparison, std::max(rows.start - dilate, 0));
+  cv::Rect part;
   for (int y = rows.start; y < rows.end; ++y)
   {
-    const int end = std::min(y + dilate + 1, part.height);
+    const int end = std::min(y + dilate + 1, mask.rows);
     while (next_ < end)
       makeNext(comparison);
     united_.clear();
     for (int i = std::max(y - dilate, 0); i < end; ++i)
       united_.push_back(dilated(i));
     kernels().unite(united_.data(), static_cast<int>(united_.size()), words_, mask_.data());
-    kernels().spread_bits(mask_.data(), part.width, mask.ptr(part.y + y, part.x));
+    kernels().spread_bits(mask_.data(), mask.cols, mask.ptr(y));
+    const auto is_white = [](Word word) { return word != 0; };
+    const auto first = std::find_if(mask_.begin(), mask_.end(), is_white);
+    if (first == mask_.end()) continue;
+    const auto last = std::find_if(mask_.rbegin(), mask_.rend(), is_white).base();
+    const auto column = [&](auto word) { return std::min(static_cast<int>(word - mask_.begin()) * kBlock, mask.cols); };
+    part |= cv::Rect({column(first), y}, cv::Point(column(last), y + 1));
   }
+  return part;
 }
 
 void MotionBand::begin(const MotionComparison& comparison, int first)
 {
-  const cv::Rect& part = comparison.part;
+  const cv::Mat& picture = comparison.picture.pixels;
   const int window = GaussRows::window(*comparison.blur);
   next_ = first;
   compared_ = assumed_ = std::max(first - comparison.blur->half(), 0);
-  gray_.begin(comparison.picture.pixels(part), comparison.picture.encoding, compared_, window);
+  gray_.begin(picture, comparison.picture.encoding, compared_, window);
   blurred_.begin(gray_, *comparison.blur);
   if (comparison.reference.blurred.empty())
   {
-    reference_gray_.begin(comparison.reference.gray(part), "mono8", compared_, window);
+    reference_gray_.begin(comparison.reference.gray, "mono8", compared_, window);
     reference_blurred_.begin(reference_gray_, *comparison.blur);
   }
-  words_ = (part.width + kBlock - 1) / kBlock;
-  near_.assign(static_cast<std::size_t>(words_), 0);
-  for (int x = comparison.near.x - part.x; x < comparison.near.br().x - part.x; ++x)
-    near_[static_cast<std::size_t>(x / kBlock)] |= Word{1} << x % kBlock;
-  changed_.assign(static_cast<std::size_t>(words_), -part.height);
+  words_ = (picture.cols + kBlock - 1) / kBlock;
+  changed_.assign(static_cast<std::size_t>(words_), -picture.rows);
   window_ = 2 * comparison.dilate + kWeighedRows;
   marked_.resize(2, words_);
   marked_.fill(0);
@@ -71,7 +75,7 @@ void MotionBand::begin(const MotionComparison& comparison, int first)
 /// Makes kWeighedRows of `dilated_`.
 void MotionBand::makeNext(const MotionComparison& comparison)
 {
-  const int height = comparison.part.height;
+  const int height = comparison.reference.gray.rows;
   compareTo(comparison, std::min(next_ + kWeighedRows + comparison.blur->half(), height));
   findSpans(comparison);
   if (!spans_.empty()) blurred_.begin(next_, spans_);
@@ -82,28 +86,28 @@ void MotionBand::makeNext(const MotionComparison& comparison)
 
 void MotionBand::compareTo(const MotionComparison& comparison, int end)
 {
-  const cv::Rect& part = comparison.part;
   if (end <= assumed_)
   {
     std::fill(changed_.begin(), changed_.end(), end - 1);
     compared_ = end;
     return;
   }
-  int different = 0;
-  for (int block = 0; block < words_; ++block)
+  const cv::Mat& reference = comparison.reference.gray;
+  Word* const different = marked_[0];
+  int blocks = 0;
+  for (int y = compared_; y < end; ++y)
   {
-    const int x = block * kBlock;
-    Word differences = 0;
-    for (int y = end; y-- > compared_ && differences == 0;)  // the last is all that matters
+    kernels().mark_differences(gray_.row(y), reference.ptr(y), comparison.threshold, reference.cols, different);
+    for (int block = 0; block < words_; ++block)
     {
-      kernels().mark_differences(gray_.row(y) + x, comparison.reference.gray.ptr(part.y + y, part.x + x),
-                                 comparison.threshold, std::min(kBlock, part.width - x), &differences);
-      if (differences != 0) changed_[static_cast<std::size_t>(block)] = y;
+      int& changed = changed_[static_cast<std::size_t>(block)];
+      if (different[block] == 0) continue;
+      if (changed < compared_) ++blocks;
+      changed = y;
     }
-    different += differences != 0 ? 1 : 0;
   }
   compared_ = end;
-  if (2 * different > words_) assumed_ = end + kAssumed;
+  if (2 * blocks > words_) assumed_ = end + kAssumed;
 }
 
 /// Where the next rows' blur looks at pixels that differ: means of bytes that differ by whole numbers up to the
@@ -118,7 +122,7 @@ void MotionBand::findSpans(const MotionComparison& comparison)
   for (int block = 0; block < words_; ++block)
   {
     if (!is_changed(block - 1) && !is_changed(block) && !is_changed(block + 1)) continue;
-    const cv::Range span(block * kBlock, std::min((block + 1) * kBlock, comparison.part.width));
+    const cv::Range span(block * kBlock, std::min((block + 1) * kBlock, comparison.reference.gray.cols));
     if (!spans_.empty() && span.start - spans_.back().end <= kBlock)
       spans_.back().end = span.end;  // what is between them is looked at for both
     else
@@ -129,23 +133,18 @@ void MotionBand::findSpans(const MotionComparison& comparison)
 /// Marks what differs in a row, number `i` of those that are blurred, and dilates that along the row.
 void MotionBand::mark(const MotionComparison& comparison, int i)
 {
-  const cv::Rect& part = comparison.part;
   const cv::Mat& kept = comparison.reference.blurred;
   Word* from = marked_[0];
   Word* to = marked_[1];
   std::fill_n(from, words_, 0);
-  const int y = part.y + next_;
-  const bool is_near = y >= comparison.near.y && y < comparison.near.br().y;
-  if (is_near && !spans_.empty())
+  if (!spans_.empty())
   {
-    if (!kept.empty()) prefetch(kept.ptr(y, part.x), part.width);  // it comes while the other is blurred
+    if (!kept.empty()) prefetch(kept.ptr(next_), kept.cols);  // it comes while the other is blurred
     const std::uint8_t* const picture = blurred_.row(i);
-    const std::uint8_t* const reference = kept.empty() ? reference_blurred_.row(i) : kept.ptr(y, part.x);
+    const std::uint8_t* const reference = kept.empty() ? reference_blurred_.row(i) : kept.ptr(next_);
     for (const cv::Range& span : spans_)
       kernels().mark_differences(picture + span.start, reference + span.start, comparison.threshold, span.size(),
                                  from + span.start / kBlock);
-    for (int word = 0; word < words_; ++word)
-      from[word] &= near_[static_cast<std::size_t>(word)];  // other pixels' blur looks beyond the part
   }
   for (int reach = 0; reach < comparison.dilate;)
   {

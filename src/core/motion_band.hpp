@@ -17,8 +17,6 @@ struct MotionComparison
 {
   EncodedPicture picture;
   Reference reference;
-  cv::Rect near;  // outside of which the blurred ones do not differ
-  cv::Rect part;  // near, and what the blur and the dilation of it look at
   const GaussWeights* blur;
   std::uint8_t threshold;
   int dilate;  // px
@@ -29,8 +27,8 @@ struct MotionComparison
 class MotionBand
 {
 public:
-  /// Writes rows of the comparison's part of a mask, `rows` counted from the first of them.
-  void run(const MotionComparison& comparison, const cv::Range& rows, cv::Mat& mask);
+  /// Writes these rows of a mask. Returns a part of them outside of which they are black.
+  cv::Rect run(const MotionComparison& comparison, const cv::Range& rows, cv::Mat& mask);
 
 private:
   using Word = std::uint64_t;  // bits of kBlock pixels
@@ -47,7 +45,6 @@ private:
   GaussRows blurred_;
   GaussRows reference_blurred_;
   int words_ = 0;                 // of a row
-  std::vector<Word> near_;        // which pixels of a row are
   std::vector<int> changed_;      // the last row in which grey pixels of a block differ
   int compared_ = 0;              // the first row that is not in `changed_`
   int assumed_ = 0;               // the first row before which all blocks are assumed to differ

@@ -16,8 +16,7 @@ struct State
 {
   explicit State(const std::vector<cv::Mat>& pictures) : frames(pictures)
   {
-    background.pixels = frames.front().clone();
-    cv::cvtColor(background.pixels, background.gray, cv::COLOR_BGR2GRAY);
+    cv::cvtColor(frames.front(), background.gray, cv::COLOR_BGR2GRAY);
     background.blurred = robot_vision::blurred(background.gray, kHow.blur_size);
   }
 
@@ -33,14 +32,13 @@ struct State
   void byUs(const cv::Mat& frame)
   {
     results.ours.create(frame.size(), CV_8UC1);
-    white = changed.find({frame, "bgr8"}, background, kHow, white, results.ours);
+    changed.find({frame, "bgr8"}, background, kHow, results.ours);
   }
 
   std::vector<cv::Mat> frames;
   robot_vision::Reference background;
   robot_vision::ChangedPixels changed;
   cv::Mat gray, blurred, difference;
-  cv::Rect white{{0, 0}, frames.front().size()};  // outside of this our mask is black
   Results results;
 };
 
