@@ -65,9 +65,8 @@ void EdgeBits::connect()
   {
     const std::size_t begin = at(y);
     for (std::size_t i = begin; i < begin + words_; ++i)
-      if (is_open(i)) spread(i);
-    for (std::size_t i = begin + words_; i-- > begin;)
-      if (is_open(i)) spread(i);
+      for (std::size_t word = i; is_open(word) && spread(word);)
+        --word;  // what it has gained may go on before it; there is no candidate before the row
   }
   for (int y = size_.height; y-- > 0;)
     for (std::size_t i = at(y); i < at(y) + words_; ++i)

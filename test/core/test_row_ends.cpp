@@ -1,0 +1,229 @@
+// Rows that end where their memory does, for the sanitizers to see who reads or writes beyond them: in the library
+// those of the kernels' own lie between margins.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <random>
+#include <vector>
+
+#include "core/kernels/kernels.hpp"
+
+using namespace robot_vision;
+
+namespace
+{
+
+using Bytes = std::vector<std::uint8_t>;
+using Words = std::vector<std::uint64_t>;
+
+constexpr int kBits = 64;
+constexpr int kCounts[] = {1, 2, 7, 15, 16, 17, 31, 33, 63, 64, 65, 100, 127, 128, 129, 200, 321};
+
+int wordsOf(int count)
+{
+  return (count + kBits - 1) / kBits;
+}
+
+template <class T>
+std::vector<T> random(int count, int largest)
+{
+  static std::mt19937 generator(7);
+  std::vector<T> values(static_cast<std::size_t>(count));
+  for (T& value : values)
+    value = static_cast<T>(generator() % (static_cast<unsigned>(largest) + 1));
+  return values;
+}
+
+Words randomBits(int words)
+{
+  Words bits = random<std::uint64_t>(words, 0x7FFFFFFF);
+  for (std::uint64_t& word : bits)
+    word *= 0x9E3779B97F4A7C15U;
+  return bits;
+}
+
+bool at(const Words& bits, int i)
+{
+  return i >= 0 && i / kBits < static_cast<int>(bits.size()) &&
+         (bits[static_cast<std::size_t>(i / kBits)] >> i % kBits & 1) != 0;
+}
+
+Words bitsOf(const Bytes& bytes)
+{
+  Words bits(static_cast<std::size_t>(wordsOf(static_cast<int>(bytes.size()))), 0);
+  for (std::size_t i = 0; i < bytes.size(); ++i)
+    if (bytes[i] != 0) bits[i / kBits] |= std::uint64_t{1} << i % kBits;
+  return bits;
+}
+
+std::vector<const std::uint8_t*> pointersTo(const std::vector<Bytes>& rows)
+{
+  std::vector<const std::uint8_t*> pointers;
+  for (const Bytes& row : rows)
+    pointers.push_back(row.data());
+  return pointers;
+}
+
+}  // namespace
+
+TEST(RowEnds, ofMarksAndBits)
+{
+  for (const int count : kCounts)
+  {
+    const Bytes a = random<std::uint8_t>(count, 255);
+    const Bytes b = random<std::uint8_t>(count, 255);
+    Bytes differ(a.size());
+    std::transform(a.begin(), a.end(), b.begin(), differ.begin(),
+                   [](int x, int y) { return static_cast<std::uint8_t>(std::abs(x - y) > 100 ? 1 : 0); });
+    Words bits(static_cast<std::size_t>(wordsOf(count)));
+    kernels().mark_differences(a.data(), b.data(), 100, count, bits.data());
+    EXPECT_EQ(bits, bitsOf(differ)) << count;
+
+    Bytes spread(a.size());
+    kernels().spread_bits(bits.data(), count, spread.data());
+    for (int i = 0; i < count; ++i)
+      ASSERT_EQ(spread[static_cast<std::size_t>(i)], at(bits, i) ? 255 : 0) << count << ", " << i;
+  }
+}
+
+TEST(RowEnds, ofSplitMarks)
+{
+  constexpr std::uint8_t kMarks[] = {0, kCandidate, kCandidate | kStrong};
+  for (const int words : {1, 2, 5})
+  {
+    Bytes marks = random<std::uint8_t>(words * kBits, 2);
+    Bytes candidates, strong;
+    for (std::uint8_t& mark : marks)
+    {
+      mark = kMarks[mark];
+      candidates.push_back(mark & kCandidate);
+      strong.push_back(mark & kStrong);
+    }
+    Words first(static_cast<std::size_t>(words)), second(first);
+    kernels().split_marks(marks.data(), words, first.data(), second.data());
+    EXPECT_EQ(first, bitsOf(candidates)) << words;
+    EXPECT_EQ(second, bitsOf(strong)) << words;
+  }
+}
+
+TEST(RowEnds, ofUnitedBits)
+{
+  for (const int words : {1, 2, 3, 5, 8, 9, 30})
+  {
+    const std::vector<Words> rows = {randomBits(words), randomBits(words), randomBits(words)};
+    const std::uint64_t* const pointers[] = {rows[0].data(), rows[1].data(), rows[2].data()};
+    for (const int number : {1, 3})
+    {
+      Words united(rows[0].size());
+      kernels().unite(pointers, number, words, united.data());
+      for (std::size_t i = 0; i < united.size(); ++i)
+        ASSERT_EQ(united[i], number == 1 ? rows[0][i] : rows[0][i] | rows[1][i] | rows[2][i]);
+    }
+    Words between = rows[0];
+    between.insert(between.begin(), 0);
+    between.push_back(0);
+    for (const int places : {1, 2, 31, 63})
+    {
+      Words united(rows[0].size());
+      kernels().unite_neighbours(between.data() + 1, words, places, united.data());
+      for (int i = 0; i < words * kBits; ++i)
+        ASSERT_EQ(at(united, i), at(rows[0], i) || at(rows[0], i - places) || at(rows[0], i + places))
+            << words << places;
+    }
+  }
+}
+
+TEST(RowEnds, ofWeighedRows)
+{
+  constexpr std::size_t kReadBeyond = 128, kWrittenBeyond = 64;  // as Kernels::weigh_row says
+  const std::vector<std::vector<std::uint8_t>> halves = {
+      {64, 128, 64}, {1, 20, 60, 94, 60, 20, 1}, {64, 64, 0, 64, 64}};
+  for (const Bytes& window : halves)
+    for (const int count : kCounts)
+    {
+      Bytes bytes(kWeightMargin, 0);
+      bytes.insert(bytes.end(), window.begin(), window.end());
+      bytes.resize(bytes.size() + kWeightMargin, 0);
+      const std::vector<std::uint16_t> words(bytes.begin(), bytes.end());
+      const int half = static_cast<int>(window.size()) / 2;
+      const SymmetricWeights weights{half, bytes.data() + kWeightMargin, words.data() + kWeightMargin};
+
+      std::vector<Bytes> rows;
+      for (int i = 0; i < SymmetricWeights::rows(half); ++i)
+        rows.push_back(random<std::uint8_t>(count, 255));
+      std::vector<std::vector<std::uint16_t>> sums(kWeighedRows, std::vector<std::uint16_t>(rows[0].size()));
+      std::uint16_t* const to[] = {sums[0].data(), sums[1].data(), sums[2].data(), sums[3].data()};
+      kernels().weigh_columns(pointersTo(rows).data(), weights, count, to);
+      for (std::size_t k = 0; k < sums.size(); ++k)
+        for (std::size_t x = 0; x < rows[0].size(); ++x)
+        {
+          int sum = kSumBias;
+          for (std::size_t j = 0; j < window.size(); ++j)
+            sum += window[j] * rows[k + j][x];
+          ASSERT_EQ(sums[k][x], sum & 0xFFFF) << half << ", " << count << ", row " << k << ", " << x;
+        }
+
+      const auto taps = random<std::uint16_t>(count + 2 * half, 255 * 256);
+      std::vector<std::uint16_t> biased;
+      for (const std::uint16_t tap : taps)
+        biased.push_back(static_cast<std::uint16_t>(tap + kSumBias));
+      biased.resize(biased.size() + kReadBeyond, 0x1234);
+      Bytes means(rows[0].size() + kWrittenBeyond);
+      kernels().weigh_row(biased.data(), weights, count, means.data());
+      for (std::size_t x = 0; x < rows[0].size(); ++x)
+      {
+        int sum = 0x8000;
+        for (std::size_t j = 0; j < window.size(); ++j)
+          sum += window[j] * taps[x + j];
+        ASSERT_EQ(means[x], sum >> 16) << half << ", " << count << ", " << x;
+      }
+    }
+}
+
+TEST(RowEnds, ofSlidingSumsAndTheirQuotients)
+{
+  const Division by_nine(9);
+  for (const int count : kCounts)
+  {
+    const Bytes entering = random<std::uint8_t>(count, 255), leaving = random<std::uint8_t>(count, 255);
+    const auto before = random<std::uint16_t>(count, 8 * 255);
+    std::vector<std::uint16_t> sums(before);
+    for (std::size_t i = 0; i < sums.size(); ++i)
+      sums[i] = static_cast<std::uint16_t>(before[i] + leaving[i]);
+    kernels().slide16(entering.data(), leaving.data(), count, sums.data());
+    Bytes quotients(sums.size());
+    kernels().divide16(sums.data(), by_nine, count, quotients.data());
+    for (std::size_t i = 0; i < sums.size(); ++i)
+    {
+      ASSERT_EQ(sums[i], before[i] + entering[i]) << count << ", " << i;
+      ASSERT_EQ(quotients[i], (2 * sums[i] + 9) / 18) << count << ", " << i;
+    }
+  }
+}
+
+TEST(RowEnds, ofGradients)
+{
+  for (const int count : kCounts)
+  {
+    const std::vector<Bytes> rows = {random<std::uint8_t>(count + 2, 255), random<std::uint8_t>(count + 2, 255),
+                                     random<std::uint8_t>(count + 2, 255)};
+    std::vector<std::int16_t> dx(static_cast<std::size_t>(count)), dy(dx), sums(dx);
+    std::vector<std::int32_t> squares(dx.size());
+    const auto row = [&rows](std::size_t i) { return rows[i].data() + 1; };
+    kernels().gradient16(row(0), row(1), row(2), count, dx.data(), dy.data(), sums.data());
+    for (int i = 0; i < count; ++i)
+    {
+      const auto column = [&](int x) { return row(0)[x] + 2 * row(1)[x] + row(2)[x]; };
+      const auto along = [&](std::size_t y) { return row(y)[i - 1] + 2 * row(y)[i] + row(y)[i + 1]; };
+      const auto place = static_cast<std::size_t>(i);
+      ASSERT_EQ(dx[place], column(i + 1) - column(i - 1)) << count << ", " << i;
+      ASSERT_EQ(dy[place], along(2) - along(0)) << count << ", " << i;
+      ASSERT_EQ(sums[place], std::abs(dx[place]) + std::abs(dy[place])) << count << ", " << i;
+    }
+    kernels().gradient32(row(0), row(1), row(2), count, dx.data(), dy.data(), squares.data());
+    for (std::size_t i = 0; i < dx.size(); ++i)
+      ASSERT_EQ(squares[i], dx[i] * dx[i] + dy[i] * dy[i]) << count << ", " << i;
+  }
+}
