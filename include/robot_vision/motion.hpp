@@ -39,10 +39,9 @@ struct Motion
 ///
 /// first_frame: the first one, as courses do; previous_frame: the one before; running_average: the mean of all, newer
 /// ones counting more. A pixel has changed if the pictures, grey and blurred, differ by more than the threshold:
-/// cv::cvtColor, cv::GaussianBlur, cv::absdiff, cv::threshold and cv::dilate (3x3, once per px), to the bit, but only
-/// where the pictures differ at all.
-/// mog2: a mixture of Gaussians per pixel (cv::BackgroundSubtractorMOG2) of the colour picture, which is not blurred;
-/// shadows do not count.
+/// cv::cvtColor, cv::GaussianBlur, cv::absdiff, cv::threshold and cv::dilate (3x3, once per px), to the bit, but
+/// blurred only near pixels that differ. mog2: a mixture of Gaussians per pixel (cv::BackgroundSubtractorMOG2) of the
+/// colour picture, which is not blurred; shadows do not count.
 ///
 /// When the whole picture changes, because a lamp is switched on or the camera is moved, this is reported as such, and
 /// what is seen after `settle` seconds of it is the background from then on.

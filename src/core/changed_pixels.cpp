@@ -7,11 +7,24 @@
 
 #include "gauss_rows.hpp"
 #include "motion_band.hpp"
+#include "rects.hpp"
 #include "robot_vision/encoding.hpp"
 #include "row_bands.hpp"
 
 namespace robot_vision
 {
+namespace
+{
+
+/// A part of a grey picture, blurred; to the bit as if all of it were.
+cv::Mat blurPart(const cv::Mat& gray, const cv::Rect& part, int blur_size)
+{
+  const cv::Rect outer = grown(part, blur_size / 2, gray.size());
+  // A copy: OpenCV would look beyond it. What is invented beyond its border stays out of `part`.
+  return blurred(gray(outer).clone(), blur_size)(part - outer.tl());
+}
+
+}  // namespace
 
 cv::Mat blurred(const cv::Mat& gray, int blur_size)
 {
@@ -45,15 +58,9 @@ cv::Rect ChangedPixels::find(const EncodedPicture& picture, const Reference& ref
     me.are_exact = me.weights->areExact();
   }
   if (!me.are_exact) return findByOpenCv(picture, reference, how, mask);
-  EncodedPicture compared = picture;
-  if (!GrayRows::takes(picture.encoding))
-  {
-    toGray(picture.pixels, picture.encoding, compared.pixels);
-    compared.encoding = "mono8";
-  }
   // More than 25.5 is more than 25, between whole numbers.
   const auto threshold = static_cast<std::uint8_t>(how.threshold);
-  const MotionComparison comparison{compared, reference, &*me.weights, threshold, how.dilate};
+  const MotionComparison comparison{picture, reference, &*me.weights, threshold, how.dilate};
   const int threads = cv::getNumThreads();
   const int least_rows = 2 * (how.blur_size + 2 * how.dilate);  // twice those that a band makes for its neighbours, too
   const auto bands = static_cast<std::size_t>(bandsOf(mask.rows, threads, least_rows));
@@ -73,11 +80,18 @@ cv::Rect ChangedPixels::findByOpenCv(const EncodedPicture& picture, const Refere
 {
   cv::Mat gray, difference;
   toGray(picture.pixels, picture.encoding, gray);
-  const cv::Mat background = reference.blurred.empty() ? blurred(reference.gray, how.blur_size) : reference.blurred;
-  cv::absdiff(blurred(gray, how.blur_size), background, difference);
+  cv::absdiff(gray, reference.gray, difference);
   cv::threshold(difference, mask, how.threshold, 255.0, cv::THRESH_BINARY);
-  if (how.dilate > 0) cv::dilate(mask, mask, cv::Mat(), {-1, -1}, how.dilate);
-  return cv::boundingRect(mask);
+  const cv::Rect part = grown(cv::boundingRect(mask), how.blur_size / 2, mask.size());
+  mask.setTo(0);
+  if (part.empty()) return part;
+  const cv::Mat background =
+      reference.blurred.empty() ? blurPart(reference.gray, part, how.blur_size) : reference.blurred(part);
+  cv::absdiff(blurPart(gray, part, how.blur_size), background, difference);
+  cv::threshold(difference, mask(part), how.threshold, 255.0, cv::THRESH_BINARY);
+  const cv::Rect grown_part = grown(part, how.dilate, mask.size());
+  if (how.dilate > 0) cv::dilate(mask(grown_part), mask(grown_part), cv::Mat(), {-1, -1}, how.dilate);
+  return grown_part;
 }
 
 }  // namespace robot_vision

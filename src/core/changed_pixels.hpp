@@ -32,11 +32,11 @@ struct Comparison
   int dilate;        // px
 };
 
-/// Makes a mask 255 where a picture (as toGray() takes them, of the reference's size) differs from the reference, else
-/// 0: toGray(), cv::GaussianBlur, cv::absdiff, cv::threshold and cv::dilate (3x3, once per px), to the bit, with as
-/// many threads as cv::setNumThreads() says. Blurs only near what differs, so that a picture like the other costs
-/// little more than to make it grey. Keeps its memory from frame to frame. Where OpenCV is so old that its Gaussian is
-/// another (before 4.5), it is OpenCV that works.
+/// Makes a mask 255 where a picture (of the reference's size and an encoding that GrayRows take) differs from the
+/// reference, else 0: toGray(), cv::GaussianBlur, cv::absdiff, cv::threshold and cv::dilate (3x3, once per px), to the
+/// bit, with as many threads as cv::setNumThreads() says. Blurs only near what differs, so that a picture like the
+/// other costs little more than to make it grey. Keeps its memory from frame to frame. Where OpenCV is so old that its
+/// Gaussian is another (before 4.5), it is OpenCV that works.
 class ChangedPixels
 {
 public:

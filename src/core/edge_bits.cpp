@@ -1,15 +1,11 @@
 #include "edge_bits.hpp"
 
-#include "kernels/kernels.hpp"
-
 namespace robot_vision
 {
 namespace
 {
 
-using Word = std::uint64_t;
-
-constexpr int kBits = 64;
+using Word = BitWord;
 
 /// The runs of ones in `candidates` that have a bit of `seeds`, which are among them.
 Word fillRuns(Word seeds, Word candidates)
@@ -17,7 +13,7 @@ Word fillRuns(Word seeds, Word candidates)
   // A carry runs from a run's lowest seed to its end.
   Word filled = (((seeds + candidates) ^ candidates) | seeds) & candidates;
   Word path = candidates;
-  for (int step = 1; step < kBits; step *= 2)
+  for (int step = 1; step < kWordBits; step *= 2)
   {
     filled |= path & filled >> step;
     path &= path >> step;
@@ -31,7 +27,7 @@ void EdgeBits::reset(cv::Size size)
 {
   if (size == size_) return;
   size_ = size;
-  words_ = static_cast<std::size_t>((size.width + kBits - 1) / kBits);
+  words_ = static_cast<std::size_t>((size.width + kWordBits - 1) / kWordBits);
   stride_ = words_ + 2;
   candidates_.assign(stride_ * static_cast<std::size_t>(size.height + 2), 0);
   edges_ = candidates_;
@@ -49,7 +45,8 @@ bool EdgeBits::spread(std::size_t word)
   const Word before = edges_[word];
   Word near = before;
   for (const std::size_t i : {word - stride_, word, word + stride_})
-    near |= edges_[i] | edges_[i] << 1 | edges_[i] >> 1 | edges_[i - 1] >> (kBits - 1) | edges_[i + 1] << (kBits - 1);
+    near |= edges_[i] | edges_[i] << 1 | edges_[i] >> 1 | edges_[i - 1] >> (kWordBits - 1) |
+            edges_[i + 1] << (kWordBits - 1);
   near &= candidates;
   if (near == before) return false;
   edges_[word] = fillRuns(near, candidates);

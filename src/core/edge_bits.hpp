@@ -4,6 +4,8 @@
 #include <opencv2/core.hpp>
 #include <vector>
 
+#include "kernels/kernels.hpp"
+
 namespace robot_vision
 {
 
@@ -29,7 +31,7 @@ public:
   void write(cv::Mat& edges) const;
 
 private:
-  using Word = std::uint64_t;
+  using Word = BitWord;
 
   std::size_t at(int y) const { return static_cast<std::size_t>(y + 1) * stride_ + 1; }
   bool spread(std::size_t word);

@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "changed_pixels.hpp"
+#include "gray_rows.hpp"
 #include "robot_vision/encoding.hpp"
 #include "robot_vision/range.hpp"
 
@@ -67,13 +68,13 @@ struct MotionDetector::Impl
     return size != picture.pixels.size() || encoding != picture.encoding || time_s < last_time;
   }
 
-  /// The picture as it is compared: in colours where only shadows look like what they fall on, as it is where nothing
-  /// but the comparison makes it grey, otherwise grey.
+  /// The picture as it is compared: in colours where only shadows look like what they fall on, as it is where its rows
+  /// can be made grey while they are compared, otherwise grey.
   EncodedPicture prepare(const cv::Mat& image, const std::string& image_encoding)
   {
     checkPixels(image, image_encoding);
     const bool is_compared_only = params.method == "first_frame" && !params.ignore_light;
-    if (is_compared_only) return {image, image_encoding};
+    if (is_compared_only && GrayRows::takes(image_encoding)) return {image, image_encoding};
     EncodedPicture picture{converted, params.method == "mog2" ? "bgr8" : "mono8"};
     if (params.method == "mog2")
       toBgr(image, image_encoding, picture.pixels);
@@ -86,21 +87,24 @@ struct MotionDetector::Impl
   /// Takes the picture for the background.
   void begin(const EncodedPicture& picture)
   {
+    size = {};  // none until all of it is there
     encoding = picture.encoding;
-    size = picture.pixels.size();
     everywhere_since.reset();
     if (params.method == "mog2")
     {
       mog2 = cv::createBackgroundSubtractorMOG2();
       cv::Mat unused;
       mog2->apply(picture.pixels, unused, 1.0);
-      return;
     }
-    cv::Mat gray;
-    toGray(picture.pixels, encoding, gray);
-    gray.copyTo(background.gray);  // some are what they are grey of
-    if (params.method == "first_frame") background.blurred = blurred(background.gray, params.blur_size);
-    if (params.method == "running_average") background.gray.convertTo(average, CV_32F);
+    else
+    {
+      cv::Mat gray;
+      toGray(picture.pixels, encoding, gray);
+      gray.copyTo(background.gray);  // some are what they are grey of
+      if (params.method == "first_frame") background.blurred = blurred(background.gray, params.blur_size);
+      if (params.method == "running_average") background.gray.convertTo(average, CV_32F);
+    }
+    size = picture.pixels.size();
   }
 
   /// A mask to be written. The last one, if nobody holds it any more: it costs less than new memory.

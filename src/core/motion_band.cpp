@@ -1,20 +1,18 @@
 #include "motion_band.hpp"
 
 #include <algorithm>
+#include <limits>
 #include <utility>
-
-#include "kernels/kernels.hpp"
 
 namespace robot_vision
 {
 namespace
 {
 
-constexpr int kBlock = 64;  // px, side by side, that are blurred or not
+constexpr int kBlock = kWordBits;  // px, side by side, that are blurred or not
 static_assert(kBlock % GaussRows::kColumns == 0, "spans are of blocks");
 
-constexpr int kAssumed =
-    16;  // rows after some of which most blocks differ: to look at them would cost more than it saves
+constexpr int kAssumed = 16;  // rows that are not compared after some in which most blocks differ: it would not pay
 
 void prefetch(const std::uint8_t* bytes, int count)
 {
@@ -64,7 +62,7 @@ void MotionBand::begin(const MotionComparison& comparison, int first)
     reference_blurred_.begin(reference_gray_, *comparison.blur);
   }
   words_ = (picture.cols + kBlock - 1) / kBlock;
-  changed_.assign(static_cast<std::size_t>(words_), -picture.rows);
+  changed_.assign(static_cast<std::size_t>(words_), std::numeric_limits<int>::min());
   window_ = 2 * comparison.dilate + kWeighedRows;
   marked_.resize(2, words_);
   marked_.fill(0);
@@ -139,7 +137,8 @@ void MotionBand::mark(const MotionComparison& comparison, int i)
   std::fill_n(from, words_, 0);
   if (!spans_.empty())
   {
-    if (!kept.empty()) prefetch(kept.ptr(next_), kept.cols);  // it comes while the other is blurred
+    for (const cv::Range& span : spans_)  // it comes while the other is blurred
+      if (!kept.empty()) prefetch(kept.ptr(next_, span.start), span.size());
     const std::uint8_t* const picture = blurred_.row(i);
     const std::uint8_t* const reference = kept.empty() ? reference_blurred_.row(i) : kept.ptr(next_);
     for (const cv::Range& span : spans_)

@@ -8,6 +8,7 @@
 #include "changed_pixels.hpp"
 #include "gauss_rows.hpp"
 #include "gray_rows.hpp"
+#include "kernels/kernels.hpp"
 
 namespace robot_vision
 {
@@ -31,7 +32,7 @@ public:
   cv::Rect run(const MotionComparison& comparison, const cv::Range& rows, cv::Mat& mask);
 
 private:
-  using Word = std::uint64_t;  // bits of kBlock pixels
+  using Word = BitWord;
 
   void begin(const MotionComparison& comparison, int first);
   void makeNext(const MotionComparison& comparison);

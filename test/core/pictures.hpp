@@ -3,6 +3,9 @@
 #include <cmath>
 #include <cstdint>
 #include <opencv2/imgproc.hpp>
+#include <string>
+
+#include "robot_vision/encoding.hpp"
 
 /// Random pixels; each row is followed by `row_padding` others that do not belong to the picture.
 inline cv::Mat noise(cv::Size size, int type, int row_padding = 0)
@@ -25,6 +28,13 @@ inline cv::Mat smooth(cv::Size size)
       picture(y, x) = {wave(0.05, 0.02), wave(0.03, 0.06), wave(0.11, 0.01)};
     }
   return std::move(picture);
+}
+
+/// A picture of any encoding but jpeg, with padded rows if they are noise.
+inline cv::Mat colourful(cv::Size size, const std::string& encoding)
+{
+  if (encoding != "bgr8") return noise(size, robot_vision::matType(encoding), 3);
+  return smooth(size);
 }
 
 /// Pictures on which filters go wrong: noise, saturated, chess boards, lines along the borders, soft shapes, nothing;

@@ -38,12 +38,6 @@ EdgeParams edgeParams(int blur_size, double low, double high, int aperture, bool
   return params;
 }
 
-cv::Mat colourful(cv::Size size, const std::string& encoding)
-{
-  if (encoding != "bgr8") return noise(size, matType(encoding), 3);
-  return smooth(size);
-}
-
 }  // namespace
 
 TEST(EdgeDetector, equalsTheOpenCvChainForEveryParameter)

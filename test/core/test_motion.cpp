@@ -2,12 +2,15 @@
 
 #include <gtest/gtest.h>
 
+#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include "core/changed_pixels.hpp"
 #include "core/gauss_rows.hpp"
 #include "pictures.hpp"
 #include "refusal.hpp"
+#include "robot_vision/encoding.hpp"
+#include "thread_counts.hpp"
 
 using namespace robot_vision;
 
@@ -15,13 +18,18 @@ namespace
 {
 
 /// As courses write it.
-cv::Mat byOpenCv(const cv::Mat& image, const cv::Mat& background, const MotionParams& p)
+cv::Mat byOpenCv(const cv::Mat& image, const cv::Mat& background, const MotionParams& p,
+                 const std::string& encoding = "bgr8")
 {
   std::vector<cv::Mat> blurred;
   for (const cv::Mat& picture : {background, image})
   {
     cv::Mat gray;
-    cv::cvtColor(picture, gray, cv::COLOR_BGR2GRAY);
+    if (encoding == "bgr8")
+      cv::cvtColor(picture, gray, cv::COLOR_BGR2GRAY);
+    else
+      toGray(picture, encoding, gray);
+    gray = gray.clone();  // beyond a part of a larger picture it would be the picture that is looked at
     cv::GaussianBlur(gray, gray, {p.blur_size, p.blur_size}, 0.0);
     blurred.push_back(gray);
   }
@@ -85,7 +93,6 @@ TEST(MotionDetector, equalsTheOpenCvChain)
 
 TEST(MotionDetector, equalsTheOpenCvChainForAdversarialPictures)
 {
-  const int threads = cv::getNumThreads();
   cv::RNG random(0x307104);
   for (int i = 0; i < 200; ++i)
   {
@@ -96,7 +103,7 @@ TEST(MotionDetector, equalsTheOpenCvChainForAdversarialPictures)
     params.threshold = random.uniform(0, 2) == 0 ? random.uniform(0.0, 255.0) : random.uniform(0, 30);
     params.dilate = random.uniform(0, i % 10 == 1 ? 51 : 4);
     params.max_changed = 1.0;
-    cv::setNumThreads(random.uniform(1, 5));
+    const ThreadCount threads(random.uniform(1, 5));
     MotionDetector detector(params);
     cv::Mat pictures[2];
     cv::cvtColor(adversarial(size, i), pictures[0], cv::COLOR_GRAY2BGR);
@@ -108,12 +115,10 @@ TEST(MotionDetector, equalsTheOpenCvChainForAdversarialPictures)
         << "pictures " << i << ", " << size << ", blur " << params.blur_size << ", threshold " << params.threshold
         << ", dilation " << params.dilate << ", " << cv::getNumThreads() << " threads";
   }
-  cv::setNumThreads(threads);
 }
 
 TEST(MotionDetector, equalsTheOpenCvChainWherePartsFarFromEachOtherMove)
 {
-  const int threads = cv::getNumThreads();
   cv::RNG random(0x307105);
   for (int i = 0; i < 120; ++i)
   {
@@ -124,7 +129,7 @@ TEST(MotionDetector, equalsTheOpenCvChainWherePartsFarFromEachOtherMove)
     params.threshold = i % 2 == 0 ? 0.0 : random.uniform(0, 10);
     params.dilate = random.uniform(0, i % 3 == 1 ? 51 : 4);
     params.max_changed = 1.0;
-    cv::setNumThreads(random.uniform(1, 4));
+    const ThreadCount threads(random.uniform(1, 4));
     const cv::Mat before = smooth(size);
     cv::Mat after = before.clone();
     for (int parts = random.uniform(1, 6); parts > 0; --parts)
@@ -141,7 +146,6 @@ TEST(MotionDetector, equalsTheOpenCvChainWherePartsFarFromEachOtherMove)
         << "pictures " << i << ", " << size << ", blur " << params.blur_size << ", threshold " << params.threshold
         << ", dilation " << params.dilate << ", " << cv::getNumThreads() << " threads";
   }
-  cv::setNumThreads(threads);
 }
 
 TEST(ChangedPixels, areTheSameByOpenCvAndWriteAllOfTheMask)
@@ -163,6 +167,120 @@ TEST(ChangedPixels, areTheSameByOpenCvAndWriteAllOfTheMask)
       EXPECT_EQ(part.empty(), !is_changed);
       EXPECT_LT(part.height, mask.rows);
     }
+}
+
+TEST(ChangedPixels, keepNothingFromOnePictureToTheNext)
+{
+  cv::RNG random(0x307106);
+  ChangedPixels changed;  // one for all
+  for (int i = 0; i < 100; ++i)
+  {
+    const ThreadCount threads(random.uniform(1, 5));
+    const cv::Size size(random.uniform(1, 300), random.uniform(1, 200));
+    MotionParams params;
+    params.blur_size = 1 + 2 * random.uniform(0, i % 4 == 0 ? 50 : 12);
+    params.threshold = random.uniform(0, 30);
+    params.dilate = random.uniform(0, i % 3 == 1 ? 51 : 4);
+    const std::string encoding = i % 2 == 0 ? "bgr8" : "mono8";
+    const cv::Mat before = colourful(size, encoding);
+    cv::Mat after = before.clone();
+    const cv::Rect box(random.uniform(0, size.width), random.uniform(0, size.height), 1 + size.width / 4, 9);
+    cv::Mat part = after(box & cv::Rect({0, 0}, size));
+    cv::bitwise_not(part, part);
+    Reference reference;
+    toGray(before, encoding, reference.gray);
+    if (i % 3 != 0) reference.blurred = blurred(reference.gray.clone(), params.blur_size);
+    cv::Mat mask(size, CV_8UC1, cv::Scalar(99));
+    changed.find({after, encoding}, reference, {params.blur_size, params.threshold, params.dilate}, mask);
+    ASSERT_TRUE(equal(mask, byOpenCv(after, before, params, encoding))) << i << ", " << size;
+  }
+}
+
+TEST(ChangedPixels, lookAtNothingBesideAGreyPicture)
+{
+  const cv::Size size(150, 70);
+  constexpr int kStep = 200;
+  std::vector<std::uint8_t> memory(static_cast<std::size_t>(kStep * (size.height - 1) + size.width),
+                                   255);  // ends there
+  cv::Mat picture(size, CV_8UC1, memory.data(), kStep);
+  noise(size, CV_8UC1).copyTo(picture);
+  const cv::Mat before = picture.clone();
+  cv::Mat frame(size + cv::Size(40, 40), CV_8UC1, cv::Scalar(255));
+  cv::Mat part = frame(cv::Rect({20, 20}, size));
+  before.copyTo(part);
+  for (const int blur_size : {1, 21, 99})
+    for (const bool is_changed : {false, true})
+    {
+      picture.at<std::uint8_t>(35, 70) =
+          is_changed ? 255 - before.at<std::uint8_t>(35, 70) : before.at<std::uint8_t>(35, 70);
+      picture.copyTo(part);
+      MotionParams params;
+      params.blur_size = blur_size;
+      params.threshold = 0.0;
+      const cv::Mat expected = byOpenCv(picture, before, params, "mono8");
+      const Comparison how{blur_size, params.threshold, params.dilate};
+      for (const cv::Mat& image : {picture, part})
+        for (const bool by_opencv : {false, true})
+        {
+          cv::Mat mask(size, CV_8UC1);
+          const EncodedPicture compared{image, "mono8"};
+          const Reference reference{before, {}};
+          if (by_opencv)
+            ChangedPixels::findByOpenCv(compared, reference, how, mask);
+          else
+            ChangedPixels().find(compared, reference, how, mask);
+          EXPECT_TRUE(equal(mask, expected)) << blur_size << is_changed << by_opencv;
+        }
+    }
+}
+
+TEST(MotionDetector, equalsTheOpenCvChainForEveryEncoding)
+{
+  for (const std::string& encoding : encodings())
+    for (const char* const method : {"first_frame", "previous_frame"})
+    {
+      cv::Mat before, after;
+      if (encoding == "jpeg")
+      {
+        const cv::Mat picture = smooth({80, 60});
+        std::vector<std::uint8_t> first, second;
+        cv::imencode(".jpg", picture, first);
+        cv::imencode(".jpg", withBox(picture, {20, 20, 30, 20}), second);
+        before = cv::Mat(first, true).reshape(1, 1);
+        after = cv::Mat(second, true).reshape(1, 1);
+      }
+      else
+      {
+        before = colourful({80, 60}, encoding);
+        after = before.clone();
+        after(cv::Rect(10, 10, 30, 20)).setTo(0);
+      }
+      const cv::Mat kept = after.clone();
+      MotionParams params = with(method);
+      params.max_changed = 1.0;
+      params.threshold = 4.0;
+      MotionDetector detector(params);
+      const Motion none = detector.update(0.0, before, encoding);
+      EXPECT_EQ(none.mask.size(), pictureSize(before, encoding)) << encoding;
+      const Motion motion = detector.update(1.0, after, encoding);
+      EXPECT_TRUE(equal(motion.mask, byOpenCv(after, before, params, encoding))) << encoding << " " << method;
+      EXPECT_GT(cv::countNonZero(motion.mask), 0) << encoding;
+      EXPECT_TRUE(equal(after, kept)) << encoding;
+    }
+}
+
+TEST(MotionDetector, aPictureThatCannotBeReadIsNoBackground)
+{
+  const cv::Mat bgr = smooth({80, 60});
+  std::vector<std::uint8_t> file;
+  cv::imencode(".jpg", bgr, file);
+  cv::Mat jpeg = cv::Mat(file, true).reshape(1, 1);
+  const cv::Mat broken(jpeg.size(), CV_8UC1, cv::Scalar(0));
+  MotionDetector detector;
+  EXPECT_ANY_THROW(detector.update(0.0, broken, "jpeg"));
+  EXPECT_EQ(cv::countNonZero(detector.update(1.0, jpeg, "jpeg").mask), 0);
+  EXPECT_ANY_THROW(detector.update(2.0, broken, "jpeg"));
+  EXPECT_EQ(detector.update(3.0, jpeg, "jpeg").mask.size(), bgr.size());
 }
 
 TEST(GaussRows, areOpenCvsForEverySize)

@@ -11,21 +11,17 @@ namespace robot_vision
 namespace  // one for each instruction set
 {
 
-using BitWord = std::uint64_t;
-
-constexpr int kBits = 64;
-
 #ifdef ROBOT_VISION_VECTORS
 
-constexpr int kVectors = kBits / static_cast<int>(sizeof(Simd::Vector));  // whose bytes are a word's bits
+constexpr int kVectors = kWordBits / static_cast<int>(sizeof(Simd::Vector));  // whose bytes are a word's bits
 
-/// Which of kBits bytes are not 0, where `bytes` makes vectors of them.
+/// Which of kWordBits bytes are not 0, where `bytes` makes vectors of them.
 template <class Bytes>
 BitWord gather(const Bytes& bytes)
 {
   BitWord word = 0;
   for (int i = 0; i < kVectors; ++i)
-    word |= Simd::nonzeroBytes(bytes(i)) << (i * kBits / kVectors % kBits);
+    word |= Simd::nonzeroBytes(bytes(i)) << (i * kWordBits / kVectors % kWordBits);
   return word;
 }
 
@@ -34,8 +30,8 @@ inline BitWord differences(const std::uint8_t* a, const std::uint8_t* b, std::ui
   const Simd::Vector limit = Simd::bytes(threshold);
   const auto above = [=](int i)
   {
-    const Simd::Vector first = Simd::load(a + i * kBits / kVectors);
-    const Simd::Vector second = Simd::load(b + i * kBits / kVectors);
+    const Simd::Vector first = Simd::load(a + i * kWordBits / kVectors);
+    const Simd::Vector second = Simd::load(b + i * kWordBits / kVectors);
     const Simd::Vector difference = Simd::eitherBits(Simd::lowerBytes(first, second), Simd::lowerBytes(second, first));
     return Simd::lowerBytes(difference, limit);
   };
@@ -44,23 +40,24 @@ inline BitWord differences(const std::uint8_t* a, const std::uint8_t* b, std::ui
 
 inline BitWord commonWith(std::uint8_t bit, const std::uint8_t* bytes)
 {
-  return gather([=](int i) { return Simd::commonBits(Simd::load(bytes + i * kBits / kVectors), Simd::bytes(bit)); });
+  return gather([=](int i)
+                { return Simd::commonBits(Simd::load(bytes + i * kWordBits / kVectors), Simd::bytes(bit)); });
 }
 
 inline void spreadWord(BitWord word, std::uint8_t* bytes)
 {
   for (int i = 0; i < kVectors; ++i)
-    Simd::store(bytes + i * kBits / kVectors, Simd::bytesOfBits(word >> (i * kBits / kVectors % kBits)));
+    Simd::store(bytes + i * kWordBits / kVectors, Simd::bytesOfBits(word >> (i * kWordBits / kVectors % kWordBits)));
 }
 
 #else
 
-/// Which of kBits bytes have the lowest bit: of each eight, the first one lowest, it is multiplied to its place in the
-/// highest byte. Bytes are in the order of their addresses from the lowest (as on all that ROS runs on).
+/// Which of kWordBits bytes have the lowest bit: of each eight, the first one lowest, it is multiplied to its place in
+/// the highest byte. Bytes are in the order of their addresses from the lowest (as on all that ROS runs on).
 inline BitWord gather(const std::uint8_t* bytes)
 {
   BitWord word = 0;
-  for (int i = 0; i < kBits; i += 8)
+  for (int i = 0; i < kWordBits; i += 8)
   {
     BitWord eight;
     std::memcpy(&eight, bytes + i, sizeof eight);
@@ -71,8 +68,8 @@ inline BitWord gather(const std::uint8_t* bytes)
 
 inline BitWord differences(const std::uint8_t* a, const std::uint8_t* b, std::uint8_t threshold)
 {
-  std::uint8_t above[kBits];
-  for (int i = 0; i < kBits; ++i)
+  std::uint8_t above[kWordBits];
+  for (int i = 0; i < kWordBits; ++i)
   {
     const std::uint8_t larger = a[i] > b[i] ? a[i] : b[i];
     const std::uint8_t smaller = a[i] > b[i] ? b[i] : a[i];
@@ -83,8 +80,8 @@ inline BitWord differences(const std::uint8_t* a, const std::uint8_t* b, std::ui
 
 inline BitWord commonWith(std::uint8_t bit, const std::uint8_t* bytes)
 {
-  std::uint8_t common[kBits];
-  for (int i = 0; i < kBits; ++i)
+  std::uint8_t common[kWordBits];
+  for (int i = 0; i < kWordBits; ++i)
     common[i] = (bytes[i] & bit) != 0 ? 1 : 0;
   return gather(common);
 }
@@ -104,7 +101,7 @@ struct BytesOfBits
 inline void spreadWord(BitWord word, std::uint8_t* bytes)
 {
   static constexpr BytesOfBits kBytes;
-  for (int i = 0; i < kBits; i += 8)
+  for (int i = 0; i < kWordBits; i += 8)
     std::memcpy(bytes + i, &kBytes.of[word >> i & 0xFF], 8);
 }
 
@@ -112,11 +109,11 @@ inline void spreadWord(BitWord word, std::uint8_t* bytes)
 
 void markDifferences(const std::uint8_t* a, const std::uint8_t* b, std::uint8_t threshold, int count, BitWord* bits)
 {
-  for (; count >= kBits; count -= kBits, a += kBits, b += kBits)
+  for (; count >= kWordBits; count -= kWordBits, a += kWordBits, b += kWordBits)
     *bits++ = differences(a, b, threshold);
   if (count == 0) return;
-  std::uint8_t rest_of_a[kBits] = {};
-  std::uint8_t rest_of_b[kBits] = {};
+  std::uint8_t rest_of_a[kWordBits] = {};
+  std::uint8_t rest_of_b[kWordBits] = {};
   std::memcpy(rest_of_a, a, static_cast<std::size_t>(count));
   std::memcpy(rest_of_b, b, static_cast<std::size_t>(count));
   *bits = differences(rest_of_a, rest_of_b, threshold);
@@ -124,7 +121,7 @@ void markDifferences(const std::uint8_t* a, const std::uint8_t* b, std::uint8_t 
 
 void splitMarks(const std::uint8_t* marks, int words, BitWord* candidates, BitWord* strong)
 {
-  for (int i = 0; i < words; ++i, marks += kBits)
+  for (int i = 0; i < words; ++i, marks += kWordBits)
   {
     candidates[i] = commonWith(kCandidate, marks);
     strong[i] = commonWith(kStrong, marks);
@@ -144,18 +141,18 @@ void uniteNeighbours(const BitWord* bits, int words, int places, BitWord* __rest
 {
   for (int i = 0; i < words; ++i)
   {
-    const BitWord later = bits[i] << places | bits[i - 1] >> (kBits - places);
-    const BitWord earlier = bits[i] >> places | bits[i + 1] << (kBits - places);
+    const BitWord later = bits[i] << places | bits[i - 1] >> (kWordBits - places);
+    const BitWord earlier = bits[i] >> places | bits[i + 1] << (kWordBits - places);
     united[i] = bits[i] | later | earlier;
   }
 }
 
 void spreadBits(const BitWord* bits, int count, std::uint8_t* bytes)
 {
-  for (; count >= kBits; count -= kBits, bytes += kBits)
+  for (; count >= kWordBits; count -= kWordBits, bytes += kWordBits)
     spreadWord(*bits++, bytes);
   if (count == 0) return;
-  std::uint8_t rest[kBits];
+  std::uint8_t rest[kWordBits];
   spreadWord(*bits, rest);
   std::memcpy(bytes, rest, static_cast<std::size_t>(count));
 }

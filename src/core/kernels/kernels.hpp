@@ -46,9 +46,11 @@ struct Gradients
 constexpr int kSumBias = 0x8000;
 constexpr int kMeanOffset = 256 * kSumBias + 0x8000;
 
-constexpr int kWeighedRows = 4;  // that Kernels::weigh_columns makes at once
-constexpr int kWeightMargin =
-    8;  // zeros before and after weights, which are read in twos and fours that begin with any
+using BitWord = std::uint64_t;  // of kWordBits pixels, from the lowest bit on
+constexpr int kWordBits = 64;
+
+constexpr int kWeighedRows = 4;   // that Kernels::weigh_columns makes at once
+constexpr int kWeightMargin = 8;  // zeros before and after weights, which are read in twos and fours
 
 /// The weights of a window's pixels from end to end, in 256ths, the same from both ends; twice, as both are used.
 struct SymmetricWeights
@@ -147,18 +149,17 @@ struct Kernels
   /// 64 means more.
   void (*weigh_row)(const std::uint16_t* sums, const SymmetricWeights& weights, int count, std::uint8_t* means);
 
-  /// Bits, 64 to a word from the lowest on: of pixels where two rows differ by more than the threshold; those beyond
-  /// the last pixel are 0.
+  /// Bits of pixels where two rows differ by more than the threshold; those beyond the last pixel are 0.
   void (*mark_differences)(const std::uint8_t* a, const std::uint8_t* b, std::uint8_t threshold, int count,
-                           std::uint64_t* bits);
+                           BitWord* bits);
   /// Those of the pixels of so many words that have kCandidate and kStrong.
-  void (*split_marks)(const std::uint8_t* marks, int words, std::uint64_t* candidates, std::uint64_t* strong);
-  /// Bits that any of these rows has.
-  void (*unite)(const std::uint64_t* const* rows, int number, int words, std::uint64_t* united);
+  void (*split_marks)(const std::uint8_t* marks, int words, BitWord* candidates, BitWord* strong);
+  /// Bits that any of at least one row has.
+  void (*unite)(const BitWord* const* rows, int number, int words, BitWord* united);
   /// Bits, and those as many places (1 to 63) before and after them. The words before and after the row's are 0.
-  void (*unite_neighbours)(const std::uint64_t* bits, int words, int places, std::uint64_t* united);
+  void (*unite_neighbours)(const BitWord* bits, int words, int places, BitWord* united);
   /// 255 for pixels whose bit is 1, else 0.
-  void (*spread_bits)(const std::uint64_t* bits, int count, std::uint8_t* bytes);
+  void (*spread_bits)(const BitWord* bits, int count, std::uint8_t* bytes);
 
   /// 255, 0 or kUnsure for pixels of three bytes in the order that the hue limits have.
   void (*hsv)(const HsvTests& tests, const std::uint8_t* pixels, int count, std::uint8_t* mask);

@@ -11,8 +11,8 @@ namespace robot_vision
 namespace  // one for each instruction set
 {
 
-// What compilers do not find in loops: sums of products of neighbours. Simd::Vector is as wide as the instruction set
-// has it; it is there on x86 only.
+// What compilers do not find in loops: sums of products of neighbours, and bits of bytes. Simd::Vector is as wide as
+// the instruction set has it; it is there on x86 only.
 
 #if defined(__AVX512BW__)
 #define ROBOT_VISION_VECTORS
@@ -36,11 +36,10 @@ struct Simd
   static Vector differentBits(Vector a, Vector b) { return _mm512_xor_si512(a, b); }
   static Vector commonBits(Vector a, Vector b) { return _mm512_and_si512(a, b); }
   static Vector upperWords(Vector a) { return _mm512_srli_epi32(a, 16); }
-  static std::uint64_t nonzeroBytes(Vector a)
-  {
-    return _mm512_test_epi8_mask(a, a);
-  }                                                                                 // a bit for each, from the lowest
-  static Vector bytesOfBits(std::uint64_t bits) { return _mm512_movm_epi8(bits); }  // 255 for those that are 1
+  /// A bit for each byte, from the lowest.
+  static std::uint64_t nonzeroBytes(Vector a) { return _mm512_test_epi8_mask(a, a); }
+  /// 255 for those that are 1.
+  static Vector bytesOfBits(std::uint64_t bits) { return _mm512_movm_epi8(bits); }
   /// Of unsigned bytes and signed factors.
   static Vector addBytePairs(Vector sum, Vector bytes, Vector factors)
   {
