@@ -38,7 +38,6 @@ struct ChangedPixels::Impl
   std::optional<GaussWeights> weights;
   bool are_exact = false;  // the weights
   std::vector<MotionBand> bands;
-  std::vector<cv::Rect> parts;  // of the mask, that are not black
 };
 
 ChangedPixels::ChangedPixels() : impl_(std::make_unique<Impl>())
@@ -65,12 +64,12 @@ cv::Rect ChangedPixels::find(const EncodedPicture& picture, const Reference& ref
   const int least_rows = 2 * (how.blur_size + 2 * how.dilate);  // twice those that a band makes for its neighbours, too
   const auto bands = static_cast<std::size_t>(bandsOf(mask.rows, threads, least_rows));
   if (me.bands.size() < bands) me.bands.resize(bands);
-  me.parts.assign(bands, {});
+  std::vector<cv::Rect> parts(bands);
   const auto run = [&](int i, const cv::Range& rows)
-  { me.parts[static_cast<std::size_t>(i)] = me.bands[static_cast<std::size_t>(i)].run(comparison, rows, mask); };
+  { parts[static_cast<std::size_t>(i)] = me.bands[static_cast<std::size_t>(i)].run(comparison, rows, mask); };
   forRowBands(mask.rows, threads, least_rows, run);
   cv::Rect part;
-  for (const cv::Rect& of_band : me.parts)
+  for (const cv::Rect& of_band : parts)
     part |= of_band;
   return part;
 }

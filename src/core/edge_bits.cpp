@@ -55,19 +55,16 @@ bool EdgeBits::spread(std::size_t word)
 
 void EdgeBits::connect()
 {
-  const Word* const candidates = candidates_.data();
-  const Word* const edges = edges_.data();
-  const auto is_open = [=](std::size_t word) { return candidates[word] != edges[word]; };  // most words are not
   for (int y = 0; y < size_.height; ++y)
   {
     const std::size_t begin = at(y);
     for (std::size_t i = begin; i < begin + words_; ++i)
-      for (std::size_t word = i; is_open(word) && spread(word);)
+      for (std::size_t word = i; isOpen(word) && spread(word);)
         --word;  // what it has gained may go on before it; there is no candidate before the row
   }
   for (int y = size_.height; y-- > 0;)
     for (std::size_t i = at(y); i < at(y) + words_; ++i)
-      if (is_open(i) && spread(i)) gained_.push_back(i);
+      if (isOpen(i) && spread(i)) gained_.push_back(i);
   spreadFromList();
 }
 
@@ -79,7 +76,7 @@ void EdgeBits::spreadFromList()
     gained_.pop_back();
     for (const std::size_t middle : {word - stride_, word, word + stride_})
       for (const std::size_t i : {middle - 1, middle, middle + 1})
-        if (candidates_[i] != edges_[i] && spread(i)) gained_.push_back(i);
+        if (isOpen(i) && spread(i)) gained_.push_back(i);
   }
 }
 

@@ -34,6 +34,8 @@ private:
   using Word = BitWord;
 
   std::size_t at(int y) const { return static_cast<std::size_t>(y + 1) * stride_ + 1; }
+  /// Whether it may gain anything; most words may not.
+  bool isOpen(std::size_t word) const { return candidates_[word] != edges_[word]; }
   bool spread(std::size_t word);
   void spreadFromList();
 

@@ -50,8 +50,8 @@ private:
   int compared_ = 0;              // the first row that is not in `changed_`
   int assumed_ = 0;               // the first row before which all blocks are assumed to differ
   std::vector<cv::Range> spans_;  // to be blurred in some rows
-  AlignedRows<Word> marked_;      // two rows: of blurred pixels that differ
-  AlignedRows<Word> dilated_;     // the same dilated along the row, each in row y % window_
+  AlignedRows<Word> marked_;      // two rows of bits to work with
+  AlignedRows<Word> dilated_;     // blurred pixels that differ, dilated along the row, each in row y % window_
   int window_ = 1;                // rows that a dilation looks at, and those that are made with the last of them
   int next_ = 0;                  // the first row that is not in `dilated_`
   std::vector<const Word*> united_;

@@ -16,14 +16,13 @@ namespace
 {
 
 using Bytes = std::vector<std::uint8_t>;
-using Words = std::vector<std::uint64_t>;
+using Words = std::vector<BitWord>;
 
-constexpr int kBits = 64;
 constexpr int kCounts[] = {1, 2, 7, 15, 16, 17, 31, 33, 63, 64, 65, 100, 127, 128, 129, 200, 321};
 
 int wordsOf(int count)
 {
-  return (count + kBits - 1) / kBits;
+  return (count + kWordBits - 1) / kWordBits;
 }
 
 template <class T>
@@ -38,23 +37,23 @@ std::vector<T> random(int count, int largest)
 
 Words randomBits(int words)
 {
-  Words bits = random<std::uint64_t>(words, 0x7FFFFFFF);
-  for (std::uint64_t& word : bits)
+  Words bits = random<BitWord>(words, 0x7FFFFFFF);
+  for (BitWord& word : bits)
     word *= 0x9E3779B97F4A7C15U;
   return bits;
 }
 
 bool at(const Words& bits, int i)
 {
-  return i >= 0 && i / kBits < static_cast<int>(bits.size()) &&
-         (bits[static_cast<std::size_t>(i / kBits)] >> i % kBits & 1) != 0;
+  return i >= 0 && i / kWordBits < static_cast<int>(bits.size()) &&
+         (bits[static_cast<std::size_t>(i / kWordBits)] >> i % kWordBits & 1) != 0;
 }
 
 Words bitsOf(const Bytes& bytes)
 {
   Words bits(static_cast<std::size_t>(wordsOf(static_cast<int>(bytes.size()))), 0);
   for (std::size_t i = 0; i < bytes.size(); ++i)
-    if (bytes[i] != 0) bits[i / kBits] |= std::uint64_t{1} << i % kBits;
+    if (bytes[i] != 0) bits[i / kWordBits] |= BitWord{1} << i % kWordBits;
   return bits;
 }
 
@@ -93,7 +92,7 @@ TEST(RowEnds, ofSplitMarks)
   constexpr std::uint8_t kMarks[] = {0, kCandidate, kCandidate | kStrong};
   for (const int words : {1, 2, 5})
   {
-    Bytes marks = random<std::uint8_t>(words * kBits, 2);
+    Bytes marks = random<std::uint8_t>(words * kWordBits, 2);
     Bytes candidates, strong;
     for (std::uint8_t& mark : marks)
     {
@@ -113,7 +112,7 @@ TEST(RowEnds, ofUnitedBits)
   for (const int words : {1, 2, 3, 5, 8, 9, 30})
   {
     const std::vector<Words> rows = {randomBits(words), randomBits(words), randomBits(words)};
-    const std::uint64_t* const pointers[] = {rows[0].data(), rows[1].data(), rows[2].data()};
+    const BitWord* const pointers[] = {rows[0].data(), rows[1].data(), rows[2].data()};
     for (const int number : {1, 3})
     {
       Words united(rows[0].size());
@@ -128,7 +127,7 @@ TEST(RowEnds, ofUnitedBits)
     {
       Words united(rows[0].size());
       kernels().unite_neighbours(between.data() + 1, words, places, united.data());
-      for (int i = 0; i < words * kBits; ++i)
+      for (int i = 0; i < words * kWordBits; ++i)
         ASSERT_EQ(at(united, i), at(rows[0], i) || at(rows[0], i - places) || at(rows[0], i + places))
             << words << places;
     }
@@ -138,9 +137,9 @@ TEST(RowEnds, ofUnitedBits)
 TEST(RowEnds, ofWeighedRows)
 {
   constexpr std::size_t kReadBeyond = 128, kWrittenBeyond = 64;  // as Kernels::weigh_row says
-  const std::vector<std::vector<std::uint8_t>> halves = {
+  const std::vector<std::vector<std::uint8_t>> windows = {
       {64, 128, 64}, {1, 20, 60, 94, 60, 20, 1}, {64, 64, 0, 64, 64}};
-  for (const Bytes& window : halves)
+  for (const Bytes& window : windows)
     for (const int count : kCounts)
     {
       Bytes bytes(kWeightMargin, 0);
