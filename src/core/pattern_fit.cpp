@@ -14,11 +14,12 @@ using Information = cv::Matx<double, kUnknowns, kUnknowns>;
 
 constexpr double kFirstBlur = 0.7;  // px
 constexpr double kLeastBlur = 0.2;  // px: a pixel itself blurs more
-constexpr int kMostSteps = 10;
-constexpr double kSettled = 0.3;     // the last step squared, by its covariance
-constexpr double kFarthest = 0.4;    // cells, from where a corner was found
-constexpr double kMostUnlike = 0.2;  // of the contrast, root mean square
-constexpr double kTiny = 1e-6;       // so that what does not show stays
+constexpr int kMostSteps = 30;
+constexpr double kMinDamping = 1e-3;  // few steps from where it shortens one
+constexpr double kSettled = 0.3;      // what the last step gains, by the variance of a sample
+constexpr double kFarthest = 0.4;     // cells, from where a corner was found
+constexpr double kMostUnlike = 0.2;   // of the contrast, root mean square
+constexpr double kTiny = 1e-6;        // so that what does not show stays
 
 /// The pixels by the unknowns at a view.
 struct Linearised
@@ -74,7 +75,7 @@ public:
   /// False if it comes to no end.
   bool run()
   {
-    double damping = 1e-4;
+    double damping = kMinDamping;
     bool damped_more = false;  // a small step is then no sign of the end
     fit_ = linearise(view_);
     for (int step = 0; step < kMostSteps; ++step)
@@ -82,18 +83,23 @@ public:
       const Unknowns by = stepBy(damping);
       if (!(by.dot(by) > 0.0)) return false;  // it cannot be solved
       const View next_view = movedView(view_, by);
-      if (!damped_more && by.dot(fit_.gradient) * static_cast<double>(samples_.size()) < kSettled * fit_.squares)
+      if (!damped_more && isSettled(by.dot(fit_.gradient)))
       {
         view_ = next_view;  // what it gains is not worth another look at the samples
         return true;
       }
       Linearised next = linearise(next_view);
-      const bool better = next.squares < fit_.squares;
-      damping *= better ? 0.1 : 10.0;
+      const double gain = fit_.squares - next.squares;
+      const bool better = gain > 0.0;
+      damping = better ? std::max(0.1 * damping, kMinDamping) : 10.0 * damping;
+      if (better)
+      {
+        view_ = next_view;
+        fit_ = std::move(next);
+        // Edges between pixels that nothing blurs hardly show where they are: each step promises more than it gains.
+        if (!damped_more && isSettled(gain)) return true;
+      }
       damped_more = !better;
-      if (!better) continue;
-      view_ = next_view;
-      fit_ = std::move(next);
     }
     return false;
   }
@@ -125,6 +131,8 @@ public:
   }
 
 private:
+  bool isSettled(double gain) const { return gain * static_cast<double>(samples_.size()) < kSettled * fit_.squares; }
+
   /// Where the blur would become less than the least, the best step to where it is that.
   Unknowns stepBy(double damping) const
   {

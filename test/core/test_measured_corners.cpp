@@ -68,6 +68,19 @@ std::optional<robot_vision::TagCorners> measured(const cv::Mat& picture, const s
   return measureCorners(picture, tagCells(family, id), tagFamily(family).width_at_border, {id, near}, camera);
 }
 
+/// The errors of the corners' coordinates, x and y of each (px).
+cv::Vec<double, 8> offOf(const Corners& corners, const Corners& truth)
+{
+  cv::Vec<double, 8> off;
+  for (int i = 0; i < 4; ++i)
+  {
+    const cv::Point2d d = corners[static_cast<std::size_t>(i)] - truth[static_cast<std::size_t>(i)];
+    off[2 * i] = d.x;
+    off[2 * i + 1] = d.y;
+  }
+  return off;
+}
+
 /// Root mean square of the coordinates' errors (px), and mean of their squares by the covariance, 1 if that is true.
 struct Errors
 {
@@ -92,13 +105,7 @@ Errors errorsOf(const Shot& shot, int runs, std::uint64_t seed, const cv::Mat& s
     const auto found = measured(picture, shot.family, id, near);
     if (!found && ++errors.missed) continue;
     ++seen;
-    cv::Vec<double, 8> off;
-    for (int i = 0; i < 4; ++i)
-    {
-      const cv::Point2d d = found->corners[static_cast<std::size_t>(i)] - truth[static_cast<std::size_t>(i)];
-      off[2 * i] = d.x;
-      off[2 * i + 1] = d.y;
-    }
+    const cv::Vec<double, 8> off = offOf(found->corners, truth);
     errors.px += off.dot(off) / 8.0;
     errors.squares += off.dot(found->covariance->solve(off, cv::DECOMP_CHOLESKY)) / 8.0;
   }
@@ -168,6 +175,31 @@ TEST(MeasuredCorners, ofPicturesSharperThanAnyLensMakesThem)
     EXPECT_LT(sharpened.px, 0.06) << side;
     EXPECT_LT(sharpened.squares, 2.8) << side;
   }
+}
+
+TEST(MeasuredCorners, ofDrawnTagsWhoseEdgesLieBetweenPixels)
+{
+  const int cell = 7, border = 2, width = tagFamily(kFamily).width_at_border;
+  const double near = 10.0 + border * cell - 0.5, far = near + width * cell;
+  const Corners truth = {{{near, far}, {far, far}, {far, near}, {near, near}}};
+  cv::RNG random(57);
+  for (const double noise : {0.0, 2.0, 4.0})
+    for (int id = 0; id < 40; ++id)
+    {
+      cv::Mat paper, image(kSize, CV_8UC1, cv::Scalar(255));
+      cv::resize(paperOf(kFamily, id), paper, {}, cell, cell, cv::INTER_NEAREST);
+      paper.copyTo(image({10, 10, paper.cols, paper.rows}));
+      addNoise(image, noise, random);
+      Corners start = truth;
+      for (cv::Point2d& corner : start)
+        corner += cv::Point2d(random.gaussian(0.15), random.gaussian(0.15));
+      const auto found = measured(image, kFamily, id, start);
+      ASSERT_TRUE(found) << "tag " << id << ", noise " << noise;
+      const cv::Vec<double, 8> off = offOf(found->corners, truth);
+      EXPECT_LT(cv::norm(off, cv::NORM_INF), 0.15) << "tag " << id << ", noise " << noise;
+      EXPECT_LT(off.dot(found->covariance->solve(off, cv::DECOMP_CHOLESKY)) / 8.0, 3.0)
+          << "tag " << id << ", noise " << noise;
+    }
 }
 
 TEST(MeasuredCorners, ofPicturesThatAreTooBrightOrTooDark)
