@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "core/theora_setup.hpp"
 #include "robot_vision/jpeg.hpp"
 #include "robot_vision/theora.hpp"
 
@@ -32,6 +33,11 @@ ogg_packet toOgg(const TheoraPacket& packet)
   return ogg;
 }
 
+bool isSetupHeader(const TheoraPacket& packet)
+{
+  return !packet.data.empty() && packet.data[0] == 0x82;  // Theora specification, 6.1
+}
+
 cv::Mat toMat(const th_img_plane& plane)
 {
   return {plane.height, plane.width, CV_8UC1, plane.data, static_cast<std::size_t>(plane.stride)};
@@ -56,6 +62,26 @@ struct TheoraDecoder::Stream
   Stream(const Stream&) = delete;
   Stream& operator=(const Stream&) = delete;
 
+  /// True if the packet gave a picture. Once it has thrown, the stream is not to be used any more: libtheora may have
+  /// stopped halfway.
+  bool decode(const TheoraPacket& packet, int post_processing, cv::Mat& bgr)
+  {
+    ogg_packet ogg = toOgg(packet);
+    if (context == nullptr)
+    {
+      if (isSetupHeader(packet) && !isTheoraSetup(packet.data)) refuse(packet.data.size(), "is a damaged setup header");
+      if (!readHeader(ogg)) return false;
+      setPostProcessing(post_processing);
+    }
+    if (th_packet_isheader(&ogg) == 1) return false;  // of a repetition whose beginning was lost
+    keyframe_seen = keyframe_seen || th_packet_iskeyframe(&ogg) == 1;
+    if (!keyframe_seen) return false;
+    const int result = th_decode_packetin(context, &ogg, nullptr);
+    if (result != 0 && result != TH_DUPFRAME) refuse(packet.data.size(), "is a damaged frame");
+    takePicture(bgr);  // of a frame without changes, the last one
+    return true;
+  }
+
   /// True once a packet follows all the headers: it is a frame.
   bool readHeader(ogg_packet& packet)
   {
@@ -63,10 +89,12 @@ struct TheoraDecoder::Stream
     if (result > 0) return false;
     if (result == TH_ENOTFORMAT) return false;  // a frame of a stream whose headers are still to come
     if (result != 0) refuse(static_cast<std::size_t>(packet.bytes), "is a damaged header");
-    if (static_cast<std::uint64_t>(info.frame_width) * info.frame_height > kMostPixels)
-      refuse(static_cast<std::size_t>(packet.bytes), "belongs to frames of " + std::to_string(info.frame_width) + "x" +
-                                                         std::to_string(info.frame_height) + ", the most is " +
-                                                         std::to_string(kMostPixels) + " pixels");
+    if (info.pic_width == 0 || info.pic_height == 0 ||
+        static_cast<std::uint64_t>(info.frame_width) * info.frame_height > kMostPixels)
+      refuse(static_cast<std::size_t>(packet.bytes),
+             "belongs to images of " + std::to_string(info.pic_width) + "x" + std::to_string(info.pic_height) +
+                 " in frames of " + std::to_string(info.frame_width) + "x" + std::to_string(info.frame_height) +
+                 ", must be of 1 to " + std::to_string(kMostPixels) + " pixels");
     context = th_decode_alloc(&info, setup);
     if (context == nullptr) refuse(static_cast<std::size_t>(packet.bytes), "belongs to headers that make no stream");
     return true;
@@ -118,20 +146,16 @@ void TheoraDecoder::setPostProcessing(int level)
 
 bool TheoraDecoder::decode(const TheoraPacket& packet, cv::Mat& bgr)
 {
-  ogg_packet ogg = toOgg(packet);
   if (packet.begins_stream) stream_ = std::make_unique<Stream>();
-  if (stream_->context == nullptr)
+  try
   {
-    if (!stream_->readHeader(ogg)) return false;
-    stream_->setPostProcessing(post_processing_);
+    return stream_->decode(packet, post_processing_, bgr);
   }
-  if (th_packet_isheader(&ogg) == 1) return false;  // of a repetition whose beginning was lost
-  stream_->keyframe_seen = stream_->keyframe_seen || th_packet_iskeyframe(&ogg) == 1;
-  if (!stream_->keyframe_seen) return false;
-  const int result = th_decode_packetin(stream_->context, &ogg, nullptr);
-  if (result != 0 && result != TH_DUPFRAME) refuse(packet.data.size(), "is a damaged frame");
-  stream_->takePicture(bgr);  // of a frame without changes, the last one
-  return true;
+  catch (...)
+  {
+    stream_ = std::make_unique<Stream>();
+    throw;
+  }
 }
 
 }  // namespace robot_vision

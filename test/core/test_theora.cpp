@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include "core/theora_setup.hpp"
 #include "pictures.hpp"
 #include "refusal.hpp"
 #include "robot_vision/theora.hpp"
@@ -158,4 +159,78 @@ TEST(Theora, refusesDamagedPackets)
   for (const TheoraPacket& packet : packets)
     decoder.decode(packet, back);
   EXPECT_FALSE(back.empty());
+}
+
+TEST(Theora, knowsAWholeSetupHeader)
+{
+  TheoraEncoder encoder;
+  const std::vector<std::uint8_t> whole = encoder.encode(frameAt(0)).at(2).data;
+  EXPECT_TRUE(isTheoraSetup(whole));
+  for (std::size_t size = 0; size < whole.size(); ++size)
+    EXPECT_FALSE(isTheoraSetup({whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(size)})) << size;
+  std::vector<std::uint8_t> longer = whole;
+  longer.push_back(0);
+  EXPECT_TRUE(isTheoraSetup(longer));
+}
+
+TEST(Theora, refusesADamagedSetupHeaderBeforeTheLibrarySeesIt)
+{
+  TheoraEncoder encoder;
+  const std::vector<TheoraPacket> packets = encoder.encode(frameAt(0));
+  const auto size = static_cast<int>(packets[2].data.size());
+  int refused = 0;
+  for (int bit = 0; bit < 8 * size; bit += 13)
+  {
+    TheoraPacket setup = packets[2];
+    setup.data[bit / 8] ^= static_cast<std::uint8_t>(0x80 >> bit % 8);
+    if (setup.data[0] != 0x82) continue;  // is another header
+    TheoraDecoder decoder;
+    cv::Mat back;
+    decoder.decode(packets[0], back);
+    decoder.decode(packets[1], back);
+    const std::string said = refusal([&] { decoder.decode(setup, back); });
+    EXPECT_EQ(said, isTheoraSetup(setup.data)
+                        ? ""
+                        : "Theora packet of " + std::to_string(size) + " bytes is a damaged setup header");
+    refused += said.empty() ? 0 : 1;
+  }
+  EXPECT_GT(refused, 8 * size / 13 / 10);
+}
+
+TEST(Theora, refusesAnImageWithoutPixels)
+{
+  TheoraEncoder encoder;
+  std::vector<TheoraPacket> packets = encoder.encode(frameAt(0));
+  std::fill_n(packets[0].data.begin() + 14, 3, std::uint8_t{0});  // width (Theora specification, 6.2)
+  TheoraDecoder decoder;
+  cv::Mat back;
+  for (int header = 0; header < 3; ++header)
+    decoder.decode(packets[header], back);
+  EXPECT_EQ(refusal([&] { decoder.decode(packets[3], back); }),
+            "Theora packet of " + std::to_string(packets[3].data.size()) +
+                " bytes belongs to images of 0x50 in frames of 80x64, must be of 1 to 67108864 pixels");
+}
+
+TEST(Theora, beginsAnewAfterADamagedFrame)
+{
+  TheoraEncoder encoder({true, 63, 1, 2});
+  TheoraDecoder decoder;
+  cv::Mat back;
+  std::vector<int> seen;
+  for (int i = 0; i < 4; ++i)
+    for (TheoraPacket packet : encoder.encode(frameAt(i)))
+    {
+      if (i == 0 && !isHeader(packet)) packet.data = {0x3F, 0x7F};  // a key frame with reserved bits that are set
+      if (refusal(
+              [&]
+              {
+                if (decoder.decode(packet, back)) seen.push_back(i);
+              })
+              .empty() ||
+          i == 0)
+        continue;
+      ADD_FAILURE() << i;
+    }
+  EXPECT_EQ(seen, (std::vector<int>{2, 3}));
+  EXPECT_LT(difference(back, frameAt(3)), 4.0);
 }
