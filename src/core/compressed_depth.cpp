@@ -40,18 +40,18 @@ Header headerFor(const DepthCompressionParams& params)
 
 cv::Mat encodeMetres(const cv::Mat& depth, const Header& header, float depth_max)
 {
-  cv::Mat_<std::uint16_t> codes(depth.size());
+  cv::Mat codes(depth.size(), CV_16UC1);
   for (int y = 0; y < depth.rows; ++y)
   {
     const auto* const from = depth.ptr<float>(y);
-    std::transform(from, from + depth.cols, codes[y],
+    std::transform(from, from + depth.cols, codes.ptr<std::uint16_t>(y),
                    [&](float z) -> std::uint16_t
                    {
                      if (!(z > 0.0F && z < depth_max)) return 0;
                      return static_cast<std::uint16_t>(std::min(header.numerator / z + header.offset, kLargestCode));
                    });
   }
-  return std::move(codes);
+  return codes;
 }
 
 void decodeMetres(const cv::Mat& codes, const Header& header, cv::Mat& depth)

@@ -58,7 +58,7 @@ constexpr std::array<Layout, 24> kLayouts = {{
     {"bayer_grbg16", CV_16UC1, Order::kNone, "bayer_grbg8"},
 }};
 
-const Layout& layoutOf(const std::string& encoding)
+Layout layoutOf(const std::string& encoding)
 {
   for (const Layout& layout : kLayouts)
     if (encoding == layout.encoding) return layout;
@@ -156,7 +156,7 @@ void compress(const cv::Mat& image, const std::string& encoding, const Compressi
 {
   validate(params);
   const bool jpeg = params.format == "jpeg";
-  const Layout& given = layoutOf(encoding);
+  const Layout given = layoutOf(encoding);
   if (image.empty() || image.type() != given.type)
     throw std::invalid_argument(encoding + " picture of " + std::to_string(image.cols) + "x" +
                                 std::to_string(image.rows) + ": expected pixels of " + describePixels(given.type) +
@@ -166,7 +166,7 @@ void compress(const cv::Mat& image, const std::string& encoding, const Compressi
     toBgr(image, encoding, pixels);
   else if (jpeg && image.depth() == CV_16U)
     image.convertTo(pixels, CV_8U, 255.0 / 65535.0);
-  const Layout& layout = given.order == Order::kYuv || jpeg ? layoutOf(given.narrow) : given;
+  const Layout layout = given.order == Order::kYuv || jpeg ? layoutOf(given.narrow) : given;
 
   out.format = layout.encoding + ("; " + params.format) + " compressed ";
   if (layout.order != Order::kNone) out.format += CV_MAT_DEPTH(layout.type) == CV_16U ? "bgr16" : "bgr8";
@@ -192,20 +192,20 @@ std::string decompress(const std::string& format, const unsigned char* data, std
                                 (png    ? "PNG"
                                  : jpeg ? "JPEG"
                                         : "neither JPEG nor PNG"));
-  const Layout& stored = layoutOf(label.encoding.empty() ? storedEncoding(jpeg, data, size) : label.encoding);
+  const Layout stored = layoutOf(label.encoding.empty() ? storedEncoding(jpeg, data, size) : label.encoding);
   const bool narrow = jpeg || stored.order == Order::kYuv;
-  const Layout* wanted = narrow ? &layoutOf(stored.narrow) : &stored;
-  const bool mosaic = isBayer(*wanted);
+  Layout wanted = narrow ? layoutOf(stored.narrow) : stored;
+  const bool mosaic = isBayer(wanted);
   if (mosaic && reduction != 1)
     throw std::invalid_argument("a mosaic of colours (" + label.encoding + ") cannot be reduced");
-  if (!mosaic && mode != ColorMode::kUnchanged) wanted = &layoutOf(mode == ColorMode::kGray ? "mono8" : "bgr8");
+  if (!mosaic && mode != ColorMode::kUnchanged) wanted = layoutOf(mode == ColorMode::kGray ? "mono8" : "bgr8");
 
-  (jpeg ? decompressJpeg : decompressPng)(data, size, *wanted, reduction, image);
-  if (image.depth() == CV_8U) wanted = &layoutOf(wanted->narrow);
-  if (!mosaic || mode == ColorMode::kUnchanged) return wanted->encoding;
+  (jpeg ? decompressJpeg : decompressPng)(data, size, wanted, reduction, image);
+  if (image.depth() == CV_8U) wanted = layoutOf(wanted.narrow);
+  if (!mosaic || mode == ColorMode::kUnchanged) return wanted.encoding;
   const cv::Mat bayer = image;
   image.release();
-  (mode == ColorMode::kGray ? toGray : toBgr)(bayer, wanted->encoding, image);
+  (mode == ColorMode::kGray ? toGray : toBgr)(bayer, wanted.encoding, image);
   return mode == ColorMode::kGray ? "mono8" : "bgr8";
 }
 
