@@ -34,11 +34,20 @@ def master(tmp_path_factory):
     process.end()
 
 
+@pytest.fixture(scope="session")
+def python_starter(master, tmp_path_factory):
+    made = support.PythonStarter(tmp_path_factory.mktemp("python"))
+    yield made
+    made.end()
+
+
 @pytest.fixture
-def start(tmp_path):
+def start(tmp_path, request):
     """Starts a command of this package or a path; start(name, "arg", ..., env={...}).
 
-    At the end of the test all are stopped, subscriptions closed and parameters forgotten.
+    Python programs of this package are forked, unless `fork` is False: a test of how they start
+    and end runs the interpreter itself. At the end of the test all are stopped, subscriptions
+    closed and parameters forgotten.
     """
     import rospy
 
@@ -46,14 +55,19 @@ def start(tmp_path):
     processes = []
     numbers = itertools.count()
 
-    def start_process(name, *arguments, env=None):
+    def start_process(name, *arguments, env=None, fork=True):
         path = name if "/" in name else support.executable(name)
         log = tmp_path / f"{next(numbers)}-{os.path.basename(path)}.log"
-        process = support.Process([path, *map(str, arguments)], log, env)
+        run = support.spawn
+        if fork and path.endswith(".py"):
+            run = request.getfixturevalue("python_starter").spawn
+        process = support.Process([path, *map(str, arguments)], log, env, run)
         processes.append(process)
         return process
 
     yield start_process
+    for process in processes:  # all, before one is waited for
+        process.interrupt()
     for process in processes:
         process.end()
         print(f"{process}:\n{process.output()[-4000:]}")  # shown of tests that fail

@@ -1,12 +1,17 @@
 """What the tests of running nodes share: processes on a private master, topics, deadlines."""
 
 import contextlib
+import functools
+import json
 import os
 import pathlib
 import random
+import select
 import signal
 import socket
 import subprocess
+import sys
+import threading
 import time
 import xmlrpc.client
 from typing import Any, Callable, Dict, List, Optional, Set
@@ -20,14 +25,21 @@ from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 DEADLINE = 60.0  # s, for what takes a moment on an idle machine
 
 
+arrived = threading.Event()  # a message, since wait_for() looked last
+
+
 def wait_for(condition: Callable[[], Any], what: str, seconds: float = DEADLINE) -> Any:
-    """The first true value of `condition`; fails the test naming `what` after `seconds`."""
+    """The first true value of `condition`; fails the test naming `what` after `seconds`.
+
+    Looks with each message that arrives, and at times, for what else there is.
+    """
     deadline = time.monotonic() + seconds
     while time.monotonic() < deadline:
+        arrived.clear()
         value = condition()
         if value:
             return value
-        time.sleep(0.02)
+        arrived.wait(0.02)
     raise AssertionError(f"not within {seconds:.0f} s: {what}")
 
 
@@ -40,20 +52,36 @@ def free_port() -> int:
             return port
 
 
-class Process:
-    """A command under test, with its output in a file."""
+def spawn(command: List[str], log: pathlib.Path, env: Dict[str, str]) -> subprocess.Popen:
+    """Starts a command, with its output in `log`."""
+    with open(log, "wb") as out:
+        return subprocess.Popen(
+            command,
+            stdin=subprocess.DEVNULL,
+            stdout=out,
+            stderr=subprocess.STDOUT,
+            env=env,
+            start_new_session=True,
+        )
 
-    def __init__(self, command: List[str], log: pathlib.Path, env: Optional[Dict[str, str]] = None):
+
+class Process:
+    """A command under test, with its output in a file.
+
+    Args:
+        run: starts it: spawn, or PythonStarter.spawn.
+    """
+
+    def __init__(
+        self,
+        command: List[str],
+        log: pathlib.Path,
+        env: Optional[Dict[str, str]] = None,
+        run: Callable[..., Any] = spawn,
+    ):
         self._log = log
-        with open(log, "wb") as out:
-            self._popen = subprocess.Popen(
-                command,
-                stdin=subprocess.DEVNULL,
-                stdout=out,
-                stderr=subprocess.STDOUT,
-                env=dict(os.environ, **(env or {})),
-                start_new_session=True,
-            )
+        self._interrupted = False
+        self._popen = run(command, log, dict(os.environ, **(env or {})))
 
     def __str__(self) -> str:
         return " ".join(map(str, self._popen.args))
@@ -69,6 +97,7 @@ class Process:
         return self._popen.poll() is None
 
     def interrupt(self) -> None:
+        self._interrupted = True
         self._popen.send_signal(signal.SIGINT)
 
     def exit_code(self, seconds: float = DEADLINE) -> int:
@@ -87,7 +116,8 @@ class Process:
     def end(self) -> None:
         """Ends the process and all that it started."""
         if self.running():
-            self.interrupt()
+            if not self._interrupted:
+                self.interrupt()
             # roslaunch ends its nodes one by one; killed meanwhile, it would leave the rest.
             with contextlib.suppress(subprocess.TimeoutExpired):
                 self._popen.wait(DEADLINE)
@@ -96,6 +126,65 @@ class Process:
         self._popen.wait()
 
 
+class PythonStarter:
+    """Starts Python programs without the second of imports that each has: see python_starter.py."""
+
+    def __init__(self, folder: pathlib.Path):
+        self._socket = str(folder / "python")
+        program = str(pathlib.Path(__file__).with_name("python_starter.py"))
+        self._process = Process([sys.executable, program, self._socket], folder / "python.log")
+
+    def spawn(self, command: List[str], log: pathlib.Path, env: Dict[str, str]) -> "Fork":
+        connection = wait_for(self._connect, "the starter of Python programs")
+        path, *arguments = command
+        request = {"path": path, "arguments": arguments, "env": env, "log": str(log)}
+        connection.sendall(json.dumps({**request, "cwd": os.getcwd()}).encode() + b"\n")
+        return Fork(command, connection)
+
+    def _connect(self) -> Optional[socket.socket]:
+        assert self._process.running(), self._process.output()
+        connection = socket.socket(socket.AF_UNIX)
+        try:
+            connection.connect(self._socket)
+            return connection
+        except OSError:
+            connection.close()
+            return None
+
+    def end(self) -> None:
+        self._process.end()
+
+
+class Fork:
+    """A process of python_starter.py, as subprocess.Popen has its own."""
+
+    def __init__(self, command: List[str], connection: socket.socket):
+        self.args = command
+        self._connection = connection
+        self._answers = connection.makefile()
+        self.pid = int(self._answers.readline())
+        self.returncode: Optional[int] = None
+
+    def poll(self) -> Optional[int]:
+        with contextlib.suppress(subprocess.TimeoutExpired):
+            self.wait(0.0)
+        return self.returncode
+
+    def wait(self, timeout: Optional[float] = None) -> int:
+        if self.returncode is None:
+            if not select.select([self._connection], [], [], timeout)[0]:
+                raise subprocess.TimeoutExpired(self.args, timeout)
+            self.returncode = int(self._answers.readline())
+            self._answers.close()
+            self._connection.close()
+        return self.returncode
+
+    def send_signal(self, number: int) -> None:
+        if self.poll() is None:
+            os.kill(self.pid, number)
+
+
+@functools.lru_cache(maxsize=None)
 def executable(name: str) -> str:
     """The path of an executable of this package."""
     return roslib.packages.find_node("robot_vision", name)[0]
@@ -117,8 +206,12 @@ class Messages:
         self.received: List[Any] = []
         self._topic = topic
         self._subscriber = rospy.Subscriber(
-            topic, kind, self.received.append, queue_size=100, buff_size=2**26, tcp_nodelay=True
+            topic, kind, self._on_message, queue_size=100, buff_size=2**26, tcp_nodelay=True
         )
+
+    def _on_message(self, message: Any) -> None:
+        self.received.append(message)
+        arrived.set()
 
     def wait(self, count: int = 1, seconds: float = DEADLINE) -> List[Any]:
         """The first `count` messages."""
@@ -215,6 +308,7 @@ class Diagnostics:
     def _on_message(self, message: DiagnosticArray) -> None:
         for status in message.status:
             self._statuses[status.name.split(":")[0]] = status
+        arrived.set()
 
     def next(self, node: str) -> DiagnosticStatus:
         """The next status of `node` ("camera") that comes in."""

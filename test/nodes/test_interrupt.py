@@ -38,7 +38,7 @@ def test_while_waiting_for_the_master(start, node, argument, waiting):
 
 @pytest.mark.parametrize("node", [*NODES, *PYTHON_NODES])
 def test_while_idle(start, diagnostics, node):
-    process = start(node, "__name:=idle", "_source:=synthetic")
+    process = start(node, "__name:=idle", "_source:=synthetic", fork=False)
     diagnostics.next("idle")
     process.interrupt()
     assert process.exit_code(SHORT) == 0, process.output()
@@ -47,7 +47,7 @@ def test_while_idle(start, diagnostics, node):
 def test_the_status_printer_ends_too(start):
     nowhere = {"ROS_MASTER_URI": f"http://127.0.0.1:{support.free_port()}"}
     for env, output in [(nowhere, "waiting for the master"), ({}, "No display")]:
-        process = start("demo_status.py", env=env)
+        process = start("demo_status.py", env=env, fork=False)
         process.wait_for_output(output)
         process.interrupt()
         assert process.exit_code(SHORT) == 0, process.output()
