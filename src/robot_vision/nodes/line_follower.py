@@ -1,5 +1,6 @@
 """The node line_follower: drives along a line."""
 
+import time
 from typing import Any, Dict, Optional
 
 import rospy
@@ -49,6 +50,7 @@ class LineFollower:
         self._drive.timeout = config["timeout"]
 
     def _process(self, frame: Frame) -> None:
+        began, age = time.monotonic(), _age(frame.header.stamp)
         strip, mask, params, controller = self._tools
         height = frame.image.shape[0]
         top = min(round(height * (1.0 - strip)), height - 1)
@@ -59,22 +61,18 @@ class LineFollower:
             self._followed = line
         if not self._drive.enabled:
             controller.reset()  # what it has summed up is of another place when it drives again
-        elif self._is_fresh(frame.header.stamp):
-            now = rospy.get_time()
-            seen = frame.header.stamp.to_sec() or now
-            self._drive.command(*controller.update(seen, line), now - seen)
+        elif self._is_fresh(frame.header.stamp, age):
+            stamp = frame.header.stamp.to_sec() or rospy.get_time()
+            self._drive.command(*controller.update(stamp, line), began - age)
         self._publish(frame, line, top)
 
-    def _is_fresh(self, stamp: rospy.Time) -> bool:
+    def _is_fresh(self, stamp: rospy.Time, age: float) -> bool:
         """Whether to drive on a frame of this stamp: not on an old one, nor on one come again."""
         old, self._stamp = self._stamp, stamp
-        if stamp.is_zero():  # a sender that knows of no time
-            return True
-        late = must_stop(rospy.get_time(), stamp.to_sec(), True, self._drive.timeout)
+        late = must_stop(age, 0.0, True, self._drive.timeout)
         if late:
-            age = rospy.get_time() - stamp.to_sec()
             rospy.logwarn_throttle(5.0, "frames are %.2f s old: they are not driven on", age)
-        return stamp != old and not late
+        return not late and (stamp.is_zero() or stamp != old)
 
     def _publish(self, frame: Frame, line: Line, top: int) -> None:
         center = Point(line.center[0], line.center[1] + top, 0.0) if line.found else Point()
@@ -86,3 +84,8 @@ class LineFollower:
             if line.found:
                 draw_outline(overlay[top:], line.outline, f"{line.error:+.2f}")
             self._processed.publish(overlay, "bgr8", frame.header)
+
+
+def _age(stamp: rospy.Time) -> float:
+    """s since this stamp by the clock of ROS; 0 for that of a sender that knows of no time."""
+    return 0.0 if stamp.is_zero() else rospy.get_time() - stamp.to_sec()
