@@ -3,7 +3,7 @@
 PREFIX ?= /opt/robot_vision
 
 .DEFAULT_GOAL := help
-.PHONY: help deps build demo test sanitize lint format bench install clean run-deps
+.PHONY: help deps build demo check test sanitize lint format bench install clean run-deps
 .NOTPARALLEL:
 MAKEFLAGS += --no-print-directory
 
@@ -13,6 +13,10 @@ help:
 ## make demo      build and show the synthetic scene; source=/dev/video0 for a camera, ARGS="name:=value ..." for more
 demo: build
 	@tools/demo $(if $(source),"source:=$(if $(wildcard $(source)),$(abspath $(source)),$(source))") $(ARGS)
+
+## make check     build, lint and all tests that need no ROS master: in minutes, while one works
+check: deps
+	@tools/env tools/test --no-master
 
 ## make test      everything that can be checked; TESTS=core, python, nodes or a word of a test's name for a part
 test: deps
