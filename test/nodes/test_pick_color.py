@@ -139,6 +139,19 @@ def test_waiting_can_be_interrupted(start):
     assert process.output() == ""
 
 
+def test_a_range_without_the_color_is_saved_by_force_only(pick, tmp_path):
+    path = tmp_path / "hsv_tracker.yaml"
+    path.write_text(FILE)
+    gray = ["--hsv", 5, 20, 200, "--save", path, "--name", "blue"]
+    code, output = pick(*gray)
+    assert code == 1 and "the range does not hold this colour: saturation 20 is below" in output
+    assert f"{path}: not saved; --force saves this range all the same\n" in output
+    assert path.read_text() == FILE
+    code, output = pick(*gray, "--force")
+    assert code == 0 and output.endswith(f"saved in {path}\n")
+    assert path.read_text() != FILE
+
+
 def test_saving_twice_changes_one_line(pick, tmp_path):
     path = tmp_path / "hsv_tracker.yaml"
     path.write_text(FILE)

@@ -39,9 +39,12 @@ def _pick(arguments: argparse.Namespace) -> None:
     color = range_around(hsv, arguments.margin)
     print((f"BGR {bgr}, " if bgr else "") + f"HSV {hsv}; for the colors of hsv_tracker:")
     print(f"  {arguments.name or 'name'}: {as_yaml(color)}")
-    if outside(hsv, color):
-        print(outside(hsv, color))
+    problem = outside(hsv, color)
+    if problem:
+        print(problem)
     if arguments.save:
+        if problem and not arguments.force:
+            raise ValueError(f"{arguments.save}: not saved; --force saves this range all the same")
         save_colors(arguments.save, {arguments.name: color})
         print("saved in", arguments.save)
 
@@ -64,6 +67,9 @@ def _parse(command: Sequence[str]) -> argparse.Namespace:
     )
     parser.add_argument("--save", metavar="FILE", help="put it into this YAML file; with --name")
     parser.add_argument("--name", help="of the colour in the file")
+    parser.add_argument(
+        "--force", action="store_true", help="save a range that does not hold the colour, too"
+    )
     parser.add_argument(
         "--timeout",
         type=_seconds,
