@@ -153,6 +153,8 @@ def test_live(start, pictures, tmp_path):
     count = frames_told(process)
     assert f"box: 4 tags from {count} frames, in the frame of tag 5\n" in output
     assert f"saved in {path}\n" in output and "LARGE" not in output
+    lines = output.splitlines()
+    assert all(one != other for one, other in zip(lines, lines[1:])), output
     assert_learnt(path, master=5)
 
 

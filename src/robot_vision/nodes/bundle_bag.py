@@ -7,6 +7,7 @@ import rosbag
 
 from .. import CameraModel, TagDetector, TagDetectorParams
 from ..frame_collection import FrameCollection
+from ..progress import Progress
 from ..transport import camera_info_beside
 from .bag_pictures import PICTURES, opened, pictures_on, require_topic, topics_of
 from .calibration import camera_model
@@ -16,12 +17,18 @@ PROGRESS = 1.0  # s between lines
 
 
 def collect_from_bag(
-    path: str, image: str, camera_info: str, family: str, collection: FrameCollection
+    path: str,
+    image: str,
+    camera_info: str,
+    family: str,
+    collection: FrameCollection,
+    progress: Progress,
 ) -> CameraModel:
     """Offers the pictures of a topic to the collection, until it is full or on Ctrl-C.
 
     Args:
         camera_info: the topic; empty: the one beside the picture's.
+        progress: is told what there is, now and then.
 
     Returns:
         The camera that they are from.
@@ -40,12 +47,17 @@ def collect_from_bag(
             camera = camera_model(info, (info.width, info.height))
         except ValueError as error:
             raise ValueError(f"{path}: camera_info on {camera_info}: {error}") from None
-        _collect(bag, image, family, camera, collection)
+        _collect(bag, image, family, camera, collection, progress)
         return camera
 
 
 def _collect(
-    bag: rosbag.Bag, image: str, family: str, camera: CameraModel, collection: FrameCollection
+    bag: rosbag.Bag,
+    image: str,
+    family: str,
+    camera: CameraModel,
+    collection: FrameCollection,
+    progress: Progress,
 ) -> None:
     params = TagDetectorParams()
     params.families = [family]
@@ -69,7 +81,7 @@ def _collect(
                 return
             if time.monotonic() - told > PROGRESS:
                 told = time.monotonic()
-                print(collection.summary(), flush=True)
+                progress.tell(collection.summary())
     except KeyboardInterrupt:
         return
 

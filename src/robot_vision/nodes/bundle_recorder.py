@@ -11,6 +11,7 @@ from sensor_msgs.msg import CameraInfo
 from .. import CameraModel
 from ..frame_collection import FrameCollection
 from ..msg import TagDetectionArray
+from ..progress import Progress
 from .calibration import camera_model, remapped_camera_info
 
 PROGRESS = 1.0  # s between lines
@@ -23,9 +24,10 @@ class BundleRecorder:
     publishes the tags has it from.
     """
 
-    def __init__(self, family: str, collection: FrameCollection):
+    def __init__(self, family: str, collection: FrameCollection, progress: Progress):
         self._family = family
         self._collection = collection
+        self._progress = progress
         self._lock = threading.Lock()  # guards the collection: the tags come in another thread
         self._ended = threading.Event()
         self._info: Optional[CameraInfo] = None
@@ -47,7 +49,7 @@ class BundleRecorder:
             while not self._ended.wait(PROGRESS) and not rospy.is_shutdown():
                 if not self._info_topic:
                     self._subscribe_to_camera_info()
-                print(self._state(), flush=True)
+                self._progress.tell(self._state())
         except KeyboardInterrupt:
             print(flush=True)  # after the terminal's ^C
         with self._lock:

@@ -16,6 +16,7 @@ from ..bundle_calibration import Calibration, calibrate
 from ..bundle_files import write_bundles
 from ..commands import run_command
 from ..frame_collection import FrameCollection
+from ..progress import Progress
 from .bundle_arguments import parse_arguments
 from .bundle_bag import collect_from_bag
 from .bundle_recorder import BundleRecorder
@@ -36,8 +37,9 @@ def main() -> int:
 def _learn(arguments: argparse.Namespace) -> None:
     collection = FrameCollection(arguments.sizes, arguments.master, arguments.frames)
     _require_output(arguments)
-    camera = _collect(arguments, collection)
-    print(collection.summary(), flush=True)
+    progress = Progress()
+    camera = _collect(arguments, collection, progress)
+    progress.tell(collection.summary())
     if not collection.frames():
         raise ValueError(f"none of the tags was seen in {collection.offered} frames")
     frames = [
@@ -64,15 +66,22 @@ def _require_output(arguments: argparse.Namespace) -> None:
         raise OSError(f"{path} is there already; --force replaces it")
 
 
-def _collect(arguments: argparse.Namespace, collection: FrameCollection) -> CameraModel:
+def _collect(
+    arguments: argparse.Namespace, collection: FrameCollection, progress: Progress
+) -> CameraModel:
     if arguments.bag:
         return collect_from_bag(
-            arguments.bag, arguments.image, arguments.camera_info, arguments.family, collection
+            arguments.bag,
+            arguments.image,
+            arguments.camera_info,
+            arguments.family,
+            collection,
+            progress,
         )
     if not rosgraph.is_master_online():
         raise OSError(f"no ROS master answers at {rosgraph.get_master_uri()}")
     rospy.init_node("calibrate_bundle", anonymous=True, disable_signals=True)
-    return BundleRecorder(arguments.family, collection).run()
+    return BundleRecorder(arguments.family, collection, progress).run()
 
 
 def _report(found: Calibration) -> str:
