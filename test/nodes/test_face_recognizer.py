@@ -328,6 +328,7 @@ def test_enrolling_fails_clearly_and_changes_nothing(start, folder):
     started = time.monotonic()
     answer = enroll("Eve", 2)
     assert not answer.success and "took 0 of 2 pictures; saw no others" in answer.message
+    assert re.search(f"within 1.5 s: .*no faces on {door.faces.topic} for ", answer.message)
     assert 1.5 <= time.monotonic() - started < 10.0
     for name, count, text in [
         ("../Eve", 1, "must not hold"),
@@ -340,6 +341,22 @@ def test_enrolling_fails_clearly_and_changes_nothing(start, folder):
     assert known() == {"Anna": 8, "Zoë": 8}
     assert sorted(os.listdir(str(folder))) == [CACHE, "Anna", "Zoë"]
     assert door.look(ANNA, 25, of=-1) == "Anna"
+
+
+def test_who_is_missing_is_told_in_the_answer_and_the_overlay(start, folder):
+    door = Door(start, f"_gallery:={folder}", "_enroll_timeout:=1.5")
+    door.faces.close()
+    nobody = f"nobody publishes faces on {door.faces.topic}"
+    support.wait_for(lambda: nobody in enroll("Eve", 2).message, nobody)
+
+    def warned():
+        door.images.send(message(BLANK, "bgr8"))
+        return f"{nobody}: is there a face detector?" in door.process.output()
+
+    support.wait_for(warned, nobody)
+    overlay = door.outputs[-1].wait(1)[0]
+    pixels = np.frombuffer(overlay.data, np.uint8).reshape(BLANK.shape)
+    assert (pixels[:30] != BLANK[:30]).any() and np.array_equal(pixels[40:], BLANK[40:])
 
 
 def test_one_is_enrolled_at_a_time_and_the_node_ends_meanwhile(start, folder):

@@ -111,7 +111,7 @@ class DetectService:
             if call in self._calls:
                 self._calls.remove(call)
         if not arrived:
-            raise RuntimeError(f"no frame on {self._node.topic} within {TIMEOUT:g} s")
+            raise RuntimeError(self._node.no_frame(TIMEOUT))
         if call.error:
             raise RuntimeError(call.error)
         return call.answer

@@ -7,7 +7,7 @@ from typing import Any, Dict, List, Tuple
 import numpy as np
 import rospy
 
-from .. import draw_outline
+from .. import draw_outline, draw_text
 from ..cfg import FaceRecognizerConfig
 from ..face_picture import Box, check_box, normalized
 from ..gallery import Gallery
@@ -23,7 +23,6 @@ from .messages import corners
 from .params import LiveParams, filled
 
 VOTES = tuple(VoteParams.__dataclass_fields__)
-SILENCE = 5.0  # s without faces, while pictures come, until it is told
 GREEN, RED = (0.0, 255.0, 0.0), (0.0, 0.0, 255.0)
 
 
@@ -43,13 +42,12 @@ class FaceRecognizer:
         self._connection: Any = None  # that the newest faces came by
         self._stamp = rospy.Time()  # of them
         self._pairs = FramePairs()
-        self._last_frame = self._last_faces = 0.0  # s of the monotonic clock
         self._node = ImageNode(self._on_frame, idle=self._pairs.clear)
         self._node.subscriber("faces", DetectionArray, self._on_faces)
         self._faces = self._node.publisher("~faces", DetectionArray)
         self._whose = self._node.publisher("~identities", FaceIdentityArray)
         self._processed = self._node.image_publisher("~processed_image")
-        self._services = GalleryServices(self._learn, self._node.keep_working)
+        self._services = GalleryServices(self._learn, self._node.keep_working, self._node.missing)
         self._params = LiveParams(FaceRecognizerConfig, self._configure)
         self._services.advertise()
         self._node.start()
@@ -71,19 +69,15 @@ class FaceRecognizer:
             self._identities.clear()
 
     def _on_frame(self, frame: Frame) -> None:
-        now = time.monotonic()
-        if now - self._last_frame > SILENCE:  # it begins to work
-            self._last_faces = now
-        self._last_frame = now
-        if now - self._last_faces > SILENCE:
-            topic = rospy.resolve_name("faces")
-            rospy.logwarn_throttle(10.0, f"no faces come on {topic}: is there a face detector?")
+        missing = self._node.missing()
+        if missing:
+            rospy.logwarn_throttle(10.0, f"{missing}: is there a face detector?")
+            self._show_note(frame, missing)
         faces = self._pairs.message_of(frame)
         if faces:
             self._process(frame, faces)
 
     def _on_faces(self, faces: DetectionArray) -> None:
-        self._last_faces = time.monotonic()
         frame = self._pairs.frame_of(faces)
         if frame:
             self._process(frame, faces)
@@ -149,6 +143,12 @@ class FaceRecognizer:
             overlay = frame.image.copy()
             for face, identity in zip(faces.detections, found):
                 draw_identity(overlay, box_of(face), identity)
+            self._processed.publish(overlay, "bgr8", frame.header)
+
+    def _show_note(self, frame: Frame, text: str) -> None:
+        if self._processed.get_num_connections():
+            overlay = frame.image.copy()
+            draw_text(overlay, plain(text), (10, 20), RED)
             self._processed.publish(overlay, "bgr8", frame.header)
 
 

@@ -23,6 +23,7 @@ from ..srv import (
     ListNames,
     ListNamesResponse,
 )
+from .image_node import SILENCE
 from .params import read_param
 
 PICTURES = 10  # that are taken if nothing is said of it
@@ -36,17 +37,22 @@ class GalleryServices:
     Args:
         changed: is called with the gallery when it is loaded, and after every change.
         keep_working: is called with True when pictures are wanted, and with False afterwards.
+        missing: says which of its inputs were silent for so many s, in words.
 
     Raises:
         ValueError: ~gallery is no folder.
     """
 
     def __init__(
-        self, changed: Callable[[Gallery], Any], keep_working: Callable[[bool], Any]
+        self,
+        changed: Callable[[Gallery], Any],
+        keep_working: Callable[[bool], Any],
+        missing: Callable[[float], str],
     ) -> None:
         self.timeout = 10.0  # s of the wall clock, for the pictures of ~enroll; may be replaced
         self._changed = changed
         self._keep_working = keep_working
+        self._missing = missing
         self._enrollment: Optional[Enrollment] = None
         self._enrolling = threading.Lock()  # held while pictures are taken: one person at a time
         self._learning = threading.Lock()  # held while it is learnt: the last change last
@@ -131,7 +137,10 @@ class GalleryServices:
         self._keep_working(True)
         try:
             if not enrollment.wait(timeout, rospy.core.is_shutdown_requested):
-                raise RuntimeError(f"{enrollment.outcome()}, within {timeout:g} s")
+                # Half of the time: the node has not worked for all of it.
+                missing = self._missing(min(SILENCE, timeout / 2))
+                why = f": {missing}" if missing else ""
+                raise RuntimeError(f"{enrollment.outcome()}, within {timeout:g} s{why}")
         finally:
             self._enrollment = None
             self._keep_working(False)

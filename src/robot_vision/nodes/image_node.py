@@ -1,6 +1,7 @@
 """What every node does that works on pictures."""
 
-from typing import Any, Callable, List, Tuple
+import time
+from typing import Any, Callable, Dict, List, Tuple
 
 import rospy
 
@@ -8,6 +9,7 @@ from .. import set_threads, transport
 from .params import read_param, warn_of_unknown
 
 MOST_THREADS = 256
+SILENCE = 5.0  # s without a message, until an input counts as missing
 
 
 class ImageNode:
@@ -41,9 +43,17 @@ class ImageNode:
         self._outputs: List[Tuple[Any, Callable[[], bool]]] = []  # and whether it counts
         self._inputs: List[Tuple[Any, ...]] = []  # names, types and callbacks
         self._subscribers: List[rospy.Subscriber] = []  # to them, while the node works
+        self._came: Dict[
+            str, float
+        ] = {}  # s of the monotonic clock, when what they bring came last
+        self._working_since = float("inf")  # s of the same
         kind = transport.CameraSubscriber if camera_info else transport.ImageSubscriber
         self._images = kind(
-            "image", process, encoding, diagnostics=transport.node_diagnostics(), start=False
+            "image",
+            self._noting("image", process),
+            encoding,
+            diagnostics=transport.node_diagnostics(),
+            start=False,
         )
         if self._images.topic == "/image":
             rospy.logwarn("topic 'image' is not remapped; typical use is image:=/usb_cam/image_raw")
@@ -69,12 +79,35 @@ class ImageNode:
 
     def subscriber(self, name: str, kind: Any, callback: Callable[[Any], Any]) -> None:
         """One more topic that is subscribed to while the node works: its newest message."""
-        self._inputs.append((name, kind, callback))
+        self._inputs.append((name, kind, self._noting(name, callback)))
 
     def keep_working(self, wanted: bool) -> None:
         """Whether to work although nobody subscribes. Thread-safe."""
         self._wanted = wanted
         transport.note_connections()
+
+    def missing(self, seconds: float = SILENCE) -> str:
+        """What the node works without, in words: inputs that were silent for so long. Thread-safe.
+
+        Empty if there are none, or the node does not work.
+        """
+        now = time.monotonic()
+        inputs = [("image", "images", self._images.topic, self._images)]
+        for (name, *_), subscriber in zip(self._inputs, self._subscribers):
+            inputs.append((name, name, subscriber.resolved_name, subscriber))
+        lacking = []
+        for name, plural, topic, subscriber in inputs:
+            silent = now - max(self._came.get(name, 0.0), self._working_since)
+            if silent >= seconds and not subscriber.get_num_connections():
+                lacking.append(f"nobody publishes {plural} on {topic}")
+            elif silent >= seconds:
+                lacking.append(f"no {name} on {topic} for {silent:.0f} s")
+        return "; ".join(lacking)
+
+    def no_frame(self, seconds: float) -> str:
+        """What to say when none came within this time."""
+        nobody = "" if self._images.get_num_connections() else "; nobody publishes there"
+        return f"no frame on {self.topic} within {seconds:g} s{nobody}"
 
     def start(self) -> None:
         """Begins to work; the node has to be complete by now, all its parameters read."""
@@ -88,6 +121,7 @@ class ImageNode:
             counts() and output.get_num_connections() for output, counts in self._outputs
         )
         if self._always or self._wanted or listened:
+            self._working_since = min(self._working_since, time.monotonic())
             self._images.start()
             if not self._subscribers:
                 self._subscribers = [
@@ -98,7 +132,17 @@ class ImageNode:
             self._images.unregister()
             while self._subscribers:
                 self._subscribers.pop().unregister()
+            self._working_since = float("inf")
             self._idle()
+
+    def _noting(self, name: str, callback: Callable[[Any], Any]) -> Callable[[Any], Any]:
+        """The callback of an input, which keeps in mind when it was called."""
+
+        def noting(message: Any) -> None:
+            self._came[name] = time.monotonic()
+            callback(message)
+
+        return noting
 
 
 def read_threads() -> int:

@@ -8,9 +8,10 @@ import rospy
 from sensor_msgs.msg import RegionOfInterest
 
 from .. import ObjectTracker as Tracker
-from .. import ObjectTrackerParams, TrackedObject
+from .. import ObjectTrackerParams, TrackedObject, draw_text
 from ..cfg import ObjectTrackerConfig
 from ..msg import DetectionArray, Flow, TrackStateArray
+from ..plain_text import plain
 from ..srv import ForgetObject, ForgetObjectResponse, SelectObject, SelectObjectResponse
 from ..transport import Frame
 from .auto_selection import AutoSelection
@@ -117,6 +118,10 @@ class ObjectTracker:
         if has_readers(self._processed):
             overlay = frame.image.copy()
             draw_tracks(overlay, tracks)
+            detections = self._detections
+            if detections and not detections.get_num_connections():
+                nobody = f"nobody publishes detections on {detections.resolved_name}"
+                draw_text(overlay, plain(nobody), (10, overlay.shape[0] - 10))
             self._processed.publish(overlay, "bgr8", frame.header)
 
     def _update(self, now: float, frame: Frame) -> List[TrackedObject]:
@@ -181,7 +186,7 @@ class ObjectTracker:
         """Gives up what has been selected long before a frame came; called with the lock held."""
         for selection in self._waiting:
             if time.monotonic() > selection.deadline:
-                selection.fail(f"no frame on {self._node.topic} within {SELECT_TIMEOUT:g} s")
+                selection.fail(self._node.no_frame(SELECT_TIMEOUT))
                 rospy.logerr_throttle(1.0, "nothing selected: " + selection.error)
         self._waiting = [one for one in self._waiting if not one.done.is_set()]
 
