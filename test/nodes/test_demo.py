@@ -92,6 +92,9 @@ def test_demo_prints_a_line_per_node_and_second(demo):
         )
     for topic in ("/usb_cam/image_raw", "/brightness/processed_image"):
         assert topic in process.output()
+    lines = re.findall("^.* Hz  age .*$", process.output(), re.MULTILINE)
+    assert {text.index(" Hz  age ") for text in lines} == {lines[0].index(" Hz  age ")}
+    assert "rosdep view is empty" not in process.output()
     process.interrupt()
     assert process.exit_code() == 0, process.output()
 
@@ -197,7 +200,10 @@ def test_the_help_of_the_status_printer_promises_no_file(start):
 
 def test_rosrun_finds_scripts_and_programs(start):
     """In a checkout with its own workspace rosrun must not find a script twice, and ask."""
-    process = start("/usr/bin/rosrun", "robot_vision", "demo_status.py")
-    process.wait_for_output("No display")
+    status = ("/usr/bin/rosrun", "robot_vision", "demo_status.py")
+    process = start(*status, env={"DISPLAY": ""})
+    process.wait_for_output("No display: look at")
+    process = start(*status, env={"DISPLAY": ":7"})
+    process.wait_for_output("No windows (view:=true): look at")
     other = start("/usr/bin/rosrun", "robot_vision", "camera_node", "_source:=synthetic")
     other.wait_for_output("synthetic scene (room) 640x480 at 30 Hz")

@@ -1,10 +1,14 @@
 """The node demo_status: a line per node and second, with rate, age, processing time and state."""
 
+import os
 import threading
+import time
 from typing import Dict
 
 import rospy
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+
+from ..window_tiles import Tiles
 
 TOPICS = {
     "usb_cam": "/usb_cam/image_raw",
@@ -19,13 +23,18 @@ TOPICS = {
     "apriltag_detector": "/apriltag_detector/processed_image",
     "code_reader": "/code_reader/processed_image",
 }
+WIDTH = max(map(len, TOPICS))
+VIEWER = TOPICS["usb_cam"] + " "  # and one more: how the title of simple_camera_view starts
+WINDOWS_TIMEOUT = 120.0  # s in which all windows should be there
+POLL = 0.5  # s
 
 
 def line(name: str, status: DiagnosticStatus) -> str:
     """The status of one node as one line of text."""
     values = {pair.key: pair.value for pair in status.values}
-    return "{:<14} {:>6} Hz  age {:>8} ms  processing {:>8} ms  {}".format(
+    return "{:<{}} {:>6} Hz  age {:>8} ms  processing {:>8} ms  {}".format(
         name,
+        WIDTH,
         values.get("output rate (Hz)", "?"),
         values.get("output age (ms)", "?"),
         values.get("processing time (ms)", "?"),
@@ -36,14 +45,18 @@ def line(name: str, status: DiagnosticStatus) -> str:
 class DemoStatus:
     """Prints the nodes in the order in which the frames pass them.
 
-    Without a display (~view false, the default) it first tells which topics there are to look at.
+    With windows (~view true) it puts them side by side; without, the default, it first tells which
+    topics there are to look at.
 
     Subscribes to /diagnostics.
     """
 
     def __init__(self) -> None:
-        if not rospy.get_param("~view", False):
-            print("No display: look at these topics, for instance with")
+        if rospy.get_param("~view", False):
+            threading.Thread(target=tile_windows, name="windows", daemon=True).start()
+        else:
+            none = "No windows (view:=true)" if os.environ.get("DISPLAY") else "No display"
+            print(f"{none}: look at these topics, for instance with")
             print("  rosrun image_view image_view image:=" + TOPICS["edge_detector"])
             print(*("  " + topic for topic in TOPICS.values()), sep="\n", flush=True)
         self._lock = threading.Lock()  # guards _round: each publisher has a thread of its own
@@ -65,7 +78,19 @@ class DemoStatus:
             self._print_round()
 
     def _print_round(self) -> None:
-        for name in TOPICS:
-            if name in self._round:
-                print(line(name, self._round[name]), flush=True)
+        lines = [line(name, self._round[name]) for name in TOPICS if name in self._round]
+        print("", *lines, sep="\n", flush=True)
         self._round.clear()
+
+
+def tile_windows() -> None:
+    """Puts the windows of demo.launch side by side as they open."""
+    try:
+        tiles = Tiles([*TOPICS.values(), VIEWER])
+    except OSError as error:
+        rospy.logwarn("windows stay where they open: %s", error)
+        return
+    deadline = time.monotonic() + WINDOWS_TIMEOUT
+    while tiles.place() and time.monotonic() < deadline and not rospy.is_shutdown():
+        time.sleep(POLL)
+    tiles.close()
