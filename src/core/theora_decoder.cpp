@@ -6,9 +6,9 @@
 #include <stdexcept>
 #include <string>
 
-#include "core/theora_setup.hpp"
 #include "robot_vision/jpeg.hpp"
 #include "robot_vision/theora.hpp"
+#include "theora_setup.hpp"
 
 namespace robot_vision
 {

@@ -1,4 +1,4 @@
-#include "core/theora_setup.hpp"
+#include "theora_setup.hpp"
 
 #include <algorithm>
 #include <array>
