@@ -46,9 +46,12 @@ def test_nothing_of_the_caller_s_workspace_gets_in(tmp_path):
         assert not unwanted & set(names.split())
 
 
-@pytest.mark.skipif(
-    os.getuid() != 0 or not shutil.which("unshare"), reason="needs root for a mount namespace"
-)
+def mount_namespaces_can_be_made():
+    """By root, and in a chroot only if its root folder is a mount point."""
+    return shutil.which("unshare") and run("unshare", "-m", "true").returncode == 0
+
+
+@pytest.mark.skipif(not mount_namespaces_can_be_made(), reason="needs a mount namespace")
 @pytest.mark.parametrize(
     "os_release, said",
     [
@@ -74,6 +77,26 @@ def test_an_unknown_system_is_told_in_one_sentence(tmp_path, os_release, said):
     assert result.stdout == ""
     assert said in result.stderr
     assert len(result.stderr.strip().splitlines()) == 1
+
+
+def test_warnings_are_errors_where_they_are_asked_for_only(tmp_path):
+    source, product = tmp_path / "a.cpp", tmp_path / "a.o"
+    note = tmp_path / "a.o.warned"
+    compile_it = ["tools/compile", "g++", "-Wall", "-Wpedantic", "-o", product, "-c", source]
+    source.write_text("int f() {}\n")
+    result = run(*compile_it)
+    assert result.returncode == 0 and product.exists()
+    assert "-Wreturn-type" in result.stderr and note.read_text() == result.stderr
+    product.unlink()
+    result = run(*compile_it, WARNINGS="errors")
+    assert result.returncode != 0 and not product.exists()
+    assert "-Werror=return-type" in result.stderr
+    source.write_text("int f() { return 0; }\n")
+    for warnings in ("", "errors"):
+        result = run(*compile_it, WARNINGS=warnings)
+        assert (result.returncode, result.stderr) == (0, "")
+        assert product.exists() and not note.exists()
+        product.unlink()
 
 
 def test_what_is_not_built_yet_can_be_linted(tmp_path):
