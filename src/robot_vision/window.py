@@ -53,6 +53,8 @@ class Window:
         self._picture: Optional[np.ndarray] = None
         self._pressed: Optional[Point] = None  # where the button was
         self._dragged: Optional[Point] = None  # where the pointer is, if it has been moved since
+        self._autosize = autosize
+        self._shown_size: Optional[Tuple[int, int]] = None  # px, what imshow was given
         kind = cv2.WINDOW_AUTOSIZE if autosize else cv2.WINDOW_NORMAL | cv2.WINDOW_KEEPRATIO
         cv2.namedWindow(name, kind | cv2.WINDOW_GUI_NORMAL)
         cv2.setMouseCallback(name, self._on_mouse)
@@ -64,6 +66,9 @@ class Window:
             x, y, width, height = self._rectangle()
             picture = picture.copy()
             cv2.rectangle(picture, (x, y), (x + width - 1, y + height - 1), GREEN, 1)
+        self._shown_size = self._fitting_size()
+        if self._shown_size != self._size():
+            picture = cv2.resize(picture, self._shown_size, interpolation=cv2.INTER_NEAREST)
         cv2.imshow(self._name, picture)
 
     def set_title(self, title: str) -> None:
@@ -71,7 +76,10 @@ class Window:
 
     def poll(self, milliseconds: int) -> int:
         """Lets the window work for a while or until a key is pressed: its code, else NO_KEY."""
-        return cv2.waitKey(milliseconds) & 0xFF  # above are modifiers, on some systems
+        key = cv2.waitKey(milliseconds) & 0xFF  # above are modifiers, on some systems
+        if self._picture is not None and self._shown_size != self._fitting_size():
+            self.show(self._picture)
+        return key
 
     def is_open(self) -> bool:
         """Whether the user has not closed it."""
@@ -82,7 +90,24 @@ class Window:
         except cv2.error:  # some versions have no answer without a window
             return False
 
+    def _size(self) -> Tuple[int, int]:
+        """Width and height of the picture."""
+        height, width = self._picture.shape[:2]
+        return width, height
+
+    def _fitting_size(self) -> Tuple[int, int]:
+        """Width and height to show the picture in: OpenCV 4.10 shrinks to fit, but enlarges not."""
+        width, height = self._size()
+        if self._autosize or not self.is_open():
+            return width, height
+        room = cv2.getWindowImageRect(self._name)[2:]
+        scale = max(1.0, min(room[0] / width, room[1] / height))
+        return int(width * scale), int(height * scale)
+
     def _on_mouse(self, event: int, x: int, y: int, flags: int, _parameter: Any) -> None:
+        if self._picture is None:
+            return
+        x, y = (a * size // shown for a, size, shown in zip((x, y), self._size(), self._shown_size))
         if event == cv2.EVENT_LBUTTONDOWN:
             self._pressed, self._dragged = (x, y), None
         elif event == cv2.EVENT_MOUSEMOVE and self._pressed and flags & cv2.EVENT_FLAG_LBUTTON:
@@ -100,10 +125,9 @@ class Window:
 
     def _rectangle(self) -> Tuple[int, int, int, int]:
         """x, y, width and height of what has been drawn, as far as it is in the picture."""
-        height, width = self._picture.shape[:2]
         (left, right), (top, bottom) = (
             sorted(min(max(end, 0), size - 1) for end in ends)
-            for ends, size in zip(zip(self._pressed, self._dragged), (width, height))
+            for ends, size in zip(zip(self._pressed, self._dragged), self._size())
         )
         return left, top, right - left + 1, bottom - top + 1
 
