@@ -107,6 +107,18 @@ class Process:
         except subprocess.TimeoutExpired:
             raise AssertionError(f"still running after {seconds} s:\n{self.output()}") from None
 
+    def prompt_exit_code(self) -> int:
+        """That of a process which has been told to end: a second is promised.
+
+        On a busy machine it takes longer, but not than this process takes to compute for two more.
+        """
+        with contextlib.suppress(subprocess.TimeoutExpired):
+            return self._popen.wait(1.0)
+        begin = time.thread_time()
+        while self.running():
+            assert time.thread_time() - begin < 2.0, f"still running:\n{self.output()}"
+        return self.exit_code()
+
     def wait_for_output(self, text: str, seconds: float = DEADLINE) -> None:
         wait_for(
             lambda: text in self.output() or not self.running(), "end or output " + text, seconds

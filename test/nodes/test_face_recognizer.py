@@ -373,7 +373,7 @@ def test_one_is_enrolled_at_a_time_and_the_node_ends_meanwhile(start, folder):
     (refused,) = support.wait_for(lambda: answers, "the refusal of one of the two")
     assert not refused.success and refused.message == "somebody else is being enrolled"
     door.process.interrupt()
-    assert door.process.exit_code(3.0) == 0
+    assert door.process.prompt_exit_code() == 0
     for thread in waiting:
         thread.join(support.DEADLINE)
         assert not thread.is_alive()
@@ -400,7 +400,7 @@ def test_node_ends_while_a_folder_is_enrolled(start, tmp_path):
     thread.start()
     support.wait_for(lambda: known() == {"Anna": 1}, "the first name, while the second is read")
     door.process.interrupt()
-    assert door.process.exit_code(3.0) == 0, door.process.output()
+    assert door.process.prompt_exit_code() == 0, door.process.output()
     thread.join(support.DEADLINE)
     assert not thread.is_alive() and not any(answer.success for answer in answers)
 

@@ -135,7 +135,7 @@ def test_waiting_can_be_interrupted(start):
     state = rosgraph.Master("/test").getSystemState
     support.wait_for(lambda: "/silent" in dict(state()[1]), "its subscription")
     process.interrupt()
-    assert process.exit_code(3.0) == 130
+    assert process.prompt_exit_code() == 130
     assert process.output() == ""
 
 
