@@ -1,5 +1,6 @@
 """A private master for the whole run, and processes that are gone after each test."""
 
+import contextlib
 import itertools
 import logging
 import os
@@ -9,6 +10,8 @@ import sys
 
 import pytest
 import support
+
+ROSLAUNCH = "/usr/bin/roslaunch"
 
 
 @pytest.fixture(scope="session", autouse=True)
@@ -41,14 +44,17 @@ def python_starter(master, tmp_path_factory):
     made.end()
 
 
-@pytest.fixture
-def start(tmp_path, request):
-    """Starts a command of this package or a path; start(name, "arg", ..., env={...}).
+@pytest.fixture(autouse=True)
+def subscriptions_end():
+    """Those of a test end with it."""
+    yield
+    for messages in list(support.open_messages):
+        messages.close()
 
-    Python programs of this package are forked, unless `fork` is False: a test of how they start
-    and end runs the interpreter itself. At the end of the test all are stopped, subscriptions
-    closed and parameters forgotten.
-    """
+
+@contextlib.contextmanager
+def starting(folder, request):
+    """What the fixtures start and start_once give; ends what they have started."""
     import rospy
 
     before = set(rospy.get_param_names())
@@ -57,9 +63,9 @@ def start(tmp_path, request):
 
     def start_process(name, *arguments, env=None, fork=True):
         path = name if "/" in name else support.executable(name)
-        log = tmp_path / f"{next(numbers)}-{os.path.basename(path)}.log"
+        log = folder / f"{next(numbers)}-{os.path.basename(path)}.log"
         run = support.spawn
-        if fork and path.endswith(".py"):
+        if fork and (path.endswith(".py") or path == ROSLAUNCH):
             run = request.getfixturevalue("python_starter").spawn
         process = support.Process([path, *map(str, arguments)], log, env, run)
         processes.append(process)
@@ -71,10 +77,27 @@ def start(tmp_path, request):
     for process in processes:
         process.end()
         print(f"{process}:\n{process.output()[-4000:]}")  # shown of tests that fail
-    for messages in list(support.open_messages):
-        messages.close()
     for name in {name.split("/")[1] for name in set(rospy.get_param_names()) - before}:
         rospy.delete_param("/" + name)  # with all below it: maps would leave their empty shells
+
+
+@pytest.fixture
+def start(tmp_path, request):
+    """Starts a command of this package or a path; start(name, "arg", ..., env={...}).
+
+    Python programs of this package and roslaunch are forked, unless `fork` is False: a test of how
+    they start and end runs the interpreter itself. At the end of the test all are stopped and
+    parameters forgotten.
+    """
+    with starting(tmp_path, request) as start_process:
+        yield start_process
+
+
+@pytest.fixture(scope="module")
+def start_once(tmp_path_factory, request):
+    """As start, for what all tests of a file share: it ends after the last of them."""
+    with starting(tmp_path_factory.mktemp("once"), request) as start_process:
+        yield start_process
 
 
 @pytest.fixture
@@ -82,18 +105,26 @@ def diagnostics():
     return support.Diagnostics()
 
 
-@pytest.fixture
-def display(start, tmp_path, monkeypatch):
-    """A virtual X server for this process and its children; gives its frame buffer's file."""
+@pytest.fixture(scope="module")
+def x_server(start_once, tmp_path_factory):
+    """A virtual X server: its number, and its frame buffer's file."""
+    folder = tmp_path_factory.mktemp("x")
     # Without -noreset it turns clients away whenever the last one has gone, as xdotool does.
-    options = ["-displayfd", "1", "-noreset", "-fbdir", tmp_path, "-screen", "0", "1400x1100x24"]
-    process = start(shutil.which("Xvfb"), *options)
+    options = ["-displayfd", "1", "-noreset", "-fbdir", folder, "-screen", "0", "1400x1100x24"]
+    process = start_once(shutil.which("Xvfb"), *options)
     # It complains first of the numbers that other servers have.
     number = support.wait_for(
         lambda: re.findall(r"^\d+\n", process.output(), re.MULTILINE), "the X server"
     )
-    monkeypatch.setenv("DISPLAY", ":" + number[0].strip())
-    return tmp_path / "Xvfb_screen0"
+    return ":" + number[0].strip(), folder / "Xvfb_screen0"
+
+
+@pytest.fixture
+def display(x_server, monkeypatch):
+    """The X server is that of this process and its children; gives its frame buffer's file."""
+    number, frame_buffer = x_server
+    monkeypatch.setenv("DISPLAY", number)
+    return frame_buffer
 
 
 @pytest.fixture

@@ -19,6 +19,7 @@ import socket
 import sys
 from typing import Any, Dict
 
+import roslaunch  # noqa: F401  for forks that run it
 import rospy
 
 import robot_vision.nodes
@@ -87,14 +88,14 @@ class Starter:
 def become(program: Dict[str, Any]) -> None:
     """Makes this process what it would be if the program had been started by itself."""
     os.setsid()
-    log = os.open(program["log"], os.O_WRONLY | os.O_CREAT | os.O_TRUNC, 0o644)
+    log = os.open(program["log"], os.O_WRONLY)
     for stream in (sys.stdout.fileno(), sys.stderr.fileno()):
         os.dup2(log, stream)
     os.close(log)
     os.environ.clear()
     os.environ.update(program["env"])
     os.chdir(program["cwd"])
-    sys.argv = [program["path"], *program["arguments"]]
+    sys.argv[:] = [program["path"], *program["arguments"]]  # in place: roslaunch holds on to it
     sys.path[0] = os.path.dirname(program["path"])
     if "PYTHONUNBUFFERED" in program["env"]:
         sys.stdout.reconfigure(write_through=True)

@@ -148,6 +148,7 @@ class PythonStarter:
 
     def spawn(self, command: List[str], log: pathlib.Path, env: Dict[str, str]) -> "Fork":
         connection = wait_for(self._connect, "the starter of Python programs")
+        log.write_bytes(b"")  # it is looked into at once
         path, *arguments = command
         request = {"path": path, "arguments": arguments, "env": env, "log": str(log)}
         connection.sendall(json.dumps({**request, "cwd": os.getcwd()}).encode() + b"\n")

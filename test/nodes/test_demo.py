@@ -81,95 +81,6 @@ def test_edges_of_a_video_are_opencv_s(demo, video):
     edges.close()
 
 
-def test_demo_prints_a_line_per_node_and_second(demo):
-    process = demo()
-    number = r"\s+[0-9.]+"
-    line = f"^{{}}{number} Hz  age{number} ms  processing{number} ms  "
-    for node in ("usb_cam", "brightness", "edge_detector"):
-        support.wait_for(
-            lambda: len(re.findall(line.format(node), process.output(), re.MULTILINE)) >= 3,  # noqa: B023
-            f"three lines of {node} in\n{process.output()}",
-        )
-    for topic in ("/usb_cam/image_raw", "/brightness/processed_image"):
-        assert topic in process.output()
-    lines = re.findall("^.* Hz  age .*$", process.output(), re.MULTILINE)
-    assert {text.index(" Hz  age ") for text in lines} == {lines[0].index(" Hz  age ")}
-    assert "rosdep view is empty" not in process.output()
-    process.interrupt()
-    assert process.exit_code() == 0, process.output()
-
-
-def test_demo_shows_the_scene(demo):
-    images = support.Messages("/usb_cam/image_raw", Image)
-    edges = support.Messages("/edge_detector/processed_image", Image)
-    demo()
-    first, result = support.same_frame(images, edges)
-    portrait = cv2.cvtColor(skimage.data.astronaut(), cv2.COLOR_RGB2BGR)
-    scene = Scene(SceneParams(), portrait)
-    pictures = [scene.render(i).tobytes() for i in range(300)]
-    frame = pictures.index(first.data)
-    assert result.header.frame_id == first.header.frame_id
-    assert result.data == opencv_chain(scene.render(frame)).tobytes()
-
-
-def sees_the_portrait(truth, faces):
-    """Whether a face is found where the poster's is, 0.44 by 0.21 of its size from the corner."""
-    poster = next(one for one in truth.objects if one.name == "poster")
-    bottom_left, bottom_right, _, top_left = (np.array([p.x, p.y]) for p in poster.outline)
-    across, down = bottom_right - bottom_left, bottom_left - top_left
-    face = top_left + 0.44 * across + 0.21 * down
-    near = 0.05 * np.hypot(*across)
-    return any(
-        np.hypot(d.center.x - face[0], d.center.y - face[1]) < near for d in faces.detections
-    )
-
-
-def test_demo_finds_what_is_in_the_scene(demo):
-    truths = support.Messages("/usb_cam/ground_truth", GroundTruth)
-    objects = support.Messages("/hsv_tracker/objects", DetectionArray)
-    positions = support.Messages("/ball_tracker/position", PointStamped)
-    faces = support.Messages("/face_detector/faces", DetectionArray)
-    tracked_objects = support.Messages("/object_tracker/object", DetectionArray)
-    lines = support.Messages("/line_follower/line", Line)
-    commands = support.Messages("/line_follower/cmd_vel", Twist)
-    codes = support.Messages("/code_reader/codes", DetectionArray)
-    demo()
-    truth, tracked = support.same_frame(truths, objects)
-    ball = next(one for one in truth.objects if one.name == "ball")
-    places = [
-        np.hypot(d.center.x - ball.center.x, d.center.y - ball.center.y) for d in tracked.detections
-    ]
-    assert min(places) < 3.0, (ball.center, tracked.detections)
-    truth, position = support.same_frame(truths, positions)
-    point = next(one for one in truth.objects if one.name == "ball").pose.position
-    assert (position.point.x, position.point.y, position.point.z) == pytest.approx(
-        (point.x, point.y, point.z), rel=0.03, abs=0.02
-    )
-    support.wait_for(lambda: sees_the_portrait(*support.same_frame(truths, faces)), "the face")
-    support.wait_for(
-        lambda: sees_the_portrait(*support.same_frame(truths, tracked_objects)), "the face followed"
-    )
-    support.wait_for(lambda: any(line.found for line in lines.received), "the line")
-    support.wait_for(lambda: any(c.linear.x == 0.2 for c in commands.received), "driving")
-    assert {code.label for m in codes.wait() for code in m.detections} == {"robot_vision"}
-    assert "/cmd_vel" not in dict(rospy.get_published_topics())  # a demo drives no robot
-
-
-def test_the_portrait_is_enrolled_and_recognised(demo, start, tmp_path):
-    demo()
-    remapped = "image:=/usb_cam/image_raw", "faces:=/face_detector/faces"
-    start("face_recognizer.py", *remapped, f"_gallery:={tmp_path / 'gallery'}")
-    rospy.wait_for_service("/face_recognizer/enroll", support.DEADLINE)
-    answer = rospy.ServiceProxy("/face_recognizer/enroll", EnrollFace)("Eileen", 5)
-    assert answer.success, answer.message
-    identities = support.Messages("/face_recognizer/identities", FaceIdentityArray)
-    support.wait_for(
-        lambda: any(one.name == "Eileen" for m in identities.received for one in m.identities),
-        "the name",
-    )
-    assert len(list((tmp_path / "gallery" / "Eileen").glob("*.png"))) == 5
-
-
 def test_make_demo_fails_when_its_source_is_wrong(start, tmp_path):
     path = tmp_path / "text.png"
     path.write_text("hello")
@@ -207,3 +118,96 @@ def test_rosrun_finds_scripts_and_programs(start):
     process.wait_for_output("No windows (view:=true): look at")
     other = start("/usr/bin/rosrun", "robot_vision", "camera_node", "_source:=synthetic")
     other.wait_for_output("synthetic scene (room) 640x480 at 30 Hz")
+
+
+@pytest.fixture(scope="module")
+def scene_demo(start_once):
+    """The demo on the scene, for all the tests from here on; ends with 0."""
+    process = start_once("/usr/bin/roslaunch", "robot_vision", "demo.launch")
+    yield process
+    process.interrupt()
+    assert process.exit_code() == 0, process.output()
+
+
+def test_demo_prints_a_line_per_node_and_second(scene_demo):
+    process = scene_demo
+    number = r"\s+[0-9.]+"
+    line = f"^{{}}{number} Hz  age{number} ms  processing{number} ms  "
+    for node in ("usb_cam", "brightness", "edge_detector"):
+        support.wait_for(
+            lambda: len(re.findall(line.format(node), process.output(), re.MULTILINE)) >= 3,  # noqa: B023
+            f"three lines of {node} in\n{process.output()}",
+        )
+    for topic in ("/usb_cam/image_raw", "/brightness/processed_image"):
+        assert topic in process.output()
+    lines = re.findall("^.* Hz  age .*$", process.output(), re.MULTILINE)
+    assert {text.index(" Hz  age ") for text in lines} == {lines[0].index(" Hz  age ")}
+    assert "rosdep view is empty" not in process.output()
+
+
+def test_demo_shows_the_scene(scene_demo):
+    truths = support.Messages("/usb_cam/ground_truth", GroundTruth)
+    images = support.Messages("/usb_cam/image_raw", Image)
+    edges = support.Messages("/edge_detector/processed_image", Image)
+    truth, first, result = support.same_frame(truths, images, edges)
+    portrait = cv2.cvtColor(skimage.data.astronaut(), cv2.COLOR_RGB2BGR)
+    picture = Scene(SceneParams(), portrait).render(truth.frame)
+    assert first.data == picture.tobytes()
+    assert result.header.frame_id == first.header.frame_id
+    assert result.data == opencv_chain(picture).tobytes()
+
+
+def sees_the_portrait(truth, faces):
+    """Whether a face is found where the poster's is, 0.44 by 0.21 of its size from the corner."""
+    poster = next(one for one in truth.objects if one.name == "poster")
+    bottom_left, bottom_right, _, top_left = (np.array([p.x, p.y]) for p in poster.outline)
+    across, down = bottom_right - bottom_left, bottom_left - top_left
+    face = top_left + 0.44 * across + 0.21 * down
+    near = 0.05 * np.hypot(*across)
+    return any(
+        np.hypot(d.center.x - face[0], d.center.y - face[1]) < near for d in faces.detections
+    )
+
+
+def test_demo_finds_what_is_in_the_scene(scene_demo):
+    truths = support.Messages("/usb_cam/ground_truth", GroundTruth)
+    objects = support.Messages("/hsv_tracker/objects", DetectionArray)
+    positions = support.Messages("/ball_tracker/position", PointStamped)
+    faces = support.Messages("/face_detector/faces", DetectionArray)
+    tracked_objects = support.Messages("/object_tracker/object", DetectionArray)
+    lines = support.Messages("/line_follower/line", Line)
+    commands = support.Messages("/line_follower/cmd_vel", Twist)
+    codes = support.Messages("/code_reader/codes", DetectionArray)
+    truth, tracked = support.same_frame(truths, objects)
+    ball = next(one for one in truth.objects if one.name == "ball")
+    places = [
+        np.hypot(d.center.x - ball.center.x, d.center.y - ball.center.y) for d in tracked.detections
+    ]
+    assert min(places) < 3.0, (ball.center, tracked.detections)
+    truth, position = support.same_frame(truths, positions)
+    point = next(one for one in truth.objects if one.name == "ball").pose.position
+    assert (position.point.x, position.point.y, position.point.z) == pytest.approx(
+        (point.x, point.y, point.z), rel=0.03, abs=0.02
+    )
+    support.wait_for(lambda: sees_the_portrait(*support.same_frame(truths, faces)), "the face")
+    support.wait_for(
+        lambda: sees_the_portrait(*support.same_frame(truths, tracked_objects)), "the face followed"
+    )
+    support.wait_for(lambda: any(line.found for line in lines.received), "the line")
+    support.wait_for(lambda: any(c.linear.x == 0.2 for c in commands.received), "driving")
+    assert {code.label for m in codes.wait() for code in m.detections} == {"robot_vision"}
+    assert "/cmd_vel" not in dict(rospy.get_published_topics())  # a demo drives no robot
+
+
+def test_the_portrait_is_enrolled_and_recognised(scene_demo, start, tmp_path):
+    remapped = "image:=/usb_cam/image_raw", "faces:=/face_detector/faces"
+    start("face_recognizer.py", *remapped, f"_gallery:={tmp_path / 'gallery'}")
+    rospy.wait_for_service("/face_recognizer/enroll", support.DEADLINE)
+    answer = rospy.ServiceProxy("/face_recognizer/enroll", EnrollFace)("Eileen", 5)
+    assert answer.success, answer.message
+    identities = support.Messages("/face_recognizer/identities", FaceIdentityArray)
+    support.wait_for(
+        lambda: any(one.name == "Eileen" for m in identities.received for one in m.identities),
+        "the name",
+    )
+    assert len(list((tmp_path / "gallery" / "Eileen").glob("*.png"))) == 5
