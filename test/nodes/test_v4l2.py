@@ -61,7 +61,7 @@ def vm(tmp_path_factory):
     """The folder in which the guest has left what it saw."""
     out = tmp_path_factory.mktemp("vivid")
     two_webcams = "n_devs=2 node_types=0x1,0x1 num_inputs=1,1 input_types=0,0"
-    done = host.run_guest(VIVID / "guest.py", out, two_webcams, 600.0)
+    done = host.run_guest(VIVID / "guest.py", out, two_webcams, 840.0)
     if done.returncode == host.UNAVAILABLE:
         pytest.skip(done.stdout.strip())
     log = out / "log"

@@ -12,7 +12,7 @@ import rospy
 import support
 from sensor_msgs.msg import Image
 
-PATIENCE = 60.0  # s, for what takes a moment on a machine that is not emulated
+PATIENCE = 240.0  # s, for what takes a moment on a machine that is not emulated, and not busy
 DRIVER = pathlib.Path("/sys/bus/platform/drivers/vivid")
 TRACING = pathlib.Path("/sys/kernel/tracing")
 FRAMES = 50  # that the figures of a stream are taken from
