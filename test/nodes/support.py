@@ -43,6 +43,15 @@ def wait_for(condition: Callable[[], Any], what: str, seconds: float = DEADLINE)
     raise AssertionError(f"not within {seconds:.0f} s: {what}")
 
 
+def slowness() -> float:
+    """How many times longer than alone on the machine this process computes just now."""
+    work = 0.05  # s
+    begin, worked = time.monotonic(), time.thread_time()
+    while time.thread_time() - worked < work:
+        pass
+    return max(1.0, (time.monotonic() - begin) / work)
+
+
 def free_port() -> int:
     """A TCP port that nobody listens on, and that no program is given which asks for any."""
     while True:
