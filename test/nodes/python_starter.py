@@ -98,7 +98,7 @@ def become(program: Dict[str, Any]) -> None:
     sys.argv[:] = [program["path"], *program["arguments"]]  # in place: roslaunch holds on to it
     sys.path[0] = os.path.dirname(program["path"])
     if "PYTHONUNBUFFERED" in program["env"]:
-        sys.stdout.reconfigure(write_through=True)
+        sys.stdout.reconfigure(line_buffering=True)
     rospy.names.reload_mappings(sys.argv)  # it has read them when it was imported
 
 
