@@ -73,6 +73,10 @@ public:
   /// The time that the last search of a whole picture took, s of update()'s clock; 0: none has ended.
   double searchTime() const;
 
+  /// Waits for a search in the background, so that the next update() has what it has found: for recordings, and whoever
+  /// wants results that do not depend on how fast the machine is.
+  void waitForSearch() const;
+
 private:
   struct Impl;
   std::unique_ptr<Impl> impl_;

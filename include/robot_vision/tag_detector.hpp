@@ -88,6 +88,10 @@ public:
   /// back, or stands still, make it forget what it knows. Throws as detect() does, and for a time that is not finite.
   std::vector<Tag> update(double time_s, const cv::Mat& image, const std::string& encoding);
 
+  /// Waits for a search in the background, so that the next update() has what it has found: for recordings, and whoever
+  /// wants results that do not depend on how fast the machine is.
+  void waitForSearch() const;
+
   /// Whether update() had to search a whole picture itself the last time, as no thread could be started for it.
   bool lacksThreads() const;
 

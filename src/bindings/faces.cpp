@@ -72,5 +72,7 @@ void bindFaces(py::module& m)
           "face"_a,
           "Up to two eyes in a face of the last frame, the left one in the picture first: x, y, width, height.")
       .def_property_readonly("search_time", &FaceDetector::searchTime,
-                             "s that the last search of a whole picture took, 0: none has ended");
+                             "s that the last search of a whole picture took, 0: none has ended")
+      .def("wait_for_search", &FaceDetector::waitForSearch, py::call_guard<py::gil_scoped_release>(),
+           "Waits for a search in the background: the next update() has what it has found, on a slow machine, too.");
 }

@@ -109,6 +109,8 @@ void bindDetector(py::module& m)
           "Raises ValueError for an image that is not of this encoding or too large.")
       .def_property_readonly("lacks_threads", &TagDetector::lacksThreads,
                              "whether update() had to search a whole picture itself, as no thread could be started")
+      .def("wait_for_search", &TagDetector::waitForSearch, py::call_guard<py::gil_scoped_release>(),
+           "Waits for a search in the background: the next update() has what it has found, on a slow machine, too.")
       .def("abandon_search", &TagDetector::abandonSearch,
            "Has the end of this object not wait for a search in the background: in a process that is about to end. "
            "May be called by any thread.");

@@ -224,4 +224,9 @@ double FaceDetector::searchTime() const
   return impl_->search_time;
 }
 
+void FaceDetector::waitForSearch() const
+{
+  impl_->worker->wait();
+}
+
 }  // namespace robot_vision

@@ -41,6 +41,12 @@ bool FaceWorker::busy() const
   return job_ || result_;
 }
 
+void FaceWorker::wait() const
+{
+  std::unique_lock<std::mutex> lock(mutex_);
+  ended_.wait(lock, [this] { return !job_; });
+}
+
 void FaceWorker::start(FaceJob job)
 {
   if (!background_)
@@ -86,6 +92,7 @@ void FaceWorker::run()
     result_ = std::move(result);
     error_ = error;
     job_.reset();
+    ended_.notify_all();
   }
 }
 

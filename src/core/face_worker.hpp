@@ -40,6 +40,9 @@ public:
   /// Whether a search is under way, or its result has not been taken.
   bool busy() const;
 
+  /// Waits for the end of a search that is under way.
+  void wait() const;
+
   /// Begins a search; the worker must not be busy.
   void start(FaceJob job);
 
@@ -52,8 +55,9 @@ private:
   FaceSearch search_;
   const bool background_;
   std::atomic<bool> stop_{false};
-  mutable std::mutex mutex_;  // guards what follows
-  std::condition_variable wake_;
+  mutable std::mutex mutex_;               // guards what follows
+  std::condition_variable wake_;           // for the thread
+  mutable std::condition_variable ended_;  // for who waits for a search
   std::optional<FaceJob> job_;
   std::optional<FaceResult> result_;
   std::exception_ptr error_;

@@ -219,6 +219,11 @@ void TagDetector::configure(const TagDetectorParams& params)
   me.searched.reset();
 }
 
+void TagDetector::waitForSearch() const
+{
+  impl_->searches.wait();
+}
+
 bool TagDetector::lacksThreads() const
 {
   return impl_->lacks_threads;

@@ -31,6 +31,12 @@ public:
   /// Whether a search is under way in the background, or what it has found has not been taken.
   bool busy() const { return running_.valid(); }
 
+  /// Waits for the end of one that is under way.
+  void wait() const
+  {
+    if (busy()) running_.wait();
+  }
+
   /// Begins one; there must be none. Nobody may write to the picture. Returns false if there is no thread for it.
   bool start(const cv::Mat& gray, double decimate);
 

@@ -2,7 +2,6 @@
 
 import math
 import pathlib
-import time
 
 import cv2
 import numpy as np
@@ -231,13 +230,9 @@ def test_searches_in_the_background_find_the_same():
     image, truth = frame(0)
     foreground, background = rv.FaceDetector(params()), rv.FaceDetector(params(background=True))
     expected = foreground.update(0.0, image)
-    start = time.monotonic()
-    faces, now = [], 0.0
-    while len(faces) < len(expected) and now < 30.0:
-        time.sleep(1.0 / RATE)
-        # What is found belongs to a moment that must not be long ago.
-        now = time.monotonic() - start
-        faces = background.update(now, image)
+    background.update(0.0, image)
+    background.wait_for_search()
+    faces = background.update(1.0 / RATE, image)
     assert len(faces) == len(expected) and any(is_at(face, truth) for face in faces)
     for face in expected:
         assert any(is_at(other, face.box) for other in faces)
@@ -248,11 +243,8 @@ def test_a_pause_of_the_stream_is_no_long_search():
     detector = rv.FaceDetector(params(background=True, cascade_2=""))
     picture = crowd([(240, 160)])
     detector.update(100.0, picture, "mono8")
-    start = time.monotonic()
-    number = 0
-    while not detector.search_time and time.monotonic() < start + 30:
-        number += 1
-        detector.update(160.0 + 1e-3 * number, picture, "mono8")
+    detector.wait_for_search()
+    detector.update(160.0, picture, "mono8")
     assert 0.0 < detector.search_time < 10.0
 
 
