@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <opencv2/imgproc.hpp>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "robot_vision/encoding.hpp"
 
@@ -16,18 +18,50 @@ inline cv::Mat noise(cv::Size size, int type, int row_padding = 0)
   return padded.colRange(0, size.width);
 }
 
-/// A colour picture with soft shapes, as photographs have them.
+/// Sine and cosine of `step` times each index: a row of two for each.
+inline cv::Mat_<float> turns(int count, double step)
+{
+  cv::Mat_<float> result(count, 2);
+  for (int i = 0; i < count; ++i)
+  {
+    result(i, 0) = static_cast<float>(std::sin(step * i));
+    result(i, 1) = static_cast<float>(std::cos(step * i));
+  }
+  return result;
+}
+
+/// A colour picture with soft shapes, as photographs have them: of products of sin(ax + by) and cos(bx - ay).
 inline cv::Mat smooth(cv::Size size)
 {
-  cv::Mat_<cv::Vec3b> picture(size);
-  for (int y = 0; y < size.height; ++y)
-    for (int x = 0; x < size.width; ++x)
-    {
-      const auto wave = [&](double a, double b)
-      { return static_cast<std::uint8_t>(127.5 + 127.0 * std::sin(a * x + b * y) * std::cos(b * x - a * y)); };
-      picture(y, x) = {wave(0.05, 0.02), wave(0.03, 0.06), wave(0.11, 0.01)};
-    }
-  return std::move(picture);
+  const cv::Matx22f swap(0, 1, 1, 0);
+  std::vector<cv::Mat> channels;
+  for (const auto& [a, b] : {std::pair(0.05, 0.02), std::pair(0.03, 0.06), std::pair(0.11, 0.01)})
+  {
+    // By the sum formulas, as there are pictures of millions of pixels.
+    const cv::Mat sines = turns(size.height, b) * cv::Mat(swap) * turns(size.width, a).t();
+    const cv::Mat cosines = turns(size.height, a) * turns(size.width, b).t();
+    const cv::Mat product = sines.mul(cosines);
+    product.convertTo(channels.emplace_back(), CV_8U, 127.0, 127.0);
+  }
+  cv::Mat picture;
+  cv::merge(channels, picture);
+  return picture;
+}
+
+/// Every color once.
+inline cv::Mat allColors()
+{
+  cv::Mat_<std::uint8_t> ramp(256, 1);
+  for (int i = 0; i < ramp.rows; ++i)
+    ramp(i) = static_cast<std::uint8_t>(i);
+  std::vector<cv::Mat> channels(3);  // of a row for each blue, in which green changes with each pixel
+  const cv::Mat reds = cv::repeat(ramp, 1, 256), greens = cv::repeat(ramp.t(), 256, 1);
+  cv::repeat(ramp, 1, 65536, channels[0]);
+  cv::repeat(greens.reshape(1, 1), 256, 1, channels[1]);
+  cv::repeat(reds.reshape(1, 1), 256, 1, channels[2]);
+  cv::Mat colors;
+  cv::merge(channels, colors);
+  return colors.reshape(3, 4096);
 }
 
 /// A picture of any encoding but jpeg, with padded rows if they are noise.

@@ -146,7 +146,7 @@ TEST(TagDetector, findsTwoHundredTags)
 
 TEST(TagDetector, followsMovingTagsAsIfAllOfEveryFrameWereSearched)
 {
-  std::vector<std::pair<cv::Mat, std::map<int, TagCorners>>> frames(200);
+  std::vector<std::pair<cv::Mat, std::map<int, TagCorners>>> frames(100);  // in which one goes out and comes back
   for (std::size_t i = 0; i < frames.size(); ++i)
     frames[i].first = drawMoving(static_cast<int>(i), {640, 480}, frames[i].second);
   for (const double decimate : {0.0, 1.0, 2.0})
@@ -184,7 +184,7 @@ TEST(TagDetector, followsMovingTagsAsIfAllOfEveryFrameWereSearched)
         EXPECT_LE(time - missed_since.emplace(tag.id, time).first->second, params.max_search_period) << tag.id;
       }
     }
-    EXPECT_GT(differences.size(), 600U);
+    EXPECT_GT(differences.size(), 300U);
     EXPECT_LT(median(errors), 0.2);
     // Refined, a rounding error in the library may move a corner by a tenth of a pixel.
     std::sort(differences.begin(), differences.end());
@@ -233,10 +233,11 @@ TEST(TagDetector, findsNeighboursAsInTheWholePicture)
                            random.uniform(65.0, 110.0) * cv::Point2d(std::cos(direction), std::sin(direction)),
                        random.uniform(20.0, 40.0), random.uniform(0.0, 6.0)));
     photograph(gray, random);
+    const std::vector<Tag> expected = reference.detect(gray, "mono8");
     TagDetector detector(params);
     detector.update(0.0, gray, "mono8");
     for (const double time : {0.03, 0.06})  // with no velocity known, and with one
-      EXPECT_LT(difference(detector.update(time, gray, "mono8"), reference.detect(gray, "mono8")), 0.01) << i;
+      EXPECT_LT(difference(detector.update(time, gray, "mono8"), expected), 0.01) << i;
   }
 }
 
