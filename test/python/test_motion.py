@@ -1,5 +1,7 @@
 """Motion in a photograph through which a box wanders, against the truth."""
 
+from functools import lru_cache
+
 import cv2
 import numpy as np
 import pytest
@@ -19,6 +21,7 @@ def place(frame):
     return 8 * step, 100 + step
 
 
+@lru_cache(maxsize=None)  # drawing the noise takes longer than finding what moves
 def picture(frame, box=True, seed=0):
     """A frame with the camera's noise, and the box's part of it as (x, y, width, height)."""
     image = PHOTOGRAPH.copy()
