@@ -13,6 +13,8 @@ struct CodeReaderParams
   std::string symbologies = "all";  // what is looked for: all, or some of codeTypes() with commas between them
   int spacing = 1;                  // px between the lines along which the picture is scanned, 1 to 16
   int enlarge = 1;                  // times the picture is enlarged first, 1 to 4: zbar wants modules of 3 px and more
+  double max_search_period = 0.5;   // s within which a new code is found, 0 (all of every image is searched) to 60
+  bool background = false;          // search whole images in a thread of its own, while update() goes on
 };
 
 /// Names of the kinds of code that can be read: qr, ean13, ...
@@ -38,6 +40,14 @@ struct Code
 
 /// Reads QR codes and bar codes with zbar.
 ///
+/// read() searches the whole image. update() does so every now and then, so that a new code is found within
+/// max_search_period, and when a code is lost; in the frames between it searches around the codes that it knows. A code
+/// is reported only where it was read in this very frame. In the background such a search takes no time of update();
+/// what it finds is looked for in the newest frame, and reported there. A new code then appears later by the time of a
+/// search and a frame, and results depend on how fast the machine is: for live images. The first frame, the first of
+/// another size, and that after time went back are searched by update() itself, and so is every frame if
+/// max_search_period is 0.
+///
 /// A bar code is what two lines across it agree on at least; zbar itself asks for four of EAN, UPC and Codabar.
 /// Bar codes of one type and content count as one code, wherever they are in the picture; QR codes do not, but those
 /// that are parts of one content (structured append) are one code if all are there, and else none. Bytes whose
@@ -51,9 +61,13 @@ public:
   CodeReader(CodeReader&&) noexcept;
   CodeReader& operator=(CodeReader&&) noexcept;
 
-  /// The codes in a picture, from top to bottom. `image` is not modified. Throws std::invalid_argument if it is not a
-  /// picture of `encoding` (see encoding.hpp).
+  /// The codes in a picture by itself, from top to bottom. `image` is not modified. Throws std::invalid_argument if it
+  /// is not a picture of `encoding` (see encoding.hpp).
   std::vector<Code> read(const cv::Mat& image, const std::string& encoding);
+
+  /// The codes in the frame of `time_s` (s, of any clock), in the same order. Another size of image and time that goes
+  /// back, or stands still, make it forget what it knows. Throws as read() does, and for a time that is not finite.
+  std::vector<Code> update(double time_s, const cv::Mat& image, const std::string& encoding);
 
 private:
   struct Impl;

@@ -18,6 +18,17 @@ namespace robot_vision
 
 namespace py = pybind11;
 
+/// Of what may have to wait for a search in the background before it goes.
+template <class T>
+struct DeleteUnlocked
+{
+  void operator()(T* object) const
+  {
+    const py::gil_scoped_release unlocked;
+    delete object;
+  }
+};
+
 /// An array of pixels and the view of it.
 struct Picture
 {

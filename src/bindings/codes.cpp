@@ -9,13 +9,17 @@ using namespace py::literals;
 /// QR codes and bar codes.
 void bindCodes(py::module& m)
 {
-  py::class_<CodeReaderParams>(m, "CodeReaderParams",
-                               "Symbologies (all, or some of code_types() with commas), px between the lines that are "
-                               "scanned (1..16), times the picture is enlarged first (1..4).")
+  py::class_<CodeReaderParams>(
+      m, "CodeReaderParams",
+      "Symbologies (all, or some of code_types() with commas), px between the lines that are "
+      "scanned (1..16), times the picture is enlarged first (1..4), and for update() the s within "
+      "which a new code is found (0..60), and whether that is searched for in the background.")
       .def(py::init<>())
       .def_readwrite("symbologies", &CodeReaderParams::symbologies)
       .def_readwrite("spacing", &CodeReaderParams::spacing)
-      .def_readwrite("enlarge", &CodeReaderParams::enlarge);
+      .def_readwrite("enlarge", &CodeReaderParams::enlarge)
+      .def_readwrite("max_search_period", &CodeReaderParams::max_search_period)
+      .def_readwrite("background", &CodeReaderParams::background);
 
   py::class_<Code>(m, "Code", "A code in a picture.")
       .def_readonly("type", &Code::type, "one of code_types()")
@@ -26,7 +30,8 @@ void bindCodes(py::module& m)
           "(4, 2) px; of a QR code the corners of its modules, clockwise from its own top left one")
       .def_readonly("score", &Code::score, "0 to 1: how sure it is");
 
-  py::class_<CodeReader>(m, "CodeReader", "Reads QR codes and bar codes. Not for two threads at once.")
+  py::class_<CodeReader, std::unique_ptr<CodeReader, DeleteUnlocked<CodeReader>>>(
+      m, "CodeReader", "Reads QR codes and bar codes. Not for two threads at once.")
       .def(py::init<const CodeReaderParams&>(), "params"_a = CodeReaderParams())
       .def(
           "read",
@@ -37,7 +42,18 @@ void bindCodes(py::module& m)
             return reader.read(input.view, encoding);
           },
           "image"_a, "encoding"_a = "bgr8",
-          "The Codes in a picture.\n\nRaises ValueError for an image that is not of this encoding.");
+          "The Codes in a picture by itself.\n\nRaises ValueError for an image that is not of this encoding.")
+      .def(
+          "update",
+          [](CodeReader& reader, double time, const py::array& image, const std::string& encoding)
+          {
+            const Picture input(image);
+            const py::gil_scoped_release unlocked;
+            return reader.update(time, input.view, encoding);
+          },
+          "time"_a, "image"_a, "encoding"_a = "bgr8",
+          "The Codes in the frame of a time, s: a new one within max_search_period.\n\n"
+          "Raises ValueError for an image that is not of this encoding.");
   m.def("keeps_bytes", &keepsBytes,
         "Whether the bytes of a QR code come back as they are; by a zbar before 0.23.1 what is not ASCII may not.");
   m.def("code_types", &codeTypes, "Names of the kinds of code that can be read.");

@@ -39,16 +39,6 @@ void bindFamilies(py::module& m)
       "Raises ValueError for an unknown family, and for an id that it does not have.");
 }
 
-/// A search in the background may have to be waited for.
-struct DeleteUnlocked
-{
-  void operator()(TagDetector* detector) const
-  {
-    const py::gil_scoped_release unlocked;
-    delete detector;
-  }
-};
-
 void bindTag(py::module& m)
 {
   py::class_<Tag>(m, "Tag", "A tag in a picture.")
@@ -79,7 +69,7 @@ void bindDetector(py::module& m)
       .def_readwrite("max_search_period", &TagDetectorParams::max_search_period)
       .def_readwrite("background", &TagDetectorParams::background);
 
-  py::class_<TagDetector, std::unique_ptr<TagDetector, DeleteUnlocked>>(
+  py::class_<TagDetector, std::unique_ptr<TagDetector, DeleteUnlocked<TagDetector>>>(
       m, "TagDetector", "Finds AprilTags with libapriltag; see tag_detector.hpp.")
       .def(py::init<const TagDetectorParams&>(), "params"_a = TagDetectorParams(),
            py::call_guard<py::gil_scoped_release>(), "Raises ValueError for a parameter out of range.")

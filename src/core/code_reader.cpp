@@ -1,16 +1,13 @@
 #include "robot_vision/code_reader.hpp"
 
-#include <zbar.h>
-
 #include <algorithm>
-#include <array>
-#include <map>
-#include <new>
-#include <opencv2/imgproc.hpp>
-#include <stdexcept>
+#include <optional>
 #include <tuple>
 #include <utility>
 
+#include "background_task.hpp"
+#include "code_search.hpp"
+#include "code_tracks.hpp"
 #include "robot_vision/encoding.hpp"
 #include "robot_vision/range.hpp"
 
@@ -19,79 +16,12 @@ namespace robot_vision
 namespace
 {
 
-// Without DataBar: zbar complains on stderr of pictures that have none, and in versions that are still around its
-// decoder writes beyond an array (CVE-2023-40890).
-constexpr std::array<std::pair<const char*, zbar::zbar_symbol_type_t>, 10> kTypes = {{
-    {"qr", zbar::ZBAR_QRCODE},
-    {"ean13", zbar::ZBAR_EAN13},
-    {"ean8", zbar::ZBAR_EAN8},
-    {"upca", zbar::ZBAR_UPCA},
-    {"upce", zbar::ZBAR_UPCE},
-    {"code128", zbar::ZBAR_CODE128},
-    {"code93", zbar::ZBAR_CODE93},
-    {"code39", zbar::ZBAR_CODE39},
-    {"i25", zbar::ZBAR_I25},
-    {"codabar", zbar::ZBAR_CODABAR},
-}};
+constexpr double kSearchesKept = 2.5;  // times of a search in the background that a code is remembered
+constexpr double kShort = 0.2;         // of max_search_period: between searches for codes that were lost
 
-struct Free
+cv::Rect wholeOf(const cv::Mat& image)
 {
-  void operator()(zbar::zbar_image_scanner_t* scanner) const { zbar::zbar_image_scanner_destroy(scanner); }
-  void operator()(zbar::zbar_image_t* image) const { zbar::zbar_image_destroy(image); }
-};
-
-template <class T>
-using Owned = std::unique_ptr<T, Free>;
-
-template <class T>
-Owned<T> owned(T* made)
-{
-  if (!made) throw std::bad_alloc();
-  return Owned<T>(made);
-}
-
-/// What lies between the commas, without blanks.
-std::vector<std::string> listed(const std::string& list)
-{
-  std::vector<std::string> words(1);
-  for (const char letter : list)
-    if (letter == ',')
-      words.emplace_back();
-    else if (letter != ' ')
-      words.back() += letter;
-  return words;
-}
-
-// Along a single line anything may look like a bar code: not all kinds have a check digit.
-constexpr int kLeastLines = 2;
-
-// By its name: the headers of a zbar that does not have it have no constant for it either.
-constexpr const char* kKeepBytes = "qrcode.binary";
-
-using Types = std::map<zbar::zbar_symbol_type_t, std::string>;
-
-Types wantedTypes(const std::string& symbologies)
-{
-  const std::vector<std::string> names = listed(symbologies);
-  Types wanted;
-  for (const auto& [name, type] : kTypes)
-    if (symbologies == "all" || std::find(names.begin(), names.end(), name) != names.end()) wanted[type] = name;
-  return wanted;
-}
-
-/// Where a code is in the picture that was enlarged so many times.
-std::vector<cv::Point2d> polygonOf(const zbar::zbar_symbol_t* symbol, double enlarged)
-{
-  // What zbar rounds down begins at the pixels' edges, not at their centres: the two cancel.
-  const auto place = [enlarged](int position) { return (position + 0.5) / enlarged - 0.5; };
-  std::vector<cv::Point2f> points;
-  for (unsigned i = 0; i < zbar::zbar_symbol_get_loc_size(symbol); ++i)
-    points.emplace_back(place(zbar::zbar_symbol_get_loc_x(symbol, i)), place(zbar::zbar_symbol_get_loc_y(symbol, i)));
-  if (zbar::zbar_symbol_get_type(symbol) == zbar::ZBAR_QRCODE)  // zbar goes around counter-clockwise
-    return {points.at(0), points.at(3), points.at(2), points.at(1)};
-  std::array<cv::Point2f, 4> corners;
-  cv::minAreaRect(points).points(corners.data());
-  return {corners.begin(), corners.end()};
+  return {{0, 0}, image.size()};
 }
 
 /// The order of codes from top to bottom.
@@ -103,102 +33,149 @@ bool isAbove(const Code& a, const Code& b)
 
 }  // namespace
 
-std::vector<std::string> codeTypes()
-{
-  std::vector<std::string> names;
-  for (const auto& type : kTypes)
-    names.emplace_back(type.first);
-  return names;
-}
-
-bool keepsBytes()
-{
-  zbar::zbar_symbol_type_t type = zbar::ZBAR_NONE;
-  zbar::zbar_config_t option = zbar::ZBAR_CFG_ENABLE;
-  int value = 0;
-  return zbar::zbar_parse_config(kKeepBytes, &type, &option, &value) == 0;
-}
-
-void validate(const CodeReaderParams& params)
-{
-  const std::vector<std::string> known = codeTypes();
-  if (params.symbologies != "all")
-    for (const std::string& name : listed(params.symbologies))
-      if (std::find(known.begin(), known.end(), name) == known.end())
-        throw std::invalid_argument("symbologies has '" + name +
-                                    "', must be all, or some with commas: " + joined(known));
-  requireRange("spacing", params.spacing, 1.0, 16.0);
-  requireRange("enlarge", params.enlarge, 1.0, 4.0);
-}
-
 struct CodeReader::Impl
 {
-  Owned<zbar::zbar_image_scanner_t> scanner = owned(zbar::zbar_image_scanner_create());
-  Owned<zbar::zbar_image_t> image = owned(zbar::zbar_image_create());
-  Types wanted;
-  int enlarge = 1;
-  cv::Mat converted, enlarged;  // memory for the next picture
+  explicit Impl(const CodeReaderParams& p) : params((validate(p), p)), near(p), whole(p) {}
 
-  void set(zbar::zbar_symbol_type_t type, zbar::zbar_config_t option, int value)
+  cv::Mat grayOf(const cv::Mat& image, const std::string& encoding)
   {
-    zbar::zbar_image_scanner_set_config(scanner.get(), type, option, value);
+    cv::Mat gray = converted;  // it may come to share the input's pixels, which must not be kept
+    toGray(image, encoding, gray);
+    if (!sharesPixels(gray, image)) converted = gray;
+    return gray;
   }
+
+  void begin(double time_s, const cv::Size& image)
+  {
+    starts = image != size || time_s <= time;
+    if (starts)
+    {
+      tracks.clear();
+      searched.reset();
+      background.drop();
+    }
+    last_time = time;
+    time = time_s;
+    size = image;
+  }
+
+  /// Adds a code of this frame, unless it is among `codes`.
+  void take(const Code& code, std::vector<Code>& codes)
+  {
+    if (std::any_of(codes.begin(), codes.end(), [&code](const Code& known) { return isSame(known, code); })) return;
+    codes.push_back(code);
+    follow(tracks, time, code);
+  }
+
+  /// Searches around the codes that have not been read in this frame.
+  void searchNear(const cv::Mat& gray, bool wide, std::vector<Code>& codes)
+  {
+    for (std::size_t i = 0; i < tracks.size(); ++i)  // there may come to be more
+    {
+      if (tracks[i].seen >= time) continue;
+      const cv::Rect region = tracks[i].regionAt(time, wide, size);
+      if (region.empty()) continue;
+      const Code wanted = tracks[i].code;
+      const cv::Rect part = onLines(region, params.spacing, size);
+      for (const Code& code : near.find(gray, part))
+        if (saysTheSame(code, wanted) || isWhole(code, part, size)) take(code, codes);
+    }
+  }
+
+  /// Knows the codes that a search of an earlier frame has found, where they were, to look for them in this one.
+  void takeFound()
+  {
+    const std::optional<std::vector<Code>> found = background.take();
+    if (!found) return;
+    for (const Code& code : *found)
+    {
+      const auto isKnown = [&](const CodeTrack& track)
+      { return track.seen >= background_time && isSame(track.at(background_time), code); };
+      if (std::none_of(tracks.begin(), tracks.end(), isKnown)) follow(tracks, background_time, code);
+    }
+    search_time = time - background_time;
+  }
+
+  /// Whether a code that was read since all was searched last should still be in view and is not.
+  bool hasLost() const
+  {
+    const auto isLost = [this](const CodeTrack& track)
+    { return track.seen < time && track.seen >= *searched && track.isInViewAt(time, size); };
+    return std::any_of(tracks.begin(), tracks.end(), isLost);
+  }
+
+  /// Whether the whole image must be searched in this frame, or else would be too late in the next.
+  bool isDue() const
+  {
+    if (!searched) return true;
+    const double since = time - *searched;
+    return since + (time - last_time) > params.max_search_period ||
+           (since >= kShort * params.max_search_period && hasLost());
+  }
+
+  /// Searches the whole image, if it is time to.
+  void searchWhole(const cv::Mat& gray, std::vector<Code>& codes)
+  {
+    const bool at_once = !params.background || params.max_search_period == 0.0 || starts;
+    if ((!at_once && background.busy()) || !isDue()) return;
+    searched = time;
+    if (at_once || !startSearch(gray))
+      for (const Code& code : near.find(gray, wholeOf(gray)))
+        take(code, codes);
+  }
+
+  bool startSearch(const cv::Mat& gray)
+  {
+    // The input's pixels are its owner's again before the search ends; a converted image can be given away.
+    const cv::Mat own = sharesPixels(gray, converted) ? std::exchange(converted, cv::Mat()) : gray.clone();
+    background_time = time;
+    return background.start([this, own] { return whole.find(own, wholeOf(own)); });
+  }
+
+  CodeReaderParams params;
+  CodeSearch near;    // by the caller
+  CodeSearch whole;   // in the background
+  cv::Mat converted;  // memory for the next image
+  std::vector<CodeTrack> tracks;
+  cv::Size size;                                 // of the last image
+  double time = 0.0;                             // s, of the same
+  double last_time = 0.0;                        // s, of the one before
+  bool starts = true;                            // whether nothing is known of earlier images
+  std::optional<double> searched;                // s, when a whole one was searched last
+  double background_time = 0.0;                  // s, of the one that is searched in the background
+  double search_time = 0.0;                      // s, that the last search in the background took
+  BackgroundTask<std::vector<Code>> background;  // uses `whole`, and so goes first
 };
 
-CodeReader::CodeReader(const CodeReaderParams& params)
+CodeReader::CodeReader(const CodeReaderParams& params) : impl_(std::make_unique<Impl>(params))
 {
-  validate(params);
-  impl_ = std::make_unique<Impl>();
-  impl_->wanted = wantedTypes(params.symbologies);
-  impl_->enlarge = params.enlarge;
-  impl_->set(zbar::ZBAR_NONE, zbar::ZBAR_CFG_ENABLE, 0);
-  for (const auto& type : impl_->wanted)
-    impl_->set(type.first, zbar::ZBAR_CFG_ENABLE, 1);
-  // zbar takes UPC-A for a kind of EAN-13.
-  if (impl_->wanted.count(zbar::ZBAR_UPCA)) impl_->set(zbar::ZBAR_EAN13, zbar::ZBAR_CFG_ENABLE, 1);
-  impl_->set(zbar::ZBAR_NONE, zbar::ZBAR_CFG_X_DENSITY, params.spacing);
-  impl_->set(zbar::ZBAR_NONE, zbar::ZBAR_CFG_Y_DENSITY, params.spacing);
-  zbar::zbar_image_scanner_parse_config(impl_->scanner.get(), kKeepBytes);
-  zbar::zbar_image_set_format(impl_->image.get(), zbar_fourcc('Y', '8', '0', '0'));
 }
-
 CodeReader::~CodeReader() = default;
 CodeReader::CodeReader(CodeReader&&) noexcept = default;
 CodeReader& CodeReader::operator=(CodeReader&&) noexcept = default;
 
 std::vector<Code> CodeReader::read(const cv::Mat& image, const std::string& encoding)
 {
+  const cv::Mat gray = impl_->grayOf(image, encoding);
+  std::vector<Code> codes = impl_->near.find(gray, wholeOf(gray));
+  std::sort(codes.begin(), codes.end(), isAbove);
+  return codes;
+}
+
+std::vector<Code> CodeReader::update(double time_s, const cv::Mat& image, const std::string& encoding)
+{
+  requireFinite("time_s", time_s);
   Impl& me = *impl_;
-  cv::Mat gray = me.converted;  // it may come to share the input's pixels, which must not be kept
-  toGray(image, encoding, gray);
-  if (!sharesPixels(gray, image)) me.converted = gray;
-  if (me.enlarge > 1)
-  {
-    cv::resize(gray, me.enlarged, {}, me.enlarge, me.enlarge, cv::INTER_CUBIC);
-    gray = me.enlarged;
-  }
-  else if (!gray.isContinuous())  // zbar knows no padded rows
-    gray = gray.clone();
-  zbar::zbar_image_t* const picture = me.image.get();
-  zbar::zbar_image_set_size(picture, static_cast<unsigned>(gray.cols), static_cast<unsigned>(gray.rows));
-  zbar::zbar_image_set_data(picture, gray.data, gray.total(), nullptr);
-  zbar::zbar_scan_image(me.scanner.get(), picture);
+  const cv::Mat gray = me.grayOf(image, encoding);
+  me.begin(time_s, gray.size());
+  me.takeFound();
   std::vector<Code> codes;
-  for (const auto* symbol = zbar::zbar_image_first_symbol(picture); symbol; symbol = zbar::zbar_symbol_next(symbol))
-  {
-    const auto type = me.wanted.find(zbar::zbar_symbol_get_type(symbol));
-    if (type == me.wanted.end()) continue;  // or it is a part of a code
-    const bool is_qr = type->first == zbar::ZBAR_QRCODE;
-    const int lines = zbar::zbar_symbol_get_quality(symbol);
-    if (!is_qr && lines < kLeastLines) continue;
-    Code code;
-    code.type = type->second;
-    code.data.assign(zbar::zbar_symbol_get_data(symbol), zbar::zbar_symbol_get_data_length(symbol));
-    code.polygon = polygonOf(symbol, me.enlarge);
-    code.score = is_qr ? 1.0 : lines / (lines + 4.0);
-    codes.push_back(code);
-  }
-  zbar::zbar_image_set_data(picture, nullptr, 0, nullptr);  // the pixels are the caller's
+  if (me.params.max_search_period > 0.0)
+    for (const bool wide : {false, true})
+      me.searchNear(gray, wide, codes);
+  me.searchWhole(gray, codes);
+  // Now, as a search may take longer than the period; and not before a second one can say how a new code moves.
+  forget(me.tracks, time_s - std::max(me.params.max_search_period, kSearchesKept * me.search_time));
   std::sort(codes.begin(), codes.end(), isAbove);
   return codes;
 }

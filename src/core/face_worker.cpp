@@ -25,75 +25,15 @@ FaceWorker::FaceWorker(const FaceParams& params, bool background) : search_(para
 {
 }
 
-FaceWorker::~FaceWorker()
-{
-  {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    stop_ = true;
-  }
-  wake_.notify_one();
-  if (thread_.joinable()) thread_.join();
-}
-
-bool FaceWorker::busy() const
-{
-  const std::lock_guard<std::mutex> lock(mutex_);
-  return job_ || result_;
-}
-
-void FaceWorker::wait() const
-{
-  std::unique_lock<std::mutex> lock(mutex_);
-  ended_.wait(lock, [this] { return !job_; });
-}
-
 void FaceWorker::start(FaceJob job)
 {
-  if (!background_)
-  {
-    result_ = searched(search_, std::move(job), stop_);
-    return;
-  }
-  if (!thread_.joinable()) thread_ = std::thread(&FaceWorker::run, this);
-  {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    job_ = std::move(job);
-  }
-  wake_.notify_one();
+  if (background_ && task_.start([this, job] { return searched(search_, job, stop_); })) return;
+  result_ = searched(search_, std::move(job), stop_);
 }
 
 std::optional<FaceResult> FaceWorker::take()
 {
-  const std::lock_guard<std::mutex> lock(mutex_);
-  if (error_) std::rethrow_exception(std::exchange(error_, nullptr));
-  return std::exchange(result_, std::nullopt);
-}
-
-void FaceWorker::run()
-{
-  std::unique_lock<std::mutex> lock(mutex_);
-  for (;;)
-  {
-    wake_.wait(lock, [this] { return stop_ || job_; });
-    if (stop_) return;
-    FaceJob job = *job_;  // job_ stays until its result is there: the worker is busy
-    lock.unlock();
-    std::optional<FaceResult> result;
-    std::exception_ptr error;
-    try
-    {
-      result = searched(search_, std::move(job), stop_);
-    }
-    catch (...)
-    {
-      error = std::current_exception();
-    }
-    lock.lock();
-    result_ = std::move(result);
-    error_ = error;
-    job_.reset();
-    ended_.notify_all();
-  }
+  return result_ ? std::exchange(result_, std::nullopt) : task_.take();
 }
 
 }  // namespace robot_vision

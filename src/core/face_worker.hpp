@@ -1,12 +1,10 @@
 #pragma once
 
-#include <condition_variable>
-#include <exception>
-#include <mutex>
+#include <atomic>
 #include <optional>
-#include <thread>
 #include <vector>
 
+#include "background_task.hpp"
 #include "face_search.hpp"
 
 namespace robot_vision
@@ -28,20 +26,18 @@ struct FaceResult
   std::vector<FoundFace> found;
 };
 
-/// Searches in a thread of its own, which starts with the first search, or in the caller's.
+/// Searches in a thread of its own, or in the caller's.
 class FaceWorker
 {
 public:
   FaceWorker(const FaceParams& params, bool background);
-  ~FaceWorker();
-  FaceWorker(const FaceWorker&) = delete;
-  FaceWorker& operator=(const FaceWorker&) = delete;
+  ~FaceWorker() { stop_ = true; }  // so that there is little to wait for
 
   /// Whether a search is under way, or its result has not been taken.
-  bool busy() const;
+  bool busy() const { return task_.busy() || result_; }
 
   /// Waits for the end of a search that is under way.
-  void wait() const;
+  void wait() const { task_.wait(); }
 
   /// Begins a search; the worker must not be busy.
   void start(FaceJob job);
@@ -50,18 +46,11 @@ public:
   std::optional<FaceResult> take();
 
 private:
-  void run();
-
   FaceSearch search_;
   const bool background_;
   std::atomic<bool> stop_{false};
-  mutable std::mutex mutex_;               // guards what follows
-  std::condition_variable wake_;           // for the thread
-  mutable std::condition_variable ended_;  // for who waits for a search
-  std::optional<FaceJob> job_;
-  std::optional<FaceResult> result_;
-  std::exception_ptr error_;
-  std::thread thread_;
+  std::optional<FaceResult> result_;  // of a search in the caller's thread
+  BackgroundTask<FaceResult> task_;   // uses the others, and so goes first
 };
 
 }  // namespace robot_vision

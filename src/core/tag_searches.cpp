@@ -1,8 +1,7 @@
 #include "tag_searches.hpp"
 
 #include <algorithm>
-#include <system_error>
-#include <utility>
+#include <atomic>
 
 namespace robot_vision
 {
@@ -19,15 +18,6 @@ cv::Rect wholeOf(const cv::Mat& picture)
 TagSearches::TagSearches(const TagDetectorParams& params)
 {
   configure(params);
-}
-
-TagSearches::~TagSearches()
-{
-  if (!thread_.joinable()) return;
-  if (abandoned_)
-    thread_.detach();  // it has all that it works with
-  else
-    thread_.join();
 }
 
 void TagSearches::configure(const TagDetectorParams& params)
@@ -66,28 +56,7 @@ std::vector<std::vector<Tag>> TagSearches::find(const cv::Mat& gray, const std::
 
 bool TagSearches::start(const cv::Mat& gray, double decimate)
 {
-  std::packaged_task<std::vector<Tag>()> task([search = background_, gray, decimate]
-                                              { return search->find(gray, wholeOf(gray), decimate); });
-  std::future<std::vector<Tag>> result = task.get_future();
-  try
-  {
-    thread_ = std::thread(std::move(task));
-  }
-  catch (const std::system_error&)
-  {
-    return false;
-  }
-  running_ = std::move(result);
-  return true;
-}
-
-std::optional<std::vector<Tag>> TagSearches::take()
-{
-  if (!busy() || running_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return std::nullopt;
-  thread_.join();
-  std::future<std::vector<Tag>> ended = std::move(running_);
-  if (std::exchange(dropped_, false)) return std::nullopt;
-  return ended.get();
+  return running_.start([search = background_, gray, decimate] { return search->find(gray, wholeOf(gray), decimate); });
 }
 
 }  // namespace robot_vision

@@ -1,10 +1,8 @@
 #pragma once
 
-#include <atomic>
-#include <future>
 #include <optional>
-#include <thread>
 
+#include "background_task.hpp"
 #include "tag_search.hpp"
 #include "tag_tracks.hpp"
 
@@ -17,7 +15,6 @@ class TagSearches
 public:
   /// The parameters must be valid.
   explicit TagSearches(const TagDetectorParams& params);
-  ~TagSearches();
 
   /// Takes over other parameters, and drops what is found in the background with the old ones.
   void configure(const TagDetectorParams& params);
@@ -29,35 +26,29 @@ public:
   std::vector<std::vector<Tag>> find(const cv::Mat& gray, const std::vector<TagRegion>& regions);
 
   /// Whether a search is under way in the background, or what it has found has not been taken.
-  bool busy() const { return running_.valid(); }
+  bool busy() const { return running_.busy(); }
 
   /// Waits for the end of one that is under way.
-  void wait() const
-  {
-    if (busy()) running_.wait();
-  }
+  void wait() const { running_.wait(); }
 
   /// Begins one; there must be none. Nobody may write to the picture. Returns false if there is no thread for it.
   bool start(const cv::Mat& gray, double decimate);
 
   /// What it has found, if it has ended and was not dropped. Throws what the search did.
-  std::optional<std::vector<Tag>> take();
+  std::optional<std::vector<Tag>> take() { return running_.take(); }
 
   /// What is being searched does not matter any more.
-  void drop() { dropped_ = busy(); }
+  void drop() { running_.drop(); }
 
   /// The destructor is not to wait for what is being searched. Thread-safe.
-  void abandon() { abandoned_ = true; }
+  void abandon() { running_.abandon(); }
 
 private:
   TagDetectorParams params_;
   std::shared_ptr<const TagDictionary> dictionary_;
   std::vector<TagSearch> searches_;        // for as many threads as there were at most
   std::shared_ptr<TagSearch> background_;  // an old one lives as long as it is at work
-  std::thread thread_;                     // joined before the next one: the library cannot be interrupted
-  std::future<std::vector<Tag>> running_;  // what it finds
-  bool dropped_ = false;
-  std::atomic<bool> abandoned_{false};
+  BackgroundTask<std::vector<Tag>> running_;
 };
 
 }  // namespace robot_vision

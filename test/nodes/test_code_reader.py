@@ -35,13 +35,17 @@ def with_codes(*data):
 
 
 class Reader:
-    """A camera at 10 Hz of its own time, and what the node says of its frames."""
+    """A camera at 10 Hz of its own time, and what the node says of its frames.
+
+    All of each is searched, unless the arguments say something else.
+    """
 
     def __init__(self, start, *arguments):
         topic = new_topic()
         self.source = Source(topic)
         self._numbers = itertools.count(1)
-        self.process = start("code_reader.py", "__name:=reader", f"image:={topic}", *arguments)
+        arguments = (f"image:={topic}", "_max_search_period:=0", *arguments)
+        self.process = start("code_reader.py", "__name:=reader", *arguments)
         self.codes = support.Messages("/reader/codes", DetectionArray)
         self.overlays = support.Messages("/reader/processed_image", Image)
         self.source.wait_for()
@@ -138,6 +142,19 @@ def test_every_frame_is_answered_without_a_period(start):
     client.close()
 
 
+def test_known_codes_are_followed_and_the_search_period_changes_live(start):
+    reader = Reader(start, "_repeat_period:=0", "_max_search_period:=60")
+    assert reader.read(with_codes(b"a"))[0].detections  # the first frame is searched whole
+    both = with_codes(b"a", b"b")
+    for _ in range(3):
+        assert [code.label for code in reader.read(both)[0].detections] == ["a"]
+    assert not reader.read(with_codes())[0].detections
+    client = dynamic_reconfigure.client.Client("/reader", timeout=support.DEADLINE)
+    assert client.update_configuration({"max_search_period": 0.0})["max_search_period"] == 0.0
+    assert len(reader.read(both)[0].detections) == 2
+    client.close()
+
+
 def test_symbologies_are_changed_live(start):
     reader = Reader(start, "_repeat_period:=0")
     client = dynamic_reconfigure.client.Client("/reader", timeout=support.DEADLINE)
@@ -178,7 +195,8 @@ def test_the_node_is_lazy(start, diagnostics):
 
 def test_the_code_in_the_scene_is_read(start):
     start("camera_node", "__name:=camera", "_source:=synthetic")
-    start("code_reader.py", "__name:=reader", "image:=/camera/image_raw")
+    whole = "_max_search_period:=0"
+    start("code_reader.py", "__name:=reader", "image:=/camera/image_raw", whole)
     images = support.Messages("/camera/image_raw", Image)
     codes = support.Messages("/reader/codes", DetectionArray)
     image, found = support.same_frame(images, codes)
@@ -200,6 +218,7 @@ def test_the_code_in_the_scene_is_read(start):
         ("symbologies", 5, "symbologies is 5, must be a string"),
         ("spacing", 0, "spacing is 0, must be from 1 to 16"),
         ("enlarge", 5, "enlarge is 5, must be from 1 to 4"),
+        ("max_search_period", 61, "max_search_period is 61, must be from 0 to 60"),
         ("repeat_period", -1, "repeat_period is -1, must be from 0 to 3600"),
     ],
 )

@@ -295,6 +295,44 @@ def test_a_named_character_set_becomes_utf8(monkeypatch, data, number, expected)
     assert [code.data for code in reader().read(picture, "mono8")] == expected
 
 
+@pytest.mark.parametrize("kind", BAR_CODES)
+@pytest.mark.parametrize("spacing, enlarge", [(1, 1), (3, 1), (2, 2)])
+def test_bar_codes_are_followed(kind, spacing, enlarge):
+    _, widths = BAR_CODES[kind]("123456789012")
+    bars = bar_codes.picture(widths)
+    height, width = bars.shape
+    reads = reader(spacing=spacing, enlarge=enlarge, max_search_period=60.0)
+    for frame in range(8):
+        top, left = 40 + 9 * frame, 20 + 12 * frame
+        picture = np.full((480, 640), 255, np.uint8)
+        picture[top : top + height, left : left + width] = bars
+        (code,) = reads.update(frame / 30, picture, "mono8")
+        (expected,) = reads.read(picture, "mono8")
+        assert found([code]) == found([expected])
+        low, above = code.polygon.min(axis=0), code.polygon.max(axis=0)
+        assert low == pytest.approx(expected.polygon.min(axis=0), abs=3.0)
+        assert above == pytest.approx(expected.polygon.max(axis=0), abs=3.0)
+
+
+def test_qr_codes_turned_and_tilted_are_followed():
+    """What a search of the whole image reads, the one around its last place does in most frames."""
+    rng = np.random.default_rng(9)
+    whole = followed = 0
+    for _ in range(12):
+        modules = qr_picture(payload(rng, "capitals", int(rng.integers(1, 60))), 1)
+        module = rng.uniform(3.0, 300 / len(modules))
+        turn = rng.uniform(0, 2 * np.pi)
+        qr = reader(max_search_period=60.0)
+        for frame in range(5):
+            picture, _ = seen(modules, turn + 0.02 * frame, module, 0.1, rng)
+            codes = qr.update(frame / 30, picture, "mono8")
+            expected = qr.read(picture, "mono8")
+            if frame and expected:
+                whole += 1
+                followed += found(codes) == found(expected)
+    assert whole >= 40 and followed >= 0.95 * whole, (followed, whole)
+
+
 def test_nothing_is_read_where_there_is_nothing():
     rng = np.random.default_rng(8)
     pictures = [skimage.data.astronaut(), skimage.data.coffee(), skimage.data.chelsea()]
@@ -368,6 +406,7 @@ def test_what_is_no_picture_is_refused():
         ("spacing", 17, "spacing is 17, must be from 1 to 16"),
         ("enlarge", 0, "enlarge is 0, must be from 1 to 4"),
         ("enlarge", 5, "enlarge is 5, must be from 1 to 4"),
+        ("max_search_period", -0.1, "max_search_period is -0.1, must be from 0 to 60"),
     ],
 )
 def test_parameters_out_of_range_are_refused(name, value, text):

@@ -18,7 +18,7 @@ from .image_node import ImageNode
 from .messages import box_around, detection_array, points
 from .params import LiveParams, filled
 
-PARAMS = ("symbologies", "spacing", "enlarge")
+PARAMS = ("symbologies", "spacing", "enlarge", "max_search_period")
 LONGEST_LABEL = 60
 
 
@@ -41,11 +41,13 @@ class CodeReader:
         self._node.start()
 
     def _configure(self, config: Dict[str, Any]) -> None:
-        self._reader = Reader(filled(CodeReaderParams(), config, PARAMS))
+        params = filled(CodeReaderParams(), config, PARAMS)
+        params.background = True
+        self._reader = Reader(params)
         self._repeats.period = config["repeat_period"]
 
     def _process(self, frame: Frame) -> None:
-        codes = self._reader.read(frame.image, "mono8")
+        codes = self._reader.update(frame.time, frame.image, "mono8")
         if self._codes.get_num_connections():
             self._publish_news(frame, codes)
         if self._processed.get_num_connections():
