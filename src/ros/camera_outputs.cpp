@@ -28,7 +28,7 @@ const std::string kCompressed = "image_transport/compressed";
 const std::string kDepth = "image_transport/compressedDepth";
 
 /// What a camera gives as JPEG, as it is, and the size that it has.
-sensor_msgs::CompressedImage passOn(const Frame& frame, const std_msgs::Header& header, cv::Size& size)
+sensor_msgs::CompressedImage passedOn(const Frame& frame, const std_msgs::Header& header, cv::Size& size)
 {
   sensor_msgs::CompressedImage compressed;
   const JpegInfo info = copyJpeg(frame.image.data, frame.image.total(), compressed.data);
@@ -112,24 +112,19 @@ CameraOutputs::CameraOutputs(const ros::NodeHandle& pnh, const Params& params,
   const auto enabled = [&disabled](const std::string& plugin)  // as one would be
   { return std::find(disabled.begin(), disabled.end(), plugin) == disabled.end(); };
   if (enabled(kCompressed))
-  {
-    compression_ = std::make_unique<CompressionSettings>(ros::NodeHandle(topic + "/compressed"), toCompressionParams);
-    compressed_ = nh.advertise<sensor_msgs::CompressedImage>(topic + "/compressed", 1, on_other, on_other);
-  }
+    compressed_ =
+        std::make_unique<CompressedOutput>(nh, topic + "/compressed", toCompressionParams, compressMessage, on_other);
   if (output_encoding_ == "native" && enabled(kDepth))
-  {
-    depth_compression_ = std::make_unique<DepthCompressionSettings>(ros::NodeHandle(topic + "/compressedDepth"),
-                                                                    toDepthCompressionParams);
-    depth_ = nh.advertise<sensor_msgs::CompressedImage>(topic + "/compressedDepth", 1, on_other, on_other);
-  }
+    depth_ = std::make_unique<CompressedDepthOutput>(nh, topic + "/compressedDepth", toDepthCompressionParams,
+                                                     compressDepthMessage, on_other);
   info_ = nh.advertise<sensor_msgs::CameraInfo>(image_transport::getCameraInfoTopic(topic), 1, on_other, on_other);
   truth_ = nh.advertise<GroundTruth>("ground_truth", 1, on_other, on_other);
 }
 
 bool CameraOutputs::wanted() const
 {
-  return raw_.getNumSubscribers() > 0 || mono_.getNumSubscribers() > 0 || compressed_.getNumSubscribers() > 0 ||
-         depth_.getNumSubscribers() > 0 || info_.getNumSubscribers() > 0 || truth_.getNumSubscribers() > 0;
+  return raw_.getNumSubscribers() > 0 || mono_.getNumSubscribers() > 0 || (compressed_ && compressed_->wanted()) ||
+         (depth_ && depth_->wanted()) || info_.getNumSubscribers() > 0 || truth_.getNumSubscribers() > 0;
 }
 
 void CameraOutputs::setModel(const CameraModel* model)
@@ -170,8 +165,8 @@ void CameraOutputs::publish(const Frame& frame, const ros::Time& stamp)
 void CameraOutputs::publishPictures(const Frame& frame, const std_msgs::Header& header)
 {
   const bool raw_wanted = raw_.getNumSubscribers() > 0;
-  const bool compressed_wanted = compressed_.getNumSubscribers() > 0;
-  const bool depth_wanted = depth_.getNumSubscribers() > 0 && isDepth(outputEncoding(output_encoding_, frame.encoding));
+  const bool compressed_wanted = compressed_ && compressed_->wanted();
+  const bool depth_wanted = depth_ && depth_->wanted() && isDepth(outputEncoding(output_encoding_, frame.encoding));
   const bool jpeg = frame.encoding == "jpeg";
   const bool passed_on = compressed_wanted && jpeg;
   const bool pixels_wanted = raw_wanted || depth_wanted || (compressed_wanted && !jpeg);
@@ -187,12 +182,11 @@ void CameraOutputs::publishPictures(const Frame& frame, const std_msgs::Header& 
           size = sizeOf(*raw);
         });
   if (raw && raw_wanted) attempt([&] { raw_.publish(sensor_msgs::ImageConstPtr(raw)); });
-  if (passed_on) attempt([&] { compressed_.publish(passOn(frame, header, size)); });
+  if (passed_on) attempt([&] { compressed_->passOn(passedOn(frame, header, size)); });
   const bool damaged = pixels_wanted && !raw && !passed_on;
   if (info_.getNumSubscribers() > 0 && !damaged) attempt([&] { publishInfo(frame, size, header); });
-  if (raw && depth_wanted) attempt([&] { depth_.publish(compressDepthMessage(*raw, depth_compression_->params())); });
-  if (raw && compressed_wanted && !jpeg)
-    attempt([&] { compressed_.publish(compressMessage(*raw, compression_->params())); });
+  if (raw && depth_wanted) attempt([&] { depth_->publish(raw); });
+  if (raw && compressed_wanted && !jpeg) attempt([&] { compressed_->publish(raw); });
   if (mono_.getNumSubscribers() > 0) attempt([&] { size = publishMono(frame, raw, header); });
   if (!size.empty()) calibration_.setPictureSize(size);
   attempt.rethrow();

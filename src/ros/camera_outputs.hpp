@@ -21,7 +21,8 @@ namespace robot_vision
 /// synthetic scene ~ground_truth and tf frames scene/<name>. Pictures are converted only for those who subscribe.
 /// ~image_raw/compressed is its own, not a plugin's: what a camera gives as JPEG is passed on as it is. So is
 /// ~image_raw/compressedDepth, which there is with the only output_encoding that can hold depths, native: recorders
-/// subscribe to all topics, and no JPEG is decoded for this one.
+/// subscribe to all topics, and no JPEG is decoded for this one. What is compressed is so in other threads: no other
+/// output waits for it.
 class CameraOutputs
 {
 public:
@@ -45,7 +46,7 @@ public:
   void prepare(Frame& frame);
 
   /// Throws std::invalid_argument if the frame is damaged, and what else kept an output from being made, when all the
-  /// others have been published.
+  /// others have been published; what kept a picture from being compressed it throws of the next one.
   void publish(const Frame& frame, const ros::Time& stamp);
 
 private:
@@ -68,10 +69,8 @@ private:
   image_transport::ImageTransport it_;
   image_transport::Publisher raw_;
   image_transport::Publisher mono_;
-  std::unique_ptr<CompressionSettings> compression_;
-  ros::Publisher compressed_;
-  std::unique_ptr<DepthCompressionSettings> depth_compression_;
-  ros::Publisher depth_;
+  std::unique_ptr<CompressedOutput> compressed_;  // null: disabled
+  std::unique_ptr<CompressedDepthOutput> depth_;  // null: disabled, or there can be no depths
   ros::Publisher info_;
   ros::Publisher truth_;
   std::unique_ptr<tf2_ros::TransformBroadcaster> tf_;

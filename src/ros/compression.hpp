@@ -5,9 +5,9 @@
 #include <sensor_msgs/CompressedImage.h>
 #include <sensor_msgs/Image.h>
 
+#include "encoded_output.hpp"
 #include "robot_vision/compressed_depth.hpp"
 #include "robot_vision/compressed_picture.hpp"
-#include "transport_settings.hpp"
 
 namespace robot_vision
 {
@@ -16,14 +16,14 @@ namespace robot_vision
 CompressionParams toCompressionParams(const CompressedPublisherConfig& config);
 DepthCompressionParams toDepthCompressionParams(const CompressedDepthPublisherConfig& config);
 
-using CompressionSettings = TransportSettings<CompressedPublisherConfig, CompressionParams>;
-using DepthCompressionSettings = TransportSettings<CompressedDepthPublisherConfig, DepthCompressionParams>;
-
 /// Throws std::invalid_argument if the message is damaged, or of an encoding that cannot be compressed.
 sensor_msgs::CompressedImage compressMessage(const sensor_msgs::Image& message, const CompressionParams& params);
 
 /// The same for pictures of depths, see isDepth().
 sensor_msgs::CompressedImage compressDepthMessage(const sensor_msgs::Image& message,
                                                   const DepthCompressionParams& params);
+
+using CompressedOutput = EncodedOutput<CompressedPublisherConfig, CompressionParams>;
+using CompressedDepthOutput = EncodedOutput<CompressedDepthPublisherConfig, DepthCompressionParams>;
 
 }  // namespace robot_vision

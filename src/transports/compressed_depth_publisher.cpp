@@ -13,6 +13,7 @@ class CompressedDepthPublisher
 {
 public:
   CompressedDepthPublisher() : TransportPublisher(toDepthCompressionParams) {}
+  ~CompressedDepthPublisher() override { CompressedDepthPublisher::shutdown(); }
 
   std::string getTransportName() const override { return "compressedDepth"; }
 

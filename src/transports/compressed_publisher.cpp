@@ -12,6 +12,7 @@ class CompressedPublisher
 {
 public:
   CompressedPublisher() : TransportPublisher(toCompressionParams) {}
+  ~CompressedPublisher() override { CompressedPublisher::shutdown(); }
 
   std::string getTransportName() const override { return "compressed"; }
 

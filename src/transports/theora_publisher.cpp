@@ -49,6 +49,7 @@ class TheoraPublisher : public TransportPublisher<TheoraPacketMessage, TheoraPub
 {
 public:
   TheoraPublisher() : TransportPublisher(toParams) {}
+  ~TheoraPublisher() override { TheoraPublisher::shutdown(); }
 
   std::string getTransportName() const override { return "theora"; }
 

@@ -5,8 +5,10 @@
 #include <sys/mman.h>
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <functional>
+#include <future>
 #include <mutex>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
@@ -15,7 +17,9 @@
 #include "../core/refusal.hpp"
 #include "robot_vision/jpeg.hpp"
 #include "ros/camera_outputs.hpp"
+#include "ros/newest_worker.hpp"
 #include "run_tests.hpp"
+#include "transports/transport_publisher.hpp"
 
 using namespace robot_vision;
 
@@ -360,6 +364,214 @@ TEST_F(Outputs, leaveTheListOfDisabledPluginsAsItIs)
   pnh.getParam("image_raw/disable_pub_plugins", after);
   EXPECT_EQ(after, disabled);
   pnh.deleteParam("image_raw/disable_pub_plugins");
+}
+
+namespace
+{
+
+/// What is at work until the test lets it go on.
+class Gate
+{
+public:
+  /// Returns when the test has opened it.
+  void pass()
+  {
+    ++waiting_;
+    opened_.wait();
+  }
+
+  bool reached() const { return waiting_ > 0; }
+  void open() { open_.set_value(); }
+
+private:
+  std::atomic<int> waiting_{0};
+  std::promise<void> open_;
+  std::shared_future<void> opened_{open_.get_future()};
+};
+
+/// A transport that stands still until the test lets it go on.
+class SlowPublisher
+  : public TransportPublisher<sensor_msgs::CompressedImage, CompressedPublisherConfig, CompressionParams>
+{
+public:
+  explicit SlowPublisher(Gate& gate) : TransportPublisher(toCompressionParams), gate_(gate) {}
+  ~SlowPublisher() override { SlowPublisher::shutdown(); }
+
+  std::string getTransportName() const override { return "slow"; }
+
+private:
+  void send(const sensor_msgs::Image& message, const CompressionParams&, const PublishFn& publish_fn) const override
+  {
+    gate_.pass();
+    sensor_msgs::CompressedImage sent;
+    sent.header = message.header;
+    publish_fn(sent);
+  }
+
+  Gate& gate_;
+};
+
+sensor_msgs::ImagePtr numbered(int number)
+{
+  auto image = boost::make_shared<sensor_msgs::Image>();
+  image->header.stamp = ros::Time(number, 0);
+  return image;
+}
+
+/// The seconds of the stamps that came on a topic.
+template <class Message>
+class Numbers
+{
+public:
+  explicit Numbers(const std::string& topic)
+    : subscriber_(ros::NodeHandle("~").subscribe<Message>(
+          topic, 100, [this](const boost::shared_ptr<const Message>& message) { put(message->header.stamp.sec); }))
+  {
+  }
+
+  std::vector<std::uint32_t> received() const
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    return received_;
+  }
+
+private:
+  void put(std::uint32_t number)
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    received_.push_back(number);
+  }
+
+  mutable std::mutex mutex_;  // guards received_ against the spinner's threads
+  std::vector<std::uint32_t> received_;
+  ros::Subscriber subscriber_;
+};
+
+using List = std::vector<std::uint32_t>;
+
+}  // namespace
+
+// Recorders subscribe to all there is, and the camera's rate must not be that of the slowest transport.
+TEST(Transports, thatAreSlowHoldNothingUp)
+{
+  ros::NodeHandle nh("~");
+  Gate gate;
+  SlowPublisher slow(gate);
+  slow.advertise(nh, nh.resolveName("video"), 100, false);
+  ros::Publisher raw = nh.advertise<sensor_msgs::Image>("video", 100);
+  const Numbers<sensor_msgs::Image> images("video");
+  const Numbers<sensor_msgs::CompressedImage> sent("video/slow");
+  ASSERT_TRUE(waitFor([&] { return raw.getNumSubscribers() == 1 && slow.getNumSubscribers() == 1; }));
+  const auto publish = [&](int number)
+  {
+    const sensor_msgs::ImageConstPtr image = numbered(number);
+    const image_transport::PublisherPlugin& plugin = slow;
+    plugin.publish(image);
+    raw.publish(image);
+  };
+  publish(1);
+  ASSERT_TRUE(waitFor([&] { return gate.reached(); }));
+  for (int number = 2; number <= 9; ++number)
+    publish(number);
+  EXPECT_TRUE(waitFor([&] { return images.received().size() == 9; }));
+  EXPECT_EQ(sent.received(), List{});
+  gate.open();
+  EXPECT_TRUE(waitFor([&] { return sent.received() == List{1, 9}; }));
+  publish(10);
+  EXPECT_TRUE(waitFor([&] { return sent.received() == List{1, 9, 10}; }));
+}
+
+TEST(Transports, thatAreShutDownSendNothingMore)
+{
+  ros::NodeHandle nh("~");
+  Gate gate;
+  SlowPublisher slow(gate);
+  slow.advertise(nh, nh.resolveName("video"), 100, false);
+  const Numbers<sensor_msgs::CompressedImage> sent("video/slow");
+  ASSERT_TRUE(waitFor([&] { return slow.getNumSubscribers() == 1; }));
+  const image_transport::PublisherPlugin& plugin = slow;
+  plugin.publish(*numbered(1));
+  ASSERT_TRUE(waitFor([&] { return gate.reached(); }));
+  plugin.publish(*numbered(2));
+  std::thread ending([&slow] { slow.shutdown(); });
+  gate.open();
+  ending.join();
+  plugin.publish(*numbered(3));
+  ros::Publisher next = nh.advertise<sensor_msgs::CompressedImage>("video/slow", 100);
+  ASSERT_TRUE(waitFor([&] { return next.getNumSubscribers() == 1; }));
+  sensor_msgs::CompressedImage last;
+  last.header.stamp = ros::Time(4, 0);
+  next.publish(last);
+  EXPECT_TRUE(waitFor([&] { return !sent.received().empty() && sent.received().back() == 4; }));
+  for (const std::uint32_t number : sent.received())  // the first is lost if nobody takes it before the end
+    EXPECT_TRUE(number == 1 || number == 4) << number;
+}
+
+namespace
+{
+
+Gate* encoder_gate = nullptr;
+
+sensor_msgs::CompressedImage encodedSlowly(const sensor_msgs::Image& message, const CompressionParams&)
+{
+  if (message.header.stamp.sec == 1) encoder_gate->pass();
+  if (message.header.stamp.sec == 3) throw std::invalid_argument("three");
+  sensor_msgs::CompressedImage encoded;
+  encoded.header = message.header;
+  return encoded;
+}
+
+}  // namespace
+
+TEST(Transports, keepTheOrderOfWhatIsEncodedAndWhatIsPassedOn)
+{
+  ros::NodeHandle nh("~");
+  Gate gate;
+  encoder_gate = &gate;
+  CompressedOutput output(nh, nh.resolveName("mixed"), toCompressionParams, encodedSlowly,
+                          [](const ros::SingleSubscriberPublisher&) {});
+  const Numbers<sensor_msgs::CompressedImage> sent("mixed");
+  ASSERT_TRUE(waitFor([&] { return output.wanted(); }));
+  output.publish(numbered(1));
+  ASSERT_TRUE(waitFor([&] { return gate.reached(); }));
+  output.publish(numbered(2));
+  gate.open();
+  sensor_msgs::CompressedImage passed;
+  passed.header.stamp = ros::Time(5, 0);
+  output.passOn(passed);
+  EXPECT_TRUE(waitFor([&] { return !sent.received().empty() && sent.received().back() == 5; }));
+  const List received = sent.received();
+  EXPECT_EQ(received.front(), 1U);
+  EXPECT_TRUE(std::is_sorted(received.begin(), received.end()));
+  output.publish(numbered(3));
+  EXPECT_TRUE(waitFor([&] { return refusal([&] { output.publish(numbered(6)); }) == "three"; }));
+  EXPECT_TRUE(waitFor([&] { return sent.received().back() == 6; }));
+}
+
+TEST(NewestWorker, doesOneThingAfterTheOtherAndNothingAfterItsEnd)
+{
+  Gate gate;
+  std::vector<int> done;
+  NewestWorker worker;
+  worker.settle();  // has nothing to wait for
+  worker.post(
+      [&]
+      {
+        gate.pass();
+        done.push_back(1);
+      });
+  ASSERT_TRUE(waitFor([&] { return gate.reached(); }));
+  worker.post([&] { done.push_back(2); });
+  gate.open();
+  worker.settle();
+  EXPECT_TRUE(done == std::vector<int>({1}) || done == std::vector<int>({1, 2}));
+  std::promise<void> third;
+  worker.post([&] { third.set_value(); });
+  third.get_future().wait();
+  worker.stop();
+  worker.post([&] { done.push_back(4); });
+  worker.stop();
+  EXPECT_EQ(std::count(done.begin(), done.end(), 4), 0);
 }
 
 int main(int argc, char** argv)
