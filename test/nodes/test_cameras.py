@@ -146,6 +146,32 @@ def test_what_is_no_list_of_cameras_is_told_once_and_waited_for(start, tmp_path)
     assert "has died" not in process.output(), process.output()
 
 
+def test_another_list_changes_the_cameras_that_it_names(start):
+    start("/usr/lib/nodelet/nodelet", "manager", "__name:=camera_manager")
+    front, side, rear = ({"name": name, **SMALL} for name in ("front", "side", "rear"))
+    rospy.set_param("/camera_loader/cameras", [front, side, {**rear, "rate": 15}])
+    loader = start("camera_loader.py", env=PROMPT)
+    wait_for(lambda: loader.output().count(": loaded") == 3, "the cameras")
+    rospy.set_param("/camera_loader/cameras", [front, {"name": "rear"}])
+    loader.wait_for_output("cameras[1] (rear): there is no source; waiting for another list")
+    assert loaded() == {"/front", "/side", "/rear"}
+    back = {"name": "back", **SMALL}
+    rospy.set_param("/camera_loader/cameras", [back, front, {**rear, "image_width": 200}])
+    wait_for(lambda: loader.output().count(": loaded") == 5, "the cameras that are new")
+    assert loaded() == {"/front", "/rear", "/back"}
+    assert_frames("/rear", 200, "rear")
+    assert_frames("/back", 160, "back")
+    assert rospy.get_param("/rear/framerate") != 15  # dynamic_reconfigure puts the default there
+    assert not rospy.has_param("/side")
+    output = loader.output()
+    assert "/side: removed" in output and "lost" not in output
+    assert output.count("/front: loaded") == 1 and output.count("there is no source") == 1
+    rospy.delete_param("/camera_loader/cameras")  # as a master that is new
+    rospy.set_param("/camera_loader/cameras", [front])
+    wait_for(lambda: loaded() == {"/front"}, "the others to be removed")
+    assert loader.output().count("/front: loaded") == 1
+
+
 def test_help_promises_no_file(start):
     process = start("camera_loader.py", "--help")
     assert process.exit_code() == 0

@@ -6,7 +6,7 @@ import threading
 import time
 import uuid
 import xmlrpc.client
-from typing import Dict, List, Tuple
+from typing import Any, Dict, List, Tuple
 from xml.parsers.expat import ExpatError
 
 import bondpy.bondpy
@@ -30,15 +30,18 @@ class CameraLoader:
     """Loads the cameras of the list ~cameras into ~manager, and again when that comes back.
 
     A list that is wrong is told, and waited for in a better form: roslaunch would start a node that
-    ends over and over. A camera that is refused is tried again, less and less often. A bond with
-    each tells when the manager has died, and the manager when this node has: it unloads the cameras
-    then, but needs some seconds to notice; a loader that is there again before that unloads them
-    itself.
+    ends over and over. When another list comes, cameras are added, removed and loaded anew as it
+    says; those that it leaves as they were go on. A camera that is refused is tried again, less and
+    less often. A bond with each tells when the manager has died, and the manager when this node
+    has: it unloads the cameras then, but needs some seconds to notice; a loader that is there again
+    before that unloads them itself.
     """
 
     def __init__(self) -> None:
         self._manager = rospy.resolve_name(read_param("manager", "camera_manager"))
-        self._crashes: Dict[str, int] = {}  # of each camera; empty: there is no list yet
+        self._list: Any = None  # as it was read last
+        self._cameras: Dict[str, Dict[str, Any]] = {}  # their parameters; empty: no list yet
+        self._crashes: Dict[str, int] = {}  # of the manager, while it loaded that camera
         self._wrong = ""  # what has been told of the list
         # Guards _loaded and _lost: bonds break in threads of their own.
         self._lock = threading.Lock()
@@ -52,29 +55,56 @@ class CameraLoader:
 
     def run(self) -> None:
         """Until the node is shut down."""
-        while not (self._read_list() or rospy.core.is_shutdown_requested()):
-            rospy.rostime.wallsleep(LOOK_AROUND)
         while not rospy.core.is_shutdown_requested():
-            manager = self._manager_uri()
+            self._read_list()
+            manager = self._manager_uri() if self._cameras else ""
             if manager and self._meet(manager):
                 # One that the manager dies of ends the round.
                 all(self._load(name, manager) for name in self._missing())
             rospy.rostime.wallsleep(LOOK_AROUND)
         self._done.wait()  # or the process would end before
 
-    def _read_list(self) -> bool:
-        """Whether ~cameras is a list; what is wrong with it is told once."""
+    def _read_list(self) -> None:
+        """Follows ~cameras; what is wrong with it is told once, and all stays as it is."""
         try:
-            cameras = parse_cameras(read_any("cameras", None))
+            values = read_any("cameras", None)
+        except NO_ANSWER:  # of the master
+            return
+        if self._cameras and values in (self._list, None):  # None: of a master that is new
+            self._wrong = ""
+            return
+        try:
+            cameras = parse_cameras(values)
         except ValueError as error:
             if str(error) != self._wrong:
                 rospy.logerr("%s; waiting for another list in ~cameras", error)
             self._wrong = str(error)
-            return False
+            return
+        self._list, self._wrong = values, ""
+        self._change({rospy.resolve_name(name): of for name, of in cameras.items()})
+
+    def _change(self, cameras: Dict[str, Dict[str, Any]]) -> None:
+        """Unloads what is another camera now, or none, and leaves all others alone."""
+        for name, parameters in self._cameras.items():
+            if cameras.get(name) == parameters:
+                continue
+            with self._lock:
+                _, bond = self._loaded.pop(name, ("", None))
+                lost = self._lost.pop(name, "")
+            self._refused.pop(name, None)
+            if bond or lost:
+                self._unload(name)
+            if bond:
+                bond.shutdown()
+            if name not in cameras:
+                with contextlib.suppress(KeyError):
+                    rospy.delete_param(name)
+                rospy.loginfo("%s: removed", name)
         for name, parameters in cameras.items():
-            rospy.set_param(rospy.resolve_name(name), parameters)
-        self._crashes = {rospy.resolve_name(name): 0 for name in cameras}
-        return True
+            if self._cameras.get(name) != parameters:
+                rospy.set_param(name, parameters)  # in place of all that was there
+                self._crashes[name] = 0
+        self._cameras = cameras
 
     def _manager_uri(self) -> str:
         """Where the manager answers; empty if it does not."""
@@ -106,7 +136,7 @@ class CameraLoader:
         self._refused.clear()
         service = rospy.ServiceProxy(self._manager + "/list", NodeletList)
         try:
-            left = set(service().nodelets) & set(self._crashes)
+            left = set(service().nodelets) & set(self._cameras)
         except (rospy.ServiceException, rospy.ROSException):
             return False
         for name in sorted(left):
@@ -120,9 +150,9 @@ class CameraLoader:
         with self._lock:
             return [
                 name
-                for name, crashes in self._crashes.items()
+                for name in self._cameras
                 if name not in self._loaded
-                and crashes < MOST_CRASHES
+                and self._crashes[name] < MOST_CRASHES
                 and self._refused.get(name, (now, 0.0))[0] <= now
             ]
 
