@@ -22,6 +22,7 @@
 #include "ros/steady_stamps.hpp"
 #include "ros/throttle.hpp"
 #include "ros/unknown_params.hpp"
+#include "ros/usb_cam_params.hpp"
 
 namespace robot_vision
 {
@@ -78,6 +79,10 @@ private:
     readParam(pnh, "always_subscribe", always_wanted_);
     readParam(pnh, "keep_streaming", keep_streaming);
     always_wanted_ = always_wanted_ || keep_streaming;
+    bool suspended = false;
+    readParam(pnh, "create_suspended", suspended);
+    stopped_ = suspended;
+    acceptUsbCamParams(pnh);
     diagnostics_ = std::make_unique<FrameDiagnostics>(getNodeHandle(), pnh, getName());
     status_ = std::make_unique<CaptureStatus>(diagnostics_->statistics());
     params_ = std::make_unique<LiveParams<CameraConfig>>(
@@ -91,7 +96,7 @@ private:
     if (capture.kind == SourceKind::kDevice)
       controls_ = std::make_unique<ControlServer>(pnh, ControlPort(capture), controls);
     outputs_ = std::make_unique<CameraOutputs>(pnh, loadOutputParams(pnh), [this] { updateDemand(); });
-    warnOfUnknownParams(pnh);
+    reviewParams(pnh);
     CaptureListener& listener = *this;
     auto loop = std::make_unique<CaptureLoop>(capture, listener, [this](const CaptureParams& of) { return open(of); });
     {
@@ -223,7 +228,7 @@ private:
 
   EndCallback on_end_;
   bool always_wanted_ = false;
-  std::atomic<bool> stopped_{false};  // by ~stop_capture
+  std::atomic<bool> stopped_{false};  // by ~stop_capture, or from the start
   Throttle refused_;
   Throttle unavailable_;
   Throttle ahead_;

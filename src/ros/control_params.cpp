@@ -1,6 +1,7 @@
 #include "control_params.hpp"
 
 #include <cmath>
+#include <set>
 #include <sstream>
 #include <stdexcept>
 
@@ -17,11 +18,16 @@ constexpr const char* kUsbCams[] = {"brightness",   "contrast", "saturation",   
                                     "gain",         "focus",    "autofocus",     "auto_focus",
                                     "autoexposure", "exposure", "white_balance", "auto_white_balance"};
 
-[[noreturn]] void refuse(const std::string& name, const XmlRpcValue& value, const std::string& expected)
+std::string toText(const XmlRpcValue& value)
 {
   std::ostringstream text;
   text << value;
-  throw std::invalid_argument(name + " is " + text.str() + ", must be " + expected);
+  return text.str();
+}
+
+[[noreturn]] void refuse(const std::string& name, const XmlRpcValue& value, const std::string& expected)
+{
+  throw std::invalid_argument(name + " is " + toText(value) + ", must be " + expected);
 }
 
 ControlValue toControlValue(const std::string& name, XmlRpcValue value)
@@ -44,6 +50,38 @@ ControlValue toControlValue(const std::string& name, XmlRpcValue value)
   refuse(name, value, "an integer, true, false or a text");
 }
 
+/// A map of controls' names and values; not valid() if it is not there.
+XmlRpcValue readMap(const ros::NodeHandle& pnh, const std::string& map)
+{
+  noteKnownParam(pnh, map);
+  XmlRpcValue controls;
+  if (!pnh.getParam(map, controls)) return {};
+  if (controls.getType() != XmlRpcValue::TypeStruct) refuse(map, controls, "a map of controls' names and values");
+  noteKnownParam(pnh, map, toText(controls));
+  return controls;
+}
+
+/// What usb_cam's map of controls sets: all but those that its entry `ignore` lists.
+void addIntrinsicControls(const ros::NodeHandle& pnh, std::vector<ControlSetting>& settings)
+{
+  XmlRpcValue controls = readMap(pnh, "intrinsic_controls");
+  if (!controls.valid()) return;
+  std::set<std::string> ignored = {"ignore"};
+  if (controls.hasMember("ignore"))
+  {
+    XmlRpcValue& names = controls["ignore"];
+    const char* expected = "a list of controls' names";
+    if (names.getType() != XmlRpcValue::TypeArray) refuse("intrinsic_controls/ignore", names, expected);
+    for (int i = 0; i < names.size(); ++i)
+    {
+      if (names[i].getType() != XmlRpcValue::TypeString) refuse("intrinsic_controls/ignore", names, expected);
+      ignored.insert(static_cast<std::string>(names[i]));
+    }
+  }
+  for (const auto& [name, value] : controls)
+    if (!ignored.count(name)) settings.push_back({name, toControlValue("intrinsic_controls/" + name, value)});
+}
+
 }  // namespace
 
 std::vector<ControlSetting> readControlSettings(const ros::NodeHandle& pnh)
@@ -55,13 +93,13 @@ std::vector<ControlSetting> readControlSettings(const ros::NodeHandle& pnh)
     XmlRpcValue value;
     if (!pnh.getParam(name, value)) continue;
     const ControlSetting setting{name, toControlValue(name, value)};
-    if (setting.value != ControlValue(std::int64_t{-1})) settings.push_back(setting);
+    if (setting.value == ControlValue(std::int64_t{-1})) continue;
+    settings.push_back(setting);
+    noteKnownParam(pnh, name, toText(value));
   }
-  noteKnownParam(pnh, "controls");
-  XmlRpcValue controls;
-  if (!pnh.getParam("controls", controls)) return settings;
-  if (controls.getType() != XmlRpcValue::TypeStruct)
-    refuse("controls", controls, "a map of controls' names and values");
+  addIntrinsicControls(pnh, settings);
+  XmlRpcValue controls = readMap(pnh, "controls");
+  if (!controls.valid()) return settings;
   for (const auto& [name, value] : controls)
     settings.push_back({name, toControlValue("controls/" + name, value)});
   return settings;

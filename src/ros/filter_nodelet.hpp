@@ -38,7 +38,7 @@ private:
     { current()->apply(image, encoding, out); };
     pipe_ = std::make_unique<ImagePipe>(getNodeHandle(), getPrivateNodeHandle(), getName(),
                                         ImagePipe::Step{&Filter::outputEncoding, apply});
-    warnOfUnknownParams(getPrivateNodeHandle());
+    reviewParams(getPrivateNodeHandle());
   }
   catch (const std::exception& e)
   {

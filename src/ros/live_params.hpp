@@ -9,6 +9,7 @@
 #include <string>
 #include <system_error>
 
+#include "package_file.hpp"
 #include "params.hpp"
 #include "save_params.hpp"
 
@@ -75,6 +76,7 @@ private:
       if (path.empty()) throw std::runtime_error("~config_file does not name a file");
       // roslaunch has read it in its own folder; a node of it runs in another.
       if (path.front() != '/') throw std::runtime_error("~config_file is '" + path + "', must be an absolute path");
+      requireOwnLaunch(path);
       saveParams(path, message, maps_ ? maps_() : ParamMaps());
       response.success = true;
       response.message = path;

@@ -19,15 +19,30 @@ std::string toText(XmlRpc::XmlRpcValue& value)
   return value.getType() == XmlRpc::XmlRpcValue::TypeString ? "'" + text.str() + "'" : text.str();
 }
 
+std::string shown(const std::string& value)
+{
+  return "'" + value + "'";
+}
+
+template <class T>
+std::string shown(const T& value)
+{
+  std::ostringstream text;
+  text << std::boolalpha << value;
+  return text.str();
+}
+
 template <class T>
 void read(const ros::NodeHandle& nh, const std::string& name, T& value, const char* type)
 {
+  const T preset = value;
   noteKnownParam(nh, name);
   XmlRpc::XmlRpcValue found;
   if (!nh.getParam(name, found)) return;
   const bool rounded = std::is_same<T, int>::value && found.getType() == XmlRpc::XmlRpcValue::TypeDouble;
   if (rounded || !nh.getParam(name, value))
     throw std::invalid_argument(name + " is " + toText(found) + ", must be " + type);
+  if (value != preset) noteKnownParam(nh, name, shown(value));
 }
 
 }  // namespace

@@ -1,9 +1,10 @@
 #include "unknown_params.hpp"
 
+#include <image_transport/image_transport.h>
+
 #include <algorithm>
 #include <map>
 #include <mutex>
-#include <set>
 #include <vector>
 
 namespace robot_vision
@@ -13,16 +14,16 @@ namespace
 
 constexpr double kAlike = 0.6;
 
-using Names = std::set<std::string>;
+using Names = std::map<std::string, std::string>;  // with the values that are not the default, as text
 
 /// The parameters of the nodes of this process that are starting, by namespace.
 class KnownParams
 {
 public:
-  void add(const std::string& ns, const std::string& name)
+  void add(const std::string& ns, const std::string& name, const std::string& changed)
   {
     const std::lock_guard<std::mutex> lock(mutex_);
-    names_[ns].insert(name);
+    names_[ns][name] = changed;
   }
 
   /// Those of a namespace, which are forgotten: another nodelet may be loaded into it.
@@ -68,7 +69,7 @@ std::string nearest(const std::string& name, const Names& known)
 {
   std::string best;
   double most = kAlike;
-  for (const std::string& other : known)
+  for (const auto& [other, changed] : known)
     if (similarity(name, other) > most)
     {
       best = other;
@@ -77,23 +78,61 @@ std::string nearest(const std::string& name, const Names& known)
   return best;
 }
 
-}  // namespace
-
-void noteKnownParam(const ros::NodeHandle& nh, const std::string& name)
+/// Whether there is a node, topic or service of this name, or below it.
+bool isNamespaceOfGraph(const std::string& name)
 {
-  knownParams().add(nh.getNamespace(), name);
+  XmlRpc::XmlRpcValue request, response, state;
+  request[0] = ros::this_node::getName();
+  if (!ros::master::execute("getSystemState", request, response, state, false)) return false;
+  const auto below = [&name](XmlRpc::XmlRpcValue& other)
+  { return (static_cast<std::string&>(other) + "/").compare(0, name.size() + 1, name + "/") == 0; };
+  for (int kind = 0; kind < state.size(); ++kind)  // publishers, subscribers, services
+    for (int i = 0; i < state[kind].size(); ++i)
+    {
+      if (below(state[kind][i][0])) return true;
+      for (int j = 0; j < state[kind][i][1].size(); ++j)
+        if (below(state[kind][i][1][j])) return true;
+    }
+  return false;
 }
 
-void warnOfUnknownParams(const ros::NodeHandle& nh)
+/// Whether a map of parameters may be of somebody else: a transport, or a node or topic below this one.
+bool isOfOthers(const ros::NodeHandle& nh, const std::string& name)
+{
+  const auto transports = image_transport::ImageTransport(nh).getDeclaredTransports();
+  return std::count(transports.begin(), transports.end(), "image_transport/" + name) != 0 ||
+         isNamespaceOfGraph(nh.resolveName(name));
+}
+
+void tellChanged(const ros::NodeHandle& nh, const Names& known)
+{
+  std::string text;
+  for (const auto& [name, changed] : known)
+    if (!changed.empty()) text += (text.empty() ? "" : ", ") + name + ": " + changed;
+  if (!text.empty()) ROS_INFO("%s: set on the parameter server: %s", nh.getNamespace().c_str(), text.c_str());
+}
+
+}  // namespace
+
+void noteKnownParam(const ros::NodeHandle& nh, const std::string& name, const std::string& changed)
+{
+  knownParams().add(nh.getNamespace(), name, changed);
+}
+
+void reviewParams(const ros::NodeHandle& nh)
 {
   Names known = knownParams().take(nh.getNamespace());
-  known.insert("config_file");  // it is read when something is saved
+  std::string config_file;  // it is read again when something is saved
+  nh.getParam("config_file", config_file);
+  known["config_file"] = config_file.empty() ? "" : "'" + config_file + "'";
+  tellChanged(nh, known);
   XmlRpc::XmlRpcValue there;
   if (!nh.getParam(nh.getNamespace(), there) || there.getType() != XmlRpc::XmlRpcValue::TypeStruct) return;
   for (const auto& entry : there)
   {
     const std::string& name = entry.first;
-    if (known.count(name) || entry.second.getType() == XmlRpc::XmlRpcValue::TypeStruct) continue;
+    if (known.count(name)) continue;
+    if (entry.second.getType() == XmlRpc::XmlRpcValue::TypeStruct && isOfOthers(nh, name)) continue;
     const std::string near = nearest(name, known);
     ROS_WARN("parameter %s is not known%s", nh.resolveName(name).c_str(),
              near.empty() ? "" : (", is " + near + " meant?").c_str());

@@ -10,6 +10,7 @@
 
 #include "../core/fake_v4l2.hpp"
 #include "core/v4l2_source.hpp"
+#include "ros/control_params.hpp"
 #include "ros/control_server.hpp"
 #include "run_tests.hpp"
 
@@ -46,6 +47,29 @@ int changed(int value)
 }
 
 }  // namespace
+
+TEST(ControlSettings, areUsbCamsThenItsMapButForWhatItIgnoresThenOurs)
+{
+  const ros::NodeHandle nh("~settings");
+  nh.setParam("brightness", 5);
+  nh.setParam("gain", -1);
+  nh.setParam("intrinsic_controls/exposure_auto", 3);
+  nh.setParam("intrinsic_controls/focus_auto", true);
+  nh.setParam("intrinsic_controls/contrast", 7);
+  nh.setParam("intrinsic_controls/ignore", std::vector<std::string>{"contrast", "sharpness"});
+  nh.setParam("controls/gamma", 100);
+  const std::vector<ControlSetting> settings = readControlSettings(nh);
+  const std::vector<std::pair<std::string, ControlValue>> expected = {{"brightness", std::int64_t{5}},
+                                                                      {"exposure_auto", std::int64_t{3}},
+                                                                      {"focus_auto", true},
+                                                                      {"gamma", std::int64_t{100}}};
+  ASSERT_EQ(settings.size(), expected.size());
+  for (std::size_t i = 0; i < expected.size(); ++i)
+  {
+    EXPECT_EQ(settings[i].name, expected[i].first);
+    EXPECT_TRUE(settings[i].value == expected[i].second) << expected[i].first;
+  }
+}
 
 TEST(ControlServer, opensTheDeviceOnceForEachChange)
 {

@@ -7,7 +7,7 @@ import rospy
 import support
 import yaml
 from sensor_msgs.msg import Image
-from std_srvs.srv import Trigger
+from std_srvs.srv import Empty, Trigger
 
 BAD_AT_START = [
     # node, parameter, value, what the FATAL line says
@@ -64,6 +64,14 @@ BAD_AT_START = [
     ("camera_node", "keep_streaming", 2, "keep_streaming is 2, must be true or false"),
     ("camera_node", "controls", 5, "controls is 5, must be a map of controls' names and values"),
     ("camera_node", "controls/gain", 0.5, "controls/gain is 0.5, must be an integer, true, false"),
+    ("camera_node", "intrinsic_controls", 5, "must be a map of controls' names and values"),
+    (
+        "camera_node",
+        "intrinsic_controls/gain",
+        0.5,
+        "intrinsic_controls/gain is 0.5, must be an in",
+    ),
+    ("camera_node", "intrinsic_controls/ignore", "gain", "must be a list of controls' names"),
     ("camera_node", "brightness", 0.5, "brightness is 0.5, must be an integer, true, false"),
     ("camera_node", "loop", "often", "must be true or false"),
     ("camera_node", "pixel_format", "h265", "pixel_format is 'h265', must be yuyv, uyvy, nv12, "),
@@ -136,11 +144,89 @@ def test_bad_value_live_leaves_the_old_one(start, node, name, value, default, me
 )
 def test_a_misspelt_parameter_is_told(start, node, right, wrong, meant):
     known = ["_source:=synthetic"] if node == "camera_node" else ["_image_transport:=raw"]
-    known += ["_config_file:=/no/file.yaml", "_map/of:=others", right]
-    process = start(node, "__name:=typing", *known, f"_{wrong}:=300", "_xyz:=1")
+    known += ["_config_file:=/no/file.yaml", right]
+    # Maps of a transport, of the node's own topics, and of a node below it.
+    rospy.set_param("/typing/compressed/mode", "gray")
+    for topic in ("image_raw", "processed_image"):
+        rospy.set_param(f"/typing/{topic}/theora/quality", 3)
+    rospy.set_param("/typing/other_node/gain", 3)
+    below = rospy.Publisher("/typing/other_node/output", Image, queue_size=1)
+    other = "/processed_image" if node == "camera_node" else "/image_raw"
+    beside = rospy.Publisher("/typing" + other, Image, queue_size=1)
+    process = start(node, "__name:=typing", *known, f"_{wrong}:=300", "_xyz:=1", "_zyx/of:=2")
+    process.wait_for_output("parameter /typing/zyx is not known")
     process.wait_for_output("parameter /typing/xyz is not known")
     process.wait_for_output(f"parameter /typing/{wrong} is not known, is {meant} meant?")
-    assert process.output().count("is not known") == 2, process.output()
+    support.wait_for(lambda: rospy.has_param("/typing/" + right[1:].partition(":")[0]), right)
+    assert process.output().count("is not known") == 3, process.output()
+    below.unregister()
+    beside.unregister()
+
+
+@pytest.mark.parametrize(
+    "node, name, value, text",
+    [
+        ("edge_detector_node", "low_threshold", 12.5, "12.5"),
+        ("code_reader.py", "symbologies", "qr", "'qr'"),
+    ],
+)
+def test_what_an_ended_launch_has_left_is_told_and_not_saved_to(
+    start, tmp_path, node, name, value, text
+):
+    config = tmp_path / "config" / "node.yaml"
+    config.parent.mkdir()
+    config.write_text("spacing: 1\n")
+    (tmp_path / "package.xml").write_text("<package><name>robot_vision</name></package>")
+    left = {"config_file": str(config), "image_transport": "compressed", name: value}
+    rospy.set_param("/left", left)
+    prompt = {"PYTHONUNBUFFERED": "1"}  # or rospy's INFO lines come when they fill a page
+    process = start(node, "__name:=left", env=prompt)
+    shown = f"config_file: '{config}', image_transport: 'compressed', {name}: {text}"
+    process.wait_for_output("/left: set on the parameter server: " + shown)
+    assert process.output().count("on the parameter server") == 1
+    answer = save("/left")
+    assert not answer.success and f"{config}', a file of the package" in answer.message
+    assert config.read_text() == "spacing: 1\n"
+    process.end()
+    launched = f"__log:={tmp_path}/node.log"  # as roslaunch says it
+    process = start(node, "__name:=left", launched, env=prompt)
+    process.wait_for_output("on the parameter server")
+    assert save("/left").success
+    assert yaml.safe_load(config.read_text())[name] == value
+
+
+def test_a_node_with_defaults_says_nothing_of_them(start):
+    start("brightness_node", "__name:=plain")  # leaves all its values on the server
+    rospy.wait_for_service("/plain/save_parameters", support.DEADLINE)
+    process = start("brightness_node", "__name:=plain", "_threads:=2")
+    process.wait_for_output("/plain: set on the parameter server: threads: 2")
+    assert "threads: 2," not in process.output(), process.output()
+
+
+def test_usb_cam_s_other_parameters_are_accepted(start, diagnostics):
+    """Those of its development branch."""
+    left = {
+        "camera_transport_suffix": "image",
+        "color_format": "yuv422p",
+        "full_ffmpeg_log": False,
+        "hardware_decoder": {"enable": False, "name": "cuda"},
+        "start_service_name": "start_capture",
+        "stop_service_name": "stop_capture",
+    }
+    suspended = {"create_suspended": True, "always_subscribe": True, "source": "synthetic"}
+    intrinsic = {"intrinsic_controls": {"gain": 3, "ignore": ["gain"]}}
+    rospy.set_param("/camera", {**left, **suspended, **intrinsic})
+    process = start("camera_node")
+    support.wait_for(
+        lambda: diagnostics.next("camera").message == "stopped: ~start_capture starts it again",
+        "the camera to be there",
+    )
+    for name in left:
+        assert process.output().count(f"/camera/{name} has no effect: ") == 1, process.output()
+    assert "not known" not in process.output() and "meant?" not in process.output()
+    assert diagnostics.value("camera", "frames received") == "0"
+    rospy.ServiceProxy("/camera/start_capture", Empty)()
+    support.Messages("/camera/image_raw", Image).wait()
 
 
 def test_values_change_live(start):

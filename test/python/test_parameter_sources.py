@@ -38,6 +38,8 @@ OF_THE_NODES = {
     "camera": {
         "loop": "false",
         "keep_streaming": "false",
+        "create_suspended": "false",
+        "intrinsic_controls": "",
         "controls": "",
         "camera_name": "head_camera",
         "camera_frame_id": "head_camera",

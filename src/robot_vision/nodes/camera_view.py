@@ -16,7 +16,7 @@ from ..msg import Click
 from ..transport import Frame, ImageSubscriber
 from ..viewing import Rate, title, waiting_picture
 from ..window import Window, require_display
-from .params import LiveParams, read_param
+from .params import LiveParams, read_param, review_params
 from .startup import run_node
 
 POLL = 10  # ms: how long a picture may wait for the window
@@ -54,6 +54,7 @@ class CameraView:
         self._subscriber = ImageSubscriber("image", self._on_frame, encoding="bgr8")
         self._window = Window(self._topic, autosize, self._on_click, self._on_drag)
         self._window.show(waiting_picture(self._topic))
+        review_params()
 
     def spin(self) -> None:
         """Works until the node is shut down, or the user has had enough."""

@@ -6,7 +6,7 @@ from typing import Any, Callable, Dict, List, Tuple
 import rospy
 
 from .. import set_threads, transport
-from .params import read_param, warn_of_unknown
+from .params import read_param, review_params
 
 MOST_THREADS = 256
 SILENCE = 5.0  # s without a message, until an input counts as missing
@@ -111,7 +111,7 @@ class ImageNode:
 
     def start(self) -> None:
         """Begins to work; the node has to be complete by now, all its parameters read."""
-        warn_of_unknown()
+        review_params()
         transport.add_connection_listener(self._update)
         transport.note_connections()
 

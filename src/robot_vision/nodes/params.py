@@ -3,9 +3,12 @@
 import copy
 import difflib
 import os
+import pathlib
+import sys
 from typing import Any, Callable, Dict, Iterable, Optional, TypeVar
 
 import dynamic_reconfigure.server
+import rosgraph
 import rospy
 from std_srvs.srv import Trigger, TriggerResponse
 
@@ -14,10 +17,14 @@ from ..files import read_text, replace_file
 
 Params = TypeVar("Params")
 
-# What a node has asked for, and what its transport and LiveParams ask for in their own ways.
-_known = {"config_file", "diagnostic_period", "image_transport"}
+# What its transport and LiveParams ask for in their own ways, and what it is without a parameter.
+ASKED_ELSEWHERE = {"config_file": "", "diagnostic_period": 1.0, "image_transport": "raw"}
+# What a node has asked for, and whether it is another than the default.
+_known: Dict[str, bool] = {}
 
 ELSEWHERE = "; ~config_file names the file, as config:=/absolute/path.yaml of the launch files does"
+TRANSPORTS = ("compressed", "compressedDepth", "theora")
+MOST_SHOWN = 100  # characters of a value in a line of the log
 TYPES = {bool: "true or false", int: "an integer", float: "a number", str: "a string"}
 
 
@@ -38,21 +45,45 @@ def read_param(name: str, default: Any) -> Any:
 
 def read_any(name: str, default: Any) -> Any:
     """The private parameter `name` of any type, or `default` if it is not set."""
-    _known.add(name)
-    return rospy.get_param("~" + name, default)
+    value = rospy.get_param("~" + name, default)
+    _known[name] = value != default
+    return value
 
 
-def warn_of_unknown() -> None:
-    """Names private parameters that nobody has asked for: they may be misspelt.
+def review_params() -> None:
+    """Says which private parameters are not at their defaults, and which nobody has asked for.
 
-    Maps are left out, which are names of other nodes and transports, too.
+    The first, in one line, may have been left by another run; the others may be misspelt. Of these
+    maps are left out that are named as a transport, or as the namespace of a node, topic or
+    service.
     """
-    for name, value in sorted(rospy.get_param("~", {}).items()):
-        if name in _known or isinstance(value, dict):
+    for name, default in ASKED_ELSEWHERE.items():
+        read_any(name, default)
+    there = sorted(rospy.get_param("~", {}).items())
+    changed = [f"{name}: {_shortened(value)}" for name, value in there if _known.get(name)]
+    if changed:
+        rospy.loginfo("%s: set on the parameter server: %s", rospy.get_name(), ", ".join(changed))
+    for name, value in there:
+        path = rospy.resolve_name("~" + name)
+        if name in _known or (isinstance(value, dict) and _is_of_others(name, path)):
             continue
         near = difflib.get_close_matches(name, _known, 1)
         hint = f", is {near[0]} meant?" if near else ""
-        rospy.logwarn("parameter %s is not known%s", rospy.resolve_name("~" + name), hint)
+        rospy.logwarn("parameter %s is not known%s", path, hint)
+
+
+def _shortened(value: Any) -> str:
+    text = repr(value)
+    return text if len(text) <= MOST_SHOWN else text[: MOST_SHOWN - 3] + "..."
+
+
+def _is_of_others(name: str, path: str) -> bool:
+    """Whether a map of parameters may be of a transport, or of another node, a topic or service."""
+    if name in TRANSPORTS:
+        return True
+    state = rosgraph.Master(rospy.get_name()).getSystemState()
+    names = [name for kind in state for topic, nodes in kind for name in (topic, *nodes)]
+    return any(f"{name}/".startswith(f"{path}/") for name in names)
 
 
 def filled(params: Params, config: Dict[str, Any], names: Iterable[str]) -> Params:
@@ -119,6 +150,7 @@ class LiveParams:
                 path
             ):  # roslaunch has read it in its own folder, a node has another
                 raise RuntimeError(f"~config_file is '{path}', must be an absolute path")
+            _require_own_launch(path)
             values = {name: accepted[name] for name in self._type.defaults}
             replace_file(path, self._edit(path, read_text(path), values).encode())
         except (OSError, RuntimeError, ValueError) as error:
@@ -127,6 +159,29 @@ class LiveParams:
             rospy.logerr("parameters not saved: %s", why)
             return TriggerResponse(False, why)
         return TriggerResponse(True, path)
+
+
+def _require_own_launch(path: str) -> None:
+    """Refuses a file of this package to a node that rosrun has started.
+
+    Then it is not the file of the node's launch file, but has been left on the parameter server by
+    one that has ended. roslaunch names the file of the log to each process that it starts.
+    """
+    launched = any(word.startswith("__log:=") for word in sys.argv)
+    if not launched and _is_of_this_package(path):
+        raise RuntimeError(
+            f"~config_file is '{path}', a file of the package, to which only what roslaunch starts "
+            "saves; name another one: _config_file:=/absolute/path.yaml"
+        )
+
+
+def _is_of_this_package(path: str) -> bool:
+    """Whatever copy of the package it is: the sources, or an installed one."""
+    for folder in pathlib.Path(path).resolve().parents:
+        manifest = folder / "package.xml"
+        if manifest.is_file():
+            return "<name>robot_vision</name>" in manifest.read_text(encoding="utf-8")
+    return False
 
 
 class _Server(dynamic_reconfigure.server.Server):

@@ -1,0 +1,52 @@
+#include "package_file.hpp"
+
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <stdexcept>
+
+namespace robot_vision
+{
+namespace
+{
+
+namespace fs = std::filesystem;
+
+std::string contents(const fs::path& path)
+{
+  std::ifstream file(path);
+  return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+}
+
+/// roslaunch names the file of the log to each process that it starts, rosrun does not.
+bool startedByRoslaunch()
+{
+  static const bool started = contents("/proc/self/cmdline").find(std::string("\0__log:=", 8)) != std::string::npos;
+  return started;
+}
+
+/// Whatever copy of the package it is: the sources, or an installed one.
+bool isOfThisPackage(const fs::path& path)
+{
+  for (fs::path folder = path.parent_path(); folder.has_relative_path(); folder = folder.parent_path())
+  {
+    const fs::path manifest = folder / "package.xml";
+    std::error_code ignored;
+    if (fs::is_regular_file(manifest, ignored))
+      return contents(manifest).find("<name>robot_vision</name>") != std::string::npos;
+  }
+  return false;
+}
+
+}  // namespace
+
+void requireOwnLaunch(const std::string& path)
+{
+  std::error_code ignored;
+  if (startedByRoslaunch() || !isOfThisPackage(fs::weakly_canonical(path, ignored))) return;
+  throw std::runtime_error("~config_file is '" + path +
+                           "', a file of the package, to which only what roslaunch starts saves; name another one: "
+                           "_config_file:=/absolute/path.yaml");
+}
+
+}  // namespace robot_vision
