@@ -11,6 +11,7 @@ from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import Image
 from std_srvs.srv import SetBool
 
+from robot_vision import draw_text
 from robot_vision.msg import Line
 from robot_vision.simulation import LINE_COLOUR, DifferentialDrive, TrackWorld
 from robot_vision.track import course_track
@@ -235,11 +236,18 @@ def test_robot_stands_where_all_is_line(follower):
     follower()
     robot.wait_until_driven()
     robot.drive_on()
-    robot.world.render = lambda *_: np.full((240, 320, 3), LINE_COLOUR, np.uint8)
+    said = np.full((240, 320, 3), LINE_COLOUR, np.uint8)
+    robot.world.render = lambda *_: said
+    overlays = support.Messages("/follower/processed_image", Image)
+    support.wait_for(overlays.connected, "the overlay")
     for _ in range(3):
         robot.step()
     assert robot.commands.received[-1] == Twist()
     assert not robot.lines.received[-1].found
+    overlay = overlays.of(robot.now)
+    said = said.copy()
+    draw_text(said, "no line", (10, 20))
+    assert np.array_equal(np.frombuffer(overlay.data, np.uint8).reshape(said.shape), said)
 
 
 @pytest.mark.parametrize("side", [1.0, -1.0])

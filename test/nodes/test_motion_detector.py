@@ -11,6 +11,7 @@ from frames import Source, message, new_topic
 from sensor_msgs.msg import Image
 from std_srvs.srv import Trigger
 
+from robot_vision import draw_text
 from robot_vision.msg import DetectionArray, MotionState
 
 EMPTY = np.full((240, 320, 3), 60, np.uint8)
@@ -92,8 +93,11 @@ def test_background_can_be_taken_anew(start):
 def test_light_is_reported_as_such(start):
     room = Room(start, "_settle:=0.5")
     room.show(EMPTY)
-    motion, state, _ = room.show(EMPTY + 100)
+    motion, state, overlay = room.show(EMPTY + 100)
     assert state.everywhere and not state.occupied and not motion.detections
+    said = EMPTY + 100
+    draw_text(said, "whole image changes", (10, 20))
+    assert np.array_equal(np.frombuffer(overlay.data, np.uint8).reshape(said.shape)[:40], said[:40])
     room.process.wait_for_output("the whole picture changes")
     _, state, _ = room.show(EMPTY + 100, 7)
     assert not state.everywhere and state.changed == 0.0

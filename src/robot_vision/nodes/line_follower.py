@@ -6,7 +6,7 @@ from typing import Any, Dict, Optional
 import rospy
 from geometry_msgs.msg import Point, Twist
 
-from .. import HsvMask, Line, LineParams, draw_outline, find_line
+from .. import HsvMask, Line, LineParams, draw_outline, draw_text, find_line
 from ..cfg import LineFollowerConfig
 from ..line_control import LineController, LineControlParams, must_stop
 from ..msg import Line as LineMessage
@@ -83,6 +83,8 @@ class LineFollower:
             overlay = frame.image.copy()
             if line.found:
                 draw_outline(overlay[top:], line.outline, f"{line.error:+.2f}")
+            else:
+                draw_text(overlay, "no line", (10, 20))
             self._processed.publish(overlay, "bgr8", frame.header)
 
 

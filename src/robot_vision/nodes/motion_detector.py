@@ -80,7 +80,7 @@ class MotionDetector:
         for region in motion.regions:
             draw_outline(overlay, corners(region.box))
         state = "Occupied" if occupied else "Unoccupied"
-        draw_text(overlay, "Everything changes" if motion.everywhere else state, (10, 20))
+        draw_text(overlay, "whole image changes" if motion.everywhere else state, (10, 20))
         when = time.strftime("%A %d %B %Y %H:%M:%S", time.localtime(now))
         draw_text(overlay, when, (10, overlay.shape[0] - 10))
         self._processed.publish(overlay, "bgr8", frame.header)
