@@ -163,11 +163,12 @@ class ImageSubscriber:
 class CameraSubscriber(ImageSubscriber):
     """An ImageSubscriber whose frames come with the camera_info of the same stamp.
 
-    The camera_info is that beside the picture's topic: of /usb_cam/image_raw /usb_cam/camera_info.
+    The camera_info is on the topic camera_info if that is remapped, otherwise beside the picture's:
+    of /usb_cam/image_raw on /usb_cam/camera_info.
     """
 
     def _camera_info_topic(self) -> str:
-        return rospy.resolve_name(camera_info_beside(self.topic))
+        return remapped_camera_info() or rospy.resolve_name(camera_info_beside(self.topic))
 
 
 class ImagePublisher:
@@ -278,6 +279,12 @@ class _Process:
             function()
         except Exception:
             rospy.logerr("a callback failed:\n%s", traceback.format_exc())
+
+
+def remapped_camera_info() -> str:
+    """What the name camera_info is remapped to; empty if it is not."""
+    remappings = rospy.names.get_resolved_mappings()
+    return remappings.get(rospy.get_namespace() + "camera_info", "")
 
 
 def camera_info_beside(topic: str) -> str:

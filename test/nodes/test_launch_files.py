@@ -3,33 +3,50 @@
 import contextlib
 import io
 import pathlib
+import re
+import subprocess
 import sys
 
 import pytest
+import rosgraph
+import roslaunch
+import roslaunch.config
+import roslaunch.xmlloader
 import rospy
 import support
 import yaml
-from roslaunch import main
 from sensor_msgs.msg import Image
 
 LAUNCH = pathlib.Path(__file__).resolve().parents[2] / "launch"
 
 
-def roslaunch(*arguments):
+def output_of(*arguments):
     """What roslaunch prints, which runs in this process: it takes a second to import."""
     printed, words = io.StringIO(), list(sys.argv)
     sys.argv[:] = ["roslaunch", *map(str, arguments)]  # in place: it holds on to this list
     try:
         with contextlib.redirect_stdout(printed), contextlib.suppress(SystemExit):
-            main()
+            roslaunch.main()
     finally:
         sys.argv[:] = words
     return printed.getvalue()
 
 
+def loaded(name, *arguments):
+    """What roslaunch makes of one of our launch files."""
+    config = roslaunch.config.ROSLaunchConfig()
+    loader = roslaunch.xmlloader.XmlLoader()
+    loader.load(str(LAUNCH / name), config, argv=["roslaunch", *arguments], verbose=False)
+    return config
+
+
+def parameters_of(name, *arguments):
+    return {name: param.value for name, param in loaded(name, *arguments).params.items()}
+
+
 @pytest.mark.parametrize("path", sorted(LAUNCH.glob("*.launch")), ids=lambda path: path.name)
 def test_no_argument_is_required_but_the_part_of_two_hosts(path):
-    listed = roslaunch("--ros-args", path)
+    listed = output_of("--ros-args", path)
     assert "Optional Arguments:" in listed
     required = listed.partition("Required Arguments:\n")[2].partition("Optional")[0].split()
     assert required[:1] == (["part:"] if path.name == "remote.launch" else []), listed
@@ -43,14 +60,14 @@ def test_usb_cam_test_opens_a_window_where_there_is_a_display(
     monkeypatch, display, arguments, windows
 ):
     monkeypatch.setenv("DISPLAY", display)
-    nodes = roslaunch("--nodes", LAUNCH / "usb_cam-test.launch", *arguments).split()
+    nodes = output_of("--nodes", LAUNCH / "usb_cam-test.launch", *arguments).split()
     assert nodes.count("/usb_cam") == 1
     assert nodes.count("/image_view") == windows
 
 
 @pytest.mark.parametrize("arguments, loop", [((), False), (("loop:=true",), True)])
 def test_a_folder_begins_again_if_that_is_said(arguments, loop):
-    parameters = yaml.safe_load(roslaunch("--dump-params", LAUNCH / "camera.launch", *arguments))
+    parameters = yaml.safe_load(output_of("--dump-params", LAUNCH / "camera.launch", *arguments))
     assert parameters["/usb_cam/loop"] is loop
 
 
@@ -66,3 +83,113 @@ def test_words_in_place_of_a_value_mean_that_there_is_none(start, tmp_path):
         start("/usr/bin/roslaunch", "robot_vision", launch_file, env=home)
         there = support.wait_for(lambda: rospy.get_param(parameter, None), parameter)  # noqa: B023
         assert there == value
+
+
+@pytest.mark.parametrize("path", sorted(LAUNCH.glob("*.launch")), ids=lambda path: path.name)
+def test_every_launch_file_looks_for_arguments_that_it_does_not_have(monkeypatch, path):
+    commands = []
+
+    def value(_loader, _verbose, _name, _type, value, _text, _binary, command):
+        if command:
+            commands.append(command.split())
+        return value or ""
+
+    monkeypatch.setattr(roslaunch.xmlloader.XmlLoader, "param_value", value)
+    arguments = ["part:=capture"] if path.name == "remote.launch" else []
+    loaded(path.name, *arguments)
+    assert not commands
+    loaded(path.name, *arguments, "vieww:=true")
+    ((program, file),) = commands
+    assert program.endswith("/check_arguments.py") and pathlib.Path(file).samefile(path)
+
+
+def test_an_unknown_argument_is_an_error_before_anything_starts(start):
+    words = "/usr/bin/roslaunch", "robot_vision", "camera.launch", "image_widht:=320"
+    launch = start(*words, fork=False)  # whose command line is read
+    assert launch.exit_code() == 1
+    assert "camera.launch has no argument image_widht, is image_width meant?" in launch.output()
+    assert "\n  image_height: px; config: as in the YAML file" in launch.output()
+    with pytest.raises(rosgraph.MasterError):
+        rosgraph.Master("/test").lookupNode("/usb_cam")
+    assert not rospy.has_param("/usb_cam")
+
+
+def test_another_launch_file_passes_on_what_is_its_own(start, tmp_path):
+    theirs = tmp_path / "camera.launch"
+    theirs.write_text(
+        f"""<launch><arg name="robot"/>
+        <include file="{LAUNCH}/camera.launch" pass_all_args="true"/></launch>"""
+    )
+    # A process of its own, whose command line is read.
+    command = ["roslaunch", "--dump-params", theirs, "robot:=a", "source:=synthetic"]
+    result = subprocess.run(command, stdout=subprocess.PIPE, text=True, timeout=60, check=True)
+    parameters = yaml.safe_load(result.stdout)
+    assert parameters["/usb_cam/source"] == "synthetic"
+
+
+def test_the_camera_s_parameters_are_arguments():
+    before = parameters_of("camera.launch")
+    given = {"image_width": 320, "image_height": 240, "framerate": 5, "camera_name": "7"}
+    given.update(pixel_format="mjpeg")
+    after = parameters_of("camera.launch", *(f"{name}:={value}" for name, value in given.items()))
+    assert after == {**before, **{"/usb_cam/" + name: value for name, value in given.items()}}
+
+
+@pytest.mark.parametrize(
+    "name, arguments, changed",
+    [
+        ("camera", ["synthetic:=true"], {"source": "synthetic"}),
+        ("apriltag", ["synthetic:=true"], {"tag_size": 0.24}),
+        ("apriltag", ["synthetic:=true", "tag_size:=0.3"], {"tag_size": 0.3}),
+        ("ball_tracker", ["synthetic:=true"], {"ball_diameter": 0.2}),
+        ("ball_tracker", ["ball_diameter:=0.1"], {"ball_diameter": 0.1}),
+        ("ball_tracker", ["color:=green"], {"h_low": 36, "h_high": 85, "v_low": 40}),
+        ("line_follower", ["synthetic:=true"], {"h_high": 180, "s_low": 0, "v_high": 60}),
+        ("line_follower", ["synthetic:=true", "color:=blue"], {"h_low": 90, "h_high": 120}),
+        ("motion_detector", ["synthetic:=true"], {"method": "previous_frame"}),
+        ("motion_detector", ["synthetic:=true", "method:=mog2"], {"method": "mog2"}),
+        ("code_reader", ["synthetic:=true"], {}),
+    ],
+)
+def test_arguments_set_parameters(name, arguments, changed):
+    before, after = (parameters_of(name + ".launch", *given) for given in ([], arguments))
+    differ = {key: value for key, value in after.items() if before[key] != value}
+    node = {"apriltag": "apriltag_detector", "camera": "usb_cam"}.get(name, name)
+    assert (
+        changed.items() <= {key.rpartition("/")[2]: value for key, value in differ.items()}.items()
+    )
+    assert all(key.startswith(f"/{node}/") for key in differ)
+    assert bool(changed) == bool(differ) and after.keys() == before.keys()
+
+
+def test_every_color_is_a_range():
+    files = sorted((LAUNCH.parent / "config" / "colors").glob("*.yaml"))
+    assert {"blue", "red", "black"} <= {file.stem for file in files}
+    for file in files:
+        values = yaml.safe_load(file.read_text())
+        assert list(values) == ["h_low", "s_low", "v_low", "h_high", "s_high", "v_high"], file
+        assert all(0 <= values[name] <= (180 if name[0] == "h" else 255) for name in values)
+
+
+def test_demo_sets_for_the_synthetic_scene_what_its_launch_files_set():
+    demo = parameters_of("demo.launch")
+    for name in ("line_follower", "motion_detector", "ball_tracker", "apriltag"):
+        alone = parameters_of(name + ".launch", "synthetic:=true")
+        assert alone.items() <= demo.items(), name
+    device = parameters_of("demo.launch", "source:=/dev/video0")
+    assert device["/apriltag_detector/tag_size"] == 0.1
+    assert device["/motion_detector/method"] == "first_frame"
+
+
+def test_readme_s_remote_detector_has_its_camera_s_calibration():
+    """What stands in the README, by the names that a launch file remaps."""
+    readme = (LAUNCH.parent / "README.md").read_text()
+    (line,) = re.findall(r"roslaunch robot_vision (.* camera_info:=/usb_cam/camera_info)\n", readme)
+    name, *arguments = line.split()
+    for launch_file in (name, "ball_tracker.launch", "rectify.launch"):
+        (node,) = loaded(launch_file, *arguments).nodes
+        remapped = dict(node.remap_args)
+        assert remapped["camera_info"] == "/usb_cam/camera_info"
+        assert "/remote_camera/image_raw" in remapped.values()
+    (node,) = loaded(name, "image:=/front/image_raw").nodes
+    assert dict(node.remap_args)["camera_info"] == "/front/camera_info"

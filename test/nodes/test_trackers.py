@@ -209,9 +209,10 @@ def test_ball_is_followed_as_it_moves(start):
 
     The frames come by the scene's own time, however long the machine takes for them.
     """
-    topic = new_topic()
-    pictures, infos = Source(topic), Source(topic.replace("image", "camera_info"), CameraInfo)
-    start("ball_tracker.py", "__name:=ball", f"image:={topic}", "_ball_diameter:=0.2")
+    topic, calibrated = new_topic(), "/elsewhere/camera_info"
+    pictures, infos = Source(topic), Source(calibrated, CameraInfo)
+    remapped = [f"image:={topic}", f"camera_info:={calibrated}"]
+    start("ball_tracker.py", "__name:=ball", *remapped, "_ball_diameter:=0.2")
     objects = support.Messages("/ball/objects", DetectionArray)
     positions = support.Messages("/ball/position", PointStamped)
     transforms = support.Messages("/tf", tf2_msgs.msg.TFMessage)

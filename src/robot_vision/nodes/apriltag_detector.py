@@ -38,9 +38,9 @@ POSE = ("corner_noise", "lasting_noise", "max_gap")
 class ApriltagDetector:
     """Publishes ~tags, /tf, ~markers and ~processed_image (outlines, ids, axes and distances).
 
-    Subscribes to image, and to camera_info beside it: poses need that of a calibrated camera; the
-    picture is not to be rectified. ~detect (robot_vision/DetectTags) searches a file, or the next
-    frame.
+    Subscribes to image, and to camera_info beside it, or where that name is remapped to: poses need
+    that of a calibrated camera; the picture is not to be rectified. ~detect
+    (robot_vision/DetectTags) searches a file, or the next frame.
     """
 
     def __init__(self) -> None:

@@ -40,7 +40,7 @@ class BallTracker:
     """Publishes ~objects (one ball or none), ~mask, ~processed_image with the ball and its trail.
 
     Subscribes to image. If ~ball_diameter (m) is known, it also publishes ~position and, in /tf,
-    the frame ~ball_frame_id, by the camera_info beside the image.
+    the frame ~ball_frame_id, by camera_info: beside the image, or where that name is remapped to.
     """
 
     def __init__(self) -> None:

@@ -12,7 +12,8 @@ from .. import CameraModel
 from ..frame_collection import FrameCollection
 from ..msg import TagDetectionArray
 from ..progress import Progress
-from .calibration import camera_model, remapped_camera_info
+from ..transport import remapped_camera_info
+from .calibration import camera_model
 
 PROGRESS = 1.0  # s between lines
 

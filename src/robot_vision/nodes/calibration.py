@@ -8,7 +8,7 @@ import rospy
 from sensor_msgs.msg import CameraInfo
 
 from .. import CameraModel, is_calibrated
-from ..transport import camera_info_beside
+from ..transport import camera_info_beside, remapped_camera_info
 from .image_node import ImageNode
 
 PATIENCE = 2.0  # s that pictures come without camera_info until it is told
@@ -95,12 +95,6 @@ class Calibration:
         elif self._problem and not problem:
             rospy.loginfo("%s from now on: camera_info on %s", self._missing, self.topic)
         self._problem = problem
-
-
-def remapped_camera_info() -> str:
-    """What the name camera_info is remapped to; empty if it is not."""
-    remappings = rospy.names.get_resolved_mappings()
-    return remappings.get(rospy.get_namespace() + "camera_info", "")
 
 
 def camera_model(info: CameraInfo, size: Tuple[int, int]) -> CameraModel:
