@@ -167,6 +167,9 @@ def test_every_color_is_a_range():
     assert {"blue", "red", "black"} <= {file.stem for file in files}
     for file in files:
         values = yaml.safe_load(file.read_text())
+        tracker = parameters_of("hsv_tracker.launch", f"color:={file.stem}")
+        for name, value in values.items():
+            assert tracker[f"/hsv_tracker/colors/{file.stem}/{name}"] == value
         assert list(values) == ["h_low", "s_low", "v_low", "h_high", "s_high", "v_high"], file
         assert all(0 <= values[name] <= (180 if name[0] == "h" else 255) for name in values)
 

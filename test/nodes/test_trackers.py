@@ -1,6 +1,7 @@
 """hsv_tracker and ball_tracker on the synthetic scene, against its ground truth and OpenCV."""
 
 import itertools
+import pathlib
 
 import cv2
 import dynamic_reconfigure.client
@@ -18,6 +19,7 @@ from std_srvs.srv import Trigger
 from robot_vision import Scene, SceneParams
 from robot_vision.msg import DetectionArray
 
+COLORS = pathlib.Path(__file__).resolve().parents[2] / "config" / "colors"
 BLUE = ((90, 50, 50), (120, 255, 255))
 KERNEL = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (3, 3))
 
@@ -82,7 +84,7 @@ def test_hsv_tracker_finds_several_colours_and_red_around_the_end(start, tmp_pat
     rospy.set_param(
         "/tracker/colors",
         {
-            "red": {"low": [170, 100, 100], "high": [10, 255, 255]},
+            "red": yaml.safe_load((COLORS / "red.yaml").read_text()),  # as the launch file has it
             "green": {"low": [50, 100, 100], "high": [70, 255, 255]},
         },
     )

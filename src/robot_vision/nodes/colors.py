@@ -67,6 +67,8 @@ def _default() -> Dict[str, Any]:
 
 
 def _range(name: str, entry: Any) -> HsvRange:
+    if isinstance(entry, dict) and entry.keys() >= {*LOW, *HIGH}:  # of a file in config/colors
+        entry = {"low": [entry[key] for key in LOW], "high": [entry[key] for key in HIGH]}
     try:
         found = HsvRange(low=tuple(entry["low"]), high=tuple(entry["high"]))
     except (KeyError, TypeError):
