@@ -22,6 +22,9 @@ struct JpegInfo
   bool color = false;  // else grey
 };
 
+/// What the stream's first frame claims to be of, whole or not; empty if there is none.
+cv::Size claimedJpegSize(const unsigned char* data, std::size_t size);
+
 /// Throws std::invalid_argument if the stream is not complete or has more than kMostPixels.
 JpegInfo readJpegInfo(const unsigned char* data, std::size_t size);
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <opencv2/core.hpp>
@@ -7,6 +8,9 @@
 
 namespace robot_vision
 {
+
+/// The most that a frame may have, 7680x4320 and a little: a stream keeps some five bytes for each as long as it lasts.
+constexpr std::size_t kMaxVideoPixels = std::size_t{1} << 25;
 
 struct TheoraParams
 {

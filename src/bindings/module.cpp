@@ -3,6 +3,7 @@
 #include <pybind11/stl.h>
 
 #include <opencv2/core/utility.hpp>
+#include <optional>
 
 #include "arrays.hpp"
 #include "robot_vision/ball_tracker.hpp"
@@ -13,6 +14,7 @@
 #include "robot_vision/face_detector.hpp"
 #include "robot_vision/frame_source.hpp"
 #include "robot_vision/hsv.hpp"
+#include "robot_vision/image_file.hpp"
 #include "robot_vision/line.hpp"
 #include "robot_vision/motion.hpp"
 #include "robot_vision/object_tracker.hpp"
@@ -83,6 +85,20 @@ void bindFilters(py::module& m)
   m.def("encodings", &encodings, "The pixel layouts that are known, named as in sensor_msgs/image_encodings.");
 }
 
+/// None: it is no image.
+std::optional<py::array> decodeFile(const py::buffer& data, int flags)
+{
+  const py::buffer_info bytes = data.request();
+  cv::Mat image;
+  {
+    const py::gil_scoped_release unlocked;
+    image = decodeImageFile(static_cast<const unsigned char*>(bytes.ptr),
+                            static_cast<std::size_t>(bytes.size * bytes.itemsize), flags);
+  }
+  if (image.empty()) return std::nullopt;
+  return toNumpy(image);
+}
+
 void bindSources(py::module& m)
 {
   py::class_<CaptureParams>(m, "CaptureParams",
@@ -98,6 +114,9 @@ void bindSources(py::module& m)
       .def_readwrite("timeout", &CaptureParams::timeout)
       .def_readwrite("scene", &CaptureParams::scene)
       .def_readwrite("poster", &CaptureParams::poster);
+  m.def("decode_image_file", &decodeFile, "data"_a, "flags"_a,
+        "The image of a file's bytes, read with cv2.IMREAD_... flags; None if it is none, or damaged.\n\n"
+        "Raises ValueError if its header claims more pixels than fit into memory beside others.");
 }
 
 /// What OpenCV itself does with a picture in several threads.

@@ -73,7 +73,7 @@ Structure readStructure(const unsigned char* data, std::size_t size)
     const std::size_t length = bigEndian<2>(data + i + 2);
     if (length < 2 || length > size - i - 2) return found;
     const std::size_t end = i + 2 + length;
-    if (beginsFrame(marker) && length >= 8)
+    if (beginsFrame(marker) && length >= 8 && found.info.size.empty())  // libjpeg takes no second one
     {
       found.baseline = marker == kBaseline;
       found.info.size = {static_cast<int>(bigEndian<2>(data + i + 7)), static_cast<int>(bigEndian<2>(data + i + 5))};
@@ -112,6 +112,11 @@ std::vector<std::uint8_t> makeStandardTables()
 bool isCompleteJpeg(const unsigned char* data, std::size_t size)
 {
   return readStructure(data, size).complete;
+}
+
+cv::Size claimedJpegSize(const unsigned char* data, std::size_t size)
+{
+  return readStructure(data, size).info.size;
 }
 
 JpegInfo readJpegInfo(const unsigned char* data, std::size_t size)

@@ -8,6 +8,7 @@
 #include <iterator>
 #include <opencv2/imgcodecs.hpp>
 
+#include "robot_vision/image_file.hpp"
 #include "robot_vision/jpeg.hpp"
 
 namespace robot_vision
@@ -60,11 +61,11 @@ cv::Mat decodeFile(const std::string& path, int flags)
   cv::Mat picture;
   try
   {
-    if (!bytes.empty()) picture = cv::imdecode(bytes, flags);
+    picture = decodeImageFile(data, bytes.size(), flags);
   }
-  catch (const cv::Exception& e)  // for instance a size beyond OpenCV's limits
+  catch (const std::invalid_argument& e)
   {
-    throw SourceError(path + ": " + e.err);
+    throw SourceError(path + ": " + e.what());
   }
   if (picture.empty()) throw SourceError(path + ": not a picture that OpenCV can read, or damaged");
   return picture;

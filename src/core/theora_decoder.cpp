@@ -6,7 +6,6 @@
 #include <stdexcept>
 #include <string>
 
-#include "robot_vision/jpeg.hpp"
 #include "robot_vision/theora.hpp"
 #include "theora_setup.hpp"
 
@@ -90,11 +89,11 @@ struct TheoraDecoder::Stream
     if (result == TH_ENOTFORMAT) return false;  // a frame of a stream whose headers are still to come
     if (result != 0) refuse(static_cast<std::size_t>(packet.bytes), "is a damaged header");
     if (info.pic_width == 0 || info.pic_height == 0 ||
-        static_cast<std::uint64_t>(info.frame_width) * info.frame_height > kMostPixels)
+        static_cast<std::uint64_t>(info.frame_width) * info.frame_height > kMaxVideoPixels)
       refuse(static_cast<std::size_t>(packet.bytes),
              "belongs to images of " + std::to_string(info.pic_width) + "x" + std::to_string(info.pic_height) +
                  " in frames of " + std::to_string(info.frame_width) + "x" + std::to_string(info.frame_height) +
-                 ", must be of 1 to " + std::to_string(kMostPixels) + " pixels");
+                 ", must be of 1 to " + std::to_string(kMaxVideoPixels) + " pixels");
     context = th_decode_alloc(&info, setup);
     if (context == nullptr) refuse(static_cast<std::size_t>(packet.bytes), "belongs to headers that make no stream");
     return true;

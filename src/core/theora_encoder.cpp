@@ -4,7 +4,6 @@
 #include <stdexcept>
 #include <string>
 
-#include "robot_vision/jpeg.hpp"
 #include "robot_vision/range.hpp"
 #include "robot_vision/theora.hpp"
 
@@ -109,10 +108,10 @@ void TheoraEncoder::begin(cv::Size size)
 
 std::vector<TheoraPacket> TheoraEncoder::encode(const cv::Mat& bgr)
 {
-  if (bgr.empty() || bgr.type() != CV_8UC3 || bgr.total() > kMostPixels)
+  if (bgr.empty() || bgr.type() != CV_8UC3 || bgr.total() > kMaxVideoPixels)
     throw std::invalid_argument("a picture of " + std::to_string(bgr.cols) + "x" + std::to_string(bgr.rows) + " (" +
                                 cv::typeToString(bgr.type()) + ") cannot become Theora, must be CV_8UC3 of 1 to " +
-                                std::to_string(kMostPixels) + " pixels");
+                                std::to_string(kMaxVideoPixels) + " pixels");
   if (!stream_ || stream_->size != bgr.size()) begin(bgr.size());
 
   cv::Mat frame;

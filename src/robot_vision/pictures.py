@@ -1,10 +1,11 @@
 """Picture files, decoded."""
 
-import contextlib
 from typing import Optional
 
 import cv2
 import numpy as np
+
+from ._core import decode_image_file
 
 
 def sensor_pixels(data: bytes, flags: int = cv2.IMREAD_COLOR) -> Optional[np.ndarray]:
@@ -18,16 +19,13 @@ def sensor_pixels(data: bytes, flags: int = cv2.IMREAD_COLOR) -> Optional[np.nda
 
     Returns:
         None if it is no picture, or damaged.
+
+    Raises:
+        ValueError: it claims to be larger than any picture that there is memory for.
     """
-    return _decode(data, flags | cv2.IMREAD_IGNORE_ORIENTATION)
+    return decode_image_file(data, flags | cv2.IMREAD_IGNORE_ORIENTATION)
 
 
 def upright(data: bytes) -> Optional[np.ndarray]:
     """The same, (height, width, 3) uint8, BGR, turned by EXIF as viewers show it."""
-    return _decode(data, cv2.IMREAD_COLOR)
-
-
-def _decode(data: bytes, flags: int) -> Optional[np.ndarray]:
-    with contextlib.suppress(cv2.error):  # of no data, and of more pixels than OpenCV takes
-        return cv2.imdecode(np.frombuffer(data, np.uint8), flags)
-    return None
+    return decode_image_file(data, cv2.IMREAD_COLOR)

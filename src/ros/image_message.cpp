@@ -3,11 +3,14 @@
 #include <cv_bridge/cv_bridge.h>
 
 #include <algorithm>
-#include <atomic>
 #include <boost/make_shared.hpp>
 #include <cstdint>
 #include <limits>
+#include <mutex>
+#include <numeric>
 #include <stdexcept>
+#include <utility>
+#include <vector>
 
 #include "robot_vision/encoding.hpp"
 
@@ -16,7 +19,9 @@ namespace robot_vision
 namespace
 {
 
-constexpr std::size_t kPooled = 4;  // one being filled, one queued, two held by those who are slow
+constexpr std::size_t kPooled = 4;      // one being filled, one queued, two held by those who are slow
+constexpr std::size_t kFarLarger = 4;   // times
+constexpr std::size_t kSmall = 1 << 20;  // bytes that are not worth a thought
 
 bool isLittleEndianHost()
 {
@@ -135,20 +140,63 @@ std::string describeRefusal(const sensor_msgs::Image& message, const std::string
          std::to_string(message.height) + "): " + why;
 }
 
-sensor_msgs::ImagePtr ImagePool::take()
+class ImagePool::Store
 {
-  for (const sensor_msgs::ImagePtr& message : messages_)
+public:
+  using Message = std::unique_ptr<sensor_msgs::Image>;
+
+  Message take()
   {
-    if (message.use_count() != 1) continue;
-    std::atomic_thread_fence(std::memory_order_acquire);  // after the last reader's release in another thread
+    const std::lock_guard<std::mutex> lock(mutex_);
+    if (idle_.empty()) return std::make_unique<sensor_msgs::Image>();
+    Message message = std::move(idle_.back());
+    idle_.pop_back();
     return message;
   }
-  const auto fresh = boost::make_shared<sensor_msgs::Image>();
-  if (messages_.size() < kPooled) messages_.push_back(fresh);
-  return fresh;
+
+  void giveBack(Message message)
+  {
+    const std::size_t usual = kFarLarger * std::max(message->data.size(), kSmall);
+    const std::lock_guard<std::mutex> lock(mutex_);
+    idle_.push_back(std::move(message));
+    const auto far_larger = [usual](const Message& other) { return other->data.capacity() > usual; };
+    idle_.erase(std::remove_if(idle_.begin(), idle_.end(), far_larger), idle_.end());
+    if (idle_.size() > kPooled || bytes() > kMaxKept) idle_.pop_back();
+  }
+
+  std::size_t kept()
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    return bytes();
+  }
+
+private:
+  std::size_t bytes() const
+  {
+    const auto add = [](std::size_t sum, const Message& message) { return sum + message->data.capacity(); };
+    return std::accumulate(idle_.begin(), idle_.end(), std::size_t{0}, add);
+  }
+
+  std::mutex mutex_;
+  std::vector<Message> idle_;
+};
+
+ImagePool::ImagePool() : store_(std::make_shared<Store>())
+{
 }
 
-sensor_msgs::ImagePtr ImagePool::take(cv::Size size, const std::string& encoding)
+sensor_msgs::ImagePtr ImagePool::take() const
+{
+  return {store_->take().release(),
+          [store = store_](sensor_msgs::Image* message) { store->giveBack(Store::Message(message)); }};
+}
+
+std::size_t ImagePool::kept() const
+{
+  return store_->kept();
+}
+
+sensor_msgs::ImagePtr ImagePool::take(cv::Size size, const std::string& encoding) const
 {
   sensor_msgs::ImagePtr free = take();
   free->encoding = encoding;
@@ -174,6 +222,7 @@ sensor_msgs::ImagePtr ImageMaker::make(const Fill& fill)
   const sensor_msgs::ImagePtr image = pool_.take(size_, encoding_);
   cv::Mat target = writablePixels(*image);
   pixels.copyTo(target);
+  if (image->data.size() > ImagePool::kMaxKept) size_ = {};
   return image;
 }
 

@@ -3,9 +3,9 @@
 #include <sensor_msgs/Image.h>
 
 #include <functional>
+#include <memory>
 #include <opencv2/core.hpp>
 #include <string>
-#include <vector>
 
 namespace robot_vision
 {
@@ -34,19 +34,28 @@ void requireEncoding(const cv::Mat& pixels, const std::string& encoding);
 /// What to log of a picture that is refused: topic, encoding, size and why.
 std::string describeRefusal(const sensor_msgs::Image& message, const std::string& topic, const std::string& why);
 
-/// Messages that are reused when nobody in the process holds them any more: large pictures then cost no page faults.
-/// Not thread-safe.
+/// Messages that are reused when nobody in the process holds them any more: large images then cost no page faults.
+/// What is kept is bounded, and so that one huge image is not paid for ever, what is far larger than the image that
+/// comes back last is let go. Thread-safe; copies share their messages.
 class ImagePool
 {
 public:
+  static constexpr std::size_t kMaxKept = std::size_t{1} << 27;  // bytes, of all messages that nobody holds
+
+  ImagePool();
+
   /// A message; its header, layout and pixels are whatever they were.
-  sensor_msgs::ImagePtr take();
+  sensor_msgs::ImagePtr take() const;
 
   /// A message with room for a picture of this size and encoding; its header and pixels are whatever they were.
-  sensor_msgs::ImagePtr take(cv::Size size, const std::string& encoding);
+  sensor_msgs::ImagePtr take(cv::Size size, const std::string& encoding) const;
+
+  /// Bytes of all messages that nobody holds.
+  std::size_t kept() const;
 
 private:
-  std::vector<sensor_msgs::ImagePtr> messages_;
+  class Store;
+  std::shared_ptr<Store> store_;
 };
 
 /// Makes messages of a stream of pictures whose size is known only when they are there. Not thread-safe.
@@ -60,9 +69,12 @@ public:
   /// A message with the picture; its header is whatever it was.
   sensor_msgs::ImagePtr make(const Fill& fill);
 
+  /// See ImagePool.
+  std::size_t kept() const { return pool_.kept(); }
+
 private:
   ImagePool pool_;
-  cv::Size size_;  // of the last picture
+  cv::Size size_;  // of the last picture; empty if it was too large to be kept
   std::string encoding_;
 };
 

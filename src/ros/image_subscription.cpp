@@ -1,8 +1,6 @@
 #include "image_subscription.hpp"
 
-#include <memory>
-#include <mutex>
-
+#include "bounded_reading.hpp"
 #include "image_message.hpp"
 
 namespace robot_vision
@@ -11,19 +9,6 @@ namespace
 {
 
 constexpr std::uint32_t kQueue = 1;  // after a slow frame the newest is next
-
-/// A pool for the threads of all who subscribe to a topic in this process: one of them makes a message for the others.
-struct SharedPool
-{
-  sensor_msgs::ImagePtr take()
-  {
-    const std::lock_guard<std::mutex> lock(mutex);
-    return pool.take();
-  }
-
-  std::mutex mutex;
-  ImagePool pool;
-};
 
 }  // namespace
 
@@ -36,10 +21,8 @@ ImageSubscription::ImageSubscription(ros::NodeHandle nh, image_transport::ImageT
     other_ = it.subscribe(nh.resolveName(topic), kQueue, callback, ros::VoidPtr(), hints);
     return;
   }
-  const auto pool = std::make_shared<SharedPool>();
-  ros::SubscribeOptions options;
-  options.initByFullCallbackType<const sensor_msgs::ImageConstPtr&>(topic, kQueue, callback,
-                                                                    [pool] { return pool->take(); });
+  ros::SubscribeOptions options =
+      boundedOptions<sensor_msgs::Image>(topic, kQueue, callback, [pool = ImagePool()] { return pool.take(); });
   options.transport_hints = hints.getRosHints();
   raw_ = nh.subscribe(options);
 }

@@ -1,40 +1,22 @@
-#include <image_transport/simple_subscriber_plugin.h>
 #include <sensor_msgs/CompressedImage.h>
 
 #include <pluginlib/class_list_macros.hpp>
 
 #include "robot_vision/compressed_picture.hpp"
 #include "robot_vision/range.hpp"
-#include "ros/image_message.hpp"
-#include "ros/throttle.hpp"
+#include "transport_subscriber.hpp"
 
 namespace robot_vision
 {
 
 /// The other end of "compressed". Parameters, live: `mode` (unchanged, gray or color) and `reduction` (1, 2, 4 or 8).
-class CompressedSubscriber : public image_transport::SimpleSubscriberPlugin<sensor_msgs::CompressedImage>
+class CompressedSubscriber : public TransportSubscriber<sensor_msgs::CompressedImage>
 {
 public:
   std::string getTransportName() const override { return "compressed"; }
 
-protected:
-  void internalCallback(const sensor_msgs::CompressedImageConstPtr& message, const Callback& user_cb) override
-  {
-    sensor_msgs::ImagePtr image;
-    try
-    {
-      image = decode(*message);
-    }
-    catch (const std::exception& e)
-    {
-      if (refused_.due()) ROS_ERROR("refused a frame on %s: %s", getTopic().c_str(), e.what());
-      return;
-    }
-    user_cb(image);
-  }
-
 private:
-  sensor_msgs::ImagePtr decode(const sensor_msgs::CompressedImage& message)
+  sensor_msgs::ImagePtr decode(const sensor_msgs::CompressedImage& message) override
   {
     const ColorMode mode = colorMode();
     int reduction = 1;
@@ -56,7 +38,6 @@ private:
   }
 
   ImageMaker pictures_;
-  Throttle refused_;
 };
 
 }  // namespace robot_vision

@@ -72,9 +72,10 @@ class DetectService:
         try:
             with self._at_work():
                 tags, why = self._of_file(request.file) if request.file else self._of_next_frame()
-        except (OSError, RuntimeError, ValueError) as error:
-            rospy.logerr("no tags detected: %s", error)
-            return DetectTagsResponse(False, str(error), TagDetectionArray())
+        except Exception as error:  # whatever the picture is: rospy would answer without a word
+            reason = str(error) or type(error).__name__
+            rospy.logerr("no tags detected: %s", reason)
+            return DetectTagsResponse(False, reason, TagDetectionArray())
         return DetectTagsResponse(True, why, tags)
 
     @contextlib.contextmanager
@@ -94,7 +95,11 @@ class DetectService:
         if not os.path.isabs(path):  # a node has another folder than its caller
             raise ValueError(f"file is '{path}', must be an absolute path")
         with trying(path, "read"), open(path, "rb") as file:
-            image = sensor_pixels(file.read())
+            data = file.read()
+        try:
+            image = sensor_pixels(data)
+        except ValueError as error:
+            raise ValueError(f"{path}: {error}") from None
         if image is None:
             raise ValueError(f"{path} is no picture")
         self._calibration.wait(CALIBRATION_TIMEOUT)

@@ -158,7 +158,11 @@ def _color(arguments: argparse.Namespace) -> Tuple[Optional[Color], Color]:
 
 def _load(path: str) -> np.ndarray:
     with trying(path, "read"):
-        picture = upright(pathlib.Path(path).read_bytes())
+        data = pathlib.Path(path).read_bytes()
+    try:
+        picture = upright(data)
+    except ValueError as error:
+        raise ValueError(f"{path}: {error}") from None
     if picture is None:
         raise ValueError(f"{path}: no picture that OpenCV can read")
     return picture
