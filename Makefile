@@ -3,7 +3,7 @@
 PREFIX ?= /opt/robot_vision
 
 .DEFAULT_GOAL := help
-.PHONY: help deps build demo check test sanitize lint format bench install clean run-deps
+.PHONY: help deps build demo check test fuzz sanitize lint format bench install clean run-deps
 .NOTPARALLEL:
 MAKEFLAGS += --no-print-directory
 
@@ -21,6 +21,11 @@ check: deps
 ## make test      everything that can be checked; TESTS=core, python, nodes or a word of a test's name for a part
 test: deps
 	@tools/env tools/test $(TESTS)
+
+## make fuzz      throw damaged messages and files at what takes them; MINUTES=10 in all, ARGS="--target raw --seed 1"
+fuzz: deps
+	@tools/env tools/build fuzz_messages
+	@tools/env --source .ws/devel/setup.bash test/fuzz/fuzz.py --minutes $(or $(MINUTES),10) $(ARGS)
 
 ## make build     build into .ws; then `source .ws/devel/setup.bash`
 build: run-deps

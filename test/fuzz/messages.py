@@ -1,0 +1,61 @@
+"""Good inputs for the targets in C++."""
+
+import struct
+from typing import Callable, Dict, List
+
+import cv2
+import numpy as np
+from sensor_msgs.msg import CompressedImage, Image
+from targets import PICTURE, encoded, serialized
+
+DEPTH = PICTURE[:, :, 0].astype(np.uint16) * 100
+
+
+def raw() -> List[bytes]:
+    layouts = (
+        ("bgr8", 3),
+        ("mono8", 1),
+        ("mono16", 2),
+        ("yuv422", 2),
+        ("bayer_rggb8", 1),
+    )
+    return [
+        serialized(
+            Image(encoding=name, width=16, height=12, step=16 * size, data=bytes(range(192)) * size)
+        )
+        for name, size in layouts
+    ]
+
+
+def compressed() -> List[bytes]:
+    progressive = cv2.imencode(".jpg", PICTURE, [cv2.IMWRITE_JPEG_PROGRESSIVE, 1])[1].tobytes()
+    wide = cv2.imencode(".png", DEPTH)[1].tobytes()
+    labelled = (
+        *zip(("bgr8; png compressed bgr8", "rgb8; jpeg compressed bgr8"), encoded(".png", ".jpg")),
+        ("jpeg", progressive),
+        ("mono16; png compressed ", wide),
+    )
+    return [serialized(CompressedImage(format=label, data=data)) for label, data in labelled]
+
+
+def compressed_depth() -> List[bytes]:
+    png = cv2.imencode(".png", DEPTH)[1].tobytes()
+    return [
+        serialized(CompressedImage(format=kind + "; compressedDepth png", data=head + png))
+        for kind, head in (
+            ("16UC1", struct.pack("<Iff", 0, 0.0, 0.0)),
+            ("32FC1", struct.pack("<Iff", 0, 100.0, 0.1)),
+        )
+    ]
+
+
+def files() -> List[bytes]:
+    return encoded(".png", ".jpg", ".bmp", ".ppm", ".webp", ".tiff", ".ras", ".pam")
+
+
+SEEDS: Dict[str, Callable[[], List[bytes]]] = {
+    "raw": raw,
+    "compressed": compressed,
+    "compressed_depth": compressed_depth,
+    "files": files,
+}

@@ -1,0 +1,203 @@
+"""What hostile hands can reach in Python: messages and files, without a ROS master."""
+
+import io
+import os
+import tempfile
+from typing import Any, Dict, List, Type
+
+import cv2
+import genpy
+import numpy as np
+import rosbag
+from sensor_msgs.msg import CameraInfo, CompressedImage, Image, RegionOfInterest
+
+from robot_vision import HsvRange
+from robot_vision.bundle_files import read_bundles
+from robot_vision.color_file import save_colors
+from robot_vision.face_cache import read_faces, write_faces
+from robot_vision.face_picture import SIDE, check_box, cut_out
+from robot_vision.gallery_files import decode
+from robot_vision.msg import Detection, DetectionArray
+from robot_vision.nodes.bag_pictures import opened, pictures_on, topics_of
+from robot_vision.nodes.calibration import camera_model
+from robot_vision.nodes.gray_pictures import gray_file, gray_message
+from robot_vision.pictures import sensor_pixels
+
+REFUSALS = (ValueError, OSError, genpy.DeserializationError)
+LONGEST_ERROR = 2000  # letters; parsers of YAML say where and why
+HIGHEST = 2**32 - 1
+
+rng = np.random.RandomState(1)
+PICTURE = rng.randint(0, 256, (12, 16, 3), np.uint8)
+
+
+class Target:
+    """Something that takes bytes from others."""
+
+    def seeds(self) -> List[bytes]:
+        """Good ones."""
+        raise NotImplementedError
+
+    def run(self, data: bytes) -> None:
+        """Takes them, or raises one of REFUSALS."""
+        raise NotImplementedError
+
+
+def encoded(*suffixes: str) -> List[bytes]:
+    return [cv2.imencode(suffix, PICTURE)[1].tobytes() for suffix in suffixes]
+
+
+def serialized(message: genpy.Message) -> bytes:
+    buffer = io.BytesIO()
+    message.serialize(buffer)
+    return buffer.getvalue()
+
+
+class Pictures(Target):
+    """Files that are decoded: ~detect, galleries, calibration, pick_color."""
+
+    def seeds(self) -> List[bytes]:
+        return encoded(".png", ".jpg", ".bmp", ".ppm", ".webp", ".tiff", ".ras")
+
+    def run(self, data: bytes) -> None:
+        if sensor_pixels(data) is None:
+            raise ValueError("no picture")
+        decode(data)
+        gray_file(data)
+
+
+class Messages(Target):
+    """sensor_msgs/Image and CompressedImage as the tools read them, from bags and topics."""
+
+    def seeds(self) -> List[bytes]:
+        image = Image(encoding="bgr8", width=16, height=12, step=48, data=PICTURE.tobytes())
+        wide = Image(encoding="mono16", width=8, height=12, step=48, data=PICTURE.tobytes())
+        packed = [
+            CompressedImage(format="bgr8; jpeg compressed bgr8", data=data)
+            for data in encoded(".png", ".jpg")
+        ]
+        return [b"i" + serialized(one) for one in (image, wide)] + [
+            b"c" + serialized(one) for one in packed
+        ]
+
+    def run(self, data: bytes) -> None:
+        gray_message((Image() if data[:1] == b"i" else CompressedImage()).deserialize(data[1:]))
+
+
+class CameraInfos(Target):
+    """The camera of a topic, which poses and positions are computed with."""
+
+    def seeds(self) -> List[bytes]:
+        matrix = [500.0, 0, 8, 0, 500, 6, 0, 0, 1]
+        bends = (("plumb_bob", [0.1] * 5), ("equidistant", [0.1] * 4))
+        return [
+            serialized(CameraInfo(width=16, height=12, K=matrix, D=bend, distortion_model=model))
+            for model, bend in bends
+        ]
+
+    def run(self, data: bytes) -> None:
+        info = CameraInfo().deserialize(data)
+        camera = camera_model(info, (info.width, info.height))
+        pixels, _ = camera.project(np.array([[0.0, 0.0, 1.0], [0.1, 0.1, 1.0]]))
+        assert np.isfinite(camera.K).all() and not np.isnan(pixels[0]).any(), pixels
+
+
+class Detections(Target):
+    """Boxes that others have found, and that faces are cut out of."""
+
+    def seeds(self) -> List[bytes]:
+        box = RegionOfInterest(x_offset=2, y_offset=2, width=8, height=8)
+        found = [Detection(label="face", id=number, box=box) for number in range(3)]
+        return [serialized(DetectionArray(width=16, height=12, detections=found))]
+
+    def run(self, data: bytes) -> None:
+        message = DetectionArray().deserialize(data)
+        for found in message.detections:
+            box = found.box.x_offset, found.box.y_offset, found.box.width, found.box.height
+            check_box(PICTURE, box)
+            cut_out(PICTURE, box)
+
+
+class Files(Target):
+    """Something that reads a file by its path."""
+
+    def __init__(self) -> None:
+        self._folder = tempfile.TemporaryDirectory()
+        self.path = os.path.join(self._folder.name, "file")
+
+    def run(self, data: bytes) -> None:
+        with open(self.path, "wb") as file:
+            file.write(data)
+        self.read()
+
+    def read(self) -> Any:
+        raise NotImplementedError
+
+
+class Colors(Files):
+    """A YAML file that a colour is saved into."""
+
+    def seeds(self) -> List[bytes]:
+        return [
+            b"colors:\n  red: {low: [0, 100, 100], high: [10, 255, 255]}  # as seen\ngain: 1.5\n",
+            b"colors: {red: {low: [0, 1, 2], high: [3, 4, 5]}}\n",
+            b"# none yet\ngain: 1.5\n",
+        ]
+
+    def read(self) -> None:
+        save_colors(self.path, {"red": HsvRange((1, 2, 3), (4, 5, 6))})
+
+
+class Bundles(Files):
+    """A YAML file of bundles of tags."""
+
+    def seeds(self) -> List[bytes]:
+        tag = "{id: %d, size: 0.1, x: 0, y: 0, z: %d, qw: 1, qx: 0, qy: 0, qz: 0}"
+        layout = ", ".join(tag % (number, number) for number in range(3))
+        return [f"tag_bundles:\n- name: box\n  layout: [{layout}]\n".encode()]
+
+    def read(self) -> None:
+        read_bundles(self.path)
+
+
+class Faces(Files):
+    """What a gallery keeps of the faces in its pictures."""
+
+    def seeds(self) -> List[bytes]:
+        write_faces(self.path, {"0" * 64: np.zeros((SIDE, SIDE), np.uint8)})
+        with open(self.path, "rb") as file:
+            return [file.read()]
+
+    def read(self) -> None:
+        read_faces(self.path)
+
+
+class Bags(Files):
+    """A recording, some of whose stamps are the last that there is."""
+
+    def seeds(self) -> List[bytes]:
+        with rosbag.Bag(self.path, "w") as bag:
+            for number, stamp in enumerate((genpy.Time(1, 0), genpy.Time(HIGHEST, 999999999))):
+                image = Image(encoding="mono8", width=4, height=4, step=4, data=bytes(16))
+                image.header.stamp, image.header.seq = stamp, number
+                bag.write("/image", image, stamp)
+        with open(self.path, "rb") as file:
+            return [file.read()]
+
+    def read(self) -> None:
+        with opened(self.path) as bag:
+            topics_of(bag)
+            for _, read in pictures_on(bag, "/image"):
+                read()
+
+
+TARGETS: Dict[str, Type[Target]] = {
+    "bags": Bags,
+    "bundles": Bundles,
+    "camera_infos": CameraInfos,
+    "colors": Colors,
+    "detections": Detections,
+    "faces": Faces,
+    "messages": Messages,
+    "pictures": Pictures,
+}

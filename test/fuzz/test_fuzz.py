@@ -1,0 +1,49 @@
+"""A short run of the fuzzer, the same every time; `make fuzz` is the long one."""
+
+import time
+
+import fuzz
+import pytest
+
+INPUTS = 1500
+SLOW = {"pictures": 400, "files": 800, "bags": 300}  # inputs of those that decode each one thrice
+
+
+@pytest.mark.parametrize("target", fuzz.ALL)
+def test_nothing_falls_over_hostile_inputs(target, tmp_path):
+    count = SLOW.get(target, INPUTS)
+    failures = fuzz.fuzz(target, 1, count, time.monotonic() + 600.0, str(tmp_path))
+    assert not failures, "\n".join(failures)
+
+
+@pytest.mark.parametrize(
+    ("code", "reason"),
+    [
+        ("import os; os.abort()", "it has ended with code -6"),
+        ("while True: pass", "it hangs"),
+        ("bytearray(1 << 40)", "MemoryError"),
+        ("global kept; kept = b'x' * (500 << 20)", "MB are kept"),
+        ("raise KeyError('x')", "KeyError"),
+        ("raise ValueError('a\\nb')", "no line of text"),
+    ],
+)
+def test_what_is_not_survived_is_told(code, reason, tmp_path, monkeypatch):
+    broken = tmp_path / "worker.py"
+    broken.write_text(
+        f"import sys; sys.path.insert(0, {fuzz.HERE!r})\n"
+        "import targets, worker\n"
+        "class Broken(targets.Faces):\n"
+        "    def run(self, data):\n"
+        "        if data:\n"
+        "            return\n"
+        f"        {code}\n"
+        "targets.TARGETS['faces'] = Broken\n"
+        "worker.main()\n"
+    )
+    monkeypatch.setattr(fuzz, "HERE", str(tmp_path))
+    worker = fuzz.Worker("faces")
+    assert worker.take(b"good") == "taken"
+    monkeypatch.setattr(fuzz, "MAX_CPU", 1.0)
+    with pytest.raises(fuzz.SurvivalError, match=reason):
+        worker.take(b"")
+    worker.end()
