@@ -43,8 +43,12 @@ struct CameraModel
 bool isCalibrated(const cv::Matx33d& K);
 
 /// Throws std::invalid_argument naming what no camera has, its value and the range: a size or a focal length that is
-/// not positive, a number that is not finite, a model that is not known, another count of distortion coefficients.
+/// not positive, a number that is not finite or above a million, a K that is not of a pinhole, a model that is not
+/// known, another count of distortion coefficients.
 void validate(const CameraModel& camera);
+
+/// The same for what a CameraInfo says of rectified images. Zeros, which are of a camera that nobody rectifies, pass.
+void validateRectification(const cv::Matx33d& R, const cv::Matx34d& P);
 
 /// The rays of all pixel centres of a camera, CV_32FC1 of its size, in two planes for loops that run over a row.
 struct RayTable

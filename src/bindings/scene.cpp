@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdint>
+#include <limits>
 #include <optional>
 
 #include "arrays.hpp"
@@ -24,10 +26,12 @@ cv::Matx33d toK(const Matrix& K)
   return cv::Matx33d(K.data());
 }
 
-CameraModel makeCamera(int width, int height, const Matrix& K, const std::vector<double>& D,
+CameraModel makeCamera(std::int64_t width, std::int64_t height, const Matrix& K, const std::vector<double>& D,
                        const std::string& distortion_model)
 {
-  CameraModel camera{width, height, toK(K), D, distortion_model};
+  static constexpr std::int64_t kMaxInt = std::numeric_limits<int>::max();  // messages have more
+  const auto side = [](std::int64_t given) { return static_cast<int>(std::clamp(given, -kMaxInt, kMaxInt)); };
+  CameraModel camera{side(width), side(height), toK(K), D, distortion_model};
   validate(camera);
   return camera;
 }
@@ -69,6 +73,16 @@ void bindCamera(py::module& m)
       .def("project", &project, "points"_a,
            "Where points are seen, and how that changes with them: (n, 2) px and (n, 2, 3) px/m of (n, 3) m in the "
            "optical frame; NaN for those not in front of the camera.");
+  m.def(
+      "validate_rectification",
+      [](const Matrix& R, const Matrix& P)
+      {
+        if (R.size() != 9 || P.size() != 12)
+          throw py::value_error("R has " + std::to_string(R.size()) + " numbers and P " + std::to_string(P.size()) +
+                                ", must be 9 and 12");
+        validateRectification(cv::Matx33d(R.data()), cv::Matx34d(P.data()));
+      },
+      "R"_a, "P"_a, "Raises ValueError for what no sensor_msgs/CameraInfo has there.");
   m.def(
       "is_calibrated", [](const Matrix& K) { return isCalibrated(toK(K)); }, "K"_a,
       "Whether a sensor_msgs/CameraInfo with this K (9 numbers) is of a calibrated camera: others have zeros there.");

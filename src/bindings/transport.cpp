@@ -123,7 +123,8 @@ void publish(ImageOutbox& outbox, const py::array& pixels, const std::string& en
   const cv::Mat view = viewOf(packed);
   std_msgs::Header header;
   header.seq = seq;
-  header.stamp = ros::Time(secs, nsecs);
+  header.stamp.sec = secs;  // as they came: the constructor throws for times that nothing can be done about
+  header.stamp.nsec = nsecs;
   header.frame_id = frame_id;
   const LeaveGil unlocked;
   outbox.publish(view, encoding, header);

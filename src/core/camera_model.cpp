@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "distortion.hpp"
+#include "robot_vision/printable.hpp"
 #include "robot_vision/range.hpp"
 
 namespace robot_vision
@@ -13,6 +14,10 @@ namespace
 {
 
 const double kNan = std::numeric_limits<double>::quiet_NaN();
+
+constexpr int kMaxSide = 1 << 16;   // px
+constexpr double kMaxNumber = 1e6;  // of K, D and P: a focal length of so many px sees a few hundredths of a degree
+constexpr double kMaxSkew = 1e-3;   // of a rotation's rows from being of length 1 and at right angles
 
 cv::Point2d normalised(const CameraModel& camera, const cv::Point2d& pixel)
 {
@@ -28,8 +33,21 @@ void validateDistortion(const std::string& model, std::size_t count)
   else if (isPolynomial(model))
     require(count == 0 || count == 4 || count == 5 || count == 8, "D", found, "0, 4, 5 or 8" + of_them);
   else
-    require(model.empty() && count == 0, "distortion_model", "'" + model + "'",
+    require(model.empty() && count == 0, "distortion_model", "'" + printable(model) + "'",
             "plumb_bob, rational_polynomial, equidistant or fisheye");
+}
+
+/// Throws std::invalid_argument naming a number that is not finite, or far from that of any camera.
+void requirePlausible(const std::string& name, double value)
+{
+  requireFinite(name, value);
+  requireRange(name, value, -kMaxNumber, kMaxNumber);
+}
+
+/// Of the upper left of P, too.
+void requireFocalLength(const std::string& name, double value)
+{
+  require(value > 0.0, name, value, "above 0 where it is a focal length");
 }
 
 }  // namespace
@@ -43,14 +61,34 @@ void validate(const CameraModel& camera)
 {
   require(camera.width >= 1, "width", camera.width, "at least 1");
   require(camera.height >= 1, "height", camera.height, "at least 1");
+  requireRange("width", camera.width, 1, kMaxSide);
+  requireRange("height", camera.height, 1, kMaxSide);
   require(isCalibrated(camera.K), "K", "0 everywhere", "that of a calibrated camera");
   for (const double value : camera.K.val)
-    requireFinite("K", value);
+    requirePlausible("K", value);
   for (const int axis : {0, 1})
-    require(camera.K(axis, axis) > 0.0, "K", camera.K(axis, axis), "above 0 where it is a focal length");
+    requireFocalLength("K", camera.K(axis, axis));
+  require(camera.K(1, 0) == 0.0, "K[3]", camera.K(1, 0), "0");
+  const bool ends_well = camera.K.row(2) == cv::Matx13d(0.0, 0.0, 1.0);
+  require(ends_well, "the last row of K",
+          toText(camera.K(2, 0)) + ", " + toText(camera.K(2, 1)) + ", " + toText(camera.K(2, 2)), "0, 0, 1");
   for (const double value : camera.D)
-    requireFinite("D", value);
+    requirePlausible("D", value);
   validateDistortion(camera.distortion_model, camera.D.size());
+}
+
+void validateRectification(const cv::Matx33d& R, const cv::Matx34d& P)
+{
+  for (const double value : R.val)
+    requireFinite("R", value);
+  const bool rotates = cv::norm(R * R.t() - cv::Matx33d::eye(), cv::NORM_INF) < kMaxSkew && cv::determinant(R) > 0.0;
+  require(rotates || R == cv::Matx33d::zeros(), "R", "none", "a rotation");
+  for (const double value : P.val)
+    requirePlausible("P", value);
+  if (P == cv::Matx34d::zeros()) return;
+  for (const int axis : {0, 1})
+    requireFocalLength("P", P(axis, axis));
+  require(P.row(2) == cv::Matx14d(0.0, 0.0, 1.0, 0.0), "the last row of P", "another", "0, 0, 1, 0");
 }
 
 cv::Point2d CameraModel::project(const cv::Point3d& point) const

@@ -9,6 +9,7 @@
 
 #include "png.hpp"
 #include "robot_vision/encoding.hpp"
+#include "robot_vision/printable.hpp"
 #include "robot_vision/range.hpp"
 
 namespace robot_vision
@@ -88,7 +89,7 @@ void compressDepth(const cv::Mat& image, const std::string& encoding, const Dept
                    CompressedPicture& out)
 {
   validate(params);
-  require(isDepth(encoding), "encoding", "'" + encoding + "'", "16UC1, mono16 or 32FC1");
+  require(isDepth(encoding), "encoding", "'" + printable(encoding) + "'", "16UC1, mono16 or 32FC1");
   const int type = encoding == "32FC1" ? CV_32FC1 : CV_16UC1;
   if (image.empty() || image.type() != type)
     throw std::invalid_argument(encoding + " picture of " + std::to_string(image.cols) + "x" +
@@ -120,7 +121,7 @@ std::string decompressDepth(const std::string& format, const unsigned char* data
   const std::string codec = split == std::string::npos ? "" : format.substr(split);
   const std::string encoding = format.substr(0, split);
   const bool known = codec.empty() || codec == "; compressedDepth" || codec == "; compressedDepth png";
-  require(known && isDepth(encoding), "format", "'" + format + "'",
+  require(known && isDepth(encoding), "format", "'" + printable(format) + "'",
           "16UC1, mono16 or 32FC1 with '; compressedDepth png'");
   Header header;
   if (size < sizeof(header))

@@ -8,6 +8,7 @@
 
 #include "png.hpp"
 #include "robot_vision/encoding.hpp"
+#include "robot_vision/printable.hpp"
 #include "robot_vision/range.hpp"
 
 namespace robot_vision
@@ -65,7 +66,7 @@ Layout layoutOf(const std::string& encoding)
   std::vector<std::string> known;
   for (const Layout& layout : kLayouts)
     known.emplace_back(layout.encoding);
-  throw std::invalid_argument("encoding '" + encoding + "' is not one of " + joined(known));
+  throw std::invalid_argument("encoding '" + printable(encoding) + "' is not one of " + joined(known));
 }
 
 bool isBayer(const Layout& layout)
@@ -188,7 +189,7 @@ std::string decompress(const std::string& format, const unsigned char* data, std
   const bool png = isPng(data, size);
   const bool jpeg = size > 2 && data[0] == 0xFF && data[1] == 0xD8;
   if ((!png && !jpeg) || (png && label.jpeg) || (jpeg && label.png))
-    throw std::invalid_argument("format is '" + format + "', its " + std::to_string(size) + " bytes are " +
+    throw std::invalid_argument("format is '" + printable(format) + "', its " + std::to_string(size) + " bytes are " +
                                 (png    ? "PNG"
                                  : jpeg ? "JPEG"
                                         : "neither JPEG nor PNG"));

@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "robot_vision/jpeg.hpp"
+#include "robot_vision/printable.hpp"
 #include "robot_vision/range.hpp"
 #include "row_conversions.hpp"
 
@@ -66,7 +67,7 @@ const Layout* findLayout(const std::string& encoding)
 const Layout& layoutOf(const std::string& encoding)
 {
   if (const Layout* found = findLayout(encoding)) return *found;
-  throw std::invalid_argument("encoding '" + encoding + "' is not one of " + joined(encodings()));
+  throw std::invalid_argument("encoding '" + printable(encoding) + "' is not one of " + joined(encodings()));
 }
 
 std::string describe(const cv::Mat& image, const std::string& encoding)

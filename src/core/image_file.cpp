@@ -6,6 +6,7 @@
 #include <string>
 
 #include "image_header.hpp"
+#include "png.hpp"
 #include "robot_vision/jpeg.hpp"
 
 namespace robot_vision
@@ -19,13 +20,15 @@ cv::Mat decodeImageFile(const unsigned char* data, std::size_t size, int flags)
     throw std::invalid_argument("claims to be of " + std::to_string(claimed->width) + "x" +
                                 std::to_string(claimed->height) + ", the most is " + std::to_string(kMostPixels) +
                                 " pixels");
-  const cv::Mat bytes(1, static_cast<int>(size), CV_8UC1, const_cast<unsigned char*>(data));
   try
   {
+    if (isPng(data, size)) return cv::imdecode(withoutNotes(data, size), flags);
+    const cv::Mat bytes(1, static_cast<int>(size), CV_8UC1, const_cast<unsigned char*>(data));
     return cv::imdecode(bytes, flags);
   }
   catch (const cv::Exception& e)  // for instance a side beyond OpenCV's limits
   {
+    if (e.code == cv::Error::StsNoMem) throw;
     throw std::invalid_argument(e.err);
   }
 }

@@ -24,6 +24,13 @@ constexpr std::size_t kAroundData = 12;  // a chunk's length, name and check sum
   throw std::invalid_argument("PNG of " + std::to_string(size) + " bytes " + why);
 }
 
+bool isPartOfTheImage(const unsigned char* name)
+{
+  constexpr std::array<const char*, 6> kParts = {"IHDR", "PLTE", "tRNS", "IDAT", "IEND", "eXIf"};
+  return std::any_of(kParts.begin(), kParts.end(),
+                     [name](const char* part) { return std::memcmp(name, part, 4) == 0; });
+}
+
 /// Whether the chunks lead from the header to the end of the image.
 bool isComplete(const unsigned char* data, std::size_t size)
 {
@@ -61,12 +68,29 @@ PngInfo readPngInfo(const unsigned char* data, std::size_t size)
   return {(data[kSizes + 9] & (kColor | kAlpha)) != 0, data[kSizes + 8] == 16};
 }
 
+std::vector<std::uint8_t> withoutNotes(const unsigned char* data, std::size_t size)
+{
+  std::vector<std::uint8_t> kept;
+  kept.reserve(size);
+  std::size_t i = std::min(size, kSignature.size());
+  kept.assign(data, data + i);
+  while (size - i >= kAroundData)
+  {
+    const std::size_t length = bigEndian<4>(data + i);
+    if (length > size - i - kAroundData) break;
+    const std::size_t end = i + kAroundData + length;
+    if (isPartOfTheImage(data + i + 4)) kept.insert(kept.end(), data + i, data + end);
+    i = end;
+  }
+  kept.insert(kept.end(), data + i, data + size);  // of a damaged one, for the decoder to refuse
+  return kept;
+}
+
 cv::Mat decodePng(const unsigned char* data, std::size_t size, int flags)
 {
   readPngInfo(data, size);  // OpenCV would decode whatever else it is, and make room for any size that it claims
   if (size > static_cast<std::size_t>(std::numeric_limits<int>::max())) refuse(size, "is too large");
-  const cv::Mat bytes(1, static_cast<int>(size), CV_8UC1, const_cast<unsigned char*>(data));
-  cv::Mat image = cv::imdecode(bytes, flags);
+  cv::Mat image = cv::imdecode(withoutNotes(data, size), flags);
   if (image.empty()) refuse(size, "cannot be decoded");
   return image;
 }

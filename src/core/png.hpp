@@ -20,6 +20,10 @@ struct PngInfo
 /// Throws std::invalid_argument if it is damaged, or of more pixels than fit into memory beside others.
 PngInfo readPngInfo(const unsigned char* data, std::size_t size);
 
+/// The stream with only that in it which the image is made of, and EXIF: libpng prints what it finds wrong with the
+/// rest, color profiles above all, on the terminal, and OpenCV lets it.
+std::vector<std::uint8_t> withoutNotes(const unsigned char* data, std::size_t size);
+
 /// Decodes with cv::imdecode's `flags`. Throws std::invalid_argument if the stream is no PNG, truncated, damaged or of
 /// more pixels than fit into memory beside others.
 cv::Mat decodePng(const unsigned char* data, std::size_t size, int flags);

@@ -73,6 +73,7 @@ from ._core import (
     to_gray,
     to_hsv,
     validate,
+    validate_rectification,
     without_bent_edges,
 )
 
@@ -149,5 +150,6 @@ __all__ = [
     "to_gray",
     "to_hsv",
     "validate",
+    "validate_rectification",
     "without_bent_edges",
 ]

@@ -10,9 +10,11 @@ import numpy as np
 from .files import add_file, reason, trying
 from .identities import UNKNOWN
 from .pictures import upright
+from .plain_text import printable
 
 SUFFIXES = (".bmp", ".jpeg", ".jpg", ".pgm", ".png", ".ppm", ".tif", ".tiff", ".webp")
 MAX_NAME = 60  # characters: fits into the 255 bytes of a file system's names in any script
+LONGEST_PATH = 1000  # letters that are told of it
 MAX_FILE = 64 << 20  # bytes, of a picture
 
 
@@ -156,4 +158,4 @@ def write_numbered(folder: str, pngs: Sequence[bytes]) -> None:
 
 def shown(path: str) -> str:
     """A path as text for people and messages: what is no UTF-8 in it is replaced."""
-    return os.fsencode(path).decode(errors="replace")
+    return printable(os.fsencode(path).decode(errors="replace"), LONGEST_PATH)

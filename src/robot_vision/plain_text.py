@@ -1,6 +1,18 @@
-"""Text for the overlay, whose letters are those of ASCII."""
+"""Text of others for people: on the overlay, whose letters are those of ASCII, and in logs."""
 
 import unicodedata
+
+
+def printable(text: str, length: int = 100) -> str:
+    """What somebody else has sent, as a part of one line: what is no letter or sign is escaped.
+
+    So it ends no line and tells no terminal what to do; what is longer ends in "...".
+    """
+    line = "".join(
+        letter if letter.isprintable() else letter.encode("unicode_escape").decode()
+        for letter in text[: length + 1]
+    )
+    return line[: length - 3] + "..." if len(line) > length else line
 
 
 def plain(text: str, length: int = 100) -> str:

@@ -24,7 +24,9 @@ from sensor_msgs.msg import CameraInfo
 from std_msgs.msg import Header
 
 from . import _transport
+from .plain_text import printable
 from .registration import Registration
+from .throttle import Throttle
 
 
 class Frame:
@@ -96,6 +98,7 @@ class ImageSubscriber:
     ):
         self.topic = rospy.resolve_name(topic)
         self.failed = 0  # callbacks that raised
+        self._told_failed, self._told_refused = Throttle(), Throttle()
         if transport is None:
             transport = _transport_parameter()
         self._callback = callback
@@ -148,16 +151,17 @@ class ImageSubscriber:
             self._inbox.finished()
         except FrameError as error:
             height, width = frame.image.shape[:2]
-            what = f"({frame.encoding}, {width}x{height}): {error}"
+            what = f"({printable(frame.encoding)}, {width}x{height}): {printable(str(error), 300)}"
             self._inbox.failed(f"refused a frame on {self.topic} {what}")
-            rospy.logerr_throttle_identical(5.0, f"refused a frame on {self.topic} {what}")
+            if self._told_refused.due():
+                rospy.logerr("refused a frame on %s %s", self.topic, what)
         except Exception as error:
             if rospy.core.is_shutdown_requested():
                 return  # its topics are being closed
             self.failed += 1
-            self._inbox.failed(f"the callback failed: {error!a}")
-            text = f"{self.topic}: the callback failed:\n{traceback.format_exc()}"
-            rospy.logerr_throttle_identical(5.0, text)
+            self._inbox.failed(f"the callback failed: {printable(ascii(error), 300)}")
+            if self._told_failed.due():
+                rospy.logerr("%s: the callback failed:\n%s", self.topic, traceback.format_exc())
 
 
 class CameraSubscriber(ImageSubscriber):

@@ -10,6 +10,7 @@
 #include <cctype>
 #include <cstdlib>
 #include <filesystem>
+#include <limits>
 #include <sstream>
 #include <stdexcept>
 
@@ -73,8 +74,9 @@ std::string pathOf(const std::string& url, const std::string& camera_name)
 CameraModel modelOf(const sensor_msgs::CameraInfo& info)
 {
   CameraModel model;
-  model.width = static_cast<int>(info.width);
-  model.height = static_cast<int>(info.height);
+  constexpr std::uint32_t kMaxInt = std::numeric_limits<int>::max();
+  model.width = static_cast<int>(std::min(info.width, kMaxInt));
+  model.height = static_cast<int>(std::min(info.height, kMaxInt));
   model.K = cv::Matx33d(info.K.data());
   model.D = info.D;
   model.distortion_model = info.distortion_model;
@@ -93,10 +95,19 @@ void requireUsable(const sensor_msgs::CameraInfo& info, cv::Size size)
             toText(size.height) + of_pictures);
   }
   validate(modelOf(info));
-  for (const double value : info.R)
-    requireFinite("R", value);
-  for (const double value : info.P)
-    requireFinite("P", value);
+  validateRectification(cv::Matx33d(info.R.data()), cv::Matx34d(info.P.data()));
+}
+
+/// Why a calibration read from a file is none; empty: it is one.
+std::string problemOf(const sensor_msgs::CameraInfo& info)
+try
+{
+  requireUsable(info, {});
+  return "";
+}
+catch (const std::invalid_argument& e)
+{
+  return e.what();
 }
 
 }  // namespace
@@ -132,6 +143,11 @@ sensor_msgs::CameraInfo Calibration::read() const
     ROS_WARN("%s: not calibrated: there is no %s", name_.c_str(), path_.c_str());
   else if (!camera_calibration_parsers::readCalibration(path_, of_camera, info))
     ROS_ERROR("%s: not calibrated: %s is no calibration that can be read", name_.c_str(), path_.c_str());
+  else if (const std::string problem = problemOf(info); !problem.empty())
+  {
+    ROS_ERROR("%s: not calibrated: %s: %s", name_.c_str(), path_.c_str(), problem.c_str());
+    return {};
+  }
   else
     ROS_INFO("%s: calibrated by %s", name_.c_str(), path_.c_str());
   if (!of_camera.empty() && of_camera != camera_name_)

@@ -13,14 +13,15 @@
 #include <vector>
 
 #include "robot_vision/encoding.hpp"
+#include "robot_vision/printable.hpp"
 
 namespace robot_vision
 {
 namespace
 {
 
-constexpr std::size_t kPooled = 4;      // one being filled, one queued, two held by those who are slow
-constexpr std::size_t kFarLarger = 4;   // times
+constexpr std::size_t kPooled = 4;       // one being filled, one queued, two held by those who are slow
+constexpr std::size_t kFarLarger = 4;    // times
 constexpr std::size_t kSmall = 1 << 20;  // bytes that are not worth a thought
 
 bool isLittleEndianHost()
@@ -80,18 +81,18 @@ int anyMatType(const std::string& encoding)
   {
     const int type = cv_bridge::getCvType(encoding);
     if (type == CV_MAT_TYPE(type)) return type;  // 8UC0 and 8UC513 leave the bits of a type
-    throw std::invalid_argument("encoding '" + encoding + "' has a number of channels that no picture has");
+    throw std::invalid_argument("encoding '" + printable(encoding) + "' has a number of channels that no picture has");
   }
   catch (const cv_bridge::Exception& e)
   {
-    throw std::invalid_argument("encoding '" + encoding + "' is unknown: " + e.what());
+    throw std::invalid_argument("encoding '" + printable(encoding) + "' is unknown: " + printable(e.what()));
   }
 }
 
 cv::Mat viewPixels(const sensor_msgs::Image& message)
 {
   if (isEncoding(message.encoding) && !isMessageEncoding(message.encoding))
-    throw std::invalid_argument("encoding '" + message.encoding + "' is not one of sensor_msgs/Image");
+    throw std::invalid_argument("encoding '" + printable(message.encoding) + "' is not one of sensor_msgs/Image");
   const cv::Mat pixels = view(message, matType(message.encoding));
   checkPixels(pixels, message.encoding);
   return pixels;
@@ -130,14 +131,14 @@ cv::Mat convertPixels(const sensor_msgs::Image& message, const std::string& enco
   }
   catch (const std::exception& e)
   {
-    throw std::invalid_argument("cannot be converted to '" + encoding + "': " + e.what());
+    throw std::invalid_argument("cannot be converted to '" + encoding + "': " + printable(e.what(), 300));
   }
 }
 
 std::string describeRefusal(const sensor_msgs::Image& message, const std::string& topic, const std::string& why)
 {
-  return "refused a frame on " + topic + " (" + message.encoding + ", " + std::to_string(message.width) + "x" +
-         std::to_string(message.height) + "): " + why;
+  return "refused a frame on " + topic + " (" + printable(message.encoding) + ", " + std::to_string(message.width) +
+         "x" + std::to_string(message.height) + "): " + why;
 }
 
 class ImagePool::Store

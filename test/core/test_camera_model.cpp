@@ -110,6 +110,28 @@ TEST(CameraModel, aPixelWithoutARayHasNone)
   EXPECT_TRUE(std::isnan(camera.project({0.1, 0.1, 0.0}).x));
 }
 
+TEST(CameraModel, whatNoRectificationHasIsNamed)
+{
+  const cv::Matx33d R = cv::Matx33d::eye();
+  const cv::Matx34d P(520, 0, 318, -60, 0, 515, 243, 0, 0, 0, 1, 0);
+  const auto of = [](const cv::Matx33d& R, const cv::Matx34d& P)
+  { return refusal([&] { validateRectification(R, P); }); };
+  EXPECT_EQ(of(R, P), "");
+  EXPECT_EQ(of(cv::Matx33d::zeros(), cv::Matx34d::zeros()), "");
+  EXPECT_EQ(of({0, -1, 0, 1, 0, 0, 0, 0, 1}, P), "");
+  EXPECT_EQ(of({1, 0, 0, 0, 1, 0, 0, 0, -1}, P), "R is none, must be a rotation");
+  EXPECT_EQ(of(R * 1.1, P), "R is none, must be a rotation");
+  EXPECT_EQ(of({std::nan(""), 0, 0, 0, 1, 0, 0, 0, 1}, P), "R is nan, must be finite");
+  cv::Matx34d wrong = P;
+  wrong(0, 0) = 0.0;
+  EXPECT_EQ(of(R, wrong), "P is 0, must be above 0 where it is a focal length");
+  wrong = P;
+  wrong(2, 2) = 2.0;
+  EXPECT_EQ(of(R, wrong), "the last row of P is another, must be 0, 0, 1, 0");
+  wrong(1, 3) = 1e300;
+  EXPECT_EQ(of(R, wrong), "P is 1e+300, must be from -1e+06 to 1e+06");
+}
+
 TEST(CameraModel, whatNoCameraHasIsNamed)
 {
   EXPECT_EQ(refusalOf(cameraWith({})), "");
@@ -132,6 +154,21 @@ TEST(CameraModel, whatNoCameraHasIsNamed)
   camera.K(0, 2) = std::nan("");
   EXPECT_EQ(refusalOf(camera), "K is nan, must be finite");
   EXPECT_TRUE(isCalibrated(camera.K));
+  camera = cameraWith({});
+  camera.width = 100000;
+  EXPECT_EQ(refusalOf(camera), "width is 100000, must be from 1 to 65536");
+  camera = cameraWith({});
+  camera.K(0, 1) = 1e300;
+  EXPECT_EQ(refusalOf(camera), "K is 1e+300, must be from -1e+06 to 1e+06");
+  camera = cameraWith({});
+  camera.K(1, 0) = 1.0;
+  EXPECT_EQ(refusalOf(camera), "K[3] is 1, must be 0");
+  camera = cameraWith({});
+  camera.K(2, 2) = -1.0;
+  EXPECT_EQ(refusalOf(camera), "the last row of K is 0, 0, -1, must be 0, 0, 1");
+  EXPECT_EQ(refusalOf(cameraWith({1e7, 0, 0, 0})), "D is 1e+07, must be from -1e+06 to 1e+06");
+  const std::string escape = refusalOf(cameraWith({}, "\x1b[2J\n"));
+  EXPECT_EQ(escape, "distortion_model is '\\x1b[2J\\x0a', " + models);
   camera.K = cv::Matx33d::zeros();
   EXPECT_FALSE(isCalibrated(camera.K));
   EXPECT_EQ(refusalOf(camera), "K is 0 everywhere, must be that of a calibrated camera");

@@ -1,5 +1,8 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
+
 #include "core/theora_setup.hpp"
 #include "pictures.hpp"
 #include "refusal.hpp"
@@ -141,10 +144,25 @@ TEST(Theora, refusesWhatIsNoPicture)
 {
   TheoraEncoder encoder;
   EXPECT_EQ(refusal([&] { encoder.encode(cv::Mat(2, 2, CV_8UC1)); }),
-            "a picture of 2x2 (CV_8UC1) cannot become Theora, must be CV_8UC3 of 1 to 67108864 pixels");
+            "a picture of 2x2 (CV_8UC1) cannot become Theora, must be CV_8UC3 of 1 to 33554432 pixels");
   EXPECT_EQ(refusal([] { TheoraEncoder({true, 64, 1, 64}); }), "quality is 64, must be from 0 to 63");
   EXPECT_EQ(refusal([] { TheoraEncoder({true, 1, 0, 64}); }), "target_bitrate is 0, must be from 1 to 9.92e+07");
   EXPECT_EQ(refusal([] { TheoraEncoder({true, 1, 1, 65}); }), "keyframe_frequency is 65, must be from 1 to 64");
+}
+
+TEST(Theora, refusesAStreamThatWouldFillTheMemory)
+{
+  TheoraEncoder encoder;
+  std::vector<TheoraPacket> packets = encoder.encode(frameAt(0));
+  // Macro blocks across and down (Theora specification, 6.2): 8192 x 4112 px.
+  const std::array<std::uint8_t, 4> blocks = {0x02, 0x00, 0x01, 0x01};
+  std::copy(blocks.begin(), blocks.end(), packets[0].data.begin() + 10);
+  TheoraDecoder decoder;
+  cv::Mat back;
+  std::string why;
+  for (const TheoraPacket& packet : packets)
+    why += refusal([&] { decoder.decode(packet, back); });
+  EXPECT_NE(why.find("in frames of 8192x4112, must be of 1 to 33554432 pixels"), std::string::npos) << why;
 }
 
 TEST(Theora, refusesDamagedPackets)
@@ -208,7 +226,7 @@ TEST(Theora, refusesAnImageWithoutPixels)
     decoder.decode(packets[header], back);
   EXPECT_EQ(refusal([&] { decoder.decode(packets[3], back); }),
             "Theora packet of " + std::to_string(packets[3].data.size()) +
-                " bytes belongs to images of 0x50 in frames of 80x64, must be of 1 to 67108864 pixels");
+                " bytes belongs to images of 0x50 in frames of 80x64, must be of 1 to 33554432 pixels");
 }
 
 TEST(Theora, beginsAnewAfterADamagedFrame)

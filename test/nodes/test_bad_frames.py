@@ -1,10 +1,14 @@
 """Frames that cannot be used are refused and counted, and the next good one is processed."""
 
+import io
+import struct
+
+import cv2
 import numpy as np
 import pytest
 import rospy
 import support
-from sensor_msgs.msg import Image
+from sensor_msgs.msg import CompressedImage, Image
 
 WIDTH, HEIGHT = 16, 8
 BYTES_PER_PIXEL = {
@@ -97,6 +101,76 @@ def test_bad_frames_are_refused_and_counted(start, diagnostics, node):
     # The first one is logged at once, naming topic, encoding, size and reason.
     expected = "refused a frame on /frames (bgr8, 16x8): data has 0 bytes, step * height is 384"
     assert expected in process.output()
+    results.close()
+    publisher.unregister()
+
+
+class Raw(Image):
+    """Bytes that claim to be a message."""
+
+    def __init__(self, kind, data):
+        super().__init__()
+        self._type, self._md5sum, self._full_text = kind._type, kind._md5sum, kind._full_text
+        self._bytes = data
+
+    def serialize(self, buff):
+        buff.write(self._bytes)
+
+
+@pytest.mark.parametrize(("transport", "kind"), [("raw", Image), ("compressed", CompressedImage)])
+def test_memory_that_a_message_only_claims_is_not_taken(start, diagnostics, transport, kind):
+    """One of 46 bytes claims 2 GB of data; a PNG of 200 kB is one of 64 million pixels."""
+    topic = "/frames" if transport == "raw" else "/frames/" + transport
+    process = start(
+        *("edge_detector_node", "__name:=filter", "image:=/frames", "_diagnostic_period:=0.02"),
+        "_image_transport:=" + transport,
+    )
+    publisher = rospy.Publisher(topic, kind, queue_size=10, tcp_nodelay=True)
+    results = support.Messages("/filter/processed_image", Image)
+    support.wait_for(lambda: publisher.get_num_connections() > 0, "the node's subscription")
+    usual = good("bgr8")
+    if kind is CompressedImage:
+        data = cv2.imencode(".png", np.zeros((HEIGHT, WIDTH, 3), np.uint8))[1].tobytes()
+        usual = CompressedImage(format="bgr8; png compressed bgr8", data=data)
+        huge = cv2.imencode(".png", np.zeros((8192, 8191), np.uint8))[1].tobytes()
+    else:
+        huge = b""
+    publisher.publish(usual)
+    results.wait()
+    before = memory_of(process)
+    buffer = io.BytesIO()
+    kind().serialize(buffer)
+    publisher.publish(Raw(kind, buffer.getvalue()[:-4] + struct.pack("<I", 0x80000000)))
+    if huge:
+        publisher.publish(CompressedImage(format="mono8; png compressed ", data=huge))
+        results.wait(2)
+    publisher.publish(usual)
+    results.wait(2 + bool(huge))
+    support.wait_for(lambda: memory_of(process)[0] - before[0] < 1 << 26, "the memory back")
+    if not huge:
+        assert memory_of(process)[1] - before[1] < 1 << 26
+    results.close()
+    publisher.unregister()
+
+
+def memory_of(process):
+    """What a process has, and what it has had at most, bytes."""
+    with open(f"/proc/{process.pid}/status") as file:
+        fields = dict(line.split(":", 1) for line in file)
+    return tuple(int(fields[name].split()[0]) << 10 for name in ("VmRSS", "VmHWM"))
+
+
+def test_an_encoding_tells_a_terminal_nothing(start, diagnostics):
+    process = start("edge_detector_node", "__name:=filter", "image:=/frames")
+    publisher = rospy.Publisher("/frames", Image, queue_size=10, tcp_nodelay=True)
+    results = support.Messages("/filter/processed_image", Image)
+    support.wait_for(lambda: publisher.get_num_connections() > 0, "the node's subscription")
+    publisher.publish(changed("bgr8", encoding="\x1b[2J\n" + 5000 * "x"))
+    process.wait_for_output(r"refused a frame on /frames (\x1b[2J\x0axxx")
+    assert "\x1b[2J" not in process.output() and 150 * "x" not in process.output()
+    support.wait_for(lambda: "x1b" in diagnostics.value("filter", "last error"), "the diagnostics")
+    error = diagnostics.value("filter", "last error")
+    assert error.isprintable() and len(error) < 700, error
     results.close()
     publisher.unregister()
 

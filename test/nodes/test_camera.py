@@ -353,6 +353,10 @@ NO_CALIBRATION = [
     ({"K": [0.0] * 9}, "K is 0 everywhere, must be that of a calibrated camera"),
     ({"K": [-5.0, 0, 320, 0, 500, 240, 0, 0, 1]}, "K is -5, must be above 0 where it is a focal"),
     ({"K": [500, 0, float("nan"), 0, 500, 240, 0, 0, 1]}, "K is nan, must be finite"),
+    ({"K": [500, 1e300, 320, 0, 500, 240, 0, 0, 1]}, "K is 1e+300, must be from -1e+06 to 1e+06"),
+    ({"K": [500, 0, 320, 0, 500, 240, 0, 0, -1]}, "the last row of K is 0, 0, -1, must be 0, 0, 1"),
+    ({"R": [2.0, 0, 0, 0, 1, 0, 0, 0, 1]}, "R is none, must be a rotation"),
+    ({"P": [500.0, 0, 320, 0, 0, -1, 240, 0, 0, 0, 1, 0]}, "P is -1, must be above 0"),
     ({"D": [float("inf"), 0, 0, 0, 0]}, "D is inf, must be finite"),
     ({"R": [float("nan")] * 9}, "R is nan, must be finite"),
     ({"P": [float("nan")] * 12}, "P is nan, must be finite"),
@@ -432,6 +436,7 @@ def calibration_of(width, height):
 def write_calibration(path, width, height):
     """A calibration with a focal length of 9 px as camera_calibration saves it."""
     identity, nine = [1.0, 0, 0, 0, 1, 0, 0, 0, 1], [9.0, 0, 0, 0, 9, 0, 0, 0, 1]
+    projection = [9.0, 0, 0, 0, 0, 9, 0, 0, 0, 0, 1, 0]
     values = {
         "image_width": width,
         "image_height": height,
@@ -440,7 +445,7 @@ def write_calibration(path, width, height):
         "distortion_model": "plumb_bob",
         "distortion_coefficients": {"rows": 1, "cols": 5, "data": [0.0] * 5},
         "rectification_matrix": {"rows": 3, "cols": 3, "data": identity},
-        "projection_matrix": {"rows": 3, "cols": 4, "data": [9.0] + [0.0] * 11},
+        "projection_matrix": {"rows": 3, "cols": 4, "data": projection},
     }
     path.parent.mkdir(exist_ok=True)
     path.write_text(yaml.safe_dump(values))
@@ -464,6 +469,17 @@ def test_the_scene_knows_its_calibration_better_than_the_users_file(start, tmp_p
         process.wait_for_output(said)
         infos.close()
         process.end()
+
+
+def test_calibration_of_no_camera_is_not_taken_from_a_file_either(start, tmp_path):
+    path = tmp_path / "none.yaml"
+    write_calibration(path, 640, 480)
+    path.write_text(path.read_text().replace("9.0", "-9.0"))
+    infos = support.Messages("/camera/camera_info", CameraInfo)
+    process = start("camera_node", "_source:=synthetic", f"_camera_info_url:=file://{path}")
+    process.wait_for_output(f"not calibrated: {path}: K is -9, must be above 0")
+    assert -9.0 not in infos.wait()[0].K
+    infos.close()
 
 
 def test_calibration_of_another_size_is_not_published(start, tmp_path):

@@ -269,6 +269,19 @@ def test_published_pictures_are_those_that_arrive(source, encoding):
     publisher.unregister()
 
 
+def test_a_stamp_that_is_no_time_comes_and_goes_as_it_is(source):
+    """A sender may write anything there; results have the stamp of their frame."""
+    publisher = ImagePublisher(source.topic)
+    frames = Frames(source.topic)
+    support.wait_for(publisher.get_num_connections, "the subscription")
+    header = Header(frame_id="eye")
+    header.stamp.secs = header.stamp.nsecs = 2**32 - 1
+    publisher.publish(noise("mono8"), "mono8", header)
+    stamp = frames.wait()[0].header.stamp
+    assert (stamp.secs, stamp.nsecs) == (2**32 - 1, 2**32 - 1)
+    publisher.unregister()
+
+
 @pytest.mark.parametrize(
     "array, encoding, error",
     [

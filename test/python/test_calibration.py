@@ -1,5 +1,7 @@
 """Known cameras, from pictures of every kind of board."""
 
+from dataclasses import replace
+
 import cv2
 import numpy as np
 import pytest
@@ -258,6 +260,10 @@ def test_coverage_shows_where_the_board_was():
 
 def test_the_file_is_camera_info_manager_s(monkeypatch):
     found = solved(collected("circles", "equidistant"), "equidistant")
+    with pytest.raises(ValueError, match="K is -1, must be above 0"):
+        as_yaml(replace(found, K=np.diag([-1.0, 1.0, 1.0])), "none")
+    with pytest.raises(ValueError, match="P is nan, must be finite"):
+        as_yaml(replace(found, P=np.full((3, 4), np.nan)), "none")
     written = yaml.safe_load(as_yaml(found, "no: 1"))
     assert (written["image_width"], written["image_height"]) == SIZE
     assert (written["camera_name"], written["distortion_model"]) == ("no: 1", "equidistant")

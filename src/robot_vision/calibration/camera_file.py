@@ -6,6 +6,7 @@ from typing import List
 import numpy as np
 import yaml
 
+from .. import CameraModel, validate_rectification
 from .solving import Calibration
 
 
@@ -16,8 +17,14 @@ def default_path(camera_name: str) -> str:
 
 
 def as_yaml(calibration: Calibration, camera_name: str) -> str:
-    """The text of the file."""
+    """The text of the file.
+
+    Raises:
+        ValueError: no camera has such a calibration, and none would take the file.
+    """
     width, height = calibration.size
+    CameraModel(width, height, calibration.K, calibration.D, calibration.model)
+    validate_rectification(np.eye(3), calibration.P)
     lines = [
         f"image_width: {width}",
         f"image_height: {height}",

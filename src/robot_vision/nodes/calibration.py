@@ -8,9 +8,11 @@ import rospy
 from sensor_msgs.msg import CameraInfo
 
 from .. import CameraModel, is_calibrated
+from ..repeats import Repeats
 from ..transport import camera_info_beside, remapped_camera_info
 from .image_node import ImageNode
 
+TOLD_AGAIN = 5.0  # s until the same kind of problem is told again
 PATIENCE = 2.0  # s that pictures come without camera_info until it is told
 
 
@@ -33,6 +35,7 @@ class Calibration:
         self._used: Tuple[Any, ...] = ()  # what the camera was made from
         self._camera: Optional[CameraModel] = None
         self._problem = ""
+        self._told = Repeats(TOLD_AGAIN)
         self._first_asked = 0.0  # s of the monotonic clock
         node.subscriber(self.topic, CameraInfo, self._on_info)
 
@@ -90,11 +93,14 @@ class Calibration:
             self._tell("there is none")
 
     def _tell(self, problem: str) -> None:
-        if problem and problem != self._problem:
+        before, self._problem = self._problem, problem
+        kind = problem.split(" is ")[0]  # what is wrong; its value may change with every message
+        if problem == before or not self._told.news([kind], time.monotonic()):
+            return
+        if problem:
             rospy.logwarn("no %s: camera_info on %s: %s", self._missing, self.topic, problem)
-        elif self._problem and not problem:
+        else:
             rospy.loginfo("%s from now on: camera_info on %s", self._missing, self.topic)
-        self._problem = problem
 
 
 def camera_model(info: CameraInfo, size: Tuple[int, int]) -> CameraModel:

@@ -13,6 +13,7 @@ from std_msgs.msg import Header
 from ..files import trying
 from ..msg import TagDetectionArray
 from ..pictures import sensor_pixels
+from ..plain_text import printable
 from ..srv import DetectTags, DetectTagsResponse
 from ..transport import Frame
 from .calibration import Calibration
@@ -20,6 +21,7 @@ from .image_node import ImageNode
 
 TIMEOUT = 5.0  # s that a call waits for a frame
 CALIBRATION_TIMEOUT = 1.0  # s that the call for a file waits for camera_info
+LONGEST = 1000  # letters of an error, in which there is a path
 BUSY = 1.0  # s since the last frame within which another may be under way
 
 # Searches a picture of an encoding: what is in it, and why there are no poses.
@@ -73,7 +75,7 @@ class DetectService:
             with self._at_work():
                 tags, why = self._of_file(request.file) if request.file else self._of_next_frame()
         except Exception as error:  # whatever the picture is: rospy would answer without a word
-            reason = str(error) or type(error).__name__
+            reason = printable(str(error), LONGEST) or type(error).__name__
             rospy.logerr("no tags detected: %s", reason)
             return DetectTagsResponse(False, reason, TagDetectionArray())
         return DetectTagsResponse(True, why, tags)
@@ -93,7 +95,7 @@ class DetectService:
 
     def _of_file(self, path: str) -> Tuple[TagDetectionArray, str]:
         if not os.path.isabs(path):  # a node has another folder than its caller
-            raise ValueError(f"file is '{path}', must be an absolute path")
+            raise ValueError(f"file is '{printable(path)}', must be an absolute path")
         with trying(path, "read"), open(path, "rb") as file:
             data = file.read()
         try:

@@ -13,6 +13,7 @@ from ..enrollment import Enrollment
 from ..face_picture import Box
 from ..gallery import Added, Gallery
 from ..gallery_files import valid_name
+from ..plain_text import printable
 from ..srv import (
     EnrollFace,
     EnrollFaceResponse,
@@ -149,7 +150,9 @@ class GalleryServices:
     def _on_enroll_folder(self, request: Any) -> EnrollFolderResponse:
         try:
             if not os.path.isabs(request.folder):  # a node has another folder than its caller
-                raise ValueError(f"folder is '{request.folder}', must be an absolute path")
+                raise ValueError(
+                    f"folder is '{printable(request.folder)}', must be an absolute path"
+                )
             try:
                 added = self._gallery.import_folder(
                     request.folder, request.name, rospy.core.is_shutdown_requested

@@ -10,6 +10,7 @@ from sensor_msgs.msg import Image
 
 from .. import to_gray
 from ..pictures import sensor_pixels
+from ..plain_text import printable
 
 NAMED_BY_TYPE = {"8UC1": "mono8", "8UC3": "bgr8", "16UC1": "mono16"}  # as OpenCV's users send them
 
@@ -21,7 +22,7 @@ def gray_pixels(picture: np.ndarray, encoding: str) -> np.ndarray:
         ValueError: it is none of this encoding, or nobody knows what is grey in that.
     """
     if picture.dtype not in (np.uint8, np.uint16):
-        raise ValueError(f"{encoding} has no grey levels of 8 or 16 bits")
+        raise ValueError(f"{printable(encoding)} has no grey levels of 8 or 16 bits")
     encoding = NAMED_BY_TYPE.get(encoding, encoding)
     if picture.dtype == np.uint16 and picture.size:
         picture = cv2.normalize(picture, None, 0, 65535, cv2.NORM_MINMAX)
@@ -61,8 +62,8 @@ def gray_message(message: Any) -> np.ndarray:
     row = message.width * channels * dtype.itemsize
     if message.step < row or len(message.data) != message.height * message.step:
         raise ValueError(
-            f"{message.encoding} of {message.width}x{message.height} with {message.step} bytes to "
-            f"a row, and {len(message.data)} in all"
+            f"{printable(message.encoding)} of {message.width}x{message.height} with "
+            f"{message.step} bytes to a row, and {len(message.data)} in all"
         )
     rows = np.frombuffer(message.data, np.uint8).reshape(message.height, message.step)
     shape = (message.height, message.width) + ((channels,) if channels > 1 else ())
@@ -77,4 +78,4 @@ def _layout(encoding: str) -> Tuple[str, int]:
     try:
         return cv_bridge.CvBridge().encoding_to_dtype_with_channels(encoding)
     except cv_bridge.CvBridgeError as error:
-        raise ValueError(error) from None
+        raise ValueError(printable(str(error), 300)) from None

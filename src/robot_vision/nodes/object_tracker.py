@@ -13,6 +13,7 @@ from ..cfg import ObjectTrackerConfig
 from ..msg import DetectionArray, Flow, TrackStateArray
 from ..plain_text import plain
 from ..srv import ForgetObject, ForgetObjectResponse, SelectObject, SelectObjectResponse
+from ..throttle import Throttle
 from ..transport import Frame
 from .auto_selection import AutoSelection
 from .image_node import ImageNode
@@ -64,6 +65,7 @@ class ObjectTracker:
         self._lock = threading.Lock()  # guards what follows
         self._tracker = Tracker()
         self._waiting: List[Selection] = []
+        self._told_refused = Throttle()
         self._auto = AutoSelection(self._tracker)
         self._time: Optional[float] = None  # s, of the newest frame
         self._lost: Dict[int, float] = {}  # s, since when each object is
@@ -152,7 +154,8 @@ class ObjectTracker:
             try:
                 selection.id = self._tracker.select(selection.box, selection.label)
             except ValueError as error:
-                rospy.logerr("nothing selected on %s: %s", self._node.topic, error)
+                if self._told_refused.due():
+                    rospy.logerr("nothing selected on %s: %s", self._node.topic, error)
                 selection.fail(str(error))
                 continue
             for number in others:

@@ -1,0 +1,137 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <opencv2/imgcodecs.hpp>
+#include <string>
+
+#include "core/image_header.hpp"
+#include "pictures.hpp"
+#include "refusal.hpp"
+#include "robot_vision/image_file.hpp"
+#include "robot_vision/printable.hpp"
+
+using namespace robot_vision;
+
+namespace
+{
+
+using Bytes = std::vector<std::uint8_t>;
+
+const cv::Size kSize{19, 7};
+
+Bytes encoded(const std::string& suffix, const cv::Mat& image = noise(kSize, CV_8UC3))
+{
+  Bytes bytes;
+  EXPECT_TRUE(cv::imencode(suffix, image, bytes)) << suffix;
+  return bytes;
+}
+
+Bytes bytesOf(const std::string& text)
+{
+  return {text.begin(), text.end()};
+}
+
+/// A number of so many bytes written into a file.
+void put(Bytes& file, std::size_t at, std::uint64_t value, std::size_t count, bool big_endian)
+{
+  for (std::size_t i = 0; i < count; ++i)
+    file[at + (big_endian ? count - 1 - i : i)] = static_cast<std::uint8_t>(value >> 8 * i);
+}
+
+/// The files with which a few bytes ask for all memory: the same header, and other numbers in it.
+std::vector<std::pair<std::string, Bytes>> bombs()
+{
+  constexpr std::uint64_t kSide = 30000;
+  Bytes png = encoded(".png"), jpeg = encoded(".jpg"), bmp = encoded(".bmp"), webp = encoded(".webp"),
+        sun = encoded(".ras"), tiff = encoded(".tiff");
+  put(png, 16, kSide, 4, true);
+  put(png, 20, kSide, 4, true);
+  const Bytes frame = {0xFF, 0xC0};
+  const auto at =
+      static_cast<std::size_t>(std::search(jpeg.begin(), jpeg.end(), frame.begin(), frame.end()) - jpeg.begin());
+  put(jpeg, at + 5, kSide, 2, true);
+  put(jpeg, at + 7, kSide, 2, true);
+  put(bmp, 18, kSide, 4, false);
+  put(bmp, 22, static_cast<std::uint64_t>(-static_cast<std::int64_t>(kSide)), 4, false);
+  put(webp, 21, 16382 | 16382 << 14, 4, false);  // OpenCV writes those that lose nothing
+  Bytes lossy;
+  cv::imencode(".webp", noise(kSize, CV_8UC3), lossy, {cv::IMWRITE_WEBP_QUALITY, 80});
+  put(lossy, 26, 16383, 2, false);
+  put(lossy, 28, 16383, 2, false);
+  put(sun, 4, kSide, 4, true);
+  put(sun, 8, kSide, 4, true);
+  std::size_t entry = tiff[4] | tiff[5] << 8 | tiff[6] << 16 | tiff[7] << 24;
+  const std::size_t entries = tiff[entry] | tiff[entry + 1] << 8;
+  entry += 2;
+  for (std::size_t i = 0; i < entries; ++i, entry += 12)
+  {
+    if (tiff[entry + 1] != 1 || tiff[entry] > 1) continue;  // tags 256 and 257
+    put(tiff, entry + 2, 4, 2, false);
+    put(tiff, entry + 8, kSide, 4, false);
+  }
+  return {{"png", png},
+          {"jpeg", jpeg},
+          {"bmp", bmp},
+          {"webp", webp},
+          {"lossy webp", lossy},
+          {"sun raster", sun},
+          {"tiff", tiff},
+          {"pgm", bytesOf("P5 # 1 1\n30000\n# 2\n30000 255\n")},
+          {"pam", bytesOf("P7\nWIDTH 30000\nHEIGHT 30000\nDEPTH 3\nMAXVAL 255\nTUPLTYPE RGB\nENDHDR\n")},
+          {"pfm", bytesOf("PF\n30000 30000\n-1.0\n")},
+          {"overflow", bytesOf("P5 99999999999999999999999999 99999999999999999999999999 255\n")}};
+}
+
+}  // namespace
+
+TEST(ImageFile, isDecodedAsOpenCvDoes)
+{
+  for (const char* suffix : {".png", ".jpg", ".bmp", ".ppm", ".webp", ".tiff", ".ras", ".pam"})
+  {
+    const Bytes file = encoded(suffix);
+    const auto claimed = claimedSize(file.data(), file.size());
+    ASSERT_TRUE(claimed) << suffix;
+    EXPECT_EQ(claimed->width, 19u) << suffix;
+    EXPECT_EQ(claimed->height, 7u) << suffix;
+    const cv::Mat image = decodeImageFile(file.data(), file.size(), cv::IMREAD_COLOR);
+    ASSERT_EQ(image.size(), kSize) << suffix;
+    EXPECT_EQ(cv::norm(image, cv::imdecode(file, cv::IMREAD_COLOR), cv::NORM_INF), 0.0) << suffix;
+  }
+  const Bytes wide = encoded(".png", noise(kSize, CV_16UC1));
+  EXPECT_EQ(decodeImageFile(wide.data(), wide.size(), cv::IMREAD_UNCHANGED).type(), CV_16UC1);
+}
+
+TEST(ImageFile, thatClaimsToFillTheMemoryIsRefusedByItsHeader)
+{
+  for (const auto& [name, file] : bombs())
+  {
+    const std::string why =
+        refusal([&, &bytes = file] { decodeImageFile(bytes.data(), bytes.size(), cv::IMREAD_COLOR); });
+    EXPECT_EQ(why.find("claims to be of "), 0u) << name << ": " << why;
+    EXPECT_NE(why.find(", the most is 67108864 pixels"), std::string::npos) << name;
+  }
+}
+
+TEST(ImageFile, thatIsNoneIsEmpty)
+{
+  for (const std::string& text : {"", "P", "P5", "P5 3", "P7", "BM", "II*", "RIFF", "no image", "\x89PNG"})
+  {
+    const Bytes file = bytesOf(text);
+    EXPECT_TRUE(decodeImageFile(file.data(), file.size(), cv::IMREAD_COLOR).empty()) << text;
+  }
+  for (const auto& [name, bomb] : bombs())
+    for (std::size_t size = 0; size < std::min<std::size_t>(bomb.size(), 200); ++size)
+      refusal([&, &bytes = bomb, size]
+              { decodeImageFile(Bytes(bytes.begin(), bytes.begin() + size).data(), size, 1); });
+}
+
+TEST(Printable, isOneLineThatTellsATerminalNothing)
+{
+  EXPECT_EQ(printable("bgr8; jpeg"), "bgr8; jpeg");
+  EXPECT_EQ(printable("a\n\x1b[2J\x9b\xc2\x9b"), "a\\x0a\\x1b[2J\\x9b\\xc2\\x9b");
+  EXPECT_EQ(printable(std::string("\0", 1)), "\\x00");
+  EXPECT_EQ(printable(std::string(100, 'a')), std::string(100, 'a'));
+  EXPECT_EQ(printable(std::string(1000000, 'a')), std::string(97, 'a') + "...");
+  EXPECT_EQ(printable(std::string(1000000, '\n')).size(), 100u);
+  EXPECT_EQ(printable("abcdef", 5), "ab...");
+}
