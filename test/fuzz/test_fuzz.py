@@ -5,11 +5,12 @@ import time
 import fuzz
 import pytest
 
-INPUTS = 1500
-SLOW = {"pictures": 400, "files": 800, "bags": 300}  # inputs of those that decode each one thrice
+INPUTS = 800
+SLOW = {"pictures": 300, "files": 400, "bags": 200}  # inputs of those that decode each one thrice
+YAML = {"bundles", "colors"}  # parsers of which are for the long run: they say more than a line
 
 
-@pytest.mark.parametrize("target", fuzz.ALL)
+@pytest.mark.parametrize("target", sorted(set(fuzz.ALL) - YAML))
 def test_nothing_falls_over_hostile_inputs(target, tmp_path):
     count = SLOW.get(target, INPUTS)
     failures = fuzz.fuzz(target, 1, count, time.monotonic() + 600.0, str(tmp_path))
