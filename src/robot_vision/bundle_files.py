@@ -17,8 +17,9 @@ import numpy as np
 import yaml
 
 from ._core import Bundle, BundleTag
-from .files import create_file, replace_file, trying
+from .files import MAX_TEXT, create_file, read_file, replace_file
 from .rotations import quaternion_of, rotation_of
+from .yaml_text import load_yaml
 
 DEFAULTS = {"x": 0.0, "y": 0.0, "z": 0.0, "qw": 1.0, "qx": 0.0, "qy": 0.0, "qz": 0.0}
 NOISES = {"shift_noise": 0.0005, "turn_noise": 0.005}  # of a layout that was measured with care
@@ -53,11 +54,10 @@ def read_bundles(path: str) -> List[Bundle]:
         ValueError: it is not such a file; says what is wrong, and where.
         OSError: it cannot be read.
     """
-    with trying(path, "read"), open(path, encoding="utf-8") as file:
-        try:
-            values = yaml.safe_load(file)
-        except (UnicodeDecodeError, yaml.YAMLError) as error:
-            raise ValueError(f"{path}: no valid YAML: {error}") from None
+    try:
+        values = load_yaml(read_file(path, MAX_TEXT).decode())
+    except ValueError as error:
+        raise ValueError(f"{path}: no valid YAML: {error}") from None
     if not isinstance(values, dict) or "tag_bundles" not in values:
         raise ValueError(f"{path}: there is no tag_bundles")
     try:

@@ -8,7 +8,7 @@ import numpy as np
 
 from .face_picture import face_of, portrait
 from .files import reason
-from .gallery_files import decode, picture_files, read_file, shown
+from .gallery_files import decode, picture_files, read_picture, shown
 
 
 class Candidates:
@@ -39,7 +39,7 @@ class Candidates:
             if given_up():
                 raise InterruptedError(f"given up at {shown(path)}")
             try:
-                self._take(portrait(decode(read_file(path))))
+                self._take(portrait(decode(read_picture(path))))
             except (OSError, ValueError) as error:
                 self.problems.append(f"{shown(path)}: {reason(error)}")
 

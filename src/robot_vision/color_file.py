@@ -15,6 +15,7 @@ import yaml
 from ._core import HsvRange
 from .colors import as_yaml
 from .files import read_text, replace_file
+from .yaml_text import compose_yaml, load_yaml
 
 NAME = re.compile("[A-Za-z][A-Za-z0-9_]*")
 
@@ -49,7 +50,7 @@ def edit_colors(path: str, text: str, colors: Mapping[str, HsvRange]) -> str:
     if not isinstance(old, dict):
         raise ValueError(f"{path}: not overwritten, for its colors are no map")
     for name in colors:
-        if name not in old and (not NAME.fullmatch(name) or yaml.safe_load(name) != name):
+        if name not in old and (not NAME.fullmatch(name) or load_yaml(name) != name):
             raise ValueError(f"{path}: not overwritten, for '{name}' is no name for a colour")
     expected["colors"] = {**old, **{name: _entry(old.get(name), colors[name]) for name in colors}}
     for name, color in colors.items():
@@ -70,8 +71,8 @@ def _entry(old: Any, color: HsvRange) -> Dict[str, Any]:
 
 def _parse(path: str, text: str) -> Dict[str, Any]:
     try:
-        values = yaml.safe_load(text)
-    except yaml.YAMLError as error:
+        values = load_yaml(text)
+    except ValueError as error:
         raise ValueError(f"{path}: not overwritten, for it is no valid YAML: {error}") from None
     if not isinstance(values, (dict, type(None))):
         raise ValueError(f"{path}: not overwritten, for it is no map of parameters")
@@ -80,18 +81,18 @@ def _parse(path: str, text: str) -> Dict[str, Any]:
 
 def _reads_as(text: str, expected: Dict[str, Any]) -> bool:
     try:
-        return bool(yaml.safe_load(text) == expected)
-    except yaml.YAMLError:
+        return bool(load_yaml(text) == expected)
+    except ValueError:
         return False
 
 
 def _edit(text: str, name: str, color: HsvRange) -> str:
     """The text with the colour replaced or added; as it was if there is no place to put it."""
-    root = yaml.compose(text, Loader=yaml.SafeLoader)
-    colors = _value(root, "colors")
+    colors = _value(compose_yaml(text), "colors")
     if colors is None:
-        start = text if text.endswith("\n") or not text else text + "\n"
-        return f"{start}colors:\n  {name}: {as_yaml(color)}\n"
+        end = _line_end(text)
+        start = text if text.endswith("\n") or not text else text + end
+        return f"{start}colors:{end}  {name}: {as_yaml(color)}{end}"
     old = _value(colors, name)
     if old is None:
         return _add(text, colors, f"{name}: {as_yaml(color)}")
@@ -124,10 +125,16 @@ def _add(text: str, colors: yaml.Node, entry: str) -> str:
     # The end of a block is where the next one begins: only its last scalar ends where it ends.
     while isinstance(last, yaml.CollectionNode) and not last.flow_style:
         last = last.value[-1][1] if isinstance(last, yaml.MappingNode) else last.value[-1]
-    line_end = text.find("\n", last.end_mark.index)
-    if line_end == -1:
-        return f"{text}\n{' ' * column}{entry}\n"
-    return f"{text[: line_end + 1]}{' ' * column}{entry}\n{text[line_end + 1 :]}"
+    end = _line_end(text)
+    below = text.find("\n", last.end_mark.index) + 1
+    if not below:
+        return f"{text}{end}{' ' * column}{entry}{end}"
+    return f"{text[:below]}{' ' * column}{entry}{end}{text[below:]}"
+
+
+def _line_end(text: str) -> str:
+    """How the text's lines end: as its first one does."""
+    return "\r\n" if text.partition("\n")[0].endswith("\r") else "\n"
 
 
 def _replace(text: str, node: yaml.Node, value: str) -> str:

@@ -8,8 +8,7 @@ import cv2
 import numpy as np
 
 from .face_picture import SIDE
-from .files import replace_file
-from .gallery_files import read_file
+from .files import read_file, replace_file
 
 # Of another version the faces might look otherwise.
 HEAD = f"robot_vision faces 2, {SIDE} px, OpenCV {cv2.__version__}\n".encode()
@@ -33,7 +32,7 @@ def read_faces(path: str) -> Dict[str, np.ndarray]:
 
     Raises:
         ValueError: it is damaged, or of another version.
-        OSError: it cannot be read.
+        OSError: it is no file, too large, or cannot be read.
     """
     if not os.path.lexists(path):
         return {}

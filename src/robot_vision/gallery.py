@@ -28,7 +28,7 @@ from .gallery_files import (
     is_picture,
     names_in,
     picture_files,
-    read_file,
+    read_picture,
     shown,
     valid_name,
     write_numbered,
@@ -209,7 +209,7 @@ class Gallery:
             return {}
         for path in paths:
             try:
-                data = read_file(inside(self.folder, path))
+                data = read_picture(inside(self.folder, path))
                 digest = digest_of(data)
                 faces[digest] = cached[digest] if digest in cached else face_of(decode(data))
             except (OSError, ValueError) as error:

@@ -1,13 +1,12 @@
 """Picture files below a folder for each name: which there are, read with care, and written."""
 
 import os
-import stat
 import unicodedata
 from typing import List, Sequence
 
 import numpy as np
 
-from .files import add_file, reason, trying
+from .files import add_file, read_file, reason, trying
 from .identities import UNKNOWN
 from .pictures import upright
 from .plain_text import printable
@@ -105,20 +104,13 @@ def entries(folder: str) -> List[str]:
         return sorted(os.listdir(folder))
 
 
-def read_file(path: str, most: int = MAX_FILE) -> bytes:
-    """A file of at most so many bytes, as it is.
+def read_picture(path: str) -> bytes:
+    """A picture file, as it is.
 
     Raises:
-        ValueError: it is no file, or too large.
-        OSError: it cannot be read.
+        OSError: it is no file, too large, or cannot be read.
     """
-    status = os.stat(path)
-    if not stat.S_ISREG(status.st_mode):  # a pipe would never end
-        raise ValueError("it is no file")
-    if status.st_size > most:
-        raise ValueError(f"it has {status.st_size >> 20} MB, must have at most {most >> 20}")
-    with open(path, "rb") as file:
-        return file.read()
+    return read_file(path, MAX_FILE)
 
 
 def decode(data: bytes) -> np.ndarray:

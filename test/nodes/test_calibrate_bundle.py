@@ -337,7 +337,7 @@ def test_what_is_no_command_is_refused(calibrate, arguments, why):
 
 def test_an_output_that_cannot_be_written(calibrate, bag, tmp_path):
     for output, why in (
-        (tmp_path, "it is a folder"),
+        (tmp_path, "it is no file"),
         (tmp_path / "none" / "box.yaml", f"{tmp_path}/none is no folder"),
     ):
         arguments = ("--bag", bag, "--image", IMAGE)

@@ -201,12 +201,16 @@ def test_damaged_file_of_faces_is_made_anew(folder, damage, searched):
     assert not loaded(folder)[1] and len(searched) == 5
 
 
-def test_file_of_faces_that_is_a_pipe_or_far_too_large_is_made_anew(folder):
+def test_file_of_faces_that_is_a_pipe_is_told_and_left_and_one_far_too_large_is_made_anew(folder):
     data = (folder / CACHE).read_bytes()
     (folder / CACHE).unlink()
     os.mkfifo(str(folder / CACHE))
-    (problem,) = loaded(folder)[1]
-    assert problem.endswith("it is no file") and (folder / CACHE).read_bytes() == data
+    gallery, (not_read, not_written) = loaded(folder)
+    assert not_read == ".faces is made anew from the pictures: it is no file"
+    assert not_written.endswith("the next start takes longer: it is no file")
+    assert gallery.names() == {"Anna": 3, "Bert": 2} and (folder / CACHE).is_fifo()
+    (folder / CACHE).unlink()
+    assert not loaded(folder)[1] and (folder / CACHE).read_bytes() == data
     os.truncate(str(folder / CACHE), 2 << 30)
     (problem,) = loaded(folder)[1]
     assert problem.endswith("it has 2048 MB, must have at most 1024")

@@ -2,16 +2,17 @@
 
 import contextlib
 import functools
-from typing import Callable, Dict, Iterator, Sequence, Tuple
+from typing import Any, Callable, Dict, Iterator, Sequence, Tuple
 
 import numpy as np
 import rosbag
 
-from ..files import trying
+from ..files import require_file
 from .gray_pictures import gray_message
 
 # What a picture is called, and what reads it: (height, width) uint8, or ValueError.
 Named = Tuple[str, Callable[[], np.ndarray]]
+MAX_TOLD = 200  # characters of what is wrong
 PICTURES = ("sensor_msgs/Image", "sensor_msgs/CompressedImage")
 
 
@@ -23,21 +24,49 @@ def opened(path: str) -> Iterator[rosbag.Bag]:
         ValueError: it is none, or it breaks off.
         OSError: it cannot be opened.
     """
-    try:
-        with trying(path, "read"):
-            bag = rosbag.Bag(path)
-        with bag:
-            yield bag
-    except rosbag.ROSBagUnindexedException:
-        raise ValueError(f"{path} has no index: try rosbag reindex {path}") from None
-    except rosbag.ROSBagException as error:
-        raise ValueError(f"{path} cannot be read: {error}") from None
+    require_file(path)
+    with _reading(path):
+        bag = rosbag.Bag(path)
+    with bag:
+        yield bag
 
 
 def topics_of(bag: rosbag.Bag) -> Dict[str, str]:
-    """The type of the messages by topic, of those that have any."""
-    topics = bag.get_type_and_topic_info()[1]
-    return {name: one.msg_type for name, one in topics.items() if one.message_count}
+    """The type of the messages by topic, of those that have any.
+
+    Raises:
+        ValueError: the bag is damaged.
+    """
+    with _reading(bag.filename):
+        topics = bag.get_type_and_topic_info()[1]
+        return {name: one.msg_type for name, one in topics.items() if one.message_count}
+
+
+def messages_on(bag: rosbag.Bag, topic: str) -> Iterator[Any]:
+    """The messages on a topic.
+
+    Raises:
+        ValueError: the bag is damaged.
+    """
+    entries = bag.read_messages(topic)
+    while True:
+        with _reading(bag.filename):
+            entry = next(entries, None)
+        if entry is None:
+            return
+        yield entry.message
+
+
+@contextlib.contextmanager
+def _reading(path: str) -> Iterator[None]:
+    """Names the bag in whatever rosbag raises, which stumbles over garbage in many ways."""
+    try:
+        yield
+    except rosbag.ROSBagUnindexedException:
+        raise ValueError(f"{path} has no index: try rosbag reindex {path}") from None
+    except Exception as error:
+        what = " ".join(str(error).split())[:MAX_TOLD] or type(error).__name__
+        raise ValueError(f"{path} cannot be read: {what}") from None
 
 
 def require_topic(
@@ -53,5 +82,5 @@ def require_topic(
 
 def pictures_on(bag: rosbag.Bag, topic: str) -> Iterator[Named]:
     """The pictures on a topic."""
-    for number, (_, message, _) in enumerate(bag.read_messages(topic)):
+    for number, message in enumerate(messages_on(bag, topic)):
         yield f"picture {number}", functools.partial(gray_message, message)

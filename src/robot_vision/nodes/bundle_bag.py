@@ -9,7 +9,7 @@ from .. import CameraModel, TagDetector, TagDetectorParams
 from ..frame_collection import FrameCollection
 from ..progress import Progress
 from ..transport import camera_info_beside
-from .bag_pictures import PICTURES, opened, pictures_on, require_topic, topics_of
+from .bag_pictures import PICTURES, messages_on, opened, pictures_on, require_topic, topics_of
 from .calibration import camera_model
 
 CAMERA_INFO = ("sensor_msgs/CameraInfo",)
@@ -42,7 +42,7 @@ def collect_from_bag(
         require_topic(path, kinds, image, PICTURES, "pictures")
         camera_info = camera_info or _beside(image, kinds[image])
         require_topic(path, kinds, camera_info, CAMERA_INFO, "camera_info")
-        _, info, _ = next(bag.read_messages(camera_info))
+        info = next(messages_on(bag, camera_info))
         try:
             camera = camera_model(info, (info.width, info.height))
         except ValueError as error:

@@ -2,7 +2,6 @@
 
 import argparse
 import math
-import os
 import signal
 import sys
 from statistics import median
@@ -15,6 +14,7 @@ from .. import CameraModel, without_bent_edges
 from ..bundle_calibration import Calibration, calibrate
 from ..bundle_files import write_bundles
 from ..commands import run_command
+from ..files import require_replaceable
 from ..frame_collection import FrameCollection
 from ..progress import Progress
 from .bundle_arguments import parse_arguments
@@ -36,7 +36,7 @@ def main() -> int:
 
 def _learn(arguments: argparse.Namespace) -> None:
     collection = FrameCollection(arguments.sizes, arguments.master, arguments.frames)
-    _require_output(arguments)
+    require_replaceable(arguments.output, arguments.force)
     progress = Progress()
     camera = _collect(arguments, collection, progress)
     progress.tell(collection.summary())
@@ -51,19 +51,6 @@ def _learn(arguments: argparse.Namespace) -> None:
     _require_fit(found, frames, arguments.sizes)
     write_bundles(arguments.output, [found.bundle], arguments.family, replace=arguments.force)
     print("saved in", arguments.output)
-
-
-def _require_output(arguments: argparse.Namespace) -> None:
-    """Raises OSError if the file cannot be written, which is better known before than after."""
-    path = arguments.output
-    folder = os.path.dirname(os.path.realpath(path))
-    if os.path.isdir(path):
-        raise IsADirectoryError(f"{path} cannot be written: it is a folder")
-    if not os.access(folder, os.W_OK | os.X_OK):
-        why = "may not be written to" if os.path.isdir(folder) else "is no folder"
-        raise OSError(f"{path} cannot be written: {folder} {why}")
-    if os.path.lexists(path) and not arguments.force:
-        raise OSError(f"{path} is there already; --force replaces it")
 
 
 def _collect(

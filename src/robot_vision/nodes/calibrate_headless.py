@@ -22,7 +22,7 @@ from ..calibration.coverage import coverage_picture, seen_cells
 from ..calibration.solving import COEFFICIENTS, PARAMETERS, Calibration, calibrate
 from ..calibration.views import ViewCollection
 from ..commands import run_command
-from ..files import create_file, reason, replace_file
+from ..files import create_file, make_folder, reason, replace_file, require_replaceable
 from .bag_pictures import Named
 from .headless_arguments import parse_arguments
 from .recorded_pictures import from_bag, from_files, from_topic
@@ -43,7 +43,8 @@ def main() -> int:
 
 
 def _calibrate(arguments: argparse.Namespace) -> None:
-    _require_outputs(arguments)
+    for path in (arguments.output, arguments.coverage):
+        require_replaceable(path, arguments.force, new_folders=True)
     if arguments.topic or arguments.set:
         _become_node()
     if arguments.set:
@@ -61,18 +62,6 @@ def _calibrate(arguments: argparse.Namespace) -> None:
     saved = _write(arguments, found, sightings)  # also for --set: the camera may not take it
     if arguments.set:
         _give(arguments.set, found, saved)
-
-
-def _require_outputs(arguments: argparse.Namespace) -> None:
-    """Before the work: what is found is not to be lost."""
-    for path in (arguments.output, arguments.coverage):
-        folder = os.path.dirname(os.path.realpath(path))
-        with contextlib.suppress(OSError):
-            os.makedirs(folder, exist_ok=True)
-        if os.path.isdir(path) or not os.access(folder, os.W_OK | os.X_OK):
-            raise OSError(f"{path} cannot be written")
-        if os.path.lexists(path) and not arguments.force:
-            raise OSError(f"{path} is there already; --force replaces it")
 
 
 def _become_node() -> None:
@@ -153,6 +142,7 @@ def _write(arguments: argparse.Namespace, found: Calibration, sightings: Sequenc
 
 def _save(path: str, data: bytes, force: bool) -> str:
     """Where the data are: beside a file that has come during the work, or else in this one."""
+    make_folder(path)
     if force:
         replace_file(path, data)
         return path

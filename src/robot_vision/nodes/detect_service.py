@@ -10,7 +10,7 @@ import numpy as np
 import rospy
 from std_msgs.msg import Header
 
-from ..files import trying
+from ..files import MAX_IMAGE, read_file
 from ..msg import TagDetectionArray
 from ..pictures import sensor_pixels
 from ..plain_text import printable
@@ -96,8 +96,7 @@ class DetectService:
     def _of_file(self, path: str) -> Tuple[TagDetectionArray, str]:
         if not os.path.isabs(path):  # a node has another folder than its caller
             raise ValueError(f"file is '{printable(path)}', must be an absolute path")
-        with trying(path, "read"), open(path, "rb") as file:
-            data = file.read()
+        data = read_file(path, MAX_IMAGE)
         try:
             image = sensor_pixels(data)
         except ValueError as error:

@@ -1,7 +1,6 @@
 """The command pick_color.py: from a colour to the range that hsv_tracker looks for."""
 
 import argparse
-import pathlib
 import queue
 import re
 import sys
@@ -15,7 +14,7 @@ from .. import range_around, to_hsv
 from ..color_file import save_colors
 from ..colors import HUES, as_yaml, median_hsv, outside
 from ..commands import run_command
-from ..files import trying
+from ..files import MAX_IMAGE, read_file
 from ..pictures import upright
 from ..transport import ImageSubscriber
 
@@ -157,8 +156,7 @@ def _color(arguments: argparse.Namespace) -> Tuple[Optional[Color], Color]:
 
 
 def _load(path: str) -> np.ndarray:
-    with trying(path, "read"):
-        data = pathlib.Path(path).read_bytes()
+    data = read_file(path, MAX_IMAGE)
     try:
         picture = upright(data)
     except ValueError as error:

@@ -5,13 +5,13 @@ import functools
 import glob
 import itertools
 import os
-import pathlib
 import threading
 from typing import Deque, Iterator, List, Sequence
 
 import cv2
 import numpy as np
 
+from ..files import MAX_IMAGE, read_file, require_file
 from ..transport import Frame, ImageSubscriber
 from .bag_pictures import PICTURES, Named, opened, pictures_on, require_topic, topics_of
 from .gray_pictures import gray_file, gray_pixels
@@ -26,6 +26,7 @@ def from_files(names: Sequence[str]) -> Iterator[Named]:
     Raises:
         ValueError: a file is no video though its name is no picture's, or there is nothing of a
             name.
+        OSError: it cannot be read, or is no file.
     """
     for path in (path for name in names for path in _paths(name)):
         if path.lower().endswith(SUFFIXES):
@@ -89,10 +90,11 @@ def _paths(name: str) -> List[str]:
 
 
 def _read(path: str) -> np.ndarray:
-    return gray_file(pathlib.Path(path).read_bytes())
+    return gray_file(read_file(path, MAX_IMAGE))
 
 
 def _video(path: str) -> Iterator[Named]:
+    require_file(path)
     video = cv2.VideoCapture(path, cv2.CAP_FFMPEG)
     if hasattr(cv2, "CAP_PROP_ORIENTATION_AUTO"):  # before it came, OpenCV turned no frames
         video.set(cv2.CAP_PROP_ORIENTATION_AUTO, 0)

@@ -1,0 +1,85 @@
+"""YAML as people write it: what is nested, repeated or numbered without measure is refused.
+
+Aliases may stand for one another, so that a few lines mean more values than there are atoms; each
+is counted as all that it stands for.
+"""
+
+from typing import Any, Dict, Optional
+
+import yaml
+
+MAX_DEPTH = 20
+MAX_VALUES = 20000  # with what aliases stand for
+MAX_NUMBER = 100  # characters of what is no string: to read a number takes the square of its length
+STRING = "tag:yaml.org,2002:str"
+MAX_TOLD = 200  # characters of what is wrong
+
+
+def load_yaml(text: str) -> Any:
+    """The values of a text.
+
+    Raises:
+        ValueError: it is no YAML, or too much of it; says where, in one line.
+    """
+    return _read(text, lambda loader: loader.get_single_data())
+
+
+def compose_yaml(text: str) -> Optional[yaml.Node]:
+    """The nodes of a text, with their places in it; None if it is empty.
+
+    Raises:
+        ValueError: it is no YAML, or too much of it; says where, in one line.
+    """
+    return _read(text, lambda loader: loader.get_single_node())
+
+
+def _read(text: str, of: Any) -> Any:
+    try:
+        return of(_BoundedLoader(text))
+    except yaml.MarkedYAMLError as error:
+        raise ValueError(_placed(str(error.problem or error.context), error.problem_mark)) from None
+    except Exception as error:  # of a date that is none, for instance, or a number without digits
+        raise ValueError(_in_one_line(str(error))) from None
+
+
+class _BoundedLoader(yaml.SafeLoader):
+    def __init__(self, text: str):
+        super().__init__(text)
+        self._depth = 0
+        self._values = 0  # so far
+        self._values_of: Dict[Optional[str], int] = {}  # by anchor, of the nodes that are complete
+
+    def compose_node(self, parent: Optional[yaml.Node], index: Any) -> yaml.Node:
+        event = self.peek_event()
+        before = self._values
+        self._depth += 1
+        self._require(self._depth <= MAX_DEPTH, f"nested deeper than {MAX_DEPTH} levels", event)
+        node = super().compose_node(parent, index)
+        self._depth -= 1
+        if isinstance(event, yaml.AliasEvent):
+            self._require(event.anchor in self._values_of, "an alias of what it is part of", event)
+            self._values += self._values_of[event.anchor]
+        else:
+            self._values += 1
+            self._values_of[event.anchor] = self._values - before
+        self._require(self._values <= MAX_VALUES, f"more than {MAX_VALUES} values", event)
+        return node
+
+    def compose_scalar_node(self, anchor: Any) -> yaml.Node:
+        node = super().compose_scalar_node(anchor)
+        is_short = node.tag == STRING or len(node.value) <= MAX_NUMBER
+        self._require(is_short, f"no string, and longer than {MAX_NUMBER} characters", node)
+        return node
+
+    def _require(self, ok: bool, problem: str, place: Any) -> None:
+        if not ok:
+            raise yaml.MarkedYAMLError(problem=problem, problem_mark=place.start_mark)
+
+
+def _placed(problem: str, mark: Optional[yaml.Mark]) -> str:
+    where = f"line {mark.line + 1}, column {mark.column + 1}: " if mark else ""
+    return where + _in_one_line(problem)
+
+
+def _in_one_line(text: str) -> str:
+    return " ".join(text.split())[:MAX_TOLD]
