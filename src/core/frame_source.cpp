@@ -92,6 +92,7 @@ std::unique_ptr<FrameSource> openVideoFile(const std::string& path)
 {
   struct stat info;
   if (stat(path.c_str(), &info) != 0) throw SourceError(path + ": no such file or folder" + lookedIn(path));
+  if (!S_ISREG(info.st_mode)) throw SourceError(path + " cannot be read: it is no file");  // a pipe would wait
   if (info.st_size == 0) throw SourceError(path + ": the file is empty");
   return std::make_unique<VideoSource>(path);
 }

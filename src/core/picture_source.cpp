@@ -4,10 +4,9 @@
 #include <sys/stat.h>
 
 #include <algorithm>
-#include <fstream>
-#include <iterator>
 #include <opencv2/imgcodecs.hpp>
 
+#include "regular_file.hpp"
 #include "robot_vision/image_file.hpp"
 #include "robot_vision/jpeg.hpp"
 
@@ -15,6 +14,8 @@ namespace robot_vision
 {
 namespace
 {
+
+constexpr std::size_t kMaxFile = std::size_t{256} << 20;  // bytes: more than the largest image has without compression
 
 std::vector<std::string> matches(const std::string& pattern)
 {
@@ -50,11 +51,22 @@ std::vector<std::string> pictures(const std::string& path)
   return found;
 }
 
+std::vector<char> bytesOf(const std::string& path)
+{
+  try
+  {
+    const std::string bytes = readFile(path, kMaxFile);
+    return {bytes.begin(), bytes.end()};
+  }
+  catch (const std::runtime_error& e)
+  {
+    throw SourceError(e.what());
+  }
+}
+
 cv::Mat decodeFile(const std::string& path, int flags)
 {
-  std::ifstream file(path, std::ios::binary);
-  const std::vector<char> bytes{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
-  if (!file) throw SourceError(path + ": cannot be read");
+  const std::vector<char> bytes = bytesOf(path);
   const auto* data = reinterpret_cast<const unsigned char*>(bytes.data());
   const bool jpeg = bytes.size() > 2 && data[0] == 0xFF && data[1] == 0xD8;
   if (jpeg && !isCompleteJpeg(data, bytes.size())) throw SourceError(path + ": the JPEG is damaged or truncated");

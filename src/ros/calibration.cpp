@@ -1,6 +1,5 @@
 #include "calibration.hpp"
 
-#include <camera_calibration_parsers/parse.h>
 #include <camera_calibration_parsers/parse_ini.h>
 #include <camera_calibration_parsers/parse_yml.h>
 #include <ros/package.h>
@@ -14,6 +13,8 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "bounded_yaml.hpp"
+#include "core/regular_file.hpp"
 #include "replace_file.hpp"
 #include "robot_vision/camera_model.hpp"
 #include "robot_vision/range.hpp"
@@ -69,6 +70,26 @@ std::string pathOf(const std::string& url, const std::string& camera_name)
   const bool is_file = resolved.rfind(kFile + "/", 0) == 0;
   require(is_file, "camera_info_url", wrong, "empty, file:///... or package://...");
   return resolved.substr(kFile.size());
+}
+
+/// Reads a calibration's file, or throws std::runtime_error that names it.
+void parse(const std::string& path, std::string& camera_name, sensor_msgs::CameraInfo& info)
+{
+  const std::string text = readFile(path, kMaxYamlText);
+  const bool ini = std::filesystem::path(path).extension() == ".ini";
+  std::istringstream stream(text);
+  try
+  {
+    if (!ini) requireBoundedYaml(text);
+    if (ini ? camera_calibration_parsers::readCalibrationIni(stream, camera_name, info)
+            : camera_calibration_parsers::readCalibrationYml(stream, camera_name, info))
+      return;
+  }
+  catch (const std::exception& e)
+  {
+    throw std::runtime_error(path + " is no calibration that can be read: " + e.what());
+  }
+  throw std::runtime_error(path + " is no calibration that can be read");
 }
 
 CameraModel modelOf(const sensor_msgs::CameraInfo& info)
@@ -141,15 +162,19 @@ sensor_msgs::CameraInfo Calibration::read() const
   sensor_msgs::CameraInfo info;
   if (!std::filesystem::exists(path_, ignored))
     ROS_WARN("%s: not calibrated: there is no %s", name_.c_str(), path_.c_str());
-  else if (!camera_calibration_parsers::readCalibration(path_, of_camera, info))
-    ROS_ERROR("%s: not calibrated: %s is no calibration that can be read", name_.c_str(), path_.c_str());
-  else if (const std::string problem = problemOf(info); !problem.empty())
-  {
-    ROS_ERROR("%s: not calibrated: %s: %s", name_.c_str(), path_.c_str(), problem.c_str());
-    return {};
-  }
   else
-    ROS_INFO("%s: calibrated by %s", name_.c_str(), path_.c_str());
+    try
+    {
+      parse(path_, of_camera, info);
+      if (const std::string problem = problemOf(info); !problem.empty())
+        throw std::runtime_error(path_ + ": " + problem);
+      ROS_INFO("%s: calibrated by %s", name_.c_str(), path_.c_str());
+    }
+    catch (const std::exception& e)
+    {
+      info = {};
+      ROS_ERROR("%s: not calibrated: %s", name_.c_str(), e.what());
+    }
   if (!of_camera.empty() && of_camera != camera_name_)
     ROS_WARN("%s: %s is of a camera named %s, this one is %s", name_.c_str(), path_.c_str(), of_camera.c_str(),
              camera_name_.c_str());

@@ -1,16 +1,16 @@
 #include "save_params.hpp"
 
-#include <unistd.h>
+#include <sys/stat.h>
 #include <yaml-cpp/yaml.h>
 
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
-#include <fstream>
-#include <iterator>
 #include <stdexcept>
 
+#include "bounded_yaml.hpp"
+#include "core/regular_file.hpp"
 #include "replace_file.hpp"
 #include "yaml_text.hpp"
 
@@ -60,10 +60,8 @@ YamlValues toYaml(const dynamic_reconfigure::Config& config)
 /// The file's text; empty if there is no such file.
 std::string load(const std::string& path)
 {
-  if (access(path.c_str(), F_OK) != 0) return "";
-  std::ifstream file(path);
-  if (!file) throw std::runtime_error(path + ": not overwritten, for it cannot be read");
-  return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+  struct stat status;
+  return lstat(path.c_str(), &status) == 0 ? readFile(path, kMaxYamlText) : "";
 }
 
 /// The keys and values of a YAML map.
@@ -71,6 +69,7 @@ YAML::Node parse(const std::string& path, const std::string& text)
 {
   try
   {
+    requireBoundedYaml(text);
     const YAML::Node root = YAML::Load(text);
     if (root.IsMap() || root.IsNull()) return root;
   }
@@ -101,18 +100,19 @@ bool holds(const YAML::Node& after, const YAML::Node& before, const YamlValues& 
 /// The text with the values in it. Throws if that takes more than putting them in their lines.
 std::string editValues(const std::string& path, const std::string& text, const YamlValues& values)
 {
+  const YAML::Node before = parse(path, text);
   std::string edited = text;
   for (const auto& [name, value] : values)
     edited = editYaml(edited, name, value);
-  if (holds(parse(path, edited), parse(path, text), values)) return edited;
+  if (holds(parse(path, edited), before, values)) return edited;
   throw std::runtime_error(path + ": not overwritten, for its parameters are not one \"name: value\" in each line");
 }
 
 /// The same for a map of parameters.
 std::string editMap(const std::string& path, const std::string& text, const std::string& map, const YamlValues& values)
 {
-  const std::string edited = editYamlMap(text, map, values);
   const YAML::Node before = parse(path, text);
+  const std::string edited = editYamlMap(text, map, values);
   const YAML::Node after = parse(path, edited);
   const bool others_hold = after.size() == before.size() + (before[map] ? 0 : 1);
   if (others_hold && after[map] && holds(after[map], before[map] ? before[map] : YAML::Node(), values)) return edited;

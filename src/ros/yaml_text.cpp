@@ -3,7 +3,6 @@
 #include <yaml-cpp/yaml.h>
 
 #include <algorithm>
-#include <sstream>
 
 namespace robot_vision
 {
@@ -43,20 +42,36 @@ bool editLine(std::string& line, const std::string& name, const std::string& val
   return true;
 }
 
-std::vector<std::string> linesOf(const std::string& text)
+struct Line
 {
-  std::istringstream stream(text);
-  std::vector<std::string> lines;
-  for (std::string line; std::getline(stream, line);)
-    lines.push_back(line);
+  std::string text;
+  std::string end;  // LF, or CR and LF
+};
+
+std::vector<Line> linesOf(const std::string& text)
+{
+  std::vector<Line> lines;
+  for (std::size_t begin = 0; begin < text.size();)
+  {
+    const std::size_t end = std::min(text.find('\n', begin), text.size());
+    const bool has_cr = end > begin && text[end - 1] == '\r';
+    lines.push_back({text.substr(begin, end - begin - (has_cr ? 1 : 0)), has_cr ? "\r\n" : "\n"});
+    begin = end + 1;
+  }
   return lines;
 }
 
-std::string joined(const std::vector<std::string>& lines)
+/// A line to add, which ends as the first one does.
+Line added(const std::vector<Line>& lines, const std::string& text)
+{
+  return {text, lines.empty() ? "\n" : lines.front().end};
+}
+
+std::string joined(const std::vector<Line>& lines)
 {
   std::string text;
-  for (const std::string& line : lines)
-    text += line + "\n";
+  for (const Line& line : lines)
+    text += line.text + line.end;
   return text;
 }
 
@@ -66,11 +81,15 @@ std::size_t indentOf(const std::string& line)
 }
 
 /// The end of the lines that belong to the key in line `begin`.
-std::size_t blockEnd(const std::vector<std::string>& lines, std::size_t begin)
+std::size_t blockEnd(const std::vector<Line>& lines, std::size_t begin)
 {
   std::size_t end = begin + 1;
-  for (std::size_t i = end; i < lines.size() && (lines[i].empty() || lines[i][0] == ' ' || lines[i][0] == '#'); ++i)
-    if (indentOf(lines[i]) > 0 && indentOf(lines[i]) < lines[i].size()) end = i + 1;
+  for (std::size_t i = end; i < lines.size(); ++i)
+  {
+    const std::string& line = lines[i].text;
+    if (!line.empty() && line[0] != ' ' && line[0] != '#') break;
+    if (indentOf(line) > 0 && indentOf(line) < line.size()) end = i + 1;
+  }
   return end;
 }
 
@@ -84,15 +103,16 @@ std::string dump(const YAML::Node& value)
 }
 
 /// Writes a map that is in one line, {a: 1}, as a block of lines.
-void unfold(std::vector<std::string>& lines, std::size_t header, const std::string& map)
+void unfold(std::vector<Line>& lines, std::size_t header, const std::string& map)
 {
-  const YAML::Node entries = YAML::Load(lines[header])[map];
+  std::string& line = lines[header].text;
+  const YAML::Node entries = YAML::Load(line)[map];
   if (!entries.IsMap()) return;
-  std::vector<std::string> block;
+  std::vector<Line> block;
   for (const auto& entry : entries)
-    block.push_back("  " + dump(entry.first) + ": " + dump(entry.second));
-  editLine(lines[header], map, "");
-  lines[header].erase(lines[header].find_last_not_of(' ') + 1);
+    block.push_back(added(lines, "  " + dump(entry.first) + ": " + dump(entry.second)));
+  editLine(line, map, "");
+  line.erase(line.find_last_not_of(' ') + 1);
   lines.insert(lines.begin() + static_cast<std::ptrdiff_t>(header) + 1, block.begin(), block.end());
 }
 
@@ -100,35 +120,36 @@ void unfold(std::vector<std::string>& lines, std::size_t header, const std::stri
 
 std::string editYaml(const std::string& text, const std::string& name, const std::string& value)
 {
-  std::vector<std::string> lines = linesOf(text);
-  const auto edited = [&](std::string& line) { return editLine(line, name, value); };
-  if (std::none_of(lines.begin(), lines.end(), edited)) lines.push_back(name + ": " + value);
+  std::vector<Line> lines = linesOf(text);
+  const auto edited = [&](Line& line) { return editLine(line.text, name, value); };
+  if (std::none_of(lines.begin(), lines.end(), edited)) lines.push_back(added(lines, name + ": " + value));
   return joined(lines);
 }
 
 std::string editYamlMap(const std::string& text, const std::string& map, const YamlValues& values)
 {
-  std::vector<std::string> lines = linesOf(text);
-  const auto is_header = [&map](std::string line) { return editLine(line, map, ""); };
+  std::vector<Line> lines = linesOf(text);
+  const auto is_header = [&map](Line line) { return editLine(line.text, map, ""); };
   const auto header = static_cast<std::size_t>(std::find_if(lines.begin(), lines.end(), is_header) - lines.begin());
-  if (header == lines.size()) lines.push_back(map + ":");
+  if (header == lines.size()) lines.push_back(added(lines, map + ":"));
   if (blockEnd(lines, header) == header + 1) unfold(lines, header, map);
 
   const std::size_t end = blockEnd(lines, header);
-  const std::size_t indent = end > header + 1 ? indentOf(lines[header + 1]) : 2;
-  std::vector<std::string> added;
+  const std::size_t indent = end > header + 1 ? indentOf(lines[header + 1].text) : 2;
+  std::vector<Line> more;
   for (const auto& [name, value] : values)
   {
     bool found = false;
     for (std::size_t i = header + 1; i < end && !found; ++i)
     {
-      std::string entry = lines[i].substr(indentOf(lines[i]));
-      found = indentOf(lines[i]) == indent && editLine(entry, name, value);
-      if (found) lines[i] = std::string(indent, ' ') + entry;
+      std::string& line = lines[i].text;
+      std::string entry = line.substr(indentOf(line));
+      found = indentOf(line) == indent && editLine(entry, name, value);
+      if (found) line = std::string(indent, ' ') + entry;
     }
-    if (!found) added.push_back(std::string(indent, ' ') + name + ": " + value);
+    if (!found) more.push_back(added(lines, std::string(indent, ' ') + name + ": " + value));
   }
-  lines.insert(lines.begin() + static_cast<std::ptrdiff_t>(end), added.begin(), added.end());
+  lines.insert(lines.begin() + static_cast<std::ptrdiff_t>(end), more.begin(), more.end());
   return joined(lines);
 }
 

@@ -32,7 +32,7 @@ BAD_AT_START = [
     ("edge_detector_node", "always_subscribe", 1.5, "must be true or false"),
     ("camera_node", "always_subscribe", "x", "must be true or false"),
     ("camera_node", "source", 7, "source is 7, must be a string"),
-    ("camera_node", "poster", "/no/poster.png", "/no/poster.png: cannot be read"),
+    ("camera_node", "poster", "/no/poster.png", "/no/poster.png cannot be read: No such file"),
     ("camera_node", "image_width", 32, "image_width is 32, must be from 64 to 4096"),
     ("camera_node", "image_width", 1600, "from a third to three times image_height, 480"),
     ("edge_detector_node", "blur_size", 0, "blur_size is 0, must be odd and from 1 to 31"),
