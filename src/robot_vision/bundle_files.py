@@ -18,6 +18,7 @@ import yaml
 
 from ._core import Bundle, BundleTag
 from .files import MAX_TEXT, create_file, read_file, replace_file
+from .plain_text import told
 from .rotations import quaternion_of, rotation_of
 from .yaml_text import load_yaml
 
@@ -77,7 +78,7 @@ def parse_bundles(values: Any) -> List[Bundle]:
         require_map(value, f"tag_bundles[{index}]", ("name", "family", "layout"))
         name = value.get("name", f"bundle_{index}")
         if not isinstance(name, str) or not name:
-            raise ValueError(f"tag_bundles[{index}]: name is {name!r}, must be a text")
+            raise ValueError(f"tag_bundles[{index}]: name is {told(name)}, must be a text")
         if any(bundle.name == name for bundle in bundles):
             raise ValueError(f"tag_bundles: '{name}' is there twice")
         where = f"layout of bundle '{name}'"
@@ -93,14 +94,14 @@ def list_of(value: Any, where: str) -> Sequence[Any]:
         ValueError: it is none; says where.
     """
     if not isinstance(value, (list, tuple)):
-        raise ValueError(f"{where} is {value!r}, must be a list")
+        raise ValueError(f"{where} is {told(value)}, must be a list")
     return value
 
 
 def require_map(value: Any, where: str, keys: Sequence[str]) -> None:
     """Raises ValueError if the value is no map, or has others than these keys."""
     if not isinstance(value, dict):
-        raise ValueError(f"{where} is {value!r}, must be a map")
+        raise ValueError(f"{where} is {told(value)}, must be a map")
     unknown = sorted(map(str, set(value).difference(keys)))
     if unknown:
         raise ValueError(f"{where} has '{unknown[0]}', must be {', '.join(keys)}")
@@ -119,7 +120,7 @@ def _tag(entry: Any, where: str) -> BundleTag:
     require_map(entry, f"a tag in the {where}", ("id", "size", *DEFAULTS, *NOISES))
     tag = entry.get("id")
     if not isinstance(tag, int) or isinstance(tag, bool):
-        raise ValueError(f"{where}: id is {tag!r}, must be a whole number")
+        raise ValueError(f"{where}: id is {told(tag)}, must be a whole number")
     where = f"{where}, tag {tag}"
     numbers_of = {key: _number(entry, key, where) for key in ("size", *DEFAULTS, *NOISES)}
     quaternion = np.array([numbers_of[key] for key in ("qx", "qy", "qz", "qw")])
@@ -136,5 +137,5 @@ def _tag(entry: Any, where: str) -> BundleTag:
 def _number(entry: Mapping[str, Any], key: str, where: str) -> float:
     value = entry.get(key, {**DEFAULTS, **NOISES}.get(key))
     if not isinstance(value, numbers.Real) or isinstance(value, bool) or not np.isfinite(value):
-        raise ValueError(f"{where}: {key} is {value!r}, must be a number")
+        raise ValueError(f"{where}: {key} is {told(value)}, must be a number")
     return float(value)

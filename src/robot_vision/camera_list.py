@@ -3,6 +3,8 @@
 import re
 from typing import Any, Dict
 
+from .plain_text import told
+
 NAME = "[A-Za-z][A-Za-z0-9_]*"
 
 
@@ -19,16 +21,16 @@ def parse_cameras(values: Any) -> Dict[str, Dict[str, Any]]:
         ValueError: it is none; says what is wrong, and where.
     """
     if not isinstance(values, list) or not values:
-        raise ValueError(f"cameras is {values!r}, must be a list of maps with name and source")
+        raise ValueError(f"cameras is {told(values)}, must be a list of maps with name and source")
     cameras: Dict[str, Dict[str, Any]] = {}
     for index, entry in enumerate(values):
         where = f"cameras[{index}]"
         if not isinstance(entry, dict):
-            raise ValueError(f"{where} is {entry!r}, must be a map with name and source")
+            raise ValueError(f"{where} is {told(entry)}, must be a map with name and source")
         parameters = dict(entry)
         name = parameters.pop("name", None)
         if not isinstance(name, str) or not re.fullmatch(NAME, name):
-            raise ValueError(f"{where}: name is {name!r}, must be letters, digits and _")
+            raise ValueError(f"{where}: name is {told(name)}, must be letters, digits and _")
         if name in cameras:
             raise ValueError(f"{where}: the name {name} is there twice")
         if not isinstance(parameters.get("source"), str):

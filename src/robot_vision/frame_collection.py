@@ -6,6 +6,8 @@ from typing import Dict, Iterable, List, Set, Tuple
 import numpy as np
 
 ALIKE = 1.0 / 64.0  # of the picture's width: no corner has moved so far since an earlier frame
+FAR = 4.0  # of the picture's width: no corner is so far from its origin
+MIN_TURN = 1.0  # px^2, of the parallelogram of two edges one after the other
 
 
 class FrameCollection:
@@ -23,6 +25,7 @@ class FrameCollection:
         self._corners = np.full((most, len(self._tags), 4, 2), np.inf)  # infinite where not seen
         self._kept = 0
         self._alone: Dict[int, np.ndarray] = {}
+        self._refused = 0  # tags whose corners cannot be
         self.offered = 0  # frames, with tags or without
 
     @property
@@ -33,12 +36,15 @@ class FrameCollection:
     def add(self, width: int, tags: Iterable[Tuple[int, np.ndarray]]) -> None:
         """Offers a frame of `width` px: ids and corners, (4, 2) px, of its tags.
 
-        An id that is there twice is left out: nobody can say which one is which.
+        An id that is there twice is left out: nobody can say which one is which. So are corners
+        that no camera sees, for which the work might never end.
         """
         self.offered += 1
         tags = list(tags)
         times = Counter(tag for tag, _ in tags)
-        found = {tag: corners for tag, corners in tags if times[tag] == 1 and tag in self._tags}
+        once = {tag: corners for tag, corners in tags if times[tag] == 1 and tag in self._tags}
+        found = {tag: corners for tag, corners in once.items() if _can_be(corners, width)}
+        self._refused += len(once) - len(found)
         if len(found) == 1:
             self._alone.update(found)
         if len(found) < 2 or self.full:
@@ -84,6 +90,8 @@ class FrameCollection:
             parts.append("not seen: " + ", ".join(unseen))
         if loose:
             parts.append(f"not linked with {self._master}: " + ", ".join(loose))
+        if self._refused:
+            parts.append(f"{self._refused} sightings left out, whose corners no camera sees")
         return "; ".join(parts)
 
     def _linked(self, together: np.ndarray) -> Set[int]:
@@ -92,3 +100,12 @@ class FrameCollection:
         for index in reached:
             reached += [i for i in np.flatnonzero(together[index]) if i not in reached]
         return {self._tags[i] for i in reached}
+
+
+def _can_be(corners: np.ndarray, width: int) -> bool:
+    """Whether corners may be a tag's: near the picture, convex, and in the order of tags."""
+    if not (np.abs(corners) <= FAR * width).all():  # nor if one is NaN
+        return False
+    edges = np.roll(corners, -1, axis=0) - corners
+    after = np.roll(edges, -1, axis=0)
+    return bool((edges[:, 1] * after[:, 0] - edges[:, 0] * after[:, 1] >= MIN_TURN).all())

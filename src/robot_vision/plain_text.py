@@ -1,6 +1,7 @@
 """Text of others for people: on the overlay, whose letters are those of ASCII, and in logs."""
 
 import unicodedata
+from typing import Any
 
 
 def printable(text: str, length: int = 100) -> str:
@@ -21,3 +22,9 @@ def plain(text: str, length: int = 100) -> str:
     letters = "".join(letter for letter in letters if not unicodedata.combining(letter))
     line = "".join(letter if " " <= letter <= "~" else "?" for letter in letters)
     return line[: length - 3] + "..." if max(len(text), len(line)) > length else line
+
+
+def told(value: Any, length: int = 100) -> str:
+    """A value as its source code, for an error; at most `length` letters of it."""
+    text = repr(value)
+    return text if len(text) <= length else text[: length - 3] + "..."

@@ -6,6 +6,7 @@ from typing import Any, Dict, Iterable, List, NamedTuple
 
 from . import Bundle, tag_family
 from .bundle_files import list_of, parse_bundles, require_map
+from .plain_text import told
 from .tag_ids import parse_ids, require_id
 
 LARGEST = 100.0  # m
@@ -74,7 +75,7 @@ class TagLayout:
         size = _checked_size(entry.get("size", self._size), f"{where}: size")
         name = entry.get("name", "")
         if not isinstance(name, str):
-            raise ValueError(f"{where}: name is {name!r}, must be a string")
+            raise ValueError(f"{where}: name is {told(name)}, must be a string")
         if name and len(ids) > 1:
             raise ValueError(f"{where}: name is '{name}', but there are {len(ids)} tags")
         for number in ids:
@@ -106,7 +107,7 @@ class TagLayout:
         family = entry.get("family", self.families[0])
         if family not in self.families:
             known = ", ".join(self.families)
-            raise ValueError(f"{where}: family is {family!r}, must be one of families: {known}")
+            raise ValueError(f"{where}: family is {told(family)}, must be one of families: {known}")
         return family
 
     def _require_different_names(self) -> None:
@@ -136,7 +137,7 @@ class TagLayout:
 def _families(value: Any) -> List[str]:
     names = value.split(",") if isinstance(value, str) else value
     if not isinstance(names, list) or not all(isinstance(name, str) for name in names):
-        raise ValueError(f"families is {value!r}, must be names between commas")
+        raise ValueError(f"families is {told(value)}, must be names between commas")
     names = [name.strip() for name in names]
     for name in names:
         tag_family(name)
@@ -154,7 +155,7 @@ def _ids_of(entry: Dict[str, Any], family: str, where: str) -> List[int]:
         except ValueError as error:
             raise ValueError(f"{where}: {error}") from None
     if type(entry["id"]) is not int:
-        raise ValueError(f"{where}: id is {entry['id']!r}, must be a whole number")
+        raise ValueError(f"{where}: id is {told(entry['id'])}, must be a whole number")
     _require_id(entry["id"], family, where)
     return [entry["id"]]
 
@@ -168,5 +169,5 @@ def _require_id(id: int, family: str, where: str) -> None:
 
 def _checked_size(value: Any, where: str) -> float:
     if type(value) not in (int, float) or not 0.0 < value <= LARGEST:
-        raise ValueError(f"{where} is {value!r}, must be above 0 and at most {LARGEST:g} m")
+        raise ValueError(f"{where} is {told(value)}, must be above 0 and at most {LARGEST:g} m")
     return float(value)

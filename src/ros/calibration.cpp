@@ -2,7 +2,9 @@
 
 #include <camera_calibration_parsers/parse_ini.h>
 #include <camera_calibration_parsers/parse_yml.h>
+#include <pwd.h>
 #include <ros/package.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <boost/algorithm/string/replace.hpp>
@@ -40,10 +42,19 @@ std::string variable(const char* name)
   return value == nullptr ? "" : value;
 }
 
+/// The user's folder; services of the system have no HOME.
+std::string userHome()
+{
+  const std::string home = variable("HOME");
+  const passwd* user = home.empty() ? getpwuid(getuid()) : nullptr;
+  return user == nullptr ? home : user->pw_dir;
+}
+
 std::string rosHome()
 {
   const std::string home = variable("ROS_HOME");
-  return home.empty() ? variable("HOME") + "/.ros" : home;
+  // A relative one is of the folder that the node runs in.
+  return std::filesystem::absolute(home.empty() ? userHome() + "/.ros" : home).string();
 }
 
 /// The path of what is in a package, "name/path"; empty: there is no such thing.

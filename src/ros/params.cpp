@@ -11,12 +11,16 @@ namespace robot_vision
 namespace
 {
 
-/// A parameter's value as its YAML shows it.
+constexpr std::size_t kMaxTold = 100;  // letters of a value
+
+/// A parameter's value as its YAML shows it, or as much of it as fits into a line.
 std::string toText(XmlRpc::XmlRpcValue& value)
 {
-  std::ostringstream text;
-  text << value;
-  return value.getType() == XmlRpc::XmlRpcValue::TypeString ? "'" + text.str() + "'" : text.str();
+  std::ostringstream stream;
+  stream << value;
+  std::string text = stream.str();
+  if (text.size() > kMaxTold) text = text.substr(0, kMaxTold - 3) + "...";
+  return value.getType() == XmlRpc::XmlRpcValue::TypeString ? "'" + text + "'" : text;
 }
 
 std::string shown(const std::string& value)

@@ -144,7 +144,7 @@ TEST(Files, hostileYamlIsRefusedInOneLine)
   const std::vector<std::pair<std::string, std::string>> hostile = {
       {bomb(), "more than 10000 values"},
       {"[" + repeated("1,", 20000) + "]", "more than 10000 values"},
-      {repeated("[", 100000), "line 1, column 21: nested deeper than 20 levels"},
+      {repeated("[", 100000), "nested deeper than 20 levels"},
       {repeated("{a: ", 100000), "nested deeper than 20 levels"},
       {repeated("- ", 100000), "nested deeper than 20 levels"},
       {"a: &a [*a]", "line 1, column 8: an alias of what it is part of"},

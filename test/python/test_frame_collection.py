@@ -82,3 +82,34 @@ def test_the_summary_says_what_is_missing(collection):
     assert collection.summary() == (
         "3 of 5 frames; tags: 1 (1), 2 (1), 3 (2), 7 (2); together: 1+7 (1), 2+3 (1), 3+7 (1)"
     )
+
+
+@pytest.mark.parametrize(
+    "corners",
+    [
+        np.full((4, 2), np.nan),
+        np.full((4, 2), -np.inf),
+        np.where([[1, 0], [0, 0], [0, 0], [0, 0]], np.nan, SQUARE),
+        np.zeros((4, 2)),
+        SQUARE * 1e9,
+        SQUARE * 1e300,
+        SQUARE * 1e-3,
+        SQUARE[::-1],
+        SQUARE[[0, 2, 1, 3]],
+        np.array([[0.0, 0.0], [1.0, 1.0], [2.0, 2.0], [3.0, 3.0]]),
+        np.array([[0.0, 40.0], [40.0, 40.0], [5.0, 35.0], [0.0, 0.0]]),
+    ],
+)
+def test_corners_that_no_camera_sees_are_left_out(collection, corners):
+    with np.errstate(all="raise"):
+        collection.add(WIDTH, [(1, SQUARE), (2, moved(60.0)), (3, corners)])
+        collection.add(WIDTH, [(7, corners)])
+    assert ids_of(collection) == [[1, 2]]
+    assert collection.summary().endswith("; 2 sightings left out, whose corners no camera sees")
+
+
+def test_thousands_of_detections_are_a_frame_like_any_other(collection):
+    others = [(id, SQUARE) for id in range(-(2**31), -(2**31) + 10000)]
+    twice = [(7, SQUARE)] * 1000
+    collection.add(WIDTH, [*others, *twice, (1, SQUARE), (2, moved(60.0)), (2**31 - 1, SQUARE)])
+    assert ids_of(collection) == [[1, 2]] and "left out" not in collection.summary()

@@ -13,6 +13,7 @@ from ..cfg import SimpleCameraViewConfig
 from ..colors import as_yaml, outside
 from ..files import add_file, reason
 from ..msg import Click
+from ..plain_text import told
 from ..transport import Frame, ImageSubscriber
 from ..viewing import Rate, title, waiting_picture
 from ..window import Window, require_display
@@ -71,7 +72,10 @@ class CameraView:
                 self._save()
 
     def _configure(self, config: Dict[str, Any]) -> None:
-        self._folder = os.path.abspath(os.path.expanduser(config["save_folder"]))
+        folder = config["save_folder"]
+        if "\0" in folder:  # the only letter that no folder has
+            raise ValueError(f"save_folder is {told(folder)}, must be a path")
+        self._folder = os.path.abspath(os.path.expanduser(folder))
 
     def _on_frame(self, frame: Frame) -> None:
         self._rate.add(time.monotonic())

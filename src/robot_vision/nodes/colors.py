@@ -5,6 +5,7 @@ from typing import Any, Dict
 import rospy
 
 from .. import HsvRange, validate
+from ..plain_text import told
 from .params import read_any, read_param
 
 LOW = ("h_low", "s_low", "v_low")
@@ -33,7 +34,7 @@ class NamedColors:
         if given is None:
             given = _default()
         if not isinstance(given, dict) or not given:
-            raise ValueError(f"colors is {given!r}, must be a map of at least one name to a range")
+            raise ValueError(f"colors is {told(given)}, must be a map of at least one name to a range")
         for name, entry in given.items():
             self.ranges[str(name)] = _range(name, entry)
         self._shown = ""
@@ -47,7 +48,7 @@ class NamedColors:
         name = config["color"] or self._shown or next(iter(self.ranges))
         if name not in self.ranges:
             known = ", ".join(self.ranges)
-            raise ValueError(f"color is {name!r}, must be one of {known}")
+            raise ValueError(f"color is {told(name)}, must be one of {known}")
         values = dict(zip((*LOW, *HIGH), (*self.ranges[name].low, *self.ranges[name].high)))
         changed = {key: config[key] for key, old in self._values.items() if config[key] != old}
         values.update(changed)
@@ -73,7 +74,7 @@ def _range(name: str, entry: Any) -> HsvRange:
         found = HsvRange(low=tuple(entry["low"]), high=tuple(entry["high"]))
     except (KeyError, TypeError):
         raise ValueError(
-            f"colors/{name} is {entry!r}, must be {{low: [h, s, v], high: [h, s, v]}}"
+            f"colors/{name} is {told(entry)}, must be {{low: [h, s, v], high: [h, s, v]}}"
         ) from None
     try:
         validate(found)

@@ -14,6 +14,7 @@ from std_srvs.srv import Trigger, TriggerResponse
 
 from .. import _transport
 from ..files import read_text, replace_file
+from ..plain_text import told
 
 Params = TypeVar("Params")
 
@@ -39,7 +40,7 @@ def read_param(name: str, default: Any) -> Any:
     if kind is float and type(value) is int:
         value = float(value)
     if type(value) is not kind:
-        raise ValueError(f"{name} is {value!r}, must be {TYPES[kind]}")
+        raise ValueError(f"{name} is {told(value)}, must be {TYPES[kind]}")
     return value
 
 
