@@ -38,8 +38,6 @@ std::string pathOf(const std::string& parameter, const std::string& name)
 
 bool load(const std::string& path, cv::CascadeClassifier& cascade)
 {
-  std::error_code unknown;
-  if (!fs::is_regular_file(path, unknown)) return false;  // a pipe would wait
   try
   {
     return cascade.load(path);

@@ -73,8 +73,9 @@ std::string readFile(const std::string& path, std::size_t max_size)
     complete = count == 0;
   }
   if (complete) return bytes;
-  throw std::runtime_error(path + " cannot be read: it has " + std::to_string(std::max(file.size(), bytes.size()) >> 20) +
-                           " MB, must have at most " + std::to_string(max_size >> 20));
+  throw std::runtime_error(path + " cannot be read: it has " +
+                           std::to_string(std::max(file.size(), bytes.size()) >> 20) + " MB, must have at most " +
+                           std::to_string(max_size >> 20));
 }
 
 }  // namespace robot_vision

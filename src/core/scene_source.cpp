@@ -29,7 +29,14 @@ constexpr const char* kPortrait = "/usr/lib/python3/dist-packages/skimage/data/a
 cv::Mat readPoster(const std::string& poster)
 {
   if (poster.empty() || poster == "pattern" || (poster == "auto" && !std::filesystem::exists(kPortrait))) return {};
-  return readUpright(poster == "auto" ? kPortrait : poster);
+  try
+  {
+    return readUpright(poster == "auto" ? kPortrait : poster);
+  }
+  catch (const SourceError& e)
+  {
+    throw SourceError(std::string("poster: ") + e.what());
+  }
 }
 
 /// Whatever has a camera, and can be rendered with its truth.

@@ -215,9 +215,7 @@ def _random() -> str:
 
 
 @contextlib.contextmanager
-def _temporary(
-    path: str, data: bytes, old: Optional[os.stat_result] = None
-) -> Iterator[str]:
+def _temporary(path: str, data: bytes, old: Optional[os.stat_result] = None) -> Iterator[str]:
     """A new file, written down to the disk, that is gone in the end unless it was renamed.
 
     Args:

@@ -77,12 +77,11 @@ TEST(Files, onlyFilesAreReadAndReplaced)
 {
   const TempFolder folder;
   const std::string path = (folder.path() / "odd.yaml").string();
-  const std::vector<std::pair<std::string, std::string>> odd = {
-      {"pipe", "it is no file"},
-      {"folder", "it is no file"},
-      {"/dev/zero", "it is no file"},
-      {"nowhere", "it is a symbolic link that leads nowhere"},
-      {path, "Too many levels of symbolic links"}};
+  const std::vector<std::pair<std::string, std::string>> odd = {{"pipe", "it is no file"},
+                                                                {"folder", "it is no file"},
+                                                                {"/dev/zero", "it is no file"},
+                                                                {"nowhere", "it is a symbolic link that leads nowhere"},
+                                                                {path, "Too many levels of symbolic links"}};
   for (const auto& [kind, reason] : odd)
   {
     if (kind == "pipe")
@@ -112,7 +111,8 @@ TEST(Files, noMoreIsReadThanAllowed)
   EXPECT_EQ(errorOf([&] { readFile(path, data.size() - 1); }),
             path + " cannot be read: it has 2 MB, must have at most 1");
   fs::resize_file(path, std::uintmax_t{1} << 40);  // would not fit into the memory
-  EXPECT_NE(errorOf([&] { readFile(path, 1 << 20); }).find("it has 1048576 MB, must have at most 1"), std::string::npos);
+  EXPECT_NE(errorOf([&] { readFile(path, 1 << 20); }).find("it has 1048576 MB, must have at most 1"),
+            std::string::npos);
   // Its size is said to be 0.
   EXPECT_NE(errorOf([&] { readFile("/proc/kallsyms", 1000); }).find("must have at most 0"), std::string::npos);
 }

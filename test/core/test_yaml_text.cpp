@@ -46,8 +46,7 @@ TEST(YamlText, keepsTheEndsOfLines)
   EXPECT_EQ(editYaml("gain: 1\r\n", "gamma", "5"), "gain: 1\r\ngamma: 5\r\n");
   EXPECT_EQ(editYaml("gain: 1\noffset: 2\r\n", "offset", "5"), "gain: 1\noffset: 5\r\n");
   EXPECT_EQ(editYaml("gain: 1", "gain", "5"), "gain: 5\n");
-  EXPECT_EQ(editYamlMap("a: {b: 1}\r\nc: 2\r\n", "a", {{"b", "3"}, {"d", "4"}}),
-            "a:\r\n  b: 3\r\n  d: 4\r\nc: 2\r\n");
+  EXPECT_EQ(editYamlMap("a: {b: 1}\r\nc: 2\r\n", "a", {{"b", "3"}, {"d", "4"}}), "a:\r\n  b: 3\r\n  d: 4\r\nc: 2\r\n");
   EXPECT_EQ(editYamlMap("a:\r\n  b: 1\r\n\r\n  c: 2\r\n", "a", {{"c", "3"}, {"d", "4"}}),
             "a:\r\n  b: 1\r\n\r\n  c: 3\r\n  d: 4\r\n");
 }

@@ -1,6 +1,7 @@
 """The node apriltag_detector: tags, poses, transforms, markers and ~detect, against the truth."""
 
 import itertools
+import os
 import pathlib
 import struct
 import sys
@@ -337,10 +338,13 @@ def test_detect_a_file(start, tmp_path):
         struct.pack(">I", 13) + b"IHDR" + header + struct.pack(">I", zlib.crc32(b"IHDR" + header))
     )
     (tmp_path / "huge.png").write_bytes(b"\x89PNG\r\n\x1a\n" + chunk)
+    os.mkfifo(str(tmp_path / "pipe.png"))
     for file, why in (
         ("tags.png", "file is 'tags.png', must be an absolute path"),
         (str(tmp_path / "none.png"), "none.png cannot be read: No such file or directory"),
         (str(tmp_path / "huge.png"), "huge.png: claims to be of 60000x60000, the most is 67108864"),
+        (str(tmp_path / "pipe.png"), "pipe.png cannot be read: it is no file"),
+        ("/dev/zero", "/dev/zero cannot be read: it is no file"),
         (__file__, "is no picture"),
     ):
         answer = detect(file)

@@ -1,5 +1,6 @@
 """The command calibrate_bundle.py: known layouts, live and from bags, and clear errors."""
 
+import os
 import re
 
 import cv2
@@ -253,6 +254,9 @@ def test_what_a_bag_lacks_is_named(calibrate, pictures, bag, tmp_path):
     assert missing in error(tmp_path / "none.bag")
     (tmp_path / "text.bag").write_text("not a bag")
     assert f"{tmp_path}/text.bag cannot be read: " in error(tmp_path / "text.bag")
+    os.mkfifo(str(tmp_path / "pipe.bag"))
+    for no_file in (tmp_path / "pipe.bag", tmp_path, "/dev/zero"):
+        assert error(no_file).endswith(f"{no_file} cannot be read: it is no file")
     assert f"has no pictures on '/other', but on {IMAGE}" in error(bag, image="/other")
     assert f"has no pictures on '{INFO}', but on {IMAGE}" in error(bag, image=INFO)
     blind = write_bag(tmp_path / "blind.bag", few)
@@ -276,6 +280,27 @@ def test_what_a_bag_lacks_is_named(calibrate, pictures, bag, tmp_path):
         )
     grey = write_bag(tmp_path / "grey.bag", [np.full((480, 640), 99, np.uint8)] * 2, calibrated())
     assert "none of the tags was seen in 2 frames" in error(grey)
+
+
+def test_a_damaged_bag_is_named(calibrate, pictures, monkeypatch, tmp_path):
+    """Wherever it is damaged: rosbag raises many kinds of errors, which say nothing of the file."""
+    whole = write_bag(tmp_path / "whole.bag", pictures[:2], calibrated()).read_bytes()
+    monkeypatch.setattr("robot_vision.nodes.bundle_bag.TagDetector.detect", lambda *_: [])
+    bag = tmp_path / "damaged.bag"
+    random = np.random.default_rng(1)
+    # Records with the index are at the end, those of messages behind the first 4 kB and each other.
+    places = [*range(13, 120, 9), *range(4096, 4400, 25), *range(len(whole) - 1500, len(whole), 60)]
+    for place in places:
+        bag.write_bytes(whole[:place] + random.bytes(8) + whole[place + 8 :])
+        code, output = calibrate("--bag", bag, "--image", IMAGE)
+        *_, error = output.splitlines()
+        assert code == 1 and "Traceback" not in output, (place, output)
+        assert str(bag) in error or "none of the tags was seen" in error or IMAGE in error, error
+    for size in range(0, 4200, 300):
+        bag.write_bytes(whole[:size])
+        assert f"calibrate_bundle.py: {bag} " in refused(
+            calibrate, tmp_path, "--bag", bag, "--image", IMAGE
+        )
 
 
 def test_what_cannot_be_learnt_is_named(calibrate, bag, tmp_path):

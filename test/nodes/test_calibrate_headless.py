@@ -1,5 +1,6 @@
 """The command calibrate_headless.py: from files, a video, a bag and a camera, and clear errors."""
 
+import os
 import re
 
 import cv2
@@ -274,6 +275,38 @@ def test_a_topic_without_pictures(start, tmp_path):
     process.interrupt()
     assert process.exit_code() == 1
     assert "calibrate_headless.py: there were no pictures" in process.output()
+
+
+def test_what_is_no_file_is_named_and_nothing_is_made(calibrate, folder, tmp_path):
+    """Pipes and devices would keep it for ever; folders are made when there is a result."""
+    new = tmp_path / "new" / "folder" / "eye.yaml"
+    pipes = [tmp_path / name for name in ("pipe.png", "pipe.mp4", "pipe.bag")]
+    for pipe in pipes:
+        os.mkfifo(str(pipe))
+    for path in (*pipes[1:2], "/dev/zero"):
+        error = refused(calibrate, path, "--output", new)
+        assert error == f"calibrate_headless.py: {path} cannot be read: it is no file"
+    error = refused(calibrate, "--bag", pipes[2], "--image", IMAGE, "--output", new)
+    assert error == f"calibrate_headless.py: {pipes[2]} cannot be read: it is no file"
+    code, output = calibrate(pipes[0], "--output", new)
+    assert code == 1 and f"skipped {pipes[0]}: it is no file\n" in output
+    for odd in (pipes[0], "/dev/null"):
+        error = refused(calibrate, folder, "--output", odd, "--force")
+        assert error == f"calibrate_headless.py: {odd} cannot be written: it is no file"
+        error = refused(calibrate, folder, "--output", new, "--coverage", odd, "--force")
+        assert error == f"calibrate_headless.py: {odd} cannot be written: it is no file"
+    assert not new.parent.parent.exists() and all(pipe.is_fifo() for pipe in pipes)
+
+
+@pytest.mark.parametrize("phase", ["calibrate", "as_yaml", "coverage_picture"])
+def test_interrupted_at_its_work_it_leaves_nothing(calibrate, folder, monkeypatch, tmp_path, phase):
+    def interrupt(*_):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(calibrate_headless, phase, interrupt)
+    code, output = calibrate(folder, "--output", tmp_path / "new" / "eye.yaml")
+    assert code == 130 and "Traceback" not in output
+    assert [path.name for path in tmp_path.glob("new/*")] == ["eye.yaml"] * ("saved in" in output)
 
 
 def test_what_cannot_be_used_is_named(calibrate, pictures, folder, monkeypatch, tmp_path):

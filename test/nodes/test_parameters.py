@@ -1,5 +1,8 @@
 """Parameters: refused at start, refused live, changed live, saved."""
 
+import os
+import stat
+
 import dynamic_reconfigure.client
 import numpy as np
 import pytest
@@ -32,6 +35,16 @@ BAD_AT_START = [
     ("edge_detector_node", "always_subscribe", 1.5, "must be true or false"),
     ("camera_node", "always_subscribe", "x", "must be true or false"),
     ("camera_node", "source", 7, "source is 7, must be a string"),
+    ("camera_node", "source", {"a": 1}, "must be a string"),
+    ("camera_node", "source", ["a"], "must be a string"),
+    ("camera_node", "poster", "/dev/zero", "/dev/zero cannot be read: it is no file"),
+    ("camera_node", "framerate", {"a": {"b": "x" * 10000}}, "..., must be a number"),
+    ("camera_node", "pixel_format", "x" * 10000, "..., must be yuyv, uyvy, nv12, "),
+    ("brightness_node", "gain", [1.0, 2.0], "must be a number"),
+    ("brightness_node", "gain", float("nan"), "gain is nan, must be from 0 to 10"),
+    ("brightness_node", "gain", float("inf"), "gain is inf, must be from 0 to 10"),
+    ("brightness_node", "gain", 1e300, "gain is 1e+300, must be from 0 to 10"),
+    ("edge_detector_node", "aperture", 2**31 - 1, "must be 3, 5 or 7"),
     ("camera_node", "poster", "/no/poster.png", "/no/poster.png cannot be read: No such file"),
     ("camera_node", "image_width", 32, "image_width is 32, must be from 64 to 4096"),
     ("camera_node", "image_width", 1600, "from a third to three times image_height, 480"),
@@ -95,7 +108,7 @@ def test_bad_value_at_start_is_fatal(start, node, name, value, message):
     assert process.exit_code() == 1
     fatal = [line for line in process.output().splitlines() if "FATAL" in line]
     assert len(fatal) == 1, process.output()
-    assert "/bad: " in fatal[0] and message in fatal[0]
+    assert "/bad: " in fatal[0] and message in fatal[0] and len(fatal[0]) < 1000
     assert name in fatal[0]
     rospy.delete_param("/bad/" + name)
 
@@ -323,6 +336,60 @@ def test_a_python_node_says_as_well_that_a_file_cannot_be_written(start):
     start("code_reader.py", "__name:=saving", "_config_file:=/no/folder/config.yaml")
     answer = save("/saving")
     assert not answer.success and NOT_WRITTEN in answer.message
+
+
+@pytest.mark.parametrize("node", ["brightness_node", "code_reader.py"])
+def test_only_files_are_replaced(start, tmp_path, node):
+    """A device that root has replaced by a file is gone for the whole machine."""
+    start(node, "__name:=saving", "_config_file:=/dev/null")
+    pipe, bomb, text = tmp_path / "pipe.yaml", tmp_path / "bomb.yaml", tmp_path / "text.yaml"
+    os.mkfifo(str(pipe))
+    bomb.write_text("[" * 100000)
+    null = tmp_path / "null"
+    null.symlink_to("/dev/null")
+    dangling = tmp_path / "dangling.yaml"
+    dangling.symlink_to("nowhere")
+    loop = tmp_path / "loop.yaml"
+    loop.symlink_to("loop.yaml")
+    for path, why in (
+        ("/dev/null", "/dev/null cannot be read: it is no file"),
+        ("/dev/zero", "/dev/zero cannot be read: it is no file"),
+        (null, f"{null} cannot be read: it is no file"),
+        (pipe, f"{pipe} cannot be read: it is no file"),
+        (tmp_path, f"{tmp_path} cannot be read: it is no file"),
+        (dangling, f"{dangling} cannot be read: No such file or directory"),
+        (loop, f"{loop} cannot be read: Too many levels of symbolic links"),
+        (bomb, f"{bomb}: not overwritten, for it is no valid YAML: "),
+    ):
+        rospy.set_param("/saving/config_file", str(path))
+        answer = save("/saving")
+        assert not answer.success and why in answer.message and "\n" not in answer.message
+    assert stat.S_ISCHR(os.stat("/dev/null").st_mode) and pipe.is_fifo()
+    text.write_bytes(b"threads: 1  # core\r\n")
+    rospy.set_param("/saving/config_file", str(text))
+    assert save("/saving").success
+    lines = text.read_bytes().split(b"\r\n")
+    assert lines[0] == b"threads: 1  # core" and len(lines) > 2 and b"\n" not in b"".join(lines)
+    names = {"pipe.yaml", "bomb.yaml", "null", "dangling.yaml", "loop.yaml", "text.yaml"}
+    assert {path.name for path in tmp_path.iterdir() if path.suffix != ".log"} == names
+
+
+@pytest.mark.parametrize(
+    "node, name, says",
+    [
+        ("camera_node", "source", "cannot be read: it is no file"),
+        ("camera_node", "poster", "cannot be read: it is no file"),
+        ("face_detector.py", "cascade_1", "which is no file"),
+    ],
+)
+def test_a_pipe_at_start_is_fatal(start, tmp_path, node, name, says):
+    pipe = tmp_path / "pipe.png"
+    os.mkfifo(str(pipe))
+    sources = [] if name == "source" else ["_source:=synthetic"]
+    process = start(node, "__name:=bad", f"_{name}:={pipe}", *sources)
+    assert process.exit_code() == 1
+    (fatal,) = [line for line in process.output().splitlines() if "FATAL" in line]
+    assert str(pipe) in fatal and says in fatal
 
 
 def test_saving_needs_a_file_name(start):

@@ -34,7 +34,9 @@ class NamedColors:
         if given is None:
             given = _default()
         if not isinstance(given, dict) or not given:
-            raise ValueError(f"colors is {told(given)}, must be a map of at least one name to a range")
+            raise ValueError(
+                f"colors is {told(given)}, must be a map of at least one name to a range"
+            )
         for name, entry in given.items():
             self.ranges[str(name)] = _range(name, entry)
         self._shown = ""
