@@ -97,7 +97,15 @@ int runNodelet(int argc, char** argv, const std::string& name, const std::string
   }
   std::signal(SIGINT, onSignal);
   std::signal(SIGTERM, onSignal);
-  ros::init(argc, argv, name, ros::init_options::NoSigintHandler);
+  try
+  {
+    ros::init(argc, argv, name, ros::init_options::NoSigintHandler);
+  }
+  catch (const std::exception& e)  // of a user for whom no folder can be made
+  {
+    ROS_FATAL("%s: %s; ROS_HOME names a folder that this user may write to", name.c_str(), e.what());
+    return 1;
+  }
   initialized = true;
   if (!waitForMaster()) return 0;
   ros::start();

@@ -392,6 +392,15 @@ def test_a_pipe_at_start_is_fatal(start, tmp_path, node, name, says):
     assert str(pipe) in fatal and says in fatal
 
 
+def test_without_a_home_a_node_says_what_it_needs(start):
+    """As services of the system, and users that nobody has made a folder for."""
+    homeless = ["/usr/bin/env", "-u", "ROS_HOME", "HOME=/dev/null"]
+    process = start(*homeless, support.executable("brightness_node"), "__name:=homeless")
+    assert process.exit_code() == 1
+    (fatal,) = [line for line in process.output().splitlines() if "FATAL" in line]
+    assert "/dev/null/.ros" in fatal and "ROS_HOME names a folder" in fatal
+
+
 def test_saving_needs_a_file_name(start):
     start("camera_node", "__name:=saving", "_source:=synthetic")
     answer = save("/saving")
