@@ -9,7 +9,7 @@ import pytest
 import rospy
 import support
 import yaml
-from sensor_msgs.msg import Image
+from sensor_msgs.msg import CameraInfo, Image
 from std_srvs.srv import Empty, Trigger
 
 BAD_AT_START = [
@@ -97,6 +97,19 @@ BAD_AT_START = [
         "ftp://there",
         "must be empty, file:///... or package://...",
     ),
+]
+
+
+BAD_AT_START += [
+    ("camera_node", "camera_info_url", url, "must be " + expected)
+    for url, expected in (
+        ("http://there/eye.yaml", "empty, file:///... or package://..."),
+        ("eye.yaml", "empty, file:///... or package://..."),
+        ("file://eye.yaml", "empty, file:///... or package://..."),
+        ("package://no_such_package/eye.yaml", "package://, the name of a package that is there"),
+        ("package://robot_vision", "package://, the name of a package that is there"),
+        ({"file": 1}, "a string"),
+    )
 ]
 
 
@@ -390,6 +403,31 @@ def test_a_pipe_at_start_is_fatal(start, tmp_path, node, name, says):
     assert process.exit_code() == 1
     (fatal,) = [line for line in process.output().splitlines() if "FATAL" in line]
     assert str(pipe) in fatal and says in fatal
+
+
+@pytest.mark.parametrize(
+    "content, why",
+    [
+        ("pipe", "{} cannot be read: it is no file"),
+        ("folder", "{} cannot be read: it is no file"),
+        ("[" * 100000, "{} is no calibration that can be read: yaml-cpp: error at line 1"),
+        ("\0\1\2", "{} is no calibration that can be read"),
+        ("#" * (1 << 20) + "\n", "{} cannot be read: it has 1 MB, must have at most 1"),
+    ],
+    ids=["pipe", "folder", "deep", "binary", "large"],
+)
+def test_a_calibration_that_cannot_be_read_is_none(start, tmp_path, content, why):
+    path = tmp_path / "eye.yaml"
+    if content == "pipe":
+        os.mkfifo(str(path))
+    elif content == "folder":
+        path.mkdir()
+    else:
+        path.write_text(content)
+    url = f"_camera_info_url:=file://{path}"
+    process = start("camera_node", "__name:=eye", "_source:=synthetic", url)
+    support.Messages("/eye/camera_info", CameraInfo).wait()
+    process.wait_for_output("not calibrated: " + why.format(path))
 
 
 def test_without_a_home_a_node_says_what_it_needs(start):
