@@ -1,6 +1,7 @@
 """The node object_tracker: all ways to select, what it publishes, loss and return."""
 
 import concurrent.futures
+import copy
 import itertools
 import subprocess
 
@@ -23,7 +24,9 @@ from robot_vision.msg import (
     TrackState,
     TrackStateArray,
 )
+from robot_vision.nodes.auto_selection import AutoSelection
 from robot_vision.srv import ForgetObject, SelectObject
+from robot_vision.transport import Frame
 
 RATE = 30.0  # Hz, of the pictures' own time
 ASTRONAUT = cv2.cvtColor(skimage.data.astronaut(), cv2.COLOR_RGB2BGR)
@@ -340,6 +343,36 @@ def test_detections_of_another_node_are_selected(start):
         finder.found_at(stamp, ("face", region(x, 80)), ("face", region(250, 20, SMALL)))
         found, states = desk.show(picture(x, other=(250, 20)))
         assert set(states) == {1} and found
+
+
+class Selector:
+    """An ObjectTracker that only notes what is selected."""
+
+    def __init__(self):
+        self.selected = []
+
+    def select_in(self, _image, box, _label):
+        self.selected.append(box)
+        return len(self.selected)
+
+
+def test_of_thousands_of_detections_the_best_are_looked_at(log):
+    boxes = [region(x, y, SMALL) for y in range(0, 5000, 100) for x in range(0, 6000, 100)]
+    array = DetectionArray(detections=[Detection(box=box, id=-1) for box in boxes])
+    order = np.random.default_rng(1).permutation(len(boxes))
+    for detection, rank in zip(array.detections, order):
+        detection.score = 1.0 - rank / len(boxes)
+    selector = Selector()
+    selection = AutoSelection(selector)
+    selection.configure("", 3000, 0.1)
+    for second in (1, 2, 3):
+        array.header.stamp = rospy.Time(second)
+        selection.add(copy.deepcopy(array))
+        selection.select(Frame(BACKGROUND, "bgr8", array.header), [])
+    best = {(box.x_offset, box.y_offset) for box, rank in zip(boxes, order) if rank < 100}
+    assert {box[:2] for box in selector.selected} == best
+    assert len(selector.selected) == len(best)
+    assert "3000 detections in a message: only the 100 of the highest score" in log()
 
 
 @pytest.mark.parametrize("ids", [(), (7,)], ids=["followed by place", "followed by id"])

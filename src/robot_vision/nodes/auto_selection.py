@@ -14,6 +14,7 @@ from ..transport import Frame
 from .tracks import box_of
 
 HISTORY = 8  # frames that a detection may be late
+MAX_CANDIDATES = 100  # of a message, those of the highest score; each is compared with each
 
 
 class Candidate(NamedTuple):
@@ -81,9 +82,19 @@ class AutoSelection:
             Candidate(
                 one, min([now, *(old.since for old in before if is_same(old.detection, one))])
             )
-            for one in detections
-            if self._label in ("", one.label)
+            for one in self._best(detections)
         ]
+
+    def _best(self, detections: List[Detection]) -> List[Detection]:
+        wanted = [one for one in detections if self._label in ("", one.label)]
+        if len(wanted) > MAX_CANDIDATES:
+            rospy.logwarn_throttle(
+                10.0,
+                f"{len(wanted)} detections in a message: only the {MAX_CANDIDATES} of the highest "
+                "score are looked at",
+            )
+            wanted.sort(key=lambda one: one.score, reverse=True)
+        return wanted[:MAX_CANDIDATES]
 
     def _select_uncovered(self, number: int) -> None:
         frame, outlines = self._frames[number]
@@ -118,14 +129,22 @@ def is_same(before: Detection, now: Detection) -> bool:
     """Whether two detections, of a frame and the one before, are of the same thing."""
     if before.label != now.label or before.id != now.id:
         return False
-    return now.id >= 0 or is_covered(now, [corners_of(box_of(before.box))])
+    if now.id >= 0:
+        return True
+    x, y, width, height = box_of(before.box)
+    middle_x, middle_y = middle_of(now)
+    return x <= middle_x <= x + width and y <= middle_y <= y + height
 
 
 def is_covered(found: Detection, outlines: List[np.ndarray]) -> bool:
     """Whether the middle of what was found is inside of an outline."""
-    x, y, width, height = box_of(found.box)
-    middle = x + width / 2.0, y + height / 2.0
     return any(
-        cv2.pointPolygonTest(outline.astype(np.float32), middle, False) >= 0.0
+        cv2.pointPolygonTest(outline.astype(np.float32), middle_of(found), False) >= 0.0
         for outline in outlines
     )
+
+
+def middle_of(found: Detection) -> Tuple[float, float]:
+    """Of its box, px."""
+    x, y, width, height = box_of(found.box)
+    return x + width / 2.0, y + height / 2.0
