@@ -13,6 +13,8 @@
 #include <utility>
 #include <vector>
 
+#include "leave_gil.hpp"
+
 namespace robot_vision
 {
 
@@ -24,7 +26,7 @@ struct DeleteUnlocked
 {
   void operator()(T* object) const
   {
-    const py::gil_scoped_release unlocked;
+    const LeaveGil unlocked;
     delete object;
   }
 };

@@ -3,6 +3,7 @@
 #include <pybind11/stl.h>
 
 #include "arrays.hpp"
+#include "leave_gil.hpp"
 #include "robot_vision/ball_tracker.hpp"
 
 using namespace robot_vision;
@@ -89,7 +90,7 @@ void bindBall(py::module& m)
       [](const CameraModel& camera, const py::object& outline, double diameter)
       {
         const std::vector<cv::Point> pixels = toPoints(outline);
-        const py::gil_scoped_release unlocked;
+        const LeaveGil unlocked;
         return ballPosition(camera, pixels, diameter);
       },
       "camera"_a, "outline"_a, "diameter"_a,

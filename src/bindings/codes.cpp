@@ -1,6 +1,7 @@
 #include <pybind11/stl.h>
 
 #include "arrays.hpp"
+#include "leave_gil.hpp"
 #include "robot_vision/code_reader.hpp"
 
 using namespace robot_vision;
@@ -38,7 +39,7 @@ void bindCodes(py::module& m)
           [](CodeReader& reader, const py::array& image, const std::string& encoding)
           {
             const Picture input(image);
-            const py::gil_scoped_release unlocked;
+            const LeaveGil unlocked;
             return reader.read(input.view, encoding);
           },
           "image"_a, "encoding"_a = "bgr8",
@@ -48,7 +49,7 @@ void bindCodes(py::module& m)
           [](CodeReader& reader, double time, const py::array& image, const std::string& encoding)
           {
             const Picture input(image);
-            const py::gil_scoped_release unlocked;
+            const LeaveGil unlocked;
             return reader.update(time, input.view, encoding);
           },
           "time"_a, "image"_a, "encoding"_a = "bgr8",

@@ -3,6 +3,7 @@
 #include <tuple>
 
 #include "arrays.hpp"
+#include "leave_gil.hpp"
 #include "robot_vision/hsv.hpp"
 #include "robot_vision/regions.hpp"
 
@@ -54,7 +55,7 @@ py::array applyMask(const HsvMask& mask, const py::array& image, const std::stri
   const Picture input(image);
   cv::Mat output;
   {
-    const py::gil_scoped_release unlocked;
+    const LeaveGil unlocked;
     mask.apply(input.view, encoding, output);
   }
   return toNumpy(output);
@@ -66,7 +67,7 @@ py::tuple findRegions(const RegionFinder& finder, const py::array& mask)
   cv::Mat cleaned;
   std::vector<Region> regions;
   {
-    const py::gil_scoped_release unlocked;
+    const LeaveGil unlocked;
     cleaned = input.view.clone();
     regions = finder.apply(cleaned);
   }

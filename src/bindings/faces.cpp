@@ -1,6 +1,7 @@
 #include <pybind11/stl.h>
 
 #include "arrays.hpp"
+#include "leave_gil.hpp"
 #include "robot_vision/face_detector.hpp"
 
 using namespace robot_vision;
@@ -33,16 +34,16 @@ void bindFaces(py::module& m)
       .def_readonly("predicted", &Face::predicted, "followed by its looks: no cascade has seen it in this frame");
 
   py::class_<FaceDetector>(m, "FaceDetector", "Finds faces with OpenCV's cascades, and follows them.")
-      .def(py::init<const FaceParams&>(), "params"_a = FaceParams(), py::call_guard<py::gil_scoped_release>(),
+      .def(py::init<const FaceParams&>(), "params"_a = FaceParams(), Unlocked(),
            "Raises ValueError for a parameter out of range, and for a cascade that is not there or none.")
-      .def("configure", &FaceDetector::configure, "params"_a, py::call_guard<py::gil_scoped_release>(),
+      .def("configure", &FaceDetector::configure, "params"_a, Unlocked(),
            "Other parameters from now on; the faces remain known. Raises as the constructor does.")
       .def(
           "detect",
           [](FaceDetector& detector, const py::array& image, const std::string& encoding)
           {
             const Picture input(image);
-            const py::gil_scoped_release unlocked;
+            const LeaveGil unlocked;
             return detector.detect(input.view, encoding);
           },
           "image"_a, "encoding"_a = "bgr8",
@@ -53,7 +54,7 @@ void bindFaces(py::module& m)
           [](FaceDetector& detector, double time, const py::array& image, const std::string& encoding)
           {
             const Picture input(image);
-            const py::gil_scoped_release unlocked;
+            const LeaveGil unlocked;
             return detector.update(time, input.view, encoding);
           },
           "time"_a, "image"_a, "encoding"_a = "bgr8",
@@ -63,7 +64,7 @@ void bindFaces(py::module& m)
           "find_eyes",
           [](FaceDetector& detector, const Face& face)
           {
-            const py::gil_scoped_release unlocked;
+            const LeaveGil unlocked;
             std::vector<Box> boxes;
             for (const cv::Rect& eye : detector.findEyes(face))
               boxes.push_back(toBox(eye));
@@ -73,6 +74,6 @@ void bindFaces(py::module& m)
           "Up to two eyes in a face of the last frame, the left one in the picture first: x, y, width, height.")
       .def_property_readonly("search_time", &FaceDetector::searchTime,
                              "s that the last search of a whole picture took, 0: none has ended")
-      .def("wait_for_search", &FaceDetector::waitForSearch, py::call_guard<py::gil_scoped_release>(),
+      .def("wait_for_search", &FaceDetector::waitForSearch, Unlocked(),
            "Waits for a search in the background: the next update() has what it has found, on a slow machine, too.");
 }

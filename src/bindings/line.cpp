@@ -1,6 +1,7 @@
 #include "robot_vision/line.hpp"
 
 #include "arrays.hpp"
+#include "leave_gil.hpp"
 
 using namespace robot_vision;
 using namespace py::literals;
@@ -30,7 +31,7 @@ void bindLine(py::module& m)
       [](const py::array& mask, const LineParams& params, const Line& previous)
       {
         const Picture input(mask);
-        const py::gil_scoped_release unlocked;
+        const LeaveGil unlocked;
         return findLine(input.view, params, previous);
       },
       "mask"_a, "params"_a = LineParams(), "previous"_a = Line(),

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "arrays.hpp"
+#include "leave_gil.hpp"
 #include "robot_vision/ball_tracker.hpp"
 #include "robot_vision/brightness.hpp"
 #include "robot_vision/code_reader.hpp"
@@ -51,7 +52,7 @@ py::array apply(const py::array& image, const std::string& encoding, const Param
   const Picture input(image);
   cv::Mat output;
   {
-    const py::gil_scoped_release unlocked;
+    const LeaveGil unlocked;
     Filter(params).apply(input.view, encoding, output);
   }
   return toNumpy(output);
@@ -91,7 +92,7 @@ std::optional<py::array> decodeFile(const py::buffer& data, int flags)
   const py::buffer_info bytes = data.request();
   cv::Mat image;
   {
-    const py::gil_scoped_release unlocked;
+    const LeaveGil unlocked;
     image = decodeImageFile(static_cast<const unsigned char*>(bytes.ptr),
                             static_cast<std::size_t>(bytes.size * bytes.itemsize), flags);
   }
@@ -152,6 +153,7 @@ void bindValidate(py::module& m)
 PYBIND11_MODULE(_core, m)
 {
   m.doc() = std::string("The C++ core of robot_vision on NumPy arrays. ") + kLayout;
+  LeaveGil::endWithProcess();
   bindFilters(m);
   bindSources(m);
   bindThreads(m);

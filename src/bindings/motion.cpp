@@ -3,6 +3,7 @@
 #include <pybind11/stl.h>
 
 #include "arrays.hpp"
+#include "leave_gil.hpp"
 
 using namespace robot_vision;
 using namespace py::literals;
@@ -41,7 +42,7 @@ void bindMotion(py::module& m)
           [](MotionDetector& detector, double time, const py::array& image, const std::string& encoding)
           {
             const Picture input(image);
-            const py::gil_scoped_release unlocked;
+            const LeaveGil unlocked;
             return detector.update(time, input.view, encoding);
           },
           "time"_a, "image"_a, "encoding"_a = "bgr8",

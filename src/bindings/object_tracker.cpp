@@ -3,6 +3,7 @@
 #include <pybind11/stl.h>
 
 #include "arrays.hpp"
+#include "leave_gil.hpp"
 
 using namespace robot_vision;
 using namespace py::literals;
@@ -80,7 +81,7 @@ void bindObjectTracker(py::module& m)
           "select",
           [](ObjectTracker& tracker, const Box& box, const std::string& label)
           {
-            const py::gil_scoped_release unlocked;
+            const LeaveGil unlocked;
             return tracker.select(toRect(box), label);
           },
           "box"_a, "label"_a = "",
@@ -92,7 +93,7 @@ void bindObjectTracker(py::module& m)
              const std::string& encoding)
           {
             const Picture input(image);
-            const py::gil_scoped_release unlocked;
+            const LeaveGil unlocked;
             return tracker.select(input.view, encoding, toRect(box), label);
           },
           "image"_a, "box"_a, "label"_a = "", "encoding"_a = "bgr8",
@@ -105,7 +106,7 @@ void bindObjectTracker(py::module& m)
           [](ObjectTracker& tracker, double time, const py::array& image, const std::string& encoding)
           {
             const Picture input(image);
-            const py::gil_scoped_release unlocked;
+            const LeaveGil unlocked;
             return tracker.update(time, input.view, encoding);
           },
           "time"_a, "image"_a, "encoding"_a = "bgr8",
@@ -118,7 +119,7 @@ void bindObjectTracker(py::module& m)
           {
             std::vector<FlowPoint> flow;
             {
-              const py::gil_scoped_release unlocked;
+              const LeaveGil unlocked;
               flow = tracker.flow(count);
             }
             return toTuple(flow);

@@ -4,6 +4,7 @@
 #include <pybind11/stl.h>
 
 #include "arrays.hpp"
+#include "leave_gil.hpp"
 
 using namespace robot_vision;
 using namespace py::literals;
@@ -42,7 +43,7 @@ void bindOverlay(py::module& m)
         const Picture input(image);
         cv::Mat gray;
         {
-          const py::gil_scoped_release unlocked;
+          const LeaveGil unlocked;
           toGray(input.view, encoding, gray);
         }
         if (!sharesPixels(gray, input.view)) return toNumpy(gray);
@@ -60,7 +61,7 @@ void bindOverlay(py::module& m)
         const Picture input(image);
         cv::Mat bgr;
         {
-          const py::gil_scoped_release unlocked;
+          const LeaveGil unlocked;
           toBgr(input.view, encoding, bgr);
           if (sharesPixels(bgr, input.view)) bgr = bgr.clone();
         }
@@ -76,7 +77,7 @@ void bindOverlay(py::module& m)
         const Picture picture(bgr), where(mask);
         cv::Mat out;
         {
-          const py::gil_scoped_release unlocked;
+          const LeaveGil unlocked;
           maskPicture(picture.view, where.view, out);
         }
         return toNumpy(out);
@@ -90,7 +91,7 @@ void bindOverlay(py::module& m)
       {
         cv::Mat picture = canvas(bgr);
         const std::vector<cv::Point> polygon = toPoints(outline);
-        const py::gil_scoped_release unlocked;
+        const LeaveGil unlocked;
         drawOutline(picture, polygon, label, {color[0], color[1], color[2]});
       },
       "bgr"_a, "outline"_a, "label"_a = "", "color"_a = Color{0, 255, 0},
@@ -101,7 +102,7 @@ void bindOverlay(py::module& m)
       [](const py::array& bgr, const std::string& text, const std::pair<int, int>& position, const Color& color)
       {
         cv::Mat picture = canvas(bgr);
-        const py::gil_scoped_release unlocked;
+        const LeaveGil unlocked;
         drawText(picture, text, {position.first, position.second}, {color[0], color[1], color[2]});
       },
       "bgr"_a, "text"_a, "position"_a, "color"_a = Color{0, 255, 0},
@@ -113,7 +114,7 @@ void bindOverlay(py::module& m)
       [](const py::array& bgr, const std::pair<double, double>& center, double radius, bool predicted)
       {
         cv::Mat picture = canvas(bgr);
-        const py::gil_scoped_release unlocked;
+        const LeaveGil unlocked;
         drawBall(picture, {center.first, center.second}, radius, predicted);
       },
       "bgr"_a, "center"_a, "radius"_a, "predicted"_a = false,
@@ -125,7 +126,7 @@ void bindOverlay(py::module& m)
       {
         cv::Mat picture = canvas(bgr);
         const std::vector<cv::Point2d> points = toCenters(centers);
-        const py::gil_scoped_release unlocked;
+        const LeaveGil unlocked;
         drawTrail(picture, points);
       },
       "bgr"_a, "centers"_a,

@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "arrays.hpp"
+#include "leave_gil.hpp"
 #include "robot_vision/calibration_scene.hpp"
 #include "robot_vision/floor_scene.hpp"
 
@@ -130,7 +131,7 @@ void bindRoom(py::module& m)
           {
             cv::Mat bgr;
             {
-              const py::gil_scoped_release unlocked;
+              const LeaveGil unlocked;
               scene.render(frame, bgr);
             }
             return toNumpy(bgr);
@@ -151,7 +152,7 @@ void bindCalibration(py::module& m)
           {
             cv::Mat bgr;
             {
-              const py::gil_scoped_release unlocked;
+              const LeaveGil unlocked;
               scene.render(frame, bgr);
             }
             return toNumpy(bgr);
@@ -166,7 +167,7 @@ py::array renderFloor(const FloorScene& scene, const Matrix& camera)
   const cv::Affine3d pose(cv::Matx44d(camera.data()));
   cv::Mat bgr;
   {
-    const py::gil_scoped_release unlocked;
+    const LeaveGil unlocked;
     scene.render(pose, bgr);
   }
   return toNumpy(bgr);

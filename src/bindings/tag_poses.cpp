@@ -4,6 +4,7 @@
 #include <variant>
 
 #include "arrays.hpp"
+#include "leave_gil.hpp"
 #include "robot_vision/bent_edges.hpp"
 #include "robot_vision/measured_corners.hpp"
 #include "robot_vision/tag_pose.hpp"
@@ -145,7 +146,7 @@ void bindCorners(py::module& m)
       {
         const Picture picture(gray), pattern(cells);
         const TagCorners start = toTag(0, near);
-        const py::gil_scoped_release unlocked;
+        const LeaveGil unlocked;
         return measureCorners(picture.view, pattern.view, width_at_border, start, camera);
       },
       "gray"_a, "cells"_a, "width_at_border"_a, "near"_a, "camera"_a,
@@ -166,7 +167,7 @@ void bindTagPoses(py::module& m)
         const TagCorners found = toTag(0, corners);
         const auto straight = [&]
         {
-          const py::gil_scoped_release unlocked;
+          const LeaveGil unlocked;
           return withoutBentEdges(found.corners, camera);
         };
         return toCorners(straight());
@@ -181,7 +182,7 @@ void bindTagPoses(py::module& m)
       [](const Bundle& bundle, const CornersById& corners, const CameraModel& camera, double noise, double lens_noise)
       {
         const std::vector<TagCorners> seen = toTags(corners);
-        const py::gil_scoped_release unlocked;
+        const LeaveGil unlocked;
         return estimatePose(bundle, seen, camera, noise, lens_noise);
       },
       "bundle"_a, "corners"_a, "camera"_a, "noise"_a = TagPoseParams().corner_noise,
@@ -207,7 +208,7 @@ void bindTagPoses(py::module& m)
           [](TagPoseTracker& tracker, double time, const CornersById& corners, const CameraModel& camera)
           {
             const std::vector<TagCorners> seen = toTags(corners);
-            const py::gil_scoped_release unlocked;
+            const LeaveGil unlocked;
             return tracker.update(time, seen, camera);
           },
           "time"_a, "corners"_a, "camera"_a,

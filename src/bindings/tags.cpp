@@ -1,6 +1,7 @@
 #include <pybind11/stl.h>
 
 #include "arrays.hpp"
+#include "leave_gil.hpp"
 #include "robot_vision/tag_detector.hpp"
 #include "robot_vision/tag_families.hpp"
 
@@ -27,7 +28,7 @@ void bindFamilies(py::module& m)
       {
         const auto cells = [&]
         {
-          const py::gil_scoped_release unlocked;
+          const LeaveGil unlocked;
           return tagCells(family, id);
         };
         return toNumpy(cells());
@@ -71,16 +72,16 @@ void bindDetector(py::module& m)
 
   py::class_<TagDetector, std::unique_ptr<TagDetector, DeleteUnlocked<TagDetector>>>(
       m, "TagDetector", "Finds AprilTags with libapriltag; see tag_detector.hpp.")
-      .def(py::init<const TagDetectorParams&>(), "params"_a = TagDetectorParams(),
-           py::call_guard<py::gil_scoped_release>(), "Raises ValueError for a parameter out of range.")
-      .def("configure", &TagDetector::configure, "params"_a, py::call_guard<py::gil_scoped_release>(),
+      .def(py::init<const TagDetectorParams&>(), "params"_a = TagDetectorParams(), Unlocked(),
+           "Raises ValueError for a parameter out of range.")
+      .def("configure", &TagDetector::configure, "params"_a, Unlocked(),
            "Other parameters from now on; tags remain known. Raises as the constructor does.")
       .def(
           "detect",
           [](TagDetector& detector, const py::array& image, const std::string& encoding)
           {
             const Picture input(image);
-            const py::gil_scoped_release unlocked;
+            const LeaveGil unlocked;
             return detector.detect(input.view, encoding);
           },
           "image"_a, "encoding"_a = "bgr8",
@@ -91,7 +92,7 @@ void bindDetector(py::module& m)
           [](TagDetector& detector, double time, const py::array& image, const std::string& encoding)
           {
             const Picture input(image);
-            const py::gil_scoped_release unlocked;
+            const LeaveGil unlocked;
             return detector.update(time, input.view, encoding);
           },
           "time"_a, "image"_a, "encoding"_a = "bgr8",
@@ -99,7 +100,7 @@ void bindDetector(py::module& m)
           "Raises ValueError for an image that is not of this encoding or too large.")
       .def_property_readonly("lacks_threads", &TagDetector::lacksThreads,
                              "whether update() had to search a whole picture itself, as no thread could be started")
-      .def("wait_for_search", &TagDetector::waitForSearch, py::call_guard<py::gil_scoped_release>(),
+      .def("wait_for_search", &TagDetector::waitForSearch, Unlocked(),
            "Waits for a search in the background: the next update() has what it has found, on a slow machine, too.")
       .def("abandon_search", &TagDetector::abandonSearch,
            "Has the end of this object not wait for a search in the background: in a process that is about to end. "

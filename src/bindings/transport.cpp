@@ -1,12 +1,10 @@
 #include <pybind11/stl.h>
 #include <ros/serialization.h>
 
-#include <atomic>
-#include <chrono>
 #include <optional>
-#include <thread>
 
 #include "arrays.hpp"
+#include "leave_gil.hpp"
 #include "ros/image_runtime.hpp"
 #include "ros/save_params.hpp"
 
@@ -15,45 +13,6 @@ namespace
 
 using namespace robot_vision;
 using namespace py::literals;
-
-std::atomic<int> calls_under_way{0};
-std::atomic<bool> process_ends{false};
-
-/// Leaves the GIL to others for the time of a call; not once the process ends: CPython kills a thread that takes the
-/// GIL back after the interpreter has gone, in the middle of C++ that cannot be unwound.
-class LeaveGil
-{
-public:
-  LeaveGil()
-  {
-    if (process_ends) return;
-    ++calls_under_way;
-    released_.emplace();
-  }
-  ~LeaveGil()
-  {
-    if (!released_) return;
-    released_.reset();
-    --calls_under_way;
-  }
-  LeaveGil(const LeaveGil&) = delete;
-  LeaveGil& operator=(const LeaveGil&) = delete;
-
-private:
-  std::optional<py::gil_scoped_release> released_;
-};
-
-using Unlocked = py::call_guard<LeaveGil>;
-
-/// Waits until no thread is in a call of this module any more; from now on none leaves the GIL.
-void endProcess()
-{
-  process_ends = true;  // under the GIL: no other thread is about to begin a call
-  const py::gil_scoped_release unlocked;
-  const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(2);
-  while (calls_under_way > 0 && std::chrono::steady_clock::now() < deadline)
-    std::this_thread::sleep_for(std::chrono::milliseconds(1));
-}
 
 /// Pixels whose depth and channels are those of the array, of any type that a cv::Mat can have.
 cv::Mat viewOf(const py::array& array)
@@ -169,6 +128,7 @@ std::shared_ptr<ImageInbox> makeInbox(ImageRuntime& runtime, const std::string& 
 PYBIND11_MODULE(_transport, m)
 {
   m.doc() = "roscpp's pictures for robot_vision.transport, which is documented.";
+  LeaveGil::endWithProcess();
   py::class_<FrameDiagnostics, std::shared_ptr<FrameDiagnostics>>(m, "Diagnostics");
   py::class_<ImageInbox, std::shared_ptr<ImageInbox>>(m, "Inbox")
       .def("open", &ImageInbox::open, Unlocked())
@@ -194,7 +154,6 @@ PYBIND11_MODULE(_transport, m)
       .def("note_connections", &ImageRuntime::noteConnections, Unlocked())
       .def("connections_changed", &ImageRuntime::connectionsChanged)
       .def("stop", &ImageRuntime::stop, Unlocked());
-  m.def("end_process", &endProcess, "To be called last, by atexit: waits for other threads' calls.");
   m.def("edit_params", edit, "path"_a, "text"_a, "values"_a,
         "The YAML text of the file `path` with the values in it; see save_params.hpp. Raises RuntimeError naming the "
         "path.");

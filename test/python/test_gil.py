@@ -1,5 +1,6 @@
 """What takes a while lets other threads of Python run meanwhile."""
 
+import subprocess
 import sys
 import threading
 
@@ -79,3 +80,31 @@ def test_a_detector_that_is_given_up_while_it_searches_lets_others_run(never_swi
     params.background = True
     detectors = [searching(rv.TagDetector(params))]
     assert lets_others_run(lambda: detectors and detectors.pop())
+
+
+AT_THE_END = """
+import threading
+import numpy as np
+import robot_vision as rv
+
+began = threading.Barrier(5)
+
+def work(side):
+    picture = np.zeros((side, side, 3), np.uint8)
+    rv.find_edges(picture)
+    began.wait()
+    while True:
+        rv.find_edges(picture)
+
+for side in (300, 1000, 2000, 5000):
+    threading.Thread(target=work, args=(side,), daemon=True).start()
+began.wait()
+rv.find_edges(np.zeros((2000, 2000), np.uint8), "mono8")
+"""
+
+
+@pytest.mark.parametrize("run", range(5))
+def test_calls_under_way_when_the_process_ends(run):
+    command = [sys.executable, "-c", AT_THE_END]
+    ended = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert (ended.returncode, ended.stderr) == (0, "")
