@@ -1,6 +1,10 @@
 #!/usr/bin/env python3
 """Finds AprilTags and where they are: see robot_vision.nodes.apriltag_detector."""
 
+from _signal import SIG_DFL, SIGINT, signal
+
+signal(SIGINT, SIG_DFL)  # what follows takes a second, and cannot be interrupted otherwise
+
 from robot_vision.nodes.apriltag_detector import ApriltagDetector
 from robot_vision.nodes.startup import run_node
 

@@ -1,6 +1,10 @@
 #!/usr/bin/env python3
 """Loads several cameras into one nodelet manager."""
 
+from _signal import SIG_DFL, SIGINT, signal
+
+signal(SIGINT, SIG_DFL)  # what follows takes a second, and cannot be interrupted otherwise
+
 from robot_vision.nodes.camera_loader import CameraLoader
 from robot_vision.nodes.startup import run_node
 

@@ -1,6 +1,10 @@
 #!/usr/bin/env python3
 """Reads QR codes and bar codes: see robot_vision.nodes.code_reader."""
 
+from _signal import SIG_DFL, SIGINT, signal
+
+signal(SIGINT, SIG_DFL)  # what follows takes a second, and cannot be interrupted otherwise
+
 from robot_vision.nodes.code_reader import CodeReader
 from robot_vision.nodes.startup import run_node
 

@@ -1,6 +1,10 @@
 #!/usr/bin/env python3
 """Prints what the nodes of the demo report: see robot_vision.nodes.demo_status."""
 
+from _signal import SIG_DFL, SIGINT, signal
+
+signal(SIGINT, SIG_DFL)  # what follows takes a second, and cannot be interrupted otherwise
+
 from robot_vision.nodes.demo_status import DemoStatus
 from robot_vision.nodes.startup import run_node
 

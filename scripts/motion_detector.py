@@ -1,6 +1,10 @@
 #!/usr/bin/env python3
 """Finds what moves: see robot_vision.nodes.motion_detector."""
 
+from _signal import SIG_DFL, SIGINT, signal
+
+signal(SIGINT, SIG_DFL)  # what follows takes a second, and cannot be interrupted otherwise
+
 from robot_vision.nodes.motion_detector import MotionDetector
 from robot_vision.nodes.startup import run_node
 

@@ -1,9 +1,12 @@
 #!/usr/bin/env python3
 """Prints the HSV range around a colour for hsv_tracker, or saves it in its parameter file."""
 
-import sys
+from _signal import SIG_DFL, SIGINT, signal
 
+signal(SIGINT, SIG_DFL)  # what follows takes a second, and cannot be interrupted otherwise
+
+from robot_vision.commands import end_process
 from robot_vision.nodes.pick_color import main
 
 if __name__ == "__main__":
-    sys.exit(main())
+    end_process(main())

@@ -1,9 +1,19 @@
 """Every executable ends with code 0 on SIGINT, wherever it is."""
 
+import concurrent.futures
+import contextlib
+import pathlib
+import random
+import signal
+import socket
+import time
+
 import pytest
 import rosgraph
+import rospy
 import support
 from sensor_msgs.msg import Image
+from std_srvs.srv import Trigger
 
 from robot_vision.msg import TagDetectionArray
 
@@ -17,6 +27,8 @@ PYTHON_NODES += [
     "object_tracker.py",
     "apriltag_detector.py",
 ]
+STARTS = 200
+TOGETHER = 4  # starts at a time
 
 
 @pytest.mark.parametrize("node", NODES)
@@ -41,6 +53,44 @@ def test_while_idle(start, diagnostics, node):
     diagnostics.next("idle")
     process.interrupt()
     assert process.prompt_exit_code() == 0, process.output()
+
+
+def test_python_nodes_at_any_moment_of_their_start(start):
+    ignoring = 'trap "" INT; exec "$@"'  # whose end shows that the first line has run
+
+    def begin(number, node):
+        path = support.executable(node)
+        process = start("/bin/sh", "-c", ignoring, "sh", path, f"__name:=n{number}")
+        status = pathlib.Path(f"/proc/{process.pid}/status")
+
+        def listens():
+            ignored = status.read_text().split("SigIgn:")[1].split()[0]
+            return not int(ignored, 16) >> (signal.SIGINT - 1) & 1
+
+        support.wait_for(listens, "the first line of " + node)
+        return process
+
+    def measure(number):
+        process = begin(number, PYTHON_NODES[number])
+        began = time.monotonic()
+        rospy.wait_for_service(f"/n{number}/save_parameters", support.DEADLINE)
+        return time.monotonic() - began, process
+
+    def interrupt(number):
+        process = begin(number, PYTHON_NODES[number % len(PYTHON_NODES)])
+        time.sleep(moments.pop())
+        process.interrupt()
+        assert process.exit_code() in (0, -signal.SIGINT), process.output()
+        assert "Traceback" not in process.output(), process.output()
+
+    with concurrent.futures.ThreadPoolExecutor(TOGETHER) as pool:
+        whole, processes = zip(*pool.map(measure, range(TOGETHER)))
+        for process in processes:
+            process.end()
+        # More of them early, where a start has cost little.
+        moments = [random.triangular(0.0, max(whole), 0.0) for _ in range(STARTS)]
+        for _ in pool.map(interrupt, range(TOGETHER, TOGETHER + STARTS)):
+            pass
 
 
 def test_the_status_printer_ends_too(start):
@@ -120,6 +170,33 @@ def test_after_the_master_has_gone(start, node):
     master.end()
     process.interrupt()
     assert process.prompt_exit_code() == 0, process.output()
+
+
+@pytest.mark.parametrize("node", NODES)
+def test_in_a_callback_that_never_returns(start, node):
+    port = support.free_port()
+    env = {"ROS_MASTER_URI": f"http://127.0.0.1:{port}"}
+    master = start("/usr/bin/rosmaster", "--core", "-p", port)
+    process = start(node, "__name:=stuck", "_source:=synthetic", env=env)
+    lookup = rosgraph.Master("/test", env["ROS_MASTER_URI"])
+    service = "/stuck/save_parameters"
+    support.wait_for(lambda: has_service(lookup, service), "the node's services")
+    own = rosgraph.Master(rospy.get_name())
+    own.registerService(service, lookup.lookupService(service), lookup.lookupNode("/stuck"))
+    master.end()
+    # In its place one that never answers what the service asks of it.
+    with socket.create_server(("127.0.0.1", port)) as mute, contextlib.ExitStack() as connections:
+        mute.settimeout(support.DEADLINE)
+        with concurrent.futures.ThreadPoolExecutor() as pool:
+            answer = pool.submit(rospy.ServiceProxy(service, Trigger))
+            asked = b""
+            while b"config_file" not in asked:
+                connection = connections.enter_context(mute.accept()[0])
+                asked = connection.recv(4096)
+            process.interrupt()
+            assert process.exit_code() == 0, process.output()
+            assert isinstance(answer.exception(), rospy.ServiceException)
+    own.unregisterService(service, own.lookupService(service))
 
 
 def has_service(master, service):

@@ -139,6 +139,18 @@ ENDS = {  # name: (exit code, expected in the output, script)
         "    threading.Thread(target=work, daemon=True).start()\n"
         "wait()",
     ),
+    "OpenCV works in threads when a node ends": (
+        0,
+        "",
+        "import cv2\n"
+        "def work():\n"
+        "    while True:\n"
+        "        cv2.GaussianBlur(np.zeros((500, 500), np.uint8), (31, 31), 0)\n"
+        "def begin():\n"
+        "    for _ in range(4):\n"
+        "        threading.Thread(target=work, daemon=True).start()\n"
+        "run_node('ends', begin, lambda _: None)",
+    ),
     "pictures with camera_info": (
         0,
         "",

@@ -2,7 +2,6 @@
 
 import argparse
 import math
-import signal
 import sys
 from statistics import median
 from typing import Mapping, Sequence
@@ -29,8 +28,6 @@ SURELY_SMALL = 0.3  # px, a residual that needs no warning
 def main() -> int:
     """Runs the command; its exit code."""
     arguments = parse_arguments(rospy.myargv(sys.argv)[1:])
-    # Shells start their background jobs with it ignored.
-    signal.signal(signal.SIGINT, signal.default_int_handler)
     return run_command("calibrate_bundle.py", lambda: _learn(arguments))
 
 

@@ -4,7 +4,6 @@ import argparse
 import contextlib
 import itertools
 import os
-import signal
 import sys
 import time
 from typing import Iterator, Sequence
@@ -37,8 +36,6 @@ UNSURE = 0.005  # of the focal length, its standard deviation
 def main() -> int:
     """Runs the command; its exit code."""
     arguments = parse_arguments(rospy.myargv(sys.argv)[1:])
-    # Shells start their background jobs with it ignored.
-    signal.signal(signal.SIGINT, signal.default_int_handler)
     return run_command("calibrate_headless.py", lambda: _calibrate(arguments))
 
 
