@@ -11,6 +11,7 @@
 #include "factories.hpp"
 #include "robot_vision/monotonic.hpp"
 #include "robot_vision/range.hpp"
+#include "ros/callback_gate.hpp"
 #include "ros/camera_outputs.hpp"
 #include "ros/capture_loop.hpp"
 #include "ros/capture_status.hpp"
@@ -19,6 +20,7 @@
 #include "ros/frame_statistics.hpp"
 #include "ros/live_params.hpp"
 #include "ros/monotonic_clock.hpp"
+#include "ros/registration.hpp"
 #include "ros/steady_stamps.hpp"
 #include "ros/throttle.hpp"
 #include "ros/unknown_params.hpp"
@@ -74,6 +76,8 @@ private:
   void onInit() override
   try
   {
+    gate_.guard(getNodeHandle());
+    gate_.guard(getPrivateNodeHandle());
     ros::NodeHandle& pnh = getPrivateNodeHandle();
     bool keep_streaming = false;
     readParam(pnh, "always_subscribe", always_wanted_);
@@ -109,6 +113,7 @@ private:
         "start_capture", [this](Empty::Request&, Empty::Response&) { return setStopped(false); });
     stop_ = pnh.advertiseService<Empty::Request, Empty::Response>(
         "stop_capture", [this](Empty::Request&, Empty::Response&) { return setStopped(true); });
+    registration_ = std::make_unique<Registration>(pnh.getNamespace());
   }
   catch (const std::exception& e)
   {
@@ -126,14 +131,11 @@ private:
 
   void stop()
   {
+    registration_.reset();
+    gate_.close();
     start_.shutdown();
     stop_.shutdown();
-    std::unique_ptr<CaptureLoop> loop;
-    {
-      const std::lock_guard<std::mutex> lock(mutex_);
-      loop.swap(loop_);  // connections no longer find it
-    }
-    loop.reset();  // waits for its thread, which uses all the others
+    loop_.reset();  // waits for its thread, which uses all the others
     params_.reset();
     controls_.reset();
     outputs_.reset();
@@ -226,6 +228,7 @@ private:
     if (on_end_) on_end_(good ? 0 : 1);
   }
 
+  CallbackGate gate_;  // ends last: roscpp has its queues
   EndCallback on_end_;
   bool always_wanted_ = false;
   std::atomic<bool> stopped_{false};  // by ~stop_capture, or from the start
@@ -243,6 +246,7 @@ private:
   std::unique_ptr<LiveParams<CameraConfig>> params_;
   ros::ServiceServer start_;
   ros::ServiceServer stop_;
+  std::unique_ptr<Registration> registration_;
 };
 
 boost::shared_ptr<nodelet::Nodelet> makeCamera(const std::function<void(int exit_code)>& on_end)

@@ -1,10 +1,14 @@
-"""Keeps nodes known to a master that is started anew, and so knows of nothing."""
+"""Keeps a rospy node known to a master that is started anew, and so knows of nothing.
+
+src/ros/registration.cpp does the same for roscpp.
+"""
 
 import contextlib
+import functools
 import http.client
 import threading
 import xmlrpc.client
-from typing import Dict, Optional, Sequence
+from typing import Any, Dict, Optional
 
 import rosgraph
 import rospy
@@ -13,62 +17,68 @@ from rospy.impl.registration import get_service_manager
 PERIOD = 5.0  # s between two looks at the master
 
 
-class Registration:
-    """Registers the topics of nodes of this process again when the master has forgotten them.
+@functools.lru_cache(maxsize=None)
+def keep_registered() -> None:
+    """Has topics and services of this process's node registered again, until it is shut down.
 
-    Connections that there are stay. Of the process's rospy node the services are registered again,
-    too; roscpp's cannot be asked for.
-
-    Args:
-        nodes: absolute names: the rospy node of this process, and roscpp nodes.
+    Connections that there are stay. Private parameters that the new master does not have are set
+    as they were last.
     """
+    registration = _Registration(rospy.get_name())
+    registration.look()
+    # Before the node unregisters itself.
+    rospy.core.add_preshutdown_hook(lambda _reason: registration.ended.set())
+    threading.Thread(target=registration.run, name="registration", daemon=True).start()
 
-    def __init__(self, nodes: Sequence[str]):
-        self._uris: Dict[str, str] = dict.fromkeys(nodes, "")  # from when the master knew them
-        self._master_pid: Optional[int] = None  # of the master that knows their topics
-        self._ended = threading.Event()
-        threading.Thread(target=self._run, name="registration", daemon=True).start()
 
-    def end(self) -> None:
-        """To be called before the node unregisters itself; does not wait."""
-        self._ended.set()
+class _Registration:
+    def __init__(self, name: str):
+        self.ended = threading.Event()
+        self._name = name
+        self._uri = ""  # from when the master knew the node
+        self._master_pid: Optional[int] = None  # of the master that knows it
+        self._params: Dict[str, Any] = {}
 
-    def _run(self) -> None:
+    def run(self) -> None:
+        while not self.ended.wait(PERIOD):
+            self.look()
+
+    def look(self) -> None:
+        """Asks the master whether it knows the node, and registers it if not."""
         away = (OSError, rosgraph.MasterException, http.client.HTTPException, xmlrpc.client.Error)
-        while True:
-            with contextlib.suppress(*away):  # the master may be
-                self._check()
-            if self._ended.wait(PERIOD):
-                return
+        with contextlib.suppress(*away):  # the master may be
+            self._look()
 
-    def _check(self) -> None:
-        master = rosgraph.Master(rospy.get_name())
+    def _look(self) -> None:
+        master = rosgraph.Master(self._name)
         pid = master.getPid()
-        # Another master may know a node already, by a topic that it has registered since.
-        replaced = self._master_pid is not None and pid != self._master_pid
-        for name, uri in self._uris.items():
-            forgotten = replaced
-            try:
-                self._uris[name] = master.lookupNode(name)
-            except rosgraph.MasterError:
-                forgotten = True
-            if forgotten and uri and not self._ended.is_set():
-                self._register(rosgraph.Master(name), name, uri)
+        # Another master may know the node already, by a topic that it has registered since.
+        forgotten = self._master_pid is not None and pid != self._master_pid
+        try:
+            self._uri = master.lookupNode(self._name)
+        except rosgraph.MasterError:
+            forgotten = True
+        if not forgotten:
+            self._params = master.getParam(self._name) if master.hasParam(self._name) else {}
+        elif self._uri and not self.ended.is_set():
+            self._register(master)
         self._master_pid = pid
 
-    @staticmethod
-    def _register(master: rosgraph.Master, name: str, uri: str) -> None:
-        node = xmlrpc.client.ServerProxy(uri)
-        for topic, kind in node.getPublications(name)[2]:
-            master.registerPublisher(topic, kind, uri)
-        connections = node.getBusInfo(name)[2]
-        for topic, kind in node.getSubscriptions(name)[2]:
-            publishers = set(master.registerSubscriber(topic, kind, uri))
+    def _register(self, master: rosgraph.Master) -> None:
+        rospy.loginfo("the master is another one: registering again")
+        for key, value in self._params.items():
+            if not master.hasParam(f"{self._name}/{key}"):
+                master.setParam(f"{self._name}/{key}", value)
+        for service, service_uri in get_service_manager().get_services():
+            master.registerService(service, service_uri, self._uri)
+        node = xmlrpc.client.ServerProxy(self._uri)
+        for topic, kind in node.getPublications(self._name)[2]:
+            master.registerPublisher(topic, kind, self._uri)
+        connections = node.getBusInfo(self._name)[2]
+        for topic, kind in node.getSubscriptions(self._name)[2]:
+            publishers = set(master.registerSubscriber(topic, kind, self._uri))
             # The node drops the connections to publishers that it is not told of.
             publishers.update(
                 peer for _, peer, way, _, of, *_ in connections if (way, of) == ("i", topic)
             )
-            node.publisherUpdate(name, topic, sorted(publishers))
-        if name == rospy.get_name():
-            for service, service_uri in get_service_manager().get_services():
-                master.registerService(service, service_uri, uri)
+            node.publisherUpdate(self._name, topic, sorted(publishers))

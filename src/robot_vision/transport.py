@@ -25,7 +25,7 @@ from std_msgs.msg import Header
 
 from . import _transport
 from .plain_text import printable
-from .registration import Registration
+from .registration import keep_registered
 from .throttle import Throttle
 
 
@@ -231,7 +231,7 @@ class _Process:
         options["/diagnostics"] = rospy.resolve_name("/diagnostics")
         name = rospy.get_name() + "_images"
         self.runtime = _transport.Runtime(name, options)
-        self._registration = Registration([name, rospy.get_name()])
+        keep_registered()
         self._stopped = False
         # Both are changed in single steps only, which the GIL makes atomic.
         self.subscribers: Dict[_transport.Inbox, ImageSubscriber] = {}
@@ -240,13 +240,11 @@ class _Process:
         self._thread.start()  # before the hook, which is called at once if rospy has been shut down
         # After all that the node's own hooks do, which may well publish a last picture.
         rospy.core.add_preshutdown_hook(lambda _reason: self.stop())
-        atexit.register(_transport.end_process)
         atexit.register(self.stop)  # in a process that never shuts rospy down; called first
 
     def stop(self) -> None:
         """Ends the roscpp node; a callback that never returns is left behind."""
         self._stopped = True
-        self._registration.end()
         self.runtime.stop()
         if threading.current_thread() is not self._thread:
             self._thread.join(1.0)

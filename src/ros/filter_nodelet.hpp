@@ -6,8 +6,10 @@
 #include <mutex>
 #include <string>
 
+#include "callback_gate.hpp"
 #include "image_pipe.hpp"
 #include "live_params.hpp"
+#include "registration.hpp"
 #include "unknown_params.hpp"
 
 namespace robot_vision
@@ -22,11 +24,14 @@ protected:
   using MakeFilter = Filter (*)(const Config&);  // throws std::invalid_argument to refuse the parameters
 
   explicit FilterNodelet(MakeFilter make) : make_(make) {}
+  ~FilterNodelet() override { stop(); }
 
 private:
   void onInit() override
   try
   {
+    gate_.guard(getNodeHandle());
+    gate_.guard(getPrivateNodeHandle());
     const auto renew = [this](const Config& config)
     {
       auto filter = std::make_shared<Filter>(make_(config));
@@ -39,13 +44,21 @@ private:
     pipe_ = std::make_unique<ImagePipe>(getNodeHandle(), getPrivateNodeHandle(), getName(),
                                         ImagePipe::Step{&Filter::outputEncoding, apply});
     reviewParams(getPrivateNodeHandle());
+    registration_ = std::make_unique<Registration>(getPrivateNodeHandle().getNamespace());
   }
   catch (const std::exception& e)
   {
     NODELET_FATAL("%s: %s", getName().c_str(), e.what());
-    pipe_.reset();  // the loader takes the callback queues away before the nodelet
+    stop();  // the loader takes the callback queues away before the nodelet
+    throw;   // the loader then reports failure instead of keeping a dead nodelet
+  }
+
+  void stop()
+  {
+    registration_.reset();
+    gate_.close();
+    pipe_.reset();
     params_.reset();
-    throw;  // the loader then reports failure instead of keeping a dead nodelet
   }
 
   std::shared_ptr<Filter> current()
@@ -54,11 +67,13 @@ private:
     return filter_;
   }
 
+  CallbackGate gate_;  // ends last: roscpp has its queues
   MakeFilter make_;
   std::mutex mutex_;  // guards filter_, which a frame uses while new parameters replace it
   std::shared_ptr<Filter> filter_;
   std::unique_ptr<LiveParams<Config>> params_;
-  std::unique_ptr<ImagePipe> pipe_;  // ends first: its callbacks use all of the above
+  std::unique_ptr<ImagePipe> pipe_;
+  std::unique_ptr<Registration> registration_;
 };
 
 }  // namespace robot_vision

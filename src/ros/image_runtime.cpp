@@ -34,6 +34,7 @@ ImageRuntime::ImageRuntime(const std::string& name, const ros::M_string& options
   ros::init(remappings, name.substr(slash + 1), ros::init_options::NoSigintHandler);
   nh_ = std::make_shared<ros::NodeHandle>();  // starts roscpp
   nh_->setCallbackQueue(&queue_);
+  gate_.guard(*nh_);
   it_ = std::make_shared<image_transport::ImageTransport>(*nh_);
   others_ = std::thread(
       [this]
@@ -41,6 +42,7 @@ ImageRuntime::ImageRuntime(const std::string& name, const ros::M_string& options
         while (running())
           ros::getGlobalCallbackQueue()->callAvailable(ros::WallDuration(kWait));
       });
+  registration_ = std::make_unique<Registration>(name);
 }
 
 /// Keeps it in mind, to be closed by stop(). What is gone is forgotten, so that a process that makes and drops for
@@ -122,7 +124,9 @@ void ImageRuntime::noteConnections()
 void ImageRuntime::stop()
 {
   if (stopped_.exchange(true)) return;
+  registration_.reset();
   queue_.disable();  // wakes the thread that waits in it
+  gate_.close();
   decltype(inboxes_) inboxes;
   decltype(outboxes_) outboxes;
   {

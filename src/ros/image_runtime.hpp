@@ -12,8 +12,10 @@
 #include <thread>
 #include <vector>
 
+#include "callback_gate.hpp"
 #include "image_inbox.hpp"
 #include "image_outbox.hpp"
+#include "registration.hpp"
 
 namespace robot_vision
 {
@@ -57,8 +59,10 @@ private:
   std::atomic<bool> stopped_{false};
   std::atomic<bool> connections_changed_{false};
   ros::CallbackQueue queue_;
+  CallbackGate gate_;  // to it
   std::shared_ptr<ros::NodeHandle> nh_;
   std::thread others_;  // works through roscpp's own queue
+  std::unique_ptr<Registration> registration_;
 
   template <class T>
   std::shared_ptr<T> add(std::vector<std::weak_ptr<T>>& all, std::shared_ptr<T> one);

@@ -1,6 +1,8 @@
 #include "run_nodelet.hpp"
 
+#include <ros/callback_queue.h>
 #include <ros/ros.h>
+#include <semaphore.h>
 
 #include <algorithm>
 #include <atomic>
@@ -19,13 +21,35 @@ namespace
 std::atomic<bool> interrupted{false};
 std::atomic<bool> initialized{false};
 
+sem_t signalled;
+
 void onSignal(int)
 {
-  // ros::init() waits for the master deaf to shutdown requests, if it has parameters to set; the master knows nothing
-  // of this node yet.
-  if (!initialized) std::_Exit(0);
-  interrupted = true;
-  ros::requestShutdown();
+  sem_post(&signalled);  // all else is too much for a signal handler
+}
+
+/// From now on a signal ends the process within a second, whatever blocks its threads. roscpp would shut down in a
+/// thread of its own, beside a callback under way that uses it; here main() does once that has returned.
+void endOnSignals()
+{
+  sem_init(&signalled, 0, 0);
+  std::signal(SIGINT, onSignal);
+  std::signal(SIGTERM, onSignal);
+  std::thread(
+      []
+      {
+        while (sem_wait(&signalled) != 0)
+          ;  // another signal has come
+        // ros::init() waits for the master deaf to shutdown requests, if it has parameters to set; the master knows
+        // nothing of this node yet.
+        if (!initialized) std::_Exit(0);
+        interrupted = true;
+        std::this_thread::sleep_for(std::chrono::milliseconds(300));
+        ros::requestShutdown();  // frees a thread that waits for the master
+        std::this_thread::sleep_for(std::chrono::milliseconds(500));
+        std::_Exit(0);
+      })
+      .detach();
 }
 
 /// ros::start() would wait for the master just as deaf. False if a signal came first.
@@ -75,7 +99,8 @@ int initAndSpin(nodelet::Nodelet& nodelet, const nodelet::V_string& arguments)
   }
   try
   {
-    ros::spin();
+    while (ros::ok() && !interrupted)
+      ros::getGlobalCallbackQueue()->callAvailable(ros::WallDuration(0.1));
   }
   catch (const std::exception& e)
   {
@@ -95,8 +120,7 @@ int runNodelet(int argc, char** argv, const std::string& name, const std::string
     std::cout << usage(name, about);
     return 0;
   }
-  std::signal(SIGINT, onSignal);
-  std::signal(SIGTERM, onSignal);
+  endOnSignals();
   try
   {
     ros::init(argc, argv, name, ros::init_options::NoSigintHandler);
@@ -109,8 +133,6 @@ int runNodelet(int argc, char** argv, const std::string& name, const std::string
   initialized = true;
   if (!waitForMaster()) return 0;
   ros::start();
-  if (interrupted) ros::requestShutdown();  // ros::start() forgets a request that came before it
-
   boost::shared_ptr<nodelet::Nodelet> nodelet = make();
   const int exit_code = initAndSpin(*nodelet, nodelet::V_string(argv + 1, argv + argc));
   endWithinASecond(exit_code);

@@ -8,6 +8,8 @@
 #include <mutex>
 #include <stdexcept>
 
+#include "callback_gate.hpp"
+
 namespace robot_vision
 {
 
@@ -20,11 +22,13 @@ class TransportSettings
 public:
   using ToParams = Params (*)(const Config&);
 
-  TransportSettings(const ros::NodeHandle& nh, ToParams to_params)
-    : name_(nh.getNamespace()), to_params_(to_params), server_(nh)
+  TransportSettings(ros::NodeHandle nh, ToParams to_params)
+    : name_(nh.getNamespace()), to_params_(to_params), server_(guarded(nh))
   {
     server_.setCallback([this](Config& config, std::uint32_t) { change(config); });
   }
+
+  ~TransportSettings() { gate_.close(); }
 
   Params params() const
   {
@@ -33,6 +37,12 @@ public:
   }
 
 private:
+  const ros::NodeHandle& guarded(ros::NodeHandle& nh)
+  {
+    gate_.guard(nh);
+    return nh;
+  }
+
   void change(Config& config)
   {
     try
@@ -49,6 +59,7 @@ private:
     }
   }
 
+  CallbackGate gate_;
   std::string name_;
   ToParams to_params_;
   mutable std::mutex mutex_;  // guards params_: publishing and reconfiguring may be different threads'

@@ -1,10 +1,12 @@
 #include <gtest/gtest.h>
 #include <image_transport/image_transport.h>
+#include <robot_vision/BrightnessConfig.h>
 #include <ros/ros.h>
 
 #include <boost/make_shared.hpp>
 #include <chrono>
 #include <functional>
+#include <future>
 #include <opencv2/core.hpp>
 #include <thread>
 
@@ -12,6 +14,7 @@
 #include "robot_vision/brightness.hpp"
 #include "robot_vision/edges.hpp"
 #include "robot_vision/encoding.hpp"
+#include "ros/filter_nodelet.hpp"
 #include "ros/image_message.hpp"
 #include "ros/image_pipe.hpp"
 #include "run_tests.hpp"
@@ -103,6 +106,38 @@ struct Probe
   ImagePipe pipe;
 };
 
+/// Works on a frame until it is told to end.
+struct SlowFilter
+{
+  static std::string outputEncoding(const std::string& encoding) { return encoding; }
+
+  void apply(const cv::Mat& image, const std::string&, cv::Mat& out) const
+  {
+    if (!begun->exchange(true)) end.wait();
+    image.copyTo(out);
+    *ended = true;
+  }
+
+  std::shared_future<void> end;
+  std::atomic<bool>* begun;
+  std::atomic<bool>* ended;
+};
+
+std::promise<void> slow_end;
+std::atomic<bool> slow_begun{false};
+std::atomic<bool> slow_ended{false};
+
+SlowFilter makeSlow(const BrightnessConfig&)
+{
+  static const std::shared_future<void> end = slow_end.get_future().share();
+  return {end, &slow_begun, &slow_ended};
+}
+
+struct SlowNodelet : FilterNodelet<BrightnessConfig, SlowFilter>
+{
+  SlowNodelet() : FilterNodelet(makeSlow) {}
+};
+
 boost::shared_ptr<nodelet::Nodelet> load(const boost::shared_ptr<nodelet::Nodelet>& nodelet, const std::string& name)
 {
   nodelet->init(name, {}, {});
@@ -181,6 +216,30 @@ TEST(ImagePool, reusesAMessageOnlyWhenNobodyHoldsIt)
   EXPECT_NE(second, first);
   first.reset();
   EXPECT_EQ(pool.take({64, 48}, "bgr8")->data.data(), memory);
+}
+
+/// The last one: there is no roscpp after it, which then waits for no callback.
+TEST(Teardown, aNodeletWaitsForTheFrameUnderWayWhenRoscppHasBeenShutDown)
+{
+  ros::param::set("/slow/always_subscribe", true);
+  ros::Publisher publisher = ros::NodeHandle().advertise<sensor_msgs::Image>("image", 1);
+  boost::shared_ptr<nodelet::Nodelet> slow = load(boost::make_shared<SlowNodelet>(), "/slow");
+  ASSERT_TRUE(waitFor(
+      [&]
+      {
+        publisher.publish(makeMessage("mono8"));
+        return slow_begun.load();
+      }));
+  ros::shutdown();
+  auto ended_before = std::async(std::launch::async,
+                                 [&slow]
+                                 {
+                                   slow.reset();
+                                   return slow_ended.load();
+                                 });
+  EXPECT_EQ(ended_before.wait_for(std::chrono::milliseconds(200)), std::future_status::timeout);
+  slow_end.set_value();
+  EXPECT_TRUE(ended_before.get());
 }
 
 int main(int argc, char** argv)

@@ -7,11 +7,15 @@ import signal
 import sys
 import threading
 import time
+import traceback
 import xmlrpc.client
 from typing import Any, Callable
 
 import rosgraph
 import rospy
+
+from ..commands import end_process
+from ..registration import keep_registered
 
 SIGNALS = (signal.SIGINT, signal.SIGTERM)
 SHUTDOWN_GRACE = 2.0  # s that a node has to end by itself after a signal
@@ -33,7 +37,7 @@ def run_node(
     spin: Callable[[Any], object] = lambda _: rospy.spin(),
     has_file: bool = True,
 ) -> None:
-    """Runs this process as the node `name` until it is shut down; SIGINT then ends it with code 0.
+    """Runs this process as the node `name` until it is shut down, and ends it; SIGINT with code 0.
 
     Waits for the master and calls `start`, which makes the node's publishers and subscribers. A
     ValueError of it, a bad parameter, is a FATAL line and exit code 1. What it returns is kept
@@ -50,15 +54,20 @@ def run_node(
         return
     _wait_for_master(name)
     _shut_down_on_signals()
+    code = 0
     try:
         rospy.init_node(name, disable_signals=True)
-        node = _start_or_exit(start)
-        spin(node)
-        del node
-    except Exception:
+        code = _start_and_spin(start, spin)
+    except SystemExit as error:
+        code = error.code if isinstance(error.code, int) else int(error.code is not None)
+    except BaseException:
         # A node that is shut down while it starts finds rospy, or its pictures, closed.
         if not rospy.core.is_shutdown_requested():
-            raise
+            traceback.print_exc()
+            code = 1
+    with rospy.core._shutdown_lock:  # held by a thread that is shutting the node down
+        pass
+    end_process(code)
 
 
 def _usage(start: Callable[[], Any]) -> str:
@@ -69,18 +78,24 @@ def _usage(start: Callable[[], Any]) -> str:
     )
 
 
-def _start_or_exit(start: Callable[[], Any]) -> Any:
+def _start_and_spin(start: Callable[[], Any], spin: Callable[[Any], object]) -> int:
+    """The exit code."""
     try:
-        return start()
+        node = start()
     except ValueError as error:
+        if rospy.core.is_shutdown_requested():
+            return 0
         rospy.logfatal("%s: %s", rospy.get_name(), error)
-        sys.exit(1)
+        return 1
+    keep_registered()
+    spin(node)
+    return 0
 
 
 def _wait_for_master(name: str) -> None:
     """Returns when the master answers; a signal meanwhile ends the process with code 0."""
     for number in SIGNALS:
-        signal.signal(number, lambda *_: sys.exit(0))
+        signal.signal(number, lambda *_: os._exit(0))  # an exception might get lost
     master = rosgraph.Master("/" + name)
     waiting = False
     while True:

@@ -1,0 +1,258 @@
+#include "registration.hpp"
+
+#include <ros/connection_manager.h>
+#include <ros/network.h>
+#include <ros/ros.h>
+#include <ros/service_manager.h>
+#include <ros/xmlrpc_manager.h>
+#include <xmlrpcpp/XmlRpc.h>
+
+#include <chrono>
+#include <condition_variable>
+#include <map>
+#include <mutex>
+#include <optional>
+#include <set>
+#include <thread>
+#include <vector>
+
+namespace robot_vision
+{
+namespace
+{
+
+using XmlRpc::XmlRpcValue;
+using Names = std::set<std::string>;
+
+constexpr std::chrono::seconds kPeriod(5);  // between two looks at the master
+
+XmlRpcValue request(const std::vector<XmlRpcValue>& arguments)
+{
+  XmlRpcValue all;
+  all[0] = ros::this_node::getName();
+  for (std::size_t i = 0; i < arguments.size(); ++i)
+    all[static_cast<int>(i) + 1] = arguments[i];
+  return all;
+}
+
+/// What the master answers; nothing if it is away or does not know.
+std::optional<XmlRpcValue> ask(const char* method, const std::vector<XmlRpcValue>& arguments = {})
+{
+  XmlRpcValue response;
+  XmlRpcValue payload;
+  if (!ros::master::execute(method, request(arguments), response, payload, false)) return std::nullopt;
+  return payload;
+}
+
+std::string uri()
+{
+  return ros::XMLRPCManager::instance()->getServerURI();
+}
+
+/// What this process answers as every node does (the ROS wiki's Slave API); nothing if it is ending.
+std::optional<XmlRpcValue> askSelf(const char* method, const std::vector<XmlRpcValue>& arguments = {})
+{
+  std::string host;
+  std::uint32_t port = 0;
+  if (!ros::network::splitURI(uri(), host, port)) return std::nullopt;
+  const auto manager = ros::XMLRPCManager::instance();
+  XmlRpc::XmlRpcClient* client = manager->getXMLRPCClient(host, static_cast<int>(port), "/");
+  XmlRpcValue response;
+  XmlRpcValue payload;
+  const bool answered = client->execute(method, request(arguments), response);
+  manager->releaseXMLRPCClient(client);
+  if (!answered || !manager->validateXmlrpcResponse(method, response, payload)) return std::nullopt;
+  return payload;
+}
+
+void registerPublishers()
+{
+  std::optional<XmlRpcValue> publications = askSelf("getPublications");  // topics and types
+  for (int i = 0; publications && i < publications->size(); ++i)
+    ask("registerPublisher", {(*publications)[i][0], (*publications)[i][1], uri()});
+}
+
+/// The nodes that this one receives from, by topic.
+std::map<std::string, Names> connectedPublishers()
+{
+  std::optional<XmlRpcValue> connections = askSelf("getBusInfo");
+  std::map<std::string, Names> publishers;
+  for (int i = 0; connections && i < connections->size(); ++i)
+  {
+    XmlRpcValue& connection = (*connections)[i];  // number, peer, direction, transport, topic
+    const std::string direction = connection[2];
+    const std::string topic = connection[4];
+    if (direction == "i") publishers[topic].insert(connection[1]);
+  }
+  return publishers;
+}
+
+void registerSubscribers()
+{
+  std::map<std::string, Names> publishers = connectedPublishers();         // those not told of would be dropped
+  std::optional<XmlRpcValue> subscriptions = askSelf("getSubscriptions");  // topics and types
+  for (int i = 0; subscriptions && i < subscriptions->size(); ++i)
+  {
+    const std::string topic = (*subscriptions)[i][0];
+    std::optional<XmlRpcValue> known = ask("registerSubscriber", {topic, (*subscriptions)[i][1], uri()});
+    if (!known) continue;
+    for (int n = 0; n < known->size(); ++n)
+      publishers[topic].insert((*known)[n]);
+    XmlRpcValue all;
+    all.setSize(0);
+    for (const std::string& publisher : publishers[topic])
+      all[all.size()] = publisher;
+    askSelf("publisherUpdate", {topic, all});
+  }
+}
+
+/// roscpp cannot be asked for the names of its services, only whether there is one: the master was.
+void registerServices(const Names& names)
+{
+  const std::uint32_t port = ros::ConnectionManager::instance()->getTCPPort();
+  const std::string address = "rosrpc://" + ros::network::getHost() + ":" + std::to_string(port);
+  for (const std::string& name : names)
+    if (ros::ServiceManager::instance()->lookupServicePublication(name)) ask("registerService", {name, address, uri()});
+}
+
+std::optional<Names> registeredServices()
+{
+  std::optional<XmlRpcValue> state = ask("getSystemState");
+  if (!state) return std::nullopt;
+  Names names;
+  XmlRpcValue& services = (*state)[2];  // names and their nodes
+  for (int i = 0; i < services.size(); ++i)
+    for (int n = 0; n < services[i][1].size(); ++n)
+    {
+      const std::string node = services[i][1][n];
+      if (node == ros::this_node::getName()) names.insert(services[i][0]);
+    }
+  return names;
+}
+
+/// Sets the members of `params` that the master does not have.
+void setMissing(const std::string& ns, XmlRpcValue params)
+{
+  if (params.getType() != XmlRpcValue::TypeStruct) return;
+  for (const auto& [name, value] : params)
+  {
+    const std::string key = ns + "/" + name;
+    std::optional<XmlRpcValue> has = ask("hasParam", {key});
+    if (has && !static_cast<bool>(*has)) ask("setParam", {key, value});
+  }
+}
+
+}  // namespace
+
+/// Looks at the master again and again, in a thread of its own.
+class Registration::Watch
+{
+public:
+  static std::shared_ptr<Watch> ofProcess();
+  Watch() : thread_(&Watch::run, this) {}
+  ~Watch();
+  /// Adds a namespace of parameters, and looks at once.
+  void add(const std::string& ns);
+  void remove(const std::string& ns);
+
+private:
+  void run();
+  void look();
+  void remember();
+  void registerAgain();
+
+  std::mutex mutex_;  // guards all below
+  std::condition_variable ended_;
+  bool end_ = false;
+  int master_pid_ = 0;  // of the master that knows the process; 0: not seen yet
+  Names services_;
+  std::map<std::string, XmlRpcValue> params_;  // by namespace
+  std::thread thread_;
+};
+
+std::shared_ptr<Registration::Watch> Registration::Watch::ofProcess()
+{
+  static std::mutex mutex;
+  static std::weak_ptr<Watch> existing;
+  const std::lock_guard<std::mutex> lock(mutex);
+  std::shared_ptr<Watch> watch = existing.lock();
+  if (!watch) existing = watch = std::make_shared<Watch>();
+  return watch;
+}
+
+Registration::Watch::~Watch()
+{
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    end_ = true;
+  }
+  ended_.notify_all();
+  thread_.join();
+}
+
+void Registration::Watch::add(const std::string& ns)
+{
+  const std::lock_guard<std::mutex> lock(mutex_);
+  params_[ns];
+  look();
+}
+
+void Registration::Watch::remove(const std::string& ns)
+{
+  const std::lock_guard<std::mutex> lock(mutex_);
+  params_.erase(ns);
+}
+
+void Registration::Watch::run()
+{
+  std::unique_lock<std::mutex> lock(mutex_);
+  while (!ended_.wait_for(lock, kPeriod, [this] { return end_; }))
+    look();
+}
+
+void Registration::Watch::look()
+try
+{
+  std::optional<XmlRpcValue> pid = ask("getPid");
+  if (!pid || ros::isShuttingDown()) return;
+  // Another master may know the process already, by a topic that it has registered since.
+  const bool replaced = master_pid_ != 0 && master_pid_ != static_cast<int>(*pid);
+  if (replaced || !ask("lookupNode", {ros::this_node::getName()}))
+    registerAgain();
+  else
+    remember();
+  master_pid_ = *pid;
+}
+catch (const XmlRpc::XmlRpcException& e)  // an answer of another type
+{
+  ROS_WARN("%s: not registered again: %s", ros::this_node::getName().c_str(), e.getMessage().c_str());
+}
+
+void Registration::Watch::remember()
+{
+  if (const std::optional<Names> services = registeredServices()) services_ = *services;
+  for (auto& [ns, params] : params_)
+    if (const std::optional<XmlRpcValue> present = ask("getParam", {ns})) params = *present;
+}
+
+void Registration::Watch::registerAgain()
+{
+  ROS_INFO("%s: the master is another one: registering again", ros::this_node::getName().c_str());
+  for (const auto& [ns, params] : params_)
+    setMissing(ns, params);
+  registerServices(services_);
+  registerPublishers();
+  registerSubscribers();
+}
+
+Registration::Registration(const std::string& ns) : watch_(Watch::ofProcess()), ns_(ns)
+{
+  watch_->add(ns_);
+}
+
+Registration::~Registration()
+{
+  watch_->remove(ns_);
+}
+
+}  // namespace robot_vision

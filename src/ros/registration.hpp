@@ -1,0 +1,28 @@
+#pragma once
+
+#include <memory>
+#include <string>
+
+namespace robot_vision
+{
+
+/// Keeps this process known to a master that is started anew, and so knows of nothing: registers its topics and
+/// services again, all of them, for a nodelet manager is one node to the master, whosever its nodelets are. Connections
+/// that there are stay. Parameters of the namespace `ns` that the new master does not have are set as they were last.
+class Registration
+{
+public:
+  /// To be made when all services are advertised; one is missed that comes just before the master goes.
+  explicit Registration(const std::string& ns);
+  /// To be called before the process unregisters itself.
+  ~Registration();
+  Registration(const Registration&) = delete;
+  Registration& operator=(const Registration&) = delete;
+
+private:
+  class Watch;
+  std::shared_ptr<Watch> watch_;  // one for all of the process
+  std::string ns_;
+};
+
+}  // namespace robot_vision

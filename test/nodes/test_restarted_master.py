@@ -1,0 +1,98 @@
+"""A master that dies and comes back, knowing nothing: nodes and nodelets are there again."""
+
+import shutil
+
+import pytest
+import rosgraph
+import support
+
+CLIENT = """
+import sys
+import dynamic_reconfigure.client
+import rospy
+from nodelet.srv import NodeletLoad
+from sensor_msgs.msg import Image
+from std_srvs.srv import Trigger
+
+rospy.init_node("client", anonymous=True)
+node, key, value, *kinds = sys.argv[1:]
+for kind in kinds:
+    rospy.wait_for_service("/manager/load_nodelet", 60)
+    load = rospy.ServiceProxy("/manager/load_nodelet", NodeletLoad)
+    remappings = [[], []] if kind == "camera" else [["image"], ["/camera/image_raw"]]
+    assert load("/" + kind, "robot_vision/" + kind, *remappings, [], "").success
+print("frame", rospy.wait_for_message(node + "/processed_image", Image, 60).header.frame_id)
+client = dynamic_reconfigure.client.Client(node, timeout=60)
+print("set", client.update_configuration({key: int(value)})[key])
+rospy.wait_for_service(node + "/save_parameters", 60)
+print("saved", rospy.ServiceProxy(node + "/save_parameters", Trigger)().message)
+"""
+CAMERA = {"source": "synthetic", "image_width": 160, "image_height": 120}
+
+
+class Master:
+    """A master of its own, which can end and be started again in the same place."""
+
+    def __init__(self, start):
+        self._start = start
+        self._port = support.free_port()
+        self.env = {"ROS_MASTER_URI": f"http://127.0.0.1:{self._port}"}
+        self.api = rosgraph.Master("/test", self.env["ROS_MASTER_URI"])
+        self.begin()
+
+    def begin(self):
+        self._process = self._start(shutil.which("rosmaster"), "--core", "-p", self._port)
+        support.wait_for(lambda: rosgraph.is_master_online(self.env["ROS_MASTER_URI"]), "a master")
+
+    def end(self):
+        self._process.end()
+
+
+@pytest.mark.parametrize(
+    "node, key, nodelets",
+    [
+        ("edge_detector_node", "blur_size", []),
+        ("hsv_tracker.py", "s_low", []),
+        ("manager", "blur_size", ["camera", "edge_detector"]),
+    ],
+)
+def test_nodes_register_again(start, tmp_path, node, key, nodelets):
+    master = Master(start)
+    name = "/" + ("edge_detector" if nodelets else node.replace("_node", "").replace(".py", ""))
+    for parameter, value in CAMERA.items():
+        master.api.setParam("/camera/" + parameter, value)
+    file = tmp_path / "saved.yaml"
+    master.api.setParam(name + "/config_file", str(file))
+    if nodelets:
+        processes = [
+            start("/usr/lib/nodelet/nodelet", "manager", "__name:=manager", env=master.env)
+        ]
+    else:
+        processes = [start("camera_node", env=master.env)]
+        processes.append(start(node, "image:=/camera/image_raw", env=master.env))
+    script = tmp_path / "client.py"
+    script.write_text(CLIENT)
+
+    def ask(value, *kinds):
+        client = start("/usr/bin/python3", script, name, key, value, *kinds, env=master.env)
+        assert client.exit_code() == 0, client.output()
+        assert f"set {value}" in client.output()
+        assert f"saved {file}" in client.output()
+        assert f"{key}: {value}" in file.read_text()
+
+    ask(9, *nodelets)
+    services = services_of(master.api)
+    master.end()
+    master.begin()
+    ask(11)
+    support.wait_for(lambda: services_of(master.api) == services, "all services")
+    for process in processes:
+        process.interrupt()
+        assert process.exit_code() == 0, process.output()
+    assert services_of(master.api) == {}
+
+
+def services_of(master):
+    """The nodes of each service but the clients'."""
+    services = master.getSystemState()[2]
+    return {name: nodes for name, nodes in services if not name.startswith("/client")}
