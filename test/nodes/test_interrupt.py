@@ -181,8 +181,9 @@ def test_in_a_callback_that_never_returns(start, node):
     lookup = rosgraph.Master("/test", env["ROS_MASTER_URI"])
     service = "/stuck/save_parameters"
     support.wait_for(lambda: has_service(lookup, service), "the node's services")
-    own = rosgraph.Master(rospy.get_name())
+    own = rosgraph.Master("/stuck")  # where this process looks services up
     own.registerService(service, lookup.lookupService(service), lookup.lookupNode("/stuck"))
+    assert "config_file" in rospy.ServiceProxy(service, Trigger)().message  # it has started
     master.end()
     # In its place one that never answers what the service asks of it.
     with socket.create_server(("127.0.0.1", port)) as mute, contextlib.ExitStack() as connections:
