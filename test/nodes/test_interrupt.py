@@ -173,7 +173,7 @@ def test_after_the_master_has_gone(start, node):
 
 
 @pytest.mark.parametrize("node", NODES)
-def test_in_a_callback_that_never_returns(start, node):
+def test_in_a_callback_that_the_master_does_not_answer(start, node):
     port = support.free_port()
     env = {"ROS_MASTER_URI": f"http://127.0.0.1:{port}"}
     master = start("/usr/bin/rosmaster", "--core", "-p", port)
@@ -189,14 +189,13 @@ def test_in_a_callback_that_never_returns(start, node):
     with socket.create_server(("127.0.0.1", port)) as mute, contextlib.ExitStack() as connections:
         mute.settimeout(support.DEADLINE)
         with concurrent.futures.ThreadPoolExecutor() as pool:
-            answer = pool.submit(rospy.ServiceProxy(service, Trigger))
+            pool.submit(rospy.ServiceProxy(service, Trigger))
             asked = b""
             while b"config_file" not in asked:
                 connection = connections.enter_context(mute.accept()[0])
                 asked = connection.recv(4096)
             process.interrupt()
             assert process.exit_code() == 0, process.output()
-            assert isinstance(answer.exception(), rospy.ServiceException)
     own.unregisterService(service, own.lookupService(service))
 
 

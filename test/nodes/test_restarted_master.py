@@ -52,7 +52,7 @@ class Master:
     "node, key, nodelets",
     [
         ("edge_detector_node", "blur_size", []),
-        ("hsv_tracker.py", "s_low", []),
+        ("hsv_tracker.py", "opening", []),
         ("manager", "blur_size", ["camera", "edge_detector"]),
     ],
 )
