@@ -5,7 +5,6 @@
 #include <atomic>
 #include <chrono>
 #include <cstdlib>
-#include <optional>
 #include <thread>
 
 namespace robot_vision
@@ -21,15 +20,15 @@ public:
   {
     if (process_ends_) return;
     ++under_way_;
-    released_.emplace();
+    thread_ = PyEval_SaveThread();
   }
 
   ~LeaveGil()
   {
-    if (!released_) return;
+    if (thread_ == nullptr) return;
     ++returning_;
     if (closed_) stay();
-    released_.reset();
+    PyEval_RestoreThread(thread_);
     --returning_;
     --under_way_;
   }
@@ -70,7 +69,7 @@ private:
   static inline std::atomic<int> under_way_{0};
   static inline std::atomic<int> returning_{0};
 
-  std::optional<pybind11::gil_scoped_release> released_;
+  PyThreadState* thread_ = nullptr;  // while it is without the GIL
 };
 
 using Unlocked = pybind11::call_guard<LeaveGil>;
