@@ -176,13 +176,13 @@ def add_file(folder: str, stem: str, suffix: str, data: bytes) -> str:
     Raises:
         OSError: it cannot be written.
     """
-    with trying(os.path.join(folder, stem + suffix), "written"):
-        with _temporary(os.path.join(folder, f".{stem}.{_random()}.tmp"), data) as temporary:
-            for number in itertools.count():
-                path = os.path.join(folder, stem + (f"-{number}" if number else "") + suffix)
-                with contextlib.suppress(FileExistsError):
-                    _name(temporary, path)
-                    break
+    hidden = os.path.join(folder, f".{stem}.{_random()}.tmp")
+    with trying(os.path.join(folder, stem + suffix), "written"), _temporary(hidden, data) as temporary:
+        for number in itertools.count():
+            path = os.path.join(folder, stem + (f"-{number}" if number else "") + suffix)
+            with contextlib.suppress(FileExistsError):
+                _name(temporary, path)
+                break
     return path
 
 

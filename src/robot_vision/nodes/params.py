@@ -25,7 +25,6 @@ _known: Dict[str, bool] = {}
 
 ELSEWHERE = "; ~config_file names the file, as config:=/absolute/path.yaml of the launch files does"
 TRANSPORTS = ("compressed", "compressedDepth", "theora")
-MOST_SHOWN = 100  # characters of a value in a line of the log
 TYPES = {bool: "true or false", int: "an integer", float: "a number", str: "a string"}
 
 
@@ -61,7 +60,7 @@ def review_params() -> None:
     for name, default in ASKED_ELSEWHERE.items():
         read_any(name, default)
     there = sorted(rospy.get_param("~", {}).items())
-    changed = [f"{name}: {_shortened(value)}" for name, value in there if _known.get(name)]
+    changed = [f"{name}: {told(value)}" for name, value in there if _known.get(name)]
     if changed:
         rospy.loginfo("%s: set on the parameter server: %s", rospy.get_name(), ", ".join(changed))
     for name, value in there:
@@ -71,11 +70,6 @@ def review_params() -> None:
         near = difflib.get_close_matches(name, _known, 1)
         hint = f", is {near[0]} meant?" if near else ""
         rospy.logwarn("parameter %s is not known%s", path, hint)
-
-
-def _shortened(value: Any) -> str:
-    text = repr(value)
-    return text if len(text) <= MOST_SHOWN else text[: MOST_SHOWN - 3] + "..."
 
 
 def _is_of_others(name: str, path: str) -> bool:
