@@ -11,6 +11,9 @@ namespace
 
 constexpr int kObjectFeatures = 300;
 constexpr int kSmallRegion = 120;     // px: a shorter side is enlarged, or features would look beyond its edges
+constexpr double kReach = 2.0;        // sides of a small region to its every side, in which it is looked for
+constexpr double kMaxEnlarged = 4.0;  // times
+constexpr int kNearFeatures = 1500;
 constexpr int kSmallestPicture = 16;  // px: cv::ORB would fail on what is left of a smaller one
 constexpr float kRatio = 0.85F;       // of the distances to the best and the second best match (Lowe, 2004)
 constexpr int kFewestMatches = 5;
@@ -27,21 +30,38 @@ Features find(const cv::Mat& gray, int count, double scale, const cv::Point2f& o
   return features;
 }
 
+/// Of a part of the picture that is enlarged first.
+Features findEnlarged(const cv::Mat& gray, const cv::Rect& region, int count, double enlarged)
+{
+  cv::Mat pixels = gray(region);
+  if (enlarged > 1.0) cv::resize(pixels, pixels, {}, enlarged, enlarged, cv::INTER_LINEAR);
+  const double half = 0.5 * (1.0 / enlarged - 1.0);  // pixels' middles, not their corners, are whole
+  return find(pixels, count, 1.0 / enlarged, cv::Point2d(region.x + half, region.y + half));
+}
+
 }  // namespace
 
 Features objectFeatures(const cv::Mat& gray, const cv::Rect& region)
 {
-  cv::Mat pixels = gray(region);
   const double enlarged = std::min(region.width, region.height) < kSmallRegion ? 2.0 : 1.0;
-  if (enlarged > 1.0) cv::resize(pixels, pixels, {}, enlarged, enlarged, cv::INTER_LINEAR);
-  const double half = 0.5 * (1.0 / enlarged - 1.0);  // pixels' middles, not their corners, are whole
-  return find(pixels, kObjectFeatures, 1.0 / enlarged, cv::Point2d(region.x + half, region.y + half));
+  return findEnlarged(gray, region, kObjectFeatures, enlarged);
 }
 
 Features pictureFeatures(const cv::Mat& gray, int count)
 {
   if (std::min(gray.rows, gray.cols) < kSmallestPicture) return {};
   return find(gray, count, 1.0, {});
+}
+
+Features nearFeatures(const cv::Mat& gray, const cv::Rect& region)
+{
+  const int side = std::max({region.width, region.height, 1});
+  if (side >= kSmallRegion) return {};
+  const auto reach = static_cast<int>(kReach * side);
+  const cv::Rect around = cv::Rect(region.tl() - cv::Point(reach, reach), region.br() + cv::Point(reach, reach)) &
+                          cv::Rect({}, gray.size());
+  if (std::min(around.width, around.height) < kSmallestPicture) return {};
+  return findEnlarged(gray, around, kNearFeatures, std::min(static_cast<double>(kSmallRegion) / side, kMaxEnlarged));
 }
 
 std::optional<Similarity> matchFeatures(const Features& object, const Features& picture)

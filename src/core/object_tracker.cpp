@@ -81,7 +81,20 @@ struct ObjectTracker::Impl
     return !isTaken(object, fit.pose) && object.accept(fit, std::min(kFoundAgain * params.min_confidence, 1.0));
   }
 
-  /// Looks for objects that are lost: where they were, and at times everywhere.
+  bool tryMatch(FollowedObject& object, const Features& features)
+  {
+    const auto found = matchFeatures(object.features(), features);
+    return found && tryPose(object, *found * object.firstPose());
+  }
+
+  bool isNear(FollowedObject& object)
+  {
+    const auto& outline = object.state().outline;
+    const std::vector<cv::Point2f> last(outline.begin(), outline.end());
+    return tryMatch(object, nearFeatures(frames.newest.gray(), cv::boundingRect(last)));
+  }
+
+  /// Looks for objects that are lost: where they were, and at times around there and everywhere.
   void search(double time_s)
   {
     std::vector<FollowedObject*> lost;
@@ -89,12 +102,12 @@ struct ObjectTracker::Impl
       if (!object.state().tracked && !tryPose(object, object.pose())) lost.push_back(&object);
     if (lost.empty() || (time_s >= searched && time_s < searched + params.search_period)) return;
     searched = time_s;
+    lost.erase(std::remove_if(lost.begin(), lost.end(), [this](FollowedObject* object) { return isNear(*object); }),
+               lost.end());
+    if (lost.empty()) return;
     const Features features = pictureFeatures(frames.newest.gray(), params.search_features);
     for (FollowedObject* object : lost)
-    {
-      const auto found = matchFeatures(object->features(), features);
-      if (found) tryPose(*object, *found * object->firstPose());
-    }
+      tryMatch(*object, features);
   }
 
   ObjectTrackerParams params;

@@ -152,6 +152,25 @@ def test_followed_or_declared_lost_and_found_again(name):
     assert longest_run(missed) <= RATE, longest_run(missed)
 
 
+def test_what_has_become_small_is_found_again():
+    """It shrinks to half its size, is hidden for a third of a second, and comes out elsewhere."""
+    picture, background = PARTS["cup 90x90"][0], photograph("astronaut", SIZE)
+    tracker, tracked = rv.ObjectTracker(), []
+    for number in range(60):
+        center = 250.0 + 3.0 * number, 240.0
+        place = placement(picture, center, max(0.5, 1.0 - number / 40.0), 0.0)
+        hidden = 25 <= number < 35
+        image = background if hidden else put(background, picture, place)
+        found = tracker.update(number / RATE, image)
+        if number == 0:
+            tracker.select(box_around(outline(picture, place)))
+            continue
+        tracked.append(found[0].tracked)
+        if found[0].tracked:
+            assert not hidden and iou(found[0].outline, outline(picture, place)) > 0.8
+    assert all(tracked[:24]) and all(tracked[-10:])
+
+
 def test_velocity_scale_and_angle_are_the_true_ones():
     picture, background = part("astronaut", FACE, (100, 120)), photograph("coffee", SIZE)
     tracker = rv.ObjectTracker()
