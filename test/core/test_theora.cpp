@@ -212,7 +212,7 @@ TEST(Theora, refusesADamagedSetupHeaderBeforeTheLibrarySeesIt)
                         : "Theora packet of " + std::to_string(size) + " bytes is a damaged setup header");
     refused += said.empty() ? 0 : 1;
   }
-  EXPECT_GT(refused, 8 * size / 13 / 10);
+  EXPECT_GT(refused, 100);  // most flips change a number that may be any
 }
 
 TEST(Theora, refusesAnImageWithoutPixels)
