@@ -28,8 +28,8 @@ class EdgeDetector
 public:
   /// Throws std::invalid_argument as validate() does.
   explicit EdgeDetector(const EdgeParams& params = EdgeParams());
-  EdgeDetector(EdgeDetector&&) noexcept;
-  EdgeDetector& operator=(EdgeDetector&&) noexcept;
+  EdgeDetector(EdgeDetector&&);
+  EdgeDetector& operator=(EdgeDetector&&);
   ~EdgeDetector();
 
   /// Writes CV_8UC1, 255 on edges and 0 elsewhere, into `edges` (reused if it fits). `image` is not modified.

@@ -57,8 +57,8 @@ EdgeDetector::EdgeDetector(const EdgeParams& params) : params_(params), bands_(s
   bands_->bands.resize(static_cast<std::size_t>(params.threads));
 }
 
-EdgeDetector::EdgeDetector(EdgeDetector&&) noexcept = default;
-EdgeDetector& EdgeDetector::operator=(EdgeDetector&&) noexcept = default;
+EdgeDetector::EdgeDetector(EdgeDetector&&) = default;
+EdgeDetector& EdgeDetector::operator=(EdgeDetector&&) = default;
 EdgeDetector::~EdgeDetector() = default;
 
 void EdgeDetector::apply(const cv::Mat& image, const std::string& encoding, cv::Mat& edges)
