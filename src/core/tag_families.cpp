@@ -1,5 +1,6 @@
 #include "robot_vision/tag_families.hpp"
 
+#include <apriltag/apriltag.h>
 #include <apriltag/tag16h5.h>
 #include <apriltag/tag25h9.h>
 #include <apriltag/tag36h11.h>
