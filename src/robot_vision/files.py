@@ -176,8 +176,8 @@ def add_file(folder: str, stem: str, suffix: str, data: bytes) -> str:
     Raises:
         OSError: it cannot be written.
     """
-    hidden = os.path.join(folder, f".{stem}.{_random()}.tmp")
-    with trying(os.path.join(folder, stem + suffix), "written"), _temporary(hidden, data) as temporary:
+    free, hidden = (os.path.join(folder, name) for name in (stem + suffix, f".{stem}.{_random()}"))
+    with trying(free, "written"), _temporary(hidden + ".tmp", data) as temporary:
         for number in itertools.count():
             path = os.path.join(folder, stem + (f"-{number}" if number else "") + suffix)
             with contextlib.suppress(FileExistsError):
