@@ -196,7 +196,7 @@ def test_errors_of_files_name_them(pick, picture, tmp_path):
     missing = tmp_path / "missing" / "file"
     for arguments, tried in (
         ([missing, "--at", 1, 1], "read"),
-        (["--hsv", 1, 1, 1, "--name", "a", "--save", missing], "written"),
+        (["--hsv", 1, 200, 200, "--name", "a", "--save", missing], "written"),
     ):
         code, output = pick(*arguments)
         assert code == 1

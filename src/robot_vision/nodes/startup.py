@@ -121,6 +121,8 @@ def _shut_down_on_signals() -> None:
     def wait() -> None:
         while os.read(reader, 1)[0] not in SIGNALS:
             pass
+        # rospy closes sockets that threads of its own wait for.
+        threading.excepthook = lambda _: None
         threading.Thread(target=rospy.signal_shutdown, args=("signal",), daemon=True).start()
         threading.main_thread().join(SHUTDOWN_GRACE)
         if threading.main_thread().is_alive():
