@@ -77,7 +77,10 @@ std::shared_ptr<ImageInbox> ImageRuntime::makeInbox(const ImageInbox::Params& pa
 
 std::shared_ptr<ImageOutbox> ImageRuntime::makeOutbox(const std::string& topic)
 {
-  return add(outboxes_, std::make_shared<ImageOutbox>(topic, *transport(), [this] { connections_changed_ = true; }));
+  const auto changed = [this] { connections_changed_ = true; };
+  const auto outbox = add(outboxes_, std::make_shared<ImageOutbox>(topic, *transport(), changed));
+  registration_->look();  // the transports have services
+  return outbox;
 }
 
 std::shared_ptr<FrameDiagnostics> ImageRuntime::makeDiagnostics(const std::string& node)

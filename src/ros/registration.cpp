@@ -154,6 +154,7 @@ public:
   /// Adds a namespace of parameters, and looks at once.
   void add(const std::string& ns);
   void remove(const std::string& ns);
+  void lookAtOnce();
 
 private:
   void run();
@@ -201,6 +202,12 @@ void Registration::Watch::remove(const std::string& ns)
 {
   const std::lock_guard<std::mutex> lock(mutex_);
   params_.erase(ns);
+}
+
+void Registration::Watch::lookAtOnce()
+{
+  const std::lock_guard<std::mutex> lock(mutex_);
+  look();
 }
 
 void Registration::Watch::run()
@@ -253,6 +260,11 @@ Registration::Registration(const std::string& ns) : watch_(Watch::ofProcess()), 
 Registration::~Registration()
 {
   watch_->remove(ns_);
+}
+
+void Registration::look()
+{
+  watch_->lookAtOnce();
 }
 
 }  // namespace robot_vision

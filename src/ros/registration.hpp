@@ -12,12 +12,14 @@ namespace robot_vision
 class Registration
 {
 public:
-  /// To be made when all services are advertised; one is missed that comes just before the master goes.
   explicit Registration(const std::string& ns);
   /// To be called before the process unregisters itself.
   ~Registration();
   Registration(const Registration&) = delete;
   Registration& operator=(const Registration&) = delete;
+
+  /// To be called when services have been advertised since: the last look before the master goes is what is known.
+  void look();
 
 private:
   class Watch;

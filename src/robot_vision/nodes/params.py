@@ -172,7 +172,7 @@ def _require_own_launch(path: str) -> None:
 
 def _is_of_this_package(path: str) -> bool:
     """Whatever copy of the package it is: the sources, or an installed one."""
-    for folder in pathlib.Path(path).resolve().parents:
+    for folder in pathlib.Path(os.path.realpath(path)).parents:
         manifest = folder / "package.xml"
         if manifest.is_file():
             return "<name>robot_vision</name>" in manifest.read_text(encoding="utf-8")
