@@ -17,7 +17,7 @@ namespace
 
 using Bytes = std::vector<std::uint8_t>;
 
-const cv::Size kSize{19, 7};
+const cv::Size kSize{18, 7};  // OpenCV reads beyond an odd row of the Sun raster that it writes
 
 Bytes encoded(const std::string& suffix, const cv::Mat& image = noise(kSize, CV_8UC3))
 {
@@ -91,7 +91,7 @@ TEST(ImageFile, isDecodedAsOpenCvDoes)
     const Bytes file = encoded(suffix);
     const auto claimed = claimedSize(file.data(), file.size());
     ASSERT_TRUE(claimed) << suffix;
-    EXPECT_EQ(claimed->width, 19u) << suffix;
+    EXPECT_EQ(claimed->width, 18u) << suffix;
     EXPECT_EQ(claimed->height, 7u) << suffix;
     const cv::Mat image = decodeImageFile(file.data(), file.size(), cv::IMREAD_COLOR);
     ASSERT_EQ(image.size(), kSize) << suffix;
