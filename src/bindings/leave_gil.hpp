@@ -37,7 +37,7 @@ public:
   LeaveGil& operator=(const LeaveGil&) = delete;
 
   /// Has the module's calls end before the interpreter does; to be called when the module is imported.
-  static void endWithProcess() { pybind11::module_::import("atexit").attr("register")(pybind11::cpp_function(&end)); }
+  static void endWithProcess() { pybind11::module::import("atexit").attr("register")(pybind11::cpp_function(&end)); }
 
 private:
   /// Waits a moment for the calls under way; from now on none begins without the GIL, and none takes it back.

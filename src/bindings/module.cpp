@@ -90,6 +90,7 @@ void bindFilters(py::module& m)
 std::optional<py::array> decodeFile(const py::buffer& data, int flags)
 {
   const py::buffer_info bytes = data.request();
+  if (bytes.ndim != 1 || bytes.strides[0] != bytes.itemsize) throw py::value_error("expected bytes in a row");
   cv::Mat image;
   {
     const LeaveGil unlocked;

@@ -83,8 +83,12 @@ void validateRectification(const cv::Matx33d& R, const cv::Matx34d& P)
     requireFinite("R", value);
   const bool rotates = cv::norm(R * R.t() - cv::Matx33d::eye(), cv::NORM_INF) < kMaxSkew && cv::determinant(R) > 0.0;
   require(rotates || R == cv::Matx33d::zeros(), "R", "none", "a rotation");
-  for (const double value : P.val)
-    requirePlausible("P", value);
+  for (const int row : {0, 1, 2})
+    for (const int column : {0, 1, 2, 3})
+      if (column < 3)
+        requirePlausible("P", P(row, column));
+      else
+        requireFinite("P", P(row, column));  // times a length, in whatever unit
   if (P == cv::Matx34d::zeros()) return;
   for (const int axis : {0, 1})
     requireFocalLength("P", P(axis, axis));

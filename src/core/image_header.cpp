@@ -59,7 +59,8 @@ std::optional<ClaimedSize> ofBmp(const Bytes& file)
   return ClaimedSize{side(file.number(18, 4)), side(file.number(22, 4))};
 }
 
-/// The decimal number at or behind `at`, past blanks and comments; `at` is then behind it.
+/// The decimal number at or behind `at`, past blanks and comments; `at` is then behind it. Nothing if no blank ends it:
+/// OpenCV passes over any byte there, and would read on where a comment seems to begin.
 std::optional<std::uint64_t> decimal(const Bytes& file, std::size_t& at)
 {
   while (std::isspace(file[at]) != 0 || file[at] == '#')
@@ -73,6 +74,7 @@ std::optional<std::uint64_t> decimal(const Bytes& file, std::size_t& at)
   std::uint64_t value = 0;
   for (; std::isdigit(file[at]) != 0; ++at)
     value = std::min<std::uint64_t>(10 * value + (file[at] - '0'), kBeyondAnyImage);
+  if (std::isspace(file[at]) == 0) return std::nullopt;
   return value;
 }
 
@@ -100,7 +102,7 @@ std::uint64_t ofPamWord(const Bytes& file, const std::string& word, std::size_t 
 
 std::optional<ClaimedSize> ofPam(const Bytes& file)
 {
-  const std::string last = "ENDHDR";
+  const std::string last = "\nENDHDR";  // not in a comment
   std::size_t end = 0;
   while (end < file.size() && !file.beginsWith(last.data(), last.size(), end))
     ++end;
@@ -167,7 +169,10 @@ std::optional<ClaimedSize> claimedSize(const unsigned char* data, std::size_t si
   const Bytes file(data, size);
   std::optional<ClaimedSize> claimed;
   if (isPng(data, size))
-    claimed = ClaimedSize{file.number(16, 4, true), file.number(20, 4, true)};
+  {
+    if (file.beginsWith("IHDR", 4, 12))  // what else begins a file would be left out before it is decoded
+      claimed = ClaimedSize{file.number(16, 4, true), file.number(20, 4, true)};
+  }
   else if (file.beginsWith("\xFF\xD8", 2))
     claimed = ClaimedSize{static_cast<std::uint64_t>(claimedJpegSize(data, size).width),
                           static_cast<std::uint64_t>(claimedJpegSize(data, size).height)};

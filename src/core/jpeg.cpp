@@ -16,6 +16,7 @@ constexpr unsigned char kHuffmanTables = 0xC4;
 constexpr unsigned char kReserved = 0xC8;
 constexpr unsigned char kArithmeticTables = 0xCC;
 constexpr unsigned char kLastFrame = 0xCF;
+constexpr unsigned char kTemporary = 0x01;  // as a restart marker it has no segment
 constexpr unsigned char kFirstRestart = 0xD0;
 constexpr unsigned char kLastRestart = 0xD7;
 constexpr unsigned char kStartOfImage = 0xD8;
@@ -50,8 +51,8 @@ std::size_t findMarker(const unsigned char* data, std::size_t size, std::size_t 
     i = static_cast<std::size_t>(static_cast<const unsigned char*>(found) - data);
     const unsigned char next = data[i + 1];
     const bool stuffed = next == 0x00 || next == kFill;
-    const bool restart = next >= kFirstRestart && next <= kLastRestart;
-    if (!stuffed && !restart) return i;
+    const bool alone = (next >= kFirstRestart && next <= kLastRestart) || next == kTemporary;
+    if (!stuffed && !alone) return i;
     ++i;
   }
   return size;

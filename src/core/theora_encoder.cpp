@@ -108,7 +108,8 @@ void TheoraEncoder::begin(cv::Size size)
 
 std::vector<TheoraPacket> TheoraEncoder::encode(const cv::Mat& bgr)
 {
-  if (bgr.empty() || bgr.type() != CV_8UC3 || bgr.total() > kMaxVideoPixels)
+  const auto frame_pixels = static_cast<std::size_t>(padded(bgr.rows)) * static_cast<std::size_t>(padded(bgr.cols));
+  if (bgr.empty() || bgr.type() != CV_8UC3 || frame_pixels > kMaxVideoPixels)
     throw std::invalid_argument("a picture of " + std::to_string(bgr.cols) + "x" + std::to_string(bgr.rows) + " (" +
                                 cv::typeToString(bgr.type()) + ") cannot become Theora, must be CV_8UC3 of 1 to " +
                                 std::to_string(kMaxVideoPixels) + " pixels");

@@ -80,8 +80,8 @@ def parse_bundles(values: Any) -> List[Bundle]:
         if not isinstance(name, str) or not name:
             raise ValueError(f"tag_bundles[{index}]: name is {told(name)}, must be a text")
         if any(bundle.name == name for bundle in bundles):
-            raise ValueError(f"tag_bundles: '{name}' is there twice")
-        where = f"layout of bundle '{name}'"
+            raise ValueError(f"tag_bundles: {told(name)} is there twice")
+        where = f"layout of bundle {told(name)}"
         layout = list_of(value.get("layout"), where)
         bundles.append(Bundle(name, [_tag(entry, where) for entry in layout]))
     return bundles
@@ -104,7 +104,7 @@ def require_map(value: Any, where: str, keys: Sequence[str]) -> None:
         raise ValueError(f"{where} is {told(value)}, must be a map")
     unknown = sorted(map(str, set(value).difference(keys)))
     if unknown:
-        raise ValueError(f"{where} has '{unknown[0]}', must be {', '.join(keys)}")
+        raise ValueError(f"{where} has {told(unknown[0])}, must be {', '.join(keys)}")
 
 
 def _line(tag: BundleTag) -> str:

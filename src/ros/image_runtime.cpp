@@ -42,7 +42,7 @@ ImageRuntime::ImageRuntime(const std::string& name, const ros::M_string& options
         while (running())
           ros::getGlobalCallbackQueue()->callAvailable(ros::WallDuration(kWait));
       });
-  registration_ = std::make_unique<Registration>(name);
+  registration_ = std::make_shared<Registration>(name);
 }
 
 /// Keeps it in mind, to be closed by stop(). What is gone is forgotten, so that a process that makes and drops for
@@ -79,7 +79,13 @@ std::shared_ptr<ImageOutbox> ImageRuntime::makeOutbox(const std::string& topic)
 {
   const auto changed = [this] { connections_changed_ = true; };
   const auto outbox = add(outboxes_, std::make_shared<ImageOutbox>(topic, *transport(), changed));
-  registration_->look();  // the transports have services
+  std::shared_ptr<Registration> registration;
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    requireRunning();
+    registration = registration_;
+  }
+  registration->look();  // the transports have services
   return outbox;
 }
 
@@ -127,7 +133,12 @@ void ImageRuntime::noteConnections()
 void ImageRuntime::stop()
 {
   if (stopped_.exchange(true)) return;
-  registration_.reset();
+  std::shared_ptr<Registration> registration;
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    registration.swap(registration_);
+  }
+  registration.reset();
   queue_.disable();  // wakes the thread that waits in it
   gate_.close();
   decltype(inboxes_) inboxes;

@@ -62,7 +62,6 @@ private:
   CallbackGate gate_;  // to it
   std::shared_ptr<ros::NodeHandle> nh_;
   std::thread others_;  // works through roscpp's own queue
-  std::unique_ptr<Registration> registration_;
 
   template <class T>
   std::shared_ptr<T> add(std::vector<std::weak_ptr<T>>& all, std::shared_ptr<T> one);
@@ -71,6 +70,7 @@ private:
   std::optional<Delivery> takeNext();
 
   std::mutex mutex_;  // guards all below, and is never held while the master is asked
+  std::shared_ptr<Registration> registration_;
   std::shared_ptr<image_transport::ImageTransport> it_;
   std::vector<std::weak_ptr<ImageInbox>> inboxes_;
   std::size_t turn_ = 0;  // of the inbox that is asked first

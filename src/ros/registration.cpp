@@ -65,11 +65,14 @@ std::optional<XmlRpcValue> askSelf(const char* method, const std::vector<XmlRpcV
   return payload;
 }
 
-void registerPublishers()
+/// Returns false, as the two below, if the master did not answer all of it.
+bool registerPublishers()
 {
   std::optional<XmlRpcValue> publications = askSelf("getPublications");  // topics and types
+  bool all = publications.has_value();
   for (int i = 0; publications && i < publications->size(); ++i)
-    ask("registerPublisher", {(*publications)[i][0], (*publications)[i][1], uri()});
+    all = ask("registerPublisher", {(*publications)[i][0], (*publications)[i][1], uri()}) && all;
+  return all;
 }
 
 /// The nodes that this one receives from, by topic.
@@ -87,14 +90,16 @@ std::map<std::string, Names> connectedPublishers()
   return publishers;
 }
 
-void registerSubscribers()
+bool registerSubscribers()
 {
   std::map<std::string, Names> publishers = connectedPublishers();         // those not told of would be dropped
   std::optional<XmlRpcValue> subscriptions = askSelf("getSubscriptions");  // topics and types
+  bool complete = subscriptions.has_value();
   for (int i = 0; subscriptions && i < subscriptions->size(); ++i)
   {
     const std::string topic = (*subscriptions)[i][0];
     std::optional<XmlRpcValue> known = ask("registerSubscriber", {topic, (*subscriptions)[i][1], uri()});
+    complete = known && complete;
     if (!known) continue;
     for (int n = 0; n < known->size(); ++n)
       publishers[topic].insert((*known)[n]);
@@ -104,15 +109,19 @@ void registerSubscribers()
       all[all.size()] = publisher;
     askSelf("publisherUpdate", {topic, all});
   }
+  return complete;
 }
 
 /// roscpp cannot be asked for the names of its services, only whether there is one: the master was.
-void registerServices(const Names& names)
+bool registerServices(const Names& names)
 {
   const std::uint32_t port = ros::ConnectionManager::instance()->getTCPPort();
   const std::string address = "rosrpc://" + ros::network::getHost() + ":" + std::to_string(port);
+  bool all = true;
   for (const std::string& name : names)
-    if (ros::ServiceManager::instance()->lookupServicePublication(name)) ask("registerService", {name, address, uri()});
+    if (ros::ServiceManager::instance()->lookupServicePublication(name))
+      all = ask("registerService", {name, address, uri()}) && all;
+  return all;
 }
 
 std::optional<Names> registeredServices()
@@ -160,12 +169,13 @@ private:
   void run();
   void look();
   void remember();
-  void registerAgain();
+  bool registerAgain();
 
   std::mutex mutex_;  // guards all below
   std::condition_variable ended_;
   bool end_ = false;
-  int master_pid_ = 0;  // of the master that knows the process; 0: not seen yet
+  int master_pid_ = 0;    // of the master that knows the process; 0: not seen yet
+  bool complete_ = true;  // all that was to be registered again has been
   Names services_;
   std::map<std::string, XmlRpcValue> params_;  // by namespace
   std::thread thread_;
@@ -224,10 +234,11 @@ try
   if (!pid || ros::isShuttingDown()) return;
   // Another master may know the process already, by a topic that it has registered since.
   const bool replaced = master_pid_ != 0 && master_pid_ != static_cast<int>(*pid);
-  if (replaced || !ask("lookupNode", {ros::this_node::getName()}))
-    registerAgain();
-  else
+  const bool known = !replaced && complete_ && ask("lookupNode", {ros::this_node::getName()});
+  if (known)
     remember();
+  else
+    complete_ = registerAgain();
   master_pid_ = *pid;
 }
 catch (const XmlRpc::XmlRpcException& e)  // an answer of another type
@@ -242,14 +253,13 @@ void Registration::Watch::remember()
     if (const std::optional<XmlRpcValue> present = ask("getParam", {ns})) params = *present;
 }
 
-void Registration::Watch::registerAgain()
+bool Registration::Watch::registerAgain()
 {
   ROS_INFO("%s: the master is another one: registering again", ros::this_node::getName().c_str());
   for (const auto& [ns, params] : params_)
     setMissing(ns, params);
-  registerServices(services_);
-  registerPublishers();
-  registerSubscribers();
+  const bool services = registerServices(services_), publishers = registerPublishers();
+  return registerSubscribers() && services && publishers;
 }
 
 Registration::Registration(const std::string& ns) : watch_(Watch::ofProcess()), ns_(ns)

@@ -122,13 +122,14 @@ TEST(CameraModel, whatNoRectificationHasIsNamed)
   EXPECT_EQ(of({1, 0, 0, 0, 1, 0, 0, 0, -1}, P), "R is none, must be a rotation");
   EXPECT_EQ(of(R * 1.1, P), "R is none, must be a rotation");
   EXPECT_EQ(of({std::nan(""), 0, 0, 0, 1, 0, 0, 0, 1}, P), "R is nan, must be finite");
+  EXPECT_EQ(of(R, {6000, 0, 4000, -1200000, 0, 6000, 3000, 0, 0, 0, 1, 0}), "");  // a baseline in mm
   cv::Matx34d wrong = P;
   wrong(0, 0) = 0.0;
   EXPECT_EQ(of(R, wrong), "P is 0, must be above 0 where it is a focal length");
   wrong = P;
   wrong(2, 2) = 2.0;
   EXPECT_EQ(of(R, wrong), "the last row of P is another, must be 0, 0, 1, 0");
-  wrong(1, 3) = 1e300;
+  wrong(1, 2) = 1e300;
   EXPECT_EQ(of(R, wrong), "P is 1e+300, must be from -1e+06 to 1e+06");
 }
 

@@ -112,6 +112,27 @@ TEST(ImageFile, thatClaimsToFillTheMemoryIsRefusedByItsHeader)
   }
 }
 
+TEST(ImageFile, thatHidesItsSizeIsNone)
+{
+  const auto decoded = [](const Bytes& file) { return decodeImageFile(file.data(), file.size(), cv::IMREAD_COLOR); };
+  Bytes png = encoded(".png");
+  const Bytes text = {0, 0, 0, 8, 't', 'E', 'X', 't', 0, 0, 0, 1, 0, 0, 0, 1, 0xE2, 0x0E, 0x33, 0x84};
+  png.insert(png.begin() + 8, text.begin(), text.end());
+  EXPECT_TRUE(decoded(png).empty());
+  EXPECT_TRUE(decoded(bytesOf("P5\n2#2 1\n1\n255\n" + std::string(100, 'a'))).empty());
+  EXPECT_TRUE(decoded(bytesOf("PF\n2#2 3\n1\n-1.0\n" + std::string(100, 'a'))).empty());
+}
+
+TEST(ImageFile, isFoundBehindWhatIsRarelyThere)
+{
+  Bytes jpeg = encoded(".jpg"), pam = encoded(".pam");
+  const Bytes temporary = {0xFF, 0x01}, comment = bytesOf("# ENDHDR\n");
+  jpeg.insert(jpeg.begin() + 2, temporary.begin(), temporary.end());
+  pam.insert(pam.begin() + 3, comment.begin(), comment.end());
+  for (const Bytes& file : {jpeg, pam})
+    EXPECT_EQ(decodeImageFile(file.data(), file.size(), cv::IMREAD_COLOR).size(), kSize);
+}
+
 TEST(ImageFile, thatIsNoneIsEmpty)
 {
   for (const std::string& text : {"", "P", "P5", "P5 3", "P7", "BM", "II*", "RIFF", "no image", "\x89PNG"})

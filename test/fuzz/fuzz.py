@@ -20,17 +20,22 @@ from typing import Iterator, List, Optional
 
 import messages
 import mutations
+import roslib.packages
 import targets
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 ROOT = os.path.dirname(os.path.dirname(HERE))
-PROGRAM = os.path.join(ROOT, ".ws", "devel", "lib", "robot_vision", "test_fuzz_messages")
 IN_CPP = (*messages.SEEDS, "theora")
 ALL = sorted((*targets.TARGETS, *IN_CPP))
 
 MAX_CPU = 10.0  # s of CPU time for an input
 MAX_SILENCE = 60.0  # s without an answer
 MAX_KEPT = 400 << 20  # bytes: a pool's, and what an allocator has not given back
+
+
+def program() -> str:
+    """What takes messages as C++ nodes do."""
+    return roslib.packages.find_node("robot_vision", "test_fuzz_messages")[0]
 
 
 class SurvivalError(Exception):
@@ -42,7 +47,7 @@ class Worker:
 
     def __init__(self, target: str):
         if target in IN_CPP:
-            command = [PROGRAM, target]
+            command = [program(), target]
         else:
             command = [sys.executable, os.path.join(HERE, "worker.py"), target]
         self._process = subprocess.Popen(
@@ -99,7 +104,7 @@ class Worker:
 
 def seeds_of(target: str) -> List[bytes]:
     if target == "theora":
-        return [subprocess.run([PROGRAM, "theora", "seed"], stdout=subprocess.PIPE).stdout]
+        return [subprocess.run([program(), "theora", "seed"], stdout=subprocess.PIPE).stdout]
     if target in messages.SEEDS:
         return messages.SEEDS[target]()
     return targets.TARGETS[target]().seeds()

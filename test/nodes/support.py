@@ -126,6 +126,8 @@ class Process:
         begin = time.thread_time()
         while self.running():
             assert time.thread_time() - begin < 2.0, f"still running:\n{self.output()}"
+        # A stuck Python node is ended by its own watchdog, which says so, with the same code.
+        assert "did not end within" not in self.output(), self.output()
         return self.exit_code()
 
     def wait_for_output(self, text: str, seconds: float = DEADLINE) -> None:

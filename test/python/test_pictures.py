@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from exif import sideways
 
+from robot_vision._core import decode_image_file
 from robot_vision.gallery_files import decode
 from robot_vision.nodes.gray_pictures import gray_file
 from robot_vision.pictures import sensor_pixels, upright
@@ -35,3 +36,8 @@ def test_a_file_that_claims_to_fill_the_memory_is_refused():
 def test_what_is_no_picture_is_none():
     for data in (b"", b"no picture"):
         assert sensor_pixels(data) is None and upright(data) is None
+
+
+def test_bytes_that_do_not_follow_each_other_are_refused():
+    with pytest.raises(ValueError, match="bytes in a row"):
+        decode_image_file(np.zeros(100, np.uint8)[::-1], cv2.IMREAD_COLOR)

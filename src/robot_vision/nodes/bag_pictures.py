@@ -8,6 +8,7 @@ import numpy as np
 import rosbag
 
 from ..files import require_file
+from ..plain_text import printable
 from .gray_pictures import gray_message
 
 # What a picture is called, and what reads it: (height, width) uint8, or ValueError.
@@ -65,7 +66,7 @@ def _reading(path: str) -> Iterator[None]:
     except rosbag.ROSBagUnindexedException:
         raise ValueError(f"{path} has no index: try rosbag reindex {path}") from None
     except Exception as error:
-        what = " ".join(str(error).split())[:MAX_TOLD] or type(error).__name__
+        what = printable(" ".join(str(error).split()), MAX_TOLD) or type(error).__name__
         raise ValueError(f"{path} cannot be read: {what}") from None
 
 

@@ -34,7 +34,8 @@ class Calibration:
         self._came = threading.Event()
         self._used: Tuple[Any, ...] = ()  # what the camera was made from
         self._camera: Optional[CameraModel] = None
-        self._problem = ""
+        self._wrong = ""  # with the newest
+        self._problem = ""  # that was told last
         self._told = Repeats(TOLD_AGAIN)
         self._first_asked = 0.0  # s of the monotonic clock
         node.subscriber(self.topic, CameraInfo, self._on_info)
@@ -51,12 +52,12 @@ class Calibration:
         used = size, info.width, info.height, info.K, info.D, info.distortion_model
         if used != self._used:
             self._used = used
-            self._camera, problem = None, ""
+            self._camera, self._wrong = None, ""
             try:
                 self._camera = camera_model(info, size)
             except ValueError as error:
-                problem = str(error)
-            self._tell(problem)
+                self._wrong = str(error)
+        self._tell(self._wrong)
         return self._camera
 
     def wait(self, seconds: float) -> None:
@@ -93,10 +94,10 @@ class Calibration:
             self._tell("there is none")
 
     def _tell(self, problem: str) -> None:
-        before, self._problem = self._problem, problem
         kind = problem.split(" is ")[0]  # what is wrong; its value may change with every message
-        if problem == before or not self._told.news([kind], time.monotonic()):
+        if problem == self._problem or not self._told.news([kind], time.monotonic()):
             return
+        self._problem = problem
         if problem:
             rospy.logwarn("no %s: camera_info on %s: %s", self._missing, self.topic, problem)
         else:

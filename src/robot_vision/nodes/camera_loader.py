@@ -97,12 +97,11 @@ class CameraLoader:
             if bond:
                 bond.shutdown()
             if name not in cameras:
-                with contextlib.suppress(KeyError):
-                    rospy.delete_param(name)
+                _replace_params(name, {})
                 rospy.loginfo("%s: removed", name)
         for name, parameters in cameras.items():
             if self._cameras.get(name) != parameters:
-                rospy.set_param(name, parameters)  # in place of all that was there
+                _replace_params(name, parameters)
                 self._crashes[name] = 0
         self._cameras = cameras
 
@@ -228,3 +227,19 @@ def _answers(uri: str) -> bool:
         return xmlrpc.client.ServerProxy(uri).getPid("/camera_loader")[0] == 1
     except NO_ANSWER:
         return False
+
+
+def _replace_params(camera: str, parameters: Dict[str, Any]) -> None:
+    """Gives a camera these parameters in place of what it had, and leaves those of other nodes."""
+    state = rosgraph.Master(rospy.get_name()).getSystemState()
+    nodes = {node + "/" for kind in state for _, of_topic in kind for node in of_topic}
+    present = rospy.get_param(camera, {})
+    kept = {
+        key: value
+        for key, value in present.items()
+        if any(node.startswith(f"{camera}/{key}/") for node in nodes)
+    }
+    if kept or parameters:
+        rospy.set_param(camera, {**kept, **parameters})
+    elif present:
+        rospy.delete_param(camera)
