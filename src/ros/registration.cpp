@@ -235,6 +235,7 @@ try
   // Another master may know the process already, by a topic that it has registered since.
   const bool replaced = master_pid_ != 0 && master_pid_ != static_cast<int>(*pid);
   const bool known = !replaced && complete_ && ask("lookupNode", {ros::this_node::getName()});
+  if (ros::isShuttingDown()) return;  // then nothing is answered, by this process neither
   if (known)
     remember();
   else
