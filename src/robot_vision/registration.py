@@ -9,12 +9,21 @@ import http.client
 import threading
 import xmlrpc.client
 from typing import Any, Dict, Optional
+from xml.parsers.expat import ExpatError
 
 import rosgraph
 import rospy
 from rospy.impl.registration import get_service_manager
 
 PERIOD = 5.0  # s between two looks at the master
+# What asking a master, or a node, ends with that is away, or no such thing.
+AWAY = (
+    OSError,
+    ExpatError,
+    rosgraph.MasterException,
+    http.client.HTTPException,
+    xmlrpc.client.Error,
+)
 
 
 @functools.lru_cache(maxsize=None)
@@ -45,8 +54,7 @@ class _Registration:
 
     def look(self) -> None:
         """Asks the master whether it knows the node, and registers it if not."""
-        away = (OSError, rosgraph.MasterException, http.client.HTTPException, xmlrpc.client.Error)
-        with contextlib.suppress(*away):  # the master may be
+        with contextlib.suppress(*AWAY):  # the master may be
             self._look()
 
     def _look(self) -> None:

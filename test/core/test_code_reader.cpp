@@ -46,19 +46,21 @@ cv::Mat wall(cv::Size size = {640, 480})
   return {size, CV_8UC1, cv::Scalar(200)};
 }
 
+/// The part of the scene with its QR code and so many px around it: a view of the whole image.
+cv::Mat codeWith(const Scene& scene, int around)
+{
+  cv::Mat bgr, gray;
+  scene.render(0, bgr);
+  cv::cvtColor(bgr, gray, cv::COLOR_BGR2GRAY);
+  const std::vector<cv::Point2d> corners = truth(scene, 0);
+  const cv::Rect tight = cv::boundingRect(std::vector<cv::Point2f>(corners.begin(), corners.end()));
+  return gray(tight + cv::Size(2 * around, 2 * around) - cv::Point(around, around));
+}
+
 /// The scene's QR code with what is around it.
 cv::Mat codePixels()
 {
-  static const cv::Mat pixels = []
-  {
-    const Scene scene{SceneParams()};
-    cv::Mat bgr, gray;
-    scene.render(0, bgr);
-    cv::cvtColor(bgr, gray, cv::COLOR_BGR2GRAY);
-    const std::vector<cv::Point2d> corners = truth(scene, 0);
-    const cv::Rect tight = cv::boundingRect(std::vector<cv::Point2f>(corners.begin(), corners.end()));
-    return cv::Mat(gray(tight + cv::Size(20, 20) - cv::Point(10, 10)).clone());
-  }();
+  static const cv::Mat pixels = codeWith(Scene{SceneParams()}, 10).clone();
   return pixels;
 }
 
@@ -132,16 +134,14 @@ TEST(CodeReader, readsTheSceneWhereItsCodeIs)
 TEST(CodeReader, readsPartsOfPictures)
 {
   const Scene scene{SceneParams()};
-  cv::Mat bgr, gray;
-  scene.render(0, bgr);
-  cv::cvtColor(bgr, gray, cv::COLOR_BGR2GRAY);
-  const std::vector<cv::Point2d> corners = truth(scene, 0);
-  const cv::Rect tight = cv::boundingRect(std::vector<cv::Point2f>(corners.begin(), corners.end()));
-  const cv::Rect around = tight + cv::Size(40, 40) - cv::Point(20, 20);
-  const std::vector<Code> codes = CodeReader().read(gray(around), "mono8");  // its rows lie apart
+  const cv::Mat part = codeWith(scene, 20);
+  cv::Size whole;
+  cv::Point origin;
+  part.locateROI(whole, origin);
+  const std::vector<Code> codes = CodeReader().read(part, "mono8");  // its rows lie apart
   ASSERT_EQ(codes.size(), 1U);
   EXPECT_EQ(codes[0].data, "robot_vision");
-  EXPECT_LT(cv::norm(codes[0].polygon[0] + cv::Point2d(around.tl()) - corners[0]), 3.0);
+  EXPECT_LT(cv::norm(codes[0].polygon[0] + cv::Point2d(origin) - truth(scene, 0)[0]), 3.0);
 }
 
 TEST(CodeReader, keepsNothingOfAPicture)

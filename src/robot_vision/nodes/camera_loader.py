@@ -1,13 +1,11 @@
 """The node camera_loader: cameras in one nodelet manager, each on its own."""
 
 import contextlib
-import http.client
 import threading
 import time
 import uuid
 import xmlrpc.client
 from typing import Any, Dict, List, Tuple
-from xml.parsers.expat import ExpatError
 
 import bondpy.bondpy
 import rosgraph
@@ -15,13 +13,13 @@ import rospy
 from nodelet.srv import NodeletList, NodeletLoad, NodeletUnload
 
 from ..camera_list import parse_cameras
+from ..registration import AWAY
 from .params import read_any, read_param
 
 PLUGIN = "robot_vision/camera"
 LOOK_AROUND = 0.5  # s, between looks at what there is to do
 UNTIL_BONDED = 2.0  # s, at most
 UNTIL_MANAGER_ENDS = 0.5  # s, if it ends together with this node
-NO_ANSWER = (OSError, ExpatError, http.client.HTTPException, xmlrpc.client.Error)
 FIRST_RETRY, LAST_RETRY = 1.0, 60.0  # s, until a camera that was refused is tried again
 MOST_CRASHES = 2  # of the manager while it loads a camera, until that one is left out
 
@@ -68,7 +66,7 @@ class CameraLoader:
         """Follows ~cameras; what is wrong with it is told once, and all stays as it is."""
         try:
             values = read_any("cameras", None)
-        except NO_ANSWER:  # of the master
+        except AWAY:
             return
         if self._cameras and values in (self._list, None):  # None: of a master that is new
             self._wrong = ""
@@ -108,7 +106,7 @@ class CameraLoader:
     def _manager_uri(self) -> str:
         """Where the manager answers; empty if it does not."""
         uri = ""
-        with contextlib.suppress(rosgraph.MasterException, *NO_ANSWER):
+        with contextlib.suppress(*AWAY):
             master = rosgraph.Master(rospy.get_name())
             master.lookupService(self._manager + "/load_nodelet")
             uri = master.lookupNode(self._manager)
@@ -225,7 +223,7 @@ def _answers(uri: str) -> bool:
     """Whether there is a living node."""
     try:
         return xmlrpc.client.ServerProxy(uri).getPid("/camera_loader")[0] == 1
-    except NO_ANSWER:
+    except AWAY:
         return False
 
 

@@ -1,6 +1,5 @@
 """How a node starts and ends."""
 
-import http.client
 import inspect
 import os
 import signal
@@ -8,14 +7,13 @@ import sys
 import threading
 import time
 import traceback
-import xmlrpc.client
 from typing import Any, Callable
 
 import rosgraph
 import rospy
 
 from ..commands import end_process
-from ..registration import keep_registered
+from ..registration import AWAY, keep_registered
 
 SIGNALS = (signal.SIGINT, signal.SIGTERM)
 SHUTDOWN_GRACE = 2.0  # s that a node has to end by itself after a signal
@@ -102,7 +100,7 @@ def _wait_for_master(name: str) -> None:
         try:
             master.getPid()
             return
-        except (OSError, rosgraph.MasterException, http.client.HTTPException, xmlrpc.client.Error):
+        except AWAY:
             if not waiting:
                 print(f"waiting for the master at {master.master_uri}", file=sys.stderr, flush=True)
             waiting = True
