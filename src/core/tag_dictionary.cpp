@@ -1,6 +1,9 @@
 #include "tag_dictionary.hpp"
 
 #include <algorithm>
+#include <map>
+#include <mutex>
+#include <utility>
 
 #include "robot_vision/tag_families.hpp"
 
@@ -45,6 +48,17 @@ TagDictionary::TagDictionary(const std::vector<std::string>& families, int max_h
     TagPattern pattern(*record);
     families_.push_back({std::move(record), std::move(pattern)});
   }
+}
+
+std::shared_ptr<const TagDictionary> TagDictionary::of(const std::vector<std::string>& families, int max_hamming)
+{
+  static std::mutex mutex;
+  static std::map<std::pair<std::vector<std::string>, int>, std::weak_ptr<const TagDictionary>> in_use;
+  const std::lock_guard lock(mutex);
+  std::weak_ptr<const TagDictionary>& known = in_use[{families, max_hamming}];
+  std::shared_ptr<const TagDictionary> dictionary = known.lock();
+  if (!dictionary) known = dictionary = std::make_shared<TagDictionary>(families, max_hamming);
+  return dictionary;
 }
 
 DetectorPtr TagDictionary::makeDetector() const

@@ -22,9 +22,7 @@ TagSearches::TagSearches(const TagDetectorParams& params)
 
 void TagSearches::configure(const TagDetectorParams& params)
 {
-  const bool same = params.families == params_.families && params.max_hamming == params_.max_hamming;
-  if (!same || !dictionary_)  // its tables take a while
-    dictionary_ = std::make_shared<TagDictionary>(params.families, params.max_hamming);
+  dictionary_ = TagDictionary::of(params.families, params.max_hamming);
   params_ = params;
   searches_.clear();
   searches_.emplace_back(dictionary_, params_);

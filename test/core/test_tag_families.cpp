@@ -5,6 +5,7 @@
 #include <cstdlib>
 #include <set>
 
+#include "core/tag_dictionary.hpp"
 #include "core/tag_library.hpp"
 #include "pictures.hpp"
 #include "refusal.hpp"
@@ -116,4 +117,15 @@ TEST(TagFamilies, tagsDifferHoweverTheyAreTurned)
       cv::rotate(turned, turned, cv::ROTATE_90_CLOCKWISE);
     }
   }
+}
+
+TEST(TagDictionary, isSharedByThoseWhoWantTheSameAsLongAsOneHasIt)
+{
+  std::shared_ptr<const TagDictionary> first = TagDictionary::of({"tag16h5", "tag25h9"}, 1);
+  EXPECT_EQ(TagDictionary::of({"tag16h5", "tag25h9"}, 1), first);
+  EXPECT_NE(TagDictionary::of({"tag16h5", "tag25h9"}, 0), first);
+  EXPECT_NE(TagDictionary::of({"tag16h5"}, 1), first);
+  const std::weak_ptr<const TagDictionary> gone = first;
+  first.reset();
+  EXPECT_TRUE(gone.expired());
 }

@@ -22,6 +22,7 @@ FLIPPED = 20.0  # degrees
 CERTAIN = 0.99  # probability
 KNOWN = rv.TagPoseParams()  # for a camera that is known exactly
 KNOWN.lasting_noise = 0.0
+DETECTORS = {}  # one of each family that was used: others share its tables, which take a while
 
 
 @pytest.mark.parametrize("model", CAMERAS)
@@ -69,6 +70,7 @@ def located(
     """
     settings = rv.TagDetectorParams()
     settings.families = [family]
+    DETECTORS.setdefault(family, rv.TagDetector(settings))
     for _ in range(runs):
         detector = rv.TagDetector(settings)
         tracker = rv.TagPoseTracker(rv.single_tag(3, SIZE), params or rv.TagPoseParams())
