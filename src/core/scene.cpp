@@ -1,5 +1,7 @@
 #include "robot_vision/scene.hpp"
 
+#include <memory>
+#include <mutex>
 #include <stdexcept>
 
 #include "robot_vision/range.hpp"
@@ -31,10 +33,17 @@ const SceneParams& validated(const SceneParams& params)
   return params;
 }
 
-const cv::Mat& validated(const cv::Mat& poster)
+/// The one that other scenes have, or a new one, which takes a while.
+std::shared_ptr<const scene::Stage> stageWith(const cv::Mat& poster)
 {
   if (!poster.empty() && poster.type() != CV_8UC3) throw std::invalid_argument("poster must be an 8-bit BGR picture");
-  return poster;
+  if (!poster.empty()) return std::make_shared<const scene::Stage>(poster);
+  static std::mutex mutex;
+  static std::weak_ptr<const scene::Stage> in_use;
+  const std::lock_guard lock(mutex);
+  std::shared_ptr<const scene::Stage> stage = in_use.lock();
+  if (!stage) in_use = stage = std::make_shared<const scene::Stage>(poster);
+  return stage;
 }
 
 }  // namespace
@@ -44,7 +53,7 @@ struct Scene::Impl
   Impl(const SceneParams& params, const cv::Mat& poster)
     : rate(validated(params).rate),
       still(params.still),
-      stage(validated(poster)),
+      stage(stageWith(poster)),
       lens(scene::sceneCamera(params.width, params.height)),
       noise(params.noise, params.seed, 3 * params.width)
   {
@@ -56,7 +65,7 @@ struct Scene::Impl
 
   double rate;
   bool still;
-  scene::Stage stage;
+  std::shared_ptr<const scene::Stage> stage;
   scene::Lens lens;
   scene::PixelNoise noise;
 };
@@ -78,7 +87,7 @@ const CameraModel& Scene::camera() const
 SceneTruth Scene::truth(std::int64_t frame) const
 {
   SceneTruth truth =
-      scene::truthAt(impl_->timeOf(frame), impl_->cameraAt(frame), impl_->stage.posterAspect(), impl_->lens);
+      scene::truthAt(impl_->timeOf(frame), impl_->cameraAt(frame), impl_->stage->posterAspect(), impl_->lens);
   truth.frame = frame;
   return truth;
 }
@@ -86,7 +95,7 @@ SceneTruth Scene::truth(std::int64_t frame) const
 void Scene::render(std::int64_t frame, cv::Mat& bgr) const
 {
   bgr.create(impl_->lens.camera.height, impl_->lens.camera.width, CV_8UC3);
-  impl_->stage.paint(impl_->timeOf(frame), impl_->cameraAt(frame), impl_->lens, bgr);
+  impl_->stage->paint(impl_->timeOf(frame), impl_->cameraAt(frame), impl_->lens, bgr);
   impl_->noise.add(frame, bgr);
 }
 

@@ -39,7 +39,8 @@ const TextureLevel& pickLevel(const Texture& texture, const cv::Matx33f& plane, 
   const cv::Vec3f p = plane * cv::Vec3f(x, y, 1.0F);
   const float u = p[0] / p[2], v = p[1] / p[2];
   const float step = 1.0F / (focal * p[2]);  // of a ray from pixel to pixel, over the depth term
-  const float width = static_cast<float>(texture.front().width), height = static_cast<float>(texture.front().height);
+  const std::vector<cv::Size>& sizes = texture.sizes();
+  const auto width = static_cast<float>(sizes.front().width), height = static_cast<float>(sizes.front().height);
   const auto texels = [&](int axis)
   {
     const float du = (plane(0, axis) - u * plane(2, axis)) * step * width;
@@ -49,9 +50,9 @@ const TextureLevel& pickLevel(const Texture& texture, const cv::Matx33f& plane, 
   const float texel_size = 1.15F;  // px, at least
   const float widest = width / (texel_size * std::max(texels(0), texels(1)));
   std::size_t level = 0;
-  while (level + 1 < texture.size() && static_cast<float>(texture[level].width) > widest)
+  while (level + 1 < sizes.size() && static_cast<float>(sizes[level].width) > widest)
     ++level;
-  return texture[level];
+  return texture.level(level);
 }
 
 // Texture coordinates of a run of rays, in fractions of texels, counted from the border texel.

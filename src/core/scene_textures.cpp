@@ -47,34 +47,45 @@ TextureLevel makeLevel(const cv::Mat& bgra)
 
 }  // namespace
 
+Texture::Texture(const cv::Mat& picture, const std::vector<cv::Size>& sizes, int interpolation)
+  : picture_(withAlpha(picture)),
+    sizes_(sizes),
+    interpolation_(interpolation),
+    slots_(new Slot[sizes.size()])
+{
+}
+
+const TextureLevel& Texture::level(std::size_t index) const
+{
+  Slot& slot = slots_[index];
+  std::call_once(slot.once,
+                 [&]
+                 {
+                   cv::Mat scaled;
+                   cv::resize(picture_, scaled, sizes_[index], 0, 0, interpolation_);
+                   slot.level = makeLevel(scaled);
+                 });
+  return slot.level;
+}
+
 Texture cellTexture(const cv::Mat& cells_bgr)
 {
   // In small steps, so that a texel is never much larger than a pixel.
   const int most_texels = 512;  // along the longer side, for the sake of memory
   const int cells = std::max(cells_bgr.cols, cells_bgr.rows);
-  Texture texture;
+  std::vector<cv::Size> sizes;
   for (const int texels_per_cell : {32, 28, 24, 20, 16, 14, 12, 10, 8, 7, 6, 5, 4, 3, 2, 1})
-  {
-    if (texels_per_cell * cells > most_texels) continue;
-    cv::Mat scaled;
-    cv::resize(cells_bgr, scaled, cells_bgr.size() * texels_per_cell, 0, 0, cv::INTER_NEAREST);
-    texture.push_back(makeLevel(withAlpha(scaled)));
-  }
-  return texture;
+    if (texels_per_cell * cells <= most_texels) sizes.push_back(cells_bgr.size() * texels_per_cell);
+  return Texture(cells_bgr, sizes, cv::INTER_NEAREST);
 }
 
 Texture pictureTexture(const cv::Mat& picture)
 {
-  const cv::Mat finest = withAlpha(picture);
-  Texture texture;
-  for (double scale = 1.0;; scale /= std::sqrt(2.0))
-  {
-    const cv::Size size(std::max(1, cvRound(finest.cols * scale)), std::max(1, cvRound(finest.rows * scale)));
-    cv::Mat scaled;
-    cv::resize(finest, scaled, size, 0, 0, cv::INTER_AREA);
-    texture.push_back(makeLevel(scaled));
-    if (std::max(size.width, size.height) <= 4) return texture;
-  }
+  std::vector<cv::Size> sizes;
+  for (double scale = 1.0; sizes.empty() || std::max(sizes.back().width, sizes.back().height) > 4;
+       scale /= std::sqrt(2.0))
+    sizes.emplace_back(std::max(1, cvRound(picture.cols * scale)), std::max(1, cvRound(picture.rows * scale)));
+  return Texture(picture, sizes, cv::INTER_AREA);
 }
 
 }  // namespace robot_vision::scene

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
+#include <mutex>
 #include <opencv2/core.hpp>
 #include <vector>
 
@@ -17,8 +19,33 @@ struct TextureLevel
   std::vector<std::uint64_t> texels;  // (width + 2) x (height + 2)
 };
 
-/// Finest level first.
-using Texture = std::vector<TextureLevel>;
+/// A picture in some resolutions, the finest first. Each is made when it is first drawn, as most never are.
+class Texture
+{
+public:
+  Texture() = default;
+
+  /// `picture` is CV_8UC3 or (with alpha) CV_8UC4, `interpolation` one of cv::InterpolationFlags.
+  Texture(const cv::Mat& picture, const std::vector<cv::Size>& sizes, int interpolation);
+
+  /// Of the levels, in texels.
+  const std::vector<cv::Size>& sizes() const { return sizes_; }
+
+  /// Thread-safe.
+  const TextureLevel& level(std::size_t index) const;
+
+private:
+  struct Slot
+  {
+    std::once_flag once;
+    TextureLevel level;
+  };
+
+  cv::Mat picture_;
+  std::vector<cv::Size> sizes_;
+  int interpolation_ = 0;
+  std::shared_ptr<Slot[]> slots_;  // of all copies
+};
 
 /// A texture of flat square cells (CV_8UC3): in every level a cell is a whole number of texels, so that all borders
 /// between cells stay exactly where they belong.
