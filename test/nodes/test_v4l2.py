@@ -100,8 +100,9 @@ def ages(headers: List[Dict[str, Any]]) -> np.ndarray:
 
 
 def numbers_missing(kernel: List[Dict[str, int]]) -> int:
-    """Frames that the driver numbered, but did not give."""
-    return kernel[-1]["sequence"] - kernel[0]["sequence"] + 1 - len(kernel)
+    """Frames that the driver numbered, but did not give. On a busy machine vivid uses one twice."""
+    given = {frame["sequence"] for frame in kernel}
+    return max(given) - min(given) + 1 - len(given)
 
 
 def increase(scenario: Dict[str, Any], key: str) -> int:
@@ -470,8 +471,9 @@ def test_a_hundred_unpluggings(seen, slowness):
     descriptors, threads, memory = np.array(cycles["uses"]).T
     assert len(descriptors) == 100
     assert np.all(descriptors == descriptors[0]) and np.all(threads == threads[0])
-    # One cycle's buffers that were not given back are 2400 kB, a thread's stack is more.
-    assert memory[-1] - memory[9] < 2400
+    # A leak grows in each cycle: one cycle's buffers that were not given back are 2400 kB. Frames
+    # that wait on a busy machine make the heap larger once or twice.
+    assert np.median(memory[19:] - memory[9:-10]) < 260
     assert max(cycles["seconds"]) <= 2.0 * slowness
     assert np.all(np.diff(stamps(cycles["camera_info"])) > 0)
 
