@@ -48,10 +48,7 @@ TextureLevel makeLevel(const cv::Mat& bgra)
 }  // namespace
 
 Texture::Texture(const cv::Mat& picture, const std::vector<cv::Size>& sizes, int interpolation)
-  : picture_(withAlpha(picture)),
-    sizes_(sizes),
-    interpolation_(interpolation),
-    slots_(new Slot[sizes.size()])
+  : picture_(withAlpha(picture)), sizes_(sizes), interpolation_(interpolation), slots_(new Slot[sizes.size()])
 {
 }
 
