@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <opencv2/imgproc.hpp>
 
 namespace robot_vision
 {
@@ -11,6 +12,7 @@ namespace
 
 constexpr int kFewestPoints = 5;    // that a similarity is believed by
 constexpr double kTolerance = 2.0;  // px by which flow may differ from a similarity
+constexpr double kGrowth = 1.25;    // times, at most, from one frame to the next: five points may agree by chance
 
 }  // namespace
 
@@ -34,6 +36,12 @@ void FollowedObject::markSeen()
 
 void FollowedObject::lose()
 {
+  hide();
+  last_.reset();
+}
+
+void FollowedObject::hide()
+{
   seen_.clear();
   state_.tracked = false;
   state_.confidence = 0.0;
@@ -43,11 +51,11 @@ void FollowedObject::lose()
 
 void FollowedObject::follow(FramePair& frames, const ObjectTrackerParams& params)
 {
-  const cv::Point2d before = state_.center;
-  if (!accept(fitAt(startOf(frames), frames, params.min_similarity), params.min_confidence)) return lose();
-  if (!frames.measurable()) return;
-  const double share = params.smoothing > 0.0 ? 1.0 - std::exp(-frames.passed / params.smoothing) : 1.0;
-  state_.velocity += share * ((state_.center - before) / frames.passed - state_.velocity);
+  last_ = Motion{state_.center, state_.velocity};
+  const ModelFit fit = fitAt(startOf(frames), frames, params.min_similarity);
+  const double growth = fit.pose.scale() / pose_.scale();
+  if (growth > kGrowth || growth < 1.0 / kGrowth || !accept(fit, params.min_confidence, frames, params.smoothing))
+    hide();
 }
 
 /// Where flow has brought it, as far as its points agree; else where its velocity has.
@@ -77,7 +85,7 @@ ModelFit FollowedObject::fitAt(const Similarity& pose, FramePair& frames, double
   return model_.fit(frames.newest, frames.flow, pose, min_similarity);
 }
 
-bool FollowedObject::accept(const ModelFit& fit, double min_confidence)
+bool FollowedObject::accept(const ModelFit& fit, double min_confidence, const FramePair& frames, double smoothing)
 {
   const double confidence = static_cast<double>(fit.seen.size()) / static_cast<double>(model_.points().size());
   if (static_cast<int>(fit.seen.size()) < kFewestPoints || confidence < min_confidence) return false;
@@ -87,7 +95,19 @@ bool FollowedObject::accept(const ModelFit& fit, double min_confidence)
   state_.confidence = confidence;
   state_.points = fit.where;
   describe();
+  state_.velocity = last_ ? velocityFrom(*last_, frames.passed, smoothing) : cv::Point2d();
   return true;
+}
+
+/// After a motion in the last frame: smoothed, and none if it is further than its own size from where that led.
+cv::Point2d FollowedObject::velocityFrom(const Motion& last, double passed, double smoothing) const
+{
+  if (passed < kShortestTime) return last.velocity;
+  const cv::Point2d off = state_.center - last.center - last.velocity * passed;
+  const std::vector<cv::Point2f> outline(state_.outline.begin(), state_.outline.end());
+  if (off.ddot(off) > cv::contourArea(outline)) return {};
+  const double share = smoothing > 0.0 ? 1.0 - std::exp(-passed / smoothing) : 1.0;
+  return last.velocity + share / passed * off;
 }
 
 /// Writes the pose into the state.

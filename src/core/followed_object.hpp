@@ -1,6 +1,7 @@
 #pragma once
 
 #include <opencv2/core.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -12,11 +13,13 @@
 namespace robot_vision
 {
 
+constexpr double kShortestTime = 1e-3;  // s, in which a velocity can be measured
+
 /// Two frames, one after the other, and what is needed to follow something from one to the next.
 struct FramePair
 {
   /// Whether a velocity can be measured in that time.
-  bool measurable() const { return passed >= 1e-3; }
+  bool measurable() const { return passed >= kShortestTime; }
 
   FlowPicture last, newest;
   double passed = 0.0;  // s from one to the other; 0 if they cannot be compared
@@ -41,19 +44,26 @@ public:
   /// It is where it was in the picture that it was selected in.
   void markSeen();
 
-  /// It is not seen in this frame.
+  /// It was not seen in the last frame, or that cannot be compared with the newest.
   void lose();
 
-  /// Follows it from the last frame to the newest, or loses it.
+  /// Follows it from the last frame to the newest. If that fails it is not there, but may be found in the same frame.
   void follow(FramePair& frames, const ObjectTrackerParams& params);
 
   /// How it would look where it is searched for.
   ModelFit fitAt(const Similarity& pose, FramePair& frames, double min_similarity) const;
 
-  /// It is there if that share of its points is seen; whether it is.
-  bool accept(const ModelFit& fit, double min_confidence);
+  /// It is there if that share of its points is seen; whether it is. `smoothing` as in the parameters.
+  bool accept(const ModelFit& fit, double min_confidence, const FramePair& frames, double smoothing);
 
 private:
+  struct Motion
+  {
+    cv::Point2d center, velocity;
+  };
+
+  void hide();
+  cv::Point2d velocityFrom(const Motion& last, double passed, double smoothing) const;
   Similarity startOf(FramePair& frames) const;
   void describe();
 
@@ -61,6 +71,7 @@ private:
   Features features_;
   Similarity pose_;
   std::vector<std::size_t> seen_;  // the model's points that were in the last frame
+  std::optional<Motion> last_;     // in the last frame, if it was seen there
   TrackedObject state_;
 };
 

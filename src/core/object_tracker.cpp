@@ -78,7 +78,8 @@ struct ObjectTracker::Impl
   {
     const double similarity = 0.5 * (1.0 + params.min_similarity);  // the next coin in a row is quite like this one
     const ModelFit fit = object.fitAt(pose, frames, similarity);
-    return !isTaken(object, fit.pose) && object.accept(fit, std::min(kFoundAgain * params.min_confidence, 1.0));
+    return !isTaken(object, fit.pose) &&
+           object.accept(fit, std::min(kFoundAgain * params.min_confidence, 1.0), frames, params.smoothing);
   }
 
   bool tryMatch(FollowedObject& object, const Features& features)
@@ -183,10 +184,10 @@ std::vector<TrackedObject> ObjectTracker::update(double time_s, const cv::Mat& i
   me.time = time_s;
   for (FollowedObject& object : me.objects)
   {
-    if (!comparable)
-      object.lose();
-    else if (object.state().tracked)
+    if (comparable && object.state().tracked)
       object.follow(frames, me.params);
+    else
+      object.lose();
   }
   me.search(time_s);
   return objects();
