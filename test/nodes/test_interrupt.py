@@ -27,7 +27,7 @@ PYTHON_NODES += [
     "object_tracker.py",
     "apriltag_detector.py",
 ]
-STARTS = 100
+STARTS = 200
 TOGETHER = 4  # starts at a time
 
 

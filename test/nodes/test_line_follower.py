@@ -76,6 +76,13 @@ class Robot:
 
         support.wait_for(answered, "the first line")
 
+    def newest_line(self):
+        """What was seen in the newest frame, whose command may come before it."""
+        support.wait_for(
+            lambda: self.lines.received[-1].header.stamp == self.now, "the newest frame's line"
+        )
+        return self.lines.received[-1]
+
     def step(self):
         """One frame, the command that it brings, and the way that the robot drives by it."""
         self.tick()
@@ -198,7 +205,7 @@ def test_a_pause_leaves_nothing_behind(follower):
         robot.step()
     enable(True)
     support.wait_for(lambda: robot.step() or robot.commands.received[-1].linear.x > 0, "driving")
-    error = robot.lines.received[-1].offset
+    error = robot.newest_line().offset
     assert abs(error) > 0.05
     assert robot.commands.received[-1].angular.z == pytest.approx(-0.1 * error, rel=0.5)
 
@@ -227,7 +234,7 @@ def test_robot_stops_where_there_is_no_line(follower):
     for _ in range(5):
         robot.step()
     assert robot.commands.received[-1] == Twist()
-    last = robot.lines.received[-1]
+    last = robot.newest_line()
     assert (last.found, last.offset, last.confidence) == (False, 0.0, 0.0)
 
 
@@ -243,7 +250,7 @@ def test_robot_stands_where_all_is_line(follower):
     for _ in range(3):
         robot.step()
     assert robot.commands.received[-1] == Twist()
-    assert not robot.lines.received[-1].found
+    assert not robot.newest_line().found
     overlay = overlays.of(robot.now)
     said = said.copy()
     draw_text(said, "no line", (10, 20))

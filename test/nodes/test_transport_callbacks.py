@@ -120,7 +120,7 @@ def test_a_slow_callback_on_a_fast_topic_is_never_behind(source):
         turns.release()
         support.wait_for(lambda n=worked: len(numbers) > n, "the last frame")
     assert numbers == sorted(set(numbers))
-    assert images.received + images.dropped == published
+    assert images.received + images.dropped == published - numbers[0] + 1
     assert images.dropped > published // 2
     # One may be on its way, and the machine may stall this process anywhere: not often.
     assert np.percentile(behind, 80) < 2.5, behind
