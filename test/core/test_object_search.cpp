@@ -137,7 +137,8 @@ TEST(ObjectSearch, saysAtOnceThatItIsGone)
   ObjectTrackerParams params;
   params.search_features = 100;  // what it is taken for is where it was
   std::size_t objects = 0;
-  for (int seed = 0; seed < 120; seed += 15)
+  // Of those of 60 with OpenCV 4.10, and of 1380 with 4.6, points agree by chance at 0.7 of their object's size.
+  for (const int seed : {0, 15, 30, 45, 60, 75, 90, 105, 1380})
   {
     ObjectTracker tracker(params);
     cv::Mat picture = kBackground;
@@ -157,7 +158,7 @@ TEST(ObjectSearch, saysAtOnceThatItIsGone)
       ++objects;
     }
   }
-  EXPECT_EQ(objects, 120U);
+  EXPECT_EQ(objects, 135U);
 }
 
 TEST(ObjectSearch, takesNothingSimilarForIt)

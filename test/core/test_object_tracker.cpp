@@ -201,6 +201,7 @@ TEST(ObjectTracker, isNotLostWhenTheLightChanges)
         const TrackedObject found = tracker.update(frame * kPeriod, picture, "bgr8").at(0);
         ASSERT_TRUE(found.tracked) << frame;
         EXPECT_LT(distance(found.center, at(frame)), 1.0) << frame;
+        EXPECT_GT(found.velocity.x, 0.0) << frame;  // also in the first frame, in which it is found by its features
       }
     }
 }
