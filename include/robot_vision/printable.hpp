@@ -11,4 +11,7 @@ namespace robot_vision
 /// "...".
 std::string printable(const std::string& text, std::size_t length = 100);
 
+/// UTF-8 text, or "..." after as much of it as fits into `length` bytes and ends with a whole letter.
+std::string shortened(const std::string& text, std::size_t length);
+
 }  // namespace robot_vision

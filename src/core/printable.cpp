@@ -22,4 +22,13 @@ std::string printable(const std::string& text, std::size_t length)
   return line.substr(0, length - std::min(length, dots.size())) + dots;
 }
 
+std::string shortened(const std::string& text, std::size_t length)
+{
+  if (text.size() <= length) return text;
+  std::size_t end = length;
+  while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xC0u) == 0x80u)  // in the middle of a letter
+    --end;
+  return text.substr(0, end) + "...";
+}
+
 }  // namespace robot_vision

@@ -4,22 +4,14 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "robot_vision/printable.hpp"
+
 namespace robot_vision
 {
 namespace
 {
 
 constexpr std::size_t kMaxTold = 200;  // bytes of a value
-
-/// A value, or as much of it as fits into a line.
-std::string shortened(const std::string& value)
-{
-  if (value.size() <= kMaxTold) return value;
-  std::size_t end = kMaxTold;
-  while (end > 0 && (static_cast<unsigned char>(value[end]) & 0xC0u) == 0x80u)  // in the middle of a letter
-    --end;
-  return value.substr(0, end) + "...";
-}
 
 }  // namespace
 
@@ -40,7 +32,7 @@ std::string joined(const std::vector<std::string>& words)
 
 void require(bool ok, const std::string& name, const std::string& value, const std::string& expected)
 {
-  if (!ok) throw std::invalid_argument(name + " is " + shortened(value) + ", must be " + expected);
+  if (!ok) throw std::invalid_argument(name + " is " + shortened(value, kMaxTold) + ", must be " + expected);
 }
 
 void require(bool ok, const std::string& name, double value, const std::string& expected)

@@ -4,6 +4,7 @@
 #include <stdexcept>
 #include <type_traits>
 
+#include "robot_vision/printable.hpp"
 #include "unknown_params.hpp"
 
 namespace robot_vision
@@ -11,15 +12,14 @@ namespace robot_vision
 namespace
 {
 
-constexpr std::size_t kMaxTold = 100;  // letters of a value
+constexpr std::size_t kMaxTold = 100;  // bytes of a value
 
 /// A parameter's value as its YAML shows it, or as much of it as fits into a line.
 std::string toText(XmlRpc::XmlRpcValue& value)
 {
   std::ostringstream stream;
   stream << value;
-  std::string text = stream.str();
-  if (text.size() > kMaxTold) text = text.substr(0, kMaxTold - 3) + "...";
+  const std::string text = shortened(stream.str(), kMaxTold);
   return value.getType() == XmlRpc::XmlRpcValue::TypeString ? "'" + text + "'" : text;
 }
 

@@ -156,3 +156,11 @@ TEST(Printable, isOneLineThatTellsATerminalNothing)
   EXPECT_EQ(printable(std::string(1000000, '\n')).size(), 100u);
   EXPECT_EQ(printable("abcdef", 5), "ab...");
 }
+
+TEST(Shortened, endsWithAWholeLetter)
+{
+  EXPECT_EQ(shortened("caf\xc3\xa9", 5), "caf\xc3\xa9");
+  EXPECT_EQ(shortened("caf\xc3\xa9s", 5), "caf\xc3\xa9...");
+  EXPECT_EQ(shortened("caf\xc3\xa9s", 4), "caf...");
+  EXPECT_EQ(shortened("\xbf\xbf\xbf", 2), "...");
+}
