@@ -56,14 +56,15 @@ def picture_of(
     part = rays[top:bottom, left:right]
     rays_of_side = 6 if max(part.shape) < 250 else 3  # per pixel
     fine = cv2.resize(part, None, fx=rays_of_side, fy=rays_of_side, interpolation=cv2.INTER_LINEAR)
-    fine = np.dstack([fine, np.ones(fine.shape[:2])])
-    axes, place = pose[:3, :3], pose[:3, 3]
-    points = fine * (axes[:, 2] @ place / (fine @ axes[:, 2]))[..., None] - place
-    x, y = (points @ axes[:, :2]).transpose(2, 0, 1) / size
-    columns, rows = (np.floor(v * width + len(cells) / 2).astype(int) for v in (x, -y))
-    on_paper = (columns >= 0) & (columns < len(cells)) & (rows >= 0) & (rows < len(cells))
-    values = np.full(on_paper.shape, 140.0)
-    values[on_paper] = 30.0 + 0.75 * cells[rows[on_paper], columns[on_paper]]
+    axes, place = pose[:3, :3].T, pose[:3, 3]
+    # From rays to metres on the tag's plane, and to cells: (0, 0) is the first one's middle.
+    on_plane = (axes[2] @ place) * axes - np.outer(axes @ place, axes[2])
+    on_plane[2] = axes[2]
+    middle = (len(cells) - 1) / 2.0
+    to_cells = np.array([[width / size, 0, middle], [0, -width / size, middle], [0, 0, 1]])
+    where = cv2.perspectiveTransform(fine, to_cells @ on_plane).astype(np.float32)
+    looks = (30.0 + 0.75 * cells).astype(np.float32)
+    values = cv2.remap(looks, where, None, cv2.INTER_NEAREST, borderValue=140.0)
     near = cv2.resize(values, part.shape[1::-1], interpolation=cv2.INTER_AREA)
     near = cv2.GaussianBlur(near, (0, 0), blur or rng.uniform(0.3, 1.0))
     near += rng.normal(0.0, noise, near.shape)
