@@ -301,9 +301,13 @@ class Finder:
     def __init__(self):
         self._source = Source("/finder/found", DetectionArray)
         self._source.wait_for()
+        self._sent = 0
 
     def found_at(self, stamp, *things):
-        """Says that (label, box) or (label, box, id) were found in the frame of this stamp."""
+        """Says that (label, box) or (label, box, id) were found in the frame of this stamp.
+
+        The node has received it then: it does not look for what comes many frames late.
+        """
         array = DetectionArray(width=320, height=240)
         array.header.stamp = stamp
         for label, box, *number in things:
@@ -311,6 +315,14 @@ class Finder:
             found = Detection(label=label, box=box, center=center, id=number[0] if number else -1)
             array.detections.append(found)
         self._source.send(array)
+        self._sent += 1
+        support.wait_for(lambda: self._received() == self._sent, "the detections")
+
+    def _received(self):
+        """How many messages the node has received."""
+        _, _, (_, subscribed, _) = support.node_api("/eye").getBusStats("/test")
+        ((_, _, count, *_),) = dict(subscribed)[self._source.topic]  # one connection: number, bytes
+        return count
 
 
 def test_detections_of_another_node_are_selected(start):

@@ -89,7 +89,7 @@ class ObjectTracker:
             self._auto.configure(config["auto_label"], config["max_objects"], config["auto_after"])
             if config["auto_select"] and self._detections is None:
                 self._detections = rospy.Subscriber(
-                    "detections", DetectionArray, self._auto.add, queue_size=10
+                    "detections", DetectionArray, self._auto.add, queue_size=10, tcp_nodelay=True
                 )
             elif not config["auto_select"] and self._detections is not None:
                 self._detections.unregister()
