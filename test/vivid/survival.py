@@ -155,11 +155,12 @@ class Survival:
         info.wait_for_more(1)
         rospy.ServiceProxy("/camera/stop_capture", Empty)()
         self._scenarios.wait_until_idle()
-        before = len(info.headers)
+        stopped_ns = time.time_ns()
         unplug()
         plug_in()
         message = self._scenarios.diagnostics.next("camera").message
-        held, arrived = self.camera.holds_device(), len(info.headers) - before
+        held = self.camera.holds_device()
+        arrived = sum(h["stamp_ns"] > stopped_ns for h in info.headers)  # not on their way before
         rospy.ServiceProxy("/camera/start_capture", Empty)()
         info.wait_for_more(1)
         info.close()
