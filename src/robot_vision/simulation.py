@@ -9,6 +9,7 @@ import math
 from dataclasses import dataclass
 from typing import Dict, Optional, Tuple
 
+import cv2
 import numpy as np
 
 from ._core import CameraModel, FloorScene
@@ -81,9 +82,11 @@ class FloorCamera:
         """The camera's optical frame (x right, y down, z ahead) in the floor's: 4x4, m."""
         cos, sin = math.cos(robot.heading), math.sin(robot.heading)
         ahead, left, up = np.array([cos, sin, 0.0]), np.array([-sin, cos, 0.0]), np.eye(3)[2]
-        axis = math.cos(self.pitch) * ahead - math.sin(self.pitch) * up
+        level, steep = math.cos(self.pitch), math.sin(self.pitch)
         pose = np.eye(4)
-        pose[:3, :3] = np.transpose([-left, np.cross(axis, -left), axis])
+        pose[:3, :3] = np.transpose(
+            [-left, -steep * ahead - level * up, level * ahead - steep * up]
+        )
         pose[:3, 3] = np.array([robot.x, robot.y, 0.0]) + self.forward * ahead + self.above * up
         return pose
 
@@ -144,7 +147,7 @@ class TrackWorld:
         picture = self._scenes[top].render(self.camera.pose_on(Pose(x, y, pose.heading)))
         begin = self._begins[frame % len(self._begins)] + 3 * self.camera.width * top
         noise = self._noise[begin : begin + picture.size].reshape(picture.shape)
-        return np.clip(picture + noise, 0, 255).astype(np.uint8)
+        return cv2.add(picture, noise, dtype=cv2.CV_8U)
 
 
 def _paint(

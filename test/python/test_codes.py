@@ -102,10 +102,13 @@ def seen(picture, turn, module, tilt, rng, size=(640, 480)):
     inside = (square + 0.5) * modules
     fine, finer = 4, 8
     large = np.kron(picture, np.ones((finer, finer), np.uint8))
-    to_fine = homography(inside * finer - 0.5, (corners + 0.5) * fine - 0.5)
-    fine_size = (size[0] * fine, size[1] * fine)
-    drawn = cv2.warpPerspective(large, to_fine, fine_size, borderValue=255)
-    drawn = cv2.resize(drawn, size, interpolation=cv2.INTER_AREA)
+    drawn = np.full(size[::-1], 255, np.uint8)
+    left, top = np.maximum(corners.min(axis=0) - 1, 0).astype(int)
+    right, bottom = np.minimum(corners.max(axis=0) + 2, size).astype(int)
+    to_fine = homography(inside * finer - 0.5, (corners - (left, top) + 0.5) * fine - 0.5)
+    part_size = right - left, bottom - top
+    part = cv2.warpPerspective(large, to_fine, np.multiply(part_size, fine), borderValue=255)
+    drawn[top:bottom, left:right] = cv2.resize(part, part_size, interpolation=cv2.INTER_AREA)
     drawn = np.clip(drawn * 0.7 + 30 + rng.normal(0, 3, drawn.shape), 0, 255).astype(np.uint8)
     without_quiet = QUIET + (square + 0.5) * (modules - 2 * QUIET)
     places = cv2.perspectiveTransform(without_quiet[None], homography(inside, corners))

@@ -65,7 +65,7 @@ def test_no_face_is_lost_that_a_search_of_every_frame_finds(kind):
     detector = rv.FaceDetector(params())
     found = wrong = wrong_reference = 0
     ids = set()
-    for number in range(0, 150, 3):
+    for number in range(0, 132, 4):  # the whole period
         image, truth = frame(number, kind)
         faces = detector.update(number / RATE, image)
         expected = reference(image)
@@ -76,7 +76,7 @@ def test_no_face_is_lost_that_a_search_of_every_frame_finds(kind):
         found += len(right)
         wrong += len(faces) - len(right)
         wrong_reference += sum(iou(box, truth) < 0.5 for box in expected)
-    assert found >= 45 and len(ids) == 1
+    assert found >= 30 and len(ids) == 1
     assert wrong <= wrong_reference
 
 

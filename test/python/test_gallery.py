@@ -37,13 +37,19 @@ ESCAPES += [
 ]
 
 
-@pytest.fixture
-def folder(tmp_path):
-    """A gallery of two people."""
-    gallery = Gallery(str(tmp_path / "faces"))
+@pytest.fixture(scope="module")
+def two_people(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("two people") / "faces"
+    gallery = Gallery(str(folder))
     assert gallery.add("Anna", photographs(ANNA, 3)).pictures == 3
     assert gallery.add("Bert", photographs(BERT, 2)).pictures == 2
-    return tmp_path / "faces"
+    return folder
+
+
+@pytest.fixture
+def folder(two_people, tmp_path):
+    """A gallery of two people."""
+    return shutil.copytree(two_people, tmp_path / "faces")
 
 
 @pytest.fixture

@@ -57,7 +57,7 @@ def made(result, folder):
     return [folder / name for name in names]
 
 
-def rendered(path):
+def rendered(path, dpi=DPI):
     """The pages of a file as grey pictures, and their pixels per mm."""
     if path.suffix == ".png":
         data = path.read_bytes()
@@ -67,11 +67,12 @@ def rendered(path):
     folder = path.parent / (path.name + ".rendered")
     folder.mkdir()
     command = {
-        ".pdf": ["pdftoppm", "-r", str(DPI), "-gray", path, folder / "page"],
-        ".svg": ["rsvg-convert", "-d", str(DPI), "-p", str(DPI), path, "-o", folder / "page.png"],
+        ".pdf": ["pdftoppm", "-r", str(dpi), "-gray", path, folder / "page"],
+        ".svg": ["rsvg-convert", "-d", str(dpi), "-p", str(dpi), path, "-o", folder / "page.png"],
     }[path.suffix]
     subprocess.run(command, check=True)
-    return [cv2.imread(str(page), cv2.IMREAD_GRAYSCALE) for page in sorted(folder.iterdir())], MM
+    pages = [cv2.imread(str(page), cv2.IMREAD_GRAYSCALE) for page in sorted(folder.iterdir())]
+    return pages, dpi / 25.4
 
 
 def box_of_ink(picture):
@@ -192,7 +193,7 @@ def test_pictures_of_sheets_are_a_file_each(create, tmp_path, ending):
     assert [path.name for path in paths] == [
         f"tag36h11_0_tag36h11_2-7-{n}.{ending}" for n in (1, 2)
     ]
-    pages = [page for path in paths for page in rendered(path)[0]]
+    pages = [page for path in paths for page in rendered(path, 254)[0]]
     small = [cv2.resize(page, (1050, 1485), interpolation=cv2.INTER_AREA) for page in pages]
     assert [sorted(tags_in(page, "tag36h11")) for page in small] == [[0, 2, 3, 4, 5, 6], [7]]
 
@@ -208,13 +209,13 @@ TEXTS = [
 
 
 @pytest.mark.parametrize("ending", ["png", "svg", "pdf"])
-@pytest.mark.parametrize("page", [(), ("--page", "A4")])
+@pytest.mark.parametrize("page", [(), ("--page", "A4", "--dpi", 254)])
 def test_a_text_becomes_a_qr_code(create, tmp_path, ending, page):
     reader = rv.CodeReader()
     for number, text in enumerate(TEXTS):
         result = create("-s", 5, "--qr", "-o", f"{number}.{ending}", *page, "--", text)
         assert result.returncode == 0, result.stderr
-        (picture,), scale = rendered(tmp_path / f"{number}.{ending}")
+        (picture,), scale = rendered(tmp_path / f"{number}.{ending}", 254 if page else DPI)
         small = cv2.resize(picture, None, fx=0.7, fy=0.7, interpolation=cv2.INTER_AREA)
         (code,) = reader.read(small, "mono8")
         assert (code.type, code.data) == ("qr", text.encode())

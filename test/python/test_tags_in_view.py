@@ -70,7 +70,8 @@ def located(
     """
     settings = rv.TagDetectorParams()
     settings.families = [family]
-    DETECTORS.setdefault(family, rv.TagDetector(settings))
+    if family not in DETECTORS:
+        DETECTORS[family] = rv.TagDetector(settings)
     for _ in range(runs):
         detector = rv.TagDetector(settings)
         tracker = rv.TagPoseTracker(rv.single_tag(3, SIZE), params or rv.TagPoseParams())
