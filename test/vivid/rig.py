@@ -71,22 +71,23 @@ class Arrivals:
 
 
 class Trace:
-    """The time stamps that the kernel gave with the frames, as its own trace shows them."""
+    """The time stamps that the kernel gave with the frames, as its own trace shows them.
+
+    The event is on from the first trace to the guest's end: to switch it, the kernel writes into
+    its own code while all its processors wait for each other, and emulated ones can wait for ever.
+    """
 
     def __init__(self) -> None:
         (TRACING / "trace").write_text("")
-        self._switch(True)
+        enable = TRACING / "events/v4l2/v4l2_dqbuf/enable"
+        if enable.read_text().strip() != "1":
+            enable.write_text("1")
 
     def stamps(self) -> List[Dict[str, int]]:
-        self._switch(False)
         found = re.findall(
             r"v4l2_dqbuf:.*timestamp = (\d+).*sequence = (\d+)", (TRACING / "trace").read_text()
         )
         return [{"monotonic_ns": int(stamp), "sequence": int(number)} for stamp, number in found]
-
-    @staticmethod
-    def _switch(on: bool) -> None:
-        (TRACING / "events/v4l2/v4l2_dqbuf/enable").write_text("1" if on else "0")
 
 
 def wait_for(condition: Callable[[], Any], what: str) -> float:
