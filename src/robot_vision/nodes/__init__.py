@@ -1,7 +1,8 @@
 """What the package's Python nodes share; the only part of robot_vision that needs rospy."""
 
-import rospkg.manifest
+import roslib.launcher
 
-# dynamic_reconfigure has its own manifest read when it is imported. rospkg would then look for the
-# keys of rosdep, which no node needs, and complain where `rosdep init` has never been run.
-rospkg.manifest._static_rosdep_view = False
+# dynamic_reconfigure has its own manifest read when it is imported, for a path that catkin has made
+# needless. rospkg would then import rosdep, a quarter of what a node imports, and complain where
+# `rosdep init` has never been run. So it is told that this has been done.
+roslib.launcher._bootstrapped.append("dynamic_reconfigure")
