@@ -79,9 +79,8 @@ class Trace:
 
     def __init__(self) -> None:
         (TRACING / "trace").write_text("")
-        enable = TRACING / "events/v4l2/v4l2_dqbuf/enable"
-        if enable.read_text().strip() != "1":
-            enable.write_text("1")
+        # Where it is on already, the kernel switches nothing.
+        (TRACING / "events/v4l2/v4l2_dqbuf/enable").write_text("1")
 
     def stamps(self) -> List[Dict[str, int]]:
         found = re.findall(
