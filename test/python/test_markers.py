@@ -24,6 +24,7 @@ from robot_vision.markers.sheet import fitting
 SCRIPT = pathlib.Path(__file__).resolve().parents[2] / "scripts" / "create_marker.py"
 DPI = 508  # of what is rendered here: 20 px for a mm
 MM = DPI / 25.4
+COARSE = 254  # dpi, where a pixel more or less changes nothing
 FAMILIES = [family.name for family in rv.tag_families()]
 
 
@@ -122,7 +123,7 @@ def test_every_family_is_printed_cell_by_cell(create, tmp_path, family, ending):
     for id in (0, 17, facts.ids - 1):
         result = create("-s", 4, "--family", family, "-o", f"{id}.{ending}", id)
         assert result.returncode == 0, result.stderr
-        (picture,), scale = rendered(tmp_path / f"{id}.{ending}")
+        (picture,), scale = rendered(tmp_path / f"{id}.{ending}", COARSE)
         number = facts.width + 2 * white
         assert len(picture) / scale == pytest.approx(number * 40 / facts.width_at_border, abs=0.1)
         expected = np.pad(rv.tag_cells(family, id) < 255, white)
@@ -193,7 +194,7 @@ def test_pictures_of_sheets_are_a_file_each(create, tmp_path, ending):
     assert [path.name for path in paths] == [
         f"tag36h11_0_tag36h11_2-7-{n}.{ending}" for n in (1, 2)
     ]
-    pages = [page for path in paths for page in rendered(path, 254)[0]]
+    pages = [page for path in paths for page in rendered(path, COARSE)[0]]
     small = [cv2.resize(page, (1050, 1485), interpolation=cv2.INTER_AREA) for page in pages]
     assert [sorted(tags_in(page, "tag36h11")) for page in small] == [[0, 2, 3, 4, 5, 6], [7]]
 
@@ -209,13 +210,13 @@ TEXTS = [
 
 
 @pytest.mark.parametrize("ending", ["png", "svg", "pdf"])
-@pytest.mark.parametrize("page", [(), ("--page", "A4", "--dpi", 254)])
+@pytest.mark.parametrize("page", [(), ("--page", "A4", "--dpi", COARSE)])
 def test_a_text_becomes_a_qr_code(create, tmp_path, ending, page):
     reader = rv.CodeReader()
     for number, text in enumerate(TEXTS):
         result = create("-s", 5, "--qr", "-o", f"{number}.{ending}", *page, "--", text)
         assert result.returncode == 0, result.stderr
-        (picture,), scale = rendered(tmp_path / f"{number}.{ending}", 254 if page else DPI)
+        (picture,), scale = rendered(tmp_path / f"{number}.{ending}", COARSE if page else DPI)
         small = cv2.resize(picture, None, fx=0.7, fy=0.7, interpolation=cv2.INTER_AREA)
         (code,) = reader.read(small, "mono8")
         assert (code.type, code.data) == ("qr", text.encode())
