@@ -15,6 +15,7 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "bounded_reading.hpp"
 #include "bounded_yaml.hpp"
 #include "core/regular_file.hpp"
 #include "replace_file.hpp"
@@ -149,7 +150,9 @@ Calibration::Calibration(const ros::NodeHandle& pnh, const std::string& camera_n
 {
   require(isName(camera_name), "camera_name", "'" + camera_name + "'", "letters, digits and _");
   path_ = pathOf(url, camera_name);
-  service_ = ros::NodeHandle(pnh).advertiseService("set_camera_info", &Calibration::onSet, this);
+  auto service = boundedService<sensor_msgs::SetCameraInfo>(
+      "set_camera_info", [this](auto& request, auto& response) { return onSet(request, response); });
+  service_ = ros::NodeHandle(pnh).advertiseService(service);
 }
 
 sensor_msgs::CameraInfo Calibration::info()

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "bounded_reading.hpp"
 #include "control_messages.hpp"
 
 namespace robot_vision
@@ -16,7 +17,9 @@ ControlServer::ControlServer(const ros::NodeHandle& pnh, ControlPort port, const
   ros::NodeHandle nh(pnh, "controls");
   descriptions_ = nh.advertise<dynamic_reconfigure::ConfigDescription>("parameter_descriptions", 1, true);
   values_ = nh.advertise<dynamic_reconfigure::Config>("parameter_updates", 1, true);
-  service_ = nh.advertiseService("set_parameters", &ControlServer::change, this);
+  auto service = boundedService<dynamic_reconfigure::Reconfigure>(
+      "set_parameters", [this](auto& request, auto& response) { return change(request, response); });
+  service_ = nh.advertiseService(service);
 }
 
 std::unique_ptr<FrameSource> ControlServer::open(const Open& open_source)

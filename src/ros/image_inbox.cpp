@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "bounded_reading.hpp"
 #include "image_message.hpp"
 #include "transports.hpp"
 
@@ -45,9 +46,12 @@ void ImageInbox::open()
     // Small packets must not wait for each other.
     const ros::TransportHints no_delay = ros::TransportHints().tcpNoDelay();
     if (!params_.camera_info_topic.empty())
-      info_subscriber = nh_.subscribe<sensor_msgs::CameraInfo>(
-          params_.camera_info_topic, kUnpaired,
-          [this](const sensor_msgs::CameraInfoConstPtr& info) { onCameraInfo(info); }, ros::VoidConstPtr(), no_delay);
+    {
+      ros::SubscribeOptions options = boundedOptions<sensor_msgs::CameraInfo>(
+          params_.camera_info_topic, kUnpaired, [this](const auto& info) { onCameraInfo(info); });
+      options.transport_hints = no_delay;
+      info_subscriber = nh_.subscribe(options);
+    }
     const image_transport::TransportHints hints(params_.transport, no_delay, ros::NodeHandle(params_.parameters),
                                                 kNoParameter);
     subscription = ImageSubscription(nh_, *it, params_.topic, hints,

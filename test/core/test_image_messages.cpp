@@ -1,7 +1,10 @@
+#include <dynamic_reconfigure/Reconfigure.h>
 #include <gtest/gtest.h>
 #include <sensor_msgs/CompressedImage.h>
+#include <sensor_msgs/SetCameraInfo.h>
 #include <sys/resource.h>
 
+#include <algorithm>
 #include <numeric>
 
 #include "ros/bounded_reading.hpp"
@@ -90,6 +93,102 @@ TYPED_TEST(BoundedReadingOf, leavesNoDataInWhatIsCutShort)
     readBounded(part.data(), static_cast<std::uint32_t>(part.size()), message);
     EXPECT_TRUE(message.data.empty()) << size;
   }
+}
+
+/// With as many coefficients as it claims to have; those are the first thing behind the name of the model.
+Bytes claimingCoefficients(const sensor_msgs::CameraInfo& info, std::uint32_t count)
+{
+  sensor_msgs::CameraInfo before = info;
+  before.D.clear();
+  Bytes bytes = serialized(before);
+  const auto name = std::search(bytes.begin(), bytes.end(), info.distortion_model.begin(), info.distortion_model.end());
+  const auto at = name + static_cast<std::ptrdiff_t>(info.distortion_model.size());
+  for (int i = 0; i < 4; ++i)
+    at[i] = static_cast<std::uint8_t>(count >> 8 * i);
+  return bytes;
+}
+
+sensor_msgs::CameraInfo plumbBob()
+{
+  sensor_msgs::CameraInfo info;
+  info.header.stamp = ros::Time(12.5);
+  info.width = 640;
+  info.distortion_model = "plumb_bob";
+  info.D = {0.1, -0.2, 0.0, 0.0, 0.3};
+  info.K[0] = 500.0;
+  return info;
+}
+
+TEST(BoundedReadingOfCameraInfo, takesNoMemoryForCoefficientsThatDoNotCome)
+{
+  for (const std::uint32_t count : {100u, 0x20000000u, 0x40000001u, 0xFFFFFFFFu})  // of 8 bytes: two wrap to 0 and 8
+  {
+    Bytes bytes = claimingCoefficients(plumbBob(), count);
+    sensor_msgs::CameraInfo info = plumbBob();
+    const std::size_t before = peak();
+    readBounded(bytes.data(), static_cast<std::uint32_t>(bytes.size()), info);
+    EXPECT_EQ(info, sensor_msgs::CameraInfo());
+    EXPECT_LT(peak() - before, std::size_t{1} << 24);
+  }
+}
+
+TEST(BoundedReadingOfCameraInfo, readsWhatIsWhole)
+{
+  Bytes bytes = serialized(plumbBob());
+  sensor_msgs::CameraInfo info;
+  readBounded(bytes.data(), static_cast<std::uint32_t>(bytes.size()), info);
+  EXPECT_EQ(info, plumbBob());
+}
+
+/// A request as roscpp hands it on.
+ros::ServiceCallbackHelperCallParams callWith(const Bytes& bytes)
+{
+  ros::ServiceCallbackHelperCallParams call;
+  call.request =
+      ros::SerializedMessage(boost::shared_array<std::uint8_t>(new std::uint8_t[bytes.size()]), bytes.size());
+  std::copy(bytes.begin(), bytes.end(), call.request.buf.get());
+  call.request.message_start = call.request.buf.get();
+  return call;
+}
+
+TEST(BoundedService, isCalledWithWholeRequestsOnly)
+{
+  int calls = 0;
+  const ros::AdvertiseServiceOptions options =
+      boundedService<sensor_msgs::SetCameraInfo>("set_camera_info",
+                                                 [&calls](auto& request, auto& response)
+                                                 {
+                                                   EXPECT_EQ(request.camera_info, plumbBob());
+                                                   response.status_message = "taken";
+                                                   ++calls;
+                                                   return true;
+                                                 });
+  auto whole = callWith(serialized(plumbBob()));
+  EXPECT_TRUE(options.helper->call(whole));
+  sensor_msgs::SetCameraInfo::Response response;
+  constexpr std::uint32_t kPrefix = 5;  // whether it is served, and how long the response is
+  ros::serialization::IStream answer(whole.response.buf.get() + kPrefix,
+                                     static_cast<std::uint32_t>(whole.response.num_bytes) - kPrefix);
+  ros::serialization::deserialize(answer, response);
+  EXPECT_EQ(response.status_message, "taken");
+
+  const std::size_t before = peak();
+  auto cut = callWith(claimingCoefficients(plumbBob(), 0x20000000));
+  EXPECT_THROW(options.helper->call(cut), ros::serialization::StreamOverrunException);
+  EXPECT_LT(peak() - before, std::size_t{1} << 24);
+  EXPECT_EQ(calls, 1);
+}
+
+TEST(BoundedService, takesNoMemoryForSettingsThatDoNotCome)
+{
+  const ros::AdvertiseServiceOptions options =
+      boundedService<dynamic_reconfigure::Reconfigure>("set_parameters", [](auto&, auto&) { return true; });
+  Bytes bytes = serialized(dynamic_reconfigure::Config());  // five lists, of which the first is of bools
+  bytes[3] = 0x04;                                          // 2^26 of them, which take 2.5 GB
+  const std::size_t before = peak();
+  auto call = callWith(bytes);
+  EXPECT_THROW(options.helper->call(call), ros::serialization::StreamOverrunException);
+  EXPECT_LT(peak() - before, std::size_t{1} << 24);
 }
 
 TEST(ImagePool, keepsNoMoreThanItMay)

@@ -121,6 +121,15 @@ struct Theora
   cv::Mat image;
 };
 
+/// What the transports of nodes in Python hand on; set_camera_info's request is the same.
+struct Calibrations
+{
+  void operator()(Bytes& input) const
+  {
+    if (*read<sensor_msgs::CameraInfo>(input) == sensor_msgs::CameraInfo()) throw std::invalid_argument("cut short");
+  }
+};
+
 struct Files
 {
   void operator()(Bytes& input) const
@@ -157,6 +166,7 @@ using Target = std::function<void(Bytes&)>;
 Target targetOf(const std::string& name)
 {
   if (name == "raw") return Raw();
+  if (name == "calibrations") return Calibrations();
   if (name == "compressed") return Compressed();
   if (name == "compressed_depth") return CompressedDepth();
   if (name == "files") return Files();

@@ -6,7 +6,7 @@ from typing import Callable, Dict, List
 import cv2
 import numpy as np
 from sensor_msgs.msg import CompressedImage, Image
-from targets import PICTURE, encoded, serialized
+from targets import PICTURE, CameraInfos, encoded, serialized
 
 DEPTH = PICTURE[:, :, 0].astype(np.uint16) * 100
 
@@ -58,4 +58,5 @@ SEEDS: Dict[str, Callable[[], List[bytes]]] = {
     "compressed": compressed,
     "compressed_depth": compressed_depth,
     "files": files,
+    "calibrations": CameraInfos().seeds,
 }
