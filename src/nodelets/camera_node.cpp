@@ -1,7 +1,3 @@
-#include <ros/ros.h>
-
-#include <atomic>
-
 #include "factories.hpp"
 #include "ros/run_nodelet.hpp"
 
@@ -19,16 +15,6 @@ Publishes ~image_raw, ~image_mono, ~camera_info and /diagnostics, with _source:=
 
 int main(int argc, char** argv)
 {
-  std::atomic<int> end_code{0};
-  const auto make = [&end_code]
-  {
-    return robot_vision::makeCamera(
-        [&end_code](int code)
-        {
-          end_code = code;
-          ros::requestShutdown();
-        });
-  };
-  const int exit_code = robot_vision::runNodelet(argc, argv, "camera", kAbout, make);
-  return exit_code != 0 ? exit_code : end_code.load();
+  const auto make = [] { return robot_vision::makeCamera(robot_vision::endNode); };
+  return robot_vision::runNodelet(argc, argv, "camera", kAbout, make);
 }

@@ -20,6 +20,8 @@ namespace
 
 std::atomic<bool> interrupted{false};
 std::atomic<bool> initialized{false};
+std::atomic<bool> ended{false};  // by the node itself
+std::atomic<int> exit_code{0};
 
 sem_t signalled;
 
@@ -47,7 +49,7 @@ void endOnSignals()
         std::this_thread::sleep_for(std::chrono::milliseconds(300));
         ros::requestShutdown();  // frees a thread that waits for the master
         std::this_thread::sleep_for(std::chrono::milliseconds(500));
-        std::_Exit(0);
+        std::_Exit(exit_code);
       })
       .detach();
 }
@@ -64,10 +66,10 @@ bool waitForMaster()
 }
 
 /// A driver or server that blocks a thread must not hold up the end of the process.
-void endWithinASecond(int exit_code)
+void endWithinASecond()
 {
   std::thread(
-      [exit_code]
+      []
       {
         std::this_thread::sleep_for(std::chrono::milliseconds(800));
         std::_Exit(exit_code);
@@ -87,7 +89,7 @@ std::string usage(const std::string& name, const std::string& about)
          "where ~save_parameters (std_srvs/Trigger) saves those that can be changed live.\n";
 }
 
-int initAndSpin(nodelet::Nodelet& nodelet, const nodelet::V_string& arguments)
+void initAndSpin(nodelet::Nodelet& nodelet, const nodelet::V_string& arguments)
 {
   try
   {
@@ -95,19 +97,20 @@ int initAndSpin(nodelet::Nodelet& nodelet, const nodelet::V_string& arguments)
   }
   catch (const std::exception&)  // the nodelet has logged it
   {
-    return interrupted ? 0 : 1;
+    if (!interrupted) exit_code = 1;
+    return;
   }
   try
   {
-    while (ros::ok() && !interrupted)
+    // While it shuts down roscpp is still ok(): it waits for the master, which may not answer.
+    while (ros::ok() && !ros::isShuttingDown() && !interrupted && !ended)
       ros::getGlobalCallbackQueue()->callAvailable(ros::WallDuration(0.1));
   }
   catch (const std::exception& e)
   {
     ROS_FATAL("%s: %s", ros::this_node::getName().c_str(), e.what());
-    return 1;
+    exit_code = 1;
   }
-  return 0;
 }
 
 }  // namespace
@@ -134,11 +137,17 @@ int runNodelet(int argc, char** argv, const std::string& name, const std::string
   if (!waitForMaster()) return 0;
   ros::start();
   boost::shared_ptr<nodelet::Nodelet> nodelet = make();
-  const int exit_code = initAndSpin(*nodelet, nodelet::V_string(argv + 1, argv + argc));
-  endWithinASecond(exit_code);
+  initAndSpin(*nodelet, nodelet::V_string(argv + 1, argv + argc));
+  endWithinASecond();
   nodelet.reset();
   ros::shutdown();
   return exit_code;
+}
+
+void endNode(int code)
+{
+  exit_code = code;
+  ended = true;
 }
 
 }  // namespace robot_vision

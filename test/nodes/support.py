@@ -14,7 +14,7 @@ import sys
 import threading
 import time
 import xmlrpc.client
-from typing import Any, Callable, Dict, List, Optional, Set
+from typing import Any, Callable, Dict, Iterator, List, Optional, Set
 
 import numpy as np
 import rosgraph
@@ -50,6 +50,37 @@ def slowness() -> float:
     while time.thread_time() - worked < work:
         pass
     return max(1.0, (time.monotonic() - begin) / work)
+
+
+def has_service(master: rosgraph.Master, service: str) -> bool:
+    """Whether a master that may not be up yet knows the service."""
+    try:
+        return bool(master.lookupService(service))
+    except (rosgraph.MasterException, OSError):
+        return False
+
+
+@contextlib.contextmanager
+def service_of(master: rosgraph.Master, service: str) -> Iterator[str]:
+    """The name of a service at another master than this process's, for rospy.ServiceProxy."""
+    wait_for(lambda: has_service(master, service), f"the service {service}")
+    node, address = service.rpartition("/")[0], master.lookupService(service)
+    own = rosgraph.Master(node)
+    own.registerService(service, address, master.lookupNode(node))
+    try:
+        yield service
+    finally:
+        own.unregisterService(service, address)
+
+
+@contextlib.contextmanager
+def standing_still(process: "Process") -> Iterator[None]:
+    """What a process that answers nobody is like, and does not close its connections either."""
+    os.kill(process.pid, signal.SIGSTOP)
+    try:
+        yield
+    finally:
+        os.kill(process.pid, signal.SIGCONT)
 
 
 def free_port() -> int:

@@ -12,6 +12,7 @@ import time
 import cv2
 import numpy as np
 import pytest
+import rosgraph
 import rospy
 import support
 import tf2_msgs.msg
@@ -19,7 +20,7 @@ import yaml
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import CameraInfo, Image
 from sensor_msgs.srv import SetCameraInfo
-from std_srvs.srv import Empty
+from std_srvs.srv import Empty, Trigger
 
 from robot_vision import Scene, SceneParams
 from robot_vision.msg import GroundTruth
@@ -217,16 +218,33 @@ def test_video_that_is_gone_when_it_begins_again(start, gray_video):
     assert "FATAL" in process.output() and gray_video in process.output()
 
 
-def test_truncated_video_plays_what_there_is_and_exits_1(start, gray_video):
+@pytest.fixture
+def half_a_video(gray_video):
     half = pathlib.Path(gray_video).with_name("half.avi")
     whole = pathlib.Path(gray_video).read_bytes()
     half.write_bytes(whole[: len(whole) * 3 // 4])
+    return half
+
+
+def test_truncated_video_plays_what_there_is_and_exits_1(start, half_a_video):
     images = support.Messages("/camera/image_raw", Image)
-    process = start("camera_node", f"_source:={half}")
+    process = start("camera_node", f"_source:={half_a_video}")
     assert process.exit_code() == 1
-    assert f"{half}: truncated or damaged, only" in process.output()
+    assert f"{half_a_video}: truncated or damaged, only" in process.output()
     assert "FATAL" in process.output()
     assert images.received
+
+
+def test_a_video_ends_with_its_code_while_the_master_stands_still(start, half_a_video):
+    uri = f"http://127.0.0.1:{support.free_port()}"
+    master = start("/usr/bin/rosmaster", "--core", "-p", uri.rsplit(":", 1)[1])
+    arguments = [f"_source:={half_a_video}", "_framerate:=1", "_always_subscribe:=true"]
+    process = start("camera_node", *arguments, env={"ROS_MASTER_URI": uri})
+    with support.service_of(rosgraph.Master("/test", uri), "/camera/save_parameters") as service:
+        rospy.ServiceProxy(service, Trigger)()  # which it answers when it has started
+    with support.standing_still(master):
+        assert process.exit_code() == 1, process.output()
+    assert f"{half_a_video}: truncated or damaged, only" in process.output()
 
 
 @pytest.mark.parametrize(

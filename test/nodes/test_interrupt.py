@@ -7,6 +7,7 @@ import random
 import signal
 import socket
 import time
+import xmlrpc.client
 
 import pytest
 import rosgraph
@@ -168,7 +169,9 @@ def test_after_the_master_has_gone(start, node):
     master = start("/usr/bin/rosmaster", "--core", "-p", uri.rsplit(":", 1)[1])
     process = start(node, "__name:=orphan", "_source:=synthetic", env={"ROS_MASTER_URI": uri})
     lookup = rosgraph.Master("/test", uri)
-    support.wait_for(lambda: has_service(lookup, "/orphan/set_parameters"), "the node's services")
+    support.wait_for(
+        lambda: support.has_service(lookup, "/orphan/set_parameters"), "the node's services"
+    )
     master.end()
     process.interrupt()
     assert process.prompt_exit_code() == 0, process.output()
@@ -181,29 +184,33 @@ def test_in_a_callback_that_the_master_does_not_answer(start, node):
     master = start("/usr/bin/rosmaster", "--core", "-p", port)
     process = start(node, "__name:=stuck", "_source:=synthetic", env=env)
     lookup = rosgraph.Master("/test", env["ROS_MASTER_URI"])
-    service = "/stuck/save_parameters"
-    support.wait_for(lambda: has_service(lookup, service), "the node's services")
-    own = rosgraph.Master("/stuck")  # where this process looks services up
-    own.registerService(service, lookup.lookupService(service), lookup.lookupNode("/stuck"))
-    assert "config_file" in rospy.ServiceProxy(service, Trigger)().message  # it has started
-    master.end()
-    # In its place one that never answers what the service asks of it.
-    with socket.create_server(("127.0.0.1", port)) as mute, contextlib.ExitStack() as connections:
-        mute.settimeout(support.DEADLINE)
-        with concurrent.futures.ThreadPoolExecutor() as pool:
-            pool.submit(rospy.ServiceProxy(service, Trigger))
-            asked = b""
-            while b"config_file" not in asked:
-                connection = connections.enter_context(mute.accept()[0])
-                asked = connection.recv(4096)
-            process.interrupt()
-            assert process.exit_code() == 0, process.output()
-    own.unregisterService(service, own.lookupService(service))
+    with support.service_of(lookup, "/stuck/save_parameters") as service:
+        assert "config_file" in rospy.ServiceProxy(service, Trigger)().message
+        master.end()
+        # In its place one that never answers what the service asks of it.
+        with socket.create_server(
+            ("127.0.0.1", port)
+        ) as mute, contextlib.ExitStack() as connections:
+            mute.settimeout(support.DEADLINE)
+            with concurrent.futures.ThreadPoolExecutor() as pool:
+                pool.submit(rospy.ServiceProxy(service, Trigger))
+                asked = b""
+                while b"config_file" not in asked:
+                    connection = connections.enter_context(mute.accept()[0])
+                    asked = connection.recv(4096)
+                process.interrupt()
+                assert process.exit_code() == 0, process.output()
 
 
-def has_service(master, service):
-    """Whether a master that may not be up yet knows the service."""
-    try:
-        return master.lookupService(service)
-    except (rosgraph.MasterException, OSError):
-        return False
+@pytest.mark.parametrize("node", NODES)
+def test_told_to_shut_down_while_the_master_stands_still(start, node):
+    uri = f"http://127.0.0.1:{support.free_port()}"
+    master = start("/usr/bin/rosmaster", "--core", "-p", uri.rsplit(":", 1)[1])
+    process = start(node, "__name:=node", "_source:=synthetic", env={"ROS_MASTER_URI": uri})
+    lookup = rosgraph.Master("/test", uri)
+    with support.service_of(lookup, "/node/save_parameters") as service:
+        rospy.ServiceProxy(service, Trigger)()  # which it answers when it has started
+    address = lookup.lookupNode("/node")
+    with support.standing_still(master):
+        xmlrpc.client.ServerProxy(address).shutdown("/test", "as rosnode kill does")
+        assert process.exit_code() == 0, process.output()
