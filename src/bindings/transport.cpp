@@ -144,7 +144,8 @@ PYBIND11_MODULE(_transport, m)
       .def("subscribers", &ImageOutbox::subscribers, Unlocked())
       .def("publish", publish, "pixels"_a, "encoding"_a, "seq"_a, "secs"_a, "nsecs"_a, "frame_id"_a);
   py::class_<ImageRuntime>(m, "Runtime")
-      .def(py::init<const std::string&, const ros::M_string&>(), "name"_a, "options"_a, Unlocked())
+      .def(py::init<const std::string&, const ros::M_string&, const std::string&, const std::string&>(), "name"_a,
+           "options"_a, "node"_a, "node_uri"_a, Unlocked())
       .def("inbox", makeInbox, "topic"_a, "transport"_a, "parameters"_a, "encoding"_a, "camera_info_topic"_a,
            "diagnostics"_a, Unlocked())
       .def("outbox", &ImageRuntime::makeOutbox, "topic"_a, Unlocked())

@@ -6,6 +6,7 @@ src/ros/registration.cpp does the same for roscpp.
 import contextlib
 import functools
 import http.client
+import sys
 import threading
 import xmlrpc.client
 from typing import Any, Dict, Optional
@@ -44,7 +45,7 @@ class _Registration:
     def __init__(self, name: str):
         self.ended = threading.Event()
         self._name = name
-        self._uri = ""  # from when the master knew the node
+        self._uri = rospy.get_node_uri()
         self._master_pid: Optional[int] = None  # of the master that knows it
         self._params: Dict[str, Any] = {}
 
@@ -63,12 +64,21 @@ class _Registration:
         # Another master may know the node already, by a topic that it has registered since.
         forgotten = self._master_pid is not None and pid != self._master_pid
         try:
-            self._uri = master.lookupNode(self._name)
+            address = master.lookupNode(self._name)
         except rosgraph.MasterError:
-            forgotten = True
-        if not forgotten:
-            self._params = master.getParam(self._name) if master.hasParam(self._name) else {}
-        elif self._uri and not self.ended.is_set():
+            address, forgotten = self._uri, self._master_pid is not None
+        if address != self._uri:  # the master would shut that node down
+            if forgotten:  # not by rospy's log, which registers this node for a parameter
+                print(
+                    f"{self._name}: the master is another one, and knows another node of this "
+                    "name: not registered again",
+                    file=sys.stderr,
+                    flush=True,
+                )
+        elif not forgotten:
+            params = master.getParam(self._name) if master.hasParam(self._name) else {}
+            self._params = params if isinstance(params, dict) else {}
+        elif not self.ended.is_set():
             self._register(master)
         self._master_pid = pid
 

@@ -229,8 +229,8 @@ class _Process:
             if name.startswith("__") and name not in ("__name", "__ns")
         }
         options["/diagnostics"] = rospy.resolve_name("/diagnostics")
-        name = rospy.get_name() + "_images"
-        self.runtime = _transport.Runtime(name, options)
+        node = rospy.get_name()
+        self.runtime = _transport.Runtime(node + "_images", options, node, rospy.get_node_uri())
         keep_registered()
         self._stopped = False
         # Both are changed in single steps only, which the GIL makes atomic.

@@ -26,7 +26,8 @@ struct WakeUp : ros::CallbackInterface
 
 }  // namespace
 
-ImageRuntime::ImageRuntime(const std::string& name, const ros::M_string& options)
+ImageRuntime::ImageRuntime(const std::string& name, const ros::M_string& options, const std::string& node,
+                           const std::string& node_uri)
 {
   const std::size_t slash = name.rfind('/');
   ros::M_string remappings = options;
@@ -42,7 +43,7 @@ ImageRuntime::ImageRuntime(const std::string& name, const ros::M_string& options
         while (running())
           ros::getGlobalCallbackQueue()->callAvailable(ros::WallDuration(kWait));
       });
-  registration_ = std::make_shared<Registration>(name);
+  registration_ = std::make_shared<Registration>(name, node, node_uri);
 }
 
 /// Keeps it in mind, to be closed by stop(). What is gone is forgotten, so that a process that makes and drops for

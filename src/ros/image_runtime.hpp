@@ -27,7 +27,9 @@ class ImageRuntime
 {
 public:
   /// Starts the node `name` (absolute). `options` are roscpp's special names (__ip, __hostname, ...) and their values.
-  ImageRuntime(const std::string& name, const ros::M_string& options);
+  /// `node`, at `node_uri`, is that of the other client library.
+  ImageRuntime(const std::string& name, const ros::M_string& options, const std::string& node,
+               const std::string& node_uri);
   ~ImageRuntime() { stop(); }
   ImageRuntime(const ImageRuntime&) = delete;
   ImageRuntime& operator=(const ImageRuntime&) = delete;

@@ -7,8 +7,10 @@
 #include <ros/xmlrpc_manager.h>
 #include <xmlrpcpp/XmlRpc.h>
 
+#include <algorithm>
 #include <chrono>
 #include <condition_variable>
+#include <iostream>
 #include <map>
 #include <mutex>
 #include <optional>
@@ -160,14 +162,15 @@ public:
   static std::shared_ptr<Watch> ofProcess();
   Watch() : thread_(&Watch::run, this) {}
   ~Watch();
-  /// Adds a namespace of parameters, and looks at once.
-  void add(const std::string& ns);
+  /// Adds a namespace of parameters and perhaps a node, and looks at once.
+  void add(const std::string& ns, const std::string& node, const std::string& node_uri);
   void remove(const std::string& ns);
   void lookAtOnce();
 
 private:
   void run();
   void look();
+  bool namesAreOthers() const;
   void remember();
   bool registerAgain();
 
@@ -178,6 +181,7 @@ private:
   bool complete_ = true;  // all that was to be registered again has been
   Names services_;
   std::map<std::string, XmlRpcValue> params_;  // by namespace
+  std::map<std::string, std::string> nodes_;   // of the process, and where they are
   std::thread thread_;
 };
 
@@ -201,10 +205,12 @@ Registration::Watch::~Watch()
   thread_.join();
 }
 
-void Registration::Watch::add(const std::string& ns)
+void Registration::Watch::add(const std::string& ns, const std::string& node, const std::string& node_uri)
 {
   const std::lock_guard<std::mutex> lock(mutex_);
   params_[ns];
+  nodes_[ros::this_node::getName()] = uri();
+  if (!node.empty()) nodes_[node] = node_uri;
   look();
 }
 
@@ -234,9 +240,17 @@ try
   if (!pid || ros::isShuttingDown()) return;
   // Another master may know the process already, by a topic that it has registered since.
   const bool replaced = master_pid_ != 0 && master_pid_ != static_cast<int>(*pid);
+  const bool others = namesAreOthers();
   const bool known = !replaced && complete_ && ask("lookupNode", {ros::this_node::getName()});
   if (ros::isShuttingDown()) return;  // then nothing is answered, by this process neither
-  if (known)
+  if (others)
+  {
+    if (replaced)  // not by roscpp's log, which asks the master for a parameter and registers this node for it
+      std::cerr << ros::this_node::getName()
+                << ": the master is another one, and knows another node of this name: not registered again\n";
+    complete_ = false;
+  }
+  else if (known)
     remember();
   else
     complete_ = registerAgain();
@@ -247,11 +261,25 @@ catch (const XmlRpc::XmlRpcException& e)  // an answer of another type
   ROS_WARN("%s: not registered again: %s", ros::this_node::getName().c_str(), e.getMessage().c_str());
 }
 
+bool Registration::Watch::namesAreOthers() const
+{
+  return std::any_of(nodes_.begin(), nodes_.end(),
+                     [](const auto& node)
+                     {
+                       const std::optional<XmlRpcValue> address = ask("lookupNode", {node.first});
+                       return address && static_cast<std::string>(*address) != node.second;
+                     });
+}
+
 void Registration::Watch::remember()
 {
   if (const std::optional<Names> services = registeredServices()) services_ = *services;
   for (auto& [ns, params] : params_)
+  {
+    std::optional<XmlRpcValue> has = ask("hasParam", {ns});
+    if (has && !static_cast<bool>(*has)) params.clear();
     if (const std::optional<XmlRpcValue> present = ask("getParam", {ns})) params = *present;
+  }
 }
 
 bool Registration::Watch::registerAgain()
@@ -263,9 +291,10 @@ bool Registration::Watch::registerAgain()
   return registerSubscribers() && services && publishers;
 }
 
-Registration::Registration(const std::string& ns) : watch_(Watch::ofProcess()), ns_(ns)
+Registration::Registration(const std::string& ns, const std::string& node, const std::string& node_uri)
+  : watch_(Watch::ofProcess()), ns_(ns)
 {
-  watch_->add(ns_);
+  watch_->add(ns_, node, node_uri);
 }
 
 Registration::~Registration()

@@ -12,7 +12,9 @@ namespace robot_vision
 class Registration
 {
 public:
-  explicit Registration(const std::string& ns);
+  /// `node`, at `node_uri`: of another client library in this process. While the master knows another node by its name,
+  /// or by that of roscpp's, which it would shut down, nothing is registered.
+  explicit Registration(const std::string& ns, const std::string& node = "", const std::string& node_uri = "");
   /// To be called before the process unregisters itself.
   ~Registration();
   Registration(const Registration&) = delete;

@@ -4,7 +4,9 @@ import shutil
 
 import pytest
 import rosgraph
+import rospy
 import support
+from std_srvs.srv import Trigger
 
 CLIENT = """
 import sys
@@ -90,6 +92,30 @@ def test_nodes_register_again(start, tmp_path, node, key, nodelets):
         process.interrupt()
         assert process.exit_code() == 0, process.output()
     assert services_of(master.api) == {}
+
+
+@pytest.mark.parametrize("node", ["edge_detector_node", "hsv_tracker.py"])
+def test_a_node_that_has_taken_the_name_meanwhile_keeps_it(start, node):
+    master = Master(start)
+    service = "/name/save_parameters"
+    first = start(node, "__name:=name", "_misspelt:=1", env=master.env)
+    wait_until_started(first, master.api, service)
+    with support.standing_still(first):
+        master.end()
+        master.begin()
+        second = start(node, "__name:=name", "_misspelt:=1", env=master.env)
+        wait_until_started(second, master.api, service)
+        node_address, address = master.api.lookupNode("/name"), master.api.lookupService(service)
+    first.wait_for_output("knows another node of this name: not registered again")
+    assert first.running() and second.running()
+    assert master.api.lookupNode("/name") == node_address
+    assert master.api.lookupService(service) == address
+
+
+def wait_until_started(process, master, service):
+    with support.service_of(master, service):
+        rospy.ServiceProxy(service, Trigger)()
+    process.wait_for_output("misspelt is not known")  # the last that is said of a start
 
 
 def services_of(master):
