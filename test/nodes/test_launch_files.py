@@ -6,6 +6,7 @@ import pathlib
 import re
 import subprocess
 import sys
+from xml.etree import ElementTree
 
 import pytest
 import rosgraph
@@ -18,6 +19,16 @@ import yaml
 from sensor_msgs.msg import Image
 
 LAUNCH = pathlib.Path(__file__).resolve().parents[2] / "launch"
+NO_TEXTS = {"tag_size", "ball_diameter", "image_width", "image_height", "framerate", "loop", "view"}
+
+
+def texts():
+    """What the launch files give a node as it was given to them: file, parameter, argument."""
+    for path in sorted(LAUNCH.glob("*.launch")):
+        for param in ElementTree.parse(path).iter("param"):
+            argument = re.fullmatch(r"\$\(arg (\w+)\)", param.get("value", ""))
+            if argument and param.get("name") not in NO_TEXTS:
+                yield path.name, param.get("name"), argument.group(1)
 
 
 def output_of(*arguments):
@@ -138,6 +149,22 @@ def test_the_camera_s_parameters_are_arguments():
     given.update(pixel_format="mjpeg")
     after = parameters_of("camera.launch", *(f"{name}:={value}" for name, value in given.items()))
     assert after == {**before, **{"/usb_cam/" + name: value for name, value in given.items()}}
+
+
+@pytest.mark.parametrize("name, parameter, argument", texts())
+def test_a_text_of_digits_is_no_number(monkeypatch, tmp_path, name, parameter, argument):
+    """As a camera's serial number is, which XML-RPC could not even send."""
+    digits = "200901010001"
+    (tmp_path / digits).write_text("{}")  # as a file
+    monkeypatch.chdir(tmp_path)
+    parameters = parameters_of(name, f"{argument}:={digits}")
+    (value,) = {value for key, value in parameters.items() if key.endswith("/" + parameter)}
+    assert value == digits
+
+
+def test_the_host_with_the_camera_hands_the_source_on_as_it_is():
+    parameters = parameters_of("remote.launch", "part:=capture", "source:=0042")
+    assert parameters["/usb_cam/source"] == "0042"
 
 
 @pytest.mark.parametrize(
