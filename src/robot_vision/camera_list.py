@@ -33,8 +33,11 @@ def parse_cameras(values: Any) -> Dict[str, Dict[str, Any]]:
             raise ValueError(f"{where}: name is {told(name)}, must be letters, digits and _")
         if name in cameras:
             raise ValueError(f"{where}: the name {name} is there twice")
-        if not isinstance(parameters.get("source"), str):
+        if "source" not in parameters:
             raise ValueError(f"{where} ({name}): there is no source")
+        source = parameters["source"]
+        if not isinstance(source, str):
+            raise ValueError(f"{where} ({name}): source is {told(source)}, must be a string")
         cameras[name] = _of_node(name, parameters, f"{where} ({name})")
     return cameras
 
