@@ -8,6 +8,7 @@ import numpy as np
 import rospy
 import support
 from sensor_msgs.msg import CameraInfo, Image
+from sensor_msgs.srv import SetCameraInfo, SetCameraInfoResponse
 
 from robot_vision import CalibrationScene, SceneParams
 from robot_vision.calibration.boards import chessboard
@@ -108,3 +109,11 @@ def test_from_the_board_to_straight_lines(start, display, tmp_path):
     assert after.max() < 0.1 and before.mean() > 3.0 * after.mean()
     color = support.Messages("/usb_cam/image_rect_color", Image).wait()[0]
     assert (color.encoding, color.header.frame_id) == ("bgr8", "head_camera")
+
+
+def test_a_camera_in_the_root_namespace_is_found(start, display):
+    service = rospy.Service("/set_camera_info", SetCameraInfo, lambda _: SetCameraInfoResponse())
+    command = ["roslaunch", "robot_vision", "calibrate.launch", "image:=/image_raw"]
+    calibrator = start(shutil.which(command[0]), *command[1:], env={"PYTHONUNBUFFERED": "1"})
+    calibrator.wait_for_output("/set_camera_info ...\nOK\n")
+    service.shutdown()

@@ -228,6 +228,14 @@ def test_demo_sets_for_the_synthetic_scene_what_its_launch_files_set():
     assert device["/motion_detector/method"] == "first_frame"
 
 
+def test_a_camera_in_the_root_namespace_is_rectified(start):
+    topics = [f"~{name}:=/{name}" for name in ("image_raw", "camera_info")]
+    start("camera_node", "__name:=eye", "_source:=synthetic", *topics)
+    rectified = support.Messages("/image_rect_color", Image)
+    start("/usr/bin/roslaunch", "robot_vision", "rectify.launch", "image:=/image_raw")
+    assert rectified.wait()[0].encoding == "bgr8"
+
+
 def test_readme_s_remote_detector_has_its_camera_s_calibration():
     """What stands in the README, by the names that a launch file remaps."""
     readme = (LAUNCH.parent / "README.md").read_text()
