@@ -1,5 +1,7 @@
 """The command calibrate_headless.py: from files, a video, a bag and a camera, and clear errors."""
 
+import contextlib
+import itertools
 import os
 import re
 
@@ -7,11 +9,12 @@ import cv2
 import numpy as np
 import pytest
 import rosbag
+import rosgraph
 import rospy
 import support
 import yaml
 from frames import message
-from sensor_msgs.msg import CameraInfo, CompressedImage
+from sensor_msgs.msg import CameraInfo, CompressedImage, Image
 from sensor_msgs.srv import SetCameraInfo, SetCameraInfoResponse
 
 from robot_vision import CalibrationScene, SceneParams
@@ -217,6 +220,25 @@ def test_live_and_given_to_the_camera(start, tmp_path):
     assert (tmp_path / "seen.png").exists()
 
 
+def test_shut_down_it_goes_on_with_what_it_has(start, pictures, tmp_path):
+    """While more pictures come."""
+    publisher = rospy.Publisher("/shown", Image, queue_size=1)
+    messages = itertools.cycle(message(picture, "bgr8") for picture in pictures)
+    command = [*BOARD, "--topic", "/shown", "--output", tmp_path / "eye.yaml"]
+    process = start("calibrate_headless.py", *command)
+
+    def enough():
+        publisher.publish(next(messages))
+        return re.search(r": ([6-9]|\d\d) used", process.output())
+
+    support.wait_for(enough, "six views")
+    shut_down_subscriber("/shown")
+    support.wait_for(lambda: enough() and not process.running(), "its end")
+    publisher.unregister()
+    assert process.exit_code() == 0, process.output()
+    assert_found(tmp_path / "eye.yaml")
+
+
 @pytest.fixture
 def camera():
     """camera(handler): the node /broken has a set_camera_info that does that."""
@@ -269,10 +291,19 @@ def test_a_camera_that_does_not_run_is_told_before_the_work(start, folder):
     )
 
 
-def test_a_topic_without_pictures(start, tmp_path):
+def shut_down_subscriber(topic):
+    """As rosnode kill does it: its pictures come by a node of roscpp beside it."""
+    _, subscribers, _ = rosgraph.Master("/test").getSystemState()
+    (images,) = dict(subscribers)[topic]
+    with contextlib.suppress(OSError):  # it may end before it has answered
+        support.node_api(images[: -len("_images")]).shutdown("/test", "killed")
+
+
+@pytest.mark.parametrize("killed", [False, True])
+def test_a_topic_without_pictures(start, tmp_path, killed):
     process = start("calibrate_headless.py", *BOARD, "--topic", "/none", "--output", tmp_path / "a")
     process.wait_for_output("waiting: no picture comes on /none; nobody publishes pictures there\n")
-    process.interrupt()
+    shut_down_subscriber("/none") if killed else process.interrupt()
     assert process.exit_code() == 1
     assert "calibrate_headless.py: there were no pictures" in process.output()
 

@@ -10,6 +10,7 @@ from typing import Deque, Iterator, List, Sequence
 
 import cv2
 import numpy as np
+import rospy
 
 from ..files import MAX_IMAGE, read_file, require_file
 from ..transport import Frame, ImageSubscriber
@@ -57,14 +58,18 @@ def from_topic(topic: str) -> Iterator[Named]:
         came.set()
 
     subscriber = ImageSubscriber(topic, keep)
+    rospy.on_shutdown(came.set)
+    numbers = itertools.count()
     try:
-        for number in itertools.count():
-            while not newest:
-                if not came.wait(PATIENCE):
-                    _complain(subscriber)
+        while not rospy.core.is_shutdown_requested():
+            if newest:
+                frame = newest.pop()
+                read = functools.partial(gray_pixels, frame.image, frame.encoding)
+                yield f"picture {next(numbers)}", read
+            elif came.wait(PATIENCE):
                 came.clear()
-            frame = newest.pop()
-            yield f"picture {number}", functools.partial(gray_pixels, frame.image, frame.encoding)
+            else:
+                _complain(subscriber)
     finally:
         subscriber.unregister()
 
