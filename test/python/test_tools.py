@@ -2,6 +2,7 @@
 
 import os
 import pathlib
+import re
 import shutil
 import subprocess
 
@@ -109,7 +110,113 @@ def test_what_is_not_built_yet_can_be_linted(tmp_path):
     assert result.returncode == 0
 
 
+def junit(path, *cases):
+    """A result file, of (name, seconds, what is in it)."""
+    cases = "".join(
+        f'<testcase classname="c" name="{name}" time="{seconds}">{inner}</testcase>'
+        for name, seconds, inner in cases
+    )
+    path.write_text(f"<testsuites><testsuite>{cases}</testsuite></testsuites>")
+
+
+def summary(tmp_path, checks="", stages="", failed_programs=""):
+    """The exit code of tools/test_summary, and its lines."""
+    files = {"checks": checks, "stages": stages, "failed": failed_programs}
+    for name, text in files.items():
+        (tmp_path / name).write_text(text)
+    (tmp_path / "results").mkdir(exist_ok=True)
+    paths = (tmp_path / name for name in ("checks", "stages", "results", "failed"))
+    result = run("tools/test_summary", *paths)
+    assert result.stderr == ""
+    return result.returncode, result.stdout.splitlines()
+
+
+def test_the_summary_of_what_has_passed(tmp_path):
+    (tmp_path / "results").mkdir()
+    junit(tmp_path / "results" / "pytest-a.xml", ("quick", 0.2, ""), ("slow", 7.5, ""))
+    checks = "passed 3.000000 lint a\nskipped 0.000000 leaks\n"
+    stages = "1.500 2.000 1.000 build\nline 38: 19903 Killed\n10.000 0.500 0.250 nodes and more\n"
+    assert summary(tmp_path, checks, stages) == (
+        0,
+        [
+            "The slowest tests:",
+            "     7.5 s  pytest-a: c.slow",
+            "     3.0 s  lint a",
+            "     0.2 s  pytest-a: c.quick",
+            "     0.0 s  leaks",
+            "The stages, some of which run at the same time:",
+            "     1.5 s  build, 3 s of a core",
+            "line 38: 19903 Killed",
+            "    10.0 s  nodes and more, 1 s of a core",
+            "SKIPPED leaks",
+            "          see above",
+            "3 passed, 0 failed, 1 skipped",
+        ],
+    )
+
+
+def test_the_summary_names_each_failure(tmp_path):
+    results = tmp_path / "results"
+    results.mkdir()
+    lines = "&#10;".join(f"line {number}" for number in range(9))
+    junit(
+        results / "pytest-a.xml",
+        ("fails", 1, f'<failure message="{lines}"/>'),
+        ("breaks", 1, "<error>in a text</error>"),
+        ("left out", 1, '<skipped message="no display"/>'),
+    )
+    junit(results / "rostest-b.xml", ("has left results", 1, ""))  # which are in another file
+    (results / "gtest-c.xml").write_text("<testsuite><testcase name=")
+    code, printed = summary(
+        tmp_path,
+        checks="failed 2.000000 lint ruff\n",
+        failed_programs="3:_ctest_robot_vision_pytest_a\n14:_ctest_robot_vision_gtest_d\n",
+    )
+    assert code == 1
+    assert printed[printed.index("SKIPPED pytest-a: c.left out") + 1] == " " * 10 + "no display"
+    at = printed.index("FAILED  lint ruff")
+    assert printed[at:] == [
+        "FAILED  lint ruff",
+        "          see above",
+        "FAILED  gtest-c.xml",
+        printed[at + 3],  # as the parser says it
+        "FAILED  pytest-a: c.fails",
+        *(f"          line {number}" for number in range(5)),
+        "FAILED  pytest-a: c.breaks",
+        "          in a text",
+        "FAILED  gtest_d",
+        "          failed after its last test, or was ended as it hung",
+        "0 passed, 5 failed, 1 skipped",
+    ]
+    assert printed[at + 3].startswith("          is no result file: ")
+
+
+def test_the_summary_of_nothing_is_a_failure(tmp_path):
+    code, printed = summary(tmp_path, checks="passed 3.000000 lint a\n")
+    assert code == 1
+    assert printed[-3:] == ["FAILED  tests", "          none has run", "1 passed, 1 failed"]
+
+
+@pytest.mark.parametrize(
+    "command, code, said",
+    [
+        (["sh", "-c", "echo out; echo err >&2; exit 3"], 3, "err\n"),
+        (["sh", "-c", "echo out; kill -9 $$"], 137, "Killed"),
+    ],
+)
+def test_the_times_of_the_stages_are_nothing_else(tmp_path, command, code, said):
+    """What bash says of a program that was killed is where it always is."""
+    script = '. tools/check.sh; stage "a stage" "$@"'
+    times = tmp_path / "times"
+    result = run("bash", "-c", script, "bash", *command, STAGE_TIMES=str(times), LC_ALL="C")
+    assert result.returncode == code and result.stdout == "out\n"
+    assert said in result.stderr
+    assert re.fullmatch(r"(\d+\.\d{3} ){3}a stage\n", times.read_text())
+
+
 def test_help_names_every_command():
-    result = run("make", "help")
-    for command in ("demo", "test", "build", "lint", "bench", "install", "deps", "clean"):
-        assert f"make {command}" in result.stdout
+    printed = run("make", "help").stdout
+    targets = re.findall(r"^(\w+):", (ROOT / "Makefile").read_text(), re.MULTILINE)
+    assert {"help", "demo", "test", "fuzz"} < set(targets)
+    for target in targets:
+        assert f"make {target} " in printed or target == "help"
