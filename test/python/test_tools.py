@@ -214,6 +214,47 @@ def test_the_times_of_the_stages_are_nothing_else(tmp_path, command, code, said)
     assert re.fullmatch(r"(\d+\.\d{3} ){3}a stage\n", times.read_text())
 
 
+@pytest.fixture
+def checkout(tmp_path):
+    """One with tools/test, where all is built, and ctest has no test of a name."""
+    for folder in ("tools", "test/python", "build", ".ws/devel", "bin"):
+        (tmp_path / folder).mkdir(parents=True)
+    for name in ("tools/test", "tools/check.sh", "tools/test_summary", "tools/env"):
+        shutil.copy(str(ROOT / name), str(tmp_path / name))
+    shutil.copy(str(ROOT / "test/pytest.ini"), str(tmp_path / "test"))
+    (tmp_path / ".ws/devel/setup.bash").touch()
+    for program in ("tools/build", "bin/ctest"):
+        (tmp_path / program).write_text("#!/bin/sh\n")
+        (tmp_path / program).chmod(0o755)
+    return tmp_path
+
+
+def test_a_word_may_be_a_file_that_ctest_does_not_know(checkout):
+    path = f"{checkout}/bin:{os.environ['PATH']}"
+    test = checkout / "test/python/test_word.py"
+    test.write_text("def test_it():\n    pass\n")
+    test.with_name("test_others.py").write_text("broken")
+    result = run(checkout / "tools/test", "word", PATH=path)
+    assert result.returncode == 0, result.stderr
+    assert "pytest-python_word: python.test_word.test_it\n" in result.stdout
+    assert result.stdout.endswith("\n1 passed, 0 failed\n")
+
+    test.write_text("def test_it():\n    assert False, 'as it is'\n")
+    result = run(checkout / "tools/test", "word", PATH=path)
+    assert result.returncode == 1
+    assert result.stdout.endswith("assert False\n0 passed, 1 failed\n"), result.stdout
+
+    test.write_text("import atexit, os\natexit.register(os._exit, 3)\ndef test_it():\n    pass\n")
+    result = run(checkout / "tools/test", "word", PATH=path)
+    assert result.returncode == 1
+    assert "FAILED  pytest_python_word\n" in result.stdout
+    assert result.stdout.endswith("\n1 passed, 1 failed\n")
+
+    result = run(checkout / "tools/test", "wort", PATH=path)
+    assert result.returncode == 2
+    assert "no test has 'wort' in its name" in result.stderr
+
+
 def test_help_names_every_command():
     printed = run("make", "help").stdout
     targets = re.findall(r"^(\w+):", (ROOT / "Makefile").read_text(), re.MULTILINE)
