@@ -26,6 +26,8 @@ class FrameCollection:
         self._kept = 0
         self._alone: Dict[int, np.ndarray] = {}
         self._refused = 0  # tags whose corners cannot be
+        self._skipped = 0  # frames
+        self.problem = ""  # of the last of them
         self.offered = 0  # frames, with tags or without
 
     @property
@@ -55,6 +57,11 @@ class FrameCollection:
         if not (moved < ALIKE * width).any():
             self._corners[self._kept, seen] = corners
             self._kept += 1
+
+    def skip(self, problem: str) -> None:
+        """Counts a frame that cannot be used."""
+        self._skipped += 1
+        self.problem = problem
 
     def frames(self) -> List[Dict[int, np.ndarray]]:
         """Corners by tag of the frames that were kept; of a tag that was only seen alone, too."""
@@ -92,6 +99,8 @@ class FrameCollection:
             parts.append(f"not linked with {self._master}: " + ", ".join(loose))
         if self._refused:
             parts.append(f"{self._refused} sightings left out, whose corners no camera sees")
+        if self._skipped:
+            parts.append(f"{self._skipped} frames left out: {self.problem}")
         return "; ".join(parts)
 
     def _linked(self, together: np.ndarray) -> Set[int]:

@@ -10,14 +10,17 @@ import rosbag
 import rosparam
 import rospy
 import support
-from frames import message
-from sensor_msgs.msg import CompressedImage
+from frames import Source, message, new_topic
+from geometry_msgs.msg import Point, PoseWithCovariance
+from sensor_msgs.msg import CameraInfo, CompressedImage
 from tag_studio import (
     SIZE,
+    K,
     Studio,
     angle_between,
     assert_near,
     calibrated,
+    corners_of,
     facing,
     matrix_of,
     picture_of,
@@ -26,6 +29,7 @@ from tag_studio import (
 import robot_vision as rv
 from robot_vision.bundle_files import read_bundles, write_bundles
 from robot_vision.frame_collection import FrameCollection
+from robot_vision.msg import TagBundlePose, TagDetection, TagDetectionArray
 from robot_vision.nodes.calibrate_bundle import main
 
 IMAGE, INFO = "/eye/image_raw", "/eye/camera_info"
@@ -157,6 +161,112 @@ def test_live(start, pictures, tmp_path):
     lines = output.splitlines()
     assert all(one != other for one, other in zip(lines, lines[1:])), output
     assert_learnt(path, master=5)
+
+
+def detection(tag, corners, family="tag36h11", **values):
+    return TagDetection(
+        family=family, id=tag, corners=[Point(x, y, 0.0) for x, y in corners], **values
+    )
+
+
+def good(body, *others):
+    """What a detector says of the tags that are visible, and these others."""
+    seen = [detection(tag, corners_of(pose)) for tag, pose in visible(body)]
+    return TagDetectionArray(width=640, height=480, detections=[*others, *seen])
+
+
+NAN, INF, HIGHEST = float("nan"), float("inf"), 2**32 - 1
+TERMINAL = "\x1b[2J\n\0\u202e" * 1000
+
+
+def hostile_frames(body):
+    """Pictures that the camera does not make, each with a word of what is told of it."""
+    for width, height in ((0, 0), (0, 480), (640, 0), (HIGHEST, HIGHEST), (480, 640)):
+        frame = good(body)
+        frame.width, frame.height = width, height
+        yield frame, None, f"is of 640x480, the picture {width}x{height}\n"
+    for values, why in (
+        ({"matrix": np.full((3, 3), NAN)}, "K is nan, must be finite\n"),
+        ({"matrix": np.zeros((3, 3))}, "the camera is not calibrated\n"),
+        ({"matrix": K + np.eye(3) - np.diag([0.0, 0.0, 1.0])}, "is not that of the first frames\n"),
+        ({"width": 320, "height": 240}, "is of 320x240, the picture 640x480\n"),
+        ({"width": 0, "height": HIGHEST}, f"is of 0x{HIGHEST}, the picture 640x480\n"),
+        ({"model": TERMINAL}, "distortion_model is '\\x1b[2J\\x0a"),
+    ):
+        yield good(body), calibrated(**values), why
+
+
+def hostile_detections(body):
+    """What is in pictures of the camera, beside tags that are good or in their place."""
+    square = np.array([[300.0, 240.0], [340.0, 240.0], [340.0, 200.0], [300.0, 200.0]])
+    for corners in (square + NAN, square * INF, square - 1e300, square * 0.0, square[::-1]):
+        yield good(body, detection(4, corners))
+        yield TagDetectionArray(width=640, height=480, detections=[detection(5, corners)])
+    ids = (-1, -(2**31), 2**31 - 1, 587, 3)
+    families = ("tag99h9", "", TERMINAL, "tag36h11 ")
+    yield good(body, *(detection(tag, square) for tag in ids))
+    yield good(body, *(detection(4, square, family) for family in families))
+    many = [detection(tag % 9, square) for tag in range(5000)]
+    yield TagDetectionArray(width=640, height=480, detections=many)
+    nothing = PoseWithCovariance(covariance=[NAN] * 36)
+    values = {"frame_id": TERMINAL, "size": NAN, "hamming": -1, "pose": nothing, "has_pose": True}
+    yield good(body, detection(3, square, decision_margin=INF, **values))
+    bundles = [TagBundlePose(name=TERMINAL, family=TERMINAL, ids=[-1] * 5000)] * 2
+    for stamp in (rospy.Time(0), rospy.Time(HIGHEST, 999_999_999)):
+        frame = good(body)
+        frame.header.stamp, frame.header.frame_id, frame.bundles = stamp, TERMINAL, bundles
+        yield frame
+
+
+OFTEN_TOLD = """
+from robot_vision.nodes import bundle_recorder, calibrate_bundle
+bundle_recorder.PROGRESS = 0.02  # s
+raise SystemExit(calibrate_bundle.main())
+"""
+
+
+def test_hostile_detections_are_outlived_and_told(start, tmp_path):
+    """Frames of another camera are left out, and corners that no camera sees; others are learnt."""
+    tags, infos = Source(new_topic(), TagDetectionArray), Source(new_topic(), CameraInfo)
+    program, path = tmp_path / "often_told.py", tmp_path / "box.yaml"
+    program.write_text(OFTEN_TOLD)
+    topics = f"tags:={tags.topic}", f"camera_info:={infos.topic}"
+    process = start(str(program), *command(path), *topics)
+    tags.wait_for()
+    infos.wait_for()
+
+    def send_until(text, frame, info=None):
+        """Again and again: the two topics come in any order."""
+
+        def told():
+            infos.send(info or calibrated())
+            tags.send(frame)
+            *_, line = ["", *process.output().splitlines(keepends=True)]
+            return text in line
+
+        support.wait_for(told, text)
+
+    body, *bodies = views(24)
+    for frame, info, why in hostile_frames(body):
+        if "first frames" not in why:  # there are none yet
+            send_until(why, frame, info)
+    assert process.output().count("waiting: ") == len(process.output().splitlines())
+    send_until("1 of 300 frames", good(body))
+    for frame, info, why in hostile_frames(body):
+        send_until(why, frame, info)
+    send_until("2 of 300 frames", good(bodies[0]))
+    for frame in hostile_detections(body):
+        tags.send(frame)
+    send_until("whose corners no camera sees", good(body))
+    assert frames_told(process) == 2
+    for number, body in enumerate(bodies[1:], 3):
+        send_until(f"{number} of 300 frames", good(body))
+    process.interrupt()
+    assert process.exit_code() == 0, process.output()
+    output = process.output()
+    assert "Traceback" not in output and output.replace("\n", "").isprintable(), output
+    assert max(map(len, output.splitlines())) < 1000
+    assert_learnt(path)
 
 
 def test_from_a_bag_and_into_the_detector(calibrate, start, bag, tmp_path):
@@ -320,10 +430,14 @@ def test_a_live_recording_that_cannot_be_used(start, calibrate, monkeypatch, tmp
     studio = Studio(start, info=calibrated(matrix=np.zeros((3, 3))))
     plain = start("calibrate_bundle.py", *command(tmp_path / "2.yaml"), "tags:=/tag/tags")
     picture = picture_at(next(views(1)))
-    support.wait_for(lambda: studio.show(picture) and not plain.running(), "its end")
     info = studio.topic.replace("image", "camera_info")
+    why = f": camera_info on {info}: the camera is not calibrated\n"
+    support.wait_for(
+        lambda: studio.show(picture) and f"waiting{why}" in plain.output(), "what is wrong"
+    )
+    plain.interrupt()
     assert plain.exit_code() == 1
-    assert f": camera_info on {info}: the camera is not calibrated\n" in plain.output()
+    assert f"calibrate_bundle.py{why}" in plain.output()
     nobody.wait_for_output(
         "waiting: no tags came on /nobody/tags; nobody publishes there: see tags:= in --help\n"
     )

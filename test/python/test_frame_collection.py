@@ -84,6 +84,16 @@ def test_the_summary_says_what_is_missing(collection):
     )
 
 
+def test_frames_that_are_skipped_are_counted_and_the_last_problem_told(collection):
+    add(collection, 1, 2)
+    before = collection.summary()
+    assert collection.problem == ""
+    collection.skip("it is too small")
+    collection.skip("it is too large")
+    assert collection.problem == "it is too large" and ids_of(collection) == [[1, 2]]
+    assert collection.summary() == before + "; 2 frames left out: it is too large"
+
+
 @pytest.mark.parametrize(
     "corners",
     [

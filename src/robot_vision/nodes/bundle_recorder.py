@@ -1,7 +1,7 @@
 """Tags as a running detector publishes them, for calibrate_bundle.py."""
 
 import threading
-from typing import Optional
+from typing import Any, Optional, Tuple
 
 import numpy as np
 import rosgraph
@@ -22,7 +22,8 @@ class BundleRecorder:
     """Offers what comes on the topic `tags` to a collection.
 
     The camera_info is on the topic camera_info if that is remapped, otherwise where the node that
-    publishes the tags has it from.
+    publishes the tags has it from. Frames that it is not of are left out, and so are those that
+    come with another one than the first: their corners would be another lens's.
     """
 
     def __init__(self, family: str, collection: FrameCollection, progress: Progress):
@@ -33,7 +34,7 @@ class BundleRecorder:
         self._ended = threading.Event()
         self._info: Optional[CameraInfo] = None
         self._camera: Optional[CameraModel] = None
-        self._error = ""
+        self._used: Tuple[Any, ...] = ()  # what the camera was made from
         self._came = False
         self._topic = rospy.resolve_name("tags")
         self._info_topic = ""
@@ -44,7 +45,7 @@ class BundleRecorder:
         """Collects until there are frames enough or on Ctrl-C; the camera that they are from.
 
         Raises:
-            ValueError: nothing came, or there is no calibration.
+            ValueError: nothing came, or there is no calibration that can be used.
         """
         try:
             while not self._ended.wait(PROGRESS) and not rospy.is_shutdown():
@@ -55,7 +56,7 @@ class BundleRecorder:
             print(flush=True)  # after the terminal's ^C
         with self._lock:
             self._ended.set()  # what is still under way comes too late
-            error = self._error or ("" if self._camera else self._lacking())
+            error = "" if self._camera else self._lacking()
         for subscriber in self._subscribers:
             subscriber.unregister()
         if error:
@@ -92,10 +93,9 @@ class BundleRecorder:
             if self._info is None or self._ended.is_set():
                 return
             try:
-                self._camera = self._camera_of(message.width, message.height)
+                self._require_camera(self._info, (message.width, message.height))
             except ValueError as error:
-                self._error = str(error)
-                self._ended.set()
+                self._collection.skip(f"camera_info on {self._info_topic}: {error}")
                 return
             self._collection.add(
                 message.width,
@@ -108,17 +108,14 @@ class BundleRecorder:
             if self._collection.full:
                 self._ended.set()
 
-    def _camera_of(self, width: int, height: int) -> CameraModel:
-        known = self._camera
-        if known is None:
-            try:
-                return camera_model(self._info, (width, height))
-            except ValueError as error:
-                raise ValueError(f"camera_info on {self._info_topic}: {error}") from None
-        if (width, height) != (known.width, known.height):
-            was = f"{known.width}x{known.height}"
-            raise ValueError(f"the pictures were {was}, and are {width}x{height} now")
-        return known
+    def _require_camera(self, info: CameraInfo, size: Tuple[int, int]) -> None:
+        """Raises ValueError if a picture of `size` is not the camera's; the first makes it."""
+        used = size, info.width, info.height, info.K, info.D, info.distortion_model
+        if self._camera is None or used != self._used:
+            camera = camera_model(info, size)
+            if self._camera is not None:
+                raise ValueError("it is not that of the first frames")
+            self._camera, self._used = camera, used
 
     def _state(self) -> str:
         with self._lock:
@@ -136,4 +133,4 @@ class BundleRecorder:
             return (
                 "the topic of the calibration is not known: say camera_info:=/usb_cam/camera_info"
             )
-        return f"no camera_info came on {self._info_topic}"
+        return self._collection.problem or f"no camera_info came on {self._info_topic}"
