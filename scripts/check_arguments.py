@@ -2,6 +2,9 @@
 """Refuses arguments that a launch file does not have: see robot_vision.launch_arguments."""
 
 import sys
+from _signal import SIG_DFL, SIGINT, signal
+
+signal(SIGINT, SIG_DFL)  # it writes nothing that could be half
 
 from robot_vision.launch_arguments import main
 

@@ -1,7 +1,11 @@
 #!/usr/bin/env python3
-"""A nodelet manager that dies of the nodelet /bad, and prints what else it is to load."""
+"""A nodelet manager that dies of the nodelet /bad, and prints what else it is to load.
+
+Of /endless it never says that it is loaded, as one whose camera does not answer.
+"""
 
 import os
+import threading
 
 import bondpy.bondpy
 import rospy
@@ -15,6 +19,8 @@ def load(request):
     if request.name == "/bad":
         os._exit(1)
     print("loaded", request.name, request.type, flush=True)
+    if request.name == "/endless":
+        threading.Event().wait()
     bonds.append(bondpy.bondpy.Bond(rospy.get_name() + "/bond", request.bond_id))
     bonds[-1].start()
     return NodeletLoadResponse(True)

@@ -131,6 +131,20 @@ def test_a_camera_that_the_manager_dies_of_is_left_out(start):
     assert manager.running() and "loaded /front robot_vision/camera" in manager.output()
 
 
+def test_interrupted_in_the_middle_of_loading(start):
+    """Of one that the manager still waits for, and one that is loaded already."""
+    names = ("front", "endless", "rear")
+    cameras = [{"name": name, "source": "synthetic"} for name in names]
+    rospy.set_param("/camera_loader/cameras", cameras)
+    manager = start(sys.executable, pathlib.Path(__file__).with_name("dying_manager.py"))
+    loader = start("camera_loader.py", "_manager:=/manager", env=PROMPT)
+    manager.wait_for_output("loaded /endless")
+    loader.interrupt()
+    assert loader.prompt_exit_code() == 0, loader.output()
+    assert "Traceback" not in loader.output(), loader.output()
+    assert manager.running() and "/rear" not in manager.output()
+
+
 def test_what_is_no_list_of_cameras_is_told_once_and_waited_for(start, tmp_path):
     """roslaunch starts a loader that ends over and over."""
     config = tmp_path / "cameras.yaml"

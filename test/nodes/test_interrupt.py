@@ -13,6 +13,7 @@ import pytest
 import rosgraph
 import rospy
 import support
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from sensor_msgs.msg import Image
 from std_srvs.srv import Trigger
 
@@ -103,6 +104,23 @@ def test_the_status_printer_ends_too(start):
         process.wait_for_output(output)
         process.interrupt()
         assert process.prompt_exit_code() == 0, process.output()
+
+
+def test_the_status_printer_in_the_middle_of_its_lines(start):
+    """What it prints ends with a whole line."""
+    process = start("demo_status.py")
+    publisher = rospy.Publisher("/diagnostics", DiagnosticArray, queue_size=100)
+    status = DiagnosticArray(status=[DiagnosticStatus(name="usb_cam: a", message="fine")])
+
+    def printed():
+        publisher.publish(status)
+        return process.output().count("fine\n") > 10
+
+    support.wait_for(printed, "its lines")
+    process.interrupt()
+    assert process.prompt_exit_code() == 0, process.output()
+    assert "Traceback" not in process.output() and process.output().endswith("fine\n")
+    publisher.unregister()
 
 
 LOCKED_NODE = """

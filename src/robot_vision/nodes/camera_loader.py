@@ -32,7 +32,8 @@ class CameraLoader:
     says; those that it leaves as they were go on. A camera that is refused is tried again, less and
     less often. A bond with each tells when the manager has died, and the manager when this node
     has: it unloads the cameras then, but needs some seconds to notice; a loader that is there again
-    before that unloads them itself.
+    before that unloads them itself. A loader that is told to end unloads them, too, unless the
+    manager is just loading one: that may take long, and it answers nothing meanwhile.
     """
 
     def __init__(self) -> None:
@@ -48,11 +49,20 @@ class CameraLoader:
         self._refused: Dict[str, Tuple[float, float]] = {}  # when to try again, and the wait (s)
         self._met = ""  # the URI of the manager that has none of another loader's cameras
         self._waiting = False
+        self._loading = False  # the manager has been asked to load one
         self._done = threading.Event()
         rospy.on_shutdown(self._end)
 
     def run(self) -> None:
         """Until the node is shut down."""
+        # In a thread of its own, for a manager that is loading a camera may answer late or never.
+        work = threading.Thread(target=self._work, daemon=True)
+        work.start()
+        while not self._done.wait(LOOK_AROUND):
+            if not work.is_alive() and not rospy.core.is_shutdown_requested():
+                raise SystemExit(1)  # it has told why
+
+    def _work(self) -> None:
         while not rospy.core.is_shutdown_requested():
             self._read_list()
             manager = self._manager_uri() if self._cameras else ""
@@ -60,7 +70,6 @@ class CameraLoader:
                 # One that the manager dies of ends the round.
                 all(self._load(name, manager) for name in self._missing())
             rospy.rostime.wallsleep(LOOK_AROUND)
-        self._done.wait()  # or the process would end before
 
     def _read_list(self) -> None:
         """Follows ~cameras; what is wrong with it is told once, and all stays as it is."""
@@ -161,11 +170,14 @@ class CameraLoader:
         service = rospy.ServiceProxy(self._manager + "/load_nodelet", NodeletLoad)
         if self._lost.pop(name, "") == manager:
             self._unload(name)
+        self._loading = True
         try:
             service(name, PLUGIN, [], [], [], bond.id)
         except (rospy.ServiceException, rospy.ROSException) as error:
             bond.shutdown()
             return self._survives(name, manager, error)
+        finally:
+            self._loading = False
         self._refused.pop(name, None)
         with self._lock:
             self._loaded[name] = manager, bond
@@ -204,7 +216,7 @@ class CameraLoader:
         # A manager that is ending, by the same Ctrl-C, would crash if a bond were to break now.
         try:
             rospy.rostime.wallsleep(UNTIL_MANAGER_ENDS)
-            if self._manager_uri():
+            if not self._loading and self._manager_uri():
                 with self._lock:
                     loaded, self._loaded = self._loaded, {}
                 for name, (_, bond) in loaded.items():
