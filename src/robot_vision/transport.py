@@ -229,8 +229,12 @@ class _Process:
             if name.startswith("__") and name not in ("__name", "__ns")
         }
         options["/diagnostics"] = rospy.resolve_name("/diagnostics")
-        node = rospy.get_name()
-        self.runtime = _transport.Runtime(node + "_images", options, node, rospy.get_node_uri())
+        node, uri = rospy.get_name(), rospy.get_node_uri()
+        try:
+            self.runtime = _transport.Runtime(node + "_images", options, node, uri)
+        except RuntimeError as error:  # of a user for whom no folder can be made
+            needed = "ROS_HOME names a folder that this user may write to"
+            raise ValueError(f"{error}; {needed}") from None
         keep_registered()
         self._stopped = False
         # Both are changed in single steps only, which the GIL makes atomic.

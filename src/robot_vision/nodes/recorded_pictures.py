@@ -12,7 +12,7 @@ import cv2
 import numpy as np
 import rospy
 
-from ..files import MAX_IMAGE, read_file, require_file
+from ..files import MAX_IMAGE, read_file, require_file, trying
 from ..transport import Frame, ImageSubscriber
 from .bag_pictures import PICTURES, Named, opened, pictures_on, require_topic, topics_of
 from .gray_pictures import gray_file, gray_pixels
@@ -81,7 +81,8 @@ def _complain(subscriber: ImageSubscriber) -> None:
 
 def _paths(name: str) -> List[str]:
     if os.path.isdir(name):
-        found = [os.path.join(name, entry) for entry in sorted(os.listdir(name))]
+        with trying(name, "read"):
+            found = [os.path.join(name, entry) for entry in sorted(os.listdir(name))]
         pictures = [path for path in found if path.lower().endswith(SUFFIXES)]
         if not pictures:
             raise ValueError(f"{name}: no pictures in this folder")

@@ -1,6 +1,7 @@
 """How a node starts and ends."""
 
 import inspect
+import logging
 import os
 import signal
 import sys
@@ -11,6 +12,7 @@ from typing import Any, Callable
 
 import rosgraph
 import rospy
+from rosgraph.roslogging import RosStreamHandler
 
 from ..commands import end_process
 from ..registration import AWAY, keep_registered
@@ -54,8 +56,7 @@ def run_node(
     _shut_down_on_signals()
     code = 0
     try:
-        rospy.init_node(name, disable_signals=True)
-        code = _start_and_spin(start, spin)
+        code = _start_and_spin(name, start, spin)
     except SystemExit as error:
         code = error.code if isinstance(error.code, int) else int(error.code is not None)
     except BaseException:
@@ -76,9 +77,10 @@ def _usage(start: Callable[[], Any]) -> str:
     )
 
 
-def _start_and_spin(start: Callable[[], Any], spin: Callable[[Any], object]) -> int:
+def _start_and_spin(name: str, start: Callable[[], Any], spin: Callable[[Any], object]) -> int:
     """The exit code."""
     try:
+        _init_node(name)
         node = start()
     except ValueError as error:
         if rospy.core.is_shutdown_requested():
@@ -88,6 +90,20 @@ def _start_and_spin(start: Callable[[], Any], spin: Callable[[Any], object]) -> 
     keep_registered()
     spin(node)
     return 0
+
+
+def _init_node(name: str) -> None:
+    """Raises ValueError if its log is in a file that this user may not write to."""
+    # rospy puts its own in place of this handler, but not if there can be no folder for its file:
+    # the node would run, and end, without a word.
+    logger = logging.getLogger("rosout")
+    logger.addHandler(RosStreamHandler())
+    logger.setLevel(logging.INFO)
+    try:
+        rospy.init_node(name, disable_signals=True)
+    except PermissionError as error:
+        needed = "ROS_HOME names a folder that this user may write to"
+        raise ValueError(f"{error.filename}: {error.strerror}; {needed}") from None
 
 
 def _wait_for_master(name: str) -> None:
