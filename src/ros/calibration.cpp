@@ -17,9 +17,11 @@
 
 #include "bounded_reading.hpp"
 #include "bounded_yaml.hpp"
+#include "calibration_file.hpp"
 #include "core/regular_file.hpp"
 #include "replace_file.hpp"
 #include "robot_vision/camera_model.hpp"
+#include "robot_vision/printable.hpp"
 #include "robot_vision/range.hpp"
 
 namespace robot_vision
@@ -84,24 +86,23 @@ std::string pathOf(const std::string& url, const std::string& camera_name)
   return resolved.substr(kFile.size());
 }
 
+CalibrationFormat formatOf(const std::string& path)
+{
+  return std::filesystem::path(path).extension() == ".ini" ? CalibrationFormat::kIni : CalibrationFormat::kYaml;
+}
+
 /// Reads a calibration's file, or throws std::runtime_error that names it.
-void parse(const std::string& path, std::string& camera_name, sensor_msgs::CameraInfo& info)
+sensor_msgs::CameraInfo parse(const std::string& path, std::string& camera_name)
 {
   const std::string text = readFile(path, kMaxYamlText);
-  const bool ini = std::filesystem::path(path).extension() == ".ini";
-  std::istringstream stream(text);
   try
   {
-    if (!ini) requireBoundedYaml(text);
-    if (ini ? camera_calibration_parsers::readCalibrationIni(stream, camera_name, info)
-            : camera_calibration_parsers::readCalibrationYml(stream, camera_name, info))
-      return;
+    return parseCalibration(text, formatOf(path), camera_name);
   }
   catch (const std::exception& e)
   {
-    throw std::runtime_error(path + " is no calibration that can be read: " + e.what());
+    throw std::runtime_error(path + " is " + e.what());
   }
-  throw std::runtime_error(path + " is no calibration that can be read");
 }
 
 CameraModel modelOf(const sensor_msgs::CameraInfo& info)
@@ -179,7 +180,7 @@ sensor_msgs::CameraInfo Calibration::read() const
   else
     try
     {
-      parse(path_, of_camera, info);
+      info = parse(path_, of_camera);
       if (const std::string problem = problemOf(info); !problem.empty())
         throw std::runtime_error(path_ + ": " + problem);
       ROS_INFO("%s: calibrated by %s", name_.c_str(), path_.c_str());
@@ -190,8 +191,8 @@ sensor_msgs::CameraInfo Calibration::read() const
       ROS_ERROR("%s: not calibrated: %s", name_.c_str(), e.what());
     }
   if (!of_camera.empty() && of_camera != camera_name_)
-    ROS_WARN("%s: %s is of a camera named %s, this one is %s", name_.c_str(), path_.c_str(), of_camera.c_str(),
-             camera_name_.c_str());
+    ROS_WARN("%s: %s is of a camera named %s, this one is %s", name_.c_str(), path_.c_str(),
+             printable(of_camera).c_str(), camera_name_.c_str());
   return info;
 }
 
@@ -210,7 +211,7 @@ void Calibration::set(const sensor_msgs::CameraInfo& info)
 void Calibration::save(const sensor_msgs::CameraInfo& info) const
 {
   const std::filesystem::path path(path_);
-  const bool ini = path.extension() == ".ini";
+  const bool ini = formatOf(path_) == CalibrationFormat::kIni;
   if (!ini && path.extension() != ".yaml" && path.extension() != ".yml")
     throw std::runtime_error(path_ + ": the name must end in .yaml, .yml or .ini");
   std::ostringstream text;

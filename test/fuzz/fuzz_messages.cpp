@@ -18,6 +18,7 @@
 #include "robot_vision/image_file.hpp"
 #include "robot_vision/theora.hpp"
 #include "ros/bounded_reading.hpp"
+#include "ros/calibration_file.hpp"
 #include "ros/image_message.hpp"
 #include "transports/theora_packet.hpp"
 
@@ -138,6 +139,21 @@ struct Files
   }
 };
 
+/// The text of the file that a camera loads.
+struct Calibrations
+{
+  void operator()(Bytes& input) const
+  try
+  {
+    std::string camera_name;
+    parseCalibration(std::string(input.begin(), input.end()), CalibrationFormat::kYaml, camera_name);
+  }
+  catch (const std::runtime_error& e)
+  {
+    throw std::invalid_argument(e.what());
+  }
+};
+
 /// Three headers and two frames, which nothing in Python can make.
 Bytes theoraSeed()
 {
@@ -170,6 +186,7 @@ Target targetOf(const std::string& name)
   if (name == "compressed") return Compressed();
   if (name == "compressed_depth") return CompressedDepth();
   if (name == "files") return Files();
+  if (name == "calibrations") return Calibrations();
   if (name == "theora") return [theora = std::make_shared<Theora>()](Bytes& input) { (*theora)(input); };
   throw std::runtime_error("there is no target '" + name + "'");
 }

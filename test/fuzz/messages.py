@@ -8,6 +8,9 @@ import numpy as np
 from sensor_msgs.msg import CompressedImage, Image
 from targets import PICTURE, CameraInfos, encoded, serialized
 
+from robot_vision.calibration.camera_file import as_yaml
+from robot_vision.calibration.solving import Calibration
+
 DEPTH = PICTURE[:, :, 0].astype(np.uint16) * 100
 
 
@@ -53,7 +56,22 @@ def files() -> List[bytes]:
     return encoded(".png", ".jpg", ".bmp", ".ppm", ".webp", ".tiff", ".ras", ".pam")
 
 
+def calibrations() -> List[bytes]:
+    found = Calibration(
+        model="plumb_bob",
+        size=(16, 12),
+        K=np.diag([20.0, 20.0, 1.0]),
+        D=np.zeros(5),
+        P=np.eye(3, 4),
+        error=0.1,
+        errors=np.array([0.1]),
+        deviations=np.zeros(9),
+    )
+    return [as_yaml(found, "eye").encode()]
+
+
 SEEDS: Dict[str, Callable[[], List[bytes]]] = {
+    "calibrations": calibrations,
     "raw": raw,
     "compressed": compressed,
     "compressed_depth": compressed_depth,

@@ -2,6 +2,7 @@
 
 import io
 import os
+import re
 import tempfile
 from typing import Any, Dict, List, Type
 
@@ -9,19 +10,24 @@ import cv2
 import genpy
 import numpy as np
 import rosbag
+import rospy
 from sensor_msgs.msg import CameraInfo, CompressedImage, Image, RegionOfInterest
 
-from robot_vision import HsvRange
+from robot_vision import HsvRange, ObjectTracker
 from robot_vision.bundle_files import read_bundles
+from robot_vision.camera_list import parse_cameras
 from robot_vision.color_file import save_colors
 from robot_vision.face_cache import read_faces, write_faces
 from robot_vision.face_picture import SIDE, check_box, cut_out
 from robot_vision.gallery_files import decode
 from robot_vision.msg import Detection, DetectionArray
+from robot_vision.nodes.auto_selection import AutoSelection
 from robot_vision.nodes.bag_pictures import opened, pictures_on, topics_of
 from robot_vision.nodes.calibration import camera_model
 from robot_vision.nodes.gray_pictures import gray_file, gray_message
 from robot_vision.pictures import sensor_pixels
+from robot_vision.transport import Frame
+from robot_vision.yaml_text import load_yaml
 
 REFUSALS = (ValueError, OSError, genpy.DeserializationError)
 LONGEST_ERROR = 2000  # letters; parsers of YAML say where and why
@@ -118,6 +124,52 @@ class Detections(Target):
             cut_out(PICTURE, box)
 
 
+class Selections(Target):
+    """Boxes that others have found, and that object_tracker follows by itself."""
+
+    def __init__(self) -> None:
+        rospy.rostime.set_rostime_initialized(True)  # for what it logs, now and then
+        self._picture = np.random.RandomState(2).randint(0, 256, (96, 128, 3), np.uint8)
+
+    def seeds(self) -> List[bytes]:
+        boxes = [RegionOfInterest(x, 20, 50, 50, False) for x in (10, 70)]
+        found = [Detection(label="face", id=-1, box=box, score=0.5) for box in boxes]
+        message = DetectionArray(width=128, height=96, detections=found)
+        message.header.stamp = genpy.Time(1, 0)
+        return [serialized(message)]
+
+    def run(self, data: bytes) -> None:
+        message = DetectionArray().deserialize(data)
+        tracker = ObjectTracker()
+        selection = AutoSelection(tracker)
+        selection.configure("", 3, 0.0)
+        for _ in range(2):  # in the second frame it is what was there before
+            tracks = tracker.update(1.0, self._picture)
+            selection.add(message)
+            selection.select(Frame(self._picture, "bgr8", message.header), tracks)
+        followed = tracker.objects()
+        assert len(followed) <= 3 and all(np.isfinite(one.outline).all() for one in followed)
+
+
+class Cameras(Target):
+    """The list of cameras.launch, from its file to the parameters of each camera."""
+
+    def seeds(self) -> List[bytes]:
+        return [
+            b"cameras:\n- {name: front, source: /dev/video0, rate: 15}\n"
+            b"- {name: rear, source: a.mp4, camera_frame_id: eye, framerate: 5.0}\n",
+            b"cameras: [{name: a, source: synthetic}]\n",
+            b"cameras:\n- name: a\n  source: b\n",
+            b"cameras:\n- source: '1'\n  name: 'a'\n",
+        ]
+
+    def run(self, data: bytes) -> None:
+        values = load_yaml(data.decode())
+        cameras = parse_cameras(values.get("cameras") if isinstance(values, dict) else values)
+        for name, parameters in cameras.items():
+            assert re.fullmatch("[A-Za-z0-9_]+", name) and isinstance(parameters["source"], str)
+
+
 class Files(Target):
     """Something that reads a file by its path."""
 
@@ -185,19 +237,26 @@ class Bags(Files):
             return [file.read()]
 
     def read(self) -> None:
-        with opened(self.path) as bag:
-            topics_of(bag)
-            for _, read in pictures_on(bag, "/image"):
-                read()
+        try:
+            with opened(self.path) as bag:
+                topics_of(bag)
+                pictures = [read for _, read in pictures_on(bag, "/image")]
+        except REFUSALS as error:
+            assert self.path in str(error), error
+            raise
+        for read in pictures:
+            read()
 
 
 TARGETS: Dict[str, Type[Target]] = {
     "bags": Bags,
     "bundles": Bundles,
     "camera_infos": CameraInfos,
+    "cameras": Cameras,
     "colors": Colors,
     "detections": Detections,
     "faces": Faces,
     "messages": Messages,
     "pictures": Pictures,
+    "selections": Selections,
 }

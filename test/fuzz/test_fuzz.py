@@ -6,7 +6,14 @@ import fuzz
 import pytest
 
 INPUTS = 800
-SLOW = {"pictures": 300, "files": 400, "bags": 200, "bundles": 200, "colors": 200}  # inputs
+SLOW = {
+    "pictures": 300,
+    "files": 400,
+    "bags": 200,
+    "bundles": 200,
+    "colors": 200,
+    "selections": 100,
+}  # inputs
 
 
 @pytest.mark.parametrize("target", fuzz.ALL)

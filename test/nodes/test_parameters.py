@@ -430,6 +430,28 @@ def test_a_calibration_that_cannot_be_read_is_none(start, tmp_path, content, why
     process.wait_for_output("not calibrated: " + why.format(path))
 
 
+def test_what_a_calibration_is_named_tells_a_terminal_nothing(start, tmp_path):
+    matrices = {
+        "camera_matrix": (3, 3),
+        "rectification_matrix": (3, 3),
+        "projection_matrix": (3, 4),
+    }
+    content = {name: np.eye(*shape) for name, shape in matrices.items()}
+    content["distortion_coefficients"] = np.zeros((1, 5))
+    values = {
+        name: {"rows": len(of), "cols": len(of[0]), "data": of.ravel().tolist()}
+        for name, of in content.items()
+    }
+    values.update(image_width=640, image_height=480, camera_name="\x1b[2J" + 500 * "x")
+    path = tmp_path / "eye.yaml"
+    path.write_text(yaml.safe_dump({**values, "distortion_model": "plumb_bob"}))
+    url = f"_camera_info_url:=file://{path}"
+    process = start("camera_node", "__name:=eye", "_source:=synthetic", url)
+    support.Messages("/eye/camera_info", CameraInfo).wait()
+    process.wait_for_output(r"is of a camera named \x1b[2Jxxx")
+    assert "\x1b[2J" not in process.output() and 150 * "x" not in process.output()
+
+
 def test_without_a_home_a_node_says_what_it_needs(start):
     """As services of the system, and users that nobody has made a folder for."""
     homeless = ["/usr/bin/env", "-u", "ROS_HOME", "HOME=/dev/null"]
