@@ -11,7 +11,11 @@ namespace robot_vision
 /// "...".
 std::string printable(const std::string& text, std::size_t length = 100);
 
-/// UTF-8 text, or "..." after as much of it as fits into `length` bytes and ends with a whole letter.
-std::string shortened(const std::string& text, std::size_t length);
+/// The same for UTF-8 text, whose letters stay as they are; as many bytes of it as fit into `length`, then "...".
+std::string shortened(const std::string& text, std::size_t length = 200);
+
+/// The same for what is a line of a log by itself, such as an error with a path in it: what is too long lacks its
+/// middle.
+std::string logLine(const std::string& text);
 
 }  // namespace robot_vision

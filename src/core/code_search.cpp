@@ -10,6 +10,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "robot_vision/printable.hpp"
 #include "robot_vision/range.hpp"
 
 namespace robot_vision
@@ -117,7 +118,7 @@ void validate(const CodeReaderParams& params)
   if (params.symbologies != "all")
     for (const std::string& name : listed(params.symbologies))
       if (std::find(known.begin(), known.end(), name) == known.end())
-        throw std::invalid_argument("symbologies has '" + name +
+        throw std::invalid_argument("symbologies has '" + shortened(name) +
                                     "', must be all, or some with commas: " + joined(known));
   requireRange("spacing", params.spacing, 1.0, 16.0);
   requireRange("enlarge", params.enlarge, 1.0, 4.0);

@@ -5,6 +5,8 @@
 #include <system_error>
 #include <utility>
 
+#include "robot_vision/printable.hpp"
+
 namespace robot_vision
 {
 namespace
@@ -32,7 +34,7 @@ std::string pathOf(const std::string& parameter, const std::string& name)
       tried += (tried.empty() ? "" : ", ") + path;
     }
   }
-  throw std::invalid_argument(parameter + " is '" + name + "', which is in none of " + tried +
+  throw std::invalid_argument(parameter + " is '" + shortened(name) + "', which is in none of " + tried +
                               " (opencv-data installs them)");
 }
 
@@ -104,7 +106,7 @@ cv::CascadeClassifier readCascade(const std::string& parameter, const std::strin
     wrong = "which is empty";
   else if (!load(path, cascade))
     wrong = "which is no cascade of OpenCV's, or must not be read";
-  if (!wrong.empty()) throw std::invalid_argument(parameter + " is '" + path + "', " + wrong);
+  if (!wrong.empty()) throw std::invalid_argument(parameter + " is '" + shortened(path) + "', " + wrong);
   return cascade;
 }
 

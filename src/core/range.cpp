@@ -8,13 +8,6 @@
 
 namespace robot_vision
 {
-namespace
-{
-
-constexpr std::size_t kMaxTold = 200;  // bytes of a value
-
-}  // namespace
-
 std::string toText(double value)
 {
   std::ostringstream text;
@@ -32,7 +25,7 @@ std::string joined(const std::vector<std::string>& words)
 
 void require(bool ok, const std::string& name, const std::string& value, const std::string& expected)
 {
-  if (!ok) throw std::invalid_argument(name + " is " + shortened(value, kMaxTold) + ", must be " + expected);
+  if (!ok) throw std::invalid_argument(name + " is " + shortened(value) + ", must be " + expected);
 }
 
 void require(bool ok, const std::string& name, double value, const std::string& expected)

@@ -163,4 +163,31 @@ TEST(Shortened, endsWithAWholeLetter)
   EXPECT_EQ(shortened("caf\xc3\xa9s", 5), "caf\xc3\xa9...");
   EXPECT_EQ(shortened("caf\xc3\xa9s", 4), "caf...");
   EXPECT_EQ(shortened("\xbf\xbf\xbf", 2), "...");
+  EXPECT_EQ(shortened(std::string(1000000, 'a')), std::string(200, 'a') + "...");
+}
+
+TEST(Shortened, keepsLettersAndEscapesWhatATerminalWouldObey)
+{
+  for (const std::string letters : {" ~", "\xc2\xa0", "\xc3\xa9", "\xe2\x82\xac", "\xf0\x9f\x99\x82"})
+    EXPECT_EQ(shortened(letters), letters);
+  EXPECT_EQ(shortened("a\n\x1b[2J\x7f"), "a\\x0a\\x1b[2J\\x7f");
+  EXPECT_EQ(shortened("\xc2\x9b"), "\\xc2\\x9b");           // a control of one byte in Latin-1
+  EXPECT_EQ(shortened("\xe2\x80\xae"), "\\xe2\\x80\\xae");  // from right to left
+  EXPECT_EQ(shortened("\xe2\x80\xa8"), "\\xe2\\x80\\xa8");  // an end of a line
+  EXPECT_EQ(shortened("\xc0\x8a\xff"), "\\xc0\\x8a\\xff");  // too long a form of \n, and no letter at all
+  EXPECT_EQ(shortened("\xe2\x82"), "\\xe2\\x82");           // ends in the middle of a letter
+  EXPECT_EQ(shortened(std::string("\0", 1)), "\\x00");
+  EXPECT_EQ(shortened(std::string(3, '\n'), 8), "\\x0a\\x0a...");
+}
+
+TEST(LogLine, keepsItsBeginningAndItsEnd)
+{
+  EXPECT_EQ(logLine("caf\xc3\xa9\n"), "caf\xc3\xa9\\x0a");
+  EXPECT_EQ(logLine(std::string(900, 'a')), std::string(900, 'a'));
+  EXPECT_EQ(logLine(std::string(1000000, 'a') + ": why"),
+            std::string(600, 'a') + "..." + std::string(295, 'a') + ": why");
+  std::string letters;
+  for (int i = 0; i < 1000; ++i)
+    letters += "\xe2\x82\xac";
+  EXPECT_EQ(logLine(letters + "s"), letters.substr(0, 600) + "..." + letters.substr(0, 297) + "s");
 }
