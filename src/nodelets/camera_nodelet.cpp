@@ -10,6 +10,7 @@
 
 #include "factories.hpp"
 #include "robot_vision/monotonic.hpp"
+#include "robot_vision/printable.hpp"
 #include "robot_vision/range.hpp"
 #include "ros/callback_gate.hpp"
 #include "ros/camera_outputs.hpp"
@@ -117,7 +118,7 @@ private:
   }
   catch (const std::exception& e)
   {
-    NODELET_FATAL("%s: %s", getName().c_str(), e.what());
+    NODELET_FATAL("%s: %s", getName().c_str(), logLine(e.what()).c_str());
     stop();  // the loader takes the callback queues away before the nodelet
     throw;   // the loader then reports failure instead of keeping a dead nodelet
   }
@@ -169,8 +170,8 @@ private:
   {
     outputs_->setModel(source.cameraModel());
     if (!status_->opened(source.description())) return;
-    NODELET_INFO("%s: %s", getName().c_str(), source.description().c_str());
-    if (!source.warning().empty()) NODELET_WARN("%s: %s", getName().c_str(), source.warning().c_str());
+    NODELET_INFO("%s: %s", getName().c_str(), logLine(source.description()).c_str());
+    if (!source.warning().empty()) NODELET_WARN("%s: %s", getName().c_str(), logLine(source.warning()).c_str());
   }
 
   void prepare(Frame& frame) override { outputs_->prepare(frame); }
@@ -201,13 +202,13 @@ private:
   void onRefused(const std::string& why) override
   {
     diagnostics_->statistics().refused(why);
-    if (refused_.due()) NODELET_ERROR("%s: refused a frame: %s", getName().c_str(), why.c_str());
+    if (refused_.due()) NODELET_ERROR("%s: refused a frame: %s", getName().c_str(), logLine(why).c_str());
   }
 
   void onUnavailable(const std::string& why) override
   {
     status_->lost(why);
-    if (unavailable_.due()) NODELET_ERROR("%s: %s; trying again", getName().c_str(), why.c_str());
+    if (unavailable_.due()) NODELET_ERROR("%s: %s; trying again", getName().c_str(), logLine(why).c_str());
   }
 
   void onIdle() override
@@ -224,7 +225,7 @@ private:
     if (good)
       NODELET_INFO("%s: the source has ended", getName().c_str());
     else
-      NODELET_FATAL("%s: %s", getName().c_str(), error.c_str());
+      NODELET_FATAL("%s: %s", getName().c_str(), logLine(error).c_str());
     if (on_end_) on_end_(good ? 0 : 1);
   }
 

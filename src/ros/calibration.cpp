@@ -29,6 +29,7 @@ namespace robot_vision
 namespace
 {
 
+constexpr std::size_t kMaxName = 200;  // bytes, and a file is named so
 const std::string kFile = "file://";
 const std::string kPackage = "package://";
 const std::string kDefaultUrl = "file://${ROS_HOME}/camera_info/${NAME}.yaml";
@@ -36,7 +37,7 @@ const std::string kDefaultUrl = "file://${ROS_HOME}/camera_info/${NAME}.yaml";
 bool isName(const std::string& text)
 {
   const auto fits = [](unsigned char c) { return std::isalnum(c) != 0 || c == '_'; };
-  return !text.empty() && std::all_of(text.begin(), text.end(), fits);
+  return !text.empty() && text.size() <= kMaxName && std::all_of(text.begin(), text.end(), fits);
 }
 
 std::string variable(const char* name)
@@ -149,7 +150,8 @@ catch (const std::invalid_argument& e)
 Calibration::Calibration(const ros::NodeHandle& pnh, const std::string& camera_name, const std::string& url)
   : name_(pnh.getNamespace()), camera_name_(camera_name)
 {
-  require(isName(camera_name), "camera_name", "'" + camera_name + "'", "letters, digits and _");
+  require(isName(camera_name), "camera_name", "'" + camera_name + "'",
+          "letters, digits and _, " + std::to_string(kMaxName) + " at most");
   path_ = pathOf(url, camera_name);
   auto service = boundedService<sensor_msgs::SetCameraInfo>(
       "set_camera_info", [this](auto& request, auto& response) { return onSet(request, response); });
@@ -176,22 +178,22 @@ sensor_msgs::CameraInfo Calibration::read() const
   std::string of_camera;
   sensor_msgs::CameraInfo info;
   if (!std::filesystem::exists(path_, ignored))
-    ROS_WARN("%s: not calibrated: there is no %s", name_.c_str(), path_.c_str());
+    ROS_WARN("%s: not calibrated: there is no %s", name_.c_str(), logLine(path_).c_str());
   else
     try
     {
       info = parse(path_, of_camera);
       if (const std::string problem = problemOf(info); !problem.empty())
         throw std::runtime_error(path_ + ": " + problem);
-      ROS_INFO("%s: calibrated by %s", name_.c_str(), path_.c_str());
+      ROS_INFO("%s: calibrated by %s", name_.c_str(), logLine(path_).c_str());
     }
     catch (const std::exception& e)
     {
       info = {};
-      ROS_ERROR("%s: not calibrated: %s", name_.c_str(), e.what());
+      ROS_ERROR("%s: not calibrated: %s", name_.c_str(), logLine(e.what()).c_str());
     }
   if (!of_camera.empty() && of_camera != camera_name_)
-    ROS_WARN("%s: %s is of a camera named %s, this one is %s", name_.c_str(), path_.c_str(),
+    ROS_WARN("%s: %s is of a camera named %s, this one is %s", name_.c_str(), logLine(path_).c_str(),
              printable(of_camera).c_str(), camera_name_.c_str());
   return info;
 }
@@ -233,8 +235,8 @@ bool Calibration::onSet(sensor_msgs::SetCameraInfo::Request& request, sensor_msg
   catch (const std::exception& e)
   {
     response.success = false;
-    response.status_message = e.what();
-    ROS_ERROR("%s: the calibration stays as it is: %s", name_.c_str(), e.what());
+    response.status_message = logLine(e.what());
+    ROS_ERROR("%s: the calibration stays as it is: %s", name_.c_str(), response.status_message.c_str());
   }
   return true;
 }

@@ -12,6 +12,8 @@
 #include "robot_vision/compressed_depth.hpp"
 #include "robot_vision/encoding.hpp"
 #include "robot_vision/jpeg.hpp"
+#include "robot_vision/printable.hpp"
+#include "robot_vision/range.hpp"
 #include "scene_messages.hpp"
 
 namespace robot_vision
@@ -24,6 +26,7 @@ cv::Size sizeOf(const sensor_msgs::Image& image)
   return {static_cast<int>(image.width), static_cast<int>(image.height)};
 }
 
+constexpr std::size_t kMaxFrameId = 255;  // bytes
 const std::string kCompressed = "image_transport/compressed";
 const std::string kDepth = "image_transport/compressedDepth";
 
@@ -102,6 +105,8 @@ CameraOutputs::CameraOutputs(const ros::NodeHandle& pnh, const Params& params,
     it_(pnh)
 {
   validateOutputEncoding(output_encoding_);
+  require(shortened(frame_id_, kMaxFrameId) == frame_id_, "camera_frame_id", "'" + frame_id_ + "'",
+          "a name of at most " + std::to_string(kMaxFrameId) + " printable letters");
   const auto on_image = [on_connection](const image_transport::SingleSubscriberPublisher&) { on_connection(); };
   const auto on_other = [on_connection](const ros::SingleSubscriberPublisher&) { on_connection(); };
   ros::NodeHandle nh(pnh);

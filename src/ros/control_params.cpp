@@ -2,9 +2,10 @@
 
 #include <cmath>
 #include <set>
-#include <sstream>
 #include <stdexcept>
 
+#include "params.hpp"
+#include "robot_vision/printable.hpp"
 #include "unknown_params.hpp"
 
 namespace robot_vision
@@ -18,16 +19,18 @@ constexpr const char* kUsbCams[] = {"brightness",   "contrast", "saturation",   
                                     "gain",         "focus",    "autofocus",     "auto_focus",
                                     "autoexposure", "exposure", "white_balance", "auto_white_balance"};
 
-std::string toText(const XmlRpcValue& value)
-{
-  std::ostringstream text;
-  text << value;
-  return text.str();
-}
+constexpr std::size_t kMaxName = 100;  // bytes that are told of a control's name
 
 [[noreturn]] void refuse(const std::string& name, const XmlRpcValue& value, const std::string& expected)
 {
-  throw std::invalid_argument(name + " is " + toText(value) + ", must be " + expected);
+  throw std::invalid_argument(shortened(name, kMaxName) + " is " + valueText(value) + ", must be " + expected);
+}
+
+/// Whether it is one of 64 bits; what is infinite equals its own rounded value, too.
+bool isInteger(double value)
+{
+  constexpr double kEnd = 9223372036854775808.0;  // 2^63
+  return value >= -kEnd && value < kEnd && value == std::nearbyint(value);
 }
 
 ControlValue toControlValue(const std::string& name, XmlRpcValue value)
@@ -41,8 +44,7 @@ ControlValue toControlValue(const std::string& name, XmlRpcValue value)
     case XmlRpcValue::TypeString:
       return static_cast<std::string>(value);
     case XmlRpcValue::TypeDouble:  // the parameter server has no larger integers
-      if (static_cast<double>(value) == std::nearbyint(static_cast<double>(value)))
-        return static_cast<std::int64_t>(static_cast<double>(value));
+      if (isInteger(static_cast<double>(value))) return static_cast<std::int64_t>(static_cast<double>(value));
       break;
     default:
       break;
@@ -57,7 +59,7 @@ XmlRpcValue readMap(const ros::NodeHandle& pnh, const std::string& map)
   XmlRpcValue controls;
   if (!pnh.getParam(map, controls)) return {};
   if (controls.getType() != XmlRpcValue::TypeStruct) refuse(map, controls, "a map of controls' names and values");
-  noteKnownParam(pnh, map, toText(controls));
+  noteKnownParam(pnh, map, valueText(controls));
   return controls;
 }
 
@@ -95,7 +97,7 @@ std::vector<ControlSetting> readControlSettings(const ros::NodeHandle& pnh)
     const ControlSetting setting{name, toControlValue(name, value)};
     if (setting.value == ControlValue(std::int64_t{-1})) continue;
     settings.push_back(setting);
-    noteKnownParam(pnh, name, toText(value));
+    noteKnownParam(pnh, name, valueText(value));
   }
   addIntrinsicControls(pnh, settings);
   XmlRpcValue controls = readMap(pnh, "controls");

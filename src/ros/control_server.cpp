@@ -5,6 +5,7 @@
 
 #include "bounded_reading.hpp"
 #include "control_messages.hpp"
+#include "robot_vision/printable.hpp"
 
 namespace robot_vision
 {
@@ -36,7 +37,7 @@ try
 {
   if (!settings_.empty())
     for (const RefusedSetting& refused : setControls(device, settings_))
-      if (told_.insert(refused.why).second) ROS_WARN("%s: %s", name_.c_str(), refused.why.c_str());
+      if (told_.insert(refused.why).second) ROS_WARN("%s: %s", name_.c_str(), logLine(refused.why).c_str());
   list(device);
   descriptions_.publish(toDescription(controls_));
 }
@@ -87,12 +88,12 @@ bool ControlServer::change(dynamic_reconfigure::Reconfigure::Request& request,
       remember(setting);
     }
     for (const RefusedSetting& setting : refused)
-      ROS_WARN("%s: refused: %s", name_.c_str(), setting.why.c_str());
+      ROS_WARN("%s: refused: %s", name_.c_str(), logLine(setting.why).c_str());
     list(*device);
   }
   catch (const SourceUnavailable& e)
   {
-    ROS_WARN("%s: the controls stay as they are: %s", name_.c_str(), e.what());
+    ROS_WARN("%s: the controls stay as they are: %s", name_.c_str(), logLine(e.what()).c_str());
   }
   response.config = toConfig(controls_);
   return true;

@@ -10,6 +10,7 @@
 #include "image_pipe.hpp"
 #include "live_params.hpp"
 #include "registration.hpp"
+#include "robot_vision/printable.hpp"
 #include "unknown_params.hpp"
 
 namespace robot_vision
@@ -48,7 +49,7 @@ private:
   }
   catch (const std::exception& e)
   {
-    NODELET_FATAL("%s: %s", getName().c_str(), e.what());
+    NODELET_FATAL("%s: %s", getName().c_str(), logLine(e.what()).c_str());
     stop();  // the loader takes the callback queues away before the nodelet
     throw;   // the loader then reports failure instead of keeping a dead nodelet
   }

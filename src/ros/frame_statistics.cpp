@@ -12,6 +12,15 @@ namespace
 
 constexpr std::chrono::seconds kPatience(5);  // of silence until it is said in the log
 
+/// In s; diagnostic_updater reads it as well, and its error does not name it.
+double readPeriod(const ros::NodeHandle& pnh)
+{
+  double period = 1.0;
+  readParam(pnh, "diagnostic_period", period);
+  requireRange("diagnostic_period", period, 0.01, 3600.0);
+  return period;
+}
+
 }  // namespace
 
 void FrameStatistics::received(std::uint32_t sequence)
@@ -115,15 +124,12 @@ void FrameStatistics::report(diagnostic_updater::DiagnosticStatusWrapper& status
 }
 
 FrameDiagnostics::FrameDiagnostics(const ros::NodeHandle& nh, const ros::NodeHandle& pnh, const std::string& name)
-  : updater_(nh, pnh, name)
+  : period_(readPeriod(pnh)), updater_(nh, pnh, name)
 {
   updater_.setHardwareID("none");
   updater_.add("frames", [this](diagnostic_updater::DiagnosticStatusWrapper& status) { statistics_->report(status); });
-  double period = 1.0;
-  readParam(pnh, "diagnostic_period", period);
-  requireRange("diagnostic_period", period, 0.01, 3600.0);
   timer_ =
-      nh.createWallTimer(ros::WallDuration(period), [this](const ros::WallTimerEvent&) { updater_.force_update(); });
+      nh.createWallTimer(ros::WallDuration(period_), [this](const ros::WallTimerEvent&) { updater_.force_update(); });
 }
 
 }  // namespace robot_vision

@@ -82,6 +82,7 @@ public:
 
 private:
   std::shared_ptr<FrameStatistics> statistics_ = std::make_shared<FrameStatistics>();
+  double period_;  // s
   diagnostic_updater::Updater updater_;
   ros::WallTimer timer_;
 };

@@ -11,6 +11,7 @@
 
 #include "package_file.hpp"
 #include "params.hpp"
+#include "robot_vision/printable.hpp"
 #include "save_params.hpp"
 
 namespace robot_vision
@@ -59,7 +60,8 @@ private:
     }
     catch (const std::exception& e)
     {
-      ROS_WARN("%s: refused, the parameters stay as they are: %s", pnh_.getNamespace().c_str(), e.what());
+      ROS_WARN("%s: refused, the parameters stay as they are: %s", pnh_.getNamespace().c_str(),
+               logLine(e.what()).c_str());
       static_cast<Config&>(config) = config_;
     }
   }
@@ -75,7 +77,8 @@ private:
       readParam(pnh_, "config_file", path);
       if (path.empty()) throw std::runtime_error("~config_file does not name a file");
       // roslaunch has read it in its own folder; a node of it runs in another.
-      if (path.front() != '/') throw std::runtime_error("~config_file is '" + path + "', must be an absolute path");
+      if (path.front() != '/')
+        throw std::runtime_error("~config_file is '" + logLine(path) + "', must be an absolute path");
       requireOwnLaunch(path);
       saveParams(path, message, maps_ ? maps_() : ParamMaps());
       response.success = true;
@@ -96,8 +99,8 @@ private:
   void refuse(std_srvs::Trigger::Response& response, const std::string& why) const
   {
     response.success = false;
-    response.message = why;
-    ROS_ERROR("%s: parameters not saved: %s", pnh_.getNamespace().c_str(), why.c_str());
+    response.message = logLine(why);
+    ROS_ERROR("%s: parameters not saved: %s", pnh_.getNamespace().c_str(), response.message.c_str());
   }
 
   ros::NodeHandle pnh_;

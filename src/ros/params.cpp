@@ -14,18 +14,9 @@ namespace
 
 constexpr std::size_t kMaxTold = 100;  // bytes of a value
 
-/// A parameter's value as its YAML shows it, or as much of it as fits into a line.
-std::string toText(XmlRpc::XmlRpcValue& value)
-{
-  std::ostringstream stream;
-  stream << value;
-  const std::string text = shortened(stream.str(), kMaxTold);
-  return value.getType() == XmlRpc::XmlRpcValue::TypeString ? "'" + text + "'" : text;
-}
-
 std::string shown(const std::string& value)
 {
-  return "'" + value + "'";
+  return "'" + shortened(value, kMaxTold) + "'";
 }
 
 template <class T>
@@ -45,11 +36,19 @@ void read(const ros::NodeHandle& nh, const std::string& name, T& value, const ch
   if (!nh.getParam(name, found)) return;
   const bool rounded = std::is_same<T, int>::value && found.getType() == XmlRpc::XmlRpcValue::TypeDouble;
   if (rounded || !nh.getParam(name, value))
-    throw std::invalid_argument(name + " is " + toText(found) + ", must be " + type);
+    throw std::invalid_argument(name + " is " + valueText(found) + ", must be " + type);
   if (value != preset) noteKnownParam(nh, name, shown(value));
 }
 
 }  // namespace
+
+std::string valueText(const XmlRpc::XmlRpcValue& value)
+{
+  std::ostringstream stream;
+  stream << value;
+  if (value.getType() == XmlRpc::XmlRpcValue::TypeString) return shown(stream.str());
+  return shortened(stream.str(), kMaxTold);
+}
 
 void readParam(const ros::NodeHandle& nh, const std::string& name, bool& value)
 {

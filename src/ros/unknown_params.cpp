@@ -7,12 +7,15 @@
 #include <mutex>
 #include <vector>
 
+#include "robot_vision/printable.hpp"
+
 namespace robot_vision
 {
 namespace
 {
 
 constexpr double kAlike = 0.6;
+constexpr std::size_t kMaxTold = 300;  // bytes of a path
 
 using Names = std::map<std::string, std::string>;  // with the values that are not the default, as text
 
@@ -96,12 +99,18 @@ bool isNamespaceOfGraph(const std::string& name)
   return false;
 }
 
+/// resolveName() would throw: a parameter's name can have what no other name of ROS has, such as blanks.
+std::string pathOf(const ros::NodeHandle& nh, const std::string& name)
+{
+  return nh.getNamespace() + "/" + name;
+}
+
 /// Whether a map of parameters may be of somebody else: a transport, or a node or topic below this one.
 bool isOfOthers(const ros::NodeHandle& nh, const std::string& name)
 {
   const auto transports = image_transport::ImageTransport(nh).getDeclaredTransports();
   return std::count(transports.begin(), transports.end(), "image_transport/" + name) != 0 ||
-         isNamespaceOfGraph(nh.resolveName(name));
+         isNamespaceOfGraph(pathOf(nh, name));
 }
 
 void tellChanged(const ros::NodeHandle& nh, const Names& known)
@@ -124,7 +133,7 @@ void reviewParams(const ros::NodeHandle& nh)
   Names known = knownParams().take(nh.getNamespace());
   std::string config_file;  // it is read again when something is saved
   nh.getParam("config_file", config_file);
-  known["config_file"] = config_file.empty() ? "" : "'" + config_file + "'";
+  known["config_file"] = config_file.empty() ? "" : "'" + shortened(config_file, kMaxTold) + "'";
   tellChanged(nh, known);
   XmlRpc::XmlRpcValue there;
   if (!nh.getParam(nh.getNamespace(), there) || there.getType() != XmlRpc::XmlRpcValue::TypeStruct) return;
@@ -134,7 +143,7 @@ void reviewParams(const ros::NodeHandle& nh)
     if (known.count(name)) continue;
     if (entry.second.getType() == XmlRpc::XmlRpcValue::TypeStruct && isOfOthers(nh, name)) continue;
     const std::string near = nearest(name, known);
-    ROS_WARN("parameter %s is not known%s", nh.resolveName(name).c_str(),
+    ROS_WARN("parameter %s is not known%s", shortened(pathOf(nh, name), kMaxTold).c_str(),
              near.empty() ? "" : (", is " + near + " meant?").c_str());
   }
 }
