@@ -461,6 +461,23 @@ def test_without_a_home_a_node_says_what_it_needs(start):
     assert "/dev/null/.ros" in fatal and "ROS_HOME names a folder" in fatal
 
 
+@pytest.mark.parametrize(
+    "word, says",
+    [
+        ("_threads:=99999999999", "threads is 99999999999, must be what the parameter server"),
+        ("_threads:=null", "threads is None, must be what the parameter server can hold"),
+        ("_threads:=2020-01-01", "threads is datetime.date(2020, 1, 1), must be what"),
+        ('_symbologies:="\\e[2J"', "symbologies is '\\x1b[2J', must be what the parameter server"),
+        ("_threads:=[", "invalid command-line parameters: while parsing a flow node"),
+    ],
+)
+def test_what_is_no_parameter_on_the_command_line_is_told(start, word, says):
+    process = start("code_reader.py", "__name:=bad", word)
+    assert process.exit_code() == 1
+    (line,) = process.output().splitlines()
+    assert line.startswith("code_reader: " + says) and line.isprintable() and len(line) < 400
+
+
 def test_saving_needs_a_file_name(start):
     start("camera_node", "__name:=saving", "_source:=synthetic")
     answer = save("/saving")

@@ -8,13 +8,16 @@ import sys
 import threading
 import time
 import traceback
+import xmlrpc.client
 from typing import Any, Callable
 
 import rosgraph
 import rospy
 from rosgraph.roslogging import RosStreamHandler
+from rospy.client import load_command_line_node_params
 
 from ..commands import end_process
+from ..plain_text import printable, told
 from ..registration import AWAY, keep_registered
 
 SIGNALS = (signal.SIGINT, signal.SIGTERM)
@@ -39,12 +42,12 @@ def run_node(
 ) -> None:
     """Runs this process as the node `name` until it is shut down, and ends it; SIGINT with code 0.
 
-    Waits for the master and calls `start`, which makes the node's publishers and subscribers. A
-    ValueError of it, a bad parameter, is a FATAL line and exit code 1. What it returns is kept
-    alive while the node spins: in `spin`, a main loop that is called with it and returns when the
-    node is shut down (rospy.is_shutdown()) or has done its work. With --help it prints what the
-    docstrings of `start`, a class, and its module say instead, and needs no master; that there is
-    a file of its parameters only if it `has_file`.
+    Waits for the master, unless a parameter of the command line is none, and calls `start`, which
+    makes the node's publishers and subscribers. A ValueError of it, a bad parameter, is a FATAL
+    line and exit code 1. What it returns is kept alive while the node spins: in `spin`, a main loop
+    that is called with it and returns when the node is shut down (rospy.is_shutdown()) or has done
+    its work. With --help it prints what the docstrings of `start`, a class, and its module say
+    instead, and needs no master; that there is a file of its parameters only if it `has_file`.
 
     rospy waits for the master deaf to Ctrl-C, and shuts down inside its signal handler, where it
     blocks on any lock that the interrupted thread holds. Here a thread of its own does that.
@@ -52,6 +55,11 @@ def run_node(
     if {"-h", "--help"}.intersection(sys.argv[1:]):
         print(_usage(start) + (PARAMETERS if has_file else ""), end="")
         return
+    try:
+        _require_storable_params()
+    except ValueError as error:  # rospy's log begins with its node
+        print(f"{name}: {error}", file=sys.stderr)
+        end_process(1)
     _wait_for_master(name)
     _shut_down_on_signals()
     code = 0
@@ -75,6 +83,23 @@ def _usage(start: Callable[[], Any]) -> str:
         module=inspect.getdoc(inspect.getmodule(start)),
         node=str(inspect.getdoc(start)).partition("\n\nRaises:")[0],  # that is for programmers
     )
+
+
+def _require_storable_params() -> None:
+    """Raises ValueError for a _parameter:=value that the parameter server cannot take.
+
+    Such as an integer of more than 32 bits, a date, null, and text that is no text of XML.
+    """
+    try:
+        params = load_command_line_node_params(sys.argv)
+    except rospy.ROSInitException as error:  # no YAML; it has several lines
+        raise ValueError(printable(" ".join(str(error).split()), 300)) from None
+    for name, value in params.items():
+        try:
+            xmlrpc.client.loads(xmlrpc.client.dumps((value,)))
+        except Exception as error:  # of many kinds
+            what = f"{printable(name)} is {told(value)}, must be what the parameter server can hold"
+            raise ValueError(f"{what}: {printable(str(error))}") from None
 
 
 def _start_and_spin(name: str, start: Callable[[], Any], spin: Callable[[Any], object]) -> int:
