@@ -18,11 +18,14 @@ import yaml
 
 from ._core import Bundle, BundleTag
 from .files import MAX_TEXT, create_file, read_file, replace_file
-from .plain_text import told
+from .plain_text import NAME, is_name, told
 from .rotations import quaternion_of, rotation_of
 from .yaml_text import load_yaml
 
 DEFAULTS = {"x": 0.0, "y": 0.0, "z": 0.0, "qw": 1.0, "qx": 0.0, "qy": 0.0, "qz": 0.0}
+LARGEST_ID = 999999999
+LARGEST_TAG = 100.0  # m
+FARTHEST = 1e7  # m, as coordinates of a map may be
 NOISES = {"shift_noise": 0.0005, "turn_noise": 0.005}  # of a layout that was measured with care
 
 
@@ -77,8 +80,8 @@ def parse_bundles(values: Any) -> List[Bundle]:
     for index, value in enumerate(list_of(values, "tag_bundles")):
         require_map(value, f"tag_bundles[{index}]", ("name", "family", "layout"))
         name = value.get("name", f"bundle_{index}")
-        if not isinstance(name, str) or not name:
-            raise ValueError(f"tag_bundles[{index}]: name is {told(name)}, must be a text")
+        if not isinstance(name, str) or not is_name(name):
+            raise ValueError(f"tag_bundles[{index}]: name is {told(name)}, must be {NAME}")
         if any(bundle.name == name for bundle in bundles):
             raise ValueError(f"tag_bundles: {told(name)} is there twice")
         where = f"layout of bundle {told(name)}"
@@ -119,10 +122,13 @@ def _line(tag: BundleTag) -> str:
 def _tag(entry: Any, where: str) -> BundleTag:
     require_map(entry, f"a tag in the {where}", ("id", "size", *DEFAULTS, *NOISES))
     tag = entry.get("id")
-    if not isinstance(tag, int) or isinstance(tag, bool):
-        raise ValueError(f"{where}: id is {told(tag)}, must be a whole number")
+    if not isinstance(tag, int) or isinstance(tag, bool) or abs(tag) > LARGEST_ID:
+        raise ValueError(f"{where}: id is {told(tag)}, must be a whole number to {LARGEST_ID}")
     where = f"{where}, tag {tag}"
     numbers_of = {key: _number(entry, key, where) for key in ("size", *DEFAULTS, *NOISES)}
+    if numbers_of["size"] > LARGEST_TAG:  # the core says what else it cannot be
+        size = told(numbers_of["size"])
+        raise ValueError(f"{where}: size is {size}, must be above 0 and at most {LARGEST_TAG:g} m")
     quaternion = np.array([numbers_of[key] for key in ("qx", "qy", "qz", "qw")])
     if not 0.5 < np.linalg.norm(quaternion) < 2.0:
         raise ValueError(f"{where}: qx, qy, qz, qw are {quaternion.tolist()}, must have length 1")
@@ -136,6 +142,8 @@ def _tag(entry: Any, where: str) -> BundleTag:
 
 def _number(entry: Mapping[str, Any], key: str, where: str) -> float:
     value = entry.get(key, {**DEFAULTS, **NOISES}.get(key))
-    if not isinstance(value, numbers.Real) or isinstance(value, bool) or not np.isfinite(value):
-        raise ValueError(f"{where}: {key} is {told(value)}, must be a number")
+    is_number = isinstance(value, numbers.Real) and not isinstance(value, bool)
+    if not is_number or not -FARTHEST <= value <= FARTHEST:  # as NaN is not
+        limit = f"{FARTHEST:g}"
+        raise ValueError(f"{where}: {key} is {told(value)}, must be a number to {limit}")
     return float(value)

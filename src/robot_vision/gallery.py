@@ -9,7 +9,9 @@ kept in one more file, .faces, which is made anew from them whenever it does not
 """
 
 import contextlib
+import errno
 import os
+import stat
 import threading
 from dataclasses import dataclass, field
 from typing import Any, Callable, Dict, List, Mapping, Optional, Tuple
@@ -33,9 +35,23 @@ from .gallery_files import (
     valid_name,
     write_numbered,
 )
+from .plain_text import printable
 
 CACHE = ".faces"
+LONGEST_FOLDER = 300  # letters that are told of it
 PRIVATE = 0o700  # mode of a gallery that is made: faces are nobody else's business
+
+
+def _can_be_folder(path: str) -> bool:
+    """Whether it is one, or may be made; also if that cannot be found out now."""
+    try:
+        return stat.S_ISDIR(os.stat(path).st_mode)
+    except FileNotFoundError:
+        return not os.path.islink(path)
+    except OSError as error:
+        return error.errno not in (errno.ENAMETOOLONG, errno.ENOTDIR, errno.ELOOP)
+    except ValueError:  # there is a \0 in it
+        return False
 
 
 @dataclass
@@ -67,8 +83,8 @@ class Gallery:
 
     def __init__(self, folder: str):
         self.folder = os.path.abspath(os.path.expanduser(folder))
-        if os.path.lexists(self.folder) and not os.path.isdir(self.folder):
-            raise ValueError(f"gallery is '{folder}', must be a folder")
+        if not _can_be_folder(self.folder):
+            raise ValueError(f"gallery is '{printable(folder, LONGEST_FOLDER)}', must be a folder")
         self._lock = threading.Lock()  # guards the faces and the folder
         self._faces: Dict[str, Dict[str, np.ndarray]] = {}  # by name and digest of the picture
 

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from typing import Optional, Tuple
 
 from ._core import Line
+from .plain_text import printable
 
 MODES = ("course", "pid")
 GAP = 0.5  # s between two lines: after more the integral and the change of the error say nothing
@@ -33,7 +34,7 @@ class LineControlParams:
 
     def __post_init__(self) -> None:
         if self.mode not in MODES:
-            raise ValueError(f"mode is {self.mode}, must be {' or '.join(MODES)}")
+            raise ValueError(f"mode is {printable(self.mode)}, must be {' or '.join(MODES)}")
         _require_range("linear_speed", self.linear_speed, 0, 5)
         _require_range("max_angular", self.max_angular, 0, 10)
         _require_range("gain", self.gain, 0, 10)

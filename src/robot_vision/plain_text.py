@@ -3,6 +3,9 @@
 import unicodedata
 from typing import Any
 
+LONGEST_NAME = 255  # letters
+NAME = f"a name of 1 to {LONGEST_NAME} printable letters"
+
 
 def printable(text: str, length: int = 100) -> str:
     """What somebody else has sent, as a part of one line: what is no letter or sign is escaped.
@@ -14,6 +17,11 @@ def printable(text: str, length: int = 100) -> str:
         for letter in text[: length + 1]
     )
     return line[: length - 3] + "..." if len(line) > length else line
+
+
+def is_name(text: str) -> bool:
+    """Whether it can be a frame's, node's or the like, that all of ROS can show in a line."""
+    return 0 < len(text) <= LONGEST_NAME and text.isprintable()
 
 
 def plain(text: str, length: int = 100) -> str:

@@ -5,11 +5,9 @@ from dataclasses import dataclass
 from typing import Any, Dict, Iterable, List, NamedTuple
 
 from . import Bundle, tag_family
-from .bundle_files import list_of, parse_bundles, require_map
-from .plain_text import told
+from .bundle_files import LARGEST_TAG, list_of, parse_bundles, require_map
+from .plain_text import NAME, is_name, told
 from .tag_ids import parse_ids, require_id
-
-LARGEST = 100.0  # m
 
 
 class TagKey(NamedTuple):
@@ -74,8 +72,8 @@ class TagLayout:
         ids = _ids_of(entry, family, where)
         size = _checked_size(entry.get("size", self._size), f"{where}: size")
         name = entry.get("name", "")
-        if not isinstance(name, str):
-            raise ValueError(f"{where}: name is {told(name)}, must be a string")
+        if not isinstance(name, str) or (name and not is_name(name)):
+            raise ValueError(f"{where}: name is {told(name)}, must be {NAME}")
         if name and len(ids) > 1:
             raise ValueError(f"{where}: name is '{name}', but there are {len(ids)} tags")
         for number in ids:
@@ -140,7 +138,10 @@ def _families(value: Any) -> List[str]:
         raise ValueError(f"families is {told(value)}, must be names between commas")
     names = [name.strip() for name in names]
     for name in names:
-        tag_family(name)
+        try:
+            tag_family(name)
+        except ValueError as error:
+            raise ValueError(f"families: {error}") from None
         if names.count(name) > 1:
             raise ValueError(f"families has '{name}' twice")
     return names
@@ -168,6 +169,6 @@ def _require_id(id: int, family: str, where: str) -> None:
 
 
 def _checked_size(value: Any, where: str) -> float:
-    if type(value) not in (int, float) or not 0.0 < value <= LARGEST:
-        raise ValueError(f"{where} is {told(value)}, must be above 0 and at most {LARGEST:g} m")
+    if type(value) not in (int, float) or not 0.0 < value <= LARGEST_TAG:
+        raise ValueError(f"{where} is {told(value)}, must be above 0 and at most {LARGEST_TAG:g} m")
     return float(value)

@@ -24,7 +24,7 @@ from sensor_msgs.msg import CameraInfo
 from std_msgs.msg import Header
 
 from . import _transport
-from .plain_text import printable
+from .plain_text import printable, told
 from .registration import keep_registered
 from .throttle import Throttle
 
@@ -329,7 +329,7 @@ def _header(seq: int, secs: int, nsecs: int, frame_id: str) -> Header:
 def _transport_parameter() -> str:
     name = rospy.get_param("~image_transport", "raw")
     if not isinstance(name, str):
-        raise ValueError(f"image_transport is {name!r}, must be a string")
+        raise ValueError(f"image_transport is {told(name)}, must be a string")
     return name
 
 

@@ -2,20 +2,23 @@
 
 import importlib
 import os
+import re
 from types import SimpleNamespace
+from unittest.mock import MagicMock
 
 import numpy as np
 import pytest
 import rospy
+import tf2_ros
 from std_msgs.msg import Header
-from test_parameter_sources import PYTHON
+from test_parameter_sources import PYTHON, ROOT
 
+from robot_vision import transport
 from robot_vision.bundle_files import parse_bundles
 from robot_vision.camera_list import parse_cameras
-from robot_vision.nodes import params
+from robot_vision.nodes import camera_view, demo_status, line_follower, params
 from robot_vision.nodes.camera_view import CameraView
 from robot_vision.nodes.colors import NamedColors
-from robot_vision.nodes.image_node import read_threads
 from robot_vision.tag_layout import TagLayout
 
 NAN, INF = float("nan"), float("inf")
@@ -32,11 +35,13 @@ HOSTILE = {
     "a huge number": 1e300,
     "a huge integer": 2**31 - 1,
     "a long text": "x" * 1000000,
+    "a text for terminals": "\n\x9b2J\u202e",
     "bytes": b"\x00\xff",
     "nothing": None,
     "true": True,
 }
-LONGEST = 400  # characters of a line
+NOWHERE = {"NaN", "infinity", "minus infinity", "a huge number"}
+LONGEST = 500  # characters of a line
 
 
 def config_of(node):
@@ -81,8 +86,8 @@ def refused(name, work):
     with pytest.raises(ValueError) as error:
         work()
     line = str(error.value)
-    assert line.startswith(f"{name} is ") and ", must be " in line, line[:LONGEST]
-    assert "\n" not in line and len(line) <= LONGEST
+    assert re.match(rf"{name}(\[0\]|/\w+|: tag family)? is .*, must be ", line), line[:LONGEST]
+    assert line.isprintable() and len(line) <= LONGEST, line[:LONGEST]
     return line
 
 
@@ -107,25 +112,131 @@ def test_live_parameters_at_start(at_start, node, what):
             refused(name, lambda: params.LiveParams(CONFIGS[node], lambda _: None))
 
 
-@pytest.mark.parametrize("what", set(HOSTILE) - {"a huge integer"})
-def test_parameters_that_only_are_read_at_start(at_start, what):
-    defaults = {"threads": 1, "tag_size": 0.1, "always_subscribe": False, "gallery": ""}
-    for name, default in defaults.items():
-        at_start({"~" + name: HOSTILE[what]})
-        kind = type(default)
-        if type(HOSTILE[what]) is kind:
-            assert params.read_param(name, default) is HOSTILE[what] or kind is float
-        else:
-            refused(name, lambda: params.read_param(name, default))  # noqa: B023
-    at_start({"~threads": HOSTILE[what]})
-    refused("threads", read_threads)
+def is_name(value):
+    return type(value) is str and value.isprintable() and 0 < len(value) <= 255
+
+
+def is_flag(value):
+    return type(value) is bool
+
+
+def is_number(low, high):
+    return lambda value: type(value) in (int, float) and low <= value <= high
+
+
+# Parameters that are read at start alone: what each takes, by the class of their nodes. The lists
+# and maps among them have a test of their own.
+IMAGE_NODE = {
+    "always_subscribe": is_flag,
+    "threads": lambda value: type(value) is int and 0 <= value <= 256,
+    "image_transport": lambda value: type(value) is str,  # image_transport says which there are
+}
+AT_START = {
+    "ball_tracker.BallTracker": {
+        "ball_diameter": is_number(0.0, 100.0),
+        "ball_frame_id": is_name,
+        **IMAGE_NODE,
+    },
+    "apriltag_detector.ApriltagDetector": {
+        "families": lambda _: False,
+        "tag_size": lambda value: is_number(0.0, 100.0)(value) and value > 0.0,
+        "standalone_tags": lambda _: False,
+        "tag_bundles": lambda _: False,
+        **IMAGE_NODE,
+    },
+    "face_recognizer.FaceRecognizer": {
+        "gallery": lambda value: type(value) is str and len(value) < 256,
+        **IMAGE_NODE,
+    },
+    "hsv_tracker.HsvTracker": {"colors": lambda value: value is None, **IMAGE_NODE},
+    "line_follower.LineFollower": IMAGE_NODE,
+    "face_detector.FaceDetector": IMAGE_NODE,
+    "motion_detector.MotionDetector": IMAGE_NODE,
+    "object_tracker.ObjectTracker": IMAGE_NODE,
+    "code_reader.CodeReader": IMAGE_NODE,
+    "camera_view.CameraView": {
+        "autosize": is_flag,
+        "image_transport": IMAGE_NODE["image_transport"],
+    },
+    "camera_loader.CameraLoader": {"manager": is_name},
+    "demo_status.DemoStatus": {"view": is_flag},
+}
+# What is read later, by tests of its own: when values are saved, and again and again.
+LATER = {"config_file", "cameras"}
+# They ask for all live parameters, for those of a color, and for all of a camera at once.
+ASK_BY_VARIABLE = {"params.py", "colors.py", "camera_loader.py"}
+
+
+@pytest.fixture
+def alone(at_start, monkeypatch, tmp_path):
+    """Nodes without ROS, windows and threads: what is left of their making is the reading."""
+    monkeypatch.setenv("ROS_HOME", str(tmp_path))
+    nothing = MagicMock()
+    monkeypatch.setattr(rospy, "core", nothing)
+    for name in ("Publisher", "Subscriber", "on_shutdown", "get_name", "logwarn", "loginfo"):
+        monkeypatch.setattr(rospy, name, nothing)
+    monkeypatch.setattr(transport, "_process", lambda: nothing)
+    monkeypatch.setattr(line_follower, "Drive", nothing)
+    monkeypatch.setattr(demo_status, "threading", nothing)
+    monkeypatch.setattr(camera_view, "Window", nothing)
+    monkeypatch.setattr(camera_view, "require_display", nothing)
+    monkeypatch.setattr(tf2_ros, "TransformBroadcaster", nothing)
+    return at_start
+
+
+def node_class(of):
+    module, name = of.split(".")
+    return getattr(importlib.import_module("robot_vision.nodes." + module), name)
+
+
+@pytest.mark.parametrize("of", AT_START)
+def test_parameters_that_are_read_at_start_alone(alone, of):
+    """Each node is made with each value: it takes what it can have, and else says one line."""
+    alone({})
+    node_class(of)()
+    for name, can_be in AT_START[of].items():
+        for value in HOSTILE.values():
+            alone({"~" + name: value})
+            if can_be(value):
+                node_class(of)()
+            else:
+                refused(name, node_class(of))
+
+
+@pytest.mark.parametrize("of", AT_START)
+def test_live_texts_at_start(alone, of):
+    """What a text says is for the node to check."""
+    module = of.partition(".")[0].replace("camera_view", "simple_camera_view")
+    if module not in CONFIGS:
+        return
+    for parameter in CONFIGS[module].config_description["parameters"]:
+        for what in ("a long text", "a text for terminals"):
+            if parameter["type"] == "str":
+                alone({"~" + parameter["name"]: HOSTILE[what]})
+                accepted_or_told(parameter["name"], node_class(of), what)
+
+
+def test_every_parameter_that_is_asked_for_is_swept():
+    """By the sources, where they ask the parameter server."""
+    named, others = set(), set()
+    for path in (ROOT / "src" / "robot_vision").rglob("*.py"):
+        for name in re.findall(
+            r"\b(?:read_(?:param|name|any)|get_param)\(\s*([^\s,)]+)", path.read_text()
+        ):
+            literal = re.fullmatch(r'"~?(\w+)"', name)
+            if literal:
+                named.add(literal.group(1))
+            elif path.name not in ASK_BY_VARIABLE:
+                others.add((path.name, name))
+    assert named == set().union(*AT_START.values()) | LATER
+    assert not others
 
 
 @pytest.mark.parametrize("what", HOSTILE)
 def test_lists_and_maps(at_start, what):
     """At their top, and in the place of each value in them; what names the place is in the line."""
     value = HOSTILE[what]
-    tag = {"id": 1, "size": 0.1, "x": 0.0, "qw": 1.0}
+    tag = {"id": 1, "size": 0.1, "x": 0.0, "qw": 1.0, "shift_noise": 0.0, "turn_noise": 0.0}
     attempts = [
         ("cameras", lambda: parse_cameras(value)),
         ("cameras[0]", lambda: parse_cameras([value])),
@@ -145,23 +256,32 @@ def test_lists_and_maps(at_start, what):
         ("standalone_tags[0]", lambda: TagLayout("tag36h11", 0.1, [{"ids": value}])),
         ("standalone_tags[0]", lambda: TagLayout("tag36h11", 0.1, [{"id": 1, "size": value}])),
         ("standalone_tags[0]", lambda: TagLayout("tag36h11", 0.1, [{"id": 1, "family": value}])),
+        ("standalone_tags[0]", lambda: TagLayout("tag36h11", 0.1, [{"id": 1, "name": value}])),
+        ("tag_bundles[0]", lambda: parse_bundles([{"name": value, "layout": [{"id": -1}]}])),
         ("famil", lambda: TagLayout(value, 0.1)),
     ]
     for where, attempt in attempts:
-        accepted_or_told(where, attempt)
-    for colors in (value, {"red": value}, {"red": {"low": value, "high": [1, 2, 3]}}):
+        accepted_or_told(where, attempt, what)
+    for colors in (
+        value,
+        {"red": value},
+        {str(value): 1},
+        {"red": {"low": value, "high": [1, 2, 3]}},
+    ):
         at_start({"~colors": colors})
-        accepted_or_told("colors", NamedColors)
+        accepted_or_told("colors", NamedColors, what)
     at_start({"~colors": {"red": {"low": [0, 0, value], "high": [1, 2, 3]}}})
-    accepted_or_told("colors/red", NamedColors)
+    accepted_or_told("colors/red", NamedColors, what)
 
 
-def accepted_or_told(where, attempt):
+def accepted_or_told(where, attempt, what):
+    """Some of the values can be some of the parameters, but none of NOWHERE any."""
     try:
         attempt()
+        assert what not in NOWHERE, where
     except ValueError as error:
         line = str(error)
-        assert where in line and "\n" not in line and len(line) <= LONGEST, line[:LONGEST]
+        assert where in line and line.isprintable() and len(line) <= LONGEST, line[:LONGEST]
 
 
 @pytest.mark.parametrize(

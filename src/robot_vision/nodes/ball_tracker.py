@@ -31,9 +31,10 @@ from .calibration import camera_model
 from .colors import REGION, range_of
 from .image_node import ImageNode
 from .messages import detection, detection_array
-from .params import LiveParams, filled, read_param
+from .params import LiveParams, filled, read_name, read_param
 
 FILTER = ("process_noise", "measurement_noise", "max_prediction", "gate")
+LARGEST = 100.0  # m
 
 
 class BallTracker:
@@ -47,10 +48,8 @@ class BallTracker:
         self._trail: Deque[Tuple[float, float]] = collections.deque()
         self._time = 0.0  # s, of the last frame
         self._filter_params: Dict[str, Any] = {}
-        self._diameter = read_param("ball_diameter", 0.0)
-        if self._diameter < 0.0:
-            raise ValueError(f"ball_diameter is {self._diameter:g}, must be 0 (unknown) or more")
-        self._ball_frame = read_param("ball_frame_id", "ball")
+        self._diameter = read_param("ball_diameter", 0.0, 0.0, LARGEST, zero="unknown")
+        self._ball_frame = read_name("ball_frame_id", "ball")
         self._params = LiveParams(BallTrackerConfig, self._configure)
         self._node = ImageNode(self._process, camera_info=self._diameter > 0.0)
         self._objects = self._node.publisher("~objects", DetectionArray)

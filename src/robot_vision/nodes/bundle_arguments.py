@@ -4,8 +4,8 @@ import argparse
 from typing import Dict, List, Optional, Sequence, Tuple
 
 from .. import tag_family
+from ..bundle_files import LARGEST_TAG
 from ..tag_ids import parse_ids
-from ..tag_layout import LARGEST
 
 EXAMPLES = """examples, with a running apriltag_detector and from a bag:
   calibrate_bundle.py --name box --ids 0-5 --size 0.1 --output box.yaml \\
@@ -98,7 +98,8 @@ def _sizes_of(text: str, ids: Sequence[int]) -> Dict[int, float]:
             tag, size = _size_of(part)
         except ValueError:
             raise ValueError(
-                f"argument --size: '{part}' must be 0.1 or 3:0.1, above 0 and at most {LARGEST:g} m"
+                f"argument --size: '{part}' must be 0.1 or 3:0.1, above 0 and at most "
+                f"{LARGEST_TAG:g} m"
             ) from None
         if tag is None:
             if default:
@@ -119,6 +120,6 @@ def _size_of(text: str) -> Tuple[Optional[int], float]:
     """A tag, None: any, and its size, m."""
     tag, colon, size = text.rpartition(":")
     value = float(size)
-    if not 0.0 < value <= LARGEST:
+    if not 0.0 < value <= LARGEST_TAG:
         raise ValueError
     return (int(tag) if colon else None), value

@@ -14,7 +14,7 @@ from nodelet.srv import NodeletList, NodeletLoad, NodeletUnload
 
 from ..camera_list import parse_cameras
 from ..registration import AWAY
-from .params import read_any, read_param
+from .params import read_any, read_name
 
 PLUGIN = "robot_vision/camera"
 LOOK_AROUND = 0.5  # s, between looks at what there is to do
@@ -37,7 +37,7 @@ class CameraLoader:
     """
 
     def __init__(self) -> None:
-        self._manager = rospy.resolve_name(read_param("manager", "camera_manager"))
+        self._manager = rospy.resolve_name(read_name("manager", "camera_manager"))
         self._list: Any = None  # as it was read last
         self._cameras: Dict[str, Dict[str, Any]] = {}  # their parameters; empty: no list yet
         self._crashes: Dict[str, int] = {}  # of the manager, while it loaded that camera

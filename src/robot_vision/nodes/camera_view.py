@@ -13,7 +13,7 @@ from ..cfg import SimpleCameraViewConfig
 from ..colors import as_yaml, outside
 from ..files import add_file, reason
 from ..msg import Click
-from ..plain_text import told
+from ..plain_text import printable, told
 from ..transport import Frame, ImageSubscriber
 from ..viewing import Rate, title, waiting_picture
 from ..window import Window, require_display
@@ -21,6 +21,7 @@ from .params import LiveParams, read_param, review_params
 from .startup import run_node
 
 POLL = 10  # ms: how long a picture may wait for the window
+LONGEST_PATH = 300  # letters of it in an error
 TITLE_PERIOD = 1.0  # s
 QUIT_KEYS = (ord("q"), 27)  # 27: Esc
 
@@ -122,7 +123,8 @@ class CameraView:
             path = add_file(self._folder, f"{stamp.secs}.{stamp.nsecs:09d}", ".png", png)
             print("saved", path, flush=True)
         except OSError as error:
-            rospy.logerr("no picture saved in %s: %s", self._folder, reason(error))
+            folder = printable(self._folder, LONGEST_PATH)
+            rospy.logerr("no picture saved in %s: %s", folder, reason(error))
 
 
 def main() -> None:

@@ -5,12 +5,13 @@ from typing import Any, Dict
 import rospy
 
 from .. import HsvRange, validate
-from ..plain_text import told
+from ..plain_text import printable, told
 from .params import read_any, read_param
 
 LOW = ("h_low", "s_low", "v_low")
 HIGH = ("h_high", "s_high", "v_high")
 REGION = ("min_area", "opening", "closing")  # live parameters of what has a colour
+LONGEST_LIST = 200  # letters of the names that are told
 DEFAULT = {"blue": {"low": [90, 50, 50], "high": [120, 255, 255]}}
 
 
@@ -38,7 +39,7 @@ class NamedColors:
                 f"colors is {told(given)}, must be a map of at least one name to a range"
             )
         for name, entry in given.items():
-            self.ranges[str(name)] = _range(name, entry)
+            self.ranges[str(name)] = _range(str(name), entry)
         self._shown = ""
         self._values: Dict[str, int] = {}  # as shown last: h_low .. v_high
         for name in (*LOW, *HIGH):  # where there is ~colors, it is what counts at start
@@ -49,7 +50,7 @@ class NamedColors:
         """Takes over the limits in `config` that have changed, and puts the rest there."""
         name = config["color"] or self._shown or next(iter(self.ranges))
         if name not in self.ranges:
-            known = ", ".join(self.ranges)
+            known = printable(", ".join(self.ranges), LONGEST_LIST)
             raise ValueError(f"color is {told(name)}, must be one of {known}")
         values = dict(zip((*LOW, *HIGH), (*self.ranges[name].low, *self.ranges[name].high)))
         changed = {key: config[key] for key, old in self._values.items() if config[key] != old}
@@ -72,14 +73,15 @@ def _default() -> Dict[str, Any]:
 def _range(name: str, entry: Any) -> HsvRange:
     if isinstance(entry, dict) and entry.keys() >= {*LOW, *HIGH}:  # of a file in config/colors
         entry = {"low": [entry[key] for key in LOW], "high": [entry[key] for key in HIGH]}
+    where = f"colors/{printable(name)}"
     try:
         found = HsvRange(low=tuple(entry["low"]), high=tuple(entry["high"]))
     except (KeyError, TypeError):
         raise ValueError(
-            f"colors/{name} is {told(entry)}, must be {{low: [h, s, v], high: [h, s, v]}}"
+            f"{where} is {told(entry)}, must be {{low: [h, s, v], high: [h, s, v]}}"
         ) from None
     try:
         validate(found)
     except ValueError as error:
-        raise ValueError(f"colors/{name}: {error}") from None
+        raise ValueError(f"{where}: {error}") from None
     return found

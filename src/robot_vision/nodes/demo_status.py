@@ -9,6 +9,7 @@ import rospy
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 
 from ..window_tiles import Tiles
+from .params import read_param
 
 TOPICS = {
     "usb_cam": "/usb_cam/image_raw",
@@ -52,7 +53,7 @@ class DemoStatus:
     """
 
     def __init__(self) -> None:
-        if rospy.get_param("~view", False):
+        if read_param("view", False):
             threading.Thread(target=tile_windows, name="windows", daemon=True).start()
         else:
             none = "No windows (view:=true)" if os.environ.get("DISPLAY") else "No display"

@@ -12,7 +12,7 @@ import rospy
 from ..enrollment import Enrollment
 from ..face_picture import Box
 from ..gallery import Added, Gallery
-from ..gallery_files import valid_name
+from ..gallery_files import shown, valid_name
 from ..plain_text import printable
 from ..srv import (
     EnrollFace,
@@ -65,7 +65,8 @@ class GalleryServices:
         changed(self._gallery)
         people = self._gallery.names()
         count = sum(people.values())
-        rospy.loginfo("%d people by %d pictures in %s", len(people), count, self._gallery.folder)
+        folder = shown(self._gallery.folder)
+        rospy.loginfo("%d people by %d pictures in %s", len(people), count, folder)
 
     def advertise(self) -> None:
         """Offers the services."""

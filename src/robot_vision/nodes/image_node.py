@@ -151,10 +151,7 @@ def read_threads() -> int:
     Raises:
         ValueError: it is out of range.
     """
-    threads = read_param("threads", 1)
-    if not 0 <= threads <= MOST_THREADS:
-        raise ValueError(f"threads is {threads}, must be from 0 (all cores) to {MOST_THREADS}")
-    return threads
+    return read_param("threads", 1, 0, MOST_THREADS, zero="all cores")
 
 
 class _Listener(rospy.SubscribeListener):

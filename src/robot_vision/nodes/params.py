@@ -2,6 +2,7 @@
 
 import copy
 import difflib
+import math
 import os
 import pathlib
 import sys
@@ -14,7 +15,7 @@ from std_srvs.srv import Trigger, TriggerResponse
 
 from .. import _transport
 from ..files import read_text, replace_file
-from ..plain_text import told
+from ..plain_text import NAME, is_name, printable, told
 
 Params = TypeVar("Params")
 
@@ -24,15 +25,24 @@ ASKED_ELSEWHERE = {"config_file": "", "diagnostic_period": 1.0, "image_transport
 _known: Dict[str, bool] = {}
 
 ELSEWHERE = "; ~config_file names the file, as config:=/absolute/path.yaml of the launch files does"
+LONGEST_ERROR = 1000  # letters, the path of a file among them
 TRANSPORTS = ("compressed", "compressedDepth", "theora")
 TYPES = {bool: "true or false", int: "an integer", float: "a number", str: "a string"}
 
 
-def read_param(name: str, default: Any) -> Any:
+def read_param(
+    name: str, default: Any, low: float = -math.inf, high: float = math.inf, zero: str = ""
+) -> Any:
     """The private parameter `name`, or `default` if it is not set.
 
+    Args:
+        low: the least that a number can be; without `low` and `high` all will do that are finite.
+        high: the most.
+        zero: what 0 means, for the error.
+
     Raises:
-        ValueError: it is of another type than the default; an integer will do for a float.
+        ValueError: it is of another type than the default, or out of range; an integer will do for
+            a float.
     """
     value = read_any(name, default)
     kind = type(default)
@@ -40,6 +50,20 @@ def read_param(name: str, default: Any) -> Any:
         value = float(value)
     if type(value) is not kind:
         raise ValueError(f"{name} is {told(value)}, must be {TYPES[kind]}")
+    if kind in (int, float):
+        _require_range(name, value, low, high, zero)
+    return value
+
+
+def read_name(name: str, default: str) -> str:
+    """As read_param, of a frame, node or the like: a line of text that all of ROS can show.
+
+    Raises:
+        ValueError: it is no string, empty, too long, or not printable.
+    """
+    value = read_param(name, default)
+    if not is_name(value):
+        raise ValueError(f"{name} is {told(value)}, must be {NAME}")
     return value
 
 
@@ -113,7 +137,8 @@ class LiveParams:
         self._edit = edit or _transport.edit_params
         self._accepted: Dict[str, Any] = {}
         for name, default in config_type.defaults.items():
-            rospy.set_param("~" + name, read_param(name, default))
+            low, high = self._type.min[name], self._type.max[name]
+            rospy.set_param("~" + name, read_param(name, default, low, high))
         self._server = _Server(config_type, self._change)
         rospy.Service("~save_parameters", Trigger, self._on_save)
 
@@ -132,8 +157,8 @@ class LiveParams:
     def _require_ranges(self, config: Dict[str, Any]) -> None:
         for name, low in self._type.min.items():
             high = self._type.max[name]
-            if low != "" and type(config[name]) is not bool and not low <= config[name] <= high:
-                raise ValueError(f"{name} is {config[name]:g}, must be from {low:g} to {high:g}")
+            if low != "" and type(config[name]) is not bool:
+                _require_range(name, config[name], low, high)
 
     def _on_save(self, _request: Any) -> TriggerResponse:
         accepted = self._accepted  # it is replaced, never changed
@@ -141,19 +166,28 @@ class LiveParams:
             path = read_param("config_file", "")
             if not path:
                 raise RuntimeError("~config_file does not name a file")
-            if not os.path.isabs(
-                path
-            ):  # roslaunch has read it in its own folder, a node has another
-                raise RuntimeError(f"~config_file is '{path}', must be an absolute path")
+            # roslaunch has read it in its own folder, a node has another.
+            if not os.path.isabs(path):
+                raise RuntimeError(f"~config_file is {told(path)}, must be an absolute path")
             _require_own_launch(path)
             values = {name: accepted[name] for name in self._type.defaults}
             replace_file(path, self._edit(path, read_text(path), values).encode())
         except (OSError, RuntimeError, ValueError) as error:
             # Such as the file of an installed package.
-            why = f"{error}{ELSEWHERE if isinstance(error, OSError) else ''}"
+            says = printable(str(error), LONGEST_ERROR)
+            why = f"{says}{ELSEWHERE if isinstance(error, OSError) else ''}"
             rospy.logerr("parameters not saved: %s", why)
             return TriggerResponse(False, why)
         return TriggerResponse(True, path)
+
+
+def _require_range(name: str, value: float, low: float, high: float, zero: str = "") -> None:
+    """Raises ValueError for a number out of range, as NaN and what is infinite always are."""
+    if math.isfinite(value) and low <= value <= high:
+        return
+    meant = f" ({zero})" if zero else ""
+    span = f"from {low:g}{meant} to {high:g}" if math.isfinite(low + high) else "finite"
+    raise ValueError(f"{name} is {value:g}, must be {span}")
 
 
 def _require_own_launch(path: str) -> None:
