@@ -27,6 +27,7 @@ for _ in range(50):
     DEEP = [DEEP]
 HOSTILE = {
     "a map": {"a": {"b": 1}},
+    "a long map": {"a": "x" * 100000},
     "a list": [1, 2],
     "a deep list": DEEP,
     "NaN": NAN,
@@ -189,6 +190,13 @@ def node_class(of):
     return getattr(importlib.import_module("robot_vision.nodes." + module), name)
 
 
+@pytest.mark.parametrize("value", [NAN, INF, -INF])
+def test_a_number_without_a_range_is_finite_at_least(at_start, value):
+    at_start({"~size": value})
+    with pytest.raises(ValueError, match=f"size is {value}, must be finite"):
+        params.read_param("size", 1.0)
+
+
 @pytest.mark.parametrize("of", AT_START)
 def test_parameters_that_are_read_at_start_alone(alone, of):
     """Each node is made with each value: it takes what it can have, and else says one line."""
@@ -201,6 +209,21 @@ def test_parameters_that_are_read_at_start_alone(alone, of):
                 node_class(of)()
             else:
                 refused(name, node_class(of))
+
+
+@pytest.mark.parametrize("what", HOSTILE)
+def test_a_file_that_no_values_can_be_saved_in_is_told_in_one_line(at_start, monkeypatch, what):
+    monkeypatch.setattr(rospy, "logerr", lambda *_: None)
+    at_start({})
+    live = params.LiveParams(CONFIGS["code_reader"], lambda _: None)
+    values = [HOSTILE[what]]
+    if isinstance(values[0], str):
+        values.append("/" + values[0] + "/x.yaml")
+    for value in values:
+        rospy.set_param("~config_file", value)
+        answer = live._on_save(None)
+        assert not answer.success and re.search("config_file|x.yaml", answer.message)
+        assert answer.message.isprintable() and len(answer.message) <= 1200, answer.message
 
 
 @pytest.mark.parametrize("of", AT_START)
