@@ -113,6 +113,22 @@ def test_live_parameters_at_start(at_start, node, what):
             refused(name, lambda: params.LiveParams(CONFIGS[node], lambda _: None))
 
 
+@pytest.mark.parametrize("node", CONFIGS)
+def test_live_numbers(at_start, monkeypatch, node):
+    """What dynamic_reconfigure has no types against: the old values stay, and a line says why."""
+    told = []
+    monkeypatch.setattr(rospy, "logwarn", lambda text, error: told.append(text % error))
+    at_start({})
+    config = CONFIGS[node]
+    live = params.LiveParams(config, lambda _: None)
+    for parameter in config.config_description["parameters"]:
+        for what in NOWHERE:
+            if parameter["type"] == "double":
+                values = {**config.defaults, parameter["name"]: HOSTILE[what]}
+                assert live._change(values, 0) == config.defaults
+                assert f": {parameter['name']} is " in told.pop() and not told
+
+
 def is_name(value):
     return type(value) is str and value.isprintable() and 0 < len(value) <= 255
 
