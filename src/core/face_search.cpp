@@ -106,7 +106,7 @@ cv::CascadeClassifier readCascade(const std::string& parameter, const std::strin
     wrong = "which is empty";
   else if (!load(path, cascade))
     wrong = "which is no cascade of OpenCV's, or must not be read";
-  if (!wrong.empty()) throw std::invalid_argument(parameter + " is '" + shortened(path) + "', " + wrong);
+  if (!wrong.empty()) throw std::invalid_argument(parameter + " is '" + logLine(path) + "', " + wrong);
   return cascade;
 }
 
