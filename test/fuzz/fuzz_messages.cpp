@@ -123,7 +123,7 @@ struct Theora
 };
 
 /// What the transports of nodes in Python hand on; set_camera_info's request is the same.
-struct Calibrations
+struct ReceivedInfos
 {
   void operator()(Bytes& input) const
   {
@@ -182,7 +182,7 @@ using Target = std::function<void(Bytes&)>;
 Target targetOf(const std::string& name)
 {
   if (name == "raw") return Raw();
-  if (name == "calibrations") return Calibrations();
+  if (name == "received_infos") return ReceivedInfos();
   if (name == "compressed") return Compressed();
   if (name == "compressed_depth") return CompressedDepth();
   if (name == "files") return Files();

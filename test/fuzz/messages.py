@@ -76,5 +76,5 @@ SEEDS: Dict[str, Callable[[], List[bytes]]] = {
     "compressed": compressed,
     "compressed_depth": compressed_depth,
     "files": files,
-    "calibrations": CameraInfos().seeds,
+    "received_infos": CameraInfos().seeds,
 }
