@@ -1,4 +1,4 @@
-"""Every parameter of every nodelet, with values that it cannot have: one line says so."""
+"""Parameters of nodelets with values that they cannot have: one line says so."""
 
 import itertools
 import pathlib
@@ -150,6 +150,105 @@ KINDS = {
 }
 
 
+REFUSED = [
+    # nodelet, parameter, value, what the FATAL line says
+    ("brightness", "gain", -0.1, "gain is -0.1, must be from 0 to 10"),
+    ("brightness", "gain", 10.1, "gain is 10.1, must be from 0 to 10"),
+    ("brightness", "offset", -256, "offset is -256, must be from -255 to 255"),
+    ("brightness", "offset", 256, "offset is 256, must be from -255 to 255"),
+    ("brightness", "gamma", 0.05, "gamma is 0.05, must be from 0.1 to 10"),
+    ("brightness", "gamma", 11, "gamma is 11, must be from 0.1 to 10"),
+    ("brightness", "gain", "strong", "must be a number"),
+    ("brightness", "gain", True, "gain is 1, must be a number"),
+    ("brightness", "gain", "strong", "gain is 'strong', must be a number"),
+    ("brightness", "always_subscribe", "maybe", "must be true or false"),
+    (
+        "brightness",
+        "diagnostic_period",
+        0,
+        "diagnostic_period is 0, must be from 0.01 to 3600",
+    ),
+    ("camera", "diagnostic_period", -1, "diagnostic_period is -1, must be from 0.01 to 3600"),
+    ("edge_detector", "image_transport", "pigeon", "must be one that is installed: "),
+    ("edge_detector", "always_subscribe", 1.5, "must be true or false"),
+    ("camera", "always_subscribe", "x", "must be true or false"),
+    ("camera", "source", 7, "source is 7, must be a string"),
+    ("camera", "source", {"a": 1}, "must be a string"),
+    ("camera", "source", ["a"], "must be a string"),
+    ("camera", "poster", "/dev/zero", "/dev/zero cannot be read: it is no file"),
+    ("camera", "framerate", {"a": {"b": "x" * 10000}}, "..., must be a number"),
+    ("camera", "pixel_format", "x" * 10000, "..., must be yuyv, uyvy, nv12, "),
+    ("brightness", "gain", [1.0, 2.0], "must be a number"),
+    ("brightness", "gain", NAN, "gain is nan, must be from 0 to 10"),
+    ("brightness", "gain", INF, "gain is inf, must be from 0 to 10"),
+    ("brightness", "gain", 1e300, "gain is 1e+300, must be from 0 to 10"),
+    ("edge_detector", "aperture", 2**31 - 1, "must be 3, 5 or 7"),
+    ("camera", "poster", "/no/poster.png", "/no/poster.png cannot be read: No such file"),
+    ("camera", "image_width", 32, "image_width is 32, must be from 64 to 4096"),
+    ("camera", "image_width", 1600, "from a third to three times image_height, 480"),
+    ("edge_detector", "blur_size", 0, "blur_size is 0, must be odd and from 1 to 31"),
+    ("edge_detector", "blur_size", 4, "blur_size is 4, must be odd and from 1 to 31"),
+    ("edge_detector", "blur_size", 33, "blur_size is 33, must be odd and from 1 to 31"),
+    ("edge_detector", "low_threshold", -1, "low_threshold is -1, must be from 0 to 10000"),
+    (
+        "edge_detector",
+        "low_threshold",
+        40,
+        "high_threshold is 30, must be at least low_threshold, 40",
+    ),
+    (
+        "edge_detector",
+        "high_threshold",
+        10001,
+        "high_threshold is 10001, must be from 0 to 10000",
+    ),
+    ("edge_detector", "aperture", 4, "aperture is 4, must be 3, 5 or 7"),
+    ("edge_detector", "aperture", 9, "aperture is 9, must be 3, 5 or 7"),
+    ("edge_detector", "aperture", 3.5, "must be an integer"),
+    ("edge_detector", "l2_gradient", "yes, please", "must be true or false"),
+    ("camera", "image_width", 15, "image_width is 15, must be from 16 to 8192"),
+    ("camera", "image_width", 8193, "image_width is 8193, must be from 16 to 8192"),
+    ("camera", "image_height", 0, "image_height is 0, must be from 16 to 8192"),
+    ("camera", "framerate", -1, "framerate is -1, must be from 0 to 1000"),
+    ("camera", "framerate", 1001, "framerate is 1001, must be from 0 to 1000"),
+    ("camera", "timeout", 0, "timeout is 0, must be from 0.1 to 3600"),
+    ("camera", "keep_streaming", 2, "keep_streaming is 2, must be true or false"),
+    ("camera", "controls", 5, "controls is 5, must be a map of controls' names and values"),
+    ("camera", "controls/gain", 0.5, "controls/gain is 0.5, must be an integer, true, false"),
+    ("camera", "intrinsic_controls", 5, "must be a map of controls' names and values"),
+    (
+        "camera",
+        "intrinsic_controls/gain",
+        0.5,
+        "intrinsic_controls/gain is 0.5, must be an in",
+    ),
+    ("camera", "intrinsic_controls/ignore", "gain", "must be a list of controls' names"),
+    ("camera", "brightness", 0.5, "brightness is 0.5, must be an integer, true, false"),
+    ("camera", "loop", "often", "must be true or false"),
+    ("camera", "pixel_format", "h265", "pixel_format is 'h265', must be yuyv, uyvy, nv12, "),
+    ("camera", "output_encoding", "yuv", "must be auto, bgr8, rgb8, mono8 or native"),
+    ("camera", "io_method", "dma", "must be mmap, read or userptr"),
+    ("camera", "camera_name", "no/name", "must be letters, digits and _"),
+    (
+        "camera",
+        "camera_info_url",
+        "ftp://there",
+        "must be empty, file:///... or package://...",
+    ),
+]
+REFUSED += [
+    ("camera", "camera_info_url", url, "must be " + expected)
+    for url, expected in (
+        ("http://there/eye.yaml", "empty, file:///... or package://..."),
+        ("eye.yaml", "empty, file:///... or package://..."),
+        ("file://eye.yaml", "empty, file:///... or package://..."),
+        ("package://no_such_package/eye.yaml", "package://, the name of a package that is there"),
+        ("package://robot_vision", "package://, the name of a package that is there"),
+        ({"file": 1}, "a string"),
+    )
+]
+
+
 def test_every_parameter_that_is_asked_for_is_swept():
     """By the sources, where they ask the parameter server, and by the .cfg files."""
     named = {USB_CAM_CONTROLS[0]}  # the others are in two arrays
@@ -209,10 +308,11 @@ def test_a_nodelet_takes_what_a_parameter_can_be_and_else_says_one_line(
 ):
     """All are loaded into one manager, which lives on."""
     live = {of["name"] for of in config.config_description["parameters"]}
-    synthetic = {} if parameter in ("source", "video_device") else {"source": "synthetic"}
     for value in HOSTILE:
         name = f"/hostile_{next(numbers)}"
-        started, kept, lines = tried(manager, name, kind, {**synthetic, parameter: value})
+        started, kept, lines = tried(
+            manager, name, kind, {**source_with(parameter), parameter: value}
+        )
         assert started == can_be(value), (value, lines)
         fatal = [line for line in lines if "FATAL" in line]
         if started:
@@ -220,6 +320,20 @@ def test_a_nodelet_takes_what_a_parameter_can_be_and_else_says_one_line(
         else:
             (line,) = fatal
             assert re.search(rf"{name}: {parameter}\b.*(, must be | cannot be read: )", line), line
+
+
+@pytest.mark.parametrize("kind, parameter, value, message", REFUSED)
+def test_a_value_that_cannot_be_is_told_with_what_can_be(manager, kind, parameter, value, message):
+    name = f"/refused_{next(numbers)}"
+    values = {**source_with(parameter), parameter: value}
+    started, _, lines = tried(manager, name, kind, values)
+    (line,) = (line for line in lines if "FATAL" in line)
+    assert not started and parameter in line and message in line
+
+
+def source_with(parameter):
+    """What a camera needs to start without a device, beside this parameter."""
+    return {} if parameter in ("source", "video_device") else {"source": "synthetic"}
 
 
 def tried(manager, name, kind, values):

@@ -70,8 +70,8 @@ def test_100_loads_and_unloads_under_traffic(manager, kind):
         assert manager.unload("/cycled"), cycle
         assert manager.process.running(), manager.process.output()
         used.append(memory(manager.process))
-    # Frames on their way make single readings differ by some MiB, and now and then a thread gets an
-    # arena of glibc's. What leaks shows in every ten cycles: with a 640x480 frame per cycle 9 MiB.
+    # Frames on their way make single readings differ, and the heap grows now and then, as
+    # its free parts are too small. A leak is in every ten cycles: of a 640x480 frame each, 9 MiB.
     growth = np.median(np.subtract(used[10:], used[:-10]))
     assert growth < 1.0, f"{growth:.1f} MiB in 10 cycles: {np.round(used, 1)}"
     assert manager.loaded() == {"/source"}
