@@ -1,7 +1,5 @@
 #include "calibration.hpp"
 
-#include <camera_calibration_parsers/parse_ini.h>
-#include <camera_calibration_parsers/parse_yml.h>
 #include <pwd.h>
 #include <ros/package.h>
 #include <unistd.h>
@@ -12,7 +10,6 @@
 #include <cstdlib>
 #include <filesystem>
 #include <limits>
-#include <sstream>
 #include <stdexcept>
 
 #include "bounded_reading.hpp"
@@ -213,15 +210,12 @@ void Calibration::set(const sensor_msgs::CameraInfo& info)
 void Calibration::save(const sensor_msgs::CameraInfo& info) const
 {
   const std::filesystem::path path(path_);
-  const bool ini = formatOf(path_) == CalibrationFormat::kIni;
-  if (!ini && path.extension() != ".yaml" && path.extension() != ".yml")
+  if (path.extension() != ".ini" && path.extension() != ".yaml" && path.extension() != ".yml")
     throw std::runtime_error(path_ + ": the name must end in .yaml, .yml or .ini");
-  std::ostringstream text;
-  const bool written = ini ? camera_calibration_parsers::writeCalibrationIni(text, camera_name_, info)
-                           : camera_calibration_parsers::writeCalibrationYml(text, camera_name_, info);
-  if (!written) throw std::runtime_error(path_ + ": this format cannot hold the calibration, .yaml can");
+  const std::string text = calibrationText(info, formatOf(path_), camera_name_);
+  if (text.empty()) throw std::runtime_error(path_ + ": this format cannot hold the calibration, .yaml can");
   std::filesystem::create_directories(path.parent_path());
-  replaceFile(path_, text.str());
+  replaceFile(path_, text);
 }
 
 bool Calibration::onSet(sensor_msgs::SetCameraInfo::Request& request, sensor_msgs::SetCameraInfo::Response& response)

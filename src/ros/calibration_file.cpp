@@ -34,4 +34,21 @@ sensor_msgs::CameraInfo parseCalibration(const std::string& text, CalibrationFor
   throw std::runtime_error(none);
 }
 
+std::string calibrationText(const sensor_msgs::CameraInfo& info, CalibrationFormat format,
+                            const std::string& camera_name)
+try
+{
+  std::ostringstream text;
+  const bool written = format == CalibrationFormat::kIni
+                           ? camera_calibration_parsers::writeCalibrationIni(text, camera_name, info)
+                           : camera_calibration_parsers::writeCalibrationYml(text, camera_name, info);
+  std::string of_camera;
+  const bool read = written && parseCalibration(text.str(), format, of_camera).width == info.width;
+  return read && of_camera == camera_name ? text.str() : "";
+}
+catch (const std::runtime_error&)
+{
+  return "";
+}
+
 }  // namespace robot_vision

@@ -18,4 +18,8 @@ enum class CalibrationFormat
 /// not looked at.
 sensor_msgs::CameraInfo parseCalibration(const std::string& text, CalibrationFormat format, std::string& camera_name);
 
+/// The text of such a file; empty if it could not be read again, as the INI that camera_calibration_parsers writes.
+std::string calibrationText(const sensor_msgs::CameraInfo& info, CalibrationFormat format,
+                            const std::string& camera_name);
+
 }  // namespace robot_vision
