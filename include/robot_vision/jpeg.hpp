@@ -8,6 +8,9 @@
 namespace robot_vision
 {
 
+/// Whether the bytes begin as a JPEG stream.
+bool isJpeg(const unsigned char* data, std::size_t size);
+
 /// True if the bytes are a JPEG stream with a picture, from its start-of-image to its end-of-image marker (ITU-T T.81,
 /// annex B). Decoders that fill the missing part of a truncated stream with grey do not tell.
 bool isCompleteJpeg(const unsigned char* data, std::size_t size);
@@ -50,6 +53,9 @@ void validateReduction(int reduction);
 /// leaves no more than those few bytes over, cannot be noticed. Throws std::invalid_argument if the stream is
 /// truncated, damaged, too large or of more scans than any picture needs.
 void decodeJpeg(const unsigned char* data, std::size_t size, JpegPixels pixels, cv::Mat& out, int reduction = 1);
+
+/// Throws as decodeJpeg does, whatever the stream's colours are, CMYK too: for decoders that print what is wrong.
+void requireSoundJpeg(const unsigned char* data, std::size_t size);
 
 struct JpegParams
 {

@@ -187,7 +187,7 @@ std::string decompress(const std::string& format, const unsigned char* data, std
   validateReduction(reduction);
   const Label label = readLabel(format);
   const bool png = isPng(data, size);
-  const bool jpeg = size > 2 && data[0] == 0xFF && data[1] == 0xD8;
+  const bool jpeg = isJpeg(data, size);
   if ((!png && !jpeg) || (png && label.jpeg) || (jpeg && label.png))
     throw std::invalid_argument("format is '" + printable(format) + "', its " + std::to_string(size) + " bytes are " +
                                 (png    ? "PNG"

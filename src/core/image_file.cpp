@@ -23,6 +23,7 @@ cv::Mat decodeImageFile(const unsigned char* data, std::size_t size, int flags)
   try
   {
     if (isPng(data, size)) return cv::imdecode(withoutNotes(data, size), flags);
+    if (isJpeg(data, size)) requireSoundJpeg(data, size);
     const cv::Mat bytes(1, static_cast<int>(size), CV_8UC1, const_cast<unsigned char*>(data));
     return cv::imdecode(bytes, flags);
   }

@@ -110,6 +110,11 @@ std::vector<std::uint8_t> makeStandardTables()
 
 }  // namespace
 
+bool isJpeg(const unsigned char* data, std::size_t size)
+{
+  return size > 2 && data[0] == 0xFF && data[1] == kStartOfImage;
+}
+
 bool isCompleteJpeg(const unsigned char* data, std::size_t size)
 {
   return readStructure(data, size).complete;

@@ -149,6 +149,12 @@ bool hasAllScans(const jpeg_decompress_struct& info)
   return true;
 }
 
+void finish(Decompression& picture, jpeg_decompress_struct& info)
+{
+  if (!hasAllScans(info)) picture.refuse("is damaged: some of its scans are missing");
+  picture.run([&info] { jpeg_finish_decompress(&info); });
+}
+
 void readRows(jpeg_decompress_struct& info, cv::Mat& out)
 {
   std::array<JSAMPROW, 16> rows;
@@ -230,8 +236,16 @@ void decodeJpeg(const unsigned char* data, std::size_t size, JpegPixels pixels, 
     picture.run([&info, &out, &below] { readLuma(info, out, below); });
   else
     picture.run([&info, &out] { readRows(info, out); });
-  if (!hasAllScans(info)) picture.refuse("is damaged: some of its scans are missing");
-  picture.run([&info] { jpeg_finish_decompress(&info); });
+  finish(picture, info);
+}
+
+void requireSoundJpeg(const unsigned char* data, std::size_t size)
+{
+  Decompression picture(size);
+  jpeg_decompress_struct& info = picture.readHeader(data);
+  requireSize(picture, info.image_width, info.image_height);
+  picture.run([&info] { jpeg_read_coefficients(&info); });
+  finish(picture, info);
 }
 
 }  // namespace robot_vision

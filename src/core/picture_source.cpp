@@ -68,8 +68,8 @@ cv::Mat decodeFile(const std::string& path, int flags)
 {
   const std::vector<char> bytes = bytesOf(path);
   const auto* data = reinterpret_cast<const unsigned char*>(bytes.data());
-  const bool jpeg = bytes.size() > 2 && data[0] == 0xFF && data[1] == 0xD8;
-  if (jpeg && !isCompleteJpeg(data, bytes.size())) throw SourceError(path + ": the JPEG is damaged or truncated");
+  if (isJpeg(data, bytes.size()) && !isCompleteJpeg(data, bytes.size()))
+    throw SourceError(path + ": the JPEG is damaged or truncated");
   cv::Mat picture;
   try
   {

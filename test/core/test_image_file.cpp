@@ -133,6 +133,23 @@ TEST(ImageFile, isFoundBehindWhatIsRarelyThere)
     EXPECT_EQ(decodeImageFile(file.data(), file.size(), cv::IMREAD_COLOR).size(), kSize);
 }
 
+TEST(ImageFile, thatIsADamagedJpegIsRefusedInSilence)
+{
+  const Bytes whole = encoded(".jpg", noise({64, 48}, CV_8UC3));
+  Bytes gap = whole, damaged = whole;
+  const Bytes rubbish(200, 0x55), marker = {0xFF, 0xD2};
+  gap.insert(gap.end() - 2, rubbish.begin(), rubbish.end());
+  std::copy(marker.begin(), marker.end(), damaged.begin() + static_cast<std::ptrdiff_t>(damaged.size() / 2));
+  const Bytes half(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(whole.size() / 2));
+  testing::internal::CaptureStderr();
+  for (const Bytes& file : {gap, damaged, half})
+  {
+    const std::string why = refusal([&file = file] { decodeImageFile(file.data(), file.size(), cv::IMREAD_COLOR); });
+    EXPECT_EQ(why.find("JPEG of " + std::to_string(file.size()) + " bytes cannot be decoded: "), 0u) << why;
+  }
+  EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
+}
+
 TEST(ImageFile, thatIsNoneIsEmpty)
 {
   for (const std::string& text : {"", "P", "P5", "P5 3", "P7", "BM", "II*", "RIFF", "no image", "\x89PNG"})
