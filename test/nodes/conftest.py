@@ -52,9 +52,23 @@ def subscriptions_end():
         messages.close()
 
 
+def forget(node):
+    """Has the master forget an ended node, which a parameter that its log asked for keeps known.
+
+    Another program may get its port, and the master would shut that down with the next node of this
+    name.
+    """
+    import rosgraph
+
+    master = rosgraph.Master(node)
+    with contextlib.suppress(rosgraph.MasterException):
+        master.unsubscribeParam(master.lookupNode(node), "/rosout_disable_topics_generation")
+
+
 @contextlib.contextmanager
 def starting(folder, request):
     """What the fixtures start and start_once give; ends what they have started."""
+    import rosgraph
     import rospy
 
     before = set(rospy.get_param_names())
@@ -72,11 +86,16 @@ def starting(folder, request):
         return process
 
     yield start_process
+    nodes = {
+        node for kind in rosgraph.Master("/test").getSystemState() for _, by in kind for node in by
+    }
     for process in processes:  # all, before one is waited for
         process.interrupt()
     for process in processes:
         process.end()
         print(f"{process}:\n{process.output()[-4000:]}")  # shown of tests that fail
+    for node in nodes:
+        forget(node)
     for name in {name.split("/")[1] for name in set(rospy.get_param_names()) - before}:
         rospy.delete_param("/" + name)  # with all below it: maps would leave their empty shells
 
