@@ -7,6 +7,7 @@ import os
 import pathlib
 import random
 import select
+import shutil
 import signal
 import socket
 import subprocess
@@ -178,6 +179,24 @@ class Process:
         with contextlib.suppress(ProcessLookupError):
             os.killpg(self._popen.pid, signal.SIGKILL)
         self._popen.wait()
+
+
+class Master:
+    """A master of its own, which can end and be started again in the same place."""
+
+    def __init__(self, start: Callable[..., Process]):
+        self._start = start
+        self.port = free_port()
+        self.env = {"ROS_MASTER_URI": f"http://127.0.0.1:{self.port}"}
+        self.api = rosgraph.Master("/test", self.env["ROS_MASTER_URI"])
+        self.begin()
+
+    def begin(self) -> None:
+        self.process = self._start(shutil.which("rosmaster"), "--core", "-p", self.port)
+        wait_for(lambda: rosgraph.is_master_online(self.env["ROS_MASTER_URI"]), "a master")
+
+    def end(self) -> None:
+        self.process.end()
 
 
 class PythonStarter:

@@ -12,7 +12,6 @@ import time
 import cv2
 import numpy as np
 import pytest
-import rosgraph
 import rospy
 import support
 import tf2_msgs.msg
@@ -236,13 +235,12 @@ def test_truncated_video_plays_what_there_is_and_exits_1(start, half_a_video):
 
 
 def test_a_video_ends_with_its_code_while_the_master_stands_still(start, half_a_video):
-    uri = f"http://127.0.0.1:{support.free_port()}"
-    master = start("/usr/bin/rosmaster", "--core", "-p", uri.rsplit(":", 1)[1])
+    master = support.Master(start)
     arguments = [f"_source:={half_a_video}", "_framerate:=1", "_always_subscribe:=true"]
-    process = start("camera_node", *arguments, env={"ROS_MASTER_URI": uri})
-    with support.service_of(rosgraph.Master("/test", uri), "/camera/save_parameters") as service:
+    process = start("camera_node", *arguments, env=master.env)
+    with support.service_of(master.api, "/camera/save_parameters") as service:
         rospy.ServiceProxy(service, Trigger)()  # which it answers when it has started
-    with support.standing_still(master):
+    with support.standing_still(master.process):
         assert process.exit_code() == 1, process.output()
     assert f"{half_a_video}: truncated or damaged, only" in process.output()
 

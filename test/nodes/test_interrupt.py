@@ -10,7 +10,6 @@ import time
 import xmlrpc.client
 
 import pytest
-import rosgraph
 import rospy
 import support
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
@@ -214,12 +213,10 @@ def test_in_the_middle_of_a_search(start):
 
 @pytest.mark.parametrize("node", NODES)
 def test_after_the_master_has_gone(start, node):
-    uri = f"http://127.0.0.1:{support.free_port()}"
-    master = start("/usr/bin/rosmaster", "--core", "-p", uri.rsplit(":", 1)[1])
-    process = start(node, "__name:=orphan", "_source:=synthetic", env={"ROS_MASTER_URI": uri})
-    lookup = rosgraph.Master("/test", uri)
+    master = support.Master(start)
+    process = start(node, "__name:=orphan", "_source:=synthetic", env=master.env)
     support.wait_for(
-        lambda: support.has_service(lookup, "/orphan/set_parameters"), "the node's services"
+        lambda: support.has_service(master.api, "/orphan/set_parameters"), "the node's services"
     )
     master.end()
     process.interrupt()
@@ -228,17 +225,14 @@ def test_after_the_master_has_gone(start, node):
 
 @pytest.mark.parametrize("node", NODES)
 def test_in_a_callback_that_the_master_does_not_answer(start, node):
-    port = support.free_port()
-    env = {"ROS_MASTER_URI": f"http://127.0.0.1:{port}"}
-    master = start("/usr/bin/rosmaster", "--core", "-p", port)
-    process = start(node, "__name:=stuck", "_source:=synthetic", env=env)
-    lookup = rosgraph.Master("/test", env["ROS_MASTER_URI"])
-    with support.service_of(lookup, "/stuck/save_parameters") as service:
+    master = support.Master(start)
+    process = start(node, "__name:=stuck", "_source:=synthetic", env=master.env)
+    with support.service_of(master.api, "/stuck/save_parameters") as service:
         assert "config_file" in rospy.ServiceProxy(service, Trigger)().message
         master.end()
         # In its place one that never answers what the service asks of it.
         with socket.create_server(
-            ("127.0.0.1", port)
+            ("127.0.0.1", master.port)
         ) as mute, contextlib.ExitStack() as connections:
             mute.settimeout(support.DEADLINE)
             with concurrent.futures.ThreadPoolExecutor() as pool:
@@ -253,13 +247,11 @@ def test_in_a_callback_that_the_master_does_not_answer(start, node):
 
 @pytest.mark.parametrize("node", NODES)
 def test_told_to_shut_down_while_the_master_stands_still(start, node):
-    uri = f"http://127.0.0.1:{support.free_port()}"
-    master = start("/usr/bin/rosmaster", "--core", "-p", uri.rsplit(":", 1)[1])
-    process = start(node, "__name:=node", "_source:=synthetic", env={"ROS_MASTER_URI": uri})
-    lookup = rosgraph.Master("/test", uri)
-    with support.service_of(lookup, "/node/save_parameters") as service:
+    master = support.Master(start)
+    process = start(node, "__name:=node", "_source:=synthetic", env=master.env)
+    with support.service_of(master.api, "/node/save_parameters") as service:
         rospy.ServiceProxy(service, Trigger)()  # which it answers when it has started
-    address = lookup.lookupNode("/node")
-    with support.standing_still(master):
+    address = master.api.lookupNode("/node")
+    with support.standing_still(master.process):
         xmlrpc.client.ServerProxy(address).shutdown("/test", "as rosnode kill does")
         assert process.exit_code() == 0, process.output()

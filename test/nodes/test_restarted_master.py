@@ -1,9 +1,6 @@
 """A master that dies and comes back, knowing nothing: nodes and nodelets are there again."""
 
-import shutil
-
 import pytest
-import rosgraph
 import rospy
 import support
 from std_srvs.srv import Trigger
@@ -32,24 +29,6 @@ print("saved", rospy.ServiceProxy(node + "/save_parameters", Trigger)().message)
 CAMERA = {"source": "synthetic", "image_width": 160, "image_height": 120}
 
 
-class Master:
-    """A master of its own, which can end and be started again in the same place."""
-
-    def __init__(self, start):
-        self._start = start
-        self._port = support.free_port()
-        self.env = {"ROS_MASTER_URI": f"http://127.0.0.1:{self._port}"}
-        self.api = rosgraph.Master("/test", self.env["ROS_MASTER_URI"])
-        self.begin()
-
-    def begin(self):
-        self._process = self._start(shutil.which("rosmaster"), "--core", "-p", self._port)
-        support.wait_for(lambda: rosgraph.is_master_online(self.env["ROS_MASTER_URI"]), "a master")
-
-    def end(self):
-        self._process.end()
-
-
 @pytest.mark.parametrize(
     "node, key, nodelets",
     [
@@ -59,7 +38,7 @@ class Master:
     ],
 )
 def test_nodes_register_again(start, tmp_path, node, key, nodelets):
-    master = Master(start)
+    master = support.Master(start)
     name = "/" + ("edge_detector" if nodelets else node.replace("_node", "").replace(".py", ""))
     for parameter, value in CAMERA.items():
         master.api.setParam("/camera/" + parameter, value)
@@ -96,7 +75,7 @@ def test_nodes_register_again(start, tmp_path, node, key, nodelets):
 
 @pytest.mark.parametrize("node", ["edge_detector_node", "hsv_tracker.py"])
 def test_a_node_that_has_taken_the_name_meanwhile_keeps_it(start, node):
-    master = Master(start)
+    master = support.Master(start)
     service = "/name/save_parameters"
     first = start(node, "__name:=name", "_misspelt:=1", env=master.env)
     wait_until_started(first, master.api, service)
