@@ -15,6 +15,7 @@ from typing import Iterator, Optional, Tuple
 MAX_TEXT = 1 << 20  # bytes, of a file of parameters
 MAX_IMAGE = 256 << 20  # bytes, of an image file
 CHUNK = 1 << 20  # bytes that are read at a time
+ROS_HOME_NEEDED = "ROS_HOME names a folder that this user may write to"
 
 
 @contextlib.contextmanager

@@ -24,6 +24,7 @@ from sensor_msgs.msg import CameraInfo
 from std_msgs.msg import Header
 
 from . import _transport
+from .files import ROS_HOME_NEEDED
 from .plain_text import printable, told
 from .registration import keep_registered
 from .throttle import Throttle
@@ -233,8 +234,7 @@ class _Process:
         try:
             self.runtime = _transport.Runtime(node + "_images", options, node, uri)
         except RuntimeError as error:  # of a user for whom no folder can be made
-            needed = "ROS_HOME names a folder that this user may write to"
-            raise ValueError(f"{error}; {needed}") from None
+            raise ValueError(f"{error}; {ROS_HOME_NEEDED}") from None
         keep_registered()
         self._stopped = False
         # Both are changed in single steps only, which the GIL makes atomic.

@@ -17,6 +17,7 @@ from rosgraph.roslogging import RosStreamHandler
 from rospy.client import load_command_line_node_params
 
 from ..commands import end_process
+from ..files import ROS_HOME_NEEDED
 from ..plain_text import printable, told
 from ..registration import AWAY, keep_registered
 
@@ -127,8 +128,7 @@ def _init_node(name: str) -> None:
     try:
         rospy.init_node(name, disable_signals=True)
     except PermissionError as error:
-        needed = "ROS_HOME names a folder that this user may write to"
-        raise ValueError(f"{error.filename}: {error.strerror}; {needed}") from None
+        raise ValueError(f"{error.filename}: {error.strerror}; {ROS_HOME_NEEDED}") from None
 
 
 def _wait_for_master(name: str) -> None:
