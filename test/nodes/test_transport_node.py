@@ -176,40 +176,31 @@ def test_a_node_that_is_killed_and_respawned(start, tmp_path):
 
 
 def test_a_master_that_is_restarted(start, run):
-    port = support.free_port()
-    env = {"ROS_MASTER_URI": f"http://127.0.0.1:{port}"}
-
-    def start_master():
-        process = start(shutil.which("rosmaster"), "--core", "-p", port)
-        support.wait_for(lambda: rosgraph.is_master_online(env["ROS_MASTER_URI"]), "the master")
-        return process
-
     def frames_come(of, name):
         count = of.output().count(name)
         support.wait_for(lambda: of.output().count(name) > count, name)
 
     camera = ["_source:=synthetic", "_image_width:=160", "_image_height:=120"]
-    master = start_master()
-    start("camera_node", "__name:=camera", "~image_raw:=/image", *camera, env=env)
-    echo = run(ECHO, env=env)
+    master = support.Master(start)
+    start("camera_node", "__name:=camera", "~image_raw:=/image", *camera, env=master.env)
+    echo = run(ECHO, env=master.env)
     frames_come(echo, "image")
     master.end()
     frames_come(echo, "image")
-    start_master()
-    lookup = rosgraph.Master("/test", env["ROS_MASTER_URI"])
-    support.wait_for(lambda: "/late" in dict(lookup.getSystemState()[1]), "the subscription")
-    start("camera_node", "__name:=late", "~image_raw:=/late", *camera, env=env)
+    master.begin()
+    support.wait_for(lambda: "/late" in dict(master.api.getSystemState()[1]), "the subscription")
+    start("camera_node", "__name:=late", "~image_raw:=/late", *camera, env=master.env)
     frames_come(echo, "late")
-    second = run(ECHO, "__name:=second", "image:=/echo/out", env=env)
+    second = run(ECHO, "__name:=second", "image:=/echo/out", env=master.env)
     frames_come(second, "image")
     frames_come(echo, "image")
-    services = dict(lookup.getSystemState()[2])
+    services = dict(master.api.getSystemState()[2])
     assert services["/echo/pause"] == ["/echo"]
-    assert "/echo" in dict(lookup.getSystemState()[0])["/rosout"]
+    assert "/echo" in dict(master.api.getSystemState()[0])["/rosout"]
     for process in (echo, second):
         process.interrupt()
         assert process.exit_code() == 0, process.output()
-    assert "_images" not in str(lookup.getSystemState())
+    assert "_images" not in str(master.api.getSystemState())
 
 
 CYCLE = f"""
