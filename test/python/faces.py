@@ -36,7 +36,7 @@ def frame(number: int, kind: str = "moved") -> Tuple[np.ndarray, Box]:
     if kind == "blurred":
         image = cv2.GaussianBlur(image, (0, 0), 1.6 + 1.5 * wave)
     light = 0.35 + 0.3 * wave if kind == "darkened" else 1.0
-    noise = np.random.default_rng(number).normal(0.0, 3.0, image.shape)
+    noise = 3.0 * np.random.default_rng(number).standard_normal(image.shape, np.float32)
     image = np.clip(light * image + noise, 0, 255).astype(np.uint8)
     side = scale * SIDE
     return image, (x - side / 2, y - side / 2, side, side)

@@ -10,7 +10,7 @@ import skimage.data
 import robot_vision as rv
 
 RATE = 30.0  # Hz
-FRAMES = 450
+FRAMES = 300
 SIZE = (640, 480)
 
 
@@ -210,7 +210,7 @@ def test_things_of_the_synthetic_scene(poster):
     scene = rv.Scene(rv.SceneParams(), photograph(poster) if poster else None)
     trackers = {name: rv.ObjectTracker() for name in ("poster", "box")}
     overlaps, seen = {name: [] for name in trackers}, {name: [] for name in trackers}
-    for number in range(600):
+    for number in range(400):
         things = {thing.name: thing for thing in scene.truth(number).objects}
         image = scene.render(number)
         for name, tracker in trackers.items():
