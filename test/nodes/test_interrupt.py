@@ -2,10 +2,14 @@
 
 import concurrent.futures
 import contextlib
+import hashlib
+import itertools
+import os
 import pathlib
 import random
 import signal
 import socket
+import threading
 import time
 import xmlrpc.client
 
@@ -18,6 +22,7 @@ from std_srvs.srv import Trigger
 
 from robot_vision.commands import INTERRUPTED
 from robot_vision.msg import TagDetectionArray
+from robot_vision.nodes import startup
 
 NODES = ["camera_node", "brightness_node", "edge_detector_node"]
 PYTHON_NODES = ["hsv_tracker.py", "ball_tracker.py", "line_follower.py"]
@@ -179,6 +184,48 @@ def test_python_node_that_holds_a_lock_which_its_shutdown_needs(start, tmp_path,
     process.interrupt()
     assert process.exit_code() == 0, process.output()
     assert ("did not end within 2 s" in process.output()) == stuck
+
+
+def test_a_node_that_has_no_core_to_run_on_is_not_stuck(monkeypatch):
+    monkeypatch.setattr(startup, "SHUTDOWN_GRACE", 0.0)
+    ends = threading.Event()
+    thread = threading.Thread(target=ends.wait)
+    thread.start()
+    assert startup.is_stuck(thread, lambda: 5.0)
+    waits = itertools.count()
+
+    def waited():
+        count = next(waits)
+        if count == 3:
+            ends.set()
+        return 1000.0 * count
+
+    assert not startup.is_stuck(thread, waited)
+    thread.join()
+
+
+def test_the_time_without_a_core_is_the_kernel_s():
+    """Two threads that compute on one core wait for each other."""
+    cores = os.sched_getaffinity(0)
+    done, read = threading.Semaphore(0), threading.Event()
+
+    def compute():
+        hashlib.pbkdf2_hmac("sha256", b"", b"", 500_000)  # lets other threads run
+        done.release()
+        read.wait()  # the kernel forgets what a thread has waited when it ends
+
+    os.sched_setaffinity(0, {min(cores)})
+    try:
+        threads = [threading.Thread(target=compute) for _ in range(2)]
+        before = startup.waited_for_cores()
+        for thread in threads:
+            thread.start()
+        for _ in threads:
+            done.acquire()
+        assert startup.waited_for_cores() - before > 0.01
+    finally:
+        read.set()
+        os.sched_setaffinity(0, cores)
 
 
 @pytest.mark.parametrize("node", NODES)

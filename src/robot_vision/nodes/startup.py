@@ -1,5 +1,7 @@
 """How a node starts and ends."""
 
+import contextlib
+import glob
 import inspect
 import logging
 import os
@@ -22,7 +24,8 @@ from ..plain_text import printable, told
 from ..registration import AWAY, keep_registered
 
 SIGNALS = (signal.SIGINT, signal.SIGTERM)
-SHUTDOWN_GRACE = 2.0  # s that a node has to end by itself after a signal
+SHUTDOWN_GRACE = 2.0  # s that a node has to end by itself after a signal, of those it could run in
+LONGEST_GRACE = 10.0  # s, however busy the machine is
 USAGE = """usage: rosrun robot_vision {program} [TOPIC:=OTHER ...] [_PARAMETER:=VALUE ...]
 
 {module}
@@ -148,6 +151,32 @@ def _wait_for_master(name: str) -> None:
             time.sleep(0.1)
 
 
+def is_stuck(thread: threading.Thread, waited: Callable[[], float]) -> bool:
+    """Waits until `thread` has ended, or had SHUTDOWN_GRACE for it, not counting what was `waited`.
+
+    On a busy machine seconds go by in which the process has no core to run on.
+    """
+    begin, before = time.monotonic(), waited()
+    while thread.is_alive():
+        grace = min(SHUTDOWN_GRACE + max(waited() - before, 0.0), LONGEST_GRACE)
+        if time.monotonic() - begin >= grace:
+            return True
+        thread.join(0.1)
+    return False
+
+
+def waited_for_cores() -> float:
+    """s for which threads of this process were ready to run and had no core, in sum.
+
+    The second number of /proc/PID/task/TID/schedstat, in ns; 0 where the kernel does not count it.
+    """
+    waited = 0
+    for path in glob.glob("/proc/self/task/*/schedstat"):
+        with contextlib.suppress(OSError), open(path) as file:  # the thread may have ended
+            waited += int(file.read().split()[1])
+    return waited * 1e-9
+
+
 def _shut_down_on_signals() -> None:
     """From now on a signal shuts the node down; the process ends even if the node is stuck."""
     reader, writer = os.pipe()
@@ -163,8 +192,7 @@ def _shut_down_on_signals() -> None:
         # rospy closes sockets that threads of its own wait for.
         threading.excepthook = lambda _: None
         threading.Thread(target=rospy.signal_shutdown, args=("signal",), daemon=True).start()
-        threading.main_thread().join(SHUTDOWN_GRACE)
-        if threading.main_thread().is_alive():
+        if is_stuck(threading.main_thread(), waited_for_cores):
             print(f"did not end within {SHUTDOWN_GRACE:g} s of a signal", file=sys.stderr)
             os._exit(0)
 
