@@ -172,7 +172,8 @@ def waited_for_cores() -> float:
     """
     waited = 0
     for path in glob.glob("/proc/self/task/*/schedstat"):
-        with contextlib.suppress(OSError), open(path) as file:  # the thread may have ended
+        # The thread may have ended; and whatever a kernel writes there, the node is to end.
+        with contextlib.suppress(OSError, ValueError, IndexError), open(path) as file:
             waited += int(file.read().split()[1])
     return waited * 1e-9
 
