@@ -69,14 +69,17 @@ class Robot:
         support.wait_for(driven, "driving after a jump of the time")
 
     def wait_until_driven(self):
-        """Frames go out until the follower sees them, and the robot stands meanwhile."""
+        """Frames go out until the follower drives on them, and the robot stands meanwhile.
 
-        def answered():
+        It may see frames before it hears of the time, by which they are of the future.
+        """
+
+        def driven():
             self.tick()
             self.publish_frame()
-            return self.lines.received
+            return self.lines.received and any(c.linear.x > 0 for c in self.commands.received)
 
-        support.wait_for(answered, "the first line")
+        support.wait_for(driven, "the first line and a command to drive")
 
     def newest_line(self):
         """What was seen in the newest frame, whose command may come before it."""
