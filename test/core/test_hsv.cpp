@@ -1,7 +1,6 @@
 #include <gtest/gtest.h>
 
 #include <array>
-
 #include <opencv2/imgproc.hpp>
 
 #include "hsv_ranges.hpp"
@@ -146,12 +145,12 @@ TEST(HsvMask, equalsOpenCvForEverySaturation)
     for (int j = 0; j < 256; ++j)
       bgr(i, j) = cv::Vec3b(static_cast<std::uint8_t>(i), static_cast<std::uint8_t>(j), static_cast<std::uint8_t>(j));
   const cv::Mat hsv = toHsvPicture(bgr);
+  constexpr std::array<int, 3> kLowValues = {0, 1, 60};  // each with each kind of upper limit, in turn
   for (int low = 0; low < 256; ++low)
     for (int i = 0; i < 3; ++i)
     {
-      const int high = std::array<int, 3>{low, std::min(low + 40, 255), 255}[i];
-      const int v_low = std::array<int, 3>{0, 1, 60}[(low + i) % 3];
-      const HsvRange range = hsvRange({0, low, v_low}, {180, high, 255});
+      const std::array<int, 3> highs = {low, std::min(low + 40, 255), 255};
+      const HsvRange range = hsvRange({0, low, kLowValues[(low + i) % 3]}, {180, highs[i], 255});
       EXPECT_TRUE(equal(maskOf(bgr, "bgr8", range), byOpenCv(hsv, range))) << text(range);
     }
 }

@@ -2,10 +2,9 @@
 
 #include <gtest/gtest.h>
 
-#include <optional>
-
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
+#include <optional>
 
 #include "core/changed_pixels.hpp"
 #include "core/gauss_rows.hpp"

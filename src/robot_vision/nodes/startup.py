@@ -151,14 +151,14 @@ def _wait_for_master(name: str) -> None:
             time.sleep(0.1)
 
 
-def is_stuck(thread: threading.Thread, waited: Callable[[], float]) -> bool:
-    """Waits until `thread` has ended, or had SHUTDOWN_GRACE for it, not counting what was `waited`.
+def is_stuck(thread: threading.Thread) -> bool:
+    """Waits until `thread` has ended, or had SHUTDOWN_GRACE for it.
 
-    On a busy machine seconds go by in which the process has no core to run on.
+    Without the seconds that go by on a busy machine while this process has no core to run on.
     """
-    begin, before = time.monotonic(), waited()
+    begin, before = time.monotonic(), waited_for_cores()
     while thread.is_alive():
-        grace = min(SHUTDOWN_GRACE + max(waited() - before, 0.0), LONGEST_GRACE)
+        grace = min(SHUTDOWN_GRACE + max(waited_for_cores() - before, 0.0), LONGEST_GRACE)
         if time.monotonic() - begin >= grace:
             return True
         thread.join(0.1)
@@ -193,7 +193,7 @@ def _shut_down_on_signals() -> None:
         # rospy closes sockets that threads of its own wait for.
         threading.excepthook = lambda _: None
         threading.Thread(target=rospy.signal_shutdown, args=("signal",), daemon=True).start()
-        if is_stuck(threading.main_thread(), waited_for_cores):
+        if is_stuck(threading.main_thread()):
             print(f"did not end within {SHUTDOWN_GRACE:g} s of a signal", file=sys.stderr)
             os._exit(0)
 
