@@ -1,10 +1,10 @@
-#include "robot_vision/ball.hpp"
+#include "robot_vision/ball/ball.hpp"
 
 #include <pybind11/stl.h>
 
 #include "arrays.hpp"
 #include "leave_gil.hpp"
-#include "robot_vision/ball_tracker.hpp"
+#include "robot_vision/ball/ball_tracker.hpp"
 
 using namespace robot_vision;
 using namespace py::literals;

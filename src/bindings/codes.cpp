@@ -2,7 +2,7 @@
 
 #include "arrays.hpp"
 #include "leave_gil.hpp"
-#include "robot_vision/code_reader.hpp"
+#include "robot_vision/codes/code_reader.hpp"
 
 using namespace robot_vision;
 using namespace py::literals;

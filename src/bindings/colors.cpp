@@ -4,8 +4,8 @@
 
 #include "arrays.hpp"
 #include "leave_gil.hpp"
-#include "robot_vision/hsv.hpp"
-#include "robot_vision/regions.hpp"
+#include "robot_vision/color/hsv.hpp"
+#include "robot_vision/segmentation/regions.hpp"
 
 using namespace robot_vision;
 using namespace py::literals;

@@ -2,7 +2,7 @@
 
 #include "arrays.hpp"
 #include "leave_gil.hpp"
-#include "robot_vision/face_detector.hpp"
+#include "robot_vision/faces/face_detector.hpp"
 
 using namespace robot_vision;
 using namespace py::literals;

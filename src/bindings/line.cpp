@@ -1,4 +1,4 @@
-#include "robot_vision/line.hpp"
+#include "robot_vision/line/line.hpp"
 
 #include "arrays.hpp"
 #include "leave_gil.hpp"

@@ -1,4 +1,4 @@
-#include "robot_vision/motion.hpp"
+#include "robot_vision/motion/motion.hpp"
 
 #include <pybind11/stl.h>
 

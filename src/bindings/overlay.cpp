@@ -1,5 +1,5 @@
-#include "robot_vision/overlay.hpp"
-#include "robot_vision/encoding.hpp"
+#include "robot_vision/image/overlay.hpp"
+#include "robot_vision/image/encoding.hpp"
 
 #include <pybind11/stl.h>
 

@@ -1,4 +1,4 @@
-#include "robot_vision/scene.hpp"
+#include "robot_vision/scene/scene.hpp"
 
 #include <pybind11/stl.h>
 
@@ -10,8 +10,8 @@
 
 #include "arrays.hpp"
 #include "leave_gil.hpp"
-#include "robot_vision/calibration_scene.hpp"
-#include "robot_vision/floor_scene.hpp"
+#include "robot_vision/scene/calibration_scene.hpp"
+#include "robot_vision/scene/floor_scene.hpp"
 
 using namespace robot_vision;
 using namespace py::literals;

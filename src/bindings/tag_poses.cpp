@@ -5,10 +5,10 @@
 
 #include "arrays.hpp"
 #include "leave_gil.hpp"
-#include "robot_vision/bent_edges.hpp"
-#include "robot_vision/measured_corners.hpp"
-#include "robot_vision/tag_pose.hpp"
-#include "robot_vision/tag_pose_tracker.hpp"
+#include "robot_vision/tags/pose/bent_edges.hpp"
+#include "robot_vision/tags/pose/measured_corners.hpp"
+#include "robot_vision/tags/pose/tag_pose.hpp"
+#include "robot_vision/tags/pose/tag_pose_tracker.hpp"
 
 using namespace robot_vision;
 using namespace py::literals;

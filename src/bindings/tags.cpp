@@ -2,8 +2,8 @@
 
 #include "arrays.hpp"
 #include "leave_gil.hpp"
-#include "robot_vision/tag_detector.hpp"
-#include "robot_vision/tag_families.hpp"
+#include "robot_vision/tags/detection/tag_detector.hpp"
+#include "robot_vision/tags/detection/tag_families.hpp"
 
 using namespace robot_vision;
 using namespace py::literals;

@@ -5,8 +5,8 @@
 
 #include "arrays.hpp"
 #include "leave_gil.hpp"
-#include "ros/image_runtime.hpp"
-#include "ros/save_params.hpp"
+#include "ros/images/image_runtime.hpp"
+#include "ros/params/save_params.hpp"
 
 namespace
 {

@@ -3,9 +3,9 @@
 #include <string>
 #include <vector>
 
-#include "core/camera_report.hpp"
-#include "core/v4l2_cameras.hpp"
-#include "robot_vision/frame_source.hpp"
+#include "core/camera/camera_report.hpp"
+#include "core/camera/v4l2_cameras.hpp"
+#include "robot_vision/camera/frame_source.hpp"
 
 namespace
 {

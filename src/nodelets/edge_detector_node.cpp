@@ -1,5 +1,5 @@
 #include "factories.hpp"
-#include "ros/run_nodelet.hpp"
+#include "ros/images/run_nodelet.hpp"
 
 namespace
 {

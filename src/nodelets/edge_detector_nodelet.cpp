@@ -4,8 +4,8 @@
 #include <pluginlib/class_list_macros.hpp>
 
 #include "factories.hpp"
-#include "robot_vision/edges.hpp"
-#include "ros/filter_nodelet.hpp"
+#include "robot_vision/edges/edges.hpp"
+#include "ros/images/filter_nodelet.hpp"
 
 namespace robot_vision
 {

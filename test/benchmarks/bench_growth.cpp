@@ -9,9 +9,9 @@
 #include <memory>
 
 #include "measure.hpp"
-#include "robot_vision/face_detector.hpp"
-#include "robot_vision/hsv.hpp"
-#include "robot_vision/regions.hpp"
+#include "robot_vision/color/hsv.hpp"
+#include "robot_vision/faces/face_detector.hpp"
+#include "robot_vision/segmentation/regions.hpp"
 
 namespace
 {

@@ -16,7 +16,7 @@
 
 #include "moving_messages.hpp"
 #include "nodelets/factories.hpp"
-#include "robot_vision/edges.hpp"
+#include "robot_vision/edges/edges.hpp"
 
 namespace
 {

@@ -12,7 +12,7 @@
 #include <iostream>
 #include <sstream>
 
-#include "core/kernels/kernels.hpp"
+#include "core/simd/kernels.hpp"
 #include "kernels/contests.hpp"
 #include "measure.hpp"
 

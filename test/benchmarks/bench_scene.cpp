@@ -6,7 +6,7 @@
 #include <cstdlib>
 #include <vector>
 
-#include "robot_vision/scene.hpp"
+#include "robot_vision/scene/scene.hpp"
 
 namespace
 {

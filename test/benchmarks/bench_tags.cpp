@@ -21,9 +21,9 @@
 
 #include "../core/tag_pictures.hpp"
 #include "measure.hpp"
-#include "robot_vision/bent_edges.hpp"
-#include "robot_vision/measured_corners.hpp"
-#include "robot_vision/tag_detector.hpp"
+#include "robot_vision/tags/detection/tag_detector.hpp"
+#include "robot_vision/tags/pose/bent_edges.hpp"
+#include "robot_vision/tags/pose/measured_corners.hpp"
 
 namespace
 {

@@ -8,9 +8,9 @@
 #include <cstring>
 #include <thread>
 
-#include "core/v4l2_offers.hpp"
-#include "robot_vision/frame_source.hpp"
-#include "robot_vision/monotonic.hpp"
+#include "core/camera/v4l2_offers.hpp"
+#include "robot_vision/camera/frame_source.hpp"
+#include "robot_vision/common/monotonic.hpp"
 
 namespace robot_vision
 {

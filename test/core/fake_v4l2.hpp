@@ -12,7 +12,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/v4l2_device.hpp"
+#include "core/camera/v4l2_device.hpp"
 
 namespace robot_vision
 {

@@ -3,7 +3,7 @@
 #include <functional>
 #include <limits>
 
-#include "robot_vision/tag_detector.hpp"
+#include "robot_vision/tags/detection/tag_detector.hpp"
 #include "tag_pictures.hpp"
 
 /// The largest distance of two corners that are the same.

@@ -4,7 +4,7 @@
 #include <sstream>
 #include <string>
 
-#include "robot_vision/hsv.hpp"
+#include "robot_vision/color/hsv.hpp"
 
 inline robot_vision::HsvRange hsvRange(const cv::Vec3i& low, const cv::Vec3i& high)
 {

@@ -8,7 +8,7 @@
 #include <iterator>
 #include <string>
 
-#include "core/kernels/kernels.hpp"
+#include "core/simd/kernels.hpp"
 
 namespace
 {

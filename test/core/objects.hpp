@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <opencv2/imgproc.hpp>
 
-#include "robot_vision/object_tracker.hpp"
+#include "robot_vision/tracking/object_tracker.hpp"
 
 inline const cv::Size kPicture(320, 240);
 inline constexpr double kPeriod = 1.0 / 30.0;  // s

@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "robot_vision/encoding.hpp"
+#include "robot_vision/image/encoding.hpp"
 
 /// Random pixels; each row is followed by `row_padding` others that do not belong to the picture.
 inline cv::Mat noise(cv::Size size, int type, int row_padding = 0)

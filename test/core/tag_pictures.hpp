@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "robot_vision/tag_families.hpp"
+#include "robot_vision/tags/detection/tag_families.hpp"
 
 /// Where a tag is in a picture: the corners that are found, as those of robot_vision::Tag.
 using TagCorners = std::array<cv::Point2d, 4>;

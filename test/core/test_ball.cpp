@@ -4,7 +4,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "refusal.hpp"
-#include "robot_vision/ball.hpp"
+#include "robot_vision/ball/ball.hpp"
 
 using namespace robot_vision;
 

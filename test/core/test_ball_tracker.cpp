@@ -4,7 +4,7 @@
 #include <limits>
 
 #include "refusal.hpp"
-#include "robot_vision/ball_tracker.hpp"
+#include "robot_vision/ball/ball_tracker.hpp"
 
 using namespace robot_vision;
 

@@ -1,4 +1,4 @@
-#include "core/blurred_cells.hpp"
+#include "core/tags/pose/blurred_cells.hpp"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 #include <functional>
 #include <vector>
 
-#include "robot_vision/tag_families.hpp"
+#include "robot_vision/tags/detection/tag_families.hpp"
 
 using namespace robot_vision;
 

@@ -5,8 +5,8 @@
 
 #include "pictures.hpp"
 #include "refusal.hpp"
-#include "robot_vision/brightness.hpp"
-#include "robot_vision/encoding.hpp"
+#include "robot_vision/filters/brightness.hpp"
+#include "robot_vision/image/encoding.hpp"
 
 using namespace robot_vision;
 

@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "ros/calibration_file.hpp"
+#include "ros/camera/calibration_file.hpp"
 
 using namespace robot_vision;
 

@@ -1,4 +1,4 @@
-#include "robot_vision/calibration_scene.hpp"
+#include "robot_vision/scene/calibration_scene.hpp"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "refusal.hpp"
-#include "robot_vision/frame_source.hpp"
+#include "robot_vision/camera/frame_source.hpp"
 
 using namespace robot_vision;
 

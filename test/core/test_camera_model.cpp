@@ -4,7 +4,7 @@
 #include <opencv2/calib3d.hpp>
 
 #include "refusal.hpp"
-#include "robot_vision/camera_model.hpp"
+#include "robot_vision/geometry/camera_model.hpp"
 
 using namespace robot_vision;
 

@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "core/camera_report.hpp"
+#include "core/camera/camera_report.hpp"
 #include "fake_v4l2.hpp"
 
 using namespace robot_vision;

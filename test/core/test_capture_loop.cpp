@@ -14,9 +14,9 @@
 #include <thread>
 #include <vector>
 
-#include "core/v4l2_source.hpp"
+#include "core/camera/capture_loop.hpp"
+#include "core/camera/v4l2_source.hpp"
 #include "fake_v4l2.hpp"
-#include "ros/capture_loop.hpp"
 #include "temp_folder.hpp"
 
 using namespace robot_vision;

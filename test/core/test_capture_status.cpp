@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "ros/capture_status.hpp"
+#include "ros/camera/capture_status.hpp"
 
 using namespace robot_vision;
 

@@ -1,4 +1,4 @@
-#include "robot_vision/code_reader.hpp"
+#include "robot_vision/codes/code_reader.hpp"
 
 #include <gtest/gtest.h>
 
@@ -9,7 +9,7 @@
 
 #include "pictures.hpp"
 #include "refusal.hpp"
-#include "robot_vision/scene.hpp"
+#include "robot_vision/scene/scene.hpp"
 
 using namespace robot_vision;
 

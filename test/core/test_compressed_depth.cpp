@@ -7,7 +7,7 @@
 
 #include "pictures.hpp"
 #include "refusal.hpp"
-#include "robot_vision/compressed_depth.hpp"
+#include "robot_vision/codecs/compressed_depth.hpp"
 
 using namespace robot_vision;
 

@@ -2,7 +2,7 @@
 
 #include <limits>
 
-#include "ros/control_messages.hpp"
+#include "ros/camera/control_messages.hpp"
 
 using namespace robot_vision;
 

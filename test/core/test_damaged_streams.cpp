@@ -4,9 +4,9 @@
 #include <random>
 
 #include "pictures.hpp"
-#include "robot_vision/compressed_depth.hpp"
-#include "robot_vision/compressed_picture.hpp"
-#include "robot_vision/theora.hpp"
+#include "robot_vision/codecs/compressed_depth.hpp"
+#include "robot_vision/codecs/compressed_picture.hpp"
+#include "robot_vision/codecs/theora.hpp"
 
 using namespace robot_vision;
 

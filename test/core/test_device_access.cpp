@@ -7,9 +7,9 @@
 
 #include <cerrno>
 
-#include "core/device_access.hpp"
-#include "core/v4l2_device.hpp"
-#include "robot_vision/frame_source.hpp"
+#include "core/camera/device_access.hpp"
+#include "core/camera/v4l2_device.hpp"
+#include "robot_vision/camera/frame_source.hpp"
 
 using namespace robot_vision;
 

@@ -4,11 +4,11 @@
 #include <numeric>
 #include <opencv2/imgproc.hpp>
 
-#include "core/kernels/kernels.hpp"
+#include "core/simd/kernels.hpp"
 #include "pictures.hpp"
 #include "refusal.hpp"
-#include "robot_vision/edges.hpp"
-#include "robot_vision/encoding.hpp"
+#include "robot_vision/edges/edges.hpp"
+#include "robot_vision/image/encoding.hpp"
 
 using namespace robot_vision;
 

@@ -5,7 +5,7 @@
 
 #include "pictures.hpp"
 #include "refusal.hpp"
-#include "robot_vision/encoding.hpp"
+#include "robot_vision/image/encoding.hpp"
 
 using namespace robot_vision;
 

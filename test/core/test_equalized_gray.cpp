@@ -2,9 +2,9 @@
 
 #include <opencv2/imgproc.hpp>
 
-#include "core/equalized_gray.hpp"
+#include "core/image/equalized_gray.hpp"
 #include "pictures.hpp"
-#include "robot_vision/encoding.hpp"
+#include "robot_vision/image/encoding.hpp"
 #include "thread_counts.hpp"
 
 using namespace robot_vision;

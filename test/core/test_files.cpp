@@ -10,10 +10,10 @@
 #include <utility>
 #include <vector>
 
-#include "core/regular_file.hpp"
-#include "ros/bounded_yaml.hpp"
-#include "ros/replace_file.hpp"
-#include "ros/save_params.hpp"
+#include "core/common/regular_file.hpp"
+#include "core/common/replace_file.hpp"
+#include "ros/params/bounded_yaml.hpp"
+#include "ros/params/save_params.hpp"
 #include "temp_folder.hpp"
 
 using namespace robot_vision;

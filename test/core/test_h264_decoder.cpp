@@ -2,8 +2,8 @@
 
 #include <opencv2/imgproc.hpp>
 
-#include "core/h264_decoder.hpp"
-#include "core/v4l2_source.hpp"
+#include "core/camera/h264_decoder.hpp"
+#include "core/camera/v4l2_source.hpp"
 #include "fake_v4l2.hpp"
 #include "h264_stream.hpp"
 #include "pictures.hpp"

@@ -5,8 +5,8 @@
 
 #include "hsv_ranges.hpp"
 #include "pictures.hpp"
-#include "robot_vision/encoding.hpp"
-#include "robot_vision/hsv.hpp"
+#include "robot_vision/color/hsv.hpp"
+#include "robot_vision/image/encoding.hpp"
 
 using namespace robot_vision;
 

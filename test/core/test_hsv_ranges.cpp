@@ -4,7 +4,7 @@
 
 #include <cstdlib>
 
-#include "core/hsv_tests.hpp"
+#include "core/color/hsv_tests.hpp"
 #include "hsv_ranges.hpp"
 #include "refusal.hpp"
 

@@ -4,11 +4,11 @@
 #include <opencv2/imgcodecs.hpp>
 #include <string>
 
-#include "core/image_header.hpp"
+#include "core/codecs/image_header.hpp"
 #include "pictures.hpp"
 #include "refusal.hpp"
-#include "robot_vision/image_file.hpp"
-#include "robot_vision/printable.hpp"
+#include "robot_vision/codecs/image_file.hpp"
+#include "robot_vision/common/printable.hpp"
 
 using namespace robot_vision;
 

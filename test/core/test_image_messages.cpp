@@ -7,8 +7,8 @@
 #include <algorithm>
 #include <numeric>
 
-#include "ros/bounded_reading.hpp"
-#include "ros/image_message.hpp"
+#include "ros/images/bounded_reading.hpp"
+#include "ros/images/image_message.hpp"
 
 using namespace robot_vision;
 

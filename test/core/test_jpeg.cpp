@@ -11,7 +11,7 @@
 
 #include "pictures.hpp"
 #include "refusal.hpp"
-#include "robot_vision/jpeg.hpp"
+#include "robot_vision/image/jpeg.hpp"
 
 using namespace robot_vision;
 

@@ -6,7 +6,7 @@
 
 #include "pictures.hpp"
 #include "refusal.hpp"
-#include "robot_vision/line.hpp"
+#include "robot_vision/line/line.hpp"
 
 using namespace robot_vision;
 

@@ -1,4 +1,4 @@
-#include "robot_vision/measured_corners.hpp"
+#include "robot_vision/tags/pose/measured_corners.hpp"
 
 #include <gtest/gtest.h>
 

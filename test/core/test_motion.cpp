@@ -1,4 +1,4 @@
-#include "robot_vision/motion.hpp"
+#include "robot_vision/motion/motion.hpp"
 
 #include <gtest/gtest.h>
 
@@ -6,11 +6,11 @@
 #include <opencv2/imgproc.hpp>
 #include <optional>
 
-#include "core/changed_pixels.hpp"
-#include "core/gauss_rows.hpp"
+#include "core/image/gauss_rows.hpp"
+#include "core/motion/changed_pixels.hpp"
 #include "pictures.hpp"
 #include "refusal.hpp"
-#include "robot_vision/encoding.hpp"
+#include "robot_vision/image/encoding.hpp"
 #include "thread_counts.hpp"
 
 using namespace robot_vision;

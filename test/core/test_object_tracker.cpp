@@ -1,4 +1,4 @@
-#include "robot_vision/object_tracker.hpp"
+#include "robot_vision/tracking/object_tracker.hpp"
 
 #include <gtest/gtest.h>
 

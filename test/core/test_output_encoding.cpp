@@ -2,10 +2,10 @@
 
 #include <tuple>
 
-#include "core/v4l2_format.hpp"
+#include "core/camera/output_encoding.hpp"
+#include "core/camera/v4l2_format.hpp"
 #include "refusal.hpp"
-#include "robot_vision/encoding.hpp"
-#include "ros/output_encoding.hpp"
+#include "robot_vision/image/encoding.hpp"
 
 using namespace robot_vision;
 

@@ -4,7 +4,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "pictures.hpp"
-#include "robot_vision/overlay.hpp"
+#include "robot_vision/image/overlay.hpp"
 
 using namespace robot_vision;
 

@@ -1,4 +1,4 @@
-#include "core/pattern_fit.hpp"
+#include "core/tags/pose/pattern_fit.hpp"
 
 #include <gtest/gtest.h>
 

@@ -5,9 +5,9 @@
 #include <string>
 #include <tuple>
 
-#include "core/png.hpp"
+#include "core/codecs/png.hpp"
 #include "pictures.hpp"
-#include "robot_vision/image_file.hpp"
+#include "robot_vision/codecs/image_file.hpp"
 
 using namespace robot_vision;
 

@@ -5,7 +5,7 @@
 
 #include "pictures.hpp"
 #include "refusal.hpp"
-#include "robot_vision/regions.hpp"
+#include "robot_vision/segmentation/regions.hpp"
 
 using namespace robot_vision;
 

@@ -2,11 +2,11 @@
 
 #include <opencv2/imgproc.hpp>
 
-#include "core/gray_weights.hpp"
-#include "core/kernels/kernels.hpp"
-#include "core/row_conversions.hpp"
+#include "core/image/gray_weights.hpp"
+#include "core/image/row_conversions.hpp"
+#include "core/simd/kernels.hpp"
 #include "pictures.hpp"
-#include "robot_vision/encoding.hpp"
+#include "robot_vision/image/encoding.hpp"
 #include "thread_counts.hpp"
 
 using namespace robot_vision;

@@ -8,7 +8,7 @@
 #include <random>
 #include <vector>
 
-#include "core/kernels/kernels.hpp"
+#include "core/simd/kernels.hpp"
 
 using namespace robot_vision;
 

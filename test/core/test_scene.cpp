@@ -1,4 +1,4 @@
-#include "robot_vision/scene.hpp"
+#include "robot_vision/scene/scene.hpp"
 
 #include <gtest/gtest.h>
 

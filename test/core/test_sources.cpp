@@ -7,10 +7,10 @@
 #include <opencv2/imgproc.hpp>
 #include <opencv2/videoio.hpp>
 
-#include "core/picture_source.hpp"
+#include "core/camera/picture_source.hpp"
 #include "pictures.hpp"
 #include "refusal.hpp"
-#include "robot_vision/frame_source.hpp"
+#include "robot_vision/camera/frame_source.hpp"
 #include "temp_folder.hpp"
 
 using namespace robot_vision;

@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "ros/steady_stamps.hpp"
+#include "ros/camera/steady_stamps.hpp"
 
 using namespace robot_vision;
 

@@ -10,11 +10,11 @@
 #include <stdexcept>
 #include <thread>
 
-#include "core/tag_searches.hpp"
+#include "core/tags/detection/tag_searches.hpp"
 #include "found_tags.hpp"
 #include "pictures.hpp"
 #include "refusal.hpp"
-#include "robot_vision/tag_detector.hpp"
+#include "robot_vision/tags/detection/tag_detector.hpp"
 
 using namespace robot_vision;
 

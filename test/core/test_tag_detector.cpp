@@ -1,4 +1,4 @@
-#include "robot_vision/tag_detector.hpp"
+#include "robot_vision/tags/detection/tag_detector.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,12 +1,12 @@
-#include "robot_vision/tag_families.hpp"
+#include "robot_vision/tags/detection/tag_families.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cstdlib>
 #include <set>
 
-#include "core/tag_dictionary.hpp"
-#include "core/tag_library.hpp"
+#include "core/tags/detection/tag_dictionary.hpp"
+#include "core/tags/detection/tag_library.hpp"
 #include "pictures.hpp"
 #include "refusal.hpp"
 

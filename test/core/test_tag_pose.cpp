@@ -5,8 +5,8 @@
 #include <opencv2/calib3d.hpp>
 
 #include "refusal.hpp"
-#include "robot_vision/tag_pose.hpp"
-#include "robot_vision/tag_pose_tracker.hpp"
+#include "robot_vision/tags/pose/tag_pose.hpp"
+#include "robot_vision/tags/pose/tag_pose_tracker.hpp"
 
 using namespace robot_vision;
 

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <array>
 
-#include "core/theora_setup.hpp"
+#include "core/codecs/theora_setup.hpp"
 #include "pictures.hpp"
 #include "refusal.hpp"
-#include "robot_vision/theora.hpp"
+#include "robot_vision/codecs/theora.hpp"
 
 using namespace robot_vision;
 

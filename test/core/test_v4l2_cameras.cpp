@@ -5,10 +5,10 @@
 #include <fstream>
 #include <map>
 
-#include "core/camera_report.hpp"
-#include "core/v4l2_cameras.hpp"
+#include "core/camera/camera_report.hpp"
+#include "core/camera/v4l2_cameras.hpp"
 #include "fake_v4l2.hpp"
-#include "robot_vision/frame_source.hpp"
+#include "robot_vision/camera/frame_source.hpp"
 #include "temp_folder.hpp"
 
 using namespace robot_vision;

@@ -4,10 +4,10 @@
 #include <cerrno>
 #include <limits>
 
-#include "core/v4l2_controls.hpp"
-#include "core/v4l2_source.hpp"
+#include "core/camera/v4l2_controls.hpp"
+#include "core/camera/v4l2_source.hpp"
 #include "fake_v4l2.hpp"
-#include "robot_vision/frame_source.hpp"
+#include "robot_vision/camera/frame_source.hpp"
 
 using namespace robot_vision;
 

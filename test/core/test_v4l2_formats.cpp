@@ -2,10 +2,10 @@
 
 #include <opencv2/imgproc.hpp>
 
-#include "core/v4l2_source.hpp"
+#include "core/camera/v4l2_source.hpp"
 #include "fake_v4l2.hpp"
 #include "pictures.hpp"
-#include "robot_vision/encoding.hpp"
+#include "robot_vision/image/encoding.hpp"
 
 using namespace robot_vision;
 

@@ -3,7 +3,7 @@
 #include <cerrno>
 #include <limits>
 
-#include "core/v4l2_source.hpp"
+#include "core/camera/v4l2_source.hpp"
 #include "fake_v4l2.hpp"
 
 using namespace robot_vision;

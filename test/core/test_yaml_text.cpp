@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "ros/yaml_text.hpp"
+#include "ros/params/yaml_text.hpp"
 
 using namespace robot_vision;
 

@@ -12,15 +12,15 @@
 #include <iostream>
 #include <memory>
 
-#include "robot_vision/compressed_depth.hpp"
-#include "robot_vision/compressed_picture.hpp"
-#include "robot_vision/edges.hpp"
-#include "robot_vision/image_file.hpp"
-#include "robot_vision/theora.hpp"
-#include "ros/bounded_reading.hpp"
-#include "ros/calibration_file.hpp"
-#include "ros/image_message.hpp"
-#include "transports/theora_packet.hpp"
+#include "robot_vision/codecs/compressed_depth.hpp"
+#include "robot_vision/codecs/compressed_picture.hpp"
+#include "robot_vision/codecs/image_file.hpp"
+#include "robot_vision/codecs/theora.hpp"
+#include "robot_vision/edges/edges.hpp"
+#include "ros/camera/calibration_file.hpp"
+#include "ros/images/bounded_reading.hpp"
+#include "ros/images/image_message.hpp"
+#include "ros/transports/plugins/theora_packet.hpp"
 
 using namespace robot_vision;
 

@@ -15,11 +15,11 @@
 #include <thread>
 
 #include "../core/refusal.hpp"
-#include "robot_vision/jpeg.hpp"
-#include "ros/camera_outputs.hpp"
-#include "ros/newest_worker.hpp"
+#include "robot_vision/image/jpeg.hpp"
+#include "ros/camera/camera_outputs.hpp"
+#include "ros/images/newest_worker.hpp"
+#include "ros/transports/plugins/transport_publisher.hpp"
 #include "run_tests.hpp"
-#include "transports/transport_publisher.hpp"
 
 using namespace robot_vision;
 

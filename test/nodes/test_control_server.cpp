@@ -9,9 +9,9 @@
 #include <thread>
 
 #include "../core/fake_v4l2.hpp"
-#include "core/v4l2_source.hpp"
-#include "ros/control_params.hpp"
-#include "ros/control_server.hpp"
+#include "core/camera/v4l2_source.hpp"
+#include "ros/camera/control_params.hpp"
+#include "ros/camera/control_server.hpp"
 #include "run_tests.hpp"
 
 using namespace robot_vision;

@@ -11,12 +11,12 @@
 #include <thread>
 
 #include "nodelets/factories.hpp"
-#include "robot_vision/brightness.hpp"
-#include "robot_vision/edges.hpp"
-#include "robot_vision/encoding.hpp"
-#include "ros/filter_nodelet.hpp"
-#include "ros/image_message.hpp"
-#include "ros/image_pipe.hpp"
+#include "robot_vision/edges/edges.hpp"
+#include "robot_vision/filters/brightness.hpp"
+#include "robot_vision/image/encoding.hpp"
+#include "ros/images/filter_nodelet.hpp"
+#include "ros/images/image_message.hpp"
+#include "ros/images/image_pipe.hpp"
 #include "run_tests.hpp"
 
 using namespace robot_vision;

@@ -10,10 +10,10 @@
 #include <stdexcept>
 #include <string>
 
-#include "core/v4l2_format.hpp"
-#include "robot_vision/encoding.hpp"
-#include "robot_vision/frame_source.hpp"
-#include "ros/output_encoding.hpp"
+#include "core/camera/output_encoding.hpp"
+#include "core/camera/v4l2_format.hpp"
+#include "robot_vision/camera/frame_source.hpp"
+#include "robot_vision/image/encoding.hpp"
 
 namespace
 {

@@ -1,4 +1,4 @@
-#include "robot_vision/brightness.hpp"
+#include "robot_vision/filters/brightness.hpp"
 
 #include <cstring>
 #include <memory>

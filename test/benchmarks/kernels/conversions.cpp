@@ -2,8 +2,8 @@
 #include <opencv2/imgproc.hpp>
 
 #include "contests.hpp"
-#include "core/equalized_gray.hpp"
-#include "robot_vision/encoding.hpp"
+#include "core/image/equalized_gray.hpp"
+#include "robot_vision/image/encoding.hpp"
 
 namespace bench
 {

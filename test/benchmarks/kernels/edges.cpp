@@ -1,4 +1,4 @@
-#include "robot_vision/edges.hpp"
+#include "robot_vision/edges/edges.hpp"
 
 #include <memory>
 #include <opencv2/imgproc.hpp>

@@ -1,10 +1,10 @@
-#include "robot_vision/hsv.hpp"
+#include "robot_vision/color/hsv.hpp"
 
 #include <memory>
 #include <opencv2/imgproc.hpp>
 
 #include "contests.hpp"
-#include "robot_vision/regions.hpp"
+#include "robot_vision/segmentation/regions.hpp"
 
 namespace bench
 {

@@ -1,4 +1,4 @@
-#include "robot_vision/jpeg.hpp"
+#include "robot_vision/image/jpeg.hpp"
 
 #include <memory>
 #include <opencv2/imgcodecs.hpp>

@@ -2,7 +2,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "contests.hpp"
-#include "core/changed_pixels.hpp"
+#include "core/motion/changed_pixels.hpp"
 
 namespace bench
 {

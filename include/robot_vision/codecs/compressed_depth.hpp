@@ -1,0 +1,36 @@
+#pragma once
+
+#include <cstddef>
+#include <opencv2/core.hpp>
+#include <string>
+
+#include "compressed_picture.hpp"
+
+namespace robot_vision
+{
+
+struct DepthCompressionParams
+{
+  double depth_max = 10.0;            // m, 1 to 100: what is farther is lost
+  double depth_quantization = 100.0;  // m, 1 to 150: where 32FC1 is coded in steps of 1 m; nearer they are finer
+  int png_level = 1;                  // zlib's: 1 (fast) to 9 (small)
+};
+
+/// Throws std::invalid_argument naming the first parameter out of range, its value and the range.
+void validate(const DepthCompressionParams& params);
+
+/// Whether pictures of this encoding hold depths: 16UC1 and mono16 (mm), 32FC1 (m).
+bool isDepth(const std::string& encoding);
+
+/// Compresses a depth picture as compressed_depth_image_transport does: a header of 12 bytes, then a PNG of 16 bits
+/// with the millimetres, or with the inverse depth of 32FC1. No depth (0, NaN, infinite or negative) stays none; what
+/// is nearer than the code reaches (0.15 m by default) becomes that. Throws std::invalid_argument for another encoding,
+/// or pixels that are not of it.
+void compressDepth(const cv::Mat& image, const std::string& encoding, const DepthCompressionParams& params,
+                   CompressedPicture& out);
+
+/// Decompresses into `image`, no depth as 0 in 16 bits and NaN in 32FC1, and returns its encoding.
+/// Throws std::invalid_argument if the data is damaged, too large or not what `format` says.
+std::string decompressDepth(const std::string& format, const unsigned char* data, std::size_t size, cv::Mat& image);
+
+}  // namespace robot_vision

@@ -1,0 +1,115 @@
+#include "robot_vision/ball/ball_tracker.hpp"
+
+#include <cmath>
+
+#include "robot_vision/common/range.hpp"
+
+namespace robot_vision
+{
+namespace
+{
+
+double square(double value)
+{
+  return value * value;
+}
+
+}  // namespace
+
+void validate(const BallTrackerParams& params)
+{
+  require(params.process_noise > 0.0 && params.process_noise <= 1e6, "process_noise", params.process_noise,
+          "above 0 and up to 1e+06");
+  requireRange("measurement_noise", params.measurement_noise, 0.01, 100.0);
+  requireRange("radius_noise", params.radius_noise, 0.0, 1e4);
+  requireRange("initial_speed", params.initial_speed, 0.0, 1e6);
+  requireRange("max_prediction", params.max_prediction, 0.0, 60.0);
+  requireRange("gate", params.gate, 1.0, 100.0);
+}
+
+BallTracker::BallTracker(const BallTrackerParams& params) : params_(params)
+{
+  validate(params);
+}
+
+std::optional<BallState> BallTracker::update(double time_s, const std::optional<BallMeasurement>& measured)
+{
+  requireFinite("time_s", time_s);
+  if (measured)
+  {
+    requireFinite("center.x", measured->center.x);
+    requireFinite("center.y", measured->center.y);
+    require(measured->radius >= 0.0 && std::isfinite(measured->radius), "radius", measured->radius, "at least 0 (px)");
+  }
+  if (time_s < time_ || time_s - measured_ > params_.max_prediction) tracking_ = false;
+  if (!tracking_ && !measured) return std::nullopt;
+
+  bool found = true;
+  if (!tracking_)
+    start(time_s, *measured);
+  else
+  {
+    advance(time_s);
+    found = measured && correct(*measured);
+  }
+  if (found) measured_ = time_s;
+  return BallState{{state_[0], state_[1]}, {state_[2], state_[3]}, radius_, !found, covariance_};
+}
+
+std::optional<BallState> BallTracker::predict(double time_s) const
+{
+  return BallTracker(*this).update(time_s, std::nullopt);
+}
+
+void BallTracker::start(double time_s, const BallMeasurement& measured)
+{
+  const double position = square(params_.measurement_noise), velocity = square(params_.initial_speed);
+  tracking_ = true;
+  time_ = time_s;
+  state_ = {measured.center.x, measured.center.y, 0.0, 0.0};
+  covariance_ = cv::Matx44d::diag({position, position, velocity, velocity});
+  radius_ = measured.radius;
+  radius_variance_ = position;
+}
+
+void BallTracker::advance(double time_s)
+{
+  const double t = time_s - time_, density = square(params_.process_noise);
+  const double q11 = density * t * t * t / 3.0, q12 = density * t * t / 2.0, q22 = density * t;
+  const cv::Matx44d transition(1, 0, t, 0,  //
+                               0, 1, 0, t,  //
+                               0, 0, 1, 0,  //
+                               0, 0, 0, 1);
+  const cv::Matx44d disturbance(q11, 0, q12, 0,  //
+                                0, q11, 0, q12,  //
+                                q12, 0, q22, 0,  //
+                                0, q12, 0, q22);
+  time_ = time_s;
+  state_ = transition * state_;
+  covariance_ = transition * covariance_ * transition.t() + disturbance;
+  radius_variance_ += square(params_.radius_noise) * t;
+}
+
+bool BallTracker::correct(const BallMeasurement& measured)
+{
+  const double noise = square(params_.measurement_noise);
+  const cv::Matx<double, 2, 4> seen(1, 0, 0, 0,  //
+                                    0, 1, 0, 0);
+  const cv::Vec2d surprise(measured.center.x - state_[0], measured.center.y - state_[1]);
+  const cv::Matx22d spread = seen * covariance_ * seen.t() + noise * cv::Matx22d::eye();
+  const cv::Matx22d weight = spread.inv();
+  if (surprise.dot(weight * surprise) > square(params_.gate)) return false;
+
+  const cv::Matx<double, 4, 2> gain = covariance_ * seen.t() * weight;
+  // Joseph's form: stays symmetric and positive whatever the rounding.
+  const cv::Matx44d rest = cv::Matx44d::eye() - gain * seen;
+  state_ += gain * surprise;
+  covariance_ = rest * covariance_ * rest.t() + noise * (gain * gain.t());
+
+  const double radius_gain = radius_variance_ / (radius_variance_ + noise);
+  radius_ += radius_gain * (measured.radius - radius_);
+  radius_variance_ *= 1.0 - radius_gain;
+  return true;
+}
+
+}  // namespace robot_vision

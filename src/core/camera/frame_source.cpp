@@ -1,0 +1,167 @@
+#include "robot_vision/camera/frame_source.hpp"
+
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cstdlib>
+#include <filesystem>
+
+#include "picture_source.hpp"
+#include "robot_vision/common/range.hpp"
+#include "scene_source.hpp"
+#include "v4l2_cameras.hpp"
+#include "v4l2_format.hpp"
+#include "v4l2_source.hpp"
+#include "video_source.hpp"
+
+namespace robot_vision
+{
+namespace
+{
+
+constexpr int kMostLinks = 40;  // one after another, as the kernel has it
+
+bool startsWith(const std::string& text, const std::string& start)
+{
+  return text.compare(0, start.size(), start) == 0;
+}
+
+/// A path, or a name that ends as those of files do: .mp4, .3gp, .jpeg.
+bool looksLikeFile(const std::string& name)
+{
+  const auto is_alnum = [](unsigned char c) { return std::isalnum(c) != 0; };
+  const auto is_alpha = [](unsigned char c) { return std::isalpha(c) != 0; };
+  const std::size_t dot = name.rfind('.');
+  if (name.find('/') != std::string::npos) return true;
+  if (dot == std::string::npos) return false;
+  const std::string ending = name.substr(dot + 1);
+  return ending.size() >= 2 && ending.size() <= 4 && std::all_of(ending.begin(), ending.end(), is_alnum) &&
+         std::any_of(ending.begin(), ending.end(), is_alpha);
+}
+
+/// Where links lead to, also if there is nothing: those to a camera outlive its unplugging.
+std::filesystem::path followLinks(std::filesystem::path path)
+{
+  std::error_code error;
+  for (int i = 0; i < kMostLinks && std::filesystem::is_symlink(path, error); ++i)
+    path = path.parent_path() / std::filesystem::read_symlink(path, error);
+  return path.lexically_normal();
+}
+
+/// What may be a camera's, once it is there: /dev/shm is memory for files.
+bool namesDevice(const std::string& path)
+{
+  return startsWith(path, "/dev/") && !startsWith(path, "/dev/shm/");
+}
+
+SourceKind kindOfMissing(const std::string& source)
+{
+  if (namesDevice(followLinks(source).string())) return SourceKind::kDevice;
+  if (source.find_first_of("*?[") != std::string::npos) return SourceKind::kPictures;
+  return looksLikeFile(source) ? SourceKind::kVideo : SourceKind::kDevice;
+}
+
+/// Where a relative path was looked for: a node's folder is seldom the one that its user sees.
+std::string lookedIn(const std::string& path)
+{
+  char* folder = path.front() == '/' ? nullptr : getcwd(nullptr, 0);
+  const std::string text = folder == nullptr ? "" : std::string(" in ") + folder;
+  std::free(folder);
+  return text;
+}
+
+/// What the scene can draw, under the names that a camera's user knows.
+void validateScene(const CaptureParams& params)
+{
+  requireRange("image_width", params.image_width, 64, 4096);
+  requireRange("image_height", params.image_height, 64, 4096);
+  require(params.image_width <= 3 * params.image_height && params.image_height <= 3 * params.image_width, "image_width",
+          params.image_width, "from a third to three times image_height, " + toText(params.image_height));
+}
+
+/// A name may be another device's each time.
+std::unique_ptr<FrameSource> openCamera(const std::string& name, const CaptureParams& params)
+{
+  const FoundCamera found = findV4l2Camera(name);
+  return std::make_unique<V4l2Source>(openV4l2Device(found.path), params, found.warning);
+}
+
+std::unique_ptr<FrameSource> openVideoFile(const std::string& path)
+{
+  struct stat info;
+  if (stat(path.c_str(), &info) != 0) throw SourceError(path + ": no such file or folder" + lookedIn(path));
+  if (!S_ISREG(info.st_mode)) throw SourceError(path + " cannot be read: it is no file");  // a pipe would wait
+  if (info.st_size == 0) throw SourceError(path + ": the file is empty");
+  return std::make_unique<VideoSource>(path);
+}
+
+}  // namespace
+
+void validate(const CaptureParams& params)
+{
+  requireRange("image_width", params.image_width, 16, 8192);
+  requireRange("image_height", params.image_height, 16, 8192);
+  if (params.source == "synthetic") validateScene(params);
+  requireRange("framerate", params.framerate, 0.0, 1000.0);
+  requireRange("timeout", params.timeout, 0.1, 3600.0);
+  const std::string& format = params.pixel_format;
+  require(findV4l2Format(format) != nullptr, "pixel_format", "'" + format + "'", v4l2FormatNames());
+  const std::string& io = params.io_method;
+  require(io == "mmap" || io == "read" || io == "userptr", "io_method", "'" + io + "'", "mmap, read or userptr");
+  require(params.scene == "room" || params.scene == "calibration", "scene", "'" + params.scene + "'",
+          "room or calibration");
+  require(!params.source.empty() || !params.video_device.empty(), "video_device", "''",
+          "a device such as /dev/video0, or its name");
+}
+
+double wantedRate(const CaptureParams& params)
+{
+  return params.framerate > 0.0 ? params.framerate : kDefaultRate;
+}
+
+std::string sourceName(const CaptureParams& params)
+{
+  const std::string& source = params.source.empty() ? params.video_device : params.source;
+  return startsWith(source, "file://") ? source.substr(7) : source;
+}
+
+SourceKind sourceKind(const CaptureParams& params)
+{
+  if (params.kind) return *params.kind;
+  const std::string source = sourceName(params);
+  if (source == "synthetic") return SourceKind::kSynthetic;
+  if (source.find("://") != std::string::npos) return SourceKind::kUrl;
+  struct stat info;
+  if (stat(source.c_str(), &info) != 0) return params.source.empty() ? SourceKind::kDevice : kindOfMissing(source);
+  if (S_ISCHR(info.st_mode)) return SourceKind::kDevice;
+  return S_ISDIR(info.st_mode) || isPictureFile(source) ? SourceKind::kPictures : SourceKind::kVideo;
+}
+
+bool mayComeLater(SourceKind kind)
+{
+  return kind == SourceKind::kDevice || kind == SourceKind::kUrl;
+}
+
+std::unique_ptr<FrameSource> openSource(const CaptureParams& params)
+{
+  validate(params);
+  const std::string source = sourceName(params);
+  switch (sourceKind(params))
+  {
+    case SourceKind::kSynthetic:
+      return openScene(params);
+    case SourceKind::kDevice:
+      return openCamera(source, params);
+    case SourceKind::kUrl:
+      return std::make_unique<VideoSource>(source);
+    case SourceKind::kPictures:
+      return std::make_unique<PictureSource>(source);
+    case SourceKind::kVideo:
+      break;
+  }
+  return openVideoFile(source);
+}
+
+}  // namespace robot_vision

@@ -1,0 +1,24 @@
+#include "output_encoding.hpp"
+
+#include "robot_vision/common/range.hpp"
+#include "robot_vision/image/encoding.hpp"
+
+namespace robot_vision
+{
+
+void validateOutputEncoding(const std::string& wanted)
+{
+  for (const char* value : {"auto", "bgr8", "rgb8", "mono8", "native"})
+    if (wanted == value) return;
+  require(false, "output_encoding", "'" + wanted + "'", "auto, bgr8, rgb8, mono8 or native");
+}
+
+std::string outputEncoding(const std::string& wanted, const std::string& given)
+{
+  if (wanted == "auto") return given == "mono8" || given == "mono10" || given == "mono16" ? "mono8" : "bgr8";
+  if (wanted != "native") return wanted;
+  if (given == "mono10") return "mono16";
+  return isMessageEncoding(given) ? given : "bgr8";
+}
+
+}  // namespace robot_vision

@@ -1,0 +1,140 @@
+#include "picture_source.hpp"
+
+#include <glob.h>
+#include <sys/stat.h>
+
+#include <algorithm>
+#include <opencv2/imgcodecs.hpp>
+
+#include "core/common/regular_file.hpp"
+#include "robot_vision/codecs/image_file.hpp"
+#include "robot_vision/image/jpeg.hpp"
+
+namespace robot_vision
+{
+namespace
+{
+
+constexpr std::size_t kMaxFile = std::size_t{256} << 20;  // bytes: more than the largest image has without compression
+
+std::vector<std::string> matches(const std::string& pattern)
+{
+  glob_t found;
+  std::vector<std::string> paths;
+  if (glob(pattern.c_str(), 0, nullptr, &found) == 0) paths.assign(found.gl_pathv, found.gl_pathv + found.gl_pathc);
+  globfree(&found);
+  return paths;
+}
+
+/// The path as a glob pattern that matches nothing but itself.
+std::string escaped(const std::string& path)
+{
+  std::string pattern;
+  for (const char c : path)
+  {
+    if (std::string("*?[\\").find(c) != std::string::npos) pattern += '\\';
+    pattern += c;
+  }
+  return pattern;
+}
+
+std::vector<std::string> pictures(const std::string& path)
+{
+  struct stat info;
+  const bool exists = stat(path.c_str(), &info) == 0;
+  if (exists && !S_ISDIR(info.st_mode)) return {path};
+
+  std::vector<std::string> found = matches(exists ? escaped(path) + "/*" : path);
+  found.erase(std::remove_if(found.begin(), found.end(), [](const std::string& f) { return !isPictureFile(f); }),
+              found.end());
+  if (found.empty()) throw SourceError(path + ": no pictures that OpenCV can read are there");
+  return found;
+}
+
+std::vector<char> bytesOf(const std::string& path)
+{
+  try
+  {
+    const std::string bytes = readFile(path, kMaxFile);
+    return {bytes.begin(), bytes.end()};
+  }
+  catch (const std::runtime_error& e)
+  {
+    throw SourceError(e.what());
+  }
+}
+
+cv::Mat decodeFile(const std::string& path, int flags)
+{
+  const std::vector<char> bytes = bytesOf(path);
+  const auto* data = reinterpret_cast<const unsigned char*>(bytes.data());
+  if (isJpeg(data, bytes.size()) && !isCompleteJpeg(data, bytes.size()))
+    throw SourceError(path + ": the JPEG is damaged or truncated");
+  cv::Mat picture;
+  try
+  {
+    picture = decodeImageFile(data, bytes.size(), flags);
+  }
+  catch (const std::invalid_argument& e)
+  {
+    throw SourceError(path + ": " + e.what());
+  }
+  if (picture.empty()) throw SourceError(path + ": not a picture that OpenCV can read, or damaged");
+  return picture;
+}
+
+}  // namespace
+
+bool isPictureFile(const std::string& path)
+{
+  struct stat info;
+  return stat(path.c_str(), &info) == 0 && S_ISREG(info.st_mode) && cv::haveImageReader(path);
+}
+
+cv::Mat readPicture(const std::string& path)
+{
+  return decodeFile(path, cv::IMREAD_COLOR | cv::IMREAD_IGNORE_ORIENTATION);
+}
+
+cv::Mat readUpright(const std::string& path)
+{
+  return decodeFile(path, cv::IMREAD_COLOR);
+}
+
+PictureSource::PictureSource(const std::string& path) : path_(path), files_(pictures(path))
+{
+  if (files_.front() == path) only_ = readPicture(files_.front());
+}
+
+ReadResult PictureSource::read(Frame& frame)
+{
+  frame.encoding = "bgr8";
+  if (!only_.empty())
+  {
+    frame.image = only_;
+    frame.sequence = sequence_++;
+    return ReadResult::kFrame;
+  }
+  if (failed_in_a_row_ == files_.size()) throw SourceError(path_ + ": none of its pictures can be read");
+  if (next_ == files_.size()) return ReadResult::kEnd;
+  const std::string& file = files_[next_++];
+  try
+  {
+    frame.image = readPicture(file);
+  }
+  catch (const SourceError& e)
+  {
+    ++failed_in_a_row_;
+    throw std::invalid_argument(e.what());  // of one picture: the next may be good
+  }
+  failed_in_a_row_ = 0;
+  frame.sequence = sequence_++;
+  return ReadResult::kFrame;
+}
+
+std::string PictureSource::description() const
+{
+  return (only_.empty() ? std::to_string(files_.size()) + " pictures" : std::string("picture")) + " from " + path_;
+}
+
+}  // namespace robot_vision

@@ -1,0 +1,89 @@
+#include "scene_source.hpp"
+
+#include <filesystem>
+#include <utility>
+
+#include "picture_source.hpp"
+#include "robot_vision/common/range.hpp"
+#include "robot_vision/scene/calibration_scene.hpp"
+#include "robot_vision/scene/scene.hpp"
+
+namespace robot_vision
+{
+namespace
+{
+
+SceneParams sceneParams(const CaptureParams& params)
+{
+  SceneParams scene;
+  scene.width = params.image_width;
+  scene.height = params.image_height;
+  scene.rate = wantedRate(params);
+  return scene;
+}
+
+/// The photograph of a face that python3-skimage brings along.
+constexpr const char* kPortrait = "/usr/lib/python3/dist-packages/skimage/data/astronaut.png";
+
+/// An empty picture: the scene has a pattern of its own.
+cv::Mat readPoster(const std::string& poster)
+{
+  if (poster.empty() || poster == "pattern" || (poster == "auto" && !std::filesystem::exists(kPortrait))) return {};
+  try
+  {
+    return readUpright(poster == "auto" ? kPortrait : poster);
+  }
+  catch (const SourceError& e)
+  {
+    throw SourceError(std::string("poster: ") + e.what());
+  }
+}
+
+/// Whatever has a camera, and can be rendered with its truth.
+template <class AnyScene>
+class SceneSource : public FrameSource
+{
+public:
+  SceneSource(const CaptureParams& params, AnyScene scene)
+    : name_(params.scene), rate_(wantedRate(params)), scene_(std::move(scene))
+  {
+  }
+
+  ReadResult read(Frame& frame) override
+  {
+    scene_.render(next_, frame.image);
+    frame.encoding = "bgr8";
+    frame.truth = std::make_shared<const SceneTruth>(scene_.truth(next_));
+    frame.sequence = next_++;
+    frame.monotonic_ns = 0;
+    return ReadResult::kFrame;
+  }
+
+  double rate() const override { return rate_; }
+
+  std::string description() const override
+  {
+    const CameraModel& camera = scene_.camera();
+    return "synthetic scene (" + name_ + ") " + std::to_string(camera.width) + "x" + std::to_string(camera.height) +
+           " at " + toText(rate_) + " Hz";
+  }
+
+  const CameraModel* cameraModel() const override { return &scene_.camera(); }
+
+private:
+  std::string name_;
+  double rate_;
+  AnyScene scene_;
+  std::int64_t next_ = 0;
+};
+
+}  // namespace
+
+std::unique_ptr<FrameSource> openScene(const CaptureParams& params)
+{
+  if (params.scene == "calibration")
+    return std::make_unique<SceneSource<CalibrationScene>>(params, CalibrationScene(sceneParams(params)));
+  return std::make_unique<SceneSource<Scene>>(params, Scene(sceneParams(params), readPoster(params.poster)));
+}
+
+}  // namespace robot_vision

@@ -1,0 +1,67 @@
+#include "v4l2_picture.hpp"
+
+#include <algorithm>
+
+#include "robot_vision/image/encoding.hpp"
+
+namespace robot_vision
+{
+namespace
+{
+
+std::size_t rowStep(const V4l2Mode& mode)
+{
+  const std::size_t row_bytes = mode.pixels.width * std::size_t{CV_ELEM_SIZE(matType(mode.format->encoding))};
+  return std::max<std::size_t>(mode.pixels.bytesperline, row_bytes);
+}
+
+int rowsOf(const V4l2Mode& mode)
+{
+  const int height = static_cast<int>(mode.pixels.height);
+  switch (mode.format->fourcc)
+  {
+    case V4L2_PIX_FMT_NV12:
+    case V4L2_PIX_FMT_NV21:
+    case V4L2_PIX_FMT_YUV420:
+      return height * 3 / 2;
+    default:
+      return height;
+  }
+}
+
+/// Its chroma rows have half the length of those of the luma, padding included; an encoding has two of them, without
+/// padding, in a row of the picture.
+void unpadYu12(unsigned char* buffer, int width, int height, std::size_t step, cv::Mat& out)
+{
+  out.create(height * 3 / 2, width, CV_8UC1);
+  const cv::Mat luma(height, width, CV_8UC1, buffer, step);
+  luma.copyTo(out.rowRange(0, height));
+  const cv::Mat chroma(height, width / 2, CV_8UC1, buffer + step * height, step / 2);
+  cv::Mat packed(height, width / 2, CV_8UC1, out.ptr(height));
+  chroma.copyTo(packed);
+}
+
+}  // namespace
+
+std::string damageOf(const v4l2_buffer& filled, const V4l2Mode& mode)
+{
+  if ((filled.flags & V4L2_BUF_FLAG_ERROR) != 0) return "is marked as damaged by the driver";
+  if (filled.bytesused == 0) return "is empty";
+  if (mode.format->compressed) return "";
+  const std::size_t bytes = rowStep(mode) * static_cast<std::size_t>(rowsOf(mode));
+  if (filled.bytesused >= bytes) return "";
+  return "has " + std::to_string(filled.bytesused) + " bytes instead of " + std::to_string(bytes);
+}
+
+cv::Mat pictureIn(void* buffer, std::size_t bytes, const V4l2Mode& mode, cv::Mat& unpadded)
+{
+  if (mode.format->compressed) return {1, static_cast<int>(bytes), CV_8UC1, buffer};
+  const int width = static_cast<int>(mode.pixels.width);
+  const std::size_t step = rowStep(mode);
+  const cv::Mat picture(rowsOf(mode), width, matType(mode.format->encoding), buffer, step);
+  if (mode.format->fourcc != V4L2_PIX_FMT_YUV420 || picture.isContinuous()) return picture;
+  unpadYu12(picture.data, width, static_cast<int>(mode.pixels.height), step, unpadded);
+  return unpadded;
+}
+
+}  // namespace robot_vision

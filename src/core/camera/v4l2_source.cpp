@@ -1,0 +1,167 @@
+#include "v4l2_source.hpp"
+
+#include <algorithm>
+#include <cerrno>
+#include <utility>
+
+#include "robot_vision/common/monotonic.hpp"
+#include "v4l2_controls.hpp"
+#include "v4l2_offers.hpp"
+#include "v4l2_picture.hpp"
+
+namespace robot_vision
+{
+namespace
+{
+
+constexpr int kWaitMs = 100;
+constexpr unsigned kBuffers = 4;
+
+/// The driver's time stamp; some count by another clock, and then the arrival is the best that is known. It is also the
+/// latest possible: a driver may stamp a frame with the time when it should end, and give it before that.
+std::int64_t monotonicStamp(const v4l2_buffer& filled)
+{
+  const std::int64_t now = monotonicNow();
+  if ((filled.flags & V4L2_BUF_FLAG_TIMESTAMP_MASK) != V4L2_BUF_FLAG_TIMESTAMP_MONOTONIC) return now;
+  return std::min<std::int64_t>(now, filled.timestamp.tv_sec * 1000000000LL + filled.timestamp.tv_usec * 1000LL);
+}
+
+v4l2_buffer captureBuffer(unsigned index = 0)
+{
+  v4l2_buffer buffer{};
+  buffer.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
+  buffer.memory = V4L2_MEMORY_MMAP;
+  buffer.index = index;
+  return buffer;
+}
+
+}  // namespace
+
+V4l2Source::V4l2Source(std::shared_ptr<V4l2Device> device, const CaptureParams& params, const std::string& warning)
+  : device_(std::move(device)), warning_(warning)
+{
+  requireCapture();
+  mode_ = agreeOnMode(*device_, params);
+  if (!mode_.warning.empty()) warning_ += (warning_.empty() ? "" : "; ") + device_->path() + ": " + mode_.warning;
+  if (mode_.format->fourcc == V4L2_PIX_FMT_H264) decoder_ = std::make_unique<H264Decoder>();
+}
+
+V4l2Source::~V4l2Source()
+{
+  int type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
+  if (streaming_) device_->tryCall(VIDIOC_STREAMOFF, &type);
+  for (const Buffer& buffer : buffers_)
+    device_->unmap(buffer.start, buffer.length);
+}
+
+void V4l2Source::requireCapture()
+{
+  const std::uint32_t can = queryCapability(*device_).capabilities;
+  if ((can & V4L2_CAP_VIDEO_CAPTURE) == 0 || (can & V4L2_CAP_STREAMING) == 0)
+    throw SourceUnavailable(device_->path() + ": not a device that streams video (it lacks the capability " +
+                            "VIDEO_CAPTURE or STREAMING)");
+}
+
+void V4l2Source::start()
+{
+  mapBuffers();
+  for (unsigned i = 0; i < buffers_.size(); ++i)
+    queue(i);
+  int type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
+  device_->call(VIDIOC_STREAMON, &type, "VIDIOC_STREAMON");
+  streaming_ = true;
+  first_sequence_ = -1;
+}
+
+void V4l2Source::mapBuffers()
+{
+  v4l2_requestbuffers request{};
+  request.count = kBuffers;
+  request.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
+  request.memory = V4L2_MEMORY_MMAP;
+  device_->call(VIDIOC_REQBUFS, &request, "VIDIOC_REQBUFS");
+  if (request.count == 0) device_->fail("VIDIOC_REQBUFS", ENOMEM);
+  for (unsigned i = 0; i < request.count; ++i)
+  {
+    v4l2_buffer buffer = captureBuffer(i);
+    device_->call(VIDIOC_QUERYBUF, &buffer, "VIDIOC_QUERYBUF");
+    buffers_.push_back({device_->map(buffer.length, buffer.m.offset), buffer.length});
+  }
+}
+
+void V4l2Source::queue(unsigned index)
+{
+  v4l2_buffer buffer = captureBuffer(index);
+  device_->call(VIDIOC_QBUF, &buffer, "VIDIOC_QBUF");
+}
+
+ReadResult V4l2Source::read(Frame& frame)
+{
+  if (!streaming_) start();
+  if (held_ >= 0)
+  {
+    const int index = held_;
+    held_ = -1;
+    queue(static_cast<unsigned>(index));
+  }
+  if (!device_->waitReadable(kWaitMs)) return ReadResult::kTimeout;
+
+  v4l2_buffer filled = captureBuffer();
+  const int error = device_->tryCall(VIDIOC_DQBUF, &filled);
+  if (error == EAGAIN) return ReadResult::kTimeout;
+  if (error != 0) device_->fail("VIDIOC_DQBUF", error);
+  if (filled.index >= buffers_.size()) device_->fail("VIDIOC_DQBUF", ERANGE);
+  filled.bytesused = static_cast<std::uint32_t>(std::min<std::size_t>(filled.bytesused, buffers_[filled.index].length));
+  held_ = static_cast<int>(filled.index);
+  if (!take(filled, frame)) return ReadResult::kNoPicture;
+  if (first_sequence_ < 0) first_sequence_ = filled.sequence;
+  frame.encoding = mode_.format->encoding;
+  frame.sequence = static_cast<std::uint32_t>(filled.sequence - first_sequence_);  // the driver's counter wraps
+  frame.monotonic_ns = monotonicStamp(filled);
+  return ReadResult::kFrame;
+}
+
+/// Gives the frame the buffer's picture; false if the decoder has none yet.
+bool V4l2Source::take(const v4l2_buffer& filled, Frame& frame)
+{
+  if (const std::string damage = damageOf(filled, mode_); !damage.empty()) refuse(filled, " " + damage);
+  frame.image = pictureIn(buffers_[filled.index].start, filled.bytesused, mode_, own_picture_);
+  if (!decoder_) return true;
+  if (filled.sequence != next_decoded_) decoder_->restart();
+  next_decoded_ = filled.sequence + 1;
+  try
+  {
+    if (decoder_->decode(frame.image, own_picture_))
+    {
+      frame.image = own_picture_;
+      return true;
+    }
+  }
+  catch (const std::invalid_argument& e)
+  {
+    refuse(filled, std::string(": ") + e.what());
+  }
+  return false;
+}
+
+/// A frame that is refused must not leave a gap as if it were lost as well: it is taken out of the numbers. One that
+/// waits for a keyframe counts as lost.
+void V4l2Source::refuse(const v4l2_buffer& filled, const std::string& why)
+{
+  if (first_sequence_ >= 0) ++first_sequence_;
+  throw std::invalid_argument(device_->path() + ": frame " + std::to_string(filled.sequence) + why);
+}
+
+/// No frame comes before it has been exposed, whatever rate the driver tells.
+double V4l2Source::period() const
+{
+  return std::max(mode_.rate > 0.0 ? 1.0 / mode_.rate : 0.0, exposureTime(*device_));
+}
+
+std::string V4l2Source::description() const
+{
+  const std::string rate = mode_.rate > 0.0 ? " at " + rateText(mode_.rate) + " Hz" : "";
+  return describe(mode_) + rate + " from " + device_->path();
+}
+
+}  // namespace robot_vision

@@ -1,0 +1,61 @@
+#pragma once
+
+#include <linux/videodev2.h>
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "h264_decoder.hpp"
+#include "robot_vision/camera/frame_source.hpp"
+#include "v4l2_device.hpp"
+#include "v4l2_mode.hpp"
+
+namespace robot_vision
+{
+
+/// A Video4Linux2 capture device, streaming over memory-mapped buffers; frames keep the kernel's time stamp.
+/// See https://www.kernel.org/doc/html/latest/userspace-api/media/v4l/capture-example.html for the order of the calls.
+class V4l2Source : public FrameSource
+{
+public:
+  /// Agrees with the device on a format; `warning` is told with what there is to say of that. Throws SourceUnavailable
+  /// naming the device and the failed call.
+  V4l2Source(std::shared_ptr<V4l2Device> device, const CaptureParams& params, const std::string& warning = "");
+  ~V4l2Source() override;
+
+  ReadResult read(Frame& frame) override;
+  double rate() const override { return 0.0; }
+  double period() const override;
+  bool fillsMemory() const override { return false; }
+  std::shared_ptr<V4l2Device> device() const override { return device_; }
+  std::string description() const override;
+  std::string warning() const override { return warning_; }
+
+private:
+  struct Buffer
+  {
+    void* start = nullptr;
+    std::size_t length = 0;
+  };
+
+  void requireCapture();
+  void start();
+  void mapBuffers();
+  void queue(unsigned index);
+  bool take(const v4l2_buffer& filled, Frame& frame);
+  [[noreturn]] void refuse(const v4l2_buffer& filled, const std::string& why);
+
+  std::shared_ptr<V4l2Device> device_;  // its controls may be in use meanwhile
+  V4l2Mode mode_;
+  std::string warning_;
+  std::unique_ptr<H264Decoder> decoder_;  // null: frames need none
+  std::uint32_t next_decoded_ = 0;        // the driver's number of the frame that follows the last one decoded
+  cv::Mat own_picture_;                   // of a frame that cannot be used where the driver has it
+  bool streaming_ = false;
+  std::vector<Buffer> buffers_;
+  int held_ = -1;                     // index of the buffer that the last frame points into
+  std::int64_t first_sequence_ = -1;  // the driver's number of our frame 0, as if none had been refused
+};
+
+}  // namespace robot_vision

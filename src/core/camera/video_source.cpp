@@ -1,0 +1,83 @@
+#include "video_source.hpp"
+
+#include <algorithm>
+
+#include "robot_vision/common/range.hpp"
+
+namespace robot_vision
+{
+namespace
+{
+
+constexpr int kOrientationAuto = 49;  // cv::CAP_PROP_ORIENTATION_AUTO; OpenCV that has no such name turns no frames
+
+/// Containers state a length rounded from the duration, and of a varying rate the mean: what is less than this short of
+/// it, in frames or in time, is not truncated.
+std::int64_t tolerance(std::int64_t expected)
+{
+  return std::max<std::int64_t>(2, expected / 50);
+}
+
+}  // namespace
+
+VideoSource::VideoSource(const std::string& path) : path_(path), url_(path.find("://") != std::string::npos)
+{
+  open();
+  rate_ = capture_.get(cv::CAP_PROP_FPS);
+  expected_ = std::max<std::int64_t>(0, static_cast<std::int64_t>(capture_.get(cv::CAP_PROP_FRAME_COUNT)));
+  live_ = url_ && expected_ == 0;
+  if (!(rate_ > 0.0 && rate_ <= 1000.0)) rate_ = kDefaultRate;  // the container states none
+}
+
+void VideoSource::open()
+{
+#if CV_VERSION_MAJOR > 4 || (CV_VERSION_MAJOR == 4 && CV_VERSION_MINOR >= 6)
+  // A server that does not answer must not hold up the end of the node for FFmpeg's own half minute.
+  const std::vector<int> limits = {cv::CAP_PROP_OPEN_TIMEOUT_MSEC, 5000, cv::CAP_PROP_READ_TIMEOUT_MSEC, 5000};
+  const bool opened = capture_.open(path_, cv::CAP_FFMPEG, url_ ? limits : std::vector<int>{});
+#else
+  const bool opened = capture_.open(path_, cv::CAP_FFMPEG);
+#endif
+  capture_.set(kOrientationAuto, 0.0);  // the sensor's pixels, for so does the calibration have them
+  grabbed_ = opened && capture_.grab();
+  if (grabbed_) return;
+  if (url_) throw SourceUnavailable(path_ + ": the stream cannot be opened");
+  throw SourceError(path_ + ": not a picture or video that FFmpeg can read, or truncated");
+}
+
+ReadResult VideoSource::read(Frame& frame)
+{
+  if (!grabbed_ && !capture_.grab()) return finish();
+  grabbed_ = false;
+  if (!capture_.retrieve(frame.image)) throw std::invalid_argument(path_ + ": a frame cannot be decoded");
+  frame.encoding = "bgr8";
+  frame.sequence = sequence_++;
+  ++played_;
+  end_s_ = capture_.get(cv::CAP_PROP_POS_MSEC) / 1e3 + 1.0 / rate_;
+  return ReadResult::kFrame;
+}
+
+ReadResult VideoSource::finish() const
+{
+  if (live_) throw SourceUnavailable(path_ + ": the stream has ended");
+  const std::int64_t missing = expected_ - played_;
+  const double missing_s = static_cast<double>(expected_) / rate_ - end_s_;
+  if (missing > tolerance(expected_) && missing_s * rate_ > static_cast<double>(tolerance(expected_)))
+    throw SourceError(path_ + ": truncated or damaged, only " + std::to_string(played_) + " of " +
+                      std::to_string(expected_) + " frames could be decoded");
+  return ReadResult::kEnd;
+}
+
+void VideoSource::rewind()
+{
+  if (live_) return;
+  open();  // seeking to frame 0 is not exact in every container
+  played_ = 0;
+}
+
+std::string VideoSource::description() const
+{
+  return (live_ ? "stream " : "video at " + toText(rate_) + " Hz from ") + path_;
+}
+
+}  // namespace robot_vision

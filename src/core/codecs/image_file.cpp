@@ -1,0 +1,37 @@
+#include "robot_vision/codecs/image_file.hpp"
+
+#include <limits>
+#include <opencv2/imgcodecs.hpp>
+#include <stdexcept>
+#include <string>
+
+#include "image_header.hpp"
+#include "png.hpp"
+#include "robot_vision/image/jpeg.hpp"
+
+namespace robot_vision
+{
+
+cv::Mat decodeImageFile(const unsigned char* data, std::size_t size, int flags)
+{
+  const auto claimed = claimedSize(data, size);
+  if (!claimed || size > static_cast<std::size_t>(std::numeric_limits<int>::max())) return {};
+  if (claimed->width > kMostPixels || claimed->height > kMostPixels || claimed->width * claimed->height > kMostPixels)
+    throw std::invalid_argument("claims to be of " + std::to_string(claimed->width) + "x" +
+                                std::to_string(claimed->height) + ", the most is " + std::to_string(kMostPixels) +
+                                " pixels");
+  try
+  {
+    if (isPng(data, size)) return cv::imdecode(withoutNotes(data, size), flags);
+    if (isJpeg(data, size)) requireSoundJpeg(data, size);
+    const cv::Mat bytes(1, static_cast<int>(size), CV_8UC1, const_cast<unsigned char*>(data));
+    return cv::imdecode(bytes, flags);
+  }
+  catch (const cv::Exception& e)  // for instance a side beyond OpenCV's limits
+  {
+    if (e.code == cv::Error::StsNoMem) throw;
+    throw std::invalid_argument(e.err);
+  }
+}
+
+}  // namespace robot_vision

@@ -1,0 +1,103 @@
+#include "png.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+#include <limits>
+#include <opencv2/imgcodecs.hpp>
+#include <stdexcept>
+#include <string>
+
+#include "core/common/big_endian.hpp"
+#include "robot_vision/image/jpeg.hpp"
+
+namespace robot_vision
+{
+namespace
+{
+
+constexpr std::array<unsigned char, 8> kSignature = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1A, '\n'};
+constexpr std::size_t kAroundData = 12;  // a chunk's length, name and check sum
+
+[[noreturn]] void refuse(std::size_t size, const std::string& why)
+{
+  throw std::invalid_argument("PNG of " + std::to_string(size) + " bytes " + why);
+}
+
+bool isPartOfTheImage(const unsigned char* name)
+{
+  constexpr std::array<const char*, 6> kParts = {"IHDR", "PLTE", "tRNS", "IDAT", "IEND", "eXIf"};
+  return std::any_of(kParts.begin(), kParts.end(),
+                     [name](const char* part) { return std::memcmp(name, part, 4) == 0; });
+}
+
+/// Whether the chunks lead from the header to the end of the image.
+bool isComplete(const unsigned char* data, std::size_t size)
+{
+  std::size_t i = kSignature.size();
+  while (size - i >= kAroundData)
+  {
+    const std::size_t length = bigEndian<4>(data + i);
+    if (length > size - i - kAroundData) return false;
+    if (std::memcmp(data + i + 4, "IEND", 4) == 0) return true;
+    i += kAroundData + length;
+  }
+  return false;
+}
+
+}  // namespace
+
+bool isPng(const unsigned char* data, std::size_t size)
+{
+  return size >= kSignature.size() && std::equal(kSignature.begin(), kSignature.end(), data);
+}
+
+PngInfo readPngInfo(const unsigned char* data, std::size_t size)
+{
+  if (!isPng(data, size)) refuse(size, "does not begin as a PNG");
+  constexpr std::size_t kSizes = kSignature.size() + 8;  // behind the name of the first chunk
+  if (size < kSizes + 10 || std::memcmp(data + kSizes - 4, "IHDR", 4) != 0 || !isComplete(data, size))
+    refuse(size, "is damaged or truncated");
+  const std::uint64_t width = bigEndian<4>(data + kSizes);
+  const std::uint64_t height = bigEndian<4>(data + kSizes + 4);
+  if (width * height > kMostPixels)
+    refuse(size, "claims to be of " + std::to_string(width) + "x" + std::to_string(height) + ", the most is " +
+                     std::to_string(kMostPixels) + " pixels");
+  constexpr unsigned char kColor = 2;  // bits of the type
+  constexpr unsigned char kAlpha = 4;
+  return {(data[kSizes + 9] & (kColor | kAlpha)) != 0, data[kSizes + 8] == 16};
+}
+
+std::vector<std::uint8_t> withoutNotes(const unsigned char* data, std::size_t size)
+{
+  std::vector<std::uint8_t> kept;
+  kept.reserve(size);
+  std::size_t i = std::min(size, kSignature.size());
+  kept.assign(data, data + i);
+  while (size - i >= kAroundData)
+  {
+    const std::size_t length = bigEndian<4>(data + i);
+    if (length > size - i - kAroundData) break;
+    const std::size_t end = i + kAroundData + length;
+    if (isPartOfTheImage(data + i + 4)) kept.insert(kept.end(), data + i, data + end);
+    i = end;
+  }
+  kept.insert(kept.end(), data + i, data + size);  // of a damaged one, for the decoder to refuse
+  return kept;
+}
+
+cv::Mat decodePng(const unsigned char* data, std::size_t size, int flags)
+{
+  readPngInfo(data, size);  // OpenCV would decode whatever else it is, and make room for any size that it claims
+  if (size > static_cast<std::size_t>(std::numeric_limits<int>::max())) refuse(size, "is too large");
+  cv::Mat image = cv::imdecode(withoutNotes(data, size), flags);
+  if (image.empty()) refuse(size, "cannot be decoded");
+  return image;
+}
+
+void encodePng(const cv::Mat& image, int level, std::vector<std::uint8_t>& out)
+{
+  cv::imencode(".png", image, out, {cv::IMWRITE_PNG_COMPRESSION, level});
+}
+
+}  // namespace robot_vision

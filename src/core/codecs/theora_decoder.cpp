@@ -1,0 +1,160 @@
+#include <theora/theoradec.h>
+
+#include <algorithm>
+#include <array>
+#include <opencv2/imgproc.hpp>
+#include <stdexcept>
+#include <string>
+
+#include "robot_vision/codecs/theora.hpp"
+#include "theora_setup.hpp"
+
+namespace robot_vision
+{
+namespace
+{
+
+[[noreturn]] void refuse(std::size_t size, const std::string& why)
+{
+  throw std::invalid_argument("Theora packet of " + std::to_string(size) + " bytes " + why);
+}
+
+/// What the library only reads, on the packet's memory.
+ogg_packet toOgg(const TheoraPacket& packet)
+{
+  ogg_packet ogg;
+  ogg.packet = const_cast<unsigned char*>(packet.data.data());
+  ogg.bytes = static_cast<long>(packet.data.size());
+  ogg.b_o_s = packet.begins_stream ? 1 : 0;
+  ogg.e_o_s = packet.ends_stream ? 1 : 0;
+  ogg.granulepos = packet.granule_position;
+  ogg.packetno = packet.number;
+  return ogg;
+}
+
+bool isSetupHeader(const TheoraPacket& packet)
+{
+  return !packet.data.empty() && packet.data[0] == 0x82;  // Theora specification, 6.1
+}
+
+cv::Mat toMat(const th_img_plane& plane)
+{
+  return {plane.height, plane.width, CV_8UC1, plane.data, static_cast<std::size_t>(plane.stride)};
+}
+
+}  // namespace
+
+struct TheoraDecoder::Stream
+{
+  Stream()
+  {
+    th_info_init(&info);
+    th_comment_init(&comment);
+  }
+  ~Stream()
+  {
+    if (context != nullptr) th_decode_free(context);
+    th_setup_free(setup);
+    th_comment_clear(&comment);
+    th_info_clear(&info);
+  }
+  Stream(const Stream&) = delete;
+  Stream& operator=(const Stream&) = delete;
+
+  /// True if the packet gave a picture. Once it has thrown, the stream is not to be used any more: libtheora may have
+  /// stopped halfway.
+  bool decode(const TheoraPacket& packet, int post_processing, cv::Mat& bgr)
+  {
+    ogg_packet ogg = toOgg(packet);
+    if (context == nullptr)
+    {
+      if (isSetupHeader(packet) && !isTheoraSetup(packet.data)) refuse(packet.data.size(), "is a damaged setup header");
+      if (!readHeader(ogg)) return false;
+      setPostProcessing(post_processing);
+    }
+    if (th_packet_isheader(&ogg) == 1) return false;  // of a repetition whose beginning was lost
+    keyframe_seen = keyframe_seen || th_packet_iskeyframe(&ogg) == 1;
+    if (!keyframe_seen) return false;
+    const int result = th_decode_packetin(context, &ogg, nullptr);
+    if (result != 0 && result != TH_DUPFRAME) refuse(packet.data.size(), "is a damaged frame");
+    takePicture(bgr);  // of a frame without changes, the last one
+    return true;
+  }
+
+  /// True once a packet follows all the headers: it is a frame.
+  bool readHeader(ogg_packet& packet)
+  {
+    const int result = th_decode_headerin(&info, &comment, &setup, &packet);
+    if (result > 0) return false;
+    if (result == TH_ENOTFORMAT) return false;  // a frame of a stream whose headers are still to come
+    if (result != 0) refuse(static_cast<std::size_t>(packet.bytes), "is a damaged header");
+    if (info.pic_width == 0 || info.pic_height == 0 ||
+        static_cast<std::uint64_t>(info.frame_width) * info.frame_height > kMaxVideoPixels)
+      refuse(static_cast<std::size_t>(packet.bytes),
+             "belongs to images of " + std::to_string(info.pic_width) + "x" + std::to_string(info.pic_height) +
+                 " in frames of " + std::to_string(info.frame_width) + "x" + std::to_string(info.frame_height) +
+                 ", must be of 1 to " + std::to_string(kMaxVideoPixels) + " pixels");
+    context = th_decode_alloc(&info, setup);
+    if (context == nullptr) refuse(static_cast<std::size_t>(packet.bytes), "belongs to headers that make no stream");
+    return true;
+  }
+
+  void setPostProcessing(int level)
+  {
+    int most = 0;
+    th_decode_ctl(context, TH_DECCTL_GET_PPLEVEL_MAX, &most, sizeof(most));
+    level = std::min(level, most);
+    th_decode_ctl(context, TH_DECCTL_SET_PPLEVEL, &level, sizeof(level));
+  }
+
+  void takePicture(cv::Mat& bgr)
+  {
+    th_ycbcr_buffer planes;
+    th_decode_ycbcr_out(context, planes);
+    const cv::Rect picture(static_cast<int>(info.pic_x), static_cast<int>(info.pic_y), static_cast<int>(info.pic_width),
+                           static_cast<int>(info.pic_height));
+    std::array<cv::Mat, 3> channels = {toMat(planes[0]), cv::Mat(), cv::Mat()};
+    cv::resize(toMat(planes[2]), channels[1], channels[0].size());
+    cv::resize(toMat(planes[1]), channels[2], channels[0].size());
+    for (cv::Mat& channel : channels)
+      channel = channel(picture);
+    cv::Mat merged;
+    cv::merge(channels.data(), channels.size(), merged);
+    cv::cvtColor(merged, bgr, cv::COLOR_YCrCb2BGR);
+  }
+
+  th_info info;
+  th_comment comment;
+  th_setup_info* setup = nullptr;
+  th_dec_ctx* context = nullptr;
+  bool keyframe_seen = false;  // what comes before it are changes of pictures unknown
+};
+
+TheoraDecoder::TheoraDecoder() : stream_(std::make_unique<Stream>())
+{
+}
+TheoraDecoder::~TheoraDecoder() = default;
+TheoraDecoder::TheoraDecoder(TheoraDecoder&&) noexcept = default;
+TheoraDecoder& TheoraDecoder::operator=(TheoraDecoder&&) noexcept = default;
+
+void TheoraDecoder::setPostProcessing(int level)
+{
+  post_processing_ = level;
+  if (stream_->context != nullptr) stream_->setPostProcessing(level);
+}
+
+bool TheoraDecoder::decode(const TheoraPacket& packet, cv::Mat& bgr)
+{
+  if (packet.begins_stream) stream_ = std::make_unique<Stream>();
+  try
+  {
+    return stream_->decode(packet, post_processing_, bgr);
+  }
+  catch (...)
+  {
+    stream_ = std::make_unique<Stream>();
+    throw;
+  }
+}
+
+}  // namespace robot_vision

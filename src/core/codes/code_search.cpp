@@ -1,0 +1,197 @@
+#include "code_search.hpp"
+
+#include <zbar.h>
+
+#include <algorithm>
+#include <array>
+#include <map>
+#include <new>
+#include <opencv2/imgproc.hpp>
+#include <stdexcept>
+#include <utility>
+
+#include "robot_vision/common/printable.hpp"
+#include "robot_vision/common/range.hpp"
+
+namespace robot_vision
+{
+namespace
+{
+
+// Without DataBar: zbar complains on stderr of pictures that have none, and in versions that are still around its
+// decoder writes beyond an array (CVE-2023-40890).
+constexpr std::array<std::pair<const char*, zbar::zbar_symbol_type_t>, 10> kTypes = {{
+    {"qr", zbar::ZBAR_QRCODE},
+    {"ean13", zbar::ZBAR_EAN13},
+    {"ean8", zbar::ZBAR_EAN8},
+    {"upca", zbar::ZBAR_UPCA},
+    {"upce", zbar::ZBAR_UPCE},
+    {"code128", zbar::ZBAR_CODE128},
+    {"code93", zbar::ZBAR_CODE93},
+    {"code39", zbar::ZBAR_CODE39},
+    {"i25", zbar::ZBAR_I25},
+    {"codabar", zbar::ZBAR_CODABAR},
+}};
+
+struct Free
+{
+  void operator()(zbar::zbar_image_scanner_t* scanner) const { zbar::zbar_image_scanner_destroy(scanner); }
+  void operator()(zbar::zbar_image_t* image) const { zbar::zbar_image_destroy(image); }
+};
+
+template <class T>
+using Owned = std::unique_ptr<T, Free>;
+
+template <class T>
+Owned<T> owned(T* made)
+{
+  if (!made) throw std::bad_alloc();
+  return Owned<T>(made);
+}
+
+/// What lies between the commas, without blanks.
+std::vector<std::string> listed(const std::string& list)
+{
+  std::vector<std::string> words(1);
+  for (const char letter : list)
+    if (letter == ',')
+      words.emplace_back();
+    else if (letter != ' ')
+      words.back() += letter;
+  return words;
+}
+
+// Along a single line anything may look like a bar code: not all kinds have a check digit.
+constexpr int kLeastLines = 2;
+
+// By its name: the headers of a zbar that does not have it have no constant for it either.
+constexpr const char* kKeepBytes = "qrcode.binary";
+
+using Types = std::map<zbar::zbar_symbol_type_t, std::string>;
+
+Types wantedTypes(const std::string& symbologies)
+{
+  const std::vector<std::string> names = listed(symbologies);
+  Types wanted;
+  for (const auto& [name, type] : kTypes)
+    if (symbologies == "all" || std::find(names.begin(), names.end(), name) != names.end()) wanted[type] = name;
+  return wanted;
+}
+
+/// Where a code is in a part of a picture that was enlarged so many times, from the part's place in it.
+std::vector<cv::Point2d> polygonOf(const zbar::zbar_symbol_t* symbol, double enlarged, const cv::Point2f& place_of_part)
+{
+  // What zbar rounds down begins at the pixels' edges, not at their centres: the two cancel.
+  const auto place = [enlarged](int position) { return static_cast<float>((position + 0.5) / enlarged - 0.5); };
+  std::vector<cv::Point2f> points;
+  for (unsigned i = 0; i < zbar::zbar_symbol_get_loc_size(symbol); ++i)
+    points.push_back(place_of_part + cv::Point2f(place(zbar::zbar_symbol_get_loc_x(symbol, i)),
+                                                 place(zbar::zbar_symbol_get_loc_y(symbol, i))));
+  if (zbar::zbar_symbol_get_type(symbol) == zbar::ZBAR_QRCODE)  // zbar goes around counter-clockwise
+    return {points.at(0), points.at(3), points.at(2), points.at(1)};
+  std::array<cv::Point2f, 4> corners;
+  cv::minAreaRect(points).points(corners.data());
+  return {corners.begin(), corners.end()};
+}
+
+}  // namespace
+
+std::vector<std::string> codeTypes()
+{
+  std::vector<std::string> names;
+  for (const auto& type : kTypes)
+    names.emplace_back(type.first);
+  return names;
+}
+
+bool keepsBytes()
+{
+  zbar::zbar_symbol_type_t type = zbar::ZBAR_NONE;
+  zbar::zbar_config_t option = zbar::ZBAR_CFG_ENABLE;
+  int value = 0;
+  return zbar::zbar_parse_config(kKeepBytes, &type, &option, &value) == 0;
+}
+
+void validate(const CodeReaderParams& params)
+{
+  const std::vector<std::string> known = codeTypes();
+  if (params.symbologies != "all")
+    for (const std::string& name : listed(params.symbologies))
+      if (std::find(known.begin(), known.end(), name) == known.end())
+        throw std::invalid_argument("symbologies has '" + shortened(name) +
+                                    "', must be all, or some with commas: " + joined(known));
+  requireRange("spacing", params.spacing, 1.0, 16.0);
+  requireRange("enlarge", params.enlarge, 1.0, 4.0);
+  requireRange("max_search_period", params.max_search_period, 0.0, 60.0);
+}
+
+struct CodeSearch::Impl
+{
+  Owned<zbar::zbar_image_scanner_t> scanner = owned(zbar::zbar_image_scanner_create());
+  Owned<zbar::zbar_image_t> image = owned(zbar::zbar_image_create());
+  Types wanted;
+  int enlarge = 1;
+  cv::Mat copy;  // memory for pixels that zbar cannot be given as they are
+
+  void set(zbar::zbar_symbol_type_t type, zbar::zbar_config_t option, int value)
+  {
+    zbar::zbar_image_scanner_set_config(scanner.get(), type, option, value);
+  }
+
+  /// The pixels, enlarged and without gaps between their rows.
+  cv::Mat prepare(const cv::Mat& pixels)
+  {
+    if (enlarge == 1 && pixels.isContinuous()) return pixels;
+    if (enlarge == 1)
+      pixels.copyTo(copy);
+    else
+      cv::resize(pixels, copy, {}, enlarge, enlarge, cv::INTER_CUBIC);
+    return copy;
+  }
+};
+
+CodeSearch::CodeSearch(const CodeReaderParams& params) : impl_(std::make_unique<Impl>())
+{
+  impl_->wanted = wantedTypes(params.symbologies);
+  impl_->enlarge = params.enlarge;
+  impl_->set(zbar::ZBAR_NONE, zbar::ZBAR_CFG_ENABLE, 0);
+  for (const auto& type : impl_->wanted)
+    impl_->set(type.first, zbar::ZBAR_CFG_ENABLE, 1);
+  // zbar takes UPC-A for a kind of EAN-13.
+  if (impl_->wanted.count(zbar::ZBAR_UPCA)) impl_->set(zbar::ZBAR_EAN13, zbar::ZBAR_CFG_ENABLE, 1);
+  impl_->set(zbar::ZBAR_NONE, zbar::ZBAR_CFG_X_DENSITY, params.spacing);
+  impl_->set(zbar::ZBAR_NONE, zbar::ZBAR_CFG_Y_DENSITY, params.spacing);
+  zbar::zbar_image_scanner_parse_config(impl_->scanner.get(), kKeepBytes);
+  zbar::zbar_image_set_format(impl_->image.get(), zbar_fourcc('Y', '8', '0', '0'));
+}
+
+CodeSearch::~CodeSearch() = default;
+
+std::vector<Code> CodeSearch::find(const cv::Mat& gray, const cv::Rect& part)
+{
+  Impl& me = *impl_;
+  const cv::Mat pixels = me.prepare(gray(part));
+  zbar::zbar_image_t* const picture = me.image.get();
+  zbar::zbar_image_set_size(picture, static_cast<unsigned>(pixels.cols), static_cast<unsigned>(pixels.rows));
+  zbar::zbar_image_set_data(picture, pixels.data, pixels.total(), nullptr);
+  zbar::zbar_scan_image(me.scanner.get(), picture);
+  std::vector<Code> codes;
+  for (const auto* symbol = zbar::zbar_image_first_symbol(picture); symbol; symbol = zbar::zbar_symbol_next(symbol))
+  {
+    const auto type = me.wanted.find(zbar::zbar_symbol_get_type(symbol));
+    if (type == me.wanted.end()) continue;  // or it is a part of a code
+    const bool is_qr = type->first == zbar::ZBAR_QRCODE;
+    const int lines = zbar::zbar_symbol_get_quality(symbol);
+    if (!is_qr && lines < kLeastLines) continue;
+    Code code;
+    code.type = type->second;
+    code.data.assign(zbar::zbar_symbol_get_data(symbol), zbar::zbar_symbol_get_data_length(symbol));
+    code.polygon = polygonOf(symbol, me.enlarge, part.tl());
+    code.score = is_qr ? 1.0 : lines / (lines + 4.0);
+    codes.push_back(code);
+  }
+  zbar::zbar_image_set_data(picture, nullptr, 0, nullptr);  // the pixels are the caller's
+  return codes;
+}
+
+}  // namespace robot_vision

@@ -1,0 +1,148 @@
+#include "hsv_tests.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "hsv_pixel.hpp"
+#include "robot_vision/color/hsv.hpp"
+
+namespace robot_vision
+{
+namespace
+{
+
+constexpr int kHues = 180;
+constexpr int kFar = 32000;    // a margin that no slack reaches
+constexpr int kMaxDiff = 127;  // factor of the difference: 255 times as much fits 16 bits
+constexpr int kHueUnit = 60;   // margins of hue count 1/60 of a grey level, which makes the planes' factors whole
+
+/// The least difference of the channels that gives a pixel of value `value` the saturation `limit`; value + 1: none.
+int leastDifference(int limit, int value)
+{
+  const int factor = kSaturationFactors[value];
+  return factor == 0 ? value + 1 : (leastProduct(limit) + factor - 1) / factor;
+}
+
+/// A line beside all the pairs (value, difference), and the slack it needs.
+struct FittedLine
+{
+  SaturationLimit line;
+  int slack;
+};
+
+/// The line with this factor of the difference.
+FittedLine fitLine(const std::array<int, 256>& least, int diff, int value)
+{
+  int inside = kFar;    // the smallest margin of a pair at the limit or above
+  int outside = -kFar;  // the largest of one under it
+  for (int v = 0; v < 256; ++v)
+  {
+    if (least[v] <= v) inside = std::min(inside, diff * least[v] - value * v);
+    outside = std::max(outside, diff * std::min(least[v] - 1, v) - value * v);
+  }
+  const int offset = inside > outside ? inside : (inside + outside + 1) / 2;
+  const int slack = std::max({offset - inside, outside - offset + 1, 0});
+  const SaturationLimit line = {static_cast<std::int16_t>(diff), static_cast<std::int16_t>(value),
+                                static_cast<std::int16_t>(offset)};
+  return {line, slack};
+}
+
+std::int16_t larger(std::int16_t a, int b)
+{
+  return static_cast<std::int16_t>(std::max<int>(a, b));
+}
+
+}  // namespace
+
+HsvTests::HsvTests(const HsvRange& range)
+{
+  setSaturation(range);
+  setHue(range);
+  // Black has no saturation. Its value tells so at once, while it lies on every line.
+  v_low = static_cast<std::uint8_t>(range.s_low > 0 ? std::max(range.v_low, 1) : range.v_low);
+  v_high = static_cast<std::uint8_t>(range.v_high);
+}
+
+void HsvTests::setSaturation(const HsvRange& range)
+{
+  s_low = saturationLimit(range.s_low);
+  s_above = saturationLimit(range.s_high + 1);
+}
+
+/// The line whose slack is the least part of a grey level.
+SaturationLimit HsvTests::saturationLimit(int limit)
+{
+  if (limit == 0) return {0, 0, -kFar};
+  if (limit == 256) return {0, 0, kFar};
+  std::array<int, 256> least;
+  for (int v = 0; v < 256; ++v)
+    least[v] = leastDifference(limit, v);
+
+  const double slope = (limit - 0.5) / 255.0;
+  FittedLine best = fitLine(least, kMaxDiff, static_cast<int>(std::lround(slope * kMaxDiff)));
+  for (int diff = kMaxDiff - 1; diff > 0 && best.slack > 0; --diff)
+  {
+    const FittedLine fitted = fitLine(least, diff, static_cast<int>(std::lround(slope * diff)));
+    if (fitted.slack * best.line.diff < best.slack * diff) best = fitted;
+  }
+  s_slack = larger(s_slack, best.slack);
+  return best.line;
+}
+
+void HsvTests::setHue(const HsvRange& range)
+{
+  const bool empty = range.h_low == kHues && range.h_high == kHues;
+  const int low = range.h_low % kHues;
+  const int high = std::min(range.h_high, kHues - 1);
+  const int hues = empty ? 0 : (high - low + kHues) % kHues + 1;
+  if (empty || hues == kHues)
+  {
+    h_low.offset = h_above.offset = 1;  // a wedge without any pixel
+    h_outside = empty ? 0 : -1;
+    return;
+  }
+  const int above = (high + 1) % kHues;
+  const bool grey_inside = low == 0 || low > high;  // OpenCV gives grey the hue 0
+  // The wedge is the smaller part. Two halves share one plane, which has no offset if grey is inside.
+  const bool narrow = 2 * hues < kHues || (2 * hues == kHues && grey_inside);
+  h_outside = narrow ? 0 : -1;
+  h_low = hueLimit(narrow ? low : above, grey_inside == narrow);
+  h_above = hueLimit(narrow ? above : low, false);
+}
+
+/// The plane of colours half a step below the hue `limit`, 0 to 179, which is never on the edge of two sextants.
+/// `grey_inside`: grey, on all the planes, is to have the margin 0, else -1.
+HueLimit HsvTests::hueLimit(int limit, bool grey_inside)
+{
+  struct Sextant
+  {
+    int max, mid, min;  // channels in the order of their values
+  };
+  constexpr std::array<Sextant, 6> kSextants = {{{2, 1, 0}, {1, 2, 0}, {1, 0, 2}, {0, 1, 2}, {0, 2, 1}, {2, 0, 1}}};
+  const int number = limit == 0 ? 5 : (2 * limit - 1) / 60;
+  const Sextant& sextant = kSextants[number];
+
+  // Within the sextant, hue = axis +- 30 * (mid - min) / (max - min).
+  const int axis = (number + 1) / 2 * 60;
+  const int twice_limit = 2 * (limit == 0 ? kHues : limit) - 1;
+  const int mid = number % 2 == 0 ? kHueUnit : -kHueUnit;
+  const int max = 2 * axis - twice_limit;
+  HueLimit plane;
+  plane.channels[sextant.max] = static_cast<std::int16_t>(max);
+  plane.channels[sextant.mid] = static_cast<std::int16_t>(mid);
+  plane.channels[sextant.min] = static_cast<std::int16_t>(-max - mid);
+  plane.offset = grey_inside ? 0 : 1;
+
+  // OpenCV's numerator, which is negative in the last sextant, from the first one at the limit.
+  const int signed_limit = number == 5 && limit > 0 ? limit - kHues : limit;
+  for (int diff = 1; diff < 256; ++diff)
+  {
+    const int least = static_cast<int>(std::ceil(leastProduct(signed_limit) / double(kHueFactors[diff])));
+    const int inside = kHueUnit * least - (2 * signed_limit - 1) * diff - plane.offset;
+    const int slack = std::max({-inside, inside - kHueUnit + 1, 0});
+    h_slack = larger(h_slack, (256 * slack - 255 + diff - 1) / diff);
+  }
+  return plane;
+}
+
+}  // namespace robot_vision

@@ -1,0 +1,138 @@
+#pragma once
+
+#include <cstdint>
+
+#include "core/simd/kernels.hpp"
+#include "core/simd/loops.hpp"
+
+namespace robot_vision
+{
+namespace  // one for each instruction set
+{
+
+template <class Sum>
+void slide(const std::uint8_t* entering, const std::uint8_t* leaving, int count, Sum* __restrict sums)
+{
+  for (int i = 0; i < count; ++i)
+    sums[i] = static_cast<Sum>(sums[i] + entering[i] - leaving[i]);
+}
+
+template <class Sum>
+void widen(const Sum* single, const Sum* part, int width, bool odd, int count, Sum* wider)
+{
+  // What is written was read before, by this or an earlier index.
+  if (odd)
+  {
+    ROBOT_VISION_INDEPENDENT
+    for (int i = 0; i < count; ++i)
+      wider[i] = static_cast<Sum>(part[i] + part[i + width] + single[i + 2 * width]);
+  }
+  else
+  {
+    ROBOT_VISION_INDEPENDENT
+    for (int i = 0; i < count; ++i)
+      wider[i] = static_cast<Sum>(part[i] + part[i + width]);
+  }
+}
+
+void divide16(const std::uint16_t* __restrict sums, const Division& by, int count, std::uint8_t* __restrict quotients)
+{
+  const std::uint16_t half = by.half;
+  const std::uint16_t factor = by.factor;
+  const int shift = by.shift;
+  for (int i = 0; i < count; ++i)
+  {
+    const auto sum = static_cast<std::uint16_t>(sums[i] + half);
+    const auto high = static_cast<std::uint16_t>(std::uint32_t{sum} * factor >> 16);  // one instruction
+    quotients[i] = static_cast<std::uint8_t>(high >> shift);
+  }
+}
+
+void divide32(const std::uint32_t* __restrict sums, float factor, int count, std::uint8_t* __restrict quotients)
+{
+  for (int i = 0; i < count; ++i)  // by way of int: there are more instructions for it
+  {
+    const auto sum = static_cast<float>(static_cast<std::int32_t>(sums[i]));
+    quotients[i] = static_cast<std::uint8_t>(static_cast<std::int32_t>(sum * factor + 0.5F));
+  }
+}
+
+inline std::int16_t absolute(std::int16_t value)
+{
+  return static_cast<std::int16_t>(value < 0 ? -value : value);
+}
+
+inline void setMagnitude(std::int16_t dx, std::int16_t dy, std::int16_t& magnitude)
+{
+  magnitude = static_cast<std::int16_t>(absolute(dx) + absolute(dy));
+}
+
+inline void setMagnitude(std::int16_t dx, std::int16_t dy, std::int32_t& magnitude)
+{
+  magnitude = dx * dx + dy * dy;
+}
+
+template <class Magnitude>
+void gradient(const std::uint8_t* above, const std::uint8_t* row, const std::uint8_t* below, int count,
+              std::int16_t* __restrict dx, std::int16_t* __restrict dy, Magnitude* __restrict magnitude)
+{
+  for (int i = 0; i < count; ++i)
+  {
+    const auto x = static_cast<std::int16_t>((above[i + 1] - above[i - 1]) + 2 * (row[i + 1] - row[i - 1]) +
+                                             (below[i + 1] - below[i - 1]));
+    const auto y = static_cast<std::int16_t>((below[i - 1] - above[i - 1]) + 2 * (below[i] - above[i]) +
+                                             (below[i + 1] - above[i + 1]));
+    dx[i] = x;
+    dy[i] = y;
+    setMagnitude(x, y, magnitude[i]);
+  }
+}
+
+template <class Magnitude>
+void suppress(const Gradients<Magnitude>& gradients, const EdgeThresholds& thresholds, int count,
+              std::uint8_t* __restrict marks)
+{
+  constexpr std::uint16_t kTan22 = 13573;    // tan(22.5 degrees) * 2^15, as cv::Canny has it
+  const Gradients<Magnitude> g = gradients;  // copies cannot be changed by the writes to `marks`
+  const auto low = static_cast<Magnitude>(thresholds.low);
+  const auto high = static_cast<Magnitude>(thresholds.high);
+  for (int i = 0; i < count; ++i)
+  {
+    const std::int16_t dx = g.dx[i];
+    const std::int16_t dy = g.dy[i];
+    const auto x = static_cast<std::uint16_t>(absolute(dx));
+    const auto y = static_cast<std::uint16_t>(absolute(dy));
+    // 2^15 * y < kTan22 * x and 2^15 * y > (kTan22 + 2^16) * x in 16 bits. For y == x == 0, which the first of these
+    // tests takes for flat and Canny does not, nothing is a candidate.
+    const auto x_tan = static_cast<std::uint16_t>(std::uint32_t{static_cast<std::uint16_t>(2 * x)} * kTan22 >> 16);
+    const bool flat = y <= x_tan;
+    const bool steep = y > static_cast<std::uint16_t>(x_tan + 2 * x);
+    const bool falling = static_cast<std::int16_t>(dx ^ dy) >= 0;  // the gradient goes right and down, or left and up
+
+    // All are loaded, or there would be branches.
+    const Magnitude above_left = g.above[i - 1];
+    const Magnitude above = g.above[i];
+    const Magnitude above_right = g.above[i + 1];
+    const Magnitude left = g.row[i - 1];
+    const Magnitude right = g.row[i + 1];
+    const Magnitude below_left = g.below[i - 1];
+    const Magnitude below = g.below[i];
+    const Magnitude below_right = g.below[i + 1];
+    const Magnitude diagonal_before = falling ? above_left : above_right;
+    const Magnitude diagonal_after = falling ? below_right : below_left;
+    // Along rows and columns it is enough to be as large as the one after: more than one less.
+    const Magnitude slanted_before = steep ? above : diagonal_before;
+    const Magnitude slanted_after = steep ? static_cast<Magnitude>(below - 1) : diagonal_after;
+    const Magnitude before = flat ? left : slanted_before;
+    const Magnitude after = flat ? static_cast<Magnitude>(right - 1) : slanted_after;
+
+    const Magnitude m = g.row[i];
+    const Magnitude rival = before > after ? before : after;
+    const Magnitude limit = rival > low ? rival : low;
+    const auto strong = static_cast<std::uint8_t>(m > high ? kCandidate | kStrong : kCandidate);
+    marks[i] = m > limit ? strong : 0;
+  }
+}
+
+}  // namespace
+}  // namespace robot_vision

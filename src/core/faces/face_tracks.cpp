@@ -1,0 +1,244 @@
+#include "face_tracks.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+
+#include "core/image/rects.hpp"
+
+namespace robot_vision
+{
+namespace
+{
+
+constexpr int kPatch = 32;         // px, side of what is kept of a face's looks
+constexpr double kAlike = 0.7;     // correlation of looks that are the same face
+constexpr double kFiner = 1.1;     // from size to size around a known face, where it costs little
+constexpr double kSmaller = 0.75;  // of its size, which a known face may have become
+constexpr double kLarger = 1.35;
+constexpr double kSmoothing = 0.15;  // share of the newest motion in the velocity
+constexpr double kShortest = 1e-3;   // s between frames that a velocity is measured by
+constexpr double kRemember = 2.0;    // s after which a face that comes back is another one
+constexpr double kSame = 0.5;        // of the smaller of two boxes of one face, which lies in the other
+constexpr int kDoubt = 2;            // times as much as a frame with it, a frame without a face counts
+constexpr int kMostTrust = 30;       // frames with a face that count
+constexpr std::size_t kPast = 128;   // frames
+
+cv::Point2d middle(const cv::Rect& box)
+{
+  return {box.x + 0.5 * box.width, box.y + 0.5 * box.height};
+}
+
+/// Whether two boxes are of one face: most of the smaller lies in the other.
+bool isSame(const cv::Rect& a, const cv::Rect& b)
+{
+  return (a & b).area() > kSame * std::min(a.area(), b.area());
+}
+
+/// By how much of its size a face may be away from where it should be.
+double uncertainty(double seconds)
+{
+  return std::clamp(0.2 + 2.0 * seconds, 0.25, 1.0);
+}
+
+cv::Rect boxAt(const FaceTrack& track, double time_s)
+{
+  const auto nearer = [&](const auto& a, const auto& b)
+  { return std::abs(a.first - time_s) < std::abs(b.first - time_s); };
+  return std::min_element(track.past.begin(), track.past.end(), nearer)->second;
+}
+
+/// Where the face should be.
+cv::Rect expectedBox(const FaceTrack& track, double time_s)
+{
+  const cv::Point2d moved = track.velocity * std::min(time_s - track.time, 1.0);
+  return track.box + cv::Point(cvRound(moved.x), cvRound(moved.y));
+}
+
+/// Searches a part of the picture for a face of about the right size in finer steps, so that what a search of the whole
+/// picture sees is not lost by chance.
+std::optional<FoundFace> findNear(const FaceTrack& track, const cv::Rect& part, const cv::Mat& gray, FaceSearch& search,
+                                  const FaceParams& params)
+{
+  const int side = track.box.width;
+  FaceWindows windows = FaceWindows::of(params).narrowed(cvRound(kSmaller * side), cvRound(kLarger * side));
+  windows.scale_factor = std::min(kFiner, params.scale_factor);
+  std::vector<FaceView> views = search.views();
+  std::stable_partition(views.begin(), views.end(), [&](FaceView view) { return view == track.view; });
+  for (const FaceView view : views)
+  {
+    const auto found = search.find(view, gray, part, windows);
+    if (found.empty()) continue;
+    return *std::max_element(found.begin(), found.end(),
+                             [](const FoundFace& a, const FoundFace& b) { return a.neighbors < b.neighbors; });
+  }
+  return std::nullopt;
+}
+
+void move(FaceTrack& track, double time_s, const cv::Rect& box)
+{
+  const double seconds = time_s - track.time;
+  if (seconds > kShortest)
+    track.velocity += kSmoothing * ((middle(box) - middle(track.box)) / seconds - track.velocity);
+  track.box = box;
+  track.time = time_s;
+  track.past.emplace_back(time_s, box);
+  if (track.past.size() > kPast) track.past.pop_front();
+}
+
+void see(FaceTrack& track, double time_s, const FoundFace& face)
+{
+  move(track, time_s, face.box);
+  track.view = face.view;
+  track.seen = time_s;
+  track.visible = true;
+  track.predicted = false;
+  track.score = scoreOf(face.neighbors);
+}
+
+/// Whether so many windows would be enough in the steps of a search of the whole picture, of which there are fewer.
+bool isSure(const FoundFace& face, const FaceParams& params)
+{
+  return face.neighbors > params.min_neighbors * std::max(std::log(params.scale_factor) / std::log(kFiner), 1.0);
+}
+
+}  // namespace
+
+double scoreOf(int neighbors)
+{
+  return neighbors / (neighbors + 4.0);
+}
+
+FaceLooks::FaceLooks(const cv::Mat& gray, const cv::Rect& box)
+{
+  cv::resize(gray(box), patch_, {kPatch, kPatch}, 0.0, 0.0, cv::INTER_AREA);
+}
+
+std::optional<std::pair<cv::Rect, double>> FaceLooks::locate(const cv::Mat& gray, const cv::Rect& expected,
+                                                             int margin) const
+{
+  const cv::Rect part = grown(expected, margin, gray.size());
+  const double scale = static_cast<double>(kPatch) / expected.width;
+  const cv::Size size(cvRound(part.width * scale), cvRound(part.height * scale));
+  if (size.width < kPatch || size.height < kPatch) return std::nullopt;
+  cv::Mat pixels, alike;
+  cv::resize(gray(part), pixels, size, 0.0, 0.0, cv::INTER_AREA);
+  cv::matchTemplate(pixels, patch_, alike, cv::TM_CCOEFF_NORMED);
+  double most = 0.0;
+  cv::Point where;
+  cv::minMaxLoc(alike, nullptr, &most, nullptr, &where);
+  const cv::Point corner = part.tl() + cv::Point(cvRound(where.x / scale), cvRound(where.y / scale));
+  return std::make_pair(cv::Rect({std::clamp(corner.x, 0, gray.cols - expected.width),
+                                  std::clamp(corner.y, 0, gray.rows - expected.height)},
+                                 expected.size()),
+                        most);
+}
+
+void FaceTracks::follow(double time_s, const cv::Mat& gray, FaceSearch& search, const FaceParams& params)
+{
+  for (FaceTrack& track : tracks_)
+  {
+    if (!track.visible) continue;
+    const cv::Rect expected = expectedBox(track, time_s);
+    const int margin = cvRound(uncertainty(time_s - track.time) * track.box.width);
+    const auto found = findNear(track, grown(expected, margin, gray.size()), gray, search, params);
+    const bool sure = found && isSure(*found, params);
+    track.trust = std::min(track.trust + (sure ? 1 : -kDoubt), kMostTrust);
+    track.visible = track.trust > 0;
+    if (!track.visible) continue;
+    if (found)
+    {
+      see(track, time_s, *found);
+      if (!sure) continue;
+      track.looks = FaceLooks(gray, found->box);
+      if (track.id < 0) track.id = next_id_++;
+      continue;
+    }
+    const auto located = track.looks.locate(gray, expected, margin);
+    track.visible = located && located->second >= kAlike && time_s - track.seen <= params.hold;
+    if (!track.visible) continue;
+    move(track, time_s, located->first);
+    track.predicted = true;
+    track.score = located->second;
+  }
+  dropDoubles();
+  const auto forgotten = [&](const FaceTrack& track)
+  { return !track.visible && (track.id < 0 || time_s - track.seen > kRemember); };
+  tracks_.erase(std::remove_if(tracks_.begin(), tracks_.end(), forgotten), tracks_.end());
+}
+
+void FaceTracks::add(const FaceResult& result, double time_s, const FaceParams& params)
+{
+  const double time = result.job.time;
+  for (const FoundFace& face : result.found)
+  {
+    if (!FaceWindows::of(params).admit(face.box.width)) continue;  // searched for with other parameters
+    const auto known = std::find_if(tracks_.begin(), tracks_.end(),
+                                    [&](const FaceTrack& track) { return isSame(boxAt(track, time), face.box); });
+    if (known != tracks_.end() && known->visible)
+    {
+      known->seen = std::max(known->seen, time);
+      continue;
+    }
+    FaceTrack track = known != tracks_.end() ? *known : FaceTrack{};
+    track.velocity = {};
+    track.trust = kDoubt + 1;  // for if it is not seen at once
+    track.time = time;
+    see(track, time, face);
+    track.looks = FaceLooks(result.job.gray, face.box);
+    if (time == time_s && track.id < 0) track.id = next_id_++;
+    if (known != tracks_.end())
+      *known = track;
+    else
+      tracks_.push_back(track);
+  }
+}
+
+std::vector<Face> FaceTracks::faces() const
+{
+  std::vector<Face> faces;
+  for (const FaceTrack& track : tracks_)
+    if (track.visible && track.id >= 0)
+      faces.push_back({track.id, track.box, track.score, track.velocity, track.predicted});
+  std::sort(faces.begin(), faces.end(), [](const Face& a, const Face& b) { return a.id < b.id; });
+  return faces;
+}
+
+std::vector<cv::Rect> FaceTracks::boxes() const
+{
+  std::vector<cv::Rect> boxes;
+  for (const FaceTrack& track : tracks_)
+    if (track.visible) boxes.push_back(track.box);
+  return boxes;
+}
+
+FaceWindows FaceTracks::windows(const FaceParams& params) const
+{
+  const FaceWindows all = FaceWindows::of(params);
+  if (tracks_.empty()) return all;
+  const auto [smallest, largest] = std::minmax_element(
+      tracks_.begin(), tracks_.end(), [](const FaceTrack& a, const FaceTrack& b) { return a.box.width < b.box.width; });
+  return all.narrowed(smallest->box.width / 2, 2 * largest->box.width);
+}
+
+void FaceTracks::keep(const FaceWindows& windows)
+{
+  const auto is_other = [&](const FaceTrack& track) { return !windows.admit(track.box.width); };
+  tracks_.erase(std::remove_if(tracks_.begin(), tracks_.end(), is_other), tracks_.end());
+}
+
+/// Two that have come to follow the same face are one: that which is trusted more, or the older one.
+void FaceTracks::dropDoubles()
+{
+  std::stable_sort(tracks_.begin(), tracks_.end(),
+                   [](const FaceTrack& a, const FaceTrack& b) { return a.trust > b.trust; });
+  for (std::size_t i = 0; i < tracks_.size(); ++i)
+  {
+    if (!tracks_[i].visible) continue;
+    const auto same = [&](const FaceTrack& other) { return other.visible && isSame(tracks_[i].box, other.box); };
+    const auto next = tracks_.begin() + static_cast<std::ptrdiff_t>(i) + 1;
+    tracks_.erase(std::remove_if(next, tracks_.end(), same), tracks_.end());
+  }
+}
+
+}  // namespace robot_vision

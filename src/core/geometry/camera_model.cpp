@@ -1,0 +1,141 @@
+#include "robot_vision/geometry/camera_model.hpp"
+
+#include <cmath>
+#include <limits>
+
+#include "distortion.hpp"
+#include "robot_vision/common/printable.hpp"
+#include "robot_vision/common/range.hpp"
+
+namespace robot_vision
+{
+
+namespace
+{
+
+const double kNan = std::numeric_limits<double>::quiet_NaN();
+
+constexpr int kMaxSide = 1 << 16;   // px
+constexpr double kMaxNumber = 1e6;  // of K, D and P: a focal length of so many px sees a few hundredths of a degree
+constexpr double kMaxSkew = 1e-3;   // of a rotation's rows from being of length 1 and at right angles
+
+cv::Point2d normalised(const CameraModel& camera, const cv::Point2d& pixel)
+{
+  const double y = (pixel.y - camera.K(1, 2)) / camera.K(1, 1);
+  return {(pixel.x - camera.K(0, 2) - camera.K(0, 1) * y) / camera.K(0, 0), y};
+}
+
+void validateDistortion(const std::string& model, std::size_t count)
+{
+  const std::string found = std::to_string(count) + " numbers", of_them = " of them (distortion_model " + model + ")";
+  if (isEquidistant(model))
+    require(count == 4, "D", found, "4" + of_them);
+  else if (isPolynomial(model))
+    require(count == 0 || count == 4 || count == 5 || count == 8, "D", found, "0, 4, 5 or 8" + of_them);
+  else
+    require(model.empty() && count == 0, "distortion_model", "'" + printable(model) + "'",
+            "plumb_bob, rational_polynomial, equidistant or fisheye");
+}
+
+/// Throws std::invalid_argument naming a number that is not finite, or far from that of any camera.
+void requirePlausible(const std::string& name, double value)
+{
+  requireFinite(name, value);
+  requireRange(name, value, -kMaxNumber, kMaxNumber);
+}
+
+/// Of the upper left of P, too.
+void requireFocalLength(const std::string& name, double value)
+{
+  require(value > 0.0, name, value, "above 0 where it is a focal length");
+}
+
+}  // namespace
+
+bool isCalibrated(const cv::Matx33d& K)
+{
+  return K != cv::Matx33d::zeros();
+}
+
+void validate(const CameraModel& camera)
+{
+  require(camera.width >= 1, "width", camera.width, "at least 1");
+  require(camera.height >= 1, "height", camera.height, "at least 1");
+  requireRange("width", camera.width, 1, kMaxSide);
+  requireRange("height", camera.height, 1, kMaxSide);
+  require(isCalibrated(camera.K), "K", "0 everywhere", "that of a calibrated camera");
+  for (const double value : camera.K.val)
+    requirePlausible("K", value);
+  for (const int axis : {0, 1})
+    requireFocalLength("K", camera.K(axis, axis));
+  require(camera.K(1, 0) == 0.0, "K[3]", camera.K(1, 0), "0");
+  const bool ends_well = camera.K.row(2) == cv::Matx13d(0.0, 0.0, 1.0);
+  require(ends_well, "the last row of K",
+          toText(camera.K(2, 0)) + ", " + toText(camera.K(2, 1)) + ", " + toText(camera.K(2, 2)), "0, 0, 1");
+  for (const double value : camera.D)
+    requirePlausible("D", value);
+  validateDistortion(camera.distortion_model, camera.D.size());
+}
+
+void validateRectification(const cv::Matx33d& R, const cv::Matx34d& P)
+{
+  for (const double value : R.val)
+    requireFinite("R", value);
+  const bool rotates = cv::norm(R * R.t() - cv::Matx33d::eye(), cv::NORM_INF) < kMaxSkew && cv::determinant(R) > 0.0;
+  require(rotates || R == cv::Matx33d::zeros(), "R", "none", "a rotation");
+  for (const int row : {0, 1, 2})
+    for (const int column : {0, 1, 2, 3})
+      if (column < 3)
+        requirePlausible("P", P(row, column));
+      else
+        requireFinite("P", P(row, column));  // times a length, in whatever unit
+  if (P == cv::Matx34d::zeros()) return;
+  for (const int axis : {0, 1})
+    requireFocalLength("P", P(axis, axis));
+  require(P.row(2) == cv::Matx14d(0.0, 0.0, 1.0, 0.0), "the last row of P", "another", "0, 0, 1, 0");
+}
+
+cv::Point2d CameraModel::project(const cv::Point3d& point) const
+{
+  return projection(point).pixel;
+}
+
+Projection CameraModel::projection(const cv::Point3d& point) const
+{
+  if (!(point.z > 0.0)) return {{kNan, kNan}, cv::Matx23d::all(kNan)};
+  const double x = point.x / point.z, y = point.y / point.z, per_metre = 1.0 / point.z;
+  const Distorted lens = Distortion(*this).distort({x, y});
+  const cv::Matx22d pixels(K(0, 0), K(0, 1), 0.0, K(1, 1));
+  const cv::Matx23d perspective(per_metre, 0.0, -x * per_metre, 0.0, per_metre, -y * per_metre);
+  return {{K(0, 0) * lens.point.x + K(0, 1) * lens.point.y + K(0, 2), K(1, 1) * lens.point.y + K(1, 2)},
+          pixels * lens.jacobian * perspective};
+}
+
+cv::Point2d CameraModel::ray(const cv::Point2d& pixel) const
+{
+  const cv::Point2d target = normalised(*this, pixel);
+  return Distortion(*this).undistort(target, target);
+}
+
+RayTable rayTable(const CameraModel& camera)
+{
+  RayTable table{cv::Mat(camera.height, camera.width, CV_32FC1), cv::Mat(camera.height, camera.width, CV_32FC1)};
+  const Distortion distortion(camera);
+  for (int row = 0; row < camera.height; ++row)
+  {
+    float* xs = table.x.ptr<float>(row);
+    float* ys = table.y.ptr<float>(row);
+    cv::Point2d ray = camera.ray({0.0, static_cast<double>(row)});
+    for (int column = 0; column < camera.width; ++column)
+    {
+      // The neighbour's ray is a close guess and saves most of the steps.
+      const cv::Point2d target = normalised(camera, cv::Point2d(column, row));
+      ray = distortion.undistort(target, std::isnan(ray.x) ? target : ray);
+      xs[column] = static_cast<float>(ray.x);
+      ys[column] = static_cast<float>(ray.y);
+    }
+  }
+  return table;
+}
+
+}  // namespace robot_vision

@@ -1,0 +1,68 @@
+#pragma once
+
+#include <cstdint>
+
+#include "core/simd/kernels.hpp"
+#include "core/simd/pixel_vectors.hpp"
+
+namespace robot_vision
+{
+namespace  // one for each instruction set
+{
+
+#ifdef ROBOT_VISION_PIXELS
+
+/// (a + b + c + d + 2) / 4 of the means of a and b, and of c and d: the mean of these, but for what was rounded up
+/// twice.
+inline Simd::Vector meanOfMeans(Simd::Vector ab, Simd::Vector odd_ab, Simd::Vector cd, Simd::Vector odd_cd)
+{
+  const Simd::Vector rounded = Simd::commonBits(Simd::eitherBits(odd_ab, odd_cd), PixelSimd::differentBits(ab, cd));
+  return PixelSimd::subtractBytes(PixelSimd::meanBytes(ab, cd), Simd::commonBits(rounded, PixelSimd::bytes(1)));
+}
+
+inline void colourSites(const BayerRow& row, int i, Simd::Vector sites, bool third, std::uint8_t* pixels)
+{
+  const Simd::Vector pixel = Simd::load(row.row + i);
+  const Simd::Vector left = Simd::load(row.row + i - 1);
+  const Simd::Vector right = Simd::load(row.row + i + 1);
+  const Simd::Vector above = Simd::load(row.above + i);
+  const Simd::Vector below = Simd::load(row.below + i);
+  const Simd::Vector above_left = Simd::load(row.above + i - 1);
+  const Simd::Vector above_right = Simd::load(row.above + i + 1);
+  const Simd::Vector below_left = Simd::load(row.below + i - 1);
+  const Simd::Vector below_right = Simd::load(row.below + i + 1);
+  const Simd::Vector beside = PixelSimd::meanBytes(left, right);
+  const Simd::Vector over = PixelSimd::meanBytes(above, below);
+  const Simd::Vector four =
+      meanOfMeans(beside, PixelSimd::differentBits(left, right), over, PixelSimd::differentBits(above, below));
+  const Simd::Vector corners =
+      meanOfMeans(PixelSimd::meanBytes(above_left, above_right), PixelSimd::differentBits(above_left, above_right),
+                  PixelSimd::meanBytes(below_left, below_right), PixelSimd::differentBits(below_left, below_right));
+  const Simd::Vector own = PixelSimd::selectBits(sites, pixel, beside);
+  const Simd::Vector green = PixelSimd::selectBits(sites, four, pixel);
+  const Simd::Vector other = PixelSimd::selectBits(sites, corners, over);
+  storePixels(pixels + 3 * i, {third ? other : own, green, third ? own : other});
+}
+
+void colourBayer(const BayerRow& row, int count, std::uint8_t* pixels)
+{
+  constexpr int kBytes = static_cast<int>(sizeof(Simd::Vector));
+  const Simd::Vector sites = Simd::words(row.green_first ? 0xFF00 : 0x00FF);
+  int i = 0;
+  for (; i + kBytes <= count; i += kBytes)
+    colourSites(row, i, sites, row.third, pixels);
+  if (i == count) return;
+  i = count - kBytes;
+  colourSites(row, i, Simd::words((i % 2 != 0) != row.green_first ? 0xFF00 : 0x00FF), row.third, pixels);
+}
+
+constexpr auto kColourBayer = colourBayer;
+
+#else
+
+constexpr decltype(Kernels::bayer) kColourBayer = nullptr;
+
+#endif
+
+}  // namespace
+}  // namespace robot_vision

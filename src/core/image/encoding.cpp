@@ -1,0 +1,251 @@
+#include "robot_vision/image/encoding.hpp"
+
+#include <algorithm>
+#include <array>
+#include <opencv2/imgproc.hpp>
+#include <stdexcept>
+
+#include "robot_vision/common/printable.hpp"
+#include "robot_vision/common/range.hpp"
+#include "robot_vision/image/jpeg.hpp"
+#include "row_conversions.hpp"
+
+namespace robot_vision
+{
+namespace
+{
+
+constexpr int kNone = -1;  // no conversion needed
+
+struct Layout
+{
+  const char* name;
+  int type;
+  int to_bgr;
+  int to_rgb;
+  int to_gray;
+  int width_multiple;
+  int height_multiple;
+};
+
+// OpenCV names a Bayer pattern by the second row's second and third pixel, ROS by the first two of the first row.
+constexpr std::array<Layout, 21> kLayouts = {{
+    {"bgr8", CV_8UC3, kNone, cv::COLOR_BGR2RGB, cv::COLOR_BGR2GRAY, 1, 1},
+    {"rgb8", CV_8UC3, cv::COLOR_RGB2BGR, kNone, cv::COLOR_RGB2GRAY, 1, 1},
+    {"bgra8", CV_8UC4, cv::COLOR_BGRA2BGR, cv::COLOR_BGRA2RGB, cv::COLOR_BGRA2GRAY, 1, 1},
+    {"rgba8", CV_8UC4, cv::COLOR_RGBA2BGR, cv::COLOR_RGBA2RGB, cv::COLOR_RGBA2GRAY, 1, 1},
+    {"mono8", CV_8UC1, cv::COLOR_GRAY2BGR, cv::COLOR_GRAY2RGB, kNone, 1, 1},
+    {"mono16", CV_16UC1, cv::COLOR_GRAY2BGR, cv::COLOR_GRAY2RGB, kNone, 1, 1},
+    {"yuv422", CV_8UC2, cv::COLOR_YUV2BGR_UYVY, cv::COLOR_YUV2RGB_UYVY, kNone, 2, 1},
+    {"yuv422_yuy2", CV_8UC2, cv::COLOR_YUV2BGR_YUY2, cv::COLOR_YUV2RGB_YUY2, kNone, 2, 1},
+    {"bayer_rggb8", CV_8UC1, cv::COLOR_BayerBG2BGR, cv::COLOR_BayerBG2RGB, cv::COLOR_BayerBG2GRAY, 1, 1},
+    {"bayer_bggr8", CV_8UC1, cv::COLOR_BayerRG2BGR, cv::COLOR_BayerRG2RGB, cv::COLOR_BayerRG2GRAY, 1, 1},
+    {"bayer_gbrg8", CV_8UC1, cv::COLOR_BayerGR2BGR, cv::COLOR_BayerGR2RGB, cv::COLOR_BayerGR2GRAY, 1, 1},
+    {"bayer_grbg8", CV_8UC1, cv::COLOR_BayerGB2BGR, cv::COLOR_BayerGB2RGB, cv::COLOR_BayerGB2GRAY, 1, 1},
+    {"bayer_rggb16", CV_16UC1, cv::COLOR_BayerBG2BGR, cv::COLOR_BayerBG2RGB, cv::COLOR_BayerBG2GRAY, 1, 1},
+    {"bayer_bggr16", CV_16UC1, cv::COLOR_BayerRG2BGR, cv::COLOR_BayerRG2RGB, cv::COLOR_BayerRG2GRAY, 1, 1},
+    {"bayer_gbrg16", CV_16UC1, cv::COLOR_BayerGR2BGR, cv::COLOR_BayerGR2RGB, cv::COLOR_BayerGR2GRAY, 1, 1},
+    {"bayer_grbg16", CV_16UC1, cv::COLOR_BayerGB2BGR, cv::COLOR_BayerGB2RGB, cv::COLOR_BayerGB2GRAY, 1, 1},
+    {"mono10", CV_16UC1, cv::COLOR_GRAY2BGR, cv::COLOR_GRAY2RGB, kNone, 1, 1},
+    {"nv12", CV_8UC1, cv::COLOR_YUV2BGR_NV12, cv::COLOR_YUV2RGB_NV12, kNone, 2, 3},
+    {"nv21", CV_8UC1, cv::COLOR_YUV2BGR_NV21, cv::COLOR_YUV2RGB_NV21, kNone, 2, 3},
+    {"yu12", CV_8UC1, cv::COLOR_YUV2BGR_I420, cv::COLOR_YUV2RGB_I420, kNone, 2, 3},
+    {"jpeg", CV_8UC1, kNone, kNone, kNone, 1, 1},
+}};
+
+// sensor_msgs has no names for them.
+constexpr std::array<const char*, 5> kOnlyOfCameras = {"mono10", "nv12", "nv21", "yu12", "jpeg"};
+
+/// Null if it is unknown.
+const Layout* findLayout(const std::string& encoding)
+{
+  const auto* found =
+      std::find_if(kLayouts.begin(), kLayouts.end(), [&](const Layout& l) { return encoding == l.name; });
+  return found == kLayouts.end() ? nullptr : found;
+}
+
+const Layout& layoutOf(const std::string& encoding)
+{
+  if (const Layout* found = findLayout(encoding)) return *found;
+  throw std::invalid_argument("encoding '" + printable(encoding) + "' is not one of " + joined(encodings()));
+}
+
+std::string describe(const cv::Mat& image, const std::string& encoding)
+{
+  return encoding + " picture of " + std::to_string(image.cols) + "x" + std::to_string(image.rows);
+}
+
+const Layout& checkedLayout(const cv::Mat& image, const std::string& encoding)
+{
+  const Layout& layout = layoutOf(encoding);
+  if (image.empty()) throw std::invalid_argument(describe(image, encoding) + " is empty");
+  if (image.type() != layout.type)
+    throw std::invalid_argument(describe(image, encoding) + ": expected pixels of " + describePixels(layout.type) +
+                                ", got " + describePixels(image.type()));
+  if (image.cols % layout.width_multiple != 0 || image.rows % layout.height_multiple != 0)
+    throw std::invalid_argument(describe(image, encoding) + ": expected columns to be a multiple of " +
+                                std::to_string(layout.width_multiple) + " and rows of " +
+                                std::to_string(layout.height_multiple));
+  return layout;
+}
+
+/// A picture of all its luma, followed by chroma of half the size in each direction.
+bool isPlanar(const Layout& layout)
+{
+  return layout.height_multiple == 3;
+}
+
+/// The rows above the chroma of such a picture, as a header that knows of no larger picture: filters would otherwise
+/// read chroma for the lower border.
+cv::Mat lumaPlane(const cv::Mat& picture)
+{
+  return {picture.rows * 2 / 3, picture.cols, CV_8UC1, picture.data, picture.step};
+}
+
+const unsigned char* jpegBytes(const cv::Mat& image)
+{
+  if (!image.isContinuous()) throw std::invalid_argument("jpeg picture is not one row of bytes");
+  return image.data;
+}
+
+void decode(const cv::Mat& image, JpegPixels pixels, cv::Mat& out)
+{
+  decodeJpeg(jpegBytes(image), image.total(), pixels, out);
+}
+
+/// The factor from samples of 16 bits to those whose white is `white`.
+double scaleTo(double white, const std::string& encoding)
+{
+  return white / (encoding == "mono10" ? 1023.0 : 65535.0);
+}
+
+/// cv::cvtColor, with the step to 8 bits that it does not have.
+void convert(const cv::Mat& image, const std::string& encoding, int code, cv::Mat& out)
+{
+  if (image.depth() != CV_16U)
+  {
+    cv::cvtColor(image, out, code);
+    return;
+  }
+  cv::Mat wide;
+  cv::cvtColor(image, wide, code);
+  wide.convertTo(out, CV_8U, scaleTo(255.0, encoding));
+}
+
+void toMono16(const cv::Mat& image, const std::string& encoding, cv::Mat& out)
+{
+  if (encoding != "mono10") throw std::invalid_argument("a " + encoding + " picture has no 16 bits to give as mono16");
+  checkedLayout(image, encoding);
+  image.convertTo(out, CV_16U, scaleTo(65535.0, encoding));
+}
+
+}  // namespace
+
+std::vector<std::string> encodings()
+{
+  std::vector<std::string> names;
+  for (const Layout& layout : kLayouts)
+    names.emplace_back(layout.name);
+  return names;
+}
+
+bool isEncoding(const std::string& encoding)
+{
+  return findLayout(encoding) != nullptr;
+}
+
+bool isMessageEncoding(const std::string& encoding)
+{
+  return isEncoding(encoding) &&
+         std::find(kOnlyOfCameras.begin(), kOnlyOfCameras.end(), encoding) == kOnlyOfCameras.end();
+}
+
+int matType(const std::string& encoding)
+{
+  return layoutOf(encoding).type;
+}
+
+std::string describePixels(int type)
+{
+  return std::to_string(CV_MAT_CN(type)) + " x " + std::to_string(8 * CV_ELEM_SIZE1(type)) + " bits (" +
+         cv::typeToString(type) + ")";
+}
+
+void checkPixels(const cv::Mat& image, const std::string& encoding)
+{
+  checkedLayout(image, encoding);
+}
+
+cv::Size pictureSize(const cv::Mat& image, const std::string& encoding)
+{
+  const Layout& layout = checkedLayout(image, encoding);
+  if (encoding == "jpeg") return readJpegInfo(jpegBytes(image), image.total()).size;
+  return isPlanar(layout) ? lumaPlane(image).size() : image.size();
+}
+
+void toGray(const cv::Mat& image, const std::string& encoding, cv::Mat& gray)
+{
+  const Layout& layout = checkedLayout(image, encoding);
+  if (encoding == "jpeg")
+    decode(image, JpegPixels::kGray, gray);
+  else if (isPlanar(layout))
+    gray = lumaPlane(image);
+  else if (layout.type == CV_8UC2)
+    takeLuma(image, encoding, gray);
+  else if (layout.to_gray != kNone)
+  {
+    if (!convertRowsToGray(image, encoding, gray)) convert(image, encoding, layout.to_gray, gray);
+  }
+  else if (image.depth() == CV_16U)
+    image.convertTo(gray, CV_8U, scaleTo(255.0, encoding));
+  else
+    gray = image;
+}
+
+bool sharesPixels(const cv::Mat& picture, const cv::Mat& source)
+{
+  return picture.data >= source.datastart && picture.data < source.dataend;
+}
+
+void toBgr(const cv::Mat& image, const std::string& encoding, cv::Mat& bgr)
+{
+  const Layout& layout = checkedLayout(image, encoding);
+  if (encoding == "jpeg")
+    decode(image, JpegPixels::kBgr, bgr);
+  else if (layout.to_bgr == kNone)
+    bgr = image;
+  else if (!convertRows(image, encoding, /*is_rgb=*/false, bgr))
+    convert(image, encoding, layout.to_bgr, bgr);
+}
+
+void toRgb(const cv::Mat& image, const std::string& encoding, cv::Mat& rgb)
+{
+  const Layout& layout = checkedLayout(image, encoding);
+  if (encoding == "jpeg")
+    decode(image, JpegPixels::kRgb, rgb);
+  else if (layout.to_rgb == kNone)
+    rgb = image;
+  else if (!convertRows(image, encoding, /*is_rgb=*/true, rgb))
+    convert(image, encoding, layout.to_rgb, rgb);
+}
+
+void toEncoding(const cv::Mat& image, const std::string& encoding, const std::string& wanted, cv::Mat& out)
+{
+  if (wanted == encoding)
+  {
+    checkPixels(image, encoding);
+    out = image;
+  }
+  else if (wanted == "bgr8")
+    toBgr(image, encoding, out);
+  else if (wanted == "rgb8")
+    toRgb(image, encoding, out);
+  else if (wanted == "mono8")
+    toGray(image, encoding, out);
+  else if (wanted == "mono16")
+    toMono16(image, encoding, out);
+  else
+    throw std::invalid_argument("a " + encoding + " picture cannot be made " + wanted);
+}
+
+}  // namespace robot_vision

@@ -1,0 +1,12 @@
+#pragma once
+
+#include "core/simd/kernels.hpp"
+
+namespace robot_vision
+{
+
+/// Those by which cv::cvtColor makes colours of 8 bits grey, for BGR, which differ between versions of OpenCV. Null: it
+/// does not do so by any that are known here.
+const GrayWeights* grayWeightsOfBgr();
+
+}  // namespace robot_vision

@@ -1,0 +1,260 @@
+#pragma once
+
+#include <cstdint>
+#include <cstring>
+
+#include "core/simd/kernels.hpp"
+#include "core/simd/vectors.hpp"
+
+namespace robot_vision
+{
+namespace  // one for each instruction set
+{
+
+constexpr int kBlock = 64;  // px whose sums stay in the cache next to the processor
+
+/// One row of sums.
+void weighRowInLoops(const std::uint8_t* const* rows, const SymmetricWeights& weights, int count, std::uint16_t* sums)
+{
+  const int half = weights.half;
+  for (int begin = 0; begin < count; begin += kBlock)
+  {
+    const int block = count - begin < kBlock ? count - begin : kBlock;
+    std::uint16_t totals[kBlock];
+    for (int i = 0; i < block; ++i)
+      totals[i] = static_cast<std::uint16_t>(kSumBias + rows[half][begin + i] * weights.words[half]);
+    for (int j = 1; j <= half; ++j)
+    {
+      const std::uint8_t* const above = rows[half - j] + begin;
+      const std::uint8_t* const below = rows[half + j] + begin;
+      const int weight = weights.words[half + j];
+      for (int i = 0; i < block; ++i)
+        totals[i] = static_cast<std::uint16_t>(totals[i] + (above[i] + below[i]) * weight);
+    }
+    for (int i = 0; i < block; ++i)
+      sums[begin + i] = totals[i];
+  }
+}
+
+#ifdef ROBOT_VISION_VECTORS
+
+using Vector = Simd::Vector;
+
+constexpr int kVectorBytes = static_cast<int>(sizeof(Vector));
+
+/// Words of bytes in the order of lowBytes() and highBytes().
+struct LowAndHigh
+{
+  Vector low;
+  Vector high;
+};
+
+/// Bytes less 128 each, which makes all weighed sums less by kSumBias: as much as adding it to 16 bits, and signed
+/// bytes may have unsigned weights.
+inline Vector loadSigned(const std::uint8_t* from)
+{
+  return Simd::differentBits(Simd::load(from), Simd::words(0x8080));
+}
+
+#ifdef __AVX512VNNI__
+
+/// Weighs four rows at once.
+inline void weighBlock(const std::uint8_t* const* rows, const SymmetricWeights& weights, int i, LowAndHigh* sums)
+{
+  Vector totals[kWeighedRows][4];
+  for (auto& of_row : totals)
+    for (Vector& total : of_row)
+      total = Simd::zeros();
+  const int end = SymmetricWeights::rows(weights.half);
+  for (int j = 0; j < end; j += 4)
+  {
+    const Vector first = loadSigned(rows[j] + i);
+    const Vector second = loadSigned(rows[j + 1] + i);
+    const Vector third = loadSigned(rows[j + 2] + i);
+    const Vector fourth = loadSigned(rows[j + 3] + i);
+    const LowAndHigh upper = {Simd::lowBytes(first, second), Simd::highBytes(first, second)};
+    const LowAndHigh lower = {Simd::lowBytes(third, fourth), Simd::highBytes(third, fourth)};
+    const Vector columns[4] = {_mm512_unpacklo_epi16(upper.low, lower.low), _mm512_unpackhi_epi16(upper.low, lower.low),
+                               _mm512_unpacklo_epi16(upper.high, lower.high),
+                               _mm512_unpackhi_epi16(upper.high, lower.high)};
+    for (int k = 0; k < kWeighedRows; ++k)
+    {
+      std::int32_t four;
+      std::memcpy(&four, weights.bytes + j - k, sizeof four);
+      for (int part = 0; part < 4; ++part)
+        totals[k][part] = _mm512_dpbusd_epi32(totals[k][part], Simd::integers(four), columns[part]);
+    }
+  }
+  for (int k = 0; k < kWeighedRows; ++k)
+    sums[k] = {_mm512_packs_epi32(totals[k][0], totals[k][1]), _mm512_packs_epi32(totals[k][2], totals[k][3])};
+}
+
+#else
+
+/// Weighs two rows at once.
+inline void weighBlock(const std::uint8_t* const* rows, const SymmetricWeights& weights, int i, LowAndHigh* sums)
+{
+  for (int k = 0; k < kWeighedRows; ++k)
+    sums[k] = {Simd::zeros(), Simd::zeros()};
+  const int end = SymmetricWeights::rows(weights.half);
+  for (int j = 0; j < end; j += 2)
+  {
+    const Vector upper = loadSigned(rows[j] + i);
+    const Vector lower = loadSigned(rows[j + 1] + i);
+    const Vector low = Simd::lowBytes(upper, lower);
+    const Vector high = Simd::highBytes(upper, lower);
+    for (int k = 0; k < kWeighedRows; ++k)
+    {
+      std::int16_t two;
+      std::memcpy(&two, weights.bytes + j - k, sizeof two);
+      sums[k].low = Simd::addBytePairs(sums[k].low, Simd::words(two), low);
+      sums[k].high = Simd::addBytePairs(sums[k].high, Simd::words(two), high);
+    }
+  }
+}
+
+#endif
+
+void weighColumns(const std::uint8_t* const* rows, const SymmetricWeights& weights, int count,
+                  std::uint16_t* const* sums)
+{
+  for (int i = 0; i < count; i += kVectorBytes)
+  {
+    if (count < kVectorBytes)
+    {
+      for (int k = 0; k < kWeighedRows; ++k)
+        weighRowInLoops(rows + k, weights, count, sums[k]);
+      return;
+    }
+    const int begin = i + kVectorBytes <= count ? i : count - kVectorBytes;
+    LowAndHigh block[kWeighedRows];
+    weighBlock(rows, weights, begin, block);
+    for (int k = 0; k < kWeighedRows; ++k)
+      Simd::storeInOrder(sums[k] + begin, block[k].low, block[k].high);
+  }
+}
+
+/// Weighed sums around pixels with even and with odd indices.
+struct EvenAndOdd
+{
+  Vector even = Simd::integers(kMeanOffset);
+  Vector odd = Simd::integers(kMeanOffset);
+};
+
+/// The two weights of pairs of neighbours around pixels with even and with odd indices: for these they are one before.
+inline EvenAndOdd weightsOfPair(const std::uint16_t* weights)
+{
+  std::int32_t even, odd;
+  std::memcpy(&even, weights, sizeof even);
+  std::memcpy(&odd, weights - 1, sizeof odd);
+  return {Simd::integers(even), Simd::integers(odd)};
+}
+
+inline void addPairs(Vector values, const EvenAndOdd& weights, EvenAndOdd& sums)
+{
+  sums.even = Simd::addWordPairs(sums.even, values, weights.even);
+  sums.odd = Simd::addWordPairs(sums.odd, values, weights.odd);
+}
+
+/// Sums around as many pixels as a Vector has bytes.
+struct TwoSums
+{
+  EvenAndOdd first;
+  EvenAndOdd second;
+};
+
+#ifdef __AVX512BW__
+
+constexpr int kPairs = 16;  // in a line of the cache
+
+/// Adds the pairs from kFirst on, which begin in the first two of three lines: a vector from the middle of them is made
+/// in registers, as each load of one touches two.
+template <int kFirst>
+inline void addPairsOf(const Vector (&lines)[3], const std::uint16_t* weights, int count, TwoSums& sums)
+{
+  if constexpr (kFirst < kPairs)
+  {
+    if (kFirst >= count) return;
+    const EvenAndOdd pair = weightsOfPair(weights + 2 * kFirst);
+    addPairs(_mm512_alignr_epi32(lines[1], lines[0], kFirst), pair, sums.first);
+    addPairs(_mm512_alignr_epi32(lines[2], lines[1], kFirst), pair, sums.second);
+    addPairsOf<kFirst + 1>(lines, weights, count, sums);
+  }
+}
+
+inline TwoSums addAllPairs(const std::uint16_t* values, const SymmetricWeights& weights)
+{
+  TwoSums sums;
+  for (int first = 0; first <= weights.half; first += kPairs)
+  {
+    const std::uint16_t* const from = values + 2 * first;
+    const Vector lines[3] = {Simd::load(from), Simd::load(from + 2 * kPairs), Simd::load(from + 4 * kPairs)};
+    addPairsOf<0>(lines, weights.words + 2 * first, weights.half + 1 - first, sums);
+  }
+  return sums;
+}
+
+#else
+
+inline TwoSums addAllPairs(const std::uint16_t* values, const SymmetricWeights& weights)
+{
+  TwoSums sums;
+  for (int j = 0; j <= 2 * weights.half; j += 2)
+  {
+    const EvenAndOdd pair = weightsOfPair(weights.words + j);
+    addPairs(Simd::load(values + j), pair, sums.first);
+    addPairs(Simd::load(values + j + kVectorBytes / 2), pair, sums.second);
+  }
+  return sums;
+}
+
+#endif
+
+/// The upper words, of pixels in their order.
+inline Vector means(const EvenAndOdd& sums)
+{
+  return Simd::eitherBits(Simd::upperWords(sums.even),
+                          Simd::commonBits(sums.odd, Simd::integers(static_cast<int>(0xFFFF0000U))));
+}
+
+void weighRow(const std::uint16_t* sums, const SymmetricWeights& weights, int count, std::uint8_t* row)
+{
+  for (int i = 0; i < count; i += kVectorBytes)
+  {
+    const TwoSums around = addAllPairs(sums + i, weights);
+    Simd::storeBytes(row + i, means(around.first), means(around.second));
+  }
+}
+
+#else
+
+void weighColumns(const std::uint8_t* const* rows, const SymmetricWeights& weights, int count,
+                  std::uint16_t* const* sums)
+{
+  for (int k = 0; k < kWeighedRows; ++k)
+    weighRowInLoops(rows + k, weights, count, sums[k]);
+}
+
+void weighRow(const std::uint16_t* sums, const SymmetricWeights& weights, int count, std::uint8_t* __restrict means)
+{
+  for (int begin = 0; begin < count; begin += kBlock)
+  {
+    std::int32_t totals[kBlock];
+    for (int i = 0; i < kBlock; ++i)
+      totals[i] = kMeanOffset;
+    for (int j = 0; j <= 2 * weights.half; ++j)
+    {
+      const std::uint16_t* const of_tap = sums + begin + j;
+      const auto weight = static_cast<std::int16_t>(weights.words[j]);
+      for (int i = 0; i < kBlock; ++i)
+        totals[i] += static_cast<std::int16_t>(of_tap[i]) * weight;
+    }
+    for (int i = 0; i < kBlock; ++i)
+      means[begin + i] = static_cast<std::uint8_t>(totals[i] >> 16);
+  }
+}
+
+#endif
+
+}  // namespace
+}  // namespace robot_vision

@@ -1,0 +1,146 @@
+#include "robot_vision/line/line.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <opencv2/imgproc.hpp>
+#include <utility>
+
+#include "robot_vision/common/range.hpp"
+#include "robot_vision/image/encoding.hpp"
+
+namespace robot_vision
+{
+namespace
+{
+
+/// All regions of a mask; index 0 is the background.
+struct Regions
+{
+  explicit Regions(const cv::Mat& mask) { count = cv::connectedComponentsWithStats(mask, labels, stats, centers, 8); }
+
+  int area(int i) const { return stats(i, cv::CC_STAT_AREA); }
+  cv::Rect box(int i) const
+  {
+    return {stats(i, cv::CC_STAT_LEFT), stats(i, cv::CC_STAT_TOP), stats(i, cv::CC_STAT_WIDTH),
+            stats(i, cv::CC_STAT_HEIGHT)};
+  }
+
+  int count;
+  cv::Mat_<int> labels, stats;
+  cv::Mat_<double> centers;
+};
+
+/// Index of the region that is the line, 0 if none is.
+int choose(const Regions& regions, double min_area, const Line& previous)
+{
+  const double reach = regions.labels.cols / 8.0;
+  int best = 0;
+  double best_score = 0.0;
+  for (int i = 1; i < regions.count; ++i)
+  {
+    if (regions.area(i) < min_area) continue;
+    const double away = previous.found ? (regions.centers(i, 0) - previous.center.x) / reach : 0.0;
+    const double score = regions.area(i) / (1.0 + away * away);
+    if (score <= best_score) continue;
+    best = i;
+    best_score = score;
+  }
+  return best;
+}
+
+/// A straight line through the middles of a region's rows.
+struct Fit
+{
+  double slope = 0.0;     // px that the middles move right from row to row
+  double residual = 0.0;  // px, root mean square
+  double width = 1.0;     // px, mean length of the rows
+  double in_view = 0.0;   // share of the rows that are whole; the others are not used
+};
+
+/// `region` (CV_8UC1) is the region's box; `cut_left` and `cut_right` say where the picture ends with it.
+Fit fitRows(const cv::Mat& region, bool cut_left, bool cut_right)
+{
+  int rows = 0;
+  double w = 0.0, wx = 0.0, wy = 0.0, wxx = 0.0, wxy = 0.0, wyy = 0.0;
+  for (int y = 0; y < region.rows; ++y)
+  {
+    const auto* pixels = region.ptr<std::uint8_t>(y);
+    if ((cut_left && pixels[0]) || (cut_right && pixels[region.cols - 1])) continue;
+    double count = 0.0, sum = 0.0;
+    for (int x = 0; x < region.cols; ++x)
+    {
+      if (pixels[x] == 0) continue;
+      count += 1.0;
+      sum += x;
+    }
+    ++rows;
+    w += count;
+    wx += sum;
+    wy += count * y;
+    wxx += sum * sum / count;
+    wxy += sum * y;
+    wyy += count * y * y;
+  }
+  Fit fit;
+  fit.in_view = static_cast<double>(rows) / region.rows;
+  if (rows == 0) return fit;
+  const double sxx = wxx - wx * wx / w, sxy = wxy - wx * wy / w, syy = wyy - wy * wy / w;
+  if (rows > 1) fit.slope = sxy / syy;
+  fit.residual = std::sqrt(std::max(sxx - fit.slope * sxy, 0.0) / w);
+  fit.width = w / rows;
+  return fit;
+}
+
+/// The angle as in Line, and the fit that it comes from.
+std::pair<double, Fit> direction(const cv::Mat& region, const cv::Rect& box, const cv::Size& picture)
+{
+  const bool left = box.x == 0, right = box.br().x == picture.width;
+  const bool top = box.y == 0, bottom = box.br().y == picture.height;
+  const Fit along_rows = fitRows(region, left, right);
+  const Fit along_columns = fitRows(region.t(), top, bottom);
+  const bool upright = along_rows.in_view == along_columns.in_view && box.height >= box.width;
+  if (along_rows.in_view > along_columns.in_view || upright) return {std::atan(-along_rows.slope), along_rows};
+  // The middles of the columns move down by the slope per pixel to the right.
+  const double to_right = std::atan2(1.0, -along_columns.slope);
+  return {to_right > CV_PI / 2.0 ? to_right - CV_PI : to_right, along_columns};
+}
+
+}  // namespace
+
+void validate(const LineParams& params)
+{
+  requireRange("min_area", params.min_area, 1.0, 1e9);
+}
+
+Line findLine(const cv::Mat& mask, const LineParams& params, const Line& previous)
+{
+  validate(params);
+  checkPixels(mask, "mono8");
+  const Regions regions(mask);
+  const int chosen = choose(regions, params.min_area, previous);
+  Line line;
+  if (chosen == 0) return line;
+
+  const cv::Rect box = regions.box(chosen);
+  const cv::Mat region = regions.labels(box) == chosen;
+  const auto [angle, fit] = direction(region, box, mask.size());
+  line.angle = angle;
+  line.found = true;
+  line.center = {regions.centers(chosen, 0), regions.centers(chosen, 1)};
+  line.offset = line.center.x - (mask.cols - 1) / 2.0;
+  line.error = line.offset / (mask.cols / 2.0);
+  line.area = regions.area(chosen);
+
+  const double bend = fit.residual / fit.width;
+  const double all = static_cast<double>(mask.total()) - regions.area(0);
+  const double large = line.area / (line.area + params.min_area), straight = 1.0 / (1.0 + bend * bend);
+  line.confidence = line.area / all * fit.in_view * large * straight;
+
+  std::vector<std::vector<cv::Point>> outlines;
+  cv::findContours(region, outlines, cv::RETR_EXTERNAL, cv::CHAIN_APPROX_SIMPLE, box.tl());
+  line.outline = std::move(outlines.front());
+  return line;
+}
+
+}  // namespace robot_vision

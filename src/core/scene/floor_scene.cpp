@@ -1,0 +1,68 @@
+#include "robot_vision/scene/floor_scene.hpp"
+
+#include <cmath>
+
+#include "robot_vision/common/range.hpp"
+#include "robot_vision/image/encoding.hpp"
+#include "scene_painter.hpp"
+
+namespace robot_vision
+{
+namespace
+{
+
+const cv::Mat& validated(const cv::Mat& picture)
+{
+  checkPixels(picture, "bgr8");
+  return picture;
+}
+
+const CameraModel& validated(const CameraModel& camera)
+{
+  validate(camera);
+  return camera;
+}
+
+const cv::Size2d& validated(const cv::Size2d& size)
+{
+  for (const double length : {size.width, size.height})
+    require(length > 0.0 && std::isfinite(length), "size", length, "positive (m)");
+  return size;
+}
+
+}  // namespace
+
+struct FloorScene::Impl
+{
+  Impl(const cv::Mat& picture, const cv::Size2d& size, const CameraModel& camera, const cv::Scalar& colour)
+    : texture(scene::pictureTexture(validated(picture))),
+      board(scene::onFloor(0.0, 0.0, validated(size))),
+      lens(validated(camera)),
+      around(colour)
+  {
+  }
+
+  scene::Texture texture;
+  scene::Board board;
+  scene::Lens lens;
+  cv::Scalar around;
+};
+
+FloorScene::FloorScene(const cv::Mat& floor_bgr, const cv::Size2d& size, const CameraModel& camera,
+                       const cv::Scalar& around)
+  : impl_(std::make_unique<const Impl>(floor_bgr, size, camera, around))
+{
+}
+
+FloorScene::~FloorScene() = default;
+FloorScene::FloorScene(FloorScene&&) noexcept = default;
+FloorScene& FloorScene::operator=(FloorScene&&) noexcept = default;
+
+void FloorScene::render(const cv::Affine3d& camera_in_world, cv::Mat& bgr) const
+{
+  bgr.create(impl_->lens.camera.height, impl_->lens.camera.width, CV_8UC3);
+  bgr.setTo(impl_->around);
+  scene::paintBoard(impl_->texture, camera_in_world.inv() * impl_->board.pose, impl_->board.size, impl_->lens, bgr);
+}
+
+}  // namespace robot_vision

@@ -1,0 +1,102 @@
+#include "robot_vision/scene/scene.hpp"
+
+#include <memory>
+#include <mutex>
+#include <stdexcept>
+
+#include "robot_vision/common/range.hpp"
+#include "scene_noise.hpp"
+#include "scene_stage.hpp"
+#include "scene_truth.hpp"
+#include "scene_world.hpp"
+
+namespace robot_vision
+{
+
+void validate(const SceneParams& params)
+{
+  const double smallest = 64, largest = 4096, narrowest = 3, most_noise = 30, fastest = 1000;
+  requireRange("width", params.width, smallest, largest);
+  requireRange("height", params.height, smallest, largest);
+  require(params.width <= narrowest * params.height, "width", params.width, "at most 3 times the height");
+  require(params.height <= narrowest * params.width, "height", params.height, "at most 3 times the width");
+  require(params.rate > 0.0 && params.rate <= fastest, "rate", params.rate, "above 0 and at most 1000");
+  requireRange("noise", params.noise, 0, most_noise);
+}
+
+namespace
+{
+
+const SceneParams& validated(const SceneParams& params)
+{
+  validate(params);
+  return params;
+}
+
+/// The one that other scenes have, or a new one, which takes a while.
+std::shared_ptr<const scene::Stage> stageWith(const cv::Mat& poster)
+{
+  if (!poster.empty() && poster.type() != CV_8UC3) throw std::invalid_argument("poster must be an 8-bit BGR picture");
+  if (!poster.empty()) return std::make_shared<const scene::Stage>(poster);
+  static std::mutex mutex;
+  static std::weak_ptr<const scene::Stage> in_use;
+  const std::lock_guard lock(mutex);
+  std::shared_ptr<const scene::Stage> stage = in_use.lock();
+  if (!stage) in_use = stage = std::make_shared<const scene::Stage>(poster);
+  return stage;
+}
+
+}  // namespace
+
+struct Scene::Impl
+{
+  Impl(const SceneParams& params, const cv::Mat& poster)
+    : rate(validated(params).rate),
+      still(params.still),
+      stage(stageWith(poster)),
+      lens(scene::sceneCamera(params.width, params.height)),
+      noise(params.noise, params.seed, 3 * params.width)
+  {
+  }
+
+  double timeOf(std::int64_t frame) const { return scene::sceneTime(frame, rate); }
+
+  cv::Affine3d cameraAt(std::int64_t frame) const { return scene::cameraPose(still ? 0.0 : timeOf(frame)); }
+
+  double rate;
+  bool still;
+  std::shared_ptr<const scene::Stage> stage;
+  scene::Lens lens;
+  scene::PixelNoise noise;
+};
+
+Scene::Scene(const SceneParams& params, const cv::Mat& poster_bgr)
+  : impl_(std::make_unique<const Impl>(params, poster_bgr))
+{
+}
+
+Scene::~Scene() = default;
+Scene::Scene(Scene&&) noexcept = default;
+Scene& Scene::operator=(Scene&&) noexcept = default;
+
+const CameraModel& Scene::camera() const
+{
+  return impl_->lens.camera;
+}
+
+SceneTruth Scene::truth(std::int64_t frame) const
+{
+  SceneTruth truth =
+      scene::truthAt(impl_->timeOf(frame), impl_->cameraAt(frame), impl_->stage->posterAspect(), impl_->lens);
+  truth.frame = frame;
+  return truth;
+}
+
+void Scene::render(std::int64_t frame, cv::Mat& bgr) const
+{
+  bgr.create(impl_->lens.camera.height, impl_->lens.camera.width, CV_8UC3);
+  impl_->stage->paint(impl_->timeOf(frame), impl_->cameraAt(frame), impl_->lens, bgr);
+  impl_->noise.add(frame, bgr);
+}
+
+}  // namespace robot_vision

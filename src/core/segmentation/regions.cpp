@@ -1,0 +1,146 @@
+#include "robot_vision/segmentation/regions.hpp"
+
+#include <algorithm>
+#include <cstdint>
+#include <opencv2/imgproc.hpp>
+#include <utility>
+
+#include "core/image/rects.hpp"
+#include "robot_vision/common/range.hpp"
+#include "robot_vision/image/encoding.hpp"
+#include "runs.hpp"
+
+namespace robot_vision
+{
+namespace
+{
+
+constexpr double kToEdge = 0.5;  // px from the centre of a pixel to its side
+
+void requireDiameter(const std::string& name, int value)
+{
+  require(value >= 1 && value <= 31 && value % 2 == 1, name, value, "odd and from 1 to 31");
+}
+
+cv::Mat ellipse(int diameter)
+{
+  return cv::getStructuringElement(cv::MORPH_ELLIPSE, {diameter, diameter});
+}
+
+/// Sums over the pixels of a region.
+struct Sums
+{
+  std::int64_t count = 0;
+  std::int64_t x = 0;
+  std::int64_t y = 0;
+};
+
+cv::Rect boxOf(const std::vector<Run>& runs)
+{
+  int left = runs.front().begin, right = runs.front().end;
+  for (const Run& run : runs)
+  {
+    left = std::min(left, run.begin);
+    right = std::max(right, run.end);
+  }
+  return {left, runs.front().y, right - left, runs.back().y + 1 - runs.front().y};
+}
+
+/// By the index of a region's first run.
+std::vector<Sums> sumUp(const std::vector<Run>& runs)
+{
+  std::vector<Sums> all(runs.size());
+  for (const Run& run : runs)
+  {
+    Sums& sums = all[run.first];
+    const std::int64_t count = run.end - run.begin;
+    sums.count += count;
+    sums.x += count * (run.begin + run.end - 1) / 2;
+    sums.y += count * run.y;
+  }
+  return all;
+}
+
+/// Adds the smallest circle around the outline.
+void addCircle(Region& region)
+{
+  std::vector<cv::Point> hull;  // the circle is the same, and found in a fraction of the time
+  cv::convexHull(region.outline, hull);
+  cv::Point2f center;
+  float radius = 0.0F;
+  cv::minEnclosingCircle(hull, center, radius);
+  region.circle_center = center;
+  region.circle_radius = hull.size() > 1 ? radius : 0.0;  // OpenCV's is never 0
+  const double edge = region.circle_radius + kToEdge;
+  region.roundness = std::min(1.0, region.area / (CV_PI * edge * edge));
+}
+
+}  // namespace
+
+void validate(const RegionParams& params)
+{
+  requireRange("min_area", params.min_area, 0.0, 1e9);
+  requireDiameter("opening", params.opening);
+  requireDiameter("closing", params.closing);
+}
+
+RegionFinder::RegionFinder(const RegionParams& params) : params_(params)
+{
+  validate(params);
+  opening_ = ellipse(params.opening);
+  closing_ = ellipse(params.closing);
+}
+
+std::vector<Region> RegionFinder::apply(cv::Mat& mask) const
+{
+  checkPixels(mask, "mono8");
+  return apply(mask, cv::Rect({0, 0}, mask.size()));
+}
+
+std::vector<Region> RegionFinder::apply(cv::Mat& mask, const cv::Rect& part) const
+{
+  checkPixels(mask, "mono8");
+  const std::vector<Run> runs = findRuns(mask, clean(mask, part & cv::Rect({0, 0}, mask.size())));
+  if (runs.empty()) return {};
+  const cv::Rect white = boxOf(runs);
+  const std::vector<Sums> all_sums = sumUp(runs);
+  std::vector<std::vector<cv::Point>> borders;
+  std::vector<cv::Vec4i> hierarchy;  // of each border: the next one, the previous, the first hole, the parent
+  cv::findContours(mask(white), borders, hierarchy, cv::RETR_CCOMP, cv::CHAIN_APPROX_SIMPLE, white.tl());
+
+  std::vector<Region> regions;
+  for (int outer = 0; outer >= 0; outer = hierarchy[outer][0])
+  {
+    const Sums& sums = all_sums[runAt(runs, borders[outer][0]).first];
+    const auto area = static_cast<double>(sums.count);
+    if (area < params_.min_area) continue;
+    Region region;
+    region.area = area;
+    region.center = {sums.x / area, sums.y / area};
+    region.outline = std::move(borders[outer]);
+    region.box = cv::boundingRect(region.outline);
+    addCircle(region);
+    regions.push_back(std::move(region));
+  }
+  std::stable_sort(regions.begin(), regions.end(), [](const Region& a, const Region& b) { return a.area > b.area; });
+  return regions;
+}
+
+cv::Rect RegionFinder::clean(cv::Mat& mask, const cv::Rect& part) const
+{
+  if (part.empty() || (params_.opening <= 1 && params_.closing <= 1)) return part;
+  const cv::Rect white = cv::boundingRect(mask(part));
+  if (white.empty()) return white;
+  const cv::Rect reached = grown(white + part.tl(), params_.closing, mask.size());  // by the closing
+  cv::Mat pixels = mask(reached);
+  const auto transform = [&](int operation, const cv::Mat& element)
+  {
+    // Isolated: the mask may be a part of a larger picture, which is none of its business.
+    cv::morphologyEx(pixels, pixels, operation, element, {-1, -1}, 1, cv::BORDER_CONSTANT | cv::BORDER_ISOLATED);
+  };
+  if (params_.opening > 1) transform(cv::MORPH_OPEN, opening_);
+  if (params_.closing > 1) transform(cv::MORPH_CLOSE, closing_);
+  return reached;
+}
+
+}  // namespace robot_vision

@@ -1,0 +1,53 @@
+#pragma once
+
+#include "robot_vision/tags/detection/tag_detector.hpp"
+
+namespace robot_vision
+{
+
+/// Where to look for tags, and in what resolution.
+struct TagRegion
+{
+  cv::Rect part;  // of the picture, px
+  double decimate = 1.0;
+};
+
+/// A tag that was seen, and how it moves.
+struct TagTrack
+{
+  Tag tag;                              // as it was seen last
+  double seen = 0.0;                    // s, when
+  bool moving = false;                  // whether it was seen before, and so
+  std::array<cv::Point2d, 4> velocity;  // px/s, of its corners, is known
+
+  std::array<cv::Point2d, 4> cornersAt(double time_s) const;
+
+  /// The tag as it should be, or should have been.
+  Tag at(double time_s) const;
+
+  /// Whether all of it should be in the picture.
+  bool isInViewAt(double time_s, const cv::Size& picture) const;
+
+  /// Where it should be, with as much around it as it takes to find it there. `decimate` as in the parameters.
+  TagRegion regionAt(double time_s, double decimate, const cv::Size& picture) const;
+};
+
+/// Whether a tag that was found in the region is as it would be found in the whole picture.
+bool isWhole(const Tag& tag, const TagRegion& region, const cv::Size& picture);
+
+/// Joins regions where that makes less to search.
+void join(std::vector<TagRegion>& regions);
+
+/// Whether both are the same tag: those with the same id that overlap.
+bool isSame(const Tag& a, const Tag& b);
+
+/// Adds tags that are not yet among the others, and of two that are the same the one with fewer wrong bits.
+void merge(std::vector<Tag>& tags, const std::vector<Tag>& more);
+
+/// Takes over the tags of a frame.
+void follow(std::vector<TagTrack>& tracks, double time_s, const std::vector<Tag>& tags);
+
+/// Forgets those that were seen last before a time, s.
+void forget(std::vector<TagTrack>& tracks, double before);
+
+}  // namespace robot_vision

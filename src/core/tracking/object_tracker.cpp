@@ -1,0 +1,225 @@
+#include "robot_vision/tracking/object_tracker.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+#include <stdexcept>
+#include <utility>
+
+#include "followed_object.hpp"
+#include "robot_vision/common/range.hpp"
+#include "robot_vision/image/encoding.hpp"
+
+namespace robot_vision
+{
+namespace
+{
+
+constexpr double kSame = 0.5;        // overlap of the outlines of what is one object
+constexpr double kFoundAgain = 1.3;  // times as sure must be what is found as what is followed
+
+/// Intersection over union of two convex polygons, 0 to 1.
+double overlap(const std::vector<cv::Point2f>& a, const std::vector<cv::Point2f>& b)
+{
+  std::vector<cv::Point2f> unused;
+  const double both = cv::intersectConvexConvex(a, b, unused);
+  return both / (cv::contourArea(a) + cv::contourArea(b) - both);
+}
+
+bool isInside(const cv::Size& picture, const cv::Point2f& p)
+{
+  return p.x >= 0.0F && p.y >= 0.0F && p.x <= static_cast<float>(picture.width - 1) &&
+         p.y <= static_cast<float>(picture.height - 1);
+}
+
+}  // namespace
+
+void validate(const ObjectTrackerParams& params)
+{
+  requireRange("points", params.points, 8.0, 200.0);
+  require(params.window >= 5 && params.window <= 51 && params.window % 2 == 1, "window", params.window,
+          "odd and from 5 to 51");
+  requireRange("levels", params.levels, 0.0, 6.0);
+  requireRange("max_error", params.max_error, 0.1, 10.0);
+  requireRange("min_similarity", params.min_similarity, 0.0, 1.0);
+  requireRange("min_confidence", params.min_confidence, 0.05, 1.0);
+  requireRange("search_period", params.search_period, 0.0, 3600.0);
+  requireRange("search_features", params.search_features, 100.0, 10000.0);
+  requireRange("smoothing", params.smoothing, 0.0, 10.0);
+}
+
+struct ObjectTracker::Impl
+{
+  void configure(const ObjectTrackerParams& p)
+  {
+    params = p;
+    frames.flow = {p.window, p.levels, p.max_error};
+  }
+
+  FollowedObject& add(const cv::Mat& gray, const cv::Rect& region, const std::string& label)
+  {
+    objects.emplace_back(last_id + 1, label, gray, region, params.points);
+    ++last_id;
+    return objects.back();
+  }
+
+  /// Whether what has been found is another object of that name, which is followed already.
+  bool isTaken(const FollowedObject& finder, const Similarity& pose) const
+  {
+    const auto is_there = [&](const FollowedObject& other)
+    {
+      return &other != &finder && other.state().tracked && other.state().label == finder.state().label &&
+             overlap(finder.outlineAt(pose), other.outlineAt(other.pose())) > kSame;
+    };
+    return std::any_of(objects.begin(), objects.end(), is_there);
+  }
+
+  bool tryPose(FollowedObject& object, const Similarity& pose)
+  {
+    const double similarity = 0.5 * (1.0 + params.min_similarity);  // the next coin in a row is quite like this one
+    const ModelFit fit = object.fitAt(pose, frames, similarity);
+    return !isTaken(object, fit.pose) &&
+           object.accept(fit, std::min(kFoundAgain * params.min_confidence, 1.0), frames, params.smoothing);
+  }
+
+  bool tryMatch(FollowedObject& object, const Features& features)
+  {
+    const auto found = matchFeatures(object.features(), features);
+    return found && tryPose(object, *found * object.firstPose());
+  }
+
+  bool isNear(FollowedObject& object)
+  {
+    const auto& outline = object.state().outline;
+    const std::vector<cv::Point2f> last(outline.begin(), outline.end());
+    return tryMatch(object, nearFeatures(frames.newest.gray(), cv::boundingRect(last)));
+  }
+
+  /// Looks for objects that are lost: where they were, and at times around there and everywhere.
+  void search(double time_s)
+  {
+    std::vector<FollowedObject*> lost;
+    for (FollowedObject& object : objects)
+      if (!object.state().tracked && !tryPose(object, object.pose())) lost.push_back(&object);
+    if (lost.empty() || (time_s >= searched && time_s < searched + params.search_period)) return;
+    searched = time_s;
+    lost.erase(std::remove_if(lost.begin(), lost.end(), [this](FollowedObject* object) { return isNear(*object); }),
+               lost.end());
+    if (lost.empty()) return;
+    const Features features = pictureFeatures(frames.newest.gray(), params.search_features);
+    for (FollowedObject* object : lost)
+      tryMatch(*object, features);
+  }
+
+  ObjectTrackerParams params;
+  FramePair frames;
+  cv::Mat converted;  // memory for the next picture
+  std::vector<FollowedObject> objects;
+  int last_id = 0;
+  double time = 0.0;         // s, of the newest picture
+  double searched = -1e300;  // s, when the whole picture was last
+};
+
+ObjectTracker::ObjectTracker(const ObjectTrackerParams& params)
+{
+  validate(params);
+  impl_ = std::make_unique<Impl>();
+  impl_->configure(params);
+}
+
+ObjectTracker::~ObjectTracker() = default;
+ObjectTracker::ObjectTracker(ObjectTracker&&) noexcept = default;
+ObjectTracker& ObjectTracker::operator=(ObjectTracker&&) noexcept = default;
+
+void ObjectTracker::configure(const ObjectTrackerParams& params)
+{
+  validate(params);
+  impl_->configure(params);
+}
+
+int ObjectTracker::select(const cv::Rect& region, const std::string& label)
+{
+  const FlowPicture& newest = impl_->frames.newest;
+  if (newest.empty()) throw std::invalid_argument("there is no picture yet to select a region of");
+  FollowedObject& object = impl_->add(newest.gray(), region, label);
+  object.markSeen();
+  return object.state().id;
+}
+
+int ObjectTracker::select(const cv::Mat& image, const std::string& encoding, const cv::Rect& region,
+                          const std::string& label)
+{
+  cv::Mat gray;
+  toGray(image, encoding, gray);
+  return impl_->add(gray, region, label).state().id;
+}
+
+bool ObjectTracker::forget(int id)
+{
+  std::vector<FollowedObject>& objects = impl_->objects;
+  const auto found = std::find_if(objects.begin(), objects.end(),
+                                  [id](const FollowedObject& object) { return object.state().id == id; });
+  if (found == objects.end()) return false;
+  objects.erase(found);
+  return true;
+}
+
+void ObjectTracker::clear()
+{
+  impl_->objects.clear();
+}
+
+std::vector<TrackedObject> ObjectTracker::update(double time_s, const cv::Mat& image, const std::string& encoding)
+{
+  Impl& me = *impl_;
+  requireFinite("time_s", time_s);
+  cv::Mat gray = me.converted;  // it may come to share the input's pixels, which must not be kept
+  toGray(image, encoding, gray);
+  if (!sharesPixels(gray, image)) me.converted = gray;
+  FramePair& frames = me.frames;
+  std::swap(frames.last, frames.newest);
+  frames.newest.set(gray);
+  const bool comparable = frames.last.size() == frames.newest.size() && time_s >= me.time;
+  frames.passed = comparable ? time_s - me.time : 0.0;
+  me.time = time_s;
+  for (FollowedObject& object : me.objects)
+  {
+    if (comparable && object.state().tracked)
+      object.follow(frames, me.params);
+    else
+      object.lose();
+  }
+  me.search(time_s);
+  return objects();
+}
+
+std::vector<TrackedObject> ObjectTracker::objects() const
+{
+  std::vector<TrackedObject> states;
+  for (const FollowedObject& object : impl_->objects)
+    states.push_back(object.state());
+  return states;
+}
+
+std::vector<FlowPoint> ObjectTracker::flow(int count)
+{
+  FramePair& frames = impl_->frames;
+  require(count > 0, "count", count, "above 0");
+  if (frames.last.empty() || !frames.measurable()) return {};
+  // Corners of the picture at half its size: they do for this, at a quarter of the price.
+  int halvings = 1;
+  const cv::Mat& small = frames.last.halved(frames.flow, halvings);
+  std::vector<cv::Point2f> points;
+  const double distance = std::max(4.0, std::sqrt(static_cast<double>(small.total()) / (2.0 * count)));
+  cv::goodFeaturesToTrack(small, points, count, 0.005, distance);
+  for (cv::Point2f& point : points)
+    point *= std::ldexp(1.0, halvings);
+  const FollowedPoints moved = followPoints(frames.last, frames.newest, frames.flow, points, points);
+  std::vector<FlowPoint> result;
+  for (std::size_t i = 0; i < points.size(); ++i)
+    if (moved.found[i] && isInside(frames.newest.size(), moved.positions[i]))
+      result.push_back({moved.positions[i], (moved.positions[i] - points[i]) / frames.passed});
+  return result;
+}
+
+}  // namespace robot_vision

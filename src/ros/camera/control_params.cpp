@@ -1,0 +1,110 @@
+#include "control_params.hpp"
+
+#include <cmath>
+#include <set>
+#include <stdexcept>
+
+#include "robot_vision/common/printable.hpp"
+#include "ros/params/params.hpp"
+#include "ros/params/unknown_params.hpp"
+
+namespace robot_vision
+{
+namespace
+{
+
+using XmlRpc::XmlRpcValue;
+
+constexpr const char* kUsbCams[] = {"brightness",   "contrast", "saturation",    "sharpness",
+                                    "gain",         "focus",    "autofocus",     "auto_focus",
+                                    "autoexposure", "exposure", "white_balance", "auto_white_balance"};
+
+constexpr std::size_t kMaxName = 100;  // bytes that are told of a control's name
+
+[[noreturn]] void refuse(const std::string& name, const XmlRpcValue& value, const std::string& expected)
+{
+  throw std::invalid_argument(shortened(name, kMaxName) + " is " + valueText(value) + ", must be " + expected);
+}
+
+/// Whether it is one of 64 bits; what is infinite equals its own rounded value, too.
+bool isInteger(double value)
+{
+  constexpr double kEnd = 9223372036854775808.0;  // 2^63
+  return value >= -kEnd && value < kEnd && value == std::nearbyint(value);
+}
+
+ControlValue toControlValue(const std::string& name, XmlRpcValue value)
+{
+  switch (value.getType())
+  {
+    case XmlRpcValue::TypeBoolean:
+      return static_cast<bool>(value);
+    case XmlRpcValue::TypeInt:
+      return std::int64_t{static_cast<int>(value)};
+    case XmlRpcValue::TypeString:
+      return static_cast<std::string>(value);
+    case XmlRpcValue::TypeDouble:  // the parameter server has no larger integers
+      if (isInteger(static_cast<double>(value))) return static_cast<std::int64_t>(static_cast<double>(value));
+      break;
+    default:
+      break;
+  }
+  refuse(name, value, "an integer, true, false or a text");
+}
+
+/// A map of controls' names and values; not valid() if it is not there.
+XmlRpcValue readMap(const ros::NodeHandle& pnh, const std::string& map)
+{
+  noteKnownParam(pnh, map);
+  XmlRpcValue controls;
+  if (!pnh.getParam(map, controls)) return {};
+  if (controls.getType() != XmlRpcValue::TypeStruct) refuse(map, controls, "a map of controls' names and values");
+  noteKnownParam(pnh, map, valueText(controls));
+  return controls;
+}
+
+/// What usb_cam's map of controls sets: all but those that its entry `ignore` lists.
+void addIntrinsicControls(const ros::NodeHandle& pnh, std::vector<ControlSetting>& settings)
+{
+  XmlRpcValue controls = readMap(pnh, "intrinsic_controls");
+  if (!controls.valid()) return;
+  std::set<std::string> ignored = {"ignore"};
+  if (controls.hasMember("ignore"))
+  {
+    XmlRpcValue& names = controls["ignore"];
+    const char* expected = "a list of controls' names";
+    if (names.getType() != XmlRpcValue::TypeArray) refuse("intrinsic_controls/ignore", names, expected);
+    for (int i = 0; i < names.size(); ++i)
+    {
+      if (names[i].getType() != XmlRpcValue::TypeString) refuse("intrinsic_controls/ignore", names, expected);
+      ignored.insert(static_cast<std::string>(names[i]));
+    }
+  }
+  for (const auto& [name, value] : controls)
+    if (!ignored.count(name)) settings.push_back({name, toControlValue("intrinsic_controls/" + name, value)});
+}
+
+}  // namespace
+
+std::vector<ControlSetting> readControlSettings(const ros::NodeHandle& pnh)
+{
+  std::vector<ControlSetting> settings;
+  for (const char* name : kUsbCams)
+  {
+    noteKnownParam(pnh, name);
+    XmlRpcValue value;
+    if (!pnh.getParam(name, value)) continue;
+    const ControlSetting setting{name, toControlValue(name, value)};
+    if (setting.value == ControlValue(std::int64_t{-1})) continue;
+    settings.push_back(setting);
+    noteKnownParam(pnh, name, valueText(value));
+  }
+  addIntrinsicControls(pnh, settings);
+  XmlRpcValue controls = readMap(pnh, "controls");
+  if (!controls.valid()) return settings;
+  for (const auto& [name, value] : controls)
+    settings.push_back({name, toControlValue("controls/" + name, value)});
+  return settings;
+}
+
+}  // namespace robot_vision

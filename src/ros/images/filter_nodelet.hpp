@@ -1,0 +1,80 @@
+#pragma once
+
+#include <nodelet/nodelet.h>
+
+#include <memory>
+#include <mutex>
+#include <string>
+
+#include "callback_gate.hpp"
+#include "image_pipe.hpp"
+#include "registration.hpp"
+#include "robot_vision/common/printable.hpp"
+#include "ros/params/live_params.hpp"
+#include "ros/params/unknown_params.hpp"
+
+namespace robot_vision
+{
+
+/// A nodelet that makes one picture of another. `Filter` is a class of the core with apply() and outputEncoding(), made
+/// anew from each accepted `Config`.
+template <class Config, class Filter>
+class FilterNodelet : public nodelet::Nodelet
+{
+protected:
+  using MakeFilter = Filter (*)(const Config&);  // throws std::invalid_argument to refuse the parameters
+
+  explicit FilterNodelet(MakeFilter make) : make_(make) {}
+  ~FilterNodelet() override { stop(); }
+
+private:
+  void onInit() override
+  try
+  {
+    gate_.guard(getNodeHandle());
+    gate_.guard(getPrivateNodeHandle());
+    const auto renew = [this](const Config& config)
+    {
+      auto filter = std::make_shared<Filter>(make_(config));
+      const std::lock_guard<std::mutex> lock(mutex_);
+      filter_ = filter;
+    };
+    params_ = std::make_unique<LiveParams<Config>>(getPrivateNodeHandle(), renew);
+    const auto apply = [this](const cv::Mat& image, const std::string& encoding, cv::Mat& out)
+    { current()->apply(image, encoding, out); };
+    pipe_ = std::make_unique<ImagePipe>(getNodeHandle(), getPrivateNodeHandle(), getName(),
+                                        ImagePipe::Step{&Filter::outputEncoding, apply});
+    reviewParams(getPrivateNodeHandle());
+    registration_ = std::make_unique<Registration>(getPrivateNodeHandle().getNamespace());
+  }
+  catch (const std::exception& e)
+  {
+    NODELET_FATAL("%s: %s", getName().c_str(), logLine(e.what()).c_str());
+    stop();  // the loader takes the callback queues away before the nodelet
+    throw;   // the loader then reports failure instead of keeping a dead nodelet
+  }
+
+  void stop()
+  {
+    registration_.reset();
+    gate_.close();
+    pipe_.reset();
+    params_.reset();
+  }
+
+  std::shared_ptr<Filter> current()
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    return filter_;
+  }
+
+  CallbackGate gate_;  // ends last: roscpp has its queues
+  MakeFilter make_;
+  std::mutex mutex_;  // guards filter_, which a frame uses while new parameters replace it
+  std::shared_ptr<Filter> filter_;
+  std::unique_ptr<LiveParams<Config>> params_;
+  std::unique_ptr<ImagePipe> pipe_;
+  std::unique_ptr<Registration> registration_;
+};
+
+}  // namespace robot_vision

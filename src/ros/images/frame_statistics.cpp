@@ -1,0 +1,135 @@
+#include "frame_statistics.hpp"
+
+#include <algorithm>
+
+#include "robot_vision/common/range.hpp"
+#include "ros/params/params.hpp"
+
+namespace robot_vision
+{
+namespace
+{
+
+constexpr std::chrono::seconds kPatience(5);  // of silence until it is said in the log
+
+/// In s; diagnostic_updater reads it as well, and its error does not name it.
+double readPeriod(const ros::NodeHandle& pnh)
+{
+  double period = 1.0;
+  readParam(pnh, "diagnostic_period", period);
+  requireRange("diagnostic_period", period, 0.01, 3600.0);
+  return period;
+}
+
+}  // namespace
+
+void FrameStatistics::received(std::uint32_t sequence)
+{
+  const std::lock_guard<std::mutex> lock(mutex_);
+  // A larger step is another sender's number, or one back. (A sender in the process may leave all at 0: 2^32 - 1.)
+  constexpr std::uint32_t kOtherSender = 10000;
+  const std::uint32_t missing = sequence - last_sequence_ - 1;
+  if (has_sequence_ && missing < kOtherSender) totals_.dropped += missing;
+  has_sequence_ = true;
+  last_sequence_ = sequence;
+  ++totals_.received;
+  ++period_.received;
+}
+
+void FrameStatistics::resumed()
+{
+  const std::lock_guard<std::mutex> lock(mutex_);
+  has_sequence_ = false;
+}
+
+void FrameStatistics::refused(const std::string& why)
+{
+  const std::lock_guard<std::mutex> lock(mutex_);
+  last_error_ = why;
+  ++totals_.refused;
+  ++period_.refused;
+}
+
+void FrameStatistics::published(Clock::time_point begin, const ros::Time& stamp)
+{
+  const double processing_s = std::chrono::duration<double>(Clock::now() - begin).count();
+  const double age_s = ros::Time::now().toSec() - stamp.toSec();
+  const std::lock_guard<std::mutex> lock(mutex_);
+  ++totals_.published;
+  ++period_.published;
+  period_.processing_s += processing_s;
+  if (stamp.isZero()) return;  // a sender that knows of no time
+  ++period_.stamped;
+  period_.age_s += age_s;
+}
+
+void FrameStatistics::setState(unsigned char level, const std::string& text, const std::string& silence)
+{
+  const std::lock_guard<std::mutex> lock(mutex_);
+  level_ = level;
+  state_ = text;
+  silence_ = silence;
+}
+
+void FrameStatistics::setRunning(const std::string& topic)
+{
+  setState(diagnostic_msgs::DiagnosticStatus::OK, "running on " + topic, "no frames on " + topic);
+}
+
+void FrameStatistics::setIdle()
+{
+  setState(diagnostic_msgs::DiagnosticStatus::OK, "idle: nobody subscribes");
+}
+
+FrameStatistics::Totals FrameStatistics::totals()
+{
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return totals_;
+}
+
+void FrameStatistics::report(diagnostic_updater::DiagnosticStatusWrapper& status)
+{
+  const std::lock_guard<std::mutex> lock(mutex_);
+  const double seconds = std::chrono::duration<double>(Clock::now() - period_.begin).count();
+  const auto mean = [](double sum, std::uint64_t count)
+  { return sum / static_cast<double>(std::max<std::uint64_t>(1, count)); };
+  if (period_.received == 0 && !silence_.empty())
+  {
+    status.summary(diagnostic_msgs::DiagnosticStatus::WARN, silence_);
+    if (Clock::now() - heard_ > kPatience && !silence_told_)
+    {
+      ROS_WARN("%s for %ld s", silence_.c_str(), static_cast<long>(kPatience.count()));
+      silence_told_ = true;
+    }
+  }
+  else
+  {
+    status.summary(level_, state_);
+    heard_ = Clock::now();
+    silence_told_ = false;
+  }
+  if (period_.refused > 0)
+    status.mergeSummaryf(diagnostic_msgs::DiagnosticStatus::WARN, "%lu frames refused",
+                         static_cast<unsigned long>(period_.refused));
+  status.addf("input rate (Hz)", "%.2f", static_cast<double>(period_.received) / seconds);
+  status.addf("output rate (Hz)", "%.2f", static_cast<double>(period_.published) / seconds);
+  status.addf("processing time (ms)", "%.3f", mean(period_.processing_s, period_.published) * 1e3);
+  status.addf("output age (ms)", "%.3f", mean(period_.age_s, period_.stamped) * 1e3);
+  status.add("frames received", totals_.received);
+  status.add("frames published", totals_.published);
+  status.add("frames dropped", totals_.dropped);
+  status.add("frames refused", totals_.refused);
+  status.add("last error", last_error_);
+  period_ = Period();
+}
+
+FrameDiagnostics::FrameDiagnostics(const ros::NodeHandle& nh, const ros::NodeHandle& pnh, const std::string& name)
+  : period_(readPeriod(pnh)), updater_(nh, pnh, name)
+{
+  updater_.setHardwareID("none");
+  updater_.add("frames", [this](diagnostic_updater::DiagnosticStatusWrapper& status) { statistics_->report(status); });
+  timer_ =
+      nh.createWallTimer(ros::WallDuration(period_), [this](const ros::WallTimerEvent&) { updater_.force_update(); });
+}
+
+}  // namespace robot_vision

@@ -1,0 +1,236 @@
+#include "image_message.hpp"
+
+#include <cv_bridge/cv_bridge.h>
+
+#include <algorithm>
+#include <boost/make_shared.hpp>
+#include <cstdint>
+#include <limits>
+#include <mutex>
+#include <numeric>
+#include <stdexcept>
+#include <utility>
+#include <vector>
+
+#include "robot_vision/common/printable.hpp"
+#include "robot_vision/image/encoding.hpp"
+
+namespace robot_vision
+{
+namespace
+{
+
+constexpr std::size_t kPooled = 4;       // one being filled, one queued, two held by those who are slow
+constexpr std::size_t kFarLarger = 4;    // times
+constexpr std::size_t kSmall = 1 << 20;  // bytes that are not worth a thought
+
+bool isLittleEndianHost()
+{
+  const std::uint16_t one = 1;
+  return *reinterpret_cast<const std::uint8_t*>(&one) == 1;
+}
+
+cv::Mat swapBytes(const cv::Mat& image)
+{
+  cv::Mat swapped = image.clone();
+  const std::size_t sample = image.elemSize1();
+  for (int y = 0; y < swapped.rows; ++y)
+  {
+    std::uint8_t* const row = swapped.ptr(y);
+    for (std::uint8_t* p = row; p != row + swapped.cols * swapped.elemSize(); p += sample)
+      std::reverse(p, p + sample);
+  }
+  return swapped;
+}
+
+void checkLayout(const sensor_msgs::Image& message, int type)
+{
+  const auto pixel_bytes = static_cast<std::uint64_t>(CV_ELEM_SIZE(type));
+  const auto refuse = [](const std::string& why) { throw std::invalid_argument(why); };
+  constexpr auto kLargest = static_cast<std::uint32_t>(std::numeric_limits<int>::max());
+  if (message.width == 0 || message.height == 0) refuse("the picture has no pixels");
+  if (message.width > kLargest || message.height > kLargest) refuse("the size is beyond any picture");
+  const std::uint64_t row_bytes = message.width * pixel_bytes;
+  if (message.step < row_bytes)
+    refuse("step is " + std::to_string(message.step) + ", must be at least " + std::to_string(row_bytes));
+  if (message.step % CV_ELEM_SIZE1(type) != 0)
+    refuse("step is " + std::to_string(message.step) + ", must be a multiple of " +
+           std::to_string(CV_ELEM_SIZE1(type)));
+  const std::uint64_t bytes = std::uint64_t{message.step} * message.height;
+  if (message.data.size() != bytes)
+    refuse("data has " + std::to_string(message.data.size()) + " bytes, step * height is " + std::to_string(bytes));
+  if (message.is_bigendian > 1) refuse("is_bigendian is " + std::to_string(message.is_bigendian) + ", must be 0 or 1");
+}
+
+/// The pixels of a checked message in this machine's byte order.
+cv::Mat view(const sensor_msgs::Image& message, int type)
+{
+  checkLayout(message, type);
+  auto* data = const_cast<std::uint8_t*>(message.data.data());
+  const cv::Mat pixels(static_cast<int>(message.height), static_cast<int>(message.width), type, data, message.step);
+  const bool other_order = (message.is_bigendian == 0) != isLittleEndianHost();
+  return pixels.elemSize1() > 1 && other_order ? swapBytes(pixels) : pixels;
+}
+
+}  // namespace
+
+int anyMatType(const std::string& encoding)
+{
+  if (isMessageEncoding(encoding)) return matType(encoding);
+  try
+  {
+    const int type = cv_bridge::getCvType(encoding);
+    if (type == CV_MAT_TYPE(type)) return type;  // 8UC0 and 8UC513 leave the bits of a type
+    throw std::invalid_argument("encoding '" + printable(encoding) + "' has a number of channels that no picture has");
+  }
+  catch (const cv_bridge::Exception& e)
+  {
+    throw std::invalid_argument("encoding '" + printable(encoding) + "' is unknown: " + printable(e.what()));
+  }
+}
+
+cv::Mat viewPixels(const sensor_msgs::Image& message)
+{
+  if (isEncoding(message.encoding) && !isMessageEncoding(message.encoding))
+    throw std::invalid_argument("encoding '" + printable(message.encoding) + "' is not one of sensor_msgs/Image");
+  const cv::Mat pixels = view(message, matType(message.encoding));
+  checkPixels(pixels, message.encoding);
+  return pixels;
+}
+
+cv::Mat viewAnyPixels(const sensor_msgs::Image& message)
+{
+  return isMessageEncoding(message.encoding) ? viewPixels(message) : view(message, anyMatType(message.encoding));
+}
+
+void requireEncoding(const cv::Mat& pixels, const std::string& encoding)
+{
+  if (isMessageEncoding(encoding)) return checkPixels(pixels, encoding);
+  const int type = anyMatType(encoding);
+  if (pixels.empty()) throw std::invalid_argument("the picture has no pixels");
+  if (pixels.type() != type)
+    throw std::invalid_argument(encoding + " picture: expected pixels of " + describePixels(type) + ", got " +
+                                describePixels(pixels.type()));
+}
+
+cv::Mat convertPixels(const sensor_msgs::Image& message, const std::string& encoding)
+{
+  cv_bridge::CvImage source;
+  source.image = viewAnyPixels(message);
+  source.encoding = message.encoding;
+  if (encoding == message.encoding) return source.image;
+  try
+  {
+    cv::Mat converted;
+    const bool common = encoding == "bgr8" || encoding == "rgb8" || encoding == "mono8";
+    if (common && isMessageEncoding(message.encoding))
+      toEncoding(source.image, message.encoding, encoding, converted);
+    else
+      converted = cv_bridge::cvtColor(boost::make_shared<const cv_bridge::CvImage>(source), encoding)->image;
+    return converted;
+  }
+  catch (const std::exception& e)
+  {
+    throw std::invalid_argument("cannot be converted to '" + encoding + "': " + printable(e.what(), 300));
+  }
+}
+
+std::string describeRefusal(const sensor_msgs::Image& message, const std::string& topic, const std::string& why)
+{
+  return "refused a frame on " + topic + " (" + printable(message.encoding) + ", " + std::to_string(message.width) +
+         "x" + std::to_string(message.height) + "): " + why;
+}
+
+class ImagePool::Store
+{
+public:
+  using Message = std::unique_ptr<sensor_msgs::Image>;
+
+  Message take()
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    if (idle_.empty()) return std::make_unique<sensor_msgs::Image>();
+    Message message = std::move(idle_.back());
+    idle_.pop_back();
+    return message;
+  }
+
+  void giveBack(Message message)
+  {
+    const std::size_t usual = kFarLarger * std::max(message->data.size(), kSmall);
+    const std::lock_guard<std::mutex> lock(mutex_);
+    idle_.push_back(std::move(message));
+    const auto far_larger = [usual](const Message& other) { return other->data.capacity() > usual; };
+    idle_.erase(std::remove_if(idle_.begin(), idle_.end(), far_larger), idle_.end());
+    if (idle_.size() > kPooled || bytes() > kMaxKept) idle_.pop_back();
+  }
+
+  std::size_t kept()
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    return bytes();
+  }
+
+private:
+  std::size_t bytes() const
+  {
+    const auto add = [](std::size_t sum, const Message& message) { return sum + message->data.capacity(); };
+    return std::accumulate(idle_.begin(), idle_.end(), std::size_t{0}, add);
+  }
+
+  std::mutex mutex_;
+  std::vector<Message> idle_;
+};
+
+ImagePool::ImagePool() : store_(std::make_shared<Store>())
+{
+}
+
+sensor_msgs::ImagePtr ImagePool::take() const
+{
+  return {store_->take().release(),
+          [store = store_](sensor_msgs::Image* message) { store->giveBack(Store::Message(message)); }};
+}
+
+std::size_t ImagePool::kept() const
+{
+  return store_->kept();
+}
+
+sensor_msgs::ImagePtr ImagePool::take(cv::Size size, const std::string& encoding) const
+{
+  sensor_msgs::ImagePtr free = take();
+  free->encoding = encoding;
+  free->width = static_cast<std::uint32_t>(size.width);
+  free->height = static_cast<std::uint32_t>(size.height);
+  free->step = static_cast<std::uint32_t>(size.width * CV_ELEM_SIZE(anyMatType(encoding)));
+  free->is_bigendian = isLittleEndianHost() ? 0 : 1;
+  free->data.resize(std::size_t{free->step} * free->height);
+  return free;
+}
+
+sensor_msgs::ImagePtr ImageMaker::make(const Fill& fill)
+{
+  const sensor_msgs::ImagePtr guess = size_.empty() ? nullptr : pool_.take(size_, encoding_);
+  cv::Mat pixels = guess ? writablePixels(*guess) : cv::Mat();
+  encoding_ = fill(pixels);
+  size_ = pixels.size();
+  if (guess && pixels.data == guess->data.data())
+  {
+    guess->encoding = encoding_;
+    return guess;
+  }
+  const sensor_msgs::ImagePtr image = pool_.take(size_, encoding_);
+  cv::Mat target = writablePixels(*image);
+  pixels.copyTo(target);
+  if (image->data.size() > ImagePool::kMaxKept) size_ = {};
+  return image;
+}
+
+cv::Mat writablePixels(sensor_msgs::Image& message)
+{
+  return {static_cast<int>(message.height), static_cast<int>(message.width), anyMatType(message.encoding),
+          message.data.data(), message.step};
+}
+
+}  // namespace robot_vision

@@ -1,0 +1,89 @@
+#include "params.hpp"
+
+#include <sstream>
+#include <stdexcept>
+#include <type_traits>
+
+#include "robot_vision/common/printable.hpp"
+#include "unknown_params.hpp"
+
+namespace robot_vision
+{
+namespace
+{
+
+constexpr std::size_t kMaxTold = 100;  // bytes of a value
+
+std::string shown(const std::string& value)
+{
+  return "'" + shortened(value, kMaxTold) + "'";
+}
+
+template <class T>
+std::string shown(const T& value)
+{
+  std::ostringstream text;
+  text << std::boolalpha << value;
+  return text.str();
+}
+
+template <class T>
+void read(const ros::NodeHandle& nh, const std::string& name, T& value, const char* type)
+{
+  const T preset = value;
+  noteKnownParam(nh, name);
+  XmlRpc::XmlRpcValue found;
+  if (!nh.getParam(name, found)) return;
+  const bool rounded = std::is_same<T, int>::value && found.getType() == XmlRpc::XmlRpcValue::TypeDouble;
+  if (rounded || !nh.getParam(name, value))
+    throw std::invalid_argument(name + " is " + valueText(found) + ", must be " + type);
+  if (value != preset) noteKnownParam(nh, name, shown(value));
+}
+
+}  // namespace
+
+std::string valueText(const XmlRpc::XmlRpcValue& value)
+{
+  std::ostringstream stream;
+  stream << value;
+  if (value.getType() == XmlRpc::XmlRpcValue::TypeString) return shown(stream.str());
+  return shortened(stream.str(), kMaxTold);
+}
+
+void readParam(const ros::NodeHandle& nh, const std::string& name, bool& value)
+{
+  read(nh, name, value, "true or false");
+}
+
+void readParam(const ros::NodeHandle& nh, const std::string& name, int& value)
+{
+  read(nh, name, value, "an integer");
+}
+
+void readParam(const ros::NodeHandle& nh, const std::string& name, double& value)
+{
+  read(nh, name, value, "a number");
+}
+
+void readParam(const ros::NodeHandle& nh, const std::string& name, std::string& value)
+{
+  read(nh, name, value, "a string");
+}
+
+void readParams(const ros::NodeHandle& nh, dynamic_reconfigure::Config& config)
+{
+  for (auto& p : config.bools)
+  {
+    bool value = p.value != 0;  // the message's field is an integer
+    readParam(nh, p.name, value);
+    p.value = value;
+  }
+  for (auto& p : config.ints)
+    readParam(nh, p.name, p.value);
+  for (auto& p : config.doubles)
+    readParam(nh, p.name, p.value);
+  for (auto& p : config.strs)
+    readParam(nh, p.name, p.value);
+}
+
+}  // namespace robot_vision

@@ -1,0 +1,151 @@
+#include "unknown_params.hpp"
+
+#include <image_transport/image_transport.h>
+
+#include <algorithm>
+#include <map>
+#include <mutex>
+#include <vector>
+
+#include "robot_vision/common/printable.hpp"
+
+namespace robot_vision
+{
+namespace
+{
+
+constexpr double kAlike = 0.6;
+constexpr std::size_t kMaxTold = 300;  // bytes of a path
+
+using Names = std::map<std::string, std::string>;  // with the values that are not the default, as text
+
+/// The parameters of the nodes of this process that are starting, by namespace.
+class KnownParams
+{
+public:
+  void add(const std::string& ns, const std::string& name, const std::string& changed)
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    names_[ns][name] = changed;
+  }
+
+  /// Those of a namespace, which are forgotten: another nodelet may be loaded into it.
+  Names take(const std::string& ns)
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    Names names;
+    names.swap(names_[ns]);
+    names_.erase(ns);
+    return names;
+  }
+
+private:
+  std::mutex mutex_;  // guards names_: nodelets start in several threads
+  std::map<std::string, Names> names_;
+};
+
+KnownParams& knownParams()
+{
+  static KnownParams known;
+  return known;
+}
+
+/// 0 to 1: twice the letters that two words have in common, in the same order, of all their letters.
+double similarity(const std::string& a, const std::string& b)
+{
+  std::vector<std::size_t> common(b.size() + 1, 0);  // of what has been seen of a, and the beginnings of b
+  for (const char letter : a)
+  {
+    std::size_t before = 0;
+    for (std::size_t i = 0; i < b.size(); ++i)
+    {
+      const std::size_t both = letter == b[i] ? before + 1 : std::max(common[i], common[i + 1]);
+      before = common[i + 1];
+      common[i + 1] = both;
+    }
+  }
+  return 2.0 * static_cast<double>(common.back()) / static_cast<double>(a.size() + b.size());
+}
+
+/// The one that is most alike; empty if none is.
+std::string nearest(const std::string& name, const Names& known)
+{
+  std::string best;
+  double most = kAlike;
+  for (const auto& [other, changed] : known)
+    if (similarity(name, other) > most)
+    {
+      best = other;
+      most = similarity(name, other);
+    }
+  return best;
+}
+
+/// Whether there is a node, topic or service of this name, or below it.
+bool isNamespaceOfGraph(const std::string& name)
+{
+  XmlRpc::XmlRpcValue request, response, state;
+  request[0] = ros::this_node::getName();
+  if (!ros::master::execute("getSystemState", request, response, state, false)) return false;
+  const auto below = [&name](XmlRpc::XmlRpcValue& other)
+  { return (static_cast<std::string&>(other) + "/").compare(0, name.size() + 1, name + "/") == 0; };
+  for (int kind = 0; kind < state.size(); ++kind)  // publishers, subscribers, services
+    for (int i = 0; i < state[kind].size(); ++i)
+    {
+      if (below(state[kind][i][0])) return true;
+      for (int j = 0; j < state[kind][i][1].size(); ++j)
+        if (below(state[kind][i][1][j])) return true;
+    }
+  return false;
+}
+
+/// resolveName() would throw: a parameter's name can have what no other name of ROS has, such as blanks.
+std::string pathOf(const ros::NodeHandle& nh, const std::string& name)
+{
+  return nh.getNamespace() + "/" + name;
+}
+
+/// Whether a map of parameters may be of somebody else: a transport, or a node or topic below this one.
+bool isOfOthers(const ros::NodeHandle& nh, const std::string& name)
+{
+  const auto transports = image_transport::ImageTransport(nh).getDeclaredTransports();
+  return std::count(transports.begin(), transports.end(), "image_transport/" + name) != 0 ||
+         isNamespaceOfGraph(pathOf(nh, name));
+}
+
+void tellChanged(const ros::NodeHandle& nh, const Names& known)
+{
+  std::string text;
+  for (const auto& [name, changed] : known)
+    if (!changed.empty()) text += (text.empty() ? "" : ", ") + name + ": " + changed;
+  if (!text.empty()) ROS_INFO("%s: set on the parameter server: %s", nh.getNamespace().c_str(), text.c_str());
+}
+
+}  // namespace
+
+void noteKnownParam(const ros::NodeHandle& nh, const std::string& name, const std::string& changed)
+{
+  knownParams().add(nh.getNamespace(), name, changed);
+}
+
+void reviewParams(const ros::NodeHandle& nh)
+{
+  Names known = knownParams().take(nh.getNamespace());
+  std::string config_file;  // it is read again when something is saved
+  nh.getParam("config_file", config_file);
+  known["config_file"] = config_file.empty() ? "" : "'" + shortened(config_file, kMaxTold) + "'";
+  tellChanged(nh, known);
+  XmlRpc::XmlRpcValue there;
+  if (!nh.getParam(nh.getNamespace(), there) || there.getType() != XmlRpc::XmlRpcValue::TypeStruct) return;
+  for (const auto& entry : there)
+  {
+    const std::string& name = entry.first;
+    if (known.count(name)) continue;
+    if (entry.second.getType() == XmlRpc::XmlRpcValue::TypeStruct && isOfOthers(nh, name)) continue;
+    const std::string near = nearest(name, known);
+    ROS_WARN("parameter %s is not known%s", shortened(pathOf(nh, name), kMaxTold).c_str(),
+             near.empty() ? "" : (", is " + near + " meant?").c_str());
+  }
+}
+
+}  // namespace robot_vision

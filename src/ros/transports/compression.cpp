@@ -1,0 +1,58 @@
+#include "compression.hpp"
+
+#include <utility>
+
+#include "ros/images/image_message.hpp"
+
+namespace robot_vision
+{
+namespace
+{
+
+sensor_msgs::CompressedImage toMessage(CompressedPicture picture, const std_msgs::Header& header)
+{
+  sensor_msgs::CompressedImage message;
+  message.header = header;
+  message.format = std::move(picture.format);
+  message.data = std::move(picture.data);
+  return message;
+}
+
+}  // namespace
+
+CompressionParams toCompressionParams(const CompressedPublisherConfig& config)
+{
+  CompressionParams params;
+  params.format = config.format;
+  params.jpeg.quality = config.jpeg_quality;
+  params.jpeg.progressive = config.jpeg_progressive;
+  params.jpeg.optimize = config.jpeg_optimize;
+  params.jpeg.restart_interval = config.jpeg_restart_interval;
+  params.png_level = config.png_level;
+  validate(params);
+  return params;
+}
+
+DepthCompressionParams toDepthCompressionParams(const CompressedDepthPublisherConfig& config)
+{
+  const DepthCompressionParams params{config.depth_max, config.depth_quantization, config.png_level};
+  validate(params);
+  return params;
+}
+
+sensor_msgs::CompressedImage compressMessage(const sensor_msgs::Image& message, const CompressionParams& params)
+{
+  CompressedPicture picture;
+  compress(viewAnyPixels(message), message.encoding, params, picture);
+  return toMessage(std::move(picture), message.header);
+}
+
+sensor_msgs::CompressedImage compressDepthMessage(const sensor_msgs::Image& message,
+                                                  const DepthCompressionParams& params)
+{
+  CompressedPicture picture;
+  compressDepth(viewAnyPixels(message), message.encoding, params, picture);
+  return toMessage(std::move(picture), message.header);
+}
+
+}  // namespace robot_vision

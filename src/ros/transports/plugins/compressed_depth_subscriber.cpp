@@ -1,0 +1,32 @@
+#include <sensor_msgs/CompressedImage.h>
+
+#include <pluginlib/class_list_macros.hpp>
+
+#include "robot_vision/codecs/compressed_depth.hpp"
+#include "transport_subscriber.hpp"
+
+namespace robot_vision
+{
+
+/// The other end of "compressedDepth".
+class CompressedDepthSubscriber : public TransportSubscriber<sensor_msgs::CompressedImage>
+{
+public:
+  std::string getTransportName() const override { return "compressedDepth"; }
+
+private:
+  sensor_msgs::ImagePtr decode(const sensor_msgs::CompressedImage& message) override
+  {
+    const auto fill = [&](cv::Mat& pixels)
+    { return decompressDepth(message.format, message.data.data(), message.data.size(), pixels); };
+    const sensor_msgs::ImagePtr image = pictures_.make(fill);
+    image->header = message.header;
+    return image;
+  }
+
+  ImageMaker pictures_;
+};
+
+}  // namespace robot_vision
+
+PLUGINLIB_EXPORT_CLASS(robot_vision::CompressedDepthSubscriber, image_transport::SubscriberPlugin)

@@ -1,0 +1,45 @@
+#include <sensor_msgs/CompressedImage.h>
+
+#include <pluginlib/class_list_macros.hpp>
+
+#include "robot_vision/codecs/compressed_picture.hpp"
+#include "robot_vision/common/range.hpp"
+#include "transport_subscriber.hpp"
+
+namespace robot_vision
+{
+
+/// The other end of "compressed". Parameters, live: `mode` (unchanged, gray or color) and `reduction` (1, 2, 4 or 8).
+class CompressedSubscriber : public TransportSubscriber<sensor_msgs::CompressedImage>
+{
+public:
+  std::string getTransportName() const override { return "compressed"; }
+
+private:
+  sensor_msgs::ImagePtr decode(const sensor_msgs::CompressedImage& message) override
+  {
+    const ColorMode mode = colorMode();
+    int reduction = 1;
+    nh().getParamCached("reduction", reduction);
+    const auto fill = [&](cv::Mat& pixels)
+    { return decompress(message.format, message.data.data(), message.data.size(), mode, reduction, pixels); };
+    const sensor_msgs::ImagePtr image = pictures_.make(fill);
+    image->header = message.header;
+    return image;
+  }
+
+  ColorMode colorMode() const
+  {
+    std::string mode = "unchanged";
+    nh().getParamCached("mode", mode);
+    require(mode == "unchanged" || mode == "gray" || mode == "color", nh().resolveName("mode"), "'" + mode + "'",
+            "unchanged, gray or color");
+    return mode == "gray" ? ColorMode::kGray : mode == "color" ? ColorMode::kColor : ColorMode::kUnchanged;
+  }
+
+  ImageMaker pictures_;
+};
+
+}  // namespace robot_vision
+
+PLUGINLIB_EXPORT_CLASS(robot_vision::CompressedSubscriber, image_transport::SubscriberPlugin)

@@ -1,0 +1,95 @@
+#include <robot_vision/TheoraPublisherConfig.h>
+
+#include <mutex>
+#include <pluginlib/class_list_macros.hpp>
+
+#include "robot_vision/codecs/theora.hpp"
+#include "theora_packet.hpp"
+#include "transport_publisher.hpp"
+
+namespace robot_vision
+{
+namespace
+{
+
+TheoraParams toParams(const TheoraPublisherConfig& config)
+{
+  TheoraParams params;
+  params.constant_quality = config.optimize_for == TheoraPublisher_Quality;
+  params.quality = config.quality;
+  params.target_bitrate = config.target_bitrate;
+  params.keyframe_frequency = config.keyframe_frequency;
+  validate(params);
+  return params;
+}
+
+bool operator!=(const TheoraParams& a, const TheoraParams& b)
+{
+  return a.constant_quality != b.constant_quality || a.quality != b.quality || a.target_bitrate != b.target_bitrate ||
+         a.keyframe_frequency != b.keyframe_frequency;
+}
+
+TheoraPacketMessage toMessage(const TheoraPacket& packet, const std_msgs::Header& header)
+{
+  TheoraPacketMessage message;
+  message.header = header;
+  message.data = packet.data;
+  message.b_o_s = packet.begins_stream ? 1 : 0;
+  message.e_o_s = packet.ends_stream ? 1 : 0;
+  message.granulepos = packet.granule_position;
+  message.packetno = packet.number;
+  return message;
+}
+
+}  // namespace
+
+/// image_transport's "theora". Who subscribes gets the headers at once, and everybody a key frame with the next
+/// picture.
+class TheoraPublisher : public TransportPublisher<TheoraPacketMessage, TheoraPublisherConfig, TheoraParams>
+{
+public:
+  TheoraPublisher() : TransportPublisher(toParams) {}
+  ~TheoraPublisher() override { TheoraPublisher::shutdown(); }
+
+  std::string getTransportName() const override { return "theora"; }
+
+private:
+  void advertiseImpl(ros::NodeHandle& nh, const std::string& base_topic, std::uint32_t queue_size,
+                     const image_transport::SubscriberStatusCallback& on_connect,
+                     const image_transport::SubscriberStatusCallback& on_disconnect, const ros::VoidPtr& tracked_object,
+                     bool /*latch*/) override
+  {
+    // A latched change of a picture that the newcomer has not seen would show him nothing.
+    TransportPublisher::advertiseImpl(nh, base_topic, queue_size + kTheoraHeaders, on_connect, on_disconnect,
+                                      tracked_object,
+                                      /*latch=*/false);
+  }
+
+  void connectCallback(const ros::SingleSubscriberPublisher& subscriber) override
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    for (const TheoraPacket& header : encoder_.headers())
+      subscriber.publish(toMessage(header, last_));
+    encoder_.requestKeyframe();
+  }
+
+  void send(const sensor_msgs::Image& message, const TheoraParams& params, const PublishFn& publish_fn) const override
+  {
+    const cv::Mat bgr = convertPixels(message, "bgr8");
+    const std::lock_guard<std::mutex> lock(mutex_);
+    if (params != params_) encoder_ = TheoraEncoder(params);
+    params_ = params;
+    last_ = message.header;
+    for (const TheoraPacket& packet : encoder_.encode(bgr))
+      publish_fn(toMessage(packet, message.header));
+  }
+
+  mutable std::mutex mutex_;  // guards all below: subscribers come in another thread than pictures
+  mutable TheoraParams params_;
+  mutable TheoraEncoder encoder_;
+  mutable std_msgs::Header last_;
+};
+
+}  // namespace robot_vision
+
+PLUGINLIB_EXPORT_CLASS(robot_vision::TheoraPublisher, image_transport::PublisherPlugin)

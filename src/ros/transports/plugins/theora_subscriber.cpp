@@ -1,0 +1,57 @@
+#include <pluginlib/class_list_macros.hpp>
+
+#include "robot_vision/codecs/theora.hpp"
+#include "theora_packet.hpp"
+#include "transport_subscriber.hpp"
+
+namespace robot_vision
+{
+namespace
+{
+
+TheoraPacket toPacket(const TheoraPacketMessage& message)
+{
+  TheoraPacket packet;
+  packet.data = message.data;
+  packet.begins_stream = message.b_o_s != 0;
+  packet.ends_stream = message.e_o_s != 0;
+  packet.granule_position = message.granulepos;
+  packet.number = message.packetno;
+  return packet;
+}
+
+}  // namespace
+
+/// The other end of "theora": bgr8. Parameter, live: `post_processing_level`, 0 to 7, softens the edges of blocks.
+class TheoraSubscriber : public TransportSubscriber<TheoraPacketMessage>
+{
+public:
+  TheoraSubscriber() : TransportSubscriber(kTheoraHeaders) {}
+
+  std::string getTransportName() const override { return "theora"; }
+
+private:
+  sensor_msgs::ImagePtr decode(const TheoraPacketMessage& message) override
+  {
+    int level = 0;
+    nh().getParamCached("post_processing_level", level);
+    decoder_.setPostProcessing(level);
+    if (!decoder_.decode(toPacket(message), picture_)) return nullptr;
+    const sensor_msgs::ImagePtr image = pictures_.make(
+        [this](cv::Mat& pixels)
+        {
+          picture_.copyTo(pixels);
+          return std::string("bgr8");
+        });
+    image->header = message.header;
+    return image;
+  }
+
+  TheoraDecoder decoder_;
+  cv::Mat picture_;
+  ImageMaker pictures_;
+};
+
+}  // namespace robot_vision
+
+PLUGINLIB_EXPORT_CLASS(robot_vision::TheoraSubscriber, image_transport::SubscriberPlugin)

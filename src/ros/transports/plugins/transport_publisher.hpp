@@ -1,0 +1,84 @@
+#pragma once
+
+#include <image_transport/simple_publisher_plugin.h>
+
+#include <boost/make_shared.hpp>
+#include <memory>
+#include <string>
+
+#include "core/common/throttle.hpp"
+#include "ros/images/image_message.hpp"
+#include "ros/images/newest_worker.hpp"
+#include "ros/transports/transport_settings.hpp"
+
+namespace robot_vision
+{
+
+/// A publisher plugin whose settings are live in its topic's namespace. Who publishes a picture does not wait until it
+/// is sent: that is done in another thread, of the newest picture first, and those that come faster are left out. A
+/// picture that cannot be sent is refused with a throttled error. Who derives from it has to call shutdown() when it is
+/// destroyed: not everybody does so before, and until then the other thread calls its send().
+template <class Message, class Config, class Params>
+class TransportPublisher : public image_transport::SimplePublisherPlugin<Message>
+{
+public:
+  void publish(const sensor_msgs::ImageConstPtr& message) const override
+  {
+    worker_.post(
+        [this, message]
+        {
+          if (this->getNumSubscribers() == 0) return;  // they went while it waited
+          publish(*message, [this](const Message& sent) { this->getPublisher().publish(sent); });
+        });
+  }
+
+  void publish(const sensor_msgs::Image& message) const override
+  {
+    publish(sensor_msgs::ImageConstPtr(boost::make_shared<sensor_msgs::Image>(message)));
+  }
+
+  /// The picture that is being sent is the last one.
+  void shutdown() override
+  {
+    worker_.stop();
+    Plugin::shutdown();
+  }
+
+protected:
+  using Plugin = image_transport::SimplePublisherPlugin<Message>;
+  using Settings = TransportSettings<Config, Params>;
+  using PublishFn = typename Plugin::PublishFn;
+
+  explicit TransportPublisher(typename Settings::ToParams to_params) : to_params_(to_params) {}
+
+  /// Throws for a picture that cannot be sent. May be called by two threads at once, as who subscribes may be sent a
+  /// picture of his own.
+  virtual void send(const sensor_msgs::Image& message, const Params& params, const PublishFn& publish_fn) const = 0;
+
+  void advertiseImpl(ros::NodeHandle& nh, const std::string& base_topic, std::uint32_t queue_size,
+                     const image_transport::SubscriberStatusCallback& on_connect,
+                     const image_transport::SubscriberStatusCallback& on_disconnect, const ros::VoidPtr& tracked_object,
+                     bool latch) override
+  {
+    settings_ = std::make_unique<Settings>(ros::NodeHandle(this->getTopicToAdvertise(base_topic)), to_params_);
+    Plugin::advertiseImpl(nh, base_topic, queue_size, on_connect, on_disconnect, tracked_object, latch);
+  }
+
+private:
+  void publish(const sensor_msgs::Image& message, const PublishFn& publish_fn) const final
+  try
+  {
+    send(message, settings_->params(), publish_fn);
+  }
+  catch (const std::exception& e)
+  {
+    if (refused_.due()) ROS_ERROR("%s", describeRefusal(message, this->getTopic(), e.what()).c_str());
+  }
+
+  typename Settings::ToParams to_params_;
+  std::unique_ptr<Settings> settings_;
+  mutable Throttle refused_;
+  mutable NewestWorker worker_;
+};
+
+}  // namespace robot_vision

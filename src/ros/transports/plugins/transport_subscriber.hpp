@@ -1,0 +1,69 @@
+#pragma once
+
+#include <image_transport/subscriber_plugin.h>
+
+#include <memory>
+#include <string>
+
+#include "core/common/throttle.hpp"
+#include "ros/images/bounded_reading.hpp"
+#include "ros/images/image_message.hpp"
+
+namespace robot_vision
+{
+
+/// A subscriber plugin that refuses what it cannot decode with a throttled error, and takes no more memory for a
+/// message than it has bytes, as image_transport::SimpleSubscriberPlugin does.
+template <class Message>
+class TransportSubscriber : public image_transport::SubscriberPlugin
+{
+public:
+  std::string getTopic() const override { return subscriber_.getTopic(); }
+  std::uint32_t getNumPublishers() const override { return subscriber_.getNumPublishers(); }
+  void shutdown() override { subscriber_.shutdown(); }
+
+protected:
+  /// How many messages may come at once with one image.
+  explicit TransportSubscriber(std::uint32_t more_messages = 0) : more_messages_(more_messages) {}
+
+  /// The image of a message; null: it has none. Throws for a message that cannot be used.
+  virtual sensor_msgs::ImagePtr decode(const Message& message) = 0;
+
+  /// Of the transport's parameters.
+  const ros::NodeHandle& nh() const { return *nh_; }
+
+private:
+  void subscribeImpl(ros::NodeHandle& nh, const std::string& base_topic, std::uint32_t queue_size,
+                     const Callback& callback, const ros::VoidPtr& tracked_object,
+                     const image_transport::TransportHints& hints) override
+  {
+    nh_ = std::make_unique<ros::NodeHandle>(hints.getParameterNH(), getTransportName());
+    ros::SubscribeOptions options = boundedOptions<Message>(
+        base_topic + "/" + getTransportName(), queue_size + more_messages_,
+        [this, callback](const boost::shared_ptr<const Message>& message) { onMessage(*message, callback); });
+    options.tracked_object = tracked_object;
+    options.transport_hints = hints.getRosHints();
+    subscriber_ = nh.subscribe(options);
+  }
+
+  void onMessage(const Message& message, const Callback& callback)
+  {
+    sensor_msgs::ImagePtr image;
+    try
+    {
+      image = decode(message);
+    }
+    catch (const std::exception& e)
+    {
+      if (refused_.due()) ROS_ERROR("refused a frame on %s: %s", getTopic().c_str(), e.what());
+    }
+    if (image) callback(image);
+  }
+
+  std::uint32_t more_messages_;
+  std::unique_ptr<ros::NodeHandle> nh_;
+  Throttle refused_;
+  ros::Subscriber subscriber_;
+};
+
+}  // namespace robot_vision
