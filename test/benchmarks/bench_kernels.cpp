@@ -12,7 +12,7 @@
 #include <iostream>
 #include <sstream>
 
-#include "core/simd/kernels.hpp"
+#include "core/simd/instruction_sets.hpp"
 #include "kernels/contests.hpp"
 #include "measure.hpp"
 
@@ -21,7 +21,7 @@ namespace
 
 using bench::Contest;
 using bench::Work;
-using robot_vision::Kernels;
+using robot_vision::InstructionSet;
 
 struct Options
 {
@@ -74,9 +74,9 @@ Options parse(int argc, char** argv)
 class Prepared
 {
 public:
-  const Contest& get(const Options& options, const Work& work, const cv::Size& size, const Kernels* set)
+  const Contest& get(const Options& options, const Work& work, const cv::Size& size, InstructionSet set)
   {
-    robot_vision::chooseKernels(set);
+    robot_vision::chooseSet(set);
     if (size != size_) frames_ = bench::movingPicture(options.picture, size);
     if (size != size_ || &work != work_ || set != set_) contest_ = work.prepare({frames_, options.threads});
     size_ = size;
@@ -90,7 +90,7 @@ public:
 private:
   cv::Size size_;
   const Work* work_ = nullptr;
-  const Kernels* set_ = nullptr;
+  std::optional<InstructionSet> set_;
   std::vector<cv::Mat> frames_;
   Contest contest_;
 };
@@ -98,7 +98,7 @@ private:
 Prepared prepared;
 
 void measure(benchmark::State& state, const Options& options, const Work& work, const cv::Size& size,
-             const Kernels* set)
+             InstructionSet set)
 {
   cv::setNumThreads(options.threads);
   const Contest& contest = prepared.get(options, work, size, set);
@@ -137,15 +137,15 @@ void measure(benchmark::State& state, const Options& options, const Work& work, 
 
 void registerAll(const Options& options, const std::vector<Work>& works)
 {
-  std::vector<const Kernels*> sets = robot_vision::availableKernels();
+  std::vector<InstructionSet> sets = robot_vision::availableSets();
   if (!options.all_sets) sets.resize(1);
   for (const cv::Size& size : options.sizes)
     for (const Work& work : works)
-      for (const Kernels* set : sets)
+      for (InstructionSet set : sets)
       {
         if (options.growth && !work.scales) continue;
         const std::string name = work.name + "/" + std::to_string(size.width) + "x" + std::to_string(size.height) +
-                                 "/" + set->name + "/" + std::to_string(options.threads);
+                                 "/" + robot_vision::name(set) + "/" + std::to_string(options.threads);
         const auto run = [&options, &work, size, set](benchmark::State& state)
         { measure(state, options, work, size, set); };
         benchmark::RegisterBenchmark(name.c_str(), run)->UseManualTime()->Unit(benchmark::kMillisecond);

@@ -6,9 +6,10 @@
 #include <cstdio>
 #include <cstring>
 #include <iterator>
+#include <optional>
 #include <string>
 
-#include "core/simd/kernels.hpp"
+#include "core/simd/instruction_sets.hpp"
 
 namespace
 {
@@ -16,12 +17,12 @@ namespace
 constexpr const char* kOption = "--kernels=";
 const std::string kSets[] = {KERNEL_SETS};
 
-/// Null: the machine has no such set.
-const robot_vision::Kernels* find(const char* name)
+/// None: the machine has no such set.
+std::optional<robot_vision::InstructionSet> find(const char* name)
 {
-  for (const robot_vision::Kernels* set : robot_vision::availableKernels())
-    if (std::strcmp(set->name, name) == 0) return set;
-  return nullptr;
+  for (const robot_vision::InstructionSet set : robot_vision::availableSets())
+    if (std::strcmp(robot_vision::name(set), name) == 0) return set;
+  return std::nullopt;
 }
 
 }  // namespace
@@ -38,13 +39,13 @@ int main(int argc, char** argv)
       std::printf("%s is none of the sets that are built\n", name);
       return 2;
     }
-    const robot_vision::Kernels* const set = find(name);
-    if (set == nullptr)
+    const auto set = find(name);
+    if (!set)
     {
       std::printf("this machine has no %s\n", name);
       testing::GTEST_FLAG(filter) = "-*";  // the report of no test is wanted nevertheless
     }
-    robot_vision::chooseKernels(set);
+    robot_vision::chooseSet(set);
   }
   return RUN_ALL_TESTS();
 }

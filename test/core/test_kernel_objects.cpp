@@ -23,7 +23,7 @@ TEST(KernelObjects, shareNoFunctions)
   for (const std::string object : {KERNEL_OBJECTS})
   {
     const std::string symbols = outputOf("nm --defined-only " + object);
-    EXPECT_NE(symbols.find("Kernels"), std::string::npos) << object << ": no table";
+    EXPECT_NE(symbols.find("KernelTable"), std::string::npos) << object << ": no table";
     for (const char* const weak : {" W ", " w ", " V ", " v ", " u "})
       EXPECT_EQ(symbols.find(weak), std::string::npos) << object << ":\n" << symbols;
   }

@@ -4,7 +4,6 @@
 
 #include "core/image/gray_weights.hpp"
 #include "core/image/row_conversions.hpp"
-#include "core/simd/kernels.hpp"
 #include "pictures.hpp"
 #include "robot_vision/image/encoding.hpp"
 #include "thread_counts.hpp"
@@ -210,7 +209,7 @@ TEST(RowConversions, workInPlace)
 // Or the tests above would compare OpenCV with itself.
 TEST(RowConversions, areOursWithWideVectors)
 {
-  const std::string set = kernels().name;
+  const std::string set = name(currentSet());
   const bool wide = set.substr(0, 3) == "avx";
   cv::Mat pixels;
   for (const Conversion& conversion : kConversions)

@@ -8,7 +8,10 @@
 #include <random>
 #include <vector>
 
-#include "core/simd/kernels.hpp"
+#include "core/edges/edge_kernels.hpp"
+#include "core/image/bit_kernels.hpp"
+#include "core/image/box_kernels.hpp"
+#include "core/image/gauss_kernels.hpp"
 
 using namespace robot_vision;
 
@@ -77,11 +80,11 @@ TEST(RowEnds, ofMarksAndBits)
     std::transform(a.begin(), a.end(), b.begin(), differ.begin(),
                    [](int x, int y) { return static_cast<std::uint8_t>(std::abs(x - y) > 100 ? 1 : 0); });
     Words bits(static_cast<std::size_t>(wordsOf(count)));
-    kernels().mark_differences(a.data(), b.data(), 100, count, bits.data());
+    kernels<BitKernels>().mark_differences(a.data(), b.data(), 100, count, bits.data());
     EXPECT_EQ(bits, bitsOf(differ)) << count;
 
     Bytes spread(a.size());
-    kernels().spread_bits(bits.data(), count, spread.data());
+    kernels<BitKernels>().spread_bits(bits.data(), count, spread.data());
     for (int i = 0; i < count; ++i)
       ASSERT_EQ(spread[static_cast<std::size_t>(i)], at(bits, i) ? 255 : 0) << count << ", " << i;
   }
@@ -101,7 +104,7 @@ TEST(RowEnds, ofSplitMarks)
       strong.push_back(mark & kStrong);
     }
     Words first(static_cast<std::size_t>(words)), second(first);
-    kernels().split_marks(marks.data(), words, first.data(), second.data());
+    kernels<BitKernels>().split_marks(marks.data(), words, first.data(), second.data());
     EXPECT_EQ(first, bitsOf(candidates)) << words;
     EXPECT_EQ(second, bitsOf(strong)) << words;
   }
@@ -116,7 +119,7 @@ TEST(RowEnds, ofUnitedBits)
     for (const int number : {1, 3})
     {
       Words united(rows[0].size());
-      kernels().unite(pointers, number, words, united.data());
+      kernels<BitKernels>().unite(pointers, number, words, united.data());
       for (std::size_t i = 0; i < united.size(); ++i)
         ASSERT_EQ(united[i], number == 1 ? rows[0][i] : rows[0][i] | rows[1][i] | rows[2][i]);
     }
@@ -126,7 +129,7 @@ TEST(RowEnds, ofUnitedBits)
     for (const int places : {1, 2, 31, 63})
     {
       Words united(rows[0].size());
-      kernels().unite_neighbours(between.data() + 1, words, places, united.data());
+      kernels<BitKernels>().unite_neighbours(between.data() + 1, words, places, united.data());
       for (int i = 0; i < words * kWordBits; ++i)
         ASSERT_EQ(at(united, i), at(rows[0], i) || at(rows[0], i - places) || at(rows[0], i + places))
             << words << places;
@@ -154,7 +157,7 @@ TEST(RowEnds, ofWeighedRows)
         rows.push_back(random<std::uint8_t>(count, 255));
       std::vector<std::vector<std::uint16_t>> sums(kWeighedRows, std::vector<std::uint16_t>(rows[0].size()));
       std::uint16_t* const to[] = {sums[0].data(), sums[1].data(), sums[2].data(), sums[3].data()};
-      kernels().weigh_columns(pointersTo(rows).data(), weights, count, to);
+      kernels<GaussKernels>().weigh_columns(pointersTo(rows).data(), weights, count, to);
       for (std::size_t k = 0; k < sums.size(); ++k)
         for (std::size_t x = 0; x < rows[0].size(); ++x)
         {
@@ -170,7 +173,7 @@ TEST(RowEnds, ofWeighedRows)
         biased.push_back(static_cast<std::uint16_t>(tap + kSumBias));
       biased.resize(biased.size() + kReadBeyond, 0x1234);
       Bytes means(rows[0].size() + kWrittenBeyond);
-      kernels().weigh_row(biased.data(), weights, count, means.data());
+      kernels<GaussKernels>().weigh_row(biased.data(), weights, count, means.data());
       for (std::size_t x = 0; x < rows[0].size(); ++x)
       {
         int sum = 0x8000;
@@ -191,9 +194,9 @@ TEST(RowEnds, ofSlidingSumsAndTheirQuotients)
     std::vector<std::uint16_t> sums(before);
     for (std::size_t i = 0; i < sums.size(); ++i)
       sums[i] = static_cast<std::uint16_t>(before[i] + leaving[i]);
-    kernels().slide16(entering.data(), leaving.data(), count, sums.data());
+    kernels<BoxKernels>().slide16(entering.data(), leaving.data(), count, sums.data());
     Bytes quotients(sums.size());
-    kernels().divide16(sums.data(), by_nine, count, quotients.data());
+    kernels<BoxKernels>().divide16(sums.data(), by_nine, count, quotients.data());
     for (std::size_t i = 0; i < sums.size(); ++i)
     {
       ASSERT_EQ(sums[i], before[i] + entering[i]) << count << ", " << i;
@@ -211,7 +214,7 @@ TEST(RowEnds, ofGradients)
     std::vector<std::int16_t> dx(static_cast<std::size_t>(count)), dy(dx), sums(dx);
     std::vector<std::int32_t> squares(dx.size());
     const auto row = [&rows](std::size_t i) { return rows[i].data() + 1; };
-    kernels().gradient16(row(0), row(1), row(2), count, dx.data(), dy.data(), sums.data());
+    kernels<EdgeKernels>().gradient16(row(0), row(1), row(2), count, dx.data(), dy.data(), sums.data());
     for (int i = 0; i < count; ++i)
     {
       const auto column = [&](int x) { return row(0)[x] + 2 * row(1)[x] + row(2)[x]; };
@@ -221,7 +224,7 @@ TEST(RowEnds, ofGradients)
       ASSERT_EQ(dy[place], along(2) - along(0)) << count << ", " << i;
       ASSERT_EQ(sums[place], std::abs(dx[place]) + std::abs(dy[place])) << count << ", " << i;
     }
-    kernels().gradient32(row(0), row(1), row(2), count, dx.data(), dy.data(), squares.data());
+    kernels<EdgeKernels>().gradient32(row(0), row(1), row(2), count, dx.data(), dy.data(), squares.data());
     for (std::size_t i = 0; i < dx.size(); ++i)
       ASSERT_EQ(squares[i], dx[i] * dx[i] + dy[i] * dy[i]) << count << ", " << i;
   }

@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "core/image/row_bands.hpp"
-#include "core/simd/kernels.hpp"
+#include "hsv_kernels.hpp"
 #include "hsv_pixel.hpp"
 #include "hsv_tests.hpp"
 #include "robot_vision/common/range.hpp"
@@ -88,7 +88,7 @@ void HsvMask::apply(const cv::Mat& image, const std::string& encoding, cv::Mat& 
   }
   mask.create(pixels.size(), CV_8UC1);
   const HsvTests& tests = is_rgb ? impl_->rgb : impl_->bgr;
-  const auto test = kernels().hsv;
+  const auto test = kernels<HsvKernels>().hsv;
   forRowBands(pixels.rows, cv::getNumThreads(), kLeastRows,
               [&](int, const cv::Range& rows)
               {

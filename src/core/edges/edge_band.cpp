@@ -10,25 +10,25 @@ namespace
 void suppress(const Gradients<std::int16_t>& gradients, const EdgeThresholds& thresholds, int count,
               std::uint8_t* marks)
 {
-  kernels().suppress16(gradients, thresholds, count, marks);
+  kernels<EdgeKernels>().suppress16(gradients, thresholds, count, marks);
 }
 
 void suppress(const Gradients<std::int32_t>& gradients, const EdgeThresholds& thresholds, int count,
               std::uint8_t* marks)
 {
-  kernels().suppress32(gradients, thresholds, count, marks);
+  kernels<EdgeKernels>().suppress32(gradients, thresholds, count, marks);
 }
 
 void gradient(const std::uint8_t* above, const std::uint8_t* row, const std::uint8_t* below, int count,
               std::int16_t* dx, std::int16_t* dy, std::int16_t* magnitude)
 {
-  kernels().gradient16(above, row, below, count, dx, dy, magnitude);
+  kernels<EdgeKernels>().gradient16(above, row, below, count, dx, dy, magnitude);
 }
 
 void gradient(const std::uint8_t* above, const std::uint8_t* row, const std::uint8_t* below, int count,
               std::int16_t* dx, std::int16_t* dy, std::int32_t* magnitude)
 {
-  kernels().gradient32(above, row, below, count, dx, dy, magnitude);
+  kernels<EdgeKernels>().gradient32(above, row, below, count, dx, dy, magnitude);
 }
 
 }  // namespace

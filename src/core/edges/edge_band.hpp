@@ -8,8 +8,8 @@
 #include "core/image/aligned_rows.hpp"
 #include "core/image/box_rows.hpp"
 #include "core/image/gray_rows.hpp"
-#include "core/simd/kernels.hpp"
 #include "edge_bits.hpp"
+#include "edge_kernels.hpp"
 
 namespace robot_vision
 {

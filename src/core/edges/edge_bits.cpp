@@ -35,7 +35,7 @@ void EdgeBits::reset(cv::Size size)
 
 void EdgeBits::setRow(int y, const std::uint8_t* marks)
 {
-  kernels().split_marks(marks, static_cast<int>(words_), &candidates_[at(y)], &edges_[at(y)]);
+  kernels<BitKernels>().split_marks(marks, static_cast<int>(words_), &candidates_[at(y)], &edges_[at(y)]);
 }
 
 /// Takes to a word what its neighbours and itself have; whether it has gained anything.
@@ -84,7 +84,7 @@ void EdgeBits::write(cv::Mat& edges) const
 {
   edges.create(size_, CV_8UC1);
   for (int y = 0; y < size_.height; ++y)
-    kernels().spread_bits(&edges_[at(y)], size_.width, edges.ptr(y));
+    kernels<BitKernels>().spread_bits(&edges_[at(y)], size_.width, edges.ptr(y));
 }
 
 }  // namespace robot_vision

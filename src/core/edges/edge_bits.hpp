@@ -4,7 +4,7 @@
 #include <opencv2/core.hpp>
 #include <vector>
 
-#include "core/simd/kernels.hpp"
+#include "core/image/bit_kernels.hpp"
 
 namespace robot_vision
 {
@@ -20,7 +20,7 @@ public:
   /// For a picture of this size; its marks are all to be set.
   void reset(cv::Size size);
 
-  /// Sets a row by what Kernels::suppress has written; different rows by several threads at a time. There are bytes
+  /// Sets a row by what EdgeKernels::suppress has written; different rows by several threads at a time. There are bytes
   /// to the next multiple of 64, which are 0.
   void setRow(int y, const std::uint8_t* marks);
 

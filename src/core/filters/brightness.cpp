@@ -6,8 +6,9 @@
 #include <cstdint>
 #include <numeric>
 
+#include "brightness_kernels.hpp"
 #include "core/image/row_bands.hpp"
-#include "core/simd/kernels.hpp"
+#include "core/image/table_kernels.hpp"
 #include "robot_vision/common/range.hpp"
 #include "robot_vision/image/encoding.hpp"
 
@@ -41,15 +42,16 @@ cv::Mat keepAlpha(const cv::Mat& table)
   return merged;
 }
 
-/// Whether Kernels::line gives the table: of a gain and an offset without gamma it should, but for how the machine
-/// rounds what is nearly a half.
+/// Whether BrightnessKernels::line gives the table: of a gain and an offset without gamma it should, but for how the
+/// machine rounds what is nearly a half.
 bool isLine(const cv::Mat& table, const BrightnessParams& params)
 {
   if (params.gamma != 1.0) return false;
   std::array<std::uint8_t, 256> ramp;
   std::iota(ramp.begin(), ramp.end(), std::uint8_t{0});
   std::array<std::uint8_t, 256> line;
-  kernels().line(ramp.data(), static_cast<float>(params.gain), static_cast<float>(params.offset), 256, line.data());
+  kernels<BrightnessKernels>().line(ramp.data(), static_cast<float>(params.gain), static_cast<float>(params.offset),
+                                    256, line.data());
   return std::equal(line.begin(), line.end(), table.ptr());
 }
 
@@ -97,7 +99,7 @@ void Brightness::applyTo(const cv::Mat& image, const cv::Range& rows, cv::Mat& o
     cv::LUT(image.rowRange(rows), alpha_table_, band);
     return;
   }
-  const Kernels& set = kernels();
+  const auto& tables = kernels<TableKernels>();
   const auto gain = static_cast<float>(params_.gain);
   const auto offset = static_cast<float>(params_.offset);
   const int count = image.cols * image.channels();
@@ -105,10 +107,10 @@ void Brightness::applyTo(const cv::Mat& image, const cv::Range& rows, cv::Mat& o
   {
     if (image.depth() == CV_16U)
       lookUp(wide_table_.ptr<std::uint16_t>(), image.ptr<std::uint16_t>(y), count, out.ptr<std::uint16_t>(y));
-    else if (is_line_ && !set.has_fast_look_up)
-      set.line(image.ptr(y), gain, offset, count, out.ptr(y));
+    else if (is_line_ && !tables.has_fast_look_up)
+      kernels<BrightnessKernels>().line(image.ptr(y), gain, offset, count, out.ptr(y));
     else
-      set.look_up(table_.ptr(), image.ptr(y), count, out.ptr(y));
+      tables.look_up(table_.ptr(), image.ptr(y), count, out.ptr(y));
   }
 }
 

@@ -2,6 +2,8 @@
 
 #include <cstring>
 
+#include "box_kernels.hpp"
+
 namespace robot_vision
 {
 namespace
@@ -11,36 +13,44 @@ constexpr int kWidest16 = 15;  // px, side of the largest box whose sum of bytes
 
 void slide(const std::uint8_t* entering, const std::uint8_t* leaving, int count, std::uint16_t* sums)
 {
-  kernels().slide16(entering, leaving, count, sums);
+  kernels<BoxKernels>().slide16(entering, leaving, count, sums);
 }
 
 void slide(const std::uint8_t* entering, const std::uint8_t* leaving, int count, std::uint32_t* sums)
 {
-  kernels().slide32(entering, leaving, count, sums);
+  kernels<BoxKernels>().slide32(entering, leaving, count, sums);
 }
 
 void widen(const std::uint16_t* single, const std::uint16_t* part, int width, bool odd, int count, std::uint16_t* wider)
 {
-  kernels().widen16(single, part, width, odd, count, wider);
+  kernels<BoxKernels>().widen16(single, part, width, odd, count, wider);
 }
 
 void widen(const std::uint32_t* single, const std::uint32_t* part, int width, bool odd, int count, std::uint32_t* wider)
 {
-  kernels().widen32(single, part, width, odd, count, wider);
+  kernels<BoxKernels>().widen32(single, part, width, odd, count, wider);
 }
 
 void divide(const std::uint16_t* sums, int by, int count, std::uint8_t* quotients)
 {
-  kernels().divide16(sums, Division(by), count, quotients);
+  kernels<BoxKernels>().divide16(sums, Division(by), count, quotients);
 }
 
 // There is no tie, as the divisor is odd, and what is next to one is further from it than the quotient's rounding.
 void divide(const std::uint32_t* sums, int by, int count, std::uint8_t* quotients)
 {
-  kernels().divide32(sums, 1.0F / static_cast<float>(by), count, quotients);
+  kernels<BoxKernels>().divide32(sums, 1.0F / static_cast<float>(by), count, quotients);
 }
 
 }  // namespace
+
+Division::Division(int divisor) : half(static_cast<std::uint16_t>(divisor / 2)), factor(0), shift(0)
+{
+  while (2 << shift <= divisor)
+    ++shift;
+  const std::uint32_t one = 1U << (16 + shift);
+  factor = static_cast<std::uint16_t>((one + static_cast<std::uint32_t>(divisor) - 1) / divisor);
+}
 
 void BoxRows::begin(GrayRows& rows, int size, int first)
 {

@@ -3,7 +3,6 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/simd/kernels.hpp"
 #include "gray_rows.hpp"
 
 namespace robot_vision

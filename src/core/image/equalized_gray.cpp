@@ -6,10 +6,10 @@
 #include <cstring>
 #include <vector>
 
-#include "core/simd/kernels.hpp"
 #include "gray_rows.hpp"
 #include "robot_vision/image/encoding.hpp"
 #include "row_bands.hpp"
+#include "table_kernels.hpp"
 
 namespace robot_vision
 {
@@ -121,7 +121,7 @@ void toEqualizedGray(const cv::Mat& image, const std::string& encoding, cv::Mat&
               [&](int, const cv::Range& rows)
               {
                 for (int y = rows.start; y < rows.end; ++y)
-                  kernels().look_up(table.data(), plain.ptr(y), plain.cols, equalized.ptr(y));
+                  kernels<TableKernels>().look_up(table.data(), plain.ptr(y), plain.cols, equalized.ptr(y));
               });
 }
 

@@ -87,7 +87,7 @@ void GaussRows::weighColumns(const cv::Range& span)
   std::uint16_t* sums[kWeighedRows];
   for (int i = 0; i < kWeighedRows; ++i)
     sums[i] = sums_[i] + half + begin;
-  kernels().weigh_columns(columns_.data(), weights_->weights(), end - begin, sums);
+  kernels<GaussKernels>().weigh_columns(columns_.data(), weights_->weights(), end - begin, sums);
 }
 
 const std::uint8_t* GaussRows::row(int i)
@@ -96,7 +96,7 @@ const std::uint8_t* GaussRows::row(int i)
   if (half == 0) return window_[static_cast<std::size_t>(i)];
   mirrorEnds(sums_[i] + half, rows_->size().width, half);
   for (const cv::Range& span : spans_)
-    kernels().weigh_row(sums_[i] + span.start, weights_->weights(), span.size(), means_[0] + span.start);
+    kernels<GaussKernels>().weigh_row(sums_[i] + span.start, weights_->weights(), span.size(), means_[0] + span.start);
   return means_[0];
 }
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "aligned_rows.hpp"
-#include "core/simd/kernels.hpp"
+#include "gauss_kernels.hpp"
 #include "gray_rows.hpp"
 
 namespace robot_vision

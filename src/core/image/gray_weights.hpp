@@ -1,6 +1,6 @@
 #pragma once
 
-#include "core/simd/kernels.hpp"
+#include "gray_kernels.hpp"
 
 namespace robot_vision
 {

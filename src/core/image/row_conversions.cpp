@@ -5,9 +5,11 @@
 #include <cstdint>
 #include <utility>
 
-#include "core/simd/kernels.hpp"
+#include "bayer_kernels.hpp"
+#include "gray_kernels.hpp"
 #include "gray_weights.hpp"
 #include "row_bands.hpp"
+#include "yuv_kernels.hpp"
 
 namespace robot_vision
 {
@@ -88,7 +90,7 @@ YuvRow yuvRow(const cv::Mat& image, YuvLayout layout, int height, int y)
 
 void convertYuv(const cv::Mat& image, YuvLayout layout, bool is_rgb, cv::Mat& pixels)
 {
-  const auto convert = kernels().yuv;
+  const auto convert = kernels<YuvKernels>().yuv;
   const int height = isPacked(layout) ? image.rows : image.rows * 2 / 3;
   pixels.create(height, image.cols, CV_8UC3);
   forRows(pixels.size(),
@@ -107,7 +109,7 @@ void convertBayerRow(const cv::Mat& image, const BayerName& name, bool is_rgb, i
   const BayerRow row = {image.ptr(y - 1) + 1, image.ptr(y) + 1, image.ptr(y + 1) + 1, name.green_first == odd,
                         red != is_rgb};
   auto* to = pixels.ptr<cv::Vec3b>(y);
-  kernels().bayer(row, image.cols - 2, to[1].val);
+  kernels<BayerKernels>().bayer(row, image.cols - 2, to[1].val);
   to[0] = to[1];
   to[image.cols - 1] = to[image.cols - 2];
 }
@@ -131,13 +133,13 @@ bool convertRows(const cv::Mat& image, const std::string& encoding, bool is_rgb,
 {
   const cv::Mat source = image;  // `pixels` may be the same object
   const auto* yuv = find(kYuvNames, encoding);
-  if (yuv != nullptr && kernels().yuv != nullptr && image.cols >= kLeastRow)
+  if (yuv != nullptr && kernels<YuvKernels>().yuv != nullptr && image.cols >= kLeastRow)
   {
     convertYuv(source, yuv->layout, is_rgb, pixels);
     return true;
   }
   const auto* bayer = find(kBayerNames, encoding);
-  if (bayer != nullptr && kernels().bayer != nullptr && image.cols >= kLeastRow + 2 && image.rows > 2)
+  if (bayer != nullptr && kernels<BayerKernels>().bayer != nullptr && image.cols >= kLeastRow + 2 && image.rows > 2)
   {
     convertBayer(source, *bayer, is_rgb, pixels);
     return true;
@@ -148,7 +150,7 @@ bool convertRows(const cv::Mat& image, const std::string& encoding, bool is_rgb,
 bool convertRowsToGray(const cv::Mat& image, const std::string& encoding, cv::Mat& gray)
 {
   const auto* colour = find(kColourNames, encoding);
-  const auto convert = kernels().gray;
+  const auto convert = kernels<GrayKernels>().gray;
   if (colour == nullptr || convert == nullptr || grayWeightsOfBgr() == nullptr) return false;
   GrayWeights weights = *grayWeightsOfBgr();
   if (colour->is_rgb) std::swap(weights.channels[0], weights.channels[2]);
@@ -172,7 +174,7 @@ void takeLuma(const cv::Mat& image, const std::string& encoding, cv::Mat& luma)
           [&](const cv::Range& rows)
           {
             for (int y = rows.start; y < rows.end; ++y)
-              kernels().every_second(source.ptr(y) + first, source.cols, luma.ptr(y));
+              kernels<YuvKernels>().every_second(source.ptr(y) + first, source.cols, luma.ptr(y));
           });
 }
 

@@ -36,8 +36,8 @@ cv::Rect MotionBand::run(const MotionComparison& comparison, const cv::Range& ro
     united_.clear();
     for (int i = std::max(y - dilate, 0); i < end; ++i)
       united_.push_back(dilated(i));
-    kernels().unite(united_.data(), static_cast<int>(united_.size()), words_, mask_.data());
-    kernels().spread_bits(mask_.data(), mask.cols, mask.ptr(y));
+    kernels<BitKernels>().unite(united_.data(), static_cast<int>(united_.size()), words_, mask_.data());
+    kernels<BitKernels>().spread_bits(mask_.data(), mask.cols, mask.ptr(y));
     const auto is_white = [](Word word) { return word != 0; };
     const auto first = std::find_if(mask_.begin(), mask_.end(), is_white);
     if (first == mask_.end()) continue;
@@ -95,7 +95,8 @@ void MotionBand::compareTo(const MotionComparison& comparison, int end)
   int blocks = 0;
   for (int y = compared_; y < end; ++y)
   {
-    kernels().mark_differences(gray_.row(y), reference.ptr(y), comparison.threshold, reference.cols, different);
+    kernels<BitKernels>().mark_differences(gray_.row(y), reference.ptr(y), comparison.threshold, reference.cols,
+                                           different);
     for (int block = 0; block < words_; ++block)
     {
       int& changed = changed_[static_cast<std::size_t>(block)];
@@ -142,13 +143,13 @@ void MotionBand::mark(const MotionComparison& comparison, int i)
     const std::uint8_t* const picture = blurred_.row(i);
     const std::uint8_t* const reference = kept.empty() ? reference_blurred_.row(i) : kept.ptr(next_);
     for (const cv::Range& span : spans_)
-      kernels().mark_differences(picture + span.start, reference + span.start, comparison.threshold, span.size(),
-                                 from + span.start / kBlock);
+      kernels<BitKernels>().mark_differences(picture + span.start, reference + span.start, comparison.threshold,
+                                             span.size(), from + span.start / kBlock);
   }
   for (int reach = 0; reach < comparison.dilate;)
   {
     const int places = std::min(reach + 1, comparison.dilate - reach);
-    kernels().unite_neighbours(from, words_, places, to);
+    kernels<BitKernels>().unite_neighbours(from, words_, places, to);
     std::swap(from, to);
     reach += places;
   }

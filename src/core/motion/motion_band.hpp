@@ -6,9 +6,9 @@
 
 #include "changed_pixels.hpp"
 #include "core/image/aligned_rows.hpp"
+#include "core/image/bit_kernels.hpp"
 #include "core/image/gauss_rows.hpp"
 #include "core/image/gray_rows.hpp"
-#include "core/simd/kernels.hpp"
 
 namespace robot_vision
 {

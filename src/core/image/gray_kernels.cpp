@@ -1,14 +1,13 @@
-#pragma once
+#include "gray_kernels.hpp"
 
 #include <cstdint>
 #include <cstring>
 
-#include "core/simd/kernels.hpp"
 #include "core/simd/pixel_vectors.hpp"
 
 namespace robot_vision
 {
-namespace  // one for each instruction set
+namespace
 {
 
 #ifdef ROBOT_VISION_PIXELS
@@ -122,9 +121,15 @@ constexpr auto kMakeGray = makeGray;
 
 #else
 
-constexpr decltype(Kernels::gray) kMakeGray = nullptr;
+constexpr decltype(GrayKernels::gray) kMakeGray = nullptr;
 
 #endif
 
 }  // namespace
+
+template <>
+const GrayKernels KernelTable<GrayKernels, ROBOT_VISION_SET>::table = {
+    kMakeGray,
+};
+
 }  // namespace robot_vision

@@ -1,13 +1,12 @@
-#pragma once
+#include "yuv_kernels.hpp"
 
 #include <cstdint>
 
-#include "core/simd/kernels.hpp"
 #include "core/simd/pixel_vectors.hpp"
 
 namespace robot_vision
 {
-namespace  // one for each instruction set
+namespace
 {
 
 void everySecond(const std::uint8_t* values, int count, std::uint8_t* __restrict results)
@@ -128,9 +127,16 @@ constexpr auto kColourYuv = colourYuv;
 
 #else
 
-constexpr decltype(Kernels::yuv) kColourYuv = nullptr;
+constexpr decltype(YuvKernels::yuv) kColourYuv = nullptr;
 
 #endif
 
 }  // namespace
+
+template <>
+const YuvKernels KernelTable<YuvKernels, ROBOT_VISION_SET>::table = {
+    everySecond,
+    kColourYuv,
+};
+
 }  // namespace robot_vision

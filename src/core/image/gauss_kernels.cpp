@@ -1,14 +1,13 @@
-#pragma once
+#include "gauss_kernels.hpp"
 
 #include <cstdint>
 #include <cstring>
 
-#include "core/simd/kernels.hpp"
 #include "core/simd/vectors.hpp"
 
 namespace robot_vision
 {
-namespace  // one for each instruction set
+namespace
 {
 
 constexpr int kBlock = 64;  // px whose sums stay in the cache next to the processor
@@ -257,4 +256,11 @@ void weighRow(const std::uint16_t* sums, const SymmetricWeights& weights, int co
 #endif
 
 }  // namespace
+
+template <>
+const GaussKernels KernelTable<GaussKernels, ROBOT_VISION_SET>::table = {
+    weighColumns,
+    weighRow,
+};
+
 }  // namespace robot_vision

@@ -1,14 +1,13 @@
-#pragma once
+#include "bit_kernels.hpp"
 
 #include <cstdint>
 #include <cstring>
 
-#include "core/simd/kernels.hpp"
 #include "core/simd/vectors.hpp"
 
 namespace robot_vision
 {
-namespace  // one for each instruction set
+namespace
 {
 
 #ifdef ROBOT_VISION_VECTORS
@@ -158,4 +157,10 @@ void spreadBits(const BitWord* bits, int count, std::uint8_t* bytes)
 }
 
 }  // namespace
+
+template <>
+const BitKernels KernelTable<BitKernels, ROBOT_VISION_SET>::table = {
+    markDifferences, splitMarks, unite, uniteNeighbours, spreadBits,
+};
+
 }  // namespace robot_vision

@@ -1,61 +1,13 @@
-#pragma once
+#include "edge_kernels.hpp"
 
 #include <cstdint>
 
-#include "core/simd/kernels.hpp"
-#include "core/simd/loops.hpp"
+#include "core/image/bit_kernels.hpp"
 
 namespace robot_vision
 {
-namespace  // one for each instruction set
+namespace
 {
-
-template <class Sum>
-void slide(const std::uint8_t* entering, const std::uint8_t* leaving, int count, Sum* __restrict sums)
-{
-  for (int i = 0; i < count; ++i)
-    sums[i] = static_cast<Sum>(sums[i] + entering[i] - leaving[i]);
-}
-
-template <class Sum>
-void widen(const Sum* single, const Sum* part, int width, bool odd, int count, Sum* wider)
-{
-  // What is written was read before, by this or an earlier index.
-  if (odd)
-  {
-    ROBOT_VISION_INDEPENDENT
-    for (int i = 0; i < count; ++i)
-      wider[i] = static_cast<Sum>(part[i] + part[i + width] + single[i + 2 * width]);
-  }
-  else
-  {
-    ROBOT_VISION_INDEPENDENT
-    for (int i = 0; i < count; ++i)
-      wider[i] = static_cast<Sum>(part[i] + part[i + width]);
-  }
-}
-
-void divide16(const std::uint16_t* __restrict sums, const Division& by, int count, std::uint8_t* __restrict quotients)
-{
-  const std::uint16_t half = by.half;
-  const std::uint16_t factor = by.factor;
-  const int shift = by.shift;
-  for (int i = 0; i < count; ++i)
-  {
-    const auto sum = static_cast<std::uint16_t>(sums[i] + half);
-    const auto high = static_cast<std::uint16_t>(std::uint32_t{sum} * factor >> 16);  // one instruction
-    quotients[i] = static_cast<std::uint8_t>(high >> shift);
-  }
-}
-
-void divide32(const std::uint32_t* __restrict sums, float factor, int count, std::uint8_t* __restrict quotients)
-{
-  for (int i = 0; i < count; ++i)  // by way of int: there are more instructions for it
-  {
-    const auto sum = static_cast<float>(static_cast<std::int32_t>(sums[i]));
-    quotients[i] = static_cast<std::uint8_t>(static_cast<std::int32_t>(sum * factor + 0.5F));
-  }
-}
 
 inline std::int16_t absolute(std::int16_t value)
 {
@@ -135,4 +87,13 @@ void suppress(const Gradients<Magnitude>& gradients, const EdgeThresholds& thres
 }
 
 }  // namespace
+
+template <>
+const EdgeKernels KernelTable<EdgeKernels, ROBOT_VISION_SET>::table = {
+    gradient<std::int16_t>,
+    gradient<std::int32_t>,
+    suppress<std::int16_t>,
+    suppress<std::int32_t>,
+};
+
 }  // namespace robot_vision

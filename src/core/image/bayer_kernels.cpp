@@ -1,13 +1,12 @@
-#pragma once
+#include "bayer_kernels.hpp"
 
 #include <cstdint>
 
-#include "core/simd/kernels.hpp"
 #include "core/simd/pixel_vectors.hpp"
 
 namespace robot_vision
 {
-namespace  // one for each instruction set
+namespace
 {
 
 #ifdef ROBOT_VISION_PIXELS
@@ -60,9 +59,15 @@ constexpr auto kColourBayer = colourBayer;
 
 #else
 
-constexpr decltype(Kernels::bayer) kColourBayer = nullptr;
+constexpr decltype(BayerKernels::bayer) kColourBayer = nullptr;
 
 #endif
 
 }  // namespace
+
+template <>
+const BayerKernels KernelTable<BayerKernels, ROBOT_VISION_SET>::table = {
+    kColourBayer,
+};
+
 }  // namespace robot_vision

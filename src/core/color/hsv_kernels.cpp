@@ -1,14 +1,13 @@
-#pragma once
+#include "hsv_kernels.hpp"
 
 #include <cstdint>
 
-#include "core/simd/kernels.hpp"
 #include "core/simd/pixel_vectors.hpp"
 #include "hsv_tests.hpp"
 
 namespace robot_vision
 {
-namespace  // one for each instruction set
+namespace
 {
 
 inline std::uint8_t larger(std::uint8_t a, std::uint8_t b)
@@ -190,4 +189,10 @@ constexpr auto applyTests = applyTestsInLoop;
 #endif
 
 }  // namespace
+
+template <>
+const HsvKernels KernelTable<HsvKernels, ROBOT_VISION_SET>::table = {
+    applyTests,
+};
+
 }  // namespace robot_vision

@@ -1,10 +1,10 @@
-#pragma once
+#include "brightness_kernels.hpp"
 
 #include <cstdint>
 
 namespace robot_vision
 {
-namespace  // one for each instruction set
+namespace
 {
 
 void applyLine(const std::uint8_t* __restrict values, float gain, float offset, int count,
@@ -21,4 +21,10 @@ void applyLine(const std::uint8_t* __restrict values, float gain, float offset, 
 }
 
 }  // namespace
+
+template <>
+const BrightnessKernels KernelTable<BrightnessKernels, ROBOT_VISION_SET>::table = {
+    applyLine,
+};
+
 }  // namespace robot_vision

@@ -1,4 +1,4 @@
-#pragma once
+#include "table_kernels.hpp"
 
 #include <cstdint>
 #include <cstring>
@@ -9,7 +9,7 @@
 
 namespace robot_vision
 {
-namespace  // one for each instruction set
+namespace
 {
 
 #ifdef __AVX512VBMI__
@@ -60,4 +60,11 @@ void lookUp(const std::uint8_t* table, const std::uint8_t* values, int count, st
 #endif
 
 }  // namespace
+
+template <>
+const TableKernels KernelTable<TableKernels, ROBOT_VISION_SET>::table = {
+    lookUp,
+    kFastLookUp,
+};
+
 }  // namespace robot_vision

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <cstdint>
+
+#include "core/simd/kernel_tables.hpp"
+
+namespace robot_vision
+{
+
+/// Thresholds of the gradient's magnitude, to be exceeded.
+struct EdgeThresholds
+{
+  std::int32_t low;
+  std::int32_t high;
+};
+
+/// Rows of gradients with a magnitude on each side of every row: what EdgeKernels::suppress looks at.
+template <class Magnitude>
+struct Gradients
+{
+  const Magnitude* above;
+  const Magnitude* row;
+  const Magnitude* below;
+  const std::int16_t* dx;
+  const std::int16_t* dy;
+};
+
+struct EdgeKernels
+{
+  /// The 3x3 Sobel derivatives and their magnitude, |dx| + |dy| (16 bits) or dx^2 + dy^2 (32 bits); there is a pixel
+  /// before and after each row that is read.
+  void (*gradient16)(const std::uint8_t* above, const std::uint8_t* row, const std::uint8_t* below, int count,
+                     std::int16_t* dx, std::int16_t* dy, std::int16_t* magnitude);
+  void (*gradient32)(const std::uint8_t* above, const std::uint8_t* row, const std::uint8_t* below, int count,
+                     std::int16_t* dx, std::int16_t* dy, std::int32_t* magnitude);
+
+  /// Non-maximum suppression as cv::Canny does it: 0, kCandidate, or kCandidate | kStrong.
+  void (*suppress16)(const Gradients<std::int16_t>& gradients, const EdgeThresholds& thresholds, int count,
+                     std::uint8_t* marks);
+  void (*suppress32)(const Gradients<std::int32_t>& gradients, const EdgeThresholds& thresholds, int count,
+                     std::uint8_t* marks);
+};
+
+}  // namespace robot_vision
