@@ -1,14 +1,7 @@
-from catkin_pkg.python_setup import generate_distutils_setup
-from setuptools import setup
+import pathlib
 
-setup(
-    **generate_distutils_setup(
-        packages=[
-            "robot_vision",
-            "robot_vision.calibration",
-            "robot_vision.markers",
-            "robot_vision.nodes",
-        ],
-        package_dir={"": "src"},
-    )
-)
+from catkin_pkg.python_setup import generate_distutils_setup
+from setuptools import find_packages, setup
+
+source = pathlib.Path(__file__).resolve().parent / "src"
+setup(**generate_distutils_setup(packages=find_packages(str(source)), package_dir={"": "src"}))

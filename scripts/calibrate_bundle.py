@@ -5,8 +5,8 @@ from _signal import SIG_DFL, SIGINT, signal
 
 signal(SIGINT, SIG_DFL)  # what follows takes a second, and cannot be interrupted otherwise
 
-from robot_vision.commands import end_process
-from robot_vision.nodes.calibrate_bundle import main
+from robot_vision.common.commands import end_process
+from robot_vision.tags.calibrate_bundle import main
 
 if __name__ == "__main__":
     end_process(main())

@@ -5,7 +5,7 @@ from _signal import SIG_DFL, SIGINT, signal
 
 signal(SIGINT, SIG_DFL)  # what follows takes a second, and cannot be interrupted otherwise
 
-from robot_vision.nodes.camera_view import main
+from robot_vision.viewer.camera_view import main
 
 if __name__ == "__main__":
     main()

@@ -19,11 +19,11 @@
 #include <memory>
 #include <thread>
 
-#include "../core/tag_pictures.hpp"
 #include "measure.hpp"
 #include "robot_vision/tags/detection/tag_detector.hpp"
 #include "robot_vision/tags/pose/bent_edges.hpp"
 #include "robot_vision/tags/pose/measured_corners.hpp"
+#include "support/tag_pictures.hpp"
 
 namespace
 {

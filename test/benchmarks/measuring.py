@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any, Callable, Dict, Iterator, List, Sequence
 
 HERE = Path(__file__).resolve().parent
-sys.path[:0] = [str(HERE.parent / "nodes"), str(HERE.parent / "vivid")]
+sys.path[:0] = [str(HERE.parent / "support"), str(HERE.parent / "vivid")]
 
 import cv2  # noqa: E402
 import host  # noqa: E402

@@ -14,20 +14,20 @@ import rospy
 from sensor_msgs.msg import CameraInfo, CompressedImage, Image, RegionOfInterest
 
 from robot_vision import HsvRange, ObjectTracker
-from robot_vision.bundle_files import read_bundles
-from robot_vision.camera_list import parse_cameras
-from robot_vision.color_file import save_colors
-from robot_vision.face_cache import read_faces, write_faces
-from robot_vision.face_picture import SIDE, check_box, cut_out
-from robot_vision.gallery_files import decode
+from robot_vision.camera.camera_list import parse_cameras
+from robot_vision.color.color_file import save_colors
+from robot_vision.common.pictures import sensor_pixels
+from robot_vision.common.yaml_text import load_yaml
+from robot_vision.faces.face_cache import read_faces, write_faces
+from robot_vision.faces.face_picture import SIDE, check_box, cut_out
+from robot_vision.faces.gallery_files import decode
 from robot_vision.msg import Detection, DetectionArray
-from robot_vision.nodes.auto_selection import AutoSelection
-from robot_vision.nodes.bag_pictures import opened, pictures_on, topics_of
-from robot_vision.nodes.calibration import camera_model
-from robot_vision.nodes.gray_pictures import gray_file, gray_message
-from robot_vision.pictures import sensor_pixels
+from robot_vision.recordings.bag_pictures import opened, pictures_on, topics_of
+from robot_vision.recordings.gray_pictures import gray_file, gray_message
+from robot_vision.ros.camera_info import camera_model
+from robot_vision.tags.bundle_files import read_bundles
+from robot_vision.tracking.auto_selection import AutoSelection
 from robot_vision.transport import Frame
-from robot_vision.yaml_text import load_yaml
 
 REFUSALS = (ValueError, OSError, genpy.DeserializationError)
 LONGEST_ERROR = 2000  # letters; parsers of YAML say where and why

@@ -5,7 +5,7 @@
 
 OUT/seen.json gets one entry per scenario, OUT/*.raw what v4l2-ctl read from the device,
 OUT/*.image_raw and OUT/*.image_mono the pixels that camera_node published. What has to be true of
-them: test/nodes/test_v4l2.py.
+them: test/camera/test_v4l2_node.py.
 """
 
 import json

@@ -23,7 +23,7 @@ def run_guest(
     """
     kept = ("PATH", "PYTHONPATH", "LD_LIBRARY_PATH", "CMAKE_PREFIX_PATH")
     env: Dict[str, Any] = {k: v for k, v in os.environ.items() if k in kept or k.startswith("ROS")}
-    folders = [str(HERE), str(HERE.parent / "nodes"), os.environ.get("PYTHONPATH", "")]
+    folders = [str(HERE), str(HERE.parent / "support"), os.environ.get("PYTHONPATH", "")]
     env.update(
         ROS_MASTER_URI="http://127.0.0.1:11311",  # the guest has a network of its own
         ROS_HOSTNAME="127.0.0.1",

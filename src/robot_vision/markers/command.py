@@ -6,9 +6,9 @@ import re
 import sys
 from typing import Iterator, List, Sequence, Tuple
 
-from ..commands import run_command
-from ..files import create_file, replace_file
-from ..tag_ids import parse_ids
+from ..common.commands import run_command
+from ..common.files import create_file, replace_file
+from ..tags.tag_ids import parse_ids
 from .advice import cell_advice, require_dots, tag_size_line, words_advice
 from .arguments import FORMATS, parse
 from .drawing import Drawing

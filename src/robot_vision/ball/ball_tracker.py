@@ -1,0 +1,150 @@
+"""The node ball_tracker: follows the largest round region of a colour."""
+
+import collections
+import math
+from typing import Any, Deque, Dict, Optional, Tuple
+
+import numpy as np
+import rospy
+import tf2_ros
+from geometry_msgs.msg import Point, PointStamped, TransformStamped, Vector3
+
+from .. import (
+    BallMeasurement,
+    BallPosition,
+    BallState,
+    BallTrackerParams,
+    HsvMask,
+    Region,
+    RegionFinder,
+    RegionParams,
+    ball_position,
+    choose_ball,
+    draw_ball,
+    draw_trail,
+)
+from .. import BallTracker as Filter
+from ..color.named_colors import REGION, range_of
+from ..msg import Detection, DetectionArray
+from ..ros.camera_info import camera_model
+from ..ros.configs import BallTrackerConfig
+from ..ros.image_node import ImageNode
+from ..ros.messages import detection, detection_array
+from ..ros.params import LiveParams, filled, read_name, read_param
+from ..ros.transport import Frame
+
+FILTER = ("process_noise", "measurement_noise", "max_prediction", "gate")
+LARGEST = 100.0  # m
+
+
+class BallTracker:
+    """Publishes ~objects (one ball or none), ~mask, ~processed_image with the ball and its trail.
+
+    Subscribes to image. If ~ball_diameter (m) is known, it also publishes ~position and, in /tf,
+    the frame ~ball_frame_id, by camera_info: beside the image, or where that name is remapped to.
+    """
+
+    def __init__(self) -> None:
+        self._trail: Deque[Tuple[float, float]] = collections.deque()
+        self._time = 0.0  # s, of the last frame
+        self._filter_params: Dict[str, Any] = {}
+        self._diameter = read_param("ball_diameter", 0.0, 0.0, LARGEST, zero="unknown")
+        self._ball_frame = read_name("ball_frame_id", "ball")
+        self._params = LiveParams(BallTrackerConfig, self._configure)
+        self._node = ImageNode(self._process, camera_info=self._diameter > 0.0)
+        self._objects = self._node.publisher("~objects", DetectionArray)
+        self._mask = self._node.image_publisher("~mask")
+        self._processed = self._node.image_publisher("~processed_image")
+        if self._diameter > 0.0:
+            self._positions = self._node.publisher("~position", PointStamped)
+            self._tf = tf2_ros.TransformBroadcaster()
+        self._node.start()
+
+    def _configure(self, config: Dict[str, Any]) -> None:
+        mask = HsvMask(range_of(config))
+        finder = RegionFinder(filled(RegionParams(), config, REGION))
+        params = {name: config[name] for name in FILTER}
+        # A filter made anew has lost the ball: only when it must be.
+        if params == self._filter_params:
+            tracker = self._tools[2]
+        else:
+            tracker = Filter(filled(BallTrackerParams(), config, FILTER))
+        self._filter_params = params
+        # In one step: a frame may be under way.
+        self._tools = mask, finder, tracker, config["min_roundness"], config["trail"]
+
+    def _process(self, frame: Frame) -> None:
+        mask_of, finder, tracker, min_roundness, trail = self._tools
+        mask, regions = finder.apply(mask_of.apply(frame.image))
+        time = frame.time
+        expected = tracker.predict(time)
+        region = choose_ball(regions, min_roundness, expected.center if expected else None)
+        position = self._locate(frame, region) if region else None
+        measured = None
+        if region:
+            center = position.center if position else region.center
+            measured = BallMeasurement(center, region.circle_radius)
+        state = tracker.update(time, measured)
+        if state is None or state.predicted:
+            region = position = None
+        self._remember(time, state, trail)
+        self._publish(frame, state, region, position)
+        self._mask.publish(mask, "mono8", frame.header)
+
+    def _locate(self, frame: Frame, region: Region) -> Optional[BallPosition]:
+        """Where the ball is, if its size and the camera are known."""
+        info = frame.camera_info
+        if info is None:
+            return None
+        try:
+            camera = camera_model(info, frame.image.shape[1::-1])
+        except ValueError as error:
+            rospy.logwarn_throttle(5.0, "no position without a calibration: %s", error)
+            return None
+        return ball_position(camera, region.outline, self._diameter)
+
+    def _remember(self, time: float, state: Optional[BallState], length: int) -> None:
+        if time < self._time:  # a bag begins again
+            self._trail.clear()
+        self._time = time
+        self._trail.append(state.center if state else (math.nan, math.nan))
+        while len(self._trail) > length:
+            self._trail.popleft()
+
+    def _publish(
+        self,
+        frame: Frame,
+        state: Optional[BallState],
+        region: Optional[Region],
+        position: Optional[BallPosition],
+    ) -> None:
+        found = [ball_detection(state, region)] if state else []
+        self._objects.publish(detection_array(frame, found))
+        if position:
+            self._publish_position(frame, position.position)
+        if self._processed.get_num_connections():
+            overlay = frame.image.copy()
+            draw_trail(overlay, np.array(self._trail))
+            if state:
+                draw_ball(overlay, state.center, state.radius, state.predicted)
+            self._processed.publish(overlay, "bgr8", frame.header)
+
+    def _publish_position(self, frame: Frame, position: np.ndarray) -> None:
+        self._positions.publish(PointStamped(frame.header, Point(*position)))
+        transform = TransformStamped(header=frame.header, child_frame_id=self._ball_frame)
+        transform.transform.translation = Vector3(*position)
+        transform.transform.rotation.w = 1.0  # a ball looks the same from everywhere
+        self._tf.sendTransform(transform)
+
+
+def ball_detection(state: BallState, region: Optional[Region]) -> Detection:
+    """The ball as a Detection; `region` is what was seen of it, None if it is predicted."""
+    message = detection(region, "ball", region.roundness) if region else Detection(label="ball")
+    message.id = 0
+    message.center = Point(*state.center, 0.0)
+    message.circle_center = message.center
+    message.circle_radius = state.radius
+    message.has_velocity = True
+    message.velocity = Vector3(*state.velocity, 0.0)
+    message.predicted = state.predicted
+    return message

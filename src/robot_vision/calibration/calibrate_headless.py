@@ -1,0 +1,179 @@
+"""The command calibrate_headless.py: from pictures of a board to a calibrated camera."""
+
+import argparse
+import contextlib
+import itertools
+import os
+import sys
+import time
+from typing import Iterator, Sequence
+
+import cv2
+import numpy as np
+import rosgraph
+import rospy
+from sensor_msgs.msg import CameraInfo
+from sensor_msgs.srv import SetCameraInfo
+
+from ..common.commands import run_command
+from ..common.files import create_file, make_folder, reason, replace_file, require_replaceable
+from ..recordings.bag_pictures import Named
+from ..recordings.recorded_pictures import from_bag, from_files, from_topic
+from .boards import Sighting
+from .camera_file import as_yaml
+from .coverage import coverage_picture, seen_cells
+from .headless_arguments import parse_arguments
+from .solving import COEFFICIENTS, PARAMETERS, Calibration, calibrate
+from .views import ViewCollection
+
+PROGRESS = 1.0  # s between lines
+PATIENCE = 5.0  # s for the camera's service
+MOST_TOLD = 10  # pictures that cannot be used; more are only counted
+LARGE = 2.0  # times the median of the views' errors
+UNSURE = 0.005  # of the focal length, its standard deviation
+
+
+def main() -> int:
+    """Runs the command; its exit code."""
+    arguments = parse_arguments(rospy.myargv(sys.argv)[1:])
+    return run_command("calibrate_headless.py", lambda: _calibrate(arguments))
+
+
+def _calibrate(arguments: argparse.Namespace) -> None:
+    for path in (arguments.output, arguments.coverage):
+        require_replaceable(path, arguments.force, new_folders=True)
+    if arguments.topic or arguments.set:
+        _become_node()
+    if arguments.set:
+        _require_service(_service_of(arguments.set))
+    views = ViewCollection(arguments.found, arguments.most, arguments.max_blur)
+    _collect(_pictures(arguments), views)
+    print(views.summary(), flush=True)
+    if views.size is None:
+        raise ValueError("there were no pictures" + " that can be used" * (views.unusable > 0))
+    if not views.views:
+        raise ValueError(f"no picture shows the board well: is --size {arguments.size} right?")
+    sightings = [view.sighting for view in views.views]
+    found = calibrate(sightings, views.size, arguments.model, arguments.k3)
+    print(_report(found, views), flush=True)
+    saved = _write(arguments, found, sightings)  # also for --set: the camera may not take it
+    if arguments.set:
+        _give(arguments.set, found, saved)
+
+
+def _become_node() -> None:
+    if not rosgraph.is_master_online():
+        raise OSError(f"no ROS master answers at {rosgraph.get_master_uri()}")
+    rospy.init_node("calibrate_headless", anonymous=True, disable_signals=True)
+
+
+def _service_of(node: str) -> str:
+    return rospy.resolve_name(node) + "/set_camera_info"
+
+
+def _require_service(name: str) -> None:
+    """Raises OSError, before the work, if nobody is there to give the result to."""
+    try:
+        rospy.wait_for_service(name, PATIENCE)
+    except rospy.ROSException:
+        raise OSError(f"there is no service {name}: does the camera run?") from None
+
+
+def _pictures(arguments: argparse.Namespace) -> Iterator[Named]:
+    if arguments.topic:
+        return from_topic(arguments.topic)
+    if arguments.bag:
+        return from_bag(arguments.bag, arguments.image)
+    return from_files(arguments.files)
+
+
+def _collect(pictures: Iterator[Named], views: ViewCollection) -> None:
+    """Looks at the pictures until there are enough or no more, or on Ctrl-C."""
+    told = time.monotonic()
+    try:
+        for name, read in pictures:
+            try:
+                views.offer(name, read())
+            except (OSError, ValueError) as error:
+                views.skip()
+                if views.unusable <= MOST_TOLD:
+                    print(f"skipped {name}: {reason(error)}", flush=True)
+            if views.full:
+                return
+            if time.monotonic() - told > PROGRESS:
+                told = time.monotonic()
+                print(views.summary(), flush=True)
+    except KeyboardInterrupt:
+        print(flush=True)  # after the terminal's ^C
+
+
+def _report(found: Calibration, views: ViewCollection) -> str:
+    names = (*PARAMETERS, *COEFFICIENTS[found.model])
+    values = (*found.K[[0, 1, 0, 1], [0, 1, 2, 2]], *found.D)
+    lines = [f"{found.model}, {found.size[0]}x{found.size[1]}"]
+    for name, value, deviation in zip(names, values, found.deviations):
+        unit = " px" if name in PARAMETERS else ""
+        known = f"{value:.6g} +- {deviation:.2g}{unit}" if deviation else "0"
+        lines.append(f"  {name} {known}")
+    lines.append(f"reprojection error: {found.error:.3f} px")
+    limit = LARGE * np.median(found.errors)
+    for view, error in zip(views.views, found.errors):
+        lines.append(f"  {view.name}: {error:.3f} px{'  LARGE' if error > limit else ''}")
+    seen = seen_cells([view.sighting for view in views.views], found.size).mean()
+    lines.append(f"the board was seen in {seen:.0%} of the picture")
+    if found.deviations[0] > UNSURE * values[0]:
+        lines.append("the focal length is not sure: show the board tilted, and near the borders")
+    return "\n".join(lines)
+
+
+def _write(arguments: argparse.Namespace, found: Calibration, sightings: Sequence[Sighting]) -> str:
+    """The path of the calibration."""
+    text = as_yaml(found, arguments.camera_name)
+    saved = _save(arguments.output, text.encode(), arguments.force)
+    print("saved in", saved, flush=True)
+    picture = coverage_picture(sightings, found.errors, found.size)
+    png = cv2.imencode(".png", picture)[1].tobytes()
+    print("coverage in", _save(arguments.coverage, png, arguments.force), flush=True)
+    return saved
+
+
+def _save(path: str, data: bytes, force: bool) -> str:
+    """Where the data are: beside a file that has come during the work, or else in this one."""
+    make_folder(path)
+    if force:
+        replace_file(path, data)
+        return path
+    stem, suffix = os.path.splitext(path)
+    for number in itertools.count():
+        free = f"{stem}-{number}{suffix}" if number else path
+        with contextlib.suppress(FileExistsError):
+            create_file(free, data)
+            break
+    if number:
+        print(f"{path} has come meanwhile and is not replaced", flush=True)
+    return free
+
+
+def _give(node: str, found: Calibration, path: str) -> None:
+    """Raises OSError, with what else to do with the file, if the camera does not take it."""
+    name = _service_of(node)
+    info = CameraInfo(
+        width=found.size[0],
+        height=found.size[1],
+        distortion_model=found.model,
+        D=found.D.tolist(),
+        K=found.K.ravel().tolist(),
+        R=np.eye(3).ravel().tolist(),
+        P=found.P.ravel().tolist(),
+    )
+    try:
+        answer = rospy.ServiceProxy(name, SetCameraInfo)(info)
+        problem = "" if answer.success else answer.status_message or "refused"
+    except (rospy.ROSException, rospy.ServiceException) as error:
+        problem = str(error)
+    if problem:
+        raise OSError(
+            f"{name}: {problem}; to use the result nevertheless start the camera with "
+            f"camera_info_url:=file://{os.path.abspath(path)}"
+        )
+    print("set in", node)

@@ -1,0 +1,176 @@
+"""The arguments of calibrate_headless.py."""
+
+import argparse
+import itertools
+import os
+import re
+from typing import Sequence, Tuple
+
+from .boards import MAKERS, Board
+from .camera_file import default_path
+from .solving import FEWEST_VIEWS, MODELS
+
+EXAMPLES = """examples, from pictures, a video, a bag, and a running camera:
+  calibrate_headless.py --size 8x6 --square 0.025 pictures/
+  calibrate_headless.py --size 8x6 --square 0.025 --output $PWD/eye.yaml '*.png' more.mp4
+  calibrate_headless.py --size 8x6 --square 0.025 --bag eye.bag --image /usb_cam/image_raw
+  calibrate_headless.py --size 8x6 --square 0.025 --topic /usb_cam/image_raw --set /usb_cam
+other boards, and a fisheye lens:
+  calibrate_headless.py --board charuco --size 11x8 --square 0.025 --marker 0.018 \\
+      --dictionary 5x5_100 pictures/
+  calibrate_headless.py --board acircles --size 4x11 --square 0.02 --model equidistant pictures/
+
+Show the board all over the picture, near and far, and tilted to all sides, and hold it still. With
+--topic, Ctrl-C ends the recording, and the camera is computed. The colours in the picture of the
+coverage: red cells have never seen the board; green views fit, red ones do not.
+"""
+MOST_PICTURES = 1000
+
+
+def parse_arguments(command: Sequence[str]) -> argparse.Namespace:
+    """What the words of a command say; `found` is the Board. Exits if they are none."""
+    parser = argparse.ArgumentParser(
+        prog="calibrate_headless.py",
+        description="Calibrates a camera, without a screen, by pictures of a board, and writes the "
+        "file that the camera loads at its next start.",
+        epilog=EXAMPLES,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    _add_pictures(parser)
+    _add_board(parser)
+    _add_results(parser)
+    arguments = parser.parse_args(command)
+    try:
+        _complete(arguments)
+    except ValueError as error:
+        parser.error(str(error))
+    return arguments
+
+
+def _add_pictures(parser: argparse.ArgumentParser) -> None:
+    group = parser.add_argument_group("the pictures, from one of")
+    group.add_argument("files", nargs="*", metavar="FILE", help="folder, glob, pictures, videos")
+    group.add_argument("--bag", metavar="FILE", help="a bag; with --image")
+    group.add_argument("--image", metavar="TOPIC", help="of the pictures in the bag")
+    group.add_argument("--topic", help="of a running camera")
+    parser.add_argument(
+        "--most",
+        type=int,
+        default=60,
+        metavar="N",
+        help="pictures that are used; what is like others is not (default: %(default)s)",
+    )
+    parser.add_argument(
+        "--max-blur",
+        type=float,
+        default=6.0,
+        metavar="PX",
+        help="width of an edge above which a picture is too blurred (default: %(default)g)",
+    )
+
+
+def _add_board(parser: argparse.ArgumentParser) -> None:
+    group = parser.add_argument_group("the board")
+    group.add_argument("--board", choices=sorted(MAKERS), default="chessboard")
+    group.add_argument(
+        "--size",
+        required=True,
+        metavar="WxH",
+        help="inner corners of a chessboard (one less than squares), circles, or squares of a "
+        "ChArUco board",
+    )
+    group.add_argument(
+        "--square",
+        required=True,
+        type=float,
+        metavar="M",
+        help="m, side of a square, or from circle to circle (acircles: from row to row)",
+    )
+    group.add_argument("--marker", type=float, metavar="M", help="m, side of a ChArUco marker")
+    group.add_argument("--dictionary", help="of the ChArUco markers: 4x4_50, 5x5_100, ...")
+
+
+def _add_results(parser: argparse.ArgumentParser) -> None:
+    group = parser.add_argument_group("the camera")
+    group.add_argument("--model", choices=MODELS, default=MODELS[0], help="of the distortion")
+    group.add_argument(
+        "--k3", action="store_true", help="plumb_bob with k3; without it k3 is 0, as most want it"
+    )
+    group.add_argument("--camera-name", default="head_camera", metavar="NAME")
+    group.add_argument(
+        "--output",
+        metavar="FILE",
+        help="YAML file to write (default: the one that a camera node of this name loads; with "
+        "--set, which has the node write that one, a new one beside it)",
+    )
+    group.add_argument("--force", action="store_true", help="replace files that are there")
+    group.add_argument("--set", metavar="NODE", help="give it to this camera node, which keeps it")
+    group.add_argument(
+        "--coverage",
+        metavar="FILE",
+        help="picture of where the board was seen (default: beside the YAML file, .png)",
+    )
+
+
+def _complete(arguments: argparse.Namespace) -> None:
+    """Checks what argparse does not, and adds the board and the files that are to be written."""
+    sources = (arguments.files, arguments.bag, arguments.topic)
+    if sum(map(bool, sources)) != 1:
+        raise ValueError("the pictures are from FILE..., --bag or --topic: one of them")
+    if bool(arguments.bag) != bool(arguments.image):
+        raise ValueError("--bag and --image belong together")
+    if not FEWEST_VIEWS <= arguments.most <= MOST_PICTURES:
+        raise ValueError(
+            f"argument --most: is {arguments.most}, must be from {FEWEST_VIEWS} to {MOST_PICTURES}"
+        )
+    if not 1.0 <= arguments.max_blur <= 1000.0:
+        raise ValueError(f"argument --max-blur: is {arguments.max_blur}, must be from 1 to 1000")
+    if arguments.k3 and arguments.model != "plumb_bob":
+        raise ValueError(f"--k3 is of plumb_bob, the model is {arguments.model}")
+    if not re.fullmatch("[A-Za-z0-9_]+", arguments.camera_name):
+        raise ValueError(
+            f"argument --camera-name: is '{arguments.camera_name}', must be letters, digits and _"
+        )
+    arguments.found = _board(arguments)
+    if arguments.output is None:
+        name = arguments.camera_name
+        arguments.output = _unused(name + "-calibrated") if arguments.set else default_path(name)
+    if arguments.coverage is None:
+        arguments.coverage = re.sub(r"\.ya?ml$", "", arguments.output) + ".png"
+
+
+def _unused(stem: str) -> str:
+    """Of a new file beside those that cameras load, whose names have no hyphen."""
+    names = (stem + (f"-{number}" if number else "") for number in itertools.count())
+    return next(path for path in map(default_path, names) if not os.path.lexists(path))
+
+
+def _board(arguments: argparse.Namespace) -> Board:
+    columns, rows = _size(arguments.size)
+    _require_length("square", arguments.square)
+    of_charuco = (arguments.marker, arguments.dictionary)
+    if arguments.board != "charuco":
+        if any(of_charuco):
+            raise ValueError(f"--marker and --dictionary are of charuco, not of {arguments.board}")
+        return MAKERS[arguments.board](columns, rows, arguments.square)
+    if not all(of_charuco):
+        raise ValueError("a ChArUco board has --marker and --dictionary")
+    _require_length("marker", arguments.marker)
+    if arguments.marker >= arguments.square:
+        raise ValueError(
+            f"argument --marker: is {arguments.marker:g}, must be less than --square, "
+            f"{arguments.square:g}"
+        )
+    return MAKERS["charuco"](columns, rows, arguments.square, *of_charuco)
+
+
+def _size(text: str) -> Tuple[int, int]:
+    match = re.fullmatch("([0-9]{1,2})x([0-9]{1,2})", text)
+    if not match or min(map(int, match.groups())) < 3:
+        raise ValueError(f"argument --size: is '{text}', must be as 8x6, 3 to 99 each")
+    return int(match[1]), int(match[2])
+
+
+def _require_length(name: str, value: float) -> None:
+    if not 0.0 < value <= 10.0:
+        raise ValueError(f"argument --{name}: is {value:g}, must be above 0 and at most 10 m")

@@ -1,0 +1,89 @@
+"""The node code_reader: what QR codes and bar codes say."""
+
+from typing import Any, Dict, List
+
+import cv2
+import numpy as np
+import rospy
+from geometry_msgs.msg import Point
+
+from .. import Code, CodeReaderParams, draw_outline, keeps_bytes
+from .. import CodeReader as Reader
+from ..common.plain_text import plain
+from ..common.repeats import Repeats
+from ..msg import Detection, DetectionArray
+from ..ros.configs import CodeReaderConfig
+from ..ros.image_node import ImageNode
+from ..ros.messages import box_around, detection_array, points
+from ..ros.params import LiveParams, filled
+from ..ros.transport import Frame
+
+PARAMS = ("symbologies", "spacing", "enlarge", "max_search_period")
+LONGEST_LABEL = 60
+
+
+class CodeReader:
+    """Publishes ~codes and ~processed_image (the grey picture with outlines, types and texts).
+
+    Subscribes to image.
+    """
+
+    def __init__(self) -> None:
+        if not keeps_bytes():
+            rospy.logwarn(
+                "zbar is older than 0.23.1: what is not ASCII in a QR code may be changed"
+            )
+        self._repeats = Repeats()
+        self._params = LiveParams(CodeReaderConfig, self._configure)
+        self._node = ImageNode(self._process, encoding="mono8")
+        self._codes = self._node.publisher("~codes", DetectionArray)
+        self._processed = self._node.image_publisher("~processed_image")
+        self._node.start()
+
+    def _configure(self, config: Dict[str, Any]) -> None:
+        params = filled(CodeReaderParams(), config, PARAMS)
+        params.background = True
+        self._reader = Reader(params)
+        self._repeats.period = config["repeat_period"]
+
+    def _process(self, frame: Frame) -> None:
+        codes = self._reader.update(frame.time, frame.image, "mono8")
+        if self._codes.get_num_connections():
+            self._publish_news(frame, codes)
+        if self._processed.get_num_connections():
+            self._publish_overlay(frame, codes)
+
+    def _publish_news(self, frame: Frame, codes: List[Code]) -> None:
+        """Publishes what is no repetition; if nothing is one, every frame is answered."""
+        news = self._repeats.news(((code.type, code.data) for code in codes), frame.time)
+        if news or not self._repeats.period:
+            told = [code for code in codes if (code.type, code.data) in news]
+            found = (code_detection(code, frame.image) for code in told)
+            self._codes.publish(detection_array(frame, found))
+
+    def _publish_overlay(self, frame: Frame, codes: List[Code]) -> None:
+        overlay = cv2.cvtColor(frame.image, cv2.COLOR_GRAY2BGR)
+        for code in codes:
+            label = plain(f"{code.type}: {text_of(code)}", LONGEST_LABEL)
+            draw_outline(overlay, np.rint(code.polygon).astype(int), label)
+        self._processed.publish(overlay, "bgr8", frame.header)
+
+
+def text_of(code: Code) -> str:
+    """A code's content as text; bytes that are no UTF-8 become U+FFFD."""
+    return code.data.decode("utf-8", "replace")
+
+
+def code_detection(code: Code, picture: np.ndarray) -> Detection:
+    """A code as a Detection; its box ends where the picture does."""
+    return Detection(
+        label=text_of(code),
+        id=-1,
+        score=code.score,
+        box=box_around(code.polygon, picture),
+        center=Point(*code.polygon.mean(axis=0), 0.0),
+        outline=points(code.polygon),
+        area=cv2.contourArea(code.polygon.astype(np.float32)),
+        code_type=code.type,
+        code_data=code.data,
+    )

@@ -1,0 +1,146 @@
+"""The colours of hsv_tracker's parameter file: its top-level key `colors`.
+
+    colors:
+      blue: {low: [90, 50, 50], high: [120, 255, 255]}   # a comment
+
+PyYAML can read such a file but not write it back as it was. So it only tells where things are;
+the text is edited there, and the result is read again before it replaces the file.
+"""
+
+import re
+from typing import Any, Dict, Mapping, Optional
+
+import yaml
+
+from .._core import HsvRange
+from ..common.files import read_text, replace_file
+from ..common.yaml_text import compose_yaml, load_yaml
+from .colors import as_yaml
+
+NAME = re.compile("[A-Za-z][A-Za-z0-9_]*")
+
+
+def save_colors(path: str, colors: Mapping[str, HsvRange]) -> None:
+    """Puts colours into a YAML file, as edit_colors() does; without one it is made.
+
+    The file is replaced in one step or not at all.
+
+    Raises:
+        ValueError: a name cannot be used, or the file is none that can be edited so.
+        OSError: the file cannot be read or written.
+    """
+    replace_file(path, edit_colors(path, read_text(path), colors).encode())
+
+
+def edit_colors(path: str, text: str, colors: Mapping[str, HsvRange]) -> str:
+    """The text of a file with colours in it, and everything else as it is.
+
+    Args:
+        path: of the file, for what is said of errors.
+        text: YAML.
+        colors: by name; they replace those of the same names. The name of a new one consists of
+            letters, digits and _, a letter first, and is no word that YAML takes for something
+            else, such as yes.
+
+    Raises:
+        ValueError: a name cannot be used, or the text is none that can be edited so.
+    """
+    expected = _parse(path, text)
+    old = expected.get("colors") or {}
+    if not isinstance(old, dict):
+        raise ValueError(f"{path}: not overwritten, for its colors are no map")
+    for name in colors:
+        if name not in old and (not NAME.fullmatch(name) or load_yaml(name) != name):
+            raise ValueError(f"{path}: not overwritten, for '{name}' is no name for a colour")
+    expected["colors"] = {**old, **{name: _entry(old.get(name), colors[name]) for name in colors}}
+    for name, color in colors.items():
+        text = _edit(text, name, color)
+    if not _reads_as(text, expected):
+        raise ValueError(
+            f"{path}: not overwritten, for it is not laid out like 'colors:', and below it "
+            "'name: {low: [h, s, v], high: [h, s, v]}' in each line"
+        )
+    return text
+
+
+def _entry(old: Any, color: HsvRange) -> Dict[str, Any]:
+    """What shall be read of a colour: its limits, and whatever else was there."""
+    others = old if isinstance(old, dict) else {}
+    return {**others, "low": list(color.low), "high": list(color.high)}
+
+
+def _parse(path: str, text: str) -> Dict[str, Any]:
+    try:
+        values = load_yaml(text)
+    except ValueError as error:
+        raise ValueError(f"{path}: not overwritten, for it is no valid YAML: {error}") from None
+    if not isinstance(values, (dict, type(None))):
+        raise ValueError(f"{path}: not overwritten, for it is no map of parameters")
+    return values or {}
+
+
+def _reads_as(text: str, expected: Dict[str, Any]) -> bool:
+    try:
+        return bool(load_yaml(text) == expected)
+    except ValueError:
+        return False
+
+
+def _edit(text: str, name: str, color: HsvRange) -> str:
+    """The text with the colour replaced or added; as it was if there is no place to put it."""
+    colors = _value(compose_yaml(text), "colors")
+    if colors is None:
+        end = _line_end(text)
+        start = text if text.endswith("\n") or not text else text + end
+        return f"{start}colors:{end}  {name}: {as_yaml(color)}{end}"
+    old = _value(colors, name)
+    if old is None:
+        return _add(text, colors, f"{name}: {as_yaml(color)}")
+    limits = [(_value(old, "low"), list(color.low)), (_value(old, "high"), list(color.high))]
+    if not all(isinstance(node, yaml.SequenceNode) and node.flow_style for node, _ in limits):
+        return text
+    # The last one first, so that the place of the other still holds.
+    for node, value in sorted(limits, key=lambda limit: -limit[0].start_mark.index):
+        text = _replace(text, node, str(value))
+    return text
+
+
+def _value(node: Optional[yaml.Node], key: str) -> Optional[yaml.Node]:
+    """What a map has under `key`; None if it has not, or is no map."""
+    if isinstance(node, yaml.MappingNode):
+        for key_node, value in node.value:
+            if key_node.value == key:
+                return value
+    return None
+
+
+def _add(text: str, colors: yaml.Node, entry: str) -> str:
+    """The text with one more entry in a map, or below a key without a value."""
+    if isinstance(colors, yaml.MappingNode) and colors.flow_style:
+        end = colors.end_mark.index - 1
+        return text[:end] + (", " if colors.value else "") + entry + text[end:]
+    column, last = 2, colors
+    if isinstance(colors, yaml.MappingNode):
+        column = colors.value[-1][0].start_mark.column
+    # The end of a block is where the next one begins: only its last scalar ends where it ends.
+    while isinstance(last, yaml.CollectionNode) and not last.flow_style:
+        last = last.value[-1][1] if isinstance(last, yaml.MappingNode) else last.value[-1]
+    end = _line_end(text)
+    below = text.find("\n", last.end_mark.index) + 1
+    if not below:
+        return f"{text}{end}{' ' * column}{entry}{end}"
+    return f"{text[:below]}{' ' * column}{entry}{end}{text[below:]}"
+
+
+def _line_end(text: str) -> str:
+    """How the text's lines end: as its first one does."""
+    return "\r\n" if text.partition("\n")[0].endswith("\r") else "\n"
+
+
+def _replace(text: str, node: yaml.Node, value: str) -> str:
+    """The text with one value replaced; a comment stays in its column, if there is room."""
+    start, end = node.start_mark.index, node.end_mark.index
+    longer = len(value) - (end - start)
+    line, newline, below = text[end:].partition("\n")
+    line = re.sub(" +(?=#)", lambda gap: " " * max(1, len(gap[0]) - longer), line, count=1)
+    return text[:start] + value + line + newline + below

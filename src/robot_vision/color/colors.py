@@ -1,0 +1,56 @@
+"""Colours in OpenCV's 8-bit HSV: hue 0 to 179 in half degrees, saturation and value 0 to 255."""
+
+from typing import Tuple
+
+import cv2
+import numpy as np
+
+from .._core import HsvRange
+
+HUES = 180
+
+
+def median_hsv(bgr_region: np.ndarray) -> Tuple[int, int, int]:
+    """The median colour of a part of a picture.
+
+    Args:
+        bgr_region: (height, width, 3) uint8, BGR.
+
+    Returns:
+        The medians of saturation and value, rounded down, and of the hues that hue with the least
+        sum of distances to all others on the circle. Pixels without a colour have no hue; 0 if
+        that is all of them.
+
+    Raises:
+        ValueError: the region is empty.
+    """
+    if bgr_region.size == 0:
+        raise ValueError("the region is empty")
+    hsv = cv2.cvtColor(np.ascontiguousarray(bgr_region), cv2.COLOR_BGR2HSV).reshape(-1, 3)
+    _, saturation, value = np.median(hsv, axis=0).astype(int)
+    return _median_hue(hsv[hsv[:, 1] > 0, 0]), int(saturation), int(value)
+
+
+def _median_hue(hues: np.ndarray) -> int:
+    counts = np.bincount(hues, minlength=HUES)
+    apart = np.abs(np.subtract.outer(np.arange(HUES), np.arange(HUES)))
+    costs = np.minimum(apart, HUES - apart) @ counts
+    return int(np.argmin(np.where(counts > 0, costs, np.inf))) if hues.size else 0
+
+
+def outside(hsv: Tuple[int, int, int], colors: HsvRange) -> str:
+    """What to say of a colour picked that is too grey or dark for its range; empty if it fits."""
+    _, saturation, value = hsv
+    limits = []
+    for name, channel, lowest in (
+        ("saturation", saturation, colors.s_low),
+        ("value", value, colors.v_low),
+    ):
+        if channel < lowest:
+            limits.append(f"{name} {channel} is below {lowest}")
+    return f"the range does not hold this colour: {', '.join(limits)}" if limits else ""
+
+
+def as_yaml(colors: HsvRange) -> str:
+    """The range as hsv_tracker's parameter file has it, on one line."""
+    return f"{{low: {list(colors.low)}, high: {list(colors.high)}}}"

@@ -1,0 +1,65 @@
+"""The node hsv_tracker: regions of named colours."""
+
+from typing import Any, Dict, List, Tuple
+
+import numpy as np
+
+from .. import HsvMask, Region, RegionFinder, RegionParams, _transport, draw_outline, mask_picture
+from ..msg import DetectionArray
+from ..ros.configs import HsvTrackerConfig
+from ..ros.image_node import ImageNode
+from ..ros.messages import detection, detection_array
+from ..ros.params import LiveParams, filled
+from ..ros.transport import Frame
+from .color_file import edit_colors
+from .named_colors import HIGH, LOW, REGION, NamedColors
+
+
+class HsvTracker:
+    """Publishes ~objects, ~mask (mono8) and ~processed_image (the picture where the mask is).
+
+    Subscribes to image.
+    """
+
+    def __init__(self) -> None:
+        self._colors = NamedColors()
+        self._params = LiveParams(HsvTrackerConfig, self._configure, self._edit)
+        self._node = ImageNode(self._process)
+        self._objects = self._node.publisher("~objects", DetectionArray)
+        self._mask = self._node.image_publisher("~mask")
+        self._processed = self._node.image_publisher("~processed_image")
+        self._node.start()
+
+    def _configure(self, config: Dict[str, Any]) -> None:
+        finder = RegionFinder(filled(RegionParams(), config, REGION))
+        self._colors.update(config)
+        masks = {name: HsvMask(color) for name, color in self._colors.ranges.items()}
+        self._tools = masks, finder  # in one step: a frame may be under way
+
+    def _process(self, frame: Frame) -> None:
+        mask, found = self._find(frame.image)
+        if self._objects.get_num_connections():
+            detections = (detection(region, name) for name, region in found)
+            self._objects.publish(detection_array(frame, detections))
+        self._mask.publish(mask, "mono8", frame.header)
+        if self._processed.get_num_connections():
+            overlay = mask_picture(frame.image, mask)
+            for name, region in found:
+                draw_outline(overlay, region.outline, name)
+            self._processed.publish(overlay, "bgr8", frame.header)
+
+    def _find(self, image: np.ndarray) -> Tuple[np.ndarray, List[Tuple[str, Region]]]:
+        """All colours' mask and regions, the largest first."""
+        masks, finder = self._tools
+        union = np.zeros(0)
+        found: List[Tuple[str, Region]] = []
+        for name, mask in masks.items():
+            cleaned, regions = finder.apply(mask.apply(image))
+            union = union | cleaned if union.size else cleaned
+            found += [(name, region) for region in regions]
+        return union, sorted(found, key=lambda one: -one[1].area)
+
+    def _edit(self, path: str, text: str, values: Dict[str, Any]) -> str:
+        shown = ("color", *LOW, *HIGH)
+        others = {name: value for name, value in values.items() if name not in shown}
+        return edit_colors(path, _transport.edit_params(path, text, others), self._colors.ranges)

@@ -1,0 +1,87 @@
+"""The named colours of a node: the parameter ~colors, with one of them in live parameters."""
+
+from typing import Any, Dict
+
+import rospy
+
+from .. import HsvRange, validate
+from ..common.plain_text import printable, told
+from ..ros.params import read_any, read_param
+
+LOW = ("h_low", "s_low", "v_low")
+HIGH = ("h_high", "s_high", "v_high")
+REGION = ("min_area", "opening", "closing")  # live parameters of what has a colour
+LONGEST_LIST = 200  # letters of the names that are told
+DEFAULT = {"blue": {"low": [90, 50, 50], "high": [120, 255, 255]}}
+
+
+def range_of(config: Dict[str, Any]) -> HsvRange:
+    """The range in the live parameters h_low .. v_high."""
+    low, high = (tuple(config[name] for name in names) for names in (LOW, HIGH))
+    return HsvRange(low=low, high=high)
+
+
+class NamedColors:
+    """Ranges by name, as ~colors has them, of which `color` names the one in h_low .. v_high.
+
+    Raises:
+        ValueError: ~colors is not of the form {name: {low: [h, s, v], high: [h, s, v]}}, or a
+            value is out of range.
+    """
+
+    def __init__(self) -> None:
+        self.ranges: Dict[str, HsvRange] = {}
+        given = read_any("colors", None)
+        if given is None:
+            given = _default()
+        if not isinstance(given, dict) or not given:
+            raise ValueError(
+                f"colors is {told(given)}, must be a map of at least one name to a range"
+            )
+        for name, entry in given.items():
+            self.ranges[str(name)] = _range(str(name), entry)
+        self._shown = ""
+        self._values: Dict[str, int] = {}  # as shown last: h_low .. v_high
+        for name in (*LOW, *HIGH):  # where there is ~colors, it is what counts at start
+            if rospy.has_param("~" + name):
+                rospy.delete_param("~" + name)
+
+    def update(self, config: Dict[str, Any]) -> None:
+        """Takes over the limits in `config` that have changed, and puts the rest there."""
+        name = config["color"] or self._shown or next(iter(self.ranges))
+        if name not in self.ranges:
+            known = printable(", ".join(self.ranges), LONGEST_LIST)
+            raise ValueError(f"color is {told(name)}, must be one of {known}")
+        values = dict(zip((*LOW, *HIGH), (*self.ranges[name].low, *self.ranges[name].high)))
+        changed = {key: config[key] for key, old in self._values.items() if config[key] != old}
+        values.update(changed)
+        chosen = range_of(values)
+        validate(chosen)
+        self.ranges[name] = chosen
+        config.update(values, color=name)
+        self._shown, self._values = name, values
+
+
+def _default() -> Dict[str, Any]:
+    """~colors where it is not set: one colour, in the limits that are."""
+    (name, limits), *_ = DEFAULT.items()
+    low = [read_param(key, value) for key, value in zip(LOW, limits["low"])]
+    high = [read_param(key, value) for key, value in zip(HIGH, limits["high"])]
+    return {name: {"low": low, "high": high}}
+
+
+def _range(name: str, entry: Any) -> HsvRange:
+    if isinstance(entry, dict) and entry.keys() >= {*LOW, *HIGH}:  # of a file in config/colors
+        entry = {"low": [entry[key] for key in LOW], "high": [entry[key] for key in HIGH]}
+    where = f"colors/{printable(name)}"
+    try:
+        found = HsvRange(low=tuple(entry["low"]), high=tuple(entry["high"]))
+    except (KeyError, TypeError):
+        raise ValueError(
+            f"{where} is {told(entry)}, must be {{low: [h, s, v], high: [h, s, v]}}"
+        ) from None
+    try:
+        validate(found)
+    except ValueError as error:
+        raise ValueError(f"{where}: {error}") from None
+    return found

@@ -1,0 +1,196 @@
+"""The command pick_color.py: from a colour to the range that hsv_tracker looks for."""
+
+import argparse
+import queue
+import re
+import sys
+from typing import Callable, List, Optional, Sequence, Tuple
+
+import numpy as np
+import rosgraph
+import rospy
+
+from .. import range_around, to_hsv
+from ..common.commands import run_command
+from ..common.files import MAX_IMAGE, read_file
+from ..common.pictures import upright
+from ..ros.transport import ImageSubscriber
+from .color_file import save_colors
+from .colors import HUES, as_yaml, median_hsv, outside
+
+EXAMPLES = """examples:
+  pick_color.py --hex '#1e90ff'
+  pick_color.py --rgb 30 144 255 --margin 15
+  pick_color.py picture.png --at 320 240
+  pick_color.py picture.png --region 300 220 40 40 --save hsv_tracker.yaml --name blue
+  pick_color.py --topic /usb_cam/image_raw --at 320 240
+"""
+
+
+def main() -> int:
+    """Runs the command; its exit code."""
+    arguments = _parse(rospy.myargv(sys.argv)[1:])
+    return run_command("pick_color.py", lambda: _pick(arguments))
+
+
+def _pick(arguments: argparse.Namespace) -> None:
+    bgr, hsv = _color(arguments)
+    color = range_around(hsv, arguments.margin)
+    print((f"BGR {bgr}, " if bgr else "") + f"HSV {hsv}; for the colors of hsv_tracker:")
+    print(f"  {arguments.name or 'name'}: {as_yaml(color)}")
+    problem = outside(hsv, color)
+    if problem:
+        print(problem)
+    if arguments.save:
+        if problem and not arguments.force:
+            raise ValueError(f"{arguments.save}: not saved; --force saves this range all the same")
+        save_colors(arguments.save, {arguments.name: color})
+        print("saved in", arguments.save)
+
+
+def _parse(command: Sequence[str]) -> argparse.Namespace:
+    parser = argparse.ArgumentParser(
+        prog="pick_color.py",
+        description="Prints the HSV range around a colour, as hsv_tracker's parameter file has it: "
+        "hue 0 to 179, saturation and value 0 to 255.",
+        epilog=EXAMPLES,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    _add_colors(parser)
+    parser.add_argument(
+        "--margin",
+        type=_integer(0, 90),
+        default=10,
+        metavar="H",
+        help="hues more and less, 0 to 90 (default: %(default)s)",
+    )
+    parser.add_argument("--save", metavar="FILE", help="put it into this YAML file; with --name")
+    parser.add_argument("--name", help="of the colour in the file")
+    parser.add_argument(
+        "--force", action="store_true", help="save a range that does not hold the colour, too"
+    )
+    parser.add_argument(
+        "--timeout",
+        type=_seconds,
+        default=10.0,
+        metavar="S",
+        help="how long to wait for --topic (default: %(default)g s)",
+    )
+    arguments = parser.parse_args(command)
+    if arguments.hsv and arguments.hsv[0] >= HUES:
+        parser.error(f"argument --hsv: the hue is {arguments.hsv[0]}, must be from 0 to 179")
+    if bool(arguments.at or arguments.region) != bool(arguments.topic or arguments.picture):
+        parser.error("a picture or --topic needs --at or --region, and a colour has neither")
+    if arguments.save and not arguments.name:
+        parser.error("--save needs --name")
+    return arguments
+
+
+def _add_colors(parser: argparse.ArgumentParser) -> None:
+    """Adds the arguments that say which colour."""
+    channels = {"nargs": 3, "type": _integer(0, 255)}
+    source = parser.add_argument_group("the colour, one of").add_mutually_exclusive_group(
+        required=True
+    )
+    source.add_argument("--bgr", **channels, metavar=("B", "G", "R"), help="0 to 255 each")
+    source.add_argument("--rgb", **channels, metavar=("R", "G", "B"), help="0 to 255 each")
+    source.add_argument("--hex", type=_hex_color, metavar="'#RRGGBB'", help="as web pages have it")
+    source.add_argument("--hsv", **channels, metavar=("H", "S", "V"), help="H up to 179")
+    source.add_argument("--topic", help="the next picture of a topic; with --at or --region")
+    source.add_argument("picture", nargs="?", help="a picture file; with --at or --region")
+    place = parser.add_argument_group("where in the picture").add_mutually_exclusive_group()
+    place.add_argument("--at", nargs=2, type=int, metavar=("X", "Y"), help="a pixel")
+    place.add_argument(
+        "--region",
+        nargs=4,
+        type=int,
+        metavar=("X", "Y", "W", "H"),
+        help="a rectangle: the median of its colours",
+    )
+
+
+def _integer(low: int, high: int) -> Callable[[str], int]:
+    def integer(text: str) -> int:
+        value = int(text)
+        if not low <= value <= high:
+            raise argparse.ArgumentTypeError(f"{value} must be from {low} to {high}")
+        return value
+
+    return integer
+
+
+def _seconds(text: str) -> float:
+    value = float(text)
+    if not 0 < value <= 3600:
+        raise argparse.ArgumentTypeError(f"{text} must be above 0 and at most 3600")
+    return value
+
+
+def _hex_color(text: str) -> List[int]:
+    """'#RRGGBB' as [B, G, R]."""
+    if not re.fullmatch("#?[0-9a-fA-F]{6}", text):
+        raise argparse.ArgumentTypeError(f"'{text}' must be six hexadecimal digits: '#1e90ff'")
+    return list(bytes.fromhex(text[-6:]))[::-1]
+
+
+Color = Tuple[int, ...]
+
+
+def _color(arguments: argparse.Namespace) -> Tuple[Optional[Color], Color]:
+    """The colour asked for: (BGR, if it is one colour and not a median; HSV)."""
+    if arguments.hsv:
+        return None, tuple(arguments.hsv)
+    if arguments.topic or arguments.picture:
+        picture = (
+            _first_picture(arguments.topic, arguments.timeout)
+            if arguments.topic
+            else _load(arguments.picture)
+        )
+        part = _part(picture, arguments.region or [*arguments.at, 1, 1])
+        if arguments.region:
+            return None, median_hsv(part)
+        bgr = part[0, 0].tolist()
+    else:
+        bgr = arguments.bgr or arguments.hex or arguments.rgb[::-1]
+    return tuple(bgr), to_hsv(bgr)
+
+
+def _load(path: str) -> np.ndarray:
+    data = read_file(path, MAX_IMAGE)
+    try:
+        picture = upright(data)
+    except ValueError as error:
+        raise ValueError(f"{path}: {error}") from None
+    if picture is None:
+        raise ValueError(f"{path}: no picture that OpenCV can read")
+    return picture
+
+
+def _part(picture: np.ndarray, region: Sequence[int]) -> np.ndarray:
+    x, y, width, height = region
+    rows, columns = picture.shape[:2]
+    if not (0 <= x < x + width <= columns and 0 <= y < y + height <= rows):
+        raise ValueError(
+            f"x {x}, y {y}, width {width}, height {height}: "
+            f"not inside of the picture of {columns}x{rows}"
+        )
+    return picture[y : y + height, x : x + width]
+
+
+def _first_picture(topic: str, seconds: float) -> np.ndarray:
+    """The next picture of a topic, BGR."""
+    if not rosgraph.is_master_online():
+        raise TimeoutError(f"no ROS master answers at {rosgraph.get_master_uri()}")
+    rospy.init_node("pick_color", anonymous=True, disable_signals=True)
+    frames: queue.Queue[np.ndarray] = queue.Queue()
+    subscriber = ImageSubscriber(topic, lambda frame: frames.put(frame.image), encoding="bgr8")
+    try:
+        return frames.get(timeout=seconds)
+    except queue.Empty:
+        why = "was usable" if subscriber.received else "came"
+        nobody = "" if subscriber.get_num_connections() else "; nobody publishes pictures there"
+        raise TimeoutError(
+            f"{subscriber.topic}: no picture {why} within {seconds:g} s{nobody}"
+        ) from None
+    finally:
+        subscriber.unregister()

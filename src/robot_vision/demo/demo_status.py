@@ -1,0 +1,97 @@
+"""The node demo_status: a line per node and second, with rate, age, processing time and state."""
+
+import os
+import threading
+import time
+from typing import Dict
+
+import rospy
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+
+from ..ros.params import read_param
+from .window_tiles import Tiles
+
+TOPICS = {
+    "usb_cam": "/usb_cam/image_raw",
+    "brightness": "/brightness/processed_image",
+    "edge_detector": "/edge_detector/processed_image",
+    "hsv_tracker": "/hsv_tracker/processed_image",
+    "ball_tracker": "/ball_tracker/processed_image",
+    "line_follower": "/line_follower/processed_image",
+    "face_detector": "/face_detector/processed_image",
+    "motion_detector": "/motion_detector/processed_image",
+    "object_tracker": "/object_tracker/processed_image",
+    "apriltag_detector": "/apriltag_detector/processed_image",
+    "code_reader": "/code_reader/processed_image",
+}
+WIDTH = max(map(len, TOPICS))
+VIEWER = TOPICS["usb_cam"] + " "  # and one more: how the title of simple_camera_view starts
+WINDOWS_TIMEOUT = 120.0  # s in which all windows should be there
+POLL = 0.5  # s
+
+
+def line(name: str, status: DiagnosticStatus) -> str:
+    """The status of one node as one line of text."""
+    values = {pair.key: pair.value for pair in status.values}
+    return "{:<{}} {:>6} Hz  age {:>8} ms  processing {:>8} ms  {}".format(
+        name,
+        WIDTH,
+        values.get("output rate (Hz)", "?"),
+        values.get("output age (ms)", "?"),
+        values.get("processing time (ms)", "?"),
+        status.message,
+    )
+
+
+class DemoStatus:
+    """Prints the nodes in the order in which the frames pass them.
+
+    With windows (~view true) it puts them side by side; without, the default, it first tells which
+    topics there are to look at.
+
+    Subscribes to /diagnostics.
+    """
+
+    def __init__(self) -> None:
+        if read_param("view", False):
+            threading.Thread(target=tile_windows, name="windows", daemon=True).start()
+        else:
+            none = "No windows (view:=true)" if os.environ.get("DISPLAY") else "No display"
+            print(f"{none}: look at these topics, for instance with")
+            print("  rosrun image_view image_view image:=" + TOPICS["edge_detector"])
+            print(*("  " + topic for topic in TOPICS.values()), sep="\n", flush=True)
+        self._lock = threading.Lock()  # guards _round: each publisher has a thread of its own
+        self._round: Dict[str, DiagnosticStatus] = {}
+        self._subscriber = rospy.Subscriber("/diagnostics", DiagnosticArray, self._on_diagnostics)
+
+    def _on_diagnostics(self, message: DiagnosticArray) -> None:
+        with self._lock:
+            for status in message.status:
+                self._add(status.name.split(":")[0], status)
+
+    def _add(self, name: str, status: DiagnosticStatus) -> None:
+        if name not in TOPICS:
+            return
+        if name in self._round:  # a node is missing from this round
+            self._print_round()
+        self._round[name] = status
+        if len(self._round) == len(TOPICS):
+            self._print_round()
+
+    def _print_round(self) -> None:
+        lines = [line(name, self._round[name]) for name in TOPICS if name in self._round]
+        print("", *lines, sep="\n", flush=True)
+        self._round.clear()
+
+
+def tile_windows() -> None:
+    """Puts the windows of demo.launch side by side as they open."""
+    try:
+        tiles = Tiles([*TOPICS.values(), VIEWER])
+    except OSError as error:
+        rospy.logwarn("windows stay where they open: %s", error)
+        return
+    deadline = time.monotonic() + WINDOWS_TIMEOUT
+    while tiles.place() and time.monotonic() < deadline and not rospy.is_shutdown():
+        time.sleep(POLL)
+    tiles.close()

@@ -1,0 +1,114 @@
+"""The node face_detector: faces, by OpenCV's cascades, followed from frame to frame."""
+
+import re
+import threading
+from typing import Any, Dict, List, Optional, Tuple
+
+import rospy
+from geometry_msgs.msg import Vector3
+
+from .. import Face, FaceParams, draw_outline
+from .. import FaceDetector as Detector
+from ..msg import Detection, DetectionArray
+from ..ros.configs import FaceDetectorConfig
+from ..ros.image_node import ImageNode
+from ..ros.messages import Box, box_detection, corners, detection_array
+from ..ros.params import LiveParams, filled
+from ..ros.transport import Frame
+
+PARAMS = ("cascade_1", "cascade_2", "eye_cascade", "equalize", "max_search_period", "hold")
+COURSE = {  # the course's names of the core's parameters
+    "haar_scaleFactor": "scale_factor",
+    "haar_minNeighbors": "min_neighbors",
+    "haar_minSize": "min_size",
+    "haar_maxSize": "max_size",
+}
+SEEN, PREDICTED, EYE = (0, 255, 0), (0, 200, 255), (255, 200, 0)  # BGR
+
+
+class FaceDetector:
+    """Publishes ~faces, ~eyes and ~processed_image (boxes with id and score).
+
+    Subscribes to image.
+    """
+
+    def __init__(self) -> None:
+        self._lock = threading.Lock()  # of the detector
+        self._detector: Optional[Detector] = None
+        self._params = LiveParams(FaceDetectorConfig, self._configure)
+        self._node = ImageNode(self._process)
+        self._faces = self._node.publisher("~faces", DetectionArray)
+        self._eyes = self._node.publisher("~eyes", DetectionArray)
+        self._processed = self._node.image_publisher("~processed_image")
+        self._node.start()
+
+    def _configure(self, config: Dict[str, Any]) -> None:
+        params = filled(FaceParams(), config, PARAMS)
+        for name, of_core in COURSE.items():
+            setattr(params, of_core, config[name])
+        try:
+            with self._lock:
+                if self._detector:
+                    self._detector.configure(params)  # the faces keep their ids
+                else:
+                    self._detector = Detector(params)
+        except ValueError as error:
+            raise ValueError(in_course_s_words(str(error))) from None
+        self._period = config["max_search_period"]
+
+    def _process(self, frame: Frame) -> None:
+        drawn = self._processed.get_num_connections() > 0
+        with_eyes = drawn or self._eyes.get_num_connections() > 0
+        time = frame.time
+        with self._lock:
+            faces = self._detector.update(time, frame.image)
+            eyes = self._find_eyes(faces) if with_eyes else []
+            self._warn_if_slow(self._detector.search_time)
+        found = (face_detection(face) for face in faces)
+        self._faces.publish(detection_array(frame, found))
+        found = (box_detection(box, "eye", face.id) for face, box in eyes)
+        self._eyes.publish(detection_array(frame, found))
+        if drawn:
+            self._publish_overlay(frame, faces, eyes)
+
+    def _find_eyes(self, faces: List[Face]) -> List[Tuple[Face, Box]]:
+        return [(face, box) for face in faces for box in self._detector.find_eyes(face)]
+
+    def _warn_if_slow(self, search_time: float) -> None:
+        longest = 2.0 * search_time  # a face may come just after a search has begun
+        if longest > 1.5 * self._period > 0.0:
+            rospy.logwarn_throttle(
+                60.0,
+                "a new face may be found after %.1f s only, max_search_period is %g s: a larger "
+                "haar_minSize or haar_scaleFactor makes the search faster",
+                longest,
+                self._period,
+            )
+
+    def _publish_overlay(
+        self, frame: Frame, faces: List[Face], eyes: List[Tuple[Face, Box]]
+    ) -> None:
+        overlay = frame.image.copy()
+        for face in faces:
+            label = f"{face.id}: {face.score:.2f}"
+            color = PREDICTED if face.predicted else SEEN
+            draw_outline(overlay, corners(face.box), label, color)
+        for _, box in eyes:
+            draw_outline(overlay, corners(box), color=EYE)
+        self._processed.publish(overlay, "bgr8", frame.header)
+
+
+def in_course_s_words(text: str) -> str:
+    """A refusal with the names that the parameters have here."""
+    for name, of_core in COURSE.items():
+        text = re.sub(rf"\b{of_core}\b", name, text)
+    return text
+
+
+def face_detection(face: Face) -> Detection:
+    """A face as a Detection."""
+    message = box_detection(face.box, "face", face.id, face.score)
+    message.has_velocity = True
+    message.velocity = Vector3(*face.velocity, 0.0)
+    message.predicted = face.predicted
+    return message

@@ -1,0 +1,152 @@
+"""Faces in pictures: found, cut out, and made alike for a recogniser."""
+
+import functools
+import threading
+from typing import Optional, Tuple
+
+import cv2
+import numpy as np
+
+from .._core import FaceDetector, FaceParams
+
+Box = Tuple[int, int, int, int]  # px: x, y, width, height
+
+SIDE = 100  # px, of a face that a recogniser sees
+MARGIN = 0.5  # of the face's size, around it in a portrait
+PORTRAIT_SIDE = 400  # px, of the largest portrait
+SEARCH_SIDE = 640  # px: a larger picture is searched in this size
+MOST_SIDE = 2  # times the picture's longer side that a face's box may have: it is cut out whole
+
+
+def check_box(image: np.ndarray, box: Box) -> None:
+    """Raises ValueError if a box is empty, nowhere in the picture, or far larger than it."""
+    x, y, width, height = box
+    rows, columns = image.shape[:2]
+    if width <= 0 or height <= 0 or x + width <= 0 or y + height <= 0 or x >= columns or y >= rows:
+        raise ValueError(
+            f"the box {width}x{height} at ({x}, {y}) is not in the picture of {columns}x{rows}"
+        )
+    most = MOST_SIDE * max(rows, columns)
+    if max(width, height) > most:
+        raise ValueError(f"the box {width}x{height}, must have sides of at most {most} px")
+
+
+def cut_out(image: np.ndarray, box: Box, margin: float = 0.0) -> np.ndarray:
+    """The pixels of a box; beyond the picture they are those of its border.
+
+    Args:
+        image: (height, width) or (height, width, 3).
+        box: around a face.
+        margin: that is cut out around it, too, as a share of its size.
+
+    Raises:
+        ValueError: the box is none of a face in the picture, see check_box().
+    """
+    check_box(image, box)
+    x, y, width, height = box
+    across, down = round(margin * width), round(margin * height)
+    left, top, right, bottom = x - across, y - down, x + width + across, y + height + down
+    rows, columns = image.shape[:2]
+    inside = image[max(top, 0) : max(bottom, 0), max(left, 0) : max(right, 0)]
+    borders = max(-top, 0), max(bottom - rows, 0), max(-left, 0), max(right - columns, 0)
+    return cv2.copyMakeBorder(inside, *borders, cv2.BORDER_REPLICATE)
+
+
+def normalized(image: np.ndarray, box: Box) -> np.ndarray:
+    """The face in a box as every recogniser gets it, however large and however lit it is.
+
+    Args:
+        image: (height, width) grey or (height, width, 3) BGR, uint8.
+        box: around the face.
+
+    Returns:
+        (SIDE, SIDE) uint8, grey, equalised; without the noise that local patterns are made of.
+
+    Raises:
+        ValueError: the box is none of a face in the picture, see check_box().
+    """
+    face = gray(cut_out(image, box))
+    shrinks = min(face.shape) > SIDE
+    face = cv2.resize(
+        face, (SIDE, SIDE), interpolation=cv2.INTER_AREA if shrinks else cv2.INTER_LINEAR
+    )
+    return cv2.equalizeHist(cv2.GaussianBlur(face, (5, 5), 0.0))
+
+
+def portrait(image: np.ndarray, box: Optional[Box] = None) -> np.ndarray:
+    """A picture of one face, with something around it, in a size to keep.
+
+    Args:
+        image: (height, width, 3) BGR or (height, width) grey, uint8.
+        box: around the face; None: the largest.
+
+    Raises:
+        ValueError: there is no face, or the box is none of a face, see check_box().
+    """
+    picture = cut_out(image, box or _require_face(image), MARGIN)
+    rows, columns = picture.shape[:2]
+    scale = min(1.0, PORTRAIT_SIDE / max(rows, columns))
+    size = max(1, round(columns * scale)), max(1, round(rows * scale))
+    return cv2.resize(picture, size, interpolation=cv2.INTER_AREA) if scale < 1.0 else picture
+
+
+def face_of(image: np.ndarray) -> np.ndarray:
+    """The largest face of a picture, normalized().
+
+    Raises:
+        ValueError: there is none.
+    """
+    return normalized(image, _require_face(image))
+
+
+def _require_face(image: np.ndarray) -> Box:
+    box = find_face(image)
+    if box is None:
+        raise ValueError("no face is found in it")
+    return box
+
+
+def gray(image: np.ndarray) -> np.ndarray:
+    """A picture, grey or BGR, in grey."""
+    return image if image.ndim == 2 else cv2.cvtColor(image, cv2.COLOR_BGR2GRAY)
+
+
+def find_face(image: np.ndarray) -> Optional[Box]:
+    """The largest face of a picture, grey or BGR, uint8; None if there is none.
+
+    A face that fills its picture is found, too; its box may then reach beyond the picture.
+    """
+    picture = gray(image)
+    # The detector needs to see something around a face.
+    for border in (0, max(picture.shape) // 4):
+        wider = cv2.copyMakeBorder(picture, *[border] * 4, cv2.BORDER_REPLICATE)
+        box = _largest_face(wider)
+        if box:
+            x, y, width, height = box
+            return x - border, y - border, width, height
+    return None
+
+
+def _largest_face(picture: np.ndarray) -> Optional[Box]:
+    scale = max(*picture.shape, SEARCH_SIDE) / SEARCH_SIDE
+    rows, columns = picture.shape
+    size = max(1, round(columns / scale)), max(1, round(rows / scale))
+    small = cv2.resize(picture, size, interpolation=cv2.INTER_AREA)
+    with _detecting:
+        faces = _detector().detect(small, "mono8")
+    if not faces:
+        return None
+    x, y, width, height = (round(value * scale) for value in faces[0].box)
+    return x, y, width, height
+
+
+_detecting = threading.Lock()  # a detector is for one thread at a time
+
+
+@functools.lru_cache(maxsize=None)
+def _detector() -> FaceDetector:
+    params = FaceParams()
+    params.cascade_2 = ""  # nobody can be recognised by a profile
+    params.scale_factor = 1.1
+    params.min_neighbors = 4
+    return FaceDetector(params)

@@ -1,0 +1,166 @@
+"""The node face_recognizer: whose the faces are that another node finds."""
+
+import threading
+import time
+from typing import Any, Dict, List, Tuple
+
+import numpy as np
+import rospy
+
+from .. import draw_outline, draw_text
+from ..common.plain_text import plain
+from ..msg import Detection, DetectionArray, FaceIdentity, FaceIdentityArray
+from ..ros.configs import FaceRecognizerConfig
+from ..ros.frame_pairs import FramePairs
+from ..ros.image_node import ImageNode
+from ..ros.messages import corners
+from ..ros.params import LiveParams, filled
+from ..ros.transport import Frame
+from .face_picture import Box, check_box, normalized
+from .gallery import Gallery
+from .gallery_services import GalleryServices
+from .identities import Identities, Identity, VoteParams
+from .recognition import LbphRecognizer, Recognizer
+
+VOTES = tuple(VoteParams.__dataclass_fields__)
+GREEN, RED = (0.0, 255.0, 0.0), (0.0, 0.0, 255.0)
+
+
+class FaceRecognizer:
+    """Publishes ~faces (those that came in, with names), ~identities and ~processed_image.
+
+    Subscribes to image, and to the faces that a detector finds in it. The services ~enroll,
+    ~enroll_folder, ~list_names and ~forget_name are about the people known.
+    """
+
+    def __init__(self) -> None:
+        # Guards all that follows: pictures and faces come from threads of their own.
+        self._lock = threading.Lock()
+        self._recognizer: Recognizer = LbphRecognizer()
+        self._names: List[str] = []  # by the recogniser's labels
+        self._identities = Identities()
+        self._connection: Any = None  # that the newest faces came by
+        self._stamp = rospy.Time()  # of them
+        self._pairs = FramePairs()
+        self._node = ImageNode(self._on_frame, idle=self._pairs.clear)
+        self._node.subscriber("faces", DetectionArray, self._on_faces)
+        self._faces = self._node.publisher("~faces", DetectionArray)
+        self._whose = self._node.publisher("~identities", FaceIdentityArray)
+        self._processed = self._node.image_publisher("~processed_image")
+        self._services = GalleryServices(self._learn, self._node.keep_working, self._node.missing)
+        self._params = LiveParams(FaceRecognizerConfig, self._configure)
+        self._services.advertise()
+        self._node.start()
+
+    def _configure(self, config: Dict[str, Any]) -> None:
+        self._identities.params = filled(VoteParams(), config, VOTES)
+        self._services.timeout = config["enroll_timeout"]
+
+    def _learn(self, gallery: Gallery) -> None:
+        """Trains with other people while those known so far are still recognised."""
+        faces, whose = gallery.training()
+        names = sorted(set(whose))
+        labels = {name: label for label, name in enumerate(names)}
+        recognizer = LbphRecognizer()
+        recognizer.train(faces, [labels[name] for name in whose])
+        with self._lock:
+            self._recognizer = recognizer
+            self._names = names
+            self._identities.clear()
+
+    def _on_frame(self, frame: Frame) -> None:
+        missing = self._node.missing()
+        if missing:
+            rospy.logwarn_throttle(10.0, f"{missing}: is there a face detector?")
+            self._show_note(frame, missing)
+        faces = self._pairs.message_of(frame)
+        if faces:
+            self._process(frame, faces)
+
+    def _on_faces(self, faces: DetectionArray) -> None:
+        frame = self._pairs.frame_of(faces)
+        if frame:
+            self._process(frame, faces)
+        elif self._pairs.apart():
+            image, topic = rospy.resolve_name("image"), rospy.resolve_name("faces")
+            rospy.logwarn_throttle(
+                10.0, f"no pictures on {image} have the stamps of {topic}: is it another camera's?"
+            )
+
+    def _process(self, frame: Frame, faces: DetectionArray) -> None:
+        now = time.monotonic()
+        height, width = frame.image.shape[:2]
+        if (faces.width, faces.height) != (width, height):
+            rospy.logerr_throttle(
+                5.0, f"faces of a picture of {faces.width}x{faces.height}, not {width}x{height}"
+            )
+            return
+        try:
+            for face in faces.detections:
+                check_box(frame.image, box_of(face))
+        except ValueError as error:
+            rospy.logerr_throttle(5.0, f"faces that cannot be used: {error}")
+            return
+        with self._lock:
+            self._notice_other_ids(faces)
+            found = [self._identify(frame.image, face, now) for face in faces.detections]
+            self._identities.see((face.id for face in faces.detections), now)
+            self._publish(frame, faces, found)
+            seen = [box_of(face) for face in faces.detections if not face.predicted]
+            self._services.offer(frame.image, seen, now)
+
+    def _notice_other_ids(self, faces: DetectionArray) -> None:
+        """Forgets who is who when the detector has begun anew: its ids are other faces' now."""
+        connection = getattr(faces, "_connection_header", None)  # one object for each connection
+        if connection is not self._connection or faces.header.stamp < self._stamp:
+            self._identities.clear()
+        self._connection, self._stamp = connection, faces.header.stamp
+
+    def _identify(self, image: np.ndarray, face: Detection, now: float) -> Identity:
+        if face.predicted:  # there may be something else in its place
+            return self._identities.of(face.id)
+        if face.id < 0:
+            return self._identities.at_once(*self._look(image, face))
+        if self._identities.due(face.id, now):
+            self._identities.vote(face.id, *self._look(image, face), now)
+        return self._identities.of(face.id)
+
+    def _look(self, image: np.ndarray, face: Detection) -> Tuple[str, float]:
+        """The name of who looks most like a face, and the distance; '' if nobody is known."""
+        label, distance = self._recognizer.predict(normalized(image, box_of(face)))
+        return self._names[label] if label >= 0 else "", distance
+
+    def _publish(self, frame: Frame, faces: DetectionArray, found: List[Identity]) -> None:
+        whose = FaceIdentityArray(header=faces.header)
+        for face, identity in zip(faces.detections, found):
+            face.label, face.score = identity.name, identity.score
+            whose.identities.append(
+                FaceIdentity(face.id, identity.name, identity.distance, identity.known)
+            )
+        self._faces.publish(faces)
+        self._whose.publish(whose)
+        if self._processed.get_num_connections():
+            overlay = frame.image.copy()
+            for face, identity in zip(faces.detections, found):
+                draw_identity(overlay, box_of(face), identity)
+            self._processed.publish(overlay, "bgr8", frame.header)
+
+    def _show_note(self, frame: Frame, text: str) -> None:
+        if self._processed.get_num_connections():
+            overlay = frame.image.copy()
+            draw_text(overlay, plain(text), (10, 20), RED)
+            self._processed.publish(overlay, "bgr8", frame.header)
+
+
+def box_of(face: Detection) -> Box:
+    return face.box.x_offset, face.box.y_offset, face.box.width, face.box.height
+
+
+def draw_identity(bgr: np.ndarray, box: Box, identity: Identity) -> None:
+    """Draws a face's box with name and distance."""
+    draw_outline(
+        bgr,
+        corners(box),
+        plain(f"{identity.name} {identity.distance:.0f}"),
+        GREEN if identity.known else RED,
+    )

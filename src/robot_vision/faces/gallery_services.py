@@ -1,0 +1,200 @@
+"""The services by which a face recogniser comes to know people."""
+
+import contextlib
+import os
+import threading
+from typing import Any, Callable, Dict, Iterator, List, Optional, Sequence
+
+import numpy as np
+import rospkg
+import rospy
+
+from ..common.plain_text import printable
+from ..ros.image_node import SILENCE
+from ..ros.params import read_param
+from ..srv import (
+    EnrollFace,
+    EnrollFaceResponse,
+    EnrollFolder,
+    EnrollFolderResponse,
+    ForgetName,
+    ForgetNameResponse,
+    ListNames,
+    ListNamesResponse,
+)
+from .enrollment import Enrollment
+from .face_picture import Box
+from .gallery import Added, Gallery
+from .gallery_files import shown, valid_name
+
+PICTURES = 10  # that are taken if nothing is said of it
+MAX_PICTURES = 100
+GRACE = 3.0  # s, longer than run_node() gives a node to end
+
+
+class GalleryServices:
+    """~enroll, ~enroll_folder, ~list_names and ~forget_name, on the gallery that ~gallery names.
+
+    Args:
+        changed: is called with the gallery when it is loaded, and after every change.
+        keep_working: is called with True when pictures are wanted, and with False afterwards.
+        missing: says which of its inputs were silent for so many s, in words.
+
+    Raises:
+        ValueError: ~gallery is no folder.
+    """
+
+    def __init__(
+        self,
+        changed: Callable[[Gallery], Any],
+        keep_working: Callable[[bool], Any],
+        missing: Callable[[float], str],
+    ) -> None:
+        self.timeout = 10.0  # s of the wall clock, for the pictures of ~enroll; may be replaced
+        self._changed = changed
+        self._keep_working = keep_working
+        self._missing = missing
+        self._enrollment: Optional[Enrollment] = None
+        self._enrolling = threading.Lock()  # held while pictures are taken: one person at a time
+        self._learning = threading.Lock()  # held while it is learnt: the last change last
+        self._working = 0  # calls under way
+        self._ended = threading.Condition()  # of one of them
+        default = os.path.join(rospkg.get_ros_home(), "robot_vision", "faces")
+        self._gallery = Gallery(read_param("gallery", "") or default)
+        _report(self._gallery.load())
+        changed(self._gallery)
+        people = self._gallery.names()
+        count = sum(people.values())
+        folder = shown(self._gallery.folder)
+        rospy.loginfo("%d people by %d pictures in %s", len(people), count, folder)
+
+    def advertise(self) -> None:
+        """Offers the services."""
+        rospy.on_shutdown(self._finish)
+        self._service("~enroll", EnrollFace, self._on_enroll)
+        self._service("~enroll_folder", EnrollFolder, self._on_enroll_folder)
+        self._service("~list_names", ListNames, self._on_list_names)
+        self._service("~forget_name", ForgetName, self._on_forget_name)
+
+    def offer(self, image: np.ndarray, boxes: Sequence[Box], now: float) -> None:
+        """A picture, and the faces in it, for ~enroll: see Enrollment.offer()."""
+        enrollment = self._enrollment
+        if enrollment:
+            enrollment.offer(image, boxes, now)
+
+    def _service(self, name: str, kind: Any, handler: Callable[[Any], Any]) -> None:
+        def handle(request: Any) -> Any:
+            with self._at_work():
+                return handler(request)
+
+        rospy.Service(name, kind, handle)
+
+    @contextlib.contextmanager
+    def _at_work(self) -> Iterator[None]:
+        with self._ended:
+            self._working += 1
+        try:
+            yield
+        finally:
+            with self._ended:
+                self._working -= 1
+                self._ended.notify_all()
+
+    def _finish(self) -> None:
+        """Waits for the calls: the interpreter must not end while one is in C++, it would abort."""
+        with self._ended:
+            self._ended.wait_for(lambda: not self._working, GRACE)
+
+    def _learn(self) -> None:
+        with self._learning:
+            if not rospy.core.is_shutdown_requested():
+                self._changed(self._gallery)
+
+    def _on_enroll(self, request: Any) -> EnrollFaceResponse:
+        try:
+            added = self._enroll(request.name, request.pictures or PICTURES)
+        except (OSError, RuntimeError, ValueError) as error:
+            rospy.logerr("nobody enrolled: %s", error)
+            return EnrollFaceResponse(False, str(error), 0)
+        return EnrollFaceResponse(True, _summary(added, request.name), added.pictures)
+
+    def _enroll(self, name: str, pictures: int) -> Added:
+        name = valid_name(name)
+        if pictures > MAX_PICTURES:
+            raise ValueError(f"pictures is {pictures}, must be from 1 to {MAX_PICTURES}")
+        if not self._enrolling.acquire(blocking=False):
+            raise RuntimeError("somebody else is being enrolled")
+        try:
+            portraits = self._take(Enrollment(pictures))
+        finally:
+            self._enrolling.release()
+        added = self._gallery.add(name, portraits)
+        self._learn()
+        _report(added.problems)
+        return added
+
+    def _take(self, enrollment: Enrollment) -> Dict[str, np.ndarray]:
+        timeout = self.timeout
+        self._enrollment = enrollment
+        self._keep_working(True)
+        try:
+            if not enrollment.wait(timeout, rospy.core.is_shutdown_requested):
+                # Half of the time: the node has not worked for all of it.
+                missing = self._missing(min(SILENCE, timeout / 2))
+                why = f": {missing}" if missing else ""
+                raise RuntimeError(f"{enrollment.outcome()}, within {timeout:g} s{why}")
+        finally:
+            self._enrollment = None
+            self._keep_working(False)
+        return enrollment.portraits
+
+    def _on_enroll_folder(self, request: Any) -> EnrollFolderResponse:
+        try:
+            if not os.path.isabs(request.folder):  # a node has another folder than its caller
+                raise ValueError(
+                    f"folder is '{printable(request.folder)}', must be an absolute path"
+                )
+            try:
+                added = self._gallery.import_folder(
+                    request.folder, request.name, rospy.core.is_shutdown_requested
+                )
+            finally:
+                self._learn()
+        except (OSError, ValueError) as error:
+            rospy.logerr("no folder enrolled: %s", error)
+            return EnrollFolderResponse(False, str(error), 0, [])
+        _report(added.problems)
+        some = added.pictures + added.present > 0
+        text = _summary(added, request.name or "people")
+        if not some:
+            text += ": " + added.problems[0]
+        return EnrollFolderResponse(some, text, added.pictures, added.problems)
+
+    def _on_list_names(self, _request: Any) -> ListNamesResponse:
+        names = self._gallery.names()
+        return ListNamesResponse(list(names), list(names.values()))
+
+    def _on_forget_name(self, request: Any) -> ForgetNameResponse:
+        try:
+            removed = self._gallery.forget(request.name)
+            self._learn()
+        except (OSError, ValueError) as error:
+            rospy.logerr("nobody forgotten: %s", error)
+            return ForgetNameResponse(False, str(error), 0)
+        _report(removed.problems)
+        known = valid_name(request.name) in self._gallery.names()
+        text = "; ".join(
+            [f"{request.name} is {'still known' if known else 'forgotten'}", *removed.problems]
+        )
+        return ForgetNameResponse(not removed.problems, text, removed.pictures)
+
+
+def _summary(added: Added, who: str) -> str:
+    present = f", {added.present} were there already" if added.present else ""
+    refused = f", {len(added.problems)} problems" if added.problems else ""
+    return f"{added.pictures} pictures of {who} added{present}{refused}"
+
+
+def _report(problems: List[str]) -> None:
+    for problem in problems:
+        rospy.logwarn("%s", problem)

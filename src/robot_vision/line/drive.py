@@ -1,0 +1,79 @@
+"""Driving a robot from what a node sees, so that it stops when the node does not see."""
+
+import threading
+import time
+from typing import Optional
+
+import rospy
+from geometry_msgs.msg import Twist
+from std_srvs.srv import SetBool, SetBoolRequest, SetBoolResponse
+
+from .line_control import must_stop
+
+PERIOD = 0.05  # s between two looks at the watch, and between two zero commands
+
+
+class Drive:
+    """Passes commands on to `cmd_vel` while they keep coming; else the robot is told to stop.
+
+    A zero Twist is sent, again and again, when what was last driven on was seen longer than
+    `timeout` ago, while the drive is disabled (~enable, std_srvs/SetBool), and when the node shuts
+    down. Time is real time: a simulated clock that stands still must not keep a robot going.
+
+    Args:
+        publisher: of geometry_msgs/Twist.
+        timeout: s.
+    """
+
+    def __init__(self, publisher: rospy.Publisher, timeout: float = 0.5):
+        self.timeout = timeout
+        self.enabled = True
+        self._publisher = publisher
+        self._lock = threading.Lock()  # a command must not overtake a stop
+        self._seen: Optional[float] = None  # s, what was last driven on
+        self._ended = False
+        self._thread = threading.Thread(target=self._watch, name="watchdog", daemon=True)
+        rospy.Service("~enable", SetBool, self._on_enable)
+        rospy.on_shutdown(self._end)
+        self._thread.start()
+
+    def command(self, linear: float, angular: float, seen: float) -> None:
+        """Drives on: m/s forward, rad/s to the left.
+
+        Args:
+            seen: when what is driven on was seen, s of time.monotonic(). On a busy machine it may
+                have become too old while it was worked on: then this sends nothing.
+        """
+        with self._lock:
+            now = time.monotonic()
+            self._seen = min(seen, now)
+            if not self._ended and not must_stop(now, self._seen, self.enabled, self.timeout):
+                self._send(linear, angular)
+
+    def _watch(self) -> None:
+        while not self._ended:
+            with self._lock:
+                now = time.monotonic()
+                if must_stop(now, self._seen, self.enabled, self.timeout) and not self._ended:
+                    self._send(0.0, 0.0)
+            time.sleep(PERIOD)
+
+    def _on_enable(self, request: SetBoolRequest) -> SetBoolResponse:
+        with self._lock:
+            self.enabled = request.data
+            if not self.enabled:
+                self._send(0.0, 0.0)
+        return SetBoolResponse(True, "driving" if self.enabled else "stopped")
+
+    def _end(self) -> None:
+        with self._lock:
+            self._ended = True
+        for _ in range(3):  # a lost message must not keep the robot going
+            self._send(0.0, 0.0)
+            time.sleep(PERIOD)
+
+    def _send(self, linear: float, angular: float) -> None:
+        twist = Twist()
+        twist.linear.x = linear
+        twist.angular.z = angular
+        self._publisher.publish(twist)

@@ -1,0 +1,150 @@
+"""Steering along a line: from what the camera sees to a speed and a turn. No ROS, no clock."""
+
+import math
+from dataclasses import dataclass
+from typing import Optional, Tuple
+
+from .._core import Line
+from ..common.plain_text import printable
+
+MODES = ("course", "pid")
+GAP = 0.5  # s between two lines: after more the integral and the change of the error say nothing
+
+
+@dataclass(frozen=True)
+class LineControlParams:
+    """What a LineController does.
+
+    Raises:
+        ValueError: the first field out of range, its value and the range.
+    """
+
+    mode: str = "course"  # course: full speed, gain and dead band; pid: kp, ki, kd and curve speed
+    linear_speed: float = 0.2  # m/s, 0 to 5
+    max_angular: float = 0.3  # rad/s, largest turn of both modes, 0 to 10
+    gain: float = 0.3  # course: rad/s for each px of the line's offset, 0 to 10
+    dead_band: float = 20.0  # course: px of offset that are not steered against, 0 to 10000
+    kp: float = 1.0  # pid: rad/s for an error of 1, half a picture width, 0 to 100
+    ki: float = 0.0  # pid: rad/s for an error of 1 over 1 s, 0 to 100
+    kd: float = 0.1  # pid: rad/s for an error that changes by 1 in 1 s, 0 to 100
+    min_speed: float = 0.05  # pid: m/s where the line is all askew, 0 to linear_speed
+    search: bool = False  # turn to where the line was last seen, instead of stopping at once
+    search_angular: float = 0.3  # rad/s, 0 to 10
+    search_timeout: float = 3.0  # s of searching until the robot stops, 0 to 60
+
+    def __post_init__(self) -> None:
+        if self.mode not in MODES:
+            raise ValueError(f"mode is {printable(self.mode)}, must be {' or '.join(MODES)}")
+        _require_range("linear_speed", self.linear_speed, 0, 5)
+        _require_range("max_angular", self.max_angular, 0, 10)
+        _require_range("gain", self.gain, 0, 10)
+        _require_range("dead_band", self.dead_band, 0, 10000)
+        for name in ("kp", "ki", "kd"):
+            _require_range(name, getattr(self, name), 0, 100)
+        _require_range("min_speed", self.min_speed, 0, 5)
+        if self.min_speed > self.linear_speed:
+            raise ValueError(
+                f"min_speed is {self.min_speed:g}, must be at most linear_speed,"
+                f" {self.linear_speed:g}"
+            )
+        _require_range("search_angular", self.search_angular, 0, 10)
+        _require_range("search_timeout", self.search_timeout, 0, 60)
+
+
+class LineController:
+    """Keeps a line in the middle of the picture. Angular speeds are ROS's: left is positive."""
+
+    def __init__(self, params: Optional[LineControlParams] = None) -> None:
+        """Without `params`, the behaviour of the course."""
+        self._params = params or LineControlParams()
+        self.reset()
+
+    def reset(self) -> None:
+        """Forgets all it has seen, as for a robot that was carried elsewhere or paused."""
+        self._time: Optional[float] = None  # of the last line, s
+        self._updated = -math.inf  # when update() was called last, s
+        self._error = 0.0  # of the last line
+        self._integral = 0.0  # of the error, s
+        self._lost_since: Optional[float] = None  # s; None before any line and while there is one
+
+    def update(self, time: float, line: Optional[Line]) -> Tuple[float, float]:
+        """The command for the line in one frame.
+
+        Args:
+            time: when the frame was taken, s. An earlier one than the last begins anew, as does
+                a line after a gap of more than 0.5 s.
+            line: what find_line() says, or None; None and a line not found are the same.
+
+        Returns:
+            Linear speed, m/s, and angular speed, rad/s, counter-clockwise.
+        """
+        found = line is not None and line.found
+        after_gap = self._time is not None and time - self._time > GAP
+        if time < self._updated or (found and (self._lost_since is not None or after_gap)):
+            self.reset()
+        self._updated = time
+        if not found:
+            return self._search(time)
+        if self._params.mode == "course":
+            command = self._params.linear_speed, self._steer(line.offset)
+        else:
+            command = self._speed(line), self._pid(time, line.error)
+        self._time, self._error = time, line.error
+        return command
+
+    def _steer(self, offset: float) -> float:
+        if abs(offset) <= self._params.dead_band:
+            return 0.0
+        return -_clip(self._params.gain * offset, self._params.max_angular)
+
+    def _pid(self, time: float, error: float) -> float:
+        params = self._params
+        dt = 0.0 if self._time is None else time - self._time
+        change = (error - self._error) / dt if dt > 0.0 else 0.0
+        integral = self._integral + error * dt
+        turn = params.kp * error + params.ki * integral + params.kd * change
+        # Anti-windup: at the limit of the turn the integral may only shrink.
+        if abs(turn) <= params.max_angular or abs(integral) < abs(self._integral):
+            self._integral = integral
+        turn = params.kp * error + params.ki * self._integral + params.kd * change
+        return -_clip(turn, params.max_angular)
+
+    def _speed(self, line: Line) -> float:
+        """Linear speed, m/s: the further off and the more askew the line, the slower."""
+        askew = min(max(abs(line.error), abs(math.sin(line.angle))), 1.0)
+        fastest, slowest = self._params.linear_speed, self._params.min_speed
+        return fastest - (fastest - slowest) * askew
+
+    def _search(self, time: float) -> Tuple[float, float]:
+        if self._time is None:
+            return 0.0, 0.0  # never seen
+        if self._lost_since is None:
+            self._lost_since = time
+        searching = time - self._lost_since < self._params.search_timeout
+        if not self._params.search or not searching or self._error == 0.0:
+            return 0.0, 0.0
+        return 0.0, -math.copysign(self._params.search_angular, self._error)
+
+
+def must_stop(now: float, last_frame: Optional[float], enabled: bool, timeout: float = 0.5) -> bool:
+    """Whether the robot must stand still, whatever was commanded last.
+
+    Args:
+        now: s.
+        last_frame: when the last frame was taken, s, on the same clock; None before the first.
+        enabled: False while the line follower is paused.
+        timeout: s for which a frame is worth driving on. So far in the future it is worth nothing
+            either: the clock was set back, and its age is not known.
+    """
+    if not enabled or last_frame is None:
+        return True
+    return not abs(now - last_frame) <= timeout  # of a NaN, too
+
+
+def _clip(value: float, limit: float) -> float:
+    return min(max(value, -limit), limit)
+
+
+def _require_range(name: str, value: float, low: float, high: float) -> None:
+    if not low <= value <= high:
+        raise ValueError(f"{name} is {value:g}, must be from {low:g} to {high:g}")

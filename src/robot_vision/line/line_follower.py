@@ -1,0 +1,93 @@
+"""The node line_follower: drives along a line."""
+
+import time
+from typing import Any, Dict, Optional
+
+import rospy
+from geometry_msgs.msg import Point, Twist
+
+from .. import HsvMask, Line, LineParams, draw_outline, draw_text, find_line
+from ..color.named_colors import range_of
+from ..msg import Line as LineMessage
+from ..ros.configs import LineFollowerConfig
+from ..ros.image_node import ImageNode
+from ..ros.params import LiveParams
+from ..ros.transport import Frame
+from .drive import Drive
+from .line_control import LineController, LineControlParams, must_stop
+
+CONTROL = tuple(LineControlParams.__dataclass_fields__)
+
+
+class LineFollower:
+    """Publishes cmd_vel, ~line and ~processed_image (the picture with the line outlined).
+
+    Subscribes to image. ~enable (std_srvs/SetBool) makes the robot stop, or drive again.
+    """
+
+    def __init__(self) -> None:
+        self._control: Optional[LineControlParams] = None
+        self._followed = Line()  # as it was seen last
+        self._stamp = rospy.Time()  # of the last frame
+        self._node = ImageNode(self._process)
+        self._lines = self._node.publisher("~line", LineMessage)
+        self._processed = self._node.image_publisher("~processed_image")
+        self._drive = Drive(self._node.publisher("cmd_vel", Twist))
+        self._params = LiveParams(LineFollowerConfig, self._configure)
+        self._node.start()
+
+    def _configure(self, config: Dict[str, Any]) -> None:
+        line = LineParams()
+        line.min_area = config["min_area"]
+        control = LineControlParams(**{name: config[name] for name in CONTROL})
+        mask = HsvMask(range_of(config))
+        # A controller made anew has forgotten where the line was: only when it must be.
+        controller = self._tools[3] if control == self._control else LineController(control)
+        self._control = control
+        # In one step: a frame may be under way.
+        self._tools = config["strip"], mask, line, controller
+        self._min_confidence = config["min_confidence"]
+        self._drive.timeout = config["timeout"]
+
+    def _process(self, frame: Frame) -> None:
+        began, age = time.monotonic(), _age(frame.header.stamp)
+        strip, mask, params, controller = self._tools
+        height = frame.image.shape[0]
+        top = min(round(height * (1.0 - strip)), height - 1)
+        line = find_line(mask.apply(frame.image[top:]), params, self._followed)
+        if line.confidence < self._min_confidence:  # all of the picture, for instance
+            line = Line()
+        if line.found:
+            self._followed = line
+        if not self._drive.enabled:
+            controller.reset()  # what it has summed up is of another place when it drives again
+        elif self._is_fresh(frame.header.stamp, age):
+            stamp = frame.header.stamp.to_sec() or rospy.get_time()
+            self._drive.command(*controller.update(stamp, line), began - age)
+        self._publish(frame, line, top)
+
+    def _is_fresh(self, stamp: rospy.Time, age: float) -> bool:
+        """Whether to drive on a frame of this stamp: not on an old one, nor on one come again."""
+        old, self._stamp = self._stamp, stamp
+        late = must_stop(age, 0.0, True, self._drive.timeout)
+        if late:
+            rospy.logwarn_throttle(5.0, "frames are %.2f s old: they are not driven on", age)
+        return not late and (stamp.is_zero() or stamp != old)
+
+    def _publish(self, frame: Frame, line: Line, top: int) -> None:
+        center = Point(line.center[0], line.center[1] + top, 0.0) if line.found else Point()
+        self._lines.publish(
+            LineMessage(frame.header, line.found, center, line.error, line.angle, line.confidence)
+        )
+        if self._processed.get_num_connections():
+            overlay = frame.image.copy()
+            if line.found:
+                draw_outline(overlay[top:], line.outline, f"{line.error:+.2f}")
+            else:
+                draw_text(overlay, "no line", (10, 20))
+            self._processed.publish(overlay, "bgr8", frame.header)
+
+
+def _age(stamp: rospy.Time) -> float:
+    """s since this stamp by the clock of ROS; 0 for that of a sender that knows of no time."""
+    return 0.0 if stamp.is_zero() else rospy.get_time() - stamp.to_sec()

@@ -1,0 +1,90 @@
+"""The node motion_detector: what moves before a camera that stands still."""
+
+import math
+import time
+from typing import Any, Dict
+
+import rospy
+from std_srvs.srv import Trigger, TriggerResponse
+
+from .. import Motion, MotionParams, draw_outline, draw_text
+from .. import MotionDetector as Detector
+from ..msg import DetectionArray, MotionState
+from ..ros.configs import MotionDetectorConfig
+from ..ros.image_node import ImageNode
+from ..ros.messages import corners, detection, detection_array
+from ..ros.params import LiveParams, filled
+from ..ros.transport import Frame
+
+PARAMS = (
+    "method",
+    "blur_size",
+    "threshold",
+    "dilate",
+    "learning_rate",
+    "max_changed",
+    "settle",
+    "ignore_light",
+)
+
+
+class MotionDetector:
+    """Publishes ~motion, ~state, ~mask (mono8) and ~processed_image (boxes, state and time).
+
+    Subscribes to image. ~reset_background (std_srvs/Trigger) makes the next frame the background.
+    """
+
+    def __init__(self) -> None:
+        self._moved = -math.inf  # s, when something moved last
+        self._shall_reset = False
+        self._used: Dict[str, Any] = {}
+        self._params = LiveParams(MotionDetectorConfig, self._configure)
+        self._node = ImageNode(self._process)
+        self._motion = self._node.publisher("~motion", DetectionArray)
+        self._state = self._node.publisher("~state", MotionState)
+        self._mask = self._node.image_publisher("~mask")
+        self._processed = self._node.image_publisher("~processed_image")
+        rospy.Service("~reset_background", Trigger, self._on_reset)
+        self._node.start()
+
+    def _configure(self, config: Dict[str, Any]) -> None:
+        used = {name: config[name] for name in (*PARAMS, "minArea")}
+        if used != self._used:  # a detector made anew has lost the background: only when it must be
+            params = filled(MotionParams(), config, PARAMS)
+            params.min_area = config["minArea"]
+            self._detector = Detector(params)
+            self._used = used
+        self._hold = config["hold"]
+
+    def _process(self, frame: Frame) -> None:
+        if self._shall_reset:
+            self._shall_reset = False
+            self._detector.reset()
+        now = frame.time
+        motion = self._detector.update(now, frame.image)
+        if motion.everywhere:
+            rospy.logwarn_throttle(5.0, "the whole picture changes: the light, or the camera moves")
+        if motion.regions or now < self._moved:
+            self._moved = now if motion.regions else -math.inf
+        occupied = now - self._moved <= self._hold
+        if self._motion.get_num_connections():
+            found = (detection(region, "motion") for region in motion.regions)
+            self._motion.publish(detection_array(frame, found))
+        self._state.publish(MotionState(frame.header, occupied, motion.everywhere, motion.changed))
+        self._mask.publish(motion.mask, "mono8", frame.header)
+        if self._processed.get_num_connections():
+            self._publish_overlay(frame, motion, occupied, now)
+
+    def _publish_overlay(self, frame: Frame, motion: Motion, occupied: bool, now: float) -> None:
+        overlay = frame.image.copy()
+        for region in motion.regions:
+            draw_outline(overlay, corners(region.box))
+        state = "Occupied" if occupied else "Unoccupied"
+        draw_text(overlay, "whole image changes" if motion.everywhere else state, (10, 20))
+        when = time.strftime("%A %d %B %Y %H:%M:%S", time.localtime(now))
+        draw_text(overlay, when, (10, overlay.shape[0] - 10))
+        self._processed.publish(overlay, "bgr8", frame.header)
+
+    def _on_reset(self, _request: Any) -> TriggerResponse:
+        self._shall_reset = True  # the detector belongs to the thread of the pictures
+        return TriggerResponse(True, "the next frame is the background")

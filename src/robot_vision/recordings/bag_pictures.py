@@ -1,0 +1,87 @@
+"""Pictures in bags, for commands."""
+
+import contextlib
+import functools
+from typing import Any, Callable, Dict, Iterator, Sequence, Tuple
+
+import numpy as np
+import rosbag
+
+from ..common.files import require_file
+from ..common.plain_text import printable
+from .gray_pictures import gray_message
+
+# What a picture is called, and what reads it: (height, width) uint8, or ValueError.
+Named = Tuple[str, Callable[[], np.ndarray]]
+MAX_TOLD = 200  # characters of what is wrong
+PICTURES = ("sensor_msgs/Image", "sensor_msgs/CompressedImage")
+
+
+@contextlib.contextmanager
+def opened(path: str) -> Iterator[rosbag.Bag]:
+    """A bag to read from.
+
+    Raises:
+        ValueError: it is none, or it breaks off.
+        OSError: it cannot be opened.
+    """
+    require_file(path)
+    with _reading(path):
+        bag = rosbag.Bag(path)
+    with bag:
+        yield bag
+
+
+def topics_of(bag: rosbag.Bag) -> Dict[str, str]:
+    """The type of the messages by topic, of those that have any.
+
+    Raises:
+        ValueError: the bag is damaged.
+    """
+    with _reading(bag.filename):
+        topics = bag.get_type_and_topic_info()[1]
+        return {name: one.msg_type for name, one in topics.items() if one.message_count}
+
+
+def messages_on(bag: rosbag.Bag, topic: str) -> Iterator[Any]:
+    """The messages on a topic.
+
+    Raises:
+        ValueError: the bag is damaged.
+    """
+    entries = bag.read_messages(topic)
+    while True:
+        with _reading(bag.filename):
+            entry = next(entries, None)
+        if entry is None:
+            return
+        yield entry.message
+
+
+@contextlib.contextmanager
+def _reading(path: str) -> Iterator[None]:
+    """Names the bag in whatever rosbag raises, which stumbles over garbage in many ways."""
+    try:
+        yield
+    except rosbag.ROSBagUnindexedException:
+        raise ValueError(f"{path} has no index: try rosbag reindex {path}") from None
+    except Exception as error:
+        what = printable(" ".join(str(error).split()), MAX_TOLD) or type(error).__name__
+        raise ValueError(f"{path} cannot be read: {what}") from None
+
+
+def require_topic(
+    path: str, kinds: Dict[str, str], topic: str, wanted: Sequence[str], what: str
+) -> None:
+    """Raises ValueError if the bag has no messages of the types `wanted` on the topic."""
+    if kinds.get(topic) not in wanted:
+        there = sorted(name for name, kind in kinds.items() if kind in wanted)
+        raise ValueError(
+            f"{path} has no {what} on '{topic}', but on {', '.join(there) or 'no topic'}"
+        )
+
+
+def pictures_on(bag: rosbag.Bag, topic: str) -> Iterator[Named]:
+    """The pictures on a topic."""
+    for number, message in enumerate(messages_on(bag, topic)):
+        yield f"picture {number}", functools.partial(gray_message, message)

@@ -1,0 +1,114 @@
+"""Pictures for a command, from wherever they were recorded."""
+
+import collections
+import functools
+import glob
+import itertools
+import os
+import threading
+from typing import Deque, Iterator, List, Sequence
+
+import cv2
+import numpy as np
+import rospy
+
+from ..common.files import MAX_IMAGE, read_file, require_file, trying
+from ..ros.transport import Frame, ImageSubscriber
+from .bag_pictures import PICTURES, Named, opened, pictures_on, require_topic, topics_of
+from .gray_pictures import gray_file, gray_pixels
+
+SUFFIXES = (".bmp", ".jpeg", ".jpg", ".pgm", ".png", ".ppm", ".tif", ".tiff", ".webp")
+PATIENCE = 2.0  # s without a picture until it is told
+
+
+def from_files(names: Sequence[str]) -> Iterator[Named]:
+    """Pictures of folders, globs, pictures and videos, in the order of their names.
+
+    Raises:
+        ValueError: a file is no video though its name is no picture's, or there is nothing of a
+            name.
+        OSError: it cannot be read, or is no file.
+    """
+    for path in (path for name in names for path in _paths(name)):
+        if path.lower().endswith(SUFFIXES):
+            yield path, functools.partial(_read, path)
+        else:
+            yield from _video(path)
+
+
+def from_bag(path: str, topic: str) -> Iterator[Named]:
+    """Pictures on a topic of a bag.
+
+    Raises:
+        ValueError: there is no such bag or topic.
+        OSError: the bag cannot be opened.
+    """
+    with opened(path) as bag:
+        require_topic(path, topics_of(bag), topic, PICTURES, "pictures")
+        yield from pictures_on(bag, topic)
+
+
+def from_topic(topic: str) -> Iterator[Named]:
+    """The newest pictures of a topic, until this process, which must be a node, is shut down."""
+    newest: Deque[Frame] = collections.deque(maxlen=1)
+    came = threading.Event()
+
+    def keep(frame: Frame) -> None:
+        newest.append(frame)
+        came.set()
+
+    subscriber = ImageSubscriber(topic, keep)
+    rospy.on_shutdown(came.set)
+    numbers = itertools.count()
+    try:
+        while not rospy.core.is_shutdown_requested():
+            if newest:
+                frame = newest.pop()
+                read = functools.partial(gray_pixels, frame.image, frame.encoding)
+                yield f"picture {next(numbers)}", read
+            elif came.wait(PATIENCE):
+                came.clear()
+            else:
+                _complain(subscriber)
+    finally:
+        subscriber.unregister()
+
+
+def _complain(subscriber: ImageSubscriber) -> None:
+    nobody = "" if subscriber.get_num_connections() else "; nobody publishes pictures there"
+    print(f"waiting: no picture comes on {subscriber.topic}{nobody}", flush=True)
+
+
+def _paths(name: str) -> List[str]:
+    if os.path.isdir(name):
+        with trying(name, "read"):
+            found = [os.path.join(name, entry) for entry in sorted(os.listdir(name))]
+        pictures = [path for path in found if path.lower().endswith(SUFFIXES)]
+        if not pictures:
+            raise ValueError(f"{name}: no pictures in this folder")
+        return pictures
+    if os.path.exists(name):
+        return [name]
+    found = sorted(glob.glob(name))
+    if not found:
+        raise ValueError(f"{name}: no such file or folder")
+    return found
+
+
+def _read(path: str) -> np.ndarray:
+    return gray_file(read_file(path, MAX_IMAGE))
+
+
+def _video(path: str) -> Iterator[Named]:
+    require_file(path)
+    video = cv2.VideoCapture(path, cv2.CAP_FFMPEG)
+    if hasattr(cv2, "CAP_PROP_ORIENTATION_AUTO"):  # before it came, OpenCV turned no frames
+        video.set(cv2.CAP_PROP_ORIENTATION_AUTO, 0)
+    found, number = True, 0
+    while found:
+        found, picture = video.read()
+        if found:
+            yield f"{path}, frame {number}", functools.partial(gray_pixels, picture, "bgr8")
+            number += 1
+    if not number:
+        raise ValueError(f"{path}: no picture and no video that OpenCV can read")

@@ -1,0 +1,83 @@
+"""Results of the core as messages."""
+
+from typing import Iterable, List, Tuple
+
+import numpy as np
+from geometry_msgs.msg import Point, Point32
+from sensor_msgs.msg import RegionOfInterest
+
+from .. import Region
+from ..msg import Detection, DetectionArray
+from .transport import Frame
+
+Box = Tuple[int, int, int, int]  # x, y, width, height, px
+
+
+def detection(region: Region, label: str, score: float = 1.0) -> Detection:
+    """A region of a mask as a Detection that is not followed from frame to frame."""
+    x, y, width, height = region.box
+    return Detection(
+        label=label,
+        id=-1,
+        score=score,
+        box=RegionOfInterest(x_offset=x, y_offset=y, width=width, height=height),
+        center=Point(*region.center, 0.0),
+        outline=points(region.outline),
+        circle_center=Point(*region.circle_center, 0.0),
+        circle_radius=region.circle_radius,
+        area=region.area,
+    )
+
+
+def box_detection(box: Box, label: str, id: int = -1, score: float = 1.0) -> Detection:
+    """An upright rectangle as a Detection."""
+    x, y, width, height = box
+    return Detection(
+        label=label,
+        id=id,
+        score=score,
+        box=RegionOfInterest(x_offset=x, y_offset=y, width=width, height=height),
+        center=Point(x + (width - 1) / 2.0, y + (height - 1) / 2.0, 0.0),
+        outline=points(corners(box)),
+        area=width * height,
+    )
+
+
+def box_around(outline: np.ndarray, picture: np.ndarray) -> RegionOfInterest:
+    """The part of the picture that an outline, (n, 2) px, lies in."""
+    height, width = picture.shape[:2]
+    left, top = np.maximum(np.floor(outline.min(axis=0)), 0).astype(int)
+    right, bottom = np.minimum(np.ceil(outline.max(axis=0)), (width - 1, height - 1)).astype(int)
+    return RegionOfInterest(
+        x_offset=left,
+        y_offset=top,
+        width=max(right - left + 1, 0),
+        height=max(bottom - top + 1, 0),
+    )
+
+
+def corners(box: Box) -> np.ndarray:
+    """The outermost pixels of a box, (4, 2), clockwise from the top left."""
+    x, y, width, height = box
+    right, bottom = x + width - 1, y + height - 1
+    return np.array([(x, y), (right, y), (right, bottom), (x, bottom)])
+
+
+def points(positions: np.ndarray) -> List[Point32]:
+    """Pixel positions, (n, 2), as the points of a message.
+
+    An outline may have thousands of them: their constructor would take longer than the picture.
+    """
+    made = []
+    for x, y in positions.tolist():
+        point = object.__new__(Point32)
+        point.x, point.y, point.z = x, y, 0.0
+        made.append(point)
+    return made
+
+
+def detection_array(frame: Frame, detections: Iterable[Detection]) -> DetectionArray:
+    """All detections of a frame, under its header."""
+    found: List[Detection] = list(detections)
+    height, width = frame.image.shape[:2]
+    return DetectionArray(header=frame.header, width=width, height=height, detections=found)

@@ -1,0 +1,136 @@
+"""The node apriltag_detector: AprilTags, and where they are."""
+
+import threading
+from typing import Any, Dict, Optional, Tuple
+
+import numpy as np
+import rospy
+from std_msgs.msg import Header
+from tf2_msgs.msg import TFMessage
+from visualization_msgs.msg import MarkerArray
+
+from .. import TagDetector as Detector
+from .. import TagDetectorParams, TagPoseParams, to_bgr, to_gray
+from ..msg import TagDetectionArray
+from ..ros.camera_info import Calibration
+from ..ros.configs import ApriltagDetectorConfig
+from ..ros.image_node import ImageNode
+from ..ros.params import LiveParams, filled, read_any, read_param
+from ..ros.transport import Frame, FrameError, note_connections
+from .detect_service import DetectService
+from .tag_layout import TagLayout
+from .tag_messages import markers, tag_array, transforms
+from .tag_overlay import draw_tags
+from .tag_poses import TagLocator
+
+DETECTOR = (
+    "decimate",
+    "blur",
+    "refine_edges",
+    "max_hamming",
+    "min_margin",
+    "min_similarity",
+    "max_search_period",
+)
+POSE = ("corner_noise", "lasting_noise", "max_gap")
+
+
+class ApriltagDetector:
+    """Publishes ~tags, /tf, ~markers and ~processed_image (outlines, ids, axes and distances).
+
+    Subscribes to image, and to camera_info beside it, or where that name is remapped to: poses need
+    that of a calibrated camera; the picture is not to be rectified. ~detect
+    (robot_vision/DetectTags) searches a file, or the next frame.
+    """
+
+    def __init__(self) -> None:
+        self._lock = threading.Lock()  # guards the tools: the pictures and ~detect share them
+        self._layout = TagLayout(
+            read_any("families", "tag36h11"),
+            read_param("tag_size", 0.1),
+            read_any("standalone_tags", []),
+            read_any("tag_bundles", []),
+        )
+        self._detector = Detector()
+        self._pose_params: Dict[str, Any] = {}
+        self._node = ImageNode(self._process, encoding="")
+        self._params = LiveParams(ApriltagDetectorConfig, self._configure)
+        self._calibration = Calibration(self._node, "poses of tags")
+        self._tags = self._node.publisher("~tags", TagDetectionArray)
+        self._markers = self._node.publisher("~markers", MarkerArray)
+        self._tf = self._node.publisher("/tf", TFMessage, counts=lambda: self._publish_tf)
+        self._processed = self._node.image_publisher("~processed_image")
+        self._service = DetectService(self._node, self._calibration, self._detect)
+        # A search of a large picture takes longer than a node has to end.
+        rospy.core.add_preshutdown_hook(lambda _reason: self._detector.abandon_search())
+        self._node.start()
+
+    def _configure(self, config: Dict[str, Any]) -> None:
+        params = filled(TagDetectorParams(), config, DETECTOR)
+        params.families = self._layout.families
+        params.background = True
+        with self._lock:
+            self._detector.configure(params)
+            pose_params = {name: config[name] for name in (*POSE, "measure_corners")}
+            if pose_params != self._pose_params:  # poses begin anew: only when they must
+                self._pose_params = pose_params
+                self._locator = TagLocator(self._layout, filled(TagPoseParams(), config, POSE))
+            self._publish_tf = config["publish_tf"]
+        note_connections()  # of /tf, which may count now, or no longer
+
+    def _process(self, frame: Frame) -> None:
+        self._service.offer(frame)
+        now, size = frame.time, frame.image.shape[1::-1]
+        camera = self._calibration.camera(size)
+        with self._lock:
+            try:
+                gray = to_gray(frame.image, frame.encoding)
+                found = self._detector.update(now, gray, "mono8")
+            except (TypeError, ValueError) as error:
+                raise FrameError(error) from None
+            tags, bundles = self._locator.locate(now, found, camera, self._for_corners(gray))
+        if self._detector.lacks_threads:
+            rospy.logwarn_once("no thread can be started: frames wait for searches of all of one")
+        for twin in (tag.tag for tag in tags if not tag.unique):
+            rospy.logwarn_throttle(
+                10.0, f"tag {twin.id} of {twin.family} is there more than once: no transform of it"
+            )
+        if self._tags.get_num_connections():
+            self._tags.publish(tag_array(frame.header, size, tags, bundles))
+        if self._publish_tf and self._tf.get_num_connections():
+            self._broadcast(transforms(frame.header, tags, bundles))
+        if self._markers.get_num_connections():
+            self._markers.publish(markers(frame.header, tags))
+        if self._processed.get_num_connections():
+            overlay = to_bgr(frame.image, frame.encoding)
+            draw_tags(overlay, tags, camera)
+            self._processed.publish(overlay, "bgr8", frame.header)
+
+    def _for_corners(self, gray: np.ndarray) -> Optional[np.ndarray]:
+        return gray if self._pose_params["measure_corners"] else None
+
+    def _broadcast(self, message: TFMessage) -> None:
+        if not message.transforms:
+            return
+        if not message.transforms[0].header.frame_id:
+            rospy.logwarn_throttle(
+                60.0, f"no transforms: the pictures of {self._node.topic} have no frame_id"
+            )
+            return
+        self._tf.publish(message)
+
+    def _detect(
+        self, image: np.ndarray, encoding: str, header: Header
+    ) -> Tuple[TagDetectionArray, str]:
+        """The tags of a picture by itself, and why they have no poses."""
+        size = image.shape[1::-1]
+        camera, problem = None, ""
+        try:
+            camera = self._calibration.camera_at_once(size)
+        except ValueError as error:
+            problem = str(error)
+        with self._lock:
+            gray = to_gray(image, encoding)
+            found = self._detector.detect(gray, "mono8")
+            tags, bundles = self._locator.locate_at_once(found, camera, self._for_corners(gray))
+        return tag_array(header, size, tags, bundles), problem

@@ -1,0 +1,205 @@
+"""The layout of a bundle and all poses of it at once, so that all corners fit best."""
+
+from typing import NamedTuple, Tuple
+
+import cv2
+import numpy as np
+from scipy.optimize import least_squares
+from scipy.sparse import csr_matrix, identity
+from scipy.sparse.linalg import splu
+
+from .._core import CameraModel
+
+OUTLIER = 1.0  # px, from where on a corner's weight falls
+ABSURD = 1000.0  # px, for corners that would be behind the camera
+SLIGHT = 1e-6  # px^2 / m^2 or rad^2: so much is known of what is not seen at all
+OPEN = 1e-9  # of what is known of a tag in given poses, without them: less is rounding
+
+
+class Sightings(NamedTuple):
+    """Tags in frames, in any order."""
+
+    frames: np.ndarray  # (m,), index of the frame
+    tags: np.ndarray  # (m,), index of the tag; 0: the master
+    points: np.ndarray  # (m, 4, 3) m, corners in the tag's frame
+    pixels: np.ndarray  # (m, 4, 2) px
+
+    def where(self, chosen: np.ndarray) -> "Sightings":
+        """Those for which (m,) booleans are true."""
+        return Sightings(*(values[chosen] for values in self))
+
+
+def adjust(
+    sightings: Sightings, camera: CameraModel, layout: np.ndarray, poses: np.ndarray
+) -> Tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Finds the layout and the poses that explain the corners best.
+
+    Robust nonlinear least squares of the distances in the picture: Triggs, McLauchlan, Hartley,
+    Fitzgibbon: Bundle Adjustment, A Modern Synthesis, 1999.
+
+    Args:
+        sightings: what was seen.
+        camera: that saw it.
+        layout: (n, 4, 4), a guess of the tags' poses in the master's frame; the first stays.
+        poses: (f, 4, 4), a guess of the master's poses in the camera's frame.
+
+    Returns:
+        The layout, the poses, and the residuals, (m, 4, 2) px.
+    """
+    count = len(layout)
+
+    def unpack(x: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
+        vectors = x.reshape(-1, 6)
+        return np.vstack([np.zeros((1, 6)), vectors[: count - 1]]), vectors[count - 1 :]
+
+    def residuals(x: np.ndarray) -> np.ndarray:
+        pixels = _project(sightings, camera, *unpack(x))[0]
+        return np.nan_to_num(pixels - sightings.pixels, nan=ABSURD)
+
+    def jacobian(x: np.ndarray) -> csr_matrix:
+        return _jacobian(sightings, camera, *unpack(x))
+
+    start = np.vstack([_to_vectors(layout[1:]), _to_vectors(poses)]).ravel()
+    solution = least_squares(
+        lambda x: residuals(x).ravel(),
+        start,
+        jacobian,
+        x_scale="jac",
+        loss="soft_l1",
+        f_scale=OUTLIER,
+        max_nfev=100,
+    )
+    found, moved = (_to_matrices(vectors) for vectors in unpack(solution.x))
+    return found, moved, residuals(solution.x)
+
+
+def layout_covariance(
+    sightings: Sightings,
+    camera: CameraModel,
+    layout: np.ndarray,
+    poses: np.ndarray,
+    residuals: np.ndarray,
+) -> np.ndarray:
+    """How well a layout that adjust() found is known, as the residuals tell.
+
+    Returns:
+        (6n, 6n), of x, y, z (m) and the rotations about x, y, z (rad) of each tag, all along the
+        axes of the master; its own are 0, and those of tags that could be anywhere infinite.
+    """
+    used, frames = np.unique(sightings.frames, return_inverse=True)
+    sightings, vectors = sightings._replace(frames=frames), _to_vectors(layout)
+    jacobian = _jacobian(sightings, camera, vectors, _to_vectors(poses[used]))
+    size = 6 * (len(layout) - 1)
+    normal = (jacobian.T @ jacobian + SLIGHT * identity(jacobian.shape[1])).tocsc()
+    by_poses = normal[size:, :size]
+    known_by_poses = by_poses.T @ splu(normal[size:, size:]).solve(by_poses.toarray())
+    freedom = max(residuals.size - jacobian.shape[1], 1)
+    of_vectors, loose = _inverse(normal[:size, :size].toarray(), known_by_poses)
+    to_turns = np.eye(6 * len(layout))
+    for index, turn in enumerate(_left_jacobians(vectors[:, 3:])):
+        rows = slice(6 * index + 3, 6 * index + 6)
+        to_turns[rows, rows] = turn
+    covariance = np.zeros_like(to_turns)
+    covariance[6:, 6:] = np.sum(residuals**2) / freedom * of_vectors
+    covariance = to_turns @ covariance @ to_turns.T
+    variables = _columns(loose + 1).ravel()
+    covariance[variables, variables] = np.inf
+    return covariance
+
+
+def _inverse(known: np.ndarray, by_poses: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
+    """Of what is known of tags without what the poses take of it; the tags that it leaves open."""
+    scale = 1.0 / np.sqrt(np.diag(known))
+    values, vectors = np.linalg.eigh(scale[:, None] * (known - by_poses) * scale)
+    open_ways = vectors[:, values < OPEN]
+    by_tag = open_ways.reshape(len(known) // 6, 6, open_ways.shape[1])
+    shares = np.sum(by_tag**2, axis=1)
+    inverse = (vectors / np.maximum(values, OPEN)) @ vectors.T
+    return scale[:, None] * inverse * scale, np.unique(np.argmax(shares, axis=0))
+
+
+def _to_vectors(poses: np.ndarray) -> np.ndarray:
+    """(n, 6), translations (m) and rotation vectors (rad) of (n, 4, 4)."""
+    vectors = [np.append(pose[:3, 3], cv2.Rodrigues(pose[:3, :3])[0]) for pose in poses]
+    return np.reshape(vectors, (-1, 6))
+
+
+def _to_matrices(vectors: np.ndarray) -> np.ndarray:
+    poses = np.tile(np.eye(4), (len(vectors), 1, 1))
+    angles, cross = _turns(vectors[:, 3:])
+    # Rodrigues' formula.
+    poses[:, :3, :3] += np.sin(angles) / angles * cross
+    poses[:, :3, :3] += (1.0 - np.cos(angles)) / angles**2 * cross @ cross
+    poses[:, :3, 3] = vectors[:, :3]
+    return poses
+
+
+def _turns(vectors: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
+    """Of rotation vectors (n, 3): their lengths, (n, 1, 1), never 0, and _cross()."""
+    angles = np.maximum(np.linalg.norm(vectors, axis=1), 1e-8)[:, None, None]
+    return angles, _cross(vectors)
+
+
+def _project(
+    sightings: Sightings, camera: CameraModel, layout: np.ndarray, poses: np.ndarray
+) -> Tuple[np.ndarray, np.ndarray]:
+    """Where corners are seen, (m, 4, 2), and how that changes with their place, (m, 4, 2, 3)."""
+    tags, bodies = _to_matrices(layout)[sightings.tags], _to_matrices(poses)[sightings.frames]
+    chain = bodies @ tags
+    points = sightings.points @ chain[:, :3, :3].transpose(0, 2, 1) + chain[:, None, :3, 3]
+    pixels, jacobians = camera.project(points.reshape(-1, 3))
+    return pixels.reshape(-1, 4, 2), jacobians.reshape(-1, 4, 2, 3)
+
+
+def _jacobian(
+    sightings: Sightings, camera: CameraModel, layout: np.ndarray, poses: np.ndarray
+) -> csr_matrix:
+    count = len(layout)
+    tags, bodies = _to_matrices(layout)[sightings.tags], _to_matrices(poses)[sightings.frames]
+    by_point = np.nan_to_num(_project(sightings, camera, layout, poses)[1])
+    turned = sightings.points @ tags[:, :3, :3].transpose(0, 2, 1)
+    in_body = turned + tags[:, None, :3, 3]
+    by_pose = _by_motion(
+        by_point,
+        in_body @ bodies[:, :3, :3].transpose(0, 2, 1),
+        _left_jacobians(poses[:, 3:])[sightings.frames],
+    )
+    by_layout = _by_motion(
+        by_point @ bodies[:, None, :3, :3],
+        turned,
+        _left_jacobians(layout[:, 3:])[sightings.tags],
+    )
+    columns = np.concatenate(
+        [_columns(sightings.tags - 1), _columns(sightings.frames + count - 1)], axis=1
+    )
+    size = 6 * (count - 1 + len(poses))
+    values = np.concatenate([by_layout, by_pose], axis=-1).reshape(-1, 8, 12)
+    rows = np.arange(8 * len(values)).reshape(-1, 8, 1)
+    rows, columns = (np.broadcast_to(a, values.shape) for a in (rows, columns[:, None, :]))
+    free = columns >= 0  # the master's are not
+    return csr_matrix((values[free], (rows[free], columns[free])), (8 * len(values), size))
+
+
+def _columns(index: np.ndarray) -> np.ndarray:
+    """The six columns of the pose with this index, (m, 6)."""
+    return 6 * index[:, None] + np.arange(6)
+
+
+def _by_motion(by_point: np.ndarray, levers: np.ndarray, turns: np.ndarray) -> np.ndarray:
+    """(m, 4, 2, 6): by translation and rotation vector, for points at the end of levers."""
+    return np.concatenate([by_point, -by_point @ _cross(levers) @ turns[:, None]], axis=-1)
+
+
+def _cross(vectors: np.ndarray) -> np.ndarray:
+    """The matrices that multiply by vectors: (..., 3, 3)."""
+    x, y, z = np.moveaxis(vectors, -1, 0)
+    zero = np.zeros_like(x)
+    rows = [[zero, -z, y], [z, zero, -x], [-y, x, zero]]
+    return np.moveaxis(np.array(rows), (0, 1), (-2, -1))
+
+
+def _left_jacobians(vectors: np.ndarray) -> np.ndarray:
+    """How rotations turn further when their rotation vectors change: (n, 3, 3)."""
+    angles, cross = _turns(vectors)
+    first, second = (1.0 - np.cos(angles)) / angles**2, (angles - np.sin(angles)) / angles**3
+    return np.eye(3) + first * cross + second * cross @ cross

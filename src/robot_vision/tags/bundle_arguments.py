@@ -1,0 +1,125 @@
+"""The arguments of calibrate_bundle.py."""
+
+import argparse
+from typing import Dict, List, Optional, Sequence, Tuple
+
+from .. import tag_family
+from .bundle_files import LARGEST_TAG
+from .tag_ids import parse_ids
+
+EXAMPLES = """examples, with a running apriltag_detector and from a bag:
+  calibrate_bundle.py --name box --ids 0-5 --size 0.1 --output box.yaml \\
+      tags:=/apriltag_detector/tags
+  calibrate_bundle.py --name box --ids 0-5 --size 0.1 --output box.yaml \\
+      --bag box.bag --image /usb_cam/image_raw
+  calibrate_bundle.py --name desk --ids 3,4,7-9 --master 7 --size 0.1,3:0.2,4:0.2 \\
+      --output desk.yaml --force tags:=/apriltag_detector/tags camera_info:=/usb_cam/camera_info
+
+Show the body from all sides, so that each tag is seen together with others, and move slowly. Ctrl-C
+ends the recording, and the layout is computed. A launch file loads it for the detector:
+  <rosparam command="load" file="box.yaml" ns="apriltag_detector"/>
+"""
+MOST_FRAMES = 10000
+
+
+def parse_arguments(command: Sequence[str]) -> argparse.Namespace:
+    """What the words of a command say; `sizes` are in m by tag. Exits if they are none."""
+    parser = argparse.ArgumentParser(
+        prog="calibrate_bundle.py",
+        description="Learns where AprilTags sit on a rigid body from frames that show several of "
+        "them at once, and writes the tag_bundles of apriltag_detector.",
+        epilog=EXAMPLES,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    parser.add_argument("--name", required=True, help="of the bundle, and of its transform")
+    parser.add_argument("--ids", required=True, help="of its tags: 0-5, or 0,2,7-9")
+    parser.add_argument(
+        "--size", required=True, help="m, between the corners: 0.1 of all, 0.1,3:0.2 of tag 3 0.2"
+    )
+    parser.add_argument(
+        "--master", type=int, help="the tag whose frame is the bundle's (default: the lowest id)"
+    )
+    parser.add_argument("--family", default="tag36h11", help="of the tags (default: %(default)s)")
+    parser.add_argument("--output", required=True, metavar="FILE", help="YAML file to write")
+    parser.add_argument("--force", action="store_true", help="replace FILE if it is there")
+    parser.add_argument(
+        "--frames", type=int, default=300, help="most that are collected (default: %(default)s)"
+    )
+    parser.add_argument("--bag", metavar="FILE", help="take pictures from a bag; with --image")
+    parser.add_argument("--image", metavar="TOPIC", help="of the pictures in the bag")
+    parser.add_argument(
+        "--camera-info", default="", metavar="TOPIC", help="in the bag (default: beside the image)"
+    )
+    arguments = parser.parse_args(command)
+    try:
+        _complete(arguments)
+    except ValueError as error:
+        parser.error(str(error))
+    return arguments
+
+
+def _complete(arguments: argparse.Namespace) -> None:
+    """Checks what argparse does not, and adds the sizes by tag."""
+    ids = _ids_of(arguments.ids, arguments.family)
+    arguments.sizes = _sizes_of(arguments.size, ids)
+    arguments.master = ids[0] if arguments.master is None else arguments.master
+    if arguments.master not in ids:
+        raise ValueError(f"argument --master: tag {arguments.master} is not one of --ids")
+    if not arguments.name:
+        raise ValueError("argument --name: is empty")
+    if not 1 <= arguments.frames <= MOST_FRAMES:
+        raise ValueError(
+            f"argument --frames: is {arguments.frames}, must be from 1 to {MOST_FRAMES}"
+        )
+    if bool(arguments.bag) != bool(arguments.image) or (
+        arguments.camera_info and not arguments.bag
+    ):
+        raise ValueError(
+            "--bag needs --image, and only with it there are --image and --camera-info"
+        )
+
+
+def _ids_of(text: str, family: str) -> List[int]:
+    tag_family(family)  # what is wrong with it is not about --ids
+    try:
+        ids = parse_ids(text, family)
+    except ValueError as error:
+        raise ValueError(f"argument --ids: {error}") from None
+    if len(set(ids)) != len(ids) or len(ids) < 2:
+        raise ValueError(f"argument --ids: ids is '{text}', must be two or more different tags")
+    return sorted(ids)
+
+
+def _sizes_of(text: str, ids: Sequence[int]) -> Dict[int, float]:
+    sizes: Dict[int, float] = {}
+    default: Dict[int, float] = {}
+    for part in text.split(","):
+        try:
+            tag, size = _size_of(part)
+        except ValueError:
+            raise ValueError(
+                f"argument --size: '{part}' must be 0.1 or 3:0.1, above 0 and at most "
+                f"{LARGEST_TAG:g} m"
+            ) from None
+        if tag is None:
+            if default:
+                raise ValueError(f"argument --size: is '{text}', must have one size for all others")
+            default = {number: size for number in ids}
+        elif tag not in ids or tag in sizes:
+            raise ValueError(f"argument --size: tag {tag} is not one of --ids, or is there twice")
+        else:
+            sizes[tag] = size
+    sizes = {**default, **sizes}
+    missing = [str(tag) for tag in ids if tag not in sizes]
+    if missing:
+        raise ValueError(f"argument --size: there is none of the tags {', '.join(missing)}")
+    return sizes
+
+
+def _size_of(text: str) -> Tuple[Optional[int], float]:
+    """A tag, None: any, and its size, m."""
+    tag, colon, size = text.rpartition(":")
+    value = float(size)
+    if not 0.0 < value <= LARGEST_TAG:
+        raise ValueError
+    return (int(tag) if colon else None), value

@@ -1,0 +1,98 @@
+"""Tags in the pictures of a bag, for calibrate_bundle.py."""
+
+import time
+
+import numpy as np
+import rosbag
+
+from .. import CameraModel, TagDetector, TagDetectorParams
+from ..common.progress import Progress
+from ..recordings.bag_pictures import (
+    PICTURES,
+    messages_on,
+    opened,
+    pictures_on,
+    require_topic,
+    topics_of,
+)
+from ..ros.camera_info import camera_model
+from ..ros.transport import camera_info_beside
+from .frame_collection import FrameCollection
+
+CAMERA_INFO = ("sensor_msgs/CameraInfo",)
+PROGRESS = 1.0  # s between lines
+
+
+def collect_from_bag(
+    path: str,
+    image: str,
+    camera_info: str,
+    family: str,
+    collection: FrameCollection,
+    progress: Progress,
+) -> CameraModel:
+    """Offers the pictures of a topic to the collection, until it is full or on Ctrl-C.
+
+    Args:
+        camera_info: the topic; empty: the one beside the picture's.
+        progress: is told what there is, now and then.
+
+    Returns:
+        The camera that they are from.
+
+    Raises:
+        ValueError: there is no such bag, topic or calibration, or a picture cannot be used.
+        OSError: the bag cannot be opened.
+    """
+    with opened(path) as bag:
+        kinds = topics_of(bag)
+        require_topic(path, kinds, image, PICTURES, "pictures")
+        camera_info = camera_info or _beside(image, kinds[image])
+        require_topic(path, kinds, camera_info, CAMERA_INFO, "camera_info")
+        info = next(messages_on(bag, camera_info))
+        try:
+            camera = camera_model(info, (info.width, info.height))
+        except ValueError as error:
+            raise ValueError(f"{path}: camera_info on {camera_info}: {error}") from None
+        _collect(bag, image, family, camera, collection, progress)
+        return camera
+
+
+def _collect(
+    bag: rosbag.Bag,
+    image: str,
+    family: str,
+    camera: CameraModel,
+    collection: FrameCollection,
+    progress: Progress,
+) -> None:
+    params = TagDetectorParams()
+    params.families = [family]
+    detector = TagDetector(params)
+    told = time.monotonic()
+    try:
+        for name, read in pictures_on(bag, image):
+            try:
+                picture = read()
+                tags = detector.detect(picture, "mono8")
+            except ValueError as error:
+                raise ValueError(f"{name} on {image} cannot be used: {error}") from None
+            size = picture.shape[1::-1]
+            if size != (camera.width, camera.height):
+                raise ValueError(
+                    f"camera_info is of {camera.width}x{camera.height}, "
+                    f"{name} on {image} {size[0]}x{size[1]}"
+                )
+            collection.add(camera.width, [(tag.id, np.asarray(tag.corners)) for tag in tags])
+            if collection.full:
+                return
+            if time.monotonic() - told > PROGRESS:
+                told = time.monotonic()
+                progress.tell(collection.summary())
+    except KeyboardInterrupt:
+        return
+
+
+def _beside(image: str, kind: str) -> str:
+    """The topic of the camera_info that belongs to one of pictures."""
+    return camera_info_beside(image if kind == PICTURES[0] else image.rsplit("/", 1)[0])

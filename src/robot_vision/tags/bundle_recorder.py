@@ -1,0 +1,136 @@
+"""Tags as a running detector publishes them, for calibrate_bundle.py."""
+
+import threading
+from typing import Any, Optional, Tuple
+
+import numpy as np
+import rosgraph
+import rospy
+from sensor_msgs.msg import CameraInfo
+
+from .. import CameraModel
+from ..common.progress import Progress
+from ..msg import TagDetectionArray
+from ..ros.camera_info import camera_model
+from ..ros.transport import remapped_camera_info
+from .frame_collection import FrameCollection
+
+PROGRESS = 1.0  # s between lines
+
+
+class BundleRecorder:
+    """Offers what comes on the topic `tags` to a collection.
+
+    The camera_info is on the topic camera_info if that is remapped, otherwise where the node that
+    publishes the tags has it from. Frames that it is not of are left out, and so are those that
+    come with another one than the first: their corners would be another lens's.
+    """
+
+    def __init__(self, family: str, collection: FrameCollection, progress: Progress):
+        self._family = family
+        self._collection = collection
+        self._progress = progress
+        self._lock = threading.Lock()  # guards the collection: the tags come in another thread
+        self._ended = threading.Event()
+        self._info: Optional[CameraInfo] = None
+        self._camera: Optional[CameraModel] = None
+        self._used: Tuple[Any, ...] = ()  # what the camera was made from
+        self._came = False
+        self._topic = rospy.resolve_name("tags")
+        self._info_topic = ""
+        tags = rospy.Subscriber(self._topic, TagDetectionArray, self._on_tags, queue_size=10)
+        self._subscribers = [tags]
+
+    def run(self) -> CameraModel:
+        """Collects until there are frames enough or on Ctrl-C; the camera that they are from.
+
+        Raises:
+            ValueError: nothing came, or there is no calibration that can be used.
+        """
+        try:
+            while not self._ended.wait(PROGRESS) and not rospy.is_shutdown():
+                if not self._info_topic:
+                    self._subscribe_to_camera_info()
+                self._progress.tell(self._state())
+        except KeyboardInterrupt:
+            print(flush=True)  # after the terminal's ^C
+        with self._lock:
+            self._ended.set()  # what is still under way comes too late
+            error = "" if self._camera else self._lacking()
+        for subscriber in self._subscribers:
+            subscriber.unregister()
+        if error:
+            raise ValueError(error)
+        return self._camera
+
+    def _subscribe_to_camera_info(self) -> None:
+        self._info_topic = remapped_camera_info() or self._camera_info_of_publisher()
+        if self._info_topic:
+            self._subscribers.append(
+                rospy.Subscriber(self._info_topic, CameraInfo, self._on_info, queue_size=1)
+            )
+
+    def _camera_info_of_publisher(self) -> str:
+        """The topic, empty if it is not known (yet): a detector may subscribe to it only now."""
+        master = rosgraph.Master(rospy.get_name())
+        try:
+            publishers, subscribers, _ = master.getSystemState()
+            kinds = dict(master.getTopicTypes())
+        except (OSError, rosgraph.MasterException):  # asked again in a moment
+            return ""
+        nodes = {node for topic, nodes in publishers if topic == self._topic for node in nodes}
+        for topic, listeners in sorted(subscribers):
+            if kinds.get(topic) == CameraInfo._type and nodes.intersection(listeners):
+                return topic
+        return ""
+
+    def _on_info(self, info: CameraInfo) -> None:
+        self._info = info
+
+    def _on_tags(self, message: TagDetectionArray) -> None:
+        with self._lock:
+            self._came = True
+            if self._info is None or self._ended.is_set():
+                return
+            try:
+                self._require_camera(self._info, (message.width, message.height))
+            except ValueError as error:
+                self._collection.skip(f"camera_info on {self._info_topic}: {error}")
+                return
+            self._collection.add(
+                message.width,
+                [
+                    (tag.id, np.array([(corner.x, corner.y) for corner in tag.corners]))
+                    for tag in message.detections
+                    if tag.family == self._family
+                ],
+            )
+            if self._collection.full:
+                self._ended.set()
+
+    def _require_camera(self, info: CameraInfo, size: Tuple[int, int]) -> None:
+        """Raises ValueError if a picture of `size` is not the camera's; the first makes it."""
+        used = size, info.width, info.height, info.K, info.D, info.distortion_model
+        if self._camera is None or used != self._used:
+            camera = camera_model(info, size)
+            if self._camera is not None:
+                raise ValueError("it is not that of the first frames")
+            self._camera, self._used = camera, used
+
+    def _state(self) -> str:
+        with self._lock:
+            return self._collection.summary() if self._camera else "waiting: " + self._lacking()
+
+    def _lacking(self) -> str:
+        if not self._came:
+            nobody = (
+                ""
+                if self._subscribers[0].get_num_connections()
+                else "; nobody publishes there: see tags:= in --help"
+            )
+            return f"no tags came on {self._topic}{nobody}"
+        if not self._info_topic:
+            return (
+                "the topic of the calibration is not known: say camera_info:=/usb_cam/camera_info"
+            )
+        return self._collection.problem or f"no camera_info came on {self._info_topic}"

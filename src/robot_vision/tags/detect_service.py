@@ -1,0 +1,123 @@
+"""The service that searches one picture for tags."""
+
+import contextlib
+import os
+import threading
+import time
+from typing import Any, Callable, Iterator, List, Tuple
+
+import numpy as np
+import rospy
+from std_msgs.msg import Header
+
+from ..common.files import MAX_IMAGE, read_file
+from ..common.pictures import sensor_pixels
+from ..common.plain_text import printable
+from ..msg import TagDetectionArray
+from ..ros.camera_info import Calibration
+from ..ros.image_node import ImageNode
+from ..ros.transport import Frame
+from ..srv import DetectTags, DetectTagsResponse
+
+TIMEOUT = 5.0  # s that a call waits for a frame
+CALIBRATION_TIMEOUT = 1.0  # s that the call for a file waits for camera_info
+LONGEST = 1000  # letters of an error, in which there is a path
+BUSY = 1.0  # s since the last frame within which another may be under way
+
+# Searches a picture of an encoding: what is in it, and why there are no poses.
+Detect = Callable[[np.ndarray, str, Header], Tuple[TagDetectionArray, str]]
+
+
+class _Call:
+    def __init__(self, passes: int) -> None:
+        self.passes = passes  # frames that it lets go by
+        self.done = threading.Event()
+        self.error = ""
+        self.answer = TagDetectionArray(), ""
+
+
+class DetectService:
+    """~detect: of a file, or of the next frame, for which the node works for a moment.
+
+    Args:
+        node: whose frames they are.
+        calibration: of its camera, which is the one for files, too.
+        detect: may be called by any thread.
+    """
+
+    def __init__(self, node: ImageNode, calibration: Calibration, detect: Detect):
+        self._node = node
+        self._calibration = calibration
+        self._detect = detect
+        self._lock = threading.Lock()  # guards all that follows
+        self._calls: List[_Call] = []
+        self._working = 0  # calls for which the node has to work
+        self._last_frame = -BUSY  # s of the monotonic clock
+        rospy.Service("~detect", DetectTags, self._on_detect)
+
+    def offer(self, frame: Frame) -> None:
+        """A frame, before anything else is done with it, for the calls that wait for one."""
+        with self._lock:
+            self._last_frame = time.monotonic()
+            ready = [call for call in self._calls if not call.passes]
+            self._calls = [call for call in self._calls if call.passes]
+            for call in self._calls:
+                call.passes -= 1
+        for call in ready:
+            try:
+                call.answer = self._detect(frame.image, frame.encoding, frame.header)
+            except Exception as error:
+                call.error = str(error)
+            call.done.set()
+
+    def _on_detect(self, request: Any) -> DetectTagsResponse:
+        try:
+            with self._at_work():
+                tags, why = self._of_file(request.file) if request.file else self._of_next_frame()
+        except Exception as error:  # whatever the picture is: rospy would answer without a word
+            reason = printable(str(error), LONGEST) or type(error).__name__
+            rospy.logerr("no tags detected: %s", reason)
+            return DetectTagsResponse(False, reason, TagDetectionArray())
+        return DetectTagsResponse(True, why, tags)
+
+    @contextlib.contextmanager
+    def _at_work(self) -> Iterator[None]:
+        self._count(1)
+        try:
+            yield
+        finally:
+            self._count(-1)
+
+    def _count(self, change: int) -> None:
+        with self._lock:
+            self._working += change
+            self._node.keep_working(self._working > 0)
+
+    def _of_file(self, path: str) -> Tuple[TagDetectionArray, str]:
+        if not os.path.isabs(path):  # a node has another folder than its caller
+            raise ValueError(f"file is '{printable(path)}', must be an absolute path")
+        data = read_file(path, MAX_IMAGE)
+        try:
+            image = sensor_pixels(data)
+        except ValueError as error:
+            raise ValueError(f"{path}: {error}") from None
+        if image is None:
+            raise ValueError(f"{path} is no picture")
+        self._calibration.wait(CALIBRATION_TIMEOUT)
+        header = Header(stamp=rospy.Time.now(), frame_id=self._calibration.frame_id)
+        return self._detect(image, "bgr8", header)
+
+    def _of_next_frame(self) -> Tuple[TagDetectionArray, str]:
+        with self._lock:
+            # One that was taken before the call may be under way.
+            call = _Call(passes=int(time.monotonic() - self._last_frame < BUSY))
+            self._calls.append(call)
+        arrived = call.done.wait(TIMEOUT)
+        with self._lock:
+            if call in self._calls:
+                self._calls.remove(call)
+        if not arrived:
+            raise RuntimeError(self._node.no_frame(TIMEOUT))
+        if call.error:
+            raise RuntimeError(call.error)
+        return call.answer

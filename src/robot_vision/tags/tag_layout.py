@@ -1,0 +1,174 @@
+"""Which tags there are: families, sizes, names, and those that are on one rigid body."""
+
+import re
+from dataclasses import dataclass
+from typing import Any, Dict, Iterable, List, NamedTuple
+
+from .. import Bundle, tag_family
+from ..common.plain_text import NAME, is_name, told
+from .bundle_files import LARGEST_TAG, list_of, parse_bundles, require_map
+from .tag_ids import parse_ids, require_id
+
+
+class TagKey(NamedTuple):
+    """What tells a tag from others."""
+
+    family: str
+    id: int
+
+
+class _Tag(NamedTuple):
+    size: float  # m
+    name: str
+
+
+@dataclass(frozen=True)
+class FamilyBundle:
+    """A bundle and the family of its tags."""
+
+    family: str
+    bundle: Bundle
+
+
+class TagLayout:
+    """Sizes and names of tags, as the parameters of apriltag_ros have them.
+
+    Args:
+        families: names between commas, or a list; the first is that of entries without a family.
+        tag_size: m between the corners of all tags that are not in a list.
+        standalone_tags: [{id: 7 | ids: 3,10-19, size: m, name:, family:}, ...]; size, name and
+            family may be left out.
+        tag_bundles: see bundle_files; each may have a family.
+
+    Raises:
+        ValueError: says what is wrong, and where.
+    """
+
+    def __init__(
+        self, families: Any, tag_size: float, standalone_tags: Any = (), tag_bundles: Any = ()
+    ):
+        self.families = _families(families)
+        self._size = _checked_size(tag_size, "tag_size")
+        self._tags: Dict[TagKey, _Tag] = {}
+        for index, entry in enumerate(list_of(standalone_tags, "standalone_tags")):
+            self._add(entry, f"standalone_tags[{index}]")
+        self.bundles = self._read_bundles(tag_bundles)
+        self._require_different_names()
+
+    def size(self, tag: TagKey) -> float:
+        """m, between the corners of a tag."""
+        return self._tags[tag].size if tag in self._tags else self._size
+
+    def frame_id(self, tag: TagKey) -> str:
+        """The name of a tag's transform: its own, tag_<id>, or <family>_<id> of another family."""
+        if tag in self._tags and self._tags[tag].name:
+            return self._tags[tag].name
+        prefix = "tag" if tag.family == self.families[0] else tag.family
+        return f"{prefix}_{tag.id}"
+
+    def _add(self, entry: Any, where: str) -> None:
+        require_map(entry, where, ("id", "ids", "size", "name", "family"))
+        family = self._family_of(entry, where)
+        ids = _ids_of(entry, family, where)
+        size = _checked_size(entry.get("size", self._size), f"{where}: size")
+        name = entry.get("name", "")
+        if not isinstance(name, str) or (name and not is_name(name)):
+            raise ValueError(f"{where}: name is {told(name)}, must be {NAME}")
+        if name and len(ids) > 1:
+            raise ValueError(f"{where}: name is '{name}', but there are {len(ids)} tags")
+        for number in ids:
+            if TagKey(family, number) in self._tags:
+                raise ValueError(f"{where}: tag {number} of {family} is there twice")
+            self._tags[TagKey(family, number)] = _Tag(size, name)
+
+    def _read_bundles(self, values: Any) -> List[FamilyBundle]:
+        bundles = parse_bundles(values)
+        found = []
+        for value, bundle in zip(values, bundles):
+            where = f"bundle '{bundle.name}'"
+            family = self._family_of(value, where)
+            for tag in bundle.tags:
+                _require_id(tag.id, family, where)
+                self._require_same_size(TagKey(family, tag.id), tag.size, where)
+            found.append(FamilyBundle(family, bundle))
+        return found
+
+    def _require_same_size(self, key: TagKey, size: float, where: str) -> None:
+        """A tag of a bundle has a pose of its own, too."""
+        known = self._tags.setdefault(key, _Tag(size, ""))
+        if known.size != size:
+            raise ValueError(
+                f"{where}: tag {key.id} of {key.family} has size {size:g}, elsewhere {known.size:g}"
+            )
+
+    def _family_of(self, entry: Dict[str, Any], where: str) -> str:
+        family = entry.get("family", self.families[0])
+        if family not in self.families:
+            known = ", ".join(self.families)
+            raise ValueError(f"{where}: family is {told(family)}, must be one of families: {known}")
+        return family
+
+    def _require_different_names(self) -> None:
+        owners: Dict[str, str] = {}
+        named: Iterable[Any] = [
+            *((self.frame_id(tag), f"tag {tag.id} of {tag.family}") for tag in self._tags),
+            *((one.bundle.name, f"bundle '{one.bundle.name}'") for one in self.bundles),
+        ]
+        for name, owner in named:
+            other = owners.get(name) or self._unnamed_owner(name) or owner
+            if other != owner:
+                raise ValueError(f"{other} and {owner} have the same transform '{name}'")
+            owners[name] = owner
+
+    def _unnamed_owner(self, name: str) -> str:
+        """The tag that has this transform without being named, or an empty text."""
+        number = name.rpartition("_")[2]
+        if not re.fullmatch("[0-9]{1,9}", number):
+            return ""
+        for tag in (TagKey(family, int(number)) for family in self.families):
+            is_named = tag in self._tags and self._tags[tag].name
+            if not is_named and tag.id < tag_family(tag.family).ids and self.frame_id(tag) == name:
+                return f"tag {tag.id} of {tag.family}"
+        return ""
+
+
+def _families(value: Any) -> List[str]:
+    names = value.split(",") if isinstance(value, str) else value
+    if not isinstance(names, list) or not all(isinstance(name, str) for name in names):
+        raise ValueError(f"families is {told(value)}, must be names between commas")
+    names = [name.strip() for name in names]
+    for name in names:
+        try:
+            tag_family(name)
+        except ValueError as error:
+            raise ValueError(f"families: {error}") from None
+        if names.count(name) > 1:
+            raise ValueError(f"families has '{name}' twice")
+    return names
+
+
+def _ids_of(entry: Dict[str, Any], family: str, where: str) -> List[int]:
+    if ("id" in entry) == ("ids" in entry):
+        raise ValueError(f"{where} must have either id or ids")
+    if "ids" in entry:
+        try:
+            return parse_ids(str(entry["ids"]), family)
+        except ValueError as error:
+            raise ValueError(f"{where}: {error}") from None
+    if type(entry["id"]) is not int:
+        raise ValueError(f"{where}: id is {told(entry['id'])}, must be a whole number")
+    _require_id(entry["id"], family, where)
+    return [entry["id"]]
+
+
+def _require_id(id: int, family: str, where: str) -> None:
+    try:
+        require_id(id, family)
+    except ValueError as error:
+        raise ValueError(f"{where}: {error}") from None
+
+
+def _checked_size(value: Any, where: str) -> float:
+    if type(value) not in (int, float) or not 0.0 < value <= LARGEST_TAG:
+        raise ValueError(f"{where} is {told(value)}, must be above 0 and at most {LARGEST_TAG:g} m")
+    return float(value)

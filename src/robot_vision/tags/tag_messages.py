@@ -1,0 +1,129 @@
+"""Tags as messages, transforms and markers."""
+
+from typing import Iterable, List, Sequence, Tuple
+
+import numpy as np
+import rospy
+from geometry_msgs.msg import (
+    Point,
+    Pose,
+    PoseWithCovariance,
+    Quaternion,
+    Transform,
+    TransformStamped,
+    Vector3,
+)
+from std_msgs.msg import ColorRGBA, Header
+from tf2_msgs.msg import TFMessage
+from visualization_msgs.msg import Marker, MarkerArray
+
+from .. import PoseEstimate
+from ..common.rotations import quaternion_of
+from ..msg import TagBundlePose, TagDetection, TagDetectionArray
+from .tag_poses import LocatedBundle, LocatedTag
+
+THICKNESS = 0.05  # of a tag's marker, of its side
+LETTERS = 0.6  # height of its id, the same
+SHOWN = 0.5  # s that a marker stays without its tag
+BLUE, WHITE = ColorRGBA(0.1, 0.4, 1.0, 0.8), ColorRGBA(1.0, 1.0, 1.0, 1.0)
+
+
+def tag_array(
+    header: Header,
+    size: Tuple[int, int],
+    tags: Iterable[LocatedTag],
+    bundles: Iterable[LocatedBundle],
+) -> TagDetectionArray:
+    """What was found in a picture of `size`, (width, height) in px."""
+    return TagDetectionArray(
+        header=header,
+        width=size[0],
+        height=size[1],
+        detections=[_detection(tag) for tag in tags],
+        bundles=[_bundle(bundle) for bundle in bundles],
+    )
+
+
+def transforms(
+    header: Header, tags: Sequence[LocatedTag], bundles: Sequence[LocatedBundle]
+) -> TFMessage:
+    """From the header's frame to those of tags and bundles; not of tags that are there twice."""
+    known = [(tag.frame_id, tag.poses) for tag in tags if tag.unique and tag.poses]
+    known += [(bundle.name, bundle.poses) for bundle in bundles]
+    return TFMessage([_transform(header, name, poses.best.pose) for name, poses in known])
+
+
+def markers(header: Header, tags: Iterable[LocatedTag]) -> MarkerArray:
+    """A flat box with its id on it for each tag that has a pose."""
+    made: List[Marker] = []
+    for tag in tags:
+        if not tag.poses:
+            continue
+        side = tag.size
+        box = Marker(type=Marker.CUBE, color=BLUE, scale=Vector3(side, side, THICKNESS * side))
+        text = Marker(type=Marker.TEXT_VIEW_FACING, color=WHITE, text=str(tag.tag.id))
+        text.scale.z = LETTERS * side
+        for marker, kind in ((box, ""), (text, " ids")):
+            marker.header = header
+            marker.ns = tag.tag.family + kind
+            # Two with the same id are two markers.
+            marker.id = tag.tag.id if tag.unique else -1 - len(made)
+            marker.pose = _pose(tag.poses.best.pose)
+            marker.lifetime = rospy.Duration(SHOWN)
+            made.append(marker)
+    return MarkerArray(made)
+
+
+def _detection(located: LocatedTag) -> TagDetection:
+    tag = located.tag
+    message = TagDetection(
+        family=tag.family,
+        id=tag.id,
+        frame_id=located.frame_id,
+        size=located.size,
+        hamming=tag.hamming,
+        decision_margin=tag.margin,
+        similarity=tag.similarity,
+        center=Point(*tag.center, 0.0),
+        corners=[Point(x, y, 0.0) for x, y in np.asarray(tag.corners).tolist()],
+        has_pose=located.poses is not None,
+    )
+    if located.poses is not None:
+        poses = located.poses
+        message.pose = _with_covariance(poses.best)
+        message.reprojection_error = poses.best.error
+        message.probability = poses.probability
+        message.error_ratio = poses.ratio
+        if poses.other is not None:
+            message.has_other_pose = True
+            message.other_pose = _pose(poses.other.pose)
+            message.other_reprojection_error = poses.other.error
+    return message
+
+
+def _bundle(bundle: LocatedBundle) -> TagBundlePose:
+    best = bundle.poses.best
+    return TagBundlePose(
+        name=bundle.name,
+        family=bundle.family,
+        ids=bundle.ids,
+        pose=_with_covariance(best),
+        reprojection_error=best.error,
+        probability=bundle.poses.probability,
+    )
+
+
+def _pose(matrix: np.ndarray) -> Pose:
+    """Of a 4x4 matrix."""
+    turn = quaternion_of(matrix[:3, :3])
+    return Pose(Point(*matrix[:3, 3].tolist()), Quaternion(*turn.tolist()))
+
+
+def _with_covariance(estimate: PoseEstimate) -> PoseWithCovariance:
+    return PoseWithCovariance(_pose(estimate.pose), estimate.covariance.ravel().tolist())
+
+
+def _transform(header: Header, name: str, matrix: np.ndarray) -> TransformStamped:
+    pose = _pose(matrix)
+    place = Vector3(pose.position.x, pose.position.y, pose.position.z)
+    return TransformStamped(header, name, Transform(place, pose.orientation))

@@ -1,0 +1,35 @@
+"""Tags as people see them."""
+
+from typing import Iterable, Optional
+
+import numpy as np
+
+from .. import CameraModel, draw_outline
+from .tag_poses import LocatedTag
+
+AXES = ((0.0, 0.0, 255.0), (0.0, 255.0, 0.0), (255.0, 0.0, 0.0))  # x red, y green, z blue
+FAR = 1e6  # px; an end beside the camera may be anywhere, or nowhere
+OUTLINE = (0.0, 255.0, 255.0)
+
+
+def draw_tags(bgr: np.ndarray, tags: Iterable[LocatedTag], camera: Optional[CameraModel]) -> None:
+    """Draws outlines, ids and, where there are poses, axes and distances on a picture."""
+    for tag in tags:
+        label = str(tag.tag.id)
+        if tag.poses is not None:
+            label += f": {np.linalg.norm(tag.poses.best.pose[:3, 3]):.2f} m"
+        draw_outline(bgr, _whole(np.asarray(tag.tag.corners)), label, OUTLINE)
+        if tag.poses is not None and camera is not None:
+            _draw_axes(bgr, tag.poses.best.pose, tag.size / 2.0, camera)
+
+
+def _draw_axes(bgr: np.ndarray, pose: np.ndarray, length: float, camera: CameraModel) -> None:
+    ends = np.vstack([np.zeros(3), length * np.eye(3)])
+    pixels, _ = camera.project(ends @ pose[:3, :3].T + pose[:3, 3])
+    if (np.abs(pixels) < FAR).all():
+        for end, color in zip(pixels[1:], AXES):
+            draw_outline(bgr, _whole(np.array([pixels[0], end])), color=color)
+
+
+def _whole(pixels: np.ndarray) -> np.ndarray:
+    return np.rint(pixels).astype(int)

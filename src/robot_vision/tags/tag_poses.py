@@ -1,0 +1,155 @@
+"""Where the tags and bundles of a layout are, from frame to frame."""
+
+from collections import Counter
+from functools import lru_cache
+from typing import Dict, List, NamedTuple, Optional, Sequence, Tuple, Union
+
+import numpy as np
+
+from .. import (
+    CameraModel,
+    MeasuredCorners,
+    Tag,
+    TagPoseParams,
+    TagPoses,
+    TagPoseTracker,
+    measure_corners,
+    single_tag,
+    tag_cells,
+    tag_family,
+    without_bent_edges,
+)
+from .tag_layout import TagKey, TagLayout
+
+MOST_TRACKED = 1000  # tags whose poses are remembered
+
+Corners = Union[MeasuredCorners, np.ndarray]  # (4, 2) px where the picture does not tell more
+
+
+class LocatedTag(NamedTuple):
+    """A tag of a frame, and where it is."""
+
+    tag: Tag
+    size: float  # m
+    frame_id: str
+    poses: Optional[TagPoses]  # None without a camera, and where corners are like no pose
+    unique: bool  # no other tag of this frame has its family and id
+
+
+class LocatedBundle(NamedTuple):
+    """A bundle of which tags are in a frame."""
+
+    name: str
+    family: str
+    ids: List[int]  # of the tags seen
+    poses: TagPoses
+
+
+class TagLocator:
+    """Follows the poses of all tags and bundles. Belongs to one thread at a time.
+
+    A tag that is there twice has poses of this frame alone, and none in a bundle: nobody can say
+    which one is which.
+    """
+
+    def __init__(self, layout: TagLayout, params: TagPoseParams):
+        self._layout = layout
+        self._params = params
+        self._forget()
+        self._camera: Optional[CameraModel] = None
+
+    def locate(
+        self,
+        time: float,
+        tags: Sequence[Tag],
+        camera: Optional[CameraModel],
+        gray: Optional[np.ndarray] = None,
+    ) -> Tuple[List[LocatedTag], List[LocatedBundle]]:
+        """The tags in the frame of a time, s, and the bundles that have one of them.
+
+        In the grey picture the corners are measured; without it they are taken as they were found.
+        Another camera, which is another object, makes it forget what it knows.
+        """
+        if camera is not self._camera:
+            self._forget()
+            self._camera = camera
+        seen = Counter(key_of(tag) for tag in tags)
+        located = []
+        usable: Dict[TagKey, Corners] = {}  # corners for bundles
+        for tag in tags:
+            key = key_of(tag)
+            unique = seen[key] == 1
+            size, frame_id = self._layout.size(key), self._layout.frame_id(key)
+            poses = None
+            if camera is not None:
+                corners = corners_of(tag, camera, gray)
+                poses = self._poses_of(time, key, corners, unique, camera)
+                if unique and poses is not None:
+                    usable[key] = corners
+            located.append(LocatedTag(tag, size, frame_id, poses, unique))
+        return located, [] if camera is None else self._locate_bundles(time, usable, camera)
+
+    def locate_at_once(
+        self,
+        tags: Sequence[Tag],
+        camera: Optional[CameraModel],
+        gray: Optional[np.ndarray] = None,
+    ) -> Tuple[List[LocatedTag], List[LocatedBundle]]:
+        """The same of a picture by itself: nothing of earlier ones is used, or changed."""
+        return TagLocator(self._layout, self._params).locate(0.0, tags, camera, gray)
+
+    def _forget(self) -> None:
+        self._tags: Dict[TagKey, TagPoseTracker] = {}
+        self._bundles = [TagPoseTracker(one.bundle, self._params) for one in self._layout.bundles]
+
+    def _poses_of(
+        self, time: float, key: TagKey, corners: Corners, unique: bool, camera: CameraModel
+    ) -> Optional[TagPoses]:
+        seen = {key.id: corners}
+        try:
+            tracker = self._tracker(key) if unique else self._new_tracker(key)
+            return tracker.update(time, seen, camera)
+        except ValueError:  # corners as no tag has them, or where this camera has no rays
+            return None
+
+    def _tracker(self, key: TagKey) -> TagPoseTracker:
+        tracker = self._tags.pop(key, None) or self._new_tracker(key)
+        self._tags[key] = tracker  # as the newest
+        if len(self._tags) > MOST_TRACKED:
+            del self._tags[next(iter(self._tags))]
+        return tracker
+
+    def _new_tracker(self, key: TagKey) -> TagPoseTracker:
+        return TagPoseTracker(single_tag(key.id, self._layout.size(key)), self._params)
+
+    def _locate_bundles(
+        self, time: float, corners_of_tags: Dict[TagKey, Corners], camera: CameraModel
+    ) -> List[LocatedBundle]:
+        found = []
+        for one, tracker in zip(self._layout.bundles, self._bundles):
+            keys = [TagKey(one.family, tag.id) for tag in one.bundle.tags]
+            corners = {key.id: corners_of_tags[key] for key in keys if key in corners_of_tags}
+            if not corners:
+                continue
+            poses = tracker.update(time, corners, camera)  # the tags' own trackers took them
+            if poses is not None:
+                found.append(LocatedBundle(one.bundle.name, one.family, sorted(corners), poses))
+        return found
+
+
+def key_of(tag: Tag) -> TagKey:
+    return TagKey(tag.family, tag.id)
+
+
+def corners_of(tag: Tag, camera: CameraModel, gray: Optional[np.ndarray]) -> Corners:
+    """The corners of a tag, as well as the picture tells where they are."""
+    found = without_bent_edges(tag.corners, camera)
+    if gray is None:
+        return found
+    width = tag_family(tag.family).width_at_border
+    return measure_corners(gray, cells_of(key_of(tag)), width, found, camera) or found
+
+
+@lru_cache(MOST_TRACKED)
+def cells_of(key: TagKey) -> np.ndarray:
+    return tag_cells(*key)

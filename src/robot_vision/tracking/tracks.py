@@ -1,0 +1,78 @@
+"""Tracked objects as messages, and as people see them."""
+
+from typing import Iterable, List, Tuple
+
+import cv2
+import numpy as np
+from geometry_msgs.msg import Point, Vector3
+from sensor_msgs.msg import RegionOfInterest
+
+from .. import TrackedObject, draw_outline, draw_text
+from ..msg import Detection, Flow, TrackState, TrackStateArray
+from ..ros.messages import box_around, points
+from ..ros.transport import Frame
+
+RED = (0, 0, 255)
+FAR = 2**30  # px, more than any picture has
+
+
+def box_of(region: RegionOfInterest) -> Tuple[int, int, int, int]:
+    """(x, y, width, height) for the core, which refuses what is not in the picture."""
+    sides = region.x_offset, region.y_offset, region.width, region.height
+    return tuple(min(side, FAR) for side in sides)
+
+
+def detection_of(track: TrackedObject, picture: np.ndarray) -> Detection:
+    """A tracked object as a Detection; its box ends where the picture does."""
+    center = Point(*track.center, 0.0)
+    sides = np.hypot(*(track.outline[1:3] - track.outline[:2]).T)
+    return Detection(
+        label=track.label,
+        id=track.id,
+        score=track.confidence,
+        box=box_around(track.outline, picture),
+        center=center,
+        outline=points(track.outline),
+        circle_center=center,
+        circle_radius=np.hypot(*sides) / 2.0,
+        area=np.prod(sides),
+        has_velocity=True,
+        velocity=Vector3(*track.velocity, 0.0),
+    )
+
+
+def track_states(frame: Frame, tracks: Iterable[TrackedObject]) -> TrackStateArray:
+    """All objects of a frame, those that are lost among them."""
+    states = [
+        TrackState(
+            id=track.id,
+            label=track.label,
+            state=TrackState.TRACKED if track.tracked else TrackState.LOST,
+            scale=track.scale,
+            angle=track.angle,
+            confidence=track.confidence,
+            points=points(track.points),
+        )
+        for track in tracks
+    ]
+    return TrackStateArray(frame.header, states)
+
+
+def flow_message(frame: Frame, positions: np.ndarray, velocities: np.ndarray) -> Flow:
+    """Points that move: (n, 2) px and px/s."""
+    return Flow(frame.header, points(positions), points(velocities))
+
+
+def draw_tracks(picture: np.ndarray, tracks: List[TrackedObject]) -> None:
+    """Draws outlines and points of what is tracked, and writes what is lost, in red."""
+    line = 20
+    for track in tracks:
+        name = f"{track.label} {track.id}".strip()
+        if track.tracked:
+            outline = np.rint(track.outline).astype(int)
+            draw_outline(picture, outline, f"{name}: {track.confidence:.0%}")
+            for x, y in np.rint(track.points).astype(int).tolist():
+                cv2.circle(picture, (x, y), 2, (0, 255, 255), cv2.FILLED)
+        else:
+            draw_text(picture, f"{name}: lost", (10, line), RED)
+            line += 20

@@ -1,0 +1,131 @@
+"""The node simple_camera_view: a camera's pictures in a window, whose colours can be picked."""
+
+import os
+import time
+from typing import Any, Dict, Optional
+
+import cv2
+import rospy
+from sensor_msgs.msg import RegionOfInterest
+
+from .. import range_around, to_hsv
+from ..color.colors import as_yaml, outside
+from ..common.files import add_file, reason
+from ..common.plain_text import printable, told
+from ..msg import Click
+from ..ros.configs import SimpleCameraViewConfig
+from ..ros.params import LiveParams, read_param, review_params
+from ..ros.startup import run_node
+from ..ros.transport import Frame, ImageSubscriber
+from .viewing import Rate, title, waiting_picture
+from .window import Window, require_display
+
+POLL = 10  # ms: how long a picture may wait for the window
+LONGEST_PATH = 300  # letters of it in an error
+TITLE_PERIOD = 1.0  # s
+QUIT_KEYS = (ord("q"), 27)  # 27: Esc
+
+
+class CameraView:
+    """Shows the pictures of the topic `image`.
+
+    A left click prints and publishes the pixel (~clicked, robot_vision/Click) and prints the range
+    around its colour for hsv_tracker. A rectangle dragged with the left button is published
+    (~selected, sensor_msgs/RegionOfInterest), for object_tracker to follow. The key s saves the
+    picture as PNG; q and Esc end the node.
+
+    Parameters:
+        ~autosize (bool): the window takes the picture's size; else it can be resized.
+        ~save_folder (str): where s saves; relative to the folder that the node runs in, which for
+            roslaunch is $ROS_HOME, ~/.ros by default. A ~ at its beginning is the user's home.
+
+    Raises:
+        ValueError: a parameter is not usable, or there is no display.
+    """
+
+    def __init__(self) -> None:
+        require_display()
+        autosize = read_param("autosize", True)
+        self._params = LiveParams(SimpleCameraViewConfig, self._configure)
+        self._topic = rospy.resolve_name("image")
+        self._rate = Rate()
+        self._newest: Optional[Frame] = None  # written by the thread of the pictures
+        self._shown: Optional[Frame] = None
+        self._clicked = rospy.Publisher("~clicked", Click, queue_size=10)
+        self._selected = rospy.Publisher("~selected", RegionOfInterest, queue_size=10)
+        self._subscriber = ImageSubscriber("image", self._on_frame, encoding="bgr8")
+        self._window = Window(self._topic, autosize, self._on_click, self._on_drag)
+        self._window.show(waiting_picture(self._topic))
+        review_params()
+
+    def spin(self) -> None:
+        """Works until the node is shut down, or the user has had enough."""
+        title_due = time.monotonic()
+        while not rospy.is_shutdown():
+            self._show_newest()
+            if time.monotonic() >= title_due:
+                title_due += TITLE_PERIOD
+                self._update_title()
+            key = self._window.poll(POLL)
+            if key in QUIT_KEYS or not self._window.is_open():
+                return
+            if key == ord("s"):
+                self._save()
+
+    def _configure(self, config: Dict[str, Any]) -> None:
+        folder = config["save_folder"]
+        if "\0" in folder:  # the only letter that no folder has
+            raise ValueError(f"save_folder is {told(folder)}, must be a path")
+        self._folder = os.path.abspath(os.path.expanduser(folder))
+
+    def _on_frame(self, frame: Frame) -> None:
+        self._rate.add(time.monotonic())
+        self._newest = frame
+
+    def _show_newest(self) -> None:
+        frame = self._newest
+        if frame is not None and frame is not self._shown:
+            self._window.show(frame.image)
+            self._shown = frame
+
+    def _update_title(self) -> None:
+        size = self._shown and self._shown.image.shape[1::-1]
+        self._window.set_title(title(self._topic, self._rate.hz(time.monotonic()), size))
+
+    def _on_click(self, x: int, y: int) -> None:
+        frame = self._shown
+        if frame is None or not (0 <= x < frame.image.shape[1] and 0 <= y < frame.image.shape[0]):
+            return
+        bgr = tuple(frame.image[y, x].tolist())
+        hsv = to_hsv(bgr)
+        print(f"x {x}, y {y}: BGR {bgr}, HSV {hsv}; for the colors of hsv_tracker:")
+        color = range_around(hsv)
+        print(f"  name: {as_yaml(color)}", flush=True)
+        if outside(hsv, color):
+            print(outside(hsv, color), flush=True)
+        self._clicked.publish(Click(header=frame.header, x=x, y=y, bgr=bgr, hsv=hsv))
+
+    def _on_drag(self, x: int, y: int, width: int, height: int) -> None:
+        if self._shown is None:
+            return
+        print(f"x {x}, y {y}: selected {width}x{height} px", flush=True)
+        region = RegionOfInterest(x_offset=x, y_offset=y, width=width, height=height)
+        self._selected.publish(region)
+
+    def _save(self) -> None:
+        frame = self._shown
+        if frame is None:
+            rospy.logwarn("there is no picture to save yet")
+            return
+        stamp = frame.header.stamp
+        png = cv2.imencode(".png", frame.image)[1].tobytes()
+        try:
+            path = add_file(self._folder, f"{stamp.secs}.{stamp.nsecs:09d}", ".png", png)
+            print("saved", path, flush=True)
+        except OSError as error:
+            folder = printable(self._folder, LONGEST_PATH)
+            rospy.logerr("no picture saved in %s: %s", folder, reason(error))
+
+
+def main() -> None:
+    run_node("simple_camera_view", CameraView, CameraView.spin)

@@ -1,0 +1,62 @@
+"""The list of cameras: what their nodes get, and what is refused."""
+
+import pathlib
+
+import pytest
+import yaml
+
+from robot_vision.camera.camera_list import parse_cameras
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+
+
+def test_each_camera_has_its_own_parameters():
+    entries = [
+        {"name": "front", "source": "/dev/video0", "rate": 15, "image_width": 320},
+        {"name": "rear", "source": "a.mp4", "camera_frame_id": "eye", "framerate": 5.0},
+    ]
+    before = [dict(entry) for entry in entries]
+    assert parse_cameras(entries) == {
+        "front": {
+            "camera_name": "front",
+            "camera_frame_id": "front",
+            "source": "/dev/video0",
+            "framerate": 15,
+            "image_width": 320,
+        },
+        "rear": {
+            "camera_name": "rear",
+            "camera_frame_id": "eye",
+            "source": "a.mp4",
+            "framerate": 5.0,
+        },
+    }
+    assert entries == before
+
+
+def test_the_file_in_config_is_such_a_list():
+    values = yaml.safe_load((ROOT / "config" / "cameras.yaml").read_text())
+    assert list(parse_cameras(values["cameras"])) == ["front", "rear"]
+
+
+@pytest.mark.parametrize(
+    "values, why",
+    [
+        (None, "cameras is None, must be a list of maps with name and source"),
+        ([], r"cameras is \[\], must be a list"),
+        ("front", "cameras is 'front', must be a list"),
+        (["front"], r"cameras\[0\] is 'front', must be a map"),
+        ([{"source": "a"}], r"cameras\[0\]: name is None, must be letters, digits and _"),
+        ([{"name": "a/b", "source": "a"}], r"cameras\[0\]: name is 'a/b', must be letters"),
+        ([{"name": 1, "source": "a"}], r"cameras\[0\]: name is 1, must be letters"),
+        ([{"name": "a"}], r"cameras\[0\] \(a\): there is no source"),
+        ([{"name": "a", "source": 12345}], r"\(a\): source is 12345, must be a string$"),
+        ([{"name": "a", "source": None}], r"\(a\): source is None, must be a string$"),
+        ([{"name": "a", "source": ["b"] * 99}], r"\(a\): source is .{97}\.\.\., must be a string$"),
+        ([{"name": "a", "source": "b"}] * 2, r"cameras\[1\]: the name a is there twice"),
+        ([{"name": "a", "source": "b", "rate": 1, "framerate": 1}], "one is enough"),
+    ],
+)
+def test_what_is_no_list_is_refused(values, why):
+    with pytest.raises(ValueError, match=why):
+        parse_cameras(values)

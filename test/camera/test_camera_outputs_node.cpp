@@ -1,0 +1,591 @@
+#include <gtest/gtest.h>
+#include <image_transport/image_transport.h>
+#include <ros/ros.h>
+#include <sensor_msgs/CompressedImage.h>
+#include <sys/mman.h>
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <functional>
+#include <future>
+#include <mutex>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+#include <thread>
+
+#include "robot_vision/image/jpeg.hpp"
+#include "ros/camera/camera_outputs.hpp"
+#include "ros/images/newest_worker.hpp"
+#include "ros/transports/plugins/transport_publisher.hpp"
+#include "support/refusal.hpp"
+#include "support/run_tests.hpp"
+
+using namespace robot_vision;
+
+namespace
+{
+
+using Bytes = std::vector<std::uint8_t>;
+
+constexpr int kSequence = 7;
+const ros::Time kStamp(12, 34);
+
+bool waitFor(const std::function<bool()>& condition)
+{
+  const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(30);
+  while (!condition() && std::chrono::steady_clock::now() < deadline)
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  return condition();
+}
+
+/// The last message of a topic of this process.
+template <class Message>
+class Receiver
+{
+public:
+  explicit Receiver(const std::string& topic)
+    : subscriber_(ros::NodeHandle("~").subscribe<Message>(
+          topic, 10, [this](const boost::shared_ptr<const Message>& message) { put(message); }))
+  {
+  }
+
+  boost::shared_ptr<const Message> wait()
+  {
+    EXPECT_TRUE(waitFor([this] { return last() != nullptr; })) << "on " << subscriber_.getTopic();
+    return last();
+  }
+
+  boost::shared_ptr<const Message> last() const
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    return last_;
+  }
+
+private:
+  void put(const boost::shared_ptr<const Message>& message)
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    last_ = message;
+  }
+
+  mutable std::mutex mutex_;  // guards last_ against the spinner's threads
+  boost::shared_ptr<const Message> last_;
+  ros::Subscriber subscriber_;
+};
+
+cv::Mat picture()
+{
+  cv::Mat image(48, 64, CV_8UC3);
+  cv::RNG(7).fill(image, cv::RNG::UNIFORM, 0, 256);
+  cv::GaussianBlur(image, image, {9, 9}, 0);
+  return image;
+}
+
+Bytes jpegOf(const cv::Mat& image, int quality = 95)
+{
+  Bytes bytes;
+  cv::imencode(".jpg", image, bytes, {cv::IMWRITE_JPEG_QUALITY, quality});
+  return bytes;
+}
+
+Frame frameOf(Bytes& jpeg)
+{
+  Frame frame;
+  frame.image = cv::Mat(1, static_cast<int>(jpeg.size()), CV_8UC1, jpeg.data());
+  frame.encoding = "jpeg";
+  frame.sequence = kSequence;
+  return frame;
+}
+
+cv::Mat pixelsOf(const sensor_msgs::Image& image)
+{
+  return viewPixels(image);
+}
+
+bool equal(const cv::Mat& a, const cv::Mat& b)
+{
+  return a.size() == b.size() && a.type() == b.type() && cv::norm(a, b, cv::NORM_INF) == 0.0;
+}
+
+}  // namespace
+
+/// The outputs of a camera in a namespace of the test's own.
+class Outputs : public testing::Test
+{
+protected:
+  void make(const CameraOutputs::Params& params = {})
+  {
+    outputs_ = std::make_unique<CameraOutputs>(ros::NodeHandle("~"), params, [] {});
+    ASSERT_FALSE(outputs_->wanted());
+  }
+
+  void waitUntilWanted()
+  {
+    ASSERT_TRUE(waitFor([this] { return outputs_->wanted(); }));
+  }
+
+  void publish(const Frame& frame) { outputs_->publish(frame, kStamp); }
+
+  /// How often a topic is advertised.
+  static long topics(const std::string& name)
+  {
+    ros::V_string all;
+    ros::this_node::getAdvertisedTopics(all);
+    return std::count(all.begin(), all.end(), ros::NodeHandle("~").resolveName(name));
+  }
+
+  std::unique_ptr<CameraOutputs> outputs_;
+};
+
+TEST_F(Outputs, ofJpegArePassedOnUntouched)
+{
+  make();
+  Bytes jpeg = jpegOf(picture());
+  jpeg.erase(jpeg.end() - 200, jpeg.end() - 2);  // a decoder would refuse it
+  Receiver<sensor_msgs::CompressedImage> compressed("image_raw/compressed");
+  waitUntilWanted();
+  publish(frameOf(jpeg));
+  const auto message = compressed.wait();
+  EXPECT_EQ(message->data, jpeg);
+  EXPECT_EQ(message->format, "bgr8; jpeg compressed bgr8");
+  EXPECT_EQ(message->header.stamp, kStamp);
+  EXPECT_EQ(message->header.frame_id, "head_camera");
+}
+
+TEST_F(Outputs, ofGrayJpegSaySo)
+{
+  make();
+  cv::Mat gray;
+  cv::cvtColor(picture(), gray, cv::COLOR_BGR2GRAY);
+  Bytes jpeg = jpegOf(gray);
+  Receiver<sensor_msgs::CompressedImage> compressed("image_raw/compressed");
+  waitUntilWanted();
+  publish(frameOf(jpeg));
+  EXPECT_EQ(compressed.wait()->format, "mono8; jpeg compressed ");
+}
+
+TEST_F(Outputs, ofJpegAreDecodedForWhoWantsPixels)
+{
+  make();
+  Bytes jpeg = jpegOf(picture());
+  Receiver<sensor_msgs::Image> raw("image_raw");
+  waitUntilWanted();
+  publish(frameOf(jpeg));
+  EXPECT_EQ(raw.wait()->encoding, "bgr8");
+  EXPECT_TRUE(equal(pixelsOf(*raw.wait()), cv::imdecode(jpeg, cv::IMREAD_COLOR)));
+}
+
+TEST_F(Outputs, ofJpegAreGrayByTheirLuma)
+{
+  make();
+  Bytes jpeg = jpegOf(picture());
+  Receiver<sensor_msgs::Image> mono("image_mono");
+  waitUntilWanted();
+  publish(frameOf(jpeg));
+  EXPECT_EQ(mono.wait()->encoding, "mono8");
+  EXPECT_TRUE(equal(pixelsOf(*mono.wait()), cv::imdecode(jpeg, cv::IMREAD_GRAYSCALE)));
+}
+
+TEST_F(Outputs, tellTheCamerasSizeWithoutDecoding)
+{
+  make();
+  Bytes jpeg = jpegOf(picture());
+  jpeg.erase(jpeg.end() - 200, jpeg.end() - 2);
+  Receiver<sensor_msgs::CameraInfo> info("camera_info");
+  Receiver<sensor_msgs::CompressedImage> compressed("image_raw/compressed");
+  waitUntilWanted();
+  ASSERT_TRUE(waitFor(
+      [&]
+      {
+        publish(frameOf(jpeg));
+        return info.last() && compressed.last();
+      }));
+  EXPECT_EQ(info.last()->width, 64u);
+  EXPECT_EQ(info.last()->height, 48u);
+  EXPECT_EQ(info.last()->header.stamp, compressed.last()->header.stamp);
+  EXPECT_EQ(info.last()->header.frame_id, compressed.last()->header.frame_id);
+}
+
+// Recorders subscribe to all there is: a topic that can have no depths is not there, and one that has none now is no
+// reason to decode.
+TEST_F(Outputs, ofJpegAreNotDecodedForDepths)
+{
+  make();
+  EXPECT_EQ(topics("image_raw/compressedDepth"), 0);
+  EXPECT_EQ(topics("image_mono/compressedDepth"), 0);
+  EXPECT_EQ(topics("image_mono/compressed"), 1);
+  outputs_.reset();
+
+  CameraOutputs::Params params;
+  params.output_encoding = "native";
+  make(params);
+  Bytes jpeg = jpegOf(picture());
+  jpeg.erase(jpeg.end() - 200, jpeg.end() - 2);  // a decoder would refuse it
+  Receiver<sensor_msgs::CompressedImage> depth("image_raw/compressedDepth");
+  waitUntilWanted();
+  EXPECT_EQ(refusal([&] { publish(frameOf(jpeg)); }), "");
+}
+
+TEST_F(Outputs, ofDepthsAreForCompressedDepth)
+{
+  CameraOutputs::Params params;
+  params.output_encoding = "native";
+  make(params);
+  Receiver<sensor_msgs::CompressedImage> depth("image_raw/compressedDepth");
+  waitUntilWanted();
+  Frame frame;
+  frame.image = cv::Mat(48, 64, CV_16UC1, cv::Scalar(1234));
+  frame.encoding = "mono16";
+  publish(frame);
+  EXPECT_EQ(depth.wait()->format, "mono16; compressedDepth png");
+}
+
+TEST_F(Outputs, thatAreEqualAreMadeOnce)
+{
+  CameraOutputs::Params params;
+  params.output_encoding = "mono8";
+  make(params);
+  Receiver<sensor_msgs::Image> raw("image_raw");
+  Receiver<sensor_msgs::Image> mono("image_mono");
+  Bytes jpeg = jpegOf(picture());
+  ASSERT_TRUE(waitFor(
+      [&]
+      {
+        publish(frameOf(jpeg));
+        return raw.last() && mono.last();
+      }));
+  publish(frameOf(jpeg));
+  EXPECT_TRUE(waitFor([&] { return raw.last() == mono.last(); }));
+  EXPECT_TRUE(equal(pixelsOf(*mono.last()), cv::imdecode(jpeg, cv::IMREAD_GRAYSCALE)));
+}
+
+TEST_F(Outputs, tellTheSizeWithoutAPixelRead)
+{
+  make();
+  constexpr std::size_t kBytes = 64 * 48 * 2;
+  void* const unreadable = mmap(nullptr, kBytes, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+  ASSERT_NE(unreadable, MAP_FAILED);
+  Frame frame;
+  frame.image = cv::Mat(48, 64, CV_8UC2, unreadable);
+  frame.encoding = "yuv422_yuy2";
+  Receiver<sensor_msgs::CameraInfo> info("camera_info");
+  waitUntilWanted();
+  publish(frame);
+  EXPECT_EQ(info.wait()->width, 64u);
+  EXPECT_EQ(info.wait()->height, 48u);
+  munmap(unreadable, kBytes);
+}
+
+TEST_F(Outputs, ofTruncatedJpegAreRefused)
+{
+  make();
+  Bytes jpeg = jpegOf(picture());
+  jpeg.resize(jpeg.size() / 2);
+  Receiver<sensor_msgs::CompressedImage> compressed("image_raw/compressed");
+  waitUntilWanted();
+  EXPECT_THROW(publish(frameOf(jpeg)), std::invalid_argument);
+  EXPECT_FALSE(compressed.last());
+}
+
+// What one subscriber wants must not cost another his picture, above all not its camera_info.
+TEST_F(Outputs, thatCannotBeMadeCostNoOthers)
+{
+  CameraOutputs::Params params;
+  params.output_encoding = "native";
+  make(params);
+  Frame frame;
+  frame.image = cv::Mat(1, kLongestJpegSide + 1, CV_16UC1, cv::Scalar(1234));
+  frame.encoding = "mono16";
+  Receiver<sensor_msgs::CompressedImage> compressed("image_raw/compressed");
+  Receiver<sensor_msgs::Image> raw("image_raw");
+  Receiver<sensor_msgs::CameraInfo> info("camera_info");
+  Receiver<sensor_msgs::CompressedImage> depth("image_raw/compressedDepth");
+  Receiver<sensor_msgs::Image> mono("image_mono");
+  bool refused = false;  // for what could not be compressed the next frame is
+  EXPECT_TRUE(waitFor(
+      [&]
+      {
+        refused = !refusal([&] { publish(frame); }).empty() || refused;
+        return raw.last() && info.last() && depth.last() && mono.last() && refused;
+      }));
+  EXPECT_FALSE(compressed.last());
+}
+
+TEST_F(Outputs, ofDamagedJpegAreThoseThatNeedNoPixels)
+{
+  make();
+  Bytes jpeg = jpegOf(picture());
+  jpeg.erase(jpeg.end() - 200, jpeg.end() - 2);
+  Receiver<sensor_msgs::Image> raw("image_raw");
+  Receiver<sensor_msgs::CameraInfo> info("camera_info");
+  ASSERT_TRUE(waitFor([&] { return refusal([&] { publish(frameOf(jpeg)); }) != ""; }));  // raw is wanted
+  EXPECT_FALSE(info.last());
+  Receiver<sensor_msgs::CompressedImage> compressed("image_raw/compressed");
+  EXPECT_TRUE(waitFor(
+      [&]
+      {
+        EXPECT_NE(refusal([&] { publish(frameOf(jpeg)); }), "");
+        return compressed.last() && info.last();
+      }));
+  EXPECT_FALSE(raw.last());
+}
+
+TEST_F(Outputs, ofPixelsAreCompressedAsThePluginWould)
+{
+  ros::NodeHandle("~").setParam("image_raw/compressed/jpeg_quality", 40);
+  make();
+  Receiver<sensor_msgs::CompressedImage> compressed("image_raw/compressed");
+  waitUntilWanted();
+  Frame frame;
+  frame.image = picture();
+  frame.encoding = "bgr8";
+  publish(frame);
+  EXPECT_EQ(compressed.wait()->data, jpegOf(frame.image, 40));
+  EXPECT_EQ(compressed.wait()->format, "bgr8; jpeg compressed bgr8");
+  ros::NodeHandle("~").deleteParam("image_raw/compressed/jpeg_quality");
+}
+
+TEST_F(Outputs, leaveTheListOfDisabledPluginsAsItIs)
+{
+  ros::NodeHandle pnh("~");
+  make();
+  EXPECT_EQ(topics("image_raw/compressed"), 1);
+  EXPECT_EQ(topics("image_raw/theora"), 1);
+  EXPECT_FALSE(pnh.hasParam("image_raw/disable_pub_plugins"));
+
+  outputs_.reset();
+  const std::vector<std::string> disabled = {"image_transport/theora", "image_transport/compressed"};
+  pnh.setParam("image_raw/disable_pub_plugins", disabled);
+  make();
+  EXPECT_EQ(topics("image_raw/compressed"), 0);
+  EXPECT_EQ(topics("image_raw/theora"), 0);
+  EXPECT_EQ(topics("image_mono/compressed"), 1);
+  std::vector<std::string> after;
+  pnh.getParam("image_raw/disable_pub_plugins", after);
+  EXPECT_EQ(after, disabled);
+  pnh.deleteParam("image_raw/disable_pub_plugins");
+}
+
+namespace
+{
+
+/// What is at work until the test lets it go on.
+class Gate
+{
+public:
+  /// Returns when the test has opened it.
+  void pass()
+  {
+    ++waiting_;
+    opened_.wait();
+  }
+
+  bool reached() const { return waiting_ > 0; }
+  void open() { open_.set_value(); }
+
+private:
+  std::atomic<int> waiting_{0};
+  std::promise<void> open_;
+  std::shared_future<void> opened_{open_.get_future()};
+};
+
+/// A transport that stands still until the test lets it go on.
+class SlowPublisher
+  : public TransportPublisher<sensor_msgs::CompressedImage, CompressedPublisherConfig, CompressionParams>
+{
+public:
+  explicit SlowPublisher(Gate& gate) : TransportPublisher(toCompressionParams), gate_(gate) {}
+  ~SlowPublisher() override { SlowPublisher::shutdown(); }
+
+  std::string getTransportName() const override { return "slow"; }
+
+private:
+  void send(const sensor_msgs::Image& message, const CompressionParams&, const PublishFn& publish_fn) const override
+  {
+    gate_.pass();
+    sensor_msgs::CompressedImage sent;
+    sent.header = message.header;
+    publish_fn(sent);
+  }
+
+  Gate& gate_;
+};
+
+sensor_msgs::ImagePtr numbered(int number)
+{
+  auto image = boost::make_shared<sensor_msgs::Image>();
+  image->header.stamp = ros::Time(number, 0);
+  return image;
+}
+
+/// The seconds of the stamps that came on a topic.
+template <class Message>
+class Numbers
+{
+public:
+  explicit Numbers(const std::string& topic)
+    : subscriber_(ros::NodeHandle("~").subscribe<Message>(
+          topic, 100, [this](const boost::shared_ptr<const Message>& message) { put(message->header.stamp.sec); }))
+  {
+  }
+
+  std::vector<std::uint32_t> received() const
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    return received_;
+  }
+
+private:
+  void put(std::uint32_t number)
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    received_.push_back(number);
+  }
+
+  mutable std::mutex mutex_;  // guards received_ against the spinner's threads
+  std::vector<std::uint32_t> received_;
+  ros::Subscriber subscriber_;
+};
+
+using List = std::vector<std::uint32_t>;
+
+}  // namespace
+
+// Recorders subscribe to all there is, and the camera's rate must not be that of the slowest transport.
+TEST(Transports, thatAreSlowHoldNothingUp)
+{
+  ros::NodeHandle nh("~");
+  Gate gate;
+  SlowPublisher slow(gate);
+  slow.advertise(nh, nh.resolveName("video"), 100, false);
+  ros::Publisher raw = nh.advertise<sensor_msgs::Image>("video", 100);
+  const Numbers<sensor_msgs::Image> images("video");
+  const Numbers<sensor_msgs::CompressedImage> sent("video/slow");
+  ASSERT_TRUE(waitFor([&] { return raw.getNumSubscribers() == 1 && slow.getNumSubscribers() == 1; }));
+  const auto publish = [&](int number)
+  {
+    const sensor_msgs::ImageConstPtr image = numbered(number);
+    const image_transport::PublisherPlugin& plugin = slow;
+    plugin.publish(image);
+    raw.publish(image);
+  };
+  publish(1);
+  ASSERT_TRUE(waitFor([&] { return gate.reached(); }));
+  for (int number = 2; number <= 9; ++number)
+    publish(number);
+  EXPECT_TRUE(waitFor([&] { return images.received().size() == 9; }));
+  EXPECT_EQ(sent.received(), List{});
+  gate.open();
+  EXPECT_TRUE(waitFor([&] { return sent.received() == List{1, 9}; }));
+  publish(10);
+  EXPECT_TRUE(waitFor([&] { return sent.received() == List{1, 9, 10}; }));
+}
+
+TEST(Transports, thatAreShutDownSendNothingMore)
+{
+  ros::NodeHandle nh("~");
+  Gate gate;
+  SlowPublisher slow(gate);
+  slow.advertise(nh, nh.resolveName("video"), 100, false);
+  const Numbers<sensor_msgs::CompressedImage> sent("video/slow");
+  ASSERT_TRUE(waitFor([&] { return slow.getNumSubscribers() == 1; }));
+  const image_transport::PublisherPlugin& plugin = slow;
+  plugin.publish(*numbered(1));
+  ASSERT_TRUE(waitFor([&] { return gate.reached(); }));
+  plugin.publish(*numbered(2));
+  std::thread ending([&slow] { slow.shutdown(); });
+  gate.open();
+  ending.join();
+  plugin.publish(*numbered(3));
+  ros::Publisher next = nh.advertise<sensor_msgs::CompressedImage>("video/slow", 100);
+  ASSERT_TRUE(waitFor([&] { return next.getNumSubscribers() == 1; }));
+  sensor_msgs::CompressedImage last;
+  last.header.stamp = ros::Time(4, 0);
+  next.publish(last);
+  EXPECT_TRUE(waitFor([&] { return !sent.received().empty() && sent.received().back() == 4; }));
+  for (const std::uint32_t number : sent.received())  // the first two may have been sent before the end, or lost
+    EXPECT_NE(number, 3U);
+}
+
+namespace
+{
+
+Gate* encoder_gate = nullptr;
+
+sensor_msgs::CompressedImage encodedSlowly(const sensor_msgs::Image& message, const CompressionParams&)
+{
+  if (message.header.stamp.sec == 1) encoder_gate->pass();
+  if (message.header.stamp.sec == 3) throw std::invalid_argument("three");
+  sensor_msgs::CompressedImage encoded;
+  encoded.header = message.header;
+  return encoded;
+}
+
+}  // namespace
+
+TEST(Transports, keepTheOrderOfWhatIsEncodedAndWhatIsPassedOn)
+{
+  ros::NodeHandle nh("~");
+  Gate gate;
+  encoder_gate = &gate;
+  CompressedOutput output(nh, nh.resolveName("mixed"), toCompressionParams, encodedSlowly,
+                          [](const ros::SingleSubscriberPublisher&) {});
+  const Numbers<sensor_msgs::CompressedImage> sent("mixed");
+  ASSERT_TRUE(waitFor([&] { return output.wanted(); }));
+  output.publish(numbered(1));
+  ASSERT_TRUE(waitFor([&] { return gate.reached(); }));
+  output.publish(numbered(2));
+  gate.open();
+  sensor_msgs::CompressedImage passed;
+  passed.header.stamp = ros::Time(5, 0);
+  output.passOn(passed);
+  EXPECT_TRUE(waitFor([&] { return !sent.received().empty() && sent.received().back() == 5; }));
+  const List received = sent.received();
+  EXPECT_EQ(received.front(), 1U);
+  EXPECT_TRUE(std::is_sorted(received.begin(), received.end()));
+  std::string error;
+  const auto isRefused = [&]
+  {
+    if (error.empty()) error = refusal([&] { output.publish(numbered(3)); });
+    return error == "three";
+  };
+  EXPECT_TRUE(waitFor(isRefused));
+  const auto goesOn = [&]
+  {
+    refusal([&] { output.publish(numbered(6)); });  // at most of the last one before
+    return sent.received().back() == 6;
+  };
+  EXPECT_TRUE(waitFor(goesOn));
+}
+
+TEST(NewestWorker, doesOneThingAfterTheOtherAndNothingAfterItsEnd)
+{
+  Gate gate;
+  std::vector<int> done;
+  NewestWorker worker;
+  worker.settle();  // has nothing to wait for
+  worker.post(
+      [&]
+      {
+        gate.pass();
+        done.push_back(1);
+      });
+  ASSERT_TRUE(waitFor([&] { return gate.reached(); }));
+  worker.post([&] { done.push_back(2); });
+  gate.open();
+  worker.settle();
+  EXPECT_TRUE(done == std::vector<int>({1}) || done == std::vector<int>({1, 2}));
+  std::promise<void> third;
+  worker.post([&] { third.set_value(); });
+  third.get_future().wait();
+  worker.stop();
+  worker.post([&] { done.push_back(4); });
+  worker.stop();
+  EXPECT_EQ(std::count(done.begin(), done.end(), 4), 0);
+}
+
+int main(int argc, char** argv)
+{
+  return runTests(argc, argv, "camera_outputs");
+}

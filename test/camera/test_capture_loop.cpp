@@ -1,0 +1,407 @@
+#include <dirent.h>
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <cerrno>
+#include <chrono>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <future>
+#include <limits>
+#include <memory>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "core/camera/capture_loop.hpp"
+#include "core/camera/v4l2_source.hpp"
+#include "support/fake_v4l2.hpp"
+#include "support/temp_folder.hpp"
+
+using namespace robot_vision;
+
+namespace
+{
+
+using Clock = std::chrono::steady_clock;
+
+constexpr std::chrono::seconds kDeadline{60};
+
+/// A loop on a faked camera. What a test does to the camera it does in the loop's thread, in answer to what happens.
+class Capture : public CaptureListener
+{
+public:
+  FakeCamera camera;
+  CaptureParams params;
+  std::function<void(const Frame&)> on_frame;
+  std::function<void(const std::string&)> on_unavailable;
+  std::function<void()> on_idle;
+  std::atomic<int> opened{0};
+  std::atomic<int> prepared{0};
+  std::string file = "/dev/video0";  // which the loop looks for while it is idle
+  std::function<std::unique_ptr<FrameSource>(const CaptureParams&)> open = [this](const CaptureParams& p)
+  { return std::make_unique<V4l2Source>(camera.plug(file), p); };
+
+  void start(Demand demand)
+  {
+    CaptureListener& listener = *this;
+    loop_ = std::make_unique<CaptureLoop>(params, listener,
+                                          [this](const CaptureParams& p)
+                                          {
+                                            ++opened;
+                                            return open(p);
+                                          });
+    loop_->setDemand(demand);
+  }
+
+  void demand(Demand demand) { loop_->setDemand(demand); }
+
+  /// The test has seen enough; called in the loop's thread.
+  void finish()
+  {
+    finished_ = true;
+    done_.set_value();
+  }
+
+  void runUntilFinished()
+  {
+    start(Demand::kFrames);
+    waitUntilFinished();
+  }
+
+  void waitUntilFinished()
+  {
+    EXPECT_EQ(done_.get_future().wait_for(kDeadline), std::future_status::ready);
+    loop_.reset();  // first: its thread may still be about to leave set_value()
+    done_ = std::promise<void>();
+    finished_ = false;
+  }
+
+private:
+  void onOpened(const FrameSource&) override {}
+  void prepare(Frame&) override { ++prepared; }
+  void onFrame(const Frame& frame) override
+  {
+    if (on_frame && !finished_) on_frame(frame);
+  }
+  void onRefused(const std::string&) override {}
+  void onUnavailable(const std::string& why) override
+  {
+    if (on_unavailable && !finished_) on_unavailable(why);
+  }
+  void onIdle() override
+  {
+    if (on_idle && !finished_) on_idle();
+  }
+  void onEnd(const std::string& error) override { ADD_FAILURE() << error; }
+
+  bool finished_ = false;
+  std::promise<void> done_;
+  std::unique_ptr<CaptureLoop> loop_;
+};
+
+/// A live stream whose first keyframe comes late, or never.
+class LateKeyframe : public FrameSource
+{
+public:
+  explicit LateKeyframe(Clock::duration wait) : keyframe_(Clock::now() + wait) {}
+  ReadResult read(Frame& frame) override
+  {
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    if (Clock::now() < keyframe_) return ReadResult::kNoPicture;
+    frame.image = cv::Mat(1, 1, CV_8UC1);
+    return ReadResult::kFrame;
+  }
+  double rate() const override { return 0.0; }
+  std::string description() const override { return "stream"; }
+
+private:
+  Clock::time_point keyframe_;
+};
+
+std::size_t entries(const char* folder)
+{
+  std::size_t count = 0;
+  DIR* open = opendir(folder);
+  while (readdir(open) != nullptr)
+    ++count;
+  closedir(open);
+  return count;
+}
+
+}  // namespace
+
+TEST(CaptureLoop, survivesAHundredUnpluggingsAndLeaksNothing)
+{
+  Capture capture;
+  int cycles = 0;
+  const std::size_t descriptors = entries("/proc/self/fd");
+  const std::size_t threads = entries("/proc/self/task");  // perhaps with one that another test has just joined
+  capture.on_frame = [&](const Frame& frame)
+  {
+    EXPECT_EQ(frame.sequence, 0);
+    EXPECT_EQ(capture.camera.open_devices, 1);
+    if (cycles == 100) return capture.finish();
+    capture.camera.plugged = false;
+  };
+  capture.on_unavailable = [&](const std::string& why)
+  {
+    EXPECT_EQ(why, "/dev/video0: VIDIOC_QBUF failed: No such device");
+    EXPECT_EQ(capture.camera.open_devices, 0);
+    EXPECT_EQ(capture.camera.maps, 0);
+    EXPECT_EQ(entries("/proc/self/fd"), descriptors);
+    EXPECT_LE(entries("/proc/self/task"), threads + 1);
+    ++cycles;
+    capture.camera.replug();
+  };
+  capture.runUntilFinished();
+  EXPECT_EQ(capture.opened, 101);
+  EXPECT_EQ(capture.camera.open_devices, 0);
+  // A thread that has been joined may still be on its way out of the kernel's list.
+  for (const auto end = Clock::now() + kDeadline; entries("/proc/self/task") > threads && Clock::now() < end;)
+    std::this_thread::yield();
+  EXPECT_LE(entries("/proc/self/task"), threads);
+}
+
+TEST(CaptureLoop, opensWhatItsSourceWasAtTheStart)
+{
+  const TempFolder folder;
+  Capture capture;
+  capture.params.source = (folder.path() / "camera").string();
+  std::filesystem::create_symlink("/dev/null", capture.params.source);
+  std::vector<SourceKind> kinds;
+  capture.open = [&](const CaptureParams& p)
+  {
+    kinds.push_back(sourceKind(p));
+    return std::make_unique<V4l2Source>(capture.camera.plug(), p);
+  };
+  capture.on_frame = [&](const Frame&)
+  {
+    if (kinds.size() == 2) return capture.finish();
+    std::filesystem::remove(capture.params.source);
+    capture.camera.plugged = false;
+  };
+  capture.on_unavailable = [&](const std::string&) { capture.camera.replug(); };
+  capture.runUntilFinished();
+  EXPECT_EQ(kinds, (std::vector<SourceKind>{SourceKind::kDevice, SourceKind::kDevice}));
+}
+
+TEST(CaptureLoop, streamsAgainAfterEachCallThatFails)
+{
+  for (const auto& [request, name] : kStreamingCalls)
+  {
+    Capture capture;
+    std::string loss;
+    capture.camera.faults[request] = {EIO};
+    capture.on_unavailable = [&loss](const std::string& why) { loss = why; };
+    capture.on_frame = [&capture](const Frame&) { capture.finish(); };
+    capture.runUntilFinished();
+    EXPECT_EQ(loss, "/dev/video0: " + name + " failed: Input/output error");
+    EXPECT_EQ(capture.opened, 2);
+    EXPECT_EQ(capture.camera.open_devices, 0);
+    EXPECT_EQ(capture.camera.maps, 0);
+  }
+}
+
+TEST(CaptureLoop, opensADeviceAnewThatStalls)
+{
+  Capture capture;
+  std::string loss;
+  capture.params.timeout = 0.2;
+  capture.on_frame = [&](const Frame&)
+  {
+    if (!loss.empty()) return capture.finish();
+    capture.camera.stalled = true;
+  };
+  capture.on_unavailable = [&](const std::string& why)
+  {
+    loss = why;
+    capture.camera.stalled = false;
+  };
+  capture.runUntilFinished();
+  EXPECT_EQ(loss, "YUYV 640x480 at 30 Hz from /dev/video0: no frame for 0.2 s");
+}
+
+TEST(CaptureLoop, opensADeviceAnewThatGivesDamagedFramesOnly)
+{
+  Capture capture;
+  std::string loss;
+  capture.params.timeout = 0.2;
+  capture.camera.damaged = std::numeric_limits<unsigned>::max();
+  capture.on_frame = [&](const Frame&) { capture.finish(); };
+  capture.on_unavailable = [&](const std::string& why)
+  {
+    loss = why;
+    capture.camera.damaged = 0;
+  };
+  capture.runUntilFinished();
+  EXPECT_EQ(loss, "YUYV 640x480 at 30 Hz from /dev/video0: no good frame for 0.2 s");
+}
+
+TEST(CaptureLoop, waitsForCamerasThatAreSlowerThanItsTimeout)
+{
+  for (const bool by_exposure : {false, true})
+  {
+    Capture capture;
+    capture.params.timeout = 0.1;
+    capture.camera.frame_time = std::chrono::milliseconds(400);
+    if (by_exposure)
+      capture.camera.controls = {
+          {V4L2_CID_EXPOSURE_ABSOLUTE, V4L2_CTRL_TYPE_INTEGER, "Exposure Time, Absolute", 1, 10000, 10000}};
+    else
+      capture.camera.formats[0].sizes = {{640, 480, {1.0}}};
+    capture.on_unavailable = [](const std::string& why) { ADD_FAILURE() << why; };
+    capture.on_frame = [&](const Frame& frame)
+    {
+      if (frame.sequence == 2) capture.finish();
+    };
+    capture.runUntilFinished();
+    EXPECT_EQ(capture.opened, 1);
+  }
+}
+
+TEST(CaptureLoop, saysHowLongItHasWaitedForASlowCamera)
+{
+  Capture capture;
+  std::string loss;
+  capture.params.timeout = 0.1;
+  capture.camera.formats[0].sizes = {{640, 480, {5.0}}};
+  capture.camera.stalled = true;
+  capture.on_unavailable = [&](const std::string& why)
+  {
+    loss = why;
+    capture.finish();
+  };
+  capture.runUntilFinished();
+  EXPECT_EQ(loss, "YUYV 640x480 at 5 Hz from /dev/video0: no frame for 0.6 s");
+}
+
+/// However long the exposure is that its driver tells of, it is asked once.
+TEST(CaptureLoop, isPatientWithinReason)
+{
+  EXPECT_EQ(patienceFor(/*period=*/0.0, /*timeout=*/0.5), 0.5);
+  EXPECT_EQ(patienceFor(5.0, 0.5), 15.0);
+  EXPECT_EQ(patienceFor(214748.0, 0.5), 30.0);
+  EXPECT_EQ(patienceFor(214748.0, 100.0), 100.0);
+
+  Capture capture;
+  capture.params.timeout = 0.1;
+  capture.camera.stalled = true;
+  capture.camera.controls = {
+      {V4L2_CID_EXPOSURE_ABSOLUTE, V4L2_CTRL_TYPE_INTEGER, "Exposure Time, Absolute", 1, 10000, 3000}};
+  capture.on_unavailable = [&](const std::string& why)
+  {
+    EXPECT_EQ(why, "YUYV 640x480 at 30 Hz from /dev/video0: no frame for 0.9 s");
+    EXPECT_EQ(capture.camera.calls[VIDIOC_G_EXT_CTRLS], 1);
+    capture.finish();
+  };
+  capture.runUntilFinished();
+}
+
+TEST(CaptureLoop, waitsForTheKeyframeOfAStream)
+{
+  Capture capture;
+  capture.params.timeout = 0.2;
+  capture.open = [](const CaptureParams&) { return std::make_unique<LateKeyframe>(std::chrono::milliseconds(800)); };
+  capture.on_unavailable = [](const std::string& why) { ADD_FAILURE() << why; };
+  capture.on_frame = [&](const Frame&) { capture.finish(); };
+  capture.runUntilFinished();
+  EXPECT_EQ(capture.opened, 1);
+  EXPECT_GT(capture.prepared, 0);
+}
+
+TEST(CaptureLoop, preparesNoMemoryForADriversPictures)
+{
+  Capture capture;
+  capture.on_frame = [&](const Frame&) { capture.finish(); };
+  capture.runUntilFinished();
+  EXPECT_EQ(capture.prepared, 0);
+}
+
+TEST(CaptureLoop, noticesThatADeviceIsUnpluggedThatNobodyUses)
+{
+  const TempFolder folder;
+  Capture capture;
+  capture.file = (folder.path() / "video0").string();
+  std::ofstream(capture.file) << "\n";
+  std::string loss;
+  capture.on_idle = [&]
+  {
+    if (capture.opened == 0) return;  // nothing has been asked for yet
+    if (!loss.empty()) return capture.finish();
+    capture.camera.plugged = false;
+    std::filesystem::remove(capture.file);
+  };
+  capture.on_unavailable = [&](const std::string& why)
+  {
+    loss = why;
+    std::ofstream(capture.file) << "\n";
+    capture.camera.replug();
+  };
+  capture.start(Demand::kIdle);
+  capture.waitUntilFinished();
+  EXPECT_EQ(loss, capture.file + ": cannot be opened: No such device");
+  EXPECT_EQ(capture.opened, 3);
+}
+
+TEST(CaptureLoop, looksForALostDeviceLessAndLessOften)
+{
+  Capture capture;
+  std::vector<Clock::time_point> tries;
+  capture.camera.plugged = false;
+  capture.on_unavailable = [&](const std::string& why)
+  {
+    EXPECT_EQ(why, "/dev/video0: cannot be opened: No such device");
+    tries.push_back(Clock::now());
+    if (tries.size() == 6) capture.finish();
+  };
+  capture.runUntilFinished();
+  const double expected[] = {0.1, 0.2, 0.4, 0.8, 1.0};  // s, at least
+  for (std::size_t i = 0; i < 5; ++i)
+    EXPECT_GE(std::chrono::duration<double>(tries[i + 1] - tries[i]).count(), expected[i]) << i;
+}
+
+TEST(CaptureLoop, leavesADeviceAloneThatIsStopped)
+{
+  Capture capture;
+  capture.on_idle = [&]
+  {
+    EXPECT_EQ(capture.camera.open_devices, 0);
+    EXPECT_EQ(capture.opened, 0);
+    capture.finish();
+  };
+  capture.start(Demand::kStopped);
+  capture.waitUntilFinished();
+
+  // Without frames wanted it is opened once, to tell whether it is there, and closed again.
+  capture.on_idle = [&]
+  {
+    if (capture.opened == 0) return;  // nothing has been asked for yet
+    EXPECT_EQ(capture.camera.open_devices, 0);
+    EXPECT_EQ(capture.opened, 1);
+    capture.finish();
+  };
+  capture.start(Demand::kIdle);
+  capture.waitUntilFinished();
+}
+
+TEST(CaptureLoop, stopsAndStartsAsItIsTold)
+{
+  Capture capture;
+  int frames = 0;
+  capture.on_frame = [&](const Frame& frame)
+  {
+    if (capture.opened == 2) return capture.finish();
+    if (++frames == 3) capture.demand(Demand::kStopped);
+    EXPECT_EQ(frame.sequence, frames - 1);
+  };
+  capture.on_idle = [&]
+  {
+    if (frames == 0) return;  // nothing has been asked for yet
+    EXPECT_EQ(frames, 3);
+    EXPECT_EQ(capture.camera.open_devices, 0);
+    capture.demand(Demand::kFrames);
+  };
+  capture.runUntilFinished();
+}

@@ -1,0 +1,131 @@
+#include <dynamic_reconfigure/Reconfigure.h>
+#include <gtest/gtest.h>
+#include <ros/ros.h>
+
+#include <atomic>
+#include <chrono>
+#include <future>
+#include <memory>
+#include <thread>
+
+#include "core/camera/v4l2_source.hpp"
+#include "ros/camera/control_params.hpp"
+#include "ros/camera/control_server.hpp"
+#include "support/fake_v4l2.hpp"
+#include "support/run_tests.hpp"
+
+using namespace robot_vision;
+
+namespace
+{
+
+/// One whose driver allows no second opening.
+FakeCamera webcam()
+{
+  FakeCamera camera;
+  camera.exclusive = true;
+  camera.controls = {{V4L2_CID_BRIGHTNESS, V4L2_CTRL_TYPE_INTEGER, "Brightness", 0, 255, 128}};
+  return camera;
+}
+
+dynamic_reconfigure::Config brightness(int value)
+{
+  dynamic_reconfigure::Config config;
+  config.ints.resize(1);
+  config.ints[0].name = "brightness";
+  config.ints[0].value = value;
+  return config;
+}
+
+/// Changes the brightness by the service, and gives what that answers.
+int changed(int value)
+{
+  dynamic_reconfigure::Reconfigure call;
+  call.request.config = brightness(value);
+  EXPECT_TRUE(ros::service::call(ros::NodeHandle("~").resolveName("controls/set_parameters"), call));
+  return call.response.config.ints.empty() ? -1 : call.response.config.ints[0].value;
+}
+
+}  // namespace
+
+TEST(ControlSettings, areUsbCamsThenItsMapButForWhatItIgnoresThenOurs)
+{
+  const ros::NodeHandle nh("~settings");
+  nh.setParam("brightness", 5);
+  nh.setParam("gain", -1);
+  nh.setParam("intrinsic_controls/exposure_auto", 3);
+  nh.setParam("intrinsic_controls/focus_auto", true);
+  nh.setParam("intrinsic_controls/contrast", 7);
+  nh.setParam("intrinsic_controls/ignore", std::vector<std::string>{"contrast", "sharpness"});
+  nh.setParam("controls/gamma", 100);
+  const std::vector<ControlSetting> settings = readControlSettings(nh);
+  const std::vector<std::pair<std::string, ControlValue>> expected = {{"brightness", std::int64_t{5}},
+                                                                      {"exposure_auto", std::int64_t{3}},
+                                                                      {"focus_auto", true},
+                                                                      {"gamma", std::int64_t{100}}};
+  ASSERT_EQ(settings.size(), expected.size());
+  for (std::size_t i = 0; i < expected.size(); ++i)
+  {
+    EXPECT_EQ(settings[i].name, expected[i].first);
+    EXPECT_TRUE(settings[i].value == expected[i].second) << expected[i].first;
+  }
+}
+
+TEST(ControlServer, opensTheDeviceOnceForEachChange)
+{
+  FakeCamera camera = webcam();
+  ControlServer server(ros::NodeHandle("~"), ControlPort([&camera] { return camera.plug(); }), {});
+  EXPECT_EQ(changed(9), 9);
+  EXPECT_EQ(camera.openings, 1);
+  EXPECT_EQ(camera.open_devices, 0);
+}
+
+TEST(ControlServer, usesTheOpeningThatStreamsAndRestoresWhatWasSet)
+{
+  FakeCamera camera = webcam();
+  ControlServer server(ros::NodeHandle("~"), ControlPort([&camera] { return camera.plug(); }), {});
+  const auto open_source = [&camera] { return std::make_unique<V4l2Source>(camera.plug(), CaptureParams()); };
+  EXPECT_EQ(changed(9), 9);
+  camera.replug();
+  const auto source = server.open(open_source);
+  EXPECT_EQ(camera.control(V4L2_CID_BRIGHTNESS).value, 9);
+  EXPECT_EQ(changed(7), 7);
+  EXPECT_EQ(camera.openings, 2);
+}
+
+TEST(ControlServer, hasTheDeviceOpenWhileTheCaptureHasNot)
+{
+  FakeCamera camera = webcam();
+  std::promise<void> inside;
+  std::promise<void> go_on;
+  const auto slow = [&]
+  {
+    inside.set_value();
+    go_on.get_future().wait();
+    return camera.plug();
+  };
+  ControlServer server(ros::NodeHandle("~"), ControlPort(slow), {});
+  auto change = std::async(std::launch::async, [] { return changed(9); });
+  inside.get_future().wait();
+  std::atomic<bool> begun{false};
+  auto opening = std::async(std::launch::async,
+                            [&]
+                            {
+                              return server.open(
+                                  [&]
+                                  {
+                                    begun = true;
+                                    return std::make_unique<V4l2Source>(camera.plug(), CaptureParams());
+                                  });
+                            });
+  EXPECT_EQ(opening.wait_for(std::chrono::milliseconds(200)), std::future_status::timeout);
+  EXPECT_FALSE(begun);
+  go_on.set_value();
+  EXPECT_EQ(change.get(), 9);
+  EXPECT_TRUE(opening.get());
+}
+
+int main(int argc, char** argv)
+{
+  return runTests(argc, argv, "control_server");
+}

@@ -1,0 +1,102 @@
+#include <gtest/gtest.h>
+
+#include <cerrno>
+#include <limits>
+
+#include "core/camera/v4l2_source.hpp"
+#include "support/fake_v4l2.hpp"
+
+using namespace robot_vision;
+
+namespace
+{
+
+std::string readError(V4l2Source& source)
+{
+  Frame frame;
+  try
+  {
+    source.read(frame);
+  }
+  catch (const std::exception& e)
+  {
+    return e.what();
+  }
+  return "";
+}
+
+}  // namespace
+
+TEST(V4l2Source, givesTheDriversFramesWithTheirNumbersAndStamps)
+{
+  FakeCamera camera;
+  V4l2Source source(camera.plug(), CaptureParams());
+  EXPECT_EQ(source.description(), "YUYV 640x480 at 30 Hz from /dev/video0");
+  camera.stamp_ns = 1234567000;
+  for (int i = 0; i < 10; ++i)
+  {
+    Frame frame;
+    ASSERT_EQ(source.read(frame), ReadResult::kFrame);
+    EXPECT_EQ(frame.sequence, i);
+    EXPECT_EQ(frame.encoding, "yuv422_yuy2");
+    EXPECT_EQ(frame.monotonic_ns, 1234567000);
+    EXPECT_EQ(frame.image.size(), cv::Size(640, 480));
+    EXPECT_EQ(cv::countNonZero(frame.image.reshape(1) != i), 0);
+  }
+}
+
+TEST(V4l2Source, countsLostFramesAndRefusesDamagedOnes)
+{
+  FakeCamera camera;
+  V4l2Source source(camera.plug(), CaptureParams());
+  Frame frame;
+  ASSERT_EQ(source.read(frame), ReadResult::kFrame);
+  camera.lost = 3;
+  ASSERT_EQ(source.read(frame), ReadResult::kFrame);
+  EXPECT_EQ(frame.sequence, 4);
+  camera.damaged = 1;
+  EXPECT_EQ(readError(source), "/dev/video0: frame 5 is marked as damaged by the driver");
+  ASSERT_EQ(source.read(frame), ReadResult::kFrame);
+  EXPECT_EQ(frame.sequence, 5);  // the damaged one is not lost as well
+}
+
+TEST(V4l2Source, refusesFramesThatAreCutShort)
+{
+  FakeCamera camera;
+  std::size_t size = 0;
+  camera.picture = [&size](const v4l2_pix_format&, unsigned) { return std::vector<unsigned char>(size); };
+  V4l2Source source(camera.plug(), CaptureParams());
+  EXPECT_EQ(readError(source), "/dev/video0: frame 0 is empty");
+  size = 614399;
+  EXPECT_EQ(readError(source), "/dev/video0: frame 1 has 614399 bytes instead of 614400");
+  size = 614400;
+  EXPECT_EQ(readError(source), "");
+}
+
+TEST(V4l2Source, countsOnWhereTheDriversNumbersWrap)
+{
+  FakeCamera camera;
+  camera.first_sequence = std::numeric_limits<unsigned>::max() - 1;
+  V4l2Source source(camera.plug(), CaptureParams());
+  for (int i = 0; i < 4; ++i)
+  {
+    Frame frame;
+    ASSERT_EQ(source.read(frame), ReadResult::kFrame);
+    EXPECT_EQ(frame.sequence, i);
+  }
+}
+
+TEST(V4l2Source, namesTheCallThatFailed)
+{
+  for (const auto& [request, name] : kStreamingCalls)
+  {
+    FakeCamera camera;
+    {
+      V4l2Source source(camera.plug(), CaptureParams());
+      camera.faults[request] = {EIO};
+      EXPECT_EQ(readError(source), "/dev/video0: " + name + " failed: Input/output error");
+    }
+    EXPECT_EQ(camera.open_devices, 0);
+    EXPECT_EQ(camera.maps, 0);
+  }
+}

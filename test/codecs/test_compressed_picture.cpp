@@ -1,0 +1,243 @@
+#include <gtest/gtest.h>
+
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "robot_vision/codecs/compressed_picture.hpp"
+#include "robot_vision/image/encoding.hpp"
+#include "support/pictures.hpp"
+#include "support/refusal.hpp"
+
+using namespace robot_vision;
+
+namespace
+{
+
+struct Case
+{
+  std::string encoding;
+  int type;
+  std::string png_format;
+  std::string jpeg_format;
+  int stored;  // the conversion to what the file holds, -1: none
+};
+
+const std::vector<Case> kCases = {
+    {"bgr8", CV_8UC3, "bgr8; png compressed bgr8", "bgr8; jpeg compressed bgr8", -1},
+    {"rgb8", CV_8UC3, "rgb8; png compressed bgr8", "rgb8; jpeg compressed bgr8", cv::COLOR_RGB2BGR},
+    {"bgra8", CV_8UC4, "bgra8; png compressed bgr8", "bgra8; jpeg compressed bgr8", cv::COLOR_BGRA2BGR},
+    {"rgba8", CV_8UC4, "rgba8; png compressed bgr8", "rgba8; jpeg compressed bgr8", cv::COLOR_RGBA2BGR},
+    {"mono8", CV_8UC1, "mono8; png compressed ", "mono8; jpeg compressed ", -1},
+    {"8UC1", CV_8UC1, "8UC1; png compressed ", "8UC1; jpeg compressed ", -1},
+    {"8UC3", CV_8UC3, "8UC3; png compressed ", "8UC3; jpeg compressed ", -1},
+    {"bayer_grbg8", CV_8UC1, "bayer_grbg8; png compressed ", "bayer_grbg8; jpeg compressed ", -1},
+    {"bgr16", CV_16UC3, "bgr16; png compressed bgr16", "bgr8; jpeg compressed bgr8", -1},
+    {"rgb16", CV_16UC3, "rgb16; png compressed bgr16", "rgb8; jpeg compressed bgr8", cv::COLOR_RGB2BGR},
+    {"rgba16", CV_16UC4, "rgba16; png compressed bgr16", "rgba8; jpeg compressed bgr8", cv::COLOR_RGBA2BGR},
+    {"mono16", CV_16UC1, "mono16; png compressed ", "mono8; jpeg compressed ", -1},
+    {"16UC1", CV_16UC1, "16UC1; png compressed ", "8UC1; jpeg compressed ", -1},
+    {"bayer_rggb16", CV_16UC1, "bayer_rggb16; png compressed ", "bayer_rggb8; jpeg compressed ", -1},
+};
+
+CompressedPicture compressed(const cv::Mat& image, const std::string& encoding, const std::string& format)
+{
+  CompressionParams params;
+  params.format = format;
+  params.jpeg.quality = 90;
+  CompressedPicture picture;
+  compress(image, encoding, params, picture);
+  return picture;
+}
+
+struct Picture
+{
+  std::string encoding;
+  cv::Mat image;
+};
+
+Picture decompressed(const CompressedPicture& from, ColorMode mode = ColorMode::kUnchanged, int reduction = 1)
+{
+  Picture to;
+  to.encoding = decompress(from.format, from.data.data(), from.data.size(), mode, reduction, to.image);
+  return to;
+}
+
+/// Alpha is not stored: what comes back is opaque.
+cv::Mat opaque(const cv::Mat& image)
+{
+  cv::Mat out = image.clone();
+  if (image.channels() != 4) return out;
+  cv::Mat bgr;
+  cv::cvtColor(image, bgr, cv::COLOR_BGRA2BGR);
+  cv::cvtColor(bgr, out, cv::COLOR_BGR2BGRA);
+  return out;
+}
+
+cv::Mat converted(const cv::Mat& image, int code)
+{
+  if (code < 0) return image;
+  cv::Mat out;
+  cv::cvtColor(image, out, code);
+  return out;
+}
+
+}  // namespace
+
+TEST(CompressedPicture, ofPngLosesNothing)
+{
+  for (const Case& expected : kCases)
+  {
+    const cv::Mat image = noise({31, 17}, expected.type, /*row_padding=*/5);
+    const cv::Mat before = image.clone();
+    const CompressedPicture png = compressed(image, expected.encoding, "png");
+    EXPECT_EQ(png.format, expected.png_format);
+    EXPECT_TRUE(equal(cv::imdecode(png.data, cv::IMREAD_UNCHANGED), converted(image, expected.stored)))
+        << expected.encoding;
+    const Picture back = decompressed(png);
+    EXPECT_EQ(back.encoding, expected.encoding);
+    EXPECT_TRUE(equal(back.image, opaque(image))) << expected.encoding;
+    EXPECT_TRUE(equal(image, before));
+  }
+}
+
+TEST(CompressedPicture, ofJpegIsWhatOpenCvMakesOfIt)
+{
+  for (const Case& expected : kCases)
+  {
+    const cv::Mat image = noise({31, 17}, expected.type, /*row_padding=*/5);
+    cv::Mat narrow;
+    image.convertTo(narrow, CV_8U, image.depth() == CV_16U ? 255.0 / 65535.0 : 1.0);
+    const cv::Mat stored = converted(narrow, expected.stored);
+    std::vector<std::uint8_t> bytes;
+    cv::imencode(".jpg", stored, bytes, {cv::IMWRITE_JPEG_QUALITY, 90});
+
+    const CompressedPicture jpeg = compressed(image, expected.encoding, "jpeg");
+    EXPECT_EQ(jpeg.format, expected.jpeg_format);
+    EXPECT_EQ(jpeg.data, bytes) << expected.encoding;
+    const Picture back = decompressed(jpeg);
+    EXPECT_EQ(back.encoding, jpeg.format.substr(0, jpeg.format.find(';')));
+    const bool rgb = expected.encoding.rfind("rgb", 0) == 0;
+    const cv::Mat decoded = cv::imdecode(bytes, cv::IMREAD_UNCHANGED);
+    const int code =
+        narrow.channels() == 4 ? (rgb ? cv::COLOR_BGR2RGBA : cv::COLOR_BGR2BGRA) : (rgb ? cv::COLOR_BGR2RGB : -1);
+    EXPECT_TRUE(equal(back.image, converted(decoded, code))) << expected.encoding;
+  }
+}
+
+TEST(CompressedPicture, ofYuvIsBgr)
+{
+  const cv::Mat image = noise({32, 16}, CV_8UC2);
+  cv::Mat bgr;
+  toBgr(image, "yuv422", bgr);
+  const CompressedPicture png = compressed(image, "yuv422", "png");
+  EXPECT_EQ(png.format, "bgr8; png compressed bgr8");
+  EXPECT_TRUE(equal(decompressed(png).image, bgr));
+  // The standard transport keeps the name of what it converted.
+  const Picture back = decompressed({"yuv422; png compressed bgr8", png.data});
+  EXPECT_EQ(back.encoding, "bgr8");
+  EXPECT_TRUE(equal(back.image, bgr));
+}
+
+TEST(CompressedPicture, isReadWithoutALabel)
+{
+  const cv::Mat color = smooth({31, 17});
+  cv::Mat gray;
+  cv::cvtColor(color, gray, cv::COLOR_BGR2GRAY);
+  cv::Mat wide;
+  gray.convertTo(wide, CV_16U, 257.0);
+  for (const std::string& format : {"jpeg", "jpg", "png", ""})
+  {
+    const std::string codec = format == "png" ? "png" : "jpeg";
+    const Picture back = decompressed({format, compressed(color, "bgr8", codec).data});
+    EXPECT_EQ(back.encoding, "bgr8");
+    EXPECT_EQ(back.image.size(), color.size());
+    EXPECT_EQ(decompressed({format, compressed(gray, "mono8", codec).data}).encoding, "mono8");
+  }
+  const Picture back = decompressed({"png", compressed(wide, "mono16", "png").data});
+  EXPECT_EQ(back.encoding, "mono16");
+  EXPECT_TRUE(equal(back.image, wide));
+}
+
+// OpenCV writes none, and reads its grey as blue, green and red.
+TEST(CompressedPicture, ofGrayWithAlphaIsBgrWithoutALabel)
+{
+  const std::vector<std::uint8_t> gray_alpha = {
+      0x89, 0x50, 0x4E, 0x47, 0x0D, 0x0A, 0x1A, 0x0A, 0x00, 0x00, 0x00, 0x0D, 0x49, 0x48, 0x44, 0x52, 0x00, 0x00,
+      0x00, 0x02, 0x00, 0x00, 0x00, 0x01, 0x08, 0x04, 0x00, 0x00, 0x00, 0x5E, 0x2B, 0xB7, 0x01, 0x00, 0x00, 0x00,
+      0x0D, 0x49, 0x44, 0x41, 0x54, 0x78, 0x9C, 0x63, 0x48, 0xF9, 0x7F, 0xE2, 0x3F, 0x00, 0x07, 0x21, 0x03, 0x2B,
+      0x82, 0x71, 0xD3, 0xB5, 0x00, 0x00, 0x00, 0x00, 0x49, 0x45, 0x4E, 0x44, 0xAE, 0x42, 0x60, 0x82};
+  const Picture back = decompressed({"png", gray_alpha});
+  EXPECT_EQ(back.encoding, "bgr8");
+  EXPECT_TRUE(equal(back.image, cv::imdecode(gray_alpha, cv::IMREAD_ANYDEPTH | cv::IMREAD_ANYCOLOR)));
+  EXPECT_EQ(back.image.at<cv::Vec3b>(0, 1), cv::Vec3b(200, 200, 200));
+}
+
+TEST(CompressedPicture, isReadInGrayAndInColor)
+{
+  const cv::Mat image = smooth({32, 16});
+  for (const std::string codec : {"jpeg", "png"})
+  {
+    const CompressedPicture picture = compressed(image, "rgb8", codec);
+    const Picture gray = decompressed(picture, ColorMode::kGray);
+    EXPECT_EQ(gray.encoding, "mono8");
+    EXPECT_TRUE(equal(gray.image, cv::imdecode(picture.data, cv::IMREAD_GRAYSCALE)));
+    const Picture color = decompressed(picture, ColorMode::kColor);
+    EXPECT_EQ(color.encoding, "bgr8");
+    EXPECT_TRUE(equal(color.image, cv::imdecode(picture.data, cv::IMREAD_COLOR)));
+  }
+  const cv::Mat mosaic = noise({32, 16}, CV_8UC1);
+  cv::Mat bgr;
+  toBgr(mosaic, "bayer_rggb8", bgr);
+  const Picture color = decompressed(compressed(mosaic, "bayer_rggb8", "png"), ColorMode::kColor);
+  EXPECT_EQ(color.encoding, "bgr8");
+  EXPECT_TRUE(equal(color.image, bgr));
+}
+
+TEST(CompressedPicture, isReadSmaller)
+{
+  const cv::Mat image = smooth({61, 47});
+  for (const std::string codec : {"jpeg", "png"})
+  {
+    cv::Mat expected;
+    cv::resize(image, expected, {31, 24}, 0, 0, cv::INTER_AREA);
+    const Picture half = decompressed(compressed(image, "bgr8", codec), ColorMode::kUnchanged, 2);
+    ASSERT_EQ(half.image.size(), expected.size());
+    EXPECT_LT(cv::norm(half.image, expected, cv::NORM_L1) / (31 * 24 * 3), 4.0) << codec;
+    EXPECT_EQ(refusal([&] { decompressed(compressed(image, "bgr8", codec), ColorMode::kUnchanged, 3); }),
+              "reduction is 3, must be 1, 2, 4 or 8");
+  }
+  EXPECT_EQ(refusal(
+                [&] {
+                  decompressed(compressed(noise({32, 16}, CV_8UC1), "bayer_rggb8", "png"), ColorMode::kUnchanged, 2);
+                }),
+            "a mosaic of colours (bayer_rggb8) cannot be reduced");
+}
+
+TEST(CompressedPicture, thatIsNotWhatItsLabelSaysIsRefused)
+{
+  const CompressedPicture png = compressed(smooth({4, 4}), "bgr8", "png");
+  const CompressedPicture jpeg = compressed(smooth({4, 4}), "bgr8", "jpeg");
+  const auto refused = [](const std::string& format, const std::vector<std::uint8_t>& data) {
+    return refusal([&] { decompressed({format, data}); });
+  };
+  EXPECT_EQ(refused(png.format, jpeg.data),
+            "format is 'bgr8; png compressed bgr8', its " + std::to_string(jpeg.data.size()) + " bytes are JPEG");
+  EXPECT_EQ(refused(jpeg.format, png.data),
+            "format is 'bgr8; jpeg compressed bgr8', its " + std::to_string(png.data.size()) + " bytes are PNG");
+  EXPECT_EQ(refused("bgr8; qoi compressed bgr8", {'q', 'o', 'i', 'f'}),
+            "format is 'bgr8; qoi compressed bgr8', its 4 bytes are neither JPEG nor PNG");
+  EXPECT_EQ(refused("jpeg", {}), "format is 'jpeg', its 0 bytes are neither JPEG nor PNG");
+  EXPECT_EQ(refused("32FC1; png compressed ", png.data).find("encoding '32FC1' is not one of bgr8, "), 0u);
+}
+
+TEST(CompressedPicture, refusesToCompressWhatItCannot)
+{
+  EXPECT_EQ(refusal([] { compressed(cv::Mat(2, 2, CV_32FC1), "32FC1", "png"); }).find("encoding '32FC1' is not"), 0u);
+  EXPECT_EQ(refusal([] { compressed(cv::Mat(2, 2, CV_8UC1), "bgr8", "png"); }),
+            "bgr8 picture of 2x2: expected pixels of 3 x 8 bits (CV_8UC3), got 1 x 8 bits (CV_8UC1)");
+  EXPECT_EQ(refusal([] { compressed(cv::Mat(2, 2, CV_8UC1), "mono8", "webp"); }),
+            "format is 'webp', must be jpeg or png");
+  CompressionParams params;
+  params.png_level = 10;
+  EXPECT_EQ(refusal([&] { validate(params); }), "png_level is 10, must be from 1 to 9");
+}

@@ -1,0 +1,283 @@
+#include "robot_vision/codes/code_reader.hpp"
+
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+#include <thread>
+
+#include "robot_vision/scene/scene.hpp"
+#include "support/pictures.hpp"
+#include "support/refusal.hpp"
+
+using namespace robot_vision;
+
+namespace
+{
+
+CodeReader readerOf(const std::string& symbologies)
+{
+  CodeReaderParams params;
+  params.symbologies = symbologies;
+  return CodeReader(params);
+}
+
+/// The scene's QR code, and its corners as the reader orders them.
+std::vector<cv::Point2d> truth(const Scene& scene, std::int64_t frame)
+{
+  for (const SceneObject& object : scene.truth(frame).objects)
+    if (object.name == "qr_code") return {object.outline.rbegin(), object.outline.rend()};
+  return {};
+}
+
+constexpr double kStep = 1.0 / 30.0;  // s
+
+CodeReader following(double period, bool background = false)
+{
+  CodeReaderParams params;
+  params.max_search_period = period;
+  params.background = background;
+  return CodeReader(params);
+}
+
+cv::Mat wall(cv::Size size = {640, 480})
+{
+  return {size, CV_8UC1, cv::Scalar(200)};
+}
+
+/// The part of the scene with its QR code and so many px around it: a view of the whole image.
+cv::Mat codeWith(const Scene& scene, int around)
+{
+  cv::Mat bgr, gray;
+  scene.render(0, bgr);
+  cv::cvtColor(bgr, gray, cv::COLOR_BGR2GRAY);
+  const std::vector<cv::Point2d> corners = truth(scene, 0);
+  const cv::Rect tight = cv::boundingRect(std::vector<cv::Point2f>(corners.begin(), corners.end()));
+  return gray(tight + cv::Size(2 * around, 2 * around) - cv::Point(around, around));
+}
+
+/// The scene's QR code with what is around it.
+cv::Mat codePixels()
+{
+  static const cv::Mat pixels = codeWith(Scene{SceneParams()}, 10).clone();
+  return pixels;
+}
+
+/// A wall with the code there.
+cv::Mat withCode(cv::Point place, cv::Mat image = wall())
+{
+  const cv::Mat pixels = codePixels();
+  pixels.copyTo(image(cv::Rect(place, pixels.size())));
+  return image;
+}
+
+double farthest(const std::vector<cv::Point2d>& a, const std::vector<cv::Point2d>& b)
+{
+  double most = a.size() == b.size() ? 0.0 : 1e9;
+  for (std::size_t i = 0; i < std::min(a.size(), b.size()); ++i)
+    most = std::max(most, cv::norm(a[i] - b[i]));
+  return most;
+}
+
+/// That the codes are those that a search of the whole image reads, and where it does.
+void expectAsRead(const std::vector<Code>& codes, const cv::Mat& image)
+{
+  const std::vector<Code> expected = CodeReader().read(image, "mono8");
+  ASSERT_EQ(codes.size(), expected.size());
+  for (std::size_t i = 0; i < codes.size(); ++i)
+  {
+    EXPECT_EQ(codes[i].type, expected[i].type);
+    EXPECT_EQ(codes[i].data, expected[i].data);
+    EXPECT_LT(farthest(codes[i].polygon, expected[i].polygon), 1.5);
+  }
+}
+
+/// The codes of the first frame that has one, of a live camera that shows this.
+std::vector<Code> firstSeen(CodeReader& reader, const cv::Mat& image, double begin)
+{
+  const auto start = std::chrono::steady_clock::now();
+  for (double elapsed = 0.0; elapsed < 60.0;)
+  {
+    const std::vector<Code> codes = reader.update(begin + elapsed, image, "mono8");
+    if (!codes.empty()) return codes;
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    elapsed = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  }
+  return {};
+}
+
+}  // namespace
+
+TEST(CodeReader, readsTheSceneWhereItsCodeIs)
+{
+  const Scene scene{SceneParams()};
+  CodeReader reader;
+  for (const std::int64_t frame : {0, 150, 300, 450})
+  {
+    cv::Mat bgr;
+    scene.render(frame, bgr);
+    const cv::Mat before = bgr.clone();
+    const std::vector<Code> codes = reader.read(bgr, "bgr8");
+    EXPECT_TRUE(equal(bgr, before));
+    ASSERT_EQ(codes.size(), 1U);
+    EXPECT_EQ(codes[0].type, "qr");
+    EXPECT_EQ(codes[0].data, "robot_vision");
+    EXPECT_EQ(codes[0].score, 1.0);
+    const std::vector<cv::Point2d> corners = truth(scene, frame);
+    ASSERT_EQ(codes[0].polygon.size(), corners.size());
+    for (std::size_t i = 0; i < corners.size(); ++i)
+      EXPECT_LT(cv::norm(codes[0].polygon[i] - corners[i]), 3.0) << frame << codes[0].polygon[i] << corners[i];
+  }
+}
+
+TEST(CodeReader, readsPartsOfPictures)
+{
+  const Scene scene{SceneParams()};
+  const cv::Mat part = codeWith(scene, 20);
+  cv::Size whole;
+  cv::Point origin;
+  part.locateROI(whole, origin);
+  const std::vector<Code> codes = CodeReader().read(part, "mono8");  // its rows lie apart
+  ASSERT_EQ(codes.size(), 1U);
+  EXPECT_EQ(codes[0].data, "robot_vision");
+  EXPECT_LT(cv::norm(codes[0].polygon[0] + cv::Point2d(origin) - truth(scene, 0)[0]), 3.0);
+}
+
+TEST(CodeReader, keepsNothingOfAPicture)
+{
+  CodeReader reader;
+  const Scene scene{SceneParams()};
+  cv::Mat bgr;
+  scene.render(0, bgr);
+  EXPECT_EQ(reader.read(bgr, "bgr8").size(), 1U);
+  bgr.release();
+  EXPECT_TRUE(reader.read(cv::Mat(48, 64, CV_8UC1, cv::Scalar(255)), "mono8").empty());
+  CodeReader other = std::move(reader);
+  scene.render(1, bgr);
+  EXPECT_EQ(other.read(bgr, "bgr8").size(), 1U);
+}
+
+TEST(CodeReader, looksForWhatIsWanted)
+{
+  cv::Mat bgr;
+  Scene{SceneParams()}.render(0, bgr);
+  EXPECT_EQ(readerOf("qr").read(bgr, "bgr8").size(), 1U);
+  EXPECT_EQ(readerOf(" code128 , qr ").read(bgr, "bgr8").size(), 1U);
+  EXPECT_TRUE(readerOf("code128").read(bgr, "bgr8").empty());
+}
+
+TEST(CodesFollowed, areReadInEveryFrameWhereTheyAre)
+{
+  CodeReader reader = following(60.0);
+  for (int frame = 0; frame < 30; ++frame)
+  {
+    const cv::Mat image = withCode({20 + 12 * frame, 300 - 7 * frame});
+    const std::vector<Code> codes = reader.update(10.0 + frame * kStep, image, "mono8");
+    ASSERT_EQ(codes.size(), 1U) << frame;
+    expectAsRead(codes, image);
+  }
+}
+
+TEST(CodesFollowed, areLostAtOnceAndFoundInTheirPlace)
+{
+  CodeReader reader = following(60.0);
+  const cv::Mat shown = withCode({300, 200});
+  EXPECT_EQ(reader.update(10.0, shown, "mono8").size(), 1U);
+  for (int frame = 1; frame < 5; ++frame)
+    EXPECT_TRUE(reader.update(10.0 + frame * kStep, wall(), "mono8").empty());
+  EXPECT_EQ(reader.update(10.0 + 5 * kStep, shown, "mono8").size(), 1U);
+}
+
+TEST(CodesFollowed, areFoundElsewhereSoonAfterTheyWereLost)
+{
+  CodeReader reader = following(2.0);
+  for (int frame = 0; frame <= 30; ++frame)
+    EXPECT_EQ(reader.update(frame * kStep, withCode({20, 20}), "mono8").size(), 1U);
+  const cv::Mat elsewhere = withCode({500, 300});
+  EXPECT_EQ(reader.update(31 * kStep, elsewhere, "mono8").size(), 1U);  // a fifth of the period has gone by
+}
+
+TEST(CodesFollowed, ofTwoThatSayTheSameBothAreReported)
+{
+  CodeReader reader = following(60.0);
+  for (int frame = 0; frame < 10; ++frame)
+  {
+    const cv::Mat image = withCode({400, 300 - 8 * frame}, withCode({20 + 9 * frame, 20}));
+    const std::vector<Code> codes = reader.update(frame * kStep, image, "mono8");
+    ASSERT_EQ(codes.size(), 2U) << frame;
+    expectAsRead(codes, image);
+  }
+}
+
+TEST(CodesFollowed, newOnesAreFoundWithinThePeriodOfTheStamps)
+{
+  CodeReader reader = following(0.5);
+  EXPECT_TRUE(reader.update(10.0, wall(), "mono8").empty());
+  const cv::Mat shown = withCode({300, 200});
+  int frame = 1;
+  while (frame < 100 && reader.update(10.0 + frame * kStep, shown, "mono8").empty())
+    ++frame;
+  EXPECT_LE(frame * kStep, 0.5);
+  EXPECT_GT(frame, 10);  // not all is searched in every frame
+}
+
+TEST(CodesFollowed, allIsSearchedAtOnceWhenNothingIsKnown)
+{
+  CodeReader reader = following(60.0, true);
+  EXPECT_EQ(reader.update(10.0, withCode({300, 200}), "mono8").size(), 1U);
+  EXPECT_EQ(reader.update(10.1, withCode({20, 20}, wall({320, 240})), "mono8").size(), 1U);  // another size
+  EXPECT_EQ(reader.update(3.0, withCode({60, 40}, wall({320, 240})), "mono8").size(), 1U);   // time goes back
+  CodeReader always = following(0.0, true);
+  for (const int x : {20, 500, 20, 500})
+    EXPECT_EQ(always.update(x, withCode({x, 200}), "mono8").size(), 1U);
+}
+
+TEST(CodesFollowed, newOnesAreFoundInTheBackground)
+{
+  CodeReader reader = following(0.1, true);
+  EXPECT_TRUE(reader.update(0.0, wall(), "mono8").empty());
+  const cv::Mat shown = withCode({300, 200});
+  const std::vector<Code> codes = firstSeen(reader, shown, 1.0);
+  ASSERT_EQ(codes.size(), 1U);
+  expectAsRead(codes, shown);
+}
+
+TEST(CodesFollowed, theCallerMayUseItsMemoryAgain)
+{
+  CodeReader reader = following(60.0, true);
+  reader.update(0.0, wall(), "mono8");
+  const cv::Mat shown = withCode({300, 200});
+  cv::Mat frame = shown.clone();
+  EXPECT_TRUE(reader.update(100.0, frame, "mono8").empty());  // begins the only search
+  frame.setTo(128);
+  EXPECT_EQ(firstSeen(reader, shown, 100.1).size(), 1U);
+}
+
+TEST(CodesFollowed, whatIsGoneIsNotReported)
+{
+  CodeReader reader = following(60.0, true);
+  reader.update(0.0, wall(), "mono8");
+  EXPECT_TRUE(reader.update(100.0, withCode({300, 200}), "mono8").empty());  // begins a search
+  for (int frame = 1; frame < 30; ++frame)
+    EXPECT_TRUE(reader.update(100.0 + frame * kStep, wall(), "mono8").empty());
+}
+
+TEST(CodeReader, refusesWhatIsOutOfRange)
+{
+  const std::string types = "qr, ean13, ean8, upca, upce, code128, code93, code39, i25, codabar";
+  EXPECT_EQ(refusal([] { readerOf("aztec"); }), "symbologies has 'aztec', must be all, or some with commas: " + types);
+  EXPECT_EQ(refusal([] { readerOf(""); }), "symbologies has '', must be all, or some with commas: " + types);
+  CodeReaderParams params;
+  params.spacing = 17;
+  EXPECT_EQ(refusal([&] { validate(params); }), "spacing is 17, must be from 1 to 16");
+  params.spacing = 16;
+  params.enlarge = 0;
+  EXPECT_EQ(refusal([&] { validate(params); }), "enlarge is 0, must be from 1 to 4");
+  params.enlarge = 1;
+  params.max_search_period = -1.0;
+  EXPECT_EQ(refusal([&] { validate(params); }), "max_search_period is -1, must be from 0 to 60");
+  EXPECT_THROW(CodeReader().update(std::nan(""), wall(), "mono8"), std::invalid_argument);
+  EXPECT_THROW(CodeReader().read(cv::Mat(), "mono8"), std::invalid_argument);
+  EXPECT_THROW(CodeReader().read(cv::Mat(40, 40, CV_8UC1), "bgr8"), std::invalid_argument);
+}

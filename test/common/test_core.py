@@ -1,0 +1,171 @@
+"""The bindings: arrays in, arrays out, Python's errors. The gtests test the algorithms."""
+
+import cv2
+import numpy as np
+import pytest
+
+import robot_vision as rv
+
+
+@pytest.fixture
+def picture():
+    return np.random.RandomState(1).randint(0, 256, (48, 64, 3), np.uint8)
+
+
+def opencv_edges(gray):
+    return cv2.Canny(cv2.blur(gray, (7, 7)), 15, 30)
+
+
+def test_edges_equal_opencv(picture):
+    before = picture.copy()
+    edges = rv.find_edges(picture)
+    assert np.array_equal(edges, opencv_edges(cv2.cvtColor(picture, cv2.COLOR_BGR2GRAY)))
+    assert np.array_equal(picture, before)
+    assert np.array_equal(
+        rv.find_edges(picture[:, :, 0].copy(), "mono8"), opencv_edges(picture[:, :, 0])
+    )
+
+
+def test_rows_may_be_padded(picture):
+    part = picture[4:40, 10:50]
+    assert not part.flags.c_contiguous
+    assert np.array_equal(rv.find_edges(part), rv.find_edges(part.copy()))
+
+
+@pytest.mark.parametrize(
+    "part", [np.s_[:, ::2], np.s_[::-1], np.s_[:, :, ::-1], np.s_[:, ::-1, :2]], ids=str
+)
+def test_any_other_layout_is_copied(picture, part):
+    view = picture[part]
+    encoding = "bgr8" if view.shape[2] == 3 else "yuv422"
+    assert np.array_equal(rv.find_edges(view, encoding), rv.find_edges(view.copy(), encoding))
+    channel = view[:, :, 1]
+    assert np.array_equal(rv.find_edges(channel, "mono8"), opencv_edges(channel.copy()))
+
+
+def test_brightness_equals_opencv(picture):
+    params = rv.BrightnessParams()
+    params.gain = 1.5
+    params.offset = -20
+    assert np.array_equal(
+        rv.adjust_brightness(picture, "rgb8", params), np.clip(np.rint(picture * 1.5 - 20), 0, 255)
+    )
+    wide = np.arange(64, dtype=np.uint16).reshape(8, 8) * 1000
+    assert np.array_equal(
+        rv.adjust_brightness(wide, "mono16"), np.minimum(wide + 50.0 * 257, 65535)
+    )
+
+
+def test_samples_that_are_not_aligned():
+    bytes_of_noise = np.random.default_rng(3).integers(0, 256, 1 + 4 * 9, np.uint8)
+    odd_place = np.frombuffer(bytes_of_noise.tobytes(), np.uint16, 16, offset=1).reshape(4, 4)
+    odd_rows = np.ndarray((4, 4), np.uint16, bytes_of_noise.tobytes(), 0, (9, 2))
+    for wide in (odd_place, odd_rows):
+        expected = np.minimum(wide.astype(int) + 50 * 257, 65535)
+        assert np.array_equal(rv.adjust_brightness(wide, "mono16"), expected)
+
+
+@pytest.mark.parametrize(
+    "array, encoding, error",
+    [
+        (np.zeros((4, 4, 3), np.float32), "bgr8", TypeError),
+        (np.zeros((4, 4, 3), np.int8), "bgr8", TypeError),
+        (np.zeros(16, np.uint8), "mono8", ValueError),
+        (np.zeros((4, 4, 5), np.uint8), "bgr8", ValueError),
+        (np.zeros((4, 4), np.uint8), "bgr8", ValueError),
+        (np.zeros((0, 4, 3), np.uint8), "bgr8", ValueError),
+        (np.zeros((4, 4, 3), np.uint8), "rgb565", ValueError),
+        (np.zeros((4, 5, 2), np.uint8), "yuv422", ValueError),
+    ],
+)
+def test_what_is_no_picture_is_refused(array, encoding, error):
+    with pytest.raises(error):
+        rv.find_edges(array, encoding)
+
+
+def test_results_outlive_their_source(picture):
+    edges = rv.find_edges(picture)
+    expected = edges.copy()
+    del picture
+    assert np.array_equal(edges, expected)
+
+
+def test_line_is_found_in_a_mask():
+    mask = np.zeros((60, 320), np.uint8)
+    mask[:, 200:241] = 255
+    mask[10:50, 20:71] = 255
+    before = mask.copy()
+    line = rv.find_line(mask)
+    assert line.found
+    assert line.center == (220.0, 29.5) and line.area == 41 * 60
+    assert (line.offset, line.error, line.angle) == (60.5, 60.5 / 160.0, 0.0)
+    assert line.outline.dtype == np.int32
+    assert sorted(map(tuple, line.outline)) == [(200, 0), (200, 59), (240, 0), (240, 59)]
+    assert np.array_equal(mask, before)
+    # The smaller region is the line for who saw it there.
+    left = rv.find_line(mask[:, :160])
+    assert left.center == (45.0, 29.5)
+    assert rv.find_line(mask, previous=left).center == left.center
+
+
+def test_no_line_is_not_found():
+    line = rv.find_line(np.zeros((60, 320), np.uint8))
+    assert not line.found and line.confidence == 0.0 and line.outline.shape == (0, 2)
+    params = rv.LineParams()
+    params.min_area = 1201.0
+    assert not rv.find_line(np.full((30, 40), 255, np.uint8), params).found
+    with pytest.raises(ValueError):
+        rv.find_line(np.zeros((4, 4, 3), np.uint8))
+
+
+@pytest.mark.parametrize(
+    "params, name, value, message",
+    [
+        (rv.BrightnessParams(), "gamma", 0.0, "gamma is 0, must be from 0.1 to 10"),
+        (rv.EdgeParams(), "blur_size", 2, "blur_size is 2, must be odd and from 1 to 31"),
+        (rv.CaptureParams(), "framerate", -1, "framerate is -1, must be from 0 to 1000"),
+        (rv.SceneParams(), "width", 0, "width is 0"),
+        (rv.LineParams(), "min_area", 0, "min_area is 0, must be from 1 to"),
+    ],
+)
+def test_parameters_out_of_range_are_value_errors(params, name, value, message):
+    rv.validate(params)
+    setattr(params, name, value)
+    with pytest.raises(ValueError, match=message):
+        rv.validate(params)
+
+
+def test_scene_is_rendered_with_its_truth():
+    params = rv.SceneParams()
+    params.noise = 0.0
+    scene = rv.Scene(params)
+    objects = {o.name: o for o in scene.truth(0).objects}
+    assert {"ball", "tag_0", "tag_1", "qr_code", "checkerboard", "line", "box", "poster"} <= set(
+        objects
+    )
+    picture = scene.render(0)
+    assert picture.shape == (480, 640, 3)
+    ball = objects["ball"]
+    assert ball.outline.shape[1] == 2 and ball.pose.shape == (4, 4)
+    # The truth projects to itself through the camera's own numbers, and the ball is blue there.
+    point, _ = cv2.projectPoints(
+        ball.pose[:3, 3].reshape(1, 3),
+        np.zeros(3),
+        np.zeros(3),
+        scene.camera.K,
+        np.array(scene.camera.D),
+    )
+    assert np.allclose(point.ravel(), ball.center, atol=1e-6)
+    x, y = np.rint(ball.center).astype(int)
+    blue, green, red = picture[y, x].astype(int)
+    assert blue > green + 40 and blue > red + 40
+
+
+def test_poster_hangs_on_the_wall():
+    params = rv.SceneParams()
+    params.noise = 0.0
+    scene = rv.Scene(params, np.full((30, 20, 3), (0, 255, 0), np.uint8))
+    poster = next(o for o in scene.truth(0).objects if o.name == "poster")
+    x, y = np.rint(poster.center).astype(int)
+    blue, green, red = scene.render(0)[y, x].astype(int)
+    assert green > blue + 60 and green > red + 60

@@ -1,0 +1,206 @@
+"""Commands that Ctrl-C ends in the middle: nothing half, and no traceback."""
+
+import contextlib
+import os
+import pathlib
+import signal
+import subprocess
+import sys
+import time
+
+import cv2
+import numpy as np
+import pytest
+import roslib.packages
+import yaml
+from board_views import SQUARE, Studio, chessboard
+from tags import CAMERAS, SIZE, corners_of, matrix, pose_in_view, turned
+
+import robot_vision as rv
+from robot_vision.calibration import calibrate_headless
+from robot_vision.color import pick_color
+from robot_vision.common.commands import INTERRUPTED, run_command
+from robot_vision.markers import command as create_marker
+from robot_vision.tags import calibrate_bundle
+
+OURS = os.path.dirname(create_marker.__file__).rpartition("/")[0]
+OLD = b"old: 1\n"
+ALL = 10**9  # calls, more than a command makes
+
+
+def interrupted_at(main, words, call):
+    """The exit code and the output of a command that is interrupted at one of our calls.
+
+    Before and after run_command() a signal ends it by the system's own means. The last line of the
+    output is how many calls there were.
+    """
+    reader, writer = os.pipe()
+    pid = os.fork()
+    if pid == 0:
+        os.dup2(writer, 1)
+        os.dup2(writer, 2)
+        sys.stdout, sys.stderr = (os.fdopen(number, "w") for number in (1, 2))
+        sys.argv = ["command", *words]
+        cv2.setNumThreads(0)  # a fork has none of the threads that there were
+        calls, working = 0, False
+
+        def count(frame, event, _):
+            nonlocal calls, working
+            if frame.f_code is run_command.__code__ and event in ("call", "return"):
+                working = event == "call"
+            elif working and event == "call" and _is_ours(frame):
+                calls += 1
+                if calls == call:
+                    sys.setprofile(None)
+                    raise KeyboardInterrupt
+
+        code = 99
+        try:
+            sys.setprofile(count)
+            code = main()
+        finally:
+            sys.setprofile(None)
+            print(calls)
+            sys.stdout.flush()
+            sys.stderr.flush()
+            os._exit(code)
+    os.close(writer)
+    with os.fdopen(reader) as stream:
+        output = stream.read()
+    return os.WEXITSTATUS(os.waitpid(pid, 0)[1]), output
+
+
+def _is_ours(frame):
+    return frame.f_code.co_filename.startswith(OURS)
+
+
+def moments(calls):
+    """Some of so many calls; of the first and the last, where files are looked at, all."""
+    step = max(7, calls // 25)
+    return sorted({*range(1, 20), *range(20, calls, step), *range(calls - 25, calls + 2)})
+
+
+def create_a_marker(folder, _):
+    return create_marker.main, ["--output", folder / "made" / "a.png", "1"], ["a.png"]
+
+
+def pick_a_color(folder, _):
+    words = ["--hex", "#1e90ff", "--save", folder / "made" / "a.yaml", "--name", "a"]
+    return pick_color.main, words, ["a.yaml"]
+
+
+def learn_a_bundle(folder, monkeypatch):
+    """From frames that are there already: Ctrl-C while they come begins the work."""
+    rng = np.random.default_rng(1)
+    places = {tag: matrix(turned([0.3 * tag, 0, 0]), [0.3 * tag, 0, 0]) for tag in range(3)}
+    bodies = [pose_in_view(rng, 60, rng.uniform(0, 0.7)) for _ in range(8)]
+    camera = CAMERAS["plumb_bob"]
+
+    def collect(_arguments, collection, _progress):
+        for body in bodies:
+            seen = [(tag, corners_of(body @ place, camera)) for tag, place in places.items()]
+            collection.add(camera.width, seen)
+        return camera
+
+    monkeypatch.setattr(calibrate_bundle, "_collect", collect)
+    words = ["--name", "a", "--ids", "0-2", "--size", SIZE, "--output", folder / "made" / "a.yaml"]
+    return calibrate_bundle.main, [*words, "--force"], ["a.yaml"]
+
+
+def calibrate_a_camera(folder, _):
+    lens = rv.CameraModel(320, 240, [260.0, 0, 160, 0, 262, 118, 0, 0, 1], [-0.2, 0.05, 0, 0])
+    board = Studio(chessboard(6, 5), lens)
+    pictures = folder / "pictures"
+    pictures.mkdir()
+    for number in range(6):
+        cv2.imwrite(str(pictures / f"{number}.png"), board.frame())
+    words = ["--size", "6x5", "--square", SQUARE, "--output", folder / "made" / "a.yaml", pictures]
+    return calibrate_headless.main, words, ["a.yaml", "a.png"]
+
+
+def shape(path):
+    """What a whole file has, whatever was measured: the end of a picture, and keys of YAML."""
+    data = path.read_bytes()
+    return data[-12:] if path.suffix == ".png" else ([*yaml.safe_load(data)], data[-1:])
+
+
+COMMANDS = [create_a_marker, pick_a_color, learn_a_bundle, calibrate_a_camera]
+
+
+@pytest.mark.parametrize("command", COMMANDS, ids=lambda command: command.__name__)
+def test_interrupted_at_any_call(tmp_path, monkeypatch, command):
+    """Old files stay what they were, or new ones are whole; nothing else is left."""
+    (tmp_path / "made").mkdir()
+    main, words, names = command(tmp_path, monkeypatch)
+    words, paths = list(map(str, words)), {tmp_path / "made" / name for name in names}
+    if "--force" in words:
+        for path in paths:
+            path.write_bytes(OLD)
+    code, output = interrupted_at(main, words, ALL)
+    assert code == 0, output
+    whole = {path: shape(path) for path in paths}
+    codes = []
+    for call in moments(int(output.split()[-1])):
+        for path in paths:
+            if "--force" in words:
+                path.write_bytes(OLD)
+            elif path.exists():
+                path.unlink()
+        code, output = interrupted_at(main, words, call)
+        codes.append(code)
+        # While calibrate_headless.py looks at pictures, Ctrl-C means that there are enough.
+        too_few = code == 1 and "\ncalibrate_headless.py: " in "\n" + output
+        assert (code in (0, INTERRUPTED) or too_few) and "Traceback" not in output, (call, output)
+        assert set((tmp_path / "made").iterdir()) <= paths
+        for path in filter(os.path.exists, paths):
+            old = "--force" in words and code and path.read_bytes() == OLD
+            assert old or shape(path) == whole[path], (call, output)
+    assert codes.count(INTERRUPTED) > 10 and codes[-1] == 0
+
+
+def interrupted_by_itself(words, is_stuck, **options):
+    """Asserts that the signal ends a program that is stuck, and that it says nothing of it."""
+    own = {"stderr": subprocess.PIPE, "start_new_session": True, "text": True, **options}
+    with subprocess.Popen(list(map(str, words)), **own) as process:
+        deadline = time.monotonic() + 60.0
+        while not is_stuck(process.pid) and time.monotonic() < deadline:
+            time.sleep(0.01)
+        os.killpg(process.pid, signal.SIGINT)
+        _, said = process.communicate(timeout=60.0)
+    assert process.returncode == -signal.SIGINT  # which shells call 130
+    assert said == ""
+
+
+def test_list_cameras_interrupted_while_nobody_reads_what_it_says():
+    program = roslib.packages.find_node("robot_vision", "list_cameras")[0]
+    reader, writer = os.pipe()
+    os.set_blocking(writer, False)
+    with contextlib.suppress(BlockingIOError):
+        while True:
+            os.write(writer, bytes(4096))
+    os.set_blocking(writer, True)
+
+    def sleeps(process):
+        name, state = pathlib.Path(f"/proc/{process}/stat").read_text().split()[1:3]
+        return (name, state) == ("(list_cameras)", "S")
+
+    interrupted_by_itself([program, "--help"], sleeps, stdout=writer)
+    os.close(reader)
+    os.close(writer)
+
+
+def test_check_arguments_interrupted_while_it_reads(tmp_path):
+    """Of a shell, in the place of roslaunch: its parent has the launch file in its command."""
+    program = roslib.packages.find_node("robot_vision", "check_arguments.py")[0]
+    pipe = tmp_path / "our.launch"
+    os.mkfifo(str(pipe))
+    writers = []
+
+    def reads(_):
+        with contextlib.suppress(OSError):  # it has not opened it yet
+            writers.append(os.open(str(pipe), os.O_WRONLY | os.O_NONBLOCK))
+        return writers
+
+    command = ["sh", "-c", '"$0" "$1"; exit', program, pipe]
+    interrupted_by_itself(command, reads)
+    os.close(writers[0])

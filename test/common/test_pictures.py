@@ -1,0 +1,43 @@
+"""Picture files: the sensor's pixels, or the picture as people look at it."""
+
+import struct
+
+import cv2
+import numpy as np
+import pytest
+from exif import sideways
+
+from robot_vision._core import decode_image_file
+from robot_vision.common.pictures import sensor_pixels, upright
+from robot_vision.faces.gallery_files import decode
+from robot_vision.recordings.gray_pictures import gray_file
+
+
+def test_the_sensor_s_pixels_are_never_turned_and_people_s_are():
+    picture = np.zeros((32, 48, 3), np.uint8)
+    picture[:16] = 40, 120, 200
+    jpeg = cv2.imencode(".jpg", picture)[1].tobytes()
+    plain = sensor_pixels(jpeg)
+    assert np.array_equal(sensor_pixels(sideways(jpeg)), plain)
+    for read in (upright, decode):  # the latter is that of faces
+        assert np.array_equal(read(jpeg), plain)
+        assert np.array_equal(read(sideways(jpeg)), np.rot90(plain, -1))
+
+
+def test_a_file_that_claims_to_fill_the_memory_is_refused():
+    """One of hundreds of kilobytes may be of 30000 x 30000 px."""
+    picture = cv2.imencode(".png", np.zeros((4, 4, 3), np.uint8))[1].tobytes()
+    bomb = picture[:16] + struct.pack(">II", 30000, 30000) + picture[24:]
+    for read in (sensor_pixels, upright, decode, gray_file):
+        with pytest.raises(ValueError, match="claims to be of 30000x30000, the most is 67108864"):
+            read(bomb)
+
+
+def test_what_is_no_picture_is_none():
+    for data in (b"", b"no picture"):
+        assert sensor_pixels(data) is None and upright(data) is None
+
+
+def test_bytes_that_do_not_follow_each_other_are_refused():
+    with pytest.raises(ValueError, match="bytes in a row"):
+        decode_image_file(np.zeros(100, np.uint8)[::-1], cv2.IMREAD_COLOR)

@@ -1,0 +1,201 @@
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <numeric>
+#include <opencv2/imgproc.hpp>
+
+#include "core/image/box_kernels.hpp"
+#include "robot_vision/edges/edges.hpp"
+#include "robot_vision/image/encoding.hpp"
+#include "support/pictures.hpp"
+#include "support/refusal.hpp"
+
+using namespace robot_vision;
+
+namespace
+{
+
+cv::Mat byOpenCv(const cv::Mat& image, const std::string& encoding, const EdgeParams& p)
+{
+  const cv::Mat whole = image.clone();  // of a part of a picture filters would take what is around it for its border
+  cv::Mat gray;
+  toGray(whole, encoding, gray);
+  cv::Mat smooth;
+  cv::blur(gray, smooth, {p.blur_size, p.blur_size});
+  cv::Mat edges;
+  cv::Canny(smooth, edges, p.low_threshold, p.high_threshold, p.aperture, p.l2_gradient);
+  return edges;
+}
+
+EdgeParams edgeParams(int blur_size, double low, double high, int aperture, bool l2_gradient)
+{
+  EdgeParams params;
+  params.blur_size = blur_size;
+  params.low_threshold = low;
+  params.high_threshold = high;
+  params.aperture = aperture;
+  params.l2_gradient = l2_gradient;
+  return params;
+}
+
+}  // namespace
+
+TEST(EdgeDetector, equalsTheOpenCvChainForEveryParameter)
+{
+  const cv::Mat image = smooth({97, 61});
+  for (const EdgeParams& params : {EdgeParams{}, edgeParams(1, 50, 150, 3, false), edgeParams(3, 0, 0, 3, true),
+                                   edgeParams(31, 1, 2, 5, false), edgeParams(7, 100, 900, 7, true)})
+  {
+    cv::Mat edges;
+    EdgeDetector(params).apply(image, "bgr8", edges);
+    EXPECT_TRUE(equal(edges, byOpenCv(image, "bgr8", params)));
+  }
+}
+
+TEST(EdgeDetector, equalsTheOpenCvChainForEveryEncodingAndSize)
+{
+  EdgeDetector detector;  // one for all: what it keeps from a picture must not show in the next
+  for (const std::string& encoding : encodings())
+    for (const cv::Size size : {cv::Size(80, 60), cv::Size(2, 3), cv::Size(6, 240), cv::Size(80, 60)})
+    {
+      if (encoding == "jpeg") continue;
+      const cv::Mat image = colourful(size, encoding);
+      const cv::Mat before = image.clone();
+      cv::Mat edges;
+      detector.apply(image, encoding, edges);
+      EXPECT_TRUE(equal(edges, byOpenCv(image, encoding, EdgeParams{}))) << encoding << " " << size;
+      EXPECT_TRUE(equal(image, before)) << encoding;
+    }
+}
+
+TEST(EdgeDetector, sharesPicturesOfChangingSizeAndEncoding)
+{
+  cv::RNG random(0x5A4E);
+  for (const int threads : {1, 2, 7, 64})
+  {
+    EdgeParams params = edgeParams(5, 10, 40, 3, false);
+    params.threads = threads;
+    EdgeDetector detector(params);
+    for (const std::string encoding : {"bgr8", "mono16", "rgba8", "yuv422", "mono8"})
+      for (const int rows : {200, 3, 61})
+      {
+        const cv::Mat image = colourful({2 * random.uniform(1, 80), rows}, encoding);
+        cv::Mat edges;
+        detector.apply(image, encoding, edges);
+        EXPECT_TRUE(equal(edges, byOpenCv(image, encoding, params))) << encoding << " " << rows << " " << threads;
+      }
+  }
+}
+
+/// A line of one pixel that winds inwards, its turns three pixels apart.
+cv::Mat spiral(int size)
+{
+  cv::Mat picture(size, size, CV_8UC1, cv::Scalar(0));
+  cv::Point at(0, 0);
+  cv::Point step(1, 0);
+  for (int length = size - 1; length > 0; length -= step.x == 0 ? 0 : 3)
+  {
+    cv::line(picture, at, at + step * length, 255);
+    at += step * length;
+    step = {-step.y, step.x};
+  }
+  return picture;
+}
+
+TEST(EdgeDetector, equalsTheOpenCvChainForAdversarialPictures)
+{
+  cv::RNG random(0xED6E);
+  for (int i = 0; i < 300; ++i)
+  {
+    const cv::Size size(random.uniform(1, 200), random.uniform(1, 90));
+    EdgeParams params = edgeParams(1 + 2 * random.uniform(0, 16), random.uniform(0.0, 90.0), 0, 3, i % 2 == 0);
+    params.high_threshold = params.low_threshold + random.uniform(0.0, 120.0);
+    params.threads = random.uniform(1, 5);
+    const cv::Mat image = adversarial(size, i);
+    cv::Mat edges;
+    EdgeDetector(params).apply(image, "mono8", edges);
+    ASSERT_TRUE(equal(edges, byOpenCv(image, "mono8", params)))
+        << "picture " << i << ", " << size << ", blur " << params.blur_size << ", " << params.low_threshold << " to "
+        << params.high_threshold << ", " << params.threads << " threads";
+  }
+}
+
+TEST(EdgeDetector, followsAnEdgeThatWinds)
+{
+  cv::Mat image = spiral(301) / 8;         // weak, but for one pixel
+  image.at<std::uint8_t>(150, 150) = 255;  // in its middle
+  for (const int high : {100, 2000})
+  {
+    const EdgeParams params = edgeParams(1, 5, high, 3, false);
+    cv::Mat edges;
+    EdgeDetector(params).apply(image, "mono8", edges);
+    EXPECT_TRUE(equal(edges, byOpenCv(image, "mono8", params))) << high;
+  }
+}
+
+TEST(Division, isRoundedForEverySum)
+{
+  for (int side = 3; side <= 15; side += 2)
+  {
+    const int divisor = side * side;
+    const Division division(divisor);
+    std::vector<std::uint16_t> sums(static_cast<std::size_t>(255 * divisor + 1));
+    std::iota(sums.begin(), sums.end(), std::uint16_t{0});
+    std::vector<std::uint8_t> quotients(sums.size());
+    kernels<BoxKernels>().divide16(sums.data(), division, static_cast<int>(sums.size()), quotients.data());
+    for (std::size_t i = 0; i < sums.size(); ++i)
+      ASSERT_EQ(quotients[i], (2 * sums[i] + divisor) / (2 * divisor)) << sums[i] << " / " << divisor;
+  }
+}
+
+TEST(EdgeDetector, marksAStepOnlyAtTheStep)
+{
+  cv::Mat image(40, 40, CV_8UC1, cv::Scalar(0));
+  image.colRange(20, 40).setTo(200);
+  cv::Mat edges;
+  EdgeDetector().apply(image, "mono8", edges);
+  EXPECT_EQ(cv::countNonZero(edges.colRange(17, 23)), 40);
+  EXPECT_EQ(cv::countNonZero(edges), 40);
+}
+
+TEST(EdgeDetector, takesOnePixel)
+{
+  cv::Mat edges;
+  EdgeDetector().apply(cv::Mat(1, 1, CV_8UC3, cv::Scalar::all(9)), "bgr8", edges);
+  EXPECT_EQ(edges.size(), cv::Size(1, 1));
+  EXPECT_EQ(cv::countNonZero(edges), 0);
+}
+
+TEST(EdgeDetector, fillsTheMemoryItIsGiven)
+{
+  std::vector<std::uint8_t> memory(60 * 100, 77);
+  cv::Mat edges(60, 80, CV_8UC1, memory.data(), 100);
+  EdgeDetector().apply(smooth({80, 60}), "bgr8", edges);
+  EXPECT_EQ(edges.data, memory.data());
+  EXPECT_TRUE(equal(edges, byOpenCv(smooth({80, 60}), "bgr8", EdgeParams{})));
+  EXPECT_EQ(memory[80], 77);  // the padding of the first row
+}
+
+TEST(EdgeDetector, refusesWhatIsNotAPicture)
+{
+  cv::Mat edges;
+  EXPECT_THROW(EdgeDetector().apply(cv::Mat(), "bgr8", edges), std::invalid_argument);
+  EXPECT_THROW(EdgeDetector().apply(cv::Mat(4, 4, CV_8UC1), "bgr8", edges), std::invalid_argument);
+}
+
+TEST(EdgeParams, outOfRangeAreNamed)
+{
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_EQ(refusal([] { validate(edgeParams(0, 1, 2, 3, false)); }), "blur_size is 0, must be odd and from 1 to 31");
+  EXPECT_EQ(refusal([] { validate(edgeParams(4, 1, 2, 3, false)); }), "blur_size is 4, must be odd and from 1 to 31");
+  EXPECT_EQ(refusal([] { validate(edgeParams(33, 1, 2, 3, false)); }), "blur_size is 33, must be odd and from 1 to 31");
+  EXPECT_EQ(refusal([] { validate(edgeParams(7, -1, 2, 3, false)); }), "low_threshold is -1, must be from 0 to 10000");
+  EXPECT_EQ(refusal([=] { validate(edgeParams(7, nan, 2, 3, false)); }),
+            "low_threshold is nan, must be from 0 to 10000");
+  EXPECT_EQ(refusal([] { validate(edgeParams(7, 3, 2, 3, false)); }),
+            "high_threshold is 2, must be at least low_threshold, 3");
+  EXPECT_EQ(refusal([] { validate(edgeParams(7, 1, 10001, 3, false)); }),
+            "high_threshold is 10001, must be from 0 to 10000");
+  EXPECT_EQ(refusal([] { validate(edgeParams(7, 1, 2, 4, false)); }), "aperture is 4, must be 3, 5 or 7");
+  EXPECT_EQ(refusal([] { EdgeDetector{edgeParams(7, 1, 2, 9, false)}; }), "aperture is 9, must be 3, 5 or 7");
+}

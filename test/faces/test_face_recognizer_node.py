@@ -1,0 +1,636 @@
+"""The node face_recognizer, behind a face detector that this test plays."""
+
+import contextlib
+import itertools
+import os
+import pathlib
+import re
+import shutil
+import sys
+import threading
+import time
+
+import cv2
+import dynamic_reconfigure.client
+import numpy as np
+import pytest
+import rosgraph
+import rospy
+import support
+from frames import Source, message, new_topic
+from people import ANNA, BERT, CARLA, DORA, photograph, photographs
+from sensor_msgs.msg import Image, RegionOfInterest
+
+from robot_vision.faces.face_picture import find_face
+from robot_vision.faces.gallery import CACHE, Gallery
+from robot_vision.msg import Detection, DetectionArray, FaceIdentityArray
+from robot_vision.ros.frame_pairs import MOST_BYTES, FramePairs
+from robot_vision.srv import EnrollFace, EnrollFolder, ForgetName, ListNames
+from robot_vision.transport import Frame
+
+AT_ONCE = ("_votes:=1", "_rate:=100.0")
+BLANK = np.full((240, 320, 3), 90, np.uint8)
+
+
+def face(box, number=-1, **values):
+    x, y, width, height = box
+    region = RegionOfInterest(x_offset=x, y_offset=y, width=width, height=height)
+    return Detection(label="face", id=number, score=0.9, box=region, **values)
+
+
+def faces_of(picture, number=-1):
+    """What a detector says of a picture with one face."""
+    return [face(find_face(picture), number)]
+
+
+class Door:
+    """A camera, a face detector, and the node that tells who comes in."""
+
+    def __init__(self, start, *arguments, listen=True):
+        topic = new_topic()
+        self._stamps = itertools.count(1)
+        self._lock = threading.Lock()
+        self.images = Source(topic)
+        self.faces = Source(topic + "/faces", DetectionArray)
+        arguments = [f"image:={topic}", f"faces:={topic}/faces", *arguments]
+        self.process = start("face_recognizer.py", "__name:=door", *arguments)
+        self.outputs = []
+        if listen:
+            self.listen()
+
+    def listen(self):
+        """Subscribes to all that the node publishes, which makes it work."""
+        self.outputs = [
+            support.Messages("/door/faces", DetectionArray),
+            support.Messages("/door/identities", FaceIdentityArray),
+            support.Messages("/door/processed_image", Image),
+        ]
+        for output in self.outputs:
+            support.wait_for(output.connected, "the node's topics")
+        self.images.wait_for()
+        self.faces.wait_for()
+
+    def listen_no_more(self):
+        """Has the node idle."""
+        while self.outputs:
+            self.outputs.pop().close()
+        self.images.wait_for(0)
+        self.faces.wait_for(0)
+
+    def restart_detector(self):
+        """Another publisher of faces, whose ids begin anew."""
+        self.faces.close()
+        self.faces = Source(self.faces.topic, DetectionArray)
+        self.faces.wait_for()
+
+    def restart_clock(self):
+        """From now on stamps are those of the beginning."""
+        self._stamps = itertools.count(0)  # of which no answer has come
+
+    def send(self, picture, detections, faces_first=False):
+        """A picture and the faces in it; their stamp."""
+        with self._lock:
+            image = message(picture, "bgr8")
+            image.header.stamp = rospy.Time(next(self._stamps), 5)
+            image.header.frame_id = "eye"
+            height, width = picture.shape[:2]
+            found = DetectionArray(image.header, width, height, detections)
+            one, other = (self.images.send, image), (self.faces.send, found)
+            for send, what in (other, one) if faces_first else (one, other):
+                send(what)
+            return image.header.stamp
+
+    def answer(self, stamp):
+        """What came out of the frame of this stamp: faces, identities, picture."""
+        answers = []
+        for output in self.outputs:
+            answers.append(
+                support.wait_for(
+                    lambda of=output: [m for m in of.received if m.header.stamp == stamp],
+                    f"the answer to frame {stamp.secs}; {self.process.output()}",
+                )[0]
+            )
+        assert all(answer.header.frame_id == "eye" for answer in answers)
+        return answers
+
+    def look(self, person, number=20, of=1):
+        """Who the node says that a person in a new picture is."""
+        picture, _ = photograph(person, number)
+        _, identities, _ = self.answer(self.send(picture, faces_of(picture, of)))
+        (identity,) = identities.identities
+        assert identity.id == of and identity.known == (identity.name != "unknown")
+        return identity.name
+
+    @contextlib.contextmanager
+    def showing(self, pictures, faces=faces_of):
+        """Shows pictures again and again."""
+        shown = [(picture, faces(picture)) for picture in pictures]
+        over = threading.Event()
+
+        def play():
+            for picture, detections in itertools.cycle(shown):
+                self.send(picture, detections)
+                if over.wait(0.05):
+                    return
+
+        player = threading.Thread(target=play)
+        player.start()
+        try:
+            yield
+        finally:
+            over.set()
+            player.join()
+
+
+def call(name, kind, *arguments):
+    rospy.wait_for_service("/door/" + name, support.DEADLINE)
+    return rospy.ServiceProxy("/door/" + name, kind)(*arguments)
+
+
+def known():
+    answer = call("list_names", ListNames)
+    return dict(zip(answer.names, answer.pictures))
+
+
+def enroll(name, pictures=0):
+    return call("enroll", EnrollFace, name, pictures)
+
+
+@pytest.fixture(scope="module")
+def two_people(tmp_path_factory):
+    """The folder of a gallery of theirs."""
+    path = tmp_path_factory.mktemp("gallery") / "faces"
+    gallery = Gallery(str(path))
+    gallery.add("Anna", photographs(ANNA, 8))
+    gallery.add("Zoë", photographs(BERT, 8))
+    return path
+
+
+@pytest.fixture
+def folder(two_people, tmp_path):
+    """A gallery of two people, of the test's own."""
+    return pathlib.Path(shutil.copytree(str(two_people), str(tmp_path / "faces")))
+
+
+def test_two_people_are_told_apart_and_a_third_is_unknown(start, folder):
+    door = Door(start, f"_gallery:={folder}", *AT_ONCE)
+    assert known() == {"Anna": 8, "Zoë": 8}
+    right = []
+    for number in range(20, 28):
+        found = [door.look(person, number, of=person) for person in (ANNA, BERT, CARLA, DORA)]
+        right.append(found == ["Anna", "Zoë", "unknown", "unknown"])
+    assert np.mean(right) >= 0.85
+
+
+def test_outputs_agree_with_the_faces_that_came_in(start, folder):
+    door = Door(start, f"_gallery:={folder}", *AT_ONCE)
+    left, right = (photograph(person, 20)[0] for person in (BERT, CARLA))
+    picture = np.hstack([left, right])
+    x, y, width, height = find_face(right)
+    boxes = [find_face(left), (320 + x, y, width, height)]
+    sent = [face(boxes[0], 7), face(boxes[1], 9)]
+    faces, identities, overlay = door.answer(door.send(picture, sent))
+    assert (faces.width, faces.height) == (640, 240)
+    assert [(one.id, one.label) for one in faces.detections] == [(7, "Zoë"), (9, "unknown")]
+    assert [one.box for one in faces.detections] == [one.box for one in sent]
+    assert [one.score for one in faces.detections] == [1.0, 1.0]
+    zoe, stranger = identities.identities
+    assert (zoe.id, zoe.name, zoe.known) == (7, "Zoë", True)
+    assert (stranger.id, stranger.name, stranger.known) == (9, "unknown", False)
+    assert 0.0 < zoe.distance <= 80.0 < stranger.distance
+    drawn = np.frombuffer(overlay.data, np.uint8).reshape(picture.shape)
+    for (left, top, across, _), color in zip(boxes, [(0, 255, 0), (0, 0, 255)]):
+        assert (drawn[top, left : left + across] == color).all(axis=1).mean() > 0.9
+    outside = (drawn != picture).any(axis=2)
+    for left, top, across, down in boxes:
+        outside[max(top - 30, 0) : top + down + 3, max(left - 3, 0) : left + across + 60] = False
+    assert not outside.any()
+    faces, identities, _ = door.answer(door.send(picture, []))
+    assert not faces.detections and not identities.identities
+
+
+def test_name_is_voted_and_kept(start, folder):
+    door = Door(start, f"_gallery:={folder}", "_votes:=5", "_rate:=100.0")
+    names = []
+    for number in range(20, 32):
+        names.append(door.look(ANNA if number != 27 else CARLA, number))
+        time.sleep(0.02)  # longer than between two looks
+    assert names[0] == "unknown" and set(names[5:]) == {"Anna"}
+    assert door.look(BERT, 20, of=2) == "unknown"  # another face, another vote
+    assert door.look(ANNA, 33) == "Anna"
+
+
+def test_looks_are_limited(start, folder):
+    door = Door(start, f"_gallery:={folder}", "_votes:=1", "_rate:=0.1")
+    assert door.look(ANNA) == "Anna"
+    assert door.look(CARLA) == "Anna"  # not looked at again
+    assert door.look(CARLA, of=2) == "unknown"
+    assert door.look(CARLA, of=-1) == "unknown" and door.look(ANNA, of=-1) == "Anna"
+    assert call("forget_name", ForgetName, "Anna").success
+    assert door.look(ANNA) == "unknown"  # at once
+
+
+def test_names_are_not_handed_on_when_the_detector_begins_anew(start, folder):
+    door = Door(start, f"_gallery:={folder}", "_votes:=1", "_rate:=0.1")
+    assert door.look(ANNA) == "Anna"
+    door.restart_detector()
+    assert door.look(BERT) == "Zoë"
+    door.restart_clock()
+    assert door.look(CARLA) == "unknown"
+
+
+def test_predicted_face_keeps_its_name_unseen(start, folder):
+    door = Door(start, f"_gallery:={folder}", *AT_ONCE)
+    assert door.look(ANNA) == "Anna"
+    box = face((10, 10, 50, 50), 1, predicted=True), face((10, 10, 50, 50), 2, predicted=True)
+    _, identities, _ = door.answer(door.send(BLANK, list(box)))
+    assert [one.name for one in identities.identities] == ["Anna", "unknown"]
+
+
+def test_faces_may_come_before_their_picture_or_late(start, folder):
+    door = Door(start, f"_gallery:={folder}", *AT_ONCE)
+    anna, carla = photograph(ANNA, 20)[0], photograph(CARLA, 20)[0]
+    for first in (True, False):
+        stamp = door.send(anna, faces_of(anna, 1), faces_first=first)
+        assert door.answer(stamp)[1].identities[0].name == "Anna"
+    # The picture is that of the stamp, not the newest one.
+    late = message(anna, "bgr8")
+    late.header.stamp, late.header.frame_id = rospy.Time(1000), "eye"
+    found = DetectionArray(late.header, 320, 240, faces_of(anna, 3))
+    deadline = time.monotonic() + support.DEADLINE
+    while not any(m.header.stamp == late.header.stamp for m in door.outputs[1].received):
+        assert time.monotonic() < deadline
+        door.images.send(late)
+        newer = message(carla, "bgr8")
+        newer.header.stamp = rospy.Time.now()
+        door.images.send(newer)
+        time.sleep(0.05)
+        door.faces.send(found)
+    assert door.answer(late.header.stamp)[1].identities[0].name == "Anna"
+
+
+def test_pictures_do_not_wait_while_nobody_listens(start, folder, diagnostics):
+    door = Door(start, f"_gallery:={folder}", "_diagnostic_period:=0.1", *AT_ONCE)
+    anna = photograph(ANNA, 20)[0]
+    waits = message(anna, "bgr8")
+    waits.header.stamp = rospy.Time(0, 7)
+    door.images.send(waits)
+    support.wait_for(
+        lambda: diagnostics.value("door", "frames published") == "1", "the picture in the node"
+    )
+    door.listen_no_more()
+    door.listen()
+    door.faces.send(DetectionArray(waits.header, 320, 240, faces_of(anna)))
+    assert door.look(ANNA) == "Anna"
+    assert all(m.header.stamp != waits.header.stamp for o in door.outputs for m in o.received)
+
+
+def test_enrolling_from_the_live_picture_without_subscribers(start, tmp_path):
+    door = Door(start, f"_gallery:={tmp_path / 'faces'}", *AT_ONCE, listen=False)
+
+    def subscribed():
+        topics = dict(rosgraph.Master("/test").getSystemState()[1])
+        return {
+            node
+            for topic in (door.images.topic, door.faces.topic)
+            for node in topics.get(topic, [])
+            if node.startswith("/door")
+        }
+
+    assert known() == {} and not subscribed()
+    with door.showing([photograph(ANNA, number)[0] for number in range(11)]):
+        answer = enroll("Anna", 6)
+    assert answer.success and answer.pictures > 3, answer
+    support.wait_for(lambda: not subscribed(), "the end of the work")
+    with door.showing([photograph(BERT, number)[0] for number in range(11)]):
+        answer = enroll("李")
+    assert answer.success and answer.message.startswith(f"{answer.pictures} pictures of 李 added")
+    assert set(known()) == {"Anna", "李"}
+    kept = [name for name in os.listdir(str(tmp_path / "faces" / "李")) if name[0] != "."]
+    assert len(kept) == answer.pictures
+    door.process.interrupt()
+    assert door.process.exit_code() == 0
+
+    door = Door(start, f"_gallery:={tmp_path / 'faces'}", *AT_ONCE)
+    assert [door.look(p, of=p) for p in (ANNA, BERT, CARLA)] == ["Anna", "李", "unknown"]
+
+
+def test_enrolling_fails_clearly_and_changes_nothing(start, folder):
+    options = ("_enroll_timeout:=1.5", *AT_ONCE)
+    door = Door(start, f"_gallery:={folder}", *options)
+    anna = photograph(ANNA, 20)[0]
+    twice = faces_of(anna) * 2
+    cases = [
+        (lambda picture: [], "took 0 of 2 pictures; .* showed no face, within 1.5 s"),
+        (lambda picture: twice, "took 0 of 2 pictures; .* showed several faces, within"),
+        (lambda picture: [face((5, 5, 40, 40))], "took 0 of 2 pictures; .* showed no clear face"),
+    ]
+    for faces, text in cases:
+        with door.showing([anna], faces):
+            answer = enroll("Eve", 2)
+        assert not answer.success and answer.pictures == 0
+        assert re.search(text, answer.message), answer.message
+        assert door.look(ANNA, of=-1) == "Anna"
+    started = time.monotonic()
+    answer = enroll("Eve", 2)
+    told = "took 0 of 2 pictures; saw no others, within 1.5 s"
+    assert not answer.success and told in answer.message
+    assert re.search(f"within 1.5 s: .*no faces on {door.faces.topic} for ", answer.message)
+    assert time.monotonic() - started >= 1.5
+    for name, count, text in [
+        ("../Eve", 1, "must not hold"),
+        ("", 1, "a name of 0 characters, must have 1 to 60"),
+        ("unknown", 1, "nobody can be called 'unknown'"),
+        ("Eve", 101, "pictures is 101, must be from 1 to 100"),
+    ]:
+        answer = enroll(name, count)
+        assert not answer.success and text in answer.message
+    assert known() == {"Anna": 8, "Zoë": 8}
+    assert sorted(os.listdir(str(folder))) == [CACHE, "Anna", "Zoë"]
+    assert door.look(ANNA, 25, of=-1) == "Anna"
+
+
+def test_who_is_missing_is_told_in_the_answer_and_the_overlay(start, folder):
+    door = Door(start, f"_gallery:={folder}", "_enroll_timeout:=1.5")
+    door.faces.close()
+    nobody = f"nobody publishes faces on {door.faces.topic}"
+    support.wait_for(lambda: nobody in enroll("Eve", 2).message, nobody)
+
+    def warned():
+        door.images.send(message(BLANK, "bgr8"))
+        return f"{nobody}: is there a face detector?" in door.process.output()
+
+    support.wait_for(warned, nobody)
+    overlay = door.outputs[-1].wait(1)[0]
+    pixels = np.frombuffer(overlay.data, np.uint8).reshape(BLANK.shape)
+    assert (pixels[:30] != BLANK[:30]).any() and np.array_equal(pixels[40:], BLANK[40:])
+
+
+def test_one_is_enrolled_at_a_time_and_the_node_ends_meanwhile(start, folder):
+    door = Door(start, f"_gallery:={folder}", "_enroll_timeout:=600.0")
+    answers = []
+
+    def wait():
+        with contextlib.suppress(rospy.ServiceException):  # the node ends
+            answers.append(enroll("Eve"))
+
+    waiting = [threading.Thread(target=wait, daemon=True) for _ in range(2)]
+    for thread in waiting:
+        thread.start()
+    (refused,) = support.wait_for(lambda: answers, "the refusal of one of the two")
+    assert not refused.success and refused.message == "somebody else is being enrolled"
+    door.process.interrupt()
+    assert door.process.prompt_exit_code() == 0
+    for thread in waiting:
+        thread.join(support.DEADLINE)
+        assert not thread.is_alive()
+    assert not any(answer.success for answer in answers)
+
+
+def test_node_ends_while_a_folder_is_enrolled(start, tmp_path):
+    photo = cv2.resize(photograph(ANNA, 0)[0], (1600, 1200))
+    for name in ("Anna", "Eve"):
+        (tmp_path / "course" / name).mkdir(parents=True)
+        cv2.imwrite(str(tmp_path / "course" / name / "0.bmp"), photo)
+    eve = tmp_path / "course" / "Eve"
+    for number in range(1, 300):
+        (eve / f"{number}.bmp").symlink_to(eve / "0.bmp")
+    door = Door(start, f"_gallery:={tmp_path / 'faces'}", listen=False)
+    assert known() == {}
+    answers = []
+
+    def enroll_all():
+        with contextlib.suppress(rospy.ServiceException):  # the node ends
+            answers.append(call("enroll_folder", EnrollFolder, str(tmp_path / "course"), ""))
+
+    thread = threading.Thread(target=enroll_all, daemon=True)
+    thread.start()
+    support.wait_for(lambda: known() == {"Anna": 1}, "the first name, while the second is read")
+    door.process.interrupt()
+    assert door.process.prompt_exit_code() == 0, door.process.output()
+    thread.join(support.DEADLINE)
+    assert not thread.is_alive() and not any(answer.success for answer in answers)
+
+
+def test_folders_are_enrolled_listed_and_forgotten(start, tmp_path):
+    course = tmp_path / "course"
+    for name, person in [("Anna", ANNA), ("Zoë", BERT)]:
+        (course / name).mkdir(parents=True)
+        for number in range(4):
+            cv2.imwrite(str(course / name / f"{number}.png"), photograph(person, number)[0])
+    (course / "Anna" / "broken.jpg").write_text("")
+    door = Door(start, f"_gallery:={tmp_path / 'faces'}", *AT_ONCE)
+    assert door.look(ANNA) == "unknown"
+    answer = call("enroll_folder", EnrollFolder, str(course), "")
+    assert answer.success and answer.pictures == 8
+    assert answer.message == "8 pictures of people added, 1 problems"
+    assert answer.problems == [f"{course}/Anna/broken.jpg: it is damaged, or no picture"]
+    assert known() == {"Anna": 4, "Zoë": 4}
+    assert [door.look(p) for p in (ANNA, BERT, CARLA)] == ["Anna", "Zoë", "unknown"]
+    answer = call("enroll_folder", EnrollFolder, str(course / "Zoë"), "Bert")
+    assert answer.success and known() == {"Anna": 4, "Bert": 4, "Zoë": 4}
+    for name in ("Bert", "Zoë"):
+        answer = call("forget_name", ForgetName, name)
+        assert answer.success and answer.pictures == 4
+    assert known() == {"Anna": 4} and os.listdir(str(tmp_path / "faces" / "Anna"))
+    assert [door.look(p) for p in (ANNA, BERT)] == ["Anna", "unknown"]
+    for name in ("Zoë", "..", "course"):
+        assert not call("forget_name", ForgetName, name).success
+    for folder, text in [
+        ("course", "must be an absolute path"),
+        ("/nowhere", "/nowhere cannot be read: No"),
+    ]:
+        answer = call("enroll_folder", EnrollFolder, folder, "")
+        assert not answer.success and text in answer.message
+    answer = call("enroll_folder", EnrollFolder, str(course), "Eve")  # no pictures of its own
+    assert not answer.success and answer.pictures == 0
+    assert answer.message.endswith(f": {course}: there are no pictures in it")
+    answer = call("enroll_folder", EnrollFolder, str(course / "Anna"), "")  # a person's own
+    assert not answer.success and answer.pictures == 0
+    assert answer.message.startswith(f"{course}/Anna must have a folder for each person, as Anna/1")
+    assert course.exists() and door.look(ANNA) == "Anna"
+
+
+def test_forgotten_are_not_named_though_the_file_of_faces_cannot_be_written(start, folder):
+    door = Door(start, f"_gallery:={folder}", *AT_ONCE)
+    assert door.look(ANNA) == "Anna"
+    (folder / CACHE).unlink()
+    (folder / CACHE).mkdir()
+    answer = call("forget_name", ForgetName, "Anna")
+    assert not answer.success and answer.pictures == 8
+    assert answer.message.startswith("Anna is forgotten; .faces")
+    assert door.look(ANNA) == "unknown" and known() == {"Zoë": 8}
+
+
+def test_distance_of_strangers_is_changed_live(start, folder):
+    door = Door(start, f"_gallery:={folder}", *AT_ONCE)
+    client = dynamic_reconfigure.client.Client("/door", timeout=support.DEADLINE)
+    assert door.look(ANNA) == "Anna"
+    client.update_configuration({"max_distance": 1.0})
+    assert door.look(ANNA, 21) == "unknown"
+    client.update_configuration({"max_distance": 1000.0})
+    assert door.look(CARLA, 21) in ("Anna", "Zoë")
+    config = client.update_configuration({"max_distance": -1.0, "votes": 0})
+    assert (config["max_distance"], config["votes"]) == (1000.0, 1)
+    door.process.wait_for_output("refused, the parameters stay as they are: ")
+    client.close()
+
+
+def test_damaged_gallery_is_told_mended_and_used(start, folder):
+    (folder / CACHE).write_bytes((folder / CACHE).read_bytes()[:-100])
+    (folder / "Anna" / "9.png").write_bytes((folder / "Anna" / "1.png").read_bytes()[:500])
+    door = Door(start, f"_gallery:={folder}", *AT_ONCE)
+    door.process.wait_for_output(".faces is made anew from the pictures: it is damaged")
+    door.process.wait_for_output("Anna/9.png is not used: it is damaged, or no picture")
+    assert [door.look(p) for p in (ANNA, BERT)] == ["Anna", "Zoë"]
+
+
+def test_gallery_that_cannot_be_made_is_told_when_it_is_needed(start):
+    door = Door(start, "_gallery:=/proc/faces", *AT_ONCE)
+    with door.showing([photograph(ANNA, number)[0] for number in range(2)]):
+        answer = enroll("Anna", 2)
+    assert not answer.success and "/proc/faces" in answer.message
+    assert known() == {} and door.look(ANNA) == "unknown"
+
+
+@pytest.mark.parametrize(
+    "box, predicted, text",
+    [
+        ((310, 230, 0, 10), False, "the box 0x10 at (310, 230) is not in the picture of 320x240"),
+        ((330, 10, 20, 20), True, "the box 20x20 at (330, 10) is not in the picture of 320x240"),
+        ((0, 0, 2**32 - 1, 9), False, "the box 4294967295x9, must have sides of at most 640 px"),
+        ((0, 0, 9, 2**32 - 1), True, "the box 9x4294967295, must have sides of at most 640 px"),
+    ],
+)
+def test_boxes_that_cannot_be_used_are_refused(start, folder, box, predicted, text):
+    door = Door(start, f"_gallery:={folder}", *AT_ONCE)
+    door.send(photograph(ANNA, 20)[0], [face(box, 1, predicted=predicted)])
+    door.process.wait_for_output("faces that cannot be used: " + text)
+    assert door.look(ANNA) == "Anna"
+    assert "Traceback" not in door.process.output()
+
+
+def test_faces_of_a_picture_of_another_size_are_refused(start, folder):
+    door = Door(start, f"_gallery:={folder}", *AT_ONCE)
+    anna = photograph(ANNA, 20)[0]
+    image = message(anna, "bgr8")
+    image.header.stamp = rospy.Time(500)
+    door.images.send(image)
+    door.faces.send(DetectionArray(image.header, 640, 480, faces_of(anna)))
+    door.process.wait_for_output("faces of a picture of 640x480, not 320x240")
+    assert door.look(ANNA) == "Anna"
+
+
+def test_missing_faces_and_those_of_another_camera_are_told(start, folder):
+    door = Door(start, f"_gallery:={folder}", *AT_ONCE)
+    image = message(BLANK, "bgr8")
+    seconds = itertools.count(1000)
+
+    def tell():
+        image.header.stamp = rospy.Time(next(seconds))
+        door.images.send(image)
+        output = door.process.output()
+        return re.search(f"no faces on {door.faces.topic} for .* is there a face detector", output)
+
+    support.wait_for(tell, "the warning that there is no detector")
+
+    def tell_of_others():  # until it is told: the node takes the newest only
+        found = DetectionArray(image.header, 320, 240, [])
+        found.header.stamp = rospy.Time(1000 + next(seconds))
+        door.faces.send(found)
+        text = f"no pictures on {door.images.topic} have the stamps of"
+        return text in door.process.output()
+
+    support.wait_for(tell_of_others, "the warning that the faces are another camera's")
+    assert door.look(ANNA) == "Anna"
+
+
+def test_default_gallery_is_in_the_folder_of_ros(start, tmp_path):
+    cv2.imwrite(str(tmp_path / "photo.png"), photograph(ANNA, 0)[0])
+    start("face_recognizer.py", "__name:=door", env={"ROS_HOME": str(tmp_path / "home")})
+    assert call("enroll_folder", EnrollFolder, str(tmp_path), "Anna").pictures == 1
+    assert (tmp_path / "home" / "robot_vision" / "faces" / "Anna" / "1.png").is_file()
+
+
+@pytest.mark.parametrize(
+    "name, value, text",
+    [
+        ("max_distance", -1.0, "max_distance is -1, must be from 0 to 1000"),
+        ("votes", "many", "votes is 'many', must be an integer"),
+        ("gallery", "/etc/passwd", "gallery is '/etc/passwd', must be a folder"),
+        ("gallery", 5, "gallery is 5, must be a string"),
+    ],
+)
+def test_bad_value_at_start_is_fatal(start, name, value, text):
+    support.assert_fatal_at_start(start, "face_recognizer.py", name, value, text)
+
+
+def stamped(kind, secs):
+    made = kind()
+    made.header.stamp = rospy.Time.from_sec(secs)
+    return made
+
+
+def frames_of(seconds, image=BLANK):
+    return [Frame(image, "bgr8", stamped(DetectionArray, s).header) for s in seconds]
+
+
+def held(frames):
+    """How often each of these frames is held."""
+    return [sys.getrefcount(frame) for frame in frames]
+
+
+def test_pairs_hold_only_what_may_be_needed():
+    pairs = FramePairs()
+    seconds = [0.1 * n for n in range(100)]
+    frames = frames_of(seconds)
+    before = held(frames)
+    assert [pairs.message_of(frame) for frame in frames] == [None] * 100
+    assert pairs.frame_of(stamped(DetectionArray, seconds[75])) is None  # too late
+    assert pairs.frame_of(stamped(DetectionArray, seconds[85])) is frames[85]
+    assert pairs.frame_of(stamped(DetectionArray, seconds[84])) is None  # 85 was later
+    assert pairs.frame_of(stamped(DetectionArray, seconds[99])) is frames[99]
+    assert held(frames) == before
+    waits = stamped(DetectionArray, 200)
+    assert pairs.frame_of(waits) is None
+    assert pairs.message_of(Frame(BLANK, "bgr8", waits.header)) is waits
+
+
+def test_pairs_wait_for_a_detector_that_is_far_behind():
+    pairs = FramePairs()
+    frames = frames_of([n / 30.0 for n in range(90)])
+    for number, frame in enumerate(frames):
+        pairs.message_of(frame)
+        if number >= 30:  # 1 s behind
+            assert (
+                pairs.frame_of(stamped(DetectionArray, (number - 30) / 30.0)) is frames[number - 30]
+            )
+    assert not pairs.apart()
+
+
+def test_pairs_hold_no_more_than_their_bytes_nor_of_another_time():
+    pairs = FramePairs()
+    large = np.zeros((2000, 2000, 3), np.uint8)
+    frames = frames_of([0.01 * n for n in range(50)], large)
+    before = held(frames)
+    assert [pairs.message_of(frame) for frame in frames] == [None] * 50
+    kept = [now > then for now, then in zip(held(frames), before)]
+    assert sum(kept) == MOST_BYTES // large.nbytes and all(kept[-5:])
+    (earlier,) = frames_of([0.001])
+    pairs.message_of(earlier)
+    assert held(frames) == before
+    pairs.clear()
+    assert pairs.frame_of(stamped(DetectionArray, 0.001)) is None
+
+
+def test_pairs_are_apart_only_while_nothing_fits():
+    pairs = FramePairs()
+    for frame in frames_of(range(100, 110)):
+        pairs.message_of(frame)
+        assert not pairs.apart()
+        pairs.frame_of(stamped(DetectionArray, frame.header.stamp.to_sec() + 0.5))
+    assert pairs.apart()
+    for frame in frames_of(range(120, 125)):
+        pairs.message_of(frame)
+        assert pairs.frame_of(stamped(DetectionArray, frame.header.stamp.to_sec())) is frame
+        assert not pairs.apart()

@@ -1,0 +1,136 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+
+#include "robot_vision/filters/brightness.hpp"
+#include "robot_vision/image/encoding.hpp"
+#include "support/pictures.hpp"
+#include "support/refusal.hpp"
+
+using namespace robot_vision;
+
+namespace
+{
+
+BrightnessParams brightnessParams(double gain, double offset, double gamma)
+{
+  BrightnessParams params;
+  params.gain = gain;
+  params.offset = offset;
+  params.gamma = gamma;
+  return params;
+}
+
+/// cv::Mat::convertTo, then cv::LUT with the curve of OpenCV's tutorial on gamma correction.
+cv::Mat byOpenCv(const cv::Mat& image, const BrightnessParams& p)
+{
+  cv::Mat linear;
+  image.convertTo(linear, -1, p.gain, p.offset);
+  cv::Mat curve(1, 256, CV_8UC1);
+  for (int i = 0; i < 256; ++i)
+    curve.at<std::uint8_t>(i) = cv::saturate_cast<std::uint8_t>(std::pow(i / 255.0, p.gamma) * 255.0);
+  cv::Mat out;
+  cv::LUT(linear, curve, out);
+  return out;
+}
+
+/// The four channels of byOpenCv, with the alpha of `image`.
+cv::Mat withAlpha(const cv::Mat& image, const BrightnessParams& params)
+{
+  cv::Mat out = byOpenCv(image, params);
+  const int alpha[] = {3, 3};
+  cv::mixChannels(&image, 1, &out, 1, alpha, 1);
+  return out;
+}
+
+const BrightnessParams kTable[] = {BrightnessParams{}, brightnessParams(1.5, -20, 1), brightnessParams(0, 0, 1),
+                                   brightnessParams(0.3, 200, 0.45), brightnessParams(10, -255, 10)};
+
+}  // namespace
+
+TEST(Brightness, equalsTheOpenCvChain)
+{
+  for (const BrightnessParams& params : kTable)
+    for (const std::string encoding : {"bgr8", "rgb8", "mono8", "bgra8", "rgba8"})
+      for (const cv::Size size : {cv::Size(64, 48), cv::Size(1, 1), cv::Size(17, 3)})
+      {
+        const cv::Mat image = noise(size, matType(encoding), 5);
+        const cv::Mat before = image.clone();
+        cv::Mat out;
+        Brightness(params).apply(image, encoding, out);
+        EXPECT_TRUE(equal(out, image.channels() == 4 ? withAlpha(image, params) : byOpenCv(image, params))) << encoding;
+        EXPECT_TRUE(equal(image, before));
+        EXPECT_EQ(Brightness::outputEncoding(encoding), encoding);
+      }
+}
+
+TEST(Brightness, sharesPictures)
+{
+  for (const std::string encoding : {"bgr8", "mono8", "rgba8", "mono16", "yuv422"})
+    for (const int rows : {1, 40, 333})
+    {
+      const cv::Mat image = noise({50, rows}, matType(encoding), 5);
+      BrightnessParams params = brightnessParams(1.5, -20, 1);
+      cv::Mat alone;
+      Brightness(params).apply(image, encoding, alone);
+      for (params.threads = 2; params.threads <= 64; params.threads *= 2)
+      {
+        cv::Mat shared;
+        Brightness(params).apply(image, encoding, shared);
+        EXPECT_TRUE(equal(shared, alone)) << encoding << " " << rows << " " << params.threads;
+      }
+    }
+}
+
+TEST(Brightness, makesColourOfMosaicsAndYuv)
+{
+  for (const std::string& encoding : encodings())
+  {
+    const bool kept = Brightness::outputEncoding(encoding) == encoding;
+    if (kept || encoding == "jpeg") continue;
+    const cv::Mat image = noise({40, 30}, matType(encoding), 5);
+    cv::Mat bgr;
+    toBgr(image, encoding, bgr);
+    cv::Mat out;
+    Brightness().apply(image, encoding, out);
+    EXPECT_EQ(Brightness::outputEncoding(encoding), "bgr8");
+    EXPECT_TRUE(equal(out, byOpenCv(bgr, BrightnessParams{}))) << encoding;
+  }
+}
+
+TEST(Brightness, keeps16Bits)
+{
+  for (const BrightnessParams& params : kTable)
+  {
+    const cv::Mat image = noise({31, 9}, CV_16UC1, 5);
+    cv::Mat linear;
+    image.convertTo(linear, -1, params.gain, params.offset * 257);
+    cv::Mat expected = linear.clone();
+    for (auto& value : cv::Mat_<std::uint16_t>(expected))
+      value = cv::saturate_cast<std::uint16_t>(std::pow(value / 65535.0, params.gamma) * 65535.0);
+    cv::Mat out;
+    Brightness(params).apply(image, "mono16", out);
+    EXPECT_TRUE(equal(out, expected));
+  }
+}
+
+TEST(Brightness, isVisiblyBrighterByDefault)
+{
+  cv::Mat out;
+  Brightness().apply(cv::Mat(4, 4, CV_8UC3, cv::Scalar(10, 100, 250)), "bgr8", out);
+  EXPECT_EQ(out.at<cv::Vec3b>(2, 2), cv::Vec3b(60, 150, 255));
+}
+
+TEST(BrightnessParams, outOfRangeAreNamed)
+{
+  EXPECT_EQ(refusal([] { validate(brightnessParams(-0.1, 0, 1)); }), "gain is -0.1, must be from 0 to 10");
+  EXPECT_EQ(refusal([] { validate(brightnessParams(10.1, 0, 1)); }), "gain is 10.1, must be from 0 to 10");
+  EXPECT_EQ(refusal([] { validate(brightnessParams(NAN, 0, 1)); }), "gain is nan, must be from 0 to 10");
+  EXPECT_EQ(refusal([] { validate(brightnessParams(1, 256, 1)); }), "offset is 256, must be from -255 to 255");
+  EXPECT_EQ(refusal([] { validate(brightnessParams(1, -256, 1)); }), "offset is -256, must be from -255 to 255");
+  EXPECT_EQ(refusal([] { validate(brightnessParams(1, 0, 0)); }), "gamma is 0, must be from 0.1 to 10");
+  EXPECT_EQ(refusal([] { Brightness{brightnessParams(1, 0, 11)}; }), "gamma is 11, must be from 0.1 to 10");
+  for (const BrightnessParams& params : kTable)
+    EXPECT_NO_THROW(validate(params));
+}

@@ -1,0 +1,76 @@
+"""Drawing from Python: in place, or refused. The gtests test what is drawn."""
+
+import numpy as np
+import pytest
+
+import robot_vision as rv
+
+SQUARE = [(10, 10), (30, 10), (30, 30), (10, 30)]
+DRAW = {
+    "outline": lambda picture: rv.draw_outline(picture, SQUARE, "ball", (255, 0, 0)),
+    "ball": lambda picture: rv.draw_ball(picture, (20.5, 20.0), 9.0),
+    "prediction": lambda picture: rv.draw_ball(picture, (20.5, 20.0), 9.0, predicted=True),
+    "text": lambda picture: rv.draw_text(picture, "ball", (5, 20)),
+    "trail": lambda picture: rv.draw_trail(picture, [(5, 5), (20, 20), (30, 5)]),
+}
+
+
+@pytest.fixture(params=DRAW.values(), ids=DRAW.keys())
+def draw(request):
+    return request.param
+
+
+def test_drawing_is_on_the_array_itself(draw):
+    whole = np.zeros((60, 80, 3), np.uint8)
+    expected = np.zeros((40, 50, 3), np.uint8)
+    draw(expected)
+    draw(whole[10:50, 20:70])  # rows with something in between
+    assert expected.any()
+    assert np.array_equal(whole[10:50, 20:70], expected)
+    assert whole.any(axis=2).sum() == expected.any(axis=2).sum()
+
+
+@pytest.mark.parametrize(
+    "points, error, match",
+    [
+        (np.full((4, 2), 1.5), TypeError, "expected points of whole pixels, got float64"),
+        (
+            [(1, 2), (3, 2**40)],
+            ValueError,
+            r"expected points in a picture, got \(3, 1099511627776\)",
+        ),
+        ([1, 2, 3], ValueError, r"expected an \(n, 2\) array of points"),
+    ],
+)
+def test_what_is_no_outline_is_refused(points, error, match):
+    with pytest.raises(error, match=match):
+        rv.draw_outline(np.zeros((8, 8, 3), np.uint8), points)
+
+
+def test_what_cannot_be_drawn_on_is_refused(draw):
+    shown = np.zeros((40, 50, 3), np.uint8)
+    shown.setflags(write=False)
+    for wrong in (shown, np.zeros((40, 100, 3), np.uint8)[:, ::2], np.zeros((40, 50), np.uint8)):
+        with pytest.raises(ValueError):
+            draw(wrong)
+        assert not wrong.any()
+
+
+def test_empty_trail_and_outline_draw_nothing():
+    picture = np.zeros((40, 50, 3), np.uint8)
+    rv.draw_trail(picture, [])
+    rv.draw_outline(picture, np.zeros((0, 2), int))
+    assert not picture.any()
+    with pytest.raises(ValueError):
+        rv.draw_trail(picture, [(1, 2, 3)])
+
+
+def test_mask_picture_keeps_what_the_mask_marks():
+    random = np.random.RandomState(1)
+    picture = random.randint(0, 256, (48, 64, 3), np.uint8)
+    mask = random.randint(0, 2, (48, 64), np.uint8) * 255
+    before = picture.copy(), mask.copy()
+    assert np.array_equal(rv.mask_picture(picture, mask), picture * (mask[:, :, None] > 0))
+    assert np.array_equal(picture, before[0]) and np.array_equal(mask, before[1])
+    with pytest.raises(ValueError):
+        rv.mask_picture(picture, mask[:40])

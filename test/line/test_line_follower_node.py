@@ -1,0 +1,303 @@
+"""The line follower drives a simulated robot around a closed track, and stops when it must."""
+
+import time
+
+import numpy as np
+import pytest
+import rospy
+import support
+from geometry_msgs.msg import Twist
+from rosgraph_msgs.msg import Clock
+from sensor_msgs.msg import Image
+from simulation import LINE_COLOUR, DifferentialDrive, TrackWorld
+from std_srvs.srv import SetBool
+from track import course_track
+
+from robot_vision import draw_text
+from robot_vision.msg import Line
+
+PERIOD = 1.0 / 30.0  # s, of the simulated camera
+
+
+class Robot:
+    """A simulated robot on a track: its camera, its clock, and what drives it."""
+
+    def __init__(self, track):
+        self.world = TrackWorld(track)
+        self.drive = DifferentialDrive(track.starts[0])
+        self.frame = 0
+        self.errors = []  # m left of the line, each frame
+        self.driven = 0.0  # m along the track
+        self._clock = rospy.Publisher("/clock", Clock, queue_size=10)
+        self._images = rospy.Publisher("/robot/image_raw", Image, queue_size=1)
+        self.commands = support.Messages("/robot/cmd_vel", Twist)
+        self.lines = support.Messages("/follower/line", Line)
+
+    def tick(self):
+        """The simulated time goes on by a frame."""
+        self.frame += 1
+        self.time = rospy.Time.from_sec(10.0 + self.frame * PERIOD)
+        self.now = self.time  # of the picture
+        self._clock.publish(self.time)
+
+    def publish_frame(self):
+        picture = self.world.render(self.drive.pose, self.frame)
+        height, width = picture.shape[:2]
+        image = Image(height=height, width=width, step=3 * width, encoding="bgr8")
+        image.header.stamp = self.now
+        image.data = picture.tobytes()
+        self._images.publish(image)
+
+    def drive_on(self):
+        """Frames come until the robot is driven on them: a stop may be on its way before that."""
+        support.wait_for(
+            lambda: self.step() or self.commands.received[-1].linear.x == 0.2, "driving"
+        )
+
+    def jump(self, seconds):
+        """The time goes on at once, and has done so for the follower, which drives by it."""
+        self.frame += round(seconds / PERIOD)
+        self.tick()
+        before = len(self.commands.received)
+
+        def driven():
+            self._clock.publish(self.time)  # who is connected late has missed it
+            self.now += rospy.Duration(0.001)  # a frame that comes again is not driven on
+            self.publish_frame()
+            return any(c.linear.x == 0.2 for c in self.commands.received[before:])
+
+        support.wait_for(driven, "driving after a jump of the time")
+
+    def wait_until_driven(self):
+        """Frames go out until the follower drives on them, and the robot stands meanwhile.
+
+        It may see frames before it hears of the time, by which they are of the future.
+        """
+
+        def driven():
+            self.tick()
+            self.publish_frame()
+            return self.lines.received and any(c.linear.x > 0 for c in self.commands.received)
+
+        support.wait_for(driven, "the first line and a command to drive")
+
+    def newest_line(self):
+        """What was seen in the newest frame, whose command may come before it."""
+        support.wait_for(
+            lambda: self.lines.received[-1].header.stamp == self.now, "the newest frame's line"
+        )
+        return self.lines.received[-1]
+
+    def step(self):
+        """One frame, the command that it brings, and the way that the robot drives by it."""
+        self.tick()
+        before = len(self.commands.received)
+        self.publish_frame()
+        deadline = time.monotonic() + support.DEADLINE
+        while len(self.commands.received) == before:  # wait_for() looks too seldom for 5000 frames
+            assert time.monotonic() < deadline, "no command"
+            time.sleep(0.0005)
+        command = self.commands.received[-1]
+        where = self.world.track.progress(self.drive.pose.x, self.drive.pose.y)
+        pose = self.drive.drive(command.linear.x, command.angular.z, PERIOD)
+        length = self.world.track.length
+        way = self.world.track.progress(pose.x, pose.y) - where
+        self.driven += (way + length / 2.0) % length - length / 2.0
+        self.errors.append(self.world.track.lateral_error(pose.x, pose.y))
+
+
+@pytest.fixture
+def follower(start):
+    """Starts the line follower on a robot's camera, on simulated time."""
+
+    def start_follower(*parameters):
+        rospy.set_param("/use_sim_time", True)
+        remapped = ["image:=/robot/image_raw", "cmd_vel:=/robot/cmd_vel"]
+        # Longer than a stall of the machine: a command is that of the frame, not the watchdog's.
+        patient = "_timeout:=10.0"
+        return start("line_follower.py", "__name:=follower", *remapped, patient, *parameters)
+
+    return start_follower
+
+
+@pytest.mark.parametrize("direction", ["left", "right"])
+def test_a_lap(follower, direction, record_property):
+    track = course_track()
+    robot = Robot(track if direction == "left" else track.reversed())
+    follower()
+    robot.wait_until_driven()
+    while robot.driven < track.length:
+        robot.step()
+        assert abs(robot.errors[-1]) < 0.1, f"off the line after {robot.driven:.2f} m"
+    rms, largest = np.sqrt(np.mean(np.square(robot.errors))), np.max(np.abs(robot.errors))
+    report = f"lateral error in a lap: RMS {1e3 * rms:.1f} mm, at most {1e3 * largest:.1f} mm"
+    print(report)
+    record_property("lateral_error", report)
+    assert rms < 0.05
+
+
+def stands(robot, meanwhile=lambda: None):
+    """Waits until the robot is told to stand; whether it then is, again and again."""
+
+    def stopped():
+        meanwhile()
+        return robot.commands.received[-1] == Twist()
+
+    support.wait_for(stopped, "the stop")
+    del robot.commands.received[:]
+    support.wait_for(lambda: meanwhile() or len(robot.commands.received) >= 5, "commands")
+    return all(c == Twist() for c in robot.commands.received)
+
+
+def test_robot_stops_when_the_camera_dies(follower):
+    robot = Robot(course_track())
+    follower("_timeout:=0.5")
+    robot.wait_until_driven()
+    robot.drive_on()
+    assert stands(robot)
+    robot.drive_on()  # with the camera
+
+
+def test_robot_does_not_drive_on_the_same_frame_for_ever(follower):
+    robot = Robot(course_track())
+    follower("_timeout:=0.5")
+    robot.wait_until_driven()
+    robot.drive_on()
+    # A camera that hangs: the same picture and stamp, again and again.
+    assert stands(robot, robot.publish_frame)
+
+
+def test_robot_does_not_drive_on_old_frames(follower):
+    robot = Robot(course_track())
+    process = follower("_timeout:=0.5")
+    robot.wait_until_driven()
+    robot.newest_line()  # no frame is on its way that would be old after the jump
+    robot.jump(9.0)
+    robot.now = robot.time - rospy.Duration(1.0)
+
+    def lag():
+        """A network that lags: new pictures, a second old by a time that the follower knows."""
+        robot.now += rospy.Duration(0, 1000)
+        robot.publish_frame()
+
+    assert stands(robot, lag)
+    # Said of the first: the last warning, if frames came before the jump did, is more than 5 s ago.
+    text = "frames are 1.00 s old: they are not driven on"
+    support.wait_for(lambda: lag() or text in process.output(), "the warning")
+
+
+def test_robot_stops_when_what_it_has_seen_is_old(follower):
+    """The age of the frame counts: it is not driven on for another timeout."""
+    robot = Robot(course_track())
+    follower("_timeout:=10.0")
+    robot.wait_until_driven()
+    robot.jump(9.0)
+    old = robot.now - rospy.Duration(8.9)
+    robot.now = old
+    robot.publish_frame()
+    robot.lines.of(old)
+    begin = time.monotonic()
+    assert stands(robot)
+    assert time.monotonic() - begin < 8.0  # s; 1.1 s are left, another timeout would be 10 s
+
+
+def test_a_pause_leaves_nothing_behind(follower):
+    robot = Robot(course_track())
+    pose = robot.drive.pose
+    robot.drive.pose = type(pose)(pose.x, pose.y + 0.03, pose.heading)
+    follower("_mode:=pid", "_kp:=0.1", "_ki:=0.2", "_kd:=0.0")
+    robot.wait_until_driven()
+    enable = rospy.ServiceProxy("/follower/enable", SetBool)
+    enable(False)
+    for _ in range(60):  # 2 s that would be summed up
+        robot.step()
+    enable(True)
+    support.wait_for(lambda: robot.step() or robot.commands.received[-1].linear.x > 0, "driving")
+    error = robot.newest_line().offset
+    assert abs(error) > 0.05
+    assert robot.commands.received[-1].angular.z == pytest.approx(-0.1 * error, rel=0.5)
+
+
+def test_robot_stops_while_it_is_disabled(follower):
+    robot = Robot(course_track())
+    follower()
+    robot.wait_until_driven()
+    enable = rospy.ServiceProxy("/follower/enable", SetBool)
+    assert enable(False).message == "stopped"
+    support.wait_for(lambda: robot.commands.received[-1] == Twist(), "the stop")
+    del robot.commands.received[:]
+    for _ in range(20):
+        robot.step()
+    assert all(c == Twist() for c in robot.commands.received)
+    assert enable(True).message == "driving"
+    robot.drive_on()
+
+
+def test_robot_stops_where_there_is_no_line(follower):
+    robot = Robot(course_track())
+    follower()
+    robot.wait_until_driven()
+    robot.step()
+    robot.drive.pose = robot.drive.pose.along_arc(20.0, 0.0)  # carried away
+    for _ in range(5):
+        robot.step()
+    assert robot.commands.received[-1] == Twist()
+    last = robot.newest_line()
+    assert (last.found, last.offset, last.confidence) == (False, 0.0, 0.0)
+
+
+def test_robot_stands_where_all_is_line(follower):
+    robot = Robot(course_track())
+    follower()
+    robot.wait_until_driven()
+    robot.drive_on()
+    said = np.full((240, 320, 3), LINE_COLOUR, np.uint8)
+    robot.world.render = lambda *_: said
+    overlays = support.Messages("/follower/processed_image", Image)
+    support.wait_for(overlays.connected, "the overlay")
+    for _ in range(3):
+        robot.step()
+    assert robot.commands.received[-1] == Twist()
+    assert not robot.newest_line().found
+    overlay = overlays.of(robot.now)
+    said = said.copy()
+    draw_text(said, "no line", (10, 20))
+    assert np.array_equal(np.frombuffer(overlay.data, np.uint8).reshape(said.shape), said)
+
+
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_robot_searches_where_it_last_saw_the_line(follower, side):
+    robot = Robot(course_track())
+    follower("_search:=true", "_search_angular:=0.25", "_search_timeout:=2.0")
+    start = robot.drive.pose
+    # Beside the line, which is then seen on the other side.
+    robot.drive.pose = type(start)(start.x, start.y + side * 0.05, start.heading)
+    robot.wait_until_driven()
+    robot.step()
+    robot.drive.pose = type(start)(start.x, start.y + 20.0, start.heading)
+    for _ in range(10):
+        robot.step()
+    assert robot.commands.received[-1].angular.z == -side * 0.25
+    for _ in range(60):  # two seconds of simulated time
+        robot.step()
+    assert robot.commands.received[-1] == Twist()
+
+
+def test_robot_is_told_to_stop_when_the_node_ends(follower):
+    robot = Robot(course_track())
+    process = follower("_timeout:=10.0")  # so that it is not the watchdog that stops it
+    robot.wait_until_driven()
+    robot.drive_on()
+    process.interrupt()
+    assert process.exit_code() == 0, process.output()
+    assert robot.commands.received[-1] == Twist()
+
+
+def test_line_is_where_the_track_is(follower):
+    robot = Robot(course_track())
+    follower()
+    robot.wait_until_driven()
+    line = robot.lines.received[-1]
+    assert line.found and line.header.stamp <= robot.now
+    assert abs(line.offset) < 0.02 and abs(line.angle) < 0.05 and line.confidence > 0.1
+    assert abs(line.center.x - 159.5) < 3.0 and 180 <= line.center.y < 240

@@ -1,0 +1,363 @@
+"""Every parameter of every Python node, with values that it cannot have: one line says so."""
+
+import importlib
+import os
+import re
+from types import SimpleNamespace
+from unittest.mock import MagicMock
+
+import numpy as np
+import pytest
+import rospy
+import tf2_ros
+from std_msgs.msg import Header
+from test_parameter_sources import PYTHON, ROOT
+
+from robot_vision.camera.camera_list import parse_cameras
+from robot_vision.color.named_colors import NamedColors
+from robot_vision.demo import demo_status
+from robot_vision.line import line_follower
+from robot_vision.ros import params, transport
+from robot_vision.tags.bundle_files import parse_bundles
+from robot_vision.tags.tag_layout import TagLayout
+from robot_vision.viewer import camera_view
+from robot_vision.viewer.camera_view import CameraView
+
+NAN, INF = float("nan"), float("inf")
+DEEP = []
+for _ in range(50):
+    DEEP = [DEEP]
+HOSTILE = {
+    "a map": {"a": {"b": 1}},
+    "a long map": {"a": "x" * 100000},
+    "a list": [1, 2],
+    "a deep list": DEEP,
+    "NaN": NAN,
+    "infinity": INF,
+    "minus infinity": -INF,
+    "a huge number": 1e300,
+    "a huge integer": 2**31 - 1,
+    "a long text": "x" * 1000000,
+    "a text for terminals": "\n\x9b2J\u202e",
+    "bytes": b"\x00\xff",
+    "nothing": None,
+    "true": True,
+}
+NOWHERE = {"NaN", "infinity", "minus infinity", "a huge number"}
+LONGEST = 500  # characters of a line
+
+
+def config_of(node):
+    name = "".join(word.capitalize() for word in node.split("_"))
+    return importlib.import_module(f"robot_vision.cfg.{name}Config")
+
+
+CONFIGS = {node: config_of(node) for node in PYTHON}
+
+
+class Server:
+    """As dynamic_reconfigure's at its start, but for the services."""
+
+    def __init__(self, config_type, callback):
+        config = dict(config_type.defaults)
+        config.update({name[1:]: value for name, value in server_values.items()})
+        callback(config, 0)
+
+
+server_values = {}
+
+
+@pytest.fixture
+def at_start(monkeypatch):
+    """at_start(values): makes a parameter server that has these, with names such as ~gain."""
+    monkeypatch.setattr(params, "_Server", Server)
+    monkeypatch.setattr(rospy, "Service", lambda *_: None)
+    monkeypatch.setattr(rospy, "get_param", lambda name, default: server_values.get(name, default))
+    monkeypatch.setattr(rospy, "has_param", lambda name: name in server_values)
+    monkeypatch.setattr(rospy, "delete_param", server_values.pop)
+    monkeypatch.setattr(rospy, "set_param", server_values.__setitem__)
+
+    def start(values):
+        server_values.clear()
+        server_values.update(values)
+
+    return start
+
+
+def refused(name, work):
+    """The error, which must be a line that names the parameter, its value and what it can be."""
+    with pytest.raises(ValueError) as error:
+        work()
+    line = str(error.value)
+    assert re.match(rf"{name}(\[0\]|/\w+|: tag family)? is .*, must be ", line), line[:LONGEST]
+    assert line.isprintable() and len(line) <= LONGEST, line[:LONGEST]
+    return line
+
+
+def fits(parameter, value):
+    """Whether a value is of the parameter's type and in its range."""
+    kind = {"double": float, "int": int, "str": str, "bool": bool}[parameter["type"]]
+    if type(value) is not kind and not (kind is float and type(value) is int):
+        return False
+    return kind in (str, bool) or parameter["min"] <= value <= parameter["max"]
+
+
+@pytest.mark.parametrize("what", HOSTILE)
+@pytest.mark.parametrize("node", CONFIGS)
+def test_live_parameters_at_start(at_start, node, what):
+    config, value = CONFIGS[node], HOSTILE[what]
+    for parameter in config.config_description["parameters"]:
+        name = parameter["name"]
+        at_start({"~" + name: value})
+        if fits(parameter, value):
+            params.LiveParams(config, lambda _: None)
+        else:
+            refused(name, lambda: params.LiveParams(CONFIGS[node], lambda _: None))
+
+
+@pytest.mark.parametrize("node", CONFIGS)
+def test_live_numbers(at_start, monkeypatch, node):
+    """What dynamic_reconfigure has no types against: the old values stay, and a line says why."""
+    told = []
+    monkeypatch.setattr(rospy, "logwarn", lambda text, error: told.append(text % error))
+    at_start({})
+    config = CONFIGS[node]
+    live = params.LiveParams(config, lambda _: None)
+    for parameter in config.config_description["parameters"]:
+        for what in NOWHERE:
+            if parameter["type"] == "double":
+                values = {**config.defaults, parameter["name"]: HOSTILE[what]}
+                assert live._change(values, 0) == config.defaults
+                assert f": {parameter['name']} is " in told.pop() and not told
+
+
+def is_name(value):
+    return type(value) is str and value.isprintable() and 0 < len(value) <= 255
+
+
+def is_flag(value):
+    return type(value) is bool
+
+
+def is_number(low, high):
+    return lambda value: type(value) in (int, float) and low <= value <= high
+
+
+# Parameters that are read at start alone: what each takes, by the class of their nodes. The lists
+# and maps among them have a test of their own.
+IMAGE_NODE = {
+    "always_subscribe": is_flag,
+    "threads": lambda value: type(value) is int and 0 <= value <= 256,
+    "image_transport": lambda value: type(value) is str,  # image_transport says which there are
+}
+AT_START = {
+    "ball.ball_tracker.BallTracker": {
+        "ball_diameter": is_number(0.0, 100.0),
+        "ball_frame_id": is_name,
+        **IMAGE_NODE,
+    },
+    "tags.apriltag_detector.ApriltagDetector": {
+        "families": lambda _: False,
+        "tag_size": lambda value: is_number(0.0, 100.0)(value) and value > 0.0,
+        "standalone_tags": lambda _: False,
+        "tag_bundles": lambda _: False,
+        **IMAGE_NODE,
+    },
+    "faces.face_recognizer.FaceRecognizer": {
+        "gallery": lambda value: type(value) is str and len(value) < 256,
+        **IMAGE_NODE,
+    },
+    "color.hsv_tracker.HsvTracker": {"colors": lambda value: value is None, **IMAGE_NODE},
+    "line.line_follower.LineFollower": IMAGE_NODE,
+    "faces.face_detector.FaceDetector": IMAGE_NODE,
+    "motion.motion_detector.MotionDetector": IMAGE_NODE,
+    "tracking.object_tracker.ObjectTracker": IMAGE_NODE,
+    "codes.code_reader.CodeReader": IMAGE_NODE,
+    "viewer.camera_view.CameraView": {
+        "autosize": is_flag,
+        "image_transport": IMAGE_NODE["image_transport"],
+    },
+    "camera.camera_loader.CameraLoader": {"manager": is_name},
+    "demo.demo_status.DemoStatus": {"view": is_flag},
+}
+# What is read later, by tests of its own: when values are saved, and again and again.
+LATER = {"config_file", "cameras"}
+# They ask for all live parameters, for those of a color, and for all of a camera at once.
+ASK_BY_VARIABLE = {"params.py", "named_colors.py", "camera_loader.py"}
+
+
+@pytest.fixture
+def alone(at_start, monkeypatch, tmp_path):
+    """Nodes without ROS, windows and threads: what is left of their making is the reading."""
+    monkeypatch.setenv("ROS_HOME", str(tmp_path))
+    nothing = MagicMock()
+    monkeypatch.setattr(rospy, "core", nothing)
+    for name in ("Publisher", "Subscriber", "on_shutdown", "get_name", "logwarn", "loginfo"):
+        monkeypatch.setattr(rospy, name, nothing)
+    monkeypatch.setattr(transport, "_process", lambda: nothing)
+    monkeypatch.setattr(line_follower, "Drive", nothing)
+    monkeypatch.setattr(demo_status, "threading", nothing)
+    monkeypatch.setattr(camera_view, "Window", nothing)
+    monkeypatch.setattr(camera_view, "require_display", nothing)
+    monkeypatch.setattr(tf2_ros, "TransformBroadcaster", nothing)
+    return at_start
+
+
+def node_class(of):
+    module, _, name = of.rpartition(".")
+    return getattr(importlib.import_module("robot_vision." + module), name)
+
+
+@pytest.mark.parametrize("value", [NAN, INF, -INF])
+def test_a_number_without_a_range_is_finite_at_least(at_start, value):
+    at_start({"~size": value})
+    with pytest.raises(ValueError, match=f"size is {value}, must be finite"):
+        params.read_param("size", 1.0)
+
+
+@pytest.mark.parametrize("of", AT_START)
+def test_parameters_that_are_read_at_start_alone(alone, of):
+    """Each node is made with each value: it takes what it can have, and else says one line."""
+    alone({})
+    node_class(of)()
+    for name, can_be in AT_START[of].items():
+        for value in HOSTILE.values():
+            alone({"~" + name: value})
+            if can_be(value):
+                node_class(of)()
+            else:
+                refused(name, node_class(of))
+
+
+@pytest.mark.parametrize("what", HOSTILE)
+def test_a_file_that_no_values_can_be_saved_in_is_told_in_one_line(at_start, monkeypatch, what):
+    monkeypatch.setattr(rospy, "logerr", lambda *_: None)
+    at_start({})
+    live = params.LiveParams(CONFIGS["code_reader"], lambda _: None)
+    values = [HOSTILE[what]]
+    if isinstance(values[0], str):
+        values.append("/" + values[0] + "/x.yaml")
+    for value in values:
+        rospy.set_param("~config_file", value)
+        answer = live._on_save(None)
+        assert not answer.success and re.search("config_file|x.yaml", answer.message)
+        assert answer.message.isprintable() and len(answer.message) <= 1200, answer.message
+
+
+@pytest.mark.parametrize("of", AT_START)
+def test_live_texts_at_start(alone, of):
+    """What a text says is for the node to check."""
+    module = of.partition(".")[0].replace("camera_view", "simple_camera_view")
+    if module not in CONFIGS:
+        return
+    for parameter in CONFIGS[module].config_description["parameters"]:
+        for what in ("a long text", "a text for terminals"):
+            if parameter["type"] == "str":
+                alone({"~" + parameter["name"]: HOSTILE[what]})
+                accepted_or_told(parameter["name"], node_class(of), what)
+
+
+def test_every_parameter_that_is_asked_for_is_swept():
+    """By the sources, where they ask the parameter server."""
+    named, others = set(), set()
+    for path in (ROOT / "src" / "robot_vision").rglob("*.py"):
+        for name in re.findall(
+            r"\b(?:read_(?:param|name|any)|get_param)\(\s*([^\s,)]+)", path.read_text()
+        ):
+            literal = re.fullmatch(r'"~?(\w+)"', name)
+            if literal:
+                named.add(literal.group(1))
+            elif path.name not in ASK_BY_VARIABLE:
+                others.add((path.name, name))
+    assert named == set().union(*AT_START.values()) | LATER
+    assert not others
+
+
+@pytest.mark.parametrize("what", HOSTILE)
+def test_lists_and_maps(at_start, what):
+    """At their top, and in the place of each value in them; what names the place is in the line."""
+    value = HOSTILE[what]
+    tag = {"id": 1, "size": 0.1, "x": 0.0, "qw": 1.0, "shift_noise": 0.0, "turn_noise": 0.0}
+    attempts = [
+        ("cameras", lambda: parse_cameras(value)),
+        ("cameras[0]", lambda: parse_cameras([value])),
+        ("cameras[0]", lambda: parse_cameras([{"name": value, "source": "synthetic"}])),
+        ("tag_bundles", lambda: parse_bundles(value)),
+        ("tag_bundles[0]", lambda: parse_bundles([value])),
+        ("layout", lambda: parse_bundles([{"layout": value}])),
+        ("layout", lambda: parse_bundles([{"layout": [value]}])),
+        *(
+            ("bundle", lambda key=key: parse_bundles([{"layout": [{**tag, key: value}]}]))
+            for key in tag
+        ),
+        ("tag_size", lambda: TagLayout("tag36h11", value)),
+        ("standalone_tags", lambda: TagLayout("tag36h11", 0.1, value)),
+        ("standalone_tags[0]", lambda: TagLayout("tag36h11", 0.1, [value])),
+        ("standalone_tags[0]", lambda: TagLayout("tag36h11", 0.1, [{"id": value}])),
+        ("standalone_tags[0]", lambda: TagLayout("tag36h11", 0.1, [{"ids": value}])),
+        ("standalone_tags[0]", lambda: TagLayout("tag36h11", 0.1, [{"id": 1, "size": value}])),
+        ("standalone_tags[0]", lambda: TagLayout("tag36h11", 0.1, [{"id": 1, "family": value}])),
+        ("standalone_tags[0]", lambda: TagLayout("tag36h11", 0.1, [{"id": 1, "name": value}])),
+        ("tag_bundles[0]", lambda: parse_bundles([{"name": value, "layout": [{"id": -1}]}])),
+        ("famil", lambda: TagLayout(value, 0.1)),
+    ]
+    for where, attempt in attempts:
+        accepted_or_told(where, attempt, what)
+    for colors in (
+        value,
+        {"red": value},
+        {str(value): 1},
+        {"red": {"low": value, "high": [1, 2, 3]}},
+    ):
+        at_start({"~colors": colors})
+        accepted_or_told("colors", NamedColors, what)
+    at_start({"~colors": {"red": {"low": [0, 0, value], "high": [1, 2, 3]}}})
+    accepted_or_told("colors/red", NamedColors, what)
+
+
+def accepted_or_told(where, attempt, what):
+    """Some of the values can be some of the parameters, but none of NOWHERE any."""
+    try:
+        attempt()
+        assert what not in NOWHERE, where
+    except ValueError as error:
+        line = str(error)
+        assert where in line and line.isprintable() and len(line) <= LONGEST, line[:LONGEST]
+
+
+@pytest.mark.parametrize(
+    "folder, why",
+    [
+        ("{}/none", "No such file or directory"),
+        ("{}/file", "Not a directory"),
+        ("{}/pipe", "Not a directory"),
+        ("{}/" + "x" * 5000, "File name too long"),
+        ("~nobody_of_this_name/x", "No such file or directory"),
+    ],
+)
+def test_a_folder_that_nothing_can_be_saved_in_is_an_error_and_no_end(
+    monkeypatch, tmp_path, folder, why
+):
+    (tmp_path / "file").touch()
+    os.mkfifo(str(tmp_path / "pipe"))
+    told = []
+    monkeypatch.setattr(rospy, "logerr", lambda text, *values: told.append(text % values))
+    monkeypatch.chdir(tmp_path)
+    view = viewer()
+    view._configure({"save_folder": folder.format(tmp_path)})
+    view._save()
+    (line,) = told
+    assert line.startswith("no picture saved in /") and line.endswith(": " + why)
+    assert sorted(os.listdir(tmp_path)) == ["file", "pipe"]
+
+
+def test_a_folder_with_a_letter_that_none_has_is_refused():
+    refused("save_folder", lambda: viewer()._configure({"save_folder": "a\0b"}))
+
+
+def viewer():
+    """A viewer without a window that shows a picture of the latest stamp that there is."""
+    view = object.__new__(CameraView)
+    header = Header(stamp=rospy.Time(2**32 - 1, 999999999))
+    view._shown = SimpleNamespace(image=np.zeros((2, 2, 3), np.uint8), header=header)
+    return view

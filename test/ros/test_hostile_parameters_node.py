@@ -1,0 +1,394 @@
+"""Parameters of nodelets with values that they cannot have: one line says so."""
+
+import itertools
+import pathlib
+import re
+import xmlrpc.client
+
+import pytest
+import rospy
+import support
+from nodelet.srv import NodeletLoad, NodeletUnload
+from std_srvs.srv import Trigger
+
+import robot_vision.cfg.BrightnessConfig
+import robot_vision.cfg.CameraConfig
+import robot_vision.cfg.EdgeDetectorConfig
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+NAN, INF = float("nan"), float("inf")
+DEEP = []
+for _ in range(50):
+    DEEP = [DEEP]
+LONG, OBEYED = "x" * 100000, "\n\x7f\x9b2J\u202e"  # letters that terminals obey
+# What the parameter server can hold: its integers have 32 bits, and its texts no \0 and no \x1b.
+HOSTILE = [
+    {"a": {"b": 1}},
+    {OBEYED: OBEYED},
+    [1, 2],
+    DEEP,
+    NAN,
+    INF,
+    -INF,
+    1e300,
+    -0.5,
+    2**31 - 1,
+    -(2**31),
+    True,
+    LONG,
+    OBEYED,
+    "",
+    xmlrpc.client.Binary(b"\x00\xff"),
+]
+LONGEST = 1000  # characters of a line
+
+
+def flag(value):
+    return type(value) is bool
+
+
+def number(low, high):
+    return lambda value: type(value) in (int, float) and low <= value <= high
+
+
+def integer(low, high):
+    return lambda value: type(value) is int and low <= value <= high
+
+
+def text(value):
+    return type(value) is str
+
+
+def empty(value):
+    return value == ""
+
+
+def name_of_device(value):
+    return text(value) and value != ""
+
+
+def controls(value):
+    return isinstance(value, dict) and all(map(text, value.values()))
+
+
+def control(value):
+    """Doubles take the place of integers that the parameter server has not."""
+    return type(value) in (bool, int, str)
+
+
+def never(_value):
+    return False
+
+
+ALL = {"always_subscribe": flag, "diagnostic_period": number(0.01, 3600.0)}
+FILTER = {**ALL, "threads": integer(1, 64), "image_transport": never}
+BRIGHTNESS = {
+    **FILTER,
+    "gain": number(0.0, 10.0),
+    "offset": number(-255.0, 255.0),
+    "gamma": number(0.1, 10.0),
+}
+EDGE_DETECTOR = {
+    **FILTER,
+    "blur_size": never,
+    "low_threshold": never,
+    "high_threshold": never,
+    "aperture": never,
+    "l2_gradient": flag,
+}
+USB_CAM_CONTROLS = (
+    "brightness",
+    "contrast",
+    "saturation",
+    "sharpness",
+    "gain",
+    "focus",
+    "autofocus",
+    "auto_focus",
+    "autoexposure",
+    "exposure",
+    "white_balance",
+    "auto_white_balance",
+)
+WITHOUT_EFFECT = (
+    "camera_transport_suffix",
+    "color_format",
+    "full_ffmpeg_log",
+    "hardware_decoder",
+    "start_service_name",
+    "stop_service_name",
+)
+CAMERA = {
+    **ALL,
+    "keep_streaming": flag,
+    "create_suspended": flag,
+    "loop": flag,
+    "framerate": number(0.0, 1000.0),
+    "timeout": number(0.1, 3600.0),
+    "image_width": never,
+    "image_height": never,
+    "source": text,  # of any name a camera may come yet
+    "video_device": name_of_device,
+    "pixel_format": never,
+    "io_method": never,
+    "scene": never,
+    "poster": empty,
+    "camera_frame_id": empty,
+    "camera_name": never,
+    "camera_info_url": empty,
+    "output_encoding": never,
+    "controls": controls,
+    "intrinsic_controls": controls,
+    "controls/gain": control,
+    "intrinsic_controls/ignore": never,
+    USB_CAM_CONTROLS[0]: control,
+}
+KINDS = {
+    "brightness": (BRIGHTNESS, robot_vision.cfg.BrightnessConfig),
+    "edge_detector": (EDGE_DETECTOR, robot_vision.cfg.EdgeDetectorConfig),
+    "camera": (CAMERA, robot_vision.cfg.CameraConfig),
+}
+
+
+REFUSED = [
+    # nodelet, parameter, value, what the FATAL line says
+    ("brightness", "gain", -0.1, "gain is -0.1, must be from 0 to 10"),
+    ("brightness", "gain", 10.1, "gain is 10.1, must be from 0 to 10"),
+    ("brightness", "offset", -256, "offset is -256, must be from -255 to 255"),
+    ("brightness", "offset", 256, "offset is 256, must be from -255 to 255"),
+    ("brightness", "gamma", 0.05, "gamma is 0.05, must be from 0.1 to 10"),
+    ("brightness", "gamma", 11, "gamma is 11, must be from 0.1 to 10"),
+    ("brightness", "gain", "strong", "must be a number"),
+    ("brightness", "gain", True, "gain is 1, must be a number"),
+    ("brightness", "gain", "strong", "gain is 'strong', must be a number"),
+    ("brightness", "always_subscribe", "maybe", "must be true or false"),
+    (
+        "brightness",
+        "diagnostic_period",
+        0,
+        "diagnostic_period is 0, must be from 0.01 to 3600",
+    ),
+    ("camera", "diagnostic_period", -1, "diagnostic_period is -1, must be from 0.01 to 3600"),
+    ("edge_detector", "image_transport", "pigeon", "must be one that is installed: "),
+    ("edge_detector", "always_subscribe", 1.5, "must be true or false"),
+    ("camera", "always_subscribe", "x", "must be true or false"),
+    ("camera", "source", 7, "source is 7, must be a string"),
+    ("camera", "source", {"a": 1}, "must be a string"),
+    ("camera", "source", ["a"], "must be a string"),
+    ("camera", "poster", "/dev/zero", "/dev/zero cannot be read: it is no file"),
+    ("camera", "framerate", {"a": {"b": "x" * 10000}}, "..., must be a number"),
+    ("camera", "pixel_format", "x" * 10000, "..., must be yuyv, uyvy, nv12, "),
+    ("brightness", "gain", [1.0, 2.0], "must be a number"),
+    ("brightness", "gain", NAN, "gain is nan, must be from 0 to 10"),
+    ("brightness", "gain", INF, "gain is inf, must be from 0 to 10"),
+    ("brightness", "gain", 1e300, "gain is 1e+300, must be from 0 to 10"),
+    ("edge_detector", "aperture", 2**31 - 1, "must be 3, 5 or 7"),
+    ("camera", "poster", "/no/poster.png", "/no/poster.png cannot be read: No such file"),
+    ("camera", "image_width", 32, "image_width is 32, must be from 64 to 4096"),
+    ("camera", "image_width", 1600, "from a third to three times image_height, 480"),
+    ("edge_detector", "blur_size", 0, "blur_size is 0, must be odd and from 1 to 31"),
+    ("edge_detector", "blur_size", 4, "blur_size is 4, must be odd and from 1 to 31"),
+    ("edge_detector", "blur_size", 33, "blur_size is 33, must be odd and from 1 to 31"),
+    ("edge_detector", "low_threshold", -1, "low_threshold is -1, must be from 0 to 10000"),
+    (
+        "edge_detector",
+        "low_threshold",
+        40,
+        "high_threshold is 30, must be at least low_threshold, 40",
+    ),
+    (
+        "edge_detector",
+        "high_threshold",
+        10001,
+        "high_threshold is 10001, must be from 0 to 10000",
+    ),
+    ("edge_detector", "aperture", 4, "aperture is 4, must be 3, 5 or 7"),
+    ("edge_detector", "aperture", 9, "aperture is 9, must be 3, 5 or 7"),
+    ("edge_detector", "aperture", 3.5, "must be an integer"),
+    ("edge_detector", "l2_gradient", "yes, please", "must be true or false"),
+    ("camera", "image_width", 15, "image_width is 15, must be from 16 to 8192"),
+    ("camera", "image_width", 8193, "image_width is 8193, must be from 16 to 8192"),
+    ("camera", "image_height", 0, "image_height is 0, must be from 16 to 8192"),
+    ("camera", "framerate", -1, "framerate is -1, must be from 0 to 1000"),
+    ("camera", "framerate", 1001, "framerate is 1001, must be from 0 to 1000"),
+    ("camera", "timeout", 0, "timeout is 0, must be from 0.1 to 3600"),
+    ("camera", "keep_streaming", 2, "keep_streaming is 2, must be true or false"),
+    ("camera", "controls", 5, "controls is 5, must be a map of controls' names and values"),
+    ("camera", "controls/gain", 0.5, "controls/gain is 0.5, must be an integer, true, false"),
+    ("camera", "intrinsic_controls", 5, "must be a map of controls' names and values"),
+    (
+        "camera",
+        "intrinsic_controls/gain",
+        0.5,
+        "intrinsic_controls/gain is 0.5, must be an in",
+    ),
+    ("camera", "intrinsic_controls/ignore", "gain", "must be a list of controls' names"),
+    ("camera", "brightness", 0.5, "brightness is 0.5, must be an integer, true, false"),
+    ("camera", "loop", "often", "must be true or false"),
+    ("camera", "pixel_format", "h265", "pixel_format is 'h265', must be yuyv, uyvy, nv12, "),
+    ("camera", "output_encoding", "yuv", "must be auto, bgr8, rgb8, mono8 or native"),
+    ("camera", "io_method", "dma", "must be mmap, read or userptr"),
+    ("camera", "camera_name", "no/name", "must be letters, digits and _"),
+    (
+        "camera",
+        "camera_info_url",
+        "ftp://there",
+        "must be empty, file:///... or package://...",
+    ),
+]
+REFUSED += [
+    ("camera", "camera_info_url", url, "must be " + expected)
+    for url, expected in (
+        ("http://there/eye.yaml", "empty, file:///... or package://..."),
+        ("eye.yaml", "empty, file:///... or package://..."),
+        ("file://eye.yaml", "empty, file:///... or package://..."),
+        ("package://no_such_package/eye.yaml", "package://, the name of a package that is there"),
+        ("package://robot_vision", "package://, the name of a package that is there"),
+        ({"file": 1}, "a string"),
+    )
+]
+
+
+def test_every_parameter_that_is_asked_for_is_swept():
+    """By the sources, where they ask the parameter server, and by the .cfg files."""
+    named = {USB_CAM_CONTROLS[0]}  # the others are in two arrays
+    for path in [*ROOT.glob("src/nodelets/*.?pp"), *ROOT.glob("src/ros/*/*.?pp")]:
+        source = path.read_text()
+        named |= set(re.findall(r'\b(?:readParam|readMap|getParam)\(\w+, "(\w+)"', source))
+        named |= set(re.findall(r'\bgetParam\("(\w+)"', source))
+    of_controls = (ROOT / "src/ros/camera/control_params.cpp").read_text()
+    array = of_controls[of_controls.index("kUsbCams[] =") :].partition(";")[0]
+    assert set(re.findall(r'"(\w+)"', array)) == set(USB_CAM_CONTROLS)
+    of_usb_cam = (ROOT / "src/ros/camera/usb_cam_params.cpp").read_text()
+    assert set(re.findall(r'\{"(\w+)", "', of_usb_cam)) == set(WITHOUT_EFFECT)
+    for _, config in KINDS.values():
+        named |= {parameter["name"] for parameter in config.config_description["parameters"]}
+    swept = {name for parameters, _ in KINDS.values() for name in parameters if "/" not in name}
+    assert named == swept | {"config_file"}
+
+
+@pytest.fixture(scope="module")
+def manager(start_once):
+    process = start_once("/usr/lib/nodelet/nodelet", "manager", "__name:=manager")
+    rospy.wait_for_service("/manager/load_nodelet", support.DEADLINE)
+    return process
+
+
+def load(name, kind):
+    """Whether the nodelet has started."""
+    service = rospy.ServiceProxy("/manager/load_nodelet", NodeletLoad)
+    try:
+        return service(name, "robot_vision/" + kind, ["/image"], ["/no/image"], [], "").success
+    except rospy.ServiceException:
+        return False
+
+
+def unload(name):
+    assert rospy.ServiceProxy("/manager/unload_nodelet", NodeletUnload)(name).success
+
+
+def lines_of(process, name):
+    """What was logged of a nodelet, without the colors of roscpp's own."""
+    found = [line for line in process.output().split("\n") if f"{name}: " in line]
+    return [re.sub("\x1b\\[[0-9;]*m", "", line) for line in found]
+
+
+numbers = itertools.count()
+
+
+def cases():
+    for kind, (parameters, config) in KINDS.items():
+        for parameter, can_be in parameters.items():
+            yield pytest.param(kind, parameter, can_be, config, id=f"{kind}-{parameter}")
+
+
+@pytest.mark.parametrize("kind, parameter, can_be, config", cases())
+def test_a_nodelet_takes_what_a_parameter_can_be_and_else_says_one_line(
+    manager, kind, parameter, can_be, config
+):
+    """All are loaded into one manager, which lives on."""
+    live = {of["name"] for of in config.config_description["parameters"]}
+    for value in HOSTILE:
+        name = f"/hostile_{next(numbers)}"
+        started, kept, lines = tried(
+            manager, name, kind, {**source_with(parameter), parameter: value}
+        )
+        assert started == can_be(value), (value, lines)
+        fatal = [line for line in lines if "FATAL" in line]
+        if started:
+            assert not fatal and (parameter not in live or kept[parameter] == value)
+        else:
+            (line,) = fatal
+            assert re.search(rf"{name}: {parameter}\b.*(, must be | cannot be read: )", line), line
+
+
+@pytest.mark.parametrize("kind, parameter, value, message", REFUSED)
+def test_a_value_that_cannot_be_is_told_with_what_can_be(manager, kind, parameter, value, message):
+    name = f"/refused_{next(numbers)}"
+    values = {**source_with(parameter), parameter: value}
+    started, _, lines = tried(manager, name, kind, values)
+    (line,) = (line for line in lines if "FATAL" in line)
+    assert not started and parameter in line and message in line
+
+
+def source_with(parameter):
+    """What a camera needs to start without a device, beside this parameter."""
+    return {} if parameter in ("source", "video_device") else {"source": "synthetic"}
+
+
+def tried(manager, name, kind, values):
+    """Whether a nodelet starts with these parameters, what they are then, and what it says."""
+    for parameter, value in values.items():
+        rospy.set_param(f"{name}/{parameter}", value)
+    started = load(name, kind)
+    assert manager.running(), (values, manager.output()[-1000:])
+    kept = rospy.get_param(name)
+    if started:
+        unload(name)
+    rospy.delete_param(name)
+    lines = lines_of(manager, name)
+    assert all(line.isprintable() and len(line) <= LONGEST for line in lines), lines
+    return started, kept, lines
+
+
+@pytest.mark.parametrize("number", range(1, len(USB_CAM_CONTROLS) + 1))
+def test_controls_are_read_all_alike(manager, number):
+    name = f"/usb_cam_{number}"
+    values = dict.fromkeys(USB_CAM_CONTROLS[:number], 2**31 - 1)
+    refused = [*USB_CAM_CONTROLS, "intrinsic_controls/gain"][number]
+    started, _, lines = tried(manager, name, "camera", {**values, refused: INF})
+    (line,) = (line for line in lines if "FATAL" in line)
+    assert not started and f"{name}: {refused} is inf, must be an integer, true, false" in line
+
+
+def test_what_means_nothing_here_can_be_anything(manager):
+    """Usb_cam's other parameters, and those that nobody knows."""
+    odd = {f"/a {OBEYED}": OBEYED, "/" + LONG: LONG, "/x y": {OBEYED: DEEP}}
+    for number, value in enumerate(({"a": [NAN]}, DEEP, OBEYED, LONG)):
+        values = {"source": "synthetic", **dict.fromkeys(WITHOUT_EFFECT, value)}
+        name = f"/odd_{number}"
+        rospy.set_param(name, {key[1:]: of for key, of in odd.items()})
+        started, _, lines = tried(manager, name, "camera", values)
+        assert started, lines
+        for parameter in WITHOUT_EFFECT:
+            assert manager.output().count(f"{name}/{parameter} has no effect: ") == 1
+        told = [line for line in manager.output().split("\n") if f"parameter {name}/" in line]
+        assert len(told) == len(odd)
+        for line in (re.sub("\x1b\\[[0-9;]*m", "", line) for line in told):
+            assert line.isprintable() and len(line) <= LONGEST, line
+
+
+def test_a_file_that_no_values_can_be_saved_in_is_told_in_one_line(manager):
+    assert load("/saver", "brightness")
+    save = rospy.ServiceProxy("/saver/save_parameters", Trigger)
+    for value in HOSTILE:
+        rospy.set_param("/saver/config_file", value)
+        answer = save()
+        assert not answer.success and "config_file" in answer.message, answer
+        assert answer.message.isprintable() and len(answer.message) <= LONGEST, answer
+    for value in ("/" + LONG, "/" + OBEYED + "/x.yaml"):
+        rospy.set_param("/saver/config_file", value)
+        answer = save()
+        assert not answer.success and "cannot be " in answer.message, answer
+        assert answer.message.isprintable() and len(answer.message) <= LONGEST, answer
+    unload("/saver")

@@ -1,0 +1,67 @@
+#include <gtest/gtest.h>
+#include <image_transport/image_transport.h>
+#include <ros/callback_queue.h>
+#include <ros/ros.h>
+
+#include <boost/make_shared.hpp>
+#include <chrono>
+#include <thread>
+
+#include "support/run_tests.hpp"
+
+namespace
+{
+
+/// The topic "video", whose callbacks come when the test has them come.
+struct Side
+{
+  Side()
+  {
+    node.setCallbackQueue(&callbacks);
+    transport = std::make_unique<image_transport::ImageTransport>(node);
+  }
+
+  ros::CallbackQueue callbacks;
+  ros::NodeHandle node{"~"};
+  std::unique_ptr<image_transport::ImageTransport> transport;
+};
+
+sensor_msgs::ImagePtr picture()
+{
+  auto image = boost::make_shared<sensor_msgs::Image>();
+  image->encoding = "mono8";
+  image->width = image->step = 64;
+  image->height = 48;
+  image->data.assign(64 * 48, 100);
+  return image;
+}
+
+}  // namespace
+
+// Who subscribes while a frame is being sent: its stream's headers, the frame, and the headers for the newcomer wait
+// together until he looks.
+TEST(Theora, keepsTheFirstFrameBehindAllHeaders)
+{
+  Side sender, receiver;
+  image_transport::Publisher publisher = sender.transport->advertise("video", 1);
+  int frames = 0;
+  const image_transport::Subscriber subscriber = receiver.transport->subscribe(
+      "video", 1, [&frames](const sensor_msgs::ImageConstPtr&) { ++frames; }, ros::VoidPtr(),
+      image_transport::TransportHints("theora"));
+  const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(30);
+  while (publisher.getNumSubscribers() == 0 && std::chrono::steady_clock::now() < deadline)
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  ASSERT_EQ(publisher.getNumSubscribers(), 1u);
+  publisher.publish(picture());
+  while (frames == 0 && std::chrono::steady_clock::now() < deadline)  // messages may still be on their way
+  {
+    sender.callbacks.callAvailable(ros::WallDuration(0.01));  // tells the publisher of its subscriber
+    receiver.callbacks.callAvailable(ros::WallDuration(0.01));
+  }
+  EXPECT_EQ(frames, 1);
+}
+
+int main(int argc, char** argv)
+{
+  return runTests(argc, argv, "theora_queue", 1);
+}

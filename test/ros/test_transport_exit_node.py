@@ -1,0 +1,214 @@
+"""However a process with pictures ends: at once, with the right code, and without a last cry."""
+
+import textwrap
+import time
+
+import pytest
+
+HEAD = """
+import gc, os, signal, sys, threading, time
+import numpy as np
+import rospy
+from robot_vision.ros.startup import run_node
+from robot_vision.transport import CameraSubscriber, ImagePublisher, ImageSubscriber
+
+came = threading.Event()
+frames = []
+
+def keep(frame):
+    frames.append(frame)
+    came.set()
+
+def wait():
+    assert came.wait(30)
+"""
+INIT = "rospy.init_node('ends', anonymous=True)\n"
+SUBSCRIBE = INIT + "images = ImageSubscriber('image', keep)\n"
+CRIES = [
+    "terminate called",
+    "LibraryUnloadException",
+    "Fatal Python error",
+    "Segmentation fault",
+    "pure virtual",
+    "SEVERE WARNING",
+    "Exception ignored",
+    "signal_shutdown hook error",
+]
+ENDS = {  # name: (exit code, expected in the output, script)
+    "end of main": (0, "", SUBSCRIBE + "wait()"),
+    "before the first frame": (0, "", SUBSCRIBE),
+    "at once": (0, "", INIT + "ImageSubscriber('image', keep)"),
+    "nothing but the publisher": (0, "", INIT + "output = ImagePublisher('~out')"),
+    "sys.exit in main": (3, "", SUBSCRIBE + "wait(); sys.exit(3)"),
+    "exception in main": (1, "ZeroDivisionError", SUBSCRIBE + "wait(); 1 / 0"),
+    "without init_node": (1, "rospy.init_node() first", "ImageSubscriber('image', keep)"),
+    "sys.exit in the callback": (
+        0,
+        "the end",
+        INIT + "ImageSubscriber('image', lambda _: sys.exit(3)); rospy.spin(); print('the end')",
+    ),
+    "signal_shutdown in the callback": (
+        0,
+        "the end",
+        INIT + "ImageSubscriber('image', lambda _: rospy.signal_shutdown('')); rospy.spin()\n"
+        "print('the end')",
+    ),
+    "SIGINT in the callback": (
+        0,
+        "the end",
+        INIT + "ImageSubscriber('image', lambda _: os.kill(os.getpid(), signal.SIGINT))\n"
+        "rospy.spin(); print('the end')",
+    ),
+    "the callback always raises": (
+        0,
+        "ZeroDivisionError",
+        INIT + "ImageSubscriber('image', lambda frame: (keep(frame), 1 / 0)); wait()\n"
+        "time.sleep(0.5)",
+    ),
+    "the callback sleeps": (
+        0,
+        "",
+        INIT + "ImageSubscriber('image', lambda frame: (keep(frame), time.sleep(60))); wait()",
+    ),
+    "the callback sleeps, SIGINT": (
+        0,
+        "the end",
+        INIT + "ImageSubscriber('image', lambda frame: (keep(frame), time.sleep(60)))\n"
+        "wait(); os.kill(os.getpid(), signal.SIGINT); rospy.spin(); print('the end')",
+    ),
+    "the callback works without pause": (
+        0,
+        "",
+        INIT + "def work(frame):\n"
+        "    keep(frame)\n"
+        "    while True:\n"
+        "        frame.image.astype(float).sum()\n"
+        "ImageSubscriber('image', work); wait()",
+    ),
+    "deleted before the first frame": (
+        0,
+        "",
+        SUBSCRIBE + "images.unregister(); del images; gc.collect()",
+    ),
+    "deleted after frames": (
+        0,
+        "",
+        SUBSCRIBE + "wait(); images.unregister(); del images; gc.collect()",
+    ),
+    "only the name deleted": (0, "", SUBSCRIBE + "del images; wait()"),
+    "frames read after the shutdown": (
+        0,
+        "the end",
+        SUBSCRIBE + "wait(); rospy.signal_shutdown('')\n"
+        "total = sum(int(frame.image.sum()) for frame in frames)\n"
+        "frames.clear(); gc.collect(); print('the end')",
+    ),
+    "frames kept where only the interpreter's end frees them": (
+        0,
+        "",
+        SUBSCRIBE + "wait(); sys.frames = frames; np.kept = [f.image[::2] for f in frames]",
+    ),
+    "subscribed after the shutdown": (
+        1,
+        "the node has been shut down",
+        SUBSCRIBE + "rospy.signal_shutdown(''); ImageSubscriber('other', keep)",
+    ),
+    "first subscribed after the shutdown": (
+        1,
+        "the node has been shut down",
+        INIT + "rospy.signal_shutdown(''); ImageSubscriber('image', keep)",
+    ),
+    "publisher and subscriber in one process": (
+        0,
+        "",
+        INIT + "output = ImagePublisher('~out')\n"
+        "copies = ImageSubscriber('~out', keep)\n"
+        "def forward(frame):\n"
+        "    output.publish(frame.image, frame.encoding, frame.header)\n"
+        "ImageSubscriber('image', forward); wait()",
+    ),
+    "publishing from threads": (
+        0,
+        "",
+        INIT + "output = ImagePublisher('~out')\n"
+        "copies = ImageSubscriber('~out', keep)\n"
+        "def work():\n"
+        "    while True:\n"
+        "        output.publish(np.zeros((480, 640, 3), np.uint8))\n"
+        "for _ in range(3):\n"
+        "    threading.Thread(target=work, daemon=True).start()\n"
+        "wait()",
+    ),
+    "OpenCV works in threads when a node ends": (
+        0,
+        "",
+        "import cv2\n"
+        "def work():\n"
+        "    while True:\n"
+        "        cv2.GaussianBlur(np.zeros((500, 500), np.uint8), (31, 31), 0)\n"
+        "def begin():\n"
+        "    for _ in range(4):\n"
+        "        threading.Thread(target=work, daemon=True).start()\n"
+        "run_node('ends', begin, lambda _: None)",
+    ),
+    "pictures with camera_info": (
+        0,
+        "",
+        INIT + "images = CameraSubscriber('image', keep); wait(); assert frames[0].camera_info",
+    ),
+}
+RANDOM_MOMENTS = """
+def start():
+    print("starting", flush=True)
+    output = ImagePublisher("~out")
+    images = ImageSubscriber("image", lambda f: output.publish(f.image, f.encoding), "bgr8")
+    copies = ImageSubscriber("~out", keep)
+    return images, output, copies
+
+run_node("interrupted_{}", start)
+"""
+TOGETHER = 4  # processes at a time
+
+
+@pytest.fixture
+def run(start, tmp_path):
+    """run(number, script) starts a script as a node whose `image` is that of a camera."""
+    size = ["_image_width:=640", "_image_height:=480"]
+    start("camera_node", "__name:=camera", "_source:=synthetic", "_always_subscribe:=true", *size)
+
+    def run_script(number, script):
+        path = tmp_path / f"script_{number}.py"
+        path.write_text(HEAD + textwrap.dedent(script))
+        return start("/usr/bin/python3", path, "image:=/camera/image_raw")
+
+    return run_script
+
+
+def assert_silent_end(process, name, code):
+    assert process.exit_code() == code, (name, process.output())
+    for cry in CRIES:
+        assert cry not in process.output(), (name, process.output())
+
+
+@pytest.mark.parametrize("first", range(0, len(ENDS), TOGETHER))
+def test_every_way_to_end(run, first):
+    ends = list(ENDS.items())[first : first + TOGETHER]
+    processes = [run(number, script) for number, (_, (_, _, script)) in enumerate(ends)]
+    for process, (name, (code, output, _)) in zip(processes, ends):
+        assert_silent_end(process, name, code)
+        assert output in process.output(), name
+
+
+@pytest.mark.parametrize("first", range(0, 12, TOGETHER))
+def test_sigint_at_any_moment(run, first):
+    moments = [0.03 * (number % 12) ** 2 for number in range(first, first + TOGETHER)]  # s
+    processes = []
+    for moment in moments:
+        process = run(moment, RANDOM_MOMENTS.format(len(processes)))
+        process.wait_for_output("starting")
+        processes.append(process)
+        time.sleep(moment)
+        process.interrupt()
+    for process, moment in zip(processes, moments):
+        assert_silent_end(process, moment, 0)
+        assert "did not end within" not in process.output()

@@ -1,0 +1,248 @@
+#include <gtest/gtest.h>
+#include <image_transport/image_transport.h>
+#include <robot_vision/BrightnessConfig.h>
+#include <ros/ros.h>
+
+#include <boost/make_shared.hpp>
+#include <chrono>
+#include <functional>
+#include <future>
+#include <opencv2/core.hpp>
+#include <thread>
+
+#include "nodelets/factories.hpp"
+#include "robot_vision/edges/edges.hpp"
+#include "robot_vision/filters/brightness.hpp"
+#include "robot_vision/image/encoding.hpp"
+#include "ros/images/filter_nodelet.hpp"
+#include "ros/images/image_message.hpp"
+#include "ros/images/image_pipe.hpp"
+#include "support/run_tests.hpp"
+
+using namespace robot_vision;
+
+namespace
+{
+
+/// False if the condition has not come true within half a minute.
+bool waitFor(const std::function<bool()>& condition)
+{
+  const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(30);
+  while (!condition() && std::chrono::steady_clock::now() < deadline)
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  return condition();
+}
+
+std::vector<std::string> messageEncodings()
+{
+  std::vector<std::string> names = encodings();
+  names.erase(std::remove_if(names.begin(), names.end(), [](const auto& name) { return !isMessageEncoding(name); }),
+              names.end());
+  return names;
+}
+
+/// Noise in rows that are padded, so that a copy made on the way would not go unnoticed.
+sensor_msgs::ImagePtr makeMessage(const std::string& encoding)
+{
+  auto message = boost::make_shared<sensor_msgs::Image>();
+  message->encoding = encoding;
+  message->width = 64;
+  message->height = 48;
+  message->step = 64 * 8 + 16;
+  message->data.resize(std::size_t{message->step} * message->height);
+  cv::Mat bytes(1, static_cast<int>(message->data.size()), CV_8UC1, message->data.data());
+  cv::RNG(7).fill(bytes, cv::RNG::UNIFORM, 0, 256);
+  message->header.stamp = ros::Time::now();
+  message->header.frame_id = encoding + "_frame";
+  return message;
+}
+
+/// The last message of a topic of this process.
+class Receiver
+{
+public:
+  explicit Receiver(const std::string& topic)
+    : subscriber_(ros::NodeHandle().subscribe<sensor_msgs::Image>(
+          topic, 10, [this](const sensor_msgs::ImageConstPtr& message) { put(message); }))
+  {
+  }
+
+  sensor_msgs::ImageConstPtr last() const
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    return last_;
+  }
+
+private:
+  void put(const sensor_msgs::ImageConstPtr& message)
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    last_ = message;
+  }
+
+  mutable std::mutex mutex_;
+  sensor_msgs::ImageConstPtr last_;
+  ros::Subscriber subscriber_;
+};
+
+/// Remembers where the pixels were that it was given.
+struct Probe
+{
+  explicit Probe(const std::string& name)
+    : pipe(ros::NodeHandle(), withSubscription(name), name,
+           {[](const std::string&) { return std::string("mono8"); },
+            [this](const cv::Mat& image, const std::string&, cv::Mat&) { seen = image.data; }})
+  {
+  }
+
+  static ros::NodeHandle withSubscription(const std::string& name)
+  {
+    ros::NodeHandle nh(name);
+    nh.setParam("always_subscribe", true);
+    return nh;
+  }
+
+  std::atomic<const void*> seen{nullptr};
+  ImagePipe pipe;
+};
+
+/// Works on a frame until it is told to end.
+struct SlowFilter
+{
+  static std::string outputEncoding(const std::string& encoding) { return encoding; }
+
+  void apply(const cv::Mat& image, const std::string&, cv::Mat& out) const
+  {
+    if (!begun->exchange(true)) end.wait();
+    image.copyTo(out);
+    *ended = true;
+  }
+
+  std::shared_future<void> end;
+  std::atomic<bool>* begun;
+  std::atomic<bool>* ended;
+};
+
+std::promise<void> slow_end;
+std::atomic<bool> slow_begun{false};
+std::atomic<bool> slow_ended{false};
+
+SlowFilter makeSlow(const BrightnessConfig&)
+{
+  static const std::shared_future<void> end = slow_end.get_future().share();
+  return {end, &slow_begun, &slow_ended};
+}
+
+struct SlowNodelet : FilterNodelet<BrightnessConfig, SlowFilter>
+{
+  SlowNodelet() : FilterNodelet(makeSlow) {}
+};
+
+boost::shared_ptr<nodelet::Nodelet> load(const boost::shared_ptr<nodelet::Nodelet>& nodelet, const std::string& name)
+{
+  nodelet->init(name, {}, {});
+  return nodelet;
+}
+
+}  // namespace
+
+TEST(ZeroCopy, twoNodesOfAProcessGetTheVeryBufferThatWasPublished)
+{
+  ros::Publisher publisher = ros::NodeHandle().advertise<sensor_msgs::Image>("image", 1);
+  Probe first("/first_probe");
+  Probe second("/second_probe");
+  ASSERT_TRUE(waitFor([&] { return publisher.getNumSubscribers() > 0; }));
+  for (const std::string& encoding : messageEncodings())
+  {
+    const sensor_msgs::ImageConstPtr message = makeMessage(encoding);
+    first.seen = second.seen = nullptr;  // the memory may be that of the message before
+    publisher.publish(message);
+    const void* buffer = message->data.data();
+    EXPECT_TRUE(waitFor([&] { return first.seen == buffer && second.seen == buffer; })) << encoding;
+  }
+}
+
+TEST(ZeroCopy, noNodeletChangesAByteOfItsInputAndResultsAreTheCores)
+{
+  ros::Publisher publisher = ros::NodeHandle().advertise<sensor_msgs::Image>("image", 1);
+  const auto brightness = load(makeBrightness(), "/brightness");
+  const auto edge_detector = load(makeEdgeDetector(), "/edge_detector");
+  const Receiver brighter("/brightness/processed_image");
+  const Receiver edges("/edge_detector/processed_image");
+  ASSERT_TRUE(waitFor([&] { return publisher.getNumSubscribers() > 0; }));
+  for (const std::string& encoding : messageEncodings())
+  {
+    const sensor_msgs::ImageConstPtr message = makeMessage(encoding);
+    const std::vector<std::uint8_t> before = message->data;
+    const auto arrived = [&](const Receiver& receiver)
+    { return receiver.last() && receiver.last()->header.frame_id == message->header.frame_id; };
+    // The nodelets' subscriptions begin one by one: the first messages may reach only one of them.
+    ASSERT_TRUE(waitFor(
+        [&]
+        {
+          if (!arrived(brighter) || !arrived(edges)) publisher.publish(message);
+          return arrived(brighter) && arrived(edges);
+        }))
+        << encoding;
+    EXPECT_EQ(message->data, before) << encoding;
+
+    cv::Mat expected;
+    Brightness().apply(viewPixels(*message), encoding, expected);
+    EXPECT_EQ(brighter.last()->encoding, Brightness::outputEncoding(encoding));
+    EXPECT_EQ(cv::norm(viewPixels(*brighter.last()), expected, cv::NORM_INF), 0.0) << encoding;
+    EXPECT_EQ(brighter.last()->header.stamp, message->header.stamp);
+    EdgeDetector().apply(viewPixels(*message), encoding, expected);
+    EXPECT_EQ(edges.last()->encoding, "mono8");
+    EXPECT_EQ(cv::norm(viewPixels(*edges.last()), expected, cv::NORM_INF), 0.0) << encoding;
+    EXPECT_EQ(edges.last()->header.stamp, message->header.stamp);
+  }
+}
+
+TEST(ZeroCopy, cameraGivesAllSubscribersOneBuffer)
+{
+  ros::param::set("/camera/source", "synthetic");
+  const auto camera = load(makeCamera({}), "/camera");
+  const Receiver first("/camera/image_raw");
+  const Receiver second("/camera/image_raw");
+  EXPECT_TRUE(waitFor([&] { return first.last() && first.last() == second.last(); }));
+}
+
+TEST(ImagePool, reusesAMessageOnlyWhenNobodyHoldsIt)
+{
+  ImagePool pool;
+  sensor_msgs::ImagePtr first = pool.take({64, 48}, "bgr8");
+  const void* memory = first->data.data();
+  const sensor_msgs::ImagePtr second = pool.take({64, 48}, "bgr8");
+  EXPECT_NE(second, first);
+  first.reset();
+  EXPECT_EQ(pool.take({64, 48}, "bgr8")->data.data(), memory);
+}
+
+/// The last one: there is no roscpp after it, which then waits for no callback.
+TEST(Teardown, aNodeletWaitsForTheFrameUnderWayWhenRoscppHasBeenShutDown)
+{
+  ros::param::set("/slow/always_subscribe", true);
+  ros::Publisher publisher = ros::NodeHandle().advertise<sensor_msgs::Image>("image", 1);
+  boost::shared_ptr<nodelet::Nodelet> slow = load(boost::make_shared<SlowNodelet>(), "/slow");
+  ASSERT_TRUE(waitFor(
+      [&]
+      {
+        publisher.publish(makeMessage("mono8"));
+        return slow_begun.load();
+      }));
+  ros::shutdown();
+  auto ended_before = std::async(std::launch::async,
+                                 [&slow]
+                                 {
+                                   slow.reset();
+                                   return slow_ended.load();
+                                 });
+  EXPECT_EQ(ended_before.wait_for(std::chrono::milliseconds(200)), std::future_status::timeout);
+  slow_end.set_value();
+  EXPECT_TRUE(ended_before.get());
+}
+
+int main(int argc, char** argv)
+{
+  return runTests(argc, argv, "test_zero_copy");
+}

@@ -1,0 +1,130 @@
+#include "robot_vision/scene/calibration_scene.hpp"
+
+#include <gtest/gtest.h>
+
+#include <opencv2/calib3d.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "robot_vision/camera/frame_source.hpp"
+#include "support/refusal.hpp"
+
+using namespace robot_vision;
+
+namespace
+{
+
+constexpr int kViews = 40;
+const cv::Size kCorners(8, 6);
+
+SceneParams eachFrameAnotherView(int width, int height)
+{
+  SceneParams params;
+  params.width = width;
+  params.height = height;
+  params.rate = 2.0;
+  return params;
+}
+
+cv::Mat grey(const CalibrationScene& scene, int frame)
+{
+  cv::Mat bgr, result;
+  scene.render(frame, bgr);
+  cv::cvtColor(bgr, result, cv::COLOR_BGR2GRAY);
+  return result;
+}
+
+/// Corners as OpenCV finds them; empty if it finds no board.
+std::vector<cv::Point2f> found(const cv::Mat& grey)
+{
+  std::vector<cv::Point2f> corners;
+  if (!cv::findChessboardCorners(grey, kCorners, corners)) return {};
+  cv::cornerSubPix(grey, corners, {5, 5}, {-1, -1}, {cv::TermCriteria::COUNT | cv::TermCriteria::EPS, 30, 0.001});
+  return corners;
+}
+
+/// Row by row from the top left one, as the one who holds the board sees it.
+std::vector<cv::Point3d> points()
+{
+  std::vector<cv::Point3d> result;
+  for (int row = 0; row < kCorners.height; ++row)
+    for (int column = 0; column < kCorners.width; ++column)
+      result.emplace_back((column - 3.5) * kSceneCheckerSquare, (2.5 - row) * kSceneCheckerSquare, 0.0);
+  return result;
+}
+
+}  // namespace
+
+TEST(CalibrationScene, cornersAreFoundWhereTheTruthHasThem)
+{
+  const CalibrationScene scene(eachFrameAnotherView(640, 480));
+  for (int view = 0; view < kViews; view += 4)
+  {
+    const std::vector<cv::Point2f> corners = found(grey(scene, view));
+    ASSERT_EQ(corners.size(), points().size()) << view;
+    const cv::Affine3d pose = scene.truth(view).objects.at(0).pose;
+    double squares = 0.0;
+    for (const cv::Point3d& point : points())
+    {
+      const cv::Point2d exact = scene.camera().project(pose * point);
+      double nearest = 1e9;  // a board can be found the wrong way round
+      for (const cv::Point2f& corner : corners)
+        nearest = std::min(nearest, cv::norm(cv::Point2d(corner) - exact));
+      squares += nearest * nearest;
+    }
+    EXPECT_LT(std::sqrt(squares / static_cast<double>(corners.size())), 0.1) << view;
+  }
+}
+
+TEST(CalibrationScene, showsTheWholeBoardAllOverThePicture)
+{
+  for (const cv::Size size : {cv::Size(640, 480), cv::Size(1280, 720), cv::Size(480, 640)})
+  {
+    const CalibrationScene scene(eachFrameAnotherView(size.width, size.height));
+    const cv::Rect2d picture(-0.5, -0.5, size.width, size.height);
+    cv::Mat seen = cv::Mat::zeros(3, 4, CV_8U);
+    for (int view = 0; view < kViews; ++view)
+    {
+      const SceneObject board = scene.truth(view).objects.at(0);
+      for (const double x : {-0.25, 0.25})
+        for (const double y : {-0.2, 0.2})
+          EXPECT_TRUE(picture.contains(scene.camera().project(board.pose * cv::Point3d(x, y, 0)))) << view;
+      for (const cv::Point3d& point : points())
+      {
+        const cv::Point2d at = scene.camera().project(board.pose * point);
+        seen.at<uchar>(static_cast<int>(3 * at.y / size.height), static_cast<int>(4 * at.x / size.width)) = 1;
+      }
+    }
+    EXPECT_EQ(cv::countNonZero(seen), 12) << size;
+  }
+}
+
+TEST(CalibrationScene, holdsAPoseForHalfASecond)
+{
+  SceneParams params;
+  params.rate = 30.0;
+  const CalibrationScene scene(params);
+  const auto place = [&](int frame) { return scene.truth(frame).objects.at(0).pose.matrix; };
+  EXPECT_EQ(place(0), place(14));
+  EXPECT_NE(place(14), place(15));
+  EXPECT_EQ(place(3), place(603));  // it begins again after 20 s
+}
+
+TEST(CalibrationScene, isASourceByItsName)
+{
+  CaptureParams params;
+  params.source = "synthetic";
+  params.scene = "calibration";
+  const auto source = openSource(params);
+  EXPECT_EQ(source->description(), "synthetic scene (calibration) 640x480 at 30 Hz");
+  Frame frame;
+  ASSERT_EQ(source->read(frame), ReadResult::kFrame);
+  cv::Mat exact;
+  const CalibrationScene scene{SceneParams()};
+  scene.render(0, exact);
+  EXPECT_EQ(cv::norm(frame.image, exact, cv::NORM_INF), 0.0);
+  ASSERT_EQ(frame.truth->objects.size(), 1U);
+  EXPECT_EQ(frame.truth->objects[0].name, "checkerboard");
+  EXPECT_EQ(source->cameraModel()->K, scene.camera().K);
+  params.scene = "beach";
+  EXPECT_EQ(refusal([&] { openSource(params); }), "scene is 'beach', must be room or calibration");
+}

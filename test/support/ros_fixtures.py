@@ -1,0 +1,185 @@
+"""A private master for all tests of nodes, and processes that are gone after each test."""
+
+import contextlib
+import itertools
+import logging
+import os
+import re
+import shutil
+import sys
+
+import pytest
+import support
+
+ROSLAUNCH = "/usr/bin/roslaunch"
+
+
+def pytest_collection_modifyitems(items):
+    for item in items:
+        if item.path.name.endswith("_node.py"):
+            item.fixturenames[:0] = ["master", "subscriptions_end"]
+
+
+@pytest.fixture(scope="session")
+def master(tmp_path_factory):
+    """A ROS master of our own, and this process as a node of it."""
+    folder = tmp_path_factory.mktemp("ros")
+    port = support.free_port()
+    os.environ.update(
+        ROS_MASTER_URI=f"http://127.0.0.1:{port}",
+        ROS_HOSTNAME="127.0.0.1",
+        ROS_HOME=str(folder),
+        ROSCONSOLE_STDOUT_LINE_BUFFERED="1",
+    )
+    process = support.Process(["rosmaster", "--core", "-p", str(port)], folder / "master.log")
+
+    import rosgraph
+    import rospy
+
+    support.wait_for(rosgraph.is_master_online, "the master")
+    rospy.init_node("test", disable_signals=True, disable_rosout=True)
+    yield process
+    rospy.signal_shutdown("tests done")
+    process.end()
+
+
+@pytest.fixture(scope="session")
+def python_starter(master, tmp_path_factory):
+    made = support.PythonStarter(tmp_path_factory.mktemp("python"))
+    yield made
+    made.end()
+
+
+@pytest.fixture
+def subscriptions_end():
+    """Those of a test end with it."""
+    yield
+    for messages in list(support.open_messages):
+        messages.close()
+
+
+def forget(node):
+    """Has the master forget an ended node, which a parameter that its log asked for keeps known.
+
+    Another program may get its port, and the master would shut that down with the next node of this
+    name.
+    """
+    import rosgraph
+
+    master = rosgraph.Master(node)
+    with contextlib.suppress(rosgraph.MasterException):
+        master.unsubscribeParam(master.lookupNode(node), "/rosout_disable_topics_generation")
+
+
+@contextlib.contextmanager
+def starting(folder, request):
+    """What the fixtures start and start_once give; ends what they have started."""
+    import rosgraph
+    import rospy
+
+    before = set(rospy.get_param_names())
+    processes = []
+    numbers = itertools.count()
+
+    def start_process(name, *arguments, env=None, fork=True):
+        path = name if "/" in name else support.executable(name)
+        log = folder / f"{next(numbers)}-{os.path.basename(path)}.log"
+        run = support.spawn
+        if fork and (path.endswith(".py") or path == ROSLAUNCH):
+            run = request.getfixturevalue("python_starter").spawn
+        process = support.Process([path, *map(str, arguments)], log, env, run)
+        processes.append(process)
+        return process
+
+    yield start_process
+    nodes = {
+        node for kind in rosgraph.Master("/test").getSystemState() for _, by in kind for node in by
+    }
+    for process in processes:  # all, before one is waited for
+        process.interrupt()
+    for process in processes:
+        process.end()
+        print(f"{process}:\n{process.output()[-4000:]}")  # shown of tests that fail
+    for node in nodes:
+        forget(node)
+    for name in {name.split("/")[1] for name in set(rospy.get_param_names()) - before}:
+        rospy.delete_param("/" + name)  # with all below it: maps would leave their empty shells
+
+
+@pytest.fixture
+def start(tmp_path, request):
+    """Starts a command of this package or a path; start(name, "arg", ..., env={...}).
+
+    Python programs of this package and roslaunch are forked, unless `fork` is False: a test of how
+    they start and end runs the interpreter itself. At the end of the test all are stopped and
+    parameters forgotten.
+    """
+    with starting(tmp_path, request) as start_process:
+        yield start_process
+
+
+@pytest.fixture(scope="module")
+def start_once(tmp_path_factory, request):
+    """As start, for what all tests of a file share: it ends after the last of them."""
+    with starting(tmp_path_factory.mktemp("once"), request) as start_process:
+        yield start_process
+
+
+@pytest.fixture
+def diagnostics():
+    return support.Diagnostics()
+
+
+@pytest.fixture(scope="module")
+def x_server(start_once, tmp_path_factory):
+    """A virtual X server: its number, and its frame buffer's file."""
+    folder = tmp_path_factory.mktemp("x")
+    # Without -noreset it turns clients away whenever the last one has gone, as xdotool does.
+    options = ["-displayfd", "1", "-noreset", "-fbdir", folder, "-screen", "0", "1400x1100x24"]
+    process = start_once(shutil.which("Xvfb"), *options)
+    # It complains first of the numbers that other servers have.
+    number = support.wait_for(
+        lambda: re.findall(r"^\d+\n", process.output(), re.MULTILINE), "the X server"
+    )
+    return ":" + number[0].strip(), folder / "Xvfb_screen0"
+
+
+@pytest.fixture
+def display(x_server, monkeypatch):
+    """The X server is that of this process and its children; gives its frame buffer's file."""
+    number, frame_buffer = x_server
+    monkeypatch.setenv("DISPLAY", number)
+    return frame_buffer
+
+
+@pytest.fixture
+def log(capfd):
+    """log() is all that this process has logged in the test: rospy's lines, then roscpp's."""
+
+    rospy_lines, roscpp_output = [], []
+    handler = logging.Handler()
+    handler.emit = lambda record: rospy_lines.append(record.getMessage())
+    logging.getLogger("rosout").addHandler(handler)
+
+    def read():
+        roscpp_output.append(capfd.readouterr().err)
+        return "\n".join(rospy_lines) + "".join(roscpp_output)
+
+    yield read
+    logging.getLogger("rosout").removeHandler(handler)
+
+
+@pytest.fixture
+def run_main(monkeypatch, capsys):
+    """run_main(main, words): runs a command here; its exit code and its output."""
+
+    def run(main, words):
+        monkeypatch.setattr(sys, "argv", list(map(str, words)))
+        try:
+            code = main()
+        except SystemExit as error:
+            code = error.code
+        printed = capsys.readouterr()
+        return code, printed.out + printed.err
+
+    return run

@@ -1,0 +1,178 @@
+"""A robot on a floor with a line: how it moves, and what its camera sees. Exact and deterministic.
+
+The pictures are drawn as those of the synthetic scene, by its rays, textures and anti-aliasing.
+The floor is that of track.py. The robot's own frame is that of REP 103: x forward, y left, the
+origin between the wheels.
+"""
+
+import math
+from dataclasses import dataclass
+from typing import Dict, Optional, Tuple
+
+import cv2
+import numpy as np
+from track import Pose, Track
+
+from robot_vision import CameraModel, FloorScene
+
+LINE_WIDTH = 0.06  # m, as kSceneLineWidth
+LINE_COLOUR = (40, 190, 225)  # BGR: hue 24, saturation 210, within the line follower's range
+FLOOR_COLOUR = (150, 150, 150)  # BGR: no saturation, out of it
+
+
+class DifferentialDrive:
+    """Two driven wheels: the unicycle model, integrated exactly over each step.
+
+    Attributes:
+        pose: where the robot is.
+        linear: its speed, m/s.
+        angular: its turn, rad/s, counter-clockwise.
+    """
+
+    def __init__(
+        self,
+        pose: Optional[Pose] = None,
+        wheel_distance: float = 0.16,
+        linear_acceleration: float = math.inf,
+        angular_acceleration: float = math.inf,
+    ) -> None:
+        """Wheel distance in m, largest accelerations in m/s^2 and rad/s^2."""
+        self.pose = pose or Pose()
+        self.linear = 0.0
+        self.angular = 0.0
+        self._wheel_distance = wheel_distance
+        self._linear_acceleration = linear_acceleration
+        self._angular_acceleration = angular_acceleration
+
+    def drive(self, linear: float, angular: float, dt: float) -> Pose:
+        """Drives on for `dt` s; both speeds change, as far as they may in `dt`, at its start."""
+        self.linear = _approach(self.linear, linear, self._linear_acceleration * dt)
+        self.angular = _approach(self.angular, angular, self._angular_acceleration * dt)
+        self.pose = self.pose.along_arc(self.linear * dt, self.angular * dt)
+        return self.pose
+
+    def drive_wheels(self, left: float, right: float, dt: float) -> Pose:
+        """As drive(), with the speeds of the wheels over the floor, m/s."""
+        return self.drive((left + right) / 2.0, (right - left) / self._wheel_distance, dt)
+
+
+@dataclass(frozen=True)
+class FloorCamera:
+    """A pinhole camera on the robot, looking ahead and down so far that it sees only floor."""
+
+    width: int = 320  # px
+    height: int = 240  # px
+    focal: float = 277.0  # px: 60 degrees across
+    forward: float = 0.1  # m ahead of the wheels
+    above: float = 0.2  # m above the floor
+    pitch: float = 0.6  # rad, downwards
+
+    def __post_init__(self) -> None:
+        half = math.atan2(self.height / 2.0, self.focal)
+        if not half < self.pitch < math.pi - half:
+            raise ValueError(f"pitch is {self.pitch:g}, the horizon would be in view")
+
+    def model(self, top: int = 0) -> CameraModel:
+        """The camera, or the part of it below the row `top`."""
+        center = (self.width - 1) / 2.0, (self.height - 1) / 2.0 - top
+        matrix = [[self.focal, 0.0, center[0]], [0.0, self.focal, center[1]], [0.0, 0.0, 1.0]]
+        return CameraModel(self.width, self.height - top, np.array(matrix))
+
+    def pose_on(self, robot: Pose) -> np.ndarray:
+        """The camera's optical frame (x right, y down, z ahead) in the floor's: 4x4, m."""
+        cos, sin = math.cos(robot.heading), math.sin(robot.heading)
+        ahead, left, up = np.array([cos, sin, 0.0]), np.array([-sin, cos, 0.0]), np.eye(3)[2]
+        level, steep = math.cos(self.pitch), math.sin(self.pitch)
+        pose = np.eye(4)
+        pose[:3, :3] = np.transpose(
+            [-left, -steep * ahead - level * up, level * ahead - steep * up]
+        )
+        pose[:3, 3] = np.array([robot.x, robot.y, 0.0]) + self.forward * ahead + self.above * up
+        return pose
+
+    def floor_points(self) -> Tuple[np.ndarray, np.ndarray]:
+        """Where the pixels' rays meet the floor.
+
+        Returns:
+            Forward and left in the robot's frame, m: (height, width) float32 each.
+        """
+        right = (np.arange(self.width) - (self.width - 1) / 2.0) / self.focal
+        down = (np.arange(self.height) - (self.height - 1) / 2.0)[:, None] / self.focal
+        cos, sin = math.cos(self.pitch), math.sin(self.pitch)
+        depth = self.above / (sin + down * cos)  # along the optical axis
+        ahead = np.broadcast_to(
+            self.forward + depth * (cos - down * sin), (self.height, self.width)
+        )
+        return ahead.astype(np.float32), (-right * depth).astype(np.float32)
+
+
+class TrackWorld:
+    """A grey floor with a yellow line along a track, as the robot's camera sees it."""
+
+    _TEXEL = 0.0025  # m of the floor
+    _NOISE_PLACES = 1 << 16  # where the noise of a frame may begin
+
+    def __init__(
+        self,
+        track: Track,
+        camera: Optional[FloorCamera] = None,
+        noise: float = 2.0,
+        seed: int = 1,
+    ) -> None:
+        """`noise` is the standard deviation of the pixel noise in grey levels, `seed` its seed."""
+        self.track = track
+        self.camera = camera or FloorCamera()
+        self._floor, self._size, self._middle = _paint(track, self._TEXEL)
+        self._scenes: Dict[int, FloorScene] = {}  # by the first row that is drawn
+        random = np.random.RandomState(seed)
+        values = self.camera.height * self.camera.width * 3 + self._NOISE_PLACES
+        self._noise = np.rint(random.normal(0.0, noise, values)).astype(np.int16)
+        self._begins = random.randint(0, self._NOISE_PLACES, 4096)
+
+    def render(self, pose: Pose, frame: int = 0, top: int = 0) -> np.ndarray:
+        """The picture from a pose, the same for the same arguments.
+
+        Args:
+            pose: of the robot.
+            frame: its number; the noise differs from one to the next.
+            top: the first row that is drawn, for who looks at the lower part only.
+
+        Returns:
+            (height - top, width, 3) uint8, BGR.
+        """
+        if top not in self._scenes:
+            model = self.camera.model(top)
+            self._scenes[top] = FloorScene(self._floor, self._size, model, FLOOR_COLOUR)
+        x, y = pose.x - self._middle[0], pose.y - self._middle[1]
+        picture = self._scenes[top].render(self.camera.pose_on(Pose(x, y, pose.heading)))
+        begin = self._begins[frame % len(self._begins)] + 3 * self.camera.width * top
+        noise = self._noise[begin : begin + picture.size].reshape(picture.shape)
+        return cv2.add(picture, noise, dtype=cv2.CV_8U)
+
+
+def _paint(
+    track: Track, texel: float
+) -> Tuple[np.ndarray, Tuple[float, float], Tuple[float, float]]:
+    """The floor around a track from above: its picture, its size, and where its middle is, m.
+
+    Returns:
+        (height, width, 3) uint8, BGR, its top towards +x and its left side towards +y; (width,
+        height); (x, y).
+    """
+    left, right, back, front = track.bounds(2.0 * LINE_WIDTH)
+    columns, rows = (math.ceil(length / texel) for length in (left - right, front - back))
+    x = front - (np.arange(rows, dtype=np.float32)[:, None] + 0.5) * np.float32(texel)
+    y = left - (np.arange(columns, dtype=np.float32) + 0.5) * np.float32(texel)
+    x, y = np.broadcast_arrays(x, y)
+    lateral, _ = track.locate(x.ravel(), y.ravel(), LINE_WIDTH / 2.0 + texel)
+    at = np.flatnonzero(~np.isnan(lateral))
+    part = np.clip(0.5 + (LINE_WIDTH / 2.0 - np.abs(lateral[at])) / texel, 0.0, 1.0)[:, None]
+    floor = np.full((lateral.size, 3), FLOOR_COLOUR, np.uint8)
+    floor[at] = np.rint(part * LINE_COLOUR + (1.0 - part) * FLOOR_COLOUR)
+    size = columns * texel, rows * texel
+    return floor.reshape(rows, columns, 3), size, (front - size[1] / 2.0, left - size[0] / 2.0)
+
+
+def _approach(value: float, target: float, most: float) -> float:
+    """`target`, or as near to it as a change by `most` brings `value`."""
+    return value + min(max(target - value, -most), most)

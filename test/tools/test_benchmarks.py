@@ -1,0 +1,180 @@
+"""The tables of test/benchmarks: given results, BENCHMARKS.md says what they are."""
+
+import stat
+
+import plot
+import pytest
+import tables
+from results import Comparison, Figures, Growth, Kernel, Machine, Parts, Target, to_kernels
+
+SMALL, LARGE = (640, 480), (1920, 1080)
+
+
+def figures(cpu_ms, median=1.0, arrived=100.0, found=-1.0):
+    return Figures(cpu_ms, cpu_ms * 3, median, 2 * median, arrived, -1.0, found)
+
+
+def kernel(work="edges", size=LARGE, theirs_ms=9.0, ours_ms=3.0, goal=3.0, instructions="avx2"):
+    return Kernel(work, "Canny", size, instructions, 1, theirs_ms, ours_ms, goal)
+
+
+def cells(text, word):
+    """Of the only line of a table with this word."""
+    (line,) = (line for line in text.splitlines() if line.startswith("|") and word in line)
+    return [cell.strip() for cell in line.strip("|").split("|")]
+
+
+@pytest.mark.parametrize(
+    "target, expected",
+    [
+        (
+            Target("Edges", LARGE, "other", "cpu_ms", 1 / 2),
+            ["8.00", "2.00", "0.25", "<= 0.50", "yes"],
+        ),
+        (
+            Target("Edges", LARGE, "other", "cpu_ms", 1 / 5),
+            ["8.00", "2.00", "0.25", "<= 0.20", "**no**"],
+        ),
+        (
+            Target("Edges", LARGE, "other", "median", 1.0),
+            ["3.00", "4.00", "1.33", "<= 1.00", "**no**"],
+        ),
+        (
+            Target("Edges", LARGE, "other", "found", 1.0),
+            ["90.00", "95.00", "1.06", ">= 1.00", "yes"],
+        ),
+        (Target("Edges", LARGE, "", "arrived", 0.98), ["-", "97.00", "0.97", ">= 0.98", "**no**"]),
+        (Target("Edges", SMALL, "other", "cpu_ms", 1.0), ["-", "-", "-", "-", "not measured"]),
+    ],
+)
+def test_a_target_is_reached_or_not(target, expected):
+    rows = [figures(2.0, 4.0, arrived=97.0, found=95.0), figures(8.0, 3.0, found=90.0)]
+    text = tables.targets_table([target], [Comparison("Edges", LARGE, ["ours", "other"], rows)])
+    assert cells(text, "Edges")[4:] == expected
+
+
+def test_kernels_have_a_line_for_each_work_and_a_column_for_each_size():
+    faster = kernel(theirs_ms=9.0, ours_ms=3.0)
+    slower = kernel(size=SMALL, theirs_ms=2.95, ours_ms=1.0)
+    others = kernel("grey", ours_ms=1.0, theirs_ms=0.98, goal=1.0)  # as near as the same call is
+    text = tables.kernels_table([faster, slower, others])
+    assert cells(text, "work") == ["work", "beside", "640x480", "1920x1080", "goal", "reached"]
+    expected = ["edges", "Canny", "**2.95** (2.95 / 1)", "**3.00** (9 / 3)", "3", "**no**"]
+    assert cells(text, "edges") == expected
+    assert cells(text, "grey") == ["grey", "Canny", "-", "**0.98** (0.98 / 1)", "1", "yes"]
+    assert (
+        cells(
+            tables.kernels_table([kernel("grey", ours_ms=1.0, theirs_ms=0.96, goal=1.0)]), "grey"
+        )[-1]
+        == "**no**"
+    )
+
+
+def test_instruction_sets_have_a_column_each():
+    text = tables.sets_table([kernel(), kernel(instructions="baseline", theirs_ms=3.0)])
+    assert cells(text, "work") == ["work", "beside", "avx2", "baseline"]
+    assert cells(text, "edges")[2:] == ["**3.00** (9 / 3)", "**1.00** (3 / 3)"]
+
+
+def test_growth_tells_what_one_more_costs():
+    growth = Growth("faces", "number", [0, 1, 4], [1.0, 3.0, 9.0])
+    assert cells(tables.growths_table([growth]), "faces")[2:] == ["0: 1, 1: 3, 4: 9", "2"]
+
+
+def test_where_the_time_of_a_node_goes():
+    comparisons = [
+        Comparison("Edges", LARGE, ["ours"], [figures(9.0)]),
+        Comparison("Receiving", LARGE, ["ours", tables.NOTHING], [figures(2.5), figures(2.0)]),
+    ]
+    parts = [Parts("Edges", LARGE, "edges"), Parts("Edges", LARGE, "unknown work")]
+    text = tables.parts_table(parts, comparisons, [kernel(ours_ms=3.0)])
+    assert "| Edges | 1920x1080 | 9.00 | 2.00 | 3.00 | 4.00 |" in text
+    assert "| Edges | 1920x1080 | 9.00 | 2.00 | - | - |" in text
+
+
+def test_a_comparison_has_the_ratios_of_the_first():
+    rows = [figures(2.0, 4.0, found=95.0), figures(8.0, 5.0, found=90.0)]
+    text = tables.comparison_table(Comparison("Edges", LARGE, ["ours", "other"], rows))
+    assert text.startswith("### Edges, 1920x1080\n")
+    expected = ["other", "8.00", "0.25", "24.0", "5.00", "0.80", "10.00", "0.80", "100 %"]
+    assert cells(text, "| other") == expected
+    assert "Frames in which all is found: ours 95.00 %, other 90.00 %." in text
+
+
+@pytest.mark.parametrize("others, busy", [(0.04, False), (0.5, True)])
+def test_a_busy_machine_is_told(others, busy):
+    text = tables.machine_text(Machine(["2 cores"], load=1.5, others=others))
+    assert "- 2 cores\n" in text
+    assert f"{others:.0%} of the processors' time went to other work" in text
+    assert ("The machine was busy" in text) == busy
+
+
+def test_the_report_has_all_parts_in_their_order():
+    machine = Machine(["2 cores"], load=1.5, others=0.0)
+    sections = {"Kernels": ["| one |\n", "| two |\n"], "Growth": ["| three |\n"]}
+    text = tables.report(
+        machine, "| beaten |\n", "| where |\n", sections, "docs/plot.svg", "## Notes\n"
+    )
+    order = ["# Benchmarks", "- 2 cores", "## Figures to beat", "| beaten |", "| where |"]
+    order += [
+        "## Kernels",
+        "| one |",
+        "| two |",
+        "## Growth",
+        "| three |",
+        "![CPU time of a frame](docs/plot.svg)",
+        "## Notes",
+    ]
+    assert [line for line in text.splitlines() if line in order] == order
+
+
+def run_of(name, theirs_ms, ours_ms, **more):
+    times = {"theirs_ms": theirs_ms, "ours_ms": ours_ms, "goal": 3.0}
+    return {
+        "name": name,
+        "run_name": name,
+        "run_type": "iteration",
+        "label": "Canny",
+        **times,
+        **more,
+    }
+
+
+def test_of_repetitions_the_least_counts():
+    name = "edges of bgr8/1920x1080/avx2/2/manual_time"
+    runs = [
+        run_of(name, 9.0, 4.0),
+        run_of(name, 10.0, 3.0),
+        run_of(name, 1.0, 1.0, run_type="aggregate"),
+    ]
+    expected = Kernel("edges of bgr8", "Canny", LARGE, "avx2", 2, 9.0, 3.0, 3.0)
+    assert to_kernels(runs) == [expected]
+
+
+def test_results_that_differ_are_an_error():
+    failed = run_of(
+        "edges/1x1/avx2/1/manual_time", 1.0, 1.0, error_occurred=True, error_message="differ"
+    )
+    with pytest.raises(RuntimeError, match="edges/1x1/avx2/1/manual_time: differ"):
+        to_kernels([failed])
+
+
+def test_a_file_is_written_as_a_whole(tmp_path):
+    path = tmp_path / "BENCHMARKS.md"
+    tables.write_atomically(path, "old")
+    with pytest.raises(TypeError):
+        tables.write_atomically(path, None)
+    assert path.read_text() == "old"
+    tables.write_atomically(path, "new")
+    assert path.read_text() == "new"
+    assert stat.S_IMODE(path.stat().st_mode) == 0o644
+    assert [each.name for each in tmp_path.iterdir()] == ["BENCHMARKS.md"]
+
+
+def test_the_plot_is_small_and_the_same_for_the_same_numbers():
+    growths = [Growth(f"work {i}", f"number {i % 6}", [0, 1, 4], [1.0, 3.0, 9.0]) for i in range(9)]
+    svg = plot.draw(growths)
+    assert svg == plot.draw(growths)
+    assert len(svg) < 60_000
+    for i in range(9):
+        assert f">work {i}</text>" in svg

@@ -1,0 +1,466 @@
+"""The node object_tracker: all ways to select, what it publishes, loss and return."""
+
+import concurrent.futures
+import copy
+import itertools
+import subprocess
+
+import cv2
+import dynamic_reconfigure.client
+import numpy as np
+import pytest
+import rospy
+import skimage.data
+import support
+from frames import Source, message, new_topic
+from geometry_msgs.msg import Point
+from sensor_msgs.msg import Image, RegionOfInterest
+
+from robot_vision.msg import (
+    Detection,
+    DetectionArray,
+    Flow,
+    GroundTruth,
+    TrackState,
+    TrackStateArray,
+)
+from robot_vision.srv import ForgetObject, SelectObject
+from robot_vision.tracking.auto_selection import AutoSelection
+from robot_vision.transport import Frame
+
+RATE = 30.0  # Hz, of the pictures' own time
+ASTRONAUT = cv2.cvtColor(skimage.data.astronaut(), cv2.COLOR_RGB2BGR)
+BACKGROUND = cv2.resize(cv2.cvtColor(skimage.data.coffee(), cv2.COLOR_RGB2BGR), (320, 240))
+OBJECT = cv2.resize(ASTRONAUT[20:220, 160:320], (64, 80), interpolation=cv2.INTER_AREA)
+SMALL = cv2.resize(ASTRONAUT[300:460, 160:320], (48, 48), interpolation=cv2.INTER_AREA)
+
+
+def region(x, y, picture=OBJECT):
+    return RegionOfInterest(x_offset=x, y_offset=y, width=picture.shape[1], height=picture.shape[0])
+
+
+def picture(x=None, y=80, other=None):
+    """The background with the object's top left corner at (x, y), and another one elsewhere."""
+    image = BACKGROUND.copy()
+    if x is not None:
+        image[y : y + OBJECT.shape[0], x : x + OBJECT.shape[1]] = OBJECT
+    if other is not None:
+        left, top = other
+        image[top : top + SMALL.shape[0], left : left + SMALL.shape[1]] = SMALL
+    return image
+
+
+class Desk:
+    """A camera, the node, and what it says of each frame."""
+
+    def __init__(self, start, *arguments, outputs=True):
+        self.topic = new_topic()
+        self._source = Source(self.topic)
+        self._numbers = itertools.count(1)
+        self.process = start("object_tracker.py", "__name:=eye", f"image:={self.topic}", *arguments)
+        self.objects = self.states = None
+        if outputs:
+            self.objects = support.Messages("/eye/object", DetectionArray)
+            self.states = support.Messages("/eye/state", TrackStateArray)
+            self._source.wait_for()
+            for messages in (self.objects, self.states):
+                support.wait_for(messages.connected, "the node's topics")
+        rospy.wait_for_service("/eye/select_object", support.DEADLINE)
+        self._select = rospy.ServiceProxy("/eye/select_object", SelectObject)
+        self._forget = rospy.ServiceProxy("/eye/forget", ForgetObject)
+
+    def send(self, pixels):
+        """Sends a frame; its stamp."""
+        sent = message(pixels, "bgr8")
+        sent.header.stamp = rospy.Time.from_sec(next(self._numbers) / RATE)
+        sent.header.frame_id = "camera"
+        self._source.send(sent)
+        return sent.header.stamp
+
+    def show(self, pixels):
+        """Shows a frame; what is tracked in it, and all states by id."""
+        stamp = self.send(pixels)
+        objects, states = (topic.of(stamp) for topic in (self.objects, self.states))
+        assert objects.header.frame_id == states.header.frame_id == "camera"
+        assert (objects.width, objects.height) == (320, 240)
+        tracked = {track.id for track in states.tracks if track.state == TrackState.TRACKED}
+        assert [found.id for found in objects.detections] == sorted(tracked)
+        return objects.detections, {track.id: track for track in states.tracks}
+
+    def select(self, where, label, pixels):
+        """Selects by the service, while frames go on; its answer."""
+        with concurrent.futures.ThreadPoolExecutor() as pool:
+            answer = pool.submit(self._select, where, label)
+            while not answer.done():
+                self.send(pixels)
+                rospy.sleep(1.0 / RATE)
+            return answer.result()
+
+    def forget(self, number):
+        return self._forget(number)
+
+
+def test_select_by_the_service_follow_lose_and_find_again(start):
+    desk = Desk(start)
+    assert desk.show(picture(40)) == ([], {})
+    answer = desk.select(region(40, 80), "face", picture(40))
+    assert (answer.success, answer.message, answer.id) == (True, "", 1)
+    for step in range(1, 31):
+        (found,), states = desk.show(picture(40 + 2 * step, 80 + step // 3))
+    assert (found.label, found.id, found.predicted) == ("face", 1, False)
+    assert (found.center.x, found.center.y) == pytest.approx((131.5, 129.5), abs=0.5)
+    assert (found.box.x_offset, found.box.y_offset) == pytest.approx((100, 90), abs=1)
+    assert (found.box.width, found.box.height) == pytest.approx((64, 80), abs=2)
+    assert found.outline[2].x == pytest.approx(163.5, abs=1)
+    assert found.area == pytest.approx(64 * 80, rel=0.03)
+    assert found.circle_radius == pytest.approx(np.hypot(32, 40), rel=0.02)
+    assert found.has_velocity and found.velocity.x == pytest.approx(60.0, abs=3.0)
+    state = states[1]
+    assert found.score == state.confidence > 0.6
+    assert (state.scale, state.angle) == pytest.approx((1.0, 0.0), abs=0.02)
+    assert len(state.points) > 15 and all(100 <= point.x <= 164 for point in state.points)
+    for _ in range(5):
+        found, states = desk.show(picture())
+        assert not found and states[1].state == TrackState.LOST
+        assert states[1].label == "face" and states[1].confidence == 0 and not states[1].points
+    back = (desk.show(picture(200, 30))[0] for _ in range(30))  # a second
+    found = next(filter(None, back))
+    assert (found[0].center.x, found[0].center.y) == pytest.approx((231.5, 69.5), abs=0.5)
+
+
+def test_several_objects_and_forgetting_them(start):
+    desk = Desk(start)
+    pixels = picture(40, other=(250, 20))
+    desk.show(pixels)
+    assert desk.select(region(40, 80), "face", pixels).id == 1
+    assert desk.select(region(250, 20, SMALL), "suit", pixels).id == 2
+    for step in range(1, 20):
+        found, states = desk.show(picture(40 + step, other=(250 - 2 * step, 20)))
+        assert len(found) == len(states) == 2
+    assert [one.center.x for one in found] == pytest.approx([90.5, 235.5], abs=0.5)
+    answer = desk.forget(7)
+    assert not answer.success
+    assert answer.message == "id is 7, must be of an object (1, 2), or -1 for all"
+    assert desk.forget(1).success
+    found, states = desk.show(picture(60, other=(212, 20)))
+    assert [one.label for one in found] == ["suit"] and set(states) == {2}
+    assert desk.forget(-1).success
+    assert desk.show(picture(60, other=(212, 20))) == ([], {})
+
+
+def test_a_selection_by_topic_replaces_unless_several(start):
+    desk = Desk(start)
+    select = Source("/eye/select", RegionOfInterest)
+    select.wait_for()
+    pixels = picture(40, other=(250, 20))
+    desk.show(pixels)
+
+    def ids_after(where, newest):
+        """All ids, once the newest is there."""
+        select.send(where)
+        states = support.wait_for(
+            lambda: [found for found in [desk.show(pixels)[1]] if newest in found], "the selection"
+        )
+        return set(states[0])
+
+    assert ids_after(region(40, 80), 1) == {1}
+    assert ids_after(region(250, 20, SMALL), 2) == {2}
+    client = dynamic_reconfigure.client.Client("/eye", timeout=support.DEADLINE)
+    client.update_configuration({"several": True})
+    assert ids_after(region(40, 80), 3) == {2, 3}
+    client.update_configuration({"several": False})
+    select.send(region(300, 80))  # a bad one changes nothing
+    refused = "nothing selected on " + desk.topic
+    support.wait_for(lambda: desk.show(pixels) and refused in desk.process.output(), refused)
+    found, states = desk.show(pixels)
+    assert set(states) == {2, 3} and len(found) == 2
+    client.close()
+
+
+@pytest.mark.parametrize(
+    "where, text",
+    [
+        (region(300, 80), "region of 64x80 px at (300, 80) is not inside the picture of 320x240"),
+        (RegionOfInterest(), "region of 0x0 px at (0, 0) is too small, must be at least 16x16 px"),
+        (region(2**32 - 1, 2**32 - 1), "is not inside the picture of 320x240"),
+        (region(4, 4, np.zeros((60, 60))), "region of 60x60 px at (4, 4) has 0 feature points"),
+    ],
+)
+def test_bad_selections_are_answered_and_logged(start, where, text):
+    desk = Desk(start)
+    pixels = picture(100)
+    pixels[:70, :70] = 90  # a wall
+    desk.show(pixels)
+    answer = desk.select(where, "nothing", pixels)
+    assert not answer.success and text in answer.message and answer.id == -1
+    desk.process.wait_for_output("nothing selected on " + desk.topic)
+    assert desk.show(pixels) == ([], {})
+    assert desk.select(region(100, 80), "face", pixels).success
+
+
+def test_a_selection_is_followed_while_nobody_subscribes(start, diagnostics):
+    desk = Desk(start, "_diagnostic_period:=0.1", outputs=False)
+    idle = "idle: nobody subscribes"
+    support.wait_for(lambda: diagnostics.next("eye").message == idle, idle)
+    answer = desk.select(region(40, 80), "face", picture(40))
+    assert (answer.success, answer.id) == (True, 1)
+    for step in range(1, 21):  # it is gone from where it was when somebody looks
+        desk.send(picture(40 + 5 * step))
+        rospy.sleep(0.03)
+    desk.objects = support.Messages("/eye/object", DetectionArray)
+    desk.states = support.Messages("/eye/state", TrackStateArray)
+    for topic in (desk.objects, desk.states):
+        support.wait_for(topic.connected, "the node's topics")
+    (found,), _ = desk.show(picture(145))
+    assert found.center.x == pytest.approx(176.5, abs=0.5)
+    desk.objects.close()
+    desk.states.close()
+    rospy.sleep(0.3)
+    assert diagnostics.next("eye").message != idle
+    assert desk.forget(1).success
+    support.wait_for(lambda: diagnostics.next("eye").message == idle, idle)
+
+
+def test_a_service_call_without_frames_is_answered(start):
+    desk = Desk(start, outputs=False)
+    answer = rospy.ServiceProxy("/eye/select_object", SelectObject)(region(40, 80), "face")
+    assert not answer.success
+    assert answer.message == f"no frame on {desk.topic} within 5 s"
+    assert desk.process.running()
+
+
+def test_a_selection_after_a_pause_is_made_in_a_new_frame(start, diagnostics):
+    desk = Desk(start, "_diagnostic_period:=0.1", outputs=False)
+    assert desk.select(region(40, 80), "face", picture(40)).success
+    assert desk.forget(1).success
+    idle = "idle: nobody subscribes"
+    support.wait_for(lambda: diagnostics.next("eye").message == idle, idle)
+    assert desk.select(region(150, 80), "face", picture(150)).id == 2
+    desk.states = support.Messages("/eye/state", TrackStateArray)
+    support.wait_for(desk.states.connected, "the node's topic")
+    states = desk.states.of(desk.send(picture(154)))
+    assert [(track.id, track.state) for track in states.tracks] == [(2, TrackState.TRACKED)]
+
+
+def test_of_selections_that_wait_for_a_frame_the_last_one_counts(start):
+    desk = Desk(start)
+    selector = Source("/eye/select", RegionOfInterest)
+    selector.wait_for()
+    for x in (200, 120, 40):
+        selector.send(region(x, 80))
+    rospy.sleep(0.3)  # they have come, or the next frames show so
+    states = support.wait_for(lambda: desk.show(picture(40))[1], "the object")
+    assert set(states) == {1}
+    (found,), _ = desk.show(picture(44))
+    assert found.center.x == pytest.approx(75.5, abs=0.5)
+
+
+def test_flow_is_that_of_the_whole_picture(start):
+    desk = Desk(start)
+    flows = support.Messages("/eye/flow", Flow)
+    support.wait_for(flows.connected, "the flow")
+    large = cv2.resize(ASTRONAUT, (400, 400))
+    for step in range(4):
+        stamp = desk.send(large[20 + step : 260 + step, 40 - 2 * step : 360 - 2 * step])
+        flow = flows.of(stamp)
+        assert len(flow.points) == len(flow.velocities)
+        assert flow.header.frame_id == "camera"
+    velocities = np.array([(v.x, v.y) for v in flow.velocities])
+    assert 50 < len(velocities) <= 200
+    assert np.median(velocities, axis=0) == pytest.approx((60.0, -30.0), abs=1.0)
+
+
+def test_overlay_shows_what_is_tracked_and_says_what_is_lost(start):
+    desk = Desk(start)
+    overlays = support.Messages("/eye/processed_image", Image)
+    support.wait_for(overlays.connected, "the overlay")
+
+    def overlay(pixels):
+        sent = overlays.of(desk.send(pixels))
+        return np.frombuffer(sent.data, np.uint8).reshape(240, 320, 3)
+
+    desk.show(picture(100))
+    desk.select(region(100, 80), "face", picture(100))
+    drawn = overlay(picture(100))
+    for x, y in [(100, 120), (163, 120), (130, 80), (130, 159)]:
+        around = drawn[y - 2 : y + 3, x - 2 : x + 3].reshape(-1, 3)
+        assert (around == (0, 255, 0)).all(axis=1).any(), (x, y)
+    inside = (drawn[80:160, 100:164] == (0, 255, 255)).all(axis=2)
+    assert np.count_nonzero(inside) > 50  # points
+    assert np.array_equal(drawn[200:], picture(100)[200:])
+    lost = overlay(picture())
+    changed = (lost != picture()).any(axis=2)
+    assert changed[:30, :120].any() and not changed[30:].any()
+    blue, green, red = np.moveaxis(lost[:30].astype(int), 2, 0)
+    assert np.count_nonzero((red > 150) & (blue < 60) & (green < 60)) > 20
+
+
+class Finder:
+    """Another node that finds things."""
+
+    def __init__(self):
+        self._source = Source("/finder/found", DetectionArray)
+        self._source.wait_for()
+        self._sent = 0
+
+    def found_at(self, stamp, *things):
+        """Says that (label, box) or (label, box, id) were found in the frame of this stamp.
+
+        The node has received it then: it does not look for what comes many frames late.
+        """
+        array = DetectionArray(width=320, height=240)
+        array.header.stamp = stamp
+        for label, box, *number in things:
+            center = Point(box.x_offset + box.width / 2, box.y_offset + box.height / 2, 0)
+            found = Detection(label=label, box=box, center=center, id=number[0] if number else -1)
+            array.detections.append(found)
+        self._source.send(array)
+        self._sent += 1
+        support.wait_for(lambda: self._received() == self._sent, "the detections")
+
+    def _received(self):
+        """How many messages the node has received."""
+        _, _, (_, subscribed, _) = support.node_api("/eye").getBusStats("/test")
+        ((_, _, count, *_),) = dict(subscribed)[self._source.topic]  # one connection: number, bytes
+        return count
+
+
+def test_detections_of_another_node_are_selected(start):
+    desk = Desk(
+        start,
+        "_auto_select:=true",
+        "_auto_label:=face",
+        "_auto_after:=0",
+        "_max_objects:=1",
+        "detections:=/finder/found",
+    )
+    finder = Finder()
+
+    stamp = desk.send(picture(40, other=(250, 20)))
+    desk.states.of(stamp)
+    desk.show(picture(44, other=(250, 20)))
+    # Two frames late, something with another label first, and one more than there is room for.
+    suit = region(250, 20, SMALL)
+    finder.found_at(stamp, ("suit", suit), ("face", region(40, 80)), ("face", suit))
+
+    def tracked():
+        return desk.show(picture(46, other=(250, 20)))[0]
+
+    (found,) = support.wait_for(tracked, "the detection to be followed")
+    assert (found.label, found.id) == ("face", 1)
+    assert found.center.x == pytest.approx(77.5, abs=0.5)
+    for step in range(10):  # found again and again, it stays the same; another has no room
+        x = 46 + 2 * step
+        stamp = desk.send(picture(x, other=(250, 20)))
+        finder.found_at(stamp, ("face", region(x, 80)), ("face", region(250, 20, SMALL)))
+        found, states = desk.show(picture(x, other=(250, 20)))
+        assert set(states) == {1} and found
+
+
+class Selector:
+    """An ObjectTracker that only notes what is selected."""
+
+    def __init__(self):
+        self.selected = []
+
+    def select_in(self, _image, box, _label):
+        self.selected.append(box)
+        return len(self.selected)
+
+
+def test_of_thousands_of_detections_the_best_are_looked_at(log):
+    boxes = [region(x, y, SMALL) for y in range(0, 5000, 100) for x in range(0, 6000, 100)]
+    array = DetectionArray(detections=[Detection(box=box, id=-1) for box in boxes])
+    order = np.random.default_rng(1).permutation(len(boxes))
+    for detection, rank in zip(array.detections, order):
+        detection.score = 1.0 - rank / len(boxes)
+    selector = Selector()
+    selection = AutoSelection(selector)
+    selection.configure("", 3000, 0.1)
+    for second in (1, 2, 3):
+        array.header.stamp = rospy.Time(second)
+        selection.add(copy.deepcopy(array))
+        selection.select(Frame(BACKGROUND, "bgr8", array.header), [])
+    best = {(box.x_offset, box.y_offset) for box, rank in zip(boxes, order) if rank < 100}
+    assert {box[:2] for box in selector.selected} == best
+    assert len(selector.selected) == len(best)
+    assert "3000 detections in a message: only the 100 of the highest score" in log()
+
+
+@pytest.mark.parametrize("ids", [(), (7,)], ids=["followed by place", "followed by id"])
+def test_only_what_is_found_for_long_is_selected(start, ids):
+    """The suit is missed for three frames, the face is found in all."""
+    desk = Desk(start, "_auto_select:=true", "_auto_after:=0.19", "detections:=/finder/found")
+    finder = Finder()
+    for step in range(7):  # in the seventh frame the face was found for 0.2 s
+        pixels = picture(40 + 2 * step, other=(250, 20))
+        stamp = desk.send(pixels)
+        things = [("face", region(40 + 2 * step, 80), *ids)]
+        if step not in (2, 3, 4):
+            things.insert(0, ("face", region(250, 20, SMALL), *(number + 1 for number in ids)))
+        assert not desk.states.of(stamp).tracks
+        finder.found_at(stamp, *things)
+
+    def tracked():
+        return desk.show(pixels)[0]
+
+    (found,) = support.wait_for(tracked, "the detection to be followed")
+    assert found.center.x == pytest.approx(40 + 2 * step + 31.5, abs=0.5)
+
+
+def test_what_is_lost_for_long_is_forgotten(start):
+    desk = Desk(start, "_forget_after:=0.49")
+    desk.show(picture(40))
+    desk.select(region(40, 80), "face", picture(40))
+    desk.show(picture(40))
+    kept = [bool(desk.show(picture())[1]) for _ in range(20)]
+    assert kept == [True] * 15 + [False] * 5
+
+
+def test_a_rectangle_dragged_in_the_launch_file_s_window_is_followed(start, display):
+    """The scene's poster, from the picture on the screen to the messages."""
+    start("camera_node", "__name:=usb_cam", "_source:=synthetic")
+    start("/usr/bin/roslaunch", "robot_vision", "object_tracker.launch", "view:=true")
+    objects = support.Messages("/object_tracker/object", DetectionArray)
+    truths = support.Messages("/usb_cam/ground_truth", GroundTruth)
+
+    def poster(truth):
+        return next(thing for thing in truth.objects if thing.name == "poster")
+
+    def corners(thing):
+        outline = np.array([(corner.x, corner.y) for corner in thing.outline])
+        return outline.min(axis=0), outline.max(axis=0)
+
+    def window():
+        title = "/object_tracker/processed_image  "
+        shown = [number for name, number in support.windows().items() if name.startswith(title)]
+        return shown if any("640x480" in name for name in support.windows()) else []
+
+    number = support.wait_for(window, "the window with pictures")[0]
+    truth = support.wait_for(lambda: [t for t in truths.received[-1:] if poster(t).visible], "it")
+    begin, end = (corner.astype(int).tolist() for corner in corners(poster(truth[0])))
+    command = ["xdotool", "mousemove", "--window", number, *begin, "mousedown", 1]
+    for place in ([sum(pair) // 2 for pair in zip(begin, end)], end):
+        command += ["mousemove", "--window", number, *place]
+    subprocess.run(["xdotool", *map(str, command[1:]), "mouseup", "1"], check=True)
+    found = support.wait_for(
+        lambda: [one for one in objects.received if one.detections], "the poster to be followed"
+    )[0]
+    truth = truths.of(found.header.stamp)
+    low, high = corners(poster(truth))
+    box = found.detections[0].box
+    assert (box.x_offset, box.y_offset) == pytest.approx(low, abs=12)
+    assert (box.x_offset + box.width, box.y_offset + box.height) == pytest.approx(high, abs=12)
+
+
+@pytest.mark.parametrize(
+    "name, value, text",
+    [
+        ("points", 3, "points is 3, must be from 8 to 200"),
+        ("window", 8, "window is 8, must be odd and from 5 to 51"),
+        ("several", "yes", "several is 'yes', must be true or false"),
+        ("max_objects", 0, "max_objects is 0, must be from 1 to 100"),
+    ],
+)
+def test_bad_value_at_start_is_fatal(start, name, value, text):
+    support.assert_fatal_at_start(start, "object_tracker.py", name, value, text)
