@@ -5,8 +5,8 @@
 
 #include "arrays.hpp"
 #include "leave_gil.hpp"
-#include "robot_vision/tags/pose/bent_edges.hpp"
-#include "robot_vision/tags/pose/measured_corners.hpp"
+#include "robot_vision/tags/pose/corner_refinement.hpp"
+#include "robot_vision/tags/pose/corner_undistortion.hpp"
 #include "robot_vision/tags/pose/tag_pose.hpp"
 #include "robot_vision/tags/pose/tag_pose_tracker.hpp"
 

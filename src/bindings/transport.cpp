@@ -5,7 +5,7 @@
 
 #include "arrays.hpp"
 #include "leave_gil.hpp"
-#include "ros/images/image_runtime.hpp"
+#include "ros/images/embedded_roscpp_node.hpp"
 #include "ros/params/save_params.hpp"
 
 namespace
@@ -52,9 +52,9 @@ py::str toStr(const std::string& text)
 }
 
 /// (inbox, pixels, encoding, seq, secs, nsecs, frame_id, camera_info as serialized or None), or None.
-py::object next(ImageRuntime& runtime, double timeout_s)
+py::object next(EmbeddedRoscppNode& runtime, double timeout_s)
 {
-  std::optional<ImageRuntime::Delivery> delivery;
+  std::optional<EmbeddedRoscppNode::Delivery> delivery;
   {
     const LeaveGil unlocked;
     delivery = runtime.next(timeout_s);
@@ -71,7 +71,7 @@ py::object next(ImageRuntime& runtime, double timeout_s)
                         header.stamp.nsec, toStr(header.frame_id), info);
 }
 
-void publish(ImageOutbox& outbox, const py::array& pixels, const std::string& encoding, std::uint32_t seq,
+void publish(PooledImagePublisher& outbox, const py::array& pixels, const std::string& encoding, std::uint32_t seq,
              std::uint32_t secs, std::uint32_t nsecs, const std::string& frame_id)
 {
   if (pixels.ndim() != 2 && pixels.ndim() != 3)
@@ -114,12 +114,12 @@ std::string edit(const std::string& path, const std::string& text, const py::dic
   return editParams(path, text, config);
 }
 
-std::shared_ptr<ImageInbox> makeInbox(ImageRuntime& runtime, const std::string& topic, const std::string& transport,
-                                      const std::string& parameters, const std::string& encoding,
-                                      const std::string& camera_info_topic,
-                                      const std::shared_ptr<FrameDiagnostics>& diagnostics)
+std::shared_ptr<LatestImageSubscriber> makeInbox(EmbeddedRoscppNode& runtime, const std::string& topic,
+                                                 const std::string& transport, const std::string& parameters,
+                                                 const std::string& encoding, const std::string& camera_info_topic,
+                                                 const std::shared_ptr<FrameDiagnostics>& diagnostics)
 {
-  const ImageInbox::Params params{topic, transport, parameters, encoding, camera_info_topic};
+  const LatestImageSubscriber::Params params{topic, transport, parameters, encoding, camera_info_topic};
   return runtime.makeInbox(params, diagnostics ? diagnostics->shared() : std::make_shared<FrameStatistics>());
 }
 
@@ -130,31 +130,31 @@ PYBIND11_MODULE(_transport, m)
   m.doc() = "roscpp's pictures for robot_vision.transport, which is documented.";
   LeaveGil::endWithProcess();
   py::class_<FrameDiagnostics, std::shared_ptr<FrameDiagnostics>>(m, "Diagnostics");
-  py::class_<ImageInbox, std::shared_ptr<ImageInbox>>(m, "Inbox")
-      .def("open", &ImageInbox::open, Unlocked())
-      .def("close", &ImageInbox::close, Unlocked())
-      .def("publishers", &ImageInbox::publishers, Unlocked())
-      .def("finished", &ImageInbox::finished)
-      .def("failed", &ImageInbox::failed, "why"_a, Unlocked())
-      .def_property_readonly("received", [](const ImageInbox& inbox) { return inbox.totals().received; })
-      .def_property_readonly("dropped", [](const ImageInbox& inbox) { return inbox.totals().dropped; })
-      .def_property_readonly("refused", [](const ImageInbox& inbox) { return inbox.totals().refused; });
-  py::class_<ImageOutbox, std::shared_ptr<ImageOutbox>>(m, "Outbox")
-      .def("close", &ImageOutbox::close, Unlocked())
-      .def("subscribers", &ImageOutbox::subscribers, Unlocked())
+  py::class_<LatestImageSubscriber, std::shared_ptr<LatestImageSubscriber>>(m, "Inbox")
+      .def("open", &LatestImageSubscriber::open, Unlocked())
+      .def("close", &LatestImageSubscriber::close, Unlocked())
+      .def("publishers", &LatestImageSubscriber::publishers, Unlocked())
+      .def("finished", &LatestImageSubscriber::finished)
+      .def("failed", &LatestImageSubscriber::failed, "why"_a, Unlocked())
+      .def_property_readonly("received", [](const LatestImageSubscriber& inbox) { return inbox.totals().received; })
+      .def_property_readonly("dropped", [](const LatestImageSubscriber& inbox) { return inbox.totals().dropped; })
+      .def_property_readonly("refused", [](const LatestImageSubscriber& inbox) { return inbox.totals().refused; });
+  py::class_<PooledImagePublisher, std::shared_ptr<PooledImagePublisher>>(m, "Outbox")
+      .def("close", &PooledImagePublisher::close, Unlocked())
+      .def("subscribers", &PooledImagePublisher::subscribers, Unlocked())
       .def("publish", publish, "pixels"_a, "encoding"_a, "seq"_a, "secs"_a, "nsecs"_a, "frame_id"_a);
-  py::class_<ImageRuntime>(m, "Runtime")
+  py::class_<EmbeddedRoscppNode>(m, "Runtime")
       .def(py::init<const std::string&, const ros::M_string&, const std::string&, const std::string&>(), "name"_a,
            "options"_a, "node"_a, "node_uri"_a, Unlocked())
       .def("inbox", makeInbox, "topic"_a, "transport"_a, "parameters"_a, "encoding"_a, "camera_info_topic"_a,
            "diagnostics"_a, Unlocked())
-      .def("outbox", &ImageRuntime::makeOutbox, "topic"_a, Unlocked())
-      .def("diagnostics", &ImageRuntime::makeDiagnostics, "node"_a, Unlocked())
+      .def("outbox", &EmbeddedRoscppNode::makeOutbox, "topic"_a, Unlocked())
+      .def("diagnostics", &EmbeddedRoscppNode::makeDiagnostics, "node"_a, Unlocked())
       .def("next", next, "timeout"_a)
-      .def("running", &ImageRuntime::running)
-      .def("note_connections", &ImageRuntime::noteConnections, Unlocked())
-      .def("connections_changed", &ImageRuntime::connectionsChanged)
-      .def("stop", &ImageRuntime::stop, Unlocked());
+      .def("running", &EmbeddedRoscppNode::running)
+      .def("note_connections", &EmbeddedRoscppNode::noteConnections, Unlocked())
+      .def("connections_changed", &EmbeddedRoscppNode::connectionsChanged)
+      .def("stop", &EmbeddedRoscppNode::stop, Unlocked());
   m.def("edit_params", edit, "path"_a, "text"_a, "values"_a,
         "The YAML text of the file `path` with the values in it; see save_params.hpp. Raises RuntimeError naming the "
         "path.");

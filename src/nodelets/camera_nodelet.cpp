@@ -99,7 +99,7 @@ private:
     validate(capture);
     const std::vector<ControlSetting> controls = readControlSettings(pnh);
     if (capture.kind == SourceKind::kDevice)
-      controls_ = std::make_unique<ControlServer>(pnh, ControlPort(capture), controls);
+      controls_ = std::make_unique<ControlServer>(pnh, ControlDevice(capture), controls);
     outputs_ = std::make_unique<CameraOutputs>(pnh, loadOutputParams(pnh), [this] { updateDemand(); });
     reviewParams(pnh);
     CaptureListener& listener = *this;

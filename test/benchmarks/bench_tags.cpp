@@ -21,8 +21,8 @@
 
 #include "measure.hpp"
 #include "robot_vision/tags/detection/tag_detector.hpp"
-#include "robot_vision/tags/pose/bent_edges.hpp"
-#include "robot_vision/tags/pose/measured_corners.hpp"
+#include "robot_vision/tags/pose/corner_refinement.hpp"
+#include "robot_vision/tags/pose/corner_undistortion.hpp"
 #include "support/tag_pictures.hpp"
 
 namespace

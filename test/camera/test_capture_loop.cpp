@@ -280,10 +280,10 @@ TEST(CaptureLoop, saysHowLongItHasWaitedForASlowCamera)
 /// However long the exposure is that its driver tells of, it is asked once.
 TEST(CaptureLoop, isPatientWithinReason)
 {
-  EXPECT_EQ(patienceFor(/*period=*/0.0, /*timeout=*/0.5), 0.5);
-  EXPECT_EQ(patienceFor(5.0, 0.5), 15.0);
-  EXPECT_EQ(patienceFor(214748.0, 0.5), 30.0);
-  EXPECT_EQ(patienceFor(214748.0, 100.0), 100.0);
+  EXPECT_EQ(frameTimeoutFor(/*period=*/0.0, /*timeout=*/0.5), 0.5);
+  EXPECT_EQ(frameTimeoutFor(5.0, 0.5), 15.0);
+  EXPECT_EQ(frameTimeoutFor(214748.0, 0.5), 30.0);
+  EXPECT_EQ(frameTimeoutFor(214748.0, 100.0), 100.0);
 
   Capture capture;
   capture.params.timeout = 0.1;

@@ -74,7 +74,7 @@ TEST(ControlSettings, areUsbCamsThenItsMapButForWhatItIgnoresThenOurs)
 TEST(ControlServer, opensTheDeviceOnceForEachChange)
 {
   FakeCamera camera = webcam();
-  ControlServer server(ros::NodeHandle("~"), ControlPort([&camera] { return camera.plug(); }), {});
+  ControlServer server(ros::NodeHandle("~"), ControlDevice([&camera] { return camera.plug(); }), {});
   EXPECT_EQ(changed(9), 9);
   EXPECT_EQ(camera.openings, 1);
   EXPECT_EQ(camera.open_devices, 0);
@@ -83,7 +83,7 @@ TEST(ControlServer, opensTheDeviceOnceForEachChange)
 TEST(ControlServer, usesTheOpeningThatStreamsAndRestoresWhatWasSet)
 {
   FakeCamera camera = webcam();
-  ControlServer server(ros::NodeHandle("~"), ControlPort([&camera] { return camera.plug(); }), {});
+  ControlServer server(ros::NodeHandle("~"), ControlDevice([&camera] { return camera.plug(); }), {});
   const auto open_source = [&camera] { return std::make_unique<V4l2Source>(camera.plug(), CaptureParams()); };
   EXPECT_EQ(changed(9), 9);
   camera.replug();
@@ -104,7 +104,7 @@ TEST(ControlServer, hasTheDeviceOpenWhileTheCaptureHasNot)
     go_on.get_future().wait();
     return camera.plug();
   };
-  ControlServer server(ros::NodeHandle("~"), ControlPort(slow), {});
+  ControlServer server(ros::NodeHandle("~"), ControlDevice(slow), {});
   auto change = std::async(std::launch::async, [] { return changed(9); });
   inside.get_future().wait();
   std::atomic<bool> begun{false};

@@ -62,7 +62,7 @@ protected:
     return path(name);
   }
 
-  /// A video whose frame i has the grey level 20 * i all over.
+  /// A video whose frame i has the gray level 20 * i all over.
   std::string writeVideo(const std::string& name)
   {
     cv::VideoWriter writer(path(name), cv::CAP_FFMPEG, cv::VideoWriter::fourcc('M', 'J', 'P', 'G'), 10.0, {64, 48});

@@ -154,8 +154,8 @@ TEST(V4l2Controls, areReachedOnTheOpeningThatStreams)
 {
   FakeCamera camera = webcam();
   camera.exclusive = true;
-  const ControlPort::Open open = [&camera] { return camera.plug(); };
-  ControlPort port(open);
+  const ControlDevice::Open open = [&camera] { return camera.plug(); };
+  ControlDevice port(open);
   {
     const V4l2Source source(camera.plug(), CaptureParams());
     EXPECT_THROW(port.device(), SourceUnavailable);

@@ -35,7 +35,7 @@ CaptureParams asking(const std::string& pixel_format, int width, int height, dou
 
 V4l2Mode agree(FakeCamera& camera, const CaptureParams& params)
 {
-  return agreeOnMode(*camera.plug(), params);
+  return negotiateFormat(*camera.plug(), params);
 }
 
 }  // namespace

@@ -158,7 +158,7 @@ TEST(CompressedPicture, isReadWithoutALabel)
   EXPECT_TRUE(equal(back.image, wide));
 }
 
-// OpenCV writes none, and reads its grey as blue, green and red.
+// OpenCV writes none, and reads its gray as blue, green and red.
 TEST(CompressedPicture, ofGrayWithAlphaIsBgrWithoutALabel)
 {
   const std::vector<std::uint8_t> gray_alpha = {

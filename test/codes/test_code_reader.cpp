@@ -23,7 +23,7 @@ CodeReader readerOf(const std::string& symbologies)
   return CodeReader(params);
 }
 
-/// The scene's QR code, and its corners as the reader orders them.
+/// The scene's QR code, and its corners as the reader request them.
 std::vector<cv::Point2d> truth(const Scene& scene, std::int64_t frame)
 {
   for (const SceneObject& object : scene.truth(frame).objects)

@@ -13,22 +13,22 @@ using namespace robot_vision;
 // What vectors rely on.
 TEST(HsvTests, fitSignedBytes)
 {
-  static constexpr int kMost = 127;
+  static constexpr int kMax = 127;
   const auto check = [](const HsvRange& range)
   {
     const HsvTests tests(range);
-    EXPECT_LE(tests.s_slack, kMost);
-    EXPECT_LE(tests.h_slack, kMost);
+    EXPECT_LE(tests.s_slack, kMax);
+    EXPECT_LE(tests.h_slack, kMax);
     for (const SaturationLimit& limit : {tests.s_low, tests.s_above})
     {
-      EXPECT_TRUE(0 <= limit.diff && limit.diff <= kMost) << limit.diff;
-      EXPECT_TRUE(0 <= limit.value && limit.value <= kMost) << limit.value;
+      EXPECT_TRUE(0 <= limit.diff && limit.diff <= kMax) << limit.diff;
+      EXPECT_TRUE(0 <= limit.value && limit.value <= kMax) << limit.value;
     }
     for (const HueLimit& limit : {tests.h_low, tests.h_above})
       for (int i = 0; i < 3; ++i)
       {
-        EXPECT_LE(std::abs(limit.channels[i]), kMost);
-        EXPECT_LE(std::abs(limit.channels[i] + limit.channels[(i + 1) % 3]), kMost);
+        EXPECT_LE(std::abs(limit.channels[i]), kMax);
+        EXPECT_LE(std::abs(limit.channels[i] + limit.channels[(i + 1) % 3]), kMax);
       }
   };
   HsvRange range;

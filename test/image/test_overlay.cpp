@@ -18,7 +18,7 @@ cv::Mat3b grayPicture(cv::Size size = {200, 160})
   return {size, kGray};
 }
 
-/// Number of pixels that are not grey any more.
+/// Number of pixels that are not gray any more.
 int drawn(const cv::Mat3b& picture)
 {
   cv::Mat same;
@@ -26,7 +26,7 @@ int drawn(const cv::Mat3b& picture)
   return static_cast<int>(same.total()) - cv::countNonZero(same);
 }
 
-/// Angles in whole degrees at which the picture is no longer grey on a circle.
+/// Angles in whole degrees at which the picture is no longer gray on a circle.
 int drawnAlongCircle(const cv::Mat3b& picture, const cv::Point2d& center, double radius)
 {
   int count = 0;

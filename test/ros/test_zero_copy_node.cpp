@@ -16,7 +16,7 @@
 #include "robot_vision/image/encoding.hpp"
 #include "ros/images/filter_nodelet.hpp"
 #include "ros/images/image_message.hpp"
-#include "ros/images/image_pipe.hpp"
+#include "ros/images/lazy_image_filter.hpp"
 #include "support/run_tests.hpp"
 
 using namespace robot_vision;
@@ -103,7 +103,7 @@ struct Probe
   }
 
   std::atomic<const void*> seen{nullptr};
-  ImagePipe pipe;
+  LazyImageFilter pipe;
 };
 
 /// Works on a frame until it is told to end.

@@ -25,7 +25,7 @@ SceneParams eachFrameAnotherView(int width, int height)
   return params;
 }
 
-cv::Mat grey(const CalibrationScene& scene, int frame)
+cv::Mat gray(const CalibrationScene& scene, int frame)
 {
   cv::Mat bgr, result;
   scene.render(frame, bgr);
@@ -34,11 +34,11 @@ cv::Mat grey(const CalibrationScene& scene, int frame)
 }
 
 /// Corners as OpenCV finds them; empty if it finds no board.
-std::vector<cv::Point2f> found(const cv::Mat& grey)
+std::vector<cv::Point2f> found(const cv::Mat& gray)
 {
   std::vector<cv::Point2f> corners;
-  if (!cv::findChessboardCorners(grey, kCorners, corners)) return {};
-  cv::cornerSubPix(grey, corners, {5, 5}, {-1, -1}, {cv::TermCriteria::COUNT | cv::TermCriteria::EPS, 30, 0.001});
+  if (!cv::findChessboardCorners(gray, kCorners, corners)) return {};
+  cv::cornerSubPix(gray, corners, {5, 5}, {-1, -1}, {cv::TermCriteria::COUNT | cv::TermCriteria::EPS, 30, 0.001});
   return corners;
 }
 
@@ -59,7 +59,7 @@ TEST(CalibrationScene, cornersAreFoundWhereTheTruthHasThem)
   const CalibrationScene scene(eachFrameAnotherView(640, 480));
   for (int view = 0; view < kViews; view += 4)
   {
-    const std::vector<cv::Point2f> corners = found(grey(scene, view));
+    const std::vector<cv::Point2f> corners = found(gray(scene, view));
     ASSERT_EQ(corners.size(), points().size()) << view;
     const cv::Affine3d pose = scene.truth(view).objects.at(0).pose;
     double squares = 0.0;

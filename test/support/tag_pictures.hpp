@@ -76,7 +76,7 @@ inline void drawTag(cv::Mat& gray, const std::string& family, int id, const TagC
   drawPaper(gray, paperOf(family, id), (facts.width - facts.width_at_border) / 2 + 1, corners);
 }
 
-/// Adds pixel noise of a standard deviation in grey levels.
+/// Adds pixel noise of a standard deviation in gray levels.
 inline void addNoise(cv::Mat& gray, double deviation, cv::RNG& random)
 {
   cv::Mat noise(gray.size(), CV_16SC1);

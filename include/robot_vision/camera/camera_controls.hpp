@@ -79,13 +79,13 @@ std::vector<RefusedSetting> setControls(V4l2Device& device, const std::vector<Co
 
 /// The way to the controls of a device: the opening that it streams from, as some drivers allow no second one; while
 /// nothing streams, an opening of its own, which ends with the use of it.
-class ControlPort
+class ControlDevice
 {
 public:
   using Open = std::function<std::shared_ptr<V4l2Device>()>;
   /// Finds the device that `params` name anew whenever it has to be opened.
-  explicit ControlPort(const CaptureParams& params);
-  explicit ControlPort(Open open) : open_(std::move(open)) {}
+  explicit ControlDevice(const CaptureParams& params);
+  explicit ControlDevice(Open open) : open_(std::move(open)) {}
 
   /// From now on the controls are those of the device that `source` streams from.
   void follow(const FrameSource& source) { streaming_ = source.device(); }

@@ -30,7 +30,7 @@ struct CompressionParams
 /// Throws std::invalid_argument naming the first parameter out of range, its value and the range.
 void validate(const CompressionParams& params);
 
-/// Compresses a picture of an encoding of sensor_msgs: grey, Bayer, bgr, rgb, bgra and rgba of 8 or 16 bits, 8UC1,
+/// Compresses a picture of an encoding of sensor_msgs: gray, Bayer, bgr, rgb, bgra and rgba of 8 or 16 bits, 8UC1,
 /// 8UC3, 16UC1, yuv422 and yuv422_yuy2 (as bgr8). Alpha is lost; JPEG has 8 bits, and the label says so. Throws
 /// std::invalid_argument for another encoding, or pixels that are not of it.
 void compress(const cv::Mat& image, const std::string& encoding, const CompressionParams& params,

@@ -18,7 +18,7 @@ struct FaceParams
   int min_neighbors = 2;           // windows that must agree on a face besides the first, 0 to 100
   int min_size = 40;               // px, side of the smallest face, 1 to 8192
   int max_size = 0;                // px, side of the largest face: 0 (any) or min_size to 8192
-  bool equalize = true;            // stretch the grey levels (cv::equalizeHist) first
+  bool equalize = true;            // stretch the gray levels (cv::equalizeHist) first
   double max_search_period = 0.5;  // s within which a new face is found, 0 (search after search) to 60
   double hold = 0.5;               // s that a face is followed by its looks alone where no cascade sees it, 0 to 60
   bool background = true;          // search whole pictures in a thread of its own, while update() goes on

@@ -9,7 +9,7 @@ namespace robot_vision
 struct BrightnessParams
 {
   double gain = 1.0;     // contrast: factor on every value, 0 to 10
-  double offset = 50.0;  // brightness: grey levels of 255 added after the gain, -255 to 255
+  double offset = 50.0;  // brightness: gray levels of 255 added after the gain, -255 to 255
   double gamma = 1.0;    // exponent of the last step, 0.1 to 10; below 1 lifts the shadows
   int threads = 1;       // that share a picture, 1 to 64; no more than cv::setNumThreads() allows
 };

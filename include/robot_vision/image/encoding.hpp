@@ -33,9 +33,9 @@ void checkPixels(const cv::Mat& image, const std::string& encoding);
 /// is truncated or too large.
 cv::Size pictureSize(const cv::Mat& image, const std::string& encoding);
 
-/// Grey picture (CV_8UC1) as cv::cvtColor makes it; 16 bits are scaled by 255/65535, 10 by 255/1023; of YUV and JPEG
+/// Gray picture (CV_8UC1) as cv::cvtColor makes it; 16 bits are scaled by 255/65535, 10 by 255/1023; of YUV and JPEG
 /// the luma itself.
-/// `gray` shares the input's pixels where they are grey already, is reused if it fits, and never aliases other input.
+/// `gray` shares the input's pixels where they are gray already, is reused if it fits, and never aliases other input.
 void toGray(const cv::Mat& image, const std::string& encoding, cv::Mat& gray);
 
 /// Whether a converted picture lies in the memory of its `source`, and so must not be kept or written.

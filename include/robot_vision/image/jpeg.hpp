@@ -12,23 +12,23 @@ namespace robot_vision
 bool isJpeg(const unsigned char* data, std::size_t size);
 
 /// True if the bytes are a JPEG stream with a picture, from its start-of-image to its end-of-image marker (ITU-T T.81,
-/// annex B). Decoders that fill the missing part of a truncated stream with grey do not tell.
+/// annex B). Decoders that fill the missing part of a truncated stream with gray do not tell.
 bool isCompleteJpeg(const unsigned char* data, std::size_t size);
 
 /// 8192 x 8192: a stream of some hundred bytes can claim to be a picture that fills the memory.
-constexpr std::size_t kMostPixels = std::size_t{1} << 26;
+constexpr std::size_t kMaxPixels = std::size_t{1} << 26;
 constexpr int kLongestJpegSide = 65500;  // px, libjpeg's own limit
 
 struct JpegInfo
 {
   cv::Size size;       // px
-  bool color = false;  // else grey
+  bool color = false;  // else gray
 };
 
 /// What the stream's first frame claims to be of, whole or not; empty if there is none.
 cv::Size claimedJpegSize(const unsigned char* data, std::size_t size);
 
-/// Throws std::invalid_argument if the stream is not complete or has more than kMostPixels.
+/// Throws std::invalid_argument if the stream is not complete or has more than kMaxPixels.
 JpegInfo readJpegInfo(const unsigned char* data, std::size_t size);
 
 /// Writes the stream into `out`, byte for byte. Only where a baseline stream has no Huffman tables, as some cameras'

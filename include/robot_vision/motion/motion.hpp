@@ -14,7 +14,7 @@ struct MotionParams
 {
   std::string method = "first_frame";  // what a frame is compared with, see MotionDetector
   int blur_size = 21;                  // px, side of the Gaussian blur: odd, 1 (none) to 99
-  double threshold = 25.0;      // grey levels by which the blurred pictures differ where something moves, 0 to 255
+  double threshold = 25.0;      // gray levels by which the blurred pictures differ where something moves, 0 to 255
   int dilate = 2;               // px by which what moves is grown, 0 to 50
   double min_area = 500.0;      // px, regions with fewer pixels are left out, 0 to 1e9
   double learning_rate = 0.05;  // running_average, mog2: share of the newest frame, above 0 to 1
@@ -38,7 +38,7 @@ struct Motion
 /// Finds what moves by comparing each frame with a background.
 ///
 /// first_frame: the first one, as courses do; previous_frame: the one before; running_average: the mean of all, newer
-/// ones counting more. A pixel has changed if the pictures, grey and blurred, differ by more than the threshold:
+/// ones counting more. A pixel has changed if the pictures, gray and blurred, differ by more than the threshold:
 /// cv::cvtColor, cv::GaussianBlur, cv::absdiff, cv::threshold and cv::dilate (3x3, once per px), to the bit, but
 /// blurred only near pixels that differ. mog2: a mixture of Gaussians per pixel (cv::BackgroundSubtractorMOG2) of the
 /// colour picture, which is not blurred; shadows do not count.

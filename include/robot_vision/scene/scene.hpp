@@ -26,7 +26,7 @@ struct SceneParams
   int height = 480;        // px, 64 to 4096, and between a third and three times the width
   double rate = 30.0;      // frames per second of the motion, Hz, above 0 up to 1000
   std::uint64_t seed = 1;  // of the noise; everything else is the same for all seeds
-  double noise = 2.0;      // standard deviation of the pixel noise, grey levels, 0 (none) to 30
+  double noise = 2.0;      // standard deviation of the pixel noise, gray levels, 0 (none) to 30
   bool still = false;      // the camera stays where it is in frame 0
 };
 

@@ -19,7 +19,7 @@ constexpr std::chrono::milliseconds kLastRetry{1000};
 constexpr std::chrono::seconds kLookAround{1};  // between looks whether a device is there that nobody uses
 constexpr double kLongestPeriod = 1e6;          // s, far from the clock's limits
 constexpr double kPeriods = 3.0;                // without a frame, of a camera so slow that this is longer than timeout
-constexpr double kMostPatience = 30.0;          // s, with a camera that tells of longer periods than timeout
+constexpr double kMaxFrameTimeout = 30.0;       // s, with a camera that tells of longer periods than timeout
 constexpr double kLongestGroup = 30.0;          // s, of a stream from keyframe to keyframe
 
 double secondsSince(std::chrono::steady_clock::time_point time)
@@ -36,9 +36,9 @@ CaptureParams settled(CaptureParams params)
 
 }  // namespace
 
-double patienceFor(double period, double timeout)
+double frameTimeoutFor(double period, double timeout)
 {
-  return std::max(timeout, std::min(kPeriods * period, kMostPatience));
+  return std::max(timeout, std::min(kPeriods * period, kMaxFrameTimeout));
 }
 
 CaptureLoop::CaptureLoop(const CaptureParams& params, CaptureListener& listener, Open opener)
@@ -53,7 +53,7 @@ CaptureLoop::~CaptureLoop()
 {
   {
     const std::lock_guard<std::mutex> lock(mutex_);
-    orders_.stop = true;
+    request_.stop = true;
   }
   changed_.notify_all();
   thread_.join();
@@ -63,7 +63,7 @@ void CaptureLoop::setDemand(Demand demand)
 {
   {
     const std::lock_guard<std::mutex> lock(mutex_);
-    orders_.demand = demand;
+    request_.demand = demand;
   }
   changed_.notify_all();
 }
@@ -72,28 +72,28 @@ void CaptureLoop::setPace(double framerate, bool loop)
 {
   {
     const std::lock_guard<std::mutex> lock(mutex_);
-    orders_.new_pace = true;
-    orders_.framerate = framerate;
-    orders_.loop = loop;
+    request_.new_pace = true;
+    request_.framerate = framerate;
+    request_.loop = loop;
   }
   changed_.notify_all();
 }
 
-CaptureLoop::Orders CaptureLoop::takeOrders()
+CaptureLoop::CaptureRequest CaptureLoop::takeRequest()
 {
   const std::lock_guard<std::mutex> lock(mutex_);
-  const Orders orders = orders_;
-  orders_.new_pace = false;
-  return orders;
+  const CaptureRequest request = request_;
+  request_.new_pace = false;
+  return request;
 }
 
 void CaptureLoop::run()
 {
-  for (Orders orders = takeOrders(); !orders.stop; orders = takeOrders())
+  for (CaptureRequest request = takeRequest(); !request.stop; request = takeRequest())
   {
     try
     {
-      follow(orders);
+      follow(request);
     }
     catch (const std::exception& e)  // the source could be neither read on nor opened or rewound again
     {
@@ -105,30 +105,30 @@ void CaptureLoop::run()
   }
 }
 
-void CaptureLoop::follow(const Orders& orders)
+void CaptureLoop::follow(const CaptureRequest& request)
 {
-  if (orders.new_pace)
+  if (request.new_pace)
   {
     next_frame_ = Clock::now();
     // A device and the scene take their rate when they are opened.
     const bool has_rate = source_ && (source_->rate() == 0.0 || params_.source == "synthetic");
-    if (has_rate && orders.framerate != params_.framerate) source_.reset();
-    params_.framerate = orders.framerate;
-    if (ended_ && orders.loop && source_)
+    if (has_rate && request.framerate != params_.framerate) source_.reset();
+    params_.framerate = request.framerate;
+    if (ended_ && request.loop && source_)
     {
       source_->rewind();
       ended_ = false;
     }
   }
-  if (orders.demand != Demand::kFrames || ended_)
-    idle(orders.demand);
+  if (request.demand != Demand::kFrames || ended_)
+    idle(request.demand);
   else if (!source_)
     retry();
   else if (source_->rate() == 0.0 || waitUntil(next_frame_))
-    readFrame(orders);
+    readFrame(request);
 }
 
-/// Waits for new orders. A source that was not there, or that is unplugged, is looked for meanwhile, so that its
+/// Waits for new request. A source that was not there, or that is unplugged, is looked for meanwhile, so that its
 /// absence is told at once.
 void CaptureLoop::idle(Demand demand)
 {
@@ -140,7 +140,7 @@ void CaptureLoop::idle(Demand demand)
   }
   if (!ended_) listener_.onIdle();
   std::unique_lock<std::mutex> lock(mutex_);
-  const auto ordered = [this, demand] { return orders_.stop || orders_.new_pace || orders_.demand != demand; };
+  const auto ordered = [this, demand] { return request_.stop || request_.new_pace || request_.demand != demand; };
   const bool looks = demand == Demand::kIdle && !device_file_.empty();
   bool there = true;
   while (there && !changed_.wait_for(lock, kLookAround, ordered))
@@ -161,7 +161,7 @@ void CaptureLoop::open()
     source_ = open_(params_);
     available_ = true;
     next_frame_ = last_frame_ = last_sign_ = Clock::now();
-    patience_.reset();
+    frame_timeout_.reset();
     const std::shared_ptr<V4l2Device> device = source_->device();
     device_file_ = device ? device->path() : "";
     listener_.onOpened(*source_);
@@ -198,19 +198,19 @@ void CaptureLoop::pace(double framerate)
 bool CaptureLoop::waitUntil(Clock::time_point time)
 {
   std::unique_lock<std::mutex> lock(mutex_);
-  const Demand demand = orders_.demand;
-  const auto ordered = [this, demand] { return orders_.stop || orders_.new_pace || orders_.demand != demand; };
+  const Demand demand = request_.demand;
+  const auto ordered = [this, demand] { return request_.stop || request_.new_pace || request_.demand != demand; };
   return !changed_.wait_until(lock, time, ordered);
 }
 
-void CaptureLoop::readFrame(const Orders& orders)
+void CaptureLoop::readFrame(const CaptureRequest& request)
 {
   try
   {
     Frame frame;
     if (source_->fillsMemory()) listener_.prepare(frame);
     const ReadResult result = source_->read(frame);
-    if (result == ReadResult::kEnd) end("", orders.loop);
+    if (result == ReadResult::kEnd) end("", request.loop);
     if (result == ReadResult::kNoPicture) last_sign_ = Clock::now();
     if (result == ReadResult::kTimeout || result == ReadResult::kNoPicture)
       if (const std::string why = stall("no frame"); !why.empty()) throw SourceUnavailable(why);
@@ -218,7 +218,7 @@ void CaptureLoop::readFrame(const Orders& orders)
     read_since_rewind_ = true;
     listener_.onFrame(frame);
     last_frame_ = last_sign_ = Clock::now();
-    patience_.reset();
+    frame_timeout_.reset();
     loss_.clear();
   }
   catch (const SourceUnavailable& e)
@@ -228,7 +228,7 @@ void CaptureLoop::readFrame(const Orders& orders)
   }
   catch (const SourceError& e)
   {
-    end(e.what(), orders.loop);
+    end(e.what(), request.loop);
     return;
   }
   catch (const std::exception& e)
@@ -240,7 +240,7 @@ void CaptureLoop::readFrame(const Orders& orders)
       return;
     }
   }
-  pace(orders.framerate);
+  pace(request.framerate);
 }
 
 /// What to say of a live source that has given no good frame for too long; empty if it is not too long yet. Files have
@@ -251,9 +251,9 @@ std::string CaptureLoop::stall(const std::string& what)
   if (source_->rate() != 0.0 || without_picture <= params_.timeout) return "";
   const auto text = [this](const std::string& missing, double seconds)
   { return source_->description() + ": " + missing + " for " + toText(seconds) + " s"; };
-  if (!patience_) patience_ = patienceFor(source_->period(), params_.timeout);
-  if (secondsSince(last_sign_) > *patience_) return text(what, *patience_);
-  const double group = std::max(*patience_, kLongestGroup);
+  if (!frame_timeout_) frame_timeout_ = frameTimeoutFor(source_->period(), params_.timeout);
+  if (secondsSince(last_sign_) > *frame_timeout_) return text(what, *frame_timeout_);
+  const double group = std::max(*frame_timeout_, kLongestGroup);
   return without_picture > group ? text("no keyframe", group) : "";
 }
 

@@ -33,7 +33,7 @@ public:
 };
 
 /// Seconds without a frame until a live source of this period counts as out of order; drivers may tell nonsense.
-double patienceFor(double period, double timeout);
+double frameTimeoutFor(double period, double timeout);
 
 /// What is asked of a CaptureLoop.
 enum class Demand
@@ -66,7 +66,7 @@ private:
   using Clock = std::chrono::steady_clock;
 
   /// What the node's callbacks ask of the loop.
-  struct Orders
+  struct CaptureRequest
   {
     Demand demand = Demand::kStopped;
     bool stop = false;
@@ -76,12 +76,12 @@ private:
   };
 
   void run();
-  Orders takeOrders();
-  void follow(const Orders& orders);
+  CaptureRequest takeRequest();
+  void follow(const CaptureRequest& request);
   void idle(Demand demand);
   void retry();
   void open();
-  void readFrame(const Orders& orders);
+  void readFrame(const CaptureRequest& request);
   void pace(double framerate);
   void end(const std::string& error, bool loop);
   void finish(const std::string& error);
@@ -98,17 +98,17 @@ private:
   bool ended_ = false;
   bool read_since_rewind_ = false;  // else looping would spin on an empty source
   Clock::time_point next_frame_;
-  Clock::time_point last_frame_;    // or when the source was opened
-  Clock::time_point last_sign_;     // of life: a frame, even if it makes no picture yet
-  std::string device_file_;         // of a source that is a device
-  std::optional<double> patience_;  // s; asked of the source once it is late, for its exposure may have been set
+  Clock::time_point last_frame_;         // or when the source was opened
+  Clock::time_point last_sign_;          // of life: a frame, even if it makes no picture yet
+  std::string device_file_;              // of a source that is a device
+  std::optional<double> frame_timeout_;  // s; asked of the source once it is late, for its exposure may have been set
   Clock::time_point next_try_;
   Clock::duration retry_{};  // from the last loss to the next try
   std::string loss_;         // the last error since the last frame
 
-  std::mutex mutex_;  // guards orders_
+  std::mutex mutex_;  // guards request_
   std::condition_variable changed_;
-  Orders orders_;
+  CaptureRequest request_;
   std::thread thread_;
 };
 

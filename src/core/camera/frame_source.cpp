@@ -21,7 +21,7 @@ namespace robot_vision
 namespace
 {
 
-constexpr int kMostLinks = 40;  // one after another, as the kernel has it
+constexpr int kMaxLinks = 40;  // one after another, as the kernel has it
 
 bool startsWith(const std::string& text, const std::string& start)
 {
@@ -45,7 +45,7 @@ bool looksLikeFile(const std::string& name)
 std::filesystem::path followLinks(std::filesystem::path path)
 {
   std::error_code error;
-  for (int i = 0; i < kMostLinks && std::filesystem::is_symlink(path, error); ++i)
+  for (int i = 0; i < kMaxLinks && std::filesystem::is_symlink(path, error); ++i)
     path = path.parent_path() / std::filesystem::read_symlink(path, error);
   return path.lexically_normal();
 }

@@ -20,7 +20,7 @@ namespace robot_vision
 namespace
 {
 
-constexpr std::int64_t kMostPixels = 8192 * 8192;
+constexpr std::int64_t kMaxPixels = 8192 * 8192;
 constexpr int kSilent = 100;  // FFmpeg's messages get so much less urgent: errors are told by exceptions
 
 struct Freer
@@ -123,7 +123,7 @@ H264Decoder::H264Decoder() : context_(std::make_unique<Context>())
   AVCodecContext& codec = *context_->codec;
   codec.flags |= AV_CODEC_FLAG_LOW_DELAY;
   codec.thread_count = 1;  // threads by frames would keep back as many, by slices few cameras' streams could use them
-  codec.max_pixels = kMostPixels;
+  codec.max_pixels = kMaxPixels;
   codec.log_level_offset = kSilent;
   const int error = avcodec_open2(&codec, decoder, nullptr);
   if (error != 0) throw SourceError("FFmpeg's decoder for H.264 cannot be opened: " + describe(error));

@@ -8,10 +8,10 @@
 #include <limits>
 #include <stdexcept>
 
+#include "control_enumerator.hpp"
+#include "control_io.hpp"
 #include "control_names.hpp"
-#include "control_transfer.hpp"
 #include "control_values.hpp"
-#include "control_walk.hpp"
 #include "robot_vision/common/range.hpp"
 
 namespace robot_vision
@@ -44,7 +44,7 @@ ControlKind kindOf(const v4l2_query_ext_ctrl& query)
 std::vector<MenuItem> itemsOf(V4l2Device& device, const v4l2_query_ext_ctrl& query)
 {
   std::vector<MenuItem> items;
-  const std::int64_t last = std::min<std::int64_t>(query.maximum, kMostAnswers - 1);
+  const std::int64_t last = std::min<std::int64_t>(query.maximum, kMaxAnswers - 1);
   for (std::int64_t i = std::max<std::int64_t>(query.minimum, 0); i <= last; ++i)
   {
     v4l2_querymenu item{};
@@ -78,7 +78,7 @@ CameraControl describe(V4l2Device& device, const v4l2_query_ext_ctrl& query)
   if (control.kind == ControlKind::kMenu) control.items = itemsOf(device, query);
   const bool valued = control.kind != ControlKind::kButton && control.kind != ControlKind::kCompound;
   if (!valued || (query.flags & V4L2_CTRL_FLAG_WRITE_ONLY) != 0) return control;
-  control.has_value = ControlTransfer(query).get(device, control.value) == 0;
+  control.has_value = ControlIo(query).get(device, control.value) == 0;
   return control;
 }
 
@@ -105,7 +105,7 @@ void setControl(V4l2Device& device, const CameraControl& control, const ControlV
   const v4l2_query_ext_ctrl present = query(device, control.id);
   if ((present.flags & V4L2_CTRL_FLAG_INACTIVE) != 0)
     throw std::invalid_argument("is inactive: another control, such as its automatic, rules it now");
-  const int error = ControlTransfer(present).set(device, value);
+  const int error = ControlIo(present).set(device, value);
   if (error == EBUSY) throw std::invalid_argument("cannot be changed while the camera streams");
   if (error != 0) refuse(device, "VIDIOC_S_EXT_CTRLS", error);
 }
@@ -148,7 +148,7 @@ bool isSwitch(const std::vector<CameraControl>& controls, const ControlSetting& 
 std::vector<CameraControl> listControls(V4l2Device& device)
 {
   std::vector<CameraControl> controls;
-  ControlWalk walk(device);
+  ControlEnumerator walk(device);
   for (v4l2_query_ext_ctrl query{}; walk.next(query);)
   {
     const bool heading = query.type == V4L2_CTRL_TYPE_CTRL_CLASS;

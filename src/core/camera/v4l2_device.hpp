@@ -11,7 +11,7 @@ namespace robot_vision
 {
 
 /// To a question with an index that counts up: so that no driver keeps us for ever.
-constexpr std::uint32_t kMostAnswers = 1000;
+constexpr std::uint32_t kMaxAnswers = 1000;
 
 /// An open Video4Linux2 device. Failed calls throw SourceUnavailable naming the device, the call and the system's
 /// reason. An interface, so that tests can plug in cameras that machines do not have.

@@ -174,7 +174,7 @@ void agreeOnRate(V4l2Device& device, const CaptureParams& params, V4l2Mode& mode
 
 }  // namespace
 
-V4l2Mode agreeOnMode(V4l2Device& device, const CaptureParams& params)
+V4l2Mode negotiateFormat(V4l2Device& device, const CaptureParams& params)
 {
   const Candidate wanted = {findV4l2Format(params.pixel_format), {params.image_width, params.image_height}};
   V4l2Mode mode = agreeOnFormat(device, wanted);

@@ -23,7 +23,7 @@ struct V4l2Mode
 /// Sets the device to the nearest to `params` that it offers and that we take: their pixel format if it has that, else
 /// the one that comes nearest in size; then the size, then the rate. A driver that does not say what it offers is asked
 /// for one format after the other. Throws SourceUnavailable if the two do not come together.
-V4l2Mode agreeOnMode(V4l2Device& device, const CaptureParams& params);
+V4l2Mode negotiateFormat(V4l2Device& device, const CaptureParams& params);
 
 /// "YUYV 640x480"
 std::string describe(const V4l2Mode& mode);

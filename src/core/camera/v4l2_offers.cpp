@@ -16,7 +16,7 @@ namespace
 template <class Question, class Take>
 void enumerate(V4l2Device& device, unsigned long request, Question question, Take take)
 {
-  for (question.index = 0; question.index < kMostAnswers; ++question.index)
+  for (question.index = 0; question.index < kMaxAnswers; ++question.index)
   {
     Question answer = question;
     if (device.tryCall(request, &answer) != 0) return;
@@ -124,9 +124,9 @@ double rateOf(const v4l2_fract& period)
 
 v4l2_fract periodOf(double rate)
 {
-  constexpr double kMostMs = 4e9;  // fits into 32 bits
+  constexpr double kMaxMs = 4e9;  // fits into 32 bits
   if (rate >= 1.0) return {1000, static_cast<std::uint32_t>(std::lround(rate * 1000.0))};
-  return {static_cast<std::uint32_t>(std::lround(std::min(1000.0 / rate, kMostMs))), 1000};
+  return {static_cast<std::uint32_t>(std::lround(std::min(1000.0 / rate, kMaxMs))), 1000};
 }
 
 std::string rateText(double rate)

@@ -16,9 +16,9 @@ cv::Mat decodeImageFile(const unsigned char* data, std::size_t size, int flags)
 {
   const auto claimed = claimedSize(data, size);
   if (!claimed || size > static_cast<std::size_t>(std::numeric_limits<int>::max())) return {};
-  if (claimed->width > kMostPixels || claimed->height > kMostPixels || claimed->width * claimed->height > kMostPixels)
+  if (claimed->width > kMaxPixels || claimed->height > kMaxPixels || claimed->width * claimed->height > kMaxPixels)
     throw std::invalid_argument("claims to be of " + std::to_string(claimed->width) + "x" +
-                                std::to_string(claimed->height) + ", the most is " + std::to_string(kMostPixels) +
+                                std::to_string(claimed->height) + ", the most is " + std::to_string(kMaxPixels) +
                                 " pixels");
   try
   {

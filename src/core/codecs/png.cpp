@@ -60,9 +60,9 @@ PngInfo readPngInfo(const unsigned char* data, std::size_t size)
     refuse(size, "is damaged or truncated");
   const std::uint64_t width = bigEndian<4>(data + kSizes);
   const std::uint64_t height = bigEndian<4>(data + kSizes + 4);
-  if (width * height > kMostPixels)
+  if (width * height > kMaxPixels)
     refuse(size, "claims to be of " + std::to_string(width) + "x" + std::to_string(height) + ", the most is " +
-                     std::to_string(kMostPixels) + " pixels");
+                     std::to_string(kMaxPixels) + " pixels");
   constexpr unsigned char kColor = 2;  // bits of the type
   constexpr unsigned char kAlpha = 4;
   return {(data[kSizes + 9] & (kColor | kAlpha)) != 0, data[kSizes + 8] == 16};

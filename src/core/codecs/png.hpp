@@ -13,7 +13,7 @@ bool isPng(const unsigned char* data, std::size_t size);
 
 struct PngInfo
 {
-  bool color = false;  // else grey; grey with alpha counts as colour, as OpenCV reads it
+  bool color = false;  // else gray; gray with alpha counts as colour, as OpenCV reads it
   bool wide = false;   // 16 bits, else at most 8
 };
 

@@ -62,7 +62,7 @@ std::vector<std::string> listed(const std::string& list)
 }
 
 // Along a single line anything may look like a bar code: not all kinds have a check digit.
-constexpr int kLeastLines = 2;
+constexpr int kMinLines = 2;
 
 // By its name: the headers of a zbar that does not have it have no constant for it either.
 constexpr const char* kKeepBytes = "qrcode.binary";
@@ -182,7 +182,7 @@ std::vector<Code> CodeSearch::find(const cv::Mat& gray, const cv::Rect& part)
     if (type == me.wanted.end()) continue;  // or it is a part of a code
     const bool is_qr = type->first == zbar::ZBAR_QRCODE;
     const int lines = zbar::zbar_symbol_get_quality(symbol);
-    if (!is_qr && lines < kLeastLines) continue;
+    if (!is_qr && lines < kMinLines) continue;
     Code code;
     code.type = type->second;
     code.data.assign(zbar::zbar_symbol_get_data(symbol), zbar::zbar_symbol_get_data_length(symbol));

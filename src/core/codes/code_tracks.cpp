@@ -12,15 +12,15 @@ namespace
 {
 
 // All lengths are in the longest sides of the code.
-constexpr double kQuiet = 0.15;    // around a code, which the search needs to see
-constexpr double kStartle = 0.5;   // that it may have moved in a frame when it was read once,
-constexpr double kHaste = 15.0;    // per s, in more than that,
-constexpr double kFarthest = 2.5;  // and at most
-constexpr double kUnrest = 0.1;    // that it may deviate from its motion
-constexpr double kWide = 0.5;      // more, where all that was not enough
-constexpr double kFastest = 60.0;  // per s: what is farther away was put there
-constexpr double kSwerve = 0.5;    // of its way that it may deviate from it
-constexpr int kCut = 2;            // px: what is nearer to the edge of a part may go on beyond it
+constexpr double kQuiet = 0.15;              // around a code, which the search needs to see
+constexpr double kInitialMotion = 0.5;       // that it may have moved in a frame when it was read once,
+constexpr double kMaxUntrackedSpeed = 15.0;  // per s, in more than that,
+constexpr double kFarthest = 2.5;            // and at most
+constexpr double kPositionError = 0.1;       // that it may deviate from its motion
+constexpr double kWide = 0.5;                // more, where all that was not enough
+constexpr double kFastest = 60.0;            // per s: what is farther away was put there
+constexpr double kMotionError = 0.5;         // of its way that it may deviate from it
+constexpr int kCut = 2;                      // px: what is nearer to the edge of a part may go on beyond it
 
 cv::Point2d middleOf(const Code& code)
 {
@@ -76,8 +76,8 @@ bool CodeTrack::isInViewAt(double time_s, const cv::Size& image) const
 cv::Rect CodeTrack::regionAt(double time_s, bool wide, const cv::Size& image) const
 {
   const double side = longestSide(code), age = time_s - seen;
-  const double motion = moving ? kUnrest * side + kSwerve * cv::norm(velocity) * age
-                               : std::min(std::max(kHaste * age, kStartle), kFarthest) * side;
+  const double motion = moving ? kPositionError * side + kMotionError * cv::norm(velocity) * age
+                               : std::min(std::max(kMaxUntrackedSpeed * age, kInitialMotion), kFarthest) * side;
   const double border = motion + (kQuiet + (wide ? kWide : 0.0)) * side;
   return grown(cv::boundingRect(outlineOf(at(time_s))), cvCeil(border), image);
 }

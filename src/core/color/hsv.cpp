@@ -89,16 +89,16 @@ void HsvMask::apply(const cv::Mat& image, const std::string& encoding, cv::Mat& 
   mask.create(pixels.size(), CV_8UC1);
   const HsvTests& tests = is_rgb ? impl_->rgb : impl_->bgr;
   const auto test = kernels<HsvKernels>().hsv;
-  forRowBands(pixels.rows, cv::getNumThreads(), kLeastRows,
-              [&](int, const cv::Range& rows)
-              {
-                for (int y = rows.start; y < rows.end; ++y)
-                {
-                  const auto* row = pixels.ptr<cv::Vec3b>(y);
-                  test(tests, row->val, mask.cols, mask.ptr(y));
-                  settle(row, mask.ptr(y), mask.cols, is_rgb, impl_->range);
-                }
-              });
+  parallelForRows(pixels.rows, cv::getNumThreads(), kMinRows,
+                  [&](int, const cv::Range& rows)
+                  {
+                    for (int y = rows.start; y < rows.end; ++y)
+                    {
+                      const auto* row = pixels.ptr<cv::Vec3b>(y);
+                      test(tests, row->val, mask.cols, mask.ptr(y));
+                      settle(row, mask.ptr(y), mask.cols, is_rgb, impl_->range);
+                    }
+                  });
 }
 
 HsvRange rangeAround(const cv::Vec3b& hsv, int margin)

@@ -97,14 +97,13 @@ public:
     }
     const Halves two = halves(p.first, p.second);
     const Halves third = halves(p.third, PixelSimd::bytes(1));
-    const Vector h =
-        PixelSimd::differentBits(packed(hLimit(two.low, third.low), hLimit(two.high, third.high)), h_outside_);
+    const Vector h = PixelSimd::Xor(packed(hLimit(two.low, third.low), hLimit(two.high, third.high)), h_outside_);
     const Vector slack = packed(hSlack(saturation.low), hSlack(saturation.high));
     const Flags inside = PixelSimd::both(PixelSimd::aboveSigned(s, s_sure_), PixelSimd::aboveSigned(h, slack));
     const Flags h_perhaps = PixelSimd::aboveSigned(PixelSimd::addSignedBytes(h, slack), Simd::zeros());
     const Vector sure = PixelSimd::bytesWhere(PixelSimd::both(v_inside, inside), PixelSimd::bytes(255));
     const Vector perhaps = PixelSimd::bytesWhere(PixelSimd::both(s_perhaps, h_perhaps), PixelSimd::bytes(kUnsure));
-    Simd::store(mask, Simd::eitherBits(sure, perhaps));
+    Simd::store(mask, Simd::Or(sure, perhaps));
   }
 
 private:
@@ -125,7 +124,7 @@ private:
   };
 
   static Vector pairs(int first, int second) { return Simd::words((first & 0xFF) | (second & 0xFF) << 8); }
-  static Halves halves(Vector a, Vector b) { return {Simd::lowBytes(a, b), Simd::highBytes(a, b)}; }
+  static Halves halves(Vector a, Vector b) { return {Simd::InterleaveLower(a, b), Simd::highBytes(a, b)}; }
   static Vector packed(Vector low, Vector high) { return PixelSimd::packSignedWords(low, high); }
 
   // Margins of hue are one more: at least the slack is above it then. Those of the outside are inverted after that.

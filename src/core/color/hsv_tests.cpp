@@ -14,7 +14,7 @@ namespace
 constexpr int kHues = 180;
 constexpr int kFar = 32000;    // a margin that no slack reaches
 constexpr int kMaxDiff = 127;  // factor of the difference: 255 times as much fits 16 bits
-constexpr int kHueUnit = 60;   // margins of hue count 1/60 of a grey level, which makes the planes' factors whole
+constexpr int kHueUnit = 60;   // margins of hue count 1/60 of a gray level, which makes the planes' factors whole
 
 /// The least difference of the channels that gives a pixel of value `value` the saturation `limit`; value + 1: none.
 int leastDifference(int limit, int value)
@@ -69,7 +69,7 @@ void HsvTests::setSaturation(const HsvRange& range)
   s_above = saturationLimit(range.s_high + 1);
 }
 
-/// The line whose slack is the least part of a grey level.
+/// The line whose slack is the least part of a gray level.
 SaturationLimit HsvTests::saturationLimit(int limit)
 {
   if (limit == 0) return {0, 0, -kFar};
@@ -102,8 +102,8 @@ void HsvTests::setHue(const HsvRange& range)
     return;
   }
   const int above = (high + 1) % kHues;
-  const bool grey_inside = low == 0 || low > high;  // OpenCV gives grey the hue 0
-  // The wedge is the smaller part. Two halves share one plane, which has no offset if grey is inside.
+  const bool grey_inside = low == 0 || low > high;  // OpenCV gives gray the hue 0
+  // The wedge is the smaller part. Two halves share one plane, which has no offset if gray is inside.
   const bool narrow = 2 * hues < kHues || (2 * hues == kHues && grey_inside);
   h_outside = narrow ? 0 : -1;
   h_low = hueLimit(narrow ? low : above, grey_inside == narrow);
@@ -111,7 +111,7 @@ void HsvTests::setHue(const HsvRange& range)
 }
 
 /// The plane of colours half a step below the hue `limit`, 0 to 179, which is never on the edge of two sextants.
-/// `grey_inside`: grey, on all the planes, is to have the margin 0, else -1.
+/// `grey_inside`: gray, on all the planes, is to have the margin 0, else -1.
 HueLimit HsvTests::hueLimit(int limit, bool grey_inside)
 {
   struct Sextant

@@ -16,7 +16,7 @@ struct SaturationLimit
   std::int16_t offset = 0;
 };
 
-/// A limit of the hue as a plane through the grey axis: channels * (b, g, r) - offset is its margin, positive on the
+/// A limit of the hue as a plane through the gray axis: channels * (b, g, r) - offset is its margin, positive on the
 /// side of the 90 half degrees that follow the limit. The channels' factors add up to 0.
 struct HueLimit
 {

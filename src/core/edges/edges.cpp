@@ -5,10 +5,10 @@
 #include <opencv2/imgproc.hpp>
 #include <vector>
 
-#include "core/image/gray_rows.hpp"
+#include "canny_stripe.hpp"
+#include "core/image/gray_line_buffer.hpp"
 #include "core/image/row_bands.hpp"
-#include "edge_band.hpp"
-#include "edge_bits.hpp"
+#include "edge_hysteresis.hpp"
 #include "robot_vision/common/range.hpp"
 #include "robot_vision/image/encoding.hpp"
 
@@ -47,8 +47,8 @@ void validate(const EdgeParams& params)
 
 struct EdgeDetector::Bands
 {
-  EdgeBits bits;
-  std::vector<EdgeBand> bands;
+  EdgeHysteresis bits;
+  std::vector<CannyStripe> bands;
 };
 
 EdgeDetector::EdgeDetector(const EdgeParams& params) : params_(params), bands_(std::make_unique<Bands>())
@@ -64,7 +64,7 @@ EdgeDetector::~EdgeDetector() = default;
 void EdgeDetector::apply(const cv::Mat& image, const std::string& encoding, cv::Mat& edges)
 {
   checkPixels(image, encoding);
-  if (params_.aperture == kFusedAperture && GrayRows::takes(encoding))
+  if (params_.aperture == kFusedAperture && GrayLineBuffer::takes(encoding))
   {
     applyInBands(image, encoding, edges);
     return;
@@ -80,15 +80,15 @@ void EdgeDetector::apply(const cv::Mat& image, const std::string& encoding, cv::
 
 void EdgeDetector::applyInBands(const cv::Mat& image, const std::string& encoding, cv::Mat& edges)
 {
-  EdgeBits& bits = bands_->bits;
+  EdgeHysteresis& bits = bands_->bits;
   bits.reset(image.size());
   const EdgeThresholds thresholds = thresholdsOf(params_);
-  forRowBands(image.rows, params_.threads, 4 * params_.blur_size,
-              [&](int i, const cv::Range& rows)
-              {
-                EdgeBand& band = bands_->bands[static_cast<std::size_t>(i)];
-                band.run(image, encoding, params_.blur_size, thresholds, params_.l2_gradient, rows, bits);
-              });
+  parallelForRows(image.rows, params_.threads, 4 * params_.blur_size,
+                  [&](int i, const cv::Range& rows)
+                  {
+                    CannyStripe& band = bands_->bands[static_cast<std::size_t>(i)];
+                    band.run(image, encoding, params_.blur_size, thresholds, params_.l2_gradient, rows, bits);
+                  });
   bits.connect();
   bits.write(edges);
 }

@@ -4,12 +4,12 @@
 #include <opencv2/imgproc.hpp>
 #include <optional>
 
-#include "core/image/equalized_gray.hpp"
+#include "changed_cells.hpp"
+#include "core/image/histogram_equalization.hpp"
 #include "core/image/rects.hpp"
 #include "face_search.hpp"
 #include "face_tracks.hpp"
 #include "face_worker.hpp"
-#include "moving_parts.hpp"
 #include "robot_vision/common/range.hpp"
 #include "robot_vision/image/encoding.hpp"
 
@@ -19,9 +19,9 @@ namespace
 {
 
 constexpr int kCell = 8;               // px, side of what is compared to see where something moves
-constexpr double kMostParts = 0.3;     // of the picture, which is searched between searches of the whole
+constexpr double kMaxParts = 0.3;      // of the picture, which is searched between searches of the whole
 constexpr double kRest = 4.0;          // times as long as a search, until parts are searched again
-constexpr double kLeastRest = 0.1;     // s
+constexpr double kMinRest = 0.1;       // s
 constexpr double kLongestFrame = 0.1;  // s between frames of a stream that does not pause
 constexpr double kSurprise = 1.25;     // by how much the next search may take longer than the last
 constexpr int kEyeFace = 128;          // px, width to which a face is brought to look for its eyes
@@ -85,7 +85,7 @@ struct FaceDetector::Impl
     const std::optional<FaceResult> result = worker->take();
     if (!result || result->job.gray.size() != gray.size() || result->job.time > time) return;
     if (result->job.whole) search_time = searching;
-    rest_until = time + std::max(kRest * searching, kLeastRest);
+    rest_until = time + std::max(kRest * searching, kMinRest);
     tracks.add(*result, time, params);
   }
 
@@ -122,7 +122,7 @@ struct FaceDetector::Impl
     double area = 0.0;
     for (const cv::Rect& part : job.parts)
       area += part.area();
-    if (area > kMostParts * static_cast<double>(gray.total())) job.parts.clear();
+    if (area > kMaxParts * static_cast<double>(gray.total())) job.parts.clear();
   }
 
   FaceParams params;
@@ -130,7 +130,7 @@ struct FaceDetector::Impl
   std::unique_ptr<FaceWorker> worker;
   cv::CascadeClassifier eyes;
   FaceTracks tracks;
-  MovingParts moving{kCell};
+  ChangedCells moving{kCell};
   cv::Mat gray;                    // of the newest picture
   cv::Size size;                   // px, of the frames that are followed
   double time = 0.0;               // s, of the newest frame

@@ -48,7 +48,7 @@ struct FaceWindows
   int largest;   // px, 0: any
 };
 
-/// Searches grey pictures for faces. It has memory of its own: each thread needs one.
+/// Searches gray pictures for faces. It has memory of its own: each thread needs one.
 class FaceSearch
 {
 public:

@@ -21,7 +21,7 @@ constexpr double kShortest = 1e-3;   // s between frames that a velocity is meas
 constexpr double kRemember = 2.0;    // s after which a face that comes back is another one
 constexpr double kSame = 0.5;        // of the smaller of two boxes of one face, which lies in the other
 constexpr int kDoubt = 2;            // times as much as a frame with it, a frame without a face counts
-constexpr int kMostTrust = 30;       // frames with a face that count
+constexpr int kMaxTrust = 30;        // frames with a face that count
 constexpr std::size_t kPast = 128;   // frames
 
 cv::Point2d middle(const cv::Rect& box)
@@ -109,13 +109,13 @@ double scoreOf(int neighbors)
   return neighbors / (neighbors + 4.0);
 }
 
-FaceLooks::FaceLooks(const cv::Mat& gray, const cv::Rect& box)
+FaceTemplate::FaceTemplate(const cv::Mat& gray, const cv::Rect& box)
 {
   cv::resize(gray(box), patch_, {kPatch, kPatch}, 0.0, 0.0, cv::INTER_AREA);
 }
 
-std::optional<std::pair<cv::Rect, double>> FaceLooks::locate(const cv::Mat& gray, const cv::Rect& expected,
-                                                             int margin) const
+std::optional<std::pair<cv::Rect, double>> FaceTemplate::locate(const cv::Mat& gray, const cv::Rect& expected,
+                                                                int margin) const
 {
   const cv::Rect part = grown(expected, margin, gray.size());
   const double scale = static_cast<double>(kPatch) / expected.width;
@@ -143,14 +143,14 @@ void FaceTracks::follow(double time_s, const cv::Mat& gray, FaceSearch& search, 
     const int margin = cvRound(uncertainty(time_s - track.time) * track.box.width);
     const auto found = findNear(track, grown(expected, margin, gray.size()), gray, search, params);
     const bool sure = found && isSure(*found, params);
-    track.trust = std::min(track.trust + (sure ? 1 : -kDoubt), kMostTrust);
+    track.trust = std::min(track.trust + (sure ? 1 : -kDoubt), kMaxTrust);
     track.visible = track.trust > 0;
     if (!track.visible) continue;
     if (found)
     {
       see(track, time_s, *found);
       if (!sure) continue;
-      track.looks = FaceLooks(gray, found->box);
+      track.looks = FaceTemplate(gray, found->box);
       if (track.id < 0) track.id = next_id_++;
       continue;
     }
@@ -185,7 +185,7 @@ void FaceTracks::add(const FaceResult& result, double time_s, const FaceParams& 
     track.trust = kDoubt + 1;  // for if it is not seen at once
     track.time = time;
     see(track, time, face);
-    track.looks = FaceLooks(result.job.gray, face.box);
+    track.looks = FaceTemplate(result.job.gray, face.box);
     if (time == time_s && track.id < 0) track.id = next_id_++;
     if (known != tracks_.end())
       *known = track;

@@ -16,11 +16,11 @@ namespace robot_vision
 double scoreOf(int neighbors);
 
 /// How a face looked when a cascade saw it last.
-class FaceLooks
+class FaceTemplate
 {
 public:
-  FaceLooks() = default;
-  FaceLooks(const cv::Mat& gray, const cv::Rect& box);
+  FaceTemplate() = default;
+  FaceTemplate(const cv::Mat& gray, const cv::Rect& box);
 
   /// Where in the picture it looks like that most, up to `margin` px away from `expected`, and how much (-1 to 1).
   std::optional<std::pair<cv::Rect, double>> locate(const cv::Mat& gray, const cv::Rect& expected, int margin) const;
@@ -42,7 +42,7 @@ struct FaceTrack
   bool predicted = false;  // not seen by a cascade at `time`
   double score = 0.0;
   cv::Point2d velocity;  // px/s
-  FaceLooks looks;
+  FaceTemplate looks;
   std::deque<std::pair<double, cv::Rect>> past;  // where it was, by time
 };
 

@@ -14,7 +14,7 @@ struct FlowParams
   double max_error = 1.0;
 };
 
-/// A grey picture with its pyramid, which is built when it is first asked for, and kept for the next frame.
+/// A gray picture with its pyramid, which is built when it is first asked for, and kept for the next frame.
 class FlowPicture
 {
 public:

@@ -7,8 +7,8 @@
 #include <numeric>
 
 #include "brightness_kernels.hpp"
+#include "core/image/lut_kernels.hpp"
 #include "core/image/row_bands.hpp"
-#include "core/image/table_kernels.hpp"
 #include "robot_vision/common/range.hpp"
 #include "robot_vision/image/encoding.hpp"
 
@@ -56,7 +56,7 @@ bool isLine(const cv::Mat& table, const BrightnessParams& params)
 }
 
 /// cv::LUT for a row of 16 bits, which it has only since OpenCV 5.
-void lookUp(const std::uint16_t* table, const std::uint16_t* values, int count, std::uint16_t* results)
+void applyLut(const std::uint16_t* table, const std::uint16_t* values, int count, std::uint16_t* results)
 {
   for (int i = 0; i < count; ++i)
     results[i] = table[values[i]];
@@ -88,7 +88,7 @@ void Brightness::apply(const cv::Mat& image, const std::string& encoding, cv::Ma
   if (!is_kept) toBgr(image, encoding, bgr_);
   const cv::Mat& from = is_kept ? image : bgr_;
   out.create(from.size(), from.type());
-  forRowBands(from.rows, params_.threads, kLeastRows, [&](int, const cv::Range& rows) { applyTo(from, rows, out); });
+  parallelForRows(from.rows, params_.threads, kMinRows, [&](int, const cv::Range& rows) { applyTo(from, rows, out); });
 }
 
 void Brightness::applyTo(const cv::Mat& image, const cv::Range& rows, cv::Mat& out) const
@@ -106,11 +106,11 @@ void Brightness::applyTo(const cv::Mat& image, const cv::Range& rows, cv::Mat& o
   for (int y = rows.start; y < rows.end; ++y)
   {
     if (image.depth() == CV_16U)
-      lookUp(wide_table_.ptr<std::uint16_t>(), image.ptr<std::uint16_t>(y), count, out.ptr<std::uint16_t>(y));
-    else if (is_line_ && !tables.has_fast_look_up)
+      applyLut(wide_table_.ptr<std::uint16_t>(), image.ptr<std::uint16_t>(y), count, out.ptr<std::uint16_t>(y));
+    else if (is_line_ && !tables.has_fast_lut)
       kernels<BrightnessKernels>().line(image.ptr(y), gain, offset, count, out.ptr(y));
     else
-      tables.look_up(table_.ptr(), image.ptr(y), count, out.ptr(y));
+      tables.apply_lut(table_.ptr(), image.ptr(y), count, out.ptr(y));
   }
 }
 

@@ -15,8 +15,8 @@ namespace
 /// twice.
 inline Simd::Vector meanOfMeans(Simd::Vector ab, Simd::Vector odd_ab, Simd::Vector cd, Simd::Vector odd_cd)
 {
-  const Simd::Vector rounded = Simd::commonBits(Simd::eitherBits(odd_ab, odd_cd), PixelSimd::differentBits(ab, cd));
-  return PixelSimd::subtractBytes(PixelSimd::meanBytes(ab, cd), Simd::commonBits(rounded, PixelSimd::bytes(1)));
+  const Simd::Vector rounded = Simd::And(Simd::Or(odd_ab, odd_cd), PixelSimd::Xor(ab, cd));
+  return PixelSimd::subtractBytes(PixelSimd::meanBytes(ab, cd), Simd::And(rounded, PixelSimd::bytes(1)));
 }
 
 inline void colourSites(const BayerRow& row, int i, Simd::Vector sites, bool third, std::uint8_t* pixels)
@@ -32,15 +32,14 @@ inline void colourSites(const BayerRow& row, int i, Simd::Vector sites, bool thi
   const Simd::Vector below_right = Simd::load(row.below + i + 1);
   const Simd::Vector beside = PixelSimd::meanBytes(left, right);
   const Simd::Vector over = PixelSimd::meanBytes(above, below);
-  const Simd::Vector four =
-      meanOfMeans(beside, PixelSimd::differentBits(left, right), over, PixelSimd::differentBits(above, below));
+  const Simd::Vector four = meanOfMeans(beside, PixelSimd::Xor(left, right), over, PixelSimd::Xor(above, below));
   const Simd::Vector corners =
-      meanOfMeans(PixelSimd::meanBytes(above_left, above_right), PixelSimd::differentBits(above_left, above_right),
-                  PixelSimd::meanBytes(below_left, below_right), PixelSimd::differentBits(below_left, below_right));
+      meanOfMeans(PixelSimd::meanBytes(above_left, above_right), PixelSimd::Xor(above_left, above_right),
+                  PixelSimd::meanBytes(below_left, below_right), PixelSimd::Xor(below_left, below_right));
   const Simd::Vector own = PixelSimd::selectBits(sites, pixel, beside);
   const Simd::Vector green = PixelSimd::selectBits(sites, four, pixel);
   const Simd::Vector other = PixelSimd::selectBits(sites, corners, over);
-  storePixels(pixels + 3 * i, {third ? other : own, green, third ? own : other});
+  StoreInterleaved3(pixels + 3 * i, {third ? other : own, green, third ? own : other});
 }
 
 void colourBayer(const BayerRow& row, int count, std::uint8_t* pixels)

@@ -31,7 +31,7 @@ inline BitWord differences(const std::uint8_t* a, const std::uint8_t* b, std::ui
   {
     const Simd::Vector first = Simd::load(a + i * kWordBits / kVectors);
     const Simd::Vector second = Simd::load(b + i * kWordBits / kVectors);
-    const Simd::Vector difference = Simd::eitherBits(Simd::lowerBytes(first, second), Simd::lowerBytes(second, first));
+    const Simd::Vector difference = Simd::Or(Simd::lowerBytes(first, second), Simd::lowerBytes(second, first));
     return Simd::lowerBytes(difference, limit);
   };
   return gather(above);
@@ -39,8 +39,7 @@ inline BitWord differences(const std::uint8_t* a, const std::uint8_t* b, std::ui
 
 inline BitWord commonWith(std::uint8_t bit, const std::uint8_t* bytes)
 {
-  return gather([=](int i)
-                { return Simd::commonBits(Simd::load(bytes + i * kWordBits / kVectors), Simd::bytes(bit)); });
+  return gather([=](int i) { return Simd::And(Simd::load(bytes + i * kWordBits / kVectors), Simd::bytes(bit)); });
 }
 
 inline void spreadWord(BitWord word, std::uint8_t* bytes)

@@ -5,10 +5,10 @@
 #include <opencv2/imgproc.hpp>
 #include <stdexcept>
 
+#include "color_conversion.hpp"
 #include "robot_vision/common/printable.hpp"
 #include "robot_vision/common/range.hpp"
 #include "robot_vision/image/jpeg.hpp"
-#include "row_conversions.hpp"
 
 namespace robot_vision
 {

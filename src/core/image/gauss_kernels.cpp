@@ -13,7 +13,8 @@ namespace
 constexpr int kBlock = 64;  // px whose sums stay in the cache next to the processor
 
 /// One row of sums.
-void weighRowInLoops(const std::uint8_t* const* rows, const SymmetricWeights& weights, int count, std::uint16_t* sums)
+void convolveRowInLoops(const std::uint8_t* const* rows, const SymmetricWeights& weights, int count,
+                        std::uint16_t* sums)
 {
   const int half = weights.half;
   for (int begin = 0; begin < count; begin += kBlock)
@@ -41,7 +42,7 @@ using Vector = Simd::Vector;
 
 constexpr int kVectorBytes = static_cast<int>(sizeof(Vector));
 
-/// Words of bytes in the order of lowBytes() and highBytes().
+/// Words of bytes in the order of InterleaveLower() and highBytes().
 struct LowAndHigh
 {
   Vector low;
@@ -52,7 +53,7 @@ struct LowAndHigh
 /// bytes may have unsigned weights.
 inline Vector loadSigned(const std::uint8_t* from)
 {
-  return Simd::differentBits(Simd::load(from), Simd::words(0x8080));
+  return Simd::Xor(Simd::load(from), Simd::words(0x8080));
 }
 
 #ifdef __AVX512VNNI__
@@ -71,8 +72,8 @@ inline void weighBlock(const std::uint8_t* const* rows, const SymmetricWeights& 
     const Vector second = loadSigned(rows[j + 1] + i);
     const Vector third = loadSigned(rows[j + 2] + i);
     const Vector fourth = loadSigned(rows[j + 3] + i);
-    const LowAndHigh upper = {Simd::lowBytes(first, second), Simd::highBytes(first, second)};
-    const LowAndHigh lower = {Simd::lowBytes(third, fourth), Simd::highBytes(third, fourth)};
+    const LowAndHigh upper = {Simd::InterleaveLower(first, second), Simd::highBytes(first, second)};
+    const LowAndHigh lower = {Simd::InterleaveLower(third, fourth), Simd::highBytes(third, fourth)};
     const Vector columns[4] = {_mm512_unpacklo_epi16(upper.low, lower.low), _mm512_unpackhi_epi16(upper.low, lower.low),
                                _mm512_unpacklo_epi16(upper.high, lower.high),
                                _mm512_unpackhi_epi16(upper.high, lower.high)};
@@ -100,7 +101,7 @@ inline void weighBlock(const std::uint8_t* const* rows, const SymmetricWeights& 
   {
     const Vector upper = loadSigned(rows[j] + i);
     const Vector lower = loadSigned(rows[j + 1] + i);
-    const Vector low = Simd::lowBytes(upper, lower);
+    const Vector low = Simd::InterleaveLower(upper, lower);
     const Vector high = Simd::highBytes(upper, lower);
     for (int k = 0; k < kWeighedRows; ++k)
     {
@@ -114,15 +115,15 @@ inline void weighBlock(const std::uint8_t* const* rows, const SymmetricWeights& 
 
 #endif
 
-void weighColumns(const std::uint8_t* const* rows, const SymmetricWeights& weights, int count,
-                  std::uint16_t* const* sums)
+void convolveColumns(const std::uint8_t* const* rows, const SymmetricWeights& weights, int count,
+                     std::uint16_t* const* sums)
 {
   for (int i = 0; i < count; i += kVectorBytes)
   {
     if (count < kVectorBytes)
     {
       for (int k = 0; k < kWeighedRows; ++k)
-        weighRowInLoops(rows + k, weights, count, sums[k]);
+        convolveRowInLoops(rows + k, weights, count, sums[k]);
       return;
     }
     const int begin = i + kVectorBytes <= count ? i : count - kVectorBytes;
@@ -212,11 +213,10 @@ inline TwoSums addAllPairs(const std::uint16_t* values, const SymmetricWeights& 
 /// The upper words, of pixels in their order.
 inline Vector means(const EvenAndOdd& sums)
 {
-  return Simd::eitherBits(Simd::upperWords(sums.even),
-                          Simd::commonBits(sums.odd, Simd::integers(static_cast<int>(0xFFFF0000U))));
+  return Simd::Or(Simd::upperWords(sums.even), Simd::And(sums.odd, Simd::integers(static_cast<int>(0xFFFF0000U))));
 }
 
-void weighRow(const std::uint16_t* sums, const SymmetricWeights& weights, int count, std::uint8_t* row)
+void convolveRow(const std::uint16_t* sums, const SymmetricWeights& weights, int count, std::uint8_t* row)
 {
   for (int i = 0; i < count; i += kVectorBytes)
   {
@@ -227,14 +227,14 @@ void weighRow(const std::uint16_t* sums, const SymmetricWeights& weights, int co
 
 #else
 
-void weighColumns(const std::uint8_t* const* rows, const SymmetricWeights& weights, int count,
-                  std::uint16_t* const* sums)
+void convolveColumns(const std::uint8_t* const* rows, const SymmetricWeights& weights, int count,
+                     std::uint16_t* const* sums)
 {
   for (int k = 0; k < kWeighedRows; ++k)
-    weighRowInLoops(rows + k, weights, count, sums[k]);
+    convolveRowInLoops(rows + k, weights, count, sums[k]);
 }
 
-void weighRow(const std::uint16_t* sums, const SymmetricWeights& weights, int count, std::uint8_t* __restrict means)
+void convolveRow(const std::uint16_t* sums, const SymmetricWeights& weights, int count, std::uint8_t* __restrict means)
 {
   for (int begin = 0; begin < count; begin += kBlock)
   {
@@ -259,8 +259,8 @@ void weighRow(const std::uint16_t* sums, const SymmetricWeights& weights, int co
 
 template <>
 const GaussKernels KernelTable<GaussKernels, ROBOT_VISION_SET>::table = {
-    weighColumns,
-    weighRow,
+    convolveColumns,
+    convolveRow,
 };
 
 }  // namespace robot_vision

@@ -7,12 +7,12 @@
 namespace robot_vision
 {
 
-/// What is added to the sums of GaussKernels::weigh_columns, which then fit signed words, and what that makes, with the
-/// half for rounding, of the sum of 256 times as much.
+/// What is added to the sums of GaussKernels::convolve_columns, which then fit signed words, and what that makes, with
+/// the half for rounding, of the sum of 256 times as much.
 constexpr int kSumBias = 0x8000;
 constexpr int kMeanOffset = 256 * kSumBias + 0x8000;
 
-constexpr int kWeighedRows = 4;   // that GaussKernels::weigh_columns makes at once
+constexpr int kWeighedRows = 4;   // that GaussKernels::convolve_columns makes at once
 constexpr int kWeightMargin = 8;  // zeros before and after weights, which are read in twos and fours
 
 /// The weights of a window's pixels from end to end, in 256ths, the same from both ends; twice, as both are used.
@@ -30,11 +30,11 @@ struct GaussKernels
 {
   /// kSumBias and the weighed sum of the pixels above each other in 2 * half + 1 rows: of those that begin with the
   /// first row, and with the three after it. Rows that only make fours of them have to be there, too.
-  void (*weigh_columns)(const std::uint8_t* const* rows, const SymmetricWeights& weights, int count,
-                        std::uint16_t* const* sums);
+  void (*convolve_columns)(const std::uint8_t* const* rows, const SymmetricWeights& weights, int count,
+                           std::uint16_t* const* sums);
   /// The weighed mean, rounded, of such sums: of pixel i from i to i + 2 * half. Reads up to 128 sums and writes up to
   /// 64 means more.
-  void (*weigh_row)(const std::uint16_t* sums, const SymmetricWeights& weights, int count, std::uint8_t* means);
+  void (*convolve_row)(const std::uint16_t* sums, const SymmetricWeights& weights, int count, std::uint8_t* means);
 };
 
 }  // namespace robot_vision

@@ -12,7 +12,7 @@ namespace
 
 #ifdef ROBOT_VISION_PIXELS
 
-/// Makes grey of as many pixels as a vector has integers.
+/// Makes gray of as many pixels as a vector has integers.
 #ifdef __AVX512VNNI__
 
 class GrayMean
@@ -65,7 +65,7 @@ public:
 
   Simd::Vector operator()(Simd::Vector pixels) const
   {
-    const Simd::Vector outer = Simd::commonBits(pixels, Simd::integers(0x00FF00FF));
+    const Simd::Vector outer = Simd::And(pixels, Simd::integers(0x00FF00FF));
     const Simd::Vector middle = PixelSimd::upperBytes(pixels);
     const Simd::Vector sum = Simd::addWordPairs(Simd::addWordPairs(half_, outer, outer_), middle, middle_);
     return PixelSimd::shiftIntegers(sum, shift_);

@@ -7,7 +7,7 @@
 namespace robot_vision
 {
 
-/// The weights of a colour's channels in its grey, 0 to 32639 each, 2^shift together.
+/// The weights of a colour's channels in its gray, 0 to 32639 each, 2^shift together.
 struct GrayWeights
 {
   std::int16_t channels[3];

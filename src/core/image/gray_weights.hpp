@@ -5,7 +5,7 @@
 namespace robot_vision
 {
 
-/// Those by which cv::cvtColor makes colours of 8 bits grey, for BGR, which differ between versions of OpenCV. Null: it
+/// Those by which cv::cvtColor makes colours of 8 bits gray, for BGR, which differ between versions of OpenCV. Null: it
 /// does not do so by any that are known here.
 const GrayWeights* grayWeightsOfBgr();
 

@@ -94,9 +94,9 @@ Structure readWhole(const unsigned char* data, std::size_t size)
   Structure found = readStructure(data, size);
   if (!found.complete) refuse("is damaged or truncated");
   const cv::Size claimed = found.info.size;
-  if (static_cast<std::size_t>(claimed.width) * static_cast<std::size_t>(claimed.height) > kMostPixels)
+  if (static_cast<std::size_t>(claimed.width) * static_cast<std::size_t>(claimed.height) > kMaxPixels)
     refuse("claims to be of " + std::to_string(claimed.width) + "x" + std::to_string(claimed.height) +
-           ", the most is " + std::to_string(kMostPixels) + " pixels");
+           ", the most is " + std::to_string(kMaxPixels) + " pixels");
   return found;
 }
 

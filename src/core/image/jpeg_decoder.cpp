@@ -23,11 +23,11 @@ namespace
 {
 
 /// Of a progressive picture; encoders write 10, the most thorough some 60. A small stream of many takes minutes.
-constexpr int kMostScans = 100;
+constexpr int kMaxScans = 100;
 
 /// Bytes in front of a marker that may be anything: encoders in hardware write whole words, as they find them, and
 /// some webcams leave a byte or more before the restart markers of nearly every picture.
-constexpr int kMostLeftOver = 32;
+constexpr int kMaxLeftOver = 32;
 
 /// Whether no more than zeros and fill bytes lie behind what has been decoded. libjpeg tells how many bytes it has
 /// skipped (fill bytes do not count), and has come to the end of those.
@@ -47,7 +47,7 @@ bool isHarmless(const jpeg_decompress_struct& info)
   {
     case JWRN_EXTRANEOUS_DATA:
       if (info.input_scan_number == 0) return true;
-      return skipped <= kMostLeftOver || isPadding(info.src->next_input_byte, skipped);
+      return skipped <= kMaxLeftOver || isPadding(info.src->next_input_byte, skipped);
     case JWRN_ADOBE_XFORM:
     case JWRN_JFIF_MAJOR:
     case JWRN_NOT_SEQUENTIAL:
@@ -116,8 +116,8 @@ private:
 
   void limitScans()
   {
-    if (info_.input_scan_number <= kMostScans) return;
-    std::snprintf(why_.data(), why_.size(), "it has more than %d scans", kMostScans);
+    if (info_.input_scan_number <= kMaxScans) return;
+    std::snprintf(why_.data(), why_.size(), "it has more than %d scans", kMaxScans);
     std::longjmp(failed_, 1);
   }
 
@@ -131,12 +131,12 @@ private:
 
 void requireSize(const Decompression& picture, std::size_t width, std::size_t height)
 {
-  if (width * height > kMostPixels)
+  if (width * height > kMaxPixels)
     picture.refuse("claims to be of " + std::to_string(width) + "x" + std::to_string(height) + ", the most is " +
-                   std::to_string(kMostPixels) + " pixels");
+                   std::to_string(kMaxPixels) + " pixels");
 }
 
-/// A stream may end behind any of its scans; what is missing then is grey, or blurred.
+/// A stream may end behind any of its scans; what is missing then is gray, or blurred.
 bool hasAllScans(const jpeg_decompress_struct& info)
 {
   for (int i = 0; i < info.num_components; ++i)

@@ -6,7 +6,7 @@
 namespace robot_vision
 {
 
-constexpr int kLeastRows = 16;  // that are worth a thread where a band costs nothing besides them
+constexpr int kMinRows = 16;  // that are worth a thread where a band costs nothing besides them
 
 /// Rows of a width that have at least so many pixels.
 inline int rowsOf(int pixels, int width)
@@ -22,7 +22,7 @@ inline int bandsOf(int rows, int threads, int least)
 
 /// Runs `work` on (i, rows) for the bands 0 to bandsOf() - 1 of so many rows, each in a thread of OpenCV's pool.
 template <class Work>
-void forRowBands(int rows, int threads, int least, const Work& work)
+void parallelForRows(int rows, int threads, int least, const Work& work)
 {
   const int count = bandsOf(rows, threads, least);
   if (count == 1)

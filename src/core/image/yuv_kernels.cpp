@@ -39,7 +39,7 @@ struct Pairs
 
 inline Simd::Vector byteOf(Simd::Vector integers, int i)
 {
-  return Simd::commonBits(PixelSimd::shiftIntegers(integers, 8 * i), Simd::integers(0xFF));
+  return Simd::And(PixelSimd::shiftIntegers(integers, 8 * i), Simd::integers(0xFF));
 }
 
 template <YuvLayout kLayout>

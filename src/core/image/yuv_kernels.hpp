@@ -25,7 +25,7 @@ struct YuvRow
   const std::uint8_t* v;
 };
 
-constexpr int kLeastRow = 64;  // pixels that a row of YuvKernels::yuv and BayerKernels::bayer has
+constexpr int kMinRow = 64;  // pixels that a row of YuvKernels::yuv and BayerKernels::bayer has
 
 struct YuvKernels
 {

@@ -7,8 +7,8 @@
 #include <opencv2/video/background_segm.hpp>
 #include <optional>
 
-#include "changed_pixels.hpp"
-#include "core/image/gray_rows.hpp"
+#include "core/image/gray_line_buffer.hpp"
+#include "frame_difference.hpp"
 #include "robot_vision/common/range.hpp"
 #include "robot_vision/image/encoding.hpp"
 
@@ -69,12 +69,12 @@ struct MotionDetector::Impl
   }
 
   /// The picture as it is compared: in colours where only shadows look like what they fall on, as it is where its rows
-  /// can be made grey while they are compared, otherwise grey.
+  /// can be made gray while they are compared, otherwise gray.
   EncodedPicture prepare(const cv::Mat& image, const std::string& image_encoding)
   {
     checkPixels(image, image_encoding);
     const bool is_compared_only = params.method == "first_frame" && !params.ignore_light;
-    if (is_compared_only && GrayRows::takes(image_encoding)) return {image, image_encoding};
+    if (is_compared_only && GrayLineBuffer::takes(image_encoding)) return {image, image_encoding};
     EncodedPicture picture{converted, params.method == "mog2" ? "bgr8" : "mono8"};
     if (params.method == "mog2")
       toBgr(image, image_encoding, picture.pixels);
@@ -100,7 +100,7 @@ struct MotionDetector::Impl
     {
       cv::Mat gray;
       toGray(picture.pixels, encoding, gray);
-      gray.copyTo(background.gray);  // some are what they are grey of
+      gray.copyTo(background.gray);  // some are what they are gray of
       if (params.method == "first_frame") background.blurred = blurred(background.gray, params.blur_size);
       if (params.method == "running_average") background.gray.convertTo(average, CV_32F);
     }
@@ -141,7 +141,7 @@ struct MotionDetector::Impl
 
   MotionParams params;
   RegionFinder finder;
-  ChangedPixels changed_pixels;
+  FrameDifference changed_pixels;
   Reference background;  // blurred for first_frame only: the others have another one in every frame
   cv::Size size;         // of the picture that it is of
   std::string encoding;  // of the same

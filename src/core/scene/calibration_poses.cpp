@@ -15,8 +15,8 @@ namespace
 
 // Times the distance at which a board that faces the camera fills the picture.
 const double kNearest = 0.95, kFarthest = 2.2;
-const double kLeastTilt = 0.25, kMostTilt = 0.8;  // rad, out of the plane of the picture
-const double kMostRoll = 0.35;                    // rad, in it
+const double kMinTilt = 0.25, kMaxTilt = 0.8;  // rad, out of the plane of the picture
+const double kMaxRoll = 0.35;                  // rad, in it
 const double kToTheBorder = 1.5;  // so often the room there is: most of a lens's distortion is at the border
 
 // What is chosen for a view, each evenly over its range and independent of the others.
@@ -48,8 +48,8 @@ double between(double low, double high, double part)
 cv::Matx33d turnOf(int number)
 {
   const double axis = 2.0 * CV_PI * spread(number, kAxis);
-  const double tilt = between(kLeastTilt, kMostTilt, spread(number, kTilt));
-  const double roll = between(-kMostRoll, kMostRoll, spread(number, kRoll));
+  const double tilt = between(kMinTilt, kMaxTilt, spread(number, kTilt));
+  const double roll = between(-kMaxRoll, kMaxRoll, spread(number, kRoll));
   const cv::Affine3d facing(cv::Vec3d(CV_PI, 0, 0));  // its y is up, and its z towards the camera
   const cv::Affine3d tilted(cv::Vec3d(tilt * std::cos(axis), tilt * std::sin(axis), 0));
   return (facing * tilted * cv::Affine3d(cv::Vec3d(0, 0, roll))).rotation();

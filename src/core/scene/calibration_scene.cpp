@@ -1,11 +1,11 @@
 #include "robot_vision/scene/calibration_scene.hpp"
 
 #include "calibration_poses.hpp"
+#include "scene_model.hpp"
 #include "scene_noise.hpp"
 #include "scene_painter.hpp"
 #include "scene_textures.hpp"
 #include "scene_view.hpp"
-#include "scene_world.hpp"
 
 namespace robot_vision
 {
@@ -13,7 +13,7 @@ namespace
 {
 
 const double kHold = 0.5;                     // s, each pose
-const cv::Scalar kBackground(128, 140, 146);  // grey, far from the board's black and white
+const cv::Scalar kBackground(128, 140, 146);  // gray, far from the board's black and white
 const cv::Size2d kInner(7.0 * kSceneCheckerSquare, 5.0 * kSceneCheckerSquare);
 
 const SceneParams& validated(const SceneParams& params)

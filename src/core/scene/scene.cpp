@@ -5,10 +5,10 @@
 #include <stdexcept>
 
 #include "robot_vision/common/range.hpp"
+#include "scene_model.hpp"
 #include "scene_noise.hpp"
-#include "scene_stage.hpp"
+#include "scene_renderer.hpp"
 #include "scene_truth.hpp"
-#include "scene_world.hpp"
 
 namespace robot_vision
 {

@@ -11,7 +11,7 @@ namespace robot_vision::scene
 class PixelNoise
 {
 public:
-  /// `sigma`: standard deviation in grey levels; `row_length`: the longest row to come, in bytes.
+  /// `sigma`: standard deviation in gray levels; `row_length`: the longest row to come, in bytes.
   PixelNoise(double sigma, std::uint64_t seed, int row_length);
 
   /// Adds the noise of a frame to an 8-bit picture, clipping at 0 and 255.

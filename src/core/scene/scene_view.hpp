@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "robot_vision/geometry/camera_model.hpp"
-#include "scene_world.hpp"
+#include "scene_model.hpp"
 
 // From geometry in the camera's optical frame to shapes in the picture.
 namespace robot_vision::scene

@@ -109,9 +109,9 @@ struct PixelSimd : Simd
 
   static Flags aboveSigned(Vector a, Vector b) { return _mm256_cmpgt_epi8(a, b); }
   static Flags notAboveUnsigned(Vector a, Vector b) { return _mm256_cmpeq_epi8(smallerBytes(a, b), a); }
-  static Flags both(Flags a, Flags b) { return commonBits(a, b); }
+  static Flags both(Flags a, Flags b) { return And(a, b); }
   static bool any(Flags a) { return _mm256_testz_si256(a, a) == 0; }
-  static Vector bytesWhere(Flags where, Vector a) { return commonBits(where, a); }
+  static Vector bytesWhere(Flags where, Vector a) { return And(where, a); }
   static Vector largerBytes(Vector a, Vector b) { return _mm256_max_epu8(a, b); }
   static Vector smallerBytes(Vector a, Vector b) { return _mm256_min_epu8(a, b); }
   static Vector addSignedBytes(Vector a, Vector b) { return _mm256_adds_epi8(a, b); }
@@ -121,7 +121,7 @@ struct PixelSimd : Simd
   static Vector meanBytes(Vector a, Vector b) { return _mm256_avg_epu8(a, b); }
   static Vector selectBits(Vector which, Vector a, Vector b)
   {
-    return eitherBits(commonBits(which, a), _mm256_andnot_si256(which, b));
+    return Or(And(which, a), _mm256_andnot_si256(which, b));
   }
   static Vector multiplyIntegers(Vector a, Vector b) { return _mm256_mullo_epi32(a, b); }
   static Vector shiftIntegers(Vector a, int bits) { return _mm256_srl_epi32(a, _mm_cvtsi32_si128(bits)); }
@@ -213,7 +213,7 @@ inline Simd::Vector mixThirds(Simd::Vector x, Simd::Vector y, Simd::Vector z)
   return _mm512_mask_blend_epi8(kThirds << 2, _mm512_mask_blend_epi8(kThirds << 1, x, y), z);
 }
 
-inline void storePixels(std::uint8_t* to, const Planes& planes)
+inline void StoreInterleaved3(std::uint8_t* to, const Planes& planes)
 {
   static constexpr PlanePlaces<64> kPlaces;
   const Simd::Vector a = _mm512_permutexvar_epi8(Simd::load(kPlaces.of_pixels[0]), planes.first);
@@ -244,8 +244,8 @@ inline void storePairs(std::uint8_t* to, Simd::Vector a, Simd::Vector b)
   static constexpr std::uint8_t kFirstOfB[] = {kNo, kNo, kNo, kNo, 0, 4, kNo, kNo, kNo, kNo, 1, 5, kNo, kNo, kNo, kNo};
   static constexpr std::uint8_t kRestOfA[16] = {kNo, kNo, 3, 7, 11, 15, kNo, kNo};
   static constexpr std::uint8_t kRestOfB[16] = {2, 6, kNo, kNo, kNo, kNo, 3, 7};
-  const Simd::Vector first = Simd::eitherBits(PixelSimd::shuffle(a, kFirstOfA), PixelSimd::shuffle(b, kFirstOfB));
-  const Simd::Vector rest = Simd::eitherBits(PixelSimd::shuffle(a, kRestOfA), PixelSimd::shuffle(b, kRestOfB));
+  const Simd::Vector first = Simd::Or(PixelSimd::shuffle(a, kFirstOfA), PixelSimd::shuffle(b, kFirstOfB));
+  const Simd::Vector rest = Simd::Or(PixelSimd::shuffle(a, kRestOfA), PixelSimd::shuffle(b, kRestOfB));
   for (int i = 0; i < kParts; ++i)
   {
     _mm_storeu_si128(reinterpret_cast<__m128i*>(to + 24 * i), PixelSimd::part(first, i));
@@ -261,7 +261,7 @@ inline Simd::Vector mixThirds(Simd::Vector x, Simd::Vector y, Simd::Vector z)
   return PixelSimd::selectBits(PixelSimd::inAllParts(kThird), z, two);
 }
 
-inline void storePixels(std::uint8_t* to, const Planes& planes)
+inline void StoreInterleaved3(std::uint8_t* to, const Planes& planes)
 {
   static constexpr PlanePlaces<16> kPlaces;
   const Simd::Vector a = PixelSimd::shuffle(planes.first, kPlaces.of_pixels[0]);

@@ -30,11 +30,11 @@ struct Simd
   static Vector addWords(Vector a, Vector b) { return _mm512_add_epi16(a, b); }
   static Vector addIntegers(Vector a, Vector b) { return _mm512_add_epi32(a, b); }
   static Vector lowerBytes(Vector a, Vector b) { return _mm512_subs_epu8(a, b); }  // 0 at the least
-  static Vector lowBytes(Vector a, Vector b) { return _mm512_unpacklo_epi8(a, b); }
+  static Vector InterleaveLower(Vector a, Vector b) { return _mm512_unpacklo_epi8(a, b); }
   static Vector highBytes(Vector a, Vector b) { return _mm512_unpackhi_epi8(a, b); }
-  static Vector eitherBits(Vector a, Vector b) { return _mm512_or_si512(a, b); }
-  static Vector differentBits(Vector a, Vector b) { return _mm512_xor_si512(a, b); }
-  static Vector commonBits(Vector a, Vector b) { return _mm512_and_si512(a, b); }
+  static Vector Or(Vector a, Vector b) { return _mm512_or_si512(a, b); }
+  static Vector Xor(Vector a, Vector b) { return _mm512_xor_si512(a, b); }
+  static Vector And(Vector a, Vector b) { return _mm512_and_si512(a, b); }
   static Vector upperWords(Vector a) { return _mm512_srli_epi32(a, 16); }
   /// A bit for each byte, from the lowest.
   static std::uint64_t nonzeroBytes(Vector a) { return _mm512_test_epi8_mask(a, a); }
@@ -53,7 +53,7 @@ struct Simd
     return addIntegers(sum, _mm512_madd_epi16(a, b));
 #endif
   }
-  /// Undoes the order of lowBytes() and highBytes().
+  /// Undoes the order of InterleaveLower() and highBytes().
   static void storeInOrder(std::uint16_t* to, Vector low, Vector high)
   {
     store(to, _mm512_permutex2var_epi64(low, _mm512_setr_epi64(0, 1, 8, 9, 2, 3, 10, 11), high));
@@ -83,11 +83,11 @@ struct Simd
   static Vector addWords(Vector a, Vector b) { return _mm256_add_epi16(a, b); }
   static Vector addIntegers(Vector a, Vector b) { return _mm256_add_epi32(a, b); }
   static Vector lowerBytes(Vector a, Vector b) { return _mm256_subs_epu8(a, b); }  // 0 at the least
-  static Vector lowBytes(Vector a, Vector b) { return _mm256_unpacklo_epi8(a, b); }
+  static Vector InterleaveLower(Vector a, Vector b) { return _mm256_unpacklo_epi8(a, b); }
   static Vector highBytes(Vector a, Vector b) { return _mm256_unpackhi_epi8(a, b); }
-  static Vector eitherBits(Vector a, Vector b) { return _mm256_or_si256(a, b); }
-  static Vector differentBits(Vector a, Vector b) { return _mm256_xor_si256(a, b); }
-  static Vector commonBits(Vector a, Vector b) { return _mm256_and_si256(a, b); }
+  static Vector Or(Vector a, Vector b) { return _mm256_or_si256(a, b); }
+  static Vector Xor(Vector a, Vector b) { return _mm256_xor_si256(a, b); }
+  static Vector And(Vector a, Vector b) { return _mm256_and_si256(a, b); }
   static Vector upperWords(Vector a) { return _mm256_srli_epi32(a, 16); }
   static std::uint64_t nonzeroBytes(Vector a)
   {
@@ -98,7 +98,7 @@ struct Simd
     const Vector places = _mm256_setr_epi64x(0, 0x0101010101010101, 0x0202020202020202, 0x0303030303030303);
     const Vector each = _mm256_set1_epi64x(static_cast<std::int64_t>(0x8040201008040201));
     const Vector all = _mm256_shuffle_epi8(integers(static_cast<int>(bits)), places);
-    return _mm256_cmpeq_epi8(commonBits(all, each), each);
+    return _mm256_cmpeq_epi8(And(all, each), each);
   }
   static Vector addBytePairs(Vector sum, Vector bytes, Vector factors)
   {
@@ -132,11 +132,11 @@ struct Simd
   static Vector addWords(Vector a, Vector b) { return _mm_add_epi16(a, b); }
   static Vector addIntegers(Vector a, Vector b) { return _mm_add_epi32(a, b); }
   static Vector lowerBytes(Vector a, Vector b) { return _mm_subs_epu8(a, b); }  // 0 at the least
-  static Vector lowBytes(Vector a, Vector b) { return _mm_unpacklo_epi8(a, b); }
+  static Vector InterleaveLower(Vector a, Vector b) { return _mm_unpacklo_epi8(a, b); }
   static Vector highBytes(Vector a, Vector b) { return _mm_unpackhi_epi8(a, b); }
-  static Vector eitherBits(Vector a, Vector b) { return _mm_or_si128(a, b); }
-  static Vector differentBits(Vector a, Vector b) { return _mm_xor_si128(a, b); }
-  static Vector commonBits(Vector a, Vector b) { return _mm_and_si128(a, b); }
+  static Vector Or(Vector a, Vector b) { return _mm_or_si128(a, b); }
+  static Vector Xor(Vector a, Vector b) { return _mm_xor_si128(a, b); }
+  static Vector And(Vector a, Vector b) { return _mm_and_si128(a, b); }
   static Vector upperWords(Vector a) { return _mm_srli_epi32(a, 16); }
   static std::uint64_t nonzeroBytes(Vector a)
   {
@@ -147,7 +147,7 @@ struct Simd
     const Vector places = _mm_set_epi64x(0x0101010101010101, 0);
     const Vector each = _mm_set1_epi64x(static_cast<std::int64_t>(0x8040201008040201));
     const Vector all = _mm_shuffle_epi8(words(static_cast<int>(bits)), places);
-    return _mm_cmpeq_epi8(commonBits(all, each), each);
+    return _mm_cmpeq_epi8(And(all, each), each);
   }
   static Vector addBytePairs(Vector sum, Vector bytes, Vector factors)
   {

@@ -30,7 +30,7 @@ struct FramePair
 class FollowedObject
 {
 public:
-  /// In a region of a grey picture (CV_8UC1), lost at first. Throws std::invalid_argument as ObjectModel does.
+  /// In a region of a gray picture (CV_8UC1), lost at first. Throws std::invalid_argument as ObjectModel does.
   FollowedObject(int id, const std::string& label, const cv::Mat& gray, const cv::Rect& region, int points);
 
   const TrackedObject& state() const { return state_; }

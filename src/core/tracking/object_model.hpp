@@ -21,7 +21,7 @@ struct ModelFit
 class ObjectModel
 {
 public:
-  /// Of a region of a grey picture (CV_8UC1), with at most so many points. Throws std::invalid_argument saying what is
+  /// Of a region of a gray picture (CV_8UC1), with at most so many points. Throws std::invalid_argument saying what is
   /// wrong with the region.
   ObjectModel(const cv::Mat& gray, const cv::Rect& region, int points);
 

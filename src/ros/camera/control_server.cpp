@@ -10,7 +10,8 @@
 namespace robot_vision
 {
 
-ControlServer::ControlServer(const ros::NodeHandle& pnh, ControlPort port, const std::vector<ControlSetting>& settings)
+ControlServer::ControlServer(const ros::NodeHandle& pnh, ControlDevice port,
+                             const std::vector<ControlSetting>& settings)
   : name_(pnh.getNamespace()), port_(std::move(port))
 {
   for (const ControlSetting& setting : settings)

@@ -22,7 +22,7 @@ class ControlServer
 public:
   using Open = std::function<std::unique_ptr<FrameSource>()>;
 
-  ControlServer(const ros::NodeHandle& pnh, ControlPort port, const std::vector<ControlSetting>& settings);
+  ControlServer(const ros::NodeHandle& pnh, ControlDevice port, const std::vector<ControlSetting>& settings);
 
   /// Opens the camera, perhaps another one, to stream from, and sets again all that has been set before. Meanwhile no
   /// service has it open: some drivers allow no second opening.
@@ -39,7 +39,7 @@ private:
 
   std::string name_;
   std::mutex mutex_;  // guards all below: the capture thread and the service's meet here
-  ControlPort port_;
+  ControlDevice port_;
   std::vector<CameraControl> controls_;
   std::vector<ControlSetting> settings_;
   std::set<std::string> told_;  // what could not be restored is told once

@@ -7,7 +7,7 @@
 #include <string>
 
 #include "callback_gate.hpp"
-#include "image_pipe.hpp"
+#include "lazy_image_filter.hpp"
 #include "registration.hpp"
 #include "robot_vision/common/printable.hpp"
 #include "ros/params/live_params.hpp"
@@ -42,8 +42,8 @@ private:
     params_ = std::make_unique<LiveParams<Config>>(getPrivateNodeHandle(), renew);
     const auto apply = [this](const cv::Mat& image, const std::string& encoding, cv::Mat& out)
     { current()->apply(image, encoding, out); };
-    pipe_ = std::make_unique<ImagePipe>(getNodeHandle(), getPrivateNodeHandle(), getName(),
-                                        ImagePipe::Step{&Filter::outputEncoding, apply});
+    pipe_ = std::make_unique<LazyImageFilter>(getNodeHandle(), getPrivateNodeHandle(), getName(),
+                                              LazyImageFilter::Step{&Filter::outputEncoding, apply});
     reviewParams(getPrivateNodeHandle());
     registration_ = std::make_unique<Registration>(getPrivateNodeHandle().getNamespace());
   }
@@ -73,7 +73,7 @@ private:
   std::mutex mutex_;  // guards filter_, which a frame uses while new parameters replace it
   std::shared_ptr<Filter> filter_;
   std::unique_ptr<LiveParams<Config>> params_;
-  std::unique_ptr<ImagePipe> pipe_;
+  std::unique_ptr<LazyImageFilter> pipe_;
   std::unique_ptr<Registration> registration_;
 };
 

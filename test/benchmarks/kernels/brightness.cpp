@@ -48,7 +48,7 @@ void convert(State& state, const cv::Mat& frame)
   frame.convertTo(state.results.theirs, -1, kGain, kOffset);
 }
 
-void lookUp(State& state, const cv::Mat& frame)
+void applyLut(State& state, const cv::Mat& frame)
 {
   cv::LUT(frame, state.table, state.results.theirs);
 }
@@ -74,7 +74,7 @@ std::vector<Work> brightnessWorks()
   return {work("brightness and contrast", "memcpy", kOfMemcpy, 1.0, copy),
           work("brightness, contrast, gamma", "memcpy", kOfMemcpy, 0.7, copy),
           work("brightness and contrast", "convertTo", 1.0, 1.0, convert),
-          work("brightness, contrast, gamma", "LUT", 1.0, 0.7, lookUp)};
+          work("brightness, contrast, gamma", "LUT", 1.0, 0.7, applyLut)};
 }
 
 }  // namespace bench

@@ -2,7 +2,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "contests.hpp"
-#include "core/image/equalized_gray.hpp"
+#include "core/image/histogram_equalization.hpp"
 #include "robot_vision/image/encoding.hpp"
 
 namespace bench
@@ -12,7 +12,7 @@ namespace
 
 using Convert = void (*)(const cv::Mat&, const std::string&, cv::Mat&);
 
-/// A picture of the encoding, without the photograph's colours: all its bytes are grey ones of the photograph.
+/// A picture of the encoding, without the photograph's colours: all its bytes are gray ones of the photograph.
 cv::Mat encoded(const cv::Mat& bgr, const std::string& encoding)
 {
   const int type = robot_vision::matType(encoding);

@@ -2,7 +2,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "contests.hpp"
-#include "core/motion/changed_pixels.hpp"
+#include "core/motion/frame_difference.hpp"
 
 namespace bench
 {
@@ -37,7 +37,7 @@ struct State
 
   std::vector<cv::Mat> frames;
   robot_vision::Reference background;
-  robot_vision::ChangedPixels changed;
+  robot_vision::FrameDifference changed;
   cv::Mat gray, blurred, difference;
   Results results;
 };

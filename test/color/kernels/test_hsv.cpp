@@ -77,8 +77,8 @@ TEST_F(HsvMaskOfAllColors, equalsOpenCv)
   expectEqual(HsvRange{});
   expectEqual(hsvRange({0, 35, 0}, {57, 255, 255}));
   expectEqual(hsvRange({0, 0, 0}, {180, 255, 255}));
-  expectEqual(hsvRange({0, 0, 0}, {179, 0, 255}));      // grey
-  expectEqual(hsvRange({0, 1, 0}, {179, 12, 255}));     // nearly grey
+  expectEqual(hsvRange({0, 0, 0}, {179, 0, 255}));      // gray
+  expectEqual(hsvRange({0, 1, 0}, {179, 12, 255}));     // nearly gray
   expectEqual(hsvRange({0, 0, 200}, {180, 60, 255}));   // white
   expectEqual(hsvRange({0, 0, 0}, {180, 255, 40}));     // black
   expectEqual(hsvRange({0, 128, 0}, {180, 170, 255}));  // limits that many pairs of value and difference meet exactly

@@ -139,7 +139,7 @@ TEST(RowEnds, ofUnitedBits)
 
 TEST(RowEnds, ofWeighedRows)
 {
-  constexpr std::size_t kReadBeyond = 128, kWrittenBeyond = 64;  // as Kernels::weigh_row says
+  constexpr std::size_t kReadBeyond = 128, kWrittenBeyond = 64;  // as Kernels::convolve_row says
   const std::vector<std::vector<std::uint8_t>> windows = {
       {64, 128, 64}, {1, 20, 60, 94, 60, 20, 1}, {64, 64, 0, 64, 64}};
   for (const Bytes& window : windows)
@@ -157,7 +157,7 @@ TEST(RowEnds, ofWeighedRows)
         rows.push_back(random<std::uint8_t>(count, 255));
       std::vector<std::vector<std::uint16_t>> sums(kWeighedRows, std::vector<std::uint16_t>(rows[0].size()));
       std::uint16_t* const to[] = {sums[0].data(), sums[1].data(), sums[2].data(), sums[3].data()};
-      kernels<GaussKernels>().weigh_columns(pointersTo(rows).data(), weights, count, to);
+      kernels<GaussKernels>().convolve_columns(pointersTo(rows).data(), weights, count, to);
       for (std::size_t k = 0; k < sums.size(); ++k)
         for (std::size_t x = 0; x < rows[0].size(); ++x)
         {
@@ -173,7 +173,7 @@ TEST(RowEnds, ofWeighedRows)
         biased.push_back(static_cast<std::uint16_t>(tap + kSumBias));
       biased.resize(biased.size() + kReadBeyond, 0x1234);
       Bytes means(rows[0].size() + kWrittenBeyond);
-      kernels<GaussKernels>().weigh_row(biased.data(), weights, count, means.data());
+      kernels<GaussKernels>().convolve_row(biased.data(), weights, count, means.data());
       for (std::size_t x = 0; x < rows[0].size(); ++x)
       {
         int sum = 0x8000;

@@ -6,8 +6,8 @@
 #include <opencv2/imgproc.hpp>
 #include <optional>
 
-#include "core/image/gauss_rows.hpp"
-#include "core/motion/changed_pixels.hpp"
+#include "core/image/gaussian_filter_rows.hpp"
+#include "core/motion/frame_difference.hpp"
 #include "robot_vision/image/encoding.hpp"
 #include "support/pictures.hpp"
 #include "support/refusal.hpp"
@@ -151,7 +151,7 @@ TEST(MotionDetector, equalsTheOpenCvChainWherePartsFarFromEachOtherMove)
   }
 }
 
-TEST(ChangedPixels, areTheSameByOpenCvAndWriteAllOfTheMask)
+TEST(FrameDifference, areTheSameByOpenCvAndWriteAllOfTheMask)
 {
   const cv::Mat before = smooth({160, 120}), image = withBox(before, {60, 40, 50, 20});
   const MotionParams params;
@@ -163,8 +163,8 @@ TEST(ChangedPixels, areTheSameByOpenCvAndWriteAllOfTheMask)
       const Comparison how{params.blur_size, params.threshold, params.dilate};
       const cv::Mat& picture = is_changed ? image : before;
       cv::Mat mask(before.size(), CV_8UC1, cv::Scalar(99));
-      const cv::Rect part = by_opencv ? ChangedPixels::findByOpenCv({picture, "bgr8"}, reference, how, mask)
-                                      : ChangedPixels().find({picture, "bgr8"}, reference, how, mask);
+      const cv::Rect part = by_opencv ? FrameDifference::findByOpenCv({picture, "bgr8"}, reference, how, mask)
+                                      : FrameDifference().find({picture, "bgr8"}, reference, how, mask);
       EXPECT_TRUE(equal(mask, byOpenCv(picture, before, params)));
       EXPECT_EQ(part & cv::boundingRect(mask), cv::boundingRect(mask));
       EXPECT_EQ(part.empty(), !is_changed);
@@ -172,10 +172,10 @@ TEST(ChangedPixels, areTheSameByOpenCvAndWriteAllOfTheMask)
     }
 }
 
-TEST(ChangedPixels, keepNothingFromOnePictureToTheNext)
+TEST(FrameDifference, keepNothingFromOnePictureToTheNext)
 {
   cv::RNG random(0x307106);
-  ChangedPixels changed;  // one for all
+  FrameDifference changed;  // one for all
   for (int i = 0; i < 100; ++i)
   {
     const ThreadCount threads(random.uniform(1, 5));
@@ -199,7 +199,7 @@ TEST(ChangedPixels, keepNothingFromOnePictureToTheNext)
   }
 }
 
-TEST(ChangedPixels, lookAtNothingBesideAGreyPicture)
+TEST(FrameDifference, lookAtNothingBesideAGreyPicture)
 {
   const cv::Size size(150, 70);
   constexpr int kStep = 200;
@@ -229,9 +229,9 @@ TEST(ChangedPixels, lookAtNothingBesideAGreyPicture)
           const EncodedPicture compared{image, "mono8"};
           const Reference reference{before, {}};
           if (by_opencv)
-            ChangedPixels::findByOpenCv(compared, reference, how, mask);
+            FrameDifference::findByOpenCv(compared, reference, how, mask);
           else
-            ChangedPixels().find(compared, reference, how, mask);
+            FrameDifference().find(compared, reference, how, mask);
           EXPECT_TRUE(equal(mask, expected)) << blur_size << is_changed << by_opencv;
         }
     }
@@ -286,7 +286,7 @@ TEST(MotionDetector, aPictureThatCannotBeReadIsNoBackground)
   EXPECT_EQ(detector.update(3.0, jpeg, "jpeg").mask.size(), bgr.size());
 }
 
-TEST(GaussRows, areOpenCvsForEverySize)
+TEST(GaussianFilterRows, areOpenCvsForEverySize)
 {
   if (CV_VERSION_MAJOR == 4 && CV_VERSION_MINOR < 5) GTEST_SKIP() << "of older OpenCV they may not be";
   for (int size = 1; size < 100; size += 2)
@@ -297,7 +297,7 @@ TEST(MotionDetector, equalsTheOpenCvChainInEveryEncodingAndUnderNoise)
 {
   const cv::Size size(199, 120);
   cv::Mat background = smooth(size), grains(size, CV_16SC3);
-  cv::RNG(3).fill(grains, cv::RNG::NORMAL, 0.0, 9.0);  // colours differ by more than the threshold, grey does not
+  cv::RNG(3).fill(grains, cv::RNG::NORMAL, 0.0, 9.0);  // colours differ by more than the threshold, gray does not
   cv::Mat noisy;
   cv::add(background, grains, noisy, cv::noArray(), CV_8U);
   cv::Mat box = noisy(cv::Rect(70, 40, 41, 30));

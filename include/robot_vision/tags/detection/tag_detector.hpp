@@ -16,7 +16,7 @@ struct TagDetectorParams
   double blur = 0.0;               // px of what is left then, sigma of a blur before; below 0 it sharpens, -5 to 5
   bool refine_edges = true;        // move the edges to where the full picture changes most
   int max_hamming = 2;             // wrong bits that are corrected, 0 to 2; see TagDetector
-  double min_margin = 0.0;         // grey levels, tags with a smaller margin are left out, 0 to 255
+  double min_margin = 0.0;         // gray levels, tags with a smaller margin are left out, 0 to 255
   double min_similarity = 0.8;     // tags that look less like themselves are left out, -1 to 1
   double max_search_period = 0.5;  // s within which a new tag is found, 0 (all of every picture is searched) to 60
   bool background = false;         // search whole pictures in a thread of its own, while update() goes on
@@ -31,7 +31,7 @@ struct Tag
   std::string family;
   int id = 0;
   int hamming = 0;          // wrong bits that were corrected
-  double margin = 0.0;      // grey levels, mean distance of the bits from the threshold between black and white
+  double margin = 0.0;      // gray levels, mean distance of the bits from the threshold between black and white
   double similarity = 0.0;  // correlation of the picture with the tag's cells and borders, at most 1
   cv::Point2d center;       // px, where the diagonals meet
   std::array<cv::Point2d, 4> corners;  // px: the upright tag's bottom left, bottom right, top right, top left one

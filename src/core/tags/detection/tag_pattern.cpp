@@ -10,7 +10,7 @@ namespace
 constexpr int kWhite = -1;
 constexpr int kBlack = -2;
 
-/// Grey level between pixels; negative outside of the picture.
+/// Gray level between pixels; negative outside of the picture.
 double levelAt(const cv::Mat& gray, const cv::Point2d& position)
 {
   const bool inside =

@@ -23,7 +23,7 @@ TagSearch::TagSearch(std::shared_ptr<const TagDictionary> dictionary, const TagD
 /// The pixels as the library can have them.
 cv::Mat TagSearch::prepare(const cv::Mat& pixels, double decimate)
 {
-  const int least = cvCeil(kLeastSearched * decimate);
+  const int least = cvCeil(kMinSearched * decimate);
   const int right = std::max(least - pixels.cols, 0);
   const int below = std::max(least - pixels.rows, 0);
   if (right > 0 || below > 0)

@@ -6,7 +6,7 @@
 namespace robot_vision
 {
 
-constexpr int kLeastSearched = 72;  // px after decimation: in smaller pictures the library writes behind its memory
+constexpr int kMinSearched = 72;  // px after decimation: in smaller pictures the library writes behind its memory
 
 /// libapriltag's detector. For one thread at a time.
 class TagSearch
@@ -15,7 +15,7 @@ public:
   /// The parameters must be valid, and the dictionary be theirs.
   TagSearch(std::shared_ptr<const TagDictionary> dictionary, const TagDetectorParams& params);
 
-  /// The tags in a part of a grey picture; `decimate` as in the parameters, but not 0.
+  /// The tags in a part of a gray picture; `decimate` as in the parameters, but not 0.
   std::vector<Tag> find(const cv::Mat& gray, const cv::Rect& part, double decimate);
 
 private:

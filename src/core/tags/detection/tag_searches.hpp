@@ -19,7 +19,7 @@ public:
   /// Takes over other parameters, and drops what is found in the background with the old ones.
   void configure(const TagDetectorParams& params);
 
-  /// The tags in all of a grey picture; `decimate` as in the parameters, but not 0.
+  /// The tags in all of a gray picture; `decimate` as in the parameters, but not 0.
   std::vector<Tag> find(const cv::Mat& gray, double decimate);
 
   /// The tags in each of the regions. cv::setNumThreads() says how many are searched at a time, and changes no tag.

@@ -13,15 +13,15 @@ namespace robot_vision
 namespace
 {
 
-constexpr int kTile = 4;              // px after decimation, of which the library finds the threshold
-constexpr double kEdge = 16.0;        // px after decimation that a tag's shortest edge needs to be found as ever
-constexpr double kMostDecimated = 8;  // beyond it there is nothing to be gained
-constexpr double kStartle = 0.5;      // of its side that a tag may have moved in a frame when it was seen once,
-constexpr double kHaste = 15.0;       // of its side, per s, in more than that,
-constexpr double kFarthest = 2.5;     // and of its side at most
-constexpr double kUnrest = 0.1;       // of its side that it may deviate from its motion
-constexpr double kFastest = 60.0;     // sides per s: what is farther away was put there
-constexpr double kSwerve = 0.5;       // of its way that it may do so
+constexpr int kTile = 4;                     // px after decimation, of which the library finds the threshold
+constexpr double kEdge = 16.0;               // px after decimation that a tag's shortest edge needs to be found as ever
+constexpr double kMaxDecimated = 8;          // beyond it there is nothing to be gained
+constexpr double kInitialMotion = 0.5;       // of its side that a tag may have moved in a frame when it was seen once,
+constexpr double kMaxUntrackedSpeed = 15.0;  // of its side, per s, in more than that,
+constexpr double kFarthest = 2.5;            // and of its side at most
+constexpr double kPositionError = 0.1;       // of its side that it may deviate from its motion
+constexpr double kFastest = 60.0;            // sides per s: what is farther away was put there
+constexpr double kMotionError = 0.5;         // of its way that it may do so
 
 using Corners = std::array<cv::Point2d, 4>;
 
@@ -109,17 +109,17 @@ bool TagTrack::isInViewAt(double time_s, const cv::Size& picture) const
 TagRegion TagTrack::regionAt(double time_s, double decimate, const cv::Size& picture) const
 {
   const auto sides = shortestAndLongest(tag.corners);
-  if (decimate == 0.0) decimate = std::min(std::max(std::floor(sides.first / kEdge), 1.0), kMostDecimated);
+  if (decimate == 0.0) decimate = std::min(std::max(std::floor(sides.first / kEdge), 1.0), kMaxDecimated);
   double speed = 0.0;
   for (const cv::Point2d& v : velocity)
     speed = std::max(speed, cv::norm(v));
   const double age = time_s - seen;
-  const double motion = moving ? kUnrest * sides.second + kSwerve * speed * age
-                               : std::min(std::max(kHaste * age, kStartle), kFarthest) * sides.second;
+  const double motion = moving ? kPositionError * sides.second + kMotionError * speed * age
+                               : std::min(std::max(kMaxUntrackedSpeed * age, kInitialMotion), kFarthest) * sides.second;
   const cv::Rect box = around(tag, cornersAt(time_s), borderOf(decimate) + motion, picture);
   if (box.empty()) return {{}, decimate};
   const int grid = cvRound(kTile * decimate);
-  const int least = cvCeil(kLeastSearched * decimate);
+  const int least = cvCeil(kMinSearched * decimate);
   const cv::Range x = aligned(box.x, box.br().x, least, grid, picture.width);
   const cv::Range y = aligned(box.y, box.br().y, least, grid, picture.height);
   return {{x.start, y.start, x.size(), y.size()}, decimate};

@@ -13,7 +13,7 @@ const double kKept = 1.0 - 1.0 / 300.0;  // of what is known, from one frame to 
 const double kCoordinates = 8.0;
 const double kFewest = 80.0;  // degrees of freedom to tell the parts of the noise from each other
 const double kCertain = 3.0;  // standard deviations by which they differ then
-const double kLeast = 0.1;    // share of the noise that is new in every frame, as long as nothing is known of it
+const double kMin = 0.1;      // share of the noise that is new in every frame, as long as nothing is known of it
 
 }  // namespace
 
@@ -32,7 +32,7 @@ void CornerNoise::addChange(double variance)
 double CornerNoise::fresh(double least_lasting) const
 {
   const double all = total();
-  return change_freedom_ < kFewest ? std::max(all - least_lasting, kLeast * all)
+  return change_freedom_ < kFewest ? std::max(all - least_lasting, kMin * all)
                                    : std::min(all, change_squares_ / change_freedom_);
 }
 

@@ -5,8 +5,8 @@
 namespace robot_vision
 {
 
-CornerCovariance lensLikeness(const std::array<cv::Point2d, 4>& one, const std::array<cv::Point2d, 4>& other,
-                              const CameraModel& camera)
+CornerCovariance distortionCorrelation(const std::array<cv::Point2d, 4>& one, const std::array<cv::Point2d, 4>& other,
+                                       const CameraModel& camera)
 {
   CornerCovariance likeness = CornerCovariance::zeros();
   for (int i = 0; i < 4; ++i)
@@ -23,7 +23,7 @@ CornerCovariance lensLikeness(const std::array<cv::Point2d, 4>& one, const std::
 
 CornerCovariance lensError(const std::array<cv::Point2d, 4>& corners, double variance, const CameraModel& camera)
 {
-  return variance * lensLikeness(corners, corners, camera);
+  return variance * distortionCorrelation(corners, corners, camera);
 }
 
 }  // namespace robot_vision

@@ -3,8 +3,8 @@
 #include <cmath>
 #include <set>
 
-#include "body_pose.hpp"
-#include "pose_choice.hpp"
+#include "bundle_pose.hpp"
+#include "pose_ambiguity.hpp"
 #include "robot_vision/common/range.hpp"
 
 namespace robot_vision
@@ -13,8 +13,8 @@ namespace robot_vision
 namespace
 {
 
-const double kMostShiftNoise = 1.0;  // m
-const double kMostTurnNoise = 0.5;   // rad: more is no small angle
+const double kMaxShiftNoise = 1.0;  // m
+const double kMaxTurnNoise = 0.5;   // rad: more is no small angle
 
 bool isPose(const cv::Affine3d& pose)
 {
@@ -43,8 +43,8 @@ void validate(const Bundle& bundle)
     require(ids.insert(tag.id).second, "id of a tag" + of_bundle, std::to_string(tag.id) + " twice", "there once");
     require(tag.size > 0.0 && std::isfinite(tag.size), "size" + of_tag, tag.size, "above 0 (m)");
     require(isPose(tag.pose), "pose" + of_tag, "none", "a rotation and a finite translation");
-    requireRange("shift_noise" + of_tag, tag.shift_noise, 0.0, kMostShiftNoise);
-    requireRange("turn_noise" + of_tag, tag.turn_noise, 0.0, kMostTurnNoise);
+    requireRange("shift_noise" + of_tag, tag.shift_noise, 0.0, kMaxShiftNoise);
+    requireRange("turn_noise" + of_tag, tag.turn_noise, 0.0, kMaxTurnNoise);
   }
 }
 
@@ -56,9 +56,9 @@ std::optional<TagPoses> estimatePose(const Bundle& bundle, const std::vector<Tag
   requireRange("noise", noise, 0.001, 10.0);
   requireRange("lens_noise", lens_noise, 0.0, 10.0);
   const std::vector<SeenTag> tags = tagsOf(bundle, seen, camera, noise * noise, lens_noise * lens_noise);
-  const std::vector<PoseFit> fits = fitBody(tags, camera);
+  const std::vector<PoseRefinement> fits = fitBody(tags, camera);
   if (fits.empty()) return std::nullopt;
-  return posesOf(PoseChoice().update(0.0, fits, 1.0), sightingOf(tags, camera), camera);
+  return posesOf(PoseAmbiguity().update(0.0, fits, 1.0), sightingOf(tags, camera), camera);
 }
 
 }  // namespace robot_vision

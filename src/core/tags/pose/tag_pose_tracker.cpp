@@ -5,10 +5,10 @@
 #include <iterator>
 #include <map>
 
-#include "body_pose.hpp"
+#include "bundle_pose.hpp"
 #include "corner_filter.hpp"
 #include "corner_noise.hpp"
-#include "pose_choice.hpp"
+#include "pose_ambiguity.hpp"
 #include "robot_vision/common/range.hpp"
 
 namespace robot_vision
@@ -119,7 +119,7 @@ struct TagPoseTracker::Impl
   TagPoseParams params;
   CornerNoise of_guessed{kGuess}, of_measured{kMeasurement};
   double corner_variance = params.corner_noise * params.corner_noise;  // px^2, of the corners of the newest frame
-  PoseChoice choice;
+  PoseAmbiguity choice;
   std::map<int, Followed> followed;
   double time = std::nan("");  // s, of the newest frame with a pose
 };
@@ -164,7 +164,7 @@ std::optional<TagPoses> TagPoseTracker::update(double time_s, const std::vector<
   self.forget(time_s);
   const double share = self.filter(time_s, tags);
 
-  const std::vector<PoseFit> fits = fitBody(tags, camera);
+  const std::vector<PoseRefinement> fits = fitBody(tags, camera);
   if (fits.empty()) return std::nullopt;
   const std::vector<WeighedPose> poses = self.choice.update(time_s - self.time, fits, kNews * share);
   self.time = time_s;

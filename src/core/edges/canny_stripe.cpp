@@ -1,0 +1,97 @@
+#include "canny_stripe.hpp"
+
+#include <algorithm>
+
+namespace robot_vision
+{
+namespace
+{
+
+void suppress(const Gradients<std::int16_t>& gradients, const EdgeThresholds& thresholds, int count,
+              std::uint8_t* marks)
+{
+  kernels<EdgeKernels>().suppress16(gradients, thresholds, count, marks);
+}
+
+void suppress(const Gradients<std::int32_t>& gradients, const EdgeThresholds& thresholds, int count,
+              std::uint8_t* marks)
+{
+  kernels<EdgeKernels>().suppress32(gradients, thresholds, count, marks);
+}
+
+void gradient(const std::uint8_t* above, const std::uint8_t* row, const std::uint8_t* below, int count,
+              std::int16_t* dx, std::int16_t* dy, std::int16_t* magnitude)
+{
+  kernels<EdgeKernels>().gradient16(above, row, below, count, dx, dy, magnitude);
+}
+
+void gradient(const std::uint8_t* above, const std::uint8_t* row, const std::uint8_t* below, int count,
+              std::int16_t* dx, std::int16_t* dy, std::int32_t* magnitude)
+{
+  kernels<EdgeKernels>().gradient32(above, row, below, count, dx, dy, magnitude);
+}
+
+}  // namespace
+
+void CannyStripe::run(const cv::Mat& image, const std::string& encoding, int blur_size,
+                      const EdgeThresholds& thresholds, bool squared, cv::Range rows, EdgeHysteresis& bits)
+{
+  // Candidates need the gradients of the rows next to them, and those the blurred rows next to them.
+  const int first_blurred = std::max(rows.start - 2, 0);
+  gray_.begin(image, encoding, std::max(first_blurred - blur_size / 2, 0), blur_size + 1);
+  box_.begin(gray_, blur_size, first_blurred);
+  next_blurred_ = first_blurred;
+  if (gray_.size().width != size_.width)
+  {
+    blurred_.resize(gray_.size().width);
+    dx_.resize(gray_.size().width);
+    dy_.resize(gray_.size().width);
+    marks_.assign(static_cast<std::size_t>(gray_.size().width + 63) / 64 * 64, 0);
+  }
+  size_ = gray_.size();
+  if (squared)
+    run(thresholds, rows, squares_, bits);
+  else
+    run(thresholds, rows, sums_, bits);
+}
+
+template <class Magnitude>
+void CannyStripe::run(const EdgeThresholds& thresholds, cv::Range rows, RowRing<Magnitude, 3>& magnitudes,
+                      EdgeHysteresis& bits)
+{
+  magnitudes.resize(size_.width);  // to zeros: that is what is around the picture
+  for (int y = std::max(rows.start - 1, 0); y <= rows.end; ++y)
+  {
+    if (y < size_.height)
+      differentiate(y, magnitudes[y]);
+    else
+      std::fill_n(magnitudes[y], size_.width, Magnitude());
+    const int done = y - 1;
+    if (done < rows.start) continue;
+    suppress({magnitudes[done - 1], magnitudes[done], magnitudes[done + 1], dx_[done], dy_[done]}, thresholds,
+             size_.width, marks_.data());
+    bits.setRow(done, marks_.data());
+  }
+}
+
+/// Blurs the rows up to `y`; the pixels at its ends are repeated beyond them.
+void CannyStripe::blurTo(int y)
+{
+  for (; next_blurred_ <= y; ++next_blurred_)
+  {
+    std::uint8_t* const row = blurred_[next_blurred_];
+    box_.next(row);
+    row[-1] = row[0];
+    row[size_.width] = row[size_.width - 1];
+  }
+}
+
+template <class Magnitude>
+void CannyStripe::differentiate(int y, Magnitude* magnitudes)
+{
+  const int below = std::min(y + 1, size_.height - 1);
+  blurTo(below);
+  gradient(blurred_[std::max(y - 1, 0)], blurred_[y], blurred_[below], size_.width, dx_[y], dy_[y], magnitudes);
+}
+
+}  // namespace robot_vision

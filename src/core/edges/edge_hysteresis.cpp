@@ -1,0 +1,90 @@
+#include "edge_hysteresis.hpp"
+
+namespace robot_vision
+{
+namespace
+{
+
+using Word = BitWord;
+
+/// The runs of ones in `candidates` that have a bit of `seeds`, which are among them.
+Word fillRuns(Word seeds, Word candidates)
+{
+  // A carry runs from a run's lowest seed to its end.
+  Word filled = (((seeds + candidates) ^ candidates) | seeds) & candidates;
+  Word path = candidates;
+  for (int step = 1; step < kWordBits; step *= 2)
+  {
+    filled |= path & filled >> step;
+    path &= path >> step;
+  }
+  return filled;
+}
+
+}  // namespace
+
+void EdgeHysteresis::reset(cv::Size size)
+{
+  if (size == size_) return;
+  size_ = size;
+  words_ = static_cast<std::size_t>((size.width + kWordBits - 1) / kWordBits);
+  stride_ = words_ + 2;
+  candidates_.assign(stride_ * static_cast<std::size_t>(size.height + 2), 0);
+  edges_ = candidates_;
+}
+
+void EdgeHysteresis::setRow(int y, const std::uint8_t* marks)
+{
+  kernels<BitKernels>().split_marks(marks, static_cast<int>(words_), &candidates_[at(y)], &edges_[at(y)]);
+}
+
+/// Takes to a word what its neighbours and itself have; whether it has gained anything.
+bool EdgeHysteresis::spread(std::size_t word)
+{
+  const Word candidates = candidates_[word];
+  const Word before = edges_[word];
+  Word near = before;
+  for (const std::size_t i : {word - stride_, word, word + stride_})
+    near |= edges_[i] | edges_[i] << 1 | edges_[i] >> 1 | edges_[i - 1] >> (kWordBits - 1) |
+            edges_[i + 1] << (kWordBits - 1);
+  near &= candidates;
+  if (near == before) return false;
+  edges_[word] = fillRuns(near, candidates);
+  return edges_[word] != before;
+}
+
+void EdgeHysteresis::connect()
+{
+  for (int y = 0; y < size_.height; ++y)
+  {
+    const std::size_t begin = at(y);
+    for (std::size_t i = begin; i < begin + words_; ++i)
+      for (std::size_t word = i; isOpen(word) && spread(word);)
+        --word;  // what it has gained may go on before it; there is no candidate before the row
+  }
+  for (int y = size_.height; y-- > 0;)
+    for (std::size_t i = at(y); i < at(y) + words_; ++i)
+      if (isOpen(i) && spread(i)) gained_.push_back(i);
+  spreadFromList();
+}
+
+void EdgeHysteresis::spreadFromList()
+{
+  while (!gained_.empty())
+  {
+    const std::size_t word = gained_.back();
+    gained_.pop_back();
+    for (const std::size_t middle : {word - stride_, word, word + stride_})
+      for (const std::size_t i : {middle - 1, middle, middle + 1})
+        if (isOpen(i) && spread(i)) gained_.push_back(i);
+  }
+}
+
+void EdgeHysteresis::write(cv::Mat& edges) const
+{
+  edges.create(size_, CV_8UC1);
+  for (int y = 0; y < size_.height; ++y)
+    kernels<BitKernels>().spread_bits(&edges_[at(y)], size_.width, edges.ptr(y));
+}
+
+}  // namespace robot_vision

@@ -1,0 +1,60 @@
+#include "gray_line_buffer.hpp"
+
+#include <algorithm>
+#include <array>
+
+#include "robot_vision/image/encoding.hpp"
+
+namespace robot_vision
+{
+namespace
+{
+
+constexpr int kBand = 16;  // rows converted at once: few enough for the cache, many enough for the call not to count
+
+int bands(int rows)
+{
+  return (rows + kBand - 1) / kBand;
+}
+
+}  // namespace
+
+bool GrayLineBuffer::takes(const std::string& encoding)
+{
+  constexpr std::array<const char*, 8> separate = {"mono8", "bgr8",   "rgb8",   "bgra8",
+                                                   "rgba8", "mono16", "yuv422", "yuv422_yuy2"};
+  return std::find(separate.begin(), separate.end(), encoding) != separate.end();
+}
+
+void GrayLineBuffer::begin(const cv::Mat& image, const std::string& encoding, int first, int window)
+{
+  image_ = cv::Mat(image.size(), image.type(), image.data, image.step);  // without a share in the memory
+  encoding_ = encoding;
+  ring_ = cv::Mat();
+  if (encoding != "mono8")
+  {
+    const int rows = (bands(window) + 1) * kBand;
+    memory_.resize(rows, image.cols);
+    ring_ = cv::Mat(rows, image.cols, CV_8UC1, memory_[0], memory_.stride());
+  }
+  next_ = first / kBand * kBand;
+}
+
+const std::uint8_t* GrayLineBuffer::row(int y)
+{
+  if (ring_.empty()) return image_.ptr(y);
+  while (y >= next_)
+    convertNext();
+  return ring_.ptr(y % ring_.rows);
+}
+
+void GrayLineBuffer::convertNext()
+{
+  const int end = std::min(next_ + kBand, image_.rows);
+  const int at = next_ % ring_.rows;
+  cv::Mat band = ring_.rowRange(at, at + end - next_);
+  toGray(image_.rowRange(next_, end), encoding_, band);
+  next_ = end;
+}
+
+}  // namespace robot_vision

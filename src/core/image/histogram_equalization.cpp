@@ -1,0 +1,128 @@
+#include "histogram_equalization.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <cstring>
+#include <vector>
+
+#include "gray_line_buffer.hpp"
+#include "lut_kernels.hpp"
+#include "robot_vision/image/encoding.hpp"
+#include "row_bands.hpp"
+
+namespace robot_vision
+{
+namespace
+{
+
+constexpr int kBlockPixels = 1 << 16;     // that stay in the cache, and are many to one call
+constexpr int kPixelsOfThread = 1 << 17;  // at least: less is not worth waking it
+constexpr int kWordBytes = 8;
+
+using Counts = std::array<int, 256>;
+
+/// How often each gray level is there. Each byte of a word has counters of its own: neighbours, which are often equal,
+/// would wait for each other's.
+class Histogram
+{
+public:
+  void add(const std::uint8_t* row, int count)
+  {
+    int i = 0;
+    for (; i + kWordBytes <= count; i += kWordBytes)
+    {
+      std::uint64_t word;
+      std::memcpy(&word, row + i, sizeof word);
+      for (int byte = 0; byte < kWordBytes; ++byte)
+        ++counts_[byte][word >> (8 * byte) & 0xFF];
+    }
+    for (; i < count; ++i)
+      ++counts_[0][row[i]];
+  }
+
+  void addTo(Counts& sums) const
+  {
+    for (const Counts& counts : counts_)
+      for (std::size_t i = 0; i < sums.size(); ++i)
+        sums[i] += counts[i];
+  }
+
+private:
+  std::array<Counts, kWordBytes> counts_ = {};
+};
+
+/// That of cv::equalizeHist, down to the float of its scale.
+std::array<std::uint8_t, 256> stretchingTable(const Counts& counts, int total)
+{
+  std::array<std::uint8_t, 256> table = {};
+  const auto* darkest = std::find_if(counts.begin(), counts.end(), [](int count) { return count > 0; });
+  const auto first = static_cast<std::size_t>(darkest - counts.begin());
+  if (*darkest == total)
+  {
+    table[first] = static_cast<std::uint8_t>(first);
+    return table;
+  }
+  const float scale = 255.0F / static_cast<float>(total - *darkest);
+  int below = 0;
+  for (std::size_t i = first + 1; i < table.size(); ++i)
+  {
+    below += counts[i];
+    table[i] = cv::saturate_cast<std::uint8_t>(static_cast<float>(below) * scale);
+  }
+  return table;
+}
+
+/// Makes and counts a block of gray rows at a time.
+void countRows(const cv::Mat& image, const std::string& encoding, const cv::Range& rows, cv::Mat& plain,
+               Histogram& histogram)
+{
+  const int block_rows = rowsOf(kBlockPixels, plain.cols);
+  for (int begin = rows.start; begin < rows.end; begin += block_rows)
+  {
+    const cv::Range block(begin, std::min(begin + block_rows, rows.end));
+    if (!image.empty())
+    {
+      cv::Mat made = plain.rowRange(block);
+      toGray(image.rowRange(block), encoding, made);
+    }
+    for (int y = block.start; y < block.end; ++y)
+      histogram.add(plain.ptr(y), plain.cols);
+  }
+}
+
+}  // namespace
+
+void toEqualizedGray(const cv::Mat& image, const std::string& encoding, cv::Mat& plain, cv::Mat& equalized)
+{
+  cv::Mat coloured;  // none where all the rows are gray before they are counted
+  if (encoding != "mono8" && GrayLineBuffer::takes(encoding))
+  {
+    checkPixels(image, encoding);
+    coloured = image;
+    plain.create(image.size(), CV_8UC1);
+  }
+  else
+    toGray(image, encoding, plain);
+
+  const int least = rowsOf(kPixelsOfThread, plain.cols);
+  const int threads = cv::getNumThreads();
+  std::vector<Histogram> histograms(static_cast<std::size_t>(bandsOf(plain.rows, threads, least)));
+  parallelForRows(plain.rows, threads, least,
+                  [&](int i, const cv::Range& rows)
+                  { countRows(coloured, encoding, rows, plain, histograms[static_cast<std::size_t>(i)]); });
+  Counts counts = {};
+  for (const Histogram& histogram : histograms)
+    histogram.addTo(counts);
+
+  const std::array<std::uint8_t, 256> table = stretchingTable(counts, plain.size().area());
+  equalized.create(plain.size(), CV_8UC1);
+  parallelForRows(plain.rows, threads, least,
+                  [&](int, const cv::Range& rows)
+                  {
+                    for (int y = rows.start; y < rows.end; ++y)
+                      kernels<TableKernels>().apply_lut(table.data(), plain.ptr(y), plain.cols, equalized.ptr(y));
+                  });
+}
+
+}  // namespace robot_vision

@@ -1,0 +1,167 @@
+#include "pose_refinement.hpp"
+
+#include <cmath>
+#include <limits>
+
+namespace robot_vision
+{
+
+namespace
+{
+
+const double kInfinity = std::numeric_limits<double>::infinity();
+
+struct Linearised
+{
+  cv::Matx66d information = cv::Matx66d::zeros();
+  cv::Vec6d gradient;
+  double cost = 0.0;
+};
+
+using Corners = std::array<cv::Point2d, 4>;
+using Residuals = cv::Vec<double, 8>;
+
+/// The rows of d pixel / d (shift, rotation) of a point: the rotation moves it by its cross product with the lever.
+void setRows(MotionJacobian& jacobian, int first, const cv::Matx23d& by_point, const cv::Vec3d& lever)
+{
+  const cv::Matx33d turn(0, lever[2], -lever[1], -lever[2], 0, lever[0], lever[1], -lever[0], 0);
+  const cv::Matx23d by_rotation = by_point * turn;
+  for (int row = 0; row < 2; ++row)
+    for (int column = 0; column < 3; ++column)
+    {
+      jacobian(first + row, column) = by_point(row, column);
+      jacobian(first + row, column + 3) = by_rotation(row, column);
+    }
+}
+
+/// Where the points are seen, and how that changes with the pose.
+MotionJacobian project(const std::array<cv::Point3d, 4>& points, const CameraModel& camera, const cv::Affine3d& pose,
+                       Corners& pixels)
+{
+  MotionJacobian J;
+  for (std::size_t i = 0; i < points.size(); ++i)
+  {
+    const cv::Vec3d lever = pose.rotation() * cv::Vec3d(points[i]);
+    const Projection seen = camera.projection(cv::Point3d(lever + pose.translation()));
+    setRows(J, 2 * static_cast<int>(i), seen.jacobian, lever);
+    pixels[i] = seen.pixel;
+  }
+  return J;
+}
+
+Linearised linearise(const Sighting& sighting, const CameraModel& camera, const cv::Affine3d& pose)
+{
+  Linearised sum;
+  for (const SeenSquare& square : sighting)
+  {
+    Corners pixels;
+    const MotionJacobian J = project(square.points, camera, pose, pixels);
+    Residuals residuals;
+    for (std::size_t i = 0; i < pixels.size(); ++i)
+    {
+      const int row = 2 * static_cast<int>(i);
+      residuals[row] = square.pixels[i].x - pixels[i].x;
+      residuals[row + 1] = square.pixels[i].y - pixels[i].y;
+    }
+    const cv::Matx<double, 6, 8> weighted = J.t() * square.information;
+    sum.information += weighted * J;
+    sum.gradient += weighted * residuals;
+    sum.cost += residuals.dot(square.information * residuals);
+  }
+  if (std::isnan(sum.cost)) sum.cost = kInfinity;
+  return sum;
+}
+
+/// The inverse; false if there is none.
+bool invert(cv::Matx66d information, cv::Matx66d& covariance)
+{
+  // The tilt of a tag that is seen from the front does not show at all, to first order: a radian is a lot.
+  for (int i = 3; i < 6; ++i)
+    information(i, i) += 1.0;
+  // Metres far away and radians differ too much in size to be inverted together.
+  cv::Matx66d scale = cv::Matx66d::zeros();
+  for (int i = 0; i < 6; ++i)
+  {
+    if (!(information(i, i) > 0.0)) return false;
+    scale(i, i) = 1.0 / std::sqrt(information(i, i));
+  }
+  bool exists = false;
+  covariance = scale * (scale * information * scale).inv(cv::DECOMP_CHOLESKY, &exists) * scale;
+  return exists && std::isfinite(cv::norm(covariance));
+}
+
+}  // namespace
+
+MotionJacobian pixelsByMotion(const std::array<cv::Point3d, 4>& points, const CameraModel& camera,
+                              const cv::Affine3d& pose)
+{
+  Corners pixels;
+  return project(points, camera, pose, pixels);
+}
+
+cv::Affine3d moved(const cv::Affine3d& pose, const cv::Vec6d& by)
+{
+  const cv::Affine3d turn(cv::Vec3d(by[3], by[4], by[5]));
+  return {turn.rotation() * pose.rotation(), pose.translation() + cv::Vec3d(by[0], by[1], by[2])};
+}
+
+cv::Vec6d difference(const cv::Affine3d& from, const cv::Affine3d& to)
+{
+  const cv::Vec3d shift = to.translation() - from.translation();
+  const cv::Vec3d turn = cv::Affine3d(to.rotation() * from.rotation().t()).rvec();
+  return {shift[0], shift[1], shift[2], turn[0], turn[1], turn[2]};
+}
+
+PoseRefinement fitPose(const Sighting& sighting, const CameraModel& camera, const cv::Affine3d& start)
+{
+  const int max_steps = 50;
+  const double least_gain = 1e-9;  // of the cost: far less than noise makes of it
+  cv::Affine3d pose = start;
+  Linearised now = linearise(sighting, camera, pose);
+  double damping = 1e-4;
+  for (int step = 0; step < max_steps && std::isfinite(now.cost); ++step)
+  {
+    cv::Matx66d damped = now.information;
+    for (int i = 0; i < 6; ++i)
+      damped(i, i) *= 1.0 + damping;
+    const cv::Vec6d by = damped.solve(now.gradient, cv::DECOMP_CHOLESKY);
+    if (by.dot(now.gradient) < least_gain) break;
+    const cv::Affine3d next_pose = moved(pose, by);
+    const Linearised next = linearise(sighting, camera, next_pose);
+    const bool better = next.cost < now.cost;
+    damping *= better ? 0.1 : 10.0;
+    if (!better) continue;
+    pose = next_pose;
+    now = next;
+  }
+  PoseRefinement fit{pose, cv::Matx66d(), now.cost};
+  if (!invert(now.information, fit.covariance)) fit.cost = kInfinity;
+  return fit;
+}
+
+double costOf(const Sighting& sighting, const CameraModel& camera, const cv::Affine3d& pose)
+{
+  double cost = 0.0;
+  for (const SeenSquare& square : sighting)
+  {
+    Residuals residuals;
+    for (std::size_t i = 0; i < square.points.size(); ++i)
+    {
+      const cv::Point2d residual = square.pixels[i] - camera.project(pose * square.points[i]);
+      residuals[2 * static_cast<int>(i)] = residual.x;
+      residuals[2 * static_cast<int>(i) + 1] = residual.y;
+    }
+    cost += residuals.dot(square.information * residuals);
+  }
+  return std::isnan(cost) ? kInfinity : cost;
+}
+
+double errorOf(const Sighting& sighting, const CameraModel& camera, const cv::Affine3d& pose)
+{
+  Sighting unit = sighting;
+  for (SeenSquare& square : unit)
+    square.information = CornerCovariance::eye();
+  return std::sqrt(costOf(unit, camera, pose) / (4.0 * static_cast<double>(unit.size())));
+}
+
+}  // namespace robot_vision

@@ -1,0 +1,37 @@
+#include "pooled_image_publisher.hpp"
+
+namespace robot_vision
+{
+
+PooledImagePublisher::PooledImagePublisher(const std::string& topic, image_transport::ImageTransport& it,
+                                           const std::function<void()>& on_connection)
+{
+  const auto on_image = [on_connection](const image_transport::SingleSubscriberPublisher&) { on_connection(); };
+  publisher_ = it.advertise(topic, 1, on_image, on_image);
+}
+
+void PooledImagePublisher::close()
+{
+  const std::lock_guard<std::mutex> lock(mutex_);
+  publisher_.shutdown();
+}
+
+std::uint32_t PooledImagePublisher::subscribers() const
+{
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return publisher_.getNumSubscribers();
+}
+
+void PooledImagePublisher::publish(const cv::Mat& pixels, const std::string& encoding, const std_msgs::Header& header)
+{
+  requireEncoding(pixels, encoding);
+  const std::lock_guard<std::mutex> lock(mutex_);
+  if (publisher_.getNumSubscribers() == 0) return;
+  const sensor_msgs::ImagePtr message = pool_.take(pixels.size(), encoding);
+  message->header = header;
+  cv::Mat target = writablePixels(*message);
+  pixels.copyTo(target);
+  publisher_.publish(sensor_msgs::ImageConstPtr(message));
+}
+
+}  // namespace robot_vision

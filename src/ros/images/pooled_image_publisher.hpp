@@ -1,0 +1,41 @@
+#pragma once
+
+#include <image_transport/image_transport.h>
+#include <std_msgs/Header.h>
+
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <opencv2/core.hpp>
+#include <string>
+
+#include "image_message.hpp"
+
+namespace robot_vision
+{
+
+/// A topic to publish pictures on, over every installed image_transport. Thread-safe.
+class PooledImagePublisher
+{
+public:
+  /// `topic` is absolute. `on_connection` is called through the queue of `it` when subscribers come or go.
+  PooledImagePublisher(const std::string& topic, image_transport::ImageTransport& it,
+                       const std::function<void()>& on_connection);
+  ~PooledImagePublisher() { close(); }
+  PooledImagePublisher(const PooledImagePublisher&) = delete;
+  PooledImagePublisher& operator=(const PooledImagePublisher&) = delete;
+
+  void close();
+  std::uint32_t subscribers() const;
+
+  /// Publishes a copy of the pixels; nothing if nobody subscribes. Throws std::invalid_argument naming what was
+  /// expected if they are no picture of this encoding (any that cv_bridge knows).
+  void publish(const cv::Mat& pixels, const std::string& encoding, const std_msgs::Header& header);
+
+private:
+  mutable std::mutex mutex_;  // guards all below
+  image_transport::Publisher publisher_;
+  ImagePool pool_;
+};
+
+}  // namespace robot_vision

@@ -1,0 +1,222 @@
+#include <gtest/gtest.h>
+
+#include <opencv2/imgproc.hpp>
+
+#include "core/image/color_conversion.hpp"
+#include "core/image/gray_weights.hpp"
+#include "robot_vision/image/encoding.hpp"
+#include "support/pictures.hpp"
+#include "support/thread_counts.hpp"
+
+using namespace robot_vision;
+
+namespace
+{
+
+constexpr int kPlanes = -1;  // the luma is a part of the picture
+
+struct Conversion
+{
+  const char* encoding;
+  int to_bgr;
+  int to_rgb;
+  int to_gray;
+};
+
+const Conversion kConversions[] = {
+    {"yuv422", cv::COLOR_YUV2BGR_UYVY, cv::COLOR_YUV2RGB_UYVY, cv::COLOR_YUV2GRAY_UYVY},
+    {"yuv422_yuy2", cv::COLOR_YUV2BGR_YUY2, cv::COLOR_YUV2RGB_YUY2, cv::COLOR_YUV2GRAY_YUY2},
+    {"nv12", cv::COLOR_YUV2BGR_NV12, cv::COLOR_YUV2RGB_NV12, kPlanes},
+    {"nv21", cv::COLOR_YUV2BGR_NV21, cv::COLOR_YUV2RGB_NV21, kPlanes},
+    {"yu12", cv::COLOR_YUV2BGR_I420, cv::COLOR_YUV2RGB_I420, kPlanes},
+    {"bayer_rggb8", cv::COLOR_BayerBG2BGR, cv::COLOR_BayerBG2RGB, cv::COLOR_BayerBG2GRAY},
+    {"bayer_bggr8", cv::COLOR_BayerRG2BGR, cv::COLOR_BayerRG2RGB, cv::COLOR_BayerRG2GRAY},
+    {"bayer_gbrg8", cv::COLOR_BayerGR2BGR, cv::COLOR_BayerGR2RGB, cv::COLOR_BayerGR2GRAY},
+    {"bayer_grbg8", cv::COLOR_BayerGB2BGR, cv::COLOR_BayerGB2RGB, cv::COLOR_BayerGB2GRAY},
+};
+
+struct GrayConversion
+{
+  const char* encoding;
+  int to_gray;
+};
+
+const GrayConversion kGrayConversions[] = {{"bgr8", cv::COLOR_BGR2GRAY},
+                                           {"rgb8", cv::COLOR_RGB2GRAY},
+                                           {"bgra8", cv::COLOR_BGRA2GRAY},
+                                           {"rgba8", cv::COLOR_RGBA2GRAY}};
+
+bool isBayer(const Conversion& conversion)
+{
+  return std::string(conversion.encoding).substr(0, 5) == "bayer";
+}
+
+/// The next size that a picture of this encoding can have.
+cv::Size allowed(const Conversion& conversion, cv::Size size)
+{
+  if (isBayer(conversion)) return size;
+  size.width += size.width % 2;
+  return conversion.to_gray == kPlanes ? cv::Size(size.width, (size.height + 1) / 2 * 3) : size;
+}
+
+/// Pixels of any kind, in the middle of others, that begin at any address.
+class Picture
+{
+public:
+  Picture(const std::string& encoding, const cv::Size& size, int kind)
+  {
+    const int type = matType(encoding);
+    const cv::Mat bytes = adversarial({size.width * CV_MAT_CN(type), size.height}, kind);
+    around_ = cv::Mat(size.height + 2, bytes.cols + 9, CV_8UC1, cv::Scalar(77));
+    cv::Mat inside = around_(cv::Rect({1 + kind % 7, 1}, bytes.size()));
+    bytes.copyTo(inside);
+    image = cv::Mat(size, type, inside.data, inside.step);
+  }
+
+  cv::Mat image;
+
+private:
+  cv::Mat around_;
+};
+
+cv::Mat byOpenCv(const cv::Mat& image, int code)
+{
+  cv::Mat out;
+  if (code == kPlanes)
+    image.rowRange(0, image.rows * 2 / 3).copyTo(out);
+  else
+    cv::cvtColor(image, out, code);
+  return out;
+}
+
+void expectOpenCvs(const Conversion& conversion, const cv::Size& wanted, int kind)
+{
+  const Picture picture(conversion.encoding, allowed(conversion, wanted), kind);
+  const cv::Mat& image = picture.image;
+  const cv::Mat before = image.clone();
+  cv::Mat bgr, rgb, gray;
+  toBgr(image, conversion.encoding, bgr);
+  toRgb(image, conversion.encoding, rgb);
+  toGray(image, conversion.encoding, gray);
+  const auto what = [&] { return cv::format("%s %d, %d threads ", conversion.encoding, kind, cv::getNumThreads()); };
+  ASSERT_TRUE(equal(bgr, byOpenCv(image, conversion.to_bgr))) << what() << image.size();
+  ASSERT_TRUE(equal(rgb, byOpenCv(image, conversion.to_rgb))) << what() << image.size();
+  ASSERT_TRUE(equal(gray, byOpenCv(image, conversion.to_gray))) << what() << image.size();
+  EXPECT_TRUE(equal(image, before));
+}
+
+void expectOpenCvsGray(const GrayConversion& conversion, const cv::Size& size, int kind)
+{
+  const Picture picture(conversion.encoding, size, kind);
+  const cv::Mat before = picture.image.clone();
+  cv::Mat around(size.height, size.width + 70, CV_8UC1, cv::Scalar(77));
+  cv::Mat gray = around.colRange(3, 3 + size.width);
+  toGray(picture.image, conversion.encoding, gray);
+  EXPECT_EQ(cv::countNonZero(around.colRange(3 + size.width, around.cols) != 77), 0) << size;
+  ASSERT_TRUE(equal(gray, byOpenCv(picture.image, conversion.to_gray)))
+      << conversion.encoding << ' ' << kind << ' ' << size << ' ' << cv::getNumThreads();
+  EXPECT_TRUE(equal(picture.image, before));
+}
+
+/// In one thread, and in several. They are chosen once each: to end and start OpenCV's threads takes a while.
+class RowConversionsInThreads : public testing::TestWithParam<int>
+{
+  ThreadCount threads_{GetParam()};
+};
+
+INSTANTIATE_TEST_SUITE_P(Counts, RowConversionsInThreads, testing::Values(1, 3));
+
+}  // namespace
+
+TEST_P(RowConversionsInThreads, areThoseOfOpenCv)
+{
+  cv::RNG random(11);
+  for (const Conversion& conversion : kConversions)
+  {
+    for (int i = 0; i < 150; ++i)
+      expectOpenCvs(conversion, {random.uniform(1, 260), random.uniform(1, 24)}, i);
+    for (const int columns : {1, 2, 3, 62, 63, 64, 65, 66, 67, 126, 127, 128, 129, 130, 131, 194})
+      for (int rows = 1; rows < 5; ++rows)
+        expectOpenCvs(conversion, {columns, rows}, 0);
+    expectOpenCvs(conversion, {641, 480}, 0);  // enough for several threads
+  }
+  expectOpenCvs(kConversions[0], {4096, 270}, 0);
+  expectOpenCvs(kConversions[4], {4096, 270}, 4);
+  expectOpenCvs(kConversions[5], {4096, 270}, 1);
+}
+
+TEST(RowConversions, areThoseOfOpenCvForEachLumaWithEachChroma)
+{
+  cv::Mat image(256, 512, CV_8UC2);
+  for (int u = 0; u < 256; u += 5)
+  {
+    for (int y = 0; y < image.rows; ++y)
+      for (int x = 0; x < image.cols; ++x)
+        image.at<cv::Vec2b>(y, x) =
+            cv::Vec2b(static_cast<std::uint8_t>(y), static_cast<std::uint8_t>(x % 2 ? x / 2 : u));
+    cv::Mat bgr;
+    toBgr(image, "yuv422_yuy2", bgr);
+    ASSERT_TRUE(equal(bgr, byOpenCv(image, cv::COLOR_YUV2BGR_YUY2))) << u;
+  }
+}
+
+TEST_P(RowConversionsInThreads, makeTheGrayOfOpenCv)
+{
+  cv::RNG random(12);
+  for (const GrayConversion& conversion : kGrayConversions)
+  {
+    for (int i = 0; i < 150; ++i)
+      expectOpenCvsGray(conversion, {random.uniform(1, 260), random.uniform(1, 24)}, i);
+    for (int columns = 1; columns < 135; ++columns)
+      expectOpenCvsGray(conversion, {columns, 2}, 0);
+    expectOpenCvsGray(conversion, {641, 480}, 0);
+    expectOpenCvsGray(conversion, {4096, 270}, 4);
+  }
+}
+
+TEST(RowConversions, makeTheGrayOfOpenCvForEveryColour)
+{
+  const cv::Mat image = allColors();
+  cv::Mat gray;
+  toGray(image, "bgr8", gray);
+  EXPECT_TRUE(equal(gray, byOpenCv(image, cv::COLOR_BGR2GRAY)));
+  toGray(image, "rgb8", gray);
+  EXPECT_TRUE(equal(gray, byOpenCv(image, cv::COLOR_RGB2GRAY)));
+}
+
+TEST(RowConversions, workInPlace)
+{
+  for (const Conversion& conversion : kConversions)
+  {
+    const cv::Mat image = noise({96, 48}, matType(conversion.encoding));
+    cv::Mat same = image;
+    toBgr(same, conversion.encoding, same);
+    EXPECT_TRUE(equal(same, byOpenCv(image, conversion.to_bgr))) << conversion.encoding;
+    if (isBayer(conversion)) continue;  // OpenCV writes gray over the mosaic that it reads
+    same = image;
+    toGray(same, conversion.encoding, same);
+    EXPECT_TRUE(equal(same, byOpenCv(image, conversion.to_gray))) << conversion.encoding;
+  }
+  for (const GrayConversion& conversion : kGrayConversions)
+  {
+    const cv::Mat image = noise({96, 48}, matType(conversion.encoding));
+    cv::Mat same = image;
+    toGray(same, conversion.encoding, same);
+    EXPECT_TRUE(equal(same, byOpenCv(image, conversion.to_gray))) << conversion.encoding;
+  }
+}
+
+// Or the tests above would compare OpenCV with itself.
+TEST(RowConversions, areOursWithWideVectors)
+{
+  const std::string set = name(currentSet());
+  const bool wide = set.substr(0, 3) == "avx";
+  cv::Mat pixels;
+  for (const Conversion& conversion : kConversions)
+    EXPECT_EQ(convertRows(noise({96, 48}, matType(conversion.encoding)), conversion.encoding, false, pixels), wide);
+  const bool known = grayWeightsOfBgr() != nullptr;
+  for (const GrayConversion& conversion : kGrayConversions)
+    EXPECT_EQ(convertRowsToGray(noise({96, 48}, matType(conversion.encoding)), conversion.encoding, pixels),
+              wide && known);
+  if (!known) GTEST_SKIP() << "OpenCV makes grey by weights that are not known here";
+}
