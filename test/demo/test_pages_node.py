@@ -1,0 +1,65 @@
+"""The pages of docs/ about nodes against running nodes."""
+
+import re
+
+import pages
+import pytest
+import rosgraph
+import rosservice
+import support
+
+NODES = pages.nodes()
+# What every node has without being named: of rosout, roscpp, dynamic_reconfigure, image_transport.
+UNNAMED = re.compile(
+    r"/rosout|.*/(get_loggers|set_logger_level|set_parameters|parameter_(descriptions|updates))"
+    r"|.*/(compressed|compressedDepth|theora)(/.*)?"
+)
+
+OURS = {"/node", "/node_images"}  # a Python node and its roscpp half
+
+
+def resolved(types):
+    """What a page names, by its name in the running node."""
+    return {
+        name.replace("~", "/node/") if name[0] in "~/" else "/" + name: kind
+        for name, kind in types.items()
+    }
+
+
+@pytest.mark.parametrize("node", NODES)
+def test_the_help_names_topics_and_services(start, node):
+    process = start(node, "--help", env={"ROS_MASTER_URI": "http://127.0.0.1:1"})
+    assert process.exit_code() == 0, process.output()
+    assert f"usage: rosrun robot_vision {node} " in process.output()
+    words = set(re.findall(r"[~/\w]+", process.output()))
+    for names in (NODES[node].inputs, NODES[node].outputs, NODES[node].services):
+        assert set(names) <= words
+
+
+@pytest.mark.parametrize("node", NODES)
+def test_topics_and_services(start, display, node):
+    page = NODES[node]
+    inputs, outputs, services = map(resolved, (page.inputs, page.outputs, page.services))
+    parameters = ["_source:=synthetic", "_always_subscribe:=true", "_ball_diameter:=0.2"]
+    parameters += ["_auto_select:=true"]
+    start(node, "__name:=node", *parameters)
+    reports = set() if node == "simple_camera_view_node.py" else {"/diagnostics"}
+    expected = (outputs.keys() | reports, set(inputs), set(services))
+    master = rosgraph.Master("/test")
+
+    def state():
+        topics_of_node = [
+            {name for name, nodes in part if OURS & set(nodes) and not UNNAMED.fullmatch(name)}
+            for part in master.getSystemState()
+        ]
+        return tuple(topics_of_node)
+
+    support.wait_for(
+        lambda: all(a >= b for a, b in zip(state(), expected)), f"{expected} of {node}"
+    )
+    assert state() == expected
+    types = dict(master.getTopicTypes())
+    for name, kind in {**inputs, **outputs}.items():
+        assert types[name] == kind, name
+    for name, kind in services.items():
+        assert rosservice.get_service_type(name) == kind, name
