@@ -47,7 +47,7 @@ struct CaptureParams
   std::string video_device = "/dev/video0";  // path, or the camera's card, bus or serial number
   int image_width = 640;                     // px, 16 to 8192, of a device or the scene; files keep their own size
   int image_height = 480;                    // px, 16 to 8192, of a device or the scene; files keep their own size
-  std::string pixel_format = "yuyv";         // asked of a device: usb_cam's names and more, see README
+  std::string pixel_format = "yuyv";         // asked of a device: usb_cam's names and more, see docs/parameters.md
   std::string io_method = "mmap";            // mmap; usb_cam's read and userptr are accepted and taken as mmap
   double framerate = 0.0;                    // Hz, to 1000; 0: a video's own, 30 for devices, pictures and the scene
   /// Without a good frame for so long, or for three periods or exposures where that is longer (30 s at most), a live

@@ -33,8 +33,8 @@ USAGE = """usage: rosrun robot_vision {program} [TOPIC:=OTHER ...] [_PARAMETER:=
 {node}
 """
 PARAMETERS = """
-Its parameters are described in the README of this package; its folder config has a file of them,
-where ~save_parameters (std_srvs/Trigger) saves those that can be changed live.
+Its parameters are described in docs/parameters.md of this package; its folder config has a file of
+them, where ~save_parameters (std_srvs/Trigger) saves those that can be changed live.
 """
 
 

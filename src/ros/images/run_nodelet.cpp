@@ -85,8 +85,8 @@ bool asksForHelp(int argc, char** argv)
 std::string usage(const std::string& name, const std::string& about)
 {
   return "usage: rosrun robot_vision " + name + "_node [TOPIC:=OTHER ...] [_PARAMETER:=VALUE ...]\n\n" + about +
-         "\nIts parameters are described in the README of this package; its folder config has a file of them,\n"
-         "where ~save_parameters (std_srvs/Trigger) saves those that can be changed live.\n";
+         "\nIts parameters are described in docs/parameters.md of this package; its folder config has a file of\n"
+         "them, where ~save_parameters (std_srvs/Trigger) saves those that can be changed live.\n";
 }
 
 void initAndSpin(nodelet::Nodelet& nodelet, const nodelet::V_string& arguments)
