@@ -9,26 +9,10 @@
 
 namespace robot_vision
 {
-namespace
-{
-
-Brightness makeFilter(const BrightnessConfig& config)
-{
-  BrightnessParams params;
-  params.gain = config.gain;
-  params.offset = config.offset;
-  params.gamma = config.gamma;
-  params.threads = config.threads;
-  return Brightness(params);
-}
-
-}  // namespace
 
 /// Publishes `image` with gain, offset and gamma changed on ~processed_image.
-class BrightnessNodelet : public FilterNodelet<BrightnessConfig, Brightness>
+class BrightnessNodelet : public FilterNodelet<BrightnessConfig, BrightnessParams, Brightness>
 {
-public:
-  BrightnessNodelet() : FilterNodelet(makeFilter) {}
 };
 
 boost::shared_ptr<nodelet::Nodelet> makeBrightness()

@@ -13,7 +13,6 @@
 #include "factories.hpp"
 #include "robot_vision/common/monotonic.hpp"
 #include "robot_vision/common/printable.hpp"
-#include "robot_vision/common/range.hpp"
 #include "ros/camera/camera_outputs.hpp"
 #include "ros/camera/capture_status.hpp"
 #include "ros/camera/control_params.hpp"
@@ -24,6 +23,7 @@
 #include "ros/images/callback_gate.hpp"
 #include "ros/images/frame_statistics.hpp"
 #include "ros/images/registration.hpp"
+#include "ros/params/fields.hpp"
 #include "ros/params/live_params.hpp"
 #include "ros/params/unknown_params.hpp"
 
@@ -37,16 +37,7 @@ using std_srvs::Empty;
 CaptureParams loadCaptureParams(const ros::NodeHandle& pnh)
 {
   CaptureParams params;
-  readParam(pnh, "source", params.source);
-  readParam(pnh, "video_device", params.video_device);
-  readParam(pnh, "image_width", params.image_width);
-  readParam(pnh, "image_height", params.image_height);
-  readParam(pnh, "pixel_format", params.pixel_format);
-  readParam(pnh, "io_method", params.io_method);
-  readParam(pnh, "framerate", params.framerate);
-  readParam(pnh, "timeout", params.timeout);
-  readParam(pnh, "scene", params.scene);
-  readParam(pnh, "poster", params.poster);
+  readFields(pnh, params);
   params.kind = sourceKind(params);
   return params;
 }
@@ -146,7 +137,7 @@ private:
 
   void apply(const CameraConfig& config)
   {
-    requireRange("framerate", config.framerate, 0.0, 1000.0);
+    checkFields(filled<CaptureParams>(config));
     const std::lock_guard<std::mutex> lock(mutex_);
     config_ = config;
     if (loop_) loop_->setPace(config.framerate, config.loop);

@@ -9,28 +9,10 @@
 
 namespace robot_vision
 {
-namespace
-{
-
-EdgeDetector makeFilter(const EdgeDetectorConfig& config)
-{
-  EdgeParams params;
-  params.blur_size = config.blur_size;
-  params.low_threshold = config.low_threshold;
-  params.high_threshold = config.high_threshold;
-  params.aperture = config.aperture;
-  params.l2_gradient = config.l2_gradient;
-  params.threads = config.threads;
-  return EdgeDetector(params);
-}
-
-}  // namespace
 
 /// Publishes the Canny edges of `image` on ~processed_image.
-class EdgeDetectorNodelet : public FilterNodelet<EdgeDetectorConfig, EdgeDetector>
+class EdgeDetectorNodelet : public FilterNodelet<EdgeDetectorConfig, EdgeParams, EdgeDetector>
 {
-public:
-  EdgeDetectorNodelet() : FilterNodelet(makeFilter) {}
 };
 
 boost::shared_ptr<nodelet::Nodelet> makeEdgeDetector()

@@ -2,10 +2,12 @@
 
 #include <opencv2/imgproc.hpp>
 
+#include "core/camera/v4l2_format.hpp"
 #include "core/camera/v4l2_source.hpp"
 #include "robot_vision/image/encoding.hpp"
 #include "support/fake_v4l2.hpp"
 #include "support/pictures.hpp"
+#include "support/refusal.hpp"
 
 using namespace robot_vision;
 
@@ -147,4 +149,11 @@ TEST(V4l2Formats, thatComeShortAreRefused)
   {
     EXPECT_STREQ(e.what(), "/dev/video0: frame 0 has 4607 bytes instead of 4608");
   }
+}
+
+TEST(V4l2Formats, areThoseThatTheParameterTakes)
+{
+  CaptureParams params;
+  params.pixel_format = "none";
+  EXPECT_EQ(refusal([&] { validate(params); }), "pixel_format is 'none', must be " + v4l2FormatNames());
 }

@@ -106,36 +106,28 @@ struct Probe
   LazyImageFilter pipe;
 };
 
-/// Works on a frame until it is told to end.
-struct SlowFilter
-{
-  static std::string outputEncoding(const std::string& encoding) { return encoding; }
-
-  void apply(const cv::Mat& image, const std::string&, cv::Mat& out) const
-  {
-    if (!begun->exchange(true)) end.wait();
-    image.copyTo(out);
-    *ended = true;
-  }
-
-  std::shared_future<void> end;
-  std::atomic<bool>* begun;
-  std::atomic<bool>* ended;
-};
-
 std::promise<void> slow_end;
 std::atomic<bool> slow_begun{false};
 std::atomic<bool> slow_ended{false};
 
-SlowFilter makeSlow(const BrightnessConfig&)
+/// Works on a frame until it is told to end.
+struct SlowFilter
 {
-  static const std::shared_future<void> end = slow_end.get_future().share();
-  return {end, &slow_begun, &slow_ended};
-}
+  explicit SlowFilter(const BrightnessParams&) {}
 
-struct SlowNodelet : FilterNodelet<BrightnessConfig, SlowFilter>
+  static std::string outputEncoding(const std::string& encoding) { return encoding; }
+
+  void apply(const cv::Mat& image, const std::string&, cv::Mat& out) const
+  {
+    static const std::shared_future<void> end = slow_end.get_future().share();
+    if (!slow_begun.exchange(true)) end.wait();
+    image.copyTo(out);
+    slow_ended = true;
+  }
+};
+
+struct SlowNodelet : FilterNodelet<BrightnessConfig, BrightnessParams, SlowFilter>
 {
-  SlowNodelet() : FilterNodelet(makeSlow) {}
 };
 
 boost::shared_ptr<nodelet::Nodelet> load(const boost::shared_ptr<nodelet::Nodelet>& nodelet, const std::string& name)

@@ -3,17 +3,36 @@
 #include <opencv2/core.hpp>
 #include <optional>
 
+#include "robot_vision/common/fields.hpp"
+
 namespace robot_vision
 {
 
 struct BallTrackerParams
 {
-  double process_noise = 2000.0;   // px/s^1.5, root of the spectral density of the acceleration, above 0 to 1e6
-  double measurement_noise = 0.5;  // px, standard deviation of a measured centre's x and y, and radius, 0.01 to 100
-  double radius_noise = 10.0;      // px/s^0.5, root of the spectral density of the radius' rate of change, 0 to 1e4
-  double initial_speed = 1000.0;   // px/s, standard deviation of the velocity that a new ball may have, 0 to 1e6
-  double max_prediction = 0.5;     // s without a measurement until the ball is lost: longer than a frame, 0 to 60
-  double gate = 5.0;               // standard deviations from where it is expected to what is no longer it, 1 to 100
+  double process_noise = 2000.0;
+  double measurement_noise = 0.5;
+  double radius_noise = 10.0;
+  double initial_speed = 1000.0;
+  double max_prediction = 0.5;
+  double gate = 5.0;
+
+  template <class Visit>
+  static void fields(Visit&& visit)
+  {
+    visit("process_noise", &BallTrackerParams::process_noise, Above{0, 1e6, " and up to "}, "px/s^1.5",
+          "how fast the ball accelerates: root of the spectral density of the acceleration");
+    visit("measurement_noise", &BallTrackerParams::measurement_noise, Range{0.01, 100}, "px",
+          "error of a centre seen: standard deviation of its x and y, and of the radius");
+    visit("radius_noise", &BallTrackerParams::radius_noise, Range{0, 1e4}, "px/s^0.5",
+          "how fast the radius changes: root of the spectral density of its rate of change");
+    visit("initial_speed", &BallTrackerParams::initial_speed, Range{0, 1e6}, "px/s",
+          "standard deviation of the velocity that a new ball may have");
+    visit("max_prediction", &BallTrackerParams::max_prediction, Range{0, 60}, "s",
+          "longest time that the ball may be hidden until it is lost; longer than a frame");
+    visit("gate", &BallTrackerParams::gate, Range{1, 100}, "",
+          "standard deviations from where the ball is expected to what is no longer it");
+  }
 };
 
 /// Throws std::invalid_argument naming the first parameter out of range, its value and the range.

@@ -7,6 +7,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "robot_vision/common/fields.hpp"
 #include "robot_vision/geometry/camera_model.hpp"
 #include "robot_vision/scene/scene.hpp"
 
@@ -42,19 +43,49 @@ constexpr double kDefaultRate = 30.0;  // Hz, of a source with no rate of its ow
 
 struct CaptureParams
 {
-  std::string source;                        // synthetic, camera, video, URL, pictures; "": video_device
-  std::optional<SourceKind> kind;            // of the source, as sourceKind() told it; none: decided at each opening
-  std::string video_device = "/dev/video0";  // path, or the camera's card, bus or serial number
-  int image_width = 640;                     // px, 16 to 8192, of a device or the scene; files keep their own size
-  int image_height = 480;                    // px, 16 to 8192, of a device or the scene; files keep their own size
-  std::string pixel_format = "yuyv";         // asked of a device: usb_cam's names and more, see docs/parameters.md
-  std::string io_method = "mmap";            // mmap; usb_cam's read and userptr are accepted and taken as mmap
-  double framerate = 0.0;                    // Hz, to 1000; 0: a video's own, 30 for devices, pictures and the scene
-  /// Without a good frame for so long, or for three periods or exposures where that is longer (30 s at most), a live
-  /// source is opened anew; so is a stream without a keyframe for 30 s.
-  double timeout = 3.0;        // s, 0.1 to 3600
-  std::string scene = "room";  // what the synthetic source shows: room or calibration (a checkerboard)
-  std::string poster;          // picture file on the scene's wall; "" or pattern; auto: a portrait, if any
+  std::string source;
+  std::optional<SourceKind> kind;  // of the source, as sourceKind() told it; none: decided at each opening
+  std::string video_device = "/dev/video0";
+  int image_width = 640;
+  int image_height = 480;
+  std::string pixel_format = "yuyv";
+  std::string io_method = "mmap";
+  double framerate = 0.0;
+  double timeout = 3.0;
+  std::string scene = "room";
+  std::string poster;
+
+  template <class Visit>
+  static void fields(Visit&& visit)
+  {
+    visit("source", &CaptureParams::source, Anything{}, "",
+          "synthetic, or a camera, video, URL, image or folder of images; empty: video_device");
+    visit("video_device", &CaptureParams::video_device, Anything{}, "",
+          "a V4L2 camera: path, card, bus or serial number");
+    visit("image_width", &CaptureParams::image_width, Range{16, 8192}, "px",
+          "of a device, or of the scene: 64 to 4096; files keep their own size");
+    visit("image_height", &CaptureParams::image_height, Range{16, 8192}, "px",
+          "of a device, or of the scene: 64 to 4096, a third to three times the width");
+    visit("pixel_format", &CaptureParams::pixel_format,
+          OneOf{"yuyv, uyvy, nv12, nv21, yu12, bgr24, rgb24, mjpeg, bayer_rggb8, bayer_bggr8, bayer_gbrg8, "
+                "bayer_grbg8, h264, grey, y16, y10, yuv or yuvmono10",
+                "'"},
+          "",
+          "asked of a device; what comes nearest is taken, with a warning. yuvmono10: 10 bits that the camera calls "
+          "YUYV");
+    visit("io_method", &CaptureParams::io_method, OneOf{"mmap, read or userptr", "'"}, "",
+          "for usb_cam's launch files; always mmap");
+    visit("framerate", &CaptureParams::framerate, Range{0, 1000}, "Hz",
+          "frames per second; 0: a video's own rate, 30 for all else");
+    visit("timeout", &CaptureParams::timeout, Range{0.1, 3600}, "s",
+          "a device or stream that gives no good frame for so long is opened anew; cameras slower than that have "
+          "three of their periods or exposures, to 30 s, and a stream has 30 s to its next keyframe");
+    visit("scene", &CaptureParams::scene, OneOf{"room or calibration", "'"}, "",
+          "what synthetic shows: the room, or a checkerboard in many poses");
+    visit("poster", &CaptureParams::poster, Anything{}, "",
+          "image file on the wall of the scene; empty or pattern: a pattern; auto: the portrait of python3-skimage "
+          "if that is installed, else the pattern");
+  }
 };
 
 /// Throws std::invalid_argument naming the first parameter out of range, its value and the range.

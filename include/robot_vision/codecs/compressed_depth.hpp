@@ -5,15 +5,25 @@
 #include <string>
 
 #include "compressed_picture.hpp"
+#include "robot_vision/common/fields.hpp"
 
 namespace robot_vision
 {
 
 struct DepthCompressionParams
 {
-  double depth_max = 10.0;            // m, 1 to 100: what is farther is lost
-  double depth_quantization = 100.0;  // m, 1 to 150: where 32FC1 is coded in steps of 1 m; nearer they are finer
-  int png_level = 1;                  // zlib's: 1 (fast) to 9 (small)
+  double depth_max = 10.0;
+  double depth_quantization = 100.0;
+  int png_level = 1;
+
+  template <class Visit>
+  static void fields(Visit&& visit)
+  {
+    visit("depth_max", &DepthCompressionParams::depth_max, Range{1, 100}, "m", "what is farther is lost");
+    visit("depth_quantization", &DepthCompressionParams::depth_quantization, Range{1, 150}, "m",
+          "of 32FC1: where its steps are 1 m; nearer they are finer");
+    visit("png_level", &DepthCompressionParams::png_level, Range{1, 9}, "", "of PNG: 1 fast, 9 small");
+  }
 };
 
 /// Throws std::invalid_argument naming the first parameter out of range, its value and the range.

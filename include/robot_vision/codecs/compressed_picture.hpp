@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "robot_vision/common/fields.hpp"
 #include "robot_vision/image/jpeg.hpp"
 
 namespace robot_vision
@@ -22,9 +23,16 @@ struct CompressedPicture
 
 struct CompressionParams
 {
-  std::string format = "jpeg";  // jpeg, or png, which loses nothing
+  std::string format = "jpeg";
   JpegParams jpeg;
-  int png_level = 9;  // zlib's: 1 (fast) to 9 (small)
+  int png_level = 9;
+
+  template <class Visit>
+  static void fields(Visit&& visit)
+  {
+    visit("format", &CompressionParams::format, OneOf{"jpeg or png", "'"}, "", "the codec; png loses nothing");
+    visit("png_level", &CompressionParams::png_level, Range{1, 9}, "", "of PNG: 1 fast, 9 small");
+  }
 };
 
 /// Throws std::invalid_argument naming the first parameter out of range, its value and the range.

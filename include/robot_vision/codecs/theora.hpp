@@ -6,6 +6,8 @@
 #include <opencv2/core.hpp>
 #include <vector>
 
+#include "robot_vision/common/fields.hpp"
+
 namespace robot_vision
 {
 
@@ -14,10 +16,21 @@ constexpr std::size_t kMaxVideoPixels = std::size_t{1} << 25;
 
 struct TheoraParams
 {
-  bool constant_quality = true;  // else constant bit rate
-  int quality = 31;              // 0 to 63
-  int target_bitrate = 800000;   // bit/s at 30 Hz, 1 to 99200000
-  int keyframe_frequency = 64;   // frames, 1 to 64: the most that are coded as changes of the one before
+  bool constant_quality = true;
+  int quality = 31;
+  int target_bitrate = 800000;
+  int keyframe_frequency = 64;
+
+  template <class Visit>
+  static void fields(Visit&& visit)
+  {
+    visit("constant_quality", &TheoraParams::constant_quality, Anything{}, "",
+          "keep to the quality, else to the bit rate");
+    visit("quality", &TheoraParams::quality, Range{0, 63}, "", "0 small, 63 good");
+    visit("target_bitrate", &TheoraParams::target_bitrate, Range{1, 99200000}, "bit/s", "at 30 Hz");
+    visit("keyframe_frequency", &TheoraParams::keyframe_frequency, Range{1, 64}, "frames",
+          "at most from one whole image to the next");
+  }
 };
 
 /// Throws std::invalid_argument naming the first parameter out of range, its value and the range.

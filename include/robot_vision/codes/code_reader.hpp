@@ -5,16 +5,34 @@
 #include <string>
 #include <vector>
 
+#include "robot_vision/common/fields.hpp"
+
 namespace robot_vision
 {
 
 struct CodeReaderParams
 {
-  std::string symbologies = "all";  // what is looked for: all, or some of codeTypes() with commas between them
-  int spacing = 1;                  // px between the lines along which the picture is scanned, 1 to 16
-  int enlarge = 1;                  // times the picture is enlarged first, 1 to 4: zbar wants modules of 3 px and more
-  double max_search_period = 0.5;   // s within which a new code is found, 0 (all of every image is searched) to 60
-  bool background = false;          // search whole images in a thread of its own, while update() goes on
+  std::string symbologies = "all";
+  int spacing = 1;
+  int enlarge = 1;
+  double max_search_period = 0.5;
+  bool background = false;
+
+  template <class Visit>
+  static void fields(Visit&& visit)
+  {
+    visit("symbologies", &CodeReaderParams::symbologies, Anything{}, "",
+          "what is looked for, each of which takes time: all, or some with commas: qr, ean13, ean8, upca, upce, "
+          "code128, code93, code39, i25, codabar");
+    visit("spacing", &CodeReaderParams::spacing, Range{1, 16}, "px",
+          "distance of the lines that are scanned; more is faster and misses small codes");
+    visit("enlarge", &CodeReaderParams::enlarge, Range{1, 4}, "",
+          "times the image is enlarged first, for codes with modules below 3 px; takes the square of the time");
+    visit("max_search_period", &CodeReaderParams::max_search_period, Range{0, 60}, "s",
+          "between searches of a whole image, which find new codes; 0: every frame is searched whole");
+    visit("background", &CodeReaderParams::background, Anything{}, "",
+          "search whole images in a thread of its own, while update() goes on");
+  }
 };
 
 /// Names of the kinds of code that can be read: qr, ean13, ...

@@ -4,6 +4,8 @@
 #include <opencv2/core.hpp>
 #include <string>
 
+#include "robot_vision/common/fields.hpp"
+
 namespace robot_vision
 {
 
@@ -11,12 +13,23 @@ namespace robot_vision
 /// from h_low to 179 and on from 0 to h_high.
 struct HsvRange
 {
-  int h_low = 90;    // half degrees, 0 to 180 (no pixel has 180)
-  int s_low = 50;    // saturation, 0 to 255
-  int v_low = 50;    // value, 0 to 255
-  int h_high = 120;  // half degrees, 0 to 180
-  int s_high = 255;  // s_low to 255
-  int v_high = 255;  // v_low to 255
+  int h_low = 90;
+  int s_low = 50;
+  int v_low = 50;
+  int h_high = 120;
+  int s_high = 255;
+  int v_high = 255;
+
+  template <class Visit>
+  static void fields(Visit&& visit)
+  {
+    visit("h_low", &HsvRange::h_low, Range{0, 180}, "half degrees", "lowest hue; above h_high: through red");
+    visit("s_low", &HsvRange::s_low, Range{0, 255}, "", "lowest saturation");
+    visit("v_low", &HsvRange::v_low, Range{0, 255}, "", "lowest value");
+    visit("h_high", &HsvRange::h_high, Range{0, 180}, "half degrees", "highest hue; no pixel has 180");
+    visit("s_high", &HsvRange::s_high, Range{0, 255}, "", "highest saturation, s_low or more");
+    visit("v_high", &HsvRange::v_high, Range{0, 255}, "", "highest value, v_low or more");
+  }
 };
 
 /// Throws std::invalid_argument naming the first limit out of range, its value and the range.

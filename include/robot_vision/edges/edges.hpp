@@ -4,17 +4,35 @@
 #include <opencv2/core.hpp>
 #include <string>
 
+#include "robot_vision/common/fields.hpp"
+
 namespace robot_vision
 {
 
 struct EdgeParams
 {
-  int blur_size = 7;             // px, side of the box blur: odd, 1 (none) to 31
-  double low_threshold = 15.0;   // gradient magnitude from which a pixel prolongs an edge, 0 to 10000
-  double high_threshold = 30.0;  // gradient magnitude from which a pixel begins an edge, low_threshold to 10000
-  int aperture = 3;              // px, side of the Sobel kernel: 3, 5 or 7
-  bool l2_gradient = false;      // magnitude sqrt(dx^2 + dy^2) instead of |dx| + |dy|
-  int threads = 1;               // that share a picture, 1 to 64; no more than cv::setNumThreads() allows
+  int blur_size = 7;
+  double low_threshold = 15.0;
+  double high_threshold = 30.0;
+  int aperture = 3;
+  bool l2_gradient = false;
+  int threads = 1;
+
+  template <class Visit>
+  static void fields(Visit&& visit)
+  {
+    visit("blur_size", &EdgeParams::blur_size, OddRange{1, 31}, "px", "side of the box blur; 1: none");
+    visit("low_threshold", &EdgeParams::low_threshold, Range{0, 10000}, "",
+          "gradient magnitude from which a pixel prolongs an edge");
+    visit("high_threshold", &EdgeParams::high_threshold, Range{0, 10000}, "",
+          "gradient magnitude from which a pixel begins an edge; at least low_threshold");
+    visit("aperture", &EdgeParams::aperture, OneOf{"3, 5 or 7"}, "px", "side of the Sobel kernel");
+    visit("l2_gradient", &EdgeParams::l2_gradient, Anything{}, "",
+          "Euclidean magnitude of the gradient, instead of the sum of its two absolute values");
+    visit("threads", &EdgeParams::threads, Range{1, 64}, "",
+          "number of threads that share an image, as far as OpenCV's setting allows; with aperture 5 and 7 it is "
+          "OpenCV that works");
+  }
 };
 
 /// Throws std::invalid_argument naming the first parameter out of range, its value and the range.

@@ -5,23 +5,49 @@
 #include <string>
 #include <vector>
 
+#include "robot_vision/common/fields.hpp"
+
 namespace robot_vision
 {
 
 struct FaceParams
 {
-  // Cascade files of OpenCV, Haar or LBP: a path, or a name that is looked up where OpenCV's data is installed.
-  std::string cascade_1 = "haarcascade_frontalface_default.xml";  // searched first
-  std::string cascade_2 = "haarcascade_profileface.xml";  // where the first finds none, also mirrored; "": not used
-  std::string eye_cascade = "haarcascade_eye.xml";        // eyes in a face; "": not used
-  double scale_factor = 1.2;                              // from one size searched to the next, 1.01 to 4
-  int min_neighbors = 2;           // windows that must agree on a face besides the first, 0 to 100
-  int min_size = 40;               // px, side of the smallest face, 1 to 8192
-  int max_size = 0;                // px, side of the largest face: 0 (any) or min_size to 8192
-  bool equalize = true;            // stretch the gray levels (cv::equalizeHist) first
-  double max_search_period = 0.5;  // s within which a new face is found, 0 (search after search) to 60
-  double hold = 0.5;               // s that a face is followed by its looks alone where no cascade sees it, 0 to 60
-  bool background = true;          // search whole pictures in a thread of its own, while update() goes on
+  std::string cascade_1 = "haarcascade_frontalface_default.xml";
+  std::string cascade_2 = "haarcascade_profileface.xml";
+  std::string eye_cascade = "haarcascade_eye.xml";
+  double scale_factor = 1.2;
+  int min_neighbors = 2;
+  int min_size = 40;
+  int max_size = 0;
+  bool equalize = true;
+  double max_search_period = 0.5;
+  double hold = 0.5;
+  bool background = true;
+
+  template <class Visit>
+  static void fields(Visit&& visit)
+  {
+    visit("cascade_1", &FaceParams::cascade_1, Anything{}, "",
+          "Haar or LBP cascade that is tried first: a path, or a name in OpenCV's data");
+    visit("cascade_2", &FaceParams::cascade_2, Anything{}, "",
+          "cascade that is tried where the first finds none, also mirrored: a path, a name in OpenCV's data, or "
+          "empty: none");
+    visit("eye_cascade", &FaceParams::eye_cascade, Anything{}, "",
+          "cascade of the eyes in a face: a path, a name in OpenCV's data, or empty: none");
+    visit("scale_factor", &FaceParams::scale_factor, Range{1.01, 4}, "", "from one size that is searched to the next");
+    visit("min_neighbors", &FaceParams::min_neighbors, Range{0, 100}, "",
+          "windows that must agree on a face besides the first");
+    visit("min_size", &FaceParams::min_size, Range{1, 8192}, "px", "side of the smallest face");
+    visit("max_size", &FaceParams::max_size, Range{0, 8192}, "px",
+          "side of the largest face, min_size or more; 0: any");
+    visit("equalize", &FaceParams::equalize, Anything{}, "", "stretch the gray levels first, as cv::equalizeHist does");
+    visit("max_search_period", &FaceParams::max_search_period, Range{0, 60}, "s",
+          "a new face is found within this; 0: one search after the other");
+    visit("hold", &FaceParams::hold, Range{0, 60}, "s",
+          "a face is followed for so long by its looks alone, where no cascade sees it");
+    visit("background", &FaceParams::background, Anything{}, "",
+          "search whole images in a thread of its own, while update() goes on");
+  }
 };
 
 /// Throws std::invalid_argument naming the first parameter out of range, its value and the range. Cascades are not

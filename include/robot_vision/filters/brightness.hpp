@@ -3,15 +3,29 @@
 #include <opencv2/core.hpp>
 #include <string>
 
+#include "robot_vision/common/fields.hpp"
+
 namespace robot_vision
 {
 
 struct BrightnessParams
 {
-  double gain = 1.0;     // contrast: factor on every value, 0 to 10
-  double offset = 50.0;  // brightness: gray levels of 255 added after the gain, -255 to 255
-  double gamma = 1.0;    // exponent of the last step, 0.1 to 10; below 1 lifts the shadows
-  int threads = 1;       // that share a picture, 1 to 64; no more than cv::setNumThreads() allows
+  double gain = 1.0;
+  double offset = 50.0;
+  double gamma = 1.0;
+  int threads = 1;
+
+  template <class Visit>
+  static void fields(Visit&& visit)
+  {
+    visit("gain", &BrightnessParams::gain, Range{0, 10}, "", "contrast: factor on every value");
+    visit("offset", &BrightnessParams::offset, Range{-255, 255}, "gray levels",
+          "brightness: added after the gain; white is 255");
+    visit("gamma", &BrightnessParams::gamma, Range{0.1, 10}, "",
+          "exponent of the last step; below 1 lifts the shadows");
+    visit("threads", &BrightnessParams::threads, Range{1, 64}, "",
+          "number of threads that share an image, as far as OpenCV's setting allows");
+  }
 };
 
 /// Throws std::invalid_argument naming the first parameter out of range, its value and the range.

@@ -5,6 +5,8 @@
 #include <opencv2/core.hpp>
 #include <vector>
 
+#include "robot_vision/common/fields.hpp"
+
 namespace robot_vision
 {
 
@@ -59,11 +61,21 @@ void requireSoundJpeg(const unsigned char* data, std::size_t size);
 
 struct JpegParams
 {
-  int quality = 80;          // %, 1 to 100
-  bool progressive = false;  // rough picture first
-  bool optimize = false;     // Huffman tables made for the picture: smaller and slower
-  int restart_interval =
-      0;  // blocks of 16 x 16 px between markers that a damaged stream can be read on from, 0 to 65535
+  int quality = 80;
+  bool progressive = false;
+  bool optimize = false;
+  int restart_interval = 0;
+
+  template <class Visit>
+  static void fields(Visit&& visit)
+  {
+    visit("jpeg_quality", &JpegParams::quality, Range{1, 100}, "%", "of JPEG");
+    visit("jpeg_progressive", &JpegParams::progressive, Anything{}, "", "JPEG: a rough image first");
+    visit("jpeg_optimize", &JpegParams::optimize, Anything{}, "",
+          "JPEG: tables made for the image, smaller and slower");
+    visit("jpeg_restart_interval", &JpegParams::restart_interval, Range{0, 65535}, "blocks",
+          "JPEG: between marks that a damaged image can be read on from; 0: none");
+  }
 };
 
 /// Throws std::invalid_argument naming the first parameter out of range, its value and the range.

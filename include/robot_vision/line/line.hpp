@@ -3,12 +3,20 @@
 #include <opencv2/core.hpp>
 #include <vector>
 
+#include "robot_vision/common/fields.hpp"
+
 namespace robot_vision
 {
 
 struct LineParams
 {
-  double min_area = 100.0;  // px^2, the smallest region that is taken for a line, 1 to 1e9
+  double min_area = 100.0;
+
+  template <class Visit>
+  static void fields(Visit&& visit)
+  {
+    visit("min_area", &LineParams::min_area, Range{1, 1e9}, "px^2", "smallest region that is taken for a line");
+  }
 };
 
 /// Throws std::invalid_argument naming the first parameter out of range, its value and the range.

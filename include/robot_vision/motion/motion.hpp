@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "robot_vision/common/fields.hpp"
 #include "robot_vision/segmentation/regions.hpp"
 
 namespace robot_vision
@@ -12,15 +13,34 @@ namespace robot_vision
 
 struct MotionParams
 {
-  std::string method = "first_frame";  // what a frame is compared with, see MotionDetector
-  int blur_size = 21;                  // px, side of the Gaussian blur: odd, 1 (none) to 99
-  double threshold = 25.0;      // gray levels by which the blurred pictures differ where something moves, 0 to 255
-  int dilate = 2;               // px by which what moves is grown, 0 to 50
-  double min_area = 500.0;      // px, regions with fewer pixels are left out, 0 to 1e9
-  double learning_rate = 0.05;  // running_average, mog2: share of the newest frame, above 0 to 1
-  double max_changed = 0.5;     // share of the picture above which it is no motion but light or the camera, 0 to 1
-  double settle = 1.0;          // s of that until what is seen is the new background, 0 to 3600
-  bool ignore_light = false;    // take the change of the median brightness out first; not with mog2
+  std::string method = "first_frame";
+  int blur_size = 21;
+  double threshold = 25.0;
+  int dilate = 2;
+  double min_area = 500.0;
+  double learning_rate = 0.05;
+  double max_changed = 0.5;
+  double settle = 1.0;
+  bool ignore_light = false;
+
+  template <class Visit>
+  static void fields(Visit&& visit)
+  {
+    visit("method", &MotionParams::method, OneOf{"first_frame, previous_frame, running_average or mog2"}, "",
+          "what frames are compared with");
+    visit("blur_size", &MotionParams::blur_size, OddRange{1, 99}, "px", "side of the Gaussian blur; 1: none");
+    visit("threshold", &MotionParams::threshold, Range{0, 255}, "gray levels",
+          "difference of the blurred images where something moves");
+    visit("dilate", &MotionParams::dilate, Range{0, 50}, "px", "by how much what moves is grown");
+    visit("min_area", &MotionParams::min_area, Range{0, 1e9}, "px^2", "smallest thing that moves");
+    visit("learning_rate", &MotionParams::learning_rate, Above{0, 1}, "",
+          "running_average, mog2: share of the newest frame");
+    visit("max_changed", &MotionParams::max_changed, Range{0, 1}, "",
+          "share of the image above which it is no motion, but light or the camera");
+    visit("settle", &MotionParams::settle, Range{0, 3600}, "s", "such a change becomes the background after this");
+    visit("ignore_light", &MotionParams::ignore_light, Anything{}, "",
+          "take out what changes in the whole image alike, the median brightness; not with mog2");
+  }
 };
 
 /// Throws std::invalid_argument naming the first parameter out of range, its value and the range.

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "robot_vision/common/fields.hpp"
 #include "robot_vision/geometry/camera_model.hpp"
 
 namespace robot_vision
@@ -22,12 +23,25 @@ constexpr double kScenePeriod = 20.0;  // s after which every motion repeats
 
 struct SceneParams
 {
-  int width = 640;         // px, 64 to 4096
-  int height = 480;        // px, 64 to 4096, and between a third and three times the width
-  double rate = 30.0;      // frames per second of the motion, Hz, above 0 up to 1000
-  std::uint64_t seed = 1;  // of the noise; everything else is the same for all seeds
-  double noise = 2.0;      // standard deviation of the pixel noise, gray levels, 0 (none) to 30
-  bool still = false;      // the camera stays where it is in frame 0
+  int width = 640;
+  int height = 480;
+  double rate = 30.0;
+  std::uint64_t seed = 1;
+  double noise = 2.0;
+  bool still = false;
+
+  template <class Visit>
+  static void fields(Visit&& visit)
+  {
+    visit("width", &SceneParams::width, Range{64, 4096}, "px", "of the image");
+    visit("height", &SceneParams::height, Range{64, 4096}, "px",
+          "of the image, between a third and three times the width");
+    visit("rate", &SceneParams::rate, Above{0, 1000}, "Hz", "frames per second of the motion");
+    visit("seed", &SceneParams::seed, Anything{}, "", "of the noise; everything else is the same for all seeds");
+    visit("noise", &SceneParams::noise, Range{0, 30}, "gray levels",
+          "standard deviation of the noise of each pixel; 0: none");
+    visit("still", &SceneParams::still, Anything{}, "", "the camera stays where it is in frame 0");
+  }
 };
 
 /// Throws std::invalid_argument naming the first parameter out of range, its value and its range.

@@ -3,14 +3,26 @@
 #include <opencv2/core.hpp>
 #include <vector>
 
+#include "robot_vision/common/fields.hpp"
+
 namespace robot_vision
 {
 
 struct RegionParams
 {
-  double min_area = 200.0;  // px, regions with fewer pixels are left out, 0 to 1e9
-  int opening = 3;          // px, diameter of the ellipse that removes specks: odd, 1 (none) to 31
-  int closing = 3;          // px, diameter of the ellipse that fills gaps: odd, 1 (none) to 31
+  double min_area = 200.0;
+  int opening = 3;
+  int closing = 3;
+
+  template <class Visit>
+  static void fields(Visit&& visit)
+  {
+    visit("min_area", &RegionParams::min_area, Range{0, 1e9}, "px^2", "smallest region; smaller ones are left out");
+    visit("opening", &RegionParams::opening, OddRange{1, 31}, "px",
+          "diameter of the ellipse of the opening, which removes specks; 1: none");
+    visit("closing", &RegionParams::closing, OddRange{1, 31}, "px",
+          "diameter of the ellipse of the closing, which fills holes; 1: none");
+  }
 };
 
 /// Throws std::invalid_argument naming the first parameter out of range, its value and the range.

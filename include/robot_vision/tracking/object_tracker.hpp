@@ -6,20 +6,43 @@
 #include <string>
 #include <vector>
 
+#include "robot_vision/common/fields.hpp"
+
 namespace robot_vision
 {
 
 struct ObjectTrackerParams
 {
-  int points = 40;              // of an object that are followed at most, 8 to 200
-  int window = 15;              // px, side of the window around a point that is followed: odd, 5 to 51
-  int levels = 3;               // halvings of the picture, for fast motion, 0 to 6
-  double max_error = 1.0;       // px by which following a point there and back may miss it, 0.1 to 10
-  double min_similarity = 0.5;  // correlation with the model at which a point counts as seen, 0 to 1
-  double min_confidence = 0.3;  // share of an object's points to be seen, below which it is lost, 0.05 to 1
-  double search_period = 0.25;  // s between searches of the picture for lost objects, 0 to 3600
-  int search_features = 3000;   // in the picture, compared with those of lost objects, 100 to 10000
-  double smoothing = 0.1;       // s, time constant of the filter of the velocity, 0 to 10
+  int points = 40;
+  int window = 15;
+  int levels = 3;
+  double max_error = 1.0;
+  double min_similarity = 0.5;
+  double min_confidence = 0.3;
+  double search_period = 0.25;
+  int search_features = 3000;
+  double smoothing = 0.1;
+
+  template <class Visit>
+  static void fields(Visit&& visit)
+  {
+    visit("points", &ObjectTrackerParams::points, Range{8, 200}, "",
+          "most points that are followed of an object selected from now on");
+    visit("window", &ObjectTrackerParams::window, OddRange{5, 51}, "px",
+          "side of the window around a point that is followed");
+    visit("levels", &ObjectTrackerParams::levels, Range{0, 6}, "", "halvings of the image, for fast motion");
+    visit("max_error", &ObjectTrackerParams::max_error, Range{0.1, 10}, "px",
+          "by which a point that is followed there and back may miss itself");
+    visit("min_similarity", &ObjectTrackerParams::min_similarity, Range{0, 1}, "",
+          "correlation with its first appearance from which a point counts as seen");
+    visit("min_confidence", &ObjectTrackerParams::min_confidence, Range{0.05, 1}, "",
+          "share of an object's points seen, below which it is lost");
+    visit("search_period", &ObjectTrackerParams::search_period, Range{0, 3600}, "s",
+          "time between searches of the whole image for lost objects");
+    visit("search_features", &ObjectTrackerParams::search_features, Range{100, 10000}, "",
+          "features of the image in such a search");
+    visit("smoothing", &ObjectTrackerParams::smoothing, Range{0, 10}, "s", "time constant of the velocity's filter");
+  }
 };
 
 /// Throws std::invalid_argument naming the first parameter out of range, its value and the range.

@@ -18,13 +18,7 @@ double square(double value)
 
 void validate(const BallTrackerParams& params)
 {
-  require(params.process_noise > 0.0 && params.process_noise <= 1e6, "process_noise", params.process_noise,
-          "above 0 and up to 1e+06");
-  requireRange("measurement_noise", params.measurement_noise, 0.01, 100.0);
-  requireRange("radius_noise", params.radius_noise, 0.0, 1e4);
-  requireRange("initial_speed", params.initial_speed, 0.0, 1e6);
-  requireRange("max_prediction", params.max_prediction, 0.0, 60.0);
-  requireRange("gate", params.gate, 1.0, 100.0);
+  checkFields(params);
 }
 
 BallTracker::BallTracker(const BallTrackerParams& params) : params_(params)

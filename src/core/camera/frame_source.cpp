@@ -12,7 +12,6 @@
 #include "robot_vision/common/range.hpp"
 #include "scene_source.hpp"
 #include "v4l2_cameras.hpp"
-#include "v4l2_format.hpp"
 #include "v4l2_source.hpp"
 #include "video_source.hpp"
 
@@ -101,17 +100,8 @@ std::unique_ptr<FrameSource> openVideoFile(const std::string& path)
 
 void validate(const CaptureParams& params)
 {
-  requireRange("image_width", params.image_width, 16, 8192);
-  requireRange("image_height", params.image_height, 16, 8192);
+  checkFields(params);
   if (params.source == "synthetic") validateScene(params);
-  requireRange("framerate", params.framerate, 0.0, 1000.0);
-  requireRange("timeout", params.timeout, 0.1, 3600.0);
-  const std::string& format = params.pixel_format;
-  require(findV4l2Format(format) != nullptr, "pixel_format", "'" + format + "'", v4l2FormatNames());
-  const std::string& io = params.io_method;
-  require(io == "mmap" || io == "read" || io == "userptr", "io_method", "'" + io + "'", "mmap, read or userptr");
-  require(params.scene == "room" || params.scene == "calibration", "scene", "'" + params.scene + "'",
-          "room or calibration");
   require(!params.source.empty() || !params.video_device.empty(), "video_device", "''",
           "a device such as /dev/video0, or its name");
 }

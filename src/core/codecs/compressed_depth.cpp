@@ -75,9 +75,7 @@ void decodeMetres(const cv::Mat& codes, const Header& header, cv::Mat& depth)
 
 void validate(const DepthCompressionParams& params)
 {
-  requireRange("depth_max", params.depth_max, 1.0, 100.0);
-  requireRange("depth_quantization", params.depth_quantization, 1.0, 150.0);
-  requireRange("png_level", params.png_level, 1, 9);
+  checkFields(params);
 }
 
 bool isDepth(const std::string& encoding)

@@ -142,9 +142,8 @@ const char* storedEncoding(bool jpeg, const unsigned char* data, std::size_t siz
 
 void validate(const CompressionParams& params)
 {
-  require(params.format == "jpeg" || params.format == "png", "format", "'" + params.format + "'", "jpeg or png");
+  checkFields(params);
   validate(params.jpeg);
-  requireRange("png_level", params.png_level, 1, 9);
 }
 
 std::string jpegFormat(bool color)

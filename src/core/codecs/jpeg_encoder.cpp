@@ -7,7 +7,6 @@
 #include <stdexcept>
 #include <string>
 
-#include "robot_vision/common/range.hpp"
 #include "robot_vision/image/jpeg.hpp"
 
 namespace robot_vision
@@ -63,8 +62,7 @@ void encodeByOpenCv(const cv::Mat& image, bool rgb, const JpegParams& params, st
 
 void validate(const JpegParams& params)
 {
-  requireRange("jpeg_quality", params.quality, 1, 100);
-  requireRange("jpeg_restart_interval", params.restart_interval, 0, 65535);
+  checkFields(params);
 }
 
 void encodeJpeg(const cv::Mat& image, bool rgb, const JpegParams& params, std::vector<std::uint8_t>& out)

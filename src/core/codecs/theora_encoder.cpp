@@ -5,15 +5,14 @@
 #include <string>
 
 #include "robot_vision/codecs/theora.hpp"
-#include "robot_vision/common/range.hpp"
 
 namespace robot_vision
 {
 namespace
 {
 
-constexpr int kBlock = 16;  // px, that both sides of a coded frame are a multiple of
-constexpr int kGranuleShift = 6;
+constexpr int kBlock = 16;        // px, that both sides of a coded frame are a multiple of
+constexpr int kGranuleShift = 6;  // bits that count the frames since a key frame: keyframe_frequency is 64 at most
 constexpr int kNominalRate = 30;  // Hz: the stream has to name one, and the bit rate is kept by it
 
 int padded(int side)
@@ -56,9 +55,7 @@ struct TheoraEncoder::Stream
 
 void validate(const TheoraParams& params)
 {
-  requireRange("quality", params.quality, 0, 63);
-  requireRange("target_bitrate", params.target_bitrate, 1, 99200000);
-  requireRange("keyframe_frequency", params.keyframe_frequency, 1, 1 << kGranuleShift);
+  checkFields(params);
 }
 
 TheoraEncoder::TheoraEncoder(const TheoraParams& params) : params_(params)

@@ -120,9 +120,7 @@ void validate(const CodeReaderParams& params)
       if (std::find(known.begin(), known.end(), name) == known.end())
         throw std::invalid_argument("symbologies has '" + shortened(name) +
                                     "', must be all, or some with commas: " + joined(known));
-  requireRange("spacing", params.spacing, 1.0, 16.0);
-  requireRange("enlarge", params.enlarge, 1.0, 4.0);
-  requireRange("max_search_period", params.max_search_period, 0.0, 60.0);
+  checkFields(params);
 }
 
 struct CodeSearch::Impl

@@ -50,11 +50,8 @@ HsvTests forRgb(HsvTests tests)
 
 void validate(const HsvRange& range)
 {
-  requireRange("h_low", range.h_low, 0, 180);
-  requireRange("h_high", range.h_high, 0, 180);
-  requireRange("s_low", range.s_low, 0, 255);
+  checkFields(range);
   requireRange("s_high", range.s_high, range.s_low, 255);
-  requireRange("v_low", range.v_low, 0, 255);
   requireRange("v_high", range.v_high, range.v_low, 255);
 }
 

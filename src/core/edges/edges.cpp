@@ -34,15 +34,9 @@ EdgeThresholds thresholdsOf(const EdgeParams& params)
 
 void validate(const EdgeParams& params)
 {
-  require(params.blur_size >= 1 && params.blur_size <= 31 && params.blur_size % 2 == 1, "blur_size", params.blur_size,
-          "odd and from 1 to 31");
-  requireRange("low_threshold", params.low_threshold, 0.0, 10000.0);
-  requireRange("high_threshold", params.high_threshold, 0.0, 10000.0);
+  checkFields(params);
   require(params.high_threshold >= params.low_threshold, "high_threshold", params.high_threshold,
           "at least low_threshold, " + toText(params.low_threshold));
-  require(params.aperture == 3 || params.aperture == 5 || params.aperture == 7, "aperture", params.aperture,
-          "3, 5 or 7");
-  requireRange("threads", params.threads, 1, 64);
 }
 
 struct EdgeDetector::Bands

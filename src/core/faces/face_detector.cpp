@@ -32,13 +32,9 @@ constexpr int kEyeNeighbors = 3;
 void validate(const FaceParams& params)
 {
   require(!params.cascade_1.empty(), "cascade_1", "''", "the name of a file");
-  requireRange("scale_factor", params.scale_factor, 1.01, 4.0);
-  requireRange("min_neighbors", params.min_neighbors, 0.0, 100.0);
-  requireRange("min_size", params.min_size, 1.0, 8192.0);
-  require(params.max_size == 0 || (params.max_size >= params.min_size && params.max_size <= 8192), "max_size",
-          params.max_size, "0 (any) or from min_size (" + toText(params.min_size) + ") to 8192");
-  requireRange("max_search_period", params.max_search_period, 0.0, 60.0);
-  requireRange("hold", params.hold, 0.0, 60.0);
+  checkFields(params);
+  require(params.max_size == 0 || params.max_size >= params.min_size, "max_size", params.max_size,
+          "0 (any) or from min_size (" + toText(params.min_size) + ") to 8192");
 }
 
 struct FaceDetector::Impl

@@ -9,7 +9,6 @@
 #include "brightness_kernels.hpp"
 #include "core/image/lut_kernels.hpp"
 #include "core/image/row_bands.hpp"
-#include "robot_vision/common/range.hpp"
 #include "robot_vision/image/encoding.hpp"
 
 namespace robot_vision
@@ -66,10 +65,7 @@ void applyLut(const std::uint16_t* table, const std::uint16_t* values, int count
 
 void validate(const BrightnessParams& params)
 {
-  requireRange("gain", params.gain, 0.0, 10.0);
-  requireRange("offset", params.offset, -255.0, 255.0);
-  requireRange("gamma", params.gamma, 0.1, 10.0);
-  requireRange("threads", params.threads, 1, 64);
+  checkFields(params);
 }
 
 Brightness::Brightness(const BrightnessParams& params) : params_(params)

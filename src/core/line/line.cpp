@@ -6,7 +6,6 @@
 #include <opencv2/imgproc.hpp>
 #include <utility>
 
-#include "robot_vision/common/range.hpp"
 #include "robot_vision/image/encoding.hpp"
 
 namespace robot_vision
@@ -110,7 +109,7 @@ std::pair<double, Fit> direction(const cv::Mat& region, const cv::Rect& box, con
 
 void validate(const LineParams& params)
 {
-  requireRange("min_area", params.min_area, 1.0, 1e9);
+  checkFields(params);
 }
 
 Line findLine(const cv::Mat& mask, const LineParams& params, const Line& previous)

@@ -9,7 +9,6 @@
 
 #include "core/image/gray_line_buffer.hpp"
 #include "frame_difference.hpp"
-#include "robot_vision/common/range.hpp"
 #include "robot_vision/image/encoding.hpp"
 
 namespace robot_vision
@@ -18,8 +17,6 @@ namespace
 {
 
 constexpr double kOutlineError = 1.0;  // px; the blur has made it a matter of several
-
-const std::vector<std::string> kMethods = {"first_frame", "previous_frame", "running_average", "mog2"};
 
 RegionParams regionParams(const MotionParams& params)
 {
@@ -46,17 +43,7 @@ int brighterBy(const cv::Mat& gray, const cv::Mat& reference)
 
 void validate(const MotionParams& params)
 {
-  if (std::find(kMethods.begin(), kMethods.end(), params.method) == kMethods.end())
-    require(false, "method", params.method, "first_frame, previous_frame, running_average or mog2");
-  require(params.blur_size >= 1 && params.blur_size <= 99 && params.blur_size % 2 == 1, "blur_size", params.blur_size,
-          "odd and from 1 to 99");
-  requireRange("threshold", params.threshold, 0.0, 255.0);
-  requireRange("dilate", params.dilate, 0.0, 50.0);
-  requireRange("min_area", params.min_area, 0.0, 1e9);
-  require(params.learning_rate > 0.0 && params.learning_rate <= 1.0, "learning_rate", params.learning_rate,
-          "above 0 and at most 1");
-  requireRange("max_changed", params.max_changed, 0.0, 1.0);
-  requireRange("settle", params.settle, 0.0, 3600.0);
+  checkFields(params);
 }
 
 struct MotionDetector::Impl

@@ -15,13 +15,10 @@ namespace robot_vision
 
 void validate(const SceneParams& params)
 {
-  const double smallest = 64, largest = 4096, narrowest = 3, most_noise = 30, fastest = 1000;
-  requireRange("width", params.width, smallest, largest);
-  requireRange("height", params.height, smallest, largest);
+  checkFields(params);
+  const double narrowest = 3;
   require(params.width <= narrowest * params.height, "width", params.width, "at most 3 times the height");
   require(params.height <= narrowest * params.width, "height", params.height, "at most 3 times the width");
-  require(params.rate > 0.0 && params.rate <= fastest, "rate", params.rate, "above 0 and at most 1000");
-  requireRange("noise", params.noise, 0, most_noise);
 }
 
 namespace

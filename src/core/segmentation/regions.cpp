@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "core/image/rects.hpp"
-#include "robot_vision/common/range.hpp"
 #include "robot_vision/image/encoding.hpp"
 #include "runs.hpp"
 
@@ -16,11 +15,6 @@ namespace
 {
 
 constexpr double kToEdge = 0.5;  // px from the centre of a pixel to its side
-
-void requireDiameter(const std::string& name, int value)
-{
-  require(value >= 1 && value <= 31 && value % 2 == 1, name, value, "odd and from 1 to 31");
-}
 
 cv::Mat ellipse(int diameter)
 {
@@ -79,9 +73,7 @@ void addCircle(Region& region)
 
 void validate(const RegionParams& params)
 {
-  requireRange("min_area", params.min_area, 0.0, 1e9);
-  requireDiameter("opening", params.opening);
-  requireDiameter("closing", params.closing);
+  checkFields(params);
 }
 
 RegionFinder::RegionFinder(const RegionParams& params) : params_(params)

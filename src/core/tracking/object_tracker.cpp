@@ -36,16 +36,7 @@ bool isInside(const cv::Size& picture, const cv::Point2f& p)
 
 void validate(const ObjectTrackerParams& params)
 {
-  requireRange("points", params.points, 8.0, 200.0);
-  require(params.window >= 5 && params.window <= 51 && params.window % 2 == 1, "window", params.window,
-          "odd and from 5 to 51");
-  requireRange("levels", params.levels, 0.0, 6.0);
-  requireRange("max_error", params.max_error, 0.1, 10.0);
-  requireRange("min_similarity", params.min_similarity, 0.0, 1.0);
-  requireRange("min_confidence", params.min_confidence, 0.05, 1.0);
-  requireRange("search_period", params.search_period, 0.0, 3600.0);
-  requireRange("search_features", params.search_features, 100.0, 10000.0);
-  requireRange("smoothing", params.smoothing, 0.0, 10.0);
+  checkFields(params);
 }
 
 struct ObjectTracker::Impl

@@ -10,6 +10,7 @@
 #include "lazy_image_filter.hpp"
 #include "registration.hpp"
 #include "robot_vision/common/printable.hpp"
+#include "ros/params/fields.hpp"
 #include "ros/params/live_params.hpp"
 #include "ros/params/unknown_params.hpp"
 
@@ -17,14 +18,12 @@ namespace robot_vision
 {
 
 /// A nodelet that makes one picture of another. `Filter` is a class of the core with apply() and outputEncoding(), made
-/// anew from each accepted `Config`.
-template <class Config, class Filter>
+/// anew from the `Params` in each `Config` that it accepts; its constructor throws std::invalid_argument to refuse
+/// them.
+template <class Config, class Params, class Filter>
 class FilterNodelet : public nodelet::Nodelet
 {
 protected:
-  using MakeFilter = Filter (*)(const Config&);  // throws std::invalid_argument to refuse the parameters
-
-  explicit FilterNodelet(MakeFilter make) : make_(make) {}
   ~FilterNodelet() override { stop(); }
 
 private:
@@ -35,7 +34,7 @@ private:
     gate_.guard(getPrivateNodeHandle());
     const auto renew = [this](const Config& config)
     {
-      auto filter = std::make_shared<Filter>(make_(config));
+      auto filter = std::make_shared<Filter>(filled<Params>(config));
       const std::lock_guard<std::mutex> lock(mutex_);
       filter_ = filter;
     };
@@ -69,8 +68,7 @@ private:
   }
 
   CallbackGate gate_;  // ends last: roscpp has its queues
-  MakeFilter make_;
-  std::mutex mutex_;  // guards filter_, which a frame uses while new parameters replace it
+  std::mutex mutex_;   // guards filter_, which a frame uses while new parameters replace it
   std::shared_ptr<Filter> filter_;
   std::unique_ptr<LiveParams<Config>> params_;
   std::unique_ptr<LazyImageFilter> pipe_;

@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "ros/images/image_message.hpp"
+#include "ros/params/fields.hpp"
 
 namespace robot_vision
 {
@@ -22,20 +23,15 @@ sensor_msgs::CompressedImage toMessage(CompressedPicture picture, const std_msgs
 
 CompressionParams toCompressionParams(const CompressedPublisherConfig& config)
 {
-  CompressionParams params;
-  params.format = config.format;
-  params.jpeg.quality = config.jpeg_quality;
-  params.jpeg.progressive = config.jpeg_progressive;
-  params.jpeg.optimize = config.jpeg_optimize;
-  params.jpeg.restart_interval = config.jpeg_restart_interval;
-  params.png_level = config.png_level;
+  auto params = filled<CompressionParams>(config);
+  params.jpeg = filled<JpegParams>(config);
   validate(params);
   return params;
 }
 
 DepthCompressionParams toDepthCompressionParams(const CompressedDepthPublisherConfig& config)
 {
-  const DepthCompressionParams params{config.depth_max, config.depth_quantization, config.png_level};
+  const auto params = filled<DepthCompressionParams>(config);
   validate(params);
   return params;
 }

@@ -6,20 +6,43 @@
 #include <string>
 #include <vector>
 
+#include "robot_vision/common/fields.hpp"
+
 namespace robot_vision
 {
 
 struct TagDetectorParams
 {
-  std::vector<std::string> families = {"tag36h11"};  // that are looked for, see tag_families.hpp; each once
-  double decimate = 0.0;           // edges are looked for in each such pixel: 1, 1.5, 2, 3 to 10; 0: by the tag's size
-  double blur = 0.0;               // px of what is left then, sigma of a blur before; below 0 it sharpens, -5 to 5
-  bool refine_edges = true;        // move the edges to where the full picture changes most
-  int max_hamming = 2;             // wrong bits that are corrected, 0 to 2; see TagDetector
-  double min_margin = 0.0;         // gray levels, tags with a smaller margin are left out, 0 to 255
-  double min_similarity = 0.8;     // tags that look less like themselves are left out, -1 to 1
-  double max_search_period = 0.5;  // s within which a new tag is found, 0 (all of every picture is searched) to 60
-  bool background = false;         // search whole pictures in a thread of its own, while update() goes on
+  std::vector<std::string> families = {"tag36h11"};
+  double decimate = 0.0;
+  double blur = 0.0;
+  bool refine_edges = true;
+  int max_hamming = 2;
+  double min_margin = 0.0;
+  double min_similarity = 0.8;
+  double max_search_period = 0.5;
+  bool background = false;
+
+  template <class Visit>
+  static void fields(Visit&& visit)
+  {
+    visit("families", &TagDetectorParams::families, Anything{}, "",
+          "that are looked for, each once; see tag_families.hpp");
+    visit("decimate", &TagDetectorParams::decimate, Range{0, 10}, "",
+          "pixels between those that are looked at for edges: 1 (all), 1.5, 2, 3, ...; 0: by the tags' size");
+    visit("blur", &TagDetectorParams::blur, Range{-5, 5}, "px", "sigma of a blur of those before; below 0 it sharpens");
+    visit("refine_edges", &TagDetectorParams::refine_edges, Anything{}, "",
+          "move the edges to where the full image changes most");
+    visit("max_hamming", &TagDetectorParams::max_hamming, Range{0, 2}, "",
+          "wrong bits that are corrected; of tag16h5 and the families with more than 10000 ids one at most");
+    visit("min_margin", &TagDetectorParams::min_margin, Range{0, 255}, "gray levels", "least decision margin");
+    visit("min_similarity", &TagDetectorParams::min_similarity, Range{-1, 1}, "",
+          "least correlation with what the tag looks like, which keeps ghosts out");
+    visit("max_search_period", &TagDetectorParams::max_search_period, Range{0, 60}, "s",
+          "between searches of a whole image, which find new tags; 0: every frame is searched whole");
+    visit("background", &TagDetectorParams::background, Anything{}, "",
+          "search whole images in a thread of its own, while update() goes on");
+  }
 };
 
 /// Throws std::invalid_argument naming the first parameter out of range, its value and the range.

@@ -5,15 +5,28 @@
 #include <vector>
 
 #include "tag_pose.hpp"
+#include "robot_vision/common/fields.hpp"
 
 namespace robot_vision
 {
 
 struct TagPoseParams
 {
-  double corner_noise = 0.2;    // px, standard deviation of corners without a covariance, at first, 0.001 to 10
-  double lasting_noise = 0.06;  // px, the same of what does not change while a tag is at rest, 0 to 10
-  double max_gap = 0.5;         // s without its tags after which a body is a new one, above 0 to 60
+  double corner_noise = 0.2;
+  double lasting_noise = 0.06;
+  double max_gap = 0.5;
+
+  template <class Visit>
+  static void fields(Visit&& visit)
+  {
+    visit("corner_noise", &TagPoseParams::corner_noise, Range{0.001, 10}, "px",
+          "standard deviation of corners that the image cannot tell, until it has been measured");
+    visit("lasting_noise", &TagPoseParams::lasting_noise, Range{0, 10}, "px",
+          "the same of each coordinate, what the calibration leaves of the lens: time does not average it out, and "
+          "neighbouring tags share it");
+    visit("max_gap", &TagPoseParams::max_gap, Above{0, 60, " to "}, "s",
+          "after which a tag or bundle that was not seen has a new pose");
+  }
 };
 
 /// Throws std::invalid_argument naming the first parameter out of range, its value and the range.

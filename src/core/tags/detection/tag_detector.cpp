@@ -57,11 +57,7 @@ void validate(const TagDetectorParams& params)
     require(count == 1, "families", name + " twice", "each once");
   }
   require(isDecimation(params.decimate), "decimate", params.decimate, "0 (by the tag's size), 1, 1.5, 2, 3, ... or 10");
-  requireRange("blur", params.blur, -5.0, 5.0);
-  requireRange("max_hamming", params.max_hamming, 0.0, 2.0);
-  requireRange("min_margin", params.min_margin, 0.0, 255.0);
-  requireRange("min_similarity", params.min_similarity, -1.0, 1.0);
-  requireRange("max_search_period", params.max_search_period, 0.0, 60.0);
+  checkFields(params);
 }
 
 struct TagDetector::Impl

@@ -126,9 +126,7 @@ struct TagPoseTracker::Impl
 
 void validate(const TagPoseParams& params)
 {
-  requireRange("corner_noise", params.corner_noise, 0.001, 10.0);
-  requireRange("lasting_noise", params.lasting_noise, 0.0, 10.0);
-  require(params.max_gap > 0.0 && params.max_gap <= 60.0, "max_gap", params.max_gap, "above 0 to 60");
+  checkFields(params);
 }
 
 TagPoseTracker::TagPoseTracker(const Bundle& bundle, const TagPoseParams& params)

@@ -4,6 +4,7 @@
 #include <pluginlib/class_list_macros.hpp>
 
 #include "robot_vision/codecs/theora.hpp"
+#include "ros/params/fields.hpp"
 #include "theora_packet.hpp"
 #include "transport_publisher.hpp"
 
@@ -14,19 +15,10 @@ namespace
 
 TheoraParams toParams(const TheoraPublisherConfig& config)
 {
-  TheoraParams params;
+  auto params = filled<TheoraParams>(config);
   params.constant_quality = config.optimize_for == TheoraPublisher_Quality;
-  params.quality = config.quality;
-  params.target_bitrate = config.target_bitrate;
-  params.keyframe_frequency = config.keyframe_frequency;
   validate(params);
   return params;
-}
-
-bool operator!=(const TheoraParams& a, const TheoraParams& b)
-{
-  return a.constant_quality != b.constant_quality || a.quality != b.quality || a.target_bitrate != b.target_bitrate ||
-         a.keyframe_frequency != b.keyframe_frequency;
 }
 
 TheoraPacketMessage toMessage(const TheoraPacket& packet, const std_msgs::Header& header)
@@ -77,7 +69,7 @@ private:
   {
     const cv::Mat bgr = convertPixels(message, "bgr8");
     const std::lock_guard<std::mutex> lock(mutex_);
-    if (params != params_) encoder_ = TheoraEncoder(params);
+    if (!equalFields(params, params_)) encoder_ = TheoraEncoder(params);
     params_ = params;
     last_ = message.header;
     for (const TheoraPacket& packet : encoder_.encode(bgr))
