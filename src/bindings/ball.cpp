@@ -4,6 +4,8 @@
 
 #include "arrays.hpp"
 #include "leave_gil.hpp"
+#include "params.hpp"
+#include "registry.hpp"
 #include "robot_vision/ball/ball_tracker.hpp"
 
 using namespace robot_vision;
@@ -31,18 +33,8 @@ py::object choose(const py::list& regions, double min_roundness, const std::opti
 
 void bindTracker(py::module& m)
 {
-  py::class_<BallTrackerParams>(
-      m, "BallTrackerParams",
-      "Noise of motion (px/s^1.5) and measurement (px), drift of the radius (px/s^0.5), speed "
-      "of a new ball (px/s), longest prediction (s), gate (standard deviations); see "
-      "ball_tracker.hpp for ranges.")
-      .def(py::init<>())
-      .def_readwrite("process_noise", &BallTrackerParams::process_noise)
-      .def_readwrite("measurement_noise", &BallTrackerParams::measurement_noise)
-      .def_readwrite("radius_noise", &BallTrackerParams::radius_noise)
-      .def_readwrite("initial_speed", &BallTrackerParams::initial_speed)
-      .def_readwrite("max_prediction", &BallTrackerParams::max_prediction)
-      .def_readwrite("gate", &BallTrackerParams::gate);
+  bindParams<BallTrackerParams>(m, "BallTrackerParams",
+                                "What a BallTracker expects of a ball and of its measurements.");
 
   py::class_<BallMeasurement>(m, "BallMeasurement", "A ball found in a picture: center (x, y) and radius, px.")
       .def(py::init(
@@ -74,8 +66,6 @@ void bindTracker(py::module& m)
       .def("predict", &BallTracker::predict, "time_s"_a, "The BallState expected at a time (s), or None.");
 }
 
-}  // namespace
-
 void bindBall(py::module& m)
 {
   py::class_<BallPosition>(m, "BallPosition", "Where a ball is.")
@@ -102,3 +92,7 @@ void bindBall(py::module& m)
         "where the ball is expected, (x, y) in px, or else the largest; None if there is none.");
   bindTracker(m);
 }
+
+const Bindings kBindings("ball", {"geometry"}, bindBall);
+
+}  // namespace

@@ -2,25 +2,19 @@
 
 #include "arrays.hpp"
 #include "leave_gil.hpp"
+#include "params.hpp"
+#include "registry.hpp"
 #include "robot_vision/codes/code_reader.hpp"
 
 using namespace robot_vision;
 using namespace py::literals;
 
-/// QR codes and bar codes.
+namespace
+{
+
 void bindCodes(py::module& m)
 {
-  py::class_<CodeReaderParams>(
-      m, "CodeReaderParams",
-      "Symbologies (all, or some of code_types() with commas), px between the lines that are "
-      "scanned (1..16), times the picture is enlarged first (1..4), and for update() the s within "
-      "which a new code is found (0..60), and whether that is searched for in the background.")
-      .def(py::init<>())
-      .def_readwrite("symbologies", &CodeReaderParams::symbologies)
-      .def_readwrite("spacing", &CodeReaderParams::spacing)
-      .def_readwrite("enlarge", &CodeReaderParams::enlarge)
-      .def_readwrite("max_search_period", &CodeReaderParams::max_search_period)
-      .def_readwrite("background", &CodeReaderParams::background);
+  bindParams<CodeReaderParams>(m, "CodeReaderParams", "What a CodeReader looks for, and how.");
 
   py::class_<Code>(m, "Code", "A code in a picture.")
       .def_readonly("type", &Code::type, "one of code_types()")
@@ -59,3 +53,7 @@ void bindCodes(py::module& m)
         "Whether the bytes of a QR code come back as they are; by a zbar before 0.23.1 what is not ASCII may not.");
   m.def("code_types", &codeTypes, "Names of the kinds of code that can be read.");
 }
+
+const Bindings kBindings("codes", {}, bindCodes);
+
+}  // namespace

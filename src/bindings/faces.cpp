@@ -2,27 +2,19 @@
 
 #include "arrays.hpp"
 #include "leave_gil.hpp"
+#include "params.hpp"
+#include "registry.hpp"
 #include "robot_vision/faces/face_detector.hpp"
 
 using namespace robot_vision;
 using namespace py::literals;
 
-/// Faces.
+namespace
+{
+
 void bindFaces(py::module& m)
 {
-  py::class_<FaceParams>(m, "FaceParams", "What is searched for, and how often; see face_detector.hpp.")
-      .def(py::init<>())
-      .def_readwrite("cascade_1", &FaceParams::cascade_1)
-      .def_readwrite("cascade_2", &FaceParams::cascade_2)
-      .def_readwrite("eye_cascade", &FaceParams::eye_cascade)
-      .def_readwrite("scale_factor", &FaceParams::scale_factor)
-      .def_readwrite("min_neighbors", &FaceParams::min_neighbors)
-      .def_readwrite("min_size", &FaceParams::min_size)
-      .def_readwrite("max_size", &FaceParams::max_size)
-      .def_readwrite("equalize", &FaceParams::equalize)
-      .def_readwrite("max_search_period", &FaceParams::max_search_period)
-      .def_readwrite("hold", &FaceParams::hold)
-      .def_readwrite("background", &FaceParams::background);
+  bindParams<FaceParams>(m, "FaceParams", "What a FaceDetector searches for, and how often.");
 
   py::class_<Face>(m, "Face", "A face in a frame.")
       .def_readonly("id", &Face::id, "the same for the same face from frame to frame; -1: not followed")
@@ -77,3 +69,7 @@ void bindFaces(py::module& m)
       .def("wait_for_search", &FaceDetector::waitForSearch, Unlocked(),
            "Waits for a search in the background: the next update() has what it has found, on a slow machine, too.");
 }
+
+const Bindings kBindings("faces", {}, bindFaces);
+
+}  // namespace

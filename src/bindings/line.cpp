@@ -2,15 +2,18 @@
 
 #include "arrays.hpp"
 #include "leave_gil.hpp"
+#include "params.hpp"
+#include "registry.hpp"
 
 using namespace robot_vision;
 using namespace py::literals;
 
+namespace
+{
+
 void bindLine(py::module& m)
 {
-  py::class_<LineParams>(m, "LineParams", "Area of the smallest region that is taken for a line (1..1e9 px^2).")
-      .def(py::init<>())
-      .def_readwrite("min_area", &LineParams::min_area);
+  bindParams<LineParams>(m, "LineParams", "What is taken for a line.");
 
   py::class_<Line>(m, "Line", "A line to follow; all zero and empty where none was found. Pixel centres are integers.")
       .def(py::init<>())
@@ -39,3 +42,7 @@ void bindLine(py::module& m)
       "the one nearest to `previous`.\n\n"
       "Raises ValueError for min_area out of range or what is no such mask.");
 }
+
+const Bindings kBindings("line", {}, bindLine);
+
+}  // namespace

@@ -4,28 +4,18 @@
 
 #include "arrays.hpp"
 #include "leave_gil.hpp"
+#include "params.hpp"
+#include "registry.hpp"
 
 using namespace robot_vision;
 using namespace py::literals;
 
-/// What moves.
+namespace
+{
+
 void bindMotion(py::module& m)
 {
-  py::class_<MotionParams>(
-      m, "MotionParams",
-      "Method (first_frame, previous_frame, running_average, mog2), Gaussian blur (odd px), "
-      "threshold (grey levels), dilation (px), least area (px), learning rate (0..1), share of the "
-      "picture that is no motion any more (0..1), s until that is the background.")
-      .def(py::init<>())
-      .def_readwrite("method", &MotionParams::method)
-      .def_readwrite("blur_size", &MotionParams::blur_size)
-      .def_readwrite("threshold", &MotionParams::threshold)
-      .def_readwrite("dilate", &MotionParams::dilate)
-      .def_readwrite("min_area", &MotionParams::min_area)
-      .def_readwrite("learning_rate", &MotionParams::learning_rate)
-      .def_readwrite("max_changed", &MotionParams::max_changed)
-      .def_readwrite("settle", &MotionParams::settle)
-      .def_readwrite("ignore_light", &MotionParams::ignore_light);
+  bindParams<MotionParams>(m, "MotionParams", "What a MotionDetector compares frames with, and what counts as motion.");
 
   py::class_<Motion>(m, "Motion", "What moves in a frame.")
       .def_property_readonly(
@@ -51,3 +41,7 @@ void bindMotion(py::module& m)
           "backgrounds.\n\nRaises ValueError for an image that is not of this encoding.")
       .def("reset", &MotionDetector::reset, "The next frame is the background.");
 }
+
+const Bindings kBindings("motion", {"segmentation"}, bindMotion);
+
+}  // namespace

@@ -40,7 +40,7 @@ struct FaceParams
     visit("min_size", &FaceParams::min_size, Range{1, 8192}, "px", "side of the smallest face");
     visit("max_size", &FaceParams::max_size, Range{0, 8192}, "px",
           "side of the largest face, min_size or more; 0: any");
-    visit("equalize", &FaceParams::equalize, Anything{}, "", "stretch the gray levels first, as cv::equalizeHist does");
+    visit("equalize", &FaceParams::equalize, Anything{}, "", "stretch the gray levels first");
     visit("max_search_period", &FaceParams::max_search_period, Range{0, 60}, "s",
           "a new face is found within this; 0: one search after the other");
     visit("hold", &FaceParams::hold, Range{0, 60}, "s",

@@ -5,6 +5,8 @@
 
 #include "arrays.hpp"
 #include "leave_gil.hpp"
+#include "params.hpp"
+#include "registry.hpp"
 #include "robot_vision/tags/pose/corner_refinement.hpp"
 #include "robot_vision/tags/pose/corner_undistortion.hpp"
 #include "robot_vision/tags/pose/tag_pose.hpp"
@@ -154,9 +156,6 @@ void bindCorners(py::module& m)
       "look like it; see measured_corners.hpp.\n\ncells: of tag_cells(); width_at_border: of its TagFamily.");
 }
 
-}  // namespace
-
-/// Poses of tags.
 void bindTagPoses(py::module& m)
 {
   bindCorners(m);
@@ -192,14 +191,8 @@ void bindTagPoses(py::module& m)
        kCorners)
           .c_str());
 
-  py::class_<TagPoseParams>(
-      m, "TagPoseParams",
-      "Noise of the corners until it has been measured, what the calibration leaves of the lens (px), "
-      "and s after which a body is new.")
-      .def(py::init<>())
-      .def_readwrite("corner_noise", &TagPoseParams::corner_noise)
-      .def_readwrite("lasting_noise", &TagPoseParams::lasting_noise)
-      .def_readwrite("max_gap", &TagPoseParams::max_gap);
+  bindParams<TagPoseParams>(m, "TagPoseParams",
+                            "What a TagPoseTracker knows of the noise of corners, and how long it waits for tags.");
 
   py::class_<TagPoseTracker>(m, "TagPoseTracker", "The pose of a Bundle over time.")
       .def(py::init<const Bundle&, const TagPoseParams&>(), "bundle"_a, "params"_a = TagPoseParams())
@@ -217,3 +210,7 @@ void bindTagPoses(py::module& m)
                              "px, standard deviation of each coordinate of a corner in the newest frame: of a bundle "
                              "the corners of its tag that was seen with the least id");
 }
+
+const Bindings kBindings("tags/pose", {"geometry"}, bindTagPoses);
+
+}  // namespace

@@ -1,10 +1,10 @@
-#include "robot_vision/image/overlay.hpp"
-#include "robot_vision/image/encoding.hpp"
-
 #include <pybind11/stl.h>
 
 #include "arrays.hpp"
 #include "leave_gil.hpp"
+#include "registry.hpp"
+#include "robot_vision/image/encoding.hpp"
+#include "robot_vision/image/overlay.hpp"
 
 using namespace robot_vision;
 using namespace py::literals;
@@ -32,10 +32,9 @@ std::vector<cv::Point2d> toCenters(const Centers& centers)
   return {points, points + centers.shape(0)};
 }
 
-}  // namespace
-
-void bindOverlay(py::module& m)
+void bindConversions(py::module& m)
 {
+  m.def("encodings", &encodings, "The pixel layouts that are known, named as in sensor_msgs/image_encodings.");
   m.def(
       "to_gray",
       [](const py::array& image, const std::string& encoding)
@@ -70,6 +69,10 @@ void bindOverlay(py::module& m)
       "image"_a, "encoding"_a,
       "A new (height, width, 3) picture, to draw on, of one of any encoding.\n\n"
       "Raises ValueError for an image that is not of this encoding.");
+}
+
+void bindOverlay(py::module& m)
+{
   m.def(
       "mask_picture",
       [](const py::array& bgr, const py::array& mask)
@@ -134,3 +137,13 @@ void bindOverlay(py::module& m)
       "interrupts it.\n\n"
       "Raises ValueError for an array that cannot be drawn on.");
 }
+
+void bindImage(py::module& m)
+{
+  bindConversions(m);
+  bindOverlay(m);
+}
+
+const Bindings kBindings("image", {}, bindImage);
+
+}  // namespace

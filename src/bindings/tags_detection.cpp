@@ -2,6 +2,8 @@
 
 #include "arrays.hpp"
 #include "leave_gil.hpp"
+#include "params.hpp"
+#include "registry.hpp"
 #include "robot_vision/tags/detection/tag_detector.hpp"
 #include "robot_vision/tags/detection/tag_families.hpp"
 
@@ -58,17 +60,7 @@ void bindTag(py::module& m)
 
 void bindDetector(py::module& m)
 {
-  py::class_<TagDetectorParams>(m, "TagDetectorParams", "What is searched for, and how; see tag_detector.hpp.")
-      .def(py::init<>())
-      .def_readwrite("families", &TagDetectorParams::families)
-      .def_readwrite("decimate", &TagDetectorParams::decimate)
-      .def_readwrite("blur", &TagDetectorParams::blur)
-      .def_readwrite("refine_edges", &TagDetectorParams::refine_edges)
-      .def_readwrite("max_hamming", &TagDetectorParams::max_hamming)
-      .def_readwrite("min_margin", &TagDetectorParams::min_margin)
-      .def_readwrite("min_similarity", &TagDetectorParams::min_similarity)
-      .def_readwrite("max_search_period", &TagDetectorParams::max_search_period)
-      .def_readwrite("background", &TagDetectorParams::background);
+  bindParams<TagDetectorParams>(m, "TagDetectorParams", "What a TagDetector searches for, and how.");
 
   py::class_<TagDetector, std::unique_ptr<TagDetector, DeleteUnlocked<TagDetector>>>(
       m, "TagDetector", "Finds AprilTags with libapriltag; see tag_detector.hpp.")
@@ -107,12 +99,13 @@ void bindDetector(py::module& m)
            "May be called by any thread.");
 }
 
-}  // namespace
-
-/// AprilTags.
 void bindTags(py::module& m)
 {
   bindFamilies(m);
   bindTag(m);
   bindDetector(m);
 }
+
+const Bindings kBindings("tags/detection", {}, bindTags);
+
+}  // namespace

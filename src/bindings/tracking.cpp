@@ -4,6 +4,8 @@
 
 #include "arrays.hpp"
 #include "leave_gil.hpp"
+#include "params.hpp"
+#include "registry.hpp"
 
 using namespace robot_vision;
 using namespace py::literals;
@@ -20,25 +22,6 @@ py::tuple toTuple(const std::vector<FlowPoint>& flow)
     velocities.push_back(point.velocity);
   }
   return py::make_tuple(toNumpy(positions), toNumpy(velocities));
-}
-
-void bindParams(py::module& m)
-{
-  py::class_<ObjectTrackerParams>(
-      m, "ObjectTrackerParams",
-      "Points of an object, window (odd px) and levels of the flow, its error there and back (px), least correlation "
-      "of a point (0..1), least share of points seen (0..1), s between searches, features of a search, time constant "
-      "of the velocity (s).")
-      .def(py::init<>())
-      .def_readwrite("points", &ObjectTrackerParams::points)
-      .def_readwrite("window", &ObjectTrackerParams::window)
-      .def_readwrite("levels", &ObjectTrackerParams::levels)
-      .def_readwrite("max_error", &ObjectTrackerParams::max_error)
-      .def_readwrite("min_similarity", &ObjectTrackerParams::min_similarity)
-      .def_readwrite("min_confidence", &ObjectTrackerParams::min_confidence)
-      .def_readwrite("search_period", &ObjectTrackerParams::search_period)
-      .def_readwrite("search_features", &ObjectTrackerParams::search_features)
-      .def_readwrite("smoothing", &ObjectTrackerParams::smoothing);
 }
 
 void bindResult(py::module& m)
@@ -64,12 +47,10 @@ void bindResult(py::module& m)
           "(n, 2) float32 px, those seen");
 }
 
-}  // namespace
-
-/// Objects that are followed.
-void bindObjectTracker(py::module& m)
+void bindTracking(py::module& m)
 {
-  bindParams(m);
+  bindParams<ObjectTrackerParams>(m, "ObjectTrackerParams",
+                                  "How an ObjectTracker follows objects and searches for lost ones.");
   bindResult(m);
   py::class_<ObjectTracker>(m, "ObjectTracker",
                             "Follows selected objects from frame to frame, says when they are lost, and finds them "
@@ -128,3 +109,7 @@ void bindObjectTracker(py::module& m)
           "How the picture has moved to the newest frame: positions (n, 2) px and velocities (n, 2) px/s of up to "
           "`count` of its points.");
 }
+
+const Bindings kBindings("tracking", {}, bindTracking);
+
+}  // namespace

@@ -1,0 +1,17 @@
+#include "params.hpp"
+#include "registry.hpp"
+#include "robot_vision/camera/frame_source.hpp"
+
+using namespace robot_vision;
+
+namespace
+{
+
+void bindCamera(py::module& m)
+{
+  bindParams<CaptureParams>(m, "CaptureParams", "What a camera is asked for.");
+}
+
+const Bindings kBindings("camera", {}, bindCamera);
+
+}  // namespace

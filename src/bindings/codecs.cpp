@@ -1,0 +1,40 @@
+#include <pybind11/stl.h>
+
+#include <optional>
+
+#include "arrays.hpp"
+#include "leave_gil.hpp"
+#include "registry.hpp"
+#include "robot_vision/codecs/image_file.hpp"
+
+using namespace robot_vision;
+using namespace py::literals;
+
+namespace
+{
+
+/// None: it is no image.
+std::optional<py::array> decodeFile(const py::buffer& data, int flags)
+{
+  const py::buffer_info bytes = data.request();
+  if (bytes.ndim != 1 || bytes.strides[0] != bytes.itemsize) throw py::value_error("expected bytes in a row");
+  cv::Mat image;
+  {
+    const LeaveGil unlocked;
+    image = decodeImageFile(static_cast<const unsigned char*>(bytes.ptr),
+                            static_cast<std::size_t>(bytes.size * bytes.itemsize), flags);
+  }
+  if (image.empty()) return std::nullopt;
+  return toNumpy(image);
+}
+
+void bindCodecs(py::module& m)
+{
+  m.def("decode_image_file", &decodeFile, "data"_a, "flags"_a,
+        "The image of a file's bytes, read with cv2.IMREAD_... flags; None if it is none, or damaged.\n\n"
+        "Raises ValueError if its header claims more pixels than fit into memory beside others.");
+}
+
+const Bindings kBindings("codecs", {}, bindCodecs);
+
+}  // namespace

@@ -1,0 +1,24 @@
+#include "robot_vision/edges/edges.hpp"
+
+#include "filters.hpp"
+#include "params.hpp"
+#include "registry.hpp"
+
+using namespace robot_vision;
+using namespace py::literals;
+
+namespace
+{
+
+void bindEdges(py::module& m)
+{
+  bindParams<EdgeParams>(m, "EdgeParams", "How find_edges() finds edges.");
+  m.def("find_edges", applyFilter<EdgeDetector, EdgeParams>, "image"_a, "encoding"_a = "bgr8",
+        "params"_a = EdgeParams(),
+        "Canny edges of the blurred grey picture: (height, width) uint8, 255 on edges and 0 elsewhere.\n\n"
+        "Raises ValueError for a parameter out of range or an image that is not of this encoding.");
+}
+
+const Bindings kBindings("edges", {}, bindEdges);
+
+}  // namespace

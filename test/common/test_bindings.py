@@ -1,0 +1,77 @@
+"""What all bindings have alike."""
+
+import inspect
+import re
+
+import pytest
+
+import robot_vision as rv
+
+PARAMS = {
+    name: kind
+    for name, kind in vars(rv._core).items()
+    if name.endswith("Params") or name == "HsvRange"
+}
+
+
+def fields(kind):
+    return [name for name, value in vars(kind).items() if isinstance(value, property)]
+
+
+def documents():
+    for name, value in vars(rv._core).items():
+        yield name, value.__doc__
+        if inspect.isclass(value):
+            for member in vars(value).values():
+                yield name, member.__doc__
+
+
+def test_the_package_has_what_the_core_has():
+    assert {"EdgeParams", "find_edges", "Scene"} <= set(rv.__all__)
+    for name in rv.__all__:
+        assert getattr(rv, name) is getattr(rv._core, name)
+
+
+def test_signatures_have_python_s_names():
+    """pybind11 writes C++ names where a type is bound after what takes it."""
+    for name, document in documents():
+        assert "::" not in (document or ""), name
+
+
+def test_there_are_parameters():
+    assert {"BrightnessParams", "MotionParams", "TagPoseParams"} <= set(PARAMS)
+
+
+@pytest.mark.parametrize("kind", PARAMS.values(), ids=PARAMS)
+def test_parameters_are_valid_documented_and_compared(kind):
+    params = kind()
+    rv.validate(params)
+    assert params == kind()
+    for name in fields(kind):
+        assert getattr(kind, name).__doc__, name
+        value = getattr(params, name)
+        other = kind()
+        setattr(other, name, value)
+        assert other == params
+        if isinstance(value, (bool, int, float)):
+            setattr(other, name, not value if isinstance(value, bool) else value + 1)
+            assert other != params
+
+
+@pytest.mark.parametrize("kind", PARAMS.values(), ids=PARAMS)
+def test_what_is_out_of_a_documented_range_is_refused(kind):
+    number = r"-?[\d.]+(?:e[+-]?\d+)?"
+    for name in fields(kind):
+        found = re.search(
+            rf"(from|above) ({number}) (?:and at most|and up to|to) ({number})\)$",
+            getattr(kind, name).__doc__,
+        )
+        if not found:
+            continue
+        of_type = type(getattr(kind(), name))
+        low, high = float(found[2]), float(found[3])
+        for value in (low - 1, high + 1, *([low] if found[1] == "above" else [])):
+            params = kind()
+            setattr(params, name, of_type(value))
+            with pytest.raises(ValueError, match=rf"^{name} is "):
+                rv.validate(params)
