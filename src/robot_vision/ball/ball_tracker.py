@@ -15,6 +15,7 @@ from .. import (
     BallState,
     BallTrackerParams,
     HsvMask,
+    HsvRange,
     Region,
     RegionFinder,
     RegionParams,
@@ -24,7 +25,6 @@ from .. import (
     draw_trail,
 )
 from .. import BallTracker as Filter
-from ..color.named_colors import REGION, range_of
 from ..msg import Detection, DetectionArray
 from ..ros.camera_info import camera_model
 from ..ros.configs import BallTrackerConfig
@@ -33,7 +33,6 @@ from ..ros.messages import detection, detection_array
 from ..ros.params import LiveParams, filled, read_name, read_param
 from ..ros.transport import Frame
 
-FILTER = ("process_noise", "measurement_noise", "max_prediction", "gate")
 LARGEST = 100.0  # m
 
 
@@ -47,7 +46,7 @@ class BallTracker:
     def __init__(self) -> None:
         self._trail: Deque[Tuple[float, float]] = collections.deque()
         self._time = 0.0  # s, of the last frame
-        self._filter_params: Dict[str, Any] = {}
+        self._filter_params: Optional[BallTrackerParams] = None
         self._diameter = read_param("ball_diameter", 0.0, 0.0, LARGEST, zero="unknown")
         self._ball_frame = read_name("ball_frame_id", "ball")
         self._params = LiveParams(BallTrackerConfig, self._configure)
@@ -61,14 +60,11 @@ class BallTracker:
         self._node.start()
 
     def _configure(self, config: Dict[str, Any]) -> None:
-        mask = HsvMask(range_of(config))
-        finder = RegionFinder(filled(RegionParams(), config, REGION))
-        params = {name: config[name] for name in FILTER}
+        mask = HsvMask(filled(HsvRange(), config))
+        finder = RegionFinder(filled(RegionParams(), config))
+        params = filled(BallTrackerParams(), config)
         # A filter made anew has lost the ball: only when it must be.
-        if params == self._filter_params:
-            tracker = self._tools[2]
-        else:
-            tracker = Filter(filled(BallTrackerParams(), config, FILTER))
+        tracker = self._tools[2] if params == self._filter_params else Filter(params)
         self._filter_params = params
         # In one step: a frame may be under way.
         self._tools = mask, finder, tracker, config["min_roundness"], config["trail"]

@@ -18,7 +18,6 @@ from ..ros.messages import box_around, detection_array, points
 from ..ros.params import LiveParams, filled
 from ..ros.transport import Frame
 
-PARAMS = ("symbologies", "spacing", "enlarge", "max_search_period")
 LONGEST_LABEL = 60
 
 
@@ -41,7 +40,7 @@ class CodeReader:
         self._node.start()
 
     def _configure(self, config: Dict[str, Any]) -> None:
-        params = filled(CodeReaderParams(), config, PARAMS)
+        params = filled(CodeReaderParams(), config)
         params.background = True
         self._reader = Reader(params)
         self._repeats.period = config["repeat_period"]

@@ -12,7 +12,7 @@ from ..ros.messages import detection, detection_array
 from ..ros.params import LiveParams, filled
 from ..ros.transport import Frame
 from .color_file import edit_colors
-from .named_colors import HIGH, LOW, REGION, NamedColors
+from .named_colors import HIGH, LOW, NamedColors
 
 
 class HsvTracker:
@@ -31,7 +31,7 @@ class HsvTracker:
         self._node.start()
 
     def _configure(self, config: Dict[str, Any]) -> None:
-        finder = RegionFinder(filled(RegionParams(), config, REGION))
+        finder = RegionFinder(filled(RegionParams(), config))
         self._colors.update(config)
         masks = {name: HsvMask(color) for name, color in self._colors.ranges.items()}
         self._tools = masks, finder  # in one step: a frame may be under way

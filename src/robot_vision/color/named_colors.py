@@ -6,19 +6,12 @@ import rospy
 
 from .. import HsvRange, validate
 from ..common.plain_text import printable, told
-from ..ros.params import read_any, read_param
+from ..ros.params import filled, read_any, read_param
 
 LOW = ("h_low", "s_low", "v_low")
 HIGH = ("h_high", "s_high", "v_high")
-REGION = ("min_area", "opening", "closing")  # live parameters of what has a colour
 LONGEST_LIST = 200  # letters of the names that are told
 DEFAULT = {"blue": {"low": [90, 50, 50], "high": [120, 255, 255]}}
-
-
-def range_of(config: Dict[str, Any]) -> HsvRange:
-    """The range in the live parameters h_low .. v_high."""
-    low, high = (tuple(config[name] for name in names) for names in (LOW, HIGH))
-    return HsvRange(low=low, high=high)
 
 
 class NamedColors:
@@ -55,7 +48,7 @@ class NamedColors:
         values = dict(zip((*LOW, *HIGH), (*self.ranges[name].low, *self.ranges[name].high)))
         changed = {key: config[key] for key, old in self._values.items() if config[key] != old}
         values.update(changed)
-        chosen = range_of(values)
+        chosen = filled(HsvRange(), values)
         validate(chosen)
         self.ranges[name] = chosen
         config.update(values, color=name)

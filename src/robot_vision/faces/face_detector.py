@@ -13,16 +13,10 @@ from ..msg import Detection, DetectionArray
 from ..ros.configs import FaceDetectorConfig
 from ..ros.image_node import ImageNode
 from ..ros.messages import Box, box_detection, corners, detection_array
-from ..ros.params import LiveParams, filled
+from ..ros.params import LiveParams, attribute_of, filled
 from ..ros.transport import Frame
 
-PARAMS = ("cascade_1", "cascade_2", "eye_cascade", "equalize", "max_search_period", "hold")
-COURSE = {  # the course's names of the core's parameters
-    "haar_scaleFactor": "scale_factor",
-    "haar_minNeighbors": "min_neighbors",
-    "haar_minSize": "min_size",
-    "haar_maxSize": "max_size",
-}
+COURSE = "haar_"  # what the course writes in front of some parameters
 SEEN, PREDICTED, EYE = (0, 255, 0), (0, 200, 255), (255, 200, 0)  # BGR
 
 
@@ -43,9 +37,7 @@ class FaceDetector:
         self._node.start()
 
     def _configure(self, config: Dict[str, Any]) -> None:
-        params = filled(FaceParams(), config, PARAMS)
-        for name, of_core in COURSE.items():
-            setattr(params, of_core, config[name])
+        params = filled(FaceParams(), config, COURSE)
         try:
             with self._lock:
                 if self._detector:
@@ -100,8 +92,8 @@ class FaceDetector:
 
 def in_course_s_words(text: str) -> str:
     """A refusal with the names that the parameters have here."""
-    for name, of_core in COURSE.items():
-        text = re.sub(rf"\b{of_core}\b", name, text)
+    for name in FaceDetectorConfig.defaults:
+        text = re.sub(rf"\b{attribute_of(name, COURSE)}\b", name, text)
     return text
 
 

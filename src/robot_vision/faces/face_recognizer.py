@@ -22,7 +22,6 @@ from .gallery_services import GalleryServices
 from .identities import Identities, Identity, VoteParams
 from .recognition import LbphRecognizer, Recognizer
 
-VOTES = tuple(VoteParams.__dataclass_fields__)
 GREEN, RED = (0.0, 255.0, 0.0), (0.0, 0.0, 255.0)
 
 
@@ -53,7 +52,7 @@ class FaceRecognizer:
         self._node.start()
 
     def _configure(self, config: Dict[str, Any]) -> None:
-        self._identities.params = filled(VoteParams(), config, VOTES)
+        self._identities.params = filled(VoteParams(), config)
         self._services.timeout = config["enroll_timeout"]
 
     def _learn(self, gallery: Gallery) -> None:

@@ -6,12 +6,11 @@ from typing import Any, Dict, Optional
 import rospy
 from geometry_msgs.msg import Point, Twist
 
-from .. import HsvMask, Line, LineParams, draw_outline, draw_text, find_line
-from ..color.named_colors import range_of
+from .. import HsvMask, HsvRange, Line, LineParams, draw_outline, draw_text, find_line
 from ..msg import Line as LineMessage
 from ..ros.configs import LineFollowerConfig
 from ..ros.image_node import ImageNode
-from ..ros.params import LiveParams
+from ..ros.params import LiveParams, filled
 from ..ros.transport import Frame
 from .drive import Drive
 from .line_control import LineController, LineControlParams, must_stop
@@ -37,10 +36,9 @@ class LineFollower:
         self._node.start()
 
     def _configure(self, config: Dict[str, Any]) -> None:
-        line = LineParams()
-        line.min_area = config["min_area"]
+        line = filled(LineParams(), config)
         control = LineControlParams(**{name: config[name] for name in CONTROL})
-        mask = HsvMask(range_of(config))
+        mask = HsvMask(filled(HsvRange(), config))
         # A controller made anew has forgotten where the line was: only when it must be.
         controller = self._tools[3] if control == self._control else LineController(control)
         self._control = control

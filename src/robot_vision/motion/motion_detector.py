@@ -2,7 +2,7 @@
 
 import math
 import time
-from typing import Any, Dict
+from typing import Any, Dict, Optional
 
 import rospy
 from std_srvs.srv import Trigger, TriggerResponse
@@ -16,17 +16,6 @@ from ..ros.messages import corners, detection, detection_array
 from ..ros.params import LiveParams, filled
 from ..ros.transport import Frame
 
-PARAMS = (
-    "method",
-    "blur_size",
-    "threshold",
-    "dilate",
-    "learning_rate",
-    "max_changed",
-    "settle",
-    "ignore_light",
-)
-
 
 class MotionDetector:
     """Publishes ~motion, ~state, ~mask (mono8) and ~processed_image (boxes, state and time).
@@ -37,7 +26,7 @@ class MotionDetector:
     def __init__(self) -> None:
         self._moved = -math.inf  # s, when something moved last
         self._shall_reset = False
-        self._used: Dict[str, Any] = {}
+        self._used: Optional[MotionParams] = None
         self._params = LiveParams(MotionDetectorConfig, self._configure)
         self._node = ImageNode(self._process)
         self._motion = self._node.publisher("~motion", DetectionArray)
@@ -48,11 +37,9 @@ class MotionDetector:
         self._node.start()
 
     def _configure(self, config: Dict[str, Any]) -> None:
-        used = {name: config[name] for name in (*PARAMS, "minArea")}
+        used = filled(MotionParams(), config)
         if used != self._used:  # a detector made anew has lost the background: only when it must be
-            params = filled(MotionParams(), config, PARAMS)
-            params.min_area = config["minArea"]
-            self._detector = Detector(params)
+            self._detector = Detector(used)
             self._used = used
         self._hold = config["hold"]
 

@@ -5,8 +5,9 @@ import difflib
 import math
 import os
 import pathlib
+import re
 import sys
-from typing import Any, Callable, Dict, Iterable, Optional, TypeVar
+from typing import Any, Callable, Dict, Optional, TypeVar
 
 import dynamic_reconfigure.server
 import rosgraph
@@ -105,10 +106,22 @@ def _is_of_others(name: str, path: str) -> bool:
     return any(f"{name}/".startswith(f"{path}/") for name in names)
 
 
-def filled(params: Params, config: Dict[str, Any], names: Iterable[str]) -> Params:
-    """The core's parameters with live ones of the same names in them."""
-    for name in names:
-        setattr(params, name, config[name])
+def attribute_of(name: str, prefix: str = "") -> str:
+    """The core's name of a live parameter: minArea is min_area."""
+    words = name[len(prefix) :] if name.startswith(prefix) else name
+    return re.sub(r"[A-Z]", lambda letter: "_" + letter[0].lower(), words)
+
+
+def filled(params: Params, config: Dict[str, Any], prefix: str = "") -> Params:
+    """The core's parameters with the live ones of their names in them.
+
+    Args:
+        prefix: what live parameters have in front of the core's names.
+    """
+    for name, value in config.items():
+        attribute = attribute_of(name, prefix)
+        if hasattr(params, attribute):
+            setattr(params, attribute, value)
     return params
 
 

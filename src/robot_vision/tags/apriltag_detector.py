@@ -23,17 +23,6 @@ from .tag_messages import markers, tag_array, transforms
 from .tag_overlay import draw_tags
 from .tag_poses import TagLocator
 
-DETECTOR = (
-    "decimate",
-    "blur",
-    "refine_edges",
-    "max_hamming",
-    "min_margin",
-    "min_similarity",
-    "max_search_period",
-)
-POSE = ("corner_noise", "lasting_noise", "max_gap")
-
 
 class ApriltagDetector:
     """Publishes ~tags, /tf, ~markers and ~processed_image (outlines, ids, axes and distances).
@@ -52,7 +41,7 @@ class ApriltagDetector:
             read_any("tag_bundles", []),
         )
         self._detector = Detector()
-        self._pose_params: Dict[str, Any] = {}
+        self._poses: Optional[Tuple[TagPoseParams, bool]] = None  # and whether corners are measured
         self._node = ImageNode(self._process, encoding="")
         self._params = LiveParams(ApriltagDetectorConfig, self._configure)
         self._calibration = Calibration(self._node, "poses of tags")
@@ -66,15 +55,15 @@ class ApriltagDetector:
         self._node.start()
 
     def _configure(self, config: Dict[str, Any]) -> None:
-        params = filled(TagDetectorParams(), config, DETECTOR)
+        params = filled(TagDetectorParams(), config)
         params.families = self._layout.families
         params.background = True
         with self._lock:
             self._detector.configure(params)
-            pose_params = {name: config[name] for name in (*POSE, "measure_corners")}
-            if pose_params != self._pose_params:  # poses begin anew: only when they must
-                self._pose_params = pose_params
-                self._locator = TagLocator(self._layout, filled(TagPoseParams(), config, POSE))
+            poses = filled(TagPoseParams(), config), config["measure_corners"]
+            if poses != self._poses:  # they begin anew: only when they must
+                self._poses = poses
+                self._locator = TagLocator(self._layout, poses[0])
             self._publish_tf = config["publish_tf"]
         note_connections()  # of /tf, which may count now, or no longer
 
@@ -107,7 +96,7 @@ class ApriltagDetector:
             self._processed.publish(overlay, "bgr8", frame.header)
 
     def _for_corners(self, gray: np.ndarray) -> Optional[np.ndarray]:
-        return gray if self._pose_params["measure_corners"] else None
+        return gray if self._poses[1] else None
 
     def _broadcast(self, message: TFMessage) -> None:
         if not message.transforms:

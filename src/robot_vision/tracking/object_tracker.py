@@ -21,17 +21,6 @@ from ..srv import ForgetObject, ForgetObjectResponse, SelectObject, SelectObject
 from .auto_selection import AutoSelection
 from .tracks import box_of, detection_of, draw_tracks, flow_message, track_states
 
-PARAMS = (
-    "points",
-    "window",
-    "levels",
-    "max_error",
-    "min_similarity",
-    "min_confidence",
-    "search_period",
-    "search_features",
-    "smoothing",
-)
 FRESH = 1.0  # s: a frame that is older is not what somebody sees and selects in
 SELECT_TIMEOUT = 5.0  # s that a selection waits for a frame
 
@@ -84,7 +73,7 @@ class ObjectTracker:
 
     def _configure(self, config: Dict[str, Any]) -> None:
         with self._lock:
-            self._tracker.configure(filled(ObjectTrackerParams(), config, PARAMS))
+            self._tracker.configure(filled(ObjectTrackerParams(), config))
             self._config = config
             self._auto.configure(config["auto_label"], config["max_objects"], config["auto_after"])
             if config["auto_select"] and self._detections is None:
