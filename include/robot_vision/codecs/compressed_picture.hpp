@@ -30,7 +30,7 @@ struct CompressionParams
   template <class Visit>
   static void fields(Visit&& visit)
   {
-    visit("format", &CompressionParams::format, OneOf{"jpeg or png", "'"}, "", "the codec; png loses nothing");
+    visit("format", &CompressionParams::format, OneOf{"jpeg or png", "'"}, "", "the codec, of which png loses nothing");
     visit("png_level", &CompressionParams::png_level, Range{1, 9}, "", "of PNG: 1 fast, 9 small");
   }
 };

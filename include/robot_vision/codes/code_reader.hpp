@@ -29,7 +29,7 @@ struct CodeReaderParams
     visit("enlarge", &CodeReaderParams::enlarge, Range{1, 4}, "",
           "times the image is enlarged first, for codes with modules below 3 px; takes the square of the time");
     visit("max_search_period", &CodeReaderParams::max_search_period, Range{0, 60}, "s",
-          "between searches of a whole image, which find new codes; 0: every frame is searched whole");
+          "time between searches of a whole image, which find new codes; 0: every frame is searched whole");
     visit("background", &CodeReaderParams::background, Anything{}, "",
           "search whole images in a thread of its own, while update() goes on");
   }

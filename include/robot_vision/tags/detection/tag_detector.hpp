@@ -39,7 +39,7 @@ struct TagDetectorParams
     visit("min_similarity", &TagDetectorParams::min_similarity, Range{-1, 1}, "",
           "least correlation with what the tag looks like, which keeps ghosts out");
     visit("max_search_period", &TagDetectorParams::max_search_period, Range{0, 60}, "s",
-          "between searches of a whole image, which find new tags; 0: every frame is searched whole");
+          "time between searches of a whole image, which find new tags; 0: every frame is searched whole");
     visit("background", &TagDetectorParams::background, Anything{}, "",
           "search whole images in a thread of its own, while update() goes on");
   }

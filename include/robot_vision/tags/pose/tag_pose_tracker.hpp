@@ -4,8 +4,8 @@
 #include <optional>
 #include <vector>
 
-#include "tag_pose.hpp"
 #include "robot_vision/common/fields.hpp"
+#include "tag_pose.hpp"
 
 namespace robot_vision
 {
@@ -22,8 +22,8 @@ struct TagPoseParams
     visit("corner_noise", &TagPoseParams::corner_noise, Range{0.001, 10}, "px",
           "standard deviation of corners that the image cannot tell, until it has been measured");
     visit("lasting_noise", &TagPoseParams::lasting_noise, Range{0, 10}, "px",
-          "the same of each coordinate, what the calibration leaves of the lens: time does not average it out, and "
-          "neighbouring tags share it");
+          "standard deviation of each coordinate, of what the calibration leaves of the lens: time does not average "
+          "it out, and neighbouring tags share it");
     visit("max_gap", &TagPoseParams::max_gap, Above{0, 60, " to "}, "s",
           "after which a tag or bundle that was not seen has a new pose");
   }
