@@ -32,9 +32,9 @@ struct DeleteUnlocked
 };
 
 /// An array of pixels and the view of it.
-struct Picture
+struct ImageArray
 {
-  explicit Picture(py::array pixels);
+  explicit ImageArray(py::array pixels);
   py::array array;
   cv::Mat view;
 };
@@ -49,7 +49,7 @@ inline bool hasPackedRows(const py::array& array)
          array.strides(0) % array.itemsize() == 0 && address % static_cast<std::uintptr_t>(array.itemsize()) == 0;
 }
 
-inline Picture::Picture(py::array pixels) : array(std::move(pixels))
+inline ImageArray::ImageArray(py::array pixels) : array(std::move(pixels))
 {
   const bool wide = py::isinstance<py::array_t<std::uint16_t>>(array);
   if (!wide && !py::isinstance<py::array_t<std::uint8_t>>(array))

@@ -36,7 +36,7 @@ void bindTracker(py::module& m)
   bindParams<BallTrackerParams>(m, "BallTrackerParams",
                                 "What a BallTracker expects of a ball and of its measurements.");
 
-  py::class_<BallMeasurement>(m, "BallMeasurement", "A ball found in a picture: center (x, y) and radius, px.")
+  py::class_<BallMeasurement>(m, "BallMeasurement", "A ball found in an image: center (x, y) and radius, px.")
       .def(py::init(
                [](const Pair& center, double radius) {
                  return BallMeasurement{{center.first, center.second}, radius};
@@ -56,7 +56,7 @@ void bindTracker(py::module& m)
       .def_property_readonly(
           "covariance", [](const BallState& b) { return toNumpy(b.covariance); }, "4x4, of x, y and their rates");
 
-  py::class_<BallTracker>(m, "BallTracker", "Kalman filter of a ball's centre, velocity and radius in the picture.")
+  py::class_<BallTracker>(m, "BallTracker", "Kalman filter of a ball's centre, velocity and radius in the image.")
       .def(py::init<const BallTrackerParams&>(), "params"_a = BallTrackerParams(),
            "Raises ValueError for a parameter out of range.")
       .def("update", &BallTracker::update, "time_s"_a, "measured"_a,
@@ -86,7 +86,7 @@ void bindBall(py::module& m)
       "camera"_a, "outline"_a, "diameter"_a,
       "The BallPosition of a ball of `diameter` (m) whose outermost pixels are `outline`, (n, 2) int; None if they are "
       "too few or no ball's.\n\n"
-      "Raises ValueError for a camera that cannot be, a diameter that is not positive and points outside the picture.");
+      "Raises ValueError for a camera that cannot be, a diameter that is not positive and points outside the image.");
   m.def("choose_ball", choose, "regions"_a, "min_roundness"_a = 0.7, "expected"_a = py::none(),
         "Of the regions (anything with center, area and roundness) that are round enough (0..1), the one nearest to "
         "where the ball is expected, (x, y) in px, or else the largest; None if there is none.");

@@ -16,7 +16,7 @@ void bindCodes(py::module& m)
 {
   bindParams<CodeReaderParams>(m, "CodeReaderParams", "What a CodeReader looks for, and how.");
 
-  py::class_<Code>(m, "Code", "A code in a picture.")
+  py::class_<Code>(m, "Code", "A code in an image.")
       .def_readonly("type", &Code::type, "one of code_types()")
       .def_property_readonly(
           "data", [](const Code& code) { return py::bytes(code.data); }, "its content, bytes of any value")
@@ -32,17 +32,17 @@ void bindCodes(py::module& m)
           "read",
           [](CodeReader& reader, const py::array& image, const std::string& encoding)
           {
-            const Picture input(image);
+            const ImageArray input(image);
             const LeaveGil unlocked;
             return reader.read(input.view, encoding);
           },
           "image"_a, "encoding"_a = "bgr8",
-          "The Codes in a picture by itself.\n\nRaises ValueError for an image that is not of this encoding.")
+          "The Codes in an image by itself.\n\nRaises ValueError for an image that is not of this encoding.")
       .def(
           "update",
           [](CodeReader& reader, double time, const py::array& image, const std::string& encoding)
           {
-            const Picture input(image);
+            const ImageArray input(image);
             const LeaveGil unlocked;
             return reader.update(time, input.view, encoding);
           },

@@ -53,7 +53,7 @@ cv::Vec3b toVec(const Bytes& color)
 
 py::array applyMask(const HsvMask& mask, const py::array& image, const std::string& encoding)
 {
-  const Picture input(image);
+  const ImageArray input(image);
   cv::Mat output;
   {
     const LeaveGil unlocked;
@@ -93,7 +93,7 @@ void bindMask(py::module& m)
       "(height, width) uint8, 255 where the colour is in the range and 0 elsewhere: cv2.cvtColor to HSV and "
       "cv2.inRange, to the bit.\n\n"
       "Raises ValueError for a range that is none or an image that is not of this encoding.";
-  py::class_<HsvMask>(m, "HsvMask", "The pixels whose colour is in a range, for one picture after the other.")
+  py::class_<HsvMask>(m, "HsvMask", "The pixels whose colour is in a range, for one image after the other.")
       .def(py::init<const HsvRange&>(), "range"_a = HsvRange())
       .def("apply", &applyMask, "image"_a, "encoding"_a = "bgr8", doc);
   m.def(

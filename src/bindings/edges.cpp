@@ -15,7 +15,7 @@ void bindEdges(py::module& m)
   bindParams<EdgeParams>(m, "EdgeParams", "How find_edges() finds edges.");
   m.def("find_edges", applyFilter<EdgeDetector, EdgeParams>, "image"_a, "encoding"_a = "bgr8",
         "params"_a = EdgeParams(),
-        "Canny edges of the blurred grey picture: (height, width) uint8, 255 on edges and 0 elsewhere.\n\n"
+        "Canny edges of the blurred gray image: (height, width) uint8, 255 on edges and 0 elsewhere.\n\n"
         "Raises ValueError for a parameter out of range or an image that is not of this encoding.");
 }
 

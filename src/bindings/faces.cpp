@@ -34,18 +34,18 @@ void bindFaces(py::module& m)
           "detect",
           [](FaceDetector& detector, const py::array& image, const std::string& encoding)
           {
-            const Picture input(image);
+            const ImageArray input(image);
             const LeaveGil unlocked;
             return detector.detect(input.view, encoding);
           },
           "image"_a, "encoding"_a = "bgr8",
-          "The Faces of a picture by itself, the largest first.\n\n"
+          "The Faces of an image by itself, the largest first.\n\n"
           "Raises ValueError for an image that is not of this encoding.")
       .def(
           "update",
           [](FaceDetector& detector, double time, const py::array& image, const std::string& encoding)
           {
-            const Picture input(image);
+            const ImageArray input(image);
             const LeaveGil unlocked;
             return detector.update(time, input.view, encoding);
           },
@@ -62,10 +62,9 @@ void bindFaces(py::module& m)
               boxes.push_back(toBox(eye));
             return boxes;
           },
-          "face"_a,
-          "Up to two eyes in a face of the last frame, the left one in the picture first: x, y, width, height.")
+          "face"_a, "Up to two eyes in a face of the last frame, the left one in the image first: x, y, width, height.")
       .def_property_readonly("search_time", &FaceDetector::searchTime,
-                             "s that the last search of a whole picture took, 0: none has ended")
+                             "s that the last search of a whole image took, 0: none has ended")
       .def("wait_for_search", &FaceDetector::waitForSearch, Unlocked(),
            "Waits for a search in the background: the next update() has what it has found, on a slow machine, too.");
 }

@@ -12,7 +12,7 @@ namespace robot_vision
 template <class Filter, class Params>
 py::array applyFilter(const py::array& image, const std::string& encoding, const Params& params)
 {
-  const Picture input(image);
+  const ImageArray input(image);
   cv::Mat output;
   {
     const LeaveGil unlocked;

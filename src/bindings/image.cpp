@@ -18,7 +18,7 @@ using Color = std::array<double, 3>;
 /// The array's own pixels, to draw on.
 cv::Mat canvas(const py::array& bgr)
 {
-  const Picture picture(bgr);
+  const ImageArray picture(bgr);
   if (!bgr.writeable()) throw py::value_error("cannot draw on an array that is read-only");
   if (picture.array.data() != bgr.data()) throw py::value_error("cannot draw on an array with gaps in its rows");
   return picture.view;
@@ -39,7 +39,7 @@ void bindConversions(py::module& m)
       "to_gray",
       [](const py::array& image, const std::string& encoding)
       {
-        const Picture input(image);
+        const ImageArray input(image);
         cv::Mat gray;
         {
           const LeaveGil unlocked;
@@ -51,13 +51,13 @@ void bindConversions(py::module& m)
         return view;
       },
       "image"_a, "encoding"_a,
-      "Grey picture, (height, width); a read-only view of the input where that is grey.\n\n"
+      "Gray image, (height, width); a read-only view of the input where that is gray.\n\n"
       "Raises ValueError for an image that is not of this encoding.");
   m.def(
       "to_bgr",
       [](const py::array& image, const std::string& encoding)
       {
-        const Picture input(image);
+        const ImageArray input(image);
         cv::Mat bgr;
         {
           const LeaveGil unlocked;
@@ -67,7 +67,7 @@ void bindConversions(py::module& m)
         return toNumpy(bgr);
       },
       "image"_a, "encoding"_a,
-      "A new (height, width, 3) picture, to draw on, of one of any encoding.\n\n"
+      "A new (height, width, 3) image, to draw on, of one of any encoding.\n\n"
       "Raises ValueError for an image that is not of this encoding.");
 }
 
@@ -77,7 +77,7 @@ void bindOverlay(py::module& m)
       "mask_picture",
       [](const py::array& bgr, const py::array& mask)
       {
-        const Picture picture(bgr), where(mask);
+        const ImageArray picture(bgr), where(mask);
         cv::Mat out;
         {
           const LeaveGil unlocked;
@@ -86,8 +86,8 @@ void bindOverlay(py::module& m)
         return toNumpy(out);
       },
       "bgr"_a, "mask"_a,
-      "The (height, width, 3) picture where the (height, width) mask is not 0, black elsewhere.\n\n"
-      "Raises ValueError for what is no picture, and no mask of its size.");
+      "The (height, width, 3) image where the (height, width) mask is not 0, black elsewhere.\n\n"
+      "Raises ValueError for what is no image, and no mask of its size.");
   m.def(
       "draw_outline",
       [](const py::array& bgr, const py::object& outline, const std::string& label, const Color& color)
@@ -98,7 +98,7 @@ void bindOverlay(py::module& m)
         drawOutline(picture, polygon, label, {color[0], color[1], color[2]});
       },
       "bgr"_a, "outline"_a, "label"_a = "", "color"_a = Color{0, 255, 0},
-      "Draws a closed polygon, (n, 2) int px, with a label (ASCII) on the picture, (height, width, 3) uint8.\n\n"
+      "Draws a closed polygon, (n, 2) int px, with a label (ASCII) on the image, (height, width, 3) uint8.\n\n"
       "Raises ValueError for an array that cannot be drawn on.");
   m.def(
       "draw_text",
@@ -109,7 +109,7 @@ void bindOverlay(py::module& m)
         drawText(picture, text, {position.first, position.second}, {color[0], color[1], color[2]});
       },
       "bgr"_a, "text"_a, "position"_a, "color"_a = Color{0, 255, 0},
-      "Writes a line of text (ASCII) on the picture, (height, width, 3) uint8, from the left end of its base line, "
+      "Writes a line of text (ASCII) on the image, (height, width, 3) uint8, from the left end of its base line, "
       "px.\n\n"
       "Raises ValueError for an array that cannot be drawn on.");
   m.def(
@@ -121,7 +121,7 @@ void bindOverlay(py::module& m)
         drawBall(picture, {center.first, center.second}, radius, predicted);
       },
       "bgr"_a, "center"_a, "radius"_a, "predicted"_a = false,
-      "Draws a ball on the picture, (height, width, 3) uint8: center (x, y) and radius in px; dashed if predicted.\n\n"
+      "Draws a ball on the image, (height, width, 3) uint8: center (x, y) and radius in px; dashed if predicted.\n\n"
       "Raises ValueError for an array that cannot be drawn on.");
   m.def(
       "draw_trail",
@@ -133,7 +133,7 @@ void bindOverlay(py::module& m)
         drawTrail(picture, points);
       },
       "bgr"_a, "centers"_a,
-      "Draws the way through centres, (n, 2) px, the newest last, on the picture, (height, width, 3) uint8; NaN "
+      "Draws the way through centres, (n, 2) px, the newest last, on the image, (height, width, 3) uint8; NaN "
       "interrupts it.\n\n"
       "Raises ValueError for an array that cannot be drawn on.");
 }

@@ -18,9 +18,9 @@ void bindLine(py::module& m)
   py::class_<Line>(m, "Line", "A line to follow; all zero and empty where none was found. Pixel centres are integers.")
       .def(py::init<>())
       .def_readonly("found", &Line::found)
-      .def_readonly("offset", &Line::offset, "px, centroid right of the middle of the picture")
-      .def_readonly("error", &Line::error, "offset in half picture widths, -1 (left border) to 1")
-      .def_readonly("angle", &Line::angle, "rad, direction in the picture, -pi/2 to pi/2: 0 straight up, right > 0")
+      .def_readonly("offset", &Line::offset, "px, centroid right of the middle of the image")
+      .def_readonly("error", &Line::error, "offset in half image widths, -1 (left border) to 1")
+      .def_readonly("angle", &Line::angle, "rad, direction in the image, -pi/2 to pi/2: 0 straight up, right > 0")
       .def_readonly("confidence", &Line::confidence, "0 to 1, see line.hpp")
       .def_readonly("area", &Line::area, "px^2")
       .def_property_readonly(
@@ -33,7 +33,7 @@ void bindLine(py::module& m)
       "find_line",
       [](const py::array& mask, const LineParams& params, const Line& previous)
       {
-        const Picture input(mask);
+        const ImageArray input(mask);
         const LeaveGil unlocked;
         return findLine(input.view, params, previous);
       },

@@ -11,7 +11,7 @@ namespace
 {
 
 constexpr const char* kLayout =
-    "Pictures are (height, width) or (height, width, channels) arrays of uint8 or, for 16-bit encodings, uint16. They "
+    "Images are (height, width) or (height, width, channels) arrays of uint8 or, for 16-bit encodings, uint16. They "
     "are used without a copy if their pixels lie side by side in each row; rows may be padded.";
 
 }  // namespace
@@ -23,5 +23,5 @@ PYBIND11_MODULE(_core, m)
   Bindings::bindAll(m);
   m.def(
       "set_threads", [](int count) { cv::setNumThreads(count > 0 ? count : cv::getNumberOfCPUs()); }, "count"_a,
-      "How many threads of OpenCV's share the work on one picture, in this process; 0: as many as there are cores.");
+      "How many threads of OpenCV's share the work on one image, in this process; 0: as many as there are cores.");
 }

@@ -20,8 +20,8 @@ void bindMotion(py::module& m)
   py::class_<Motion>(m, "Motion", "What moves in a frame.")
       .def_property_readonly(
           "mask", [](const Motion& motion) { return toNumpy(motion.mask); },
-          "(height, width) uint8, 255 where the picture has changed")
-      .def_readonly("changed", &Motion::changed, "share of the picture that has, 0 to 1")
+          "(height, width) uint8, 255 where the image has changed")
+      .def_readonly("changed", &Motion::changed, "share of the image that has, 0 to 1")
       .def_readonly("everywhere", &Motion::everywhere, "more than max_changed: light, or the camera; no regions")
       .def_readonly("regions", &Motion::regions, "of the mask, the largest first");
 
@@ -31,7 +31,7 @@ void bindMotion(py::module& m)
           "update",
           [](MotionDetector& detector, double time, const py::array& image, const std::string& encoding)
           {
-            const Picture input(image);
+            const ImageArray input(image);
             const LeaveGil unlocked;
             return detector.update(time, input.view, encoding);
           },

@@ -44,8 +44,8 @@ void bindRoom(py::module& m)
 
   py::class_<Scene>(m, "Scene", "A synthetic room with exact ground truth, the same for the same frame number.")
       .def(py::init([](const SceneParams& params, const std::optional<py::array>& poster)
-                    { return Scene(params, poster ? Picture(*poster).view : cv::Mat()); }),
-           "params"_a = SceneParams(), "poster"_a = py::none(), "poster: (height, width, 3) BGR picture for the wall.")
+                    { return Scene(params, poster ? ImageArray(*poster).view : cv::Mat()); }),
+           "params"_a = SceneParams(), "poster"_a = py::none(), "poster: (height, width, 3) BGR image for the wall.")
       .def_property_readonly("camera", &Scene::camera)
       .def("truth", &Scene::truth, "frame"_a)
       .def(
@@ -59,7 +59,7 @@ void bindRoom(py::module& m)
             }
             return toNumpy(bgr);
           },
-          "frame"_a, "The picture of a frame: (height, width, 3) uint8, BGR.");
+          "frame"_a, "The image of a frame: (height, width, 3) uint8, BGR.");
 }
 
 void bindCalibration(py::module& m)
@@ -80,7 +80,7 @@ void bindCalibration(py::module& m)
             }
             return toNumpy(bgr);
           },
-          "frame"_a, "The picture of a frame: (height, width, 3) uint8, BGR.");
+          "frame"_a, "The image of a frame: (height, width, 3) uint8, BGR.");
 }
 
 py::array renderFloor(const FloorScene& scene, const Matrix& camera)
@@ -99,11 +99,11 @@ py::array renderFloor(const FloorScene& scene, const Matrix& camera)
 void bindFloor(py::module& m)
 {
   using Bgr = std::array<double, 3>;
-  py::class_<FloorScene>(m, "FloorScene", "A floor with a picture on it, as a camera above it sees it.")
+  py::class_<FloorScene>(m, "FloorScene", "A floor with an image on it, as a camera above it sees it.")
       .def(py::init(
                [](const py::array& floor, std::pair<double, double> size, const CameraModel& camera, const Bgr& around)
                {
-                 return FloorScene(Picture(floor).view, cv::Size2d(size.first, size.second), camera,
+                 return FloorScene(ImageArray(floor).view, cv::Size2d(size.first, size.second), camera,
                                    cv::Scalar(around[0], around[1], around[2]));
                }),
            "floor"_a, "size"_a, "camera"_a, "around"_a = Bgr{150.0, 150.0, 150.0},

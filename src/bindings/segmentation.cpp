@@ -14,7 +14,7 @@ namespace
 
 py::tuple findRegions(const RegionFinder& finder, const py::array& mask)
 {
-  const Picture input(mask);
+  const ImageArray input(mask);
   cv::Mat cleaned;
   std::vector<Region> regions;
   {

@@ -18,7 +18,7 @@ void bindFamilies(py::module& m)
   py::class_<TagFamily>(m, "TagFamily", "A family of AprilTags.")
       .def_readonly("name", &TagFamily::name)
       .def_readonly("ids", &TagFamily::ids, "the tags are 0 to ids - 1")
-      .def_readonly("width", &TagFamily::width, "cells, side of the picture of a tag")
+      .def_readonly("width", &TagFamily::width, "cells, side of the image of a tag")
       .def_readonly("width_at_border", &TagFamily::width_at_border,
                     "cells between the corners that are found: the tag's size is measured there")
       .def_readonly("distance", &TagFamily::distance, "bits by which any two tags differ at least");
@@ -36,7 +36,7 @@ void bindFamilies(py::module& m)
         return toNumpy(cells());
       },
       "family"_a, "id"_a,
-      "Picture of a tag, upright: (width, width) uint8, a pixel per cell: 0, 255, or 128 where it may have any colour; "
+      "Image of a tag, upright: (width, width) uint8, a pixel per cell: 0, 255, or 128 where it may have any colour; "
       "see tag_families.hpp.\n\n"
       "The corners that are found are (width - width_at_border) / 2 cells from its edges.\n"
       "Raises ValueError for an unknown family, and for an id that it does not have.");
@@ -44,12 +44,12 @@ void bindFamilies(py::module& m)
 
 void bindTag(py::module& m)
 {
-  py::class_<Tag>(m, "Tag", "A tag in a picture.")
+  py::class_<Tag>(m, "Tag", "A tag in an image.")
       .def_readonly("family", &Tag::family)
       .def_readonly("id", &Tag::id)
       .def_readonly("hamming", &Tag::hamming, "wrong bits that were corrected")
-      .def_readonly("margin", &Tag::margin, "grey levels, mean distance of the bits from the threshold")
-      .def_readonly("similarity", &Tag::similarity, "correlation of the picture with the tag's cells, at most 1")
+      .def_readonly("margin", &Tag::margin, "gray levels, mean distance of the bits from the threshold")
+      .def_readonly("similarity", &Tag::similarity, "correlation of the image with the tag's cells, at most 1")
       .def_property_readonly(
           "center", [](const Tag& tag) { return toPair(tag.center); }, "px, where the diagonals meet")
       .def_property_readonly(
@@ -72,18 +72,18 @@ void bindDetector(py::module& m)
           "detect",
           [](TagDetector& detector, const py::array& image, const std::string& encoding)
           {
-            const Picture input(image);
+            const ImageArray input(image);
             const LeaveGil unlocked;
             return detector.detect(input.view, encoding);
           },
           "image"_a, "encoding"_a = "bgr8",
-          "All Tags of a picture by itself, by family, id and place.\n\n"
+          "All Tags of an image by itself, by family, id and place.\n\n"
           "Raises ValueError for an image that is not of this encoding or too large.")
       .def(
           "update",
           [](TagDetector& detector, double time, const py::array& image, const std::string& encoding)
           {
-            const Picture input(image);
+            const ImageArray input(image);
             const LeaveGil unlocked;
             return detector.update(time, input.view, encoding);
           },
@@ -91,7 +91,7 @@ void bindDetector(py::module& m)
           "The Tags in the frame of a time, s: a new one within max_search_period.\n\n"
           "Raises ValueError for an image that is not of this encoding or too large.")
       .def_property_readonly("lacks_threads", &TagDetector::lacksThreads,
-                             "whether update() had to search a whole picture itself, as no thread could be started")
+                             "whether update() had to search a whole image itself, as no thread could be started")
       .def("wait_for_search", &TagDetector::waitForSearch, Unlocked(),
            "Waits for a search in the background: the next update() has what it has found, on a slow machine, too.")
       .def("abandon_search", &TagDetector::abandonSearch,

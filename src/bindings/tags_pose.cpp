@@ -146,14 +146,14 @@ void bindCorners(py::module& m)
       [](const py::array& gray, const py::array& cells, int width_at_border, const Matrix& near,
          const CameraModel& camera)
       {
-        const Picture picture(gray), pattern(cells);
+        const ImageArray picture(gray), pattern(cells);
         const TagCorners start = toTag(0, near);
         const LeaveGil unlocked;
         return measureCorners(picture.view, pattern.view, width_at_border, start, camera);
       },
       "gray"_a, "cells"_a, "width_at_border"_a, "near"_a, "camera"_a,
-      "The MeasuredCorners of a tag near where they were found, (4, 2) px, or None where the grey picture does not "
-      "look like it; see measured_corners.hpp.\n\ncells: of tag_cells(); width_at_border: of its TagFamily.");
+      "The MeasuredCorners of a tag near where they were found, (4, 2) px, or None where the gray image does not "
+      "look like it; see corner_refinement.hpp.\n\ncells: of tag_cells(); width_at_border: of its TagFamily.");
 }
 
 void bindTagPoses(py::module& m)
@@ -186,7 +186,7 @@ void bindTagPoses(py::module& m)
       },
       "bundle"_a, "corners"_a, "camera"_a, "noise"_a = TagPoseParams().corner_noise,
       "lens_noise"_a = TagPoseParams().lasting_noise,
-      (std::string("The TagPoses of a Bundle in one picture.\n\nnoise: px, of each coordinate where it was not "
+      (std::string("The TagPoses of a Bundle in one image.\n\nnoise: px, of each coordinate where it was not "
                    "measured; lens_noise: px, what the calibration leaves of the lens; ") +
        kCorners)
           .c_str());

@@ -73,7 +73,7 @@ void bindTracking(py::module& m)
           [](ObjectTracker& tracker, const py::array& image, const Box& box, const std::string& label,
              const std::string& encoding)
           {
-            const Picture input(image);
+            const ImageArray input(image);
             const LeaveGil unlocked;
             return tracker.select(input.view, encoding, toRect(box), label);
           },
@@ -86,7 +86,7 @@ void bindTracking(py::module& m)
           "update",
           [](ObjectTracker& tracker, double time, const py::array& image, const std::string& encoding)
           {
-            const Picture input(image);
+            const ImageArray input(image);
             const LeaveGil unlocked;
             return tracker.update(time, input.view, encoding);
           },
@@ -106,7 +106,7 @@ void bindTracking(py::module& m)
             return toTuple(flow);
           },
           "count"_a = 200,
-          "How the picture has moved to the newest frame: positions (n, 2) px and velocities (n, 2) px/s of up to "
+          "How the image has moved to the newest frame: positions (n, 2) px and velocities (n, 2) px/s of up to "
           "`count` of its points.");
 }
 

@@ -127,7 +127,7 @@ std::shared_ptr<LatestImageSubscriber> makeInbox(EmbeddedRoscppNode& runtime, co
 
 PYBIND11_MODULE(_transport, m)
 {
-  m.doc() = "roscpp's pictures for robot_vision.transport, which is documented.";
+  m.doc() = "roscpp's images for robot_vision.transport, which is documented.";
   LeaveGil::endWithProcess();
   py::class_<FrameDiagnostics, std::shared_ptr<FrameDiagnostics>>(m, "Diagnostics");
   py::class_<LatestImageSubscriber, std::shared_ptr<LatestImageSubscriber>>(m, "Inbox")
