@@ -20,7 +20,7 @@ import robot_vision as rv
 from robot_vision.calibration import calibrate_headless
 from robot_vision.color import pick_color
 from robot_vision.common.commands import INTERRUPTED, run_command
-from robot_vision.markers import command as create_marker
+from robot_vision.markers import create_marker
 from robot_vision.tags import calibrate_bundle
 
 OURS = os.path.dirname(create_marker.__file__).rpartition("/")[0]

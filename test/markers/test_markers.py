@@ -12,16 +12,16 @@ from typing import NamedTuple
 import cv2
 import numpy as np
 import pytest
+import roslib.packages
 import yaml
 
 import robot_vision as rv
 from robot_vision.markers.arguments import EXAMPLES
-from robot_vision.markers.command import main
+from robot_vision.markers.create_marker import main
 from robot_vision.markers.drawing import runs
 from robot_vision.markers.marker import qr_modules
 from robot_vision.markers.sheet import fitting
 
-SCRIPT = pathlib.Path(__file__).resolve().parents[2] / "scripts" / "create_marker.py"
 DPI = 508  # of what is rendered here: 20 px for a mm
 MM = DPI / 25.4
 COARSE = 254  # dpi, where a pixel more or less changes nothing
@@ -40,7 +40,7 @@ def create(tmp_path, monkeypatch, capfd):
 
     def run(*arguments):
         monkeypatch.chdir(tmp_path)
-        monkeypatch.setattr(sys, "argv", [str(SCRIPT), *map(str, arguments)])
+        monkeypatch.setattr(sys, "argv", ["create_marker.py", *map(str, arguments)])
         try:
             code = main()
         except SystemExit as end:  # of argparse
@@ -316,7 +316,8 @@ def test_the_size_told_is_that_between_the_corners_that_are_detected(create, tmp
 
 
 def test_the_default_size_is_that_of_the_detector(create):
-    config = SCRIPT.parents[1] / "config" / "apriltag_detector.yaml"
+    checkout = pathlib.Path(__file__).resolve().parents[2]
+    config = checkout / "config" / "apriltag_detector.yaml"
     tag_size = yaml.safe_load(config.read_text())["tag_size"]
     assert f"\ntag_size: {tag_size:g}  # m" in create(0, "hello").stdout
     assert "tag_size" not in create("hello").stdout
@@ -391,9 +392,10 @@ def test_every_example_of_the_help_works(create, tmp_path, line):
 
 
 def test_the_executable_needs_no_master(tmp_path):
+    program = roslib.packages.find_node("robot_vision", "create_marker.py")[0]
     for arguments, code in ((["0"], 0), (["0"], 1), (["--no-such-option"], 2)):
         result = subprocess.run(
-            [sys.executable, str(SCRIPT), *arguments],
+            [program, *arguments],
             cwd=tmp_path,
             env={**os.environ, "ROS_MASTER_URI": "http://127.0.0.1:1"},
             capture_output=True,

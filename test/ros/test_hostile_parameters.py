@@ -20,8 +20,8 @@ from robot_vision.line import line_follower
 from robot_vision.ros import params, transport
 from robot_vision.tags.bundle_files import parse_bundles
 from robot_vision.tags.tag_layout import TagLayout
-from robot_vision.viewer import camera_view
-from robot_vision.viewer.camera_view import CameraView
+from robot_vision.viewer import simple_camera_view_node
+from robot_vision.viewer.simple_camera_view_node import CameraView
 
 NAN, INF = float("nan"), float("inf")
 DEEP = []
@@ -173,7 +173,7 @@ AT_START = {
     "motion.motion_detector.MotionDetector": IMAGE_NODE,
     "tracking.object_tracker.ObjectTracker": IMAGE_NODE,
     "codes.code_reader.CodeReader": IMAGE_NODE,
-    "viewer.camera_view.CameraView": {
+    "viewer.simple_camera_view_node.CameraView": {
         "autosize": is_flag,
         "image_transport": IMAGE_NODE["image_transport"],
     },
@@ -197,8 +197,8 @@ def alone(at_start, monkeypatch, tmp_path):
     monkeypatch.setattr(transport, "_process", lambda: nothing)
     monkeypatch.setattr(line_follower, "Drive", nothing)
     monkeypatch.setattr(demo_status, "threading", nothing)
-    monkeypatch.setattr(camera_view, "Window", nothing)
-    monkeypatch.setattr(camera_view, "require_display", nothing)
+    monkeypatch.setattr(simple_camera_view_node, "Window", nothing)
+    monkeypatch.setattr(simple_camera_view_node, "require_display", nothing)
     monkeypatch.setattr(tf2_ros, "TransformBroadcaster", nothing)
     return at_start
 

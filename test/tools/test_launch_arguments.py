@@ -2,7 +2,7 @@
 
 import pytest
 
-from robot_vision.demo.launch_arguments import unknown_arguments
+from robot_vision.demo.check_arguments import unknown_arguments
 
 TEXT = """\
 <launch>

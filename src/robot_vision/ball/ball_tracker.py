@@ -31,6 +31,7 @@ from ..ros.configs import BallTrackerConfig
 from ..ros.image_node import ImageNode
 from ..ros.messages import detection, detection_array
 from ..ros.params import LiveParams, filled, read_name, read_param
+from ..ros.startup import run_node
 from ..ros.transport import Frame
 
 LARGEST = 100.0  # m
@@ -144,3 +145,7 @@ def ball_detection(state: BallState, region: Optional[Region]) -> Detection:
     message.velocity = Vector3(*state.velocity, 0.0)
     message.predicted = state.predicted
     return message
+
+
+def main() -> None:
+    run_node("ball_tracker", BallTracker)

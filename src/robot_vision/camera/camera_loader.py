@@ -14,6 +14,7 @@ from nodelet.srv import NodeletList, NodeletLoad, NodeletUnload
 
 from ..ros.params import read_any, read_name
 from ..ros.registration import AWAY
+from ..ros.startup import run_node
 from .camera_list import parse_cameras
 
 PLUGIN = "robot_vision/camera"
@@ -253,3 +254,7 @@ def _replace_params(camera: str, parameters: Dict[str, Any]) -> None:
         rospy.set_param(camera, {**kept, **parameters})
     elif present:
         rospy.delete_param(camera)
+
+
+def main() -> None:
+    run_node("camera_loader", CameraLoader, CameraLoader.run, has_file=False)

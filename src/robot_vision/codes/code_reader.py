@@ -16,6 +16,7 @@ from ..ros.configs import CodeReaderConfig
 from ..ros.image_node import ImageNode
 from ..ros.messages import box_around, detection_array, points
 from ..ros.params import LiveParams, filled
+from ..ros.startup import run_node
 from ..ros.transport import Frame
 
 LONGEST_LABEL = 60
@@ -86,3 +87,7 @@ def code_detection(code: Code, picture: np.ndarray) -> Detection:
         code_type=code.type,
         code_data=code.data,
     )
+
+
+def main() -> None:
+    run_node("code_reader", CodeReader)

@@ -10,6 +10,7 @@ from ..ros.configs import HsvTrackerConfig
 from ..ros.image_node import ImageNode
 from ..ros.messages import detection, detection_array
 from ..ros.params import LiveParams, filled
+from ..ros.startup import run_node
 from ..ros.transport import Frame
 from .color_file import edit_colors
 from .named_colors import HIGH, LOW, NamedColors
@@ -63,3 +64,7 @@ class HsvTracker:
         shown = ("color", *LOW, *HIGH)
         others = {name: value for name, value in values.items() if name not in shown}
         return edit_colors(path, _transport.edit_params(path, text, others), self._colors.ranges)
+
+
+def main() -> None:
+    run_node("hsv_tracker", HsvTracker)

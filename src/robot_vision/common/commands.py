@@ -5,7 +5,7 @@ import contextlib
 import os
 import signal
 import sys
-from typing import Any, Callable
+from typing import Any, Callable, Optional
 
 INTERRUPTED = 130  # as shells have it
 
@@ -29,7 +29,7 @@ def run_command(program: str, work: Callable[[], Any]) -> int:
     return 0
 
 
-def end_process(code: int) -> None:
+def end_process(code: Optional[int]) -> None:
     """Ends the process as its interpreter would, but for threads that still work in callbacks.
 
     CPython kills those by unwinding their stacks, which C++ in them, OpenCV's, does not survive.
@@ -39,4 +39,4 @@ def end_process(code: int) -> None:
     for stream in (sys.stdout, sys.stderr):
         with contextlib.suppress(OSError, ValueError):  # nobody reads it any more
             stream.flush()
-    os._exit(code)
+    os._exit(code or 0)

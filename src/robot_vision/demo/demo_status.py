@@ -9,6 +9,7 @@ import rospy
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 
 from ..ros.params import read_param
+from ..ros.startup import run_node
 from .window_tiles import Tiles
 
 TOPICS = {
@@ -95,3 +96,7 @@ def tile_windows() -> None:
     while tiles.place() and time.monotonic() < deadline and not rospy.is_shutdown():
         time.sleep(POLL)
     tiles.close()
+
+
+def main() -> None:
+    run_node("demo_status", DemoStatus, has_file=False)

@@ -14,6 +14,7 @@ from ..ros.configs import FaceDetectorConfig
 from ..ros.image_node import ImageNode
 from ..ros.messages import Box, box_detection, corners, detection_array
 from ..ros.params import LiveParams, attribute_of, filled
+from ..ros.startup import run_node
 from ..ros.transport import Frame
 
 COURSE = "haar_"  # what the course writes in front of some parameters
@@ -104,3 +105,7 @@ def face_detection(face: Face) -> Detection:
     message.velocity = Vector3(*face.velocity, 0.0)
     message.predicted = face.predicted
     return message
+
+
+def main() -> None:
+    run_node("face_detector", FaceDetector)

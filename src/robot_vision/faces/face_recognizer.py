@@ -15,6 +15,7 @@ from ..ros.frame_pairs import FramePairs
 from ..ros.image_node import ImageNode
 from ..ros.messages import corners
 from ..ros.params import LiveParams, filled
+from ..ros.startup import run_node
 from ..ros.transport import Frame
 from .face_picture import Box, check_box, normalized
 from .gallery import Gallery
@@ -163,3 +164,7 @@ def draw_identity(bgr: np.ndarray, box: Box, identity: Identity) -> None:
         plain(f"{identity.name} {identity.distance:.0f}"),
         GREEN if identity.known else RED,
     )
+
+
+def main() -> None:
+    run_node("face_recognizer", FaceRecognizer)

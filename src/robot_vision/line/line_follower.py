@@ -11,6 +11,7 @@ from ..msg import Line as LineMessage
 from ..ros.configs import LineFollowerConfig
 from ..ros.image_node import ImageNode
 from ..ros.params import LiveParams, filled
+from ..ros.startup import run_node
 from ..ros.transport import Frame
 from .drive import Drive
 from .line_control import LineController, LineControlParams, must_stop
@@ -89,3 +90,7 @@ class LineFollower:
 def _age(stamp: rospy.Time) -> float:
     """s since this stamp by the clock of ROS; 0 for that of a sender that knows of no time."""
     return 0.0 if stamp.is_zero() else rospy.get_time() - stamp.to_sec()
+
+
+def main() -> None:
+    run_node("line_follower", LineFollower)

@@ -14,6 +14,7 @@ from ..ros.configs import MotionDetectorConfig
 from ..ros.image_node import ImageNode
 from ..ros.messages import corners, detection, detection_array
 from ..ros.params import LiveParams, filled
+from ..ros.startup import run_node
 from ..ros.transport import Frame
 
 
@@ -75,3 +76,7 @@ class MotionDetector:
     def _on_reset(self, _request: Any) -> TriggerResponse:
         self._shall_reset = True  # the detector belongs to the thread of the pictures
         return TriggerResponse(True, "the next frame is the background")
+
+
+def main() -> None:
+    run_node("motion_detector", MotionDetector)

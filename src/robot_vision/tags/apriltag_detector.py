@@ -16,6 +16,7 @@ from ..ros.camera_info import Calibration
 from ..ros.configs import ApriltagDetectorConfig
 from ..ros.image_node import ImageNode
 from ..ros.params import LiveParams, filled, read_any, read_param
+from ..ros.startup import run_node
 from ..ros.transport import Frame, FrameError, note_connections
 from .detect_service import DetectService
 from .tag_layout import TagLayout
@@ -123,3 +124,7 @@ class ApriltagDetector:
             found = self._detector.detect(gray, "mono8")
             tags, bundles = self._locator.locate_at_once(found, camera, self._for_corners(gray))
         return tag_array(header, size, tags, bundles), problem
+
+
+def main() -> None:
+    run_node("apriltag_detector", ApriltagDetector)

@@ -16,6 +16,7 @@ from ..ros.configs import ObjectTrackerConfig
 from ..ros.image_node import ImageNode
 from ..ros.messages import detection_array
 from ..ros.params import LiveParams, filled
+from ..ros.startup import run_node
 from ..ros.transport import Frame
 from ..srv import ForgetObject, ForgetObjectResponse, SelectObject, SelectObjectResponse
 from .auto_selection import AutoSelection
@@ -210,3 +211,7 @@ class ObjectTracker:
 
 def has_readers(publisher: Any) -> bool:
     return publisher.get_num_connections() > 0
+
+
+def main() -> None:
+    run_node("object_tracker", ObjectTracker)
