@@ -1,4 +1,4 @@
-"""What all commands do alike."""
+"""What all commands have in common: exit codes, Ctrl-C and the end of the process."""
 
 import atexit
 import contextlib
@@ -7,15 +7,16 @@ import signal
 import sys
 from typing import Any, Callable, Optional
 
-INTERRUPTED = 130  # as shells have it
+INTERRUPTED = 130  # exit code after Ctrl-C, as shells report it
 
 
 def run_command(program: str, work: Callable[[], Any]) -> int:
-    """Runs what a command that is no node does; its exit code.
+    """Runs `work`, the main function of a command that is not a node, and returns the exit code.
 
-    What is wrong, an OSError or ValueError, is a line on stderr and code 1.
+    An OSError or a ValueError is printed as one line on stderr, and the exit code is 1.
     """
-    # To tidy up; shells start their background jobs with it ignored.
+    # Ctrl-C has to raise KeyboardInterrupt, so that `work` tidies up. Shells start background jobs
+    # with the signal ignored.
     before = signal.signal(signal.SIGINT, signal.default_int_handler)
     try:
         work()
@@ -30,13 +31,17 @@ def run_command(program: str, work: Callable[[], Any]) -> int:
 
 
 def end_process(code: Optional[int]) -> None:
-    """Ends the process as its interpreter would, but for threads that still work in callbacks.
+    """Ends the process as the interpreter would, but leaves threads alone that run callbacks.
 
-    CPython kills those by unwinding their stacks, which C++ in them, OpenCV's, does not survive.
+    CPython ends such threads by unwinding their stacks. C++ code in them, for instance OpenCV's,
+    does not survive that.
+
+    Args:
+        code: The exit code; None is 0.
     """
     with contextlib.suppress(Exception):
         atexit._run_exitfuncs()
     for stream in (sys.stdout, sys.stderr):
-        with contextlib.suppress(OSError, ValueError):  # nobody reads it any more
+        with contextlib.suppress(OSError, ValueError):  # The reader may have closed the stream.
             stream.flush()
     os._exit(code or 0)

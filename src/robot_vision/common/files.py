@@ -1,7 +1,7 @@
-"""Files that are read with care, and written in one step or not at all.
+"""Reading files safely, and writing them in one step or not at all.
 
-Only regular files are read and replaced: a pipe may block and a device never end, and one that is
-replaced by a file is gone for everybody.
+Only regular files are read and replaced. A pipe may block and a device may never end, and a file
+that took the place of a pipe or a device would break it for everybody.
 """
 
 import contextlib
@@ -12,33 +12,33 @@ import secrets
 import stat
 from typing import Iterator, Optional, Tuple
 
-MAX_TEXT = 1 << 20  # bytes, of a file of parameters
-MAX_IMAGE = 256 << 20  # bytes, of an image file
+MAX_TEXT = 1 << 20  # bytes, largest parameter file
+MAX_IMAGE = 256 << 20  # bytes, largest image file
 CHUNK = 1 << 20  # bytes that are read at a time
 ROS_HOME_NEEDED = "ROS_HOME names a folder that this user may write to"
 
 
 @contextlib.contextmanager
 def trying(path: str, what: str) -> Iterator[None]:
-    """Lets an OSError say "<path> cannot be <what>: ..." instead of a number; its type stays."""
+    """Makes an OSError say "<path> cannot be <what>: <reason>"; the type of the error stays."""
     try:
         yield
     except OSError as error:
-        if error.strerror is None:  # it says so already
+        if error.strerror is None:  # The message already names the path.
             raise
         raise type(error)(f"{path} cannot be {what}: {error.strerror}") from error
 
 
 def reason(error: Exception) -> str:
-    """What an error says, without the path that is named beside it."""
+    """Returns the reason that an error gives, without the path that its message starts with."""
     return getattr(error.__cause__ or error, "strerror", None) or str(error)
 
 
 def read_file(path: str, max_size: int) -> bytes:
-    """A file's bytes, of which there must not be more than `max_size`.
+    """Returns the bytes of a file of at most `max_size` bytes.
 
     Raises:
-        OSError: it is no regular file, too large, or cannot be read.
+        OSError: The path is not a regular file, or the file is too large or cannot be read.
     """
     with trying(path, "read"):
         file = _open_regular(path)
@@ -49,15 +49,15 @@ def read_file(path: str, max_size: int) -> bytes:
 
 
 def require_file(path: str) -> None:
-    """Raises OSError if a path is none of a regular file, for libraries that would wait for it."""
+    """Raises OSError unless the path is a regular file; some libraries would wait for others."""
     with trying(path, "read"):
         os.close(_open_regular(path))
 
 
 def _open_regular(path: str) -> int:
-    if not stat.S_ISREG(os.stat(path).st_mode):  # to open some devices starts something
+    if not stat.S_ISREG(os.stat(path).st_mode):  # Opening some devices has side effects.
         raise _no_file()
-    # It may be another by now, and without O_NONBLOCK a pipe waits for its other end.
+    # The path may lead elsewhere by now, and opening a pipe without O_NONBLOCK waits for a writer.
     file = os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC)
     if not stat.S_ISREG(os.fstat(file).st_mode):
         os.close(file)
@@ -80,11 +80,11 @@ def _read_all(file: int, max_size: int) -> bytes:
 
 
 def read_text(path: str) -> str:
-    """A file's text with its line ends as they are; empty if there is no such file.
+    """Returns the text of a file with its line ends unchanged, or "" if there is no such file.
 
     Raises:
-        ValueError: it is not UTF-8.
-        OSError: it cannot be read.
+        ValueError: The file is not UTF-8.
+        OSError: The file cannot be read.
     """
     if not os.path.lexists(path):
         return ""
@@ -95,11 +95,12 @@ def read_text(path: str) -> str:
 
 
 def require_replaceable(path: str, replace: bool, new_folders: bool = False) -> None:
-    """Raises OSError if a file cannot be written, which is better known before the work than after.
+    """Raises OSError if a file cannot be written, so that a command knows it before its work.
 
     Args:
-        replace: whether it may be there already.
-        new_folders: whether its folder need not be there, for make_folder() makes it.
+        path: The file.
+        replace: Whether the file may exist already.
+        new_folders: Whether the folder may be missing, because make_folder() will make it.
     """
     with trying(path, "written"):
         target, _ = _replaced(path)
@@ -115,10 +116,10 @@ def require_replaceable(path: str, replace: bool, new_folders: bool = False) -> 
 
 
 def make_folder(path: str) -> None:
-    """Makes the folder of a file and those above it, unless they are there.
+    """Makes the folder of a file, and the folders above it, where they do not exist.
 
     Raises:
-        OSError: it cannot be made.
+        OSError: The folder cannot be made.
     """
     folder = os.path.dirname(os.path.realpath(path))
     with trying(folder, "made"):
@@ -126,23 +127,23 @@ def make_folder(path: str) -> None:
 
 
 def replace_file(path: str, data: bytes) -> None:
-    """Writes a file, or replaces it; a reader sees the old or the new one, never a part.
+    """Writes or replaces a file; a reader sees the old or the new content, never a part of it.
 
-    An old file keeps its permissions and, as far as this user may give it away, its owner; of a
-    symbolic link the file it leads to is replaced.
+    An existing file keeps its permissions and, as far as this user may give it away, its owner. If
+    the path is a symbolic link, the file that the link leads to is replaced.
 
     Raises:
-        OSError: it cannot be written, or is no regular file; an old file is as it was.
+        OSError: The file cannot be written or is not a regular file; an existing one is unchanged.
     """
     with trying(path, "written"):
         target, old = _replaced(path)
-        # In the same folder, or the rename is not atomic.
+        # A rename is atomic only within one folder.
         with _temporary(f"{target}.{_random()}.tmp", data, old) as temporary:
             os.replace(temporary, target)
 
 
 def _replaced(path: str) -> Tuple[str, Optional[os.stat_result]]:
-    """The path of what is replaced, where links lead to, and its status; None: there is none."""
+    """Returns the path with all links resolved, and the file's status or None if it is missing."""
     try:
         old = os.stat(path)
     except FileNotFoundError:
@@ -155,11 +156,11 @@ def _replaced(path: str) -> Tuple[str, Optional[os.stat_result]]:
 
 
 def create_file(path: str, data: bytes) -> None:
-    """Writes a new file, whole from the moment it is there; no other is overwritten.
+    """Writes a new file, which appears with its whole content; no other file is overwritten.
 
     Raises:
-        FileExistsError: there is one of this name.
-        OSError: it cannot be written.
+        FileExistsError: There is a file of this name.
+        OSError: The file cannot be written.
     """
     with trying(path, "written"):
         if os.path.lexists(path):
@@ -169,13 +170,13 @@ def create_file(path: str, data: bytes) -> None:
 
 
 def add_file(folder: str, stem: str, suffix: str, data: bytes) -> str:
-    """Writes a new file, whole from the moment it is there; no other file is ever overwritten.
+    """Writes a file under a free name; it appears with its whole content, and overwrites no other.
 
     Returns:
-        Its path: stem and suffix, with -1, -2, ... between them if that name is taken.
+        The path of the file. If <stem><suffix> is taken, -1, -2, ... is put between the two.
 
     Raises:
-        OSError: it cannot be written.
+        OSError: The file cannot be written.
     """
     free, hidden = (os.path.join(folder, name) for name in (stem + suffix, f".{stem}.{_random()}"))
     with trying(free, "written"), _temporary(hidden + ".tmp", data) as temporary:
@@ -188,16 +189,16 @@ def add_file(folder: str, stem: str, suffix: str, data: bytes) -> str:
 
 
 def _name(temporary: str, path: str) -> None:
-    """Gives a file that is written a name, which must be free.
+    """Gives a written file its final name.
 
     Raises:
-        FileExistsError: it is taken.
+        FileExistsError: The name is taken.
     """
     try:
-        os.link(temporary, path)  # unlike a rename, it fails if the name is taken
+        os.link(temporary, path)  # Unlike a rename, this fails if the name is taken.
     except FileExistsError:
         raise
-    except OSError:  # USB sticks have no hard links: there an empty file takes the name first
+    except OSError:  # USB sticks have no hard links. There an empty file reserves the name.
         os.close(os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC, 0o666))
         try:
             os.replace(temporary, path)
@@ -211,20 +212,22 @@ def _no_file() -> OSError:
 
 
 def _random() -> str:
-    """Part of a name that no file has; a number of the process may be in one that it left."""
+    """Returns a part of a name that no file has yet, unlike a process id, which may come again."""
     return secrets.token_hex(8)
 
 
 @contextlib.contextmanager
 def _temporary(path: str, data: bytes, old: Optional[os.stat_result] = None) -> Iterator[str]:
-    """A new file, written down to the disk, that is gone in the end unless it was renamed.
+    """Writes a file and syncs it to the disk; at the end it is removed unless it was renamed.
 
     Args:
-        old: whose mode and owner it has; None: the umask's mode.
+        path: The path of the new file.
+        data: The content.
+        old: The status of the file whose mode and owner it takes over; None takes the umask's mode.
     """
     flags = os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC
     try:
-        # What is private stays so from the beginning.
+        # A private file must be private from the beginning.
         with open(os.open(path, flags, 0o600 if old else 0o666), "wb") as file:
             if old:
                 _take_over(file.fileno(), old)
@@ -238,7 +241,7 @@ def _temporary(path: str, data: bytes, old: Optional[os.stat_result] = None) -> 
 
 
 def _take_over(file: int, old: os.stat_result) -> None:
-    """Gives a file mode and owner of another; only root may give files to others."""
+    """Gives a file the mode and the owner of another one; only root may give files to others."""
     new = os.fstat(file)
     if (new.st_uid, new.st_gid) != (old.st_uid, old.st_gid):
         for owner in (old.st_uid, -1):

@@ -1,4 +1,4 @@
-"""Picture files, decoded."""
+"""Image files: their names, and their decoding."""
 
 from typing import Optional
 
@@ -9,23 +9,23 @@ from .._core import decode_image_file
 
 
 def sensor_pixels(data: bytes, flags: int = cv2.IMREAD_COLOR) -> Optional[np.ndarray]:
-    """As the lens has thrown them on the sensor, whatever side of the camera was up.
+    """Decodes an image as the sensor saw it, without the rotation that its EXIF data asks for.
 
-    This is what a calibration is of: a lens has no up and down.
+    A calibration needs these pixels, because the lens does not turn with the camera.
 
     Args:
-        data: the file.
-        flags: cv2.IMREAD_...; by default (height, width, 3) uint8, BGR.
+        data: The content of the file.
+        flags: cv2.IMREAD_...; the default gives (height, width, 3) uint8, BGR.
 
     Returns:
-        None if it is no picture, or damaged.
+        The image, or None if the file is damaged or not an image.
 
     Raises:
-        ValueError: it claims to be larger than any picture that there is memory for.
+        ValueError: The file claims to be larger than any image that fits into the memory.
     """
     return decode_image_file(data, flags | cv2.IMREAD_IGNORE_ORIENTATION)
 
 
 def upright(data: bytes) -> Optional[np.ndarray]:
-    """The same, (height, width, 3) uint8, BGR, turned by EXIF as viewers show it."""
+    """Decodes an image like sensor_pixels() to BGR, but rotated by EXIF, as viewers show it."""
     return decode_image_file(data, cv2.IMREAD_COLOR)

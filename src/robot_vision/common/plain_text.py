@@ -1,4 +1,4 @@
-"""Text of others for people: on the overlay, whose letters are those of ASCII, and in logs."""
+"""Text from outside made safe for people: in logs, and in overlays, whose font has only ASCII."""
 
 import unicodedata
 from typing import Any
@@ -8,9 +8,9 @@ NAME = f"a name of 1 to {LONGEST_NAME} printable letters"
 
 
 def printable(text: str, length: int = 100) -> str:
-    """What somebody else has sent, as a part of one line: what is no letter or sign is escaped.
+    """Returns text from outside as a part of one line, with unprintable characters escaped.
 
-    So it ends no line and tells no terminal what to do; what is longer ends in "...".
+    So it can neither end a line nor control a terminal. Longer text is cut and ends in "...".
     """
     line = "".join(
         letter if letter.isprintable() else letter.encode("unicode_escape").decode()
@@ -20,12 +20,12 @@ def printable(text: str, length: int = 100) -> str:
 
 
 def is_name(text: str) -> bool:
-    """Whether it can be a frame's, node's or the like, that all of ROS can show in a line."""
+    """Returns whether the text can name a frame or a node that all tools of ROS can show."""
     return 0 < len(text) <= LONGEST_NAME and text.isprintable()
 
 
 def plain(text: str, length: int = 100) -> str:
-    """A line of at most `length` letters: without accents, and ? for what has no plain letter."""
+    """Returns at most `length` ASCII characters: accents are dropped, other letters become "?"."""
     letters = unicodedata.normalize("NFKD", text[:length])
     letters = "".join(letter for letter in letters if not unicodedata.combining(letter))
     line = "".join(letter if " " <= letter <= "~" else "?" for letter in letters)
@@ -33,6 +33,6 @@ def plain(text: str, length: int = 100) -> str:
 
 
 def told(value: Any, length: int = 100) -> str:
-    """A value as its source code, for an error; at most `length` letters of it."""
+    """Returns the source code of a value for an error message, cut to `length` characters."""
     text = repr(value)
     return text if len(text) <= length else text[: length - 3] + "..."

@@ -1,8 +1,8 @@
-"""What a command says of its work while it goes on."""
+"""Progress messages of a command."""
 
 
 class Progress:
-    """Prints a line at once, unless it is the one that was printed last."""
+    """Prints lines at once, but not the same line twice in a row."""
 
     def __init__(self) -> None:
         self._last = ""

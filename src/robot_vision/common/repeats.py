@@ -1,17 +1,17 @@
-"""What has been told a short time ago, and need not be told again."""
+"""Decides which things are news, and which were reported a short time ago."""
 
 from typing import Dict, Hashable, Iterable, Set
 
 
 class Repeats:
-    """Tells news from repetitions; period (s): a thing is news again after this, 0: always."""
+    """Tells news from repetitions: a thing is news again `period` s after its last report."""
 
     def __init__(self, period: float = 0.0):
         self.period = period
-        self._told: Dict[Hashable, float] = {}  # s, when last
+        self._told: Dict[Hashable, float] = {}  # s, the time of the last report
 
     def news(self, things: Iterable[Hashable], now: float) -> Set[Hashable]:
-        """Those that are news at the time `now`, s of any clock; all are, if it has gone back."""
+        """Returns the things that are news at the time `now` in s; all are if time went back."""
         self._told = {
             thing: when for thing, when in self._told.items() if 0.0 <= now - when < self.period
         }

@@ -1,7 +1,7 @@
-"""YAML as people write it: what is nested, repeated or numbered without measure is refused.
+"""Reading YAML that people wrote, within limits on its depth, its size and its numbers.
 
-Aliases may stand for one another, so that a few lines mean more values than there are atoms; each
-is counted as all that it stands for.
+YAML aliases can stand for one another, so that a few lines mean more values than there are atoms.
+Here each alias counts as all the values that it stands for.
 """
 
 from typing import Any, Dict, Optional
@@ -9,26 +9,28 @@ from typing import Any, Dict, Optional
 import yaml
 
 MAX_DEPTH = 20
-MAX_VALUES = 20000  # with what aliases stand for
-MAX_NUMBER = 100  # characters of what is no string: to read a number takes the square of its length
+MAX_VALUES = 20000  # including those that aliases stand for
+MAX_NUMBER = 100  # characters of a scalar that is no string: numbers are read in quadratic time
 STRING = "tag:yaml.org,2002:str"
-MAX_TOLD = 200  # characters of what is wrong
+MAX_TOLD = 200  # characters of an error message
 
 
 def load_yaml(text: str) -> Any:
-    """The values of a text.
+    """Returns the values of a YAML text.
 
     Raises:
-        ValueError: it is no YAML, or too much of it; says where, in one line.
+        ValueError: The text is not YAML, or exceeds a limit. The message has one line and says
+            where.
     """
     return _read(text, lambda loader: loader.get_single_data())
 
 
 def compose_yaml(text: str) -> Optional[yaml.Node]:
-    """The nodes of a text, with their places in it; None if it is empty.
+    """Returns the YAML nodes of a text with their positions in it, or None if it is empty.
 
     Raises:
-        ValueError: it is no YAML, or too much of it; says where, in one line.
+        ValueError: The text is not YAML, or exceeds a limit. The message has one line and says
+            where.
     """
     return _read(text, lambda loader: loader.get_single_node())
 
@@ -38,7 +40,7 @@ def _read(text: str, of: Any) -> Any:
         return of(_BoundedLoader(text))
     except yaml.MarkedYAMLError as error:
         raise ValueError(_placed(str(error.problem or error.context), error.problem_mark)) from None
-    except Exception as error:  # of a date that is none, for instance, or a number without digits
+    except Exception as error:  # for instance of an impossible date, or a number without digits
         raise ValueError(_in_one_line(str(error))) from None
 
 

@@ -1,8 +1,8 @@
-"""What the package's Python nodes share; the only part of robot_vision that needs rospy."""
+"""What the Python nodes share. Only this room and the nodes themselves need rospy."""
 
 import roslib.launcher
 
-# dynamic_reconfigure has its own manifest read when it is imported, for a path that catkin has made
-# needless. rospkg would then import rosdep, a quarter of what a node imports, and complain where
-# `rosdep init` has never been run. So it is told that this has been done.
+# dynamic_reconfigure loads its manifest when it is imported, to add a path that catkin has made
+# superfluous. For that rospkg would import rosdep, which is a quarter of all that a node imports,
+# and complain where `rosdep init` was never run. This line says that it was loaded already.
 roslib.launcher._bootstrapped.append("dynamic_reconfigure")

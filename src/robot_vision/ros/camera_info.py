@@ -1,4 +1,4 @@
-"""The camera of a topic of pictures, by the camera_info beside it."""
+"""The camera model of an image topic, from the camera_info beside it."""
 
 import threading
 import time
@@ -12,19 +12,20 @@ from ..common.repeats import Repeats
 from .image_node import ImageNode
 from .transport import camera_info_beside, remapped_camera_info
 
-TOLD_AGAIN = 5.0  # s until the same kind of problem is told again
-PATIENCE = 2.0  # s that pictures come without camera_info until it is told
+TOLD_AGAIN = 5.0  # s until the same kind of problem is logged again
+PATIENCE = 2.0  # s without camera_info until its lack is logged
 
 
 class Calibration:
-    """The newest camera_info, whatever its stamp: pictures come without any, too.
+    """Keeps the newest camera_info of a node's images, whatever its stamp is.
 
-    It is on the topic camera_info if that is remapped, otherwise beside the picture's: of
-    /usb_cam/image_raw on /usb_cam/camera_info.
+    It also serves images without a stamp. The camera_info is expected on the topic camera_info if
+    that name is remapped, and otherwise beside the image: for /usb_cam/image_raw on
+    /usb_cam/camera_info.
 
     Args:
-        node: whose pictures they are.
-        missing: what there is not without it, for the warning.
+        node: The node that processes the images.
+        missing: What the node cannot provide without camera_info, for the warning.
     """
 
     def __init__(self, node: ImageNode, missing: str):
@@ -32,20 +33,21 @@ class Calibration:
         self._missing = missing
         self._info: Optional[CameraInfo] = None
         self._came = threading.Event()
-        self._used: Tuple[Any, ...] = ()  # what the camera was made from
+        self._used: Tuple[Any, ...] = ()  # the values that the camera was made from
         self._camera: Optional[CameraModel] = None
-        self._wrong = ""  # with the newest
-        self._problem = ""  # that was told last
+        self._wrong = ""  # the problem of the newest camera_info
+        self._problem = ""  # the problem logged last
         self._told = Repeats(TOLD_AGAIN)
         self._first_asked = 0.0  # s of the monotonic clock
         node.subscriber(self.topic, CameraInfo, self._on_info)
 
     def camera(self, size: Tuple[int, int]) -> Optional[CameraModel]:
-        """The camera of pictures of `size`, (width, height) in px.
+        """Returns the camera model for images of `size`, (width, height) in px.
 
-        The same object until it changes; None if it is not known, with one warning why.
+        The same object is returned until the camera changes. If the camera is not known, None is
+        returned, and one warning gives the reason.
         """
-        info = self._info  # other threads replace it
+        info = self._info  # Other threads replace it.
         if info is None:
             self._complain_later()
             return None
@@ -61,19 +63,19 @@ class Calibration:
         return self._camera
 
     def wait(self, seconds: float) -> None:
-        """Until there is a camera_info, for a moment at most; the node has to work."""
+        """Waits at most `seconds` for the first camera_info; the node has to be working."""
         self._came.wait(seconds)
 
     @property
     def frame_id(self) -> str:
-        """Of the camera, as camera_info has it; empty if that is not known."""
+        """The frame_id of the camera by its camera_info, or "" if that is not known."""
         return self._info.header.frame_id if self._info else ""
 
     def camera_at_once(self, size: Tuple[int, int]) -> CameraModel:
-        """The same for a picture by itself; nothing is remembered, or told.
+        """Returns the camera model for a single image; nothing is remembered or logged.
 
         Raises:
-            ValueError: it is not known, and why.
+            ValueError: The camera is not known; the message gives the reason.
         """
         try:
             if self._info is None:
@@ -94,7 +96,7 @@ class Calibration:
             self._tell("there is none")
 
     def _tell(self, problem: str) -> None:
-        kind = problem.split(" is ")[0]  # what is wrong; its value may change with every message
+        kind = problem.split(" is ")[0]  # A value that follows may change with every message.
         if problem == self._problem or not self._told.news([kind], time.monotonic()):
             return
         self._problem = problem
@@ -105,10 +107,11 @@ class Calibration:
 
 
 def camera_model(info: CameraInfo, size: Tuple[int, int]) -> CameraModel:
-    """The camera of pictures of `size`, (width, height) in px.
+    """Returns the camera model for images of `size`, (width, height) in px.
 
     Raises:
-        ValueError: camera_info is not calibrated, of other pictures, or of a model not known here.
+        ValueError: The camera is not calibrated, camera_info belongs to images of another size,
+            or its distortion model is not known here.
     """
     if not is_calibrated(info.K):
         raise ValueError("the camera is not calibrated")

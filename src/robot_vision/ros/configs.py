@@ -1,4 +1,4 @@
-"""What is made from cfg/: robot_vision.cfg, after what this package arranges for it."""
+"""The modules generated from cfg/. This package must be imported first: see robot_vision.ros."""
 
 import importlib
 from types import ModuleType

@@ -1,4 +1,4 @@
-"""Pictures, and what another node has found in them."""
+"""Pairs of frames and the messages about them that another node publishes."""
 
 import collections
 import threading
@@ -6,26 +6,28 @@ from typing import Any, Deque, Optional
 
 from .transport import Frame
 
-SPAN = 2.0  # s, so far may the other node, or the pictures, be behind
-MOST_BYTES = 128 << 20  # of the frames that wait
-MOST_MESSAGES = 1000  # that wait; without stamps none is too old
-MANY = 10  # messages in a row without a frame: it is no accident
+SPAN = 2.0  # s, largest delay of the messages or of the frames
+MOST_BYTES = 128 << 20  # bytes, largest size of the frames that wait
+MOST_MESSAGES = 1000  # that wait; those without stamps never become too old
+MANY = 10  # messages in a row without a frame, from which on it is no accident
 
 
 class FramePairs:
-    """Brings messages together with the frames of their stamps, whichever come first. Thread-safe.
+    """Pairs messages with the frames of the same stamps, whichever come first. Thread-safe.
 
-    Frames are held, not copied, and let go as soon as a message is of a later one.
+    Frames are referenced, not copied, and released as soon as a message belongs to a later one.
+    message_filters cannot replace this: it bounds the number of frames but not their size, and
+    keeps older frames after a match.
     """
 
     def __init__(self) -> None:
-        self._lock = threading.Lock()  # guards all that follows
+        self._lock = threading.Lock()  # guards all attributes below
         self._frames: Deque[Frame] = collections.deque()
         self._messages: Deque[Any] = collections.deque(maxlen=MOST_MESSAGES)
         self._missed = 0  # messages in a row without a frame
 
     def message_of(self, frame: Frame) -> Optional[Any]:
-        """The message that has waited for this frame; without one the frame waits for it."""
+        """Returns the message that waited for this frame; if there is none, keeps the frame."""
         with self._lock:
             message = _taken(self._messages, frame.header.stamp)
             if message is None:
@@ -38,7 +40,7 @@ class FramePairs:
             return message
 
     def frame_of(self, message: Any) -> Optional[Frame]:
-        """The frame of this message; if it has not come, the message waits for it."""
+        """Returns the frame of this message; if it has not come yet, keeps the message."""
         with self._lock:
             frame = _taken(self._frames, message.header.stamp)
             if frame is None:
@@ -51,12 +53,12 @@ class FramePairs:
             return frame
 
     def apart(self) -> bool:
-        """Whether many messages in a row had no frame."""
+        """Returns whether so many messages in a row had no frame that the two do not fit."""
         with self._lock:
             return self._missed >= MANY
 
     def clear(self) -> None:
-        """Lets all go that waits."""
+        """Releases all frames and messages that wait."""
         with self._lock:
             self._frames.clear()
             self._messages.clear()
@@ -69,14 +71,14 @@ class FramePairs:
 
 
 def _drop_old(waiting: Deque[Any]) -> None:
-    """Drops what is much older than the newest, or of a time before the stamps went back."""
+    """Drops entries that are much older than the newest, or from before the stamps went back."""
     newest = waiting[-1].header.stamp
     while not 0.0 <= (newest - waiting[0].header.stamp).to_sec() <= SPAN:
         waiting.popleft()
 
 
 def _taken(waiting: Deque[Any], stamp: Any) -> Optional[Any]:
-    """The newest of this stamp, or None; those before it are waited for no more."""
+    """Removes and returns the newest entry of this stamp, or None; older ones are dropped too."""
     for index in reversed(range(len(waiting))):
         if waiting[index].header.stamp == stamp:
             found = waiting[index]

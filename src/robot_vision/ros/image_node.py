@@ -1,4 +1,4 @@
-"""What every node does that works on pictures."""
+"""What all nodes that process images have in common."""
 
 import time
 from typing import Any, Callable, Dict, List, Tuple
@@ -10,24 +10,24 @@ from . import transport
 from .params import read_param, review_params
 
 MOST_THREADS = 256
-SILENCE = 5.0  # s without a message, until an input counts as missing
+SILENCE = 5.0  # s without a message until an input counts as missing
 
 
 class ImageNode:
-    """Works on the topic `image` while somebody subscribes to an output (or ~always_subscribe), or
-    as long as keep_working() wants it.
+    """Processes the topic `image` while the results are wanted.
 
-    Counts and refuses frames, and reports on /diagnostics under the node's name. Give it its
-    outputs, then start() it.
+    They are wanted while somebody subscribes to an output, while keep_working() asks for it, and
+    always if ~always_subscribe is true. Frames are counted, and refused if they cannot be used.
+    Statistics go to /diagnostics under the node's name. Add the outputs first, then call start().
 
     Args:
-        process: works on a Frame and publishes.
-        encoding: that it wants its frames in.
-        camera_info: whether frames shall come with their camera_info.
-        idle: is called when the work ends, to let go what was kept for it.
+        process: The function that processes a Frame and publishes the results.
+        encoding: The encoding to which frames are converted.
+        camera_info: Whether frames come with their camera_info.
+        idle: A function that is called when the work ends, to release what was kept for it.
 
     Raises:
-        ValueError: a parameter is of the wrong type or out of range.
+        ValueError: A parameter has the wrong type or is out of range.
     """
 
     def __init__(
@@ -41,13 +41,11 @@ class ImageNode:
         self._always = read_param("always_subscribe", False)
         set_threads(read_threads())
         self._wanted = False
-        self._outputs: List[Tuple[Any, Callable[[], bool]]] = []  # and whether it counts
+        self._outputs: List[Tuple[Any, Callable[[], bool]]] = []  # with whether each counts
         self._inputs: List[Tuple[Any, ...]] = []  # names, types and callbacks
-        self._subscribers: List[rospy.Subscriber] = []  # to them, while the node works
-        self._came: Dict[
-            str, float
-        ] = {}  # s of the monotonic clock, when what they bring came last
-        self._working_since = float("inf")  # s of the same
+        self._subscribers: List[rospy.Subscriber] = []  # of the inputs, while the node works
+        self._came: Dict[str, float] = {}  # s of the monotonic clock, an input's last message
+        self._working_since = float("inf")  # s of the monotonic clock
         kind = transport.CameraSubscriber if camera_info else transport.ImageSubscriber
         self._images = kind(
             "image",
@@ -61,36 +59,36 @@ class ImageNode:
 
     @property
     def topic(self) -> str:
-        """The topic of the pictures, resolved."""
+        """The resolved name of the image topic."""
         return self._images.topic
 
     def publisher(
         self, name: str, kind: Any, counts: Callable[[], bool] = lambda: True
     ) -> rospy.Publisher:
-        """A topic for results, which makes the node work, while it counts."""
+        """Adds a topic of results; its subscribers make the node work while `counts()` is true."""
         output = rospy.Publisher(name, kind, queue_size=1, subscriber_listener=_Listener())
         self._outputs.append((output, counts))
         return output
 
     def image_publisher(self, name: str) -> transport.ImagePublisher:
-        """A topic for pictures, which makes the node work; draw only if it has connections."""
+        """Adds an image topic, whose subscribers make the node work; draw only if it has any."""
         output = transport.ImagePublisher(name)
         self._outputs.append((output, lambda: True))
         return output
 
     def subscriber(self, name: str, kind: Any, callback: Callable[[Any], Any]) -> None:
-        """One more topic that is subscribed to while the node works: its newest message."""
+        """Adds an input: while the node works, the callback gets the newest message of a topic."""
         self._inputs.append((name, kind, self._noting(name, callback)))
 
     def keep_working(self, wanted: bool) -> None:
-        """Whether to work although nobody subscribes. Thread-safe."""
+        """Sets whether to work even if nobody subscribes. Thread-safe."""
         self._wanted = wanted
         transport.note_connections()
 
     def missing(self, seconds: float = SILENCE) -> str:
-        """What the node works without, in words: inputs that were silent for so long. Thread-safe.
+        """Returns which inputs had no message for `seconds`, in words. Thread-safe.
 
-        Empty if there are none, or the node does not work.
+        The text is empty if there are none, or if the node is not working.
         """
         now = time.monotonic()
         inputs = [("image", "images", self._images.topic, self._images)]
@@ -106,18 +104,18 @@ class ImageNode:
         return "; ".join(lacking)
 
     def no_frame(self, seconds: float) -> str:
-        """What to say when none came within this time."""
+        """Returns the error message for the case that no frame came within `seconds`."""
         nobody = "" if self._images.get_num_connections() else "; nobody publishes there"
         return f"no frame on {self.topic} within {seconds:g} s{nobody}"
 
     def start(self) -> None:
-        """Begins to work; the node has to be complete by now, all its parameters read."""
+        """Starts the work. All outputs must have been added, and all parameters read."""
         review_params()
         transport.add_connection_listener(self._update)
         transport.note_connections()
 
     def _update(self) -> None:
-        """Only the thread of the pictures calls it, so subscribing and ending do not overlap."""
+        """Starts or ends the work as needed; always called by the same thread, that of images."""
         listened = any(
             counts() and output.get_num_connections() for output, counts in self._outputs
         )
@@ -137,7 +135,7 @@ class ImageNode:
             self._idle()
 
     def _noting(self, name: str, callback: Callable[[Any], Any]) -> Callable[[Any], Any]:
-        """The callback of an input, which keeps in mind when it was called."""
+        """Returns the callback of an input, extended by noting the time of each message."""
 
         def noting(message: Any) -> None:
             self._came[name] = time.monotonic()
@@ -147,16 +145,18 @@ class ImageNode:
 
 
 def read_threads() -> int:
-    """~threads: a robot has other work for its cores, and sharing a picture costs more in all.
+    """Returns ~threads. The default is 1, because a robot needs its other cores for other work.
+
+    Sharing the work on one image among several threads also costs more in sum.
 
     Raises:
-        ValueError: it is out of range.
+        ValueError: The parameter is out of range.
     """
     return read_param("threads", 1, 0, MOST_THREADS, zero="all cores")
 
 
 class _Listener(rospy.SubscribeListener):
-    """Asks nothing itself: rospy calls it with locks held."""
+    """Only passes events on, because rospy calls it while it holds locks."""
 
     def peer_subscribe(self, *_: Any) -> None:
         transport.note_connections()

@@ -1,4 +1,4 @@
-"""Results of the core as messages."""
+"""Conversion of the core's results to messages."""
 
 from typing import Iterable, List, Tuple
 
@@ -10,11 +10,11 @@ from .. import Region
 from ..msg import Detection, DetectionArray
 from .transport import Frame
 
-Box = Tuple[int, int, int, int]  # x, y, width, height, px
+Box = Tuple[int, int, int, int]  # x, y, width, height in px
 
 
 def detection(region: Region, label: str, score: float = 1.0) -> Detection:
-    """A region of a mask as a Detection that is not followed from frame to frame."""
+    """Returns a region of a mask as a Detection without an id."""
     x, y, width, height = region.box
     return Detection(
         label=label,
@@ -30,7 +30,7 @@ def detection(region: Region, label: str, score: float = 1.0) -> Detection:
 
 
 def box_detection(box: Box, label: str, id: int = -1, score: float = 1.0) -> Detection:
-    """An upright rectangle as a Detection."""
+    """Returns an upright rectangle as a Detection."""
     x, y, width, height = box
     return Detection(
         label=label,
@@ -44,7 +44,7 @@ def box_detection(box: Box, label: str, id: int = -1, score: float = 1.0) -> Det
 
 
 def box_around(outline: np.ndarray, picture: np.ndarray) -> RegionOfInterest:
-    """The part of the picture that an outline, (n, 2) px, lies in."""
+    """Returns the part of the image that the bounding box of an outline, (n, 2) px, covers."""
     height, width = picture.shape[:2]
     left, top = np.maximum(np.floor(outline.min(axis=0)), 0).astype(int)
     right, bottom = np.minimum(np.ceil(outline.max(axis=0)), (width - 1, height - 1)).astype(int)
@@ -57,16 +57,17 @@ def box_around(outline: np.ndarray, picture: np.ndarray) -> RegionOfInterest:
 
 
 def corners(box: Box) -> np.ndarray:
-    """The outermost pixels of a box, (4, 2), clockwise from the top left."""
+    """Returns the corner pixels of a box, (4, 2), clockwise from the top left."""
     x, y, width, height = box
     right, bottom = x + width - 1, y + height - 1
     return np.array([(x, y), (right, y), (right, bottom), (x, bottom)])
 
 
 def points(positions: np.ndarray) -> List[Point32]:
-    """Pixel positions, (n, 2), as the points of a message.
+    """Returns pixel positions, (n, 2), as the points of a message.
 
-    An outline may have thousands of them: their constructor would take longer than the picture.
+    The constructors of the points are not called: an outline may have thousands of points, and
+    these calls would take longer than processing the image.
     """
     made = []
     for x, y in positions.tolist():
@@ -77,7 +78,7 @@ def points(positions: np.ndarray) -> List[Point32]:
 
 
 def detection_array(frame: Frame, detections: Iterable[Detection]) -> DetectionArray:
-    """All detections of a frame, under its header."""
+    """Returns all detections of a frame as a message with the frame's header."""
     found: List[Detection] = list(detections)
     height, width = frame.image.shape[:2]
     return DetectionArray(header=frame.header, width=width, height=height, detections=found)

@@ -1,4 +1,4 @@
-"""A node's parameters: read strictly, changed live, saved."""
+"""A node's parameters: strictly checked at start, changed live and saved to a file."""
 
 import copy
 import difflib
@@ -20,13 +20,13 @@ from ..common.plain_text import NAME, is_name, printable, told
 
 Params = TypeVar("Params")
 
-# What its transport and LiveParams ask for in their own ways, and what it is without a parameter.
+# Parameters that the transports and LiveParams read in their own ways, and their defaults.
 ASKED_ELSEWHERE = {"config_file": "", "diagnostic_period": 1.0, "image_transport": "raw"}
-# What a node has asked for, and whether it is another than the default.
+# The parameters that the node has read, and whether each differs from its default.
 _known: Dict[str, bool] = {}
 
 ELSEWHERE = "; ~config_file names the file, as config:=/absolute/path.yaml of the launch files does"
-LONGEST_ERROR = 1000  # letters, the path of a file among them
+LONGEST_ERROR = 1000  # characters, including the path of a file
 TRANSPORTS = ("compressed", "compressedDepth", "theora")
 TYPES = {bool: "true or false", int: "an integer", float: "a number", str: "a string"}
 
@@ -34,16 +34,18 @@ TYPES = {bool: "true or false", int: "an integer", float: "a number", str: "a st
 def read_param(
     name: str, default: Any, low: float = -math.inf, high: float = math.inf, zero: str = ""
 ) -> Any:
-    """The private parameter `name`, or `default` if it is not set.
+    """Returns the private parameter `name`, or `default` if it is not set.
 
     Args:
-        low: the least that a number can be; without `low` and `high` all will do that are finite.
-        high: the most.
-        zero: what 0 means, for the error.
+        name: The name of the parameter, without ~.
+        default: The default. Its type is the type that the parameter must have, except that an
+            integer is accepted for a float.
+        low: The smallest number allowed. Without `low` and `high` any finite number is allowed.
+        high: The largest number allowed.
+        zero: What the value 0 means, for the error message.
 
     Raises:
-        ValueError: it is of another type than the default, or out of range; an integer will do for
-            a float.
+        ValueError: The parameter has another type than the default, or is out of range.
     """
     value = read_any(name, default)
     kind = type(default)
@@ -57,10 +59,10 @@ def read_param(
 
 
 def read_name(name: str, default: str) -> str:
-    """As read_param, of a frame, node or the like: a line of text that all of ROS can show.
+    """Returns a private parameter that names a frame, a node or the like.
 
     Raises:
-        ValueError: it is no string, empty, too long, or not printable.
+        ValueError: The parameter is not a string, or it is empty, too long or not printable.
     """
     value = read_param(name, default)
     if not is_name(value):
@@ -69,18 +71,18 @@ def read_name(name: str, default: str) -> str:
 
 
 def read_any(name: str, default: Any) -> Any:
-    """The private parameter `name` of any type, or `default` if it is not set."""
+    """Returns the private parameter `name` of any type, or `default` if it is not set."""
     value = rospy.get_param("~" + name, default)
     _known[name] = value != default
     return value
 
 
 def review_params() -> None:
-    """Says which private parameters are not at their defaults, and which nobody has asked for.
+    """Logs which private parameters differ from their defaults, and which are not known.
 
-    The first, in one line, may have been left by another run; the others may be misspelt. Of these
-    maps are left out that are named as a transport, or as the namespace of a node, topic or
-    service.
+    The former, in one line, may be left over from another run. The latter may be misspelt. Maps
+    are not counted among them if they have the name of a transport, or are the namespace of
+    another node, of a topic or of a service.
     """
     for name, default in ASKED_ELSEWHERE.items():
         read_any(name, default)
@@ -98,7 +100,7 @@ def review_params() -> None:
 
 
 def _is_of_others(name: str, path: str) -> bool:
-    """Whether a map of parameters may be of a transport, or of another node, a topic or service."""
+    """Returns whether a map of parameters may belong to a transport, a node, topic or service."""
     if name in TRANSPORTS:
         return True
     state = rosgraph.Master(rospy.get_name()).getSystemState()
@@ -126,17 +128,18 @@ def filled(params: Params, config: Dict[str, Any], prefix: str = "") -> Params:
 
 
 class LiveParams:
-    """Parameters that change through dynamic_reconfigure and are saved by ~save_parameters.
+    """Parameters that dynamic_reconfigure changes and the service ~save_parameters saves.
 
     Args:
-        config_type: the module that is generated from the .cfg file; its ranges are kept.
-        apply: puts values (by name) to use; may correct them in place, or raise ValueError to
-            refuse them: fatal at start; live, the old values stay and a warning says why.
-        edit: puts values into the text of the file that ~config_file names: edit(path, text,
-            values) is the new text. None: each is a line of it.
+        config_type: The module generated from the .cfg file, whose ranges apply.
+        apply: A function that puts the values (by name) to use. It may correct them in place, or
+            raise ValueError to refuse them. At start that ends the node. Later the old values
+            stay, and a warning gives the reason.
+        edit: A function that puts values into the text of the file that ~config_file names:
+            edit(path, text, values) returns the new text. By default each value is a line of it.
 
     Raises:
-        ValueError: a parameter has the wrong type, or is refused.
+        ValueError: A parameter has the wrong type, or was refused.
     """
 
     def __init__(
@@ -174,19 +177,19 @@ class LiveParams:
                 _require_range(name, config[name], low, high)
 
     def _on_save(self, _request: Any) -> TriggerResponse:
-        accepted = self._accepted  # it is replaced, never changed
+        accepted = self._accepted  # This object is replaced, never changed.
         try:
             path = read_param("config_file", "")
             if not path:
                 raise RuntimeError("~config_file does not name a file")
-            # roslaunch has read it in its own folder, a node has another.
+            # roslaunch and a node resolve a relative path in different folders.
             if not os.path.isabs(path):
                 raise RuntimeError(f"~config_file is {told(path)}, must be an absolute path")
             _require_own_launch(path)
             values = {name: accepted[name] for name in self._type.defaults}
             replace_file(path, self._edit(path, read_text(path), values).encode())
         except (OSError, RuntimeError, ValueError) as error:
-            # Such as the file of an installed package.
+            # For instance, the file of an installed package may not be written.
             says = printable(str(error), LONGEST_ERROR)
             why = f"{says}{ELSEWHERE if isinstance(error, OSError) else ''}"
             rospy.logerr("parameters not saved: %s", why)
@@ -195,7 +198,7 @@ class LiveParams:
 
 
 def _require_range(name: str, value: float, low: float, high: float, zero: str = "") -> None:
-    """Raises ValueError for a number out of range, as NaN and what is infinite always are."""
+    """Raises ValueError for a number out of range; NaN and infinite numbers always are."""
     if math.isfinite(value) and low <= value <= high:
         return
     meant = f" ({zero})" if zero else ""
@@ -204,10 +207,10 @@ def _require_range(name: str, value: float, low: float, high: float, zero: str =
 
 
 def _require_own_launch(path: str) -> None:
-    """Refuses a file of this package to a node that rosrun has started.
+    """Refuses to save to a file of this package if the node was started by rosrun.
 
-    Then it is not the file of the node's launch file, but has been left on the parameter server by
-    one that has ended. roslaunch names the file of the log to each process that it starts.
+    ~config_file then was not set for this node, but left on the parameter server by a launch file
+    that has ended. A process was started by roslaunch if it got a name for its log file.
     """
     launched = any(word.startswith("__log:=") for word in sys.argv)
     if not launched and _is_of_this_package(path):
@@ -218,7 +221,7 @@ def _require_own_launch(path: str) -> None:
 
 
 def _is_of_this_package(path: str) -> bool:
-    """Whatever copy of the package it is: the sources, or an installed one."""
+    """Returns whether a file is in the sources or in an installed copy of this package."""
     for folder in pathlib.Path(os.path.realpath(path)).parents:
         manifest = folder / "package.xml"
         if manifest.is_file():
@@ -228,4 +231,4 @@ def _is_of_this_package(path: str) -> bool:
 
 class _Server(dynamic_reconfigure.server.Server):
     def _clamp(self, config: Dict[str, Any]) -> None:
-        """Leaves values out of range as they are, for the node to refuse instead of moving them."""
+        """Keeps values out of range, so that the node refuses them instead of clamping them."""

@@ -1,6 +1,6 @@
-"""Keeps a rospy node known to a master that is started anew, and so knows of nothing.
+"""Registers a rospy node again when the master was restarted, and so has forgotten all nodes.
 
-src/ros/registration.cpp does the same for roscpp.
+src/ros/images/registration.cpp does the same for roscpp.
 """
 
 import contextlib
@@ -16,8 +16,8 @@ import rosgraph
 import rospy
 from rospy.impl.registration import get_service_manager
 
-PERIOD = 5.0  # s between two looks at the master
-# What asking a master, or a node, ends with that is away, or no such thing.
+PERIOD = 5.0  # s between two checks of the master
+# The errors that calls of a master or a node raise if it is gone, or is something else.
 AWAY = (
     OSError,
     ExpatError,
@@ -29,14 +29,14 @@ AWAY = (
 
 @functools.lru_cache(maxsize=None)
 def keep_registered() -> None:
-    """Has topics and services of this process's node registered again, until it is shut down.
+    """Keeps topics and services of this process's node registered until it is shut down.
 
-    Connections that there are stay. Private parameters that the new master does not have are set
-    as they were last.
+    Existing connections stay. Private parameters that a new master does not have are set to their
+    last values.
     """
     registration = _Registration(rospy.get_name())
     registration.look()
-    # Before the node unregisters itself.
+    # Has to end before the node unregisters itself.
     rospy.core.add_preshutdown_hook(lambda _reason: registration.ended.set())
     threading.Thread(target=registration.run, name="registration", daemon=True).start()
 
@@ -46,7 +46,7 @@ class _Registration:
         self.ended = threading.Event()
         self._name = name
         self._uri = rospy.get_node_uri()
-        self._master_pid: Optional[int] = None  # of the master that knows it
+        self._master_pid: Optional[int] = None  # process id of the master that knows the node
         self._params: Dict[str, Any] = {}
 
     def run(self) -> None:
@@ -54,21 +54,21 @@ class _Registration:
             self.look()
 
     def look(self) -> None:
-        """Asks the master whether it knows the node, and registers it if not."""
-        with contextlib.suppress(*AWAY):  # the master may be
+        """Asks the master whether it knows the node, and registers the node if not."""
+        with contextlib.suppress(*AWAY):  # There may be no master at the moment.
             self._look()
 
     def _look(self) -> None:
         master = rosgraph.Master(self._name)
         pid = master.getPid()
-        # Another master may know the node already, by a topic that it has registered since.
+        # A new master may know the node already by a topic that was registered since its start.
         forgotten = self._master_pid is not None and pid != self._master_pid
         try:
             address = master.lookupNode(self._name)
         except rosgraph.MasterError:
             address, forgotten = self._uri, self._master_pid is not None
-        if address != self._uri:  # the master would shut that node down
-            if forgotten:  # not by rospy's log, which registers this node for a parameter
+        if address != self._uri:  # Registering again would make the master shut that node down.
+            if forgotten:  # rospy's log would register this node to read a parameter.
                 print(
                     f"{self._name}: the master is another one, and knows another node of this "
                     "name: not registered again",
@@ -95,7 +95,7 @@ class _Registration:
         connections = node.getBusInfo(self._name)[2]
         for topic, kind in node.getSubscriptions(self._name)[2]:
             publishers = set(master.registerSubscriber(topic, kind, self._uri))
-            # The node drops the connections to publishers that it is not told of.
+            # The node drops its connections to publishers that are not in this list.
             publishers.update(
                 peer for _, peer, way, _, of, *_ in connections if (way, of) == ("i", topic)
             )

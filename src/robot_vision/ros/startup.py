@@ -1,4 +1,4 @@
-"""How a node starts and ends."""
+"""Starting and ending a node."""
 
 import contextlib
 import glob
@@ -24,8 +24,8 @@ from ..common.plain_text import printable, told
 from .registration import AWAY, keep_registered
 
 SIGNALS = (signal.SIGINT, signal.SIGTERM)
-SHUTDOWN_GRACE = 2.0  # s that a node has to end by itself after a signal, of those it could run in
-LONGEST_GRACE = 10.0  # s, however busy the machine is
+SHUTDOWN_GRACE = 2.0  # s of time on a core that a node has to end by itself after a signal
+LONGEST_GRACE = 10.0  # s until it is ended by force, however busy the machine is
 USAGE = """usage: rosrun robot_vision {program} [TOPIC:=OTHER ...] [_PARAMETER:=VALUE ...]
 
 {module}
@@ -44,24 +44,31 @@ def run_node(
     spin: Callable[[Any], object] = lambda _: rospy.spin(),
     has_file: bool = True,
 ) -> None:
-    """Runs this process as the node `name` until it is shut down, and ends it; SIGINT with code 0.
+    """Runs this process as the node `name` until it is shut down; SIGINT ends it with code 0.
 
-    Waits for the master, unless a parameter of the command line is none, and calls `start`, which
-    makes the node's publishers and subscribers. A ValueError of it, a bad parameter, is a FATAL
-    line and exit code 1. What it returns is kept alive while the node spins: in `spin`, a main loop
-    that is called with it and returns when the node is shut down (rospy.is_shutdown()) or has done
-    its work. With --help it prints what the docstrings of `start`, a class, and its module say
-    instead, and needs no master; that there is a file of its parameters only if it `has_file`.
+    With --help it prints the docstrings of the node's class and module, and needs no master.
+    Otherwise it checks the parameters of the command line, waits for the master and starts the
+    node. If that raises ValueError, as for a bad parameter, a FATAL line is logged and the exit
+    code is 1.
 
-    rospy waits for the master deaf to Ctrl-C, and shuts down inside its signal handler, where it
-    blocks on any lock that the interrupted thread holds. Here a thread of its own does that.
+    rospy itself ignores Ctrl-C while it waits for the master. It also shuts down inside its signal
+    handler, where it blocks on any lock that the interrupted thread holds. Here a separate thread
+    shuts the node down.
+
+    Args:
+        name: The default name of the node.
+        start: The node's class, which makes its publishers and subscribers. The object is kept
+            until the end.
+        spin: A main loop that is called with the object. It returns when the node is shut down
+            (rospy.is_shutdown()) or has done its work.
+        has_file: Whether there is a file of the node's parameters, which --help then mentions.
     """
     if {"-h", "--help"}.intersection(sys.argv[1:]):
         print(_usage(start) + (PARAMETERS if has_file else ""), end="")
         return
     try:
         _require_storable_params()
-    except ValueError as error:  # rospy's log begins with its node
+    except ValueError as error:  # There is no node yet, and so no log of rospy.
         print(f"{name}: {error}", file=sys.stderr)
         end_process(1)
     _wait_for_master(name)
@@ -72,11 +79,11 @@ def run_node(
     except SystemExit as error:
         code = error.code if isinstance(error.code, int) else int(error.code is not None)
     except BaseException:
-        # A node that is shut down while it starts finds rospy, or its pictures, closed.
+        # A node that is shut down while it starts may find rospy or its images closed.
         if not rospy.core.is_shutdown_requested():
             traceback.print_exc()
             code = 1
-    with rospy.core._shutdown_lock:  # held by a thread that is shutting the node down
+    with rospy.core._shutdown_lock:  # A thread that is shutting the node down holds it.
         pass
     end_process(code)
 
@@ -85,29 +92,29 @@ def _usage(start: Callable[[], Any]) -> str:
     return USAGE.format(
         program=os.path.basename(sys.argv[0]),
         module=inspect.getdoc(inspect.getmodule(start)),
-        node=str(inspect.getdoc(start)).partition("\n\nRaises:")[0],  # that is for programmers
+        node=str(inspect.getdoc(start)).partition("\n\nRaises:")[0],  # which is for programmers
     )
 
 
 def _require_storable_params() -> None:
-    """Raises ValueError for a _parameter:=value that the parameter server cannot take.
+    """Raises ValueError for a _parameter:=value that the parameter server cannot hold.
 
-    Such as an integer of more than 32 bits, a date, null, and text that is no text of XML.
+    Examples are an integer of more than 32 bits, a date, null, and text that XML does not allow.
     """
     try:
         params = load_command_line_node_params(sys.argv)
-    except rospy.ROSInitException as error:  # no YAML; it has several lines
+    except rospy.ROSInitException as error:  # The value is not YAML; the message has several lines.
         raise ValueError(printable(" ".join(str(error).split()), 300)) from None
     for name, value in params.items():
         try:
             xmlrpc.client.loads(xmlrpc.client.dumps((value,)))
-        except Exception as error:  # of many kinds
+        except Exception as error:  # There are many kinds.
             what = f"{printable(name)} is {told(value)}, must be what the parameter server can hold"
             raise ValueError(f"{what}: {printable(str(error))}") from None
 
 
 def _start_and_spin(name: str, start: Callable[[], Any], spin: Callable[[Any], object]) -> int:
-    """The exit code."""
+    """Returns the exit code."""
     try:
         _init_node(name)
         node = start()
@@ -122,9 +129,9 @@ def _start_and_spin(name: str, start: Callable[[], Any], spin: Callable[[Any], o
 
 
 def _init_node(name: str) -> None:
-    """Raises ValueError if its log is in a file that this user may not write to."""
-    # rospy puts its own in place of this handler, but not if there can be no folder for its file:
-    # the node would run, and end, without a word.
+    """Initializes rospy; raises ValueError if this user may not write to the log file."""
+    # rospy replaces this handler by its own, unless there can be no folder for its log file. The
+    # node would then run and end without a word.
     logger = logging.getLogger("rosout")
     logger.addHandler(RosStreamHandler())
     logger.setLevel(logging.INFO)
@@ -135,9 +142,9 @@ def _init_node(name: str) -> None:
 
 
 def _wait_for_master(name: str) -> None:
-    """Returns when the master answers; a signal meanwhile ends the process with code 0."""
+    """Returns when the master answers; a signal until then ends the process with code 0."""
     for number in SIGNALS:
-        signal.signal(number, lambda *_: os._exit(0))  # an exception might get lost
+        signal.signal(number, lambda *_: os._exit(0))  # An exception might get lost.
     master = rosgraph.Master("/" + name)
     waiting = False
     while True:
@@ -152,9 +159,9 @@ def _wait_for_master(name: str) -> None:
 
 
 def is_stuck(thread: threading.Thread) -> bool:
-    """Waits until `thread` has ended, or had SHUTDOWN_GRACE for it.
+    """Waits for a thread to end; returns whether it did not within SHUTDOWN_GRACE.
 
-    Without the seconds that go by on a busy machine while this process has no core to run on.
+    The time during which this process waits for a core of a busy machine does not count.
     """
     begin, before = time.monotonic(), waited_for_cores()
     while thread.is_alive():
@@ -166,23 +173,24 @@ def is_stuck(thread: threading.Thread) -> bool:
 
 
 def waited_for_cores() -> float:
-    """s for which threads of this process were ready to run and had no core, in sum.
+    """Returns the time in s that the threads of this process have waited for a core, in sum.
 
-    The second number of /proc/PID/task/TID/schedstat, in ns; 0 where the kernel does not count it.
+    It is the second number of /proc/PID/task/TID/schedstat, in ns. Where the kernel does not count
+    this time, it is 0.
     """
     waited = 0
     for path in glob.glob("/proc/self/task/*/schedstat"):
-        # The thread may have ended; and whatever a kernel writes there, the node is to end.
+        # A thread may have ended meanwhile, and no content of the file may keep the node alive.
         with contextlib.suppress(OSError, ValueError, IndexError), open(path) as file:
             waited += int(file.read().split()[1])
     return waited * 1e-9
 
 
 def _shut_down_on_signals() -> None:
-    """From now on a signal shuts the node down; the process ends even if the node is stuck."""
+    """Makes signals shut the node down, and ends the process even if the node is stuck."""
     reader, writer = os.pipe()
     os.set_blocking(writer, False)
-    # The interpreter writes to the pipe at once, whatever the main thread is doing or holding.
+    # The interpreter writes to this pipe at once, whatever the main thread is doing.
     signal.set_wakeup_fd(writer, warn_on_full_buffer=False)
     for number in SIGNALS:
         signal.signal(number, lambda *_: None)
@@ -190,7 +198,7 @@ def _shut_down_on_signals() -> None:
     def wait() -> None:
         while os.read(reader, 1)[0] not in SIGNALS:
             pass
-        # rospy closes sockets that threads of its own wait for.
+        # rospy closes sockets that its own threads are waiting for.
         threading.excepthook = lambda _: None
         threading.Thread(target=rospy.signal_shutdown, args=("signal",), daemon=True).start()
         if is_stuck(threading.main_thread()):

@@ -1,4 +1,4 @@
-"""What robot_vision.transport offers."""
+"""The implementation of robot_vision.transport."""
 
 import atexit
 import sys
@@ -19,14 +19,16 @@ from .registration import keep_registered
 
 
 class Frame:
-    """A picture that came in.
+    """An image that was received.
 
     Attributes:
-        image: (height, width) or (height, width, channels) array, read-only; valid as long as it
-            is held, also after the subscriber is gone. Copy it to draw into it.
-        encoding: of the pixels, as in sensor_msgs/image_encodings.
-        header: of the message; publish results with it, so that stamp and frame_id survive.
-        camera_info: of the same stamp, from a CameraSubscriber, else None.
+        image: (height, width) or (height, width, channels) array. It is read-only, and stays valid
+            as long as it is referenced, even after the subscriber is gone. Copy it to draw on it.
+        encoding: The encoding of the pixels, as in sensor_msgs/image_encodings.
+        header: The header of the message. Publish results with it, so that they keep its stamp and
+            frame_id.
+        camera_info: The CameraInfo of the same stamp if a CameraSubscriber received the image,
+            else None.
     """
 
     __slots__ = ("camera_info", "encoding", "header", "image")
@@ -45,7 +47,7 @@ class Frame:
 
     @property
     def time(self) -> float:
-        """s, when it was taken; now, if it has no stamp."""
+        """The stamp of the image in s, or the present time if it has none."""
         return self.header.stamp.to_sec() or rospy.get_time()
 
 
@@ -53,27 +55,29 @@ Callback = Callable[[Frame], Any]
 
 
 class FrameError(ValueError):
-    """A callback raises it for a frame that it cannot use, and the frame is refused."""
+    """Raised by a callback for a frame that it cannot use; the frame then counts as refused."""
 
 
 class ImageSubscriber:
-    """Calls back with the newest picture of a topic.
+    """Calls a function with the newest image of a topic.
 
-    A picture that cannot be used (wrong size, no such conversion) is refused with an error in the
-    log. A callback that raises is logged with its traceback. Both are counted, and the next
-    picture comes.
+    An image that cannot be used, because of its size or because it cannot be converted, is refused
+    with an error in the log. If the callback raises an exception, its traceback is logged. Both
+    are counted, and the next image is processed as usual.
 
     Args:
-        topic: a sensor_msgs/Image topic, or the base name of one, as image_transport has it.
-        callback: is called with a Frame.
-        encoding: to convert to, in C++: "bgr8", "mono8" or whatever cv_bridge converts to. None:
-            the message's own, as a view of its memory.
-        transport: raw, compressed, ... None: the parameter ~image_transport, or else raw.
-        diagnostics: of the node, to count in; for one subscriber only.
-        start: whether to subscribe at once; else with start().
+        topic: The topic of a sensor_msgs/Image, or the base topic of image_transport.
+        callback: The function that is called with each Frame.
+        encoding: The encoding to which images are converted in C++: "bgr8", "mono8" or another one
+            that cv_bridge can convert to. With None the image is a view of the message as it is.
+        transport: The transport: raw, compressed, ... None takes the parameter ~image_transport,
+            and raw if that is not set.
+        diagnostics: The node's diagnostics, which count the images of one subscriber at most.
+        start: Whether to subscribe at once. If not, start() subscribes.
 
     Raises:
-        ValueError: there is no such encoding or transport, or ~image_transport is no string.
+        ValueError: The encoding or the transport does not exist, or ~image_transport is not a
+            string.
     """
 
     def __init__(
@@ -86,7 +90,7 @@ class ImageSubscriber:
         start: bool = True,
     ):
         self.topic = rospy.resolve_name(topic)
-        self.failed = 0  # callbacks that raised
+        self.failed = 0  # number of callbacks that raised an exception
         self._told_failed, self._told_refused = Throttle(), Throttle()
         if transport is None:
             transport = _transport_parameter()
@@ -103,32 +107,32 @@ class ImageSubscriber:
             self.start()
 
     def start(self) -> None:
-        """Subscribes."""
+        """Subscribes to the topic."""
         _process().subscribers[self._inbox] = self
         self._inbox.open()
 
     def unregister(self) -> None:
-        """Unsubscribes; a callback under way goes on to its end. Frames stay valid."""
+        """Unsubscribes. A callback that is running goes on to its end, and frames stay valid."""
         self._inbox.close()
         _process().subscribers.pop(self._inbox, None)
 
     def get_num_connections(self) -> int:
-        """How many publishers are connected."""
+        """Returns the number of connected publishers."""
         return self._inbox.publishers()
 
     @property
     def received(self) -> int:
-        """Pictures taken from the topic, those refused among them."""
+        """The number of images taken from the topic, including refused ones."""
         return self._inbox.received
 
     @property
     def dropped(self) -> int:
-        """Pictures not seen, by the gaps in header.seq: a newer one came, or they were lost."""
+        """The number of images missed, counted by gaps in header.seq: lost, or newer ones came."""
         return self._inbox.dropped
 
     @property
     def refused(self) -> int:
-        """Pictures that could not be used, those among them whose callback raised."""
+        """The number of images that could not be used, or whose callback raised an exception."""
         return self._inbox.refused
 
     def _camera_info_topic(self) -> str:
@@ -146,7 +150,7 @@ class ImageSubscriber:
                 rospy.logerr("refused a frame on %s %s", self.topic, what)
         except Exception as error:
             if rospy.core.is_shutdown_requested():
-                return  # its topics are being closed
+                return  # The shutdown closes topics that the callback uses.
             self.failed += 1
             self._inbox.failed(f"the callback failed: {printable(ascii(error), 300)}")
             if self._told_failed.due():
@@ -156,8 +160,8 @@ class ImageSubscriber:
 class CameraSubscriber(ImageSubscriber):
     """An ImageSubscriber whose frames come with the camera_info of the same stamp.
 
-    The camera_info is on the topic camera_info if that is remapped, otherwise beside the picture's:
-    of /usb_cam/image_raw on /usb_cam/camera_info.
+    The camera_info is expected on the topic camera_info if that name is remapped, and otherwise
+    beside the image: for /usb_cam/image_raw on /usb_cam/camera_info.
     """
 
     def _camera_info_topic(self) -> str:
@@ -165,11 +169,12 @@ class CameraSubscriber(ImageSubscriber):
 
 
 class ImagePublisher:
-    """Publishes pictures over every installed image_transport.
+    """Publishes images over every image_transport that is installed.
 
     Args:
-        topic: the base name.
-        on_connection: is called when subscribers come or go, by the thread of all callbacks.
+        topic: The base topic.
+        on_connection: A function that is called when subscribers come or go, by the thread that
+            calls all callbacks.
     """
 
     def __init__(self, topic: str, on_connection: Optional[Callable[[], Any]] = None):
@@ -180,28 +185,29 @@ class ImagePublisher:
             add_connection_listener(on_connection)
 
     def get_num_connections(self) -> int:
-        """How many subscribers there are; without any, pictures need not be made."""
+        """Returns the number of subscribers; while it is 0, images need not be made."""
         return self._outbox.subscribers()
 
     def publish(
         self, image: np.ndarray, encoding: str = "bgr8", header: Optional[Header] = None
     ) -> None:
-        """Publishes a copy of the picture; nothing if nobody subscribes.
+        """Publishes a copy of the image; does nothing while nobody subscribes.
 
         Args:
             image: (height, width) or (height, width, channels) array of the encoding's type.
-            encoding: as in sensor_msgs/image_encodings.
-            header: of what the picture was made from. None: the time is now.
+            encoding: The encoding of the pixels, as in sensor_msgs/image_encodings.
+            header: The header of the image that this one was made from. None stamps it with the
+                present time.
 
         Raises:
-            ValueError, TypeError: the array is no picture of this encoding.
+            ValueError, TypeError: The array is not an image of this encoding.
         """
         header = header or Header(stamp=rospy.Time.now())
         stamp = header.stamp
         self._outbox.publish(image, encoding, header.seq, stamp.secs, stamp.nsecs, header.frame_id)
 
     def unregister(self) -> None:
-        """Ends the topic."""
+        """Stops publishing."""
         if self._on_connection:
             _process().listeners.remove(self._on_connection)
             self._on_connection = None
@@ -209,7 +215,7 @@ class ImagePublisher:
 
 
 class _Process:
-    """The roscpp half of this process, and the thread of the callbacks."""
+    """The roscpp node inside this process, and the thread that calls all callbacks."""
 
     def __init__(self) -> None:
         options = {
@@ -221,18 +227,19 @@ class _Process:
         node, uri = rospy.get_name(), rospy.get_node_uri()
         try:
             self.runtime = _transport.Runtime(node + "_images", options, node, uri)
-        except RuntimeError as error:  # of a user for whom no folder can be made
+        except RuntimeError as error:  # A folder that roscpp needs cannot be made.
             raise ValueError(f"{error}; {ROS_HOME_NEEDED}") from None
         keep_registered()
         self._stopped = False
-        # Both are changed in single steps only, which the GIL makes atomic.
+        # Each change of these two is a single step that the GIL makes atomic.
         self.subscribers: Dict[_transport.Inbox, ImageSubscriber] = {}
         self.listeners: List[Callable[[], Any]] = []
         self._thread = threading.Thread(target=self._run, name="images", daemon=True)
-        self._thread.start()  # before the hook, which is called at once if rospy has been shut down
-        # After all that the node's own hooks do, which may well publish a last picture.
+        self._thread.start()  # before the hook, which is called at once after a shutdown of rospy
+        # This hook runs after those of the node, which may publish a last image.
         rospy.core.add_preshutdown_hook(lambda _reason: self.stop())
-        atexit.register(self.stop)  # in a process that never shuts rospy down; called first
+        # For a process that never shuts rospy down: atexit calls the newest function first.
+        atexit.register(self.stop)
 
     def stop(self) -> None:
         """Ends the roscpp node; a callback that never returns is left behind."""
@@ -247,7 +254,7 @@ class _Process:
                 self._call(self._work)
             if not self._stopped:
                 rospy.signal_shutdown("the node of its pictures was shut down")
-        except SystemExit:  # of a callback; only the main thread's would end the process
+        except SystemExit:  # Only in the main thread would it end the process.
             rospy.signal_shutdown("a callback has called sys.exit()")
 
     def _work(self) -> None:
@@ -259,7 +266,7 @@ class _Process:
             return
         inbox, image, encoding, seq, secs, nsecs, frame_id, info = taken
         subscriber = self.subscribers.get(inbox)
-        if subscriber is None:  # it has just been unregistered
+        if subscriber is None:  # It was unregistered a moment ago.
             return
         frame = Frame(image, encoding, _header(seq, secs, nsecs, frame_id))
         if info is not None:
@@ -268,7 +275,7 @@ class _Process:
 
     @staticmethod
     def _call(function: Callable[[], Any]) -> None:
-        """Calls it, and lives on if it fails."""
+        """Calls a function, and logs the exception if it raises one."""
         try:
             function()
         except Exception:
@@ -276,28 +283,28 @@ class _Process:
 
 
 def remapped_camera_info() -> str:
-    """What the name camera_info is remapped to; empty if it is not."""
+    """Returns the topic that the name camera_info is remapped to, or "" if it is not remapped."""
     remappings = rospy.names.get_resolved_mappings()
     return remappings.get(rospy.get_namespace() + "camera_info", "")
 
 
 def camera_info_beside(topic: str) -> str:
-    """The topic of the camera_info that belongs to one of pictures."""
+    """Returns the topic of the camera_info that belongs to an image topic."""
     return topic.rsplit("/", 1)[0] + "/camera_info"
 
 
 def add_connection_listener(listener: Callable[[], Any]) -> None:
-    """Has it called when subscribers of any ImagePublisher come or go, as its on_connection."""
+    """Registers a function that is called when subscribers of any ImagePublisher come or go."""
     _process().listeners.append(listener)
 
 
 def note_connections() -> None:
-    """Has all listeners called, for subscribers of another kind of topic. Thread-safe."""
+    """Has all connection listeners called, as when other topics got subscribers. Thread-safe."""
     _process().runtime.note_connections()
 
 
 def node_diagnostics() -> _transport.Diagnostics:
-    """Statistics for an ImageSubscriber, reported on /diagnostics under this node's name.
+    """Returns statistics for an ImageSubscriber, published on /diagnostics under the node's name.
 
     Raises:
         ValueError: ~diagnostic_period is out of range.
@@ -306,7 +313,7 @@ def node_diagnostics() -> _transport.Diagnostics:
 
 
 def _header(seq: int, secs: int, nsecs: int, frame_id: str) -> Header:
-    """A Header as its constructors make it; they would take longer than all else here."""
+    """Returns a Header without calling the constructors, which take longer than all else here."""
     stamp = object.__new__(rospy.Time)
     stamp.secs, stamp.nsecs = secs, nsecs
     header = object.__new__(Header)
@@ -326,7 +333,7 @@ _the_process_lock = threading.Lock()
 
 
 def _process() -> _Process:
-    """The process's one roscpp half, started when it is first needed."""
+    """Returns the process's only roscpp node, which is started when it is first needed."""
     global _the_process
     with _the_process_lock:
         if _the_process is None:
