@@ -1,10 +1,11 @@
-"""The colours of hsv_tracker's parameter file: its top-level key `colors`.
+"""The colours in hsv_tracker's parameter file, below the top-level key `colors`.
 
     colors:
       blue: {low: [90, 50, 50], high: [120, 255, 255]}   # a comment
 
-PyYAML can read such a file but not write it back as it was. So it only tells where things are;
-the text is edited there, and the result is read again before it replaces the file.
+PyYAML can read such a file, but loses comments and layout when it writes. Therefore it is only
+used to find positions in the text. The text is edited there, and the result is read again before
+it replaces the file.
 """
 
 import re
@@ -21,29 +22,29 @@ NAME = re.compile("[A-Za-z][A-Za-z0-9_]*")
 
 
 def save_colors(path: str, colors: Mapping[str, HsvRange]) -> None:
-    """Puts colours into a YAML file, as edit_colors() does; without one it is made.
+    """Puts colours into a YAML file like edit_colors(), and makes the file if there is none.
 
     The file is replaced in one step or not at all.
 
     Raises:
-        ValueError: a name cannot be used, or the file is none that can be edited so.
-        OSError: the file cannot be read or written.
+        ValueError: A name cannot be used, or the text of the file cannot be edited.
+        OSError: The file cannot be read or written.
     """
     replace_file(path, edit_colors(path, read_text(path), colors).encode())
 
 
 def edit_colors(path: str, text: str, colors: Mapping[str, HsvRange]) -> str:
-    """The text of a file with colours in it, and everything else as it is.
+    """Returns the text of a file with colours put into it, and everything else unchanged.
 
     Args:
-        path: of the file, for what is said of errors.
-        text: YAML.
-        colors: by name; they replace those of the same names. The name of a new one consists of
-            letters, digits and _, a letter first, and is no word that YAML takes for something
-            else, such as yes.
+        path: The path of the file, for error messages.
+        text: The YAML text.
+        colors: The colours by name. They replace those of the same names. A new name consists of
+            letters, digits and _, starts with a letter, and is no word that YAML reads as another
+            type, such as yes.
 
     Raises:
-        ValueError: a name cannot be used, or the text is none that can be edited so.
+        ValueError: A name cannot be used, or the layout of the text does not allow the edit.
     """
     expected = _parse(path, text)
     old = expected.get("colors") or {}
@@ -64,7 +65,7 @@ def edit_colors(path: str, text: str, colors: Mapping[str, HsvRange]) -> str:
 
 
 def _entry(old: Any, color: HsvRange) -> Dict[str, Any]:
-    """What shall be read of a colour: its limits, and whatever else was there."""
+    """Returns what must be read for a colour: the new limits, and what else its entry has."""
     others = old if isinstance(old, dict) else {}
     return {**others, "low": list(color.low), "high": list(color.high)}
 
@@ -87,7 +88,7 @@ def _reads_as(text: str, expected: Dict[str, Any]) -> bool:
 
 
 def _edit(text: str, name: str, color: HsvRange) -> str:
-    """The text with the colour replaced or added; as it was if there is no place to put it."""
+    """Returns the text with the colour replaced or added, or unchanged if there is no place."""
     colors = _value(compose_yaml(text), "colors")
     if colors is None:
         end = _line_end(text)
@@ -99,14 +100,14 @@ def _edit(text: str, name: str, color: HsvRange) -> str:
     limits = [(_value(old, "low"), list(color.low)), (_value(old, "high"), list(color.high))]
     if not all(isinstance(node, yaml.SequenceNode) and node.flow_style for node, _ in limits):
         return text
-    # The last one first, so that the place of the other still holds.
+        # The later one first, so that the position of the other stays valid.
     for node, value in sorted(limits, key=lambda limit: -limit[0].start_mark.index):
         text = _replace(text, node, str(value))
     return text
 
 
 def _value(node: Optional[yaml.Node], key: str) -> Optional[yaml.Node]:
-    """What a map has under `key`; None if it has not, or is no map."""
+    """Returns the value of `key`, or None if the node is no map or has no such key."""
     if isinstance(node, yaml.MappingNode):
         for key_node, value in node.value:
             if key_node.value == key:
@@ -115,14 +116,14 @@ def _value(node: Optional[yaml.Node], key: str) -> Optional[yaml.Node]:
 
 
 def _add(text: str, colors: yaml.Node, entry: str) -> str:
-    """The text with one more entry in a map, or below a key without a value."""
+    """Returns the text with one more entry in a map, or below a key without a value."""
     if isinstance(colors, yaml.MappingNode) and colors.flow_style:
         end = colors.end_mark.index - 1
         return text[:end] + (", " if colors.value else "") + entry + text[end:]
     column, last = 2, colors
     if isinstance(colors, yaml.MappingNode):
         column = colors.value[-1][0].start_mark.column
-    # The end of a block is where the next one begins: only its last scalar ends where it ends.
+    # The end mark of a block is where the next one begins; only that of a scalar is its own end.
     while isinstance(last, yaml.CollectionNode) and not last.flow_style:
         last = last.value[-1][1] if isinstance(last, yaml.MappingNode) else last.value[-1]
     end = _line_end(text)
@@ -133,12 +134,12 @@ def _add(text: str, colors: yaml.Node, entry: str) -> str:
 
 
 def _line_end(text: str) -> str:
-    """How the text's lines end: as its first one does."""
+    """Returns the line end that the first line of the text has."""
     return "\r\n" if text.partition("\n")[0].endswith("\r") else "\n"
 
 
 def _replace(text: str, node: yaml.Node, value: str) -> str:
-    """The text with one value replaced; a comment stays in its column, if there is room."""
+    """Returns the text with one value replaced; a comment keeps its column if there is room."""
     start, end = node.start_mark.index, node.end_mark.index
     longer = len(value) - (end - start)
     line, newline, below = text[end:].partition("\n")

@@ -11,18 +11,18 @@ HUES = 180
 
 
 def median_hsv(bgr_region: np.ndarray) -> Tuple[int, int, int]:
-    """The median colour of a part of a picture.
+    """Returns the median colour of a part of an image.
 
     Args:
         bgr_region: (height, width, 3) uint8, BGR.
 
     Returns:
-        The medians of saturation and value, rounded down, and of the hues that hue with the least
-        sum of distances to all others on the circle. Pixels without a colour have no hue; 0 if
-        that is all of them.
+        The hue, and the medians of saturation and value, rounded down. The median hue is the hue
+        in the region with the least sum of distances to all others on the colour circle. Pixels
+        without saturation have no hue; if there are no others, the hue is 0.
 
     Raises:
-        ValueError: the region is empty.
+        ValueError: The region is empty.
     """
     if bgr_region.size == 0:
         raise ValueError("the region is empty")
@@ -39,7 +39,7 @@ def _median_hue(hues: np.ndarray) -> int:
 
 
 def outside(hsv: Tuple[int, int, int], colors: HsvRange) -> str:
-    """What to say of a colour picked that is too grey or dark for its range; empty if it fits."""
+    """Returns why a picked colour does not fit its own range: it is too gray or dark; or ""."""
     _, saturation, value = hsv
     limits = []
     for name, channel, lowest in (
@@ -52,5 +52,5 @@ def outside(hsv: Tuple[int, int, int], colors: HsvRange) -> str:
 
 
 def as_yaml(colors: HsvRange) -> str:
-    """The range as hsv_tracker's parameter file has it, on one line."""
+    """Returns the range as one line of hsv_tracker's parameter file."""
     return f"{{low: {list(colors.low)}, high: {list(colors.high)}}}"

@@ -1,4 +1,4 @@
-"""The node hsv_tracker: regions of named colours."""
+"""The node hsv_tracker, which finds regions of named colours."""
 
 from typing import Any, Dict, List, Tuple
 
@@ -17,7 +17,7 @@ from .named_colors import HIGH, LOW, NamedColors
 
 
 class HsvTracker:
-    """Publishes ~objects, ~mask (mono8) and ~processed_image (the picture where the mask is).
+    """Publishes ~objects, ~mask (mono8) and ~processed_image (the image where the mask is set).
 
     Subscribes to image.
     """
@@ -35,7 +35,7 @@ class HsvTracker:
         finder = RegionFinder(filled(RegionParams(), config))
         self._colors.update(config)
         masks = {name: HsvMask(color) for name, color in self._colors.ranges.items()}
-        self._tools = masks, finder  # in one step: a frame may be under way
+        self._tools = masks, finder  # replaced in one step: another thread may process a frame
 
     def _process(self, frame: Frame) -> None:
         mask, found = self._find(frame.image)
@@ -50,7 +50,7 @@ class HsvTracker:
             self._processed.publish(overlay, "bgr8", frame.header)
 
     def _find(self, image: np.ndarray) -> Tuple[np.ndarray, List[Tuple[str, Region]]]:
-        """All colours' mask and regions, the largest first."""
+        """Returns the mask of all colours, and their regions, largest first."""
         masks, finder = self._tools
         union = np.zeros(0)
         found: List[Tuple[str, Region]] = []

@@ -1,4 +1,4 @@
-"""The named colours of a node: the parameter ~colors, with one of them in live parameters."""
+"""The named colours of a node: the parameter ~colors, and the one that live parameters show."""
 
 from typing import Any, Dict
 
@@ -10,16 +10,16 @@ from ..ros.params import filled, read_any, read_param
 
 LOW = ("h_low", "s_low", "v_low")
 HIGH = ("h_high", "s_high", "v_high")
-LONGEST_LIST = 200  # letters of the names that are told
+LONGEST_LIST = 200  # characters of the names in an error
 DEFAULT = {"blue": {"low": [90, 50, 50], "high": [120, 255, 255]}}
 
 
 class NamedColors:
-    """Ranges by name, as ~colors has them, of which `color` names the one in h_low .. v_high.
+    """The ranges in ~colors by name. The live parameter `color` names the one in h_low .. v_high.
 
     Raises:
-        ValueError: ~colors is not of the form {name: {low: [h, s, v], high: [h, s, v]}}, or a
-            value is out of range.
+        ValueError: ~colors does not have the form {name: {low: [h, s, v], high: [h, s, v]}}, or
+            a value is out of range.
     """
 
     def __init__(self) -> None:
@@ -34,13 +34,13 @@ class NamedColors:
         for name, entry in given.items():
             self.ranges[str(name)] = _range(str(name), entry)
         self._shown = ""
-        self._values: Dict[str, int] = {}  # as shown last: h_low .. v_high
-        for name in (*LOW, *HIGH):  # where there is ~colors, it is what counts at start
+        self._values: Dict[str, int] = {}  # h_low .. v_high as they were shown last
+        for name in (*LOW, *HIGH):  # At start ~colors has precedence over the live parameters.
             if rospy.has_param("~" + name):
                 rospy.delete_param("~" + name)
 
     def update(self, config: Dict[str, Any]) -> None:
-        """Takes over the limits in `config` that have changed, and puts the rest there."""
+        """Takes over the limits that have changed in `config`, and updates the rest of it."""
         name = config["color"] or self._shown or next(iter(self.ranges))
         if name not in self.ranges:
             known = printable(", ".join(self.ranges), LONGEST_LIST)
@@ -56,7 +56,7 @@ class NamedColors:
 
 
 def _default() -> Dict[str, Any]:
-    """~colors where it is not set: one colour, in the limits that are."""
+    """Returns ~colors where it is not set: one colour with the limits in h_low .. v_high."""
     (name, limits), *_ = DEFAULT.items()
     low = [read_param(key, value) for key, value in zip(LOW, limits["low"])]
     high = [read_param(key, value) for key, value in zip(HIGH, limits["high"])]
@@ -64,7 +64,7 @@ def _default() -> Dict[str, Any]:
 
 
 def _range(name: str, entry: Any) -> HsvRange:
-    if isinstance(entry, dict) and entry.keys() >= {*LOW, *HIGH}:  # of a file in config/colors
+    if isinstance(entry, dict) and entry.keys() >= {*LOW, *HIGH}:  # from a file in config/colors
         entry = {"low": [entry[key] for key in LOW], "high": [entry[key] for key in HIGH]}
     where = f"colors/{printable(name)}"
     try:

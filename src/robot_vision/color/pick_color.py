@@ -1,4 +1,4 @@
-"""The command pick_color.py: from a colour to the range that hsv_tracker looks for."""
+"""The command pick_color.py, which finds the HSV range around a colour for hsv_tracker."""
 
 import argparse
 import queue
@@ -28,7 +28,7 @@ EXAMPLES = """examples:
 
 
 def main() -> int:
-    """Runs the command; its exit code."""
+    """Runs the command and returns its exit code."""
     arguments = _parse(rospy.myargv(sys.argv)[1:])
     return run_command("pick_color.py", lambda: _pick(arguments))
 
@@ -87,7 +87,7 @@ def _parse(command: Sequence[str]) -> argparse.Namespace:
 
 
 def _add_colors(parser: argparse.ArgumentParser) -> None:
-    """Adds the arguments that say which colour."""
+    """Adds the arguments that choose the colour."""
     channels = {"nargs": 3, "type": _integer(0, 255)}
     source = parser.add_argument_group("the colour, one of").add_mutually_exclusive_group(
         required=True
@@ -127,7 +127,7 @@ def _seconds(text: str) -> float:
 
 
 def _hex_color(text: str) -> List[int]:
-    """'#RRGGBB' as [B, G, R]."""
+    """Converts '#RRGGBB' to [B, G, R]."""
     if not re.fullmatch("#?[0-9a-fA-F]{6}", text):
         raise argparse.ArgumentTypeError(f"'{text}' must be six hexadecimal digits: '#1e90ff'")
     return list(bytes.fromhex(text[-6:]))[::-1]
@@ -137,7 +137,7 @@ Color = Tuple[int, ...]
 
 
 def _color(arguments: argparse.Namespace) -> Tuple[Optional[Color], Color]:
-    """The colour asked for: (BGR, if it is one colour and not a median; HSV)."""
+    """Returns the chosen colour as (BGR, HSV); BGR is None for --hsv, and for a median."""
     if arguments.hsv:
         return None, tuple(arguments.hsv)
     if arguments.topic or arguments.picture:
@@ -178,7 +178,7 @@ def _part(picture: np.ndarray, region: Sequence[int]) -> np.ndarray:
 
 
 def _first_picture(topic: str, seconds: float) -> np.ndarray:
-    """The next picture of a topic, BGR."""
+    """Returns the next image of a topic, BGR."""
     if not rosgraph.is_master_online():
         raise TimeoutError(f"no ROS master answers at {rosgraph.get_master_uri()}")
     rospy.init_node("pick_color", anonymous=True, disable_signals=True)

@@ -1,4 +1,4 @@
-"""Pictures in bags, for commands."""
+"""Images in bags, for commands."""
 
 import contextlib
 import functools
@@ -11,19 +11,19 @@ from ..common.files import require_file
 from ..common.plain_text import printable
 from .gray_pictures import gray_message
 
-# What a picture is called, and what reads it: (height, width) uint8, or ValueError.
+# The name of an image, and a function that reads it as (height, width) uint8 or raises ValueError.
 Named = Tuple[str, Callable[[], np.ndarray]]
-MAX_TOLD = 200  # characters of what is wrong
+MAX_TOLD = 200  # characters of an error message
 PICTURES = ("sensor_msgs/Image", "sensor_msgs/CompressedImage")
 
 
 @contextlib.contextmanager
 def opened(path: str) -> Iterator[rosbag.Bag]:
-    """A bag to read from.
+    """Opens a bag for reading.
 
     Raises:
-        ValueError: it is none, or it breaks off.
-        OSError: it cannot be opened.
+        ValueError: The file is not a bag, or is truncated.
+        OSError: The file cannot be opened.
     """
     require_file(path)
     with _reading(path):
@@ -33,10 +33,10 @@ def opened(path: str) -> Iterator[rosbag.Bag]:
 
 
 def topics_of(bag: rosbag.Bag) -> Dict[str, str]:
-    """The type of the messages by topic, of those that have any.
+    """Returns the message type of each topic that has messages.
 
     Raises:
-        ValueError: the bag is damaged.
+        ValueError: The bag is damaged.
     """
     with _reading(bag.filename):
         topics = bag.get_type_and_topic_info()[1]
@@ -44,10 +44,10 @@ def topics_of(bag: rosbag.Bag) -> Dict[str, str]:
 
 
 def messages_on(bag: rosbag.Bag, topic: str) -> Iterator[Any]:
-    """The messages on a topic.
+    """Yields the messages of a topic.
 
     Raises:
-        ValueError: the bag is damaged.
+        ValueError: The bag is damaged.
     """
     entries = bag.read_messages(topic)
     while True:
@@ -60,7 +60,7 @@ def messages_on(bag: rosbag.Bag, topic: str) -> Iterator[Any]:
 
 @contextlib.contextmanager
 def _reading(path: str) -> Iterator[None]:
-    """Names the bag in whatever rosbag raises, which stumbles over garbage in many ways."""
+    """Names the bag in every error of rosbag, which raises many kinds of them for damaged files."""
     try:
         yield
     except rosbag.ROSBagUnindexedException:
@@ -82,6 +82,6 @@ def require_topic(
 
 
 def pictures_on(bag: rosbag.Bag, topic: str) -> Iterator[Named]:
-    """The pictures on a topic."""
+    """Yields the images of a topic."""
     for number, message in enumerate(messages_on(bag, topic)):
         yield f"picture {number}", functools.partial(gray_message, message)

@@ -1,4 +1,4 @@
-"""Grey pictures, as the sensor saw them, of whatever was recorded."""
+"""Conversion of recorded images to gray images as the sensor saw them."""
 
 import re
 from typing import Any, Tuple
@@ -12,14 +12,16 @@ from .. import to_gray
 from ..common.pictures import sensor_pixels
 from ..common.plain_text import printable
 
-NAMED_BY_TYPE = {"8UC1": "mono8", "8UC3": "bgr8", "16UC1": "mono16"}  # as OpenCV's users send them
+NAMED_BY_TYPE = {"8UC1": "mono8", "8UC3": "bgr8", "16UC1": "mono16"}  # meant by users of OpenCV
 
 
 def gray_pixels(picture: np.ndarray, encoding: str) -> np.ndarray:
-    """(height, width) uint8 of a picture; 16 bits are stretched, for many cameras use fewer.
+    """Converts an image to gray, (height, width) uint8.
+
+    Images of 16 bits are stretched to the full range, because many cameras use only a part of it.
 
     Raises:
-        ValueError: it is none of this encoding, or nobody knows what is grey in that.
+        ValueError: The image does not fit the encoding, or the encoding has no gray levels.
     """
     if picture.dtype not in (np.uint8, np.uint16):
         raise ValueError(f"{printable(encoding)} has no grey levels of 8 or 16 bits")
@@ -30,13 +32,14 @@ def gray_pixels(picture: np.ndarray, encoding: str) -> np.ndarray:
 
 
 def gray_file(data: bytes, label: str = "") -> np.ndarray:
-    """The same of a picture file, never turned by its EXIF.
+    """Converts an image file to gray, (height, width) uint8, without the rotation by EXIF.
 
     Args:
-        label: the format of a sensor_msgs/CompressedImage, which may be a Bayer pattern's.
+        data: The content of the file.
+        label: The format field of a sensor_msgs/CompressedImage, which may name a Bayer pattern.
 
     Raises:
-        ValueError: it is no picture.
+        ValueError: The file is not an image.
     """
     if "compressedDepth" in label:
         raise ValueError("it has depths (compressedDepth)")
@@ -49,15 +52,15 @@ def gray_file(data: bytes, label: str = "") -> np.ndarray:
 
 
 def gray_message(message: Any) -> np.ndarray:
-    """The same of a sensor_msgs/Image or sensor_msgs/CompressedImage.
+    """Converts a sensor_msgs/Image or CompressedImage to gray, (height, width) uint8.
 
     Raises:
-        ValueError: it has no pixels that can be used.
+        ValueError: The message has no pixels that can be used.
     """
     if message._type != Image._type:
         return gray_file(message.data, message.format)
     kind, channels = _layout(message.encoding)
-    # cv_bridge itself may take the bytes between two rows for pixels.
+    # cv_bridge itself may take the padding between two rows for pixels.
     dtype = np.dtype(kind).newbyteorder(">" if message.is_bigendian else "<")
     row = message.width * channels * dtype.itemsize
     if message.step < row or len(message.data) != message.height * message.step:
@@ -72,8 +75,8 @@ def gray_message(message: Any) -> np.ndarray:
 
 
 def _layout(encoding: str) -> Tuple[str, int]:
-    """The type of the samples, and how many a pixel has."""
-    if encoding == "yuv422_yuy2":  # cv_bridge for Python knows only its twin
+    """Returns the type of the samples, and their number per pixel."""
+    if encoding == "yuv422_yuy2":  # cv_bridge for Python knows only the same layout as yuv422.
         encoding = "yuv422"
     try:
         return cv_bridge.CvBridge().encoding_to_dtype_with_channels(encoding)

@@ -1,4 +1,4 @@
-"""Pictures for a command, from wherever they were recorded."""
+"""Recorded or live images for a command: from files, bags and topics."""
 
 import collections
 import functools
@@ -18,16 +18,16 @@ from .bag_pictures import PICTURES, Named, opened, pictures_on, require_topic, t
 from .gray_pictures import gray_file, gray_pixels
 
 SUFFIXES = (".bmp", ".jpeg", ".jpg", ".pgm", ".png", ".ppm", ".tif", ".tiff", ".webp")
-PATIENCE = 2.0  # s without a picture until it is told
+PATIENCE = 2.0  # s without an image until that is reported
 
 
 def from_files(names: Sequence[str]) -> Iterator[Named]:
-    """Pictures of folders, globs, pictures and videos, in the order of their names.
+    """Yields the images of folders, glob patterns, image files and videos, sorted by name.
 
     Raises:
-        ValueError: a file is no video though its name is no picture's, or there is nothing of a
-            name.
-        OSError: it cannot be read, or is no file.
+        ValueError: A file that is not named like an image is not a video either, or nothing has
+            the name.
+        OSError: A file cannot be read, or is not a regular file.
     """
     for path in (path for name in names for path in _paths(name)):
         if path.lower().endswith(SUFFIXES):
@@ -37,11 +37,11 @@ def from_files(names: Sequence[str]) -> Iterator[Named]:
 
 
 def from_bag(path: str, topic: str) -> Iterator[Named]:
-    """Pictures on a topic of a bag.
+    """Yields the images on a topic of a bag.
 
     Raises:
-        ValueError: there is no such bag or topic.
-        OSError: the bag cannot be opened.
+        ValueError: There is no such bag or topic.
+        OSError: The bag cannot be opened.
     """
     with opened(path) as bag:
         require_topic(path, topics_of(bag), topic, PICTURES, "pictures")
@@ -49,7 +49,7 @@ def from_bag(path: str, topic: str) -> Iterator[Named]:
 
 
 def from_topic(topic: str) -> Iterator[Named]:
-    """The newest pictures of a topic, until this process, which must be a node, is shut down."""
+    """Yields the newest images of a topic until this process, which must be a node, shuts down."""
     newest: Deque[Frame] = collections.deque(maxlen=1)
     came = threading.Event()
 
@@ -102,7 +102,7 @@ def _read(path: str) -> np.ndarray:
 def _video(path: str) -> Iterator[Named]:
     require_file(path)
     video = cv2.VideoCapture(path, cv2.CAP_FFMPEG)
-    if hasattr(cv2, "CAP_PROP_ORIENTATION_AUTO"):  # before it came, OpenCV turned no frames
+    if hasattr(cv2, "CAP_PROP_ORIENTATION_AUTO"):  # Older versions of OpenCV never rotate frames.
         video.set(cv2.CAP_PROP_ORIENTATION_AUTO, 0)
     found, number = True, 0
     while found:
