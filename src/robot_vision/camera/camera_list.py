@@ -1,4 +1,4 @@
-"""Several cameras as a list: what cameras.launch reads."""
+"""The list of cameras that cameras.launch reads."""
 
 import re
 from typing import Any, Dict
@@ -9,16 +9,16 @@ NAME = "[A-Za-z][A-Za-z0-9_]*"
 
 
 def parse_cameras(values: Any) -> Dict[str, Dict[str, Any]]:
-    """The parameters of each camera's node by its name.
+    """Returns the parameters of each camera's node by the camera's name.
 
-    Where the list does not say it, a camera's calibration and its frame have the camera's name.
+    Where the list does not say otherwise, a camera's calibration and its frame are named after it.
 
     Args:
-        values: a list of maps, each with a name, a source, and further parameters of the camera;
-            rate is its framerate.
+        values: A list of maps. Each has a name, a source, and further parameters of the camera;
+            rate stands for framerate.
 
     Raises:
-        ValueError: it is none; says what is wrong, and where.
+        ValueError: The list is not of this form; the message says what is wrong, and where.
     """
     if not isinstance(values, list) or not values:
         raise ValueError(f"cameras is {told(values)}, must be a list of maps with name and source")

@@ -1,4 +1,4 @@
-"""The node camera_loader: cameras in one nodelet manager, each on its own."""
+"""The node camera_loader, which loads cameras into one nodelet manager and follows their list."""
 
 import contextlib
 import threading
@@ -18,67 +18,70 @@ from ..ros.startup import run_node
 from .camera_list import parse_cameras
 
 PLUGIN = "robot_vision/camera"
-LOOK_AROUND = 0.5  # s, between looks at what there is to do
-UNTIL_BONDED = 2.0  # s, at most
-UNTIL_MANAGER_ENDS = 0.5  # s, if it ends together with this node
-FIRST_RETRY, LAST_RETRY = 1.0, 60.0  # s, until a camera that was refused is tried again
-MOST_CRASHES = 2  # of the manager while it loads a camera, until that one is left out
+LOOK_AROUND = 0.5  # s between two rounds of work
+UNTIL_BONDED = 2.0  # s, longest wait for a bond
+UNTIL_MANAGER_ENDS = 0.5  # s that a manager takes to end if it was told together with this node
+FIRST_RETRY, LAST_RETRY = 1.0, 60.0  # s, shortest and longest wait after a camera was refused
+MOST_CRASHES = 2  # of the manager while it loads a camera, before that camera is left out
 
 
 class CameraLoader:
-    """Loads the cameras of the list ~cameras into ~manager, and again when that comes back.
+    """Loads the cameras of the list ~cameras into ~manager, and again when that was restarted.
 
-    A list that is wrong is told, and waited for in a better form: roslaunch would start a node that
-    ends over and over. When another list comes, cameras are added, removed and loaded anew as it
-    says; those that it leaves as they were go on. A camera that is refused is tried again, less and
-    less often. A bond with each tells when the manager has died, and the manager when this node
-    has: it unloads the cameras then, but needs some seconds to notice; a loader that is there again
-    before that unloads them itself. A loader that is told to end unloads them, too, unless the
-    manager is just loading one: that may take long, and it answers nothing meanwhile.
+    A wrong list is logged, and the node waits for a better one; if it ended instead, roslaunch
+    would restart it again and again. When the list changes, cameras are added, removed and loaded
+    again as needed, and all others go on. A camera that the manager refuses is tried again, at
+    growing intervals.
+
+    A bond with each camera tells this node when the manager has died. It also tells the manager
+    when this node has died: the manager then unloads the cameras, but notices it only after some
+    seconds, so that a restarted loader may have to unload them itself. A loader that is told to
+    end unloads its cameras, unless the manager is loading one at the moment: that may take long,
+    and the manager answers nothing meanwhile.
     """
 
     def __init__(self) -> None:
         self._manager = rospy.resolve_name(read_name("manager", "camera_manager"))
-        self._list: Any = None  # as it was read last
-        self._cameras: Dict[str, Dict[str, Any]] = {}  # their parameters; empty: no list yet
+        self._list: Any = None  # the value of ~cameras that was read last
+        self._cameras: Dict[str, Dict[str, Any]] = {}  # their parameters; empty without a list
         self._crashes: Dict[str, int] = {}  # of the manager, while it loaded that camera
-        self._wrong = ""  # what has been told of the list
-        # Guards _loaded and _lost: bonds break in threads of their own.
+        self._wrong = ""  # the error of the list that was logged last
+        # Guards _loaded and _lost, because each bond breaks in a thread of its own.
         self._lock = threading.Lock()
         self._loaded: Dict[str, Tuple[str, bondpy.bondpy.Bond]] = {}  # with the manager's URI
-        self._lost: Dict[str, str] = {}  # the URI of the manager that may have it still
-        self._refused: Dict[str, Tuple[float, float]] = {}  # when to try again, and the wait (s)
-        self._met = ""  # the URI of the manager that has none of another loader's cameras
+        self._lost: Dict[str, str] = {}  # with the URI of the manager that may still have it
+        self._refused: Dict[str, Tuple[float, float]] = {}  # time of the next try, and wait (s)
+        self._met = ""  # URI of the manager that has no cameras of an earlier loader
         self._waiting = False
-        self._loading = False  # the manager has been asked to load one
+        self._loading = False  # whether the manager is loading a camera
         self._done = threading.Event()
         rospy.on_shutdown(self._end)
 
     def run(self) -> None:
-        """Until the node is shut down."""
-        # In a thread of its own, for a manager that is loading a camera may answer late or never.
+        """Works until the node is shut down."""
+        # The work has its own thread: a manager that is loading a camera may answer late or never.
         work = threading.Thread(target=self._work, daemon=True)
         work.start()
         while not self._done.wait(LOOK_AROUND):
             if not work.is_alive() and not rospy.core.is_shutdown_requested():
-                raise SystemExit(1)  # it has told why
+                raise SystemExit(1)  # The thread has logged the reason.
 
     def _work(self) -> None:
         while not rospy.core.is_shutdown_requested():
             self._read_list()
             manager = self._manager_uri() if self._cameras else ""
             if manager and self._meet(manager):
-                # One that the manager dies of ends the round.
+                # If the manager dies of a camera, the round ends.
                 all(self._load(name, manager) for name in self._missing())
             rospy.rostime.wallsleep(LOOK_AROUND)
 
     def _read_list(self) -> None:
-        """Follows ~cameras; what is wrong with it is told once, and all stays as it is."""
+        """Follows ~cameras. An error in it is logged once, and all cameras stay as they are."""
         try:
             values = read_any("cameras", None)
         except AWAY:
             return
-        if self._cameras and values in (self._list, None):  # None: of a master that is new
+        if self._cameras and values in (self._list, None):  # A restarted master has no list.
             self._wrong = ""
             return
         try:
@@ -92,7 +95,7 @@ class CameraLoader:
         self._change({rospy.resolve_name(name): of for name, of in cameras.items()})
 
     def _change(self, cameras: Dict[str, Dict[str, Any]]) -> None:
-        """Unloads what is another camera now, or none, and leaves all others alone."""
+        """Unloads cameras that have changed or gone, and leaves all others alone."""
         for name, parameters in self._cameras.items():
             if cameras.get(name) == parameters:
                 continue
@@ -114,7 +117,7 @@ class CameraLoader:
         self._cameras = cameras
 
     def _manager_uri(self) -> str:
-        """Where the manager answers; empty if it does not."""
+        """Returns the URI of the manager, or "" if it does not answer."""
         uri = ""
         with contextlib.suppress(*AWAY):
             master = rosgraph.Master(rospy.get_name())
@@ -128,9 +131,9 @@ class CameraLoader:
         return uri
 
     def _meet(self, manager: str) -> bool:
-        """Whether a manager is ready for cameras.
+        """Prepares a manager for cameras, and returns whether it is ready for them.
 
-        What another one had is forgotten: a bond tells of its death later.
+        Cameras of an earlier manager are forgotten. Their bonds would tell of its death too late.
         """
         if manager == self._met:
             return True
@@ -164,7 +167,7 @@ class CameraLoader:
             ]
 
     def _load(self, name: str, manager: str) -> bool:
-        """Whether the manager is still there."""
+        """Loads a camera; returns whether the manager is still alive."""
         bond = bondpy.bondpy.Bond(
             self._manager + "/bond", str(uuid.uuid4()), on_broken=lambda: self._lose(name, bond)
         )
@@ -183,13 +186,13 @@ class CameraLoader:
         with self._lock:
             self._loaded[name] = manager, bond
         bond.start()
-        # A manager that is ended before, crashes.
+        # A manager that has to end before the bond is formed crashes.
         bond.wait_until_formed(rospy.Duration(UNTIL_BONDED))
         rospy.loginfo("%s: loaded", name)
         return True
 
     def _survives(self, name: str, manager: str, error: Exception) -> bool:
-        """Whether the manager is still there after a camera has not been loaded; tells it."""
+        """Logs that a camera was not loaded; returns whether the manager is still alive."""
         if rospy.core.is_shutdown_requested():
             return False
         if _answers(manager):
@@ -214,7 +217,7 @@ class CameraLoader:
             rospy.logwarn("%s: lost, the manager has died or unloaded it", name)
 
     def _end(self) -> None:
-        # A manager that is ending, by the same Ctrl-C, would crash if a bond were to break now.
+        # A manager that is ending too, by the same Ctrl-C, would crash if a bond broke now.
         try:
             rospy.rostime.wallsleep(UNTIL_MANAGER_ENDS)
             if not self._loading and self._manager_uri():
@@ -233,7 +236,7 @@ class CameraLoader:
 
 
 def _answers(uri: str) -> bool:
-    """Whether there is a living node."""
+    """Returns whether a living node answers at the URI."""
     try:
         return xmlrpc.client.ServerProxy(uri).getPid("/camera_loader")[0] == 1
     except AWAY:
@@ -241,7 +244,7 @@ def _answers(uri: str) -> bool:
 
 
 def _replace_params(camera: str, parameters: Dict[str, Any]) -> None:
-    """Gives a camera these parameters in place of what it had, and leaves those of other nodes."""
+    """Replaces the parameters of a camera, but keeps those of nodes below its name."""
     state = rosgraph.Master(rospy.get_name()).getSystemState()
     nodes = {node + "/" for kind in state for _, of_topic in kind for node in of_topic}
     present = rospy.get_param(camera, {})

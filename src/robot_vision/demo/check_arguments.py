@@ -1,4 +1,4 @@
-"""The arguments of a launch file, and those that roslaunch was given but the file does not have."""
+"""Checks that roslaunch was only given arguments which the launch file declares."""
 
 import difflib
 import os
@@ -12,7 +12,7 @@ LAUNCH_FILES = (".launch", ".xml", ".test")
 
 
 def main() -> int:
-    """What launch/arguments.xml runs; roslaunch ends if it is not 0."""
+    """Runs for launch/arguments.xml; roslaunch ends if the exit code is not 0."""
     words = pathlib.Path(f"/proc/{os.getppid()}/cmdline").read_text(errors="replace").split("\0")
     complaint = unknown_arguments(sys.argv[1], words)
     print(complaint, end="", file=sys.stderr)
@@ -20,12 +20,12 @@ def main() -> int:
 
 
 def unknown_arguments(path: str, command: List[str]) -> str:
-    """What to say of arguments that a launch file does not have; empty if there are none.
+    """Returns an error message about undeclared arguments, or "" if there are none.
 
     Args:
-        path: of the launch file.
-        command: of roslaunch. It may be of another launch file, which includes this one, or of
-            several: their arguments are their own.
+        path: The path of the launch file.
+        command: The command line of roslaunch. If it starts another launch file, which includes
+            this one, or several files, the arguments are not checked here.
     """
     given = [word.partition(":=")[0] for word in command if ":=" in word]
     if not _starts(path, command):
@@ -42,10 +42,10 @@ def unknown_arguments(path: str, command: List[str]) -> str:
 
 
 def declared_arguments(path: str) -> Dict[str, str]:
-    """The arguments that a launch file takes, each with what it is, and its default in brackets."""
+    """Returns the arguments of a launch file with their descriptions, and defaults in brackets."""
     known = {}
     for arg in xml.etree.ElementTree.parse(path).getroot().findall("arg"):
-        if "value" in arg.attrib:  # it cannot be given
+        if "value" in arg.attrib:  # Its value is fixed.
             continue
         default = arg.get("default", "")
         shown = f" [{default}]" if default and "$(" not in default else ""
@@ -54,7 +54,7 @@ def declared_arguments(path: str) -> Dict[str, str]:
 
 
 def _starts(path: str, command: List[str]) -> bool:
-    """Whether a command of roslaunch starts this launch file and no other."""
+    """Returns whether a command of roslaunch starts this launch file and no other."""
     words = [word for word in command[1:] if ":=" not in word and not word.startswith("-")]
     if sum(word.endswith(LAUNCH_FILES) for word in words) != 1:
         return False

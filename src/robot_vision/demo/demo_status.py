@@ -1,4 +1,4 @@
-"""The node demo_status: a line per node and second, with rate, age, processing time and state."""
+"""The node demo_status, which prints rate, age, processing time and state of each node."""
 
 import os
 import threading
@@ -26,13 +26,13 @@ TOPICS = {
     "code_reader": "/code_reader/processed_image",
 }
 WIDTH = max(map(len, TOPICS))
-VIEWER = TOPICS["usb_cam"] + " "  # and one more: how the title of simple_camera_view starts
-WINDOWS_TIMEOUT = 120.0  # s in which all windows should be there
+VIEWER = TOPICS["usb_cam"] + " "  # the start of simple_camera_view's title, which has two blanks
+WINDOWS_TIMEOUT = 120.0  # s for all windows to open
 POLL = 0.5  # s
 
 
 def line(name: str, status: DiagnosticStatus) -> str:
-    """The status of one node as one line of text."""
+    """Returns the status of one node as a line of text."""
     values = {pair.key: pair.value for pair in status.values}
     return "{:<{}} {:>6} Hz  age {:>8} ms  processing {:>8} ms  {}".format(
         name,
@@ -45,10 +45,10 @@ def line(name: str, status: DiagnosticStatus) -> str:
 
 
 class DemoStatus:
-    """Prints the nodes in the order in which the frames pass them.
+    """Prints a line for each node every second, in the order in which frames pass the nodes.
 
-    With windows (~view true) it puts them side by side; without, the default, it first tells which
-    topics there are to look at.
+    With windows (~view true) it also puts them side by side. Without windows, the default, it
+    first prints the topics that can be viewed.
 
     Subscribes to /diagnostics.
     """
@@ -61,7 +61,7 @@ class DemoStatus:
             print(f"{none}: look at these topics, for instance with")
             print("  rosrun image_view image_view image:=" + TOPICS["edge_detector"])
             print(*("  " + topic for topic in TOPICS.values()), sep="\n", flush=True)
-        self._lock = threading.Lock()  # guards _round: each publisher has a thread of its own
+        self._lock = threading.Lock()  # guards _round: each publisher has its own thread
         self._round: Dict[str, DiagnosticStatus] = {}
         self._subscriber = rospy.Subscriber("/diagnostics", DiagnosticArray, self._on_diagnostics)
 
@@ -73,7 +73,7 @@ class DemoStatus:
     def _add(self, name: str, status: DiagnosticStatus) -> None:
         if name not in TOPICS:
             return
-        if name in self._round:  # a node is missing from this round
+        if name in self._round:  # Another node is missing from this round.
             self._print_round()
         self._round[name] = status
         if len(self._round) == len(TOPICS):

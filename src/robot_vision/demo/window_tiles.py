@@ -1,10 +1,10 @@
-"""Windows of other processes, side by side on the X display."""
+"""Arranges the windows of other processes side by side on the X display."""
 
 import ctypes
 from typing import Dict, Iterator, List, NamedTuple, Optional, Sequence, Tuple
 
 COLUMNS, ROWS = 4, 3
-TITLE_BAR = 30  # px that a window manager needs above a window
+TITLE_BAR = 30  # px that a window manager adds above a window
 
 Xid = ctypes.c_ulong
 Display = ctypes.c_void_p
@@ -12,7 +12,7 @@ _ErrorHandler = ctypes.CFUNCTYPE(ctypes.c_int, Display, ctypes.c_void_p)
 
 
 class Area(NamedTuple):
-    """A part of the screen, px."""
+    """A part of the screen in px."""
 
     x: int
     y: int
@@ -21,10 +21,11 @@ class Area(NamedTuple):
 
 
 def tile(number: int, screen: Tuple[int, int]) -> Area:
-    """The place of a window, by its number from 0 to COLUMNS * ROWS - 1, row by row.
+    """Returns the area of the tile with a number from 0 to COLUMNS * ROWS - 1, row by row.
 
     Args:
-        screen: width and height, px.
+        number: The number of the tile.
+        screen: The width and height of the screen in px.
     """
     row, column = divmod(number, COLUMNS)
     left, right = (screen[0] * i // COLUMNS for i in (column, column + 1))
@@ -33,19 +34,19 @@ def tile(number: int, screen: Tuple[int, int]) -> Area:
 
 
 def place_of(title: str, starts: Sequence[str]) -> Optional[int]:
-    """Which of these starts of titles is that of this one: the longest, or None."""
+    """Returns the index of the longest of `starts` that the title starts with, or None."""
     fitting = [n for n, start in enumerate(starts) if (title + " ").startswith(start + " ")]
     return max(fitting, key=lambda number: len(starts[number]), default=None)
 
 
 class Tiles:
-    """Puts windows into their tiles, each one once: from then on they are their user's.
+    """Puts each window into its tile once, and leaves it to the user from then on.
 
     Args:
-        starts: how the titles of the windows start, in the order of their tiles.
+        starts: The starts of the windows' titles, in the order of their tiles.
 
     Raises:
-        OSError: there is no X11, or no display.
+        OSError: There is no X11 library, or no display.
     """
 
     def __init__(self, starts: Sequence[str]) -> None:
@@ -60,10 +61,10 @@ class Tiles:
         self._screen = tuple(size(self._display, screen) for size in sizes)
 
     def place(self) -> bool:
-        """Puts what is there into its place. Whether some are still missing."""
+        """Puts the windows that are open into their tiles; returns whether some are missing."""
         for window, title in self._titled(self._x11.XDefaultRootWindow(self._display)):
             number = place_of(title, self._starts)
-            if number is not None and self._placed.get(window) != number:  # titles may change
+            if number is not None and self._placed.get(window) != number:  # Titles may change.
                 area = tile(number, self._screen)
                 self._x11.XMoveResizeWindow(self._display, window, *area)
                 self._placed[window] = number
@@ -74,7 +75,7 @@ class Tiles:
         self._x11.XCloseDisplay(self._display)
 
     def _titled(self, window: int) -> Iterator[Tuple[int, str]]:
-        """All windows below one that have titles; those of a window manager are around others."""
+        """Yields all titled windows below a window, also inside the frames of a window manager."""
         for child in self._children(window):
             yield from self._titled(child)
             text = ctypes.c_char_p()
@@ -93,7 +94,7 @@ class Tiles:
         return numbers
 
 
-# Xlib ends the process on errors by itself; here they only tell that a window has been closed.
+# By default an error of Xlib ends the process. Here it only means that a window was closed.
 _ignore = _ErrorHandler(lambda _display, _error: 0)
 
 

@@ -1,4 +1,4 @@
-"""The node simple_camera_view: a camera's pictures in a window, whose colours can be picked."""
+"""The node simple_camera_view, which shows a camera's images and tells the colours in them."""
 
 import os
 import time
@@ -20,27 +20,28 @@ from ..ros.transport import Frame, ImageSubscriber
 from .viewing import Rate, title, waiting_picture
 from .window import Window, require_display
 
-POLL = 10  # ms: how long a picture may wait for the window
-LONGEST_PATH = 300  # letters of it in an error
+POLL = 10  # ms, longest time that an image waits for the window
+LONGEST_PATH = 300  # characters of a path in an error
 TITLE_PERIOD = 1.0  # s
 QUIT_KEYS = (ord("q"), 27)  # 27: Esc
 
 
 class CameraView:
-    """Shows the pictures of the topic `image`.
+    """Shows the images of the topic `image` in a window.
 
     A left click prints and publishes the pixel (~clicked, robot_vision/Click) and prints the range
-    around its colour for hsv_tracker. A rectangle dragged with the left button is published
+    around its colour for hsv_tracker. A rectangle drawn with the left button is published
     (~selected, sensor_msgs/RegionOfInterest), for object_tracker to follow. The key s saves the
-    picture as PNG; q and Esc end the node.
+    image as PNG; q and Esc end the node.
 
     Parameters:
-        ~autosize (bool): the window takes the picture's size; else it can be resized.
-        ~save_folder (str): where s saves; relative to the folder that the node runs in, which for
-            roslaunch is $ROS_HOME, ~/.ros by default. A ~ at its beginning is the user's home.
+        ~autosize (bool): Whether the window takes the image's size; if not, it can be resized.
+        ~save_folder (str): The folder in which s saves. A relative path starts at the folder that
+            the node runs in, which for roslaunch is $ROS_HOME, ~/.ros by default. A leading ~ is
+            the user's home.
 
     Raises:
-        ValueError: a parameter is not usable, or there is no display.
+        ValueError: A parameter cannot be used, or there is no display.
     """
 
     def __init__(self) -> None:
@@ -49,7 +50,7 @@ class CameraView:
         self._params = LiveParams(SimpleCameraViewConfig, self._configure)
         self._topic = rospy.resolve_name("image")
         self._rate = Rate()
-        self._newest: Optional[Frame] = None  # written by the thread of the pictures
+        self._newest: Optional[Frame] = None  # set by the thread of the images
         self._shown: Optional[Frame] = None
         self._clicked = rospy.Publisher("~clicked", Click, queue_size=10)
         self._selected = rospy.Publisher("~selected", RegionOfInterest, queue_size=10)
@@ -59,7 +60,7 @@ class CameraView:
         review_params()
 
     def spin(self) -> None:
-        """Works until the node is shut down, or the user has had enough."""
+        """Works until the node is shut down, or the user closes the window or quits."""
         title_due = time.monotonic()
         while not rospy.is_shutdown():
             self._show_newest()
@@ -74,7 +75,7 @@ class CameraView:
 
     def _configure(self, config: Dict[str, Any]) -> None:
         folder = config["save_folder"]
-        if "\0" in folder:  # the only letter that no folder has
+        if "\0" in folder:  # No path can have this character; all others are allowed.
             raise ValueError(f"save_folder is {told(folder)}, must be a path")
         self._folder = os.path.abspath(os.path.expanduser(folder))
 

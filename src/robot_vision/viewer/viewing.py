@@ -1,4 +1,4 @@
-"""What a window with a camera's pictures says of them."""
+"""What a window tells about the images in it: their rate, and a title."""
 
 import collections
 import threading
@@ -11,7 +11,7 @@ FONT = cv2.FONT_HERSHEY_SIMPLEX
 
 
 class Rate:
-    """How often something happens, over the last `seconds`. Thread-safe."""
+    """The rate of an event over the last `seconds`. Thread-safe."""
 
     def __init__(self, seconds: float = 3.0):
         self._seconds = seconds
@@ -19,13 +19,13 @@ class Rate:
         self._times: Deque[float] = collections.deque()
 
     def add(self, now: float) -> None:
-        """It happened, at `now` on any clock in seconds that never goes back."""
+        """Counts an event at the time `now`, in s of any clock that never goes back."""
         with self._lock:
             self._times.append(now)
             self._forget(now)
 
     def hz(self, now: float) -> float:
-        """The rate in Hz; 0 if it happened less than twice."""
+        """Returns the rate in Hz; 0 if there were fewer than two events."""
         with self._lock:
             self._forget(now)
             span = self._times[-1] - self._times[0] if self._times else 0.0
@@ -37,12 +37,12 @@ class Rate:
 
 
 def title(topic: str, hz: float, size: Optional[Tuple[int, int]]) -> str:
-    """A window's title. `size`: (width, height) in px, None before the first picture."""
+    """Returns the window's title. `size`: (width, height) in px, None before the first image."""
     return f"{topic}  {hz:.1f} Hz  {size[0]}x{size[1]}" if size else f"{topic}  waiting"
 
 
 def waiting_picture(topic: str) -> np.ndarray:
-    """What to show before the first picture: (480, 640, 3) uint8, grey, with a line of text."""
+    """Returns a placeholder for the first image: (480, 640, 3) uint8, gray, with a line of text."""
     picture = np.full((480, 640, 3), 128, np.uint8)
     text = "waiting for " + topic
     (width, _), _ = cv2.getTextSize(text, FONT, 1.0, 1)

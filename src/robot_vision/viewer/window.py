@@ -1,4 +1,4 @@
-"""A window of OpenCV's. It and all its methods belong to the main thread."""
+"""A window of OpenCV. All its methods have to be called by the main thread."""
 
 import ctypes
 import os
@@ -24,20 +24,20 @@ def require_display() -> None:
 
 
 Point = Tuple[int, int]
-DRAG = 4  # px that the pointer moves before a click becomes a rectangle
+DRAG = 4  # px that the pointer has to move before a click becomes a rectangle
 GREEN = (0, 255, 0)
 
 
 class Window:
-    """A window that shows one picture after the other.
+    """A window that shows one image after the other.
 
     Args:
-        name: its title, until another is set.
-        autosize: whether it takes the size of the picture; else it can be resized, and the picture
-            is fitted in.
-        on_click: is called by poll() with x and y, in px of the picture, for a left click.
-        on_drag: is called by poll() with x, y, width and height of a rectangle, in px of the
-            picture, that has been drawn with the left button; it is shown while it is drawn.
+        name: The title, until another one is set.
+        autosize: Whether the window takes the size of the image. If not, it can be resized, and
+            the image is fitted into it.
+        on_click: A function that poll() calls for a left click, with x and y in px of the image.
+        on_drag: A function that poll() calls for a rectangle drawn with the left button, with x,
+            y, width and height in px of the image. The rectangle is shown while it is drawn.
     """
 
     def __init__(
@@ -51,16 +51,16 @@ class Window:
         self._on_click = on_click
         self._on_drag = on_drag
         self._picture: Optional[np.ndarray] = None
-        self._pressed: Optional[Point] = None  # where the button was
-        self._dragged: Optional[Point] = None  # where the pointer is, if it has been moved since
+        self._pressed: Optional[Point] = None  # where the button was pressed
+        self._dragged: Optional[Point] = None  # where the pointer was dragged to since
         self._autosize = autosize
-        self._shown_size: Optional[Tuple[int, int]] = None  # px, what imshow was given
+        self._shown_size: Optional[Tuple[int, int]] = None  # px, of the image passed to imshow
         kind = cv2.WINDOW_AUTOSIZE if autosize else cv2.WINDOW_NORMAL | cv2.WINDOW_KEEPRATIO
         cv2.namedWindow(name, kind | cv2.WINDOW_GUI_NORMAL)
         cv2.setMouseCallback(name, self._on_mouse)
 
     def show(self, picture: np.ndarray) -> None:
-        """Shows a (height, width, 3) uint8 picture, BGR, which must stay as it is."""
+        """Shows a (height, width, 3) uint8 image, BGR, which must not change afterwards."""
         self._picture = picture
         if self._dragged:
             x, y, width, height = self._rectangle()
@@ -75,28 +75,28 @@ class Window:
         cv2.setWindowTitle(self._name, title)
 
     def poll(self, milliseconds: int) -> int:
-        """Lets the window work for a while or until a key is pressed: its code, else NO_KEY."""
-        key = cv2.waitKey(milliseconds) & 0xFF  # above are modifiers, on some systems
+        """Lets the window work until a key is pressed or time is up; returns its code or NO_KEY."""
+        key = cv2.waitKey(milliseconds) & 0xFF  # Some systems put modifiers into the upper bits.
         if self._picture is not None and self._shown_size != self._fitting_size():
             self.show(self._picture)
         return key
 
     def is_open(self) -> bool:
-        """Whether the user has not closed it."""
+        """Returns whether the user has not closed the window."""
         try:
-            # With Qt a closed window is one not visible; with GTK it is gone, and this is unknown.
+            # With Qt a closed window is invisible. With GTK it is gone, and the property unknown.
             visible = cv2.getWindowProperty(self._name, cv2.WND_PROP_VISIBLE)
             return visible != 0 and cv2.getWindowProperty(self._name, cv2.WND_PROP_AUTOSIZE) >= 0
-        except cv2.error:  # some versions have no answer without a window
+        except cv2.error:  # Some versions raise this for a window that is gone.
             return False
 
     def _size(self) -> Tuple[int, int]:
-        """Width and height of the picture."""
+        """Returns the width and height of the image."""
         height, width = self._picture.shape[:2]
         return width, height
 
     def _fitting_size(self) -> Tuple[int, int]:
-        """Width and height to show the picture in: OpenCV 4.10 shrinks to fit, but enlarges not."""
+        """Returns the size to show the image in; OpenCV 4.10 shrinks it, but never enlarges it."""
         width, height = self._size()
         if self._autosize or not self.is_open():
             return width, height
@@ -124,7 +124,7 @@ class Window:
                 self._on_click(*pressed)
 
     def _rectangle(self) -> Tuple[int, int, int, int]:
-        """x, y, width and height of what has been drawn, as far as it is in the picture."""
+        """Returns x, y, width and height of the drawn rectangle, clipped to the image."""
         (left, right), (top, bottom) = (
             sorted(min(max(end, 0), size - 1) for end in ends)
             for ends, size in zip(zip(self._pressed, self._dragged), self._size())
