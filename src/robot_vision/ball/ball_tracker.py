@@ -1,4 +1,4 @@
-"""The node ball_tracker: follows the largest round region of a colour."""
+"""The node ball_tracker, which follows the largest round region of a colour."""
 
 import collections
 import math
@@ -34,19 +34,20 @@ from ..ros.params import LiveParams, filled, read_name, read_param
 from ..ros.startup import run_node
 from ..ros.transport import Frame
 
-LARGEST = 100.0  # m
+LARGEST = 100.0  # m, largest diameter
 
 
 class BallTracker:
     """Publishes ~objects (one ball or none), ~mask, ~processed_image with the ball and its trail.
 
-    Subscribes to image. If ~ball_diameter (m) is known, it also publishes ~position and, in /tf,
-    the frame ~ball_frame_id, by camera_info: beside the image, or where that name is remapped to.
+    Subscribes to image. If ~ball_diameter (m) is set, it also publishes ~position and, in /tf, the
+    frame ~ball_frame_id. For these it needs camera_info, from the topic beside the image or from
+    the one that this name is remapped to.
     """
 
     def __init__(self) -> None:
         self._trail: Deque[Tuple[float, float]] = collections.deque()
-        self._time = 0.0  # s, of the last frame
+        self._time = 0.0  # s, the last frame
         self._filter_params: Optional[BallTrackerParams] = None
         self._diameter = read_param("ball_diameter", 0.0, 0.0, LARGEST, zero="unknown")
         self._ball_frame = read_name("ball_frame_id", "ball")
@@ -64,10 +65,10 @@ class BallTracker:
         mask = HsvMask(filled(HsvRange(), config))
         finder = RegionFinder(filled(RegionParams(), config))
         params = filled(BallTrackerParams(), config)
-        # A filter made anew has lost the ball: only when it must be.
+        # A new filter has lost the ball, so it is made only when it has to be.
         tracker = self._tools[2] if params == self._filter_params else Filter(params)
         self._filter_params = params
-        # In one step: a frame may be under way.
+        # Replaced in one step, because another thread may be processing a frame.
         self._tools = mask, finder, tracker, config["min_roundness"], config["trail"]
 
     def _process(self, frame: Frame) -> None:
@@ -89,7 +90,7 @@ class BallTracker:
         self._mask.publish(mask, "mono8", frame.header)
 
     def _locate(self, frame: Frame, region: Region) -> Optional[BallPosition]:
-        """Where the ball is, if its size and the camera are known."""
+        """Returns the position of the ball, or None if the camera is not known."""
         info = frame.camera_info
         if info is None:
             return None
@@ -101,7 +102,7 @@ class BallTracker:
         return ball_position(camera, region.outline, self._diameter)
 
     def _remember(self, time: float, state: Optional[BallState], length: int) -> None:
-        if time < self._time:  # a bag begins again
+        if time < self._time:  # For instance, a bag starts again.
             self._trail.clear()
         self._time = time
         self._trail.append(state.center if state else (math.nan, math.nan))
@@ -130,12 +131,12 @@ class BallTracker:
         self._positions.publish(PointStamped(frame.header, Point(*position)))
         transform = TransformStamped(header=frame.header, child_frame_id=self._ball_frame)
         transform.transform.translation = Vector3(*position)
-        transform.transform.rotation.w = 1.0  # a ball looks the same from everywhere
+        transform.transform.rotation.w = 1.0  # A ball looks the same from all sides.
         self._tf.sendTransform(transform)
 
 
 def ball_detection(state: BallState, region: Optional[Region]) -> Detection:
-    """The ball as a Detection; `region` is what was seen of it, None if it is predicted."""
+    """Returns the ball as a Detection; `region` is None if the ball is predicted, not seen."""
     message = detection(region, "ball", region.roundness) if region else Detection(label="ball")
     message.id = 0
     message.center = Point(*state.center, 0.0)

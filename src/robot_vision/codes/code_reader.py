@@ -1,4 +1,4 @@
-"""The node code_reader: what QR codes and bar codes say."""
+"""The node code_reader, which reads QR codes and bar codes."""
 
 from typing import Any, Dict, List
 
@@ -23,7 +23,7 @@ LONGEST_LABEL = 60
 
 
 class CodeReader:
-    """Publishes ~codes and ~processed_image (the grey picture with outlines, types and texts).
+    """Publishes ~codes and ~processed_image (the gray image with outlines, types and texts).
 
     Subscribes to image.
     """
@@ -54,7 +54,7 @@ class CodeReader:
             self._publish_overlay(frame, codes)
 
     def _publish_news(self, frame: Frame, codes: List[Code]) -> None:
-        """Publishes what is no repetition; if nothing is one, every frame is answered."""
+        """Publishes codes that are not repetitions; with a period of 0 each frame is answered."""
         news = self._repeats.news(((code.type, code.data) for code in codes), frame.time)
         if news or not self._repeats.period:
             told = [code for code in codes if (code.type, code.data) in news]
@@ -70,12 +70,12 @@ class CodeReader:
 
 
 def text_of(code: Code) -> str:
-    """A code's content as text; bytes that are no UTF-8 become U+FFFD."""
+    """Returns a code's content as text; bytes that are not UTF-8 become U+FFFD."""
     return code.data.decode("utf-8", "replace")
 
 
 def code_detection(code: Code, picture: np.ndarray) -> Detection:
-    """A code as a Detection; its box ends where the picture does."""
+    """Returns a code as a Detection, whose box is clipped to the image."""
     return Detection(
         label=text_of(code),
         id=-1,

@@ -1,4 +1,4 @@
-"""Driving a robot from what a node sees, so that it stops when the node does not see."""
+"""Drives a robot, and stops it whenever the node no longer sees what it drives on."""
 
 import threading
 import time
@@ -10,27 +10,27 @@ from std_srvs.srv import SetBool, SetBoolRequest, SetBoolResponse
 
 from .line_control import must_stop
 
-PERIOD = 0.05  # s between two looks at the watch, and between two zero commands
+PERIOD = 0.05  # s between two checks of the timeout, and between two zero commands
 
 
 class Drive:
-    """Passes commands on to `cmd_vel` while they keep coming; else the robot is told to stop.
+    """Passes commands on to `cmd_vel` while they keep coming, and else tells the robot to stop.
 
-    A zero Twist is sent, again and again, when what was last driven on was seen longer than
-    `timeout` ago, while the drive is disabled (~enable, std_srvs/SetBool), and when the node shuts
-    down. Time is real time: a simulated clock that stands still must not keep a robot going.
+    It repeats a zero Twist when the last observation is older than `timeout`, while the drive is
+    disabled by the service ~enable (std_srvs/SetBool), and when the node shuts down. Time is real
+    time, because a simulated clock that stands still must not keep a robot going.
 
     Args:
-        publisher: of geometry_msgs/Twist.
-        timeout: s.
+        publisher: The publisher of geometry_msgs/Twist.
+        timeout: The time in s for which an observation is worth driving on.
     """
 
     def __init__(self, publisher: rospy.Publisher, timeout: float = 0.5):
         self.timeout = timeout
         self.enabled = True
         self._publisher = publisher
-        self._lock = threading.Lock()  # a command must not overtake a stop
-        self._seen: Optional[float] = None  # s, what was last driven on
+        self._lock = threading.Lock()  # so that no command overtakes a stop
+        self._seen: Optional[float] = None  # s of the monotonic clock, the last observation
         self._ended = False
         self._thread = threading.Thread(target=self._watch, name="watchdog", daemon=True)
         rospy.Service("~enable", SetBool, self._on_enable)
@@ -38,11 +38,13 @@ class Drive:
         self._thread.start()
 
     def command(self, linear: float, angular: float, seen: float) -> None:
-        """Drives on: m/s forward, rad/s to the left.
+        """Sends a command, unless the observation it is based on is too old by now.
 
         Args:
-            seen: when what is driven on was seen, s of time.monotonic(). On a busy machine it may
-                have become too old while it was worked on: then this sends nothing.
+            linear: The forward speed in m/s.
+            angular: The turn to the left in rad/s.
+            seen: The time of the observation in s of time.monotonic(). On a busy machine it may
+                have become too old while it was processed.
         """
         with self._lock:
             now = time.monotonic()
@@ -68,7 +70,7 @@ class Drive:
     def _end(self) -> None:
         with self._lock:
             self._ended = True
-        for _ in range(3):  # a lost message must not keep the robot going
+        for _ in range(3):  # A lost message must not keep the robot going.
             self._send(0.0, 0.0)
             time.sleep(PERIOD)
 

@@ -1,4 +1,4 @@
-"""Steering along a line: from what the camera sees to a speed and a turn. No ROS, no clock."""
+"""Steering along a line: computes speed and turn from the line in the image. Uses no ROS."""
 
 import math
 from dataclasses import dataclass
@@ -8,29 +8,29 @@ from .._core import Line
 from ..common.plain_text import printable
 
 MODES = ("course", "pid")
-GAP = 0.5  # s between two lines: after more the integral and the change of the error say nothing
+GAP = 0.5  # s between two lines; after a longer gap integral and derivative of the error are void
 
 
 @dataclass(frozen=True)
 class LineControlParams:
-    """What a LineController does.
+    """The parameters of a LineController.
 
     Raises:
-        ValueError: the first field out of range, its value and the range.
+        ValueError: A field is out of range; the message has its name, its value and the range.
     """
 
     mode: str = "course"  # course: full speed, gain and dead band; pid: kp, ki, kd and curve speed
     linear_speed: float = 0.2  # m/s, 0 to 5
     max_angular: float = 0.3  # rad/s, largest turn of both modes, 0 to 10
     gain: float = 0.3  # course: rad/s for each px of the line's offset, 0 to 10
-    dead_band: float = 20.0  # course: px of offset that are not steered against, 0 to 10000
-    kp: float = 1.0  # pid: rad/s for an error of 1, half a picture width, 0 to 100
+    dead_band: float = 20.0  # course: px, largest offset that is not steered against, 0 to 10000
+    kp: float = 1.0  # pid: rad/s for an error of 1, half an image width, 0 to 100
     ki: float = 0.0  # pid: rad/s for an error of 1 over 1 s, 0 to 100
     kd: float = 0.1  # pid: rad/s for an error that changes by 1 in 1 s, 0 to 100
-    min_speed: float = 0.05  # pid: m/s where the line is all askew, 0 to linear_speed
-    search: bool = False  # turn to where the line was last seen, instead of stopping at once
+    min_speed: float = 0.05  # pid: m/s where the line is farthest off or across, 0 to linear_speed
+    search: bool = False  # whether to turn to where the line was lost, instead of stopping at once
     search_angular: float = 0.3  # rad/s, 0 to 10
-    search_timeout: float = 3.0  # s of searching until the robot stops, 0 to 60
+    search_timeout: float = 3.0  # s, longest search before the robot stops, 0 to 60
 
     def __post_init__(self) -> None:
         if self.mode not in MODES:
@@ -52,31 +52,31 @@ class LineControlParams:
 
 
 class LineController:
-    """Keeps a line in the middle of the picture. Angular speeds are ROS's: left is positive."""
+    """Keeps a line in the middle of the image. As in ROS, a positive angular speed turns left."""
 
     def __init__(self, params: Optional[LineControlParams] = None) -> None:
-        """Without `params`, the behaviour of the course."""
+        """Makes a controller; without `params` it behaves like the course's."""
         self._params = params or LineControlParams()
         self.reset()
 
     def reset(self) -> None:
-        """Forgets all it has seen, as for a robot that was carried elsewhere or paused."""
-        self._time: Optional[float] = None  # of the last line, s
-        self._updated = -math.inf  # when update() was called last, s
+        """Forgets all past lines, for a robot that was paused or carried elsewhere."""
+        self._time: Optional[float] = None  # s, the last line
+        self._updated = -math.inf  # s, the last call of update()
         self._error = 0.0  # of the last line
-        self._integral = 0.0  # of the error, s
-        self._lost_since: Optional[float] = None  # s; None before any line and while there is one
+        self._integral = 0.0  # of the error over time, in s
+        self._lost_since: Optional[float] = None  # s; None before any line, and while there is one
 
     def update(self, time: float, line: Optional[Line]) -> Tuple[float, float]:
-        """The command for the line in one frame.
+        """Returns the command for the line in one frame.
 
         Args:
-            time: when the frame was taken, s. An earlier one than the last begins anew, as does
-                a line after a gap of more than 0.5 s.
-            line: what find_line() says, or None; None and a line not found are the same.
+            time: The time of the frame in s. An earlier time than the last one resets the
+                controller, and so does a line after a gap of more than 0.5 s.
+            line: The result of find_line(); None means the same as a line that was not found.
 
         Returns:
-            Linear speed, m/s, and angular speed, rad/s, counter-clockwise.
+            The linear speed in m/s, and the angular speed in rad/s, counter-clockwise.
         """
         found = line is not None and line.found
         after_gap = self._time is not None and time - self._time > GAP
@@ -110,14 +110,14 @@ class LineController:
         return -_clip(turn, params.max_angular)
 
     def _speed(self, line: Line) -> float:
-        """Linear speed, m/s: the further off and the more askew the line, the slower."""
+        """Returns the linear speed in m/s; it falls with the line's error and its angle."""
         askew = min(max(abs(line.error), abs(math.sin(line.angle))), 1.0)
         fastest, slowest = self._params.linear_speed, self._params.min_speed
         return fastest - (fastest - slowest) * askew
 
     def _search(self, time: float) -> Tuple[float, float]:
         if self._time is None:
-            return 0.0, 0.0  # never seen
+            return 0.0, 0.0  # There was no line yet.
         if self._lost_since is None:
             self._lost_since = time
         searching = time - self._lost_since < self._params.search_timeout
@@ -127,18 +127,18 @@ class LineController:
 
 
 def must_stop(now: float, last_frame: Optional[float], enabled: bool, timeout: float = 0.5) -> bool:
-    """Whether the robot must stand still, whatever was commanded last.
+    """Returns whether the robot must stand still, whatever was commanded last.
 
     Args:
-        now: s.
-        last_frame: when the last frame was taken, s, on the same clock; None before the first.
-        enabled: False while the line follower is paused.
-        timeout: s for which a frame is worth driving on. So far in the future it is worth nothing
-            either: the clock was set back, and its age is not known.
+        now: The present time in s.
+        last_frame: The time of the last frame in s of the same clock; None before the first.
+        enabled: Whether the line follower may drive.
+        timeout: The age in s up to which a frame is worth driving on. A frame from the future is
+            treated alike: the clock was set back, and the true age is not known.
     """
     if not enabled or last_frame is None:
         return True
-    return not abs(now - last_frame) <= timeout  # of a NaN, too
+    return not abs(now - last_frame) <= timeout  # This is also true for NaN.
 
 
 def _clip(value: float, limit: float) -> float:

@@ -1,4 +1,4 @@
-"""The node line_follower: drives along a line."""
+"""The node line_follower, which drives a robot along a line."""
 
 import time
 from typing import Any, Dict, Optional
@@ -20,14 +20,14 @@ CONTROL = tuple(LineControlParams.__dataclass_fields__)
 
 
 class LineFollower:
-    """Publishes cmd_vel, ~line and ~processed_image (the picture with the line outlined).
+    """Publishes cmd_vel, ~line and ~processed_image (the image with the line outlined).
 
     Subscribes to image. ~enable (std_srvs/SetBool) makes the robot stop, or drive again.
     """
 
     def __init__(self) -> None:
         self._control: Optional[LineControlParams] = None
-        self._followed = Line()  # as it was seen last
+        self._followed = Line()  # the line that was seen last
         self._stamp = rospy.Time()  # of the last frame
         self._node = ImageNode(self._process)
         self._lines = self._node.publisher("~line", LineMessage)
@@ -40,10 +40,10 @@ class LineFollower:
         line = filled(LineParams(), config)
         control = LineControlParams(**{name: config[name] for name in CONTROL})
         mask = HsvMask(filled(HsvRange(), config))
-        # A controller made anew has forgotten where the line was: only when it must be.
+        # A new controller forgets where the line was, so it is made only when it has to be.
         controller = self._tools[3] if control == self._control else LineController(control)
         self._control = control
-        # In one step: a frame may be under way.
+        # Replaced in one step, because another thread may be processing a frame.
         self._tools = config["strip"], mask, line, controller
         self._min_confidence = config["min_confidence"]
         self._drive.timeout = config["timeout"]
@@ -54,19 +54,19 @@ class LineFollower:
         height = frame.image.shape[0]
         top = min(round(height * (1.0 - strip)), height - 1)
         line = find_line(mask.apply(frame.image[top:]), params, self._followed)
-        if line.confidence < self._min_confidence:  # all of the picture, for instance
+        if line.confidence < self._min_confidence:  # For instance, the mask may fill the image.
             line = Line()
         if line.found:
             self._followed = line
         if not self._drive.enabled:
-            controller.reset()  # what it has summed up is of another place when it drives again
+            controller.reset()  # Its sums belong to another place when the robot drives again.
         elif self._is_fresh(frame.header.stamp, age):
             stamp = frame.header.stamp.to_sec() or rospy.get_time()
             self._drive.command(*controller.update(stamp, line), began - age)
         self._publish(frame, line, top)
 
     def _is_fresh(self, stamp: rospy.Time, age: float) -> bool:
-        """Whether to drive on a frame of this stamp: not on an old one, nor on one come again."""
+        """Returns whether to drive on a frame: not if it is old, nor if it came before."""
         old, self._stamp = self._stamp, stamp
         late = must_stop(age, 0.0, True, self._drive.timeout)
         if late:
@@ -88,7 +88,7 @@ class LineFollower:
 
 
 def _age(stamp: rospy.Time) -> float:
-    """s since this stamp by the clock of ROS; 0 for that of a sender that knows of no time."""
+    """Returns the age in s by the clock of ROS; 0 for a zero stamp, whose sender knows no time."""
     return 0.0 if stamp.is_zero() else rospy.get_time() - stamp.to_sec()
 
 

@@ -1,4 +1,4 @@
-"""The node motion_detector: what moves before a camera that stands still."""
+"""The node motion_detector, which finds what moves in the view of a fixed camera."""
 
 import math
 import time
@@ -25,7 +25,7 @@ class MotionDetector:
     """
 
     def __init__(self) -> None:
-        self._moved = -math.inf  # s, when something moved last
+        self._moved = -math.inf  # s, the last motion
         self._shall_reset = False
         self._used: Optional[MotionParams] = None
         self._params = LiveParams(MotionDetectorConfig, self._configure)
@@ -39,7 +39,7 @@ class MotionDetector:
 
     def _configure(self, config: Dict[str, Any]) -> None:
         used = filled(MotionParams(), config)
-        if used != self._used:  # a detector made anew has lost the background: only when it must be
+        if used != self._used:  # A new detector has no background, so it is made only if needed.
             self._detector = Detector(used)
             self._used = used
         self._hold = config["hold"]
@@ -74,7 +74,7 @@ class MotionDetector:
         self._processed.publish(overlay, "bgr8", frame.header)
 
     def _on_reset(self, _request: Any) -> TriggerResponse:
-        self._shall_reset = True  # the detector belongs to the thread of the pictures
+        self._shall_reset = True  # Only the thread of the images may use the detector.
         return TriggerResponse(True, "the next frame is the background")
 
 

@@ -1,4 +1,4 @@
-"""Selects what another node has found, for object_tracker to follow."""
+"""Selects what another node detects, for object_tracker to follow."""
 
 import collections
 import threading
@@ -13,24 +13,25 @@ from ..msg import Detection, DetectionArray
 from ..ros.transport import Frame
 from .tracks import box_of
 
-HISTORY = 8  # frames that a detection may be late
-MAX_CANDIDATES = 100  # of a message, those of the highest score; each is compared with each
+HISTORY = 8  # frames by which a detection may be late
+MAX_CANDIDATES = 100  # detections of a message with the highest scores; each is compared with each
 
 
 class Candidate(NamedTuple):
-    """What was found in the last detections, and since when (s) it has been in all of them."""
+    """A detection of the last message, and the time in s since which it was in all messages."""
 
     detection: Detection
     since: float
 
 
 class AutoSelection:
-    """Selects detections that no tracked object covers, in the frame where they were found.
+    """Selects detections that no tracked object covers, in the frame in which they were found.
 
-    Finders err, but seldom twice in the same place: what was not found for long is not selected.
+    A false detection seldom comes twice in the same place. Therefore only detections are selected
+    that were found for some time.
 
     Args:
-        tracker: where objects are selected; select() is called when it is free.
+        tracker: The tracker of the objects. It must not be in use by others during select().
     """
 
     def __init__(self, tracker: ObjectTracker):
@@ -39,29 +40,32 @@ class AutoSelection:
         self._most = 1
         self._after = 0.0  # s
         self._candidates: List[Candidate] = []
-        self._own: Set[int] = set()  # ids of what has been selected here
-        self._lost: List[int] = []  # those that are lost in this frame
-        self._lock = threading.Lock()  # guards the detections that have come
+        self._own: Set[int] = set()  # ids of the objects that were selected here
+        self._lost: List[int] = []  # ids of those that are lost in this frame
+        self._lock = threading.Lock()  # guards the received detections
         self._come: Deque[DetectionArray] = collections.deque(maxlen=HISTORY)
-        # The last frames, and the outlines of what was tracked in them.
+        # The last frames with the outlines of the objects tracked in them.
         self._frames: Deque[Tuple[Frame, List[np.ndarray]]] = collections.deque(maxlen=HISTORY)
 
     def configure(self, label: str, most: int, after: float) -> None:
-        """Selects at most so many objects, found without a gap for `after` seconds.
+        """Sets what is selected.
 
-        Only those with this label, if it is not empty.
+        Args:
+            label: Only detections with this label are selected; "" selects all.
+            most: The largest number of objects selected here.
+            after: The time in s for which a detection must have been found without a gap.
         """
         self._label = label
         self._most = most
         self._after = after
 
     def add(self, detections: DetectionArray) -> None:
-        """Takes what was found; for another thread."""
+        """Takes detections; may be called by another thread."""
         with self._lock:
             self._come.append(detections)
 
     def select(self, frame: Frame, tracks: List[TrackedObject]) -> None:
-        """Selects what has been found up to this frame, in which these objects are."""
+        """Selects what was detected up to this frame, in which `tracks` are the objects."""
         self._frames.append((frame, [track.outline for track in tracks if track.tracked]))
         self._own &= {track.id for track in tracks}
         self._lost = [track.id for track in tracks if track.id in self._own and not track.tracked]
@@ -70,7 +74,7 @@ class AutoSelection:
         stamps = [past.header.stamp for past, _ in self._frames]
         for found in come:
             if found.header.stamp > frame.header.stamp:
-                self.add(found)  # its frame is still to come
+                self.add(found)  # Its frame is still to come.
             elif found.header.stamp in stamps:
                 number = stamps.index(found.header.stamp)
                 self._update_candidates(found.detections, self._frames[number][0].time)
@@ -110,23 +114,23 @@ class AutoSelection:
             except ValueError as error:
                 rospy.logwarn_throttle(10.0, "a detection cannot be followed: %s", error)
                 continue
-            if full:  # one that is lost makes way
+            if full:  # A lost object makes way.
                 self._own.remove(self._lost[0])
                 self._tracker.forget(self._lost.pop(0))
             self._own.add(selected)
-            # Later detections of it are on their way, of frames in which it was not tracked yet.
+            # Further detections of it may come for frames in which it was not tracked yet.
             for _, later in list(self._frames)[number:]:
                 later.append(corners_of(region))
 
 
 def corners_of(box: Tuple[int, int, int, int]) -> np.ndarray:
-    """The corners, (4, 2), of (x, y, width, height)."""
+    """Returns the corners, (4, 2), of a box (x, y, width, height)."""
     x, y, width, height = box
     return np.array([(x, y), (x + width, y), (x + width, y + height), (x, y + height)], float)
 
 
 def is_same(before: Detection, now: Detection) -> bool:
-    """Whether two detections, of a frame and the one before, are of the same thing."""
+    """Returns whether detections of two frames in a row are of the same thing."""
     if before.label != now.label or before.id != now.id:
         return False
     if now.id >= 0:
@@ -137,7 +141,7 @@ def is_same(before: Detection, now: Detection) -> bool:
 
 
 def is_covered(found: Detection, outlines: List[np.ndarray]) -> bool:
-    """Whether the middle of what was found is inside of an outline."""
+    """Returns whether the middle of a detection is inside an outline."""
     return any(
         cv2.pointPolygonTest(outline.astype(np.float32), middle_of(found), False) >= 0.0
         for outline in outlines
@@ -145,6 +149,6 @@ def is_covered(found: Detection, outlines: List[np.ndarray]) -> bool:
 
 
 def middle_of(found: Detection) -> Tuple[float, float]:
-    """Of its box, px."""
+    """Returns the middle of a detection's box in px."""
     x, y, width, height = box_of(found.box)
     return x + width / 2.0, y + height / 2.0

@@ -1,4 +1,4 @@
-"""The node object_tracker: follows what is selected in the picture."""
+"""The node object_tracker, which follows objects that are selected in the image."""
 
 import threading
 import time
@@ -22,17 +22,17 @@ from ..srv import ForgetObject, ForgetObjectResponse, SelectObject, SelectObject
 from .auto_selection import AutoSelection
 from .tracks import box_of, detection_of, draw_tracks, flow_message, track_states
 
-FRESH = 1.0  # s: a frame that is older is not what somebody sees and selects in
+FRESH = 1.0  # s; nobody selects something in a frame that is older
 SELECT_TIMEOUT = 5.0  # s that a selection waits for a frame
 
 
 class Selection:
-    """A region that waits for a frame to be selected in."""
+    """A region that waits for a frame in which it is selected."""
 
     def __init__(self, region: RegionOfInterest, label: str, replaces: bool):
         self.box = box_of(region)
         self.label = label
-        self.replaces = replaces  # all other objects
+        self.replaces = replaces  # whether it replaces all other objects
         self.deadline = time.monotonic() + SELECT_TIMEOUT
         self.done = threading.Event()
         self.id = -1
@@ -44,22 +44,23 @@ class Selection:
 
 
 class ObjectTracker:
-    """Publishes ~object, ~state, ~flow and ~processed_image (outlines, points, what is lost).
+    """Publishes ~object, ~state, ~flow and ~processed_image (outlines, points, lost objects).
 
-    Subscribes to image. Follows what ~select (sensor_msgs/RegionOfInterest), ~select_object and, if
-    ~auto_select is true, `detections` (robot_vision/DetectionArray) name, until ~forget. It looks
-    at pictures as long as it has objects, even if nobody subscribes: they would be lost.
+    Subscribes to image. It follows the regions that come from ~select
+    (sensor_msgs/RegionOfInterest), from ~select_object and, if ~auto_select is true, from
+    `detections` (robot_vision/DetectionArray), until ~forget. While it has objects it processes
+    images even if nobody subscribes, because it would lose them otherwise.
     """
 
     def __init__(self) -> None:
-        self._lock = threading.Lock()  # guards what follows
+        self._lock = threading.Lock()  # guards all attributes below
         self._tracker = Tracker()
         self._waiting: List[Selection] = []
         self._told_refused = Throttle()
         self._auto = AutoSelection(self._tracker)
-        self._time: Optional[float] = None  # s, of the newest frame
-        self._lost: Dict[int, float] = {}  # s, since when each object is
-        self._busy = False  # with objects, or to be so
+        self._time: Optional[float] = None  # s, the newest frame
+        self._lost: Dict[int, float] = {}  # s, the time since which an object is lost
+        self._busy = False  # whether there are objects, or may soon be
         self._detections: Optional[rospy.Subscriber] = None
         self._node = ImageNode(self._process)
         self._params = LiveParams(ObjectTrackerConfig, self._configure)
@@ -87,7 +88,7 @@ class ObjectTracker:
             self._keep_working()
 
     def _keep_working(self) -> None:
-        """Looks at pictures as long as there is something to follow; called with the lock held."""
+        """Has the node work while there is something to follow. The lock must be held."""
         busy = bool(self._waiting or self._tracker.objects() or self._detections)
         if busy != self._busy:
             self._busy = busy
@@ -117,10 +118,10 @@ class ObjectTracker:
             self._processed.publish(overlay, "bgr8", frame.header)
 
     def _update(self, now: float, frame: Frame) -> List[TrackedObject]:
-        """The objects in the frame, those among them that have just been selected."""
+        """Returns the objects in the frame, including those just selected."""
         self._drop_expired()
         waiting, self._waiting = self._waiting, []
-        # Selected was what people saw: the last frame, if they were looking.
+        # People select in the frame that they saw, which is the last one if frames were coming.
         in_last = self._time is not None and 0.0 <= now - self._time < FRESH
         try:
             if in_last:
@@ -168,7 +169,7 @@ class ObjectTracker:
         with self._lock:
             outputs = (self._object, self._state, self._flow, self._processed)
             if not self._busy and not any(has_readers(output) for output in outputs):
-                self._time = None  # no pictures have come: the last one is not what people saw
+                self._time = None  # No images were coming, so nobody saw the last one.
             self._drop_expired()
             if selection.replaces:
                 self._waiting = [other for other in self._waiting if not other.replaces]
@@ -176,7 +177,7 @@ class ObjectTracker:
             self._keep_working()
 
     def _drop_expired(self) -> None:
-        """Gives up what has been selected long before a frame came; called with the lock held."""
+        """Fails selections that no frame came for in time. The lock must be held."""
         for selection in self._waiting:
             if time.monotonic() > selection.deadline:
                 selection.fail(self._node.no_frame(SELECT_TIMEOUT))

@@ -1,4 +1,4 @@
-"""Tracked objects as messages, and as people see them."""
+"""Tracked objects as messages, and in the overlay."""
 
 from typing import Iterable, List, Tuple
 
@@ -13,17 +13,17 @@ from ..ros.messages import box_around, points
 from ..ros.transport import Frame
 
 RED = (0, 0, 255)
-FAR = 2**30  # px, more than any picture has
+FAR = 2**30  # px, more than any image has
 
 
 def box_of(region: RegionOfInterest) -> Tuple[int, int, int, int]:
-    """(x, y, width, height) for the core, which refuses what is not in the picture."""
+    """Returns (x, y, width, height) for the core, which refuses boxes outside the image."""
     sides = region.x_offset, region.y_offset, region.width, region.height
     return tuple(min(side, FAR) for side in sides)
 
 
 def detection_of(track: TrackedObject, picture: np.ndarray) -> Detection:
-    """A tracked object as a Detection; its box ends where the picture does."""
+    """Returns a tracked object as a Detection, whose box is clipped to the image."""
     center = Point(*track.center, 0.0)
     sides = np.hypot(*(track.outline[1:3] - track.outline[:2]).T)
     return Detection(
@@ -42,7 +42,7 @@ def detection_of(track: TrackedObject, picture: np.ndarray) -> Detection:
 
 
 def track_states(frame: Frame, tracks: Iterable[TrackedObject]) -> TrackStateArray:
-    """All objects of a frame, those that are lost among them."""
+    """Returns the states of all objects in a frame, including lost ones."""
     states = [
         TrackState(
             id=track.id,
@@ -59,12 +59,12 @@ def track_states(frame: Frame, tracks: Iterable[TrackedObject]) -> TrackStateArr
 
 
 def flow_message(frame: Frame, positions: np.ndarray, velocities: np.ndarray) -> Flow:
-    """Points that move: (n, 2) px and px/s."""
+    """Returns moving points, (n, 2) px, and their velocities, (n, 2) px/s, as a message."""
     return Flow(frame.header, points(positions), points(velocities))
 
 
 def draw_tracks(picture: np.ndarray, tracks: List[TrackedObject]) -> None:
-    """Draws outlines and points of what is tracked, and writes what is lost, in red."""
+    """Draws outlines and points of tracked objects, and the names of lost ones in red."""
     line = 20
     for track in tracks:
         name = f"{track.label} {track.id}".strip()
