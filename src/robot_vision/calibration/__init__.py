@@ -1,1 +1,1 @@
-"""Calibrating a camera by pictures of a board: NumPy and OpenCV, no ROS."""
+"""Calibrating a camera with images of a board, by NumPy and OpenCV; only the command needs ROS."""

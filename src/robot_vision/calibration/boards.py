@@ -1,4 +1,4 @@
-"""Boards to calibrate by: where OpenCV finds their points in a picture."""
+"""Calibration boards: where OpenCV finds their points in an image."""
 
 from typing import Callable, Dict, NamedTuple, Optional, Tuple
 
@@ -8,22 +8,23 @@ import numpy as np
 from .charuco import Charuco
 
 SUB_PIXEL_END = (cv2.TERM_CRITERIA_COUNT | cv2.TERM_CRITERIA_EPS, 40, 0.001)
-LARGEST_WINDOW = 11  # px, half a side of the part of the picture that a corner is refined in
+LARGEST_WINDOW = 11  # px, half the side of the window in which a corner is refined
 
 
 class Sighting(NamedTuple):
-    """Points of a board in a picture: (n, 3) m on the board, whose z is 0, and (n, 2) px."""
+    """The points of a board seen in an image: (n, 3) m on the board, with z = 0, and (n, 2) px."""
 
     points: np.ndarray
     pixels: np.ndarray
 
 
 class Board:
-    """A board of one kind.
+    """A calibration board.
 
     Args:
-        points: all of its points, (n, 3) m.
-        find: gives of a grey picture the indices of points that are seen, and (n, 2) px.
+        points: All points of the board, (n, 3) m.
+        find: A function that finds points in a gray image. It returns their indices and their
+            pixels, (n, 2), or None.
     """
 
     def __init__(
@@ -35,7 +36,7 @@ class Board:
         self._find = find
 
     def find(self, gray: np.ndarray) -> Optional[Sighting]:
-        """The board in a picture, (height, width) uint8; None if it is not there."""
+        """Finds the board in an image, (height, width) uint8; returns None if it is not there."""
         found = self._find(gray)
         if found is None:
             return None
@@ -44,37 +45,38 @@ class Board:
 
 
 def chessboard(columns: int, rows: int, square: float) -> Board:
-    """A checkerboard with so many inner corners, and squares of so many m."""
+    """Returns a checkerboard with this number of inner corners, and squares of `square` m."""
 
     def find(gray: np.ndarray) -> Optional[np.ndarray]:
-        # Not with CALIB_CB_NORMALIZE_IMAGE: it finds no more, and takes seconds over a board of
-        # which a part is hidden, or of another size.
+        # CALIB_CB_NORMALIZE_IMAGE finds no more boards, and takes seconds if a part of the board
+        # is hidden or the board has another size.
         flags = cv2.CALIB_CB_ADAPTIVE_THRESH | cv2.CALIB_CB_FAST_CHECK
         found, pixels = cv2.findChessboardCorners(gray, (columns, rows), flags=flags)
         if not found:
             return None
         grid = pixels.reshape(rows, columns, 2)
         nearest = min(np.linalg.norm(np.diff(grid, axis=axis), axis=2).min() for axis in (0, 1))
-        half = int(min(max(nearest / 2.0, 2.0), LARGEST_WINDOW))  # no other corner is inside
+        half = int(min(max(nearest / 2.0, 2.0), LARGEST_WINDOW))  # No other corner is inside.
         return cv2.cornerSubPix(gray, pixels, (half, half), (-1, -1), SUB_PIXEL_END)
 
     return _whole(_grid(columns, rows, square), find)
 
 
 def circles(columns: int, rows: int, spacing: float) -> Board:
-    """A grid of so many dark circles, so many m from middle to middle."""
-    # Not with CALIB_CB_CLUSTERING, which mixes up the circles in pictures of a fisheye lens.
+    """Returns a grid of dark circles, whose centres are `spacing` m apart."""
+    # CALIB_CB_CLUSTERING would mix up the circles in images of a fisheye lens.
     find = _circle_finder((columns, rows), cv2.CALIB_CB_SYMMETRIC_GRID)
     return _whole(_grid(columns, rows, spacing), find)
 
 
 def asymmetric_circles(columns: int, rows: int, spacing: float) -> Board:
-    """Dark circles in rows, every other one shifted, as OpenCV has them.
+    """Returns a board of dark circles in rows, of which every other is shifted, as in OpenCV.
 
     Args:
-        columns: circles in a row.
-        rows: of circles.
-        spacing: m between neighbouring rows; circles of a row are twice as far apart.
+        columns: The number of circles in a row.
+        rows: The number of rows.
+        spacing: The distance between neighbouring rows in m; the circles of a row are twice as
+            far apart.
     """
     points = _grid(columns, rows, spacing)
     points[:, 0] = 2.0 * points[:, 0] + spacing * (np.repeat(np.arange(rows), columns) % 2)
@@ -82,10 +84,10 @@ def asymmetric_circles(columns: int, rows: int, spacing: float) -> Board:
 
 
 def charuco(columns: int, rows: int, square: float, marker: float, dictionary: str) -> Board:
-    """A checkerboard of so many squares with ArUco markers, of `marker` m, in the white ones.
+    """Returns a checkerboard with ArUco markers of `marker` m in its white squares.
 
     Raises:
-        ValueError: OpenCV has no such dictionary, or no ArUco.
+        ValueError: OpenCV has no such dictionary, or no ArUco module.
     """
     board = Charuco((columns, rows), square, marker, dictionary)
     return Board(board.points, board.find)
@@ -100,7 +102,7 @@ MAKERS: Dict[str, Callable[..., Board]] = {
 
 
 def _grid(columns: int, rows: int, spacing: float) -> np.ndarray:
-    """(rows * columns, 3) m, row by row."""
+    """Returns grid points, (rows * columns, 3) m, row by row."""
     points = np.zeros((rows, columns, 3))
     points[:, :, 0] = spacing * np.arange(columns)
     points[:, :, 1] = spacing * np.arange(rows)[:, None]
@@ -108,7 +110,7 @@ def _grid(columns: int, rows: int, spacing: float) -> np.ndarray:
 
 
 def _whole(points: np.ndarray, find: Callable[[np.ndarray], Optional[np.ndarray]]) -> Board:
-    """A board that is found whole or not at all."""
+    """Returns a board that is found as a whole or not at all."""
 
     def find_all(gray: np.ndarray) -> Optional[Tuple[np.ndarray, np.ndarray]]:
         pixels = find(gray)
@@ -123,7 +125,7 @@ def _circle_finder(
     def find(gray: np.ndarray) -> Optional[np.ndarray]:
         params = cv2.SimpleBlobDetector_Params()
         params.minArea = 12.0
-        params.maxArea = gray.size / (size[0] * size[1])  # OpenCV's own limit is for small pictures
+        params.maxArea = gray.size / (size[0] * size[1])  # OpenCV's limit suits small images only.
         params.minDistBetweenBlobs = 3.0
         blobs = cv2.SimpleBlobDetector_create(params)
         found, pixels = cv2.findCirclesGrid(gray, size, flags=flags, blobDetector=blobs)

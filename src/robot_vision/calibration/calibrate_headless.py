@@ -1,4 +1,4 @@
-"""The command calibrate_headless.py: from pictures of a board to a calibrated camera."""
+"""The command calibrate_headless.py, which calibrates a camera with images of a board."""
 
 import argparse
 import contextlib
@@ -26,15 +26,15 @@ from .headless_arguments import parse_arguments
 from .solving import COEFFICIENTS, PARAMETERS, Calibration, calibrate
 from .views import ViewCollection
 
-PROGRESS = 1.0  # s between lines
-PATIENCE = 5.0  # s for the camera's service
-MOST_TOLD = 10  # pictures that cannot be used; more are only counted
-LARGE = 2.0  # times the median of the views' errors
-UNSURE = 0.005  # of the focal length, its standard deviation
+PROGRESS = 1.0  # s between lines of progress
+PATIENCE = 5.0  # s, longest wait for the camera's service
+MOST_TOLD = 10  # unusable images that are reported; further ones are only counted
+LARGE = 2.0  # error of a view that is reported as large, as a multiple of the median
+UNSURE = 0.005  # standard deviation of the focal length, as a share of it, that is reported
 
 
 def main() -> int:
-    """Runs the command; its exit code."""
+    """Runs the command and returns its exit code."""
     arguments = parse_arguments(rospy.myargv(sys.argv)[1:])
     return run_command("calibrate_headless.py", lambda: _calibrate(arguments))
 
@@ -56,7 +56,7 @@ def _calibrate(arguments: argparse.Namespace) -> None:
     sightings = [view.sighting for view in views.views]
     found = calibrate(sightings, views.size, arguments.model, arguments.k3)
     print(_report(found, views), flush=True)
-    saved = _write(arguments, found, sightings)  # also for --set: the camera may not take it
+    saved = _write(arguments, found, sightings)  # even with --set, as the camera may refuse it
     if arguments.set:
         _give(arguments.set, found, saved)
 
@@ -72,7 +72,7 @@ def _service_of(node: str) -> str:
 
 
 def _require_service(name: str) -> None:
-    """Raises OSError, before the work, if nobody is there to give the result to."""
+    """Raises OSError, before the work begins, if no camera offers the service for the result."""
     try:
         rospy.wait_for_service(name, PATIENCE)
     except rospy.ROSException:
@@ -88,7 +88,7 @@ def _pictures(arguments: argparse.Namespace) -> Iterator[Named]:
 
 
 def _collect(pictures: Iterator[Named], views: ViewCollection) -> None:
-    """Looks at the pictures until there are enough or no more, or on Ctrl-C."""
+    """Processes images until there are enough of them, or no more, or the user presses Ctrl-C."""
     told = time.monotonic()
     try:
         for name, read in pictures:
@@ -104,7 +104,7 @@ def _collect(pictures: Iterator[Named], views: ViewCollection) -> None:
                 told = time.monotonic()
                 print(views.summary(), flush=True)
     except KeyboardInterrupt:
-        print(flush=True)  # after the terminal's ^C
+        print(flush=True)  # ends the line in which the terminal shows ^C
 
 
 def _report(found: Calibration, views: ViewCollection) -> str:
@@ -127,7 +127,7 @@ def _report(found: Calibration, views: ViewCollection) -> str:
 
 
 def _write(arguments: argparse.Namespace, found: Calibration, sightings: Sequence[Sighting]) -> str:
-    """The path of the calibration."""
+    """Writes the calibration and the coverage image; returns the path of the former."""
     text = as_yaml(found, arguments.camera_name)
     saved = _save(arguments.output, text.encode(), arguments.force)
     print("saved in", saved, flush=True)
@@ -138,7 +138,7 @@ def _write(arguments: argparse.Namespace, found: Calibration, sightings: Sequenc
 
 
 def _save(path: str, data: bytes, force: bool) -> str:
-    """Where the data are: beside a file that has come during the work, or else in this one."""
+    """Writes a file and returns its path: a new one if another file took the name meanwhile."""
     make_folder(path)
     if force:
         replace_file(path, data)
@@ -155,7 +155,7 @@ def _save(path: str, data: bytes, force: bool) -> str:
 
 
 def _give(node: str, found: Calibration, path: str) -> None:
-    """Raises OSError, with what else to do with the file, if the camera does not take it."""
+    """Sends the result to the camera; raises OSError, naming the file, if that refuses it."""
     name = _service_of(node)
     info = CameraInfo(
         width=found.size[0],

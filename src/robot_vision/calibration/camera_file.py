@@ -1,4 +1,4 @@
-"""A calibration as the file that camera_info_manager loads when a camera starts."""
+"""Writes a calibration as the file that camera_info_manager loads when a camera starts."""
 
 import os
 from typing import List
@@ -11,16 +11,16 @@ from .solving import Calibration
 
 
 def default_path(camera_name: str) -> str:
-    """Where a camera of this name looks for its calibration if it is told nothing else."""
+    """Returns the path where a camera of this name looks for its calibration by default."""
     home = os.environ.get("ROS_HOME") or os.path.join(os.path.expanduser("~"), ".ros")
     return os.path.join(home, "camera_info", camera_name + ".yaml")
 
 
 def as_yaml(calibration: Calibration, camera_name: str) -> str:
-    """The text of the file.
+    """Returns the text of the calibration file.
 
     Raises:
-        ValueError: no camera has such a calibration, and none would take the file.
+        ValueError: The calibration is impossible, so that no camera would accept the file.
     """
     width, height = calibration.size
     CameraModel(width, height, calibration.K, calibration.D, calibration.model)

@@ -1,31 +1,34 @@
-"""ChArUco boards by the ArUco of OpenCV, whose names changed with 4.7."""
+"""Detection of ChArUco boards with OpenCV's ArUco module, whose interface changed with 4.7."""
 
 from typing import Optional, Sequence, Tuple
 
 import cv2
 import numpy as np
 
-FEWEST_CORNERS = 6  # of a board that counts as seen
-SURELY = 0.9999  # that markers of the board are among those that are tried
-CLEARLY = 0.5  # of the other pattern's misfit, that of the pattern which a picture shows
+FEWEST_CORNERS = 6  # corners of a board that counts as seen
+SURELY = 0.9999  # probability that RANSAC tries a sample of the board's own markers only
+CLEARLY = 0.5  # misfit of the pattern that is seen, at most this share of the other pattern's
 
-Markers = Tuple[Sequence[np.ndarray], np.ndarray]  # corners, (1, 4, 2) px each; numbers, (n, 1)
+Markers = Tuple[Sequence[np.ndarray], np.ndarray]  # corners, (1, 4, 2) px each; ids, (n, 1)
 
 
 class Charuco:
-    """A board of (columns, rows) squares.
+    """A ChArUco board of (columns, rows) squares.
 
-    With an even number of rows OpenCV prints another pattern since 4.6: the upper left square, once
-    white, is black. Either is found, for either is a part of a board with one more row, which is
-    the same in every OpenCV: its upper rows now, its lower rows before.
+    With an even number of rows OpenCV prints another pattern since version 4.6: the upper left
+    square is black instead of white. Both patterns are found, because both are a part of a board
+    with one more row, which is the same in all versions: the new pattern is its upper rows, the
+    old one its lower rows.
 
     Args:
-        square: m.
-        marker: m, outer side of a marker.
-        dictionary: of the markers, as 4x4_50.
+        squares: The numbers of columns and rows.
+        square: The side of a square in m.
+        marker: The outer side of a marker in m.
+        dictionary: The dictionary of the markers, for instance 4x4_50.
 
     Raises:
-        ValueError: OpenCV has no such dictionary or no ArUco, or the board needs more markers.
+        ValueError: OpenCV has no such dictionary or no ArUco module, or the dictionary has fewer
+            markers than the board needs.
     """
 
     def __init__(self, squares: Tuple[int, int], square: float, marker: float, dictionary: str):
@@ -42,12 +45,12 @@ class Charuco:
                 f"dictionary {dictionary} has {there} markers, the board {self._count}"
             )
         even = rows % 2 == 0
-        self._skipped = (0, columns // 2) if even else (0,)  # markers above the board's own
+        self._skipped = (0, columns // 2) if even else (0,)  # markers above the board, by pattern
         self._opencv = _OpenCv((columns, rows + even), square, marker, words)
         self.points = self._opencv.corners  # (n, 3) m: the inner corners
 
     def find(self, gray: np.ndarray) -> Optional[Tuple[np.ndarray, np.ndarray]]:
-        """Indices of the corners that are seen, and where, (n, 2) px; None if they are few."""
+        """Returns the indices and pixels, (n, 2), of the corners seen; None if they are too few."""
         markers = self._of_pattern(*self._opencv.detect(gray))
         if markers is None:
             return None
@@ -61,9 +64,10 @@ class Charuco:
     def _of_pattern(
         self, corners: Sequence[np.ndarray], numbers: Optional[np.ndarray]
     ) -> Optional[Markers]:
-        """The board's markers, numbered by the pattern that is seen; None if it is not clear.
+        """Returns the board's markers, numbered by the pattern that is seen.
 
-        Without those that are not where the board has them: other boards' and false ones.
+        Markers that are not where the board has them, because they are false or belong to other
+        boards, are left out. Returns None if it is not clear which pattern is seen.
         """
         ours = [] if numbers is None else np.flatnonzero(numbers < self._count)
         if not len(ours):
@@ -79,13 +83,13 @@ class Charuco:
         return choices[best] if all(misfits[best] < CLEARLY * other for other in others) else None
 
     def _in_place(self, corners: Sequence[np.ndarray], numbers: np.ndarray) -> np.ndarray:
-        """Indices of the most markers that one board, seen flat, has within a marker's side."""
+        """Returns the indices of the largest set of markers that fit one flat board."""
         sides = [np.linalg.norm(np.diff(one.reshape(4, 2), axis=0), axis=1) for one in corners]
         away = self._away(corners, numbers, cv2.RANSAC, np.median(sides), SURELY)
         return np.flatnonzero(away.reshape(-1, 4).max(axis=1) < np.median(sides))
 
     def _misfit(self, corners: Sequence[np.ndarray], numbers: np.ndarray) -> float:
-        """How far, RMS px, the markers are from where the board would have them, seen flat."""
+        """Returns the RMS distance in px of the markers' corners from those of a flat board."""
         return float(np.sqrt((self._away(corners, numbers) ** 2).mean()))
 
     def _away(
@@ -96,7 +100,7 @@ class Charuco:
         tolerance: float = 0.0,
         confidence: float = 0.0,
     ) -> np.ndarray:
-        """How far, px, each corner is from the board that cv2.findHomography fits to them."""
+        """Returns the distance in px of each corner from the board that fits all corners best."""
         on_board = np.concatenate([self._opencv.markers[i] for i in numbers.ravel()])[:, :2]
         seen = np.concatenate([one.reshape(4, 2) for one in corners])
         to_picture, _ = cv2.findHomography(on_board, seen, method, tolerance, confidence=confidence)
@@ -107,7 +111,7 @@ class Charuco:
 
 
 class _OpenCv:
-    """A board of (columns, rows) squares by the names that this OpenCV has."""
+    """A board of (columns, rows) squares, with the functions that this version of OpenCV has."""
 
     def __init__(
         self, squares: Tuple[int, int], square: float, marker: float, words: "cv2.aruco.Dictionary"
@@ -127,7 +131,7 @@ class _OpenCv:
         self.markers = np.array(markers, float).reshape(-1, 4, 3)  # m
 
     def detect(self, gray: np.ndarray) -> Tuple[Sequence[np.ndarray], Optional[np.ndarray]]:
-        """Corners and numbers of the markers in a picture."""
+        """Returns corners and ids of the markers in an image."""
         if self._new:
             return self._finder.detectMarkers(gray)[:2]
         return cv2.aruco.detectMarkers(gray, self._words)[:2]
@@ -135,7 +139,7 @@ class _OpenCv:
     def interpolate(
         self, gray: np.ndarray, markers: Markers
     ) -> Tuple[Optional[np.ndarray], Optional[np.ndarray]]:
-        """The board's corners between markers, and their numbers."""
+        """Returns the corners of the board between markers, and their ids."""
         corners, numbers = markers
         if self._new:
             return self._detector.detectBoard(gray, markerCorners=corners, markerIds=numbers)[:2]

@@ -1,4 +1,4 @@
-"""A picture of where in its pictures a camera has seen the board."""
+"""A diagram that shows where in the image the board was seen during a calibration."""
 
 from typing import Sequence, Tuple
 
@@ -8,13 +8,13 @@ import numpy as np
 from .boards import Sighting
 
 CELLS = (10, 8)  # across and down
-UNSEEN = (205, 205, 250)  # BGR: no point of the board was in this cell
-GOOD, BAD = np.array([60, 160, 0]), np.array([0, 0, 230])  # BGR, of views
-FRACTION_BITS = 4  # of coordinates that OpenCV draws at
+UNSEEN = (205, 205, 250)  # BGR, cells without a point of the board
+GOOD, BAD = np.array([60, 160, 0]), np.array([0, 0, 230])  # BGR, views with small and large errors
+FRACTION_BITS = 4  # fractional bits of the coordinates at which OpenCV draws
 
 
 def seen_cells(sightings: Sequence[Sighting], size: Tuple[int, int]) -> np.ndarray:
-    """Which parts of the pictures, of `size` (width, height) px, had a point in them: (8, 10)."""
+    """Returns which cells of images of `size` (width, height) px had a point in them: (8, 10)."""
     seen = np.zeros(CELLS[::-1], bool)
     for one in sightings:
         column, row = (one.pixels / size * CELLS).astype(int).T
@@ -26,10 +26,12 @@ def seen_cells(sightings: Sequence[Sighting], size: Tuple[int, int]) -> np.ndarr
 def coverage_picture(
     sightings: Sequence[Sighting], errors: np.ndarray, size: Tuple[int, int]
 ) -> np.ndarray:
-    """All views in one picture, (height, width, 3) uint8 BGR: points, and the hull of each view.
+    """Draws the points and the hull of each view: (height, width, 3) uint8, BGR.
 
     Args:
-        errors: of the views, px: green where they are typical, red from twice of that.
+        sightings: The views of the board.
+        errors: The errors of the views in px. Typical ones are green, those twice as large red.
+        size: The width and height of the camera's images in px.
     """
     cells = np.where(seen_cells(sightings, size)[:, :, None], 255, UNSEEN).astype(np.uint8)
     picture = cv2.resize(cells, size, interpolation=cv2.INTER_NEAREST)

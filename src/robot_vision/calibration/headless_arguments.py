@@ -28,7 +28,7 @@ MOST_PICTURES = 1000
 
 
 def parse_arguments(command: Sequence[str]) -> argparse.Namespace:
-    """What the words of a command say; `found` is the Board. Exits if they are none."""
+    """Parses the command line, and adds the board as `found`. Exits on wrong arguments."""
     parser = argparse.ArgumentParser(
         prog="calibrate_headless.py",
         description="Calibrates a camera, without a screen, by pictures of a board, and writes the "
@@ -113,7 +113,7 @@ def _add_results(parser: argparse.ArgumentParser) -> None:
 
 
 def _complete(arguments: argparse.Namespace) -> None:
-    """Checks what argparse does not, and adds the board and the files that are to be written."""
+    """Checks what argparse cannot check, and adds the board and the paths of the output files."""
     sources = (arguments.files, arguments.bag, arguments.topic)
     if sum(map(bool, sources)) != 1:
         raise ValueError("the pictures are from FILE..., --bag or --topic: one of them")
@@ -140,7 +140,7 @@ def _complete(arguments: argparse.Namespace) -> None:
 
 
 def _unused(stem: str) -> str:
-    """Of a new file beside those that cameras load, whose names have no hyphen."""
+    """Returns a free path beside the files that cameras load, whose names have no hyphen."""
     names = (stem + (f"-{number}" if number else "") for number in itertools.count())
     return next(path for path in map(default_path, names) if not os.path.lexists(path))
 

@@ -1,4 +1,4 @@
-"""From views of a board to the camera that has seen them. The mathematics is OpenCV's."""
+"""Computes a camera's parameters from views of a board, with OpenCV's solvers."""
 
 from dataclasses import dataclass
 from typing import List, Sequence, Tuple
@@ -9,7 +9,7 @@ import numpy as np
 from .boards import Sighting
 
 FEWEST_VIEWS = 5
-FISHEYE_FOCALS = (0.3, 0.4, 0.5, 0.7)  # to begin with, of the longer side of the picture
+FISHEYE_FOCALS = (0.3, 0.4, 0.5, 0.7)  # initial focal lengths, as shares of the image's longer side
 MODELS = ("plumb_bob", "rational_polynomial", "equidistant")
 PARAMETERS = ("fx", "fy", "cx", "cy")
 COEFFICIENTS = {
@@ -21,18 +21,18 @@ COEFFICIENTS = {
 
 @dataclass(frozen=True)
 class Calibration:
-    """A camera as the views have it, in the numbers of sensor_msgs/CameraInfo.
+    """The result of a calibration, with the conventions of sensor_msgs/CameraInfo.
 
     Attributes:
-        size: (width, height) of the pictures, px.
-        model: distortion_model.
-        K: 3x3, px.
-        D: distortion coefficients.
-        P: 3x4, px: of the rectified picture, all of whose pixels the camera has seen.
-        deviations: standard deviations of fx, fy, cx, cy (px) and D, as the residuals have it; 0 of
-            what was not estimated.
-        error: RMS distance between the points and where the camera would see them, px.
-        errors: the same of each view.
+        size: The width and height of the images in px.
+        model: The distortion_model.
+        K: The 3x3 camera matrix in px.
+        D: The distortion coefficients.
+        P: The 3x4 projection matrix in px of a rectified image without invalid pixels.
+        deviations: The standard deviations of fx, fy, cx, cy (px) and D, estimated from the
+            residuals; 0 for values that were not estimated.
+        error: The RMS reprojection error in px.
+        errors: The RMS reprojection error of each view in px.
     """
 
     size: Tuple[int, int]
@@ -48,14 +48,17 @@ class Calibration:
 def calibrate(
     sightings: Sequence[Sighting], size: Tuple[int, int], model: str, third: bool = False
 ) -> Calibration:
-    """The camera that has seen the sightings in pictures of `size`, (width, height) px.
+    """Computes the camera from views of a board in images of `size`, (width, height) px.
 
     Args:
-        model: one of MODELS.
-        third: whether plumb_bob has a third radial coefficient, which needs many views; else 0.
+        sightings: The views.
+        size: The width and height of the images in px.
+        model: One of MODELS.
+        third: Whether to estimate the third radial coefficient of plumb_bob, which needs many
+            views; otherwise it is 0.
 
     Raises:
-        ValueError: there are too few, or they do not fit any camera.
+        ValueError: There are too few views, or no camera fits them.
     """
     if len(sightings) < FEWEST_VIEWS:
         raise ValueError(f"{len(sightings)} views of the board, {FEWEST_VIEWS} are needed at least")
@@ -112,7 +115,7 @@ def _solve_fisheye(
 def _best_fisheye(
     points: List[np.ndarray], pixels: List[np.ndarray], size: Tuple[int, int]
 ) -> Tuple[float, np.ndarray, np.ndarray, List[np.ndarray], List[np.ndarray]]:
-    """What cv2.fisheye.calibrate() finds; from some focal lengths it goes astray, or fails."""
+    """Returns the best cv2.fisheye.calibrate(), which fails from some initial focal lengths."""
     flags = (
         cv2.fisheye.CALIB_USE_INTRINSIC_GUESS
         | cv2.fisheye.CALIB_RECOMPUTE_EXTRINSIC
@@ -138,7 +141,7 @@ def _best_fisheye(
 
 
 def _without_pose(camera: np.ndarray, pose: np.ndarray) -> np.ndarray:
-    """What a view tells of the camera, (8, 8), after its own pose has been found from it, too."""
+    """Returns the information, (8, 8), of a view on the camera, reduced by the view's own pose."""
     return camera.T @ (camera - pose @ np.linalg.lstsq(pose, camera, rcond=None)[0])
 
 
@@ -149,7 +152,7 @@ def _deviations(normal: np.ndarray, residuals: List[np.ndarray]) -> np.ndarray:
 
 
 def _rms(residuals: List[np.ndarray]) -> np.ndarray:
-    """Of each view, px."""
+    """Returns the RMS residual of each view in px."""
     return np.array([np.sqrt((one**2).sum(axis=1).mean()) for one in residuals])
 
 

@@ -1,4 +1,4 @@
-"""Which pictures of a board tell something new about the camera."""
+"""Chooses the images of a board that tell something new about the camera."""
 
 from typing import List, NamedTuple, Optional, Tuple
 
@@ -7,23 +7,23 @@ import numpy as np
 
 from .boards import Board, Sighting
 
-ALIKE = 0.2  # sum of the differences of two descriptions that tell the same, as camera_calibration
+ALIKE = 0.2  # sum of the differences of two descriptions, as in camera_calibration, that are alike
 
 
 class View(NamedTuple):
-    """A picture that is used: its name, and the board in it."""
+    """An image that is used: its name, and the board in it."""
 
     name: str
     sighting: Sighting
 
 
 class ViewCollection:
-    """Keeps sharp pictures of the board in new places, sizes and tilts.
+    """Keeps sharp images that show the board at new places, in new sizes and with new tilts.
 
     Args:
-        board: to look for.
-        most: pictures that are kept.
-        max_blur: px, width of an edge in a picture that is not blurred.
+        board: The board to look for.
+        most: The largest number of images that are kept.
+        max_blur: The largest width in px of an edge in an image that counts as sharp.
     """
 
     def __init__(self, board: Board, most: int, max_blur: float):
@@ -31,20 +31,20 @@ class ViewCollection:
         self._most = most
         self._max_blur = max_blur
         self._descriptions = np.empty((0, 6))
-        self.size: Optional[Tuple[int, int]] = None  # (width, height) of all pictures, px
+        self.size: Optional[Tuple[int, int]] = None  # px, width and height of all images
         self.views: List[View] = []
         self.offered = self.unusable = self.without_board = self.blurred = self.alike = 0
 
     @property
     def full(self) -> bool:
-        """Whether no more pictures are kept."""
+        """Whether no more images are kept."""
         return len(self.views) == self._most
 
     def offer(self, name: str, gray: np.ndarray) -> None:
-        """Looks at a picture, (height, width) uint8, and keeps it if it is of use.
+        """Examines an image, (height, width) uint8, and keeps it if it is of use.
 
         Raises:
-            ValueError: it is not as large as those before.
+            ValueError: The image differs in size from those before.
         """
         size = gray.shape[1], gray.shape[0]
         self.size = self.size or size
@@ -62,12 +62,12 @@ class ViewCollection:
             self._keep_new(View(name, sighting))
 
     def skip(self) -> None:
-        """Counts a picture that cannot be looked at."""
+        """Counts an image that cannot be examined."""
         self.offered += 1
         self.unusable += 1
 
     def summary(self) -> str:
-        """What there was, for people."""
+        """Returns how many images were used, and why others were not, as a line of text."""
         unusable = f", {self.unusable} unusable" if self.unusable else ""
         return (
             f"{self.offered} pictures: {len(self.views)} used, {self.without_board} without the "
@@ -85,9 +85,10 @@ class ViewCollection:
 
 
 def outline(sighting: Sighting) -> np.ndarray:
-    """Where the corners of the rectangle around the points are seen, by a plane's view: (4, 2) px.
+    """Returns the corners of the rectangle around the points as a homography maps them: (4, 2) px.
 
-    Clockwise from the board's top left one. They are no convex shape if the points are mixed up.
+    They start at the board's top left corner and go clockwise. If the points are mixed up, they
+    do not form a convex shape.
     """
     flat = sighting.points[:, :2]
     to_picture, _ = cv2.findHomography(flat, sighting.pixels)
@@ -99,9 +100,10 @@ def outline(sighting: Sighting) -> np.ndarray:
 
 
 def describe(sighting: Sighting, size: Tuple[int, int]) -> np.ndarray:
-    """Where the board is (x, y), how large, how skewed, and how it leans, (6,), each about 0 to 1.
+    """Returns position (x, y), size, skew and lean (2) of the board: (6,), each about 0 to 1.
 
-    Position, size and skew are camera_calibration's; the lean tells tilts to opposite sides apart.
+    Position, size and skew are defined as in camera_calibration. The lean distinguishes tilts to
+    opposite sides.
     """
     quad = outline(sighting)
     edges = np.roll(quad, -1, axis=0) - quad
@@ -117,15 +119,15 @@ def describe(sighting: Sighting, size: Tuple[int, int]) -> np.ndarray:
 
 
 def edge_width(gray: np.ndarray, pixels: np.ndarray) -> float:
-    """How many px the board's edges are wide, in the direction in which they are widest.
+    """Returns the width in px of the board's edges, in the direction in which they are widest.
 
-    About 2 to 3 if they are sharp: a picture that was blurred by motion has sharp ones, too, along
-    the motion.
+    It is about 2 to 3 in a sharp image. All directions have to be examined, because an image that
+    is blurred by motion still has sharp edges along the motion.
     """
     x, y, width, height = cv2.boundingRect(pixels.astype(np.float32))
     part = gray[max(y, 0) : y + height, max(x, 0) : x + width].astype(np.float32)
     dark, bright = np.percentile(part, (5, 95))
-    per_pixel = 1.0 / 8.0  # of Sobel's sums
+    per_pixel = 1.0 / 8.0  # makes a gradient per px of Sobel's weighted sums
     across, down = (
         cv2.Sobel(part, cv2.CV_32F, *axis, scale=per_pixel) for axis in ((1, 0), (0, 1))
     )
