@@ -1,4 +1,4 @@
-"""Pictures of a person that may be added to a gallery: those that show a face."""
+"""Images of a person that may be added to a gallery, because they show a face."""
 
 import hashlib
 from typing import Any, Callable, Dict, List, Mapping
@@ -12,16 +12,16 @@ from .gallery_files import decode, picture_files, read_picture, shown
 
 
 class Candidates:
-    """Pictures as they are to be kept, with their faces; takes time, but no gallery's lock."""
+    """Images in the form in which they are stored, with their faces. No lock is held meanwhile."""
 
     def __init__(self) -> None:
-        self.files: Dict[str, bytes] = {}  # PNG, by digest
-        self.faces: Dict[str, np.ndarray] = {}  # by digest
+        self.files: Dict[str, bytes] = {}  # PNG files by digest
+        self.faces: Dict[str, np.ndarray] = {}  # normalized faces by digest
         self.repeated = 0
-        self.problems: List[str] = []  # what was refused, and why
+        self.problems: List[str] = []  # what was refused, and the reason
 
     def offer(self, pictures: Mapping[str, np.ndarray]) -> None:
-        """Takes pictures, BGR, by what a problem shall call them."""
+        """Takes images, BGR, by the names under which problems report them."""
         for source, picture in pictures.items():
             try:
                 self._take(picture)
@@ -29,11 +29,15 @@ class Candidates:
                 self.problems.append(f"{source}: {error}")
 
     def read(self, folder: str, given_up: Callable[[], Any]) -> None:
-        """Takes the largest face of each picture file, cut out with something around it.
+        """Takes a portrait of the largest face in each image file of a folder.
+
+        Args:
+            folder: The folder.
+            given_up: A function that is asked before each image whether to stop.
 
         Raises:
-            InterruptedError: it was given up, which is asked between two pictures.
-            OSError: the folder cannot be read.
+            InterruptedError: `given_up` returned a true value.
+            OSError: The folder cannot be read.
         """
         for path in picture_files(folder):
             if given_up():
@@ -54,5 +58,5 @@ class Candidates:
 
 
 def digest_of(data: bytes) -> str:
-    """What a picture file is known by, whatever its name."""
+    """Returns what identifies the content of an image file, whatever its name is."""
     return hashlib.sha256(data).hexdigest()

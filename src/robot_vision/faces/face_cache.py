@@ -1,4 +1,4 @@
-"""Faces that have been found in pictures, in one file: a start need not search them all again."""
+"""A file of the faces found in a gallery's images, so that a start need not search them again."""
 
 import hashlib
 import os
@@ -10,29 +10,29 @@ import numpy as np
 from ..common.files import read_file, replace_file
 from .face_picture import SIDE
 
-# Of another version the faces might look otherwise.
+# Another version may find or normalize the faces differently.
 HEAD = f"robot_vision faces 2, {SIDE} px, OpenCV {cv2.__version__}\n".encode()
-DIGEST = 64  # bytes, of a SHA-256 in hexadecimal digits
-RECORD = DIGEST + SIDE * SIDE  # bytes, of a face after the digest of its picture
-MOST = 1 << 30  # bytes: a hundred thousand faces
+DIGEST = 64  # bytes of a SHA-256 in hexadecimal digits
+RECORD = DIGEST + SIDE * SIDE  # bytes of a face after the digest of its image file
+MOST = 1 << 30  # bytes, largest file: a hundred thousand faces
 
 
 def write_faces(path: str, faces: Mapping[str, np.ndarray]) -> None:
-    """Writes faces, (SIDE, SIDE) uint8, by the digests of their pictures; whole or not at all.
+    """Writes faces, (SIDE, SIDE) uint8, by the digests of their images; in one step or not at all.
 
     Raises:
-        OSError: the file cannot be written.
+        OSError: The file cannot be written.
     """
     body = b"".join(digest.encode() + face.tobytes() for digest, face in faces.items())
     replace_file(path, HEAD + hashlib.sha256(body).hexdigest().encode() + body)
 
 
 def read_faces(path: str) -> Dict[str, np.ndarray]:
-    """What write_faces() has written; nothing if there is no such file.
+    """Reads what write_faces() wrote; returns nothing if there is no such file.
 
     Raises:
-        ValueError: it is damaged, or of another version.
-        OSError: it is no file, too large, or cannot be read.
+        ValueError: The file is damaged, or of another version.
+        OSError: The path is not a regular file, or the file is too large or cannot be read.
     """
     if not os.path.lexists(path):
         return {}

@@ -1,4 +1,4 @@
-"""The node face_detector: faces, by OpenCV's cascades, followed from frame to frame."""
+"""The node face_detector, which finds faces by OpenCV's cascades and follows them."""
 
 import re
 import threading
@@ -17,8 +17,8 @@ from ..ros.params import LiveParams, attribute_of, filled
 from ..ros.startup import run_node
 from ..ros.transport import Frame
 
-COURSE = "haar_"  # what the course writes in front of some parameters
-SEEN, PREDICTED, EYE = (0, 255, 0), (0, 200, 255), (255, 200, 0)  # BGR
+COURSE = "haar_"  # what the course writes in front of the names of some parameters
+SEEN, PREDICTED, EYE = (0, 255, 0), (0, 200, 255), (255, 200, 0)  # BGR, colours of the boxes
 
 
 class FaceDetector:
@@ -28,7 +28,7 @@ class FaceDetector:
     """
 
     def __init__(self) -> None:
-        self._lock = threading.Lock()  # of the detector
+        self._lock = threading.Lock()  # guards the detector
         self._detector: Optional[Detector] = None
         self._params = LiveParams(FaceDetectorConfig, self._configure)
         self._node = ImageNode(self._process)
@@ -42,7 +42,7 @@ class FaceDetector:
         try:
             with self._lock:
                 if self._detector:
-                    self._detector.configure(params)  # the faces keep their ids
+                    self._detector.configure(params)  # The faces keep their ids.
                 else:
                     self._detector = Detector(params)
         except ValueError as error:
@@ -68,7 +68,7 @@ class FaceDetector:
         return [(face, box) for face in faces for box in self._detector.find_eyes(face)]
 
     def _warn_if_slow(self, search_time: float) -> None:
-        longest = 2.0 * search_time  # a face may come just after a search has begun
+        longest = 2.0 * search_time  # A face may appear just after a search has begun.
         if longest > 1.5 * self._period > 0.0:
             rospy.logwarn_throttle(
                 60.0,
@@ -92,14 +92,14 @@ class FaceDetector:
 
 
 def in_course_s_words(text: str) -> str:
-    """A refusal with the names that the parameters have here."""
+    """Replaces the names of the core's parameters in an error by those of the live ones."""
     for name in FaceDetectorConfig.defaults:
         text = re.sub(rf"\b{attribute_of(name, COURSE)}\b", name, text)
     return text
 
 
 def face_detection(face: Face) -> Detection:
-    """A face as a Detection."""
+    """Returns a face as a Detection."""
     message = box_detection(face.box, "face", face.id, face.score)
     message.has_velocity = True
     message.velocity = Vector3(*face.velocity, 0.0)

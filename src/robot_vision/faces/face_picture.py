@@ -1,4 +1,4 @@
-"""Faces in pictures: found, cut out, and made alike for a recogniser."""
+"""Faces in images: finding them, cutting them out, and normalizing them for a recogniser."""
 
 import functools
 import threading
@@ -9,17 +9,17 @@ import numpy as np
 
 from .._core import FaceDetector, FaceParams
 
-Box = Tuple[int, int, int, int]  # px: x, y, width, height
+Box = Tuple[int, int, int, int]  # x, y, width, height in px
 
-SIDE = 100  # px, of a face that a recogniser sees
-MARGIN = 0.5  # of the face's size, around it in a portrait
-PORTRAIT_SIDE = 400  # px, of the largest portrait
-SEARCH_SIDE = 640  # px: a larger picture is searched in this size
-MOST_SIDE = 2  # times the picture's longer side that a face's box may have: it is cut out whole
+SIDE = 100  # px, side of a normalized face
+MARGIN = 0.5  # margin around the face in a portrait, as a share of the face's size
+PORTRAIT_SIDE = 400  # px, longer side of the largest portrait
+SEARCH_SIDE = 640  # px, longer side to which a larger image is reduced for a search
+MOST_SIDE = 2  # longest side of a box that is cut out, as a multiple of the image's longer side
 
 
 def check_box(image: np.ndarray, box: Box) -> None:
-    """Raises ValueError if a box is empty, nowhere in the picture, or far larger than it."""
+    """Raises ValueError if a box is empty, outside the image, or far larger than the image."""
     x, y, width, height = box
     rows, columns = image.shape[:2]
     if width <= 0 or height <= 0 or x + width <= 0 or y + height <= 0 or x >= columns or y >= rows:
@@ -32,15 +32,15 @@ def check_box(image: np.ndarray, box: Box) -> None:
 
 
 def cut_out(image: np.ndarray, box: Box, margin: float = 0.0) -> np.ndarray:
-    """The pixels of a box; beyond the picture they are those of its border.
+    """Returns the pixels of a box; outside the image they repeat its border.
 
     Args:
         image: (height, width) or (height, width, 3).
-        box: around a face.
-        margin: that is cut out around it, too, as a share of its size.
+        box: The box around a face.
+        margin: The margin that is cut out around the box, as a share of its size.
 
     Raises:
-        ValueError: the box is none of a face in the picture, see check_box().
+        ValueError: check_box() refuses the box.
     """
     check_box(image, box)
     x, y, width, height = box
@@ -53,17 +53,18 @@ def cut_out(image: np.ndarray, box: Box, margin: float = 0.0) -> np.ndarray:
 
 
 def normalized(image: np.ndarray, box: Box) -> np.ndarray:
-    """The face in a box as every recogniser gets it, however large and however lit it is.
+    """Returns a face in the form that all recognisers get, independent of its size and lighting.
 
     Args:
-        image: (height, width) grey or (height, width, 3) BGR, uint8.
-        box: around the face.
+        image: (height, width) gray or (height, width, 3) BGR, uint8.
+        box: The box around the face.
 
     Returns:
-        (SIDE, SIDE) uint8, grey, equalised; without the noise that local patterns are made of.
+        (SIDE, SIDE) uint8, gray, equalised, and smoothed against the noise that would dominate
+        local binary patterns.
 
     Raises:
-        ValueError: the box is none of a face in the picture, see check_box().
+        ValueError: check_box() refuses the box.
     """
     face = gray(cut_out(image, box))
     shrinks = min(face.shape) > SIDE
@@ -74,14 +75,14 @@ def normalized(image: np.ndarray, box: Box) -> np.ndarray:
 
 
 def portrait(image: np.ndarray, box: Optional[Box] = None) -> np.ndarray:
-    """A picture of one face, with something around it, in a size to keep.
+    """Returns an image of one face with a margin around it, small enough to be stored.
 
     Args:
-        image: (height, width, 3) BGR or (height, width) grey, uint8.
-        box: around the face; None: the largest.
+        image: (height, width, 3) BGR or (height, width) gray, uint8.
+        box: The box around the face. None takes the largest face.
 
     Raises:
-        ValueError: there is no face, or the box is none of a face, see check_box().
+        ValueError: There is no face, or check_box() refuses the box.
     """
     picture = cut_out(image, box or _require_face(image), MARGIN)
     rows, columns = picture.shape[:2]
@@ -91,10 +92,10 @@ def portrait(image: np.ndarray, box: Optional[Box] = None) -> np.ndarray:
 
 
 def face_of(image: np.ndarray) -> np.ndarray:
-    """The largest face of a picture, normalized().
+    """Returns the largest face of an image, normalized.
 
     Raises:
-        ValueError: there is none.
+        ValueError: There is no face.
     """
     return normalized(image, _require_face(image))
 
@@ -107,17 +108,17 @@ def _require_face(image: np.ndarray) -> Box:
 
 
 def gray(image: np.ndarray) -> np.ndarray:
-    """A picture, grey or BGR, in grey."""
+    """Returns a gray or BGR image in gray."""
     return image if image.ndim == 2 else cv2.cvtColor(image, cv2.COLOR_BGR2GRAY)
 
 
 def find_face(image: np.ndarray) -> Optional[Box]:
-    """The largest face of a picture, grey or BGR, uint8; None if there is none.
+    """Returns the box of the largest face in an image, gray or BGR, uint8; None if there is none.
 
-    A face that fills its picture is found, too; its box may then reach beyond the picture.
+    A face that fills the image is found too; its box may then extend beyond the image.
     """
     picture = gray(image)
-    # The detector needs to see something around a face.
+    # The detector needs some margin around a face.
     for border in (0, max(picture.shape) // 4):
         wider = cv2.copyMakeBorder(picture, *[border] * 4, cv2.BORDER_REPLICATE)
         box = _largest_face(wider)
@@ -140,13 +141,13 @@ def _largest_face(picture: np.ndarray) -> Optional[Box]:
     return x, y, width, height
 
 
-_detecting = threading.Lock()  # a detector is for one thread at a time
+_detecting = threading.Lock()  # A detector can be used by one thread at a time.
 
 
 @functools.lru_cache(maxsize=None)
 def _detector() -> FaceDetector:
     params = FaceParams()
-    params.cascade_2 = ""  # nobody can be recognised by a profile
+    params.cascade_2 = ""  # The cascade of profiles, by which nobody can be recognised.
     params.scale_factor = 1.1
     params.min_neighbors = 4
     return FaceDetector(params)

@@ -1,4 +1,4 @@
-"""The node face_recognizer: whose the faces are that another node finds."""
+"""The node face_recognizer, which recognises the faces that another node detects."""
 
 import threading
 import time
@@ -27,20 +27,20 @@ GREEN, RED = (0.0, 255.0, 0.0), (0.0, 0.0, 255.0)
 
 
 class FaceRecognizer:
-    """Publishes ~faces (those that came in, with names), ~identities and ~processed_image.
+    """Publishes ~faces (the received ones with names), ~identities and ~processed_image.
 
     Subscribes to image, and to the faces that a detector finds in it. The services ~enroll,
-    ~enroll_folder, ~list_names and ~forget_name are about the people known.
+    ~enroll_folder, ~list_names and ~forget_name manage the people that are known.
     """
 
     def __init__(self) -> None:
-        # Guards all that follows: pictures and faces come from threads of their own.
+        # Guards all attributes below, because images and faces come in threads of their own.
         self._lock = threading.Lock()
         self._recognizer: Recognizer = LbphRecognizer()
-        self._names: List[str] = []  # by the recogniser's labels
+        self._names: List[str] = []  # in the order of the recogniser's labels
         self._identities = Identities()
-        self._connection: Any = None  # that the newest faces came by
-        self._stamp = rospy.Time()  # of them
+        self._connection: Any = None  # the connection by which the newest faces came
+        self._stamp = rospy.Time()  # the stamp of the newest faces
         self._pairs = FramePairs()
         self._node = ImageNode(self._on_frame, idle=self._pairs.clear)
         self._node.subscriber("faces", DetectionArray, self._on_faces)
@@ -57,7 +57,7 @@ class FaceRecognizer:
         self._services.timeout = config["enroll_timeout"]
 
     def _learn(self, gallery: Gallery) -> None:
-        """Trains with other people while those known so far are still recognised."""
+        """Trains a new recogniser, while the old one still recognises faces."""
         faces, whose = gallery.training()
         names = sorted(set(whose))
         labels = {name: label for label, name in enumerate(names)}
@@ -110,14 +110,14 @@ class FaceRecognizer:
             self._services.offer(frame.image, seen, now)
 
     def _notice_other_ids(self, faces: DetectionArray) -> None:
-        """Forgets who is who when the detector has begun anew: its ids are other faces' now."""
-        connection = getattr(faces, "_connection_header", None)  # one object for each connection
+        """Forgets all identities when the detector was restarted, because its ids start anew."""
+        connection = getattr(faces, "_connection_header", None)  # one object per connection
         if connection is not self._connection or faces.header.stamp < self._stamp:
             self._identities.clear()
         self._connection, self._stamp = connection, faces.header.stamp
 
     def _identify(self, image: np.ndarray, face: Detection, now: float) -> Identity:
-        if face.predicted:  # there may be something else in its place
+        if face.predicted:  # Something else may be in its place.
             return self._identities.of(face.id)
         if face.id < 0:
             return self._identities.at_once(*self._look(image, face))
@@ -126,7 +126,7 @@ class FaceRecognizer:
         return self._identities.of(face.id)
 
     def _look(self, image: np.ndarray, face: Detection) -> Tuple[str, float]:
-        """The name of who looks most like a face, and the distance; '' if nobody is known."""
+        """Returns the name of the most similar person ("" if nobody is known), and the distance."""
         label, distance = self._recognizer.predict(normalized(image, box_of(face)))
         return self._names[label] if label >= 0 else "", distance
 

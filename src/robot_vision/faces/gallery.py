@@ -1,11 +1,11 @@
-"""The people whom a face recogniser knows: a folder, with a folder of pictures for each name.
+"""The gallery of people whom a face recogniser knows: a folder with a folder for each name.
 
     faces/Anna/1.png
     faces/Anna/2.png
     faces/Zoë/1.png
 
-The pictures are all there is to know, and may be added and removed by hand. The faces in them are
-kept in one more file, .faces, which is made anew from them whenever it does not fit to them.
+The image files are all that has to be kept, and may be added and removed by hand. One more file,
+.faces, caches the faces in them, and is made again whenever it does not fit them.
 """
 
 import contextlib
@@ -38,47 +38,49 @@ from .gallery_files import (
 )
 
 CACHE = ".faces"
-LONGEST_FOLDER = 300  # letters that are told of it
-PRIVATE = 0o700  # mode of a gallery that is made: faces are nobody else's business
+LONGEST_FOLDER = 300  # characters of a folder in an error
+PRIVATE = 0o700  # mode of a new gallery: its faces are private
 
 
 def _can_be_folder(path: str) -> bool:
-    """Whether it is one, or may be made; also if that cannot be found out now."""
+    """Returns whether a path is, or can become, a folder; also if that is not known now."""
     try:
         return stat.S_ISDIR(os.stat(path).st_mode)
     except FileNotFoundError:
         return not os.path.islink(path)
     except OSError as error:
         return error.errno not in (errno.ENAMETOOLONG, errno.ENOTDIR, errno.ELOOP)
-    except ValueError:  # there is a \0 in it
+    except ValueError:  # The path has a \0.
         return False
 
 
 @dataclass
 class Added:
-    """What has become of pictures that were to be added."""
+    """The result of adding images."""
 
-    pictures: int = 0  # added
-    present: int = 0  # were there already
-    problems: List[str] = field(default_factory=list)  # what was refused, and why
+    pictures: int = 0  # number of images added
+    present: int = 0  # number of images that were there already
+    problems: List[str] = field(default_factory=list)  # what was refused, and the reason
 
 
 @dataclass
 class Removed:
-    """What has become of pictures that were to be removed."""
+    """The result of removing images."""
 
-    pictures: int = 0  # removed
-    problems: List[str] = field(default_factory=list)  # what is still there, and why
+    pictures: int = 0  # number of images removed
+    problems: List[str] = field(default_factory=list)  # what could not be removed, and the reason
 
 
 class Gallery:
-    """Names, and the faces in their pictures. Thread-safe; nobody waits for a search of faces.
+    """The names in a gallery, and the faces in their images.
+
+    It is thread-safe, and nobody has to wait while the faces of new images are searched.
 
     Args:
-        folder: of the names; need not be there before somebody is added.
+        folder: The folder of the gallery, which need not exist before the first person is added.
 
     Raises:
-        ValueError: it is no folder.
+        ValueError: The path is not a folder.
     """
 
     def __init__(self, folder: str):
@@ -86,13 +88,13 @@ class Gallery:
         if not _can_be_folder(self.folder):
             raise ValueError(f"gallery is '{printable(folder, LONGEST_FOLDER)}', must be a folder")
         self._lock = threading.Lock()  # guards the faces and the folder
-        self._faces: Dict[str, Dict[str, np.ndarray]] = {}  # by name and digest of the picture
+        self._faces: Dict[str, Dict[str, np.ndarray]] = {}  # by name, then digest of the image
 
     def load(self) -> List[str]:
-        """Takes names and faces from the folder.
+        """Loads names and faces from the folder.
 
         Returns:
-            What of it could not be used, and why.
+            The problems: what could not be used, and the reason.
         """
         problems: List[str] = []
         cached: Optional[Dict[str, np.ndarray]] = None
@@ -111,12 +113,12 @@ class Gallery:
         return problems
 
     def names(self) -> Dict[str, int]:
-        """How many pictures there are of whom, in the order of the names."""
+        """Returns the number of images by name, sorted by name."""
         with self._lock:
             return {name: len(self._faces[name]) for name in sorted(self._faces)}
 
     def training(self) -> Tuple[List[np.ndarray], List[str]]:
-        """All faces, and whose each is."""
+        """Returns all faces, and the name of each."""
         faces: List[np.ndarray] = []
         names: List[str] = []
         with self._lock:
@@ -126,15 +128,15 @@ class Gallery:
         return faces, names
 
     def add(self, name: str, pictures: Mapping[str, np.ndarray]) -> Added:
-        """Adds those of a person's pictures that show a face; if one cannot be written, none.
+        """Adds the images of a person that show a face; if one cannot be written, adds none.
 
         Args:
-            name: of somebody known or new.
-            pictures: (height, width, 3) BGR, uint8, by what a problem shall call them.
+            name: A known or a new name.
+            pictures: Images, (height, width, 3) BGR, uint8, by the names for error messages.
 
         Raises:
-            ValueError: nobody can have this name.
-            OSError: they cannot be written.
+            ValueError: The name is not allowed.
+            OSError: The images cannot be written.
         """
         name = valid_name(name)
         candidates = Candidates()
@@ -144,18 +146,19 @@ class Gallery:
     def import_folder(
         self, folder: str, name: str = "", given_up: Callable[[], Any] = lambda: False
     ) -> Added:
-        """Adds the largest face of each picture file, cut out with something around it.
+        """Adds a portrait of the largest face in each image file of a folder.
 
         Args:
-            folder: of pictures, which are left as they are.
-            name: whose pictures they are. Empty: they are in subfolders, whose names count.
-            given_up: asked between two pictures, whether to stop.
+            folder: The folder, whose files are not changed.
+            name: The name of the person in the images. If it is empty, the folder has a subfolder
+                for each person, named after that person.
+            given_up: A function that is asked before each image whether to stop.
 
         Raises:
-            ValueError: nobody can have this name, or the folder is in the gallery, or has no
-                subfolders to take names from.
-            OSError: the folder cannot be read, or the gallery not be written, or it was given up;
-                people before that are added.
+            ValueError: The name is not allowed, or the folder is inside the gallery, or it has no
+                subfolders although no name is given.
+            OSError: The folder cannot be read, the gallery cannot be written, or `given_up`
+                returned a true value; people who were complete by then have been added.
         """
         if name:
             return self._import_pictures(name, folder, given_up)
@@ -184,11 +187,11 @@ class Gallery:
         return total
 
     def forget(self, name: str) -> Removed:
-        """Removes a person's pictures, damaged ones, too; other files of the folder stay.
+        """Removes a person's images, including damaged ones; other files in the folder stay.
 
         Raises:
-            ValueError: nobody is called so.
-            OSError: the folder cannot be read.
+            ValueError: Nobody has this name.
+            OSError: The folder cannot be read.
         """
         name = valid_name(name)
         with self._lock:
@@ -207,7 +210,7 @@ class Gallery:
             self._faces.pop(name, None)
             if left:
                 self._faces[name] = left
-            with contextlib.suppress(OSError):  # it holds something else
+            with contextlib.suppress(OSError):  # The folder may contain other files.
                 os.rmdir(folder)
             removed.problems += self._save_or_remove()
             return removed
@@ -215,7 +218,7 @@ class Gallery:
     def _load_faces(
         self, name: str, cached: Mapping[str, np.ndarray], problems: List[str]
     ) -> Dict[str, np.ndarray]:
-        """The faces of a person by the digests of their pictures."""
+        """Returns the faces of a person by the digests of their images."""
         faces: Dict[str, np.ndarray] = {}
         folder = self._folder(name)
         try:
@@ -242,13 +245,13 @@ class Gallery:
         return self._keep(name, candidates)
 
     def _check_source(self, folder: str) -> None:
-        """Raises ValueError if a folder to import is the gallery's: its portraits are cut again."""
+        """Raises ValueError if a folder is in the gallery: its portraits must not be cut again."""
         root = os.path.realpath(self.folder)
         if os.path.commonpath([root, os.path.realpath(folder)]) == root:
             raise ValueError(f"{shown(folder)} is in the gallery")
 
     def _keep(self, name: str, candidates: Candidates) -> Added:
-        """Adds what is not known yet; if one file cannot be written, none."""
+        """Adds images that are new; if one file cannot be written, adds none."""
         with self._lock:
             known = self._faces.get(name, {})
             new = {digest: face for digest, face in candidates.faces.items() if digest not in known}
@@ -272,7 +275,7 @@ class Gallery:
         return {digest: face for faces in self._faces.values() for digest, face in faces.items()}
 
     def _save(self) -> List[str]:
-        """Writes the file of faces; what went wrong, which costs time at the next start only."""
+        """Writes the cache of faces; returns problems, which only cost time at the next start."""
         try:
             write_faces(self._cache(), self._by_digest())
         except (OSError, ValueError) as error:
@@ -280,7 +283,7 @@ class Gallery:
         return []
 
     def _save_or_remove(self) -> List[str]:
-        """Writes the file of faces, for it holds some that have to go, or removes it."""
+        """Writes the cache without the removed faces; if that fails, removes the whole cache."""
         problems = self._save()
         if not problems:
             return []

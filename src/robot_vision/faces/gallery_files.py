@@ -1,4 +1,4 @@
-"""Picture files below a folder for each name: which there are, read with care, and written."""
+"""The image files of a gallery, which has a folder for each name: finding, reading, writing."""
 
 import os
 import unicodedata
@@ -12,23 +12,23 @@ from ..common.plain_text import printable
 from .identities import UNKNOWN
 
 SUFFIXES = (".bmp", ".jpeg", ".jpg", ".pgm", ".png", ".ppm", ".tif", ".tiff", ".webp")
-MAX_NAME = 60  # characters: fits into the 255 bytes of a file system's names in any script
-LONGEST_PATH = 1000  # letters that are told of it
-MAX_FILE = 64 << 20  # bytes, of a picture
+MAX_NAME = 60  # characters, which fit into the 255 bytes of a file name in any script
+LONGEST_PATH = 1000  # characters of a path in a message
+MAX_FILE = 64 << 20  # bytes of an image file
 
 
 def valid_name(name: str) -> str:
-    """A person's name, which is that of a folder, too; what reads the same is the same name.
+    """Returns a person's name in the form that names the folder; equal looking names become equal.
 
     Raises:
-        ValueError: nobody can have this name.
+        ValueError: The name is not allowed.
     """
     name = unicodedata.normalize("NFC", name)
     if not 0 < len(name) <= MAX_NAME:
         raise ValueError(f"a name of {len(name)} characters, must have 1 to {MAX_NAME}")
     if name == UNKNOWN:
         raise ValueError(f"nobody can be called '{UNKNOWN}'")
-    # Control characters, those that cannot be seen, halves of characters, and what ends a line.
+    # Control, invisible and surrogate characters, and line separators are not allowed.
     forbidden = [unicodedata.category(letter) in ("Cc", "Cf", "Cs", "Zl", "Zp") for letter in name]
     if any(forbidden) or "/" in name or "\\" in name:
         raise ValueError(f"the name {name!a} must not hold /, \\, control or invisible characters")
@@ -38,7 +38,7 @@ def valid_name(name: str) -> str:
 
 
 def inside(folder: str, path: str) -> str:
-    """The path, if it is in the folder; ValueError if it leads out of it by symbolic links."""
+    """Returns a path unchanged; raises ValueError if it leads out of the folder by links."""
     root = os.path.realpath(folder)
     if os.path.commonpath([root, os.path.realpath(path)]) != root:
         raise ValueError("it leads out of the gallery")
@@ -46,19 +46,19 @@ def inside(folder: str, path: str) -> str:
 
 
 def folder_of(gallery: str, name: str) -> str:
-    """The folder of a person's pictures in a gallery, which need not be there.
+    """Returns the folder of a person's images in a gallery, which need not exist.
 
     Raises:
-        ValueError: it is a link.
+        ValueError: The folder is a symbolic link.
     """
     folder = inside(gallery, os.path.join(gallery, name))
-    if os.path.islink(folder):  # to forget this name would remove another's pictures
+    if os.path.islink(folder):  # Forgetting this name would remove the images of another person.
         raise ValueError("it is a symbolic link, must be a folder")
     return folder
 
 
 def names_in(gallery: str, problems: List[str]) -> List[str]:
-    """The names that have a folder in a gallery; what else there is becomes a problem."""
+    """Returns the names that have a folder in a gallery; adds what is not usable to `problems`."""
     names = []
     try:
         found = entries(gallery) if os.path.isdir(gallery) else []
@@ -81,43 +81,43 @@ def names_in(gallery: str, problems: List[str]) -> List[str]:
 
 
 def is_picture(name: str) -> bool:
-    """Whether a file is called as pictures are, and not hidden."""
+    """Returns whether a file is named like an image and is not hidden."""
     return name.lower().endswith(SUFFIXES) and not name.startswith(".")
 
 
 def picture_files(folder: str) -> List[str]:
-    """The paths of a folder's files that are called as pictures are, in order.
+    """Returns the sorted paths of the files in a folder that are named like images.
 
     Raises:
-        OSError: the folder cannot be read.
+        OSError: The folder cannot be read.
     """
     return [os.path.join(folder, name) for name in entries(folder) if is_picture(name)]
 
 
 def entries(folder: str) -> List[str]:
-    """The names of what is in a folder, in order.
+    """Returns the sorted names of what is in a folder.
 
     Raises:
-        OSError: it cannot be read.
+        OSError: The folder cannot be read.
     """
     with trying(shown(folder), "read"):
         return sorted(os.listdir(folder))
 
 
 def read_picture(path: str) -> bytes:
-    """A picture file, as it is.
+    """Returns the content of an image file.
 
     Raises:
-        OSError: it is no file, too large, or cannot be read.
+        OSError: The path is not a regular file, or the file is too large or cannot be read.
     """
     return read_file(path, MAX_FILE)
 
 
 def decode(data: bytes) -> np.ndarray:
-    """The picture of a file, (height, width, 3), BGR, upright.
+    """Returns the upright image of a file, (height, width, 3) BGR, uint8.
 
     Raises:
-        ValueError: it is none.
+        ValueError: The file is not an image, or is damaged.
     """
     picture = upright(data)
     if picture is None:
@@ -126,10 +126,10 @@ def decode(data: bytes) -> np.ndarray:
 
 
 def write_numbered(folder: str, pngs: Sequence[bytes]) -> None:
-    """Writes <folder>/<n>.png with the next free numbers: all of them, or none.
+    """Writes <folder>/<n>.png for the next free numbers n: all of the files, or none.
 
     Raises:
-        OSError: they cannot be written.
+        OSError: A file cannot be written.
     """
     is_new = not os.path.lexists(folder)
     with trying(shown(folder), "made"):
@@ -149,5 +149,5 @@ def write_numbered(folder: str, pngs: Sequence[bytes]) -> None:
 
 
 def shown(path: str) -> str:
-    """A path as text for people and messages: what is no UTF-8 in it is replaced."""
+    """Returns a path as printable text; bytes that are not UTF-8 are replaced."""
     return printable(os.fsencode(path).decode(errors="replace"), LONGEST_PATH)

@@ -1,4 +1,4 @@
-"""The services by which a face recogniser comes to know people."""
+"""The services that tell a face recogniser which people it knows."""
 
 import contextlib
 import os
@@ -27,21 +27,22 @@ from .face_picture import Box
 from .gallery import Added, Gallery
 from .gallery_files import shown, valid_name
 
-PICTURES = 10  # that are taken if nothing is said of it
+PICTURES = 10  # portraits that are taken by default
 MAX_PICTURES = 100
-GRACE = 3.0  # s, longer than run_node() gives a node to end
+GRACE = 3.0  # s, longer than the time that run_node() gives a node to end
 
 
 class GalleryServices:
-    """~enroll, ~enroll_folder, ~list_names and ~forget_name, on the gallery that ~gallery names.
+    """~enroll, ~enroll_folder, ~list_names and ~forget_name for the gallery that ~gallery names.
 
     Args:
-        changed: is called with the gallery when it is loaded, and after every change.
-        keep_working: is called with True when pictures are wanted, and with False afterwards.
-        missing: says which of its inputs were silent for so many s, in words.
+        changed: A function that is called with the gallery when it is loaded and when it changed.
+        keep_working: A function that is called with True when images are needed, and with False
+            afterwards.
+        missing: A function that returns which inputs had no message for a number of s, in words.
 
     Raises:
-        ValueError: ~gallery is no folder.
+        ValueError: ~gallery is not a folder.
     """
 
     def __init__(
@@ -50,15 +51,15 @@ class GalleryServices:
         keep_working: Callable[[bool], Any],
         missing: Callable[[float], str],
     ) -> None:
-        self.timeout = 10.0  # s of the wall clock, for the pictures of ~enroll; may be replaced
+        self.timeout = 10.0  # s of the wall clock in which ~enroll needs its images; may be changed
         self._changed = changed
         self._keep_working = keep_working
         self._missing = missing
         self._enrollment: Optional[Enrollment] = None
-        self._enrolling = threading.Lock()  # held while pictures are taken: one person at a time
-        self._learning = threading.Lock()  # held while it is learnt: the last change last
-        self._working = 0  # calls under way
-        self._ended = threading.Condition()  # of one of them
+        self._enrolling = threading.Lock()  # held while portraits are taken of one person
+        self._learning = threading.Lock()  # held during training, so that the last change wins
+        self._working = 0  # number of calls in progress
+        self._ended = threading.Condition()  # notified when a call ends
         default = os.path.join(rospkg.get_ros_home(), "robot_vision", "faces")
         self._gallery = Gallery(read_param("gallery", "") or default)
         _report(self._gallery.load())
@@ -69,7 +70,7 @@ class GalleryServices:
         rospy.loginfo("%d people by %d pictures in %s", len(people), count, folder)
 
     def advertise(self) -> None:
-        """Offers the services."""
+        """Advertises the services."""
         rospy.on_shutdown(self._finish)
         self._service("~enroll", EnrollFace, self._on_enroll)
         self._service("~enroll_folder", EnrollFolder, self._on_enroll_folder)
@@ -77,7 +78,7 @@ class GalleryServices:
         self._service("~forget_name", ForgetName, self._on_forget_name)
 
     def offer(self, image: np.ndarray, boxes: Sequence[Box], now: float) -> None:
-        """A picture, and the faces in it, for ~enroll: see Enrollment.offer()."""
+        """Offers an image and the boxes of its faces to ~enroll: see Enrollment.offer()."""
         enrollment = self._enrollment
         if enrollment:
             enrollment.offer(image, boxes, now)
@@ -101,7 +102,7 @@ class GalleryServices:
                 self._ended.notify_all()
 
     def _finish(self) -> None:
-        """Waits for the calls: the interpreter must not end while one is in C++, it would abort."""
+        """Waits for running calls, because the process would abort if one of them were in C++."""
         with self._ended:
             self._ended.wait_for(lambda: not self._working, GRACE)
 
@@ -139,7 +140,7 @@ class GalleryServices:
         self._keep_working(True)
         try:
             if not enrollment.wait(timeout, rospy.core.is_shutdown_requested):
-                # Half of the time: the node has not worked for all of it.
+                # Half of the timeout is enough, as the node has not been working all the time.
                 missing = self._missing(min(SILENCE, timeout / 2))
                 why = f": {missing}" if missing else ""
                 raise RuntimeError(f"{enrollment.outcome()}, within {timeout:g} s{why}")
@@ -150,7 +151,7 @@ class GalleryServices:
 
     def _on_enroll_folder(self, request: Any) -> EnrollFolderResponse:
         try:
-            if not os.path.isabs(request.folder):  # a node has another folder than its caller
+            if not os.path.isabs(request.folder):  # A node and its caller run in different folders.
                 raise ValueError(
                     f"folder is '{printable(request.folder)}', must be an absolute path"
                 )

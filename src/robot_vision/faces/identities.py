@@ -1,4 +1,4 @@
-"""Who everybody is whose face is followed from frame to frame, by votes: one wrong look is none."""
+"""Decides by votes who the tracked faces are, so that a single wrong prediction does not count."""
 
 import collections
 import math
@@ -7,21 +7,21 @@ from dataclasses import dataclass
 from typing import Deque, Dict, Iterable, Tuple
 
 UNKNOWN = "unknown"
-MEMORY = 5.0  # s, for which a face that is not seen keeps its name
+MEMORY = 5.0  # s that a face keeps its name without being seen
 
 
 @dataclass
 class VoteParams:
-    max_distance: float = 80.0  # of the recogniser, above which a face is nobody's
-    votes: int = 5  # predictions of which more than half give a name
+    max_distance: float = 80.0  # of the recogniser; beyond it a face is unknown
+    votes: int = 5  # last predictions, of which more than half have to agree on a name
     rate: float = 5.0  # Hz, predictions for one face
 
 
 @dataclass(frozen=True)
 class Identity:
-    name: str  # UNKNOWN if it is nobody's
+    name: str  # or UNKNOWN
     distance: float  # of the recogniser; infinite if it knows nobody
-    score: float  # 0 to 1: share of the votes that say so
+    score: float  # 0 to 1, share of the votes for this name
 
     @property
     def known(self) -> bool:
@@ -30,18 +30,18 @@ class Identity:
 
 @dataclass
 class _Face:
-    votes: Deque[Tuple[str, float]]  # the names of who looked most like it, and how far they were
+    votes: Deque[Tuple[str, float]]  # name and distance of the most similar person
     name: str
-    predicted: float  # s, the last time
-    seen: float  # s, the last time
+    predicted: float  # s, time of the last prediction
+    seen: float  # s, when it was seen last
 
 
 class Identities:
     """The names of faces by the ids of their detector.
 
-    A face gets a name when more than half of its last predictions agree, and loses it, to another
-    or to none, when more than three quarters do: what alternates keeps its name. A time is in s on
-    any clock that never goes back.
+    A face gets a name when more than half of its last predictions agree on it. It gets another
+    name, or none, when more than three quarters agree on that, so that it keeps its name if
+    predictions alternate. All times are in s of any clock that never goes back.
     """
 
     def __init__(self) -> None:
@@ -49,19 +49,19 @@ class Identities:
         self._faces: Dict[int, _Face] = {}
 
     def see(self, ids: Iterable[int], now: float) -> None:
-        """These faces are seen now; those not seen for MEMORY are forgotten."""
+        """Notes that these faces are seen, and forgets those that were not seen for MEMORY."""
         for number in ids:
             if number in self._faces:
                 self._faces[number].seen = now
         self._faces = {n: f for n, f in self._faces.items() if now - f.seen <= MEMORY}
 
     def due(self, number: int, now: float) -> bool:
-        """Whether a face is to be predicted anew."""
+        """Returns whether a face has to be predicted again."""
         face = self._faces.get(number)
         return face is None or now - face.predicted >= 1.0 / self.params.rate
 
     def vote(self, number: int, name: str, distance: float, now: float) -> None:
-        """A prediction: who looks most like this face."""
+        """Adds a prediction: the person who is most similar to this face, and the distance."""
         face = self._faces.get(number)
         if face is None or face.votes.maxlen != self.params.votes:
             votes = collections.deque(face.votes if face else (), self.params.votes)
@@ -71,7 +71,7 @@ class Identities:
         face.predicted = face.seen = now
 
     def of(self, number: int) -> Identity:
-        """Who a face is."""
+        """Returns the identity of a face."""
         face = self._faces.get(number)
         if face is None:
             return Identity(UNKNOWN, math.inf, 0.0)
@@ -86,11 +86,11 @@ class Identities:
         return Identity(face.name, statistics.median(distances), min(score, 1.0))
 
     def at_once(self, name: str, distance: float) -> Identity:
-        """Who a face is that is not followed: its one prediction decides."""
+        """Returns the identity of a face without an id, by its single prediction."""
         return Identity(self._accepted(name, distance), distance, 1.0)
 
     def clear(self) -> None:
-        """Forgets everybody: other names are known now."""
+        """Forgets all faces, because other people are known now."""
         self._faces.clear()
 
     def _accepted(self, name: str, distance: float) -> str:

@@ -1,4 +1,4 @@
-"""Whose face it is."""
+"""Recognition of faces."""
 
 import abc
 import math
@@ -11,34 +11,34 @@ NOBODY = -1
 
 
 class Recognizer(abc.ABC):
-    """Tells faces apart that it has been trained with. Not thread-safe while it is trained."""
+    """Recognises the faces that it was trained with. Training is not thread-safe."""
 
     @abc.abstractmethod
     def train(self, faces: Sequence[np.ndarray], labels: Sequence[int]) -> None:
-        """Forgets all it knew, and learns these faces.
+        """Forgets everything, and learns these faces.
 
         Args:
-            faces: as face_picture.normalized() makes them; may be empty.
-            labels: whose face each is, 0 or more.
+            faces: Faces from face_picture.normalized(); may be empty.
+            labels: The label of the person in each face, 0 or more.
         """
 
     @abc.abstractmethod
     def predict(self, face: np.ndarray) -> Tuple[int, float]:
-        """Who looks most like this face: (label, distance).
+        """Returns the label of the most similar person, and the distance.
 
-        The distance is 0 for one of the faces learnt and grows as they differ; its scale is the
-        recogniser's. NOBODY at an infinite distance if it has been trained with no face.
+        The distance is 0 for a face of the training and grows with the difference, on a scale of
+        the recogniser's own. Without training it returns NOBODY and infinity.
         """
 
 
 class LbphRecognizer(Recognizer):
-    """Histograms of local binary patterns (Ahonen et al. 2004), by OpenCV.
+    """Recognition by histograms of local binary patterns (Ahonen et al. 2004), from OpenCV.
 
-    It is trained within milliseconds a face, and as sure as the light, the look and the camera
-    are those of the pictures it was trained with.
+    Training takes milliseconds per face. The results are good as long as light, expression and
+    camera are like those of the training.
 
     Raises:
-        ValueError: this OpenCV has been built without it.
+        ValueError: This OpenCV was built without the module face.
     """
 
     def __init__(self) -> None:
