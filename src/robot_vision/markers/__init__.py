@@ -1,1 +1,1 @@
-"""Markers to print: tags and QR codes, sheets of them, and files as exact as a printer is."""
+"""Markers to print: tags and QR codes, sheets of them, and files of exact size."""

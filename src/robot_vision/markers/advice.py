@@ -1,4 +1,4 @@
-"""What people should know of the markers that they make."""
+"""Warnings and hints about the markers that a user makes."""
 
 import math
 import shlex
@@ -9,11 +9,11 @@ from .drawing import INCH
 from .marker import Marker
 
 LEAST_CELL = 0.4  # mm, for a camera that is more than a few centimetres away
-LEAST_DOTS = 3.0  # for a cell, as many as code_reader wants pixels
+LEAST_DOTS = 3.0  # printed dots per cell, as many as code_reader needs pixels
 
 
 def require_dots(marker: Marker, dpi: int) -> None:
-    """Raises ValueError if the cells of a marker run into each other when it is printed."""
+    """Raises ValueError if the printed cells of a marker would run into each other."""
     dots = marker.cell * dpi / INCH
     if dots < LEAST_DOTS:
         raise ValueError(
@@ -23,7 +23,7 @@ def require_dots(marker: Marker, dpi: int) -> None:
 
 
 def cell_advice(marker: Marker) -> str:
-    """What to do about a marker that few cameras can read; empty: nothing."""
+    """Returns a warning about a marker that few cameras can read, or ""."""
     if marker.cell >= LEAST_CELL:
         return ""
     return (
@@ -33,13 +33,13 @@ def cell_advice(marker: Marker) -> str:
 
 
 def _remedy(marker: Marker, cell: float) -> str:
-    """How the cells come to have so many mm; of tags those of all sizes are large enough."""
+    """Returns how to get cells of `cell` mm in a QR code; those of tags are never too small."""
     size = math.ceil(marker.size * cell / marker.cell)
     return f"take a --size of {size / 10:g}, a shorter text or another --level"
 
 
 def words_advice(words: Sequence[str]) -> str:
-    """For those who have forgotten the quotes around a text; empty: it is but one word."""
+    """Returns a hint for users who forgot the quotes around a text; "" for a single word."""
     if len(words) < 2:
         return ""
     text = shlex.quote(" ".join(words))
@@ -47,7 +47,7 @@ def words_advice(words: Sequence[str]) -> str:
 
 
 def tag_size_line(family: str, size: float) -> str:
-    """The parameter of apriltag_detector for tags of so many mm, a line of YAML."""
+    """Returns the line of YAML that tells apriltag_detector about tags of `size` mm."""
     facts = tag_family(family)
     is_classic = facts.width - facts.width_at_border == 2
     square = "the black square" if is_classic else "the square inside the black frame"

@@ -1,4 +1,4 @@
-"""What create_marker.py is told to make."""
+"""The arguments of create_marker.py."""
 
 import argparse
 from typing import Callable, Sequence
@@ -23,7 +23,7 @@ Print at 100 % ("actual size"), and measure: with a tag of another size every di
 
 
 def parse(command: Sequence[str]) -> argparse.Namespace:
-    """The arguments of a command line; ends the process if they are wrong."""
+    """Parses a command line. Exits on wrong arguments."""
     parser = argparse.ArgumentParser(
         prog="create_marker.py",
         description="Makes AprilTags and QR codes to print, exact to a tenth of a millimetre.",
@@ -41,7 +41,7 @@ def parse(command: Sequence[str]) -> argparse.Namespace:
         "-s",
         "--size",
         type=number(float, 0.5, 300.0),
-        default=10.0,  # apriltag_detector's tag_size, too
+        default=10.0,  # the same as apriltag_detector's tag_size
         metavar="CM",
         help="side in cm (default: %(default)g): of a tag between its corners, which is the black "
         "square of tag36h11, tag25h9 and tag16h5, and of the others the square inside the black "
@@ -72,7 +72,7 @@ def parse(command: Sequence[str]) -> argparse.Namespace:
 
 
 def add_output(parser: argparse.ArgumentParser) -> None:
-    """Adds the arguments about the file."""
+    """Adds the arguments about the output file."""
     parser.add_argument(
         "-o",
         "--output",
@@ -96,7 +96,7 @@ def add_output(parser: argparse.ArgumentParser) -> None:
 
 
 def number(kind: Callable[[str], float], low: float, high: float) -> Callable[[str], float]:
-    """What argparse makes a number in this range with."""
+    """Returns a function with which argparse reads a number within a range."""
 
     def checked(text: str) -> float:
         value = kind(text)
@@ -104,5 +104,5 @@ def number(kind: Callable[[str], float], low: float, high: float) -> Callable[[s
             raise argparse.ArgumentTypeError(f"{text} must be from {low:g} to {high:g}")
         return value
 
-    checked.__name__ = "number"  # as argparse calls it in its message
+    checked.__name__ = "number"  # argparse uses the name in its error messages.
     return checked

@@ -1,4 +1,4 @@
-"""The command create_marker.py: from ids and texts to files to print."""
+"""The command create_marker.py, which makes files with markers to print."""
 
 import argparse
 import os
@@ -17,21 +17,21 @@ from .sheet import sheets
 from .writers import to_pdf, to_png, to_svg
 
 PROGRAM = "create_marker.py"
-LONGEST = 40  # letters of a text in a label
+LONGEST = 40  # characters of a text in a label
 
 
 def main() -> int:
-    """Runs the command; its exit code."""
+    """Runs the command and returns its exit code."""
     arguments = parse(sys.argv[1:])
     return run_command(PROGRAM, lambda: make(arguments))
 
 
 def make(arguments: argparse.Namespace) -> None:
-    """Writes the files asked for, and tells what people should know of them.
+    """Writes the files, and prints hints about the markers.
 
     Raises:
-        ValueError: there are no such markers, or they do not fit, or nobody could read them.
-        OSError: a file is there already, or cannot be written.
+        ValueError: A marker does not exist, does not fit on the page, or could not be read.
+        OSError: A file exists already, or cannot be written.
     """
     markers = [marker for text in arguments.what for marker in made_of(text, arguments)]
     for marker in markers:
@@ -49,11 +49,11 @@ def make(arguments: argparse.Namespace) -> None:
 
 
 def write(markers: Sequence[Marker], arguments: argparse.Namespace) -> Iterator[str]:
-    """Writes the files, and gives the path of each as soon as it is there.
+    """Writes the files, and yields the path of each as soon as it is written.
 
     Raises:
-        ValueError: the markers do not fit.
-        OSError: a file is there already, or cannot be written.
+        ValueError: The markers do not fit on the page.
+        OSError: A file exists already, or cannot be written.
     """
     page = arguments.page or ("A4" if len(markers) > 1 else None)
     pages = sheets(markers, page) if page else [markers[0].drawing()]
@@ -69,7 +69,7 @@ def write(markers: Sequence[Marker], arguments: argparse.Namespace) -> Iterator[
 
 
 def made_of(text: str, arguments: argparse.Namespace) -> Iterator[Marker]:
-    """The markers that an argument means."""
+    """Yields the markers that an argument stands for."""
     size = 10.0 * arguments.size
     if means_tags(text, arguments):
         for id in ids(text, arguments.family):
@@ -81,15 +81,15 @@ def made_of(text: str, arguments: argparse.Namespace) -> Iterator[Marker]:
 
 
 def means_tags(text: str, arguments: argparse.Namespace) -> bool:
-    """Whether it is meant as a list of ids, if perhaps a wrong one."""
+    """Returns whether an argument is meant as a list of ids, even if it is not a correct one."""
     return not arguments.qr and re.fullmatch("[-0-9, ]*[0-9][-0-9, ]*", text) is not None
 
 
 def ids(text: str, family: str) -> List[int]:
-    """The ids in a list such as 0,3,7-9.
+    """Returns the ids in a list such as 0,3,7-9.
 
     Raises:
-        ValueError: it is no such list, or the family has not all of them.
+        ValueError: The text is not such a list, or the family does not have all of the ids.
     """
     try:
         return parse_ids(text, family)
@@ -98,16 +98,16 @@ def ids(text: str, family: str) -> List[int]:
 
 
 def label(text: str) -> str:
-    """A text as people can read it on a sheet."""
+    """Returns a text for a label on a sheet: printable and not too long."""
     shown = "".join(letter if letter.isprintable() else "?" for letter in text)
     return shown if len(shown) <= LONGEST else shown[: LONGEST - 1] + "…"
 
 
 def target(arguments: argparse.Namespace, default: str) -> Tuple[str, str]:
-    """The file's path without its ending, and what kind of file it is.
+    """Returns the path of the file without its suffix, and the suffix.
 
     Raises:
-        ValueError: its name ends in something else.
+        ValueError: The suffix is not that of a known format.
     """
     if not arguments.output:
         return default_name(arguments), arguments.format or default
@@ -123,7 +123,7 @@ def target(arguments: argparse.Namespace, default: str) -> Tuple[str, str]:
 
 
 def default_name(arguments: argparse.Namespace) -> str:
-    """After the markers; it has no letter that a shell or a file system minds."""
+    """Returns a file name made of the arguments, without characters special to shells."""
     names = []
     for text in arguments.what:
         tags = means_tags(text, arguments)
@@ -133,7 +133,7 @@ def default_name(arguments: argparse.Namespace) -> str:
 
 
 def rendered(pages: Sequence[Drawing], stem: str, kind: str, dpi: int) -> List[Tuple[str, bytes]]:
-    """Paths and contents of the files."""
+    """Returns the paths and contents of the files."""
     if kind.lower() == "pdf":
         return [(f"{stem}.{kind}", to_pdf(pages))]
     made = [to_svg(page) if kind.lower() == "svg" else to_png(page, dpi) for page in pages]

@@ -1,4 +1,4 @@
-"""What is to be printed, in millimetres."""
+"""A drawing in millimetres, which is printed."""
 
 from dataclasses import dataclass, field
 from typing import Iterator, List, Tuple
@@ -7,12 +7,12 @@ import numpy as np
 
 INCH = 25.4  # mm
 
-Bar = Tuple[float, float, float, float]  # x, y, width, height, mm
+Bar = Tuple[float, float, float, float]  # x, y, width, height in mm
 
 
 @dataclass(frozen=True)
 class Text:
-    """A line of text in the middle of `x`, on the base line `y`; `size` (mm) is its font's."""
+    """A line of text centred at `x`, with the base line `y` and the font size `size`, all in mm."""
 
     text: str
     x: float
@@ -22,7 +22,7 @@ class Text:
 
 @dataclass
 class Drawing:
-    """A page: black bars and text on white; x goes right and y down from its top left corner."""
+    """A page of black bars and text. x points right and y down, from the page's top left corner."""
 
     width: float  # mm
     height: float  # mm
@@ -30,13 +30,13 @@ class Drawing:
     texts: List[Text] = field(default_factory=list)
 
     def add_cells(self, cells: np.ndarray, x: float, y: float, cell: float) -> None:
-        """Draws the True ones of (rows, columns) cells, each `cell` mm to a side."""
+        """Draws the cells that are True, (rows, columns), as squares with sides of `cell` mm."""
         for row, begin, end in runs(cells):
             self.bars.append((x + begin * cell, y + row * cell, (end - begin) * cell, cell))
 
 
 def runs(cells: np.ndarray) -> Iterator[Tuple[int, int, int]]:
-    """The row, the first column and the column after the last, of cells that touch in a row."""
+    """Yields row, first column and end column of each run of adjacent True cells in a row."""
     edges = np.diff(np.pad(cells, ((0, 0), (1, 1))).astype(np.int8), axis=1)
     begins, ends = np.argwhere(edges > 0), np.argwhere(edges < 0)
     for (row, begin), (_, end) in zip(begins.tolist(), ends.tolist()):

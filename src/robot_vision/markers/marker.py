@@ -1,4 +1,4 @@
-"""Tags and QR codes as black cells of a size."""
+"""Tags and QR codes as black and white cells of a given size."""
 
 from dataclasses import dataclass
 
@@ -9,7 +9,7 @@ from qrcode.exceptions import DataOverflowError
 from .._core import tag_cells, tag_family
 from .drawing import Drawing
 
-QUIET = 4  # white modules that a QR code has around it
+QUIET = 4  # width of the white border of a QR code, in modules
 LEVELS = {
     "L": qrcode.ERROR_CORRECT_L,
     "M": qrcode.ERROR_CORRECT_M,
@@ -20,14 +20,14 @@ LEVELS = {
 
 @dataclass(frozen=True)
 class Marker:
-    """A marker with the white that it needs around it.
+    """A marker with the white border that it needs.
 
     Attributes:
-        cells: (n, n) bool, True where it is black.
-        cell: side of a cell, mm.
-        size: what people measure, mm: between the corners of a tag that are found, or of a QR
-            code without the white around it.
-        label: for people.
+        cells: (n, n) bool, True for black cells.
+        cell: The side of a cell in mm.
+        size: The side that people measure in mm: of a tag, between the corners that detectors
+            find; of a QR code, without the white border.
+        label: The text for people.
     """
 
     cells: np.ndarray
@@ -37,49 +37,51 @@ class Marker:
 
     @property
     def side(self) -> float:
-        """With the white around it, mm."""
+        """The side with the white border in mm."""
         return len(self.cells) * self.cell
 
     def drawing(self) -> Drawing:
-        """The marker by itself."""
+        """Returns a drawing of the marker alone."""
         drawing = Drawing(self.side, self.side)
         drawing.add_cells(self.cells, 0.0, 0.0, self.cell)
         return drawing
 
 
 def tag_marker(family: str, id: int, size: float) -> Marker:
-    """An AprilTag; size (mm) is that of apriltag_ros, and of a classic tag its black square's.
+    """Returns an AprilTag of `size` mm, measured as apriltag_ros does it.
+
+    Of a tag of a classic family that is the side of the black square.
 
     Raises:
-        ValueError: there is no such family, or no such tag in it.
+        ValueError: There is no such family, or no such tag in it.
     """
     facts = tag_family(family)
     cells = tag_cells(family, id) < 255
-    if facts.width - facts.width_at_border > 2:  # its outer cells have a meaning: not to be cut
+    if facts.width - facts.width_at_border > 2:  # The outer cells are data and must not be cut.
         cells = np.pad(cells, 1)
     return Marker(cells, size / facts.width_at_border, size, f"{family}  id {id}  {size:g} mm")
 
 
 def qr_marker(data: bytes, label: str, size: float, level: str = "M") -> Marker:
-    """A QR code of the smallest version that holds the data, at one of the LEVELS.
+    """Returns the smallest QR code that holds the data, with an error correction of LEVELS.
 
     Raises:
-        ValueError: so much data fits no QR code.
+        ValueError: The data does not fit into any QR code.
     """
     modules = qr_modules(data, level)
     return Marker(np.pad(modules, QUIET), size / len(modules), size, f"{label}  {size:g} mm")
 
 
 def qr_modules(data: bytes, level: str = "M") -> np.ndarray:
-    """The modules of a QR code, (n, n) bool, True where it is black.
+    """Returns the modules of a QR code, (n, n) bool, True for black.
 
     Raises:
-        ValueError: so much data fits no QR code.
+        ValueError: The data does not fit into any QR code.
     """
     code = qrcode.QRCode(error_correction=LEVELS[level], border=0)
     code.add_data(data)
     try:
         code.make(fit=True)
-    except (DataOverflowError, ValueError):  # older ones of qrcode say it so, others so
+    except (DataOverflowError, ValueError):  # Versions of qrcode differ in the error.
         raise ValueError(f"{len(data)} bytes fit no QR code of level {level}") from None
     return np.array(code.get_matrix(), bool)

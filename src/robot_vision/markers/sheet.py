@@ -1,4 +1,4 @@
-"""Sheets of markers, to print and cut."""
+"""Sheets of markers, to be printed and cut."""
 
 import math
 import unicodedata
@@ -8,19 +8,19 @@ from .drawing import Drawing, Text
 from .marker import Marker
 
 PAGES: Dict[str, Tuple[float, float]] = {"A4": (210.0, 297.0), "Letter": (215.9, 279.4)}  # mm
-MARGIN = 10.0  # mm, where printers do not print
-FOOT = 14.0  # mm, for the ruler
-LABEL = 5.0  # mm, for the label below a marker
-GAP = 8.0  # mm between markers, for the cut marks
-LINE = 0.2  # mm, width
+MARGIN = 10.0  # mm, where many printers cannot print
+FOOT = 14.0  # mm, height of the ruler's area
+LABEL = 5.0  # mm, height of the label below a marker
+GAP = 8.0  # mm between markers, with room for the cut marks
+LINE = 0.2  # mm, width of a line
 RULER = 100.0  # mm
 
 
 def sheets(markers: Sequence[Marker], page: str) -> List[Drawing]:
-    """As many pages as the markers need, in rows, all in a grid of the largest one.
+    """Returns the pages that the markers need, placed row by row in a grid of the largest one.
 
     Raises:
-        ValueError: a marker is larger than the page.
+        ValueError: A marker is larger than the page.
     """
     width, height = PAGES[page]
     free_width, free_height = width - 2 * MARGIN, height - 2 * MARGIN - FOOT
@@ -44,12 +44,12 @@ def sheets(markers: Sequence[Marker], page: str) -> List[Drawing]:
 
 
 def number(room: float, side: float) -> int:
-    """How many fit side by side."""
+    """Returns how many markers of a side fit into a width or height."""
     return math.floor((room + GAP) / (side + GAP) + 1e-9)
 
 
 def add_tile(drawing: Drawing, marker: Marker, x: float, y: float) -> None:
-    """A marker, its label, and marks outside of their corners along which to cut them out."""
+    """Adds a marker, its label, and marks outside its corners, along which it is cut out."""
     drawing.add_cells(marker.cells, x, y, marker.cell)
     drawing.texts.append(
         fitting(marker.label, x + marker.side / 2, y + marker.side + LABEL - 1.8, marker.side)
@@ -65,13 +65,13 @@ def add_tile(drawing: Drawing, marker: Marker, x: float, y: float) -> None:
 
 
 def fitting(text: str, x: float, y: float, width: float) -> Text:
-    """A line of text that is no wider: letters are some 0.6 of the size wide, Chinese ones 1."""
+    """Returns a text that fits into a width; letters are 0.6 of its size wide, Chinese ones 1."""
     letters = sum(1.0 if unicodedata.east_asian_width(letter) in "WF" else 0.6 for letter in text)
     return Text(text, x, y, min(3.0, width / letters))
 
 
 def add_ruler(drawing: Drawing) -> None:
-    """A ruler at the foot of the page, from the left edge of one line to that of another."""
+    """Adds a ruler at the foot of the page; it measures between the left edges of its lines."""
     left, base = MARGIN, drawing.height - MARGIN
     drawing.bars.append((left, base, RULER + LINE, LINE))
     for tick in range(0, int(RULER) + 1, 10):

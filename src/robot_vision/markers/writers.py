@@ -1,4 +1,4 @@
-"""Drawings as PDF, SVG and PNG."""
+"""Writers of drawings as PDF, SVG and PNG."""
 
 import io
 import struct
@@ -11,13 +11,13 @@ import numpy as np
 
 from .drawing import INCH, Drawing
 
-POINT = INCH / 72.0  # mm, cairo's unit in a PDF
+POINT = INCH / 72.0  # mm, the unit of cairo in a PDF
 FONT = "sans-serif"
-MOST_PIXELS = 32767  # px, side of cairo's pictures
+MOST_PIXELS = 32767  # px, largest side of an image of cairo
 
 
 def to_pdf(pages: Sequence[Drawing]) -> bytes:
-    """All pages in one file."""
+    """Returns a PDF with all pages."""
     data = io.BytesIO()
     surface = cairo.PDFSurface(data, pages[0].width / POINT, pages[0].height / POINT)
     for page in pages:
@@ -31,10 +31,10 @@ def to_pdf(pages: Sequence[Drawing]) -> bytes:
 
 
 def to_png(page: Drawing, dpi: int) -> bytes:
-    """A grey picture that tells its resolution; each edge of a bar is where a pixel begins.
+    """Returns a gray PNG with its resolution; all edges of bars are at the edges of pixels.
 
     Raises:
-        ValueError: it would have too many pixels.
+        ValueError: The image would have too many pixels.
     """
     scale = dpi / INCH
     width, height = round(page.width * scale), round(page.height * scale)
@@ -51,9 +51,10 @@ def to_png(page: Drawing, dpi: int) -> bytes:
 
 
 def paint(context: cairo.Context, page: Drawing) -> None:
-    """Draws on a context whose unit is the millimetre."""
+    """Draws a page on a context whose unit is the millimetre."""
     context.set_source_rgba(0.0, 0.0, 0.0, 1.0)
-    for bar in page.bars:  # one shape: between shapes that touch, viewers show hair lines
+    # All bars are one shape, because viewers show thin lines between shapes that touch.
+    for bar in page.bars:
         context.rectangle(*bar)
     context.fill()
     context.select_font_face(FONT)
@@ -64,10 +65,10 @@ def paint(context: cairo.Context, page: Drawing) -> None:
 
 
 def png(gray: np.ndarray, dpi: int) -> bytes:
-    """A (height, width) uint8 picture as a file with a pHYs chunk, which cairo does not write."""
+    """Returns a PNG of a (height, width) uint8 image with its pHYs chunk, unlike cairo's PNGs."""
     height, width = gray.shape
     per_metre = round(dpi / INCH * 1000.0)
-    rows = np.pad(gray, ((0, 0), (1, 0)))  # before each row the number of its filter, none
+    rows = np.pad(gray, ((0, 0), (1, 0)))  # Each row starts with the number of its filter, 0: none.
 
     def chunk(kind: bytes, data: bytes) -> bytes:
         return (
@@ -86,7 +87,7 @@ def png(gray: np.ndarray, dpi: int) -> bytes:
 
 
 def to_svg(page: Drawing) -> bytes:
-    """A picture whose unit is the millimetre; cairo's depends on its version."""
+    """Returns an SVG whose unit is the millimetre; the unit of cairo's depends on its version."""
     size = f"{page.width:.4f}", f"{page.height:.4f}"
     bars = "".join(f"M{x:.4f} {y:.4f}h{w:.4f}v{h:.4f}h{-w:.4f}z" for x, y, w, h in page.bars)
     texts = "".join(
