@@ -1,4 +1,4 @@
-"""The node apriltag_detector: AprilTags, and where they are."""
+"""The node apriltag_detector, which finds AprilTags and their poses."""
 
 import threading
 from typing import Any, Dict, Optional, Tuple
@@ -28,13 +28,13 @@ from .tag_poses import TagLocator
 class ApriltagDetector:
     """Publishes ~tags, /tf, ~markers and ~processed_image (outlines, ids, axes and distances).
 
-    Subscribes to image, and to camera_info beside it, or where that name is remapped to: poses need
-    that of a calibrated camera; the picture is not to be rectified. ~detect
+    Subscribes to image, and to camera_info beside it, or where that name is remapped to. Poses need
+    the camera_info of a calibrated camera, and an image that is not rectified. ~detect
     (robot_vision/DetectTags) searches a file, or the next frame.
     """
 
     def __init__(self) -> None:
-        self._lock = threading.Lock()  # guards the tools: the pictures and ~detect share them
+        self._lock = threading.Lock()  # guards the tools, which frames and ~detect share
         self._layout = TagLayout(
             read_any("families", "tag36h11"),
             read_param("tag_size", 0.1),
@@ -51,7 +51,7 @@ class ApriltagDetector:
         self._tf = self._node.publisher("/tf", TFMessage, counts=lambda: self._publish_tf)
         self._processed = self._node.image_publisher("~processed_image")
         self._service = DetectService(self._node, self._calibration, self._detect)
-        # A search of a large picture takes longer than a node has to end.
+        # A search of a large image takes longer than the time that a node has to end.
         rospy.core.add_preshutdown_hook(lambda _reason: self._detector.abandon_search())
         self._node.start()
 
@@ -62,11 +62,11 @@ class ApriltagDetector:
         with self._lock:
             self._detector.configure(params)
             poses = filled(TagPoseParams(), config), config["measure_corners"]
-            if poses != self._poses:  # they begin anew: only when they must
+            if poses != self._poses:  # A new locator forgets all poses.
                 self._poses = poses
                 self._locator = TagLocator(self._layout, poses[0])
             self._publish_tf = config["publish_tf"]
-        note_connections()  # of /tf, which may count now, or no longer
+        note_connections()  # because /tf may start or stop to count
 
     def _process(self, frame: Frame) -> None:
         self._service.offer(frame)
@@ -112,7 +112,7 @@ class ApriltagDetector:
     def _detect(
         self, image: np.ndarray, encoding: str, header: Header
     ) -> Tuple[TagDetectionArray, str]:
-        """The tags of a picture by itself, and why they have no poses."""
+        """Returns the tags of a single image, and the reason if they have no poses."""
         size = image.shape[1::-1]
         camera, problem = None, ""
         try:

@@ -1,4 +1,4 @@
-"""The layout of a bundle and all poses of it at once, so that all corners fit best."""
+"""Bundle adjustment: finds the layout of a bundle and all its poses that fit all corners best."""
 
 from typing import NamedTuple, Tuple
 
@@ -10,22 +10,22 @@ from scipy.sparse.linalg import splu
 
 from .._core import CameraModel
 
-OUTLIER = 1.0  # px, from where on a corner's weight falls
-ABSURD = 1000.0  # px, for corners that would be behind the camera
-SLIGHT = 1e-6  # px^2 / m^2 or rad^2: so much is known of what is not seen at all
-OPEN = 1e-9  # of what is known of a tag in given poses, without them: less is rounding
+OUTLIER = 1.0  # px, residual above which the weight of a corner falls
+ABSURD = 1000.0  # px, residual of corners that would be behind the camera
+SLIGHT = 1e-6  # px^2 / m^2 or rad^2, information added so that unobserved poses can be solved
+OPEN = 1e-9  # least information on a tag, relative to that for known poses; less is rounding
 
 
 class Sightings(NamedTuple):
-    """Tags in frames, in any order."""
+    """Observations of tags in frames, in any order."""
 
     frames: np.ndarray  # (m,), index of the frame
-    tags: np.ndarray  # (m,), index of the tag; 0: the master
+    tags: np.ndarray  # (m,), index of the tag; 0 is the master
     points: np.ndarray  # (m, 4, 3) m, corners in the tag's frame
     pixels: np.ndarray  # (m, 4, 2) px
 
     def where(self, chosen: np.ndarray) -> "Sightings":
-        """Those for which (m,) booleans are true."""
+        """Returns the observations for which (m,) booleans are true."""
         return Sightings(*(values[chosen] for values in self))
 
 
@@ -34,12 +34,12 @@ def adjust(
 ) -> Tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Finds the layout and the poses that explain the corners best.
 
-    Robust nonlinear least squares of the distances in the picture: Triggs, McLauchlan, Hartley,
-    Fitzgibbon: Bundle Adjustment, A Modern Synthesis, 1999.
+    It solves a robust nonlinear least squares problem of the distances in the image; see Triggs,
+    McLauchlan, Hartley, Fitzgibbon: Bundle Adjustment, A Modern Synthesis, 1999.
 
     Args:
-        sightings: what was seen.
-        camera: that saw it.
+        sightings: The observed tags.
+        camera: The camera.
         layout: (n, 4, 4), a guess of the tags' poses in the master's frame; the first stays.
         poses: (f, 4, 4), a guess of the master's poses in the camera's frame.
 
@@ -80,11 +80,12 @@ def layout_covariance(
     poses: np.ndarray,
     residuals: np.ndarray,
 ) -> np.ndarray:
-    """How well a layout that adjust() found is known, as the residuals tell.
+    """Estimates the accuracy of a layout that adjust() found, from the residuals.
 
     Returns:
-        (6n, 6n), of x, y, z (m) and the rotations about x, y, z (rad) of each tag, all along the
-        axes of the master; its own are 0, and those of tags that could be anywhere infinite.
+        The covariance, (6n, 6n), of x, y, z (m) and of the rotations about x, y, z (rad) of each
+        tag, along the axes of the master. It is 0 for the master, and infinite for tags that
+        could be anywhere.
     """
     used, frames = np.unique(sightings.frames, return_inverse=True)
     sightings, vectors = sightings._replace(frames=frames), _to_vectors(layout)
@@ -108,7 +109,7 @@ def layout_covariance(
 
 
 def _inverse(known: np.ndarray, by_poses: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
-    """Of what is known of tags without what the poses take of it; the tags that it leaves open."""
+    """Inverts the information on tags, less what the poses use; also returns undetermined tags."""
     scale = 1.0 / np.sqrt(np.diag(known))
     values, vectors = np.linalg.eigh(scale[:, None] * (known - by_poses) * scale)
     open_ways = vectors[:, values < OPEN]
@@ -119,7 +120,7 @@ def _inverse(known: np.ndarray, by_poses: np.ndarray) -> Tuple[np.ndarray, np.nd
 
 
 def _to_vectors(poses: np.ndarray) -> np.ndarray:
-    """(n, 6), translations (m) and rotation vectors (rad) of (n, 4, 4)."""
+    """Converts poses, (n, 4, 4), to translations (m) and rotation vectors (rad), (n, 6)."""
     vectors = [np.append(pose[:3, 3], cv2.Rodrigues(pose[:3, :3])[0]) for pose in poses]
     return np.reshape(vectors, (-1, 6))
 
@@ -135,7 +136,7 @@ def _to_matrices(vectors: np.ndarray) -> np.ndarray:
 
 
 def _turns(vectors: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
-    """Of rotation vectors (n, 3): their lengths, (n, 1, 1), never 0, and _cross()."""
+    """Returns the lengths of rotation vectors (n, 3), (n, 1, 1) and never 0, and their _cross()."""
     angles = np.maximum(np.linalg.norm(vectors, axis=1), 1e-8)[:, None, None]
     return angles, _cross(vectors)
 
@@ -143,7 +144,7 @@ def _turns(vectors: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
 def _project(
     sightings: Sightings, camera: CameraModel, layout: np.ndarray, poses: np.ndarray
 ) -> Tuple[np.ndarray, np.ndarray]:
-    """Where corners are seen, (m, 4, 2), and how that changes with their place, (m, 4, 2, 3)."""
+    """Projects corners to (m, 4, 2) px; also returns the derivatives by position, (m, 4, 2, 3)."""
     tags, bodies = _to_matrices(layout)[sightings.tags], _to_matrices(poses)[sightings.frames]
     chain = bodies @ tags
     points = sightings.points @ chain[:, :3, :3].transpose(0, 2, 1) + chain[:, None, :3, 3]
@@ -176,22 +177,22 @@ def _jacobian(
     values = np.concatenate([by_layout, by_pose], axis=-1).reshape(-1, 8, 12)
     rows = np.arange(8 * len(values)).reshape(-1, 8, 1)
     rows, columns = (np.broadcast_to(a, values.shape) for a in (rows, columns[:, None, :]))
-    free = columns >= 0  # the master's are not
+    free = columns >= 0  # Those of the master are fixed.
     return csr_matrix((values[free], (rows[free], columns[free])), (8 * len(values), size))
 
 
 def _columns(index: np.ndarray) -> np.ndarray:
-    """The six columns of the pose with this index, (m, 6)."""
+    """Returns the six columns of the poses with these indices, (m, 6)."""
     return 6 * index[:, None] + np.arange(6)
 
 
 def _by_motion(by_point: np.ndarray, levers: np.ndarray, turns: np.ndarray) -> np.ndarray:
-    """(m, 4, 2, 6): by translation and rotation vector, for points at the end of levers."""
+    """Returns derivatives by translation and rotation vector of points at levers, (m, 4, 2, 6)."""
     return np.concatenate([by_point, -by_point @ _cross(levers) @ turns[:, None]], axis=-1)
 
 
 def _cross(vectors: np.ndarray) -> np.ndarray:
-    """The matrices that multiply by vectors: (..., 3, 3)."""
+    """Returns the matrices of the cross products with vectors, (..., 3, 3)."""
     x, y, z = np.moveaxis(vectors, -1, 0)
     zero = np.zeros_like(x)
     rows = [[zero, -z, y], [z, zero, -x], [-y, x, zero]]
@@ -199,7 +200,7 @@ def _cross(vectors: np.ndarray) -> np.ndarray:
 
 
 def _left_jacobians(vectors: np.ndarray) -> np.ndarray:
-    """How rotations turn further when their rotation vectors change: (n, 3, 3)."""
+    """Returns the derivatives of rotations by their rotation vectors, (n, 3, 3)."""
     angles, cross = _turns(vectors)
     first, second = (1.0 - np.cos(angles)) / angles**2, (angles - np.sin(angles)) / angles**3
     return np.eye(3) + first * cross + second * cross @ cross

@@ -23,7 +23,7 @@ MOST_FRAMES = 10000
 
 
 def parse_arguments(command: Sequence[str]) -> argparse.Namespace:
-    """What the words of a command say; `sizes` are in m by tag. Exits if they are none."""
+    """Parses the command line, and adds `sizes` in m by tag. Exits on wrong arguments."""
     parser = argparse.ArgumentParser(
         prog="calibrate_bundle.py",
         description="Learns where AprilTags sit on a rigid body from frames that show several of "
@@ -59,7 +59,7 @@ def parse_arguments(command: Sequence[str]) -> argparse.Namespace:
 
 
 def _complete(arguments: argparse.Namespace) -> None:
-    """Checks what argparse does not, and adds the sizes by tag."""
+    """Checks what argparse cannot check, and adds the sizes by tag."""
     ids = _ids_of(arguments.ids, arguments.family)
     arguments.sizes = _sizes_of(arguments.size, ids)
     arguments.master = ids[0] if arguments.master is None else arguments.master
@@ -80,7 +80,7 @@ def _complete(arguments: argparse.Namespace) -> None:
 
 
 def _ids_of(text: str, family: str) -> List[int]:
-    tag_family(family)  # what is wrong with it is not about --ids
+    tag_family(family)  # An error about the family must not be reported for --ids.
     try:
         ids = parse_ids(text, family)
     except ValueError as error:
@@ -117,7 +117,7 @@ def _sizes_of(text: str, ids: Sequence[int]) -> Dict[int, float]:
 
 
 def _size_of(text: str) -> Tuple[Optional[int], float]:
-    """A tag, None: any, and its size, m."""
+    """Parses a tag, or None for all other tags, and its size in m."""
     tag, colon, size = text.rpartition(":")
     value = float(size)
     if not 0.0 < value <= LARGEST_TAG:

@@ -1,4 +1,4 @@
-"""Tags in the pictures of a bag, for calibrate_bundle.py."""
+"""Tags in the images of a bag, for calibrate_bundle.py."""
 
 import time
 
@@ -20,7 +20,7 @@ from ..ros.transport import camera_info_beside
 from .frame_collection import FrameCollection
 
 CAMERA_INFO = ("sensor_msgs/CameraInfo",)
-PROGRESS = 1.0  # s between lines
+PROGRESS = 1.0  # s between lines of progress
 
 
 def collect_from_bag(
@@ -31,18 +31,22 @@ def collect_from_bag(
     collection: FrameCollection,
     progress: Progress,
 ) -> CameraModel:
-    """Offers the pictures of a topic to the collection, until it is full or on Ctrl-C.
+    """Offers the images of a topic to the collection, until it is full or the user presses Ctrl-C.
 
     Args:
-        camera_info: the topic; empty: the one beside the picture's.
-        progress: is told what there is, now and then.
+        path: The path of the bag.
+        image: The topic of the images.
+        camera_info: The topic of the camera_info; "" means the one beside the images.
+        family: The family of the tags.
+        collection: The collection.
+        progress: The printer of progress messages.
 
     Returns:
-        The camera that they are from.
+        The camera of the images.
 
     Raises:
-        ValueError: there is no such bag, topic or calibration, or a picture cannot be used.
-        OSError: the bag cannot be opened.
+        ValueError: There is no such bag, topic or calibration, or an image cannot be used.
+        OSError: The bag cannot be opened.
     """
     with opened(path) as bag:
         kinds = topics_of(bag)
@@ -94,5 +98,5 @@ def _collect(
 
 
 def _beside(image: str, kind: str) -> str:
-    """The topic of the camera_info that belongs to one of pictures."""
+    """Returns the topic of the camera_info that belongs to an image topic of this type."""
     return camera_info_beside(image if kind == PICTURES[0] else image.rsplit("/", 1)[0])

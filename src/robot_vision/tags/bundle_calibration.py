@@ -1,4 +1,4 @@
-"""Learns where tags sit on a rigid body from frames that show several of them at once."""
+"""Learns the layout of tags on a rigid body from frames that show several of them at once."""
 
 import math
 from dataclasses import dataclass
@@ -11,25 +11,25 @@ from .._core import Bundle, BundleTag, CameraModel, estimate_pose, single_tag
 from .bundle_adjustment import Sightings, adjust, layout_covariance
 from .layout_noise import noises_of
 
-MOST_FRAMES = 30  # that are compared for a first guess of where two tags are
-ALIKE_ANGLE = np.radians(5.0)  # between guesses of the same, standard deviation
-ALIKE_SHIFT = 0.3  # the same, of the size of the larger tag
-FAR = 5.0  # times the median distance of a tag's corners is too far
-NEAR = 0.5  # px, and this never is
-# Corners of a tag with sides of 1 in its frame.
+MOST_FRAMES = 30  # frames that are compared for the first guess of the relation of two tags
+ALIKE_ANGLE = np.radians(5.0)  # standard deviation of angles between guesses that agree
+ALIKE_SHIFT = 0.3  # standard deviation of shifts between them, in sizes of the larger tag
+FAR = 5.0  # residual above which a tag is rejected, as a multiple of the median
+NEAR = 0.5  # px, residual up to which a tag is never rejected
+# Corners of a tag with sides of length 1 in its frame.
 SQUARE = np.array([[-0.5, -0.5, 0.0], [0.5, -0.5, 0.0], [0.5, 0.5, 0.0], [-0.5, 0.5, 0.0]])
 
-Frame = Mapping[int, np.ndarray]  # corners (4, 2) px by tag, see estimate_pose()
+Frame = Mapping[int, np.ndarray]  # corners (4, 2) px by tag, as estimate_pose() takes them
 
 
 @dataclass(frozen=True)
 class Calibration:
-    """A bundle that was learnt, and how well it explains what was seen."""
+    """A bundle that was learned, and how well it explains the observations."""
 
-    bundle: Bundle  # with how well it is known
-    frames: int  # that showed at least two of its tags
-    sightings: Dict[int, int]  # by tag, in these frames, without those that were rejected
-    rejected: int  # sightings of tags that were far from where they would have to be
+    bundle: Bundle  # with the accuracy of its layout
+    frames: int  # number of frames that showed at least two of its tags
+    sightings: Dict[int, int]  # observations by tag in these frames, without rejected ones
+    rejected: int  # number of observations that were far from where the layout has the tag
     residuals: Dict[int, float]  # px by tag, root mean square distance of its corners
 
 
@@ -40,18 +40,18 @@ def calibrate(
     camera: CameraModel,
     master: int,
 ) -> Calibration:
-    """Learns a bundle, the frame of which is that of its master tag.
+    """Learns a bundle whose frame is that of its master tag.
 
     Args:
-        name: of the bundle.
-        frames: from many sides; other tags than those with a size are left out.
-        sizes: m, by tag.
-        camera: that has seen the frames.
-        master: one of the tags.
+        name: The name of the bundle.
+        frames: Frames from many sides. Tags without a size are ignored.
+        sizes: The sizes of the tags in m.
+        camera: The camera of the frames.
+        master: The master tag.
 
     Raises:
-        ValueError: the master has no size, a tag was not seen together with others so that there
-            is a way from it to the master, or is loose, or one of the corners or sizes is none.
+        ValueError: The master has no size, a tag cannot be linked with the master by tags that
+            were seen together, a tag is loose, or a corner or a size is not valid.
     """
     if master not in sizes:
         raise ValueError(f"the master tag {master} has no size: there are {sorted(sizes)}")
@@ -72,7 +72,7 @@ def calibrate(
 
 
 class _Guess(NamedTuple):
-    """A pose that a tag may have, (4, 4), and how probable it is."""
+    """A pose, (4, 4), that a tag may have, and its probability or support."""
 
     pose: np.ndarray
     weight: float
@@ -81,7 +81,7 @@ class _Guess(NamedTuple):
 def _poses_of(
     index: int, frame: Frame, singles: Mapping[int, Bundle], camera: CameraModel
 ) -> Dict[int, List[_Guess]]:
-    """The one or two poses of each tag in a frame."""
+    """Returns the one or two possible poses of each tag in a frame."""
     guesses = {}
     for tag, corners in frame.items():
         try:
@@ -99,7 +99,7 @@ def _poses_of(
 def _guess_layout(
     poses: Sequence[Mapping[int, List[_Guess]]], sizes: Mapping[int, float], master: int
 ) -> Dict[int, np.ndarray]:
-    """The poses of the tags in the master's frame, master first, along the best chains."""
+    """Guesses the tags' poses in the master's frame, master first, along the best links."""
     links: Dict[Tuple[int, int], _Guess] = {}
     for one, other in combinations(sizes, 2):
         both = [frame for frame in poses if one in frame and other in frame]
@@ -135,7 +135,7 @@ def _guess_layout(
 
 
 def _most_supported(relations: Sequence[Sequence[_Guess]], size: float) -> _Guess:
-    """The guess that most frames agree with: wrong ones are different in each frame."""
+    """Returns the guess that most frames agree with, as wrong guesses differ between frames."""
     guesses = [guess for frame in relations for guess in frame]
     owners = np.array([index for index, frame in enumerate(relations) for _ in frame])
     shifts = np.array([guess.pose[:3, 3] for guess in guesses]) / (ALIKE_SHIFT * size)
@@ -161,14 +161,14 @@ def _refine(
     sizes: Mapping[int, float],
     camera: CameraModel,
 ) -> Calibration:
-    """The calibration that a first guess of the layout, master first, leads to."""
+    """Refines the first guess of a layout, whose first tag is the master."""
     tags = list(layout)
     guess = Bundle(name, [BundleTag(tag, sizes[tag], layout[tag]) for tag in tags])
     found = [(frame, estimate_pose(guess, frame, camera)) for frame in frames]
     found = [(frame, poses) for frame, poses in found if poses is not None]
     sightings = _sightings_of([frame for frame, _ in found], tags, sizes)
     poses = np.array([poses.best.pose for _, poses in found])
-    # Robust as it is, what is far off still pulls: it is left out then.
+    # Outliers still have some weight in the robust adjustment. They are left out of a second one.
     matrices, poses, residuals = adjust(sightings, camera, np.array(list(layout.values())), poses)
     distances = _distances(residuals)
     kept = sightings.where(distances <= max(FAR * np.median(distances), NEAR))
@@ -211,5 +211,5 @@ def _sightings_of(
 
 
 def _distances(residuals: np.ndarray) -> np.ndarray:
-    """px, root mean square distance of the corners of each tag, (m,)."""
+    """Returns the root mean square distance of each tag's corners in px, (m,)."""
     return np.sqrt(np.mean(np.sum(residuals**2, axis=-1), axis=-1))

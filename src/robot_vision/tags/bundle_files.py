@@ -1,13 +1,13 @@
-"""Bundles in YAML files, laid out as apriltag_ros has them.
+"""Bundles of tags in YAML files, with the layout that apriltag_ros uses.
 
     tag_bundles:
       - name: box
         layout:
           - {id: 0, size: 0.1, x: 0.0, y: 0.0, z: 0.0, qw: 1.0, qx: 0.0, qy: 0.0, qz: 0.0}
 
-Positions are in m; what is left out of a pose is 0, and qw 1. A bundle may say its family, and a
-tag how well its place is known: shift_noise (m, of x, y and z) and turn_noise (rad, about each
-axis), standard deviations.
+Positions are in m. Values that are missing in a pose are 0, and 1 for qw. A bundle may name its
+family. A tag may have the accuracy of its pose as standard deviations: shift_noise (m, of x, y and
+z) and turn_noise (rad, about each axis).
 """
 
 import numbers
@@ -25,8 +25,8 @@ from ..common.yaml_text import load_yaml
 DEFAULTS = {"x": 0.0, "y": 0.0, "z": 0.0, "qw": 1.0, "qx": 0.0, "qy": 0.0, "qz": 0.0}
 LARGEST_ID = 999999999
 LARGEST_TAG = 100.0  # m
-FARTHEST = 1e7  # m, as coordinates of a map may be
-NOISES = {"shift_noise": 0.0005, "turn_noise": 0.005}  # of a layout that was measured with care
+FARTHEST = 1e7  # largest number in a pose, enough for m in the coordinates of a map
+NOISES = {"shift_noise": 0.0005, "turn_noise": 0.005}  # of a layout that was measured carefully
 
 
 def write_bundles(
@@ -35,11 +35,13 @@ def write_bundles(
     """Writes a file in one step or not at all.
 
     Args:
-        family: of the tags; None: it is not in the file.
-        replace: a file that is there already.
+        path: The path of the file.
+        bundles: The bundles.
+        family: The family of the tags; with None it is not written.
+        replace: Whether to replace an existing file.
 
     Raises:
-        OSError: it cannot be written.
+        OSError: The file cannot be written.
     """
     lines = ["tag_bundles:"]
     for bundle in bundles:
@@ -52,11 +54,11 @@ def write_bundles(
 
 
 def read_bundles(path: str) -> List[Bundle]:
-    """The bundles of a file.
+    """Returns the bundles in a file.
 
     Raises:
-        ValueError: it is not such a file; says what is wrong, and where.
-        OSError: it cannot be read.
+        ValueError: The file has another form; the message says what is wrong, and where.
+        OSError: The file cannot be read.
     """
     try:
         values = load_yaml(read_file(path, MAX_TEXT).decode())
@@ -71,10 +73,10 @@ def read_bundles(path: str) -> List[Bundle]:
 
 
 def parse_bundles(values: Any) -> List[Bundle]:
-    """The bundles of what is below tag_bundles, in a file or on the parameter server.
+    """Returns the bundles in the value of tag_bundles, from a file or the parameter server.
 
     Raises:
-        ValueError: they are none; says what is wrong, and where.
+        ValueError: The value has another form; the message says what is wrong, and where.
     """
     bundles: List[Bundle] = []
     for index, value in enumerate(list_of(values, "tag_bundles")):
@@ -91,10 +93,10 @@ def parse_bundles(values: Any) -> List[Bundle]:
 
 
 def list_of(value: Any, where: str) -> Sequence[Any]:
-    """The value, if it is a list.
+    """Returns the value if it is a list.
 
     Raises:
-        ValueError: it is none; says where.
+        ValueError: The value is no list; the message says where.
     """
     if not isinstance(value, (list, tuple)):
         raise ValueError(f"{where} is {told(value)}, must be a list")
@@ -102,7 +104,7 @@ def list_of(value: Any, where: str) -> Sequence[Any]:
 
 
 def require_map(value: Any, where: str, keys: Sequence[str]) -> None:
-    """Raises ValueError if the value is no map, or has others than these keys."""
+    """Raises ValueError if the value is no map, or has other keys than these."""
     if not isinstance(value, dict):
         raise ValueError(f"{where} is {told(value)}, must be a map")
     unknown = sorted(map(str, set(value).difference(keys)))
@@ -126,7 +128,7 @@ def _tag(entry: Any, where: str) -> BundleTag:
         raise ValueError(f"{where}: id is {told(tag)}, must be a whole number to {LARGEST_ID}")
     where = f"{where}, tag {tag}"
     numbers_of = {key: _number(entry, key, where) for key in ("size", *DEFAULTS, *NOISES)}
-    if numbers_of["size"] > LARGEST_TAG:  # the core says what else it cannot be
+    if numbers_of["size"] > LARGEST_TAG:  # The core checks the other limits.
         size = told(numbers_of["size"])
         raise ValueError(f"{where}: size is {size}, must be above 0 and at most {LARGEST_TAG:g} m")
     quaternion = np.array([numbers_of[key] for key in ("qx", "qy", "qz", "qw")])
@@ -143,7 +145,7 @@ def _tag(entry: Any, where: str) -> BundleTag:
 def _number(entry: Mapping[str, Any], key: str, where: str) -> float:
     value = entry.get(key, {**DEFAULTS, **NOISES}.get(key))
     is_number = isinstance(value, numbers.Real) and not isinstance(value, bool)
-    if not is_number or not -FARTHEST <= value <= FARTHEST:  # as NaN is not
+    if not is_number or not -FARTHEST <= value <= FARTHEST:  # This is also true for NaN.
         limit = f"{FARTHEST:g}"
         raise ValueError(f"{where}: {key} is {told(value)}, must be a number to {limit}")
     return float(value)

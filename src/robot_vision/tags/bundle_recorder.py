@@ -1,4 +1,4 @@
-"""Tags as a running detector publishes them, for calibrate_bundle.py."""
+"""Records the tags that a running detector publishes, for calibrate_bundle.py."""
 
 import threading
 from typing import Any, Optional, Tuple
@@ -15,26 +15,27 @@ from ..ros.camera_info import camera_model
 from ..ros.transport import remapped_camera_info
 from .frame_collection import FrameCollection
 
-PROGRESS = 1.0  # s between lines
+PROGRESS = 1.0  # s between lines of progress
 
 
 class BundleRecorder:
-    """Offers what comes on the topic `tags` to a collection.
+    """Offers the messages on the topic `tags` to a collection.
 
-    The camera_info is on the topic camera_info if that is remapped, otherwise where the node that
-    publishes the tags has it from. Frames that it is not of are left out, and so are those that
-    come with another one than the first: their corners would be another lens's.
+    The camera_info is expected on the topic camera_info if that name is remapped, and otherwise
+    where the node that publishes the tags subscribes to it. Frames of another size than the
+    camera_info's are left out. So are frames after a change of the camera_info, because another
+    lens would have taken them.
     """
 
     def __init__(self, family: str, collection: FrameCollection, progress: Progress):
         self._family = family
         self._collection = collection
         self._progress = progress
-        self._lock = threading.Lock()  # guards the collection: the tags come in another thread
+        self._lock = threading.Lock()  # guards the collection, as tags come in another thread
         self._ended = threading.Event()
         self._info: Optional[CameraInfo] = None
         self._camera: Optional[CameraModel] = None
-        self._used: Tuple[Any, ...] = ()  # what the camera was made from
+        self._used: Tuple[Any, ...] = ()  # the values that the camera was made from
         self._came = False
         self._topic = rospy.resolve_name("tags")
         self._info_topic = ""
@@ -42,10 +43,10 @@ class BundleRecorder:
         self._subscribers = [tags]
 
     def run(self) -> CameraModel:
-        """Collects until there are frames enough or on Ctrl-C; the camera that they are from.
+        """Collects until there are enough frames or on Ctrl-C, and returns the camera.
 
         Raises:
-            ValueError: nothing came, or there is no calibration that can be used.
+            ValueError: Nothing came, or there is no calibration that can be used.
         """
         try:
             while not self._ended.wait(PROGRESS) and not rospy.is_shutdown():
@@ -53,9 +54,9 @@ class BundleRecorder:
                     self._subscribe_to_camera_info()
                 self._progress.tell(self._state())
         except KeyboardInterrupt:
-            print(flush=True)  # after the terminal's ^C
+            print(flush=True)  # ends the line in which the terminal shows ^C
         with self._lock:
-            self._ended.set()  # what is still under way comes too late
+            self._ended.set()  # Frames that are still being processed come too late.
             error = "" if self._camera else self._lacking()
         for subscriber in self._subscribers:
             subscriber.unregister()
@@ -71,12 +72,12 @@ class BundleRecorder:
             )
 
     def _camera_info_of_publisher(self) -> str:
-        """The topic, empty if it is not known (yet): a detector may subscribe to it only now."""
+        """Returns the topic, or "" as long as the detector does not subscribe to one."""
         master = rosgraph.Master(rospy.get_name())
         try:
             publishers, subscribers, _ = master.getSystemState()
             kinds = dict(master.getTopicTypes())
-        except (OSError, rosgraph.MasterException):  # asked again in a moment
+        except (OSError, rosgraph.MasterException):  # This is called again in a moment.
             return ""
         nodes = {node for topic, nodes in publishers if topic == self._topic for node in nodes}
         for topic, listeners in sorted(subscribers):
@@ -109,7 +110,7 @@ class BundleRecorder:
                 self._ended.set()
 
     def _require_camera(self, info: CameraInfo, size: Tuple[int, int]) -> None:
-        """Raises ValueError if a picture of `size` is not the camera's; the first makes it."""
+        """Raises ValueError if the camera_info does not fit; the first one makes the camera."""
         used = size, info.width, info.height, info.K, info.D, info.distortion_model
         if self._camera is None or used != self._used:
             camera = camera_model(info, size)

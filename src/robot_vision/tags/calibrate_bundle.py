@@ -1,4 +1,4 @@
-"""The command calibrate_bundle.py: from pictures of a rigid body to the layout of its tags."""
+"""The command calibrate_bundle.py, which learns the layout of the tags on a rigid body."""
 
 import argparse
 import math
@@ -20,13 +20,13 @@ from .bundle_files import write_bundles
 from .bundle_recorder import BundleRecorder
 from .frame_collection import FrameCollection
 
-LARGE = 2.0  # times the median of the tags' residuals
-MOSTLY = 0.5  # of a tag's sightings are where the layout has it
-SURELY_SMALL = 0.3  # px, a residual that needs no warning
+LARGE = 2.0  # residual of a tag that is reported as large, as a multiple of the median
+MOSTLY = 0.5  # least share of a tag's observations that must fit the layout
+SURELY_SMALL = 0.3  # px, residual that is never reported as large
 
 
 def main() -> int:
-    """Runs the command; its exit code."""
+    """Runs the command and returns its exit code."""
     arguments = parse_arguments(rospy.myargv(sys.argv)[1:])
     return run_command("calibrate_bundle.py", lambda: _learn(arguments))
 
@@ -91,7 +91,7 @@ def _report(found: Calibration) -> str:
 def _require_fit(
     found: Calibration, frames: Sequence[Mapping[int, object]], sizes: Mapping[int, float]
 ) -> None:
-    """Raises ValueError for a tag that is somewhere else more often than not."""
+    """Raises ValueError for a tag that does not fit the layout in most of its frames."""
     for tag, kept in sorted(found.sightings.items()):
         seen = sum(tag in frame for frame in frames)
         if kept < MOSTLY * seen:

@@ -1,4 +1,4 @@
-"""The service that searches one picture for tags."""
+"""The service ~detect, which searches a single image for tags."""
 
 import contextlib
 import os
@@ -20,43 +20,43 @@ from ..ros.transport import Frame
 from ..srv import DetectTags, DetectTagsResponse
 
 TIMEOUT = 5.0  # s that a call waits for a frame
-CALIBRATION_TIMEOUT = 1.0  # s that the call for a file waits for camera_info
-LONGEST = 1000  # letters of an error, in which there is a path
-BUSY = 1.0  # s since the last frame within which another may be under way
+CALIBRATION_TIMEOUT = 1.0  # s that a call for a file waits for camera_info
+LONGEST = 1000  # characters of an error, which may name a path
+BUSY = 1.0  # s after a frame during which the next one may be on its way already
 
-# Searches a picture of an encoding: what is in it, and why there are no poses.
+# Searches an image of an encoding; returns the tags, and the reason if they have no poses.
 Detect = Callable[[np.ndarray, str, Header], Tuple[TagDetectionArray, str]]
 
 
 class _Call:
     def __init__(self, passes: int) -> None:
-        self.passes = passes  # frames that it lets go by
+        self.passes = passes  # number of frames to let pass before one is searched
         self.done = threading.Event()
         self.error = ""
         self.answer = TagDetectionArray(), ""
 
 
 class DetectService:
-    """~detect: of a file, or of the next frame, for which the node works for a moment.
+    """~detect searches a file, or the next frame, for which the node works for a moment.
 
     Args:
-        node: whose frames they are.
-        calibration: of its camera, which is the one for files, too.
-        detect: may be called by any thread.
+        node: The node that processes the frames.
+        calibration: The calibration of its camera, which is also used for files.
+        detect: A function that searches an image; any thread may call it.
     """
 
     def __init__(self, node: ImageNode, calibration: Calibration, detect: Detect):
         self._node = node
         self._calibration = calibration
         self._detect = detect
-        self._lock = threading.Lock()  # guards all that follows
+        self._lock = threading.Lock()  # guards all attributes below
         self._calls: List[_Call] = []
-        self._working = 0  # calls for which the node has to work
+        self._working = 0  # number of calls for which the node has to work
         self._last_frame = -BUSY  # s of the monotonic clock
         rospy.Service("~detect", DetectTags, self._on_detect)
 
     def offer(self, frame: Frame) -> None:
-        """A frame, before anything else is done with it, for the calls that wait for one."""
+        """Offers a frame to the calls that wait for one, before anything else is done with it."""
         with self._lock:
             self._last_frame = time.monotonic()
             ready = [call for call in self._calls if not call.passes]
@@ -74,7 +74,7 @@ class DetectService:
         try:
             with self._at_work():
                 tags, why = self._of_file(request.file) if request.file else self._of_next_frame()
-        except Exception as error:  # whatever the picture is: rospy would answer without a word
+        except Exception as error:  # Of any kind, because rospy would answer without a reason.
             reason = printable(str(error), LONGEST) or type(error).__name__
             rospy.logerr("no tags detected: %s", reason)
             return DetectTagsResponse(False, reason, TagDetectionArray())
@@ -94,7 +94,7 @@ class DetectService:
             self._node.keep_working(self._working > 0)
 
     def _of_file(self, path: str) -> Tuple[TagDetectionArray, str]:
-        if not os.path.isabs(path):  # a node has another folder than its caller
+        if not os.path.isabs(path):  # A node and its caller run in different folders.
             raise ValueError(f"file is '{printable(path)}', must be an absolute path")
         data = read_file(path, MAX_IMAGE)
         try:
@@ -109,7 +109,7 @@ class DetectService:
 
     def _of_next_frame(self) -> Tuple[TagDetectionArray, str]:
         with self._lock:
-            # One that was taken before the call may be under way.
+            # A frame that was taken before the call may be on its way.
             call = _Call(passes=int(time.monotonic() - self._last_frame < BUSY))
             self._calls.append(call)
         arrived = call.done.wait(TIMEOUT)

@@ -1,34 +1,34 @@
-"""Frames that show tags together, chosen for learning where the tags are."""
+"""A collection of frames that show tags together, from which their layout is learned."""
 
 from collections import Counter
 from typing import Dict, Iterable, List, Set, Tuple
 
 import numpy as np
 
-ALIKE = 1.0 / 64.0  # of the picture's width: no corner has moved so far since an earlier frame
-FAR = 4.0  # of the picture's width: no corner is so far from its origin
-MIN_TURN = 1.0  # px^2, of the parallelogram of two edges one after the other
+ALIKE = 1.0 / 64.0  # of the image's width, largest motion of the corners between similar frames
+FAR = 4.0  # of the image's width, largest coordinate of a corner
+MIN_TURN = 1.0  # px^2, least cross product of two edges in a row
 
 
 class FrameCollection:
-    """Keeps frames with at least two of the tags, unless they are hardly different from others.
+    """Keeps frames with at least two of the tags that differ from all frames kept before.
 
     Args:
-        tags: ids of those that are on one rigid body.
-        master: the one of them that the others are to be linked with.
-        most: frames that are kept.
+        tags: The ids of the tags on the rigid body.
+        master: The tag that all others have to be linked with.
+        most: The largest number of frames that are kept.
     """
 
     def __init__(self, tags: Iterable[int], master: int, most: int):
         self._tags = sorted(tags)
         self._master = master
-        self._corners = np.full((most, len(self._tags), 4, 2), np.inf)  # infinite where not seen
+        self._corners = np.full((most, len(self._tags), 4, 2), np.inf)  # infinite if not seen
         self._kept = 0
-        self._alone: Dict[int, np.ndarray] = {}
-        self._refused = 0  # tags whose corners cannot be
-        self._skipped = 0  # frames
-        self.problem = ""  # of the last of them
-        self.offered = 0  # frames, with tags or without
+        self._alone: Dict[int, np.ndarray] = {}  # corners of tags that were seen alone
+        self._refused = 0  # number of tags with impossible corners
+        self._skipped = 0  # number of frames that could not be used
+        self.problem = ""  # of the last of these frames
+        self.offered = 0  # number of frames, with or without tags
 
     @property
     def full(self) -> bool:
@@ -36,10 +36,10 @@ class FrameCollection:
         return self._kept == len(self._corners)
 
     def add(self, width: int, tags: Iterable[Tuple[int, np.ndarray]]) -> None:
-        """Offers a frame of `width` px: ids and corners, (4, 2) px, of its tags.
+        """Offers a frame of `width` px: the ids and the corners, (4, 2) px, of its tags.
 
-        An id that is there twice is left out: nobody can say which one is which. So are corners
-        that no camera sees, for which the work might never end.
+        An id that is there twice is ignored, because nobody can tell which tag is which. Corners
+        that no camera can see are ignored too: with them the computation might never end.
         """
         self.offered += 1
         tags = list(tags)
@@ -59,12 +59,12 @@ class FrameCollection:
             self._kept += 1
 
     def skip(self, problem: str) -> None:
-        """Counts a frame that cannot be used."""
+        """Counts a frame that cannot be used, and remembers the problem."""
         self._skipped += 1
         self.problem = problem
 
     def frames(self) -> List[Dict[int, np.ndarray]]:
-        """Corners by tag of the frames that were kept; of a tag that was only seen alone, too."""
+        """Returns corners by tag of the frames kept, and of tags that were only seen alone."""
         frames = [
             {tag: corners for tag, corners in zip(self._tags, frame) if np.isfinite(corners).all()}
             for frame in self._corners[: self._kept]
@@ -75,7 +75,7 @@ class FrameCollection:
         ]
 
     def summary(self) -> str:
-        """What there is and what is missing, for people."""
+        """Returns what was collected and what is missing, as a line of text."""
         shown = np.isfinite(self._corners[: self._kept, :, 0, 0]).astype(int)
         together = shown.T @ shown
         tags = [f"{tag} ({together[i, i]})" for i, tag in enumerate(self._tags) if together[i, i]]
@@ -104,7 +104,7 @@ class FrameCollection:
         return "; ".join(parts)
 
     def _linked(self, together: np.ndarray) -> Set[int]:
-        """The tags to which there is a way from the master, over pairs that were seen."""
+        """Returns the tags that are linked with the master over pairs seen together."""
         reached = [self._tags.index(self._master)]
         for index in reached:
             reached += [i for i in np.flatnonzero(together[index]) if i not in reached]
@@ -112,8 +112,8 @@ class FrameCollection:
 
 
 def _can_be(corners: np.ndarray, width: int) -> bool:
-    """Whether corners may be a tag's: near the picture, convex, and in the order of tags."""
-    if not (np.abs(corners) <= FAR * width).all():  # nor if one is NaN
+    """Returns whether corners may be a tag's: near the image, convex, and in a tag's order."""
+    if not (np.abs(corners) <= FAR * width).all():  # This is also true if one is NaN.
         return False
     edges = np.roll(corners, -1, axis=0) - corners
     after = np.roll(edges, -1, axis=0)

@@ -1,4 +1,4 @@
-"""Ids of tags, as people write them."""
+"""Ids of tags as people write them."""
 
 import re
 from typing import List
@@ -10,10 +10,10 @@ LIST = re.compile(r"\s*[0-9]+\s*(-\s*[0-9]+\s*)?(,\s*[0-9]+\s*(-\s*[0-9]+\s*)?)*
 
 
 def parse_ids(text: str, family: str) -> List[int]:
-    """The ids of a list such as 0,3,7-9, in its order.
+    """Returns the ids of a list such as 0,3,7-9, in its order.
 
     Raises:
-        ValueError: it is no such list, or the family has not all of them.
+        ValueError: The text is not such a list, or the family does not have all of the ids.
     """
     if not LIST.fullmatch(text):
         raise ValueError(f"ids is {told(text)}, must be a list such as 0,3,7-9")
@@ -23,13 +23,13 @@ def parse_ids(text: str, family: str) -> List[int]:
         first, last = ends[0], ends[-1]
         if first > last:
             raise ValueError(f"ids is {told(text)}, must have the lower id of {part.strip()} first")
-        require_id(last, family)  # before a list is made of what may be a slip of the finger
+        require_id(last, family)  # before a mistyped number becomes a huge list
         ids += range(first, last + 1)
     return ids
 
 
 def require_id(id: int, family: str) -> None:
-    """Raises ValueError if the family has no such tag."""
+    """Raises ValueError if the family has no tag with this id."""
     ids = tag_family(family).ids
     if not 0 <= id < ids:
         raise ValueError(f"id is {id}, {family} has 0 to {ids - 1}")

@@ -1,4 +1,4 @@
-"""Which tags there are: families, sizes, names, and those that are on one rigid body."""
+"""The tags that the user describes: families, sizes, names, and bundles on rigid bodies."""
 
 import re
 from dataclasses import dataclass
@@ -11,7 +11,7 @@ from .tag_ids import parse_ids, require_id
 
 
 class TagKey(NamedTuple):
-    """What tells a tag from others."""
+    """The family and the id of a tag."""
 
     family: str
     id: int
@@ -24,24 +24,25 @@ class _Tag(NamedTuple):
 
 @dataclass(frozen=True)
 class FamilyBundle:
-    """A bundle and the family of its tags."""
+    """A bundle, and the family of its tags."""
 
     family: str
     bundle: Bundle
 
 
 class TagLayout:
-    """Sizes and names of tags, as the parameters of apriltag_ros have them.
+    """Sizes and names of tags, in the form of apriltag_ros' parameters.
 
     Args:
-        families: names between commas, or a list; the first is that of entries without a family.
-        tag_size: m between the corners of all tags that are not in a list.
+        families: Names separated by commas, or a list. Entries that name no family belong to the
+            first one.
+        tag_size: The size in m, between the corners, of all tags that are in no list.
         standalone_tags: [{id: 7 | ids: 3,10-19, size: m, name:, family:}, ...]; size, name and
-            family may be left out.
-        tag_bundles: see bundle_files; each may have a family.
+            family may be missing.
+        tag_bundles: Bundles as described in bundle_files; each may have a family.
 
     Raises:
-        ValueError: says what is wrong, and where.
+        ValueError: A value is wrong; the message says what is wrong, and where.
     """
 
     def __init__(
@@ -56,11 +57,11 @@ class TagLayout:
         self._require_different_names()
 
     def size(self, tag: TagKey) -> float:
-        """m, between the corners of a tag."""
+        """Returns the size of a tag in m, between its corners."""
         return self._tags[tag].size if tag in self._tags else self._size
 
     def frame_id(self, tag: TagKey) -> str:
-        """The name of a tag's transform: its own, tag_<id>, or <family>_<id> of another family."""
+        """Returns the frame of a tag: its name, tag_<id>, or <family>_<id> for further families."""
         if tag in self._tags and self._tags[tag].name:
             return self._tags[tag].name
         prefix = "tag" if tag.family == self.families[0] else tag.family
@@ -94,7 +95,7 @@ class TagLayout:
         return found
 
     def _require_same_size(self, key: TagKey, size: float, where: str) -> None:
-        """A tag of a bundle has a pose of its own, too."""
+        """Checks that a bundle's tag has the same size elsewhere, as it also has its own pose."""
         known = self._tags.setdefault(key, _Tag(size, ""))
         if known.size != size:
             raise ValueError(
@@ -121,7 +122,7 @@ class TagLayout:
             owners[name] = owner
 
     def _unnamed_owner(self, name: str) -> str:
-        """The tag that has this transform without being named, or an empty text."""
+        """Returns the tag without a name whose frame has this name, or ""."""
         number = name.rpartition("_")[2]
         if not re.fullmatch("[0-9]{1,9}", number):
             return ""

@@ -22,9 +22,9 @@ from ..common.rotations import quaternion_of
 from ..msg import TagBundlePose, TagDetection, TagDetectionArray
 from .tag_poses import LocatedBundle, LocatedTag
 
-THICKNESS = 0.05  # of a tag's marker, of its side
-LETTERS = 0.6  # height of its id, the same
-SHOWN = 0.5  # s that a marker stays without its tag
+THICKNESS = 0.05  # thickness of a tag's marker, as a share of the tag's side
+LETTERS = 0.6  # height of the id on it, as a share of the tag's side
+SHOWN = 0.5  # s for which a marker stays after its tag is gone
 BLUE, WHITE = ColorRGBA(0.1, 0.4, 1.0, 0.8), ColorRGBA(1.0, 1.0, 1.0, 1.0)
 
 
@@ -34,7 +34,7 @@ def tag_array(
     tags: Iterable[LocatedTag],
     bundles: Iterable[LocatedBundle],
 ) -> TagDetectionArray:
-    """What was found in a picture of `size`, (width, height) in px."""
+    """Returns the tags found in an image of `size`, (width, height) in px, as a message."""
     return TagDetectionArray(
         header=header,
         width=size[0],
@@ -47,14 +47,14 @@ def tag_array(
 def transforms(
     header: Header, tags: Sequence[LocatedTag], bundles: Sequence[LocatedBundle]
 ) -> TFMessage:
-    """From the header's frame to those of tags and bundles; not of tags that are there twice."""
+    """Returns the transforms of tags and bundles, without tags that are there more than once."""
     known = [(tag.frame_id, tag.poses) for tag in tags if tag.unique and tag.poses]
     known += [(bundle.name, bundle.poses) for bundle in bundles]
     return TFMessage([_transform(header, name, poses.best.pose) for name, poses in known])
 
 
 def markers(header: Header, tags: Iterable[LocatedTag]) -> MarkerArray:
-    """A flat box with its id on it for each tag that has a pose."""
+    """Returns a flat box and an id for each tag that has a pose."""
     made: List[Marker] = []
     for tag in tags:
         if not tag.poses:
@@ -66,7 +66,7 @@ def markers(header: Header, tags: Iterable[LocatedTag]) -> MarkerArray:
         for marker, kind in ((box, ""), (text, " ids")):
             marker.header = header
             marker.ns = tag.tag.family + kind
-            # Two with the same id are two markers.
+            # Tags with the same id get different markers.
             marker.id = tag.tag.id if tag.unique else -1 - len(made)
             marker.pose = _pose(tag.poses.best.pose)
             marker.lifetime = rospy.Duration(SHOWN)
@@ -114,7 +114,7 @@ def _bundle(bundle: LocatedBundle) -> TagBundlePose:
 
 
 def _pose(matrix: np.ndarray) -> Pose:
-    """Of a 4x4 matrix."""
+    """Converts a 4x4 matrix to a Pose."""
     turn = quaternion_of(matrix[:3, :3])
     return Pose(Point(*matrix[:3, 3].tolist()), Quaternion(*turn.tolist()))
 

@@ -1,4 +1,4 @@
-"""Tags as people see them."""
+"""Tags in the overlay."""
 
 from typing import Iterable, Optional
 
@@ -7,13 +7,13 @@ import numpy as np
 from .. import CameraModel, draw_outline
 from .tag_poses import LocatedTag
 
-AXES = ((0.0, 0.0, 255.0), (0.0, 255.0, 0.0), (255.0, 0.0, 0.0))  # x red, y green, z blue
-FAR = 1e6  # px; an end beside the camera may be anywhere, or nowhere
+AXES = ((0.0, 0.0, 255.0), (0.0, 255.0, 0.0), (255.0, 0.0, 0.0))  # BGR: x red, y green, z blue
+FAR = 1e6  # px, largest coordinate that is drawn; an end beside the camera may be anywhere
 OUTLINE = (0.0, 255.0, 255.0)
 
 
 def draw_tags(bgr: np.ndarray, tags: Iterable[LocatedTag], camera: Optional[CameraModel]) -> None:
-    """Draws outlines, ids and, where there are poses, axes and distances on a picture."""
+    """Draws outlines and ids of tags and, where poses are known, axes and distances."""
     for tag in tags:
         label = str(tag.tag.id)
         if tag.poses is not None:

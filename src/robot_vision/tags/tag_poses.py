@@ -1,4 +1,4 @@
-"""Where the tags and bundles of a layout are, from frame to frame."""
+"""Follows the poses of the tags and bundles in a layout."""
 
 from collections import Counter
 from functools import lru_cache
@@ -23,33 +23,33 @@ from .tag_layout import TagKey, TagLayout
 
 MOST_TRACKED = 1000  # tags whose poses are remembered
 
-Corners = Union[MeasuredCorners, np.ndarray]  # (4, 2) px where the picture does not tell more
+Corners = Union[MeasuredCorners, np.ndarray]  # (4, 2) px if they could not be measured
 
 
 class LocatedTag(NamedTuple):
-    """A tag of a frame, and where it is."""
+    """A tag in a frame, and its poses."""
 
     tag: Tag
     size: float  # m
     frame_id: str
-    poses: Optional[TagPoses]  # None without a camera, and where corners are like no pose
-    unique: bool  # no other tag of this frame has its family and id
+    poses: Optional[TagPoses]  # None without a camera, or if no pose explains the corners
+    unique: bool  # whether no other tag in the frame has the same family and id
 
 
 class LocatedBundle(NamedTuple):
-    """A bundle of which tags are in a frame."""
+    """A bundle of which some tags are in a frame."""
 
     name: str
     family: str
-    ids: List[int]  # of the tags seen
+    ids: List[int]  # of the tags in the frame
     poses: TagPoses
 
 
 class TagLocator:
-    """Follows the poses of all tags and bundles. Belongs to one thread at a time.
+    """Follows the poses of all tags and bundles. It can be used by one thread at a time.
 
-    A tag that is there twice has poses of this frame alone, and none in a bundle: nobody can say
-    which one is which.
+    A tag that is there more than once is not followed, and not used for a bundle, because nobody
+    can tell which tag is which.
     """
 
     def __init__(self, layout: TagLayout, params: TagPoseParams):
@@ -65,10 +65,16 @@ class TagLocator:
         camera: Optional[CameraModel],
         gray: Optional[np.ndarray] = None,
     ) -> Tuple[List[LocatedTag], List[LocatedBundle]]:
-        """The tags in the frame of a time, s, and the bundles that have one of them.
+        """Returns the tags in the frame of a time, and the bundles that have one of them.
 
-        In the grey picture the corners are measured; without it they are taken as they were found.
-        Another camera, which is another object, makes it forget what it knows.
+        When the camera object changes, all earlier poses are forgotten.
+
+        Args:
+            time: The time of the frame in s.
+            tags: The tags as the detector found them.
+            camera: The camera; None if it is not known.
+            gray: The gray image in which the corners are measured. With None they are used as
+                they were found.
         """
         if camera is not self._camera:
             self._forget()
@@ -95,7 +101,7 @@ class TagLocator:
         camera: Optional[CameraModel],
         gray: Optional[np.ndarray] = None,
     ) -> Tuple[List[LocatedTag], List[LocatedBundle]]:
-        """The same of a picture by itself: nothing of earlier ones is used, or changed."""
+        """Like locate(), for a single image: earlier poses are neither used nor changed."""
         return TagLocator(self._layout, self._params).locate(0.0, tags, camera, gray)
 
     def _forget(self) -> None:
@@ -109,12 +115,12 @@ class TagLocator:
         try:
             tracker = self._tracker(key) if unique else self._new_tracker(key)
             return tracker.update(time, seen, camera)
-        except ValueError:  # corners as no tag has them, or where this camera has no rays
+        except ValueError:  # No tag has such corners, or the camera has no rays there.
             return None
 
     def _tracker(self, key: TagKey) -> TagPoseTracker:
         tracker = self._tags.pop(key, None) or self._new_tracker(key)
-        self._tags[key] = tracker  # as the newest
+        self._tags[key] = tracker  # moves it to the end, as the newest
         if len(self._tags) > MOST_TRACKED:
             del self._tags[next(iter(self._tags))]
         return tracker
@@ -131,7 +137,8 @@ class TagLocator:
             corners = {key.id: corners_of_tags[key] for key in keys if key in corners_of_tags}
             if not corners:
                 continue
-            poses = tracker.update(time, corners, camera)  # the tags' own trackers took them
+            # This cannot raise, as the trackers of the single tags have accepted the corners.
+            poses = tracker.update(time, corners, camera)
             if poses is not None:
                 found.append(LocatedBundle(one.bundle.name, one.family, sorted(corners), poses))
         return found
@@ -142,7 +149,7 @@ def key_of(tag: Tag) -> TagKey:
 
 
 def corners_of(tag: Tag, camera: CameraModel, gray: Optional[np.ndarray]) -> Corners:
-    """The corners of a tag, as well as the picture tells where they are."""
+    """Returns the corners of a tag, measured in the image if there is one."""
     found = without_bent_edges(tag.corners, camera)
     if gray is None:
         return found
