@@ -12,7 +12,7 @@ from robot_vision import HsvRange, range_around, to_hsv
 from robot_vision.color.color_file import save_colors
 from robot_vision.color.colors import as_yaml, median_hsv
 from robot_vision.common.files import add_file, create_file, replace_file
-from robot_vision.viewer.viewing import Rate, title, waiting_picture
+from robot_vision.viewer.window_content import Rate, title, waiting_picture
 
 TEAL = HsvRange((80, 100, 100), (100, 255, 255))
 TEAL_YAML = {"low": [80, 100, 100], "high": [100, 255, 255]}

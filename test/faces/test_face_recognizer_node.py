@@ -21,7 +21,7 @@ from frames import Source, message, new_topic
 from people import ANNA, BERT, CARLA, DORA, photograph, photographs
 from sensor_msgs.msg import Image, RegionOfInterest
 
-from robot_vision.faces.face_picture import find_face
+from robot_vision.faces.face_images import find_face
 from robot_vision.faces.gallery import CACHE, Gallery
 from robot_vision.msg import Detection, DetectionArray, FaceIdentityArray
 from robot_vision.ros.frame_pairs import MOST_BYTES, FramePairs

@@ -19,7 +19,7 @@ from people import ANNA, BERT, CARLA, photograph, photographs
 import robot_vision.faces.gallery
 import robot_vision.faces.gallery_files
 from robot_vision.faces.face_cache import HEAD
-from robot_vision.faces.face_picture import find_face
+from robot_vision.faces.face_images import find_face
 from robot_vision.faces.gallery import CACHE, Added, Gallery, Removed
 from robot_vision.faces.gallery_files import MAX_FILE
 
@@ -61,7 +61,7 @@ def searched(monkeypatch):
         pictures.append(picture)
         return find_face(picture)
 
-    monkeypatch.setattr("robot_vision.faces.face_picture.find_face", find)
+    monkeypatch.setattr("robot_vision.faces.face_images.find_face", find)
     return pictures
 
 
@@ -369,7 +369,7 @@ def test_names_are_told_while_faces_are_searched(folder, monkeypatch):
         return find_face(picture)
 
     gallery = loaded(folder)[0]
-    monkeypatch.setattr("robot_vision.faces.face_picture.find_face", find)
+    monkeypatch.setattr("robot_vision.faces.face_images.find_face", find)
     with concurrent.futures.ThreadPoolExecutor(2) as threads:
         adding = threads.submit(gallery.add, "Carla", photographs(CARLA, 2))
         assert searching.wait(30.0)

@@ -11,7 +11,7 @@ import skimage.data
 from people import ANNA, BERT, CARLA, KNOWN, STRANGERS, photograph
 
 from robot_vision.faces.enrollment import PERIOD, Enrollment
-from robot_vision.faces.face_picture import (
+from robot_vision.faces.face_images import (
     MARGIN,
     PORTRAIT_SIDE,
     SIDE,

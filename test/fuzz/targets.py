@@ -16,14 +16,14 @@ from sensor_msgs.msg import CameraInfo, CompressedImage, Image, RegionOfInterest
 from robot_vision import HsvRange, ObjectTracker
 from robot_vision.camera.camera_list import parse_cameras
 from robot_vision.color.color_file import save_colors
-from robot_vision.common.pictures import sensor_pixels
+from robot_vision.common.image_files import sensor_pixels
 from robot_vision.common.yaml_text import load_yaml
 from robot_vision.faces.face_cache import read_faces, write_faces
-from robot_vision.faces.face_picture import SIDE, check_box, cut_out
+from robot_vision.faces.face_images import SIDE, check_box, cut_out
 from robot_vision.faces.gallery_files import decode
 from robot_vision.msg import Detection, DetectionArray
-from robot_vision.recordings.bag_pictures import opened, pictures_on, topics_of
-from robot_vision.recordings.gray_pictures import gray_file, gray_message
+from robot_vision.recordings.bag_images import opened, pictures_on, topics_of
+from robot_vision.recordings.gray_images import gray_file, gray_message
 from robot_vision.ros.camera_info import camera_model
 from robot_vision.tags.bundle_files import read_bundles
 from robot_vision.tracking.auto_selection import AutoSelection

@@ -17,8 +17,8 @@ from sensor_msgs.srv import SetCameraInfo
 
 from ..common.commands import run_command
 from ..common.files import create_file, make_folder, reason, replace_file, require_replaceable
-from ..recordings.bag_pictures import Named
-from ..recordings.recorded_pictures import from_bag, from_files, from_topic
+from ..recordings.bag_images import Named
+from ..recordings.recorded_images import from_bag, from_files, from_topic
 from .boards import Sighting
 from .camera_file import as_yaml
 from .coverage import coverage_picture, seen_cells

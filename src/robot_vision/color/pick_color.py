@@ -13,7 +13,7 @@ import rospy
 from .. import range_around, to_hsv
 from ..common.commands import run_command
 from ..common.files import MAX_IMAGE, read_file
-from ..common.pictures import upright
+from ..common.image_files import upright
 from ..ros.transport import ImageSubscriber
 from .color_file import save_colors
 from .colors import HUES, as_yaml, median_hsv, outside

@@ -7,7 +7,7 @@ import cv2
 import numpy as np
 
 from ..common.files import reason
-from .face_picture import face_of, portrait
+from .face_images import face_of, portrait
 from .gallery_files import decode, picture_files, read_picture, shown
 
 

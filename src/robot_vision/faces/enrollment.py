@@ -6,7 +6,7 @@ from typing import Any, Callable, Dict, Sequence
 
 import numpy as np
 
-from .face_picture import Box, face_of, portrait
+from .face_images import Box, face_of, portrait
 
 PERIOD = 0.2  # s, shortest time between two portraits, so that they differ
 POLL = 0.1  # s

@@ -8,7 +8,7 @@ import cv2
 import numpy as np
 
 from ..common.files import read_file, replace_file
-from .face_picture import SIDE
+from .face_images import SIDE
 
 # Another version may find or normalize the faces differently.
 HEAD = f"robot_vision faces 2, {SIDE} px, OpenCV {cv2.__version__}\n".encode()

@@ -17,7 +17,7 @@ from ..ros.messages import corners
 from ..ros.params import LiveParams, filled
 from ..ros.startup import run_node
 from ..ros.transport import Frame
-from .face_picture import Box, check_box, normalized
+from .face_images import Box, check_box, normalized
 from .gallery import Gallery
 from .gallery_services import GalleryServices
 from .identities import Identities, Identity, VoteParams

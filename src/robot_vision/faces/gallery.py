@@ -22,7 +22,7 @@ from ..common.files import reason, trying
 from ..common.plain_text import printable
 from .candidates import Candidates, digest_of
 from .face_cache import read_faces, write_faces
-from .face_picture import face_of
+from .face_images import face_of
 from .gallery_files import (
     decode,
     entries,

@@ -7,7 +7,7 @@ from typing import List, Sequence
 import numpy as np
 
 from ..common.files import add_file, read_file, reason, trying
-from ..common.pictures import upright
+from ..common.image_files import upright
 from ..common.plain_text import printable
 from .identities import UNKNOWN
 

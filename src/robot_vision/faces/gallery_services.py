@@ -23,7 +23,7 @@ from ..srv import (
     ListNamesResponse,
 )
 from .enrollment import Enrollment
-from .face_picture import Box
+from .face_images import Box
 from .gallery import Added, Gallery
 from .gallery_files import shown, valid_name
 

@@ -18,7 +18,7 @@ class Recognizer(abc.ABC):
         """Forgets everything, and learns these faces.
 
         Args:
-            faces: Faces from face_picture.normalized(); may be empty.
+            faces: Faces from face_images.normalized(); may be empty.
             labels: The label of the person in each face, 0 or more.
         """
 

@@ -7,7 +7,7 @@ import rosbag
 
 from .. import CameraModel, TagDetector, TagDetectorParams
 from ..common.progress import Progress
-from ..recordings.bag_pictures import (
+from ..recordings.bag_images import (
     PICTURES,
     messages_on,
     opened,

@@ -11,7 +11,7 @@ import rospy
 from std_msgs.msg import Header
 
 from ..common.files import MAX_IMAGE, read_file
-from ..common.pictures import sensor_pixels
+from ..common.image_files import sensor_pixels
 from ..common.plain_text import printable
 from ..msg import TagDetectionArray
 from ..ros.camera_info import Calibration

@@ -17,8 +17,8 @@ from ..ros.configs import SimpleCameraViewConfig
 from ..ros.params import LiveParams, read_param, review_params
 from ..ros.startup import run_node
 from ..ros.transport import Frame, ImageSubscriber
-from .viewing import Rate, title, waiting_picture
 from .window import Window, require_display
+from .window_content import Rate, title, waiting_picture
 
 POLL = 10  # ms, longest time that an image waits for the window
 LONGEST_PATH = 300  # characters of a path in an error

@@ -9,7 +9,7 @@ import numpy as np
 from sensor_msgs.msg import Image
 
 from .. import to_gray
-from ..common.pictures import sensor_pixels
+from ..common.image_files import sensor_pixels
 from ..common.plain_text import printable
 
 NAMED_BY_TYPE = {"8UC1": "mono8", "8UC3": "bgr8", "16UC1": "mono16"}  # meant by users of OpenCV

@@ -8,9 +8,9 @@ import pytest
 from exif import sideways
 
 from robot_vision._core import decode_image_file
-from robot_vision.common.pictures import sensor_pixels, upright
+from robot_vision.common.image_files import sensor_pixels, upright
 from robot_vision.faces.gallery_files import decode
-from robot_vision.recordings.gray_pictures import gray_file
+from robot_vision.recordings.gray_images import gray_file
 
 
 def test_the_sensor_s_pixels_are_never_turned_and_people_s_are():

@@ -9,8 +9,8 @@ from exif import sideways
 from frames import message
 from sensor_msgs.msg import CompressedImage
 
-from robot_vision.recordings.gray_pictures import gray_file, gray_message
-from robot_vision.recordings.recorded_pictures import from_files
+from robot_vision.recordings.gray_images import gray_file, gray_message
+from robot_vision.recordings.recorded_images import from_files
 
 
 @pytest.fixture

@@ -9,7 +9,7 @@ import rosbag
 
 from ..common.files import require_file
 from ..common.plain_text import printable
-from .gray_pictures import gray_message
+from .gray_images import gray_message
 
 # The name of an image, and a function that reads it as (height, width) uint8 or raises ValueError.
 Named = Tuple[str, Callable[[], np.ndarray]]

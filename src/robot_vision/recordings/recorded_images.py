@@ -14,8 +14,8 @@ import rospy
 
 from ..common.files import MAX_IMAGE, read_file, require_file, trying
 from ..ros.transport import Frame, ImageSubscriber
-from .bag_pictures import PICTURES, Named, opened, pictures_on, require_topic, topics_of
-from .gray_pictures import gray_file, gray_pixels
+from .bag_images import PICTURES, Named, opened, pictures_on, require_topic, topics_of
+from .gray_images import gray_file, gray_pixels
 
 SUFFIXES = (".bmp", ".jpeg", ".jpg", ".pgm", ".png", ".ppm", ".tif", ".tiff", ".webp")
 PATIENCE = 2.0  # s without an image until that is reported
