@@ -329,7 +329,7 @@ def test_what_is_no_file_is_named_and_nothing_is_made(calibrate, folder, tmp_pat
     assert not new.parent.parent.exists() and all(pipe.is_fifo() for pipe in pipes)
 
 
-@pytest.mark.parametrize("phase", ["calibrate", "as_yaml", "coverage_picture"])
+@pytest.mark.parametrize("phase", ["calibrate", "as_yaml", "coverage_image"])
 def test_interrupted_at_its_work_it_leaves_nothing(calibrate, folder, monkeypatch, tmp_path, phase):
     def interrupt(*_):
         raise KeyboardInterrupt

@@ -22,9 +22,9 @@ from board_views import (
 
 import robot_vision as rv
 from robot_vision.calibration import boards
-from robot_vision.calibration.boards import Sighting
+from robot_vision.calibration.boards import Observation
 from robot_vision.calibration.camera_file import as_yaml, default_path
-from robot_vision.calibration.coverage import UNSEEN, coverage_picture, seen_cells
+from robot_vision.calibration.coverage import UNSEEN, coverage_image, seen_cells
 from robot_vision.calibration.solving import calibrate
 from robot_vision.calibration.views import ViewCollection, describe, edge_width
 
@@ -66,7 +66,7 @@ def numbers(camera):
 
 
 def solved(views, model, **options):
-    return calibrate([view.sighting for view in views.views], views.size, model, **options)
+    return calibrate([view.observation for view in views.views], views.size, model, **options)
 
 
 def disagreement(found, truth, views):
@@ -74,7 +74,7 @@ def disagreement(found, truth, views):
 
     Elsewhere nothing holds a model with many coefficients.
     """
-    seen = seen_cells([view.sighting for view in views.views], SIZE)
+    seen = seen_cells([view.observation for view in views.views], SIZE)
     x, y = np.meshgrid(np.linspace(-1.0, 1.0, 21), np.linspace(-1.0, 1.0, 21))
     rays = np.stack([x.ravel(), y.ravel(), np.ones(x.size)], axis=1)
     pixels, _ = truth.project(rays)
@@ -154,7 +154,7 @@ def seen_at(x, y, z, turn=0.0):
     """A chessboard, its middle there (m), turned around its upright axis (rad): its description."""
     points = np.array([[i % 8 - 3.5, i // 8 - 2.5, 0.0] for i in range(48)]) * SQUARE
     turned = points @ cv2.Rodrigues(np.array([0.0, turn, 0.0]))[0].T + [x, y, z]
-    return describe(Sighting(points, CAMERAS["plumb_bob"].project(turned)[0]), SIZE)
+    return describe(Observation(points, CAMERAS["plumb_bob"].project(turned)[0]), SIZE)
 
 
 def test_views_are_described_by_place_size_and_tilt():
@@ -249,10 +249,12 @@ def test_opencv_without_aruco_is_named(monkeypatch):
 
 
 def test_coverage_shows_where_the_board_was():
-    sighting = Sighting(np.zeros((3, 3)), np.array([[5.0, 5.0], [300.0, 5.0], [300.0, 200.0]]))
-    seen = seen_cells([sighting], SIZE)
+    observation = Observation(
+        np.zeros((3, 3)), np.array([[5.0, 5.0], [300.0, 5.0], [300.0, 200.0]])
+    )
+    seen = seen_cells([observation], SIZE)
     assert seen.sum() == 3 and seen[0, 0] and seen[0, 4] and seen[3, 4]
-    picture = coverage_picture([sighting, sighting], np.array([0.1, 0.1]), SIZE)
+    picture = coverage_image([observation, observation], np.array([0.1, 0.1]), SIZE)
     assert picture.shape == (480, 640, 3)
     assert tuple(picture[470, 630]) == UNSEEN
     assert picture[200, 300, 1] > 150 > picture[200, 300, 2]  # a green dot

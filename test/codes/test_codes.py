@@ -10,7 +10,7 @@ import qrcode.util
 import skimage.data
 
 import robot_vision as rv
-from robot_vision.common.plain_text import plain
+from robot_vision.common.plain_text import to_ascii
 from robot_vision.common.repeats import Repeats
 from robot_vision.markers.marker import qr_modules
 
@@ -451,4 +451,4 @@ def test_repeats_are_told_from_news():
     ],
 )
 def test_labels_are_made_of_letters_that_can_be_drawn(text, expected):
-    assert plain(text, 20) == expected
+    assert to_ascii(text, 20) == expected

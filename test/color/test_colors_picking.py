@@ -12,7 +12,7 @@ from robot_vision import HsvRange, range_around, to_hsv
 from robot_vision.color.color_file import save_colors
 from robot_vision.color.colors import as_yaml, median_hsv
 from robot_vision.common.files import add_file, create_file, replace_file
-from robot_vision.viewer.window_content import Rate, title, waiting_picture
+from robot_vision.viewer.window_content import Rate, placeholder, title
 
 TEAL = HsvRange((80, 100, 100), (100, 255, 255))
 TEAL_YAML = {"low": [80, 100, 100], "high": [100, 255, 255]}
@@ -296,7 +296,7 @@ def test_what_the_window_says():
         "/a",
         "/a_very_long/name_of/a_topic/that/does_not_fit/into_the_picture/image_raw",
     ):
-        picture = waiting_picture(topic)
+        picture = placeholder(topic)
         written = np.argwhere(picture[:, :, 0] != 128)
         assert picture.shape == (480, 640, 3) and len(written) > 100
         assert written.min() >= 15 and written[:, 1].max() < 625

@@ -24,7 +24,7 @@ from sensor_msgs.msg import Image, RegionOfInterest
 from robot_vision.faces.face_images import find_face
 from robot_vision.faces.gallery import CACHE, Gallery
 from robot_vision.msg import Detection, DetectionArray, FaceIdentityArray
-from robot_vision.ros.frame_pairs import MOST_BYTES, FramePairs
+from robot_vision.ros.frame_pairs import MAX_BYTES, FramePairs
 from robot_vision.srv import EnrollFace, EnrollFolder, ForgetName, ListNames
 from robot_vision.transport import Frame
 
@@ -615,7 +615,7 @@ def test_pairs_hold_no_more_than_their_bytes_nor_of_another_time():
     before = held(frames)
     assert [pairs.message_of(frame) for frame in frames] == [None] * 50
     kept = [now > then for now, then in zip(held(frames), before)]
-    assert sum(kept) == MOST_BYTES // large.nbytes and all(kept[-5:])
+    assert sum(kept) == MAX_BYTES // large.nbytes and all(kept[-5:])
     (earlier,) = frames_of([0.001])
     pairs.message_of(earlier)
     assert held(frames) == before

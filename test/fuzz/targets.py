@@ -22,7 +22,7 @@ from robot_vision.faces.face_cache import read_faces, write_faces
 from robot_vision.faces.face_images import SIDE, check_box, cut_out
 from robot_vision.faces.gallery_files import decode
 from robot_vision.msg import Detection, DetectionArray
-from robot_vision.recordings.bag_images import opened, pictures_on, topics_of
+from robot_vision.recordings.bag_images import images_on, opened, topics_of
 from robot_vision.recordings.gray_images import gray_file, gray_message
 from robot_vision.ros.camera_info import camera_model
 from robot_vision.tags.bundle_files import read_bundles
@@ -240,7 +240,7 @@ class Bags(Files):
         try:
             with opened(self.path) as bag:
                 topics_of(bag)
-                pictures = [read for _, read in pictures_on(bag, "/image")]
+                pictures = [read for _, read in images_on(bag, "/image")]
         except REFUSALS as error:
             assert self.path in str(error), error
             raise

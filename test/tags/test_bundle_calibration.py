@@ -76,7 +76,7 @@ def test_a_random_layout_is_recovered(model, flat):
         assert residual == pytest.approx(NOISE * np.sqrt(2), rel=0.15)
     assert found.frames == sum(len(frame) > 1 for frame in frames)
     assert found.rejected == 0
-    assert found.sightings == {
+    assert found.observations == {
         tag: sum(tag in frame for frame in frames if len(frame) > 1) for tag in layout
     }
     for frame, old in zip(frames, before):

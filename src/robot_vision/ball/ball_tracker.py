@@ -34,7 +34,7 @@ from ..ros.params import LiveParams, filled, read_name, read_param
 from ..ros.startup import run_node
 from ..ros.transport import Frame
 
-LARGEST = 100.0  # m, largest diameter
+MAX_DIAMETER = 100.0  # m, largest diameter
 
 
 class BallTracker:
@@ -49,7 +49,7 @@ class BallTracker:
         self._trail: Deque[Tuple[float, float]] = collections.deque()
         self._time = 0.0  # s, the last frame
         self._filter_params: Optional[BallTrackerParams] = None
-        self._diameter = read_param("ball_diameter", 0.0, 0.0, LARGEST, zero="unknown")
+        self._diameter = read_param("ball_diameter", 0.0, 0.0, MAX_DIAMETER, zero="unknown")
         self._ball_frame = read_name("ball_frame_id", "ball")
         self._params = LiveParams(BallTrackerConfig, self._configure)
         self._node = ImageNode(self._process, camera_info=self._diameter > 0.0)

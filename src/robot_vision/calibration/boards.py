@@ -8,10 +8,10 @@ import numpy as np
 from .charuco import Charuco
 
 SUB_PIXEL_END = (cv2.TERM_CRITERIA_COUNT | cv2.TERM_CRITERIA_EPS, 40, 0.001)
-LARGEST_WINDOW = 11  # px, half the side of the window in which a corner is refined
+MAX_CORNER_WINDOW = 11  # px, half the side of the window in which a corner is refined
 
 
-class Sighting(NamedTuple):
+class Observation(NamedTuple):
     """The points of a board seen in an image: (n, 3) m on the board, with z = 0, and (n, 2) px."""
 
     points: np.ndarray
@@ -35,13 +35,13 @@ class Board:
         self._points = points
         self._find = find
 
-    def find(self, gray: np.ndarray) -> Optional[Sighting]:
+    def find(self, gray: np.ndarray) -> Optional[Observation]:
         """Finds the board in an image, (height, width) uint8; returns None if it is not there."""
         found = self._find(gray)
         if found is None:
             return None
         seen, pixels = found
-        return Sighting(self._points[seen], pixels)
+        return Observation(self._points[seen], pixels)
 
 
 def chessboard(columns: int, rows: int, square: float) -> Board:
@@ -56,7 +56,7 @@ def chessboard(columns: int, rows: int, square: float) -> Board:
             return None
         grid = pixels.reshape(rows, columns, 2)
         nearest = min(np.linalg.norm(np.diff(grid, axis=axis), axis=2).min() for axis in (0, 1))
-        half = int(min(max(nearest / 2.0, 2.0), LARGEST_WINDOW))  # No other corner is inside.
+        half = int(min(max(nearest / 2.0, 2.0), MAX_CORNER_WINDOW))  # No other corner is inside.
         return cv2.cornerSubPix(gray, pixels, (half, half), (-1, -1), SUB_PIXEL_END)
 
     return _whole(_grid(columns, rows, square), find)
@@ -93,7 +93,7 @@ def charuco(columns: int, rows: int, square: float, marker: float, dictionary: s
     return Board(board.points, board.find)
 
 
-MAKERS: Dict[str, Callable[..., Board]] = {
+BOARDS: Dict[str, Callable[..., Board]] = {
     "chessboard": chessboard,
     "circles": circles,
     "acircles": asymmetric_circles,

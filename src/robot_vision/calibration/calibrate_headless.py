@@ -17,20 +17,20 @@ from sensor_msgs.srv import SetCameraInfo
 
 from ..common.commands import run_command
 from ..common.files import create_file, make_folder, reason, replace_file, require_replaceable
-from ..recordings.bag_images import Named
+from ..recordings.bag_images import NamedImage
 from ..recordings.recorded_images import from_bag, from_files, from_topic
-from .boards import Sighting
+from .boards import Observation
 from .camera_file import as_yaml
-from .coverage import coverage_picture, seen_cells
+from .coverage import coverage_image, seen_cells
 from .headless_arguments import parse_arguments
 from .solving import COEFFICIENTS, PARAMETERS, Calibration, calibrate
 from .views import ViewCollection
 
 PROGRESS = 1.0  # s between lines of progress
-PATIENCE = 5.0  # s, longest wait for the camera's service
-MOST_TOLD = 10  # unusable images that are reported; further ones are only counted
-LARGE = 2.0  # error of a view that is reported as large, as a multiple of the median
-UNSURE = 0.005  # standard deviation of the focal length, as a share of it, that is reported
+SERVICE_TIMEOUT = 5.0  # s, longest wait for the camera's service
+MAX_REPORTED = 10  # unusable images that are reported; further ones are only counted
+LARGE_ERROR = 2.0  # error of a view that is reported as large, as a multiple of the median
+MAX_FOCAL_DEVIATION = 0.005  # standard deviation of the focal length, as a share of it
 
 
 def main() -> int:
@@ -47,18 +47,18 @@ def _calibrate(arguments: argparse.Namespace) -> None:
     if arguments.set:
         _require_service(_service_of(arguments.set))
     views = ViewCollection(arguments.found, arguments.most, arguments.max_blur)
-    _collect(_pictures(arguments), views)
+    _collect(_images(arguments), views)
     print(views.summary(), flush=True)
     if views.size is None:
         raise ValueError("there were no pictures" + " that can be used" * (views.unusable > 0))
     if not views.views:
         raise ValueError(f"no picture shows the board well: is --size {arguments.size} right?")
-    sightings = [view.sighting for view in views.views]
-    found = calibrate(sightings, views.size, arguments.model, arguments.k3)
+    observations = [view.observation for view in views.views]
+    found = calibrate(observations, views.size, arguments.model, arguments.k3)
     print(_report(found, views), flush=True)
-    saved = _write(arguments, found, sightings)  # even with --set, as the camera may refuse it
+    saved = _write(arguments, found, observations)  # even with --set, as the camera may refuse it
     if arguments.set:
-        _give(arguments.set, found, saved)
+        _set_camera_info(arguments.set, found, saved)
 
 
 def _become_node() -> None:
@@ -74,12 +74,12 @@ def _service_of(node: str) -> str:
 def _require_service(name: str) -> None:
     """Raises OSError, before the work begins, if no camera offers the service for the result."""
     try:
-        rospy.wait_for_service(name, PATIENCE)
+        rospy.wait_for_service(name, SERVICE_TIMEOUT)
     except rospy.ROSException:
         raise OSError(f"there is no service {name}: does the camera run?") from None
 
 
-def _pictures(arguments: argparse.Namespace) -> Iterator[Named]:
+def _images(arguments: argparse.Namespace) -> Iterator[NamedImage]:
     if arguments.topic:
         return from_topic(arguments.topic)
     if arguments.bag:
@@ -87,21 +87,21 @@ def _pictures(arguments: argparse.Namespace) -> Iterator[Named]:
     return from_files(arguments.files)
 
 
-def _collect(pictures: Iterator[Named], views: ViewCollection) -> None:
+def _collect(images: Iterator[NamedImage], views: ViewCollection) -> None:
     """Processes images until there are enough of them, or no more, or the user presses Ctrl-C."""
-    told = time.monotonic()
+    last_progress = time.monotonic()
     try:
-        for name, read in pictures:
+        for name, read in images:
             try:
                 views.offer(name, read())
             except (OSError, ValueError) as error:
                 views.skip()
-                if views.unusable <= MOST_TOLD:
+                if views.unusable <= MAX_REPORTED:
                     print(f"skipped {name}: {reason(error)}", flush=True)
             if views.full:
                 return
-            if time.monotonic() - told > PROGRESS:
-                told = time.monotonic()
+            if time.monotonic() - last_progress > PROGRESS:
+                last_progress = time.monotonic()
                 print(views.summary(), flush=True)
     except KeyboardInterrupt:
         print(flush=True)  # ends the line in which the terminal shows ^C
@@ -116,23 +116,25 @@ def _report(found: Calibration, views: ViewCollection) -> str:
         known = f"{value:.6g} +- {deviation:.2g}{unit}" if deviation else "0"
         lines.append(f"  {name} {known}")
     lines.append(f"reprojection error: {found.error:.3f} px")
-    limit = LARGE * np.median(found.errors)
+    limit = LARGE_ERROR * np.median(found.errors)
     for view, error in zip(views.views, found.errors):
         lines.append(f"  {view.name}: {error:.3f} px{'  LARGE' if error > limit else ''}")
-    seen = seen_cells([view.sighting for view in views.views], found.size).mean()
+    seen = seen_cells([view.observation for view in views.views], found.size).mean()
     lines.append(f"the board was seen in {seen:.0%} of the picture")
-    if found.deviations[0] > UNSURE * values[0]:
+    if found.deviations[0] > MAX_FOCAL_DEVIATION * values[0]:
         lines.append("the focal length is not sure: show the board tilted, and near the borders")
     return "\n".join(lines)
 
 
-def _write(arguments: argparse.Namespace, found: Calibration, sightings: Sequence[Sighting]) -> str:
+def _write(
+    arguments: argparse.Namespace, found: Calibration, observations: Sequence[Observation]
+) -> str:
     """Writes the calibration and the coverage image; returns the path of the former."""
     text = as_yaml(found, arguments.camera_name)
     saved = _save(arguments.output, text.encode(), arguments.force)
     print("saved in", saved, flush=True)
-    picture = coverage_picture(sightings, found.errors, found.size)
-    png = cv2.imencode(".png", picture)[1].tobytes()
+    image = coverage_image(observations, found.errors, found.size)
+    png = cv2.imencode(".png", image)[1].tobytes()
     print("coverage in", _save(arguments.coverage, png, arguments.force), flush=True)
     return saved
 
@@ -154,7 +156,7 @@ def _save(path: str, data: bytes, force: bool) -> str:
     return free
 
 
-def _give(node: str, found: Calibration, path: str) -> None:
+def _set_camera_info(node: str, found: Calibration, path: str) -> None:
     """Sends the result to the camera; raises OSError, naming the file, if that refuses it."""
     name = _service_of(node)
     info = CameraInfo(

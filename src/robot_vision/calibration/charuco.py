@@ -5,9 +5,9 @@ from typing import Optional, Sequence, Tuple
 import cv2
 import numpy as np
 
-FEWEST_CORNERS = 6  # corners of a board that counts as seen
-SURELY = 0.9999  # probability that RANSAC tries a sample of the board's own markers only
-CLEARLY = 0.5  # misfit of the pattern that is seen, at most this share of the other pattern's
+MIN_CORNERS = 6  # corners of a board that counts as seen
+RANSAC_CONFIDENCE = 0.9999  # probability that RANSAC tries a sample of the board's own markers only
+MAX_MISFIT = 0.5  # of the pattern that is seen, as a share of the other pattern's misfit
 
 Markers = Tuple[Sequence[np.ndarray], np.ndarray]  # corners, (1, 4, 2) px each; ids, (n, 1)
 
@@ -38,30 +38,30 @@ class Charuco:
                 "it is one of the contrib modules"
             )
         columns, rows = squares
-        words = _dictionary(dictionary)
-        self._count, there = columns * rows // 2, len(words.bytesList)
+        predefined = _dictionary(dictionary)
+        self._count, there = columns * rows // 2, len(predefined.bytesList)
         if self._count > there:
             raise ValueError(
                 f"dictionary {dictionary} has {there} markers, the board {self._count}"
             )
         even = rows % 2 == 0
         self._skipped = (0, columns // 2) if even else (0,)  # markers above the board, by pattern
-        self._opencv = _OpenCv((columns, rows + even), square, marker, words)
+        self._opencv = _OpenCv((columns, rows + even), square, marker, predefined)
         self.points = self._opencv.corners  # (n, 3) m: the inner corners
 
     def find(self, gray: np.ndarray) -> Optional[Tuple[np.ndarray, np.ndarray]]:
         """Returns the indices and pixels, (n, 2), of the corners seen; None if they are too few."""
-        markers = self._of_pattern(*self._opencv.detect(gray))
+        markers = self._board_markers(*self._opencv.detect(gray))
         if markers is None:
             return None
         corners, ids = self._opencv.interpolate(gray, markers)
-        if ids is None or len(ids) < FEWEST_CORNERS:
+        if ids is None or len(ids) < MIN_CORNERS:
             return None
         seen = ids.ravel()
         on_a_line = np.linalg.matrix_rank(self.points[seen] - self.points[seen[0]]) < 2
         return None if on_a_line else (seen, corners.reshape(-1, 2))
 
-    def _of_pattern(
+    def _board_markers(
         self, corners: Sequence[np.ndarray], numbers: Optional[np.ndarray]
     ) -> Optional[Markers]:
         """Returns the board's markers, numbered by the pattern that is seen.
@@ -69,30 +69,33 @@ class Charuco:
         Markers that are not where the board has them, because they are false or belong to other
         boards, are left out. Returns None if it is not clear which pattern is seen.
         """
-        ours = [] if numbers is None else np.flatnonzero(numbers < self._count)
-        if not len(ours):
+        own = [] if numbers is None else np.flatnonzero(numbers < self._count)
+        if not len(own):
             return None
-        every = [([corners[i] for i in ours], numbers[ours] + skipped) for skipped in self._skipped]
-        kept = max((self._in_place(*markers) for markers in every), key=len)
+        candidates = [
+            ([corners[i] for i in own], numbers[own] + skipped) for skipped in self._skipped
+        ]
+        kept = max((self._consistent(*markers) for markers in candidates), key=len)
         if not len(kept):
             return None
-        choices = [([corners[i] for i in kept], numbers[kept]) for corners, numbers in every]
+        choices = [([corners[i] for i in kept], numbers[kept]) for corners, numbers in candidates]
         misfits = [self._misfit(*choice) for choice in choices]
         best = int(np.argmin(misfits))
         others = misfits[:best] + misfits[best + 1 :]
-        return choices[best] if all(misfits[best] < CLEARLY * other for other in others) else None
+        is_clear = all(misfits[best] < MAX_MISFIT * other for other in others)
+        return choices[best] if is_clear else None
 
-    def _in_place(self, corners: Sequence[np.ndarray], numbers: np.ndarray) -> np.ndarray:
+    def _consistent(self, corners: Sequence[np.ndarray], numbers: np.ndarray) -> np.ndarray:
         """Returns the indices of the largest set of markers that fit one flat board."""
         sides = [np.linalg.norm(np.diff(one.reshape(4, 2), axis=0), axis=1) for one in corners]
-        away = self._away(corners, numbers, cv2.RANSAC, np.median(sides), SURELY)
+        away = self._distances(corners, numbers, cv2.RANSAC, np.median(sides), RANSAC_CONFIDENCE)
         return np.flatnonzero(away.reshape(-1, 4).max(axis=1) < np.median(sides))
 
     def _misfit(self, corners: Sequence[np.ndarray], numbers: np.ndarray) -> float:
         """Returns the RMS distance in px of the markers' corners from those of a flat board."""
-        return float(np.sqrt((self._away(corners, numbers) ** 2).mean()))
+        return float(np.sqrt((self._distances(corners, numbers) ** 2).mean()))
 
-    def _away(
+    def _distances(
         self,
         corners: Sequence[np.ndarray],
         numbers: np.ndarray,
@@ -103,10 +106,10 @@ class Charuco:
         """Returns the distance in px of each corner from the board that fits all corners best."""
         on_board = np.concatenate([self._opencv.markers[i] for i in numbers.ravel()])[:, :2]
         seen = np.concatenate([one.reshape(4, 2) for one in corners])
-        to_picture, _ = cv2.findHomography(on_board, seen, method, tolerance, confidence=confidence)
-        if to_picture is None:
+        to_image, _ = cv2.findHomography(on_board, seen, method, tolerance, confidence=confidence)
+        if to_image is None:
             return np.full(len(seen), np.inf)
-        there = cv2.perspectiveTransform(on_board[None], to_picture)[0]
+        there = cv2.perspectiveTransform(on_board[None], to_image)[0]
         return np.linalg.norm(there - seen, axis=1)
 
 
@@ -114,17 +117,21 @@ class _OpenCv:
     """A board of (columns, rows) squares, with the functions that this version of OpenCV has."""
 
     def __init__(
-        self, squares: Tuple[int, int], square: float, marker: float, words: "cv2.aruco.Dictionary"
+        self,
+        squares: Tuple[int, int],
+        square: float,
+        marker: float,
+        dictionary: "cv2.aruco.Dictionary",
     ):
-        self._words = words
+        self._dictionary = dictionary
         self._new = hasattr(cv2.aruco, "CharucoDetector")
         if self._new:
-            board = cv2.aruco.CharucoBoard(squares, square, marker, words)
-            self._finder = cv2.aruco.ArucoDetector(words)
+            board = cv2.aruco.CharucoBoard(squares, square, marker, dictionary)
+            self._finder = cv2.aruco.ArucoDetector(dictionary)
             self._detector = cv2.aruco.CharucoDetector(board)
             corners, markers = board.getChessboardCorners(), board.getObjPoints()
         else:
-            board = cv2.aruco.CharucoBoard_create(*squares, square, marker, words)
+            board = cv2.aruco.CharucoBoard_create(*squares, square, marker, dictionary)
             corners, markers = board.chessboardCorners, board.objPoints
         self._board = board
         self.corners = np.array(corners, float).reshape(-1, 3)  # m
@@ -134,7 +141,7 @@ class _OpenCv:
         """Returns corners and ids of the markers in an image."""
         if self._new:
             return self._finder.detectMarkers(gray)[:2]
-        return cv2.aruco.detectMarkers(gray, self._words)[:2]
+        return cv2.aruco.detectMarkers(gray, self._dictionary)[:2]
 
     def interpolate(
         self, gray: np.ndarray, markers: Markers

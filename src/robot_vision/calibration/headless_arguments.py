@@ -6,9 +6,9 @@ import os
 import re
 from typing import Sequence, Tuple
 
-from .boards import MAKERS, Board
+from .boards import BOARDS, Board
 from .camera_file import default_path
-from .solving import FEWEST_VIEWS, MODELS
+from .solving import MIN_VIEWS, MODELS
 
 EXAMPLES = """examples, from pictures, a video, a bag, and a running camera:
   calibrate_headless.py --size 8x6 --square 0.025 pictures/
@@ -24,7 +24,7 @@ Show the board all over the picture, near and far, and tilted to all sides, and 
 --topic, Ctrl-C ends the recording, and the camera is computed. The colours in the picture of the
 coverage: red cells have never seen the board; green views fit, red ones do not.
 """
-MOST_PICTURES = 1000
+MAX_IMAGES = 1000
 
 
 def parse_arguments(command: Sequence[str]) -> argparse.Namespace:
@@ -36,7 +36,7 @@ def parse_arguments(command: Sequence[str]) -> argparse.Namespace:
         epilog=EXAMPLES,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
-    _add_pictures(parser)
+    _add_sources(parser)
     _add_board(parser)
     _add_results(parser)
     arguments = parser.parse_args(command)
@@ -47,7 +47,7 @@ def parse_arguments(command: Sequence[str]) -> argparse.Namespace:
     return arguments
 
 
-def _add_pictures(parser: argparse.ArgumentParser) -> None:
+def _add_sources(parser: argparse.ArgumentParser) -> None:
     group = parser.add_argument_group("the pictures, from one of")
     group.add_argument("files", nargs="*", metavar="FILE", help="folder, glob, pictures, videos")
     group.add_argument("--bag", metavar="FILE", help="a bag; with --image")
@@ -71,7 +71,7 @@ def _add_pictures(parser: argparse.ArgumentParser) -> None:
 
 def _add_board(parser: argparse.ArgumentParser) -> None:
     group = parser.add_argument_group("the board")
-    group.add_argument("--board", choices=sorted(MAKERS), default="chessboard")
+    group.add_argument("--board", choices=sorted(BOARDS), default="chessboard")
     group.add_argument(
         "--size",
         required=True,
@@ -119,9 +119,9 @@ def _complete(arguments: argparse.Namespace) -> None:
         raise ValueError("the pictures are from FILE..., --bag or --topic: one of them")
     if bool(arguments.bag) != bool(arguments.image):
         raise ValueError("--bag and --image belong together")
-    if not FEWEST_VIEWS <= arguments.most <= MOST_PICTURES:
+    if not MIN_VIEWS <= arguments.most <= MAX_IMAGES:
         raise ValueError(
-            f"argument --most: is {arguments.most}, must be from {FEWEST_VIEWS} to {MOST_PICTURES}"
+            f"argument --most: is {arguments.most}, must be from {MIN_VIEWS} to {MAX_IMAGES}"
         )
     if not 1.0 <= arguments.max_blur <= 1000.0:
         raise ValueError(f"argument --max-blur: is {arguments.max_blur}, must be from 1 to 1000")
@@ -152,7 +152,7 @@ def _board(arguments: argparse.Namespace) -> Board:
     if arguments.board != "charuco":
         if any(of_charuco):
             raise ValueError(f"--marker and --dictionary are of charuco, not of {arguments.board}")
-        return MAKERS[arguments.board](columns, rows, arguments.square)
+        return BOARDS[arguments.board](columns, rows, arguments.square)
     if not all(of_charuco):
         raise ValueError("a ChArUco board has --marker and --dictionary")
     _require_length("marker", arguments.marker)
@@ -161,7 +161,7 @@ def _board(arguments: argparse.Namespace) -> Board:
             f"argument --marker: is {arguments.marker:g}, must be less than --square, "
             f"{arguments.square:g}"
         )
-    return MAKERS["charuco"](columns, rows, arguments.square, *of_charuco)
+    return BOARDS["charuco"](columns, rows, arguments.square, *of_charuco)
 
 
 def _size(text: str) -> Tuple[int, int]:

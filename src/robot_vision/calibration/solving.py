@@ -6,9 +6,9 @@ from typing import List, Sequence, Tuple
 import cv2
 import numpy as np
 
-from .boards import Sighting
+from .boards import Observation
 
-FEWEST_VIEWS = 5
+MIN_VIEWS = 5
 FISHEYE_FOCALS = (0.3, 0.4, 0.5, 0.7)  # initial focal lengths, as shares of the image's longer side
 MODELS = ("plumb_bob", "rational_polynomial", "equidistant")
 PARAMETERS = ("fx", "fy", "cx", "cy")
@@ -46,7 +46,7 @@ class Calibration:
 
 
 def calibrate(
-    sightings: Sequence[Sighting], size: Tuple[int, int], model: str, third: bool = False
+    observations: Sequence[Observation], size: Tuple[int, int], model: str, third: bool = False
 ) -> Calibration:
     """Computes the camera from views of a board in images of `size`, (width, height) px.
 
@@ -60,56 +60,56 @@ def calibrate(
     Raises:
         ValueError: There are too few views, or no camera fits them.
     """
-    if len(sightings) < FEWEST_VIEWS:
-        raise ValueError(f"{len(sightings)} views of the board, {FEWEST_VIEWS} are needed at least")
+    if len(observations) < MIN_VIEWS:
+        raise ValueError(f"{len(observations)} views of the board, {MIN_VIEWS} are needed at least")
     solve = _solve_fisheye if model == "equidistant" else _solve_pinhole
     try:
-        matrix, bend, deviations, errors = solve(sightings, size, model, third)
-        projection = _projection(matrix, bend, size, model)
+        matrix, distortion, deviations, errors = solve(observations, size, model, third)
+        projection = _projection(matrix, distortion, size, model)
     except cv2.error as error:
         raise ValueError(f"the views do not fit a camera ({model}): {error.err}") from None
-    if not all(np.isfinite(values).all() for values in (matrix, bend, errors)):
+    if not all(np.isfinite(values).all() for values in (matrix, distortion, errors)):
         raise ValueError(f"the views do not fit a camera ({model})")
-    counts = [len(one.points) for one in sightings]
+    counts = [len(one.points) for one in observations]
     error = float(np.sqrt(np.average(np.square(errors), weights=counts)))
-    return Calibration(size, model, matrix, bend, projection, deviations, error, errors)
+    return Calibration(size, model, matrix, distortion, projection, deviations, error, errors)
 
 
 Solution = Tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]  # K, D, deviations, errors
 
 
 def _solve_pinhole(
-    sightings: Sequence[Sighting], size: Tuple[int, int], model: str, third: bool
+    observations: Sequence[Observation], size: Tuple[int, int], model: str, third: bool
 ) -> Solution:
     flags = 0 if third else cv2.CALIB_FIX_K3
     if model == "rational_polynomial":
         flags = cv2.CALIB_RATIONAL_MODEL
-    points = [one.points.astype(np.float32) for one in sightings]
-    pixels = [one.pixels.astype(np.float32) for one in sightings]
-    _, matrix, bend, _, _, deviations, _, errors = cv2.calibrateCameraExtended(
+    points = [one.points.astype(np.float32) for one in observations]
+    pixels = [one.pixels.astype(np.float32) for one in observations]
+    _, matrix, distortion, _, _, deviations, _, errors = cv2.calibrateCameraExtended(
         points, pixels, size, None, None, flags=flags
     )
     count = len(COEFFICIENTS[model])
     return (
         matrix,
-        bend.ravel()[:count],
+        distortion.ravel()[:count],
         deviations.ravel()[: len(PARAMETERS) + count],
         errors.ravel(),
     )
 
 
 def _solve_fisheye(
-    sightings: Sequence[Sighting], size: Tuple[int, int], _model: str, _third: bool
+    observations: Sequence[Observation], size: Tuple[int, int], _model: str, _third: bool
 ) -> Solution:
-    points = [one.points[None].astype(float) for one in sightings]
-    pixels = [one.pixels[None].astype(float) for one in sightings]
-    _, matrix, bend, turns, shifts = _best_fisheye(points, pixels, size)
+    points = [one.points[None].astype(float) for one in observations]
+    pixels = [one.pixels[None].astype(float) for one in observations]
+    _, matrix, distortion, turns, shifts = _best_fisheye(points, pixels, size)
     normal, residuals = np.zeros((8, 8)), []
     for on_board, seen, turn, shift in zip(points, pixels, turns, shifts):
-        expected, jacobian = cv2.fisheye.projectPoints(on_board, turn, shift, matrix, bend)
+        expected, jacobian = cv2.fisheye.projectPoints(on_board, turn, shift, matrix, distortion)
         residuals.append((seen - expected).reshape(-1, 2))
         normal += _without_pose(jacobian[:, :8], jacobian[:, 8:14])
-    return matrix, bend.ravel(), _deviations(normal, residuals), _rms(residuals)
+    return matrix, distortion.ravel(), _deviations(normal, residuals), _rms(residuals)
 
 
 def _best_fisheye(
@@ -147,8 +147,8 @@ def _without_pose(camera: np.ndarray, pose: np.ndarray) -> np.ndarray:
 
 def _deviations(normal: np.ndarray, residuals: List[np.ndarray]) -> np.ndarray:
     values = np.concatenate(residuals).ravel()
-    freedom = max(len(values) - len(normal) - 6 * len(residuals), 1)
-    return np.sqrt(np.diag(np.linalg.pinv(normal)) * (values @ values / freedom))
+    degrees_of_freedom = max(len(values) - len(normal) - 6 * len(residuals), 1)
+    return np.sqrt(np.diag(np.linalg.pinv(normal)) * (values @ values / degrees_of_freedom))
 
 
 def _rms(residuals: List[np.ndarray]) -> np.ndarray:
@@ -157,10 +157,12 @@ def _rms(residuals: List[np.ndarray]) -> np.ndarray:
 
 
 def _projection(
-    matrix: np.ndarray, bend: np.ndarray, size: Tuple[int, int], model: str
+    matrix: np.ndarray, distortion: np.ndarray, size: Tuple[int, int], model: str
 ) -> np.ndarray:
     if model == "equidistant":
-        new = cv2.fisheye.estimateNewCameraMatrixForUndistortRectify(matrix, bend, size, np.eye(3))
+        new = cv2.fisheye.estimateNewCameraMatrixForUndistortRectify(
+            matrix, distortion, size, np.eye(3)
+        )
     else:
-        new, _ = cv2.getOptimalNewCameraMatrix(matrix, bend, size, 0.0)
+        new, _ = cv2.getOptimalNewCameraMatrix(matrix, distortion, size, 0.0)
     return np.hstack([new, np.zeros((3, 1))])

@@ -5,16 +5,16 @@ from typing import List, NamedTuple, Optional, Tuple
 import cv2
 import numpy as np
 
-from .boards import Board, Sighting
+from .boards import Board, Observation
 
-ALIKE = 0.2  # sum of the differences of two descriptions, as in camera_calibration, that are alike
+MIN_DIFFERENCE = 0.2  # sum over a description, between different views; as in camera_calibration
 
 
 class View(NamedTuple):
     """An image that is used: its name, and the board in it."""
 
     name: str
-    sighting: Sighting
+    observation: Observation
 
 
 class ViewCollection:
@@ -53,13 +53,13 @@ class ViewCollection:
                 f"it has {size[0]}x{size[1]}, the pictures before {self.size[0]}x{self.size[1]}"
             )
         self.offered += 1
-        sighting = self._board.find(gray)
-        if sighting is None or not cv2.isContourConvex(outline(sighting).astype(np.float32)):
+        observation = self._board.find(gray)
+        if observation is None or not cv2.isContourConvex(outline(observation).astype(np.float32)):
             self.without_board += 1
-        elif edge_width(gray, sighting.pixels) > self._max_blur:
+        elif edge_width(gray, observation.pixels) > self._max_blur:
             self.blurred += 1
         else:
-            self._keep_new(View(name, sighting))
+            self._keep_new(View(name, observation))
 
     def skip(self) -> None:
         """Counts an image that cannot be examined."""
@@ -75,43 +75,43 @@ class ViewCollection:
         )
 
     def _keep_new(self, view: View) -> None:
-        description = describe(view.sighting, self.size)
+        description = describe(view.observation, self.size)
         differences = np.abs(self._descriptions - description).sum(axis=1)
-        if self.full or (differences < ALIKE).any():
+        if self.full or (differences < MIN_DIFFERENCE).any():
             self.alike += 1
             return
         self.views.append(view)
         self._descriptions = np.vstack([self._descriptions, description])
 
 
-def outline(sighting: Sighting) -> np.ndarray:
+def outline(observation: Observation) -> np.ndarray:
     """Returns the corners of the rectangle around the points as a homography maps them: (4, 2) px.
 
     They start at the board's top left corner and go clockwise. If the points are mixed up, they
     do not form a convex shape.
     """
-    flat = sighting.points[:, :2]
-    to_picture, _ = cv2.findHomography(flat, sighting.pixels)
-    if to_picture is None:
+    flat = observation.points[:, :2]
+    to_image, _ = cv2.findHomography(flat, observation.pixels)
+    if to_image is None:
         return np.zeros((4, 2))
     (left, top), (right, bottom) = flat.min(axis=0), flat.max(axis=0)
     corners = np.array([[[left, top], [right, top], [right, bottom], [left, bottom]]])
-    return cv2.perspectiveTransform(corners, to_picture)[0]
+    return cv2.perspectiveTransform(corners, to_image)[0]
 
 
-def describe(sighting: Sighting, size: Tuple[int, int]) -> np.ndarray:
+def describe(observation: Observation, size: Tuple[int, int]) -> np.ndarray:
     """Returns position (x, y), size, skew and lean (2) of the board: (6,), each about 0 to 1.
 
     Position, size and skew are defined as in camera_calibration. The lean distinguishes tilts to
     opposite sides.
     """
-    quad = outline(sighting)
+    quad = outline(observation)
     edges = np.roll(quad, -1, axis=0) - quad
     lengths = np.linalg.norm(edges, axis=1)
     area = cv2.contourArea(quad.astype(np.float32))
     side = np.sqrt(area)
     room = np.maximum(np.array(size) - side, 1.0)
-    place = np.clip((sighting.pixels.mean(axis=0) - side / 2.0) / room, 0.0, 1.0)
+    place = np.clip((observation.pixels.mean(axis=0) - side / 2.0) / room, 0.0, 1.0)
     cosine = edges[0] @ edges[1] / (lengths[0] * lengths[1])
     skew = min(1.0, 2.0 * abs(np.arcsin(np.clip(cosine, -1.0, 1.0))))
     lean = (lengths[:2] - lengths[2:]) / (lengths[:2] + lengths[2:])

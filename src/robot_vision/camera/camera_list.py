@@ -3,7 +3,7 @@
 import re
 from typing import Any, Dict
 
-from ..common.plain_text import told
+from ..common.plain_text import brief
 
 NAME = "[A-Za-z][A-Za-z0-9_]*"
 
@@ -21,23 +21,23 @@ def parse_cameras(values: Any) -> Dict[str, Dict[str, Any]]:
         ValueError: The list is not of this form; the message says what is wrong, and where.
     """
     if not isinstance(values, list) or not values:
-        raise ValueError(f"cameras is {told(values)}, must be a list of maps with name and source")
+        raise ValueError(f"cameras is {brief(values)}, must be a list of maps with name and source")
     cameras: Dict[str, Dict[str, Any]] = {}
     for index, entry in enumerate(values):
         where = f"cameras[{index}]"
         if not isinstance(entry, dict):
-            raise ValueError(f"{where} is {told(entry)}, must be a map with name and source")
+            raise ValueError(f"{where} is {brief(entry)}, must be a map with name and source")
         parameters = dict(entry)
         name = parameters.pop("name", None)
         if not isinstance(name, str) or not re.fullmatch(NAME, name):
-            raise ValueError(f"{where}: name is {told(name)}, must be letters, digits and _")
+            raise ValueError(f"{where}: name is {brief(name)}, must be letters, digits and _")
         if name in cameras:
             raise ValueError(f"{where}: the name {name} is there twice")
         if "source" not in parameters:
             raise ValueError(f"{where} ({name}): there is no source")
         source = parameters["source"]
         if not isinstance(source, str):
-            raise ValueError(f"{where} ({name}): source is {told(source)}, must be a string")
+            raise ValueError(f"{where} ({name}): source is {brief(source)}, must be a string")
         cameras[name] = _of_node(name, parameters, f"{where} ({name})")
     return cameras
 

@@ -13,16 +13,16 @@ import rospy
 from nodelet.srv import NodeletList, NodeletLoad, NodeletUnload
 
 from ..ros.params import read_any, read_name
-from ..ros.registration import AWAY
+from ..ros.registration import UNREACHABLE_ERRORS
 from ..ros.startup import run_node
 from .camera_list import parse_cameras
 
 PLUGIN = "robot_vision/camera"
-LOOK_AROUND = 0.5  # s between two rounds of work
-UNTIL_BONDED = 2.0  # s, longest wait for a bond
-UNTIL_MANAGER_ENDS = 0.5  # s that a manager takes to end if it was told together with this node
+POLL_PERIOD = 0.5  # s between two rounds of work
+BOND_TIMEOUT = 2.0  # s, longest wait for a bond
+MANAGER_END_DELAY = 0.5  # s that a manager takes to end if it was told together with this node
 FIRST_RETRY, LAST_RETRY = 1.0, 60.0  # s, shortest and longest wait after a camera was refused
-MOST_CRASHES = 2  # of the manager while it loads a camera, before that camera is left out
+MAX_CRASHES = 2  # of the manager while it loads a camera, before that camera is left out
 
 
 class CameraLoader:
@@ -45,13 +45,13 @@ class CameraLoader:
         self._list: Any = None  # the value of ~cameras that was read last
         self._cameras: Dict[str, Dict[str, Any]] = {}  # their parameters; empty without a list
         self._crashes: Dict[str, int] = {}  # of the manager, while it loaded that camera
-        self._wrong = ""  # the error of the list that was logged last
+        self._list_error = ""  # the error of the list that was logged last
         # Guards _loaded and _lost, because each bond breaks in a thread of its own.
         self._lock = threading.Lock()
         self._loaded: Dict[str, Tuple[str, bondpy.bondpy.Bond]] = {}  # with the manager's URI
         self._lost: Dict[str, str] = {}  # with the URI of the manager that may still have it
         self._refused: Dict[str, Tuple[float, float]] = {}  # time of the next try, and wait (s)
-        self._met = ""  # URI of the manager that has no cameras of an earlier loader
+        self._prepared_manager = ""  # URI of the manager that has no cameras of an earlier loader
         self._waiting = False
         self._loading = False  # whether the manager is loading a camera
         self._done = threading.Event()
@@ -62,7 +62,7 @@ class CameraLoader:
         # The work has its own thread: a manager that is loading a camera may answer late or never.
         work = threading.Thread(target=self._work, daemon=True)
         work.start()
-        while not self._done.wait(LOOK_AROUND):
+        while not self._done.wait(POLL_PERIOD):
             if not work.is_alive() and not rospy.core.is_shutdown_requested():
                 raise SystemExit(1)  # The thread has logged the reason.
 
@@ -70,28 +70,28 @@ class CameraLoader:
         while not rospy.core.is_shutdown_requested():
             self._read_list()
             manager = self._manager_uri() if self._cameras else ""
-            if manager and self._meet(manager):
+            if manager and self._prepare_manager(manager):
                 # If the manager dies of a camera, the round ends.
                 all(self._load(name, manager) for name in self._missing())
-            rospy.rostime.wallsleep(LOOK_AROUND)
+            rospy.rostime.wallsleep(POLL_PERIOD)
 
     def _read_list(self) -> None:
         """Follows ~cameras. An error in it is logged once, and all cameras stay as they are."""
         try:
             values = read_any("cameras", None)
-        except AWAY:
+        except UNREACHABLE_ERRORS:
             return
         if self._cameras and values in (self._list, None):  # A restarted master has no list.
-            self._wrong = ""
+            self._list_error = ""
             return
         try:
             cameras = parse_cameras(values)
         except ValueError as error:
-            if str(error) != self._wrong:
+            if str(error) != self._list_error:
                 rospy.logerr("%s; waiting for another list in ~cameras", error)
-            self._wrong = str(error)
+            self._list_error = str(error)
             return
-        self._list, self._wrong = values, ""
+        self._list, self._list_error = values, ""
         self._change({rospy.resolve_name(name): of for name, of in cameras.items()})
 
     def _change(self, cameras: Dict[str, Dict[str, Any]]) -> None:
@@ -119,7 +119,7 @@ class CameraLoader:
     def _manager_uri(self) -> str:
         """Returns the URI of the manager, or "" if it does not answer."""
         uri = ""
-        with contextlib.suppress(*AWAY):
+        with contextlib.suppress(*UNREACHABLE_ERRORS):
             master = rosgraph.Master(rospy.get_name())
             master.lookupService(self._manager + "/load_nodelet")
             uri = master.lookupNode(self._manager)
@@ -130,12 +130,12 @@ class CameraLoader:
         self._waiting = not uri
         return uri
 
-    def _meet(self, manager: str) -> bool:
+    def _prepare_manager(self, manager: str) -> bool:
         """Prepares a manager for cameras, and returns whether it is ready for them.
 
         Cameras of an earlier manager are forgotten. Their bonds would tell of its death too late.
         """
-        if manager == self._met:
+        if manager == self._prepared_manager:
             return True
         with self._lock:
             old = {name: loaded for name, loaded in self._loaded.items() if loaded[0] != manager}
@@ -152,7 +152,7 @@ class CameraLoader:
         for name in sorted(left):
             rospy.loginfo("%s: unloaded, another loader has left it", name)
             self._unload(name)
-        self._met = manager
+        self._prepared_manager = manager
         return True
 
     def _missing(self) -> List[str]:
@@ -162,14 +162,16 @@ class CameraLoader:
                 name
                 for name in self._cameras
                 if name not in self._loaded
-                and self._crashes[name] < MOST_CRASHES
+                and self._crashes[name] < MAX_CRASHES
                 and self._refused.get(name, (now, 0.0))[0] <= now
             ]
 
     def _load(self, name: str, manager: str) -> bool:
         """Loads a camera; returns whether the manager is still alive."""
         bond = bondpy.bondpy.Bond(
-            self._manager + "/bond", str(uuid.uuid4()), on_broken=lambda: self._lose(name, bond)
+            self._manager + "/bond",
+            str(uuid.uuid4()),
+            on_broken=lambda: self._drop(name, bond),
         )
         service = rospy.ServiceProxy(self._manager + "/load_nodelet", NodeletLoad)
         if self._lost.pop(name, "") == manager:
@@ -179,7 +181,7 @@ class CameraLoader:
             service(name, PLUGIN, [], [], [], bond.id)
         except (rospy.ServiceException, rospy.ROSException) as error:
             bond.shutdown()
-            return self._survives(name, manager, error)
+            return self._is_manager_alive_after(name, manager, error)
         finally:
             self._loading = False
         self._refused.pop(name, None)
@@ -187,28 +189,28 @@ class CameraLoader:
             self._loaded[name] = manager, bond
         bond.start()
         # A manager that has to end before the bond is formed crashes.
-        bond.wait_until_formed(rospy.Duration(UNTIL_BONDED))
+        bond.wait_until_formed(rospy.Duration(BOND_TIMEOUT))
         rospy.loginfo("%s: loaded", name)
         return True
 
-    def _survives(self, name: str, manager: str, error: Exception) -> bool:
+    def _is_manager_alive_after(self, name: str, manager: str, error: Exception) -> bool:
         """Logs that a camera was not loaded; returns whether the manager is still alive."""
         if rospy.core.is_shutdown_requested():
             return False
         if _answers(manager):
             wait = min(2.0 * self._refused.get(name, (0.0, FIRST_RETRY / 2.0))[1], LAST_RETRY)
             self._refused[name] = time.monotonic() + wait, wait
-            why = "%s: not loaded, the manager says why; trying again in %.0f s"
-            rospy.logerr(why, name, wait)
+            message = "%s: not loaded, the manager says why; trying again in %.0f s"
+            rospy.logerr(message, name, wait)
             return True
         self._crashes[name] += 1
-        again = self._crashes[name] < MOST_CRASHES
+        again = self._crashes[name] < MAX_CRASHES
         rospy.logerr(
             "%s: the manager died of it; %s", name, "once more" if again else "it is left out"
         )
         return False
 
-    def _lose(self, name: str, bond: bondpy.bondpy.Bond) -> None:
+    def _drop(self, name: str, bond: bondpy.bondpy.Bond) -> None:
         with self._lock:
             if self._loaded.get(name, ("", None))[1] is not bond:
                 return
@@ -219,7 +221,7 @@ class CameraLoader:
     def _end(self) -> None:
         # A manager that is ending too, by the same Ctrl-C, would crash if a bond broke now.
         try:
-            rospy.rostime.wallsleep(UNTIL_MANAGER_ENDS)
+            rospy.rostime.wallsleep(MANAGER_END_DELAY)
             if not self._loading and self._manager_uri():
                 with self._lock:
                     loaded, self._loaded = self._loaded, {}
@@ -239,7 +241,7 @@ def _answers(uri: str) -> bool:
     """Returns whether a living node answers at the URI."""
     try:
         return xmlrpc.client.ServerProxy(uri).getPid("/camera_loader")[0] == 1
-    except AWAY:
+    except UNREACHABLE_ERRORS:
         return False
 
 

@@ -9,7 +9,7 @@ from geometry_msgs.msg import Point
 
 from .. import Code, CodeReaderParams, draw_outline, keeps_bytes
 from .. import CodeReader as Reader
-from ..common.plain_text import plain
+from ..common.plain_text import to_ascii
 from ..common.repeats import Repeats
 from ..msg import Detection, DetectionArray
 from ..ros.configs import CodeReaderConfig
@@ -19,7 +19,7 @@ from ..ros.params import LiveParams, filled
 from ..ros.startup import run_node
 from ..ros.transport import Frame
 
-LONGEST_LABEL = 60
+MAX_LABEL_LENGTH = 60
 
 
 class CodeReader:
@@ -64,7 +64,7 @@ class CodeReader:
     def _publish_overlay(self, frame: Frame, codes: List[Code]) -> None:
         overlay = cv2.cvtColor(frame.image, cv2.COLOR_GRAY2BGR)
         for code in codes:
-            label = plain(f"{code.type}: {text_of(code)}", LONGEST_LABEL)
+            label = to_ascii(f"{code.type}: {text_of(code)}", MAX_LABEL_LENGTH)
             draw_outline(overlay, np.rint(code.polygon).astype(int), label)
         self._processed.publish(overlay, "bgr8", frame.header)
 
@@ -74,13 +74,13 @@ def text_of(code: Code) -> str:
     return code.data.decode("utf-8", "replace")
 
 
-def code_detection(code: Code, picture: np.ndarray) -> Detection:
+def code_detection(code: Code, image: np.ndarray) -> Detection:
     """Returns a code as a Detection, whose box is clipped to the image."""
     return Detection(
         label=text_of(code),
         id=-1,
         score=code.score,
-        box=box_around(code.polygon, picture),
+        box=box_around(code.polygon, image),
         center=Point(*code.polygon.mean(axis=0), 0.0),
         outline=points(code.polygon),
         area=cv2.contourArea(code.polygon.astype(np.float32)),

@@ -58,7 +58,7 @@ class HsvTracker:
             cleaned, regions = finder.apply(mask.apply(image))
             union = union | cleaned if union.size else cleaned
             found += [(name, region) for region in regions]
-        return union, sorted(found, key=lambda one: -one[1].area)
+        return union, sorted(found, key=lambda entry: -entry[1].area)
 
     def _edit(self, path: str, text: str, values: Dict[str, Any]) -> str:
         shown = ("color", *LOW, *HIGH)

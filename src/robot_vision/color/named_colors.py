@@ -5,12 +5,12 @@ from typing import Any, Dict
 import rospy
 
 from .. import HsvRange, validate
-from ..common.plain_text import printable, told
+from ..common.plain_text import brief, printable
 from ..ros.params import filled, read_any, read_param
 
 LOW = ("h_low", "s_low", "v_low")
 HIGH = ("h_high", "s_high", "v_high")
-LONGEST_LIST = 200  # characters of the names in an error
+MAX_LIST_LENGTH = 200  # characters of the names in an error
 DEFAULT = {"blue": {"low": [90, 50, 50], "high": [120, 255, 255]}}
 
 
@@ -29,7 +29,7 @@ class NamedColors:
             given = _default()
         if not isinstance(given, dict) or not given:
             raise ValueError(
-                f"colors is {told(given)}, must be a map of at least one name to a range"
+                f"colors is {brief(given)}, must be a map of at least one name to a range"
             )
         for name, entry in given.items():
             self.ranges[str(name)] = _range(str(name), entry)
@@ -43,8 +43,8 @@ class NamedColors:
         """Takes over the limits that have changed in `config`, and updates the rest of it."""
         name = config["color"] or self._shown or next(iter(self.ranges))
         if name not in self.ranges:
-            known = printable(", ".join(self.ranges), LONGEST_LIST)
-            raise ValueError(f"color is {told(name)}, must be one of {known}")
+            known = printable(", ".join(self.ranges), MAX_LIST_LENGTH)
+            raise ValueError(f"color is {brief(name)}, must be one of {known}")
         values = dict(zip((*LOW, *HIGH), (*self.ranges[name].low, *self.ranges[name].high)))
         changed = {key: config[key] for key, old in self._values.items() if config[key] != old}
         values.update(changed)
@@ -71,7 +71,7 @@ def _range(name: str, entry: Any) -> HsvRange:
         found = HsvRange(low=tuple(entry["low"]), high=tuple(entry["high"]))
     except (KeyError, TypeError):
         raise ValueError(
-            f"{where} is {told(entry)}, must be {{low: [h, s, v], high: [h, s, v]}}"
+            f"{where} is {brief(entry)}, must be {{low: [h, s, v], high: [h, s, v]}}"
         ) from None
     try:
         validate(found)

@@ -142,11 +142,11 @@ def _color(arguments: argparse.Namespace) -> Tuple[Optional[Color], Color]:
         return None, tuple(arguments.hsv)
     if arguments.topic or arguments.picture:
         picture = (
-            _first_picture(arguments.topic, arguments.timeout)
+            _first_image(arguments.topic, arguments.timeout)
             if arguments.topic
             else _load(arguments.picture)
         )
-        part = _part(picture, arguments.region or [*arguments.at, 1, 1])
+        part = _crop(picture, arguments.region or [*arguments.at, 1, 1])
         if arguments.region:
             return None, median_hsv(part)
         bgr = part[0, 0].tolist()
@@ -166,7 +166,7 @@ def _load(path: str) -> np.ndarray:
     return picture
 
 
-def _part(picture: np.ndarray, region: Sequence[int]) -> np.ndarray:
+def _crop(picture: np.ndarray, region: Sequence[int]) -> np.ndarray:
     x, y, width, height = region
     rows, columns = picture.shape[:2]
     if not (0 <= x < x + width <= columns and 0 <= y < y + height <= rows):
@@ -177,7 +177,7 @@ def _part(picture: np.ndarray, region: Sequence[int]) -> np.ndarray:
     return picture[y : y + height, x : x + width]
 
 
-def _first_picture(topic: str, seconds: float) -> np.ndarray:
+def _first_image(topic: str, seconds: float) -> np.ndarray:
     """Returns the next image of a topic, BGR."""
     if not rosgraph.is_master_online():
         raise TimeoutError(f"no ROS master answers at {rosgraph.get_master_uri()}")
@@ -187,10 +187,10 @@ def _first_picture(topic: str, seconds: float) -> np.ndarray:
     try:
         return frames.get(timeout=seconds)
     except queue.Empty:
-        why = "was usable" if subscriber.received else "came"
+        state = "was usable" if subscriber.received else "came"
         nobody = "" if subscriber.get_num_connections() else "; nobody publishes pictures there"
         raise TimeoutError(
-            f"{subscriber.topic}: no picture {why} within {seconds:g} s{nobody}"
+            f"{subscriber.topic}: no picture {state} within {seconds:g} s{nobody}"
         ) from None
     finally:
         subscriber.unregister()

@@ -3,8 +3,8 @@
 import unicodedata
 from typing import Any
 
-LONGEST_NAME = 255  # letters
-NAME = f"a name of 1 to {LONGEST_NAME} printable letters"
+MAX_NAME_LENGTH = 255  # letters
+NAME = f"a name of 1 to {MAX_NAME_LENGTH} printable letters"
 
 
 def printable(text: str, length: int = 100) -> str:
@@ -21,10 +21,10 @@ def printable(text: str, length: int = 100) -> str:
 
 def is_name(text: str) -> bool:
     """Returns whether the text can name a frame or a node that all tools of ROS can show."""
-    return 0 < len(text) <= LONGEST_NAME and text.isprintable()
+    return 0 < len(text) <= MAX_NAME_LENGTH and text.isprintable()
 
 
-def plain(text: str, length: int = 100) -> str:
+def to_ascii(text: str, length: int = 100) -> str:
     """Returns at most `length` ASCII characters: accents are dropped, other letters become "?"."""
     letters = unicodedata.normalize("NFKD", text[:length])
     letters = "".join(letter for letter in letters if not unicodedata.combining(letter))
@@ -32,7 +32,7 @@ def plain(text: str, length: int = 100) -> str:
     return line[: length - 3] + "..." if max(len(text), len(line)) > length else line
 
 
-def told(value: Any, length: int = 100) -> str:
+def brief(value: Any, length: int = 100) -> str:
     """Returns the source code of a value for an error message, cut to `length` characters."""
     text = repr(value)
     return text if len(text) <= length else text[: length - 3] + "..."

@@ -8,13 +8,13 @@ class Repeats:
 
     def __init__(self, period: float = 0.0):
         self.period = period
-        self._told: Dict[Hashable, float] = {}  # s, the time of the last report
+        self._reported: Dict[Hashable, float] = {}  # s, the time of the last report
 
     def news(self, things: Iterable[Hashable], now: float) -> Set[Hashable]:
         """Returns the things that are news at the time `now` in s; all are if time went back."""
-        self._told = {
-            thing: when for thing, when in self._told.items() if 0.0 <= now - when < self.period
+        self._reported = {
+            thing: when for thing, when in self._reported.items() if 0.0 <= now - when < self.period
         }
-        fresh = set(things) - set(self._told)
-        self._told.update(dict.fromkeys(fresh, now))
+        fresh = set(things) - set(self._reported)
+        self._reported.update(dict.fromkeys(fresh, now))
         return fresh

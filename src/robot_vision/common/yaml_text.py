@@ -12,7 +12,7 @@ MAX_DEPTH = 20
 MAX_VALUES = 20000  # including those that aliases stand for
 MAX_NUMBER = 100  # characters of a scalar that is no string: numbers are read in quadratic time
 STRING = "tag:yaml.org,2002:str"
-MAX_TOLD = 200  # characters of an error message
+MAX_MESSAGE = 200  # characters of an error message
 
 
 def load_yaml(text: str) -> Any:
@@ -39,9 +39,11 @@ def _read(text: str, of: Any) -> Any:
     try:
         return of(_BoundedLoader(text))
     except yaml.MarkedYAMLError as error:
-        raise ValueError(_placed(str(error.problem or error.context), error.problem_mark)) from None
+        raise ValueError(
+            _located(str(error.problem or error.context), error.problem_mark)
+        ) from None
     except Exception as error:  # for instance of an impossible date, or a number without digits
-        raise ValueError(_in_one_line(str(error))) from None
+        raise ValueError(_one_line(str(error))) from None
 
 
 class _BoundedLoader(yaml.SafeLoader):
@@ -78,10 +80,10 @@ class _BoundedLoader(yaml.SafeLoader):
             raise yaml.MarkedYAMLError(problem=problem, problem_mark=place.start_mark)
 
 
-def _placed(problem: str, mark: Optional[yaml.Mark]) -> str:
+def _located(problem: str, mark: Optional[yaml.Mark]) -> str:
     where = f"line {mark.line + 1}, column {mark.column + 1}: " if mark else ""
-    return where + _in_one_line(problem)
+    return where + _one_line(problem)
 
 
-def _in_one_line(text: str) -> str:
-    return " ".join(text.split())[:MAX_TOLD]
+def _one_line(text: str) -> str:
+    return " ".join(text.split())[:MAX_MESSAGE]

@@ -8,7 +8,7 @@ import numpy as np
 
 from ..common.files import reason
 from .face_images import face_of, portrait
-from .gallery_files import decode, picture_files, read_picture, shown
+from .gallery_files import decode, image_paths, read_image_file, shown
 
 
 class Candidates:
@@ -20,11 +20,11 @@ class Candidates:
         self.repeated = 0
         self.problems: List[str] = []  # what was refused, and the reason
 
-    def offer(self, pictures: Mapping[str, np.ndarray]) -> None:
+    def offer(self, images: Mapping[str, np.ndarray]) -> None:
         """Takes images, BGR, by the names under which problems report them."""
-        for source, picture in pictures.items():
+        for source, image in images.items():
             try:
-                self._take(picture)
+                self._take(image)
             except ValueError as error:
                 self.problems.append(f"{source}: {error}")
 
@@ -39,21 +39,21 @@ class Candidates:
             InterruptedError: `given_up` returned a true value.
             OSError: The folder cannot be read.
         """
-        for path in picture_files(folder):
+        for path in image_paths(folder):
             if given_up():
                 raise InterruptedError(f"given up at {shown(path)}")
             try:
-                self._take(portrait(decode(read_picture(path))))
+                self._take(portrait(decode(read_image_file(path))))
             except (OSError, ValueError) as error:
                 self.problems.append(f"{shown(path)}: {reason(error)}")
 
-    def _take(self, picture: np.ndarray) -> None:
-        png = cv2.imencode(".png", picture)[1].tobytes()
+    def _take(self, image: np.ndarray) -> None:
+        png = cv2.imencode(".png", image)[1].tobytes()
         digest = digest_of(png)
         if digest in self.faces:
             self.repeated += 1
             return
-        self.faces[digest] = face_of(picture)
+        self.faces[digest] = face_of(image)
         self.files[digest] = png
 
 

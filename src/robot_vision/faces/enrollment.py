@@ -37,13 +37,13 @@ class Enrollment:
             self._refuse("showed several faces" if boxes else "showed no face")
             return
         try:
-            picture = portrait(image, boxes[0])
-            face_of(picture)
+            taken = portrait(image, boxes[0])
+            face_of(taken)
         except ValueError:
             self._refuse("showed no clear face")
             return
         self._taken = now
-        self.portraits[f"picture {len(self.portraits) + 1}"] = picture
+        self.portraits[f"picture {len(self.portraits) + 1}"] = taken
         if len(self.portraits) == self._count:
             self._done.set()
 

@@ -14,7 +14,7 @@ from .face_images import SIDE
 HEAD = f"robot_vision faces 2, {SIDE} px, OpenCV {cv2.__version__}\n".encode()
 DIGEST = 64  # bytes of a SHA-256 in hexadecimal digits
 RECORD = DIGEST + SIDE * SIDE  # bytes of a face after the digest of its image file
-MOST = 1 << 30  # bytes, largest file: a hundred thousand faces
+MAX_SIZE = 1 << 30  # bytes, largest file: a hundred thousand faces
 
 
 def write_faces(path: str, faces: Mapping[str, np.ndarray]) -> None:
@@ -36,7 +36,7 @@ def read_faces(path: str) -> Dict[str, np.ndarray]:
     """
     if not os.path.lexists(path):
         return {}
-    data = read_file(path, MOST)
+    data = read_file(path, MAX_SIZE)
     if not data.startswith(HEAD):
         raise ValueError("it is of another version, or no such file")
     digest, body = data[len(HEAD) : len(HEAD) + DIGEST], data[len(HEAD) + DIGEST :]

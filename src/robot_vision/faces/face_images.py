@@ -15,7 +15,7 @@ SIDE = 100  # px, side of a normalized face
 MARGIN = 0.5  # margin around the face in a portrait, as a share of the face's size
 PORTRAIT_SIDE = 400  # px, longer side of the largest portrait
 SEARCH_SIDE = 640  # px, longer side to which a larger image is reduced for a search
-MOST_SIDE = 2  # longest side of a box that is cut out, as a multiple of the image's longer side
+MAX_SIDE_RATIO = 2  # longest side of a box, as a multiple of the image's longer side
 
 
 def check_box(image: np.ndarray, box: Box) -> None:
@@ -26,7 +26,7 @@ def check_box(image: np.ndarray, box: Box) -> None:
         raise ValueError(
             f"the box {width}x{height} at ({x}, {y}) is not in the picture of {columns}x{rows}"
         )
-    most = MOST_SIDE * max(rows, columns)
+    most = MAX_SIDE_RATIO * max(rows, columns)
     if max(width, height) > most:
         raise ValueError(f"the box {width}x{height}, must have sides of at most {most} px")
 

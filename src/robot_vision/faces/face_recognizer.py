@@ -8,7 +8,7 @@ import numpy as np
 import rospy
 
 from .. import draw_outline, draw_text
-from ..common.plain_text import plain
+from ..common.plain_text import to_ascii
 from ..msg import Detection, DetectionArray, FaceIdentity, FaceIdentityArray
 from ..ros.configs import FaceRecognizerConfig
 from ..ros.frame_pairs import FramePairs
@@ -148,7 +148,7 @@ class FaceRecognizer:
     def _show_note(self, frame: Frame, text: str) -> None:
         if self._processed.get_num_connections():
             overlay = frame.image.copy()
-            draw_text(overlay, plain(text), (10, 20), RED)
+            draw_text(overlay, to_ascii(text), (10, 20), RED)
             self._processed.publish(overlay, "bgr8", frame.header)
 
 
@@ -161,7 +161,7 @@ def draw_identity(bgr: np.ndarray, box: Box, identity: Identity) -> None:
     draw_outline(
         bgr,
         corners(box),
-        plain(f"{identity.name} {identity.distance:.0f}"),
+        to_ascii(f"{identity.name} {identity.distance:.0f}"),
         GREEN if identity.known else RED,
     )
 

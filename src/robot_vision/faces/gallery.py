@@ -27,18 +27,18 @@ from .gallery_files import (
     decode,
     entries,
     folder_of,
+    image_paths,
     inside,
-    is_picture,
+    is_image_file,
     names_in,
-    picture_files,
-    read_picture,
+    read_image_file,
     shown,
     valid_name,
     write_numbered,
 )
 
 CACHE = ".faces"
-LONGEST_FOLDER = 300  # characters of a folder in an error
+MAX_FOLDER_LENGTH = 300  # characters of a folder in an error
 PRIVATE = 0o700  # mode of a new gallery: its faces are private
 
 
@@ -86,7 +86,9 @@ class Gallery:
     def __init__(self, folder: str):
         self.folder = os.path.abspath(os.path.expanduser(folder))
         if not _can_be_folder(self.folder):
-            raise ValueError(f"gallery is '{printable(folder, LONGEST_FOLDER)}', must be a folder")
+            raise ValueError(
+                f"gallery is '{printable(folder, MAX_FOLDER_LENGTH)}', must be a folder"
+            )
         self._lock = threading.Lock()  # guards the faces and the folder
         self._faces: Dict[str, Dict[str, np.ndarray]] = {}  # by name, then digest of the image
 
@@ -161,7 +163,7 @@ class Gallery:
                 returned a true value; people who were complete by then have been added.
         """
         if name:
-            return self._import_pictures(name, folder, given_up)
+            return self._import_images(name, folder, given_up)
         self._check_source(folder)
         total = Added()
         found = [name for name in entries(folder) if not name.startswith(".")]
@@ -171,13 +173,13 @@ class Gallery:
                 f"{shown(folder)} must have a folder for each person, as Anna/1.jpg; "
                 "to take its own pictures, say whose they are by name"
             )
-        nobodys = sum(map(is_picture, found))
+        nobodys = sum(map(is_image_file, found))
         if nobodys:
             total.problems.append(f"{shown(folder)}: {nobodys} pictures in no person's folder")
         for person in people:
             path = os.path.join(folder, person)
             try:
-                added = self._import_pictures(person, path, given_up)
+                added = self._import_images(person, path, given_up)
             except ValueError as error:
                 total.problems.append(f"{shown(path)}: {error}")
                 continue
@@ -198,7 +200,7 @@ class Gallery:
             folder = self._folder(name)
             if not os.path.isdir(folder) and name not in self._faces:
                 raise ValueError(f"nobody is called '{name}'")
-            paths = picture_files(folder) if os.path.isdir(folder) else []
+            paths = image_paths(folder) if os.path.isdir(folder) else []
             removed = Removed()
             for path in paths:
                 try:
@@ -222,20 +224,20 @@ class Gallery:
         faces: Dict[str, np.ndarray] = {}
         folder = self._folder(name)
         try:
-            paths = picture_files(folder)
+            paths = image_paths(folder)
         except OSError as error:
             problems.append(f"{shown(folder)} is not used: {reason(error)}")
             return {}
         for path in paths:
             try:
-                data = read_picture(inside(self.folder, path))
+                data = read_image_file(inside(self.folder, path))
                 digest = digest_of(data)
                 faces[digest] = cached[digest] if digest in cached else face_of(decode(data))
             except (OSError, ValueError) as error:
                 problems.append(f"{shown(path)} is not used: {reason(error)}")
         return faces
 
-    def _import_pictures(self, name: str, folder: str, given_up: Callable[[], Any]) -> Added:
+    def _import_images(self, name: str, folder: str, given_up: Callable[[], Any]) -> Added:
         name = valid_name(name)
         self._check_source(folder)
         candidates = Candidates()

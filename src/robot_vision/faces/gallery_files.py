@@ -13,7 +13,7 @@ from .identities import UNKNOWN
 
 SUFFIXES = (".bmp", ".jpeg", ".jpg", ".pgm", ".png", ".ppm", ".tif", ".tiff", ".webp")
 MAX_NAME = 60  # characters, which fit into the 255 bytes of a file name in any script
-LONGEST_PATH = 1000  # characters of a path in a message
+MAX_PATH_LENGTH = 1000  # characters of a path in a message
 MAX_FILE = 64 << 20  # bytes of an image file
 
 
@@ -73,25 +73,25 @@ def names_in(gallery: str, problems: List[str]) -> List[str]:
                 if name != valid_name(name):
                     raise ValueError(f"its name must be in Unicode's form NFC, {name!a} is not")
                 names.append(name)
-            elif is_picture(name):
+            elif is_image_file(name):
                 raise ValueError("pictures belong into a folder with the person's name")
         except ValueError as error:
             problems.append(f"{shown(os.path.join(gallery, name))} is not used: {error}")
     return names
 
 
-def is_picture(name: str) -> bool:
+def is_image_file(name: str) -> bool:
     """Returns whether a file is named like an image and is not hidden."""
     return name.lower().endswith(SUFFIXES) and not name.startswith(".")
 
 
-def picture_files(folder: str) -> List[str]:
+def image_paths(folder: str) -> List[str]:
     """Returns the sorted paths of the files in a folder that are named like images.
 
     Raises:
         OSError: The folder cannot be read.
     """
-    return [os.path.join(folder, name) for name in entries(folder) if is_picture(name)]
+    return [os.path.join(folder, name) for name in entries(folder) if is_image_file(name)]
 
 
 def entries(folder: str) -> List[str]:
@@ -104,7 +104,7 @@ def entries(folder: str) -> List[str]:
         return sorted(os.listdir(folder))
 
 
-def read_picture(path: str) -> bytes:
+def read_image_file(path: str) -> bytes:
     """Returns the content of an image file.
 
     Raises:
@@ -119,10 +119,10 @@ def decode(data: bytes) -> np.ndarray:
     Raises:
         ValueError: The file is not an image, or is damaged.
     """
-    picture = upright(data)
-    if picture is None:
+    image = upright(data)
+    if image is None:
         raise ValueError("it is damaged, or no picture")
-    return picture
+    return image
 
 
 def write_numbered(folder: str, pngs: Sequence[bytes]) -> None:
@@ -150,4 +150,4 @@ def write_numbered(folder: str, pngs: Sequence[bytes]) -> None:
 
 def shown(path: str) -> str:
     """Returns a path as printable text; bytes that are not UTF-8 are replaced."""
-    return printable(os.fsencode(path).decode(errors="replace"), LONGEST_PATH)
+    return printable(os.fsencode(path).decode(errors="replace"), MAX_PATH_LENGTH)

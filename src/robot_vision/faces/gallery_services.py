@@ -10,7 +10,7 @@ import rospkg
 import rospy
 
 from ..common.plain_text import printable
-from ..ros.image_node import SILENCE
+from ..ros.image_node import INPUT_TIMEOUT
 from ..ros.params import read_param
 from ..srv import (
     EnrollFace,
@@ -27,9 +27,9 @@ from .face_images import Box
 from .gallery import Added, Gallery
 from .gallery_files import shown, valid_name
 
-PICTURES = 10  # portraits that are taken by default
-MAX_PICTURES = 100
-GRACE = 3.0  # s, longer than the time that run_node() gives a node to end
+DEFAULT_COUNT = 10  # portraits that are taken by default
+MAX_COUNT = 100
+END_TIMEOUT = 3.0  # s, longer than the time that run_node() gives a node to end
 
 
 class GalleryServices:
@@ -104,7 +104,7 @@ class GalleryServices:
     def _finish(self) -> None:
         """Waits for running calls, because the process would abort if one of them were in C++."""
         with self._ended:
-            self._ended.wait_for(lambda: not self._working, GRACE)
+            self._ended.wait_for(lambda: not self._working, END_TIMEOUT)
 
     def _learn(self) -> None:
         with self._learning:
@@ -113,7 +113,7 @@ class GalleryServices:
 
     def _on_enroll(self, request: Any) -> EnrollFaceResponse:
         try:
-            added = self._enroll(request.name, request.pictures or PICTURES)
+            added = self._enroll(request.name, request.pictures or DEFAULT_COUNT)
         except (OSError, RuntimeError, ValueError) as error:
             rospy.logerr("nobody enrolled: %s", error)
             return EnrollFaceResponse(False, str(error), 0)
@@ -121,8 +121,8 @@ class GalleryServices:
 
     def _enroll(self, name: str, pictures: int) -> Added:
         name = valid_name(name)
-        if pictures > MAX_PICTURES:
-            raise ValueError(f"pictures is {pictures}, must be from 1 to {MAX_PICTURES}")
+        if pictures > MAX_COUNT:
+            raise ValueError(f"pictures is {pictures}, must be from 1 to {MAX_COUNT}")
         if not self._enrolling.acquire(blocking=False):
             raise RuntimeError("somebody else is being enrolled")
         try:
@@ -141,9 +141,9 @@ class GalleryServices:
         try:
             if not enrollment.wait(timeout, rospy.core.is_shutdown_requested):
                 # Half of the timeout is enough, as the node has not been working all the time.
-                missing = self._missing(min(SILENCE, timeout / 2))
-                why = f": {missing}" if missing else ""
-                raise RuntimeError(f"{enrollment.outcome()}, within {timeout:g} s{why}")
+                missing = self._missing(min(INPUT_TIMEOUT, timeout / 2))
+                reason = f": {missing}" if missing else ""
+                raise RuntimeError(f"{enrollment.outcome()}, within {timeout:g} s{reason}")
         finally:
             self._enrollment = None
             self._keep_working(False)

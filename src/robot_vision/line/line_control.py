@@ -8,7 +8,7 @@ from .._core import Line
 from ..common.plain_text import printable
 
 MODES = ("course", "pid")
-GAP = 0.5  # s between two lines; after a longer gap integral and derivative of the error are void
+MAX_GAP = 0.5  # s between two lines, after which integral and derivative of the error are void
 
 
 @dataclass(frozen=True)
@@ -79,7 +79,7 @@ class LineController:
             The linear speed in m/s, and the angular speed in rad/s, counter-clockwise.
         """
         found = line is not None and line.found
-        after_gap = self._time is not None and time - self._time > GAP
+        after_gap = self._time is not None and time - self._time > MAX_GAP
         if time < self._updated or (found and (self._lost_since is not None or after_gap)):
             self.reset()
         self._updated = time

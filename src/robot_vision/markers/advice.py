@@ -8,27 +8,27 @@ from .._core import tag_family
 from .drawing import INCH
 from .marker import Marker
 
-LEAST_CELL = 0.4  # mm, for a camera that is more than a few centimetres away
-LEAST_DOTS = 3.0  # printed dots per cell, as many as code_reader needs pixels
+MIN_CELL = 0.4  # mm, for a camera that is more than a few centimetres away
+MIN_DOTS = 3.0  # printed dots per cell, as many as code_reader needs pixels
 
 
 def require_dots(marker: Marker, dpi: int) -> None:
     """Raises ValueError if the printed cells of a marker would run into each other."""
     dots = marker.cell * dpi / INCH
-    if dots < LEAST_DOTS:
+    if dots < MIN_DOTS:
         raise ValueError(
             f"{marker.label}: a cell has {marker.cell:.2f} mm, {dots:.1f} dots at {dpi} dpi, must "
-            f"have {LEAST_DOTS:g} dots: {_remedy(marker, LEAST_DOTS * INCH / dpi)}"
+            f"have {MIN_DOTS:g} dots: {_remedy(marker, MIN_DOTS * INCH / dpi)}"
         )
 
 
 def cell_advice(marker: Marker) -> str:
     """Returns a warning about a marker that few cameras can read, or ""."""
-    if marker.cell >= LEAST_CELL:
+    if marker.cell >= MIN_CELL:
         return ""
     return (
         f"{marker.label}: a cell has {marker.cell:.2f} mm, and few cameras read less than "
-        f"{LEAST_CELL:g} mm: {_remedy(marker, LEAST_CELL)}"
+        f"{MIN_CELL:g} mm: {_remedy(marker, MIN_CELL)}"
     )
 
 

@@ -17,7 +17,7 @@ from .sheet import sheets
 from .writers import to_pdf, to_png, to_svg
 
 PROGRAM = "create_marker.py"
-LONGEST = 40  # characters of a text in a label
+MAX_LABEL_LENGTH = 40  # characters of a text in a label
 
 
 def main() -> int:
@@ -33,7 +33,7 @@ def make(arguments: argparse.Namespace) -> None:
         ValueError: A marker does not exist, does not fit on the page, or could not be read.
         OSError: A file exists already, or cannot be written.
     """
-    markers = [marker for text in arguments.what for marker in made_of(text, arguments)]
+    markers = [marker for text in arguments.what for marker in markers_of(text, arguments)]
     for marker in markers:
         require_dots(marker, arguments.dpi)
     for path in write(markers, arguments):
@@ -68,7 +68,7 @@ def write(markers: Sequence[Marker], arguments: argparse.Namespace) -> Iterator[
         yield path
 
 
-def made_of(text: str, arguments: argparse.Namespace) -> Iterator[Marker]:
+def markers_of(text: str, arguments: argparse.Namespace) -> Iterator[Marker]:
     """Yields the markers that an argument stands for."""
     size = 10.0 * arguments.size
     if means_tags(text, arguments):
@@ -100,7 +100,7 @@ def ids(text: str, family: str) -> List[int]:
 def label(text: str) -> str:
     """Returns a text for a label on a sheet: printable and not too long."""
     shown = "".join(letter if letter.isprintable() else "?" for letter in text)
-    return shown if len(shown) <= LONGEST else shown[: LONGEST - 1] + "…"
+    return shown if len(shown) <= MAX_LABEL_LENGTH else shown[: MAX_LABEL_LENGTH - 1] + "…"
 
 
 def target(arguments: argparse.Namespace, default: str) -> Tuple[str, str]:

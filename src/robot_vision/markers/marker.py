@@ -9,7 +9,7 @@ from qrcode.exceptions import DataOverflowError
 from .._core import tag_cells, tag_family
 from .drawing import Drawing
 
-QUIET = 4  # width of the white border of a QR code, in modules
+QUIET_ZONE = 4  # width of the white border of a QR code, in modules
 LEVELS = {
     "L": qrcode.ERROR_CORRECT_L,
     "M": qrcode.ERROR_CORRECT_M,
@@ -69,7 +69,7 @@ def qr_marker(data: bytes, label: str, size: float, level: str = "M") -> Marker:
         ValueError: The data does not fit into any QR code.
     """
     modules = qr_modules(data, level)
-    return Marker(np.pad(modules, QUIET), size / len(modules), size, f"{label}  {size:g} mm")
+    return Marker(np.pad(modules, QUIET_ZONE), size / len(modules), size, f"{label}  {size:g} mm")
 
 
 def qr_modules(data: bytes, level: str = "M") -> np.ndarray:

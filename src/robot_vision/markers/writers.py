@@ -13,7 +13,7 @@ from .drawing import INCH, Drawing
 
 POINT = INCH / 72.0  # mm, the unit of cairo in a PDF
 FONT = "sans-serif"
-MOST_PIXELS = 32767  # px, largest side of an image of cairo
+MAX_SIDE = 32767  # px, largest side of an image of cairo
 
 
 def to_pdf(pages: Sequence[Drawing]) -> bytes:
@@ -38,8 +38,8 @@ def to_png(page: Drawing, dpi: int) -> bytes:
     """
     scale = dpi / INCH
     width, height = round(page.width * scale), round(page.height * scale)
-    if max(width, height) > MOST_PIXELS:
-        raise ValueError(f"at {dpi} dpi it is {width}x{height} px, must be at most {MOST_PIXELS}")
+    if max(width, height) > MAX_SIDE:
+        raise ValueError(f"at {dpi} dpi it is {width}x{height} px, must be at most {MAX_SIDE}")
     surface = cairo.ImageSurface(cairo.FORMAT_A8, width, height)
     context = cairo.Context(surface)
     context.set_antialias(cairo.ANTIALIAS_NONE)

@@ -12,9 +12,9 @@ from ..common.plain_text import printable
 from .gray_images import gray_message
 
 # The name of an image, and a function that reads it as (height, width) uint8 or raises ValueError.
-Named = Tuple[str, Callable[[], np.ndarray]]
-MAX_TOLD = 200  # characters of an error message
-PICTURES = ("sensor_msgs/Image", "sensor_msgs/CompressedImage")
+NamedImage = Tuple[str, Callable[[], np.ndarray]]
+MAX_MESSAGE = 200  # characters of an error message
+IMAGE_TYPES = ("sensor_msgs/Image", "sensor_msgs/CompressedImage")
 
 
 @contextlib.contextmanager
@@ -66,7 +66,7 @@ def _reading(path: str) -> Iterator[None]:
     except rosbag.ROSBagUnindexedException:
         raise ValueError(f"{path} has no index: try rosbag reindex {path}") from None
     except Exception as error:
-        what = printable(" ".join(str(error).split()), MAX_TOLD) or type(error).__name__
+        what = printable(" ".join(str(error).split()), MAX_MESSAGE) or type(error).__name__
         raise ValueError(f"{path} cannot be read: {what}") from None
 
 
@@ -81,7 +81,7 @@ def require_topic(
         )
 
 
-def pictures_on(bag: rosbag.Bag, topic: str) -> Iterator[Named]:
+def images_on(bag: rosbag.Bag, topic: str) -> Iterator[NamedImage]:
     """Yields the images of a topic."""
     for number, message in enumerate(messages_on(bag, topic)):
         yield f"picture {number}", functools.partial(gray_message, message)

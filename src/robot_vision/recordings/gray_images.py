@@ -15,7 +15,7 @@ from ..common.plain_text import printable
 NAMED_BY_TYPE = {"8UC1": "mono8", "8UC3": "bgr8", "16UC1": "mono16"}  # meant by users of OpenCV
 
 
-def gray_pixels(picture: np.ndarray, encoding: str) -> np.ndarray:
+def gray_pixels(image: np.ndarray, encoding: str) -> np.ndarray:
     """Converts an image to gray, (height, width) uint8.
 
     Images of 16 bits are stretched to the full range, because many cameras use only a part of it.
@@ -23,12 +23,12 @@ def gray_pixels(picture: np.ndarray, encoding: str) -> np.ndarray:
     Raises:
         ValueError: The image does not fit the encoding, or the encoding has no gray levels.
     """
-    if picture.dtype not in (np.uint8, np.uint16):
+    if image.dtype not in (np.uint8, np.uint16):
         raise ValueError(f"{printable(encoding)} has no grey levels of 8 or 16 bits")
     encoding = NAMED_BY_TYPE.get(encoding, encoding)
-    if picture.dtype == np.uint16 and picture.size:
-        picture = cv2.normalize(picture, None, 0, 65535, cv2.NORM_MINMAX)
-    return to_gray(picture, encoding)
+    if image.dtype == np.uint16 and image.size:
+        image = cv2.normalize(image, None, 0, 65535, cv2.NORM_MINMAX)
+    return to_gray(image, encoding)
 
 
 def gray_file(data: bytes, label: str = "") -> np.ndarray:
@@ -43,12 +43,12 @@ def gray_file(data: bytes, label: str = "") -> np.ndarray:
     """
     if "compressedDepth" in label:
         raise ValueError("it has depths (compressedDepth)")
-    picture = sensor_pixels(data, cv2.IMREAD_GRAYSCALE | cv2.IMREAD_ANYDEPTH)
-    if picture is None:
+    image = sensor_pixels(data, cv2.IMREAD_GRAYSCALE | cv2.IMREAD_ANYDEPTH)
+    if image is None:
         raise ValueError("no picture that OpenCV can read")
     bayer = re.match("bayer_[rgb]{4}", label)
     layout = bayer[0] if bayer else "mono"
-    return gray_pixels(picture, f"{layout}{8 * picture.itemsize}")
+    return gray_pixels(image, f"{layout}{8 * image.itemsize}")
 
 
 def gray_message(message: Any) -> np.ndarray:
@@ -59,9 +59,9 @@ def gray_message(message: Any) -> np.ndarray:
     """
     if message._type != Image._type:
         return gray_file(message.data, message.format)
-    kind, channels = _layout(message.encoding)
+    sample_type, channels = _sample_layout(message.encoding)
     # cv_bridge itself may take the padding between two rows for pixels.
-    dtype = np.dtype(kind).newbyteorder(">" if message.is_bigendian else "<")
+    dtype = np.dtype(sample_type).newbyteorder(">" if message.is_bigendian else "<")
     row = message.width * channels * dtype.itemsize
     if message.step < row or len(message.data) != message.height * message.step:
         raise ValueError(
@@ -71,10 +71,10 @@ def gray_message(message: Any) -> np.ndarray:
     rows = np.frombuffer(message.data, np.uint8).reshape(message.height, message.step)
     shape = (message.height, message.width) + ((channels,) if channels > 1 else ())
     pixels = rows[:, :row].copy().view(dtype).reshape(shape)
-    return gray_pixels(pixels.astype(kind), message.encoding)
+    return gray_pixels(pixels.astype(sample_type), message.encoding)
 
 
-def _layout(encoding: str) -> Tuple[str, int]:
+def _sample_layout(encoding: str) -> Tuple[str, int]:
     """Returns the type of the samples, and their number per pixel."""
     if encoding == "yuv422_yuy2":  # cv_bridge for Python knows only the same layout as yuv422.
         encoding = "yuv422"

@@ -14,14 +14,14 @@ import rospy
 
 from ..common.files import MAX_IMAGE, read_file, require_file, trying
 from ..ros.transport import Frame, ImageSubscriber
-from .bag_images import PICTURES, Named, opened, pictures_on, require_topic, topics_of
+from .bag_images import IMAGE_TYPES, NamedImage, images_on, opened, require_topic, topics_of
 from .gray_images import gray_file, gray_pixels
 
 SUFFIXES = (".bmp", ".jpeg", ".jpg", ".pgm", ".png", ".ppm", ".tif", ".tiff", ".webp")
-PATIENCE = 2.0  # s without an image until that is reported
+TIMEOUT = 2.0  # s without an image until that is reported
 
 
-def from_files(names: Sequence[str]) -> Iterator[Named]:
+def from_files(names: Sequence[str]) -> Iterator[NamedImage]:
     """Yields the images of folders, glob patterns, image files and videos, sorted by name.
 
     Raises:
@@ -36,7 +36,7 @@ def from_files(names: Sequence[str]) -> Iterator[Named]:
             yield from _video(path)
 
 
-def from_bag(path: str, topic: str) -> Iterator[Named]:
+def from_bag(path: str, topic: str) -> Iterator[NamedImage]:
     """Yields the images on a topic of a bag.
 
     Raises:
@@ -44,21 +44,21 @@ def from_bag(path: str, topic: str) -> Iterator[Named]:
         OSError: The bag cannot be opened.
     """
     with opened(path) as bag:
-        require_topic(path, topics_of(bag), topic, PICTURES, "pictures")
-        yield from pictures_on(bag, topic)
+        require_topic(path, topics_of(bag), topic, IMAGE_TYPES, "pictures")
+        yield from images_on(bag, topic)
 
 
-def from_topic(topic: str) -> Iterator[Named]:
+def from_topic(topic: str) -> Iterator[NamedImage]:
     """Yields the newest images of a topic until this process, which must be a node, shuts down."""
     newest: Deque[Frame] = collections.deque(maxlen=1)
-    came = threading.Event()
+    arrived = threading.Event()
 
     def keep(frame: Frame) -> None:
         newest.append(frame)
-        came.set()
+        arrived.set()
 
     subscriber = ImageSubscriber(topic, keep)
-    rospy.on_shutdown(came.set)
+    rospy.on_shutdown(arrived.set)
     numbers = itertools.count()
     try:
         while not rospy.core.is_shutdown_requested():
@@ -66,15 +66,15 @@ def from_topic(topic: str) -> Iterator[Named]:
                 frame = newest.pop()
                 read = functools.partial(gray_pixels, frame.image, frame.encoding)
                 yield f"picture {next(numbers)}", read
-            elif came.wait(PATIENCE):
-                came.clear()
+            elif arrived.wait(TIMEOUT):
+                arrived.clear()
             else:
-                _complain(subscriber)
+                _report_waiting(subscriber)
     finally:
         subscriber.unregister()
 
 
-def _complain(subscriber: ImageSubscriber) -> None:
+def _report_waiting(subscriber: ImageSubscriber) -> None:
     nobody = "" if subscriber.get_num_connections() else "; nobody publishes pictures there"
     print(f"waiting: no picture comes on {subscriber.topic}{nobody}", flush=True)
 
@@ -83,10 +83,10 @@ def _paths(name: str) -> List[str]:
     if os.path.isdir(name):
         with trying(name, "read"):
             found = [os.path.join(name, entry) for entry in sorted(os.listdir(name))]
-        pictures = [path for path in found if path.lower().endswith(SUFFIXES)]
-        if not pictures:
+        images = [path for path in found if path.lower().endswith(SUFFIXES)]
+        if not images:
             raise ValueError(f"{name}: no pictures in this folder")
-        return pictures
+        return images
     if os.path.exists(name):
         return [name]
     found = sorted(glob.glob(name))
@@ -99,16 +99,16 @@ def _read(path: str) -> np.ndarray:
     return gray_file(read_file(path, MAX_IMAGE))
 
 
-def _video(path: str) -> Iterator[Named]:
+def _video(path: str) -> Iterator[NamedImage]:
     require_file(path)
     video = cv2.VideoCapture(path, cv2.CAP_FFMPEG)
     if hasattr(cv2, "CAP_PROP_ORIENTATION_AUTO"):  # Older versions of OpenCV never rotate frames.
         video.set(cv2.CAP_PROP_ORIENTATION_AUTO, 0)
     found, number = True, 0
     while found:
-        found, picture = video.read()
+        found, image = video.read()
         if found:
-            yield f"{path}, frame {number}", functools.partial(gray_pixels, picture, "bgr8")
+            yield f"{path}, frame {number}", functools.partial(gray_pixels, image, "bgr8")
             number += 1
     if not number:
         raise ValueError(f"{path}: no picture and no video that OpenCV can read")

@@ -12,11 +12,11 @@ from ..common.repeats import Repeats
 from .image_node import ImageNode
 from .transport import camera_info_beside, remapped_camera_info
 
-TOLD_AGAIN = 5.0  # s until the same kind of problem is logged again
-PATIENCE = 2.0  # s without camera_info until its lack is logged
+REPEAT_PERIOD = 5.0  # s until the same kind of problem is logged again
+TIMEOUT = 2.0  # s without camera_info until its lack is logged
 
 
-class Calibration:
+class CameraInfoListener:
     """Keeps the newest camera_info of a node's images, whatever its stamp is.
 
     It also serves images without a stamp. The camera_info is expected on the topic camera_info if
@@ -32,12 +32,12 @@ class Calibration:
         self.topic = remapped_camera_info() or camera_info_beside(node.topic)
         self._missing = missing
         self._info: Optional[CameraInfo] = None
-        self._came = threading.Event()
+        self._arrived = threading.Event()
         self._used: Tuple[Any, ...] = ()  # the values that the camera was made from
         self._camera: Optional[CameraModel] = None
-        self._wrong = ""  # the problem of the newest camera_info
-        self._problem = ""  # the problem logged last
-        self._told = Repeats(TOLD_AGAIN)
+        self._error = ""  # the problem of the newest camera_info
+        self._logged_problem = ""  # the problem logged last
+        self._reports = Repeats(REPEAT_PERIOD)
         self._first_asked = 0.0  # s of the monotonic clock
         node.subscriber(self.topic, CameraInfo, self._on_info)
 
@@ -49,22 +49,22 @@ class Calibration:
         """
         info = self._info  # Other threads replace it.
         if info is None:
-            self._complain_later()
+            self._report_missing()
             return None
         used = size, info.width, info.height, info.K, info.D, info.distortion_model
         if used != self._used:
             self._used = used
-            self._camera, self._wrong = None, ""
+            self._camera, self._error = None, ""
             try:
                 self._camera = camera_model(info, size)
             except ValueError as error:
-                self._wrong = str(error)
-        self._tell(self._wrong)
+                self._error = str(error)
+        self._report(self._error)
         return self._camera
 
     def wait(self, seconds: float) -> None:
         """Waits at most `seconds` for the first camera_info; the node has to be working."""
-        self._came.wait(seconds)
+        self._arrived.wait(seconds)
 
     @property
     def frame_id(self) -> str:
@@ -82,24 +82,24 @@ class Calibration:
                 raise ValueError("there is none")
             return camera_model(self._info, size)
         except ValueError as error:
-            why = f"no {self._missing}: camera_info on {self.topic}: {error}"
-            raise ValueError(why) from None
+            message = f"no {self._missing}: camera_info on {self.topic}: {error}"
+            raise ValueError(message) from None
 
     def _on_info(self, info: CameraInfo) -> None:
         self._info = info
-        self._came.set()
+        self._arrived.set()
 
-    def _complain_later(self) -> None:
+    def _report_missing(self) -> None:
         now = time.monotonic()
         self._first_asked = self._first_asked or now
-        if now - self._first_asked > PATIENCE:
-            self._tell("there is none")
+        if now - self._first_asked > TIMEOUT:
+            self._report("there is none")
 
-    def _tell(self, problem: str) -> None:
+    def _report(self, problem: str) -> None:
         kind = problem.split(" is ")[0]  # A value that follows may change with every message.
-        if problem == self._problem or not self._told.news([kind], time.monotonic()):
+        if problem == self._logged_problem or not self._reports.news([kind], time.monotonic()):
             return
-        self._problem = problem
+        self._logged_problem = problem
         if problem:
             rospy.logwarn("no %s: camera_info on %s: %s", self._missing, self.topic, problem)
         else:

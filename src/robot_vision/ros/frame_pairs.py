@@ -6,10 +6,10 @@ from typing import Any, Deque, Optional
 
 from .transport import Frame
 
-SPAN = 2.0  # s, largest delay of the messages or of the frames
-MOST_BYTES = 128 << 20  # bytes, largest size of the frames that wait
-MOST_MESSAGES = 1000  # that wait; those without stamps never become too old
-MANY = 10  # messages in a row without a frame, from which on it is no accident
+MAX_LAG = 2.0  # s, largest delay of the messages or of the frames
+MAX_BYTES = 128 << 20  # bytes, largest size of the frames that wait
+MAX_MESSAGES = 1000  # that wait; those without stamps never become too old
+MAX_UNMATCHED = 10  # messages in a row without a frame, from which on it is no accident
 
 
 class FramePairs:
@@ -23,61 +23,61 @@ class FramePairs:
     def __init__(self) -> None:
         self._lock = threading.Lock()  # guards all attributes below
         self._frames: Deque[Frame] = collections.deque()
-        self._messages: Deque[Any] = collections.deque(maxlen=MOST_MESSAGES)
-        self._missed = 0  # messages in a row without a frame
+        self._messages: Deque[Any] = collections.deque(maxlen=MAX_MESSAGES)
+        self._unmatched = 0  # messages in a row without a frame
 
     def message_of(self, frame: Frame) -> Optional[Any]:
         """Returns the message that waited for this frame; if there is none, keeps the frame."""
         with self._lock:
-            message = _taken(self._messages, frame.header.stamp)
+            message = _take(self._messages, frame.header.stamp)
             if message is None:
                 self._frames.append(frame)
                 _drop_old(self._frames)
-                self._drop_many()
+                self._limit_size()
             else:
                 self._frames.clear()
-                self._missed = 0
+                self._unmatched = 0
             return message
 
     def frame_of(self, message: Any) -> Optional[Frame]:
         """Returns the frame of this message; if it has not come yet, keeps the message."""
         with self._lock:
-            frame = _taken(self._frames, message.header.stamp)
+            frame = _take(self._frames, message.header.stamp)
             if frame is None:
                 self._messages.append(message)
                 _drop_old(self._messages)
-                self._missed += 1
+                self._unmatched += 1
             else:
                 self._messages.clear()
-                self._missed = 0
+                self._unmatched = 0
             return frame
 
     def apart(self) -> bool:
         """Returns whether so many messages in a row had no frame that the two do not fit."""
         with self._lock:
-            return self._missed >= MANY
+            return self._unmatched >= MAX_UNMATCHED
 
     def clear(self) -> None:
         """Releases all frames and messages that wait."""
         with self._lock:
             self._frames.clear()
             self._messages.clear()
-            self._missed = 0
+            self._unmatched = 0
 
-    def _drop_many(self) -> None:
+    def _limit_size(self) -> None:
         size = sum(frame.image.nbytes for frame in self._frames)
-        while size > MOST_BYTES and len(self._frames) > 1:
+        while size > MAX_BYTES and len(self._frames) > 1:
             size -= self._frames.popleft().image.nbytes
 
 
 def _drop_old(waiting: Deque[Any]) -> None:
     """Drops entries that are much older than the newest, or from before the stamps went back."""
     newest = waiting[-1].header.stamp
-    while not 0.0 <= (newest - waiting[0].header.stamp).to_sec() <= SPAN:
+    while not 0.0 <= (newest - waiting[0].header.stamp).to_sec() <= MAX_LAG:
         waiting.popleft()
 
 
-def _taken(waiting: Deque[Any], stamp: Any) -> Optional[Any]:
+def _take(waiting: Deque[Any], stamp: Any) -> Optional[Any]:
     """Removes and returns the newest entry of this stamp, or None; older ones are dropped too."""
     for index in reversed(range(len(waiting))):
         if waiting[index].header.stamp == stamp:

@@ -9,8 +9,8 @@ from .. import set_threads
 from . import transport
 from .params import read_param, review_params
 
-MOST_THREADS = 256
-SILENCE = 5.0  # s without a message until an input counts as missing
+MAX_THREADS = 256
+INPUT_TIMEOUT = 5.0  # s without a message until an input counts as missing
 
 
 class ImageNode:
@@ -44,12 +44,12 @@ class ImageNode:
         self._outputs: List[Tuple[Any, Callable[[], bool]]] = []  # with whether each counts
         self._inputs: List[Tuple[Any, ...]] = []  # names, types and callbacks
         self._subscribers: List[rospy.Subscriber] = []  # of the inputs, while the node works
-        self._came: Dict[str, float] = {}  # s of the monotonic clock, an input's last message
+        self._last_message: Dict[str, float] = {}  # s of the monotonic clock, by input
         self._working_since = float("inf")  # s of the monotonic clock
         kind = transport.CameraSubscriber if camera_info else transport.ImageSubscriber
         self._images = kind(
             "image",
-            self._noting("image", process),
+            self._timed("image", process),
             encoding,
             diagnostics=transport.node_diagnostics(),
             start=False,
@@ -78,14 +78,14 @@ class ImageNode:
 
     def subscriber(self, name: str, kind: Any, callback: Callable[[Any], Any]) -> None:
         """Adds an input: while the node works, the callback gets the newest message of a topic."""
-        self._inputs.append((name, kind, self._noting(name, callback)))
+        self._inputs.append((name, kind, self._timed(name, callback)))
 
     def keep_working(self, wanted: bool) -> None:
         """Sets whether to work even if nobody subscribes. Thread-safe."""
         self._wanted = wanted
         transport.note_connections()
 
-    def missing(self, seconds: float = SILENCE) -> str:
+    def missing(self, seconds: float = INPUT_TIMEOUT) -> str:
         """Returns which inputs had no message for `seconds`, in words. Thread-safe.
 
         The text is empty if there are none, or if the node is not working.
@@ -96,7 +96,7 @@ class ImageNode:
             inputs.append((name, name, subscriber.resolved_name, subscriber))
         lacking = []
         for name, plural, topic, subscriber in inputs:
-            silent = now - max(self._came.get(name, 0.0), self._working_since)
+            silent = now - max(self._last_message.get(name, 0.0), self._working_since)
             if silent >= seconds and not subscriber.get_num_connections():
                 lacking.append(f"nobody publishes {plural} on {topic}")
             elif silent >= seconds:
@@ -134,14 +134,14 @@ class ImageNode:
             self._working_since = float("inf")
             self._idle()
 
-    def _noting(self, name: str, callback: Callable[[Any], Any]) -> Callable[[Any], Any]:
+    def _timed(self, name: str, callback: Callable[[Any], Any]) -> Callable[[Any], Any]:
         """Returns the callback of an input, extended by noting the time of each message."""
 
-        def noting(message: Any) -> None:
-            self._came[name] = time.monotonic()
+        def timed(message: Any) -> None:
+            self._last_message[name] = time.monotonic()
             callback(message)
 
-        return noting
+        return timed
 
 
 def read_threads() -> int:
@@ -152,7 +152,7 @@ def read_threads() -> int:
     Raises:
         ValueError: The parameter is out of range.
     """
-    return read_param("threads", 1, 0, MOST_THREADS, zero="all cores")
+    return read_param("threads", 1, 0, MAX_THREADS, zero="all cores")
 
 
 class _Listener(rospy.SubscribeListener):

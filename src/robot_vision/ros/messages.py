@@ -43,9 +43,9 @@ def box_detection(box: Box, label: str, id: int = -1, score: float = 1.0) -> Det
     )
 
 
-def box_around(outline: np.ndarray, picture: np.ndarray) -> RegionOfInterest:
+def box_around(outline: np.ndarray, image: np.ndarray) -> RegionOfInterest:
     """Returns the part of the image that the bounding box of an outline, (n, 2) px, covers."""
-    height, width = picture.shape[:2]
+    height, width = image.shape[:2]
     left, top = np.maximum(np.floor(outline.min(axis=0)), 0).astype(int)
     right, bottom = np.minimum(np.ceil(outline.max(axis=0)), (width - 1, height - 1)).astype(int)
     return RegionOfInterest(

@@ -16,17 +16,19 @@ from std_srvs.srv import Trigger, TriggerResponse
 
 from .. import _transport
 from ..common.files import read_text, replace_file
-from ..common.plain_text import NAME, is_name, printable, told
+from ..common.plain_text import NAME, brief, is_name, printable
 
 Params = TypeVar("Params")
 
 # Parameters that the transports and LiveParams read in their own ways, and their defaults.
-ASKED_ELSEWHERE = {"config_file": "", "diagnostic_period": 1.0, "image_transport": "raw"}
+READ_ELSEWHERE = {"config_file": "", "diagnostic_period": 1.0, "image_transport": "raw"}
 # The parameters that the node has read, and whether each differs from its default.
 _known: Dict[str, bool] = {}
 
-ELSEWHERE = "; ~config_file names the file, as config:=/absolute/path.yaml of the launch files does"
-LONGEST_ERROR = 1000  # characters, including the path of a file
+OTHER_FILE_HINT = (
+    "; ~config_file names the file, as config:=/absolute/path.yaml of the launch files does"
+)
+MAX_ERROR_LENGTH = 1000  # characters, including the path of a file
 TRANSPORTS = ("compressed", "compressedDepth", "theora")
 TYPES = {bool: "true or false", int: "an integer", float: "a number", str: "a string"}
 
@@ -52,7 +54,7 @@ def read_param(
     if kind is float and type(value) is int:
         value = float(value)
     if type(value) is not kind:
-        raise ValueError(f"{name} is {told(value)}, must be {TYPES[kind]}")
+        raise ValueError(f"{name} is {brief(value)}, must be {TYPES[kind]}")
     if kind in (int, float):
         _require_range(name, value, low, high, zero)
     return value
@@ -66,7 +68,7 @@ def read_name(name: str, default: str) -> str:
     """
     value = read_param(name, default)
     if not is_name(value):
-        raise ValueError(f"{name} is {told(value)}, must be {NAME}")
+        raise ValueError(f"{name} is {brief(value)}, must be {NAME}")
     return value
 
 
@@ -84,22 +86,22 @@ def review_params() -> None:
     are not counted among them if they have the name of a transport, or are the namespace of
     another node, of a topic or of a service.
     """
-    for name, default in ASKED_ELSEWHERE.items():
+    for name, default in READ_ELSEWHERE.items():
         read_any(name, default)
     there = sorted(rospy.get_param("~", {}).items())
-    changed = [f"{name}: {told(value)}" for name, value in there if _known.get(name)]
+    changed = [f"{name}: {brief(value)}" for name, value in there if _known.get(name)]
     if changed:
         rospy.loginfo("%s: set on the parameter server: %s", rospy.get_name(), ", ".join(changed))
     for name, value in there:
         path = rospy.resolve_name("~" + name)
-        if name in _known or (isinstance(value, dict) and _is_of_others(name, path)):
+        if name in _known or (isinstance(value, dict) and _belongs_to_others(name, path)):
             continue
         near = difflib.get_close_matches(name, _known, 1)
         hint = f", is {near[0]} meant?" if near else ""
         rospy.logwarn("parameter %s is not known%s", path, hint)
 
 
-def _is_of_others(name: str, path: str) -> bool:
+def _belongs_to_others(name: str, path: str) -> bool:
     """Returns whether a map of parameters may belong to a transport, a node, topic or service."""
     if name in TRANSPORTS:
         return True
@@ -184,16 +186,16 @@ class LiveParams:
                 raise RuntimeError("~config_file does not name a file")
             # roslaunch and a node resolve a relative path in different folders.
             if not os.path.isabs(path):
-                raise RuntimeError(f"~config_file is {told(path)}, must be an absolute path")
+                raise RuntimeError(f"~config_file is {brief(path)}, must be an absolute path")
             _require_own_launch(path)
             values = {name: accepted[name] for name in self._type.defaults}
             replace_file(path, self._edit(path, read_text(path), values).encode())
         except (OSError, RuntimeError, ValueError) as error:
             # For instance, the file of an installed package may not be written.
-            says = printable(str(error), LONGEST_ERROR)
-            why = f"{says}{ELSEWHERE if isinstance(error, OSError) else ''}"
-            rospy.logerr("parameters not saved: %s", why)
-            return TriggerResponse(False, why)
+            says = printable(str(error), MAX_ERROR_LENGTH)
+            reason = f"{says}{OTHER_FILE_HINT if isinstance(error, OSError) else ''}"
+            rospy.logerr("parameters not saved: %s", reason)
+            return TriggerResponse(False, reason)
         return TriggerResponse(True, path)
 
 
@@ -213,14 +215,14 @@ def _require_own_launch(path: str) -> None:
     that has ended. A process was started by roslaunch if it got a name for its log file.
     """
     launched = any(word.startswith("__log:=") for word in sys.argv)
-    if not launched and _is_of_this_package(path):
+    if not launched and _is_in_this_package(path):
         raise RuntimeError(
             f"~config_file is '{path}', a file of the package, to which only what roslaunch starts "
             "saves; name another one: _config_file:=/absolute/path.yaml"
         )
 
 
-def _is_of_this_package(path: str) -> bool:
+def _is_in_this_package(path: str) -> bool:
     """Returns whether a file is in the sources or in an installed copy of this package."""
     for folder in pathlib.Path(os.path.realpath(path)).parents:
         manifest = folder / "package.xml"

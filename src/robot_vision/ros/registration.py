@@ -18,7 +18,7 @@ from rospy.impl.registration import get_service_manager
 
 PERIOD = 5.0  # s between two checks of the master
 # The errors that calls of a master or a node raise if it is gone, or is something else.
-AWAY = (
+UNREACHABLE_ERRORS = (
     OSError,
     ExpatError,
     rosgraph.MasterException,
@@ -35,7 +35,7 @@ def keep_registered() -> None:
     last values.
     """
     registration = _Registration(rospy.get_name())
-    registration.look()
+    registration.check()
     # Has to end before the node unregisters itself.
     rospy.core.add_preshutdown_hook(lambda _reason: registration.ended.set())
     threading.Thread(target=registration.run, name="registration", daemon=True).start()
@@ -51,14 +51,14 @@ class _Registration:
 
     def run(self) -> None:
         while not self.ended.wait(PERIOD):
-            self.look()
+            self.check()
 
-    def look(self) -> None:
+    def check(self) -> None:
         """Asks the master whether it knows the node, and registers the node if not."""
-        with contextlib.suppress(*AWAY):  # There may be no master at the moment.
-            self._look()
+        with contextlib.suppress(*UNREACHABLE_ERRORS):  # There may be no master at the moment.
+            self._check()
 
-    def _look(self) -> None:
+    def _check(self) -> None:
         master = rosgraph.Master(self._name)
         pid = master.getPid()
         # A new master may know the node already by a topic that was registered since its start.

@@ -20,12 +20,12 @@ from rospy.client import load_command_line_node_params
 
 from ..common.commands import end_process
 from ..common.files import ROS_HOME_NEEDED
-from ..common.plain_text import printable, told
-from .registration import AWAY, keep_registered
+from ..common.plain_text import brief, printable
+from .registration import UNREACHABLE_ERRORS, keep_registered
 
 SIGNALS = (signal.SIGINT, signal.SIGTERM)
 SHUTDOWN_GRACE = 2.0  # s of time on a core that a node has to end by itself after a signal
-LONGEST_GRACE = 10.0  # s until it is ended by force, however busy the machine is
+MAX_SHUTDOWN_GRACE = 10.0  # s until it is ended by force, however busy the machine is
 USAGE = """usage: rosrun robot_vision {program} [TOPIC:=OTHER ...] [_PARAMETER:=VALUE ...]
 
 {module}
@@ -109,7 +109,9 @@ def _require_storable_params() -> None:
         try:
             xmlrpc.client.loads(xmlrpc.client.dumps((value,)))
         except Exception as error:  # There are many kinds.
-            what = f"{printable(name)} is {told(value)}, must be what the parameter server can hold"
+            what = (
+                f"{printable(name)} is {brief(value)}, must be what the parameter server can hold"
+            )
             raise ValueError(f"{what}: {printable(str(error))}") from None
 
 
@@ -151,7 +153,7 @@ def _wait_for_master(name: str) -> None:
         try:
             master.getPid()
             return
-        except AWAY:
+        except UNREACHABLE_ERRORS:
             if not waiting:
                 print(f"waiting for the master at {master.master_uri}", file=sys.stderr, flush=True)
             waiting = True
@@ -165,7 +167,7 @@ def is_stuck(thread: threading.Thread) -> bool:
     """
     begin, before = time.monotonic(), waited_for_cores()
     while thread.is_alive():
-        grace = min(SHUTDOWN_GRACE + max(waited_for_cores() - before, 0.0), LONGEST_GRACE)
+        grace = min(SHUTDOWN_GRACE + max(waited_for_cores() - before, 0.0), MAX_SHUTDOWN_GRACE)
         if time.monotonic() - begin >= grace:
             return True
         thread.join(0.1)

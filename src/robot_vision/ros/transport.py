@@ -13,7 +13,7 @@ from std_msgs.msg import Header
 
 from .. import _transport
 from ..common.files import ROS_HOME_NEEDED
-from ..common.plain_text import printable, told
+from ..common.plain_text import brief, printable
 from ..common.throttle import Throttle
 from .registration import keep_registered
 
@@ -91,7 +91,7 @@ class ImageSubscriber:
     ):
         self.topic = rospy.resolve_name(topic)
         self.failed = 0  # number of callbacks that raised an exception
-        self._told_failed, self._told_refused = Throttle(), Throttle()
+        self._failure_throttle, self._refusal_throttle = Throttle(), Throttle()
         if transport is None:
             transport = _transport_parameter()
         self._callback = callback
@@ -146,14 +146,14 @@ class ImageSubscriber:
             height, width = frame.image.shape[:2]
             what = f"({printable(frame.encoding)}, {width}x{height}): {printable(str(error), 300)}"
             self._inbox.failed(f"refused a frame on {self.topic} {what}")
-            if self._told_refused.due():
+            if self._refusal_throttle.due():
                 rospy.logerr("refused a frame on %s %s", self.topic, what)
         except Exception as error:
             if rospy.core.is_shutdown_requested():
                 return  # The shutdown closes topics that the callback uses.
             self.failed += 1
             self._inbox.failed(f"the callback failed: {printable(ascii(error), 300)}")
-            if self._told_failed.due():
+            if self._failure_throttle.due():
                 rospy.logerr("%s: the callback failed:\n%s", self.topic, traceback.format_exc())
 
 
@@ -324,7 +324,7 @@ def _header(seq: int, secs: int, nsecs: int, frame_id: str) -> Header:
 def _transport_parameter() -> str:
     name = rospy.get_param("~image_transport", "raw")
     if not isinstance(name, str):
-        raise ValueError(f"image_transport is {told(name)}, must be a string")
+        raise ValueError(f"image_transport is {brief(name)}, must be a string")
     return name
 
 

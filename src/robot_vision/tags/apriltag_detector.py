@@ -12,7 +12,7 @@ from visualization_msgs.msg import MarkerArray
 from .. import TagDetector as Detector
 from .. import TagDetectorParams, TagPoseParams, to_bgr, to_gray
 from ..msg import TagDetectionArray
-from ..ros.camera_info import Calibration
+from ..ros.camera_info import CameraInfoListener
 from ..ros.configs import ApriltagDetectorConfig
 from ..ros.image_node import ImageNode
 from ..ros.params import LiveParams, filled, read_any, read_param
@@ -45,7 +45,7 @@ class ApriltagDetector:
         self._poses: Optional[Tuple[TagPoseParams, bool]] = None  # and whether corners are measured
         self._node = ImageNode(self._process, encoding="")
         self._params = LiveParams(ApriltagDetectorConfig, self._configure)
-        self._calibration = Calibration(self._node, "poses of tags")
+        self._calibration = CameraInfoListener(self._node, "poses of tags")
         self._tags = self._node.publisher("~tags", TagDetectionArray)
         self._markers = self._node.publisher("~markers", MarkerArray)
         self._tf = self._node.publisher("/tf", TFMessage, counts=lambda: self._publish_tf)

@@ -10,13 +10,14 @@ from scipy.sparse.linalg import splu
 
 from .._core import CameraModel
 
-OUTLIER = 1.0  # px, residual above which the weight of a corner falls
-ABSURD = 1000.0  # px, residual of corners that would be behind the camera
-SLIGHT = 1e-6  # px^2 / m^2 or rad^2, information added so that unobserved poses can be solved
-OPEN = 1e-9  # least information on a tag, relative to that for known poses; less is rounding
+OUTLIER_SCALE = 1.0  # px, residual above which the weight of a corner falls
+BEHIND_CAMERA = 1000.0  # px, residual of corners that would be behind the camera
+# px^2 / m^2 or px^2 / rad^2: this information is added, so that unobserved poses can be solved.
+PRIOR_INFORMATION = 1e-6
+MIN_INFORMATION = 1e-9  # on a tag, relative to that for known poses; less is a rounding error
 
 
-class Sightings(NamedTuple):
+class Observations(NamedTuple):
     """Observations of tags in frames, in any order."""
 
     frames: np.ndarray  # (m,), index of the frame
@@ -24,13 +25,13 @@ class Sightings(NamedTuple):
     points: np.ndarray  # (m, 4, 3) m, corners in the tag's frame
     pixels: np.ndarray  # (m, 4, 2) px
 
-    def where(self, chosen: np.ndarray) -> "Sightings":
+    def where(self, chosen: np.ndarray) -> "Observations":
         """Returns the observations for which (m,) booleans are true."""
-        return Sightings(*(values[chosen] for values in self))
+        return Observations(*(values[chosen] for values in self))
 
 
 def adjust(
-    sightings: Sightings, camera: CameraModel, layout: np.ndarray, poses: np.ndarray
+    observations: Observations, camera: CameraModel, layout: np.ndarray, poses: np.ndarray
 ) -> Tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Finds the layout and the poses that explain the corners best.
 
@@ -53,11 +54,11 @@ def adjust(
         return np.vstack([np.zeros((1, 6)), vectors[: count - 1]]), vectors[count - 1 :]
 
     def residuals(x: np.ndarray) -> np.ndarray:
-        pixels = _project(sightings, camera, *unpack(x))[0]
-        return np.nan_to_num(pixels - sightings.pixels, nan=ABSURD)
+        pixels = _project(observations, camera, *unpack(x))[0]
+        return np.nan_to_num(pixels - observations.pixels, nan=BEHIND_CAMERA)
 
     def jacobian(x: np.ndarray) -> csr_matrix:
-        return _jacobian(sightings, camera, *unpack(x))
+        return _jacobian(observations, camera, *unpack(x))
 
     start = np.vstack([_to_vectors(layout[1:]), _to_vectors(poses)]).ravel()
     solution = least_squares(
@@ -66,7 +67,7 @@ def adjust(
         jacobian,
         x_scale="jac",
         loss="soft_l1",
-        f_scale=OUTLIER,
+        f_scale=OUTLIER_SCALE,
         max_nfev=100,
     )
     found, moved = (_to_matrices(vectors) for vectors in unpack(solution.x))
@@ -74,7 +75,7 @@ def adjust(
 
 
 def layout_covariance(
-    sightings: Sightings,
+    observations: Observations,
     camera: CameraModel,
     layout: np.ndarray,
     poses: np.ndarray,
@@ -87,23 +88,23 @@ def layout_covariance(
         tag, along the axes of the master. It is 0 for the master, and infinite for tags that
         could be anywhere.
     """
-    used, frames = np.unique(sightings.frames, return_inverse=True)
-    sightings, vectors = sightings._replace(frames=frames), _to_vectors(layout)
-    jacobian = _jacobian(sightings, camera, vectors, _to_vectors(poses[used]))
+    used, frames = np.unique(observations.frames, return_inverse=True)
+    observations, vectors = observations._replace(frames=frames), _to_vectors(layout)
+    jacobian = _jacobian(observations, camera, vectors, _to_vectors(poses[used]))
     size = 6 * (len(layout) - 1)
-    normal = (jacobian.T @ jacobian + SLIGHT * identity(jacobian.shape[1])).tocsc()
+    normal = (jacobian.T @ jacobian + PRIOR_INFORMATION * identity(jacobian.shape[1])).tocsc()
     by_poses = normal[size:, :size]
     known_by_poses = by_poses.T @ splu(normal[size:, size:]).solve(by_poses.toarray())
-    freedom = max(residuals.size - jacobian.shape[1], 1)
-    of_vectors, loose = _inverse(normal[:size, :size].toarray(), known_by_poses)
+    degrees_of_freedom = max(residuals.size - jacobian.shape[1], 1)
+    of_vectors, undetermined = _inverse(normal[:size, :size].toarray(), known_by_poses)
     to_turns = np.eye(6 * len(layout))
     for index, turn in enumerate(_left_jacobians(vectors[:, 3:])):
         rows = slice(6 * index + 3, 6 * index + 6)
         to_turns[rows, rows] = turn
     covariance = np.zeros_like(to_turns)
-    covariance[6:, 6:] = np.sum(residuals**2) / freedom * of_vectors
+    covariance[6:, 6:] = np.sum(residuals**2) / degrees_of_freedom * of_vectors
     covariance = to_turns @ covariance @ to_turns.T
-    variables = _columns(loose + 1).ravel()
+    variables = _columns(undetermined + 1).ravel()
     covariance[variables, variables] = np.inf
     return covariance
 
@@ -112,10 +113,10 @@ def _inverse(known: np.ndarray, by_poses: np.ndarray) -> Tuple[np.ndarray, np.nd
     """Inverts the information on tags, less what the poses use; also returns undetermined tags."""
     scale = 1.0 / np.sqrt(np.diag(known))
     values, vectors = np.linalg.eigh(scale[:, None] * (known - by_poses) * scale)
-    open_ways = vectors[:, values < OPEN]
-    by_tag = open_ways.reshape(len(known) // 6, 6, open_ways.shape[1])
+    null_space = vectors[:, values < MIN_INFORMATION]
+    by_tag = null_space.reshape(len(known) // 6, 6, null_space.shape[1])
     shares = np.sum(by_tag**2, axis=1)
-    inverse = (vectors / np.maximum(values, OPEN)) @ vectors.T
+    inverse = (vectors / np.maximum(values, MIN_INFORMATION)) @ vectors.T
     return scale[:, None] * inverse * scale, np.unique(np.argmax(shares, axis=0))
 
 
@@ -142,36 +143,36 @@ def _turns(vectors: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
 
 
 def _project(
-    sightings: Sightings, camera: CameraModel, layout: np.ndarray, poses: np.ndarray
+    observations: Observations, camera: CameraModel, layout: np.ndarray, poses: np.ndarray
 ) -> Tuple[np.ndarray, np.ndarray]:
     """Projects corners to (m, 4, 2) px; also returns the derivatives by position, (m, 4, 2, 3)."""
-    tags, bodies = _to_matrices(layout)[sightings.tags], _to_matrices(poses)[sightings.frames]
+    tags, bodies = _to_matrices(layout)[observations.tags], _to_matrices(poses)[observations.frames]
     chain = bodies @ tags
-    points = sightings.points @ chain[:, :3, :3].transpose(0, 2, 1) + chain[:, None, :3, 3]
+    points = observations.points @ chain[:, :3, :3].transpose(0, 2, 1) + chain[:, None, :3, 3]
     pixels, jacobians = camera.project(points.reshape(-1, 3))
     return pixels.reshape(-1, 4, 2), jacobians.reshape(-1, 4, 2, 3)
 
 
 def _jacobian(
-    sightings: Sightings, camera: CameraModel, layout: np.ndarray, poses: np.ndarray
+    observations: Observations, camera: CameraModel, layout: np.ndarray, poses: np.ndarray
 ) -> csr_matrix:
     count = len(layout)
-    tags, bodies = _to_matrices(layout)[sightings.tags], _to_matrices(poses)[sightings.frames]
-    by_point = np.nan_to_num(_project(sightings, camera, layout, poses)[1])
-    turned = sightings.points @ tags[:, :3, :3].transpose(0, 2, 1)
+    tags, bodies = _to_matrices(layout)[observations.tags], _to_matrices(poses)[observations.frames]
+    by_point = np.nan_to_num(_project(observations, camera, layout, poses)[1])
+    turned = observations.points @ tags[:, :3, :3].transpose(0, 2, 1)
     in_body = turned + tags[:, None, :3, 3]
     by_pose = _by_motion(
         by_point,
         in_body @ bodies[:, :3, :3].transpose(0, 2, 1),
-        _left_jacobians(poses[:, 3:])[sightings.frames],
+        _left_jacobians(poses[:, 3:])[observations.frames],
     )
     by_layout = _by_motion(
         by_point @ bodies[:, None, :3, :3],
         turned,
-        _left_jacobians(layout[:, 3:])[sightings.tags],
+        _left_jacobians(layout[:, 3:])[observations.tags],
     )
     columns = np.concatenate(
-        [_columns(sightings.tags - 1), _columns(sightings.frames + count - 1)], axis=1
+        [_columns(observations.tags - 1), _columns(observations.frames + count - 1)], axis=1
     )
     size = 6 * (count - 1 + len(poses))
     values = np.concatenate([by_layout, by_pose], axis=-1).reshape(-1, 8, 12)

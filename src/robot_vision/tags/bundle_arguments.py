@@ -4,7 +4,7 @@ import argparse
 from typing import Dict, List, Optional, Sequence, Tuple
 
 from .. import tag_family
-from .bundle_files import LARGEST_TAG
+from .bundle_files import MAX_TAG_SIZE
 from .tag_ids import parse_ids
 
 EXAMPLES = """examples, with a running apriltag_detector and from a bag:
@@ -19,7 +19,7 @@ Show the body from all sides, so that each tag is seen together with others, and
 ends the recording, and the layout is computed. A launch file loads it for the detector:
   <rosparam command="load" file="box.yaml" ns="apriltag_detector"/>
 """
-MOST_FRAMES = 10000
+MAX_FRAMES = 10000
 
 
 def parse_arguments(command: Sequence[str]) -> argparse.Namespace:
@@ -67,9 +67,9 @@ def _complete(arguments: argparse.Namespace) -> None:
         raise ValueError(f"argument --master: tag {arguments.master} is not one of --ids")
     if not arguments.name:
         raise ValueError("argument --name: is empty")
-    if not 1 <= arguments.frames <= MOST_FRAMES:
+    if not 1 <= arguments.frames <= MAX_FRAMES:
         raise ValueError(
-            f"argument --frames: is {arguments.frames}, must be from 1 to {MOST_FRAMES}"
+            f"argument --frames: is {arguments.frames}, must be from 1 to {MAX_FRAMES}"
         )
     if bool(arguments.bag) != bool(arguments.image) or (
         arguments.camera_info and not arguments.bag
@@ -99,7 +99,7 @@ def _sizes_of(text: str, ids: Sequence[int]) -> Dict[int, float]:
         except ValueError:
             raise ValueError(
                 f"argument --size: '{part}' must be 0.1 or 3:0.1, above 0 and at most "
-                f"{LARGEST_TAG:g} m"
+                f"{MAX_TAG_SIZE:g} m"
             ) from None
         if tag is None:
             if default:
@@ -120,6 +120,6 @@ def _size_of(text: str) -> Tuple[Optional[int], float]:
     """Parses a tag, or None for all other tags, and its size in m."""
     tag, colon, size = text.rpartition(":")
     value = float(size)
-    if not 0.0 < value <= LARGEST_TAG:
+    if not 0.0 < value <= MAX_TAG_SIZE:
         raise ValueError
     return (int(tag) if colon else None), value

@@ -8,10 +8,10 @@ import rosbag
 from .. import CameraModel, TagDetector, TagDetectorParams
 from ..common.progress import Progress
 from ..recordings.bag_images import (
-    PICTURES,
+    IMAGE_TYPES,
+    images_on,
     messages_on,
     opened,
-    pictures_on,
     require_topic,
     topics_of,
 )
@@ -50,7 +50,7 @@ def collect_from_bag(
     """
     with opened(path) as bag:
         kinds = topics_of(bag)
-        require_topic(path, kinds, image, PICTURES, "pictures")
+        require_topic(path, kinds, image, IMAGE_TYPES, "pictures")
         camera_info = camera_info or _beside(image, kinds[image])
         require_topic(path, kinds, camera_info, CAMERA_INFO, "camera_info")
         info = next(messages_on(bag, camera_info))
@@ -73,15 +73,15 @@ def _collect(
     params = TagDetectorParams()
     params.families = [family]
     detector = TagDetector(params)
-    told = time.monotonic()
+    last_progress = time.monotonic()
     try:
-        for name, read in pictures_on(bag, image):
+        for name, read in images_on(bag, image):
             try:
-                picture = read()
-                tags = detector.detect(picture, "mono8")
+                gray = read()
+                tags = detector.detect(gray, "mono8")
             except ValueError as error:
                 raise ValueError(f"{name} on {image} cannot be used: {error}") from None
-            size = picture.shape[1::-1]
+            size = gray.shape[1::-1]
             if size != (camera.width, camera.height):
                 raise ValueError(
                     f"camera_info is of {camera.width}x{camera.height}, "
@@ -90,8 +90,8 @@ def _collect(
             collection.add(camera.width, [(tag.id, np.asarray(tag.corners)) for tag in tags])
             if collection.full:
                 return
-            if time.monotonic() - told > PROGRESS:
-                told = time.monotonic()
+            if time.monotonic() - last_progress > PROGRESS:
+                last_progress = time.monotonic()
                 progress.tell(collection.summary())
     except KeyboardInterrupt:
         return
@@ -99,4 +99,4 @@ def _collect(
 
 def _beside(image: str, kind: str) -> str:
     """Returns the topic of the camera_info that belongs to an image topic of this type."""
-    return camera_info_beside(image if kind == PICTURES[0] else image.rsplit("/", 1)[0])
+    return camera_info_beside(image if kind == IMAGE_TYPES[0] else image.rsplit("/", 1)[0])

@@ -8,27 +8,27 @@ from typing import Dict, List, Mapping, NamedTuple, Sequence, Tuple
 import numpy as np
 
 from .._core import Bundle, BundleTag, CameraModel, estimate_pose, single_tag
-from .bundle_adjustment import Sightings, adjust, layout_covariance
+from .bundle_adjustment import Observations, adjust, layout_covariance
 from .layout_noise import noises_of
 
-MOST_FRAMES = 30  # frames that are compared for the first guess of the relation of two tags
-ALIKE_ANGLE = np.radians(5.0)  # standard deviation of angles between guesses that agree
-ALIKE_SHIFT = 0.3  # standard deviation of shifts between them, in sizes of the larger tag
-FAR = 5.0  # residual above which a tag is rejected, as a multiple of the median
-NEAR = 0.5  # px, residual up to which a tag is never rejected
+MAX_COMPARED_FRAMES = 30  # frames that are compared for the first guess of the relation of two tags
+ANGLE_DEVIATION = np.radians(5.0)  # standard deviation of angles between guesses that agree
+SHIFT_DEVIATION = 0.3  # standard deviation of shifts between them, in sizes of the larger tag
+OUTLIER_RATIO = 5.0  # residual above which a tag is rejected, as a multiple of the median
+MIN_OUTLIER = 0.5  # px, residual up to which a tag is never rejected
 # Corners of a tag with sides of length 1 in its frame.
-SQUARE = np.array([[-0.5, -0.5, 0.0], [0.5, -0.5, 0.0], [0.5, 0.5, 0.0], [-0.5, 0.5, 0.0]])
+UNIT_SQUARE = np.array([[-0.5, -0.5, 0.0], [0.5, -0.5, 0.0], [0.5, 0.5, 0.0], [-0.5, 0.5, 0.0]])
 
 Frame = Mapping[int, np.ndarray]  # corners (4, 2) px by tag, as estimate_pose() takes them
 
 
 @dataclass(frozen=True)
-class Calibration:
+class BundleCalibration:
     """A bundle that was learned, and how well it explains the observations."""
 
     bundle: Bundle  # with the accuracy of its layout
     frames: int  # number of frames that showed at least two of its tags
-    sightings: Dict[int, int]  # observations by tag in these frames, without rejected ones
+    observations: Dict[int, int]  # observations by tag in these frames, without rejected ones
     rejected: int  # number of observations that were far from where the layout has the tag
     residuals: Dict[int, float]  # px by tag, root mean square distance of its corners
 
@@ -39,7 +39,7 @@ def calibrate(
     sizes: Mapping[int, float],
     camera: CameraModel,
     master: int,
-) -> Calibration:
+) -> BundleCalibration:
     """Learns a bundle whose frame is that of its master tag.
 
     Args:
@@ -103,7 +103,7 @@ def _guess_layout(
     links: Dict[Tuple[int, int], _Guess] = {}
     for one, other in combinations(sizes, 2):
         both = [frame for frame in poses if one in frame and other in frame]
-        step = max(1, math.ceil(len(both) / MOST_FRAMES))
+        step = max(1, math.ceil(len(both) / MAX_COMPARED_FRAMES))
         relations = [
             [
                 _Guess(np.linalg.inv(a.pose) @ b.pose, a.weight * b.weight)
@@ -138,13 +138,13 @@ def _most_supported(relations: Sequence[Sequence[_Guess]], size: float) -> _Gues
     """Returns the guess that most frames agree with, as wrong guesses differ between frames."""
     guesses = [guess for frame in relations for guess in frame]
     owners = np.array([index for index, frame in enumerate(relations) for _ in frame])
-    shifts = np.array([guess.pose[:3, 3] for guess in guesses]) / (ALIKE_SHIFT * size)
+    shifts = np.array([guess.pose[:3, 3] for guess in guesses]) / (SHIFT_DEVIATION * size)
     turns = np.array([guess.pose[:3, :3] for guess in guesses])
     weights = np.array([guess.weight for guess in guesses])
     support = np.zeros(len(guesses))
     for index in range(len(guesses)):
         cosines = (np.sum(turns * turns[index], axis=(1, 2)) - 1.0) / 2.0
-        angles = np.arccos(np.clip(cosines, -1.0, 1.0)) / ALIKE_ANGLE
+        angles = np.arccos(np.clip(cosines, -1.0, 1.0)) / ANGLE_DEVIATION
         squares = angles**2 + np.sum((shifts - shifts[index]) ** 2, axis=1)
         alike = weights * np.exp(-squares / 2.0)
         best_of_frame = np.zeros(len(relations))
@@ -160,18 +160,20 @@ def _refine(
     layout: Mapping[int, np.ndarray],
     sizes: Mapping[int, float],
     camera: CameraModel,
-) -> Calibration:
+) -> BundleCalibration:
     """Refines the first guess of a layout, whose first tag is the master."""
     tags = list(layout)
     guess = Bundle(name, [BundleTag(tag, sizes[tag], layout[tag]) for tag in tags])
     found = [(frame, estimate_pose(guess, frame, camera)) for frame in frames]
     found = [(frame, poses) for frame, poses in found if poses is not None]
-    sightings = _sightings_of([frame for frame, _ in found], tags, sizes)
+    observations = _observations_of([frame for frame, _ in found], tags, sizes)
     poses = np.array([poses.best.pose for _, poses in found])
     # Outliers still have some weight in the robust adjustment. They are left out of a second one.
-    matrices, poses, residuals = adjust(sightings, camera, np.array(list(layout.values())), poses)
+    matrices, poses, residuals = adjust(
+        observations, camera, np.array(list(layout.values())), poses
+    )
     distances = _distances(residuals)
-    kept = sightings.where(distances <= max(FAR * np.median(distances), NEAR))
+    kept = observations.where(distances <= max(OUTLIER_RATIO * np.median(distances), MIN_OUTLIER))
     of_tag = {tag: kept.tags == index for index, tag in enumerate(tags)}
     loose = sorted(tag for tag, chosen in of_tag.items() if not chosen.any())
     if loose:
@@ -184,7 +186,7 @@ def _refine(
     if loose:
         raise ValueError(f"tags {loose} were seen too little with others to tell where they are")
     noises = noises_of(covariance, matrices, [sizes[tag] for tag in tags])
-    return Calibration(
+    return BundleCalibration(
         Bundle(
             name,
             [
@@ -199,15 +201,15 @@ def _refine(
     )
 
 
-def _sightings_of(
+def _observations_of(
     frames: Sequence[Frame], tags: Sequence[int], sizes: Mapping[int, float]
-) -> Sightings:
+) -> Observations:
     entries = [
-        (index, tags.index(tag), sizes[tag] * SQUARE, corners)
+        (index, tags.index(tag), sizes[tag] * UNIT_SQUARE, corners)
         for index, frame in enumerate(frames)
         for tag, corners in frame.items()
     ]
-    return Sightings(*(np.array(column) for column in zip(*entries)))
+    return Observations(*(np.array(column) for column in zip(*entries)))
 
 
 def _distances(residuals: np.ndarray) -> np.ndarray:

@@ -18,14 +18,14 @@ import yaml
 
 from .._core import Bundle, BundleTag
 from ..common.files import MAX_TEXT, create_file, read_file, replace_file
-from ..common.plain_text import NAME, is_name, told
+from ..common.plain_text import NAME, brief, is_name
 from ..common.rotations import quaternion_of, rotation_of
 from ..common.yaml_text import load_yaml
 
 DEFAULTS = {"x": 0.0, "y": 0.0, "z": 0.0, "qw": 1.0, "qx": 0.0, "qy": 0.0, "qz": 0.0}
-LARGEST_ID = 999999999
-LARGEST_TAG = 100.0  # m
-FARTHEST = 1e7  # largest number in a pose, enough for m in the coordinates of a map
+MAX_ID = 999999999
+MAX_TAG_SIZE = 100.0  # m
+MAX_NUMBER = 1e7  # largest number in a pose, enough for m in the coordinates of a map
 NOISES = {"shift_noise": 0.0005, "turn_noise": 0.005}  # of a layout that was measured carefully
 
 
@@ -83,10 +83,10 @@ def parse_bundles(values: Any) -> List[Bundle]:
         require_map(value, f"tag_bundles[{index}]", ("name", "family", "layout"))
         name = value.get("name", f"bundle_{index}")
         if not isinstance(name, str) or not is_name(name):
-            raise ValueError(f"tag_bundles[{index}]: name is {told(name)}, must be {NAME}")
+            raise ValueError(f"tag_bundles[{index}]: name is {brief(name)}, must be {NAME}")
         if any(bundle.name == name for bundle in bundles):
-            raise ValueError(f"tag_bundles: {told(name)} is there twice")
-        where = f"layout of bundle {told(name)}"
+            raise ValueError(f"tag_bundles: {brief(name)} is there twice")
+        where = f"layout of bundle {brief(name)}"
         layout = list_of(value.get("layout"), where)
         bundles.append(Bundle(name, [_tag(entry, where) for entry in layout]))
     return bundles
@@ -99,17 +99,17 @@ def list_of(value: Any, where: str) -> Sequence[Any]:
         ValueError: The value is no list; the message says where.
     """
     if not isinstance(value, (list, tuple)):
-        raise ValueError(f"{where} is {told(value)}, must be a list")
+        raise ValueError(f"{where} is {brief(value)}, must be a list")
     return value
 
 
 def require_map(value: Any, where: str, keys: Sequence[str]) -> None:
     """Raises ValueError if the value is no map, or has other keys than these."""
     if not isinstance(value, dict):
-        raise ValueError(f"{where} is {told(value)}, must be a map")
+        raise ValueError(f"{where} is {brief(value)}, must be a map")
     unknown = sorted(map(str, set(value).difference(keys)))
     if unknown:
-        raise ValueError(f"{where} has {told(unknown[0])}, must be {', '.join(keys)}")
+        raise ValueError(f"{where} has {brief(unknown[0])}, must be {', '.join(keys)}")
 
 
 def _line(tag: BundleTag) -> str:
@@ -124,13 +124,13 @@ def _line(tag: BundleTag) -> str:
 def _tag(entry: Any, where: str) -> BundleTag:
     require_map(entry, f"a tag in the {where}", ("id", "size", *DEFAULTS, *NOISES))
     tag = entry.get("id")
-    if not isinstance(tag, int) or isinstance(tag, bool) or abs(tag) > LARGEST_ID:
-        raise ValueError(f"{where}: id is {told(tag)}, must be a whole number to {LARGEST_ID}")
+    if not isinstance(tag, int) or isinstance(tag, bool) or abs(tag) > MAX_ID:
+        raise ValueError(f"{where}: id is {brief(tag)}, must be a whole number to {MAX_ID}")
     where = f"{where}, tag {tag}"
     numbers_of = {key: _number(entry, key, where) for key in ("size", *DEFAULTS, *NOISES)}
-    if numbers_of["size"] > LARGEST_TAG:  # The core checks the other limits.
-        size = told(numbers_of["size"])
-        raise ValueError(f"{where}: size is {size}, must be above 0 and at most {LARGEST_TAG:g} m")
+    if numbers_of["size"] > MAX_TAG_SIZE:  # The core checks the other limits.
+        size = brief(numbers_of["size"])
+        raise ValueError(f"{where}: size is {size}, must be above 0 and at most {MAX_TAG_SIZE:g} m")
     quaternion = np.array([numbers_of[key] for key in ("qx", "qy", "qz", "qw")])
     if not 0.5 < np.linalg.norm(quaternion) < 2.0:
         raise ValueError(f"{where}: qx, qy, qz, qw are {quaternion.tolist()}, must have length 1")
@@ -145,7 +145,7 @@ def _tag(entry: Any, where: str) -> BundleTag:
 def _number(entry: Mapping[str, Any], key: str, where: str) -> float:
     value = entry.get(key, {**DEFAULTS, **NOISES}.get(key))
     is_number = isinstance(value, numbers.Real) and not isinstance(value, bool)
-    if not is_number or not -FARTHEST <= value <= FARTHEST:  # This is also true for NaN.
-        limit = f"{FARTHEST:g}"
-        raise ValueError(f"{where}: {key} is {told(value)}, must be a number to {limit}")
+    if not is_number or not -MAX_NUMBER <= value <= MAX_NUMBER:  # This is also true for NaN.
+        limit = f"{MAX_NUMBER:g}"
+        raise ValueError(f"{where}: {key} is {brief(value)}, must be a number to {limit}")
     return float(value)

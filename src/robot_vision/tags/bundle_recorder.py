@@ -36,7 +36,7 @@ class BundleRecorder:
         self._info: Optional[CameraInfo] = None
         self._camera: Optional[CameraModel] = None
         self._used: Tuple[Any, ...] = ()  # the values that the camera was made from
-        self._came = False
+        self._arrived = False
         self._topic = rospy.resolve_name("tags")
         self._info_topic = ""
         tags = rospy.Subscriber(self._topic, TagDetectionArray, self._on_tags, queue_size=10)
@@ -57,7 +57,7 @@ class BundleRecorder:
             print(flush=True)  # ends the line in which the terminal shows ^C
         with self._lock:
             self._ended.set()  # Frames that are still being processed come too late.
-            error = "" if self._camera else self._lacking()
+            error = "" if self._camera else self._missing_input()
         for subscriber in self._subscribers:
             subscriber.unregister()
         if error:
@@ -90,7 +90,7 @@ class BundleRecorder:
 
     def _on_tags(self, message: TagDetectionArray) -> None:
         with self._lock:
-            self._came = True
+            self._arrived = True
             if self._info is None or self._ended.is_set():
                 return
             try:
@@ -120,10 +120,12 @@ class BundleRecorder:
 
     def _state(self) -> str:
         with self._lock:
-            return self._collection.summary() if self._camera else "waiting: " + self._lacking()
+            return (
+                self._collection.summary() if self._camera else "waiting: " + self._missing_input()
+            )
 
-    def _lacking(self) -> str:
-        if not self._came:
+    def _missing_input(self) -> str:
+        if not self._arrived:
             nobody = (
                 ""
                 if self._subscribers[0].get_num_connections()

@@ -15,14 +15,14 @@ from ..common.files import require_replaceable
 from ..common.progress import Progress
 from .bundle_arguments import parse_arguments
 from .bundle_bag import collect_from_bag
-from .bundle_calibration import Calibration, calibrate
+from .bundle_calibration import BundleCalibration, calibrate
 from .bundle_files import write_bundles
 from .bundle_recorder import BundleRecorder
 from .frame_collection import FrameCollection
 
-LARGE = 2.0  # residual of a tag that is reported as large, as a multiple of the median
-MOSTLY = 0.5  # least share of a tag's observations that must fit the layout
-SURELY_SMALL = 0.3  # px, residual that is never reported as large
+LARGE_RESIDUAL = 2.0  # residual of a tag that is reported as large, as a multiple of the median
+MIN_INLIERS = 0.5  # least share of a tag's observations that must fit the layout
+SMALL_RESIDUAL = 0.3  # px, residual that is never reported as large
 
 
 def main() -> int:
@@ -68,8 +68,8 @@ def _collect(
     return BundleRecorder(arguments.family, collection, progress).run()
 
 
-def _report(found: Calibration) -> str:
-    limit = max(SURELY_SMALL, LARGE * median(found.residuals.values()))
+def _report(found: BundleCalibration) -> str:
+    limit = max(SMALL_RESIDUAL, LARGE_RESIDUAL * median(found.residuals.values()))
     master, *_ = found.bundle.tags
     lines = [
         f"{found.bundle.name}: {len(found.bundle.tags)} tags from {found.frames} frames, "
@@ -80,7 +80,7 @@ def _report(found: Calibration) -> str:
         shift, turn = 1000.0 * known[tag].shift_noise, math.degrees(known[tag].turn_noise)
         large = "  LARGE: is it flat, of this size, and fixed?" if residual > limit else ""
         lines.append(
-            f"  tag {tag}: {residual:.2f} px in {found.sightings[tag]} sightings, "
+            f"  tag {tag}: {residual:.2f} px in {found.observations[tag]} sightings, "
             f"known to {shift:.2f} mm and {turn:.2f} degrees{large}"
         )
     if found.rejected:
@@ -89,12 +89,12 @@ def _report(found: Calibration) -> str:
 
 
 def _require_fit(
-    found: Calibration, frames: Sequence[Mapping[int, object]], sizes: Mapping[int, float]
+    found: BundleCalibration, frames: Sequence[Mapping[int, object]], sizes: Mapping[int, float]
 ) -> None:
     """Raises ValueError for a tag that does not fit the layout in most of its frames."""
-    for tag, kept in sorted(found.sightings.items()):
+    for tag, kept in sorted(found.observations.items()):
         seen = sum(tag in frame for frame in frames)
-        if kept < MOSTLY * seen:
+        if kept < MIN_INLIERS * seen:
             raise ValueError(
                 f"tag {tag} fits in only {kept} of the {seen} frames that show it with others: "
                 f"is its size {sizes[tag]:g} m, and is it fixed?"

@@ -14,15 +14,15 @@ from ..common.files import MAX_IMAGE, read_file
 from ..common.image_files import sensor_pixels
 from ..common.plain_text import printable
 from ..msg import TagDetectionArray
-from ..ros.camera_info import Calibration
+from ..ros.camera_info import CameraInfoListener
 from ..ros.image_node import ImageNode
 from ..ros.transport import Frame
 from ..srv import DetectTags, DetectTagsResponse
 
 TIMEOUT = 5.0  # s that a call waits for a frame
 CALIBRATION_TIMEOUT = 1.0  # s that a call for a file waits for camera_info
-LONGEST = 1000  # characters of an error, which may name a path
-BUSY = 1.0  # s after a frame during which the next one may be on its way already
+MAX_ERROR_LENGTH = 1000  # characters of an error, which may name a path
+FRAME_PERIOD = 1.0  # s after a frame during which the next one may be on its way already
 
 # Searches an image of an encoding; returns the tags, and the reason if they have no poses.
 Detect = Callable[[np.ndarray, str, Header], Tuple[TagDetectionArray, str]]
@@ -45,14 +45,14 @@ class DetectService:
         detect: A function that searches an image; any thread may call it.
     """
 
-    def __init__(self, node: ImageNode, calibration: Calibration, detect: Detect):
+    def __init__(self, node: ImageNode, calibration: CameraInfoListener, detect: Detect):
         self._node = node
         self._calibration = calibration
         self._detect = detect
         self._lock = threading.Lock()  # guards all attributes below
         self._calls: List[_Call] = []
         self._working = 0  # number of calls for which the node has to work
-        self._last_frame = -BUSY  # s of the monotonic clock
+        self._last_frame = -FRAME_PERIOD  # s of the monotonic clock
         rospy.Service("~detect", DetectTags, self._on_detect)
 
     def offer(self, frame: Frame) -> None:
@@ -73,12 +73,14 @@ class DetectService:
     def _on_detect(self, request: Any) -> DetectTagsResponse:
         try:
             with self._at_work():
-                tags, why = self._of_file(request.file) if request.file else self._of_next_frame()
+                tags, problem = (
+                    self._of_file(request.file) if request.file else self._of_next_frame()
+                )
         except Exception as error:  # Of any kind, because rospy would answer without a reason.
-            reason = printable(str(error), LONGEST) or type(error).__name__
+            reason = printable(str(error), MAX_ERROR_LENGTH) or type(error).__name__
             rospy.logerr("no tags detected: %s", reason)
             return DetectTagsResponse(False, reason, TagDetectionArray())
-        return DetectTagsResponse(True, why, tags)
+        return DetectTagsResponse(True, problem, tags)
 
     @contextlib.contextmanager
     def _at_work(self) -> Iterator[None]:
@@ -110,7 +112,7 @@ class DetectService:
     def _of_next_frame(self) -> Tuple[TagDetectionArray, str]:
         with self._lock:
             # A frame that was taken before the call may be on its way.
-            call = _Call(passes=int(time.monotonic() - self._last_frame < BUSY))
+            call = _Call(passes=int(time.monotonic() - self._last_frame < FRAME_PERIOD))
             self._calls.append(call)
         arrived = call.done.wait(TIMEOUT)
         with self._lock:

@@ -5,8 +5,8 @@ from typing import Dict, Iterable, List, Set, Tuple
 
 import numpy as np
 
-ALIKE = 1.0 / 64.0  # of the image's width, largest motion of the corners between similar frames
-FAR = 4.0  # of the image's width, largest coordinate of a corner
+MIN_MOTION = 1.0 / 64.0  # of the image's width, of a corner between different frames
+MAX_COORDINATE = 4.0  # of the image's width, largest coordinate of a corner
 MIN_TURN = 1.0  # px^2, least cross product of two edges in a row
 
 
@@ -45,7 +45,7 @@ class FrameCollection:
         tags = list(tags)
         times = Counter(tag for tag, _ in tags)
         once = {tag: corners for tag, corners in tags if times[tag] == 1 and tag in self._tags}
-        found = {tag: corners for tag, corners in once.items() if _can_be(corners, width)}
+        found = {tag: corners for tag, corners in once.items() if _is_plausible(corners, width)}
         self._refused += len(once) - len(found)
         if len(found) == 1:
             self._alone.update(found)
@@ -54,7 +54,7 @@ class FrameCollection:
         seen = [self._tags.index(tag) for tag in found]
         corners = np.array(list(found.values()), float)
         moved = np.abs(self._corners[: self._kept, seen] - corners).max(axis=(1, 2, 3))
-        if not (moved < ALIKE * width).any():
+        if not (moved < MIN_MOTION * width).any():
             self._corners[self._kept, seen] = corners
             self._kept += 1
 
@@ -111,9 +111,9 @@ class FrameCollection:
         return {self._tags[i] for i in reached}
 
 
-def _can_be(corners: np.ndarray, width: int) -> bool:
+def _is_plausible(corners: np.ndarray, width: int) -> bool:
     """Returns whether corners may be a tag's: near the image, convex, and in a tag's order."""
-    if not (np.abs(corners) <= FAR * width).all():  # This is also true if one is NaN.
+    if not (np.abs(corners) <= MAX_COORDINATE * width).all():  # This is also true if one is NaN.
         return False
     edges = np.roll(corners, -1, axis=0) - corners
     after = np.roll(edges, -1, axis=0)

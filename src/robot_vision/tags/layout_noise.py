@@ -4,8 +4,8 @@ from typing import Sequence, Tuple
 
 import numpy as np
 
-LEAST_SHIFT = 0.00005  # m; paper is no flatter, and a lens is not known better
-LEAST_TURN = 0.0005  # rad, for the same reasons
+MIN_SHIFT_NOISE = 0.00005  # m; paper is no flatter, and a lens is not known better
+MIN_TURN_NOISE = 0.0005  # rad, for the same reasons
 
 
 def noises_of(
@@ -28,7 +28,7 @@ def noises_of(
     inner = np.eye(len(weights)) - by_frame @ np.linalg.solve(weighted @ by_frame, weighted)
     variances = np.diag(inner @ covariance @ inner.T).reshape(-1, 2, 3).mean(axis=-1)
     noises = np.sqrt(variances)
-    return np.maximum(noises[:, 0], LEAST_SHIFT), np.maximum(noises[:, 1], LEAST_TURN)
+    return np.maximum(noises[:, 0], MIN_SHIFT_NOISE), np.maximum(noises[:, 1], MIN_TURN_NOISE)
 
 
 def _by_frame(pose: np.ndarray) -> np.ndarray:

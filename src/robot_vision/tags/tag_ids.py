@@ -4,7 +4,7 @@ import re
 from typing import List
 
 from .._core import tag_family
-from ..common.plain_text import told
+from ..common.plain_text import brief
 
 LIST = re.compile(r"\s*[0-9]+\s*(-\s*[0-9]+\s*)?(,\s*[0-9]+\s*(-\s*[0-9]+\s*)?)*")
 
@@ -16,13 +16,15 @@ def parse_ids(text: str, family: str) -> List[int]:
         ValueError: The text is not such a list, or the family does not have all of the ids.
     """
     if not LIST.fullmatch(text):
-        raise ValueError(f"ids is {told(text)}, must be a list such as 0,3,7-9")
+        raise ValueError(f"ids is {brief(text)}, must be a list such as 0,3,7-9")
     ids: List[int] = []
     for part in text.split(","):
         ends = [int(number) for number in part.split("-")]
         first, last = ends[0], ends[-1]
         if first > last:
-            raise ValueError(f"ids is {told(text)}, must have the lower id of {part.strip()} first")
+            raise ValueError(
+                f"ids is {brief(text)}, must have the lower id of {part.strip()} first"
+            )
         require_id(last, family)  # before a mistyped number becomes a huge list
         ids += range(first, last + 1)
     return ids

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 from typing import Any, Dict, Iterable, List, NamedTuple
 
 from .. import Bundle, tag_family
-from ..common.plain_text import NAME, is_name, told
-from .bundle_files import LARGEST_TAG, list_of, parse_bundles, require_map
+from ..common.plain_text import NAME, brief, is_name
+from .bundle_files import MAX_TAG_SIZE, list_of, parse_bundles, require_map
 from .tag_ids import parse_ids, require_id
 
 
@@ -74,7 +74,7 @@ class TagLayout:
         size = _checked_size(entry.get("size", self._size), f"{where}: size")
         name = entry.get("name", "")
         if not isinstance(name, str) or (name and not is_name(name)):
-            raise ValueError(f"{where}: name is {told(name)}, must be {NAME}")
+            raise ValueError(f"{where}: name is {brief(name)}, must be {NAME}")
         if name and len(ids) > 1:
             raise ValueError(f"{where}: name is '{name}', but there are {len(ids)} tags")
         for number in ids:
@@ -106,7 +106,9 @@ class TagLayout:
         family = entry.get("family", self.families[0])
         if family not in self.families:
             known = ", ".join(self.families)
-            raise ValueError(f"{where}: family is {told(family)}, must be one of families: {known}")
+            raise ValueError(
+                f"{where}: family is {brief(family)}, must be one of families: {known}"
+            )
         return family
 
     def _require_different_names(self) -> None:
@@ -136,7 +138,7 @@ class TagLayout:
 def _families(value: Any) -> List[str]:
     names = value.split(",") if isinstance(value, str) else value
     if not isinstance(names, list) or not all(isinstance(name, str) for name in names):
-        raise ValueError(f"families is {told(value)}, must be names between commas")
+        raise ValueError(f"families is {brief(value)}, must be names between commas")
     names = [name.strip() for name in names]
     for name in names:
         try:
@@ -157,7 +159,7 @@ def _ids_of(entry: Dict[str, Any], family: str, where: str) -> List[int]:
         except ValueError as error:
             raise ValueError(f"{where}: {error}") from None
     if type(entry["id"]) is not int:
-        raise ValueError(f"{where}: id is {told(entry['id'])}, must be a whole number")
+        raise ValueError(f"{where}: id is {brief(entry['id'])}, must be a whole number")
     _require_id(entry["id"], family, where)
     return [entry["id"]]
 
@@ -170,6 +172,8 @@ def _require_id(id: int, family: str, where: str) -> None:
 
 
 def _checked_size(value: Any, where: str) -> float:
-    if type(value) not in (int, float) or not 0.0 < value <= LARGEST_TAG:
-        raise ValueError(f"{where} is {told(value)}, must be above 0 and at most {LARGEST_TAG:g} m")
+    if type(value) not in (int, float) or not 0.0 < value <= MAX_TAG_SIZE:
+        raise ValueError(
+            f"{where} is {brief(value)}, must be above 0 and at most {MAX_TAG_SIZE:g} m"
+        )
     return float(value)

@@ -23,8 +23,8 @@ from ..msg import TagBundlePose, TagDetection, TagDetectionArray
 from .tag_poses import LocatedBundle, LocatedTag
 
 THICKNESS = 0.05  # thickness of a tag's marker, as a share of the tag's side
-LETTERS = 0.6  # height of the id on it, as a share of the tag's side
-SHOWN = 0.5  # s for which a marker stays after its tag is gone
+TEXT_HEIGHT = 0.6  # height of the id on it, as a share of the tag's side
+LIFETIME = 0.5  # s for which a marker stays after its tag is gone
 BLUE, WHITE = ColorRGBA(0.1, 0.4, 1.0, 0.8), ColorRGBA(1.0, 1.0, 1.0, 1.0)
 
 
@@ -62,14 +62,14 @@ def markers(header: Header, tags: Iterable[LocatedTag]) -> MarkerArray:
         side = tag.size
         box = Marker(type=Marker.CUBE, color=BLUE, scale=Vector3(side, side, THICKNESS * side))
         text = Marker(type=Marker.TEXT_VIEW_FACING, color=WHITE, text=str(tag.tag.id))
-        text.scale.z = LETTERS * side
+        text.scale.z = TEXT_HEIGHT * side
         for marker, kind in ((box, ""), (text, " ids")):
             marker.header = header
             marker.ns = tag.tag.family + kind
             # Tags with the same id get different markers.
             marker.id = tag.tag.id if tag.unique else -1 - len(made)
             marker.pose = _pose(tag.poses.best.pose)
-            marker.lifetime = rospy.Duration(SHOWN)
+            marker.lifetime = rospy.Duration(LIFETIME)
             made.append(marker)
     return MarkerArray(made)
 

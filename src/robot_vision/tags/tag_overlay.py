@@ -8,7 +8,7 @@ from .. import CameraModel, draw_outline
 from .tag_poses import LocatedTag
 
 AXES = ((0.0, 0.0, 255.0), (0.0, 255.0, 0.0), (255.0, 0.0, 0.0))  # BGR: x red, y green, z blue
-FAR = 1e6  # px, largest coordinate that is drawn; an end beside the camera may be anywhere
+MAX_COORDINATE = 1e6  # px, that is drawn; the end of an axis beside the camera may be anywhere
 OUTLINE = (0.0, 255.0, 255.0)
 
 
@@ -18,7 +18,7 @@ def draw_tags(bgr: np.ndarray, tags: Iterable[LocatedTag], camera: Optional[Came
         label = str(tag.tag.id)
         if tag.poses is not None:
             label += f": {np.linalg.norm(tag.poses.best.pose[:3, 3]):.2f} m"
-        draw_outline(bgr, _whole(np.asarray(tag.tag.corners)), label, OUTLINE)
+        draw_outline(bgr, _rounded(np.asarray(tag.tag.corners)), label, OUTLINE)
         if tag.poses is not None and camera is not None:
             _draw_axes(bgr, tag.poses.best.pose, tag.size / 2.0, camera)
 
@@ -26,10 +26,10 @@ def draw_tags(bgr: np.ndarray, tags: Iterable[LocatedTag], camera: Optional[Came
 def _draw_axes(bgr: np.ndarray, pose: np.ndarray, length: float, camera: CameraModel) -> None:
     ends = np.vstack([np.zeros(3), length * np.eye(3)])
     pixels, _ = camera.project(ends @ pose[:3, :3].T + pose[:3, 3])
-    if (np.abs(pixels) < FAR).all():
+    if (np.abs(pixels) < MAX_COORDINATE).all():
         for end, color in zip(pixels[1:], AXES):
-            draw_outline(bgr, _whole(np.array([pixels[0], end])), color=color)
+            draw_outline(bgr, _rounded(np.array([pixels[0], end])), color=color)
 
 
-def _whole(pixels: np.ndarray) -> np.ndarray:
+def _rounded(pixels: np.ndarray) -> np.ndarray:
     return np.rint(pixels).astype(int)

@@ -21,7 +21,7 @@ from .. import (
 )
 from .tag_layout import TagKey, TagLayout
 
-MOST_TRACKED = 1000  # tags whose poses are remembered
+MAX_TRACKED = 1000  # tags whose poses are remembered
 
 Corners = Union[MeasuredCorners, np.ndarray]  # (4, 2) px if they could not be measured
 
@@ -121,7 +121,7 @@ class TagLocator:
     def _tracker(self, key: TagKey) -> TagPoseTracker:
         tracker = self._tags.pop(key, None) or self._new_tracker(key)
         self._tags[key] = tracker  # moves it to the end, as the newest
-        if len(self._tags) > MOST_TRACKED:
+        if len(self._tags) > MAX_TRACKED:
             del self._tags[next(iter(self._tags))]
         return tracker
 
@@ -157,6 +157,6 @@ def corners_of(tag: Tag, camera: CameraModel, gray: Optional[np.ndarray]) -> Cor
     return measure_corners(gray, cells_of(key_of(tag)), width, found, camera) or found
 
 
-@lru_cache(MOST_TRACKED)
+@lru_cache(MAX_TRACKED)
 def cells_of(key: TagKey) -> np.ndarray:
     return tag_cells(*key)

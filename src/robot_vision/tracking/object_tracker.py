@@ -9,7 +9,7 @@ from sensor_msgs.msg import RegionOfInterest
 
 from .. import ObjectTracker as Tracker
 from .. import ObjectTrackerParams, TrackedObject, draw_text
-from ..common.plain_text import plain
+from ..common.plain_text import to_ascii
 from ..common.throttle import Throttle
 from ..msg import DetectionArray, Flow, TrackStateArray
 from ..ros.configs import ObjectTrackerConfig
@@ -22,7 +22,7 @@ from ..srv import ForgetObject, ForgetObjectResponse, SelectObject, SelectObject
 from .auto_selection import AutoSelection
 from .tracks import box_of, detection_of, draw_tracks, flow_message, track_states
 
-FRESH = 1.0  # s; nobody selects something in a frame that is older
+MAX_FRAME_AGE = 1.0  # s; nobody selects something in a frame that is older
 SELECT_TIMEOUT = 5.0  # s that a selection waits for a frame
 
 
@@ -56,7 +56,7 @@ class ObjectTracker:
         self._lock = threading.Lock()  # guards all attributes below
         self._tracker = Tracker()
         self._waiting: List[Selection] = []
-        self._told_refused = Throttle()
+        self._refusal_throttle = Throttle()
         self._auto = AutoSelection(self._tracker)
         self._time: Optional[float] = None  # s, the newest frame
         self._lost: Dict[int, float] = {}  # s, the time since which an object is lost
@@ -114,7 +114,7 @@ class ObjectTracker:
             detections = self._detections
             if detections and not detections.get_num_connections():
                 nobody = f"nobody publishes detections on {detections.resolved_name}"
-                draw_text(overlay, plain(nobody), (10, overlay.shape[0] - 10))
+                draw_text(overlay, to_ascii(nobody), (10, overlay.shape[0] - 10))
             self._processed.publish(overlay, "bgr8", frame.header)
 
     def _update(self, now: float, frame: Frame) -> List[TrackedObject]:
@@ -122,7 +122,7 @@ class ObjectTracker:
         self._drop_expired()
         waiting, self._waiting = self._waiting, []
         # People select in the frame that they saw, which is the last one if frames were coming.
-        in_last = self._time is not None and 0.0 <= now - self._time < FRESH
+        in_last = self._time is not None and 0.0 <= now - self._time < MAX_FRAME_AGE
         try:
             if in_last:
                 self._select_all(waiting)
@@ -145,7 +145,7 @@ class ObjectTracker:
             try:
                 selection.id = self._tracker.select(selection.box, selection.label)
             except ValueError as error:
-                if self._told_refused.due():
+                if self._refusal_throttle.due():
                     rospy.logerr("nothing selected on %s: %s", self._node.topic, error)
                 selection.fail(str(error))
                 continue

@@ -13,16 +13,16 @@ from ..ros.messages import box_around, points
 from ..ros.transport import Frame
 
 RED = (0, 0, 255)
-FAR = 2**30  # px, more than any image has
+MAX_COORDINATE = 2**30  # px, more than any image has
 
 
 def box_of(region: RegionOfInterest) -> Tuple[int, int, int, int]:
     """Returns (x, y, width, height) for the core, which refuses boxes outside the image."""
     sides = region.x_offset, region.y_offset, region.width, region.height
-    return tuple(min(side, FAR) for side in sides)
+    return tuple(min(side, MAX_COORDINATE) for side in sides)
 
 
-def detection_of(track: TrackedObject, picture: np.ndarray) -> Detection:
+def detection_of(track: TrackedObject, image: np.ndarray) -> Detection:
     """Returns a tracked object as a Detection, whose box is clipped to the image."""
     center = Point(*track.center, 0.0)
     sides = np.hypot(*(track.outline[1:3] - track.outline[:2]).T)
@@ -30,7 +30,7 @@ def detection_of(track: TrackedObject, picture: np.ndarray) -> Detection:
         label=track.label,
         id=track.id,
         score=track.confidence,
-        box=box_around(track.outline, picture),
+        box=box_around(track.outline, image),
         center=center,
         outline=points(track.outline),
         circle_center=center,
@@ -63,16 +63,16 @@ def flow_message(frame: Frame, positions: np.ndarray, velocities: np.ndarray) ->
     return Flow(frame.header, points(positions), points(velocities))
 
 
-def draw_tracks(picture: np.ndarray, tracks: List[TrackedObject]) -> None:
+def draw_tracks(image: np.ndarray, tracks: List[TrackedObject]) -> None:
     """Draws outlines and points of tracked objects, and the names of lost ones in red."""
     line = 20
     for track in tracks:
         name = f"{track.label} {track.id}".strip()
         if track.tracked:
             outline = np.rint(track.outline).astype(int)
-            draw_outline(picture, outline, f"{name}: {track.confidence:.0%}")
+            draw_outline(image, outline, f"{name}: {track.confidence:.0%}")
             for x, y in np.rint(track.points).astype(int).tolist():
-                cv2.circle(picture, (x, y), 2, (0, 255, 255), cv2.FILLED)
+                cv2.circle(image, (x, y), 2, (0, 255, 255), cv2.FILLED)
         else:
-            draw_text(picture, f"{name}: lost", (10, line), RED)
+            draw_text(image, f"{name}: lost", (10, line), RED)
             line += 20

@@ -11,17 +11,17 @@ from sensor_msgs.msg import RegionOfInterest
 from .. import range_around, to_hsv
 from ..color.colors import as_yaml, outside
 from ..common.files import add_file, reason
-from ..common.plain_text import printable, told
+from ..common.plain_text import brief, printable
 from ..msg import Click
 from ..ros.configs import SimpleCameraViewConfig
 from ..ros.params import LiveParams, read_param, review_params
 from ..ros.startup import run_node
 from ..ros.transport import Frame, ImageSubscriber
 from .window import Window, require_display
-from .window_content import Rate, title, waiting_picture
+from .window_content import Rate, placeholder, title
 
 POLL = 10  # ms, longest time that an image waits for the window
-LONGEST_PATH = 300  # characters of a path in an error
+MAX_PATH_LENGTH = 300  # characters of a path in an error
 TITLE_PERIOD = 1.0  # s
 QUIT_KEYS = (ord("q"), 27)  # 27: Esc
 
@@ -56,7 +56,7 @@ class CameraView:
         self._selected = rospy.Publisher("~selected", RegionOfInterest, queue_size=10)
         self._subscriber = ImageSubscriber("image", self._on_frame, encoding="bgr8")
         self._window = Window(self._topic, autosize, self._on_click, self._on_drag)
-        self._window.show(waiting_picture(self._topic))
+        self._window.show(placeholder(self._topic))
         review_params()
 
     def spin(self) -> None:
@@ -76,7 +76,7 @@ class CameraView:
     def _configure(self, config: Dict[str, Any]) -> None:
         folder = config["save_folder"]
         if "\0" in folder:  # No path can have this character; all others are allowed.
-            raise ValueError(f"save_folder is {told(folder)}, must be a path")
+            raise ValueError(f"save_folder is {brief(folder)}, must be a path")
         self._folder = os.path.abspath(os.path.expanduser(folder))
 
     def _on_frame(self, frame: Frame) -> None:
@@ -124,7 +124,7 @@ class CameraView:
             path = add_file(self._folder, f"{stamp.secs}.{stamp.nsecs:09d}", ".png", png)
             print("saved", path, flush=True)
         except OSError as error:
-            folder = printable(self._folder, LONGEST_PATH)
+            folder = printable(self._folder, MAX_PATH_LENGTH)
             rospy.logerr("no picture saved in %s: %s", folder, reason(error))
 
 

@@ -24,7 +24,7 @@ def require_display() -> None:
 
 
 Point = Tuple[int, int]
-DRAG = 4  # px that the pointer has to move before a click becomes a rectangle
+MIN_DRAG = 4  # px that the pointer has to move before a click becomes a rectangle
 GREEN = (0, 255, 0)
 
 
@@ -50,7 +50,7 @@ class Window:
         self._name = name
         self._on_click = on_click
         self._on_drag = on_drag
-        self._picture: Optional[np.ndarray] = None
+        self._image: Optional[np.ndarray] = None
         self._pressed: Optional[Point] = None  # where the button was pressed
         self._dragged: Optional[Point] = None  # where the pointer was dragged to since
         self._autosize = autosize
@@ -59,17 +59,17 @@ class Window:
         cv2.namedWindow(name, kind | cv2.WINDOW_GUI_NORMAL)
         cv2.setMouseCallback(name, self._on_mouse)
 
-    def show(self, picture: np.ndarray) -> None:
+    def show(self, image: np.ndarray) -> None:
         """Shows a (height, width, 3) uint8 image, BGR, which must not change afterwards."""
-        self._picture = picture
+        self._image = image
         if self._dragged:
             x, y, width, height = self._rectangle()
-            picture = picture.copy()
-            cv2.rectangle(picture, (x, y), (x + width - 1, y + height - 1), GREEN, 1)
+            image = image.copy()
+            cv2.rectangle(image, (x, y), (x + width - 1, y + height - 1), GREEN, 1)
         self._shown_size = self._fitting_size()
         if self._shown_size != self._size():
-            picture = cv2.resize(picture, self._shown_size, interpolation=cv2.INTER_NEAREST)
-        cv2.imshow(self._name, picture)
+            image = cv2.resize(image, self._shown_size, interpolation=cv2.INTER_NEAREST)
+        cv2.imshow(self._name, image)
 
     def set_title(self, title: str) -> None:
         cv2.setWindowTitle(self._name, title)
@@ -77,8 +77,8 @@ class Window:
     def poll(self, milliseconds: int) -> int:
         """Lets the window work until a key is pressed or time is up; returns its code or NO_KEY."""
         key = cv2.waitKey(milliseconds) & 0xFF  # Some systems put modifiers into the upper bits.
-        if self._picture is not None and self._shown_size != self._fitting_size():
-            self.show(self._picture)
+        if self._image is not None and self._shown_size != self._fitting_size():
+            self.show(self._image)
         return key
 
     def is_open(self) -> bool:
@@ -92,7 +92,7 @@ class Window:
 
     def _size(self) -> Tuple[int, int]:
         """Returns the width and height of the image."""
-        height, width = self._picture.shape[:2]
+        height, width = self._image.shape[:2]
         return width, height
 
     def _fitting_size(self) -> Tuple[int, int]:
@@ -105,13 +105,16 @@ class Window:
         return int(width * scale), int(height * scale)
 
     def _on_mouse(self, event: int, x: int, y: int, flags: int, _parameter: Any) -> None:
-        if self._picture is None:
+        if self._image is None:
             return
         x, y = (a * size // shown for a, size, shown in zip((x, y), self._size(), self._shown_size))
         if event == cv2.EVENT_LBUTTONDOWN:
             self._pressed, self._dragged = (x, y), None
         elif event == cv2.EVENT_MOUSEMOVE and self._pressed and flags & cv2.EVENT_FLAG_LBUTTON:
-            if self._dragged or max(abs(x - self._pressed[0]), abs(y - self._pressed[1])) >= DRAG:
+            if (
+                self._dragged
+                or max(abs(x - self._pressed[0]), abs(y - self._pressed[1])) >= MIN_DRAG
+            ):
                 self._dragged = (x, y)
                 self._show_again()
         elif event == cv2.EVENT_LBUTTONUP and self._pressed:
@@ -132,5 +135,5 @@ class Window:
         return left, top, right - left + 1, bottom - top + 1
 
     def _show_again(self) -> None:
-        if self._picture is not None:
-            self.show(self._picture)
+        if self._image is not None:
+            self.show(self._image)

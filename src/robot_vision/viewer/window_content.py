@@ -41,11 +41,11 @@ def title(topic: str, hz: float, size: Optional[Tuple[int, int]]) -> str:
     return f"{topic}  {hz:.1f} Hz  {size[0]}x{size[1]}" if size else f"{topic}  waiting"
 
 
-def waiting_picture(topic: str) -> np.ndarray:
+def placeholder(topic: str) -> np.ndarray:
     """Returns a placeholder for the first image: (480, 640, 3) uint8, gray, with a line of text."""
-    picture = np.full((480, 640, 3), 128, np.uint8)
+    image = np.full((480, 640, 3), 128, np.uint8)
     text = "waiting for " + topic
     (width, _), _ = cv2.getTextSize(text, FONT, 1.0, 1)
     scale = min(1.0, 600 / width)
-    cv2.putText(picture, text, (20, 250), FONT, scale, (255, 255, 255), 1, cv2.LINE_AA)
-    return picture
+    cv2.putText(image, text, (20, 250), FONT, scale, (255, 255, 255), 1, cv2.LINE_AA)
+    return image
