@@ -10,7 +10,6 @@ from typing import Iterator, Sequence
 
 import cv2
 import numpy as np
-import rosgraph
 import rospy
 from sensor_msgs.msg import CameraInfo
 from sensor_msgs.srv import SetCameraInfo
@@ -19,6 +18,7 @@ from ..common.commands import run_command
 from ..common.files import create_file, make_folder, reason, replace_file, require_replaceable
 from ..recordings.bag_images import NamedImage
 from ..recordings.recorded_images import from_bag, from_files, from_topic
+from ..ros.startup import become_node
 from .boards import Observation
 from .camera_file import as_yaml
 from .coverage import coverage_image, seen_cells
@@ -43,7 +43,7 @@ def _calibrate(arguments: argparse.Namespace) -> None:
     for path in (arguments.output, arguments.coverage):
         require_replaceable(path, arguments.force, new_folders=True)
     if arguments.topic or arguments.set:
-        _become_node()
+        become_node("calibrate_headless")
     if arguments.set:
         _require_service(_service_of(arguments.set))
     views = ViewCollection(arguments.found, arguments.most, arguments.max_blur)
@@ -59,12 +59,6 @@ def _calibrate(arguments: argparse.Namespace) -> None:
     saved = _write(arguments, found, observations)  # even with --set, as the camera may refuse it
     if arguments.set:
         _set_camera_info(arguments.set, found, saved)
-
-
-def _become_node() -> None:
-    if not rosgraph.is_master_online():
-        raise OSError(f"no ROS master answers at {rosgraph.get_master_uri()}")
-    rospy.init_node("calibrate_headless", anonymous=True, disable_signals=True)
 
 
 def _service_of(node: str) -> str:

@@ -6,6 +6,7 @@ import os
 import re
 from typing import Sequence, Tuple
 
+from ..common.arguments import command_parser, parse_completely
 from .boards import BOARDS, Board
 from .camera_file import default_path
 from .solving import MIN_VIEWS, MODELS
@@ -29,22 +30,16 @@ MAX_IMAGES = 1000
 
 def parse_arguments(command: Sequence[str]) -> argparse.Namespace:
     """Parses the command line, and adds the board as `found`. Exits on wrong arguments."""
-    parser = argparse.ArgumentParser(
-        prog="calibrate_headless.py",
-        description="Calibrates a camera, without a screen, by pictures of a board, and writes the "
-        "file that the camera loads at its next start.",
-        epilog=EXAMPLES,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
+    parser = command_parser(
+        "calibrate_headless.py",
+        "Calibrates a camera, without a screen, by pictures of a board, and writes the file that "
+        "the camera loads at its next start.",
+        EXAMPLES,
     )
     _add_sources(parser)
     _add_board(parser)
     _add_results(parser)
-    arguments = parser.parse_args(command)
-    try:
-        _complete(arguments)
-    except ValueError as error:
-        parser.error(str(error))
-    return arguments
+    return parse_completely(parser, command, _complete)
 
 
 def _add_sources(parser: argparse.ArgumentParser) -> None:

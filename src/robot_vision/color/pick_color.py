@@ -4,16 +4,16 @@ import argparse
 import queue
 import re
 import sys
-from typing import Callable, List, Optional, Sequence, Tuple
+from typing import List, Optional, Sequence, Tuple
 
 import numpy as np
-import rosgraph
 import rospy
 
 from .. import range_around, to_hsv
+from ..common.arguments import command_parser, number_within
 from ..common.commands import run_command
-from ..common.files import MAX_IMAGE, read_file
-from ..common.image_files import upright
+from ..common.image_files import load_image, upright
+from ..ros.startup import become_node
 from ..ros.transport import ImageSubscriber
 from .color_file import save_colors
 from .colors import HUES, as_yaml, median_hsv, outside
@@ -49,17 +49,16 @@ def _pick(arguments: argparse.Namespace) -> None:
 
 
 def _parse(command: Sequence[str]) -> argparse.Namespace:
-    parser = argparse.ArgumentParser(
-        prog="pick_color.py",
-        description="Prints the HSV range around a colour, as hsv_tracker's parameter file has it: "
-        "hue 0 to 179, saturation and value 0 to 255.",
-        epilog=EXAMPLES,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
+    parser = command_parser(
+        "pick_color.py",
+        "Prints the HSV range around a colour, as hsv_tracker's parameter file has it: hue 0 to "
+        "179, saturation and value 0 to 255.",
+        EXAMPLES,
     )
     _add_colors(parser)
     parser.add_argument(
         "--margin",
-        type=_integer(0, 90),
+        type=number_within(int, 0, 90),
         default=10,
         metavar="H",
         help="hues more and less, 0 to 90 (default: %(default)s)",
@@ -88,7 +87,7 @@ def _parse(command: Sequence[str]) -> argparse.Namespace:
 
 def _add_colors(parser: argparse.ArgumentParser) -> None:
     """Adds the arguments that choose the colour."""
-    channels = {"nargs": 3, "type": _integer(0, 255)}
+    channels = {"nargs": 3, "type": number_within(int, 0, 255)}
     source = parser.add_argument_group("the colour, one of").add_mutually_exclusive_group(
         required=True
     )
@@ -107,16 +106,6 @@ def _add_colors(parser: argparse.ArgumentParser) -> None:
         metavar=("X", "Y", "W", "H"),
         help="a rectangle: the median of its colours",
     )
-
-
-def _integer(low: int, high: int) -> Callable[[str], int]:
-    def integer(text: str) -> int:
-        value = int(text)
-        if not low <= value <= high:
-            raise argparse.ArgumentTypeError(f"{value} must be from {low} to {high}")
-        return value
-
-    return integer
 
 
 def _seconds(text: str) -> float:
@@ -141,12 +130,11 @@ def _color(arguments: argparse.Namespace) -> Tuple[Optional[Color], Color]:
     if arguments.hsv:
         return None, tuple(arguments.hsv)
     if arguments.topic or arguments.picture:
-        picture = (
-            _first_image(arguments.topic, arguments.timeout)
-            if arguments.topic
-            else _load(arguments.picture)
-        )
-        part = _crop(picture, arguments.region or [*arguments.at, 1, 1])
+        if arguments.topic:
+            image = _first_image(arguments.topic, arguments.timeout)
+        else:
+            image = load_image(arguments.picture, upright)
+        part = _crop(image, arguments.region or [*arguments.at, 1, 1])
         if arguments.region:
             return None, median_hsv(part)
         bgr = part[0, 0].tolist()
@@ -155,33 +143,20 @@ def _color(arguments: argparse.Namespace) -> Tuple[Optional[Color], Color]:
     return tuple(bgr), to_hsv(bgr)
 
 
-def _load(path: str) -> np.ndarray:
-    data = read_file(path, MAX_IMAGE)
-    try:
-        picture = upright(data)
-    except ValueError as error:
-        raise ValueError(f"{path}: {error}") from None
-    if picture is None:
-        raise ValueError(f"{path}: no picture that OpenCV can read")
-    return picture
-
-
-def _crop(picture: np.ndarray, region: Sequence[int]) -> np.ndarray:
+def _crop(image: np.ndarray, region: Sequence[int]) -> np.ndarray:
     x, y, width, height = region
-    rows, columns = picture.shape[:2]
+    rows, columns = image.shape[:2]
     if not (0 <= x < x + width <= columns and 0 <= y < y + height <= rows):
         raise ValueError(
             f"x {x}, y {y}, width {width}, height {height}: "
             f"not inside of the picture of {columns}x{rows}"
         )
-    return picture[y : y + height, x : x + width]
+    return image[y : y + height, x : x + width]
 
 
 def _first_image(topic: str, seconds: float) -> np.ndarray:
     """Returns the next image of a topic, BGR."""
-    if not rosgraph.is_master_online():
-        raise TimeoutError(f"no ROS master answers at {rosgraph.get_master_uri()}")
-    rospy.init_node("pick_color", anonymous=True, disable_signals=True)
+    become_node("pick_color")
     frames: queue.Queue[np.ndarray] = queue.Queue()
     subscriber = ImageSubscriber(topic, lambda frame: frames.put(frame.image), encoding="bgr8")
     try:

@@ -1,11 +1,19 @@
 """Image files: their names, and their decoding."""
 
-from typing import Optional
+from typing import Callable, Optional
 
 import cv2
 import numpy as np
 
 from .._core import decode_image_file
+from .files import MAX_IMAGE, read_file
+
+SUFFIXES = (".bmp", ".jpeg", ".jpg", ".pgm", ".png", ".ppm", ".tif", ".tiff", ".webp")
+
+
+def has_image_suffix(path: str) -> bool:
+    """Returns whether a file is named like an image."""
+    return path.lower().endswith(SUFFIXES)
 
 
 def sensor_pixels(data: bytes, flags: int = cv2.IMREAD_COLOR) -> Optional[np.ndarray]:
@@ -29,3 +37,24 @@ def sensor_pixels(data: bytes, flags: int = cv2.IMREAD_COLOR) -> Optional[np.nda
 def upright(data: bytes) -> Optional[np.ndarray]:
     """Decodes an image like sensor_pixels() to BGR, but rotated by EXIF, as viewers show it."""
     return decode_image_file(data, cv2.IMREAD_COLOR)
+
+
+def load_image(path: str, decode: Callable[[bytes], Optional[np.ndarray]]) -> np.ndarray:
+    """Returns the image in a file.
+
+    Args:
+        path: The path of the file.
+        decode: sensor_pixels() or upright().
+
+    Raises:
+        ValueError: The file is not an image, or it is too large to be decoded.
+        OSError: The path is not a regular file, or the file is too large or cannot be read.
+    """
+    data = read_file(path, MAX_IMAGE)
+    try:
+        image = decode(data)
+    except ValueError as error:
+        raise ValueError(f"{path}: {error}") from None
+    if image is None:
+        raise ValueError(f"{path}: no picture that OpenCV can read")
+    return image

@@ -7,11 +7,10 @@ from typing import List, Sequence
 import numpy as np
 
 from ..common.files import add_file, read_file, reason, trying
-from ..common.image_files import upright
+from ..common.image_files import has_image_suffix, upright
 from ..common.plain_text import printable
 from .identities import UNKNOWN
 
-SUFFIXES = (".bmp", ".jpeg", ".jpg", ".pgm", ".png", ".ppm", ".tif", ".tiff", ".webp")
 MAX_NAME = 60  # characters, which fit into the 255 bytes of a file name in any script
 MAX_PATH_LENGTH = 1000  # characters of a path in a message
 MAX_FILE = 64 << 20  # bytes of an image file
@@ -82,7 +81,7 @@ def names_in(gallery: str, problems: List[str]) -> List[str]:
 
 def is_image_file(name: str) -> bool:
     """Returns whether a file is named like an image and is not hidden."""
-    return name.lower().endswith(SUFFIXES) and not name.startswith(".")
+    return has_image_suffix(name) and not name.startswith(".")
 
 
 def image_paths(folder: str) -> List[str]:

@@ -1,9 +1,10 @@
 """The arguments of create_marker.py."""
 
 import argparse
-from typing import Callable, Sequence
+from typing import Sequence
 
 from .._core import tag_families
+from ..common.arguments import command_parser, number_within
 from .marker import LEVELS
 from .sheet import PAGES
 
@@ -24,11 +25,10 @@ Print at 100 % ("actual size"), and measure: with a tag of another size every di
 
 def parse(command: Sequence[str]) -> argparse.Namespace:
     """Parses a command line. Exits on wrong arguments."""
-    parser = argparse.ArgumentParser(
-        prog="create_marker.py",
-        description="Makes AprilTags and QR codes to print, exact to a tenth of a millimetre.",
-        epilog=EXAMPLES,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
+    parser = command_parser(
+        "create_marker.py",
+        "Makes AprilTags and QR codes to print, exact to a tenth of a millimetre.",
+        EXAMPLES,
     )
     families = [family.name for family in tag_families()]
     parser.add_argument(
@@ -40,7 +40,7 @@ def parse(command: Sequence[str]) -> argparse.Namespace:
     parser.add_argument(
         "-s",
         "--size",
-        type=number(float, 0.5, 300.0),
+        type=number_within(float, 0.5, 300.0),
         default=10.0,  # the same as apriltag_detector's tag_size
         metavar="CM",
         help="side in cm (default: %(default)g): of a tag between its corners, which is the black "
@@ -87,22 +87,9 @@ def add_output(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         "--dpi",
-        type=number(int, 150, 1200),
+        type=number_within(int, 150, 1200),
         default=300,
         help="of PNG and of the printer, 150 to 1200 (default: %(default)s); a QR code must "
         "have three dots for each of its cells",
     )
     parser.add_argument("--force", action="store_true", help="replace a file that is there already")
-
-
-def number(kind: Callable[[str], float], low: float, high: float) -> Callable[[str], float]:
-    """Returns a function with which argparse reads a number within a range."""
-
-    def checked(text: str) -> float:
-        value = kind(text)
-        if not low <= value <= high:
-            raise argparse.ArgumentTypeError(f"{text} must be from {low:g} to {high:g}")
-        return value
-
-    checked.__name__ = "number"  # argparse uses the name in its error messages.
-    return checked

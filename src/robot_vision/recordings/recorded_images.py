@@ -13,11 +13,11 @@ import numpy as np
 import rospy
 
 from ..common.files import MAX_IMAGE, read_file, require_file, trying
+from ..common.image_files import has_image_suffix
 from ..ros.transport import Frame, ImageSubscriber
 from .bag_images import IMAGE_TYPES, NamedImage, images_on, opened, require_topic, topics_of
 from .gray_images import gray_file, gray_pixels
 
-SUFFIXES = (".bmp", ".jpeg", ".jpg", ".pgm", ".png", ".ppm", ".tif", ".tiff", ".webp")
 TIMEOUT = 2.0  # s without an image until that is reported
 
 
@@ -30,7 +30,7 @@ def from_files(names: Sequence[str]) -> Iterator[NamedImage]:
         OSError: A file cannot be read, or is not a regular file.
     """
     for path in (path for name in names for path in _paths(name)):
-        if path.lower().endswith(SUFFIXES):
+        if has_image_suffix(path):
             yield path, functools.partial(_read, path)
         else:
             yield from _video(path)
@@ -83,7 +83,7 @@ def _paths(name: str) -> List[str]:
     if os.path.isdir(name):
         with trying(name, "read"):
             found = [os.path.join(name, entry) for entry in sorted(os.listdir(name))]
-        images = [path for path in found if path.lower().endswith(SUFFIXES)]
+        images = list(filter(has_image_suffix, found))
         if not images:
             raise ValueError(f"{name}: no pictures in this folder")
         return images

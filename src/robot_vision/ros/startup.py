@@ -88,6 +88,17 @@ def run_node(
     end_process(code)
 
 
+def become_node(name: str) -> None:
+    """Makes this process, a command, a node with a unique name.
+
+    Raises:
+        OSError: There is no master.
+    """
+    if not rosgraph.is_master_online():
+        raise OSError(f"no ROS master answers at {rosgraph.get_master_uri()}")
+    rospy.init_node(name, anonymous=True, disable_signals=True)
+
+
 def _usage(start: Callable[[], Any]) -> str:
     return USAGE.format(
         program=os.path.basename(sys.argv[0]),

@@ -4,6 +4,7 @@ import argparse
 from typing import Dict, List, Optional, Sequence, Tuple
 
 from .. import tag_family
+from ..common.arguments import command_parser, parse_completely
 from .bundle_files import MAX_TAG_SIZE
 from .tag_ids import parse_ids
 
@@ -24,12 +25,11 @@ MAX_FRAMES = 10000
 
 def parse_arguments(command: Sequence[str]) -> argparse.Namespace:
     """Parses the command line, and adds `sizes` in m by tag. Exits on wrong arguments."""
-    parser = argparse.ArgumentParser(
-        prog="calibrate_bundle.py",
-        description="Learns where AprilTags sit on a rigid body from frames that show several of "
-        "them at once, and writes the tag_bundles of apriltag_detector.",
-        epilog=EXAMPLES,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
+    parser = command_parser(
+        "calibrate_bundle.py",
+        "Learns where AprilTags sit on a rigid body from frames that show several of them at once, "
+        "and writes the tag_bundles of apriltag_detector.",
+        EXAMPLES,
     )
     parser.add_argument("--name", required=True, help="of the bundle, and of its transform")
     parser.add_argument("--ids", required=True, help="of its tags: 0-5, or 0,2,7-9")
@@ -50,12 +50,7 @@ def parse_arguments(command: Sequence[str]) -> argparse.Namespace:
     parser.add_argument(
         "--camera-info", default="", metavar="TOPIC", help="in the bag (default: beside the image)"
     )
-    arguments = parser.parse_args(command)
-    try:
-        _complete(arguments)
-    except ValueError as error:
-        parser.error(str(error))
-    return arguments
+    return parse_completely(parser, command, _complete)
 
 
 def _complete(arguments: argparse.Namespace) -> None:

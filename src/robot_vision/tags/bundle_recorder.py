@@ -120,9 +120,9 @@ class BundleRecorder:
 
     def _state(self) -> str:
         with self._lock:
-            return (
-                self._collection.summary() if self._camera else "waiting: " + self._missing_input()
-            )
+            if self._camera:
+                return self._collection.summary()
+            return "waiting: " + self._missing_input()
 
     def _missing_input(self) -> str:
         if not self._arrived:

@@ -6,13 +6,13 @@ import sys
 from statistics import median
 from typing import Mapping, Sequence
 
-import rosgraph
 import rospy
 
 from .. import CameraModel, without_bent_edges
 from ..common.commands import run_command
 from ..common.files import require_replaceable
 from ..common.progress import Progress
+from ..ros.startup import become_node
 from .bundle_arguments import parse_arguments
 from .bundle_bag import collect_from_bag
 from .bundle_calibration import BundleCalibration, calibrate
@@ -62,9 +62,7 @@ def _collect(
             collection,
             progress,
         )
-    if not rosgraph.is_master_online():
-        raise OSError(f"no ROS master answers at {rosgraph.get_master_uri()}")
-    rospy.init_node("calibrate_bundle", anonymous=True, disable_signals=True)
+    become_node("calibrate_bundle")
     return BundleRecorder(arguments.family, collection, progress).run()
 
 

@@ -10,8 +10,7 @@ import numpy as np
 import rospy
 from std_msgs.msg import Header
 
-from ..common.files import MAX_IMAGE, read_file
-from ..common.image_files import sensor_pixels
+from ..common.image_files import load_image, sensor_pixels
 from ..common.plain_text import printable
 from ..msg import TagDetectionArray
 from ..ros.camera_info import CameraInfoListener
@@ -73,13 +72,12 @@ class DetectService:
     def _on_detect(self, request: Any) -> DetectTagsResponse:
         try:
             with self._at_work():
-                tags, problem = (
-                    self._of_file(request.file) if request.file else self._of_next_frame()
-                )
+                found = self._of_file(request.file) if request.file else self._of_next_frame()
         except Exception as error:  # Of any kind, because rospy would answer without a reason.
             reason = printable(str(error), MAX_ERROR_LENGTH) or type(error).__name__
             rospy.logerr("no tags detected: %s", reason)
             return DetectTagsResponse(False, reason, TagDetectionArray())
+        tags, problem = found
         return DetectTagsResponse(True, problem, tags)
 
     @contextlib.contextmanager
@@ -98,13 +96,7 @@ class DetectService:
     def _of_file(self, path: str) -> Tuple[TagDetectionArray, str]:
         if not os.path.isabs(path):  # A node and its caller run in different folders.
             raise ValueError(f"file is '{printable(path)}', must be an absolute path")
-        data = read_file(path, MAX_IMAGE)
-        try:
-            image = sensor_pixels(data)
-        except ValueError as error:
-            raise ValueError(f"{path}: {error}") from None
-        if image is None:
-            raise ValueError(f"{path} is no picture")
+        image = load_image(path, sensor_pixels)
         self._calibration.wait(CALIBRATION_TIMEOUT)
         header = Header(stamp=rospy.Time.now(), frame_id=self._calibration.frame_id)
         return self._detect(image, "bgr8", header)

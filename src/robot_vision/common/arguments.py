@@ -1,0 +1,48 @@
+"""What the command lines of the commands have in common."""
+
+import argparse
+from typing import Any, Callable, Sequence
+
+
+def command_parser(program: str, description: str, examples: str) -> argparse.ArgumentParser:
+    """Returns a parser whose help ends with examples in their own layout."""
+    return argparse.ArgumentParser(
+        prog=program,
+        description=description,
+        epilog=examples,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+
+
+def parse_completely(
+    parser: argparse.ArgumentParser,
+    command: Sequence[str],
+    complete: Callable[[argparse.Namespace], Any],
+) -> argparse.Namespace:
+    """Parses a command line, and exits if it is wrong.
+
+    Args:
+        parser: The parser.
+        command: The words of the command line.
+        complete: A function that checks what argparse cannot check, and may add to the arguments.
+            It raises ValueError for a usage error.
+    """
+    arguments = parser.parse_args(command)
+    try:
+        complete(arguments)
+    except ValueError as error:
+        parser.error(str(error))
+    return arguments
+
+
+def number_within(kind: Callable[[str], float], low: float, high: float) -> Callable[[str], float]:
+    """Returns a function with which argparse reads an int or a float within a range."""
+
+    def checked(text: str) -> float:
+        value = kind(text)
+        if not low <= value <= high:
+            raise argparse.ArgumentTypeError(f"{text} must be from {low:g} to {high:g}")
+        return value
+
+    checked.__name__ = "integer" if kind is int else "number"  # for argparse's error messages
+    return checked
