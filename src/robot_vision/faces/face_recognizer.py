@@ -13,11 +13,11 @@ from ..msg import Detection, DetectionArray, FaceIdentity, FaceIdentityArray
 from ..ros.configs import FaceRecognizerConfig
 from ..ros.frame_pairs import FramePairs
 from ..ros.image_node import ImageNode
-from ..ros.messages import corners
+from ..ros.messages import Box, box_of, corners
 from ..ros.params import LiveParams, filled
 from ..ros.startup import run_node
 from ..ros.transport import Frame
-from .face_images import Box, check_box, normalized
+from .face_images import check_box, normalized
 from .gallery import Gallery
 from .gallery_services import GalleryServices
 from .identities import Identities, Identity, VoteParams
@@ -97,7 +97,7 @@ class FaceRecognizer:
             return
         try:
             for face in faces.detections:
-                check_box(frame.image, box_of(face))
+                check_box(frame.image, box_of(face.box))
         except ValueError as error:
             rospy.logerr_throttle(5.0, f"faces that cannot be used: {error}")
             return
@@ -106,7 +106,7 @@ class FaceRecognizer:
             found = [self._identify(frame.image, face, now) for face in faces.detections]
             self._identities.see((face.id for face in faces.detections), now)
             self._publish(frame, faces, found)
-            seen = [box_of(face) for face in faces.detections if not face.predicted]
+            seen = [box_of(face.box) for face in faces.detections if not face.predicted]
             self._services.offer(frame.image, seen, now)
 
     def _notice_other_ids(self, faces: DetectionArray) -> None:
@@ -127,7 +127,7 @@ class FaceRecognizer:
 
     def _look(self, image: np.ndarray, face: Detection) -> Tuple[str, float]:
         """Returns the name of the most similar person ("" if nobody is known), and the distance."""
-        label, distance = self._recognizer.predict(normalized(image, box_of(face)))
+        label, distance = self._recognizer.predict(normalized(image, box_of(face.box)))
         return self._names[label] if label >= 0 else "", distance
 
     def _publish(self, frame: Frame, faces: DetectionArray, found: List[Identity]) -> None:
@@ -142,7 +142,7 @@ class FaceRecognizer:
         if self._processed.get_num_connections():
             overlay = frame.image.copy()
             for face, identity in zip(faces.detections, found):
-                draw_identity(overlay, box_of(face), identity)
+                draw_identity(overlay, box_of(face.box), identity)
             self._processed.publish(overlay, "bgr8", frame.header)
 
     def _show_note(self, frame: Frame, text: str) -> None:
@@ -150,10 +150,6 @@ class FaceRecognizer:
             overlay = frame.image.copy()
             draw_text(overlay, to_ascii(text), (10, 20), RED)
             self._processed.publish(overlay, "bgr8", frame.header)
-
-
-def box_of(face: Detection) -> Box:
-    return face.box.x_offset, face.box.y_offset, face.box.width, face.box.height
 
 
 def draw_identity(bgr: np.ndarray, box: Box, identity: Identity) -> None:

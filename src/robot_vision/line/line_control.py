@@ -6,6 +6,7 @@ from typing import Optional, Tuple
 
 from .._core import Line
 from ..common.plain_text import printable
+from ..common.ranges import require_range
 
 MODES = ("course", "pid")
 MAX_GAP = 0.5  # s between two lines, after which integral and derivative of the error are void
@@ -35,20 +36,20 @@ class LineControlParams:
     def __post_init__(self) -> None:
         if self.mode not in MODES:
             raise ValueError(f"mode is {printable(self.mode)}, must be {' or '.join(MODES)}")
-        _require_range("linear_speed", self.linear_speed, 0, 5)
-        _require_range("max_angular", self.max_angular, 0, 10)
-        _require_range("gain", self.gain, 0, 10)
-        _require_range("dead_band", self.dead_band, 0, 10000)
+        require_range("linear_speed", self.linear_speed, 0, 5)
+        require_range("max_angular", self.max_angular, 0, 10)
+        require_range("gain", self.gain, 0, 10)
+        require_range("dead_band", self.dead_band, 0, 10000)
         for name in ("kp", "ki", "kd"):
-            _require_range(name, getattr(self, name), 0, 100)
-        _require_range("min_speed", self.min_speed, 0, 5)
+            require_range(name, getattr(self, name), 0, 100)
+        require_range("min_speed", self.min_speed, 0, 5)
         if self.min_speed > self.linear_speed:
             raise ValueError(
                 f"min_speed is {self.min_speed:g}, must be at most linear_speed,"
                 f" {self.linear_speed:g}"
             )
-        _require_range("search_angular", self.search_angular, 0, 10)
-        _require_range("search_timeout", self.search_timeout, 0, 60)
+        require_range("search_angular", self.search_angular, 0, 10)
+        require_range("search_timeout", self.search_timeout, 0, 60)
 
 
 class LineController:
@@ -143,8 +144,3 @@ def must_stop(now: float, last_frame: Optional[float], enabled: bool, timeout: f
 
 def _clip(value: float, limit: float) -> float:
     return min(max(value, -limit), limit)
-
-
-def _require_range(name: str, value: float, low: float, high: float) -> None:
-    if not low <= value <= high:
-        raise ValueError(f"{name} is {value:g}, must be from {low:g} to {high:g}")

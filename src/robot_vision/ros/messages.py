@@ -43,6 +43,11 @@ def box_detection(box: Box, label: str, id: int = -1, score: float = 1.0) -> Det
     )
 
 
+def box_of(region: RegionOfInterest) -> Box:
+    """Returns a region as x, y, width and height in px."""
+    return region.x_offset, region.y_offset, region.width, region.height
+
+
 def box_around(outline: np.ndarray, image: np.ndarray) -> RegionOfInterest:
     """Returns the part of the image that the bounding box of an outline, (n, 2) px, covers."""
     height, width = image.shape[:2]

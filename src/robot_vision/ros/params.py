@@ -17,6 +17,7 @@ from std_srvs.srv import Trigger, TriggerResponse
 from .. import _transport
 from ..common.files import read_text, replace_file
 from ..common.plain_text import NAME, brief, is_name, printable
+from ..common.ranges import require_range
 
 Params = TypeVar("Params")
 
@@ -56,7 +57,7 @@ def read_param(
     if type(value) is not kind:
         raise ValueError(f"{name} is {brief(value)}, must be {TYPES[kind]}")
     if kind in (int, float):
-        _require_range(name, value, low, high, zero)
+        require_range(name, value, low, high, zero)
     return value
 
 
@@ -176,7 +177,7 @@ class LiveParams:
         for name, low in self._type.min.items():
             high = self._type.max[name]
             if low != "" and type(config[name]) is not bool:
-                _require_range(name, config[name], low, high)
+                require_range(name, config[name], low, high)
 
     def _on_save(self, _request: Any) -> TriggerResponse:
         accepted = self._accepted  # This object is replaced, never changed.
@@ -197,15 +198,6 @@ class LiveParams:
             rospy.logerr("parameters not saved: %s", reason)
             return TriggerResponse(False, reason)
         return TriggerResponse(True, path)
-
-
-def _require_range(name: str, value: float, low: float, high: float, zero: str = "") -> None:
-    """Raises ValueError for a number out of range; NaN and infinite numbers always are."""
-    if math.isfinite(value) and low <= value <= high:
-        return
-    meant = f" ({zero})" if zero else ""
-    span = f"from {low:g}{meant} to {high:g}" if math.isfinite(low + high) else "finite"
-    raise ValueError(f"{name} is {value:g}, must be {span}")
 
 
 def _require_own_launch(path: str) -> None:

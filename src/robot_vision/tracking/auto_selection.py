@@ -11,7 +11,7 @@ import rospy
 from .. import ObjectTracker, TrackedObject
 from ..msg import Detection, DetectionArray
 from ..ros.transport import Frame
-from .tracks import box_of
+from .tracks import clipped_box
 
 HISTORY = 8  # frames by which a detection may be late
 MAX_CANDIDATES = 100  # detections of a message with the highest scores; each is compared with each
@@ -108,7 +108,7 @@ class AutoSelection:
             full = len(self._own) >= self._most
             if full and not self._lost:
                 return
-            region = box_of(found.box)
+            region = clipped_box(found.box)
             try:
                 selected = self._tracker.select_in(frame.image, region, found.label)
             except ValueError as error:
@@ -135,7 +135,7 @@ def is_same(before: Detection, now: Detection) -> bool:
         return False
     if now.id >= 0:
         return True
-    x, y, width, height = box_of(before.box)
+    x, y, width, height = clipped_box(before.box)
     middle_x, middle_y = middle_of(now)
     return x <= middle_x <= x + width and y <= middle_y <= y + height
 
@@ -150,5 +150,5 @@ def is_covered(found: Detection, outlines: List[np.ndarray]) -> bool:
 
 def middle_of(found: Detection) -> Tuple[float, float]:
     """Returns the middle of a detection's box in px."""
-    x, y, width, height = box_of(found.box)
+    x, y, width, height = clipped_box(found.box)
     return x + width / 2.0, y + height / 2.0

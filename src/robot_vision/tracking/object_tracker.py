@@ -20,7 +20,7 @@ from ..ros.startup import run_node
 from ..ros.transport import Frame
 from ..srv import ForgetObject, ForgetObjectResponse, SelectObject, SelectObjectResponse
 from .auto_selection import AutoSelection
-from .tracks import box_of, detection_of, draw_tracks, flow_message, track_states
+from .tracks import clipped_box, detection_of, draw_tracks, flow_message, track_states
 
 MAX_FRAME_AGE = 1.0  # s; nobody selects something in a frame that is older
 SELECT_TIMEOUT = 5.0  # s that a selection waits for a frame
@@ -30,7 +30,7 @@ class Selection:
     """A region that waits for a frame in which it is selected."""
 
     def __init__(self, region: RegionOfInterest, label: str, replaces: bool):
-        self.box = box_of(region)
+        self.box = clipped_box(region)
         self.label = label
         self.replaces = replaces  # whether it replaces all other objects
         self.deadline = time.monotonic() + SELECT_TIMEOUT

@@ -1,6 +1,6 @@
 """Tracked objects as messages, and in the overlay."""
 
-from typing import Iterable, List, Tuple
+from typing import Iterable, List
 
 import cv2
 import numpy as np
@@ -9,17 +9,16 @@ from sensor_msgs.msg import RegionOfInterest
 
 from .. import TrackedObject, draw_outline, draw_text
 from ..msg import Detection, Flow, TrackState, TrackStateArray
-from ..ros.messages import box_around, points
+from ..ros.messages import Box, box_around, box_of, points
 from ..ros.transport import Frame
 
 RED = (0, 0, 255)
 MAX_COORDINATE = 2**30  # px, more than any image has
 
 
-def box_of(region: RegionOfInterest) -> Tuple[int, int, int, int]:
+def clipped_box(region: RegionOfInterest) -> Box:
     """Returns (x, y, width, height) for the core, which refuses boxes outside the image."""
-    sides = region.x_offset, region.y_offset, region.width, region.height
-    return tuple(min(side, MAX_COORDINATE) for side in sides)
+    return tuple(min(side, MAX_COORDINATE) for side in box_of(region))
 
 
 def detection_of(track: TrackedObject, image: np.ndarray) -> Detection:
