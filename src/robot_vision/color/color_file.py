@@ -100,7 +100,7 @@ def _edit(text: str, name: str, color: HsvRange) -> str:
     limits = [(_value(old, "low"), list(color.low)), (_value(old, "high"), list(color.high))]
     if not all(isinstance(node, yaml.SequenceNode) and node.flow_style for node, _ in limits):
         return text
-        # The later one first, so that the position of the other stays valid.
+    # The later one first, so that the position of the other stays valid.
     for node, value in sorted(limits, key=lambda limit: -limit[0].start_mark.index):
         text = _replace(text, node, str(value))
     return text

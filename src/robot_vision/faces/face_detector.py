@@ -46,7 +46,7 @@ class FaceDetector:
                 else:
                     self._detector = Detector(params)
         except ValueError as error:
-            raise ValueError(in_course_s_words(str(error))) from None
+            raise ValueError(with_course_names(str(error))) from None
         self._period = config["max_search_period"]
 
     def _process(self, frame: Frame) -> None:
@@ -91,7 +91,7 @@ class FaceDetector:
         self._processed.publish(overlay, "bgr8", frame.header)
 
 
-def in_course_s_words(text: str) -> str:
+def with_course_names(text: str) -> str:
     """Replaces the names of the core's parameters in an error by those of the live ones."""
     for name in FaceDetectorConfig.defaults:
         text = re.sub(rf"\b{attribute_of(name, COURSE)}\b", name, text)
