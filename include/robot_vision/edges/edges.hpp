@@ -58,15 +58,8 @@ public:
   static std::string outputEncoding(const std::string& encoding);
 
 private:
-  struct Bands;
-
-  void applyInBands(const cv::Mat& image, const std::string& encoding, cv::Mat& edges);
-  void applyByOpenCv(const cv::Mat& gray, cv::Mat& edges);
-
-  EdgeParams params_;
-  std::unique_ptr<Bands> bands_;
-  cv::Mat gray_;
-  cv::Mat blurred_;
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
 };
 
 }  // namespace robot_vision

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "canny_stripe.hpp"
+#include "core/image/conversion_buffer.hpp"
 #include "core/image/gray_line_buffer.hpp"
 #include "core/image/row_bands.hpp"
 #include "edge_hysteresis.hpp"
@@ -39,16 +40,53 @@ void validate(const EdgeParams& params)
           "at least low_threshold, " + toText(params.low_threshold));
 }
 
-struct EdgeDetector::Bands
+struct EdgeDetector::Impl
 {
-  EdgeHysteresis bits;
-  std::vector<CannyStripe> bands;
+  explicit Impl(const EdgeParams& p) : params(p) { stripes.resize(static_cast<std::size_t>(p.threads)); }
+
+  void apply(const cv::Mat& image, const std::string& encoding, cv::Mat& edges)
+  {
+    checkPixels(image, encoding);
+    if (params.aperture != kFusedAperture)
+      applyByOpenCv(buffer.gray(image, encoding), edges);
+    else if (GrayLineBuffer::takes(encoding))
+      applyInStripes(image, encoding, edges);
+    else
+      applyInStripes(buffer.gray(image, encoding), "mono8", edges);
+  }
+
+  void applyInStripes(const cv::Mat& image, const std::string& encoding, cv::Mat& edges)
+  {
+    hysteresis.reset(image.size());
+    const EdgeThresholds thresholds = thresholdsOf(params);
+    parallelForRows(image.rows, params.threads, 4 * params.blur_size,
+                    [&](int i, const cv::Range& rows)
+                    {
+                      CannyStripe& stripe = stripes[static_cast<std::size_t>(i)];
+                      stripe.run(image, encoding, params.blur_size, thresholds, params.l2_gradient, rows, hysteresis);
+                    });
+    hysteresis.connect();
+    hysteresis.write(edges);
+  }
+
+  void applyByOpenCv(const cv::Mat& gray, cv::Mat& edges)
+  {
+    if (params.blur_size > 1) cv::blur(gray, blurred, {params.blur_size, params.blur_size});
+    const cv::Mat& smooth = params.blur_size > 1 ? blurred : gray;
+    cv::Canny(smooth, edges, params.low_threshold, params.high_threshold, params.aperture, params.l2_gradient);
+  }
+
+  EdgeParams params;
+  ConversionBuffer buffer;
+  EdgeHysteresis hysteresis;
+  std::vector<CannyStripe> stripes;
+  cv::Mat blurred;
 };
 
-EdgeDetector::EdgeDetector(const EdgeParams& params) : params_(params), bands_(std::make_unique<Bands>())
+EdgeDetector::EdgeDetector(const EdgeParams& params)
 {
   validate(params);
-  bands_->bands.resize(static_cast<std::size_t>(params.threads));
+  impl_ = std::make_unique<Impl>(params);
 }
 
 EdgeDetector::EdgeDetector(EdgeDetector&&) = default;
@@ -57,41 +95,7 @@ EdgeDetector::~EdgeDetector() = default;
 
 void EdgeDetector::apply(const cv::Mat& image, const std::string& encoding, cv::Mat& edges)
 {
-  checkPixels(image, encoding);
-  if (params_.aperture == kFusedAperture && GrayLineBuffer::takes(encoding))
-  {
-    applyInBands(image, encoding, edges);
-    return;
-  }
-  cv::Mat gray = gray_;  // toGray may let it share the input's pixels, which must not be kept
-  toGray(image, encoding, gray);
-  if (!sharesPixels(gray, image)) gray_ = gray;
-  if (params_.aperture == kFusedAperture)
-    applyInBands(gray, "mono8", edges);
-  else
-    applyByOpenCv(gray, edges);
-}
-
-void EdgeDetector::applyInBands(const cv::Mat& image, const std::string& encoding, cv::Mat& edges)
-{
-  EdgeHysteresis& bits = bands_->bits;
-  bits.reset(image.size());
-  const EdgeThresholds thresholds = thresholdsOf(params_);
-  parallelForRows(image.rows, params_.threads, 4 * params_.blur_size,
-                  [&](int i, const cv::Range& rows)
-                  {
-                    CannyStripe& band = bands_->bands[static_cast<std::size_t>(i)];
-                    band.run(image, encoding, params_.blur_size, thresholds, params_.l2_gradient, rows, bits);
-                  });
-  bits.connect();
-  bits.write(edges);
-}
-
-void EdgeDetector::applyByOpenCv(const cv::Mat& gray, cv::Mat& edges)
-{
-  if (params_.blur_size > 1) cv::blur(gray, blurred_, {params_.blur_size, params_.blur_size});
-  const cv::Mat& smooth = params_.blur_size > 1 ? blurred_ : gray;
-  cv::Canny(smooth, edges, params_.low_threshold, params_.high_threshold, params_.aperture, params_.l2_gradient);
+  impl_->apply(image, encoding, edges);
 }
 
 std::string EdgeDetector::outputEncoding(const std::string&)

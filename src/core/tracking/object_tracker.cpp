@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "core/image/conversion_buffer.hpp"
 #include "followed_object.hpp"
 #include "robot_vision/common/range.hpp"
 #include "robot_vision/image/encoding.hpp"
@@ -104,7 +105,7 @@ struct ObjectTracker::Impl
 
   ObjectTrackerParams params;
   FramePair frames;
-  cv::Mat converted;  // memory for the next picture
+  ConversionBuffer buffer;
   std::vector<FollowedObject> objects;
   int last_id = 0;
   double time = 0.0;         // s, of the newest picture
@@ -164,9 +165,7 @@ std::vector<TrackedObject> ObjectTracker::update(double time_s, const cv::Mat& i
 {
   Impl& me = *impl_;
   requireFinite("time_s", time_s);
-  cv::Mat gray = me.converted;  // it may come to share the input's pixels, which must not be kept
-  toGray(image, encoding, gray);
-  if (!sharesPixels(gray, image)) me.converted = gray;
+  const cv::Mat gray = me.buffer.gray(image, encoding);
   FramePair& frames = me.frames;
   std::swap(frames.last, frames.newest);
   frames.newest.set(gray);

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <opencv2/core.hpp>
+#include <string>
+#include <utility>
+
+#include "robot_vision/image/encoding.hpp"
+
+namespace robot_vision
+{
+
+/// Converts the images of a stream, each into the memory of the one before. An image that needs no conversion is not
+/// copied: what is returned then shares the pixels of the input, so nobody may write to it, or keep it for longer than
+/// the input.
+class ConversionBuffer
+{
+public:
+  /// The image as toGray() makes it, valid until the next call.
+  cv::Mat gray(const cv::Mat& image, const std::string& encoding) { return convert(toGray, image, encoding); }
+
+  /// The image as toBgr() makes it, valid until the next call.
+  cv::Mat bgr(const cv::Mat& image, const std::string& encoding) { return convert(toBgr, image, encoding); }
+
+  /// The same pixels as in `converted`, the last image that was returned, to be kept for any time: the memory itself,
+  /// which the buffer then does without, or a copy if they are those of the input.
+  cv::Mat detach(const cv::Mat& converted)
+  {
+    return sharesPixels(converted, memory_) ? std::exchange(memory_, cv::Mat()) : converted.clone();
+  }
+
+private:
+  template <class Function>
+  cv::Mat convert(Function function, const cv::Mat& image, const std::string& encoding)
+  {
+    cv::Mat converted = memory_;
+    function(image, encoding, converted);
+    if (!sharesPixels(converted, image)) memory_ = converted;
+    return converted;
+  }
+
+  cv::Mat memory_;
+};
+
+}  // namespace robot_vision
