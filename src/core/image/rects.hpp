@@ -5,12 +5,18 @@
 namespace robot_vision
 {
 
-/// A rectangle with `border` px more on every side, as far as the picture goes.
-inline cv::Rect grown(const cv::Rect& rect, int border, const cv::Size& picture)
+/// The rectangle that is all of an image.
+inline cv::Rect fullRect(const cv::Mat& image)
+{
+  return {{0, 0}, image.size()};
+}
+
+/// A rectangle with `border` px more on every side, as far as the image goes.
+inline cv::Rect grown(const cv::Rect& rect, int border, const cv::Size& image)
 {
   if (rect.empty()) return {};
   const cv::Rect larger(rect.x - border, rect.y - border, rect.width + 2 * border, rect.height + 2 * border);
-  return larger & cv::Rect({0, 0}, picture);
+  return larger & cv::Rect({0, 0}, image);
 }
 
 }  // namespace robot_vision

@@ -4,10 +4,10 @@
 #include <cmath>
 #include <optional>
 #include <tuple>
-#include <utility>
 
+#include "core/common/search_schedule.hpp"
+#include "core/image/conversion_buffer.hpp"
 #include "robot_vision/common/range.hpp"
-#include "robot_vision/image/encoding.hpp"
 #include "robot_vision/tags/detection/tag_families.hpp"
 #include "tag_searches.hpp"
 #include "tag_tracks.hpp"
@@ -17,10 +17,8 @@ namespace robot_vision
 namespace
 {
 
-constexpr int kLargest = 8192;         // px: in larger pictures the library may need more stack than a thread has
-constexpr double kSearchesKept = 2.5;  // times of a search in the background that a tag is remembered
-constexpr double kShort = 0.2;         // of max_search_period: between searches for lost tags, and for large ones
-constexpr double kGlance = 4.0;        // decimation at which these are searched for
+constexpr int kMaxSide = 8192;           // px: in larger images the library may need more stack than a thread has
+constexpr double kCoarseDecimate = 4.0;  // of the searches that find large tags early
 
 std::string sizeText(const cv::Size& size)
 {
@@ -31,19 +29,6 @@ bool isDecimation(double value)
 {
   return value == 0.0 || value == 1.5 || (value >= 1.0 && value <= 10.0 && value == std::floor(value));
 }
-
-/// Lets go of a picture, which may be of the caller's pixels, however the search of it ends.
-class PictureGuard
-{
-public:
-  explicit PictureGuard(cv::Mat& picture) : picture_(picture) {}
-  ~PictureGuard() { picture_.release(); }
-  PictureGuard(const PictureGuard&) = delete;
-  PictureGuard& operator=(const PictureGuard&) = delete;
-
-private:
-  cv::Mat& picture_;
-};
 
 }  // namespace
 
@@ -64,15 +49,55 @@ struct TagDetector::Impl
 {
   explicit Impl(const TagDetectorParams& p) : params((validate(p), p)), searches(p) {}
 
-  void setPicture(const cv::Mat& image, const std::string& encoding)
+  void configure(const TagDetectorParams& p)
   {
-    gray = converted;  // it may come to share the input's pixels, which must not be kept
-    toGray(image, encoding, gray);
-    require(std::max(gray.cols, gray.rows) <= kLargest, "image", sizeText(gray.size()),
-            "at most " + std::to_string(kLargest) + " px wide and high");
-    if (!sharesPixels(gray, image)) converted = gray;
+    validate(p);
+    searches.configure(p);
+    params = p;
+    schedule.reset();
   }
 
+  std::vector<Tag> detect(const cv::Mat& image, const std::string& encoding)
+  {
+    std::vector<Tag> tags = searches.find(grayOf(image, encoding), fullDecimate());
+    sort(tags);
+    return tags;
+  }
+
+  std::vector<Tag> update(double time_s, const cv::Mat& image, const std::string& encoding)
+  {
+    requireFinite("time_s", time_s);
+    const cv::Mat gray = grayOf(image, encoding);
+    begin(time_s, gray.size());
+    takeFound();
+    std::vector<Tag> tags;
+    if (params.max_search_period > 0.0)
+      for (const bool in_full_resolution : {false, true})
+        add(searchAroundTracks(gray, in_full_resolution), tags);
+    searchWhole(gray, tags);
+    forget(tracks, schedule.oldestKept(params.max_search_period));
+    sort(tags);
+    return tags;
+  }
+
+  /// The image in gray. Refuses one that is too large for the library.
+  cv::Mat grayOf(const cv::Mat& image, const std::string& encoding)
+  {
+    cv::Mat gray = buffer.gray(image, encoding);
+    require(std::max(gray.cols, gray.rows) <= kMaxSide, "image", sizeText(gray.size()),
+            "at most " + std::to_string(kMaxSide) + " px wide and high");
+    return gray;
+  }
+
+  /// Begins a frame, and forgets all tags if it has nothing to do with the frames before.
+  void begin(double time_s, const cv::Size& image)
+  {
+    if (!schedule.begin(time_s, image)) return;
+    tracks.clear();
+    searches.drop();
+  }
+
+  /// Orders tags by family, id and place.
   void sort(std::vector<Tag>& tags) const
   {
     const auto order = [this](const Tag& tag)
@@ -83,18 +108,20 @@ struct TagDetector::Impl
     std::sort(tags.begin(), tags.end(), [&order](const Tag& a, const Tag& b) { return order(a) < order(b); });
   }
 
-  double finest() const { return params.decimate == 0.0 ? 1.0 : params.decimate; }
+  /// The decimation with which whole images are searched for tags of all sizes.
+  double fullDecimate() const { return params.decimate == 0.0 ? 1.0 : params.decimate; }
 
-  /// Around the tags that have not been seen in this frame; `again`: in full resolution, where less was chosen.
-  std::vector<Tag> searchNear(bool again)
+  /// Searches around the tags that have not been seen in this frame: first in the resolution that suits their size, and
+  /// then `in_full_resolution`, where that is another one.
+  std::vector<Tag> searchAroundTracks(const cv::Mat& gray, bool in_full_resolution)
   {
     std::vector<TagRegion> regions;
     for (const TagTrack& track : tracks)
     {
-      if (track.seen >= time) continue;
-      TagRegion region = track.regionAt(time, params.decimate, gray.size());
-      if (again && (region.decimate == 1.0 || params.decimate != 0.0)) continue;
-      if (again) region = track.regionAt(time, 1.0, gray.size());
+      if (track.seen >= schedule.time()) continue;
+      TagRegion region = track.regionAt(schedule.time(), params.decimate, gray.size());
+      if (in_full_resolution && (region.decimate == 1.0 || params.decimate != 0.0)) continue;
+      if (in_full_resolution) region = track.regionAt(schedule.time(), 1.0, gray.size());
       if (!region.part.empty()) regions.push_back(region);
     }
     join(regions);
@@ -106,97 +133,67 @@ struct TagDetector::Impl
     return tags;
   }
 
-  /// Adds tags of this frame that are not yet among `tags`.
-  void take(const std::vector<Tag>& found, std::vector<Tag>& tags)
+  /// Adds those of the tags found in this frame that are not yet among `tags`.
+  void add(const std::vector<Tag>& found, std::vector<Tag>& tags)
   {
     const std::size_t known = tags.size();
     merge(tags, found);
-    follow(tracks, time, {tags.begin() + static_cast<std::ptrdiff_t>(known), tags.end()});
+    follow(tracks, schedule.time(), {tags.begin() + static_cast<std::ptrdiff_t>(known), tags.end()});
   }
 
-  /// Whether a tag of the frame that was searched in the background was seen in it, or has been since.
-  bool isKnown(const Tag& tag) const
-  {
-    const auto seenSince = [&](const TagTrack& track)
-    { return track.seen >= known_time && isSame(track.at(known_time), tag); };
-    return std::any_of(known.begin(), known.end(), [&tag](const Tag& other) { return isSame(other, tag); }) ||
-           std::any_of(tracks.begin(), tracks.end(), seenSince);
-  }
-
-  /// Knows the tags that a search of an earlier frame has found, where they were, to look for them in this one.
+  /// Follows the tags that the search in the background has found, from its frame on: all but those that update() saw
+  /// in that frame, or has seen since.
   void takeFound()
   {
     const std::optional<std::vector<Tag>> found = searches.take();
     if (!found) return;
+    const double searched = schedule.endBackground();
     std::vector<Tag> tags;
     for (const Tag& tag : *found)
-      if (!isKnown(tag)) tags.push_back(tag);
-    follow(tracks, known_time, tags);
-    search_time = time - known_time;
-  }
-
-  /// Whether a tag that was seen since all was searched last should still be in view and is not.
-  bool hasLost() const
-  {
-    const auto lost = [this](const TagTrack& track)
-    { return track.seen < time && track.seen >= *searched && track.isInViewAt(time, gray.size()); };
-    return std::any_of(tracks.begin(), tracks.end(), lost);
-  }
-
-  /// Whether the whole picture must be searched in this frame, or else would be too late in the next.
-  bool isDue(double last_time) const
-  {
-    if (!searched) return true;
-    const double since = time - *searched;
-    return since + (time - last_time) > params.max_search_period ||
-           (since >= kShort * params.max_search_period && hasLost());
-  }
-
-  /// Searches the whole picture, if it is time to. `tags` are those of this frame so far.
-  void searchWhole(double last_time, std::vector<Tag>& tags)
-  {
-    const bool at_once = !params.background || params.max_search_period == 0.0 || starts;
-    if (!at_once && searches.busy()) return;
-    const bool due = isDue(last_time);
-    if (!due && (params.decimate != 0.0 || time - glanced < kShort * params.max_search_period)) return;
-    const double decimate = due ? finest() : kGlance;
-    if (due) searched = time;
-    glanced = time;
-    if (at_once)
     {
-      take(searches.find(gray, decimate), tags);
-      return;
+      const auto seenBefore = [&](const Tag& other) { return isSame(other, tag); };
+      const auto seenSince = [&](const TagTrack& track)
+      { return track.seen >= searched && isSame(track.at(searched), tag); };
+      if (std::none_of(seen_before.begin(), seen_before.end(), seenBefore) &&
+          std::none_of(tracks.begin(), tracks.end(), seenSince))
+        tags.push_back(tag);
     }
-    known = tags;
-    known_time = time;
-    // The input's pixels are its owner's again before the search ends; a converted picture can be given away.
-    const cv::Mat own = sharesPixels(gray, converted) ? std::exchange(converted, cv::Mat()) : gray.clone();
-    lacks_threads = !searches.start(own, decimate);
-    if (lacks_threads) take(searches.find(gray, decimate), tags);
+    follow(tracks, searched, tags);
   }
 
-  void beginAnew()
+  /// Searches the whole image if that is due, or coarsely, for large tags. `tags` are those of this frame so far.
+  void searchWhole(const cv::Mat& gray, std::vector<Tag>& tags)
   {
-    tracks.clear();
-    searched.reset();
-    searches.drop();
-    starts = true;
+    const double period = params.max_search_period;
+    const bool at_once = !params.background || period == 0.0 || schedule.isFirst();
+    if (!at_once && searches.busy()) return;
+    const bool is_due = schedule.isDue(period, tracks);
+    const bool is_coarse_due =
+        params.decimate == 0.0 && schedule.time() - coarsely_searched >= SearchSchedule::minGap(period);
+    if (!is_due && !is_coarse_due) return;
+    if (is_due) schedule.setSearched();
+    coarsely_searched = schedule.time();
+    const double decimate = is_due ? fullDecimate() : kCoarseDecimate;
+    if (at_once || !startSearch(gray, decimate, tags)) add(searches.find(gray, decimate), tags);
+  }
+
+  /// Begins to search the whole image in the background. Returns false if there is no thread for it.
+  bool startSearch(const cv::Mat& gray, double decimate, const std::vector<Tag>& tags)
+  {
+    seen_before = tags;
+    schedule.startBackground();
+    lacks_threads = !searches.start(buffer.detach(gray), decimate);
+    return !lacks_threads;
   }
 
   TagDetectorParams params;
   TagSearches searches;
+  ConversionBuffer buffer;
+  SearchSchedule schedule;
   std::vector<TagTrack> tracks;
-  cv::Mat converted;               // memory for the next picture
-  cv::Mat gray;                    // the picture, while it is searched
-  cv::Size size;                   // of the last one
-  double time = 0.0;               // s, of the last one
-  bool starts = true;              // whether it is the first one
-  std::optional<double> searched;  // s, when a whole one was searched last
-  double glanced = 0.0;            // s, when one was, for large tags at least
-  std::vector<Tag> known;          // in the frame that is searched in the background
-  double known_time = 0.0;         // s, of this frame
-  double search_time = 0.0;        // s, that the last search in the background took
-  bool lacks_threads = false;      // whether none could be started for it
+  double coarsely_searched = 0.0;  // s, the newest frame that was searched for large tags at least
+  std::vector<Tag> seen_before;    // by update(), in the frame that is searched in the background
+  bool lacks_threads = false;      // whether no thread could be started for the last search in the background
 };
 
 TagDetector::TagDetector(const TagDetectorParams& params) : impl_(std::make_unique<Impl>(params))
@@ -208,11 +205,17 @@ TagDetector& TagDetector::operator=(TagDetector&&) noexcept = default;
 
 void TagDetector::configure(const TagDetectorParams& params)
 {
-  validate(params);
-  Impl& me = *impl_;
-  me.searches.configure(params);
-  me.params = params;
-  me.searched.reset();
+  impl_->configure(params);
+}
+
+std::vector<Tag> TagDetector::detect(const cv::Mat& image, const std::string& encoding)
+{
+  return impl_->detect(image, encoding);
+}
+
+std::vector<Tag> TagDetector::update(double time_s, const cv::Mat& image, const std::string& encoding)
+{
+  return impl_->update(time_s, image, encoding);
 }
 
 void TagDetector::waitForSearch() const
@@ -228,39 +231,6 @@ bool TagDetector::lacksThreads() const
 void TagDetector::abandonSearch()
 {
   impl_->searches.abandon();
-}
-
-std::vector<Tag> TagDetector::detect(const cv::Mat& image, const std::string& encoding)
-{
-  Impl& me = *impl_;
-  const PictureGuard guard(me.gray);
-  me.setPicture(image, encoding);
-  std::vector<Tag> tags = me.searches.find(me.gray, me.finest());
-  me.sort(tags);
-  return tags;
-}
-
-std::vector<Tag> TagDetector::update(double time_s, const cv::Mat& image, const std::string& encoding)
-{
-  requireFinite("time_s", time_s);
-  Impl& me = *impl_;
-  const PictureGuard guard(me.gray);
-  me.setPicture(image, encoding);
-  if (me.gray.size() != me.size || time_s <= me.time) me.beginAnew();
-  const double last_time = me.time;
-  me.size = me.gray.size();
-  me.time = time_s;
-  me.takeFound();
-  std::vector<Tag> tags;
-  if (me.params.max_search_period > 0.0)
-    for (const bool again : {false, true})
-      me.take(me.searchNear(again), tags);
-  me.searchWhole(last_time, tags);
-  // Now, as a search may take longer than the period; and not before a second one can say how a new tag moves.
-  forget(me.tracks, time_s - std::max(me.params.max_search_period, kSearchesKept * me.search_time));
-  me.starts = false;
-  me.sort(tags);
-  return tags;
 }
 
 }  // namespace robot_vision

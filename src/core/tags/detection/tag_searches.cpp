@@ -3,17 +3,10 @@
 #include <algorithm>
 #include <atomic>
 
+#include "core/image/rects.hpp"
+
 namespace robot_vision
 {
-namespace
-{
-
-cv::Rect wholeOf(const cv::Mat& picture)
-{
-  return {{0, 0}, picture.size()};
-}
-
-}  // namespace
 
 TagSearches::TagSearches(const TagDetectorParams& params)
 {
@@ -32,7 +25,7 @@ void TagSearches::configure(const TagDetectorParams& params)
 
 std::vector<Tag> TagSearches::find(const cv::Mat& gray, double decimate)
 {
-  return searches_.front().find(gray, wholeOf(gray), decimate);
+  return searches_.front().find(gray, fullRect(gray), decimate);
 }
 
 std::vector<std::vector<Tag>> TagSearches::find(const cv::Mat& gray, const std::vector<TagRegion>& regions)
@@ -54,7 +47,8 @@ std::vector<std::vector<Tag>> TagSearches::find(const cv::Mat& gray, const std::
 
 bool TagSearches::start(const cv::Mat& gray, double decimate)
 {
-  return running_.start([search = background_, gray, decimate] { return search->find(gray, wholeOf(gray), decimate); });
+  return running_.start([search = background_, gray, decimate]
+                        { return search->find(gray, fullRect(gray), decimate); });
 }
 
 }  // namespace robot_vision
