@@ -49,21 +49,21 @@ void validate(const MotionParams& params);
 /// What moves in a frame.
 struct Motion
 {
-  cv::Mat mask;                 // CV_8UC1, 255 where the picture has changed
-  double changed = 0.0;         // share of the picture that has, 0 to 1
-  bool everywhere = false;      // more than max_changed: nothing can be told, there are no regions
+  cv::Mat mask;                 // CV_8UC1, 255 where the image has changed
+  double changed = 0.0;         // share of the image that has changed, 0 to 1
+  bool everywhere = false;      // more than max_changed has: what moves cannot be told, there are no regions
   std::vector<Region> regions;  // of the mask, the largest first, their outlines simplified to within 1 px
 };
 
 /// Finds what moves by comparing each frame with a background.
 ///
 /// first_frame: the first one, as courses do; previous_frame: the one before; running_average: the mean of all, newer
-/// ones counting more. A pixel has changed if the pictures, gray and blurred, differ by more than the threshold:
+/// ones counting more. A pixel has changed if the images, gray and blurred, differ by more than the threshold:
 /// cv::cvtColor, cv::GaussianBlur, cv::absdiff, cv::threshold and cv::dilate (3x3, once per px), to the bit, but
 /// blurred only near pixels that differ. mog2: a mixture of Gaussians per pixel (cv::BackgroundSubtractorMOG2) of the
-/// colour picture, which is not blurred; shadows do not count.
+/// color image, which is not blurred; shadows do not count as motion.
 ///
-/// When the whole picture changes, because a lamp is switched on or the camera is moved, this is reported as such, and
+/// When the whole image changes, because a lamp is switched on or the camera is moved, this is reported as such, and
 /// what is seen after `settle` seconds of it is the background from then on.
 class MotionDetector
 {
@@ -76,10 +76,10 @@ public:
 
   /// The motion in the frame of `time_s` (s, of any clock). Nothing moves in the first frame, in one of another size
   /// or encoding than the last, and when time has gone back: each is a new background. `image` is not modified.
-  /// Throws std::invalid_argument if `image` is not a picture of `encoding` (see encoding.hpp).
+  /// Throws std::invalid_argument if `image` is not an image of `encoding` (see encoding.hpp).
   Motion update(double time_s, const cv::Mat& image, const std::string& encoding);
 
-  /// The next frame is the background.
+  /// Makes the next frame the background.
   void reset();
 
 private:

@@ -16,11 +16,11 @@ namespace robot_vision
 namespace
 {
 
-/// A part of a gray picture, blurred; to the bit as if all of it were.
+/// Blurs a part of a gray image, to the bit as it would be in the blurred image.
 cv::Mat blurPart(const cv::Mat& gray, const cv::Rect& part, int blur_size)
 {
   const cv::Rect outer = grown(part, blur_size / 2, gray.size());
-  // A copy: OpenCV would look beyond it. What is invented beyond its border stays out of `part`.
+  // A copy, as OpenCV would read pixels around `outer`. Those that it makes up instead do not reach `part`.
   return blurred(gray(outer).clone(), blur_size)(part - outer.tl());
 }
 
@@ -35,9 +35,34 @@ cv::Mat blurred(const cv::Mat& gray, int blur_size)
 
 struct FrameDifference::Impl
 {
+  cv::Rect find(const EncodedImage& image, const Reference& reference, const Comparison& how, cv::Mat& mask)
+  {
+    if (!weights || weights->size() != how.blur_size)
+    {
+      weights.emplace(how.blur_size);
+      are_exact = weights->areExact();
+    }
+    if (!are_exact) return findByOpenCv(image, reference, how, mask);
+    // Differences are whole numbers: those above 25.5 are those above 25.
+    const auto threshold = static_cast<std::uint8_t>(how.threshold);
+    const MotionComparison comparison{image, reference, &*weights, threshold, how.dilate};
+    const int threads = cv::getNumThreads();
+    const int min_rows = 2 * (how.blur_size + 2 * how.dilate);  // twice the rows that two neighbours both compute
+    const auto count = static_cast<std::size_t>(bandsOf(mask.rows, threads, min_rows));
+    if (stripes.size() < count) stripes.resize(count);
+    std::vector<cv::Rect> parts(count);
+    const auto run = [&](int i, const cv::Range& rows)
+    { parts[static_cast<std::size_t>(i)] = stripes[static_cast<std::size_t>(i)].run(comparison, rows, mask); };
+    parallelForRows(mask.rows, threads, min_rows, run);
+    cv::Rect part;
+    for (const cv::Rect& of_stripe : parts)
+      part |= of_stripe;
+    return part;
+  }
+
   std::optional<GaussWeights> weights;
-  bool are_exact = false;  // the weights
-  std::vector<MotionStripe> bands;
+  bool are_exact = false;  // whether the weights give what this OpenCV's cv::GaussianBlur does
+  std::vector<MotionStripe> stripes;
 };
 
 FrameDifference::FrameDifference() : impl_(std::make_unique<Impl>())
@@ -47,38 +72,17 @@ FrameDifference::~FrameDifference() = default;
 FrameDifference::FrameDifference(FrameDifference&&) noexcept = default;
 FrameDifference& FrameDifference::operator=(FrameDifference&&) noexcept = default;
 
-cv::Rect FrameDifference::find(const EncodedPicture& picture, const Reference& reference, const Comparison& how,
+cv::Rect FrameDifference::find(const EncodedImage& image, const Reference& reference, const Comparison& how,
                                cv::Mat& mask)
 {
-  Impl& me = *impl_;
-  if (!me.weights || me.weights->size() != how.blur_size)
-  {
-    me.weights.emplace(how.blur_size);
-    me.are_exact = me.weights->areExact();
-  }
-  if (!me.are_exact) return findByOpenCv(picture, reference, how, mask);
-  // More than 25.5 is more than 25, between whole numbers.
-  const auto threshold = static_cast<std::uint8_t>(how.threshold);
-  const MotionComparison comparison{picture, reference, &*me.weights, threshold, how.dilate};
-  const int threads = cv::getNumThreads();
-  const int least_rows = 2 * (how.blur_size + 2 * how.dilate);  // twice those that a band makes for its neighbours, too
-  const auto bands = static_cast<std::size_t>(bandsOf(mask.rows, threads, least_rows));
-  if (me.bands.size() < bands) me.bands.resize(bands);
-  std::vector<cv::Rect> parts(bands);
-  const auto run = [&](int i, const cv::Range& rows)
-  { parts[static_cast<std::size_t>(i)] = me.bands[static_cast<std::size_t>(i)].run(comparison, rows, mask); };
-  parallelForRows(mask.rows, threads, least_rows, run);
-  cv::Rect part;
-  for (const cv::Rect& of_band : parts)
-    part |= of_band;
-  return part;
+  return impl_->find(image, reference, how, mask);
 }
 
-cv::Rect FrameDifference::findByOpenCv(const EncodedPicture& picture, const Reference& reference, const Comparison& how,
+cv::Rect FrameDifference::findByOpenCv(const EncodedImage& image, const Reference& reference, const Comparison& how,
                                        cv::Mat& mask)
 {
   cv::Mat gray, difference;
-  toGray(picture.pixels, picture.encoding, gray);
+  toGray(image.pixels, image.encoding, gray);
   cv::absdiff(gray, reference.gray, difference);
   cv::threshold(difference, mask, how.threshold, 255.0, cv::THRESH_BINARY);
   const cv::Rect part = grown(cv::boundingRect(mask), how.blur_size / 2, mask.size());

@@ -7,24 +7,24 @@
 namespace robot_vision
 {
 
-/// A picture and its encoding.
-struct EncodedPicture
+/// An image and its encoding.
+struct EncodedImage
 {
   cv::Mat pixels;
   std::string encoding;
 };
 
-/// What pictures are compared with.
+/// What images are compared with.
 struct Reference
 {
   cv::Mat gray;     // CV_8UC1
-  cv::Mat blurred;  // the same blurred; empty: blurred anew each time, where it is needed
+  cv::Mat blurred;  // the same blurred; if empty, `gray` is blurred in each comparison, where that is needed
 };
 
 /// `gray` (CV_8UC1) blurred by a Gaussian.
 cv::Mat blurred(const cv::Mat& gray, int blur_size);
 
-/// How pictures are compared.
+/// How images are compared.
 struct Comparison
 {
   int blur_size;     // px, side of the Gaussian
@@ -32,11 +32,11 @@ struct Comparison
   int dilate;        // px
 };
 
-/// Makes a mask 255 where a picture (of the reference's size and an encoding that GrayLineBuffer take) differs from the
-/// reference, else 0: toGray(), cv::GaussianBlur, cv::absdiff, cv::threshold and cv::dilate (3x3, once per px), to the
-/// bit, with as many threads as cv::setNumThreads() says. Blurs only near what differs, so that a picture like the
-/// other costs little more than to make it gray. Keeps its memory from frame to frame. Where OpenCV is so old that its
-/// Gaussian is another (before 4.5), it is OpenCV that works.
+/// Makes a mask that is 255 where an image differs from a reference of its size, and 0 elsewhere: toGray(),
+/// cv::GaussianBlur, cv::absdiff, cv::threshold and cv::dilate (3x3, once per px), to the bit, with as many threads as
+/// cv::setNumThreads() says. Blurs only around pixels that differ, so that an image like the reference costs little
+/// more than to make it gray. Keeps its memory from frame to frame. Before version 4.5 OpenCV's Gaussian may be another
+/// one; OpenCV itself then does the work.
 class FrameDifference
 {
 public:
@@ -45,11 +45,12 @@ public:
   FrameDifference(FrameDifference&&) noexcept;
   FrameDifference& operator=(FrameDifference&&) noexcept;
 
-  /// Writes all of the mask (CV_8UC1 of the size). Returns a part outside of which it is black.
-  cv::Rect find(const EncodedPicture& picture, const Reference& reference, const Comparison& how, cv::Mat& mask);
+  /// Writes the whole mask (CV_8UC1 of the image's size). Returns a part outside of which it is black. GrayLineBuffer
+  /// must take the encoding.
+  cv::Rect find(const EncodedImage& image, const Reference& reference, const Comparison& how, cv::Mat& mask);
 
-  /// The same by OpenCV.
-  static cv::Rect findByOpenCv(const EncodedPicture& picture, const Reference& reference, const Comparison& how,
+  /// The same, computed by OpenCV.
+  static cv::Rect findByOpenCv(const EncodedImage& image, const Reference& reference, const Comparison& how,
                                cv::Mat& mask);
 
 private:

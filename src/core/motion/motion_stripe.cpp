@@ -9,15 +9,15 @@ namespace robot_vision
 namespace
 {
 
-constexpr int kBlock = kWordBits;  // px, side by side, that are blurred or not
-static_assert(kBlock % GaussianFilterRows::kColumns == 0, "spans are of blocks");
+constexpr int kBlockWidth = kWordBits;  // px; a row is blurred by whole blocks
+static_assert(kBlockWidth % GaussianFilterRows::kColumns == 0, "spans consist of blocks");
 
-constexpr int kAssumed = 16;  // rows that are not compared after some in which most blocks differ: it would not pay
+constexpr int kUncomparedRows = 16;  // after rows in which most blocks differ, where comparing would save no work
 
 void prefetch(const std::uint8_t* bytes, int count)
 {
-  constexpr int kLine = 64;  // of the cache
-  for (int i = 0; i < count; i += kLine)
+  constexpr int kCacheLine = 64;  // bytes
+  for (int i = 0; i < count; i += kCacheLine)
     __builtin_prefetch(bytes + i);
 }
 
@@ -42,26 +42,28 @@ cv::Rect MotionStripe::run(const MotionComparison& comparison, const cv::Range& 
     const auto first = std::find_if(mask_.begin(), mask_.end(), is_white);
     if (first == mask_.end()) continue;
     const auto last = std::find_if(mask_.rbegin(), mask_.rend(), is_white).base();
-    const auto column = [&](auto word) { return std::min(static_cast<int>(word - mask_.begin()) * kBlock, mask.cols); };
+    const auto column = [&](auto word)
+    { return std::min(static_cast<int>(word - mask_.begin()) * kBlockWidth, mask.cols); };
     part |= cv::Rect({column(first), y}, cv::Point(column(last), y + 1));
   }
   return part;
 }
 
+/// Prepares for rows of `dilated_` from `first` on.
 void MotionStripe::begin(const MotionComparison& comparison, int first)
 {
-  const cv::Mat& picture = comparison.picture.pixels;
+  const cv::Mat& image = comparison.image.pixels;
   const int window = GaussianFilterRows::window(*comparison.blur);
   next_ = first;
   compared_ = assumed_ = std::max(first - comparison.blur->half(), 0);
-  gray_.begin(picture, comparison.picture.encoding, compared_, window);
+  gray_.begin(image, comparison.image.encoding, compared_, window);
   blurred_.begin(gray_, *comparison.blur);
   if (comparison.reference.blurred.empty())
   {
     reference_gray_.begin(comparison.reference.gray, "mono8", compared_, window);
     reference_blurred_.begin(reference_gray_, *comparison.blur);
   }
-  words_ = (picture.cols + kBlock - 1) / kBlock;
+  words_ = (image.cols + kBlockWidth - 1) / kBlockWidth;
   changed_.assign(static_cast<std::size_t>(words_), std::numeric_limits<int>::min());
   window_ = 2 * comparison.dilate + kWeighedRows;
   marked_.resize(2, words_);
@@ -70,7 +72,7 @@ void MotionStripe::begin(const MotionComparison& comparison, int first)
   mask_.resize(static_cast<std::size_t>(words_));
 }
 
-/// Makes kWeighedRows of `dilated_`.
+/// Computes the next rows of `dilated_`, as many as are blurred at once.
 void MotionStripe::makeNext(const MotionComparison& comparison)
 {
   const int height = comparison.reference.gray.rows;
@@ -82,6 +84,7 @@ void MotionStripe::makeNext(const MotionComparison& comparison)
     mark(comparison, i);
 }
 
+/// Notes in `changed_` which blocks differ in the rows before `end`.
 void MotionStripe::compareTo(const MotionComparison& comparison, int end)
 {
   if (end <= assumed_)
@@ -106,11 +109,12 @@ void MotionStripe::compareTo(const MotionComparison& comparison, int end)
     }
   }
   compared_ = end;
-  if (2 * blocks > words_) assumed_ = end + kAssumed;
+  if (2 * blocks > words_) assumed_ = end + kUncomparedRows;
 }
 
-/// Where the next rows' blur looks at pixels that differ: means of bytes that differ by whole numbers up to the
-/// threshold do so too, also when they are rounded.
+/// Finds the spans of columns in which the next rows can differ once they are blurred: those for which the Gaussian has
+/// pixels that differ by more than the threshold in its window. Elsewhere the blurred pixels, as rounded means of such
+/// that differ by no more than a whole number, do not differ by more than that either.
 void MotionStripe::findSpans(const MotionComparison& comparison)
 {
   const auto is_changed = [&](int block)
@@ -121,15 +125,15 @@ void MotionStripe::findSpans(const MotionComparison& comparison)
   for (int block = 0; block < words_; ++block)
   {
     if (!is_changed(block - 1) && !is_changed(block) && !is_changed(block + 1)) continue;
-    const cv::Range span(block * kBlock, std::min((block + 1) * kBlock, comparison.reference.gray.cols));
-    if (!spans_.empty() && span.start - spans_.back().end <= kBlock)
-      spans_.back().end = span.end;  // what is between them is looked at for both
+    const cv::Range span(block * kBlockWidth, std::min((block + 1) * kBlockWidth, comparison.reference.gray.cols));
+    if (!spans_.empty() && span.start - spans_.back().end <= kBlockWidth)
+      spans_.back().end = span.end;  // the blur of both needs what is between them
     else
       spans_.push_back(span);
   }
 }
 
-/// Marks what differs in a row, number `i` of those that are blurred, and dilates that along the row.
+/// Marks the pixels that differ in row `i` of those that were blurred at once, and dilates the marks along the row.
 void MotionStripe::mark(const MotionComparison& comparison, int i)
 {
   const cv::Mat& kept = comparison.reference.blurred;
@@ -138,13 +142,13 @@ void MotionStripe::mark(const MotionComparison& comparison, int i)
   std::fill_n(from, words_, 0);
   if (!spans_.empty())
   {
-    for (const cv::Range& span : spans_)  // it comes while the other is blurred
+    for (const cv::Range& span : spans_)  // the reference comes into the cache while the image is blurred
       if (!kept.empty()) prefetch(kept.ptr(next_, span.start), span.size());
-    const std::uint8_t* const picture = blurred_.row(i);
+    const std::uint8_t* const image = blurred_.row(i);
     const std::uint8_t* const reference = kept.empty() ? reference_blurred_.row(i) : kept.ptr(next_);
     for (const cv::Range& span : spans_)
-      kernels<BitKernels>().mark_differences(picture + span.start, reference + span.start, comparison.threshold,
-                                             span.size(), from + span.start / kBlock);
+      kernels<BitKernels>().mark_differences(image + span.start, reference + span.start, comparison.threshold,
+                                             span.size(), from + span.start / kBlockWidth);
   }
   for (int reach = 0; reach < comparison.dilate;)
   {

@@ -13,22 +13,22 @@
 namespace robot_vision
 {
 
-/// A picture to compare with a reference.
+/// An image to compare with a reference.
 struct MotionComparison
 {
-  EncodedPicture picture;
+  EncodedImage image;
   Reference reference;
   const GaussWeights* blur;
   std::uint8_t threshold;
   int dilate;  // px
 };
 
-/// Some rows of the mask of what moves. Each row goes from the pictures to the mask while it is in the processor's
-/// cache, and is blurred only where a pixel that differs is near.
+/// Computes some rows of the mask of what moves, one after the other: each is made gray, blurred, compared and dilated
+/// while it is in the processor's cache. It is blurred only near pixels that differ.
 class MotionStripe
 {
 public:
-  /// Writes these rows of a mask. Returns a part of them outside of which they are black.
+  /// Writes these rows of a mask. Returns the part of them outside of which they are black.
   cv::Rect run(const MotionComparison& comparison, const cv::Range& rows, cv::Mat& mask);
 
 private:
@@ -45,17 +45,17 @@ private:
   GrayLineBuffer reference_gray_;
   GaussianFilterRows blurred_;
   GaussianFilterRows reference_blurred_;
-  int words_ = 0;                 // of a row
-  std::vector<int> changed_;      // the last row in which gray pixels of a block differ
+  int words_ = 0;                 // in a row of bits, one for each block
+  std::vector<int> changed_;      // for each block the last row in which its gray pixels differ
   int compared_ = 0;              // the first row that is not in `changed_`
-  int assumed_ = 0;               // the first row before which all blocks are assumed to differ
-  std::vector<cv::Range> spans_;  // to be blurred in some rows
+  int assumed_ = 0;               // all blocks of the rows before it are assumed to differ
+  std::vector<cv::Range> spans_;  // columns to be blurred in the next rows
   AlignedRows<Word> marked_;      // two rows of bits to work with
-  AlignedRows<Word> dilated_;     // blurred pixels that differ, dilated along the row, each in row y % window_
-  int window_ = 1;                // rows that a dilation looks at, and those that are made with the last of them
+  AlignedRows<Word> dilated_;     // bits of blurred pixels that differ, dilated along the row; row y is y % window_
+  int window_ = 1;                // rows that a dilation needs, and those that are made together with the last of them
   int next_ = 0;                  // the first row that is not in `dilated_`
-  std::vector<const Word*> united_;
-  std::vector<Word> mask_;  // a row of it
+  std::vector<const Word*> united_;  // the rows that are dilated to one
+  std::vector<Word> mask_;           // the bits of a row of the mask
 };
 
 }  // namespace robot_vision
