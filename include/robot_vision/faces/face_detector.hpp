@@ -59,18 +59,18 @@ struct Face
 {
   int id = -1;             // the same for the same face from frame to frame, from 0; -1: not followed
   cv::Rect box;            // px, as the cascade's window
-  double score = 0.0;      // 0 to 1: n / (n + 4) of the n windows that agree, or how alike it looks where predicted
+  double score = 0.0;      // 0 to 1: n / (n + 4) of the n windows that agree, or if predicted a correlation
   cv::Point2d velocity;    // px/s of the middle
-  bool predicted = false;  // followed by its looks: no cascade has seen it in this frame
+  bool predicted = false;  // followed by its appearance: no cascade has seen it in this frame
 };
 
 /// Finds faces with cascades of boosted features (Viola, Jones: Rapid Object Detection using a Boosted Cascade of
 /// Simple Features, CVPR 2001), and follows them.
 ///
-/// detect() searches the whole picture, as cv::CascadeClassifier::detectMultiScale does. update() does that every now
-/// and then, so that a new face is found within max_search_period; in the frames between it searches around the faces
-/// that it knows, where a few windows of about the right size do, and where the picture has changed. A face is
-/// reported when a cascade has seen it in this very frame, or did within `hold` and its looks are still there.
+/// detect() searches the whole image, as cv::CascadeClassifier::detectMultiScale does. update() does that every now
+/// and then, so that a new face is found within max_search_period; in the frames between it searches around the known
+/// faces, where a few windows of about the right size do, and where the image has changed. A face is reported when a
+/// cascade has seen it in this very frame, or within the last `hold` seconds and it still looks as it did then.
 class FaceDetector
 {
 public:
@@ -84,23 +84,23 @@ public:
   /// Other parameters from now on; the faces remain known. Throws as the constructor does, and then changes nothing.
   void configure(const FaceParams& params);
 
-  /// All faces of a picture by itself, the largest first. Whatever is followed is not touched.
-  /// Throws std::invalid_argument if `image` is not a picture of `encoding` (see encoding.hpp).
+  /// All faces in a single image, the largest first. Does not touch what update() follows.
+  /// Throws std::invalid_argument if `image` is not an image of `encoding` (see encoding.hpp).
   std::vector<Face> detect(const cv::Mat& image, const std::string& encoding);
 
-  /// The faces in the frame of `time_s` (s, of any clock), by their id. Another size of picture and time that goes back
-  /// make it forget them. Throws as detect() does.
+  /// The faces in the frame of `time_s` (s, of any clock), by their id. An image of another size and time that goes
+  /// back make it forget them. Throws as detect() does.
   std::vector<Face> update(double time_s, const cv::Mat& image, const std::string& encoding);
 
-  /// Up to two eyes, the left one in the picture first, in a face of the frame that was updated or detected last, px.
+  /// Up to two eyes, the left one in the image first, in a face of the frame that was updated or detected last, px.
   /// Empty if there is no eye_cascade.
   std::vector<cv::Rect> findEyes(const Face& face);
 
-  /// The time that the last search of a whole picture took, s of update()'s clock; 0: none has ended.
+  /// The time that the last search of a whole image took, s of update()'s clock; 0 if none has ended.
   double searchTime() const;
 
-  /// Waits for a search in the background, so that the next update() has what it has found: for recordings, and whoever
-  /// wants results that do not depend on how fast the machine is.
+  /// Waits for a search in the background, so that the next update() has what it has found: for recordings, and for
+  /// results that do not depend on how fast the machine is.
   void waitForSearch() const;
 
 private:

@@ -11,8 +11,8 @@
 namespace robot_vision
 {
 
-/// Work in a thread of its own, one piece at a time, whose result is asked for now and then. But for abandon() it is
-/// for one thread at a time.
+/// Runs one piece of work at a time in a thread of its own. The owner asks for the result now and then, and never has to
+/// wait for it. For one thread at a time, except for abandon().
 template <class Result>
 class BackgroundTask
 {
@@ -38,7 +38,7 @@ public:
     if (busy()) running_.wait();
   }
 
-  /// Begins; it must not be busy. Returns false if there is no thread for it.
+  /// Starts the work; the task must not be busy. Returns false if no thread can be started.
   template <class Work>
   bool start(Work work)
   {
@@ -56,7 +56,7 @@ public:
     return true;
   }
 
-  /// The result, if the work has ended and was not dropped. Throws what the work did.
+  /// The result, if the work has ended and was not dropped. Throws what the work has thrown.
   std::optional<Result> take()
   {
     if (!busy() || running_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return std::nullopt;
@@ -66,15 +66,16 @@ public:
     return ended.get();
   }
 
-  /// The result of what is under way does not matter any more.
+  /// Makes take() return nothing for work that is under way, and throw nothing.
   void drop() { dropped_ = busy(); }
 
-  /// The destructor is not to wait for what is under way, which must have all that it works with. Thread-safe.
+  /// Makes the destructor return without waiting for work that is under way, which then must not use anything that may
+  /// be destroyed before it ends. Thread-safe.
   void abandon() { abandoned_ = true; }
 
 private:
-  std::thread thread_;           // joined before the next one
-  std::future<Result> running_;  // its result
+  std::thread thread_;           // joined before the next one starts
+  std::future<Result> running_;  // the result of the work that was started last, until it is taken
   bool dropped_ = false;
   std::atomic<bool> abandoned_{false};
 };

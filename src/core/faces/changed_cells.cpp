@@ -10,9 +10,9 @@ namespace robot_vision
 namespace
 {
 
-constexpr double kNoise = 8.0;  // gray levels by which a cell's mean differs between frames of a still room
+constexpr double kMaxNoise = 8.0;  // gray levels by which a cell's mean differs between frames of a still room
 
-/// Adds a box, which swallows those that it touches.
+/// Adds a box, united with all boxes that it overlaps.
 void add(cv::Rect box, std::vector<cv::Rect>& boxes)
 {
   for (std::size_t i = 0; i < boxes.size();)
@@ -36,16 +36,16 @@ void ChangedCells::update(const cv::Mat& gray)
   const cv::Size cells(std::max(gray.cols / cell_, 1), std::max(gray.rows / cell_, 1));
   cv::Mat now, difference;
   cv::resize(gray, now, cells, 0.0, 0.0, cv::INTER_AREA);
-  if (picture_ != gray.size())
+  if (image_size_ != gray.size())
   {
     changed_ = cv::Mat::zeros(cells, CV_8UC1);
-    picture_ = gray.size();
+    image_size_ = gray.size();
     size_ = {static_cast<double>(gray.cols) / cells.width, static_cast<double>(gray.rows) / cells.height};
   }
   else
   {
     cv::absdiff(now, last_, difference);
-    cv::compare(difference, kNoise, difference, cv::CMP_GT);
+    cv::compare(difference, kMaxNoise, difference, cv::CMP_GT);
     changed_ |= difference;
   }
   last_ = now;
@@ -55,7 +55,7 @@ void ChangedCells::ignore(const cv::Rect& part)
 {
   const cv::Point first(cvFloor(part.x / size_.x), cvFloor(part.y / size_.y));
   const cv::Point end(cvCeil(part.br().x / size_.x), cvCeil(part.br().y / size_.y));
-  changed_(cv::Rect(first, end) & cv::Rect({0, 0}, changed_.size())).setTo(0);
+  changed_(cv::Rect(first, end) & fullRect(changed_)).setTo(0);
 }
 
 std::vector<cv::Rect> ChangedCells::take(int border)
@@ -69,7 +69,7 @@ std::vector<cv::Rect> ChangedCells::take(int border)
     const cv::Point first(cvFloor(box[cv::CC_STAT_LEFT] * size_.x), cvFloor(box[cv::CC_STAT_TOP] * size_.y));
     const cv::Point end(cvCeil((box[cv::CC_STAT_LEFT] + box[cv::CC_STAT_WIDTH]) * size_.x),
                         cvCeil((box[cv::CC_STAT_TOP] + box[cv::CC_STAT_HEIGHT]) * size_.y));
-    add(grown(cv::Rect(first, end), border, picture_), parts);
+    add(grown(cv::Rect(first, end), border, image_size_), parts);
   }
   clear();
   return parts;

@@ -6,17 +6,17 @@
 namespace robot_vision
 {
 
-/// Where a picture has changed, roughly: cells whose mean gray level has.
+/// Tells roughly where an image has changed: in the cells whose mean gray level has.
 class ChangedCells
 {
 public:
   /// `cell` is the side of a cell, px.
   explicit ChangedCells(int cell) : cell_(cell) {}
 
-  /// Notes where the picture (CV_8UC1) differs from the one before.
+  /// Notes where the image (CV_8UC1) differs from the one before.
   void update(const cv::Mat& gray);
 
-  /// Forgets what has changed in a part of the picture, px.
+  /// Forgets what has changed in a part of the image, px.
   void ignore(const cv::Rect& part);
 
   /// Forgets all changes.
@@ -27,7 +27,7 @@ public:
 
 private:
   int cell_;
-  cv::Size picture_;
+  cv::Size image_size_;
   cv::Mat last_;      // the mean of each cell
   cv::Mat changed_;   // 255 where a cell has changed
   cv::Point2d size_;  // px, of a cell

@@ -1,15 +1,17 @@
 #include "robot_vision/faces/face_detector.hpp"
 
 #include <algorithm>
-#include <opencv2/imgproc.hpp>
+#include <atomic>
 #include <optional>
+#include <utility>
 
 #include "changed_cells.hpp"
+#include "core/common/background_task.hpp"
 #include "core/image/histogram_equalization.hpp"
 #include "core/image/rects.hpp"
+#include "eye_search.hpp"
 #include "face_search.hpp"
 #include "face_tracks.hpp"
-#include "face_worker.hpp"
 #include "robot_vision/common/range.hpp"
 #include "robot_vision/image/encoding.hpp"
 
@@ -18,14 +20,12 @@ namespace robot_vision
 namespace
 {
 
-constexpr int kCell = 8;               // px, side of what is compared to see where something moves
-constexpr double kMaxParts = 0.3;      // of the picture, which is searched between searches of the whole
-constexpr double kRest = 4.0;          // times as long as a search, until parts are searched again
-constexpr double kMinRest = 0.1;       // s
-constexpr double kLongestFrame = 0.1;  // s between frames of a stream that does not pause
-constexpr double kSurprise = 1.25;     // by how much the next search may take longer than the last
-constexpr int kEyeFace = 128;          // px, width to which a face is brought to look for its eyes
-constexpr int kEyeNeighbors = 3;
+constexpr int kCellSide = 8;                // px, of the cells that show where something moves
+constexpr double kMaxPartsArea = 0.3;       // of the image: if more has changed, its parts are not searched
+constexpr double kPauseRatio = 4.0;         // durations of the last search that pass until parts are searched again
+constexpr double kMinPause = 0.1;           // s that pass until then at least
+constexpr double kMaxFramePeriod = 0.1;     // s; a longer time between two frames is a pause of the stream
+constexpr double kSearchTimeMargin = 1.25;  // times the duration of the last search that the next one may take
 
 }  // namespace
 
@@ -39,20 +39,46 @@ void validate(const FaceParams& params)
 
 struct FaceDetector::Impl
 {
-  explicit Impl(const FaceParams& p)
-    : params((validate(p), p)), near(p), worker(std::make_unique<FaceWorker>(p, p.background))
-  {
-    if (!p.eye_cascade.empty()) eyes = readCascade("eye_cascade", p.eye_cascade);
-  }
+  explicit Impl(const FaceParams& p) : params((validate(p), p)), near(p), whole(p), eyes(p) {}
+  ~Impl() { stop = true; }  // so that there is little to wait for
 
-  /// Whether the cascades that have been read, and the thread, are those that are wanted.
+  /// Whether the cascades that have been read, and the thread, are those of the parameters.
   bool reads(const FaceParams& p) const
   {
     return p.cascade_1 == params.cascade_1 && p.cascade_2 == params.cascade_2 && p.eye_cascade == params.eye_cascade &&
            p.background == params.background;
   }
 
-  /// Returns the picture before equalisation; it may share the input's pixels.
+  /// Takes over parameters for which reads() is true, or for which this was made.
+  void configure(const FaceParams& p)
+  {
+    params = p;
+    tracks.keep(FaceWindows::of(p));
+    searched.reset();
+  }
+
+  std::vector<Face> detect(const cv::Mat& image, const std::string& encoding)
+  {
+    prepare(image, encoding);
+    std::vector<Face> faces;
+    for (const FoundFace& found : near.find(gray, fullRect(gray), FaceWindows::of(params)))
+      faces.push_back({-1, found.box, scoreOf(found.neighbors), {}, false});
+    return faces;
+  }
+
+  std::vector<Face> update(double time_s, const cv::Mat& image, const std::string& encoding)
+  {
+    requireFinite("time_s", time_s);
+    const cv::Mat plain = prepare(image, encoding);
+    begin(time_s);
+    moving.update(plain);  // equalized, all of the image changes when something bright comes in
+    takeResult();
+    tracks.follow(time, gray, near, params);
+    search();
+    return tracks.faces();
+  }
+
+  /// Sets `gray`. Returns the gray image before its equalization, which may share the input's pixels.
   cv::Mat prepare(const cv::Mat& image, const std::string& encoding)
   {
     cv::Mat plain;
@@ -68,72 +94,95 @@ struct FaceDetector::Impl
     return plain;
   }
 
-  void forget()
+  /// Begins a frame, and forgets all faces if it is of another size or earlier than the last one.
+  void begin(double time_s)
   {
-    tracks.clear();
-    searched.reset();
-    rest_until = 0.0;
-    search_time = 0.0;
+    if (gray.size() != size || time_s < time)
+    {
+      tracks.clear();
+      searched.reset();
+      rest_until = 0.0;
+      search_time = 0.0;
+    }
+    size = gray.size();
+    since_search += std::min(time_s - time, kMaxFramePeriod);
+    time = time_s;
   }
 
+  /// Follows the faces that a search has found, if it has ended.
   void takeResult()
   {
-    const std::optional<FaceResult> result = worker->take();
+    const std::optional<FaceResult> result =
+        found_at_once ? std::exchange(found_at_once, std::nullopt) : background.take();
     if (!result || result->job.gray.size() != gray.size() || result->job.time > time) return;
-    if (result->job.whole) search_time = searching;
-    rest_until = time + std::max(kRest * searching, kMinRest);
+    if (result->job.is_whole) search_time = since_search;
+    rest_until = time + std::max(kPauseRatio * since_search, kMinPause);
     tracks.add(*result, time, params);
   }
 
+  /// Begins to search what is due in this frame, unless a search is under way.
   void search()
   {
-    if (worker->busy()) return;
-    const double pause = std::max(params.max_search_period - kSurprise * search_time, 0.0);
-    FaceJob job;
-    job.time = time;
-    job.whole = !searched || time - *searched >= pause;
-    if (job.whole)
-    {
-      searched = time;
-      moving.clear();
-      job.parts = {cv::Rect({0, 0}, gray.size())};
-      job.windows = FaceWindows::of(params);
-    }
-    else if (time >= rest_until)
-      chooseParts(job);
+    if (background.busy()) return;
+    FaceJob job = chooseJob();
     if (job.parts.empty()) return;
     job.gray = gray.clone();
-    searching = 0.0;
-    worker->start(std::move(job));
+    since_search = 0.0;
+    if (!params.background || !background.start([this, job] { return whole.find(job, stop); }))
+      found_at_once = whole.find(std::move(job), stop);
     if (!params.background) takeResult();
   }
 
-  /// Where something moves that is no known face, if that is not too much.
-  void chooseParts(FaceJob& job)
+  /// The whole image if that is due, or else where something moves.
+  FaceJob chooseJob()
+  {
+    FaceJob job;
+    job.time = time;
+    const double pause = std::max(params.max_search_period - kSearchTimeMargin * search_time, 0.0);
+    job.is_whole = !searched || time - *searched >= pause;
+    if (job.is_whole)
+    {
+      searched = time;
+      moving.clear();
+      job.parts = {fullRect(gray)};
+      job.windows = FaceWindows::of(params);
+    }
+    else if (time >= rest_until)
+    {
+      job.parts = chooseParts();
+      job.windows = tracks.windows(params);
+    }
+    return job;
+  }
+
+  /// The parts of the image where something moves that is no known face; none if they are too large together.
+  std::vector<cv::Rect> chooseParts()
   {
     for (const cv::Rect& box : tracks.boxes())
       moving.ignore(grown(box, box.width / 2, gray.size()));
-    job.windows = tracks.windows(params);
-    job.parts = moving.take(params.min_size);
+    const std::vector<cv::Rect> parts = moving.take(params.min_size);
     double area = 0.0;
-    for (const cv::Rect& part : job.parts)
+    for (const cv::Rect& part : parts)
       area += part.area();
-    if (area > kMaxParts * static_cast<double>(gray.total())) job.parts.clear();
+    return area > kMaxPartsArea * static_cast<double>(gray.total()) ? std::vector<cv::Rect>() : parts;
   }
 
   FaceParams params;
-  FaceSearch near;  // around known faces
-  std::unique_ptr<FaceWorker> worker;
-  cv::CascadeClassifier eyes;
+  FaceSearch near;   // around known faces
+  FaceSearch whole;  // of images and their parts, in the background
+  EyeSearch eyes;
   FaceTracks tracks;
-  ChangedCells moving{kCell};
-  cv::Mat gray;                    // of the newest picture
-  cv::Size size;                   // px, of the frames that are followed
-  double time = 0.0;               // s, of the newest frame
-  std::optional<double> searched;  // s, the frame of the last search of a whole picture
-  double search_time = 0.0;        // s, of the same
-  double searching = 0.0;          // s since the last search began, without pauses of the stream
-  double rest_until = 0.0;         // s, no parts are searched before
+  ChangedCells moving{kCellSide};
+  cv::Mat gray;                             // the newest image
+  cv::Size size;                            // px, of the frames in which faces are followed
+  double time = 0.0;                        // s, of the newest frame
+  std::optional<double> searched;           // s, the newest frame of which the whole image was searched
+  double search_time = 0.0;                 // s, that the last search of a whole image took
+  double since_search = 0.0;                // s since the last search began, without pauses of the stream
+  double rest_until = 0.0;                  // s, before which no parts are searched
+  std::optional<FaceResult> found_at_once;  // by a search in the caller's thread
+  std::atomic<bool> stop{false};            // whether the search in the background shall end early
+  BackgroundTask<FaceResult> background;    // is destroyed first, as it uses `whole` and `stop`
 };
 
 FaceDetector::FaceDetector(const FaceParams& params) : impl_(std::make_unique<Impl>(params))
@@ -155,64 +204,22 @@ void FaceDetector::configure(const FaceParams& params)
     next->time = impl_->time;
     impl_ = std::move(next);
   }
-  impl_->params = params;
-  impl_->tracks.keep(FaceWindows::of(params));
-  impl_->searched.reset();
+  impl_->configure(params);
 }
 
 std::vector<Face> FaceDetector::detect(const cv::Mat& image, const std::string& encoding)
 {
-  Impl& me = *impl_;
-  me.prepare(image, encoding);
-  std::vector<Face> faces;
-  for (const FoundFace& found : me.near.find(me.gray, cv::Rect({0, 0}, me.gray.size()), FaceWindows::of(me.params)))
-    faces.push_back({-1, found.box, scoreOf(found.neighbors), {}, false});
-  return faces;
+  return impl_->detect(image, encoding);
 }
 
 std::vector<Face> FaceDetector::update(double time_s, const cv::Mat& image, const std::string& encoding)
 {
-  requireFinite("time_s", time_s);
-  Impl& me = *impl_;
-  const cv::Mat plain = me.prepare(image, encoding);
-  if (me.gray.size() != me.size || time_s < me.time) me.forget();
-  me.size = me.gray.size();
-  me.searching += std::min(time_s - me.time, kLongestFrame);
-  me.time = time_s;
-  me.moving.update(plain);  // equalised, all of it changes when something bright comes in
-  me.takeResult();
-  me.tracks.follow(time_s, me.gray, me.near, me.params);
-  me.search();
-  return me.tracks.faces();
+  return impl_->update(time_s, image, encoding);
 }
 
 std::vector<cv::Rect> FaceDetector::findEyes(const Face& face)
 {
-  Impl& me = *impl_;
-  const cv::Rect box = face.box & cv::Rect({0, 0}, me.gray.size());
-  if (me.eyes.empty() || box.empty()) return {};
-  const cv::Rect upper(box.x, box.y, box.width, std::max(box.height * 3 / 5, 1));
-  const double scale = static_cast<double>(kEyeFace) / upper.width;
-  cv::Mat pixels;
-  cv::resize(me.gray(upper), pixels, {kEyeFace, cvCeil(upper.height * scale)});
-  std::vector<cv::Rect> found;
-  std::vector<int> neighbors;
-  me.eyes.detectMultiScale(pixels, found, neighbors, 1.1, kEyeNeighbors, 0, {kEyeFace / 8, kEyeFace / 8},
-                           {kEyeFace * 2 / 5, kEyeFace * 2 / 5});
-  // The surest in each half.
-  std::vector<cv::Rect> eyes;
-  for (const bool left : {true, false})
-  {
-    int best = -1;
-    for (int i = 0; i < static_cast<int>(found.size()); ++i)
-      if ((2 * found[i].x + found[i].width < kEyeFace) == left && (best < 0 || neighbors[i] > neighbors[best]))
-        best = i;
-    if (best < 0) continue;
-    const cv::Rect& eye = found[best];
-    eyes.emplace_back(upper.x + cvRound(eye.x / scale), upper.y + cvRound(eye.y / scale), cvRound(eye.width / scale),
-                      cvRound(eye.height / scale));
-  }
-  return eyes;
+  return impl_->eyes.find(impl_->gray, face.box);
 }
 
 double FaceDetector::searchTime() const
@@ -222,7 +229,7 @@ double FaceDetector::searchTime() const
 
 void FaceDetector::waitForSearch() const
 {
-  impl_->worker->wait();
+  impl_->background.wait();
 }
 
 }  // namespace robot_vision

@@ -5,6 +5,7 @@
 #include <system_error>
 #include <utility>
 
+#include "core/image/rects.hpp"
 #include "robot_vision/common/printable.hpp"
 
 namespace robot_vision
@@ -15,15 +16,16 @@ namespace
 namespace fs = std::filesystem;
 
 /// Where Debian's, Ubuntu's and OpenCV's own packages put the cascades.
-const std::vector<std::string> kFolders = {"/usr/share/opencv4/", "/usr/share/opencv/", "/usr/local/share/opencv4/"};
+const std::vector<std::string> kCascadeFolders = {"/usr/share/opencv4/", "/usr/share/opencv/",
+                                                  "/usr/local/share/opencv4/"};
 
-constexpr double kAlike = 0.2;  // of their size, by which windows on one face differ, as in detectMultiScale
+constexpr double kGroupEps = 0.2;  // of their size, by which windows on one face differ, as in detectMultiScale
 
 std::string pathOf(const std::string& parameter, const std::string& name)
 {
   if (name.find('/') != std::string::npos) return name;
   std::string tried;
-  for (const std::string& folder : kFolders)
+  for (const std::string& folder : kCascadeFolders)
   {
     for (const char* kind : {"haarcascades/", "lbpcascades/"})
     {
@@ -44,39 +46,39 @@ bool load(const std::string& path, cv::CascadeClassifier& cascade)
   {
     return cascade.load(path);
   }
-  catch (const cv::Exception&)  // it is no file of cv::FileStorage at all
+  catch (const cv::Exception&)  // cv::FileStorage cannot read the file
   {
     return false;
   }
 }
 
-/// The sizes that a window has, growing from the cascade's own: those of detectMultiScale.
-std::vector<cv::Size> windowSizes(const cv::Size& window, const cv::Size& picture, const FaceWindows& windows)
+/// The sizes of windows, from the cascade's own upwards, that detectMultiScale classifies.
+std::vector<cv::Size> windowSizes(const cv::Size& window, const cv::Size& image, const FaceWindows& windows)
 {
   std::vector<cv::Size> sizes;
   for (double scale = 1.0;; scale *= windows.scale_factor)
   {
     const cv::Size size(cvRound(window.width * scale), cvRound(window.height * scale));
-    if (size.width > picture.width || size.height > picture.height) return sizes;
+    if (size.width > image.width || size.height > image.height) return sizes;
     if (windows.largest > 0 && std::max(size.width, size.height) > windows.largest) return sizes;
     if (std::min(size.width, size.height) >= windows.smallest && (sizes.empty() || sizes.back() != size))
       sizes.push_back(size);
   }
 }
 
-/// Every window of the cascade's that is a face.
+/// All windows in which the cascade sees a face.
 std::vector<cv::Rect> search(cv::CascadeClassifier& cascade, const cv::Mat& gray, const FaceWindows& windows,
                              const std::atomic<bool>* stop)
 {
   const std::vector<cv::Size> sizes = windowSizes(cascade.getOriginalWindowSize(), gray.size(), windows);
-  if (sizes.empty()) return {};  // OpenCV would take the nearest size, too small or too large as it is
+  if (sizes.empty()) return {};  // OpenCV would search for the nearest size, although it is too small or too large
   std::vector<cv::Rect> found;
   if (!stop)
   {
     cascade.detectMultiScale(gray, found, windows.scale_factor, 0, 0, sizes.front(), sizes.back());
     return found;
   }
-  // One call cannot be ended early, so one for each size.
+  // A call cannot be interrupted, so there is one for each size.
   std::vector<cv::Rect> all;
   for (const cv::Size& size : sizes)
   {
@@ -115,11 +117,11 @@ FaceWindows FaceWindows::of(const FaceParams& params)
   return {params.scale_factor, params.min_neighbors, params.min_size, params.max_size};
 }
 
-FaceWindows FaceWindows::narrowed(int least, int most) const
+FaceWindows FaceWindows::narrowed(int min_side, int max_side) const
 {
   FaceWindows windows = *this;
-  windows.smallest = std::max(smallest, least);
-  windows.largest = largest == 0 ? most : std::min(largest, most);
+  windows.smallest = std::max(smallest, min_side);
+  windows.largest = largest == 0 ? max_side : std::min(largest, max_side);
   return windows;
 }
 
@@ -160,17 +162,29 @@ std::vector<FoundFace> FaceSearch::find(FaceView view, const cv::Mat& gray, cons
   cv::CascadeClassifier& cascade = view == FaceView::kFirst ? first_ : second_;
   std::vector<cv::Rect> boxes = search(cascade, pixels, windows, stop);
   std::vector<int> neighbors;
-  cv::groupRectangles(boxes, neighbors, windows.min_neighbors, kAlike);
+  cv::groupRectangles(boxes, neighbors, windows.min_neighbors, kGroupEps);
   std::vector<FoundFace> found;
   for (std::size_t i = 0; i < boxes.size(); ++i)
   {
-    const cv::Rect box = boxes[i] & cv::Rect({0, 0}, part.size());  // a mean of windows, rounded, may stick out
+    const cv::Rect box = boxes[i] & fullRect(pixels);  // a rounded mean of windows may stick out
     const int x = view == FaceView::kMirrored ? part.width - box.x - box.width : box.x;
     found.push_back({cv::Rect(part.x + x, part.y + box.y, box.width, box.height), neighbors[i], view});
   }
   std::sort(found.begin(), found.end(),
             [](const FoundFace& a, const FoundFace& b) { return a.box.area() > b.box.area(); });
   return found;
+}
+
+FaceResult FaceSearch::find(FaceJob job, const std::atomic<bool>& stop)
+{
+  FaceResult result;
+  for (const cv::Rect& part : job.parts)
+  {
+    const std::vector<FoundFace> found = find(job.gray, part, job.windows, &stop);
+    result.found.insert(result.found.end(), found.begin(), found.end());
+  }
+  result.job = std::move(job);
+  return result;
 }
 
 }  // namespace robot_vision

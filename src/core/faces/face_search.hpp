@@ -15,12 +15,12 @@ namespace robot_vision
 /// naming `parameter` and the file.
 cv::CascadeClassifier readCascade(const std::string& parameter, const std::string& name);
 
-/// How a face looks, that is which cascade sees it.
+/// The view of a face, which is given by the cascade that sees it.
 enum class FaceView
 {
   kFirst,
   kSecond,
-  kMirrored  // the second cascade in the mirrored picture
+  kMirrored  // the second cascade in the mirrored image
 };
 
 struct FoundFace
@@ -30,17 +30,17 @@ struct FoundFace
   FaceView view = FaceView::kFirst;
 };
 
-/// Which windows are looked at, and how many must agree: see FaceParams.
+/// Which windows are classified, and how many must agree on a face; see FaceParams.
 struct FaceWindows
 {
-  /// All that the parameters want.
+  /// Those that the parameters ask for.
   static FaceWindows of(const FaceParams& params);
 
   /// Whether a face of this side, px, is neither too small nor too large.
   bool admit(int side) const { return side >= smallest && (largest == 0 || side <= largest); }
 
-  /// Those of them that are of these sides, px.
-  FaceWindows narrowed(int least, int most) const;
+  /// Those of them whose sides are from `min_side` to `max_side` px.
+  FaceWindows narrowed(int min_side, int max_side) const;
 
   double scale_factor;
   int min_neighbors;
@@ -48,23 +48,43 @@ struct FaceWindows
   int largest;   // px, 0: any
 };
 
-/// Searches gray pictures for faces. It has memory of its own: each thread needs one.
+/// What is to be searched. The image is the job's own: nobody writes to it.
+struct FaceJob
+{
+  double time = 0.0;  // s, of the frame
+  cv::Mat gray;
+  bool is_whole = false;        // whether the whole image is searched, or parts of it
+  std::vector<cv::Rect> parts;  // px
+  FaceWindows windows{};
+};
+
+struct FaceResult
+{
+  FaceJob job;
+  std::vector<FoundFace> found;
+};
+
+/// Searches gray images for faces. For one thread at a time, as the cascades keep what they work with.
 class FaceSearch
 {
 public:
   /// Throws std::invalid_argument if a cascade cannot be read.
   explicit FaceSearch(const FaceParams& params);
 
-  /// The faces in a part of the picture, the largest first: those that the first cascade sees, or else the second. The
-  /// windows are those of detectMultiScale on that part. Ends early, without any, when `stop` (may be null) is true.
+  /// The faces in a part of the image, the largest first: those that the first cascade sees, or else the second. The
+  /// windows are those of detectMultiScale on that part. Ends early, without any face, when `stop` (may be null) is
+  /// true.
   std::vector<FoundFace> find(const cv::Mat& gray, const cv::Rect& part, const FaceWindows& windows,
                               const std::atomic<bool>* stop = nullptr);
 
-  /// The same of one view.
+  /// The same for one view.
   std::vector<FoundFace> find(FaceView view, const cv::Mat& gray, const cv::Rect& part, const FaceWindows& windows,
                               const std::atomic<bool>* stop = nullptr);
 
-  /// The views that there are, the first one first.
+  /// The faces in all parts of a job.
+  FaceResult find(FaceJob job, const std::atomic<bool>& stop);
+
+  /// The available views, the first one first.
   const std::vector<FaceView>& views() const { return views_; }
 
 private:

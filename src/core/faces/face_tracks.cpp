@@ -11,18 +11,18 @@ namespace robot_vision
 namespace
 {
 
-constexpr int kPatch = 32;         // px, side of what is kept of a face's looks
-constexpr double kAlike = 0.7;     // correlation of looks that are the same face
-constexpr double kFiner = 1.1;     // from size to size around a known face, where it costs little
-constexpr double kSmaller = 0.75;  // of its size, which a known face may have become
-constexpr double kLarger = 1.35;
-constexpr double kSmoothing = 0.15;  // share of the newest motion in the velocity
-constexpr double kShortest = 1e-3;   // s between frames that a velocity is measured by
-constexpr double kRemember = 2.0;    // s after which a face that comes back is another one
-constexpr double kSame = 0.5;        // of the smaller of two boxes of one face, which lies in the other
-constexpr int kDoubt = 2;            // times as much as a frame with it, a frame without a face counts
-constexpr int kMaxTrust = 30;        // frames with a face that count
-constexpr std::size_t kPast = 128;   // frames
+constexpr int kTemplateSide = 32;         // px
+constexpr double kMinCorrelation = 0.7;   // with its template, at which a face is still believed to be there
+constexpr double kNearScaleFactor = 1.1;  // from size to size around a known face, where small steps cost little
+constexpr double kMinSizeRatio = 0.75;    // of a known face to its size before
+constexpr double kMaxSizeRatio = 1.35;
+constexpr double kVelocityGain = 0.15;    // weight of the newest motion in the velocity
+constexpr double kMinFramePeriod = 1e-3;  // s between frames from which a velocity is measured
+constexpr double kMaxAbsence = 2.0;       // s after which a face that comes back is another one
+constexpr double kMinOverlap = 0.5;       // of two boxes of one face, of the area of the smaller one
+constexpr int kMissWeight = 2;            // of a frame without the face in its trust, where a frame with it counts 1
+constexpr int kMaxTrust = 30;             // frames
+constexpr std::size_t kMaxHistory = 128;  // frames
 
 cv::Point2d middle(const cv::Rect& box)
 {
@@ -32,10 +32,10 @@ cv::Point2d middle(const cv::Rect& box)
 /// Whether two boxes are of one face: most of the smaller lies in the other.
 bool isSame(const cv::Rect& a, const cv::Rect& b)
 {
-  return (a & b).area() > kSame * std::min(a.area(), b.area());
+  return (a & b).area() > kMinOverlap * std::min(a.area(), b.area());
 }
 
-/// By how much of its size a face may be away from where it should be.
+/// How far from its expected place a face may be after this time, in sides of its box.
 double uncertainty(double seconds)
 {
   return std::clamp(0.2 + 2.0 * seconds, 0.25, 1.0);
@@ -48,21 +48,21 @@ cv::Rect boxAt(const FaceTrack& track, double time_s)
   return std::min_element(track.past.begin(), track.past.end(), nearer)->second;
 }
 
-/// Where the face should be.
+/// Where the face should be if it goes on as it moved.
 cv::Rect expectedBox(const FaceTrack& track, double time_s)
 {
   const cv::Point2d moved = track.velocity * std::min(time_s - track.time, 1.0);
   return track.box + cv::Point(cvRound(moved.x), cvRound(moved.y));
 }
 
-/// Searches a part of the picture for a face of about the right size in finer steps, so that what a search of the whole
-/// picture sees is not lost by chance.
+/// Searches a part of the image for a face of about the right size. The steps from size to size are smaller than in a
+/// search of the whole image, so that what that has seen is not lost by chance.
 std::optional<FoundFace> findNear(const FaceTrack& track, const cv::Rect& part, const cv::Mat& gray, FaceSearch& search,
                                   const FaceParams& params)
 {
   const int side = track.box.width;
-  FaceWindows windows = FaceWindows::of(params).narrowed(cvRound(kSmaller * side), cvRound(kLarger * side));
-  windows.scale_factor = std::min(kFiner, params.scale_factor);
+  FaceWindows windows = FaceWindows::of(params).narrowed(cvRound(kMinSizeRatio * side), cvRound(kMaxSizeRatio * side));
+  windows.scale_factor = std::min(kNearScaleFactor, params.scale_factor);
   std::vector<FaceView> views = search.views();
   std::stable_partition(views.begin(), views.end(), [&](FaceView view) { return view == track.view; });
   for (const FaceView view : views)
@@ -78,12 +78,12 @@ std::optional<FoundFace> findNear(const FaceTrack& track, const cv::Rect& part, 
 void move(FaceTrack& track, double time_s, const cv::Rect& box)
 {
   const double seconds = time_s - track.time;
-  if (seconds > kShortest)
-    track.velocity += kSmoothing * ((middle(box) - middle(track.box)) / seconds - track.velocity);
+  if (seconds > kMinFramePeriod)
+    track.velocity += kVelocityGain * ((middle(box) - middle(track.box)) / seconds - track.velocity);
   track.box = box;
   track.time = time_s;
   track.past.emplace_back(time_s, box);
-  if (track.past.size() > kPast) track.past.pop_front();
+  if (track.past.size() > kMaxHistory) track.past.pop_front();
 }
 
 void see(FaceTrack& track, double time_s, const FoundFace& face)
@@ -96,10 +96,12 @@ void see(FaceTrack& track, double time_s, const FoundFace& face)
   track.score = scoreOf(face.neighbors);
 }
 
-/// Whether so many windows would be enough in the steps of a search of the whole picture, of which there are fewer.
+/// Whether the face would have been found with the larger steps of a search of the whole image, too, in which fewer
+/// windows can agree on it.
 bool isSure(const FoundFace& face, const FaceParams& params)
 {
-  return face.neighbors > params.min_neighbors * std::max(std::log(params.scale_factor) / std::log(kFiner), 1.0);
+  return face.neighbors >
+         params.min_neighbors * std::max(std::log(params.scale_factor) / std::log(kNearScaleFactor), 1.0);
 }
 
 }  // namespace
@@ -111,27 +113,27 @@ double scoreOf(int neighbors)
 
 FaceTemplate::FaceTemplate(const cv::Mat& gray, const cv::Rect& box)
 {
-  cv::resize(gray(box), patch_, {kPatch, kPatch}, 0.0, 0.0, cv::INTER_AREA);
+  cv::resize(gray(box), patch_, {kTemplateSide, kTemplateSide}, 0.0, 0.0, cv::INTER_AREA);
 }
 
 std::optional<std::pair<cv::Rect, double>> FaceTemplate::locate(const cv::Mat& gray, const cv::Rect& expected,
                                                                 int margin) const
 {
   const cv::Rect part = grown(expected, margin, gray.size());
-  const double scale = static_cast<double>(kPatch) / expected.width;
+  const double scale = static_cast<double>(kTemplateSide) / expected.width;
   const cv::Size size(cvRound(part.width * scale), cvRound(part.height * scale));
-  if (size.width < kPatch || size.height < kPatch) return std::nullopt;
-  cv::Mat pixels, alike;
+  if (size.width < kTemplateSide || size.height < kTemplateSide) return std::nullopt;
+  cv::Mat pixels, correlation;
   cv::resize(gray(part), pixels, size, 0.0, 0.0, cv::INTER_AREA);
-  cv::matchTemplate(pixels, patch_, alike, cv::TM_CCOEFF_NORMED);
-  double most = 0.0;
+  cv::matchTemplate(pixels, patch_, correlation, cv::TM_CCOEFF_NORMED);
+  double best = 0.0;
   cv::Point where;
-  cv::minMaxLoc(alike, nullptr, &most, nullptr, &where);
+  cv::minMaxLoc(correlation, nullptr, &best, nullptr, &where);
   const cv::Point corner = part.tl() + cv::Point(cvRound(where.x / scale), cvRound(where.y / scale));
   return std::make_pair(cv::Rect({std::clamp(corner.x, 0, gray.cols - expected.width),
                                   std::clamp(corner.y, 0, gray.rows - expected.height)},
                                  expected.size()),
-                        most);
+                        best);
 }
 
 void FaceTracks::follow(double time_s, const cv::Mat& gray, FaceSearch& search, const FaceParams& params)
@@ -143,19 +145,19 @@ void FaceTracks::follow(double time_s, const cv::Mat& gray, FaceSearch& search, 
     const int margin = cvRound(uncertainty(time_s - track.time) * track.box.width);
     const auto found = findNear(track, grown(expected, margin, gray.size()), gray, search, params);
     const bool sure = found && isSure(*found, params);
-    track.trust = std::min(track.trust + (sure ? 1 : -kDoubt), kMaxTrust);
+    track.trust = std::min(track.trust + (sure ? 1 : -kMissWeight), kMaxTrust);
     track.visible = track.trust > 0;
     if (!track.visible) continue;
     if (found)
     {
       see(track, time_s, *found);
       if (!sure) continue;
-      track.looks = FaceTemplate(gray, found->box);
+      track.appearance = FaceTemplate(gray, found->box);
       if (track.id < 0) track.id = next_id_++;
       continue;
     }
-    const auto located = track.looks.locate(gray, expected, margin);
-    track.visible = located && located->second >= kAlike && time_s - track.seen <= params.hold;
+    const auto located = track.appearance.locate(gray, expected, margin);
+    track.visible = located && located->second >= kMinCorrelation && time_s - track.seen <= params.hold;
     if (!track.visible) continue;
     move(track, time_s, located->first);
     track.predicted = true;
@@ -163,7 +165,7 @@ void FaceTracks::follow(double time_s, const cv::Mat& gray, FaceSearch& search, 
   }
   dropDoubles();
   const auto forgotten = [&](const FaceTrack& track)
-  { return !track.visible && (track.id < 0 || time_s - track.seen > kRemember); };
+  { return !track.visible && (track.id < 0 || time_s - track.seen > kMaxAbsence); };
   tracks_.erase(std::remove_if(tracks_.begin(), tracks_.end(), forgotten), tracks_.end());
 }
 
@@ -172,7 +174,7 @@ void FaceTracks::add(const FaceResult& result, double time_s, const FaceParams& 
   const double time = result.job.time;
   for (const FoundFace& face : result.found)
   {
-    if (!FaceWindows::of(params).admit(face.box.width)) continue;  // searched for with other parameters
+    if (!FaceWindows::of(params).admit(face.box.width)) continue;  // it was searched for with other parameters
     const auto known = std::find_if(tracks_.begin(), tracks_.end(),
                                     [&](const FaceTrack& track) { return isSame(boxAt(track, time), face.box); });
     if (known != tracks_.end() && known->visible)
@@ -182,10 +184,10 @@ void FaceTracks::add(const FaceResult& result, double time_s, const FaceParams& 
     }
     FaceTrack track = known != tracks_.end() ? *known : FaceTrack{};
     track.velocity = {};
-    track.trust = kDoubt + 1;  // for if it is not seen at once
+    track.trust = kMissWeight + 1;  // so that it lasts if it is not seen at once
     track.time = time;
     see(track, time, face);
-    track.looks = FaceTemplate(result.job.gray, face.box);
+    track.appearance = FaceTemplate(result.job.gray, face.box);
     if (time == time_s && track.id < 0) track.id = next_id_++;
     if (known != tracks_.end())
       *known = track;
@@ -227,7 +229,7 @@ void FaceTracks::keep(const FaceWindows& windows)
   tracks_.erase(std::remove_if(tracks_.begin(), tracks_.end(), is_other), tracks_.end());
 }
 
-/// Two that have come to follow the same face are one: that which is trusted more, or the older one.
+/// Where two tracks have come to follow the same face, keeps the one that is trusted more, or the older one.
 void FaceTracks::dropDoubles()
 {
   std::stable_sort(tracks_.begin(), tracks_.end(),

@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "face_search.hpp"
-#include "face_worker.hpp"
 
 namespace robot_vision
 {
@@ -15,14 +14,15 @@ namespace robot_vision
 /// The score of a face on which so many windows agree.
 double scoreOf(int neighbors);
 
-/// How a face looked when a cascade saw it last.
+/// The image of a face when a cascade saw it last.
 class FaceTemplate
 {
 public:
   FaceTemplate() = default;
   FaceTemplate(const cv::Mat& gray, const cv::Rect& box);
 
-  /// Where in the picture it looks like that most, up to `margin` px away from `expected`, and how much (-1 to 1).
+  /// Where the image correlates best with the template, up to `margin` px away from `expected`, and the correlation
+  /// (-1 to 1).
   std::optional<std::pair<cv::Rect, double>> locate(const cv::Mat& gray, const cv::Rect& expected, int margin) const;
 
 private:
@@ -37,23 +37,23 @@ struct FaceTrack
   cv::Rect box;            // px
   double time = 0.0;       // s, of the box
   double seen = 0.0;       // s, when a cascade saw it last
-  int trust = 0;           // frames in which it was seen, less those in which it was not; above 0: it is believed in
-  bool visible = true;     // or remembered only, in case that it comes back
+  int trust = 0;           // frames in which it was seen, less those in which it was not; above 0 it is believed
+  bool visible = true;     // false: it is only remembered, in case that it comes back
   bool predicted = false;  // not seen by a cascade at `time`
   double score = 0.0;
   cv::Point2d velocity;  // px/s
-  FaceTemplate looks;
-  std::deque<std::pair<double, cv::Rect>> past;  // where it was, by time
+  FaceTemplate appearance;
+  std::deque<std::pair<double, cv::Rect>> past;  // its boxes, with their times in s
 };
 
-/// The faces that are known.
+/// The known faces.
 class FaceTracks
 {
 public:
-  /// Searches only near the faces, where each should be, and for about its size.
+  /// Looks for each face near its expected place, in about its size.
   void follow(double time_s, const cv::Mat& gray, FaceSearch& search, const FaceParams& params);
 
-  /// Takes what a search of the frame of `result.job.time` has found, which may be some frames ago.
+  /// Adds what a search has found in the frame of `result.job.time`, which may be some frames ago.
   void add(const FaceResult& result, double time_s, const FaceParams& params);
 
   void clear() { tracks_.clear(); }
@@ -61,11 +61,13 @@ public:
   /// Forgets faces of other sizes.
   void keep(const FaceWindows& windows);
 
-  /// Those that are seen, or predicted, in the newest frame, by their id.
+  /// The faces that are seen or predicted in the newest frame, by their id.
   std::vector<Face> faces() const;
 
-  /// Where they are now, and windows of about their sizes; all of them if there are no faces.
+  /// The boxes of these faces.
   std::vector<cv::Rect> boxes() const;
+
+  /// Windows of about the sizes of the known faces, or of all sizes if there is none.
   FaceWindows windows(const FaceParams& params) const;
 
 private:
