@@ -1,7 +1,6 @@
 // Searches of whole pictures in the background, and searches in several threads.
 
 #include <gtest/gtest.h>
-#include <pthread.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -13,6 +12,7 @@
 #include "core/tags/detection/tag_searches.hpp"
 #include "robot_vision/tags/detection/tag_detector.hpp"
 #include "support/found_tags.hpp"
+#include "support/no_threads.hpp"
 #include "support/pictures.hpp"
 #include "support/refusal.hpp"
 
@@ -85,25 +85,6 @@ cv::Mat encoded(const cv::Mat& gray, const std::string& encoding)
   cv::imencode(".jpg", gray, bytes);
   return cv::Mat(bytes, true).reshape(1, 1);
 }
-
-/// While it lives no thread can be started: its stack would be larger than the memory can be.
-class NoThreads
-{
-public:
-  NoThreads()
-  {
-    pthread_getattr_default_np(&usual_);
-    pthread_attr_t attributes = usual_;
-    pthread_attr_setstacksize(&attributes, std::size_t{1} << 60);
-    pthread_setattr_default_np(&attributes);
-  }
-  ~NoThreads() { pthread_setattr_default_np(&usual_); }
-  NoThreads(const NoThreads&) = delete;
-  NoThreads& operator=(const NoThreads&) = delete;
-
-private:
-  pthread_attr_t usual_;
-};
 
 bool holds(const std::vector<Tag>& tags, const std::vector<Tag>& expected)
 {
