@@ -11,8 +11,8 @@
 namespace robot_vision
 {
 
-/// Runs one piece of work at a time in a thread of its own. The owner asks for the result now and then, and never has to
-/// wait for it. For one thread at a time, except for abandon().
+/// Runs one piece of work at a time in a thread of its own. The owner asks for the result now and then, and never has
+/// to wait for it. For one thread at a time, except for abandon().
 template <class Result>
 class BackgroundTask
 {

@@ -1,9 +1,9 @@
 #include "robot_vision/scene/scene.hpp"
 
 #include <memory>
-#include <mutex>
 #include <stdexcept>
 
+#include "core/common/shared_instance.hpp"
 #include "robot_vision/common/range.hpp"
 #include "scene_model.hpp"
 #include "scene_noise.hpp"
@@ -30,17 +30,12 @@ const SceneParams& validated(const SceneParams& params)
   return params;
 }
 
-/// The one that other scenes have, or a new one, which takes a while.
+/// A stage with this poster. Those without a poster are shared, as it takes a while to make one.
 std::shared_ptr<const scene::Stage> stageWith(const cv::Mat& poster)
 {
   if (!poster.empty() && poster.type() != CV_8UC3) throw std::invalid_argument("poster must be an 8-bit BGR picture");
   if (!poster.empty()) return std::make_shared<const scene::Stage>(poster);
-  static std::mutex mutex;
-  static std::weak_ptr<const scene::Stage> in_use;
-  const std::lock_guard lock(mutex);
-  std::shared_ptr<const scene::Stage> stage = in_use.lock();
-  if (!stage) in_use = stage = std::make_shared<const scene::Stage>(poster);
-  return stage;
+  return sharedInstance<const scene::Stage>();
 }
 
 }  // namespace

@@ -13,7 +13,7 @@ namespace robot_vision::scene
 class Stage
 {
 public:
-  explicit Stage(const cv::Mat& poster_bgr);
+  explicit Stage(const cv::Mat& poster_bgr = cv::Mat());
 
   /// Width over height of the poster.
   double posterAspect() const { return poster_aspect_; }

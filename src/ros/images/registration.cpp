@@ -18,6 +18,8 @@
 #include <thread>
 #include <vector>
 
+#include "core/common/shared_instance.hpp"
+
 namespace robot_vision
 {
 namespace
@@ -187,12 +189,7 @@ private:
 
 std::shared_ptr<Registration::Watch> Registration::Watch::ofProcess()
 {
-  static std::mutex mutex;
-  static std::weak_ptr<Watch> existing;
-  const std::lock_guard<std::mutex> lock(mutex);
-  std::shared_ptr<Watch> watch = existing.lock();
-  if (!watch) existing = watch = std::make_shared<Watch>();
-  return watch;
+  return sharedInstance<Watch>();
 }
 
 Registration::Watch::~Watch()

@@ -1,10 +1,9 @@
 #include "tag_dictionary.hpp"
 
 #include <algorithm>
-#include <map>
-#include <mutex>
 #include <utility>
 
+#include "core/common/shared_instance.hpp"
 #include "robot_vision/tags/detection/tag_families.hpp"
 
 namespace robot_vision
@@ -52,13 +51,7 @@ TagDictionary::TagDictionary(const std::vector<std::string>& families, int max_h
 
 std::shared_ptr<const TagDictionary> TagDictionary::of(const std::vector<std::string>& families, int max_hamming)
 {
-  static std::mutex mutex;
-  static std::map<std::pair<std::vector<std::string>, int>, std::weak_ptr<const TagDictionary>> in_use;
-  const std::lock_guard lock(mutex);
-  std::weak_ptr<const TagDictionary>& known = in_use[{families, max_hamming}];
-  std::shared_ptr<const TagDictionary> dictionary = known.lock();
-  if (!dictionary) known = dictionary = std::make_shared<TagDictionary>(families, max_hamming);
-  return dictionary;
+  return sharedInstance<const TagDictionary>(families, max_hamming);
 }
 
 DetectorPtr TagDictionary::makeDetector() const

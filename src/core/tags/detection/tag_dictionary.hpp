@@ -20,7 +20,7 @@ public:
   /// The names and the number must be valid.
   TagDictionary(const std::vector<std::string>& families, int max_hamming);
 
-  /// The one that others have of these, or a new one: its tables take a while. Thread-safe.
+  /// The one that others have of these, or a new one, as it takes a while to make its tables. Thread-safe.
   static std::shared_ptr<const TagDictionary> of(const std::vector<std::string>& families, int max_hamming);
 
   /// A detector of these tags, for one thread at a time. The dictionary must outlive it.
