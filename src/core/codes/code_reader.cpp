@@ -49,7 +49,7 @@ struct CodeReader::Impl
       for (const bool wide : {false, true})
         searchAroundTracks(gray, wide, codes);
     searchWhole(gray, codes);
-    forget(tracks, schedule.oldestKept(params.max_search_period));
+    schedule.forgetOld(params.max_search_period, tracks);
     std::sort(codes.begin(), codes.end(), isAbove);
     return codes;
   }

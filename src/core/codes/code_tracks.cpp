@@ -1,9 +1,9 @@
 #include "code_tracks.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <opencv2/imgproc.hpp>
 
+#include "core/common/motion_bounds.hpp"
 #include "core/image/rects.hpp"
 
 namespace robot_vision
@@ -11,16 +11,9 @@ namespace robot_vision
 namespace
 {
 
-// All lengths are in the longest sides of the code.
-constexpr double kQuiet = 0.15;              // around a code, which the search needs to see
-constexpr double kInitialMotion = 0.5;       // that it may have moved in a frame when it was read once,
-constexpr double kMaxUntrackedSpeed = 15.0;  // per s, in more than that,
-constexpr double kFarthest = 2.5;            // and at most
-constexpr double kPositionError = 0.1;       // that it may deviate from its motion
-constexpr double kWide = 0.5;                // more, where all that was not enough
-constexpr double kFastest = 60.0;            // per s: what is farther away was put there
-constexpr double kMotionError = 0.5;         // of its way that it may deviate from it
-constexpr int kCut = 2;                      // px: what is nearer to the edge of a part may go on beyond it
+constexpr double kQuietZone = 0.15;  // sides around a code, which the search needs to see
+constexpr double kWideMargin = 0.5;  // sides more, where a code was not found with less
+constexpr int kCutMargin = 2;        // px; a code that is nearer to the edge of a part may continue beyond it
 
 cv::Point2d middleOf(const Code& code)
 {
@@ -75,10 +68,9 @@ bool CodeTrack::isInViewAt(double time_s, const cv::Size& image) const
 
 cv::Rect CodeTrack::regionAt(double time_s, bool wide, const cv::Size& image) const
 {
-  const double side = longestSide(code), age = time_s - seen;
-  const double motion = moving ? kPositionError * side + kMotionError * cv::norm(velocity) * age
-                               : std::min(std::max(kMaxUntrackedSpeed * age, kInitialMotion), kFarthest) * side;
-  const double border = motion + (kQuiet + (wide ? kWide : 0.0)) * side;
+  const double side = longestSide(code);
+  const double motion = motionMargin(moving, cv::norm(velocity), time_s - seen, side);
+  const double border = motion + (kQuietZone + (wide ? kWideMargin : 0.0)) * side;
   return grown(cv::boundingRect(outlineOf(at(time_s))), cvCeil(border), image);
 }
 
@@ -91,7 +83,7 @@ cv::Rect onLines(const cv::Rect& part, int spacing, const cv::Size& image)
 
 bool isWhole(const Code& code, const cv::Rect& part, const cv::Size& image)
 {
-  const cv::Rect box = grown(cv::boundingRect(outlineOf(code)), kCut, image);
+  const cv::Rect box = grown(cv::boundingRect(outlineOf(code)), kCutMargin, image);
   return (box & part) == box;
 }
 
@@ -124,15 +116,9 @@ void follow(std::vector<CodeTrack>& tracks, double time_s, const Code& code)
   }
   const double elapsed = time_s - nearest->seen;
   nearest->velocity = (middleOf(code) - middleOf(nearest->code)) / elapsed;
-  nearest->moving = least <= kFastest * elapsed * longestSide(code);
+  nearest->moving = isMotion(least, elapsed, longestSide(code));
   nearest->code = code;
   nearest->seen = time_s;
-}
-
-void forget(std::vector<CodeTrack>& tracks, double before)
-{
-  const auto isOld = [before](const CodeTrack& track) { return track.seen < before; };
-  tracks.erase(std::remove_if(tracks.begin(), tracks.end(), isOld), tracks.end());
 }
 
 }  // namespace robot_vision

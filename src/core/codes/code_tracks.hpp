@@ -39,7 +39,4 @@ bool isSame(const Code& a, const Code& b);
 /// Takes over a code of a frame.
 void follow(std::vector<CodeTrack>& tracks, double time_s, const Code& code);
 
-/// Forgets those that were read last before a time, s.
-void forget(std::vector<CodeTrack>& tracks, double before);
-
 }  // namespace robot_vision

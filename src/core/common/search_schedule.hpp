@@ -61,9 +61,15 @@ public:
     return background_time_;
   }
 
-  /// Tracks that were seen last before this time are to be forgotten: a search may take longer than the period, and a
-  /// new track needs a second one to tell how it moves.
-  double oldestKept(double period) const { return time_ - std::max(period, kMinMemory * search_time_); }
+  /// Forgets the tracks that were not seen for longer than the period, and for longer than it takes until a second
+  /// search in the background tells how a new track moves.
+  template <class Tracks>
+  void forgetOld(double period, Tracks& tracks) const
+  {
+    const double oldest = time_ - std::max(period, kMinMemory * search_time_);
+    const auto is_old = [oldest](const auto& track) { return track.seen < oldest; };
+    tracks.erase(std::remove_if(tracks.begin(), tracks.end(), is_old), tracks.end());
+  }
 
 private:
   static constexpr double kMinGap = 0.2;     // periods between two searches

@@ -13,7 +13,7 @@ struct TagFamily
 {
   std::string name;         // "tag36h11"
   int ids = 0;              // the tags are 0 to ids - 1
-  int width = 0;            // cells, side of the picture of a tag
+  int width = 0;            // cells, side of the image of a tag
   int width_at_border = 0;  // cells between the corners that are found: the tag's size is measured there
   int distance = 0;         // bits by which any two tags differ at least
 };
@@ -25,12 +25,12 @@ const std::vector<TagFamily>& tagFamilies();
 /// Throws std::invalid_argument naming the families if there is none of this name.
 const TagFamily& tagFamily(const std::string& name);
 
-constexpr int kFreeCell = 128;  // in tagCells(): it means nothing, and may have any colour
+constexpr int kFreeCell = 128;  // in tagCells(): it has no meaning, and may have any color
 
-/// Picture of a tag, upright: CV_8UC1, 0, 255 or kFreeCell, a pixel per cell, `width` cells square, the found corners
+/// Image of an upright tag: CV_8UC1, 0, 255 or kFreeCell, a pixel per cell, `width` cells square, the found corners
 /// (width - width_at_border) / 2 cells from its edges. The classic families bring their white border of one cell. The
-/// others have cells outside the found corners; what lies around those may have any colour. So may the free cells, the
-/// corners of the picture in the round families and the middle of tagCustom48h12: the library prints them black.
+/// others have cells outside the found corners; what lies around those may have any color. So may the free cells: the
+/// corners of the image in the round families and the middle of tagCustom48h12, which the library prints in black.
 /// Throws std::invalid_argument as tagFamily() does, and naming the ids if the family has no tag of this one.
 cv::Mat tagCells(const std::string& family, int id);
 

@@ -75,7 +75,7 @@ struct TagDetector::Impl
       for (const bool in_full_resolution : {false, true})
         add(searchAroundTracks(gray, in_full_resolution), tags);
     searchWhole(gray, tags);
-    forget(tracks, schedule.oldestKept(params.max_search_period));
+    schedule.forgetOld(params.max_search_period, tracks);
     sort(tags);
     return tags;
   }

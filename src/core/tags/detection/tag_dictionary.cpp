@@ -11,24 +11,24 @@ namespace robot_vision
 namespace
 {
 
-// The library's table takes 48 bytes for each word that it corrects: with two bits of the largest families 4 GB.
-constexpr int kManyIds = 10000;
-constexpr int kSmallDistance = 5;  // between tags, at which most patterns are near one
+constexpr int kMaxIds = 10000;   // for two bits: with 48 bytes for each corrected word, larger tables could have 4 GB
+constexpr int kMinDistance = 6;  // bits between any two tags, for two bits: or else most patterns would be near a tag
 
-int mostCorrected(const std::string& family)
+/// How many wrong bits are corrected at most.
+int maxCorrected(const std::string& family)
 {
   const TagFamily& facts = tagFamily(family);
-  return facts.ids > kManyIds || facts.distance <= kSmallDistance ? 1 : 2;
+  return facts.ids > kMaxIds || facts.distance < kMinDistance ? 1 : 2;
 }
 
 DetectorPtr createDetector(void (*destroy)(apriltag_detector_t*))
 {
   DetectorPtr detector(apriltag_detector_create(), destroy);
-  detector->nthreads = 1;  // the library's own are not safe: one that starts late may find its memory given back
+  detector->nthreads = 1;  // its threads are not safe: one that starts late may find its memory freed
   return detector;
 }
 
-/// A detector gives back the tables of the families that it has, and these are not its own.
+/// Destroys a detector without the tables of its families, which belong to the dictionary.
 void destroyBorrower(apriltag_detector_t* detector)
 {
   zarray_clear(detector->tag_families);
@@ -43,7 +43,7 @@ TagDictionary::TagDictionary(const std::vector<std::string>& families, int max_h
   for (const std::string& name : families)
   {
     FamilyPtr record = makeFamily(name);
-    apriltag_detector_add_family_bits(tables_.get(), record.get(), std::min(max_hamming, mostCorrected(name)));
+    apriltag_detector_add_family_bits(tables_.get(), record.get(), std::min(max_hamming, maxCorrected(name)));
     TagPattern pattern(*record);
     families_.push_back({std::move(record), std::move(pattern)});
   }
@@ -58,7 +58,7 @@ DetectorPtr TagDictionary::makeDetector() const
 {
   DetectorPtr detector = createDetector(destroyBorrower);
   for (const Family& family : families_)
-    apriltag_detector_add_family(detector.get(), family.record.get());  // which has its table
+    apriltag_detector_add_family(detector.get(), family.record.get());  // it has its table already
   return detector;
 }
 

@@ -12,8 +12,8 @@ namespace robot_vision
 
 using DetectorPtr = std::unique_ptr<apriltag_detector_t, void (*)(apriltag_detector_t*)>;
 
-/// The tags of some families, and the library's tables of them, which are large. Never changes: detectors in several
-/// threads share one.
+/// The tags of some families, with the library's large tables of them. Never changes, so that detectors in several
+/// threads can share one.
 class TagDictionary
 {
 public:
@@ -37,7 +37,7 @@ private:
   };
 
   std::vector<Family> families_;  // must outlive the tables in them
-  DetectorPtr tables_;            // frees them
+  DetectorPtr tables_;            // whose destructor frees the tables
 };
 
 }  // namespace robot_vision

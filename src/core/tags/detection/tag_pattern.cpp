@@ -10,12 +10,12 @@ namespace
 constexpr int kWhite = -1;
 constexpr int kBlack = -2;
 
-/// Gray level between pixels; negative outside of the picture.
+/// Gray level between pixels; negative outside of the image.
 double levelAt(const cv::Mat& gray, const cv::Point2d& position)
 {
   const bool inside =
       position.x >= 0.0 && position.y >= 0.0 && position.x < gray.cols - 1 && position.y < gray.rows - 1;
-  if (!inside) return -1.0;  // nor is NaN
+  if (!inside) return -1.0;  // NaN is outside, too
   const auto x = static_cast<int>(position.x);
   const auto y = static_cast<int>(position.y);
   const double right = position.x - x;

@@ -14,7 +14,7 @@ class TagPattern
 public:
   explicit TagPattern(const apriltag_family_t& family);
 
-  /// Correlation of a gray picture with the cells of a tag in it, and with its borders, -1 to 1. `toPixels` brings the
+  /// Correlation of a gray image with the cells of a tag in it, and with its borders, -1 to 1. `toPixels` brings the
   /// square of -1 to 1 between the tag's corners, y down, to pixels.
   double compare(const cv::Mat& gray, const cv::Matx33d& toPixels, std::uint64_t code) const;
 

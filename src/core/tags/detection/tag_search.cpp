@@ -9,7 +9,7 @@ namespace robot_vision
 namespace
 {
 
-constexpr double kPixelMiddle = 0.5;  // the library counts from the first pixel's corner, OpenCV from its middle
+constexpr double kPixelCenter = 0.5;  // px: the library counts from the first pixel's corner, OpenCV from its center
 
 }  // namespace
 
@@ -20,7 +20,7 @@ TagSearch::TagSearch(std::shared_ptr<const TagDictionary> dictionary, const TagD
   detector_->refine_edges = params_.refine_edges;
 }
 
-/// The pixels as the library can have them.
+/// The pixels, or a copy of them where the library could not work on them as they are.
 cv::Mat TagSearch::prepare(const cv::Mat& pixels, double decimate)
 {
   const int least = cvCeil(kMinSearched * decimate);
@@ -31,22 +31,22 @@ cv::Mat TagSearch::prepare(const cv::Mat& pixels, double decimate)
   else if (decimate > 1.0 || (params_.blur == 0.0 && pixels.step <= 2 * static_cast<std::size_t>(pixels.cols)))
     return pixels;
   else
-    pixels.copyTo(copy_);  // it would blur the picture in place, and takes memory for what lies between the rows
+    pixels.copyTo(copy_);  // it blurs in place, and takes memory for what lies between the rows, too
   return copy_;
 }
 
 Tag TagSearch::toTag(const apriltag_detection_t& found, const cv::Mat& gray, const cv::Rect& part) const
 {
-  const auto toPicture = [&part](const double* p)
-  { return cv::Point2d(p[0] - kPixelMiddle, p[1] - kPixelMiddle) + cv::Point2d(part.tl()); };
+  const auto toImage = [&part](const double* p)
+  { return cv::Point2d(p[0] - kPixelCenter, p[1] - kPixelCenter) + cv::Point2d(part.tl()); };
   Tag tag;
   tag.family = found.family->name;
   tag.id = found.id;
   tag.hamming = found.hamming;
   tag.margin = static_cast<double>(found.decision_margin);
-  tag.center = toPicture(found.c);
-  std::transform(std::begin(found.p), std::end(found.p), tag.corners.begin(), toPicture);
-  const cv::Matx33d shift(1.0, 0.0, -kPixelMiddle, 0.0, 1.0, -kPixelMiddle, 0.0, 0.0, 1.0);
+  tag.center = toImage(found.c);
+  std::transform(std::begin(found.p), std::end(found.p), tag.corners.begin(), toImage);
+  const cv::Matx33d shift(1.0, 0.0, -kPixelCenter, 0.0, 1.0, -kPixelCenter, 0.0, 0.0, 1.0);
   const TagPattern& pattern = dictionary_->patternOf(found.family);
   tag.similarity = pattern.compare(gray(part), shift * cv::Matx33d(found.H->data), found.family->codes[tag.id]);
   return tag;

@@ -6,16 +6,16 @@
 namespace robot_vision
 {
 
-constexpr int kMinSearched = 72;  // px after decimation: in smaller pictures the library writes behind its memory
+constexpr int kMinSearched = 72;  // px after decimation: in smaller images the library writes beyond its memory
 
-/// libapriltag's detector. For one thread at a time.
+/// A detector of libapriltag's. For one thread at a time.
 class TagSearch
 {
 public:
-  /// The parameters must be valid, and the dictionary be theirs.
+  /// The parameters must be valid, and the dictionary must be made for them.
   TagSearch(std::shared_ptr<const TagDictionary> dictionary, const TagDetectorParams& params);
 
-  /// The tags in a part of a gray picture; `decimate` as in the parameters, but not 0.
+  /// The tags in a part of a gray image; `decimate` as in the parameters, but not 0.
   std::vector<Tag> find(const cv::Mat& gray, const cv::Rect& part, double decimate);
 
 private:
@@ -25,7 +25,7 @@ private:
   TagDetectorParams params_;
   std::shared_ptr<const TagDictionary> dictionary_;  // must outlive the detector
   DetectorPtr detector_;
-  cv::Mat copy_;  // memory for pixels that the library cannot be given as they are
+  cv::Mat copy_;  // of pixels that the library cannot be given as they are
 };
 
 }  // namespace robot_vision

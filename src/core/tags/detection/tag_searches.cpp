@@ -34,7 +34,7 @@ std::vector<std::vector<Tag>> TagSearches::find(const cv::Mat& gray, const std::
   while (searches_.size() < threads)
     searches_.emplace_back(dictionary_, params_);
   std::vector<std::vector<Tag>> found(regions.size());
-  std::atomic<std::size_t> next{0};  // they are of all sizes: who is done takes the next
+  std::atomic<std::size_t> next{0};  // a thread that is done takes the next, as the regions are of all sizes
   const auto work = [&](const cv::Range& range)
   {
     for (int thread = range.start; thread < range.end; ++thread)

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
+#include "core/common/motion_bounds.hpp"
 #include "core/image/rects.hpp"
 #include "robot_vision/tags/detection/tag_families.hpp"
 #include "tag_search.hpp"
@@ -13,15 +14,9 @@ namespace robot_vision
 namespace
 {
 
-constexpr int kTile = 4;                     // px after decimation, of which the library finds the threshold
-constexpr double kEdge = 16.0;               // px after decimation that a tag's shortest edge needs to be found as ever
-constexpr double kMaxDecimated = 8;          // beyond it there is nothing to be gained
-constexpr double kInitialMotion = 0.5;       // of its side that a tag may have moved in a frame when it was seen once,
-constexpr double kMaxUntrackedSpeed = 15.0;  // of its side, per s, in more than that,
-constexpr double kFarthest = 2.5;            // and of its side at most
-constexpr double kPositionError = 0.1;       // of its side that it may deviate from its motion
-constexpr double kFastest = 60.0;            // sides per s: what is farther away was put there
-constexpr double kMotionError = 0.5;         // of its way that it may do so
+constexpr int kTileSide = 4;       // px after decimation, of the tiles for which the library finds a threshold each
+constexpr double kMinEdge = 16.0;  // px after decimation that the shortest edge of a tag must have to be found reliably
+constexpr double kMaxDecimated = 8;  // a higher decimation saves no time
 
 using Corners = std::array<cv::Point2d, 4>;
 
@@ -34,14 +29,14 @@ std::pair<double, double> shortestAndLongest(const Corners& corners)
   return {*limits.first, *limits.second};
 }
 
-/// The tag's picture and `border` px around it.
-cv::Rect around(const Tag& tag, const Corners& corners, double border, const cv::Size& picture)
+/// The rectangle of a tag with all its cells, and `border` px around it.
+cv::Rect around(const Tag& tag, const Corners& corners, double border, const cv::Size& image)
 {
   const TagFamily& family = tagFamily(tag.family);
   const double cells = (family.width - family.width_at_border) / 2.0;
   const double cell = shortestAndLongest(corners).second / family.width_at_border;
   const std::vector<cv::Point2f> points(corners.begin(), corners.end());
-  return grown(cv::boundingRect(points), cvCeil(cells * cell + border), picture);
+  return grown(cv::boundingRect(points), cvCeil(cells * cell + border), image);
 }
 
 cv::Point2d middleOf(const Corners& corners)
@@ -49,7 +44,7 @@ cv::Point2d middleOf(const Corners& corners)
   return (corners[0] + corners[1] + corners[2] + corners[3]) / 4.0;
 }
 
-/// The track that the tag continues: of those not yet seen in its frame the one expected nearest to it.
+/// The track that the tag continues: the one expected nearest to it among those that were not yet seen in its frame.
 std::vector<TagTrack>::iterator nearest(std::vector<TagTrack>& tracks, const Tag& tag, double time_s)
 {
   auto best = tracks.end();
@@ -67,10 +62,11 @@ std::vector<TagTrack>::iterator nearest(std::vector<TagTrack>& tracks, const Tag
 
 double borderOf(double decimate)
 {
-  return (kTile + 1) * decimate;
+  return (kTileSide + 1) * decimate;
 }
 
-/// From a multiple of the grid to the next that is far enough, so that the library finds the same thresholds in it.
+/// A range that holds the given one, begins and ends on the grid, and is at least `least` px long. In a part of such
+/// ranges the library finds the same thresholds as in the whole image.
 cv::Range aligned(int begin, int end, int least, int grid, int limit)
 {
   const int missing = std::max(least - (end - begin), 0);
@@ -99,35 +95,33 @@ Tag TagTrack::at(double time_s) const
   return moved;
 }
 
-bool TagTrack::isInViewAt(double time_s, const cv::Size& picture) const
+bool TagTrack::isInViewAt(double time_s, const cv::Size& image) const
 {
-  const cv::Rect2d view({0.0, 0.0}, cv::Size2d(picture));
+  const cv::Rect2d view({0.0, 0.0}, cv::Size2d(image));
   const Corners corners = cornersAt(time_s);
   return std::all_of(corners.begin(), corners.end(), [&view](const cv::Point2d& p) { return view.contains(p); });
 }
 
-TagRegion TagTrack::regionAt(double time_s, double decimate, const cv::Size& picture) const
+TagRegion TagTrack::regionAt(double time_s, double decimate, const cv::Size& image) const
 {
   const auto sides = shortestAndLongest(tag.corners);
-  if (decimate == 0.0) decimate = std::min(std::max(std::floor(sides.first / kEdge), 1.0), kMaxDecimated);
+  if (decimate == 0.0) decimate = std::min(std::max(std::floor(sides.first / kMinEdge), 1.0), kMaxDecimated);
   double speed = 0.0;
   for (const cv::Point2d& v : velocity)
     speed = std::max(speed, cv::norm(v));
-  const double age = time_s - seen;
-  const double motion = moving ? kPositionError * sides.second + kMotionError * speed * age
-                               : std::min(std::max(kMaxUntrackedSpeed * age, kInitialMotion), kFarthest) * sides.second;
-  const cv::Rect box = around(tag, cornersAt(time_s), borderOf(decimate) + motion, picture);
+  const double motion = motionMargin(moving, speed, time_s - seen, sides.second);
+  const cv::Rect box = around(tag, cornersAt(time_s), borderOf(decimate) + motion, image);
   if (box.empty()) return {{}, decimate};
-  const int grid = cvRound(kTile * decimate);
+  const int grid = cvRound(kTileSide * decimate);
   const int least = cvCeil(kMinSearched * decimate);
-  const cv::Range x = aligned(box.x, box.br().x, least, grid, picture.width);
-  const cv::Range y = aligned(box.y, box.br().y, least, grid, picture.height);
+  const cv::Range x = aligned(box.x, box.br().x, least, grid, image.width);
+  const cv::Range y = aligned(box.y, box.br().y, least, grid, image.height);
   return {{x.start, y.start, x.size(), y.size()}, decimate};
 }
 
-bool isWhole(const Tag& tag, const TagRegion& region, const cv::Size& picture)
+bool isWhole(const Tag& tag, const TagRegion& region, const cv::Size& image)
 {
-  const cv::Rect box = around(tag, tag.corners, borderOf(region.decimate), picture);
+  const cv::Rect box = around(tag, tag.corners, borderOf(region.decimate), image);
   return (box & region.part) == box;
 }
 
@@ -148,7 +142,7 @@ void join(std::vector<TagRegion>& regions)
     }
     other->part |= region.part;
     regions.erase(regions.begin() + static_cast<std::ptrdiff_t>(i));
-    i = static_cast<std::size_t>(other - regions.begin());  // it may now be joined with others
+    i = static_cast<std::size_t>(other - regions.begin());  // it may now be joined with others, too
   }
 }
 
@@ -189,20 +183,14 @@ void follow(std::vector<TagTrack>& tracks, double time_s, const std::vector<Tag>
       const double elapsed = time_s - known->seen;
       for (std::size_t i = 0; i < next.velocity.size(); ++i)
         next.velocity[i] = (tag.corners[i] - known->tag.corners[i]) / elapsed;
-      next.moving = cv::norm(middleOf(known->cornersAt(time_s)) - middleOf(tag.corners)) <=
-                    kFastest * elapsed * shortestAndLongest(tag.corners).second;
+      next.moving = isMotion(cv::norm(middleOf(known->cornersAt(time_s)) - middleOf(tag.corners)), elapsed,
+                             shortestAndLongest(tag.corners).second);
       tracks.erase(known);
     }
     followed.push_back(next);
   }
   followed.insert(followed.end(), tracks.begin(), tracks.end());
   tracks = std::move(followed);
-}
-
-void forget(std::vector<TagTrack>& tracks, double before)
-{
-  const auto isOld = [before](const TagTrack& track) { return track.seen < before; };
-  tracks.erase(std::remove_if(tracks.begin(), tracks.end(), isOld), tracks.end());
 }
 
 }  // namespace robot_vision

@@ -8,7 +8,7 @@ namespace robot_vision
 /// Where to look for tags, and in what resolution.
 struct TagRegion
 {
-  cv::Rect part;  // of the picture, px
+  cv::Rect part;  // of the image, px
   double decimate = 1.0;
 };
 
@@ -17,23 +17,24 @@ struct TagTrack
 {
   Tag tag;                              // as it was seen last
   double seen = 0.0;                    // s, when
-  bool moving = false;                  // whether it was seen before, and so
-  std::array<cv::Point2d, 4> velocity;  // px/s, of its corners, is known
+  bool moving = false;                  // whether it was seen before, so that its velocity is known
+  std::array<cv::Point2d, 4> velocity;  // px/s, of its corners
 
+  /// The corners at another time, if the tag moves on as it did.
   std::array<cv::Point2d, 4> cornersAt(double time_s) const;
 
-  /// The tag as it should be, or should have been.
+  /// The tag at another time, if it moves on as it did.
   Tag at(double time_s) const;
 
-  /// Whether all of it should be in the picture.
-  bool isInViewAt(double time_s, const cv::Size& picture) const;
+  /// Whether all of it should be in the image.
+  bool isInViewAt(double time_s, const cv::Size& image) const;
 
-  /// Where it should be, with as much around it as it takes to find it there. `decimate` as in the parameters.
-  TagRegion regionAt(double time_s, double decimate, const cv::Size& picture) const;
+  /// Where it should be then, with as much around it as it takes to find it there. `decimate` as in the parameters.
+  TagRegion regionAt(double time_s, double decimate, const cv::Size& image) const;
 };
 
-/// Whether a tag that was found in the region is as it would be found in the whole picture.
-bool isWhole(const Tag& tag, const TagRegion& region, const cv::Size& picture);
+/// Whether a tag that was found in the region is as it would be found in the whole image.
+bool isWhole(const Tag& tag, const TagRegion& region, const cv::Size& image);
 
 /// Joins regions where that makes less to search.
 void join(std::vector<TagRegion>& regions);
@@ -41,13 +42,10 @@ void join(std::vector<TagRegion>& regions);
 /// Whether both are the same tag: those with the same id that overlap.
 bool isSame(const Tag& a, const Tag& b);
 
-/// Adds tags that are not yet among the others, and of two that are the same the one with fewer wrong bits.
+/// Adds the tags that are not yet among the others. Of two that are the same, keeps the one with fewer wrong bits.
 void merge(std::vector<Tag>& tags, const std::vector<Tag>& more);
 
-/// Takes over the tags of a frame.
+/// Continues the tracks by the tags of a frame, and begins new ones.
 void follow(std::vector<TagTrack>& tracks, double time_s, const std::vector<Tag>& tags);
-
-/// Forgets those that were seen last before a time, s.
-void forget(std::vector<TagTrack>& tracks, double before);
 
 }  // namespace robot_vision
