@@ -25,7 +25,6 @@ public:
   }
 
   double time() const { return time_; }
-  const cv::Size& size() const { return size_; }
   bool isFirst() const { return is_first_; }
 
   /// Whether the whole image must be searched in this frame: it would be too late in the next one, or an object that

@@ -2,13 +2,9 @@
 
 #include <cstdint>
 #include <opencv2/imgproc.hpp>
-#include <optional>
-#include <vector>
 
-#include "core/image/gaussian_filter_rows.hpp"
 #include "core/image/rects.hpp"
 #include "core/image/row_bands.hpp"
-#include "motion_stripe.hpp"
 #include "robot_vision/image/encoding.hpp"
 
 namespace robot_vision
@@ -33,49 +29,30 @@ cv::Mat blurred(const cv::Mat& gray, int blur_size)
   return result;
 }
 
-struct FrameDifference::Impl
-{
-  cv::Rect find(const EncodedImage& image, const Reference& reference, const Comparison& how, cv::Mat& mask)
-  {
-    if (!weights || weights->size() != how.blur_size)
-    {
-      weights.emplace(how.blur_size);
-      are_exact = weights->areExact();
-    }
-    if (!are_exact) return findByOpenCv(image, reference, how, mask);
-    // Differences are whole numbers: those above 25.5 are those above 25.
-    const auto threshold = static_cast<std::uint8_t>(how.threshold);
-    const MotionComparison comparison{image, reference, &*weights, threshold, how.dilate};
-    const int threads = cv::getNumThreads();
-    const int min_rows = 2 * (how.blur_size + 2 * how.dilate);  // twice the rows that two neighbours both compute
-    const auto count = static_cast<std::size_t>(bandsOf(mask.rows, threads, min_rows));
-    if (stripes.size() < count) stripes.resize(count);
-    std::vector<cv::Rect> parts(count);
-    const auto run = [&](int i, const cv::Range& rows)
-    { parts[static_cast<std::size_t>(i)] = stripes[static_cast<std::size_t>(i)].run(comparison, rows, mask); };
-    parallelForRows(mask.rows, threads, min_rows, run);
-    cv::Rect part;
-    for (const cv::Rect& of_stripe : parts)
-      part |= of_stripe;
-    return part;
-  }
-
-  std::optional<GaussWeights> weights;
-  bool are_exact = false;  // whether the weights give what this OpenCV's cv::GaussianBlur does
-  std::vector<MotionStripe> stripes;
-};
-
-FrameDifference::FrameDifference() : impl_(std::make_unique<Impl>())
-{
-}
-FrameDifference::~FrameDifference() = default;
-FrameDifference::FrameDifference(FrameDifference&&) noexcept = default;
-FrameDifference& FrameDifference::operator=(FrameDifference&&) noexcept = default;
-
 cv::Rect FrameDifference::find(const EncodedImage& image, const Reference& reference, const Comparison& how,
                                cv::Mat& mask)
 {
-  return impl_->find(image, reference, how, mask);
+  if (!weights_ || weights_->size() != how.blur_size)
+  {
+    weights_.emplace(how.blur_size);
+    are_exact_ = weights_->areExact();
+  }
+  if (!are_exact_) return findByOpenCv(image, reference, how, mask);
+  // Differences are whole numbers: those above 25.5 are those above 25.
+  const auto threshold = static_cast<std::uint8_t>(how.threshold);
+  const MotionComparison comparison{image, reference, &*weights_, threshold, how.dilate};
+  const int threads = cv::getNumThreads();
+  const int min_rows = 2 * (how.blur_size + 2 * how.dilate);  // twice the rows that two neighbours both compute
+  const auto count = static_cast<std::size_t>(bandsOf(mask.rows, threads, min_rows));
+  if (stripes_.size() < count) stripes_.resize(count);
+  std::vector<cv::Rect> parts(count);
+  const auto run = [&](int i, const cv::Range& rows)
+  { parts[static_cast<std::size_t>(i)] = stripes_[static_cast<std::size_t>(i)].run(comparison, rows, mask); };
+  parallelForRows(mask.rows, threads, min_rows, run);
+  cv::Rect part;
+  for (const cv::Rect& of_stripe : parts)
+    part |= of_stripe;
+  return part;
 }
 
 cv::Rect FrameDifference::findByOpenCv(const EncodedImage& image, const Reference& reference, const Comparison& how,

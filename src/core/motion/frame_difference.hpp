@@ -1,25 +1,13 @@
 #pragma once
 
-#include <memory>
 #include <opencv2/core.hpp>
-#include <string>
+#include <optional>
+#include <vector>
+
+#include "motion_stripe.hpp"
 
 namespace robot_vision
 {
-
-/// An image and its encoding.
-struct EncodedImage
-{
-  cv::Mat pixels;
-  std::string encoding;
-};
-
-/// What images are compared with.
-struct Reference
-{
-  cv::Mat gray;     // CV_8UC1
-  cv::Mat blurred;  // the same blurred; if empty, `gray` is blurred in each comparison, where that is needed
-};
 
 /// `gray` (CV_8UC1) blurred by a Gaussian.
 cv::Mat blurred(const cv::Mat& gray, int blur_size);
@@ -40,11 +28,6 @@ struct Comparison
 class FrameDifference
 {
 public:
-  FrameDifference();
-  ~FrameDifference();
-  FrameDifference(FrameDifference&&) noexcept;
-  FrameDifference& operator=(FrameDifference&&) noexcept;
-
   /// Writes the whole mask (CV_8UC1 of the image's size). Returns a part outside of which it is black. GrayLineBuffer
   /// must take the encoding.
   cv::Rect find(const EncodedImage& image, const Reference& reference, const Comparison& how, cv::Mat& mask);
@@ -54,8 +37,9 @@ public:
                                cv::Mat& mask);
 
 private:
-  struct Impl;
-  std::unique_ptr<Impl> impl_;
+  std::optional<GaussWeights> weights_;
+  bool are_exact_ = false;  // whether the weights give what this OpenCV's cv::GaussianBlur does
+  std::vector<MotionStripe> stripes_;
 };
 
 }  // namespace robot_vision

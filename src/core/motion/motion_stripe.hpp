@@ -2,16 +2,30 @@
 
 #include <cstdint>
 #include <opencv2/core.hpp>
+#include <string>
 #include <vector>
 
 #include "core/image/aligned_rows.hpp"
 #include "core/image/bit_kernels.hpp"
 #include "core/image/gaussian_filter_rows.hpp"
 #include "core/image/gray_line_buffer.hpp"
-#include "frame_difference.hpp"
 
 namespace robot_vision
 {
+
+/// An image and its encoding.
+struct EncodedImage
+{
+  cv::Mat pixels;
+  std::string encoding;
+};
+
+/// What images are compared with.
+struct Reference
+{
+  cv::Mat gray;     // CV_8UC1
+  cv::Mat blurred;  // the same blurred; if empty, `gray` is blurred in each comparison, where that is needed
+};
 
 /// An image to compare with a reference.
 struct MotionComparison

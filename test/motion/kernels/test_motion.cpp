@@ -226,7 +226,7 @@ TEST(FrameDifference, lookAtNothingBesideAGreyPicture)
         for (const bool by_opencv : {false, true})
         {
           cv::Mat mask(size, CV_8UC1);
-          const EncodedPicture compared{image, "mono8"};
+          const EncodedImage compared{image, "mono8"};
           const Reference reference{before, {}};
           if (by_opencv)
             FrameDifference::findByOpenCv(compared, reference, how, mask);
