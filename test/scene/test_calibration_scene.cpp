@@ -16,7 +16,7 @@ namespace
 constexpr int kViews = 40;
 const cv::Size kCorners(8, 6);
 
-SceneParams eachFrameAnotherView(int width, int height)
+SceneParams newViewEachFrame(int width, int height)
 {
   SceneParams params;
   params.width = width;
@@ -33,8 +33,8 @@ cv::Mat gray(const CalibrationScene& scene, int frame)
   return result;
 }
 
-/// Corners as OpenCV finds them; empty if it finds no board.
-std::vector<cv::Point2f> found(const cv::Mat& gray)
+/// The corners that OpenCV finds; empty if it finds no board.
+std::vector<cv::Point2f> findCorners(const cv::Mat& gray)
 {
   std::vector<cv::Point2f> corners;
   if (!cv::findChessboardCorners(gray, kCorners, corners)) return {};
@@ -42,8 +42,8 @@ std::vector<cv::Point2f> found(const cv::Mat& gray)
   return corners;
 }
 
-/// Row by row from the top left one, as the one who holds the board sees it.
-std::vector<cv::Point3d> points()
+/// The inner corners in the board's frame, row by row from the top left one.
+std::vector<cv::Point3d> boardPoints()
 {
   std::vector<cv::Point3d> result;
   for (int row = 0; row < kCorners.height; ++row)
@@ -56,17 +56,17 @@ std::vector<cv::Point3d> points()
 
 TEST(CalibrationScene, cornersAreFoundWhereTheTruthHasThem)
 {
-  const CalibrationScene scene(eachFrameAnotherView(640, 480));
+  const CalibrationScene scene(newViewEachFrame(640, 480));
   for (int view = 0; view < kViews; view += 4)
   {
-    const std::vector<cv::Point2f> corners = found(gray(scene, view));
-    ASSERT_EQ(corners.size(), points().size()) << view;
+    const std::vector<cv::Point2f> corners = findCorners(gray(scene, view));
+    ASSERT_EQ(corners.size(), boardPoints().size()) << view;
     const cv::Affine3d pose = scene.truth(view).objects.at(0).pose;
     double squares = 0.0;
-    for (const cv::Point3d& point : points())
+    for (const cv::Point3d& point : boardPoints())
     {
       const cv::Point2d exact = scene.camera().project(pose * point);
-      double nearest = 1e9;  // a board can be found the wrong way round
+      double nearest = 1e9;  // the order of the corners is unknown, as OpenCV may find the board upside down
       for (const cv::Point2f& corner : corners)
         nearest = std::min(nearest, cv::norm(cv::Point2d(corner) - exact));
       squares += nearest * nearest;
@@ -75,20 +75,20 @@ TEST(CalibrationScene, cornersAreFoundWhereTheTruthHasThem)
   }
 }
 
-TEST(CalibrationScene, showsTheWholeBoardAllOverThePicture)
+TEST(CalibrationScene, showsTheWholeBoardAllOverTheImage)
 {
   for (const cv::Size size : {cv::Size(640, 480), cv::Size(1280, 720), cv::Size(480, 640)})
   {
-    const CalibrationScene scene(eachFrameAnotherView(size.width, size.height));
-    const cv::Rect2d picture(-0.5, -0.5, size.width, size.height);
+    const CalibrationScene scene(newViewEachFrame(size.width, size.height));
+    const cv::Rect2d image(-0.5, -0.5, size.width, size.height);
     cv::Mat seen = cv::Mat::zeros(3, 4, CV_8U);
     for (int view = 0; view < kViews; ++view)
     {
       const SceneObject board = scene.truth(view).objects.at(0);
       for (const double x : {-0.25, 0.25})
         for (const double y : {-0.2, 0.2})
-          EXPECT_TRUE(picture.contains(scene.camera().project(board.pose * cv::Point3d(x, y, 0)))) << view;
-      for (const cv::Point3d& point : points())
+          EXPECT_TRUE(image.contains(scene.camera().project(board.pose * cv::Point3d(x, y, 0)))) << view;
+      for (const cv::Point3d& point : boardPoints())
       {
         const cv::Point2d at = scene.camera().project(board.pose * point);
         seen.at<uchar>(static_cast<int>(3 * at.y / size.height), static_cast<int>(4 * at.x / size.width)) = 1;
@@ -103,13 +103,13 @@ TEST(CalibrationScene, holdsAPoseForHalfASecond)
   SceneParams params;
   params.rate = 30.0;
   const CalibrationScene scene(params);
-  const auto place = [&](int frame) { return scene.truth(frame).objects.at(0).pose.matrix; };
-  EXPECT_EQ(place(0), place(14));
-  EXPECT_NE(place(14), place(15));
-  EXPECT_EQ(place(3), place(603));  // it begins again after 20 s
+  const auto pose = [&](int frame) { return scene.truth(frame).objects.at(0).pose.matrix; };
+  EXPECT_EQ(pose(0), pose(14));
+  EXPECT_NE(pose(14), pose(15));
+  EXPECT_EQ(pose(3), pose(603));  // the motion repeats after 20 s
 }
 
-TEST(CalibrationScene, isASourceByItsName)
+TEST(CalibrationScene, isOpenedAsASourceByItsName)
 {
   CaptureParams params;
   params.source = "synthetic";

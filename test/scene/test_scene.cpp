@@ -29,8 +29,8 @@ SceneParams withoutNoise(int width = 640, int height = 480)
   return params;
 }
 
-// Scenes are slow to build and const, so the tests share one.
-const Scene& quiet()
+// A scene without noise. Scenes are slow to build, and they are const, so the tests share this one.
+const Scene& sharedScene()
 {
   static const Scene scene(withoutNoise());
   return scene;
@@ -38,9 +38,9 @@ const Scene& quiet()
 
 cv::Mat rendered(const Scene& scene, std::int64_t frame)
 {
-  cv::Mat picture;
-  scene.render(frame, picture);
-  return picture;
+  cv::Mat image;
+  scene.render(frame, image);
+  return image;
 }
 
 cv::Mat gray(const cv::Mat& bgr)
@@ -64,8 +64,8 @@ SceneObject find(const SceneTruth& truth, const std::string& name)
   throw std::runtime_error("no " + name);
 }
 
-// The picture between pixel centres, linear.
-double at(const cv::Mat& gray, const cv::Point2d& p)
+// The gray level between pixel centres, by linear interpolation.
+double grayAt(const cv::Mat& gray, const cv::Point2d& p)
 {
   const int x = static_cast<int>(std::floor(p.x)), y = static_cast<int>(std::floor(p.y));
   const double fx = p.x - x, fy = p.y - y;
@@ -87,7 +87,7 @@ std::pair<double, cv::Point2d> areaAndCentroid(const std::vector<cv::Point2d>& p
   return {std::abs(area), sum / area};
 }
 
-std::string messageOf(const SceneParams& params)
+std::string errorOf(const SceneParams& params)
 {
   try
   {
@@ -110,7 +110,7 @@ TEST(SceneParams, acceptsItsLimits)
     params.width = params.height = size;
     params.rate = 1000.0;
     params.noise = 30.0;
-    EXPECT_EQ(messageOf(params), "");
+    EXPECT_EQ(errorOf(params), "");
   }
 }
 
@@ -121,7 +121,7 @@ TEST(SceneParams, refusesBadValuesByName)
   {
     SceneParams params;
     change(params);
-    const std::string message = messageOf(params);
+    const std::string message = errorOf(params);
     EXPECT_EQ(message.find(name + " is " + value), 0U) << message;
     EXPECT_THROW(Scene scene(params), std::invalid_argument);
   };
@@ -144,7 +144,7 @@ TEST(Scene, refusesAPosterOfAnotherType)
 
 TEST(CameraModel, projectsAsOpenCvDoes)
 {
-  const CameraModel& camera = quiet().camera();
+  const CameraModel& camera = sharedScene().camera();
   std::vector<cv::Point3d> points;
   for (double x = -1.2; x < 1.3; x += 0.3)
   {
@@ -159,7 +159,7 @@ TEST(CameraModel, projectsAsOpenCvDoes)
 
 TEST(CameraModel, raysLeadBackToTheirPixels)
 {
-  const CameraModel& camera = quiet().camera();
+  const CameraModel& camera = sharedScene().camera();
   const robot_vision::RayTable table = rayTable(camera);
   for (const cv::Point pixel : {cv::Point(0, 0), cv::Point(639, 479), cv::Point(320, 240), cv::Point(17, 400)})
   {
@@ -170,10 +170,10 @@ TEST(CameraModel, raysLeadBackToTheirPixels)
   }
 }
 
-TEST(CameraModel, seesNothingBehindIt)
+TEST(CameraModel, seesNothingBehindItself)
 {
-  EXPECT_TRUE(std::isnan(quiet().camera().project({0.1, 0.1, -1.0}).x));
-  EXPECT_TRUE(std::isnan(quiet().camera().project({0.1, 0.1, 0.0}).y));
+  EXPECT_TRUE(std::isnan(sharedScene().camera().project({0.1, 0.1, -1.0}).x));
+  EXPECT_TRUE(std::isnan(sharedScene().camera().project({0.1, 0.1, 0.0}).y));
 }
 
 TEST(Scene, drawsTheSameFrameInAnyOrderInstanceAndThread)
@@ -198,7 +198,7 @@ TEST(Scene, repeatsItsMotionButNotItsNoise)
   SceneParams params = withoutNoise(320, 240);
   const std::int64_t period = std::llround(robot_vision::kScenePeriod * params.rate);
   const Scene still(params);
-  const int away = 330;  // the box is not where it starts
+  const int away = 330;  // a frame in which the box is not where it starts
   EXPECT_LE(cv::norm(rendered(still, away), rendered(still, away + 1000 * period), cv::NORM_INF), 1.0);
   EXPECT_LE(cv::norm(rendered(still, away), rendered(still, away - period), cv::NORM_INF), 1.0);
   params.noise = 2.0;
@@ -231,10 +231,10 @@ TEST(Scene, writesIntoForeignPaddedRowsAndNothingElse)
   const int width = 320, height = 240, step = 3 * width + 13;
   const Scene scene(withoutNoise(width, height));
   std::vector<uchar> memory(static_cast<std::size_t>(step) * height, 0xa5);
-  cv::Mat picture(height, width, CV_8UC3, memory.data(), step);
-  scene.render(3, picture);
-  EXPECT_EQ(picture.data, memory.data());
-  EXPECT_TRUE(sameBytes(picture, rendered(scene, 3)));
+  cv::Mat image(height, width, CV_8UC3, memory.data(), step);
+  scene.render(3, image);
+  EXPECT_EQ(image.data, memory.data());
+  EXPECT_TRUE(sameBytes(image, rendered(scene, 3)));
   for (int row = 0; row < height; ++row)
   {
     for (int i = 3 * width; i < step; ++i)
@@ -257,13 +257,13 @@ TEST(Scene, writesEveryPixelInEveryFormat)
   }
 }
 
-TEST(SceneTruth, checkerboardCornersAreWhereThePictureHasThem)
+TEST(SceneTruth, checkerboardCornersAreWhereTheImageShowsThem)
 {
   double worst = 0.0, sum = 0.0;
   int count = 0;
   for (const int frame : {0, 90, 210, 330, 450})
   {
-    const SceneTruth truth = quiet().truth(frame);
+    const SceneTruth truth = sharedScene().truth(frame);
     const SceneObject board = find(truth, "checkerboard");
     ASSERT_TRUE(board.visible) << frame;
     std::vector<cv::Point2f> expected;
@@ -271,7 +271,7 @@ TEST(SceneTruth, checkerboardCornersAreWhereThePictureHasThem)
     {
       const cv::Point3d corner((i % 8 - 3.5) * robot_vision::kSceneCheckerSquare,
                                (i / 8 - 2.5) * robot_vision::kSceneCheckerSquare, 0.0);
-      expected.emplace_back(quiet().camera().project(board.pose * corner));
+      expected.emplace_back(sharedScene().camera().project(board.pose * corner));
     }
     EXPECT_LT(cv::norm(cv::Point2d(expected.front()) - board.outline[0]), 1e-3);
     EXPECT_LT(cv::norm(cv::Point2d(expected.back()) - board.outline[2]), 1e-3);
@@ -279,7 +279,7 @@ TEST(SceneTruth, checkerboardCornersAreWhereThePictureHasThem)
     for (cv::Point2f& corner : found)
       corner += cv::Point2f(0.6F, -0.5F);
     const cv::TermCriteria stop(cv::TermCriteria::EPS + cv::TermCriteria::COUNT, 50, 1e-4);
-    cv::cornerSubPix(gray(rendered(quiet(), frame)), found, {4, 4}, {-1, -1}, stop);
+    cv::cornerSubPix(gray(rendered(sharedScene(), frame)), found, {4, 4}, {-1, -1}, stop);
     for (std::size_t i = 0; i < found.size(); ++i)
     {
       const double error = cv::norm(found[i] - expected[i]);
@@ -297,17 +297,17 @@ TEST(SceneTruth, ballCoversItsOutline)
 {
   for (const int frame : {20, 60, 130, 260, 370})
   {
-    const SceneTruth truth = quiet().truth(frame);
+    const SceneTruth truth = sharedScene().truth(frame);
     const SceneObject ball = find(truth, "ball");
     ASSERT_TRUE(ball.visible) << frame;
     cv::Mat hsv, mask;
-    cv::cvtColor(rendered(quiet(), frame), hsv, cv::COLOR_BGR2HSV);
+    cv::cvtColor(rendered(sharedScene(), frame), hsv, cv::COLOR_BGR2HSV);
     cv::inRange(hsv, cv::Scalar(90, 50, 50), cv::Scalar(120, 255, 255), mask);
     const cv::Moments moments = cv::moments(mask, true);
     const auto [area, centroid] = areaAndCentroid(ball.outline);
     EXPECT_NEAR(moments.m10 / moments.m00, centroid.x, 0.25) << frame;
     EXPECT_NEAR(moments.m01 / moments.m00, centroid.y, 0.25) << frame;
-    // Pixels on the edge are mixed with the background and may count or not.
+    // Pixels on the edge are mixed with the background, so the mask may have them or not.
     EXPECT_NEAR(std::sqrt(moments.m00 / area), 1.0, 0.02) << frame;
     const double off_axis = cv::norm(centroid - ball.center);
     EXPECT_GT(off_axis, 0.001);
@@ -315,20 +315,20 @@ TEST(SceneTruth, ballCoversItsOutline)
   }
 }
 
-TEST(SceneTruth, tagEdgesAreWhereThePictureHasThem)
+TEST(SceneTruth, tagEdgesAreWhereTheImageShowsThem)
 {
   const double black = 28.0, white = 236.0;
   for (const char* name : {"tag_0", "tag_1"})
   {
     for (const int frame : {0, 60, 120, 330})
     {
-      const SceneObject tag = find(quiet().truth(frame), name);
+      const SceneObject tag = find(sharedScene().truth(frame), name);
       ASSERT_TRUE(tag.visible) << name << frame;
-      const cv::Mat picture = gray(rendered(quiet(), frame));
+      const cv::Mat image = gray(rendered(sharedScene(), frame));
       const double half = robot_vision::kSceneTagSide / 2.0;
       for (int side = 0; side < 4; ++side)
       {
-        // The mean profile across an edge: its integral tells where the step from black to white is.
+        // The integral of the mean profile across an edge tells where the step from black to white is.
         double offset = 0.0;
         const int samples = 40, steps = 40;
         for (int i = 0; i < samples; ++i)
@@ -341,7 +341,7 @@ TEST(SceneTruth, tagEdgesAreWhereThePictureHasThem)
             cv::Point3d p(across, along, 0.0);
             for (int turn = 0; turn < side; ++turn)
               p = {-p.y, p.x, 0.0};
-            light += at(picture, quiet().camera().project(tag.pose * p));
+            light += grayAt(image, sharedScene().camera().project(tag.pose * p));
           }
           offset += (0.5 - (light / steps - black) / (white - black)) * 2.0 * reach / samples;
         }
@@ -357,15 +357,15 @@ TEST(SceneTruth, tagsCarryTheirCodewords)
   const std::uint64_t codes[] = {0xd5d628584, 0xd97f18b49};
   for (int id = 0; id < 2; ++id)
   {
-    const SceneObject tag = find(quiet().truth(0), "tag_" + std::to_string(id));
-    const cv::Mat picture = gray(rendered(quiet(), 0));
+    const SceneObject tag = find(sharedScene().truth(0), "tag_" + std::to_string(id));
+    const cv::Mat image = gray(rendered(sharedScene(), 0));
     EXPECT_GT(cv::norm(tag.outline[1] - tag.outline[0]), 40.0);
     std::uint64_t code = 0;
     for (int bit = 0; bit < 36; ++bit)
     {
       const double cell = robot_vision::kSceneTagSide / 8.0;
       const cv::Point3d p((bit % 6 - 2.5) * cell, (2.5 - bit / 6) * cell, 0.0);
-      code = code << 1 | (at(picture, quiet().camera().project(tag.pose * p)) > 128.0 ? 1 : 0);
+      code = code << 1 | (grayAt(image, sharedScene().camera().project(tag.pose * p)) > 128.0 ? 1 : 0);
     }
     EXPECT_EQ(code, codes[id]);
   }
@@ -375,7 +375,7 @@ TEST(SceneTruth, cornersStartAtTheBottomLeftAndRunCounterClockwise)
 {
   for (const char* name : {"tag_0", "tag_1", "qr_code", "checkerboard", "poster"})
   {
-    const SceneObject board = find(quiet().truth(0), name);
+    const SceneObject board = find(sharedScene().truth(0), name);
     ASSERT_EQ(board.outline.size(), 4U) << name;
     EXPECT_LT(board.outline[0].x, board.outline[1].x) << name;
     EXPECT_GT(board.outline[1].y, board.outline[2].y) << name;
@@ -388,11 +388,11 @@ TEST(SceneTruth, lineCrossesTheLowestQuarterDarkOnLight)
 {
   for (int frame = 0; frame < 600; frame += 100)
   {
-    const SceneObject line = find(quiet().truth(frame), "line");
-    const cv::Mat picture = gray(rendered(quiet(), frame));
+    const SceneObject line = find(sharedScene().truth(frame), "line");
+    const cv::Mat image = gray(rendered(sharedScene(), frame));
     for (const int row : {365, 420, 475})
     {
-      // The outline's crossings of a row, against the dark pixels of that row, partly dark ones in parts.
+      // Where the outline crosses a row, the image must be dark between the crossings and half dark at them.
       std::vector<double> crossings;
       for (std::size_t i = 0; i < line.outline.size(); ++i)
       {
@@ -403,9 +403,9 @@ TEST(SceneTruth, lineCrossesTheLowestQuarterDarkOnLight)
       const double width = std::abs(crossings[1] - crossings[0]), middle = (crossings[0] + crossings[1]) / 2.0;
       EXPECT_GT(width, 8.0);
       if (!line.visible) continue;  // the ball is in the way
-      EXPECT_LT(at(picture, {middle, 1.0 * row}), 60.0);
+      EXPECT_LT(grayAt(image, {middle, 1.0 * row}), 60.0);
       for (const double side : {-0.5, 0.5})
-        EXPECT_NEAR(at(picture, {middle + side * width, 1.0 * row}), 108.0, 25.0) << frame << " row " << row;
+        EXPECT_NEAR(grayAt(image, {middle + side * width, 1.0 * row}), 108.0, 25.0) << frame << " row " << row;
     }
   }
 }
@@ -417,7 +417,7 @@ TEST(SceneTruth, boxMovesNowAndThenOnly)
   cv::Affine3d last;
   for (int frame = 0; frame < frames; ++frame)
   {
-    const SceneTruth truth = quiet().truth(frame);
+    const SceneTruth truth = sharedScene().truth(frame);
     const cv::Affine3d box = truth.camera * find(truth, "box").pose;
     if (frame > 0 && cv::norm(box.translation() - last.translation()) > 1e-6) ++moving;
     last = box;
@@ -433,17 +433,17 @@ TEST(SceneTruth, aStillCameraStaysWhereItIsInTheFirstFrame)
   const Scene scene(params);
   for (const int frame : {0, 100, 250})
   {
-    const SceneTruth truth = scene.truth(frame), moving = quiet().truth(frame);
-    EXPECT_EQ(truth.camera.matrix, quiet().truth(0).camera.matrix);
+    const SceneTruth truth = scene.truth(frame), moving = sharedScene().truth(frame);
+    EXPECT_EQ(truth.camera.matrix, sharedScene().truth(0).camera.matrix);
     const auto inWorld = [](const SceneTruth& of) { return of.camera * find(of, "ball").pose; };
     EXPECT_LT(cv::norm(inWorld(truth).translation() - inWorld(moving).translation()), 1e-9);
   }
   cv::Mat still, moving;
   scene.render(0, still);
-  quiet().render(0, moving);
+  sharedScene().render(0, moving);
   EXPECT_TRUE(sameBytes(still, moving));
   scene.render(100, still);
-  quiet().render(100, moving);
+  sharedScene().render(100, moving);
   EXPECT_FALSE(sameBytes(still, moving));
 }
 
@@ -454,7 +454,7 @@ TEST(SceneTruth, everythingIsVisibleMostOfTheTime)
   const int frames = 600;
   for (int frame = 0; frame < frames; ++frame)
   {
-    const SceneTruth truth = quiet().truth(frame);
+    const SceneTruth truth = sharedScene().truth(frame);
     ASSERT_EQ(truth.frame, frame);
     ASSERT_EQ(truth.objects.size(), names.size());
     for (std::size_t i = 0; i < names.size(); ++i)
@@ -462,7 +462,7 @@ TEST(SceneTruth, everythingIsVisibleMostOfTheTime)
       ASSERT_EQ(truth.objects[i].name, names[i]);
       visible[i] += truth.objects[i].visible;
       const cv::Point3d origin(truth.objects[i].pose.translation());
-      ASSERT_LT(cv::norm(truth.objects[i].center - quiet().camera().project(origin)), 1e-9);
+      ASSERT_LT(cv::norm(truth.objects[i].center - sharedScene().camera().project(origin)), 1e-9);
     }
   }
   for (std::size_t i = 0; i < names.size(); ++i)
@@ -470,15 +470,15 @@ TEST(SceneTruth, everythingIsVisibleMostOfTheTime)
     RecordProperty(names[i] + "_visible", visible[i]);
     EXPECT_GT(visible[i], frames / 2) << names[i];
   }
-  EXPECT_LT(*std::min_element(visible.begin(), visible.end()), frames);  // and something is covered now and then
+  EXPECT_LT(*std::min_element(visible.begin(), visible.end()), frames);  // something is covered now and then
 }
 
-TEST(SceneTruth, whatIsVisibleIsNotBehindTheBall)
+TEST(SceneTruth, visibleObjectsAreNotBehindTheBall)
 {
   int covered = 0;
   for (int frame = 0; frame < 600; frame += 3)
   {
-    const SceneTruth truth = quiet().truth(frame);
+    const SceneTruth truth = sharedScene().truth(frame);
     const SceneObject ball = find(truth, "ball");
     std::vector<cv::Point2f> outline(ball.outline.begin(), ball.outline.end());
     for (const SceneObject& other : truth.objects)
@@ -501,12 +501,12 @@ TEST(Scene, hangsThePosterItIsGiven)
   const cv::Mat before = poster.clone();
   const Scene scene(withoutNoise(), poster);
   const SceneObject object = find(scene.truth(0), "poster");
-  const cv::Mat picture = rendered(scene, 0);
+  const cv::Mat image = rendered(scene, 0);
   const double width = 1.1, height = width * 200 / 300;
   for (const double side : {-1.0, 1.0})
   {
     const cv::Point2d inside = scene.camera().project(object.pose * cv::Point3d(side * 0.45 * width, 0.4 * height, 0));
-    const cv::Vec3b colour = picture.at<cv::Vec3b>(cv::Point(inside));
+    const cv::Vec3b colour = image.at<cv::Vec3b>(cv::Point(inside));
     EXPECT_EQ(colour, (side < 0 ? cv::Vec3b(40, 200, 60) : cv::Vec3b(60, 40, 200)));
   }
   EXPECT_GT(cv::norm(object.outline[1] - object.outline[0]), 200.0);

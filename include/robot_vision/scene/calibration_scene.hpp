@@ -10,13 +10,14 @@
 namespace robot_vision
 {
 
-/// Somebody shows a checkerboard to the camera of the synthetic Scene, as one does to calibrate it: each half second in
-/// another pose, all over the picture, near and far, tilted to all sides and always seen whole. It is the checkerboard
-/// of the room: kSceneCheckerSquare, 8 x 6 inner corners. Const and without scratch memory: threads may share one.
+/// A checkerboard is shown to the camera of the synthetic Scene as one does to calibrate it: every half second in
+/// another pose, all over the image, near and far, tilted to all sides and always completely in view. It is the room's
+/// checkerboard: squares of kSceneCheckerSquare, 8 x 6 inner corners. All methods are const and use no scratch memory,
+/// so threads may share one object.
 class CalibrationScene
 {
 public:
-  /// Of the parameters `still` has no meaning here. Throws std::invalid_argument as validate(SceneParams) does.
+  /// The parameter `still` has no effect here. Throws std::invalid_argument as validate(SceneParams) does.
   explicit CalibrationScene(const SceneParams& params);
   ~CalibrationScene();
   CalibrationScene(CalibrationScene&&) noexcept;
@@ -24,10 +25,11 @@ public:
 
   const CameraModel& camera() const;
 
-  /// One object, the checkerboard, seen from the camera of the room's frame 0.
+  /// The only object is the checkerboard. The camera stays where the room's camera is in frame 0.
   SceneTruth truth(std::int64_t frame) const;
 
-  /// Draws a frame as CV_8UC3 BGR. Memory of the right size and type is reused, foreign and padded rows included.
+  /// Draws a frame as CV_8UC3 BGR. An image of the right size and type is written in place, also when its rows are
+  /// padded or its memory belongs to somebody else.
   void render(std::int64_t frame, cv::Mat& bgr) const;
 
 private:

@@ -13,7 +13,7 @@
 namespace robot_vision
 {
 
-// What the scene is built from, in metres.
+// The dimensions of what the scene shows, in metres.
 constexpr double kSceneTagSide = 0.24;        // outer edge of a tag's black border
 constexpr double kSceneQrSide = 0.504;        // 21 modules, without the quiet zone
 constexpr double kSceneCheckerSquare = 0.05;  // one square of the checkerboard (8 x 6 inner corners)
@@ -47,24 +47,26 @@ struct SceneParams
 /// Throws std::invalid_argument naming the first parameter out of range, its value and its range.
 void validate(const SceneParams& params);
 
-/// One thing in the scene, as one frame shows it.
+/// One object of the scene as one frame shows it.
 ///
-/// Planar objects (tag_0, tag_1, qr_code, checkerboard, poster) have x right and y up as seen by a viewer in front,
-/// z out of the face towards the viewer, the origin in the middle. Their outline has four corners, counter-clockwise
-/// for that viewer from the bottom left one, which is AprilTag's order: of a tag the outer edge of the black border, of
-/// the QR code its modules without the quiet zone, of the checkerboard the outermost inner corners, of the poster its
-/// picture.
-/// box: x right, y up, z out of the face towards the room, origin in its middle; outline: its convex silhouette.
-/// ball: axes of the world, origin in its middle; outline: 64 points of the exact silhouette, whose centroid is not
-/// `center` (a sphere off the optical axis is seen as an ellipse).
-/// line: x right, y away from the robot, z up, origin on its middle line; outline: the part inside the picture.
+/// - Planar objects (tag_0, tag_1, qr_code, checkerboard, poster): x points right and y up for a viewer in front, z out
+///   of the face towards the viewer; the origin is in the middle. The outline has four corners, counter-clockwise for
+///   that viewer and starting at the bottom left, which is AprilTag's order. It follows the outer edge of a tag's black
+///   border, the modules of the QR code without the quiet zone, the outermost inner corners of the checkerboard, and
+///   the image on the poster without its frame.
+/// - box: x points right, y up, z out of the face towards the room; the origin is in its middle. The outline is its
+///   convex silhouette.
+/// - ball: it has the axes of the world and the origin in its middle. The outline has 64 points of the exact
+///   silhouette; their centroid is not `center`, because a sphere off the optical axis is seen as an ellipse.
+/// - line: x points right, y away from the robot, z up; the origin is on its middle line. The outline is the part
+///   inside the image.
 struct SceneObject
 {
   std::string name;                  // ball, tag_0, tag_1, qr_code, checkerboard, line, box, poster
   cv::Affine3d pose;                 // object in the camera's optical frame, m
-  std::vector<cv::Point2d> outline;  // px in the (distorted) picture, sub-pixel
+  std::vector<cv::Point2d> outline;  // px in the (distorted) image, sub-pixel
   cv::Point2d center;                // px, projection of the object's origin
-  bool visible = false;              // outline inside the picture, facing the camera, no nearer object overlaps it
+  bool visible = false;              // faces the camera, is completely in the image, and nothing nearer overlaps it
 };
 
 struct SceneTruth
@@ -74,13 +76,15 @@ struct SceneTruth
   std::vector<SceneObject> objects;
 };
 
-/// A room drawn from exact geometry and seen by a moving camera. A picture and its truth depend on the parameters, the
-/// poster and the frame number only. Const and without scratch memory: threads may share one scene.
+/// A room drawn from exact geometry and seen by a moving camera. An image and its ground truth depend on the
+/// parameters, the poster and the frame number only. All methods are const and use no scratch memory, so threads may
+/// share one scene.
 class Scene
 {
 public:
-  /// Builds the textures and ray tables for one picture size. `poster_bgr` (CV_8UC3, any size, copied) hangs on the
-  /// wall, its longer side 1.1 m; without it a generated pattern does. Throws std::invalid_argument as validate does.
+  /// Builds the textures and ray tables for one image size. `poster_bgr` (CV_8UC3, any size, copied) hangs on the wall,
+  /// its longer side 1.1 m long; if it is empty, a generated pattern hangs there. Throws std::invalid_argument as
+  /// validate does, and for a poster of another type.
   explicit Scene(const SceneParams& params, const cv::Mat& poster_bgr = cv::Mat());
   ~Scene();
   Scene(Scene&&) noexcept;
@@ -88,10 +92,11 @@ public:
 
   const CameraModel& camera() const;
 
-  /// Poses and pixel positions of everything in a frame; objects come in the same order every time.
+  /// Poses and pixel positions of all objects in a frame, always in the same order.
   SceneTruth truth(std::int64_t frame) const;
 
-  /// Draws a frame as CV_8UC3 BGR. Memory of the right size and type is reused, foreign and padded rows included.
+  /// Draws a frame as CV_8UC3 BGR. An image of the right size and type is written in place, also when its rows are
+  /// padded or its memory belongs to somebody else.
   void render(std::int64_t frame, cv::Mat& bgr) const;
 
 private:

@@ -8,8 +8,8 @@
 namespace robot_vision::scene
 {
 
-/// The pose, in the optical frame, of a board of `size` (m) that is shown to a camera for the `view`-th time, from 0.
-/// All of the board is in the picture.
+/// The pose in the optical frame of a board of `size` (m) that is shown to a camera in view number `view` (0, 1, ...).
+/// The whole board is in the image.
 cv::Affine3d shownBoard(int view, const cv::Size2d& size, const CameraModel& camera);
 
 }  // namespace robot_vision::scene

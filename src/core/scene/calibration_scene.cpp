@@ -12,9 +12,9 @@ namespace robot_vision
 namespace
 {
 
-const double kHold = 0.5;                     // s, each pose
+const double kPoseTime = 0.5;                 // s, how long each pose is shown
 const cv::Scalar kBackground(128, 140, 146);  // gray, far from the board's black and white
-const cv::Size2d kInner(7.0 * kSceneCheckerSquare, 5.0 * kSceneCheckerSquare);
+const cv::Size2d kInnerCorners(7.0 * kSceneCheckerSquare, 5.0 * kSceneCheckerSquare);
 
 const SceneParams& validated(const SceneParams& params)
 {
@@ -37,7 +37,7 @@ struct CalibrationScene::Impl
 
   cv::Affine3d poseAt(std::int64_t frame) const
   {
-    const int view = static_cast<int>(scene::sceneTime(frame, rate) / kHold);
+    const int view = static_cast<int>(scene::sceneTime(frame, rate) / kPoseTime);
     return scene::shownBoard(view, board.size, lens.camera);
   }
 
@@ -66,7 +66,7 @@ SceneTruth CalibrationScene::truth(std::int64_t frame) const
   SceneObject board;
   board.name = "checkerboard";
   board.pose = impl_->poseAt(frame);
-  board.outline = scene::project(scene::corners(board.pose, kInner), camera(), 1);
+  board.outline = scene::project(scene::corners(board.pose, kInnerCorners), camera(), 1);
   board.center = camera().project(cv::Point3d(board.pose.translation()));
   board.visible = true;
   SceneTruth truth;

@@ -11,10 +11,10 @@ namespace robot_vision
 namespace
 {
 
-const cv::Mat& validated(const cv::Mat& picture)
+const cv::Mat& validated(const cv::Mat& image)
 {
-  checkPixels(picture, "bgr8");
-  return picture;
+  checkPixels(image, "bgr8");
+  return image;
 }
 
 const CameraModel& validated(const CameraModel& camera)
@@ -34,11 +34,11 @@ const cv::Size2d& validated(const cv::Size2d& size)
 
 struct FloorScene::Impl
 {
-  Impl(const cv::Mat& picture, const cv::Size2d& size, const CameraModel& camera, const cv::Scalar& colour)
-    : texture(scene::pictureTexture(validated(picture))),
+  Impl(const cv::Mat& image, const cv::Size2d& size, const CameraModel& camera, const cv::Scalar& color)
+    : texture(scene::imageTexture(validated(image))),
       board(scene::onFloor(0.0, 0.0, validated(size))),
       lens(validated(camera)),
-      around(colour)
+      around(color)
   {
   }
 

@@ -1,5 +1,5 @@
-// The looks of the room. Nothing here is blue or contrasty: colour filters and marker detectors find only what is
-// meant.
+// The surfaces of the room. None of them is blue or rich in contrast, so that colour filters and marker detectors find
+// only the objects they are meant to find.
 
 #include <algorithm>
 #include <array>
@@ -16,16 +16,16 @@ namespace robot_vision::scene
 namespace
 {
 
-const double kTexel = 0.005;  // m of wall or floor
+const double kTexel = 0.005;  // m, on walls and floor
 
-// A fixed pattern, so not the seed of the parameters.
+// A number in [0, 1) for two integers. It does not depend on SceneParams::seed, so the surfaces are always the same.
 double hashed(int a, int b)
 {
   const auto low = static_cast<std::uint32_t>(a), high = static_cast<std::uint32_t>(b);
   return unitInterval(mix((static_cast<std::uint64_t>(high) << 32) | low));
 }
 
-// Value noise of unit cells, smooth, -1 to 1.
+// Smooth value noise on a grid of unit cells, from -1 to 1.
 double smoothNoise(double x, double y)
 {
   const int ix = static_cast<int>(std::floor(x)), iy = static_cast<int>(std::floor(y));
@@ -49,8 +49,8 @@ cv::Mat blank(const cv::Size2d& metres)
   return cv::Mat(cvCeil(metres.height / kTexel), cvCeil(metres.width / kTexel), CV_8UC3);
 }
 
-// Distance to the nearest joint of a row of stones or planks of the given length.
-double toJoint(double position, double length)
+// Distance to the nearest joint in a row of bricks or planks of the given length.
+double distanceToJoint(double position, double length)
 {
   const double phase = position / length - std::floor(position / length);
   return length * std::min(phase, 1.0 - phase);
@@ -58,7 +58,7 @@ double toJoint(double position, double length)
 
 }  // namespace
 
-cv::Mat wallPicture(const cv::Size2d& metres, double shade)
+cv::Mat wallImage(const cv::Size2d& metres, double shade)
 {
   const cv::Vec3d paint(150, 174, 184);
   const double brick_width = 0.26, brick_height = 0.09, joint = 0.006;
@@ -71,7 +71,7 @@ cv::Mat wallPicture(const cv::Size2d& metres, double shade)
     for (int column = 0; column < wall.cols; ++column)
     {
       const double x = column * kTexel + (course % 2) * brick_width / 2.0;
-      const bool mortar = std::min(toJoint(x, brick_width), toJoint(y, brick_height)) < joint;
+      const bool mortar = std::min(distanceToJoint(x, brick_width), distanceToJoint(y, brick_height)) < joint;
       const double brick = 0.03 * (hashed(static_cast<int>(x / brick_width), course) - 0.5);
       const double blotch = 0.02 * smoothNoise(x / 0.4, y / 0.4) + 0.008 * smoothNoise(x / 0.02, y / 0.02);
       wall.at<cv::Vec3b>(row, column) = scaled(paint, shade * light * (mortar ? 0.955 : 1.0 + brick) * (1.0 + blotch));
@@ -80,7 +80,7 @@ cv::Mat wallPicture(const cv::Size2d& metres, double shade)
   return wall;
 }
 
-cv::Mat floorPicture(const cv::Size2d& metres)
+cv::Mat floorImage(const cv::Size2d& metres)
 {
   const cv::Vec3d wood(150, 186, 206);
   const double plank_width = 0.18, plank_length = 1.1, joint = 0.004;
@@ -93,7 +93,7 @@ cv::Mat floorPicture(const cv::Size2d& metres)
       const int plank = static_cast<int>(x / plank_width);
       const double y = row * kTexel + plank_length * hashed(plank, 7);
       const int piece = static_cast<int>(y / plank_length);
-      const bool gap = std::min(toJoint(x, plank_width), toJoint(y, plank_length)) < joint;
+      const bool gap = std::min(distanceToJoint(x, plank_width), distanceToJoint(y, plank_length)) < joint;
       const double tone = 0.07 * (hashed(plank, piece + 100) - 0.5);
       const double grain = 0.025 * smoothNoise(x / 0.012, y / 0.35 + 17.0 * plank);
       floor.at<cv::Vec3b>(row, column) = scaled(wood, gap ? 0.88 : 1.0 + tone + grain);
@@ -102,7 +102,7 @@ cv::Mat floorPicture(const cv::Size2d& metres)
   return floor;
 }
 
-cv::Mat cratePicture(double shade)
+cv::Mat crateImage(double shade)
 {
   const cv::Vec3d paint(58, 84, 214), slat(70, 104, 232);
   const int size = 256, rim = 30, plank = 49;
@@ -145,7 +145,7 @@ cv::Mat posterPattern()
   return poster;
 }
 
-cv::Mat plainPicture(const cv::Size2d& metres, double texel, const cv::Scalar& bgr)
+cv::Mat plainImage(const cv::Size2d& metres, double texel, const cv::Scalar& bgr)
 {
   return cv::Mat(cvCeil(metres.height / texel), cvCeil(metres.width / texel), CV_8UC3, bgr);
 }

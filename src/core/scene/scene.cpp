@@ -30,12 +30,12 @@ const SceneParams& validated(const SceneParams& params)
   return params;
 }
 
-/// A stage with this poster. Those without a poster are shared, as it takes a while to make one.
-std::shared_ptr<const scene::Stage> stageWith(const cv::Mat& poster)
+/// The renderer of a poster. Scenes without a poster share one, because building it takes a while.
+std::shared_ptr<const scene::SceneRenderer> rendererFor(const cv::Mat& poster)
 {
-  if (!poster.empty() && poster.type() != CV_8UC3) throw std::invalid_argument("poster must be an 8-bit BGR picture");
-  if (!poster.empty()) return std::make_shared<const scene::Stage>(poster);
-  return sharedInstance<const scene::Stage>();
+  if (!poster.empty() && poster.type() != CV_8UC3) throw std::invalid_argument("poster must be an 8-bit BGR image");
+  if (!poster.empty()) return std::make_shared<const scene::SceneRenderer>(poster);
+  return sharedInstance<const scene::SceneRenderer>();
 }
 
 }  // namespace
@@ -45,7 +45,7 @@ struct Scene::Impl
   Impl(const SceneParams& params, const cv::Mat& poster)
     : rate(validated(params).rate),
       still(params.still),
-      stage(stageWith(poster)),
+      renderer(rendererFor(poster)),
       lens(scene::sceneCamera(params.width, params.height)),
       noise(params.noise, params.seed, 3 * params.width)
   {
@@ -57,7 +57,7 @@ struct Scene::Impl
 
   double rate;
   bool still;
-  std::shared_ptr<const scene::Stage> stage;
+  std::shared_ptr<const scene::SceneRenderer> renderer;
   scene::Lens lens;
   scene::PixelNoise noise;
 };
@@ -79,7 +79,7 @@ const CameraModel& Scene::camera() const
 SceneTruth Scene::truth(std::int64_t frame) const
 {
   SceneTruth truth =
-      scene::truthAt(impl_->timeOf(frame), impl_->cameraAt(frame), impl_->stage->posterAspect(), impl_->lens);
+      scene::truthAt(impl_->timeOf(frame), impl_->cameraAt(frame), impl_->renderer->posterAspect(), impl_->lens);
   truth.frame = frame;
   return truth;
 }
@@ -87,7 +87,7 @@ SceneTruth Scene::truth(std::int64_t frame) const
 void Scene::render(std::int64_t frame, cv::Mat& bgr) const
 {
   bgr.create(impl_->lens.camera.height, impl_->lens.camera.width, CV_8UC3);
-  impl_->stage->paint(impl_->timeOf(frame), impl_->cameraAt(frame), impl_->lens, bgr);
+  impl_->renderer->paint(impl_->timeOf(frame), impl_->cameraAt(frame), impl_->lens, bgr);
   impl_->noise.add(frame, bgr);
 }
 

@@ -11,36 +11,40 @@ namespace robot_vision::scene
 namespace
 {
 
-const double kWallX = 2.7, kHalfWidth = 1.75, kHeight = 2.4, kBehind = -1.0, kSkirting = 0.08;
+const double kFrontX = -1.0, kBackWallX = 2.7;                                  // m; the room begins behind the camera
+const double kHalfRoomWidth = 1.75, kRoomHeight = 2.4, kSkirtingHeight = 0.08;  // m
 
-cv::Affine3d frame(const cv::Vec3d& right, const cv::Vec3d& up, const cv::Vec3d& origin)
+cv::Affine3d poseFromAxes(const cv::Vec3d& right, const cv::Vec3d& up, const cv::Vec3d& origin)
 {
   const cv::Vec3d out = right.cross(up);
   const cv::Matx33d axes(right[0], up[0], out[0], right[1], up[1], out[1], right[2], up[2], out[2]);
   return cv::Affine3d(axes, origin);
 }
 
-// Facing the camera's mean position from the front; turned left (viewer's) and tilted back by angles in radians.
+// The pose of an upright board that faces the camera's mean position, turned to the viewer's left and then tilted back
+// by the given angles in radians.
 cv::Affine3d facing(const cv::Vec3d& origin, double turn = 0.0, double tilt = 0.0)
 {
-  const cv::Affine3d upright = frame({0, -1, 0}, {0, 0, 1}, origin);
+  const cv::Affine3d upright = poseFromAxes({0, -1, 0}, {0, 0, 1}, origin);
   return upright * cv::Affine3d(cv::Vec3d(0, turn, 0)) * cv::Affine3d(cv::Vec3d(-tilt, 0, 0));
 }
 
 Room buildRoom()
 {
-  const double overlap = 0.2, length = kWallX - kBehind, middle = (kWallX + kBehind) / 2.0;
+  const double extra = 0.2, length = kBackWallX - kFrontX, middle = (kBackWallX + kFrontX) / 2.0;
   Room r;
-  r.floor = {frame({0, -1, 0}, {1, 0, 0}, {middle + overlap / 2.0, 0, 0}),
-             {2.0 * (kHalfWidth + overlap), length + overlap}};
-  r.ceiling = {frame({0, -1, 0}, {-1, 0, 0}, {middle + overlap / 2.0, 0, kHeight}), r.floor.size};
-  r.back_wall = {facing({kWallX, 0, kHeight / 2.0}), {2.0 * (kHalfWidth + overlap), kHeight}};
-  r.left_wall = {frame({1, 0, 0}, {0, 0, 1}, {middle, kHalfWidth, kHeight / 2.0}), {length, kHeight}};
-  r.right_wall = {frame({-1, 0, 0}, {0, 0, 1}, {middle, -kHalfWidth, kHeight / 2.0}), {length, kHeight}};
-  const double down = (kSkirting - kHeight) / 2.0, proud = 0.004;
-  r.skirting = {inPlaneOf(r.back_wall, {0, down, proud}, {2.0 * kHalfWidth, kSkirting}),
-                inPlaneOf(r.left_wall, {0, down, proud}, {length, kSkirting}),
-                inPlaneOf(r.right_wall, {0, down, proud}, {length, kSkirting})};
+  r.floor = {poseFromAxes({0, -1, 0}, {1, 0, 0}, {middle + extra / 2.0, 0, 0}),
+             {2.0 * (kHalfRoomWidth + extra), length + extra}};
+  r.ceiling = {poseFromAxes({0, -1, 0}, {-1, 0, 0}, {middle + extra / 2.0, 0, kRoomHeight}), r.floor.size};
+  r.back_wall = {facing({kBackWallX, 0, kRoomHeight / 2.0}), {2.0 * (kHalfRoomWidth + extra), kRoomHeight}};
+  r.left_wall = {poseFromAxes({1, 0, 0}, {0, 0, 1}, {middle, kHalfRoomWidth, kRoomHeight / 2.0}),
+                 {length, kRoomHeight}};
+  r.right_wall = {poseFromAxes({-1, 0, 0}, {0, 0, 1}, {middle, -kHalfRoomWidth, kRoomHeight / 2.0}),
+                  {length, kRoomHeight}};
+  const double down = (kSkirtingHeight - kRoomHeight) / 2.0, thickness = 0.004;
+  r.skirting = {inPlaneOf(r.back_wall, {0, down, thickness}, {2.0 * kHalfRoomWidth, kSkirtingHeight}),
+                inPlaneOf(r.left_wall, {0, down, thickness}, {length, kSkirtingHeight}),
+                inPlaneOf(r.right_wall, {0, down, thickness}, {length, kSkirtingHeight})};
   return r;
 }
 
@@ -61,26 +65,26 @@ const Room& room()
 Board tagBoard(int id)
 {
   const double side = kSceneTagSide * 10.0 / 8.0;
-  if (id == 0) return {facing({kWallX - 0.01, -0.33, 0.60}), {side, side}};
+  if (id == 0) return {facing({kBackWallX - 0.01, -0.33, 0.60}), {side, side}};
   return {facing({2.1, -0.94, 0.155}, -0.38, 0.26), {side, side}};
 }
 
 Board qrBoard()
 {
   const double side = kSceneQrSide * 27.0 / 21.0;
-  return {facing({kWallX - 0.01, -0.95, 1.05}), {side, side}};
+  return {facing({kBackWallX - 0.01, -0.95, 1.05}), {side, side}};
 }
 
 Board checkerBoard()
 {
-  return {facing({kWallX - 0.01, -0.33, 1.10}), {10.0 * kSceneCheckerSquare, 8.0 * kSceneCheckerSquare}};
+  return {facing({kBackWallX - 0.01, -0.33, 1.10}), {10.0 * kSceneCheckerSquare, 8.0 * kSceneCheckerSquare}};
 }
 
 Board posterBoard(double aspect)
 {
   const double longer = 1.1;
   const cv::Size2d size = aspect > 1.0 ? cv::Size2d(longer, longer / aspect) : cv::Size2d(longer * aspect, longer);
-  return {facing({kWallX - 0.02, 0.72, 0.82}), size};
+  return {facing({kBackWallX - 0.02, 0.72, 0.82}), size};
 }
 
 double lineCenter(double forward)
@@ -91,7 +95,7 @@ double lineCenter(double forward)
 cv::Affine3d linePose()
 {
   const double forward = (kLineBegin + kLineEnd) / 2.0;
-  return frame({0, -1, 0}, {1, 0, 0}, {forward, lineCenter(forward), 0});
+  return poseFromAxes({0, -1, 0}, {1, 0, 0}, {forward, lineCenter(forward), 0});
 }
 
 double sceneTime(long long frame, double rate)
@@ -104,11 +108,11 @@ cv::Affine3d cameraPose(double seconds)
 {
   const double phase = 2.0 * CV_PI * seconds / kScenePeriod;
   const cv::Vec3d eye(0.09 * std::sin(phase), 0.20 * std::cos(phase), 0.80 + 0.05 * std::sin(2.0 * phase));
-  const cv::Vec3d target(kWallX, 0.10 * std::sin(phase + 1.0), 0.44 + 0.04 * std::cos(2.0 * phase));
+  const cv::Vec3d target(kBackWallX, 0.10 * std::sin(phase + 1.0), 0.44 + 0.04 * std::cos(2.0 * phase));
   const double roll = 0.02 * std::sin(phase + 2.0);
   const cv::Vec3d forward = cv::normalize(target - eye);
   const cv::Vec3d right = cv::normalize(forward.cross(cv::Vec3d(0, std::sin(roll), std::cos(roll))));
-  return frame(right, forward.cross(right), eye);
+  return poseFromAxes(right, forward.cross(right), eye);
 }
 
 cv::Point3d ballCenter(double seconds)
@@ -129,7 +133,7 @@ cv::Affine3d boxPose(double seconds)
 
 Board onFloor(double forward, double left, const cv::Size2d& size)
 {
-  return {frame({0, -1, 0}, {1, 0, 0}, {forward, left, 0}), size};
+  return {poseFromAxes({0, -1, 0}, {1, 0, 0}, {forward, left, 0}), size};
 }
 
 Board inPlaneOf(const Board& board, const cv::Vec3d& offset, const cv::Size2d& size)

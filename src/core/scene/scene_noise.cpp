@@ -11,15 +11,15 @@ namespace robot_vision::scene
 namespace
 {
 
-constexpr std::uint64_t kPlaces = 1 << 16;  // where a row may start, a power of two
+constexpr std::uint64_t kStartCount = 1 << 16;  // places in the tile where a row may start
 
 }  // namespace
 
 PixelNoise::PixelNoise(double sigma, std::uint64_t seed, int row_length) : seed_(mix(seed))
 {
   if (sigma <= 0.0) return;
-  tile_.resize(kPlaces + static_cast<std::size_t>(row_length));
-  // Box-Muller by hand: the standard library's normal distribution differs between implementations.
+  tile_.resize(kStartCount + static_cast<std::size_t>(row_length));
+  // This is Box and Muller's method, because std::normal_distribution differs between standard libraries.
   std::uint64_t state = seed_;
   for (std::int8_t& value : tile_)
   {
@@ -29,18 +29,18 @@ PixelNoise::PixelNoise(double sigma, std::uint64_t seed, int row_length) : seed_
   }
 }
 
-void PixelNoise::add(std::int64_t frame, cv::Mat& picture) const
+void PixelNoise::add(std::int64_t frame, cv::Mat& image) const
 {
   if (tile_.empty()) return;
-  const int length = picture.cols * picture.channels();
+  const int length = image.cols * image.channels();
   const std::uint64_t frame_key = mix(seed_ ^ static_cast<std::uint64_t>(frame));
-  for (int row = 0; row < picture.rows; ++row)
+  for (int row = 0; row < image.rows; ++row)
   {
-    const std::int8_t* noise = tile_.data() + mix(frame_key + static_cast<std::uint64_t>(row)) % kPlaces;
-    std::uint8_t* pixels = picture.ptr<std::uint8_t>(row);
+    const std::int8_t* noise = tile_.data() + mix(frame_key + static_cast<std::uint64_t>(row)) % kStartCount;
+    std::uint8_t* pixels = image.ptr<std::uint8_t>(row);
     for (int i = 0; i < length; ++i)
     {
-      // In 16 bits this becomes saturating vector code.
+      // The compiler turns the 16-bit sum into saturating vector code.
       const auto sum = static_cast<std::int16_t>(pixels[i] + noise[i]);
       pixels[i] = static_cast<std::uint8_t>(std::clamp<std::int16_t>(sum, 0, 255));
     }

@@ -10,12 +10,12 @@ namespace robot_vision::scene
 namespace
 {
 
-constexpr int kSpan = 64;         // pixels that share a level
+constexpr int kRunLength = 64;    // px that are drawn with one level of the texture
 constexpr int kFractionBits = 8;  // of texture coordinates
-constexpr int kOne = 1 << kFractionBits;
+constexpr int kTexelUnit = 1 << kFractionBits;
 
-// All four lanes of (a * (1 - f) + b * f), rounded. The lanes of the sum stay below 2^16, and arithmetic modulo 2^64
-// forgives that those of (b - a) may be negative.
+// Interpolates a * (1 - f) + b * f, rounded, in all four lanes. The lanes of the sum stay below 2^16; lanes of (b - a)
+// may be negative, which arithmetic modulo 2^64 makes good.
 std::uint64_t mixLanes(std::uint64_t a, std::uint64_t b, std::uint64_t fraction)
 {
   const std::uint64_t half = 0x0080008000800080, low_bytes = 0x00ff00ff00ff00ff;
@@ -24,21 +24,21 @@ std::uint64_t mixLanes(std::uint64_t a, std::uint64_t b, std::uint64_t fraction)
 
 void put(std::uint64_t texel, uchar* pixel)
 {
-  const uchar colour[3] = {static_cast<uchar>(texel), static_cast<uchar>(texel >> 16), static_cast<uchar>(texel >> 32)};
+  const uchar color[3] = {static_cast<uchar>(texel), static_cast<uchar>(texel >> 16), static_cast<uchar>(texel >> 32)};
   const int alpha = static_cast<int>(texel >> 48);
   if (alpha == 255)
-    std::copy(colour, colour + 3, pixel);
+    std::copy(color, color + 3, pixel);
   else if (alpha > 0)
-    blend(pixel, colour, alpha);
+    blend(pixel, color, alpha);
 }
 
-// The finest level whose texels are a little larger than a pixel, so that nothing flickers and every edge is a ramp
-// that tells its sub-pixel position, as behind a real lens. `plane` maps rays to the unit square of the texture.
+// Picks the finest level whose texels are a little larger than a pixel. So nothing flickers, and every edge is a ramp
+// that shows its sub-pixel position, as it is behind a real lens. `plane` maps rays to the unit square of the texture.
 const TextureLevel& pickLevel(const Texture& texture, const cv::Matx33f& plane, float x, float y, float focal)
 {
   const cv::Vec3f p = plane * cv::Vec3f(x, y, 1.0F);
   const float u = p[0] / p[2], v = p[1] / p[2];
-  const float step = 1.0F / (focal * p[2]);  // of a ray from pixel to pixel, over the depth term
+  const float step = 1.0F / (focal * p[2]);  // change of a ray from pixel to pixel, divided by the depth term
   const std::vector<cv::Size>& sizes = texture.sizes();
   const auto width = static_cast<float>(sizes.front().width), height = static_cast<float>(sizes.front().height);
   const auto texels = [&](int axis)
@@ -47,26 +47,26 @@ const TextureLevel& pickLevel(const Texture& texture, const cv::Matx33f& plane, 
     const float dv = (plane(1, axis) - v * plane(2, axis)) * step * height;
     return std::sqrt(du * du + dv * dv);
   };
-  const float texel_size = 1.15F;  // px, at least
-  const float widest = width / (texel_size * std::max(texels(0), texels(1)));
+  const float min_texel_size = 1.15F;  // px
+  const float max_width = width / (min_texel_size * std::max(texels(0), texels(1)));
   std::size_t level = 0;
-  while (level + 1 < sizes.size() && static_cast<float>(sizes[level].width) > widest)
+  while (level + 1 < sizes.size() && static_cast<float>(sizes[level].width) > max_width)
     ++level;
   return texture.level(level);
 }
 
-// Texture coordinates of a run of rays, in fractions of texels, counted from the border texel.
+// Texture coordinates of a run of rays in units of 1 / kTexelUnit texel, counted from the centre of the border texel.
 struct Coordinates
 {
-  std::array<int, kSpan> u, v;
+  std::array<int, kRunLength> u, v;
 };
 
 void locate(const cv::Matx33f& plane, const TextureLevel& level, const float* xs, const float* ys, int count,
             Coordinates& at)
 {
-  const auto one = static_cast<float>(kOne);
+  const auto one = static_cast<float>(kTexelUnit);
   const float width = static_cast<float>(level.width) * one, height = static_cast<float>(level.height) * one;
-  // Content starts half a texel right of the border texel's centre; the last half rounds.
+  // The content starts half a texel after the centre of the border texel. The other 0.5 rounds to the nearest unit.
   const float shift = 0.5F * one + 0.5F, last_u = width + one - 1.0F, last_v = height + one - 1.0F;
   const cv::Matx33f p(plane(0, 0) * width, plane(0, 1) * width, plane(0, 2) * width,     //
                       plane(1, 0) * height, plane(1, 1) * height, plane(1, 2) * height,  //
@@ -89,7 +89,8 @@ void sample(const TextureLevel& level, const Coordinates& at, int count, uchar* 
   {
     const int u = at.u[i], v = at.v[i];
     const std::uint64_t* corner = texels + static_cast<std::size_t>(v >> kFractionBits) * stride + (u >> kFractionBits);
-    const auto fu = static_cast<std::uint64_t>(u & (kOne - 1)), fv = static_cast<std::uint64_t>(v & (kOne - 1));
+    const auto fu = static_cast<std::uint64_t>(u & (kTexelUnit - 1)),
+               fv = static_cast<std::uint64_t>(v & (kTexelUnit - 1));
     const std::uint64_t left = mixLanes(corner[0], corner[stride], fv);
     const std::uint64_t right = mixLanes(corner[1], corner[stride + 1], fv);
     put(mixLanes(left, right, fu), pixels + 3 * i);
@@ -126,7 +127,7 @@ RowSpans rowSpans(const Polygon2& polygon, const CameraModel& camera)
     const double slope = high > low ? (b.x - a.x) / (b.y - a.y) : 0.0;
     for (int row = row_of(low, -margin); row < row_of(high, margin + 1); ++row)
     {
-      // The part of this edge that comes within the margin of the row; a level edge counts whole.
+      // The ends of the part of this edge that lies within the margin of the row. A horizontal edge counts as a whole.
       const double from = high > low ? a.x + slope * (std::clamp(row - 1.0 * margin, low, high) - a.y) : a.x;
       const double to = high > low ? a.x + slope * (std::clamp(row + 1.0 * margin, low, high) - a.y) : b.x;
       cv::Point& span = result.spans[row - result.top];
@@ -143,7 +144,7 @@ void paintBoard(const Texture& texture, const cv::Affine3d& pose, const cv::Size
   if (!facesCamera(pose)) return;
   const Polygon3 seen = clipToView(corners(pose, size), lens);
   const RowSpans rows = rowSpans(project(seen, lens.camera, 12), lens.camera);
-  // From metres around the middle, y up, to the unit square, y down.
+  // Maps metres from the middle with y up to the unit square with y down.
   const cv::Matx33d to_unit(1.0 / size.width, 0, 0.5, 0, -1.0 / size.height, 0.5, 0, 0, 1);
   const cv::Matx33f plane = to_unit * rayToPlane(pose);
   const auto focal = static_cast<float>(lens.camera.K(0, 0));
@@ -153,9 +154,9 @@ void paintBoard(const Texture& texture, const cv::Affine3d& pose, const cv::Size
     const int row = rows.top + static_cast<int>(i), end = rows.spans[i].y;
     const float* xs = lens.rays.x.ptr<float>(row);
     const float* ys = lens.rays.y.ptr<float>(row);
-    for (int column = rows.spans[i].x; column < end; column += kSpan)
+    for (int column = rows.spans[i].x; column < end; column += kRunLength)
     {
-      const int count = std::min(kSpan, end - column), middle = column + count / 2;
+      const int count = std::min(kRunLength, end - column), middle = column + count / 2;
       const TextureLevel& level = pickLevel(texture, plane, xs[middle], ys[middle], focal);
       locate(plane, level, xs + column, ys + column, count, at);
       sample(level, at, count, bgr.ptr(row) + 3 * column);

@@ -5,7 +5,7 @@
 namespace robot_vision::scene
 {
 
-/// A well mixed 64-bit number for each input: the finaliser of SplitMix64.
+/// Hashes a number to 64 well mixed bits, by the finaliser of SplitMix64.
 inline std::uint64_t mix(std::uint64_t value)
 {
   value += 0x9e3779b97f4a7c15;
@@ -14,7 +14,7 @@ inline std::uint64_t mix(std::uint64_t value)
   return value ^ (value >> 31);
 }
 
-/// The upper bits of a mixed number as a double in [0, 1).
+/// The upper 53 bits of a hash as a double in [0, 1).
 inline double unitInterval(std::uint64_t mixed)
 {
   return static_cast<double>(mixed >> 11) * 0x1.0p-53;

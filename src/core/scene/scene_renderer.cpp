@@ -10,83 +10,84 @@ namespace robot_vision::scene
 namespace
 {
 
-// Darkens the picture on `wall` where `board` hangs in front of it, a little to the right and below.
-void shadeBehind(cv::Mat& picture, const Board& wall, const Board& board)
+// Draws the shadow of `board` into the image of the wall behind it, a little to the right and below.
+void shadeBehind(cv::Mat& image, const Board& wall, const Board& board)
 {
   const double strength = 0.42, right = 0.012, down = 0.022, blur = 0.016;  // m
-  const double pixels = picture.cols / wall.size.width;
+  const double pixels_per_metre = image.cols / wall.size.width;
   std::vector<cv::Point2d> polygon;
   for (const cv::Point3d& corner : corners(wall.pose.inv() * board.pose, board.size))
   {
     const double x = corner.x + right + wall.size.width / 2.0, y = wall.size.height / 2.0 - corner.y + down;
-    polygon.emplace_back(x * pixels, y * pixels);
+    polygon.emplace_back(x * pixels_per_metre, y * pixels_per_metre);
   }
-  castShadow(picture, polygon, strength, blur * pixels);
+  castShadow(image, polygon, strength, blur * pixels_per_metre);
 }
 
 }  // namespace
 
-Stage::Stage(const cv::Mat& poster_bgr)
+SceneRenderer::SceneRenderer(const cv::Mat& poster_bgr)
 {
   const cv::Mat poster = poster_bgr.empty() ? posterPattern() : poster_bgr;
   const Room& r = room();
   poster_aspect_ = static_cast<double>(poster.cols) / poster.rows;
-  const Board picture = posterBoard(poster_aspect_);
-  const int rim = std::max(cvRound(0.03 * std::max(poster.cols, poster.rows)), 1);  // px of the frame around it
-  const double rim_size = 2.0 * rim * picture.size.width / poster.cols;
-  const Board around = {picture.pose, picture.size + cv::Size2d(rim_size, rim_size)};
-  cv::Mat in_frame;
-  cv::copyMakeBorder(poster, in_frame, rim, rim, rim, rim, cv::BORDER_CONSTANT, cv::Scalar(44, 58, 72));
+  const Board poster_board = posterBoard(poster_aspect_);
+  const int rim = std::max(cvRound(0.03 * std::max(poster.cols, poster.rows)), 1);  // px, width of the poster's frame
+  const double rim_size = 2.0 * rim * poster_board.size.width / poster.cols;
+  const Board framed_board = {poster_board.pose, poster_board.size + cv::Size2d(rim_size, rim_size)};
+  cv::Mat framed;
+  cv::copyMakeBorder(poster, framed, rim, rim, rim, rim, cv::BORDER_CONSTANT, cv::Scalar(44, 58, 72));
 
-  cv::Mat floor = floorPicture(r.floor.size);
+  cv::Mat floor = floorImage(r.floor.size);
   shadeBehind(floor, r.floor, tagBoard(1));
-  floor_ = {pictureTexture(floor), r.floor};
-  cv::Mat wall = wallPicture(r.back_wall.size, 1.0);
-  for (const Board& board : {around, checkerBoard(), qrBoard(), tagBoard(0)})
+  floor_ = {imageTexture(floor), r.floor};
+  cv::Mat wall = wallImage(r.back_wall.size, 1.0);
+  for (const Board& board : {framed_board, checkerBoard(), qrBoard(), tagBoard(0)})
     shadeBehind(wall, r.back_wall, board);
 
-  boards_ = {{pictureTexture(plainPicture(r.ceiling.size, 0.05, {196, 204, 208})), r.ceiling},
-             {pictureTexture(wall), r.back_wall},
-             {pictureTexture(wallPicture(r.left_wall.size, 0.86)), r.left_wall},
-             {pictureTexture(wallPicture(r.right_wall.size, 0.92)), r.right_wall}};
+  boards_ = {{imageTexture(plainImage(r.ceiling.size, 0.05, {196, 204, 208})), r.ceiling},
+             {imageTexture(wall), r.back_wall},
+             {imageTexture(wallImage(r.left_wall.size, 0.86)), r.left_wall},
+             {imageTexture(wallImage(r.right_wall.size, 0.92)), r.right_wall}};
   for (const Board& skirting : r.skirting)
-    boards_.push_back({pictureTexture(plainPicture(skirting.size, 0.004, {206, 216, 220})), skirting});
-  boards_.push_back({pictureTexture(in_frame), around});
+    boards_.push_back({imageTexture(plainImage(skirting.size, 0.004, {206, 216, 220})), skirting});
+  boards_.push_back({imageTexture(framed), framed_board});
   boards_.push_back({cellTexture(checkerCells()), checkerBoard()});
   boards_.push_back({cellTexture(qrCells()), qrBoard()});
   for (const int id : {0, 1})
     boards_.push_back({cellTexture(tagCells(id)), tagBoard(id)});
 
-  shadow_ = pictureTexture(shadowDisc(150.0));
-  crate_ = {pictureTexture(cratePicture(0.94)), pictureTexture(cratePicture(0.78)), pictureTexture(cratePicture(1.08))};
+  shadow_ = imageTexture(shadowDisc(150.0));
+  crate_ = {imageTexture(crateImage(0.94)), imageTexture(crateImage(0.78)), imageTexture(crateImage(1.08))};
 }
 
-void Stage::paint(double seconds, const cv::Affine3d& camera, const Lens& lens, cv::Mat& bgr) const
+void SceneRenderer::paint(double seconds, const cv::Affine3d& camera, const Lens& lens, cv::Mat& bgr) const
 {
-  const cv::Vec3d lamp(-0.45, 0.45, 0.77);  // the direction to it, in the world
+  const cv::Vec3d to_light(-0.45, 0.45, 0.77);  // in the world
   const cv::Affine3d world_in_camera = camera.inv();
-  bgr.setTo(cv::Scalar(140, 165, 178));  // shows through where two anti-aliased edges meet
+  bgr.setTo(cv::Scalar(140, 165, 178));  // shows a little where two anti-aliased edges meet
   paintBoard(floor_.texture, world_in_camera * floor_.board.pose, floor_.board.size, lens, bgr);
   paintLine(world_in_camera, lens, bgr);
   paintShadows(seconds, world_in_camera, lens, bgr);
   for (const Item& item : boards_)
     paintBoard(item.texture, world_in_camera * item.board.pose, item.board.size, lens, bgr);
   paintBox(seconds, world_in_camera, lens, bgr);
-  paintBall(world_in_camera * ballCenter(seconds), kSceneBallRadius, world_in_camera.rotation() * lamp, lens, bgr);
+  paintBall(world_in_camera * ballCenter(seconds), kSceneBallRadius, world_in_camera.rotation() * to_light, lens, bgr);
 }
 
-void Stage::paintShadows(double seconds, const cv::Affine3d& world_in_camera, const Lens& lens, cv::Mat& bgr) const
+void SceneRenderer::paintShadows(double seconds, const cv::Affine3d& world_in_camera, const Lens& lens,
+                                 cv::Mat& bgr) const
 {
   const double box_width = 2.0 * kBoxSize[0], spread = 1.2;
   const cv::Vec3d box = boxPose(seconds).translation();
   const cv::Point3d ball = ballCenter(seconds);
-  const double ball_width = 2.0 * kSceneBallRadius + spread * 0.4 * ball.z;  // the higher, the wider
-  for (const Board& spot :
+  const double ball_width = 2.0 * kSceneBallRadius + spread * 0.4 * ball.z;  // wider when the ball is higher
+  for (const Board& shadow :
        {onFloor(box[0], box[1], {box_width, box_width}), onFloor(ball.x, ball.y, {ball_width, ball_width})})
-    paintBoard(shadow_, world_in_camera * spot.pose, spot.size, lens, bgr);
+    paintBoard(shadow_, world_in_camera * shadow.pose, shadow.size, lens, bgr);
 }
 
-void Stage::paintBox(double seconds, const cv::Affine3d& world_in_camera, const Lens& lens, cv::Mat& bgr) const
+void SceneRenderer::paintBox(double seconds, const cv::Affine3d& world_in_camera, const Lens& lens, cv::Mat& bgr) const
 {
   const double x = kBoxSize[0] / 2.0, y = kBoxSize[1] / 2.0, z = kBoxSize[2] / 2.0;
   const cv::Affine3d box = world_in_camera * boxPose(seconds);

@@ -9,17 +9,16 @@
 namespace robot_vision::scene
 {
 
-/// What hangs and stands in the room, with its textures, ready to be drawn.
-class Stage
+/// Draws the room: it holds the objects and their textures.
+class SceneRenderer
 {
 public:
-  explicit Stage(const cv::Mat& poster_bgr = cv::Mat());
+  explicit SceneRenderer(const cv::Mat& poster_bgr = cv::Mat());
 
-  /// Width over height of the poster.
+  /// Width of the poster over its height.
   double posterAspect() const { return poster_aspect_; }
 
-  /// Draws the room at a time of the motion, in seconds, as a camera (its pose in the world) sees it. Every pixel is
-  /// written.
+  /// Draws the room at a time of the motion (s) as a camera with this pose in the world sees it. Writes every pixel.
   void paint(double seconds, const cv::Affine3d& camera, const Lens& lens, cv::Mat& bgr) const;
 
 private:
@@ -34,8 +33,8 @@ private:
 
   double poster_aspect_;
   Item floor_;
-  std::vector<Item> boards_;      // walls and all that hangs and stands there, from the back to the front
-  Texture shadow_;                // of the moving things, on the floor
+  std::vector<Item> boards_;      // walls and the boards in front of them, from the back to the front
+  Texture shadow_;                // the shadow of a moving object on the floor
   std::array<Texture, 3> crate_;  // front, sides, lid
 };
 

@@ -1,4 +1,5 @@
-// The two shapes that are no textured rectangles: their coverage of a pixel comes from the distance to their edge.
+// Draws the ball and the line, the two shapes that are not textured rectangles. How much of a pixel they cover follows
+// from its distance to their edge.
 
 #include <algorithm>
 #include <cmath>
@@ -12,10 +13,11 @@ namespace robot_vision::scene
 namespace
 {
 
-const cv::Vec3f kBallColour(236.0F, 118.0F, 28.0F);  // blue: hue 107 of OpenCV's 180
-const uchar kLineColour[3] = {38, 34, 34};
+const cv::Vec3f kBallColor(236.0F, 118.0F, 28.0F);  // blue: hue 107 of OpenCV's 180
+const uchar kLineColor[3] = {38, 34, 34};
 
-// `inside` is an amount of something that is 0 on the edge, `per_pixel` the length of its gradient.
+// The covered part of a pixel, 0 to 1. `inside` is a signed distance to the edge in any unit, positive inside the
+// shape; `per_pixel` is its change from one pixel to the next.
 float coverage(float inside, float per_pixel)
 {
   return std::clamp(0.5F + inside / per_pixel, 0.0F, 1.0F);
@@ -26,8 +28,8 @@ int toAlpha(float part)
   return static_cast<int>(part * 255.0F + 0.5F);
 }
 
-// Colour where a ray of unit length meets the ball, or comes closest to it.
-void shadeBall(const cv::Vec3f& ray, const cv::Vec3f& center, float radius, const cv::Vec3f& to_light, uchar* colour)
+// Computes the colour of the ball where a ray of unit length meets it, or comes closest to it.
+void shadeBall(const cv::Vec3f& ray, const cv::Vec3f& center, float radius, const cv::Vec3f& to_light, uchar* color)
 {
   const float ambient = 0.40F, gloss = 0.55F;
   const float along = center.dot(ray);
@@ -40,8 +42,8 @@ void shadeBall(const cv::Vec3f& ray, const cv::Vec3f& center, float radius, cons
   const float shine = gloss * eighth * eighth;
   for (int i = 0; i < 3; ++i)
   {
-    const float body = kBallColour[i] * light;
-    colour[i] = static_cast<uchar>(body + (245.0F - body) * shine + 0.5F);
+    const float body = kBallColor[i] * light;
+    color[i] = static_cast<uchar>(body + (245.0F - body) * shine + 0.5F);
   }
 }
 
@@ -53,7 +55,7 @@ void paintBall(const cv::Point3d& center, double radius, const cv::Vec3d& to_lig
   const cv::Vec3f c(static_cast<float>(center.x), static_cast<float>(center.y), static_cast<float>(center.z));
   const auto r = static_cast<float>(radius), focal = static_cast<float>(lens.camera.K(0, 0));
   const cv::Vec3f light = to_light;
-  const float tangent = std::sqrt(c.dot(c) - r * r);  // distance to where the ball's outline is
+  const float tangent = std::sqrt(c.dot(c) - r * r);  // distance from the camera to the points of the ball's outline
   for (std::size_t i = 0; i < rows.spans.size(); ++i)
   {
     const int row = rows.top + static_cast<int>(i);
@@ -64,14 +66,14 @@ void paintBall(const cv::Point3d& center, double radius, const cv::Vec3d& to_lig
     {
       const cv::Vec3f ray(xs[column], ys[column], 1.0F);
       const float length = std::sqrt(ray.dot(ray));
-      // Positive where the ray lies inside the cone that touches the ball.
+      // This is positive for rays inside the cone that touches the ball.
       const float inside = c.dot(ray) - tangent * length;
       const float gradient = std::hypot(c[0] - tangent * ray[0] / length, c[1] - tangent * ray[1] / length) / focal;
       const int alpha = toAlpha(coverage(inside, gradient));
       if (alpha == 0) continue;
-      uchar colour[3];
-      shadeBall(ray / length, c, r, light, colour);
-      blend(pixels + 3 * column, colour, alpha);
+      uchar color[3];
+      shadeBall(ray / length, c, r, light, color);
+      blend(pixels + 3 * column, color, alpha);
     }
   }
 }
@@ -80,7 +82,7 @@ void paintLine(const cv::Affine3d& world_in_camera, const Lens& lens, cv::Mat& b
 {
   const Polygon3 seen = clipToView(lineOutline(world_in_camera), lens);
   const RowSpans rows = rowSpans(project(seen, lens.camera, 2), lens.camera);
-  const cv::Matx33f plane = rayToPlane(world_in_camera);  // the floor: (a, b) is (forward, left)
+  const cv::Matx33f plane = rayToPlane(world_in_camera);  // its (a, b) are (forward, left) on the floor
   const auto focal = static_cast<float>(lens.camera.K(0, 0)), half = static_cast<float>(kSceneLineWidth / 2.0);
   const auto slope1 = static_cast<float>(kLineCurve[1]), slope2 = static_cast<float>(2.0 * kLineCurve[2]);
   for (std::size_t i = 0; i < rows.spans.size(); ++i)
@@ -90,16 +92,17 @@ void paintLine(const cv::Affine3d& world_in_camera, const Lens& lens, cv::Mat& b
     {
       const cv::Vec3f p = plane * cv::Vec3f(lens.rays.x.at<float>(row, column), lens.rays.y.at<float>(row, column), 1);
       const float forward = p[0] / p[2], left = p[1] / p[2], step = 1.0F / (p[2] * focal);
-      const float off = left - static_cast<float>(lineCenter(forward)), slope = slope1 + slope2 * forward;
-      // Change of `forward` and of `off` from pixel to pixel, along both axes of the picture.
-      const cv::Vec2f df((plane(0, 0) - forward * plane(2, 0)) * step, (plane(0, 1) - forward * plane(2, 1)) * step);
-      const cv::Vec2f doff = cv::Vec2f((plane(1, 0) - left * plane(2, 0)) * step,  //
-                                       (plane(1, 1) - left * plane(2, 1)) * step) -
-                             slope * df;
-      const float across = std::sqrt(doff.dot(doff)), along = std::sqrt(df.dot(df));
+      const float offset = left - static_cast<float>(lineCenter(forward)), slope = slope1 + slope2 * forward;
+      // The changes of `forward` and of `offset` from pixel to pixel along both axes of the image.
+      const cv::Vec2f d_forward((plane(0, 0) - forward * plane(2, 0)) * step,
+                                (plane(0, 1) - forward * plane(2, 1)) * step);
+      const cv::Vec2f d_offset = cv::Vec2f((plane(1, 0) - left * plane(2, 0)) * step,  //
+                                           (plane(1, 1) - left * plane(2, 1)) * step) -
+                                 slope * d_forward;
+      const float across = std::sqrt(d_offset.dot(d_offset)), along = std::sqrt(d_forward.dot(d_forward));
       const float ends = std::min(static_cast<float>(kLineEnd) - forward, forward - static_cast<float>(kLineBegin));
-      const float part = coverage(half - std::abs(off), across) * coverage(ends, along);
-      blend(bgr.ptr(row) + 3 * column, kLineColour, toAlpha(part));
+      const float part = coverage(half - std::abs(offset), across) * coverage(ends, along);
+      blend(bgr.ptr(row) + 3 * column, kLineColor, toAlpha(part));
     }
   }
 }

@@ -18,11 +18,11 @@ std::uint64_t pack(const cv::Vec4b& colour)
   return texel;
 }
 
-cv::Mat withAlpha(const cv::Mat& picture)
+cv::Mat withAlpha(const cv::Mat& image)
 {
-  if (picture.type() == CV_8UC4) return picture;
+  if (image.type() == CV_8UC4) return image;
   cv::Mat bgra;
-  cv::cvtColor(picture, bgra, cv::COLOR_BGR2BGRA);
+  cv::cvtColor(image, bgra, cv::COLOR_BGR2BGRA);
   return bgra;
 }
 
@@ -47,8 +47,8 @@ TextureLevel makeLevel(const cv::Mat& bgra)
 
 }  // namespace
 
-Texture::Texture(const cv::Mat& picture, const std::vector<cv::Size>& sizes, int interpolation)
-  : picture_(withAlpha(picture)), sizes_(sizes), interpolation_(interpolation), slots_(new Slot[sizes.size()])
+Texture::Texture(const cv::Mat& image, const std::vector<cv::Size>& sizes, int interpolation)
+  : image_(withAlpha(image)), sizes_(sizes), interpolation_(interpolation), slots_(new Slot[sizes.size()])
 {
 }
 
@@ -59,7 +59,7 @@ const TextureLevel& Texture::level(std::size_t index) const
                  [&]
                  {
                    cv::Mat scaled;
-                   cv::resize(picture_, scaled, sizes_[index], 0, 0, interpolation_);
+                   cv::resize(image_, scaled, sizes_[index], 0, 0, interpolation_);
                    slot.level = makeLevel(scaled);
                  });
   return slot.level;
@@ -67,22 +67,22 @@ const TextureLevel& Texture::level(std::size_t index) const
 
 Texture cellTexture(const cv::Mat& cells_bgr)
 {
-  // In small steps, so that a texel is never much larger than a pixel.
-  const int most_texels = 512;  // along the longer side, for the sake of memory
+  // The levels come in small steps, so that a texel is never much larger than a pixel.
+  const int max_texels = 512;  // along the longer side; limits the memory
   const int cells = std::max(cells_bgr.cols, cells_bgr.rows);
   std::vector<cv::Size> sizes;
   for (const int texels_per_cell : {32, 28, 24, 20, 16, 14, 12, 10, 8, 7, 6, 5, 4, 3, 2, 1})
-    if (texels_per_cell * cells <= most_texels) sizes.push_back(cells_bgr.size() * texels_per_cell);
+    if (texels_per_cell * cells <= max_texels) sizes.push_back(cells_bgr.size() * texels_per_cell);
   return Texture(cells_bgr, sizes, cv::INTER_NEAREST);
 }
 
-Texture pictureTexture(const cv::Mat& picture)
+Texture imageTexture(const cv::Mat& image)
 {
   std::vector<cv::Size> sizes;
   for (double scale = 1.0; sizes.empty() || std::max(sizes.back().width, sizes.back().height) > 4;
        scale /= std::sqrt(2.0))
-    sizes.emplace_back(std::max(1, cvRound(picture.cols * scale)), std::max(1, cvRound(picture.rows * scale)));
-  return Texture(picture, sizes, cv::INTER_AREA);
+    sizes.emplace_back(std::max(1, cvRound(image.cols * scale)), std::max(1, cvRound(image.rows * scale)));
+  return Texture(image, sizes, cv::INTER_AREA);
 }
 
 }  // namespace robot_vision::scene

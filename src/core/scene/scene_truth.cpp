@@ -9,52 +9,52 @@ namespace robot_vision::scene
 namespace
 {
 
-// What visibility needs to know of an object besides its outline.
-struct Seen
+// An object with what decides whether it is visible.
+struct Projected
 {
   SceneObject object;
-  Polygon2 extent;  // all it covers, a board with its margin
-  double distance;  // of its middle, m
-  bool faces;       // the camera
+  Polygon2 extent;  // all that it covers, including the margin of a board, px
+  double distance;  // from the camera to its middle, m
+  bool faces_camera;
 };
 
-Seen seen(const std::string& name, const cv::Affine3d& pose, const CameraModel& camera)
+Projected projected(const std::string& name, const cv::Affine3d& pose, const CameraModel& camera)
 {
-  Seen result;
+  Projected result;
   result.object.name = name;
   result.object.pose = pose;
   result.object.center = camera.project(cv::Point3d(pose.translation()));
   result.distance = cv::norm(pose.translation());
-  result.faces = true;
+  result.faces_camera = true;
   return result;
 }
 
-// `marked` is the part of the board that the outline goes around.
-Seen seenBoard(const std::string& name, const Board& board, const cv::Size2d& marked,
-               const cv::Affine3d& world_in_camera, const CameraModel& camera)
+// `marked` (m) is the size of the part of the board that the outline goes around.
+Projected projectedBoard(const std::string& name, const Board& board, const cv::Size2d& marked,
+                         const cv::Affine3d& world_in_camera, const CameraModel& camera)
 {
   const int edge_pieces = 8;
-  Seen result = seen(name, world_in_camera * board.pose, camera);
+  Projected result = projected(name, world_in_camera * board.pose, camera);
   result.object.outline = project(corners(result.object.pose, marked), camera, 1);
   result.extent = project(corners(result.object.pose, board.size), camera, edge_pieces);
-  result.faces = facesCamera(result.object.pose);
+  result.faces_camera = facesCamera(result.object.pose);
   return result;
 }
 
-Seen seenBall(double seconds, const cv::Affine3d& world_in_camera, const CameraModel& camera)
+Projected projectedBall(double seconds, const cv::Affine3d& world_in_camera, const CameraModel& camera)
 {
   const int points = 64;
   const cv::Point3d center = ballCenter(seconds);
   const cv::Affine3d in_world(cv::Matx33d::eye(), cv::Vec3d(center));
-  Seen result = seen("ball", world_in_camera * in_world, camera);
+  Projected result = projected("ball", world_in_camera * in_world, camera);
   result.extent = ballOutline(camera, world_in_camera * center, kSceneBallRadius, points);
   result.object.outline = result.extent;
   return result;
 }
 
-Seen seenBox(double seconds, const cv::Affine3d& world_in_camera, const CameraModel& camera)
+Projected projectedBox(double seconds, const cv::Affine3d& world_in_camera, const CameraModel& camera)
 {
-  Seen result = seen("box", world_in_camera * boxPose(seconds), camera);
+  Projected result = projected("box", world_in_camera * boxPose(seconds), camera);
   std::vector<cv::Point2f> points, hull;
   for (int corner = 0; corner < 8; ++corner)
   {
@@ -67,16 +67,16 @@ Seen seenBox(double seconds, const cv::Affine3d& world_in_camera, const CameraMo
   return result;
 }
 
-Seen seenLine(const cv::Affine3d& world_in_camera, const Lens& lens)
+Projected projectedLine(const cv::Affine3d& world_in_camera, const Lens& lens)
 {
-  Seen result = seen("line", world_in_camera * linePose(), lens.camera);
+  Projected result = projected("line", world_in_camera * linePose(), lens.camera);
   const Polygon3 in_view = clipToView(lineOutline(world_in_camera), lens);
-  result.extent = clipToPicture(project(in_view, lens.camera, 1), lens.camera);
+  result.extent = clipToImage(project(in_view, lens.camera, 1), lens.camera);
   result.object.outline = result.extent;
   return result;
 }
 
-bool insidePicture(const Polygon2& outline, const CameraModel& camera)
+bool insideImage(const Polygon2& outline, const CameraModel& camera)
 {
   return !outline.empty() &&
          std::all_of(outline.begin(), outline.end(),
@@ -84,11 +84,11 @@ bool insidePicture(const Polygon2& outline, const CameraModel& camera)
                      { return p.x >= -0.5 && p.y >= -0.5 && p.x <= camera.width - 0.5 && p.y <= camera.height - 0.5; });
 }
 
-bool isVisible(const Seen& one, const std::vector<Seen>& all, const CameraModel& camera)
+bool isVisible(const Projected& one, const std::vector<Projected>& all, const CameraModel& camera)
 {
-  if (!one.faces || !insidePicture(one.object.outline, camera)) return false;
+  if (!one.faces_camera || !insideImage(one.object.outline, camera)) return false;
   return std::none_of(all.begin(), all.end(),
-                      [&](const Seen& other)
+                      [&](const Projected& other)
                       {
                         // The line lies flat on the floor: it covers nothing, and everything covers it.
                         const bool nearer = one.object.name == "line" || other.distance < one.distance;
@@ -107,15 +107,16 @@ SceneTruth truthAt(double seconds, const cv::Affine3d& pose, double poster_aspec
   truth.camera = pose;
   const cv::Affine3d world = pose.inv();
   const Board poster = posterBoard(poster_aspect);
-  const std::vector<Seen> all = {seenBall(seconds, world, camera),
-                                 seenBoard("tag_0", tagBoard(0), {tag, tag}, world, camera),
-                                 seenBoard("tag_1", tagBoard(1), {tag, tag}, world, camera),
-                                 seenBoard("qr_code", qrBoard(), {qr, qr}, world, camera),
-                                 seenBoard("checkerboard", checkerBoard(), {7 * square, 5 * square}, world, camera),
-                                 seenLine(world, lens),
-                                 seenBox(seconds, world, camera),
-                                 seenBoard("poster", poster, poster.size, world, camera)};
-  for (const Seen& one : all)
+  const std::vector<Projected> all = {
+      projectedBall(seconds, world, camera),
+      projectedBoard("tag_0", tagBoard(0), {tag, tag}, world, camera),
+      projectedBoard("tag_1", tagBoard(1), {tag, tag}, world, camera),
+      projectedBoard("qr_code", qrBoard(), {qr, qr}, world, camera),
+      projectedBoard("checkerboard", checkerBoard(), {7 * square, 5 * square}, world, camera),
+      projectedLine(world, lens),
+      projectedBox(seconds, world, camera),
+      projectedBoard("poster", poster, poster.size, world, camera)};
+  for (const Projected& one : all)
   {
     truth.objects.push_back(one.object);
     truth.objects.back().visible = isVisible(one, all, camera);

@@ -8,8 +8,8 @@
 namespace robot_vision::scene
 {
 
-/// Everything about the objects at a time of the motion, in seconds, as a camera (its pose in the world) sees them;
-/// `poster_aspect` is width over height.
+/// The ground truth of all objects at a time of the motion (s) for a camera with this pose in the world.
+/// `poster_aspect` is the poster's width over its height.
 SceneTruth truthAt(double seconds, const cv::Affine3d& pose, double poster_aspect, const Lens& lens);
 
 }  // namespace robot_vision::scene

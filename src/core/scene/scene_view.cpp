@@ -12,7 +12,8 @@ namespace robot_vision::scene
 namespace
 {
 
-// Sutherland and Hodgman: keeps what lies where `distance`, linear in the point, is not negative.
+// Clips a polygon by Sutherland and Hodgman's method: it keeps the part where `distance` is not negative. `distance`
+// must be linear in the point.
 template <typename Point, typename Distance>
 std::vector<Point> clip(const std::vector<Point>& polygon, Distance distance)
 {
@@ -54,20 +55,20 @@ bool contains(const Polygon2& polygon, const cv::Point2d& point)
 
 Lens::Lens(const CameraModel& model) : camera(model), rays(rayTable(model))
 {
-  const double margin = 1.1;  // so that the cut edges of clipped shapes stay out of the picture
-  reach_x = margin * std::max(cv::norm(rays.x, cv::NORM_INF), 0.05);
-  reach_y = margin * std::max(cv::norm(rays.y, cv::NORM_INF), 0.05);
+  const double margin = 1.1;  // keeps the cut edges of clipped shapes out of the image
+  max_x = margin * std::max(cv::norm(rays.x, cv::NORM_INF), 0.05);
+  max_y = margin * std::max(cv::norm(rays.y, cv::NORM_INF), 0.05);
 }
 
 CameraModel sceneCamera(int width, int height)
 {
-  const double focal_per_height = 1.16;  // some 47 degrees from top to bottom
+  const double focal_per_height = 1.16;  // a vertical field of view of some 47 degrees
   CameraModel camera;
   camera.width = width;
   camera.height = height;
   const double focal = focal_per_height * std::min<double>(height, 0.75 * width);
   camera.K = {focal, 0, (width - 1) / 2.0 + 0.004 * width, 0, focal, (height - 1) / 2.0 - 0.003 * height, 0, 0, 1};
-  // Steadily rising with the radius, so that every pixel has exactly one ray.
+  // With these the distorted radius grows steadily with the undistorted one, so every pixel has exactly one ray.
   camera.D = {-0.12, 0.05, 0.0006, -0.0004, 0.0};
   return camera;
 }
@@ -109,7 +110,7 @@ Polygon3 lineOutline(const cv::Affine3d& world_in_camera)
   Polygon3 outline;
   for (int i = 0; i <= 2 * pieces + 1; ++i)
   {
-    const bool right = i <= pieces;  // up along the right edge, back along the left one
+    const bool right = i <= pieces;  // the outline runs away along the right edge and back along the left one
     const double part = static_cast<double>(right ? i : 2 * pieces + 1 - i) / pieces;
     const double forward = kLineBegin + part * (kLineEnd - kLineBegin);
     const double left = lineCenter(forward) + (right ? -0.5 : 0.5) * kSceneLineWidth;
@@ -120,13 +121,13 @@ Polygon3 lineOutline(const cv::Affine3d& world_in_camera)
 
 Polygon3 clipToView(const Polygon3& polygon, const Lens& lens)
 {
-  Polygon3 kept = clip(polygon, [&](const cv::Point3d& p) { return lens.reach_x * p.z - p.x; });
-  kept = clip(kept, [&](const cv::Point3d& p) { return lens.reach_x * p.z + p.x; });
-  kept = clip(kept, [&](const cv::Point3d& p) { return lens.reach_y * p.z - p.y; });
-  return clip(kept, [&](const cv::Point3d& p) { return lens.reach_y * p.z + p.y; });
+  Polygon3 kept = clip(polygon, [&](const cv::Point3d& p) { return lens.max_x * p.z - p.x; });
+  kept = clip(kept, [&](const cv::Point3d& p) { return lens.max_x * p.z + p.x; });
+  kept = clip(kept, [&](const cv::Point3d& p) { return lens.max_y * p.z - p.y; });
+  return clip(kept, [&](const cv::Point3d& p) { return lens.max_y * p.z + p.y; });
 }
 
-Polygon2 clipToPicture(const Polygon2& polygon, const CameraModel& camera)
+Polygon2 clipToImage(const Polygon2& polygon, const CameraModel& camera)
 {
   const double right = camera.width - 0.5, bottom = camera.height - 0.5;
   Polygon2 kept = clip(polygon, [](const cv::Point2d& p) { return p.x + 0.5; });
