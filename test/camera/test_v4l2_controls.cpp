@@ -73,7 +73,7 @@ Lines set(FakeCamera& camera, const std::vector<ControlSetting>& settings)
 {
   Lines lines;
   for (const RefusedSetting& refused : setControls(*camera.plug(), settings))
-    lines.push_back(refused.why);
+    lines.push_back(refused.reason);
   return lines;
 }
 
@@ -279,7 +279,7 @@ TEST(V4l2Controls, thatCannotBeSetAreNamedAndTheOthersSet)
       {{"serial", number(1)}, "control serial is 1, is read-only"},
       {{"grid", number(1)}, "control grid is 1, has more than one value, and cannot be set here"},
       {{"exposure", number(100)},
-       "control exposure is 100, is inactive: another control, such as its automatic, rules it now"},
+       "control exposure is 100, is inactive: another control, such as its automatic mode, determines it now"},
   };
   for (const auto& [setting, complaint] : table)
   {

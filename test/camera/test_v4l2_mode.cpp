@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
+#include "core/camera/v4l2_formats.hpp"
 #include "core/camera/v4l2_mode.hpp"
-#include "core/camera/v4l2_offers.hpp"
 #include "support/fake_v4l2.hpp"
 
 using namespace robot_vision;

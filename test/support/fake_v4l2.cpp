@@ -8,7 +8,7 @@
 #include <cstring>
 #include <thread>
 
-#include "core/camera/v4l2_offers.hpp"
+#include "core/camera/v4l2_formats.hpp"
 #include "robot_vision/camera/frame_source.hpp"
 #include "robot_vision/common/monotonic.hpp"
 

@@ -13,7 +13,7 @@
 namespace robot_vision
 {
 
-/// A boolean, a number (of a menu: its item's), or the text of a menu's item or of a text control.
+/// The value of a control: a boolean, a number (the number of the item for a menu), or a text (the item's for a menu).
 using ControlValue = std::variant<bool, std::int64_t, std::string>;
 
 std::string toText(const ControlValue& value);
@@ -23,10 +23,10 @@ enum class ControlKind
   kInteger,
   kBoolean,
   kMenu,
-  kButton,    // has no value; any that is set presses it
-  kBitmask,   // a number without sign
-  kText,      // minimum and maximum are of its length
-  kCompound,  // arrays and structures, which cannot be set here
+  kButton,    // has no value; setting it to any value presses it
+  kBitmask,   // an unsigned number
+  kText,      // minimum and maximum are those of its length
+  kCompound,  // an array or structure, which cannot be set here
 };
 
 struct MenuItem
@@ -38,7 +38,7 @@ struct MenuItem
 /// A control of a camera, as the driver describes it.
 struct CameraControl
 {
-  std::string name;  // as v4l2-ctl prints it: exposure_time_absolute
+  std::string name;  // as v4l2-ctl prints it, such as exposure_time_absolute
   std::uint32_t id = 0;
   ControlKind kind = ControlKind::kInteger;
   std::int64_t minimum = 0;
@@ -47,47 +47,48 @@ struct CameraControl
   std::int64_t default_value = 0;
   std::vector<MenuItem> items;
   bool read_only = false;
-  bool inactive = false;   // another control, such as its automatic, rules it now
-  bool has_value = false;  // buttons and compound controls have none, and of some the driver tells none
+  bool inactive = false;   // another control, such as its automatic mode, determines its value now
+  bool has_value = false;  // false for buttons, compound controls, and where the driver does not tell the value
   ControlValue value;
 };
 
-/// What to set a control to. The name may also be one of usb_cam's, or one that older or newer kernels have: all of
-/// autoexposure, exposure_auto and auto_exposure are the same control, and true and false mean the same for all.
+/// The value to set a control to. The name may also be the one that usb_cam uses or that older or newer kernels have:
+/// autoexposure, exposure_auto and auto_exposure are the same control, and true and false mean the same for each name.
 struct ControlSetting
 {
   std::string name;
   ControlValue value;
 };
 
-/// A setting that could not be made, and a line that says why.
+/// A setting that failed, and one line that gives the reason.
 struct RefusedSetting
 {
   std::string name;
-  std::string why;
+  std::string reason;
 };
 
-/// The control that a setting of this name is for; null: there is none.
+/// The control that a setting of this name is for, or null if there is none.
 const CameraControl* findControl(const std::vector<CameraControl>& controls, const std::string& name);
 
-/// The controls in the driver's order. Throws SourceUnavailable if the device is gone, as setControls() does.
+/// Lists the controls in the driver's order. Throws SourceUnavailable if the device is gone, as setControls() does.
 std::vector<CameraControl> listControls(V4l2Device& device);
 
-/// Sets controls, automatics before what they rule, whatever the order; the others also if some cannot be set.
-/// Returns those, each with a line that names device, control, value and what is possible.
+/// Sets controls. Whatever the order of `settings`, the automatic modes are set before the controls that depend on
+/// them. A setting that fails does not stop the others: those that failed are returned, each with a line that names the
+/// device, the control, the value and what is possible.
 std::vector<RefusedSetting> setControls(V4l2Device& device, const std::vector<ControlSetting>& settings);
 
-/// The way to the controls of a device: the opening that it streams from, as some drivers allow no second one; while
-/// nothing streams, an opening of its own, which ends with the use of it.
+/// Gives access to the controls of a device. While the device streams, the controls use the same open file, because
+/// some drivers do not allow a second one; otherwise the device is opened for each use.
 class ControlDevice
 {
 public:
   using Open = std::function<std::shared_ptr<V4l2Device>()>;
-  /// Finds the device that `params` name anew whenever it has to be opened.
+  /// The device that `params` name is looked up again each time it has to be opened.
   explicit ControlDevice(const CaptureParams& params);
   explicit ControlDevice(Open open) : open_(std::move(open)) {}
 
-  /// From now on the controls are those of the device that `source` streams from.
+  /// From now on the controls are those of the device from which `source` streams.
   void follow(const FrameSource& source) { streaming_ = source.device(); }
 
   /// Throws SourceUnavailable if the device is not there.

@@ -16,14 +16,14 @@ namespace robot_vision
 
 class V4l2Device;
 
-/// What a source cannot do now and never will: a wrong path, a damaged file.
+/// An error that waiting does not mend, such as a wrong path or a damaged file.
 class SourceError : public std::runtime_error
 {
 public:
   using std::runtime_error::runtime_error;
 };
 
-/// What a source cannot do now but may be able to do later: a device that is not plugged in, a server that is down.
+/// An error that may go away later, such as a device that is not plugged in or a server that is down.
 class SourceUnavailable : public std::runtime_error
 {
 public:
@@ -39,7 +39,7 @@ enum class SourceKind
   kVideo,
 };
 
-constexpr double kDefaultRate = 30.0;  // Hz, of a source with no rate of its own
+constexpr double kDefaultRate = 30.0;  // Hz, for a source that has no rate of its own
 
 struct CaptureParams
 {
@@ -91,67 +91,70 @@ struct CaptureParams
 /// Throws std::invalid_argument naming the first parameter out of range, its value and the range.
 void validate(const CaptureParams& params);
 
-/// The source that is meant, a file without its file://.
+/// The name of the source to open: `source`, or `video_device` if that is empty. A leading file:// is removed.
 std::string sourceName(const CaptureParams& params);
 
-/// What the source is, or would be if it were there: `params.kind`, or else what its name looks like and leads to now.
-/// Who keeps it stays with it whatever becomes of the path: a camera's may end in nothing while it is unplugged.
+/// The kind of the source, also of one that is not there now: `params.kind` if that is set, else the kind that the name
+/// looks like and leads to now. A caller who will open the source again should keep the result in `params.kind`,
+/// because the link to a camera leads nowhere while the camera is unplugged.
 SourceKind sourceKind(const CaptureParams& params);
 
-/// True for a device or URL: what is not there now may be there later.
+/// True for a device or URL: if it is not there now, it may appear later.
 bool mayComeLater(SourceKind kind);
 
-/// The rate in Hz that `params` ask of a source with no rate of its own.
+/// The rate in Hz at which a source without a rate of its own is to run.
 double wantedRate(const CaptureParams& params);
 
-/// One captured picture.
+/// One captured image.
 struct Frame
 {
   cv::Mat image;                            // see encoding.hpp; valid until the source's next read() or its end
   std::string encoding;                     // see encoding.hpp
-  std::int64_t sequence = 0;                // counts from 0; a gap is lost frames
-  std::int64_t monotonic_ns = 0;            // time of capture on CLOCK_MONOTONIC; 0: the source knows none
-  std::shared_ptr<const SceneTruth> truth;  // of a synthetic frame, else null
+  std::int64_t sequence = 0;                // counts from 0; gaps are lost frames
+  std::int64_t monotonic_ns = 0;            // time of capture on CLOCK_MONOTONIC; 0 if the source does not know it
+  std::shared_ptr<const SceneTruth> truth;  // the ground truth of a synthetic frame, else null
 };
 
 enum class ReadResult
 {
   kFrame,
-  kTimeout,    // nothing came within the wait; try again
-  kNoPicture,  // what came makes no picture yet, of a stream whose next keyframe is still to come; try again
-  kEnd,        // there is nothing more to come
+  kTimeout,    // no data came in time; try again
+  kNoPicture,  // data came, but no image: the stream's next keyframe is still to come; try again
+  kEnd,        // there are no more frames
 };
 
-/// Where frames come from. Not thread-safe; one thread reads.
+/// A source of frames. It is not thread-safe: only one thread may read.
 class FrameSource
 {
 public:
   virtual ~FrameSource() = default;
 
-  /// Takes the next frame. `frame.image` may come with memory that the source is free to fill or to replace by its own.
-  /// Waits at most about 0.1 s. Throws std::invalid_argument for a damaged frame (the next may be good), SourceError or
-  /// SourceUnavailable when no more frames can come. A device streams from its first read to its end.
+  /// Gets the next frame. `frame.image` may come with memory that the source may fill or replace by its own. Waits at
+  /// most about 0.1 s. Throws std::invalid_argument for a damaged frame (the next may be good), and SourceError or
+  /// SourceUnavailable if no more frames can come. A device streams from the first read() until the source is
+  /// destroyed.
   virtual ReadResult read(Frame& frame) = 0;
 
-  /// Makes the next read() give the first frame again; devices and live streams have no beginning and ignore it.
+  /// Makes the next read() give the first frame again. Devices and live streams, which have no beginning, ignore it.
   virtual void rewind() {}
 
-  /// Frames per second that the reader has to keep; 0 if the source is live, and read() waits for the next frame.
+  /// Frames per second at which the caller has to read; 0 if the source is live, so that read() waits for the next
+  /// frame.
   virtual double rate() const = 0;
 
-  /// Seconds from a frame of a live source to the next, as far as it is known; 0: it is not.
+  /// Seconds from one frame of a live source to the next; 0 if unknown.
   virtual double period() const { return 0.0; }
 
-  /// False if its pictures lie in memory of its own, whatever read() is given.
+  /// False if read() never fills the memory that it is given, because the images lie in memory of the source.
   virtual bool fillsMemory() const { return true; }
 
-  /// The open device that the frames come from; null: they come from none.
+  /// The open device from which the frames come, or null if they do not come from a device.
   virtual std::shared_ptr<V4l2Device> device() const { return nullptr; }
 
-  /// What it is, for a log line: "YUYV 640x480 at 30 Hz from /dev/video0".
+  /// A description for a log line, such as "YUYV 640x480 at 30 Hz from /dev/video0".
   virtual std::string description() const = 0;
 
-  /// In what it differs from what was asked for; empty if it does not.
+  /// Says how the source differs from what was asked for; empty if it does not.
   virtual std::string warning() const { return {}; }
 
   /// The geometry of the camera if the source knows it, else null.
@@ -159,7 +162,7 @@ public:
 };
 
 /// Opens the source that `params` name. Throws std::invalid_argument for a parameter out of range, SourceError for a
-/// source that is wrong and SourceUnavailable for one that may come; each names the source.
+/// source that is wrong and SourceUnavailable for one that may come later; each message names the source.
 std::unique_ptr<FrameSource> openSource(const CaptureParams& params);
 
 }  // namespace robot_vision

@@ -4,8 +4,8 @@
 
 #include "robot_vision/camera/camera_controls.hpp"
 #include "v4l2_controls.hpp"
-#include "v4l2_format.hpp"
-#include "v4l2_offers.hpp"
+#include "v4l2_formats.hpp"
+#include "v4l2_pixel_formats.hpp"
 
 namespace robot_vision
 {
@@ -17,7 +17,7 @@ std::string line(int depth, const std::string& text)
   return std::string(2 * static_cast<std::size_t>(depth), ' ') + text + "\n";
 }
 
-/// A range's rates may depend on the size: those of its largest are told.
+/// The rates may depend on the size: of a range of sizes, those of the largest are reported.
 std::string reportSize(V4l2Device& device, std::uint32_t fourcc, const v4l2_frmsize_stepwise& range)
 {
   const cv::Size largest(static_cast<int>(range.max_width), static_cast<int>(range.max_height));

@@ -8,19 +8,19 @@
 namespace robot_vision
 {
 
-/// The names of a camera, a line each.
+/// The names of a camera, one on each line.
 std::string reportNames(const V4l2Camera& camera);
 
 struct CameraReport
 {
   std::string text;
-  bool complete;  // else the camera could not be asked, and the text says why
+  bool complete;  // false if the camera could not be queried; then the text gives the reason
 };
 
-/// All of it, of a camera that may have vanished since it was listed.
+/// The names, formats and controls of a camera. The camera may have vanished since it was listed.
 CameraReport reportCamera(const V4l2Camera& camera, const V4l2System& system = {});
 
-/// The formats that a device offers, with sizes and rates, and its controls, a line each.
+/// The formats that a device offers, with sizes and rates, and its controls, one on each line.
 std::string reportModes(V4l2Device& device);
 std::string reportControls(V4l2Device& device);
 

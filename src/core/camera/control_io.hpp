@@ -10,7 +10,7 @@
 namespace robot_vision
 {
 
-/// One control's value on its way to or from the driver.
+/// Reads and writes the value of one control.
 class ControlIo
 {
 public:
@@ -18,7 +18,7 @@ public:
   ControlIo(const ControlIo&) = delete;
   ControlIo& operator=(const ControlIo&) = delete;
 
-  /// Each returns 0, or the errno of the failed call. The value is in the driver's terms, see control_values.hpp.
+  /// Both return 0 or the errno of the failed call. The value has the driver's type, see control_values.hpp.
   int get(V4l2Device& device, ControlValue& value);
   int set(V4l2Device& device, const ControlValue& value);
 
@@ -28,7 +28,7 @@ private:
   ControlValue value() const;
 
   std::uint32_t type_;
-  std::vector<char> text_;  // which control_ points to
+  std::vector<char> text_;  // the memory to which control_ points
   v4l2_ext_control control_{};
 };
 

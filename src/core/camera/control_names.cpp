@@ -29,7 +29,7 @@ std::string controlName(const std::string& title)
 
 std::vector<std::uint32_t> idsOfControlName(const std::string& name)
 {
-  // Linux renamed these between 5.15 and 6.0; the last of each row are usb_cam's parameters.
+  // Linux renamed these controls between 5.15 and 6.0. The last name of each group is usb_cam's parameter.
   static const std::map<std::string, std::vector<std::uint32_t>> kIds = {
       {"exposure_auto", {V4L2_CID_EXPOSURE_AUTO}},
       {"auto_exposure", {V4L2_CID_EXPOSURE_AUTO}},

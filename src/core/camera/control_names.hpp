@@ -7,11 +7,11 @@
 namespace robot_vision
 {
 
-/// A control's name as v4l2-ctl prints it: "Exposure, Auto" is exposure_auto.
+/// A control's name as v4l2-ctl prints it: "Exposure, Auto" becomes exposure_auto.
 std::string controlName(const std::string& title);
 
-/// The ids of the controls that other kernels or usb_cam call by this name, the likeliest first; empty: it is no such
-/// name.
+/// The ids of the controls that usb_cam or other kernels call by this name, the likeliest first; empty if the name is
+/// unknown.
 std::vector<std::uint32_t> idsOfControlName(const std::string& name);
 
 }  // namespace robot_vision

@@ -13,15 +13,15 @@ namespace robot_vision
 namespace
 {
 
-/// The item that true or false means for the menu of the exposure's automatic. Most webcams know two of the four only.
-std::int64_t exposureItem(const CameraControl& control, bool automatic)
+/// The item of the exposure mode's menu that true (automatic) or false means. Most webcams have only two of the four.
+std::int64_t exposureModeItem(const CameraControl& control, bool automatic)
 {
   const auto wanted = automatic ? std::array{V4L2_EXPOSURE_APERTURE_PRIORITY, V4L2_EXPOSURE_AUTO}
                                 : std::array{V4L2_EXPOSURE_MANUAL, V4L2_EXPOSURE_SHUTTER_PRIORITY};
   for (const auto number : wanted)
     for (const MenuItem& item : control.items)
       if (item.number == number) return number;
-  throw std::invalid_argument(automatic ? "it has no automatic" : "it is always automatic");
+  throw std::invalid_argument(automatic ? "it has no automatic mode" : "it is always automatic");
 }
 
 std::string choices(const CameraControl& control)
@@ -32,10 +32,10 @@ std::string choices(const CameraControl& control)
   return text;
 }
 
-std::int64_t itemOf(const CameraControl& control, const ControlValue& value)
+std::int64_t menuItemOf(const CameraControl& control, const ControlValue& value)
 {
   const auto* truth = std::get_if<bool>(&value);
-  if (truth != nullptr && control.id == V4L2_CID_EXPOSURE_AUTO) return exposureItem(control, *truth);
+  if (truth != nullptr && control.id == V4L2_CID_EXPOSURE_AUTO) return exposureModeItem(control, *truth);
   const auto* number = std::get_if<std::int64_t>(&value);
   const auto* text = std::get_if<std::string>(&value);
   for (const MenuItem& item : control.items)
@@ -60,7 +60,7 @@ std::int64_t maskOf(const CameraControl& control, const ControlValue& value)
   throw std::invalid_argument("must be a number with no other bits than " + std::to_string(control.maximum));
 }
 
-std::int64_t truthOf(const ControlValue& value)
+std::int64_t booleanOf(const ControlValue& value)
 {
   if (const auto* truth = std::get_if<bool>(&value)) return *truth ? 1 : 0;
   const auto* number = std::get_if<std::int64_t>(&value);
@@ -68,7 +68,7 @@ std::int64_t truthOf(const ControlValue& value)
   throw std::invalid_argument("must be true or false");
 }
 
-std::string textFor(const CameraControl& control, const ControlValue& value)
+std::string textOf(const CameraControl& control, const ControlValue& value)
 {
   const auto* text = std::get_if<std::string>(&value);
   const auto length = text == nullptr ? -1 : static_cast<std::int64_t>(text->size());
@@ -101,15 +101,15 @@ ControlValue valueFor(const CameraControl& control, const ControlValue& value)
   switch (control.kind)
   {
     case ControlKind::kBoolean:
-      return truthOf(value);
+      return booleanOf(value);
     case ControlKind::kMenu:
-      return itemOf(control, value);
+      return menuItemOf(control, value);
     case ControlKind::kBitmask:
       return maskOf(control, value);
     case ControlKind::kButton:
       return std::int64_t{1};
     case ControlKind::kText:
-      return textFor(control, value);
+      return textOf(control, value);
     case ControlKind::kCompound:
       throw std::invalid_argument("has more than one value, and cannot be set here");
     default:

@@ -5,8 +5,8 @@
 namespace robot_vision
 {
 
-/// The value in the driver's terms: a number, or the text of a text control. Throws std::invalid_argument saying what
-/// is possible.
+/// Converts a value to the type that the driver takes: a number, or a text for a text control. Throws
+/// std::invalid_argument that says which values are possible.
 ControlValue valueFor(const CameraControl& control, const ControlValue& value);
 
 }  // namespace robot_vision

@@ -26,7 +26,7 @@ std::string groupName(gid_t gid)
   return found == nullptr ? std::to_string(gid) : entry.gr_name;
 }
 
-std::string whoMayOpen(const std::string& path)
+std::string permissionAdvice(const std::string& path)
 {
   struct stat info;
   if (stat(path.c_str(), &info) != 0) return "";
@@ -38,7 +38,7 @@ std::string whoMayOpen(const std::string& path)
   return text + "write the udev rule SUBSYSTEM==\"video4linux\", GROUP=\"video\", MODE=\"0660\"";
 }
 
-/// The names in a folder that are numbers: processes, or descriptors of one.
+/// The names in a folder that are numbers: the processes in /proc, or the file descriptors of one process.
 std::vector<std::string> numbersIn(const std::string& folder)
 {
   std::vector<std::string> names;
@@ -48,7 +48,7 @@ std::vector<std::string> numbersIn(const std::string& folder)
   return names;
 }
 
-bool holds(const std::string& process, const struct stat& device)
+bool hasOpen(const std::string& process, const struct stat& device)
 {
   const std::string descriptors = "/proc/" + process + "/fd/";
   for (const std::string& descriptor : numbersIn(descriptors))
@@ -60,8 +60,8 @@ bool holds(const std::string& process, const struct stat& device)
   return false;
 }
 
-/// Those whose descriptors this user may see, but this process, which has just tried.
-std::string whoHolds(const std::string& path)
+/// Names the other processes that have the file open, as far as this user may see their descriptors.
+std::string busyAdvice(const std::string& path)
 {
   struct stat device;
   if (stat(path.c_str(), &device) != 0) return "";
@@ -69,7 +69,7 @@ std::string whoHolds(const std::string& path)
   std::string holders;
   for (const std::string& process : numbersIn("/proc"))
   {
-    if (process == self || !holds(process, device)) continue;
+    if (process == self || !hasOpen(process, device)) continue;
     std::string name;
     std::getline(std::ifstream("/proc/" + process + "/comm"), name);
     holders += (holders.empty() ? "" : ", ") + name + " (process " + process + ")";
@@ -81,8 +81,8 @@ std::string whoHolds(const std::string& path)
 
 std::string accessAdvice(const std::string& path, int error)
 {
-  if (error == EACCES || error == EPERM) return whoMayOpen(path);
-  if (error == EBUSY) return whoHolds(path);
+  if (error == EACCES || error == EPERM) return permissionAdvice(path);
+  if (error == EBUSY) return busyAdvice(path);
   return "";
 }
 

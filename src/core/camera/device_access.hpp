@@ -5,8 +5,8 @@
 namespace robot_vision
 {
 
-/// What to do about a device file that cannot be used for this errno, to follow the system's reason: who may open it
-/// (EACCES), who holds it (EBUSY); empty if there is nothing to say.
+/// Advice for a device file that cannot be used because of this errno, to be appended to the system's error text: who
+/// may open it (EACCES, EPERM) or which processes have it open (EBUSY). Empty for other errors.
 std::string accessAdvice(const std::string& path, int error);
 
 }  // namespace robot_vision

@@ -20,14 +20,14 @@ namespace robot_vision
 namespace
 {
 
-constexpr int kMaxLinks = 40;  // one after another, as the kernel has it
+constexpr int kMaxLinks = 40;  // symbolic links that are followed one after another, as in the kernel
 
 bool startsWith(const std::string& text, const std::string& start)
 {
   return text.compare(0, start.size(), start) == 0;
 }
 
-/// A path, or a name that ends as those of files do: .mp4, .3gp, .jpeg.
+/// True for a path, and for a name that ends like a file's: .mp4, .3gp, .jpeg.
 bool looksLikeFile(const std::string& name)
 {
   const auto is_alnum = [](unsigned char c) { return std::isalnum(c) != 0; };
@@ -40,7 +40,7 @@ bool looksLikeFile(const std::string& name)
          std::any_of(ending.begin(), ending.end(), is_alpha);
 }
 
-/// Where links lead to, also if there is nothing: those to a camera outlive its unplugging.
+/// The path to which symbolic links lead, even if nothing is there: links to a camera outlive its unplugging.
 std::filesystem::path followLinks(std::filesystem::path path)
 {
   std::error_code error;
@@ -49,21 +49,22 @@ std::filesystem::path followLinks(std::filesystem::path path)
   return path.lexically_normal();
 }
 
-/// What may be a camera's, once it is there: /dev/shm is memory for files.
-bool namesDevice(const std::string& path)
+/// True for a path where a camera may appear. /dev/shm holds files.
+bool isDevicePath(const std::string& path)
 {
   return startsWith(path, "/dev/") && !startsWith(path, "/dev/shm/");
 }
 
 SourceKind kindOfMissing(const std::string& source)
 {
-  if (namesDevice(followLinks(source).string())) return SourceKind::kDevice;
+  if (isDevicePath(followLinks(source).string())) return SourceKind::kDevice;
   if (source.find_first_of("*?[") != std::string::npos) return SourceKind::kPictures;
   return looksLikeFile(source) ? SourceKind::kVideo : SourceKind::kDevice;
 }
 
-/// Where a relative path was looked for: a node's folder is seldom the one that its user sees.
-std::string lookedIn(const std::string& path)
+/// Text for an error message that names the folder of a relative path: a node's working folder is seldom the one that
+/// its user has in mind.
+std::string inWorkingFolder(const std::string& path)
 {
   char* folder = path.front() == '/' ? nullptr : getcwd(nullptr, 0);
   const std::string text = folder == nullptr ? "" : std::string(" in ") + folder;
@@ -71,7 +72,7 @@ std::string lookedIn(const std::string& path)
   return text;
 }
 
-/// What the scene can draw, under the names that a camera's user knows.
+/// Checks the limits of the scene, but names the camera's parameters in the error message.
 void validateScene(const CaptureParams& params)
 {
   requireRange("image_width", params.image_width, 64, 4096);
@@ -80,7 +81,7 @@ void validateScene(const CaptureParams& params)
           params.image_width, "from a third to three times image_height, " + toText(params.image_height));
 }
 
-/// A name may be another device's each time.
+/// A name may belong to another device each time.
 std::unique_ptr<FrameSource> openCamera(const std::string& name, const CaptureParams& params)
 {
   const FoundCamera found = findV4l2Camera(name);
@@ -90,8 +91,8 @@ std::unique_ptr<FrameSource> openCamera(const std::string& name, const CapturePa
 std::unique_ptr<FrameSource> openVideoFile(const std::string& path)
 {
   struct stat info;
-  if (stat(path.c_str(), &info) != 0) throw SourceError(path + ": no such file or folder" + lookedIn(path));
-  if (!S_ISREG(info.st_mode)) throw SourceError(path + " cannot be read: it is no file");  // a pipe would wait
+  if (stat(path.c_str(), &info) != 0) throw SourceError(path + ": no such file or folder" + inWorkingFolder(path));
+  if (!S_ISREG(info.st_mode)) throw SourceError(path + " cannot be read: it is no file");  // reading a pipe would block
   if (info.st_size == 0) throw SourceError(path + ": the file is empty");
   return std::make_unique<VideoSource>(path);
 }

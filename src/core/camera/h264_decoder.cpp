@@ -21,7 +21,8 @@ namespace
 {
 
 constexpr std::int64_t kMaxPixels = 8192 * 8192;
-constexpr int kSilent = 100;  // FFmpeg's messages get so much less urgent: errors are told by exceptions
+constexpr int kLogLevelOffset =
+    100;  // lowers the level of FFmpeg's messages until none is printed: errors become exceptions
 
 struct Freer
 {
@@ -44,14 +45,14 @@ std::string describe(int error)
   return text.data();
 }
 
-/// From the full range of 8 bits to that of encodings: 16 to `white`.
-cv::Mat rangeTable(double white)
+/// A table that maps the full 8-bit range to the limited range of our encodings, 16 to `white`.
+cv::Mat fullToLimitedRange(double white)
 {
-  cv::Mat ramp(1, 256, CV_8UC1);
+  cv::Mat table(1, 256, CV_8UC1);
   for (int i = 0; i < 256; ++i)
-    ramp.at<std::uint8_t>(i) = static_cast<std::uint8_t>(i);
-  ramp.convertTo(ramp, CV_8U, (white - 16.0) / 255.0, 16.0);
-  return ramp;
+    table.at<std::uint8_t>(i) = static_cast<std::uint8_t>(i);
+  table.convertTo(table, CV_8U, (white - 16.0) / 255.0, 16.0);
+  return table;
 }
 
 void copyPlane(const AVFrame& frame, int plane, cv::Size size, const cv::Mat& table, std::uint8_t* to)
@@ -64,11 +65,11 @@ void copyPlane(const AVFrame& frame, int plane, cv::Size size, const cv::Mat& ta
     cv::LUT(from, table, packed);
 }
 
-void copyPicture(const AVFrame& frame, cv::Mat& yu12)
+void copyImage(const AVFrame& frame, cv::Mat& yu12)
 {
   const bool full_range = frame.format == AV_PIX_FMT_YUVJ420P || frame.color_range == AVCOL_RANGE_JPEG;
-  static const cv::Mat luma_table = rangeTable(235.0);
-  static const cv::Mat chroma_table = rangeTable(240.0);
+  static const cv::Mat luma_table = fullToLimitedRange(235.0);
+  static const cv::Mat chroma_table = fullToLimitedRange(240.0);
   const cv::Size size(frame.width, frame.height);
   yu12.create(size.height * 3 / 2, size.width, CV_8UC1);
   std::uint8_t* const chroma = yu12.ptr(size.height);
@@ -77,9 +78,9 @@ void copyPicture(const AVFrame& frame, cv::Mat& yu12)
   copyPlane(frame, 2, size / 2, full_range ? chroma_table : cv::Mat(), chroma + (size / 2).area());
 }
 
-void requirePicture(const AVFrame& frame)
+void checkFrame(const AVFrame& frame)
 {
-  const auto refuse = [](const std::string& why) { throw std::invalid_argument("H.264 picture " + why); };
+  const auto refuse = [](const std::string& reason) { throw std::invalid_argument("H.264 picture " + reason); };
   if (frame.format != AV_PIX_FMT_YUV420P && frame.format != AV_PIX_FMT_YUVJ420P)
   {
     const char* name = av_get_pix_fmt_name(static_cast<AVPixelFormat>(frame.format));
@@ -91,8 +92,8 @@ void requirePicture(const AVFrame& frame)
     refuse("is damaged, or follows one that was lost");
 }
 
-/// Whether a unit of the frame's is a picture that needs no others (type 5), or what comes before one (7).
-bool beginsAnew(const cv::Mat& bytes)
+/// True if a NAL unit of the frame is a keyframe (type 5, IDR) or the parameter set that precedes one (type 7, SPS).
+bool hasKeyframe(const cv::Mat& bytes)
 {
   const std::uint8_t* const end = bytes.data + bytes.total();
   for (const std::uint8_t* p = bytes.data; p + 3 < end; ++p)
@@ -122,9 +123,11 @@ H264Decoder::H264Decoder() : context_(std::make_unique<Context>())
   context_->frame = own(av_frame_alloc());
   AVCodecContext& codec = *context_->codec;
   codec.flags |= AV_CODEC_FLAG_LOW_DELAY;
-  codec.thread_count = 1;  // threads by frames would keep back as many, by slices few cameras' streams could use them
+  // Threads for frames would delay the images by as many frames, and few cameras' streams have the slices for slice
+  // threads.
+  codec.thread_count = 1;
   codec.max_pixels = kMaxPixels;
-  codec.log_level_offset = kSilent;
+  codec.log_level_offset = kLogLevelOffset;
   const int error = avcodec_open2(&codec, decoder, nullptr);
   if (error != 0) throw SourceError("FFmpeg's decoder for H.264 cannot be opened: " + describe(error));
 }
@@ -134,14 +137,14 @@ H264Decoder::~H264Decoder() = default;
 void H264Decoder::restart()
 {
   avcodec_flush_buffers(context_->codec.get());
-  waiting_ = true;
+  waiting_for_keyframe_ = true;
 }
 
 bool H264Decoder::decode(const cv::Mat& bytes, cv::Mat& yu12)
 {
   if (bytes.empty()) throw std::invalid_argument("H.264 frame is empty");
-  if (waiting_ && !beginsAnew(bytes)) return false;
-  waiting_ = false;
+  if (waiting_for_keyframe_ && !hasKeyframe(bytes)) return false;
+  waiting_for_keyframe_ = false;
   try
   {
     send(bytes);
@@ -174,8 +177,8 @@ bool H264Decoder::receive(cv::Mat& yu12)
   int error;
   while ((error = avcodec_receive_frame(context_->codec.get(), context_->frame.get())) == 0)
   {
-    requirePicture(*context_->frame);
-    copyPicture(*context_->frame, yu12);  // of several the newest stays
+    checkFrame(*context_->frame);
+    copyImage(*context_->frame, yu12);  // the newest image stays if there are several
     decoded = true;
   }
   if (error != AVERROR(EAGAIN)) throw std::invalid_argument("H.264 frame cannot be decoded: " + describe(error));

@@ -6,20 +6,20 @@
 namespace robot_vision
 {
 
-/// Decodes an H.264 stream (ITU-T H.264, annex B), a frame at a time and without the delay of decoders that wait for
-/// more. Pictures begin with one that needs no others: at the start, and again after every damage.
+/// Decodes an H.264 stream (ITU-T H.264, annex B) frame by frame, without the delay of decoders that wait for more
+/// frames. At the start and after a damaged frame, images begin with the next keyframe.
 class H264Decoder
 {
 public:
-  /// Throws SourceError if FFmpeg was built without it.
+  /// Throws SourceError if FFmpeg was built without an H.264 decoder.
   H264Decoder();
   ~H264Decoder();
 
-  /// Waits for the next picture that needs no others: frames before were lost.
+  /// Waits for the next keyframe. To be called when frames were lost.
   void restart();
 
-  /// False if there is no picture yet. `yu12` is of encoding yu12 (see encoding.hpp), the luma from 16 to 235 whatever
-  /// the stream's range. Throws std::invalid_argument for a frame that is damaged.
+  /// Decodes one frame; returns false if there is no image yet. `yu12` has the encoding yu12 (see encoding.hpp); its
+  /// luma is from 16 to 235 whatever the stream's range is. Throws std::invalid_argument for a damaged frame.
   bool decode(const cv::Mat& bytes, cv::Mat& yu12);
 
 private:
@@ -28,7 +28,7 @@ private:
   bool receive(cv::Mat& yu12);
 
   std::unique_ptr<Context> context_;
-  bool waiting_ = true;  // for a picture that needs no others
+  bool waiting_for_keyframe_ = true;
 };
 
 }  // namespace robot_vision

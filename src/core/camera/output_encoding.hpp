@@ -9,8 +9,9 @@ namespace robot_vision
 /// native.
 void validateOutputEncoding(const std::string& wanted);
 
-/// The encoding of ~image_raw for frames of the encoding `given`. auto: mono8 of gray cameras, bgr8 of all others.
-/// native: what is given, in its name in sensor_msgs (10 bits of gray as mono16), or bgr8 where there is none.
+/// The encoding of ~image_raw for frames of the encoding `given`. auto is mono8 for gray cameras and bgr8 for all
+/// others. native is the given encoding under its name in sensor_msgs (10-bit gray becomes mono16), or bgr8 if
+/// sensor_msgs has no name for it.
 std::string outputEncoding(const std::string& wanted, const std::string& given);
 
 }  // namespace robot_vision

@@ -15,9 +15,9 @@ namespace robot_vision
 namespace
 {
 
-constexpr std::size_t kMaxFile = std::size_t{256} << 20;  // bytes: more than the largest image has without compression
+constexpr std::size_t kMaxFile = std::size_t{256} << 20;  // bytes; more than the largest uncompressed image has
 
-std::vector<std::string> matches(const std::string& pattern)
+std::vector<std::string> globbed(const std::string& pattern)
 {
   glob_t found;
   std::vector<std::string> paths;
@@ -26,7 +26,7 @@ std::vector<std::string> matches(const std::string& pattern)
   return paths;
 }
 
-/// The path as a glob pattern that matches nothing but itself.
+/// A glob pattern that matches this path only.
 std::string escaped(const std::string& path)
 {
   std::string pattern;
@@ -38,20 +38,20 @@ std::string escaped(const std::string& path)
   return pattern;
 }
 
-std::vector<std::string> pictures(const std::string& path)
+std::vector<std::string> listPictures(const std::string& path)
 {
   struct stat info;
   const bool exists = stat(path.c_str(), &info) == 0;
   if (exists && !S_ISDIR(info.st_mode)) return {path};
 
-  std::vector<std::string> found = matches(exists ? escaped(path) + "/*" : path);
+  std::vector<std::string> found = globbed(exists ? escaped(path) + "/*" : path);
   found.erase(std::remove_if(found.begin(), found.end(), [](const std::string& f) { return !isPictureFile(f); }),
               found.end());
   if (found.empty()) throw SourceError(path + ": no pictures that OpenCV can read are there");
   return found;
 }
 
-std::vector<char> bytesOf(const std::string& path)
+std::vector<char> readBytes(const std::string& path)
 {
   try
   {
@@ -66,21 +66,21 @@ std::vector<char> bytesOf(const std::string& path)
 
 cv::Mat decodeFile(const std::string& path, int flags)
 {
-  const std::vector<char> bytes = bytesOf(path);
+  const std::vector<char> bytes = readBytes(path);
   const auto* data = reinterpret_cast<const unsigned char*>(bytes.data());
   if (isJpeg(data, bytes.size()) && !isCompleteJpeg(data, bytes.size()))
     throw SourceError(path + ": the JPEG is damaged or truncated");
-  cv::Mat picture;
+  cv::Mat image;
   try
   {
-    picture = decodeImageFile(data, bytes.size(), flags);
+    image = decodeImageFile(data, bytes.size(), flags);
   }
   catch (const std::invalid_argument& e)
   {
     throw SourceError(path + ": " + e.what());
   }
-  if (picture.empty()) throw SourceError(path + ": not a picture that OpenCV can read, or damaged");
-  return picture;
+  if (image.empty()) throw SourceError(path + ": not a picture that OpenCV can read, or damaged");
+  return image;
 }
 
 }  // namespace
@@ -101,7 +101,7 @@ cv::Mat readUpright(const std::string& path)
   return decodeFile(path, cv::IMREAD_COLOR);
 }
 
-PictureSource::PictureSource(const std::string& path) : path_(path), files_(pictures(path))
+PictureSource::PictureSource(const std::string& path) : path_(path), files_(listPictures(path))
 {
   if (files_.front() == path) only_ = readPicture(files_.front());
 }
@@ -125,7 +125,7 @@ ReadResult PictureSource::read(Frame& frame)
   catch (const SourceError& e)
   {
     ++failed_in_a_row_;
-    throw std::invalid_argument(e.what());  // of one picture: the next may be good
+    throw std::invalid_argument(e.what());  // only this file is damaged, the next may be good
   }
   failed_in_a_row_ = 0;
   frame.sequence = sequence_++;

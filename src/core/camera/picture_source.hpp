@@ -8,16 +8,16 @@
 namespace robot_vision
 {
 
-/// True if the file begins like a picture that OpenCV reads.
+/// True if the file begins like an image file that OpenCV can read.
 bool isPictureFile(const std::string& path);
 
-/// The pixels of a picture file, in BGR: as the sensor has them, whatever side of the camera was up, for so does its
-/// calibration; or turned by EXIF, as people look at it. Throws SourceError naming the path if it is missing, damaged
-/// or truncated.
+/// Reads an image file as BGR. readPicture() ignores the EXIF orientation and gives the pixels as the sensor had them,
+/// because the camera's calibration does, too; readUpright() turns the image as EXIF says. Both throw SourceError
+/// naming the path if the file is missing, damaged or truncated.
 cv::Mat readPicture(const std::string& path);
 cv::Mat readUpright(const std::string& path);
 
-/// One picture again and again, or the pictures of a folder or glob in the order of their names.
+/// Gives one image file again and again, or the image files of a folder or glob pattern in the order of their names.
 class PictureSource : public FrameSource
 {
 public:
@@ -34,7 +34,7 @@ private:
   std::size_t next_ = 0;
   std::size_t failed_in_a_row_ = 0;
   std::int64_t sequence_ = 0;
-  cv::Mat only_;  // the decoded picture if the source is a single file
+  cv::Mat only_;  // the decoded image if the source is a single file
 };
 
 }  // namespace robot_vision

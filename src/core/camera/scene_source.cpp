@@ -22,10 +22,10 @@ SceneParams sceneParams(const CaptureParams& params)
   return scene;
 }
 
-/// The photograph of a face that python3-skimage brings along.
+/// The photograph of a face that the package python3-skimage contains.
 constexpr const char* kPortrait = "/usr/lib/python3/dist-packages/skimage/data/astronaut.png";
 
-/// An empty picture: the scene has a pattern of its own.
+/// Reads the poster. The result is empty if the scene is to use its own pattern.
 cv::Mat readPoster(const std::string& poster)
 {
   if (poster.empty() || poster == "pattern" || (poster == "auto" && !std::filesystem::exists(kPortrait))) return {};
@@ -39,7 +39,7 @@ cv::Mat readPoster(const std::string& poster)
   }
 }
 
-/// Whatever has a camera, and can be rendered with its truth.
+/// The source of a Scene or CalibrationScene, each frame with its ground truth.
 template <class AnyScene>
 class SceneSource : public FrameSource
 {

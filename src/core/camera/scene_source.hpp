@@ -7,8 +7,8 @@
 namespace robot_vision
 {
 
-/// A synthetic scene, the one that `params` name, as a camera: frame after frame, each with its ground truth. Throws
-/// SourceError for a poster that cannot be read.
+/// Opens the synthetic scene that `params` name. Each frame has its ground truth. Throws SourceError for a poster that
+/// cannot be read.
 std::unique_ptr<FrameSource> openScene(const CaptureParams& params);
 
 }  // namespace robot_vision

@@ -20,7 +20,7 @@ namespace
 
 namespace fs = std::filesystem;
 
-constexpr int kRanks = 3;  // of how well a name fits
+constexpr int kMatchLevels = 3;  // of how well a name matches a camera
 
 std::string readLine(const fs::path& path)
 {
@@ -32,7 +32,7 @@ std::string readLine(const fs::path& path)
 
 std::vector<fs::path> entriesOf(const fs::path& folder)
 {
-  std::error_code error;  // a folder that is not there has none
+  std::error_code error;  // a missing folder has no entries
   std::vector<fs::path> entries;
   for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error))
     entries.push_back(entry->path());
@@ -40,7 +40,7 @@ std::vector<fs::path> entriesOf(const fs::path& folder)
   return entries;
 }
 
-/// The N of a file videoN; -1 of any other.
+/// The number N of a file videoN; -1 for other files.
 int numberOf(const fs::path& path)
 {
   const std::string name = path.filename().string();
@@ -58,7 +58,8 @@ std::vector<fs::path> videoNodes(const V4l2System& system)
   return nodes;
 }
 
-/// Of the USB device that the camera is a part of. The host controller above has one too, which says nothing.
+/// The serial number of the USB device to which the camera belongs. The search ends there, because the host controller
+/// above it has a serial number, too.
 std::string serialOf(const fs::path& device)
 {
   std::error_code error;
@@ -68,8 +69,8 @@ std::string serialOf(const fs::path& device)
   return {};
 }
 
-/// Those of udev, and those that its rules make wherever they like. Of what else is there, the kernel's own names for
-/// all devices tell nothing, and shared memory may hold anything.
+/// Adds the symbolic links in a folder, which udev's rules may place anywhere in /dev. The kernel's names in /dev/char
+/// tell nothing, and /dev/shm may hold anything.
 void addLinks(const fs::path& folder, int depth, std::vector<fs::path>& links)
 {
   std::error_code error;
@@ -77,14 +78,14 @@ void addLinks(const fs::path& folder, int depth, std::vector<fs::path>& links)
   {
     const fs::file_type type = fs::symlink_status(entry, error).type();
     if (type == fs::file_type::symlink) links.push_back(entry);
-    const bool others = entry.filename() == "char" || entry.filename() == "shm";
-    if (type == fs::file_type::directory && depth > 0 && !others) addLinks(entry, depth - 1, links);
+    const bool ignored = entry.filename() == "char" || entry.filename() == "shm";
+    if (type == fs::file_type::directory && depth > 0 && !ignored) addLinks(entry, depth - 1, links);
   }
 }
 
 std::vector<fs::path> linksBelow(const fs::path& folder)
 {
-  constexpr int kDepth = 2;  // v4l/by-id
+  constexpr int kDepth = 2;  // folders, such as v4l/by-id
   std::vector<fs::path> links;
   addLinks(folder, kDepth, links);
   return links;
@@ -105,14 +106,14 @@ std::string text(const __u8 (&field)[size])
   return {begin, strnlen(begin, size)};
 }
 
-/// Nothing if the node gives no pictures.
+/// Describes the camera of a device file; empty if the device does not capture images.
 std::optional<V4l2Camera> cameraAt(const fs::path& node, const std::vector<fs::path>& links, const V4l2System& system)
 {
-  const fs::path about = fs::path(system.classes) / node.filename();
+  const fs::path class_entry = fs::path(system.classes) / node.filename();
   V4l2Camera camera;
   camera.path = node.string();
-  camera.card = readLine(about / "name");
-  camera.serial = serialOf(about / "device");
+  camera.card = readLine(class_entry / "name");
+  camera.serial = serialOf(class_entry / "device");
   camera.links = linksTo(node, links);
   try
   {
@@ -135,14 +136,14 @@ std::string lowered(std::string text)
   return text;
 }
 
-/// How well the name fits, 0 best; kRanks: not at all.
-int rank(const V4l2Camera& camera, const std::string& name)
+/// How well a name matches a camera: 0 is best, kMatchLevels means not at all.
+int matchLevel(const V4l2Camera& camera, const std::string& name)
 {
   const auto is_link = [&name](const std::string& link) { return fs::path(link).filename() == name; };
   if (name == camera.serial || name == camera.bus || std::any_of(camera.links.begin(), camera.links.end(), is_link))
     return 0;
   if (lowered(camera.card) == lowered(name)) return 1;
-  return lowered(camera.card).find(lowered(name)) != std::string::npos ? 2 : kRanks;
+  return lowered(camera.card).find(lowered(name)) != std::string::npos ? 2 : kMatchLevels;
 }
 
 std::string describeAll(const std::vector<V4l2Camera>& cameras)
@@ -176,15 +177,15 @@ FoundCamera findV4l2Camera(const std::string& name, const V4l2System& system)
 {
   if (name.find('/') == 0) return {name, ""};
   const std::vector<V4l2Camera> cameras = listV4l2Cameras(system);
-  std::vector<V4l2Camera> fitting;
-  for (int wanted = 0; wanted < kRanks && fitting.empty(); ++wanted)
-    std::copy_if(cameras.begin(), cameras.end(), std::back_inserter(fitting),
-                 [&](const V4l2Camera& camera) { return rank(camera, name) == wanted; });
-  if (fitting.empty())
+  std::vector<V4l2Camera> matching;
+  for (int level = 0; level < kMatchLevels && matching.empty(); ++level)
+    std::copy_if(cameras.begin(), cameras.end(), std::back_inserter(matching),
+                 [&](const V4l2Camera& camera) { return matchLevel(camera, name) == level; });
+  if (matching.empty())
     throw SourceUnavailable("'" + name + "' is no camera; there is " +
                             (cameras.empty() ? "none at all" : describeAll(cameras)));
-  if (fitting.size() == 1) return {fitting.front().path, ""};
-  return {fitting.front().path, "'" + name + "' is the name of " + describeAll(fitting) + "; the first is taken"};
+  if (matching.size() == 1) return {matching.front().path, ""};
+  return {matching.front().path, "'" + name + "' is the name of " + describeAll(matching) + "; the first is taken"};
 }
 
 std::string describe(const V4l2Camera& camera)

@@ -10,7 +10,7 @@
 namespace robot_vision
 {
 
-/// Where devices are described and how they are opened; tests have machines of their own.
+/// Where the system describes devices and how they are opened. Tests have their own.
 struct V4l2System
 {
   std::string devices = "/dev";                    // videoN, and links to them
@@ -18,32 +18,33 @@ struct V4l2System
   std::function<std::unique_ptr<V4l2Device>(const std::string& path)> open = openV4l2Device;
 };
 
-/// A device that captures, and the names by which it can be found.
+/// A capture device and the names by which it can be found.
 struct V4l2Camera
 {
-  std::string path;                // /dev/video0; at another start it may be another camera's
+  std::string path;                // /dev/video0; after a restart it may belong to another camera
   std::string card;                // "HD Pro Webcam C920"
   std::string driver;              // "uvcvideo"
   std::string bus;                 // "usb-0000:00:14.0-1"
-  std::string serial;              // of a USB device that has one
-  std::vector<std::string> links;  // below /dev: by-id, by-path, those of udev's rules
-  std::string problem;             // why it cannot be asked; then driver and bus are unknown
+  std::string serial;              // empty unless it is a USB device that has one
+  std::vector<std::string> links;  // symbolic links below /dev: by-id, by-path, those of udev's rules
+  std::string problem;             // the reason why it cannot be queried, if so; then driver and bus are unknown
 };
 
-/// All cameras, in the order of their numbers. Nodes of a camera that give no pictures but only data are left out.
+/// All cameras in the order of their numbers, without device files that give metadata instead of images.
 std::vector<V4l2Camera> listV4l2Cameras(const V4l2System& system = {});
 
 struct FoundCamera
 {
   std::string path;
-  std::string warning;  // empty if only one fits
+  std::string warning;  // empty if the name matches one camera only
 };
 
-/// The camera with this serial, bus, or name of a link; else of this card; else with this in the card's name, upper or
-/// lower case. A path is taken as it is. Throws SourceUnavailable listing the cameras if none fits.
+/// Finds the camera that has this serial number, bus or link name; else this card name; else a card name that contains
+/// this name. Card names are compared regardless of case. A path is returned as it is. Throws SourceUnavailable that
+/// lists the cameras if none matches.
 FoundCamera findV4l2Camera(const std::string& name, const V4l2System& system = {});
 
-/// True if both paths lead to one file; std::filesystem::equivalent() knows no devices.
+/// True if both paths lead to the same file, which may be a device: std::filesystem::equivalent() refuses devices.
 bool isSameFile(const std::string& a, const std::string& b);
 
 /// "/dev/video0 (HD Pro Webcam C920, usb-0000:00:14.0-1, serial 1A2B3C4D)"

@@ -19,7 +19,7 @@ namespace robot_vision
 namespace
 {
 
-constexpr double kExposureUnit = 1e-4;  // s, of V4L2_CID_EXPOSURE_ABSOLUTE
+constexpr double kExposureUnit = 1e-4;  // s, the unit of V4L2_CID_EXPOSURE_ABSOLUTE
 
 ControlKind kindOf(const v4l2_query_ext_ctrl& query)
 {
@@ -70,14 +70,14 @@ CameraControl describe(V4l2Device& device, const v4l2_query_ext_ctrl& query)
   control.default_value = query.default_value;
   control.read_only = (query.flags & V4L2_CTRL_FLAG_READ_ONLY) != 0;
   control.inactive = (query.flags & V4L2_CTRL_FLAG_INACTIVE) != 0;
-  if (control.kind == ControlKind::kBitmask)  // the driver tells them with the sign of 32 bits
+  if (control.kind == ControlKind::kBitmask)  // the driver gives them as signed 32-bit numbers
   {
     control.maximum &= std::numeric_limits<std::uint32_t>::max();
     control.default_value &= std::numeric_limits<std::uint32_t>::max();
   }
   if (control.kind == ControlKind::kMenu) control.items = itemsOf(device, query);
-  const bool valued = control.kind != ControlKind::kButton && control.kind != ControlKind::kCompound;
-  if (!valued || (query.flags & V4L2_CTRL_FLAG_WRITE_ONLY) != 0) return control;
+  const bool readable = control.kind != ControlKind::kButton && control.kind != ControlKind::kCompound;
+  if (!readable || (query.flags & V4L2_CTRL_FLAG_WRITE_ONLY) != 0) return control;
   control.has_value = ControlIo(query).get(device, control.value) == 0;
   return control;
 }
@@ -88,7 +88,7 @@ CameraControl describe(V4l2Device& device, const v4l2_query_ext_ctrl& query)
   throw std::invalid_argument(std::string("is refused by the driver: ") + std::strerror(error));
 }
 
-/// The driver's description as it is now: what is inactive depends on the others.
+/// Queries the present description of a control: whether it is inactive depends on other controls.
 v4l2_query_ext_ctrl query(V4l2Device& device, std::uint32_t id)
 {
   v4l2_query_ext_ctrl query{};
@@ -104,13 +104,13 @@ void setControl(V4l2Device& device, const CameraControl& control, const ControlV
   const ControlValue value = valueFor(control, wanted);
   const v4l2_query_ext_ctrl present = query(device, control.id);
   if ((present.flags & V4L2_CTRL_FLAG_INACTIVE) != 0)
-    throw std::invalid_argument("is inactive: another control, such as its automatic, rules it now");
+    throw std::invalid_argument("is inactive: another control, such as its automatic mode, determines it now");
   const int error = ControlIo(present).set(device, value);
   if (error == EBUSY) throw std::invalid_argument("cannot be changed while the camera streams");
   if (error != 0) refuse(device, "VIDIOC_S_EXT_CTRLS", error);
 }
 
-std::string names(const std::vector<CameraControl>& controls)
+std::string joinedNames(const std::vector<CameraControl>& controls)
 {
   if (controls.empty()) return "no controls";
   std::vector<std::string> all;
@@ -119,12 +119,12 @@ std::string names(const std::vector<CameraControl>& controls)
   return joined(all);
 }
 
-/// Empty, or what is wrong with a setting.
+/// Makes a setting. Returns the error message, empty if there was no error.
 std::string trySetting(V4l2Device& device, const std::vector<CameraControl>& controls, const ControlSetting& setting)
 {
   const CameraControl* control = findControl(controls, setting.name);
   if (control == nullptr)
-    return device.path() + ": there is no control " + setting.name + ", the camera has " + names(controls);
+    return device.path() + ": there is no control " + setting.name + ", the camera has " + joinedNames(controls);
   try
   {
     setControl(device, *control, setting.value);
@@ -136,7 +136,7 @@ std::string trySetting(V4l2Device& device, const std::vector<CameraControl>& con
   }
 }
 
-/// True for what may rule others.
+/// True for controls that may activate or deactivate others.
 bool isSwitch(const std::vector<CameraControl>& controls, const ControlSetting& setting)
 {
   const CameraControl* control = findControl(controls, setting.name);
@@ -148,8 +148,8 @@ bool isSwitch(const std::vector<CameraControl>& controls, const ControlSetting& 
 std::vector<CameraControl> listControls(V4l2Device& device)
 {
   std::vector<CameraControl> controls;
-  ControlEnumerator walk(device);
-  for (v4l2_query_ext_ctrl query{}; walk.next(query);)
+  ControlEnumerator enumerator(device);
+  for (v4l2_query_ext_ctrl query{}; enumerator.next(query);)
   {
     const bool heading = query.type == V4L2_CTRL_TYPE_CTRL_CLASS;
     if (!heading && (query.flags & V4L2_CTRL_FLAG_DISABLED) == 0) controls.push_back(describe(device, query));
@@ -164,18 +164,18 @@ std::vector<RefusedSetting> setControls(V4l2Device& device, const std::vector<Co
   const auto is_switch = [&controls](const ControlSetting& setting) { return isSwitch(controls, setting); };
   std::stable_partition(pending.begin(), pending.end(), is_switch);
 
-  // Switches may rule each other: what was refused is tried again as long as any other goes in.
+  // Switches may depend on each other. So settings that failed are tried again as long as another one succeeds.
   std::vector<RefusedSetting> refused;
-  for (std::size_t before = pending.size() + 1; pending.size() < before;)
+  for (std::size_t last_count = pending.size() + 1; pending.size() < last_count;)
   {
-    before = pending.size();
+    last_count = pending.size();
     refused.clear();
     std::vector<ControlSetting> left;
     for (const ControlSetting& setting : pending)
     {
-      const std::string why = trySetting(device, controls, setting);
-      if (why.empty()) continue;
-      refused.push_back({setting.name, why});
+      const std::string error = trySetting(device, controls, setting);
+      if (error.empty()) continue;
+      refused.push_back({setting.name, error});
       left.push_back(setting);
     }
     pending.swap(left);

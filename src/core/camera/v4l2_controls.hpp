@@ -6,7 +6,7 @@
 namespace robot_vision
 {
 
-/// Seconds that a picture is exposed for; 0: the device does not say.
+/// The exposure time in seconds; 0 if the device does not tell it.
 double exposureTime(V4l2Device& device);
 
 }  // namespace robot_vision

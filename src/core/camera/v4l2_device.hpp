@@ -10,11 +10,11 @@
 namespace robot_vision
 {
 
-/// To a question with an index that counts up: so that no driver keeps us for ever.
+/// The largest number of answers to an enumerating ioctl, so that no faulty driver makes a loop endless.
 constexpr std::uint32_t kMaxAnswers = 1000;
 
-/// An open Video4Linux2 device. Failed calls throw SourceUnavailable naming the device, the call and the system's
-/// reason. An interface, so that tests can plug in cameras that machines do not have.
+/// An open Video4Linux2 device. Failed calls throw SourceUnavailable that names the device, the call and the system's
+/// error text. This is an interface so that tests can use cameras that the machine does not have.
 class V4l2Device
 {
 public:
@@ -25,17 +25,17 @@ public:
 
   const std::string& path() const { return path_; }
 
-  /// ioctl(), repeated when a signal comes; 0, or the errno that it failed with.
+  /// Calls ioctl(), again if a signal interrupts it. Returns 0 or the errno of the failed call.
   virtual int tryCall(unsigned long request, void* argument) = 0;
 
-  /// False if there is nothing to read within the time.
+  /// Waits for data; returns false if there is nothing to read within the time.
   virtual bool waitReadable(int milliseconds) = 0;
 
-  /// Memory of the driver, to be given back with unmap().
+  /// Maps memory of the driver, which unmap() releases.
   virtual void* map(std::size_t length, std::uint32_t offset) = 0;
   virtual void unmap(void* start, std::size_t length) = 0;
 
-  /// As tryCall(), but throws; `name` is for the error.
+  /// Like tryCall(), but throws if the call fails; `name` is the call's name for the error message.
   void call(unsigned long request, void* argument, const char* name);
 
   [[noreturn]] void fail(const std::string& what, int error) const;
@@ -44,10 +44,9 @@ private:
   std::string path_;
 };
 
-/// What a device is; `capabilities` are those of this node, not of all nodes of the device together.
+/// Describes a device. `capabilities` are those of this device file, not of all files of the device together.
 v4l2_capability queryCapability(V4l2Device& device);
 
-/// Opens a device file.
 std::unique_ptr<V4l2Device> openV4l2Device(const std::string& path);
 
 }  // namespace robot_vision

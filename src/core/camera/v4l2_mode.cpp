@@ -8,14 +8,14 @@
 #include <vector>
 
 #include "robot_vision/common/range.hpp"
-#include "v4l2_offers.hpp"
+#include "v4l2_formats.hpp"
 
 namespace robot_vision
 {
 namespace
 {
 
-constexpr double kSameRate = 0.005;  // 29.97 Hz are 30
+constexpr double kRateTolerance = 0.005;  // relative: 29.97 Hz count as 30 Hz
 
 struct Candidate
 {
@@ -23,9 +23,9 @@ struct Candidate
   cv::Size size;
 };
 
-/// What the driver makes of a format, which need not be what it was asked for, not even in the pixel format; nothing if
-/// we do not take that.
-std::optional<V4l2Mode> ask(V4l2Device& device, const Candidate& wanted)
+/// Asks the driver to set a format. It may choose another size and even another pixel format, which the result tells;
+/// the result is empty if we cannot use that pixel format.
+std::optional<V4l2Mode> trySetFormat(V4l2Device& device, const Candidate& wanted)
 {
   v4l2_format format{};
   format.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
@@ -44,7 +44,7 @@ std::optional<V4l2Mode> ask(V4l2Device& device, const Candidate& wanted)
   return mode;
 }
 
-bool isAsAsked(const V4l2Mode& mode, const Candidate& wanted)
+bool matches(const V4l2Mode& mode, const Candidate& wanted)
 {
   return mode.format == wanted.format && static_cast<int>(mode.pixels.width) == wanted.size.width &&
          static_cast<int>(mode.pixels.height) == wanted.size.height;
@@ -57,7 +57,7 @@ const V4l2Offer* findOffer(const std::vector<V4l2Offer>& offers, std::uint32_t f
   return found == offers.end() ? nullptr : &*found;
 }
 
-/// What to try, the best first.
+/// The formats to try, the best first.
 std::vector<Candidate> candidates(const std::vector<V4l2Offer>& offers, const Candidate& wanted)
 {
   std::vector<Candidate> found;
@@ -65,23 +65,23 @@ std::vector<Candidate> candidates(const std::vector<V4l2Offer>& offers, const Ca
   {
     const V4l2Offer* offer = findOffer(offers, format.fourcc);
     if (offer == nullptr && !offers.empty()) continue;
-    const bool sized = offer != nullptr && !offer->sizes.empty();
-    found.push_back({&format, sized ? nearestSize(offer->sizes, wanted.size) : wanted.size});
+    const bool has_sizes = offer != nullptr && !offer->sizes.empty();
+    found.push_back({&format, has_sizes ? nearestSize(offer->sizes, wanted.size) : wanted.size});
   }
   const auto key = [&wanted](const Candidate& candidate)
   {
-    const cv::Size off = candidate.size - wanted.size;
-    return std::pair(candidate.format != wanted.format, std::abs(off.width) + std::abs(off.height));
+    const cv::Size difference = candidate.size - wanted.size;
+    return std::pair(candidate.format != wanted.format, std::abs(difference.width) + std::abs(difference.height));
   };
   std::stable_sort(found.begin(), found.end(),
                    [&key](const Candidate& a, const Candidate& b) { return key(a) < key(b); });
   return found;
 }
 
-/// "; it offers YUYV, MJPG: 320x240, 640x480; NV12: 16x16 to 640x480", of the formats that we take.
+/// "; it offers YUYV, MJPG: 320x240, 640x480; NV12: 16x16 to 640x480", without the formats that we cannot use.
 std::string describeOffers(const std::vector<V4l2Offer>& offers)
 {
-  std::vector<std::pair<std::string, std::string>> groups;  // formats, and the sizes that they share
+  std::vector<std::pair<std::string, std::string>> groups;  // formats and their common sizes
   for (const V4l2Offer& offer : offers)
   {
     if (findV4l2Format(offer.fourcc) == nullptr) continue;
@@ -101,23 +101,23 @@ std::string describeOffers(const std::vector<V4l2Offer>& offers)
 
 [[noreturn]] void refuse(V4l2Device& device, const std::vector<V4l2Offer>& offers)
 {
-  std::vector<std::string> has;
+  std::vector<std::string> offered;
   for (const V4l2Offer& offer : offers)
-    has.push_back(fourccText(offer.fourcc));
-  throw SourceUnavailable(device.path() + ": " + (has.empty() ? "gives" : "offers " + joined(has) + ", but") +
+    offered.push_back(fourccText(offer.fourcc));
+  throw SourceUnavailable(device.path() + ": " + (offered.empty() ? "gives" : "offers " + joined(offered) + ", but") +
                           " none of " + v4l2FormatNames());
 }
 
-V4l2Mode agreeOnFormat(V4l2Device& device, const Candidate& wanted)
+V4l2Mode negotiatePixelFormat(V4l2Device& device, const Candidate& wanted)
 {
-  // A driver says what else it has in some hundred calls: only who needs it asks.
-  if (const auto first = ask(device, wanted); first && isAsAsked(*first, wanted)) return *first;
+  // Listing what the driver offers takes some hundred calls, so it is only done when it is needed.
+  if (const auto first = trySetFormat(device, wanted); first && matches(*first, wanted)) return *first;
   const std::vector<V4l2Offer> offers = offeredFormats(device);
   for (const Candidate& candidate : candidates(offers, wanted))
   {
-    std::optional<V4l2Mode> mode = ask(device, candidate);
+    std::optional<V4l2Mode> mode = trySetFormat(device, candidate);
     if (!mode) continue;
-    if (!isAsAsked(*mode, wanted))
+    if (!matches(*mode, wanted))
       mode->warning = "asked for " + describeFormat(wanted.format->fourcc, wanted.size.width, wanted.size.height) +
                       ", gives " + describe(*mode) + describeOffers(offers);
     return *mode;
@@ -125,7 +125,7 @@ V4l2Mode agreeOnFormat(V4l2Device& device, const Candidate& wanted)
   refuse(device, offers);
 }
 
-/// How the pictures differ from frames; empty if they do not.
+/// Says how images made of fields differ from full frames; empty if they are full frames.
 std::string describeFields(std::uint32_t field)
 {
   switch (field)
@@ -151,8 +151,8 @@ void addWarning(V4l2Mode& mode, const std::string& text)
   mode.warning += (mode.warning.empty() ? "" : "; ") + text;
 }
 
-/// Drivers need not know of rates.
-void agreeOnRate(V4l2Device& device, const CaptureParams& params, V4l2Mode& mode)
+/// Sets the frame rate. A driver need not support that.
+void negotiateRate(V4l2Device& device, const CaptureParams& params, V4l2Mode& mode)
 {
   v4l2_streamparm parameters{};
   parameters.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
@@ -167,7 +167,7 @@ void agreeOnRate(V4l2Device& device, const CaptureParams& params, V4l2Mode& mode
     if (device.tryCall(VIDIOC_S_PARM, &parameters) != 0) device.tryCall(VIDIOC_G_PARM, &parameters);
   }
   mode.rate = rateOf(period);
-  if (params.framerate > 0.0 && mode.rate > 0.0 && std::abs(mode.rate - rate) > kSameRate * rate)
+  if (params.framerate > 0.0 && mode.rate > 0.0 && std::abs(mode.rate - rate) > kRateTolerance * rate)
     addWarning(mode, "asked for " + toText(rate) + " Hz, gives " + rateText(mode.rate) +
                          (offered.empty() ? "" : "; " + describe(mode) + " has " + describeRates(offered)));
 }
@@ -177,9 +177,9 @@ void agreeOnRate(V4l2Device& device, const CaptureParams& params, V4l2Mode& mode
 V4l2Mode negotiateFormat(V4l2Device& device, const CaptureParams& params)
 {
   const Candidate wanted = {findV4l2Format(params.pixel_format), {params.image_width, params.image_height}};
-  V4l2Mode mode = agreeOnFormat(device, wanted);
+  V4l2Mode mode = negotiatePixelFormat(device, wanted);
   if (const std::string fields = describeFields(mode.pixels.field); !fields.empty()) addWarning(mode, fields);
-  agreeOnRate(device, params, mode);
+  negotiateRate(device, params, mode);
   return mode;
 }
 

@@ -6,23 +6,24 @@
 
 #include "robot_vision/camera/frame_source.hpp"
 #include "v4l2_device.hpp"
-#include "v4l2_format.hpp"
+#include "v4l2_pixel_formats.hpp"
 
 namespace robot_vision
 {
 
-/// What a device and we have agreed on.
+/// The format, size and rate to which a device is set.
 struct V4l2Mode
 {
   const V4l2Format* format = nullptr;
-  v4l2_pix_format pixels{};  // as the driver answered
-  double rate = 0.0;         // Hz; 0: the driver does not say
-  std::string warning;       // in what it differs from what was asked for, and what there is; empty if it does not
+  v4l2_pix_format pixels{};  // the driver's answer
+  double rate = 0.0;         // Hz; 0 if the driver does not tell it
+  std::string warning;       // how it differs from what was asked for, and what there is; empty if it does not differ
 };
 
-/// Sets the device to the nearest to `params` that it offers and that we take: their pixel format if it has that, else
-/// the one that comes nearest in size; then the size, then the rate. A driver that does not say what it offers is asked
-/// for one format after the other. Throws SourceUnavailable if the two do not come together.
+/// Sets the device to the usable mode that is nearest to `params`. The pixel format is the one of `params` if the
+/// device offers it, else the one that offers the nearest size; then come the nearest size and the nearest rate. If the
+/// driver does not list what it offers, all formats are tried one after the other. Throws SourceUnavailable if none is
+/// usable.
 V4l2Mode negotiateFormat(V4l2Device& device, const CaptureParams& params);
 
 /// "YUYV 640x480"

@@ -6,8 +6,8 @@
 
 #include "robot_vision/common/monotonic.hpp"
 #include "v4l2_controls.hpp"
-#include "v4l2_offers.hpp"
-#include "v4l2_picture.hpp"
+#include "v4l2_formats.hpp"
+#include "v4l2_image.hpp"
 
 namespace robot_vision
 {
@@ -17,8 +17,8 @@ namespace
 constexpr int kWaitMs = 100;
 constexpr unsigned kBuffers = 4;
 
-/// The driver's time stamp; some count by another clock, and then the arrival is the best that is known. It is also the
-/// latest possible: a driver may stamp a frame with the time when it should end, and give it before that.
+/// The time of capture on the monotonic clock. It is the driver's time stamp, or the time of arrival if the driver uses
+/// another clock. It is never later than the arrival: some drivers deliver a frame before the time in its stamp.
 std::int64_t monotonicStamp(const v4l2_buffer& filled)
 {
   const std::int64_t now = monotonicNow();
@@ -56,8 +56,8 @@ V4l2Source::~V4l2Source()
 
 void V4l2Source::requireCapture()
 {
-  const std::uint32_t can = queryCapability(*device_).capabilities;
-  if ((can & V4L2_CAP_VIDEO_CAPTURE) == 0 || (can & V4L2_CAP_STREAMING) == 0)
+  const std::uint32_t capabilities = queryCapability(*device_).capabilities;
+  if ((capabilities & V4L2_CAP_VIDEO_CAPTURE) == 0 || (capabilities & V4L2_CAP_STREAMING) == 0)
     throw SourceUnavailable(device_->path() + ": not a device that streams video (it lacks the capability " +
                             "VIDEO_CAPTURE or STREAMING)");
 }
@@ -121,19 +121,19 @@ ReadResult V4l2Source::read(Frame& frame)
   return ReadResult::kFrame;
 }
 
-/// Gives the frame the buffer's picture; false if the decoder has none yet.
+/// Makes the frame's image from a filled buffer; returns false if the decoder has no image yet.
 bool V4l2Source::take(const v4l2_buffer& filled, Frame& frame)
 {
-  if (const std::string damage = damageOf(filled, mode_); !damage.empty()) refuse(filled, " " + damage);
-  frame.image = pictureIn(buffers_[filled.index].start, filled.bytesused, mode_, own_picture_);
+  if (const std::string damage = damageText(filled, mode_); !damage.empty()) refuse(filled, " " + damage);
+  frame.image = imageIn(buffers_[filled.index].start, filled.bytesused, mode_, own_image_);
   if (!decoder_) return true;
   if (filled.sequence != next_decoded_) decoder_->restart();
   next_decoded_ = filled.sequence + 1;
   try
   {
-    if (decoder_->decode(frame.image, own_picture_))
+    if (decoder_->decode(frame.image, own_image_))
     {
-      frame.image = own_picture_;
+      frame.image = own_image_;
       return true;
     }
   }
@@ -144,15 +144,15 @@ bool V4l2Source::take(const v4l2_buffer& filled, Frame& frame)
   return false;
 }
 
-/// A frame that is refused must not leave a gap as if it were lost as well: it is taken out of the numbers. One that
-/// waits for a keyframe counts as lost.
-void V4l2Source::refuse(const v4l2_buffer& filled, const std::string& why)
+/// Throws for a damaged frame. Its number is taken out of the sequence, so that it does not count as lost as well.
+/// Frames skipped while waiting for a keyframe do count as lost.
+void V4l2Source::refuse(const v4l2_buffer& filled, const std::string& reason)
 {
   if (first_sequence_ >= 0) ++first_sequence_;
-  throw std::invalid_argument(device_->path() + ": frame " + std::to_string(filled.sequence) + why);
+  throw std::invalid_argument(device_->path() + ": frame " + std::to_string(filled.sequence) + reason);
 }
 
-/// No frame comes before it has been exposed, whatever rate the driver tells.
+/// The exposure time is a lower limit, whatever rate the driver tells.
 double V4l2Source::period() const
 {
   return std::max(mode_.rate > 0.0 ? 1.0 / mode_.rate : 0.0, exposureTime(*device_));

@@ -14,13 +14,13 @@
 namespace robot_vision
 {
 
-/// A Video4Linux2 capture device, streaming over memory-mapped buffers; frames keep the kernel's time stamp.
-/// See https://www.kernel.org/doc/html/latest/userspace-api/media/v4l/capture-example.html for the order of the calls.
+/// Captures from a Video4Linux2 device through memory-mapped buffers. Frames keep the kernel's time stamp. The order of
+/// the calls is that of https://www.kernel.org/doc/html/latest/userspace-api/media/v4l/capture-example.html.
 class V4l2Source : public FrameSource
 {
 public:
-  /// Agrees with the device on a format; `warning` is told with what there is to say of that. Throws SourceUnavailable
-  /// naming the device and the failed call.
+  /// Negotiates a format with the device. `warning` is put in front of the text that warning() returns. Throws
+  /// SourceUnavailable naming the device and the failed call.
   V4l2Source(std::shared_ptr<V4l2Device> device, const CaptureParams& params, const std::string& warning = "");
   ~V4l2Source() override;
 
@@ -44,18 +44,18 @@ private:
   void mapBuffers();
   void queue(unsigned index);
   bool take(const v4l2_buffer& filled, Frame& frame);
-  [[noreturn]] void refuse(const v4l2_buffer& filled, const std::string& why);
+  [[noreturn]] void refuse(const v4l2_buffer& filled, const std::string& reason);
 
-  std::shared_ptr<V4l2Device> device_;  // its controls may be in use meanwhile
+  std::shared_ptr<V4l2Device> device_;  // shared with the users of its controls
   V4l2Mode mode_;
   std::string warning_;
-  std::unique_ptr<H264Decoder> decoder_;  // null: frames need none
-  std::uint32_t next_decoded_ = 0;        // the driver's number of the frame that follows the last one decoded
-  cv::Mat own_picture_;                   // of a frame that cannot be used where the driver has it
+  std::unique_ptr<H264Decoder> decoder_;  // null if frames need none
+  std::uint32_t next_decoded_ = 0;        // the driver's number of the frame after the last decoded one
+  cv::Mat own_image_;                     // the image if it cannot be used in the driver's buffer
   bool streaming_ = false;
   std::vector<Buffer> buffers_;
   int held_ = -1;                     // index of the buffer that the last frame points into
-  std::int64_t first_sequence_ = -1;  // the driver's number of our frame 0, as if none had been refused
+  std::int64_t first_sequence_ = -1;  // the driver's number of our frame 0 plus the number of refused frames
 };
 
 }  // namespace robot_vision

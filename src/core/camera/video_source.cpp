@@ -9,10 +9,10 @@ namespace robot_vision
 namespace
 {
 
-constexpr int kOrientationAuto = 49;  // cv::CAP_PROP_ORIENTATION_AUTO; OpenCV that has no such name turns no frames
+constexpr int kOrientationAuto = 49;  // cv::CAP_PROP_ORIENTATION_AUTO; versions of OpenCV without it turn no frames
 
-/// Containers state a length rounded from the duration, and of a varying rate the mean: what is less than this short of
-/// it, in frames or in time, is not truncated.
+/// How many frames a video may be too short before it counts as truncated. The container's number of frames may be
+/// rounded from the duration, and its rate may be the mean of a varying one.
 std::int64_t tolerance(std::int64_t expected)
 {
   return std::max<std::int64_t>(2, expected / 50);
@@ -26,19 +26,19 @@ VideoSource::VideoSource(const std::string& path) : path_(path), url_(path.find(
   rate_ = capture_.get(cv::CAP_PROP_FPS);
   expected_ = std::max<std::int64_t>(0, static_cast<std::int64_t>(capture_.get(cv::CAP_PROP_FRAME_COUNT)));
   live_ = url_ && expected_ == 0;
-  if (!(rate_ > 0.0 && rate_ <= 1000.0)) rate_ = kDefaultRate;  // the container states none
+  if (!(rate_ > 0.0 && rate_ <= 1000.0)) rate_ = kDefaultRate;  // the container states no usable rate
 }
 
 void VideoSource::open()
 {
 #if CV_VERSION_MAJOR > 4 || (CV_VERSION_MAJOR == 4 && CV_VERSION_MINOR >= 6)
-  // A server that does not answer must not hold up the end of the node for FFmpeg's own half minute.
+  // FFmpeg's own timeout is half a minute. With it, a server that does not answer would delay the node's shutdown.
   const std::vector<int> limits = {cv::CAP_PROP_OPEN_TIMEOUT_MSEC, 5000, cv::CAP_PROP_READ_TIMEOUT_MSEC, 5000};
   const bool opened = capture_.open(path_, cv::CAP_FFMPEG, url_ ? limits : std::vector<int>{});
 #else
   const bool opened = capture_.open(path_, cv::CAP_FFMPEG);
 #endif
-  capture_.set(kOrientationAuto, 0.0);  // the sensor's pixels, for so does the calibration have them
+  capture_.set(kOrientationAuto, 0.0);  // keeps the pixels as the sensor had them, as the calibration does
   grabbed_ = opened && capture_.grab();
   if (grabbed_) return;
   if (url_) throw SourceUnavailable(path_ + ": the stream cannot be opened");
@@ -47,7 +47,7 @@ void VideoSource::open()
 
 ReadResult VideoSource::read(Frame& frame)
 {
-  if (!grabbed_ && !capture_.grab()) return finish();
+  if (!grabbed_ && !capture_.grab()) return endOrThrow();
   grabbed_ = false;
   if (!capture_.retrieve(frame.image)) throw std::invalid_argument(path_ + ": a frame cannot be decoded");
   frame.encoding = "bgr8";
@@ -57,7 +57,7 @@ ReadResult VideoSource::read(Frame& frame)
   return ReadResult::kFrame;
 }
 
-ReadResult VideoSource::finish() const
+ReadResult VideoSource::endOrThrow() const
 {
   if (live_) throw SourceUnavailable(path_ + ": the stream has ended");
   const std::int64_t missing = expected_ - played_;
@@ -71,7 +71,7 @@ ReadResult VideoSource::finish() const
 void VideoSource::rewind()
 {
   if (live_) return;
-  open();  // seeking to frame 0 is not exact in every container
+  open();  // the file is opened again, because seeking to frame 0 is not exact in every container
   played_ = 0;
 }
 

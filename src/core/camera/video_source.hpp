@@ -7,7 +7,7 @@
 namespace robot_vision
 {
 
-/// A video file or a stream's URL, decoded by FFmpeg through OpenCV.
+/// Reads a video file or a stream's URL with FFmpeg through OpenCV.
 class VideoSource : public FrameSource
 {
 public:
@@ -19,18 +19,18 @@ public:
 
 private:
   void open();
-  ReadResult finish() const;
+  ReadResult endOrThrow() const;
 
   std::string path_;
   bool url_;
-  bool live_;  // has no length: the sender keeps the pace
+  bool live_;  // a stream without a length, whose sender determines the rate
   double rate_;
-  std::int64_t expected_ = 0;  // frames that the container promises; 0: unknown
+  std::int64_t expected_ = 0;  // number of frames that the container states; 0 if unknown
   std::int64_t played_ = 0;    // frames since the beginning of the video
   double end_s_ = 0.0;         // time in the video at which the last frame ends
   std::int64_t sequence_ = 0;
   cv::VideoCapture capture_;
-  bool grabbed_ = false;  // the first frame: FFmpeg opens much that it cannot decode
+  bool grabbed_ = false;  // the first frame is grabbed on opening, because FFmpeg opens files that it cannot decode
 };
 
 }  // namespace robot_vision

@@ -38,7 +38,7 @@ try
 {
   if (!settings_.empty())
     for (const RefusedSetting& refused : setControls(device, settings_))
-      if (told_.insert(refused.why).second) ROS_WARN("%s: %s", name_.c_str(), logLine(refused.why).c_str());
+      if (told_.insert(refused.reason).second) ROS_WARN("%s: %s", name_.c_str(), logLine(refused.reason).c_str());
   list(device);
   descriptions_.publish(toDescription(controls_));
 }
@@ -89,7 +89,7 @@ bool ControlServer::change(dynamic_reconfigure::Reconfigure::Request& request,
       remember(setting);
     }
     for (const RefusedSetting& setting : refused)
-      ROS_WARN("%s: refused: %s", name_.c_str(), logLine(setting.why).c_str());
+      ROS_WARN("%s: refused: %s", name_.c_str(), logLine(setting.reason).c_str());
     list(*device);
   }
   catch (const SourceUnavailable& e)

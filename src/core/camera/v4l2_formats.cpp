@@ -1,4 +1,4 @@
-#include "v4l2_offers.hpp"
+#include "v4l2_formats.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -12,7 +12,7 @@ namespace robot_vision
 namespace
 {
 
-/// Asks for index 0, 1, ... until the driver says that there is no more.
+/// Makes an enumerating call with index 0, 1, ... until the driver has no more answers.
 template <class Question, class Take>
 void enumerate(V4l2Device& device, unsigned long request, Question question, Take take)
 {
@@ -47,7 +47,7 @@ std::vector<v4l2_frmsize_stepwise> offeredSizes(V4l2Device& device, std::uint32_
   return sizes;
 }
 
-/// The nearest of low, low + step, ... high.
+/// The number nearest to `wanted` among low, low + step, ... high.
 int nearest(std::uint32_t low, std::uint32_t high, std::uint32_t step, int wanted)
 {
   if (wanted <= static_cast<int>(low)) return static_cast<int>(low);
@@ -55,7 +55,7 @@ int nearest(std::uint32_t low, std::uint32_t high, std::uint32_t step, int wante
   return static_cast<int>(std::min(high, low + steps * step));
 }
 
-double distance(double rate, const v4l2_fract& period)
+double rateDifference(double rate, const v4l2_fract& period)
 {
   return std::abs(rateOf(period) - rate);
 }
@@ -112,7 +112,7 @@ v4l2_fract nearestPeriod(const std::vector<V4l2Periods>& periods, double rate)
   {
     if (rateOf(offered.longest) < rate && rate < rateOf(offered.shortest)) return periodOf(rate);
     for (const v4l2_fract& end : {offered.shortest, offered.longest})
-      if (distance(rate, end) < distance(rate, best)) best = end;
+      if (rateDifference(rate, end) < rateDifference(rate, best)) best = end;
   }
   return best;
 }
@@ -124,7 +124,7 @@ double rateOf(const v4l2_fract& period)
 
 v4l2_fract periodOf(double rate)
 {
-  constexpr double kMaxMs = 4e9;  // fits into 32 bits
+  constexpr double kMaxMs = 4e9;  // fits in 32 bits
   if (rate >= 1.0) return {1000, static_cast<std::uint32_t>(std::lround(rate * 1000.0))};
   return {static_cast<std::uint32_t>(std::lround(std::min(1000.0 / rate, kMaxMs))), 1000};
 }

@@ -16,34 +16,34 @@ namespace robot_vision
 struct V4l2Offer
 {
   std::uint32_t fourcc = 0;
-  std::string description;                     // the driver's
-  std::vector<v4l2_frmsize_stepwise> sizes{};  // px; one size has its least equal to its largest
+  std::string description;                     // from the driver
+  std::vector<v4l2_frmsize_stepwise> sizes{};  // px; for a single size, minimum and maximum are equal
 };
 
-/// Times from a frame to the next that a device offers; of one rate they are the same.
+/// A range of frame periods that a device offers; for a single rate, both are equal.
 struct V4l2Periods
 {
   v4l2_fract shortest;  // s
   v4l2_fract longest;   // s
 };
 
-/// What the device says that it offers; empty if its driver does not say.
+/// The formats and the frame periods that the driver lists; empty if it lists none.
 std::vector<V4l2Offer> offeredFormats(V4l2Device& device);
 std::vector<V4l2Periods> offeredPeriods(V4l2Device& device, std::uint32_t fourcc, cv::Size size);
 
-/// Of the sizes, which must not be empty, the one with the least sum of both differences.
+/// The size with the smallest sum of the differences in width and height. `sizes` must not be empty.
 cv::Size nearestSize(const std::vector<v4l2_frmsize_stepwise>& sizes, cv::Size wanted);
 
-/// Of the periods, which must not be empty, the one of the nearest rate (Hz).
+/// The period with the rate nearest to `rate` (Hz). `periods` must not be empty.
 v4l2_fract nearestPeriod(const std::vector<V4l2Periods>& periods, double rate);
 
-/// Frames per second; 0 of a period that is none.
+/// Frames per second; 0 for a period of 0.
 double rateOf(const v4l2_fract& period);
 
-/// The period of a rate (Hz), to three digits at least.
+/// The period of a rate (Hz), exact to at least three digits.
 v4l2_fract periodOf(double rate);
 
-/// "30", "29.97", "0.0333": never 0 for a rate that is none.
+/// A rate with enough digits that a low one is not shown as 0: "30", "29.97", "0.0333".
 std::string rateText(double rate);
 
 /// "320x240, 640x480", "16x16 to 1920x1080 in steps of 8x2"

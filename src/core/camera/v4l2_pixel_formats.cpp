@@ -1,4 +1,4 @@
-#include "v4l2_format.hpp"
+#include "v4l2_pixel_formats.hpp"
 
 #include <algorithm>
 

@@ -1,4 +1,4 @@
-#include "v4l2_picture.hpp"
+#include "v4l2_image.hpp"
 
 #include <algorithm>
 
@@ -29,8 +29,8 @@ int rowsOf(const V4l2Mode& mode)
   }
 }
 
-/// Its chroma rows have half the length of those of the luma, padding included; an encoding has two of them, without
-/// padding, in a row of the picture.
+/// Removes the padding of YU12 rows. The driver's chroma rows have half the length of the luma rows, including the
+/// padding; our encoding has two chroma rows without padding in one row of the image.
 void unpadYu12(unsigned char* buffer, int width, int height, std::size_t step, cv::Mat& out)
 {
   out.create(height * 3 / 2, width, CV_8UC1);
@@ -43,7 +43,7 @@ void unpadYu12(unsigned char* buffer, int width, int height, std::size_t step, c
 
 }  // namespace
 
-std::string damageOf(const v4l2_buffer& filled, const V4l2Mode& mode)
+std::string damageText(const v4l2_buffer& filled, const V4l2Mode& mode)
 {
   if ((filled.flags & V4L2_BUF_FLAG_ERROR) != 0) return "is marked as damaged by the driver";
   if (filled.bytesused == 0) return "is empty";
@@ -53,14 +53,14 @@ std::string damageOf(const v4l2_buffer& filled, const V4l2Mode& mode)
   return "has " + std::to_string(filled.bytesused) + " bytes instead of " + std::to_string(bytes);
 }
 
-cv::Mat pictureIn(void* buffer, std::size_t bytes, const V4l2Mode& mode, cv::Mat& unpadded)
+cv::Mat imageIn(void* buffer, std::size_t bytes, const V4l2Mode& mode, cv::Mat& unpadded)
 {
   if (mode.format->compressed) return {1, static_cast<int>(bytes), CV_8UC1, buffer};
   const int width = static_cast<int>(mode.pixels.width);
   const std::size_t step = rowStep(mode);
-  const cv::Mat picture(rowsOf(mode), width, matType(mode.format->encoding), buffer, step);
-  if (mode.format->fourcc != V4L2_PIX_FMT_YUV420 || picture.isContinuous()) return picture;
-  unpadYu12(picture.data, width, static_cast<int>(mode.pixels.height), step, unpadded);
+  const cv::Mat image(rowsOf(mode), width, matType(mode.format->encoding), buffer, step);
+  if (mode.format->fourcc != V4L2_PIX_FMT_YUV420 || image.isContinuous()) return image;
+  unpadYu12(image.data, width, static_cast<int>(mode.pixels.height), step, unpadded);
   return unpadded;
 }
 

@@ -12,14 +12,14 @@ namespace robot_vision
 /// A pixel format that V4l2Source takes from a driver.
 struct V4l2Format
 {
-  const char* name;  // in the parameter pixel_format; usb_cam's where it has one
+  const char* name;  // value of the parameter pixel_format; usb_cam's name if it has one
   std::uint32_t fourcc;
-  const char* encoding;  // see encoding.hpp; of h264 that of the decoded pictures
+  const char* encoding;  // see encoding.hpp; for h264 the encoding of the decoded images
   bool compressed;
 };
 
-/// In the order in which they are preferred if the driver does not have the one asked for. The last two are names of
-/// usb_cam's; yuvmono10 are cameras that give 10 bits and call it YUYV.
+/// The formats in order of preference if the driver does not have the one asked for. The last two are further names
+/// that usb_cam has; yuvmono10 is for cameras that give 10-bit gray but call it YUYV.
 inline constexpr std::array<V4l2Format, 18> kV4l2Formats = {{
     {"yuyv", V4L2_PIX_FMT_YUYV, "yuv422_yuy2", false},
     {"uyvy", V4L2_PIX_FMT_UYVY, "yuv422", false},
@@ -41,7 +41,7 @@ inline constexpr std::array<V4l2Format, 18> kV4l2Formats = {{
     {"yuvmono10", V4L2_PIX_FMT_YUYV, "mono10", false},
 }};
 
-/// Null if there is none of that name or code.
+/// The format with this name or code; null if there is none.
 const V4l2Format* findV4l2Format(const std::string& name);
 const V4l2Format* findV4l2Format(std::uint32_t fourcc);
 
