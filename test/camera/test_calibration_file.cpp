@@ -22,7 +22,7 @@ sensor_msgs::CameraInfo calibrated()
 
 }  // namespace
 
-TEST(CalibrationFile, hasAllThatWasWritten)
+TEST(CalibrationFile, givesBackWhatWasWritten)
 {
   std::string camera;
   const std::string text = calibrationText(calibrated(), CalibrationFormat::kYaml, "eye");
@@ -30,7 +30,7 @@ TEST(CalibrationFile, hasAllThatWasWritten)
   EXPECT_EQ(camera, "eye");
 }
 
-TEST(CalibrationFile, isNotWrittenIfItCouldNotBeReadAgain)
+TEST(CalibrationFile, isNotWrittenIfItCannotBeReadBack)
 {
   const std::string text = calibrationText(calibrated(), CalibrationFormat::kIni, "eye");
   std::string camera;

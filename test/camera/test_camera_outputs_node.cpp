@@ -39,7 +39,7 @@ bool waitFor(const std::function<bool()>& condition)
   return condition();
 }
 
-/// The last message of a topic of this process.
+/// Receives the messages of a private topic and keeps the last one.
 template <class Message>
 class Receiver
 {
@@ -69,12 +69,12 @@ private:
     last_ = message;
   }
 
-  mutable std::mutex mutex_;  // guards last_ against the spinner's threads
+  mutable std::mutex mutex_;  // guards last_, which the spinner's threads write
   boost::shared_ptr<const Message> last_;
   ros::Subscriber subscriber_;
 };
 
-cv::Mat picture()
+cv::Mat testImage()
 {
   cv::Mat image(48, 64, CV_8UC3);
   cv::RNG(7).fill(image, cv::RNG::UNIFORM, 0, 256);
@@ -110,7 +110,7 @@ bool equal(const cv::Mat& a, const cv::Mat& b)
 
 }  // namespace
 
-/// The outputs of a camera in a namespace of the test's own.
+/// The outputs of a camera in the test's private namespace.
 class Outputs : public testing::Test
 {
 protected:
@@ -127,7 +127,7 @@ protected:
 
   void publish(const Frame& frame) { outputs_->publish(frame, kStamp); }
 
-  /// How often a topic is advertised.
+  /// The number of advertised topics with this name: 0 or 1.
   static long topics(const std::string& name)
   {
     ros::V_string all;
@@ -138,10 +138,10 @@ protected:
   std::unique_ptr<CameraOutputs> outputs_;
 };
 
-TEST_F(Outputs, ofJpegArePassedOnUntouched)
+TEST_F(Outputs, passJpegOnUntouched)
 {
   make();
-  Bytes jpeg = jpegOf(picture());
+  Bytes jpeg = jpegOf(testImage());
   jpeg.erase(jpeg.end() - 200, jpeg.end() - 2);  // a decoder would refuse it
   Receiver<sensor_msgs::CompressedImage> compressed("image_raw/compressed");
   waitUntilWanted();
@@ -153,11 +153,11 @@ TEST_F(Outputs, ofJpegArePassedOnUntouched)
   EXPECT_EQ(message->header.frame_id, "head_camera");
 }
 
-TEST_F(Outputs, ofGrayJpegSaySo)
+TEST_F(Outputs, sayThatAJpegIsGray)
 {
   make();
   cv::Mat gray;
-  cv::cvtColor(picture(), gray, cv::COLOR_BGR2GRAY);
+  cv::cvtColor(testImage(), gray, cv::COLOR_BGR2GRAY);
   Bytes jpeg = jpegOf(gray);
   Receiver<sensor_msgs::CompressedImage> compressed("image_raw/compressed");
   waitUntilWanted();
@@ -165,10 +165,10 @@ TEST_F(Outputs, ofGrayJpegSaySo)
   EXPECT_EQ(compressed.wait()->format, "mono8; jpeg compressed ");
 }
 
-TEST_F(Outputs, ofJpegAreDecodedForWhoWantsPixels)
+TEST_F(Outputs, decodeJpegForSubscribersOfPixels)
 {
   make();
-  Bytes jpeg = jpegOf(picture());
+  Bytes jpeg = jpegOf(testImage());
   Receiver<sensor_msgs::Image> raw("image_raw");
   waitUntilWanted();
   publish(frameOf(jpeg));
@@ -176,10 +176,10 @@ TEST_F(Outputs, ofJpegAreDecodedForWhoWantsPixels)
   EXPECT_TRUE(equal(pixelsOf(*raw.wait()), cv::imdecode(jpeg, cv::IMREAD_COLOR)));
 }
 
-TEST_F(Outputs, ofJpegAreGrayByTheirLuma)
+TEST_F(Outputs, takeTheLumaOfJpegForGray)
 {
   make();
-  Bytes jpeg = jpegOf(picture());
+  Bytes jpeg = jpegOf(testImage());
   Receiver<sensor_msgs::Image> mono("image_mono");
   waitUntilWanted();
   publish(frameOf(jpeg));
@@ -190,7 +190,7 @@ TEST_F(Outputs, ofJpegAreGrayByTheirLuma)
 TEST_F(Outputs, tellTheCamerasSizeWithoutDecoding)
 {
   make();
-  Bytes jpeg = jpegOf(picture());
+  Bytes jpeg = jpegOf(testImage());
   jpeg.erase(jpeg.end() - 200, jpeg.end() - 2);
   Receiver<sensor_msgs::CameraInfo> info("camera_info");
   Receiver<sensor_msgs::CompressedImage> compressed("image_raw/compressed");
@@ -207,9 +207,9 @@ TEST_F(Outputs, tellTheCamerasSizeWithoutDecoding)
   EXPECT_EQ(info.last()->header.frame_id, compressed.last()->header.frame_id);
 }
 
-// Recorders subscribe to all there is: a topic that can have no depths is not there, and one that has none now is no
-// reason to decode.
-TEST_F(Outputs, ofJpegAreNotDecodedForDepths)
+// Recorders subscribe to all topics. So a topic that can never have depths is not advertised, and one that has none now
+// does not cause a JPEG to be decoded.
+TEST_F(Outputs, doNotDecodeJpegForCompressedDepth)
 {
   make();
   EXPECT_EQ(topics("image_raw/compressedDepth"), 0);
@@ -220,14 +220,14 @@ TEST_F(Outputs, ofJpegAreNotDecodedForDepths)
   CameraOutputs::Params params;
   params.output_encoding = "native";
   make(params);
-  Bytes jpeg = jpegOf(picture());
+  Bytes jpeg = jpegOf(testImage());
   jpeg.erase(jpeg.end() - 200, jpeg.end() - 2);  // a decoder would refuse it
   Receiver<sensor_msgs::CompressedImage> depth("image_raw/compressedDepth");
   waitUntilWanted();
   EXPECT_EQ(refusal([&] { publish(frameOf(jpeg)); }), "");
 }
 
-TEST_F(Outputs, ofDepthsAreForCompressedDepth)
+TEST_F(Outputs, compressDepthImages)
 {
   CameraOutputs::Params params;
   params.output_encoding = "native";
@@ -241,14 +241,14 @@ TEST_F(Outputs, ofDepthsAreForCompressedDepth)
   EXPECT_EQ(depth.wait()->format, "mono16; compressedDepth png");
 }
 
-TEST_F(Outputs, thatAreEqualAreMadeOnce)
+TEST_F(Outputs, makeEqualOutputsOnce)
 {
   CameraOutputs::Params params;
   params.output_encoding = "mono8";
   make(params);
   Receiver<sensor_msgs::Image> raw("image_raw");
   Receiver<sensor_msgs::Image> mono("image_mono");
-  Bytes jpeg = jpegOf(picture());
+  Bytes jpeg = jpegOf(testImage());
   ASSERT_TRUE(waitFor(
       [&]
       {
@@ -260,7 +260,7 @@ TEST_F(Outputs, thatAreEqualAreMadeOnce)
   EXPECT_TRUE(equal(pixelsOf(*mono.last()), cv::imdecode(jpeg, cv::IMREAD_GRAYSCALE)));
 }
 
-TEST_F(Outputs, tellTheSizeWithoutAPixelRead)
+TEST_F(Outputs, tellTheSizeWithoutReadingPixels)
 {
   make();
   constexpr std::size_t kBytes = 64 * 48 * 2;
@@ -277,10 +277,10 @@ TEST_F(Outputs, tellTheSizeWithoutAPixelRead)
   munmap(unreadable, kBytes);
 }
 
-TEST_F(Outputs, ofTruncatedJpegAreRefused)
+TEST_F(Outputs, refuseTruncatedJpeg)
 {
   make();
-  Bytes jpeg = jpegOf(picture());
+  Bytes jpeg = jpegOf(testImage());
   jpeg.resize(jpeg.size() / 2);
   Receiver<sensor_msgs::CompressedImage> compressed("image_raw/compressed");
   waitUntilWanted();
@@ -288,8 +288,8 @@ TEST_F(Outputs, ofTruncatedJpegAreRefused)
   EXPECT_FALSE(compressed.last());
 }
 
-// What one subscriber wants must not cost another his picture, above all not its camera_info.
-TEST_F(Outputs, thatCannotBeMadeCostNoOthers)
+// An image that cannot be made for one subscriber must not keep the others from theirs, above all not camera_info.
+TEST_F(Outputs, goOnWithTheOthersIfOneFails)
 {
   CameraOutputs::Params params;
   params.output_encoding = "native";
@@ -302,7 +302,7 @@ TEST_F(Outputs, thatCannotBeMadeCostNoOthers)
   Receiver<sensor_msgs::CameraInfo> info("camera_info");
   Receiver<sensor_msgs::CompressedImage> depth("image_raw/compressedDepth");
   Receiver<sensor_msgs::Image> mono("image_mono");
-  bool refused = false;  // for what could not be compressed the next frame is
+  bool refused = false;  // the compression fails in a thread, so the next frame reports it
   EXPECT_TRUE(waitFor(
       [&]
       {
@@ -312,10 +312,10 @@ TEST_F(Outputs, thatCannotBeMadeCostNoOthers)
   EXPECT_FALSE(compressed.last());
 }
 
-TEST_F(Outputs, ofDamagedJpegAreThoseThatNeedNoPixels)
+TEST_F(Outputs, passDamagedJpegOnWhereNoPixelsAreNeeded)
 {
   make();
-  Bytes jpeg = jpegOf(picture());
+  Bytes jpeg = jpegOf(testImage());
   jpeg.erase(jpeg.end() - 200, jpeg.end() - 2);
   Receiver<sensor_msgs::Image> raw("image_raw");
   Receiver<sensor_msgs::CameraInfo> info("camera_info");
@@ -331,14 +331,14 @@ TEST_F(Outputs, ofDamagedJpegAreThoseThatNeedNoPixels)
   EXPECT_FALSE(raw.last());
 }
 
-TEST_F(Outputs, ofPixelsAreCompressedAsThePluginWould)
+TEST_F(Outputs, compressPixelsAsThePluginDoes)
 {
   ros::NodeHandle("~").setParam("image_raw/compressed/jpeg_quality", 40);
   make();
   Receiver<sensor_msgs::CompressedImage> compressed("image_raw/compressed");
   waitUntilWanted();
   Frame frame;
-  frame.image = picture();
+  frame.image = testImage();
   frame.encoding = "bgr8";
   publish(frame);
   EXPECT_EQ(compressed.wait()->data, jpegOf(frame.image, 40));
@@ -346,7 +346,7 @@ TEST_F(Outputs, ofPixelsAreCompressedAsThePluginWould)
   ros::NodeHandle("~").deleteParam("image_raw/compressed/jpeg_quality");
 }
 
-TEST_F(Outputs, leaveTheListOfDisabledPluginsAsItIs)
+TEST_F(Outputs, keepTheListOfDisabledPlugins)
 {
   ros::NodeHandle pnh("~");
   make();
@@ -370,11 +370,11 @@ TEST_F(Outputs, leaveTheListOfDisabledPluginsAsItIs)
 namespace
 {
 
-/// What is at work until the test lets it go on.
+/// Holds a thread up until the test lets it go on.
 class Gate
 {
 public:
-  /// Returns when the test has opened it.
+  /// Returns when the test has called open().
   void pass()
   {
     ++waiting_;
@@ -390,7 +390,7 @@ private:
   std::shared_future<void> opened_{open_.get_future()};
 };
 
-/// A transport that stands still until the test lets it go on.
+/// A transport that waits for a gate before it sends.
 class SlowPublisher
   : public TransportPublisher<sensor_msgs::CompressedImage, CompressedPublisherConfig, CompressionParams>
 {
@@ -419,7 +419,7 @@ sensor_msgs::ImagePtr numbered(int number)
   return image;
 }
 
-/// The seconds of the stamps that came on a topic.
+/// Collects the seconds of the stamps of a topic's messages.
 template <class Message>
 class Numbers
 {
@@ -443,7 +443,7 @@ private:
     received_.push_back(number);
   }
 
-  mutable std::mutex mutex_;  // guards received_ against the spinner's threads
+  mutable std::mutex mutex_;  // guards received_, which the spinner's threads write
   std::vector<std::uint32_t> received_;
   ros::Subscriber subscriber_;
 };
@@ -452,8 +452,8 @@ using List = std::vector<std::uint32_t>;
 
 }  // namespace
 
-// Recorders subscribe to all there is, and the camera's rate must not be that of the slowest transport.
-TEST(Transports, thatAreSlowHoldNothingUp)
+// Recorders subscribe to all transports, and the slowest of them must not limit the camera's rate.
+TEST(Transports, doNotDelayOthersWhenSlow)
 {
   ros::NodeHandle nh("~");
   Gate gate;
@@ -482,7 +482,7 @@ TEST(Transports, thatAreSlowHoldNothingUp)
   EXPECT_TRUE(waitFor([&] { return sent.received() == List{1, 9, 10}; }));
 }
 
-TEST(Transports, thatAreShutDownSendNothingMore)
+TEST(Transports, sendNothingAfterShutdown)
 {
   ros::NodeHandle nh("~");
   Gate gate;
@@ -524,7 +524,7 @@ sensor_msgs::CompressedImage encodedSlowly(const sensor_msgs::Image& message, co
 
 }  // namespace
 
-TEST(Transports, keepTheOrderOfWhatIsEncodedAndWhatIsPassedOn)
+TEST(Transports, keepTheOrderOfEncodedAndPassedOnImages)
 {
   ros::NodeHandle nh("~");
   Gate gate;
@@ -553,18 +553,18 @@ TEST(Transports, keepTheOrderOfWhatIsEncodedAndWhatIsPassedOn)
   EXPECT_TRUE(waitFor(isRefused));
   const auto goesOn = [&]
   {
-    refusal([&] { output.publish(numbered(6)); });  // at most of the last one before
+    refusal([&] { output.publish(numbered(6)); });  // may still throw for image 3
     return sent.received().back() == 6;
   };
   EXPECT_TRUE(waitFor(goesOn));
 }
 
-TEST(NewestWorker, doesOneThingAfterTheOtherAndNothingAfterItsEnd)
+TEST(NewestWorker, runsOneJobAtATimeAndNoneAfterItsEnd)
 {
   Gate gate;
   std::vector<int> done;
   NewestWorker worker;
-  worker.settle();  // has nothing to wait for
+  worker.settle();  // there is nothing to wait for
   worker.post(
       [&]
       {

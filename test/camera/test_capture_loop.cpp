@@ -28,7 +28,7 @@ using Clock = std::chrono::steady_clock;
 
 constexpr std::chrono::seconds kDeadline{60};
 
-/// A loop on a faked camera. What a test does to the camera it does in the loop's thread, in answer to what happens.
+/// A capture loop on a fake camera. A test changes the camera in the loop's thread, in the callbacks.
 class Capture : public CaptureListener
 {
 public:
@@ -39,7 +39,7 @@ public:
   std::function<void()> on_idle;
   std::atomic<int> opened{0};
   std::atomic<int> prepared{0};
-  std::string file = "/dev/video0";  // which the loop looks for while it is idle
+  std::string file = "/dev/video0";  // the file that the loop looks for while it is idle
   std::function<std::unique_ptr<FrameSource>(const CaptureParams&)> open = [this](const CaptureParams& p)
   { return std::make_unique<V4l2Source>(camera.plug(file), p); };
 
@@ -57,7 +57,7 @@ public:
 
   void demand(Demand demand) { loop_->setDemand(demand); }
 
-  /// The test has seen enough; called in the loop's thread.
+  /// Ends the test; to be called in the loop's thread.
   void finish()
   {
     finished_ = true;
@@ -73,7 +73,7 @@ public:
   void waitUntilFinished()
   {
     EXPECT_EQ(done_.get_future().wait_for(kDeadline), std::future_status::ready);
-    loop_.reset();  // first: its thread may still be about to leave set_value()
+    loop_.reset();  // must come before done_ is replaced, because the loop's thread may still be in set_value()
     done_ = std::promise<void>();
     finished_ = false;
   }
@@ -101,7 +101,7 @@ private:
   std::unique_ptr<CaptureLoop> loop_;
 };
 
-/// A live stream whose first keyframe comes late, or never.
+/// A live stream whose first keyframe comes late.
 class LateKeyframe : public FrameSource
 {
 public:
@@ -137,7 +137,7 @@ TEST(CaptureLoop, survivesAHundredUnpluggingsAndLeaksNothing)
   Capture capture;
   int cycles = 0;
   const std::size_t descriptors = entries("/proc/self/fd");
-  const std::size_t threads = entries("/proc/self/task");  // perhaps with one that another test has just joined
+  const std::size_t threads = entries("/proc/self/task");  // may count a thread that another test has just joined
   capture.on_frame = [&](const Frame& frame)
   {
     EXPECT_EQ(frame.sequence, 0);
@@ -158,13 +158,13 @@ TEST(CaptureLoop, survivesAHundredUnpluggingsAndLeaksNothing)
   capture.runUntilFinished();
   EXPECT_EQ(capture.opened, 101);
   EXPECT_EQ(capture.camera.open_devices, 0);
-  // A thread that has been joined may still be on its way out of the kernel's list.
+  // The kernel may still list a thread that has been joined.
   for (const auto end = Clock::now() + kDeadline; entries("/proc/self/task") > threads && Clock::now() < end;)
     std::this_thread::yield();
   EXPECT_LE(entries("/proc/self/task"), threads);
 }
 
-TEST(CaptureLoop, opensWhatItsSourceWasAtTheStart)
+TEST(CaptureLoop, keepsTheKindThatItsSourceHadAtTheStart)
 {
   const TempFolder folder;
   Capture capture;
@@ -204,7 +204,7 @@ TEST(CaptureLoop, streamsAgainAfterEachCallThatFails)
   }
 }
 
-TEST(CaptureLoop, opensADeviceAnewThatStalls)
+TEST(CaptureLoop, reopensADeviceThatStalls)
 {
   Capture capture;
   std::string loss;
@@ -223,7 +223,7 @@ TEST(CaptureLoop, opensADeviceAnewThatStalls)
   EXPECT_EQ(loss, "YUYV 640x480 at 30 Hz from /dev/video0: no frame for 0.2 s");
 }
 
-TEST(CaptureLoop, opensADeviceAnewThatGivesDamagedFramesOnly)
+TEST(CaptureLoop, reopensADeviceThatGivesOnlyDamagedFrames)
 {
   Capture capture;
   std::string loss;
@@ -239,7 +239,7 @@ TEST(CaptureLoop, opensADeviceAnewThatGivesDamagedFramesOnly)
   EXPECT_EQ(loss, "YUYV 640x480 at 30 Hz from /dev/video0: no good frame for 0.2 s");
 }
 
-TEST(CaptureLoop, waitsForCamerasThatAreSlowerThanItsTimeout)
+TEST(CaptureLoop, waitsForCamerasThatAreSlowerThanTheTimeout)
 {
   for (const bool by_exposure : {false, true})
   {
@@ -277,8 +277,8 @@ TEST(CaptureLoop, saysHowLongItHasWaitedForASlowCamera)
   EXPECT_EQ(loss, "YUYV 640x480 at 5 Hz from /dev/video0: no frame for 0.6 s");
 }
 
-/// However long the exposure is that its driver tells of, it is asked once.
-TEST(CaptureLoop, isPatientWithinReason)
+/// The wait is limited however long an exposure the driver states, and the driver is asked for it once only.
+TEST(CaptureLoop, limitsTheWaitForLongExposures)
 {
   EXPECT_EQ(frameTimeoutFor(/*period=*/0.0, /*timeout=*/0.5), 0.5);
   EXPECT_EQ(frameTimeoutFor(5.0, 0.5), 15.0);
@@ -311,7 +311,7 @@ TEST(CaptureLoop, waitsForTheKeyframeOfAStream)
   EXPECT_GT(capture.prepared, 0);
 }
 
-TEST(CaptureLoop, preparesNoMemoryForADriversPictures)
+TEST(CaptureLoop, preparesNoMemoryForADriversImages)
 {
   Capture capture;
   capture.on_frame = [&](const Frame&) { capture.finish(); };
@@ -319,7 +319,7 @@ TEST(CaptureLoop, preparesNoMemoryForADriversPictures)
   EXPECT_EQ(capture.prepared, 0);
 }
 
-TEST(CaptureLoop, noticesThatADeviceIsUnpluggedThatNobodyUses)
+TEST(CaptureLoop, noticesThatAnUnusedDeviceIsUnplugged)
 {
   const TempFolder folder;
   Capture capture;
@@ -328,7 +328,7 @@ TEST(CaptureLoop, noticesThatADeviceIsUnpluggedThatNobodyUses)
   std::string loss;
   capture.on_idle = [&]
   {
-    if (capture.opened == 0) return;  // nothing has been asked for yet
+    if (capture.opened == 0) return;  // the demand has not been set yet
     if (!loss.empty()) return capture.finish();
     capture.camera.plugged = false;
     std::filesystem::remove(capture.file);
@@ -345,7 +345,7 @@ TEST(CaptureLoop, noticesThatADeviceIsUnpluggedThatNobodyUses)
   EXPECT_EQ(capture.opened, 3);
 }
 
-TEST(CaptureLoop, looksForALostDeviceLessAndLessOften)
+TEST(CaptureLoop, triesToReopenALostDeviceLessAndLessOften)
 {
   Capture capture;
   std::vector<Clock::time_point> tries;
@@ -362,7 +362,7 @@ TEST(CaptureLoop, looksForALostDeviceLessAndLessOften)
     EXPECT_GE(std::chrono::duration<double>(tries[i + 1] - tries[i]).count(), expected[i]) << i;
 }
 
-TEST(CaptureLoop, leavesADeviceAloneThatIsStopped)
+TEST(CaptureLoop, leavesADeviceAloneWhenStopped)
 {
   Capture capture;
   capture.on_idle = [&]
@@ -374,10 +374,10 @@ TEST(CaptureLoop, leavesADeviceAloneThatIsStopped)
   capture.start(Demand::kStopped);
   capture.waitUntilFinished();
 
-  // Without frames wanted it is opened once, to tell whether it is there, and closed again.
+  // While no frames are wanted, the device is opened once to see whether it is there, and closed again.
   capture.on_idle = [&]
   {
-    if (capture.opened == 0) return;  // nothing has been asked for yet
+    if (capture.opened == 0) return;  // the demand has not been set yet
     EXPECT_EQ(capture.camera.open_devices, 0);
     EXPECT_EQ(capture.opened, 1);
     capture.finish();
@@ -398,7 +398,7 @@ TEST(CaptureLoop, stopsAndStartsAsItIsTold)
   };
   capture.on_idle = [&]
   {
-    if (frames == 0) return;  // nothing has been asked for yet
+    if (frames == 0) return;  // the demand has not been set yet
     EXPECT_EQ(frames, 3);
     EXPECT_EQ(capture.camera.open_devices, 0);
     capture.demand(Demand::kFrames);

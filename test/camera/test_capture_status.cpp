@@ -26,7 +26,7 @@ protected:
 
 }  // namespace
 
-TEST_F(Status, isAnErrorFromALossToAFrame)
+TEST_F(Status, isAnErrorFromTheLossOfTheSourceToTheNextFrame)
 {
   EXPECT_TRUE(status_.opened("YUYV"));
   EXPECT_EQ(reported(), "OK YUYV");

@@ -25,7 +25,7 @@ std::int64_t number(std::int64_t value)
   return value;
 }
 
-std::vector<CameraControl> some()
+std::vector<CameraControl> someControls()
 {
   std::vector<CameraControl> controls = {
       control("gain", ControlKind::kInteger, 255, number(7)),
@@ -47,7 +47,7 @@ std::vector<CameraControl> some()
 
 TEST(ControlMessages, describeWhatCanBeSet)
 {
-  const auto description = toDescription(some());
+  const auto description = toDescription(someControls());
   ASSERT_EQ(description.groups.size(), 1U);
   std::vector<std::pair<std::string, std::string>> types;
   for (const auto& parameter : description.groups[0].parameters)
@@ -64,29 +64,29 @@ TEST(ControlMessages, describeWhatCanBeSet)
 
 TEST(ControlMessages, quoteTheTextOfMenusForPython)
 {
-  const std::string edit = toDescription(some()).groups[0].parameters[4].edit_method;
+  const std::string edit = toDescription(someControls()).groups[0].parameters[4].edit_method;
   EXPECT_NE(edit.find("{'name': 'it\\'s \\\\ off', 'type': 'int', 'value': 0,"), std::string::npos) << edit;
 }
 
-TEST(ControlMessages, haveThePresentValues)
+TEST(ControlMessages, containThePresentValues)
 {
-  const auto config = toConfig(some());
+  const auto config = toConfig(someControls());
   EXPECT_EQ(config.ints[0].value, 7);
   EXPECT_EQ(config.doubles[0].value, 34359738368.0);
   EXPECT_EQ(config.bools[0].value, 1);
-  EXPECT_EQ(config.bools[1].value, 0);  // a button that nobody presses
+  EXPECT_EQ(config.bools[1].value, 0);  // a button that is not pressed
   EXPECT_EQ(config.strs[0].value, "front");
 }
 
-TEST(ControlMessages, tellWhatIsToBeChanged)
+TEST(ControlMessages, findWhatIsToBeChanged)
 {
-  auto config = toConfig(some());
-  EXPECT_TRUE(changes(some(), config).empty());
+  auto config = toConfig(someControls());
+  EXPECT_TRUE(changes(someControls(), config).empty());
   config.ints[0].value = 8;
   config.doubles[0].value = 5.0;
   config.bools[1].value = 1;
   config.strs[0].name = "other";
-  const auto asked = changes(some(), config);
+  const auto asked = changes(someControls(), config);
   ASSERT_EQ(asked.size(), 4U);
   const auto has = [&asked](const std::string& name, const ControlValue& value)
   {
@@ -97,10 +97,10 @@ TEST(ControlMessages, tellWhatIsToBeChanged)
   EXPECT_TRUE(has("gain", number(8)));
   EXPECT_TRUE(has("pixel_rate", number(5)));
   EXPECT_TRUE(has("reset", true));
-  EXPECT_TRUE(has("other", std::string("front")));  // which the camera does not have: that is told
+  EXPECT_TRUE(has("other", std::string("front")));  // kept although the camera does not have it, so that it is reported
 }
 
-TEST(ControlMessages, keepSettingsToBeSaved)
+TEST(ControlMessages, containSettingsToBeSaved)
 {
   const auto config = toConfig(std::vector<ControlSetting>{
       {"a", true}, {"b", number(3)}, {"c", number(1LL << 35)}, {"d", std::string("50 Hz")}});

@@ -19,7 +19,7 @@ using namespace robot_vision;
 namespace
 {
 
-/// One whose driver allows no second opening.
+/// A camera whose driver does not let it be opened twice.
 FakeCamera webcam()
 {
   FakeCamera camera;
@@ -37,8 +37,8 @@ dynamic_reconfigure::Config brightness(int value)
   return config;
 }
 
-/// Changes the brightness by the service, and gives what that answers.
-int changed(int value)
+/// Changes the brightness by the service and returns the value that the service answers.
+int setBrightness(int value)
 {
   dynamic_reconfigure::Reconfigure call;
   call.request.config = brightness(value);
@@ -48,7 +48,7 @@ int changed(int value)
 
 }  // namespace
 
-TEST(ControlSettings, areUsbCamsThenItsMapButForWhatItIgnoresThenOurs)
+TEST(ControlSettings, takeUsbCamsParametersThenItsMapThenOurs)
 {
   const ros::NodeHandle nh("~settings");
   nh.setParam("brightness", 5);
@@ -75,25 +75,25 @@ TEST(ControlServer, opensTheDeviceOnceForEachChange)
 {
   FakeCamera camera = webcam();
   ControlServer server(ros::NodeHandle("~"), ControlDevice([&camera] { return camera.plug(); }), {});
-  EXPECT_EQ(changed(9), 9);
+  EXPECT_EQ(setBrightness(9), 9);
   EXPECT_EQ(camera.openings, 1);
   EXPECT_EQ(camera.open_devices, 0);
 }
 
-TEST(ControlServer, usesTheOpeningThatStreamsAndRestoresWhatWasSet)
+TEST(ControlServer, usesTheStreamingDeviceAndRestoresSettings)
 {
   FakeCamera camera = webcam();
   ControlServer server(ros::NodeHandle("~"), ControlDevice([&camera] { return camera.plug(); }), {});
   const auto open_source = [&camera] { return std::make_unique<V4l2Source>(camera.plug(), CaptureParams()); };
-  EXPECT_EQ(changed(9), 9);
+  EXPECT_EQ(setBrightness(9), 9);
   camera.replug();
   const auto source = server.open(open_source);
   EXPECT_EQ(camera.control(V4L2_CID_BRIGHTNESS).value, 9);
-  EXPECT_EQ(changed(7), 7);
+  EXPECT_EQ(setBrightness(7), 7);
   EXPECT_EQ(camera.openings, 2);
 }
 
-TEST(ControlServer, hasTheDeviceOpenWhileTheCaptureHasNot)
+TEST(ControlServer, opensTheDeviceOnlyWhileTheCaptureHasNot)
 {
   FakeCamera camera = webcam();
   std::promise<void> inside;
@@ -105,7 +105,7 @@ TEST(ControlServer, hasTheDeviceOpenWhileTheCaptureHasNot)
     return camera.plug();
   };
   ControlServer server(ros::NodeHandle("~"), ControlDevice(slow), {});
-  auto change = std::async(std::launch::async, [] { return changed(9); });
+  auto change = std::async(std::launch::async, [] { return setBrightness(9); });
   inside.get_future().wait();
   std::atomic<bool> begun{false};
   auto opening = std::async(std::launch::async,

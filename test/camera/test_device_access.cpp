@@ -16,7 +16,7 @@ using namespace robot_vision;
 namespace
 {
 
-/// A file in the place of a device.
+/// A file that stands for a device.
 class DeviceAccess : public testing::Test
 {
 protected:
@@ -36,9 +36,9 @@ constexpr uid_t kNobody = 65534;
 
 }  // namespace
 
-TEST_F(DeviceAccess, isExplainedToWhoMayNotOpenIt)
+TEST_F(DeviceAccess, isExplainedToUsersWithoutPermission)
 {
-  if (geteuid() != 0) GTEST_SKIP() << "only root can give a file away";
+  if (geteuid() != 0) GTEST_SKIP() << "only root can change the owner of a file";
   const group* video = getgrnam("video");
   ASSERT_NE(video, nullptr);
   ASSERT_EQ(chown(path_, 0, video->gr_gid), 0);
@@ -58,13 +58,13 @@ TEST_F(DeviceAccess, isExplainedToWhoMayNotOpenIt)
                        ": cannot be opened: Permission denied; its group is video, its mode 0660: join with `sudo "
                        "usermod -aG video $USER` and log in again, or write the udev rule SUBSYSTEM==\"video4linux\", "
                        "GROUP=\"video\", MODE=\"0660\"");
-  ASSERT_EQ(chmod(path_, 0600), 0);  // then the group does not help
+  ASSERT_EQ(chmod(path_, 0600), 0);  // joining the group would not help
   EXPECT_EQ(accessAdvice(path_, EACCES),
             "; its group is video, its mode 0600: write the udev rule SUBSYSTEM==\"video4linux\", GROUP=\"video\", "
             "MODE=\"0660\"");
 }
 
-TEST_F(DeviceAccess, namesWhoHoldsABusyDevice)
+TEST_F(DeviceAccess, namesTheProcessThatHoldsABusyDevice)
 {
   EXPECT_EQ(accessAdvice(path_, EBUSY), std::string("; `sudo fuser -v ") + path_ + "` tells who holds it");
   int ready[2];

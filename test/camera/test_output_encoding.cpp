@@ -26,24 +26,24 @@ TEST(OutputEncoding, isChosenByWhatTheCameraGives)
   }
 }
 
-TEST(OutputEncoding, canBeMadeOfAllThatCamerasGive)
+TEST(OutputEncoding, canBeConvertedFromAllCameraFormats)
 {
   for (const V4l2Format& format : kV4l2Formats)
   {
     if (format.encoding == std::string("jpeg")) continue;
-    const cv::Mat picture = cv::Mat::zeros(24, 32, matType(format.encoding));
+    const cv::Mat image = cv::Mat::zeros(24, 32, matType(format.encoding));
     for (const char* wanted : {"auto", "bgr8", "rgb8", "mono8", "native"})
     {
       validateOutputEncoding(wanted);
       const std::string encoding = outputEncoding(wanted, format.encoding);
       cv::Mat out;
-      toEncoding(picture, format.encoding, encoding, out);
+      toEncoding(image, format.encoding, encoding, out);
       EXPECT_EQ(out.type(), matType(encoding)) << format.name << " as " << wanted;
     }
   }
 }
 
-TEST(OutputEncoding, thatIsNoneIsRefused)
+TEST(OutputEncoding, isRefusedIfUnknown)
 {
   EXPECT_EQ(refusal([] { validateOutputEncoding("yuv"); }),
             "output_encoding is 'yuv', must be auto, bgr8, rgb8, mono8 or native");

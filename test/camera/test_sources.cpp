@@ -27,7 +27,7 @@ CaptureParams from(const std::string& source)
   return params;
 }
 
-/// What opening the source says, with the kind of error before it.
+/// The error message of opening a source, with the kind of error in front; empty if there is no error.
 std::string openError(const CaptureParams& params)
 {
   try
@@ -56,13 +56,13 @@ protected:
     return path(name);
   }
 
-  std::string writePicture(const std::string& name, const cv::Mat& picture)
+  std::string writeImage(const std::string& name, const cv::Mat& image)
   {
-    cv::imwrite(path(name), picture);
+    cv::imwrite(path(name), image);
     return path(name);
   }
 
-  /// A video whose frame i has the gray level 20 * i all over.
+  /// Writes a video whose frame i has the gray level 20 * i everywhere.
   std::string writeVideo(const std::string& name)
   {
     cv::VideoWriter writer(path(name), cv::CAP_FFMPEG, cv::VideoWriter::fourcc('M', 'J', 'P', 'G'), 10.0, {64, 48});
@@ -87,7 +87,7 @@ protected:
   const std::string folder_ = temporary_.path().string();
 };
 
-int centreLevel(const Frame& frame)
+int centreGray(const Frame& frame)
 {
   return frame.image.at<cv::Vec3b>(frame.image.rows / 2, frame.image.cols / 2)[0];
 }
@@ -106,7 +106,7 @@ TEST_F(Sources, playVideoFilesAtTheirRateToTheEndAndAgain)
       ASSERT_EQ(source->read(frame), ReadResult::kFrame);
       EXPECT_EQ(frame.encoding, "bgr8");
       EXPECT_EQ(frame.sequence, round * kVideoFrames + i);
-      EXPECT_NEAR(centreLevel(frame), 20 * i, 3);
+      EXPECT_NEAR(centreGray(frame), 20 * i, 3);
     }
     Frame frame;
     ASSERT_EQ(source->read(frame), ReadResult::kEnd);
@@ -153,31 +153,31 @@ TEST_F(Sources, tellThatAVideoIsTruncated)
       << error;
 }
 
-TEST_F(Sources, repeatOnePicture)
+TEST_F(Sources, repeatASingleImage)
 {
-  const cv::Mat picture = smooth({50, 40});
-  const auto source = openSource(from(writePicture("one.png", picture)));
+  const cv::Mat image = smooth({50, 40});
+  const auto source = openSource(from(writeImage("one.png", image)));
   EXPECT_EQ(source->rate(), 30.0);
   for (int i = 0; i < 3; ++i)
   {
     Frame frame;
     ASSERT_EQ(source->read(frame), ReadResult::kFrame);
-    EXPECT_TRUE(equal(frame.image, picture));
+    EXPECT_TRUE(equal(frame.image, image));
     EXPECT_EQ(frame.sequence, i);
   }
 }
 
-// A calibration is of what the lens has thrown on the sensor. A poster is for people.
-TEST_F(Sources, doNotTurnPicturesAsTheirExifSays)
+// The calibration of a camera holds for the pixels as the sensor has them. A poster is turned for the viewer.
+TEST_F(Sources, doNotTurnImagesAsTheirExifSays)
 {
-  // A segment with nothing but the orientation 6: to be turned clockwise.
+  // An EXIF segment that only has the orientation 6, which means that the image is to be turned clockwise.
   const std::string exif(
       "\xFF\xE1\0\x22"
       "Exif\0\0"
       "MM\0*\0\0\0\x08"
       "\0\x01\x01\x12\0\x03\0\0\0\x01\0\x06\0\0\0\0\0\0",
       36);
-  const std::string plain = writePicture("plain.jpg", smooth({64, 48}));
+  const std::string plain = writeImage("plain.jpg", smooth({64, 48}));
   const std::string jpeg = bytesOf(plain);
   const std::string turned = write("turned.jpg", jpeg.substr(0, 2) + exif + jpeg.substr(2));
   Frame frame;
@@ -193,7 +193,7 @@ TEST_F(Sources, doNotTurnVideosAsTheirContainerSays)
   const std::string plain = path("plain.mp4");
   cv::VideoWriter(plain, cv::CAP_FFMPEG, cv::VideoWriter::fourcc('m', 'p', '4', 'v'), 10.0, {64, 48})
       .write(smooth({64, 48}));
-  // The display matrix of the track: the fixed-point numbers of no turn become those of a quarter.
+  // In the display matrix of the track, the fixed-point numbers of the identity become those of a quarter turn.
   const std::string none(4, '\0'), one("\0\1\0\0", 4), minus("\xFF\xFF\0\0", 4);
   std::string bytes = bytesOf(plain);
   const std::size_t matrix = bytes.find(one + none + none + none + one, bytes.find("tkhd"));
@@ -210,9 +210,9 @@ TEST_F(Sources, doNotTurnVideosAsTheirContainerSays)
 
 TEST_F(Sources, showAFolderOrGlobInTheOrderOfTheNames)
 {
-  writePicture("b.png", cv::Mat(20, 20, CV_8UC3, cv::Scalar::all(2)));
-  writePicture("a.png", cv::Mat(10, 10, CV_8UC3, cv::Scalar::all(1)));
-  writePicture("c.jpg", cv::Mat(10, 10, CV_8UC3, cv::Scalar::all(30)));
+  writeImage("b.png", cv::Mat(20, 20, CV_8UC3, cv::Scalar::all(2)));
+  writeImage("a.png", cv::Mat(10, 10, CV_8UC3, cv::Scalar::all(1)));
+  writeImage("c.jpg", cv::Mat(10, 10, CV_8UC3, cv::Scalar::all(30)));
   write("notes.txt", "not a picture");
   const std::vector<std::pair<std::string, std::vector<int>>> table = {
       {folder_, {1, 2, 30}}, {path("*.png"), {1, 2}}, {path("[bc].*"), {2, 30}}};
@@ -223,18 +223,18 @@ TEST_F(Sources, showAFolderOrGlobInTheOrderOfTheNames)
     for (const int level : levels)
     {
       ASSERT_EQ(source->read(frame), ReadResult::kFrame);
-      EXPECT_EQ(centreLevel(frame), level) << name;
+      EXPECT_EQ(centreGray(frame), level) << name;
     }
     EXPECT_EQ(source->read(frame), ReadResult::kEnd);
     source->rewind();
     ASSERT_EQ(source->read(frame), ReadResult::kFrame);
-    EXPECT_EQ(centreLevel(frame), levels.front());
+    EXPECT_EQ(centreGray(frame), levels.front());
   }
 }
 
-TEST_F(Sources, skipDamagedPicturesOfAFolder)
+TEST_F(Sources, skipDamagedImagesOfAFolder)
 {
-  const std::string whole = writePicture("b.jpg", smooth({64, 48}));
+  const std::string whole = writeImage("b.jpg", smooth({64, 48}));
   const std::string damaged = cut("a.jpg", whole, 0.6);
   const auto source = openSource(from(folder_));
   Frame frame;
@@ -243,9 +243,9 @@ TEST_F(Sources, skipDamagedPicturesOfAFolder)
   EXPECT_EQ(source->read(frame), ReadResult::kEnd);
 }
 
-TEST_F(Sources, giveUpOnAFolderOfDamagedPictures)
+TEST_F(Sources, giveUpOnAFolderOfDamagedImages)
 {
-  const std::string whole = writePicture("b.jpg", smooth({64, 48}));
+  const std::string whole = writeImage("b.jpg", smooth({64, 48}));
   cut("a.jpg", whole, 0.6);
   cut("b.jpg", whole, 0.6);
   const auto source = openSource(from(folder_));
@@ -255,31 +255,31 @@ TEST_F(Sources, giveUpOnAFolderOfDamagedPictures)
   EXPECT_THROW(source->read(frame), SourceError);
 }
 
-TEST_F(Sources, thatAreWrongAreNamed)
+TEST_F(Sources, areNamedIfTheyAreWrong)
 {
-  const std::string picture = writePicture("whole.png", smooth({64, 48}));
-  const std::string jpeg = writePicture("whole.jpg", smooth({64, 48}));
+  const std::string image = writeImage("whole.png", smooth({64, 48}));
+  const std::string jpeg = writeImage("whole.jpg", smooth({64, 48}));
   const std::string video = writeVideo("whole.avi");
   const std::vector<std::pair<std::string, std::string>> table = {
       {path("missing.avi"), "no such file or folder"},
       {write("empty.avi", ""), "the file is empty"},
       {write("text.mp4", "This is no video, whatever its name says.\n"), "not a picture or video that FFmpeg can read"},
       {cut("half.jpg", jpeg, 0.5), "the JPEG is damaged or truncated"},
-      {cut("half.png", picture, 0.5), "not a picture that OpenCV can read, or damaged"},
+      {cut("half.png", image, 0.5), "not a picture that OpenCV can read, or damaged"},
       {path("*.tiff"), "no pictures that OpenCV can read are there"},
   };
-  for (const auto& [name, why] : table)
+  for (const auto& [name, reason] : table)
   {
     const std::string error = openError(from(name));
     EXPECT_EQ(error.substr(0, 9 + name.size()), "wrong: " + name + ": ");
-    EXPECT_NE(error.find(why), std::string::npos) << error;
+    EXPECT_NE(error.find(reason), std::string::npos) << error;
   }
   const std::string bare = folder_ + "/bare";
   std::filesystem::create_directory(bare);
   EXPECT_EQ(openError(from(bare)), "wrong: " + bare + ": no pictures that OpenCV can read are there");
 }
 
-TEST_F(Sources, thatMayComeLaterAreUnavailable)
+TEST_F(Sources, areUnavailableIfTheyMayComeLater)
 {
   EXPECT_EQ(openError(from("/dev/video99")), "unavailable: /dev/video99: cannot be opened: No such file or directory");
   EXPECT_EQ(openError(from("/dev/null")),
@@ -288,7 +288,7 @@ TEST_F(Sources, thatMayComeLaterAreUnavailable)
             "unavailable: http://127.0.0.1:9/stream: the stream cannot be opened");
 }
 
-TEST_F(Sources, leadingToAMissingDeviceAreDevices)
+TEST_F(Sources, areDevicesIfTheirLinkLeadsToAMissingDevice)
 {
   namespace fs = std::filesystem;
   fs::create_symlink("../../dev/video99", path("front"));
@@ -299,13 +299,13 @@ TEST_F(Sources, leadingToAMissingDeviceAreDevices)
   EXPECT_EQ(openError(from(path("film"))), "wrong: " + path("film") + ": no such file or folder");
 }
 
-TEST_F(Sources, missingInSharedMemoryAreFiles)
+TEST_F(Sources, areFilesIfTheyAreMissingInSharedMemory)
 {
   const std::string name = "/dev/shm/robot_vision_no_such_file.mp4";
   EXPECT_EQ(openError(from(name)), "wrong: " + name + ": no such file or folder");
 }
 
-TEST_F(Sources, stayWhatTheyWereFoundToBe)
+TEST_F(Sources, keepTheirKind)
 {
   const std::string link = path("camera");
   std::filesystem::create_symlink("/dev/null", link);
@@ -341,7 +341,7 @@ TEST_F(Sources, renderTheScene)
   }
 }
 
-TEST(CaptureParams, outOfRangeAreNamed)
+TEST(CaptureParams, areNamedIfOutOfRange)
 {
   const auto with = [](auto CaptureParams::*field, auto value)
   {

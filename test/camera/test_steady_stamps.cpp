@@ -11,13 +11,14 @@ constexpr std::int64_t kPeriod = 40000000;  // ns
 
 }  // namespace
 
-TEST(SteadyStamps, areTheClocksWhileItRuns)
+TEST(SteadyStamps, areThoseOfTheClockWhileItRunsSteadily)
 {
   SteadyStamps stamps;
   const ros::Time begin(1700000000, 5);
   for (int i = 0; i < 100; ++i)
   {
-    const ros::Time time = begin + ros::Duration().fromNSec(i * kPeriod + i % 3 * 1000);  // read with some error
+    const ros::Time time =
+        begin + ros::Duration().fromNSec(i * kPeriod + i % 3 * 1000);  // with a jitter of the reading
     EXPECT_EQ(stamps.next(i * kPeriod, time), time);
   }
 }
@@ -29,7 +30,7 @@ TEST(SteadyStamps, followAStepForward)
   EXPECT_EQ(stamps.next(2 * kPeriod, ros::Time(5000, 0)), ros::Time(5000, 0));
 }
 
-TEST(SteadyStamps, neverGoBackWithTheClockAndMeetItAgain)
+TEST(SteadyStamps, neverGoBackWithTheClockAndCatchUpAgain)
 {
   SteadyStamps stamps;
   ros::Time last;
@@ -37,17 +38,17 @@ TEST(SteadyStamps, neverGoBackWithTheClockAndMeetItAgain)
   for (int i = 0; i < 10; ++i)
     last = stamps.next(i * kPeriod, clock(i));
   const ros::Duration step(2.0);
-  int met = 0;
+  int caught_up = 0;
   for (int i = 10; i < 200; ++i)
   {
     const ros::Time time = clock(i) - step;
     const ros::Time stamp = stamps.next(i * kPeriod, time);
     EXPECT_GE((stamp - last).toNSec(), kPeriod / 2);
     last = stamp;
-    if (met == 0 && stamp == time) met = i;
-    if (met != 0) EXPECT_EQ(stamp, time);
+    if (caught_up == 0 && stamp == time) caught_up = i;
+    if (caught_up != 0) EXPECT_EQ(stamp, time);
   }
-  EXPECT_NEAR(met * 0.04, 10 * 0.04 + 2 * step.toSec(), 0.1);
+  EXPECT_NEAR(caught_up * 0.04, 10 * 0.04 + 2 * step.toSec(), 0.1);
 }
 
 TEST(SteadyStamps, neverGoBackFromOneDeviceToTheNext)

@@ -18,7 +18,7 @@ namespace fs = std::filesystem;
 namespace
 {
 
-/// A machine with cameras of a test's choice.
+/// A fake machine; tests plug cameras into it.
 class Machine : public testing::Test
 {
 protected:
@@ -41,7 +41,7 @@ protected:
 
   std::string node(int number) const { return (root_ / "dev" / ("video" + std::to_string(number))).string(); }
 
-  /// A node of a camera in the USB port `port`, as the kernel shows it in /sys.
+  /// Adds a camera in the USB port `port`, which the kernel describes in /sys.
   FakeCamera& plug(int number, const std::string& card, const std::string& port, const std::string& serial = "")
   {
     const fs::path controller = root_ / "devices/pci0000:00/0000:00:14.0/usb1";
@@ -62,7 +62,7 @@ protected:
     return camera;
   }
 
-  /// A link below the devices' folder.
+  /// Makes a symbolic link to a camera below the fake /dev.
   std::string link(const std::string& name, int number) const
   {
     const fs::path path = root_ / "dev" / name;
@@ -71,7 +71,7 @@ protected:
     return path.string();
   }
 
-  /// The device that a name means, or what is said instead.
+  /// The device that a name means and the warning, or the error message.
   std::string find(const std::string& name) const
   {
     try
@@ -94,7 +94,7 @@ protected:
 
 }  // namespace
 
-TEST_F(Machine, listsItsCamerasByNumberAndLeavesOutWhatGivesNoPictures)
+TEST_F(Machine, listsItsCamerasByNumberWithoutOtherDevices)
 {
   plug(10, "Microscope", "4");
   plug(2, "HD Pro Webcam C920", "1", "1A2B3C4D");
@@ -123,7 +123,7 @@ TEST_F(Machine, findsACameraByEachOfItsNames)
   EXPECT_EQ(find("Integrated Camera"), node(0));
 }
 
-TEST_F(Machine, knowsTheLinksThatRulesOfUdevMake)
+TEST_F(Machine, findsCamerasByTheLinksOfUdevRules)
 {
   plug(2, "Webcam", "1");
   plug(4, "Webcam", "2");
@@ -141,7 +141,7 @@ TEST_F(Machine, knowsTheLinksThatRulesOfUdevMake)
   }
 }
 
-TEST_F(Machine, knowsDevicesFromEachOther)
+TEST_F(Machine, tellsDevicesApart)
 {
   const std::string null = link("null", 0);
   fs::remove(null);
@@ -183,14 +183,14 @@ TEST_F(Machine, takesTheFirstOfSeveralAndSaysSo)
   EXPECT_EQ(find("webcam pro"), node(4));
 }
 
-TEST_F(Machine, takesNoMetadataOfTheSameCamera)
+TEST_F(Machine, ignoresMetadataDevices)
 {
   plug(0, "Webcam", "1").capabilities = V4L2_CAP_META_CAPTURE | V4L2_CAP_STREAMING;
   plug(1, "Webcam", "1");
   EXPECT_EQ(find("Webcam"), node(1));
 }
 
-TEST_F(Machine, decidesAnewEachTime)
+TEST_F(Machine, looksANameUpEachTime)
 {
   plug(0, "Webcam", "1", "AA");
   EXPECT_EQ(find("AA"), node(0));
@@ -205,10 +205,10 @@ TEST_F(Machine, namesItsCamerasWhenNoneFits)
   EXPECT_EQ(find("C920"), "'C920' is no camera; there is none at all");
   plug(0, "Integrated Camera", "7");
   EXPECT_EQ(find("C920"), "'C920' is no camera; there is " + node(0) + " (Integrated Camera, usb-0000:00:14.0-7)");
-  EXPECT_EQ(find("0000:00:14.0").find("'0000:00:14.0' is no camera"), 0U);  // the serial of the controller
+  EXPECT_EQ(find("0000:00:14.0").find("'0000:00:14.0' is no camera"), 0U);  // the serial number of the USB controller
 }
 
-TEST_F(Machine, knowsTheNamesOfACameraThatItMayNotOpen)
+TEST_F(Machine, listsTheNamesOfACameraThatItMayNotOpen)
 {
   plug(0, "Webcam", "1", "AA");
   locked_ = true;

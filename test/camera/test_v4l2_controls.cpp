@@ -19,10 +19,10 @@ std::int64_t number(std::int64_t value)
   return value;
 }
 
-/// As a UVC webcam has them, with one of each kind that webcams lack.
+/// A camera with the controls of a UVC webcam, and one of each other kind.
 FakeCamera webcam(bool old_kernel = false)
 {
-  const auto exposes_itself = [](const FakeCamera& camera)
+  const auto is_automatic = [](const FakeCamera& camera)
   { return camera.control(V4L2_CID_EXPOSURE_AUTO).value != V4L2_EXPOSURE_MANUAL; };
   FakeCamera camera;
   camera.controls = {
@@ -52,7 +52,7 @@ FakeCamera webcam(bool old_kernel = false)
        250,
        {},
        0,
-       exposes_itself},
+       is_automatic},
       {V4L2_CID_IMAGE_STABILIZATION, V4L2_CTRL_TYPE_BUTTON, "Press", 0, 0, 0, {}, V4L2_CTRL_FLAG_WRITE_ONLY},
       {V4L2_CID_LINK_FREQ, V4L2_CTRL_TYPE_INTEGER_MENU, "Link Frequency", 0, 1, 0, {{0, "9000000000"}, {1, "-3"}}},
       {V4L2_CID_PIXEL_RATE, V4L2_CTRL_TYPE_INTEGER64, "Pixel Rate", 0, 1LL << 40, 1LL << 33},
@@ -68,7 +68,7 @@ FakeCamera webcam(bool old_kernel = false)
 
 using Lines = std::vector<std::string>;
 
-/// What is said of those that could not be set.
+/// Sets controls and returns the messages of those that failed.
 Lines set(FakeCamera& camera, const std::vector<ControlSetting>& settings)
 {
   Lines lines;
@@ -83,7 +83,7 @@ TEST(V4l2Controls, areListedUnderTheirNames)
 {
   FakeCamera camera = webcam();
   const std::vector<CameraControl> controls = listControls(*camera.plug());
-  EXPECT_EQ(controls.size(), camera.controls.size() - 1);  // a class is a heading
+  EXPECT_EQ(controls.size(), camera.controls.size() - 1);  // all but the heading of the class
 
   const CameraControl& brightness = *findControl(controls, "brightness");
   EXPECT_EQ(brightness.kind, ControlKind::kInteger);
@@ -107,7 +107,7 @@ TEST(V4l2Controls, areListedUnderTheirNames)
   EXPECT_EQ(findControl(controls, "grid")->kind, ControlKind::kCompound);
 }
 
-TEST(V4l2Controls, ofADeviceWithoutAnyAreNone)
+TEST(V4l2Controls, areAnEmptyListOnADeviceWithoutAny)
 {
   FakeCamera camera;
   camera.faults[VIDIOC_QUERY_EXT_CTRL] = {ENOTTY, ENOTTY};
@@ -116,7 +116,7 @@ TEST(V4l2Controls, ofADeviceWithoutAnyAreNone)
             Lines{"/dev/video0: there is no control gain, the camera has no controls"});
 }
 
-TEST(V4l2Controls, thatCannotBeDescribedHideNoOthers)
+TEST(V4l2Controls, areListedAlthoughOneCannotBeDescribed)
 {
   const std::vector<std::uint32_t> table[] = {
       {V4L2_CID_BRIGHTNESS},
@@ -142,7 +142,7 @@ TEST(V4l2Controls, thatCannotBeDescribedHideNoOthers)
   }
 }
 
-TEST(V4l2Controls, ofADeviceThatFailsAltogetherAreNone)
+TEST(V4l2Controls, areAnEmptyListOnADeviceThatFailsAltogether)
 {
   FakeCamera camera = webcam();
   for (FakeCamera::Control& control : camera.controls)
@@ -150,25 +150,25 @@ TEST(V4l2Controls, ofADeviceThatFailsAltogetherAreNone)
   EXPECT_TRUE(listControls(*camera.plug()).empty());
 }
 
-TEST(V4l2Controls, areReachedOnTheOpeningThatStreams)
+TEST(V4l2Controls, useTheDeviceThatStreams)
 {
   FakeCamera camera = webcam();
   camera.exclusive = true;
   const ControlDevice::Open open = [&camera] { return camera.plug(); };
-  ControlDevice port(open);
+  ControlDevice control_device(open);
   {
     const V4l2Source source(camera.plug(), CaptureParams());
-    EXPECT_THROW(port.device(), SourceUnavailable);
-    port.follow(source);
-    EXPECT_EQ(listControls(*port.device()).size(), camera.controls.size() - 1);
-    EXPECT_TRUE(setControls(*port.device(), {{"brightness", number(9)}}).empty());
+    EXPECT_THROW(control_device.device(), SourceUnavailable);
+    control_device.follow(source);
+    EXPECT_EQ(listControls(*control_device.device()).size(), camera.controls.size() - 1);
+    EXPECT_TRUE(setControls(*control_device.device(), {{"brightness", number(9)}}).empty());
   }
   EXPECT_EQ(camera.open_devices, 0);
-  EXPECT_EQ(findControl(listControls(*port.device()), "brightness")->value, ControlValue(number(9)));
+  EXPECT_EQ(findControl(listControls(*control_device.device()), "brightness")->value, ControlValue(number(9)));
   EXPECT_EQ(camera.open_devices, 0);
 }
 
-TEST(V4l2Controls, ofDriversThatTellNonsenseAreListedNevertheless)
+TEST(V4l2Controls, areListedEvenIfTheDriverTellsNonsense)
 {
   for (const auto& [minimum, maximum] : {std::pair<std::int64_t, std::int64_t>{0, 0xFFFFFFFF},
                                          {0, std::numeric_limits<std::int64_t>::max()},
@@ -205,7 +205,7 @@ TEST(V4l2Controls, takeValuesOfEveryKind)
   EXPECT_EQ(findControl(listControls(*camera.plug()), "flags")->value, ControlValue(number(0x80000001)));
 }
 
-TEST(V4l2Controls, areSetInTheOrderThatTheyNeed)
+TEST(V4l2Controls, areSetInTheOrderOfTheirDependencies)
 {
   for (const bool old_kernel : {false, true})
   {
@@ -215,8 +215,8 @@ TEST(V4l2Controls, areSetInTheOrderThatTheyNeed)
   }
 }
 
-/// Some drivers take a value that an automatic replaces at once.
-TEST(V4l2Controls, areSetAfterTheirAutomaticsAlsoWhereTheDriverTakesThemAtAnyTime)
+/// Some drivers accept a value that an automatic mode then replaces at once.
+TEST(V4l2Controls, areAlwaysSetAfterTheirAutomaticModes)
 {
   FakeCamera camera = webcam();
   camera.control(V4L2_CID_EXPOSURE_ABSOLUTE).inactive = nullptr;
@@ -224,7 +224,7 @@ TEST(V4l2Controls, areSetAfterTheirAutomaticsAlsoWhereTheDriverTakesThemAtAnyTim
   EXPECT_EQ(camera.controls_set, (std::vector<std::uint32_t>{V4L2_CID_EXPOSURE_AUTO, V4L2_CID_EXPOSURE_ABSOLUTE}));
 }
 
-TEST(V4l2Controls, thatRuleEachOtherAreTriedAgain)
+TEST(V4l2Controls, areTriedAgainIfTheyDependOnEachOther)
 {
   FakeCamera camera = webcam();
   camera.control(V4L2_CID_POWER_LINE_FREQUENCY).inactive = [](const FakeCamera& of)
@@ -233,7 +233,7 @@ TEST(V4l2Controls, thatRuleEachOtherAreTriedAgain)
   EXPECT_EQ(camera.control(V4L2_CID_POWER_LINE_FREQUENCY).value, 0);
 }
 
-TEST(V4l2Controls, haveUsbCamsAndAllKernelsNames)
+TEST(V4l2Controls, areKnownByTheNamesOfUsbCamAndAllKernels)
 {
   for (const bool old_kernel : {false, true})
   {
@@ -260,7 +260,7 @@ TEST(V4l2Controls, haveUsbCamsAndAllKernelsNames)
   }
 }
 
-TEST(V4l2Controls, thatCannotBeSetAreNamedAndTheOthersSet)
+TEST(V4l2Controls, areSetAlthoughOthersFail)
 {
   FakeCamera camera = webcam();
   const std::vector<std::pair<ControlSetting, std::string>> table = {
@@ -293,7 +293,7 @@ TEST(V4l2Controls, thatCannotBeSetAreNamedAndTheOthersSet)
       << unknown[0];
 }
 
-TEST(V4l2Controls, thatTheDriverRefusesAreNamed)
+TEST(V4l2Controls, areNamedIfTheDriverRefusesThem)
 {
   FakeCamera camera = webcam();
   camera.faults[VIDIOC_S_EXT_CTRLS] = {EBUSY};
@@ -302,8 +302,8 @@ TEST(V4l2Controls, thatTheDriverRefusesAreNamed)
   camera.faults[VIDIOC_S_EXT_CTRLS] = {EIO};
   EXPECT_EQ(set(camera, {{"brightness", number(1)}}),
             Lines{"/dev/video0: control brightness is 1, is refused by the driver: Input/output error"});
-  camera.faults[VIDIOC_QUERY_EXT_CTRL].assign(camera.controls.size() + 1, 0);  // all are listed
-  for (const int error : {EIO, 0, EIO})  // what is refused is tried again after another setting
+  camera.faults[VIDIOC_QUERY_EXT_CTRL].assign(camera.controls.size() + 1, 0);  // listing the controls succeeds
+  for (const int error : {EIO, 0, EIO})  // the first setting fails, the second succeeds, and the first fails again
     camera.faults[VIDIOC_QUERY_EXT_CTRL].push_back(error);
   EXPECT_EQ(set(camera, {{"brightness", number(1)}, {"pixel_rate", number(1)}}),
             Lines{"/dev/video0: control brightness is 1, is refused by the driver: Input/output error"});

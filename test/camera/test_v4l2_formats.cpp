@@ -14,16 +14,16 @@ using namespace robot_vision;
 namespace
 {
 
-/// How a driver lays a format out, and what OpenCV makes of it.
+/// A format's layout in the driver's buffer, and OpenCV's codes to convert it.
 struct Layout
 {
   std::string name;
   std::uint32_t fourcc;
   unsigned bits_per_px;
   int type;
-  int to_bgr;  // -1: as it is
+  int to_bgr;  // -1 if there is nothing to convert
   int to_gray;
-  bool odd;  // it can have odd sizes
+  bool odd;  // whether odd sizes are possible
 };
 
 std::ostream& operator<<(std::ostream& out, const Layout& layout)
@@ -31,16 +31,16 @@ std::ostream& operator<<(std::ostream& out, const Layout& layout)
   return out << layout.name;
 }
 
-/// The rows of a picture with `padding` bytes after each. Of YU12 the rows of the chroma have half the padding, too.
-std::vector<unsigned char> padded(const cv::Mat& picture, const Layout& layout, std::size_t padding)
+/// The rows of an image with `padding` bytes after each one. The chroma rows of YU12 have half the padding.
+std::vector<unsigned char> padded(const cv::Mat& image, const Layout& layout, std::size_t padding)
 {
   const bool yu12 = layout.fourcc == V4L2_PIX_FMT_YUV420;
-  const std::size_t row_bytes = picture.cols * picture.elemSize();
+  const std::size_t row_bytes = image.cols * image.elemSize();
   std::vector<unsigned char> bytes;
-  for (int row = 0; row < picture.rows; ++row)
+  for (int row = 0; row < image.rows; ++row)
   {
-    const unsigned char* const begin = picture.ptr(row);
-    const int parts = yu12 && row >= picture.rows * 2 / 3 ? 2 : 1;
+    const unsigned char* const begin = image.ptr(row);
+    const int parts = yu12 && row >= image.rows * 2 / 3 ? 2 : 1;
     for (int part = 0; part < parts; ++part)
     {
       bytes.insert(bytes.end(), begin + part * row_bytes / parts, begin + (part + 1) * row_bytes / parts);
@@ -50,20 +50,20 @@ std::vector<unsigned char> padded(const cv::Mat& picture, const Layout& layout, 
   return bytes;
 }
 
-cv::Mat byOpenCv(const cv::Mat& picture, int code, double white)
+cv::Mat convertedByOpenCv(const cv::Mat& image, int code, double white)
 {
-  cv::Mat out = picture.clone();
-  if (code >= 0) cv::cvtColor(picture, out, code);
+  cv::Mat out = image.clone();
+  if (code >= 0) cv::cvtColor(image, out, code);
   if (out.depth() == CV_16U) out.convertTo(out, CV_8U, 255.0 / white);
   return out;
 }
 
-cv::Mat randomPicture(const Layout& layout, cv::Size size)
+cv::Mat randomImage(const Layout& layout, cv::Size size)
 {
   if (layout.bits_per_px == 12) size.height = size.height * 3 / 2;
-  cv::Mat picture = noise(size, layout.type).clone();
-  if (layout.fourcc == V4L2_PIX_FMT_Y10 || layout.name == "yuvmono10") picture &= 0x3FF;
-  return picture;
+  cv::Mat image = noise(size, layout.type).clone();
+  if (layout.fourcc == V4L2_PIX_FMT_Y10 || layout.name == "yuvmono10") image &= 0x3FF;
+  return image;
 }
 
 }  // namespace
@@ -72,20 +72,20 @@ class V4l2Formats : public testing::TestWithParam<Layout>
 {
 };
 
-TEST_P(V4l2Formats, becomeWhatOpenCvMakesOfThem)
+TEST_P(V4l2Formats, areConvertedAsOpenCvDoes)
 {
   const Layout& layout = GetParam();
   for (cv::Size size : {cv::Size(64, 48), cv::Size(66, 50), cv::Size(37, 17)})
     for (const unsigned padding : {0U, 12U})
     {
       if (!layout.odd) size = {size.width & ~1, size.height & ~1};
-      const cv::Mat picture = randomPicture(layout, size);
+      const cv::Mat image = randomImage(layout, size);
       FakeCamera camera;
       camera.formats = {{layout.fourcc,
                          layout.bits_per_px,
                          {{static_cast<unsigned>(size.width), static_cast<unsigned>(size.height), {30.0}}}}};
       camera.row_padding = padding;
-      camera.picture = [&](const v4l2_pix_format&, unsigned) { return padded(picture, layout, padding); };
+      camera.frame_bytes = [&](const v4l2_pix_format&, unsigned) { return padded(image, layout, padding); };
       CaptureParams params;
       params.pixel_format = layout.name;
       params.image_width = size.width;
@@ -102,12 +102,13 @@ TEST_P(V4l2Formats, becomeWhatOpenCvMakesOfThem)
       toRgb(frame.image, frame.encoding, rgb);
       toGray(frame.image, frame.encoding, gray);
       const double white = frame.encoding == "mono10" ? 1023.0 : 65535.0;
-      const cv::Mat expected = byOpenCv(picture, layout.to_bgr, white);
+      const cv::Mat expected = convertedByOpenCv(image, layout.to_bgr, white);
       const bool planar = layout.bits_per_px == 12;
       EXPECT_TRUE(equal(bgr, expected));
       cv::cvtColor(rgb, rgb, cv::COLOR_RGB2BGR);
       EXPECT_TRUE(equal(rgb, expected));
-      EXPECT_TRUE(equal(gray, planar ? picture.rowRange(0, size.height) : byOpenCv(picture, layout.to_gray, white)));
+      EXPECT_TRUE(
+          equal(gray, planar ? image.rowRange(0, size.height) : convertedByOpenCv(image, layout.to_gray, white)));
     }
 }
 
@@ -130,10 +131,10 @@ INSTANTIATE_TEST_SUITE_P(
         Layout{"bayer_gbrg8", V4L2_PIX_FMT_SGBRG8, 8, CV_8UC1, cv::COLOR_BayerGR2BGR, cv::COLOR_BayerGR2GRAY, true},
         Layout{"bayer_grbg8", V4L2_PIX_FMT_SGRBG8, 8, CV_8UC1, cv::COLOR_BayerGB2BGR, cv::COLOR_BayerGB2GRAY, true}));
 
-TEST(V4l2Formats, thatComeShortAreRefused)
+TEST(V4l2Formats, areRefusedIfTheFrameIsTooShort)
 {
   FakeCamera camera;
-  camera.picture = [](const v4l2_pix_format& format, unsigned)
+  camera.frame_bytes = [](const v4l2_pix_format& format, unsigned)
   { return std::vector<unsigned char>(format.sizeimage - 1, 0); };
   camera.formats = {{V4L2_PIX_FMT_NV12, 12, {{64, 48, {30.0}}}}};
   CaptureParams params;

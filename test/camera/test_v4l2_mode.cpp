@@ -11,7 +11,7 @@ using namespace robot_vision;
 namespace
 {
 
-/// A webcam that has its large pictures compressed only.
+/// A webcam that offers large images in a compressed format only.
 FakeCamera webcam()
 {
   FakeCamera camera;
@@ -23,7 +23,7 @@ FakeCamera webcam()
   return camera;
 }
 
-CaptureParams asking(const std::string& pixel_format, int width, int height, double framerate = 0.0)
+CaptureParams withFormat(const std::string& pixel_format, int width, int height, double framerate = 0.0)
 {
   CaptureParams params;
   params.pixel_format = pixel_format;
@@ -33,62 +33,62 @@ CaptureParams asking(const std::string& pixel_format, int width, int height, dou
   return params;
 }
 
-V4l2Mode agree(FakeCamera& camera, const CaptureParams& params)
+V4l2Mode negotiate(FakeCamera& camera, const CaptureParams& params)
 {
   return negotiateFormat(*camera.plug(), params);
 }
 
 }  // namespace
 
-TEST(V4l2Mode, isWhatWasAskedForIfThereIsThat)
+TEST(V4l2Mode, isWhatWasAskedForIfTheDeviceOffersIt)
 {
   FakeCamera camera = webcam();
-  const V4l2Mode mode = agree(camera, asking("mjpeg", 1920, 1080, 30.0));
+  const V4l2Mode mode = negotiate(camera, withFormat("mjpeg", 1920, 1080, 30.0));
   EXPECT_EQ(describe(mode), "MJPG 1920x1080");
   EXPECT_STREQ(mode.format->encoding, "jpeg");
   EXPECT_EQ(mode.rate, 30.0);
   EXPECT_EQ(mode.warning, "");
 }
 
-TEST(V4l2Mode, isTheNearestAndSaysWhatThereIs)
+TEST(V4l2Mode, isTheNearestWithAWarningThatListsTheOthers)
 {
   const std::string offers = "; it offers YUYV, NV12: 640x480, 320x240; MJPG: 1920x1080, 640x480";
   const std::vector<std::tuple<CaptureParams, std::string, std::string>> table = {
-      {asking("yuyv", 800, 600), "YUYV 640x480", "asked for YUYV 800x600, gives YUYV 640x480" + offers},
-      {asking("nv12", 100, 100), "NV12 320x240", "asked for NV12 100x100, gives NV12 320x240" + offers},
-      {asking("uyvy", 640, 480), "YUYV 640x480", "asked for UYVY 640x480, gives YUYV 640x480" + offers},
-      {asking("uyvy", 1280, 1024), "MJPG 1920x1080", "asked for UYVY 1280x1024, gives MJPG 1920x1080" + offers},
-      {asking("yuyv", 640, 480, 100.0), "YUYV 640x480", "asked for 100 Hz, gives 30; YUYV 640x480 has 30, 15 Hz"},
-      {asking("yuyv", 320, 200, 30.0), "YUYV 320x240",
+      {withFormat("yuyv", 800, 600), "YUYV 640x480", "asked for YUYV 800x600, gives YUYV 640x480" + offers},
+      {withFormat("nv12", 100, 100), "NV12 320x240", "asked for NV12 100x100, gives NV12 320x240" + offers},
+      {withFormat("uyvy", 640, 480), "YUYV 640x480", "asked for UYVY 640x480, gives YUYV 640x480" + offers},
+      {withFormat("uyvy", 1280, 1024), "MJPG 1920x1080", "asked for UYVY 1280x1024, gives MJPG 1920x1080" + offers},
+      {withFormat("yuyv", 640, 480, 100.0), "YUYV 640x480", "asked for 100 Hz, gives 30; YUYV 640x480 has 30, 15 Hz"},
+      {withFormat("yuyv", 320, 200, 30.0), "YUYV 320x240",
        "asked for YUYV 320x200, gives YUYV 320x240" + offers + "; asked for 30 Hz, gives 60; YUYV 320x240 has 60 Hz"},
-      {asking("yuyv", 640, 480, 29.97), "YUYV 640x480", ""},
-      {asking("yuv", 640, 480, 16.0), "YUYV 640x480", "asked for 16 Hz, gives 15; YUYV 640x480 has 30, 15 Hz"},
+      {withFormat("yuyv", 640, 480, 29.97), "YUYV 640x480", ""},
+      {withFormat("yuv", 640, 480, 16.0), "YUYV 640x480", "asked for 16 Hz, gives 15; YUYV 640x480 has 30, 15 Hz"},
   };
   for (const auto& [params, expected, warning] : table)
   {
     FakeCamera camera = webcam();
-    const V4l2Mode mode = agree(camera, params);
+    const V4l2Mode mode = negotiate(camera, params);
     EXPECT_EQ(describe(mode), expected);
     EXPECT_EQ(mode.warning, warning);
     EXPECT_EQ(describeFormat(camera.format.pixelformat, camera.format.width, camera.format.height), expected);
   }
 }
 
-TEST(V4l2Mode, isAskedForWhereTheDriverSaysNothing)
+TEST(V4l2Mode, isFoundByTryingIfTheDriverListsNothing)
 {
   FakeCamera camera = webcam();
   camera.enumerates = false;
-  // Drivers keep their format without a word if they do not have the one asked for.
-  const V4l2Mode kept = agree(camera, asking("uyvy", 640, 480));
+  // Drivers silently keep their format if they do not have the one asked for.
+  const V4l2Mode kept = negotiate(camera, withFormat("uyvy", 640, 480));
   EXPECT_EQ(describe(kept), "YUYV 640x480");
   EXPECT_STREQ(kept.format->encoding, "yuv422_yuy2");
   EXPECT_EQ(kept.warning, "asked for UYVY 640x480, gives YUYV 640x480");
 
   camera.formats = {{V4L2_PIX_FMT_HEVC, 8, {{640, 480, {30.0}}}}, {V4L2_PIX_FMT_NV12, 12, {{640, 480, {30.0}}}}};
-  EXPECT_EQ(describe(agree(camera, asking("yuyv", 640, 480))), "NV12 640x480");
+  EXPECT_EQ(describe(negotiate(camera, withFormat("yuyv", 640, 480))), "NV12 640x480");
 }
 
-TEST(V4l2Mode, thatNobodyUnderstandsIsRefused)
+TEST(V4l2Mode, isRefusedIfNoFormatIsUsable)
 {
   for (const bool enumerates : {true, false})
   {
@@ -97,7 +97,7 @@ TEST(V4l2Mode, thatNobodyUnderstandsIsRefused)
     camera.enumerates = enumerates;
     try
     {
-      agree(camera, CaptureParams());
+      negotiate(camera, CaptureParams());
       FAIL();
     }
     catch (const SourceUnavailable& e)
@@ -112,30 +112,30 @@ TEST(V4l2Mode, findsSizesInRanges)
 {
   FakeCamera camera;
   camera.formats = {{V4L2_PIX_FMT_YUYV, 16, {{640, 480, {30.0}}}, {32, 1920, 16, 24, 1080, 8}}};
-  const V4l2Mode mode = agree(camera, asking("yuyv", 650, 481));
+  const V4l2Mode mode = negotiate(camera, withFormat("yuyv", 650, 481));
   EXPECT_EQ(describe(mode), "YUYV 656x480");
   EXPECT_EQ(mode.warning,
             "asked for YUYV 650x481, gives YUYV 656x480; it offers YUYV: 32x24 to 1920x1080 in steps of 16x8");
-  EXPECT_EQ(describe(agree(camera, asking("yuyv", 4000, 16))), "YUYV 1920x24");
+  EXPECT_EQ(describe(negotiate(camera, withFormat("yuyv", 4000, 16))), "YUYV 1920x24");
 }
 
-TEST(V4l2Mode, givesTenBitsThatAreCalledYuyvAsSuch)
+TEST(V4l2Mode, takesTenBitGrayThatIsCalledYuyv)
 {
   FakeCamera camera;
-  const V4l2Mode mode = agree(camera, asking("yuvmono10", 640, 480));
+  const V4l2Mode mode = negotiate(camera, withFormat("yuvmono10", 640, 480));
   EXPECT_STREQ(mode.format->encoding, "mono10");
   EXPECT_EQ(mode.warning, "");
 }
 
-TEST(V4l2Mode, takesFailedCallsForALostDevice)
+TEST(V4l2Mode, treatsFailedCallsAsALostDevice)
 {
   FakeCamera camera;
   camera.faults[VIDIOC_S_FMT] = {EBUSY};
-  EXPECT_THROW(agree(camera, CaptureParams()), SourceUnavailable);
-  camera.faults[VIDIOC_S_PARM] = {EBUSY};  // the rate that is set then stays
-  EXPECT_EQ(agree(camera, CaptureParams()).rate, 30.0);
+  EXPECT_THROW(negotiate(camera, CaptureParams()), SourceUnavailable);
+  camera.faults[VIDIOC_S_PARM] = {EBUSY};  // then the present rate stays
+  EXPECT_EQ(negotiate(camera, CaptureParams()).rate, 30.0);
   camera.faults[VIDIOC_G_PARM] = {ENOTTY};
-  EXPECT_EQ(agree(camera, CaptureParams()).rate, 0.0);
+  EXPECT_EQ(negotiate(camera, CaptureParams()).rate, 0.0);
 }
 
 TEST(V4l2Offers, findTheNearestRate)
@@ -166,7 +166,7 @@ TEST(V4l2Offers, knowRatesBelowOnePerSecond)
   }
 }
 
-TEST(V4l2Mode, saysWhatFieldsThePicturesAreOf)
+TEST(V4l2Mode, saysHowInterlacedImagesDifferFromFrames)
 {
   const std::vector<std::pair<std::uint32_t, std::string>> table = {
       {V4L2_FIELD_NONE, ""},
@@ -179,6 +179,6 @@ TEST(V4l2Mode, saysWhatFieldsThePicturesAreOf)
   {
     FakeCamera camera;
     camera.field = field;
-    EXPECT_EQ(agree(camera, CaptureParams()).warning, warning);
+    EXPECT_EQ(negotiate(camera, CaptureParams()).warning, warning);
   }
 }

@@ -57,14 +57,14 @@ TEST(V4l2Source, countsLostFramesAndRefusesDamagedOnes)
   camera.damaged = 1;
   EXPECT_EQ(readError(source), "/dev/video0: frame 5 is marked as damaged by the driver");
   ASSERT_EQ(source.read(frame), ReadResult::kFrame);
-  EXPECT_EQ(frame.sequence, 5);  // the damaged one is not lost as well
+  EXPECT_EQ(frame.sequence, 5);  // the damaged frame does not count as lost as well
 }
 
 TEST(V4l2Source, refusesFramesThatAreCutShort)
 {
   FakeCamera camera;
   std::size_t size = 0;
-  camera.picture = [&size](const v4l2_pix_format&, unsigned) { return std::vector<unsigned char>(size); };
+  camera.frame_bytes = [&size](const v4l2_pix_format&, unsigned) { return std::vector<unsigned char>(size); };
   V4l2Source source(camera.plug(), CaptureParams());
   EXPECT_EQ(readError(source), "/dev/video0: frame 0 is empty");
   size = 614399;
@@ -73,7 +73,7 @@ TEST(V4l2Source, refusesFramesThatAreCutShort)
   EXPECT_EQ(readError(source), "");
 }
 
-TEST(V4l2Source, countsOnWhereTheDriversNumbersWrap)
+TEST(V4l2Source, keepsCountingWhenTheDriversNumbersWrap)
 {
   FakeCamera camera;
   camera.first_sequence = std::numeric_limits<unsigned>::max() - 1;

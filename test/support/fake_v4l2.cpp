@@ -55,7 +55,7 @@ public:
 
   bool waitReadable(int milliseconds) override
   {
-    if (!camera_.plugged) return true;  // poll() answers POLLERR | POLLHUP to whom is gone
+    if (!camera_.plugged) return true;  // for a lost device poll() returns POLLERR | POLLHUP
     const auto wait = std::chrono::milliseconds(milliseconds);
     const auto until_frame = hasFrame() ? next_frame_ - Clock::now() : Clock::duration(wait);
     if (until_frame > Clock::duration::zero())
@@ -180,7 +180,7 @@ private:
     return EINVAL;
   }
 
-  /// Drivers change what they do not have into what they have; the pixel format that is set stays.
+  /// Changes a format that the driver does not have: to the nearest size, and to the present pixel format.
   int setFormat(v4l2_pix_format& asked)
   {
     if (!buffers_.empty()) return EBUSY;
@@ -282,12 +282,12 @@ private:
 
   std::uint32_t fill(std::vector<unsigned char>& buffer, unsigned number) const
   {
-    if (!camera_.picture)
+    if (!camera_.frame_bytes)
     {
       std::fill(buffer.begin(), buffer.end(), static_cast<unsigned char>(number));
       return static_cast<std::uint32_t>(buffer.size());
     }
-    const std::vector<unsigned char> bytes = camera_.picture(camera_.format, number);
+    const std::vector<unsigned char> bytes = camera_.frame_bytes(camera_.format, number);
     const std::size_t size = std::min(bytes.size(), buffer.size());
     std::copy_n(bytes.begin(), size, buffer.begin());
     return static_cast<std::uint32_t>(size);
@@ -359,7 +359,7 @@ private:
   }
 
   FakeCamera& camera_;
-  std::vector<double> rates_;  // Hz, at the size that is set
+  std::vector<double> rates_;  // Hz, those of the present size
   std::vector<std::vector<unsigned char>> buffers_;
   std::deque<unsigned> queued_;
   Clock::time_point next_frame_;

@@ -42,19 +42,19 @@ void fill(AVFrame& frame, const cv::Mat& yu12)
 
 }  // namespace
 
-std::vector<cv::Mat> H264Stream::encode(const std::vector<cv::Mat>& pictures) const
+std::vector<cv::Mat> H264Stream::encode(const std::vector<cv::Mat>& images) const
 {
   const AVCodec* encoder = avcodec_find_encoder_by_name("libx264");
   if (encoder == nullptr) return {};
   const std::unique_ptr<AVCodecContext, Freer> codec(avcodec_alloc_context3(encoder));
-  codec->width = pictures.front().cols;
-  codec->height = pictures.front().rows * 2 / 3;
+  codec->width = images.front().cols;
+  codec->height = images.front().rows * 2 / 3;
   codec->time_base = {1, 30};
-  codec->pix_fmt = half_chroma_only_across ? AV_PIX_FMT_YUV422P : AV_PIX_FMT_YUV420P;
+  codec->pix_fmt = chroma_422 ? AV_PIX_FMT_YUV422P : AV_PIX_FMT_YUV420P;
   codec->color_range = full_range ? AVCOL_RANGE_JPEG : AVCOL_RANGE_MPEG;
   codec->gop_size = keyframe_every;
   codec->thread_count = 1;
-  codec->log_level_offset = 100;  // its statistics are not asked for
+  codec->log_level_offset = 100;  // keeps its statistics out of the output
   check(av_opt_set(codec->priv_data, "preset", "ultrafast", 0));
   check(av_opt_set(codec->priv_data, "tune", "zerolatency", 0));
   check(av_opt_set(codec->priv_data, "crf", "10", 0));
@@ -66,9 +66,9 @@ std::vector<cv::Mat> H264Stream::encode(const std::vector<cv::Mat>& pictures) co
   frame->format = codec->pix_fmt;
   check(av_frame_get_buffer(frame.get(), 0));
   std::vector<cv::Mat> packets;
-  for (const cv::Mat& picture : pictures)
+  for (const cv::Mat& image : images)
   {
-    if (!half_chroma_only_across) fill(*frame, picture);
+    if (!chroma_422) fill(*frame, image);
     frame->pts = static_cast<std::int64_t>(packets.size());
     check(avcodec_send_frame(codec.get(), frame.get()));
     check(avcodec_receive_packet(codec.get(), packet.get()));
