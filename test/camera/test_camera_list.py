@@ -1,4 +1,4 @@
-"""The list of cameras: what their nodes get, and what is refused."""
+"""The list of cameras: the parameters that their nodes get, and the lists that are refused."""
 
 import pathlib
 
@@ -34,13 +34,13 @@ def test_each_camera_has_its_own_parameters():
     assert entries == before
 
 
-def test_the_file_in_config_is_such_a_list():
+def test_the_example_in_config_is_valid():
     values = yaml.safe_load((ROOT / "config" / "cameras.yaml").read_text())
     assert list(parse_cameras(values["cameras"])) == ["front", "rear"]
 
 
 @pytest.mark.parametrize(
-    "values, why",
+    "values, reason",
     [
         (None, "cameras is None, must be a list of maps with name and source"),
         ([], r"cameras is \[\], must be a list"),
@@ -57,6 +57,6 @@ def test_the_file_in_config_is_such_a_list():
         ([{"name": "a", "source": "b", "rate": 1, "framerate": 1}], "one is enough"),
     ],
 )
-def test_what_is_no_list_is_refused(values, why):
-    with pytest.raises(ValueError, match=why):
+def test_other_values_are_refused(values, reason):
+    with pytest.raises(ValueError, match=reason):
         parse_cameras(values)

@@ -26,7 +26,7 @@ from robot_vision.msg import GroundTruth
 
 
 def pixels(message):
-    """The picture in an Image message."""
+    """The pixels of an Image message."""
     shape = (message.height, message.step)
     rows = np.frombuffer(message.data, np.uint8).reshape(shape)
     channels = 3 if message.encoding == "bgr8" else 1
@@ -35,7 +35,7 @@ def pixels(message):
 
 @pytest.fixture
 def gray_video(tmp_path):
-    """A video whose frame i is all of grey level 20 * i, at 10 Hz."""
+    """A video at 10 Hz whose frame i has the gray level 20 * i everywhere."""
     path = str(tmp_path / "ramp.avi")
     writer = cv2.VideoWriter(path, cv2.CAP_FFMPEG, cv2.VideoWriter_fourcc(*"MJPG"), 10, (64, 48))
     for i in range(12):
@@ -44,7 +44,7 @@ def gray_video(tmp_path):
     return path
 
 
-def test_scene_comes_with_its_truth(start):
+def test_scene_comes_with_its_ground_truth(start):
     truths = support.Messages("/camera/ground_truth", GroundTruth)
     images = support.Messages("/camera/image_raw", Image)
     infos = support.Messages("/camera/camera_info", CameraInfo)
@@ -77,14 +77,14 @@ def test_scene_comes_with_its_truth(start):
         assert sent.visible == exact.visible
 
 
-def test_frame_id_is_usb_cam_s_by_default(start):
+def test_default_frame_id_is_that_of_usb_cam(start):
     images = support.Messages("/camera/image_raw", Image)
     start("camera_node", "_source:=synthetic")
     assert images.wait()[0].header.frame_id == "head_camera"
     assert rospy.get_param("/camera/loop") is False
 
 
-def test_mono_is_the_grey_picture(start):
+def test_image_mono_is_the_gray_image(start):
     raw = support.Messages("/camera/image_raw", Image)
     mono = support.Messages("/camera/image_mono", Image)
     start("camera_node", "_source:=synthetic", "_image_width:=64", "_image_height:=64")
@@ -102,7 +102,7 @@ def test_mono_is_the_grey_picture(start):
         ("native", "bgr8", None),
     ],
 )
-def test_pictures_are_in_the_encoding_asked_for(start, wanted, published, code):
+def test_images_have_the_output_encoding(start, wanted, published, code):
     images = support.Messages("/camera/image_raw", Image)
     truths = support.Messages("/camera/ground_truth", GroundTruth)
     start("camera_node", "_source:=synthetic", "_output_encoding:=" + wanted)
@@ -116,7 +116,7 @@ def test_pictures_are_in_the_encoding_asked_for(start, wanted, published, code):
 
 
 @pytest.mark.parametrize("parameter", ["video_device", "source"])
-def test_a_camera_is_waited_for_by_its_name(start, parameter):
+def test_waits_for_a_camera_by_its_name(start, parameter):
     process = start("camera_node", f"_{parameter}:=No Such Camera")
     process.wait_for_output("trying again")
     assert "'No Such Camera' is no camera; there is " in process.output()
@@ -124,7 +124,7 @@ def test_a_camera_is_waited_for_by_its_name(start, parameter):
     assert process.exit_code() == 0
 
 
-def test_list_cameras_knows_its_arguments():
+def test_list_cameras_checks_its_arguments():
     def run(*arguments):
         command = [support.executable("list_cameras"), *arguments]
         done = subprocess.run(command, capture_output=True, text=True, timeout=30)
@@ -144,7 +144,7 @@ def test_video_plays_at_its_rate_and_ends(start, gray_video):
     process = start("camera_node", f"_source:={gray_video}")
     assert process.exit_code() == 0, process.output()
     assert "the source has ended" in process.output()
-    # All but the first few, which pass before the subscription has been made.
+    # The first few frames pass before the subscription is made.
     levels = [int(pixels(m).mean()) for m in images.received]
     assert levels[-1] in range(217, 224)
     assert np.allclose(np.diff(levels), 20, atol=4)
@@ -159,7 +159,7 @@ def test_video_plays_at_the_rate_asked_for_and_loops(start, gray_video):
     stamps = [m.header.stamp.to_sec() for m in received]
     assert np.median(np.diff(stamps)) == pytest.approx(0.02, abs=0.005)
     levels = [int(pixels(m).mean()) for m in received]
-    assert sum(b < a for a, b in zip(levels, levels[1:])) >= 2  # began again
+    assert sum(b < a for a, b in zip(levels, levels[1:])) >= 2  # the video began again
 
 
 def test_looping_keeps_the_rate(start, tmp_path):
@@ -172,7 +172,7 @@ def test_looping_keeps_the_rate(start, tmp_path):
 
 
 class MjpegServer(http.server.BaseHTTPRequestHandler):
-    """A network camera: an endless stream of JPEGs, each of one grey level."""
+    """A network camera: an endless stream of JPEGs, each of one gray level."""
 
     protocol_version = "HTTP/1.0"
 
@@ -208,7 +208,7 @@ def test_network_stream_plays_and_is_waited_for(start):
     server.server_close()
 
 
-def test_video_that_is_gone_when_it_begins_again(start, gray_video):
+def test_deleted_video_ends_a_looping_node(start, gray_video):
     images = support.Messages("/camera/image_raw", Image)
     process = start("camera_node", f"_source:={gray_video}", "_framerate:=50", "_loop:=true")
     images.wait(20)
@@ -225,7 +225,7 @@ def half_a_video(gray_video):
     return half
 
 
-def test_truncated_video_plays_what_there_is_and_exits_1(start, half_a_video):
+def test_truncated_video_plays_to_its_end_and_exits_1(start, half_a_video):
     images = support.Messages("/camera/image_raw", Image)
     process = start("camera_node", f"_source:={half_a_video}")
     assert process.exit_code() == 1
@@ -234,19 +234,19 @@ def test_truncated_video_plays_what_there_is_and_exits_1(start, half_a_video):
     assert images.received
 
 
-def test_a_video_ends_with_its_code_while_the_master_stands_still(start, half_a_video):
+def test_exits_at_the_end_of_a_video_although_the_master_is_stopped(start, half_a_video):
     master = support.Master(start)
     arguments = [f"_source:={half_a_video}", "_framerate:=1", "_always_subscribe:=true"]
     process = start("camera_node", *arguments, env=master.env)
     with support.service_of(master.api, "/camera/save_parameters") as service:
-        rospy.ServiceProxy(service, Trigger)()  # which it answers when it has started
+        rospy.ServiceProxy(service, Trigger)()  # the node answers when it has started
     with support.standing_still(master.process):
         assert process.exit_code() == 1, process.output()
     assert f"{half_a_video}: truncated or damaged, only" in process.output()
 
 
 @pytest.mark.parametrize(
-    "name, content, why",
+    "name, content, reason",
     [
         ("missing.mp4", None, "no such file or folder"),
         ("empty.mp4", b"", "the file is empty"),
@@ -258,7 +258,7 @@ def test_a_video_ends_with_its_code_while_the_master_stands_still(start, half_a_
         ("half.jpg", "half a jpeg", "damaged or truncated"),
     ],
 )
-def test_wrong_source_exits_1_naming_the_path(start, tmp_path, name, content, why):
+def test_wrong_source_exits_1_naming_the_path(start, tmp_path, name, content, reason):
     path = tmp_path / name
     if content == "folder":
         path.mkdir()
@@ -278,10 +278,10 @@ def test_wrong_source_exits_1_naming_the_path(start, tmp_path, name, content, wh
     process = start("camera_node", f"_source:={path}")
     assert process.exit_code() == 1
     fatal = [line for line in process.output().splitlines() if "FATAL" in line]
-    assert len(fatal) == 1 and str(path) in fatal[0] and why in fatal[0], process.output()
+    assert len(fatal) == 1 and str(path) in fatal[0] and reason in fatal[0], process.output()
 
 
-def test_missing_device_is_retried_until_it_is_there(start, diagnostics, tmp_path):
+def test_missing_device_is_retried(start, diagnostics, tmp_path):
     device = f"/dev/robot_vision_test_{os.getpid()}"
     process = start("camera_node", "__name:=retry", f"_source:={device}")
     process.wait_for_output(device + ": cannot be opened: No such file or directory")
@@ -290,7 +290,7 @@ def test_missing_device_is_retried_until_it_is_there(start, diagnostics, tmp_pat
     assert process.running()
 
 
-def test_damaged_pictures_of_a_folder_are_refused_and_counted(start, diagnostics, tmp_path):
+def test_damaged_images_of_a_folder_are_refused_and_counted(start, diagnostics, tmp_path):
     whole = cv2.imencode(".jpg", np.full((48, 64, 3), 99, np.uint8))[1].tobytes()
     (tmp_path / "a.jpg").write_bytes(whole[: len(whole) // 2])
     (tmp_path / "b.jpg").write_bytes(whole)
@@ -325,8 +325,8 @@ def test_capture_goes_on_without_subscribers_if_asked(start, diagnostics):
     )
 
 
-def test_stamps_are_the_simulated_time_s(start):
-    """Also when it begins anew, as rosbag's does when it loops."""
+def test_stamps_follow_simulated_time(start):
+    """They also do when the time jumps back, as it does when rosbag loops."""
     rospy.set_param("/use_sim_time", True)
     try:
         clock = rospy.Publisher("/clock", Clock, queue_size=1, latch=True)
@@ -362,8 +362,8 @@ def test_calibration_is_set_saved_and_used(start, tmp_path):
         infos.close()
 
 
-NO_CALIBRATION = [
-    # what a CameraInfo has instead of what it should, why it is refused
+INVALID_CALIBRATIONS = [
+    # the wrong fields of a CameraInfo, the reason why it is refused
     ({"width": 0}, "width is 0, must be 640, which the camera's pictures have"),
     ({"height": 481}, "height is 481, must be 480, which the camera's pictures have"),
     ({"K": [0.0] * 9}, "K is 0 everywhere, must be that of a calibrated camera"),
@@ -381,8 +381,8 @@ NO_CALIBRATION = [
 ]
 
 
-def test_calibration_that_cannot_be_the_camera_s_is_refused(start, tmp_path):
-    """And the one that is saved stays, in its file and in use."""
+def test_invalid_calibration_is_refused(start, tmp_path):
+    """The saved calibration stays in its file and in use."""
     path = tmp_path / "calibration.yaml"
     write_calibration(path, 640, 480)
     saved = path.read_bytes()
@@ -392,20 +392,21 @@ def test_calibration_that_cannot_be_the_camera_s_is_refused(start, tmp_path):
     infos.wait()
     give = rospy.ServiceProxy("/camera/set_camera_info", SetCameraInfo)
     refused = [(CameraInfo(), "width is 0")] + [
-        (CameraInfo(**{**calibration_of(640, 480), **wrong}), why) for wrong, why in NO_CALIBRATION
+        (CameraInfo(**{**calibration_of(640, 480), **wrong}), reason)
+        for wrong, reason in INVALID_CALIBRATIONS
     ]
-    for info, why in refused:
+    for info, reason in refused:
         answer = give(info)
-        assert not answer.success and why in answer.status_message, answer.status_message
-        process.wait_for_output("the calibration stays as it is: " + why)
+        assert not answer.success and reason in answer.status_message, answer.status_message
+        process.wait_for_output("the calibration stays as it is: " + reason)
         assert path.read_bytes() == saved
     assert list(tmp_path.glob("calibration*")) == [path]
     count = len(infos.received)
     assert infos.wait(count + 2)[-1].K[0] == 9.0
 
 
-def test_calibration_of_any_size_is_taken_until_a_picture_has_come(start, tmp_path):
-    """And of an unknown camera all else is looked at."""
+def test_calibration_of_any_size_is_taken_before_the_first_image(start, tmp_path):
+    """While the camera's size is unknown, everything else is checked."""
     start(
         "camera_node",
         "_source:=/dev/robot_vision_none",
@@ -420,9 +421,9 @@ def test_calibration_of_any_size_is_taken_until_a_picture_has_come(start, tmp_pa
     assert yaml.safe_load((tmp_path / "a.yaml").read_text())["image_width"] == 320
 
 
-def test_calibration_that_cannot_be_written_is_told(start, tmp_path):
+def test_calibration_that_cannot_be_written_is_an_error(start, tmp_path):
     (tmp_path / "file").touch()
-    for name, why in (
+    for name, reason in (
         ("file/a.yaml", "Not a directory"),
         ("a.txt", "must end in .yaml, .yml or .ini"),
     ):
@@ -433,11 +434,11 @@ def test_calibration_that_cannot_be_written_is_told(start, tmp_path):
         service = f"/{node.split('=')[1]}/set_camera_info"
         rospy.wait_for_service(service, support.DEADLINE)
         answer = rospy.ServiceProxy(service, SetCameraInfo)(CameraInfo(**calibration_of(640, 480)))
-        assert not answer.success and why in answer.status_message, answer.status_message
+        assert not answer.success and reason in answer.status_message, answer.status_message
 
 
 def calibration_of(width, height):
-    """The fields of a CameraInfo."""
+    """The fields of a valid CameraInfo of this size."""
     return {
         "width": width,
         "height": height,
@@ -450,7 +451,7 @@ def calibration_of(width, height):
 
 
 def write_calibration(path, width, height):
-    """A calibration with a focal length of 9 px as camera_calibration saves it."""
+    """Writes a calibration with a focal length of 9 px as camera_calibration saves it."""
     identity, nine = [1.0, 0, 0, 0, 1, 0, 0, 0, 1], [9.0, 0, 0, 0, 9, 0, 0, 0, 1]
     projection = [9.0, 0, 0, 0, 0, 9, 0, 0, 0, 0, 1, 0]
     values = {
@@ -467,7 +468,7 @@ def write_calibration(path, width, height):
     path.write_text(yaml.safe_dump(values))
 
 
-def test_the_scene_knows_its_calibration_better_than_the_users_file(start, tmp_path):
+def test_the_scenes_own_calibration_precedes_the_users_file(start, tmp_path):
     path = tmp_path / "camera_info" / "head_camera.yaml"
     write_calibration(path, 640, 480)
     picture = tmp_path / "picture.png"
@@ -487,7 +488,7 @@ def test_the_scene_knows_its_calibration_better_than_the_users_file(start, tmp_p
         process.end()
 
 
-def test_calibration_of_no_camera_is_not_taken_from_a_file_either(start, tmp_path):
+def test_invalid_calibration_file_is_not_used(start, tmp_path):
     path = tmp_path / "none.yaml"
     write_calibration(path, 640, 480)
     path.write_text(path.read_text().replace("9.0", "-9.0"))

@@ -1,4 +1,4 @@
-"""Several cameras in one manager: each on its own, whatever becomes of the others."""
+"""Several cameras in one nodelet manager: each works whatever becomes of the others."""
 
 import os
 import pathlib
@@ -16,8 +16,8 @@ from sensor_msgs.msg import CameraInfo, Image
 from support import Messages, wait_for
 
 MANAGER = "/camera_manager"
-PROMPT = {"PYTHONUNBUFFERED": "1"}  # or rospy's INFO lines come when they fill a page
-BOND_BREAKS = 6.0  # s, after the last sign of life of the other side, 4 s and its own ticks
+PROMPT = {"PYTHONUNBUFFERED": "1"}  # else rospy's INFO lines wait in a buffer
+BOND_TIMEOUT = 6.0  # s after which a bond surely breaks: 4 s after the last heartbeat, and a margin
 SMALL = {"source": "synthetic", "image_width": 160, "image_height": 120}
 
 
@@ -41,7 +41,7 @@ def assert_frames(topic, width, frame_id):
 
 
 def test_cameras_of_a_launch_file(start, tmp_path):
-    """Two work, a file is wrong and a device is missing; the manager dies, then the loader."""
+    """Two work, two are wrong and a device is missing; the manager dies, then the loader."""
     cameras = [
         {"name": "front", "rate": 20, **SMALL},
         {"name": "wrong", "source": "/no/such/file.mp4"},
@@ -70,7 +70,7 @@ def test_cameras_of_a_launch_file(start, tmp_path):
     assert "responded with an error" not in output and "b'" not in output
 
 
-def test_cameras_come_again_until_ctrl_c(start):
+def test_lost_cameras_are_loaded_again_until_ctrl_c(start):
     manager = start("/usr/lib/nodelet/nodelet", "manager", "__name:=camera_manager")
     rospy.set_param("/camera_loader/cameras", [{"name": "front", **SMALL}])
     loader = start("camera_loader.py", env=PROMPT)
@@ -85,8 +85,8 @@ def test_cameras_come_again_until_ctrl_c(start):
     assert manager.running()
 
 
-def test_a_loader_that_was_killed_finds_its_cameras_again(start):
-    """Also before the manager has noticed, and those of the loader before are not in its way."""
+def test_a_restarted_loader_takes_over_the_cameras_of_a_killed_one(start):
+    """It does so before the manager has noticed that the first loader is gone."""
     start("/usr/lib/nodelet/nodelet", "manager", "__name:=camera_manager")
     rospy.set_param("/camera_loader/cameras", [{"name": "front", **SMALL}])
     start("camera_loader.py", env=PROMPT).wait_for_output("/front: loaded")
@@ -97,11 +97,11 @@ def test_a_loader_that_was_killed_finds_its_cameras_again(start):
     assert "not loaded" not in loader.output()
     assert_frames("/front", 160, "front")
     # The bond of the dead loader would break now.
-    rospy.rostime.wallsleep(BOND_BREAKS)
+    rospy.rostime.wallsleep(BOND_TIMEOUT)
     assert loaded() == {"/front"} and "/front: lost" not in loader.output()
 
 
-def test_a_camera_that_was_refused_is_tried_again(start, tmp_path):
+def test_a_camera_that_fails_to_load_is_tried_again(start, tmp_path):
     picture = tmp_path / "later.png"
     start("/usr/lib/nodelet/nodelet", "manager", "__name:=camera_manager")
     rospy.set_param("/camera_loader/cameras", [{"name": "front", "source": str(picture)}])
@@ -113,8 +113,8 @@ def test_a_camera_that_was_refused_is_tried_again(start, tmp_path):
     assert_frames("/front", 64, "front")
 
 
-def test_a_camera_that_the_manager_dies_of_is_left_out(start):
-    script = str(pathlib.Path(__file__).with_name("dying_manager.py"))
+def test_a_camera_that_kills_the_manager_is_left_out(start):
+    script = str(pathlib.Path(support.__file__).with_name("dying_manager.py"))
     rospy.set_param(
         "/camera_loader/cameras",
         [{"name": name, "source": "synthetic"} for name in ("front", "bad", "rear")],
@@ -131,12 +131,12 @@ def test_a_camera_that_the_manager_dies_of_is_left_out(start):
     assert manager.running() and "loaded /front robot_vision/camera" in manager.output()
 
 
-def test_interrupted_in_the_middle_of_loading(start):
-    """Of one that the manager still waits for, and one that is loaded already."""
+def test_interrupt_while_loading(start):
+    """One camera is loaded, the manager is still busy with the next."""
     names = ("front", "endless", "rear")
     cameras = [{"name": name, "source": "synthetic"} for name in names]
     rospy.set_param("/camera_loader/cameras", cameras)
-    manager = start(sys.executable, pathlib.Path(__file__).with_name("dying_manager.py"))
+    manager = start(sys.executable, pathlib.Path(support.__file__).with_name("dying_manager.py"))
     loader = start("camera_loader.py", "_manager:=/manager", env=PROMPT)
     manager.wait_for_output("loaded /endless")
     loader.interrupt()
@@ -145,8 +145,8 @@ def test_interrupted_in_the_middle_of_loading(start):
     assert manager.running() and "/rear" not in manager.output()
 
 
-def test_what_is_no_list_of_cameras_is_told_once_and_waited_for(start, tmp_path):
-    """roslaunch starts a loader that ends over and over."""
+def test_an_invalid_list_is_reported_once_and_a_valid_one_awaited(start, tmp_path):
+    """The loader must not end, because roslaunch would start it again and again."""
     config = tmp_path / "cameras.yaml"
     config.write_text(yaml.safe_dump({"cameras": [{"name": "front"}]}))
     command = ["/usr/bin/roslaunch", "robot_vision", "cameras.launch", f"config:={config}"]
@@ -160,7 +160,7 @@ def test_what_is_no_list_of_cameras_is_told_once_and_waited_for(start, tmp_path)
     assert "has died" not in process.output(), process.output()
 
 
-def test_another_list_changes_the_cameras_that_it_names(start):
+def test_a_new_list_changes_only_the_cameras_that_differ(start):
     start("/usr/lib/nodelet/nodelet", "manager", "__name:=camera_manager")
     front, side, rear = ({"name": name, **SMALL} for name in ("front", "side", "rear"))
     rospy.set_param("/camera_loader/cameras", [front, side, {**rear, "rate": 15}])
@@ -180,13 +180,13 @@ def test_another_list_changes_the_cameras_that_it_names(start):
     output = loader.output()
     assert "/side: removed" in output and "lost" not in output
     assert output.count("/front: loaded") == 1 and output.count("there is no source") == 1
-    rospy.delete_param("/camera_loader/cameras")  # as a master that is new
+    rospy.delete_param("/camera_loader/cameras")  # as if the master had been restarted
     rospy.set_param("/camera_loader/cameras", [front])
     wait_for(lambda: loaded() == {"/front"}, "the others to be removed")
     assert loader.output().count("/front: loaded") == 1
 
 
-def test_help_promises_no_file(start):
+def test_help_does_not_mention_saving_parameters(start):
     process = start("camera_loader.py", "--help")
     assert process.exit_code() == 0
     assert "Loads the cameras of the list ~cameras" in process.output()

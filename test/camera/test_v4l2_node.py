@@ -1,4 +1,4 @@
-"""camera_node on a real V4L2 device: the kernel's driver vivid in a VM, booted once for all."""
+"""camera_node on a real V4L2 device: the kernel's driver vivid in a VM that is booted once."""
 
 import ast
 import json
@@ -15,20 +15,20 @@ import yaml
 
 VIVID = pathlib.Path(__file__).resolve().parent.parent / "vivid"
 SIZE = (480, 640)  # rows, columns
-FRAMERATE = 30.0  # Hz that camera_node asks for by default
-# Whichever of the two calls comes first after the fault.
+FRAMERATE = 30.0  # Hz, for which camera_node asks by default
+# VIDIOC_QBUF or VIDIOC_DQBUF fails, whichever comes first after the fault.
 QUEUE_FAILED = r"\[ERROR\] /camera: /dev/video0: VIDIOC_D?QBUF failed: {}; trying again"
 
 
 class Layout(NamedTuple):
-    """What a format looks like in memory, and what OpenCV makes of it."""
+    """The layout of a format in memory, and OpenCV's codes to convert it."""
 
-    native: str  # how it is published as it is
+    native: str  # its encoding with output_encoding native
     channels: int
-    to_bgr: Optional[int]  # cv2.COLOR_..., None: nothing to do
+    to_bgr: Optional[int]  # cv2.COLOR_..., None if there is nothing to convert
     to_gray: Optional[int]
     dtype: Any = np.uint8
-    white: int = 0  # the largest value, of 16 bits
+    white: int = 0  # the largest value of a 16-bit format
 
 
 PLANAR = (cv2.COLOR_YUV2BGR_NV12, cv2.COLOR_YUV2BGR_NV21, cv2.COLOR_YUV2BGR_I420)
@@ -55,7 +55,7 @@ LAYOUTS = {
 
 @pytest.fixture(scope="module")
 def vm(tmp_path_factory):
-    """The folder in which the guest has left what it saw."""
+    """The folder in which the guest has left its results."""
     out = tmp_path_factory.mktemp("vivid")
     two_webcams = "n_devs=2 node_types=0x1,0x1 num_inputs=1,1 input_types=0,0"
     done = host.run_guest(VIVID / "guest.py", out, two_webcams, 840.0)
@@ -69,7 +69,7 @@ def vm(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def seen(vm):
-    """seen(scenario): what the guest saw in it; fails if it did not get through."""
+    """seen(scenario) gives the guest's results of a scenario; it fails if the scenario did."""
     scenarios = json.loads((vm / "seen.json").read_text())
 
     def get(scenario: str) -> Dict[str, Any]:
@@ -81,7 +81,7 @@ def seen(vm):
 
 @pytest.fixture(scope="module")
 def rate(seen):
-    """rate(asked): of those that vivid has at this size, other ones in each kernel, the nearest."""
+    """rate(asked) gives the nearest rate that this kernel's vivid has at this size."""
     listed = seen("cameras")["listed"]["one"]["output"]
     offered = re.search(r"      640x480: (.*) Hz\n", listed).group(1)
     rates = [float(word) for word in offered.split(", ")]
@@ -95,7 +95,7 @@ def period_ns(rate):
 
 @pytest.fixture(scope="module")
 def slowness(seen):
-    """How many times longer than this machine, at its best, the guest, at its worst, works."""
+    """How many times slower the guest is at its worst than this machine at its best."""
     work = seen("work")
     here = min(timeit.repeat(work["statement"], number=1, repeat=10))
     return max(1.0, work["seconds"] / here)
@@ -106,12 +106,12 @@ def stamps(headers: List[Dict[str, Any]]) -> np.ndarray:
 
 
 def ages(headers: List[Dict[str, Any]]) -> np.ndarray:
-    """ns from stamp to arrival, both by the ROS clock."""
+    """The time from stamp to arrival in ns, both on the ROS clock."""
     return np.array([header["received_ns"] for header in headers]) - stamps(headers)
 
 
 def numbers_missing(kernel: List[Dict[str, int]]) -> int:
-    """Frames that the driver numbered, but did not give. On a busy machine vivid uses one twice."""
+    """How many numbers the driver skipped. On a busy machine vivid uses a number twice."""
     given = {frame["sequence"] for frame in kernel}
     return max(given) - min(given) + 1 - len(given)
 
@@ -121,7 +121,7 @@ def increase(scenario: Dict[str, Any], key: str) -> int:
 
 
 def published(vm: pathlib.Path, name: str, topic: str, message: Dict[str, Any]) -> np.ndarray:
-    """The picture of a message, of which the size is checked."""
+    """The pixels of a message, after a check of its size."""
     channels = (3,) if message["encoding"] == "bgr8" else ()
     assert (message["height"], message["width"]) == SIZE
     assert message["step"] == SIZE[1] * (channels[0] if channels else 1)
@@ -129,7 +129,7 @@ def published(vm: pathlib.Path, name: str, topic: str, message: Dict[str, Any]) 
 
 
 def pixels(path: pathlib.Path, layout: Layout) -> np.ndarray:
-    """What is in a file, in the shape that cv2.cvtColor wants."""
+    """The pixels in a file, in the shape that cv2.cvtColor takes."""
     rows, columns = SIZE
     if layout.to_bgr in PLANAR:
         rows = rows * 3 // 2
@@ -137,22 +137,22 @@ def pixels(path: pathlib.Path, layout: Layout) -> np.ndarray:
     return np.fromfile(str(path), layout.dtype).reshape(shape)
 
 
-def to_8_bits(picture: np.ndarray, white: int) -> np.ndarray:
-    return np.rint(picture * (255.0 / white)).astype(np.uint8)
+def to_8_bits(image: np.ndarray, white: int) -> np.ndarray:
+    return np.rint(image * (255.0 / white)).astype(np.uint8)
 
 
-def as_bgr(picture: np.ndarray, layout: Layout) -> np.ndarray:
+def as_bgr(image: np.ndarray, layout: Layout) -> np.ndarray:
     if layout.white:
-        picture = to_8_bits(picture, layout.white)
-    return picture if layout.to_bgr is None else cv2.cvtColor(picture, layout.to_bgr)
+        image = to_8_bits(image, layout.white)
+    return image if layout.to_bgr is None else cv2.cvtColor(image, layout.to_bgr)
 
 
-def as_gray(picture: np.ndarray, layout: Layout) -> np.ndarray:
+def as_gray(image: np.ndarray, layout: Layout) -> np.ndarray:
     if layout.white:
-        return to_8_bits(picture, layout.white)
+        return to_8_bits(image, layout.white)
     if layout.to_bgr in PLANAR:
-        return picture[: SIZE[0]]
-    return picture if layout.to_gray is None else cv2.cvtColor(picture, layout.to_gray)
+        return image[: SIZE[0]]
+    return image if layout.to_gray is None else cv2.cvtColor(image, layout.to_gray)
 
 
 def test_missing_device_is_named_and_retried(seen, slowness):
@@ -163,7 +163,7 @@ def test_missing_device_is_named_and_retried(seen, slowness):
     assert start["seconds"] <= 2.0 * slowness
 
 
-def test_the_rate_is_the_drivers(seen, rate, period_ns):
+def test_rate_is_that_of_the_driver(seen, rate, period_ns):
     said = f"YUYV 640x480 at {rate(FRAMERATE):g} Hz from /dev/video0"
     assert said in seen("missing_at_start")["after"]
     frames = seen("stream")["kernel"]
@@ -173,8 +173,8 @@ def test_the_rate_is_the_drivers(seen, rate, period_ns):
     assert len(times) <= len(frames)
 
 
-def test_stamps_are_the_drivers(seen, period_ns):
-    """Each stamp is the kernel's own time of a frame, in order, each once."""
+def test_stamps_are_those_of_the_driver(seen, period_ns):
+    """Each stamp is the kernel's time of a frame; they are in order and each comes once."""
     stream = seen("stream")
     kernel = np.array([frame["monotonic_ns"] for frame in stream["kernel"]])
     kernel += stream["wall_minus_monotonic_ns"]
@@ -192,23 +192,23 @@ def test_stamps_are_the_drivers(seen, period_ns):
 def test_stamps_are_within_a_frame_of_the_ros_clock(seen, slowness, period_ns):
     age = ages(seen("stream")["camera_info"])
     assert np.all(age > 0)
-    # The quickest arrival: a message takes less than 2 ms on its way when nothing is emulated.
+    # Without emulation, the fastest message takes less than 2 ms on its way.
     assert age.min() < period_ns + 2e6 * slowness
 
 
 def test_no_stamp_is_in_the_future(seen):
-    """The driver gives each frame before the time with which it stamps it."""
+    """In this scenario the driver delivers each frame before the time in its stamp."""
     headers = seen("stamped_ahead")["camera_info"]
     assert np.all(ages(headers) > 0)
     assert np.all(np.diff(stamps(headers)) > 0)
 
 
-def test_camera_info_comes_with_every_picture(seen):
+def test_camera_info_comes_with_every_image(seen):
     stream = seen("stream")
     assert stream["info_size"] == [640, 480]
     info = stamps(stream["camera_info"])
     for topic in ("image_raw", "image_mono"):
-        # The subscribers of the last messages went one after the other.
+        # The subscribers were not shut down at the same time.
         times = stamps(stream[topic])
         times = times[(times >= info[0]) & (times <= info[-1])]
         assert len(times) >= 5
@@ -223,7 +223,7 @@ def test_frames_are_counted(seen):
     assert int(stream["counters"]["frames dropped"]) == numbers_missing(stream["kernel"])
 
 
-def test_yuyv_pictures(vm, seen):
+def test_yuyv_images(vm, seen):
     pictures = seen("stream")["pictures"]
     direct = pixels(vm / "yuyv.raw", LAYOUTS["yuyv"])
     assert pictures["image_raw"]["encoding"] == "bgr8"
@@ -235,7 +235,7 @@ def test_yuyv_pictures(vm, seen):
     assert (vm / "afterwards.raw").read_bytes() == (vm / "yuyv.raw").read_bytes()
 
 
-def test_every_format_is_taken(seen):
+def test_every_format_is_supported(seen):
     formats = seen("formats")
     assert formats["exit_code"] == 0, formats["output"]
     found = dict(line.split(", ")[:2] for line in formats["output"].splitlines())
@@ -243,12 +243,12 @@ def test_every_format_is_taken(seen):
 
 
 @pytest.mark.parametrize("name", LAYOUTS)
-def test_pictures_are_the_devices_own(vm, seen, name):
-    """To the bit what v4l2-ctl reads and OpenCV converts."""
+def test_images_are_exactly_those_of_the_device(vm, seen, name):
+    """They are bit-exactly those that v4l2-ctl reads and OpenCV converts."""
     seen("formats")
     layout = LAYOUTS[name]
     direct = pixels(vm / (name + ".raw"), layout)
-    assert direct.min() < direct.max()  # a picture, and not a plain colour
+    assert direct.min() < direct.max()  # an image, and not a uniform colour
     bgr = as_bgr(direct, layout)
     natives = {"bgr8": bgr, "mono16": np.rint(direct * (65535.0 / (layout.white or 1)))}
     expected = {
@@ -257,14 +257,14 @@ def test_pictures_are_the_devices_own(vm, seen, name):
         "mono8": as_gray(direct, layout),
         "native": natives.get(layout.native, direct),
     }
-    for suffix, picture in expected.items():
+    for suffix, image in expected.items():
         kind = layout.dtype if suffix == "native" else np.uint8
-        ours = np.fromfile(str(vm / f"{name}.{suffix}"), kind).reshape(picture.shape)
-        np.testing.assert_array_equal(ours, picture, suffix)
+        ours = np.fromfile(str(vm / f"{name}.{suffix}"), kind).reshape(image.shape)
+        np.testing.assert_array_equal(ours, image, suffix)
 
 
-def test_formats_show_the_same_picture(vm, seen):
-    """The scene is the same, whatever it is packed in: colours may differ along edges only."""
+def test_all_formats_show_the_same_image(vm, seen):
+    """The scene is the same in all formats: colours may differ along edges only."""
     seen("formats")
     reference = pixels(vm / "bgr24.raw", LAYOUTS["bgr24"]).astype(int)
     for name, layout in LAYOUTS.items():
@@ -275,7 +275,7 @@ def test_formats_show_the_same_picture(vm, seen):
         assert np.median(error) <= (25 if gray else 6), name
 
 
-def test_native_pictures_are_published_as_they_are(vm, seen, rate):
+def test_native_images_are_published_unchanged(vm, seen, rate):
     found = seen("cameras")["native"]
     assert f"GBRG 640x480 at {rate(FRAMERATE):g} Hz from /dev/video1" in found["log"]
     assert found["pictures"]["image_raw"]["encoding"] == "bayer_gbrg8"
@@ -284,8 +284,8 @@ def test_native_pictures_are_published_as_they_are(vm, seen, rate):
     assert found["exit_code"] == 0
 
 
-def test_what_the_driver_does_not_have_is_told(vm, seen, rate):
-    """vivid has no MJPEG and says nothing when asked for it."""
+def test_unsupported_modes_are_replaced_with_a_warning(vm, seen, rate):
+    """vivid has no MJPEG and silently gives another format when asked for it."""
     found = seen("cameras")["mjpeg"]
     warning = re.search(r"\[ WARN\] /camera_mjpeg: (.*)", found["log"]).group(1)
     begin = "/dev/video1: asked for MJPG 700x480, gives YUYV 640x480; it offers YUYV, "
@@ -324,7 +324,7 @@ def test_device_is_free_without_subscribers(vm, seen):
     assert (vm / "yuyv.raw").stat().st_size == (vm / "afterwards.raw").stat().st_size > 0
 
 
-def test_streams_while_subscribed(seen, slowness):
+def test_streams_only_while_subscribed(seen, slowness):
     stream = seen("stream")
     assert stream["held"]
     assert stream["seconds_to_start"] <= 1.0 * slowness
@@ -336,7 +336,7 @@ def test_a_damaged_buffer_is_refused(seen):
     assert "is marked as damaged by the driver" in damaged["log"]
     assert "is marked as damaged by the driver" in damaged["after"]["last error"]
     assert increase(damaged, "frames refused") == 1
-    # It is not counted as lost, too; and the stream has gone on.
+    # It does not count as lost as well, and the stream has gone on.
     assert increase(damaged, "frames dropped") == numbers_missing(damaged["kernel"])
     assert increase(damaged, "frames published") == len(damaged["kernel"]) - 1 >= 10
 
@@ -368,8 +368,8 @@ def test_streams_again_after_unplugging(seen, slowness):
     assert unplugged["seconds"] <= 2.0 * slowness
 
 
-def test_controls_are_set_at_start_and_the_others_named(seen):
-    """gain, which gain_automatic rules, comes before it in the map; v4l2-ctl sees them."""
+def test_controls_are_set_at_start_and_wrong_ones_reported(seen):
+    """gain depends on gain_automatic but comes before it in the map; v4l2-ctl reads the values."""
     controls = seen("controls")
     at_start = controls["at_start"]
     assert (at_start["integer_32_bits"], at_start["gain"], at_start["gain_automatic"]) == (
@@ -428,7 +428,7 @@ def test_controls_are_saved(vm, seen):
     assert "hue" not in saved and "mute" not in saved
 
 
-def test_an_unplugging_is_told_while_nobody_subscribes(seen):
+def test_an_unplugging_is_reported_while_nobody_subscribes(seen):
     message = seen("unplugged_while_idle")["message"]
     assert message == "/dev/video0: cannot be opened: No such file or directory"
 
@@ -436,7 +436,7 @@ def test_an_unplugging_is_told_while_nobody_subscribes(seen):
 @pytest.mark.parametrize(
     "scenario", ["controls_after_unplugging", "unplugged_while_idle", "stopped"]
 )
-def test_controls_come_back_with_the_device(seen, scenario):
+def test_controls_are_restored_with_the_device(seen, scenario):
     assert seen(scenario)["values"] == seen("controls")["live"]
 
 
@@ -455,7 +455,7 @@ def test_streams_again_after_a_disconnection(seen):
     assert np.all(np.diff(stamps(disconnected["camera_info"])) > 0)
 
 
-def test_a_busy_device_names_its_holder_and_is_waited_for(seen):
+def test_a_busy_device_is_retried_and_its_holder_named(seen):
     busy = seen("busy")
     holder = "it is open in v4l2-ctl (process {})".format(busy["holder"])
     assert busy["message"].endswith("failed: Device or resource busy; " + holder)
@@ -463,8 +463,8 @@ def test_a_busy_device_names_its_holder_and_is_waited_for(seen):
     assert busy["arrived"] == 0
 
 
-def test_stopped_capture_holds(seen):
-    """Also over an unplugging."""
+def test_stopped_capture_stays_stopped(seen):
+    """It also does when the device is unplugged and plugged in again."""
     stopped = seen("stopped")
     assert stopped["message"] == "stopped: ~start_capture starts it again"
     assert not stopped["held"] and stopped["arrived"] == 0
@@ -475,7 +475,7 @@ def test_stamps_do_not_go_back_with_the_clock(seen, slowness):
     times = stamps(step["camera_info"])
     assert np.all(np.diff(times) > 0)
     age = ages(step["camera_info"])
-    assert age.min() < 0 < age[-1]  # it was set back, and has been caught up with
+    assert age.min() < 0 < age[-1]  # the clock was set back, and has caught up with the stamps
     assert re.search(r"the clock was set back: stamps are [\d.]+ s ahead", step["log"])
 
 
@@ -484,8 +484,8 @@ def test_a_hundred_unpluggings(seen, slowness):
     descriptors, threads, memory = np.array(cycles["uses"]).T
     assert len(descriptors) == 100
     assert np.all(descriptors == descriptors[0]) and np.all(threads == threads[0])
-    # A leak grows in each cycle: one cycle's buffers that were not given back are 2400 kB. Frames
-    # that wait on a busy machine make the heap larger once or twice.
+    # A leak would grow in each cycle, by 2400 kB if it were one cycle's buffers. On a busy machine,
+    # waiting frames make the heap larger once or twice.
     assert np.median(memory[19:] - memory[9:-10]) < 260
     assert max(cycles["seconds"]) <= 2.0 * slowness
     assert np.all(np.diff(stamps(cycles["camera_info"])) > 0)
