@@ -13,18 +13,18 @@ using namespace robot_vision;
 namespace
 {
 
-struct Look
+struct Blur
 {
   cv::Point2d point, sigma;
   double correlation;
 };
 
-/// Shares of white and known cells, by adding up a correlated normal distribution point by point.
-cv::Vec2d addedUp(const cv::Mat& cells, const Look& look)
+/// The shares of white and known cells, by a sum over the points of a correlated normal distribution.
+cv::Vec2d summedShares(const cv::Mat& cells, const Blur& blur)
 {
   constexpr int kSteps = 400;
   constexpr double kReach = 6.0;  // sigmas
-  const double rest = std::sqrt(1.0 - look.correlation * look.correlation);
+  const double rest = std::sqrt(1.0 - blur.correlation * blur.correlation);
   cv::Vec2d sums;
   double all = 0.0;
   for (int i = 0; i < kSteps; ++i)
@@ -33,8 +33,8 @@ cv::Vec2d addedUp(const cv::Mat& cells, const Look& look)
       const double u = ((i + 0.5) / kSteps * 2.0 - 1.0) * kReach, v = ((k + 0.5) / kSteps * 2.0 - 1.0) * kReach;
       const double weight = std::exp(-(u * u + v * v) / 2.0);
       all += weight;
-      const int x = cvFloor(look.point.x + look.sigma.x * u);
-      const int y = cvFloor(look.point.y + look.sigma.y * (look.correlation * u + rest * v));
+      const int x = cvFloor(blur.point.x + blur.sigma.x * u);
+      const int y = cvFloor(blur.point.y + blur.sigma.y * (blur.correlation * u + rest * v));
       if (x < 0 || y < 0 || x >= cells.cols || y >= cells.rows) continue;
       const uchar cell = cells.at<uchar>(y, x);
       sums += weight * cv::Vec2d(cell == 255 ? 1.0 : 0.0, cell != kFreeCell ? 1.0 : 0.0);
@@ -42,14 +42,14 @@ cv::Vec2d addedUp(const cv::Mat& cells, const Look& look)
   return sums / all;
 }
 
-std::vector<Look> looks(const cv::Mat& cells, double most_correlation)
+std::vector<Blur> randomBlurs(const cv::Mat& cells, double max_correlation)
 {
   cv::RNG random(31);
-  std::vector<Look> found;
+  std::vector<Blur> found;
   for (int i = 0; i < 60; ++i)
     found.push_back({{random.uniform(-0.7, cells.cols + 0.7), random.uniform(-0.7, cells.rows + 0.7)},
                      {random.uniform(0.05, 0.8), random.uniform(0.05, 0.8)},
-                     random.uniform(-most_correlation, most_correlation)});
+                     random.uniform(-max_correlation, max_correlation)});
   return found;
 }
 
@@ -60,18 +60,18 @@ double changeOf(const std::function<BlurredArea(double)>& area, double step)
 
 }  // namespace
 
-TEST(BlurredGrid, sharesAreThoseOfTheDistribution)
+TEST(BlurredGrid, sharesAreThoseOfTheNormalDistribution)
 {
   for (const char* family : {"tag16h5", "tagCustom48h12", "tagCircle21h7"})
   {
     const cv::Mat cells = tagCells(family, 7);
     const BlurredGrid blurred(cells);
-    for (const Look& look : looks(cells, 0.5))
+    for (const Blur& blur : randomBlurs(cells, 0.5))
     {
-      const BlurredPoint point = blurred.at(look.point, look.sigma, look.correlation);
-      const cv::Vec2d expected = addedUp(cells, look);
-      EXPECT_NEAR(point.white.share, expected[0], 0.01) << family << look.point;
-      EXPECT_NEAR(point.known.share, expected[1], 0.01) << family << look.point;
+      const BlurredPoint point = blurred.at(blur.point, blur.sigma, blur.correlation);
+      const cv::Vec2d expected = summedShares(cells, blur);
+      EXPECT_NEAR(point.white.share, expected[0], 0.01) << family << blur.point;
+      EXPECT_NEAR(point.known.share, expected[1], 0.01) << family << blur.point;
     }
   }
 }
@@ -83,41 +83,41 @@ TEST(BlurredGrid, derivativesAreThoseOfTheShares)
   {
     const cv::Mat cells = tagCells(family, 7);
     const BlurredGrid blurred(cells);
-    for (const Look& look : looks(cells, 0.3))
+    for (const Blur& blur : randomBlurs(cells, 0.3))
       for (BlurredArea BlurredPoint::*area : {&BlurredPoint::white, &BlurredPoint::known})
       {
         const auto at = [&](cv::Point2d point, cv::Point2d sigma)
-        { return blurred.at(look.point + point, look.sigma + sigma, look.correlation).*area; };
+        { return blurred.at(blur.point + point, blur.sigma + sigma, blur.correlation).*area; };
         const BlurredArea here = at({}, {});
-        // The series of the derivatives ends a term before that of the share does.
-        const double least_sigma = std::min(look.sigma.x, look.sigma.y);
-        const double c = std::abs(look.correlation), allowed = (0.002 + c * c * c) / least_sigma;
+        // The series of the derivatives has one term less than that of the share.
+        const double min_sigma = std::min(blur.sigma.x, blur.sigma.y);
+        const double c = std::abs(blur.correlation), allowed = (0.002 + c * c * c) / min_sigma;
         EXPECT_NEAR(here.by_point[0], changeOf([&](double d) { return at({d, 0}, {}); }, kStep), allowed);
         EXPECT_NEAR(here.by_point[1], changeOf([&](double d) { return at({0, d}, {}); }, kStep), allowed);
         EXPECT_NEAR(here.by_sigma[0], changeOf([&](double d) { return at({}, {d, 0}); }, kStep), allowed);
-        const auto turned = [&](double d) { return blurred.at(look.point, look.sigma, look.correlation + d).*area; };
+        const auto turned = [&](double d) { return blurred.at(blur.point, blur.sigma, blur.correlation + d).*area; };
         EXPECT_NEAR(here.by_correlation, changeOf(turned, kStep), 0.002);
         EXPECT_NEAR(here.by_sigma[1], changeOf([&](double d) { return at({}, {0, d}); }, kStep), allowed);
       }
   }
 }
 
-TEST(BlurredGrid, withoutCorrelationDerivativesAreExact)
+TEST(BlurredGrid, derivativesAreExactWithoutCorrelation)
 {
   constexpr double kStep = 1e-4;  // cells
   const cv::Mat cells = tagCells("tag36h11", 3);
   const BlurredGrid blurred(cells);
-  for (const Look& look : looks(cells, 0.0))
+  for (const Blur& blur : randomBlurs(cells, 0.0))
   {
     const auto white = [&](double x, double sigma)
-    { return blurred.at(look.point + cv::Point2d(x, 0.0), look.sigma + cv::Point2d(sigma, 0.0), 0.0).white; };
+    { return blurred.at(blur.point + cv::Point2d(x, 0.0), blur.sigma + cv::Point2d(sigma, 0.0), 0.0).white; };
     const BlurredArea here = white(0.0, 0.0);
     EXPECT_NEAR(here.by_point[0], changeOf([&](double d) { return white(d, 0.0); }, kStep), 5e-3);
     EXPECT_NEAR(here.by_sigma[0], changeOf([&](double d) { return white(0.0, d); }, kStep), 5e-3);
   }
 }
 
-TEST(BlurredGrid, farFromTheCellsNothingIsSeenOfThem)
+TEST(BlurredGrid, sharesAreZeroFarFromTheCells)
 {
   const BlurredGrid blurred(tagCells("tag36h11", 3));
   const BlurredPoint far = blurred.at({-40.0, 300.0}, {0.5, 0.5}, 0.2);

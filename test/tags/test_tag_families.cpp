@@ -12,7 +12,7 @@
 
 using namespace robot_vision;
 
-TEST(TagFamilies, areTheEightAsTheirNamesSay)
+TEST(TagFamilies, areTheEightOfTheLibrary)
 {
   std::set<std::string> names;
   for (const TagFamily& family : tagFamilies())
@@ -31,7 +31,7 @@ TEST(TagFamilies, areTheEightAsTheirNamesSay)
   EXPECT_EQ(tagFamily("tag36h11").width_at_border, 8);
 }
 
-TEST(TagFamilies, refusesWhatIsNotThere)
+TEST(TagFamilies, refuseUnknownFamiliesAndIds)
 {
   const std::string names =
       "tag36h11, tag25h9, tag16h5, tagStandard41h12, tagStandard52h13, tagCircle21h7, tagCircle49h12, tagCustom48h12";
@@ -44,7 +44,7 @@ TEST(TagFamilies, refusesWhatIsNotThere)
   EXPECT_EQ(refusal([] { tagCells("tag36h11", -1); }), "id of tag36h11 is -1, must be from 0 to 586");
 }
 
-TEST(TagFamilies, cellsHaveTheBorderThatIsFound)
+TEST(TagFamilies, cellsHaveTheBorderThatTheDetectorFinds)
 {
   for (const TagFamily& family : tagFamilies())
     for (const int id : {0, 1, family.ids - 1})
@@ -65,7 +65,7 @@ TEST(TagFamilies, cellsHaveTheBorderThatIsFound)
     }
 }
 
-TEST(TagFamilies, cellsAreThoseThatTheLibraryPrints)
+TEST(TagFamilies, cellsAreThoseOfTheLibrary)
 {
   for (const TagFamily& family : tagFamilies())
   {
@@ -83,7 +83,7 @@ TEST(TagFamilies, cellsAreThoseThatTheLibraryPrints)
   }
 }
 
-TEST(TagFamilies, freeCellsAreThoseThatNoBitAndNoBorderTakes)
+TEST(TagFamilies, freeCellsAreNeitherBitsNorBorder)
 {
   for (const TagFamily& family : tagFamilies())
   {
@@ -104,7 +104,7 @@ TEST(TagFamilies, freeCellsAreThoseThatNoBitAndNoBorderTakes)
   }
 }
 
-TEST(TagFamilies, tagsDifferHoweverTheyAreTurned)
+TEST(TagFamilies, tagsDifferInEveryOrientation)
 {
   for (const TagFamily& family : tagFamilies())
   {
@@ -119,7 +119,7 @@ TEST(TagFamilies, tagsDifferHoweverTheyAreTurned)
   }
 }
 
-TEST(TagDictionary, isSharedByThoseWhoWantTheSameAsLongAsOneHasIt)
+TEST(TagDictionary, isSharedWhileItIsInUse)
 {
   std::shared_ptr<const TagDictionary> first = TagDictionary::of({"tag16h5", "tag25h9"}, 1);
   EXPECT_EQ(TagDictionary::of({"tag16h5", "tag25h9"}, 1), first);

@@ -79,7 +79,7 @@ Bundle someBundle()
 
 TEST(TagPose, axesAreThoseOfApriltagRos)
 {
-  // Upright before the camera: first the corner at the bottom left, then the one at the bottom right.
+  // The tag is upright in front of the camera. Its corners begin at the bottom left and go on at the bottom right.
   const CameraModel camera{640, 480, kK, {}, ""};
   const TagCorners corners{7, {cv::Point2d(260, 300), {380, 300}, {380, 180}, {260, 180}}};
   const auto poses = estimatePose(singleTag(7, kSize), {corners}, camera, 0.1, 0.0);
@@ -102,10 +102,10 @@ TEST(TagPose, exactCornersGiveTheExactPose)
     }
 }
 
-TEST(TagPose, bothPosesAreThoseOfOpenCvRefined)
+TEST(TagPose, bothPosesAreThoseOfOpenCvAfterRefinement)
 {
   const CameraModel camera{640, 480, kK, {}, "plumb_bob"};
-  int two = 0;
+  int ambiguous = 0;
   for (const cv::Affine3d& truth : somePoses())
   {
     const TagCorners corners = seenTag(truth, camera);
@@ -119,21 +119,21 @@ TEST(TagPose, bothPosesAreThoseOfOpenCvRefined)
     cv::solvePnPGeneric(square, pixels, kK, cv::noArray(), turns, shifts, false, cv::SOLVEPNP_IPPE_SQUARE);
     ASSERT_EQ(turns.size(), 2u);
     if (!poses->other) continue;
-    ++two;
+    ++ambiguous;
     cv::solvePnPRefineLM(square, pixels, kK, cv::noArray(), turns[1], shifts[1]);
     const cv::Affine3d other(cv::Vec3d(turns[1].ptr<double>()), cv::Vec3d(shifts[1].ptr<double>()));
     EXPECT_LT(angleBetween(poses->other->pose, other), 1e-3);
     EXPECT_GE(poses->other->error, poses->best.error);
     EXPECT_DOUBLE_EQ(poses->ratio, poses->best.error / poses->other->error);
   }
-  EXPECT_GT(two, 12);
+  EXPECT_GT(ambiguous, 12);
 }
 
-TEST(TagPose, covarianceIsThatOfTheCornersThroughThePose)
+TEST(TagPose, covarianceFollowsFromThatOfTheCorners)
 {
-  // Each coordinate of a corner is moved both ways: the poses change as the covariance says.
+  // When each coordinate of a corner is moved to both sides, the poses must change as the covariance says.
   const CameraModel camera = cameras()[2];
-  const double noise = 0.3, step = 0.03;  // px; OpenCV takes angles below 1e-5 for none
+  const double noise = 0.3, step = 0.03;  // px; OpenCV takes angles below 1e-5 as 0
   const cv::Affine3d truth = facing({0.4, -0.6, 0.3}, {0.1, -0.05, 0.7});
   const TagCorners corners = seenTag(truth, camera);
   cv::Matx66d expected = cv::Matx66d::zeros();
@@ -159,7 +159,7 @@ TEST(TagPose, covarianceIsThatOfTheCornersThroughThePose)
                   0.001 * std::sqrt(expected(row, row) * expected(column, column)));
 }
 
-TEST(TagPose, aTagFarAwayHasTwoPosesThatAreAsProbable)
+TEST(TagPose, aTagFarAwayHasTwoEquallyProbablePoses)
 {
   const CameraModel camera{640, 480, kK, {}, "plumb_bob"};
   const cv::Affine3d truth = facing({0.6, 0.0, 0.0}, {0, 0, 12});  // 10 px
@@ -167,17 +167,17 @@ TEST(TagPose, aTagFarAwayHasTwoPosesThatAreAsProbable)
   ASSERT_TRUE(poses && poses->other);
   EXPECT_NEAR(poses->probability, 0.5, 0.05);
   EXPECT_NEAR(angleBetween(poses->best.pose, poses->other->pose), 1.2, 0.1);
-  // The covariance of the rotation about x holds the other one.
+  // The covariance of the rotation about x includes the other pose.
   EXPECT_GT(poses->best.covariance(3, 3), 0.4 * 1.2 * 1.2);
 }
 
-TEST(TagPose, aBundleIsWhereAllOfItsTagsAre)
+TEST(TagPose, aBundlesPoseComesFromAllOfItsTags)
 {
   const Bundle bundle = someBundle();
   for (const CameraModel& camera : cameras())
     for (const cv::Affine3d& truth : {facing({0.2, 0.1, 0.4}, {0.05, 0.02, 1.0}), facing({-0.5, 0.1, 2}, {0, 0, 5})})
     {
-      std::vector<TagCorners> tags = {{99, {}}};  // not one of them: left out
+      std::vector<TagCorners> tags = {{99, {}}};  // not in the bundle, so ignored
       for (const BundleTag& tag : bundle.tags)
         tags.push_back(seen(tag, truth, camera));
       const auto all = estimatePose(bundle, tags, camera, 0.2, 0.0);
@@ -193,7 +193,7 @@ TEST(TagPose, aBundleIsWhereAllOfItsTagsAre)
   EXPECT_FALSE(estimatePose(bundle, {{4, {}}}, cameras()[0], 0.2, 0.0));
 }
 
-TEST(TagPose, aLayoutMakesPosesAsUncertainAsItIs)
+TEST(TagPose, uncertainLayoutAddsToTheCovariance)
 {
   const CameraModel camera = cameras()[0];
   const cv::Affine3d truth = facing({0.4, 0.2, 0.1}, {0.02, -0.01, 1.0});
@@ -208,7 +208,7 @@ TEST(TagPose, aLayoutMakesPosesAsUncertainAsItIs)
     EXPECT_NEAR(more(i, i), i < 3 ? 9e-6 : 4e-4, i < 3 ? 9e-8 : 4e-6) << i;
 }
 
-TEST(TagPose, aSecondTagDoesNotHalveWhatTheLensLeavesOpen)
+TEST(TagPose, aSecondTagDoesNotHalveTheLensError)
 {
   const CameraModel camera = cameras()[0];
   const Bundle pair = {"pair",
@@ -221,7 +221,7 @@ TEST(TagPose, aSecondTagDoesNotHalveWhatTheLensLeavesOpen)
   EXPECT_NEAR(sideways(both) / sideways({both[0]}), 1.0, 0.05);
 }
 
-TEST(TagPose, cornersMayBeKnownAsWellOrAsBadlyAsOneLikes)
+TEST(TagPose, covariancesOfCornersMayBeTinyOrHuge)
 {
   const CameraModel camera = cameras()[0];
   TagCorners corners = seenTag(facing({0.3, 0.4, 0}, {0, 0, 1}), camera, 0);
@@ -238,7 +238,7 @@ TEST(TagPose, cornersMayBeKnownAsWellOrAsBadlyAsOneLikes)
   }
 }
 
-TEST(TagPose, whatIsNoBundleIsNamed)
+TEST(TagPose, invalidBundlesAreRefused)
 {
   const auto refused = [](const Bundle& bundle) { return refusal([&] { validate(bundle); }); };
   EXPECT_EQ(refused(someBundle()), "");
@@ -259,7 +259,7 @@ TEST(TagPose, whatIsNoBundleIsNamed)
   EXPECT_EQ(refused(bundle), "turn_noise of tag 5 of bundle 'box' is 0.6, must be from 0 to 0.5");
 }
 
-TEST(TagPose, whatAreNoCornersIsNamed)
+TEST(TagPose, invalidCornersAreRefused)
 {
   const CameraModel camera = cameras()[2];
   const TagCorners good = seenTag(facing({0.3, 0, 0}, {0, 0, 1}), camera, 2);
@@ -292,7 +292,7 @@ TEST(TagPose, whatAreNoCornersIsNamed)
   EXPECT_EQ(refusal(lens), "lens_noise is nan, must be from 0 to 10");
 }
 
-TEST(TagPose, whatIsNoCovarianceIsNamed)
+TEST(TagPose, invalidCovariancesAreRefused)
 {
   const CameraModel camera = cameras()[2];
   TagCorners corners = seenTag(facing({0.3, 0, 0}, {0, 0, 1}), camera, 2);
@@ -312,7 +312,7 @@ TEST(TagPose, whatIsNoCovarianceIsNamed)
   EXPECT_EQ(refused(7, 7, std::numeric_limits<double>::infinity()), rule);
 }
 
-TEST(TagPoseTracker, timeThatGoesBackAndGapsBeginAnew)
+TEST(TagPoseTracker, startsAnewAfterGapsAndWhenTimeGoesBack)
 {
   const CameraModel camera = cameras()[0];
   const cv::Affine3d here = facing({0.5, 0, 0}, {0, 0, 1}), there = facing({0.5, 0, 0}, {2e-4, 0, 1});  // 0.1 px

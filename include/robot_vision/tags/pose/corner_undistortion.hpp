@@ -8,10 +8,10 @@
 namespace robot_vision
 {
 
-/// Where the corners of a tag are in the picture, from those that AprilTag finds: where straight lines meet that are
-/// fitted to the edges (Wang, Olson: AprilTag 2, 2016). A lens bends the edges, and the lines of large tags meet some
-/// tenths of a pixel beside the corners. `corners`: px, in their order around the tag. Returned as they are where the
-/// camera has no rays.
+/// Corrects the corners that AprilTag finds for the lens. AprilTag takes the intersections of straight lines that it
+/// fits to the edges (Wang, Olson: AprilTag 2, 2016). A lens bends the edges, so that the lines of large tags meet some
+/// tenths of a pixel beside the corners. `corners` (px) are in their order around the tag. They are returned unchanged
+/// where the camera has no rays.
 std::array<cv::Point2d, 4> withoutBentEdges(const std::array<cv::Point2d, 4>& corners, const CameraModel& camera);
 
 }  // namespace robot_vision

@@ -32,20 +32,22 @@ struct TagPoseParams
 /// Throws std::invalid_argument naming the first parameter out of range, its value and the range.
 void validate(const TagPoseParams& params);
 
-/// The pose of a bundle, or of a tag, over time.
+/// Tracks the pose of a bundle, or of a single tag, over time.
 ///
-/// The corners are filtered before a pose is made of them, by models of rest and of motion that compete (interacting
-/// multiple models; Blom, Bar-Shalom, 1988): those of a tag at rest are averaged over some 20 frames, those of a tag
-/// that moves hardly at all. The two poses that they agree with are told apart by what all pictures have said
-/// so far, if this one does not. The noise of the corners is what their pictures say of it, or else corner_noise, and
-/// is measured by how well they fit together and, at rest, how much they change: what all frames have in common, which
-/// pixels and prints make the larger part, does not average out. A part of that moves all corners alike, and shows in
-/// no picture: hence lasting_noise, what the calibration leaves of the lens. It is alike in corners that are near each
-/// other, of other tags of a bundle, too; of corners without a covariance as much is their own, besides.
+/// The corners are filtered before a pose is computed from them, by interacting multiple models of rest and motion
+/// (Blom, Bar-Shalom, 1988): the corners of a tag at rest are averaged over some 20 frames, those of a moving tag
+/// hardly at all. If an image does not tell which of its two possible poses is right, the images before it decide.
 ///
-/// The default lasting_noise is right for a calibration that is off by 0.1 px, root mean square distance over the
-/// picture. Before a camera that is known exactly it makes the place across the line of sight too uncertain, and little
-/// else: the mean squared error by the covariance is then 0.7 of its degrees of freedom, 0.6 of bundles.
+/// The noise of the corners is at first the one of their covariances, or corner_noise. It is then measured by how well
+/// the corners of a tag fit together and, at rest, by how much they change from frame to frame. Errors that all frames
+/// have in common, mostly due to pixels and prints, do not average out. Those that move all corners alike do not show
+/// in any image: lasting_noise stands for them, the error that the calibration of the lens leaves. It is similar in
+/// corners near each other, also of different tags of a bundle. Corners without a covariance have as much lasting noise
+/// of their own in addition.
+///
+/// The default lasting_noise suits a calibration with an error of 0.1 px, root mean square over the image. For a camera
+/// that is known exactly it makes the position across the line of sight look too uncertain, and little else: the mean
+/// squared error by the covariance is then 0.7 times the degrees of freedom, for bundles 0.6 times.
 class TagPoseTracker
 {
 public:
@@ -57,11 +59,12 @@ public:
 
   const Bundle& bundle() const;
 
-  /// The poses in the frame of `time_s` (s, of any clock), their errors by the corners of this frame. Time that goes
-  /// back begins anew. Returns nothing, and throws, as estimatePose() does; also for a time that is not finite.
+  /// The poses in the frame at `time_s` (s, of any clock); their errors are those of this frame's corners. When time
+  /// goes back, the tracker starts anew. The result is empty, and exceptions are thrown, as estimatePose() does; a time
+  /// that is not finite throws, too.
   std::optional<TagPoses> update(double time_s, const std::vector<TagCorners>& seen, const CameraModel& camera);
 
-  /// px, standard deviation of each coordinate of a corner in the newest frame.
+  /// The standard deviation of each coordinate of a corner in the newest frame, px.
   double cornerNoise() const;
 
 private:

@@ -12,23 +12,24 @@ namespace robot_vision
 namespace
 {
 
-constexpr int kReach = 4;      // sigmas beyond which nothing is seen
-constexpr int kMax = 12;       // cells in a row that are told apart
-constexpr int kPerSigma = 64;  // nodes of the table: between them the share is off by 1e-7 at most
-constexpr int kNodes = 2 * kReach * kPerSigma + 1;
+constexpr int kMaxSigmas = 4;       // the blur is cut off at this distance
+constexpr int kMaxCells = 12;       // cells of a row or column that may be within the blur
+constexpr int kNodesPerSigma = 64;  // of the table; between the nodes the share has an error of at most 1e-7
+constexpr int kNodes = 2 * kMaxSigmas * kNodesPerSigma + 1;
 
-/// The share of what is seen that lies on one side of a boundary, and its three derivatives by the boundary in sigmas.
-using Share = cv::Vec4d;
+/// The share of a one-dimensional blur on one side of a boundary, and its first three derivatives by the boundary's
+/// position in sigmas.
+using BoundaryShare = cv::Vec4d;
 
-/// The shares of a row of cells in what is seen at a position.
-struct Shares
+/// The shares of the cells along one axis in the blur around a position.
+struct AxisShares
 {
-  int first = 0, count = 0;
-  std::array<Share, kMax> of;
-  Share all;
+  int first = 0, count = 0;                 // the cells within the blur
+  std::array<BoundaryShare, kMaxCells> of;  // of each of them
+  BoundaryShare all;                        // their sum
 };
 
-/// The normal distribution at so many sigmas.
+/// The cumulative normal distribution and its density at z sigmas.
 struct Normal
 {
   double z, share, density;
@@ -39,7 +40,7 @@ std::array<Normal, kNodes> normalTable()
   std::array<Normal, kNodes> table;
   for (int i = 0; i < kNodes; ++i)
   {
-    const double z = static_cast<double>(i) / kPerSigma - kReach;
+    const double z = static_cast<double>(i) / kNodesPerSigma - kMaxSigmas;
     table[static_cast<std::size_t>(i)] = {z, std::erfc(-z / std::sqrt(2.0)) / 2.0,
                                           std::exp(-z * z / 2.0) / std::sqrt(2.0 * CV_PI)};
   }
@@ -48,28 +49,28 @@ std::array<Normal, kNodes> normalTable()
 
 const std::array<Normal, kNodes> kNormal = normalTable();
 
-/// What is seen before a boundary at `z` sigmas: Taylor's series from the nearest node.
-Share before(double z)
+/// The share of the blur before a boundary at `z` sigmas, by a Taylor series from the nearest node of the table.
+BoundaryShare cumulative(double z)
 {
-  if (z < -kReach) return {0.0, 0.0, 0.0, 0.0};
-  if (z > kReach) return {1.0, 0.0, 0.0, 0.0};
-  const Normal& node = kNormal[static_cast<std::size_t>(cvRound((z + kReach) * kPerSigma))];
+  if (z < -kMaxSigmas) return {0.0, 0.0, 0.0, 0.0};
+  if (z > kMaxSigmas) return {1.0, 0.0, 0.0, 0.0};
+  const Normal& node = kNormal[static_cast<std::size_t>(cvRound((z + kMaxSigmas) * kNodesPerSigma))];
   const double d = z - node.z;
   const double density = node.density * (1.0 - d * (node.z + d / 2.0 * (1.0 - node.z * node.z)));
   return {node.share + node.density * d * (1.0 - d / 2.0 * node.z), density, -z * density, (z * z - 1.0) * density};
 }
 
-Shares sharesAt(double position, double sigma, int width)
+AxisShares sharesAt(double position, double sigma, int width)
 {
-  Shares shares;
-  const double reach = std::min(kReach * sigma, kMax / 2.0 - 1.0), per_cell = 1.0 / sigma;
+  AxisShares shares;
+  const double reach = std::min(kMaxSigmas * sigma, kMaxCells / 2.0 - 1.0), per_cell = 1.0 / sigma;
   shares.first = std::max(0, cvFloor(position - reach));
   const int end = std::min(width, cvFloor(position + reach) + 1);
-  const Share begin = before((shares.first - position) * per_cell);
-  Share last = begin;
+  const BoundaryShare begin = cumulative((shares.first - position) * per_cell);
+  BoundaryShare last = begin;
   for (int i = shares.first; i < end; ++i)
   {
-    const Share next = before((i + 1 - position) * per_cell);
+    const BoundaryShare next = cumulative((i + 1 - position) * per_cell);
     shares.of[static_cast<std::size_t>(shares.count++)] = next - last;
     last = next;
   }
@@ -77,8 +78,9 @@ Shares sharesAt(double position, double sigma, int width)
   return shares;
 }
 
-/// What is seen of an area, from the sums of its cells' products of a column's and a row's share: the distribution of
-/// two correlated variables (Pearson's tetrachoric series), and its derivatives but for fourth ones.
+/// The share of an area and its derivatives. `m` sums, over the area's cells, the products of the cell's shares along x
+/// and y and of their derivatives; `c` is the correlation. The distribution of two correlated variables is computed by
+/// Pearson's tetrachoric series, without terms of fourth derivatives.
 BlurredArea areaOf(const cv::Matx44d& m, const cv::Point2d& sigma, double c)
 {
   return {m(0, 0) + c * (m(1, 1) + c / 2.0 * (m(2, 2) + c / 3.0 * m(3, 3))),
@@ -90,24 +92,23 @@ BlurredArea areaOf(const cv::Matx44d& m, const cv::Point2d& sigma, double c)
 
 }  // namespace
 
-BlurredGrid::BlurredGrid(const cv::Mat& cells)
-  : cells_(cells), are_all_known_(cv::countNonZero(cells == kFreeCell) == 0)
+BlurredGrid::BlurredGrid(const cv::Mat& cells) : cells_(cells), all_known_(cv::countNonZero(cells == kFreeCell) == 0)
 {
 }
 
 BlurredPoint BlurredGrid::at(const cv::Point2d& point, const cv::Point2d& sigma, double correlation) const
 {
-  const Shares columns = sharesAt(point.x, sigma.x, cells_.cols), rows = sharesAt(point.y, sigma.y, cells_.rows);
+  const AxisShares columns = sharesAt(point.x, sigma.x, cells_.cols), rows = sharesAt(point.y, sigma.y, cells_.rows);
   cv::Matx44d white = cv::Matx44d::zeros(), known = columns.all * rows.all.t();
   for (int r = 0; r < rows.count; ++r)
   {
     const auto* row = cells_.ptr<uchar>(rows.first + r) + columns.first;
-    const Share& of_row = rows.of[static_cast<std::size_t>(r)];
-    Share white_in_row, free_in_row;
+    const BoundaryShare& of_row = rows.of[static_cast<std::size_t>(r)];
+    BoundaryShare white_in_row, free_in_row;
     for (int c = 0; c < columns.count; ++c)
       if (row[c] != 0) (row[c] == kFreeCell ? free_in_row : white_in_row) += columns.of[static_cast<std::size_t>(c)];
     white += white_in_row * of_row.t();
-    if (!are_all_known_) known -= free_in_row * of_row.t();
+    if (!all_known_) known -= free_in_row * of_row.t();
   }
   return {areaOf(white, sigma, correlation), areaOf(known, sigma, correlation)};
 }

@@ -5,8 +5,8 @@
 namespace robot_vision
 {
 
-/// How much of a point's blurred surroundings lies in an area, 0 to 1, and how that changes with the point, and with
-/// the blur's sigma along x and y and their correlation.
+/// The share of the blur around a point that lies in an area, 0 to 1, with its derivatives by the point, by the blur's
+/// sigma along x and y, and by the correlation of the two.
 struct BlurredArea
 {
   double share;
@@ -16,22 +16,22 @@ struct BlurredArea
 
 struct BlurredPoint
 {
-  BlurredArea white, known;  // the white cells; those, and the black ones
+  BlurredArea white, known;  // of the white cells; of the white and the black ones
 };
 
-/// Square cells, black, white, or of any other colour, behind a Gaussian blur along their sides. All lengths in cells.
+/// Square cells that are black, white or unknown, seen through a Gaussian blur. All lengths are in cells.
 class BlurredGrid
 {
 public:
-  /// CV_8UC1: 0, 255, or kFreeCell.
+  /// `cells` is CV_8UC1 with the values 0, 255 and kFreeCell (unknown).
   explicit BlurredGrid(const cv::Mat& cells);
 
-  /// At a point; `sigma` above 0, `correlation` of the blur between -1 and 1.
+  /// The shares at a point for a blur with `sigma` (above 0) along x and y and their `correlation` (-1 to 1).
   BlurredPoint at(const cv::Point2d& point, const cv::Point2d& sigma, double correlation) const;
 
 private:
   cv::Mat cells_;
-  bool are_all_known_;
+  bool all_known_;
 };
 
 }  // namespace robot_vision

@@ -8,37 +8,37 @@
 namespace robot_vision
 {
 
-/// A tag of a bundle that is seen, and where.
+/// A tag of a bundle with its corners in the image.
 struct SeenTag
 {
   BundleTag tag;
   std::array<cv::Point2d, 4> corners;
-  CornerCovariance covariance;  // of what the picture leaves open
-  bool measured;                // that is known from the picture
-  double lens_variance;         // px^2, of each coordinate, of what the calibration leaves of the lens
+  CornerCovariance covariance;  // the uncertainty that the image leaves
+  bool measured;                // whether the covariance was measured in the image
+  double lens_variance;         // px^2, of each coordinate: the error that the calibration of the lens leaves
 };
 
-/// The tags of a valid bundle that are seen; `variance`: px^2, of each coordinate of a corner of which no covariance is
-/// known. Throws std::invalid_argument as estimatePose() does for corners.
+/// The tags of a valid bundle that are seen. `variance` (px^2) is that of each coordinate of a corner whose covariance
+/// is not known. Throws std::invalid_argument as estimatePose() does for corners.
 std::vector<SeenTag> tagsOf(const Bundle& bundle, const std::vector<TagCorners>& seen, const CameraModel& camera,
                             double variance, double lens_variance);
 
-/// All corners of the tags, with what the picture and the lens leave open; the layout is taken to be exact.
-Sighting sightingOf(const std::vector<SeenTag>& tags, const CameraModel& camera);
+/// All corners of the tags with the uncertainty that the image and the lens leave. The layout is taken to be exact.
+Observation observationOf(const std::vector<SeenTag>& tags, const CameraModel& camera);
 
-/// The one or two poses that explain the tags' corners best, the best one first; none if there is no such pose in front
-/// of the camera. Their covariances know that neighbouring tags share the lens' error, and how well the layout is
-/// known.
-std::vector<PoseRefinement> fitBody(const std::vector<SeenTag>& tags, const CameraModel& camera);
+/// The one or two poses that explain the tags' corners best, the best one first; empty if there is no such pose in
+/// front of the camera. Their covariances include the uncertainty of the layout and the lens errors that neighbouring
+/// tags share.
+std::vector<PoseRefinement> fitBundle(const std::vector<SeenTag>& tags, const CameraModel& camera);
 
 /// One of the poses of a body, and the probability that it is right.
-struct WeighedPose
+struct WeightedPose
 {
   PoseRefinement fit;
   double probability;
 };
 
-/// The one or two poses, the best one first; their errors are those of `sighting`.
-TagPoses posesOf(const std::vector<WeighedPose>& poses, const Sighting& sighting, const CameraModel& camera);
+/// The result for one or two poses, of which the best one comes first. Their errors are those of `observation`.
+TagPoses posesOf(const std::vector<WeightedPose>& poses, const Observation& observation, const CameraModel& camera);
 
 }  // namespace robot_vision

@@ -16,7 +16,7 @@ bool isCovariance(const CornerCovariance& matrix)
 
 CornerCovariance inverseOf(const CornerCovariance& matrix)
 {
-  const double scale = 1.0 / cv::norm(matrix);  // OpenCV takes small numbers for none
+  const double scale = 1.0 / cv::norm(matrix);  // OpenCV takes a matrix of small numbers to be singular
   bool exists = false;
   const CornerCovariance inverse = scale * (scale * matrix).inv(cv::DECOMP_CHOLESKY, &exists);
   return exists && std::isfinite(cv::norm(inverse)) ? inverse : CornerCovariance::zeros();

@@ -5,11 +5,11 @@
 namespace robot_vision
 {
 
-/// Whether a matrix is symmetric, positive definite and finite, and not so near to the end of that that its inverse is
-/// noise.
+/// True if a matrix is symmetric, positive definite and finite, and not so close to singular that its inverse is noise.
 bool isCovariance(const CornerCovariance& matrix);
 
-/// The inverse of a covariance, or of an inverse, of any unit; 0, which says nothing, where there is none.
+/// The inverse of a covariance or of an information matrix of any unit; if there is none, 0, which means no
+/// information.
 CornerCovariance inverseOf(const CornerCovariance& matrix);
 
 }  // namespace robot_vision

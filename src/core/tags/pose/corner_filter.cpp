@@ -9,13 +9,14 @@ namespace robot_vision
 namespace
 {
 
-// Standard deviations; the first: at rest.
+// Standard deviations of the models; the first one is that of a tag at rest.
 const std::array<double, 5> kAccelerations = {0.0, 20.0, 150.0, 1200.0, 10000.0};  // px/s^2
-// px/s, when a tag is seen for the first time. If all were as fast as the last, a slow tag would pass for one at rest.
+// px/s, of a tag that is seen for the first time. If all models began as fast as the last one, a slow tag would be
+// taken to be at rest.
 const std::array<double, 5> kVelocities = {0.0, 1.0, 10.0, 100.0, 1000.0};
-const double kChange = 0.02;        // probability that another model holds from the next frame on
-const double kRestGain = 1.0 / 10;  // what has been seen before some 20 frames is forgotten
-const double kLost = 5.0;           // standard deviations, from where the tag can have come to
+const double kModelChange = 0.02;      // probability that another model holds from the next frame on
+const double kMinRestGain = 1.0 / 10;  // limits the memory of a tag at rest to some 20 frames
+const double kMaxInnovation = 5.0;     // standard deviations; a larger one cannot be explained by motion
 const double kCoordinates = 8.0;
 
 cv::Vec<double, 8> toState(const CornerFilter::Corners& corners)
@@ -40,21 +41,21 @@ CornerFilter::CornerFilter(const Corners& seen, double variance)
   }
 }
 
-void CornerFilter::update(double passed, const Corners& seen, double variance)
+void CornerFilter::update(double elapsed, const Corners& seen, double variance)
 {
   mix();
   const State measured = toState(seen);
   for (std::size_t i = 0; i < kModels; ++i)
-    predict(models_[i], passed, kAccelerations[i]);
-  if (surprise(models_.back(), measured, variance) > kLost * kLost)
+    predict(models_[i], elapsed, kAccelerations[i]);
+  if (squaredInnovation(models_.back(), measured, variance) > kMaxInnovation * kMaxInnovation)
   {
     *this = CornerFilter(seen, variance);
     return;
   }
-  change_ = variance * surprise(models_.front(), measured, variance);
+  change_ = variance * squaredInnovation(models_.front(), measured, variance);
   std::array<double, kModels> likelihoods;
   for (std::size_t i = 0; i < kModels; ++i)
-    likelihoods[i] = correct(models_[i], measured, variance, i == 0 ? kRestGain : 0.0);
+    likelihoods[i] = correct(models_[i], measured, variance, i == 0 ? kMinRestGain : 0.0);
   const double best = *std::max_element(likelihoods.begin(), likelihoods.end());
   double sum = 0.0;
   for (std::size_t i = 0; i < kModels; ++i)
@@ -73,7 +74,7 @@ void CornerFilter::mix()
     model.probability = 0.0;
     for (std::size_t from = 0; from < kModels; ++from)
     {
-      shares[from] = before[from].probability * (from == to ? 1.0 - kChange : kChange / (kModels - 1));
+      shares[from] = before[from].probability * (from == to ? 1.0 - kModelChange : kModelChange / (kModels - 1));
       model.probability += shares[from];
     }
     model.position = model.velocity = State::all(0.0);
@@ -95,29 +96,29 @@ void CornerFilter::mix()
   models_[0].covariance(0, 1) = models_[0].covariance(1, 0) = models_[0].covariance(1, 1) = 0.0;
 }
 
-void CornerFilter::predict(Model& model, double passed, double acceleration)
+void CornerFilter::predict(Model& model, double elapsed, double acceleration)
 {
-  const cv::Matx22d F(1.0, passed, 0.0, 1.0);
-  const cv::Vec2d push(acceleration * passed * passed / 2.0, acceleration * passed);
-  model.position += passed * model.velocity;
-  model.covariance = F * model.covariance * F.t() + push * push.t();
+  const cv::Matx22d F(1.0, elapsed, 0.0, 1.0);
+  const cv::Vec2d noise(acceleration * elapsed * elapsed / 2.0, acceleration * elapsed);
+  model.position += elapsed * model.velocity;
+  model.covariance = F * model.covariance * F.t() + noise * noise.t();
 }
 
-double CornerFilter::surprise(const Model& model, const State& seen, double variance)
+double CornerFilter::squaredInnovation(const Model& model, const State& seen, double variance)
 {
   const State off = seen - model.position;
   return off.dot(off) / kCoordinates / (model.covariance(0, 0) + variance);
 }
 
-double CornerFilter::correct(Model& model, const State& seen, double variance, double least_gain)
+double CornerFilter::correct(Model& model, const State& seen, double variance, double min_gain)
 {
   const State off = seen - model.position;
   const double expected = model.covariance(0, 0) + variance;
-  model.gain = std::max(model.covariance(0, 0) / expected, least_gain);
+  model.gain = std::max(model.covariance(0, 0) / expected, min_gain);
   const double velocity_gain = model.covariance(0, 1) / expected;
   model.position += model.gain * off;
   model.velocity += velocity_gain * off;
-  // Joseph's form: right for any gain.
+  // Joseph's form, which holds for any gain.
   const cv::Matx22d kept(1.0 - model.gain, 0.0, -velocity_gain, 1.0);
   const cv::Vec2d gains(model.gain, velocity_gain);
   model.covariance = kept * model.covariance * kept.t() + variance * (gains * gains.t());

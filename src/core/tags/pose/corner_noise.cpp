@@ -9,39 +9,39 @@ namespace robot_vision
 namespace
 {
 
-const double kKept = 1.0 - 1.0 / 300.0;  // of what is known, from one frame to the next
+const double kMemory = 1.0 - 1.0 / 300.0;  // weight of the statistics so far, from one frame to the next
 const double kCoordinates = 8.0;
-const double kFewest = 80.0;  // degrees of freedom to tell the parts of the noise from each other
-const double kCertain = 3.0;  // standard deviations by which they differ then
-const double kMin = 0.1;      // share of the noise that is new in every frame, as long as nothing is known of it
+const double kMinFreedom = 80.0;    // degrees of freedom needed to tell fresh and lasting noise apart
+const double kSignificance = 3.0;   // standard deviations by which the total and the fresh noise must differ
+const double kMinFreshShare = 0.1;  // least share of fresh noise while it is not known yet
 
 }  // namespace
 
 void CornerNoise::addResiduals(double squares, double freedom)
 {
-  squares_ = kKept * squares_ + squares;
-  freedom_ = kKept * freedom_ + freedom;
+  squares_ = kMemory * squares_ + squares;
+  freedom_ = kMemory * freedom_ + freedom;
 }
 
 void CornerNoise::addChange(double variance)
 {
-  change_squares_ = kKept * change_squares_ + kCoordinates * variance;
-  change_freedom_ = kKept * change_freedom_ + kCoordinates;
+  change_squares_ = kMemory * change_squares_ + kCoordinates * variance;
+  change_freedom_ = kMemory * change_freedom_ + kCoordinates;
 }
 
-double CornerNoise::fresh(double least_lasting) const
+double CornerNoise::fresh(double min_lasting) const
 {
   const double all = total();
-  return change_freedom_ < kFewest ? std::max(all - least_lasting, kMin * all)
-                                   : std::min(all, change_squares_ / change_freedom_);
+  return change_freedom_ < kMinFreedom ? std::max(all - min_lasting, kMinFreshShare * all)
+                                       : std::min(all, change_squares_ / change_freedom_);
 }
 
-double CornerNoise::lasting(double least_lasting) const
+double CornerNoise::lasting(double min_lasting) const
 {
-  if (change_freedom_ < kFewest) return least_lasting;
-  const double all = total(), rest = all - fresh(least_lasting);
+  if (change_freedom_ < kMinFreedom) return min_lasting;
+  const double all = total(), rest = all - fresh(min_lasting);
   const double doubt = all * std::sqrt(2.0 / freedom_ + 2.0 / change_freedom_);
-  return rest > kCertain * doubt ? std::max(rest, least_lasting) : least_lasting;
+  return rest > kSignificance * doubt ? std::max(rest, min_lasting) : min_lasting;
 }
 
 }  // namespace robot_vision

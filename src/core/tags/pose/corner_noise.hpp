@@ -3,26 +3,25 @@
 namespace robot_vision
 {
 
-/// How many times larger the variance of the corners that a camera sees is than it was said to be, as measured over
-/// some ten seconds.
+/// Measures, over some ten seconds, how many times larger the variance of the corners is than the stated variance.
 ///
-/// How badly corners fit together says all of it. How much they change while a tag is at rest says which part of it is
-/// new in every frame: the rest, due to pixels and printers, does not average out.
+/// The residuals of a pose's corners tell the whole noise. The change of the corners of a tag at rest tells the part
+/// that is new in every frame ("fresh"). The rest ("lasting"), due to pixels and printers, does not average out.
 class CornerNoise
 {
 public:
-  /// `trust`: degrees of freedom that what is said is worth.
+  /// `trust` is the weight of the stated variance, in degrees of freedom.
   explicit CornerNoise(double trust) : squares_(trust), freedom_(trust) {}
 
-  /// A sum of squared residuals by their variances, and its degrees of freedom.
+  /// Adds a sum of squared residuals, each divided by its stated variance, and the degrees of freedom of that sum.
   void addResiduals(double squares, double freedom);
 
-  /// The mean square of what eight coordinates at rest change by, by their variance.
+  /// Adds the mean square change of the eight coordinates of a tag at rest, divided by their stated variance.
   void addChange(double variance);
 
   double total() const { return squares_ / freedom_; }
-  double fresh(double least_lasting) const;    // what is new in every frame; `least_lasting`: the least that stays
-  double lasting(double least_lasting) const;  // what stays
+  double fresh(double min_lasting) const;    // at least `min_lasting` of the noise is lasting
+  double lasting(double min_lasting) const;  // at least `min_lasting`
 
 private:
   double squares_, freedom_;

@@ -12,9 +12,9 @@ namespace
 
 using Corners = std::array<cv::Point2d, 4>;
 
-constexpr int kFewest = 16;      // samples of an edge, spaced as the library's are
-constexpr double kPixels = 8.0;  // for one of a long edge
-constexpr int kRounds = 2;       // the second changes a twentieth of what the first does
+constexpr int kMinSamples = 16;         // of an edge, as in the library
+constexpr double kSampleSpacing = 8.0;  // px, on long edges
+constexpr int kRounds = 2;              // the second changes a twentieth of what the first does
 
 struct Line
 {
@@ -22,7 +22,7 @@ struct Line
   cv::Point2d direction;
 };
 
-/// The line for which the squared distances of the points are least.
+/// The line with the smallest sum of squared distances from the points.
 Line fitLine(const std::vector<cv::Point2d>& points)
 {
   cv::Point2d mean;
@@ -45,15 +45,15 @@ cv::Point2d intersection(const Line& a, const Line& b)
   return a.point + a.direction * ((b.point - a.point).cross(b.direction) / a.direction.cross(b.direction));
 }
 
-/// Where the lines meet that are fitted to the edges between these corners.
-Corners byLines(const Corners& corners, const CameraModel& camera)
+/// The intersections of the lines that are fitted to the distorted edges between these corners.
+Corners lineIntersections(const Corners& corners, const CameraModel& camera)
 {
   std::array<Line, 4> lines;
   for (std::size_t i = 0; i < corners.size(); ++i)
   {
     const cv::Point2d &begin = corners[i], &end = corners[(i + 1) % corners.size()];
     const cv::Point2d from = camera.ray(begin), to = camera.ray(end);
-    const int samples = std::max(kFewest, static_cast<int>(cv::norm(end - begin) / kPixels));
+    const int samples = std::max(kMinSamples, static_cast<int>(cv::norm(end - begin) / kSampleSpacing));
     std::vector<cv::Point2d> points;
     for (int s = 1; s <= samples; ++s)
     {
@@ -62,27 +62,27 @@ Corners byLines(const Corners& corners, const CameraModel& camera)
     }
     lines[i] = fitLine(points);
   }
-  Corners meeting;
+  Corners intersections;
   for (std::size_t i = 0; i < corners.size(); ++i)
-    meeting[i] = intersection(lines[(i + 3) % lines.size()], lines[i]);
-  return meeting;
+    intersections[i] = intersection(lines[(i + 3) % lines.size()], lines[i]);
+  return intersections;
 }
 
 }  // namespace
 
 std::array<cv::Point2d, 4> withoutBentEdges(const std::array<cv::Point2d, 4>& corners, const CameraModel& camera)
 {
-  Corners unbent = corners;
+  Corners corrected = corners;
   for (int round = 0; round < kRounds; ++round)
   {
-    const Corners meeting = byLines(unbent, camera);
+    const Corners intersections = lineIntersections(corrected, camera);
     for (std::size_t i = 0; i < corners.size(); ++i)
     {
-      unbent[i] += corners[i] - meeting[i];
-      if (!std::isfinite(cv::norm(unbent[i]))) return corners;
+      corrected[i] += corners[i] - intersections[i];
+      if (!std::isfinite(cv::norm(corrected[i]))) return corners;
     }
   }
-  return unbent;
+  return corrected;
 }
 
 }  // namespace robot_vision

@@ -32,7 +32,7 @@ cv::Matx33d turnTowards(const cv::Point2d& v)
 
 std::array<cv::Affine3d, 2> squarePoses(const std::array<cv::Point2d, 4>& rays, double size)
 {
-  // Where the middle is seen, and how the picture changes around it with x and y of the square.
+  // The image of the square's middle, and the derivatives of the image there by x and y of the square.
   const cv::Matx33d H = fromUnitSquare(rays);
   const cv::Vec3d middle = H * cv::Vec3d(0.5, 0.5, 1.0);
   const cv::Point2d v(middle[0] / middle[2], middle[1] / middle[2]);
@@ -40,7 +40,7 @@ std::array<cv::Affine3d, 2> squarePoses(const std::array<cv::Point2d, 4>& rays, 
   const cv::Matx22d J((H(0, 0) - v.x * H(2, 0)) / scale, (H(0, 1) - v.x * H(2, 1)) / scale,
                       (H(1, 0) - v.y * H(2, 0)) / scale, (H(1, 1) - v.y * H(2, 1)) / scale);
 
-  // The same as seen along the ray to the middle: two rows of the rotation, over the distance along z.
+  // The same as seen along the ray to the middle gives two rows of the rotation, divided by the distance along z.
   const cv::Matx33d view = turnTowards(v);
   const cv::Matx23d perspective(1.0, 0.0, -v.x, 0.0, 1.0, -v.y);
   const cv::Matx<double, 2, 2> across = (perspective * view).get_minor<2, 2>(0, 0);
@@ -49,7 +49,7 @@ std::array<cv::Affine3d, 2> squarePoses(const std::array<cv::Point2d, 4>& rays, 
   const double largest = std::sqrt((squares + std::sqrt(std::max(0.0, squares * squares - 4.0 * det * det))) / 2.0);
   const cv::Vec2d x(A(0, 0) / largest, A(1, 0) / largest), y(A(0, 1) / largest, A(1, 1) / largest);
 
-  // The third row makes the columns orthogonal and of unit length, up to its sign.
+  // The third row makes the columns orthogonal and of unit length. Its sign is open, which gives the two poses.
   const double x_out = std::sqrt(std::max(0.0, 1.0 - x.dot(x)));
   const double y_out = std::copysign(std::sqrt(std::max(0.0, 1.0 - y.dot(y))), -x.dot(y));
   std::array<cv::Affine3d, 2> poses;

@@ -11,8 +11,8 @@ namespace robot_vision
 namespace
 {
 
-const double kTurn = 1.0;         // rad/s, standard deviation about each axis
-const double kMistaken = 0.0005;  // probability that the wrong one was followed to this frame
+const double kAngularVelocity = 1.0;          // rad/s, standard deviation about each axis
+const double kWrongPoseProbability = 0.0005;  // that the wrong pose was followed up to this frame
 
 double rotationVariance(const PoseRefinement& fit)
 {
@@ -24,7 +24,7 @@ double angleBetween(const PoseRefinement& from, const PoseRefinement& to)
   return cv::norm(difference(from.pose, to.pose).get_minor<3, 1>(3, 0));
 }
 
-void normalise(std::vector<double>& weights)
+void normalize(std::vector<double>& weights)
 {
   const double sum = std::accumulate(weights.begin(), weights.end(), 0.0);
   for (double& weight : weights)
@@ -33,43 +33,44 @@ void normalise(std::vector<double>& weights)
 
 }  // namespace
 
-std::vector<double> PoseAmbiguity::expected(double passed, const std::vector<PoseRefinement>& fits) const
+std::vector<double> PoseAmbiguity::expected(double elapsed, const std::vector<PoseRefinement>& fits) const
 {
-  std::vector<double> probabilities(fits.size(), last_.empty() ? 1.0 : kMistaken);
-  for (const WeighedPose& last : last_)
+  std::vector<double> probabilities(fits.size(), last_.empty() ? 1.0 : kWrongPoseProbability);
+  for (const WeightedPose& last : last_)
   {
-    std::vector<double> ways(fits.size());
+    std::vector<double> transitions(fits.size());
     for (std::size_t i = 0; i < fits.size(); ++i)
     {
       const double angle = angleBetween(last.fit, fits[i]);
-      const double variance = kTurn * kTurn * passed * passed + rotationVariance(last.fit) + rotationVariance(fits[i]);
-      ways[i] = -angle * angle / (2.0 * variance);
+      const double variance = kAngularVelocity * kAngularVelocity * elapsed * elapsed + rotationVariance(last.fit) +
+                              rotationVariance(fits[i]);
+      transitions[i] = -angle * angle / (2.0 * variance);
     }
-    const double best = *std::max_element(ways.begin(), ways.end());
-    for (double& way : ways)
-      way = std::exp(way - best);
-    normalise(ways);
+    const double best = *std::max_element(transitions.begin(), transitions.end());
+    for (double& transition : transitions)
+      transition = std::exp(transition - best);
+    normalize(transitions);
     for (std::size_t i = 0; i < fits.size(); ++i)
-      probabilities[i] += last.probability * ways[i];
+      probabilities[i] += last.probability * transitions[i];
   }
-  normalise(probabilities);
+  normalize(probabilities);
   return probabilities;
 }
 
-std::vector<WeighedPose> PoseAmbiguity::update(double passed, const std::vector<PoseRefinement>& fits, double share)
+std::vector<WeightedPose> PoseAmbiguity::update(double elapsed, const std::vector<PoseRefinement>& fits, double weight)
 {
-  std::vector<double> probabilities = expected(passed, fits);
-  const double least = fits[0].cost;
+  std::vector<double> probabilities = expected(elapsed, fits);
+  const double min_cost = fits[0].cost;
   for (std::size_t i = 0; i < fits.size(); ++i)
-    probabilities[i] *= std::exp(share * (least - fits[i].cost) / 2.0);
-  normalise(probabilities);
+    probabilities[i] *= std::exp(weight * (min_cost - fits[i].cost) / 2.0);
+  normalize(probabilities);
 
-  std::vector<WeighedPose> weighed;
+  std::vector<WeightedPose> weighted;
   for (std::size_t i = 0; i < fits.size(); ++i)
-    weighed.push_back({fits[i], probabilities[i]});
-  if (weighed.back().probability > weighed.front().probability) std::swap(weighed.front(), weighed.back());
-  last_ = weighed;
-  return weighed;
+    weighted.push_back({fits[i], probabilities[i]});
+  if (weighted.back().probability > weighted.front().probability) std::swap(weighted.front(), weighted.back());
+  last_ = weighted;
+  return weighted;
 }
 
 }  // namespace robot_vision

@@ -21,7 +21,8 @@ struct Linearised
 using Corners = std::array<cv::Point2d, 4>;
 using Residuals = cv::Vec<double, 8>;
 
-/// The rows of d pixel / d (shift, rotation) of a point: the rotation moves it by its cross product with the lever.
+/// Sets the rows d pixel / d (shift, rotation) of a point. A rotation moves the point by the cross product with
+/// `lever`, the vector to it from the frame's origin.
 void setRows(MotionJacobian& jacobian, int first, const cv::Matx23d& by_point, const cv::Vec3d& lever)
 {
   const cv::Matx33d turn(0, lever[2], -lever[1], -lever[2], 0, lever[0], lever[1], -lever[0], 0);
@@ -34,7 +35,7 @@ void setRows(MotionJacobian& jacobian, int first, const cv::Matx23d& by_point, c
     }
 }
 
-/// Where the points are seen, and how that changes with the pose.
+/// Projects the points to `pixels` and returns the derivatives by the pose.
 MotionJacobian project(const std::array<cv::Point3d, 4>& points, const CameraModel& camera, const cv::Affine3d& pose,
                        Corners& pixels)
 {
@@ -49,10 +50,10 @@ MotionJacobian project(const std::array<cv::Point3d, 4>& points, const CameraMod
   return J;
 }
 
-Linearised linearise(const Sighting& sighting, const CameraModel& camera, const cv::Affine3d& pose)
+Linearised linearise(const Observation& observation, const CameraModel& camera, const cv::Affine3d& pose)
 {
   Linearised sum;
-  for (const SeenSquare& square : sighting)
+  for (const SeenSquare& square : observation)
   {
     Corners pixels;
     const MotionJacobian J = project(square.points, camera, pose, pixels);
@@ -72,13 +73,14 @@ Linearised linearise(const Sighting& sighting, const CameraModel& camera, const 
   return sum;
 }
 
-/// The inverse; false if there is none.
+/// Computes the inverse; returns false if there is none.
 bool invert(cv::Matx66d information, cv::Matx66d& covariance)
 {
-  // The tilt of a tag that is seen from the front does not show at all, to first order: a radian is a lot.
+  // To first order, the tilt of a tag seen from the front does not show at all. So it gets a standard deviation of 1
+  // rad.
   for (int i = 3; i < 6; ++i)
     information(i, i) += 1.0;
-  // Metres far away and radians differ too much in size to be inverted together.
+  // Large distances in metres and angles in radians differ too much in size to be inverted without scaling.
   cv::Matx66d scale = cv::Matx66d::zeros();
   for (int i = 0; i < 6; ++i)
   {
@@ -92,7 +94,7 @@ bool invert(cv::Matx66d information, cv::Matx66d& covariance)
 
 }  // namespace
 
-MotionJacobian pixelsByMotion(const std::array<cv::Point3d, 4>& points, const CameraModel& camera,
+MotionJacobian motionJacobian(const std::array<cv::Point3d, 4>& points, const CameraModel& camera,
                               const cv::Affine3d& pose)
 {
   Corners pixels;
@@ -112,12 +114,12 @@ cv::Vec6d difference(const cv::Affine3d& from, const cv::Affine3d& to)
   return {shift[0], shift[1], shift[2], turn[0], turn[1], turn[2]};
 }
 
-PoseRefinement fitPose(const Sighting& sighting, const CameraModel& camera, const cv::Affine3d& start)
+PoseRefinement fitPose(const Observation& observation, const CameraModel& camera, const cv::Affine3d& start)
 {
   const int max_steps = 50;
-  const double least_gain = 1e-9;  // of the cost: far less than noise makes of it
+  const double min_gain = 1e-9;  // of the cost; far below the effect of noise
   cv::Affine3d pose = start;
-  Linearised now = linearise(sighting, camera, pose);
+  Linearised now = linearise(observation, camera, pose);
   double damping = 1e-4;
   for (int step = 0; step < max_steps && std::isfinite(now.cost); ++step)
   {
@@ -125,9 +127,9 @@ PoseRefinement fitPose(const Sighting& sighting, const CameraModel& camera, cons
     for (int i = 0; i < 6; ++i)
       damped(i, i) *= 1.0 + damping;
     const cv::Vec6d by = damped.solve(now.gradient, cv::DECOMP_CHOLESKY);
-    if (by.dot(now.gradient) < least_gain) break;
+    if (by.dot(now.gradient) < min_gain) break;
     const cv::Affine3d next_pose = moved(pose, by);
-    const Linearised next = linearise(sighting, camera, next_pose);
+    const Linearised next = linearise(observation, camera, next_pose);
     const bool better = next.cost < now.cost;
     damping *= better ? 0.1 : 10.0;
     if (!better) continue;
@@ -139,10 +141,10 @@ PoseRefinement fitPose(const Sighting& sighting, const CameraModel& camera, cons
   return fit;
 }
 
-double costOf(const Sighting& sighting, const CameraModel& camera, const cv::Affine3d& pose)
+double costOf(const Observation& observation, const CameraModel& camera, const cv::Affine3d& pose)
 {
   double cost = 0.0;
-  for (const SeenSquare& square : sighting)
+  for (const SeenSquare& square : observation)
   {
     Residuals residuals;
     for (std::size_t i = 0; i < square.points.size(); ++i)
@@ -156,9 +158,9 @@ double costOf(const Sighting& sighting, const CameraModel& camera, const cv::Aff
   return std::isnan(cost) ? kInfinity : cost;
 }
 
-double errorOf(const Sighting& sighting, const CameraModel& camera, const cv::Affine3d& pose)
+double errorOf(const Observation& observation, const CameraModel& camera, const cv::Affine3d& pose)
 {
-  Sighting unit = sighting;
+  Observation unit = observation;
   for (SeenSquare& square : unit)
     square.information = CornerCovariance::eye();
   return std::sqrt(costOf(unit, camera, pose) / (4.0 * static_cast<double>(unit.size())));

@@ -10,7 +10,7 @@
 namespace robot_vision
 {
 
-/// The corners of a tag of a body, and where a camera sees them.
+/// The corners of a tag of a body, and their pixels in an image.
 struct SeenSquare
 {
   std::array<cv::Point3d, 4> points;  // m, in the body's frame
@@ -18,32 +18,33 @@ struct SeenSquare
   CornerCovariance information;  // the inverse of the covariance of the pixels, 1/px^2
 };
 
-using Sighting = std::vector<SeenSquare>;
+/// All tags of a body that are seen in an image.
+using Observation = std::vector<SeenSquare>;
 
-/// The pixels of four points by the shift of the frame that they are in, and its rotation about its origin, along the
-/// camera's axes.
+/// The derivatives of the pixels of four points by the shift of their frame and its rotation about its origin, along
+/// the camera's axes.
 using MotionJacobian = cv::Matx<double, 8, 6>;
-MotionJacobian pixelsByMotion(const std::array<cv::Point3d, 4>& points, const CameraModel& camera,
+MotionJacobian motionJacobian(const std::array<cv::Point3d, 4>& points, const CameraModel& camera,
                               const cv::Affine3d& pose);
 
-/// How well a pose explains a sighting.
+/// A pose that was fitted to an observation.
 struct PoseRefinement
 {
   cv::Affine3d pose;
   cv::Matx66d covariance;  // of x, y, z and the rotations about x, y, z, along the camera's axes
-  double cost = 0.0;       // sum of the squared residuals by their covariances; infinite if there is no such pose
+  double cost = 0.0;       // sum of the squared residuals divided by their covariances; infinite if the fit failed
 };
 
-/// The pose near `start` that explains a sighting best (Levenberg, Marquardt).
-PoseRefinement fitPose(const Sighting& sighting, const CameraModel& camera, const cv::Affine3d& start);
+/// The pose near `start` that explains an observation best, by the method of Levenberg and Marquardt.
+PoseRefinement fitPose(const Observation& observation, const CameraModel& camera, const cv::Affine3d& start);
 
-/// The cost alone; infinite behind the camera.
-double costOf(const Sighting& sighting, const CameraModel& camera, const cv::Affine3d& pose);
+/// The cost of a pose; infinite if a tag is behind the camera.
+double costOf(const Observation& observation, const CameraModel& camera, const cv::Affine3d& pose);
 
-/// px, root mean square distance of the pixels from where a pose has them.
-double errorOf(const Sighting& sighting, const CameraModel& camera, const cv::Affine3d& pose);
+/// The root mean square distance (px) of the pixels from their projections by a pose.
+double errorOf(const Observation& observation, const CameraModel& camera, const cv::Affine3d& pose);
 
-/// A pose that is shifted, and turned about its origin, along the camera's axes; and the way from one to another.
+/// A pose shifted, and rotated about its origin, along the camera's axes; and the motion from one pose to another.
 cv::Affine3d moved(const cv::Affine3d& pose, const cv::Vec6d& by);
 cv::Vec6d difference(const cv::Affine3d& from, const cv::Affine3d& to);
 

@@ -14,7 +14,7 @@ namespace
 {
 
 const double kMaxShiftNoise = 1.0;  // m
-const double kMaxTurnNoise = 0.5;   // rad: more is no small angle
+const double kMaxTurnNoise = 0.5;   // rad; larger angles are not small, as the covariance assumes
 
 bool isPose(const cv::Affine3d& pose)
 {
@@ -56,9 +56,9 @@ std::optional<TagPoses> estimatePose(const Bundle& bundle, const std::vector<Tag
   requireRange("noise", noise, 0.001, 10.0);
   requireRange("lens_noise", lens_noise, 0.0, 10.0);
   const std::vector<SeenTag> tags = tagsOf(bundle, seen, camera, noise * noise, lens_noise * lens_noise);
-  const std::vector<PoseRefinement> fits = fitBody(tags, camera);
+  const std::vector<PoseRefinement> fits = fitBundle(tags, camera);
   if (fits.empty()) return std::nullopt;
-  return posesOf(PoseAmbiguity().update(0.0, fits, 1.0), sightingOf(tags, camera), camera);
+  return posesOf(PoseAmbiguity().update(0.0, fits, 1.0), observationOf(tags, camera), camera);
 }
 
 }  // namespace robot_vision

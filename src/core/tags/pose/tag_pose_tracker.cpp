@@ -17,21 +17,21 @@ namespace robot_vision
 namespace
 {
 
-const double kRest = 0.9;           // probability from which a tag is taken to be at rest
-const double kGuess = 4.0;          // degrees of freedom that corner_noise is worth
-const double kMeasurement = 100.0;  // and what each picture says of its own corners
-// Pixels, prints and the lens err in a frame nearly as in the one before it, even in motion: such a share of what it
-// says of which pose is right is new. Rather too little: of tags of 10 to 16 px in motion, of all families, the
-// probabilities of wrong poses are two to three times as many as these are.
-const double kNews = 0.3;
+const double kMinRestProbability = 0.9;  // from which a tag is taken to be at rest
+const double kGuessFreedom = 4.0;        // weight of corner_noise, in degrees of freedom
+const double kMeasuredFreedom = 100.0;   // weight of the covariances measured in the images
+// The share of what a frame tells about which pose is right that is new: even in motion, pixels, prints and the lens
+// cause nearly the same errors in consecutive frames. The value is cautious: for moving tags of 10 to 16 px of all
+// families, the probability given to wrong poses is two to three times as large as their frequency.
+const double kNewInformation = 0.3;
 
-/// px^2, mean of all coordinates.
+/// The mean variance of all coordinates, px^2.
 double varianceOf(const CornerCovariance& covariance)
 {
   return cv::trace(covariance) / 8.0;
 }
 
-struct Followed
+struct FollowedTag
 {
   CornerFilter filter;
   double time;  // s, of the newest frame with it
@@ -43,12 +43,12 @@ struct TagPoseTracker::Impl
 {
   Impl(const Bundle& tags, const TagPoseParams& settings) : bundle(tags), params(settings) {}
 
-  CornerNoise& noiseOf(const SeenTag& tag) { return tag.measured ? of_measured : of_guessed; }
+  CornerNoise& noiseOf(const SeenTag& tag) { return tag.measured ? measured_noise : guessed_noise; }
 
   double lensVariance() const { return params.lasting_noise * params.lasting_noise; }
 
-  /// The tags of a frame, and what is known of their corners.
-  std::vector<SeenTag> see(const std::vector<TagCorners>& seen, const CameraModel& camera)
+  /// The bundle's tags in a frame, with the variances that are known so far.
+  std::vector<SeenTag> matchTags(const std::vector<TagCorners>& seen, const CameraModel& camera)
   {
     std::vector<SeenTag> tags = tagsOf(bundle, seen, camera, params.corner_noise * params.corner_noise, lensVariance());
     for (SeenTag& tag : tags)
@@ -59,18 +59,18 @@ struct TagPoseTracker::Impl
     return tags;
   }
 
-  void forget(double time_s)
+  void dropLostTags(double time_s)
   {
     if (!(time_s >= time && time_s - time <= params.max_gap))
     {
       followed.clear();
-      choice.clear();
+      ambiguity.clear();
     }
     for (auto it = followed.begin(); it != followed.end();)
       it = time_s - it->second.time > params.max_gap ? followed.erase(it) : std::next(it);
   }
 
-  /// The tags with their corners filtered; the share of the newest frame in them.
+  /// Filters the corners of the tags and returns the mean weight of the newest frame in them.
   double filter(double time_s, std::vector<SeenTag>& tags)
   {
     double gains = 0.0;
@@ -78,29 +78,29 @@ struct TagPoseTracker::Impl
     {
       CornerNoise& noise = noiseOf(tag);
       const double total = varianceOf(tag.covariance), unit = total / noise.total();
-      const double least = tag.measured ? 0.0 : lensVariance() / unit, fresh = unit * noise.fresh(least);
-      const auto [it, is_new] = followed.try_emplace(tag.tag.id, Followed{{tag.corners, fresh}, time_s});
+      const double min_lasting = tag.measured ? 0.0 : lensVariance() / unit, fresh = unit * noise.fresh(min_lasting);
+      const auto [it, is_new] = followed.try_emplace(tag.tag.id, FollowedTag{{tag.corners, fresh}, time_s});
       CornerFilter& corners = it->second.filter;
       if (!is_new)
       {
         corners.update(time_s - it->second.time, tag.corners, fresh);
         it->second.time = time_s;
-        if (corners.rest() > kRest) noise.addChange(corners.change() / unit);
+        if (corners.rest() > kMinRestProbability) noise.addChange(corners.change() / unit);
       }
       tag.corners = corners.corners();
-      tag.covariance *= (corners.variance() + unit * noise.lasting(least)) / total;
+      tag.covariance *= (corners.variance() + unit * noise.lasting(min_lasting)) / total;
       gains += corners.gain();
     }
     return gains / static_cast<double>(tags.size());
   }
 
-  /// Measures the noise by how badly the corners of each tag, as they are, fit together: how the tags do is a matter of
-  /// the layout, too.
-  void measure(const std::vector<SeenTag>& tags, const Sighting& raw, const CameraModel& camera,
-               const cv::Affine3d& near)
+  /// Measures the noise by the residuals of each tag's unfiltered corners. The tags are fitted one by one, because the
+  /// residuals of all together would also contain the errors of the layout.
+  void measureNoise(const std::vector<SeenTag>& tags, const Observation& raw, const CameraModel& camera,
+                    const cv::Affine3d& near)
   {
-    const double freedom = 2.0;  // eight coordinates less the six of a pose
-    for (CornerNoise* noise : {&of_guessed, &of_measured})
+    const double freedom = 2.0;  // eight coordinates minus the six of a pose
+    for (CornerNoise* noise : {&guessed_noise, &measured_noise})
     {
       double squares = 0.0, count = 0.0;
       for (std::size_t i = 0; i < tags.size(); ++i)
@@ -117,10 +117,10 @@ struct TagPoseTracker::Impl
 
   Bundle bundle;
   TagPoseParams params;
-  CornerNoise of_guessed{kGuess}, of_measured{kMeasurement};
-  double corner_variance = params.corner_noise * params.corner_noise;  // px^2, of the corners of the newest frame
-  PoseAmbiguity choice;
-  std::map<int, Followed> followed;
+  CornerNoise guessed_noise{kGuessFreedom}, measured_noise{kMeasuredFreedom};
+  double corner_variance = params.corner_noise * params.corner_noise;  // px^2, of the newest frame's corners
+  PoseAmbiguity ambiguity;
+  std::map<int, FollowedTag> followed;
   double time = std::nan("");  // s, of the newest frame with a pose
 };
 
@@ -156,17 +156,17 @@ std::optional<TagPoses> TagPoseTracker::update(double time_s, const std::vector<
   require(std::isfinite(time_s), "time", time_s, "finite (s)");
   validate(camera);
   Impl& self = *impl_;
-  std::vector<SeenTag> tags = self.see(seen, camera);
+  std::vector<SeenTag> tags = self.matchTags(seen, camera);
   if (tags.empty()) return std::nullopt;
-  const Sighting raw = sightingOf(tags, camera);
-  self.forget(time_s);
+  const Observation raw = observationOf(tags, camera);
+  self.dropLostTags(time_s);
   const double share = self.filter(time_s, tags);
 
-  const std::vector<PoseRefinement> fits = fitBody(tags, camera);
+  const std::vector<PoseRefinement> fits = fitBundle(tags, camera);
   if (fits.empty()) return std::nullopt;
-  const std::vector<WeighedPose> poses = self.choice.update(time_s - self.time, fits, kNews * share);
+  const std::vector<WeightedPose> poses = self.ambiguity.update(time_s - self.time, fits, kNewInformation * share);
   self.time = time_s;
-  self.measure(tags, raw, camera, poses.front().fit.pose);
+  self.measureNoise(tags, raw, camera, poses.front().fit.pose);
   self.corner_variance = varianceOf(raw.front().information.inv());
   return posesOf(poses, raw, camera);
 }

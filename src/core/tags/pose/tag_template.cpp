@@ -15,50 +15,50 @@ Mapped mapped(const cv::Matx33d& H, const cv::Point2d& point)
            (H(1, 1) - y * H(2, 1)) * per_z}};
 }
 
-cv::Matx33d toPattern(const std::array<cv::Point2d, 4>& corners, const Pattern& pattern)
+cv::Matx33d toTemplate(const std::array<cv::Point2d, 4>& corners, const TagTemplate& tag_template)
 {
-  // Heckbert's square to quadrilateral.
+  // Heckbert's homography from the unit square to a quadrilateral.
   const auto& [a, b, c, d] = corners;
   const cv::Point2d sum = a - b + c - d, u = b - c, v = d - c;
   const double det = u.cross(v), g = sum.cross(v) / det, h = u.cross(sum) / det;
   const cv::Point2d x = b - a + g * b, y = d - a + h * d;
-  const cv::Matx33d toPicture(x.x, y.x, a.x, x.y, y.y, a.y, g, h, 1.0);
-  const double side = static_cast<double>(pattern.widthAtBorder()) / pattern.cells.cols;
-  // Rows count down, from the corners at the top.
-  const cv::Matx33d toSquare(1.0 / side, 0.0, 0.5, 0.0, -1.0 / side, 0.5, 0.0, 0.0, 1.0);
-  return (toPicture * toSquare).inv();
+  const cv::Matx33d to_image(x.x, y.x, a.x, x.y, y.y, a.y, g, h, 1.0);
+  const double side = static_cast<double>(tag_template.widthAtBorder()) / tag_template.cells.cols;
+  // The rows of the template count downwards.
+  const cv::Matx33d to_square(1.0 / side, 0.0, 0.5, 0.0, -1.0 / side, 0.5, 0.0, 0.0, 1.0);
+  return (to_image * to_square).inv();
 }
 
-std::array<cv::Point2d, 4> patternCorners(const cv::Matx33d& to_pattern, const Pattern& pattern)
+std::array<cv::Point2d, 4> templateCorners(const cv::Matx33d& to_template, const TagTemplate& tag_template)
 {
-  const cv::Matx33d toPicture = to_pattern.inv();
-  const double half = 0.5 * pattern.widthAtBorder() / pattern.cells.cols;
-  return {mapped(toPicture, {-half, half}).point, mapped(toPicture, {half, half}).point,
-          mapped(toPicture, {half, -half}).point, mapped(toPicture, {-half, -half}).point};
+  const cv::Matx33d to_image = to_template.inv();
+  const double half = 0.5 * tag_template.widthAtBorder() / tag_template.cells.cols;
+  return {mapped(to_image, {-half, half}).point, mapped(to_image, {half, half}).point,
+          mapped(to_image, {half, -half}).point, mapped(to_image, {-half, -half}).point};
 }
 
 View movedView(const View& view, const Unknowns& by)
 {
   const cv::Matx33d motion(1.0 + by[1], by[2], by[0], by[4], 1.0 + by[5], by[3], -by[6], -by[7], 1.0);
-  return {motion * view.H, view.looks + by};
+  return {motion * view.H, view.appearance + by};
 }
 
-double levelAt(const BlurredGrid& cells, int width, const View& view, const cv::Point2d& place, Unknowns& jacobian)
+double grayAt(const BlurredGrid& cells, int width, const View& view, const cv::Point2d& position, Unknowns& jacobian)
 {
-  const Mapped seen = mapped(view.H, place);
+  const Mapped seen = mapped(view.H, position);
   const cv::Point2d& q = seen.point;
   const cv::Vec2d gx(seen.jacobian(0, 0), seen.jacobian(0, 1)), gy(seen.jacobian(1, 0), seen.jacobian(1, 1));
   const double nx = std::sqrt(gx.dot(gx)), ny = std::sqrt(gy.dot(gy));
-  const double blur = view.looks[kBlur] * width, correlation = gx.dot(gy) / (nx * ny);
+  const double blur = view.appearance[kBlur] * width, correlation = gx.dot(gy) / (nx * ny);
   const BlurredPoint point = cells.at((q + cv::Point2d(0.5, 0.5)) * width, {blur * nx, blur * ny}, correlation);
 
-  const auto& looks = view.looks;
-  const double black = looks[kBlack] + q.x * looks[kBlack + 1] + q.y * looks[kBlack + 2];
-  const double contrast = looks[kContrast] + q.x * looks[kContrast + 1] + q.y * looks[kContrast + 2];
-  const double around = looks[kAround], white = point.white.share, outside = 1.0 - point.known.share;
-  const cv::Vec2d g =
-      width * (contrast * point.white.by_point - around * point.known.by_point) +
-      cv::Vec2d(looks[kBlack + 1] + white * looks[kContrast + 1], looks[kBlack + 2] + white * looks[kContrast + 2]);
+  const auto& appearance = view.appearance;
+  const double black = appearance[kBlack] + q.x * appearance[kBlack + 1] + q.y * appearance[kBlack + 2];
+  const double contrast = appearance[kContrast] + q.x * appearance[kContrast + 1] + q.y * appearance[kContrast + 2];
+  const double around = appearance[kAround], white = point.white.share, outside = 1.0 - point.known.share;
+  const cv::Vec2d g = width * (contrast * point.white.by_point - around * point.known.by_point) +
+                      cv::Vec2d(appearance[kBlack + 1] + white * appearance[kContrast + 1],
+                                appearance[kBlack + 2] + white * appearance[kContrast + 2]);
   const double gq = g[0] * q.x + g[1] * q.y;
   const cv::Vec2d by_sigma = contrast * point.white.by_sigma - around * point.known.by_sigma;
   jacobian = Unknowns(g[0], g[0] * q.x, g[0] * q.y, g[1], g[1] * q.x, g[1] * q.y, gq * q.x, gq * q.y,
@@ -66,7 +66,7 @@ double levelAt(const BlurredGrid& cells, int width, const View& view, const cv::
   jacobian[kContrast + 2] = white * q.y;
   jacobian[kAround] = outside;
 
-  // What stretches the cells makes the blur a smaller part of one, and what shears them turns its axes.
+  // The blur in cells also depends on the homography: stretched cells make it smaller, and shear turns its axes.
   const double by_shear =
       (1.0 - correlation * correlation) * (contrast * point.white.by_correlation - around * point.known.by_correlation);
   const double xx = by_sigma[0] * blur * nx, yy = by_sigma[1] * blur * ny;

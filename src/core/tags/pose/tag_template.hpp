@@ -8,16 +8,16 @@
 namespace robot_vision
 {
 
-/// Square cells, and how many of them lie on each side outside of the corners that are looked for.
-struct Pattern
+/// The square cells of a tag.
+struct TagTemplate
 {
-  cv::Mat cells;  // as BlurredGrid has them
-  int margin = 0;
+  cv::Mat cells;   // as BlurredGrid takes them
+  int margin = 0;  // cells on each side that lie outside of the corners to be found
 
   int widthAtBorder() const { return cells.cols - 2 * margin; }
 };
 
-/// A point as a homography maps it, and the derivative.
+/// A point that a homography has mapped, and the derivative by the original point.
 struct Mapped
 {
   cv::Point2d point;
@@ -26,32 +26,34 @@ struct Mapped
 
 Mapped mapped(const cv::Matx33d& H, const cv::Point2d& point);
 
-/// The homography that takes places in the picture to a pattern: columns and rows from its middle, in its widths, -0.5
-/// to 0.5. `corners`: px, TagCorners' order.
-cv::Matx33d toPattern(const std::array<cv::Point2d, 4>& corners, const Pattern& pattern);
+/// The homography from positions in the undistorted image (px) to a template: x and y from its middle, in its widths,
+/// -0.5 to 0.5. `corners` (px) are in TagCorners' order.
+cv::Matx33d toTemplate(const std::array<cv::Point2d, 4>& corners, const TagTemplate& tag_template);
 
-/// The other way.
-std::array<cv::Point2d, 4> patternCorners(const cv::Matx33d& to_pattern, const Pattern& pattern);
+/// The corners in the image for such a homography, the inverse of toTemplate().
+std::array<cv::Point2d, 4> templateCorners(const cv::Matx33d& to_template, const TagTemplate& tag_template);
 
-// What a view may differ in: the eight of a homography, the sigma of the blur (px), the gray level of black and what
-// white is above it, each with its slopes along the pattern, and what lies around it above black.
+// The unknowns of a view: eight of the homography, the sigma of the blur (px), the gray level of black and the
+// contrast of white above it, each with its slopes along x and y of the template, and the gray level around the
+// template above that of black.
 constexpr int kBlur = 8, kBlack = 9, kContrast = 12, kAround = 15, kUnknowns = 16;
 using Unknowns = cv::Vec<double, kUnknowns>;
 
-/// How a picture of a pattern comes about.
+/// What determines the image of a template.
 struct View
 {
-  cv::Matx33d H;   // toPattern()
-  Unknowns looks;  // from kBlur on
+  cv::Matx33d H;        // toTemplate()
+  Unknowns appearance;  // the unknowns from kBlur on
 };
 
-/// A view whose pattern is moved by the unknowns: to first order q by a + B q + q (c q).
+/// Changes the unknowns of a view. To first order, a point q of the template moves by a + B q + q (c q).
 View movedView(const View& view, const Unknowns& by);
 
-/// The gray level that a view has at a place in the picture, and how it changes with the unknowns.
-double levelAt(const BlurredGrid& cells, int width, const View& view, const cv::Point2d& place, Unknowns& jacobian);
+/// The gray level of a view at a position in the undistorted image, with its derivatives by the unknowns. `width` is
+/// that of the cells.
+double grayAt(const BlurredGrid& cells, int width, const View& view, const cv::Point2d& position, Unknowns& jacobian);
 
-/// The corners, x and y, by the unknowns of the homography.
+/// The derivatives of the corners, x and y, by the eight unknowns of the homography.
 cv::Matx<double, 8, 8> cornersByHomography(const cv::Matx33d& H, const std::array<cv::Point2d, 4>& corners);
 
 }  // namespace robot_vision

@@ -12,16 +12,16 @@ namespace
 using Corners = std::array<cv::Point2d, 4>;
 using Information = cv::Matx<double, kUnknowns, kUnknowns>;
 
-constexpr double kFirstBlur = 0.7;  // px
-constexpr double kMinBlur = 0.2;    // px: a pixel itself blurs more
+constexpr double kInitialBlur = 0.7;  // px
+constexpr double kMinBlur = 0.2;      // px; a pixel itself blurs more
 constexpr int kMaxSteps = 30;
-constexpr double kMinDamping = 1e-3;  // few steps from where it shortens one
-constexpr double kSettled = 0.3;      // what the last step gains, by the variance of a sample
-constexpr double kFarthest = 0.4;     // cells, from where a corner was found
-constexpr double kMaxUnlike = 0.2;    // of the contrast, root mean square
-constexpr double kTiny = 1e-6;        // so that what does not show stays
+constexpr double kMinDamping = 1e-3;      // a few increases lead from there to one that shortens a step
+constexpr double kMinGain = 0.3;          // of a step, in variances of a sample; a smaller gain ends the fit
+constexpr double kMaxCornerShift = 0.4;   // cells, from where a corner was found
+constexpr double kMaxResidual = 0.2;      // root mean square, relative to the contrast
+constexpr double kRegularization = 1e-6;  // keeps unknowns on which no sample depends
 
-/// The pixels by the unknowns at a view.
+/// The residuals of the samples at a view, with the derivatives of the gray levels by the unknowns.
 struct Linearised
 {
   std::vector<Unknowns> jacobian;
@@ -31,7 +31,8 @@ struct Linearised
   double squares = 0.0;
 };
 
-/// The sum of the outer products of all rows with themselves: a line of it at a time, which stays in registers.
+/// The sum of the outer products of all rows with themselves. It is computed line by line, so that a line stays in
+/// registers.
 Information productOf(const std::vector<Unknowns>& rows)
 {
   Information product;
@@ -46,7 +47,7 @@ Information productOf(const std::vector<Unknowns>& rows)
   return product;
 }
 
-/// Has the equations say that the blur changes by so much, whatever the samples say.
+/// Changes the equations so that their solution changes the blur by exactly `change`.
 void holdBlur(Information& information, Unknowns& gradient, double change)
 {
   for (int i = 0; i < kUnknowns; ++i)
@@ -61,31 +62,31 @@ void holdBlur(Information& information, Unknowns& gradient, double change)
 class TemplateFit
 {
 public:
-  TemplateFit(const Pattern& pattern, const std::vector<GreySample>& samples, const Corners& corners)
-    : pattern_(pattern), cells_(pattern.cells), samples_(samples)
+  TemplateFit(const TagTemplate& tag_template, const std::vector<GraySample>& samples, const Corners& corners)
+    : template_(tag_template), cells_(tag_template.cells), samples_(samples)
   {
-    const auto levels = std::minmax_element(samples.begin(), samples.end(),
-                                            [](const GreySample& a, const GreySample& b) { return a.level < b.level; });
-    view_.H = toPattern(corners, pattern);
-    view_.looks[kBlur] = kFirstBlur;
-    view_.looks[kBlack] = levels.first->level;
-    view_.looks[kContrast] = view_.looks[kAround] = levels.second->level - levels.first->level;
+    const auto grays = std::minmax_element(samples.begin(), samples.end(),
+                                           [](const GraySample& a, const GraySample& b) { return a.gray < b.gray; });
+    view_.H = toTemplate(corners, tag_template);
+    view_.appearance[kBlur] = kInitialBlur;
+    view_.appearance[kBlack] = grays.first->gray;
+    view_.appearance[kContrast] = view_.appearance[kAround] = grays.second->gray - grays.first->gray;
   }
 
-  /// False if it comes to no end.
+  /// Fits the view to the samples; returns false if it does not converge.
   bool run()
   {
     double damping = kMinDamping;
-    bool damped_more = false;  // a small step is then no sign of the end
+    bool last_step_failed = false;  // after a failed step, a small step does not show that the fit has converged
     fit_ = linearise(view_);
     for (int step = 0; step < kMaxSteps; ++step)
     {
-      const Unknowns by = stepBy(damping);
-      if (!(by.dot(by) > 0.0)) return false;  // it cannot be solved
+      const Unknowns by = nextStep(damping);
+      if (!(by.dot(by) > 0.0)) return false;  // the equations have no solution
       const View next_view = movedView(view_, by);
-      if (!damped_more && isSettled(by.dot(fit_.gradient)))
+      if (!last_step_failed && hasConverged(by.dot(fit_.gradient)))
       {
-        view_ = next_view;  // what it gains is not worth another look at the samples
+        view_ = next_view;  // the last gain is too small to compute the residuals once more
         return true;
       }
       Linearised next = linearise(next_view);
@@ -96,54 +97,54 @@ public:
       {
         view_ = next_view;
         fit_ = std::move(next);
-        // Edges between pixels that nothing blurs hardly show where they are: each step promises more than it gains.
-        if (!damped_more && isSettled(gain)) return true;
+        // The position of sharp edges between pixels hardly shows: there, steps gain less than they promise.
+        if (!last_step_failed && hasConverged(gain)) return true;
       }
-      damped_more = !better;
+      last_step_failed = !better;
     }
     return false;
   }
 
-  Corners corners() const { return patternCorners(view_.H, pattern_); }
+  Corners corners() const { return templateCorners(view_.H, template_); }
 
-  bool isLike() const
+  bool isSimilar() const
   {
-    const double unlike = std::sqrt(fit_.squares / static_cast<double>(samples_.size()));
-    return unlike < kMaxUnlike * view_.looks[kContrast];
+    const double residual = std::sqrt(fit_.squares / static_cast<double>(samples_.size()));
+    return residual < kMaxResidual * view_.appearance[kContrast];
   }
 
-  /// By what each sample is off: edges may be less like the pattern than what lies between them (White: A
-  /// Heteroskedasticity-Consistent Covariance Matrix Estimator, 1980).
+  /// The covariance of the corners, from the residual of each sample, because samples near edges may fit less well than
+  /// others (White: A Heteroskedasticity-Consistent Covariance Matrix Estimator, 1980).
   CornerCovariance covariance() const
   {
     const auto count = static_cast<double>(samples_.size());
-    const double missed = count / (count - kUnknowns);  // samples are less off than they would be without them
-    std::vector<Unknowns> off = fit_.jacobian;
-    for (std::size_t i = 0; i < off.size(); ++i)
-      off[i] *= missed * fit_.residuals[i];
+    const double correction = count / (count - kUnknowns);  // the fit makes the residuals smaller than the noise
+    std::vector<Unknowns> scores = fit_.jacobian;
+    for (std::size_t i = 0; i < scores.size(); ++i)
+      scores[i] *= correction * fit_.residuals[i];
     Information information = fit_.information;
     for (int i = 0; i < kUnknowns; ++i)
-      information(i, i) += kTiny;
+      information(i, i) += kRegularization;
     const Information inverse = information.inv(cv::DECOMP_CHOLESKY);
-    const Information sum = inverse * productOf(off) * inverse;
+    const Information sum = inverse * productOf(scores) * inverse;
     const cv::Matx<double, 8, 8> by_homography = cornersByHomography(view_.H, corners());
     return by_homography * sum.get_minor<8, 8>(0, 0) * by_homography.t();
   }
 
 private:
-  bool isSettled(double gain) const { return gain * static_cast<double>(samples_.size()) < kSettled * fit_.squares; }
+  bool hasConverged(double gain) const { return gain * static_cast<double>(samples_.size()) < kMinGain * fit_.squares; }
 
-  /// Where the blur would become less than the least, the best step to where it is that.
-  Unknowns stepBy(double damping) const
+  /// The next step. If the blur would become smaller than the least one, it is the best step to the least blur.
+  Unknowns nextStep(double damping) const
   {
     Information damped = fit_.information;
     for (int i = 0; i < kUnknowns; ++i)
-      damped(i, i) += damping * damped(i, i) + kTiny;
+      damped(i, i) += damping * damped(i, i) + kRegularization;
     const Unknowns by = damped.solve(fit_.gradient, cv::DECOMP_CHOLESKY);
-    const double to_least = kMinBlur - view_.looks[kBlur];
-    if (by[kBlur] >= to_least) return by;
+    const double to_min = kMinBlur - view_.appearance[kBlur];
+    if (by[kBlur] >= to_min) return by;
     Unknowns gradient = fit_.gradient;
-    holdBlur(damped, gradient, to_least);
+    holdBlur(damped, gradient, to_min);
     return damped.solve(gradient, cv::DECOMP_CHOLESKY);
   }
 
@@ -155,7 +156,7 @@ private:
     for (std::size_t i = 0; i < samples_.size(); ++i)
     {
       Unknowns& J = sums.jacobian[i];
-      const double residual = samples_[i].level - levelAt(cells_, pattern_.cells.cols, view, samples_[i].place, J);
+      const double residual = samples_[i].gray - grayAt(cells_, template_.cells.cols, view, samples_[i].position, J);
       sums.residuals[i] = residual;
       sums.squares += residual * residual;
       sums.gradient += residual * J;
@@ -164,26 +165,27 @@ private:
     return sums;
   }
 
-  const Pattern& pattern_;
+  const TagTemplate& template_;
   BlurredGrid cells_;
-  const std::vector<GreySample>& samples_;
+  const std::vector<GraySample>& samples_;
   View view_;
-  Linearised fit_;  // at the view, or where its last step began
+  Linearised fit_;  // at the view, or at the one before the last step
 };
 
 }  // namespace
 
-std::optional<FittedPattern> fitPattern(const Pattern& pattern, const std::vector<GreySample>& samples,
-                                        const Corners& corners)
+std::optional<FittedCorners> fitTemplate(const TagTemplate& tag_template, const std::vector<GraySample>& samples,
+                                         const Corners& corners)
 {
   if (samples.size() < 4 * kUnknowns) return std::nullopt;
-  TemplateFit fit(pattern, samples, corners);
-  if (!fit.run() || !fit.isLike()) return std::nullopt;
-  const FittedPattern found{fit.corners(), fit.covariance()};
-  const double farthest = kFarthest * cv::norm(corners[2] - corners[0]) / std::sqrt(2.0) / pattern.widthAtBorder();
+  TemplateFit fit(tag_template, samples, corners);
+  if (!fit.run() || !fit.isSimilar()) return std::nullopt;
+  const FittedCorners found{fit.corners(), fit.covariance()};
+  const double max_shift =
+      kMaxCornerShift * cv::norm(corners[2] - corners[0]) / std::sqrt(2.0) / tag_template.widthAtBorder();
   const bool is_near =
       std::equal(corners.begin(), corners.end(), found.corners.begin(),
-                 [&](const cv::Point2d& a, const cv::Point2d& b) { return cv::norm(a - b) < farthest; });
+                 [&](const cv::Point2d& a, const cv::Point2d& b) { return cv::norm(a - b) < max_shift; });
   return is_near ? std::make_optional(found) : std::nullopt;
 }
 

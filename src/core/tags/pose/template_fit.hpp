@@ -10,23 +10,23 @@
 namespace robot_vision
 {
 
-/// The gray level of a pixel, at a place where straight lines are straight (px).
-struct GreySample
+/// The gray level of a pixel and its position (px) without the distortion of the lens.
+struct GraySample
 {
-  cv::Point2d place;
-  double level;
+  cv::Point2d position;
+  double gray;
 };
 
-/// The corners of a pattern (px, TagCorners' order).
-struct FittedPattern
+/// The fitted corners of a template (px, in TagCorners' order) with their covariance.
+struct FittedCorners
 {
   std::array<cv::Point2d, 4> corners;
   CornerCovariance covariance;
 };
 
-/// Where a blurred and evenly shaded pattern is most like the samples (Levenberg, Marquardt), near `corners`; nothing
-/// if it is not like them.
-std::optional<FittedPattern> fitPattern(const Pattern& pattern, const std::vector<GreySample>& samples,
-                                        const std::array<cv::Point2d, 4>& corners);
+/// Fits a blurred and evenly shaded template to the samples, starting at `corners`, by the method of Levenberg and
+/// Marquardt. The result is empty if the template does not look like the samples.
+std::optional<FittedCorners> fitTemplate(const TagTemplate& tag_template, const std::vector<GraySample>& samples,
+                                         const std::array<cv::Point2d, 4>& corners);
 
 }  // namespace robot_vision
