@@ -6,13 +6,13 @@
 #include "robot_vision/tags/detection/tag_detector.hpp"
 #include "tag_pictures.hpp"
 
-/// The largest distance of two corners that are the same.
+/// The largest distance between corresponding corners.
 inline double distance(const TagCorners& a, const TagCorners& b)
 {
-  double most = 0.0;
+  double largest = 0.0;
   for (std::size_t i = 0; i < a.size(); ++i)
-    most = std::max(most, cv::norm(a[i] - b[i]));
-  return most;
+    largest = std::max(largest, cv::norm(a[i] - b[i]));
+  return largest;
 }
 
 inline std::vector<int> idsOf(const std::vector<robot_vision::Tag>& tags)
@@ -23,17 +23,17 @@ inline std::vector<int> idsOf(const std::vector<robot_vision::Tag>& tags)
   return ids;
 }
 
-/// The largest distance of the corners of tags that are the same in both; infinite if there are others.
+/// The largest distance between corresponding corners of two lists of tags; infinite if their ids differ.
 inline double difference(const std::vector<robot_vision::Tag>& a, const std::vector<robot_vision::Tag>& b)
 {
   if (idsOf(a) != idsOf(b)) return std::numeric_limits<double>::infinity();
-  double most = 0.0;
+  double largest = 0.0;
   for (std::size_t i = 0; i < a.size(); ++i)
-    most = std::max(most, distance(a[i].corners, b[i].corners));
-  return most;
+    largest = std::max(largest, distance(a[i].corners, b[i].corners));
+  return largest;
 }
 
-/// The defaults, changed.
+/// The default parameters with a change.
 inline robot_vision::TagDetectorParams with(const std::function<void(robot_vision::TagDetectorParams&)>& change)
 {
   robot_vision::TagDetectorParams params;

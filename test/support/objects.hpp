@@ -11,39 +11,39 @@
 inline const cv::Size kPicture(320, 240);
 inline constexpr double kPeriod = 1.0 / 30.0;  // s
 
-/// Blots of all sizes, as photographs have them; the same for the same seed.
+/// An image of discs of many sizes, the same for the same seed.
 inline cv::Mat blots(const cv::Size& size, int seed)
 {
   cv::RNG random(static_cast<std::uint64_t>(seed));
-  cv::Mat picture(size, CV_8UC3, cv::Scalar::all(128));
+  cv::Mat image(size, CV_8UC3, cv::Scalar::all(128));
   for (int i = 0; i < size.area() / 60; ++i)
   {
     const cv::Point at(random.uniform(0, size.width), random.uniform(0, size.height));
     const cv::Scalar color(random.uniform(0, 256), random.uniform(0, 256), random.uniform(0, 256));
-    cv::circle(picture, at, random.uniform(1, 9), color, cv::FILLED, cv::LINE_AA);
+    cv::circle(image, at, random.uniform(1, 9), color, cv::FILLED, cv::LINE_AA);
   }
-  return picture;
+  return image;
 }
 
 inline const cv::Mat kBackground = blots(kPicture, 1);
 
-/// The background with a picture before it, whose middle is at `center`, turned (rad, clockwise) and scaled.
+/// The background with an object in front of it, whose middle is at `center`, rotated (rad, clockwise) and scaled.
 inline cv::Mat with(const cv::Mat& object, const cv::Point2d& center, double scale = 1.0, double angle = 0.0,
                     const cv::Mat& background = kBackground)
 {
   const double c = scale * std::cos(angle), s = scale * std::sin(angle);
   const double x = 0.5 * (object.cols - 1), y = 0.5 * (object.rows - 1);
   const cv::Matx23d place(c, -s, center.x - c * x + s * y, s, c, center.y - s * x - c * y);
-  cv::Mat picture = background.clone();
-  cv::warpAffine(object, picture, place, picture.size(), cv::INTER_LINEAR, cv::BORDER_TRANSPARENT);
-  return picture;
+  cv::Mat image = background.clone();
+  cv::warpAffine(object, image, place, image.size(), cv::INTER_LINEAR, cv::BORDER_TRANSPARENT);
+  return image;
 }
 
 inline const cv::Mat kObject = blots({60, 50}, 2);
 inline const cv::Point2d kStart(159.5, 119.5);
-inline const cv::Rect kRegion(130, 95, 60, 50);  // where it is then
+inline const cv::Rect kRegion(130, 95, 60, 50);  // the object at kStart
 
-/// A tracker that has selected the object in the frame of time 0.
+/// A tracker that has selected the object in the frame at time 0.
 inline robot_vision::ObjectTracker selected(const robot_vision::ObjectTrackerParams& params = {})
 {
   robot_vision::ObjectTracker tracker(params);

@@ -9,7 +9,7 @@
 
 #include "robot_vision/image/encoding.hpp"
 
-/// Random pixels; each row is followed by `row_padding` others that do not belong to the picture.
+/// Random pixels. Each row is followed by `row_padding` others that do not belong to the image.
 inline cv::Mat noise(cv::Size size, int type, int row_padding = 0)
 {
   cv::Mat padded(size.height, size.width + row_padding, type);
@@ -18,7 +18,7 @@ inline cv::Mat noise(cv::Size size, int type, int row_padding = 0)
   return padded.colRange(0, size.width);
 }
 
-/// Sine and cosine of `step` times each index: a row of two for each.
+/// A matrix of sin(i * step) and cos(i * step) for each index i.
 inline cv::Mat_<float> turns(int count, double step)
 {
   cv::Mat_<float> result(count, 2);
@@ -30,31 +30,31 @@ inline cv::Mat_<float> turns(int count, double step)
   return result;
 }
 
-/// A colour picture with soft shapes, as photographs have them: of products of sin(ax + by) and cos(bx - ay).
+/// A smooth colour image, like a photograph: each channel is a product of sin(ax + by) and cos(bx - ay).
 inline cv::Mat smooth(cv::Size size)
 {
   const cv::Matx22f swap(0, 1, 1, 0);
   std::vector<cv::Mat> channels;
   for (const auto& [a, b] : {std::pair(0.05, 0.02), std::pair(0.03, 0.06), std::pair(0.11, 0.01)})
   {
-    // By the sum formulas, as there are pictures of millions of pixels.
+    // The sum formulas need no sine for each of millions of pixels.
     const cv::Mat sines = turns(size.height, b) * cv::Mat(swap) * turns(size.width, a).t();
     const cv::Mat cosines = turns(size.height, a) * turns(size.width, b).t();
     const cv::Mat product = sines.mul(cosines);
     product.convertTo(channels.emplace_back(), CV_8U, 127.0, 127.0);
   }
-  cv::Mat picture;
-  cv::merge(channels, picture);
-  return picture;
+  cv::Mat image;
+  cv::merge(channels, image);
+  return image;
 }
 
-/// Every color once.
+/// An image that has every color once.
 inline cv::Mat allColors()
 {
   cv::Mat_<std::uint8_t> ramp(256, 1);
   for (int i = 0; i < ramp.rows; ++i)
     ramp(i) = static_cast<std::uint8_t>(i);
-  std::vector<cv::Mat> channels(3);  // of a row for each blue, in which green changes with each pixel
+  std::vector<cv::Mat> channels(3);  // each blue has a row, in which green changes with each pixel
   const cv::Mat reds = cv::repeat(ramp, 1, 256), greens = cv::repeat(ramp.t(), 256, 1);
   cv::repeat(ramp, 1, 65536, channels[0]);
   cv::repeat(greens.reshape(1, 1), 256, 1, channels[1]);
@@ -64,15 +64,15 @@ inline cv::Mat allColors()
   return colors.reshape(3, 4096);
 }
 
-/// A picture of any encoding but jpeg, with padded rows if they are noise.
+/// An image of any encoding but jpeg: bgr8 is smooth, all others are noise with padded rows.
 inline cv::Mat colourful(cv::Size size, const std::string& encoding)
 {
   if (encoding != "bgr8") return noise(size, robot_vision::matType(encoding), 3);
   return smooth(size);
 }
 
-/// Pictures on which filters go wrong: noise, saturated, chess boards, lines along the borders, soft shapes, nothing;
-/// in the middle of others.
+/// Images on which filters tend to go wrong: noise, saturated noise, a chess board, lines along the border, soft shapes
+/// and a uniform level. Each is a part of a larger image.
 inline cv::Mat adversarial(cv::Size size, int kind)
 {
   cv::Mat around(size + cv::Size(9, 2), CV_8UC1, cv::Scalar(77));

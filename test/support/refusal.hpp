@@ -3,7 +3,7 @@
 #include <stdexcept>
 #include <string>
 
-/// What the std::invalid_argument says that `function` throws; empty if it throws none.
+/// The message of the std::invalid_argument that `function` throws; empty if it throws none.
 template <class Function>
 std::string refusal(Function function)
 {

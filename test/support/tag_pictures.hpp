@@ -8,11 +8,11 @@
 
 #include "robot_vision/tags/detection/tag_families.hpp"
 
-/// Where a tag is in a picture: the corners that are found, as those of robot_vision::Tag.
+/// The corners of a tag in an image, in the order of robot_vision::Tag.
 using TagCorners = std::array<cv::Point2d, 4>;
 
 /// The corners of a square of `side` px around `center`, turned by `angle` (rad) and then tilted by `tilt` (rad) about
-/// an axis in the picture at `axis` (rad), as seen from a distance of 6 sides.
+/// an axis in the image plane at `axis` (rad), as seen from a distance of 6 sides.
 inline TagCorners tagCorners(cv::Point2d center, double side, double angle = 0.0, double tilt = 0.0, double axis = 0.0)
 {
   TagCorners corners;
@@ -39,7 +39,7 @@ inline cv::Mat paperOf(const std::string& family, int id, int margin = 1)
   return paper;
 }
 
-/// Draws a sheet of paper (CV_8UC1, a pixel per cell) with the mean of 4x4 points in each pixel. `border` is the number
+/// Draws a sheet of paper (CV_8UC1, one pixel per cell). Each pixel is the mean of 4x4 points. `border` is the number
 /// of cells from the paper's edge to the corners.
 inline void drawPaper(cv::Mat& gray, const cv::Mat& paper, int border, const TagCorners& corners)
 {
@@ -89,7 +89,7 @@ inline cv::Mat grayWall(cv::Size size)
   return cv::Mat(size, CV_8UC1, cv::Scalar(128));
 }
 
-/// As a camera sees it: a little out of focus, and noisy.
+/// Makes the image that of a camera: a little out of focus, and noisy.
 inline void photograph(cv::Mat& gray, cv::RNG& random)
 {
   cv::GaussianBlur(gray, gray, {0, 0}, 0.7);

@@ -11,7 +11,7 @@
 namespace robot_vision
 {
 
-/// A new folder, gone with all that is in it when this object is.
+/// A new folder, which is deleted with all its files when this object is destroyed.
 class TempFolder
 {
 public:

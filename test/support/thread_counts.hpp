@@ -2,7 +2,7 @@
 
 #include <opencv2/core.hpp>
 
-/// As many threads of OpenCV's as wanted, while it lives.
+/// Sets OpenCV's number of threads while it lives.
 class ThreadCount
 {
 public:

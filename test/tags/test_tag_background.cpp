@@ -1,4 +1,4 @@
-// Searches of whole pictures in the background, and searches in several threads.
+// Searches of whole images in the background, and searches in several threads.
 
 #include <gtest/gtest.h>
 
@@ -22,11 +22,11 @@ namespace
 {
 
 constexpr double kStep = 1.0 / 30.0;  // s
-constexpr int kMaxFrames = 300;       // in which what is there is found
-constexpr int kSearchFrames = 2;      // that a search in the background takes at most
+constexpr int kMaxFrames = 300;       // within which a tag must be found
+constexpr int kSearchFrames = 2;      // the most that a search in the background takes
 constexpr const char* kFamily = "tag36h11";
 
-/// Times of frames, in which a search takes no longer on a slow machine: the next frame waits for it.
+/// The times of a stream's frames. The stream waits for searches, so that slow machines give the same results.
 class Stream
 {
 public:
@@ -35,7 +35,7 @@ public:
   /// The time of the next frame, s.
   double next()
   {
-    if (frame_ == kMaxFrames) throw std::runtime_error("nothing found in all frames");
+    if (frame_ == kMaxFrames) throw std::runtime_error("no tag found in all frames");
     if (frame_ % kSearchFrames == 0) detector_.waitForSearch();
     return start_ + frame_++ * kStep;
   }
@@ -46,7 +46,7 @@ private:
   int frame_ = 0;
 };
 
-TagDetectorParams inBackground(double period = 0.5, double decimate = 0.0)
+TagDetectorParams withBackgroundSearch(double period = 0.5, double decimate = 0.0)
 {
   return with(
       [=](TagDetectorParams& p)
@@ -64,7 +64,7 @@ cv::Mat withTag(cv::Point2d middle, double side = 50.0, cv::Size size = {640, 48
   return gray;
 }
 
-/// Up to 40 tags of all sizes, some of which may be cut off or lie on others.
+/// Draws tags of all sizes, some of which may be cut off or overlap.
 cv::Mat randomScene(cv::RNG& random, int tags)
 {
   cv::Mat gray = grayWall({800, 600});
@@ -78,15 +78,15 @@ cv::Mat randomScene(cv::RNG& random, int tags)
 
 cv::Mat encoded(const cv::Mat& gray, const std::string& encoding)
 {
-  cv::Mat picture = gray;
-  if (encoding == "bgr8") cv::cvtColor(gray, picture, cv::COLOR_GRAY2BGR);
-  if (encoding != "jpeg") return picture;
+  cv::Mat image = gray;
+  if (encoding == "bgr8") cv::cvtColor(gray, image, cv::COLOR_GRAY2BGR);
+  if (encoding != "jpeg") return image;
   std::vector<uchar> bytes;
   cv::imencode(".jpg", gray, bytes);
   return cv::Mat(bytes, true).reshape(1, 1);
 }
 
-bool holds(const std::vector<Tag>& tags, const std::vector<Tag>& expected)
+bool contains(const std::vector<Tag>& tags, const std::vector<Tag>& expected)
 {
   const std::vector<int> ids = idsOf(tags), wanted = idsOf(expected);
   return std::includes(ids.begin(), ids.end(), wanted.begin(), wanted.end());
@@ -104,7 +104,7 @@ cv::Mat moved(const cv::Mat& gray, cv::Point2d way)
 
 TEST(TagBackground, theFirstFrameIsSearchedAtOnce)
 {
-  TagDetector detector(inBackground(60.0));
+  TagDetector detector(withBackgroundSearch(60.0));
   const cv::Mat gray = withTag({200.0, 200.0});
   EXPECT_EQ(idsOf(detector.update(10.0, gray, "mono8")), std::vector<int>{5});
   EXPECT_EQ(idsOf(detector.update(10.1, withTag({100.0, 100.0}, 40.0, {320, 240}), "mono8")), std::vector<int>{5});
@@ -114,17 +114,17 @@ TEST(TagBackground, theFirstFrameIsSearchedAtOnce)
 
 TEST(TagBackground, everyFrameIsSearchedIfThePeriodIsZero)
 {
-  TagDetector detector(inBackground(0.0));
+  TagDetector detector(withBackgroundSearch(0.0));
   for (int frame = 0; frame < 10; ++frame)
     EXPECT_EQ(detector.update(frame * kStep, withTag({60.0 + 55.0 * frame, 200.0}), "mono8").size(), 1U) << frame;
 }
 
-TEST(TagBackground, aNewTagIsReportedWhereItIsByNow)
+TEST(TagBackground, aNewTagIsReportedWhereItIsInTheNewestFrame)
 {
   for (const double decimate : {0.0, 1.0})
     for (const double side : {30.0, 90.0})
     {
-      TagDetector detector(inBackground(0.5, decimate));
+      TagDetector detector(withBackgroundSearch(0.5, decimate));
       Stream stream(detector);
       detector.update(stream.next(), grayWall({1280, 960}), "mono8");
       for (int seen = 0; seen < 5;)
@@ -140,9 +140,9 @@ TEST(TagBackground, aNewTagIsReportedWhereItIsByNow)
     }
 }
 
-TEST(TagBackground, aTagThatWasLostIsFoundElsewhere)
+TEST(TagBackground, aLostTagIsFoundElsewhere)
 {
-  TagDetector detector(inBackground());
+  TagDetector detector(withBackgroundSearch());
   Stream stream(detector);
   for (int frame = 0; frame < 20; ++frame)
     ASSERT_EQ(detector.update(stream.next(), withTag({100.0, 200.0}, 30.0), "mono8").size(), 1U);
@@ -151,11 +151,11 @@ TEST(TagBackground, aTagThatWasLostIsFoundElsewhere)
     ;
 }
 
-TEST(TagBackground, whatIsGoneIsNotReported)
+TEST(TagBackground, aTagThatHasLeftIsNotReported)
 {
-  TagDetector detector(inBackground(60.0));
+  TagDetector detector(withBackgroundSearch(60.0));
   detector.update(0.0, grayWall({640, 480}), "mono8");
-  EXPECT_TRUE(detector.update(100.0, withTag({300.0, 200.0}), "mono8").empty());  // begins a search
+  EXPECT_TRUE(detector.update(100.0, withTag({300.0, 200.0}), "mono8").empty());  // starts a search
   Stream stream(detector, 100.1);
   for (int frame = 0; frame < 30; ++frame)
     EXPECT_TRUE(detector.update(stream.next(), grayWall({640, 480}), "mono8").empty());
@@ -163,27 +163,27 @@ TEST(TagBackground, whatIsGoneIsNotReported)
 
 TEST(TagBackground, aNewTagIsLookedForAroundItsPlace)
 {
-  TagDetector detector(inBackground(60.0, 1.0));
+  TagDetector detector(withBackgroundSearch(60.0, 1.0));
   detector.update(0.0, grayWall({640, 480}), "mono8");
-  EXPECT_TRUE(detector.update(100.0, withTag({300.0, 200.0}), "mono8").empty());  // begins the only search
+  EXPECT_TRUE(detector.update(100.0, withTag({300.0, 200.0}), "mono8").empty());  // starts the only search
   Stream stream(detector, 100.1);
   const cv::Mat beside = withTag({350.0, 200.0});
   while (detector.update(stream.next(), beside, "mono8").empty())
     ;
 }
 
-TEST(TagBackground, theCallerMayUseItsMemoryAgain)
+TEST(TagBackground, theCallerMayReuseItsMemory)
 {
   for (const std::string encoding : {"mono8", "bgr8", "jpeg"})
   {
-    TagDetector detector(inBackground(60.0, 1.0));
+    TagDetector detector(withBackgroundSearch(60.0, 1.0));
     const cv::Mat wall = encoded(grayWall({1280, 960}), encoding);
     const cv::Mat shown = encoded(withTag({300.0, 200.0}, 50.0, {1280, 960}), encoding);
     detector.update(0.0, wall, encoding);
     cv::Mat frame = shown.clone();
-    EXPECT_TRUE(detector.update(100.0, frame, encoding).empty());  // begins the only search
+    EXPECT_TRUE(detector.update(100.0, frame, encoding).empty());  // starts the only search
     frame.setTo(128);
-    // Nor does the detector itself, for the next frames, use what is being searched.
+    // The detector does not use the memory of the running search for the next frames, either.
     for (int i = 1; i <= 3; ++i)
       EXPECT_TRUE(detector.update(100.0 + 0.001 * i, wall, encoding).empty());
     Stream stream(detector, 100.1);
@@ -192,20 +192,20 @@ TEST(TagBackground, theCallerMayUseItsMemoryAgain)
   }
 }
 
-TEST(TagBackground, withoutAThreadTheFrameIsSearchedAtOnce)
+TEST(TagBackground, theFrameIsSearchedAtOnceIfNoThreadStarts)
 {
-  TagDetector detector(inBackground(60.0, 1.0));
+  TagDetector detector(withBackgroundSearch(60.0, 1.0));
   detector.update(0.0, grayWall({640, 480}), "mono8");
   {
     const NoThreads none;
     EXPECT_EQ(idsOf(detector.update(100.0, withTag({300.0, 200.0}), "mono8")), std::vector<int>{5});
     EXPECT_TRUE(detector.lacksThreads());
   }
-  EXPECT_TRUE(detector.update(300.0, withTag({500.0, 300.0}), "mono8").empty());  // begins a search
+  EXPECT_TRUE(detector.update(300.0, withTag({500.0, 300.0}), "mono8").empty());  // starts a search
   EXPECT_FALSE(detector.lacksThreads());
 }
 
-TEST(TagBackground, whoAbandonsASearchDoesNotWaitForIt)
+TEST(TagBackground, anAbandonedSearchIsNotWaitedFor)
 {
   const auto threads = []
   {
@@ -215,20 +215,20 @@ TEST(TagBackground, whoAbandonsASearchDoesNotWaitForIt)
   const cv::Mat large = withTag({1700.0, 900.0}, 60.0, {3840, 2160});
   for (const bool abandon : {false, true})
   {
-    auto detector = std::make_unique<TagDetector>(inBackground());
+    auto detector = std::make_unique<TagDetector>(withBackgroundSearch());
     detector->update(0.0, grayWall(large.size()), "mono8");
     const auto before = threads();
-    detector->update(10.0, large, "mono8");  // begins a search
+    detector->update(10.0, large, "mono8");  // starts a search
     EXPECT_EQ(threads(), before + 1);
     if (abandon) detector->abandonSearch();
     detector.reset();
     if (abandon) EXPECT_EQ(threads(), before + 1);
-    while (threads() > before)  // a thread that was waited for may be listed for a moment, too
+    while (threads() > before)  // the kernel may still list a thread that has been joined
       std::this_thread::yield();
   }
 }
 
-TEST(TagBackground, whatAFullSearchFindsIsFound)
+TEST(TagBackground, allTagsOfAFullSearchAreFound)
 {
   cv::RNG random(21);
   TagDetector reference;
@@ -236,33 +236,33 @@ TEST(TagBackground, whatAFullSearchFindsIsFound)
   {
     const cv::Mat gray = randomScene(random, tags);
     const std::vector<Tag> expected = reference.detect(gray, "mono8");
-    TagDetector detector(inBackground(kStep));  // less than a search takes
+    TagDetector detector(withBackgroundSearch(kStep));  // less than a search takes
     Stream stream(detector);
     EXPECT_TRUE(detector.update(stream.next(), grayWall(gray.size()), "mono8").empty());
-    // Around a tag there may be more to be seen than in the whole picture.
-    while (!holds(detector.update(stream.next(), gray, "mono8"), expected))
+    // The search around a tag may find more tags than that of the whole image.
+    while (!contains(detector.update(stream.next(), gray, "mono8"), expected))
       ;
   }
 }
 
-TEST(TagBackground, parametersChangeWhileASearchIsUnderWay)
+TEST(TagBackground, parametersMayChangeDuringASearch)
 {
   cv::RNG random(22);
   cv::Mat gray = grayWall({1280, 960});
   drawTag(gray, "tag36h11", 5, tagCorners({300.0, 300.0}, 30.0));
   drawTag(gray, "tag25h9", 6, tagCorners({700.0, 600.0}, 30.0));
   addNoise(gray, 3.0, random);
-  TagDetector detector(inBackground());
+  TagDetector detector(withBackgroundSearch());
   detector.update(0.0, grayWall(gray.size()), "mono8");
   double time = 0.0;
   for (int change = 0; change < 6; ++change)
   {
     const std::string family = change % 2 == 0 ? "tag36h11" : "tag25h9";
-    TagDetectorParams params = inBackground();
+    TagDetectorParams params = withBackgroundSearch();
     params.families = {family};
     detector.configure(params);
-    detector.update(time += 100.0, gray, "mono8");  // begins a search
-    if (change < 4) continue;                       // whose parameters are old by now
+    detector.update(time += 100.0, gray, "mono8");  // starts a search
+    if (change < 4) continue;                       // the next change makes that search's parameters outdated
     Stream stream(detector, time + kStep);
     for (std::vector<Tag> tags; tags.empty();)
     {
@@ -273,26 +273,26 @@ TEST(TagBackground, parametersChangeWhileASearchIsUnderWay)
   }
 }
 
-TEST(TagBackground, theSizeChangesWhileASearchIsUnderWay)
+TEST(TagBackground, theSizeMayChangeDuringASearch)
 {
-  TagDetector detector(inBackground());
+  TagDetector detector(withBackgroundSearch());
   const cv::Mat large = withTag({1700.0, 900.0}, 60.0, {1920, 1080});
   const cv::Mat small = withTag({60.0, 60.0}, 50.0, {320, 240});
   detector.update(0.0, grayWall(large.size()), "mono8");
   for (int i = 1; i < 4; ++i)
   {
-    detector.update(10.0 * i, large, "mono8");  // begins a search
+    detector.update(10.0 * i, large, "mono8");  // starts a search
     for (int frame = 1; frame < 10; ++frame)
       EXPECT_EQ(detector.update(10.0 * i + frame * kStep, small, "mono8").size(), 1U);
     EXPECT_EQ(detector.update(10.0 * i + 1.0, large, "mono8").size(), 1U);
   }
 }
 
-TEST(TagBackground, whatADroppedSearchThrowsIsDroppedWithIt)
+TEST(TagBackground, theErrorOfADroppedSearchIsDropped)
 {
   const cv::Mat gray = withTag({300.0, 200.0});
-  const double absurd = 1e7;  // no memory is large enough for its least picture
-  TagSearches searches(inBackground());
+  const double absurd = 1e7;  // decimation with which a search throws
+  TagSearches searches(withBackgroundSearch());
   ASSERT_TRUE(searches.start(gray, absurd));
   searches.drop();
   searches.wait();
@@ -304,28 +304,28 @@ TEST(TagBackground, whatADroppedSearchThrowsIsDroppedWithIt)
   EXPECT_FALSE(searches.busy());
 }
 
-TEST(TagBackground, aRefusedPictureIsLetGo)
+TEST(TagBackground, aRefusedImageIsReleased)
 {
   const cv::Mat wide = grayWall({8193, 16});
-  TagDetector detector(inBackground());
+  TagDetector detector(withBackgroundSearch());
   EXPECT_NE(refusal([&] { detector.update(0.0, wide, "mono8"); }), "");
   EXPECT_NE(refusal([&] { detector.detect(wide, "mono8"); }), "");
   EXPECT_EQ(wide.u->refcount, 1);
 }
 
-TEST(TagBackground, aDetectorIsGivenUpOrMovedWhileItSearches)
+TEST(TagBackground, aDetectorMayBeMovedOrDestroyedDuringASearch)
 {
   for (int i = 0; i < 5; ++i)
   {
-    TagDetector detector(inBackground());
+    TagDetector detector(withBackgroundSearch());
     detector.update(0.0, grayWall({1280, 960}), "mono8");
-    detector.update(10.0, withTag({300.0, 200.0}, 50.0, {1280, 960}), "mono8");  // begins a search
+    detector.update(10.0, withTag({300.0, 200.0}, 50.0, {1280, 960}), "mono8");  // starts a search
     TagDetector other(std::move(detector));
     EXPECT_EQ(other.detect(withTag({300.0, 200.0}), "mono8").size(), 1U);
   }
 }
 
-TEST(TagThreads, theirNumberChangesNoTag)
+TEST(TagThreads, theirNumberDoesNotChangeTheResults)
 {
   const int before = cv::getNumThreads();
   cv::RNG random(23);
@@ -336,12 +336,12 @@ TEST(TagThreads, theirNumberChangesNoTag)
     std::vector<TagDetector> detectors(4);
     for (int frame = 0; frame < 12; ++frame)
     {
-      const cv::Mat picture = moved(gray, way * frame);
+      const cv::Mat image = moved(gray, way * frame);
       std::vector<std::vector<Tag>> found;
       for (const int threads : {1, 2, 3, 16})
       {
         cv::setNumThreads(threads);
-        found.push_back(detectors[found.size()].update(frame * kStep, picture, "mono8"));
+        found.push_back(detectors[found.size()].update(frame * kStep, image, "mono8"));
         EXPECT_EQ(difference(found.front(), found.back()), 0.0) << tags << " " << frame << " " << threads;
       }
     }

@@ -24,7 +24,7 @@ double median(std::vector<double> values)
   return values[values.size() / 2];
 }
 
-/// A picture of tags of one family in rows, each turned and tilted otherwise. Ids are spread over the family.
+/// Draws tags of one family in rows, each with another rotation and tilt. The ids are spread over the family.
 std::map<int, TagCorners> drawRows(cv::Mat& gray, const std::string& family, double side, int count)
 {
   std::map<int, TagCorners> truth;
@@ -48,9 +48,9 @@ std::string refusalOf(const std::function<void(TagDetectorParams&)>& change)
   return refusal([&change] { TagDetector detector(with(change)); });
 }
 
-constexpr int kComing = 400;
+constexpr int kLeavingTag = 400;
 
-/// Tags that move: turning, coming nearer, along curves, and one out of the picture and back.
+/// Tags that move: they turn, come nearer and follow curves, and one leaves the image and comes back.
 std::map<int, TagCorners> movingTags(int frame, cv::Size size)
 {
   const double t = frame * kStep;
@@ -59,7 +59,7 @@ std::map<int, TagCorners> movingTags(int frame, cv::Size size)
       {7, tagCorners(middle + cv::Point2d(100.0 * std::sin(2.5 * t), 60.0 * std::sin(3.5 * t)), 60.0, t, 0.5, 2.0 * t)},
       {100, tagCorners({90.0, 90.0}, 60.0 + 25.0 * std::sin(4.0 * t), 0.3 * t, 0.7 * std::sin(t), 1.0)},
       {250, tagCorners({size.width - 60.0, 60.0 + 30.0 * std::sin(9.0 * t)}, 30.0, 0.2, 0.3, t)},
-      {kComing,
+      {kLeavingTag,
        tagCorners({size.width / 2.0 + (size.width / 2.0 + 60.0) * std::sin(1.3 * t), size.height - 50.0}, 50.0, 0.1)},
   };
 }
@@ -135,7 +135,7 @@ TEST(TagDetector, findsTwoHundredTags)
   const auto truth = drawRows(gray, kFamily, 38.0, 200);
   photograph(gray, random);
   TagDetector detector;
-  for (int frame = 0; frame < 4; ++frame)  // in the whole picture, and then each in its place
+  for (int frame = 0; frame < 4; ++frame)  // in the whole image, then each in its place
   {
     const std::vector<Tag> tags = detector.update(frame * kStep, gray, "mono8");
     ASSERT_EQ(tags.size(), 200U) << frame;
@@ -144,9 +144,9 @@ TEST(TagDetector, findsTwoHundredTags)
   }
 }
 
-TEST(TagDetector, followsMovingTagsAsIfAllOfEveryFrameWereSearched)
+TEST(TagDetector, followsMovingTagsLikeASearchOfEveryFrame)
 {
-  std::vector<std::pair<cv::Mat, std::map<int, TagCorners>>> frames(60);  // in which one goes out and comes back
+  std::vector<std::pair<cv::Mat, std::map<int, TagCorners>>> frames(60);  // in which one tag leaves and comes back
   for (std::size_t i = 0; i < frames.size(); ++i)
     frames[i].first = drawMoving(static_cast<int>(i), {640, 480}, frames[i].second);
   for (const double decimate : {0.0, 1.0, 2.0})
@@ -169,7 +169,7 @@ TEST(TagDetector, followsMovingTagsAsIfAllOfEveryFrameWereSearched)
       {
         ASSERT_EQ(truth.count(tag.id), 1U) << frame;
         errors.push_back(distance(tag.corners, truth.at(tag.id)));
-        EXPECT_LT(errors.back(), tag.id == kComing ? 6.0 : 1.0) << frame << " " << tag.id;
+        EXPECT_LT(errors.back(), tag.id == kLeavingTag ? 6.0 : 1.0) << frame << " " << tag.id;
       }
       for (const Tag& tag : reference.detect(gray, "mono8"))
       {
@@ -180,13 +180,13 @@ TEST(TagDetector, followsMovingTagsAsIfAllOfEveryFrameWereSearched)
           differences.push_back(distance(same->corners, tag.corners));
           continue;
         }
-        EXPECT_EQ(tag.id, kComing) << frame;
+        EXPECT_EQ(tag.id, kLeavingTag) << frame;
         EXPECT_LE(time - missed_since.emplace(tag.id, time).first->second, params.max_search_period) << tag.id;
       }
     }
     EXPECT_GT(differences.size(), 180U);
     EXPECT_LT(median(errors), 0.2);
-    // Refined, a rounding error in the library may move a corner by a tenth of a pixel.
+    // With refined edges, a rounding error in the library may move a corner by a tenth of a pixel.
     std::sort(differences.begin(), differences.end());
     if (decimate > 0.0) EXPECT_LT(differences[differences.size() * 95 / 100], 0.05) << decimate;
     EXPECT_LT(differences.back(), params.refine_edges ? 0.5 : 0.01) << decimate;
@@ -213,13 +213,13 @@ TEST(TagDetector, followsAFastTagWithoutSearchingElsewhere)
   }
 }
 
-TEST(TagDetector, findsNeighboursAsInTheWholePicture)
+TEST(TagDetector, findsNeighboursLikeASearchOfTheWholeImage)
 {
   const auto params = with(
       [](TagDetectorParams& p)
       {
         p.decimate = 1.0;
-        p.refine_edges = false;  // or a rounding error in the library may move a corner by a tenth of a pixel
+        p.refine_edges = false;  // else a rounding error in the library may move a corner by a tenth of a pixel
       });
   TagDetector reference(params);
   cv::RNG random(11);
@@ -236,7 +236,7 @@ TEST(TagDetector, findsNeighboursAsInTheWholePicture)
     const std::vector<Tag> expected = reference.detect(gray, "mono8");
     TagDetector detector(params);
     detector.update(0.0, gray, "mono8");
-    for (const double time : {0.03, 0.06})  // with no velocity known, and with one
+    for (const double time : {0.03, 0.06})  // without and with a known velocity
       EXPECT_LT(difference(detector.update(time, gray, "mono8"), expected), 0.01) << i;
   }
 }
@@ -251,7 +251,7 @@ TEST(TagDetector, findsANewTagWithinTheSearchPeriod)
     const double time = frame * kStep;
     cv::Mat gray = grayWall({640, 480});
     drawTag(gray, kFamily, 1, tagCorners({100.0 + frame, 100.0}, 60.0));
-    const bool there = frame % 20 > 1;  // 18 frames there, 2 not: every phase of the searches is met
+    const bool there = frame % 20 > 1;  // 18 of 20 frames, so that every phase of the searches occurs
     if (there)
       drawTag(gray, kFamily, 2, tagCorners({100.0 + 20.0 * (frame / 20), 300.0}, 40.0));
     else
@@ -264,7 +264,7 @@ TEST(TagDetector, findsANewTagWithinTheSearchPeriod)
   }
 }
 
-TEST(TagDetector, searchesTheWholePictureOftenEnough)
+TEST(TagDetector, searchesTheWholeImageOftenEnough)
 {
   for (const double period : {0.1, 0.5, 1.0})
     for (int phase = 0; phase < 35; phase += 3)
@@ -272,7 +272,7 @@ TEST(TagDetector, searchesTheWholePictureOftenEnough)
       TagDetector detector(with(
           [&](TagDetectorParams& p)
           {
-            p.decimate = 1.0;  // no searches for large tags between
+            p.decimate = 1.0;  // without searches for large tags in between
             p.max_search_period = period;
           }));
       const cv::Mat empty = grayWall({320, 240});
@@ -283,7 +283,7 @@ TEST(TagDetector, searchesTheWholePictureOftenEnough)
       int frame = phase;
       while (detector.update(frame * kStep, gray, "mono8").empty())
         ++frame;
-      // It may have come into view right after the frame before.
+      // The tag may have come into view right after the last frame without it.
       EXPECT_LE((frame - phase + (phase > 0 ? 1 : 0)) * kStep, period + 1e-9) << phase;
     }
 }
@@ -348,7 +348,7 @@ TEST(TagDetector, reportsBothTagsOfOneId)
   }
 }
 
-TEST(TagDetector, searchesAllOfEveryFrameIfThePeriodIsZero)
+TEST(TagDetector, searchesEveryFrameCompletelyIfThePeriodIsZero)
 {
   const TagDetectorParams params = with([](TagDetectorParams& p) { p.max_search_period = 0.0; });
   TagDetector detector(params), reference(params);
@@ -360,7 +360,7 @@ TEST(TagDetector, searchesAllOfEveryFrameIfThePeriodIsZero)
   }
 }
 
-TEST(TagDetector, takesPaddedRowsColoursAndPartsWithoutWritingToThem)
+TEST(TagDetector, takesPaddedRowsAndColorsWithoutWritingToThem)
 {
   cv::RNG random(8);
   cv::Mat gray = grayWall({400, 300});
@@ -382,7 +382,7 @@ TEST(TagDetector, takesPaddedRowsColoursAndPartsWithoutWritingToThem)
       cv::Mat part = wide.colRange(0, gray.cols);
       gray.copyTo(part);
       const cv::Mat before = wide.clone();
-      for (int frame = 0; frame < 3; ++frame)  // in parts of the picture, where a library's rounding error counts
+      for (int frame = 0; frame < 3; ++frame)  // searches parts of the image, where the library rounds differently
         EXPECT_LT(difference(detector.update(frame * kStep, part, "mono8"), expected), blur == 0.0 ? 0.1 : 0.3);
       EXPECT_EQ(difference(detector.detect(part, "mono8"), expected), 0.0) << padding;
       EXPECT_TRUE(equal(wide, before)) << padding << blur;
@@ -393,7 +393,7 @@ TEST(TagDetector, takesPaddedRowsColoursAndPartsWithoutWritingToThem)
   }
 }
 
-TEST(TagDetector, takesPicturesOfAnySize)
+TEST(TagDetector, takesImagesOfAnySize)
 {
   TagDetector detector;
   for (const cv::Size size : {cv::Size(1, 1), cv::Size(3, 3), cv::Size(5, 200), cv::Size(200, 3), cv::Size(71, 71),
@@ -410,7 +410,7 @@ TEST(TagDetector, takesPicturesOfAnySize)
   }
 }
 
-TEST(TagDetector, forgetsWhenTimeOrSizeChange)
+TEST(TagDetector, forgetsTagsWhenTimeGoesBackOrTheSizeChanges)
 {
   TagDetector detector(with([](TagDetectorParams& p) { p.max_search_period = 60.0; }));
   cv::Mat gray = grayWall({320, 240});
@@ -431,7 +431,7 @@ TEST(TagDetector, countsAndLimitsWrongBits)
     {
       cv::Mat paper = paperOf(family, 5);
       const int border = (tagFamily(family).width - tagFamily(family).width_at_border) / 2 + 1;
-      for (int i = 0; i < wrong; ++i)  // data in every family
+      for (int i = 0; i < wrong; ++i)  // these cells are data bits in every family
       {
         uchar& cell = paper.at<uchar>(border + 2, border + 2 + i);
         cell = static_cast<uchar>(255 - cell);
@@ -447,14 +447,14 @@ TEST(TagDetector, countsAndLimitsWrongBits)
               p.max_hamming = limit;
             });
         const std::vector<Tag> tags = TagDetector(params).detect(gray, "mono8");
-        const int most = std::min(limit, family == "tag16h5" ? 1 : 2);
-        ASSERT_EQ(tags.size(), wrong <= most ? 1U : 0U) << family << wrong << limit;
+        const int max_corrected = std::min(limit, family == "tag16h5" ? 1 : 2);
+        ASSERT_EQ(tags.size(), wrong <= max_corrected ? 1U : 0U) << family << wrong << limit;
         if (!tags.empty()) EXPECT_EQ(tags[0].hamming, wrong);
       }
     }
 }
 
-TEST(TagDetector, findsTagsInTheDarkUnlessAMarginIsAskedFor)
+TEST(TagDetector, findsTagsInTheDarkUnlessTheMinMarginIsHigh)
 {
   cv::RNG random(9);
   cv::Mat gray = grayWall({320, 240});
@@ -520,7 +520,7 @@ TEST(TagDetector, refusesParametersOutOfRange)
     EXPECT_EQ(refusalOf([value](P& p) { p.decimate = value; }), "");
 }
 
-TEST(TagDetector, refusesWhatIsNoFrame)
+TEST(TagDetector, refusesInvalidFrames)
 {
   TagDetector detector;
   const cv::Mat gray = grayWall({320, 240});

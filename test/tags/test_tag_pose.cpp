@@ -334,7 +334,7 @@ TEST(TagPoseTracker, startsAnewAfterGapsAndWhenTimeGoesBack)
   }
 }
 
-TEST(TagPoseTracker, whatIsOutOfRangeIsNamed)
+TEST(TagPoseTracker, parametersOutOfRangeAreRefused)
 {
   const auto refused = [](double noise, double lasting, double gap)
   {

@@ -56,40 +56,41 @@ struct Tag
   int hamming = 0;          // wrong bits that were corrected
   double margin = 0.0;      // gray levels, mean distance of the bits from the threshold between black and white
   double similarity = 0.0;  // correlation of the image with the tag's cells and borders, at most 1
-  cv::Point2d center;       // px, where the diagonals meet
-  std::array<cv::Point2d, 4> corners;  // px: the upright tag's bottom left, bottom right, top right, top left one
+  cv::Point2d center;       // px, the intersection of the diagonals
+  std::array<cv::Point2d, 4> corners;  // px: bottom left, bottom right, top right, top left of the upright tag
 };
 
 /// Finds AprilTags with libapriltag (Wang, Olson: AprilTag 2: Efficient and robust fiducial detection, IROS 2016).
 ///
-/// detect() searches the whole image. update() does so every now and then, so that a new tag is found within
-/// max_search_period, and when a tag is lost; in the frames between it searches where the known tags should have moved
-/// to. A tag is reported only where it was seen in this very frame. In a frame in which a tag comes into view it may
-/// thus be missing, and for max_search_period at most; nothing else differs from detect(). A tag that is covered for a
-/// moment is looked for in its place, too.
+/// detect() searches the whole image. update() does so when a tag is lost and otherwise as often as is needed to find a
+/// new tag within max_search_period; in the frames between it searches only around the places to which the known tags
+/// should have moved. A tag is reported only where it was seen in this very frame. The results differ from those of
+/// detect() only in that a new tag may be missing for up to max_search_period after it comes into view. A tag that is
+/// covered for a moment is also looked for in its last place.
 ///
-/// In the background such a search takes no time of update(), which goes on around the known tags. What the search
-/// finds is looked for in the newest frame, the farther around the longer the search took, and reported there. A new
-/// tag then appears later by the time of a search and a frame, and results depend on how fast the machine is: this is
-/// for live images. The first frame, the first of another size, and that after time went back are searched by update()
-/// itself, and so is every frame if max_search_period is 0.
+/// A search of the whole image in the background takes no time of update(), which goes on around the known tags. The
+/// tags that the search finds are then looked for in the newest frame, in an area that grows with the time the search
+/// took, and are reported there. A new tag thus appears later by the time of a search and a frame, and the results
+/// depend on the speed of the machine, so this mode is meant for live images. update() itself searches the first frame,
+/// the first frame of another size and the first one after time went back, and every frame if max_search_period is 0.
 ///
-/// With decimate 0 whole images are searched in full resolution, and the surroundings of a tag in as little as its
-/// edges need. New tags of 64 px and more are then found within a fifth of max_search_period, as so often a fourth of
-/// the resolution is searched.
+/// With decimate 0, whole images are searched in full resolution, and the surroundings of a tag in the lowest
+/// resolution that its edges allow. A fourth of the resolution is searched five times as often, so that new tags of 64
+/// px and more are found within a fifth of max_search_period.
 ///
-/// Whatever has four corners may decode as a tag: a quarter of all patterns is within two bits of a tag16h5. Such false
-/// tags have large margins in harsh light, and real tags small ones in the dark. The similarity tells them apart, as a
-/// tag is black and white in all its cells and around them. In a tag16h5 one wrong bit is corrected at most, and so in
-/// the three families with more than 10000 ids, whose tables would take gigabytes.
+/// Anything with four corners may decode as a tag: a quarter of all patterns is within two bits of a tag16h5. Such
+/// false detections have large margins in harsh light, and real tags have small ones in the dark. The similarity tells
+/// them apart, because a real tag is black and white in all its cells and around them. At most one wrong bit is
+/// corrected in tag16h5, and in the three families with more than 10000 ids, whose tables would otherwise take
+/// gigabytes.
 ///
-/// The corners of a tag that the border of the image cuts off are some px off. Two tags with the same id are both
+/// The corners of a tag that the image's border cuts off have errors of some px. Two tags with the same id are both
 /// reported.
 ///
 /// A detector may be used by one thread at a time. update() shares the searches around tags among OpenCV's threads
-/// (cv::setNumThreads), whose number changes no result. The library's own threads are not used, as they are not safe:
-/// one that starts late may still work when its memory is freed. The destructor waits for a search in the background,
-/// which at 3840x2160 may take seconds, as the library cannot be interrupted; see abandonSearch().
+/// (cv::setNumThreads), whose number does not change the results. The library's own threads are not used, because a
+/// thread that starts late may still work when its memory is released. The destructor waits for a search in the
+/// background, which may take seconds at 3840x2160, because the library cannot be interrupted; see abandonSearch().
 class TagDetector
 {
 public:
@@ -99,28 +100,30 @@ public:
   TagDetector(TagDetector&&) noexcept;
   TagDetector& operator=(TagDetector&&) noexcept;
 
-  /// Other parameters from now on, also while a search is under way; tags remain known. Throws std::invalid_argument as
+  /// Changes the parameters, also while a search is running; known tags remain known. Throws std::invalid_argument as
   /// validate() does.
   void configure(const TagDetectorParams& params);
 
-  /// All tags in a single image, by family, id and place. Does not touch what update() follows. `image` is not
-  /// modified, and not copied if it is mono8. Throws std::invalid_argument if it is not an image of `encoding` (see
-  /// encoding.hpp), or has more than 8192 px in a row or a column.
+  /// All tags of a single image, sorted by family, id and position. The state of update() is neither used nor changed.
+  /// `image` is not modified, and not copied if it is mono8. Throws std::invalid_argument if it is not an image of
+  /// `encoding` (see encoding.hpp), or has more than 8192 px in a row or a column.
   std::vector<Tag> detect(const cv::Mat& image, const std::string& encoding);
 
-  /// The tags in the frame of `time_s` (s, of any clock), in the same order. An image of another size and time that
-  /// goes back, or stands still, make it forget all tags. Throws as detect() does, and for a time that is not finite.
+  /// The tags in the frame at `time_s` (s, of any clock), in the same order. The known tags are forgotten when the size
+  /// of the image changes and when the time does not increase. Throws as detect() does, and for a time that is not
+  /// finite.
   std::vector<Tag> update(double time_s, const cv::Mat& image, const std::string& encoding);
 
-  /// Waits for a search in the background, so that the next update() has what it has found: for recordings, and for
-  /// results that do not depend on how fast the machine is.
+  /// Waits for a search in the background, so that the next update() can use its results. Recordings need this, and
+  /// callers whose results must not depend on the speed of the machine.
   void waitForSearch() const;
 
-  /// Whether update() had to search a whole image itself the last time, as no thread could be started for it.
+  /// True if the last update() had to search the whole image itself, because no thread could be started for it.
   bool lacksThreads() const;
 
-  /// From now on the destructor does not wait for a search in the background, which goes on to its end or that of the
-  /// process: for a process that is about to end. This library must stay loaded. May be called by any thread.
+  /// After this call the destructor no longer waits for a search in the background, which then goes on to its end or
+  /// that of the process. It is meant for a process that is about to exit; this library must stay loaded. Any thread
+  /// may call it.
   void abandonSearch();
 
 private:
