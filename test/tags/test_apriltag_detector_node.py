@@ -1,4 +1,4 @@
-"""The node apriltag_detector: tags, poses, transforms, markers and ~detect, against the truth."""
+"""The node apriltag_detector: tags, poses, tf, markers and ~detect against the ground truth."""
 
 import itertools
 import os
@@ -38,7 +38,7 @@ def with_poses(answer):
     return answer.detections and all(tag.has_pose for tag in answer.detections)
 
 
-def test_a_tag_field_by_field(start):
+def test_all_fields_of_a_tag(start):
     studio = Studio(start, info=calibrated())
     truth = facing(0.1, -0.05, 1.0, (0.5, 0.2, 0.3))
     transforms = support.Messages("/tf", TFMessage)
@@ -97,12 +97,12 @@ def test_poses_follow_the_scene(start):
     assert np.median(turns) < 2.0, np.percentile(turns, [50, 99])
 
 
-def test_corners_are_measured_or_not_while_it_runs(start):
+def test_measuring_of_corners_is_switched_while_running(start):
     studio = Studio(start, info=calibrated())
     truth = facing(0.1, -0.05, 1.0, (0.5, 0.2, 0.3))
 
     def deviation(answer):
-        return answer.detections[0].pose.covariance[14] ** 0.5  # of z, m
+        return answer.detections[0].pose.covariance[14] ** 0.5  # m, of z
 
     picture = picture_of([(5, truth)])
     measured = studio.show_until(with_poses, picture)
@@ -131,7 +131,7 @@ def test_without_calibration_there_are_corners_and_one_warning(start):
     why = f"no poses of tags: camera_info on {studio.topic.replace('image', 'camera_info')}: "
     studio.process.wait_for_output(why + "the camera is not calibrated")
     assert studio.process.output().count("no poses of tags") == 1
-    studio.info = calibrated()  # late
+    studio.info = calibrated()  # comes late
     answer = studio.show_until(with_poses, picture)
     assert_near(matrix_of(answer.detections[0].pose.pose), truth)
     for info, problem in (
@@ -140,7 +140,7 @@ def test_without_calibration_there_are_corners_and_one_warning(start):
         (calibrated(model="wobbly"), "wobbly"),
     ):
         studio.info = info
-        # Pictures may overtake camera_info.
+        # Images may overtake camera_info.
         support.wait_for(
             lambda problem=problem: studio.show(picture) and problem in studio.process.output(),
             problem,
@@ -151,7 +151,7 @@ def test_without_calibration_there_are_corners_and_one_warning(start):
     studio.show_until(with_poses, picture)
 
 
-def test_no_camera_info_at_all(start):
+def test_tags_without_camera_info(start):
     studio = Studio(start)
     picture = picture_of([(3, facing(0.0, 0.0, 1.0))])
     support.wait_for(
@@ -197,7 +197,7 @@ def test_sizes_names_families_and_bundles(start):
         ("tag36h11", 7): (0.1, "dock"),
         ("tag25h9", 3): (0.3, "tag25h9_3"),
     }
-    # Half as large as it was painted, it is half as far away.
+    # A tag of half the stated size is taken to be half as far away.
     place = matrix_of(found["tag36h11", 7].pose.pose)[:3, 3]
     assert np.allclose(place, [0.1, -0.15, 0.5], atol=0.01)
     (bundle,) = answer.bundles
@@ -206,7 +206,7 @@ def test_sizes_names_families_and_bundles(start):
     assert bundle.reprojection_error < 0.3 and bundle.probability > 0.99
 
 
-def test_two_of_the_same_id_have_poses_but_no_transform(start):
+def test_two_tags_of_one_id_have_poses_but_no_transform(start):
     studio = Studio(start, info=calibrated())
     transforms = support.Messages("/tf", TFMessage)
     support.wait_for(transforms.connected, "/tf")
@@ -248,7 +248,7 @@ def test_markers_and_overlay(start):
 
 
 @pytest.mark.parametrize("encoding", ["bgr8", "rgb8", "bgra8", "mono8", "mono16"])
-def test_pictures_of_any_encoding(start, encoding):
+def test_images_of_any_encoding(start, encoding):
     studio = Studio(start, info=calibrated())
     overlays = support.Messages("/tag/processed_image", Image)
     support.wait_for(overlays.connected, "the overlay")
@@ -261,7 +261,7 @@ def test_pictures_of_any_encoding(start, encoding):
     overlays.wait()
 
 
-def test_a_frame_that_has_no_such_encoding_is_refused(start):
+def test_frames_of_other_encodings_are_refused(start):
     studio = Studio(start, info=calibrated())
     source = Source(studio.topic)
     source.wait_for()
@@ -271,7 +271,7 @@ def test_a_frame_that_has_no_such_encoding_is_refused(start):
         (np.uint8, "8UC1", "encoding '8UC1' is not one of bgr8, "),
     ):
         frame, said = message(np.zeros((48, 64), dtype), encoding), f"({encoding}, 64x48): {why}"
-        # What is refused is told at times, however many frames are.
+        # The error is throttled, however many frames are refused.
         support.wait_for(
             lambda: source.send(frame) or refused + said in studio.process.output(),  # noqa: B023
             said,
@@ -281,11 +281,11 @@ def test_a_frame_that_has_no_such_encoding_is_refused(start):
 
 
 class Caller:
-    """Calls ~detect in a thread, while the camera goes on."""
+    """Calls ~detect in a thread while the camera goes on."""
 
     def __init__(self, studio):
         self._studio = studio
-        studio.tags.close()  # nobody looks
+        studio.tags.close()  # leaves the node without subscribers
 
     def __call__(self, file="", picture=None, encoding="mono8"):
         answers = []
@@ -323,7 +323,7 @@ def test_detect_a_file(start, tmp_path):
     assert [tag.id for tag in answer.tags.detections] == [8, 9] and with_poses(answer.tags)
     assert answer.tags.header.frame_id == "lens"
     assert_near(matrix_of(answer.tags.detections[1].pose.pose), facing(0, 0, 1.0), 0.01, 15.0)
-    # Whatever side of the camera was up, its calibration is of the sensor's pixels.
+    # The calibration holds for the sensor's pixels, whichever side of the camera was up.
     file = cv2.imencode(".jpg", picture, [cv2.IMWRITE_JPEG_QUALITY, 99])[1].tobytes()
     (tmp_path / "sideways.jpg").write_bytes(sideways(file))
     answer = detect(str(tmp_path / "sideways.jpg"))
@@ -366,7 +366,7 @@ def test_detect_without_frames(start):
     assert not answer.success and "no frame on /frames_" in answer.message
 
 
-def test_listening_to_transforms_is_enough(start):
+def test_a_listener_to_transforms_is_a_subscriber(start):
     studio = Studio(start, info=calibrated())
     studio.tags.close()
     transforms = support.Messages("/tf", TFMessage)

@@ -1,4 +1,4 @@
-"""Layouts of bundles that are learnt from frames with noise, and their files."""
+"""Layouts of bundles that are learnt from noisy frames, and the files of bundles."""
 
 import numpy as np
 import pytest
@@ -34,7 +34,7 @@ def random_layout(rng, count, flat):
 
 
 def frames_of(rng, layout, camera, count, only=None, noise=NOISE):
-    """Corners by tag, from about 1 m away and from many sides; only(frame) says which tags."""
+    """Frames of corners by tag, from about 1 m away and many sides; only(frame) chooses tags."""
     frames = []
     while len(frames) < count:
         body = pose_in_view(rng, rng.uniform(90, 170), rng.uniform(0, 1.1))
@@ -51,7 +51,7 @@ def frames_of(rng, layout, camera, count, only=None, noise=NOISE):
 
 
 def worst(bundle, layout):
-    """The largest errors of a bundle's tags: m, degrees."""
+    """The largest errors of a bundle's tags in m and degrees."""
     errors = [error_of(tag.pose, layout[tag.id]) for tag in bundle.tags]
     return (
         max(np.linalg.norm(error[:3]) for error in errors),
@@ -94,7 +94,7 @@ def test_exact_corners_give_the_exact_layout():
 
 
 def fitting_frame(bundle, layout):
-    """The pose of the frame in which a bundle is most like a layout."""
+    """The pose of the frame in which a bundle fits a layout best."""
     places = 0.5 * SIDE * np.array([[-1, -1, 0, 1 / (0.5 * SIDE)], [1, -1, 0, 1 / (0.5 * SIDE)]])
     places = np.vstack([places, places * [-1, -1, 1, 1]])
     learnt = np.vstack([places @ tag.pose[:3].T for tag in bundle.tags])
@@ -105,8 +105,8 @@ def fitting_frame(bundle, layout):
     return matrix(turn, true.mean(0) - turn @ learnt.mean(0))
 
 
-def test_a_layout_knows_how_well_it_is_known():
-    """And so do the poses of a bundle that was learnt from not many pictures."""
+def test_uncertainties_of_a_layout_are_right():
+    """So are the poses of a bundle that was learnt from few images."""
     camera = CAMERAS["plumb_bob"]
     shifts, turns, squares = [], [], []
     for seed in range(20):
@@ -135,8 +135,8 @@ def test_a_layout_knows_how_well_it_is_known():
         assert 0.7 < np.mean(values) < 1.5
 
 
-def test_tags_are_linked_by_others_where_the_master_is_out_of_sight():
-    """Only neighbours in a row are seen together, and other tags than those asked for appear."""
+def test_tags_are_linked_by_others_while_the_master_is_out_of_view():
+    """Only neighbours in a row are seen together, and some tags do not belong to the bundle."""
     rng = np.random.default_rng(12)
     camera = CAMERAS["plumb_bob"]
     layout = {MASTER + i: matrix(turned([0, -0.4 * i, 0]), [0.2 * i, 0, 0]) for i in range(4)}
@@ -147,32 +147,32 @@ def test_tags_are_linked_by_others_where_the_master_is_out_of_sight():
     found = calibrate("row", frames, sizes, camera, MASTER)
     shift, turn = worst(found.bundle, layout)
     assert shift < 0.001 and turn < 0.4
-    # Of another master's view it is the same body.
+    # With another master tag it is the same body.
     other = calibrate("row", frames, sizes, camera, MASTER + 2)
     inverse = np.linalg.inv(layout[MASTER + 2])
     shift, turn = worst(other.bundle, {tag: inverse @ pose for tag, pose in layout.items()})
     assert shift < 0.001 and turn < 0.4
 
 
-def test_a_few_tags_somewhere_else_are_rejected():
+def test_a_few_misplaced_tags_are_rejected():
     rng = np.random.default_rng(13)
     camera = CAMERAS["plumb_bob"]
     layout = random_layout(rng, 4, False)
     frames = frames_of(rng, layout, camera, 120)
     for frame in frames[::20]:
         for tag in list(frame)[:1]:
-            frame[tag] = frame[tag] + 40.0  # somewhere else
+            frame[tag] = frame[tag] + 40.0  # px, so that it does not fit the others
     found = calibrate("box", frames, {tag: SIDE for tag in layout}, camera, MASTER)
     shift, turn = worst(found.bundle, layout)
     assert shift < 0.0005 and turn < 0.2
-    assert 6 <= found.rejected <= 18  # of two tags that contradict each other, both
-    # All is twice as large and twice as far away.
+    assert 6 <= found.rejected <= 18  # if two tags contradict each other, both are rejected
+    # A layout of twice the size is twice as far away.
     double = calibrate("box", frames, {tag: 2 * SIDE for tag in layout}, camera, MASTER)
     for one, two in zip(found.bundle.tags, double.bundle.tags):
         assert np.allclose(2 * one.pose[:3, 3], two.pose[:3, 3], atol=2e-5)
 
 
-def test_what_cannot_be_learnt_is_named():
+def test_errors_of_learning_are_named():
     rng = np.random.default_rng(14)
     camera = CAMERAS["plumb_bob"]
     layout = random_layout(rng, 4, True)
@@ -213,14 +213,14 @@ def test_what_cannot_be_learnt_is_named():
     assert f"frame {index}: corners of tag {tag}" in refused(frames, sizes, camera, MASTER)
 
 
-def test_a_tag_that_could_be_anywhere_is_named():
+def test_a_tag_without_a_link_to_others_is_named():
     rng = np.random.default_rng(15)
     camera = CAMERAS["plumb_bob"]
     layout = random_layout(rng, 4, True)
     sizes = {tag: SIDE for tag in layout}
     frames = frames_of(rng, layout, camera, 40, lambda i: [10, 11, 12] if i < 39 else [11, 13])
     frames[39] = {tag: corners_of(place, camera, SIDE) for tag, place in both_in_view(layout)}
-    # What it was seen with is no square, and left out.
+    # The tag that it was seen with is not a square, so it is ignored.
     frames[39][11] = frames[39][11] + [[6, 6], [-6, 6], [6, -6], [-6, -6]]
     with pytest.raises(ValueError, match=r"tags \[13\] were seen too little with others"):
         calibrate("box", frames, sizes, camera, MASTER)
@@ -259,7 +259,7 @@ def test_a_bundle_is_read_as_it_was_written(tmp_path):
 
 
 def test_files_of_apriltag_ros_are_read():
-    """Its names are optional, and so are the parts of a pose that are 0."""
+    """Names are optional in these files, and so are the parts of a pose that are 0."""
     bundles = parse_bundles(
         [
             {"layout": [{"id": 3, "size": 0.2}]},
@@ -272,7 +272,7 @@ def test_files_of_apriltag_ros_are_read():
     assert [bundle.name for bundle in bundles] == ["bundle_0", "b"]
     assert np.array_equal(bundles[0].tags[0].pose, np.eye(4))
     (tag,) = bundles[0].tags
-    assert (tag.shift_noise, tag.turn_noise) == (0.0005, 0.005)  # they do not say
+    assert (tag.shift_noise, tag.turn_noise) == (0.0005, 0.005)  # defaults: the files have none
     assert np.allclose(bundles[1].tags[0].pose, matrix(np.diag([-1.0, -1.0, 1.0]), [1, 0, -0.5]))
 
 
@@ -309,7 +309,7 @@ def entries(**values):
         ([{"name": "b", "layout": entries()[0]["layout"] * 2}], "id of a tag .* is 1 twice"),
     ],
 )
-def test_what_is_no_bundle_is_named(value, word):
+def test_invalid_bundles_are_named(value, word):
     with pytest.raises(ValueError, match=word):
         parse_bundles(value)
 
@@ -317,7 +317,7 @@ def test_what_is_no_bundle_is_named(value, word):
 @pytest.mark.parametrize(
     "text, word", [("", "no tag_bundles"), ("a: [", "no valid YAML"), ("tag_bundles: 3", "list")]
 )
-def test_what_is_no_file_of_bundles_is_named(tmp_path, text, word):
+def test_invalid_bundle_files_are_named(tmp_path, text, word):
     path = tmp_path / "bundles.yaml"
     path.write_text(text)
     with pytest.raises(ValueError, match=f"{path}.*{word}"):

@@ -1,4 +1,4 @@
-"""Poses of bundles before a lens, and of a layout, that are not known exactly."""
+"""Poses of bundles when the lens, or the layout, is not known exactly."""
 
 import numpy as np
 import pytest
@@ -18,8 +18,8 @@ import robot_vision as rv
 from robot_vision.tags.tag_poses import corners_of as measured
 
 SIDE = 0.1  # m
-PICTURE = 0.02  # px, noise of measured corners
-SHIFT, TURN = 0.0005, 0.005  # m, rad: what a layout may be off by
+CORNER_NOISE = 0.02  # px, of measured corners
+SHIFT, TURN = 0.0005, 0.005  # m, rad: errors of a layout
 FREEDOM = 6  # of a pose
 
 
@@ -35,16 +35,19 @@ def some_places(rng, flat):
 
 
 def shaken(rng, pose, shift, turn):
-    """A pose that is off by standard deviations, m and rad."""
+    """A pose with random errors of these standard deviations, m and rad."""
     return matrix(
         turned(rng.normal(0.0, turn, 3)) @ pose[:3, :3], pose[:3, 3] + rng.normal(0.0, shift, 3)
     )
 
 
 def mean_square(rng, off=0.0, lens_noise=0.0, shift=0.0, turn=0.0, stated=None, track=False):
-    """Squared errors by the covariances, 1 if these are right.
+    """The mean squared error divided by the covariance: 1 if the covariances are right.
 
-    off: px, of the calibration; shift, turn: of the layout, which states them, or `stated`.
+    Args:
+        off: the error of the calibration, px.
+        shift, turn: the errors of the layout, m and rad.
+        stated: the errors that the layout states; None: the true ones.
     """
     stated = (shift, turn) if stated is None else stated
     params = rv.TagPoseParams()
@@ -60,8 +63,8 @@ def mean_square(rng, off=0.0, lens_noise=0.0, shift=0.0, turn=0.0, stated=None, 
         for number, place in enumerate(real):
             corners = corners_of(body @ place, CAMERA, SIDE)
             if faces_camera(body @ place) and in_picture(corners, CAMERA):
-                noise = rng.normal(0.0, PICTURE, (4, 2))
-                seen[number] = rv.MeasuredCorners(corners + noise, PICTURE**2 * np.eye(8))
+                noise = rng.normal(0.0, CORNER_NOISE, (4, 2))
+                seen[number] = rv.MeasuredCorners(corners + noise, CORNER_NOISE**2 * np.eye(8))
         if len(seen) < 2:
             continue
         if track:
@@ -76,29 +79,29 @@ def mean_square(rng, off=0.0, lens_noise=0.0, shift=0.0, turn=0.0, stated=None, 
 @pytest.mark.parametrize("track", [False, True], ids=["picture", "tracker"])
 @pytest.mark.parametrize("off", [0.1, 0.2, 0.3])
 def test_tags_share_the_error_of_the_lens(off, track):
-    """px, root mean square distance: over the square root of two for each coordinate."""
+    """off is the root mean square distance (px), sqrt(2) times that of each coordinate."""
     rng = np.random.default_rng(21)
     assert 0.7 < mean_square(rng, off, off / np.sqrt(2), track=track) < 1.5
 
 
-def test_the_default_is_right_for_a_usual_calibration():
+def test_default_noise_suits_a_usual_calibration():
     rng = np.random.default_rng(22)
     assert 0.7 < mean_square(rng, 0.1, rv.TagPoseParams().lasting_noise) < 1.5
 
 
 @pytest.mark.parametrize("off", [0.0, 0.1])
 @pytest.mark.parametrize("track", [False, True], ids=["picture", "tracker"])
-def test_a_layout_is_trusted_as_far_as_it_is_known(off, track):
+def test_a_layout_is_trusted_as_its_noise_says(off, track):
     rng = np.random.default_rng(23)
     lens = off / np.sqrt(2)
     assert 0.7 < mean_square(rng, off, lens, SHIFT, TURN, track=track) < 1.5
     assert mean_square(rng, off, lens, SHIFT, TURN, stated=(0.0, 0.0), track=track) > 3.0
 
 
-def test_a_picture_of_a_bundle():
-    """Rendered, found, measured, located: by default, with a layout that is off as files assume."""
+def test_an_image_of_a_bundle():
+    """All steps with default parameters, for a layout with the errors that files assume."""
     rng = np.random.default_rng(24)
-    wall = [  # so far apart that none is in the rendered part of another
+    wall = [  # far enough apart not to overlap in the rendered images
         matrix(turned([0.0, angle, 0.0]), [x, y, 0.0])
         for x, angle in ((-0.2, -0.4), (0.2, 0.4))
         for y in (-0.15, 0.15)

@@ -1,4 +1,4 @@
-"""The command calibrate_bundle.py: known layouts, live and from bags, and clear errors."""
+"""The command calibrate_bundle.py: it learns known layouts, live and from bags; its errors."""
 
 import os
 import re
@@ -42,7 +42,7 @@ def placed(x, y, z, turn=(0.0, 0.0, 0.0)):
     return pose
 
 
-LAYOUT = {  # faces of a body, as a box with its corners cut off
+LAYOUT = {  # faces of a body like a box whose corners are cut off
     4: placed(0.0, 0.0, 0.0),
     5: placed(0.28, 0.0, -0.08, (0.0, 0.7, 0.0)),
     6: placed(0.0, 0.28, -0.08, (-0.7, 0.0, 0.0)),
@@ -51,14 +51,14 @@ LAYOUT = {  # faces of a body, as a box with its corners cut off
 
 
 def views(count):
-    """Poses of the body, about 1 m away, from many sides."""
+    """Poses of the body about 1 m away, seen from many sides."""
     for i in range(count):
         turn = 0.45 * np.array([np.cos(2.4 * i), np.sin(2.4 * i), 0.5 * np.sin(1.3 * i)])
         yield facing(0.08 * np.sin(i), 0.05 * np.cos(1.7 * i), 1.05 + 0.1 * np.sin(0.9 * i), turn)
 
 
 def visible(body, hidden=()):
-    """The tags, [(id, pose), ...], that are turned to the camera."""
+    """The tags that face the camera: [(id, pose), ...]."""
     poses = {tag: body @ pose for tag, pose in LAYOUT.items() if tag not in hidden}
     return [
         (tag, pose)
@@ -77,7 +77,7 @@ def pictures():
 
 
 def write_bag(path, pictures, info=None, encoding="mono8"):
-    """A bag of pictures with rows that are padded, or of compressed ones."""
+    """Writes a bag of compressed images, or of images with padded rows."""
     with rosbag.Bag(str(path), "w") as bag:
         for number, picture in enumerate(pictures):
             stamp = rospy.Time(100, number * 33_000_000)
@@ -103,7 +103,7 @@ def command(path):
 
 @pytest.fixture
 def calibrate(run_main, tmp_path):
-    """Runs the command here: its exit code and its output."""
+    """calibrate(*arguments) runs the command here and returns its exit code and output."""
 
     def run(*arguments, output=tmp_path / "box.yaml"):
         return run_main(main, ["calibrate_bundle.py", *command(output), *arguments])
@@ -122,7 +122,7 @@ def assert_learnt(path, master=4, name="box"):
 
 
 def refused(calibrate, tmp_path, *arguments, **options):
-    """The error of a command that ends with 1, and writes nothing."""
+    """The error message of a command that must end with 1 and write nothing."""
     code, output = calibrate(*arguments, **options)
     *_, error = output.splitlines()
     assert code == 1 and error.startswith("calibrate_bundle.py: "), output
@@ -170,7 +170,7 @@ def detection(tag, corners, family="tag36h11", **values):
 
 
 def good(body, *others):
-    """What a detector says of the tags that are visible, and these others."""
+    """A detector's message with the visible tags and these others."""
     seen = [detection(tag, corners_of(pose)) for tag, pose in visible(body)]
     return TagDetectionArray(width=640, height=480, detections=[*others, *seen])
 
@@ -180,7 +180,7 @@ TERMINAL = "\x1b[2J\n\0\u202e" * 1000
 
 
 def hostile_frames(body):
-    """Pictures that the camera does not make, each with a word of what is told of it."""
+    """Frames that this camera cannot make, each with its CameraInfo and a part of the message."""
     for width, height in ((0, 0), (0, 480), (640, 0), (HIGHEST, HIGHEST), (480, 640)):
         frame = good(body)
         frame.width, frame.height = width, height
@@ -197,7 +197,7 @@ def hostile_frames(body):
 
 
 def hostile_detections(body):
-    """What is in pictures of the camera, beside tags that are good or in their place."""
+    """Frames with wrong detections beside good tags, or in their place."""
     square = np.array([[300.0, 240.0], [340.0, 240.0], [340.0, 200.0], [300.0, 200.0]])
     for corners in (square + NAN, square * INF, square - 1e300, square * 0.0, square[::-1]):
         yield good(body, detection(4, corners))
@@ -225,8 +225,8 @@ raise SystemExit(calibrate_bundle.main())
 """
 
 
-def test_hostile_detections_are_outlived_and_told(start, tmp_path):
-    """Frames of another camera are left out, and corners that no camera sees; others are learnt."""
+def test_hostile_detections_are_survived_and_reported(start, tmp_path):
+    """Frames of other cameras and impossible corners are ignored; the others are learnt from."""
     tags, infos = Source(new_topic(), TagDetectionArray), Source(new_topic(), CameraInfo)
     program, path = tmp_path / "often_told.py", tmp_path / "box.yaml"
     program.write_text(OFTEN_TOLD)
@@ -236,7 +236,7 @@ def test_hostile_detections_are_outlived_and_told(start, tmp_path):
     infos.wait_for()
 
     def send_until(text, frame, info=None):
-        """Again and again: the two topics come in any order."""
+        """Sends both messages again and again, because the two topics come in any order."""
 
         def told():
             infos.send(info or calibrated())
@@ -250,9 +250,9 @@ def test_hostile_detections_are_outlived_and_told(start, tmp_path):
     tiny = good(body)
     tiny.width, tiny.height = 2, 1
     for frame, info, why in hostile_frames(body):
-        if "first frames" in why:  # there are none yet
+        if "first frames" in why:  # there are no first frames yet
             continue
-        if info:  # before frames that are good: a calibration that is may come after them
+        if info:  # else a late valid calibration might meet the next good frame
             send_until("the picture 2x1", tiny, calibrated(width=320, height=240))
         send_until(why, frame, info)
     assert process.output().count("waiting: ") == len(process.output().splitlines())
@@ -290,7 +290,7 @@ def test_from_a_bag_and_into_the_detector(calibrate, start, bag, tmp_path):
     assert_near(matrix_of(bundle.pose.pose), body, 0.003, 0.5)
 
 
-def test_compressed_pictures(calibrate, pictures, tmp_path):
+def test_compressed_images(calibrate, pictures, tmp_path):
     bag = write_bag(tmp_path / "box.bag", pictures, calibrated(), "png")
     code, output = calibrate("--bag", bag, "--image", IMAGE + "/compressed")
     assert code == 0, output
@@ -298,8 +298,8 @@ def test_compressed_pictures(calibrate, pictures, tmp_path):
 
 
 @pytest.mark.parametrize("encoding", ["bgr8", "mono16"])
-def test_pictures_of_other_encodings(calibrate, pictures, tmp_path, encoding):
-    """Those of 16 bits with the bytes in the other order."""
+def test_images_of_other_encodings(calibrate, pictures, tmp_path, encoding):
+    """Images of 16 bits have their bytes in the other order."""
     made = [
         np.repeat(picture[:, :, None], 3, 2) if encoding == "bgr8" else picture * np.uint16(256)
         for picture in pictures
@@ -330,8 +330,8 @@ def test_no_more_frames_than_asked_for(calibrate, bag):
     assert "box: 4 tags from 12 frames, in the frame of tag 4\n  tag 4: 0." in output
 
 
-def test_a_tag_of_another_size_than_said(calibrate, bag, tmp_path):
-    """A little larger it has large residuals, much larger it fits nowhere."""
+def test_a_tag_of_another_size_than_stated(calibrate, bag, tmp_path):
+    """A slightly larger tag leaves large residuals; a much larger one fits nowhere."""
     bag = ("--bag", bag, "--image", IMAGE, "--frames", 12, "--size")
     error = refused(calibrate, tmp_path, *bag, f"{SIZE},7:{1.3 * SIZE}")
     assert (
@@ -360,7 +360,7 @@ def test_a_file_is_replaced_only_by_force(calibrate, bag, tmp_path):
     assert [entry.name for entry in tmp_path.iterdir()] == ["box.yaml"]
 
 
-def test_what_a_bag_lacks_is_named(calibrate, pictures, bag, tmp_path):
+def test_unsuitable_bags_are_named(calibrate, pictures, bag, tmp_path):
     def error(path, *arguments, image=IMAGE):
         return refused(calibrate, tmp_path, "--bag", path, "--image", image, *arguments)
 
@@ -398,12 +398,12 @@ def test_what_a_bag_lacks_is_named(calibrate, pictures, bag, tmp_path):
 
 
 def test_a_damaged_bag_is_named(calibrate, pictures, monkeypatch, tmp_path):
-    """Wherever it is damaged: rosbag raises many kinds of errors, which say nothing of the file."""
+    """It is wherever the damage is, although rosbag's many errors do not name the file."""
     whole = write_bag(tmp_path / "whole.bag", pictures[:2], calibrated()).read_bytes()
     monkeypatch.setattr("robot_vision.tags.bundle_bag.TagDetector.detect", lambda *_: [])
     bag = tmp_path / "damaged.bag"
     random = np.random.default_rng(1)
-    # Records with the index are at the end, those of messages behind the first 4 kB and each other.
+    # Records of messages follow the first 4 kB; those of the index are at the end.
     places = [*range(13, 120, 9), *range(4096, 4400, 25), *range(len(whole) - 1500, len(whole), 60)]
     for place in places:
         bag.write_bytes(whole[:place] + random.bytes(8) + whole[place + 8 :])
@@ -418,7 +418,7 @@ def test_a_damaged_bag_is_named(calibrate, pictures, monkeypatch, tmp_path):
         )
 
 
-def test_what_cannot_be_learnt_is_named(calibrate, bag, tmp_path):
+def test_errors_of_learning_are_named(calibrate, bag, tmp_path):
     def error(*arguments):
         return refused(calibrate, tmp_path, "--bag", bag, "--image", IMAGE, *arguments)
 
@@ -474,7 +474,7 @@ def test_a_live_recording_that_cannot_be_used(start, calibrate, monkeypatch, tmp
         (["--image", IMAGE], "--bag needs --image"),
     ],
 )
-def test_what_is_no_command_is_refused(calibrate, arguments, why):
+def test_wrong_arguments_are_refused(calibrate, arguments, why):
     code, output = calibrate(*arguments)
     assert code == 2 and why in output, output
 

@@ -1,4 +1,4 @@
-"""Frames that are kept for learning a bundle, and what is said of them."""
+"""The collection of frames for learning a bundle, and its messages."""
 
 import numpy as np
 import pytest
@@ -19,7 +19,7 @@ def collection():
 
 
 def add(collection, *tags, shift=0.0):
-    """A frame of tags in a row, moved to the right by `shift` px."""
+    """Adds a frame of tags in a row, moved to the right by `shift` px."""
     collection.add(WIDTH, [(tag, moved(60.0 * tag + shift)) for tag in tags])
 
 
@@ -27,7 +27,7 @@ def ids_of(collection):
     return [sorted(frame) for frame in collection.frames()]
 
 
-def test_a_frame_is_kept_if_it_shows_two_tags_somewhere_else(collection):
+def test_a_frame_is_kept_if_it_shows_two_tags_at_new_places(collection):
     for shift, count in ((0, 1), (5, 1), (9.9, 1), (10, 2), (-5, 2), (15, 2), (20, 3)):
         add(collection, 1, 2, shift=shift)
         assert len(collection.frames()) == count, shift
@@ -43,7 +43,7 @@ def test_one_corner_that_has_moved_is_enough(collection):
     assert np.array_equal(collection.frames()[1][2], turned)
 
 
-def test_fewer_tags_are_nothing_new_but_others_are(collection):
+def test_other_tags_are_new_but_fewer_tags_are_not(collection):
     add(collection, 1, 2, 3)
     add(collection, 1, 2)
     assert ids_of(collection) == [[1, 2, 3]]
@@ -52,7 +52,7 @@ def test_fewer_tags_are_nothing_new_but_others_are(collection):
     assert ids_of(collection) == [[1, 2, 3], [2, 7], [1, 2, 3, 7]]
 
 
-def test_other_tags_and_those_that_are_there_twice_are_left_out(collection):
+def test_foreign_tags_and_duplicates_are_ignored(collection):
     add(collection, 1, 99)
     add(collection, 1, 2, 2)
     assert ids_of(collection) == [[1]]
@@ -84,7 +84,7 @@ def test_the_summary_says_what_is_missing(collection):
     )
 
 
-def test_frames_that_are_skipped_are_counted_and_the_last_problem_told(collection):
+def test_skipped_frames_are_counted_and_the_last_problem_named(collection):
     add(collection, 1, 2)
     before = collection.summary()
     assert collection.problem == ""
@@ -110,7 +110,7 @@ def test_frames_that_are_skipped_are_counted_and_the_last_problem_told(collectio
         np.array([[0.0, 40.0], [40.0, 40.0], [5.0, 35.0], [0.0, 0.0]]),
     ],
 )
-def test_corners_that_no_camera_sees_are_left_out(collection, corners):
+def test_impossible_corners_are_ignored(collection, corners):
     with np.errstate(all="raise"):
         collection.add(WIDTH, [(1, SQUARE), (2, moved(60.0)), (3, corners)])
         collection.add(WIDTH, [(7, corners)])
@@ -118,7 +118,7 @@ def test_corners_that_no_camera_sees_are_left_out(collection, corners):
     assert collection.summary().endswith("; 2 sightings left out, whose corners no camera sees")
 
 
-def test_thousands_of_detections_are_a_frame_like_any_other(collection):
+def test_thousands_of_detections_in_a_frame(collection):
     others = [(id, SQUARE) for id in range(-(2**31), -(2**31) + 10000)]
     twice = [(7, SQUARE)] * 1000
     collection.add(WIDTH, [*others, *twice, (1, SQUARE), (2, moved(60.0)), (2**31 - 1, SQUARE)])

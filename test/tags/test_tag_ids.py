@@ -1,4 +1,4 @@
-"""Ids of tags, as people write them."""
+"""Lists of tag ids as users write them."""
 
 import pytest
 
@@ -24,7 +24,7 @@ def test_lists_of_ids(text, expected):
 @pytest.mark.parametrize(
     "text", ["", " ", "x", "-1", "1-", "1-2-3", "1,,2", "1,", "1 2", "+1", "٣"]
 )
-def test_what_is_no_list_is_refused(text):
+def test_invalid_lists_are_refused(text):
     with pytest.raises(ValueError, match=f"ids is '{text.replace('+', '.')}', must be a list such"):
         parse_ids(text, "tag36h11")
 
@@ -34,7 +34,7 @@ def test_the_lower_id_comes_first():
         parse_ids("1, 5-3", "tag36h11")
 
 
-def test_the_family_must_have_them():
+def test_ids_must_be_in_the_family():
     for text in ("30", "0-30", "0-99999999999"):
         with pytest.raises(ValueError, match=r"id is \d+, tag16h5 has 0 to 29"):
             parse_ids(text, "tag16h5")

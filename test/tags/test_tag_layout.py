@@ -1,4 +1,4 @@
-"""Sizes, names and bundles of tags, as parameters have them."""
+"""The parameters for sizes, names and bundles of tags."""
 
 import pytest
 
@@ -94,7 +94,7 @@ def test_a_list_of_families():
         ),
     ],
 )
-def test_what_is_wrong_is_named(arguments, text):
+def test_wrong_parameters_are_named(arguments, text):
     with pytest.raises(ValueError) as error:
         TagLayout(*arguments)
     assert text in str(error.value)

@@ -63,7 +63,7 @@ def test_twins_are_in_no_bundle():
         assert abs(located.poses.best.pose[0, 3] - x) < 1e-3
 
 
-def test_another_camera_begins_anew():
+def test_another_camera_starts_anew():
     rng = np.random.default_rng(1)
     locator = TagLocator(layout(), TagPoseParams())
     pose = place(0.0, 0.0, 1.5)
@@ -82,7 +82,7 @@ def test_another_camera_begins_anew():
     assert spread(equal, 2.0) > 1.5 * averaged
 
 
-def test_a_picture_by_itself_changes_nothing():
+def test_a_single_image_changes_no_state():
     locator = TagLocator(layout(), TagPoseParams())
     pose, far = place(0.0, 0.0, 1.5), place(0.3, 0.2, 3.0)
     locator.locate(0.0, [tag(1, pose)], CAMERA)

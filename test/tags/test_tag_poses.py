@@ -1,4 +1,4 @@
-"""Poses of tags and bundles against the truth, from corners with noise."""
+"""Poses of tags and bundles from noisy corners, against the ground truth."""
 
 import cv2
 import numpy as np
@@ -21,19 +21,19 @@ from tags import (
 import robot_vision as rv
 
 TAG = rv.single_tag(0, SIZE)
-FRESH = rv.TagPoseParams()  # for corners with noise that is new in every frame
+FRESH = rv.TagPoseParams()  # for corners whose noise is new in every frame
 FRESH.lasting_noise = 0.0
 RATE = 30.0  # Hz
 FREEDOM = 6  # of a pose
 
 
 def angle(error):
-    """Degrees, of an error's rotation."""
+    """The angle of an error's rotation in degrees."""
     return np.degrees(np.linalg.norm(error[3:]))
 
 
 def single_shots(camera, sizes, noises, count, seed, tilts=(0, 15, 30, 45, 60, 75)):
-    """Poses of single pictures: (size px, truth, TagPoses); tilts in degrees."""
+    """Poses of single images: (size in px, truth, TagPoses); tilts are in degrees."""
     rng = np.random.default_rng(seed)
     for _ in range(count):
         for size in sizes:
@@ -46,7 +46,7 @@ def single_shots(camera, sizes, noises, count, seed, tilts=(0, 15, 30, 45, 60, 7
 
 
 @pytest.mark.parametrize("model", CAMERAS)
-def test_poses_are_accurate_and_their_covariances_true(model):
+def test_poses_are_accurate_and_their_covariances_right(model):
     sizes = [10, 20, 40, 60, 100, 200, 400]
     shifts, turns = [], []
     squares = {size: [] for size in sizes}
@@ -81,7 +81,7 @@ def test_the_probability_of_a_pose_is_how_often_it_is_right():
         assert abs(said[part].mean() - true[part].mean()) < 0.06
 
 
-def test_bundles_are_found_with_true_covariances():
+def test_bundles_are_found_with_right_covariances():
     rng = np.random.default_rng(3)
     camera = CAMERAS["plumb_bob"]
     squares, shifts, turns = [], [], []
@@ -123,7 +123,7 @@ def still(pose):
 
 
 def wandering(rng, pose, speed, rate):
-    """A pose that moves smoothly, root mean square `speed` (m/s) and `rate` (rad/s)."""
+    """Poses of a smooth motion with root mean square `speed` (m/s) and `rate` (rad/s)."""
     frequencies, phases = rng.uniform(0.2, 0.6, (2, 6)), rng.uniform(0, 2 * np.pi, (2, 6))
     reach = np.array([speed] * 3 + [rate] * 3) / np.sqrt(3) / (2 * np.pi * frequencies)
     frame = 0
@@ -135,7 +135,7 @@ def wandering(rng, pose, speed, rate):
 
 
 def track(tracker, camera, path, noise, rng, frames, lasting=0.0):
-    """What a tracker says: (frame, corners with noise, truth, TagPoses)."""
+    """The results of a tracker: (frame, noisy corners, truth, TagPoses)."""
     shift = rng.normal(0.0, lasting, (4, 2))
     for frame, truth in zip(range(frames), path):
         corners = corners_of(truth, camera)
@@ -175,7 +175,7 @@ def test_a_tag_at_rest_jitters_half_as_much_as_one_shot_poses_or_less(model):
 
 
 @pytest.mark.parametrize("speed, rate", [(0.02, 0.05), (0.1, 0.2), (0.5, 1.0)])
-def test_a_tag_in_motion_is_where_and_what_the_covariance_says(speed, rate):
+def test_covariances_of_a_moving_tag_are_right(speed, rate):
     rng = np.random.default_rng(5)
     camera = CAMERAS["plumb_bob"]
     squares, ours, theirs, flips = [], [], [], []
@@ -200,7 +200,7 @@ def test_a_tag_in_motion_is_where_and_what_the_covariance_says(speed, rate):
 
 
 def is_flipped(found, truth):
-    """Whether the other pose is the right one, and that makes a difference."""
+    """True if the other pose is the right one and the two differ noticeably."""
     if found.other is None or angle(error_of(found.best.pose, found.other.pose)) < 15.0:
         return False
     return angle(error_of(found.other.pose, truth)) < angle(error_of(found.best.pose, truth))
@@ -223,8 +223,8 @@ def test_a_tag_that_jumps_is_followed_in_the_same_frame(passed):
         assert squared_error(found.best, there) < 6 * FREEDOM
 
 
-def test_time_decides_where_the_picture_does_not():
-    """A small tag comes from where it is well seen: the right pose is kept."""
+def test_time_decides_where_the_image_does_not():
+    """A tag comes from where it is well visible; the right pose is kept when it is small."""
     rng = np.random.default_rng(7)
     camera = CAMERAS["plumb_bob"]
     flips, single_flips = [], []
@@ -242,7 +242,7 @@ def test_time_decides_where_the_picture_does_not():
 
 
 @pytest.mark.parametrize("least", [0.0, 0.05])
-def test_what_all_frames_have_in_common_is_not_averaged_out(least):
+def test_lasting_noise_is_not_averaged_out(least):
     rng = np.random.default_rng(8)
     camera = CAMERAS["plumb_bob"]
     params = rv.TagPoseParams()
@@ -256,7 +256,7 @@ def test_what_all_frames_have_in_common_is_not_averaged_out(least):
         squares.append(squared_error(found.best, truth))
     if least:
         assert 0.7 <= np.mean(squares) / FREEDOM <= 1.5
-    else:  # two numbers tell how large it is: the median is what can be right
+    else:  # the noise is estimated from two numbers only, so just the median is right
         assert 0.2 <= np.median(squares) / FREEDOM <= 3.0
 
 
@@ -283,7 +283,7 @@ def test_a_bundle_is_tracked_while_tags_come_and_go():
     assert tracker.update(14.1, {9: np.zeros((4, 2))}, camera) is None
 
 
-def test_what_is_no_tag_is_refused():
+def test_invalid_corners_are_refused():
     camera = CAMERAS["plumb_bob"]
     good = corners_of(pose_in_view(np.random.default_rng(0), 60, 0.5), camera)
     bad = good.copy()
@@ -310,7 +310,7 @@ def test_what_is_no_tag_is_refused():
         rv.validate(params)
 
 
-def test_what_is_no_covariance_is_refused():
+def test_invalid_covariances_are_refused():
     camera = CAMERAS["plumb_bob"]
     corners = corners_of(pose_in_view(np.random.default_rng(0), 60, 0.5), camera)
     good = 0.01 * np.eye(8) + 0.005
@@ -318,7 +318,7 @@ def test_what_is_no_covariance_is_refused():
     crooked[0, 3] += 0.001
     negative[3, 3] = -0.01
     unknown[5, 5] = np.nan
-    exact[2] = exact[:, 2] = 0.0  # as if one coordinate were known exactly
+    exact[2] = exact[:, 2] = 0.0  # one coordinate is known exactly
     for bad in (crooked, negative, unknown, exact, np.ones((8, 8)), np.zeros((8, 8))):
         seen = {0: rv.MeasuredCorners(corners, bad)}
         for refuse in (
@@ -335,7 +335,7 @@ def test_what_is_no_covariance_is_refused():
     assert np.isfinite(found.best.covariance).all()
 
 
-def test_the_lens_makes_poses_of_single_pictures_uncertain():
+def test_lens_noise_makes_poses_of_single_images_uncertain():
     camera = CAMERAS["plumb_bob"]
     truth = pose_in_view(np.random.default_rng(0), 100, 0.5)
     seen = {0: rv.MeasuredCorners(corners_of(truth, camera), 1e-4 * np.eye(8))}
@@ -343,7 +343,7 @@ def test_the_lens_makes_poses_of_single_pictures_uncertain():
         rv.estimate_pose(TAG, seen, camera, lens_noise=noise).best.covariance
         for noise in (0.0, 0.06)
     )
-    # All corners move alike: across the line of sight the tag is where the ray is.
+    # All corners move alike, so the tag moves across the line of sight like the rays.
     sideways = (0.06 * truth[2, 3] / K[0, 0]) ** 2
     assert off[0, 0] - exact[0, 0] == pytest.approx(sideways, rel=0.1)
     with pytest.raises(ValueError, match="lens_noise is -1, must be from 0 to 10"):
@@ -351,7 +351,7 @@ def test_the_lens_makes_poses_of_single_pictures_uncertain():
 
 
 @pytest.mark.parametrize("model", CAMERAS)
-def test_of_any_quadrilateral_there_is_a_pose_an_error_or_nothing(model):
+def test_any_quadrilateral_gives_a_pose_an_error_or_nothing(model):
     rng = np.random.default_rng(10)
     tracker = rv.TagPoseTracker(TAG)
     answers = {True: 0, False: 0, None: 0}

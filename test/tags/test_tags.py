@@ -1,4 +1,4 @@
-"""AprilTags from Python, and what must not be taken for them: photographs and noise."""
+"""AprilTags from Python; photographs and noise must not be taken for tags."""
 
 import cv2
 import numpy as np
@@ -31,7 +31,7 @@ def sheet(family, tag, scale=8):
 
 
 def photographs():
-    """Grey ones, of people and things, textures, prints and the sky."""
+    """Gray photographs of people, things, textures, prints and the sky."""
     names = ("astronaut", "brick", "camera", "cat", "coffee", "coins", "grass", "gravel")
     names += ("hubble_deep_field", "page", "retina", "rocket", "text")
     for name in names:
@@ -40,7 +40,7 @@ def photographs():
 
 
 def crops(count):
-    """Parts of the photographs in many scales; each tenth is noise of some grain and contrast."""
+    """Parts of the photographs in many scales; each tenth is random noise instead."""
     random = np.random.default_rng(1)
     pictures = list(photographs())
     for number in range(count):
@@ -76,14 +76,14 @@ def test_upright_tag_is_found_where_it_is(family):
         np.testing.assert_allclose(found.center, corners.mean(axis=0), atol=0.2)
 
 
-def test_photographs_and_noise_have_no_tags_in_them():
+def test_no_tags_are_found_in_photographs_and_noise():
     detector = rv.TagDetector(params(families=FAMILIES))
     for number, image in enumerate(crops(5000)):
         found = [(tag.family, tag.id, tag.similarity) for tag in detector.detect(image, "mono8")]
         assert not found, number
 
 
-def test_similarity_and_not_the_margin_keeps_ghosts_out():
+def test_similarity_tells_false_detections_from_tags():
     believing = rv.TagDetector(params(families=["tag16h5"], min_similarity=-1.0))
     ghosts = [tag for image in crops(1000) for tag in believing.detect(image, "mono8")]
     assert len(ghosts) > 20
@@ -91,7 +91,7 @@ def test_similarity_and_not_the_margin_keeps_ghosts_out():
     assert max(ghost.similarity for ghost in ghosts) < rv.TagDetectorParams().min_similarity
 
 
-def test_frames_are_used_as_they_are_and_stay_so():
+def test_frames_are_neither_copied_nor_changed():
     image, _ = sheet("tag36h11", 11)
     wide = np.pad(image, ((0, 0), (0, 40)))
     view = wide[:, : image.shape[1]]

@@ -1,4 +1,4 @@
-"""From the picture to the pose: rendered tags, with lens, blur and noise, against the truth."""
+"""From the image to the pose: rendered tags with lens, blur and noise, against the truth."""
 
 import cv2
 import numpy as np
@@ -22,12 +22,12 @@ FLIPPED = 20.0  # degrees
 CERTAIN = 0.99  # probability
 KNOWN = rv.TagPoseParams()  # for a camera that is known exactly
 KNOWN.lasting_noise = 0.0
-DETECTORS = {}  # one of each family that was used: others share its tables, which take a while
+DETECTORS = {}  # by family; they keep its tables, which take a while to build, for others
 
 
 @pytest.mark.parametrize("model", CAMERAS)
-def test_corners_are_found_though_the_lens_has_bent_the_edges(model):
-    """Ours are within 0.1 px, where the lines of large tags meet up to half a pixel beside them."""
+def test_corners_are_found_although_the_lens_bends_the_edges(model):
+    """They have errors below 0.1 px, where straight lines meet up to half a pixel beside them."""
     camera = CAMERAS[model]
     rng, worst = np.random.default_rng(5), []
     for pixels in (30, 100, 200):
@@ -39,14 +39,14 @@ def test_corners_are_found_though_the_lens_has_bent_the_edges(model):
     assert max(worst) < 0.01
 
 
-def test_corners_without_distortion_stay():
+def test_corners_stay_without_distortion():
     corners = np.array([[100.0, 300.0], [320.5, 290.0], [310.0, 80.25], [120.0, 90.0]])
     camera = rv.CameraModel(640, 480, K)
     assert np.abs(rv.without_bent_edges(corners, camera) - corners).max() < 1e-9
 
 
 def by_lines(corners, camera):
-    """Where lines meet that are fitted to points of the edges between the corners."""
+    """The intersections of lines that are fitted to points of the edges between the corners."""
     rays = undistorted(corners, camera)
     lines = []
     for begin, end in zip(rays, np.roll(rays, -1, axis=0)):
@@ -64,9 +64,10 @@ def by_lines(corners, camera):
 def located(
     rng, pixels, blur, noise, frames, runs=1, camera=CAMERA, params=None, family="tag36h11"
 ):
-    """What is found of tags in motion: (index of the frame, truth, TagPoses).
+    """The poses found of moving tags: (index of the frame, truth, TagPoses).
 
-    camera: what the calibration says.
+    Args:
+        camera: the calibrated camera, which may differ from the real one.
     """
     settings = rv.TagDetectorParams()
     settings.families = [family]
@@ -83,8 +84,8 @@ def located(
 
 
 @pytest.mark.parametrize("model", ["plumb_bob", "equidistant"])
-def test_poses_of_single_pictures(model):
-    """From 10 px on, where a cell is 1.2 px wide and some of the tags are still found."""
+def test_poses_of_single_images(model):
+    """They are tested from 10 px on, where a cell has 1.2 px and some tags are still found."""
     camera = CAMERAS[model]
     rays, rng, detector = rays_of(camera), np.random.default_rng(7), rv.TagDetector()
     places, turns, missed = [], [], []
@@ -109,13 +110,13 @@ def test_poses_of_single_pictures(model):
             places.append(np.linalg.norm(error[:3]) / np.linalg.norm(pose[:3, 3]))
             turns.append(turn_of(error))
     assert len(places) > 30
-    assert max(missed, default=0.0) < 16.0, missed  # px, the shorter side of what was not found
+    assert max(missed, default=0.0) < 16.0, missed  # px, the shorter side of missed tags
     assert np.median(places) < 0.001, np.percentile(places, (50, 90, 100))
     assert np.median(turns) < 0.3, np.percentile(turns, (50, 90, 100))
 
 
-def test_covariances_are_true_from_the_first_picture_on():
-    """In each class of pictures about, and over all of them within what is promised."""
+def test_covariances_are_right_from_the_first_image_on():
+    """They are about right in each class of images, and as promised over all of them."""
     rng = np.random.default_rng(8)
     classes, first = {}, []
     for blur in (0.3, 0.6, 1.0):
@@ -133,8 +134,8 @@ def test_covariances_are_true_from_the_first_picture_on():
     assert 0.7 < np.mean(first) < 1.5
 
 
-def test_covariances_are_true_by_default():
-    """Before a camera that is known exactly, and with a calibration that is off by 0.1 px."""
+def test_covariances_are_right_by_default():
+    """They are for an exact calibration and for one with an error of 0.1 px."""
     rng = np.random.default_rng(11)
     for error, runs, frames in ((0.0, 4, 6), (0.1, 20, 2)):
         means = {}
@@ -150,8 +151,8 @@ def test_covariances_are_true_by_default():
         assert all(0.4 < mean < 1.8 for mean in means.values()), (error, means)
 
 
-def test_small_tags_in_motion_are_not_certain_of_wrong_poses():
-    """Of 10 and 12 px, noise hides which way they are tilted, until they turn: they say so."""
+def test_small_moving_tags_do_not_claim_certain_wrong_poses():
+    """At 10 and 12 px noise hides which way a tag is tilted until it turns; this must show."""
     rng = np.random.default_rng(9)
     said, wrong = [], []
     for pixels in (10, 12, 16):
@@ -165,7 +166,7 @@ def test_small_tags_in_motion_are_not_certain_of_wrong_poses():
         assert len(certain) > 500
         assert np.mean(certain) < 0.005, pixels
     assert np.mean(np.array(said) <= 1.0 - CERTAIN) > 0.5
-    assert 0.2 < np.mean(wrong) / np.mean(said) < 1.2  # rather too cautious than too certain
+    assert 0.2 < np.mean(wrong) / np.mean(said) < 1.2  # it may be too cautious, but not too certain
 
 
 @pytest.mark.parametrize("pixels", [16, 20, 30, 60])
@@ -183,7 +184,7 @@ def test_tags_in_motion_do_not_flip(pixels):
     assert np.median(places) < 0.003
 
 
-def test_what_does_not_look_like_the_tag_is_not_measured():
+def test_corners_are_not_measured_where_the_tag_is_not_visible():
     rng = np.random.default_rng(10)
     pose = pose_in_view(rng, 80, 0.4)
     picture, near = picture_of(pose, CAMERA, RAYS, 3, rng), corners_of(pose, CAMERA)
