@@ -1,10 +1,10 @@
-"""Bar codes for the tests: the widths of their bars and spaces, by their standards' tables."""
+"""Bar codes for the tests: the widths of bars and spaces, from the tables of the standards."""
 
 import itertools
 
 import numpy as np
 
-DIGITS = (  # of EAN and UPC, left hand, odd parity
+DIGITS = (  # EAN and UPC, left hand, odd parity
     ["3211", "2221", "2122", "1411", "1132", "1231", "1114", "1312", "1213", "3112"]
 )
 PARITIES = [
@@ -209,7 +209,7 @@ CODABAR = {
 
 
 def check_digit(digits):
-    """Of EAN and UPC: weights 3 and 1 from the right."""
+    """The check digit of EAN and UPC: weights 3 and 1 from the right."""
     weights = itertools.cycle((3, 1))
     return str(-sum(int(digit) * weight for digit, weight in zip(reversed(digits), weights)) % 10)
 
@@ -221,7 +221,7 @@ def hand(digits, parities):
 
 
 def ean13(digits):
-    """Of 12 digits: what is read, and the widths."""
+    """The text and the widths of an EAN-13 of 12 digits."""
     digits += check_digit(digits)
     left = hand(digits[1:7], PARITIES[int(digits[0])])
     return digits, "111" + left + "11111" + hand(digits[7:], "LLLLLL") + "111"
@@ -238,14 +238,14 @@ def upca(digits):
 
 
 def upce(digits):
-    """Of six digits, the last of which says where zeros were left out: 0 to 2."""
+    """The last of the six digits, 0 to 2, says where zeros were left out."""
     last = digits[5]
     check = check_digit("0" + digits[:2] + last + "0000" + digits[2:5])
     return "0" + digits + check, "111" + hand(digits, UPCE_PARITIES[int(check)]) + "111111"
 
 
 def code128(text):
-    """In code set B."""
+    """The text in code set B."""
     values = [104, *(ord(letter) - 32 for letter in text)]
     check = (values[0] + sum(place * value for place, value in enumerate(values))) % 103
     return text, "".join(CODE128[value] for value in [*values, check, 106])
@@ -270,7 +270,7 @@ def code39(text):
 
 
 def i25(digits):
-    """Of an even number of digits: bars of one, spaces of the next."""
+    """The number of digits is even: one gives the bars, the next one the spaces between them."""
     pairs = zip(digits[::2], digits[1::2])
     data = "".join(
         bar + space for a, b in pairs for bar, space in zip(wide(I25[int(a)]), wide(I25[int(b)]))
@@ -284,7 +284,7 @@ def codabar(digits):
 
 
 def picture(widths, module=2, height=60, quiet=12):
-    """Bars in px, (rows, columns) uint8, with white around them."""
+    """An image of the bars, (rows, columns) uint8, with white around them; lengths are in px."""
     colors = itertools.cycle((0, 255))
     row = [value for width, value in zip(map(int, widths), colors) for _ in range(width)]
     bars = np.tile(np.repeat(np.array(row, np.uint8), module), (height, 1))

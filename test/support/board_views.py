@@ -1,18 +1,18 @@
-"""What the tests of calibration share: boards as pictures, and as cameras see them."""
+"""Shared by the tests of calibration: images of boards, and views of them by a camera."""
 
 import cv2
 import numpy as np
 
 import robot_vision as rv
 
-SQUARE = 0.03  # m, also from circle to circle
-DOT = 40  # px per square of a board's picture
+SQUARE = 0.03  # m, also the distance of circles
+DOT = 40  # px per square in the image of a board
 MARKER = 0.022  # m
 BLACK, WHITE = 30, 230
 
 
 def chessboard(columns, rows):
-    """A grey picture with so many inner corners; one square is DOT px, the margin half a one."""
+    """A gray image with this many inner corners; a square is DOT px, the margin half a square."""
     squares = np.indices((rows + 1, columns + 1)).sum(axis=0) % 2
     return framed(np.kron(np.where(squares, WHITE, BLACK), np.ones((DOT, DOT))))
 
@@ -27,7 +27,7 @@ def asymmetric_circles(columns, rows):
 
 
 def charuco(columns, rows, dictionary, first=BLACK):
-    """One whose upper left square is `first`: white with even rows in OpenCV before 4.6."""
+    """A board whose upper left square is `first`: OpenCV before 4.6 has white for even rows."""
     side = round(DOT * MARKER / SQUARE)
     margin = (DOT - side) // 2
     whites = np.indices((rows, columns)).sum(axis=0) % 2 == (first == BLACK)
@@ -57,7 +57,7 @@ def framed(picture):
 
 
 class Studio:
-    """A camera to which somebody shows a board: each frame another pose, all of it in view."""
+    """A camera to which a board is shown: each frame another pose, with the whole board in view."""
 
     def __init__(self, board, camera, seed=1):
         size = np.array(board.shape[::-1]) / DOT * SQUARE  # m
@@ -70,7 +70,7 @@ class Studio:
         self._nearest = 0.75 * max(size * camera.K[[0, 1], [0, 1]] / (camera.width, camera.height))
 
     def frame(self, noise=1.0):
-        """(height, width) uint8."""
+        """The next frame, (height, width) uint8."""
         on_floor = np.array([[0, -1, 0, 0], [1, 0, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1.0]])
         seen = self._scene.render(np.linalg.inv(self._pose() @ on_floor))
         gray = cv2.cvtColor(seen, cv2.COLOR_BGR2GRAY)
@@ -78,7 +78,7 @@ class Studio:
         return np.clip(np.rint(noisy), 0, 255).astype(np.uint8)
 
     def _pose(self):
-        """4x4, in the optical frame, of the board: x right, y up, z towards the camera."""
+        """The pose of the board in the optical frame, 4x4: x right, y up, z towards the camera."""
         random, camera = self._random, self._camera
         border = 3.0  # px
         while True:

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""A nodelet manager that dies of the nodelet /bad, and prints what else it is to load.
+"""A nodelet manager that prints what it is to load, and dies when that is the nodelet /bad.
 
-Of /endless it never says that it is loaded, as one whose camera does not answer.
+It never answers that /endless is loaded, like a manager whose camera does not respond.
 """
 
 import os

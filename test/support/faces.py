@@ -1,4 +1,4 @@
-"""A face that moves before a background, and where it is: for the tests of faces."""
+"""A face that moves in front of a background, with its true box: for the tests of faces."""
 
 import math
 from typing import Tuple
@@ -11,8 +11,8 @@ from robot_vision import Face
 
 RATE = 30.0  # Hz
 PORTRAIT = cv2.cvtColor(skimage.data.astronaut(), cv2.COLOR_RGB2BGR)
-MIDDLE = (224.0, 114.0)  # px, of the portrait's face
-SIDE = 108.0  # px, of the same
+MIDDLE = (224.0, 114.0)  # px, middle of the face in the portrait
+SIDE = 108.0  # px, side of that face
 BACKGROUND = cv2.resize(cv2.cvtColor(skimage.data.coffee(), cv2.COLOR_RGB2BGR), (640, 480))
 KINDS = ("moved", "scaled", "mirrored", "darkened", "blurred", "turned")
 
@@ -20,7 +20,7 @@ Box = Tuple[float, float, float, float]  # x, y, width, height, px
 
 
 def frame(number: int, kind: str = "moved") -> Tuple[np.ndarray, Box]:
-    """A frame in which the portrait wanders about, and where its face is."""
+    """A frame of the moving portrait, and the box of its face."""
     x, y = 320 + 120 * math.sin(0.06 * number), 240 + 60 * math.sin(0.041 * number)
     wave = math.sin(0.05 * number)
     scale = 1.0 + 0.45 * wave if kind == "scaled" else 1.0
@@ -43,7 +43,7 @@ def frame(number: int, kind: str = "moved") -> Tuple[np.ndarray, Box]:
 
 
 def iou(a: Box, b: Box) -> float:
-    """The boxes' common part over all that they cover."""
+    """The intersection of two boxes over their union."""
     width = min(a[0] + a[2], b[0] + b[2]) - max(a[0], b[0])
     height = min(a[1] + a[3], b[1] + b[3]) - max(a[1], b[1])
     common = max(width, 0.0) * max(height, 0.0)

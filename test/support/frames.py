@@ -1,4 +1,4 @@
-"""What the tests of robot_vision.transport share: pictures as messages, frames that came."""
+"""Shared by the tests of robot_vision.transport: images as messages, and received frames."""
 
 import itertools
 from typing import Any, List, Optional
@@ -19,7 +19,7 @@ def new_topic() -> str:
 
 
 def message(pixels: np.ndarray, encoding: str, padding: int = 0, order: str = "<") -> Image:
-    """A picture as a message, with bytes of noise behind each row, and samples in this order."""
+    """An image message with this padding of noise after each row and this byte order."""
     rows = np.ascontiguousarray(pixels, pixels.dtype.newbyteorder(order))
     rows = rows.view(np.uint8).reshape(len(pixels), -1)
     noise = np.random.default_rng(1).integers(0, 256, (len(rows), padding), np.uint8)
@@ -35,7 +35,7 @@ def message(pixels: np.ndarray, encoding: str, padding: int = 0, order: str = "<
 
 
 class Frames:
-    """All frames of a topic since this object was made."""
+    """Collects all frames of a topic from now on."""
 
     def __init__(self, topic: str, encoding: Optional[str] = None, kind: Any = ImageSubscriber):
         support.open_messages.append(self)
@@ -43,7 +43,7 @@ class Frames:
         self.subscriber = kind(topic, self.received.append, encoding)
 
     def wait(self, count: int = 1) -> List[Frame]:
-        """The first `count` frames."""
+        """Waits for the first `count` frames."""
         topic = self.subscriber.topic
         support.wait_for(lambda: len(self.received) >= count, f"{count} frames on {topic}")
         return self.received[:count]
@@ -54,7 +54,7 @@ class Frames:
 
 
 class Source:
-    """A publisher of rospy."""
+    """Publishes messages with rospy."""
 
     def __init__(self, topic: str, kind: Any = Image):
         support.open_messages.append(self)
@@ -62,7 +62,7 @@ class Source:
         self._publisher = rospy.Publisher(topic, kind, queue_size=100, tcp_nodelay=True)
 
     def wait_for(self, connections: int = 1) -> None:
-        """Until there are so many; roscpp makes one for all subscribers of a process."""
+        """Waits for this many connections; roscpp makes one for all subscribers of a process."""
         support.wait_for(
             lambda: self._publisher.get_num_connections() == connections,
             f"{connections} connections to {self.topic}",

@@ -1,4 +1,4 @@
-"""Photographs of people, each different in place, size, light, angle and noise, from one look."""
+"""Photographs of people that differ in position, size, light, angle and noise."""
 
 import functools
 
@@ -7,7 +7,7 @@ import numpy as np
 import skimage.data
 
 SIZE = 320, 240  # px
-# Faces of scikit-image's lfw_subset of 25x25 px, all of different people.
+# Faces of 25x25 px in scikit-image's lfw_subset, all of different people.
 ANNA, BERT, CARLA, DORA = 18, 3, 52, 25
 KNOWN = (ANNA, BERT, 5, 6, 8, 15, 19, 23, 34, 40)
 STRANGERS = (CARLA, DORA, 46, 61, 66, 71, 74, 80, 91, 90)
@@ -19,7 +19,7 @@ def _looks():
 
 
 def photograph(person, number):
-    """A picture, (240, 320, 3) uint8 BGR, and where the head is in it: x, y, width, height."""
+    """An image, (240, 320, 3) uint8 BGR, and the box of its head: x, y, width, height."""
     random = np.random.default_rng(1000 * person + number)
     side = int(random.integers(110, 170))
     x, y = (np.array(SIZE) - side) / 2 + random.uniform((-30, -20), (30, 20))
@@ -35,5 +35,5 @@ def photograph(person, number):
 
 
 def photographs(person, count, first=0):
-    """Some of them, as Gallery.add() takes them."""
+    """Several photographs, as Gallery.add() takes them."""
     return {f"{person}/{n}": photograph(person, n)[0] for n in range(first, first + count)}

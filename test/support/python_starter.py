@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
-"""Runs Python programs in forks of itself: what they all import is imported once, not by each.
+"""Runs Python programs in forks of itself, so that their common imports are made only once.
 
     python_starter.py SOCKET
 
-Each connection to SOCKET, a Unix one, asks for one program, as a line of JSON: its "path",
-"arguments", "env", and the "log" that takes its output. It is answered by a line with the number of
-the process, and by one with its exit code (as subprocess has it) when it has ended.
+Each connection to the Unix socket SOCKET requests one program by a line of JSON: its "path",
+"arguments" and "env", and the "log" file for its output. The answer is a line with the process id,
+and one with the exit code (as in subprocess) when the program has ended.
 """
 
 import importlib
@@ -19,24 +19,24 @@ import socket
 import sys
 from typing import Any, Dict
 
-import roslaunch  # noqa: F401  for forks that run it
+import roslaunch  # noqa: F401  for forks that run roslaunch
 import rospy
 
 import robot_vision
-import robot_vision.ros  # before what imports dynamic_reconfigure
+import robot_vision.ros  # must come before imports of dynamic_reconfigure
 
 
 def import_all() -> None:
-    """What the nodes of this package import."""
+    """Imports everything that the nodes of this package import."""
     for module in pkgutil.walk_packages(robot_vision.__path__, "robot_vision."):
         importlib.import_module(module.name)
 
 
 class Starter:
-    """Waits for requests and for ends of processes."""
+    """Waits for requests and for processes to end."""
 
     def __init__(self, path: str):
-        self._running: Dict[int, socket.socket] = {}  # the connections, by process
+        self._running: Dict[int, socket.socket] = {}  # process id -> connection
         self._listener = socket.socket(socket.AF_UNIX)
         self._listener.bind(path)
         self._listener.listen(64)
@@ -46,7 +46,7 @@ class Starter:
         signal.set_wakeup_fd(self._writer)
 
     def next_program(self) -> Dict[str, Any]:
-        """Returns in the process of each program; in this one, never."""
+        """Returns only in the forked processes: the program to run."""
         selector = selectors.DefaultSelector()
         selector.register(self._listener, selectors.EVENT_READ)
         selector.register(self._ends, selectors.EVENT_READ)
@@ -77,7 +77,7 @@ class Starter:
                 connection.sendall(b"%d\n" % code)
 
     def _leave(self) -> None:
-        """Closes all that is not the program's."""
+        """Closes the files of the starter in a forked process."""
         signal.set_wakeup_fd(-1)
         signal.signal(signal.SIGCHLD, signal.SIG_DFL)
         os.close(self._ends)
@@ -87,7 +87,7 @@ class Starter:
 
 
 def become(program: Dict[str, Any]) -> None:
-    """Makes this process what it would be if the program had been started by itself."""
+    """Makes this process look as if the program had been started on its own."""
     os.setsid()
     log = os.open(program["log"], os.O_WRONLY)
     for stream in (sys.stdout.fileno(), sys.stderr.fileno()):
@@ -96,11 +96,11 @@ def become(program: Dict[str, Any]) -> None:
     os.environ.clear()
     os.environ.update(program["env"])
     os.chdir(program["cwd"])
-    sys.argv[:] = [program["path"], *program["arguments"]]  # in place: roslaunch holds on to it
+    sys.argv[:] = [program["path"], *program["arguments"]]  # in place, as roslaunch refers to it
     sys.path[0] = os.path.dirname(program["path"])
     if "PYTHONUNBUFFERED" in program["env"]:
         sys.stdout.reconfigure(line_buffering=True)
-    rospy.names.reload_mappings(sys.argv)  # it has read them when it was imported
+    rospy.names.reload_mappings(sys.argv)  # rospy read them when it was imported
 
 
 import_all()

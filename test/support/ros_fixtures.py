@@ -1,4 +1,4 @@
-"""A private master for all tests of nodes, and processes that are gone after each test."""
+"""A private ROS master for all tests of nodes, and processes that end with each test."""
 
 import contextlib
 import itertools
@@ -22,7 +22,7 @@ def pytest_collection_modifyitems(items):
 
 @pytest.fixture(scope="session")
 def master(tmp_path_factory):
-    """A ROS master of our own, and this process as a node of it."""
+    """A private ROS master; this process becomes one of its nodes."""
     folder = tmp_path_factory.mktemp("ros")
     port = support.free_port()
     os.environ.update(
@@ -52,17 +52,17 @@ def python_starter(master, tmp_path_factory):
 
 @pytest.fixture
 def subscriptions_end():
-    """Those of a test end with it."""
+    """Ends the subscriptions of each test."""
     yield
     for messages in list(support.open_messages):
         messages.close()
 
 
 def forget(node):
-    """Has the master forget an ended node, which a parameter that its log asked for keeps known.
+    """Makes the master forget an ended node, which it knows by a parameter that the log requested.
 
-    Another program may get its port, and the master would shut that down with the next node of this
-    name.
+    Otherwise, if another program got the node's port, the master would shut that program down when
+    the next node of this name starts.
     """
     import rosgraph
 
@@ -73,7 +73,7 @@ def forget(node):
 
 @contextlib.contextmanager
 def starting(folder, request):
-    """What the fixtures start and start_once give; ends what they have started."""
+    """The function that the fixtures start and start_once give; it ends what it has started."""
     import rosgraph
     import rospy
 
@@ -95,24 +95,24 @@ def starting(folder, request):
     nodes = {
         node for kind in rosgraph.Master("/test").getSystemState() for _, by in kind for node in by
     }
-    for process in processes:  # all, before one is waited for
+    for process in processes:  # all are stopped before one is waited for
         process.interrupt()
     for process in processes:
         process.end()
-        print(f"{process}:\n{process.output()[-4000:]}")  # shown of tests that fail
+        print(f"{process}:\n{process.output()[-4000:]}")  # pytest shows it if the test fails
     for node in nodes:
         forget(node)
     for name in {name.split("/")[1] for name in set(rospy.get_param_names()) - before}:
-        rospy.delete_param("/" + name)  # with all below it: maps would leave their empty shells
+        rospy.delete_param("/" + name)  # with all below it, else empty maps stay
 
 
 @pytest.fixture
 def start(tmp_path, request):
-    """Starts a command of this package or a path; start(name, "arg", ..., env={...}).
+    """start(name, "arg", ..., env={...}) starts a command of this package, or a path.
 
-    Python programs of this package and roslaunch are forked, unless `fork` is False: a test of how
-    they start and end runs the interpreter itself. At the end of the test all are stopped and
-    parameters forgotten.
+    Python programs of this package and roslaunch are forked from a common process unless `fork` is
+    False; tests of how they start and end run the interpreter itself. At the end of the test all
+    processes are stopped and their parameters deleted.
     """
     with starting(tmp_path, request) as start_process:
         yield start_process
@@ -120,7 +120,7 @@ def start(tmp_path, request):
 
 @pytest.fixture(scope="module")
 def start_once(tmp_path_factory, request):
-    """As start, for what all tests of a file share: it ends after the last of them."""
+    """Like start, for processes that all tests of a file share: they end after the last test."""
     with starting(tmp_path_factory.mktemp("once"), request) as start_process:
         yield start_process
 
@@ -132,12 +132,12 @@ def diagnostics():
 
 @pytest.fixture(scope="module")
 def x_server(start_once, tmp_path_factory):
-    """A virtual X server: its number, and its frame buffer's file."""
+    """A virtual X server: its display number and the file of its frame buffer."""
     folder = tmp_path_factory.mktemp("x")
-    # Without -noreset it turns clients away whenever the last one has gone, as xdotool does.
+    # Without -noreset it resets, and refuses clients, whenever the last one (xdotool) leaves.
     options = ["-displayfd", "1", "-noreset", "-fbdir", folder, "-screen", "0", "1400x1100x24"]
     process = start_once(shutil.which("Xvfb"), *options)
-    # It complains first of the numbers that other servers have.
+    # It first prints errors about display numbers that are in use.
     number = support.wait_for(
         lambda: re.findall(r"^\d+\n", process.output(), re.MULTILINE), "the X server"
     )
@@ -146,7 +146,7 @@ def x_server(start_once, tmp_path_factory):
 
 @pytest.fixture
 def display(x_server, monkeypatch):
-    """The X server is that of this process and its children; gives its frame buffer's file."""
+    """Uses the X server in this process and its children; gives the file of its frame buffer."""
     number, frame_buffer = x_server
     monkeypatch.setenv("DISPLAY", number)
     return frame_buffer
@@ -154,7 +154,7 @@ def display(x_server, monkeypatch):
 
 @pytest.fixture
 def log(capfd):
-    """log() is all that this process has logged in the test: rospy's lines, then roscpp's."""
+    """log() gives all that this process has logged in the test: rospy's lines, then roscpp's."""
 
     rospy_lines, roscpp_output = [], []
     handler = logging.Handler()
@@ -171,7 +171,7 @@ def log(capfd):
 
 @pytest.fixture
 def run_main(monkeypatch, capsys):
-    """run_main(main, words): runs a command here; its exit code and its output."""
+    """run_main(main, words) runs a command in this process: its exit code and output."""
 
     def run(main, words):
         monkeypatch.setattr(sys, "argv", list(map(str, words)))

@@ -1,8 +1,8 @@
-"""A robot on a floor with a line: how it moves, and what its camera sees. Exact and deterministic.
+"""A robot on a floor with a line: its motion and the view of its camera, exact and deterministic.
 
-The pictures are drawn as those of the synthetic scene, by its rays, textures and anti-aliasing.
-The floor is that of track.py. The robot's own frame is that of REP 103: x forward, y left, the
-origin between the wheels.
+Images are drawn like those of the synthetic scene, with exact rays, textures and anti-aliasing. The
+floor is that of track.py. The robot's frame is that of REP 103: x forward, y left, the origin
+between the wheels.
 """
 
 import math
@@ -17,16 +17,16 @@ from robot_vision import CameraModel, FloorScene
 
 LINE_WIDTH = 0.06  # m, as kSceneLineWidth
 LINE_COLOUR = (40, 190, 225)  # BGR: hue 24, saturation 210, within the line follower's range
-FLOOR_COLOUR = (150, 150, 150)  # BGR: no saturation, out of it
+FLOOR_COLOUR = (150, 150, 150)  # BGR: no saturation, out of that range
 
 
 class DifferentialDrive:
     """Two driven wheels: the unicycle model, integrated exactly over each step.
 
     Attributes:
-        pose: where the robot is.
-        linear: its speed, m/s.
-        angular: its turn, rad/s, counter-clockwise.
+        pose: the robot's pose on the floor.
+        linear: the present speed, m/s.
+        angular: the present turn rate, rad/s, counter-clockwise.
     """
 
     def __init__(
@@ -36,7 +36,7 @@ class DifferentialDrive:
         linear_acceleration: float = math.inf,
         angular_acceleration: float = math.inf,
     ) -> None:
-        """Wheel distance in m, largest accelerations in m/s^2 and rad/s^2."""
+        """The wheel distance is in m, the largest accelerations in m/s^2 and rad/s^2."""
         self.pose = pose or Pose()
         self.linear = 0.0
         self.angular = 0.0
@@ -45,24 +45,24 @@ class DifferentialDrive:
         self._angular_acceleration = angular_acceleration
 
     def drive(self, linear: float, angular: float, dt: float) -> Pose:
-        """Drives on for `dt` s; both speeds change, as far as they may in `dt`, at its start."""
+        """Drives for `dt` s. At its start both speeds change as far as they may in that time."""
         self.linear = _approach(self.linear, linear, self._linear_acceleration * dt)
         self.angular = _approach(self.angular, angular, self._angular_acceleration * dt)
         self.pose = self.pose.along_arc(self.linear * dt, self.angular * dt)
         return self.pose
 
     def drive_wheels(self, left: float, right: float, dt: float) -> Pose:
-        """As drive(), with the speeds of the wheels over the floor, m/s."""
+        """Like drive(), with the speeds of the wheels over the floor, m/s."""
         return self.drive((left + right) / 2.0, (right - left) / self._wheel_distance, dt)
 
 
 @dataclass(frozen=True)
 class FloorCamera:
-    """A pinhole camera on the robot, looking ahead and down so far that it sees only floor."""
+    """A pinhole camera on the robot that looks ahead and so far down that it sees only floor."""
 
     width: int = 320  # px
     height: int = 240  # px
-    focal: float = 277.0  # px: 60 degrees across
+    focal: float = 277.0  # px; a horizontal field of view of 60 degrees
     forward: float = 0.1  # m ahead of the wheels
     above: float = 0.2  # m above the floor
     pitch: float = 0.6  # rad, downwards
@@ -79,7 +79,7 @@ class FloorCamera:
         return CameraModel(self.width, self.height - top, np.array(matrix))
 
     def pose_on(self, robot: Pose) -> np.ndarray:
-        """The camera's optical frame (x right, y down, z ahead) in the floor's: 4x4, m."""
+        """The camera's optical frame (x right, y down, z ahead) in the floor's frame: 4x4, m."""
         cos, sin = math.cos(robot.heading), math.sin(robot.heading)
         ahead, left, up = np.array([cos, sin, 0.0]), np.array([-sin, cos, 0.0]), np.eye(3)[2]
         level, steep = math.cos(self.pitch), math.sin(self.pitch)
@@ -91,7 +91,7 @@ class FloorCamera:
         return pose
 
     def floor_points(self) -> Tuple[np.ndarray, np.ndarray]:
-        """Where the pixels' rays meet the floor.
+        """The points where the rays of the pixels meet the floor.
 
         Returns:
             Forward and left in the robot's frame, m: (height, width) float32 each.
@@ -107,10 +107,10 @@ class FloorCamera:
 
 
 class TrackWorld:
-    """A grey floor with a yellow line along a track, as the robot's camera sees it."""
+    """A gray floor with a yellow line along a track, as the robot's camera sees it."""
 
-    _TEXEL = 0.0025  # m of the floor
-    _NOISE_PLACES = 1 << 16  # where the noise of a frame may begin
+    _TEXEL = 0.0025  # m, on the floor
+    _NOISE_PLACES = 1 << 16  # places in the noise where that of a frame may begin
 
     def __init__(
         self,
@@ -119,23 +119,23 @@ class TrackWorld:
         noise: float = 2.0,
         seed: int = 1,
     ) -> None:
-        """`noise` is the standard deviation of the pixel noise in grey levels, `seed` its seed."""
+        """`noise` is the standard deviation of the pixel noise in gray levels, `seed` its seed."""
         self.track = track
         self.camera = camera or FloorCamera()
         self._floor, self._size, self._middle = _paint(track, self._TEXEL)
-        self._scenes: Dict[int, FloorScene] = {}  # by the first row that is drawn
+        self._scenes: Dict[int, FloorScene] = {}  # first drawn row -> scene
         random = np.random.RandomState(seed)
         values = self.camera.height * self.camera.width * 3 + self._NOISE_PLACES
         self._noise = np.rint(random.normal(0.0, noise, values)).astype(np.int16)
         self._begins = random.randint(0, self._NOISE_PLACES, 4096)
 
     def render(self, pose: Pose, frame: int = 0, top: int = 0) -> np.ndarray:
-        """The picture from a pose, the same for the same arguments.
+        """The image from a pose; the same arguments give the same image.
 
         Args:
-            pose: of the robot.
-            frame: its number; the noise differs from one to the next.
-            top: the first row that is drawn, for who looks at the lower part only.
+            pose: the robot's pose.
+            frame: the number of the frame, on which the noise depends.
+            top: the first row to be drawn, for users of the lower part only.
 
         Returns:
             (height - top, width, 3) uint8, BGR.
@@ -153,7 +153,7 @@ class TrackWorld:
 def _paint(
     track: Track, texel: float
 ) -> Tuple[np.ndarray, Tuple[float, float], Tuple[float, float]]:
-    """The floor around a track from above: its picture, its size, and where its middle is, m.
+    """The floor around a track, seen from above: its image, its size and its middle, m.
 
     Returns:
         (height, width, 3) uint8, BGR, its top towards +x and its left side towards +y; (width,
@@ -174,5 +174,5 @@ def _paint(
 
 
 def _approach(value: float, target: float, most: float) -> float:
-    """`target`, or as near to it as a change by `most` brings `value`."""
+    """Moves `value` towards `target` by `most` at most."""
     return value + min(max(target - value, -most), most)

@@ -1,4 +1,4 @@
-"""What the tests of running nodes share: processes on a private master, topics, deadlines."""
+"""Shared by the tests of running nodes: processes on a private master, topics, deadlines."""
 
 import contextlib
 import functools
@@ -23,16 +23,16 @@ import roslib.packages
 import rospy
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 
-DEADLINE = 60.0  # s, for what takes a moment on an idle machine
+DEADLINE = 60.0  # s; on an idle machine everything takes a moment only
 
 
-arrived = threading.Event()  # a message, since wait_for() looked last
+arrived = threading.Event()  # set by each message, cleared by wait_for()
 
 
 def wait_for(condition: Callable[[], Any], what: str, seconds: float = DEADLINE) -> Any:
-    """The first true value of `condition`; fails the test naming `what` after `seconds`.
+    """Waits for a true value of `condition`; fails the test naming `what` after `seconds`.
 
-    Looks with each message that arrives, and at times, for what else there is.
+    The condition is checked with each message that arrives, and now and then.
     """
     deadline = time.monotonic() + seconds
     while time.monotonic() < deadline:
@@ -45,7 +45,7 @@ def wait_for(condition: Callable[[], Any], what: str, seconds: float = DEADLINE)
 
 
 def slowness() -> float:
-    """How many times longer than alone on the machine this process computes just now."""
+    """How many times slower this process computes now than alone on the machine."""
     work = 0.05  # s
     begin, worked = time.monotonic(), time.thread_time()
     while time.thread_time() - worked < work:
@@ -54,7 +54,7 @@ def slowness() -> float:
 
 
 def has_service(master: rosgraph.Master, service: str) -> bool:
-    """Whether a master that may not be up yet knows the service."""
+    """True if a master, which may not be running yet, knows the service."""
     try:
         return bool(master.lookupService(service))
     except (rosgraph.MasterException, OSError):
@@ -63,7 +63,7 @@ def has_service(master: rosgraph.Master, service: str) -> bool:
 
 @contextlib.contextmanager
 def service_of(master: rosgraph.Master, service: str) -> Iterator[str]:
-    """The name of a service at another master than this process's, for rospy.ServiceProxy."""
+    """Makes a service of another master usable by rospy.ServiceProxy under the name it gives."""
     wait_for(lambda: has_service(master, service), f"the service {service}")
     node, address = service.rpartition("/")[0], master.lookupService(service)
     own = rosgraph.Master(node)
@@ -76,7 +76,7 @@ def service_of(master: rosgraph.Master, service: str) -> Iterator[str]:
 
 @contextlib.contextmanager
 def standing_still(process: "Process") -> Iterator[None]:
-    """What a process that answers nobody is like, and does not close its connections either."""
+    """Stops a process (SIGSTOP), so that it answers nobody but keeps its connections open."""
     os.kill(process.pid, signal.SIGSTOP)
     try:
         yield
@@ -85,16 +85,16 @@ def standing_still(process: "Process") -> Iterator[None]:
 
 
 def free_port() -> int:
-    """A TCP port that nobody listens on, and that no program is given which asks for any."""
+    """A free TCP port that no program gets that asks for any port."""
     while True:
-        port = random.SystemRandom().randrange(11400, 32768)  # Linux gives those from 32768 on
+        port = random.SystemRandom().randrange(11400, 32768)  # Linux gives any ports from 32768 on
         with contextlib.suppress(OSError), socket.socket() as probe:
             probe.bind(("127.0.0.1", port))
             return port
 
 
 def spawn(command: List[str], log: pathlib.Path, env: Dict[str, str]) -> subprocess.Popen:
-    """Starts a command, with its output in `log`."""
+    """Starts a command whose output goes to `log`."""
     with open(log, "wb") as out:
         return subprocess.Popen(
             command,
@@ -110,7 +110,7 @@ class Process:
     """A command under test, with its output in a file.
 
     Args:
-        run: starts it: spawn, or PythonStarter.spawn.
+        run: the function that starts it, spawn or PythonStarter.spawn.
     """
 
     def __init__(
@@ -142,23 +142,23 @@ class Process:
         self._popen.send_signal(signal.SIGINT)
 
     def exit_code(self, seconds: float = DEADLINE) -> int:
-        """Waits for the end; fails with the output if it does not come."""
+        """Waits for the process to end; fails with its output if it does not."""
         try:
             return self._popen.wait(seconds)
         except subprocess.TimeoutExpired:
             raise AssertionError(f"still running after {seconds} s:\n{self.output()}") from None
 
     def prompt_exit_code(self) -> int:
-        """That of a process which has been told to end: a second is promised.
+        """The exit code of a process that was told to end, which must take at most a second.
 
-        On a busy machine it takes longer, but not than this process takes to compute for two more.
+        On a busy machine it may take as long as this process takes for two seconds of computing.
         """
         with contextlib.suppress(subprocess.TimeoutExpired):
             return self._popen.wait(1.0)
         begin = time.thread_time()
         while self.running():
             assert time.thread_time() - begin < 2.0, f"still running:\n{self.output()}"
-        # A stuck Python node is ended by its own watchdog, which says so, with the same code.
+        # A stuck Python node is ended by its watchdog with the same code, but with a message.
         assert "did not end within" not in self.output(), self.output()
         return self.exit_code()
 
@@ -169,11 +169,11 @@ class Process:
         assert text in self.output(), self.output()
 
     def end(self) -> None:
-        """Ends the process and all that it started."""
+        """Ends the process and all its children."""
         if self.running():
             if not self._interrupted:
                 self.interrupt()
-            # roslaunch ends its nodes one by one; killed meanwhile, it would leave the rest.
+            # roslaunch ends its nodes one by one; if it were killed, some would stay.
             with contextlib.suppress(subprocess.TimeoutExpired):
                 self._popen.wait(DEADLINE)
         with contextlib.suppress(ProcessLookupError):
@@ -182,7 +182,7 @@ class Process:
 
 
 class Master:
-    """A master of its own, which can end and be started again in the same place."""
+    """A separate master, which can be ended and started again on the same port."""
 
     def __init__(self, start: Callable[..., Process]):
         self._start = start
@@ -200,7 +200,7 @@ class Master:
 
 
 class PythonStarter:
-    """Starts Python programs without the second of imports that each has: see python_starter.py."""
+    """Starts Python programs without the second that their imports take: see python_starter.py."""
 
     def __init__(self, folder: pathlib.Path):
         self._socket = str(folder / "python")
@@ -209,7 +209,7 @@ class PythonStarter:
 
     def spawn(self, command: List[str], log: pathlib.Path, env: Dict[str, str]) -> "Fork":
         connection = wait_for(self._connect, "the starter of Python programs")
-        log.write_bytes(b"")  # it is looked into at once
+        log.write_bytes(b"")  # it must exist at once for those who read it
         path, *arguments = command
         request = {"path": path, "arguments": arguments, "env": env, "log": str(log)}
         connection.sendall(json.dumps({**request, "cwd": os.getcwd()}).encode() + b"\n")
@@ -230,7 +230,7 @@ class PythonStarter:
 
 
 class Fork:
-    """A process of python_starter.py, as subprocess.Popen has its own."""
+    """A process of python_starter.py with the interface of subprocess.Popen."""
 
     def __init__(self, command: List[str], connection: socket.socket):
         self.args = command
@@ -265,7 +265,7 @@ def executable(name: str) -> str:
 
 
 def node_api(name: str) -> xmlrpc.client.ServerProxy:
-    """What a running node answers of itself (the ROS wiki's Slave API)."""
+    """The XML-RPC interface of a running node (Slave API in the ROS wiki)."""
     return xmlrpc.client.ServerProxy(rosgraph.Master(rospy.get_name()).lookupNode(name))
 
 
@@ -273,7 +273,7 @@ open_messages: "List[Messages]" = []  # closed at the end of each test
 
 
 class Messages:
-    """All messages of a topic since this object was made."""
+    """Collects all messages of a topic from now on."""
 
     def __init__(self, topic: str, kind: Any):
         open_messages.append(self)
@@ -288,7 +288,7 @@ class Messages:
         arrived.set()
 
     def wait(self, count: int = 1, seconds: float = DEADLINE) -> List[Any]:
-        """The first `count` messages."""
+        """Waits for the first `count` messages."""
         wait_for(
             lambda: len(self.received) >= count,
             f"{count} messages on {self._topic}",
@@ -297,14 +297,14 @@ class Messages:
         return self.received[:count]
 
     def of(self, stamp: rospy.Time) -> Any:
-        """The message of this stamp, such as the answer to a frame."""
+        """Waits for the message with this stamp, such as the result of a frame."""
         return wait_for(
             lambda: [message for message in self.received if stamp_of(message) == stamp],
             f"the message of {stamp.to_sec():.3f} s on {self._topic}",
         )[0]
 
     def connected(self) -> bool:
-        """Whether each publisher sends to this: one of rospy begins a bit after it has said so."""
+        """True if each publisher sends to this; rospy starts to a bit after it has said so."""
         topic, me = self._subscriber.resolved_name, rospy.get_name()
         publishers = dict(rosgraph.Master(me).getSystemState()[0]).get(topic, [])
 
@@ -320,7 +320,7 @@ class Messages:
 
 
 def windows() -> Dict[str, str]:
-    """The names of the windows that can be seen, with their numbers."""
+    """The visible windows: name -> number."""
     search = ["xdotool", "search", "--onlyvisible", "--name", "."]
     found = subprocess.run(search, stdout=subprocess.PIPE, check=False, text=True).stdout.split()
     names = {}
@@ -346,8 +346,8 @@ def assert_fatal_at_start(start: Any, node: str, name: str, value: Any, text: st
     """Asserts that a Python node ends with code 1 and one FATAL line that has `text` in it.
 
     Args:
-        start: the fixture.
-        name: of the private parameter that is set to `value`.
+        start: the fixture of that name.
+        name: the private parameter that is set to `value`.
     """
     rospy.set_param("/bad/" + name, value)
     process = start(node, "__name:=bad")
@@ -363,7 +363,7 @@ def stamp_of(message: Any) -> rospy.Time:
 
 
 def same_frame(*topics: Messages) -> List[Any]:
-    """One message of each topic, all of the same stamp."""
+    """Waits for one message of each topic, all with the same stamp."""
 
     def common() -> Set[Any]:
         return set.intersection(*({stamp_of(m) for m in t.received} for t in topics))
@@ -373,7 +373,7 @@ def same_frame(*topics: Messages) -> List[Any]:
 
 
 class Diagnostics:
-    """The last status of every node on /diagnostics."""
+    """Keeps the last status of every node on /diagnostics."""
 
     def __init__(self) -> None:
         self._statuses: Dict[str, DiagnosticStatus] = {}
@@ -385,7 +385,7 @@ class Diagnostics:
         arrived.set()
 
     def next(self, node: str) -> DiagnosticStatus:
-        """The next status of `node` ("camera") that comes in."""
+        """Waits for the next status of `node` ("camera")."""
         self._statuses.pop(node, None)
         wait_for(lambda: node in self._statuses, "diagnostics of " + node)
         return self._statuses[node]

@@ -1,4 +1,4 @@
-"""What the tests of tags share: pictures of tags at known poses, and a detector that sees them."""
+"""Shared by the tests of tags: images of tags with known poses, and a detector for them."""
 
 import itertools
 
@@ -18,7 +18,7 @@ SQUARE = SIZE * np.array([[-0.5, -0.5, 0], [0.5, -0.5, 0], [0.5, 0.5, 0], [-0.5,
 
 
 def facing(x, y, z, turn=(0.0, 0.0, 0.0)):
-    """The pose, 4x4, of a tag that looks at the camera, turned by a rotation vector of its own."""
+    """The pose (4x4) of a tag that faces the camera and is then turned by a rotation vector."""
     pose = np.eye(4)
     pose[:3, :3] = np.diag([1.0, -1.0, -1.0]) @ cv2.Rodrigues(np.array(turn))[0]
     pose[:3, 3] = x, y, z
@@ -31,7 +31,7 @@ def corners_of(pose):
 
 
 def picture_of(poses, family="tag36h11"):
-    """A grey picture of tags, [(id, pose), ...]."""
+    """A gray image of tags, [(id, pose), ...]."""
     picture = np.full((480, 640), 150.0)
     for number, pose in poses:
         cells = rv.tag_cells(family, number)
@@ -52,7 +52,7 @@ def picture_of(poses, family="tag36h11"):
 
 
 def matrix_of(pose):
-    """4x4, of a Pose or Transform."""
+    """A Pose or Transform as a 4x4 matrix."""
     place = getattr(pose, "position", None) or pose.translation
     turn = getattr(pose, "orientation", None) or pose.rotation
     x, y, z, w = turn.x, turn.y, turn.z, turn.w
@@ -67,7 +67,7 @@ def matrix_of(pose):
 
 
 def angle_between(a, b):
-    """Degrees."""
+    """The angle between two rotations in degrees."""
     return np.degrees(np.linalg.norm(cv2.Rodrigues(a[:3, :3].T @ b[:3, :3])[0]))
 
 
@@ -83,7 +83,7 @@ def calibrated(width=640, height=480, matrix=K, model="plumb_bob"):
 
 
 class Studio:
-    """A camera at 10 Hz of its own time, and what the node says of its frames."""
+    """A camera with frames at 10 Hz of simulated stamps, and the node's answers to them."""
 
     def __init__(self, start, *arguments, info=None, tag_size=SIZE):
         topic = new_topic()
@@ -102,11 +102,11 @@ class Studio:
         support.wait_for(self.tags.connected, "~tags")
 
     def show(self, picture, encoding="mono8", frame_id="eye"):
-        """Shows a picture; what the node has found in it."""
+        """Sends an image and waits for the tags that the node finds in it."""
         return self.tags.of(self.send(picture, encoding, frame_id))
 
     def send(self, picture, encoding="mono8", frame_id="eye"):
-        """Shows a picture; its stamp."""
+        """Sends an image and returns its stamp."""
         sent = message(picture, encoding)
         sent.header.stamp = rospy.Time.from_sec(next(self._numbers) / 10.0)
         sent.header.frame_id = frame_id
@@ -116,11 +116,11 @@ class Studio:
         return sent.header.stamp
 
     def wait_for_subscribers(self, count):
-        """Until so many look at the pictures."""
+        """Waits for this many subscribers of the images."""
         self._source.wait_for(count)
 
     def show_until(self, condition, picture, encoding="mono8"):
-        """Shows a picture until the answer is so; the answer."""
+        """Sends an image until the answer satisfies the condition; returns that answer."""
         for _ in range(100):
             answer = self.show(picture, encoding)
             if condition(answer):

@@ -1,4 +1,4 @@
-"""Pictures of tags, rendered through a lens, with blur and noise."""
+"""Images of tags, rendered through a lens, with blur and noise."""
 
 import cv2
 import numpy as np
@@ -19,17 +19,17 @@ CAMERA = CAMERAS["plumb_bob"]
 
 
 def undistorted(pixels, camera):
-    """x / z and y / z of pixels, (n, 2)."""
+    """x / z and y / z of the rays of pixels, (n, 2)."""
     lens = np.asarray(pixels, float)[:, None], camera.K, np.array(camera.D)
     if camera.distortion_model == "equidistant":
         return cv2.fisheye.undistortPoints(*lens)[:, 0]
     until = cv2.TERM_CRITERIA_COUNT | cv2.TERM_CRITERIA_EPS, 100, 1e-9
-    # cv2.undistortPoints stops too early.
+    # cv2.undistortPoints alone stops too early.
     return cv2.undistortPointsIter(*lens, None, None, until)[:, 0]
 
 
 def rays_of(camera):
-    """x / z and y / z of all pixels, (height, width, 2)."""
+    """x / z and y / z of the rays of all pixels, (height, width, 2)."""
     pixels = np.mgrid[: camera.height, : camera.width][::-1].reshape(2, -1).T
     return undistorted(pixels, camera).reshape(camera.height, camera.width, 2)
 
@@ -40,10 +40,13 @@ RAYS = rays_of(CAMERA)
 def picture_of(
     pose, camera, rays, number, rng, blur=None, noise=3.0, family="tag36h11", size=SIZE, onto=None
 ):
-    """What the camera sees of a tag on white paper before a grey wall.
+    """The camera's image of a tag on white paper in front of a gray wall.
 
-    blur: sigma, px, any from 0.3 to 1 unless told; noise: grey levels, around the tag; size: m;
-    onto: a picture with other tags.
+    Args:
+        blur: sigma in px; None: a random one from 0.3 to 1.
+        noise: standard deviation in gray levels, around the tag.
+        size: of the tag, m.
+        onto: an image with other tags to draw into.
     """
     cells, width = rv.tag_cells(family, number), rv.tag_family(family).width_at_border
     cells = np.pad(cells, 0 if len(cells) == width + 2 else 1, constant_values=255)
@@ -57,7 +60,7 @@ def picture_of(
     rays_of_side = 6 if max(part.shape) < 250 else 3  # per pixel
     fine = cv2.resize(part, None, fx=rays_of_side, fy=rays_of_side, interpolation=cv2.INTER_LINEAR)
     axes, place = pose[:3, :3].T, pose[:3, 3]
-    # From rays to metres on the tag's plane, and to cells: (0, 0) is the first one's middle.
+    # Maps rays to metres on the tag's plane and to cells, where (0, 0) is the first one's middle.
     on_plane = (axes[2] @ place) * axes - np.outer(axes @ place, axes[2])
     on_plane[2] = axes[2]
     middle = (len(cells) - 1) / 2.0
@@ -74,12 +77,12 @@ def picture_of(
 
 
 def turn_of(error):
-    """Degrees, of x, y, z and rotations."""
+    """The angle in degrees of an error (x, y, z and rotations)."""
     return np.degrees(np.linalg.norm(error[3:]))
 
 
 def moving(rng, pixels, frames):
-    """Poses of a tag that moves and turns, 30 a second, as long as it is seen."""
+    """Poses, at 30 Hz, of a tag that moves and turns as long as it is in view."""
     pose = pose_in_view(rng, pixels, np.radians(rng.uniform(0, 50)))
     shift, turn = rng.uniform(-0.15, 0.15, 3) / 30.0, turned(rng.uniform(-0.7, 0.7, 3) / 30.0)
     for _ in range(frames):
@@ -90,7 +93,7 @@ def moving(rng, pixels, frames):
 
 
 def badly_calibrated(rng, error):
-    """The camera with numbers that are off, by this on (root mean square) average, px."""
+    """The camera with wrong parameters: a root mean square error of `error` px."""
     pixels = np.mgrid[20:640:60, 20:480:60].reshape(2, -1).T.astype(float)
     points = np.column_stack([undistorted(pixels, CAMERA), np.ones(len(pixels))])
     lens = rng.normal(0.0, [0.02, 0.05, 0.001, 0.001, 0.0])

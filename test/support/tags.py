@@ -1,4 +1,4 @@
-"""Tags as cameras see them, with everything known."""
+"""Views of tags by a camera, with known poses."""
 
 import cv2
 import numpy as np
@@ -29,7 +29,7 @@ def matrix(rotation, place):
 
 
 def pose_in_view(rng, pixels, tilt):
-    """A tag with sides of so many pixels if it faces the camera, turned away by `tilt`, rad."""
+    """A random pose of a tag whose sides have `pixels` px when it faces the camera; tilt in rad."""
     distance = K[0, 0] * SIZE / pixels
     reach = 0.3 if pixels < 200 else 0.1
     place = distance * np.array([rng.uniform(-reach, reach), rng.uniform(-reach, reach) * 0.7, 1.0])
@@ -42,7 +42,7 @@ def pose_in_view(rng, pixels, tilt):
 
 
 def corners_of(pose, camera, size=SIZE):
-    """(4, 2) px."""
+    """The corners of a tag in the image, (4, 2) px."""
     return camera.project(size * SQUARE @ pose[:3, :3].T + pose[:3, 3])[0]
 
 
@@ -56,12 +56,12 @@ def faces_camera(pose):
 
 
 def error_of(pose, truth):
-    """x, y, z (m) and rotations about x, y, z (rad) from a pose to the truth, camera's axes."""
+    """x, y, z (m) and rotations about x, y, z (rad) from a pose to the truth, in camera axes."""
     turn = cv2.Rodrigues(truth[:3, :3] @ pose[:3, :3].T)[0][:, 0]
     return np.concatenate([truth[:3, 3] - pose[:3, 3], turn])
 
 
 def squared_error(estimate, truth):
-    """The squared error by the covariance: 6 on average, if that is right."""
+    """The squared error divided by the covariance: 6 on average if the covariance is right."""
     error = error_of(estimate.pose, truth)
     return error @ np.linalg.solve(estimate.covariance, error)

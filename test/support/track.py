@@ -12,14 +12,14 @@ import numpy as np
 
 @dataclass(frozen=True)
 class Pose:
-    """Where something is and where it faces: m, m, rad."""
+    """A position and a heading on the floor: m, m, rad."""
 
     x: float = 0.0
     y: float = 0.0
     heading: float = 0.0
 
     def along_arc(self, length: float, angle: float) -> "Pose":
-        """After an arc of `length` m over which the heading turns left by `angle` rad. Exact."""
+        """The exact pose after an arc of `length` m that turns the heading left by `angle` rad."""
         # The chord of the arc has the heading of its middle; np.sinc(t / pi) is sin(t) / t.
         chord = length * float(np.sinc(angle / (2.0 * math.pi)))
         middle = self.heading + angle / 2.0
@@ -32,14 +32,14 @@ class Pose:
 
 @dataclass(frozen=True)
 class Segment:
-    """A piece of a track: its length, m, and the angle that it turns left, rad; 0 is straight."""
+    """A piece of a track: its length (m) and its turn to the left (rad), 0 if it is straight."""
 
     length: float
     angle: float = 0.0
 
 
 class Track:
-    """A curve on the floor made of straights and arcs, each beginning where the last one ends."""
+    """A curve on the floor of straights and arcs, each of which starts at the end of the last."""
 
     _SLACK = 1e-4  # m by which pieces overlap, so that rounding leaves no gap at a joint
 
@@ -52,7 +52,7 @@ class Track:
 
     @property
     def end(self) -> Pose:
-        """Where the last piece ends: the start again, a full turn later, if the track is closed."""
+        """The end of the last piece: if the track is closed, the start plus a full turn."""
         return self.starts[-1]
 
     def mirrored(self) -> "Track":
@@ -67,8 +67,8 @@ class Track:
         return Track(turned, Pose(self.end.x, self.end.y, self.end.heading + math.pi))
 
     def bounds(self, margin: float) -> Tuple[float, float, float, float]:
-        """Where the track and `margin` around it end: largest and smallest y, smallest and largest
-        x, m."""
+        """The bounds of the track with `margin` around it: largest and smallest y, smallest and
+        largest x, m."""
         points = [
             start.along_arc(part * segment.length, part * segment.angle)
             for start, segment in zip(self.starts, self.segments)
@@ -78,22 +78,22 @@ class Track:
         return max(y) + margin, min(y) - margin, min(x) - margin, max(x) + margin
 
     def lateral_error(self, x: float, y: float) -> float:
-        """Distance of a point left of the track (right: negative), m; NaN beyond an open end."""
+        """Distance (m) of a point from the track, positive on its left; NaN beyond an open end."""
         return float(self.locate(np.array([x]), np.array([y]))[0][0])
 
     def progress(self, x: float, y: float) -> float:
-        """Length of the track up to the place nearest to a point, m; NaN beyond an open end."""
+        """Length (m) of the track up to its point nearest to a point; NaN beyond an open end."""
         return float(self.locate(np.array([x]), np.array([y]))[1][0])
 
     def locate(
         self, x: np.ndarray, y: np.ndarray, within: float = math.inf
     ) -> Tuple[np.ndarray, np.ndarray]:
-        """Lateral error and progress, m, of points; NaN beside the ends of an open track.
+        """Lateral error and progress (m) of points; NaN beyond the ends of an open track.
 
         Args:
             x: (n,), m.
             y: (n,), m.
-            within: points further than this from the track may be NaN, too, which is faster, m.
+            within: points farther than this (m) from the track may be NaN, too, which is faster.
         """
         lateral, progress = np.full_like(x, np.nan), np.full_like(x, np.nan)
         middle_x, middle_y = (x.max() + x.min()) / 2.0, (y.max() + y.min()) / 2.0
@@ -106,7 +106,7 @@ class Track:
                 ahead, left = _from(start, x, y)
                 at, along, off = _beside(segment, ahead, left, within)
                 on_piece = (along >= -self._SLACK) & (along <= segment.length + self._SLACK)
-                nearer = on_piece & ~(np.abs(off) >= np.abs(lateral[at]))  # than NaN everything is
+                nearer = on_piece & ~(np.abs(off) >= np.abs(lateral[at]))  # NaN counts as far
                 lateral[at[nearer]] = off[nearer]
                 progress[at[nearer]] = along[nearer] + before
             before += segment.length
@@ -114,7 +114,7 @@ class Track:
 
 
 def _from(start: Pose, x: np.ndarray, y: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
-    """Points as seen from a pose: forward and left, m."""
+    """Points in the frame of a pose: forward and left, m."""
     cos, sin = math.cos(start.heading), math.sin(start.heading)
     dx, dy = x - start.x, y - start.y
     return dx * cos + dy * sin, dy * cos - dx * sin
@@ -123,29 +123,29 @@ def _from(start: Pose, x: np.ndarray, y: np.ndarray) -> Tuple[np.ndarray, np.nda
 def _beside(
     segment: Segment, ahead: np.ndarray, left: np.ndarray, within: float
 ) -> Tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Points within a distance of the curve that a segment is part of.
+    """Points within a distance of the line or circle that a segment is part of.
 
     Returns:
-        Their indices, how far along the curve they lie, m, and how far left of it, m.
+        Their indices, and their distances along the curve and to the left of it, m.
     """
     if segment.angle == 0.0:
         at = np.flatnonzero(np.abs(left) <= within)
         return at, ahead[at], left[at]
     side = math.copysign(1.0, segment.angle)
     radius = segment.length / abs(segment.angle)
-    inward = radius - side * left  # from the point to the centre
+    inward = radius - side * left  # component of the vector from the point to the centre
     off = side * (radius - np.sqrt(ahead * ahead + inward * inward))
     at = np.flatnonzero(np.abs(off) <= within)
     turned = np.arctan2(ahead[at], inward[at])
-    # Of the circle's rest, the half nearer to the end lies ahead, and the other behind.
+    # The rest of the circle is split in two: one half counts as ahead, the other as behind.
     turned[turned < abs(segment.angle) / 2.0 - math.pi] += 2.0 * math.pi
     return at, turned * radius, off[at]
 
 
 def course_track(radius: float = 0.9) -> Track:
-    """A closed track, anti-clockwise: a straight, two half circles, and a dent on the far side.
+    """A closed track, counter-clockwise: a straight, two half circles, a dent on the far side.
 
-    Its curves turn left and right with `radius` m.
+    Its curves to the left and right have a radius of `radius` m.
     """
     eighth = math.pi / 4.0
     half_circle = Segment(math.pi * radius, math.pi)
