@@ -59,7 +59,7 @@ std::string repeated(const std::string& text, int times)
   return all;
 }
 
-/// A few lines that mean more values than there are atoms.
+/// A few lines of YAML whose aliases stand for an astronomical number of values.
 std::string bomb()
 {
   std::string text = "a0: &a0 [1, 2, 3, 4, 5, 6, 7, 8, 9]\n";
@@ -73,7 +73,7 @@ std::string bomb()
 
 }  // namespace
 
-TEST(Files, onlyFilesAreReadAndReplaced)
+TEST(Files, onlyRegularFilesAreReadAndReplaced)
 {
   const TempFolder folder;
   const std::string path = (folder.path() / "odd.yaml").string();
@@ -101,7 +101,7 @@ TEST(Files, onlyFilesAreReadAndReplaced)
   }
 }
 
-TEST(Files, noMoreIsReadThanAllowed)
+TEST(Files, notMoreThanTheLimitIsRead)
 {
   const TempFolder folder;
   const std::string path = (folder.path() / "file").string();
@@ -110,14 +110,14 @@ TEST(Files, noMoreIsReadThanAllowed)
   EXPECT_EQ(readFile(path, data.size()), data);
   EXPECT_EQ(errorOf([&] { readFile(path, data.size() - 1); }),
             path + " cannot be read: it has 2 MB, must have at most 1");
-  fs::resize_file(path, std::uintmax_t{1} << 40);  // would not fit into the memory
+  fs::resize_file(path, std::uintmax_t{1} << 40);  // too large for the memory
   EXPECT_NE(errorOf([&] { readFile(path, 1 << 20); }).find("it has 1048576 MB, must have at most 1"),
             std::string::npos);
-  // Its size is said to be 0.
+  // The kernel states that this file has a size of 0.
   EXPECT_NE(errorOf([&] { readFile("/proc/kallsyms", 1000); }).find("must have at most 0"), std::string::npos);
 }
 
-TEST(Files, replacedOnesKeepModeAndOwner)
+TEST(Files, replacedFilesKeepModeAndOwner)
 {
   const TempFolder folder;
   const std::string path = (folder.path() / "file.yaml").string();
@@ -139,7 +139,7 @@ TEST(Files, replacedOnesKeepModeAndOwner)
   EXPECT_EQ(namesIn(folder.path().string()).size(), 2u);
 }
 
-TEST(Files, hostileYamlIsRefusedInOneLine)
+TEST(Files, hostileYamlIsRefusedWithOneLine)
 {
   const std::vector<std::pair<std::string, std::string>> hostile = {
       {bomb(), "more than 10000 values"},

@@ -26,7 +26,7 @@ Bytes serialized(const Message& message)
   return bytes;
 }
 
-/// A message that claims to have `count` bytes of data, and has none.
+/// A serialized message that claims to have `count` bytes of data but has none.
 template <class Message>
 Bytes claiming(std::uint32_t count)
 {
@@ -36,7 +36,7 @@ Bytes claiming(std::uint32_t count)
   return bytes;
 }
 
-/// The most memory that the process has ever had, bytes.
+/// The peak memory of the process, bytes.
 std::size_t peak()
 {
   rusage usage{};
@@ -53,13 +53,13 @@ class BoundedReadingOf : public testing::Test
 using Messages = testing::Types<sensor_msgs::Image, sensor_msgs::CompressedImage>;
 TYPED_TEST_SUITE(BoundedReadingOf, Messages);
 
-TYPED_TEST(BoundedReadingOf, takesNoMemoryForBytesThatDoNotCome)
+TYPED_TEST(BoundedReadingOf, takesNoMemoryForMissingBytes)
 {
   for (const std::uint32_t count : {1u, 0x80000000u, 0xFFFFFFFFu})
   {
     Bytes bytes = claiming<TypeParam>(count);
     TypeParam message;
-    message.data = {1, 2, 3};  // of the frame before
+    message.data = {1, 2, 3};  // left from the frame before
     const std::size_t before = peak();
     readBounded(bytes.data(), static_cast<std::uint32_t>(bytes.size()), message);
     EXPECT_TRUE(message.data.empty());
@@ -68,7 +68,7 @@ TYPED_TEST(BoundedReadingOf, takesNoMemoryForBytesThatDoNotCome)
   }
 }
 
-TYPED_TEST(BoundedReadingOf, readsWhatIsWhole)
+TYPED_TEST(BoundedReadingOf, readsCompleteMessages)
 {
   TypeParam whole;
   whole.header.frame_id = "camera";
@@ -80,7 +80,7 @@ TYPED_TEST(BoundedReadingOf, readsWhatIsWhole)
   EXPECT_EQ(message, whole);
 }
 
-TYPED_TEST(BoundedReadingOf, leavesNoDataInWhatIsCutShort)
+TYPED_TEST(BoundedReadingOf, leavesNoDataInTruncatedMessages)
 {
   TypeParam whole;
   whole.header.frame_id = "camera";
@@ -95,7 +95,7 @@ TYPED_TEST(BoundedReadingOf, leavesNoDataInWhatIsCutShort)
   }
 }
 
-/// With as many coefficients as it claims to have; those are the first thing behind the name of the model.
+/// A serialized CameraInfo that claims to have `count` coefficients, whose number follows the name of the model.
 Bytes claimingCoefficients(const sensor_msgs::CameraInfo& info, std::uint32_t count)
 {
   sensor_msgs::CameraInfo before = info;
@@ -119,9 +119,10 @@ sensor_msgs::CameraInfo plumbBob()
   return info;
 }
 
-TEST(BoundedReadingOfCameraInfo, takesNoMemoryForCoefficientsThatDoNotCome)
+TEST(BoundedReadingOfCameraInfo, takesNoMemoryForMissingCoefficients)
 {
-  for (const std::uint32_t count : {100u, 0x20000000u, 0x40000001u, 0xFFFFFFFFu})  // of 8 bytes: two wrap to 0 and 8
+  for (const std::uint32_t count :
+       {100u, 0x20000000u, 0x40000001u, 0xFFFFFFFFu})  // times 8 bytes, two of them wrap to 0 and 8
   {
     Bytes bytes = claimingCoefficients(plumbBob(), count);
     sensor_msgs::CameraInfo info = plumbBob();
@@ -132,7 +133,7 @@ TEST(BoundedReadingOfCameraInfo, takesNoMemoryForCoefficientsThatDoNotCome)
   }
 }
 
-TEST(BoundedReadingOfCameraInfo, readsWhatIsWhole)
+TEST(BoundedReadingOfCameraInfo, readsCompleteMessages)
 {
   Bytes bytes = serialized(plumbBob());
   sensor_msgs::CameraInfo info;
@@ -140,7 +141,7 @@ TEST(BoundedReadingOfCameraInfo, readsWhatIsWhole)
   EXPECT_EQ(info, plumbBob());
 }
 
-/// A request as roscpp hands it on.
+/// A service call as roscpp passes it on.
 ros::ServiceCallbackHelperCallParams callWith(const Bytes& bytes)
 {
   ros::ServiceCallbackHelperCallParams call;
@@ -151,7 +152,7 @@ ros::ServiceCallbackHelperCallParams callWith(const Bytes& bytes)
   return call;
 }
 
-TEST(BoundedService, isCalledWithWholeRequestsOnly)
+TEST(BoundedService, isCalledForCompleteRequestsOnly)
 {
   int calls = 0;
   const ros::AdvertiseServiceOptions options =
@@ -166,7 +167,7 @@ TEST(BoundedService, isCalledWithWholeRequestsOnly)
   auto whole = callWith(serialized(plumbBob()));
   EXPECT_TRUE(options.helper->call(whole));
   sensor_msgs::SetCameraInfo::Response response;
-  constexpr std::uint32_t kPrefix = 5;  // whether it is served, and how long the response is
+  constexpr std::uint32_t kPrefix = 5;  // bytes: the success flag and the length of the response
   ros::serialization::IStream answer(whole.response.buf.get() + kPrefix,
                                      static_cast<std::uint32_t>(whole.response.num_bytes) - kPrefix);
   ros::serialization::deserialize(answer, response);
@@ -179,19 +180,19 @@ TEST(BoundedService, isCalledWithWholeRequestsOnly)
   EXPECT_EQ(calls, 1);
 }
 
-TEST(BoundedService, takesNoMemoryForSettingsThatDoNotCome)
+TEST(BoundedService, takesNoMemoryForMissingSettings)
 {
   const ros::AdvertiseServiceOptions options =
       boundedService<dynamic_reconfigure::Reconfigure>("set_parameters", [](auto&, auto&) { return true; });
-  Bytes bytes = serialized(dynamic_reconfigure::Config());  // five lists, of which the first is of bools
-  bytes[3] = 0x04;                                          // 2^26 of them, which take 2.5 GB
+  Bytes bytes = serialized(dynamic_reconfigure::Config());  // five lists; the first one contains bools
+  bytes[3] = 0x04;                                          // claims 2^26 bools, which take 2.5 GB
   const std::size_t before = peak();
   auto call = callWith(bytes);
   EXPECT_THROW(options.helper->call(call), ros::serialization::StreamOverrunException);
   EXPECT_LT(peak() - before, std::size_t{1} << 24);
 }
 
-TEST(ImagePool, keepsNoMoreThanItMay)
+TEST(ImagePool, keepsNoMoreThanItsLimit)
 {
   const ImagePool pool;
   pool.take({1 << 13, (1 << 14) + 1}, "mono8").reset();
@@ -204,7 +205,7 @@ TEST(ImagePool, keepsNoMoreThanItMay)
   EXPECT_LE(pool.kept(), ImagePool::kMaxKept);
 }
 
-TEST(ImagePool, letsGoWhatIsFarLargerThanWhatComes)
+TEST(ImagePool, releasesMemoryFarLargerThanThatInUse)
 {
   const ImagePool pool;
   sensor_msgs::ImagePtr huge = pool.take({10000, 4000}, "mono8");
@@ -215,11 +216,11 @@ TEST(ImagePool, letsGoWhatIsFarLargerThanWhatComes)
   EXPECT_EQ(pool.kept(), 640u * 480u * 3u);
 
   pool.take({10000, 4000}, "mono8").reset();
-  pool.take({640, 480}, "bgr8").reset();  // in the memory of the huge one
+  pool.take({640, 480}, "bgr8").reset();  // reuses the memory of the huge image
   EXPECT_LT(pool.kept(), 40000000u);
 }
 
-TEST(ImageMaker, keepsNothingOfAHugeImage)
+TEST(ImageMaker, releasesTheMemoryOfAHugeImage)
 {
   ImageMaker images;
   const auto make = [&images](cv::Size size)

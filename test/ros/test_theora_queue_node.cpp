@@ -12,7 +12,7 @@
 namespace
 {
 
-/// The topic "video", whose callbacks come when the test has them come.
+/// One side of the topic "video", whose callbacks run when the test calls them.
 struct Side
 {
   Side()
@@ -26,7 +26,7 @@ struct Side
   std::unique_ptr<image_transport::ImageTransport> transport;
 };
 
-sensor_msgs::ImagePtr picture()
+sensor_msgs::ImagePtr grayImage()
 {
   auto image = boost::make_shared<sensor_msgs::Image>();
   image->encoding = "mono8";
@@ -38,9 +38,9 @@ sensor_msgs::ImagePtr picture()
 
 }  // namespace
 
-// Who subscribes while a frame is being sent: its stream's headers, the frame, and the headers for the newcomer wait
-// together until he looks.
-TEST(Theora, keepsTheFirstFrameBehindAllHeaders)
+// For a subscriber that comes while a frame is being sent, the headers of the stream, the frame, and the headers for
+// the newcomer wait together in the queue.
+TEST(Theora, keepsTheFirstFrameAfterAllHeaders)
 {
   Side sender, receiver;
   image_transport::Publisher publisher = sender.transport->advertise("video", 1);
@@ -52,10 +52,10 @@ TEST(Theora, keepsTheFirstFrameBehindAllHeaders)
   while (publisher.getNumSubscribers() == 0 && std::chrono::steady_clock::now() < deadline)
     std::this_thread::sleep_for(std::chrono::milliseconds(2));
   ASSERT_EQ(publisher.getNumSubscribers(), 1u);
-  publisher.publish(picture());
-  while (frames == 0 && std::chrono::steady_clock::now() < deadline)  // messages may still be on their way
+  publisher.publish(grayImage());
+  while (frames == 0 && std::chrono::steady_clock::now() < deadline)  // the messages may still be on their way
   {
-    sender.callbacks.callAvailable(ros::WallDuration(0.01));  // tells the publisher of its subscriber
+    sender.callbacks.callAvailable(ros::WallDuration(0.01));  // tells the publisher about its subscriber
     receiver.callbacks.callAvailable(ros::WallDuration(0.01));
   }
   EXPECT_EQ(frames, 1);

@@ -4,14 +4,14 @@
 
 using namespace robot_vision;
 
-TEST(YamlText, getsAMapThatItDoesNotHave)
+TEST(YamlText, getsAMissingMap)
 {
   EXPECT_EQ(editYamlMap("", "controls", {{"gain", "5"}}), "controls:\n  gain: 5\n");
   EXPECT_EQ(editYamlMap("loop: true\n", "controls", {{"gain", "5"}, {"gamma", "1"}}),
             "loop: true\ncontrols:\n  gain: 5\n  gamma: 1\n");
 }
 
-TEST(YamlText, keepsWhatElseIsInAMap)
+TEST(YamlText, keepsTheRestOfAMap)
 {
   const std::string before =
       "controls:   # of the camera\n"
@@ -33,14 +33,14 @@ TEST(YamlText, keepsWhatElseIsInAMap)
   EXPECT_EQ(editYamlMap(before, "controls", {{"brightness", "8"}, {"gamma", "2"}}), after);
 }
 
-TEST(YamlText, writesAMapInOneLineOverSeveral)
+TEST(YamlText, spreadsAMapOfOneLineOverSeveral)
 {
   EXPECT_EQ(editYamlMap("controls: {gain: 1, label: \"5\"}  # mine\nloop: true\n", "controls", {{"gain", "2"}}),
             "controls:" + std::string(24, ' ') + "# mine\n  gain: 2\n  label: \"5\"\nloop: true\n");
   EXPECT_EQ(editYamlMap("controls: {}\n", "controls", {{"gain", "2"}}), "controls:\n  gain: 2\n");
 }
 
-TEST(YamlText, keepsTheEndsOfLines)
+TEST(YamlText, keepsLineEndings)
 {
   EXPECT_EQ(editYaml("gain: 1 # high\r\noffset: 2\r\n", "gain", "5"), "gain: 5 # high\r\noffset: 2\r\n");
   EXPECT_EQ(editYaml("gain: 1\r\n", "gamma", "5"), "gain: 1\r\ngamma: 5\r\n");

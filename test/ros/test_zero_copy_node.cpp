@@ -24,7 +24,7 @@ using namespace robot_vision;
 namespace
 {
 
-/// False if the condition has not come true within half a minute.
+/// Waits for a condition; returns false if it is still false after half a minute.
 bool waitFor(const std::function<bool()>& condition)
 {
   const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(30);
@@ -41,7 +41,7 @@ std::vector<std::string> messageEncodings()
   return names;
 }
 
-/// Noise in rows that are padded, so that a copy made on the way would not go unnoticed.
+/// Noise in padded rows, so that a copy would be noticed.
 sensor_msgs::ImagePtr makeMessage(const std::string& encoding)
 {
   auto message = boost::make_shared<sensor_msgs::Image>();
@@ -57,7 +57,7 @@ sensor_msgs::ImagePtr makeMessage(const std::string& encoding)
   return message;
 }
 
-/// The last message of a topic of this process.
+/// Receives the messages of a topic and keeps the last one.
 class Receiver
 {
 public:
@@ -85,7 +85,7 @@ private:
   ros::Subscriber subscriber_;
 };
 
-/// Remembers where the pixels were that it was given.
+/// A filter that remembers the address of its input.
 struct Probe
 {
   explicit Probe(const std::string& name)
@@ -138,7 +138,7 @@ boost::shared_ptr<nodelet::Nodelet> load(const boost::shared_ptr<nodelet::Nodele
 
 }  // namespace
 
-TEST(ZeroCopy, twoNodesOfAProcessGetTheVeryBufferThatWasPublished)
+TEST(ZeroCopy, twoNodesOfAProcessGetThePublishedBuffer)
 {
   ros::Publisher publisher = ros::NodeHandle().advertise<sensor_msgs::Image>("image", 1);
   Probe first("/first_probe");
@@ -147,14 +147,14 @@ TEST(ZeroCopy, twoNodesOfAProcessGetTheVeryBufferThatWasPublished)
   for (const std::string& encoding : messageEncodings())
   {
     const sensor_msgs::ImageConstPtr message = makeMessage(encoding);
-    first.seen = second.seen = nullptr;  // the memory may be that of the message before
+    first.seen = second.seen = nullptr;  // the new message may have the memory of the last one
     publisher.publish(message);
     const void* buffer = message->data.data();
     EXPECT_TRUE(waitFor([&] { return first.seen == buffer && second.seen == buffer; })) << encoding;
   }
 }
 
-TEST(ZeroCopy, noNodeletChangesAByteOfItsInputAndResultsAreTheCores)
+TEST(ZeroCopy, nodeletsDoNotChangeTheirInputAndGiveTheCoresResults)
 {
   ros::Publisher publisher = ros::NodeHandle().advertise<sensor_msgs::Image>("image", 1);
   const auto brightness = load(makeBrightness(), "/brightness");
@@ -168,7 +168,7 @@ TEST(ZeroCopy, noNodeletChangesAByteOfItsInputAndResultsAreTheCores)
     const std::vector<std::uint8_t> before = message->data;
     const auto arrived = [&](const Receiver& receiver)
     { return receiver.last() && receiver.last()->header.frame_id == message->header.frame_id; };
-    // The nodelets' subscriptions begin one by one: the first messages may reach only one of them.
+    // The nodelets subscribe one by one, so the first messages may reach only one of them.
     ASSERT_TRUE(waitFor(
         [&]
         {
@@ -199,7 +199,7 @@ TEST(ZeroCopy, cameraGivesAllSubscribersOneBuffer)
   EXPECT_TRUE(waitFor([&] { return first.last() && first.last() == second.last(); }));
 }
 
-TEST(ImagePool, reusesAMessageOnlyWhenNobodyHoldsIt)
+TEST(ImagePool, reusesAMessageOnlyIfNobodyHoldsIt)
 {
   ImagePool pool;
   sensor_msgs::ImagePtr first = pool.take({64, 48}, "bgr8");
@@ -210,8 +210,8 @@ TEST(ImagePool, reusesAMessageOnlyWhenNobodyHoldsIt)
   EXPECT_EQ(pool.take({64, 48}, "bgr8")->data.data(), memory);
 }
 
-/// The last one: there is no roscpp after it, which then waits for no callback.
-TEST(Teardown, aNodeletWaitsForTheFrameUnderWayWhenRoscppHasBeenShutDown)
+/// This must be the last test, because it shuts roscpp down. After that, roscpp waits for no callback.
+TEST(Teardown, aNodeletWaitsForItsFrameAfterTheShutdownOfRoscpp)
 {
   ros::param::set("/slow/always_subscribe", true);
   ros::Publisher publisher = ros::NodeHandle().advertise<sensor_msgs::Image>("image", 1);
