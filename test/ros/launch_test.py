@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The launch files wire camera, brightness and edge detector with the values of config/."""
+"""The launch files connect camera, brightness and edge detector with the values of config/."""
 
 import pathlib
 import sys

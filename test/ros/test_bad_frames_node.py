@@ -1,4 +1,4 @@
-"""Frames that cannot be used are refused and counted, and the next good one is processed."""
+"""Invalid frames are refused and counted, and the next valid one is processed."""
 
 import io
 import struct
@@ -32,7 +32,7 @@ BYTES_PER_PIXEL = {
 
 
 def good(encoding):
-    """A message that is as it should be."""
+    """A valid message."""
     message = Image(encoding=encoding, width=WIDTH, height=HEIGHT)
     message.step = WIDTH * BYTES_PER_PIXEL[encoding]
     message.data = bytes(np.arange(HEIGHT * message.step, dtype=np.uint32).astype(np.uint8))
@@ -41,7 +41,7 @@ def good(encoding):
 
 
 def changed(of, **fields):
-    """A good message with some fields changed."""
+    """A valid message with some fields changed."""
     message = good(of)
     for name, value in fields.items():
         setattr(message, name, value)
@@ -50,10 +50,10 @@ def changed(of, **fields):
 
 
 def bad(encoding):
-    """(what is wrong, message) for all that can be wrong with a frame of this encoding."""
+    """(error, message) for everything that can be wrong with a frame of this encoding."""
     step = good(encoding).step
     data = good(encoding).data
-    # step * height is data's size, but only modulo 2^32
+    # step * height is the size of data only modulo 2^32
     wrapping = changed(encoding, height=2**31 + HEIGHT, step=2 * step, data=data * 2)
     return [
         ("empty data", changed(encoding, data=b"")),
@@ -98,7 +98,7 @@ def test_bad_frames_are_refused_and_counted(start, diagnostics, node):
 
     assert len(results.received) == len(BYTES_PER_PIXEL)
     assert process.running()
-    # The first one is logged at once, naming topic, encoding, size and reason.
+    # The first error is logged at once with topic, encoding, size and reason.
     expected = "refused a frame on /frames (bgr8, 16x8): data has 0 bytes, step * height is 384"
     assert expected in process.output()
     results.close()
@@ -106,7 +106,7 @@ def test_bad_frames_are_refused_and_counted(start, diagnostics, node):
 
 
 class Raw(Image):
-    """Bytes that claim to be a message."""
+    """Raw bytes that are sent as a message."""
 
     def __init__(self, kind, data):
         super().__init__()
@@ -118,8 +118,8 @@ class Raw(Image):
 
 
 @pytest.mark.parametrize(("transport", "kind"), [("raw", Image), ("compressed", CompressedImage)])
-def test_memory_that_a_message_only_claims_is_not_taken(start, diagnostics, transport, kind):
-    """One of 46 bytes claims 2 GB of data; a PNG of 200 kB is one of 64 million pixels."""
+def test_no_memory_is_taken_for_data_that_does_not_come(start, diagnostics, transport, kind):
+    """A message of 46 bytes claims 2 GB of data; a PNG of 200 kB has 64 million pixels."""
     topic = "/frames" if transport == "raw" else "/frames/" + transport
     process = start(
         *("edge_detector_node", "__name:=filter", "image:=/frames", "_diagnostic_period:=0.02"),
@@ -154,13 +154,13 @@ def test_memory_that_a_message_only_claims_is_not_taken(start, diagnostics, tran
 
 
 def memory_of(process):
-    """What a process has, and what it has had at most, bytes."""
+    """The present and the peak memory of a process in bytes."""
     with open(f"/proc/{process.pid}/status") as file:
         fields = dict(line.split(":", 1) for line in file)
     return tuple(int(fields[name].split()[0]) << 10 for name in ("VmRSS", "VmHWM"))
 
 
-def test_an_encoding_tells_a_terminal_nothing(start, diagnostics):
+def test_an_encoding_cannot_control_a_terminal(start, diagnostics):
     process = start("edge_detector_node", "__name:=filter", "image:=/frames")
     publisher = rospy.Publisher("/frames", Image, queue_size=10, tcp_nodelay=True)
     results = support.Messages("/filter/processed_image", Image)

@@ -1,4 +1,4 @@
-"""Every parameter of every Python node, with values that it cannot have: one line says so."""
+"""Every parameter of every Python node with invalid values: one line reports each."""
 
 import importlib
 import os
@@ -44,7 +44,7 @@ HOSTILE = {
     "true": True,
 }
 NOWHERE = {"NaN", "infinity", "minus infinity", "a huge number"}
-LONGEST = 500  # characters of a line
+LONGEST = 500  # characters, of a line
 
 
 def config_of(node):
@@ -56,7 +56,7 @@ CONFIGS = {node: config_of(node) for node in PYTHON}
 
 
 class Server:
-    """As dynamic_reconfigure's at its start, but for the services."""
+    """Starts like dynamic_reconfigure's server, but has no services."""
 
     def __init__(self, config_type, callback):
         config = dict(config_type.defaults)
@@ -69,7 +69,7 @@ server_values = {}
 
 @pytest.fixture
 def at_start(monkeypatch):
-    """at_start(values): makes a parameter server that has these, with names such as ~gain."""
+    """at_start(values) fakes a parameter server with these values, with names such as ~gain."""
     monkeypatch.setattr(params, "_Server", Server)
     monkeypatch.setattr(rospy, "Service", lambda *_: None)
     monkeypatch.setattr(rospy, "get_param", lambda name, default: server_values.get(name, default))
@@ -85,7 +85,7 @@ def at_start(monkeypatch):
 
 
 def refused(name, work):
-    """The error, which must be a line that names the parameter, its value and what it can be."""
+    """The error: one line that must name the parameter, its value and the possible values."""
     with pytest.raises(ValueError) as error:
         work()
     line = str(error.value)
@@ -95,7 +95,7 @@ def refused(name, work):
 
 
 def fits(parameter, value):
-    """Whether a value is of the parameter's type and in its range."""
+    """True if a value has the parameter's type and is in its range."""
     kind = {"double": float, "int": int, "str": str, "bool": bool}[parameter["type"]]
     if type(value) is not kind and not (kind is float and type(value) is int):
         return False
@@ -117,7 +117,7 @@ def test_live_parameters_at_start(at_start, node, what):
 
 @pytest.mark.parametrize("node", CONFIGS)
 def test_live_numbers(at_start, monkeypatch, node):
-    """What dynamic_reconfigure has no types against: the old values stay, and a line says why."""
+    """Numbers that dynamic_reconfigure lets pass: the old values stay, with a line that says so."""
     told = []
     monkeypatch.setattr(rospy, "logwarn", lambda text, error: told.append(text % error))
     at_start({})
@@ -143,12 +143,12 @@ def is_number(low, high):
     return lambda value: type(value) in (int, float) and low <= value <= high
 
 
-# Parameters that are read at start alone: what each takes, by the class of their nodes. The lists
-# and maps among them have a test of their own.
+# The values that parameters read only at start can have, by the class of the node. The lists
+# and maps among them have their own test.
 IMAGE_NODE = {
     "always_subscribe": is_flag,
     "threads": lambda value: type(value) is int and 0 <= value <= 256,
-    "image_transport": lambda value: type(value) is str,  # image_transport says which there are
+    "image_transport": lambda value: type(value) is str,  # image_transport checks the name
 }
 AT_START = {
     "ball.ball_tracker.BallTracker": {
@@ -180,15 +180,15 @@ AT_START = {
     "camera.camera_loader.CameraLoader": {"manager": is_name},
     "demo.demo_status.DemoStatus": {"view": is_flag},
 }
-# What is read later, by tests of its own: when values are saved, and again and again.
+# Parameters that are read later, when values are saved or periodically, have their own tests.
 LATER = {"config_file", "cameras"}
-# They ask for all live parameters, for those of a color, and for all of a camera at once.
+# These read all live parameters, those of a color, and all of a camera at once.
 ASK_BY_VARIABLE = {"params.py", "named_colors.py", "camera_loader.py"}
 
 
 @pytest.fixture
 def alone(at_start, monkeypatch, tmp_path):
-    """Nodes without ROS, windows and threads: what is left of their making is the reading."""
+    """Makes nodes without ROS, windows and threads, so that they only read their parameters."""
     monkeypatch.setenv("ROS_HOME", str(tmp_path))
     nothing = MagicMock()
     monkeypatch.setattr(rospy, "core", nothing)
@@ -216,8 +216,8 @@ def test_a_number_without_a_range_is_finite_at_least(at_start, value):
 
 
 @pytest.mark.parametrize("of", AT_START)
-def test_parameters_that_are_read_at_start_alone(alone, of):
-    """Each node is made with each value: it takes what it can have, and else says one line."""
+def test_parameters_that_are_read_only_at_start(alone, of):
+    """Each node is made with each value: it accepts valid ones and reports others in a line."""
     alone({})
     node_class(of)()
     for name, can_be in AT_START[of].items():
@@ -230,7 +230,7 @@ def test_parameters_that_are_read_at_start_alone(alone, of):
 
 
 @pytest.mark.parametrize("what", HOSTILE)
-def test_a_file_that_no_values_can_be_saved_in_is_told_in_one_line(at_start, monkeypatch, what):
+def test_an_unsuitable_file_for_saving_is_reported_in_one_line(at_start, monkeypatch, what):
     monkeypatch.setattr(rospy, "logerr", lambda *_: None)
     at_start({})
     live = params.LiveParams(CONFIGS["code_reader"], lambda _: None)
@@ -246,7 +246,7 @@ def test_a_file_that_no_values_can_be_saved_in_is_told_in_one_line(at_start, mon
 
 @pytest.mark.parametrize("of", AT_START)
 def test_live_texts_at_start(alone, of):
-    """What a text says is for the node to check."""
+    """The node checks the content of texts."""
     module = of.partition(".")[0].replace("camera_view", "simple_camera_view")
     if module not in CONFIGS:
         return
@@ -257,8 +257,8 @@ def test_live_texts_at_start(alone, of):
                 accepted_or_told(parameter["name"], node_class(of), what)
 
 
-def test_every_parameter_that_is_asked_for_is_swept():
-    """By the sources, where they ask the parameter server."""
+def test_all_parameters_are_tested():
+    """The parameters are found where the sources read the parameter server."""
     named, others = set(), set()
     for path in (ROOT / "src" / "robot_vision").rglob("*.py"):
         for name in re.findall(
@@ -275,7 +275,7 @@ def test_every_parameter_that_is_asked_for_is_swept():
 
 @pytest.mark.parametrize("what", HOSTILE)
 def test_lists_and_maps(at_start, what):
-    """At their top, and in the place of each value in them; what names the place is in the line."""
+    """Invalid values replace the whole parameter and each value in it; the line names the place."""
     value = HOSTILE[what]
     tag = {"id": 1, "size": 0.1, "x": 0.0, "qw": 1.0, "shift_noise": 0.0, "turn_noise": 0.0}
     attempts = [
@@ -316,7 +316,7 @@ def test_lists_and_maps(at_start, what):
 
 
 def accepted_or_told(where, attempt, what):
-    """Some of the values can be some of the parameters, but none of NOWHERE any."""
+    """Some values are valid for some of the parameters, but those of NOWHERE for none."""
     try:
         attempt()
         assert what not in NOWHERE, where
@@ -335,7 +335,7 @@ def accepted_or_told(where, attempt, what):
         ("~nobody_of_this_name/x", "No such file or directory"),
     ],
 )
-def test_a_folder_that_nothing_can_be_saved_in_is_an_error_and_no_end(
+def test_an_unsuitable_folder_for_saving_is_an_error_but_not_fatal(
     monkeypatch, tmp_path, folder, why
 ):
     (tmp_path / "file").touch()
@@ -351,12 +351,12 @@ def test_a_folder_that_nothing_can_be_saved_in_is_an_error_and_no_end(
     assert sorted(os.listdir(tmp_path)) == ["file", "pipe"]
 
 
-def test_a_folder_with_a_letter_that_none_has_is_refused():
+def test_a_folder_with_an_impossible_character_is_refused():
     refused("save_folder", lambda: viewer()._configure({"save_folder": "a\0b"}))
 
 
 def viewer():
-    """A viewer without a window that shows a picture of the latest stamp that there is."""
+    """A viewer without a window that shows an image with the latest possible stamp."""
     view = object.__new__(CameraView)
     header = Header(stamp=rospy.Time(2**32 - 1, 999999999))
     view._shown = SimpleNamespace(image=np.zeros((2, 2, 3), np.uint8), header=header)

@@ -1,4 +1,4 @@
-"""Parameters of nodelets with values that they cannot have: one line says so."""
+"""Parameters of nodelets with invalid values: one line reports each."""
 
 import itertools
 import pathlib
@@ -20,8 +20,8 @@ NAN, INF = float("nan"), float("inf")
 DEEP = []
 for _ in range(50):
     DEEP = [DEEP]
-LONG, OBEYED = "x" * 100000, "\n\x7f\x9b2J\u202e"  # letters that terminals obey
-# What the parameter server can hold: its integers have 32 bits, and its texts no \0 and no \x1b.
+LONG, OBEYED = "x" * 100000, "\n\x7f\x9b2J\u202e"  # characters that control a terminal
+# Values that the parameter server can hold: integers of 32 bits, texts without \0 and \x1b.
 HOSTILE = [
     {"a": {"b": 1}},
     {OBEYED: OBEYED},
@@ -40,7 +40,7 @@ HOSTILE = [
     "",
     xmlrpc.client.Binary(b"\x00\xff"),
 ]
-LONGEST = 1000  # characters of a line
+LONGEST = 1000  # characters, of a line
 
 
 def flag(value):
@@ -72,7 +72,7 @@ def controls(value):
 
 
 def control(value):
-    """Doubles take the place of integers that the parameter server has not."""
+    """Doubles stand for integers that the parameter server cannot hold."""
     return type(value) in (bool, int, str)
 
 
@@ -127,7 +127,7 @@ CAMERA = {
     "timeout": number(0.1, 3600.0),
     "image_width": never,
     "image_height": never,
-    "source": text,  # of any name a camera may come yet
+    "source": text,  # a camera of any name may still appear
     "video_device": name_of_device,
     "pixel_format": never,
     "io_method": never,
@@ -151,7 +151,7 @@ KINDS = {
 
 
 REFUSED = [
-    # nodelet, parameter, value, what the FATAL line says
+    # nodelet, parameter, value, text of the FATAL line
     ("brightness", "gain", -0.1, "gain is -0.1, must be from 0 to 10"),
     ("brightness", "gain", 10.1, "gain is 10.1, must be from 0 to 10"),
     ("brightness", "offset", -256, "offset is -256, must be from -255 to 255"),
@@ -249,9 +249,9 @@ REFUSED += [
 ]
 
 
-def test_every_parameter_that_is_asked_for_is_swept():
-    """By the sources, where they ask the parameter server, and by the .cfg files."""
-    named = {USB_CAM_CONTROLS[0]}  # the others are in two arrays
+def test_all_parameters_are_tested():
+    """The parameters are found where the sources read them, and in the .cfg files."""
+    named = {USB_CAM_CONTROLS[0]}  # the sources have the others in two arrays
     for path in [*ROOT.glob("src/nodelets/*.?pp"), *ROOT.glob("src/ros/*/*.?pp")]:
         source = path.read_text()
         named |= set(re.findall(r'\b(?:readParam|readMap|getParam)\(\w+, "(\w+)"', source))
@@ -275,7 +275,7 @@ def manager(start_once):
 
 
 def load(name, kind):
-    """Whether the nodelet has started."""
+    """Loads a nodelet; returns True if it has started."""
     service = rospy.ServiceProxy("/manager/load_nodelet", NodeletLoad)
     try:
         return service(name, "robot_vision/" + kind, ["/image"], ["/no/image"], [], "").success
@@ -288,7 +288,7 @@ def unload(name):
 
 
 def lines_of(process, name):
-    """What was logged of a nodelet, without the colors of roscpp's own."""
+    """The log lines of a nodelet, without roscpp's colors."""
     found = [line for line in process.output().split("\n") if f"{name}: " in line]
     return [re.sub("\x1b\\[[0-9;]*m", "", line) for line in found]
 
@@ -303,10 +303,10 @@ def cases():
 
 
 @pytest.mark.parametrize("kind, parameter, can_be, config", cases())
-def test_a_nodelet_takes_what_a_parameter_can_be_and_else_says_one_line(
+def test_a_nodelet_accepts_valid_values_and_reports_others_in_one_line(
     manager, kind, parameter, can_be, config
 ):
-    """All are loaded into one manager, which lives on."""
+    """All are loaded into one manager, which must survive."""
     live = {of["name"] for of in config.config_description["parameters"]}
     for value in HOSTILE:
         name = f"/hostile_{next(numbers)}"
@@ -323,7 +323,7 @@ def test_a_nodelet_takes_what_a_parameter_can_be_and_else_says_one_line(
 
 
 @pytest.mark.parametrize("kind, parameter, value, message", REFUSED)
-def test_a_value_that_cannot_be_is_told_with_what_can_be(manager, kind, parameter, value, message):
+def test_an_invalid_value_is_reported_with_the_valid_ones(manager, kind, parameter, value, message):
     name = f"/refused_{next(numbers)}"
     values = {**source_with(parameter), parameter: value}
     started, _, lines = tried(manager, name, kind, values)
@@ -332,12 +332,12 @@ def test_a_value_that_cannot_be_is_told_with_what_can_be(manager, kind, paramete
 
 
 def source_with(parameter):
-    """What a camera needs to start without a device, beside this parameter."""
+    """The parameters, besides this one, that a camera needs to start without a device."""
     return {} if parameter in ("source", "video_device") else {"source": "synthetic"}
 
 
 def tried(manager, name, kind, values):
-    """Whether a nodelet starts with these parameters, what they are then, and what it says."""
+    """Whether a nodelet starts with these parameters, their values then, and its log lines."""
     for parameter, value in values.items():
         rospy.set_param(f"{name}/{parameter}", value)
     started = load(name, kind)
@@ -352,7 +352,7 @@ def tried(manager, name, kind, values):
 
 
 @pytest.mark.parametrize("number", range(1, len(USB_CAM_CONTROLS) + 1))
-def test_controls_are_read_all_alike(manager, number):
+def test_all_controls_are_read_in_the_same_way(manager, number):
     name = f"/usb_cam_{number}"
     values = dict.fromkeys(USB_CAM_CONTROLS[:number], 2**31 - 1)
     refused = [*USB_CAM_CONTROLS, "intrinsic_controls/gain"][number]
@@ -361,8 +361,8 @@ def test_controls_are_read_all_alike(manager, number):
     assert not started and f"{name}: {refused} is inf, must be an integer, true, false" in line
 
 
-def test_what_means_nothing_here_can_be_anything(manager):
-    """Usb_cam's other parameters, and those that nobody knows."""
+def test_unused_parameters_may_have_any_value(manager):
+    """That is, usb_cam's other parameters and unknown ones."""
     odd = {f"/a {OBEYED}": OBEYED, "/" + LONG: LONG, "/x y": {OBEYED: DEEP}}
     for number, value in enumerate(({"a": [NAN]}, DEEP, OBEYED, LONG)):
         values = {"source": "synthetic", **dict.fromkeys(WITHOUT_EFFECT, value)}
@@ -378,7 +378,7 @@ def test_what_means_nothing_here_can_be_anything(manager):
             assert line.isprintable() and len(line) <= LONGEST, line
 
 
-def test_a_file_that_no_values_can_be_saved_in_is_told_in_one_line(manager):
+def test_an_unsuitable_file_for_saving_is_reported_in_one_line(manager):
     assert load("/saver", "brightness")
     save = rospy.ServiceProxy("/saver/save_parameters", Trigger)
     for value in HOSTILE:

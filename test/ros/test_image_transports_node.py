@@ -1,4 +1,4 @@
-"""Our image_transport plugins: what they write and read, with republish as everybody runs it."""
+"""Our image_transport plugins: what they write and read, run by image_transport's republish."""
 
 import pathlib
 import re
@@ -27,14 +27,14 @@ HEADER = Header(stamp=rospy.Time(12, 34), frame_id="eye")
 
 
 def picture(height=48, width=64):
-    """A colour picture with soft shapes, BGR."""
+    """A smooth colour image, BGR."""
     y, x = np.mgrid[:height, :width]
     waves = [np.sin(0.11 * x + 0.04 * y), np.cos(0.07 * y), np.sin(0.05 * (x + y))]
     return np.stack([127.5 + 127 * wave for wave in waves], axis=2).astype(np.uint8)
 
 
 def array(image):
-    """The pixels of an Image of 8 or 16 bits, or of 32FC1."""
+    """The pixels of an Image with 8 or 16 bits, or of 32FC1."""
     if image.encoding == "32FC1":
         return np.frombuffer(image.data, np.float32).reshape(image.height, image.width)
     dtype = np.uint16 if "16" in image.encoding else np.uint8
@@ -43,7 +43,7 @@ def array(image):
 
 @pytest.fixture
 def republish(start):
-    """republish(from, to) gives the topics of the input and the output."""
+    """republish(from, to) starts a republisher and gives its input and output topics."""
 
     def run(from_transport, to_transport, topic=None, **parameters):
         source, target = topic or new_topic(), new_topic()
@@ -67,7 +67,7 @@ def stamped(image, secs=HEADER.stamp.secs):
 
 
 def open_chain(publisher, image, *ends):
-    """Sends the picture until it has come through to all ends: connections take their time."""
+    """Sends the image until it arrives at all ends, because connections take time."""
 
     def arrived():
         publisher.send(stamped(image, 1))
@@ -77,7 +77,7 @@ def open_chain(publisher, image, *ends):
 
 
 def through(source, kind, sent, messages):
-    """What comes when a message has been sent."""
+    """Sends a message and returns the one that arrives."""
     publisher = Source(source, kind)
     publisher.wait_for()
     support.wait_for(messages.connected, "the answer's publisher")
@@ -94,7 +94,7 @@ def test_what_compressed_writes(republish):
     assert (came.header.stamp, came.header.frame_id) == (HEADER.stamp, "eye")
     assert came.data == cv2.imencode(".jpg", bgr, [cv2.IMWRITE_JPEG_QUALITY, 80])[1].tobytes()
 
-    # Its settings are where everybody looks for them, and live.
+    # Its settings have the usual names and can be changed while it runs.
     client = dynamic_reconfigure.client.Client(target + "/compressed", timeout=support.DEADLINE)
     assert client.get_configuration()["jpeg_quality"] == 80
     client.update_configuration({"jpeg_quality": 30, "jpeg_progressive": True})
@@ -136,7 +136,7 @@ def test_what_compressed_reads(republish, format, suffix, encoding, mode, expect
     else:
         assert np.array_equal(array(came), expected(cv2.imdecode(file, cv2.IMREAD_COLOR)))
 
-    # What is damaged is refused, and the next picture comes.
+    # A damaged image is refused, and the next one arrives.
     publisher = Source(source + "/compressed", CompressedImage)
     publisher.wait_for()
     publisher.send(CompressedImage(format=format, data=file.tobytes()[:-20]))
@@ -172,7 +172,7 @@ def test_python_reads_and_writes_every_transport():
     publisher.unregister()
 
 
-def test_a_node_s_parameter_chooses_the_transport():
+def test_the_parameter_image_transport_chooses_the_transport():
     rospy.set_param("~image_transport", "compressed")
     try:
         topic = new_topic()
@@ -188,7 +188,7 @@ def test_a_node_s_parameter_chooses_the_transport():
 
 
 @pytest.mark.parametrize("node", ["brightness_node", "motion_detector.py"])
-def test_nodes_read_what_they_are_remapped_to(start, node):
+def test_nodes_read_the_remapped_topic(start, node):
     topic = new_topic()
     start(node, f"image:={topic}", "_image_transport:=compressed", "__name:=reader")
     out = support.Messages("/reader/processed_image", Image)
@@ -238,8 +238,8 @@ def test_depth_goes_there_and_back(republish):
     assert np.all(np.abs(decoded[seen] - metres[seen]) <= metres[seen] ** 2 / 10100 * 1.01 + 1e-6)
 
 
-def test_recording_all_topics_is_no_trouble_with_colours(republish):
-    """usb_cam#55: compressedDepth of a colour picture was an error with every frame."""
+def test_recording_all_topics_of_a_color_camera_logs_no_errors(republish):
+    """In usb_cam#55, compressedDepth logged an error for each colour frame."""
     source, target, process = republish("raw", "compressedDepth")
     out = support.Messages(target + "/compressedDepth", CompressedImage)
     publisher = Source(source)
@@ -257,7 +257,7 @@ def test_recording_all_topics_is_no_trouble_with_colours(republish):
     assert "ERROR" not in process.output() and "WARN" not in process.output()
 
 
-def test_theora_is_seen_by_who_comes_late(republish):
+def test_theora_reaches_late_subscribers(republish):
     source, middle, _ = republish("raw", "theora")
     _, early, _ = republish("theora", "raw", middle)
     first = support.Messages(early, Image)
@@ -265,14 +265,14 @@ def test_theora_is_seen_by_who_comes_late(republish):
     open_chain(publisher, message(picture(), "bgr8"), first)
 
     def show(number):
-        """The picture sent, once the early reader has it."""
+        """Sends an image and returns it when the early subscriber has received it."""
         shown = np.roll(picture(), number, axis=1)
         image = stamped(message(shown, "bgr8"), number)
         publisher.send(image)
         first.of(image.header.stamp)
         return shown
 
-    for number in range(10, 20):  # changes of the key frame
+    for number in range(10, 20):  # frames that differ from the keyframe
         show(number)
     _, late, process = republish("theora", "raw", middle)
     second = support.Messages(late, Image)
@@ -309,7 +309,7 @@ endif()
         (["compressed", "compressed_depth", "theora"], []),
     ],
 )
-def test_ours_step_aside_for_the_standard_ones(start, tmp_path, there, ours):
+def test_our_plugins_give_way_to_the_standard_ones(start, tmp_path, there, ours):
     shutil.copytree(str(ROOT / "src" / "transports"), str(tmp_path / "transports"))
     (tmp_path / "CMakeLists.txt").write_text(STUB)
     (tmp_path / "package.xml").write_text((ROOT / "package.xml").read_text())
@@ -331,7 +331,7 @@ def test_ours_step_aside_for_the_standard_ones(start, tmp_path, there, ours):
     names = re.findall(r'"image_transport/(\w+)"', plugins)
     assert names == [f"{name}_{end}" for name in ours for end in ("pub", "sub")]
 
-    # A list without plugins is no error to those who read it.
+    # A list without plugins is not an error for those who read it.
     if not ours:
         source, target = new_topic(), new_topic()
         path = f"{tmp_path}:/usr/share:/opt/ros/noetic/share"

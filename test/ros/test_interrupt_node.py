@@ -1,4 +1,4 @@
-"""Every executable ends with code 0 on SIGINT, wherever it is."""
+"""Every executable ends with code 0 on SIGINT, whatever it is doing."""
 
 import concurrent.futures
 import contextlib
@@ -37,7 +37,7 @@ PYTHON_NODES += [
 OTHER_NODES = ["camera_loader.py", "demo_status.py", "simple_camera_view_node.py"]
 BOARD = ["--size", "8x6", "--square", "0.05", "--output", "{folder}/{number}.yaml"]
 TAGS = ["--name", "a", "--ids", "0-3", "--size", "0.1", "--output", "{folder}/{number}.yaml"]
-TOOLS = {  # and their arguments
+TOOLS = {  # command: arguments
     "create_marker.py": ["--output", "{folder}/{number}.png", "1"],
     "pick_color.py": ["--hex", "#1e90ff"],
     "calibrate_headless.py": ["--topic", "/none", *BOARD],
@@ -45,7 +45,7 @@ TOOLS = {  # and their arguments
     "check_arguments.py": ["/none.launch"],
 }
 STARTS = 200
-TOGETHER = 4  # starts at a time
+TOGETHER = 4  # programs at a time
 
 
 @pytest.mark.parametrize("node", NODES)
@@ -72,9 +72,9 @@ def test_while_idle(start, diagnostics, node):
     assert process.prompt_exit_code() == 0, process.output()
 
 
-def test_python_programs_at_any_moment_of_their_start(start, display, tmp_path):
-    """Ends each at once, by itself and not by its watchdog, and leaves no file that is half."""
-    ignoring = 'trap "" INT; exec "$@"'  # whose end shows that the first line has run
+def test_python_programs_at_any_moment_while_they_start(start, display, tmp_path):
+    """Each ends at once by itself, not by its watchdog, and leaves no incomplete file."""
+    ignoring = 'trap "" INT; exec "$@"'  # SIGINT is ignored until Python sets its own handler
     folder = tmp_path / "made"
     folder.mkdir()
     whole = folder / "whole.png"
@@ -91,10 +91,10 @@ def test_python_programs_at_any_moment_of_their_start(start, display, tmp_path):
         command, status = (pathlib.Path(f"/proc/{process.pid}/{f}") for f in ("cmdline", "status"))
 
         def listens():
-            if not process.running():  # a short command on a slow machine
+            if not process.running():  # a short command may end before on a slow machine
                 return True
             if "python" not in command.read_text().partition("\0")[0]:
-                return False  # a shell that has just begun does not ignore it yet
+                return False  # it is still the shell
             ignored = status.read_text().split("SigIgn:")[1].split()[0]
             return not int(ignored, 16) >> (signal.SIGINT - 1) & 1
 
@@ -124,7 +124,7 @@ def test_python_programs_at_any_moment_of_their_start(start, display, tmp_path):
         seconds, processes = zip(*pool.map(measure, range(TOGETHER)))
         for process in processes:
             process.end()
-        # More of them early, where a start has cost little.
+        # There are more early moments, because they cost little time.
         drawn = random.Random(seed)
         moments = [drawn.triangular(0.0, max(seconds), 0.0) for _ in range(STARTS)]
         for _ in pool.map(interrupt, range(TOGETHER, TOGETHER + STARTS), moments):
@@ -142,7 +142,7 @@ def test_the_status_printer_ends_too(start):
 
 
 def test_the_status_printer_in_the_middle_of_its_lines(start):
-    """What it prints ends with a whole line."""
+    """Its output ends with a complete line."""
     process = start("demo_status.py")
     publisher = rospy.Publisher("/diagnostics", DiagnosticArray, queue_size=100)
     status = DiagnosticArray(status=[DiagnosticStatus(name="usb_cam: a", message="fine")])
@@ -176,7 +176,7 @@ run_node("locked", start)
 
 
 @pytest.mark.parametrize("stuck", [False, True])
-def test_python_node_that_holds_a_lock_which_its_shutdown_needs(start, tmp_path, stuck):
+def test_python_node_that_holds_a_lock_needed_for_its_shutdown(start, tmp_path, stuck):
     script = tmp_path / "locked.py"
     script.write_text(LOCKED_NODE.format(stuck=stuck))
     process = start("/usr/bin/python3", script)
@@ -186,7 +186,7 @@ def test_python_node_that_holds_a_lock_which_its_shutdown_needs(start, tmp_path,
     assert ("did not end within 2 s" in process.output()) == stuck
 
 
-def test_a_node_that_has_no_core_to_run_on_is_not_stuck(monkeypatch):
+def test_a_node_that_waits_for_a_core_is_not_stuck(monkeypatch):
     monkeypatch.setattr(startup, "SHUTDOWN_GRACE", 0.0)
     ends = threading.Event()
     thread = threading.Thread(target=ends.wait)
@@ -209,15 +209,15 @@ def test_a_node_that_has_no_core_to_run_on_is_not_stuck(monkeypatch):
 @pytest.mark.skipif(
     not os.path.exists("/proc/self/schedstat"), reason="the kernel does not count it"
 )
-def test_the_time_without_a_core_is_the_kernel_s():
-    """Two threads that compute on one core wait for each other."""
+def test_the_time_without_a_core_comes_from_the_kernel():
+    """Two threads that compute on one core have to wait for each other."""
     cores = os.sched_getaffinity(0)
     done, read = threading.Semaphore(0), threading.Event()
 
     def compute():
-        hashlib.pbkdf2_hmac("sha256", b"", b"", 500_000)  # lets other threads run
+        hashlib.pbkdf2_hmac("sha256", b"", b"", 500_000)  # releases the GIL
         done.release()
-        read.wait()  # the kernel forgets what a thread has waited when it ends
+        read.wait()  # the kernel drops a thread's waiting time when the thread ends
 
     os.sched_setaffinity(0, {min(cores)})
     try:
@@ -235,7 +235,7 @@ def test_the_time_without_a_core_is_the_kernel_s():
 
 @pytest.mark.parametrize("node", NODES)
 def test_in_the_middle_of_a_frame(start, node):
-    # Frames so large that one is always being worked on.
+    # The frames are so large that one is always being processed.
     size = ["_image_width:=1920", "_image_height:=1080"]
     camera = start("camera_node", "__name:=camera", "_source:=synthetic", *size)
     process = camera
@@ -253,7 +253,7 @@ def test_in_the_middle_of_a_frame(start, node):
 def test_in_the_middle_of_a_search(start):
     size = ["_image_width:=1920", "_image_height:=1080"]
     start("camera_node", "__name:=camera", "_source:=synthetic", *size)
-    arguments = ["image:=/camera/image_raw", "_max_search_period:=0.01"]  # there always is one
+    arguments = ["image:=/camera/image_raw", "_max_search_period:=0.01"]  # always searches
     process = start("apriltag_detector.py", "__name:=tag", *arguments)
     messages = support.Messages("/tag/tags", TagDetectionArray)
     messages.wait(5)
@@ -282,7 +282,7 @@ def test_in_a_callback_that_the_master_does_not_answer(start, node):
     with support.service_of(master.api, "/stuck/save_parameters") as service:
         assert "config_file" in rospy.ServiceProxy(service, Trigger)().message
         master.end()
-        # In its place one that never answers what the service asks of it.
+        # A server that never answers takes the place of the master.
         with socket.create_server(
             ("127.0.0.1", master.port)
         ) as mute, contextlib.ExitStack() as connections:
@@ -298,11 +298,11 @@ def test_in_a_callback_that_the_master_does_not_answer(start, node):
 
 
 @pytest.mark.parametrize("node", NODES)
-def test_told_to_shut_down_while_the_master_stands_still(start, node):
+def test_shutdown_request_while_the_master_is_stopped(start, node):
     master = support.Master(start)
     process = start(node, "__name:=node", "_source:=synthetic", env=master.env)
     with support.service_of(master.api, "/node/save_parameters") as service:
-        rospy.ServiceProxy(service, Trigger)()  # which it answers when it has started
+        rospy.ServiceProxy(service, Trigger)()  # the node answers when it has started
     address = master.api.lookupNode("/node")
     with support.standing_still(master.process):
         xmlrpc.client.ServerProxy(address).shutdown("/test", "as rosnode kill does")

@@ -1,4 +1,4 @@
-"""What the launch files ask for: of two hosts which this is, and no display that is not there."""
+"""The launch files: their arguments, the parameters that they set, hosts and displays."""
 
 import contextlib
 import io
@@ -23,7 +23,7 @@ NO_TEXTS = {"tag_size", "ball_diameter", "image_width", "image_height", "framera
 
 
 def texts():
-    """What the launch files give a node as it was given to them: file, parameter, argument."""
+    """The parameters that are set to the text of an argument: file, parameter, argument."""
     for path in sorted(LAUNCH.glob("*.launch")):
         for param in ElementTree.parse(path).iter("param"):
             argument = re.fullmatch(r"\$\(arg (\w+)\)", param.get("value", ""))
@@ -32,9 +32,9 @@ def texts():
 
 
 def output_of(*arguments):
-    """What roslaunch prints, which runs in this process: it takes a second to import."""
+    """The output of roslaunch, run in this process, because its import takes a second."""
     printed, words = io.StringIO(), list(sys.argv)
-    sys.argv[:] = ["roslaunch", *map(str, arguments)]  # in place: it holds on to this list
+    sys.argv[:] = ["roslaunch", *map(str, arguments)]  # in place, as roslaunch refers to it
     try:
         with contextlib.redirect_stdout(printed), contextlib.suppress(SystemExit):
             roslaunch.main()
@@ -44,7 +44,7 @@ def output_of(*arguments):
 
 
 def loaded(name, *arguments):
-    """What roslaunch makes of one of our launch files."""
+    """The configuration that roslaunch loads from one of our launch files."""
     config = roslaunch.config.ROSLaunchConfig()
     loader = roslaunch.xmlloader.XmlLoader()
     loader.load(str(LAUNCH / name), config, argv=["roslaunch", *arguments], verbose=False)
@@ -56,7 +56,7 @@ def parameters_of(name, *arguments):
 
 
 @pytest.mark.parametrize("path", sorted(LAUNCH.glob("*.launch")), ids=lambda path: path.name)
-def test_no_argument_is_required_but_the_part_of_two_hosts(path):
+def test_only_the_part_of_two_hosts_is_a_required_argument(path):
     listed = output_of("--ros-args", path)
     assert "Optional Arguments:" in listed
     required = listed.partition("Required Arguments:\n")[2].partition("Optional")[0].split()
@@ -77,12 +77,12 @@ def test_usb_cam_test_opens_a_window_where_there_is_a_display(
 
 
 @pytest.mark.parametrize("arguments, loop", [((), False), (("loop:=true",), True)])
-def test_a_folder_begins_again_if_that_is_said(arguments, loop):
+def test_a_folder_is_repeated_if_loop_is_set(arguments, loop):
     parameters = yaml.safe_load(output_of("--dump-params", LAUNCH / "camera.launch", *arguments))
     assert parameters["/usb_cam/loop"] is loop
 
 
-def test_words_in_place_of_a_value_mean_that_there_is_none(start, tmp_path):
+def test_descriptive_default_arguments_mean_no_value(start, tmp_path):
     home = {"ROS_HOME": str(tmp_path)}
     images = support.Messages("/usb_cam/image_raw", Image)
     start("/usr/bin/roslaunch", "robot_vision", "camera.launch", "source:=synthetic", env=home)
@@ -96,7 +96,7 @@ def test_words_in_place_of_a_value_mean_that_there_is_none(start, tmp_path):
 
 
 @pytest.mark.parametrize("path", sorted(LAUNCH.glob("*.launch")), ids=lambda path: path.name)
-def test_every_launch_file_looks_for_arguments_that_it_does_not_have(monkeypatch, path):
+def test_every_launch_file_checks_for_unknown_arguments(monkeypatch, path):
     commands = []
 
     def value(_loader, _verbose, _name, _type, value, _text, _binary, command):
@@ -108,7 +108,7 @@ def test_every_launch_file_looks_for_arguments_that_it_does_not_have(monkeypatch
     arguments = ["part:=capture"] if path.name == "remote.launch" else []
     loaded(path.name, *arguments)
     assert not commands
-    # One that hides a function, and one that the file only passes on.
+    # One hides a function, and one is only passed on by the file.
     inner = {"demo.launch": "cmd_vel", "remote.launch": "image"}.get(path.name, "vieww")
     for name in (inner, "map", "open"):
         loaded(path.name, *arguments, f"{name}:=true")
@@ -120,7 +120,7 @@ def test_every_launch_file_looks_for_arguments_that_it_does_not_have(monkeypatch
 
 def test_an_unknown_argument_is_an_error_before_anything_starts(start):
     words = "/usr/bin/roslaunch", "robot_vision", "camera.launch", "image_widht:=320"
-    launch = start(*words, fork=False)  # whose command line is read
+    launch = start(*words, fork=False)  # roslaunch reads the command line of its process
     assert launch.exit_code() == 1
     assert "camera.launch has no argument image_widht, is image_width meant?" in launch.output()
     assert "\n  image_height: px; config: as in the YAML file" in launch.output()
@@ -129,13 +129,13 @@ def test_an_unknown_argument_is_an_error_before_anything_starts(start):
     assert not rospy.has_param("/usb_cam")
 
 
-def test_another_launch_file_passes_on_what_is_its_own(start, tmp_path):
+def test_another_launch_file_may_pass_on_its_own_arguments(start, tmp_path):
     theirs = tmp_path / "camera.launch"
     theirs.write_text(
         f"""<launch><arg name="robot"/><arg name="map" default="/map.yaml"/>
         <include file="{LAUNCH}/camera.launch" pass_all_args="true"/></launch>"""
     )
-    # A process of its own, whose command line is read.
+    # It runs in its own process, because it reads the process's command line.
     command = ["roslaunch", "--dump-params", theirs, "robot:=a", "source:=synthetic"]
     result = subprocess.run(command, stdout=subprocess.PIPE, text=True, timeout=60, check=True)
     parameters = yaml.safe_load(result.stdout)
@@ -151,10 +151,10 @@ def test_the_camera_s_parameters_are_arguments():
 
 
 @pytest.mark.parametrize("name, parameter, argument", texts())
-def test_a_text_of_digits_is_no_number(monkeypatch, tmp_path, name, parameter, argument):
-    """As a camera's serial number is, which XML-RPC could not even send."""
+def test_a_text_of_digits_stays_a_text(monkeypatch, tmp_path, name, parameter, argument):
+    """Serial numbers of cameras are such texts; XML-RPC could not even send them as numbers."""
     digits = "200901010001"
-    (tmp_path / digits).write_text("{}")  # as a file
+    (tmp_path / digits).write_text("{}")  # it may be the name of a file
     monkeypatch.chdir(tmp_path)
     parameters = parameters_of(name, f"{argument}:={digits}")
     (value,) = {value for key, value in parameters.items() if key.endswith("/" + parameter)}
@@ -162,8 +162,8 @@ def test_a_text_of_digits_is_no_number(monkeypatch, tmp_path, name, parameter, a
 
 
 @pytest.mark.parametrize("name", [name for name, _, argument in texts() if argument == "config"])
-def test_what_a_file_of_parameters_says_is_kept(tmp_path, name):
-    """In place of our file, as long as no argument says something else."""
+def test_values_of_a_users_file_are_kept(tmp_path, name):
+    """A user's file takes the place of ours, and default arguments do not override it."""
     nodes = ElementTree.parse(LAUNCH / name).iter("node")
     (node,) = (node for node in nodes if node.find("rosparam") is not None)
     names = {param.get("name") for param in node.iter("param")} - {"config_file"}
@@ -174,7 +174,7 @@ def test_what_a_file_of_parameters_says_is_kept(tmp_path, name):
     assert given.items() <= parameters_of(name, f"config:={theirs}").items()
 
 
-def test_the_host_with_the_camera_hands_the_source_on_as_it_is():
+def test_the_host_with_the_camera_passes_the_source_on_unchanged():
     parameters = parameters_of("remote.launch", "part:=capture", "source:=0042")
     assert parameters["/usb_cam/source"] == "0042"
 
@@ -218,7 +218,7 @@ def test_every_color_is_a_range():
         assert all(0 <= values[name] <= (180 if name[0] == "h" else 255) for name in values)
 
 
-def test_demo_sets_for_the_synthetic_scene_what_its_launch_files_set():
+def test_demo_sets_the_parameters_of_its_launch_files():
     demo = parameters_of("demo.launch")
     for name in ("line_follower", "motion_detector", "ball_tracker", "apriltag"):
         alone = parameters_of(name + ".launch", "synthetic:=true")
@@ -247,4 +247,4 @@ def test_a_remote_detector_has_its_camera_s_calibration():
         assert remapped["camera_info"] == "/usb_cam/camera_info"
         assert "/remote_camera/image_raw" in remapped.values()
     (node,) = loaded(name, "image:=/front/image_raw").nodes
-    assert "camera_info" not in dict(node.remap_args)  # the node finds that beside the image
+    assert "camera_info" not in dict(node.remap_args)  # the node finds camera_info beside the image

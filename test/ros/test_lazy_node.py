@@ -1,4 +1,4 @@
-"""Nobody looks, nothing runs: capture and processing follow the subscribers."""
+"""Capture and processing run only while there are subscribers."""
 
 import pytest
 import rosgraph
@@ -8,7 +8,7 @@ from sensor_msgs.msg import CameraInfo, Image
 
 
 def subscribers(topic):
-    """The nodes that subscribe to a topic, as the master knows it."""
+    """The nodes that subscribe to a topic according to the master."""
     state = rosgraph.Master("/test").getSystemState()[1]
     return dict(state).get(topic, [])
 
@@ -24,7 +24,7 @@ def wait_until_idle(diagnostics, node):
 
 
 def stands_still(diagnostics, node, key):
-    """Whether a count is the same in three reports."""
+    """True if a count is the same in three reports."""
     counts = {int(diagnostics.value(node, key)) for _ in range(3)}
     return len(counts) == 1
 
@@ -74,7 +74,7 @@ def test_always_subscribe_runs_without_an_audience(start, diagnostics, node):
 
 
 @pytest.mark.parametrize("node", ["brightness_node", "edge_detector_node"])
-def test_silence_is_told(start, diagnostics, node):
+def test_missing_frames_are_reported(start, diagnostics, node):
     process = start(node, "__name:=waits", "_always_subscribe:=true")
     process.wait_for_output("topic 'image' is not remapped")
     status = diagnostics.next("waits")
@@ -90,11 +90,11 @@ def test_nodes_start_within_a_second(start, diagnostics, node):
     diagnostics.next("lazy")
     topic = "image_raw" if node == "camera_node" else "processed_image"
     delays = []
-    for _ in range(3):  # other work on the machine only ever adds to the node's own delay
+    for _ in range(3):  # other work on the machine can only add to the node's delay
         images = support.Messages("/lazy/" + topic, Image)
         support.wait_for(images.connected, "the connection")
         connected = rospy.Time.now()
-        # The frame's stamp, not its arrival: how fast this test gets to read it is not the node's.
+        # The frame's stamp counts: its arrival also depends on how fast this test reads it.
         delay = (images.wait()[0].header.stamp - connected).to_sec()
         delays.append(delay / support.slowness())
         images.close()

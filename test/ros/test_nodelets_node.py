@@ -1,4 +1,4 @@
-"""Nodelets come and go in a running manager, which lives on and does not grow."""
+"""Nodelets are loaded and unloaded in a running manager, which must not die or grow."""
 
 import pathlib
 import re
@@ -23,8 +23,8 @@ def manager(start):
             "/usr/lib/nodelet/nodelet",
             "manager",
             "__name:=" + MANAGER[1:],
-            # Frames and textures go back to the kernel when they are freed: malloc would keep some,
-            # and of all else some for each of the threads that come and go.
+            # Makes malloc return freed frames and textures to the kernel. Otherwise it keeps some
+            # of them, and other memory for each of the threads that come and go.
             env={"MALLOC_MMAP_THRESHOLD_": "131072", "MALLOC_ARENA_MAX": "1"},
         )
 
@@ -48,7 +48,7 @@ def manager(start):
 
 
 def memory(process):
-    """What a process has written to and nobody shares, in MiB: the kernel may drop other pages."""
+    """The private dirty memory of a process in MiB; the kernel may drop other pages."""
     rollup = pathlib.Path(f"/proc/{process.pid}/smaps_rollup").read_text()
     sizes = re.findall(r"^(?:Private_Dirty|Swap): +(\d+) kB", rollup, re.MULTILINE)
     return sum(map(int, sizes)) / 1024
@@ -63,24 +63,24 @@ def test_100_loads_and_unloads_under_traffic(manager, kind):
     used = []
     for cycle in range(CYCLES):
         assert manager.load("/cycled", kind, {"/image": "/source/image_raw"}), cycle
-        if cycle % 10 == 0:  # in the other cycles it goes before it has quite come
+        if cycle % 10 == 0:  # in other cycles it is unloaded before it has fully started
             frames = support.Messages(output, Image)
             frames.wait()
             frames.close()
         assert manager.unload("/cycled"), cycle
         assert manager.process.running(), manager.process.output()
         used.append(memory(manager.process))
-    # Frames on their way make single readings differ, and the heap grows now and then, as
-    # its free parts are too small. A leak is in every ten cycles: of a 640x480 frame each, 9 MiB.
+    # Single readings differ by frames on their way, and the heap grows now and then, when its free
+    # parts are too small. A leak would show in every ten cycles: 9 MiB for a 640x480 frame each.
     growth = np.median(np.subtract(used[10:], used[:-10]))
     assert growth < 1.0, f"{growth:.1f} MiB in 10 cycles: {np.round(used, 1)}"
     assert manager.loaded() == {"/source"}
 
 
-def test_a_nodelet_that_cannot_start_leaves_the_manager_alone(manager):
+def test_a_nodelet_that_cannot_start_does_not_harm_the_manager(manager):
     rospy.set_param("/good/source", "synthetic")
     assert manager.load("/good", "camera")
-    # The last one fails when its services and publishers are there already.
+    # The last one fails after its services and publishers have been made.
     for kind, parameters, message in [
         ("brightness", {"gain": 99}, "gain is 99, must be from 0 to 10"),
         ("camera", {"source": "/no/such/file.mp4"}, "/no/such/file.mp4: no such file or folder"),

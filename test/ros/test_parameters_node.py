@@ -54,7 +54,7 @@ def test_bad_value_at_start_is_fatal(start, node, name, value, message):
         ("camera_node", "framerate", 2000.0, 0.0, "framerate is 2000"),
     ],
 )
-def test_bad_value_live_leaves_the_old_one(start, node, name, value, default, message):
+def test_invalid_live_value_leaves_the_old_one(start, node, name, value, default, message):
     process = start(node, "__name:=live", "_source:=synthetic")
     client = dynamic_reconfigure.client.Client("/live", timeout=support.DEADLINE)
     answer = client.update_configuration({name: value})
@@ -75,10 +75,10 @@ def test_bad_value_live_leaves_the_old_one(start, node, name, value, default, me
         ("edge_detector_node", "_always_subscribe:=false", "lowthreshold", "low_threshold"),
     ],
 )
-def test_a_misspelt_parameter_is_told(start, node, right, wrong, meant):
+def test_a_misspelt_parameter_is_reported(start, node, right, wrong, meant):
     known = ["_source:=synthetic"] if node == "camera_node" else ["_image_transport:=raw"]
     known += ["_config_file:=/no/file.yaml", right]
-    # Maps of a transport, of the node's own topics, and of a node below it.
+    # Maps that belong to a transport, the node's topics and a node below it.
     rospy.set_param("/typing/compressed/mode", "gray")
     for topic in ("image_raw", "processed_image"):
         rospy.set_param(f"/typing/{topic}/theora/quality", 3)
@@ -103,7 +103,7 @@ def test_a_misspelt_parameter_is_told(start, node, right, wrong, meant):
         ("code_reader.py", "symbologies", "qr", "'qr'"),
     ],
 )
-def test_what_an_ended_launch_has_left_is_told_and_not_saved_to(
+def test_leftovers_of_an_ended_launch_are_reported_and_not_saved_to(
     start, tmp_path, node, name, value, text
 ):
     config = tmp_path / "config" / "node.yaml"
@@ -112,7 +112,7 @@ def test_what_an_ended_launch_has_left_is_told_and_not_saved_to(
     (tmp_path / "package.xml").write_text("<package><name>robot_vision</name></package>")
     left = {"config_file": str(config), "image_transport": "compressed", name: value}
     rospy.set_param("/left", left)
-    prompt = {"PYTHONUNBUFFERED": "1"}  # or rospy's INFO lines come when they fill a page
+    prompt = {"PYTHONUNBUFFERED": "1"}  # else rospy's INFO lines wait in a buffer
     process = start(node, "__name:=left", env=prompt)
     shown = f"config_file: '{config}', image_transport: 'compressed', {name}: {text}"
     process.wait_for_output("/left: set on the parameter server: " + shown)
@@ -121,23 +121,23 @@ def test_what_an_ended_launch_has_left_is_told_and_not_saved_to(
     assert not answer.success and f"{config}', a file of the package" in answer.message
     assert config.read_text() == "spacing: 1\n"
     process.end()
-    launched = f"__log:={tmp_path}/node.log"  # as roslaunch says it
+    launched = f"__log:={tmp_path}/node.log"  # as roslaunch sets it
     process = start(node, "__name:=left", launched, env=prompt)
     process.wait_for_output("on the parameter server")
     assert save("/left").success
     assert yaml.safe_load(config.read_text())[name] == value
 
 
-def test_a_node_with_defaults_says_nothing_of_them(start):
-    start("brightness_node", "__name:=plain")  # leaves all its values on the server
+def test_a_node_with_defaults_reports_nothing(start):
+    start("brightness_node", "__name:=plain")  # it leaves all its values on the server
     rospy.wait_for_service("/plain/save_parameters", support.DEADLINE)
     process = start("brightness_node", "__name:=plain", "_threads:=2")
     process.wait_for_output("/plain: set on the parameter server: threads: 2")
     assert "threads: 2," not in process.output(), process.output()
 
 
-def test_usb_cam_s_other_parameters_are_accepted(start, diagnostics):
-    """Those of its development branch."""
+def test_other_parameters_of_usb_cam_are_accepted(start, diagnostics):
+    """These are the parameters of its development branch."""
     left = {
         "camera_transport_suffix": "image",
         "color_format": "yuv422p",
@@ -173,7 +173,7 @@ def test_values_change_live(start):
         result = support.Messages("/live/processed_image", Image)
         assert result.wait()[0].data == bytes([level])
         result.close()
-        # The next subscription gets the latched frame again only once this one has gone.
+        # The next subscription gets the latched frame only after this one has ended.
         support.wait_for(
             lambda: publisher.get_num_connections() == 0, "the end of the subscription"
         )
@@ -227,7 +227,7 @@ def test_values_are_saved_where_they_were(start, tmp_path):
     assert yaml.safe_load(AFTER)["offset"] == 1e-05
     assert link.is_symlink()
     assert config.stat().st_mode & 0o777 == 0o640
-    assert len(list(tmp_path.glob("brightness.yaml*"))) == 1  # no temporary file is left
+    assert len(list(tmp_path.glob("brightness.yaml*"))) == 1  # there is no temporary file left
     client.close()
 
 
@@ -241,7 +241,7 @@ def test_values_are_saved_where_they_were(start, tmp_path):
         (None, NOT_WRITTEN),
     ],
 )
-def test_a_file_that_cannot_be_kept_is_not_touched(start, tmp_path, content, why):
+def test_an_invalid_file_is_not_overwritten(start, tmp_path, content, why):
     config = tmp_path / ("config.yaml" if content else "missing_folder/config.yaml")
     if content:
         config.write_text(content)
@@ -252,7 +252,7 @@ def test_a_file_that_cannot_be_kept_is_not_touched(start, tmp_path, content, why
     assert not content or config.read_text() == content
 
 
-def test_a_python_node_says_as_well_that_a_file_cannot_be_written(start):
+def test_a_python_node_also_reports_a_file_that_cannot_be_written(start):
     start("code_reader.py", "__name:=saving", "_config_file:=/no/folder/config.yaml")
     answer = save("/saving")
     assert not answer.success and NOT_WRITTEN in answer.message
@@ -260,7 +260,7 @@ def test_a_python_node_says_as_well_that_a_file_cannot_be_written(start):
 
 @pytest.mark.parametrize("node", ["brightness_node", "code_reader.py"])
 def test_only_files_are_replaced(start, tmp_path, node):
-    """A device that root has replaced by a file is gone for the whole machine."""
+    """If root replaced a device by a file, the device would be lost for the whole machine."""
     start(node, "__name:=saving", "_config_file:=/dev/null")
     pipe, bomb, text = tmp_path / "pipe.yaml", tmp_path / "bomb.yaml", tmp_path / "text.yaml"
     os.mkfifo(str(pipe))
@@ -323,7 +323,7 @@ def test_a_pipe_at_start_is_fatal(start, tmp_path, node, name, says):
     ],
     ids=["pipe", "folder", "deep", "binary", "large"],
 )
-def test_a_calibration_that_cannot_be_read_is_none(start, tmp_path, content, why):
+def test_an_unreadable_calibration_is_not_used(start, tmp_path, content, why):
     path = tmp_path / "eye.yaml"
     if content == "pipe":
         os.mkfifo(str(path))
@@ -337,7 +337,7 @@ def test_a_calibration_that_cannot_be_read_is_none(start, tmp_path, content, why
     process.wait_for_output("not calibrated: " + why.format(path))
 
 
-def test_what_a_calibration_is_named_tells_a_terminal_nothing(start, tmp_path):
+def test_the_name_in_a_calibration_cannot_control_a_terminal(start, tmp_path):
     matrices = {
         "camera_matrix": (3, 3),
         "rectification_matrix": (3, 3),
@@ -359,8 +359,8 @@ def test_what_a_calibration_is_named_tells_a_terminal_nothing(start, tmp_path):
     assert "\x1b[2J" not in process.output() and 150 * "x" not in process.output()
 
 
-def test_without_a_home_a_node_says_what_it_needs(start):
-    """As services of the system, and users that nobody has made a folder for."""
+def test_without_a_home_a_node_reports_what_it_needs(start):
+    """System services and some users have no home folder."""
     homeless = ["/usr/bin/env", "-u", "ROS_HOME", "HOME=/dev/null"]
     process = start(*homeless, support.executable("brightness_node"), "__name:=homeless")
     assert process.exit_code() == 1
@@ -378,7 +378,7 @@ def test_without_a_home_a_node_says_what_it_needs(start):
         ("_threads:=[", "invalid command-line parameters: while parsing a flow node"),
     ],
 )
-def test_what_is_no_parameter_on_the_command_line_is_told(start, word, says):
+def test_unknown_words_on_the_command_line_are_reported(start, word, says):
     process = start("code_reader.py", "__name:=bad", word)
     assert process.exit_code() == 1
     (line,) = process.output().splitlines()

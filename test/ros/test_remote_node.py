@@ -1,6 +1,6 @@
-"""remote.launch on two hosts, which are two network namespaces, and the cable between them.
+"""remote.launch on two hosts, which are network namespaces, with a cable between them.
 
-Only addresses inside these namespaces are used; there is no way out of them.
+Only addresses inside these namespaces are used; they have no connection to the outside.
 """
 
 import os
@@ -22,7 +22,7 @@ def ip(*words):
 
 
 class Network:
-    """Two hosts, and a cable that can be pulled out."""
+    """Two hosts with a cable that can be unplugged."""
 
     def __init__(self):
         self.names = {host: f"robot_vision_{os.getpid()}_{host[-1]}" for host in (ROBOT, DESK)}
@@ -39,7 +39,7 @@ class Network:
                 ip("-n", name, "link", "set", device, "up")
 
     def cable(self, state):
-        """Pulls it out, "down", or puts it in, "up"."""
+        """Unplugs the cable ("down") or plugs it in ("up")."""
         ip("-n", self.names[ROBOT], "link", "set", self._ends[ROBOT], state)
 
     def remove(self):
@@ -63,7 +63,7 @@ def network():
 
 @pytest.fixture
 def run(network, start):
-    """run(host, command, ...) starts a command on a host. It ends before the network is removed."""
+    """run(host, command, ...) starts a command on a host; it ends before the network does."""
 
     def on_host(host, command, *arguments):
         addresses = {"ROS_MASTER_URI": f"http://{ROBOT}:11311", "ROS_HOSTNAME": host}
@@ -75,21 +75,21 @@ def run(network, start):
 
 
 def transport():
-    """compressed, where image_transport has it."""
+    """The transport compressed, if image_transport has it."""
     command = ["rosrun", "image_transport", "list_transports"]
     found = subprocess.run(command, stdout=subprocess.PIPE, check=True, text=True).stdout
     return "compressed" if '"image_transport/compressed"' in found else "raw"
 
 
-def test_pictures_come_again_after_the_network_was_cut(network, run):
+def test_images_come_again_after_the_network_was_cut(network, run):
     launch = ["robot_vision", "remote.launch", f"transport:={transport()}"]
     robot = run(ROBOT, "roslaunch", *launch, "part:=capture", "source:=synthetic")
-    robot.wait_for_output("started core service")  # by the master, which the desk would miss before
+    robot.wait_for_output("started core service")  # the desk needs the master
     desk = run(DESK, "roslaunch", *launch, "part:=processing")
     stamps = run(DESK, "rostopic", "echo", "-p", STAMP)
 
     def newest():
-        """s, when the newest picture was taken whose edges are on the desk."""
+        """The stamp, in s, of the newest image whose edges have arrived on the desk."""
         taken = re.findall(r"^\d+,(\d+)\n", stamps.output(), re.MULTILINE)
         return int(taken[-1]) * 1e-9 if taken else 0.0
 
@@ -103,14 +103,14 @@ def test_pictures_come_again_after_the_network_was_cut(network, run):
         assert process.running() and "has died" not in process.output(), process.output()
 
 
-def test_the_part_has_to_be_chosen(start):
-    """Or the second host would capture as well."""
+def test_the_part_is_required(start):
+    """Without it the second host would capture as well."""
     launch = start(shutil.which("roslaunch"), "robot_vision", "remote.launch")
     assert launch.exit_code() == 1
     assert "requires the 'part' arg to be set" in launch.output()
 
 
-def test_a_part_that_there_is_not_is_an_error(start):
+def test_an_unknown_part_is_an_error(start):
     launch = start(shutil.which("roslaunch"), "robot_vision", "remote.launch", "part:=procesing")
     assert launch.exit_code() == 1
     assert "'part:=capture or part:=processing, not part:=procesing,'" in launch.output()

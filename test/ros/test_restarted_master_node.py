@@ -1,4 +1,4 @@
-"""A master that dies and comes back, knowing nothing: nodes and nodelets are there again."""
+"""When a master dies and comes back empty, nodes and nodelets register again."""
 
 import pytest
 import rospy
@@ -74,7 +74,7 @@ def test_nodes_register_again(start, tmp_path, node, key, nodelets):
 
 
 @pytest.mark.parametrize("node", ["edge_detector_node", "hsv_tracker.py"])
-def test_a_node_that_has_taken_the_name_meanwhile_keeps_it(start, node):
+def test_a_node_that_has_taken_the_name_keeps_it(start, node):
     master = support.Master(start)
     service = "/name/save_parameters"
     first = start(node, "__name:=name", "_misspelt:=1", env=master.env)
@@ -94,10 +94,10 @@ def test_a_node_that_has_taken_the_name_meanwhile_keeps_it(start, node):
 def wait_until_started(process, master, service):
     with support.service_of(master, service):
         rospy.ServiceProxy(service, Trigger)()
-    process.wait_for_output("misspelt is not known")  # the last that is said of a start
+    process.wait_for_output("misspelt is not known")  # the last line of a start
 
 
 def services_of(master):
-    """The nodes of each service but the clients'."""
+    """The nodes of each service, without the services of the node /client."""
     services = master.getSystemState()[2]
     return {name: nodes for name, nodes in services if not name.startswith("/client")}

@@ -1,4 +1,4 @@
-"""robot_vision.transport: who is called when, with which frame; and what is counted."""
+"""robot_vision.transport: which callbacks run when and with which frame; the statistics."""
 
 import io
 import itertools
@@ -23,7 +23,7 @@ def source(start):
 
 
 def numbered(number):
-    """A picture that is named by its frame_id and its pixels."""
+    """An image whose frame_id and pixels are a number."""
     picture = message(np.full_like(PICTURE, number % 256), "bgr8")
     picture.header.frame_id = str(number)
     return picture
@@ -36,7 +36,7 @@ def number_of(frame):
 
 
 def test_after_a_slow_callback_the_newest_frame_is_next(start):
-    """Inside a process frames are handed over at once: nothing is left to chance."""
+    """Inside a process frames are handed over at once, so the result is deterministic."""
     topic = new_topic()
     publisher = ImagePublisher(topic)
     go_on = threading.Event()
@@ -61,8 +61,8 @@ def test_after_a_slow_callback_the_newest_frame_is_next(start):
     publisher.unregister()
 
 
-def test_a_slow_callback_of_another_topic_leaves_the_newest_frame_too(start):
-    """Two pictures wait; while the first is worked on, a newer one than the second comes."""
+def test_after_a_slow_callback_of_another_topic_the_newest_frame_is_next(start):
+    """Two images wait. While the first is processed, a newer one than the second comes."""
     blocking, slow, other = (ImagePublisher(new_topic()) for _ in range(3))
     begun, go_on = threading.Event(), threading.Event()
     numbers = []
@@ -74,7 +74,7 @@ def test_a_slow_callback_of_another_topic_leaves_the_newest_frame_too(start):
         begun.set()
         assert go_on.wait(support.DEADLINE)
 
-    subscribers = [  # they are served in this order
+    subscribers = [  # they are called in this order
         ImageSubscriber(blocking.topic, block),
         ImageSubscriber(slow.topic, lambda _: publish(other, 2)),
         ImageSubscriber(other.topic, lambda frame: numbers.append(frame.header.frame_id)),
@@ -92,8 +92,8 @@ def test_a_slow_callback_of_another_topic_leaves_the_newest_frame_too(start):
         one.unregister()
 
 
-def test_a_slow_callback_on_a_fast_topic_is_never_behind(source):
-    """Over TCP, where frames come while one is worked on: the next one is the newest."""
+def test_a_slow_callback_on_a_fast_topic_gets_the_newest_frames(source):
+    """Over TCP, frames arrive while one is processed; the next one must be the newest."""
     burst, bursts = 6, 30
     published = 0
     turns = threading.Semaphore(0)
@@ -105,7 +105,7 @@ def test_a_slow_callback_on_a_fast_topic_is_never_behind(source):
         assert turns.acquire(timeout=support.DEADLINE)
 
     images = ImageSubscriber(source.topic, work)
-    plain = support.Messages(source.topic, Image)  # shows that they have come
+    plain = support.Messages(source.topic, Image)  # shows that they have arrived
     source.wait_for(2)
     for _ in range(bursts):
         for _ in range(burst):
@@ -122,7 +122,7 @@ def test_a_slow_callback_on_a_fast_topic_is_never_behind(source):
     assert numbers == sorted(set(numbers))
     assert images.received + images.dropped == published - numbers[0] + 1
     assert images.dropped > published // 2
-    # One may be on its way, and the machine may stall this process anywhere: not often.
+    # A frame may be on its way, and the machine may delay this process, but seldom.
     assert np.percentile(behind, 80) < 2.5, behind
     turns.release()
     images.unregister()
@@ -150,7 +150,7 @@ def test_a_callback_that_raises_is_logged_and_counted(source, log):
 
 
 class Garbled(Image):
-    """A message whose frame_id is no UTF-8, as C++ nodes may send it."""
+    """A message whose frame_id is not UTF-8, as C++ nodes may send it."""
 
     def serialize(self, buff):
         inner = io.BytesIO()
@@ -158,7 +158,7 @@ class Garbled(Image):
         buff.write(inner.getvalue().replace(b"garbled", b"gar\xffled"))
 
 
-def test_a_frame_id_that_is_no_text(source):
+def test_a_frame_id_that_is_not_utf8(source):
     frames = Frames(source.topic)
     source.wait_for()
     picture = message(PICTURE, "bgr8")
@@ -170,7 +170,7 @@ def test_a_frame_id_that_is_no_text(source):
     assert number_of(frames.wait(2)[1]) == 7
 
 
-def test_an_exception_that_is_no_text(source):
+def test_an_exception_without_a_text(source):
     numbers = []
 
     def work(frame):
@@ -186,7 +186,7 @@ def test_an_exception_that_is_no_text(source):
     images.unregister()
 
 
-def test_a_transport_given_is_not_overruled(source):
+def test_a_given_transport_is_used(source):
     rospy.set_param("~image_transport", "semaphore")
     try:
         with pytest.raises(ValueError, match="image_transport is 'semaphore'"):
@@ -216,7 +216,7 @@ def test_unregister_inside_the_callback(source):
         others.wait(number)
     assert numbers == [1]
     assert images.get_num_connections() == 0
-    images.start()  # and back again
+    images.start()  # subscribes again
     support.wait_for(images.get_num_connections, "the connection")
     source.send(numbered(6))
     support.wait_for(lambda: len(numbers) == 2, "a frame")
@@ -267,7 +267,7 @@ def test_several_subscribers_of_a_topic_and_a_plain_one_of_rospy(source):
     assert headers[0] == headers[1] == headers[2]
 
 
-def test_the_header_comes_whole(source):
+def test_the_header_is_complete(source):
     frames = Frames(source.topic)
     source.wait_for()
     for number, (stamp, name) in enumerate(
@@ -282,7 +282,7 @@ def test_the_header_comes_whole(source):
 
 
 def info_of(number):
-    """A camera_info of which every number tells to which picture it belongs."""
+    """A camera_info all of whose numbers name the image to which it belongs."""
     info = CameraInfo(width=6, height=4, distortion_model="plumb_bob")
     info.header = Header(stamp=rospy.Time(number), frame_id=str(number))
     info.K = [float(number + i) for i in range(9)]
@@ -298,7 +298,7 @@ def camera(source):
 
     class Camera:
         frames = Frames(source.topic, kind=CameraSubscriber)
-        pictures = Frames(source.topic)  # is given each after the CameraSubscriber
+        pictures = Frames(source.topic)  # gets each image after the CameraSubscriber
         info_topic = source.topic.replace("/image", "/camera_info")
         infos = Source(info_topic, CameraInfo)
 
@@ -308,7 +308,7 @@ def camera(source):
             picture.header.stamp = rospy.Time(number)
             before = len(cls.pictures.received)
             source.send(picture)
-            cls.pictures.wait(before + 1)  # a burst would not come whole: only the newest waits
+            cls.pictures.wait(before + 1)  # of a burst only the newest would arrive
 
         @classmethod
         def send_info(cls, number):
@@ -316,7 +316,7 @@ def camera(source):
 
         @classmethod
         def expect(cls, *numbers):
-            """These have come, each with the camera_info of its own."""
+            """Waits for these images, each of which must have its own camera_info."""
             frames = cls.frames.wait(len(numbers))
             assert tuple(map(number_of, cls.frames.received)) == numbers
             for number, frame in zip(numbers, frames):
@@ -350,7 +350,7 @@ def test_camera_info_that_comes_later(camera, behind):
             camera.expect(*range(1, number - behind + 1))
 
 
-def test_pictures_without_camera_info_of_their_stamp(camera, log):
+def test_images_without_camera_info_of_their_stamp(camera, log):
     numbers = itertools.count(2, 2)
 
     topics = camera.frames.subscriber.topic, camera.info_topic
@@ -369,7 +369,7 @@ def test_pictures_without_camera_info_of_their_stamp(camera, log):
 
 
 def test_a_stamp_that_comes_again_has_the_newest_camera_info(camera):
-    """As from a bag that is played in a loop."""
+    """This happens when a bag is played in a loop."""
     for again in range(1, 4):
         for number in range(1, 4):
             camera.send_info(number)
@@ -378,7 +378,7 @@ def test_a_stamp_that_comes_again_has_the_newest_camera_info(camera):
             assert frames[-1].camera_info.header.stamp == rospy.Time(number)
 
 
-def test_connections_are_told(start):
+def test_connections_are_reported(start):
     topic = new_topic()
     counts = []
     publisher = ImagePublisher(topic, lambda: counts.append(publisher.get_num_connections()))

@@ -1,4 +1,4 @@
-"""However a process with pictures ends: at once, with the right code, and without a last cry."""
+"""A process that uses images ends at once, with the right code, and without messages."""
 
 import textwrap
 import time
@@ -172,7 +172,7 @@ TOGETHER = 4  # processes at a time
 
 @pytest.fixture
 def run(start, tmp_path):
-    """run(number, script) starts a script as a node whose `image` is that of a camera."""
+    """run(number, script) starts a script as a node whose topic `image` is a camera's."""
     size = ["_image_width:=640", "_image_height:=480"]
     start("camera_node", "__name:=camera", "_source:=synthetic", "_always_subscribe:=true", *size)
 

@@ -1,4 +1,4 @@
-"""robot_vision.transport in a node of its own: names, time, bags, restarts, and all day long."""
+"""robot_vision.transport in its own process: names, time, bags, restarts, long runs."""
 
 import os
 import shutil
@@ -65,7 +65,7 @@ def run(start, tmp_path):
         (["__ns:=/a", "__name:=b", "~out:=out"], {}, "/a/b", ["/a/image", "/a/late"]),
     ],
 )
-def test_names_are_resolved_as_rospy_resolves_them(run, arguments, env, node, topics):
+def test_names_are_resolved_as_in_rospy(run, arguments, env, node, topics):
     run(ECHO, *arguments, env=env)
     output = rospy.resolve_name("/a/out" if "~out:=out" in arguments else node + "/out")
     sources = [Source(topic) for topic in topics]
@@ -87,7 +87,7 @@ def test_a_transport_that_is_not_installed(run):
     assert "image_transport is 'semaphore', must be one that is installed:" in process.output()
 
 
-def test_a_node_whose_pictures_node_is_killed_ends(run):
+def test_a_node_ends_when_its_roscpp_node_is_killed(run):
     process = run(ECHO)
     master = rosgraph.Master("/test")
     support.wait_for(lambda: "/image" in dict(master.getSystemState()[1]), "the subscription")
@@ -96,7 +96,7 @@ def test_a_node_whose_pictures_node_is_killed_ends(run):
 
 
 def test_simulated_time(run, diagnostics):
-    """It is /clock that stamps and ages pictures, and they come also while it stands still."""
+    """Stamps and ages of images come from /clock, and images arrive also while it stands still."""
     clock = rospy.Publisher("/clock", Clock, queue_size=1, latch=True)
     clock.publish(Clock(rospy.Time(1234, 500000000)))
     rospy.set_param("/use_sim_time", True)
@@ -129,7 +129,7 @@ def test_a_bag_recorded_and_played(start, tmp_path):
         picture = message(pixels, "bgr8", padding=4)
         picture.header.stamp = rospy.Time(100 + number)
         source.send(picture)
-        rospy.sleep(0.1)  # a bag keeps times of arrival
+        rospy.sleep(0.1)  # a bag stores the times of arrival
     assert record.exit_code() == 0, record.output()
 
     played = topic + "_played"
@@ -231,7 +231,7 @@ def test_subscribing_and_unsubscribing_4000_times(start, run):
     *readings, files = [line.split() for line in process.output().splitlines()]
     assert int(readings[-1][0]) == CYCLES
     used = [float(memory) for _, memory, _ in readings]
-    # The lowest readings count: frames on their way make single ones differ. A leak of one frame
+    # Single readings differ by frames on their way, so the lowest ones count. A leak of one frame
     # per cycle would be 110 MiB.
     quarter = len(used) // 4
     growth = min(used[-quarter:]) - min(used[quarter : 2 * quarter])

@@ -1,4 +1,4 @@
-"""robot_vision.transport: every encoding, layout and kind of damage, as arrays in Python."""
+"""robot_vision.transport: all encodings, layouts and kinds of damage, as arrays in Python."""
 
 import gc
 import weakref
@@ -29,7 +29,7 @@ UNKNOWN = ["", "rgb565", "jpeg", "nv12", "8UC0", "8UC513", "9UC1", "BGR8", "pass
 
 
 def noise(encoding, height=4, width=6):
-    """A picture of the encoding with all values that it can have."""
+    """A random image over the full range of values of an encoding."""
     dtype, channels = ENCODINGS[encoding]
     rng = np.random.default_rng(3)
     size = (height, width, channels) if channels > 1 else (height, width)
@@ -40,7 +40,7 @@ def noise(encoding, height=4, width=6):
 
 
 def by_cv_bridge(picture, encoding):
-    """What cv_bridge makes of a message, or None where it refuses."""
+    """A message as converted by cv_bridge, or None if it refuses."""
     try:
         return cv_bridge.CvBridge().imgmsg_to_cv2(picture, encoding)
     except cv_bridge.CvBridgeError:
@@ -54,7 +54,7 @@ def assert_same(image, expected):
 
 @pytest.fixture
 def source(start):
-    """A publisher on a topic of its own; `source.frames(...)` subscribes."""
+    """A publisher on a new topic; `source.frames(...)` subscribes to it."""
 
     class Topic(Source):
         def frames(self, *args):
@@ -67,7 +67,7 @@ def source(start):
 
 @pytest.mark.parametrize("padding, order", [(0, "<"), (8, "<"), (0, ">"), (24, ">")])
 @pytest.mark.parametrize("encoding", ENCODINGS)
-def test_the_array_is_the_picture(source, encoding, padding, order):
+def test_the_array_has_the_pixels_of_the_message(source, encoding, padding, order):
     frames = source.frames()
     sent = [noise(encoding), noise(encoding, 1, 2 if "yuv" in encoding else 1)]
     for number, pixels in enumerate(sent, 1):
@@ -79,7 +79,7 @@ def test_the_array_is_the_picture(source, encoding, padding, order):
 
 
 def test_conversions_are_those_of_cv_bridge(source):
-    """Every encoding to every other; of padded rows, which cv_bridge takes for pixels."""
+    """All encodings to all others; also with padded rows, which cv_bridge takes for pixels."""
     targets = {target: source.frames(target) for target in ENCODINGS}
     not_in_cv_bridge = set()
     for number, encoding in enumerate(ENCODINGS, 1):
@@ -123,12 +123,12 @@ def test_conversions_of_any_size_and_byte_order(source, encoding, target, height
     pixels = noise(encoding, height, width)
     frames = source.frames(target)
     source.send(message(pixels, encoding, padding=16, order=order))
-    expected = by_cv_bridge(message(pixels, encoding), target)  # it wants this machine's order
+    expected = by_cv_bridge(message(pixels, encoding), target)  # needs the machine's order
     assert_same(frames.wait()[0].image, expected)
 
 
 @pytest.mark.parametrize("target, code", [("bgr8", "BGR"), ("rgb8", "RGB"), ("mono8", "GRAY")])
-def test_yuyv_which_cv_bridge_may_not_know(source, target, code):
+def test_conversions_of_yuyv(source, target, code):
     pixels = noise("yuv422_yuy2")
     frames = source.frames(target)
     source.send(message(pixels, "yuv422_yuy2"))
@@ -152,7 +152,7 @@ def test_an_unknown_encoding_is_refused_at_once(encoding):
 
 
 def damaged(encoding):
-    """Messages with everything that can be wrong with a picture of this encoding."""
+    """Messages with everything that can be wrong with an image of this encoding."""
     good = message(noise(encoding), encoding)
     step, height, data = good.step, good.height, good.data
     wrongs = [
@@ -196,12 +196,12 @@ def test_damaged_frames_are_refused_and_counted(source, encoding, log):
     assert f"{what}step * height is {noise(encoding).nbytes}" in log()
 
 
-def test_a_view_is_the_message_s_own_memory(source):
+def test_a_view_uses_the_memory_of_the_message(source):
     pixels = noise("bgr8")
     first, second = source.frames(), source.frames()
     source.send(message(pixels, "bgr8", padding=6))
     images = [frames.wait()[0].image for frames in (first, second)]
-    # roscpp gives both the same message: copies would lie elsewhere, and have packed rows.
+    # roscpp gives both the same message; copies would have other addresses and packed rows.
     assert images[0].ctypes.data == images[1].ctypes.data
     assert images[0].strides == (6 * 3 + 6, 3, 1)
     for image in images:
@@ -213,7 +213,7 @@ def test_a_view_is_the_message_s_own_memory(source):
 
 
 def test_frames_outlive_their_subscriber(source):
-    # More than are kept to be used again.
+    # These are more frames than are kept for reuse.
     sent = [np.roll(noise("bgr8", 480, 640), n, axis=1) for n in range(6)]
     views, converted = source.frames(), source.frames("mono8")
     for number, pixels in enumerate(sent, 1):
@@ -221,7 +221,7 @@ def test_frames_outlive_their_subscriber(source):
         views.wait(number)
         converted.wait(number)
     greys = [cv2.cvtColor(pixels, cv2.COLOR_BGR2GRAY) for pixels in sent]
-    kept = [frame.image[::2] for frame in views.received]  # slices keep the memory, too
+    kept = [frame.image[::2] for frame in views.received]  # slices keep the memory as well
     kept_greys = [frame.image for frame in converted.received]
     subscribers = [weakref.ref(frames.subscriber) for frames in (views, converted)]
     views.close()
@@ -234,14 +234,14 @@ def test_frames_outlive_their_subscriber(source):
     for number in range(1, 101):
         source.send(message(np.full_like(sent[0], number), "bgr8"))
         others.wait(number)
-        others.received[-1] = None  # frees the frame for the next
+        others.received[-1] = None  # releases the frame for the next one
     assert all(np.array_equal(a, b[::2]) for a, b in zip(kept, sent))
     assert all(np.array_equal(a, b) for a, b in zip(kept_greys, greys))
 
 
 @pytest.mark.parametrize("encoding", ENCODINGS)
-def test_published_pictures_are_those_that_arrive(source, encoding):
-    """Over TCP to rospy, and inside the process; whatever way the array lies in memory."""
+def test_published_images_arrive_unchanged(source, encoding):
+    """They arrive over TCP in rospy and inside the process, whatever the array's memory layout."""
     publisher = ImagePublisher(source.topic)
     inside, outside = Frames(source.topic), support.Messages(source.topic, Image)
     support.wait_for(lambda: publisher.get_num_connections() == 2, "the subscriptions")
@@ -259,7 +259,7 @@ def test_published_pictures_are_those_that_arrive(source, encoding):
         sent = layout.copy() if layout is pixels else layout
         publisher.publish(sent, encoding, header)
         if sent is not layout:
-            sent[:] = 0  # it has been copied
+            sent[:] = 0  # the publisher has copied it
         frame, came = inside.wait(number)[-1], outside.wait(number)[-1]
         assert_same(frame.image, pixels)
         assert came.data == pixels.tobytes()
@@ -269,8 +269,8 @@ def test_published_pictures_are_those_that_arrive(source, encoding):
     publisher.unregister()
 
 
-def test_a_stamp_that_is_no_time_comes_and_goes_as_it_is(source):
-    """A sender may write anything there; results have the stamp of their frame."""
+def test_an_invalid_stamp_is_passed_on_unchanged(source):
+    """A sender may write any stamp; results have the stamp of their frame."""
     publisher = ImagePublisher(source.topic)
     frames = Frames(source.topic)
     support.wait_for(publisher.get_num_connections, "the subscription")
@@ -301,7 +301,7 @@ def test_a_stamp_that_is_no_time_comes_and_goes_as_it_is(source):
         *((np.zeros((4, 6, 3), np.uint8), name, ValueError) for name in UNKNOWN),
     ],
 )
-def test_what_is_no_picture_is_not_published(array, encoding, error):
+def test_invalid_arrays_are_not_published(array, encoding, error):
     publisher = ImagePublisher(new_topic())
     with pytest.raises(error):
         publisher.publish(array, encoding)

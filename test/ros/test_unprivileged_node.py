@@ -1,4 +1,4 @@
-"""For a user who is not root: what writes nothing works, else one line says what and why."""
+"""Nodes of a user who is not root: they work, or one line says what cannot be written."""
 
 import os
 import pathlib
@@ -29,8 +29,8 @@ BOARD = ["--size", "8x6", "--square", "0.05"]
 
 @pytest.fixture
 def own():
-    """A folder that belongs to nobody, beside one, locked, that nobody may only read."""
-    # Where pytest has its own nobody else may look.
+    """A folder that belongs to the user nobody, beside a locked one that nobody may only read."""
+    # Other users may not read pytest's own folders.
     with tempfile.TemporaryDirectory() as top:
         os.chmod(top, 0o755)
         path = pathlib.Path(top, "own")
@@ -47,9 +47,9 @@ def locked(own):
 
 @pytest.fixture
 def start_as_nobody(start):
-    """start_as_nobody(folder, home, name, "arg", ...): starts a command of this package there.
+    """start_as_nobody(folder, home, name, "arg", ...) starts a command of this package there.
 
-    Without a home, if that is None.
+    If home is None, the command has none.
     """
     for path in (support.executable("camera_node"), robot_vision.__file__):
         if subprocess.run([*BECOME_NOBODY, "test", "-r", path], check=False).returncode:
@@ -63,7 +63,7 @@ def start_as_nobody(start):
 
 
 def assert_saves_where_it_may(node, own, locked):
-    """And says of the other file that it may not be written."""
+    """Values are saved in a writable file; for the other one there is an error."""
     service = f"/{node}/save_parameters"
     rospy.wait_for_service(service, support.DEADLINE)
     for folder in (own, locked):
@@ -76,7 +76,7 @@ def assert_saves_where_it_may(node, own, locked):
 
 
 def test_nodes(start_as_nobody, own, locked):
-    """Frames pass from one in C++ to one in Python, in a folder where they may not write."""
+    """Frames pass from a C++ node to a Python node in a folder where they may not write."""
     images = support.Messages("/camera/image_raw", Image)
     codes = support.Messages("/code_reader/codes", DetectionArray)
     url = f"_camera_info_url:=file://{locked}/camera.yaml"
@@ -98,8 +98,8 @@ def test_nodes(start_as_nobody, own, locked):
 
 
 @pytest.mark.parametrize("node", ["camera_node", "code_reader.py"])
-def test_what_roscpp_has_to_write_is_told(start_as_nobody, own, locked, node):
-    """It makes ~/.ros in a home that is there, and has no node without."""
+def test_files_that_roscpp_cannot_write_are_reported(start_as_nobody, own, locked, node):
+    """roscpp makes ~/.ros in an existing home; without a home no node starts."""
     process = start_as_nobody(own, locked, node)
     assert process.exit_code() == 1
     (fatal,) = [line for line in process.output().splitlines() if "FATAL" in line]
@@ -107,8 +107,8 @@ def test_what_roscpp_has_to_write_is_told(start_as_nobody, own, locked, node):
     assert "Traceback" not in process.output() and list(locked.iterdir()) == []
 
 
-def test_a_log_that_is_another_s_is_told(start_as_nobody, own):
-    """As one that root has left there."""
+def test_a_log_of_another_user_is_reported(start_as_nobody, own):
+    """Root may have left it there."""
     log = own / ".ros" / "log" / "code_reader.log"
     log.parent.mkdir(parents=True)
     log.touch(0o644)
@@ -118,7 +118,7 @@ def test_a_log_that_is_another_s_is_told(start_as_nobody, own):
     assert "FATAL" in fatal and f"{log}: Permission denied; ROS_HOME names a folder" in fatal
 
 
-def test_a_node_without_a_log_says_what_it_has_to(start_as_nobody, locked):
+def test_a_node_without_a_log_still_reports_errors(start_as_nobody, locked):
     rospy.set_param("/code_reader/max_search_period", -1.0)
     process = start_as_nobody(locked, None, "code_reader.py")
     assert process.exit_code() == 1
@@ -128,7 +128,7 @@ def test_a_node_without_a_log_says_what_it_has_to(start_as_nobody, locked):
 
 @HOMES
 def test_create_marker(start_as_nobody, own, locked, has_home):
-    """In the folder that it runs in, and in another one."""
+    """It writes to its working folder and to another one."""
     for folder, arguments, path in (
         (own, [], "tag36h11_1.png"),
         (locked, ["--output", own / "a.png"], own / "a.png"),
@@ -148,9 +148,9 @@ def test_create_marker(start_as_nobody, own, locked, has_home):
 
 @HOMES
 def test_calibrate_headless(start_as_nobody, own, locked, has_home):
-    """It says before the work what it may not write, and of pictures which ones it may not read."""
+    """Before the work it names the file it may not write, then the images it may not read."""
     params = SceneParams()
-    params.rate = 2.0  # each frame another pose
+    params.rate = 2.0  # so that each frame shows another pose
     scene = CalibrationScene(params)
     pictures = own / "pictures"
     pictures.mkdir()
