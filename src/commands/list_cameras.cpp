@@ -15,11 +15,11 @@ constexpr const char* kHelp = R"(usage: list_cameras [NAME]
 Prints the V4L2 cameras that are plugged in: the names by which camera_node finds
 them, their formats, sizes and rates, and their controls.
 
-NAME, as in video_device, prints the one that is meant by it:
-  /dev/video0                       a path; at the next start it may be another camera's
-  /dev/v4l/by-id/usb-046d_HD_...    a link, wherever it is; of one below /dev its name is enough
-  "HD Pro Webcam C920", c920        what the camera calls itself, or a part of it
-  usb-0000:00:14.0-1                where it is plugged in
+NAME selects one camera in the same way as the parameter video_device:
+  /dev/video0                       its path, which may change with each start
+  /dev/v4l/by-id/usb-046d_HD_...    a symbolic link to it; below /dev, the link's name is enough
+  "HD Pro Webcam C920", c920        its card name, or a part of that
+  usb-0000:00:14.0-1                the bus to which it is connected
   1A2B3C4D                          its serial number
 
 examples:
@@ -31,7 +31,7 @@ exit code: 0, 1 if there is no such camera or none can be opened, 2 for wrong ar
 
 using namespace robot_vision;
 
-/// False if the camera cannot be asked.
+/// Prints a camera; returns false if it could not be queried.
 bool print(const V4l2Camera& camera)
 {
   const CameraReport report = reportCamera(camera);
@@ -52,7 +52,7 @@ int printOne(const std::string& name)
 int printAll()
 {
   const std::vector<V4l2Camera> cameras = listV4l2Cameras();
-  if (cameras.empty()) std::fprintf(stderr, "no camera is plugged in: no /dev/videoN gives pictures\n");
+  if (cameras.empty()) std::fprintf(stderr, "no camera is plugged in: no /dev/videoN gives images\n");
   bool any = false;
   for (const V4l2Camera& camera : cameras)
     any = print(camera) || any;

@@ -4,9 +4,9 @@
 namespace
 {
 
-constexpr const char* kAbout = R"(Changes gain, offset and gamma of a camera's pictures.
+constexpr const char* kAbout = R"(Changes gain, offset and gamma of a camera's images.
 
-Subscribes to image, while somebody subscribes to ~processed_image. Publishes /diagnostics, too.
+Subscribes to image while somebody subscribes to ~processed_image. Also publishes /diagnostics.
 )";
 
 }  // namespace

@@ -4,11 +4,11 @@
 namespace
 {
 
-constexpr const char* kAbout = R"(Publishes the frames of a camera, video, picture folder or synthetic scene.
+constexpr const char* kAbout = R"(Publishes the frames of a camera, a video, a folder of images or a synthetic scene.
 
 Publishes ~image_raw, ~image_mono, ~camera_info and /diagnostics, with _source:=synthetic also ~ground_truth and /tf.
-~stop_capture and ~start_capture (std_srvs/Empty) stop and start it. The controls of a device are in ~controls, live.
-~set_camera_info (sensor_msgs/SetCameraInfo) sets the calibration and saves it.
+~stop_capture and ~start_capture (std_srvs/Empty) stop and start the capture. dynamic_reconfigure changes the controls
+of a device in ~controls. ~set_camera_info (sensor_msgs/SetCameraInfo) sets the calibration and saves it.
 )";
 
 }  // namespace

@@ -110,8 +110,8 @@ private:
   catch (const std::exception& e)
   {
     NODELET_FATAL("%s: %s", getName().c_str(), logLine(e.what()).c_str());
-    stop();  // the loader takes the callback queues away before the nodelet
-    throw;   // the loader then reports failure instead of keeping a dead nodelet
+    stop();  // here, because the loader destroys the callback queues before the nodelet
+    throw;   // so that the loader reports a failure instead of keeping a dead nodelet
   }
 
   bool setStopped(bool stopped)
@@ -127,7 +127,7 @@ private:
     gate_.close();
     start_.shutdown();
     stop_.shutdown();
-    loop_.reset();  // waits for its thread, which uses all the others
+    loop_.reset();  // waits for its thread, which uses all that is destroyed below
     params_.reset();
     controls_.reset();
     outputs_.reset();
@@ -181,7 +181,7 @@ private:
   ros::Time stampOf(const Frame& frame)
   {
     const ros::Time time = toRosTime(frame.monotonic_ns);
-    if (ros::Time::isSimTime()) return time;  // who simulates it may begin anew
+    if (ros::Time::isSimTime()) return time;  // simulated time may start again
     const ros::Time stamp = stamps_.next(frame.monotonic_ns != 0 ? frame.monotonic_ns : monotonicNow(), time);
     const double ahead = (stamp - time).toSec();
     if (ahead > 0.001 && ahead_.due())
@@ -190,23 +190,23 @@ private:
     return stamp;
   }
 
-  void onRefused(const std::string& why) override
+  void onRefused(const std::string& reason) override
   {
-    diagnostics_->statistics().refused(why);
-    if (refused_.due()) NODELET_ERROR("%s: refused a frame: %s", getName().c_str(), logLine(why).c_str());
+    diagnostics_->statistics().refused(reason);
+    if (refused_.due()) NODELET_ERROR("%s: refused a frame: %s", getName().c_str(), logLine(reason).c_str());
   }
 
-  void onUnavailable(const std::string& why) override
+  void onUnavailable(const std::string& reason) override
   {
-    status_->lost(why);
-    if (unavailable_.due()) NODELET_ERROR("%s: %s; trying again", getName().c_str(), logLine(why).c_str());
+    status_->lost(reason);
+    if (unavailable_.due()) NODELET_ERROR("%s: %s; trying again", getName().c_str(), logLine(reason).c_str());
   }
 
   void onIdle() override
   {
     if (stopped_) return status_->stopped();
     unavailable_.reset();
-    if (status_->idle()) NODELET_INFO("%s: there again", getName().c_str());
+    if (status_->idle()) NODELET_INFO("%s: the source is there again", getName().c_str());
   }
 
   void onEnd(const std::string& error) override
@@ -220,10 +220,10 @@ private:
     if (on_end_) on_end_(good ? 0 : 1);
   }
 
-  CallbackGate gate_;  // ends last: roscpp has its queues
+  CallbackGate gate_;  // must be destroyed last, because roscpp uses its queues
   EndCallback on_end_;
   bool always_wanted_ = false;
-  std::atomic<bool> stopped_{false};  // by ~stop_capture, or from the start
+  std::atomic<bool> stopped_{false};  // by ~stop_capture or by create_suspended
   Throttle refused_;
   Throttle unavailable_;
   Throttle ahead_;
@@ -231,8 +231,8 @@ private:
   std::unique_ptr<FrameDiagnostics> diagnostics_;
   std::unique_ptr<CaptureStatus> status_;
   std::unique_ptr<CameraOutputs> outputs_;
-  std::unique_ptr<ControlServer> controls_;  // of a device, else null
-  std::mutex mutex_;  // guards config_ and loop_ against connections and reconfiguring while they are being set up
+  std::unique_ptr<ControlServer> controls_;  // null unless the source is a device
+  std::mutex mutex_;  // guards config_ and loop_, as connections and reconfiguring come during the setup
   CameraConfig config_;
   std::unique_ptr<CaptureLoop> loop_;
   std::unique_ptr<LiveParams<CameraConfig>> params_;

@@ -4,9 +4,9 @@
 namespace
 {
 
-constexpr const char* kAbout = R"(Finds edges in a camera's pictures.
+constexpr const char* kAbout = R"(Finds edges in a camera's images.
 
-Subscribes to image, while somebody subscribes to ~processed_image (mono8). Publishes /diagnostics, too.
+Subscribes to image while somebody subscribes to ~processed_image (mono8). Also publishes /diagnostics.
 )";
 
 }  // namespace

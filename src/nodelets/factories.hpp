@@ -9,11 +9,11 @@
 namespace robot_vision
 {
 
-/// The nodelets as objects, for the executables: a process of its own needs no plugin loader.
+/// Make the nodelets without a plugin loader, for the programs that run one nodelet as a node.
 boost::shared_ptr<nodelet::Nodelet> makeBrightness();
 boost::shared_ptr<nodelet::Nodelet> makeEdgeDetector();
 
-/// `on_end` is called from the capture thread when the source has ended: 0, or 1 after an error that was logged.
+/// `on_end` is called from the capture thread when the source has ended, with 0, or 1 after an error that was logged.
 boost::shared_ptr<nodelet::Nodelet> makeCamera(const std::function<void(int exit_code)>& on_end);
 
 }  // namespace robot_vision

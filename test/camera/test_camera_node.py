@@ -364,8 +364,8 @@ def test_calibration_is_set_saved_and_used(start, tmp_path):
 
 INVALID_CALIBRATIONS = [
     # the wrong fields of a CameraInfo, the reason why it is refused
-    ({"width": 0}, "width is 0, must be 640, which the camera's pictures have"),
-    ({"height": 481}, "height is 481, must be 480, which the camera's pictures have"),
+    ({"width": 0}, "width is 0, must be 640 as in the camera's images"),
+    ({"height": 481}, "height is 481, must be 480 as in the camera's images"),
     ({"K": [0.0] * 9}, "K is 0 everywhere, must be that of a calibrated camera"),
     ({"K": [-5.0, 0, 320, 0, 500, 240, 0, 0, 1]}, "K is -5, must be above 0 where it is a focal"),
     ({"K": [500, 0, float("nan"), 0, 500, 240, 0, 0, 1]}, "K is nan, must be finite"),

@@ -354,7 +354,7 @@ def test_images_without_camera_info_of_their_stamp(camera, log):
     numbers = itertools.count(2, 2)
 
     topics = camera.frames.subscriber.topic, camera.info_topic
-    warning = "pictures of {} without a camera_info of the same stamp on {}".format(*topics)
+    warning = "images of {} without a camera_info of the same stamp on {}".format(*topics)
 
     def warned():
         number = next(numbers)

@@ -26,7 +26,7 @@ namespace robot_vision
 namespace
 {
 
-constexpr std::size_t kMaxName = 200;  // bytes, and a file is named so
+constexpr std::size_t kMaxName = 200;  // bytes, because it is part of a file's name
 const std::string kFile = "file://";
 const std::string kPackage = "package://";
 const std::string kDefaultUrl = "file://${ROS_HOME}/camera_info/${NAME}.yaml";
@@ -37,29 +37,29 @@ bool isName(const std::string& text)
   return !text.empty() && text.size() <= kMaxName && std::all_of(text.begin(), text.end(), fits);
 }
 
-std::string variable(const char* name)
+std::string environmentVariable(const char* name)
 {
   const char* value = std::getenv(name);
   return value == nullptr ? "" : value;
 }
 
-/// The user's folder; services of the system have no HOME.
+/// The user's home folder, also for system services, which have no HOME.
 std::string userHome()
 {
-  const std::string home = variable("HOME");
+  const std::string home = environmentVariable("HOME");
   const passwd* user = home.empty() ? getpwuid(getuid()) : nullptr;
   return user == nullptr ? home : user->pw_dir;
 }
 
 std::string rosHome()
 {
-  const std::string home = variable("ROS_HOME");
-  // A relative one is of the folder that the node runs in.
+  const std::string home = environmentVariable("ROS_HOME");
+  // A relative path is relative to the node's working folder.
   return std::filesystem::absolute(home.empty() ? userHome() + "/.ros" : home).string();
 }
 
-/// The path of what is in a package, "name/path"; empty: there is no such thing.
-std::string inPackage(const std::string& name_and_path)
+/// The path of a file in a package, given as "package/file"; empty if there is no such package.
+std::string pathInPackage(const std::string& name_and_path)
 {
   const std::size_t slash = name_and_path.find('/');
   if (slash == std::string::npos || slash + 1 == name_and_path.size()) return "";
@@ -72,15 +72,16 @@ std::string pathOf(const std::string& url, const std::string& camera_name)
   std::string resolved = url.empty() ? kDefaultUrl : url;
   boost::algorithm::replace_all(resolved, "${NAME}", camera_name);
   boost::algorithm::replace_all(resolved, "${ROS_HOME}", rosHome());
-  const std::string wrong = "'" + url + "'";
+  const std::string quoted_url = "'" + url + "'";
   if (resolved.rfind(kPackage, 0) == 0)
   {
-    const std::string path = inPackage(resolved.substr(kPackage.size()));
-    require(!path.empty(), "camera_info_url", wrong, "package://, the name of a package that is there, / and a file");
+    const std::string path = pathInPackage(resolved.substr(kPackage.size()));
+    require(!path.empty(), "camera_info_url", quoted_url,
+            "package://, the name of a package that is there, / and a file");
     return path;
   }
   const bool is_file = resolved.rfind(kFile + "/", 0) == 0;
-  require(is_file, "camera_info_url", wrong, "empty, file:///... or package://...");
+  require(is_file, "camera_info_url", quoted_url, "empty, file:///... or package://...");
   return resolved.substr(kFile.size());
 }
 
@@ -89,7 +90,7 @@ CalibrationFormat formatOf(const std::string& path)
   return std::filesystem::path(path).extension() == ".ini" ? CalibrationFormat::kIni : CalibrationFormat::kYaml;
 }
 
-/// Reads a calibration's file, or throws std::runtime_error that names it.
+/// Reads a calibration file; throws std::runtime_error that names it.
 sensor_msgs::CameraInfo parse(const std::string& path, std::string& camera_name)
 {
   const std::string text = readFile(path, kMaxYamlText);
@@ -115,22 +116,22 @@ CameraModel modelOf(const sensor_msgs::CameraInfo& info)
   return model;
 }
 
-/// Throws std::invalid_argument naming what cannot be of a camera with pictures of this size; empty: of any.
+/// Throws std::invalid_argument naming what is not valid for a camera with images of this size (empty: any size).
 void requireUsable(const sensor_msgs::CameraInfo& info, cv::Size size)
 {
-  const std::string of_pictures = ", which the camera's pictures have";
+  const std::string as_in_images = " as in the camera's images";
   if (!size.empty())
   {
     require(info.width == static_cast<std::uint32_t>(size.width), "width", info.width,
-            toText(size.width) + of_pictures);
+            toText(size.width) + as_in_images);
     require(info.height == static_cast<std::uint32_t>(size.height), "height", info.height,
-            toText(size.height) + of_pictures);
+            toText(size.height) + as_in_images);
   }
   validate(modelOf(info));
   validateRectification(cv::Matx33d(info.R.data()), cv::Matx34d(info.P.data()));
 }
 
-/// Why a calibration read from a file is none; empty: it is one.
+/// The reason why a calibration that was read from a file is not valid; empty if it is valid.
 std::string problemOf(const sensor_msgs::CameraInfo& info)
 try
 {
@@ -199,7 +200,7 @@ void Calibration::set(const sensor_msgs::CameraInfo& info)
 {
   std::unique_lock<std::mutex> lock(mutex_);
   const cv::Size size = size_;
-  lock.unlock();  // pictures do not wait for the disk
+  lock.unlock();  // images must not wait for the disk
   requireUsable(info, size);
   save(info);
   lock.lock();

@@ -11,20 +11,20 @@
 namespace robot_vision
 {
 
-/// A camera's calibration: the file that it is in, as camera_info_manager and camera_calibration have it, and the
-/// service ~set_camera_info. Unlike that of camera_info_manager it takes no calibration that cannot be the camera's,
-/// and replaces the file in one step or not at all.
+/// A camera's calibration: its file, in the format of camera_info_manager and camera_calibration, and the service
+/// ~set_camera_info. Unlike camera_info_manager it refuses calibrations that cannot be the camera's, and replaces the
+/// file in one step or not at all.
 class Calibration
 {
 public:
-  /// `url` is file:///... or package://..., with ${NAME} and ${ROS_HOME} in it replaced; empty: it is the file
-  /// camera_info/${NAME}.yaml in ${ROS_HOME}. Throws std::invalid_argument naming camera_name or camera_info_url.
+  /// `url` is file:///... or package://...; ${NAME} and ${ROS_HOME} are replaced in it. If it is empty, the file is
+  /// ${ROS_HOME}/camera_info/${NAME}.yaml. Throws std::invalid_argument naming camera_name or camera_info_url.
   Calibration(const ros::NodeHandle& pnh, const std::string& camera_name, const std::string& url);
 
-  /// Read from the file when it is first asked for; zeros if there is none.
+  /// The calibration, which is read from the file at the first call; zeros if there is none.
   sensor_msgs::CameraInfo info();
 
-  /// The size of the camera's pictures. Until it is known a calibration may be of any.
+  /// Sets the size of the camera's images. Until it is known, calibrations of any size are accepted.
   void setPictureSize(cv::Size size);
 
 private:
@@ -33,10 +33,10 @@ private:
   void save(const sensor_msgs::CameraInfo& info) const;
   bool onSet(sensor_msgs::SetCameraInfo::Request& request, sensor_msgs::SetCameraInfo::Response& response);
 
-  std::string name_;  // of the node, for what is logged
+  std::string name_;  // of the node, for log lines
   std::string camera_name_;
   std::string path_;
-  std::mutex mutex_;  // guards all below: the service's thread is not that of pictures
+  std::mutex mutex_;  // guards all below, which the threads of the service and of the images use
   bool read_ = false;
   sensor_msgs::CameraInfo info_;
   cv::Size size_;

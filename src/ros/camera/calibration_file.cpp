@@ -12,7 +12,7 @@
 namespace robot_vision
 {
 
-constexpr std::size_t kMaxTold = 200;  // bytes of what is wrong
+constexpr std::size_t kMaxReasonLength = 200;  // bytes, of an error's text
 
 sensor_msgs::CameraInfo parseCalibration(const std::string& text, CalibrationFormat format, std::string& camera_name)
 {
@@ -29,7 +29,7 @@ sensor_msgs::CameraInfo parseCalibration(const std::string& text, CalibrationFor
   }
   catch (const std::exception& e)
   {
-    throw std::runtime_error(none + ": " + printable(e.what(), kMaxTold));  // it may quote what is there
+    throw std::runtime_error(none + ": " + printable(e.what(), kMaxReasonLength));  // the text may quote the file
   }
   throw std::runtime_error(none);
 }

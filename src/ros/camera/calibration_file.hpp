@@ -13,12 +13,11 @@ enum class CalibrationFormat
   kIni
 };
 
-/// A calibration from the text of a file, as camera_info_manager and camera_calibration have it, and the name of its
-/// camera, as it is there. Throws std::runtime_error if it is none that can be read; whether any camera can have it is
-/// not looked at.
+/// Parses the text of a calibration file of camera_info_manager or camera_calibration, and sets the camera's name to
+/// that in the file. Throws std::runtime_error if the text cannot be read. Whether the values are valid is not checked.
 sensor_msgs::CameraInfo parseCalibration(const std::string& text, CalibrationFormat format, std::string& camera_name);
 
-/// The text of such a file; empty if it could not be read again, as the INI that camera_calibration_parsers writes.
+/// The text of such a file; empty if it could not be read back, as some INI files of camera_calibration_parsers.
 std::string calibrationText(const sensor_msgs::CameraInfo& info, CalibrationFormat format,
                             const std::string& camera_name);
 

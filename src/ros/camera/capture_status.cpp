@@ -7,17 +7,17 @@ using diagnostic_msgs::DiagnosticStatus;
 
 bool CaptureStatus::opened(const std::string& description)
 {
-  const bool news = description_ != description;
+  const bool is_new = description_ != description;
   description_ = description;
   statistics_.resumed();
   if (!lost_) statistics_.setState(DiagnosticStatus::OK, description_);
-  return news;
+  return is_new;
 }
 
-void CaptureStatus::lost(const std::string& why)
+void CaptureStatus::lost(const std::string& reason)
 {
   lost_ = true;
-  statistics_.setState(DiagnosticStatus::ERROR, why);
+  statistics_.setState(DiagnosticStatus::ERROR, reason);
 }
 
 bool CaptureStatus::streaming()

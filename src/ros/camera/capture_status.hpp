@@ -7,19 +7,19 @@
 namespace robot_vision
 {
 
-/// What /diagnostics say of a capture. After a loss it is an error until a frame has come, if one is wanted: a device
-/// that can be opened need not stream. For one thread.
+/// The state of a capture on /diagnostics. After a loss of the source the state is an error until a frame arrives, if
+/// frames are wanted, because a device that can be opened need not stream. To be used by one thread.
 class CaptureStatus
 {
 public:
   explicit CaptureStatus(FrameStatistics& statistics) : statistics_(statistics) {}
 
-  /// True if the description is another than before.
+  /// The source is open; returns true if its description has changed.
   bool opened(const std::string& description);
-  void lost(const std::string& why);
-  /// A frame has come; true if it is the first since a loss.
+  void lost(const std::string& reason);
+  /// A frame has arrived; returns true if it is the first one since a loss.
   bool streaming();
-  /// Nobody wants frames of the source, which is there; true if it was lost before.
+  /// The source is available, but nobody wants its frames; returns true if it was lost before.
   bool idle();
   void stopped();
   void ended(const std::string& error);

@@ -18,14 +18,14 @@ void put(List& list, const std::string& name, const Value& value)
   list.back().value = value;
 }
 
-bool isShort(std::int64_t number)
+bool fitsInt32(std::int64_t number)
 {
   return number >= std::numeric_limits<std::int32_t>::min() && number <= std::numeric_limits<std::int32_t>::max();
 }
 
-bool isShort(const CameraControl& control)
+bool fitsInt32(const CameraControl& control)
 {
-  return isShort(control.minimum) && isShort(control.maximum);
+  return fitsInt32(control.minimum) && fitsInt32(control.maximum);
 }
 
 bool isSettable(const CameraControl& control)
@@ -33,16 +33,16 @@ bool isSettable(const CameraControl& control)
   return !control.read_only && control.kind != ControlKind::kCompound;
 }
 
-bool isTruth(const CameraControl& control)
+bool isBoolean(const CameraControl& control)
 {
   return control.kind == ControlKind::kBoolean || control.kind == ControlKind::kButton;
 }
 
 std::string typeOf(const CameraControl& control)
 {
-  if (isTruth(control)) return "bool";
+  if (isBoolean(control)) return "bool";
   if (control.kind == ControlKind::kText) return "str";
-  return isShort(control) ? "int" : "double";
+  return fitsInt32(control) ? "int" : "double";
 }
 
 void put(Config& config, const std::string& type, const std::string& name, std::int64_t number)
@@ -67,7 +67,7 @@ void put(Config& config, const std::string& type, const std::string& name, const
     put(config, type, name, std::get<std::int64_t>(value));
 }
 
-/// Text in quotes for a client that has Python evaluate it.
+/// Text in quotes, escaped for clients that evaluate it as Python.
 std::string quoted(const std::string& text)
 {
   std::string safe = "'";
@@ -112,8 +112,8 @@ dynamic_reconfigure::ConfigDescription toDescription(const std::vector<CameraCon
     parameter.type = typeOf(control);
     parameter.edit_method = enumeration(control);
     description.groups.front().parameters.push_back(parameter);
-    put(description.min, parameter.type, control.name, isTruth(control) ? 0 : control.minimum);
-    put(description.max, parameter.type, control.name, isTruth(control) ? 1 : control.maximum);
+    put(description.min, parameter.type, control.name, isBoolean(control) ? 0 : control.minimum);
+    put(description.max, parameter.type, control.name, isBoolean(control) ? 1 : control.maximum);
     put(description.dflt, parameter.type, control.name, control.default_value);
   }
   for (Config* config : {&description.min, &description.max, &description.dflt})
@@ -142,7 +142,7 @@ Config toConfig(const std::vector<ControlSetting>& settings)
   for (const auto& [name, value] : settings)
   {
     const auto* number = std::get_if<std::int64_t>(&value);
-    put(config, number == nullptr || isShort(*number) ? "int" : "double", name, value);
+    put(config, number == nullptr || fitsInt32(*number) ? "int" : "double", name, value);
   }
   return config;
 }

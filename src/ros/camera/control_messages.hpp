@@ -10,16 +10,16 @@
 namespace robot_vision
 {
 
-/// The controls that can be set, as dynamic_reconfigure's clients want them: numbers beyond 32 bits are doubles, menus
-/// enumerations of their items' numbers, buttons booleans.
+/// Describes the controls that can be set to dynamic_reconfigure's clients: numbers beyond 32 bits are doubles, menus
+/// are enumerations of the numbers of their items, and buttons are booleans.
 dynamic_reconfigure::ConfigDescription toDescription(const std::vector<CameraControl>& controls);
 
-/// Their present values.
+/// The present values of these controls.
 dynamic_reconfigure::Config toConfig(const std::vector<CameraControl>& controls);
 
 dynamic_reconfigure::Config toConfig(const std::vector<ControlSetting>& settings);
 
-/// Those of the values that differ from the present ones, also of controls that are not there.
+/// The values that differ from the present ones, also those of unknown controls.
 std::vector<ControlSetting> changes(const std::vector<CameraControl>& controls,
                                     const dynamic_reconfigure::Config& values);
 

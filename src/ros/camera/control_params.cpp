@@ -15,18 +15,18 @@ namespace
 
 using XmlRpc::XmlRpcValue;
 
-constexpr const char* kUsbCams[] = {"brightness",   "contrast", "saturation",    "sharpness",
-                                    "gain",         "focus",    "autofocus",     "auto_focus",
-                                    "autoexposure", "exposure", "white_balance", "auto_white_balance"};
+constexpr const char* kUsbCamControls[] = {"brightness",   "contrast", "saturation",    "sharpness",
+                                           "gain",         "focus",    "autofocus",     "auto_focus",
+                                           "autoexposure", "exposure", "white_balance", "auto_white_balance"};
 
-constexpr std::size_t kMaxName = 100;  // bytes that are told of a control's name
+constexpr std::size_t kMaxNameLength = 100;  // bytes, of a control's name in a message
 
 [[noreturn]] void refuse(const std::string& name, const XmlRpcValue& value, const std::string& expected)
 {
-  throw std::invalid_argument(shortened(name, kMaxName) + " is " + valueText(value) + ", must be " + expected);
+  throw std::invalid_argument(shortened(name, kMaxNameLength) + " is " + valueText(value) + ", must be " + expected);
 }
 
-/// Whether it is one of 64 bits; what is infinite equals its own rounded value, too.
+/// True if a double is a 64-bit integer. The range check also excludes infinities, which equal their rounded value.
 bool isInteger(double value)
 {
   constexpr double kEnd = 9223372036854775808.0;  // 2^63
@@ -43,7 +43,7 @@ ControlValue toControlValue(const std::string& name, XmlRpcValue value)
       return std::int64_t{static_cast<int>(value)};
     case XmlRpcValue::TypeString:
       return static_cast<std::string>(value);
-    case XmlRpcValue::TypeDouble:  // the parameter server has no larger integers
+    case XmlRpcValue::TypeDouble:  // the parameter server stores integers beyond 32 bits as doubles
       if (isInteger(static_cast<double>(value))) return static_cast<std::int64_t>(static_cast<double>(value));
       break;
     default:
@@ -52,7 +52,7 @@ ControlValue toControlValue(const std::string& name, XmlRpcValue value)
   refuse(name, value, "an integer, true, false or a text");
 }
 
-/// A map of controls' names and values; not valid() if it is not there.
+/// Reads a map of control names and values; the result is not valid() if there is no such parameter.
 XmlRpcValue readMap(const ros::NodeHandle& pnh, const std::string& map)
 {
   noteKnownParam(pnh, map);
@@ -63,7 +63,7 @@ XmlRpcValue readMap(const ros::NodeHandle& pnh, const std::string& map)
   return controls;
 }
 
-/// What usb_cam's map of controls sets: all but those that its entry `ignore` lists.
+/// Adds the settings of usb_cam's map of controls, except those that its entry `ignore` lists.
 void addIntrinsicControls(const ros::NodeHandle& pnh, std::vector<ControlSetting>& settings)
 {
   XmlRpcValue controls = readMap(pnh, "intrinsic_controls");
@@ -89,7 +89,7 @@ void addIntrinsicControls(const ros::NodeHandle& pnh, std::vector<ControlSetting
 std::vector<ControlSetting> readControlSettings(const ros::NodeHandle& pnh)
 {
   std::vector<ControlSetting> settings;
-  for (const char* name : kUsbCams)
+  for (const char* name : kUsbCamControls)
   {
     noteKnownParam(pnh, name);
     XmlRpcValue value;

@@ -9,9 +9,10 @@
 namespace robot_vision
 {
 
-/// What usb_cam's parameters ~brightness, ~autoexposure, ..., its map ~intrinsic_controls and ~controls, a map of names
-/// and values, set; the maps' come later, in this order. usb_cam's -1 leaves a control alone, and so does the list
-/// `ignore` in its map. Throws std::invalid_argument naming the parameter that is no control's value.
+/// Reads the settings of controls from usb_cam's parameters ~brightness, ~autoexposure, ..., then from usb_cam's map
+/// ~intrinsic_controls, then from our map ~controls of names and values. usb_cam's value -1, and the list `ignore` in
+/// its map, leave a control unchanged. Throws std::invalid_argument naming a parameter that cannot be a control's
+/// value.
 std::vector<ControlSetting> readControlSettings(const ros::NodeHandle& pnh);
 
 }  // namespace robot_vision

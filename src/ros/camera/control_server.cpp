@@ -10,9 +10,9 @@
 namespace robot_vision
 {
 
-ControlServer::ControlServer(const ros::NodeHandle& pnh, ControlDevice port,
+ControlServer::ControlServer(const ros::NodeHandle& pnh, ControlDevice control_device,
                              const std::vector<ControlSetting>& settings)
-  : name_(pnh.getNamespace()), port_(std::move(port))
+  : name_(pnh.getNamespace()), control_device_(std::move(control_device))
 {
   for (const ControlSetting& setting : settings)
     remember(setting);
@@ -28,7 +28,7 @@ std::unique_ptr<FrameSource> ControlServer::open(const Open& open_source)
 {
   const std::lock_guard<std::mutex> lock(mutex_);
   std::unique_ptr<FrameSource> source = open_source();
-  port_.follow(*source);
+  control_device_.follow(*source);
   if (const std::shared_ptr<V4l2Device> device = source->device()) restore(*device);
   return source;
 }
@@ -38,11 +38,11 @@ try
 {
   if (!settings_.empty())
     for (const RefusedSetting& refused : setControls(device, settings_))
-      if (told_.insert(refused.reason).second) ROS_WARN("%s: %s", name_.c_str(), logLine(refused.reason).c_str());
+      if (reported_.insert(refused.reason).second) ROS_WARN("%s: %s", name_.c_str(), logLine(refused.reason).c_str());
   list(device);
   descriptions_.publish(toDescription(controls_));
 }
-catch (const SourceUnavailable&)  // gone again: the capture will notice
+catch (const SourceUnavailable&)  // the device is gone again, which the capture will notice
 {
 }
 
@@ -52,7 +52,7 @@ void ControlServer::list(V4l2Device& device)
   values_.publish(toConfig(controls_));
 }
 
-/// Replaces the setting of the same control, whatever its name there.
+/// Stores a setting in place of an earlier one of the same control, whatever name that one used.
 void ControlServer::remember(const ControlSetting& setting)
 {
   const CameraControl* control = findControl(controls_, setting.name);
@@ -77,7 +77,7 @@ bool ControlServer::change(dynamic_reconfigure::Reconfigure::Request& request,
   const std::lock_guard<std::mutex> lock(mutex_);
   try
   {
-    const std::shared_ptr<V4l2Device> device = port_.device();
+    const std::shared_ptr<V4l2Device> device = control_device_.device();
     list(*device);
     const std::vector<ControlSetting> asked = changes(controls_, request.config);
     const std::vector<RefusedSetting> refused = setControls(*device, asked);

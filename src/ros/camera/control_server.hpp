@@ -15,20 +15,20 @@
 namespace robot_vision
 {
 
-/// Sets the controls of a device as it is told at first and, live, as a dynamic_reconfigure
-/// server below ~controls, which describes the controls of the camera that is plugged in. Thread-safe.
+/// Sets the controls of a device: at first to the given settings, then live as a dynamic_reconfigure server below
+/// ~controls, which describes the controls of the present camera. Thread-safe.
 class ControlServer
 {
 public:
   using Open = std::function<std::unique_ptr<FrameSource>()>;
 
-  ControlServer(const ros::NodeHandle& pnh, ControlDevice port, const std::vector<ControlSetting>& settings);
+  ControlServer(const ros::NodeHandle& pnh, ControlDevice control_device, const std::vector<ControlSetting>& settings);
 
-  /// Opens the camera, perhaps another one, to stream from, and sets again all that has been set before. Meanwhile no
-  /// service has it open: some drivers allow no second opening.
+  /// Opens the camera for streaming and restores all settings; it may be another camera than before. The service does
+  /// not have the camera open meanwhile, because some drivers cannot be opened twice.
   std::unique_ptr<FrameSource> open(const Open& open_source);
 
-  /// What has been set, under the camera's own names.
+  /// The settings made so far, under the camera's own names.
   dynamic_reconfigure::Config settings();
 
 private:
@@ -38,11 +38,11 @@ private:
   bool change(dynamic_reconfigure::Reconfigure::Request& request, dynamic_reconfigure::Reconfigure::Response& response);
 
   std::string name_;
-  std::mutex mutex_;  // guards all below: the capture thread and the service's meet here
-  ControlDevice port_;
+  std::mutex mutex_;  // guards all below, which the capture thread and the service use
+  ControlDevice control_device_;
   std::vector<CameraControl> controls_;
   std::vector<ControlSetting> settings_;
-  std::set<std::string> told_;  // what could not be restored is told once
+  std::set<std::string> reported_;  // errors of restoring, each of which is logged once
   ros::Publisher descriptions_;
   ros::Publisher values_;
   ros::ServiceServer service_;

@@ -9,17 +9,17 @@ namespace robot_vision
 ros::Time toRosTime(std::int64_t monotonic_ns)
 {
   if (monotonic_ns == 0 || ros::Time::isSimTime()) return ros::Time::now();
-  // The thread may lose the processor between two readings; of three tries the tightest counts.
-  std::int64_t tightest = std::numeric_limits<std::int64_t>::max();
+  // The thread may lose the processor between the readings, so the fastest of three tries counts.
+  std::int64_t shortest = std::numeric_limits<std::int64_t>::max();
   ros::Time stamp;
   for (int i = 0; i < 3; ++i)
   {
     const std::int64_t before = monotonicNow();
     const ros::Time now = ros::Time::now();
     const std::int64_t after = monotonicNow();
-    if (after - before >= tightest) continue;
-    tightest = after - before;
-    stamp = now - ros::Duration().fromNSec(before + tightest / 2 - monotonic_ns);
+    if (after - before >= shortest) continue;
+    shortest = after - before;
+    stamp = now - ros::Duration().fromNSec(before + shortest / 2 - monotonic_ns);
   }
   return stamp;
 }

@@ -7,8 +7,8 @@
 namespace robot_vision
 {
 
-/// The ROS time of a time on CLOCK_MONOTONIC (ns); of 0, and while ROS time is simulated and knows nothing of that
-/// clock, the ROS time of now.
+/// Converts a time on CLOCK_MONOTONIC (ns) to ROS time. The result is the present ROS time for 0, and while ROS time is
+/// simulated and thus independent of that clock.
 ros::Time toRosTime(std::int64_t monotonic_ns);
 
 }  // namespace robot_vision

@@ -13,12 +13,12 @@
 namespace robot_vision
 {
 
-/// plumb_bob calibration without rectifying rotation, P equal to K.
+/// The calibration without a rectifying rotation; P equals K.
 sensor_msgs::CameraInfo toCameraInfo(const CameraModel& model);
 
 GroundTruth toMessage(const SceneTruth& truth, const std_msgs::Header& header);
 
-/// From the camera's optical frame (header.frame_id) to scene/<name> of each object.
+/// The transforms from the camera's optical frame (header.frame_id) to scene/<name> for each object.
 std::vector<geometry_msgs::TransformStamped> toTransforms(const SceneTruth& truth, const std_msgs::Header& header);
 
 }  // namespace robot_vision

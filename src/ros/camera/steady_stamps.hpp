@@ -7,12 +7,14 @@
 namespace robot_vision
 {
 
-/// Keeps the stamps of a camera's frames in order when the system's clock is set back: until it has caught up, they run
-/// at half its speed. (Later frames with earlier stamps would be taken for older ones, and tf forgets all it knows.)
+/// Keeps the stamps of a camera's frames in order when the system's clock is set back: the stamps then run at half
+/// speed until the clock has caught up. Stamps that go back would make later frames look older, and would clear tf's
+/// buffers.
 class SteadyStamps
 {
 public:
-  /// The stamp of the next frame, captured at `monotonic_ns` on CLOCK_MONOTONIC, now that this is the ROS time `time`.
+  /// The stamp of the next frame, which was captured at `monotonic_ns` on CLOCK_MONOTONIC; `time` is the same in ROS
+  /// time.
   ros::Time next(std::int64_t monotonic_ns, const ros::Time& time);
 
 private:

@@ -10,7 +10,7 @@ namespace
 struct UsbCamParam
 {
   const char* name;
-  const char* instead;
+  const char* explanation;
 };
 
 constexpr UsbCamParam kWithoutEffect[] = {
@@ -26,10 +26,10 @@ constexpr UsbCamParam kWithoutEffect[] = {
 
 void acceptUsbCamParams(const ros::NodeHandle& pnh)
 {
-  for (const auto& [name, instead] : kWithoutEffect)
+  for (const auto& [name, explanation] : kWithoutEffect)
   {
     noteKnownParam(pnh, name);
-    if (pnh.hasParam(name)) ROS_INFO("%s has no effect: %s", pnh.resolveName(name).c_str(), instead);
+    if (pnh.hasParam(name)) ROS_INFO("%s has no effect: %s", pnh.resolveName(name).c_str(), explanation);
   }
 }
 

@@ -5,7 +5,7 @@
 namespace robot_vision
 {
 
-/// Takes the parameters of usb_cam that mean nothing here, and says in one line for each that is there what holds.
+/// Accepts the parameters of usb_cam that have no effect here. For each one that is set, a log line says what holds.
 void acceptUsbCamParams(const ros::NodeHandle& pnh);
 
 }  // namespace robot_vision
