@@ -243,7 +243,7 @@ def test_recording_all_topics_of_a_color_camera_logs_no_errors(republish):
     source, target, process = republish("raw", "compressedDepth")
     out = support.Messages(target + "/compressedDepth", CompressedImage)
     publisher = Source(source)
-    stays_empty = f"{target}/compressedDepth stays empty: bgr8 pictures hold no depths"
+    stays_empty = f"{target}/compressedDepth stays empty: bgr8 images hold no depths"
 
     def told():
         publisher.send(message(picture(), "bgr8"))

@@ -15,9 +15,10 @@
 namespace robot_vision
 {
 
-/// A message as it came over the wire. roscpp's own stream makes room for as many values as a message claims to have
-/// before it looks whether they are there: an Image of 46 bytes takes 4 GB. It counts their bytes in 32 bits, too: it
-/// takes a CameraInfo that claims 2^29 distortion coefficients and has none.
+/// Deserializes a received message, but checks that the values of an array are there before it allocates memory for
+/// them. roscpp's own stream allocates as many as the message claims: an Image of 46 bytes can take 4 GB. It also
+/// computes the number of bytes in 32 bits, so that it accepts a CameraInfo that claims 2^29 distortion coefficients
+/// and has none.
 class BoundedStream : public ros::serialization::IStream
 {
 public:
@@ -45,25 +46,25 @@ public:
     BoundedStream ahead = *this;
     std::uint32_t count = 0;
     ahead.next(count);
-    const std::size_t smallest = ros::message_traits::isSimple<T>() ? sizeof(T) : 1;
-    if (count > ahead.getLength() / smallest) ros::serialization::throwStreamOverrun();
+    const std::size_t min_bytes = ros::message_traits::isSimple<T>() ? sizeof(T) : 1;
+    if (count > ahead.getLength() / min_bytes) ros::serialization::throwStreamOverrun();
     ros::serialization::deserialize(*this, values);
   }
 };
 
-/// Of a frame that is cut short the header stays, which tells whose it was, and no data.
+/// Clears a truncated message. The header of an image stays, because it tells which frame it was.
 template <class Message>
-auto forgetContent(Message& message) -> decltype(message.data.clear())
+auto clearContent(Message& message) -> decltype(message.data.clear())
 {
   message.data.clear();
 }
 
-inline void forgetContent(sensor_msgs::CameraInfo& info)
+inline void clearContent(sensor_msgs::CameraInfo& info)
 {
   info = {};
 }
 
-/// Reads a message; of one that is cut short nothing is left but what forgetContent() leaves.
+/// Reads a message; if it is truncated, only what clearContent() leaves is kept.
 template <class Message>
 void readBounded(std::uint8_t* bytes, std::uint32_t count, Message& message)
 {
@@ -74,11 +75,12 @@ void readBounded(std::uint8_t* bytes, std::uint32_t count, Message& message)
   }
   catch (const ros::serialization::StreamOverrunException&)
   {
-    forgetContent(message);
+    clearContent(message);
   }
 }
 
-/// The same for a subscription. What is cut short goes to the callback, which refuses it as it does all bad frames.
+/// Reads the messages of a subscription in this way. Truncated messages go to the callback, which refuses them like all
+/// bad frames.
 template <class Message>
 class BoundedReading : public ros::SubscriptionCallbackHelperT<const boost::shared_ptr<Message const>&>
 {
@@ -101,7 +103,7 @@ private:
   CreateFunction create_;
 };
 
-/// What to subscribe with.
+/// The options to subscribe with.
 template <class Message>
 ros::SubscribeOptions boundedOptions(
     const std::string& topic, std::uint32_t queue_size, const typename BoundedReading<Message>::Callback& callback,
@@ -113,7 +115,7 @@ ros::SubscribeOptions boundedOptions(
   return options;
 }
 
-/// The same for a service: roscpp tells who calls it with a request that is cut short that it was not taken.
+/// Reads the requests of a service in this way. For a truncated request roscpp answers the caller with an error.
 template <class Service>
 class BoundedService : public ros::ServiceCallbackHelper
 {
@@ -139,7 +141,7 @@ private:
   Callback callback_;
 };
 
-/// What to advertise a service with.
+/// The options to advertise a service with.
 template <class Service>
 ros::AdvertiseServiceOptions boundedService(const std::string& name,
                                             typename BoundedService<Service>::Callback callback)

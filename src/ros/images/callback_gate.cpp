@@ -9,41 +9,41 @@
 namespace robot_vision
 {
 
-/// Who is inside. Callbacks that wait in a queue outlive the gate with it.
+/// Counts the callbacks that are running. Callbacks that wait in a queue share it, as they may outlive the gate.
 class CallbackGate::State
 {
 public:
   bool enter()
   {
     const std::lock_guard<std::mutex> lock(mutex_);
-    if (!closed_) ++inside_;
+    if (!closed_) ++running_;
     return !closed_;
   }
 
   void leave()
   {
     const std::lock_guard<std::mutex> lock(mutex_);
-    if (--inside_ == 0) empty_.notify_all();
+    if (--running_ == 0) empty_.notify_all();
   }
 
   void close()
   {
     std::unique_lock<std::mutex> lock(mutex_);
     closed_ = true;
-    empty_.wait(lock, [this] { return inside_ == 0; });
+    empty_.wait(lock, [this] { return running_ == 0; });
   }
 
 private:
   std::mutex mutex_;  // guards all below
   std::condition_variable empty_;
   bool closed_ = false;
-  int inside_ = 0;
+  int running_ = 0;
 };
 
 namespace
 {
 
-/// Does the work unless the gate is closed; false if it is.
+/// Does the work and returns true, unless the gate is closed.
 template <class State, class Work>
 bool pass(State& state, Work work)
 {
@@ -78,7 +78,7 @@ private:
   ros::CallbackInterfacePtr callback_;
 };
 
-/// The queue that a handle had, as long as the gate is open; then it may have gone.
+/// Passes callbacks on to the handle's own queue while the gate is open. Later that queue may no longer exist.
 class CallbackGate::Queue : public ros::CallbackQueueInterface
 {
 public:
@@ -107,7 +107,7 @@ CallbackGate::~CallbackGate()
 {
   close();
   if (!ros::isShuttingDown()) return;
-  // Nothing has been unsubscribed then, and roscpp still knows the queues.
+  // During the shutdown nothing is unsubscribed, and roscpp still refers to the queues, so they must stay.
   for (std::unique_ptr<Queue>& queue : queues_)
     queue.release();
 }

@@ -8,9 +8,9 @@
 namespace robot_vision
 {
 
-/// What the callbacks of an object pass on their way to it, until it ends. roscpp waits for a callback under way when a
-/// subscription, service or timer is given up, but no more once it is being shut down; dynamic_reconfigure's server
-/// lets go what its service uses before the service.
+/// Protects an object from callbacks during its destruction. roscpp waits for a running callback when a subscription,
+/// service or timer is shut down, but no longer once roscpp itself is being shut down; and dynamic_reconfigure's server
+/// destroys what its service uses before the service.
 class CallbackGate
 {
 public:
@@ -19,9 +19,9 @@ public:
   CallbackGate(const CallbackGate&) = delete;
   CallbackGate& operator=(const CallbackGate&) = delete;
 
-  /// From now on the callbacks of this handle, and of all that are made from it, pass the gate.
+  /// From now on the callbacks of this handle, and of all handles made from it, pass the gate.
   void guard(ros::NodeHandle& nh);
-  /// Waits for the callbacks under way and drops those to come. To be called first of all that ends the object, and not
+  /// Waits for the running callbacks and drops those to come. To be called before anything else is destroyed, but not
   /// by a callback.
   void close();
 

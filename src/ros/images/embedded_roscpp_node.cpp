@@ -16,9 +16,9 @@ void closeAll(const std::vector<std::weak_ptr<T>>& all)
     if (const auto alive = one.lock()) alive->close();
 }
 
-constexpr double kWait = 1.0;  // s, with nothing to do
+constexpr double kMaxWait = 1.0;  // s, while there is nothing to do
 
-/// Does nothing: a thread that waits for a callback wakes up.
+/// Does nothing, but wakes a thread that waits for callbacks.
 struct WakeUp : ros::CallbackInterface
 {
   CallResult call() override { return Success; }
@@ -37,17 +37,17 @@ EmbeddedRoscppNode::EmbeddedRoscppNode(const std::string& name, const ros::M_str
   nh_->setCallbackQueue(&queue_);
   gate_.guard(*nh_);
   it_ = std::make_shared<image_transport::ImageTransport>(*nh_);
-  others_ = std::thread(
+  global_spinner_ = std::thread(
       [this]
       {
         while (running())
-          ros::getGlobalCallbackQueue()->callAvailable(ros::WallDuration(kWait));
+          ros::getGlobalCallbackQueue()->callAvailable(ros::WallDuration(kMaxWait));
       });
   registration_ = std::make_shared<Registration>(name, node, node_uri);
 }
 
-/// Keeps it in mind, to be closed by stop(). What is gone is forgotten, so that a process that makes and drops for
-/// ever does not grow.
+/// Adds an object to those that stop() closes. Destroyed ones are removed, so that a process that makes and drops many
+/// does not grow.
 template <class T>
 std::shared_ptr<T> EmbeddedRoscppNode::add(std::vector<std::weak_ptr<T>>& all, std::shared_ptr<T> one)
 {
@@ -73,21 +73,21 @@ void EmbeddedRoscppNode::requireRunning() const
 std::shared_ptr<LatestImageSubscriber> EmbeddedRoscppNode::makeInbox(const LatestImageSubscriber::Params& params,
                                                                      std::shared_ptr<FrameStatistics> statistics)
 {
-  return add(inboxes_, std::make_shared<LatestImageSubscriber>(params, *nh_, transport(), std::move(statistics)));
+  return add(subscribers_, std::make_shared<LatestImageSubscriber>(params, *nh_, transport(), std::move(statistics)));
 }
 
 std::shared_ptr<PooledImagePublisher> EmbeddedRoscppNode::makeOutbox(const std::string& topic)
 {
   const auto changed = [this] { connections_changed_ = true; };
-  const auto outbox = add(outboxes_, std::make_shared<PooledImagePublisher>(topic, *transport(), changed));
+  const auto publisher = add(publishers_, std::make_shared<PooledImagePublisher>(topic, *transport(), changed));
   std::shared_ptr<Registration> registration;
   {
     const std::lock_guard<std::mutex> lock(mutex_);
     requireRunning();
     registration = registration_;
   }
-  registration->look();  // the transports have services
-  return outbox;
+  registration->look();  // because the transports have advertised services
+  return publisher;
 }
 
 std::shared_ptr<FrameDiagnostics> EmbeddedRoscppNode::makeDiagnostics(const std::string& node)
@@ -114,13 +114,13 @@ std::optional<EmbeddedRoscppNode::Delivery> EmbeddedRoscppNode::next(double time
 std::optional<EmbeddedRoscppNode::Delivery> EmbeddedRoscppNode::takeNext()
 {
   const std::lock_guard<std::mutex> lock(mutex_);
-  for (std::size_t asked = 0; asked < inboxes_.size(); ++asked)
+  for (std::size_t tried = 0; tried < subscribers_.size(); ++tried)
   {
-    turn_ = (turn_ + 1) % inboxes_.size();
-    const std::shared_ptr<LatestImageSubscriber> inbox = inboxes_[turn_].lock();
-    if (!inbox) continue;
-    std::optional<ReceivedImage> picture = inbox->take();
-    if (picture) return Delivery{inbox, std::move(*picture)};
+    turn_ = (turn_ + 1) % subscribers_.size();
+    const std::shared_ptr<LatestImageSubscriber> subscriber = subscribers_[turn_].lock();
+    if (!subscriber) continue;
+    std::optional<ReceivedImage> picture = subscriber->take();
+    if (picture) return Delivery{subscriber, std::move(*picture)};
   }
   return std::nullopt;
 }
@@ -140,23 +140,23 @@ void EmbeddedRoscppNode::stop()
     registration.swap(registration_);
   }
   registration.reset();
-  queue_.disable();  // wakes the thread that waits in it
+  queue_.disable();  // wakes the thread in next()
   gate_.close();
-  decltype(inboxes_) inboxes;
-  decltype(outboxes_) outboxes;
+  decltype(subscribers_) subscribers;
+  decltype(publishers_) publishers;
   {
-    const std::lock_guard<std::mutex> lock(mutex_);  // nothing is added any more
-    std::swap(inboxes, inboxes_);
-    std::swap(outboxes, outboxes_);
+    const std::lock_guard<std::mutex> lock(mutex_);  // from now on nothing is added
+    std::swap(subscribers, subscribers_);
+    std::swap(publishers, publishers_);
   }
-  closeAll(inboxes);
-  closeAll(outboxes);
+  closeAll(subscribers);
+  closeAll(publishers);
   ros::getGlobalCallbackQueue()->addCallback(boost::make_shared<WakeUp>());
-  others_.join();
+  global_spinner_.join();
   {
     const std::lock_guard<std::mutex> lock(mutex_);
     diagnostics_.clear();
-    it_.reset();  // unloads the transports: at the end of the process that would be too late
+    it_.reset();  // unloads the transports, for which the end of the process would be too late
   }
   ros::shutdown();
 }

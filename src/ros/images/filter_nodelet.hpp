@@ -17,9 +17,8 @@
 namespace robot_vision
 {
 
-/// A nodelet that makes one picture of another. `Filter` is a class of the core with apply() and outputEncoding(), made
-/// anew from the `Params` in each `Config` that it accepts; its constructor throws std::invalid_argument to refuse
-/// them.
+/// A nodelet that filters images. `Filter` is a class of the core with apply() and outputEncoding(); a new one is made
+/// from the `Params` in each `Config`. Its constructor throws std::invalid_argument to refuse them.
 template <class Config, class Params, class Filter>
 class FilterNodelet : public nodelet::Nodelet
 {
@@ -41,23 +40,23 @@ private:
     params_ = std::make_unique<LiveParams<Config>>(getPrivateNodeHandle(), renew);
     const auto apply = [this](const cv::Mat& image, const std::string& encoding, cv::Mat& out)
     { current()->apply(image, encoding, out); };
-    pipe_ = std::make_unique<LazyImageFilter>(getNodeHandle(), getPrivateNodeHandle(), getName(),
-                                              LazyImageFilter::Step{&Filter::outputEncoding, apply});
+    image_filter_ = std::make_unique<LazyImageFilter>(getNodeHandle(), getPrivateNodeHandle(), getName(),
+                                                      LazyImageFilter::Step{&Filter::outputEncoding, apply});
     reviewParams(getPrivateNodeHandle());
     registration_ = std::make_unique<Registration>(getPrivateNodeHandle().getNamespace());
   }
   catch (const std::exception& e)
   {
     NODELET_FATAL("%s: %s", getName().c_str(), logLine(e.what()).c_str());
-    stop();  // the loader takes the callback queues away before the nodelet
-    throw;   // the loader then reports failure instead of keeping a dead nodelet
+    stop();  // here, because the loader destroys the callback queues before the nodelet
+    throw;   // so that the loader reports a failure instead of keeping a dead nodelet
   }
 
   void stop()
   {
     registration_.reset();
     gate_.close();
-    pipe_.reset();
+    image_filter_.reset();
     params_.reset();
   }
 
@@ -67,11 +66,11 @@ private:
     return filter_;
   }
 
-  CallbackGate gate_;  // ends last: roscpp has its queues
-  std::mutex mutex_;   // guards filter_, which a frame uses while new parameters replace it
+  CallbackGate gate_;  // must be destroyed last, because roscpp uses its queues
+  std::mutex mutex_;  // guards filter_, which new parameters may replace while a frame uses it
   std::shared_ptr<Filter> filter_;
   std::unique_ptr<LiveParams<Config>> params_;
-  std::unique_ptr<LazyImageFilter> pipe_;
+  std::unique_ptr<LazyImageFilter> image_filter_;
   std::unique_ptr<Registration> registration_;
 };
 

@@ -10,9 +10,9 @@ namespace robot_vision
 namespace
 {
 
-constexpr std::chrono::seconds kPatience(5);  // of silence until it is said in the log
+constexpr std::chrono::seconds kSilenceTimeout(5);  // without frames until a warning is logged
 
-/// In s; diagnostic_updater reads it as well, and its error does not name it.
+/// The period in s. It is also checked here because the error of diagnostic_updater would not name the parameter.
 double readPeriod(const ros::NodeHandle& pnh)
 {
   double period = 1.0;
@@ -26,10 +26,10 @@ double readPeriod(const ros::NodeHandle& pnh)
 void FrameStatistics::received(std::uint32_t sequence)
 {
   const std::lock_guard<std::mutex> lock(mutex_);
-  // A larger step is another sender's number, or one back. (A sender in the process may leave all at 0: 2^32 - 1.)
-  constexpr std::uint32_t kOtherSender = 10000;
+  // A larger step means another sender or a number that went back. (Senders in the process may leave all numbers at 0.)
+  constexpr std::uint32_t kMaxLost = 10000;
   const std::uint32_t missing = sequence - last_sequence_ - 1;
-  if (has_sequence_ && missing < kOtherSender) totals_.dropped += missing;
+  if (has_sequence_ && missing < kMaxLost) totals_.dropped += missing;
   has_sequence_ = true;
   last_sequence_ = sequence;
   ++totals_.received;
@@ -42,10 +42,10 @@ void FrameStatistics::resumed()
   has_sequence_ = false;
 }
 
-void FrameStatistics::refused(const std::string& why)
+void FrameStatistics::refused(const std::string& reason)
 {
   const std::lock_guard<std::mutex> lock(mutex_);
-  last_error_ = why;
+  last_error_ = reason;
   ++totals_.refused;
   ++period_.refused;
 }
@@ -58,7 +58,7 @@ void FrameStatistics::published(Clock::time_point begin, const ros::Time& stamp)
   ++totals_.published;
   ++period_.published;
   period_.processing_s += processing_s;
-  if (stamp.isZero()) return;  // a sender that knows of no time
+  if (stamp.isZero()) return;  // the sender sets no stamps
   ++period_.stamped;
   period_.age_s += age_s;
 }
@@ -96,17 +96,17 @@ void FrameStatistics::report(diagnostic_updater::DiagnosticStatusWrapper& status
   if (period_.received == 0 && !silence_.empty())
   {
     status.summary(diagnostic_msgs::DiagnosticStatus::WARN, silence_);
-    if (Clock::now() - heard_ > kPatience && !silence_told_)
+    if (Clock::now() - last_active_ > kSilenceTimeout && !silence_reported_)
     {
-      ROS_WARN("%s for %ld s", silence_.c_str(), static_cast<long>(kPatience.count()));
-      silence_told_ = true;
+      ROS_WARN("%s for %ld s", silence_.c_str(), static_cast<long>(kSilenceTimeout.count()));
+      silence_reported_ = true;
     }
   }
   else
   {
     status.summary(level_, state_);
-    heard_ = Clock::now();
-    silence_told_ = false;
+    last_active_ = Clock::now();
+    silence_reported_ = false;
   }
   if (period_.refused > 0)
     status.mergeSummaryf(diagnostic_msgs::DiagnosticStatus::WARN, "%lu frames refused",

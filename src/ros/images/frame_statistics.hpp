@@ -19,18 +19,18 @@ class FrameStatistics
 public:
   using Clock = std::chrono::steady_clock;
 
-  /// A frame came in; `sequence` is its number at the sender, whose gaps count as dropped frames.
+  /// A frame was received; `sequence` is the sender's number for it. Gaps in the numbers count as dropped frames.
   void received(std::uint32_t sequence);
-  /// The numbers of the frames to come have nothing to do with those before.
+  /// The numbers of the frames to come are not related to those before.
   void resumed();
-  /// A frame came in that cannot be used.
-  void refused(const std::string& why);
-  /// A frame that began to be worked on at `begin` has gone out; `stamp` is its time of capture.
+  /// A frame was received that cannot be used.
+  void refused(const std::string& reason);
+  /// The result of a frame was published; its processing started at `begin`, and `stamp` is its time of capture.
   void published(Clock::time_point begin, const ros::Time& stamp);
-  /// What the node is doing, for people: "running", "idle: nobody subscribes". `level` as diagnostic_msgs has it.
-  /// `silence` is warned of instead when no frame came since the last report; empty: silence is as it should be.
+  /// Sets the state to report: a text such as "idle: nobody subscribes" and the `level` of diagnostic_msgs. If no frame
+  /// has come since the last report, the warning `silence` is reported instead, unless it is empty.
   void setState(unsigned char level, const std::string& text, const std::string& silence = "");
-  /// The states of a node that works on the pictures of a topic.
+  /// The states of a node that processes the images of a topic.
   void setRunning(const std::string& topic);
   void setIdle();
 
@@ -54,11 +54,11 @@ private:
     std::uint64_t published = 0;
     std::uint64_t refused = 0;
     double processing_s = 0.0;  // sum over the published frames
-    std::uint64_t stamped = 0;  // those of the published that carry a time
+    std::uint64_t stamped = 0;  // published frames that have a stamp
     double age_s = 0.0;         // sum over the stamped frames
   };
 
-  std::mutex mutex_;  // guards all below: callbacks, capture threads and the diagnostics timer meet here
+  std::mutex mutex_;  // guards all below, which callbacks, capture threads and the diagnostics timer use
   Period period_;
   bool has_sequence_ = false;
   std::uint32_t last_sequence_ = 0;
@@ -66,12 +66,12 @@ private:
   unsigned char level_ = 0;
   std::string state_ = "starting";
   std::string silence_;
-  Clock::time_point heard_ = Clock::now();  // of the last report that was not silent
-  bool silence_told_ = false;
+  Clock::time_point last_active_ = Clock::now();  // time of the last report of a period with frames
+  bool silence_reported_ = false;
   std::string last_error_ = "none";
 };
 
-/// Publishes a node's FrameStatistics on /diagnostics, by wall time, also while simulated time stands still.
+/// Publishes a node's FrameStatistics on /diagnostics, by wall time, so also while simulated time stands still.
 class FrameDiagnostics
 {
 public:

@@ -20,9 +20,9 @@ namespace robot_vision
 namespace
 {
 
-constexpr std::size_t kPooled = 4;       // one being filled, one queued, two held by those who are slow
-constexpr std::size_t kFarLarger = 4;    // times
-constexpr std::size_t kSmall = 1 << 20;  // bytes that are not worth a thought
+constexpr std::size_t kMaxPooled = 4;       // one that is being filled, one queued, two held by slow subscribers
+constexpr std::size_t kMaxSizeRatio = 4;    // of a kept message to the last one that came back
+constexpr std::size_t kMinLimit = 1 << 20;  // bytes; messages up to this size, times the ratio, are always kept
 
 bool isLittleEndianHost()
 {
@@ -46,10 +46,10 @@ cv::Mat swapBytes(const cv::Mat& image)
 void checkLayout(const sensor_msgs::Image& message, int type)
 {
   const auto pixel_bytes = static_cast<std::uint64_t>(CV_ELEM_SIZE(type));
-  const auto refuse = [](const std::string& why) { throw std::invalid_argument(why); };
-  constexpr auto kLargest = static_cast<std::uint32_t>(std::numeric_limits<int>::max());
+  const auto refuse = [](const std::string& reason) { throw std::invalid_argument(reason); };
+  constexpr auto kMaxSize = static_cast<std::uint32_t>(std::numeric_limits<int>::max());
   if (message.width == 0 || message.height == 0) refuse("the picture has no pixels");
-  if (message.width > kLargest || message.height > kLargest) refuse("the size is beyond any picture");
+  if (message.width > kMaxSize || message.height > kMaxSize) refuse("the size is beyond any picture");
   const std::uint64_t row_bytes = message.width * pixel_bytes;
   if (message.step < row_bytes)
     refuse("step is " + std::to_string(message.step) + ", must be at least " + std::to_string(row_bytes));
@@ -62,7 +62,7 @@ void checkLayout(const sensor_msgs::Image& message, int type)
   if (message.is_bigendian > 1) refuse("is_bigendian is " + std::to_string(message.is_bigendian) + ", must be 0 or 1");
 }
 
-/// The pixels of a checked message in this machine's byte order.
+/// Checks a message's layout and gives its pixels in this machine's byte order.
 cv::Mat view(const sensor_msgs::Image& message, int type)
 {
   checkLayout(message, type);
@@ -80,7 +80,7 @@ int anyMatType(const std::string& encoding)
   try
   {
     const int type = cv_bridge::getCvType(encoding);
-    if (type == CV_MAT_TYPE(type)) return type;  // 8UC0 and 8UC513 leave the bits of a type
+    if (type == CV_MAT_TYPE(type)) return type;  // the types of 8UC0 and 8UC513 are not valid
     throw std::invalid_argument("encoding '" + printable(encoding) + "' has a number of channels that no picture has");
   }
   catch (const cv_bridge::Exception& e)
@@ -135,10 +135,10 @@ cv::Mat convertPixels(const sensor_msgs::Image& message, const std::string& enco
   }
 }
 
-std::string describeRefusal(const sensor_msgs::Image& message, const std::string& topic, const std::string& why)
+std::string describeRefusal(const sensor_msgs::Image& message, const std::string& topic, const std::string& reason)
 {
   return "refused a frame on " + topic + " (" + printable(message.encoding) + ", " + std::to_string(message.width) +
-         "x" + std::to_string(message.height) + "): " + why;
+         "x" + std::to_string(message.height) + "): " + reason;
 }
 
 class ImagePool::Store
@@ -157,12 +157,12 @@ public:
 
   void giveBack(Message message)
   {
-    const std::size_t usual = kFarLarger * std::max(message->data.size(), kSmall);
+    const std::size_t limit = kMaxSizeRatio * std::max(message->data.size(), kMinLimit);
     const std::lock_guard<std::mutex> lock(mutex_);
     idle_.push_back(std::move(message));
-    const auto far_larger = [usual](const Message& other) { return other->data.capacity() > usual; };
-    idle_.erase(std::remove_if(idle_.begin(), idle_.end(), far_larger), idle_.end());
-    if (idle_.size() > kPooled || bytes() > kMaxKept) idle_.pop_back();
+    const auto too_large = [limit](const Message& other) { return other->data.capacity() > limit; };
+    idle_.erase(std::remove_if(idle_.begin(), idle_.end(), too_large), idle_.end());
+    if (idle_.size() > kMaxPooled || bytes() > kMaxKept) idle_.pop_back();
   }
 
   std::size_t kept()

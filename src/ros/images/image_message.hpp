@@ -10,47 +10,47 @@
 namespace robot_vision
 {
 
-/// The message's pixels as a cv::Mat on the same memory (a copy only for 16-bit pixels of the other byte order). The
-/// memory is shared with every other subscriber of the process: read it, never write to it.
+/// The message's pixels as a cv::Mat on the same memory; only 16-bit pixels of the other byte order are copied. The
+/// memory is shared with all other subscribers in the process, so it must not be written to.
 /// Throws std::invalid_argument naming encoding, size and the mismatch unless encoding, width, height, step, data and
 /// is_bigendian agree with each other.
 cv::Mat viewPixels(const sensor_msgs::Image& message);
 
-/// The cv::Mat type of every encoding that cv_bridge knows (8UC1, 16-bit colour, 32FC1, ...), not only of the core's.
-/// Throws std::invalid_argument naming the encoding if it is unknown.
+/// The cv::Mat type of an encoding, for all encodings that cv_bridge knows (8UC1, 16-bit colour, 32FC1, ...), not only
+/// the core's. Throws std::invalid_argument naming the encoding if it is unknown.
 int anyMatType(const std::string& encoding);
 
-/// viewPixels() for all of these encodings.
+/// Like viewPixels(), for all these encodings.
 cv::Mat viewAnyPixels(const sensor_msgs::Image& message);
 
-/// The picture in `encoding`: a view where it is in it already, otherwise converted as cv_bridge converts.
-/// Throws std::invalid_argument as viewPixels does, and if there is no such conversion.
+/// The image in `encoding`: a view if the message has this encoding, otherwise converted as cv_bridge does.
+/// Throws std::invalid_argument as viewPixels() does, and if there is no such conversion.
 cv::Mat convertPixels(const sensor_msgs::Image& message, const std::string& encoding);
 
-/// Throws std::invalid_argument naming type and size expected unless `pixels` can be a picture of `encoding` (any that
-/// cv_bridge knows).
+/// Throws std::invalid_argument naming the expected type and size unless `pixels` can be an image of `encoding` (any
+/// that cv_bridge knows).
 void requireEncoding(const cv::Mat& pixels, const std::string& encoding);
 
-/// What to log of a picture that is refused: topic, encoding, size and why.
-std::string describeRefusal(const sensor_msgs::Image& message, const std::string& topic, const std::string& why);
+/// The log line for an image that is refused: topic, encoding, size and reason.
+std::string describeRefusal(const sensor_msgs::Image& message, const std::string& topic, const std::string& reason);
 
-/// Messages that are reused when nobody in the process holds them any more: large images then cost no page faults.
-/// What is kept is bounded, and so that one huge image is not paid for ever, what is far larger than the image that
-/// comes back last is let go. Thread-safe; copies share their messages.
+/// A pool of messages, which are reused when nobody in the process holds them any more, so that large images cost no
+/// page faults. The memory that is kept is limited; and messages far larger than the one that came back last are freed,
+/// so that one huge image does not occupy memory for ever. Thread-safe; copies of a pool share their messages.
 class ImagePool
 {
 public:
-  static constexpr std::size_t kMaxKept = std::size_t{1} << 27;  // bytes, of all messages that nobody holds
+  static constexpr std::size_t kMaxKept = std::size_t{1} << 27;  // bytes, of all messages in the pool
 
   ImagePool();
 
-  /// A message; its header, layout and pixels are whatever they were.
+  /// Takes a message whose header, layout and pixels are undefined.
   sensor_msgs::ImagePtr take() const;
 
-  /// A message with room for a picture of this size and encoding; its header and pixels are whatever they were.
+  /// Takes a message for an image of this size and encoding; its header and pixels are undefined.
   sensor_msgs::ImagePtr take(cv::Size size, const std::string& encoding) const;
 
-  /// Bytes of all messages that nobody holds.
+  /// The bytes of all messages in the pool.
   std::size_t kept() const;
 
 private:
@@ -58,15 +58,15 @@ private:
   std::shared_ptr<Store> store_;
 };
 
-/// Makes messages of a stream of pictures whose size is known only when they are there. Not thread-safe.
+/// Makes messages for a stream of images whose size is known only when they are there. Not thread-safe.
 class ImageMaker
 {
 public:
-  /// Puts a picture into the cv::Mat, which has the memory of a message as large as the last one, or replaces it, and
-  /// returns its encoding.
+  /// Writes an image into the cv::Mat, which has the memory of a message with the size of the last one, or replaces the
+  /// cv::Mat. Returns the image's encoding.
   using Fill = std::function<std::string(cv::Mat&)>;
 
-  /// A message with the picture; its header is whatever it was.
+  /// A message with the image; its header is undefined.
   sensor_msgs::ImagePtr make(const Fill& fill);
 
   /// See ImagePool.
@@ -74,11 +74,11 @@ public:
 
 private:
   ImagePool pool_;
-  cv::Size size_;  // of the last picture; empty if it was too large to be kept
+  cv::Size size_;  // of the last image; empty if it was too large to be kept
   std::string encoding_;
 };
 
-/// The pixels of a message taken from the pool, to be written.
+/// The pixels of a message from the pool, which may be written.
 cv::Mat writablePixels(sensor_msgs::Image& message);
 
 }  // namespace robot_vision

@@ -8,7 +8,7 @@ namespace robot_vision
 namespace
 {
 
-constexpr std::uint32_t kQueue = 1;  // after a slow frame the newest is next
+constexpr std::uint32_t kQueueSize = 1;  // so that after a slow frame the newest is next
 
 }  // namespace
 
@@ -17,12 +17,12 @@ ImageSubscription::ImageSubscription(ros::NodeHandle nh, image_transport::ImageT
 {
   if (hints.getTransport() != "raw")
   {
-    // A remapping of `image` is none of `image/compressed`, which is what the plugin subscribes to.
-    other_ = it.subscribe(nh.resolveName(topic), kQueue, callback, ros::VoidPtr(), hints);
+    // The plugin subscribes to `image/compressed`, to which a remapping of `image` would not apply.
+    other_ = it.subscribe(nh.resolveName(topic), kQueueSize, callback, ros::VoidPtr(), hints);
     return;
   }
   ros::SubscribeOptions options =
-      boundedOptions<sensor_msgs::Image>(topic, kQueue, callback, [pool = ImagePool()] { return pool.take(); });
+      boundedOptions<sensor_msgs::Image>(topic, kQueueSize, callback, [pool = ImagePool()] { return pool.take(); });
   options.transport_hints = hints.getRosHints();
   raw_ = nh.subscribe(options);
 }

@@ -10,9 +10,8 @@
 namespace robot_vision
 {
 
-/// The newest picture of a topic, over the image_transport of the hints. Raw ones come in messages that are reused when
-/// nobody holds them any more: those that image_transport makes are new for every picture, and zeroed before its pixels
-/// are copied into them.
+/// Subscribes to the newest image of a topic over the image_transport of the hints. Raw images come in messages from a
+/// pool: image_transport would allocate a new message for each image and set it to zero before it copies the pixels.
 class ImageSubscription
 {
 public:
@@ -20,7 +19,7 @@ public:
 
   ImageSubscription() = default;
 
-  /// Both `nh` and `it` bring the queue that `callback` is called through.
+  /// Both `nh` and `it` must use the queue through which `callback` is to be called.
   ImageSubscription(ros::NodeHandle nh, image_transport::ImageTransport& it, const std::string& topic,
                     const image_transport::TransportHints& hints, const Callback& callback);
 
@@ -28,7 +27,7 @@ public:
   std::string topic() const { return raw_ ? raw_.getTopic() : other_.getTopic(); }
   std::uint32_t publishers() const { return raw_ ? raw_.getNumPublishers() : other_.getNumPublishers(); }
 
-  /// Unsubscribes; waits for a callback under way.
+  /// Unsubscribes and waits for a running callback.
   void shutdown();
 
 private:

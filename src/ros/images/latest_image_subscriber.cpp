@@ -12,9 +12,9 @@ namespace robot_vision
 namespace
 {
 
-// The transport is given: TransportHints would let a parameter of this name, which there cannot be, overrule it.
+// TransportHints lets the parameter of this name override the given transport; there cannot be one of this name.
 constexpr const char* kNoParameter = "image_transport/none";
-constexpr std::size_t kUnpaired = 10;  // how far pictures and camera_info may run ahead of each other
+constexpr std::size_t kMaxUnpaired = 10;  // messages by which images and camera_info may be ahead of each other
 
 }  // namespace
 
@@ -38,17 +38,17 @@ void LatestImageSubscriber::open()
     statistics_->resumed();
     statistics_->setRunning(params_.topic);
   }
-  // Not under the lock: this asks the master, and close() must not wait for that.
+  // This is done without the lock, because it calls the master, and close() must not wait for that.
   ros::Subscriber info_subscriber;
   ImageSubscription subscription;
   try
   {
-    // Small packets must not wait for each other.
+    // Without this option small packets would wait for each other.
     const ros::TransportHints no_delay = ros::TransportHints().tcpNoDelay();
     if (!params_.camera_info_topic.empty())
     {
       ros::SubscribeOptions options = boundedOptions<sensor_msgs::CameraInfo>(
-          params_.camera_info_topic, kUnpaired, [this](const auto& info) { onCameraInfo(info); });
+          params_.camera_info_topic, kMaxUnpaired, [this](const auto& info) { onCameraInfo(info); });
       options.transport_hints = no_delay;
       info_subscriber = nh_.subscribe(options);
     }
@@ -63,7 +63,7 @@ void LatestImageSubscriber::open()
     throw;
   }
   const std::lock_guard<std::mutex> lock(mutex_);
-  if (!open_) return;  // closed meanwhile
+  if (!open_) return;  // it was closed meanwhile
   std::swap(subscription, subscription_);
   std::swap(info_subscriber, info_subscriber_);
 }
@@ -82,7 +82,7 @@ void LatestImageSubscriber::close()
     infos_.clear();
     statistics_->setIdle();
   }
-  subscription.shutdown();  // waits for a callback under way, which takes the lock
+  subscription.shutdown();  // waits for a running callback, which needs the lock
   info_subscriber.shutdown();
 }
 
@@ -97,10 +97,10 @@ void LatestImageSubscriber::onImage(const sensor_msgs::ImageConstPtr& message)
   const std::lock_guard<std::mutex> lock(mutex_);
   if (!open_) return;
   images_.push_back(message);
-  if (images_.size() <= (params_.camera_info_topic.empty() ? 1 : kUnpaired)) return;
+  if (images_.size() <= (params_.camera_info_topic.empty() ? 1 : kMaxUnpaired)) return;
   images_.pop_front();
   if (!params_.camera_info_topic.empty() && throttle_.due())
-    ROS_WARN("pictures of %s without a camera_info of the same stamp on %s", params_.topic.c_str(),
+    ROS_WARN("images of %s without a camera_info of the same stamp on %s", params_.topic.c_str(),
              params_.camera_info_topic.c_str());
 }
 
@@ -109,7 +109,7 @@ void LatestImageSubscriber::onCameraInfo(const sensor_msgs::CameraInfoConstPtr& 
   const std::lock_guard<std::mutex> lock(mutex_);
   if (!open_) return;
   infos_.push_back(info);
-  if (infos_.size() > kUnpaired) infos_.pop_front();
+  if (infos_.size() > kMaxUnpaired) infos_.pop_front();
 }
 
 sensor_msgs::CameraInfoConstPtr LatestImageSubscriber::infoOf(const sensor_msgs::Image& image) const
@@ -129,9 +129,9 @@ std::optional<ReceivedImage> LatestImageSubscriber::takeNewest()
     if (!params_.camera_info_topic.empty())
     {
       received.camera_info = infoOf(**image);
-      if (!received.camera_info) continue;  // it may still come
+      if (!received.camera_info) continue;  // its camera_info may still come
     }
-    images_.erase(images_.begin(), image.base());  // and all that are older
+    images_.erase(images_.begin(), image.base());  // with all older ones
     return received;
   }
   return std::nullopt;
@@ -148,9 +148,9 @@ std::optional<ReceivedImage> LatestImageSubscriber::take()
   statistics_->received(message->header.seq);
   try
   {
-    const bool as_it_is = params_.encoding.empty();
-    received->encoding = as_it_is ? message->encoding : params_.encoding;
-    received->pixels = as_it_is ? viewAnyPixels(*message) : convertPixels(*message, params_.encoding);
+    const bool unconverted = params_.encoding.empty();
+    received->encoding = unconverted ? message->encoding : params_.encoding;
+    received->pixels = unconverted ? viewAnyPixels(*message) : convertPixels(*message, params_.encoding);
     if (received->pixels.u != nullptr) received->message.reset();
   }
   catch (const std::exception& e)
@@ -166,14 +166,14 @@ void LatestImageSubscriber::finished()
   statistics_->published(taken_at_, taken_stamp_);
 }
 
-void LatestImageSubscriber::failed(const std::string& why)
+void LatestImageSubscriber::failed(const std::string& reason)
 {
-  statistics_->refused(why);
+  statistics_->refused(reason);
 }
 
-void LatestImageSubscriber::refuse(const sensor_msgs::Image& message, const std::string& why)
+void LatestImageSubscriber::refuse(const sensor_msgs::Image& message, const std::string& reason)
 {
-  const std::string what = describeRefusal(message, params_.topic, why);
+  const std::string what = describeRefusal(message, params_.topic, reason);
   statistics_->refused(what);
   if (throttle_.due()) ROS_ERROR("%s", what.c_str());
 }

@@ -17,34 +17,34 @@
 namespace robot_vision
 {
 
-/// A picture that came in.
+/// A received image.
 struct ReceivedImage
 {
-  sensor_msgs::ImageConstPtr message;  // owns the pixels; null if they were converted and own themselves
+  sensor_msgs::ImageConstPtr message;  // owns the pixels; null if they were converted to memory of their own
   std_msgs::Header header;
-  cv::Mat pixels;                               // not to be written: other subscribers of the process may share them
-  std::string encoding;                         // of the pixels
-  sensor_msgs::CameraInfoConstPtr camera_info;  // of the same stamp, if it was asked for
+  cv::Mat pixels;        // not to be written, because other subscribers in the process may share them
+  std::string encoding;  // of the pixels
+  sensor_msgs::CameraInfoConstPtr camera_info;  // with the same stamp, if it is wanted
 };
 
-/// The newest picture of a topic, over any image_transport. Messages are put aside as they come; they are converted,
-/// refused and counted in take(), so that pictures that nobody takes cost nothing. take() belongs to one thread, the
-/// rest is thread-safe.
+/// Receives the newest image of a topic over any image_transport. Messages are only stored when they arrive; take()
+/// converts, refuses and counts them, so that images that nobody takes cost nothing. Only one thread may call take();
+/// the rest is thread-safe.
 class LatestImageSubscriber
 {
 public:
   struct Params
   {
-    std::string topic;              // absolute, it is not remapped any more
-    std::string transport = "raw";  // raw, compressed, ...; whatever the parameter image_transport says
+    std::string topic;              // absolute; it is not remapped any more
+    std::string transport = "raw";  // raw, compressed, ...; the parameter image_transport does not override it
     std::string parameters = "~";   // namespace of the transport's own parameters
-    std::string encoding;           // to convert to; "": as it comes
-    std::string camera_info_topic;  // to pair with, absolute; "": none
+    std::string encoding;           // encoding to convert to; "" for no conversion
+    std::string camera_info_topic;  // absolute topic of the camera_info to pair with each image; "" for none
   };
 
-  /// `nh` and `it` bring the queue that the messages come through; once `it` is gone, the inbox stays closed.
-  /// Throws std::invalid_argument if there is no such encoding, or naming the installed transports if the one asked
-  /// for is not among them.
+  /// `nh` and `it` must use the queue through which the messages are to come; once `it` is destroyed, the subscriber
+  /// stays closed. Throws std::invalid_argument if the encoding is unknown, or if the transport is not installed,
+  /// naming the installed ones.
   LatestImageSubscriber(const Params& params, const ros::NodeHandle& nh,
                         const std::shared_ptr<image_transport::ImageTransport>& it,
                         std::shared_ptr<FrameStatistics> statistics);
@@ -52,21 +52,21 @@ public:
   LatestImageSubscriber(const LatestImageSubscriber&) = delete;
   LatestImageSubscriber& operator=(const LatestImageSubscriber&) = delete;
 
-  void open();   // subscribes; waits for a master that does not answer, until roscpp is shut down
-  void close();  // unsubscribes, and forgets a picture that was not taken yet
+  void open();   // subscribes; if the master does not answer, it waits until roscpp is shut down
+  void close();  // unsubscribes and drops images that were not taken yet
   std::uint32_t publishers() const;
 
-  /// The newest picture since the last call, or none. A picture that cannot be used is refused.
+  /// The newest image since the last call, empty if there is none. An image that cannot be used is refused.
   std::optional<ReceivedImage> take();
-  /// The picture that was taken last has been worked on, and its results have gone out.
+  /// The image that was taken last has been processed, and its results are published.
   void finished();
-  /// Working on it has failed, which the caller has logged: it counts as refused.
-  void failed(const std::string& why);
+  /// The processing of that image has failed, and the caller has logged it; the image counts as refused.
+  void failed(const std::string& reason);
 
   FrameStatistics::Totals totals() const { return statistics_->totals(); }
 
 private:
-  void refuse(const sensor_msgs::Image& message, const std::string& why);
+  void refuse(const sensor_msgs::Image& message, const std::string& reason);
   void onImage(const sensor_msgs::ImageConstPtr& message);
   void onCameraInfo(const sensor_msgs::CameraInfoConstPtr& info);
   std::optional<ReceivedImage> takeNewest();
@@ -84,7 +84,7 @@ private:
   bool open_ = false;
   ImageSubscription subscription_;
   ros::Subscriber info_subscriber_;
-  // The newest, and if camera_info is asked for the last few: they come on two connections, either may be ahead.
+  // The newest image; with camera_info the last few, because either of the two connections may be ahead.
   std::deque<sensor_msgs::ImageConstPtr> images_;
   std::deque<sensor_msgs::CameraInfoConstPtr> infos_;
 };

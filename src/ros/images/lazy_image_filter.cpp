@@ -16,7 +16,7 @@ LazyImageFilter::LazyImageFilter(const ros::NodeHandle& nh, const ros::NodeHandl
   readParam(pnh_, "always_subscribe", always_subscribe_);
   std::string transport = "raw";
   readParam(pnh_, "image_transport", transport);
-  requireTransport(it_, transport);  // at start, or the first subscriber would meet the exception
+  requireTransport(it_, transport);  // at start, because later the exception would come with the first subscriber
   if (nh.resolveName("image") == "/image")
     ROS_WARN("%s: topic 'image' is not remapped; typical use is image:=/usb_cam/image_raw", name_.c_str());
   const auto on_connection = [this](const image_transport::SingleSubscriberPublisher&) { updateSubscription(); };
@@ -31,9 +31,9 @@ LazyImageFilter::~LazyImageFilter()
 {
   {
     const std::lock_guard<std::mutex> lock(mutex_);
-    stopping_ = true;  // from here on no connection touches subscription_
+    stopping_ = true;  // from now on no connection changes subscription_
   }
-  subscription_.shutdown();  // waits for the frame under way, which is published yet
+  subscription_.shutdown();  // waits for the frame in progress, which is still published
   publisher_.shutdown();
 }
 
@@ -44,7 +44,7 @@ void LazyImageFilter::updateSubscription()
   const bool wanted = always_subscribe_ || publisher_.getNumSubscribers() > 0;
   if (wanted && !subscription_)
   {
-    // Small packets must not wait for each other.
+    // Without this option small packets would wait for each other.
     const image_transport::TransportHints hints("raw", ros::TransportHints().tcpNoDelay(), pnh_);
     diagnostics_.statistics().resumed();
     subscription_ = ImageSubscription(nh_, it_, "image", hints,

@@ -16,17 +16,18 @@
 namespace robot_vision
 {
 
-/// Makes each picture of `image` into one on ~processed_image, and subscribes only while somebody looks (always, if
-/// ~always_subscribe). The header is kept. A frame that cannot be used is refused, logged and counted.
+/// Filters each image of the topic `image` and publishes the result on ~processed_image with the same header. It
+/// subscribes only while ~processed_image has subscribers, or always if ~always_subscribe is set. A frame that cannot
+/// be used is refused, logged and counted.
 class LazyImageFilter
 {
 public:
-  /// What is done to the pixels; both may throw std::exception to refuse a frame.
+  /// The processing of the pixels; both functions may throw std::exception to refuse a frame.
   struct Step
   {
-    /// The encoding of what apply() writes for input of this encoding.
+    /// The encoding of the output of apply() for an input of this encoding.
     std::function<std::string(const std::string& encoding)> output_encoding;
-    /// Writes into `out`, which has the input's size and the output encoding's type.
+    /// Writes the result into `out`, which has the input's size and the output encoding's type.
     std::function<void(const cv::Mat& image, const std::string& encoding, cv::Mat& out)> apply;
   };
 
@@ -46,7 +47,7 @@ private:
   FrameDiagnostics diagnostics_;
   Throttle throttle_;
   ImagePool pool_;
-  std::mutex mutex_;  // guards all below: connections come while they are being set up, and while the nodelet ends
+  std::mutex mutex_;  // guards all below, as connections come also during the setup and the destruction
   bool stopping_ = false;
   image_transport::ImageTransport it_;
   image_transport::ImageTransport private_it_;

@@ -11,7 +11,7 @@ void NewestWorker::post(Job job)
   std::unique_lock<std::mutex> lock(mutex_);
   if (stopped_) return;
   const bool threaded = hasThread();
-  if (threaded) next_.swap(job);  // what it replaces is let go without the lock
+  if (threaded) next_.swap(job);  // the replaced job is destroyed without the lock
   lock.unlock();
   if (threaded)
     changed_.notify_all();
@@ -36,7 +36,7 @@ void NewestWorker::settle()
 {
   std::unique_lock<std::mutex> lock(mutex_);
   next_ = nullptr;
-  changed_.wait(lock, [this] { return !busy_; });
+  changed_.wait(lock, [this] { return !running_; });
 }
 
 void NewestWorker::stop()
@@ -61,12 +61,12 @@ void NewestWorker::run()
     if (stopped_) return;
     {
       const Job job = std::exchange(next_, nullptr);
-      busy_ = true;
+      running_ = true;
       lock.unlock();
       job();
     }
     lock.lock();
-    busy_ = false;
+    running_ = false;
     changed_.notify_all();
   }
 }

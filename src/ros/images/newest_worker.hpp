@@ -8,8 +8,8 @@
 namespace robot_vision
 {
 
-/// Does in a thread of its own, one after the other, what it is given: the newest always next. Who gives never waits;
-/// what has not begun when something newer comes is dropped. The thread starts with the first job.
+/// Runs jobs in a thread of its own, one at a time and always the newest next. post() never waits: a job that has not
+/// started when a newer one comes is dropped. The thread starts with the first job.
 class NewestWorker
 {
 public:
@@ -20,13 +20,13 @@ public:
   NewestWorker(const NewestWorker&) = delete;
   NewestWorker& operator=(const NewestWorker&) = delete;
 
-  /// Has the job done, if need be by the caller: when no thread can be started. Does nothing after stop().
+  /// Posts a job. If no thread can be started, the caller runs it. Does nothing after stop().
   void post(Job job);
 
-  /// Drops what waits, and returns when nothing is under way.
+  /// Drops the waiting job and returns when no job is running.
   void settle();
 
-  /// The same, for ever. Not to be called by a job.
+  /// Like settle(), but ends the thread; later jobs are dropped. Not to be called by a job.
   void stop();
 
 private:
@@ -35,8 +35,8 @@ private:
 
   std::mutex mutex_;  // guards all below
   std::condition_variable changed_;
-  Job next_;  // empty: there is none
-  bool busy_ = false;
+  Job next_;  // empty if there is none
+  bool running_ = false;
   bool stopped_ = false;
   std::thread thread_;
 };

@@ -14,7 +14,7 @@
 namespace robot_vision
 {
 
-/// A topic to publish pictures on, over every installed image_transport. Thread-safe.
+/// Publishes images on a topic over all installed image_transports. Thread-safe.
 class PooledImagePublisher
 {
 public:
@@ -28,8 +28,8 @@ public:
   void close();
   std::uint32_t subscribers() const;
 
-  /// Publishes a copy of the pixels; nothing if nobody subscribes. Throws std::invalid_argument naming what was
-  /// expected if they are no picture of this encoding (any that cv_bridge knows).
+  /// Publishes a copy of the pixels if there are subscribers. Throws std::invalid_argument naming what was expected if
+  /// the pixels cannot be an image of this encoding (any that cv_bridge knows).
   void publish(const cv::Mat& pixels, const std::string& encoding, const std_msgs::Header& header);
 
 private:

@@ -28,7 +28,7 @@ namespace
 using XmlRpc::XmlRpcValue;
 using Names = std::set<std::string>;
 
-constexpr std::chrono::seconds kPeriod(5);  // between two looks at the master
+constexpr std::chrono::seconds kPeriod(5);  // between two checks of the master
 
 XmlRpcValue request(const std::vector<XmlRpcValue>& arguments)
 {
@@ -39,7 +39,7 @@ XmlRpcValue request(const std::vector<XmlRpcValue>& arguments)
   return all;
 }
 
-/// What the master answers; nothing if it is away or does not know.
+/// Calls the master; empty if it does not answer or answers with an error.
 std::optional<XmlRpcValue> ask(const char* method, const std::vector<XmlRpcValue>& arguments = {})
 {
   XmlRpcValue response;
@@ -53,7 +53,7 @@ std::string uri()
   return ros::XMLRPCManager::instance()->getServerURI();
 }
 
-/// What this process answers as every node does (the ROS wiki's Slave API); nothing if it is ending.
+/// Calls this process's own XML-RPC interface (Slave API in the ROS wiki); empty if it does not answer any more.
 std::optional<XmlRpcValue> askSelf(const char* method, const std::vector<XmlRpcValue>& arguments = {})
 {
   std::string host;
@@ -69,7 +69,7 @@ std::optional<XmlRpcValue> askSelf(const char* method, const std::vector<XmlRpcV
   return payload;
 }
 
-/// Returns false, as the two below, if the master did not answer all of it.
+/// Registers all publishers. This function and the next two return false if a call of the master failed.
 bool registerPublishers()
 {
   std::optional<XmlRpcValue> publications = askSelf("getPublications");  // topics and types
@@ -79,7 +79,7 @@ bool registerPublishers()
   return all;
 }
 
-/// The nodes that this one receives from, by topic.
+/// The nodes from which this one receives messages, by topic.
 std::map<std::string, Names> connectedPublishers()
 {
   std::optional<XmlRpcValue> connections = askSelf("getBusInfo");
@@ -96,7 +96,8 @@ std::map<std::string, Names> connectedPublishers()
 
 bool registerSubscribers()
 {
-  std::map<std::string, Names> publishers = connectedPublishers();         // those not told of would be dropped
+  std::map<std::string, Names> publishers =
+      connectedPublishers();  // the update must list them, else they would be dropped
   std::optional<XmlRpcValue> subscriptions = askSelf("getSubscriptions");  // topics and types
   bool complete = subscriptions.has_value();
   for (int i = 0; subscriptions && i < subscriptions->size(); ++i)
@@ -116,7 +117,8 @@ bool registerSubscribers()
   return complete;
 }
 
-/// roscpp cannot be asked for the names of its services, only whether there is one: the master was.
+/// Registers services. roscpp cannot list its services, only tell whether one exists, so the names come from the
+/// master.
 bool registerServices(const Names& names)
 {
   const std::uint32_t port = ros::ConnectionManager::instance()->getTCPPort();
@@ -133,7 +135,7 @@ std::optional<Names> registeredServices()
   std::optional<XmlRpcValue> state = ask("getSystemState");
   if (!state) return std::nullopt;
   Names names;
-  XmlRpcValue& services = (*state)[2];  // names and their nodes
+  XmlRpcValue& services = (*state)[2];  // names and the nodes of each
   for (int i = 0; i < services.size(); ++i)
     for (int n = 0; n < services[i][1].size(); ++n)
     {
@@ -143,7 +145,7 @@ std::optional<Names> registeredServices()
   return names;
 }
 
-/// Sets the members of `params` that the master does not have.
+/// Sets those members of `params` that the master does not have.
 void setMissing(const std::string& ns, XmlRpcValue params)
 {
   if (params.getType() != XmlRpcValue::TypeStruct) return;
@@ -157,33 +159,33 @@ void setMissing(const std::string& ns, XmlRpcValue params)
 
 }  // namespace
 
-/// Looks at the master again and again, in a thread of its own.
+/// Checks the master periodically in a thread of its own.
 class Registration::Watch
 {
 public:
   static std::shared_ptr<Watch> ofProcess();
   Watch() : thread_(&Watch::run, this) {}
   ~Watch();
-  /// Adds a namespace of parameters and perhaps a node, and looks at once.
+  /// Adds a namespace of parameters and possibly a node, and checks at once.
   void add(const std::string& ns, const std::string& node, const std::string& node_uri);
   void remove(const std::string& ns);
-  void lookAtOnce();
+  void checkNow();
 
 private:
   void run();
   void look();
-  bool namesAreOthers() const;
+  bool namesAreTaken() const;
   void remember();
   bool registerAgain();
 
   std::mutex mutex_;  // guards all below
   std::condition_variable ended_;
   bool end_ = false;
-  int master_pid_ = 0;    // of the master that knows the process; 0: not seen yet
-  bool complete_ = true;  // all that was to be registered again has been
+  int master_pid_ = 0;    // process id of the master that knows this process; 0 if none was seen yet
+  bool complete_ = true;  // false if registering again has failed in part
   Names services_;
   std::map<std::string, XmlRpcValue> params_;  // by namespace
-  std::map<std::string, std::string> nodes_;   // of the process, and where they are
+  std::map<std::string, std::string> nodes_;   // the nodes of this process and their URIs
   std::thread thread_;
 };
 
@@ -217,7 +219,7 @@ void Registration::Watch::remove(const std::string& ns)
   params_.erase(ns);
 }
 
-void Registration::Watch::lookAtOnce()
+void Registration::Watch::checkNow()
 {
   const std::lock_guard<std::mutex> lock(mutex_);
   look();
@@ -235,14 +237,14 @@ try
 {
   std::optional<XmlRpcValue> pid = ask("getPid");
   if (!pid || ros::isShuttingDown()) return;
-  // Another master may know the process already, by a topic that it has registered since.
+  // A new master may know the process already, by a topic that was registered with it meanwhile.
   const bool replaced = master_pid_ != 0 && master_pid_ != static_cast<int>(*pid);
-  const bool others = namesAreOthers();
+  const bool taken = namesAreTaken();
   const bool known = !replaced && complete_ && ask("lookupNode", {ros::this_node::getName()});
-  if (ros::isShuttingDown()) return;  // then nothing is answered, by this process neither
-  if (others)
+  if (ros::isShuttingDown()) return;  // then calls are not answered, not even by this process
+  if (taken)
   {
-    if (replaced)  // not by roscpp's log, which asks the master for a parameter and registers this node for it
+    if (replaced)  // roscpp's log would call the master for a parameter, and so register this node
       std::cerr << ros::this_node::getName()
                 << ": the master is another one, and knows another node of this name: not registered again\n";
     complete_ = false;
@@ -253,12 +255,12 @@ try
     complete_ = registerAgain();
   master_pid_ = *pid;
 }
-catch (const XmlRpc::XmlRpcException& e)  // an answer of another type
+catch (const XmlRpc::XmlRpcException& e)  // an answer had an unexpected type
 {
   ROS_WARN("%s: not registered again: %s", ros::this_node::getName().c_str(), e.getMessage().c_str());
 }
 
-bool Registration::Watch::namesAreOthers() const
+bool Registration::Watch::namesAreTaken() const
 {
   return std::any_of(nodes_.begin(), nodes_.end(),
                      [](const auto& node)
@@ -301,7 +303,7 @@ Registration::~Registration()
 
 void Registration::look()
 {
-  watch_->lookAtOnce();
+  watch_->checkNow();
 }
 
 }  // namespace robot_vision

@@ -6,26 +6,29 @@
 namespace robot_vision
 {
 
-/// Keeps this process known to a master that is started anew, and so knows of nothing: registers its topics and
-/// services again, all of them, for a nodelet manager is one node to the master, whosever its nodelets are. Connections
-/// that there are stay. Parameters of the namespace `ns` that the new master does not have are set as they were last.
+/// Registers this process again with a restarted master, which has forgotten everything. It registers all topics and
+/// services of the process, because for the master a nodelet manager is one node, whatever package its nodelets are
+/// from. Existing connections stay. Parameters of the namespace `ns` that the new master does not have are set to their
+/// last values.
 class Registration
 {
 public:
-  /// `node`, at `node_uri`: of another client library in this process. While the master knows another node by its name,
-  /// or by that of roscpp's, which it would shut down, nothing is registered.
+  /// `node` and `node_uri` are the name and the URI of another client library's node in this process, if there is one.
+  /// While the master knows another node by one of the names of this process, nothing is registered, because the master
+  /// would shut that node down.
   explicit Registration(const std::string& ns, const std::string& node = "", const std::string& node_uri = "");
-  /// To be called before the process unregisters itself.
+  /// Must be destroyed before the process unregisters itself.
   ~Registration();
   Registration(const Registration&) = delete;
   Registration& operator=(const Registration&) = delete;
 
-  /// To be called when services have been advertised since: the last look before the master goes is what is known.
+  /// Checks the master now. To be called after services were advertised, because the last check before the master ends
+  /// determines what is registered again.
   void look();
 
 private:
   class Watch;
-  std::shared_ptr<Watch> watch_;  // one for all of the process
+  std::shared_ptr<Watch> watch_;  // one for the whole process
   std::string ns_;
 };
 

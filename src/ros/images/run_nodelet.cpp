@@ -27,11 +27,11 @@ sem_t signalled;
 
 void onSignal(int)
 {
-  sem_post(&signalled);  // all else is too much for a signal handler
+  sem_post(&signalled);  // a signal handler may do little else
 }
 
-/// From now on a signal ends the process within a second, whatever blocks its threads. roscpp would shut down in a
-/// thread of its own, beside a callback under way that uses it; here main() does once that has returned.
+/// From now on a signal ends the process within a second, whatever blocks its threads. roscpp's own handler would shut
+/// roscpp down in another thread while a callback may still use it; here main() does so after the callback.
 void endOnSignals()
 {
   sem_init(&signalled, 0, 0);
@@ -41,31 +41,31 @@ void endOnSignals()
       []
       {
         while (sem_wait(&signalled) != 0)
-          ;  // another signal has come
-        // ros::init() waits for the master deaf to shutdown requests, if it has parameters to set; the master knows
-        // nothing of this node yet.
+          ;  // interrupted by another signal
+        // If ros::init() has parameters to set, it waits for the master and ignores shutdown requests. The master does
+        // not know this node yet.
         if (!initialized) std::_Exit(0);
         interrupted = true;
         std::this_thread::sleep_for(std::chrono::milliseconds(300));
-        ros::requestShutdown();  // frees a thread that waits for the master
+        ros::requestShutdown();  // ends the wait of a thread for the master
         std::this_thread::sleep_for(std::chrono::milliseconds(500));
         std::_Exit(exit_code);
       })
       .detach();
 }
 
-/// ros::start() would wait for the master just as deaf. False if a signal came first.
+/// Waits for the master, because ros::start() would do so without reacting to signals. Returns false after a signal.
 bool waitForMaster()
 {
-  for (bool said = false; !interrupted && !ros::master::check(); said = true)
+  for (bool warned = false; !interrupted && !ros::master::check(); warned = true)
   {
-    if (!said) ROS_WARN("waiting for the master at %s", ros::master::getURI().c_str());
+    if (!warned) ROS_WARN("waiting for the master at %s", ros::master::getURI().c_str());
     std::this_thread::sleep_for(std::chrono::milliseconds(100));
   }
   return !interrupted;
 }
 
-/// A driver or server that blocks a thread must not hold up the end of the process.
+/// Ends the process within a second even if a driver or server blocks a thread.
 void endWithinASecond()
 {
   std::thread(
@@ -85,8 +85,8 @@ bool asksForHelp(int argc, char** argv)
 std::string usage(const std::string& name, const std::string& about)
 {
   return "usage: rosrun robot_vision " + name + "_node [TOPIC:=OTHER ...] [_PARAMETER:=VALUE ...]\n\n" + about +
-         "\nIts parameters are described in docs/parameters.md of this package; its folder config has a file of\n"
-         "them, where ~save_parameters (std_srvs/Trigger) saves those that can be changed live.\n";
+         "\ndocs/parameters.md of this package describes the parameters. A file in its folder config has their defaults;\n"
+         "~save_parameters (std_srvs/Trigger) saves those that can be changed live in the file ~config_file.\n";
 }
 
 void initAndSpin(nodelet::Nodelet& nodelet, const nodelet::V_string& arguments)
@@ -95,14 +95,14 @@ void initAndSpin(nodelet::Nodelet& nodelet, const nodelet::V_string& arguments)
   {
     nodelet.init(ros::this_node::getName(), ros::names::getRemappings(), arguments);
   }
-  catch (const std::exception&)  // the nodelet has logged it
+  catch (const std::exception&)  // the nodelet has logged the error
   {
     if (!interrupted) exit_code = 1;
     return;
   }
   try
   {
-    // While it shuts down roscpp is still ok(): it waits for the master, which may not answer.
+    // ros::ok() is still true while roscpp shuts down and waits for a master that may not answer.
     while (ros::ok() && !ros::isShuttingDown() && !interrupted && !ended)
       ros::getGlobalCallbackQueue()->callAvailable(ros::WallDuration(0.1));
   }
@@ -128,7 +128,7 @@ int runNodelet(int argc, char** argv, const std::string& name, const std::string
   {
     ros::init(argc, argv, name, ros::init_options::NoSigintHandler);
   }
-  catch (const std::exception& e)  // of a user for whom no folder can be made
+  catch (const std::exception& e)  // such as a user for whom ~/.ros cannot be made
   {
     ROS_FATAL("%s: %s; ROS_HOME names a folder that this user may write to", name.c_str(), e.what());
     return 1;

@@ -12,7 +12,7 @@ void requireTransport(const image_transport::ImageTransport& it, const std::stri
   std::vector<std::string> known;
   for (std::string name : it.getLoadableTransports())
   {
-    name.erase(0, name.find('/') + 1);  // it comes as image_transport/raw
+    name.erase(0, name.find('/') + 1);  // the names are like image_transport/raw
     if (name == transport) return;
     known.push_back(name);
   }

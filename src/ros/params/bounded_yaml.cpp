@@ -13,7 +13,7 @@ namespace robot_vision
 namespace
 {
 
-/// Counts what a document holds, and throws when it is too much.
+/// Counts the values and levels of a document and throws when there are too many.
 class Limits : public YAML::EventHandler
 {
 public:
@@ -39,9 +39,9 @@ public:
   void OnMapEnd() override { end(); }
   void OnAlias(const YAML::Mark& mark, YAML::anchor_t anchor) override
   {
-    const auto meant = values_of_.find(anchor);
-    if (meant == values_of_.end()) throw YAML::ParserException(mark, "an alias of what it is part of");
-    add(mark, meant->second);
+    const auto target = values_of_.find(anchor);
+    if (target == values_of_.end()) throw YAML::ParserException(mark, "an alias of what it is part of");
+    add(mark, target->second);
   }
 
 private:
@@ -73,9 +73,9 @@ private:
       throw YAML::ParserException(mark, "more than " + std::to_string(kMaxYamlValues) + " values");
   }
 
-  std::vector<std::pair<YAML::anchor_t, std::size_t>> open_;  // nodes, and the values before each
+  std::vector<std::pair<YAML::anchor_t, std::size_t>> open_;  // open nodes with the number of values before each
   std::size_t values_ = 0;                                    // so far
-  std::map<YAML::anchor_t, std::size_t> values_of_;           // by anchor, of the nodes that are complete
+  std::map<YAML::anchor_t, std::size_t> values_of_;           // anchor -> values of the node, for closed nodes
 };
 
 }  // namespace

@@ -17,18 +17,18 @@
 namespace robot_vision
 {
 
-/// A node's live parameters: read strictly at start, changed through dynamic_reconfigure, saved by ~save_parameters
-/// into the file that ~config_file names. `Config` is generated from a .cfg file.
+/// A node's live parameters: read and checked at start, changed through dynamic_reconfigure, saved by ~save_parameters
+/// in the file that ~config_file names. `Config` is generated from a .cfg file.
 template <class Config>
 class LiveParams
 {
 public:
-  /// Puts the values to use, or throws std::invalid_argument to refuse them.
+  /// Applies the values, or throws std::invalid_argument to refuse them.
   using Apply = std::function<void(const Config&)>;
-  /// Maps of parameters to save with these.
+  /// Gives maps of further parameters to save with these.
   using Maps = std::function<ParamMaps()>;
 
-  /// Reads and applies the parameters of `pnh`; throws std::invalid_argument naming the first that cannot be.
+  /// Reads and applies the parameters of `pnh`; throws std::invalid_argument naming the first invalid one.
   LiveParams(const ros::NodeHandle& pnh, const Apply& apply, const Maps& maps = nullptr)
     : pnh_(pnh), apply_(apply), maps_(maps)
   {
@@ -43,7 +43,7 @@ public:
   }
 
 private:
-  /// The server would silently move a value into its range; here it is the node that refuses.
+  /// A Config that the server does not silently clamp to its ranges, because the node refuses such values.
   struct Unclamped : Config
   {
     Unclamped() = default;
@@ -76,7 +76,7 @@ private:
       config_.__toMessage__(message);
       readParam(pnh_, "config_file", path);
       if (path.empty()) throw std::runtime_error("~config_file does not name a file");
-      // roslaunch has read it in its own folder; a node of it runs in another.
+      // roslaunch has read a relative path in its own folder, but its nodes run in another one.
       if (path.front() != '/')
         throw std::runtime_error("~config_file is '" + logLine(path) + "', must be an absolute path");
       requireOwnLaunch(path);
@@ -84,7 +84,7 @@ private:
       response.success = true;
       response.message = path;
     }
-    catch (const std::system_error& e)  // such as the file of an installed package
+    catch (const std::system_error& e)  // such as for the file of an installed package
     {
       refuse(response, std::string(e.what()) +
                            "; ~config_file names the file, as config:=/absolute/path.yaml of the launch files does");
@@ -96,17 +96,17 @@ private:
     return true;
   }
 
-  void refuse(std_srvs::Trigger::Response& response, const std::string& why) const
+  void refuse(std_srvs::Trigger::Response& response, const std::string& reason) const
   {
     response.success = false;
-    response.message = logLine(why);
+    response.message = logLine(reason);
     ROS_ERROR("%s: parameters not saved: %s", pnh_.getNamespace().c_str(), response.message.c_str());
   }
 
   ros::NodeHandle pnh_;
   Apply apply_;
   Maps maps_;
-  boost::recursive_mutex mutex_;  // guards config_ against the two services
+  boost::recursive_mutex mutex_;  // guards config_, which two services use
   Config config_ = Config::__getDefault__();
   std::unique_ptr<dynamic_reconfigure::Server<Unclamped>> server_;
   ros::ServiceServer save_;

@@ -18,14 +18,14 @@ std::string contents(const fs::path& path)
   return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
 }
 
-/// roslaunch names the file of the log to each process that it starts, rosrun does not.
+/// True if roslaunch started this process: it passes the name of the log file, which rosrun does not.
 bool startedByRoslaunch()
 {
   static const bool started = contents("/proc/self/cmdline").find(std::string("\0__log:=", 8)) != std::string::npos;
   return started;
 }
 
-/// Whatever copy of the package it is: the sources, or an installed one.
+/// True for a file of any copy of this package, in its sources or installed.
 bool isOfThisPackage(const fs::path& path)
 {
   for (fs::path folder = path.parent_path(); folder.has_relative_path(); folder = folder.parent_path())

@@ -5,8 +5,8 @@
 namespace robot_vision
 {
 
-/// Throws std::runtime_error if a file is one of this package's, and not roslaunch has started this process: then it is
-/// not the file of its launch file, but has been left on the parameter server by one that has ended.
+/// Throws std::runtime_error if a file belongs to this package but roslaunch did not start this process. Then the
+/// file's name was left on the parameter server by a launch that has ended.
 void requireOwnLaunch(const std::string& path);
 
 }  // namespace robot_vision

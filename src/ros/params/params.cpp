@@ -13,11 +13,11 @@ namespace robot_vision
 namespace
 {
 
-constexpr std::size_t kMaxTold = 100;  // bytes of a value
+constexpr std::size_t kMaxValueLength = 100;  // bytes, of a value in a message
 
 std::string shown(const std::string& value)
 {
-  return "'" + shortened(value, kMaxTold) + "'";
+  return "'" + shortened(value, kMaxValueLength) + "'";
 }
 
 template <class T>
@@ -31,14 +31,14 @@ std::string shown(const T& value)
 template <class T>
 void read(const ros::NodeHandle& nh, const std::string& name, T& value, const char* type)
 {
-  const T preset = value;
+  const T default_value = value;
   noteKnownParam(nh, name);
   XmlRpc::XmlRpcValue found;
   if (!nh.getParam(name, found)) return;
   const bool rounded = std::is_same<T, int>::value && found.getType() == XmlRpc::XmlRpcValue::TypeDouble;
   if (rounded || !nh.getParam(name, value))
     throw std::invalid_argument(name + " is " + valueText(found) + ", must be " + type);
-  if (value != preset) noteKnownParam(nh, name, shown(value));
+  if (value != default_value) noteKnownParam(nh, name, shown(value));
 }
 
 /// `entries`: a Config's values of one type.
@@ -56,7 +56,7 @@ std::string valueText(const XmlRpc::XmlRpcValue& value)
   std::ostringstream stream;
   stream << value;
   if (value.getType() == XmlRpc::XmlRpcValue::TypeString) return shown(stream.str());
-  return shortened(stream.str(), kMaxTold);
+  return shortened(stream.str(), kMaxValueLength);
 }
 
 void readParam(const ros::NodeHandle& nh, const std::string& name, bool& value)

@@ -19,20 +19,21 @@ namespace robot_vision
 namespace
 {
 
-/// The shortest decimal that reads back as the same number, always recognisable as a floating-point one.
+/// The shortest decimal that reads back as the same number and is recognised as a floating-point number.
 std::string shortest(double value)
 {
   const double magnitude = std::abs(value);
-  const bool ordinary = magnitude >= 1.0 && magnitude < 1e15;  // is written without an exponent
+  const bool without_exponent = magnitude >= 1.0 && magnitude < 1e15;
   char text[32];
-  for (int digits = ordinary ? static_cast<int>(std::log10(magnitude)) + 1 : 1; digits <= 17; ++digits)
+  for (int digits = without_exponent ? static_cast<int>(std::log10(magnitude)) + 1 : 1; digits <= 17; ++digits)
   {
     std::snprintf(text, sizeof(text), "%.*g", digits, value);
     if (std::strtod(text, nullptr) == value) break;
   }
   std::string number = text;
   const std::size_t exponent = number.find('e');
-  if (number.find('.') == std::string::npos) number.insert(std::min(exponent, number.size()), ".0");  // YAML 1.1
+  if (number.find('.') == std::string::npos)
+    number.insert(std::min(exponent, number.size()), ".0");  // as YAML 1.1 requires
   return number;
 }
 
@@ -57,14 +58,14 @@ YamlValues toYaml(const dynamic_reconfigure::Config& config)
   return values;
 }
 
-/// The file's text; empty if there is no such file.
+/// Reads the file's text; empty if there is no such file.
 std::string load(const std::string& path)
 {
   struct stat status;
   return lstat(path.c_str(), &status) == 0 ? readFile(path, kMaxYamlText) : "";
 }
 
-/// The keys and values of a YAML map.
+/// Parses a YAML map.
 YAML::Node parse(const std::string& path, const std::string& text)
 {
   try
@@ -80,8 +81,8 @@ YAML::Node parse(const std::string& path, const std::string& text)
   throw std::runtime_error(path + ": not overwritten, for it is no map of parameters");
 }
 
-/// True if `after` has the values to put, and all others as they were before.
-bool holds(const YAML::Node& after, const YAML::Node& before, const YamlValues& values)
+/// True if `after` has the given values, and all other values of `before` unchanged.
+bool hasOnlyChanged(const YAML::Node& after, const YAML::Node& before, const YamlValues& values)
 {
   std::size_t expected = values.size();
   for (const auto& [name, value] : values)
@@ -97,25 +98,26 @@ bool holds(const YAML::Node& after, const YAML::Node& before, const YamlValues& 
   return after.size() == expected;
 }
 
-/// The text with the values in it. Throws if that takes more than putting them in their lines.
+/// The text with the given values. Throws if replacing the lines of the values does not give the intended map.
 std::string editValues(const std::string& path, const std::string& text, const YamlValues& values)
 {
   const YAML::Node before = parse(path, text);
   std::string edited = text;
   for (const auto& [name, value] : values)
     edited = editYaml(edited, name, value);
-  if (holds(parse(path, edited), before, values)) return edited;
+  if (hasOnlyChanged(parse(path, edited), before, values)) return edited;
   throw std::runtime_error(path + ": not overwritten, for its parameters are not one \"name: value\" in each line");
 }
 
-/// The same for a map of parameters.
+/// Like editValues(), for a map of parameters.
 std::string editMap(const std::string& path, const std::string& text, const std::string& map, const YamlValues& values)
 {
   const YAML::Node before = parse(path, text);
   const std::string edited = editYamlMap(text, map, values);
   const YAML::Node after = parse(path, edited);
-  const bool others_hold = after.size() == before.size() + (before[map] ? 0 : 1);
-  if (others_hold && after[map] && holds(after[map], before[map] ? before[map] : YAML::Node(), values)) return edited;
+  const bool others_unchanged = after.size() == before.size() + (before[map] ? 0 : 1);
+  if (others_unchanged && after[map] && hasOnlyChanged(after[map], before[map] ? before[map] : YAML::Node(), values))
+    return edited;
   throw std::runtime_error(path + ": not overwritten, for " + map + " is not one \"name: value\" in each line");
 }
 

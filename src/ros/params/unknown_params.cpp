@@ -14,12 +14,12 @@ namespace robot_vision
 namespace
 {
 
-constexpr double kAlike = 0.6;
-constexpr std::size_t kMaxTold = 300;  // bytes of a path
+constexpr double kMinSimilarity = 0.6;       // of a misspelt name
+constexpr std::size_t kMaxPathLength = 300;  // bytes, of a path in a message
 
-using Names = std::map<std::string, std::string>;  // with the values that are not the default, as text
+using Names = std::map<std::string, std::string>;  // name -> value as text, empty if it is the default
 
-/// The parameters of the nodes of this process that are starting, by namespace.
+/// The parameters of the nodes that are starting in this process, by namespace.
 class KnownParams
 {
 public:
@@ -29,7 +29,7 @@ public:
     names_[ns][name] = changed;
   }
 
-  /// Those of a namespace, which are forgotten: another nodelet may be loaded into it.
+  /// Takes the parameters of a namespace out of the collection, because another nodelet may be loaded into it later.
   Names take(const std::string& ns)
   {
     const std::lock_guard<std::mutex> lock(mutex_);
@@ -40,7 +40,7 @@ public:
   }
 
 private:
-  std::mutex mutex_;  // guards names_: nodelets start in several threads
+  std::mutex mutex_;  // guards names_, because nodelets start in several threads
   std::map<std::string, Names> names_;
 };
 
@@ -50,10 +50,10 @@ KnownParams& knownParams()
   return known;
 }
 
-/// 0 to 1: twice the letters that two words have in common, in the same order, of all their letters.
+/// The similarity of two words, 0 to 1: twice the length of their longest common subsequence over their total length.
 double similarity(const std::string& a, const std::string& b)
 {
-  std::vector<std::size_t> common(b.size() + 1, 0);  // of what has been seen of a, and the beginnings of b
+  std::vector<std::size_t> common(b.size() + 1, 0);  // lengths for the letters of a so far and each beginning of b
   for (const char letter : a)
   {
     std::size_t before = 0;
@@ -67,21 +67,21 @@ double similarity(const std::string& a, const std::string& b)
   return 2.0 * static_cast<double>(common.back()) / static_cast<double>(a.size() + b.size());
 }
 
-/// The one that is most alike; empty if none is.
+/// The most similar known name; empty if none is similar.
 std::string nearest(const std::string& name, const Names& known)
 {
   std::string best;
-  double most = kAlike;
+  double best_similarity = kMinSimilarity;
   for (const auto& [other, changed] : known)
-    if (similarity(name, other) > most)
+    if (similarity(name, other) > best_similarity)
     {
       best = other;
-      most = similarity(name, other);
+      best_similarity = similarity(name, other);
     }
   return best;
 }
 
-/// Whether there is a node, topic or service of this name, or below it.
+/// True if there is a node, topic or service of this name or below it.
 bool isNamespaceOfGraph(const std::string& name)
 {
   XmlRpc::XmlRpcValue request, response, state;
@@ -99,21 +99,22 @@ bool isNamespaceOfGraph(const std::string& name)
   return false;
 }
 
-/// resolveName() would throw: a parameter's name can have what no other name of ROS has, such as blanks.
+/// The full name of a parameter. resolveName() would throw for characters that only parameters can have, such as
+/// blanks.
 std::string pathOf(const ros::NodeHandle& nh, const std::string& name)
 {
   return nh.getNamespace() + "/" + name;
 }
 
-/// Whether a map of parameters may be of somebody else: a transport, or a node or topic below this one.
-bool isOfOthers(const ros::NodeHandle& nh, const std::string& name)
+/// True if a map of parameters may belong to a transport, or to a node or topic below this one.
+bool belongsToOthers(const ros::NodeHandle& nh, const std::string& name)
 {
   const auto transports = image_transport::ImageTransport(nh).getDeclaredTransports();
   return std::count(transports.begin(), transports.end(), "image_transport/" + name) != 0 ||
          isNamespaceOfGraph(pathOf(nh, name));
 }
 
-void tellChanged(const ros::NodeHandle& nh, const Names& known)
+void logChanged(const ros::NodeHandle& nh, const Names& known)
 {
   std::string text;
   for (const auto& [name, changed] : known)
@@ -131,19 +132,19 @@ void noteKnownParam(const ros::NodeHandle& nh, const std::string& name, const st
 void reviewParams(const ros::NodeHandle& nh)
 {
   Names known = knownParams().take(nh.getNamespace());
-  std::string config_file;  // it is read again when something is saved
+  std::string config_file;  // it is read only when values are saved
   nh.getParam("config_file", config_file);
-  known["config_file"] = config_file.empty() ? "" : "'" + shortened(config_file, kMaxTold) + "'";
-  tellChanged(nh, known);
+  known["config_file"] = config_file.empty() ? "" : "'" + shortened(config_file, kMaxPathLength) + "'";
+  logChanged(nh, known);
   XmlRpc::XmlRpcValue there;
   if (!nh.getParam(nh.getNamespace(), there) || there.getType() != XmlRpc::XmlRpcValue::TypeStruct) return;
   for (const auto& entry : there)
   {
     const std::string& name = entry.first;
     if (known.count(name)) continue;
-    if (entry.second.getType() == XmlRpc::XmlRpcValue::TypeStruct && isOfOthers(nh, name)) continue;
+    if (entry.second.getType() == XmlRpc::XmlRpcValue::TypeStruct && belongsToOthers(nh, name)) continue;
     const std::string near = nearest(name, known);
-    ROS_WARN("parameter %s is not known%s", shortened(pathOf(nh, name), kMaxTold).c_str(),
+    ROS_WARN("parameter %s is not known%s", shortened(pathOf(nh, name), kMaxPathLength).c_str(),
              near.empty() ? "" : (", is " + near + " meant?").c_str());
   }
 }

@@ -9,7 +9,7 @@ namespace robot_vision
 namespace
 {
 
-/// The length of the plain or quoted scalar at the beginning of `text`, without the blanks and the comment behind it.
+/// The length of the plain or quoted scalar at the beginning of `text`, without the blanks and the comment after it.
 std::size_t scalarLength(const std::string& text)
 {
   if (text.empty() || text.front() == '#') return 0;
@@ -24,7 +24,7 @@ std::size_t scalarLength(const std::string& text)
   return text.substr(0, text.find(" #")).find_last_not_of(" \t") + 1;
 }
 
-/// One line of the file with its value replaced, if it is the line of `name`.
+/// Replaces the value in a line if it is the line of `name`; returns false otherwise.
 bool editLine(std::string& line, const std::string& name, const std::string& value)
 {
   if (line.compare(0, name.size(), name) != 0) return false;
@@ -35,7 +35,7 @@ bool editLine(std::string& line, const std::string& name, const std::string& val
   const std::size_t end = begin + scalarLength(rest);
   const std::size_t comment = line.find_first_not_of(" \t", end);
   std::string edited = line.substr(0, colon + 1) + " " + value;
-  // A comment stays in its column, if the value leaves it there.
+  // A comment stays in its column if the new value is not too long.
   if (comment != std::string::npos)
     edited += std::string(comment > edited.size() ? comment - edited.size() : 1, ' ') + line.substr(comment);
   line = edited;
@@ -61,7 +61,7 @@ std::vector<Line> linesOf(const std::string& text)
   return lines;
 }
 
-/// A line to add, which ends as the first one does.
+/// A new line with the same line ending as the first one.
 Line added(const std::vector<Line>& lines, const std::string& text)
 {
   return {text, lines.empty() ? "\n" : lines.front().end};
@@ -80,7 +80,7 @@ std::size_t indentOf(const std::string& line)
   return std::min(line.find_first_not_of(' '), line.size());
 }
 
-/// The end of the lines that belong to the key in line `begin`.
+/// The index after the last line that belongs to the key in line `begin`.
 std::size_t blockEnd(const std::vector<Line>& lines, std::size_t begin)
 {
   std::size_t end = begin + 1;
@@ -93,7 +93,7 @@ std::size_t blockEnd(const std::vector<Line>& lines, std::size_t begin)
   return end;
 }
 
-/// A value as it was: what was in quotes would be another type without them.
+/// A value as text. Quoted values stay quoted, because without quotes they could have another type.
 std::string dump(const YAML::Node& value)
 {
   YAML::Emitter text;
@@ -102,7 +102,7 @@ std::string dump(const YAML::Node& value)
   return text.c_str();
 }
 
-/// Writes a map that is in one line, {a: 1}, as a block of lines.
+/// Replaces a map in flow style, {a: 1}, by a block of lines.
 void unfold(std::vector<Line>& lines, std::size_t header, const std::string& map)
 {
   std::string& line = lines[header].text;

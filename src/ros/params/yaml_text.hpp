@@ -7,12 +7,12 @@
 namespace robot_vision
 {
 
-using YamlValues = std::vector<std::pair<std::string, std::string>>;  // name and value as YAML text
+using YamlValues = std::vector<std::pair<std::string, std::string>>;  // names and values as YAML text
 
-/// The text with one value of its top level replaced, in its line and before its comment, or added at the end.
+/// Replaces a value at the top level of the text, keeping its comment, or adds it at the end.
 std::string editYaml(const std::string& text, const std::string& name, const std::string& value);
 
-/// The same for the values of a map at its top level, which is added or written over several lines where it is not.
+/// Does so for the values of a map at the top level. The map is added if it is missing, and spread over several lines.
 std::string editYamlMap(const std::string& text, const std::string& map, const YamlValues& values);
 
 }  // namespace robot_vision

@@ -10,12 +10,12 @@ namespace robot_vision
 namespace
 {
 
-sensor_msgs::CompressedImage toMessage(CompressedPicture picture, const std_msgs::Header& header)
+sensor_msgs::CompressedImage toMessage(CompressedPicture compressed, const std_msgs::Header& header)
 {
   sensor_msgs::CompressedImage message;
   message.header = header;
-  message.format = std::move(picture.format);
-  message.data = std::move(picture.data);
+  message.format = std::move(compressed.format);
+  message.data = std::move(compressed.data);
   return message;
 }
 
@@ -38,17 +38,17 @@ DepthCompressionParams toDepthCompressionParams(const CompressedDepthPublisherCo
 
 sensor_msgs::CompressedImage compressMessage(const sensor_msgs::Image& message, const CompressionParams& params)
 {
-  CompressedPicture picture;
-  compress(viewAnyPixels(message), message.encoding, params, picture);
-  return toMessage(std::move(picture), message.header);
+  CompressedPicture compressed;
+  compress(viewAnyPixels(message), message.encoding, params, compressed);
+  return toMessage(std::move(compressed), message.header);
 }
 
 sensor_msgs::CompressedImage compressDepthMessage(const sensor_msgs::Image& message,
                                                   const DepthCompressionParams& params)
 {
-  CompressedPicture picture;
-  compressDepth(viewAnyPixels(message), message.encoding, params, picture);
-  return toMessage(std::move(picture), message.header);
+  CompressedPicture compressed;
+  compressDepth(viewAnyPixels(message), message.encoding, params, compressed);
+  return toMessage(std::move(compressed), message.header);
 }
 
 }  // namespace robot_vision

@@ -12,14 +12,14 @@
 namespace robot_vision
 {
 
-/// Throws std::invalid_argument naming the first parameter out of range.
+/// Convert the settings; throw std::invalid_argument naming the first parameter out of range.
 CompressionParams toCompressionParams(const CompressedPublisherConfig& config);
 DepthCompressionParams toDepthCompressionParams(const CompressedDepthPublisherConfig& config);
 
-/// Throws std::invalid_argument if the message is damaged, or of an encoding that cannot be compressed.
+/// Compresses an image. Throws std::invalid_argument if the message is damaged or its encoding cannot be compressed.
 sensor_msgs::CompressedImage compressMessage(const sensor_msgs::Image& message, const CompressionParams& params);
 
-/// The same for pictures of depths, see isDepth().
+/// Compresses a depth image, see isDepth(); throws as compressMessage() does.
 sensor_msgs::CompressedImage compressDepthMessage(const sensor_msgs::Image& message,
                                                   const DepthCompressionParams& params);
 

@@ -15,8 +15,8 @@
 namespace robot_vision
 {
 
-/// A topic of compressed pictures, whose settings are live in its namespace. Pictures are encoded in another thread,
-/// the newest first: who publishes one does not wait, and those that come faster are left out. Their order remains.
+/// A topic of compressed images with live settings in its namespace. Images are encoded in another thread, the newest
+/// next, so that publish() does not wait; images that come too fast are dropped. Their order is kept.
 template <class Config, class Params>
 class EncodedOutput
 {
@@ -32,17 +32,17 @@ public:
   {
   }
 
-  /// Whether somebody subscribes.
+  /// True if the topic has subscribers.
   bool wanted() const { return publisher_.getNumSubscribers() > 0; }
 
-  /// Publishes what is compressed already, after all that is being encoded.
+  /// Publishes an image that is already compressed, after those that are being encoded.
   void passOn(const sensor_msgs::CompressedImage& message)
   {
     worker_.settle();
     publisher_.publish(message);
   }
 
-  /// Throws what has kept an earlier picture from being encoded.
+  /// Encodes and publishes an image. Throws the exception of an earlier image that could not be encoded.
   void publish(const sensor_msgs::ImageConstPtr& message)
   {
     worker_.post([this, message] { encode(*message); });
@@ -67,7 +67,7 @@ private:
   ros::Publisher publisher_;
   std::mutex mutex_;  // guards error_
   std::exception_ptr error_;
-  NewestWorker worker_;  // uses all the others, and so goes first
+  NewestWorker worker_;  // must be destroyed first, because its thread uses all the others
 };
 
 }  // namespace robot_vision

@@ -14,8 +14,8 @@ namespace robot_vision
 {
 
 /// The settings of one topic's transport, live through dynamic_reconfigure in the topic's namespace: those of
-/// <topic>/compressed are at <topic>/compressed/set_parameters. `toParams` makes them of the generated Config, or
-/// throws std::invalid_argument; then the ones before stay.
+/// <topic>/compressed are at <topic>/compressed/set_parameters. `to_params` converts the generated Config, or throws
+/// std::invalid_argument; then the old settings stay.
 template <class Config, class Params>
 class TransportSettings
 {
@@ -62,7 +62,7 @@ private:
   CallbackGate gate_;
   std::string name_;
   ToParams to_params_;
-  mutable std::mutex mutex_;  // guards params_: publishing and reconfiguring may be different threads'
+  mutable std::mutex mutex_;  // guards params_, because publishing and reconfiguring may be in different threads
   Params params_;
   Config config_ = Config::__getDefault__();
   dynamic_reconfigure::Server<Config> server_;

@@ -6,8 +6,8 @@
 
 namespace robot_vision
 {
-/// image_transport's "compressedDepth". Every picture topic has it, and recorders subscribe to all there is: of
-/// pictures that hold no depths it publishes nothing, and says so once.
+/// Publishes image_transport's "compressedDepth". Every image topic has this transport, and recorders subscribe to all
+/// topics. So for images that hold no depths it publishes nothing and logs that once.
 class CompressedDepthPublisher
   : public TransportPublisher<sensor_msgs::CompressedImage, CompressedDepthPublisherConfig, DepthCompressionParams>
 {
@@ -23,14 +23,14 @@ private:
   {
     if (!isDepth(message.encoding))
     {
-      if (!told_.exchange(true))
-        ROS_INFO("%s stays empty: %s pictures hold no depths", getTopic().c_str(), message.encoding.c_str());
+      if (!logged_.exchange(true))
+        ROS_INFO("%s stays empty: %s images hold no depths", getTopic().c_str(), message.encoding.c_str());
       return;
     }
     publish_fn(compressDepthMessage(message, params));
   }
 
-  mutable std::atomic<bool> told_{false};
+  mutable std::atomic<bool> logged_{false};
 };
 
 }  // namespace robot_vision

@@ -8,7 +8,7 @@
 namespace robot_vision
 {
 
-/// The other end of "compressedDepth".
+/// Subscribes to "compressedDepth".
 class CompressedDepthSubscriber : public TransportSubscriber<sensor_msgs::CompressedImage>
 {
 public:
@@ -19,12 +19,12 @@ private:
   {
     const auto fill = [&](cv::Mat& pixels)
     { return decompressDepth(message.format, message.data.data(), message.data.size(), pixels); };
-    const sensor_msgs::ImagePtr image = pictures_.make(fill);
+    const sensor_msgs::ImagePtr image = maker_.make(fill);
     image->header = message.header;
     return image;
   }
 
-  ImageMaker pictures_;
+  ImageMaker maker_;
 };
 
 }  // namespace robot_vision

@@ -6,7 +6,7 @@
 namespace robot_vision
 {
 
-/// image_transport's "compressed": JPEG or PNG.
+/// Publishes image_transport's "compressed": JPEG or PNG.
 class CompressedPublisher
   : public TransportPublisher<sensor_msgs::CompressedImage, CompressedPublisherConfig, CompressionParams>
 {

@@ -9,7 +9,7 @@
 namespace robot_vision
 {
 
-/// The other end of "compressed". Parameters, live: `mode` (unchanged, gray or color) and `reduction` (1, 2, 4 or 8).
+/// Subscribes to "compressed". Live parameters: `mode` (unchanged, gray or color) and `reduction` (1, 2, 4 or 8).
 class CompressedSubscriber : public TransportSubscriber<sensor_msgs::CompressedImage>
 {
 public:
@@ -23,7 +23,7 @@ private:
     nh().getParamCached("reduction", reduction);
     const auto fill = [&](cv::Mat& pixels)
     { return decompress(message.format, message.data.data(), message.data.size(), mode, reduction, pixels); };
-    const sensor_msgs::ImagePtr image = pictures_.make(fill);
+    const sensor_msgs::ImagePtr image = maker_.make(fill);
     image->header = message.header;
     return image;
   }
@@ -37,7 +37,7 @@ private:
     return mode == "gray" ? ColorMode::kGray : mode == "color" ? ColorMode::kColor : ColorMode::kUnchanged;
   }
 
-  ImageMaker pictures_;
+  ImageMaker maker_;
 };
 
 }  // namespace robot_vision

@@ -11,12 +11,12 @@
 namespace robot_vision
 {
 
-/// Packets that may come at once before a frame's own: three headers when a stream begins, and the three that who
-/// subscribes is sent. The two come in either order, so that the latter may be behind the first frame.
+/// The number of header packets that may come together with a frame: three at the start of a stream, and three for a
+/// new subscriber. The two groups come in any order, so that the second one may come after the first frame.
 constexpr std::uint32_t kTheoraHeaders = 6;
 
-/// The message theora_image_transport/Packet, where no package brings it: the same on the wire, and under the same
-/// name.
+/// The message theora_image_transport/Packet, for systems without that package: its name and serialized form are the
+/// same.
 struct TheoraPacketMessage
 {
   using Ptr = boost::shared_ptr<TheoraPacketMessage>;

@@ -35,8 +35,8 @@ TheoraPacketMessage toMessage(const TheoraPacket& packet, const std_msgs::Header
 
 }  // namespace
 
-/// image_transport's "theora". Who subscribes gets the headers at once, and everybody a key frame with the next
-/// picture.
+/// Publishes image_transport's "theora". A new subscriber gets the headers at once, and the next image is a keyframe
+/// for all subscribers.
 class TheoraPublisher : public TransportPublisher<TheoraPacketMessage, TheoraPublisherConfig, TheoraParams>
 {
 public:
@@ -51,7 +51,7 @@ private:
                      const image_transport::SubscriberStatusCallback& on_disconnect, const ros::VoidPtr& tracked_object,
                      bool /*latch*/) override
   {
-    // A latched change of a picture that the newcomer has not seen would show him nothing.
+    // Without latching: a latched frame that depends on earlier ones would show a new subscriber nothing.
     TransportPublisher::advertiseImpl(nh, base_topic, queue_size + kTheoraHeaders, on_connect, on_disconnect,
                                       tracked_object,
                                       /*latch=*/false);
@@ -76,7 +76,7 @@ private:
       publish_fn(toMessage(packet, message.header));
   }
 
-  mutable std::mutex mutex_;  // guards all below: subscribers come in another thread than pictures
+  mutable std::mutex mutex_;  // guards all below, because subscribers and images come in different threads
   mutable TheoraParams params_;
   mutable TheoraEncoder encoder_;
   mutable std_msgs::Header last_;

@@ -22,7 +22,7 @@ TheoraPacket toPacket(const TheoraPacketMessage& message)
 
 }  // namespace
 
-/// The other end of "theora": bgr8. Parameter, live: `post_processing_level`, 0 to 7, softens the edges of blocks.
+/// Subscribes to "theora" and gives bgr8. Live parameter: `post_processing_level`, 0 to 7, softens the edges of blocks.
 class TheoraSubscriber : public TransportSubscriber<TheoraPacketMessage>
 {
 public:
@@ -36,11 +36,11 @@ private:
     int level = 0;
     nh().getParamCached("post_processing_level", level);
     decoder_.setPostProcessing(level);
-    if (!decoder_.decode(toPacket(message), picture_)) return nullptr;
-    const sensor_msgs::ImagePtr image = pictures_.make(
+    if (!decoder_.decode(toPacket(message), bgr_)) return nullptr;
+    const sensor_msgs::ImagePtr image = maker_.make(
         [this](cv::Mat& pixels)
         {
-          picture_.copyTo(pixels);
+          bgr_.copyTo(pixels);
           return std::string("bgr8");
         });
     image->header = message.header;
@@ -48,8 +48,8 @@ private:
   }
 
   TheoraDecoder decoder_;
-  cv::Mat picture_;
-  ImageMaker pictures_;
+  cv::Mat bgr_;
+  ImageMaker maker_;
 };
 
 }  // namespace robot_vision

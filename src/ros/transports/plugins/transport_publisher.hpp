@@ -14,10 +14,10 @@
 namespace robot_vision
 {
 
-/// A publisher plugin whose settings are live in its topic's namespace. Who publishes a picture does not wait until it
-/// is sent: that is done in another thread, of the newest picture first, and those that come faster are left out. A
-/// picture that cannot be sent is refused with a throttled error. Who derives from it has to call shutdown() when it is
-/// destroyed: not everybody does so before, and until then the other thread calls its send().
+/// A publisher plugin with live settings in its topic's namespace. Images are sent in another thread, the newest next,
+/// so that publish() does not wait; images that come too fast are dropped. An image that cannot be sent is refused with
+/// a throttled error. The destructor of a derived class must call shutdown(), because users need not do so, and until
+/// then the other thread calls send().
 template <class Message, class Config, class Params>
 class TransportPublisher : public image_transport::SimplePublisherPlugin<Message>
 {
@@ -27,7 +27,7 @@ public:
     worker_.post(
         [this, message]
         {
-          if (this->getNumSubscribers() == 0) return;  // they went while it waited
+          if (this->getNumSubscribers() == 0) return;  // the subscribers have gone while the image waited
           publish(*message, [this](const Message& sent) { this->getPublisher().publish(sent); });
         });
   }
@@ -37,7 +37,7 @@ public:
     publish(sensor_msgs::ImageConstPtr(boost::make_shared<sensor_msgs::Image>(message)));
   }
 
-  /// The picture that is being sent is the last one.
+  /// Waits for the image that is being sent; later ones are dropped.
   void shutdown() override
   {
     worker_.stop();
@@ -51,8 +51,8 @@ protected:
 
   explicit TransportPublisher(typename Settings::ToParams to_params) : to_params_(to_params) {}
 
-  /// Throws for a picture that cannot be sent. May be called by two threads at once, as who subscribes may be sent a
-  /// picture of his own.
+  /// Sends an image; throws if that is not possible. Two threads may call it at once, because a new subscriber may be
+  /// sent an image separately.
   virtual void send(const sensor_msgs::Image& message, const Params& params, const PublishFn& publish_fn) const = 0;
 
   void advertiseImpl(ros::NodeHandle& nh, const std::string& base_topic, std::uint32_t queue_size,

@@ -12,8 +12,8 @@
 namespace robot_vision
 {
 
-/// A subscriber plugin that refuses what it cannot decode with a throttled error, and takes no more memory for a
-/// message than it has bytes, as image_transport::SimpleSubscriberPlugin does.
+/// A subscriber plugin that refuses messages that it cannot decode with a throttled error. Unlike
+/// image_transport::SimpleSubscriberPlugin it takes no more memory for a message than the message has bytes.
 template <class Message>
 class TransportSubscriber : public image_transport::SubscriberPlugin
 {
@@ -23,13 +23,13 @@ public:
   void shutdown() override { subscriber_.shutdown(); }
 
 protected:
-  /// How many messages may come at once with one image.
+  /// `more_messages` is how many further messages may come together with one image.
   explicit TransportSubscriber(std::uint32_t more_messages = 0) : more_messages_(more_messages) {}
 
-  /// The image of a message; null: it has none. Throws for a message that cannot be used.
+  /// The image of a message, null if it has none. Throws for a message that cannot be used.
   virtual sensor_msgs::ImagePtr decode(const Message& message) = 0;
 
-  /// Of the transport's parameters.
+  /// The namespace of the transport's parameters.
   const ros::NodeHandle& nh() const { return *nh_; }
 
 private:
