@@ -257,7 +257,7 @@ def test_all_parameters_are_tested():
         named |= set(re.findall(r'\b(?:readParam|readMap|getParam)\(\w+, "(\w+)"', source))
         named |= set(re.findall(r'\bgetParam\("(\w+)"', source))
     of_controls = (ROOT / "src/ros/camera/control_params.cpp").read_text()
-    array = of_controls[of_controls.index("kUsbCams[] =") :].partition(";")[0]
+    array = of_controls[of_controls.index("kUsbCamControls[] =") :].partition(";")[0]
     assert set(re.findall(r'"(\w+)"', array)) == set(USB_CAM_CONTROLS)
     of_usb_cam = (ROOT / "src/ros/camera/usb_cam_params.cpp").read_text()
     assert set(re.findall(r'\{"(\w+)", "', of_usb_cam)) == set(WITHOUT_EFFECT)

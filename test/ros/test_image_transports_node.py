@@ -310,7 +310,8 @@ endif()
     ],
 )
 def test_our_plugins_give_way_to_the_standard_ones(start, tmp_path, there, ours):
-    shutil.copytree(str(ROOT / "src" / "transports"), str(tmp_path / "transports"))
+    plugins = ROOT / "src" / "ros" / "transports" / "plugins"
+    shutil.copytree(str(plugins), str(tmp_path / "transports"))
     (tmp_path / "CMakeLists.txt").write_text(STUB)
     (tmp_path / "package.xml").write_text((ROOT / "package.xml").read_text())
     options = []
@@ -327,8 +328,8 @@ def test_our_plugins_give_way_to_the_standard_ones(start, tmp_path, there, ours)
     assert ("-- built" in output) == bool(ours)
     for name in there:
         assert f"{name}_image_transport is there: its plugins are used, not ours" in output
-    plugins = (tmp_path / "transport_plugins.xml").read_text()
-    names = re.findall(r'"image_transport/(\w+)"', plugins)
+    listed = (tmp_path / "transport_plugins.xml").read_text()
+    names = re.findall(r'"image_transport/(\w+)"', listed)
     assert names == [f"{name}_{end}" for name in ours for end in ("pub", "sub")]
 
     # A list without plugins is not an error for those who read it.
