@@ -7,7 +7,7 @@
 namespace robot_vision
 {
 
-/// The time on CLOCK_MONOTONIC in ns: the clock that V4L2 drivers stamp frames by.
+/// The time of CLOCK_MONOTONIC in ns. V4L2 drivers stamp frames with this clock.
 inline std::int64_t monotonicNow()
 {
   timespec now;

@@ -6,16 +6,16 @@
 namespace robot_vision
 {
 
-/// What somebody else has sent, as a part of one line of text: whatever is not a plain letter, sign or blank of ASCII
-/// is written as \xNN, so that it ends no line and tells no terminal what to do; what is longer than `length` ends in
-/// "...".
+/// Makes text that somebody else has sent fit into one line: each byte that is not a printable ASCII character becomes
+/// \xNN, so that the text can neither end the line nor control a terminal. The result has at most `length` bytes; the
+/// last three are "..." if it was cut.
 std::string printable(const std::string& text, std::size_t length = 100);
 
-/// The same for UTF-8 text, whose letters stay as they are; as many bytes of it as fit into `length`, then "...".
+/// The same for UTF-8 text, whose characters stay as they are. Whole characters are kept up to `length` bytes; "..."
+/// follows if that was not all.
 std::string shortened(const std::string& text, std::size_t length = 200);
 
-/// The same for what is a line of a log by itself, such as an error with a path in it: what is too long lacks its
-/// middle.
+/// The same for a whole line of a log, such as an error with a path in it: a line that is too long loses its middle.
 std::string logLine(const std::string& text);
 
 }  // namespace robot_vision

@@ -6,10 +6,10 @@
 namespace robot_vision
 {
 
-/// The shortest usual notation of a number: 0.5, 30, nan.
+/// A number as C++ streams write it: 0.5, 30, nan.
 std::string toText(double value);
 
-/// "a, b, c": the words of a list, for a message.
+/// The words separated by commas, "a, b, c", for a message.
 std::string joined(const std::vector<std::string>& words);
 
 /// Throws std::invalid_argument "<name> is <value>, must be <expected>" unless `ok`.

@@ -5,7 +5,7 @@
 namespace robot_vision
 {
 
-/// The number whose bytes begin at `at`, the highest first.
+/// Reads a big-endian number of so many `bytes` at `at`.
 template <std::size_t bytes>
 std::size_t bigEndian(const unsigned char* at)
 {

@@ -14,22 +14,21 @@ namespace robot_vision
 namespace
 {
 
-constexpr std::size_t kChunk = std::size_t{1} << 20;  // bytes that are read at a time
+constexpr std::size_t kChunk = std::size_t{1} << 20;  // bytes read at a time
 
 [[noreturn]] void fail(const std::string& path)
 {
   throw std::system_error(errno, std::generic_category(), path + " cannot be read");
 }
 
-/// An open file that is closed in the end.
 class OpenFile
 {
 public:
   explicit OpenFile(const std::string& path) : path_(path)
   {
     if (stat(path.c_str(), &status_) != 0) fail(path);
-    if (!S_ISREG(status_.st_mode)) refuse();  // to open some devices starts something
-    // It may be another by now, and without O_NONBLOCK a pipe waits for its other end.
+    if (!S_ISREG(status_.st_mode)) refuse();  // checked before open(), because opening some devices has side effects
+    // The path may lead to another file by now. O_NONBLOCK keeps open() from waiting for the other end of a pipe.
     file_ = open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
     if (file_ == -1) fail(path);
     if (fstat(file_, &status_) == 0 && S_ISREG(status_.st_mode)) return;
@@ -42,7 +41,7 @@ public:
 
   std::size_t size() const { return static_cast<std::size_t>(status_.st_size); }
 
-  /// Reads the next bytes; 0: there are no more.
+  /// Reads the next bytes into `chunk` and returns how many they are, 0 at the end of the file.
   std::size_t read(std::vector<char>& chunk) const
   {
     const ssize_t count = ::read(file_, chunk.data(), chunk.size());

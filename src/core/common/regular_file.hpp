@@ -6,8 +6,9 @@
 namespace robot_vision
 {
 
-/// The bytes of a regular file, at most `max_size`; anything else may block, as a pipe does, or never end. Throws
-/// std::runtime_error naming the path: it is no regular file, too large, or (std::system_error) cannot be read.
+/// Reads a regular file of at most `max_size` bytes. Other files are refused: a pipe may block, and a device may never
+/// end. Throws std::runtime_error naming the path if it is no regular file or too large, and std::system_error if it
+/// cannot be read.
 std::string readFile(const std::string& path, std::size_t max_size);
 
 }  // namespace robot_vision

@@ -30,7 +30,7 @@ using Status = struct stat;
   throw std::runtime_error(path + " cannot be written: " + reason);
 }
 
-/// The status of what is replaced, where symbolic links lead to; empty: there is none.
+/// The status of the file at the end of all symbolic links, or nothing if there is none yet.
 std::optional<Status> statusOf(const std::string& path)
 {
   Status status;
@@ -44,7 +44,7 @@ std::optional<Status> statusOf(const std::string& path)
   return std::nullopt;
 }
 
-/// Where a symbolic link leads to, so that the file is replaced and not the link.
+/// The path without symbolic links, so that the file is replaced and not a link to it.
 std::string target(const std::string& path)
 {
   char* resolved = realpath(path.c_str(), nullptr);
@@ -54,7 +54,8 @@ std::string target(const std::string& path)
   return real;
 }
 
-/// Part of a name that no file has; a number of the process may be in one that it left.
+/// A part of a file name that no other file has. A process id would not do: an earlier process with the same id may
+/// have left a file.
 std::string randomName()
 {
   std::random_device random;
@@ -63,8 +64,8 @@ std::string randomName()
   return name.str();
 }
 
-/// Gives a file mode and owner of another; only root may give files to others.
-bool takeOver(int file, const Status& old)
+/// Gives a file the mode and, as far as the process may, the owner of the old one: only root may give files to others.
+bool copyOwnership(int file, const Status& old)
 {
   Status status;
   if (fstat(file, &status) != 0) return false;
@@ -91,12 +92,12 @@ void replaceFile(const std::string& link, const std::string& text)
 {
   const std::optional<Status> old = statusOf(link);
   const std::string path = old ? target(link) : link;
-  // In the same folder, or the rename could not be atomic.
+  // The temporary file is in the same folder, because a rename is atomic only within a file system.
   const std::string temporary = path + "." + randomName() + ".tmp";
-  // What is private stays so from the beginning.
+  // A file that replaces another is private until it has the other's mode.
   const int file = open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, old ? 0600 : 0666);
   if (file == -1) fail(path, errno);
-  const bool written = (!old || takeOver(file, *old)) && writeAll(file, text) && fsync(file) == 0;
+  const bool written = (!old || copyOwnership(file, *old)) && writeAll(file, text) && fsync(file) == 0;
   int error = errno;
   close(file);
   if (written && rename(temporary.c_str(), path.c_str()) == 0) return;

@@ -5,9 +5,9 @@
 namespace robot_vision
 {
 
-/// Writes a file, or replaces it, in one step or not at all. An old file keeps its permissions and, as far as this user
-/// may give it away, its owner; of a symbolic link the file it leads to is replaced. Throws std::runtime_error naming
-/// the path: it is no regular file, or (std::system_error) cannot be written.
+/// Writes or replaces a file in one step or not at all. The new file has the permissions of the old one and, as far as
+/// this user may give files away, its owner. If the path is a symbolic link, the file that it leads to is replaced.
+/// Throws std::runtime_error naming the path if it is no regular file, and std::system_error if it cannot be written.
 void replaceFile(const std::string& path, const std::string& text);
 
 }  // namespace robot_vision

@@ -5,8 +5,8 @@
 namespace robot_vision
 {
 
-/// Lets one message in five seconds through. rosconsole's own throttle counts per line of code, so that one nodelet's
-/// errors would silence another's in the same process.
+/// Lets one message through in five seconds. rosconsole's own throttle counts per line of code, so that errors of one
+/// nodelet would silence those of another one in the same process.
 class Throttle
 {
 public:
@@ -19,7 +19,7 @@ public:
     return true;
   }
 
-  /// Lets the next message through.
+  /// Lets the next message through at once.
   void reset() { began_ = false; }
 
 private:
