@@ -83,13 +83,13 @@ public:
   void apply(const std::uint8_t* pixels, std::uint8_t* mask) const
   {
     const Planes p = loadPlanes(pixels);
-    const Vector max = PixelSimd::largerBytes(p.first, PixelSimd::largerBytes(p.second, p.third));
-    const Vector min = PixelSimd::smallerBytes(p.first, PixelSimd::smallerBytes(p.second, p.third));
+    const Vector max = PixelSimd::maxBytes(p.first, PixelSimd::maxBytes(p.second, p.third));
+    const Vector min = PixelSimd::minBytes(p.first, PixelSimd::minBytes(p.second, p.third));
     const Vector diff = PixelSimd::subtractBytes(max, min);
     const Halves saturation = halves(diff, max);
     const Vector s = packed(sLimit(saturation.low), sLimit(saturation.high));
-    const Flags v_inside = PixelSimd::notAboveUnsigned(PixelSimd::subtractBytes(max, v_low_), v_range_);
-    const Flags s_perhaps = PixelSimd::both(v_inside, PixelSimd::aboveSigned(s, s_unsure_));
+    const Mask v_inside = PixelSimd::lessEqualUnsigned(PixelSimd::subtractBytes(max, v_low_), v_range_);
+    const Mask s_perhaps = PixelSimd::both(v_inside, PixelSimd::greaterSigned(s, s_unsure_));
     if (!PixelSimd::any(s_perhaps))  // often: objects are small
     {
       Simd::store(mask, Simd::zeros());
@@ -99,8 +99,8 @@ public:
     const Halves third = halves(p.third, PixelSimd::bytes(1));
     const Vector h = PixelSimd::Xor(packed(hLimit(two.low, third.low), hLimit(two.high, third.high)), h_outside_);
     const Vector slack = packed(hSlack(saturation.low), hSlack(saturation.high));
-    const Flags inside = PixelSimd::both(PixelSimd::aboveSigned(s, s_sure_), PixelSimd::aboveSigned(h, slack));
-    const Flags h_perhaps = PixelSimd::aboveSigned(PixelSimd::addSignedBytes(h, slack), Simd::zeros());
+    const Mask inside = PixelSimd::both(PixelSimd::greaterSigned(s, s_sure_), PixelSimd::greaterSigned(h, slack));
+    const Mask h_perhaps = PixelSimd::greaterSigned(PixelSimd::addSignedSaturated(h, slack), Simd::zeros());
     const Vector sure = PixelSimd::bytesWhere(PixelSimd::both(v_inside, inside), PixelSimd::bytes(255));
     const Vector perhaps = PixelSimd::bytesWhere(PixelSimd::both(s_perhaps, h_perhaps), PixelSimd::bytes(kUnsure));
     Simd::store(mask, Simd::Or(sure, perhaps));
@@ -108,7 +108,7 @@ public:
 
 private:
   using Vector = Simd::Vector;
-  using Flags = PixelSimd::Flags;
+  using Mask = PixelSimd::Mask;
 
   struct Halves
   {
@@ -124,7 +124,7 @@ private:
   };
 
   static Vector pairs(int first, int second) { return Simd::words((first & 0xFF) | (second & 0xFF) << 8); }
-  static Halves halves(Vector a, Vector b) { return {Simd::InterleaveLower(a, b), Simd::highBytes(a, b)}; }
+  static Halves halves(Vector a, Vector b) { return {Simd::InterleaveLower(a, b), Simd::InterleaveUpper(a, b)}; }
   static Vector packed(Vector low, Vector high) { return PixelSimd::packSignedWords(low, high); }
 
   // Margins of hue are one more: at least the slack is above it then. Those of the outside are inverted after that.
@@ -137,8 +137,8 @@ private:
 
   Vector sLimit(Vector diff_and_max) const
   {
-    return PixelSimd::smallerWords(Simd::addBytePairs(s_low_.offset, diff_and_max, s_low_.factors),
-                                   Simd::addBytePairs(s_above_.offset, diff_and_max, s_above_.factors));
+    return PixelSimd::minWords(Simd::addBytePairs(s_low_.offset, diff_and_max, s_low_.factors),
+                               Simd::addBytePairs(s_above_.offset, diff_and_max, s_above_.factors));
   }
 
   static Vector hMargin(const Plane& limit, Vector first_two, Vector third_and_one)
@@ -149,8 +149,7 @@ private:
 
   Vector hLimit(Vector first_two, Vector third_and_one) const
   {
-    return PixelSimd::smallerWords(hMargin(h_low_, first_two, third_and_one),
-                                   hMargin(h_above_, first_two, third_and_one));
+    return PixelSimd::minWords(hMargin(h_low_, first_two, third_and_one), hMargin(h_above_, first_two, third_and_one));
   }
 
   Vector hSlack(Vector diff_and_max) const

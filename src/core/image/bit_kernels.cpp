@@ -31,8 +31,9 @@ inline BitWord differences(const std::uint8_t* a, const std::uint8_t* b, std::ui
   {
     const Simd::Vector first = Simd::load(a + i * kWordBits / kVectors);
     const Simd::Vector second = Simd::load(b + i * kWordBits / kVectors);
-    const Simd::Vector difference = Simd::Or(Simd::lowerBytes(first, second), Simd::lowerBytes(second, first));
-    return Simd::lowerBytes(difference, limit);
+    const Simd::Vector difference =
+        Simd::Or(Simd::subtractSaturated(first, second), Simd::subtractSaturated(second, first));
+    return Simd::subtractSaturated(difference, limit);
   };
   return gather(above);
 }

@@ -42,7 +42,7 @@ using Vector = Simd::Vector;
 
 constexpr int kVectorBytes = static_cast<int>(sizeof(Vector));
 
-/// Words of bytes in the order of InterleaveLower() and highBytes().
+/// Words of bytes in the order of InterleaveLower() and InterleaveUpper().
 struct LowAndHigh
 {
   Vector low;
@@ -72,8 +72,8 @@ inline void weighBlock(const std::uint8_t* const* rows, const SymmetricWeights& 
     const Vector second = loadSigned(rows[j + 1] + i);
     const Vector third = loadSigned(rows[j + 2] + i);
     const Vector fourth = loadSigned(rows[j + 3] + i);
-    const LowAndHigh upper = {Simd::InterleaveLower(first, second), Simd::highBytes(first, second)};
-    const LowAndHigh lower = {Simd::InterleaveLower(third, fourth), Simd::highBytes(third, fourth)};
+    const LowAndHigh upper = {Simd::InterleaveLower(first, second), Simd::InterleaveUpper(first, second)};
+    const LowAndHigh lower = {Simd::InterleaveLower(third, fourth), Simd::InterleaveUpper(third, fourth)};
     const Vector columns[4] = {_mm512_unpacklo_epi16(upper.low, lower.low), _mm512_unpackhi_epi16(upper.low, lower.low),
                                _mm512_unpacklo_epi16(upper.high, lower.high),
                                _mm512_unpackhi_epi16(upper.high, lower.high)};
@@ -102,7 +102,7 @@ inline void weighBlock(const std::uint8_t* const* rows, const SymmetricWeights& 
     const Vector upper = loadSigned(rows[j] + i);
     const Vector lower = loadSigned(rows[j + 1] + i);
     const Vector low = Simd::InterleaveLower(upper, lower);
-    const Vector high = Simd::highBytes(upper, lower);
+    const Vector high = Simd::InterleaveUpper(upper, lower);
     for (int k = 0; k < kWeighedRows; ++k)
     {
       std::int16_t two;

@@ -49,11 +49,11 @@ Pairs loadPairs(const YuvRow& row, int i)
   {
     constexpr int kAt = kLayout == YuvLayout::kYuyv ? 0 : 1;
     const Simd::Vector chroma = Simd::load(row.luma + 4 * i);
-    const Simd::Vector luma = PixelSimd::lowerBytes(chroma, PixelSimd::bytes(kBlack));
+    const Simd::Vector luma = PixelSimd::subtractSaturated(chroma, PixelSimd::bytes(kBlack));
     return {byteOf(luma, kAt), byteOf(luma, kAt + 2), byteOf(chroma, 1 - kAt), byteOf(chroma, 3 - kAt)};
   }
   const Simd::Vector luma =
-      PixelSimd::lowerBytes(PixelSimd::integersOfWords(row.luma + 2 * i), PixelSimd::bytes(kBlack));
+      PixelSimd::subtractSaturated(PixelSimd::integersOfWords(row.luma + 2 * i), PixelSimd::bytes(kBlack));
   const Simd::Vector first = byteOf(luma, 0);
   const Simd::Vector second = byteOf(luma, 1);
   if constexpr (kLayout == YuvLayout::kPlanes)

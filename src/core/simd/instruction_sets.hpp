@@ -6,7 +6,8 @@
 namespace robot_vision
 {
 
-/// What kernels, the loops over rows of pixels, are compiled for. Elsewhere than on x86-64 the first one only.
+/// The instruction sets that kernels (loops over rows of pixels) are compiled for: all of them on x86-64, only the
+/// baseline on other processors.
 enum class InstructionSet
 {
   kBaseline,
@@ -16,16 +17,16 @@ enum class InstructionSet
   kAvx512Icl
 };
 
-/// As in CMakeLists.txt: "baseline", "sse4.1", ...
+/// The name of a set as in CMakeLists.txt: "baseline", "sse4.1", ...
 const char* name(InstructionSet set);
 
-/// Those that this machine can run, the best first.
+/// The sets that this machine can run, the fastest first.
 const std::vector<InstructionSet>& availableSets();
 
-/// The best of them, or the one chosen.
+/// The set in use: the fastest one unless chooseSet() has chosen another.
 InstructionSet currentSet();
 
-/// For tests; none: the best. Not while others work.
+/// Chooses the set to use, or the fastest one again if `set` is empty. Only for tests, and not while kernels run.
 void chooseSet(std::optional<InstructionSet> set);
 
 }  // namespace robot_vision

@@ -5,18 +5,18 @@
 namespace robot_vision
 {
 
-/// The kernels of one kind, `Kernels`, a struct of functions, for one instruction set. NAME_kernels.cpp defines `table`
-/// and is compiled once for each set, with that set as ROBOT_VISION_SET.
+/// The kernels of one room for one instruction set; `Kernels` is a struct of function pointers. NAME_kernels.cpp
+/// defines `table` and is compiled once for each set, with that set as ROBOT_VISION_SET.
 ///
-/// No function of a header may be compiled there unless it is inlined for sure: the linker keeps one copy of each for
-/// all of the library, which could be one with instructions that the machine does not have.
+/// A NAME_kernels.cpp must not call functions of headers unless they are certainly inlined: the linker keeps a single
+/// copy of such a function for the whole library, and that copy may use instructions that the machine does not have.
 template <class Kernels, InstructionSet kSet>
 struct KernelTable
 {
   static const Kernels table;
 };
 
-/// Those of the current set. Rows that kernels write overlap no others, unless said.
+/// The kernels of the current set. Rows that a kernel writes must not overlap its other rows unless it says so.
 template <class Kernels>
 const Kernels& kernels()
 {

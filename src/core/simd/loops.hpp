@@ -1,6 +1,6 @@
 #pragma once
 
-// Before a loop whose iterations may be computed together, though what it writes overlaps what it reads.
+// Stands before a loop that may be vectorized although the memory that it writes overlaps the memory that it reads.
 #ifdef __clang__
 #define ROBOT_VISION_INDEPENDENT _Pragma("clang loop vectorize(assume_safety)")
 #else

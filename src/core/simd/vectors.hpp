@@ -8,11 +8,12 @@
 
 namespace robot_vision
 {
-namespace  // one for each instruction set
+namespace  // unnamed, so that each instruction set has a copy of its own
 {
 
-// What compilers do not find in loops: sums of products of neighbours, and bits of bytes. Simd::Vector is as wide as
-// the instruction set has it; it is there on x86 only.
+// Operations that compilers do not find in loops by themselves, such as sums of products of neighbours and bit masks of
+// bytes. Simd exists on x86 only, and its Vector is as wide as the instruction set allows. Unless a name says more, an
+// operation works on each byte, word (16 bits) or integer (32 bits) by itself.
 
 #if defined(__AVX512BW__)
 #define ROBOT_VISION_VECTORS
@@ -29,22 +30,23 @@ struct Simd
   static Vector integers(int value) { return _mm512_set1_epi32(value); }
   static Vector addWords(Vector a, Vector b) { return _mm512_add_epi16(a, b); }
   static Vector addIntegers(Vector a, Vector b) { return _mm512_add_epi32(a, b); }
-  static Vector lowerBytes(Vector a, Vector b) { return _mm512_subs_epu8(a, b); }  // 0 at the least
+  static Vector subtractSaturated(Vector a, Vector b) { return _mm512_subs_epu8(a, b); }  // unsigned bytes, 0 at least
   static Vector InterleaveLower(Vector a, Vector b) { return _mm512_unpacklo_epi8(a, b); }
-  static Vector highBytes(Vector a, Vector b) { return _mm512_unpackhi_epi8(a, b); }
+  static Vector InterleaveUpper(Vector a, Vector b) { return _mm512_unpackhi_epi8(a, b); }
   static Vector Or(Vector a, Vector b) { return _mm512_or_si512(a, b); }
   static Vector Xor(Vector a, Vector b) { return _mm512_xor_si512(a, b); }
   static Vector And(Vector a, Vector b) { return _mm512_and_si512(a, b); }
   static Vector upperWords(Vector a) { return _mm512_srli_epi32(a, 16); }
-  /// A bit for each byte, from the lowest.
+  /// A mask with one bit for each byte, 1 where the byte is not 0. The first byte has the lowest bit.
   static std::uint64_t nonzeroBytes(Vector a) { return _mm512_test_epi8_mask(a, a); }
-  /// 255 for those that are 1.
+  /// The inverse: 255 in each byte whose bit is 1, else 0.
   static Vector bytesOfBits(std::uint64_t bits) { return _mm512_movm_epi8(bits); }
-  /// Of unsigned bytes and signed factors.
+  /// Adds to each word of `sum` the products of two neighbouring bytes (unsigned) with their factors (signed bytes).
   static Vector addBytePairs(Vector sum, Vector bytes, Vector factors)
   {
     return addWords(sum, _mm512_maddubs_epi16(bytes, factors));
   }
+  /// Adds to each integer of `sum` the products of two neighbouring signed words.
   static Vector addWordPairs(Vector sum, Vector a, Vector b)
   {
 #ifdef __AVX512VNNI__
@@ -53,13 +55,13 @@ struct Simd
     return addIntegers(sum, _mm512_madd_epi16(a, b));
 #endif
   }
-  /// Undoes the order of InterleaveLower() and highBytes().
+  /// Stores words in the order that the bytes had before InterleaveLower() and InterleaveUpper() made words of them.
   static void storeInOrder(std::uint16_t* to, Vector low, Vector high)
   {
     store(to, _mm512_permutex2var_epi64(low, _mm512_setr_epi64(0, 1, 8, 9, 2, 3, 10, 11), high));
     store(to + 32, _mm512_permutex2var_epi64(low, _mm512_setr_epi64(4, 5, 12, 13, 6, 7, 14, 15), high));
   }
-  /// Words of 0 to 255.
+  /// Stores words from 0 to 255 as bytes.
   static void storeBytes(std::uint8_t* to, Vector first, Vector second)
   {
     const Vector packed = _mm512_packus_epi16(first, second);
@@ -82,9 +84,9 @@ struct Simd
   static Vector integers(int value) { return _mm256_set1_epi32(value); }
   static Vector addWords(Vector a, Vector b) { return _mm256_add_epi16(a, b); }
   static Vector addIntegers(Vector a, Vector b) { return _mm256_add_epi32(a, b); }
-  static Vector lowerBytes(Vector a, Vector b) { return _mm256_subs_epu8(a, b); }  // 0 at the least
+  static Vector subtractSaturated(Vector a, Vector b) { return _mm256_subs_epu8(a, b); }
   static Vector InterleaveLower(Vector a, Vector b) { return _mm256_unpacklo_epi8(a, b); }
-  static Vector highBytes(Vector a, Vector b) { return _mm256_unpackhi_epi8(a, b); }
+  static Vector InterleaveUpper(Vector a, Vector b) { return _mm256_unpackhi_epi8(a, b); }
   static Vector Or(Vector a, Vector b) { return _mm256_or_si256(a, b); }
   static Vector Xor(Vector a, Vector b) { return _mm256_xor_si256(a, b); }
   static Vector And(Vector a, Vector b) { return _mm256_and_si256(a, b); }
@@ -131,9 +133,9 @@ struct Simd
   static Vector integers(int value) { return _mm_set1_epi32(value); }
   static Vector addWords(Vector a, Vector b) { return _mm_add_epi16(a, b); }
   static Vector addIntegers(Vector a, Vector b) { return _mm_add_epi32(a, b); }
-  static Vector lowerBytes(Vector a, Vector b) { return _mm_subs_epu8(a, b); }  // 0 at the least
+  static Vector subtractSaturated(Vector a, Vector b) { return _mm_subs_epu8(a, b); }
   static Vector InterleaveLower(Vector a, Vector b) { return _mm_unpacklo_epi8(a, b); }
-  static Vector highBytes(Vector a, Vector b) { return _mm_unpackhi_epi8(a, b); }
+  static Vector InterleaveUpper(Vector a, Vector b) { return _mm_unpackhi_epi8(a, b); }
   static Vector Or(Vector a, Vector b) { return _mm_or_si128(a, b); }
   static Vector Xor(Vector a, Vector b) { return _mm_xor_si128(a, b); }
   static Vector And(Vector a, Vector b) { return _mm_and_si128(a, b); }
