@@ -16,10 +16,11 @@ namespace
 const double kNan = std::numeric_limits<double>::quiet_NaN();
 
 constexpr int kMaxSide = 1 << 16;   // px
-constexpr double kMaxNumber = 1e6;  // of K, D and P: a focal length of so many px sees a few hundredths of a degree
-constexpr double kMaxSkew = 1e-3;   // of a rotation's rows from being of length 1 and at right angles
+constexpr double kMaxNumber = 1e6;  // in K, D and P; with this focal length in px one sees hundredths of a degree
+constexpr double kMaxRotationError = 1e-3;  // largest element of R * R^T - I
 
-cv::Point2d normalised(const CameraModel& camera, const cv::Point2d& pixel)
+/// A pixel position on the plane z = 1, still distorted.
+cv::Point2d normalized(const CameraModel& camera, const cv::Point2d& pixel)
 {
   const double y = (pixel.y - camera.K(1, 2)) / camera.K(1, 1);
   return {(pixel.x - camera.K(0, 2) - camera.K(0, 1) * y) / camera.K(0, 0), y};
@@ -37,14 +38,14 @@ void validateDistortion(const std::string& model, std::size_t count)
             "plumb_bob, rational_polynomial, equidistant or fisheye");
 }
 
-/// Throws std::invalid_argument naming a number that is not finite, or far from that of any camera.
+/// Throws std::invalid_argument naming a number that is not finite, or far larger than that of any camera.
 void requirePlausible(const std::string& name, double value)
 {
   requireFinite(name, value);
   requireRange(name, value, -kMaxNumber, kMaxNumber);
 }
 
-/// Of the upper left of P, too.
+/// Checks an element on the diagonal of K, or of the left part of P.
 void requireFocalLength(const std::string& name, double value)
 {
   require(value > 0.0, name, value, "above 0 where it is a focal length");
@@ -81,14 +82,15 @@ void validateRectification(const cv::Matx33d& R, const cv::Matx34d& P)
 {
   for (const double value : R.val)
     requireFinite("R", value);
-  const bool rotates = cv::norm(R * R.t() - cv::Matx33d::eye(), cv::NORM_INF) < kMaxSkew && cv::determinant(R) > 0.0;
-  require(rotates || R == cv::Matx33d::zeros(), "R", "none", "a rotation");
+  const double error = cv::norm(R * R.t() - cv::Matx33d::eye(), cv::NORM_INF);
+  const bool is_rotation = error < kMaxRotationError && cv::determinant(R) > 0.0;
+  require(is_rotation || R == cv::Matx33d::zeros(), "R", "none", "a rotation");
   for (const int row : {0, 1, 2})
     for (const int column : {0, 1, 2, 3})
       if (column < 3)
         requirePlausible("P", P(row, column));
       else
-        requireFinite("P", P(row, column));  // times a length, in whatever unit
+        requireFinite("P", P(row, column));  // a focal length times a baseline, of any size
   if (P == cv::Matx34d::zeros()) return;
   for (const int axis : {0, 1})
     requireFocalLength("P", P(axis, axis));
@@ -113,7 +115,7 @@ Projection CameraModel::projection(const cv::Point3d& point) const
 
 cv::Point2d CameraModel::ray(const cv::Point2d& pixel) const
 {
-  const cv::Point2d target = normalised(*this, pixel);
+  const cv::Point2d target = normalized(*this, pixel);
   return Distortion(*this).undistort(target, target);
 }
 
@@ -128,8 +130,8 @@ RayTable rayTable(const CameraModel& camera)
     cv::Point2d ray = camera.ray({0.0, static_cast<double>(row)});
     for (int column = 0; column < camera.width; ++column)
     {
-      // The neighbour's ray is a close guess and saves most of the steps.
-      const cv::Point2d target = normalised(camera, cv::Point2d(column, row));
+      // The ray of the neighbouring pixel is a good first guess, which saves most iterations.
+      const cv::Point2d target = normalized(camera, cv::Point2d(column, row));
       ray = distortion.undistort(target, std::isnan(ray.x) ? target : ray);
       xs[column] = static_cast<float>(ray.x);
       ys[column] = static_cast<float>(ray.y);

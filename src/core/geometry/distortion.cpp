@@ -12,12 +12,12 @@ namespace
 
 using Coefficients = std::array<double, 8>;
 
-const int kMaxSteps = 20;         // of Newton's method, which needs a handful
-const double kTolerance = 1e-14;  // its last step but one comes so close
-const double kGoodEnough = 1e-9;  // or else it ends so close
+const int kMaxSteps = 20;         // of Newton's method, which needs about five
+const double kTolerance = 1e-14;  // error below which one more step is the last
+const double kMaxError = 1e-9;    // error after the last step above which there is no solution
 const cv::Point2d kNone(std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::quiet_NaN());
 
-// OpenCV's model (calib3d, cv::projectPoints).
+// The model of cv::projectPoints (OpenCV, calib3d).
 Distorted byPolynomial(const Coefficients& D, const cv::Point2d& p)
 {
   const double x = p.x, y = p.y, r2 = x * x + y * y;
@@ -35,8 +35,9 @@ Distorted byPolynomial(const Coefficients& D, const cv::Point2d& p)
   return result;
 }
 
-// The radius that a lens gives to an angle (rad) from its axis: Kannala and Brandt, A Generic Camera Model and
-// Calibration Method for Conventional, Wide-Angle, and Fish-Eye Lenses, PAMI 2006, with cv::fisheye's four terms.
+// The distance from the image centre at which a lens shows an angle (rad) from its axis, and its derivative: Kannala
+// and Brandt, A Generic Camera Model and Calibration Method for Conventional, Wide-Angle, and Fish-Eye Lenses, PAMI
+// 2006, with the four terms of cv::fisheye.
 struct Radius
 {
   double value, slope;
@@ -72,7 +73,7 @@ cv::Point2d undistortPolynomial(const Coefficients& D, const cv::Point2d& target
     if (error.dot(error) < kTolerance * kTolerance) return guess;
   }
   const cv::Point2d error = target - byPolynomial(D, guess).point;
-  return error.dot(error) < kGoodEnough * kGoodEnough ? guess : kNone;
+  return error.dot(error) < kMaxError * kMaxError ? guess : kNone;
 }
 
 cv::Point2d undistortAngle(const Coefficients& D, const cv::Point2d& target)
@@ -87,7 +88,7 @@ cv::Point2d undistortAngle(const Coefficients& D, const cv::Point2d& target)
     if (std::abs(wanted - now.value) < kTolerance) break;
   }
   const Radius reached = radiusOf(D, angle);
-  const bool found = std::abs(wanted - reached.value) < kGoodEnough && reached.slope > 0.0;
+  const bool found = std::abs(wanted - reached.value) < kMaxError && reached.slope > 0.0;
   return found && angle > 0.0 && angle < CV_PI / 2.0 ? std::tan(angle) / wanted * target : kNone;
 }
 

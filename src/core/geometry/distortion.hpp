@@ -8,14 +8,14 @@
 namespace robot_vision
 {
 
-/// A point of the plane one metre ahead as the lens moves it, and the derivative.
+/// A distorted point on the plane z = 1, and its derivative with respect to the undistorted point.
 struct Distorted
 {
   cv::Point2d point;
   cv::Matx22d jacobian;
 };
 
-/// The distortion of a valid camera.
+/// The lens distortion of a camera, which must be valid.
 class Distortion
 {
 public:
@@ -23,8 +23,8 @@ public:
 
   Distorted distort(const cv::Point2d& point) const;
 
-  /// The inverse, to the last bits, from a guess near by; NaN where the distortion, which is a model within the picture
-  /// at best, has no such point.
+  /// The inverse of distort(), exact to the last bits, found from a guess near by. NaN if no point is distorted to
+  /// `target`, which happens outside of the image, where the distortion model does not hold.
   cv::Point2d undistort(const cv::Point2d& target, const cv::Point2d& guess) const;
 
 private:
@@ -32,8 +32,9 @@ private:
   bool equidistant_;
 };
 
-/// Whether this is a distortion_model that is known: of a lens that is described by angles, or by a polynomial.
+/// Whether the name is one of the distortion models of cv::fisheye.
 bool isEquidistant(const std::string& distortion_model);
+/// Whether the name is one of the distortion models of cv::projectPoints.
 bool isPolynomial(const std::string& distortion_model);
 
 }  // namespace robot_vision
