@@ -371,7 +371,7 @@ INVALID_CALIBRATIONS = [
     ({"K": [500, 0, float("nan"), 0, 500, 240, 0, 0, 1]}, "K is nan, must be finite"),
     ({"K": [500, 1e300, 320, 0, 500, 240, 0, 0, 1]}, "K is 1e+300, must be from -1e+06 to 1e+06"),
     ({"K": [500, 0, 320, 0, 500, 240, 0, 0, -1]}, "the last row of K is 0, 0, -1, must be 0, 0, 1"),
-    ({"R": [2.0, 0, 0, 0, 1, 0, 0, 0, 1]}, "R is none, must be a rotation"),
+    ({"R": [2.0, 0, 0, 0, 1, 0, 0, 0, 1]}, "R is no rotation, must be a rotation matrix"),
     ({"P": [500.0, 0, 320, 0, 0, -1, 240, 0, 0, 0, 1, 0]}, "P is -1, must be above 0"),
     ({"D": [float("inf"), 0, 0, 0, 0]}, "D is inf, must be finite"),
     ({"R": [float("nan")] * 9}, "R is nan, must be finite"),

@@ -27,8 +27,9 @@ std::vector<cv::Point3d> grid(double reach)
   return points;
 }
 
-void expectBothWays(const CameraModel& camera, const std::vector<cv::Point3d>& points,
-                    const std::vector<cv::Point2d>& expected)
+/// Expects that project() gives the expected pixels, and ray() the points again.
+void expectProjections(const CameraModel& camera, const std::vector<cv::Point3d>& points,
+                       const std::vector<cv::Point2d>& expected)
 {
   for (std::size_t i = 0; i < points.size(); ++i)
   {
@@ -56,7 +57,7 @@ TEST(CameraModel, projectsAsOpenCvDoesWithAnyDistortion)
     const std::vector<cv::Point3d> points = grid(1.0);
     std::vector<cv::Point2d> expected;
     cv::projectPoints(points, cv::Vec3d::all(0), cv::Vec3d::all(0), camera.K, D, expected);
-    expectBothWays(camera, points, expected);
+    expectProjections(camera, points, expected);
   }
 }
 
@@ -65,17 +66,17 @@ TEST(CameraModel, projectsAsOpenCvDoesWithAFisheye)
   for (const std::string& name : {"equidistant", "fisheye"})
   {
     CameraModel camera = cameraWith(kFisheye, name);
-    camera.K(0, 1) = 0.52;  // skew, which cv::fisheye has as a part of the focal length
+    camera.K(0, 1) = 0.52;  // skew, which cv::fisheye takes as a fraction of the focal length
     validate(camera);
     const std::vector<cv::Point3d> points = grid(4.0);  // 70 degrees from the axis
     std::vector<cv::Point2d> expected;
     cv::fisheye::projectPoints(points, expected, cv::Affine3d::Identity(), camera.K, kFisheye, 0.001);
-    expectBothWays(camera, points, expected);
+    expectProjections(camera, points, expected);
     EXPECT_LT(cv::norm(camera.ray(camera.project({0.0, 0.0, 1.0}))), 1e-15);
   }
 }
 
-TEST(CameraModel, aProjectionChangesWithThePointAsItsJacobianSays)
+TEST(CameraModel, jacobianEqualsNumericDerivatives)
 {
   const double step = 1e-6;
   for (const CameraModel& camera :
@@ -94,23 +95,23 @@ TEST(CameraModel, aProjectionChangesWithThePointAsItsJacobianSays)
     }
 }
 
-TEST(CameraModel, aPixelWithoutARayHasNone)
+TEST(CameraModel, givesNanForPixelsThatNoRayReaches)
 {
   CameraModel camera = cameraWith({-0.3, 0.0, 0.0, 0.0});
   camera.K = {420, 0, 320, 0, 420, 240, 0, 0, 1};
-  // The distortion brings nothing further out than r (1 - 0.3 r^2) at r = 1 / sqrt(0.9).
+  // The distorted radius r (1 - 0.3 r^2) has its maximum at r = 1 / sqrt(0.9).
   const double furthest = 420.0 * 2.0 / 3.0 / std::sqrt(0.9);
   EXPECT_FALSE(std::isnan(camera.ray({320.0 + furthest - 1.0, 240.0}).x));
   EXPECT_TRUE(std::isnan(camera.ray({320.0 + furthest + 1.0, 240.0}).x));
   EXPECT_TRUE(std::isnan(camera.ray({0.0, 0.0}).y));
-  // Of an ideal fisheye, what is at 90 degrees or more is not in front of the camera.
+  // What an ideal fisheye sees at 90 degrees or more is not in front of the camera.
   camera = cameraWith({0.0, 0.0, 0.0, 0.0}, "equidistant");
   EXPECT_FALSE(std::isnan(camera.ray({318.0 + 520.0 * 1.55, 243.0}).x));
   EXPECT_TRUE(std::isnan(camera.ray({318.0 + 520.0 * 1.58, 243.0}).x));
   EXPECT_TRUE(std::isnan(camera.project({0.1, 0.1, 0.0}).x));
 }
 
-TEST(CameraModel, whatNoRectificationHasIsNamed)
+TEST(CameraModel, namesWhatIsWrongWithARectification)
 {
   const cv::Matx33d R = cv::Matx33d::eye();
   const cv::Matx34d P(520, 0, 318, -60, 0, 515, 243, 0, 0, 0, 1, 0);
@@ -119,8 +120,8 @@ TEST(CameraModel, whatNoRectificationHasIsNamed)
   EXPECT_EQ(of(R, P), "");
   EXPECT_EQ(of(cv::Matx33d::zeros(), cv::Matx34d::zeros()), "");
   EXPECT_EQ(of({0, -1, 0, 1, 0, 0, 0, 0, 1}, P), "");
-  EXPECT_EQ(of({1, 0, 0, 0, 1, 0, 0, 0, -1}, P), "R is none, must be a rotation");
-  EXPECT_EQ(of(R * 1.1, P), "R is none, must be a rotation");
+  EXPECT_EQ(of({1, 0, 0, 0, 1, 0, 0, 0, -1}, P), "R is no rotation, must be a rotation matrix");
+  EXPECT_EQ(of(R * 1.1, P), "R is no rotation, must be a rotation matrix");
   EXPECT_EQ(of({std::nan(""), 0, 0, 0, 1, 0, 0, 0, 1}, P), "R is nan, must be finite");
   EXPECT_EQ(of(R, {6000, 0, 4000, -1200000, 0, 6000, 3000, 0, 0, 0, 1, 0}), "");  // a baseline in mm
   cv::Matx34d wrong = P;
@@ -128,12 +129,12 @@ TEST(CameraModel, whatNoRectificationHasIsNamed)
   EXPECT_EQ(of(R, wrong), "P is 0, must be above 0 where it is a focal length");
   wrong = P;
   wrong(2, 2) = 2.0;
-  EXPECT_EQ(of(R, wrong), "the last row of P is another, must be 0, 0, 1, 0");
+  EXPECT_EQ(of(R, wrong), "the last row of P is 0, 0, 2, 0, must be 0, 0, 1, 0");
   wrong(1, 2) = 1e300;
   EXPECT_EQ(of(R, wrong), "P is 1e+300, must be from -1e+06 to 1e+06");
 }
 
-TEST(CameraModel, whatNoCameraHasIsNamed)
+TEST(CameraModel, namesWhatIsWrongWithACamera)
 {
   EXPECT_EQ(refusalOf(cameraWith({})), "");
   const std::string plumb_bob = "must be 0, 4, 5 or 8 of them (distortion_model plumb_bob)";

@@ -19,6 +19,15 @@ constexpr int kMaxSide = 1 << 16;   // px
 constexpr double kMaxNumber = 1e6;  // in K, D and P; with this focal length in px one sees hundredths of a degree
 constexpr double kMaxRotationError = 1e-3;  // largest element of R * R^T - I
 
+template <int n>
+std::string listOf(const cv::Matx<double, 1, n>& row)
+{
+  std::vector<std::string> numbers;
+  for (const double value : row.val)
+    numbers.push_back(toText(value));
+  return joined(numbers);
+}
+
 /// A pixel position on the plane z = 1, still distorted.
 cv::Point2d normalized(const CameraModel& camera, const cv::Point2d& pixel)
 {
@@ -70,9 +79,8 @@ void validate(const CameraModel& camera)
   for (const int axis : {0, 1})
     requireFocalLength("K", camera.K(axis, axis));
   require(camera.K(1, 0) == 0.0, "K[3]", camera.K(1, 0), "0");
-  const bool ends_well = camera.K.row(2) == cv::Matx13d(0.0, 0.0, 1.0);
-  require(ends_well, "the last row of K",
-          toText(camera.K(2, 0)) + ", " + toText(camera.K(2, 1)) + ", " + toText(camera.K(2, 2)), "0, 0, 1");
+  const cv::Matx13d last_row = camera.K.row(2);
+  require(last_row == cv::Matx13d(0.0, 0.0, 1.0), "the last row of K", listOf(last_row), "0, 0, 1");
   for (const double value : camera.D)
     requirePlausible("D", value);
   validateDistortion(camera.distortion_model, camera.D.size());
@@ -84,7 +92,7 @@ void validateRectification(const cv::Matx33d& R, const cv::Matx34d& P)
     requireFinite("R", value);
   const double error = cv::norm(R * R.t() - cv::Matx33d::eye(), cv::NORM_INF);
   const bool is_rotation = error < kMaxRotationError && cv::determinant(R) > 0.0;
-  require(is_rotation || R == cv::Matx33d::zeros(), "R", "none", "a rotation");
+  require(is_rotation || R == cv::Matx33d::zeros(), "R", "no rotation", "a rotation matrix");
   for (const int row : {0, 1, 2})
     for (const int column : {0, 1, 2, 3})
       if (column < 3)
@@ -94,7 +102,8 @@ void validateRectification(const cv::Matx33d& R, const cv::Matx34d& P)
   if (P == cv::Matx34d::zeros()) return;
   for (const int axis : {0, 1})
     requireFocalLength("P", P(axis, axis));
-  require(P.row(2) == cv::Matx14d(0.0, 0.0, 1.0, 0.0), "the last row of P", "another", "0, 0, 1, 0");
+  const cv::Matx14d last_row = P.row(2);
+  require(last_row == cv::Matx14d(0.0, 0.0, 1.0, 0.0), "the last row of P", listOf(last_row), "0, 0, 1, 0");
 }
 
 cv::Point2d CameraModel::project(const cv::Point3d& point) const
