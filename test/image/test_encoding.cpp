@@ -15,7 +15,7 @@ namespace
 struct Conversion
 {
   std::string encoding;
-  int to_bgr;  // cv::ColorConversionCodes, -1: the pixels are as they should be
+  int to_bgr;  // cv::ColorConversionCodes, -1: no conversion
   int to_gray;
 };
 
@@ -87,8 +87,9 @@ INSTANTIATE_TEST_SUITE_P(Encodings, Conversions,
                                          Conversion{"bayer_gbrg16", cv::COLOR_BayerGR2BGR, cv::COLOR_BayerGR2GRAY},
                                          Conversion{"bayer_grbg16", cv::COLOR_BayerGB2BGR, cv::COLOR_BayerGB2GRAY}));
 
-// The constants above could be wrong together with the code: a mosaic of one colour has only one right name.
-TEST(Bayer, findsThePrimaryOfAMosaic)
+// The constants above could be wrong in the same way as the code. In a mosaic with a single primary colour there is no
+// doubt about the right pattern.
+TEST(Bayer, convertsTheRedPixelsOfAMosaicToRed)
 {
   for (const auto& [encoding, y, x] : {std::tuple{"bayer_rggb8", 0, 0}, std::tuple{"bayer_bggr8", 1, 1},
                                        std::tuple{"bayer_gbrg8", 1, 0}, std::tuple{"bayer_grbg8", 0, 1}})
@@ -103,7 +104,7 @@ TEST(Bayer, findsThePrimaryOfAMosaic)
   }
 }
 
-TEST(Planes, giveTheirLumaWithoutACopy)
+TEST(Planes, shareTheirLuma)
 {
   for (const auto& [encoding, to_bgr] :
        {std::pair{"nv12", cv::COLOR_YUV2BGR_NV12}, std::pair{"nv21", cv::COLOR_YUV2BGR_NV21},
@@ -124,7 +125,7 @@ TEST(Planes, giveTheirLumaWithoutACopy)
   }
 }
 
-TEST(Mono10, keepsItsBitsInThoseOfMono16)
+TEST(Mono10, isScaledToMono16WithoutLoss)
 {
   cv::Mat ramp(1, 1024, CV_16UC1);
   for (int i = 0; i < 1024; ++i)
@@ -137,10 +138,10 @@ TEST(Mono10, keepsItsBitsInThoseOfMono16)
   wide.convertTo(back, CV_16U, 1023.0 / 65535.0);
   EXPECT_TRUE(equal(back, ramp));
   EXPECT_EQ(refusal([&] { toEncoding(cv::Mat(4, 4, CV_8UC1), "mono8", "mono16", wide); }),
-            "a mono8 picture has no 16 bits to give as mono16");
+            "a mono8 image has no 16 bits to give as mono16");
 }
 
-TEST(ToEncoding, sharesPixelsThatAreSoAlready)
+TEST(ToEncoding, sharesPixelsThatNeedNoConversion)
 {
   cv::Mat out;
   for (const char* encoding : {"yuv422", "bayer_gbrg8", "mono16", "rgb8"})
@@ -150,15 +151,15 @@ TEST(ToEncoding, sharesPixelsThatAreSoAlready)
     EXPECT_EQ(out.data, image.data) << encoding;
   }
   EXPECT_EQ(refusal([&] { toEncoding(cv::Mat(4, 4, CV_8UC3), "bgr8", "yuv422", out); }),
-            "a bgr8 picture cannot be made yuv422");
+            "a bgr8 image cannot be converted to yuv422");
 }
 
-TEST(Encodings, ofCamerasAloneAreNotForMessages)
+TEST(Encodings, thatOnlyCamerasHaveAreNotForMessages)
 {
   for (const std::string& encoding : encodings())
   {
-    const std::string of_cameras = " mono10 nv12 nv21 yu12 jpeg ";
-    EXPECT_NE(isMessageEncoding(encoding), of_cameras.find(" " + encoding + " ") != std::string::npos) << encoding;
+    const std::string only_cameras = " mono10 nv12 nv21 yu12 jpeg ";
+    EXPECT_NE(isMessageEncoding(encoding), only_cameras.find(" " + encoding + " ") != std::string::npos) << encoding;
   }
   EXPECT_FALSE(isMessageEncoding("nv24"));
 }
@@ -179,7 +180,7 @@ TEST(Encodings, jpegIsDecodedAsOpenCvDoes)
   EXPECT_TRUE(equal(bgr, cv::imdecode(bytes, cv::IMREAD_COLOR)));
 }
 
-TEST(Encodings, tellTheSizeOfAPicture)
+TEST(Encodings, tellTheSizeOfAnImage)
 {
   cv::Mat bgr;
   for (const std::string& encoding : encodings())
@@ -197,7 +198,7 @@ TEST(Encodings, tellTheSizeOfAPicture)
   EXPECT_NE(refusal([] { pictureSize(cv::Mat(6, 6, CV_8UC3), "mono8"); }), "");
 }
 
-TEST(Pixels, thatAreNotOfTheirEncodingAreRefused)
+TEST(Pixels, areRefusedIfTheyAreNotOfTheEncoding)
 {
   cv::Mat out;
   for (const std::string& encoding : encodings())
@@ -210,7 +211,7 @@ TEST(Pixels, thatAreNotOfTheirEncodingAreRefused)
   EXPECT_THROW(toBgr(cv::Mat(7, 4, CV_8UC1), "nv12", out), std::invalid_argument);
 }
 
-TEST(Encodings, thatAreUnknownAreNamed)
+TEST(Encodings, areNamedIfUnknown)
 {
   try
   {

@@ -66,7 +66,7 @@ cv::Mat plane(int component)
   return plane;
 }
 
-/// A colour picture whose components come in scans of their own, in this order.
+/// A colour JPEG with a scan for each of these components, in this order.
 Bytes inScans(const std::vector<int>& components)
 {
   const Bytes gray = jpegOf(plane(0));
@@ -77,9 +77,9 @@ Bytes inScans(const std::vector<int>& components)
   out.insert(out.end(), gray.begin() + tables, gray.begin() + find(gray, {0xFF, 0xDA}));
   for (const int component : components)
   {
-    const Bytes of = jpegOf(plane(component));
+    const Bytes jpeg = jpegOf(plane(component));
     out.insert(out.end(), {0xFF, 0xDA, 0, 8, 1, static_cast<std::uint8_t>(component + 1), 0, 0, 63, 0});
-    out.insert(out.end(), of.begin() + find(of, {0xFF, 0xDA}) + 10, of.end() - 2);
+    out.insert(out.end(), jpeg.begin() + find(jpeg, {0xFF, 0xDA}) + 10, jpeg.end() - 2);
   }
   out.insert(out.end(), {0xFF, 0xD9});
   return out;
@@ -153,16 +153,15 @@ TEST(Jpeg, isEncodedAsOpenCvDoes)
   }
 }
 
-TEST(Jpeg, refusesToEncodeWhatItCannot)
+TEST(Jpeg, refusesToEncodeOtherTypesAndSizes)
 {
   Bytes out;
   const auto encode = [&](const cv::Mat& image, const JpegParams& params = {})
   { return refusal([&] { encodeJpeg(image, false, params, out); }); };
   EXPECT_EQ(encode(cv::Mat(2, 2, CV_16UC1)),
             "pixels of CV_16UC1 cannot become JPEG, must be CV_8UC1, CV_8UC3 or CV_8UC4");
-  EXPECT_EQ(encode(cv::Mat(1, 65501, CV_8UC1)),
-            "a picture of 65501x1 cannot become JPEG: it has none or too many pixels");
-  EXPECT_EQ(encode(cv::Mat(0, 0, CV_8UC1)), "a picture of 0x0 cannot become JPEG: it has none or too many pixels");
+  EXPECT_EQ(encode(cv::Mat(1, 65501, CV_8UC1)), "an image of 65501x1 cannot become JPEG: it has no or too many pixels");
+  EXPECT_EQ(encode(cv::Mat(0, 0, CV_8UC1)), "an image of 0x0 cannot become JPEG: it has no or too many pixels");
   EXPECT_EQ(encode(cv::Mat(2, 2, CV_8UC1), {0, false, false, 0}), "jpeg_quality is 0, must be from 1 to 100");
   EXPECT_EQ(encode(cv::Mat(2, 2, CV_8UC1), {80, false, false, 65536}),
             "jpeg_restart_interval is 65536, must be from 0 to 65535");
@@ -185,11 +184,11 @@ TEST(Jpeg, isRefusedWithDamagedPixels)
 {
   Bytes bytes = jpegOf(noise({64, 48}, CV_8UC3));
   const std::size_t middle = bytes.size() / 2;
-  bytes.erase(bytes.begin() + middle, bytes.end() - 2);  // what is left ends as a whole stream does
+  bytes.erase(bytes.begin() + middle, bytes.end() - 2);  // keeps the marker at the end
   EXPECT_EQ(refusalOf(bytes).find("JPEG of " + std::to_string(bytes.size()) + " bytes cannot be decoded: "), 0u);
 }
 
-// As many webcams write: bytes that belong to nothing in front of the end.
+// Many webcams write zeros in front of the end marker.
 TEST(Jpeg, mayBePadded)
 {
   const Bytes whole = jpegOf(smooth({64, 48}));
@@ -200,8 +199,8 @@ TEST(Jpeg, mayBePadded)
   EXPECT_TRUE(equal(decoded(padded, JpegPixels::kBgr), decoded(whole, JpegPixels::kBgr)));
 }
 
-// What is harmless must not hide what is not.
-TEST(Jpeg, isRefusedIfDamagedBehindAGap)
+// A harmless warning must not hide real damage.
+TEST(Jpeg, isRefusedIfDamagedAfterExtraBytes)
 {
   for (const unsigned char marker : {0xDB, 0xC0, 0xC4, 0xDA})  // tables, frame and scan
   {
@@ -217,8 +216,8 @@ TEST(Jpeg, isRefusedIfDamagedBehindAGap)
   }
 }
 
-// Between two restart markers, many bytes are left over when others were lost.
-TEST(Jpeg, isRefusedWithAGapInItsScan)
+// Many bytes left over in front of a restart marker mean that others were lost.
+TEST(Jpeg, isRefusedWithManyBytesBeforeARestart)
 {
   const Bytes whole = jpegOf(noise({64, 48}, CV_8UC3), {cv::IMWRITE_JPEG_RST_INTERVAL, 2});
   Bytes bytes = whole;
@@ -226,8 +225,8 @@ TEST(Jpeg, isRefusedWithAGapInItsScan)
   EXPECT_NE(refusalOf(bytes).find("33 extraneous bytes before marker 0xd1"), std::string::npos) << refusalOf(bytes);
 }
 
-// As some webcams write nearly every picture.
-TEST(Jpeg, mayHaveSomeLeftOverBeforeARestart)
+// Some webcams write nearly every image like this.
+TEST(Jpeg, mayHaveAFewBytesBeforeARestart)
 {
   const Bytes whole = jpegOf(noise({64, 48}, CV_8UC3), {cv::IMWRITE_JPEG_RST_INTERVAL, 2});
   Bytes bytes = whole;
@@ -235,8 +234,7 @@ TEST(Jpeg, mayHaveSomeLeftOverBeforeARestart)
   EXPECT_TRUE(equal(decoded(bytes, JpegPixels::kBgr), decoded(whole, JpegPixels::kBgr)));
 }
 
-// What a scan leaves over is the trace of what was put into it.
-TEST(Jpeg, isRefusedWithBytesPutIntoItsScan)
+TEST(Jpeg, isRefusedWithBytesInsertedIntoItsScan)
 {
   const Bytes whole = jpegOf(noise({64, 48}, CV_8UC3));
   std::mt19937 random(0x5EED);  // NOLINT: the same damage every time
@@ -250,8 +248,8 @@ TEST(Jpeg, isRefusedWithBytesPutIntoItsScan)
   }
 }
 
-// Encoders in hardware write whole words, and lines of a cache.
-TEST(Jpeg, mayEndWithSomeLeftOver)
+// Hardware encoders write whole words or whole cache lines.
+TEST(Jpeg, mayHaveExtraBytesBeforeItsEnd)
 {
   const Bytes whole = jpegOf(smooth({64, 48}));
   for (const Bytes& left : {Bytes(30, 0x11), Bytes(5000, 0x00), Bytes(5000, 0xFF)})
@@ -269,13 +267,13 @@ TEST(Jpeg, mayCarryOddSegments)
   Bytes odd = whole;
   odd[version] = 9;
   const Bytes avi = {0xFF, 0xE0, 0, 8, 'A', 'V', 'I', '1', 0, 0};
-  const Bytes adobe = {0xFF, 0xEE, 0, 14, 'A', 'd', 'o', 'b', 'e', 0, 100, 0, 0, 0, 0, 7};  // of no known colours
+  const Bytes adobe = {0xFF, 0xEE, 0, 14, 'A', 'd', 'o', 'b', 'e', 0, 100, 0, 0, 0, 0, 7};  // unknown color space
   for (const Bytes& segment : {avi, adobe})
     odd.insert(odd.begin() + 2, segment.begin(), segment.end());
   EXPECT_TRUE(equal(decoded(odd, JpegPixels::kBgr), decoded(whole, JpegPixels::kBgr)));
 }
 
-// The tables of one picture are not another's.
+// The tables of one stream must not be used for the next one.
 TEST(Jpeg, isDecodedByItsOwnTables)
 {
   const Bytes whole = jpegOf(smooth({64, 48}));
@@ -302,7 +300,7 @@ TEST(Jpeg, isRefusedIfScansAreMissing)
   EXPECT_EQ(refusalOf(rough), missing(rough));
 }
 
-TEST(Jpeg, ofScansWithoutEndIsRefused)
+TEST(Jpeg, isRefusedWithTooManyScans)
 {
   std::vector<int> scans(100);
   for (std::size_t i = 0; i < scans.size(); ++i)
@@ -314,10 +312,10 @@ TEST(Jpeg, ofScansWithoutEndIsRefused)
             "JPEG of " + std::to_string(many.size()) + " bytes cannot be decoded: it has more than 100 scans");
 }
 
-TEST(Jpeg, thatClaimsToBeHugeIsRefused)
+TEST(Jpeg, isRefusedIfItClaimsToBeHuge)
 {
   Bytes bytes = jpegOf(smooth({64, 48}));
-  const std::size_t frame = find(bytes, {0xFF, 0xC0});  // whose height and width follow
+  const std::size_t frame = find(bytes, {0xFF, 0xC0});  // height and width are 5 bytes further
   for (std::size_t i = 5; i < 9; i += 2)
     std::tie(bytes[frame + i], bytes[frame + i + 1]) = std::pair{0xFD, 0xE8};
   EXPECT_EQ(refusalOf(bytes), "JPEG of " + std::to_string(bytes.size()) +
@@ -335,7 +333,7 @@ TEST(Jpeg, isCopiedUntouched)
   }
 }
 
-TEST(Jpeg, getsTheTablesThatACameraLeavesOut)
+TEST(Jpeg, getsTheHuffmanTablesThatCamerasOmit)
 {
   const Bytes whole = jpegOf(smooth({64, 48}));
   const Bytes bare = without(0xC4, whole);

@@ -13,38 +13,38 @@ namespace
 
 const cv::Vec3b kGray(90, 90, 90), kGreen(0, 255, 0), kRed(0, 0, 255), kYellow(0, 255, 255);
 
-cv::Mat3b grayPicture(cv::Size size = {200, 160})
+cv::Mat3b grayImage(cv::Size size = {200, 160})
 {
   return {size, kGray};
 }
 
-/// Number of pixels that are not gray any more.
-int drawn(const cv::Mat3b& picture)
+/// The number of pixels that are not gray any more.
+int drawn(const cv::Mat3b& image)
 {
   cv::Mat same;
-  cv::inRange(picture, kGray, kGray, same);
+  cv::inRange(image, kGray, kGray, same);
   return static_cast<int>(same.total()) - cv::countNonZero(same);
 }
 
-/// Angles in whole degrees at which the picture is no longer gray on a circle.
-int drawnAlongCircle(const cv::Mat3b& picture, const cv::Point2d& center, double radius)
+/// The number of whole degrees at which the image is not gray any more along a circle.
+int drawnAlongCircle(const cv::Mat3b& image, const cv::Point2d& center, double radius)
 {
   int count = 0;
   for (int degree = 0; degree < 360; ++degree)
   {
     const double angle = degree * CV_PI / 180.0;
-    count += picture(cv::Point(center + radius * cv::Point2d(std::cos(angle), std::sin(angle)))) != kGray;
+    count += image(cv::Point(center + radius * cv::Point2d(std::cos(angle), std::sin(angle)))) != kGray;
   }
   return count;
 }
 
 }  // namespace
 
-TEST(MaskPicture, keepsThePictureWhereTheMaskIs)
+TEST(MaskPicture, keepsThePixelsInTheMask)
 {
   const cv::Mat bgr = noise({61, 47}, CV_8UC3, 3), before = bgr.clone();
   cv::Mat mask = noise(bgr.size(), CV_8UC1, 5);
-  mask.setTo(0, mask < 128);  // all values but 0 count
+  mask.setTo(0, mask < 128);  // all values but 0 belong to the mask
   std::vector<std::uint8_t> memory(47 * 200, 77);
   cv::Mat out(47, 61, CV_8UC3, memory.data(), 200);
   maskPicture(bgr, mask, out);
@@ -56,7 +56,7 @@ TEST(MaskPicture, keepsThePictureWhereTheMaskIs)
       ASSERT_EQ(out.at<cv::Vec3b>(y, x), mask.at<std::uint8_t>(y, x) ? bgr.at<cv::Vec3b>(y, x) : cv::Vec3b());
 }
 
-TEST(MaskPicture, refusesWhatDoesNotFit)
+TEST(MaskPicture, refusesOtherTypesAndSizes)
 {
   const cv::Mat bgr(4, 5, CV_8UC3, cv::Scalar::all(1));
   cv::Mat out;
@@ -68,25 +68,25 @@ TEST(MaskPicture, refusesWhatDoesNotFit)
 
 TEST(DrawOutline, drawsThePolygonAndItsLabel)
 {
-  cv::Mat3b picture = grayPicture();
+  cv::Mat3b image = grayImage();
   const std::vector<cv::Point> square = {{60, 60}, {140, 60}, {140, 120}, {60, 120}};
-  drawOutline(picture, square, "");
-  const cv::Mat3b without = picture.clone();
+  drawOutline(image, square, "");
+  const cv::Mat3b without = image.clone();
   for (const cv::Point& point : {cv::Point(60, 90), cv::Point(100, 60), cv::Point(140, 90), cv::Point(100, 120)})
-    EXPECT_EQ(picture(point), kGreen) << point;
-  EXPECT_EQ(drawn(picture(cv::Rect(65, 65, 70, 50))), 0);
+    EXPECT_EQ(image(point), kGreen) << point;
+  EXPECT_EQ(drawn(image(cv::Rect(65, 65, 70, 50))), 0);
 
-  drawOutline(picture, square, "blue", {255, 0, 0});
-  EXPECT_EQ(picture(90, 60), cv::Vec3b(255, 0, 0));
-  EXPECT_GT(drawn(picture(cv::Rect(60, 35, 60, 22))), 50);
-  EXPECT_EQ(drawn(picture(cv::Rect(0, 125, 200, 35))), 0);
+  drawOutline(image, square, "blue", {255, 0, 0});
+  EXPECT_EQ(image(90, 60), cv::Vec3b(255, 0, 0));
+  EXPECT_GT(drawn(image(cv::Rect(60, 35, 60, 22))), 50);
+  EXPECT_EQ(drawn(image(cv::Rect(0, 125, 200, 35))), 0);
 }
 
-TEST(DrawOutline, keepsTheLabelInThePicture)
+TEST(DrawOutline, keepsTheLabelInsideOfTheImage)
 {
   const auto labelOf = [](const cv::Rect& box)
   {
-    cv::Mat3b with = grayPicture(), without = grayPicture();
+    cv::Mat3b with = grayImage(), without = grayImage();
     const cv::Point far = box.br();
     const std::vector<cv::Point> outline = {box.tl(), {far.x, box.y}, far, {box.x, far.y}};
     drawOutline(with, outline, "label");
@@ -109,19 +109,19 @@ TEST(DrawOutline, keepsTheLabelInThePicture)
 TEST(DrawBall, drawsACircleAroundTheBall)
 {
   const cv::Point2d center(100.4, 80.3);
-  cv::Mat3b picture = grayPicture();
-  drawBall(picture, center, 50.0);
-  EXPECT_EQ(picture(cv::Point(center)), kRed);
-  EXPECT_EQ(picture(80, 150), kYellow);
-  EXPECT_EQ(drawnAlongCircle(picture, center, 50.0), 360);
-  EXPECT_EQ(drawnAlongCircle(picture, center, 45.0), 0);
-  EXPECT_EQ(drawnAlongCircle(picture, center, 55.0), 0);
+  cv::Mat3b image = grayImage();
+  drawBall(image, center, 50.0);
+  EXPECT_EQ(image(cv::Point(center)), kRed);
+  EXPECT_EQ(image(80, 150), kYellow);
+  EXPECT_EQ(drawnAlongCircle(image, center, 50.0), 360);
+  EXPECT_EQ(drawnAlongCircle(image, center, 45.0), 0);
+  EXPECT_EQ(drawnAlongCircle(image, center, 55.0), 0);
 }
 
 TEST(DrawBall, dashesAPrediction)
 {
   const cv::Point2d center(100.4, 80.3);
-  cv::Mat3b measured = grayPicture(), predicted = grayPicture();
+  cv::Mat3b measured = grayImage(), predicted = grayImage();
   drawBall(measured, center, 50.0);
   drawBall(predicted, center, 50.0, true);
   EXPECT_NEAR(drawnAlongCircle(predicted, center, 50.0), 180, 40);
@@ -130,50 +130,50 @@ TEST(DrawBall, dashesAPrediction)
 
 TEST(DrawTrail, growsTowardsTheNewest)
 {
-  cv::Mat3b picture = grayPicture();
+  cv::Mat3b image = grayImage();
   std::vector<cv::Point2d> centers;
   for (int x = 10; x <= 190; x += 10)
     centers.emplace_back(x, 80);
-  drawTrail(picture, centers);
-  const int oldest = drawn(picture.col(15)), middle = drawn(picture.col(95)), newest = drawn(picture.col(185));
+  drawTrail(image, centers);
+  const int oldest = drawn(image.col(15)), middle = drawn(image.col(95)), newest = drawn(image.col(185));
   EXPECT_GE(oldest, 1);
   EXPECT_LT(oldest, middle);
   EXPECT_LT(middle, newest);
   EXPECT_LE(newest, 9);
-  EXPECT_EQ(picture(80, 185), kRed);
+  EXPECT_EQ(image(80, 185), kRed);
 }
 
-TEST(DrawTrail, isInterruptedWhereThereIsNoCentre)
+TEST(DrawTrail, isInterruptedByACenterThatIsNotFinite)
 {
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  cv::Mat3b picture = grayPicture();
-  drawTrail(picture, {{10, 80}, {50, 80}, {nan, nan}, {150, 80}, {190, 80}});
-  EXPECT_GT(drawn(picture.col(30)), 0);
-  EXPECT_EQ(drawn(picture.col(100)), 0);
-  EXPECT_GT(drawn(picture.col(170)), 0);
+  cv::Mat3b image = grayImage();
+  drawTrail(image, {{10, 80}, {50, 80}, {nan, nan}, {150, 80}, {190, 80}});
+  EXPECT_GT(drawn(image.col(30)), 0);
+  EXPECT_EQ(drawn(image.col(100)), 0);
+  EXPECT_GT(drawn(image.col(170)), 0);
 }
 
-TEST(Drawing, takesAnythingAndNothing)
+TEST(Drawing, ignoresEmptyInfiniteAndFarAwayShapes)
 {
   const double inf = std::numeric_limits<double>::infinity();
-  cv::Mat3b picture = grayPicture();
-  drawTrail(picture, {});
-  drawTrail(picture, {{5, 5}});
-  drawTrail(picture, {{inf, 0}, {1e300, -1e300}, {-inf, inf}});
-  drawOutline(picture, {}, "nothing");
+  cv::Mat3b image = grayImage();
+  drawTrail(image, {});
+  drawTrail(image, {{5, 5}});
+  drawTrail(image, {{inf, 0}, {1e300, -1e300}, {-inf, inf}});
+  drawOutline(image, {}, "nothing");
   for (const cv::Point2d& center : {cv::Point2d(inf, 0), cv::Point2d(1e12, 0), cv::Point2d(-5000, 9000)})
     for (const bool predicted : {false, true})
-      drawBall(picture, center, 20.0, predicted);
-  drawBall(picture, {50, 50}, inf);
-  drawBall(picture, {50, 50}, -1.0);
-  EXPECT_EQ(drawn(picture), 0);
+      drawBall(image, center, 20.0, predicted);
+  drawBall(image, {50, 50}, inf);
+  drawBall(image, {50, 50}, -1.0);
+  EXPECT_EQ(drawn(image), 0);
   cv::Mat3b tiny(1, 1, kGray);
   drawOutline(tiny, {{0, 0}}, "label");
   drawBall(tiny, {0, 0}, 1e4);
   EXPECT_EQ(tiny.size(), cv::Size(1, 1));
 }
 
-TEST(Drawing, refusesWhatIsNoColourPicture)
+TEST(Drawing, refusesImagesWithoutColor)
 {
   cv::Mat gray(4, 5, CV_8UC1, cv::Scalar(9));
   EXPECT_THROW(drawBall(gray, {1, 1}, 1), std::invalid_argument);

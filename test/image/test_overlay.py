@@ -1,4 +1,4 @@
-"""Drawing from Python: in place, or refused. The gtests test what is drawn."""
+"""Drawing from Python changes the array in place, or is refused. The gtests test what is drawn."""
 
 import numpy as np
 import pytest
@@ -7,11 +7,11 @@ import robot_vision as rv
 
 SQUARE = [(10, 10), (30, 10), (30, 30), (10, 30)]
 DRAW = {
-    "outline": lambda picture: rv.draw_outline(picture, SQUARE, "ball", (255, 0, 0)),
-    "ball": lambda picture: rv.draw_ball(picture, (20.5, 20.0), 9.0),
-    "prediction": lambda picture: rv.draw_ball(picture, (20.5, 20.0), 9.0, predicted=True),
-    "text": lambda picture: rv.draw_text(picture, "ball", (5, 20)),
-    "trail": lambda picture: rv.draw_trail(picture, [(5, 5), (20, 20), (30, 5)]),
+    "outline": lambda image: rv.draw_outline(image, SQUARE, "ball", (255, 0, 0)),
+    "ball": lambda image: rv.draw_ball(image, (20.5, 20.0), 9.0),
+    "prediction": lambda image: rv.draw_ball(image, (20.5, 20.0), 9.0, predicted=True),
+    "text": lambda image: rv.draw_text(image, "ball", (5, 20)),
+    "trail": lambda image: rv.draw_trail(image, [(5, 5), (20, 20), (30, 5)]),
 }
 
 
@@ -20,11 +20,11 @@ def draw(request):
     return request.param
 
 
-def test_drawing_is_on_the_array_itself(draw):
+def test_drawing_changes_the_array_itself(draw):
     whole = np.zeros((60, 80, 3), np.uint8)
     expected = np.zeros((40, 50, 3), np.uint8)
     draw(expected)
-    draw(whole[10:50, 20:70])  # rows with something in between
+    draw(whole[10:50, 20:70])  # its rows are not adjacent in memory
     assert expected.any()
     assert np.array_equal(whole[10:50, 20:70], expected)
     assert whole.any(axis=2).sum() == expected.any(axis=2).sum()
@@ -42,12 +42,12 @@ def test_drawing_is_on_the_array_itself(draw):
         ([1, 2, 3], ValueError, r"expected an \(n, 2\) array of points"),
     ],
 )
-def test_what_is_no_outline_is_refused(points, error, match):
+def test_invalid_outline_is_refused(points, error, match):
     with pytest.raises(error, match=match):
         rv.draw_outline(np.zeros((8, 8, 3), np.uint8), points)
 
 
-def test_what_cannot_be_drawn_on_is_refused(draw):
+def test_array_that_cannot_be_drawn_on_is_refused(draw):
     shown = np.zeros((40, 50, 3), np.uint8)
     shown.setflags(write=False)
     for wrong in (shown, np.zeros((40, 100, 3), np.uint8)[:, ::2], np.zeros((40, 50), np.uint8)):
@@ -57,20 +57,20 @@ def test_what_cannot_be_drawn_on_is_refused(draw):
 
 
 def test_empty_trail_and_outline_draw_nothing():
-    picture = np.zeros((40, 50, 3), np.uint8)
-    rv.draw_trail(picture, [])
-    rv.draw_outline(picture, np.zeros((0, 2), int))
-    assert not picture.any()
+    image = np.zeros((40, 50, 3), np.uint8)
+    rv.draw_trail(image, [])
+    rv.draw_outline(image, np.zeros((0, 2), int))
+    assert not image.any()
     with pytest.raises(ValueError):
-        rv.draw_trail(picture, [(1, 2, 3)])
+        rv.draw_trail(image, [(1, 2, 3)])
 
 
-def test_mask_picture_keeps_what_the_mask_marks():
+def test_mask_picture_keeps_the_pixels_in_the_mask():
     random = np.random.RandomState(1)
-    picture = random.randint(0, 256, (48, 64, 3), np.uint8)
+    image = random.randint(0, 256, (48, 64, 3), np.uint8)
     mask = random.randint(0, 2, (48, 64), np.uint8) * 255
-    before = picture.copy(), mask.copy()
-    assert np.array_equal(rv.mask_picture(picture, mask), picture * (mask[:, :, None] > 0))
-    assert np.array_equal(picture, before[0]) and np.array_equal(mask, before[1])
+    before = image.copy(), mask.copy()
+    assert np.array_equal(rv.mask_picture(image, mask), image * (mask[:, :, None] > 0))
+    assert np.array_equal(image, before[0]) and np.array_equal(mask, before[1])
     with pytest.raises(ValueError):
-        rv.mask_picture(picture, mask[:40])
+        rv.mask_picture(image, mask[:40])

@@ -243,7 +243,7 @@ def test_floor_is_seen_through_a_lens():
 @pytest.mark.parametrize(
     "floor, size, camera, match",
     [
-        (np.zeros((4, 4), np.uint8), (1, 1), np.eye(4), "bgr8 picture"),
+        (np.zeros((4, 4), np.uint8), (1, 1), np.eye(4), "bgr8 image"),
         (np.zeros((4, 4, 3), np.uint8), (0, 1), np.eye(4), r"size is 0, must be positive \(m\)"),
         (np.zeros((4, 4, 3), np.uint8), (1, 1), np.eye(3), "expected a 4x4 pose of the camera"),
     ],

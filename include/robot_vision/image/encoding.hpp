@@ -7,49 +7,51 @@
 namespace robot_vision
 {
 
-/// Names of the pixel layouts that every function below accepts: those of sensor_msgs/image_encodings.h (bgr8, rgb8,
-/// bgra8, rgba8, mono8, mono16, bayer_*8, bayer_*16, yuv422 = UYVY, yuv422_yuy2 = YUYV), and what only cameras give:
-/// mono10 (10 bits in the low end of 16), nv12, nv21 and yu12 (the luma, below it the chroma, in one picture of 3/2 of
-/// the height) and jpeg.
+/// Names of the pixel layouts that every function below accepts. bgr8, rgb8, bgra8, rgba8, mono8, mono16, bayer_*8,
+/// bayer_*16, yuv422 (UYVY) and yuv422_yuy2 (YUYV) are those of sensor_msgs/image_encodings.h. The others come only
+/// from cameras: mono10 (10 bits in the low end of 16), nv12, nv21 and yu12 (the luma with the chroma below it, in one
+/// matrix of 3/2 of the height), and jpeg.
 std::vector<std::string> encodings();
 
-/// Whether it is one of encodings().
+/// Whether the name is one of encodings().
 bool isEncoding(const std::string& encoding);
 
-/// Whether it is one of encodings() that a sensor_msgs/Image can have.
+/// Whether the name is one of encodings() that a sensor_msgs/Image can have.
 bool isMessageEncoding(const std::string& encoding);
 
-/// The cv::Mat type that holds a picture of this encoding, for instance CV_8UC3 for bgr8.
+/// The cv::Mat type that holds an image of this encoding, for instance CV_8UC3 for bgr8.
 /// Throws std::invalid_argument naming the encoding if it is unknown.
 int matType(const std::string& encoding);
 
-/// "3 x 8 bits (CV_8UC3)", a cv::Mat type for users of NumPy and of OpenCV.
+/// Describes a cv::Mat type for users of NumPy and of OpenCV: "3 x 8 bits (CV_8UC3)".
 std::string describePixels(int type);
 
-/// Throws std::invalid_argument naming encoding, size and what was expected if `image` cannot be a picture of it.
+/// Throws std::invalid_argument naming the encoding, the size and what was expected unless `image` can be of this
+/// encoding.
 void checkPixels(const cv::Mat& image, const std::string& encoding);
 
-/// The size in px of the picture that toBgr() would make, without making it. Throws as checkPixels does, and if a JPEG
-/// is truncated or too large.
+/// The size in px that toBgr() would give the image, found without converting it. Throws as checkPixels() does, and if
+/// a JPEG is truncated or too large.
 cv::Size pictureSize(const cv::Mat& image, const std::string& encoding);
 
-/// Gray picture (CV_8UC1) as cv::cvtColor makes it; 16 bits are scaled by 255/65535, 10 by 255/1023; of YUV and JPEG
-/// the luma itself.
-/// `gray` shares the input's pixels where they are gray already, is reused if it fits, and never aliases other input.
+/// Converts to gray (CV_8UC1) as cv::cvtColor does. 16 bits are scaled by 255/65535, 10 bits by 255/1023; YUV and JPEG
+/// give their luma. `gray` shares the input's pixels if these are gray already (mono8, and the luma of nv12, nv21 and
+/// yu12); else it is reused if it fits, and never shares any.
 void toGray(const cv::Mat& image, const std::string& encoding, cv::Mat& gray);
 
-/// Whether a converted picture lies in the memory of its `source`, and so must not be kept or written.
-bool sharesPixels(const cv::Mat& picture, const cv::Mat& source);
+/// Whether a converted image lies in the memory of its `source`, so that it must be neither kept nor written to.
+bool sharesPixels(const cv::Mat& converted, const cv::Mat& source);
 
-/// Colour picture (CV_8UC3, BGR order) as cv::cvtColor makes it; 16 bits are scaled by 255/65535, 10 by 255/1023.
-/// `bgr` shares the input's pixels where they are bgr8 already, and is reused if it fits.
+/// Converts to colour (CV_8UC3, BGR order) as cv::cvtColor does. 16 bits are scaled by 255/65535, 10 bits by 255/1023.
+/// `bgr` shares the input's pixels if these are bgr8 already; else it is reused if it fits.
 void toBgr(const cv::Mat& image, const std::string& encoding, cv::Mat& bgr);
 
-/// The same in RGB order.
+/// The same in RGB order; `rgb` shares pixels of rgb8.
 void toRgb(const cv::Mat& image, const std::string& encoding, cv::Mat& rgb);
 
-/// The picture as `wanted`: what it is already, bgr8, rgb8, mono8, or of mono10 mono16 (white 1023 becomes 65535).
-/// `out` shares the input's pixels where nothing has to be changed. Throws std::invalid_argument for anything else.
+/// Converts to the encoding `wanted`: the image's own, bgr8, rgb8 or mono8, and also mono16 for mono10 (its white,
+/// 1023, becomes 65535). `out` shares the input's pixels if nothing has to be changed. Throws std::invalid_argument for
+/// any other encoding.
 void toEncoding(const cv::Mat& image, const std::string& encoding, const std::string& wanted, cv::Mat& out);
 
 }  // namespace robot_vision

@@ -10,53 +10,57 @@
 namespace robot_vision
 {
 
-/// Whether the bytes begin as a JPEG stream.
+/// Whether the bytes begin as a JPEG stream does.
 bool isJpeg(const unsigned char* data, std::size_t size);
 
-/// True if the bytes are a JPEG stream with a picture, from its start-of-image to its end-of-image marker (ITU-T T.81,
-/// annex B). Decoders that fill the missing part of a truncated stream with gray do not tell.
+/// Whether the bytes are a JPEG stream with pixels, complete from its start-of-image to its end-of-image marker (ITU-T
+/// T.81, annex B). Decoders do not tell: they fill the missing part of a truncated stream with gray.
 bool isCompleteJpeg(const unsigned char* data, std::size_t size);
 
-/// 8192 x 8192: a stream of some hundred bytes can claim to be a picture that fills the memory.
+/// The largest image that is decoded, 8192 x 8192: a stream of some hundred bytes can claim a size that would fill the
+/// memory.
 constexpr std::size_t kMaxPixels = std::size_t{1} << 26;
 constexpr int kLongestJpegSide = 65500;  // px, libjpeg's own limit
 
 struct JpegInfo
 {
   cv::Size size;       // px
-  bool color = false;  // else gray
+  bool color = false;  // otherwise gray
 };
 
-/// What the stream's first frame claims to be of, whole or not; empty if there is none.
+/// The size in px that the stream's first frame header claims, even if the stream is not complete. Empty if there is no
+/// frame header.
 cv::Size claimedJpegSize(const unsigned char* data, std::size_t size);
 
-/// Throws std::invalid_argument if the stream is not complete or has more than kMaxPixels.
+/// Reads the size and the kind of a stream. Throws std::invalid_argument if the stream is not complete, or claims more
+/// than kMaxPixels.
 JpegInfo readJpegInfo(const unsigned char* data, std::size_t size);
 
-/// Writes the stream into `out`, byte for byte. Only where a baseline stream has no Huffman tables, as some cameras'
-/// Motion JPEG, the standard ones (T.81, K.3) are put in: not every reader knows that they are meant.
-/// Throws as readJpegInfo does; it costs the reading of the markers, not of the pixels.
+/// Copies the stream into `out`. A baseline stream without Huffman tables, such as the Motion JPEG of some cameras,
+/// gets the standard ones (T.81, K.3), because not every reader assumes them; all other streams are copied byte for
+/// byte. Only the markers are read, not the pixels. Throws as readJpegInfo() does.
 JpegInfo copyJpeg(const unsigned char* data, std::size_t size, std::vector<std::uint8_t>& out);
 
 enum class JpegPixels
 {
   kBgr,
   kRgb,
-  kGray,  // the luma alone, which spares the work on the chroma
+  kGray,  // only the luma, which saves the work for the chroma
 };
 
 /// Throws std::invalid_argument unless `reduction` is 1, 2, 4 or 8.
 void validateReduction(int reduction);
 
-/// Decodes into `out` (CV_8UC3 or CV_8UC1, reused if it fits), as cv::imdecode does, but never turned by EXIF.
-/// `reduction` 1, 2, 4 or 8 gives 1/n of the size, rounded up, for much less work.
-/// What cameras write beside a whole picture is no damage: bytes in front of the first scan, padding or a few bytes
-/// in front of a later marker, odd versions, no Huffman tables. Pixels have no checksum: damage that still decodes, and
-/// leaves no more than those few bytes over, cannot be noticed. Throws std::invalid_argument if the stream is
-/// truncated, damaged, too large or of more scans than any picture needs.
+/// Decodes into `out` (CV_8UC3 or CV_8UC1, reused if it fits) as cv::imdecode does, but ignores the EXIF orientation.
+/// `reduction` 1, 2, 4 or 8 divides both sides (rounded up), which takes much less work.
+/// Some things that cameras write around the pixels do not count as damage: bytes in front of the first scan, padding
+/// or a few bytes in front of a later marker, odd versions, missing Huffman tables. As pixels have no checksum, damage
+/// that still decodes and leaves no more than those few bytes over goes unnoticed. Throws std::invalid_argument if the
+/// stream is truncated, damaged, too large, or has more scans than any image needs.
 void decodeJpeg(const unsigned char* data, std::size_t size, JpegPixels pixels, cv::Mat& out, int reduction = 1);
 
-/// Throws as decodeJpeg does, whatever the stream's colours are, CMYK too: for decoders that print what is wrong.
+/// Throws as decodeJpeg() does if something is wrong with a stream of any colour space, CMYK included. To be called
+/// before decoders that would print what is wrong instead of reporting it.
 void requireSoundJpeg(const unsigned char* data, std::size_t size);
 
 struct JpegParams
@@ -81,8 +85,9 @@ struct JpegParams
 /// Throws std::invalid_argument naming the first parameter out of range, its value and the range.
 void validate(const JpegParams& params);
 
-/// Encodes mono8 (CV_8UC1), bgr8 (CV_8UC3) or bgra8 (CV_8UC4), with `rgb` rgb8 or rgba8, into `out`, with chroma of
-/// half the resolution, as cv::imencode does. Throws std::invalid_argument for pictures of another type or size.
+/// Encodes mono8 (CV_8UC1), bgr8 (CV_8UC3) or bgra8 (CV_8UC4) into `out`, with the chroma at half the resolution as
+/// cv::imencode does. If `rgb`, the channels are in the order of rgb8 or rgba8. Throws std::invalid_argument for an
+/// image of another type, without pixels, or that is too large.
 void encodeJpeg(const cv::Mat& image, bool rgb, const JpegParams& params, std::vector<std::uint8_t>& out);
 
 }  // namespace robot_vision

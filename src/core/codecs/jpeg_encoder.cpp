@@ -70,8 +70,8 @@ void encodeJpeg(const cv::Mat& image, bool rgb, const JpegParams& params, std::v
   validate(params);
   const TJPF format = pixelFormat(image, rgb);
   if (image.empty() || image.total() > kMaxPixels || std::max(image.cols, image.rows) > kLongestJpegSide)
-    throw std::invalid_argument("a picture of " + std::to_string(image.cols) + "x" + std::to_string(image.rows) +
-                                " cannot become JPEG: it has none or too many pixels");
+    throw std::invalid_argument("an image of " + std::to_string(image.cols) + "x" + std::to_string(image.rows) +
+                                " cannot become JPEG: it has no or too many pixels");
   if (params.optimize || params.progressive || params.restart_interval != 0)
     return encodeByOpenCv(image, rgb, params, out);
 

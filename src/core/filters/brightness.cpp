@@ -95,7 +95,7 @@ void Brightness::applyTo(const cv::Mat& image, const cv::Range& rows, cv::Mat& o
     cv::LUT(image.rowRange(rows), alpha_table_, band);
     return;
   }
-  const auto& tables = kernels<TableKernels>();
+  const auto& tables = kernels<LutKernels>();
   const auto gain = static_cast<float>(params_.gain);
   const auto offset = static_cast<float>(params_.offset);
   const int count = image.cols * image.channels();

@@ -11,15 +11,16 @@ namespace
 
 #ifdef ROBOT_VISION_PIXELS
 
-/// (a + b + c + d + 2) / 4 of the means of a and b, and of c and d: the mean of these, but for what was rounded up
-/// twice.
+/// (a + b + c + d + 2) / 4, computed from the rounded means of a and b and of c and d. The mean of the two means is 1
+/// too large where both steps have rounded up.
 inline Simd::Vector meanOfMeans(Simd::Vector ab, Simd::Vector odd_ab, Simd::Vector cd, Simd::Vector odd_cd)
 {
   const Simd::Vector rounded = Simd::And(Simd::Or(odd_ab, odd_cd), PixelSimd::Xor(ab, cd));
   return PixelSimd::subtractBytes(PixelSimd::meanBytes(ab, cd), Simd::And(rounded, PixelSimd::bytes(1)));
 }
 
-inline void colourSites(const BayerRow& row, int i, Simd::Vector sites, bool third, std::uint8_t* pixels)
+/// Converts the pixels from `i` on. `sites` has ones in the bytes of those that are not green.
+inline void convertBlock(const BayerRow& row, int i, Simd::Vector sites, bool third, std::uint8_t* pixels)
 {
   const Simd::Vector pixel = Simd::load(row.row + i);
   const Simd::Vector left = Simd::load(row.row + i - 1);
@@ -42,23 +43,23 @@ inline void colourSites(const BayerRow& row, int i, Simd::Vector sites, bool thi
   StoreInterleaved3(pixels + 3 * i, {third ? other : own, green, third ? own : other});
 }
 
-void colourBayer(const BayerRow& row, int count, std::uint8_t* pixels)
+void convertBayer(const BayerRow& row, int count, std::uint8_t* pixels)
 {
   constexpr int kBytes = static_cast<int>(sizeof(Simd::Vector));
   const Simd::Vector sites = Simd::words(row.green_first ? 0xFF00 : 0x00FF);
   int i = 0;
   for (; i + kBytes <= count; i += kBytes)
-    colourSites(row, i, sites, row.third, pixels);
+    convertBlock(row, i, sites, row.third, pixels);
   if (i == count) return;
   i = count - kBytes;
-  colourSites(row, i, Simd::words((i % 2 != 0) != row.green_first ? 0xFF00 : 0x00FF), row.third, pixels);
+  convertBlock(row, i, Simd::words((i % 2 != 0) != row.green_first ? 0xFF00 : 0x00FF), row.third, pixels);
 }
 
-constexpr auto kColourBayer = colourBayer;
+constexpr auto kConvertBayer = convertBayer;
 
 #else
 
-constexpr decltype(BayerKernels::bayer) kColourBayer = nullptr;
+constexpr decltype(BayerKernels::bayer) kConvertBayer = nullptr;
 
 #endif
 
@@ -66,7 +67,7 @@ constexpr decltype(BayerKernels::bayer) kColourBayer = nullptr;
 
 template <>
 const BayerKernels KernelTable<BayerKernels, ROBOT_VISION_SET>::table = {
-    kColourBayer,
+    kConvertBayer,
 };
 
 }  // namespace robot_vision

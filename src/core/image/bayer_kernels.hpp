@@ -7,19 +7,19 @@
 namespace robot_vision
 {
 
-/// A row of a Bayer mosaic with its neighbours, from its second pixel on.
+/// A row of a Bayer mosaic and the rows above and below it. All three pointers point at the second pixels of the rows.
 struct BayerRow
 {
   const std::uint8_t* above;
   const std::uint8_t* row;
   const std::uint8_t* below;
   bool green_first;  // whether `row` points at a green pixel
-  bool third;        // whether its other pixels are of the third channel of the result, else of the first
+  bool third;        // whether the pixels of the row that are not green belong to the third channel, not to the first
 };
 
 struct BayerKernels
 {
-  /// Pixels in BGR or RGB order, as cv::cvtColor makes them. Null: not faster than that.
+  /// Writes `count` pixels of three channels as cv::cvtColor does. Null where it would be no faster than OpenCV.
   void (*bayer)(const BayerRow& row, int count, std::uint8_t* pixels);
 };
 

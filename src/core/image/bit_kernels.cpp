@@ -12,9 +12,9 @@ namespace
 
 #ifdef ROBOT_VISION_VECTORS
 
-constexpr int kVectors = kWordBits / static_cast<int>(sizeof(Simd::Vector));  // whose bytes are a word's bits
+constexpr int kVectors = kWordBits / static_cast<int>(sizeof(Simd::Vector));  // that have a byte for each bit of a word
 
-/// Which of kWordBits bytes are not 0, where `bytes` makes vectors of them.
+/// A word whose bits are 1 where bytes are not 0; `bytes(i)` is the i-th of kVectors vectors of them.
 template <class Bytes>
 BitWord gather(const Bytes& bytes)
 {
@@ -38,7 +38,8 @@ inline BitWord differences(const std::uint8_t* a, const std::uint8_t* b, std::ui
   return gather(above);
 }
 
-inline BitWord commonWith(std::uint8_t bit, const std::uint8_t* bytes)
+/// Which of kWordBits bytes have this bit.
+inline BitWord bytesWith(std::uint8_t bit, const std::uint8_t* bytes)
 {
   return gather([=](int i) { return Simd::And(Simd::load(bytes + i * kWordBits / kVectors), Simd::bytes(bit)); });
 }
@@ -51,8 +52,8 @@ inline void spreadWord(BitWord word, std::uint8_t* bytes)
 
 #else
 
-/// Which of kWordBits bytes have the lowest bit: of each eight, the first one lowest, it is multiplied to its place in
-/// the highest byte. Bytes are in the order of their addresses from the lowest (as on all that ROS runs on).
+/// Which of kWordBits bytes have the lowest bit. Eight bytes at a time, a multiplication shifts the bit of the i-th
+/// byte to bit i of the highest byte. This needs a little-endian machine, which all machines that run ROS are.
 inline BitWord gather(const std::uint8_t* bytes)
 {
   BitWord word = 0;
@@ -77,12 +78,12 @@ inline BitWord differences(const std::uint8_t* a, const std::uint8_t* b, std::ui
   return gather(above);
 }
 
-inline BitWord commonWith(std::uint8_t bit, const std::uint8_t* bytes)
+inline BitWord bytesWith(std::uint8_t bit, const std::uint8_t* bytes)
 {
-  std::uint8_t common[kWordBits];
+  std::uint8_t has_bit[kWordBits];
   for (int i = 0; i < kWordBits; ++i)
-    common[i] = (bytes[i] & bit) != 0 ? 1 : 0;
-  return gather(common);
+    has_bit[i] = (bytes[i] & bit) != 0 ? 1 : 0;
+  return gather(has_bit);
 }
 
 struct BytesOfBits
@@ -122,8 +123,8 @@ void splitMarks(const std::uint8_t* marks, int words, BitWord* candidates, BitWo
 {
   for (int i = 0; i < words; ++i, marks += kWordBits)
   {
-    candidates[i] = commonWith(kCandidate, marks);
-    strong[i] = commonWith(kStrong, marks);
+    candidates[i] = bytesWith(kCandidate, marks);
+    strong[i] = bytesWith(kStrong, marks);
   }
 }
 

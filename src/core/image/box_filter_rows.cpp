@@ -9,7 +9,7 @@ namespace robot_vision
 namespace
 {
 
-constexpr int kWidest16 = 15;  // px, side of the largest box whose sum of bytes fits 16 bits
+constexpr int kMaxSize16 = 15;  // px, side of the largest box whose sum of bytes fits 16 bits
 
 void slide(const std::uint8_t* entering, const std::uint8_t* leaving, int count, std::uint16_t* sums)
 {
@@ -36,7 +36,8 @@ void divide(const std::uint16_t* sums, int by, int count, std::uint8_t* quotient
   kernels<BoxKernels>().divide16(sums, Division(by), count, quotients);
 }
 
-// There is no tie, as the divisor is odd, and what is next to one is further from it than the quotient's rounding.
+// The float rounds correctly: an odd divisor allows no ties, and the quotients next to a tie are further from it than
+// the error of the multiplication.
 void divide(const std::uint32_t* sums, int by, int count, std::uint8_t* quotients)
 {
   kernels<BoxKernels>().divide32(sums, 1.0F / static_cast<float>(by), count, quotients);
@@ -58,7 +59,7 @@ void BoxFilterRows::begin(GrayLineBuffer& rows, int size, int first)
   size_ = size;
   y_ = first;
   if (size == 1) return;
-  if (size <= kWidest16)
+  if (size <= kMaxSize16)
     start(narrow_);
   else
     start(wide_);
@@ -68,7 +69,7 @@ void BoxFilterRows::next(std::uint8_t* means)
 {
   if (size_ == 1)
     std::memcpy(means, rows_->row(y_), static_cast<std::size_t>(rows_->size().width));
-  else if (size_ <= kWidest16)
+  else if (size_ <= kMaxSize16)
     blur(narrow_, means);
   else
     blur(wide_, means);
@@ -80,11 +81,11 @@ void BoxFilterRows::start(Sums<Sum>& sums)
 {
   const int width = rows_->size().width;
   const int half = size_ / 2;
-  sums.nothing.resize(static_cast<std::size_t>(width));
+  sums.black_row.resize(static_cast<std::size_t>(width));
   sums.columns.assign(static_cast<std::size_t>(width + 2 * half), 0);
   sums.boxes.resize(sums.columns.size());
   for (int y = y_ - half; y <= y_ + half; ++y)
-    slide(rows_->mirroredRow(y), sums.nothing.data(), width, sums.columns.data() + half);
+    slide(rows_->mirroredRow(y), sums.black_row.data(), width, sums.columns.data() + half);
 }
 
 template <class Sum>
@@ -92,28 +93,28 @@ void BoxFilterRows::blur(Sums<Sum>& sums, std::uint8_t* means)
 {
   const int width = rows_->size().width;
   const int half = size_ / 2;
-  divide(addUp(sums), size_ * size_, width, means);
+  divide(sumBoxes(sums), size_ * size_, width, means);
   slide(rows_->mirroredRow(y_ + 1 + half), rows_->mirroredRow(y_ - half), width, sums.columns.data() + half);
 }
 
-/// The sums of the boxes around the row's pixels.
 template <class Sum>
-const Sum* BoxFilterRows::addUp(Sums<Sum>& sums)
+const Sum* BoxFilterRows::sumBoxes(Sums<Sum>& sums)
 {
   const int width = rows_->size().width;
   const int half = size_ / 2;
   mirrorEnds(sums.columns.data() + half, width, half);
-  // From sums of one column to those of as many as the box has, by the bits of that number from the highest one on.
+  // Sums of w columns give sums of 2 w or 2 w + 1 columns, so that the binary digits of the box's width, from the
+  // highest one on, lead from one column to all of them.
   int bit = 0;
   while (size_ >> (bit + 1) > 0)
     ++bit;
   const Sum* part = sums.columns.data();
-  for (int reach = 1; bit > 0;)
+  for (int columns = 1; bit > 0;)
   {
     const int wider = size_ >> --bit;
-    widen(sums.columns.data(), part, reach, wider % 2 != 0, width + size_ - wider, sums.boxes.data());
+    widen(sums.columns.data(), part, columns, wider % 2 != 0, width + size_ - wider, sums.boxes.data());
     part = sums.boxes.data();
-    reach = wider;
+    columns = wider;
   }
   return part;
 }

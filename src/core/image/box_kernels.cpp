@@ -17,7 +17,7 @@ void slide(const std::uint8_t* entering, const std::uint8_t* leaving, int count,
 template <class Sum>
 void widen(const Sum* single, const Sum* part, int width, bool odd, int count, Sum* wider)
 {
-  // What is written was read before, by this or an earlier index.
+  // `wider` may be `part`: each element is read before it is overwritten, in the same or an earlier iteration.
   if (odd)
   {
     ROBOT_VISION_INDEPENDENT
@@ -40,14 +40,14 @@ void divide16(const std::uint16_t* __restrict sums, const Division& by, int coun
   for (int i = 0; i < count; ++i)
   {
     const auto sum = static_cast<std::uint16_t>(sums[i] + half);
-    const auto high = static_cast<std::uint16_t>(std::uint32_t{sum} * factor >> 16);  // one instruction
+    const auto high = static_cast<std::uint16_t>(std::uint32_t{sum} * factor >> 16);  // a single SIMD instruction
     quotients[i] = static_cast<std::uint8_t>(high >> shift);
   }
 }
 
 void divide32(const std::uint32_t* __restrict sums, float factor, int count, std::uint8_t* __restrict quotients)
 {
-  for (int i = 0; i < count; ++i)  // by way of int: there are more instructions for it
+  for (int i = 0; i < count; ++i)  // converts by way of int, for which more SIMD instructions exist
   {
     const auto sum = static_cast<float>(static_cast<std::int32_t>(sums[i]));
     quotients[i] = static_cast<std::uint8_t>(static_cast<std::int32_t>(sum * factor + 0.5F));

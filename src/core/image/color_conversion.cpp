@@ -16,7 +16,7 @@ namespace robot_vision
 namespace
 {
 
-constexpr int kPixelsOfThread = 1 << 16;  // at least, as in cv::cvtColor
+constexpr int kMinPixelsPerThread = 1 << 16;  // as in cv::cvtColor
 
 struct YuvName
 {
@@ -34,7 +34,7 @@ struct BayerName
 {
   const char* encoding;
   bool green_first;
-  bool red_first;  // in the first row
+  bool red_first;  // whether the first row has red and green pixels, not blue and green ones
 };
 
 constexpr std::array<BayerName, 4> kBayerNames = {{{"bayer_rggb8", false, true},
@@ -42,16 +42,15 @@ constexpr std::array<BayerName, 4> kBayerNames = {{{"bayer_rggb8", false, true},
                                                    {"bayer_gbrg8", true, false},
                                                    {"bayer_grbg8", true, true}}};
 
-struct ColourName
+struct ColorName
 {
   const char* encoding;
   bool is_rgb;
 };
 
-constexpr std::array<ColourName, 4> kColourNames = {
-    {{"bgr8", false}, {"rgb8", true}, {"bgra8", false}, {"rgba8", true}}};
+constexpr std::array<ColorName, 4> kColorNames = {{{"bgr8", false}, {"rgb8", true}, {"bgra8", false}, {"rgba8", true}}};
 
-/// Null if it is none of them.
+/// The entry of an encoding, or null.
 template <class Names>
 auto find(const Names& names, const std::string& encoding)
 {
@@ -59,11 +58,10 @@ auto find(const Names& names, const std::string& encoding)
   return found == names.end() ? nullptr : found;
 }
 
-/// Calls `work` with bands of rows.
 template <class Work>
 void forRows(const cv::Size& size, const Work& work)
 {
-  parallelForRows(size.height, cv::getNumThreads(), rowsOf(kPixelsOfThread, size.width),
+  parallelForRows(size.height, cv::getNumThreads(), rowsOf(kMinPixelsPerThread, size.width),
                   [&](int, const cv::Range& rows) { work(rows); });
 }
 
@@ -72,7 +70,7 @@ bool isPacked(YuvLayout layout)
   return layout == YuvLayout::kYuyv || layout == YuvLayout::kUyvy;
 }
 
-/// Of row `y`. The planes of yu12 have two of their rows in one of the picture's.
+/// The luma and the chroma of row `y`. Each row of the matrix holds two rows of yu12's chroma planes.
 YuvRow yuvRow(const cv::Mat& image, YuvLayout layout, int height, int y)
 {
   YuvRow row = {image.ptr(y), nullptr, nullptr};
@@ -105,7 +103,7 @@ void convertBayerRow(const cv::Mat& image, const BayerName& name, bool is_rgb, i
 {
   const bool odd = y % 2 != 0;
   const bool red = name.red_first != odd;
-  // From the second pixel of the row on, which is green if the first one is not.
+  // The kernel begins at the second pixel of the row, which is green if the first one is not.
   const BayerRow row = {image.ptr(y - 1) + 1, image.ptr(y) + 1, image.ptr(y + 1) + 1, name.green_first == odd,
                         red != is_rgb};
   auto* to = pixels.ptr<cv::Vec3b>(y);
@@ -131,7 +129,7 @@ void convertBayer(const cv::Mat& image, const BayerName& name, bool is_rgb, cv::
 
 bool convertRows(const cv::Mat& image, const std::string& encoding, bool is_rgb, cv::Mat& pixels)
 {
-  const cv::Mat source = image;  // `pixels` may be the same object
+  const cv::Mat source = image;  // keeps the pixels if `pixels` is the same object as `image`
   const auto* yuv = find(kYuvNames, encoding);
   if (yuv != nullptr && kernels<YuvKernels>().yuv != nullptr && image.cols >= kMinRow)
   {
@@ -149,11 +147,11 @@ bool convertRows(const cv::Mat& image, const std::string& encoding, bool is_rgb,
 
 bool convertRowsToGray(const cv::Mat& image, const std::string& encoding, cv::Mat& gray)
 {
-  const auto* colour = find(kColourNames, encoding);
+  const auto* color = find(kColorNames, encoding);
   const auto convert = kernels<GrayKernels>().gray;
-  if (colour == nullptr || convert == nullptr || grayWeightsOfBgr() == nullptr) return false;
+  if (color == nullptr || convert == nullptr || grayWeightsOfBgr() == nullptr) return false;
   GrayWeights weights = *grayWeightsOfBgr();
-  if (colour->is_rgb) std::swap(weights.channels[0], weights.channels[2]);
+  if (color->is_rgb) std::swap(weights.channels[0], weights.channels[2]);
   const cv::Mat source = image;
   gray.create(source.size(), CV_8UC1);
   forRows(source.size(),
@@ -165,7 +163,7 @@ bool convertRowsToGray(const cv::Mat& image, const std::string& encoding, cv::Ma
   return true;
 }
 
-void takeLuma(const cv::Mat& image, const std::string& encoding, cv::Mat& luma)
+void copyLuma(const cv::Mat& image, const std::string& encoding, cv::Mat& luma)
 {
   const cv::Mat source = image;
   const int first = encoding == "yuv422" ? 1 : 0;

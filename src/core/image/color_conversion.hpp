@@ -6,16 +6,16 @@
 namespace robot_vision
 {
 
-/// cv::cvtColor of YUV and of Bayer mosaics of 8 bits to BGR or RGB, to the bit, with as many threads as
-/// cv::setNumThreads() says. False, and nothing done, where OpenCV is as fast: other encodings, pictures of a few
-/// columns, and processors without vectors. `image` is a picture of the encoding.
+/// Converts YUV and Bayer mosaics of 8 bits to BGR or RGB, bit for bit as cv::cvtColor does, with as many threads as
+/// cv::setNumThreads() allows. Returns false and does nothing where this is no faster than OpenCV: for other encodings,
+/// images of a few columns, and on processors without SIMD. `image` must be valid for the encoding.
 bool convertRows(const cv::Mat& image, const std::string& encoding, bool is_rgb, cv::Mat& pixels);
 
-/// cv::cvtColor of bgr8, rgb8, bgra8 and rgba8 to gray in the same way. False: other encodings, processors without
-/// vectors, and an OpenCV whose arithmetic is not known.
+/// Converts bgr8, rgb8, bgra8 and rgba8 to gray in the same way. Returns false for other encodings, on processors
+/// without SIMD, and if the arithmetic of this version of OpenCV is not known.
 bool convertRowsToGray(const cv::Mat& image, const std::string& encoding, cv::Mat& gray);
 
-/// The luma of yuv422 or yuv422_yuy2, with as many threads.
-void takeLuma(const cv::Mat& image, const std::string& encoding, cv::Mat& luma);
+/// Copies the luma of yuv422 or yuv422_yuy2, with as many threads.
+void copyLuma(const cv::Mat& image, const std::string& encoding, cv::Mat& luma);
 
 }  // namespace robot_vision

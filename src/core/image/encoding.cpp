@@ -15,7 +15,7 @@ namespace robot_vision
 namespace
 {
 
-constexpr int kNone = -1;  // no conversion needed
+constexpr int kNone = -1;  // instead of a code of cv::cvtColor: no conversion is needed
 
 struct Layout
 {
@@ -28,7 +28,7 @@ struct Layout
   int height_multiple;
 };
 
-// OpenCV names a Bayer pattern by the second row's second and third pixel, ROS by the first two of the first row.
+// OpenCV names a Bayer pattern by the second and third pixel of the second row, ROS by the first two of the first row.
 constexpr std::array<Layout, 21> kLayouts = {{
     {"bgr8", CV_8UC3, kNone, cv::COLOR_BGR2RGB, cv::COLOR_BGR2GRAY, 1, 1},
     {"rgb8", CV_8UC3, cv::COLOR_RGB2BGR, kNone, cv::COLOR_RGB2GRAY, 1, 1},
@@ -53,10 +53,10 @@ constexpr std::array<Layout, 21> kLayouts = {{
     {"jpeg", CV_8UC1, kNone, kNone, kNone, 1, 1},
 }};
 
-// sensor_msgs has no names for them.
-constexpr std::array<const char*, 5> kOnlyOfCameras = {"mono10", "nv12", "nv21", "yu12", "jpeg"};
+// Encodings that sensor_msgs has no names for.
+constexpr std::array<const char*, 5> kCameraEncodings = {"mono10", "nv12", "nv21", "yu12", "jpeg"};
 
-/// Null if it is unknown.
+/// The layout of an encoding, or null if it is unknown.
 const Layout* findLayout(const std::string& encoding)
 {
   const auto* found =
@@ -72,7 +72,7 @@ const Layout& layoutOf(const std::string& encoding)
 
 std::string describe(const cv::Mat& image, const std::string& encoding)
 {
-  return encoding + " picture of " + std::to_string(image.cols) + "x" + std::to_string(image.rows);
+  return encoding + " image of " + std::to_string(image.cols) + "x" + std::to_string(image.rows);
 }
 
 const Layout& checkedLayout(const cv::Mat& image, const std::string& encoding)
@@ -89,22 +89,22 @@ const Layout& checkedLayout(const cv::Mat& image, const std::string& encoding)
   return layout;
 }
 
-/// A picture of all its luma, followed by chroma of half the size in each direction.
+/// Whether all the luma comes first, followed by chroma of half the size in each direction.
 bool isPlanar(const Layout& layout)
 {
   return layout.height_multiple == 3;
 }
 
-/// The rows above the chroma of such a picture, as a header that knows of no larger picture: filters would otherwise
-/// read chroma for the lower border.
-cv::Mat lumaPlane(const cv::Mat& picture)
+/// The luma of a planar image. The matrix does not know that it is a part of a larger one, because filters would then
+/// read chroma beyond its lower border.
+cv::Mat lumaPlane(const cv::Mat& image)
 {
-  return {picture.rows * 2 / 3, picture.cols, CV_8UC1, picture.data, picture.step};
+  return {image.rows * 2 / 3, image.cols, CV_8UC1, image.data, image.step};
 }
 
 const unsigned char* jpegBytes(const cv::Mat& image)
 {
-  if (!image.isContinuous()) throw std::invalid_argument("jpeg picture is not one row of bytes");
+  if (!image.isContinuous()) throw std::invalid_argument("jpeg image is not one row of bytes");
   return image.data;
 }
 
@@ -113,13 +113,13 @@ void decode(const cv::Mat& image, JpegPixels pixels, cv::Mat& out)
   decodeJpeg(jpegBytes(image), image.total(), pixels, out);
 }
 
-/// The factor from samples of 16 bits to those whose white is `white`.
+/// The factor that scales samples of 16 bits so that white becomes `white`.
 double scaleTo(double white, const std::string& encoding)
 {
   return white / (encoding == "mono10" ? 1023.0 : 65535.0);
 }
 
-/// cv::cvtColor, with the step to 8 bits that it does not have.
+/// cv::cvtColor, followed by the conversion to 8 bits, which it does not do.
 void convert(const cv::Mat& image, const std::string& encoding, int code, cv::Mat& out)
 {
   if (image.depth() != CV_16U)
@@ -134,7 +134,7 @@ void convert(const cv::Mat& image, const std::string& encoding, int code, cv::Ma
 
 void toMono16(const cv::Mat& image, const std::string& encoding, cv::Mat& out)
 {
-  if (encoding != "mono10") throw std::invalid_argument("a " + encoding + " picture has no 16 bits to give as mono16");
+  if (encoding != "mono10") throw std::invalid_argument("a " + encoding + " image has no 16 bits to give as mono16");
   checkedLayout(image, encoding);
   image.convertTo(out, CV_16U, scaleTo(65535.0, encoding));
 }
@@ -157,7 +157,7 @@ bool isEncoding(const std::string& encoding)
 bool isMessageEncoding(const std::string& encoding)
 {
   return isEncoding(encoding) &&
-         std::find(kOnlyOfCameras.begin(), kOnlyOfCameras.end(), encoding) == kOnlyOfCameras.end();
+         std::find(kCameraEncodings.begin(), kCameraEncodings.end(), encoding) == kCameraEncodings.end();
 }
 
 int matType(const std::string& encoding)
@@ -191,7 +191,7 @@ void toGray(const cv::Mat& image, const std::string& encoding, cv::Mat& gray)
   else if (isPlanar(layout))
     gray = lumaPlane(image);
   else if (layout.type == CV_8UC2)
-    takeLuma(image, encoding, gray);
+    copyLuma(image, encoding, gray);
   else if (layout.to_gray != kNone)
   {
     if (!convertRowsToGray(image, encoding, gray)) convert(image, encoding, layout.to_gray, gray);
@@ -202,9 +202,9 @@ void toGray(const cv::Mat& image, const std::string& encoding, cv::Mat& gray)
     gray = image;
 }
 
-bool sharesPixels(const cv::Mat& picture, const cv::Mat& source)
+bool sharesPixels(const cv::Mat& converted, const cv::Mat& source)
 {
-  return picture.data >= source.datastart && picture.data < source.dataend;
+  return converted.data >= source.datastart && converted.data < source.dataend;
 }
 
 void toBgr(const cv::Mat& image, const std::string& encoding, cv::Mat& bgr)
@@ -245,7 +245,7 @@ void toEncoding(const cv::Mat& image, const std::string& encoding, const std::st
   else if (wanted == "mono16")
     toMono16(image, encoding, out);
   else
-    throw std::invalid_argument("a " + encoding + " picture cannot be made " + wanted);
+    throw std::invalid_argument("a " + encoding + " image cannot be converted to " + wanted);
 }
 
 }  // namespace robot_vision

@@ -10,9 +10,9 @@ namespace robot_vision
 namespace
 {
 
-constexpr int kBlock = 64;  // px whose sums stay in the cache next to the processor
+constexpr int kBlock = 64;  // px whose sums stay in the level 1 cache
 
-/// One row of sums.
+/// Computes one row of sums, in loops that compilers vectorize.
 void convolveRowInLoops(const std::uint8_t* const* rows, const SymmetricWeights& weights, int count,
                         std::uint16_t* sums)
 {
@@ -42,15 +42,15 @@ using Vector = Simd::Vector;
 
 constexpr int kVectorBytes = static_cast<int>(sizeof(Vector));
 
-/// Words of bytes in the order of InterleaveLower() and InterleaveUpper().
+/// Words computed from bytes, in the order of InterleaveLower() and InterleaveUpper().
 struct LowAndHigh
 {
   Vector low;
   Vector high;
 };
 
-/// Bytes less 128 each, which makes all weighed sums less by kSumBias: as much as adding it to 16 bits, and signed
-/// bytes may have unsigned weights.
+/// Loads bytes and subtracts 128 from each, because the products need signed bytes where the weights are unsigned. The
+/// weighted sums become smaller by 128 * 256, which in 16 bits is the same as adding kSumBias.
 inline Vector loadSigned(const std::uint8_t* from)
 {
   return Simd::Xor(Simd::load(from), Simd::words(0x8080));
@@ -58,12 +58,12 @@ inline Vector loadSigned(const std::uint8_t* from)
 
 #ifdef __AVX512VNNI__
 
-/// Weighs four rows at once.
-inline void weighBlock(const std::uint8_t* const* rows, const SymmetricWeights& weights, int i, LowAndHigh* sums)
+/// Computes sums of as many columns as a vector has bytes, four rows of the image at a time.
+inline void convolveBlock(const std::uint8_t* const* rows, const SymmetricWeights& weights, int i, LowAndHigh* sums)
 {
-  Vector totals[kWeighedRows][4];
-  for (auto& of_row : totals)
-    for (Vector& total : of_row)
+  Vector totals[kRowsAtOnce][4];
+  for (auto& row : totals)
+    for (Vector& total : row)
       total = Simd::zeros();
   const int end = SymmetricWeights::rows(weights.half);
   for (int j = 0; j < end; j += 4)
@@ -77,7 +77,7 @@ inline void weighBlock(const std::uint8_t* const* rows, const SymmetricWeights& 
     const Vector columns[4] = {_mm512_unpacklo_epi16(upper.low, lower.low), _mm512_unpackhi_epi16(upper.low, lower.low),
                                _mm512_unpacklo_epi16(upper.high, lower.high),
                                _mm512_unpackhi_epi16(upper.high, lower.high)};
-    for (int k = 0; k < kWeighedRows; ++k)
+    for (int k = 0; k < kRowsAtOnce; ++k)
     {
       std::int32_t four;
       std::memcpy(&four, weights.bytes + j - k, sizeof four);
@@ -85,16 +85,16 @@ inline void weighBlock(const std::uint8_t* const* rows, const SymmetricWeights& 
         totals[k][part] = _mm512_dpbusd_epi32(totals[k][part], Simd::integers(four), columns[part]);
     }
   }
-  for (int k = 0; k < kWeighedRows; ++k)
+  for (int k = 0; k < kRowsAtOnce; ++k)
     sums[k] = {_mm512_packs_epi32(totals[k][0], totals[k][1]), _mm512_packs_epi32(totals[k][2], totals[k][3])};
 }
 
 #else
 
-/// Weighs two rows at once.
-inline void weighBlock(const std::uint8_t* const* rows, const SymmetricWeights& weights, int i, LowAndHigh* sums)
+/// Computes sums of as many columns as a vector has bytes, two rows of the image at a time.
+inline void convolveBlock(const std::uint8_t* const* rows, const SymmetricWeights& weights, int i, LowAndHigh* sums)
 {
-  for (int k = 0; k < kWeighedRows; ++k)
+  for (int k = 0; k < kRowsAtOnce; ++k)
     sums[k] = {Simd::zeros(), Simd::zeros()};
   const int end = SymmetricWeights::rows(weights.half);
   for (int j = 0; j < end; j += 2)
@@ -103,7 +103,7 @@ inline void weighBlock(const std::uint8_t* const* rows, const SymmetricWeights& 
     const Vector lower = loadSigned(rows[j + 1] + i);
     const Vector low = Simd::InterleaveLower(upper, lower);
     const Vector high = Simd::InterleaveUpper(upper, lower);
-    for (int k = 0; k < kWeighedRows; ++k)
+    for (int k = 0; k < kRowsAtOnce; ++k)
     {
       std::int16_t two;
       std::memcpy(&two, weights.bytes + j - k, sizeof two);
@@ -122,26 +122,27 @@ void convolveColumns(const std::uint8_t* const* rows, const SymmetricWeights& we
   {
     if (count < kVectorBytes)
     {
-      for (int k = 0; k < kWeighedRows; ++k)
+      for (int k = 0; k < kRowsAtOnce; ++k)
         convolveRowInLoops(rows + k, weights, count, sums[k]);
       return;
     }
     const int begin = i + kVectorBytes <= count ? i : count - kVectorBytes;
-    LowAndHigh block[kWeighedRows];
-    weighBlock(rows, weights, begin, block);
-    for (int k = 0; k < kWeighedRows; ++k)
+    LowAndHigh block[kRowsAtOnce];
+    convolveBlock(rows, weights, begin, block);
+    for (int k = 0; k < kRowsAtOnce; ++k)
       Simd::storeInOrder(sums[k] + begin, block[k].low, block[k].high);
   }
 }
 
-/// Weighed sums around pixels with even and with odd indices.
+/// Weighted sums for pixels with even indices and for those with odd indices.
 struct EvenAndOdd
 {
   Vector even = Simd::integers(kMeanOffset);
   Vector odd = Simd::integers(kMeanOffset);
 };
 
-/// The two weights of pairs of neighbours around pixels with even and with odd indices: for these they are one before.
+/// The weights of a pair of neighbouring values in the windows of pixels with even indices, and in those of pixels with
+/// odd indices, which begin one value later.
 inline EvenAndOdd weightsOfPair(const std::uint16_t* weights)
 {
   std::int32_t even, odd;
@@ -156,7 +157,7 @@ inline void addPairs(Vector values, const EvenAndOdd& weights, EvenAndOdd& sums)
   sums.odd = Simd::addWordPairs(sums.odd, values, weights.odd);
 }
 
-/// Sums around as many pixels as a Vector has bytes.
+/// Sums for as many pixels as a vector has bytes.
 struct TwoSums
 {
   EvenAndOdd first;
@@ -165,10 +166,10 @@ struct TwoSums
 
 #ifdef __AVX512BW__
 
-constexpr int kPairs = 16;  // in a line of the cache
+constexpr int kPairs = 16;  // pairs of words in a cache line
 
-/// Adds the pairs from kFirst on, which begin in the first two of three lines: a vector from the middle of them is made
-/// in registers, as each load of one touches two.
+/// Adds the pairs from kFirst on, which begin in the first two of three cache lines. Vectors that begin within a line
+/// are made in registers, because loading one would touch two cache lines.
 template <int kFirst>
 inline void addPairsOf(const Vector (&lines)[3], const std::uint16_t* weights, int count, TwoSums& sums)
 {
@@ -210,7 +211,7 @@ inline TwoSums addAllPairs(const std::uint16_t* values, const SymmetricWeights& 
 
 #endif
 
-/// The upper words, of pixels in their order.
+/// The means of the pixels in their order, which are the upper words of the sums.
 inline Vector means(const EvenAndOdd& sums)
 {
   return Simd::Or(Simd::upperWords(sums.even), Simd::And(sums.odd, Simd::integers(static_cast<int>(0xFFFF0000U))));
@@ -230,7 +231,7 @@ void convolveRow(const std::uint16_t* sums, const SymmetricWeights& weights, int
 void convolveColumns(const std::uint8_t* const* rows, const SymmetricWeights& weights, int count,
                      std::uint16_t* const* sums)
 {
-  for (int k = 0; k < kWeighedRows; ++k)
+  for (int k = 0; k < kRowsAtOnce; ++k)
     convolveRowInLoops(rows + k, weights, count, sums[k]);
 }
 
@@ -243,10 +244,10 @@ void convolveRow(const std::uint16_t* sums, const SymmetricWeights& weights, int
       totals[i] = kMeanOffset;
     for (int j = 0; j <= 2 * weights.half; ++j)
     {
-      const std::uint16_t* const of_tap = sums + begin + j;
+      const std::uint16_t* const shifted = sums + begin + j;
       const auto weight = static_cast<std::int16_t>(weights.words[j]);
       for (int i = 0; i < kBlock; ++i)
-        totals[i] += static_cast<std::int16_t>(of_tap[i]) * weight;
+        totals[i] += static_cast<std::int16_t>(shifted[i]) * weight;
     }
     for (int i = 0; i < kBlock; ++i)
       means[begin + i] = static_cast<std::uint8_t>(totals[i] >> 16);

@@ -10,49 +10,50 @@ namespace robot_vision
 namespace
 {
 
-constexpr int kMargin = 64;  // px that kernels may touch beyond a row's end
-constexpr int kWhole = 256;  // all weights together
+constexpr int kMargin = 64;      // px that kernels may touch beyond the end of a row
+constexpr int kWeightSum = 256;  // sum of all weights
 constexpr std::uint8_t kImpulse = 255;
 
 }  // namespace
 
 GaussWeights::GaussWeights(int size) : size_(size), half_(size / 2)
 {
-  // Of a white pixel in a black row OpenCV makes the weights but for the rounding of those above 127: the middle's.
+  // A row with a single white pixel (255) becomes 255/256 of each weight, rounded, which is the weight itself up to
+  // 127. Only the middle one can be larger; it is what the others leave of the sum.
   cv::Mat row(1, 2 * size + 1, CV_8UC1, cv::Scalar(0));
   row.at<std::uint8_t>(size) = kImpulse;
   cv::GaussianBlur(row, row, {size, size}, 0.0);
-  std::vector<std::uint16_t> beside;  // the middle, from it to the end
+  std::vector<std::uint16_t> beside;  // the weights on one side of the middle
   for (int j = 1; j <= half_; ++j)
     beside.push_back(row.at<std::uint8_t>(size + j));
-  while (!beside.empty() && beside.back() == 0)  // of the largest windows those next to their ends
+  while (!beside.empty() && beside.back() == 0)  // large windows end in weights of 0
     beside.pop_back();
   half_ = static_cast<int>(beside.size());
   words_.assign(static_cast<std::size_t>(2 * (kWeightMargin + half_) + 1), 0);
   const auto middle = words_.begin() + kWeightMargin + half_;
   std::copy(beside.begin(), beside.end(), middle + 1);
   std::reverse_copy(beside.begin(), beside.end(), middle - half_);
-  *middle = static_cast<std::uint16_t>(std::accumulate(words_.begin(), words_.end(), kWhole, std::minus<>()));
+  *middle = static_cast<std::uint16_t>(std::accumulate(words_.begin(), words_.end(), kWeightSum, std::minus<>()));
   bytes_.assign(words_.begin(), words_.end());
 }
 
 bool GaussWeights::areExact() const
 {
-  cv::Mat picture(100, 150, CV_8UC1);
-  cv::RNG().fill(picture, cv::RNG::UNIFORM, 0, 256);
-  picture.colRange(0, 50).setTo(255);  // whose mean is white only of weights that add up
+  cv::Mat image(100, 150, CV_8UC1);
+  cv::RNG().fill(image, cv::RNG::UNIFORM, 0, 256);
+  image.colRange(0, 50).setTo(255);  // stays white only if the weights add up
   cv::Mat expected;
-  cv::GaussianBlur(picture, expected, {size_, size_}, 0.0);
+  cv::GaussianBlur(image, expected, {size_, size_}, 0.0);
   GrayLineBuffer gray;
-  gray.begin(picture, "mono8", 0, GaussianFilterRows::window(*this));
+  gray.begin(image, "mono8", 0, GaussianFilterRows::window(*this));
   GaussianFilterRows rows;
   rows.begin(gray, *this);
-  for (int y = 0; y < picture.rows; ++y)
+  for (int y = 0; y < image.rows; ++y)
   {
-    const int i = y % kWeighedRows;
-    if (i == 0) rows.begin(y, {{0, picture.cols}});
+    const int i = y % kRowsAtOnce;
+    if (i == 0) rows.begin(y, {{0, image.cols}});
     const std::uint8_t* const row = rows.row(i);
-    if (!std::equal(row, row + picture.cols, expected.ptr(y))) return false;
+    if (!std::equal(row, row + image.cols, expected.ptr(y))) return false;
   }
   return true;
 }
@@ -61,7 +62,7 @@ void GaussianFilterRows::begin(GrayLineBuffer& rows, const GaussWeights& weights
 {
   rows_ = &rows;
   weights_ = &weights;
-  sums_.resize(kWeighedRows, rows.size().width + 2 * weights.half() + 2 * kMargin);
+  sums_.resize(kRowsAtOnce, rows.size().width + 2 * weights.half() + 2 * kMargin);
   means_.resize(1, rows.size().width + kMargin);
 }
 
@@ -84,8 +85,8 @@ void GaussianFilterRows::convolveColumns(const cv::Range& span)
   columns_.clear();
   for (const std::uint8_t* const row : window_)
     columns_.push_back(row + begin);
-  std::uint16_t* sums[kWeighedRows];
-  for (int i = 0; i < kWeighedRows; ++i)
+  std::uint16_t* sums[kRowsAtOnce];
+  for (int i = 0; i < kRowsAtOnce; ++i)
     sums[i] = sums_[i] + half + begin;
   kernels<GaussKernels>().convolve_columns(columns_.data(), weights_->weights(), end - begin, sums);
 }

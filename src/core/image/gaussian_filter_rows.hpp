@@ -11,21 +11,21 @@
 namespace robot_vision
 {
 
-/// The weights by which cv::GaussianBlur makes a mean of bytes.
+/// The weights that cv::GaussianBlur uses for bytes.
 class GaussWeights
 {
 public:
-  /// Of a window with this odd side, from 1 px on, and the sigma that OpenCV takes for it.
+  /// Finds the weights for a window with this side (px, odd, at least 1) and the sigma that OpenCV derives from it.
   explicit GaussWeights(int size);
 
   int size() const { return size_; }
-  /// Of the window without its middle, as far as it has weights.
+  /// Pixels on each side of the window's middle whose weights are not 0.
   int half() const { return half_; }
-  /// Where half() is not 0.
+  /// The weights for the kernels; half() must not be 0.
   SymmetricWeights weights() const { return {half_, bytes_.data() + kWeightMargin, words_.data() + kWeightMargin}; }
 
-  /// Tries whether GaussianFilterRows make what cv::GaussianBlur does, to the bit. They do not if OpenCV's weights do
-  /// not add up to 1, as before 4.5.
+  /// Tries whether GaussianFilterRows equals cv::GaussianBlur to the bit. It does not where OpenCV's weights do not add
+  /// up to 1, as before version 4.5.
   bool areExact() const;
 
 private:
@@ -35,23 +35,23 @@ private:
   std::vector<std::uint16_t> words_;
 };
 
-/// Rows of a gray picture after cv::GaussianBlur, from top to bottom.
+/// Computes rows of a gray image filtered by cv::GaussianBlur, from top to bottom and only in spans of columns.
 class GaussianFilterRows
 {
 public:
-  static constexpr int kColumns = 64;  // at multiples of which spans begin
+  static constexpr int kColumns = 64;  // spans begin at multiples of it
 
-  /// `rows` and `weights` have to stay; `rows` has to be begun from the first row of the first window on, with a window
-  /// of window() rows.
+  /// Begins an image. `rows` and `weights` must outlive the calls that follow; `rows` must begin at or above the first
+  /// row of the first window, and have a window of window() rows.
   void begin(GrayLineBuffer& rows, const GaussWeights& weights);
 
-  /// Begins kWeighedRows rows from row `y` on, which is not above the last call's, in these columns.
+  /// Begins kRowsAtOnce rows from row `y` on, in these columns. `y` must not be less than in the last call.
   void begin(int y, const std::vector<cv::Range>& spans);
 
-  /// One of these rows; valid until the next one.
+  /// Row `i` of these, 0 to kRowsAtOnce - 1; valid until the next call.
   const std::uint8_t* row(int i);
 
-  /// Rows of the picture that are looked at together.
+  /// The number of gray rows that kRowsAtOnce filtered rows are computed from.
   static int window(const GaussWeights& weights) { return SymmetricWeights::rows(weights.half()); }
 
 private:
@@ -60,8 +60,8 @@ private:
   GrayLineBuffer* rows_ = nullptr;
   const GaussWeights* weights_ = nullptr;
   std::vector<const std::uint8_t*> window_;
-  std::vector<const std::uint8_t*> columns_;  // the same rows from a span's first column on
-  AlignedRows<std::uint16_t> sums_;           // of the columns, with those that are mirrored beyond both ends
+  std::vector<const std::uint8_t*> columns_;  // the same rows, from the first column of a span on
+  AlignedRows<std::uint16_t> sums_;           // sums over columns, mirrored beyond both ends of the rows
   std::vector<cv::Range> spans_;
   AlignedRows<std::uint8_t> means_;  // one row
 };

@@ -12,9 +12,9 @@ namespace
 
 #ifdef ROBOT_VISION_PIXELS
 
-/// Makes gray of as many pixels as a vector has integers.
 #ifdef __AVX512VNNI__
 
+/// Computes the gray values of as many pixels as a vector has integers.
 class GrayMean
 {
 public:
@@ -34,7 +34,7 @@ public:
   }
 
 private:
-  // A weight is 256 times one signed byte and another one.
+  // The product of bytes takes signed bytes only, so that a weight is split into two: 256 * upper + lower.
   static int upperByte(int weight) { return (weight + 128) >> 8; }
   static int lowerByte(int weight) { return (weight - 256 * upperByte(weight)) & 0xFF; }
 
@@ -80,7 +80,7 @@ private:
 
 #endif
 
-/// As many pixels as a vector has bytes.
+/// Converts as many pixels as a vector has bytes.
 template <int kChannels>
 void grayBlock(const std::uint8_t* pixels, const GrayMean& mean, std::uint8_t* gray)
 {
@@ -96,7 +96,7 @@ template <int kChannels>
 void grayRow(const std::uint8_t* pixels, const GrayMean& mean, int count, std::uint8_t* gray)
 {
   constexpr int kPixels = static_cast<int>(sizeof(Simd::Vector));
-  std::uint8_t rest[kChannels * kPixels] = {};  // a last block of less is made here, where nothing is beyond it
+  std::uint8_t rest[kChannels * kPixels] = {};  // room for the last block, which would be read beyond the row's end
   std::uint8_t gray_rest[kPixels];
   for (int i = 0; i < count; i += kPixels)
   {
@@ -108,7 +108,7 @@ void grayRow(const std::uint8_t* pixels, const GrayMean& mean, int count, std::u
   }
 }
 
-void makeGray(const std::uint8_t* pixels, int channels, const GrayWeights& weights, int count, std::uint8_t* gray)
+void convertToGray(const std::uint8_t* pixels, int channels, const GrayWeights& weights, int count, std::uint8_t* gray)
 {
   const GrayMean mean(weights);
   if (channels == 3)
@@ -117,11 +117,11 @@ void makeGray(const std::uint8_t* pixels, int channels, const GrayWeights& weigh
     grayRow<4>(pixels, mean, count, gray);
 }
 
-constexpr auto kMakeGray = makeGray;
+constexpr auto kConvertToGray = convertToGray;
 
 #else
 
-constexpr decltype(GrayKernels::gray) kMakeGray = nullptr;
+constexpr decltype(GrayKernels::gray) kConvertToGray = nullptr;
 
 #endif
 
@@ -129,7 +129,7 @@ constexpr decltype(GrayKernels::gray) kMakeGray = nullptr;
 
 template <>
 const GrayKernels KernelTable<GrayKernels, ROBOT_VISION_SET>::table = {
-    kMakeGray,
+    kConvertToGray,
 };
 
 }  // namespace robot_vision

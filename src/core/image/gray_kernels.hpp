@@ -7,7 +7,7 @@
 namespace robot_vision
 {
 
-/// The weights of a colour's channels in its gray, 0 to 32639 each, 2^shift together.
+/// The weights of the three colour channels in gray, 0 to 32639 each. They add up to 2^shift.
 struct GrayWeights
 {
   std::int16_t channels[3];
@@ -16,8 +16,8 @@ struct GrayWeights
 
 struct GrayKernels
 {
-  /// The weighed sums of pixels of 3 or 4 channels, the fourth of which does not count, rounded (halves up). Null: not
-  /// faster than cv::cvtColor.
+  /// Writes the weighted means of pixels of 3 or 4 channels, rounded (halves up). The fourth channel does not count.
+  /// Null where it would be no faster than cv::cvtColor.
   void (*gray)(const std::uint8_t* pixels, int channels, const GrayWeights& weights, int count, std::uint8_t* gray);
 };
 

@@ -10,7 +10,7 @@ namespace robot_vision
 namespace
 {
 
-constexpr int kBand = 16;  // rows converted at once: few enough for the cache, many enough for the call not to count
+constexpr int kBand = 16;  // rows converted at once: they fit the cache, and the cost of the call does not matter
 
 int bands(int rows)
 {
@@ -21,14 +21,14 @@ int bands(int rows)
 
 bool GrayLineBuffer::takes(const std::string& encoding)
 {
-  constexpr std::array<const char*, 8> separate = {"mono8", "bgr8",   "rgb8",   "bgra8",
-                                                   "rgba8", "mono16", "yuv422", "yuv422_yuy2"};
-  return std::find(separate.begin(), separate.end(), encoding) != separate.end();
+  constexpr std::array<const char*, 8> names = {"mono8", "bgr8",   "rgb8",   "bgra8",
+                                                "rgba8", "mono16", "yuv422", "yuv422_yuy2"};
+  return std::find(names.begin(), names.end(), encoding) != names.end();
 }
 
 void GrayLineBuffer::begin(const cv::Mat& image, const std::string& encoding, int first, int window)
 {
-  image_ = cv::Mat(image.size(), image.type(), image.data, image.step);  // without a share in the memory
+  image_ = cv::Mat(image.size(), image.type(), image.data, image.step);  // does not keep the memory alive
   encoding_ = encoding;
   ring_ = cv::Mat();
   if (encoding != "mono8")

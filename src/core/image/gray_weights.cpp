@@ -10,7 +10,7 @@ namespace robot_vision
 namespace
 {
 
-// ITU-R BT.601; older OpenCV has 14 bits of it.
+// The weights of ITU-R BT.601 with 15 bits, and with 14 bits as in older versions of OpenCV.
 constexpr std::array<GrayWeights, 2> kKnown = {{{{3735, 19235, 9798}, 15}, {{1868, 9617, 4899}, 14}}};
 
 std::uint8_t mean(const cv::Vec3b& bgr, const GrayWeights& weights)
@@ -21,37 +21,38 @@ std::uint8_t mean(const cv::Vec3b& bgr, const GrayWeights& weights)
   return static_cast<std::uint8_t>(sum >> weights.shift);
 }
 
-/// Tries colours of all kinds in rows that leave a rest to any vectors.
+/// Tries the known weights on random colours, and on all values of each channel beside black and beside white. The rows
+/// have an odd length, so that vectorized code also handles a remainder.
 const GrayWeights* findWeights()
 {
-  cv::Mat colours(256, 271, CV_8UC3);
-  cv::RNG().fill(colours, cv::RNG::UNIFORM, 0, 256);
-  for (int i = 0; i < 256; ++i)  // each channel alone, and each without the others' black
+  cv::Mat colors(256, 271, CV_8UC3);
+  cv::RNG().fill(colors, cv::RNG::UNIFORM, 0, 256);
+  for (int i = 0; i < 256; ++i)
     for (int channel = 0; channel < 3; ++channel)
     {
-      auto& alone = colours.at<cv::Vec3b>(i, channel) = cv::Vec3b(0, 0, 0);
-      auto& beside = colours.at<cv::Vec3b>(i, 3 + channel) = cv::Vec3b(255, 255, 255);
-      alone[channel] = beside[channel] = static_cast<std::uint8_t>(i);
+      auto& beside_black = colors.at<cv::Vec3b>(i, channel) = cv::Vec3b(0, 0, 0);
+      auto& beside_white = colors.at<cv::Vec3b>(i, 3 + channel) = cv::Vec3b(255, 255, 255);
+      beside_black[channel] = beside_white[channel] = static_cast<std::uint8_t>(i);
     }
   std::array<cv::Mat, 4> grays;
   cv::Mat other;
-  cv::cvtColor(colours, grays[0], cv::COLOR_BGR2GRAY);
-  cv::cvtColor(colours, other, cv::COLOR_BGR2RGB);
+  cv::cvtColor(colors, grays[0], cv::COLOR_BGR2GRAY);
+  cv::cvtColor(colors, other, cv::COLOR_BGR2RGB);
   cv::cvtColor(other, grays[1], cv::COLOR_RGB2GRAY);
-  cv::cvtColor(colours, other, cv::COLOR_BGR2BGRA);
+  cv::cvtColor(colors, other, cv::COLOR_BGR2BGRA);
   cv::cvtColor(other, grays[2], cv::COLOR_BGRA2GRAY);
-  cv::cvtColor(colours, other, cv::COLOR_BGR2RGBA);
+  cv::cvtColor(colors, other, cv::COLOR_BGR2RGBA);
   cv::cvtColor(other, grays[3], cv::COLOR_RGBA2GRAY);
-  const auto are_weights = [&](const GrayWeights& weights)
+  const auto gives_all_grays = [&](const GrayWeights& weights)
   {
-    const auto are_those_of = [&](const cv::Mat& gray)
+    const auto gives = [&](const cv::Mat& gray)
     {
-      return std::equal(gray.begin<std::uint8_t>(), gray.end<std::uint8_t>(), colours.begin<cv::Vec3b>(),
+      return std::equal(gray.begin<std::uint8_t>(), gray.end<std::uint8_t>(), colors.begin<cv::Vec3b>(),
                         [&](std::uint8_t level, const cv::Vec3b& bgr) { return level == mean(bgr, weights); });
     };
-    return std::all_of(grays.begin(), grays.end(), are_those_of);
+    return std::all_of(grays.begin(), grays.end(), gives);
   };
-  const auto* found = std::find_if(kKnown.begin(), kKnown.end(), are_weights);
+  const auto* found = std::find_if(kKnown.begin(), kKnown.end(), gives_all_grays);
   return found == kKnown.end() ? nullptr : found;
 }
 

@@ -5,8 +5,8 @@
 namespace robot_vision
 {
 
-/// Those by which cv::cvtColor makes colours of 8 bits gray, for BGR, which differ between versions of OpenCV. Null: it
-/// does not do so by any that are known here.
+/// The weights (in BGR order) by which cv::cvtColor converts 8-bit colours to gray in this version of OpenCV. Null if
+/// none of the weights known here give its results.
 const GrayWeights* grayWeightsOfBgr();
 
 }  // namespace robot_vision

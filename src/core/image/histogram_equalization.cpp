@@ -16,14 +16,14 @@ namespace robot_vision
 namespace
 {
 
-constexpr int kBlockPixels = 1 << 16;     // that stay in the cache, and are many to one call
-constexpr int kPixelsOfThread = 1 << 17;  // at least: less is not worth waking it
+constexpr int kBlockPixels = 1 << 16;         // fit the cache, and are many enough for the cost of a call not to matter
+constexpr int kMinPixelsPerThread = 1 << 17;  // fewer are not worth waking a thread
 constexpr int kWordBytes = 8;
 
 using Counts = std::array<int, 256>;
 
-/// How often each gray level is there. Each byte of a word has counters of its own: neighbours, which are often equal,
-/// would wait for each other's.
+/// Counts gray levels. Each byte of a word has counters of its own: neighbouring pixels are often equal, and would wait
+/// for each other if they shared a counter.
 class Histogram
 {
 public:
@@ -52,8 +52,8 @@ private:
   std::array<Counts, kWordBytes> counts_ = {};
 };
 
-/// That of cv::equalizeHist, down to the float of its scale.
-std::array<std::uint8_t, 256> stretchingTable(const Counts& counts, int total)
+/// The lookup table of cv::equalizeHist, computed in float as there.
+std::array<std::uint8_t, 256> equalizationTable(const Counts& counts, int total)
 {
   std::array<std::uint8_t, 256> table = {};
   const auto* darkest = std::find_if(counts.begin(), counts.end(), [](int count) { return count > 0; });
@@ -73,7 +73,7 @@ std::array<std::uint8_t, 256> stretchingTable(const Counts& counts, int total)
   return table;
 }
 
-/// Makes and counts a block of gray rows at a time.
+/// Counts the gray levels of rows, a block at a time. Each block is first converted from `image` unless that is empty.
 void countRows(const cv::Mat& image, const std::string& encoding, const cv::Range& rows, cv::Mat& plain,
                Histogram& histogram)
 {
@@ -83,8 +83,8 @@ void countRows(const cv::Mat& image, const std::string& encoding, const cv::Rang
     const cv::Range block(begin, std::min(begin + block_rows, rows.end));
     if (!image.empty())
     {
-      cv::Mat made = plain.rowRange(block);
-      toGray(image.rowRange(block), encoding, made);
+      cv::Mat gray = plain.rowRange(block);
+      toGray(image.rowRange(block), encoding, gray);
     }
     for (int y = block.start; y < block.end; ++y)
       histogram.add(plain.ptr(y), plain.cols);
@@ -95,33 +95,33 @@ void countRows(const cv::Mat& image, const std::string& encoding, const cv::Rang
 
 void toEqualizedGray(const cv::Mat& image, const std::string& encoding, cv::Mat& plain, cv::Mat& equalized)
 {
-  cv::Mat coloured;  // none where all the rows are gray before they are counted
+  cv::Mat unconverted;  // empty if all rows are converted before any is counted
   if (encoding != "mono8" && GrayLineBuffer::takes(encoding))
   {
     checkPixels(image, encoding);
-    coloured = image;
+    unconverted = image;
     plain.create(image.size(), CV_8UC1);
   }
   else
     toGray(image, encoding, plain);
 
-  const int least = rowsOf(kPixelsOfThread, plain.cols);
+  const int min_rows = rowsOf(kMinPixelsPerThread, plain.cols);
   const int threads = cv::getNumThreads();
-  std::vector<Histogram> histograms(static_cast<std::size_t>(bandsOf(plain.rows, threads, least)));
-  parallelForRows(plain.rows, threads, least,
+  std::vector<Histogram> histograms(static_cast<std::size_t>(bandsOf(plain.rows, threads, min_rows)));
+  parallelForRows(plain.rows, threads, min_rows,
                   [&](int i, const cv::Range& rows)
-                  { countRows(coloured, encoding, rows, plain, histograms[static_cast<std::size_t>(i)]); });
+                  { countRows(unconverted, encoding, rows, plain, histograms[static_cast<std::size_t>(i)]); });
   Counts counts = {};
   for (const Histogram& histogram : histograms)
     histogram.addTo(counts);
 
-  const std::array<std::uint8_t, 256> table = stretchingTable(counts, plain.size().area());
+  const std::array<std::uint8_t, 256> table = equalizationTable(counts, plain.size().area());
   equalized.create(plain.size(), CV_8UC1);
-  parallelForRows(plain.rows, threads, least,
+  parallelForRows(plain.rows, threads, min_rows,
                   [&](int, const cv::Range& rows)
                   {
                     for (int y = rows.start; y < rows.end; ++y)
-                      kernels<TableKernels>().apply_lut(table.data(), plain.ptr(y), plain.cols, equalized.ptr(y));
+                      kernels<LutKernels>().apply_lut(table.data(), plain.ptr(y), plain.cols, equalized.ptr(y));
                   });
 }
 

@@ -16,7 +16,7 @@ constexpr unsigned char kHuffmanTables = 0xC4;
 constexpr unsigned char kReserved = 0xC8;
 constexpr unsigned char kArithmeticTables = 0xCC;
 constexpr unsigned char kLastFrame = 0xCF;
-constexpr unsigned char kTemporary = 0x01;  // as a restart marker it has no segment
+constexpr unsigned char kTemporary = 0x01;  // has no segment, like the restart markers
 constexpr unsigned char kFirstRestart = 0xD0;
 constexpr unsigned char kLastRestart = 0xD7;
 constexpr unsigned char kStartOfImage = 0xD8;
@@ -24,14 +24,14 @@ constexpr unsigned char kEndOfImage = 0xD9;
 constexpr unsigned char kStartOfScan = 0xDA;
 constexpr unsigned char kFill = 0xFF;
 
-/// What a walk along the markers of a stream tells.
+/// What the markers of a stream say about it.
 struct Structure
 {
-  bool complete = false;  // from the start to the end of an image with pixels
+  bool complete = false;  // has a start, a frame, a scan and an end
   bool baseline = false;
   JpegInfo info;
-  std::vector<std::uint8_t> tables;  // its Huffman segments
-  std::size_t first_scan = 0;        // where its marker is
+  std::vector<std::uint8_t> tables;  // the segments with Huffman tables
+  std::size_t first_scan = 0;        // position of the first scan's marker
 };
 
 bool beginsFrame(unsigned char marker)
@@ -40,8 +40,8 @@ bool beginsFrame(unsigned char marker)
          marker != kArithmeticTables;
 }
 
-/// The position of the next marker's 0xFF, or `size`. Entropy-coded data on the way is passed over with its restart
-/// markers, and so is what some cameras leave in front of a marker.
+/// The position of the 0xFF of the next marker that begins a segment, or `size`. Skips entropy-coded data with its
+/// restart markers, and the bytes that some cameras leave in front of a marker.
 std::size_t findMarker(const unsigned char* data, std::size_t size, std::size_t i)
 {
   while (i + 1 < size)
@@ -74,7 +74,7 @@ Structure readStructure(const unsigned char* data, std::size_t size)
     const std::size_t length = bigEndian<2>(data + i + 2);
     if (length < 2 || length > size - i - 2) return found;
     const std::size_t end = i + 2 + length;
-    if (beginsFrame(marker) && length >= 8 && found.info.size.empty())  // libjpeg takes no second one
+    if (beginsFrame(marker) && length >= 8 && found.info.size.empty())  // libjpeg refuses a second frame
     {
       found.baseline = marker == kBaseline;
       found.info.size = {static_cast<int>(bigEndian<2>(data + i + 7)), static_cast<int>(bigEndian<2>(data + i + 5))};
@@ -87,10 +87,10 @@ Structure readStructure(const unsigned char* data, std::size_t size)
   return found;
 }
 
-Structure readWhole(const unsigned char* data, std::size_t size)
+Structure readCompleteStructure(const unsigned char* data, std::size_t size)
 {
-  const auto refuse = [size](const std::string& why)
-  { throw std::invalid_argument("JPEG of " + std::to_string(size) + " bytes " + why); };
+  const auto refuse = [size](const std::string& reason)
+  { throw std::invalid_argument("JPEG of " + std::to_string(size) + " bytes " + reason); };
   Structure found = readStructure(data, size);
   if (!found.complete) refuse("is damaged or truncated");
   const cv::Size claimed = found.info.size;
@@ -100,7 +100,7 @@ Structure readWhole(const unsigned char* data, std::size_t size)
   return found;
 }
 
-/// The segments of the standard Huffman tables: those that an encoder uses unless it makes its own.
+/// The segments with the standard Huffman tables, taken from a stream of the encoder, which uses them by default.
 std::vector<std::uint8_t> makeStandardTables()
 {
   std::vector<std::uint8_t> stream;
@@ -127,12 +127,12 @@ cv::Size claimedJpegSize(const unsigned char* data, std::size_t size)
 
 JpegInfo readJpegInfo(const unsigned char* data, std::size_t size)
 {
-  return readWhole(data, size).info;
+  return readCompleteStructure(data, size).info;
 }
 
 JpegInfo copyJpeg(const unsigned char* data, std::size_t size, std::vector<std::uint8_t>& out)
 {
-  const Structure found = readWhole(data, size);
+  const Structure found = readCompleteStructure(data, size);
   if (!found.baseline || !found.tables.empty())
   {
     out.assign(data, data + size);

@@ -1,4 +1,4 @@
-#include <cstdio>  // what jpeglib.h needs of it, it does not include
+#include <cstdio>  // needed by jpeglib.h, which does not include it
 
 #include <jpeglib.h>
 
@@ -14,31 +14,32 @@
 #include "robot_vision/common/range.hpp"
 #include "robot_vision/image/jpeg.hpp"
 
-// libjpeg-turbo by its older interface: that of TurboJPEG tells of the first warning only, so that behind a harmless
-// one any damage would pass, knows of no limit of scans before version 2.1, and reads every header twice.
+// This uses libjpeg's own interface, because that of TurboJPEG reports only the first warning (so that any damage after
+// a harmless warning would pass), cannot limit the number of scans before version 2.1, and reads every header twice.
 
 namespace robot_vision
 {
 namespace
 {
 
-/// Of a progressive picture; encoders write 10, the most thorough some 60. A small stream of many takes minutes.
+/// The most scans of a progressive stream. Encoders write 10, the most thorough ones some 60; decoding a small stream
+/// with very many would take minutes.
 constexpr int kMaxScans = 100;
 
-/// Bytes in front of a marker that may be anything: encoders in hardware write whole words, as they find them, and
-/// some webcams leave a byte or more before the restart markers of nearly every picture.
-constexpr int kMaxLeftOver = 32;
+/// The most arbitrary bytes that may stand in front of a marker: hardware encoders write whole words, filled up with
+/// whatever was there, and some webcams leave a byte or more before the restart markers of nearly every image.
+constexpr int kMaxExtraBytes = 32;
 
-/// Whether no more than zeros and fill bytes lie behind what has been decoded. libjpeg tells how many bytes it has
-/// skipped (fill bytes do not count), and has come to the end of those.
+/// Whether libjpeg has skipped only zeros and fill bytes. `end` is the end of the `skipped` bytes; libjpeg does not
+/// count fill bytes.
 bool isPadding(const unsigned char* end, int skipped)
 {
-  const auto pads = [](unsigned char byte) { return byte == 0x00 || byte == 0xFF; };
-  return std::all_of(end - skipped, end, pads);
+  const auto is_padding = [](unsigned char byte) { return byte == 0x00 || byte == 0xFF; };
+  return std::all_of(end - skipped, end, is_padding);
 }
 
-/// Whether the picture is whole nevertheless. Behind the begin of a scan, a gap in front of a marker is the trace of
-/// damaged data, unless it is what webcams pad their streams with; in front of the first, it belongs to nothing.
+/// Whether the image is complete in spite of a warning. After the start of a scan, bytes in front of a marker are what
+/// damaged data leaves, unless they are the padding of a webcam; before the first scan they belong to nothing.
 bool isHarmless(const jpeg_decompress_struct& info)
 {
   const jpeg_error_mgr& warning = *info.err;
@@ -47,7 +48,7 @@ bool isHarmless(const jpeg_decompress_struct& info)
   {
     case JWRN_EXTRANEOUS_DATA:
       if (info.input_scan_number == 0) return true;
-      return skipped <= kMaxLeftOver || isPadding(info.src->next_input_byte, skipped);
+      return skipped <= kMaxExtraBytes || isPadding(info.src->next_input_byte, skipped);
     case JWRN_ADOBE_XFORM:
     case JWRN_JFIF_MAJOR:
     case JWRN_NOT_SEQUENTIAL:
@@ -57,8 +58,8 @@ bool isHarmless(const jpeg_decompress_struct& info)
   }
 }
 
-/// One picture's way through libjpeg, whose errors must not return to it: they go back to the last run(), over frames
-/// without destructors.
+/// Decodes one stream with libjpeg. An error handler must not return to libjpeg: it jumps back to the last run(), and
+/// the stack frames in between must not need destructors.
 class Decompression
 {
 public:
@@ -91,17 +92,17 @@ public:
     return info_;
   }
 
-  /// `work` may have nothing to destroy.
+  /// Runs calls of libjpeg. `work` must not hold anything that needs a destructor while libjpeg runs.
   template <class Work>
   void run(Work work)
   {
-    if (setjmp(failed_) != 0) refuse("cannot be decoded: " + std::string(why_.data()));
+    if (setjmp(failed_) != 0) refuse("cannot be decoded: " + std::string(reason_.data()));
     work();
   }
 
-  [[noreturn]] void refuse(const std::string& why) const
+  [[noreturn]] void refuse(const std::string& reason) const
   {
-    throw std::invalid_argument("JPEG of " + std::to_string(size_) + " bytes " + why);
+    throw std::invalid_argument("JPEG of " + std::to_string(size_) + " bytes " + reason);
   }
 
 private:
@@ -110,14 +111,14 @@ private:
   [[noreturn]] static void fail(j_common_ptr info)
   {
     Decompression& me = of(info);
-    info->err->format_message(info, me.why_.data());
+    info->err->format_message(info, me.reason_.data());
     std::longjmp(me.failed_, 1);
   }
 
   void limitScans()
   {
     if (info_.input_scan_number <= kMaxScans) return;
-    std::snprintf(why_.data(), why_.size(), "it has more than %d scans", kMaxScans);
+    std::snprintf(reason_.data(), reason_.size(), "it has more than %d scans", kMaxScans);
     std::longjmp(failed_, 1);
   }
 
@@ -126,17 +127,18 @@ private:
   jpeg_error_mgr errors_{};
   jpeg_progress_mgr progress_{};
   std::jmp_buf failed_{};
-  std::array<char, JMSG_LENGTH_MAX> why_{};
+  std::array<char, JMSG_LENGTH_MAX> reason_{};
 };
 
-void requireSize(const Decompression& picture, std::size_t width, std::size_t height)
+void requireSize(const Decompression& jpeg, std::size_t width, std::size_t height)
 {
   if (width * height > kMaxPixels)
-    picture.refuse("claims to be of " + std::to_string(width) + "x" + std::to_string(height) + ", the most is " +
-                   std::to_string(kMaxPixels) + " pixels");
+    jpeg.refuse("claims to be of " + std::to_string(width) + "x" + std::to_string(height) + ", the most is " +
+                std::to_string(kMaxPixels) + " pixels");
 }
 
-/// A stream may end behind any of its scans; what is missing then is gray, or blurred.
+/// Whether no scan is missing. A stream may end after any of its scans; the parts whose scans are missing are then gray
+/// or blurred.
 bool hasAllScans(const jpeg_decompress_struct& info)
 {
   for (int i = 0; i < info.num_components; ++i)
@@ -149,10 +151,10 @@ bool hasAllScans(const jpeg_decompress_struct& info)
   return true;
 }
 
-void finish(Decompression& picture, jpeg_decompress_struct& info)
+void finish(Decompression& jpeg, jpeg_decompress_struct& info)
 {
-  if (!hasAllScans(info)) picture.refuse("is damaged: some of its scans are missing");
-  picture.run([&info] { jpeg_finish_decompress(&info); });
+  if (!hasAllScans(info)) jpeg.refuse("is damaged: some of its scans are missing");
+  jpeg.run([&info] { jpeg_finish_decompress(&info); });
 }
 
 void readRows(jpeg_decompress_struct& info, cv::Mat& out)
@@ -167,7 +169,8 @@ void readRows(jpeg_decompress_struct& info, cv::Mat& out)
   }
 }
 
-/// Whether readLuma() can put the luma where it belongs: whole blocks across, and as fine as the picture.
+/// Whether readLuma() can read the luma into the image directly: its rows consist of whole blocks, and it has the full
+/// resolution.
 bool isLumaOfBlocks(const jpeg_decompress_struct& info)
 {
   const jpeg_component_info& luma = info.comp_info[0];
@@ -176,14 +179,15 @@ bool isLumaOfBlocks(const jpeg_decompress_struct& info)
          luma.h_samp_factor == info.max_h_samp_factor && luma.v_samp_factor == info.max_v_samp_factor;
 }
 
-/// To be called before the decompression starts: it then leaves the chroma alone, and copies no rows.
-void wantLuma(jpeg_decompress_struct& info)
+/// Makes libjpeg skip the chroma and write rows of blocks without copies. To be called before the decompression starts.
+void requestLuma(jpeg_decompress_struct& info)
 {
   info.raw_data_out = TRUE;
   for (int i = 1; i < info.num_components; ++i)
     info.comp_info[i].component_needed = FALSE;
 }
 
+/// Reads rows of blocks; `below` is room for the rows that the last blocks have below the image.
 void readLuma(jpeg_decompress_struct& info, cv::Mat& out, std::vector<JSAMPLE>& below)
 {
   std::array<JSAMPROW, MAX_SAMP_FACTOR * DCTSIZE> rows;
@@ -220,32 +224,32 @@ void validateReduction(int reduction)
 void decodeJpeg(const unsigned char* data, std::size_t size, JpegPixels pixels, cv::Mat& out, int reduction)
 {
   validateReduction(reduction);
-  Decompression picture(size);
-  jpeg_decompress_struct& info = picture.readHeader(data);
-  requireSize(picture, info.image_width, info.image_height);
+  Decompression jpeg(size);
+  jpeg_decompress_struct& info = jpeg.readHeader(data);
+  requireSize(jpeg, info.image_width, info.image_height);
   info.out_color_space = colorSpace(pixels);
   info.scale_num = 1;
   info.scale_denom = static_cast<unsigned>(reduction);
   const bool luma = pixels == JpegPixels::kGray && isLumaOfBlocks(info);
-  if (luma) wantLuma(info);
-  picture.run([&info] { jpeg_start_decompress(&info); });
+  if (luma) requestLuma(info);
+  jpeg.run([&info] { jpeg_start_decompress(&info); });
   out.create(static_cast<int>(info.output_height), static_cast<int>(info.output_width),
              pixels == JpegPixels::kGray ? CV_8UC1 : CV_8UC3);
-  std::vector<JSAMPLE> below(luma ? info.output_width : 0);  // what the last blocks have below the picture
+  std::vector<JSAMPLE> below(luma ? info.output_width : 0);
   if (luma)
-    picture.run([&info, &out, &below] { readLuma(info, out, below); });
+    jpeg.run([&info, &out, &below] { readLuma(info, out, below); });
   else
-    picture.run([&info, &out] { readRows(info, out); });
-  finish(picture, info);
+    jpeg.run([&info, &out] { readRows(info, out); });
+  finish(jpeg, info);
 }
 
 void requireSoundJpeg(const unsigned char* data, std::size_t size)
 {
-  Decompression picture(size);
-  jpeg_decompress_struct& info = picture.readHeader(data);
-  requireSize(picture, info.image_width, info.image_height);
-  picture.run([&info] { jpeg_read_coefficients(&info); });
-  finish(picture, info);
+  Decompression jpeg(size);
+  jpeg_decompress_struct& info = jpeg.readHeader(data);
+  requireSize(jpeg, info.image_width, info.image_height);
+  jpeg.run([&info] { jpeg_read_coefficients(&info); });
+  finish(jpeg, info);
 }
 
 }  // namespace robot_vision

@@ -16,7 +16,7 @@ namespace
 
 constexpr bool kFastLut = true;
 
-/// Of 64 values at a time: the table fits four registers, of which an instruction looks into two.
+/// Looks up 64 values at a time: the table fits four registers, and an instruction looks up in two of them.
 void applyLut(const std::uint8_t* table, const std::uint8_t* values, int count, std::uint8_t* results)
 {
   const __m512i part_0 = _mm512_loadu_si512(table);
@@ -38,7 +38,7 @@ void applyLut(const std::uint8_t* table, const std::uint8_t* values, int count, 
 
 constexpr bool kFastLut = false;
 
-/// Of a word of values at a time: there is less to load.
+/// Loads 8 values at a time, which is faster than to load each by itself.
 void applyLut(const std::uint8_t* table, const std::uint8_t* values, int count, std::uint8_t* results)
 {
   constexpr int kBytes = 8;
@@ -62,7 +62,7 @@ void applyLut(const std::uint8_t* table, const std::uint8_t* values, int count, 
 }  // namespace
 
 template <>
-const TableKernels KernelTable<TableKernels, ROBOT_VISION_SET>::table = {
+const LutKernels KernelTable<LutKernels, ROBOT_VISION_SET>::table = {
     applyLut,
     kFastLut,
 };

@@ -7,11 +7,11 @@
 namespace robot_vision
 {
 
-struct TableKernels
+struct LutKernels
 {
-  /// Values' places in a table of 256.
+  /// Replaces each value by its entry in a table of 256: cv::LUT.
   void (*apply_lut)(const std::uint8_t* table, const std::uint8_t* values, int count, std::uint8_t* results);
-  bool has_fast_lut;  // faster than to compute
+  bool has_fast_lut;  // whether looking up a value is faster than computing a linear function of it
 };
 
 }  // namespace robot_vision

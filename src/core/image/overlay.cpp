@@ -15,9 +15,9 @@ namespace
 const cv::Scalar kYellow(0, 255, 255), kRed(0, 0, 255), kBlack(0, 0, 0);
 const int kFont = cv::FONT_HERSHEY_SIMPLEX;
 const double kFontScale = 0.5;
-const int kShift = 4;  // binary digits behind the point of what OpenCV draws
+const int kShift = 4;  // fractional bits of the positions that OpenCV draws at
 
-/// Whether a number of pixels stays in range as a fixed-point number; NaN does not.
+/// Whether a position or length in px fits a fixed-point number. NaN does not.
 bool isDrawable(double pixels)
 {
   return std::abs(pixels) < 1e5;
@@ -45,7 +45,7 @@ void maskPicture(const cv::Mat& bgr, const cv::Mat& mask, cv::Mat& out)
   checkPixels(bgr, "bgr8");
   checkPixels(mask, "mono8");
   const auto size = [](const cv::Mat& mat) { return std::to_string(mat.cols) + "x" + std::to_string(mat.rows); };
-  require(mask.size() == bgr.size(), "the mask's size", size(mask), "the picture's, " + size(bgr));
+  require(mask.size() == bgr.size(), "the mask's size", size(mask), "the image's, " + size(bgr));
   out.create(bgr.size(), bgr.type());
   out.setTo(0);
   bgr.copyTo(out, mask);
@@ -58,7 +58,7 @@ void drawOutline(cv::Mat& bgr, const std::vector<cv::Point>& outline, const std:
   cv::polylines(bgr, outline, true, color, 2);
 
   const int gap = 5;
-  int below = 0;  // px that letters such as g reach below the line they stand on
+  int below = 0;  // px that letters such as g reach below the baseline
   const cv::Size text = cv::getTextSize(label, kFont, kFontScale, 1, &below);
   const cv::Rect box = cv::boundingRect(outline);
   const int above_box = box.y - gap - below;
@@ -72,7 +72,7 @@ void drawText(cv::Mat& bgr, const std::string& text, const cv::Point& position, 
 {
   checkPixels(bgr, "bgr8");
   if (!isDrawable(cv::Point2d(position))) return;
-  cv::putText(bgr, text, position, kFont, kFontScale, kBlack, 3, cv::LINE_AA);  // a rim, to be legible on anything
+  cv::putText(bgr, text, position, kFont, kFontScale, kBlack, 3, cv::LINE_AA);  // an outline, legible on any colour
   cv::putText(bgr, text, position, kFont, kFontScale, color, 1, cv::LINE_AA);
 }
 

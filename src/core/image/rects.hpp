@@ -11,7 +11,7 @@ inline cv::Rect fullRect(const cv::Mat& image)
   return {{0, 0}, image.size()};
 }
 
-/// A rectangle with `border` px more on every side, as far as the image goes.
+/// A rectangle grown by `border` px on every side and cut off at the border of the image. Empty if `rect` is.
 inline cv::Rect grown(const cv::Rect& rect, int border, const cv::Size& image)
 {
   if (rect.empty()) return {};

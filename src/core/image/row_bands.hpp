@@ -6,25 +6,27 @@
 namespace robot_vision
 {
 
-constexpr int kMinRows = 16;  // that are worth a thread where a band costs nothing besides them
+constexpr int kMinRows = 16;  // rows that are worth a thread if a band costs nothing besides its rows
 
-/// Rows of a width that have at least so many pixels.
+/// The number of rows of this width that have about so many pixels, at least 1.
 inline int rowsOf(int pixels, int width)
 {
   return std::max(1, pixels / std::max(1, width));
 }
 
-/// At most `threads` bands of at least `least` rows, or one: what a band costs besides its rows shall not count.
-inline int bandsOf(int rows, int threads, int least)
+/// The number of bands that `rows` are divided into: at most `threads`, each of at least `min_rows` so that the cost of
+/// a band besides its rows does not matter.
+inline int bandsOf(int rows, int threads, int min_rows)
 {
-  return std::max(1, std::min(threads, rows / least));
+  return std::max(1, std::min(threads, rows / min_rows));
 }
 
-/// Runs `work` on (i, rows) for the bands 0 to bandsOf() - 1 of so many rows, each in a thread of OpenCV's pool.
+/// Divides `rows` into bandsOf() bands, and calls work(i, rows of band i) for each of them in a thread of OpenCV's
+/// pool.
 template <class Work>
-void parallelForRows(int rows, int threads, int least, const Work& work)
+void parallelForRows(int rows, int threads, int min_rows, const Work& work)
 {
-  const int count = bandsOf(rows, threads, least);
+  const int count = bandsOf(rows, threads, min_rows);
   if (count == 1)
   {
     work(0, cv::Range(0, rows));

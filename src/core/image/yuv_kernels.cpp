@@ -17,7 +17,7 @@ void everySecond(const std::uint8_t* values, int count, std::uint8_t* __restrict
 
 #ifdef ROBOT_VISION_PIXELS
 
-// ITU-R BT.601 in 2^-20ths, as cv::cvtColor has it, in 32 bits.
+// The factors of ITU-R BT.601, times 2^20 as in cv::cvtColor; all sums fit 32 bits.
 constexpr int kShift = 20;
 constexpr int kLuma = 1220542;
 constexpr int kBlueOfU = 2116026;
@@ -25,10 +25,10 @@ constexpr int kGreenOfU = -409993;
 constexpr int kGreenOfV = -852492;
 constexpr int kRedOfV = 1673527;
 constexpr int kHalf = 1 << (kShift - 1);
-constexpr int kBlack = 16;  // of luma
-constexpr int kNone = 128;  // of chroma
+constexpr int kBlack = 16;  // luma of black
+constexpr int kNeutralChroma = 128;
 
-/// Pairs of pixels, each in an integer; of luma what is above black.
+/// Pairs of pixels, a pair in each integer. The luma is what exceeds kBlack.
 struct Pairs
 {
   Simd::Vector first;
@@ -37,6 +37,7 @@ struct Pairs
   Simd::Vector v;
 };
 
+/// Byte `i` of each integer, from the lowest.
 inline Simd::Vector byteOf(Simd::Vector integers, int i)
 {
   return Simd::And(PixelSimd::shiftIntegers(integers, 8 * i), Simd::integers(0xFF));
@@ -74,13 +75,14 @@ inline Simd::Vector channel(Simd::Vector luma, Simd::Vector chroma)
 }
 
 template <YuvLayout kLayout, bool kRgb>
-void colourPairs(const YuvRow& row, int i, std::uint8_t* pixels)
+void convertPairs(const YuvRow& row, int i, std::uint8_t* pixels)
 {
   const Pairs pairs = loadPairs<kLayout>(row, i);
-  const Simd::Vector blue = Simd::addIntegers(times(pairs.u, kBlueOfU), Simd::integers(kHalf - kNone * kBlueOfU));
-  const Simd::Vector red = Simd::addIntegers(times(pairs.v, kRedOfV), Simd::integers(kHalf - kNone * kRedOfV));
+  const Simd::Vector blue =
+      Simd::addIntegers(times(pairs.u, kBlueOfU), Simd::integers(kHalf - kNeutralChroma * kBlueOfU));
+  const Simd::Vector red = Simd::addIntegers(times(pairs.v, kRedOfV), Simd::integers(kHalf - kNeutralChroma * kRedOfV));
   const Simd::Vector green = Simd::addIntegers(Simd::addIntegers(times(pairs.u, kGreenOfU), times(pairs.v, kGreenOfV)),
-                                               Simd::integers(kHalf - kNone * (kGreenOfU + kGreenOfV)));
+                                               Simd::integers(kHalf - kNeutralChroma * (kGreenOfU + kGreenOfV)));
   const Simd::Vector one = kRgb ? red : blue;
   const Simd::Vector three = kRgb ? blue : red;
   const Simd::Vector first = times(pairs.first, kLuma);
@@ -92,42 +94,42 @@ void colourPairs(const YuvRow& row, int i, std::uint8_t* pixels)
 }
 
 template <YuvLayout kLayout, bool kRgb>
-void colourRow(const YuvRow& row, int pairs, std::uint8_t* pixels)
+void convertRow(const YuvRow& row, int pairs, std::uint8_t* pixels)
 {
   constexpr int kPairs = static_cast<int>(sizeof(Simd::Vector)) / 4;
   for (int i = 0; i + kPairs <= pairs; i += kPairs)
-    colourPairs<kLayout, kRgb>(row, i, pixels);
-  if (pairs % kPairs != 0) colourPairs<kLayout, kRgb>(row, pairs - kPairs, pixels);
+    convertPairs<kLayout, kRgb>(row, i, pixels);
+  if (pairs % kPairs != 0) convertPairs<kLayout, kRgb>(row, pairs - kPairs, pixels);
 }
 
 template <YuvLayout kLayout>
-void colourRow(const YuvRow& row, int pairs, bool is_rgb, std::uint8_t* pixels)
+void convertRow(const YuvRow& row, int pairs, bool is_rgb, std::uint8_t* pixels)
 {
-  (is_rgb ? colourRow<kLayout, true> : colourRow<kLayout, false>)(row, pairs, pixels);
+  (is_rgb ? convertRow<kLayout, true> : convertRow<kLayout, false>)(row, pairs, pixels);
 }
 
-void colourYuv(const YuvRow& row, YuvLayout layout, int pairs, bool is_rgb, std::uint8_t* pixels)
+void convertYuv(const YuvRow& row, YuvLayout layout, int pairs, bool is_rgb, std::uint8_t* pixels)
 {
   switch (layout)
   {
     case YuvLayout::kYuyv:
-      return colourRow<YuvLayout::kYuyv>(row, pairs, is_rgb, pixels);
+      return convertRow<YuvLayout::kYuyv>(row, pairs, is_rgb, pixels);
     case YuvLayout::kUyvy:
-      return colourRow<YuvLayout::kUyvy>(row, pairs, is_rgb, pixels);
+      return convertRow<YuvLayout::kUyvy>(row, pairs, is_rgb, pixels);
     case YuvLayout::kUv:
-      return colourRow<YuvLayout::kUv>(row, pairs, is_rgb, pixels);
+      return convertRow<YuvLayout::kUv>(row, pairs, is_rgb, pixels);
     case YuvLayout::kVu:
-      return colourRow<YuvLayout::kVu>(row, pairs, is_rgb, pixels);
+      return convertRow<YuvLayout::kVu>(row, pairs, is_rgb, pixels);
     case YuvLayout::kPlanes:
-      return colourRow<YuvLayout::kPlanes>(row, pairs, is_rgb, pixels);
+      return convertRow<YuvLayout::kPlanes>(row, pairs, is_rgb, pixels);
   }
 }
 
-constexpr auto kColourYuv = colourYuv;
+constexpr auto kConvertYuv = convertYuv;
 
 #else
 
-constexpr decltype(YuvKernels::yuv) kColourYuv = nullptr;
+constexpr decltype(YuvKernels::yuv) kConvertYuv = nullptr;
 
 #endif
 
@@ -136,7 +138,7 @@ constexpr decltype(YuvKernels::yuv) kColourYuv = nullptr;
 template <>
 const YuvKernels KernelTable<YuvKernels, ROBOT_VISION_SET>::table = {
     everySecond,
-    kColourYuv,
+    kConvertYuv,
 };
 
 }  // namespace robot_vision

@@ -7,15 +7,14 @@
 namespace robot_vision
 {
 
-/// How a row of YUV has its chroma, of which pairs of pixels have one sample: between the luma, or in rows of its own,
-/// as pairs (in `u` of YuvRow) or in two planes.
+/// Where a row has its chroma, of which each pair of pixels has one sample.
 enum class YuvLayout
 {
-  kYuyv,
-  kUyvy,
-  kUv,
-  kVu,
-  kPlanes
+  kYuyv,   // between the luma
+  kUyvy,   // between the luma
+  kUv,     // in YuvRow::u as pairs
+  kVu,     // in YuvRow::u as pairs
+  kPlanes  // in YuvRow::u and YuvRow::v
 };
 
 struct YuvRow
@@ -25,14 +24,14 @@ struct YuvRow
   const std::uint8_t* v;
 };
 
-constexpr int kMinRow = 64;  // pixels that a row of YuvKernels::yuv and BayerKernels::bayer has
+constexpr int kMinRow = 64;  // px, the shortest row that YuvKernels::yuv and BayerKernels::bayer can convert
 
 struct YuvKernels
 {
-  /// The first of every two.
+  /// Copies the first of every two values; `count` is the number of results.
   void (*every_second)(const std::uint8_t* values, int count, std::uint8_t* results);
 
-  /// Pixels in BGR or RGB order, as cv::cvtColor makes them. Null: not faster than that.
+  /// Writes pairs of pixels in BGR or RGB order as cv::cvtColor does. Null where it would be no faster than OpenCV.
   void (*yuv)(const YuvRow& row, YuvLayout layout, int pairs, bool is_rgb, std::uint8_t* pixels);
 };
 

@@ -65,22 +65,22 @@ void MotionStripe::begin(const MotionComparison& comparison, int first)
   }
   words_ = (image.cols + kBlockWidth - 1) / kBlockWidth;
   changed_.assign(static_cast<std::size_t>(words_), std::numeric_limits<int>::min());
-  window_ = 2 * comparison.dilate + kWeighedRows;
+  window_ = 2 * comparison.dilate + kRowsAtOnce;
   marked_.resize(2, words_);
   marked_.fill(0);
   dilated_.resize(window_, words_);
   mask_.resize(static_cast<std::size_t>(words_));
 }
 
-/// Computes the next rows of `dilated_`, as many as are blurred at once.
+/// Makes kRowsAtOnce of `dilated_`.
 void MotionStripe::makeNext(const MotionComparison& comparison)
 {
   const int height = comparison.reference.gray.rows;
-  compareTo(comparison, std::min(next_ + kWeighedRows + comparison.blur->half(), height));
+  compareTo(comparison, std::min(next_ + kRowsAtOnce + comparison.blur->half(), height));
   findSpans(comparison);
   if (!spans_.empty()) blurred_.begin(next_, spans_);
   if (!spans_.empty() && comparison.reference.blurred.empty()) reference_blurred_.begin(next_, spans_);
-  for (int i = 0; i < kWeighedRows && next_ < height; ++i, ++next_)
+  for (int i = 0; i < kRowsAtOnce && next_ < height; ++i, ++next_)
     mark(comparison, i);
 }
 

@@ -13,7 +13,7 @@ using namespace robot_vision;
 namespace
 {
 
-constexpr int kPlanes = -1;  // the luma is a part of the picture
+constexpr int kPlanes = -1;  // instead of a code of cv::cvtColor: the luma is a plane of the image
 
 struct Conversion
 {
@@ -51,7 +51,7 @@ bool isBayer(const Conversion& conversion)
   return std::string(conversion.encoding).substr(0, 5) == "bayer";
 }
 
-/// The next size that a picture of this encoding can have.
+/// The matrix size of the next larger image that this encoding allows.
 cv::Size allowed(const Conversion& conversion, cv::Size size)
 {
   if (isBayer(conversion)) return size;
@@ -59,11 +59,11 @@ cv::Size allowed(const Conversion& conversion, cv::Size size)
   return conversion.to_gray == kPlanes ? cv::Size(size.width, (size.height + 1) / 2 * 3) : size;
 }
 
-/// Pixels of any kind, in the middle of others, that begin at any address.
-class Picture
+/// An image of adversarial() pixels inside of a larger one, whose pixels begin at any address.
+class TestImage
 {
 public:
-  Picture(const std::string& encoding, const cv::Size& size, int kind)
+  TestImage(const std::string& encoding, const cv::Size& size, int kind)
   {
     const int type = matType(encoding);
     const cv::Mat bytes = adversarial({size.width * CV_MAT_CN(type), size.height}, kind);
@@ -91,8 +91,8 @@ cv::Mat byOpenCv(const cv::Mat& image, int code)
 
 void expectOpenCvs(const Conversion& conversion, const cv::Size& wanted, int kind)
 {
-  const Picture picture(conversion.encoding, allowed(conversion, wanted), kind);
-  const cv::Mat& image = picture.image;
+  const TestImage input(conversion.encoding, allowed(conversion, wanted), kind);
+  const cv::Mat& image = input.image;
   const cv::Mat before = image.clone();
   cv::Mat bgr, rgb, gray;
   toBgr(image, conversion.encoding, bgr);
@@ -107,28 +107,29 @@ void expectOpenCvs(const Conversion& conversion, const cv::Size& wanted, int kin
 
 void expectOpenCvsGray(const GrayConversion& conversion, const cv::Size& size, int kind)
 {
-  const Picture picture(conversion.encoding, size, kind);
-  const cv::Mat before = picture.image.clone();
+  const TestImage input(conversion.encoding, size, kind);
+  const cv::Mat before = input.image.clone();
   cv::Mat around(size.height, size.width + 70, CV_8UC1, cv::Scalar(77));
   cv::Mat gray = around.colRange(3, 3 + size.width);
-  toGray(picture.image, conversion.encoding, gray);
+  toGray(input.image, conversion.encoding, gray);
   EXPECT_EQ(cv::countNonZero(around.colRange(3 + size.width, around.cols) != 77), 0) << size;
-  ASSERT_TRUE(equal(gray, byOpenCv(picture.image, conversion.to_gray)))
+  ASSERT_TRUE(equal(gray, byOpenCv(input.image, conversion.to_gray)))
       << conversion.encoding << ' ' << kind << ' ' << size << ' ' << cv::getNumThreads();
-  EXPECT_TRUE(equal(picture.image, before));
+  EXPECT_TRUE(equal(input.image, before));
 }
 
-/// In one thread, and in several. They are chosen once each: to end and start OpenCV's threads takes a while.
-class RowConversionsInThreads : public testing::TestWithParam<int>
+/// Tests with one thread and with several. Each number is set only once, because OpenCV takes a while to end and start
+/// its threads.
+class ColorConversionInThreads : public testing::TestWithParam<int>
 {
   ThreadCount threads_{GetParam()};
 };
 
-INSTANTIATE_TEST_SUITE_P(Counts, RowConversionsInThreads, testing::Values(1, 3));
+INSTANTIATE_TEST_SUITE_P(Counts, ColorConversionInThreads, testing::Values(1, 3));
 
 }  // namespace
 
-TEST_P(RowConversionsInThreads, areThoseOfOpenCv)
+TEST_P(ColorConversionInThreads, equalsOpenCv)
 {
   cv::RNG random(11);
   for (const Conversion& conversion : kConversions)
@@ -145,7 +146,7 @@ TEST_P(RowConversionsInThreads, areThoseOfOpenCv)
   expectOpenCvs(kConversions[5], {4096, 270}, 1);
 }
 
-TEST(RowConversions, areThoseOfOpenCvForEachLumaWithEachChroma)
+TEST(ColorConversion, equalsOpenCvForAllLumaAndChroma)
 {
   cv::Mat image(256, 512, CV_8UC2);
   for (int u = 0; u < 256; u += 5)
@@ -160,7 +161,7 @@ TEST(RowConversions, areThoseOfOpenCvForEachLumaWithEachChroma)
   }
 }
 
-TEST_P(RowConversionsInThreads, makeTheGrayOfOpenCv)
+TEST_P(ColorConversionInThreads, equalsOpenCvsGray)
 {
   cv::RNG random(12);
   for (const GrayConversion& conversion : kGrayConversions)
@@ -174,7 +175,7 @@ TEST_P(RowConversionsInThreads, makeTheGrayOfOpenCv)
   }
 }
 
-TEST(RowConversions, makeTheGrayOfOpenCvForEveryColour)
+TEST(ColorConversion, equalsOpenCvsGrayForEveryColor)
 {
   const cv::Mat image = allColors();
   cv::Mat gray;
@@ -184,7 +185,7 @@ TEST(RowConversions, makeTheGrayOfOpenCvForEveryColour)
   EXPECT_TRUE(equal(gray, byOpenCv(image, cv::COLOR_RGB2GRAY)));
 }
 
-TEST(RowConversions, workInPlace)
+TEST(ColorConversion, worksInPlace)
 {
   for (const Conversion& conversion : kConversions)
   {
@@ -192,7 +193,7 @@ TEST(RowConversions, workInPlace)
     cv::Mat same = image;
     toBgr(same, conversion.encoding, same);
     EXPECT_TRUE(equal(same, byOpenCv(image, conversion.to_bgr))) << conversion.encoding;
-    if (isBayer(conversion)) continue;  // OpenCV writes gray over the mosaic that it reads
+    if (isBayer(conversion)) continue;  // OpenCV overwrites the mosaic while it reads it
     same = image;
     toGray(same, conversion.encoding, same);
     EXPECT_TRUE(equal(same, byOpenCv(image, conversion.to_gray))) << conversion.encoding;
@@ -206,8 +207,8 @@ TEST(RowConversions, workInPlace)
   }
 }
 
-// Or the tests above would compare OpenCV with itself.
-TEST(RowConversions, areOursWithWideVectors)
+// If OpenCV did the conversions, the tests above would compare it with itself.
+TEST(ColorConversion, isDoneByOurKernelsOnWideVectors)
 {
   const std::string set = name(currentSet());
   const bool wide = set.substr(0, 3) == "avx";
@@ -218,5 +219,5 @@ TEST(RowConversions, areOursWithWideVectors)
   for (const GrayConversion& conversion : kGrayConversions)
     EXPECT_EQ(convertRowsToGray(noise({96, 48}, matType(conversion.encoding)), conversion.encoding, pixels),
               wide && known);
-  if (!known) GTEST_SKIP() << "OpenCV makes grey by weights that are not known here";
+  if (!known) GTEST_SKIP() << "OpenCV converts to gray by weights that are not known here";
 }

@@ -31,7 +31,7 @@ void expectOpenCvs(const cv::Mat& image, const std::string& encoding)
 
 }  // namespace
 
-TEST(EqualizedGray, isThatOfOpenCvForEveryEncoding)
+TEST(HistogramEqualization, equalsOpenCvForEveryEncoding)
 {
   for (const std::string& encoding : encodings())
   {
@@ -41,7 +41,7 @@ TEST(EqualizedGray, isThatOfOpenCvForEveryEncoding)
   }
 }
 
-TEST(EqualizedGray, isThatOfOpenCvForAnyLevels)
+TEST(HistogramEqualization, equalsOpenCvForAllKindsOfImages)
 {
   cv::RNG random(7);
   for (int i = 0; i < 200; ++i)
@@ -54,7 +54,7 @@ TEST(EqualizedGray, isThatOfOpenCvForAnyLevels)
   expectOpenCvs(adversarial({4096, 2160}, 4), "mono8");
 }
 
-TEST(EqualizedGray, leavesThePictureWhoseLevelsAreAllTheSame)
+TEST(HistogramEqualization, equalsOpenCvForASingleLevel)
 {
   for (const int level : {0, 1, 200, 255})
     expectOpenCvs(cv::Mat(9, 21, CV_8UC1, cv::Scalar(level)), "mono8");

@@ -1,5 +1,5 @@
-// Rows that end where their memory does, for the sanitizers to see who reads or writes beyond them: in the library
-// those of the kernels' own lie between margins.
+// Runs kernels on rows that end where their memory ends, so that the sanitizers see accesses beyond them. In the
+// library many rows have margins, which would hide such accesses.
 
 #include <gtest/gtest.h>
 
@@ -46,7 +46,7 @@ Words randomBits(int words)
   return bits;
 }
 
-bool at(const Words& bits, int i)
+bool bitAt(const Words& bits, int i)
 {
   return i >= 0 && i / kWordBits < static_cast<int>(bits.size()) &&
          (bits[static_cast<std::size_t>(i / kWordBits)] >> i % kWordBits & 1) != 0;
@@ -70,7 +70,7 @@ std::vector<const std::uint8_t*> pointersTo(const std::vector<Bytes>& rows)
 
 }  // namespace
 
-TEST(RowEnds, ofMarksAndBits)
+TEST(RowEnds, markDifferencesAndSpreadBits)
 {
   for (const int count : kCounts)
   {
@@ -86,11 +86,11 @@ TEST(RowEnds, ofMarksAndBits)
     Bytes spread(a.size());
     kernels<BitKernels>().spread_bits(bits.data(), count, spread.data());
     for (int i = 0; i < count; ++i)
-      ASSERT_EQ(spread[static_cast<std::size_t>(i)], at(bits, i) ? 255 : 0) << count << ", " << i;
+      ASSERT_EQ(spread[static_cast<std::size_t>(i)], bitAt(bits, i) ? 255 : 0) << count << ", " << i;
   }
 }
 
-TEST(RowEnds, ofSplitMarks)
+TEST(RowEnds, splitMarks)
 {
   constexpr std::uint8_t kMarks[] = {0, kCandidate, kCandidate | kStrong};
   for (const int words : {1, 2, 5})
@@ -110,7 +110,7 @@ TEST(RowEnds, ofSplitMarks)
   }
 }
 
-TEST(RowEnds, ofUnitedBits)
+TEST(RowEnds, unite)
 {
   for (const int words : {1, 2, 3, 5, 8, 9, 30})
   {
@@ -131,15 +131,15 @@ TEST(RowEnds, ofUnitedBits)
       Words united(rows[0].size());
       kernels<BitKernels>().unite_neighbours(between.data() + 1, words, places, united.data());
       for (int i = 0; i < words * kWordBits; ++i)
-        ASSERT_EQ(at(united, i), at(rows[0], i) || at(rows[0], i - places) || at(rows[0], i + places))
+        ASSERT_EQ(bitAt(united, i), bitAt(rows[0], i) || bitAt(rows[0], i - places) || bitAt(rows[0], i + places))
             << words << places;
     }
   }
 }
 
-TEST(RowEnds, ofWeighedRows)
+TEST(RowEnds, convolveColumnsAndRows)
 {
-  constexpr std::size_t kReadBeyond = 128, kWrittenBeyond = 64;  // as Kernels::convolve_row says
+  constexpr std::size_t kReadBeyond = 128, kWrittenBeyond = 64;  // as GaussKernels::convolve_row says
   const std::vector<std::vector<std::uint8_t>> windows = {
       {64, 128, 64}, {1, 20, 60, 94, 60, 20, 1}, {64, 64, 0, 64, 64}};
   for (const Bytes& window : windows)
@@ -155,7 +155,7 @@ TEST(RowEnds, ofWeighedRows)
       std::vector<Bytes> rows;
       for (int i = 0; i < SymmetricWeights::rows(half); ++i)
         rows.push_back(random<std::uint8_t>(count, 255));
-      std::vector<std::vector<std::uint16_t>> sums(kWeighedRows, std::vector<std::uint16_t>(rows[0].size()));
+      std::vector<std::vector<std::uint16_t>> sums(kRowsAtOnce, std::vector<std::uint16_t>(rows[0].size()));
       std::uint16_t* const to[] = {sums[0].data(), sums[1].data(), sums[2].data(), sums[3].data()};
       kernels<GaussKernels>().convolve_columns(pointersTo(rows).data(), weights, count, to);
       for (std::size_t k = 0; k < sums.size(); ++k)
@@ -184,7 +184,7 @@ TEST(RowEnds, ofWeighedRows)
     }
 }
 
-TEST(RowEnds, ofSlidingSumsAndTheirQuotients)
+TEST(RowEnds, slideAndDivide)
 {
   const Division by_nine(9);
   for (const int count : kCounts)
@@ -205,7 +205,7 @@ TEST(RowEnds, ofSlidingSumsAndTheirQuotients)
   }
 }
 
-TEST(RowEnds, ofGradients)
+TEST(RowEnds, gradient)
 {
   for (const int count : kCounts)
   {
