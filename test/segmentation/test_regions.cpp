@@ -43,7 +43,7 @@ cv::Mat disc(cv::Size size, cv::Point2d center, double radius)
   return std::move(mask);
 }
 
-/// White where noise, blurred over `blur` px, is above its mean.
+/// Noise, blurred by a box of `blur` px and thresholded at its mean.
 cv::Mat blobs(cv::Size size, int blur)
 {
   cv::Mat soft;
@@ -100,7 +100,7 @@ TEST(RegionFinder, measuresRectanglesExactly)
 
 TEST(RegionFinder, countsPixelsAsConnectedComponentsDo)
 {
-  // Noise has every local pattern: holes, regions in holes, single pixels, lines, pixels joined at corners.
+  // Noise has all kinds of patterns: holes, regions in holes, single pixels, lines, pixels joined at corners.
   for (const cv::Mat& mask : {blobs({160, 120}, 1), blobs({160, 120}, 3), blobs({320, 240}, 9)})
   {
     cv::Mat labels, statistics, centroids;
@@ -119,7 +119,7 @@ TEST(RegionFinder, countsPixelsAsConnectedComponentsDo)
   }
 }
 
-TEST(RegionFinder, countsNoHolesAndFindsWhatIsInThem)
+TEST(RegionFinder, doesNotCountHolesAndFindsRegionsInThem)
 {
   cv::Mat mask = black({80, 60});
   mask(cv::Rect(10, 10, 40, 40)).setTo(255);
@@ -171,7 +171,7 @@ TEST(RegionFinder, cleansAsOpenCvDoesOnTheWholeMask)
     }
 }
 
-TEST(RegionFinder, looksOnlyAtThePartThatIsNotBlack)
+TEST(RegionFinder, looksOnlyAtTheGivenPart)
 {
   cv::Mat mask = cv::Mat::zeros(60, 150, CV_8UC1);
   cv::rectangle(mask, cv::Rect(70, 20, 24, 20), cv::Scalar(255), cv::FILLED);
@@ -191,7 +191,7 @@ TEST(RegionFinder, looksOnlyAtThePartThatIsNotBlack)
     }
   }
   const RegionFinder finder(regionParams(0, 1, 1));
-  EXPECT_EQ(finder.apply(mask, {100, 0, 50, 60}).size(), 1U);  // or nothing would be gained
+  EXPECT_EQ(finder.apply(mask, {100, 0, 50, 60}).size(), 1U);  // the region outside of the part is not found
   EXPECT_TRUE(finder.apply(mask, {}).empty());
 }
 
@@ -206,7 +206,7 @@ TEST(RegionFinder, removesSpecksAndFillsGaps)
   EXPECT_EQ(regions[0].box, cv::Rect(10, 10, 30, 30));
 }
 
-TEST(RegionFinder, takesMasksWithoutAndFullOfWhite)
+TEST(RegionFinder, takesBlackAndWhiteMasks)
 {
   const RegionFinder finder(regionParams(0, 3, 3));
   cv::Mat full(30, 40, CV_8UC1, cv::Scalar(255));
@@ -222,7 +222,7 @@ TEST(RegionFinder, takesMasksWithoutAndFullOfWhite)
   EXPECT_EQ(regions[0].circle_radius, 0.0);
 }
 
-TEST(RegionFinder, staysWithinItsPartOfAPicture)
+TEST(RegionFinder, ignoresPixelsAroundTheMask)
 {
   cv::Mat large(60, 80, CV_8UC1, cv::Scalar(255));
   cv::Mat mask = large(cv::Rect(20, 20, 40, 30));
@@ -234,7 +234,7 @@ TEST(RegionFinder, staysWithinItsPartOfAPicture)
   EXPECT_EQ(cv::countNonZero(large), 60 * 80 - 40 * 30 + cv::countNonZero(mask));
 }
 
-TEST(RegionFinder, refusesWhatIsNotAMask)
+TEST(RegionFinder, refusesEmptyAndColoredMasks)
 {
   EXPECT_THROW(find(cv::Mat()), std::invalid_argument);
   EXPECT_THROW(find(cv::Mat(4, 4, CV_8UC3)), std::invalid_argument);

@@ -31,17 +31,17 @@ struct BrightnessParams
 /// Throws std::invalid_argument naming the first parameter out of range, its value and the range.
 void validate(const BrightnessParams& params);
 
-/// Gain, offset and gamma: out = max * (clip(gain * in + offset) / max) ^ gamma, with max 255, or 65535 for 16 bits
-/// (where the offset counts 257-fold). Equal to cv::Mat::convertTo followed by cv::LUT with the gamma curve, to the
-/// bit. Holds the look-up tables, so that a frame is one pass.
+/// Applies gain, offset and gamma: out = max * (clip(gain * in + offset) / max) ^ gamma. max is 255, or 65535 for 16
+/// bits, where the offset is multiplied by 257. The result equals cv::Mat::convertTo followed by cv::LUT with the gamma
+/// curve, to the bit. The lookup tables are computed once, so that each frame takes a single pass.
 class Brightness
 {
 public:
   /// Throws std::invalid_argument as validate() does.
   explicit Brightness(const BrightnessParams& params = BrightnessParams());
 
-  /// Writes the picture in outputEncoding(encoding) into `out` (reused if it fits). `image` is not modified; an alpha
-  /// channel is kept. Throws std::invalid_argument if `image` is not a picture of `encoding` (see encoding.hpp).
+  /// Writes the result, which is of outputEncoding(encoding), into `out` (reused if it fits). `image` is not modified;
+  /// an alpha channel is kept. Throws std::invalid_argument if `image` is not of `encoding` (see encoding.hpp).
   void apply(const cv::Mat& image, const std::string& encoding, cv::Mat& out);
 
   /// The encoding of what apply() writes: the input's own for bgr8, rgb8, bgra8, rgba8, mono8 and mono16, else bgr8.
@@ -52,9 +52,9 @@ private:
 
   BrightnessParams params_;
   cv::Mat table_;         // 1x256 CV_8UC1
-  bool is_line_ = false;  // the table is that of a gain and an offset, which can be computed faster than looked up
-  cv::Mat alpha_table_;   // 1x256 CV_8UC4, the fourth channel unchanged
-  cv::Mat wide_table_;    // 1x65536 CV_16UC1, made when the first mono16 picture comes
+  bool is_line_ = false;  // whether the table is a gain and an offset without gamma, which need no table
+  cv::Mat alpha_table_;   // 1x256 CV_8UC4, which leaves the fourth channel unchanged
+  cv::Mat wide_table_;    // 1x65536 CV_16UC1, made for the first mono16 image
   cv::Mat bgr_;
 };
 

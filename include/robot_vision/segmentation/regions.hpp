@@ -28,7 +28,7 @@ struct RegionParams
 /// Throws std::invalid_argument naming the first parameter out of range, its value and the range.
 void validate(const RegionParams& params);
 
-/// Pixels of a mask that touch each other, at a side or a corner. Pixel centres have whole coordinates.
+/// A region of a mask: pixels that touch each other at a side or a corner. Pixel centres have integer coordinates.
 struct Region
 {
   cv::Rect box;                    // px
@@ -36,27 +36,27 @@ struct Region
   double area = 0.0;               // px, the number of pixels: holes do not count
   std::vector<cv::Point> outline;  // px, the pixels along the outer border (cv::CHAIN_APPROX_SIMPLE)
   cv::Point2d circle_center;       // px, of the smallest circle around the outline
-  double circle_radius = 0.0;      // px, of the same, through pixel centres; 0 for a single pixel
-  double roundness = 0.0;          // area to area of that circle half a pixel larger, 0 to 1 (a disc)
+  double circle_radius = 0.0;      // px, of that circle, which goes through pixel centres; 0 for a single pixel
+  double roundness = 0.0;          // area / area of the circle with half a pixel more radius, 0 to 1 (a disc)
 };
 
-/// Finds the regions of a mask: cv::morphologyEx, connected components and cv::findContours, on the part of it that is
-/// not black. Never changes: threads may share one.
+/// Finds the regions of a mask by cv::morphologyEx, connected components and cv::findContours, all applied only to the
+/// part of the mask that is not black. Threads may share a RegionFinder, because it never changes.
 class RegionFinder
 {
 public:
   /// Throws std::invalid_argument as validate() does.
   explicit RegionFinder(const RegionParams& params = RegionParams());
 
-  /// The regions of `mask` (CV_8UC1, 0 and 255), the largest first. The mask itself is cleaned: opened, then closed.
-  /// Throws std::invalid_argument if `mask` is empty or of another type.
+  /// Finds the regions of `mask` (CV_8UC1, 0 and 255), the largest first. The mask is cleaned in place: opened, then
+  /// closed. Throws std::invalid_argument if `mask` is empty or of another type.
   std::vector<Region> apply(cv::Mat& mask) const;
 
-  /// The same for a mask that is black outside of `part`, where nobody looks.
+  /// The same for a mask that is known to be black outside of `part`; the rest is not looked at.
   std::vector<Region> apply(cv::Mat& mask, const cv::Rect& part) const;
 
 private:
-  /// Returns the part of it outside of which it is black now.
+  /// Opens and closes the mask, and returns the part outside of which it is black now.
   cv::Rect clean(cv::Mat& mask, const cv::Rect& part) const;
 
   RegionParams params_;

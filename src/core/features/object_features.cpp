@@ -10,13 +10,13 @@ namespace
 {
 
 constexpr int kObjectFeatures = 300;
-constexpr int kSmallRegion = 120;     // px: a shorter side is enlarged, or features would look beyond its edges
-constexpr double kReach = 2.0;        // sides of a small region to its every side, in which it is looked for
+constexpr int kMinRegionSide = 120;   // px; smaller regions are enlarged, or ORB's patches would reach beyond them
+constexpr double kSearchReach = 2.0;  // how far around a small region nearFeatures() looks, in its longer side
 constexpr double kMaxEnlarged = 4.0;  // times
 constexpr int kNearFeatures = 1500;
-constexpr int kSmallestPicture = 16;  // px: cv::ORB would fail on what is left of a smaller one
-constexpr float kRatio = 0.85F;       // of the distances to the best and the second best match (Lowe, 2004)
-constexpr int kFewestMatches = 5;
+constexpr int kMinImageSide = 16;   // px; cv::ORB fails on smaller images
+constexpr float kMaxRatio = 0.85F;  // of the distances to the best and to the second best match (Lowe, 2004)
+constexpr int kMinMatches = 5;
 constexpr double kTolerance = 4.0;  // px
 
 Features find(const cv::Mat& gray, int count, double scale, const cv::Point2f& origin)
@@ -30,12 +30,12 @@ Features find(const cv::Mat& gray, int count, double scale, const cv::Point2f& o
   return features;
 }
 
-/// Of a part of the picture that is enlarged first.
+/// Finds features in a region that is enlarged first.
 Features findEnlarged(const cv::Mat& gray, const cv::Rect& region, int count, double enlarged)
 {
   cv::Mat pixels = gray(region);
   if (enlarged > 1.0) cv::resize(pixels, pixels, {}, enlarged, enlarged, cv::INTER_LINEAR);
-  const double half = 0.5 * (1.0 / enlarged - 1.0);  // pixels' middles, not their corners, are whole
+  const double half = 0.5 * (1.0 / enlarged - 1.0);  // because integer coordinates are those of pixel centres
   return find(pixels, count, 1.0 / enlarged, cv::Point2d(region.x + half, region.y + half));
 }
 
@@ -43,40 +43,40 @@ Features findEnlarged(const cv::Mat& gray, const cv::Rect& region, int count, do
 
 Features objectFeatures(const cv::Mat& gray, const cv::Rect& region)
 {
-  const double enlarged = std::min(region.width, region.height) < kSmallRegion ? 2.0 : 1.0;
+  const double enlarged = std::min(region.width, region.height) < kMinRegionSide ? 2.0 : 1.0;
   return findEnlarged(gray, region, kObjectFeatures, enlarged);
 }
 
-Features pictureFeatures(const cv::Mat& gray, int count)
+Features imageFeatures(const cv::Mat& gray, int count)
 {
-  if (std::min(gray.rows, gray.cols) < kSmallestPicture) return {};
+  if (std::min(gray.rows, gray.cols) < kMinImageSide) return {};
   return find(gray, count, 1.0, {});
 }
 
 Features nearFeatures(const cv::Mat& gray, const cv::Rect& region)
 {
   const int side = std::max({region.width, region.height, 1});
-  if (side >= kSmallRegion) return {};
-  const auto reach = static_cast<int>(kReach * side);
+  if (side >= kMinRegionSide) return {};
+  const auto reach = static_cast<int>(kSearchReach * side);
   const cv::Rect around = cv::Rect(region.tl() - cv::Point(reach, reach), region.br() + cv::Point(reach, reach)) &
                           cv::Rect({}, gray.size());
-  if (std::min(around.width, around.height) < kSmallestPicture) return {};
-  return findEnlarged(gray, around, kNearFeatures, std::min(static_cast<double>(kSmallRegion) / side, kMaxEnlarged));
+  if (std::min(around.width, around.height) < kMinImageSide) return {};
+  return findEnlarged(gray, around, kNearFeatures, std::min(static_cast<double>(kMinRegionSide) / side, kMaxEnlarged));
 }
 
-std::optional<Similarity> matchFeatures(const Features& object, const Features& picture)
+std::optional<Similarity> matchFeatures(const Features& object, const Features& image)
 {
-  if (object.points.empty() || picture.points.size() < 2) return std::nullopt;
+  if (object.points.empty() || image.points.size() < 2) return std::nullopt;
   std::vector<std::vector<cv::DMatch>> matches;
-  cv::BFMatcher(cv::NORM_HAMMING).knnMatch(object.descriptors, picture.descriptors, matches, 2);
+  cv::BFMatcher(cv::NORM_HAMMING).knnMatch(object.descriptors, image.descriptors, matches, 2);
   std::vector<cv::Point2f> from, to;
   for (const auto& pair : matches)
   {
-    if (pair[0].distance > kRatio * pair[1].distance) continue;
+    if (pair[0].distance > kMaxRatio * pair[1].distance) continue;
     from.push_back(object.points[static_cast<std::size_t>(pair[0].queryIdx)]);
-    to.push_back(picture.points[static_cast<std::size_t>(pair[0].trainIdx)]);
+    to.push_back(image.points[static_cast<std::size_t>(pair[0].trainIdx)]);
   }
-  return fitSimilarity(from, to, kTolerance, kFewestMatches);
+  return fitSimilarity(from, to, kTolerance, kMinMatches);
 }
 
 }  // namespace robot_vision

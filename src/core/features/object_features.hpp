@@ -8,24 +8,25 @@
 namespace robot_vision
 {
 
-/// ORB features: where, and what is there.
+/// ORB keypoints and their descriptors.
 struct Features
 {
-  std::vector<cv::Point2f> points;
-  cv::Mat descriptors;
+  std::vector<cv::Point2f> points;  // px
+  cv::Mat descriptors;              // a row for each point
 };
 
-/// Features of a region of a CV_8UC1 picture, in px of the picture: those by which an object is found again.
+/// The features of a region of a CV_8UC1 image, by which an object is found again. Points are in px of the image.
 Features objectFeatures(const cv::Mat& gray, const cv::Rect& region);
 
-/// Up to `count` features of a picture to search for objects.
-Features pictureFeatures(const cv::Mat& gray, int count);
+/// Up to `count` features of a whole image.
+Features imageFeatures(const cv::Mat& gray, int count);
 
-/// Those around a region where something small was seen last, enlarged: of what is small in a picture as it is, the few
-/// features look beyond its edges. None if the region is large enough for pictureFeatures().
+/// The features around a region in which a small object was seen last, computed on an enlarged part of the image: the
+/// descriptors of a small object would otherwise depend on what is around it. None if the region is so large that
+/// imageFeatures() will do.
 Features nearFeatures(const cv::Mat& gray, const cv::Rect& region);
 
-/// The similarity from the object's features to those of the picture that look alike; none if too few agree on one.
-std::optional<Similarity> matchFeatures(const Features& object, const Features& picture);
+/// The similarity that maps the object's features to matching features of the image; none if too few agree on one.
+std::optional<Similarity> matchFeatures(const Features& object, const Features& image);
 
 }  // namespace robot_vision

@@ -40,13 +40,13 @@ cv::Matx23d Similarity::matrix() const
 }
 
 std::optional<Similarity> fitSimilarity(const std::vector<cv::Point2f>& from, const std::vector<cv::Point2f>& to,
-                                        double tolerance, int least)
+                                        double tolerance, int min_inliers)
 {
-  if (static_cast<int>(from.size()) < std::max(least, 2)) return std::nullopt;
-  std::vector<uchar> agrees;
-  // OpenCV seeds its random numbers anew in each call.
-  const cv::Mat fit = cv::estimateAffinePartial2D(from, to, agrees, cv::RANSAC, tolerance, 500, 0.99, 5);
-  if (fit.empty() || cv::countNonZero(agrees) < least) return std::nullopt;
+  if (static_cast<int>(from.size()) < std::max(min_inliers, 2)) return std::nullopt;
+  std::vector<uchar> inliers;
+  // OpenCV seeds its random numbers anew in each call, so that the result does not depend on chance.
+  const cv::Mat fit = cv::estimateAffinePartial2D(from, to, inliers, cv::RANSAC, tolerance, 500, 0.99, 5);
+  if (fit.empty() || cv::countNonZero(inliers) < min_inliers) return std::nullopt;
   const cv::Matx23d m = fit;
   return Similarity{m(0, 0), m(1, 0), {m(0, 2), m(1, 2)}};
 }

@@ -7,7 +7,7 @@
 namespace robot_vision
 {
 
-/// A similarity of the plane: a point is scaled, turned and shifted.
+/// A similarity transform of the plane, which scales, rotates and shifts a point.
 struct Similarity
 {
   double a = 1.0, b = 0.0;  // scale times cosine and sine of the angle
@@ -17,14 +17,14 @@ struct Similarity
   double angle() const;  // rad, -pi to pi
   cv::Point2d operator()(const cv::Point2d& p) const;
   std::vector<cv::Point2f> operator()(const std::vector<cv::Point2f>& points) const;
-  /// First `inner`, then this.
+  /// The transform that applies first `inner`, then this.
   Similarity operator*(const Similarity& inner) const;
   cv::Matx23d matrix() const;
 };
 
-/// The similarity from one set of points to the other that most pairs agree with, to `tolerance` px: least squares over
-/// those pairs. None if there are fewer than `least`. The same for the same points.
+/// Fits the similarity that maps points `from` to points `to`: RANSAC with inliers within `tolerance` px, then least
+/// squares over the inliers. None if there are fewer than `min_inliers`. The same points always give the same result.
 std::optional<Similarity> fitSimilarity(const std::vector<cv::Point2f>& from, const std::vector<cv::Point2f>& to,
-                                        double tolerance, int least);
+                                        double tolerance, int min_inliers);
 
 }  // namespace robot_vision

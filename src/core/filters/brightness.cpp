@@ -16,7 +16,7 @@ namespace robot_vision
 namespace
 {
 
-/// The output for each input value of an unsigned integer type.
+/// The output for each value of an unsigned integer type.
 template <class T>
 cv::Mat makeTable(const BrightnessParams& params)
 {
@@ -31,6 +31,7 @@ cv::Mat makeTable(const BrightnessParams& params)
   return std::move(table);
 }
 
+/// The table for three channels, with the identity for the fourth.
 cv::Mat keepAlpha(const cv::Mat& table)
 {
   cv::Mat identity(table.size(), CV_8UC1);
@@ -41,8 +42,8 @@ cv::Mat keepAlpha(const cv::Mat& table)
   return merged;
 }
 
-/// Whether BrightnessKernels::line gives the table: of a gain and an offset without gamma it should, but for how the
-/// machine rounds what is nearly a half.
+/// Whether BrightnessKernels::line gives the same results as the table. Without gamma it should, but values next to a
+/// half may be rounded differently.
 bool isLine(const cv::Mat& table, const BrightnessParams& params)
 {
   if (params.gamma != 1.0) return false;
@@ -54,7 +55,7 @@ bool isLine(const cv::Mat& table, const BrightnessParams& params)
   return std::equal(line.begin(), line.end(), table.ptr());
 }
 
-/// cv::LUT for a row of 16 bits, which it has only since OpenCV 5.
+/// cv::LUT for a row of 16-bit values, which OpenCV supports only since version 5.
 void applyLut(const std::uint16_t* table, const std::uint16_t* values, int count, std::uint16_t* results)
 {
   for (int i = 0; i < count; ++i)

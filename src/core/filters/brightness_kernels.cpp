@@ -10,7 +10,7 @@ namespace
 void applyLine(const std::uint8_t* __restrict values, float gain, float offset, int count,
                std::uint8_t* __restrict results)
 {
-  constexpr float kTwo23 = 8388608.0F;  // a float as large has no fractional bits: adding it rounds
+  constexpr float kTwo23 = 8388608.0F;  // 2^23: a float this large has no fractional bits, so that adding it rounds
   for (int i = 0; i < count; ++i)
   {
     const float value = static_cast<float>(values[i]) * gain + offset;

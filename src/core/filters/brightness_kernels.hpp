@@ -9,7 +9,7 @@ namespace robot_vision
 
 struct BrightnessKernels
 {
-  /// value * gain + offset, rounded (halves to even) and limited to 0 to 255
+  /// Writes value * gain + offset, rounded (halves to even) and limited to 0 to 255.
   void (*line)(const std::uint8_t* values, float gain, float offset, int count, std::uint8_t* results);
 };
 

@@ -14,7 +14,7 @@ namespace robot_vision
 namespace
 {
 
-constexpr double kToEdge = 0.5;  // px from the centre of a pixel to its side
+constexpr double kHalfPixel = 0.5;  // px
 
 cv::Mat ellipse(int diameter)
 {
@@ -40,7 +40,7 @@ cv::Rect boxOf(const std::vector<Run>& runs)
   return {left, runs.front().y, right - left, runs.back().y + 1 - runs.front().y};
 }
 
-/// By the index of a region's first run.
+/// The sums of each region, at the index of its first run.
 std::vector<Sums> sumUp(const std::vector<Run>& runs)
 {
   std::vector<Sums> all(runs.size());
@@ -58,14 +58,14 @@ std::vector<Sums> sumUp(const std::vector<Run>& runs)
 /// Adds the smallest circle around the outline.
 void addCircle(Region& region)
 {
-  std::vector<cv::Point> hull;  // the circle is the same, and found in a fraction of the time
+  std::vector<cv::Point> hull;  // has the same circle, which is found much faster
   cv::convexHull(region.outline, hull);
   cv::Point2f center;
   float radius = 0.0F;
   cv::minEnclosingCircle(hull, center, radius);
   region.circle_center = center;
-  region.circle_radius = hull.size() > 1 ? radius : 0.0;  // OpenCV's is never 0
-  const double edge = region.circle_radius + kToEdge;
+  region.circle_radius = hull.size() > 1 ? radius : 0.0;  // OpenCV's radius is never 0
+  const double edge = region.circle_radius + kHalfPixel;
   region.roundness = std::min(1.0, region.area / (CV_PI * edge * edge));
 }
 
@@ -123,16 +123,16 @@ cv::Rect RegionFinder::clean(cv::Mat& mask, const cv::Rect& part) const
   if (part.empty() || (params_.opening <= 1 && params_.closing <= 1)) return part;
   const cv::Rect white = cv::boundingRect(mask(part));
   if (white.empty()) return white;
-  const cv::Rect reached = grown(white + part.tl(), params_.closing, mask.size());  // by the closing
-  cv::Mat pixels = mask(reached);
+  const cv::Rect changed = grown(white + part.tl(), params_.closing, mask.size());  // as far as the closing reaches
+  cv::Mat pixels = mask(changed);
   const auto transform = [&](int operation, const cv::Mat& element)
   {
-    // Isolated: the mask may be a part of a larger picture, which is none of its business.
+    // BORDER_ISOLATED keeps OpenCV from reading the pixels around a mask that is a part of a larger matrix.
     cv::morphologyEx(pixels, pixels, operation, element, {-1, -1}, 1, cv::BORDER_CONSTANT | cv::BORDER_ISOLATED);
   };
   if (params_.opening > 1) transform(cv::MORPH_OPEN, opening_);
   if (params_.closing > 1) transform(cv::MORPH_CLOSE, closing_);
-  return reached;
+  return changed;
 }
 
 }  // namespace robot_vision

@@ -11,7 +11,8 @@ namespace robot_vision
 namespace
 {
 
-/// The first of `kEights` times eight pixels in [begin, end) that are not all black, else the rest.
+/// Skips black pixels in [begin, end) in blocks of 8 * kEights. Returns the first block that has a white pixel, or else
+/// the remainder that is shorter than a block.
 template <std::size_t kEights>
 const std::uint8_t* skipBlack(const std::uint8_t* begin, const std::uint8_t* end)
 {
@@ -27,7 +28,7 @@ const std::uint8_t* skipBlack(const std::uint8_t* begin, const std::uint8_t* end
   return begin;
 }
 
-/// The first pixel in [begin, end) that is not black, else end.
+/// The first white pixel in [begin, end), or end.
 const std::uint8_t* findWhite(const std::uint8_t* begin, const std::uint8_t* end)
 {
   begin = skipBlack<1>(skipBlack<8>(begin, end), end);  // most of a mask is black
@@ -47,6 +48,7 @@ void appendRow(const cv::Mat& mask, int y, const cv::Range& columns, std::vector
   }
 }
 
+/// The first run of the region that a run belongs to: the root of a union-find tree.
 int findFirst(std::vector<Run>& runs, int index)
 {
   while (runs[index].first != index)
@@ -61,7 +63,7 @@ void join(std::vector<Run>& runs, int a, int b)
   runs[std::max(a, b)].first = std::min(a, b);
 }
 
-/// Joins the runs from `row` on with those of the row before, which begin at `above`.
+/// Joins the runs from index `row` on with those of the row before, which begin at index `above`.
 void joinRows(std::vector<Run>& runs, int above, int row)
 {
   for (int below = row; below < static_cast<int>(runs.size()); ++below)

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "core/features/flow_picture.hpp"
+#include "core/features/flow_image.hpp"
 #include "core/features/object_features.hpp"
 #include "object_model.hpp"
 #include "robot_vision/tracking/object_tracker.hpp"
@@ -21,7 +21,7 @@ struct FramePair
   /// Whether a velocity can be measured in that time.
   bool measurable() const { return passed >= kShortestTime; }
 
-  FlowPicture last, newest;
+  FlowImage last, newest;
   double passed = 0.0;  // s from one to the other; 0 if they cannot be compared
   FlowParams flow;
 };

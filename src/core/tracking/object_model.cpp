@@ -134,7 +134,7 @@ ObjectModel::ObjectModel(const cv::Mat& gray, const cv::Rect& region, int points
   center_ = {0.5 * (right - 0.5), 0.5 * (bottom - 0.5)};
 }
 
-cv::Mat ObjectModel::warped(FlowPicture& picture, const FlowParams& params, const Similarity& pose) const
+cv::Mat ObjectModel::warped(FlowImage& picture, const FlowParams& params, const Similarity& pose) const
 {
   int halvings = cvRound(std::log2(std::max(pose.scale(), 1.0)));  // or far apart pixels would be taken
   const cv::Mat& pixels = picture.halved(params, halvings);
@@ -165,7 +165,7 @@ std::vector<std::size_t> ObjectModel::findIn(const cv::Mat& patch, double min_si
   return alike;
 }
 
-ModelFit ObjectModel::fit(FlowPicture& picture, const FlowParams& params, const Similarity& pose,
+ModelFit ObjectModel::fit(FlowImage& picture, const FlowParams& params, const Similarity& pose,
                           double min_similarity) const
 {
   ModelFit result{pose, {}, {}};

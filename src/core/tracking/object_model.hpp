@@ -3,7 +3,7 @@
 #include <opencv2/core.hpp>
 #include <vector>
 
-#include "core/features/flow_picture.hpp"
+#include "core/features/flow_image.hpp"
 #include "core/features/similarity.hpp"
 
 namespace robot_vision
@@ -33,11 +33,11 @@ public:
 
   /// Corrects a pose by the points seen in the picture.
   /// `min_similarity`: correlation of a point's surroundings with the model's from which it counts as seen.
-  ModelFit fit(FlowPicture& picture, const FlowParams& params, const Similarity& pose, double min_similarity) const;
+  ModelFit fit(FlowImage& picture, const FlowParams& params, const Similarity& pose, double min_similarity) const;
 
 private:
   /// What the picture shows where the object would be, in the model's pixels.
-  cv::Mat warped(FlowPicture& picture, const FlowParams& params, const Similarity& pose) const;
+  cv::Mat warped(FlowImage& picture, const FlowParams& params, const Similarity& pose) const;
   /// Where each point is in such a patch, and which of them look as they should there.
   std::vector<std::size_t> findIn(const cv::Mat& patch, double min_similarity, std::vector<cv::Point2f>& found) const;
 

@@ -98,7 +98,7 @@ struct ObjectTracker::Impl
     lost.erase(std::remove_if(lost.begin(), lost.end(), [this](FollowedObject* object) { return isNear(*object); }),
                lost.end());
     if (lost.empty()) return;
-    const Features features = pictureFeatures(frames.newest.gray(), params.search_features);
+    const Features features = imageFeatures(frames.newest.gray(), params.search_features);
     for (FollowedObject* object : lost)
       tryMatch(*object, features);
   }
@@ -131,7 +131,7 @@ void ObjectTracker::configure(const ObjectTrackerParams& params)
 
 int ObjectTracker::select(const cv::Rect& region, const std::string& label)
 {
-  const FlowPicture& newest = impl_->frames.newest;
+  const FlowImage& newest = impl_->frames.newest;
   if (newest.empty()) throw std::invalid_argument("there is no picture yet to select a region of");
   FollowedObject& object = impl_->add(newest.gray(), region, label);
   object.markSeen();

@@ -35,7 +35,7 @@ cv::Mat byOpenCv(const cv::Mat& image, const BrightnessParams& p)
   return out;
 }
 
-/// The four channels of byOpenCv, with the alpha of `image`.
+/// byOpenCv() with the alpha channel of `image`.
 cv::Mat withAlpha(const cv::Mat& image, const BrightnessParams& params)
 {
   cv::Mat out = byOpenCv(image, params);
@@ -65,7 +65,7 @@ TEST(Brightness, equalsTheOpenCvChain)
       }
 }
 
-TEST(Brightness, sharesPictures)
+TEST(Brightness, isTheSameWithAnyNumberOfThreads)
 {
   for (const std::string encoding : {"bgr8", "mono8", "rgba8", "mono16", "yuv422"})
     for (const int rows : {1, 40, 333})
@@ -83,7 +83,7 @@ TEST(Brightness, sharesPictures)
     }
 }
 
-TEST(Brightness, makesColourOfMosaicsAndYuv)
+TEST(Brightness, convertsMosaicsAndYuvToBgr)
 {
   for (const std::string& encoding : encodings())
   {
@@ -99,7 +99,7 @@ TEST(Brightness, makesColourOfMosaicsAndYuv)
   }
 }
 
-TEST(Brightness, keeps16Bits)
+TEST(Brightness, equalsTheFormulaFor16Bits)
 {
   for (const BrightnessParams& params : kTable)
   {

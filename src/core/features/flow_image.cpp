@@ -1,4 +1,4 @@
-#include "flow_picture.hpp"
+#include "flow_image.hpp"
 
 #include <algorithm>
 #include <opencv2/video/tracking.hpp>
@@ -12,13 +12,13 @@ const cv::TermCriteria kCriteria(cv::TermCriteria::COUNT + cv::TermCriteria::EPS
 
 }  // namespace
 
-void FlowPicture::set(const cv::Mat& gray)
+void FlowImage::set(const cv::Mat& gray)
 {
   gray.copyTo(gray_);
   built_ = false;
 }
 
-const std::vector<cv::Mat>& FlowPicture::pyramid(const FlowParams& params)
+const std::vector<cv::Mat>& FlowImage::pyramid(const FlowParams& params)
 {
   if (built_ && window_ == params.window && levels_ == params.levels) return pyramid_;
   cv::buildOpticalFlowPyramid(gray_, pyramid_, {params.window, params.window}, params.levels, true);
@@ -28,14 +28,14 @@ const std::vector<cv::Mat>& FlowPicture::pyramid(const FlowParams& params)
   return pyramid_;
 }
 
-const cv::Mat& FlowPicture::halved(const FlowParams& params, int& halvings)
+const cv::Mat& FlowImage::halved(const FlowParams& params, int& halvings)
 {
-  const std::vector<cv::Mat>& images = pyramid(params);  // each followed by its derivatives
+  const std::vector<cv::Mat>& images = pyramid(params);
   halvings = std::clamp(halvings, 0, static_cast<int>(images.size()) / 2 - 1);
   return halvings == 0 ? gray_ : images[2 * static_cast<std::size_t>(halvings)];
 }
 
-FollowedPoints followPoints(FlowPicture& last, FlowPicture& next, const FlowParams& params,
+FollowedPoints followPoints(FlowImage& last, FlowImage& next, const FlowParams& params,
                             const std::vector<cv::Point2f>& points, const std::vector<cv::Point2f>& guess)
 {
   FollowedPoints followed{guess, {}};
@@ -44,7 +44,7 @@ FollowedPoints followPoints(FlowPicture& last, FlowPicture& next, const FlowPara
   std::vector<cv::Point2f> back = points;
   std::vector<uchar> found_back;
   std::vector<float> unused;
-  const auto follow = [&](FlowPicture& from, FlowPicture& to, const std::vector<cv::Point2f>& begin,
+  const auto follow = [&](FlowImage& from, FlowImage& to, const std::vector<cv::Point2f>& begin,
                           std::vector<cv::Point2f>& end, std::vector<uchar>& found)
   {
     cv::calcOpticalFlowPyrLK(from.pyramid(params), to.pyramid(params), begin, end, found, unused, window, params.levels,
