@@ -45,7 +45,7 @@ cv::Mat pngOf(const CompressedPicture& picture)
 
 }  // namespace
 
-TEST(CompressedDepth, ofMillimetresLosesNothingButWhatIsTooFar)
+TEST(CompressedDepth, isLosslessUpToDepthMaxForMillimetres)
 {
   const cv::Mat image = noise({31, 17}, CV_16UC1, /*row_padding=*/5);
   const cv::Mat before = image.clone();
@@ -65,7 +65,7 @@ TEST(CompressedDepth, ofMillimetresLosesNothingButWhatIsTooFar)
   EXPECT_TRUE(equal(decompressed(compressed(image, "16UC1", far)), image));
 }
 
-TEST(CompressedDepth, ofMetresIsTheInverseDepth)
+TEST(CompressedDepth, isTheInverseDepthForMetres)
 {
   const float none = std::numeric_limits<float>::quiet_NaN();
   const cv::Mat_<float> image =
@@ -88,7 +88,7 @@ TEST(CompressedDepth, ofMetresIsTheInverseDepth)
   }
   for (const int i : {5, 6, 7, 8})
     EXPECT_TRUE(std::isnan(back.at<float>(0, i))) << i;
-  EXPECT_NEAR(back.at<float>(0, 9), 10100.0F / (65535.0F + 1009.0F), 1e-4F);  // as near as the code goes
+  EXPECT_NEAR(back.at<float>(0, 9), 10100.0F / (65535.0F + 1009.0F), 1e-4F);  // the nearest depth that has a code
 }
 
 TEST(CompressedDepth, isReadWithAnOlderLabel)
@@ -102,7 +102,7 @@ TEST(CompressedDepth, isReadWithAnOlderLabel)
   }
 }
 
-TEST(CompressedDepth, thatIsDamagedIsRefused)
+TEST(CompressedDepth, isRefusedIfDamaged)
 {
   const CompressedPicture good = compressed(noise({8, 8}, CV_16UC1), "16UC1");
   const auto refused = [](const std::string& format, const std::vector<std::uint8_t>& data)
@@ -127,16 +127,16 @@ TEST(CompressedDepth, thatIsDamagedIsRefused)
             std::string::npos);
 }
 
-TEST(CompressedDepth, refusesToCompressWhatIsNone)
+TEST(CompressedDepth, refusesToCompressOtherEncodingsAndTypes)
 {
   EXPECT_TRUE(isDepth("32FC1"));
   EXPECT_FALSE(isDepth("bgr8"));
   EXPECT_EQ(refusal([] { compressed(cv::Mat(2, 2, CV_8UC3), "bgr8"); }),
             "encoding is 'bgr8', must be 16UC1, mono16 or 32FC1");
   EXPECT_EQ(refusal([] { compressed(cv::Mat(2, 2, CV_16UC1), "32FC1"); }),
-            "32FC1 picture of 2x2: expected pixels of 1 x 32 bits (CV_32FC1), got 1 x 16 bits (CV_16UC1)");
-  for (const auto& [params, why] : {std::pair{DepthCompressionParams{0.5, 100.0, 1}, "depth_max is 0.5"},
-                                    {DepthCompressionParams{10.0, 151.0, 1}, "depth_quantization is 151"},
-                                    {DepthCompressionParams{10.0, 100.0, 0}, "png_level is 0"}})
-    EXPECT_EQ(refusal([&, &params = params] { validate(params); }).find(why), 0u);
+            "32FC1 image of 2x2: expected pixels of 1 x 32 bits (CV_32FC1), got 1 x 16 bits (CV_16UC1)");
+  for (const auto& [params, reason] : {std::pair{DepthCompressionParams{0.5, 100.0, 1}, "depth_max is 0.5"},
+                                       {DepthCompressionParams{10.0, 151.0, 1}, "depth_quantization is 151"},
+                                       {DepthCompressionParams{10.0, 100.0, 0}, "png_level is 0"}})
+    EXPECT_EQ(refusal([&, &params = params] { validate(params); }).find(reason), 0u);
 }

@@ -19,7 +19,7 @@ struct Case
   int type;
   std::string png_format;
   std::string jpeg_format;
-  int stored;  // the conversion to what the file holds, -1: none
+  int stored;  // the code of cv::cvtColor that converts to the stored pixels, -1: none
 };
 
 const std::vector<Case> kCases = {
@@ -49,20 +49,20 @@ CompressedPicture compressed(const cv::Mat& image, const std::string& encoding, 
   return picture;
 }
 
-struct Picture
+struct Decompressed
 {
   std::string encoding;
   cv::Mat image;
 };
 
-Picture decompressed(const CompressedPicture& from, ColorMode mode = ColorMode::kUnchanged, int reduction = 1)
+Decompressed decompressed(const CompressedPicture& from, ColorMode mode = ColorMode::kUnchanged, int reduction = 1)
 {
-  Picture to;
+  Decompressed to;
   to.encoding = decompress(from.format, from.data.data(), from.data.size(), mode, reduction, to.image);
   return to;
 }
 
-/// Alpha is not stored: what comes back is opaque.
+/// The image with the alpha that it has after decompression, which does not know the alpha.
 cv::Mat opaque(const cv::Mat& image)
 {
   cv::Mat out = image.clone();
@@ -83,7 +83,7 @@ cv::Mat converted(const cv::Mat& image, int code)
 
 }  // namespace
 
-TEST(CompressedPicture, ofPngLosesNothing)
+TEST(CompressedPicture, isLosslessAsPng)
 {
   for (const Case& expected : kCases)
   {
@@ -93,14 +93,14 @@ TEST(CompressedPicture, ofPngLosesNothing)
     EXPECT_EQ(png.format, expected.png_format);
     EXPECT_TRUE(equal(cv::imdecode(png.data, cv::IMREAD_UNCHANGED), converted(image, expected.stored)))
         << expected.encoding;
-    const Picture back = decompressed(png);
+    const Decompressed back = decompressed(png);
     EXPECT_EQ(back.encoding, expected.encoding);
     EXPECT_TRUE(equal(back.image, opaque(image))) << expected.encoding;
     EXPECT_TRUE(equal(image, before));
   }
 }
 
-TEST(CompressedPicture, ofJpegIsWhatOpenCvMakesOfIt)
+TEST(CompressedPicture, equalsOpenCvAsJpeg)
 {
   for (const Case& expected : kCases)
   {
@@ -114,7 +114,7 @@ TEST(CompressedPicture, ofJpegIsWhatOpenCvMakesOfIt)
     const CompressedPicture jpeg = compressed(image, expected.encoding, "jpeg");
     EXPECT_EQ(jpeg.format, expected.jpeg_format);
     EXPECT_EQ(jpeg.data, bytes) << expected.encoding;
-    const Picture back = decompressed(jpeg);
+    const Decompressed back = decompressed(jpeg);
     EXPECT_EQ(back.encoding, jpeg.format.substr(0, jpeg.format.find(';')));
     const bool rgb = expected.encoding.rfind("rgb", 0) == 0;
     const cv::Mat decoded = cv::imdecode(bytes, cv::IMREAD_UNCHANGED);
@@ -124,7 +124,7 @@ TEST(CompressedPicture, ofJpegIsWhatOpenCvMakesOfIt)
   }
 }
 
-TEST(CompressedPicture, ofYuvIsBgr)
+TEST(CompressedPicture, storesYuvAsBgr)
 {
   const cv::Mat image = noise({32, 16}, CV_8UC2);
   cv::Mat bgr;
@@ -132,8 +132,8 @@ TEST(CompressedPicture, ofYuvIsBgr)
   const CompressedPicture png = compressed(image, "yuv422", "png");
   EXPECT_EQ(png.format, "bgr8; png compressed bgr8");
   EXPECT_TRUE(equal(decompressed(png).image, bgr));
-  // The standard transport keeps the name of what it converted.
-  const Picture back = decompressed({"yuv422; png compressed bgr8", png.data});
+  // The label of the standard transport names the encoding from before the conversion.
+  const Decompressed back = decompressed({"yuv422; png compressed bgr8", png.data});
   EXPECT_EQ(back.encoding, "bgr8");
   EXPECT_TRUE(equal(back.image, bgr));
 }
@@ -148,25 +148,25 @@ TEST(CompressedPicture, isReadWithoutALabel)
   for (const std::string& format : {"jpeg", "jpg", "png", ""})
   {
     const std::string codec = format == "png" ? "png" : "jpeg";
-    const Picture back = decompressed({format, compressed(color, "bgr8", codec).data});
+    const Decompressed back = decompressed({format, compressed(color, "bgr8", codec).data});
     EXPECT_EQ(back.encoding, "bgr8");
     EXPECT_EQ(back.image.size(), color.size());
     EXPECT_EQ(decompressed({format, compressed(gray, "mono8", codec).data}).encoding, "mono8");
   }
-  const Picture back = decompressed({"png", compressed(wide, "mono16", "png").data});
+  const Decompressed back = decompressed({"png", compressed(wide, "mono16", "png").data});
   EXPECT_EQ(back.encoding, "mono16");
   EXPECT_TRUE(equal(back.image, wide));
 }
 
-// OpenCV writes none, and reads its gray as blue, green and red.
-TEST(CompressedPicture, ofGrayWithAlphaIsBgrWithoutALabel)
+// OpenCV cannot write gray with alpha, and reads it as BGR.
+TEST(CompressedPicture, isBgrIfItIsGrayWithAlphaWithoutALabel)
 {
   const std::vector<std::uint8_t> gray_alpha = {
       0x89, 0x50, 0x4E, 0x47, 0x0D, 0x0A, 0x1A, 0x0A, 0x00, 0x00, 0x00, 0x0D, 0x49, 0x48, 0x44, 0x52, 0x00, 0x00,
       0x00, 0x02, 0x00, 0x00, 0x00, 0x01, 0x08, 0x04, 0x00, 0x00, 0x00, 0x5E, 0x2B, 0xB7, 0x01, 0x00, 0x00, 0x00,
       0x0D, 0x49, 0x44, 0x41, 0x54, 0x78, 0x9C, 0x63, 0x48, 0xF9, 0x7F, 0xE2, 0x3F, 0x00, 0x07, 0x21, 0x03, 0x2B,
       0x82, 0x71, 0xD3, 0xB5, 0x00, 0x00, 0x00, 0x00, 0x49, 0x45, 0x4E, 0x44, 0xAE, 0x42, 0x60, 0x82};
-  const Picture back = decompressed({"png", gray_alpha});
+  const Decompressed back = decompressed({"png", gray_alpha});
   EXPECT_EQ(back.encoding, "bgr8");
   EXPECT_TRUE(equal(back.image, cv::imdecode(gray_alpha, cv::IMREAD_ANYDEPTH | cv::IMREAD_ANYCOLOR)));
   EXPECT_EQ(back.image.at<cv::Vec3b>(0, 1), cv::Vec3b(200, 200, 200));
@@ -178,17 +178,17 @@ TEST(CompressedPicture, isReadInGrayAndInColor)
   for (const std::string codec : {"jpeg", "png"})
   {
     const CompressedPicture picture = compressed(image, "rgb8", codec);
-    const Picture gray = decompressed(picture, ColorMode::kGray);
+    const Decompressed gray = decompressed(picture, ColorMode::kGray);
     EXPECT_EQ(gray.encoding, "mono8");
     EXPECT_TRUE(equal(gray.image, cv::imdecode(picture.data, cv::IMREAD_GRAYSCALE)));
-    const Picture color = decompressed(picture, ColorMode::kColor);
+    const Decompressed color = decompressed(picture, ColorMode::kColor);
     EXPECT_EQ(color.encoding, "bgr8");
     EXPECT_TRUE(equal(color.image, cv::imdecode(picture.data, cv::IMREAD_COLOR)));
   }
   const cv::Mat mosaic = noise({32, 16}, CV_8UC1);
   cv::Mat bgr;
   toBgr(mosaic, "bayer_rggb8", bgr);
-  const Picture color = decompressed(compressed(mosaic, "bayer_rggb8", "png"), ColorMode::kColor);
+  const Decompressed color = decompressed(compressed(mosaic, "bayer_rggb8", "png"), ColorMode::kColor);
   EXPECT_EQ(color.encoding, "bgr8");
   EXPECT_TRUE(equal(color.image, bgr));
 }
@@ -200,7 +200,7 @@ TEST(CompressedPicture, isReadSmaller)
   {
     cv::Mat expected;
     cv::resize(image, expected, {31, 24}, 0, 0, cv::INTER_AREA);
-    const Picture half = decompressed(compressed(image, "bgr8", codec), ColorMode::kUnchanged, 2);
+    const Decompressed half = decompressed(compressed(image, "bgr8", codec), ColorMode::kUnchanged, 2);
     ASSERT_EQ(half.image.size(), expected.size());
     EXPECT_LT(cv::norm(half.image, expected, cv::NORM_L1) / (31 * 24 * 3), 4.0) << codec;
     EXPECT_EQ(refusal([&] { decompressed(compressed(image, "bgr8", codec), ColorMode::kUnchanged, 3); }),
@@ -210,10 +210,10 @@ TEST(CompressedPicture, isReadSmaller)
                 [&] {
                   decompressed(compressed(noise({32, 16}, CV_8UC1), "bayer_rggb8", "png"), ColorMode::kUnchanged, 2);
                 }),
-            "a mosaic of colours (bayer_rggb8) cannot be reduced");
+            "a Bayer mosaic (bayer_rggb8) cannot be reduced");
 }
 
-TEST(CompressedPicture, thatIsNotWhatItsLabelSaysIsRefused)
+TEST(CompressedPicture, isRefusedIfItIsNotWhatItsLabelSays)
 {
   const CompressedPicture png = compressed(smooth({4, 4}), "bgr8", "png");
   const CompressedPicture jpeg = compressed(smooth({4, 4}), "bgr8", "jpeg");
@@ -230,11 +230,11 @@ TEST(CompressedPicture, thatIsNotWhatItsLabelSaysIsRefused)
   EXPECT_EQ(refused("32FC1; png compressed ", png.data).find("encoding '32FC1' is not one of bgr8, "), 0u);
 }
 
-TEST(CompressedPicture, refusesToCompressWhatItCannot)
+TEST(CompressedPicture, refusesToCompressOtherEncodingsAndTypes)
 {
   EXPECT_EQ(refusal([] { compressed(cv::Mat(2, 2, CV_32FC1), "32FC1", "png"); }).find("encoding '32FC1' is not"), 0u);
   EXPECT_EQ(refusal([] { compressed(cv::Mat(2, 2, CV_8UC1), "bgr8", "png"); }),
-            "bgr8 picture of 2x2: expected pixels of 3 x 8 bits (CV_8UC3), got 1 x 8 bits (CV_8UC1)");
+            "bgr8 image of 2x2: expected pixels of 3 x 8 bits (CV_8UC3), got 1 x 8 bits (CV_8UC1)");
   EXPECT_EQ(refusal([] { compressed(cv::Mat(2, 2, CV_8UC1), "mono8", "webp"); }),
             "format is 'webp', must be jpeg or png");
   CompressionParams params;

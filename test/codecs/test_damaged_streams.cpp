@@ -17,7 +17,7 @@ using Bytes = std::vector<std::uint8_t>;
 
 constexpr int kRounds = 400;
 
-/// Damages streams as cables, disks and enemies do, always in the same way.
+/// Damages streams as cables, disks and attackers do, in the same way in every run.
 class Damage
 {
 public:
@@ -61,7 +61,7 @@ private:
   std::mt19937 random_{0x5EED};  // NOLINT: the same damage every time
 };
 
-/// Whether `decode` gave a picture; a refusal is one line.
+/// Whether `decode` did not throw. The message of what it throws must be one line.
 template <class Decode>
 bool survives(Decode decode)
 {
@@ -92,7 +92,7 @@ CompressedPicture compressed(const cv::Mat& image, const std::string& encoding, 
 
 }  // namespace
 
-TEST(DamagedStreams, ofPicturesAreReadOrRefused)
+TEST(DamagedStreams, ofJpegAndPngAreReadOrRefused)
 {
   const cv::Mat image = noise({40, 30}, CV_8UC3);
   Damage damage;
@@ -154,18 +154,18 @@ TEST(DamagedStreams, ofTheoraAreReadOrRefused)
   TheoraEncoder encoder({true, 31, 1, 4});
   TheoraDecoder decoder;
   cv::Mat out;
-  int pictures = 0;
+  int decoded = 0;
   int refused = 0;
   for (int i = 0; i < kRounds; ++i)
   {
-    cv::Mat picture = smooth({80, 48})(cv::Rect(i % 16, 0, 64, 48));
-    for (TheoraPacket packet : encoder.encode(picture))
+    cv::Mat image = smooth({80, 48})(cv::Rect(i % 16, 0, 64, 48));
+    for (TheoraPacket packet : encoder.encode(image))
     {
       if (damage.number(0, 5) == 0) packet.data = damage(packet.data);
       if (damage.number(0, 40) == 0) packet.begins_stream = !packet.begins_stream;
-      if (!survives([&] { pictures += decoder.decode(packet, out) ? 1 : 0; })) ++refused;
+      if (!survives([&] { decoded += decoder.decode(packet, out) ? 1 : 0; })) ++refused;
     }
   }
-  EXPECT_GT(pictures, kRounds / 10);
+  EXPECT_GT(decoded, kRounds / 10);
   EXPECT_GT(refused, kRounds / 50);
 }

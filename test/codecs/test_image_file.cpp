@@ -17,7 +17,8 @@ namespace
 
 using Bytes = std::vector<std::uint8_t>;
 
-const cv::Size kSize{18, 7};  // OpenCV reads beyond an odd row of the Sun raster that it writes
+const cv::Size kSize{18,
+                     7};  // the width is even, because OpenCV reads beyond odd rows of the Sun raster that it writes
 
 Bytes encoded(const std::string& suffix, const cv::Mat& image = noise(kSize, CV_8UC3))
 {
@@ -31,14 +32,14 @@ Bytes bytesOf(const std::string& text)
   return {text.begin(), text.end()};
 }
 
-/// A number of so many bytes written into a file.
+/// Writes a number of `count` bytes into a file.
 void put(Bytes& file, std::size_t at, std::uint64_t value, std::size_t count, bool big_endian)
 {
   for (std::size_t i = 0; i < count; ++i)
     file[at + (big_endian ? count - 1 - i : i)] = static_cast<std::uint8_t>(value >> 8 * i);
 }
 
-/// The files with which a few bytes ask for all memory: the same header, and other numbers in it.
+/// Small files whose headers claim sizes that would fill the memory.
 std::vector<std::pair<std::string, Bytes>> bombs()
 {
   constexpr std::uint64_t kSide = 30000;
@@ -53,7 +54,7 @@ std::vector<std::pair<std::string, Bytes>> bombs()
   put(jpeg, at + 7, kSide, 2, true);
   put(bmp, 18, kSide, 4, false);
   put(bmp, 22, static_cast<std::uint64_t>(-static_cast<std::int64_t>(kSide)), 4, false);
-  put(webp, 21, 16382 | 16382 << 14, 4, false);  // OpenCV writes those that lose nothing
+  put(webp, 21, 16382 | 16382 << 14, 4, false);  // OpenCV writes lossless WebP by default
   Bytes lossy;
   cv::imencode(".webp", noise(kSize, CV_8UC3), lossy, {cv::IMWRITE_WEBP_QUALITY, 80});
   put(lossy, 26, 16383, 2, false);
@@ -101,18 +102,18 @@ TEST(ImageFile, isDecodedAsOpenCvDoes)
   EXPECT_EQ(decodeImageFile(wide.data(), wide.size(), cv::IMREAD_UNCHANGED).type(), CV_16UC1);
 }
 
-TEST(ImageFile, thatClaimsToFillTheMemoryIsRefusedByItsHeader)
+TEST(ImageFile, isRefusedIfItClaimsASizeThatWouldFillTheMemory)
 {
   for (const auto& [name, file] : bombs())
   {
-    const std::string why =
+    const std::string reason =
         refusal([&, &bytes = file] { decodeImageFile(bytes.data(), bytes.size(), cv::IMREAD_COLOR); });
-    EXPECT_EQ(why.find("claims to be of "), 0u) << name << ": " << why;
-    EXPECT_NE(why.find(", the most is 67108864 pixels"), std::string::npos) << name;
+    EXPECT_EQ(reason.find("claims to be of "), 0u) << name << ": " << reason;
+    EXPECT_NE(reason.find(", the most is 67108864 pixels"), std::string::npos) << name;
   }
 }
 
-TEST(ImageFile, thatHidesItsSizeIsNone)
+TEST(ImageFile, isNotDecodedIfItHidesItsSize)
 {
   const auto decoded = [](const Bytes& file) { return decodeImageFile(file.data(), file.size(), cv::IMREAD_COLOR); };
   Bytes png = encoded(".png");
@@ -123,7 +124,7 @@ TEST(ImageFile, thatHidesItsSizeIsNone)
   EXPECT_TRUE(decoded(bytesOf("PF\n2#2 3\n1\n-1.0\n" + std::string(100, 'a'))).empty());
 }
 
-TEST(ImageFile, isFoundBehindWhatIsRarelyThere)
+TEST(ImageFile, mayHaveMarkersAndCommentsThatAreRare)
 {
   Bytes jpeg = encoded(".jpg"), pam = encoded(".pam");
   const Bytes temporary = {0xFF, 0x01}, comment = bytesOf("# ENDHDR\n");
@@ -133,7 +134,7 @@ TEST(ImageFile, isFoundBehindWhatIsRarelyThere)
     EXPECT_EQ(decodeImageFile(file.data(), file.size(), cv::IMREAD_COLOR).size(), kSize);
 }
 
-TEST(ImageFile, thatIsADamagedJpegIsRefusedInSilence)
+TEST(ImageFile, isRefusedWithoutOutputIfItIsADamagedJpeg)
 {
   const Bytes whole = encoded(".jpg", noise({64, 48}, CV_8UC3));
   Bytes gap = whole, damaged = whole;
@@ -144,13 +145,13 @@ TEST(ImageFile, thatIsADamagedJpegIsRefusedInSilence)
   testing::internal::CaptureStderr();
   for (const Bytes& file : {gap, damaged, half})
   {
-    const std::string why = refusal([&file = file] { decodeImageFile(file.data(), file.size(), cv::IMREAD_COLOR); });
-    EXPECT_EQ(why.find("JPEG of " + std::to_string(file.size()) + " bytes cannot be decoded: "), 0u) << why;
+    const std::string reason = refusal([&file = file] { decodeImageFile(file.data(), file.size(), cv::IMREAD_COLOR); });
+    EXPECT_EQ(reason.find("JPEG of " + std::to_string(file.size()) + " bytes cannot be decoded: "), 0u) << reason;
   }
   EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
 }
 
-TEST(ImageFile, thatIsNoneIsEmpty)
+TEST(ImageFile, givesAnEmptyImageForOtherAndTruncatedFiles)
 {
   for (const std::string& text : {"", "P", "P5", "P5 3", "P7", "BM", "II*", "RIFF", "no image", "\x89PNG"})
   {
@@ -163,7 +164,7 @@ TEST(ImageFile, thatIsNoneIsEmpty)
               { decodeImageFile(Bytes(bytes.begin(), bytes.begin() + size).data(), size, 1); });
 }
 
-TEST(Printable, isOneLineThatTellsATerminalNothing)
+TEST(Printable, isOneLineWithoutControlCharacters)
 {
   EXPECT_EQ(printable("bgr8; jpeg"), "bgr8; jpeg");
   EXPECT_EQ(printable("a\n\x1b[2J\x9b\xc2\x9b"), "a\\x0a\\x1b[2J\\x9b\\xc2\\x9b");
@@ -174,7 +175,7 @@ TEST(Printable, isOneLineThatTellsATerminalNothing)
   EXPECT_EQ(printable("abcdef", 5), "ab...");
 }
 
-TEST(Shortened, endsWithAWholeLetter)
+TEST(Shortened, endsWithAWholeCharacter)
 {
   EXPECT_EQ(shortened("caf\xc3\xa9", 5), "caf\xc3\xa9");
   EXPECT_EQ(shortened("caf\xc3\xa9s", 5), "caf\xc3\xa9...");
@@ -183,16 +184,16 @@ TEST(Shortened, endsWithAWholeLetter)
   EXPECT_EQ(shortened(std::string(1000000, 'a')), std::string(200, 'a') + "...");
 }
 
-TEST(Shortened, keepsLettersAndEscapesWhatATerminalWouldObey)
+TEST(Shortened, keepsCharactersAndEscapesControlCharacters)
 {
-  for (const std::string letters : {" ~", "\xc2\xa0", "\xc3\xa9", "\xe2\x82\xac", "\xf0\x9f\x99\x82"})
-    EXPECT_EQ(shortened(letters), letters);
+  for (const std::string characters : {" ~", "\xc2\xa0", "\xc3\xa9", "\xe2\x82\xac", "\xf0\x9f\x99\x82"})
+    EXPECT_EQ(shortened(characters), characters);
   EXPECT_EQ(shortened("a\n\x1b[2J\x7f"), "a\\x0a\\x1b[2J\\x7f");
-  EXPECT_EQ(shortened("\xc2\x9b"), "\\xc2\\x9b");           // a control of one byte in Latin-1
-  EXPECT_EQ(shortened("\xe2\x80\xae"), "\\xe2\\x80\\xae");  // from right to left
-  EXPECT_EQ(shortened("\xe2\x80\xa8"), "\\xe2\\x80\\xa8");  // an end of a line
-  EXPECT_EQ(shortened("\xc0\x8a\xff"), "\\xc0\\x8a\\xff");  // too long a form of \n, and no letter at all
-  EXPECT_EQ(shortened("\xe2\x82"), "\\xe2\\x82");           // ends in the middle of a letter
+  EXPECT_EQ(shortened("\xc2\x9b"), "\\xc2\\x9b");           // a control character of Latin-1
+  EXPECT_EQ(shortened("\xe2\x80\xae"), "\\xe2\\x80\\xae");  // changes the direction to right-to-left
+  EXPECT_EQ(shortened("\xe2\x80\xa8"), "\\xe2\\x80\\xa8");  // the line separator
+  EXPECT_EQ(shortened("\xc0\x8a\xff"), "\\xc0\\x8a\\xff");  // an overlong form of \n, and an invalid byte
+  EXPECT_EQ(shortened("\xe2\x82"), "\\xe2\\x82");           // ends in the middle of a character
   EXPECT_EQ(shortened(std::string("\0", 1)), "\\x00");
   EXPECT_EQ(shortened(std::string(3, '\n'), 8), "\\x0a\\x0a...");
 }
@@ -203,8 +204,8 @@ TEST(LogLine, keepsItsBeginningAndItsEnd)
   EXPECT_EQ(logLine(std::string(900, 'a')), std::string(900, 'a'));
   EXPECT_EQ(logLine(std::string(1000000, 'a') + ": why"),
             std::string(600, 'a') + "..." + std::string(295, 'a') + ": why");
-  std::string letters;
+  std::string characters;
   for (int i = 0; i < 1000; ++i)
-    letters += "\xe2\x82\xac";
-  EXPECT_EQ(logLine(letters + "s"), letters.substr(0, 600) + "..." + letters.substr(0, 297) + "s");
+    characters += "\xe2\x82\xac";
+  EXPECT_EQ(logLine(characters + "s"), characters.substr(0, 600) + "..." + characters.substr(0, 297) + "s");
 }

@@ -11,23 +11,23 @@
 
 using namespace robot_vision;
 
-TEST(Png, isDecodedWithoutWhatIsWrittenBesideTheImage)
+TEST(Png, isDecodedWithoutMetadata)
 {
   const cv::Mat image = noise({5, 3}, CV_8UC3);
   std::vector<std::uint8_t> bytes;
   encodePng(image, 1, bytes);
   const std::vector<std::uint8_t> plain = bytes;
-  const std::string profile("\0\0\0\4iCCPabcd0000", 16);  // none that can be read, with a check sum that is wrong
+  const std::string profile("\0\0\0\4iCCPabcd0000", 16);  // a color profile that cannot be read, with a wrong checksum
   constexpr std::size_t kBehindHeader = 8 + 12 + 13;
   bytes.insert(bytes.begin() + kBehindHeader, profile.begin(), profile.end());
-  EXPECT_EQ(withoutNotes(bytes.data(), bytes.size()), plain);
+  EXPECT_EQ(withoutMetadata(bytes.data(), bytes.size()), plain);
   testing::internal::CaptureStderr();
   EXPECT_EQ(cv::norm(decodePng(bytes.data(), bytes.size(), cv::IMREAD_COLOR), image, cv::NORM_INF), 0.0);
   EXPECT_EQ(cv::norm(decodeImageFile(bytes.data(), bytes.size(), cv::IMREAD_COLOR), image, cv::NORM_INF), 0.0);
   EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
 }
 
-// And not by its pixels: they are decoded once, when the kind is known.
+// The pixels are not read for that: they are decoded only once, when the kind is known.
 TEST(Png, tellsItsKindInItsHeader)
 {
   for (const auto& [type, color, wide] : {std::tuple{CV_8UC1, false, false},

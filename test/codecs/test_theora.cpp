@@ -13,7 +13,7 @@ using namespace robot_vision;
 namespace
 {
 
-/// A soft picture that moves with `i`.
+/// A smooth image that moves with `i`.
 cv::Mat frameAt(int i, cv::Size size = {70, 50})
 {
   return smooth({size.width + 20, size.height})(cv::Rect(i % 20, 0, size.width, size.height)).clone();
@@ -36,24 +36,24 @@ bool isKeyframe(const TheoraPacket& packet)
 
 }  // namespace
 
-TEST(Theora, bringsAlmostTheSamePictures)
+TEST(Theora, givesAlmostTheSameImages)
 {
   TheoraEncoder encoder({true, 63, 1, 64});
   TheoraDecoder decoder;
   for (int i = 0; i < 5; ++i)
   {
-    const cv::Mat picture = frameAt(i);
-    const cv::Mat before = picture.clone();
+    const cv::Mat image = frameAt(i);
+    const cv::Mat before = image.clone();
     cv::Mat back;
-    int pictures = 0;
-    for (const TheoraPacket& packet : encoder.encode(picture))
-      pictures += decoder.decode(packet, back) ? 1 : 0;
-    EXPECT_EQ(pictures, 1);
-    ASSERT_EQ(back.size(), picture.size());
+    int decoded = 0;
+    for (const TheoraPacket& packet : encoder.encode(image))
+      decoded += decoder.decode(packet, back) ? 1 : 0;
+    EXPECT_EQ(decoded, 1);
+    ASSERT_EQ(back.size(), image.size());
     ASSERT_EQ(back.type(), CV_8UC3);
-    EXPECT_LT(difference(back, picture), 4.0) << i;
+    EXPECT_LT(difference(back, image), 4.0) << i;
     EXPECT_GT(difference(back, frameAt(i + 9)), 12.0);
-    EXPECT_TRUE(equal(picture, before));
+    EXPECT_TRUE(equal(image, before));
   }
 }
 
@@ -82,7 +82,7 @@ TEST(Theora, repeatsTheHeadersWithEveryKeyframe)
   EXPECT_EQ(keyframes, (std::vector<int>{0, 4, 8}));
 }
 
-TEST(Theora, isSeenByWhoComesLate)
+TEST(Theora, canBeJoinedAtAKeyframe)
 {
   TheoraEncoder encoder({true, 63, 1, 4});
   TheoraDecoder decoder;
@@ -96,7 +96,7 @@ TEST(Theora, isSeenByWhoComesLate)
     if (i >= 4) EXPECT_LT(difference(back, frameAt(i)), 4.0) << i;
   }
   EXPECT_EQ(seen, (std::vector<int>{4, 5, 6, 7, 8}));
-  EXPECT_EQ(encoder.encode(frameAt(9)).size(), 1u);  // the next key frame is due 4 after the one asked for
+  EXPECT_EQ(encoder.encode(frameAt(9)).size(), 1u);  // the next key frame is due 4 frames after the requested one
   EXPECT_EQ(encoder.encode(frameAt(10)).size(), 4u);
 }
 
@@ -113,7 +113,7 @@ TEST(Theora, followsAChangeOfSize)
   }
 }
 
-TEST(Theora, repeatsAPictureThatHasNotChanged)
+TEST(Theora, repeatsAnImageThatHasNotChanged)
 {
   TheoraEncoder encoder;
   TheoraDecoder decoder;
@@ -140,11 +140,11 @@ TEST(Theora, keepsToItsBitRate)
   EXPECT_LT(2 * bytes(200000), bytes(2000000));
 }
 
-TEST(Theora, refusesWhatIsNoPicture)
+TEST(Theora, refusesOtherTypesAndParametersOutOfRange)
 {
   TheoraEncoder encoder;
   EXPECT_EQ(refusal([&] { encoder.encode(cv::Mat(2, 2, CV_8UC1)); }),
-            "a picture of 2x2 (CV_8UC1) cannot become Theora, must be CV_8UC3 of 1 to 33554432 pixels");
+            "an image of 2x2 (CV_8UC1) cannot become Theora, must be CV_8UC3 of 1 to 33554432 pixels");
   EXPECT_EQ(refusal([] { TheoraEncoder({true, 64, 1, 64}); }), "quality is 64, must be from 0 to 63");
   EXPECT_EQ(refusal([] { TheoraEncoder({true, 1, 0, 64}); }), "target_bitrate is 0, must be from 1 to 9.92e+07");
   EXPECT_EQ(refusal([] { TheoraEncoder({true, 1, 1, 65}); }), "keyframe_frequency is 65, must be from 1 to 64");
@@ -154,15 +154,15 @@ TEST(Theora, refusesAStreamThatWouldFillTheMemory)
 {
   TheoraEncoder encoder;
   std::vector<TheoraPacket> packets = encoder.encode(frameAt(0));
-  // Macro blocks across and down (Theora specification, 6.2): 8192 x 4112 px.
+  // The numbers of macro blocks across and down (Theora specification, 6.2), for 8192 x 4112 px.
   const std::array<std::uint8_t, 4> blocks = {0x02, 0x00, 0x01, 0x01};
   std::copy(blocks.begin(), blocks.end(), packets[0].data.begin() + 10);
   TheoraDecoder decoder;
   cv::Mat back;
-  std::string why;
+  std::string reason;
   for (const TheoraPacket& packet : packets)
-    why += refusal([&] { decoder.decode(packet, back); });
-  EXPECT_NE(why.find("in frames of 8192x4112, must be of 1 to 33554432 pixels"), std::string::npos) << why;
+    reason += refusal([&] { decoder.decode(packet, back); });
+  EXPECT_NE(reason.find("in frames of 8192x4112, must be of 1 to 33554432 pixels"), std::string::npos) << reason;
 }
 
 TEST(Theora, refusesDamagedPackets)
@@ -179,7 +179,7 @@ TEST(Theora, refusesDamagedPackets)
   EXPECT_FALSE(back.empty());
 }
 
-TEST(Theora, knowsAWholeSetupHeader)
+TEST(Theora, recognizesACompleteSetupHeader)
 {
   TheoraEncoder encoder;
   const std::vector<std::uint8_t> whole = encoder.encode(frameAt(0)).at(2).data;
@@ -201,7 +201,7 @@ TEST(Theora, refusesADamagedSetupHeaderBeforeTheLibrarySeesIt)
   {
     TheoraPacket setup = packets[2];
     setup.data[bit / 8] ^= static_cast<std::uint8_t>(0x80 >> bit % 8);
-    if (setup.data[0] != 0x82) continue;  // is another header
+    if (setup.data[0] != 0x82) continue;  // is no setup header any more
     TheoraDecoder decoder;
     cv::Mat back;
     decoder.decode(packets[0], back);
@@ -212,7 +212,7 @@ TEST(Theora, refusesADamagedSetupHeaderBeforeTheLibrarySeesIt)
                         : "Theora packet of " + std::to_string(size) + " bytes is a damaged setup header");
     refused += said.empty() ? 0 : 1;
   }
-  EXPECT_GT(refused, 100);  // most flips change a number that may be any
+  EXPECT_GT(refused, 100);  // most flips change a number for which any value is valid
 }
 
 TEST(Theora, refusesAnImageWithoutPixels)
@@ -229,7 +229,7 @@ TEST(Theora, refusesAnImageWithoutPixels)
                 " bytes belongs to images of 0x50 in frames of 80x64, must be of 1 to 33554432 pixels");
 }
 
-TEST(Theora, beginsAnewAfterADamagedFrame)
+TEST(Theora, continuesAtTheNextKeyframeAfterADamagedFrame)
 {
   TheoraEncoder encoder({true, 63, 1, 2});
   TheoraDecoder decoder;

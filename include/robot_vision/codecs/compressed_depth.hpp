@@ -29,17 +29,17 @@ struct DepthCompressionParams
 /// Throws std::invalid_argument naming the first parameter out of range, its value and the range.
 void validate(const DepthCompressionParams& params);
 
-/// Whether pictures of this encoding hold depths: 16UC1 and mono16 (mm), 32FC1 (m).
+/// Whether images of this encoding hold depths: 16UC1 and mono16 in mm, 32FC1 in m.
 bool isDepth(const std::string& encoding);
 
-/// Compresses a depth picture as compressed_depth_image_transport does: a header of 12 bytes, then a PNG of 16 bits
-/// with the millimetres, or with the inverse depth of 32FC1. No depth (0, NaN, infinite or negative) stays none; what
-/// is nearer than the code reaches (0.15 m by default) becomes that. Throws std::invalid_argument for another encoding,
-/// or pixels that are not of it.
+/// Compresses a depth image as compressed_depth_image_transport does: a header of 12 bytes, then a 16-bit PNG of the
+/// millimetres, or of the inverse depth for 32FC1. Pixels without a depth (0, NaN, infinite or negative) stay without
+/// one; in 32FC1, a depth nearer than the code can express (0.15 m by default) becomes the nearest one that it can.
+/// Throws std::invalid_argument for another encoding, or if `image` is not of it.
 void compressDepth(const cv::Mat& image, const std::string& encoding, const DepthCompressionParams& params,
                    CompressedPicture& out);
 
-/// Decompresses into `image`, no depth as 0 in 16 bits and NaN in 32FC1, and returns its encoding.
+/// Decompresses into `image`, and returns its encoding. Pixels without a depth are 0 in 16 bits and NaN in 32FC1.
 /// Throws std::invalid_argument if the data is damaged, too large or not what `format` says.
 std::string decompressDepth(const std::string& format, const unsigned char* data, std::size_t size, cv::Mat& image);
 

@@ -6,10 +6,10 @@
 namespace robot_vision
 {
 
-/// Decodes an image file with cv::imread's `flags`: PNG, JPEG, BMP, PNM, PAM, PFM, TIFF, WebP or Sun raster. Empty if
-/// it is of no such format, or damaged. Throws std::invalid_argument if its header claims more than kMaxPixels: a file
-/// of some kilobytes can claim an image that fills the memory, which OpenCV would make room for; and of a damaged JPEG,
-/// of which OpenCV would show what there is, and have libjpeg print what is wrong.
+/// Decodes an image file with the `flags` of cv::imread: PNG, JPEG, BMP, PNM, PAM, PFM, TIFF, WebP or Sun raster.
+/// Returns an empty image if the file has another format or is damaged. Throws std::invalid_argument if the header
+/// claims more than kMaxPixels, because OpenCV would fill the memory for a file of some kilobytes, and if a JPEG is
+/// damaged, because OpenCV would return the parts that are there and libjpeg would print what is wrong.
 cv::Mat decodeImageFile(const unsigned char* data, std::size_t size, int flags);
 
 }  // namespace robot_vision

@@ -11,7 +11,7 @@
 namespace robot_vision
 {
 
-/// The most that a frame may have, 7680x4320 and a little: a stream keeps some five bytes for each as long as it lasts.
+/// The most pixels of a frame, slightly more than 7680x4320. A stream keeps some five bytes for each of them.
 constexpr std::size_t kMaxVideoPixels = std::size_t{1} << 25;
 
 struct TheoraParams
@@ -36,19 +36,19 @@ struct TheoraParams
 /// Throws std::invalid_argument naming the first parameter out of range, its value and the range.
 void validate(const TheoraParams& params);
 
-/// One of the three headers that a stream begins with, or one frame.
+/// One of the three headers at the start of a stream, or one frame.
 struct TheoraPacket
 {
   std::vector<std::uint8_t> data;
   bool begins_stream = false;
   bool ends_stream = false;
   std::int64_t granule_position = 0;
-  std::int64_t number = 0;  // counts from 0, headers too
+  std::int64_t number = 0;  // counts packets from 0, headers included
 };
 
-/// Makes a Theora stream of pictures. Brightness and colours are coded as theora_image_transport codes them, in the
-/// whole range of 0 to 255. The headers are repeated in front of every key frame, so that a reader who comes later, or
-/// has lost some, sees pictures again from there. Not thread-safe.
+/// Encodes images as a Theora stream. Luma and chroma use the whole range from 0 to 255, as theora_image_transport has
+/// it. The headers are repeated in front of every key frame, so that a reader that joins later or has lost packets can
+/// decode from there on. Not thread-safe.
 class TheoraEncoder
 {
 public:
@@ -58,14 +58,14 @@ public:
   TheoraEncoder(TheoraEncoder&&) noexcept;
   TheoraEncoder& operator=(TheoraEncoder&&) noexcept;
 
-  /// The next picture (CV_8UC3, BGR) as packets; another size than the last begins a new stream.
-  /// Throws std::invalid_argument for a picture of another type or with too many pixels.
+  /// Encodes the next image (CV_8UC3, BGR). A size other than the last one begins a new stream.
+  /// Throws std::invalid_argument for an image of another type, without pixels or with too many.
   std::vector<TheoraPacket> encode(const cv::Mat& bgr);
 
-  /// Makes the next picture a key frame.
+  /// Makes the next image a key frame.
   void requestKeyframe() { keyframe_wanted_ = true; }
 
-  /// Of the stream so far; none before the first picture.
+  /// The headers of the current stream; none before the first image.
   const std::vector<TheoraPacket>& headers() const { return headers_; }
 
 private:
@@ -80,7 +80,7 @@ private:
   std::vector<TheoraPacket> headers_;
 };
 
-/// Reads a Theora stream from wherever it is joined. Not thread-safe.
+/// Decodes a Theora stream, from any packet on. Not thread-safe.
 class TheoraDecoder
 {
 public:
@@ -89,11 +89,11 @@ public:
   TheoraDecoder(TheoraDecoder&&) noexcept;
   TheoraDecoder& operator=(TheoraDecoder&&) noexcept;
 
-  /// How much is done to soften the edges of blocks: 0 (nothing) to 7, as far as the library goes.
+  /// Sets how much the edges of blocks are softened: 0 (not at all) to 7, limited to what libtheora supports.
   void setPostProcessing(int level);
 
-  /// True if the packet gave a picture (CV_8UC3, BGR); false for headers, and while headers or a key frame are waited
-  /// for. Throws std::invalid_argument if it is damaged or its picture too large.
+  /// Returns whether the packet gave an image (CV_8UC3, BGR): headers do not, nor do frames before the headers and a
+  /// key frame have come. Throws std::invalid_argument if the packet is damaged or its image too large.
   bool decode(const TheoraPacket& packet, cv::Mat& bgr);
 
 private:

@@ -19,7 +19,7 @@ namespace
 
 constexpr std::int32_t kInverseDepth = 0;
 
-/// In front of the PNG, in the byte order of the machine, as the standard transport copies it from memory.
+/// Stands in front of the PNG, in the byte order of the machine, because the standard transport copies it from memory.
 struct Header
 {
   std::int32_t format = kInverseDepth;
@@ -28,13 +28,13 @@ struct Header
 };
 static_assert(sizeof(Header) == 12, "the header has no gaps on the wire");
 
-constexpr float kLargestCode = 65535.0F;
+constexpr float kMaxCode = 65535.0F;
 
 Header headerFor(const DepthCompressionParams& params)
 {
-  const auto at = static_cast<float>(params.depth_quantization);
+  const auto depth = static_cast<float>(params.depth_quantization);  // at which a step of the code is 1 m
   Header header;
-  header.numerator = at * (at + 1.0F);
+  header.numerator = depth * (depth + 1.0F);
   header.offset = 1.0F - header.numerator / static_cast<float>(params.depth_max);
   return header;
 }
@@ -49,7 +49,7 @@ cv::Mat encodeMetres(const cv::Mat& depth, const Header& header, float depth_max
                    [&](float z) -> std::uint16_t
                    {
                      if (!(z > 0.0F && z < depth_max)) return 0;
-                     return static_cast<std::uint16_t>(std::min(header.numerator / z + header.offset, kLargestCode));
+                     return static_cast<std::uint16_t>(std::min(header.numerator / z + header.offset, kMaxCode));
                    });
   }
   return codes;
@@ -90,7 +90,7 @@ void compressDepth(const cv::Mat& image, const std::string& encoding, const Dept
   require(isDepth(encoding), "encoding", "'" + printable(encoding) + "'", "16UC1, mono16 or 32FC1");
   const int type = encoding == "32FC1" ? CV_32FC1 : CV_16UC1;
   if (image.empty() || image.type() != type)
-    throw std::invalid_argument(encoding + " picture of " + std::to_string(image.cols) + "x" +
+    throw std::invalid_argument(encoding + " image of " + std::to_string(image.cols) + "x" +
                                 std::to_string(image.rows) + ": expected pixels of " + describePixels(type) + ", got " +
                                 describePixels(image.type()));
   Header header;

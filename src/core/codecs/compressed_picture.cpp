@@ -18,7 +18,7 @@ namespace
 
 enum class Order
 {
-  kNone,  // stored as they are
+  kNone,  // stored as it is
   kBgr,
   kRgb,
   kYuv,  // stored as bgr8
@@ -29,7 +29,7 @@ struct Layout
   const char* encoding;
   int type;
   Order order;
-  const char* narrow;  // the same with 8 bits
+  const char* narrow;  // the encoding with 8 bits instead of 16
 };
 
 constexpr std::array<Layout, 24> kLayouts = {{
@@ -74,7 +74,7 @@ bool isBayer(const Layout& layout)
   return std::string(layout.encoding).rfind("bayer", 0) == 0;
 }
 
-/// The conversion between this order and blue, green, red; -1: none.
+/// The code of cv::cvtColor that converts from the layout to what is stored, or back; -1 if no conversion is needed.
 int swapCode(const Layout& layout, bool back)
 {
   if (CV_MAT_CN(layout.type) == 4)
@@ -85,10 +85,10 @@ int swapCode(const Layout& layout, bool back)
   return layout.order == Order::kRgb ? cv::COLOR_BGR2RGB : -1;
 }
 
-/// What a label says.
+/// What the `format` of a message says.
 struct Label
 {
-  std::string encoding;  // "": nothing
+  std::string encoding;  // empty if it is not named
   bool jpeg = false;
   bool png = false;
 };
@@ -130,7 +130,7 @@ void decompressPng(const unsigned char* data, std::size_t size, const Layout& la
     image = stored;
 }
 
-/// The encoding of a picture without a label.
+/// The encoding of an image whose label does not name it.
 const char* storedEncoding(bool jpeg, const unsigned char* data, std::size_t size)
 {
   if (jpeg) return readJpegInfo(data, size).color ? "bgr8" : "mono8";
@@ -158,7 +158,7 @@ void compress(const cv::Mat& image, const std::string& encoding, const Compressi
   const bool jpeg = params.format == "jpeg";
   const Layout given = layoutOf(encoding);
   if (image.empty() || image.type() != given.type)
-    throw std::invalid_argument(encoding + " picture of " + std::to_string(image.cols) + "x" +
+    throw std::invalid_argument(encoding + " image of " + std::to_string(image.cols) + "x" +
                                 std::to_string(image.rows) + ": expected pixels of " + describePixels(given.type) +
                                 ", got " + describePixels(image.type()));
   cv::Mat pixels = image;
@@ -197,7 +197,7 @@ std::string decompress(const std::string& format, const unsigned char* data, std
   Layout wanted = narrow ? layoutOf(stored.narrow) : stored;
   const bool mosaic = isBayer(wanted);
   if (mosaic && reduction != 1)
-    throw std::invalid_argument("a mosaic of colours (" + label.encoding + ") cannot be reduced");
+    throw std::invalid_argument("a Bayer mosaic (" + label.encoding + ") cannot be reduced");
   if (!mosaic && mode != ColorMode::kUnchanged) wanted = layoutOf(mode == ColorMode::kGray ? "mono8" : "bgr8");
 
   (jpeg ? decompressJpeg : decompressPng)(data, size, wanted, reduction, image);

@@ -22,12 +22,12 @@ cv::Mat decodeImageFile(const unsigned char* data, std::size_t size, int flags)
                                 " pixels");
   try
   {
-    if (isPng(data, size)) return cv::imdecode(withoutNotes(data, size), flags);
+    if (isPng(data, size)) return cv::imdecode(withoutMetadata(data, size), flags);
     if (isJpeg(data, size)) requireSoundJpeg(data, size);
     const cv::Mat bytes(1, static_cast<int>(size), CV_8UC1, const_cast<unsigned char*>(data));
     return cv::imdecode(bytes, flags);
   }
-  catch (const cv::Exception& e)  // for instance a side beyond OpenCV's limits
+  catch (const cv::Exception& e)  // for instance because a side is longer than OpenCV allows
   {
     if (e.code == cv::Error::StsNoMem) throw;
     throw std::invalid_argument(e.err);

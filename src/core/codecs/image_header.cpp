@@ -13,9 +13,9 @@ namespace robot_vision
 namespace
 {
 
-constexpr std::uint64_t kBeyondAnyImage = std::uint64_t{1} << 32;
+constexpr std::uint64_t kTooLargeSide = std::uint64_t{1} << 32;  // px, larger than any side that is accepted
 
-/// The bytes of a file, which may end anywhere.
+/// The bytes of a file. Reading beyond its end gives 0.
 class Bytes
 {
 public:
@@ -28,7 +28,6 @@ public:
     return has(at, count) && std::memcmp(data_ + at, text, count) == 0;
   }
 
-  /// 0 behind the end.
   std::uint64_t number(std::size_t at, std::size_t count, bool big_endian = false) const
   {
     std::uint64_t value = 0;
@@ -45,22 +44,22 @@ private:
   std::size_t size_;
 };
 
-/// The length of a side whose sign tells where the rows begin.
+/// The length of a side of a BMP, whose sign tells where the rows begin.
 std::uint64_t side(std::uint64_t bits)
 {
   const std::int64_t value = static_cast<std::int32_t>(static_cast<std::uint32_t>(bits));
   return static_cast<std::uint64_t>(value < 0 ? -value : value);
 }
 
-std::optional<ClaimedSize> ofBmp(const Bytes& file)
+std::optional<ClaimedSize> sizeOfBmp(const Bytes& file)
 {
-  constexpr std::uint64_t kOldHeader = 12;  // of OS/2, with 16 bits to a side
+  constexpr std::uint64_t kOldHeader = 12;  // bytes of the header of OS/2, which has 16 bits for a side
   if (file.number(14, 4) == kOldHeader) return ClaimedSize{file.number(18, 2), file.number(20, 2)};
   return ClaimedSize{side(file.number(18, 4)), side(file.number(22, 4))};
 }
 
-/// The decimal number at or behind `at`, past blanks and comments; `at` is then behind it. Nothing if no blank ends it:
-/// OpenCV passes over any byte there, and would read on where a comment seems to begin.
+/// Reads a decimal number from `at` on, after blanks and comments, and moves `at` behind it. Nothing if no blank
+/// follows the number: OpenCV skips any byte there, so that it would not see a comment begin.
 std::optional<std::uint64_t> decimal(const Bytes& file, std::size_t& at)
 {
   while (std::isspace(file[at]) != 0 || file[at] == '#')
@@ -73,12 +72,12 @@ std::optional<std::uint64_t> decimal(const Bytes& file, std::size_t& at)
   if (std::isdigit(file[at]) == 0) return std::nullopt;
   std::uint64_t value = 0;
   for (; std::isdigit(file[at]) != 0; ++at)
-    value = std::min<std::uint64_t>(10 * value + (file[at] - '0'), kBeyondAnyImage);
+    value = std::min<std::uint64_t>(10 * value + (file[at] - '0'), kTooLargeSide);
   if (std::isspace(file[at]) == 0) return std::nullopt;
   return value;
 }
 
-std::optional<ClaimedSize> ofPnm(const Bytes& file)
+std::optional<ClaimedSize> sizeOfPnm(const Bytes& file)
 {
   std::size_t at = 2;
   const auto width = decimal(file, at);
@@ -87,30 +86,30 @@ std::optional<ClaimedSize> ofPnm(const Bytes& file)
   return ClaimedSize{*width, *height};
 }
 
-/// The greatest that a word of the header has behind it; OpenCV takes the last one.
-std::uint64_t ofPamWord(const Bytes& file, const std::string& word, std::size_t end)
+/// The largest number that follows a keyword in the header. OpenCV takes the last one.
+std::uint64_t maxPamNumber(const Bytes& file, const std::string& keyword, std::size_t end)
 {
-  std::uint64_t most = 0;
+  std::uint64_t max = 0;
   for (std::size_t at = 0; at < end; ++at)
   {
-    if (!file.beginsWith(word.data(), word.size(), at)) continue;
-    std::size_t behind = at + word.size();
-    most = std::max(most, decimal(file, behind).value_or(0));
+    if (!file.beginsWith(keyword.data(), keyword.size(), at)) continue;
+    std::size_t behind = at + keyword.size();
+    max = std::max(max, decimal(file, behind).value_or(0));
   }
-  return most;
+  return max;
 }
 
-std::optional<ClaimedSize> ofPam(const Bytes& file)
+std::optional<ClaimedSize> sizeOfPam(const Bytes& file)
 {
-  const std::string last = "\nENDHDR";  // not in a comment
+  const std::string last = "\nENDHDR";  // at the begin of a line, because a comment may contain the word
   std::size_t end = 0;
   while (end < file.size() && !file.beginsWith(last.data(), last.size(), end))
     ++end;
-  return ClaimedSize{ofPamWord(file, "WIDTH", end), ofPamWord(file, "HEIGHT", end)};
+  return ClaimedSize{maxPamNumber(file, "WIDTH", end), maxPamNumber(file, "HEIGHT", end)};
 }
 
-/// Of the first image of a TIFF, or of a BigTIFF, whose numbers are wider.
-std::optional<ClaimedSize> ofTiff(const Bytes& file)
+/// The size of the first image of a TIFF, or of a BigTIFF, whose numbers are wider.
+std::optional<ClaimedSize> sizeOfTiff(const Bytes& file)
 {
   constexpr std::uint64_t kWidthTag = 256, kHeightTag = 257, kShort = 3, kLong = 4;
   const bool big_endian = file[0] == 'M';
@@ -135,7 +134,7 @@ std::optional<ClaimedSize> ofTiff(const Bytes& file)
   return size;
 }
 
-std::optional<ClaimedSize> ofWebp(const Bytes& file)
+std::optional<ClaimedSize> sizeOfWebp(const Bytes& file)
 {
   constexpr std::uint64_t kSide = 0x3FFF;  // 14 bits
   if (file.beginsWith("VP8X", 4, 12)) return ClaimedSize{file.number(24, 3) + 1, file.number(27, 3) + 1};
@@ -151,13 +150,13 @@ bool isTiff(const Bytes& file)
          file.beginsWith("MM\0+", 4);
 }
 
-std::optional<ClaimedSize> ofAny(const Bytes& file)
+std::optional<ClaimedSize> sizeOfOtherFormats(const Bytes& file)
 {
-  if (file.beginsWith("BM", 2)) return ofBmp(file);
-  if (file.beginsWith("P7", 2)) return ofPam(file);
-  if (file[0] == 'P' && file[1] != '\0' && std::strchr("123456fF", file[1]) != nullptr) return ofPnm(file);
-  if (isTiff(file)) return ofTiff(file);
-  if (file.beginsWith("RIFF", 4) && file.beginsWith("WEBP", 4, 8)) return ofWebp(file);
+  if (file.beginsWith("BM", 2)) return sizeOfBmp(file);
+  if (file.beginsWith("P7", 2)) return sizeOfPam(file);
+  if (file[0] == 'P' && file[1] != '\0' && std::strchr("123456fF", file[1]) != nullptr) return sizeOfPnm(file);
+  if (isTiff(file)) return sizeOfTiff(file);
+  if (file.beginsWith("RIFF", 4) && file.beginsWith("WEBP", 4, 8)) return sizeOfWebp(file);
   if (file.beginsWith("\x59\xA6\x6A\x95", 4)) return ClaimedSize{file.number(4, 4, true), file.number(8, 4, true)};
   return std::nullopt;
 }
@@ -170,14 +169,14 @@ std::optional<ClaimedSize> claimedSize(const unsigned char* data, std::size_t si
   std::optional<ClaimedSize> claimed;
   if (isPng(data, size))
   {
-    if (file.beginsWith("IHDR", 4, 12))  // what else begins a file would be left out before it is decoded
+    if (file.beginsWith("IHDR", 4, 12))  // any other first chunk would be removed before the file is decoded
       claimed = ClaimedSize{file.number(16, 4, true), file.number(20, 4, true)};
   }
   else if (file.beginsWith("\xFF\xD8", 2))
     claimed = ClaimedSize{static_cast<std::uint64_t>(claimedJpegSize(data, size).width),
                           static_cast<std::uint64_t>(claimedJpegSize(data, size).height)};
   else
-    claimed = ofAny(file);
+    claimed = sizeOfOtherFormats(file);
   const bool has_pixels = claimed && claimed->width > 0 && claimed->height > 0;
   return has_pixels ? claimed : std::nullopt;
 }

@@ -13,8 +13,8 @@ struct ClaimedSize
   std::uint64_t height = 0;  // px
 };
 
-/// The size that the header of an image file claims: PNG, JPEG, BMP, PNM, PAM, PFM, TIFF, WebP or Sun raster. None if
-/// it is of another format, or its header is damaged.
+/// The size that the header of an image file claims (PNG, JPEG, BMP, PNM, PAM, PFM, TIFF, WebP or Sun raster). None if
+/// the file has another format or a damaged header.
 std::optional<ClaimedSize> claimedSize(const unsigned char* data, std::size_t size);
 
 }  // namespace robot_vision

@@ -17,7 +17,7 @@ namespace
 using Handle = std::unique_ptr<void, int (*)(tjhandle)>;
 using Buffer = std::unique_ptr<unsigned char, void (*)(unsigned char*)>;
 
-/// The thread's own handle: to make one costs more than a small picture, and none may be shared between threads.
+/// The handle of this thread. Threads must not share one, and making one costs more than encoding a small image.
 Handle& encoder()
 {
   thread_local Handle handle(nullptr, tjDestroy);
@@ -42,7 +42,7 @@ TJPF pixelFormat(const cv::Mat& image, bool rgb)
   }
 }
 
-/// What TurboJPEG has no switches for before its version 3.
+/// Encodes with options that TurboJPEG does not have before version 3.
 void encodeByOpenCv(const cv::Mat& image, bool rgb, const JpegParams& params, std::vector<std::uint8_t>& out)
 {
   cv::Mat bgr;
@@ -78,11 +78,11 @@ void encodeJpeg(const cv::Mat& image, bool rgb, const JpegParams& params, std::v
   const int subsampling = format == TJPF_GRAY ? TJSAMP_GRAY : TJSAMP_420;
   thread_local Buffer buffer(nullptr, tjFree);
   thread_local unsigned long room = 0;
-  const unsigned long most = tjBufSize(image.cols, image.rows, subsampling);
-  if (most > room)
+  const unsigned long max_size = tjBufSize(image.cols, image.rows, subsampling);
+  if (max_size > room)
   {
-    buffer.reset(tjAlloc(static_cast<int>(most)));
-    room = buffer ? most : 0;
+    buffer.reset(tjAlloc(static_cast<int>(max_size)));
+    room = buffer ? max_size : 0;
     if (!buffer) throw std::bad_alloc();
   }
   unsigned char* bytes = buffer.get();

@@ -17,11 +17,11 @@ namespace
 {
 
 constexpr std::array<unsigned char, 8> kSignature = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1A, '\n'};
-constexpr std::size_t kAroundData = 12;  // a chunk's length, name and check sum
+constexpr std::size_t kChunkOverhead = 12;  // bytes of a chunk's length, name and checksum
 
-[[noreturn]] void refuse(std::size_t size, const std::string& why)
+[[noreturn]] void refuse(std::size_t size, const std::string& reason)
 {
-  throw std::invalid_argument("PNG of " + std::to_string(size) + " bytes " + why);
+  throw std::invalid_argument("PNG of " + std::to_string(size) + " bytes " + reason);
 }
 
 bool isPartOfTheImage(const unsigned char* name)
@@ -31,16 +31,16 @@ bool isPartOfTheImage(const unsigned char* name)
                      [name](const char* part) { return std::memcmp(name, part, 4) == 0; });
 }
 
-/// Whether the chunks lead from the header to the end of the image.
+/// Whether the chunks follow each other up to the chunk that ends the image.
 bool isComplete(const unsigned char* data, std::size_t size)
 {
   std::size_t i = kSignature.size();
-  while (size - i >= kAroundData)
+  while (size - i >= kChunkOverhead)
   {
     const std::size_t length = bigEndian<4>(data + i);
-    if (length > size - i - kAroundData) return false;
+    if (length > size - i - kChunkOverhead) return false;
     if (std::memcmp(data + i + 4, "IEND", 4) == 0) return true;
-    i += kAroundData + length;
+    i += kChunkOverhead + length;
   }
   return false;
 }
@@ -55,7 +55,7 @@ bool isPng(const unsigned char* data, std::size_t size)
 PngInfo readPngInfo(const unsigned char* data, std::size_t size)
 {
   if (!isPng(data, size)) refuse(size, "does not begin as a PNG");
-  constexpr std::size_t kSizes = kSignature.size() + 8;  // behind the name of the first chunk
+  constexpr std::size_t kSizes = kSignature.size() + 8;  // position of the width, after the name of the first chunk
   if (size < kSizes + 10 || std::memcmp(data + kSizes - 4, "IHDR", 4) != 0 || !isComplete(data, size))
     refuse(size, "is damaged or truncated");
   const std::uint64_t width = bigEndian<4>(data + kSizes);
@@ -63,34 +63,34 @@ PngInfo readPngInfo(const unsigned char* data, std::size_t size)
   if (width * height > kMaxPixels)
     refuse(size, "claims to be of " + std::to_string(width) + "x" + std::to_string(height) + ", the most is " +
                      std::to_string(kMaxPixels) + " pixels");
-  constexpr unsigned char kColor = 2;  // bits of the type
+  constexpr unsigned char kColor = 2;  // a bit of the color type, as is the next one
   constexpr unsigned char kAlpha = 4;
   return {(data[kSizes + 9] & (kColor | kAlpha)) != 0, data[kSizes + 8] == 16};
 }
 
-std::vector<std::uint8_t> withoutNotes(const unsigned char* data, std::size_t size)
+std::vector<std::uint8_t> withoutMetadata(const unsigned char* data, std::size_t size)
 {
   std::vector<std::uint8_t> kept;
   kept.reserve(size);
   std::size_t i = std::min(size, kSignature.size());
   kept.assign(data, data + i);
-  while (size - i >= kAroundData)
+  while (size - i >= kChunkOverhead)
   {
     const std::size_t length = bigEndian<4>(data + i);
-    if (length > size - i - kAroundData) break;
-    const std::size_t end = i + kAroundData + length;
+    if (length > size - i - kChunkOverhead) break;
+    const std::size_t end = i + kChunkOverhead + length;
     if (isPartOfTheImage(data + i + 4)) kept.insert(kept.end(), data + i, data + end);
     i = end;
   }
-  kept.insert(kept.end(), data + i, data + size);  // of a damaged one, for the decoder to refuse
+  kept.insert(kept.end(), data + i, data + size);  // the rest of a damaged stream, so that the decoder refuses it
   return kept;
 }
 
 cv::Mat decodePng(const unsigned char* data, std::size_t size, int flags)
 {
-  readPngInfo(data, size);  // OpenCV would decode whatever else it is, and make room for any size that it claims
+  readPngInfo(data, size);  // OpenCV would decode any other format, too, and allocate any size that is claimed
   if (size > static_cast<std::size_t>(std::numeric_limits<int>::max())) refuse(size, "is too large");
-  cv::Mat image = cv::imdecode(withoutNotes(data, size), flags);
+  cv::Mat image = cv::imdecode(withoutMetadata(data, size), flags);
   if (image.empty()) refuse(size, "cannot be decoded");
   return image;
 }

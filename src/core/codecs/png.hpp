@@ -8,27 +8,28 @@
 namespace robot_vision
 {
 
-/// True if the bytes begin as every PNG does.
+/// Whether the bytes begin with the signature of PNG.
 bool isPng(const unsigned char* data, std::size_t size);
 
 struct PngInfo
 {
-  bool color = false;  // else gray; gray with alpha counts as colour, as OpenCV reads it
-  bool wide = false;   // 16 bits, else at most 8
+  bool color = false;  // otherwise gray; gray with alpha counts as colour, because OpenCV reads it so
+  bool wide = false;   // 16 bits, otherwise at most 8
 };
 
-/// Throws std::invalid_argument if it is damaged, or of more pixels than fit into memory beside others.
+/// Reads the kind of a PNG. Throws std::invalid_argument if the stream is no PNG, is damaged, or claims more than
+/// kMaxPixels.
 PngInfo readPngInfo(const unsigned char* data, std::size_t size);
 
-/// The stream with only that in it which the image is made of, and EXIF: libpng prints what it finds wrong with the
-/// rest, color profiles above all, on the terminal, and OpenCV lets it.
-std::vector<std::uint8_t> withoutNotes(const unsigned char* data, std::size_t size);
+/// The stream without all chunks but those of the image and EXIF. libpng prints what is wrong with the others, most
+/// often with color profiles, on the terminal, and OpenCV lets it.
+std::vector<std::uint8_t> withoutMetadata(const unsigned char* data, std::size_t size);
 
-/// Decodes with cv::imdecode's `flags`. Throws std::invalid_argument if the stream is no PNG, truncated, damaged or of
-/// more pixels than fit into memory beside others.
+/// Decodes with the `flags` of cv::imdecode. Throws std::invalid_argument if the stream is no PNG, is truncated or
+/// damaged, or claims more than kMaxPixels.
 cv::Mat decodePng(const unsigned char* data, std::size_t size, int flags);
 
-/// `level` is zlib's, 1 (fast) to 9 (small).
+/// Encodes with zlib's compression `level`, 1 (fast) to 9 (small).
 void encodePng(const cv::Mat& image, int level, std::vector<std::uint8_t>& out);
 
 }  // namespace robot_vision

@@ -14,12 +14,12 @@ namespace robot_vision
 namespace
 {
 
-[[noreturn]] void refuse(std::size_t size, const std::string& why)
+[[noreturn]] void refuse(std::size_t size, const std::string& reason)
 {
-  throw std::invalid_argument("Theora packet of " + std::to_string(size) + " bytes " + why);
+  throw std::invalid_argument("Theora packet of " + std::to_string(size) + " bytes " + reason);
 }
 
-/// What the library only reads, on the packet's memory.
+/// A packet for libtheora, which shares the memory and only reads it.
 ogg_packet toOgg(const TheoraPacket& packet)
 {
   ogg_packet ogg;
@@ -61,8 +61,8 @@ struct TheoraDecoder::Stream
   Stream(const Stream&) = delete;
   Stream& operator=(const Stream&) = delete;
 
-  /// True if the packet gave a picture. Once it has thrown, the stream is not to be used any more: libtheora may have
-  /// stopped halfway.
+  /// Returns whether the packet gave an image. After an exception the stream must not be used any more, because
+  /// libtheora may have stopped halfway.
   bool decode(const TheoraPacket& packet, int post_processing, cv::Mat& bgr)
   {
     ogg_packet ogg = toOgg(packet);
@@ -72,21 +72,21 @@ struct TheoraDecoder::Stream
       if (!readHeader(ogg)) return false;
       setPostProcessing(post_processing);
     }
-    if (th_packet_isheader(&ogg) == 1) return false;  // of a repetition whose beginning was lost
+    if (th_packet_isheader(&ogg) == 1) return false;  // repeated headers of which the first was lost
     keyframe_seen = keyframe_seen || th_packet_iskeyframe(&ogg) == 1;
     if (!keyframe_seen) return false;
     const int result = th_decode_packetin(context, &ogg, nullptr);
     if (result != 0 && result != TH_DUPFRAME) refuse(packet.data.size(), "is a damaged frame");
-    takePicture(bgr);  // of a frame without changes, the last one
+    copyImage(bgr);  // a frame without changes gives the last image again
     return true;
   }
 
-  /// True once a packet follows all the headers: it is a frame.
+  /// Reads a header. Returns true if all headers have been read before, so that the packet is a frame.
   bool readHeader(ogg_packet& packet)
   {
     const int result = th_decode_headerin(&info, &comment, &setup, &packet);
     if (result > 0) return false;
-    if (result == TH_ENOTFORMAT) return false;  // a frame of a stream whose headers are still to come
+    if (result == TH_ENOTFORMAT) return false;  // a frame, while the headers are still to come
     if (result != 0) refuse(static_cast<std::size_t>(packet.bytes), "is a damaged header");
     if (info.pic_width == 0 || info.pic_height == 0 ||
         static_cast<std::uint64_t>(info.frame_width) * info.frame_height > kMaxVideoPixels)
@@ -101,23 +101,23 @@ struct TheoraDecoder::Stream
 
   void setPostProcessing(int level)
   {
-    int most = 0;
-    th_decode_ctl(context, TH_DECCTL_GET_PPLEVEL_MAX, &most, sizeof(most));
-    level = std::min(level, most);
+    int max_level = 0;
+    th_decode_ctl(context, TH_DECCTL_GET_PPLEVEL_MAX, &max_level, sizeof(max_level));
+    level = std::min(level, max_level);
     th_decode_ctl(context, TH_DECCTL_SET_PPLEVEL, &level, sizeof(level));
   }
 
-  void takePicture(cv::Mat& bgr)
+  void copyImage(cv::Mat& bgr)
   {
     th_ycbcr_buffer planes;
     th_decode_ycbcr_out(context, planes);
-    const cv::Rect picture(static_cast<int>(info.pic_x), static_cast<int>(info.pic_y), static_cast<int>(info.pic_width),
+    const cv::Rect visible(static_cast<int>(info.pic_x), static_cast<int>(info.pic_y), static_cast<int>(info.pic_width),
                            static_cast<int>(info.pic_height));
     std::array<cv::Mat, 3> channels = {toMat(planes[0]), cv::Mat(), cv::Mat()};
     cv::resize(toMat(planes[2]), channels[1], channels[0].size());
     cv::resize(toMat(planes[1]), channels[2], channels[0].size());
     for (cv::Mat& channel : channels)
-      channel = channel(picture);
+      channel = channel(visible);
     cv::Mat merged;
     cv::merge(channels.data(), channels.size(), merged);
     cv::cvtColor(merged, bgr, cv::COLOR_YCrCb2BGR);
@@ -127,7 +127,7 @@ struct TheoraDecoder::Stream
   th_comment comment;
   th_setup_info* setup = nullptr;
   th_dec_ctx* context = nullptr;
-  bool keyframe_seen = false;  // what comes before it are changes of pictures unknown
+  bool keyframe_seen = false;  // frames before the first key frame are changes of an unknown image
 };
 
 TheoraDecoder::TheoraDecoder() : stream_(std::make_unique<Stream>())

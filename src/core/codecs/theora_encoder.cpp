@@ -11,9 +11,9 @@ namespace robot_vision
 namespace
 {
 
-constexpr int kBlock = 16;        // px, that both sides of a coded frame are a multiple of
+constexpr int kBlock = 16;  // px; both sides of a coded frame are multiples of it
 constexpr int kGranuleShift = 6;  // bits that count the frames since a key frame: keyframe_frequency is 64 at most
-constexpr int kNominalRate = 30;  // Hz: the stream has to name one, and the bit rate is kept by it
+constexpr int kNominalRate = 30;  // Hz; a stream has to name a rate, to which the target bit rate refers
 
 int padded(int side)
 {
@@ -45,7 +45,7 @@ struct TheoraEncoder::Stream
       context(th_encode_alloc(&info), th_encode_free)
   {
     if (!context)
-      throw std::runtime_error("Theora encodes no picture of " + std::to_string(info.pic_width) + "x" +
+      throw std::runtime_error("Theora cannot encode images of " + std::to_string(info.pic_width) + "x" +
                                std::to_string(info.pic_height));
   }
 
@@ -107,7 +107,7 @@ std::vector<TheoraPacket> TheoraEncoder::encode(const cv::Mat& bgr)
 {
   const auto frame_pixels = static_cast<std::size_t>(padded(bgr.rows)) * static_cast<std::size_t>(padded(bgr.cols));
   if (bgr.empty() || bgr.type() != CV_8UC3 || frame_pixels > kMaxVideoPixels)
-    throw std::invalid_argument("a picture of " + std::to_string(bgr.cols) + "x" + std::to_string(bgr.rows) + " (" +
+    throw std::invalid_argument("an image of " + std::to_string(bgr.cols) + "x" + std::to_string(bgr.rows) + " (" +
                                 cv::typeToString(bgr.type()) + ") cannot become Theora, must be CV_8UC3 of 1 to " +
                                 std::to_string(kMaxVideoPixels) + " pixels");
   if (!stream_ || stream_->size != bgr.size()) begin(bgr.size());
@@ -121,11 +121,11 @@ std::vector<TheoraPacket> TheoraEncoder::encode(const cv::Mat& bgr)
   cv::Mat cb;
   cv::resize(planes[1], cr, frame.size() / 2, 0, 0, cv::INTER_AREA);
   cv::resize(planes[2], cb, frame.size() / 2, 0, 0, cv::INTER_AREA);
-  th_ycbcr_buffer picture = {toPlane(planes[0]), toPlane(cb), toPlane(cr)};
+  th_ycbcr_buffer image = {toPlane(planes[0]), toPlane(cb), toPlane(cr)};
 
   if (keyframe_wanted_) setKeyframeFrequency(1);
-  if (th_encode_ycbcr_in(stream_->context.get(), picture) != 0)
-    throw std::runtime_error("Theora cannot encode the picture");
+  if (th_encode_ycbcr_in(stream_->context.get(), image) != 0)
+    throw std::runtime_error("Theora cannot encode the image");
   if (keyframe_wanted_) setKeyframeFrequency(params_.keyframe_frequency);
   keyframe_wanted_ = false;
 

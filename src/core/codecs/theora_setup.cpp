@@ -9,7 +9,7 @@ namespace
 {
 
 constexpr std::array<std::uint8_t, 7> kMagic = {0x82, 't', 'h', 'e', 'o', 'r', 'a'};
-constexpr int kQualities = 64;  // indices of quality, for each of which there are scales and a limit of the loop filter
+constexpr int kQualities = 64;     // quality indices, each with two scales and a limit of the loop filter
 constexpr int kCoefficients = 64;  // of a block
 constexpr int kPlanes = 3;
 constexpr int kHuffmanTables = 80;
@@ -17,7 +17,7 @@ constexpr int kMaxTokens = 32;      // leaves of a Huffman table
 constexpr int kMaxCodeLength = 32;  // bits
 constexpr int kTokenBits = 5;
 
-/// Reads numbers from a packet, their highest bit first. Past the packet's end there are zeros.
+/// Reads numbers from a packet, the highest bit first. Reads zeros after the packet's end.
 class BitReader
 {
 public:
@@ -39,7 +39,7 @@ private:
   std::size_t next_;  // bit
 };
 
-/// Bits that hold `number`.
+/// The number of bits that `number` needs.
 int bitsOf(int number)
 {
   int bits = 0;
@@ -48,7 +48,7 @@ int bitsOf(int number)
   return bits;
 }
 
-/// The base matrices of consecutive ranges of quality.
+/// Reads the indices of the base matrices of consecutive ranges of quality. Returns false if they are not valid.
 bool readRanges(BitReader& reader, int matrices)
 {
   const int index_bits = bitsOf(matrices - 1);
@@ -69,7 +69,7 @@ bool readQuantization(BitReader& reader)
     reader.skip(kQualities * (reader.read(4) + 1));
   const int matrices = reader.read(9) + 1;
   reader.skip(8 * kCoefficients * matrices);
-  for (int plane = 0; plane < 2 * kPlanes; ++plane)  // of frames coded by themselves, then of those coded as changes
+  for (int plane = 0; plane < 2 * kPlanes; ++plane)  // those of key frames, then those of other frames
   {
     const bool repeats = plane > 0 && reader.read(1) == 0;
     if (!repeats && !readRanges(reader, matrices)) return false;
@@ -78,11 +78,11 @@ bool readQuantization(BitReader& reader)
   return true;
 }
 
-/// A binary tree, depth first: 0 begins two branches, 1 a leaf.
+/// Reads a binary tree, depth first: 0 begins two branches, 1 a leaf. Returns false if it is not valid.
 bool readHuffmanTable(BitReader& reader)
 {
   int tokens = 0;
-  std::array<bool, kMaxCodeLength> second{};  // branch, on each level above
+  std::array<bool, kMaxCodeLength> second{};  // whether the second branch is being read, on each level above
   int depth = 0;
   while (!reader.ended())
   {
