@@ -38,9 +38,9 @@ struct EdgeParams
 /// Throws std::invalid_argument naming the first parameter out of range, its value and the range.
 void validate(const EdgeParams& params);
 
-/// Canny edges of a blurred picture: cv::cvtColor, cv::blur and cv::Canny, to the bit. With an aperture of 3 rows go
-/// from the input to their candidates for edges while they are in the processor's cache; else it is OpenCV that works,
-/// in its own threads. Keeps its memory from frame to frame, so a running stream allocates nothing.
+/// Finds Canny edges in the blurred image, bit for bit as cv::cvtColor, cv::blur and cv::Canny do. With an aperture of
+/// 3, each row is processed from the input to its edge candidates while it is in the processor's cache; with others
+/// OpenCV does the work, in its own threads. Memory is kept from frame to frame, so that a stream allocates none.
 class EdgeDetector
 {
 public:
@@ -51,7 +51,7 @@ public:
   ~EdgeDetector();
 
   /// Writes CV_8UC1, 255 on edges and 0 elsewhere, into `edges` (reused if it fits). `image` is not modified.
-  /// Throws std::invalid_argument if `image` is not a picture of `encoding` (see encoding.hpp).
+  /// Throws std::invalid_argument if `image` is not of `encoding` (see encoding.hpp).
   void apply(const cv::Mat& image, const std::string& encoding, cv::Mat& edges);
 
   /// The encoding of what apply() writes for input of `encoding`: mono8.

@@ -34,9 +34,9 @@ void gradient(const std::uint8_t* above, const std::uint8_t* row, const std::uin
 }  // namespace
 
 void CannyStripe::run(const cv::Mat& image, const std::string& encoding, int blur_size,
-                      const EdgeThresholds& thresholds, bool squared, cv::Range rows, EdgeHysteresis& bits)
+                      const EdgeThresholds& thresholds, bool squared, cv::Range rows, EdgeHysteresis& hysteresis)
 {
-  // Candidates need the gradients of the rows next to them, and those the blurred rows next to them.
+  // Candidates depend on the gradients of the rows next to them, which depend on the blurred rows next to these.
   const int first_blurred = std::max(rows.start - 2, 0);
   gray_.begin(image, encoding, std::max(first_blurred - blur_size / 2, 0), blur_size + 1);
   box_.begin(gray_, blur_size, first_blurred);
@@ -50,16 +50,16 @@ void CannyStripe::run(const cv::Mat& image, const std::string& encoding, int blu
   }
   size_ = gray_.size();
   if (squared)
-    run(thresholds, rows, squares_, bits);
+    run(thresholds, rows, squares_, hysteresis);
   else
-    run(thresholds, rows, sums_, bits);
+    run(thresholds, rows, sums_, hysteresis);
 }
 
 template <class Magnitude>
 void CannyStripe::run(const EdgeThresholds& thresholds, cv::Range rows, RowRing<Magnitude, 3>& magnitudes,
-                      EdgeHysteresis& bits)
+                      EdgeHysteresis& hysteresis)
 {
-  magnitudes.resize(size_.width);  // to zeros: that is what is around the picture
+  magnitudes.resize(size_.width);  // sets them to 0, which is the magnitude around the image
   for (int y = std::max(rows.start - 1, 0); y <= rows.end; ++y)
   {
     if (y < size_.height)
@@ -70,11 +70,11 @@ void CannyStripe::run(const EdgeThresholds& thresholds, cv::Range rows, RowRing<
     if (done < rows.start) continue;
     suppress({magnitudes[done - 1], magnitudes[done], magnitudes[done + 1], dx_[done], dy_[done]}, thresholds,
              size_.width, marks_.data());
-    bits.setRow(done, marks_.data());
+    hysteresis.setRow(done, marks_.data());
   }
 }
 
-/// Blurs the rows up to `y`; the pixels at its ends are repeated beyond them.
+/// Blurs the rows up to `y`, and repeats the first and the last pixel of each beyond its ends.
 void CannyStripe::blurTo(int y)
 {
   for (; next_blurred_ <= y; ++next_blurred_)

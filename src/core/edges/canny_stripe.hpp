@@ -14,12 +14,12 @@
 namespace robot_vision
 {
 
-/// `Count` rows of a picture, each used again for the row that is `Count` below it.
+/// A ring buffer of the last `Count` rows of an image.
 template <class T, int Count>
 class RowRing
 {
 public:
-  /// To zeros.
+  /// Sets the width of the rows, and all pixels to 0.
   void resize(int width)
   {
     rows_.resize(Count, width);
@@ -33,18 +33,19 @@ private:
   AlignedRows<T> rows_;
 };
 
-/// The first part of Canny's edge detector for some rows of a picture, up to the candidates for edges. Each row goes
-/// from the picture to its candidates while it is in the processor's cache.
+/// The first part of Canny's edge detector, up to the edge candidates, for some rows of an image. Each row is processed
+/// from the image to its candidates while it is in the processor's cache.
 class CannyStripe
 {
 public:
-  /// Sets these rows of `bits`. The thresholds are those of the magnitude: |dx| + |dy|, or dx^2 + dy^2 if `squared`.
+  /// Sets these rows of `hysteresis`. The thresholds apply to the magnitude |dx| + |dy|, or dx^2 + dy^2 if `squared`.
   void run(const cv::Mat& image, const std::string& encoding, int blur_size, const EdgeThresholds& thresholds,
-           bool squared, cv::Range rows, EdgeHysteresis& bits);
+           bool squared, cv::Range rows, EdgeHysteresis& hysteresis);
 
 private:
   template <class Magnitude>
-  void run(const EdgeThresholds& thresholds, cv::Range rows, RowRing<Magnitude, 3>& magnitudes, EdgeHysteresis& bits);
+  void run(const EdgeThresholds& thresholds, cv::Range rows, RowRing<Magnitude, 3>& magnitudes,
+           EdgeHysteresis& hysteresis);
   void blurTo(int y);
   template <class Magnitude>
   void differentiate(int y, Magnitude* magnitudes);

@@ -7,10 +7,10 @@ namespace
 
 using Word = BitWord;
 
-/// The runs of ones in `candidates` that have a bit of `seeds`, which are among them.
+/// The runs of ones in `candidates` that contain a bit of `seeds`. All seeds must be candidates.
 Word fillRuns(Word seeds, Word candidates)
 {
-  // A carry runs from a run's lowest seed to its end.
+  // The carry of the addition goes from the lowest seed of a run to the end of the run.
   Word filled = (((seeds + candidates) ^ candidates) | seeds) & candidates;
   Word path = candidates;
   for (int step = 1; step < kWordBits; step *= 2)
@@ -38,7 +38,8 @@ void EdgeHysteresis::setRow(int y, const std::uint8_t* marks)
   kernels<BitKernels>().split_marks(marks, static_cast<int>(words_), &candidates_[at(y)], &edges_[at(y)]);
 }
 
-/// Takes to a word what its neighbours and itself have; whether it has gained anything.
+/// Makes edges of the candidates of a word that are connected to edges of the word or its neighbours. Returns whether
+/// there were any.
 bool EdgeHysteresis::spread(std::size_t word)
 {
   const Word candidates = candidates_[word];
@@ -60,7 +61,7 @@ void EdgeHysteresis::connect()
     const std::size_t begin = at(y);
     for (std::size_t i = begin; i < begin + words_; ++i)
       for (std::size_t word = i; isOpen(word) && spread(word);)
-        --word;  // what it has gained may go on before it; there is no candidate before the row
+        --word;  // the new edges may continue in the word before; the margin before the row has no candidates
   }
   for (int y = size_.height; y-- > 0;)
     for (std::size_t i = at(y); i < at(y) + words_; ++i)

@@ -9,42 +9,42 @@
 namespace robot_vision
 {
 
-/// The hysteresis of Canny's edge detector: which candidates are connected to a strong one, by eight neighbours.
+/// The hysteresis of Canny's edge detector: keeps the candidates that are connected to a strong one (8-connectivity).
 ///
-/// Pixels are bits, 64 to a word, so that a row's runs of candidates are filled by a few operations. Rows are swept
-/// down and up once; what is left (an edge that winds) goes word by word through a list in which a word comes up only
-/// when it has gained a bit: the work is bounded by the number of candidates, however dense they are.
+/// Each pixel is a bit of a 64-bit word, so that a few operations fill a row's runs of candidates. The rows are swept
+/// once downwards and once upwards. Edges that wind are then completed word by word from a list, to which a word is
+/// added only when it has gained a bit, so that the work is bounded by the number of candidates.
 class EdgeHysteresis
 {
 public:
-  /// For a picture of this size; its marks are all to be set.
+  /// Begins an image of this size. All its rows must then be set.
   void reset(cv::Size size);
 
-  /// Sets a row by what EdgeKernels::suppress has written; different rows by several threads at a time. There are bytes
-  /// to the next multiple of 64, which are 0.
+  /// Sets a row from what EdgeKernels::suppress has written, followed by zeros up to the next multiple of 64 bytes.
+  /// Threads may set different rows at the same time.
   void setRow(int y, const std::uint8_t* marks);
 
-  /// Makes an edge of every candidate that is connected to one.
+  /// Makes edges of all candidates that are connected to edges.
   void connect();
 
-  /// Writes 255 for edges, else 0, into CV_8UC1 of the size.
+  /// Writes the edges as 255 and the rest as 0 into `edges` (CV_8UC1, reused if it fits).
   void write(cv::Mat& edges) const;
 
 private:
   using Word = BitWord;
 
   std::size_t at(int y) const { return static_cast<std::size_t>(y + 1) * stride_ + 1; }
-  /// Whether it may gain anything; most words may not.
+  /// Whether a word has candidates that are not edges yet. Most words have none.
   bool isOpen(std::size_t word) const { return candidates_[word] != edges_[word]; }
   bool spread(std::size_t word);
   void spreadFromList();
 
   cv::Size size_;
-  std::size_t words_ = 0;   // of a row
-  std::size_t stride_ = 0;  // of a row with a word of zeros on both sides; there is a row of them above and below
-  std::vector<Word> candidates_;
-  std::vector<Word> edges_;
-  std::vector<std::size_t> gained_;  // words whose neighbours have to be looked at
+  std::size_t words_ = 0;            // in a row
+  std::size_t stride_ = 0;           // words in a row with its margin
+  std::vector<Word> candidates_;     // with a margin of zeros: a word on both sides of each row, a row above and below
+  std::vector<Word> edges_;          // the same
+  std::vector<std::size_t> gained_;  // indices of words that have gained edges, whose neighbours may gain some, too
 };
 
 }  // namespace robot_vision

@@ -45,7 +45,7 @@ void suppress(const Gradients<Magnitude>& gradients, const EdgeThresholds& thres
               std::uint8_t* __restrict marks)
 {
   constexpr std::uint16_t kTan22 = 13573;    // tan(22.5 degrees) * 2^15, as cv::Canny has it
-  const Gradients<Magnitude> g = gradients;  // copies cannot be changed by the writes to `marks`
+  const Gradients<Magnitude> g = gradients;  // a copy, which for the compiler cannot change by writes to `marks`
   const auto low = static_cast<Magnitude>(thresholds.low);
   const auto high = static_cast<Magnitude>(thresholds.high);
   for (int i = 0; i < count; ++i)
@@ -54,14 +54,14 @@ void suppress(const Gradients<Magnitude>& gradients, const EdgeThresholds& thres
     const std::int16_t dy = g.dy[i];
     const auto x = static_cast<std::uint16_t>(absolute(dx));
     const auto y = static_cast<std::uint16_t>(absolute(dy));
-    // 2^15 * y < kTan22 * x and 2^15 * y > (kTan22 + 2^16) * x in 16 bits. For y == x == 0, which the first of these
-    // tests takes for flat and Canny does not, nothing is a candidate.
+    // These are the tests 2^15 * y < kTan22 * x and 2^15 * y > (kTan22 + 2^16) * x in 16 bits. They differ from those
+    // of cv::Canny only for y == x == 0, where there is no candidate anyway.
     const auto x_tan = static_cast<std::uint16_t>(std::uint32_t{static_cast<std::uint16_t>(2 * x)} * kTan22 >> 16);
     const bool flat = y <= x_tan;
     const bool steep = y > static_cast<std::uint16_t>(x_tan + 2 * x);
     const bool falling = static_cast<std::int16_t>(dx ^ dy) >= 0;  // the gradient goes right and down, or left and up
 
-    // All are loaded, or there would be branches.
+    // All neighbours are loaded, because loading only those that are needed would take branches.
     const Magnitude above_left = g.above[i - 1];
     const Magnitude above = g.above[i];
     const Magnitude above_right = g.above[i + 1];
@@ -72,15 +72,15 @@ void suppress(const Gradients<Magnitude>& gradients, const EdgeThresholds& thres
     const Magnitude below_right = g.below[i + 1];
     const Magnitude diagonal_before = falling ? above_left : above_right;
     const Magnitude diagonal_after = falling ? below_right : below_left;
-    // Along rows and columns it is enough to be as large as the one after: more than one less.
+    // Along rows and columns a maximum may equal its second neighbour, that is, it must exceed one less.
     const Magnitude slanted_before = steep ? above : diagonal_before;
     const Magnitude slanted_after = steep ? static_cast<Magnitude>(below - 1) : diagonal_after;
     const Magnitude before = flat ? left : slanted_before;
     const Magnitude after = flat ? static_cast<Magnitude>(right - 1) : slanted_after;
 
     const Magnitude m = g.row[i];
-    const Magnitude rival = before > after ? before : after;
-    const Magnitude limit = rival > low ? rival : low;
+    const Magnitude larger = before > after ? before : after;
+    const Magnitude limit = larger > low ? larger : low;
     const auto strong = static_cast<std::uint8_t>(m > high ? kCandidate | kStrong : kCandidate);
     marks[i] = m > limit ? strong : 0;
   }

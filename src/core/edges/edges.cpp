@@ -20,7 +20,7 @@ namespace
 
 constexpr int kFusedAperture = 3;
 
-/// As cv::Canny rounds them.
+/// The thresholds of the magnitude, rounded as cv::Canny does.
 EdgeThresholds thresholdsOf(const EdgeParams& params)
 {
   const auto threshold = [&params](double of_magnitude)

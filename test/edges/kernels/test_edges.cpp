@@ -17,7 +17,7 @@ namespace
 
 cv::Mat byOpenCv(const cv::Mat& image, const std::string& encoding, const EdgeParams& p)
 {
-  const cv::Mat whole = image.clone();  // of a part of a picture filters would take what is around it for its border
+  const cv::Mat whole = image.clone();  // OpenCV's filters would read the pixels around a part of a larger matrix
   cv::Mat gray;
   toGray(whole, encoding, gray);
   cv::Mat smooth;
@@ -54,7 +54,7 @@ TEST(EdgeDetector, equalsTheOpenCvChainForEveryParameter)
 
 TEST(EdgeDetector, equalsTheOpenCvChainForEveryEncodingAndSize)
 {
-  EdgeDetector detector;  // one for all: what it keeps from a picture must not show in the next
+  EdgeDetector detector;  // one for all images, because nothing that it keeps may affect the next result
   for (const std::string& encoding : encodings())
     for (const cv::Size size : {cv::Size(80, 60), cv::Size(2, 3), cv::Size(6, 240), cv::Size(80, 60)})
     {
@@ -68,7 +68,7 @@ TEST(EdgeDetector, equalsTheOpenCvChainForEveryEncodingAndSize)
     }
 }
 
-TEST(EdgeDetector, sharesPicturesOfChangingSizeAndEncoding)
+TEST(EdgeDetector, equalsTheOpenCvChainWithAnyNumberOfThreads)
 {
   cv::RNG random(0x5A4E);
   for (const int threads : {1, 2, 7, 64})
@@ -87,22 +87,22 @@ TEST(EdgeDetector, sharesPicturesOfChangingSizeAndEncoding)
   }
 }
 
-/// A line of one pixel that winds inwards, its turns three pixels apart.
+/// A spiral line of one pixel, whose turns are three pixels apart.
 cv::Mat spiral(int size)
 {
-  cv::Mat picture(size, size, CV_8UC1, cv::Scalar(0));
+  cv::Mat image(size, size, CV_8UC1, cv::Scalar(0));
   cv::Point at(0, 0);
   cv::Point step(1, 0);
   for (int length = size - 1; length > 0; length -= step.x == 0 ? 0 : 3)
   {
-    cv::line(picture, at, at + step * length, 255);
+    cv::line(image, at, at + step * length, 255);
     at += step * length;
     step = {-step.y, step.x};
   }
-  return picture;
+  return image;
 }
 
-TEST(EdgeDetector, equalsTheOpenCvChainForAdversarialPictures)
+TEST(EdgeDetector, equalsTheOpenCvChainForAdversarialImages)
 {
   cv::RNG random(0xED6E);
   for (int i = 0; i < 300; ++i)
@@ -115,15 +115,15 @@ TEST(EdgeDetector, equalsTheOpenCvChainForAdversarialPictures)
     cv::Mat edges;
     EdgeDetector(params).apply(image, "mono8", edges);
     ASSERT_TRUE(equal(edges, byOpenCv(image, "mono8", params)))
-        << "picture " << i << ", " << size << ", blur " << params.blur_size << ", " << params.low_threshold << " to "
+        << "image " << i << ", " << size << ", blur " << params.blur_size << ", " << params.low_threshold << " to "
         << params.high_threshold << ", " << params.threads << " threads";
   }
 }
 
 TEST(EdgeDetector, followsAnEdgeThatWinds)
 {
-  cv::Mat image = spiral(301) / 8;         // weak, but for one pixel
-  image.at<std::uint8_t>(150, 150) = 255;  // in its middle
+  cv::Mat image = spiral(301) / 8;         // a weak edge
+  image.at<std::uint8_t>(150, 150) = 255;  // a strong pixel in its middle
   for (const int high : {100, 2000})
   {
     const EdgeParams params = edgeParams(1, 5, high, 3, false);
@@ -166,7 +166,7 @@ TEST(EdgeDetector, takesOnePixel)
   EXPECT_EQ(cv::countNonZero(edges), 0);
 }
 
-TEST(EdgeDetector, fillsTheMemoryItIsGiven)
+TEST(EdgeDetector, reusesTheOutputsMemory)
 {
   std::vector<std::uint8_t> memory(60 * 100, 77);
   cv::Mat edges(60, 80, CV_8UC1, memory.data(), 100);
@@ -176,7 +176,7 @@ TEST(EdgeDetector, fillsTheMemoryItIsGiven)
   EXPECT_EQ(memory[80], 77);  // the padding of the first row
 }
 
-TEST(EdgeDetector, refusesWhatIsNotAPicture)
+TEST(EdgeDetector, refusesEmptyImagesAndOtherTypes)
 {
   cv::Mat edges;
   EXPECT_THROW(EdgeDetector().apply(cv::Mat(), "bgr8", edges), std::invalid_argument);
