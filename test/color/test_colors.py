@@ -1,4 +1,4 @@
-"""The bindings of colours and regions: arrays in, arrays out. The gtests test the algorithms."""
+"""The bindings of colours and regions. The gtests test the algorithms."""
 
 import cv2
 import numpy as np
@@ -72,7 +72,7 @@ def test_colors_are_converted_as_by_opencv(picture):
         ((0, 9, 0), (90, 8, 9), "s_high is 8, must be from 9 to 255"),
     ],
 )
-def test_ranges_that_are_none_are_refused(picture, low, high, message):
+def test_invalid_ranges_are_refused(picture, low, high, message):
     color = rv.HsvRange(low=low, high=high)
     for use in (rv.validate, rv.HsvMask, lambda r: rv.hsv_mask(picture, r)):
         with pytest.raises(ValueError, match=message):
@@ -80,7 +80,7 @@ def test_ranges_that_are_none_are_refused(picture, low, high, message):
 
 
 @pytest.mark.parametrize("color", [(256, 0, 0), (-1, 0, 0), (1, 2)])
-def test_what_is_no_color_is_refused(color):
+def test_invalid_colors_are_refused(color):
     for use in (rv.to_hsv, rv.range_around):
         with pytest.raises(TypeError):
             use(color)
@@ -127,7 +127,7 @@ def test_region_parameters():
             use(params)
 
 
-def test_what_is_no_mask_is_refused(picture):
+def test_invalid_masks_are_refused(picture):
     with pytest.raises(ValueError):
         rv.RegionFinder().apply(picture)
     with pytest.raises(TypeError):

@@ -1,4 +1,4 @@
-"""Colours: ranges around them, medians of them, and their place in hsv_tracker's file."""
+"""Ranges around picked colours, median colours, and saving them in hsv_tracker's file."""
 
 import os
 import stat
@@ -29,12 +29,12 @@ TEAL_YAML = {"low": [80, 100, 100], "high": [100, 255, 255]}
         ((64, 64, 128), (0, 128, 128)),  # saturation: 255 * (128 - 64) / 128 = 127.5
     ],
 )
-def test_hsv_of_colours(bgr, hsv):
+def test_hsv_of_colors(bgr, hsv):
     assert to_hsv(bgr) == hsv
 
 
 @pytest.mark.parametrize("margin", [0, 1, 10, 45, 89, 90])
-def test_the_range_holds_exactly_the_hues_near(margin):
+def test_range_contains_exactly_the_hues_within_the_margin(margin):
     for hue in range(180):
         near = range_around((hue, 200, 200), margin)
         low, high = near.low, near.high
@@ -47,7 +47,7 @@ def test_the_range_holds_exactly_the_hues_near(margin):
             assert inside == (apart <= margin), (hue, other)
 
 
-def test_the_course_s_margin_is_the_default():
+def test_default_margin_is_that_of_the_course():
     near = range_around((105, 225, 255))
     assert (near.low, near.high) == ((95, 100, 100), (115, 255, 255))
     assert as_yaml(range_around((3, 1, 2))) == "{low: [173, 100, 100], high: [13, 255, 255]}"
@@ -69,7 +69,7 @@ def hues(*values, saturation=200, value=180):
         ([0], 0),
     ],
 )
-def test_the_median_hue_is_that_of_a_circle(values, median):
+def test_median_hue_is_circular(values, median):
     region = hues(*values)
     before = region.copy()
     found = median_hsv(region)
@@ -78,13 +78,13 @@ def test_the_median_hue_is_that_of_a_circle(values, median):
     assert np.array_equal(region, before)
 
 
-def test_grey_pixels_have_no_hue():
-    grey = np.full((1, 4, 3), 90, np.uint8)
-    assert median_hsv(np.concatenate([grey, hues(60, 60, 60)], axis=1))[0] == 60
-    assert median_hsv(grey) == (0, 0, 90)
+def test_gray_pixels_have_no_hue():
+    gray = np.full((1, 4, 3), 90, np.uint8)
+    assert median_hsv(np.concatenate([gray, hues(60, 60, 60)], axis=1))[0] == 60
+    assert median_hsv(gray) == (0, 0, 90)
 
 
-def test_the_region_may_be_a_view_and_not_empty():
+def test_region_may_be_a_view_but_not_empty():
     picture = np.zeros((20, 30, 3), np.uint8)
     picture[4:8, 5:9] = (255, 0, 0)
     assert median_hsv(picture[4:8, 5:9]) == (120, 255, 255)
@@ -107,7 +107,7 @@ label: "a # no comment"
 """
 
 
-def test_a_colour_is_replaced_and_all_else_stays(tmp_path):
+def test_replacing_a_color_keeps_the_rest_of_the_file(tmp_path):
     path = tmp_path / "hsv_tracker.yaml"
     path.write_text(FILE)
     save_colors(str(path), {"red": TEAL})
@@ -123,7 +123,7 @@ def test_a_colour_is_replaced_and_all_else_stays(tmp_path):
     )
 
 
-def test_a_colour_is_added_below_the_others(tmp_path):
+def test_new_color_is_added_below_the_others(tmp_path):
     path = tmp_path / "hsv_tracker.yaml"
     path.write_text(FILE)
     for _ in range(2):
@@ -188,7 +188,7 @@ def test_all_usual_layouts_can_be_edited(tmp_path, text):
         (b"colors:\n  bl\xfce: 1\n", "no text"),
     ],
 )
-def test_any_other_file_is_left_alone(tmp_path, text, error):
+def test_files_of_other_layouts_are_not_changed(tmp_path, text, error):
     path = tmp_path / "hsv_tracker.yaml"
     data = text if isinstance(text, bytes) else text.encode()
     path.write_bytes(data)
@@ -199,7 +199,7 @@ def test_any_other_file_is_left_alone(tmp_path, text, error):
     assert os.listdir(tmp_path) == [path.name]
 
 
-def test_several_colours_are_saved_in_one_step(tmp_path):
+def test_several_colors_are_saved_in_one_step(tmp_path):
     path = tmp_path / "hsv_tracker.yaml"
     path.write_text(FILE)
     save_colors(str(path), {"teal": TEAL, "blue": TEAL})
@@ -216,7 +216,7 @@ def test_several_colours_are_saved_in_one_step(tmp_path):
 
 
 @pytest.mark.parametrize("name", ["", "two words", "1st", "yes", "null", "a: b", "blau#", "grün"])
-def test_names_that_yaml_or_ros_takes_for_something_else(tmp_path, name):
+def test_names_that_yaml_or_ros_would_misread_are_refused(tmp_path, name):
     with pytest.raises(ValueError, match="no name for a colour"):
         save_colors(str(tmp_path / "new.yaml"), {name: TEAL})
     assert not os.listdir(tmp_path)
@@ -235,7 +235,7 @@ def test_permissions_and_links_are_kept(tmp_path):
     assert os.listdir(file.parent) == ["file.yaml"]
 
 
-def test_a_failure_leaves_the_old_file_and_no_other(tmp_path, monkeypatch):
+def test_failure_keeps_the_old_file_and_leaves_no_other(tmp_path, monkeypatch):
     file = tmp_path / "file.yaml"
     file.write_text("old")
 
@@ -252,7 +252,7 @@ def test_a_failure_leaves_the_old_file_and_no_other(tmp_path, monkeypatch):
     assert file.read_text() == "old" and os.listdir(tmp_path) == ["file.yaml"]
 
 
-def test_added_files_never_take_a_name_that_is_taken(tmp_path):
+def test_added_files_never_replace_one(tmp_path):
     (tmp_path / "a.png").write_text("mine")
     (tmp_path / "a-2.png").symlink_to("nowhere")
     paths = [add_file(str(tmp_path), "a", ".png", text) for text in (b"one", b"two")]
@@ -278,7 +278,7 @@ def test_created_files_never_replace_one(tmp_path):
     assert sorted(os.listdir(tmp_path)) == ["link", "mine", "new"]
 
 
-def test_the_rate_is_that_of_the_last_seconds():
+def test_rate_is_that_of_the_last_seconds():
     rate = Rate(3.0)
     assert rate.hz(0.0) == 0.0
     for i in range(100):
@@ -289,7 +289,7 @@ def test_the_rate_is_that_of_the_last_seconds():
     assert rate.hz(13.5) == 0.0
 
 
-def test_what_the_window_says():
+def test_title_and_waiting_image_of_the_window():
     assert title("/camera/image", 29.96, (640, 480)) == "/camera/image  30.0 Hz  640x480"
     assert title("/camera/image", 0.0, None) == "/camera/image  waiting"
     for topic in (

@@ -1,4 +1,4 @@
-// What of HSV ranges no kernel computes.
+// Tests of HSV ranges that do not depend on kernels.
 
 #include <gtest/gtest.h>
 
@@ -10,7 +10,7 @@
 
 using namespace robot_vision;
 
-// What vectors rely on.
+// The vectorized kernels rely on this.
 TEST(HsvTests, fitSignedBytes)
 {
   static constexpr int kMax = 127;

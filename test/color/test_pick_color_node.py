@@ -34,7 +34,7 @@ def pick(start):
 
 @pytest.fixture
 def picture(tmp_path):
-    """A blue picture file of 60x40 with a red rectangle from (30, 20), and a grey pixel in it."""
+    """A blue image file of 60x40 with a red rectangle at (30, 20), in which one pixel is gray."""
     pixels = np.full((40, 60, 3), BLUE, np.uint8)
     pixels[20:30, 30:40] = RED
     pixels[25, 35] = 128
@@ -70,7 +70,7 @@ def printed(bgr, hsv, text, name="name"):
         ),
     ],
 )
-def test_a_colour(pick, arguments, output):
+def test_color_of_the_command_line(pick, arguments, output):
     assert pick(*arguments) == (0, output)
 
 
@@ -83,7 +83,7 @@ def test_a_colour(pick, arguments, output):
         (["--region", 0, 0, 60, 40], printed(None, BLUE_HSV, BLUE_YAML)),
     ],
 )
-def test_a_picture(pick, picture, place, output):
+def test_color_of_an_image_file(pick, picture, place, output):
     assert pick(picture, *place) == (0, output)
 
 
@@ -97,7 +97,7 @@ def publish(encoding, pixels):
     return publisher
 
 
-def test_a_topic(pick, picture):
+def test_color_of_a_topic(pick, picture):
     rgb = np.ascontiguousarray(cv2.imread(str(picture))[:, :, ::-1])
     publisher = publish("rgb8", rgb)
     assert pick("--topic", "/pictures", "--at", 30, 20) == (0, printed(RED, RED_HSV, RED_YAML))
@@ -108,7 +108,7 @@ def test_a_topic(pick, picture):
     publisher.unregister()
 
 
-def test_a_topic_that_is_silent(pick):
+def test_topic_without_publisher_is_an_error(pick):
     code, output = pick("--topic", "/silent", "--at", 1, 1, "--timeout", 0.5)
     assert code == 1
     assert output == (
@@ -116,7 +116,7 @@ def test_a_topic_that_is_silent(pick):
     )
 
 
-def test_a_topic_without_a_usable_picture(pick):
+def test_topic_without_a_usable_image_is_an_error(pick):
     publisher = publish("32FC2", np.zeros((4, 4, 2), np.float32))
     code, output = pick("--topic", "/pictures", "--at", 1, 1, "--timeout", 3)
     assert code == 1
@@ -124,7 +124,7 @@ def test_a_topic_without_a_usable_picture(pick):
     publisher.unregister()
 
 
-def test_a_topic_without_a_master(pick):
+def test_missing_master_is_an_error(pick):
     uri = f"http://127.0.0.1:{support.free_port()}"
     code, output = pick("--topic", "/silent", "--at", 1, 1, env={"ROS_MASTER_URI": uri})
     assert (code, output) == (1, f"pick_color.py: no ROS master answers at {uri}\n")
@@ -139,7 +139,7 @@ def test_waiting_can_be_interrupted(start):
     assert process.output() == ""
 
 
-def test_a_range_without_the_color_is_saved_by_force_only(pick, tmp_path):
+def test_range_without_the_color_is_saved_only_by_force(pick, tmp_path):
     path = tmp_path / "hsv_tracker.yaml"
     path.write_text(FILE)
     gray = ["--hsv", 5, 20, 200, "--save", path, "--name", "blue"]
@@ -175,7 +175,7 @@ def test_saving_twice_changes_one_line(pick, tmp_path):
     "text, error",
     [("colors: [1, 2]\n", "its colors are no map"), ("colors: {a\n", "is no valid YAML")],
 )
-def test_a_bad_file_is_left_alone(pick, tmp_path, text, error):
+def test_bad_file_is_not_changed(pick, tmp_path, text, error):
     path = tmp_path / "hsv_tracker.yaml"
     path.write_text(text)
     code, output = pick("--hex", "#1e90ff", "--save", path, "--name", "blue")
@@ -214,7 +214,7 @@ def test_errors_of_files_name_them(pick, picture, tmp_path):
         ["--region", 0, 0, 5, -1],
     ],
 )
-def test_places_outside_of_the_picture(pick, picture, place):
+def test_places_outside_of_the_image_are_refused(pick, picture, place):
     code, output = pick(picture, *place)
     assert code == 1 and "not inside of the picture of 60x40" in output
 
@@ -236,7 +236,7 @@ def test_places_outside_of_the_picture(pick, picture, place):
         (["--topic", "/a", "--at", 1, 1, "--timeout", 0], "must be above 0"),
     ],
 )
-def test_commands_that_make_no_sense(pick, arguments, error):
+def test_invalid_commands_are_refused(pick, arguments, error):
     code, output = pick(*arguments)
     assert code == 2 and error in output
 

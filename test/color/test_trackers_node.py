@@ -35,7 +35,7 @@ def pixels(message):
 
 
 def cleaned(bgr, low, high):
-    """What the tracker's mask is by OpenCV."""
+    """The tracker's mask as computed by OpenCV."""
     mask = cv2.inRange(cv2.cvtColor(bgr, cv2.COLOR_BGR2HSV), low, high)
     mask = cv2.morphologyEx(mask, cv2.MORPH_OPEN, KERNEL)
     return cv2.morphologyEx(mask, cv2.MORPH_CLOSE, KERNEL)
@@ -73,7 +73,7 @@ def test_hsv_tracker_finds_the_ball_by_its_blue(start, camera):
     assert np.mean(np.any(pixels(picture) > 0, axis=2)) < 0.1  # black elsewhere
 
 
-def test_hsv_tracker_finds_several_colours_and_red_around_the_end(start, tmp_path):
+def test_hsv_tracker_finds_several_colors_and_red_on_both_ends_of_the_hues(start, tmp_path):
     picture = np.zeros((120, 160, 3), np.uint8)
     for box, hue in [((10, 10, 30, 40), 178), ((60, 10, 30, 40), 3), ((110, 10, 30, 40), 60)]:
         x, y, w, h = box
@@ -100,7 +100,7 @@ def test_hsv_tracker_finds_several_colours_and_red_around_the_end(start, tmp_pat
     ]
 
 
-def test_colours_are_changed_live_and_saved(start, camera, tmp_path):
+def test_colors_are_changed_live_and_saved(start, camera, tmp_path):
     path = tmp_path / "tracker.yaml"
     path.write_text(
         "# mine\ncolors:\n  blue: {low: [90, 50, 50], high: [120, 255, 255]}\n"
@@ -123,7 +123,7 @@ def test_colours_are_changed_live_and_saved(start, camera, tmp_path):
     assert (config["s_low"], config["s_high"]) == (20, 255)
     process.wait_for_output("refused, the parameters stay as they are: ")
     config = client.update_configuration({"color": "blue", "h_high": 130})
-    assert (config["h_low"], config["h_high"]) == (90, 130)  # a new limit of another colour
+    assert (config["h_low"], config["h_high"]) == (90, 130)  # another color with a new limit
     config = client.update_configuration({"h_high": 120})
     config = client.update_configuration({"color": "pink"})
     assert (config["h_low"], config["h_high"]) == (160, 170)
@@ -174,7 +174,7 @@ def test_bad_value_at_start_is_fatal(start, node, name, value, message):
     support.assert_fatal_at_start(start, node, name, value, message)
 
 
-def test_limits_at_start_are_those_of_the_one_colour(start):
+def test_limits_at_start_are_those_of_the_only_color(start):
     process = start("hsv_tracker.py", "__name:=tracker", "image:=/no", "_h_low:=10", "_h_high:=20")
     client = dynamic_reconfigure.client.Client("/tracker", timeout=support.DEADLINE)
     config = client.get_configuration()
@@ -189,8 +189,8 @@ def test_limits_at_start_are_those_of_the_one_colour(start):
 
 
 @pytest.mark.parametrize("node", ["hsv_tracker.py", "brightness_node"])
-def test_a_config_file_must_be_absolute(start, node):
-    """roslaunch would have read it in one folder, and the node would write it in another."""
+def test_config_file_must_be_absolute(start, node):
+    """roslaunch would read a relative path in another folder than the node writes it."""
     start(node, "__name:=saver", "image:=/no", "_config_file:=mine.yaml")
     rospy.wait_for_service("/saver/save_parameters", support.DEADLINE)
     answer = rospy.ServiceProxy("/saver/save_parameters", Trigger)()
@@ -199,7 +199,7 @@ def test_a_config_file_must_be_absolute(start, node):
 
 
 @pytest.mark.parametrize("node", ["hsv_tracker.py", "brightness_node"])
-def test_silence_is_said_in_the_log(start, node):
+def test_missing_frames_are_logged(start, node):
     process = start(node, "__name:=waiting", "image:=/nobody")
     pictures = support.Messages("/waiting/processed_image", Image)
     process.wait_for_output("no frames on /nobody for 5 s")
@@ -207,9 +207,9 @@ def test_silence_is_said_in_the_log(start, node):
 
 
 def test_ball_is_followed_as_it_moves(start):
-    """Centre within 1 px, position within 2 %, velocity within 10 %: medians, while visible.
+    """Median errors while it is visible: centre 1 px, position 2 %, velocity 10 %.
 
-    The frames come by the scene's own time, however long the machine takes for them.
+    The frames have the scene's own time, however long the machine takes to render them.
     """
     topic, calibrated = new_topic(), "/elsewhere/camera_info"
     pictures, infos = Source(topic), Source(calibrated, CameraInfo)
@@ -271,7 +271,7 @@ def test_ball_without_a_diameter_has_no_position(start, camera):
     assert "/ball/position" not in dict(rospy.get_published_topics())
 
 
-def test_a_camera_info_of_other_pictures_brings_no_position(start):
+def test_camera_info_of_another_size_gives_no_position(start):
     topic = new_topic()
     pictures, infos = Source(topic), Source(topic.replace("image", "camera_info"), CameraInfo)
     process = start("ball_tracker.py", "__name:=ball", f"image:={topic}", "_ball_diameter:=0.2")

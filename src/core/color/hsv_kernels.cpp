@@ -25,13 +25,13 @@ inline std::int16_t smaller(std::int16_t a, std::int16_t b)
   return a < b ? a : b;
 }
 
-// One loop of 8- and 16-bit integers without branches: compilers make vectors of it.
+// A loop of 8- and 16-bit integers without branches, which compilers vectorize.
 void applyTestsInLoop(const HsvTests& tests, const std::uint8_t* __restrict pixels, int count,
                       std::uint8_t* __restrict mask)
 {
   using Byte = std::uint8_t;
   using Short = std::int16_t;
-  const HsvTests t = tests;  // a copy cannot be changed by the writes to `mask`
+  const HsvTests t = tests;  // a copy, which for the compiler cannot change by writes to `mask`
   for (int i = 0; i < count; ++i)
   {
     const Byte first = pixels[3 * i];
@@ -45,7 +45,7 @@ void applyTestsInLoop(const HsvTests& tests, const std::uint8_t* __restrict pixe
     const Short s_above = static_cast<Short>(t.s_above.diff * diff - t.s_above.value * max - t.s_above.offset);
     const Short s = smaller(s_low, static_cast<Short>(~s_above));
 
-    const Short x = static_cast<Short>(second - first);  // the factors add up to 0: two differences are enough
+    const Short x = static_cast<Short>(second - first);  // two differences are enough, because the factors add up to 0
     const Short y = static_cast<Short>(third - first);
     const Short h_low = static_cast<Short>(t.h_low.channels[1] * x + t.h_low.channels[2] * y - t.h_low.offset);
     const Short h_above = static_cast<Short>(t.h_above.channels[1] * x + t.h_above.channels[2] * y - t.h_above.offset);
@@ -61,8 +61,8 @@ void applyTestsInLoop(const HsvTests& tests, const std::uint8_t* __restrict pixe
 
 #ifdef ROBOT_VISION_PIXELS
 
-/// The same for as many pixels as a vector has bytes. The margins' sums of two products are single instructions on
-/// pairs of bytes; only what they are near 0 counts, so that then they are limited to bytes, too.
+/// The same tests for as many pixels as a vector has bytes. A sum of two products in a margin is a single instruction
+/// on pairs of bytes. Only margins near 0 need to be exact, so that they may then saturate to bytes.
 class HsvVectors
 {
 public:
@@ -90,7 +90,7 @@ public:
     const Vector s = packed(sLimit(saturation.low), sLimit(saturation.high));
     const Mask v_inside = PixelSimd::lessEqualUnsigned(PixelSimd::subtractBytes(max, v_low_), v_range_);
     const Mask s_perhaps = PixelSimd::both(v_inside, PixelSimd::greaterSigned(s, s_unsure_));
-    if (!PixelSimd::any(s_perhaps))  // often: objects are small
+    if (!PixelSimd::any(s_perhaps))  // is true for most pixels, because objects are small
     {
       Simd::store(mask, Simd::zeros());
       return;
@@ -127,12 +127,13 @@ private:
   static Halves halves(Vector a, Vector b) { return {Simd::InterleaveLower(a, b), Simd::InterleaveUpper(a, b)}; }
   static Vector packed(Vector low, Vector high) { return PixelSimd::packSignedWords(low, high); }
 
-  // Margins of hue are one more: at least the slack is above it then. Those of the outside are inverted after that.
+  // 1 is added to margins of hue, so that "at least the slack" becomes "above the slack". If the range is outside of
+  // the wedge, 1 is subtracted, because the margins are inverted afterwards.
   static int one(const HsvTests& tests) { return tests.h_outside != 0 ? -1 : 1; }
   static Plane plane(const HueLimit& limit, int sign, int offset)
   {
-    const std::int16_t* const of = limit.channels;
-    return {pairs(sign * of[0], sign * of[1]), pairs(sign * of[2], offset)};
+    const std::int16_t* const factors = limit.channels;
+    return {pairs(sign * factors[0], sign * factors[1]), pairs(sign * factors[2], offset)};
   }
 
   Vector sLimit(Vector diff_and_max) const

@@ -12,33 +12,34 @@ namespace
 {
 
 constexpr int kHues = 180;
-constexpr int kFar = 32000;    // a margin that no slack reaches
-constexpr int kMaxDiff = 127;  // factor of the difference: 255 times as much fits 16 bits
-constexpr int kHueUnit = 60;   // margins of hue count 1/60 of a gray level, which makes the planes' factors whole
+constexpr int kFar = 32000;    // a margin larger than any slack
+constexpr int kMaxDiff = 127;  // the largest factor of the difference; times 255 it still fits 16 bits
+constexpr int kHueUnit = 60;   // margins of hue are in 1/60 of a gray level, so that the planes have integer factors
 
-/// The least difference of the channels that gives a pixel of value `value` the saturation `limit`; value + 1: none.
-int leastDifference(int limit, int value)
+/// The smallest difference of the channels (largest minus smallest) that gives a pixel of value `value` the saturation
+/// `limit`, or value + 1 if there is none.
+int minDifference(int limit, int value)
 {
   const int factor = kSaturationFactors[value];
-  return factor == 0 ? value + 1 : (leastProduct(limit) + factor - 1) / factor;
+  return factor == 0 ? value + 1 : (minProduct(limit) + factor - 1) / factor;
 }
 
-/// A line beside all the pairs (value, difference), and the slack it needs.
+/// A line that separates the pairs (value, difference) at or above the limit from those below, and the slack it needs.
 struct FittedLine
 {
   SaturationLimit line;
   int slack;
 };
 
-/// The line with this factor of the difference.
-FittedLine fitLine(const std::array<int, 256>& least, int diff, int value)
+/// The line with these factors. `min_difference` has minDifference() for each value.
+FittedLine fitLine(const std::array<int, 256>& min_difference, int diff, int value)
 {
-  int inside = kFar;    // the smallest margin of a pair at the limit or above
-  int outside = -kFar;  // the largest of one under it
+  int inside = kFar;    // the smallest margin of a pair at or above the limit
+  int outside = -kFar;  // the largest margin of a pair below it
   for (int v = 0; v < 256; ++v)
   {
-    if (least[v] <= v) inside = std::min(inside, diff * least[v] - value * v);
-    outside = std::max(outside, diff * std::min(least[v] - 1, v) - value * v);
+    if (min_difference[v] <= v) inside = std::min(inside, diff * min_difference[v] - value * v);
+    outside = std::max(outside, diff * std::min(min_difference[v] - 1, v) - value * v);
   }
   const int offset = inside > outside ? inside : (inside + outside + 1) / 2;
   const int slack = std::max({offset - inside, outside - offset + 1, 0});
@@ -58,7 +59,7 @@ HsvTests::HsvTests(const HsvRange& range)
 {
   setSaturation(range);
   setHue(range);
-  // Black has no saturation. Its value tells so at once, while it lies on every line.
+  // Black has no saturation, but lies on every line. It is excluded by its value.
   v_low = static_cast<std::uint8_t>(range.s_low > 0 ? std::max(range.v_low, 1) : range.v_low);
   v_high = static_cast<std::uint8_t>(range.v_high);
 }
@@ -69,20 +70,20 @@ void HsvTests::setSaturation(const HsvRange& range)
   s_above = saturationLimit(range.s_high + 1);
 }
 
-/// The line whose slack is the least part of a gray level.
+/// The line whose slack is the smallest, measured in gray levels.
 SaturationLimit HsvTests::saturationLimit(int limit)
 {
   if (limit == 0) return {0, 0, -kFar};
   if (limit == 256) return {0, 0, kFar};
-  std::array<int, 256> least;
+  std::array<int, 256> min_difference;
   for (int v = 0; v < 256; ++v)
-    least[v] = leastDifference(limit, v);
+    min_difference[v] = minDifference(limit, v);
 
   const double slope = (limit - 0.5) / 255.0;
-  FittedLine best = fitLine(least, kMaxDiff, static_cast<int>(std::lround(slope * kMaxDiff)));
+  FittedLine best = fitLine(min_difference, kMaxDiff, static_cast<int>(std::lround(slope * kMaxDiff)));
   for (int diff = kMaxDiff - 1; diff > 0 && best.slack > 0; --diff)
   {
-    const FittedLine fitted = fitLine(least, diff, static_cast<int>(std::lround(slope * diff)));
+    const FittedLine fitted = fitLine(min_difference, diff, static_cast<int>(std::lround(slope * diff)));
     if (fitted.slack * best.line.diff < best.slack * diff) best = fitted;
   }
   s_slack = larger(s_slack, best.slack);
@@ -97,22 +98,23 @@ void HsvTests::setHue(const HsvRange& range)
   const int hues = empty ? 0 : (high - low + kHues) % kHues + 1;
   if (empty || hues == kHues)
   {
-    h_low.offset = h_above.offset = 1;  // a wedge without any pixel
+    h_low.offset = h_above.offset = 1;  // no pixel is inside of such a wedge
     h_outside = empty ? 0 : -1;
     return;
   }
   const int above = (high + 1) % kHues;
-  const bool grey_inside = low == 0 || low > high;  // OpenCV gives gray the hue 0
-  // The wedge is the smaller part. Two halves share one plane, which has no offset if gray is inside.
-  const bool narrow = 2 * hues < kHues || (2 * hues == kHues && grey_inside);
+  const bool gray_inside = low == 0 || low > high;  // OpenCV gives gray the hue 0
+  // The wedge is the smaller of the range and its rest. If both are halves, one plane limits both, which must have no
+  // offset if gray is inside.
+  const bool narrow = 2 * hues < kHues || (2 * hues == kHues && gray_inside);
   h_outside = narrow ? 0 : -1;
-  h_low = hueLimit(narrow ? low : above, grey_inside == narrow);
+  h_low = hueLimit(narrow ? low : above, gray_inside == narrow);
   h_above = hueLimit(narrow ? above : low, false);
 }
 
-/// The plane of colours half a step below the hue `limit`, 0 to 179, which is never on the edge of two sextants.
-/// `grey_inside`: gray, on all the planes, is to have the margin 0, else -1.
-HueLimit HsvTests::hueLimit(int limit, bool grey_inside)
+/// The plane of the colours half a step below the hue `limit` (0 to 179), which is never on the border of two sextants.
+/// Gray, which lies on all these planes, gets the margin 0 if `gray_inside`, else -1.
+HueLimit HsvTests::hueLimit(int limit, bool gray_inside)
 {
   struct Sextant
   {
@@ -122,7 +124,7 @@ HueLimit HsvTests::hueLimit(int limit, bool grey_inside)
   const int number = limit == 0 ? 5 : (2 * limit - 1) / 60;
   const Sextant& sextant = kSextants[number];
 
-  // Within the sextant, hue = axis +- 30 * (mid - min) / (max - min).
+  // Within a sextant the hue is axis +- 30 * (mid - min) / (max - min).
   const int axis = (number + 1) / 2 * 60;
   const int twice_limit = 2 * (limit == 0 ? kHues : limit) - 1;
   const int mid = number % 2 == 0 ? kHueUnit : -kHueUnit;
@@ -131,14 +133,15 @@ HueLimit HsvTests::hueLimit(int limit, bool grey_inside)
   plane.channels[sextant.max] = static_cast<std::int16_t>(max);
   plane.channels[sextant.mid] = static_cast<std::int16_t>(mid);
   plane.channels[sextant.min] = static_cast<std::int16_t>(-max - mid);
-  plane.offset = grey_inside ? 0 : 1;
+  plane.offset = gray_inside ? 0 : 1;
 
-  // OpenCV's numerator, which is negative in the last sextant, from the first one at the limit.
+  // For each difference, the smallest numerator in OpenCV's division that reaches the limit. Numerators are negative in
+  // the last sextant.
   const int signed_limit = number == 5 && limit > 0 ? limit - kHues : limit;
   for (int diff = 1; diff < 256; ++diff)
   {
-    const int least = static_cast<int>(std::ceil(leastProduct(signed_limit) / double(kHueFactors[diff])));
-    const int inside = kHueUnit * least - (2 * signed_limit - 1) * diff - plane.offset;
+    const int numerator = static_cast<int>(std::ceil(minProduct(signed_limit) / double(kHueFactors[diff])));
+    const int inside = kHueUnit * numerator - (2 * signed_limit - 1) * diff - plane.offset;
     const int slack = std::max({-inside, inside - kHueUnit + 1, 0});
     h_slack = larger(h_slack, (256 * slack - 255 + diff - 1) / diff);
   }

@@ -13,7 +13,7 @@ using namespace robot_vision;
 namespace
 {
 
-/// cv::inRange on an HSV picture, or the union of two if the range goes through red.
+/// cv::inRange on an HSV image, or the union of two if the range goes through red.
 cv::Mat byOpenCv(const cv::Mat& hsv, const HsvRange& r)
 {
   cv::Mat mask;
@@ -28,7 +28,7 @@ cv::Mat byOpenCv(const cv::Mat& hsv, const HsvRange& r)
   return mask | rest;
 }
 
-cv::Mat toHsvPicture(const cv::Mat& bgr)
+cv::Mat toHsvImage(const cv::Mat& bgr)
 {
   cv::Mat hsv;
   cv::cvtColor(bgr, hsv, cv::COLOR_BGR2HSV);
@@ -42,14 +42,14 @@ cv::Mat maskOf(const cv::Mat& image, const std::string& encoding, const HsvRange
   return mask;
 }
 
-/// A picture with every colour once, and the same in HSV.
+/// An image with every colour once, and the same in HSV.
 class HsvMaskOfAllColors : public testing::Test
 {
 protected:
   static void SetUpTestSuite()
   {
     bgr_ = allColors();
-    hsv_ = toHsvPicture(bgr_);
+    hsv_ = toHsvImage(bgr_);
   }
 
   static void TearDownTestSuite()
@@ -81,7 +81,7 @@ TEST_F(HsvMaskOfAllColors, equalsOpenCv)
   expectEqual(hsvRange({0, 1, 0}, {179, 12, 255}));     // nearly gray
   expectEqual(hsvRange({0, 0, 200}, {180, 60, 255}));   // white
   expectEqual(hsvRange({0, 0, 0}, {180, 255, 40}));     // black
-  expectEqual(hsvRange({0, 128, 0}, {180, 170, 255}));  // limits that many pairs of value and difference meet exactly
+  expectEqual(hsvRange({0, 128, 0}, {180, 170, 255}));  // limits that many pairs of value and difference hit exactly
   expectEqual(hsvRange({0, 255, 1}, {180, 255, 255}));
   expectEqual(hsvRange({20, 0, 255}, {140, 255, 255}));  // more than half of all hues
   expectEqual(hsvRange({45, 0, 0}, {134, 255, 255}));    // half of them
@@ -119,17 +119,17 @@ TEST_F(HsvMaskOfAllColors, toHsvEqualsOpenCv)
 
 TEST(HsvMask, equalsOpenCvForEveryHue)
 {
-  cv::Mat_<cv::Vec3b> bgr(3 * 256, 256);  // a hue depends on differences only: the least channel may be 0
+  cv::Mat_<cv::Vec3b> bgr(3 * 256, 256);  // the smallest channel may be 0, because a hue depends only on differences
   for (int i = 0; i < 256; ++i)
     for (int j = 0; j < 256; ++j)
-      for (int least = 0; least < 3; ++least)
+      for (int zero = 0; zero < 3; ++zero)
       {
-        cv::Vec3b& color = bgr(least * 256 + i, j);
-        color[(least + 1) % 3] = static_cast<std::uint8_t>(i);
-        color[(least + 2) % 3] = static_cast<std::uint8_t>(j);
-        color[least] = 0;
+        cv::Vec3b& color = bgr(zero * 256 + i, j);
+        color[(zero + 1) % 3] = static_cast<std::uint8_t>(i);
+        color[(zero + 2) % 3] = static_cast<std::uint8_t>(j);
+        color[zero] = 0;
       }
-  const cv::Mat hsv = toHsvPicture(bgr);
+  const cv::Mat hsv = toHsvImage(bgr);
   for (int low = 0; low <= 180; ++low)
     for (const int high : {low, (low + 10) % 180, (low + 89) % 180, (low + 90) % 180, (low + 170) % 180, 180})
     {
@@ -140,12 +140,12 @@ TEST(HsvMask, equalsOpenCvForEveryHue)
 
 TEST(HsvMask, equalsOpenCvForEverySaturation)
 {
-  cv::Mat_<cv::Vec3b> bgr(256, 256);  // a saturation depends on the largest and the least channel only
+  cv::Mat_<cv::Vec3b> bgr(256, 256);  // a saturation depends only on the largest and the smallest channel
   for (int i = 0; i < 256; ++i)
     for (int j = 0; j < 256; ++j)
       bgr(i, j) = cv::Vec3b(static_cast<std::uint8_t>(i), static_cast<std::uint8_t>(j), static_cast<std::uint8_t>(j));
-  const cv::Mat hsv = toHsvPicture(bgr);
-  constexpr std::array<int, 3> kLowValues = {0, 1, 60};  // each with each kind of upper limit, in turn
+  const cv::Mat hsv = toHsvImage(bgr);
+  constexpr std::array<int, 3> kLowValues = {0, 1, 60};  // combined in turn with the kinds of upper limits
   for (int low = 0; low < 256; ++low)
     for (int i = 0; i < 3; ++i)
     {
@@ -167,7 +167,7 @@ TEST(HsvMask, takesEveryEncodingAndSize)
       cv::Mat bgr;
       toBgr(image, encoding, bgr);
       const cv::Mat mask = maskOf(image, encoding, range);
-      EXPECT_TRUE(equal(mask, byOpenCv(toHsvPicture(bgr), range))) << encoding << " " << size;
+      EXPECT_TRUE(equal(mask, byOpenCv(toHsvImage(bgr), range))) << encoding << " " << size;
       EXPECT_TRUE(equal(image, before)) << encoding;
     }
 }
@@ -178,15 +178,15 @@ TEST(HsvMask, takesRowsOfEveryLength)
   for (int width = 1; width < 100; ++width)
   {
     const cv::Mat image = noise({width, 2}, CV_8UC3, 1);
-    EXPECT_TRUE(equal(maskOf(image, "bgr8", range), byOpenCv(toHsvPicture(image), range))) << width;
+    EXPECT_TRUE(equal(maskOf(image, "bgr8", range), byOpenCv(toHsvImage(image), range))) << width;
   }
 }
 
-TEST(HsvMask, sharesPictures)
+TEST(HsvMask, isTheSameWithAnyNumberOfThreads)
 {
   const int before = cv::getNumThreads();
   const cv::Mat image = noise({75, 201}, CV_8UC3, 1);
-  const cv::Mat expected = byOpenCv(toHsvPicture(image), HsvRange{});
+  const cv::Mat expected = byOpenCv(toHsvImage(image), HsvRange{});
   for (const int threads : {1, 2, 5, 64})
   {
     cv::setNumThreads(threads);
@@ -195,18 +195,18 @@ TEST(HsvMask, sharesPictures)
   cv::setNumThreads(before);
 }
 
-TEST(HsvMask, fillsTheMemoryItIsGiven)
+TEST(HsvMask, reusesTheOutputsMemory)
 {
   std::vector<std::uint8_t> memory(60 * 100, 77);
   cv::Mat mask(60, 80, CV_8UC1, memory.data(), 100);
   const cv::Mat image = smooth({80, 60});
   HsvMask().apply(image, "bgr8", mask);
   EXPECT_EQ(mask.data, memory.data());
-  EXPECT_TRUE(equal(mask, byOpenCv(toHsvPicture(image), HsvRange{})));
+  EXPECT_TRUE(equal(mask, byOpenCv(toHsvImage(image), HsvRange{})));
   EXPECT_EQ(memory[80], 77);  // the padding of the first row
 }
 
-TEST(HsvMask, refusesWhatIsNotAPicture)
+TEST(HsvMask, refusesEmptyImagesAndOtherTypes)
 {
   cv::Mat mask;
   for (const std::string encoding : {"bgr8", "rgb8"})
