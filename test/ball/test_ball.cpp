@@ -18,7 +18,7 @@ CameraModel wideCamera(const std::vector<double>& D = {-0.25, 0.07, 0.001, -0.00
   return {640, 480, {420, 0, 322, 0, 415, 236, 0, 0, 1}, D};
 }
 
-/// 255 where the line of sight through a pixel's centre meets the ball.
+/// A mask of the ball: 255 where the ray through a pixel's centre meets it.
 cv::Mat1b seen(const CameraModel& camera, const cv::Point3d& ball)
 {
   cv::Mat1b mask(camera.height, camera.width);
@@ -41,7 +41,7 @@ std::vector<cv::Point> outlineOf(const cv::Mat& mask, int approximation = cv::CH
                            [](const auto& a, const auto& b) { return a.size() < b.size(); });
 }
 
-/// Relative error of the position found; infinite if there is none.
+/// The relative error of the position, infinite if none is found.
 double errorOf(const CameraModel& camera, const std::vector<cv::Point>& outline, const cv::Point3d& truth)
 {
   const std::optional<BallPosition> found = ballPosition(camera, outline, kDiameter);
@@ -52,7 +52,7 @@ double errorOf(const CameraModel& camera, const std::vector<cv::Point>& outline,
 
 }  // namespace
 
-TEST(BallPosition, isThatOfTheBall)
+TEST(BallPosition, isThatOfTheTrueBall)
 {
   for (const std::vector<double>& D : {std::vector<double>{}, std::vector<double>{-0.25, 0.07, 0.001, -0.002, 0.0},
                                        std::vector<double>{0.45, -0.3, 0.001, -0.002, -0.02, 0.8, -0.1, -0.07}})
@@ -68,7 +68,7 @@ TEST(BallPosition, isThatOfTheBall)
     }
 }
 
-TEST(BallPosition, isNotFooledByTheEllipseOffTheAxis)
+TEST(BallPosition, isNotBiasedByTheEllipseOfABallOffTheAxis)
 {
   const CameraModel camera = wideCamera({});
   const cv::Point3d ball(0.3, 0.16, 0.6);
@@ -93,7 +93,7 @@ TEST(BallPosition, isTheSameForACompressedOutline)
   EXPECT_EQ(of_corners->position, of_all->position);
 }
 
-TEST(BallPosition, isFoundWhereHalfTheBallIsHidden)
+TEST(BallPosition, isFoundIfHalfOfTheBallIsHidden)
 {
   const CameraModel camera = wideCamera();
   const cv::Point3d ball(0.1, -0.1, 0.8);
@@ -112,7 +112,7 @@ TEST(BallPosition, isFoundWhereHalfTheBallIsHidden)
   EXPECT_LT(errorOf(camera, outlineOf(with_more), ball), 0.01);
 }
 
-TEST(BallPosition, isFoundWhereHalfOfASmallBallIsHidden)
+TEST(BallPosition, isFoundIfHalfOfASmallBallIsHidden)
 {
   const CameraModel camera = wideCamera();
   for (const auto& [radius, error] : {std::pair(20.0, 0.02), std::pair(8.0, 0.25)})
@@ -124,7 +124,7 @@ TEST(BallPosition, isFoundWhereHalfOfASmallBallIsHidden)
   }
 }
 
-TEST(BallPosition, isNotMadeUpFromWhatIsNoBall)
+TEST(BallPosition, isNotFoundForRectangles)
 {
   const CameraModel camera = wideCamera();
   for (const cv::Size& size :
@@ -136,7 +136,7 @@ TEST(BallPosition, isNotMadeUpFromWhatIsNoBall)
   }
 }
 
-TEST(BallPosition, isFoundWhereThePictureEnds)
+TEST(BallPosition, isFoundIfTheBorderOfTheImageCutsTheBall)
 {
   const CameraModel camera = wideCamera({});
   for (const double x : {-0.77, 0.76})
@@ -148,7 +148,7 @@ TEST(BallPosition, isFoundWhereThePictureEnds)
   }
 }
 
-TEST(BallPosition, isNotMadeUp)
+TEST(BallPosition, isNotFoundForTooFewPoints)
 {
   const CameraModel camera = wideCamera();
   std::vector<cv::Point> border;
@@ -160,7 +160,7 @@ TEST(BallPosition, isNotMadeUp)
   EXPECT_FALSE(ballPosition(camera, border, kDiameter));
 }
 
-TEST(BallPosition, refusesWhatCannotBe)
+TEST(BallPosition, refusesInvalidArguments)
 {
   const CameraModel camera = wideCamera();
   EXPECT_EQ(refusal([&] { ballPosition(camera, {}, 0.0); }), "diameter is 0, must be positive (m)");
@@ -170,7 +170,7 @@ TEST(BallPosition, refusesWhatCannotBe)
                 [&] {
                   ballPosition(camera, {{3, 4}, {640, 4}}, 1.0);
                 }),
-            "outline point is (640, 4), must be in the camera's picture, 640x480");
+            "outline point is (640, 4), must be in the camera's image, 640x480");
   EXPECT_EQ(refusal([] { ballPosition(CameraModel(), {}, 1.0); }), "width is 0, must be at least 1");
 }
 
@@ -183,6 +183,6 @@ TEST(ChooseBall, takesTheLargestRoundOneOrTheNearest)
   EXPECT_EQ(chooseBall(all, 0.95), std::nullopt);
   EXPECT_EQ(chooseBall({}, 0.0), std::nullopt);
   EXPECT_EQ(chooseBall(all, 0.7, cv::Point2d(190, 90)), std::size_t{1});
-  EXPECT_EQ(chooseBall(all, 0.7, cv::Point2d(51, 51)), std::size_t{1});  // the one there is not round
+  EXPECT_EQ(chooseBall(all, 0.7, cv::Point2d(51, 51)), std::size_t{1});  // the nearest one is not round
   EXPECT_EQ(refusal([&] { chooseBall(all, 1.5); }), "min_roundness is 1.5, must be from 0 to 1");
 }

@@ -21,7 +21,7 @@ def ball_outline(bgr):
 
 @pytest.fixture(scope="module")
 def seen():
-    """What was found in every frame, and the truth: arrays of a row each."""
+    """The found ball and the true one: arrays with a row for each frame."""
     scene = rv.Scene(rv.SceneParams())
     rows = []
     for frame in range(FRAMES):
@@ -74,13 +74,13 @@ def test_tracker_knows_centre_and_velocity(seen, step):
 
 
 def bounces_between(seen, first, last):
-    """Whether the picture's vertical velocity jumps upwards within these frames."""
+    """Whether the ball's vertical velocity in the image jumps upwards within these frames."""
     return (np.diff(seen.true_velocity[first : last + 1, 1]) < -100.0).any()
 
 
 def test_tracker_bridges_an_occlusion(seen):
-    """Hidden for 0.3 s in free flight: what is not predicted is the fall in that time."""
-    # px/s^2 at most: that of the scene (m/s^2), focal length (px), least distance (m)
+    """Hidden for 0.3 s in free flight. The prediction lacks only the fall in that time."""
+    # The largest in px/s^2: the scene's gravity (m/s^2), focal length (px), least distance (m).
     gravity = 2.15 * 520.0 / 1.5
     falls = gravity * (HIDDEN / RATE) ** 2 / 2.0
     tried = 0
@@ -111,7 +111,7 @@ def test_tracker_loses_a_ball_that_stays_away(seen):
     assert tracker.update(last + 0.55, None) is None
 
 
-def test_tracker_is_given_and_gives_numbers():
+def test_tracker_takes_parameters_and_returns_a_state():
     params = rv.BallTrackerParams()
     params.max_prediction = 2.0
     tracker = rv.BallTracker(params)
@@ -155,7 +155,7 @@ def test_position_of_few_points_is_none():
             rv.ball_position(camera, outline, diameter)
 
 
-def test_the_ball_is_chosen_among_regions():
+def test_ball_is_chosen_among_regions():
     small = SimpleNamespace(center=(200, 80), area=300.0, roundness=0.9)
     large = SimpleNamespace(center=(90, 300), area=500.0, roundness=0.8)
     line = SimpleNamespace(center=(50, 50), area=900.0, roundness=0.4)

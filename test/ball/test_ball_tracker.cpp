@@ -19,7 +19,7 @@ BallMeasurement straight(double time_s)
   return {kStart + kVelocity * time_s, 20.0};
 }
 
-/// A tracker that has seen the straight motion for a second; the last time was 1 s.
+/// A tracker that has seen the straight motion from 0 to 1 s.
 BallTracker settled(const BallTrackerParams& params = BallTrackerParams())
 {
   BallTracker tracker(params);
@@ -76,10 +76,10 @@ TEST(BallTracker, predictsTheSameInOneStepAndInMany)
   EXPECT_LT(cv::norm(a->covariance - b->covariance), 1e-9 * cv::norm(a->covariance));
 }
 
-TEST(BallTracker, errorsAreAsLargeAsItSays)
+TEST(BallTracker, hasAConsistentCovariance)
 {
-  // The motion of the model itself, in steps of a tenth of a frame. The mean of e' C^-1 e is then the dimension of the
-  // state, 4 (Bar-Shalom, 5.4.2); of 200 runs its standard deviation is about 0.2.
+  // The truth moves as the model says, in steps of a tenth of a frame. The mean of e' C^-1 e is then the dimension of
+  // the state, 4 (Bar-Shalom, 5.4.2), and the standard deviation of the mean of 200 runs is about 0.2.
   const BallTrackerParams params;
   const int runs = 200, frames = 15, pieces = 10;
   cv::RNG random(0x5EED);
@@ -145,7 +145,7 @@ TEST(BallTracker, losesTheBallAfterMaxPrediction)
   EXPECT_EQ(elsewhere->velocity, cv::Point2d(0, 0));
 }
 
-TEST(BallTracker, ignoresWhatIsTooFarOff)
+TEST(BallTracker, ignoresMeasurementsOutsideOfTheGate)
 {
   BallTracker tracker = settled(), blind = settled();
   const double time_s = 1.0 + kFrame;
@@ -161,7 +161,7 @@ TEST(BallTracker, ignoresWhatIsTooFarOff)
   EXPECT_FALSE(settled(tolerant).update(time_s, wrong)->predicted);
 }
 
-TEST(BallTracker, gateIsAsWideAsTheParametersSay)
+TEST(BallTracker, hasAGateOfTheGivenWidth)
 {
   BallTracker tracker = settled();
   const BallTrackerParams params;
@@ -174,7 +174,7 @@ TEST(BallTracker, gateIsAsWideAsTheParametersSay)
   }
 }
 
-TEST(BallTracker, timeGoingBackwardsBeginsAnew)
+TEST(BallTracker, beginsAnewIfTimeGoesBackwards)
 {
   BallTracker tracker = settled();
   EXPECT_FALSE(BallTracker(tracker).update(0.9, std::nullopt));
@@ -200,7 +200,7 @@ TEST(BallTracker, smoothsTheRadius)
   EXPECT_LT(std::sqrt(error / 300), 0.6);
 }
 
-TEST(BallTracker, refusesWhatIsNoNumber)
+TEST(BallTracker, refusesNumbersThatAreNotFinite)
 {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   BallTracker tracker;

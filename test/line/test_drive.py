@@ -1,4 +1,4 @@
-"""Drive stops the robot by the age of what was seen, however long it was worked on."""
+"""Drive stops the robot by the age of the frame, however long its processing takes."""
 
 import pytest
 
@@ -6,7 +6,7 @@ from robot_vision.line import drive
 
 
 class Robot:
-    """A drive with a watch that the test sets, and what it sends."""
+    """A Drive whose clock the test sets, and the commands that it sends."""
 
     def __init__(self, monkeypatch):
         self.now = 100.0  # s
@@ -22,7 +22,7 @@ class Robot:
         self.sent.append(twist.linear.x)
 
     def watch(self, until):
-        """What the watchdog sends until then."""
+        """The commands that the watchdog sends until then."""
         del self.sent[:]
         self._until = until
         with pytest.raises(StopIteration):
@@ -40,20 +40,20 @@ def robot(monkeypatch):
     return Robot(monkeypatch)
 
 
-def test_stops_a_timeout_after_it_was_seen(robot):
+def test_stops_a_timeout_after_the_stamp_of_the_frame(robot):
     robot.drive.command(0.2, 0.0, seen=robot.now - 8.9)
     assert robot.sent == [0.2]
     assert robot.watch(until=101.0) == []
     assert set(robot.watch(until=101.3)) == {0.0}
 
 
-def test_what_has_become_too_old_meanwhile_is_not_driven_on(robot):
+def test_does_not_drive_on_a_frame_that_has_become_too_old(robot):
     robot.drive.command(0.2, 0.0, seen=robot.now - 10.1)
     assert robot.sent == []
     assert set(robot.watch(until=101.0)) == {0.0}
 
 
-def test_a_time_to_come_counts_as_now(robot):
+def test_stamp_in_the_future_counts_as_now(robot):
     robot.drive.command(0.2, 0.0, seen=robot.now + 5.0)
     assert robot.watch(until=109.9) == []
     assert set(robot.watch(until=110.2)) == {0.0}

@@ -17,7 +17,7 @@ constexpr double kDegree = CV_PI / 180.0;
 const cv::Size kStrip(320, 60);
 const cv::Point2d kMiddle((kStrip.width - 1) / 2.0, (kStrip.height - 1) / 2.0);
 
-/// A band through `center`, `angle` clockwise from straight up: the pixels within half its width of its middle line.
+/// A mask of a band through `center`, whose direction is `angle` clockwise from straight up.
 cv::Mat band(const cv::Point2d& center, double angle, double width)
 {
   cv::Mat_<std::uint8_t> mask(kStrip);
@@ -44,7 +44,7 @@ Line lineAt(double x)
 
 }  // namespace
 
-TEST(Line, ofAnUprightBarIsExact)
+TEST(Line, isExactForAnUprightBar)
 {
   cv::Mat mask = cv::Mat::zeros(kStrip, CV_8UC1);
   mask(cv::Rect(200, 0, 41, 60)) = 255;
@@ -59,7 +59,7 @@ TEST(Line, ofAnUprightBarIsExact)
   EXPECT_EQ(cv::boundingRect(line.outline), cv::Rect(200, 0, 41, 60));
 }
 
-TEST(Line, hasTheAngleAndTheCentreOfTheBand)
+TEST(Line, hasTheAngleAndTheCenterOfTheBand)
 {
   for (const double width : {6.0, 20.0, 40.0})
     for (int degrees = -60; degrees <= 60; degrees += 5)
@@ -98,7 +98,7 @@ TEST(Line, hasTheAngleOfAPieceInTheMiddle)
   EXPECT_DOUBLE_EQ(findLine(mask).angle, 0.0);
 }
 
-TEST(Line, hangsTogetherAtTheCornersOfItsPixels)
+TEST(Line, isConnectedAtTheCornersOfItsPixels)
 {
   cv::Mat mask = cv::Mat::zeros(kStrip, CV_8UC1);
   for (int y = 0; y < kStrip.height; ++y)
@@ -123,7 +123,7 @@ TEST(Line, isNotMovedBySpecklesAndSmallerRegions)
   EXPECT_LT(line.confidence, 0.7 * alone.confidence);
 }
 
-TEST(Line, staysWhereItWas)
+TEST(Line, isChosenNearThePreviousOne)
 {
   cv::Mat mask = band({100.0, kMiddle.y}, 0.0, 20.0);
   mask |= band({240.0, kMiddle.y}, 0.0, 30.0);
@@ -133,9 +133,9 @@ TEST(Line, staysWhereItWas)
   EXPECT_NEAR(findLine(mask, {}, Line()).center.x, 240.0, 0.5) << "a line that was not found does not count";
 }
 
-TEST(Line, countsHalfAnEighthOfTheWidthAway)
+TEST(Line, hasHalfTheScoreAnEighthOfTheWidthFromThePreviousOne)
 {
-  // One region on the left of where the line was and another, an eighth of the width to the right of it.
+  // One region is where the line was, another an eighth of the width to the right of it.
   const Line previous = lineAt(100.0);
   for (const int width : {36, 44})  // twice the area of 20 x 60 lies between
   {
@@ -162,7 +162,7 @@ TEST(Line, isMirroredWithTheMask)
   }
 }
 
-TEST(Line, isNotThereBelowTheLeastArea)
+TEST(Line, isNotFoundBelowMinArea)
 {
   cv::Mat mask = cv::Mat::zeros(kStrip, CV_8UC1);
   EXPECT_FALSE(findLine(mask).found);
@@ -176,7 +176,7 @@ TEST(Line, isNotThereBelowTheLeastArea)
   EXPECT_DOUBLE_EQ(findLine(mask, lineParams(99)).confidence, 0.5);
 }
 
-TEST(Line, confidenceFallsWhereNoLineShows)
+TEST(Line, hasLittleConfidenceInWhiteMasksAndBentRegions)
 {
   EXPECT_EQ(findLine(cv::Mat(kStrip, CV_8UC1, cv::Scalar(255))).confidence, 0.0);
 
@@ -188,7 +188,7 @@ TEST(Line, confidenceFallsWhereNoLineShows)
   EXPECT_NEAR(findLine(zigzag).angle, 0.0, 5.0 * kDegree);
 }
 
-TEST(Line, outlineBordersItsRegion)
+TEST(Line, hasTheOutlineOfItsRegion)
 {
   const cv::Mat mask = band({90.0, 20.0}, 30.0 * kDegree, 30.0);
   cv::Mat speckled = mask.clone(), filled = cv::Mat::zeros(kStrip, CV_8UC1);
@@ -197,7 +197,7 @@ TEST(Line, outlineBordersItsRegion)
   EXPECT_TRUE(equal(filled, mask));
 }
 
-TEST(Line, comesFromPaddedAndTinyMasks)
+TEST(Line, isFoundInPaddedAndTinyMasks)
 {
   const cv::Mat mask = band({90.0, 20.0}, 30.0 * kDegree, 30.0);
   cv::Mat wide(kStrip.height, kStrip.width + 13, CV_8UC1, cv::Scalar(255));
@@ -214,7 +214,7 @@ TEST(Line, comesFromPaddedAndTinyMasks)
   EXPECT_EQ(pixel.angle, 0.0);
 }
 
-TEST(Line, refusesWhatIsNoMask)
+TEST(Line, refusesEmptyMasksAndOtherTypes)
 {
   EXPECT_THROW(findLine(cv::Mat()), std::invalid_argument);
   EXPECT_THROW(findLine(cv::Mat(4, 4, CV_8UC3)), std::invalid_argument);

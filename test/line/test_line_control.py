@@ -1,4 +1,4 @@
-"""The line follower's controller: a table of what it sees and what it must command."""
+"""The line follower's controller: tables of lines and the commands that they must give."""
 
 import math
 from dataclasses import replace
@@ -15,12 +15,12 @@ PID = LineControlParams(
 
 
 def line(error, angle=0.0, width=320, found=True):
-    """A line as find_line() describes it in a picture of `width` px."""
+    """A line as find_line() describes it in an image of `width` px."""
     return SimpleNamespace(found=found, error=error, offset=error * width / 2.0, angle=angle)
 
 
 def commands(params, *seen):
-    """What a new controller answers to (time, line) after the other."""
+    """The commands of a new controller for several (time, line)."""
     controller = LineController(params)
     return [controller.update(time, line) for time, line in seen]
 
@@ -56,7 +56,7 @@ def test_course_parameters(change, offset, command):
     assert answer == pytest.approx(command)
 
 
-def test_what_lies_before_a_gap_counts_no_more():
+def test_integral_before_a_gap_is_forgotten():
     controller = LineController(replace(PID, kd=0.0))
     for step in range(30):
         controller.update(step / 30.0, line(0.2))
@@ -68,7 +68,7 @@ def test_what_lies_before_a_gap_counts_no_more():
 
 @pytest.mark.parametrize("params", [COURSE, PID], ids=["course", "pid"])
 @pytest.mark.parametrize("nothing", [None, line(0.9, found=False)], ids=["none", "not found"])
-def test_no_line_is_no_motion(params, nothing):
+def test_stands_without_a_line(params, nothing):
     assert commands(params, (0.0, nothing), (0.1, line(0.5)), (0.2, nothing))[::2] == [(0, 0)] * 2
 
 
@@ -82,9 +82,9 @@ def test_no_line_is_no_motion(params, nothing):
         # The same change over twice the time: the integral doubles and the derivative halves.
         ([(0.0, 0.5), (0.2, 0.6)], -0.71),
         ([(0.0, 0.5), (0.1, 0.5), (0.2, 0.5), (0.4, 0.5)], -0.6),
-        # A frame twice: no time has passed, nothing to integrate or differentiate.
+        # The same frame twice: no time has passed, so that nothing is integrated or differentiated.
         ([(0.0, 0.5), (0.0, 0.6)], -0.6),
-        # Time runs backwards: anew.
+        # Time runs backwards: the controller begins anew.
         ([(5.0, 0.5), (5.1, 0.9), (1.0, 0.6)], -0.6),
     ],
 )
@@ -107,9 +107,9 @@ def test_pid_does_not_wind_up():
     controller = LineController(replace(PID, max_angular=0.6, kd=0.0))
     for i in range(1000):
         assert abs(controller.update(0.1 * i, line(0.8))[1]) == pytest.approx(0.6)
-    # Ten seconds at the limit are forgotten at once: the turn is that of the error alone.
+    # After 100 s at the limit the integral adds nothing: the turn is that of the error alone.
     assert controller.update(100.0, line(0.1))[1] == pytest.approx(-(0.1 + 0.5 * 0.01))
-    # What was integrated below the limit shrinks even at the limit, once the line changes sides.
+    # The integral from below the limit shrinks even at the limit, once the line changes sides.
     controller.reset()
     for i in range(11):
         controller.update(0.1 * i, line(0.3))
@@ -131,7 +131,7 @@ def test_pid_forgets_what_was_before_the_line_was_lost():
         (1.0, 0.0, 0.1),
         (0.0, math.pi / 6, 0.25),
         (0.0, -math.pi / 2, 0.1),
-        (0.2, math.pi / 6, 0.25),  # the worse of the two
+        (0.2, math.pi / 6, 0.25),  # the larger reduction of the two counts
     ],
 )
 def test_pid_slows_down_in_curves(error, angle, speed):
@@ -143,13 +143,13 @@ def test_pid_slows_down_in_curves(error, angle, speed):
 def test_search_turns_to_where_the_line_was(mode, error, angular):
     params = LineControlParams(mode=mode, search=True, search_angular=0.25, search_timeout=2.0)
     controller = LineController(params)
-    assert controller.update(9.0, None) == (0.0, 0.0)  # never seen: no side to turn to
+    assert controller.update(9.0, None) == (0.0, 0.0)  # no line was seen, so there is no side
     controller.update(10.0, line(error))
     assert controller.update(10.1, None) == (0.0, angular)
     assert controller.update(12.0, None) == (0.0, angular)
     assert controller.update(12.2, None) == (0.0, 0.0)
     assert controller.update(60.0, None) == (0.0, 0.0)
-    # Found and lost again: the time begins anew, and the other side counts.
+    # The line was found and lost again: the timeout begins anew, on the other side.
     assert controller.update(61.0, line(-error))[0] > 0.0
     assert controller.update(61.1, None) == (0.0, -angular)
 
@@ -170,7 +170,7 @@ def test_reset_forgets_the_side():
         (10.0, 9.4, True, True),
         (10.0, None, True, True),
         (10.0, 10.0, False, True),
-        (10.0, 10.1, True, False),  # a camera's clock may be a little ahead
+        (10.0, 10.1, True, False),  # the camera's clock may be a little ahead
         (10.0, 10.6, True, True),
         (10.0, math.nan, True, True),
         (math.nan, 10.0, True, True),

@@ -20,7 +20,7 @@ PERIOD = 1.0 / 30.0  # s, of the simulated camera
 
 
 class Robot:
-    """A simulated robot on a track: its camera, its clock, and what drives it."""
+    """A simulated robot on a track, with its camera and its clock, that the node drives."""
 
     def __init__(self, track):
         self.world = TrackWorld(track)
@@ -34,10 +34,10 @@ class Robot:
         self.lines = support.Messages("/follower/line", Line)
 
     def tick(self):
-        """The simulated time goes on by a frame."""
+        """Advances the simulated time by a frame."""
         self.frame += 1
         self.time = rospy.Time.from_sec(10.0 + self.frame * PERIOD)
-        self.now = self.time  # of the picture
+        self.now = self.time  # stamp of the image
         self._clock.publish(self.time)
 
     def publish_frame(self):
@@ -49,27 +49,27 @@ class Robot:
         self._images.publish(image)
 
     def drive_on(self):
-        """Frames come until the robot is driven on them: a stop may be on its way before that."""
+        """Sends frames until the robot drives on them; a stop may arrive before that."""
         support.wait_for(
             lambda: self.step() or self.commands.received[-1].linear.x == 0.2, "driving"
         )
 
     def jump(self, seconds):
-        """The time goes on at once, and has done so for the follower, which drives by it."""
+        """Advances the time at once, and waits until the follower has got it and drives by it."""
         self.frame += round(seconds / PERIOD)
         self.tick()
         before = len(self.commands.received)
 
         def driven():
-            self._clock.publish(self.time)  # who is connected late has missed it
-            self.now += rospy.Duration(0.001)  # a frame that comes again is not driven on
+            self._clock.publish(self.time)  # again, because subscribers may connect late
+            self.now += rospy.Duration(0.001)  # the robot does not drive on the same stamp again
             self.publish_frame()
             return any(c.linear.x == 0.2 for c in self.commands.received[before:])
 
         support.wait_for(driven, "driving after a jump of the time")
 
     def wait_until_driven(self):
-        """Frames go out until the follower drives on them, and the robot stands meanwhile.
+        """Sends frames until the follower drives on them, while the robot stands.
 
         It may see frames before it hears of the time, by which they are of the future.
         """
@@ -82,19 +82,19 @@ class Robot:
         support.wait_for(driven, "the first line and a command to drive")
 
     def newest_line(self):
-        """What was seen in the newest frame, whose command may come before it."""
+        """The line of the newest frame, whose command may arrive before the line does."""
         support.wait_for(
             lambda: self.lines.received[-1].header.stamp == self.now, "the newest frame's line"
         )
         return self.lines.received[-1]
 
     def step(self):
-        """One frame, the command that it brings, and the way that the robot drives by it."""
+        """Sends a frame, waits for its command, and moves the robot by it."""
         self.tick()
         before = len(self.commands.received)
         self.publish_frame()
         deadline = time.monotonic() + support.DEADLINE
-        while len(self.commands.received) == before:  # wait_for() looks too seldom for 5000 frames
+        while len(self.commands.received) == before:  # wait_for() is too slow for 5000 frames
             assert time.monotonic() < deadline, "no command"
             time.sleep(0.0005)
         command = self.commands.received[-1]
@@ -108,12 +108,12 @@ class Robot:
 
 @pytest.fixture
 def follower(start):
-    """Starts the line follower on a robot's camera, on simulated time."""
+    """Starts the line follower on a simulated robot's camera and time."""
 
     def start_follower(*parameters):
         rospy.set_param("/use_sim_time", True)
         remapped = ["image:=/robot/image_raw", "cmd_vel:=/robot/cmd_vel"]
-        # Longer than a stall of the machine: a command is that of the frame, not the watchdog's.
+        # Longer than the machine may stall, so that commands come from frames, not the watchdog.
         patient = "_timeout:=10.0"
         return start("line_follower.py", "__name:=follower", *remapped, patient, *parameters)
 
@@ -137,7 +137,7 @@ def test_a_lap(follower, direction, record_property):
 
 
 def stands(robot, meanwhile=lambda: None):
-    """Waits until the robot is told to stand; whether it then is, again and again."""
+    """Waits until the robot is told to stand; returns whether that is repeated then."""
 
     def stopped():
         meanwhile()
@@ -155,15 +155,15 @@ def test_robot_stops_when_the_camera_dies(follower):
     robot.wait_until_driven()
     robot.drive_on()
     assert stands(robot)
-    robot.drive_on()  # with the camera
+    robot.drive_on()  # the camera is back
 
 
-def test_robot_does_not_drive_on_the_same_frame_for_ever(follower):
+def test_robot_does_not_drive_on_a_repeated_frame(follower):
     robot = Robot(course_track())
     follower("_timeout:=0.5")
     robot.wait_until_driven()
     robot.drive_on()
-    # A camera that hangs: the same picture and stamp, again and again.
+    # The camera hangs: it sends the same image with the same stamp again and again.
     assert stands(robot, robot.publish_frame)
 
 
@@ -171,23 +171,23 @@ def test_robot_does_not_drive_on_old_frames(follower):
     robot = Robot(course_track())
     process = follower("_timeout:=0.5")
     robot.wait_until_driven()
-    robot.newest_line()  # no frame is on its way that would be old after the jump
+    robot.newest_line()  # waits, so that no frame on its way becomes old by the jump
     robot.jump(9.0)
     robot.now = robot.time - rospy.Duration(1.0)
 
     def lag():
-        """A network that lags: new pictures, a second old by a time that the follower knows."""
+        """Sends new images that are already a second old, as a slow network does."""
         robot.now += rospy.Duration(0, 1000)
         robot.publish_frame()
 
     assert stands(robot, lag)
-    # Said of the first: the last warning, if frames came before the jump did, is more than 5 s ago.
+    # The warning comes at once: the last one, if there was any, is more than 5 s ago.
     text = "frames are 1.00 s old: they are not driven on"
     support.wait_for(lambda: lag() or text in process.output(), "the warning")
 
 
-def test_robot_stops_when_what_it_has_seen_is_old(follower):
-    """The age of the frame counts: it is not driven on for another timeout."""
+def test_robot_stops_when_the_frame_is_old(follower):
+    """The timeout counts from the stamp of the frame, not from its arrival."""
     robot = Robot(course_track())
     follower("_timeout:=10.0")
     robot.wait_until_driven()
@@ -201,7 +201,7 @@ def test_robot_stops_when_what_it_has_seen_is_old(follower):
     assert time.monotonic() - begin < 8.0  # s; 1.1 s are left, another timeout would be 10 s
 
 
-def test_a_pause_leaves_nothing_behind(follower):
+def test_integral_does_not_grow_during_a_pause(follower):
     robot = Robot(course_track())
     pose = robot.drive.pose
     robot.drive.pose = type(pose)(pose.x, pose.y + 0.03, pose.heading)
@@ -209,7 +209,7 @@ def test_a_pause_leaves_nothing_behind(follower):
     robot.wait_until_driven()
     enable = rospy.ServiceProxy("/follower/enable", SetBool)
     enable(False)
-    for _ in range(60):  # 2 s that would be summed up
+    for _ in range(60):  # 2 s that the integral would sum up
         robot.step()
     enable(True)
     support.wait_for(lambda: robot.step() or robot.commands.received[-1].linear.x > 0, "driving")
@@ -233,7 +233,7 @@ def test_robot_stops_while_it_is_disabled(follower):
     robot.drive_on()
 
 
-def test_robot_stops_where_there_is_no_line(follower):
+def test_robot_stops_without_a_line(follower):
     robot = Robot(course_track())
     follower()
     robot.wait_until_driven()
@@ -246,7 +246,7 @@ def test_robot_stops_where_there_is_no_line(follower):
     assert (last.found, last.offset, last.confidence) == (False, 0.0, 0.0)
 
 
-def test_robot_stands_where_all_is_line(follower):
+def test_robot_stands_if_everything_is_line(follower):
     robot = Robot(course_track())
     follower()
     robot.wait_until_driven()
@@ -270,7 +270,7 @@ def test_robot_searches_where_it_last_saw_the_line(follower, side):
     robot = Robot(course_track())
     follower("_search:=true", "_search_angular:=0.25", "_search_timeout:=2.0")
     start = robot.drive.pose
-    # Beside the line, which is then seen on the other side.
+    # The robot is put beside the line, which it then sees on the other side.
     robot.drive.pose = type(start)(start.x, start.y + side * 0.05, start.heading)
     robot.wait_until_driven()
     robot.step()
@@ -285,7 +285,7 @@ def test_robot_searches_where_it_last_saw_the_line(follower, side):
 
 def test_robot_is_told_to_stop_when_the_node_ends(follower):
     robot = Robot(course_track())
-    process = follower("_timeout:=10.0")  # so that it is not the watchdog that stops it
+    process = follower("_timeout:=10.0")  # so long that the watchdog does not stop the robot
     robot.wait_until_driven()
     robot.drive_on()
     process.interrupt()

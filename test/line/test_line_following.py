@@ -19,12 +19,12 @@ STANDING = (0.0, 0.0)
 
 
 def line_mask(picture):
-    """What has the line's colour: (height, width) uint8, 255 or 0."""
+    """The pixels of the line's colour: (height, width) uint8, 255 or 0."""
     return rv.hsv_mask(picture, rv.HsvRange((0, 35, 0), (57, 255, 255)))
 
 
 class Follower:
-    """A robot at the start of a track, and all that makes it follow."""
+    """A robot at the start of a track, with its camera and its controller."""
 
     def __init__(self, track, params=COURSE, **world):
         self.track = track
@@ -94,13 +94,13 @@ def test_mirrored_track_is_driven_with_mirrored_commands(params):
     for follower in (here, there):
         follower.drive(60.0)
     commands, mirrored = np.array(here.commands), np.array(there.commands)
-    # To the pixels' quantisation: a texel of the floor lies on one side of the middle.
+    # Up to quantization: the texel of the floor on the middle line belongs to one side of it.
     assert np.allclose(mirrored, commands * [1.0, -1.0], atol=5e-3)
     assert commands[:, 1].max() > 0.1 and commands[:, 1].min() < -0.1
 
 
 @pytest.mark.parametrize("params", [COURSE, PID], ids=["course", "pid"])
-def test_a_noisy_camera_does_not_matter(params):
+def test_follows_with_a_noisy_camera(params):
     follower = Follower(course_track(), params, noise=6.0)
     follower.drive(30.0)
     mask = line_mask(follower.world.render(follower.robot.pose, 0, 180))
@@ -108,7 +108,7 @@ def test_a_noisy_camera_does_not_matter(params):
     assert np.abs(follower.located()[0]).max() < LINE_WIDTH / 2.0
 
 
-def test_integral_brings_the_line_to_the_middle_of_the_picture():
+def test_integral_brings_the_line_to_the_middle_of_the_image():
     radius = 1.0
     circle = Track([Segment(2.0 * math.pi * radius, 2.0 * math.pi)])
     proportional, integral = (Follower(circle, replace(PID, ki=ki)) for ki in (0.0, 0.5))
@@ -116,7 +116,7 @@ def test_integral_brings_the_line_to_the_middle_of_the_picture():
         follower.drive(30.0)
     assert proportional.line.error < -0.1
     assert abs(integral.line.error) < 0.01
-    # What the camera keeps on the circle lies ahead of the wheels, so these run inside it.
+    # The camera keeps a point ahead of the wheels on the circle, so that the wheels run inside it.
     strip = integral.world.camera.floor_points()[0][180:]
     sagitta = radius - math.sqrt(radius**2 - float(strip.mean()) ** 2)
     assert integral.located()[0][-1] == pytest.approx(sagitta, abs=0.004)
@@ -128,7 +128,7 @@ def test_stops_where_the_line_ends():
     follower.drive(20.0)
     assert not follower.line.found
     assert follower.commands[-1] == STANDING
-    # It stands as soon as the end leaves the picture at the bottom.
+    # It stands as soon as the end of the line leaves the image at the bottom.
     nearest = float(follower.world.camera.floor_points()[0].min())
     assert follower.located()[1][-1] == pytest.approx(track.length - nearest, abs=0.01)
 
@@ -145,7 +145,7 @@ def test_search_takes_a_corner_that_stops_the_course():
     assert searching.located()[1][-1] > 1.3
 
 
-def test_stops_when_no_more_frames_come():
+def test_stops_when_frames_stop():
     follower = Follower(course_track())
     follower.drive(3.0)
     assert follower.commands[-1] != STANDING

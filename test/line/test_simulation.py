@@ -1,4 +1,4 @@
-"""The simulated robot, its track and its camera against geometry worked out another way."""
+"""The simulated robot, its track and its camera, compared with geometry computed otherwise."""
 
 import math
 
@@ -41,7 +41,7 @@ def test_drive_follows_the_circle(linear, angular, dt):
         expected = Pose(
             center[0] + radius * math.sin(heading), center[1] - radius * math.cos(heading), heading
         )
-        # The circle of a nearly straight drive has its centre so far off that it is rounded.
+        # The centre of a nearly straight drive's circle is so far away that it is rounded.
         assert astuple(robot.pose) == place(expected, 1e-9 if abs(radius) < 100 else 1e-3)
 
 
@@ -78,7 +78,7 @@ def test_acceleration_is_limited():
     assert robot.pose.heading == pytest.approx(0.1 * sum(angular))
 
 
-def test_course_track_closes_and_has_what_a_course_needs():
+def test_course_track_is_closed_and_has_curves_and_straights():
     track = course_track(0.9)
     assert astuple(track.end) == place(Pose(0.0, 0.0, 2.0 * math.pi))
     assert track.length == pytest.approx(3.0 * math.pi * 0.9 + 4.0 * 0.9 * math.sqrt(0.5))
@@ -105,7 +105,7 @@ def test_places_beside_the_track(left):
         before += segment.length
 
 
-def test_there_is_no_gap_at_the_joints():
+def test_places_are_continuous_at_the_joints():
     track = course_track()
     random = np.random.RandomState(3)
     for dtype in (np.float64, np.float32):
@@ -116,7 +116,7 @@ def test_there_is_no_gap_at_the_joints():
             assert np.allclose(track.locate(x, y)[0], across, atol=1e-5)
 
 
-def test_beside_an_open_end_is_nowhere():
+def test_points_beyond_an_open_end_have_no_place():
     track = Track([Segment(1.0), Segment(1.0, math.pi / 2)])
     for x, y in ((-0.01, 0.0), (1.0 + 2.0 / math.pi, 2.0 / math.pi + 0.01)):
         assert math.isnan(track.lateral_error(x, y))
@@ -135,7 +135,7 @@ def test_far_points_may_be_left_out_but_near_ones_are_not():
 
 
 def projected(camera, robot, points):
-    """Points on the floor, (n, 3) in the world, as cv2 projects them: (n, 2) px."""
+    """Projects points on the floor, (n, 3) in the world, with cv2: (n, 2) px."""
     cos, sin = math.cos(robot.heading), math.sin(robot.heading)
     forward, left, up = np.array([cos, sin, 0.0]), np.array([-sin, cos, 0.0]), np.array([0, 0, 1.0])
     axis = math.cos(camera.pitch) * forward - math.sin(camera.pitch) * up
@@ -149,7 +149,7 @@ def projected(camera, robot, points):
 
 
 def share_of_line(picture):
-    """How much of each pixel is line, from its blue."""
+    """The share of each pixel that is line, computed from its blue."""
     return (FLOOR_COLOUR[0] - picture[:, :, 0].astype(float)) / (FLOOR_COLOUR[0] - LINE_COLOUR[0])
 
 
@@ -172,7 +172,7 @@ def test_line_is_where_the_camera_projects_it(robot):
         middle = (share[row] * np.arange(camera.width)).sum() / share[row].sum()
         middles.append(middle - (left + right) / 2.0)
     assert len(widths) > 60
-    # Where a row changes from one resolution of the floor to the next, it is off by more.
+    # The error is larger where a row changes from one resolution of the floor to the next.
     for errors, usual in ((widths, 0.1), (middles, 0.1)):
         assert np.percentile(np.abs(errors), 98) < usual and np.max(np.abs(errors)) < 0.7
 
@@ -197,7 +197,7 @@ def test_hsv_range_of_the_line_follower_finds_the_line_only():
         assert not mask[share == 0.0].any()
 
 
-def test_pictures_are_the_same_for_the_same_frame_and_seed():
+def test_images_are_the_same_for_the_same_frame_and_seed():
     robot = Pose(0.1, 0.02, 0.1)
     world = TrackWorld(course_track(), noise=4.0, seed=7)
     picture = world.render(robot, 3)
@@ -213,7 +213,7 @@ def test_pictures_are_the_same_for_the_same_frame_and_seed():
 
 
 def test_floor_is_seen_through_a_lens():
-    """Distorted as OpenCV distorts: a white square on black, by its corners' neighbours."""
+    """The points of a white square on black are where OpenCV projects them."""
     matrix, distortion = (
         np.array([[300.0, 0, 160], [0, 300.0, 120], [0, 0, 1]]),
         [-0.2, 0.05, 0.001, -0.002],
@@ -248,7 +248,7 @@ def test_floor_is_seen_through_a_lens():
         (np.zeros((4, 4, 3), np.uint8), (1, 1), np.eye(3), "expected a 4x4 pose of the camera"),
     ],
 )
-def test_what_is_no_floor_is_refused(floor, size, camera, match):
+def test_invalid_floors_are_refused(floor, size, camera, match):
     model = FloorCamera().model()
     with pytest.raises(ValueError, match=match):
         rv.FloorScene(floor, size, model).render(camera)

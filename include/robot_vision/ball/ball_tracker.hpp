@@ -47,28 +47,29 @@ struct BallMeasurement
 struct BallState
 {
   cv::Point2d center;      // px
-  cv::Point2d velocity;    // px/s; 0 in the first frame, when only its covariance says anything
+  cv::Point2d velocity;    // px/s; 0 in the first frame, in which only the covariance is meaningful
   double radius = 0.0;     // px
-  bool predicted = false;  // not measured at this time
+  bool predicted = false;  // whether there was no measurement at this time
   cv::Matx44d covariance;  // of x, y (px) and their rates (px/s)
 };
 
-/// Follows one ball in the picture: a Kalman filter with constant velocity, disturbed by white-noise acceleration in
-/// continuous time, whose discretisation in closed form serves every time step (Bar-Shalom, Li, Kirubarajan: Estimation
-/// with Applications to Tracking and Navigation, 6.2.2). The radius is filtered as a random walk.
+/// Tracks one ball in the image by a Kalman filter with constant velocity and white-noise acceleration in continuous
+/// time. The model is discretized in closed form for any time step (Bar-Shalom, Li, Kirubarajan: Estimation with
+/// Applications to Tracking and Navigation, 6.2.2). The radius is filtered as a random walk.
 class BallTracker
 {
 public:
   /// Throws std::invalid_argument as validate() does.
   explicit BallTracker(const BallTrackerParams& params = BallTrackerParams());
 
-  /// Takes what was found in the frame of `time_s` (s, of any clock), or that nothing was. A measurement outside of the
-  /// gate counts as nothing found. Returns the ball, predicted where it was not found, until it has not been measured
-  /// for max_prediction seconds: then nothing, and the next measurement is a new ball. Time that goes backwards makes
-  /// the tracker forget the ball. Throws std::invalid_argument for numbers that are not finite and a negative radius.
+  /// Updates the track with the measurement of the frame at `time_s` (s, of any clock), or with none. A measurement
+  /// outside of the gate counts as none. Returns the state of the ball, which is predicted if there is no measurement.
+  /// After max_prediction seconds without one the ball is lost: nothing is returned, and the next measurement begins a
+  /// new ball. A time that goes backwards makes the tracker forget the ball. Throws std::invalid_argument for numbers
+  /// that are not finite, and for a negative radius.
   std::optional<BallState> update(double time_s, const std::optional<BallMeasurement>& measured);
 
-  /// What update(time_s) without a measurement would return.
+  /// The state that update(time_s) without a measurement would return.
   std::optional<BallState> predict(double time_s) const;
 
 private:
@@ -78,9 +79,9 @@ private:
 
   BallTrackerParams params_;
   bool tracking_ = false;
-  double time_ = 0.0;      // s, of the state
-  double measured_ = 0.0;  // s, of the last measurement
-  cv::Vec4d state_;        // x, y, their rates
+  double time_ = 0.0;      // s, time of the state
+  double measured_ = 0.0;  // s, time of the last measurement
+  cv::Vec4d state_;        // x, y and their rates
   cv::Matx44d covariance_;
   double radius_ = 0.0;
   double radius_variance_ = 0.0;

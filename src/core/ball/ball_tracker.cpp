@@ -87,17 +87,17 @@ void BallTracker::advance(double time_s)
 bool BallTracker::correct(const BallMeasurement& measured)
 {
   const double noise = square(params_.measurement_noise);
-  const cv::Matx<double, 2, 4> seen(1, 0, 0, 0,  //
-                                    0, 1, 0, 0);
-  const cv::Vec2d surprise(measured.center.x - state_[0], measured.center.y - state_[1]);
-  const cv::Matx22d spread = seen * covariance_ * seen.t() + noise * cv::Matx22d::eye();
-  const cv::Matx22d weight = spread.inv();
-  if (surprise.dot(weight * surprise) > square(params_.gate)) return false;
+  const cv::Matx<double, 2, 4> observation(1, 0, 0, 0,  //
+                                           0, 1, 0, 0);
+  const cv::Vec2d innovation(measured.center.x - state_[0], measured.center.y - state_[1]);
+  const cv::Matx22d innovation_covariance = observation * covariance_ * observation.t() + noise * cv::Matx22d::eye();
+  const cv::Matx22d weight = innovation_covariance.inv();
+  if (innovation.dot(weight * innovation) > square(params_.gate)) return false;
 
-  const cv::Matx<double, 4, 2> gain = covariance_ * seen.t() * weight;
-  // Joseph's form: stays symmetric and positive whatever the rounding.
-  const cv::Matx44d rest = cv::Matx44d::eye() - gain * seen;
-  state_ += gain * surprise;
+  const cv::Matx<double, 4, 2> gain = covariance_ * observation.t() * weight;
+  // Joseph's form keeps the covariance symmetric and positive in spite of rounding.
+  const cv::Matx44d rest = cv::Matx44d::eye() - gain * observation;
+  state_ += gain * innovation;
   covariance_ = rest * covariance_ * rest.t() + noise * (gain * gain.t());
 
   const double radius_gain = radius_variance_ / (radius_variance_ + noise);

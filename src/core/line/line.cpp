@@ -13,7 +13,7 @@ namespace robot_vision
 namespace
 {
 
-/// All regions of a mask; index 0 is the background.
+/// The regions of a mask; index 0 is the background.
 struct Regions
 {
   explicit Regions(const cv::Mat& mask) { count = cv::connectedComponentsWithStats(mask, labels, stats, centers, 8); }
@@ -30,17 +30,17 @@ struct Regions
   cv::Mat_<double> centers;
 };
 
-/// Index of the region that is the line, 0 if none is.
-int choose(const Regions& regions, double min_area, const Line& previous)
+/// The index of the region that is the line, or 0 if there is none.
+int chooseLine(const Regions& regions, double min_area, const Line& previous)
 {
-  const double reach = regions.labels.cols / 8.0;
+  const double half_score_distance = regions.labels.cols / 8.0;  // px
   int best = 0;
   double best_score = 0.0;
   for (int i = 1; i < regions.count; ++i)
   {
     if (regions.area(i) < min_area) continue;
-    const double away = previous.found ? (regions.centers(i, 0) - previous.center.x) / reach : 0.0;
-    const double score = regions.area(i) / (1.0 + away * away);
+    const double distance = previous.found ? (regions.centers(i, 0) - previous.center.x) / half_score_distance : 0.0;
+    const double score = regions.area(i) / (1.0 + distance * distance);
     if (score <= best_score) continue;
     best = i;
     best_score = score;
@@ -51,13 +51,14 @@ int choose(const Regions& regions, double min_area, const Line& previous)
 /// A straight line through the middles of a region's rows.
 struct Fit
 {
-  double slope = 0.0;     // px that the middles move right from row to row
+  double slope = 0.0;     // px that the middles move to the right from row to row
   double residual = 0.0;  // px, root mean square
   double width = 1.0;     // px, mean length of the rows
-  double in_view = 0.0;   // share of the rows that are whole; the others are not used
+  double in_view = 0.0;   // share of the rows that are whole; only these are used
 };
 
-/// `region` (CV_8UC1) is the region's box; `cut_left` and `cut_right` say where the picture ends with it.
+/// Fits a line to the rows of a region. `region` (CV_8UC1) has the size of the region's box; `cut_left` and `cut_right`
+/// say whether the box ends at the border of the image.
 Fit fitRows(const cv::Mat& region, bool cut_left, bool cut_right)
 {
   int rows = 0;
@@ -91,16 +92,16 @@ Fit fitRows(const cv::Mat& region, bool cut_left, bool cut_right)
   return fit;
 }
 
-/// The angle as in Line, and the fit that it comes from.
-std::pair<double, Fit> direction(const cv::Mat& region, const cv::Rect& box, const cv::Size& picture)
+/// The angle as in Line, and the fit that gives it.
+std::pair<double, Fit> direction(const cv::Mat& region, const cv::Rect& box, const cv::Size& image)
 {
-  const bool left = box.x == 0, right = box.br().x == picture.width;
-  const bool top = box.y == 0, bottom = box.br().y == picture.height;
+  const bool left = box.x == 0, right = box.br().x == image.width;
+  const bool top = box.y == 0, bottom = box.br().y == image.height;
   const Fit along_rows = fitRows(region, left, right);
   const Fit along_columns = fitRows(region.t(), top, bottom);
   const bool upright = along_rows.in_view == along_columns.in_view && box.height >= box.width;
   if (along_rows.in_view > along_columns.in_view || upright) return {std::atan(-along_rows.slope), along_rows};
-  // The middles of the columns move down by the slope per pixel to the right.
+  // From column to column the middles move down by the slope.
   const double to_right = std::atan2(1.0, -along_columns.slope);
   return {to_right > CV_PI / 2.0 ? to_right - CV_PI : to_right, along_columns};
 }
@@ -117,7 +118,7 @@ Line findLine(const cv::Mat& mask, const LineParams& params, const Line& previou
   validate(params);
   checkPixels(mask, "mono8");
   const Regions regions(mask);
-  const int chosen = choose(regions, params.min_area, previous);
+  const int chosen = chooseLine(regions, params.min_area, previous);
   Line line;
   if (chosen == 0) return line;
 
@@ -132,9 +133,9 @@ Line findLine(const cv::Mat& mask, const LineParams& params, const Line& previou
   line.area = regions.area(chosen);
 
   const double bend = fit.residual / fit.width;
-  const double all = static_cast<double>(mask.total()) - regions.area(0);
+  const double white = static_cast<double>(mask.total()) - regions.area(0);
   const double large = line.area / (line.area + params.min_area), straight = 1.0 / (1.0 + bend * bend);
-  line.confidence = line.area / all * fit.in_view * large * straight;
+  line.confidence = line.area / white * fit.in_view * large * straight;
 
   std::vector<std::vector<cv::Point>> outlines;
   cv::findContours(region, outlines, cv::RETR_EXTERNAL, cv::CHAIN_APPROX_SIMPLE, box.tl());
