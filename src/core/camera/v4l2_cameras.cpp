@@ -85,9 +85,9 @@ void addLinks(const fs::path& folder, int depth, std::vector<fs::path>& links)
 
 std::vector<fs::path> linksBelow(const fs::path& folder)
 {
-  constexpr int kDepth = 2;  // folders, such as v4l/by-id
+  constexpr int kMaxFolderDepth = 2;  // folders, such as v4l/by-id
   std::vector<fs::path> links;
-  addLinks(folder, kDepth, links);
+  addLinks(folder, kMaxFolderDepth, links);
   return links;
 }
 

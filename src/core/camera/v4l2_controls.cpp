@@ -44,7 +44,7 @@ ControlKind kindOf(const v4l2_query_ext_ctrl& query)
 std::vector<MenuItem> itemsOf(V4l2Device& device, const v4l2_query_ext_ctrl& query)
 {
   std::vector<MenuItem> items;
-  const std::int64_t last = std::min<std::int64_t>(query.maximum, kMaxAnswers - 1);
+  const std::int64_t last = std::min<std::int64_t>(query.maximum, kMaxEntries - 1);
   for (std::int64_t i = std::max<std::int64_t>(query.minimum, 0); i <= last; ++i)
   {
     v4l2_querymenu item{};

@@ -11,7 +11,7 @@ namespace robot_vision
 {
 
 /// The largest number of answers to an enumerating ioctl, so that no faulty driver makes a loop endless.
-constexpr std::uint32_t kMaxAnswers = 1000;
+constexpr std::uint32_t kMaxEntries = 1000;
 
 /// An open Video4Linux2 device. Failed calls throw SourceUnavailable that names the device, the call and the system's
 /// error text. This is an interface so that tests can use cameras that the machine does not have.

@@ -16,7 +16,7 @@ namespace
 template <class Question, class Take>
 void enumerate(V4l2Device& device, unsigned long request, Question question, Take take)
 {
-  for (question.index = 0; question.index < kMaxAnswers; ++question.index)
+  for (question.index = 0; question.index < kMaxEntries; ++question.index)
   {
     Question answer = question;
     if (device.tryCall(request, &answer) != 0) return;

@@ -14,8 +14,8 @@ namespace robot_vision
 namespace
 {
 
-constexpr int kWaitMs = 100;
-constexpr unsigned kBuffers = 4;
+constexpr int kPollTimeoutMs = 100;
+constexpr unsigned kBufferCount = 4;
 
 /// The time of capture on the monotonic clock. It is the driver's time stamp, or the time of arrival if the driver uses
 /// another clock. It is never later than the arrival: some drivers deliver a frame before the time in its stamp.
@@ -76,7 +76,7 @@ void V4l2Source::start()
 void V4l2Source::mapBuffers()
 {
   v4l2_requestbuffers request{};
-  request.count = kBuffers;
+  request.count = kBufferCount;
   request.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
   request.memory = V4L2_MEMORY_MMAP;
   device_->call(VIDIOC_REQBUFS, &request, "VIDIOC_REQBUFS");
@@ -104,7 +104,7 @@ ReadResult V4l2Source::read(Frame& frame)
     held_ = -1;
     queue(static_cast<unsigned>(index));
   }
-  if (!device_->waitReadable(kWaitMs)) return ReadResult::kTimeout;
+  if (!device_->waitReadable(kPollTimeoutMs)) return ReadResult::kTimeout;
 
   v4l2_buffer filled = captureBuffer();
   const int error = device_->tryCall(VIDIOC_DQBUF, &filled);

@@ -26,8 +26,8 @@ constexpr std::size_t kChunkOverhead = 12;  // bytes of a chunk's length, name a
 
 bool isPartOfTheImage(const unsigned char* name)
 {
-  constexpr std::array<const char*, 6> kParts = {"IHDR", "PLTE", "tRNS", "IDAT", "IEND", "eXIf"};
-  return std::any_of(kParts.begin(), kParts.end(),
+  constexpr std::array<const char*, 6> kChunkNames = {"IHDR", "PLTE", "tRNS", "IDAT", "IEND", "eXIf"};
+  return std::any_of(kChunkNames.begin(), kChunkNames.end(),
                      [name](const char* part) { return std::memcmp(name, part, 4) == 0; });
 }
 
@@ -55,17 +55,18 @@ bool isPng(const unsigned char* data, std::size_t size)
 PngInfo readPngInfo(const unsigned char* data, std::size_t size)
 {
   if (!isPng(data, size)) refuse(size, "does not begin as a PNG");
-  constexpr std::size_t kSizes = kSignature.size() + 8;  // position of the width, after the name of the first chunk
-  if (size < kSizes + 10 || std::memcmp(data + kSizes - 4, "IHDR", 4) != 0 || !isComplete(data, size))
+  constexpr std::size_t kSizeOffset =
+      kSignature.size() + 8;  // position of the width, after the name of the first chunk
+  if (size < kSizeOffset + 10 || std::memcmp(data + kSizeOffset - 4, "IHDR", 4) != 0 || !isComplete(data, size))
     refuse(size, "is damaged or truncated");
-  const std::uint64_t width = bigEndian<4>(data + kSizes);
-  const std::uint64_t height = bigEndian<4>(data + kSizes + 4);
+  const std::uint64_t width = bigEndian<4>(data + kSizeOffset);
+  const std::uint64_t height = bigEndian<4>(data + kSizeOffset + 4);
   if (width * height > kMaxPixels)
     refuse(size, "claims to be of " + std::to_string(width) + "x" + std::to_string(height) + ", the most is " +
                      std::to_string(kMaxPixels) + " pixels");
   constexpr unsigned char kColor = 2;  // a bit of the color type, as is the next one
   constexpr unsigned char kAlpha = 4;
-  return {(data[kSizes + 9] & (kColor | kAlpha)) != 0, data[kSizes + 8] == 16};
+  return {(data[kSizeOffset + 9] & (kColor | kAlpha)) != 0, data[kSizeOffset + 8] == 16};
 }
 
 std::vector<std::uint8_t> withoutMetadata(const unsigned char* data, std::size_t size)

@@ -20,7 +20,7 @@ namespace
 
 // Without DataBar: zbar complains on stderr of pictures that have none, and in versions that are still around its
 // decoder writes beyond an array (CVE-2023-40890).
-constexpr std::array<std::pair<const char*, zbar::zbar_symbol_type_t>, 10> kTypes = {{
+constexpr std::array<std::pair<const char*, zbar::zbar_symbol_type_t>, 10> kSymbologies = {{
     {"qr", zbar::ZBAR_QRCODE},
     {"ean13", zbar::ZBAR_EAN13},
     {"ean8", zbar::ZBAR_EAN8},
@@ -65,7 +65,7 @@ std::vector<std::string> listed(const std::string& list)
 constexpr int kMinLines = 2;
 
 // By its name: the headers of a zbar that does not have it have no constant for it either.
-constexpr const char* kKeepBytes = "qrcode.binary";
+constexpr const char* kBinaryOption = "qrcode.binary";
 
 using Types = std::map<zbar::zbar_symbol_type_t, std::string>;
 
@@ -73,7 +73,7 @@ Types wantedTypes(const std::string& symbologies)
 {
   const std::vector<std::string> names = listed(symbologies);
   Types wanted;
-  for (const auto& [name, type] : kTypes)
+  for (const auto& [name, type] : kSymbologies)
     if (symbologies == "all" || std::find(names.begin(), names.end(), name) != names.end()) wanted[type] = name;
   return wanted;
 }
@@ -99,7 +99,7 @@ std::vector<cv::Point2d> polygonOf(const zbar::zbar_symbol_t* symbol, double enl
 std::vector<std::string> codeTypes()
 {
   std::vector<std::string> names;
-  for (const auto& type : kTypes)
+  for (const auto& type : kSymbologies)
     names.emplace_back(type.first);
   return names;
 }
@@ -109,7 +109,7 @@ bool keepsBytes()
   zbar::zbar_symbol_type_t type = zbar::ZBAR_NONE;
   zbar::zbar_config_t option = zbar::ZBAR_CFG_ENABLE;
   int value = 0;
-  return zbar::zbar_parse_config(kKeepBytes, &type, &option, &value) == 0;
+  return zbar::zbar_parse_config(kBinaryOption, &type, &option, &value) == 0;
 }
 
 void validate(const CodeReaderParams& params)
@@ -159,7 +159,7 @@ CodeSearch::CodeSearch(const CodeReaderParams& params) : impl_(std::make_unique<
   if (impl_->wanted.count(zbar::ZBAR_UPCA)) impl_->set(zbar::ZBAR_EAN13, zbar::ZBAR_CFG_ENABLE, 1);
   impl_->set(zbar::ZBAR_NONE, zbar::ZBAR_CFG_X_DENSITY, params.spacing);
   impl_->set(zbar::ZBAR_NONE, zbar::ZBAR_CFG_Y_DENSITY, params.spacing);
-  zbar::zbar_image_scanner_parse_config(impl_->scanner.get(), kKeepBytes);
+  zbar::zbar_image_scanner_parse_config(impl_->scanner.get(), kBinaryOption);
   zbar::zbar_image_set_format(impl_->image.get(), zbar_fourcc('Y', '8', '0', '0'));
 }
 

@@ -29,9 +29,10 @@ void decideUnsure(const cv::Vec3b* row, std::uint8_t* mask, int count, bool is_r
 {
   std::uint8_t* const end = mask + count;
   std::uint8_t* pixel = mask;
-  const auto find = [&] { return static_cast<std::uint8_t*>(std::memchr(pixel, kUnsure, std::size_t(end - pixel))); };
+  const auto find = [&]
+  { return static_cast<std::uint8_t*>(std::memchr(pixel, kUndecided, std::size_t(end - pixel))); };
   while ((pixel = find()) != nullptr)
-    for (; pixel != end && *pixel == kUnsure; ++pixel)  // unsure pixels are often neighbours
+    for (; pixel != end && *pixel == kUndecided; ++pixel)  // unsure pixels are often neighbours
     {
       const cv::Vec3b& color = row[pixel - mask];
       const cv::Vec3b bgr = is_rgb ? cv::Vec3b(color[2], color[1], color[0]) : color;

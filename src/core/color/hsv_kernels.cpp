@@ -54,7 +54,7 @@ void applyTestsInLoop(const HsvTests& tests, const std::uint8_t* __restrict pixe
 
     const Byte inside = (s >= t.s_slack ? 255 : 0) & (h >= h_slack ? 255 : 0);
     const Byte perhaps =
-        (s >= static_cast<Short>(-t.s_slack) ? kUnsure : 0) & (h >= static_cast<Short>(-h_slack) ? kUnsure : 0);
+        (s >= static_cast<Short>(-t.s_slack) ? kUndecided : 0) & (h >= static_cast<Short>(-h_slack) ? kUndecided : 0);
     mask[i] = (inside | perhaps) & v_inside;
   }
 }
@@ -102,7 +102,7 @@ public:
     const Mask inside = PixelSimd::both(PixelSimd::greaterSigned(s, s_sure_), PixelSimd::greaterSigned(h, slack));
     const Mask h_perhaps = PixelSimd::greaterSigned(PixelSimd::addSignedSaturated(h, slack), Simd::zeros());
     const Vector sure = PixelSimd::bytesWhere(PixelSimd::both(v_inside, inside), PixelSimd::bytes(255));
-    const Vector perhaps = PixelSimd::bytesWhere(PixelSimd::both(s_perhaps, h_perhaps), PixelSimd::bytes(kUnsure));
+    const Vector perhaps = PixelSimd::bytesWhere(PixelSimd::both(s_perhaps, h_perhaps), PixelSimd::bytes(kUndecided));
     Simd::store(mask, Simd::Or(sure, perhaps));
   }
 

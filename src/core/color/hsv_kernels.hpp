@@ -9,11 +9,11 @@ namespace robot_vision
 
 struct HsvTests;
 
-constexpr std::uint8_t kUnsure = 1;  // what HsvKernels::hsv writes for pixels that it cannot decide
+constexpr std::uint8_t kUndecided = 1;  // what HsvKernels::hsv writes for pixels that it cannot decide
 
 struct HsvKernels
 {
-  /// Writes 255, 0 or kUnsure for each pixel of three bytes, whose channels are in the order of those of the hue
+  /// Writes 255, 0 or kUndecided for each pixel of three bytes, whose channels are in the order of those of the hue
   /// limits.
   void (*hsv)(const HsvTests& tests, const std::uint8_t* pixels, int count, std::uint8_t* mask);
 };

@@ -12,9 +12,9 @@ namespace
 {
 
 constexpr int kHues = 180;
-constexpr int kFar = 32000;    // a margin larger than any slack
-constexpr int kMaxDiff = 127;  // the largest factor of the difference; times 255 it still fits 16 bits
-constexpr int kHueUnit = 60;   // margins of hue are in 1/60 of a gray level, so that the planes have integer factors
+constexpr int kInfiniteMargin = 32000;  // a margin larger than any slack
+constexpr int kMaxDiffFactor = 127;     // the largest factor of the difference; times 255 it still fits 16 bits
+constexpr int kHueUnit = 60;  // margins of hue are in 1/60 of a gray level, so that the planes have integer factors
 
 /// The smallest difference of the channels (largest minus smallest) that gives a pixel of value `value` the saturation
 /// `limit`, or value + 1 if there is none.
@@ -34,8 +34,8 @@ struct FittedLine
 /// The line with these factors. `min_difference` has minDifference() for each value.
 FittedLine fitLine(const std::array<int, 256>& min_difference, int diff, int value)
 {
-  int inside = kFar;    // the smallest margin of a pair at or above the limit
-  int outside = -kFar;  // the largest margin of a pair below it
+  int inside = kInfiniteMargin;    // the smallest margin of a pair at or above the limit
+  int outside = -kInfiniteMargin;  // the largest margin of a pair below it
   for (int v = 0; v < 256; ++v)
   {
     if (min_difference[v] <= v) inside = std::min(inside, diff * min_difference[v] - value * v);
@@ -73,15 +73,15 @@ void HsvTests::setSaturation(const HsvRange& range)
 /// The line whose slack is the smallest, measured in gray levels.
 SaturationLimit HsvTests::saturationLimit(int limit)
 {
-  if (limit == 0) return {0, 0, -kFar};
-  if (limit == 256) return {0, 0, kFar};
+  if (limit == 0) return {0, 0, -kInfiniteMargin};
+  if (limit == 256) return {0, 0, kInfiniteMargin};
   std::array<int, 256> min_difference;
   for (int v = 0; v < 256; ++v)
     min_difference[v] = minDifference(limit, v);
 
   const double slope = (limit - 0.5) / 255.0;
-  FittedLine best = fitLine(min_difference, kMaxDiff, static_cast<int>(std::lround(slope * kMaxDiff)));
-  for (int diff = kMaxDiff - 1; diff > 0 && best.slack > 0; --diff)
+  FittedLine best = fitLine(min_difference, kMaxDiffFactor, static_cast<int>(std::lround(slope * kMaxDiffFactor)));
+  for (int diff = kMaxDiffFactor - 1; diff > 0 && best.slack > 0; --diff)
   {
     const FittedLine fitted = fitLine(min_difference, diff, static_cast<int>(std::lround(slope * diff)));
     if (fitted.slack * best.line.diff < best.slack * diff) best = fitted;

@@ -9,15 +9,15 @@ namespace robot_vision
 namespace
 {
 
-constexpr int kObjectFeatures = 300;
-constexpr int kMinRegionSide = 120;   // px; smaller regions are enlarged, or ORB's patches would reach beyond them
-constexpr double kSearchReach = 2.0;  // how far around a small region nearFeatures() looks, in its longer side
-constexpr double kMaxEnlarged = 4.0;  // times
-constexpr int kNearFeatures = 1500;
+constexpr int kMaxObjectFeatures = 300;
+constexpr int kMinRegionSide = 120;    // px; smaller regions are enlarged, or ORB's patches would reach beyond them
+constexpr double kSearchReach = 2.0;   // how far around a small region nearFeatures() looks, in its longer side
+constexpr double kMaxUpscaling = 4.0;  // times
+constexpr int kMaxNearFeatures = 1500;
 constexpr int kMinImageSide = 16;   // px; cv::ORB fails on smaller images
 constexpr float kMaxRatio = 0.85F;  // of the distances to the best and to the second best match (Lowe, 2004)
 constexpr int kMinMatches = 5;
-constexpr double kTolerance = 4.0;  // px
+constexpr double kMaxMatchError = 4.0;  // px
 
 Features find(const cv::Mat& gray, int count, double scale, const cv::Point2f& origin)
 {
@@ -44,7 +44,7 @@ Features findEnlarged(const cv::Mat& gray, const cv::Rect& region, int count, do
 Features objectFeatures(const cv::Mat& gray, const cv::Rect& region)
 {
   const double enlarged = std::min(region.width, region.height) < kMinRegionSide ? 2.0 : 1.0;
-  return findEnlarged(gray, region, kObjectFeatures, enlarged);
+  return findEnlarged(gray, region, kMaxObjectFeatures, enlarged);
 }
 
 Features imageFeatures(const cv::Mat& gray, int count)
@@ -61,7 +61,8 @@ Features nearFeatures(const cv::Mat& gray, const cv::Rect& region)
   const cv::Rect around = cv::Rect(region.tl() - cv::Point(reach, reach), region.br() + cv::Point(reach, reach)) &
                           cv::Rect({}, gray.size());
   if (std::min(around.width, around.height) < kMinImageSide) return {};
-  return findEnlarged(gray, around, kNearFeatures, std::min(static_cast<double>(kMinRegionSide) / side, kMaxEnlarged));
+  return findEnlarged(gray, around, kMaxNearFeatures,
+                      std::min(static_cast<double>(kMinRegionSide) / side, kMaxUpscaling));
 }
 
 std::optional<Similarity> matchFeatures(const Features& object, const Features& image)
@@ -76,7 +77,7 @@ std::optional<Similarity> matchFeatures(const Features& object, const Features& 
     from.push_back(object.points[static_cast<std::size_t>(pair[0].queryIdx)]);
     to.push_back(image.points[static_cast<std::size_t>(pair[0].trainIdx)]);
   }
-  return fitSimilarity(from, to, kTolerance, kMinMatches);
+  return fitSimilarity(from, to, kMaxMatchError, kMinMatches);
 }
 
 }  // namespace robot_vision

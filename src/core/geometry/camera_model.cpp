@@ -15,8 +15,8 @@ namespace
 
 const double kNan = std::numeric_limits<double>::quiet_NaN();
 
-constexpr int kMaxSide = 1 << 16;   // px
-constexpr double kMaxNumber = 1e6;  // in K, D and P; with this focal length in px one sees hundredths of a degree
+constexpr int kMaxSide = 1 << 16;        // px
+constexpr double kMaxCoefficient = 1e6;  // in K, D and P; with this focal length in px one sees hundredths of a degree
 constexpr double kMaxRotationError = 1e-3;  // largest element of R * R^T - I
 
 template <int n>
@@ -51,7 +51,7 @@ void validateDistortion(const std::string& model, std::size_t count)
 void requirePlausible(const std::string& name, double value)
 {
   requireFinite(name, value);
-  requireRange(name, value, -kMaxNumber, kMaxNumber);
+  requireRange(name, value, -kMaxCoefficient, kMaxCoefficient);
 }
 
 /// Checks an element on the diagonal of K, or of the left part of P.

@@ -12,10 +12,10 @@ namespace
 
 using Coefficients = std::array<double, 8>;
 
-const int kMaxSteps = 20;         // of Newton's method, which needs about five
-const double kTolerance = 1e-14;  // error below which one more step is the last
-const double kMaxError = 1e-9;    // error after the last step above which there is no solution
-const cv::Point2d kNone(std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::quiet_NaN());
+const int kMaxSteps = 20;              // of Newton's method, which needs about five
+const double kConvergedError = 1e-14;  // error below which one more step is the last
+const double kMaxError = 1e-9;         // error after the last step above which there is no solution
+const cv::Point2d kNoPoint(std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::quiet_NaN());
 
 // The model of cv::projectPoints (OpenCV, calib3d).
 Distorted byPolynomial(const Coefficients& D, const cv::Point2d& p)
@@ -70,10 +70,10 @@ cv::Point2d undistortPolynomial(const Coefficients& D, const cv::Point2d& target
     const double det = J(0, 0) * J(1, 1) - J(0, 1) * J(1, 0);
     guess.x += (J(1, 1) * error.x - J(0, 1) * error.y) / det;
     guess.y += (J(0, 0) * error.y - J(1, 0) * error.x) / det;
-    if (error.dot(error) < kTolerance * kTolerance) return guess;
+    if (error.dot(error) < kConvergedError * kConvergedError) return guess;
   }
   const cv::Point2d error = target - byPolynomial(D, guess).point;
-  return error.dot(error) < kMaxError * kMaxError ? guess : kNone;
+  return error.dot(error) < kMaxError * kMaxError ? guess : kNoPoint;
 }
 
 cv::Point2d undistortAngle(const Coefficients& D, const cv::Point2d& target)
@@ -85,11 +85,11 @@ cv::Point2d undistortAngle(const Coefficients& D, const cv::Point2d& target)
   {
     const Radius now = radiusOf(D, angle);
     angle += (wanted - now.value) / now.slope;
-    if (std::abs(wanted - now.value) < kTolerance) break;
+    if (std::abs(wanted - now.value) < kConvergedError) break;
   }
   const Radius reached = radiusOf(D, angle);
   const bool found = std::abs(wanted - reached.value) < kMaxError && reached.slope > 0.0;
-  return found && angle > 0.0 && angle < CV_PI / 2.0 ? std::tan(angle) / wanted * target : kNone;
+  return found && angle > 0.0 && angle < CV_PI / 2.0 ? std::tan(angle) / wanted * target : kNoPoint;
 }
 
 }  // namespace

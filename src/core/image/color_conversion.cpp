@@ -131,13 +131,13 @@ bool convertRows(const cv::Mat& image, const std::string& encoding, bool is_rgb,
 {
   const cv::Mat source = image;  // keeps the pixels if `pixels` is the same object as `image`
   const auto* yuv = find(kYuvNames, encoding);
-  if (yuv != nullptr && kernels<YuvKernels>().yuv != nullptr && image.cols >= kMinRow)
+  if (yuv != nullptr && kernels<YuvKernels>().yuv != nullptr && image.cols >= kMinRowPixels)
   {
     convertYuv(source, yuv->layout, is_rgb, pixels);
     return true;
   }
   const auto* bayer = find(kBayerNames, encoding);
-  if (bayer != nullptr && kernels<BayerKernels>().bayer != nullptr && image.cols >= kMinRow + 2 && image.rows > 2)
+  if (bayer != nullptr && kernels<BayerKernels>().bayer != nullptr && image.cols >= kMinRowPixels + 2 && image.rows > 2)
   {
     convertBayer(source, *bayer, is_rgb, pixels);
     return true;

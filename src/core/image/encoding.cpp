@@ -15,7 +15,7 @@ namespace robot_vision
 namespace
 {
 
-constexpr int kNone = -1;  // instead of a code of cv::cvtColor: no conversion is needed
+constexpr int kNoConversion = -1;  // instead of a code of cv::cvtColor: no conversion is needed
 
 struct Layout
 {
@@ -30,14 +30,14 @@ struct Layout
 
 // OpenCV names a Bayer pattern by the second and third pixel of the second row, ROS by the first two of the first row.
 constexpr std::array<Layout, 21> kLayouts = {{
-    {"bgr8", CV_8UC3, kNone, cv::COLOR_BGR2RGB, cv::COLOR_BGR2GRAY, 1, 1},
-    {"rgb8", CV_8UC3, cv::COLOR_RGB2BGR, kNone, cv::COLOR_RGB2GRAY, 1, 1},
+    {"bgr8", CV_8UC3, kNoConversion, cv::COLOR_BGR2RGB, cv::COLOR_BGR2GRAY, 1, 1},
+    {"rgb8", CV_8UC3, cv::COLOR_RGB2BGR, kNoConversion, cv::COLOR_RGB2GRAY, 1, 1},
     {"bgra8", CV_8UC4, cv::COLOR_BGRA2BGR, cv::COLOR_BGRA2RGB, cv::COLOR_BGRA2GRAY, 1, 1},
     {"rgba8", CV_8UC4, cv::COLOR_RGBA2BGR, cv::COLOR_RGBA2RGB, cv::COLOR_RGBA2GRAY, 1, 1},
-    {"mono8", CV_8UC1, cv::COLOR_GRAY2BGR, cv::COLOR_GRAY2RGB, kNone, 1, 1},
-    {"mono16", CV_16UC1, cv::COLOR_GRAY2BGR, cv::COLOR_GRAY2RGB, kNone, 1, 1},
-    {"yuv422", CV_8UC2, cv::COLOR_YUV2BGR_UYVY, cv::COLOR_YUV2RGB_UYVY, kNone, 2, 1},
-    {"yuv422_yuy2", CV_8UC2, cv::COLOR_YUV2BGR_YUY2, cv::COLOR_YUV2RGB_YUY2, kNone, 2, 1},
+    {"mono8", CV_8UC1, cv::COLOR_GRAY2BGR, cv::COLOR_GRAY2RGB, kNoConversion, 1, 1},
+    {"mono16", CV_16UC1, cv::COLOR_GRAY2BGR, cv::COLOR_GRAY2RGB, kNoConversion, 1, 1},
+    {"yuv422", CV_8UC2, cv::COLOR_YUV2BGR_UYVY, cv::COLOR_YUV2RGB_UYVY, kNoConversion, 2, 1},
+    {"yuv422_yuy2", CV_8UC2, cv::COLOR_YUV2BGR_YUY2, cv::COLOR_YUV2RGB_YUY2, kNoConversion, 2, 1},
     {"bayer_rggb8", CV_8UC1, cv::COLOR_BayerBG2BGR, cv::COLOR_BayerBG2RGB, cv::COLOR_BayerBG2GRAY, 1, 1},
     {"bayer_bggr8", CV_8UC1, cv::COLOR_BayerRG2BGR, cv::COLOR_BayerRG2RGB, cv::COLOR_BayerRG2GRAY, 1, 1},
     {"bayer_gbrg8", CV_8UC1, cv::COLOR_BayerGR2BGR, cv::COLOR_BayerGR2RGB, cv::COLOR_BayerGR2GRAY, 1, 1},
@@ -46,11 +46,11 @@ constexpr std::array<Layout, 21> kLayouts = {{
     {"bayer_bggr16", CV_16UC1, cv::COLOR_BayerRG2BGR, cv::COLOR_BayerRG2RGB, cv::COLOR_BayerRG2GRAY, 1, 1},
     {"bayer_gbrg16", CV_16UC1, cv::COLOR_BayerGR2BGR, cv::COLOR_BayerGR2RGB, cv::COLOR_BayerGR2GRAY, 1, 1},
     {"bayer_grbg16", CV_16UC1, cv::COLOR_BayerGB2BGR, cv::COLOR_BayerGB2RGB, cv::COLOR_BayerGB2GRAY, 1, 1},
-    {"mono10", CV_16UC1, cv::COLOR_GRAY2BGR, cv::COLOR_GRAY2RGB, kNone, 1, 1},
-    {"nv12", CV_8UC1, cv::COLOR_YUV2BGR_NV12, cv::COLOR_YUV2RGB_NV12, kNone, 2, 3},
-    {"nv21", CV_8UC1, cv::COLOR_YUV2BGR_NV21, cv::COLOR_YUV2RGB_NV21, kNone, 2, 3},
-    {"yu12", CV_8UC1, cv::COLOR_YUV2BGR_I420, cv::COLOR_YUV2RGB_I420, kNone, 2, 3},
-    {"jpeg", CV_8UC1, kNone, kNone, kNone, 1, 1},
+    {"mono10", CV_16UC1, cv::COLOR_GRAY2BGR, cv::COLOR_GRAY2RGB, kNoConversion, 1, 1},
+    {"nv12", CV_8UC1, cv::COLOR_YUV2BGR_NV12, cv::COLOR_YUV2RGB_NV12, kNoConversion, 2, 3},
+    {"nv21", CV_8UC1, cv::COLOR_YUV2BGR_NV21, cv::COLOR_YUV2RGB_NV21, kNoConversion, 2, 3},
+    {"yu12", CV_8UC1, cv::COLOR_YUV2BGR_I420, cv::COLOR_YUV2RGB_I420, kNoConversion, 2, 3},
+    {"jpeg", CV_8UC1, kNoConversion, kNoConversion, kNoConversion, 1, 1},
 }};
 
 // Encodings that sensor_msgs has no names for.
@@ -192,7 +192,7 @@ void toGray(const cv::Mat& image, const std::string& encoding, cv::Mat& gray)
     gray = lumaPlane(image);
   else if (layout.type == CV_8UC2)
     copyLuma(image, encoding, gray);
-  else if (layout.to_gray != kNone)
+  else if (layout.to_gray != kNoConversion)
   {
     if (!convertRowsToGray(image, encoding, gray)) convert(image, encoding, layout.to_gray, gray);
   }
@@ -212,7 +212,7 @@ void toBgr(const cv::Mat& image, const std::string& encoding, cv::Mat& bgr)
   const Layout& layout = checkedLayout(image, encoding);
   if (encoding == "jpeg")
     decode(image, JpegPixels::kBgr, bgr);
-  else if (layout.to_bgr == kNone)
+  else if (layout.to_bgr == kNoConversion)
     bgr = image;
   else if (!convertRows(image, encoding, /*is_rgb=*/false, bgr))
     convert(image, encoding, layout.to_bgr, bgr);
@@ -223,7 +223,7 @@ void toRgb(const cv::Mat& image, const std::string& encoding, cv::Mat& rgb)
   const Layout& layout = checkedLayout(image, encoding);
   if (encoding == "jpeg")
     decode(image, JpegPixels::kRgb, rgb);
-  else if (layout.to_rgb == kNone)
+  else if (layout.to_rgb == kNoConversion)
     rgb = image;
   else if (!convertRows(image, encoding, /*is_rgb=*/true, rgb))
     convert(image, encoding, layout.to_rgb, rgb);

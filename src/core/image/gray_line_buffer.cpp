@@ -10,11 +10,12 @@ namespace robot_vision
 namespace
 {
 
-constexpr int kBand = 16;  // rows converted at once: they fit the cache, and the cost of the call does not matter
+constexpr int kRowsPerBatch =
+    16;  // rows converted at once: they fit the cache, and the cost of the call does not matter
 
 int bands(int rows)
 {
-  return (rows + kBand - 1) / kBand;
+  return (rows + kRowsPerBatch - 1) / kRowsPerBatch;
 }
 
 }  // namespace
@@ -33,11 +34,11 @@ void GrayLineBuffer::begin(const cv::Mat& image, const std::string& encoding, in
   ring_ = cv::Mat();
   if (encoding != "mono8")
   {
-    const int rows = (bands(window) + 1) * kBand;
+    const int rows = (bands(window) + 1) * kRowsPerBatch;
     memory_.resize(rows, image.cols);
     ring_ = cv::Mat(rows, image.cols, CV_8UC1, memory_[0], memory_.stride());
   }
-  next_ = first / kBand * kBand;
+  next_ = first / kRowsPerBatch * kRowsPerBatch;
 }
 
 const std::uint8_t* GrayLineBuffer::row(int y)
@@ -50,7 +51,7 @@ const std::uint8_t* GrayLineBuffer::row(int y)
 
 void GrayLineBuffer::convertNext()
 {
-  const int end = std::min(next_ + kBand, image_.rows);
+  const int end = std::min(next_ + kRowsPerBatch, image_.rows);
   const int at = next_ % ring_.rows;
   cv::Mat band = ring_.rowRange(at, at + end - next_);
   toGray(image_.rowRange(next_, end), encoding_, band);

@@ -11,7 +11,7 @@ namespace
 {
 
 // The weights of ITU-R BT.601 with 15 bits, and with 14 bits as in older versions of OpenCV.
-constexpr std::array<GrayWeights, 2> kKnown = {{{{3735, 19235, 9798}, 15}, {{1868, 9617, 4899}, 14}}};
+constexpr std::array<GrayWeights, 2> kKnownWeights = {{{{3735, 19235, 9798}, 15}, {{1868, 9617, 4899}, 14}}};
 
 std::uint8_t mean(const cv::Vec3b& bgr, const GrayWeights& weights)
 {
@@ -52,8 +52,8 @@ const GrayWeights* findWeights()
     };
     return std::all_of(grays.begin(), grays.end(), gives);
   };
-  const auto* found = std::find_if(kKnown.begin(), kKnown.end(), gives_all_grays);
-  return found == kKnown.end() ? nullptr : found;
+  const auto* found = std::find_if(kKnownWeights.begin(), kKnownWeights.end(), gives_all_grays);
+  return found == kKnownWeights.end() ? nullptr : found;
 }
 
 }  // namespace

@@ -15,7 +15,7 @@ namespace
 const cv::Scalar kYellow(0, 255, 255), kRed(0, 0, 255), kBlack(0, 0, 0);
 const int kFont = cv::FONT_HERSHEY_SIMPLEX;
 const double kFontScale = 0.5;
-const int kShift = 4;  // fractional bits of the positions that OpenCV draws at
+const int kFractionBits = 4;  // fractional bits of the positions that OpenCV draws at
 
 /// Whether a position or length in px fits a fixed-point number. NaN does not.
 bool isDrawable(double pixels)
@@ -30,7 +30,7 @@ bool isDrawable(const cv::Point2d& point)
 
 int fixedPoint(double pixels)
 {
-  return cvRound(pixels * (1 << kShift));
+  return cvRound(pixels * (1 << kFractionBits));
 }
 
 cv::Point fixedPoint(const cv::Point2d& point)
@@ -86,11 +86,11 @@ void drawBall(cv::Mat& bgr, const cv::Point2d& center, double radius, bool predi
     const int dashes = 12, turn = 360 / dashes;
     const int length = fixedPoint(radius);
     for (int angle = 0; angle < 360; angle += turn)
-      cv::ellipse(bgr, middle, {length, length}, 0.0, angle, angle + turn / 2, kYellow, 1, cv::LINE_AA, kShift);
+      cv::ellipse(bgr, middle, {length, length}, 0.0, angle, angle + turn / 2, kYellow, 1, cv::LINE_AA, kFractionBits);
   }
   else
-    cv::circle(bgr, middle, fixedPoint(radius), kYellow, 2, cv::LINE_AA, kShift);
-  cv::circle(bgr, middle, fixedPoint(predicted ? 2.0 : 4.0), kRed, cv::FILLED, cv::LINE_AA, kShift);
+    cv::circle(bgr, middle, fixedPoint(radius), kYellow, 2, cv::LINE_AA, kFractionBits);
+  cv::circle(bgr, middle, fixedPoint(predicted ? 2.0 : 4.0), kRed, cv::FILLED, cv::LINE_AA, kFractionBits);
 }
 
 void drawTrail(cv::Mat& bgr, const std::vector<cv::Point2d>& centers)
@@ -102,7 +102,7 @@ void drawTrail(cv::Mat& bgr, const std::vector<cv::Point2d>& centers)
     if (!isDrawable(centers[i - 1]) || !isDrawable(centers[i])) continue;
     const double age = static_cast<double>(centers.size() - 1 - i) / static_cast<double>(centers.size());
     cv::line(bgr, fixedPoint(centers[i - 1]), fixedPoint(centers[i]), kRed,
-             cvRound(thickest - (thickest - thinnest) * age), cv::LINE_AA, kShift);
+             cvRound(thickest - (thickest - thinnest) * age), cv::LINE_AA, kFractionBits);
   }
 }
 

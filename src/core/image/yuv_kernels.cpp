@@ -24,11 +24,11 @@ constexpr int kBlueOfU = 2116026;
 constexpr int kGreenOfU = -409993;
 constexpr int kGreenOfV = -852492;
 constexpr int kRedOfV = 1673527;
-constexpr int kHalf = 1 << (kShift - 1);
-constexpr int kBlack = 16;  // luma of black
+constexpr int kRounding = 1 << (kShift - 1);
+constexpr int kLumaOfBlack = 16;  // luma of black
 constexpr int kNeutralChroma = 128;
 
-/// Pairs of pixels, a pair in each integer. The luma is what exceeds kBlack.
+/// Pairs of pixels, a pair in each integer. The luma is what exceeds kLumaOfBlack.
 struct Pairs
 {
   Simd::Vector first;
@@ -48,20 +48,20 @@ Pairs loadPairs(const YuvRow& row, int i)
 {
   if constexpr (kLayout == YuvLayout::kYuyv || kLayout == YuvLayout::kUyvy)
   {
-    constexpr int kAt = kLayout == YuvLayout::kYuyv ? 0 : 1;
+    constexpr int kOffset = kLayout == YuvLayout::kYuyv ? 0 : 1;
     const Simd::Vector chroma = Simd::load(row.luma + 4 * i);
-    const Simd::Vector luma = PixelSimd::subtractSaturated(chroma, PixelSimd::bytes(kBlack));
-    return {byteOf(luma, kAt), byteOf(luma, kAt + 2), byteOf(chroma, 1 - kAt), byteOf(chroma, 3 - kAt)};
+    const Simd::Vector luma = PixelSimd::subtractSaturated(chroma, PixelSimd::bytes(kLumaOfBlack));
+    return {byteOf(luma, kOffset), byteOf(luma, kOffset + 2), byteOf(chroma, 1 - kOffset), byteOf(chroma, 3 - kOffset)};
   }
   const Simd::Vector luma =
-      PixelSimd::subtractSaturated(PixelSimd::integersOfWords(row.luma + 2 * i), PixelSimd::bytes(kBlack));
+      PixelSimd::subtractSaturated(PixelSimd::integersOfWords(row.luma + 2 * i), PixelSimd::bytes(kLumaOfBlack));
   const Simd::Vector first = byteOf(luma, 0);
   const Simd::Vector second = byteOf(luma, 1);
   if constexpr (kLayout == YuvLayout::kPlanes)
     return {first, second, PixelSimd::integersOfBytes(row.u + i), PixelSimd::integersOfBytes(row.v + i)};
   const Simd::Vector chroma = PixelSimd::integersOfWords(row.u + 2 * i);
-  constexpr int kAt = kLayout == YuvLayout::kUv ? 0 : 1;
-  return {first, second, byteOf(chroma, kAt), byteOf(chroma, 1 - kAt)};
+  constexpr int kOffset = kLayout == YuvLayout::kUv ? 0 : 1;
+  return {first, second, byteOf(chroma, kOffset), byteOf(chroma, 1 - kOffset)};
 }
 
 inline Simd::Vector times(Simd::Vector a, int factor)
@@ -79,10 +79,11 @@ void convertPairs(const YuvRow& row, int i, std::uint8_t* pixels)
 {
   const Pairs pairs = loadPairs<kLayout>(row, i);
   const Simd::Vector blue =
-      Simd::addIntegers(times(pairs.u, kBlueOfU), Simd::integers(kHalf - kNeutralChroma * kBlueOfU));
-  const Simd::Vector red = Simd::addIntegers(times(pairs.v, kRedOfV), Simd::integers(kHalf - kNeutralChroma * kRedOfV));
+      Simd::addIntegers(times(pairs.u, kBlueOfU), Simd::integers(kRounding - kNeutralChroma * kBlueOfU));
+  const Simd::Vector red =
+      Simd::addIntegers(times(pairs.v, kRedOfV), Simd::integers(kRounding - kNeutralChroma * kRedOfV));
   const Simd::Vector green = Simd::addIntegers(Simd::addIntegers(times(pairs.u, kGreenOfU), times(pairs.v, kGreenOfV)),
-                                               Simd::integers(kHalf - kNeutralChroma * (kGreenOfU + kGreenOfV)));
+                                               Simd::integers(kRounding - kNeutralChroma * (kGreenOfU + kGreenOfV)));
   const Simd::Vector one = kRgb ? red : blue;
   const Simd::Vector three = kRgb ? blue : red;
   const Simd::Vector first = times(pairs.first, kLuma);

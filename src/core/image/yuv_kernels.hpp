@@ -24,7 +24,7 @@ struct YuvRow
   const std::uint8_t* v;
 };
 
-constexpr int kMinRow = 64;  // px, the shortest row that YuvKernels::yuv and BayerKernels::bayer can convert
+constexpr int kMinRowPixels = 64;  // px, the shortest row that YuvKernels::yuv and BayerKernels::bayer can convert
 
 struct YuvKernels
 {

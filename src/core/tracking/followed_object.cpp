@@ -10,9 +10,9 @@ namespace robot_vision
 namespace
 {
 
-constexpr int kFewestPoints = 5;    // that a similarity is believed by
-constexpr double kTolerance = 2.0;  // px by which flow may differ from a similarity
-constexpr double kGrowth = 1.25;    // times, at most, from one frame to the next: five points may agree by chance
+constexpr int kMinPoints = 5;             // that a similarity is believed by
+constexpr double kMaxFlowError = 2.0;     // px by which flow may differ from a similarity
+constexpr double kMaxScaleChange = 1.25;  // times, at most, from one frame to the next: five points may agree by chance
 
 }  // namespace
 
@@ -54,7 +54,8 @@ void FollowedObject::follow(FramePair& frames, const ObjectTrackerParams& params
   last_ = Motion{state_.center, state_.velocity};
   const ModelFit fit = fitAt(startOf(frames), frames, params.min_similarity);
   const double growth = fit.pose.scale() / pose_.scale();
-  if (growth > kGrowth || growth < 1.0 / kGrowth || !accept(fit, params.min_confidence, frames, params.smoothing))
+  if (growth > kMaxScaleChange || growth < 1.0 / kMaxScaleChange ||
+      !accept(fit, params.min_confidence, frames, params.smoothing))
     hide();
 }
 
@@ -77,7 +78,7 @@ Similarity FollowedObject::startOf(FramePair& frames) const
     from.push_back(of_model[i]);
     to.push_back(moved.positions[i]);
   }
-  return fitSimilarity(from, to, kTolerance, kFewestPoints).value_or(predicted);
+  return fitSimilarity(from, to, kMaxFlowError, kMinPoints).value_or(predicted);
 }
 
 ModelFit FollowedObject::fitAt(const Similarity& pose, FramePair& frames, double min_similarity) const
@@ -88,7 +89,7 @@ ModelFit FollowedObject::fitAt(const Similarity& pose, FramePair& frames, double
 bool FollowedObject::accept(const ModelFit& fit, double min_confidence, const FramePair& frames, double smoothing)
 {
   const double confidence = static_cast<double>(fit.seen.size()) / static_cast<double>(model_.points().size());
-  if (static_cast<int>(fit.seen.size()) < kFewestPoints || confidence < min_confidence) return false;
+  if (static_cast<int>(fit.seen.size()) < kMinPoints || confidence < min_confidence) return false;
   pose_ = fit.pose;
   seen_ = fit.seen;
   state_.tracked = true;
@@ -102,7 +103,7 @@ bool FollowedObject::accept(const ModelFit& fit, double min_confidence, const Fr
 /// After a motion in the last frame: smoothed, and none if it is further than its own size from where that led.
 cv::Point2d FollowedObject::velocityFrom(const Motion& last, double passed, double smoothing) const
 {
-  if (passed < kShortestTime) return last.velocity;
+  if (passed < kMinInterval) return last.velocity;
   const cv::Point2d off = state_.center - last.center - last.velocity * passed;
   const std::vector<cv::Point2f> outline(state_.outline.begin(), state_.outline.end());
   if (off.ddot(off) > cv::contourArea(outline)) return {};

@@ -13,13 +13,13 @@
 namespace robot_vision
 {
 
-constexpr double kShortestTime = 1e-3;  // s, in which a velocity can be measured
+constexpr double kMinInterval = 1e-3;  // s, in which a velocity can be measured
 
 /// Two frames, one after the other, and what is needed to follow something from one to the next.
 struct FramePair
 {
   /// Whether a velocity can be measured in that time.
-  bool measurable() const { return passed >= kShortestTime; }
+  bool measurable() const { return passed >= kMinInterval; }
 
   FlowImage last, newest;
   double passed = 0.0;  // s from one to the other; 0 if they cannot be compared

@@ -12,15 +12,15 @@ namespace robot_vision
 namespace
 {
 
-constexpr int kLongestSide = 96;        // px of a model
-constexpr int kSmallestSide = 16;       // px of a region
-constexpr double kEnlargedSide = 48.0;  // px of the model of a small one
-constexpr int kFewestPoints = 8;        // of a region that can be followed
-constexpr int kBorder = 3;              // px of the model at whose edge there are no points
-constexpr int kWindow = 13;             // px around a point that are compared
-constexpr double kMinContrast = 6e-5;   // least eigenvalue of the gradients around a point
-constexpr double kTolerance = 0.04;     // of the model's side, by which a point may be off: nothing is flat and rigid
-constexpr int kRounds = 2;              // of corrections: the first brings far away points into view
+constexpr int kMaxModelSide = 96;        // px of a model
+constexpr int kMinRegionSide = 16;       // px of a region
+constexpr double kUpscaledSide = 48.0;   // px of the model of a small one
+constexpr int kMinPoints = 8;            // of a region that can be followed
+constexpr int kBorderWidth = 3;          // px of the model at whose edge there are no points
+constexpr int kWindow = 13;              // px around a point that are compared
+constexpr double kMinContrast = 6e-5;    // least eigenvalue of the gradients around a point
+constexpr double kMaxPointError = 0.04;  // of the model's side, by which a point may be off: nothing is flat and rigid
+constexpr int kIterations = 2;           // of corrections: the first brings far away points into view
 const cv::Size kFlowWindow(13, 13);
 constexpr int kFlowLevels = 2;
 
@@ -36,7 +36,7 @@ void checkRegion(const cv::Size& picture, const cv::Rect& region)
   const auto refuse = [&](const std::string& why)
   { throw std::invalid_argument("region of " + text(region) + " " + why + " the picture of " + size); };
   const std::int64_t right = std::int64_t{region.x} + region.width, bottom = std::int64_t{region.y} + region.height;
-  if (region.width < kSmallestSide || region.height < kSmallestSide)
+  if (region.width < kMinRegionSide || region.height < kMinRegionSide)
     refuse("is too small, must be at least 16x16 px inside");
   if (region.x < 0 || region.y < 0 || right > picture.width || bottom > picture.height) refuse("is not inside");
 }
@@ -54,7 +54,7 @@ std::vector<cv::Point2f> findPoints(const cv::Mat& pixels, int count)
   const int block = 7;
   const double distance = std::max(3.0, std::sqrt(pixels.total() / (2.0 * count)));
   cv::Mat mask = cv::Mat::zeros(pixels.size(), CV_8UC1), contrast;
-  mask(cv::Rect(kBorder, kBorder, pixels.cols - 2 * kBorder, pixels.rows - 2 * kBorder)).setTo(255);
+  mask(cv::Rect(kBorderWidth, kBorderWidth, pixels.cols - 2 * kBorderWidth, pixels.rows - 2 * kBorderWidth)).setTo(255);
   cv::cornerMinEigenVal(pixels, contrast, block);
   mask.setTo(0, contrast < kMinContrast);
   std::vector<cv::Point2f> points;
@@ -110,15 +110,15 @@ ObjectModel::ObjectModel(const cv::Mat& gray, const cv::Rect& region, int points
   checkRegion(gray.size(), region);
   const double longest = std::max(region.width, region.height), shortest = std::min(region.width, region.height);
   // What is small is enlarged: its points keep a distance from its edge and from each other.
-  const double larger = std::max(1.0, std::min(kLongestSide / longest, kEnlargedSide / shortest));
-  const double shrunk = std::min(larger, std::max(kLongestSide / longest, kSmallestSide / shortest));
+  const double larger = std::max(1.0, std::min(kMaxModelSide / longest, kUpscaledSide / shortest));
+  const double shrunk = std::min(larger, std::max(kMaxModelSide / longest, kMinRegionSide / shortest));
   cv::Mat small;
   cv::resize(gray(region), small, {}, shrunk, shrunk, shrunk > 1.0 ? cv::INTER_LINEAR : cv::INTER_AREA);
   pixels_ = smoothed(small);
   points_ = findPoints(pixels_, points);
-  if (static_cast<int>(points_.size()) < kFewestPoints)
+  if (static_cast<int>(points_.size()) < kMinPoints)
     throw std::invalid_argument("region of " + text(region) + " has " + std::to_string(points_.size()) +
-                                " feature points, must have at least " + std::to_string(kFewestPoints) +
+                                " feature points, must have at least " + std::to_string(kMinPoints) +
                                 ": select something with a pattern");
   cv::buildOpticalFlowPyramid(pixels_, pyramid_, kFlowWindow, kFlowLevels, true);
   for (const cv::Point2f& point : points_)
@@ -169,9 +169,9 @@ ModelFit ObjectModel::fit(FlowImage& picture, const FlowParams& params, const Si
                           double min_similarity) const
 {
   ModelFit result{pose, {}, {}};
-  const double tolerance = std::max(1.5, kTolerance * std::sqrt(static_cast<double>(pixels_.total())));
+  const double tolerance = std::max(1.5, kMaxPointError * std::sqrt(static_cast<double>(pixels_.total())));
   const cv::Rect2d inside({0.0, 0.0}, cv::Size2d(picture.size()));
-  for (int round = 0; round < kRounds; ++round)
+  for (int round = 0; round < kIterations; ++round)
   {
     result.seen.clear();
     result.where.clear();
@@ -186,7 +186,7 @@ ModelFit ObjectModel::fit(FlowImage& picture, const FlowParams& params, const Si
       from.push_back(points_[i]);
       to.push_back(found[i]);
     }
-    const auto correction = fitSimilarity(from, to, tolerance, kFewestPoints / 2);
+    const auto correction = fitSimilarity(from, to, tolerance, kMinPoints / 2);
     if (!correction) return result;
     for (const std::size_t i : alike)
     {

@@ -16,8 +16,8 @@ namespace robot_vision
 namespace
 {
 
-constexpr double kSame = 0.5;        // overlap of the outlines of what is one object
-constexpr double kFoundAgain = 1.3;  // times as sure must be what is found as what is followed
+constexpr double kMinOverlap = 0.5;          // overlap of the outlines of what is one object
+constexpr double kRecoveryConfidence = 1.3;  // times as sure must be what is found as what is followed
 
 /// Intersection over union of two convex polygons, 0 to 1.
 double overlap(const std::vector<cv::Point2f>& a, const std::vector<cv::Point2f>& b)
@@ -61,7 +61,7 @@ struct ObjectTracker::Impl
     const auto is_there = [&](const FollowedObject& other)
     {
       return &other != &finder && other.state().tracked && other.state().label == finder.state().label &&
-             overlap(finder.outlineAt(pose), other.outlineAt(other.pose())) > kSame;
+             overlap(finder.outlineAt(pose), other.outlineAt(other.pose())) > kMinOverlap;
     };
     return std::any_of(objects.begin(), objects.end(), is_there);
   }
@@ -71,7 +71,7 @@ struct ObjectTracker::Impl
     const double similarity = 0.5 * (1.0 + params.min_similarity);  // the next coin in a row is quite like this one
     const ModelFit fit = object.fitAt(pose, frames, similarity);
     return !isTaken(object, fit.pose) &&
-           object.accept(fit, std::min(kFoundAgain * params.min_confidence, 1.0), frames, params.smoothing);
+           object.accept(fit, std::min(kRecoveryConfidence * params.min_confidence, 1.0), frames, params.smoothing);
   }
 
   bool tryMatch(FollowedObject& object, const Features& features)

@@ -47,14 +47,14 @@ std::array<Normal, kNodes> normalTable()
   return table;
 }
 
-const std::array<Normal, kNodes> kNormal = normalTable();
+const std::array<Normal, kNodes> kNormalTable = normalTable();
 
 /// The share of the blur before a boundary at `z` sigmas, by a Taylor series from the nearest node of the table.
 BoundaryShare cumulative(double z)
 {
   if (z < -kMaxSigmas) return {0.0, 0.0, 0.0, 0.0};
   if (z > kMaxSigmas) return {1.0, 0.0, 0.0, 0.0};
-  const Normal& node = kNormal[static_cast<std::size_t>(cvRound((z + kMaxSigmas) * kNodesPerSigma))];
+  const Normal& node = kNormalTable[static_cast<std::size_t>(cvRound((z + kMaxSigmas) * kNodesPerSigma))];
   const double d = z - node.z;
   const double density = node.density * (1.0 - d * (node.z + d / 2.0 * (1.0 - node.z * node.z)));
   return {node.share + node.density * d * (1.0 - d / 2.0 * node.z), density, -z * density, (z * z - 1.0) * density};

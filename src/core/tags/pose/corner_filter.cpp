@@ -13,11 +13,11 @@ namespace
 const std::array<double, 5> kAccelerations = {0.0, 20.0, 150.0, 1200.0, 10000.0};  // px/s^2
 // px/s, of a tag that is seen for the first time. If all models began as fast as the last one, a slow tag would be
 // taken to be at rest.
-const std::array<double, 5> kVelocities = {0.0, 1.0, 10.0, 100.0, 1000.0};
+const std::array<double, 5> kInitialSpeeds = {0.0, 1.0, 10.0, 100.0, 1000.0};
 const double kModelChange = 0.02;      // probability that another model holds from the next frame on
 const double kMinRestGain = 1.0 / 10;  // limits the memory of a tag at rest to some 20 frames
 const double kMaxInnovation = 5.0;     // standard deviations; a larger one cannot be explained by motion
-const double kCoordinates = 8.0;
+const double kStateSize = 8.0;
 
 cv::Vec<double, 8> toState(const CornerFilter::Corners& corners)
 {
@@ -36,7 +36,7 @@ CornerFilter::CornerFilter(const Corners& seen, double variance)
 {
   for (std::size_t i = 0; i < kModels; ++i)
   {
-    const cv::Matx22d moving(variance, 0.0, 0.0, kVelocities[i] * kVelocities[i]);
+    const cv::Matx22d moving(variance, 0.0, 0.0, kInitialSpeeds[i] * kInitialSpeeds[i]);
     models_[i] = {toState(seen), State::all(0.0), moving, 1.0 / kModels, 1.0};
   }
 }
@@ -89,7 +89,7 @@ void CornerFilter::mix()
     {
       const State p = before[from].position - model.position, v = before[from].velocity - model.velocity;
       const cv::Matx22d spread(p.dot(p), p.dot(v), p.dot(v), v.dot(v));
-      model.covariance += shares[from] * (before[from].covariance + spread * (1.0 / kCoordinates));
+      model.covariance += shares[from] * (before[from].covariance + spread * (1.0 / kStateSize));
     }
   }
   models_[0].velocity = State::all(0.0);
@@ -107,7 +107,7 @@ void CornerFilter::predict(Model& model, double elapsed, double acceleration)
 double CornerFilter::squaredInnovation(const Model& model, const State& seen, double variance)
 {
   const State off = seen - model.position;
-  return off.dot(off) / kCoordinates / (model.covariance(0, 0) + variance);
+  return off.dot(off) / kStateSize / (model.covariance(0, 0) + variance);
 }
 
 double CornerFilter::correct(Model& model, const State& seen, double variance, double min_gain)
@@ -122,7 +122,7 @@ double CornerFilter::correct(Model& model, const State& seen, double variance, d
   const cv::Matx22d kept(1.0 - model.gain, 0.0, -velocity_gain, 1.0);
   const cv::Vec2d gains(model.gain, velocity_gain);
   model.covariance = kept * model.covariance * kept.t() + variance * (gains * gains.t());
-  return -(off.dot(off) / expected + kCoordinates * std::log(expected)) / 2.0;
+  return -(off.dot(off) / expected + kStateSize * std::log(expected)) / 2.0;
 }
 
 CornerFilter::Corners CornerFilter::corners() const
@@ -140,7 +140,7 @@ double CornerFilter::variance() const
   for (const Model& model : models_)
   {
     const State off = model.position - mean;
-    sum += model.probability * (model.covariance(0, 0) + off.dot(off) / kCoordinates);
+    sum += model.probability * (model.covariance(0, 0) + off.dot(off) / kStateSize);
   }
   return sum;
 }

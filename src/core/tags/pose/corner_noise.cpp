@@ -10,7 +10,7 @@ namespace
 {
 
 const double kMemory = 1.0 - 1.0 / 300.0;  // weight of the statistics so far, from one frame to the next
-const double kCoordinates = 8.0;
+const double kStateSize = 8.0;
 const double kMinFreedom = 80.0;    // degrees of freedom needed to tell fresh and lasting noise apart
 const double kSignificance = 3.0;   // standard deviations by which the total and the fresh noise must differ
 const double kMinFreshShare = 0.1;  // least share of fresh noise while it is not known yet
@@ -25,8 +25,8 @@ void CornerNoise::addResiduals(double squares, double freedom)
 
 void CornerNoise::addChange(double variance)
 {
-  change_squares_ = kMemory * change_squares_ + kCoordinates * variance;
-  change_freedom_ = kMemory * change_freedom_ + kCoordinates;
+  change_squares_ = kMemory * change_squares_ + kStateSize * variance;
+  change_freedom_ = kMemory * change_freedom_ + kStateSize;
 }
 
 double CornerNoise::fresh(double min_lasting) const

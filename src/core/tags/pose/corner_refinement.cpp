@@ -19,7 +19,7 @@ namespace
 
 using Corners = std::array<cv::Point2d, 4>;
 
-constexpr double kSamples = 320.0;        // about; more would determine the corners better than a lens is known
+constexpr double kSampleCount = 320.0;    // about; more would determine the corners better than a lens is known
 constexpr double kMaxEdgeDistance = 2.5;  // px; pixels farther from an edge tell nothing about its position
 
 /// A cell whose colour differs from that of the next one to the right (is_upright) or below.
@@ -76,7 +76,7 @@ bool isSurroundedByKnownCells(const cv::Mat& cells, const cv::Point2d& point, co
 std::vector<cv::Point2d> pointsNearEdges(const cv::Mat& cells, const cv::Size2d& cell_size)
 {
   const std::vector<Edge> edges = edgesOf(cells);
-  const auto points_of_edge = std::max(1, cvRound(kSamples / static_cast<double>(edges.size())));
+  const auto points_of_edge = std::max(1, cvRound(kSampleCount / static_cast<double>(edges.size())));
   const cv::Point2d reach(std::min(0.5, kMaxEdgeDistance / cell_size.width),
                           std::min(0.5, kMaxEdgeDistance / cell_size.height));
   std::vector<cv::Point2d> points;

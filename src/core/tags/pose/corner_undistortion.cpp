@@ -14,7 +14,7 @@ using Corners = std::array<cv::Point2d, 4>;
 
 constexpr int kMinSamples = 16;         // of an edge, as in the library
 constexpr double kSampleSpacing = 8.0;  // px, on long edges
-constexpr int kRounds = 2;              // the second changes a twentieth of what the first does
+constexpr int kIterations = 2;          // the second changes a twentieth of what the first does
 
 struct Line
 {
@@ -73,7 +73,7 @@ Corners lineIntersections(const Corners& corners, const CameraModel& camera)
 std::array<cv::Point2d, 4> withoutBentEdges(const std::array<cv::Point2d, 4>& corners, const CameraModel& camera)
 {
   Corners corrected = corners;
-  for (int round = 0; round < kRounds; ++round)
+  for (int round = 0; round < kIterations; ++round)
   {
     const Corners intersections = lineIntersections(corrected, camera);
     for (std::size_t i = 0; i < corners.size(); ++i)
