@@ -55,10 +55,19 @@ class Robot:
         )
 
     def jump(self, seconds):
-        """Advances the time at once, and waits until the follower has got it and drives by it."""
+        """Advances the time at once, and waits until the follower has got it and drives by it.
+
+        `seconds` has to be more than the follower's timeout. It would drive on frames of a nearer
+        future before it has got the time.
+        """
+        self.newest_line()  # no frame is on its way
+        enable = rospy.ServiceProxy("/follower/enable", SetBool)
+        enable(False)
+        support.wait_for(lambda: self.commands.received[-1] == Twist(), "the stop")
+        before = len(self.commands.received)  # no command to drive is on its way
         self.frame += round(seconds / PERIOD)
         self.tick()
-        before = len(self.commands.received)
+        enable(True)
 
         def driven():
             self._clock.publish(self.time)  # again, because subscribers may connect late
@@ -171,7 +180,6 @@ def test_robot_does_not_drive_on_old_frames(follower):
     robot = Robot(course_track())
     process = follower("_timeout:=0.5")
     robot.wait_until_driven()
-    robot.newest_line()  # waits, so that no frame on its way becomes old by the jump
     robot.jump(9.0)
     robot.now = robot.time - rospy.Duration(1.0)
 
@@ -191,7 +199,7 @@ def test_robot_stops_when_the_frame_is_old(follower):
     robot = Robot(course_track())
     follower("_timeout:=10.0")
     robot.wait_until_driven()
-    robot.jump(9.0)
+    robot.jump(19.0)
     old = robot.now - rospy.Duration(8.9)
     robot.now = old
     robot.publish_frame()
