@@ -92,9 +92,14 @@ def test_a_node_that_has_taken_the_name_keeps_it(start, node):
 
 
 def wait_until_started(process, master, service):
+    """Waits for the last line of a start, and for an answer of the service, which logs an error.
+
+    The first line that rospy logs registers the node for a parameter, after it was printed. A
+    process that was stopped in between would register with the next master as it goes on.
+    """
+    process.wait_for_output("misspelt is not known")
     with support.service_of(master, service):
         rospy.ServiceProxy(service, Trigger)()
-    process.wait_for_output("misspelt is not known")  # the last line of a start
 
 
 def services_of(master):
