@@ -3,7 +3,7 @@
 PREFIX ?= /opt/robot_vision
 
 .DEFAULT_GOAL := help
-.PHONY: help deps build demo check test fuzz sanitize lint format bench install clean run-deps
+.PHONY: help deps build demo check test fuzz sanitize lint format docs bench install clean run-deps
 .NOTPARALLEL:
 MAKEFLAGS += --no-print-directory
 
@@ -42,6 +42,11 @@ lint: deps
 ## make format    correct the formatting
 format: deps
 	@tools/env tools/lint format
+
+## make docs      render the images of docs, from the scene and by the nodes; ARGS="demo tags" for some
+docs: deps build
+	@tools/env --source .ws/devel/setup.bash tools/docs/render $(ARGS)
+	@tools/env tools/parameters
 
 ## make bench     measure speed and write BENCHMARKS.md; ARGS=kernels, nodes or growth: only print that part
 bench: deps build

@@ -1,0 +1,137 @@
+"""What nodes draw on frames of the scene: the images of their pages."""
+
+import concurrent.futures
+import subprocess
+from typing import Any, Callable, Tuple
+
+import cv2
+import numpy as np
+import rospy
+from canvas import beside
+from sensor_msgs.msg import RegionOfInterest
+from stage import FRAME, IMAGE, Stage, color, pixels, room, support, x_server
+
+from robot_vision.srv import SelectObject
+
+SEARCH_ALL = "_max_search_period:=0.0"  # each frame, and not in the background
+SETTLED = 15  # frames, after which the same frame has the same answer
+GREEN = (0, 255, 0)  # BGR, of what is seen
+
+
+def brightness(stage: Stage) -> np.ndarray:
+    shown = [room().render(FRAME)]
+    for settings in (["_offset:=50.0"], ["_offset:=0.0", "_gamma:=0.5"]):
+        shown.append(stage.drawn("brightness_node", room(), [FRAME], *settings))
+    return beside(shown, ["image", "offset 50", "gamma 0.5"])
+
+
+def edge_detector(stage: Stage) -> np.ndarray:
+    edges = stage.drawn("edge_detector_node", room(), [FRAME])
+    return beside([room().render(FRAME), edges], ["image", "~processed_image"])
+
+
+def hsv_tracker(stage: Stage) -> np.ndarray:
+    found = stage.drawn("hsv_tracker.py", room(), [FRAME])
+    return beside([room().render(FRAME), found], ["image", "~processed_image"])
+
+
+def ball_tracker(stage: Stage) -> np.ndarray:
+    return stage.drawn("ball_tracker.py", room(), range(FRAME - 85, FRAME - 40))  # one bounce
+
+
+def line_follower(stage: Stage, width: int = 640, height: int = 480) -> np.ndarray:
+    return stage.drawn("line_follower.py", room(width, height), [FRAME], *color("black"))
+
+
+def small_line_follower(stage: Stage) -> np.ndarray:
+    return line_follower(stage, 320, 240)
+
+
+def motion_detector(stage: Stage) -> np.ndarray:
+    return stage.drawn("motion_detector.py", room(still=True), [0, 255])
+
+
+def code_reader(stage: Stage) -> np.ndarray:
+    return stage.drawn("code_reader.py", room(), [FRAME], SEARCH_ALL)
+
+
+def apriltag_detector(stage: Stage) -> np.ndarray:
+    tags = "apriltag_detector.py", room(), [FRAME] * SETTLED, "_tag_size:=0.24", SEARCH_ALL
+    return stage.drawn(*tags, infos=1)
+
+
+def face_detector(stage: Stage) -> np.ndarray:
+    with stage.watched("face_detector.py", room(), "_haar_maxSize:=0") as show:
+        return when_green(show)
+
+
+def face_recognizer(stage: Stage) -> np.ndarray:
+    person = stage.folder / "gallery" / "Eileen"
+    person.mkdir(parents=True)
+    for frame in (FRAME - 20, FRAME + 20, FRAME + 40):
+        cv2.imwrite(str(person / f"{frame}.png"), room().render(frame))
+    words = "face_detector.py", "face_detector", f"image:={IMAGE}", "_haar_maxSize:=0"
+    detector = stage.node(*words)
+    arguments = f"_gallery:={person.parent}", "faces:=/face_detector/faces"
+    recognizer = stage.watched("face_recognizer.py", room(), *arguments, images=2)
+    with detector, recognizer as show:
+        return when_green(show)
+
+
+def when_green(show: Callable[[int], Any]) -> np.ndarray:
+    """What is drawn when something was found, which the node looks for in the background."""
+    support.wait_for(
+        lambda: (pixels(show(FRAME)) == GREEN).all(axis=2).any(), "something that is found"
+    )
+    return [pixels(show(FRAME)) for _ in range(SETTLED)][-1]
+
+
+def object_tracker(stage: Stage) -> np.ndarray:
+    scene, first = room(), FRAME - 60
+    poster = next(one for one in scene.truth(first).objects if one.name == "poster")
+    x, y, width, height = cv2.boundingRect(np.int32(poster.outline))
+    region = RegionOfInterest(x_offset=x + 20, y_offset=y, width=width - 40, height=height // 2)
+    with stage.watched("object_tracker.py", scene) as show:
+        show(first)
+        select = rospy.ServiceProxy("/object_tracker/select_object", SelectObject)
+        with concurrent.futures.ThreadPoolExecutor(1) as pool:
+            answer = pool.submit(select, region=region, label="portrait")
+            while not answer.done():
+                show(first)  # an object is selected in the frame that comes next
+        assert answer.result().success, answer.result().message
+        return [pixels(show(frame)) for frame in range(first, FRAME, 2)][-1]
+
+
+def simple_camera_view(stage: Stage) -> np.ndarray:
+    scene = room(480, 360)
+    image = scene.render(FRAME)
+    height, width = image.shape[:2]
+    ball = next(one for one in scene.truth(FRAME).objects if one.name == "ball")
+    x, y, side_x, side_y = cv2.boundingRect(np.int32(ball.outline))
+
+    def shown() -> np.ndarray:
+        return support.screen(screen)[:height, :width]
+
+    viewer = stage.node("simple_camera_view_node.py", "simple_camera_view", f"image:={IMAGE}")
+    with x_server(stage) as screen, stage.shown(scene) as camera, viewer:
+        camera.wait_for(1)
+        xdotool("mousemove", 790, 590)  # or the pointer would be in the image
+        camera.show(FRAME)
+        support.wait_for(lambda: np.array_equal(shown(), image), "the window")
+        number = support.wait_for(lambda: list(support.windows().values()), "its number")[0]
+        drag(number, (x - 8, y - 8), (x + side_x + 8, y + side_y + 8))
+        support.wait_for(lambda: (shown() == GREEN).all(axis=2).sum() > side_x, "the rectangle")
+        return shown().copy()
+
+
+def drag(window: str, begin: Tuple[int, int], end: Tuple[int, int]) -> None:
+    """Draws a rectangle with the left button, which stays pressed."""
+    xdotool("mousemove", "--window", window, *begin)
+    xdotool("mousedown", 1)
+    for share in (2, 1):
+        place = [a + (b - a) // share for a, b in zip(begin, end)]
+        xdotool("mousemove", "--window", window, *place)
+
+
+def xdotool(*words: Any) -> None:
+    subprocess.run(["xdotool", *map(str, words)], check=True, stdout=subprocess.DEVNULL)
