@@ -17,6 +17,7 @@
 #include "robot_vision/image/jpeg.hpp"
 #include "ros/camera/camera_outputs.hpp"
 #include "ros/images/newest_worker.hpp"
+#include "ros/transports/compression.hpp"
 #include "ros/transports/plugins/transport_publisher.hpp"
 #include "support/refusal.hpp"
 #include "support/run_tests.hpp"

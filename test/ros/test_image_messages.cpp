@@ -240,3 +240,27 @@ TEST(ImageMaker, releasesTheMemoryOfAHugeImage)
   make({64, 48});
   EXPECT_LE(images.kept(), std::size_t{2 * 64 * 48 * 3});
 }
+
+TEST(ImageMaker, takesWhatIsWrittenIntoLentMemoryAsItIs)
+{
+  ImageMaker images;
+  cv::Mat written = images.lend();
+  EXPECT_TRUE(written.empty());
+  written = cv::Mat(48, 64, CV_8UC3, cv::Scalar(1, 2, 3));
+  const auto make = [&]
+  {
+    return images.make(
+        [&written](cv::Mat& pixels)
+        {
+          pixels = written;
+          return "bgr8";
+        });
+  };
+  EXPECT_NE(make()->data.data(), written.data);
+  written = images.lend();
+  written.setTo(cv::Scalar(4, 5, 6));
+  const sensor_msgs::ImagePtr image = make();
+  EXPECT_EQ(image->data.data(), written.data);
+  EXPECT_EQ(image->data.front(), 4);
+  EXPECT_NE(images.lend().data, written.data);
+}

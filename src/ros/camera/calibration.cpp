@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <boost/algorithm/string/replace.hpp>
+#include <boost/make_shared.hpp>
 #include <cctype>
 #include <cstdlib>
 #include <filesystem>
@@ -17,9 +18,9 @@
 #include "core/common/replace_file.hpp"
 #include "robot_vision/common/printable.hpp"
 #include "robot_vision/common/range.hpp"
-#include "robot_vision/geometry/camera_model.hpp"
 #include "ros/images/bounded_reading.hpp"
 #include "ros/params/bounded_yaml.hpp"
+#include "scene_messages.hpp"
 
 namespace robot_vision
 {
@@ -146,7 +147,7 @@ catch (const std::invalid_argument& e)
 }  // namespace
 
 Calibration::Calibration(const ros::NodeHandle& pnh, const std::string& camera_name, const std::string& url)
-  : name_(pnh.getNamespace()), camera_name_(camera_name)
+  : name_(pnh.getNamespace()), camera_name_(camera_name), has_url_(!url.empty())
 {
   require(isName(camera_name), "camera_name", "'" + camera_name + "'",
           "letters, digits and _, " + std::to_string(kMaxName) + " at most");
@@ -156,18 +157,47 @@ Calibration::Calibration(const ros::NodeHandle& pnh, const std::string& camera_n
   service_ = ros::NodeHandle(pnh).advertiseService(service);
 }
 
-sensor_msgs::CameraInfo Calibration::info()
+void Calibration::setModel(const CameraModel* model)
+{
+  model_ = model == nullptr ? nullptr : std::make_unique<sensor_msgs::CameraInfo>(toCameraInfo(*model));
+  if (!model_) return;
+  setImageSize({model->width, model->height});
+  if (has_url_)
+    ROS_INFO("%s: camera_info is that of camera_info_url, if it has one, else the scene's own", name_.c_str());
+  else
+    ROS_INFO("%s: camera_info is the scene's own, exact; camera_info_url can name another", name_.c_str());
+}
+
+void Calibration::setImageSize(cv::Size size)
+{
+  const std::lock_guard<std::mutex> lock(mutex_);
+  size_ = size;
+}
+
+sensor_msgs::CameraInfoPtr Calibration::info(cv::Size size, const std_msgs::Header& header)
+{
+  const auto width = static_cast<std::uint32_t>(size.width);
+  const auto height = static_cast<std::uint32_t>(size.height);
+  const auto fits = [=](const sensor_msgs::CameraInfo& info) { return info.width == width && info.height == height; };
+  auto info = boost::make_shared<sensor_msgs::CameraInfo>(model_ && !has_url_ ? *model_ : stored());
+  const bool calibrated = info->K[0] != 0.0;
+  if (calibrated && !fits(*info) && wrong_size_.due())
+    ROS_WARN("%s: the calibration is for %ux%u, the picture has %ux%u: it is not used", name_.c_str(), info->width,
+             info->height, width, height);
+  if (!calibrated || !fits(*info)) *info = model_ && fits(*model_) ? *model_ : sensor_msgs::CameraInfo();
+  info->header = header;
+  info->width = width;
+  info->height = height;
+  return info;
+}
+
+/// The calibration, which is read from the file at the first call; zeros if there is none.
+sensor_msgs::CameraInfo Calibration::stored()
 {
   const std::lock_guard<std::mutex> lock(mutex_);
   if (!read_) info_ = read();
   read_ = true;
   return info_;
-}
-
-void Calibration::setPictureSize(cv::Size size)
-{
-  const std::lock_guard<std::mutex> lock(mutex_);
-  size_ = size;
 }
 
 sensor_msgs::CameraInfo Calibration::read() const

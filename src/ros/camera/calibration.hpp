@@ -3,17 +3,23 @@
 #include <ros/ros.h>
 #include <sensor_msgs/CameraInfo.h>
 #include <sensor_msgs/SetCameraInfo.h>
+#include <std_msgs/Header.h>
 
+#include <memory>
 #include <mutex>
 #include <opencv2/core.hpp>
 #include <string>
+
+#include "core/common/throttle.hpp"
+#include "robot_vision/geometry/camera_model.hpp"
 
 namespace robot_vision
 {
 
 /// A camera's calibration: its file, in the format of camera_info_manager and camera_calibration, and the service
 /// ~set_camera_info. Unlike camera_info_manager it refuses calibrations that cannot be the camera's, and replaces the
-/// file in one step or not at all.
+/// file in one step or not at all. The exact model of a source takes the place of a file that no
+/// url names.
 class Calibration
 {
 public:
@@ -21,13 +27,17 @@ public:
   /// ${ROS_HOME}/camera_info/${NAME}.yaml. Throws std::invalid_argument naming camera_name or camera_info_url.
   Calibration(const ros::NodeHandle& pnh, const std::string& camera_name, const std::string& url);
 
-  /// The calibration, which is read from the file at the first call; zeros if there is none.
-  sensor_msgs::CameraInfo info();
+  /// Sets the exact geometry of the source; null if the source does not know it.
+  void setModel(const CameraModel* model);
 
   /// Sets the size of the camera's images. Until it is known, calibrations of any size are accepted.
-  void setPictureSize(cv::Size size);
+  void setImageSize(cv::Size size);
+
+  /// The camera_info of an image of this size; without a calibration for this size, all else in it is 0.
+  sensor_msgs::CameraInfoPtr info(cv::Size size, const std_msgs::Header& header);
 
 private:
+  sensor_msgs::CameraInfo stored();
   sensor_msgs::CameraInfo read() const;
   void set(const sensor_msgs::CameraInfo& info);
   void save(const sensor_msgs::CameraInfo& info) const;
@@ -36,6 +46,9 @@ private:
   std::string name_;  // of the node, for log lines
   std::string camera_name_;
   std::string path_;
+  bool has_url_;
+  std::unique_ptr<sensor_msgs::CameraInfo> model_;
+  Throttle wrong_size_;
   std::mutex mutex_;  // guards all below, which the threads of the service and of the images use
   bool read_ = false;
   sensor_msgs::CameraInfo info_;

@@ -7,22 +7,21 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "calibration.hpp"
-#include "core/common/throttle.hpp"
+#include "frame_view.hpp"
 #include "robot_vision/camera/frame_source.hpp"
-#include "ros/images/image_message.hpp"
-#include "ros/transports/compression.hpp"
 
 namespace robot_vision
 {
 
-/// What a camera publishes: ~image_raw (in output_encoding) with ~camera_info, ~image_mono, and of the
-/// synthetic scene ~ground_truth and tf frames scene/<name>. Pictures are converted only for those who subscribe.
-/// ~image_raw/compressed is its own, not a plugin's: what a camera gives as JPEG is passed on as it is. So is
-/// ~image_raw/compressedDepth, which there is with the only output_encoding that can hold depths, native: recorders
-/// subscribe to all topics, and no JPEG is decoded for this one. What is compressed is so in other threads: no other
-/// output waits for it.
+/// What a camera publishes: ~image_raw (in output_encoding) with ~camera_info, ~image_mono, and of the synthetic scene
+/// ~ground_truth and the tf frames scene/<name>. Nothing is made for a topic that nobody subscribes to.
+/// ~image_raw/compressed does not come from a plugin, so that the JPEG of a camera can be passed on as it is. Neither
+/// does ~image_raw/compressedDepth: it exists only with the output_encoding native, the only one that can hold depths,
+/// so that a recorder that subscribes to all topics has no JPEG decoded for it. Images are compressed in other threads,
+/// and no other output waits for that.
 class CameraOutputs
 {
 public:
@@ -37,49 +36,41 @@ public:
   /// `on_connection` is called when subscribers come or go. Throws std::invalid_argument naming the bad parameter.
   CameraOutputs(const ros::NodeHandle& pnh, const Params& params, const std::function<void()>& on_connection);
 
+  /// Whether somebody subscribes to any of the topics.
   bool wanted() const;
 
-  /// The geometry of the source; null: it is not known. It is exact, and counts unless camera_info_url names another.
-  void setModel(const CameraModel* model);
+  /// The geometry of the source, or null if the source does not know it.
+  void setModel(const CameraModel* model) { calibration_.setModel(model); }
 
-  /// Gives the frame the next message's memory, if its picture is going to be published as it is.
+  /// Gives the frame memory of the next message, if its image is going to be published as it is.
   void prepare(Frame& frame);
 
-  /// Throws std::invalid_argument if the frame is damaged, and what else kept an output from being made, when all the
-  /// others have been published; what kept a picture from being compressed it throws of the next one.
+  /// Publishes what can be made of the frame, and then throws what has kept the first of the other outputs from being
+  /// made: std::invalid_argument if the frame is damaged. An image that could not be compressed is told of by a later
+  /// call.
   void publish(const Frame& frame, const ros::Time& stamp);
 
 private:
-  std::string rawEncoding(const Frame& frame);
-  void publishPictures(const Frame& frame, const std_msgs::Header& header);
-  void publishInfo(const Frame& frame, cv::Size& size, const std_msgs::Header& header);
-  cv::Size publishMono(const Frame& frame, const sensor_msgs::ImagePtr& raw, const std_msgs::Header& header);
-  sensor_msgs::ImagePtr rawImage(const Frame& frame);
-  sensor_msgs::ImagePtr convert(const Frame& frame, const std::string& encoding);
-  sensor_msgs::CameraInfoPtr cameraInfo(cv::Size size);
-  void publishTruth(const SceneTruth& truth, const std_msgs::Header& header);
+  /// A topic and what is published on it.
+  struct Output
+  {
+    std::function<bool()> wanted;
+    std::function<void(FrameView& view)> publish;
+  };
+
+  void advertise(ros::NodeHandle nh, const std::function<void()>& on_connection);
+  sensor_msgs::ImageConstPtr rawImage(FrameView& view);
+  void broadcast(const SceneTruth& truth, const std_msgs::Header& header);
 
   std::string name_;
   std::string frame_id_;
   std::string output_encoding_;
-  bool told_ = false;  // that it cannot be had
+  bool told_ = false;  // whether the log says that an encoding cannot be published
   Calibration calibration_;
-  bool chosen_;  // camera_info_url names it
-  std::unique_ptr<sensor_msgs::CameraInfo> model_;
-  image_transport::ImageTransport it_;
+  ImageMakers makers_;
   image_transport::Publisher raw_;
-  image_transport::Publisher mono_;
-  std::unique_ptr<CompressedOutput> compressed_;  // null: disabled
-  std::unique_ptr<CompressedDepthOutput> depth_;  // null: disabled, or there can be no depths
-  ros::Publisher info_;
-  ros::Publisher truth_;
+  std::vector<Output> outputs_;  // in the order in which they are published
   std::unique_ptr<tf2_ros::TransformBroadcaster> tf_;
-  ImagePool prepared_pool_;
-  ImageMaker raw_maker_;
-  ImageMaker mono_maker_;
-  sensor_msgs::ImagePtr prepared_;
-  cv::Size size_;  // of the last picture
-  Throttle throttle_;
 };
 
 }  // namespace robot_vision

@@ -211,8 +211,8 @@ sensor_msgs::ImagePtr ImagePool::take(cv::Size size, const std::string& encoding
 
 sensor_msgs::ImagePtr ImageMaker::make(const Fill& fill)
 {
-  const sensor_msgs::ImagePtr guess = size_.empty() ? nullptr : pool_.take(size_, encoding_);
-  cv::Mat pixels = guess ? writablePixels(*guess) : cv::Mat();
+  cv::Mat pixels = lent_ ? writablePixels(*lent_) : lend();
+  const sensor_msgs::ImagePtr guess = std::move(lent_);
   encoding_ = fill(pixels);
   size_ = pixels.size();
   if (guess && pixels.data == guess->data.data())
@@ -225,6 +225,12 @@ sensor_msgs::ImagePtr ImageMaker::make(const Fill& fill)
   pixels.copyTo(target);
   if (image->data.size() > ImagePool::kMaxKept) size_ = {};
   return image;
+}
+
+cv::Mat ImageMaker::lend()
+{
+  lent_ = size_.empty() ? nullptr : pool_.take(size_, encoding_);
+  return lent_ ? writablePixels(*lent_) : cv::Mat();
 }
 
 cv::Mat writablePixels(sensor_msgs::Image& message)

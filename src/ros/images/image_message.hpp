@@ -69,6 +69,9 @@ public:
   /// A message with the image; its header is undefined.
   sensor_msgs::ImagePtr make(const Fill& fill);
 
+  /// The memory that the next call of make() starts from, to be written before that; empty if no size is known yet.
+  cv::Mat lend();
+
   /// See ImagePool.
   std::size_t kept() const { return pool_.kept(); }
 
@@ -76,6 +79,7 @@ private:
   ImagePool pool_;
   cv::Size size_;  // of the last image; empty if it was too large to be kept
   std::string encoding_;
+  sensor_msgs::ImagePtr lent_;
 };
 
 /// The pixels of a message from the pool, which may be written.

@@ -1,0 +1,60 @@
+#pragma once
+
+#include <sensor_msgs/CompressedImage.h>
+#include <sensor_msgs/Image.h>
+#include <std_msgs/Header.h>
+
+#include <exception>
+#include <map>
+#include <opencv2/core.hpp>
+#include <string>
+
+#include "robot_vision/camera/frame_source.hpp"
+#include "ros/images/image_message.hpp"
+
+namespace robot_vision
+{
+
+/// The makers of a camera's image messages by encoding, as a maker expects each image to be like the last one.
+using ImageMakers = std::map<std::string, ImageMaker>;
+
+/// One frame and the messages that are made of it. An image is converted when it is first asked for, and only once.
+class FrameView
+{
+public:
+  /// `raw_encoding` is the encoding of ~image_raw. The other arguments must outlive the view.
+  FrameView(const Frame& frame, const std_msgs::Header& header, const std::string& raw_encoding, ImageMakers& makers)
+    : frame_(frame), header_(header), raw_encoding_(raw_encoding), makers_(makers)
+  {
+  }
+
+  const Frame& frame() const { return frame_; }
+  const std_msgs::Header& header() const { return header_; }
+  const std::string& rawEncoding() const { return raw_encoding_; }
+  bool isJpeg() const { return frame_.encoding == "jpeg"; }
+
+  /// The image in this encoding, or in that of ~image_raw. Both throw std::invalid_argument if the frame is damaged.
+  sensor_msgs::ImageConstPtr image(const std::string& encoding);
+  sensor_msgs::ImageConstPtr raw() { return image(raw_encoding_); }
+
+  /// The JPEG that the camera has sent, without decoding it. Throws std::invalid_argument if it is truncated.
+  sensor_msgs::CompressedImage jpeg();
+
+  /// The size of the image in px, which no JPEG is decoded for. Throws what image() has thrown, unless the size is
+  /// known nevertheless, and std::invalid_argument if the frame is too damaged to tell.
+  cv::Size size();
+
+  /// The same, but empty if nothing has found it out so far.
+  cv::Size knownSize() const { return size_; }
+
+private:
+  const Frame& frame_;
+  const std_msgs::Header& header_;
+  std::string raw_encoding_;
+  ImageMakers& makers_;
+  std::map<std::string, sensor_msgs::ImageConstPtr> images_;  // by encoding
+  std::exception_ptr damage_;                                 // what image() has thrown, else null
+  cv::Size size_;
+};
+
+}  // namespace robot_vision
