@@ -8,9 +8,9 @@
 #include <mutex>
 #include <pluginlib/class_list_macros.hpp>
 
-#include "core/camera/capture_loop.hpp"
 #include "core/common/throttle.hpp"
 #include "factories.hpp"
+#include "robot_vision/camera/capture_loop.hpp"
 #include "robot_vision/common/monotonic.hpp"
 #include "robot_vision/common/printable.hpp"
 #include "ros/camera/camera_outputs.hpp"

@@ -14,8 +14,9 @@
 #include <thread>
 #include <vector>
 
-#include "core/camera/capture_loop.hpp"
+#include "core/camera/frame_watchdog.hpp"
 #include "core/camera/v4l2_source.hpp"
+#include "robot_vision/camera/capture_loop.hpp"
 #include "support/fake_v4l2.hpp"
 #include "support/temp_folder.hpp"
 

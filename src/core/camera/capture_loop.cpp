@@ -1,11 +1,14 @@
-#include "capture_loop.hpp"
+#include "robot_vision/camera/capture_loop.hpp"
 
 #include <unistd.h>
 
 #include <algorithm>
-#include <utility>
+#include <chrono>
+#include <condition_variable>
+#include <mutex>
+#include <thread>
 
-#include "robot_vision/common/range.hpp"
+#include "frame_watchdog.hpp"
 #include "v4l2_device.hpp"
 
 namespace robot_vision
@@ -13,266 +16,273 @@ namespace robot_vision
 namespace
 {
 
-// A driver is up again in no time after an error; a device that was unplugged need not be looked for all the time.
-constexpr std::chrono::milliseconds kFirstRetry{100};
-constexpr std::chrono::milliseconds kLastRetry{1000};
-constexpr std::chrono::seconds kLookAround{1};  // between looks whether a device is there that nobody uses
-constexpr double kLongestPeriod = 1e6;          // s, far from the clock's limits
-constexpr double kPeriods = 3.0;                // without a frame, of a camera so slow that this is longer than timeout
-constexpr double kMaxFrameTimeout = 30.0;       // s, with a camera that tells of longer periods than timeout
-constexpr double kLongestGroup = 30.0;          // s, of a stream from keyframe to keyframe
+using Clock = std::chrono::steady_clock;
 
-double secondsSince(std::chrono::steady_clock::time_point time)
-{
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - time).count();
-}
+// A driver works again soon after an error, but a device that was unplugged need not be looked for all the time.
+constexpr std::chrono::milliseconds kMinRetryDelay{100};
+constexpr std::chrono::milliseconds kMaxRetryDelay{1000};
+constexpr std::chrono::seconds kProbePeriod{1};  // between looks whether a device that nobody uses is still there
+constexpr double kMaxPeriod = 1e6;               // s, far from the clock's limits
 
-/// The parameters of a source that stays what it is now.
-CaptureParams settled(CaptureParams params)
+/// What is asked of a CaptureLoop.
+struct CaptureRequest
 {
-  params.kind = sourceKind(params);
-  return params;
-}
+  Demand demand = Demand::kStopped;
+  bool stop = false;
+  bool new_pace = false;  // whether framerate and loop have been set since the last request was taken
+  double framerate = 0.0;
+  bool loop = false;
+};
 
 }  // namespace
 
-double frameTimeoutFor(double period, double timeout)
+/// The capturing thread and what it works with.
+class CaptureLoop::Reader
 {
-  return std::max(timeout, std::min(kPeriods * period, kMaxFrameTimeout));
-}
-
-CaptureLoop::CaptureLoop(const CaptureParams& params, CaptureListener& listener, Open opener)
-  : params_(settled(params)), listener_(listener), open_(std::move(opener)), live_(mayComeLater(*params_.kind))
-{
-  validate(params);
-  if (!live_) open();  // who has to wait for a device or server must not wait here
-  thread_ = std::thread(&CaptureLoop::run, this);
-}
-
-CaptureLoop::~CaptureLoop()
-{
+public:
+  Reader(const CaptureParams& params, CaptureListener& listener, const Open& open)
+    : params_(params), listener_(listener), open_(open), watchdog_(params.timeout)
   {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    request_.stop = true;
+    validate(params);
+    params_.kind = sourceKind(params);  // the source stays of this kind, whatever becomes of its path
+    live_ = mayComeLater(*params_.kind);
+    if (!live_) this->open();  // the caller must not wait for a device or a server
+    thread_ = std::thread(&Reader::run, this);
   }
-  changed_.notify_all();
-  thread_.join();
-}
 
-void CaptureLoop::setDemand(Demand demand)
-{
+  ~Reader()
   {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    request_.demand = demand;
+    ask([](CaptureRequest& request) { request.stop = true; });
+    thread_.join();
   }
-  changed_.notify_all();
-}
 
-void CaptureLoop::setPace(double framerate, bool loop)
-{
+  /// Changes what is asked of the thread.
+  template <class Change>
+  void ask(Change change)
   {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    request_.new_pace = true;
-    request_.framerate = framerate;
-    request_.loop = loop;
-  }
-  changed_.notify_all();
-}
-
-CaptureLoop::CaptureRequest CaptureLoop::takeRequest()
-{
-  const std::lock_guard<std::mutex> lock(mutex_);
-  const CaptureRequest request = request_;
-  request_.new_pace = false;
-  return request;
-}
-
-void CaptureLoop::run()
-{
-  for (CaptureRequest request = takeRequest(); !request.stop; request = takeRequest())
-  {
-    try
     {
-      follow(request);
+      const std::lock_guard<std::mutex> lock(mutex_);
+      change(request_);
     }
-    catch (const std::exception& e)  // the source could be neither read on nor opened or rewound again
+    changed_.notify_all();
+  }
+
+private:
+  CaptureRequest takeRequest()
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    taken_ = request_;
+    request_.new_pace = false;
+    return taken_;
+  }
+
+  /// Returns true at this time, or false as soon as something else is asked than was taken last.
+  bool waitUntil(Clock::time_point time)
+  {
+    std::unique_lock<std::mutex> lock(mutex_);
+    const auto asked = [this] { return request_.stop || request_.new_pace || request_.demand != taken_.demand; };
+    return !changed_.wait_until(lock, time, asked);
+  }
+
+  void run()
+  {
+    for (CaptureRequest request = takeRequest(); !request.stop; request = takeRequest())
     {
-      if (live_)
-        lose(e.what());
-      else
-        finish(e.what());
+      try
+      {
+        follow(request);
+      }
+      catch (const std::exception& e)  // the source could be neither read on nor opened or rewound again
+      {
+        if (live_)
+          onDisconnected(e.what());
+        else
+          finish(e.what());
+      }
     }
   }
-}
 
-void CaptureLoop::follow(const CaptureRequest& request)
-{
-  if (request.new_pace)
+  void follow(const CaptureRequest& request)
+  {
+    if (request.new_pace) setPace(request.framerate, request.loop);
+    if (request.demand != Demand::kFrames || ended_)
+      idle(request.demand);
+    else if (!source_)
+      retry();
+    else if (source_->rate() == 0.0 || waitUntil(next_frame_))
+      readFrame(request);
+  }
+
+  void setPace(double framerate, bool loop)
   {
     next_frame_ = Clock::now();
     // A device and the scene take their rate when they are opened.
     const bool has_rate = source_ && (source_->rate() == 0.0 || params_.source == "synthetic");
-    if (has_rate && request.framerate != params_.framerate) source_.reset();
-    params_.framerate = request.framerate;
-    if (ended_ && request.loop && source_)
-    {
-      source_->rewind();
-      ended_ = false;
-    }
+    if (has_rate && framerate != params_.framerate) source_.reset();
+    params_.framerate = framerate;
+    if (!ended_ || !loop || !source_) return;
+    source_->rewind();
+    ended_ = false;
   }
-  if (request.demand != Demand::kFrames || ended_)
-    idle(request.demand);
-  else if (!source_)
-    retry();
-  else if (source_->rate() == 0.0 || waitUntil(next_frame_))
-    readFrame(request);
-}
 
-/// Waits for new request. A source that was not there, or that is unplugged, is looked for meanwhile, so that its
-/// absence is told at once.
-void CaptureLoop::idle(Demand demand)
-{
-  if (source_ && source_->rate() == 0.0) source_.reset();
-  if (!available_ && !ended_ && demand != Demand::kStopped)
+  /// Waits for the next request. A source that is not there is still looked for, and so is a device that is not used:
+  /// users are told at once that it is absent.
+  void idle(Demand demand)
   {
-    retry();
-    return;
+    if (source_ && source_->rate() == 0.0) source_.reset();
+    if (!available_ && !ended_ && demand != Demand::kStopped) return retry();
+    if (!ended_) listener_.onIdle();
+    const bool polls = demand == Demand::kIdle && !device_file_.empty();
+    bool there = true;
+    while (there && waitUntil(Clock::now() + kProbePeriod))
+      there = !polls || access(device_file_.c_str(), F_OK) == 0;
+    available_ = available_ && there;
+    next_frame_ = Clock::now();
   }
-  if (!ended_) listener_.onIdle();
-  std::unique_lock<std::mutex> lock(mutex_);
-  const auto ordered = [this, demand] { return request_.stop || request_.new_pace || request_.demand != demand; };
-  const bool looks = demand == Demand::kIdle && !device_file_.empty();
-  bool there = true;
-  while (there && !changed_.wait_for(lock, kLookAround, ordered))
-    there = !looks || access(device_file_.c_str(), F_OK) == 0;
-  available_ = available_ && there;
-  next_frame_ = Clock::now();
-}
 
-void CaptureLoop::retry()
-{
-  if (waitUntil(next_try_)) open();
-}
+  void retry()
+  {
+    if (waitUntil(next_try_)) open();
+  }
 
-void CaptureLoop::open()
-{
+  void open()
   try
   {
     source_ = open_(params_);
     available_ = true;
-    next_frame_ = last_frame_ = last_sign_ = Clock::now();
-    frame_timeout_.reset();
+    next_frame_ = Clock::now();
+    watchdog_.onFrame();
     const std::shared_ptr<V4l2Device> device = source_->device();
     device_file_ = device ? device->path() : "";
     listener_.onOpened(*source_);
   }
   catch (const SourceUnavailable& e)
   {
-    lose(e.what());
+    onDisconnected(e.what());
   }
-}
 
-void CaptureLoop::lose(const std::string& why)
-{
-  source_.reset();
-  available_ = false;
-  // Another reason is news: the device is back, but may not be opened yet.
-  retry_ = why == loss_ ? std::min<Clock::duration>(2 * retry_, kLastRetry) : kFirstRetry;
-  loss_ = why;
-  next_try_ = Clock::now() + retry_;
-  listener_.onUnavailable(why);
-}
+  void onDisconnected(const std::string& reason)
+  {
+    source_.reset();
+    available_ = false;
+    // Another reason is news: the device may be back, but cannot be opened yet.
+    retry_delay_ =
+        reason == last_reason_ ? std::min<Clock::duration>(2 * retry_delay_, kMaxRetryDelay) : kMinRetryDelay;
+    last_reason_ = reason;
+    next_try_ = Clock::now() + retry_delay_;
+    listener_.onUnavailable(reason);
+  }
 
-/// Sets when the frame after this one is due.
-void CaptureLoop::pace(double framerate)
-{
-  const double own_rate = source_->rate();
-  if (own_rate == 0.0) return;
-  const std::chrono::duration<double> wanted(std::min(1.0 / (framerate > 0.0 ? framerate : own_rate), kLongestPeriod));
-  const auto period = std::chrono::duration_cast<Clock::duration>(wanted);
-  // One late frame is made up for; too slow a machine must not gather a backlog.
-  next_frame_ = std::max(next_frame_ + period, Clock::now() - period);
-}
-
-/// False if an order came instead.
-bool CaptureLoop::waitUntil(Clock::time_point time)
-{
-  std::unique_lock<std::mutex> lock(mutex_);
-  const Demand demand = request_.demand;
-  const auto ordered = [this, demand] { return request_.stop || request_.new_pace || request_.demand != demand; };
-  return !changed_.wait_until(lock, time, ordered);
-}
-
-void CaptureLoop::readFrame(const CaptureRequest& request)
-{
+  void readFrame(const CaptureRequest& request)
   try
   {
     Frame frame;
     if (source_->fillsMemory()) listener_.prepare(frame);
-    const ReadResult result = source_->read(frame);
-    if (result == ReadResult::kEnd) end("", request.loop);
-    if (result == ReadResult::kNoPicture) last_sign_ = Clock::now();
-    if (result == ReadResult::kTimeout || result == ReadResult::kNoPicture)
-      if (const std::string why = stall("no frame"); !why.empty()) throw SourceUnavailable(why);
-    if (result != ReadResult::kFrame) return;  // the one that is due is still to come
-    read_since_rewind_ = true;
-    listener_.onFrame(frame);
-    last_frame_ = last_sign_ = Clock::now();
-    frame_timeout_.reset();
-    loss_.clear();
+    switch (source_->read(frame))
+    {
+      case ReadResult::kFrame:
+        read_since_rewind_ = true;
+        listener_.onFrame(frame);
+        watchdog_.onFrame();
+        last_reason_.clear();
+        scheduleNext(request.framerate);
+        break;
+      case ReadResult::kNoPicture:
+        watchdog_.onData();
+        [[fallthrough]];
+      case ReadResult::kTimeout:
+        if (const std::string reason = watchdog_.stall(*source_, "no frame"); !reason.empty()) onDisconnected(reason);
+        break;
+      case ReadResult::kEnd:
+        end("", request.loop);
+        break;
+    }
   }
   catch (const SourceUnavailable& e)
   {
-    lose(e.what());
-    return;
+    onDisconnected(e.what());
   }
   catch (const SourceError& e)
   {
     end(e.what(), request.loop);
-    return;
   }
   catch (const std::exception& e)
   {
     listener_.onRefused(e.what());
-    if (const std::string why = stall("no good frame"); !why.empty())
-    {
-      lose(why);
-      return;
-    }
+    const std::string reason = watchdog_.stall(*source_, "no good frame");
+    if (reason.empty())
+      scheduleNext(request.framerate);
+    else
+      onDisconnected(reason);
   }
-  pace(request.framerate);
-}
 
-/// What to say of a live source that has given no good frame for too long; empty if it is not too long yet. Files have
-/// no time to keep.
-std::string CaptureLoop::stall(const std::string& what)
-{
-  const double without_picture = secondsSince(last_frame_);
-  if (source_->rate() != 0.0 || without_picture <= params_.timeout) return "";
-  const auto text = [this](const std::string& missing, double seconds)
-  { return source_->description() + ": " + missing + " for " + toText(seconds) + " s"; };
-  if (!frame_timeout_) frame_timeout_ = frameTimeoutFor(source_->period(), params_.timeout);
-  if (secondsSince(last_sign_) > *frame_timeout_) return text(what, *frame_timeout_);
-  const double group = std::max(*frame_timeout_, kLongestGroup);
-  return without_picture > group ? text("no keyframe", group) : "";
-}
-
-void CaptureLoop::end(const std::string& error, bool loop)
-{
-  if (!loop || !read_since_rewind_)
+  /// Sets when the frame after this one is due, unless the source itself waits for it.
+  void scheduleNext(double framerate)
   {
-    finish(error);
-    return;
+    const double own_rate = source_->rate();
+    if (own_rate == 0.0) return;
+    const std::chrono::duration<double> wanted(std::min(1.0 / (framerate > 0.0 ? framerate : own_rate), kMaxPeriod));
+    const auto period = std::chrono::duration_cast<Clock::duration>(wanted);
+    // One late frame is made up for, but a machine that is too slow must not gather a backlog.
+    next_frame_ = std::max(next_frame_ + period, Clock::now() - period);
   }
-  if (!error.empty()) listener_.onRefused(error);
-  read_since_rewind_ = false;
-  source_->rewind();
+
+  void end(const std::string& error, bool loop)
+  {
+    if (!loop || !read_since_rewind_) return finish(error);
+    if (!error.empty()) listener_.onRefused(error);
+    read_since_rewind_ = false;
+    source_->rewind();
+  }
+
+  void finish(const std::string& error)
+  {
+    ended_ = true;
+    listener_.onEnd(error);
+  }
+
+  CaptureParams params_;
+  CaptureListener& listener_;
+  Open open_;
+  bool live_ = false;  // a live source is never given up: what is not there, or fails, may be there again
+  FrameWatchdog watchdog_;
+  std::unique_ptr<FrameSource> source_;
+  std::string device_file_;  // of a source that is a device
+  bool available_ = false;   // whether the last try to open the source, or to read it, went well
+  bool ended_ = false;
+  bool read_since_rewind_ = false;  // else looping would spin on an empty source
+  Clock::time_point next_frame_;    // when it is due
+  Clock::time_point next_try_;      // to open the source
+  Clock::duration retry_delay_{};
+  std::string last_reason_;  // of the last disconnection, empty if a frame has come since
+  std::mutex mutex_;         // guards request_ and taken_
+  std::condition_variable changed_;
+  CaptureRequest request_;
+  CaptureRequest taken_;
+  std::thread thread_;
+};
+
+CaptureLoop::CaptureLoop(const CaptureParams& params, CaptureListener& listener, const Open& open)
+  : reader_(std::make_unique<Reader>(params, listener, open))
+{
 }
 
-void CaptureLoop::finish(const std::string& error)
+CaptureLoop::~CaptureLoop() = default;
+
+void CaptureLoop::setDemand(Demand demand)
 {
-  ended_ = true;
-  listener_.onEnd(error);
+  reader_->ask([=](CaptureRequest& request) { request.demand = demand; });
+}
+
+void CaptureLoop::setPace(double framerate, bool loop)
+{
+  reader_->ask(
+      [=](CaptureRequest& request)
+      {
+        request.new_pace = true;
+        request.framerate = framerate;
+        request.loop = loop;
+      });
 }
 
 }  // namespace robot_vision
