@@ -40,7 +40,6 @@ private:
   sensor_msgs::CameraInfo stored();
   sensor_msgs::CameraInfo read() const;
   void set(const sensor_msgs::CameraInfo& info);
-  void save(const sensor_msgs::CameraInfo& info) const;
   bool onSet(sensor_msgs::SetCameraInfo::Request& request, sensor_msgs::SetCameraInfo::Response& response);
 
   std::string name_;  // of the node, for log lines

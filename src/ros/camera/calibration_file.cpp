@@ -2,17 +2,86 @@
 
 #include <camera_calibration_parsers/parse_ini.h>
 #include <camera_calibration_parsers/parse_yml.h>
+#include <pwd.h>
+#include <ros/package.h>
+#include <unistd.h>
 
+#include <boost/algorithm/string/replace.hpp>
+#include <cstdlib>
+#include <filesystem>
 #include <sstream>
 #include <stdexcept>
 
+#include "core/common/regular_file.hpp"
+#include "core/common/replace_file.hpp"
 #include "robot_vision/common/printable.hpp"
+#include "robot_vision/common/range.hpp"
 #include "ros/params/bounded_yaml.hpp"
 
 namespace robot_vision
 {
+namespace
+{
 
 constexpr std::size_t kMaxReasonLength = 200;  // bytes, of an error's text
+const std::string kFile = "file://";
+const std::string kPackage = "package://";
+const std::string kDefaultUrl = "file://${ROS_HOME}/camera_info/${NAME}.yaml";
+
+std::string environmentVariable(const char* name)
+{
+  const char* value = std::getenv(name);
+  return value == nullptr ? "" : value;
+}
+
+/// The user's home folder, also for system services, which have no HOME.
+std::string userHome()
+{
+  const std::string home = environmentVariable("HOME");
+  const passwd* user = home.empty() ? getpwuid(getuid()) : nullptr;
+  return user == nullptr ? home : user->pw_dir;
+}
+
+std::string rosHome()
+{
+  const std::string home = environmentVariable("ROS_HOME");
+  // A relative path is relative to the node's working folder.
+  return std::filesystem::absolute(home.empty() ? userHome() + "/.ros" : home).string();
+}
+
+/// The path of a file in a package, given as "package/file"; empty if there is no such package.
+std::string pathInPackage(const std::string& name_and_path)
+{
+  const std::size_t slash = name_and_path.find('/');
+  if (slash == std::string::npos || slash + 1 == name_and_path.size()) return "";
+  const std::string folder = ros::package::getPath(name_and_path.substr(0, slash));
+  return folder.empty() ? "" : folder + name_and_path.substr(slash);
+}
+
+CalibrationFormat formatOf(const std::string& path)
+{
+  return std::filesystem::path(path).extension() == ".ini" ? CalibrationFormat::kIni : CalibrationFormat::kYaml;
+}
+
+}  // namespace
+
+std::string calibrationPath(const std::string& url, const std::string& camera_name)
+{
+  std::string resolved = url.empty() ? kDefaultUrl : url;
+  boost::algorithm::replace_all(resolved, "${NAME}", camera_name);
+  boost::algorithm::replace_all(resolved, "${ROS_HOME}", rosHome());
+  const std::string quoted_url = "'" + url + "'";
+  if (resolved.rfind(kPackage, 0) == 0)
+  {
+    const std::string path = pathInPackage(resolved.substr(kPackage.size()));
+    require(!path.empty(), "camera_info_url", quoted_url,
+            "package://, the name of a package that is there, / and a file");
+    return path;
+  }
+  const bool is_file = resolved.rfind(kFile + "/", 0) == 0;
+  require(is_file, "camera_info_url", quoted_url, "empty, file:///... or package://...");
+  return resolved.substr(kFile.size());
+}
 
 sensor_msgs::CameraInfo parseCalibration(const std::string& text, CalibrationFormat format, std::string& camera_name)
 {
@@ -49,6 +118,30 @@ try
 catch (const std::runtime_error&)
 {
   return "";
+}
+
+sensor_msgs::CameraInfo readCalibration(const std::string& path, std::string& camera_name)
+{
+  const std::string text = readFile(path, kMaxYamlText);
+  try
+  {
+    return parseCalibration(text, formatOf(path), camera_name);
+  }
+  catch (const std::exception& e)
+  {
+    throw std::runtime_error(path + " is " + e.what());
+  }
+}
+
+void writeCalibration(const std::string& path, const sensor_msgs::CameraInfo& info, const std::string& camera_name)
+{
+  const std::filesystem::path file(path);
+  if (file.extension() != ".ini" && file.extension() != ".yaml" && file.extension() != ".yml")
+    throw std::runtime_error(path + ": the name must end in .yaml, .yml or .ini");
+  const std::string text = calibrationText(info, formatOf(path), camera_name);
+  if (text.empty()) throw std::runtime_error(path + ": this format cannot hold the calibration, .yaml can");
+  std::filesystem::create_directories(file.parent_path());
+  replaceFile(path, text);
 }
 
 }  // namespace robot_vision
