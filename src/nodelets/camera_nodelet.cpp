@@ -8,11 +8,11 @@
 #include <mutex>
 #include <pluginlib/class_list_macros.hpp>
 
-#include "core/common/throttle.hpp"
 #include "factories.hpp"
 #include "robot_vision/camera/capture_loop.hpp"
 #include "robot_vision/common/monotonic.hpp"
 #include "robot_vision/common/printable.hpp"
+#include "robot_vision/common/throttle.hpp"
 #include "ros/camera/camera_outputs.hpp"
 #include "ros/camera/capture_status.hpp"
 #include "ros/camera/control_params.hpp"

@@ -2,8 +2,8 @@
 
 #include <tuple>
 
-#include "core/camera/output_encoding.hpp"
 #include "core/camera/v4l2_pixel_formats.hpp"
+#include "robot_vision/camera/output_encoding.hpp"
 #include "robot_vision/image/encoding.hpp"
 #include "support/refusal.hpp"
 

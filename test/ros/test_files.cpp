@@ -10,8 +10,8 @@
 #include <utility>
 #include <vector>
 
-#include "core/common/regular_file.hpp"
-#include "core/common/replace_file.hpp"
+#include "robot_vision/common/regular_file.hpp"
+#include "robot_vision/common/replace_file.hpp"
 #include "ros/params/bounded_yaml.hpp"
 #include "ros/params/save_params.hpp"
 #include "support/temp_folder.hpp"

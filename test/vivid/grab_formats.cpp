@@ -10,9 +10,9 @@
 #include <stdexcept>
 #include <string>
 
-#include "core/camera/output_encoding.hpp"
 #include "core/camera/v4l2_pixel_formats.hpp"
 #include "robot_vision/camera/frame_source.hpp"
+#include "robot_vision/camera/output_encoding.hpp"
 #include "robot_vision/image/encoding.hpp"
 
 namespace

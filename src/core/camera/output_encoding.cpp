@@ -1,4 +1,4 @@
-#include "output_encoding.hpp"
+#include "robot_vision/camera/output_encoding.hpp"
 
 #include "robot_vision/common/range.hpp"
 #include "robot_vision/image/encoding.hpp"

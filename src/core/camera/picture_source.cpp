@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <opencv2/imgcodecs.hpp>
 
-#include "core/common/regular_file.hpp"
 #include "robot_vision/codecs/image_file.hpp"
+#include "robot_vision/common/regular_file.hpp"
 #include "robot_vision/image/jpeg.hpp"
 
 namespace robot_vision

@@ -3,8 +3,8 @@
 #include <memory>
 #include <stdexcept>
 
-#include "core/common/shared_instance.hpp"
 #include "robot_vision/common/range.hpp"
+#include "robot_vision/common/shared_instance.hpp"
 #include "scene_model.hpp"
 #include "scene_noise.hpp"
 #include "scene_renderer.hpp"

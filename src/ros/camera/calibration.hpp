@@ -10,7 +10,7 @@
 #include <opencv2/core.hpp>
 #include <string>
 
-#include "core/common/throttle.hpp"
+#include "robot_vision/common/throttle.hpp"
 #include "robot_vision/geometry/camera_model.hpp"
 
 namespace robot_vision

@@ -12,10 +12,10 @@
 #include <sstream>
 #include <stdexcept>
 
-#include "core/common/regular_file.hpp"
-#include "core/common/replace_file.hpp"
 #include "robot_vision/common/printable.hpp"
 #include "robot_vision/common/range.hpp"
+#include "robot_vision/common/regular_file.hpp"
+#include "robot_vision/common/replace_file.hpp"
 #include "ros/params/bounded_yaml.hpp"
 
 namespace robot_vision

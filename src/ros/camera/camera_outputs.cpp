@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <exception>
 
-#include "core/camera/output_encoding.hpp"
+#include "robot_vision/camera/output_encoding.hpp"
 #include "robot_vision/common/printable.hpp"
 #include "robot_vision/common/range.hpp"
 #include "ros/transports/compression.hpp"

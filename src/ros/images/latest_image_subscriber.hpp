@@ -10,9 +10,9 @@
 #include <optional>
 #include <string>
 
-#include "core/common/throttle.hpp"
 #include "frame_statistics.hpp"
 #include "image_subscription.hpp"
+#include "robot_vision/common/throttle.hpp"
 
 namespace robot_vision
 {

@@ -8,10 +8,10 @@
 #include <mutex>
 #include <string>
 
-#include "core/common/throttle.hpp"
 #include "frame_statistics.hpp"
 #include "image_message.hpp"
 #include "image_subscription.hpp"
+#include "robot_vision/common/throttle.hpp"
 
 namespace robot_vision
 {

@@ -18,7 +18,7 @@
 #include <thread>
 #include <vector>
 
-#include "core/common/shared_instance.hpp"
+#include "robot_vision/common/shared_instance.hpp"
 
 namespace robot_vision
 {

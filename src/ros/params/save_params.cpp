@@ -10,8 +10,8 @@
 #include <stdexcept>
 
 #include "bounded_yaml.hpp"
-#include "core/common/regular_file.hpp"
-#include "core/common/replace_file.hpp"
+#include "robot_vision/common/regular_file.hpp"
+#include "robot_vision/common/replace_file.hpp"
 #include "yaml_text.hpp"
 
 namespace robot_vision

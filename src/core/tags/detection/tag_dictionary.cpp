@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "core/common/shared_instance.hpp"
+#include "robot_vision/common/shared_instance.hpp"
 #include "robot_vision/tags/detection/tag_families.hpp"
 
 namespace robot_vision

@@ -6,7 +6,7 @@
 #include <memory>
 #include <string>
 
-#include "core/common/throttle.hpp"
+#include "robot_vision/common/throttle.hpp"
 #include "ros/images/image_message.hpp"
 #include "ros/images/newest_worker.hpp"
 #include "ros/transports/transport_settings.hpp"

@@ -5,7 +5,7 @@
 #include <memory>
 #include <string>
 
-#include "core/common/throttle.hpp"
+#include "robot_vision/common/throttle.hpp"
 #include "ros/images/bounded_reading.hpp"
 #include "ros/images/image_message.hpp"
 
