@@ -1,6 +1,6 @@
 #include "params.hpp"
 #include "registry.hpp"
-#include "robot_vision/camera/frame_source.hpp"
+#include "robot_vision/camera/open_source.hpp"
 
 using namespace robot_vision;
 

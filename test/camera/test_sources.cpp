@@ -8,7 +8,7 @@
 #include <opencv2/videoio.hpp>
 
 #include "core/camera/picture_source.hpp"
-#include "robot_vision/camera/frame_source.hpp"
+#include "robot_vision/camera/open_source.hpp"
 #include "support/pictures.hpp"
 #include "support/refusal.hpp"
 #include "support/temp_folder.hpp"

@@ -6,7 +6,7 @@
 
 #include "core/camera/v4l2_controls.hpp"
 #include "core/camera/v4l2_source.hpp"
-#include "robot_vision/camera/frame_source.hpp"
+#include "robot_vision/camera/open_source.hpp"
 #include "support/fake_v4l2.hpp"
 
 using namespace robot_vision;

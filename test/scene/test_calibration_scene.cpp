@@ -5,7 +5,7 @@
 #include <opencv2/calib3d.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "robot_vision/camera/frame_source.hpp"
+#include "robot_vision/camera/open_source.hpp"
 #include "support/refusal.hpp"
 
 using namespace robot_vision;

@@ -11,7 +11,7 @@
 #include <string>
 
 #include "core/camera/v4l2_pixel_formats.hpp"
-#include "robot_vision/camera/frame_source.hpp"
+#include "robot_vision/camera/open_source.hpp"
 #include "robot_vision/camera/output_encoding.hpp"
 #include "robot_vision/image/encoding.hpp"
 

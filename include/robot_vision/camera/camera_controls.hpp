@@ -8,7 +8,7 @@
 #include <variant>
 #include <vector>
 
-#include "frame_source.hpp"
+#include "robot_vision/camera/open_source.hpp"
 
 namespace robot_vision
 {

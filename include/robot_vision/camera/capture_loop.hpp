@@ -4,7 +4,7 @@
 #include <memory>
 #include <string>
 
-#include "robot_vision/camera/frame_source.hpp"
+#include "robot_vision/camera/open_source.hpp"
 
 namespace robot_vision
 {

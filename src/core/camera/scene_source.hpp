@@ -2,7 +2,7 @@
 
 #include <memory>
 
-#include "robot_vision/camera/frame_source.hpp"
+#include "robot_vision/camera/open_source.hpp"
 
 namespace robot_vision
 {

@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "robot_vision/camera/frame_source.hpp"
+#include "robot_vision/camera/open_source.hpp"
 #include "v4l2_device.hpp"
 #include "v4l2_pixel_formats.hpp"
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "h264_decoder.hpp"
-#include "robot_vision/camera/frame_source.hpp"
+#include "robot_vision/camera/open_source.hpp"
 #include "v4l2_device.hpp"
 #include "v4l2_mode.hpp"
 

@@ -1,4 +1,4 @@
-#include "robot_vision/camera/frame_source.hpp"
+#include "robot_vision/camera/open_source.hpp"
 
 #include <sys/stat.h>
 #include <unistd.h>
