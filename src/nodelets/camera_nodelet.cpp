@@ -17,7 +17,6 @@
 #include "ros/camera/capture_status.hpp"
 #include "ros/camera/control_params.hpp"
 #include "ros/camera/control_server.hpp"
-#include "ros/camera/monotonic_clock.hpp"
 #include "ros/camera/steady_stamps.hpp"
 #include "ros/camera/usb_cam_params.hpp"
 #include "ros/images/callback_gate.hpp"
