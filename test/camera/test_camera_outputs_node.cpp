@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <atomic>
-#include <chrono>
 #include <functional>
 #include <future>
 #include <mutex>
@@ -19,6 +18,7 @@
 #include "ros/images/newest_worker.hpp"
 #include "ros/transports/compression.hpp"
 #include "ros/transports/plugins/transport_publisher.hpp"
+#include "support/receiver.hpp"
 #include "support/refusal.hpp"
 #include "support/run_tests.hpp"
 
@@ -31,49 +31,6 @@ using Bytes = std::vector<std::uint8_t>;
 
 constexpr int kSequence = 7;
 const ros::Time kStamp(12, 34);
-
-bool waitFor(const std::function<bool()>& condition)
-{
-  const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(30);
-  while (!condition() && std::chrono::steady_clock::now() < deadline)
-    std::this_thread::sleep_for(std::chrono::milliseconds(2));
-  return condition();
-}
-
-/// Receives the messages of a private topic and keeps the last one.
-template <class Message>
-class Receiver
-{
-public:
-  explicit Receiver(const std::string& topic)
-    : subscriber_(ros::NodeHandle("~").subscribe<Message>(
-          topic, 10, [this](const boost::shared_ptr<const Message>& message) { put(message); }))
-  {
-  }
-
-  boost::shared_ptr<const Message> wait()
-  {
-    EXPECT_TRUE(waitFor([this] { return last() != nullptr; })) << "on " << subscriber_.getTopic();
-    return last();
-  }
-
-  boost::shared_ptr<const Message> last() const
-  {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    return last_;
-  }
-
-private:
-  void put(const boost::shared_ptr<const Message>& message)
-  {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    last_ = message;
-  }
-
-  mutable std::mutex mutex_;  // guards last_, which the spinner's threads write
-  boost::shared_ptr<const Message> last_;
-  ros::Subscriber subscriber_;
-};
 
 cv::Mat testImage()
 {

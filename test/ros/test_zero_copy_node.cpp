@@ -8,7 +8,6 @@
 #include <functional>
 #include <future>
 #include <opencv2/core.hpp>
-#include <thread>
 
 #include "nodelets/factories.hpp"
 #include "robot_vision/edges/edges.hpp"
@@ -17,6 +16,7 @@
 #include "ros/images/filter_nodelet.hpp"
 #include "ros/images/image_message.hpp"
 #include "ros/images/lazy_image_filter.hpp"
+#include "support/receiver.hpp"
 #include "support/run_tests.hpp"
 
 using namespace robot_vision;
@@ -24,14 +24,7 @@ using namespace robot_vision;
 namespace
 {
 
-/// Waits for a condition; returns false if it is still false after half a minute.
-bool waitFor(const std::function<bool()>& condition)
-{
-  const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(30);
-  while (!condition() && std::chrono::steady_clock::now() < deadline)
-    std::this_thread::sleep_for(std::chrono::milliseconds(2));
-  return condition();
-}
+using Images = Receiver<sensor_msgs::Image>;
 
 std::vector<std::string> messageEncodings()
 {
@@ -56,34 +49,6 @@ sensor_msgs::ImagePtr makeMessage(const std::string& encoding)
   message->header.frame_id = encoding + "_frame";
   return message;
 }
-
-/// Receives the messages of a topic and keeps the last one.
-class Receiver
-{
-public:
-  explicit Receiver(const std::string& topic)
-    : subscriber_(ros::NodeHandle().subscribe<sensor_msgs::Image>(
-          topic, 10, [this](const sensor_msgs::ImageConstPtr& message) { put(message); }))
-  {
-  }
-
-  sensor_msgs::ImageConstPtr last() const
-  {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    return last_;
-  }
-
-private:
-  void put(const sensor_msgs::ImageConstPtr& message)
-  {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    last_ = message;
-  }
-
-  mutable std::mutex mutex_;
-  sensor_msgs::ImageConstPtr last_;
-  ros::Subscriber subscriber_;
-};
 
 /// A filter that remembers the address of its input.
 struct Probe
@@ -159,15 +124,15 @@ TEST(ZeroCopy, nodeletsDoNotChangeTheirInputAndGiveTheCoresResults)
   ros::Publisher publisher = ros::NodeHandle().advertise<sensor_msgs::Image>("image", 1);
   const auto brightness = load(makeBrightness(), "/brightness");
   const auto edge_detector = load(makeEdgeDetector(), "/edge_detector");
-  const Receiver brighter("/brightness/processed_image");
-  const Receiver edges("/edge_detector/processed_image");
+  const Images brighter("/brightness/processed_image");
+  const Images edges("/edge_detector/processed_image");
   ASSERT_TRUE(waitFor([&] { return publisher.getNumSubscribers() > 0; }));
   for (const std::string& encoding : messageEncodings())
   {
     const sensor_msgs::ImageConstPtr message = makeMessage(encoding);
     const std::vector<std::uint8_t> before = message->data;
-    const auto arrived = [&](const Receiver& receiver)
-    { return receiver.last() && receiver.last()->header.frame_id == message->header.frame_id; };
+    const auto arrived = [&](const Images& images)
+    { return images.last() && images.last()->header.frame_id == message->header.frame_id; };
     // The nodelets subscribe one by one, so the first messages may reach only one of them.
     ASSERT_TRUE(waitFor(
         [&]
@@ -194,8 +159,8 @@ TEST(ZeroCopy, cameraGivesAllSubscribersOneBuffer)
 {
   ros::param::set("/camera/source", "synthetic");
   const auto camera = load(makeCamera({}), "/camera");
-  const Receiver first("/camera/image_raw");
-  const Receiver second("/camera/image_raw");
+  const Images first("/camera/image_raw");
+  const Images second("/camera/image_raw");
   EXPECT_TRUE(waitFor([&] { return first.last() && first.last() == second.last(); }));
 }
 
