@@ -55,8 +55,7 @@ bool isPng(const unsigned char* data, std::size_t size)
 PngInfo readPngInfo(const unsigned char* data, std::size_t size)
 {
   if (!isPng(data, size)) refuse(size, "does not begin as a PNG");
-  constexpr std::size_t kSizeOffset =
-      kSignature.size() + 8;  // position of the width, after the name of the first chunk
+  constexpr std::size_t kSizeOffset = kSignature.size() + 8;  // after the length and the name of the first chunk
   if (size < kSizeOffset + 10 || std::memcmp(data + kSizeOffset - 4, "IHDR", 4) != 0 || !isComplete(data, size))
     refuse(size, "is damaged or truncated");
   const std::uint64_t width = bigEndian<4>(data + kSizeOffset);

@@ -24,15 +24,15 @@ bool isInside(const cv::Vec3b& hsv, const HsvRange& range)
   return h_inside && range.s_low <= hsv[1] && hsv[1] <= range.s_high && range.v_low <= hsv[2] && hsv[2] <= range.v_high;
 }
 
-/// Converts the pixels that the tests have left unsure, and decides by their HSV.
-void decideUnsure(const cv::Vec3b* row, std::uint8_t* mask, int count, bool is_rgb, const HsvRange& range)
+/// Decides by their HSV about the pixels that the tests have left undecided.
+void decideRemaining(const cv::Vec3b* row, std::uint8_t* mask, int count, bool is_rgb, const HsvRange& range)
 {
   std::uint8_t* const end = mask + count;
   std::uint8_t* pixel = mask;
   const auto find = [&]
   { return static_cast<std::uint8_t*>(std::memchr(pixel, kUndecided, std::size_t(end - pixel))); };
   while ((pixel = find()) != nullptr)
-    for (; pixel != end && *pixel == kUndecided; ++pixel)  // unsure pixels are often neighbours
+    for (; pixel != end && *pixel == kUndecided; ++pixel)  // they are often neighbours
     {
       const cv::Vec3b& color = row[pixel - mask];
       const cv::Vec3b bgr = is_rgb ? cv::Vec3b(color[2], color[1], color[0]) : color;
@@ -94,7 +94,7 @@ void HsvMask::apply(const cv::Mat& image, const std::string& encoding, cv::Mat& 
                     {
                       const auto* row = pixels.ptr<cv::Vec3b>(y);
                       test(tests, row->val, mask.cols, mask.ptr(y));
-                      decideUnsure(row, mask.ptr(y), mask.cols, is_rgb, impl_->range);
+                      decideRemaining(row, mask.ptr(y), mask.cols, is_rgb, impl_->range);
                     }
                   });
 }

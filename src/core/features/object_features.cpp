@@ -14,8 +14,8 @@ constexpr int kMinRegionSide = 120;    // px; smaller regions are enlarged, or O
 constexpr double kSearchReach = 2.0;   // how far around a small region nearFeatures() looks, in its longer side
 constexpr double kMaxUpscaling = 4.0;  // times
 constexpr int kMaxNearFeatures = 1500;
-constexpr int kMinImageSide = 16;   // px; cv::ORB fails on smaller images
-constexpr float kMaxRatio = 0.85F;  // of the distances to the best and to the second best match (Lowe, 2004)
+constexpr int kMinImageSide = 16;           // px; cv::ORB fails on smaller images
+constexpr float kMaxDistanceRatio = 0.85F;  // of the distances to the best and to the second best match (Lowe, 2004)
 constexpr int kMinMatches = 5;
 constexpr double kMaxMatchError = 4.0;  // px
 
@@ -73,7 +73,7 @@ std::optional<Similarity> matchFeatures(const Features& object, const Features& 
   std::vector<cv::Point2f> from, to;
   for (const auto& pair : matches)
   {
-    if (pair[0].distance > kMaxRatio * pair[1].distance) continue;
+    if (pair[0].distance > kMaxDistanceRatio * pair[1].distance) continue;
     from.push_back(object.points[static_cast<std::size_t>(pair[0].queryIdx)]);
     to.push_back(image.points[static_cast<std::size_t>(pair[0].trainIdx)]);
   }

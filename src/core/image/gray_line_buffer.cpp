@@ -10,8 +10,7 @@ namespace robot_vision
 namespace
 {
 
-constexpr int kRowsPerBatch =
-    16;  // rows converted at once: they fit the cache, and the cost of the call does not matter
+constexpr int kRowsPerBatch = 16;  // few enough for the cache, many enough for the cost of a call not to matter
 
 int bands(int rows)
 {

@@ -15,7 +15,7 @@ namespace
 const cv::Scalar kYellow(0, 255, 255), kRed(0, 0, 255), kBlack(0, 0, 0);
 const int kFont = cv::FONT_HERSHEY_SIMPLEX;
 const double kFontScale = 0.5;
-const int kFractionBits = 4;  // fractional bits of the positions that OpenCV draws at
+const int kFractionBits = 4;  // of the positions that OpenCV draws at
 
 /// Whether a position or length in px fits a fixed-point number. NaN does not.
 bool isDrawable(double pixels)

@@ -25,7 +25,7 @@ constexpr int kGreenOfU = -409993;
 constexpr int kGreenOfV = -852492;
 constexpr int kRedOfV = 1673527;
 constexpr int kRounding = 1 << (kShift - 1);
-constexpr int kLumaOfBlack = 16;  // luma of black
+constexpr int kLumaOfBlack = 16;
 constexpr int kNeutralChroma = 128;
 
 /// Pairs of pixels, a pair in each integer. The luma is what exceeds kLumaOfBlack.
