@@ -23,7 +23,7 @@ CodeReader readerOf(const std::string& symbologies)
   return CodeReader(params);
 }
 
-/// The scene's QR code, and its corners as the reader request them.
+/// The corners of the scene's QR code, in the order in which the reader reports them.
 std::vector<cv::Point2d> truth(const Scene& scene, std::int64_t frame)
 {
   for (const SceneObject& object : scene.truth(frame).objects)
@@ -46,7 +46,7 @@ cv::Mat wall(cv::Size size = {640, 480})
   return {size, CV_8UC1, cv::Scalar(200)};
 }
 
-/// The part of the scene with its QR code and so many px around it: a view of the whole image.
+/// The part of the scene with its QR code and so many px around it, which shares the pixels of the whole image.
 cv::Mat codeWith(const Scene& scene, int around)
 {
   cv::Mat bgr, gray;
@@ -57,14 +57,14 @@ cv::Mat codeWith(const Scene& scene, int around)
   return gray(tight + cv::Size(2 * around, 2 * around) - cv::Point(around, around));
 }
 
-/// The scene's QR code with what is around it.
+/// The scene's QR code with a margin.
 cv::Mat codePixels()
 {
   static const cv::Mat pixels = codeWith(Scene{SceneParams()}, 10).clone();
   return pixels;
 }
 
-/// A wall with the code there.
+/// An image of a wall with the code at a place.
 cv::Mat withCode(cv::Point place, cv::Mat image = wall())
 {
   const cv::Mat pixels = codePixels();
@@ -74,13 +74,13 @@ cv::Mat withCode(cv::Point place, cv::Mat image = wall())
 
 double farthest(const std::vector<cv::Point2d>& a, const std::vector<cv::Point2d>& b)
 {
-  double most = a.size() == b.size() ? 0.0 : 1e9;
+  double max = a.size() == b.size() ? 0.0 : 1e9;
   for (std::size_t i = 0; i < std::min(a.size(), b.size()); ++i)
-    most = std::max(most, cv::norm(a[i] - b[i]));
-  return most;
+    max = std::max(max, cv::norm(a[i] - b[i]));
+  return max;
 }
 
-/// That the codes are those that a search of the whole image reads, and where it does.
+/// Expects the codes that a search of the whole image reads, at the same places.
 void expectAsRead(const std::vector<Code>& codes, const cv::Mat& image)
 {
   const std::vector<Code> expected = CodeReader().read(image, "mono8");
@@ -93,7 +93,7 @@ void expectAsRead(const std::vector<Code>& codes, const cv::Mat& image)
   }
 }
 
-/// The codes of the first frame that has one, of a live camera that shows this.
+/// The codes of the first frame in which any are read, while a live camera shows this image.
 std::vector<Code> firstSeen(CodeReader& reader, const cv::Mat& image, double begin)
 {
   const auto start = std::chrono::steady_clock::now();
@@ -109,7 +109,7 @@ std::vector<Code> firstSeen(CodeReader& reader, const cv::Mat& image, double beg
 
 }  // namespace
 
-TEST(CodeReader, readsTheSceneWhereItsCodeIs)
+TEST(CodeReader, readsTheCodeOfTheSceneAtItsPlace)
 {
   const Scene scene{SceneParams()};
   CodeReader reader;
@@ -131,20 +131,20 @@ TEST(CodeReader, readsTheSceneWhereItsCodeIs)
   }
 }
 
-TEST(CodeReader, readsPartsOfPictures)
+TEST(CodeReader, readsPartsOfImages)
 {
   const Scene scene{SceneParams()};
   const cv::Mat part = codeWith(scene, 20);
   cv::Size whole;
   cv::Point origin;
   part.locateROI(whole, origin);
-  const std::vector<Code> codes = CodeReader().read(part, "mono8");  // its rows lie apart
+  const std::vector<Code> codes = CodeReader().read(part, "mono8");  // there are gaps between its rows
   ASSERT_EQ(codes.size(), 1U);
   EXPECT_EQ(codes[0].data, "robot_vision");
   EXPECT_LT(cv::norm(codes[0].polygon[0] + cv::Point2d(origin) - truth(scene, 0)[0]), 3.0);
 }
 
-TEST(CodeReader, keepsNothingOfAPicture)
+TEST(CodeReader, keepsNothingOfAnImage)
 {
   CodeReader reader;
   const Scene scene{SceneParams()};
@@ -158,7 +158,7 @@ TEST(CodeReader, keepsNothingOfAPicture)
   EXPECT_EQ(other.read(bgr, "bgr8").size(), 1U);
 }
 
-TEST(CodeReader, looksForWhatIsWanted)
+TEST(CodeReader, readsOnlyTheGivenSymbologies)
 {
   cv::Mat bgr;
   Scene{SceneParams()}.render(0, bgr);
@@ -167,7 +167,7 @@ TEST(CodeReader, looksForWhatIsWanted)
   EXPECT_TRUE(readerOf("code128").read(bgr, "bgr8").empty());
 }
 
-TEST(CodesFollowed, areReadInEveryFrameWhereTheyAre)
+TEST(FollowedCodes, areReadInEveryFrameAtTheirPlaces)
 {
   CodeReader reader = following(60.0);
   for (int frame = 0; frame < 30; ++frame)
@@ -179,7 +179,7 @@ TEST(CodesFollowed, areReadInEveryFrameWhereTheyAre)
   }
 }
 
-TEST(CodesFollowed, areLostAtOnceAndFoundInTheirPlace)
+TEST(FollowedCodes, areLostAtOnceAndFoundAgainAtTheirPlace)
 {
   CodeReader reader = following(60.0);
   const cv::Mat shown = withCode({300, 200});
@@ -189,16 +189,16 @@ TEST(CodesFollowed, areLostAtOnceAndFoundInTheirPlace)
   EXPECT_EQ(reader.update(10.0 + 5 * kStep, shown, "mono8").size(), 1U);
 }
 
-TEST(CodesFollowed, areFoundElsewhereSoonAfterTheyWereLost)
+TEST(FollowedCodes, areFoundElsewhereSoonAfterTheyWereLost)
 {
   CodeReader reader = following(2.0);
   for (int frame = 0; frame <= 30; ++frame)
     EXPECT_EQ(reader.update(frame * kStep, withCode({20, 20}), "mono8").size(), 1U);
   const cv::Mat elsewhere = withCode({500, 300});
-  EXPECT_EQ(reader.update(31 * kStep, elsewhere, "mono8").size(), 1U);  // a fifth of the period has gone by
+  EXPECT_EQ(reader.update(31 * kStep, elsewhere, "mono8").size(), 1U);  // after more than a fifth of the period
 }
 
-TEST(CodesFollowed, ofTwoThatSayTheSameBothAreReported)
+TEST(FollowedCodes, areBothReportedIfTheirContentIsTheSame)
 {
   CodeReader reader = following(60.0);
   for (int frame = 0; frame < 10; ++frame)
@@ -210,7 +210,7 @@ TEST(CodesFollowed, ofTwoThatSayTheSameBothAreReported)
   }
 }
 
-TEST(CodesFollowed, newOnesAreFoundWithinThePeriodOfTheStamps)
+TEST(FollowedCodes, areFoundWithinThePeriodInTheTimeOfTheStamps)
 {
   CodeReader reader = following(0.5);
   EXPECT_TRUE(reader.update(10.0, wall(), "mono8").empty());
@@ -219,10 +219,10 @@ TEST(CodesFollowed, newOnesAreFoundWithinThePeriodOfTheStamps)
   while (frame < 100 && reader.update(10.0 + frame * kStep, shown, "mono8").empty())
     ++frame;
   EXPECT_LE(frame * kStep, 0.5);
-  EXPECT_GT(frame, 10);  // not all is searched in every frame
+  EXPECT_GT(frame, 10);  // the whole image is not searched in every frame
 }
 
-TEST(CodesFollowed, allIsSearchedAtOnceWhenNothingIsKnown)
+TEST(FollowedCodes, areFoundAtOnceInFramesThatBeginAnew)
 {
   CodeReader reader = following(60.0, true);
   EXPECT_EQ(reader.update(10.0, withCode({300, 200}), "mono8").size(), 1U);
@@ -233,7 +233,7 @@ TEST(CodesFollowed, allIsSearchedAtOnceWhenNothingIsKnown)
     EXPECT_EQ(always.update(x, withCode({x, 200}), "mono8").size(), 1U);
 }
 
-TEST(CodesFollowed, newOnesAreFoundInTheBackground)
+TEST(FollowedCodes, areFoundInTheBackground)
 {
   CodeReader reader = following(0.1, true);
   EXPECT_TRUE(reader.update(0.0, wall(), "mono8").empty());
@@ -243,7 +243,7 @@ TEST(CodesFollowed, newOnesAreFoundInTheBackground)
   expectAsRead(codes, shown);
 }
 
-TEST(CodesFollowed, theCallerMayUseItsMemoryAgain)
+TEST(FollowedCodes, areFoundEvenIfTheCallerReusesTheMemory)
 {
   CodeReader reader = following(60.0, true);
   reader.update(0.0, wall(), "mono8");
@@ -254,7 +254,7 @@ TEST(CodesFollowed, theCallerMayUseItsMemoryAgain)
   EXPECT_EQ(firstSeen(reader, shown, 100.1).size(), 1U);
 }
 
-TEST(CodesFollowed, whatIsGoneIsNotReported)
+TEST(FollowedCodes, areNotReportedIfTheyAreGoneWhenTheSearchEnds)
 {
   CodeReader reader = following(60.0, true);
   reader.update(0.0, wall(), "mono8");
@@ -263,7 +263,7 @@ TEST(CodesFollowed, whatIsGoneIsNotReported)
     EXPECT_TRUE(reader.update(100.0 + frame * kStep, wall(), "mono8").empty());
 }
 
-TEST(CodeReader, refusesWhatIsOutOfRange)
+TEST(CodeReader, refusesParametersOutOfRangeAndOtherTypes)
 {
   const std::string types = "qr, ean13, ean8, upca, upce, code128, code93, code39, i25, codabar";
   EXPECT_EQ(refusal([] { readerOf("aztec"); }), "symbologies has 'aztec', must be all, or some with commas: " + types);

@@ -1,4 +1,4 @@
-"""QR codes and bar codes: random contents are read back, wherever and however they lie."""
+"""QR codes and bar codes: random contents are read back at any place and angle."""
 
 import ctypes
 
@@ -30,13 +30,13 @@ def found(codes):
 
 
 def qr_picture(data, module, level="M"):
-    """A QR code with its quiet zone, `module` px each."""
+    """A QR code with its quiet zone; a module has `module` px."""
     white = np.pad(~qr_modules(data, level), QUIET, constant_values=True)
     return np.kron(white, np.full((module, module), 255, np.uint8))
 
 
 def payload(rng, kind, length):
-    """Random content of a kind and about so many bytes."""
+    """Random content of a kind, of about `length` bytes."""
     if kind == "bytes":
         return rng.integers(0, 256, length, np.uint8).tobytes()
     if kind == "digits":
@@ -90,9 +90,9 @@ def test_all_bytes_are_read_back_at_once():
 
 
 def seen(picture, turn, module, tilt, rng, size=(640, 480)):
-    """The picture of modules as a camera sees it, and where the corners of its modules are, px.
+    """The code as a camera sees it, and the corners of its modules, px.
 
-    The truth: a homography, drawn from four times as many pixels; then contrast and noise.
+    A homography of four times the resolution is drawn, then contrast and noise are added.
     """
     modules = picture.shape[0]
     square = np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)]) / 2.0
@@ -175,7 +175,7 @@ def test_a_damaged_qr_code_is_read_right_or_not_at_all():
         codes = found(qr.read(picture, "mono8"))
         assert codes in ([], [("qr", data)])
         read += len(codes)
-    assert 20 < read < 60, read  # some of it was too much
+    assert 20 < read < 60, read  # some codes were damaged too much
 
 
 BAR_CODES = {
@@ -205,7 +205,7 @@ def test_every_bar_code_is_read_back(kind):
             picture = np.rot90(picture, turn)
             codes = reads.read(picture, "mono8")
             assert found(codes) == [(kind, text.encode())]
-            # Around the bars: what is read of them are lines, from end to end.
+            # The polygon is around the bars, which are read along lines from end to end.
             x, y, wide, high = cv2.boundingRect((picture == 0).astype(np.uint8))
             low, above = codes[0].polygon.min(axis=0), codes[0].polygon.max(axis=0)
             if turn % 2:
@@ -318,7 +318,7 @@ def test_bar_codes_are_followed(kind, spacing, enlarge):
 
 
 def test_qr_codes_turned_and_tilted_are_followed():
-    """What a search of the whole image reads, the one around its last place does in most frames."""
+    """Searching around the last place reads most codes that searching the whole image reads."""
     rng = np.random.default_rng(9)
     whole = followed = 0
     for _ in range(12):
@@ -336,7 +336,7 @@ def test_qr_codes_turned_and_tilted_are_followed():
     assert whole >= 40 and followed >= 0.95 * whole, (followed, whole)
 
 
-def test_nothing_is_read_where_there_is_nothing():
+def test_nothing_is_read_in_images_without_codes():
     rng = np.random.default_rng(8)
     pictures = [skimage.data.astronaut(), skimage.data.coffee(), skimage.data.chelsea()]
     grays = [cv2.cvtColor(picture, cv2.COLOR_RGB2GRAY) for picture in pictures]
@@ -352,7 +352,7 @@ def test_nothing_is_read_where_there_is_nothing():
         assert not every.read(cv2.blur(noise, (1, int(rng.integers(1, 40)))), "mono8")
 
 
-def test_pictures_of_every_kind_are_read_as_they_are():
+def test_images_of_every_encoding_are_read():
     gray = qr_picture(b"kinds", 4)
     gray = gray[:, : len(gray) // 2 * 2]
     bgr = cv2.cvtColor(gray, cv2.COLOR_GRAY2BGR)
@@ -376,7 +376,7 @@ def test_pictures_of_every_kind_are_read_as_they_are():
             assert np.array_equal(picture, before)
 
 
-def test_pictures_that_are_too_small_have_no_codes():
+def test_images_that_are_too_small_have_no_codes():
     for shape in [(1, 1), (1, 300), (300, 1), (2, 2)]:
         for enlarge in (1, 4):
             assert (
@@ -384,7 +384,7 @@ def test_pictures_that_are_too_small_have_no_codes():
             )
 
 
-def test_what_is_no_picture_is_refused():
+def test_invalid_images_are_refused():
     with pytest.raises(ValueError, match="bgr8"):
         reader().read(np.zeros((40, 40), np.uint8))
     with pytest.raises(ValueError, match="1 to 4 channels"):
@@ -417,18 +417,18 @@ def test_parameters_out_of_range_are_refused(name, value, text):
         reader(**{name: value})
 
 
-def test_the_scene_s_code_is_read_where_it_is():
+def test_code_of_the_scene_is_read_at_its_place():
     scene = rv.Scene()
     every = reader()
     for frame in range(0, 600, 60):
         (code,) = every.read(scene.render(frame))
         assert found([code]) == [("qr", b"robot_vision")]
         truth = next(o.outline for o in scene.truth(frame).objects if o.name == "qr_code")
-        # The scene begins at the bottom left and goes counter-clockwise.
+        # The scene's outline begins at the bottom left, and is counter-clockwise.
         assert code.polygon == pytest.approx(np.array(truth)[::-1], abs=3.0), frame
 
 
-def test_repeats_are_told_from_news():
+def test_repeats_are_distinguished_from_news():
     repeats = Repeats(1.0)
     assert repeats.news(["a", "a"], 5.0) == {"a"}
     assert repeats.news(["a", "b"], 5.5) == {"b"}

@@ -38,38 +38,41 @@ struct CodeReaderParams
 /// Names of the kinds of code that can be read: qr, ean13, ...
 std::vector<std::string> codeTypes();
 
-/// Whether the bytes of a QR code come back as they are, which takes zbar 0.23.1 (Ubuntu 20.04 has 0.23.0). Older ones
-/// guess which character set they are of, and give UTF-8: what is not ASCII may come back changed.
+/// Whether the bytes of a QR code are returned unchanged, which needs zbar 0.23.1 (Ubuntu 20.04 has 0.23.0). Older
+/// versions guess the character set and convert it to UTF-8, so that bytes beyond ASCII may be changed.
 bool keepsBytes();
 
 /// Throws std::invalid_argument naming the first parameter out of range, its value and the range.
 void validate(const CodeReaderParams& params);
 
-/// A code in a picture.
+/// A code in an image.
 struct Code
 {
   std::string type;  // one of codeTypes()
-  std::string data;  // its content, byte by byte, of any value
-  /// px from the centre of the top left pixel. Of a QR code the corners of its modules, clockwise from its own top left
-  /// one; of a bar code a rectangle around the ends of the lines along which it was read, from any corner.
+  std::string data;  // its content; bytes may have any value
+  /// px from the centre of the top left pixel. For a QR code these are the corners of its modules, clockwise from the
+  /// code's own top left corner; for a bar code a rectangle around the ends of the lines along which it was read, which
+  /// begins at any corner.
   std::vector<cv::Point2d> polygon;
-  double score = 0.0;  // 0 to 1: 1 of a QR code, which corrects its errors; n / (n + 4) of n lines that agree
+  double score = 0.0;  // 0 to 1: 1 for a QR code, which corrects its errors; n / (n + 4) if n lines of a bar code agree
 };
 
 /// Reads QR codes and bar codes with zbar.
 ///
-/// read() searches the whole image. update() does so every now and then, so that a new code is found within
-/// max_search_period, and when a code is lost; in the frames between it searches around the codes that it knows. A code
-/// is reported only where it was read in this very frame. In the background such a search takes no time of update();
-/// what it finds is looked for in the newest frame, and reported there. A new code then appears later by the time of a
-/// search and a frame, and results depend on how fast the machine is: for live images. The first frame, the first of
-/// another size, and that after time went back are searched by update() itself, and so is every frame if
-/// max_search_period is 0.
+/// read() searches the whole image. update() searches the whole image only from time to time, so that new codes are
+/// found within max_search_period, and when a code is lost; in the other frames it searches around the known codes. A
+/// code is reported only if it was read in this very frame.
 ///
-/// A bar code is what two lines across it agree on at least; zbar itself asks for four of EAN, UPC and Codabar.
-/// Bar codes of one type and content count as one code, wherever they are in the picture; QR codes do not, but those
-/// that are parts of one content (structured append) are one code if all are there, and else none. Bytes whose
-/// character set a QR code names (ECI) come back as UTF-8. Not for two threads at once.
+/// If whole images are searched in the background, update() does not wait for that search. The codes that it has found
+/// are then searched for in the newest frame, and reported there. A new code appears later by the time of a search and
+/// a frame, and results depend on the speed of the machine, so that this is for live images. update() itself searches
+/// the first frame, the first of another size, the first after time went back, and every frame if max_search_period is
+/// 0.
+///
+/// A bar code is reported if at least two lines across it agree; for EAN, UPC and Codabar zbar itself requires four.
+/// Bar codes of the same type and content count as one code, wherever they are in the image. QR codes do not, but those
+/// that are parts of one content (structured append) are one code if all parts are there, and none otherwise. Bytes
+/// whose character set a QR code names (ECI) become UTF-8. Not thread-safe.
 class CodeReader
 {
 public:
@@ -79,12 +82,13 @@ public:
   CodeReader(CodeReader&&) noexcept;
   CodeReader& operator=(CodeReader&&) noexcept;
 
-  /// The codes in a picture by itself, from top to bottom. `image` is not modified. Throws std::invalid_argument if it
-  /// is not a picture of `encoding` (see encoding.hpp).
+  /// Reads the codes of a single image, from top to bottom. `image` is not modified. Throws std::invalid_argument if it
+  /// is not of `encoding` (see encoding.hpp).
   std::vector<Code> read(const cv::Mat& image, const std::string& encoding);
 
-  /// The codes in the frame of `time_s` (s, of any clock), in the same order. Another size of image and time that goes
-  /// back, or stands still, make it forget what it knows. Throws as read() does, and for a time that is not finite.
+  /// Reads the codes of the frame at `time_s` (s, of any clock), in the same order. It forgets all codes if the size of
+  /// the image has changed, or if time goes back or stands still. Throws as read() does, and for a time that is not
+  /// finite.
   std::vector<Code> update(double time_s, const cv::Mat& image, const std::string& encoding);
 
 private:

@@ -70,7 +70,7 @@ struct CodeReader::Impl
     follow(tracks, schedule.time(), code);
   }
 
-  /// Searches around the codes that have not been read in this frame; `wide`: farther around them.
+  /// Searches around the codes that have not been read in this frame, with a larger margin if `wide`.
   void searchAroundTracks(const cv::Mat& gray, bool wide, std::vector<Code>& codes)
   {
     for (std::size_t i = 0; i < tracks.size(); ++i)  // add() may append tracks
@@ -79,9 +79,9 @@ struct CodeReader::Impl
       const cv::Rect region = tracks[i].regionAt(schedule.time(), wide, gray.size());
       if (region.empty()) continue;
       const Code wanted = tracks[i].code;
-      const cv::Rect part = onLines(region, params.spacing, gray.size());
+      const cv::Rect part = alignedToScanLines(region, params.spacing, gray.size());
       for (const Code& code : near.find(gray, part))
-        if (saysTheSame(code, wanted) || isWhole(code, part, gray.size())) add(code, codes);
+        if (haveSameContent(code, wanted) || isWhole(code, part, gray.size())) add(code, codes);
     }
   }
 
@@ -120,8 +120,8 @@ struct CodeReader::Impl
   }
 
   CodeReaderParams params;
-  CodeSearch near;   // by the caller
-  CodeSearch whole;  // in the background
+  CodeSearch near;   // used by the caller's thread
+  CodeSearch whole;  // used in the background
   ConversionBuffer buffer;
   SearchSchedule schedule;
   std::vector<CodeTrack> tracks;

@@ -18,7 +18,7 @@ namespace robot_vision
 namespace
 {
 
-// Without DataBar: zbar complains on stderr of pictures that have none, and in versions that are still around its
+// DataBar is left out: zbar prints warnings for images that contain none, and in versions that are still in use its
 // decoder writes beyond an array (CVE-2023-40890).
 constexpr std::array<std::pair<const char*, zbar::zbar_symbol_type_t>, 10> kSymbologies = {{
     {"qr", zbar::ZBAR_QRCODE},
@@ -49,8 +49,8 @@ Owned<T> owned(T* made)
   return Owned<T>(made);
 }
 
-/// What lies between the commas, without blanks.
-std::vector<std::string> listed(const std::string& list)
+/// Splits a list at its commas, and removes blanks.
+std::vector<std::string> splitList(const std::string& list)
 {
   std::vector<std::string> words(1);
   for (const char letter : list)
@@ -61,33 +61,33 @@ std::vector<std::string> listed(const std::string& list)
   return words;
 }
 
-// Along a single line anything may look like a bar code: not all kinds have a check digit.
+// A single line may look like a bar code by chance, because not all symbologies have a check digit.
 constexpr int kMinLines = 2;
 
-// By its name: the headers of a zbar that does not have it have no constant for it either.
+// The name of an option for which the headers of older versions of zbar have no constant.
 constexpr const char* kBinaryOption = "qrcode.binary";
 
 using Types = std::map<zbar::zbar_symbol_type_t, std::string>;
 
 Types wantedTypes(const std::string& symbologies)
 {
-  const std::vector<std::string> names = listed(symbologies);
+  const std::vector<std::string> names = splitList(symbologies);
   Types wanted;
   for (const auto& [name, type] : kSymbologies)
     if (symbologies == "all" || std::find(names.begin(), names.end(), name) != names.end()) wanted[type] = name;
   return wanted;
 }
 
-/// Where a code is in a part of a picture that was enlarged so many times, from the part's place in it.
-std::vector<cv::Point2d> polygonOf(const zbar::zbar_symbol_t* symbol, double enlarged, const cv::Point2f& place_of_part)
+/// The polygon of a code in the image, of which a part from `origin` on was enlarged and searched.
+std::vector<cv::Point2d> polygonOf(const zbar::zbar_symbol_t* symbol, double enlarged, const cv::Point2f& origin)
 {
-  // What zbar rounds down begins at the pixels' edges, not at their centres: the two cancel.
-  const auto place = [enlarged](int position) { return static_cast<float>((position + 0.5) / enlarged - 0.5); };
+  // zbar counts from the edges of pixels instead of their centres, but rounds down, which cancels out on average.
+  const auto scaled = [enlarged](int position) { return static_cast<float>((position + 0.5) / enlarged - 0.5); };
   std::vector<cv::Point2f> points;
   for (unsigned i = 0; i < zbar::zbar_symbol_get_loc_size(symbol); ++i)
-    points.push_back(place_of_part + cv::Point2f(place(zbar::zbar_symbol_get_loc_x(symbol, i)),
-                                                 place(zbar::zbar_symbol_get_loc_y(symbol, i))));
-  if (zbar::zbar_symbol_get_type(symbol) == zbar::ZBAR_QRCODE)  // zbar goes around counter-clockwise
+    points.push_back(origin + cv::Point2f(scaled(zbar::zbar_symbol_get_loc_x(symbol, i)),
+                                          scaled(zbar::zbar_symbol_get_loc_y(symbol, i))));
+  if (zbar::zbar_symbol_get_type(symbol) == zbar::ZBAR_QRCODE)  // zbar has the corners counter-clockwise
     return {points.at(0), points.at(3), points.at(2), points.at(1)};
   std::array<cv::Point2f, 4> corners;
   cv::minAreaRect(points).points(corners.data());
@@ -116,7 +116,7 @@ void validate(const CodeReaderParams& params)
 {
   const std::vector<std::string> known = codeTypes();
   if (params.symbologies != "all")
-    for (const std::string& name : listed(params.symbologies))
+    for (const std::string& name : splitList(params.symbologies))
       if (std::find(known.begin(), known.end(), name) == known.end())
         throw std::invalid_argument("symbologies has '" + shortened(name) +
                                     "', must be all, or some with commas: " + joined(known));
@@ -136,7 +136,7 @@ struct CodeSearch::Impl
     zbar::zbar_image_scanner_set_config(scanner.get(), type, option, value);
   }
 
-  /// The pixels, enlarged and without gaps between their rows.
+  /// The pixels, enlarged, with rows that follow each other without gaps.
   cv::Mat prepare(const cv::Mat& pixels)
   {
     if (enlarge == 1 && pixels.isContinuous()) return pixels;
@@ -155,7 +155,7 @@ CodeSearch::CodeSearch(const CodeReaderParams& params) : impl_(std::make_unique<
   impl_->set(zbar::ZBAR_NONE, zbar::ZBAR_CFG_ENABLE, 0);
   for (const auto& type : impl_->wanted)
     impl_->set(type.first, zbar::ZBAR_CFG_ENABLE, 1);
-  // zbar takes UPC-A for a kind of EAN-13.
+  // zbar reads UPC-A as a kind of EAN-13.
   if (impl_->wanted.count(zbar::ZBAR_UPCA)) impl_->set(zbar::ZBAR_EAN13, zbar::ZBAR_CFG_ENABLE, 1);
   impl_->set(zbar::ZBAR_NONE, zbar::ZBAR_CFG_X_DENSITY, params.spacing);
   impl_->set(zbar::ZBAR_NONE, zbar::ZBAR_CFG_Y_DENSITY, params.spacing);
@@ -169,15 +169,15 @@ std::vector<Code> CodeSearch::find(const cv::Mat& gray, const cv::Rect& part)
 {
   Impl& me = *impl_;
   const cv::Mat pixels = me.prepare(gray(part));
-  zbar::zbar_image_t* const picture = me.image.get();
-  zbar::zbar_image_set_size(picture, static_cast<unsigned>(pixels.cols), static_cast<unsigned>(pixels.rows));
-  zbar::zbar_image_set_data(picture, pixels.data, pixels.total(), nullptr);
-  zbar::zbar_scan_image(me.scanner.get(), picture);
+  zbar::zbar_image_t* const image = me.image.get();
+  zbar::zbar_image_set_size(image, static_cast<unsigned>(pixels.cols), static_cast<unsigned>(pixels.rows));
+  zbar::zbar_image_set_data(image, pixels.data, pixels.total(), nullptr);
+  zbar::zbar_scan_image(me.scanner.get(), image);
   std::vector<Code> codes;
-  for (const auto* symbol = zbar::zbar_image_first_symbol(picture); symbol; symbol = zbar::zbar_symbol_next(symbol))
+  for (const auto* symbol = zbar::zbar_image_first_symbol(image); symbol; symbol = zbar::zbar_symbol_next(symbol))
   {
     const auto type = me.wanted.find(zbar::zbar_symbol_get_type(symbol));
-    if (type == me.wanted.end()) continue;  // or it is a part of a code
+    if (type == me.wanted.end()) continue;  // not asked for, or only a part of a code
     const bool is_qr = type->first == zbar::ZBAR_QRCODE;
     const int lines = zbar::zbar_symbol_get_quality(symbol);
     if (!is_qr && lines < kMinLines) continue;
@@ -188,7 +188,7 @@ std::vector<Code> CodeSearch::find(const cv::Mat& gray, const cv::Rect& part)
     code.score = is_qr ? 1.0 : lines / (lines + 4.0);
     codes.push_back(code);
   }
-  zbar::zbar_image_set_data(picture, nullptr, 0, nullptr);  // the pixels are the caller's
+  zbar::zbar_image_set_data(image, nullptr, 0, nullptr);  // the pixels belong to the caller
   return codes;
 }
 

@@ -7,7 +7,7 @@
 namespace robot_vision
 {
 
-/// zbar's scanner. For one thread at a time.
+/// Searches images for codes with a scanner of zbar. Not thread-safe.
 class CodeSearch
 {
 public:
@@ -15,7 +15,7 @@ public:
   explicit CodeSearch(const CodeReaderParams& params);
   ~CodeSearch();
 
-  /// The codes in a part of a gray image; nothing of it is kept.
+  /// Finds the codes in a part of a gray image. Keeps nothing of the image.
   std::vector<Code> find(const cv::Mat& gray, const cv::Rect& part);
 
 private:

@@ -11,8 +11,8 @@ namespace robot_vision
 namespace
 {
 
-constexpr double kQuietZone = 0.15;  // sides around a code, which the search needs to see
-constexpr double kWideMargin = 0.5;  // sides more, where a code was not found with less
+constexpr double kQuietZone = 0.15;  // longest sides; the search needs to see so much around a code
+constexpr double kWideMargin = 0.5;  // longest sides, added where a code was not found without
 constexpr int kCutMargin = 2;        // px; a code that is nearer to the edge of a part may continue beyond it
 
 cv::Point2d middleOf(const Code& code)
@@ -36,12 +36,12 @@ std::vector<cv::Point2f> outlineOf(const Code& code)
   return {code.polygon.begin(), code.polygon.end()};
 }
 
-bool holds(const Code& code, const cv::Point2d& point)
+bool contains(const Code& code, const cv::Point2d& point)
 {
   return cv::pointPolygonTest(outlineOf(code), cv::Point2f(point), false) >= 0.0;
 }
 
-/// Where a range may end so that as many lines are left behind it as fit.
+/// The smallest end of a range, not below `end`, from which a whole number of scan lines leads to `limit`.
 int alignedEnd(int end, int spacing, int limit)
 {
   return limit - (limit - end) / spacing * spacing;
@@ -74,7 +74,7 @@ cv::Rect CodeTrack::regionAt(double time_s, bool wide, const cv::Size& image) co
   return grown(cv::boundingRect(outlineOf(at(time_s))), cvCeil(border), image);
 }
 
-cv::Rect onLines(const cv::Rect& part, int spacing, const cv::Size& image)
+cv::Rect alignedToScanLines(const cv::Rect& part, int spacing, const cv::Size& image)
 {
   const cv::Point begin(part.x / spacing * spacing, part.y / spacing * spacing);
   return {begin,
@@ -87,27 +87,27 @@ bool isWhole(const Code& code, const cv::Rect& part, const cv::Size& image)
   return (box & part) == box;
 }
 
-bool saysTheSame(const Code& a, const Code& b)
+bool haveSameContent(const Code& a, const Code& b)
 {
   return a.type == b.type && a.data == b.data;
 }
 
 bool isSame(const Code& a, const Code& b)
 {
-  return saysTheSame(a, b) && (a.type != "qr" || holds(a, middleOf(b)) || holds(b, middleOf(a)));
+  return haveSameContent(a, b) && (a.type != "qr" || contains(a, middleOf(b)) || contains(b, middleOf(a)));
 }
 
 void follow(std::vector<CodeTrack>& tracks, double time_s, const Code& code)
 {
   CodeTrack* nearest = nullptr;
-  double least = 0.0;
+  double min_distance = 0.0;
   for (CodeTrack& track : tracks)
   {
-    if (track.seen >= time_s || !saysTheSame(track.code, code)) continue;
+    if (track.seen >= time_s || !haveSameContent(track.code, code)) continue;
     const double distance = cv::norm(middleOf(track.at(time_s)) - middleOf(code));
-    if (nearest && distance >= least) continue;
+    if (nearest && distance >= min_distance) continue;
     nearest = &track;
-    least = distance;
+    min_distance = distance;
   }
   if (!nearest)
   {
@@ -116,7 +116,7 @@ void follow(std::vector<CodeTrack>& tracks, double time_s, const Code& code)
   }
   const double elapsed = time_s - nearest->seen;
   nearest->velocity = (middleOf(code) - middleOf(nearest->code)) / elapsed;
-  nearest->moving = isMotion(least, elapsed, longestSide(code));
+  nearest->moving = isMotion(min_distance, elapsed, longestSide(code));
   nearest->code = code;
   nearest->seen = time_s;
 }
