@@ -6,7 +6,7 @@
 
 using namespace robot_vision;
 
-TEST(ObjectFlow, measuresTheFlowOfTheWholePicture)
+TEST(ObjectFlow, measuresTheFlowOfTheWholeImage)
 {
   ObjectTracker tracker;
   EXPECT_TRUE(tracker.flow().empty());
@@ -17,7 +17,7 @@ TEST(ObjectFlow, measuresTheFlowOfTheWholePicture)
   const std::vector<FlowPoint> flow = tracker.flow(100);
   EXPECT_GT(flow.size(), 60U);
   EXPECT_LE(flow.size(), 100U);
-  // Nearer to the border, a part of a point's window is outside of one of the two pictures.
+  // Nearer to the border, a part of a point's window is outside of one of the two images.
   const cv::Rect2f whole({8.0F, 8.0F}, cv::Size2f(kPicture) - cv::Size2f(16.0F, 16.0F));
   std::size_t right = 0;
   for (const FlowPoint& point : flow)
@@ -30,14 +30,14 @@ TEST(ObjectFlow, measuresTheFlowOfTheWholePicture)
   EXPECT_THROW(tracker.flow(0), std::invalid_argument);
 }
 
-TEST(ObjectFlow, hasNoneOfWhatIsCovered)
+TEST(ObjectFlow, isThatOfTheCoverOrOfTheBackground)
 {
   const cv::Mat cover = blots({120, 160}, 3);
   ObjectTracker tracker;
   std::size_t all = 0, wrong = 0;
   for (int frame = 0; frame <= 10; ++frame)
   {
-    const double left = 12.0 * frame;  // of the cover, which moves by 12 px a frame before the background at rest
+    const double left = 12.0 * frame;  // the cover moves by 12 px per frame in front of the background, which rests
     tracker.update(frame * kPeriod, with(cover, {left + 59.5, 119.5}), "bgr8");
     for (const FlowPoint& point : tracker.flow())
     {

@@ -7,7 +7,7 @@
 
 using namespace robot_vision;
 
-TEST(ObjectSearch, saysThatItIsLostAndFindsItElsewhere)
+TEST(ObjectSearch, reportsALostObjectAndFindsItElsewhere)
 {
   ObjectTracker tracker = selected();
   for (int frame = 1; frame < 30; ++frame)
@@ -21,22 +21,22 @@ TEST(ObjectSearch, saysThatItIsLostAndFindsItElsewhere)
   const cv::Point2d center(80.0, 170.0);
   int missed = 0;
   while (!tracker.update(1.0 + missed * kPeriod, with(kObject, center, 1.3, 0.8), "bgr8").at(0).tracked)
-    ASSERT_LT(++missed, 30);  // a second
+    ASSERT_LT(++missed, 30);  // at most a second
   const TrackedObject found = tracker.objects().at(0);
   EXPECT_LT(distance(found.center, center), 1.0);
   EXPECT_NEAR(found.scale, 1.3, 0.02);
   EXPECT_NEAR(found.angle, 0.8, 0.02);
 }
 
-TEST(ObjectSearch, isNotDrawnAwayByWhatCoversIt)
+TEST(ObjectSearch, isNotDistractedByACover)
 {
   ObjectTracker tracker = selected();
   const cv::Mat cover = blots({120, 120}, 3);
   bool lost = false;
   for (int frame = 1; frame < 60; ++frame)
   {
-    const cv::Mat picture = with(cover, {10.0 + 5.0 * frame, 120.0}, 1.0, 0.0, with(kObject, kStart));
-    const TrackedObject found = tracker.update(frame * kPeriod, picture, "bgr8").at(0);
+    const cv::Mat image = with(cover, {10.0 + 5.0 * frame, 120.0}, 1.0, 0.0, with(kObject, kStart));
+    const TrackedObject found = tracker.update(frame * kPeriod, image, "bgr8").at(0);
     lost |= !found.tracked;
     if (found.tracked) EXPECT_LT(distance(found.center, kStart), 3.0) << frame;
   }
@@ -44,7 +44,7 @@ TEST(ObjectSearch, isNotDrawnAwayByWhatCoversIt)
   EXPECT_TRUE(tracker.objects().at(0).tracked);
 }
 
-TEST(ObjectSearch, findsNothingAgainWhereItIsFollowedAlready)
+TEST(ObjectSearch, doesNotFindAnObjectThatIsFollowedUnderTheSameLabel)
 {
   ObjectTracker tracker = selected();
   EXPECT_EQ(tracker.select(with(kObject, kStart), "bgr8", kRegion, "thing"), 2);
@@ -53,7 +53,7 @@ TEST(ObjectSearch, findsNothingAgainWhereItIsFollowedAlready)
   EXPECT_TRUE(found[0].tracked && !found[1].tracked && found[2].tracked);
 }
 
-TEST(ObjectSearch, selectsInAFrameOfThePast)
+TEST(ObjectSearch, findsAnObjectThatWasSelectedInAnEarlierFrame)
 {
   ObjectTracker tracker;
   const cv::Mat past = with(kObject, kStart), before = past.clone();
@@ -66,7 +66,7 @@ TEST(ObjectSearch, selectsInAFrameOfThePast)
   EXPECT_TRUE(equal(past, before));
 }
 
-TEST(ObjectSearch, searchesTheWholePictureAtIntervals)
+TEST(ObjectSearch, searchesTheWholeImageAtIntervals)
 {
   ObjectTrackerParams params;
   params.search_period = 1.0;
@@ -78,7 +78,7 @@ TEST(ObjectSearch, searchesTheWholePictureAtIntervals)
   EXPECT_TRUE(tracker.update(1.2, elsewhere, "bgr8").at(0).tracked);
 }
 
-TEST(ObjectSearch, losesWhatIsHalfCoveredIfItMustBeSure)
+TEST(ObjectSearch, losesAHalfCoveredObjectIfMinConfidenceIsHigh)
 {
   cv::Mat covered = with(kObject, kStart);
   covered(cv::Rect(kRegion.x, kRegion.y, kRegion.width / 2, kRegion.height)).setTo(cv::Scalar::all(90));
@@ -105,7 +105,7 @@ TEST(ObjectSearch, searchesAfterAJumpInTimeOrSize)
   const TrackedObject found = tracker.update(-4.7, larger, "bgr8").at(0);
   EXPECT_TRUE(found.tracked);
   EXPECT_LT(distance(found.center, {400.0, 300.0}), 1.0);
-  double time = -9.0;  // going back, so that each is searched
+  double time = -9.0;  // goes back, so that each image is searched
   for (const cv::Size tiny : {cv::Size(1, 1), cv::Size(7, 10), cv::Size(16, 640), cv::Size(640, 17)})
     EXPECT_FALSE(tracker.update(time -= 1.0, noise(tiny, CV_8UC1), "mono8").at(0).tracked) << tiny;
   EXPECT_THROW(tracker.update(std::nan(""), larger, "bgr8"), std::invalid_argument);
@@ -114,7 +114,7 @@ TEST(ObjectSearch, searchesAfterAJumpInTimeOrSize)
 namespace
 {
 
-/// In how many of ten cases something is taken for an object that has been in its place before.
+/// The number of cases out of ten in which another object is taken for the one that was at its place before.
 int mistaken(cv::Mat other(const cv::Mat& object, int seed))
 {
   int found = 0;
@@ -132,24 +132,24 @@ int mistaken(cv::Mat other(const cv::Mat& object, int seed))
 
 }  // namespace
 
-TEST(ObjectSearch, saysAtOnceThatItIsGone)
+TEST(ObjectSearch, reportsAtOnceThatAnObjectIsGone)
 {
   ObjectTrackerParams params;
-  params.search_features = 100;  // what it is taken for is where it was
+  params.search_features = 100;  // few, because only false matches at the old place are tested
   std::size_t objects = 0;
-  // Of those of 60 with OpenCV 4.10, and of 1380 with 4.6, points agree by chance at 0.7 of their object's size.
+  // With the seeds 60 (OpenCV 4.10) and 1380 (4.6), points agree by chance at 0.7 of the object's size.
   for (const int seed : {0, 15, 30, 45, 60, 75, 90, 105, 1380})
   {
     ObjectTracker tracker(params);
-    cv::Mat picture = kBackground;
+    cv::Mat image = kBackground;
     std::vector<cv::Rect> regions;
     for (int i = 0; i < 15; ++i)
     {
       regions.emplace_back(10 + 64 * (i % 5), 18 + 80 * (i / 5), 45, 45);
       const cv::Point2d center(regions.back().x + 22.0, regions.back().y + 22.0);
-      picture = with(blots({45, 45}, 200 + seed + i), center, 1.0, 0.0, picture);
+      image = with(blots({45, 45}, 200 + seed + i), center, 1.0, 0.0, image);
     }
-    tracker.update(0.0, picture, "bgr8");
+    tracker.update(0.0, image, "bgr8");
     for (const cv::Rect& region : regions)
       tracker.select(region);
     for (const TrackedObject& object : tracker.update(kPeriod, kBackground, "bgr8"))
@@ -161,11 +161,11 @@ TEST(ObjectSearch, saysAtOnceThatItIsGone)
   EXPECT_EQ(objects, 135U);
 }
 
-TEST(ObjectSearch, takesNothingSimilarForIt)
+TEST(ObjectSearch, doesNotAcceptASimilarObject)
 {
   const auto itself = [](const cv::Mat& object, int) { return object; };
   EXPECT_EQ(mistaken(itself), 10);
-  // Each of its places is alike, but none of them very: the correlation is about 0.63.
+  // All parts of the blend are similar to those of the object, but only by a correlation of about 0.63.
   const auto blend = [](const cv::Mat& object, int seed)
   {
     cv::Mat similar;
@@ -175,7 +175,7 @@ TEST(ObjectSearch, takesNothingSimilarForIt)
   EXPECT_LE(mistaken(blend), 1);
 }
 
-TEST(ObjectSearch, takesNothingForItThatHasAThirdOfIt)
+TEST(ObjectSearch, doesNotAcceptAnObjectThatSharesAThird)
 {
   const auto third = [](const cv::Mat& object, int seed)
   {

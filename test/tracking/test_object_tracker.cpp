@@ -22,7 +22,7 @@ std::string refusalOf(const cv::Rect& region)
 
 }  // namespace
 
-TEST(ObjectTracker, followsWhatMovesTurnsAndGrows)
+TEST(ObjectTracker, followsAnObjectThatMovesRotatesAndGrows)
 {
   ObjectTracker tracker = selected();
   TrackedObject found;
@@ -42,24 +42,24 @@ TEST(ObjectTracker, followsWhatMovesTurnsAndGrows)
   EXPECT_LT(distance(found.velocity, {30.0, 10.0}), 3.0);
   EXPECT_GT(found.confidence, 0.6);
   EXPECT_GT(found.points.size(), 10U);
-  const double c = 1.8 * std::cos(1.2), s = 1.8 * std::sin(1.2);  // at the last frame, of 2 s
+  const double c = 1.8 * std::cos(1.2), s = 1.8 * std::sin(1.2);  // in the last frame, after 2 s
   EXPECT_LT(distance(found.outline[0], found.center + cv::Point2d(-30.0 * c + 25.0 * s, -30.0 * s - 25.0 * c)), 2.0);
   EXPECT_LT(distance(found.outline[2], found.center - cv::Point2d(-30.0 * c + 25.0 * s, -30.0 * s - 25.0 * c)), 2.0);
 }
 
-TEST(ObjectTracker, keepsSeveralApart)
+TEST(ObjectTracker, followsSeveralObjects)
 {
   ObjectTracker tracker;
   const cv::Mat other = blots({50, 50}, 4);
-  const auto picture = [&](double t) {
+  const auto imageAt = [&](double t) {
     return with(other, {249.5 - 20.0 * t, 60.0}, 1.0, 0.0, with(kObject, {60.0 + 30.0 * t, 170.0}));
   };
-  tracker.update(0.0, picture(0.0), "bgr8");
+  tracker.update(0.0, imageAt(0.0), "bgr8");
   EXPECT_EQ(tracker.select({31, 146, 60, 50}, "a"), 1);
   EXPECT_EQ(tracker.select({225, 36, 50, 50}, "b"), 2);
   for (double t = kPeriod; t < 2.0; t += kPeriod)
   {
-    const std::vector<TrackedObject> found = tracker.update(t, picture(t), "bgr8");
+    const std::vector<TrackedObject> found = tracker.update(t, imageAt(t), "bgr8");
     ASSERT_EQ(found.size(), 2U);
     EXPECT_TRUE(found[0].tracked && found[1].tracked);
     EXPECT_LT(distance(found[0].center, {60.5 + 30.0 * t, 170.5}), 1.5);
@@ -70,7 +70,7 @@ TEST(ObjectTracker, keepsSeveralApart)
   ASSERT_EQ(tracker.objects().size(), 1U);
   EXPECT_EQ(tracker.objects()[0].label, "b");
   tracker.clear();
-  EXPECT_TRUE(tracker.update(3.0, picture(0.0), "bgr8").empty());
+  EXPECT_TRUE(tracker.update(3.0, imageAt(0.0), "bgr8").empty());
 }
 
 TEST(ObjectTracker, followsLongAndLargeRegions)
@@ -118,18 +118,18 @@ TEST(ObjectTracker, followsSmallRegions)
       const TrackedObject found = tracker.update(kPeriod, with(patch, moved), "bgr8").at(0);
       if (found.tracked) EXPECT_LT(distance(found.center, moved), 1.0);
     }
-    EXPECT_GE(chosen, side < 20 ? 5 : 10) << side;  // of the others too few points are distinct
+    EXPECT_GE(chosen, side < 20 ? 5 : 10) << side;  // the others have too few distinct points
   }
 }
 
-TEST(ObjectTracker, isTheSameForTheSameFrames)
+TEST(ObjectTracker, givesTheSameResultsForTheSameFrames)
 {
   ObjectTracker a = selected(), b = selected();
   for (int frame = 1; frame < 30; ++frame)
   {
-    const cv::Mat picture = frame % 10 < 3 ? kBackground : with(kObject, kStart + cv::Point2d(2.0 * frame, 0.0));
-    const TrackedObject one = a.update(frame * kPeriod, picture, "bgr8").at(0);
-    const TrackedObject other = b.update(frame * kPeriod, picture, "bgr8").at(0);
+    const cv::Mat image = frame % 10 < 3 ? kBackground : with(kObject, kStart + cv::Point2d(2.0 * frame, 0.0));
+    const TrackedObject one = a.update(frame * kPeriod, image, "bgr8").at(0);
+    const TrackedObject other = b.update(frame * kPeriod, image, "bgr8").at(0);
     EXPECT_EQ(one.tracked, other.tracked);
     EXPECT_EQ(one.outline, other.outline);
     EXPECT_EQ(one.points, other.points);
@@ -137,22 +137,22 @@ TEST(ObjectTracker, isTheSameForTheSameFrames)
   }
 }
 
-TEST(ObjectTracker, saysWhatIsWrongWithASelection)
+TEST(ObjectTracker, namesWhatIsWrongWithASelection)
 {
   EXPECT_EQ(refusalOf(kRegion), "");
-  EXPECT_EQ(refusalOf({300, 0, 30, 30}), "region of 30x30 px at (300, 0) is not inside the picture of 320x240");
-  EXPECT_EQ(refusalOf({-1, 0, 30, 30}), "region of 30x30 px at (-1, 0) is not inside the picture of 320x240");
+  EXPECT_EQ(refusalOf({300, 0, 30, 30}), "region of 30x30 px at (300, 0) is not inside the image of 320x240");
+  EXPECT_EQ(refusalOf({-1, 0, 30, 30}), "region of 30x30 px at (-1, 0) is not inside the image of 320x240");
   EXPECT_EQ(refusalOf({1 << 30, 0, 1 << 30, 30}).find("region of 1073741824x30 px at (1073741824, 0) is not"), 0U);
   EXPECT_EQ(refusalOf({10, 10, 0, 0}),
-            "region of 0x0 px at (10, 10) is too small, must be at least 16x16 px inside the picture of 320x240");
+            "region of 0x0 px at (10, 10) is too small, must be at least 16x16 px inside the image of 320x240");
   ObjectTracker tracker;
-  EXPECT_EQ(refusal([&] { tracker.select(kRegion); }), "there is no picture yet to select a region of");
+  EXPECT_EQ(refusal([&] { tracker.select(kRegion); }), "there is no image yet to select a region of");
   cv::Mat wall = cv::Mat(kPicture, CV_8UC1, cv::Scalar(128)), grain(kPicture, CV_8SC1);
   cv::RNG(1).fill(grain, cv::RNG::NORMAL, 0.0, 5.0);
   cv::add(wall, grain, wall, cv::noArray(), CV_8U);
-  for (const cv::Mat& picture : {wall, cv::Mat(kPicture, CV_8UC1, cv::Scalar(128))})
+  for (const cv::Mat& image : {wall, cv::Mat(kPicture, CV_8UC1, cv::Scalar(128))})
   {
-    tracker.update(0.0, picture, "mono8");
+    tracker.update(0.0, image, "mono8");
     EXPECT_EQ(refusal([&] { tracker.select(kRegion); }),
               "region of 60x50 px at (130, 95) has 0 feature points, must have at least 8: select something with a "
               "pattern");
@@ -161,7 +161,7 @@ TEST(ObjectTracker, saysWhatIsWrongWithASelection)
   EXPECT_THROW(tracker.update(1.0, cv::Mat(), "mono8"), std::invalid_argument);
 }
 
-TEST(ObjectTracker, refusesWhatIsOutOfRange)
+TEST(ObjectTracker, refusesParametersOutOfRange)
 {
   const auto refused = [](auto change)
   {
@@ -183,7 +183,7 @@ TEST(ObjectTracker, refusesWhatIsOutOfRange)
   EXPECT_THROW(tracker.configure(params), std::invalid_argument);
 }
 
-TEST(ObjectTracker, isNotLostWhenTheLightChanges)
+TEST(ObjectTracker, doesNotLoseAnObjectWhenTheLightChanges)
 {
   const auto at = [](int frame) { return cv::Point2d(44.5 + 7.5 * frame, 119.5); };
   for (const bool brighter : {false, true})
@@ -195,18 +195,18 @@ TEST(ObjectTracker, isNotLostWhenTheLightChanges)
       tracker.select({5, 85, 80, 70});
       for (int frame = 1; frame <= 25; ++frame)
       {
-        cv::Mat picture = with(object, at(frame));
-        // There is no flow from one light to the other: only its velocity to go by.
-        if (frame % 2 == 1) picture.convertTo(picture, -1, brighter ? 2.0 : 0.5, brighter ? -100.0 : 0.0);
-        const TrackedObject found = tracker.update(frame * kPeriod, picture, "bgr8").at(0);
+        cv::Mat image = with(object, at(frame));
+        // Flow fails between the two lights, so that the object can only be predicted by its velocity.
+        if (frame % 2 == 1) image.convertTo(image, -1, brighter ? 2.0 : 0.5, brighter ? -100.0 : 0.0);
+        const TrackedObject found = tracker.update(frame * kPeriod, image, "bgr8").at(0);
         ASSERT_TRUE(found.tracked) << frame;
         EXPECT_LT(distance(found.center, at(frame)), 1.0) << frame;
-        EXPECT_GT(found.velocity.x, 0.0) << frame;  // also in the first frame, in which it is found by its features
+        EXPECT_GT(found.velocity.x, 0.0) << frame;  // even in the first frame, in which it is found by its features
       }
     }
 }
 
-TEST(ObjectTracker, followsWhatTurnsFast)
+TEST(ObjectTracker, followsAnObjectThatRotatesFast)
 {
   for (int seed = 40; seed < 43; ++seed)
   {
@@ -224,7 +224,7 @@ TEST(ObjectTracker, followsWhatTurnsFast)
   }
 }
 
-TEST(ObjectTracker, staysWhereItIsWhenAThirdOfItIsCovered)
+TEST(ObjectTracker, followsAnObjectOfWhichAThirdIsCovered)
 {
   for (int seed = 50; seed < 54; ++seed)
   {
@@ -235,16 +235,16 @@ TEST(ObjectTracker, staysWhereItIsWhenAThirdOfItIsCovered)
     tracker.select(region);
     for (int covered = 2; covered <= 30; covered += 2)
     {
-      cv::Mat picture = with(object, kStart);
-      picture(cv::Rect(region.tl(), cv::Size(covered, region.height))).setTo(cv::Scalar::all(90));
-      const TrackedObject found = tracker.update(covered * kPeriod, picture, "bgr8").at(0);
+      cv::Mat image = with(object, kStart);
+      image(cv::Rect(region.tl(), cv::Size(covered, region.height))).setTo(cv::Scalar::all(90));
+      const TrackedObject found = tracker.update(covered * kPeriod, image, "bgr8").at(0);
       EXPECT_TRUE(found.tracked) << covered;
       EXPECT_LT(distance(found.center, kStart), 0.7) << covered;
     }
   }
 }
 
-TEST(ObjectTracker, followsWhatIsFasterThanFlowByItsVelocity)
+TEST(ObjectTracker, followsAnObjectThatIsTooFastForFlowByItsVelocity)
 {
   ObjectTrackerParams params;
   params.search_period = 3600.0;
@@ -261,7 +261,7 @@ TEST(ObjectTracker, followsWhatIsFasterThanFlowByItsVelocity)
   }
 }
 
-TEST(ObjectTracker, followsWhatLeavesThePictureUntilItIsHalfOut)
+TEST(ObjectTracker, followsAnObjectThatLeavesTheImageUntilItIsHalfOutside)
 {
   for (int seed = 30; seed < 34; ++seed)
   {
@@ -274,18 +274,18 @@ TEST(ObjectTracker, followsWhatLeavesThePictureUntilItIsHalfOut)
     {
       const double x = 79.5 - 3.0 * frame;
       found = tracker.update(frame * kPeriod, with(object, {x, 119.5}), "bgr8").at(0);
-      if (x > 8.0) EXPECT_TRUE(found.tracked) << x;  // 60 % are in the picture
+      if (x > 8.0) EXPECT_TRUE(found.tracked) << x;  // 60 % of it are in the image
       if (found.tracked) EXPECT_LT(distance(found.center, {x, 119.5}), 2.0) << x;
     }
     EXPECT_FALSE(found.tracked);
   }
 }
 
-TEST(ObjectTracker, seesNoPointsOutsideOfThePicture)
+TEST(ObjectTracker, seesNoPointsOutsideOfTheImage)
 {
   for (int seed = 0; seed < 6; ++seed)
   {
-    cv::Mat label(160, 180, CV_8UC3, cv::Scalar::all(3));  // as black as what is not there
+    cv::Mat label(160, 180, CV_8UC3, cv::Scalar::all(3));  // almost as black as the pixels outside of the image
     cv::RNG random(static_cast<std::uint64_t>(seed + 1));
     for (int y = 8; y < 140; y += 38)
       for (int x = 8; x < 160; x += 38)
@@ -298,8 +298,8 @@ TEST(ObjectTracker, seesNoPointsOutsideOfThePicture)
     tracker.select({130, 40, 180, 160});
     for (int frame = 1; frame < 40; ++frame)
     {
-      const cv::Mat picture = with(label, {219.5 + 3.0 * frame, 119.5});
-      const TrackedObject found = tracker.update(frame * kPeriod, picture, "bgr8").at(0);
+      const cv::Mat image = with(label, {219.5 + 3.0 * frame, 119.5});
+      const TrackedObject found = tracker.update(frame * kPeriod, image, "bgr8").at(0);
       for (const cv::Point2f& point : found.points)
         EXPECT_LT(point.x, 320.0F) << frame;
     }

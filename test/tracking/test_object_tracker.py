@@ -1,4 +1,4 @@
-"""Parts of photographs that move before other photographs, followed against the truth."""
+"""The tracker follows parts of photographs that move in front of other photographs."""
 
 import itertools
 
@@ -30,7 +30,7 @@ FACE = (160, 20, 160, 200)  # of the astronaut
 
 
 def placement(picture, center, scale, angle):
-    """The affine matrix that puts the middle of a picture there."""
+    """The affine matrix that puts the middle of an image at `center`."""
     height, width = picture.shape[:2]
     c, s = scale * np.cos(angle), scale * np.sin(angle)
     turn = np.array([[c, -s], [s, c]])
@@ -45,7 +45,7 @@ def outline(picture, place):
 
 
 def put(background, picture, place):
-    """The background with the picture before it, as a camera sees it."""
+    """The background with the image in front of it, as a camera sees it."""
     scale = np.hypot(*place[:, 0])
     if scale < 1.0:
         picture = cv2.GaussianBlur(picture, (0, 0), 0.5 / scale)
@@ -73,8 +73,8 @@ def rectangle(left, top, right, bottom):
 
 
 class Show:
-    """An object that wanders, turns, grows to twice and shrinks to half its size, is covered now
-    and then, blurred, lit and noisy; frame by frame."""
+    """Frames of an object that moves, rotates, grows to twice and shrinks to half its size, is
+    covered now and then, and is blurred, lit and noisy."""
 
     def __init__(self, picture, background="coffee", cover="brick", seed=0):
         self._picture = picture
@@ -84,7 +84,7 @@ class Show:
         self._grain = grain.astype(np.int16)
 
     def frame(self, number):
-        """The picture, the object's true outline, and the share of it that is not to be seen."""
+        """The image, the object's true outline, and the share of it that is hidden."""
         t = number / RATE
         center = 319.5 + 190.0 * np.sin(0.9 * t), 239.5 + 110.0 * np.sin(1.3 * t)
         place = placement(
@@ -93,7 +93,7 @@ class Show:
         image = put(self._background, self._picture, place)
         true = outline(self._picture, place)
         hidden = 1.0 - common(true, rectangle(0, 0, *SIZE)) / area(true)
-        left = -340 + 24 * (number % 150 - 90)  # of a bar that passes
+        left = -340 + 24 * (number % 150 - 90)  # left side of a bar that passes
         if 0 <= number % 150 - 90 < 42:
             bar = slice(max(left, 0), min(left + 340, SIZE[0]))
             image[:, bar] = self._cover[:, bar]
@@ -130,7 +130,7 @@ PARTS = {
 
 
 @pytest.mark.parametrize("name", PARTS)
-def test_followed_or_declared_lost_and_found_again(name):
+def test_object_is_followed_or_lost_and_found_again(name):
     picture, background = PARTS[name]
     show = Show(picture, background, "brick" if background != "brick" else "grass")
     tracker = rv.ObjectTracker()
@@ -148,12 +148,12 @@ def test_followed_or_declared_lost_and_found_again(name):
             overlaps.append(iou(found.outline, true))
     assert len(errors) > 0.75 * FRAMES
     assert np.median(errors) < 1.0 and np.percentile(errors, 99) < 5.0, np.max(errors)
-    assert min(overlaps) >= 0.5  # no silent drift
+    assert min(overlaps) >= 0.5  # it does not drift unnoticed
     assert longest_run(missed) <= RATE, longest_run(missed)
 
 
-def test_what_has_become_small_is_found_again():
-    """It shrinks to half its size, is hidden for a third of a second, and comes out elsewhere."""
+def test_object_that_has_become_small_is_found_again():
+    """It shrinks to half its size, is hidden for a third of a second, and appears elsewhere."""
     picture, background = PARTS["cup 90x90"][0], photograph("astronaut", SIZE)
     tracker, tracked = rv.ObjectTracker(), []
     for number in range(60):
@@ -171,7 +171,7 @@ def test_what_has_become_small_is_found_again():
     assert all(tracked[:24]) and all(tracked[-10:])
 
 
-def test_velocity_scale_and_angle_are_the_true_ones():
+def test_velocity_scale_and_angle_are_measured():
     picture, background = part("astronaut", FACE, (100, 120)), photograph("coffee", SIZE)
     tracker = rv.ObjectTracker()
     for number in range(60):
@@ -191,7 +191,7 @@ def test_velocity_scale_and_angle_are_the_true_ones():
     assert len(inside) > 20 and min(inside) >= 0.0
 
 
-def test_a_lamp_that_is_switched_is_no_loss():
+def test_object_is_not_lost_when_the_light_is_switched():
     picture, background = part("astronaut", FACE, (100, 120)), photograph("coffee", SIZE)
     place = placement(picture, (320.0, 240.0), 1.0, 0.0)
     image = put(background, picture, place)
@@ -205,8 +205,8 @@ def test_a_lamp_that_is_switched_is_no_loss():
 
 
 @pytest.mark.parametrize("poster", [None, "astronaut"])
-def test_things_of_the_synthetic_scene(poster):
-    """The poster is always seen; the box turns its other sides to the camera, and is lost."""
+def test_objects_of_the_synthetic_scene(poster):
+    """The poster is always seen; the box shows other sides to the camera, and is lost then."""
     scene = rv.Scene(rv.SceneParams(), photograph(poster) if poster else None)
     trackers = {name: rv.ObjectTracker() for name in ("poster", "box")}
     overlaps, seen = {name: [] for name in trackers}, {name: [] for name in trackers}
@@ -223,9 +223,9 @@ def test_things_of_the_synthetic_scene(poster):
             seen[name].append(found[0].tracked)
             if found[0].tracked:
                 overlaps[name].append(iou(found[0].outline, silhouette))
-    for name, least in (("poster", 0.95), ("box", 0.3)):
+    for name, min_share in (("poster", 0.95), ("box", 0.3)):
         assert min(overlaps[name]) >= 0.5, name
-        assert np.mean(seen[name]) > least, name
+        assert np.mean(seen[name]) > min_share, name
 
 
 def test_three_objects_side_by_side():
@@ -257,11 +257,11 @@ def test_three_objects_side_by_side():
 def test_selecting_in_other_encodings_and_bad_selections():
     gray = cv2.cvtColor(photograph("astronaut", SIZE), cv2.COLOR_BGR2GRAY)
     tracker = rv.ObjectTracker()
-    with pytest.raises(ValueError, match="there is no picture yet"):
+    with pytest.raises(ValueError, match="there is no image yet"):
         tracker.select((10, 10, 50, 50))
     tracker.update(0.0, gray, "mono8")
     for box, text in [
-        ((600, 400, 100, 50), r"region of 100x50 px at \(600, 400\) is not inside the picture of"),
+        ((600, 400, 100, 50), r"region of 100x50 px at \(600, 400\) is not inside the image of"),
         ((10, 10, 15, 50), "is too small, must be at least 16x16 px"),
     ]:
         with pytest.raises(ValueError, match=text):

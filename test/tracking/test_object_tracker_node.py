@@ -1,4 +1,4 @@
-"""The node object_tracker: all ways to select, what it publishes, loss and return."""
+"""The node object_tracker: how objects are selected, followed, lost, found and published."""
 
 import concurrent.futures
 import copy
@@ -28,7 +28,7 @@ from robot_vision.srv import ForgetObject, SelectObject
 from robot_vision.tracking.auto_selection import AutoSelection
 from robot_vision.transport import Frame
 
-RATE = 30.0  # Hz, of the pictures' own time
+RATE = 30.0  # Hz, by the stamps of the images
 ASTRONAUT = cv2.cvtColor(skimage.data.astronaut(), cv2.COLOR_RGB2BGR)
 BACKGROUND = cv2.resize(cv2.cvtColor(skimage.data.coffee(), cv2.COLOR_RGB2BGR), (320, 240))
 OBJECT = cv2.resize(ASTRONAUT[20:220, 160:320], (64, 80), interpolation=cv2.INTER_AREA)
@@ -40,7 +40,7 @@ def region(x, y, picture=OBJECT):
 
 
 def picture(x=None, y=80, other=None):
-    """The background with the object's top left corner at (x, y), and another one elsewhere."""
+    """The background with the object at (x, y) and another one at `other` (top left corners)."""
     image = BACKGROUND.copy()
     if x is not None:
         image[y : y + OBJECT.shape[0], x : x + OBJECT.shape[1]] = OBJECT
@@ -51,7 +51,7 @@ def picture(x=None, y=80, other=None):
 
 
 class Desk:
-    """A camera, the node, and what it says of each frame."""
+    """A camera, the node, and the messages about each frame."""
 
     def __init__(self, start, *arguments, outputs=True):
         self.topic = new_topic()
@@ -70,7 +70,7 @@ class Desk:
         self._forget = rospy.ServiceProxy("/eye/forget", ForgetObject)
 
     def send(self, pixels):
-        """Sends a frame; its stamp."""
+        """Sends a frame, and returns its stamp."""
         sent = message(pixels, "bgr8")
         sent.header.stamp = rospy.Time.from_sec(next(self._numbers) / RATE)
         sent.header.frame_id = "camera"
@@ -78,7 +78,7 @@ class Desk:
         return sent.header.stamp
 
     def show(self, pixels):
-        """Shows a frame; what is tracked in it, and all states by id."""
+        """Sends a frame, and returns the tracked objects and all states by id."""
         stamp = self.send(pixels)
         objects, states = (topic.of(stamp) for topic in (self.objects, self.states))
         assert objects.header.frame_id == states.header.frame_id == "camera"
@@ -88,7 +88,7 @@ class Desk:
         return objects.detections, {track.id: track for track in states.tracks}
 
     def select(self, where, label, pixels):
-        """Selects by the service, while frames go on; its answer."""
+        """Selects by the service while frames are sent, and returns its answer."""
         with concurrent.futures.ThreadPoolExecutor() as pool:
             answer = pool.submit(self._select, where, label)
             while not answer.done():
@@ -123,7 +123,7 @@ def test_select_by_the_service_follow_lose_and_find_again(start):
         found, states = desk.show(picture())
         assert not found and states[1].state == TrackState.LOST
         assert states[1].label == "face" and states[1].confidence == 0 and not states[1].points
-    back = (desk.show(picture(200, 30))[0] for _ in range(30))  # a second
+    back = (desk.show(picture(200, 30))[0] for _ in range(30))  # for a second
     found = next(filter(None, back))
     assert (found[0].center.x, found[0].center.y) == pytest.approx((231.5, 69.5), abs=0.5)
 
@@ -148,7 +148,7 @@ def test_several_objects_and_forgetting_them(start):
     assert desk.show(picture(60, other=(212, 20))) == ([], {})
 
 
-def test_a_selection_by_topic_replaces_unless_several(start):
+def test_selection_by_topic_replaces_objects_unless_several(start):
     desk = Desk(start)
     select = Source("/eye/select", RegionOfInterest)
     select.wait_for()
@@ -156,7 +156,7 @@ def test_a_selection_by_topic_replaces_unless_several(start):
     desk.show(pixels)
 
     def ids_after(where, newest):
-        """All ids, once the newest is there."""
+        """All ids, after the newest object has appeared."""
         select.send(where)
         states = support.wait_for(
             lambda: [found for found in [desk.show(pixels)[1]] if newest in found], "the selection"
@@ -180,16 +180,16 @@ def test_a_selection_by_topic_replaces_unless_several(start):
 @pytest.mark.parametrize(
     "where, text",
     [
-        (region(300, 80), "region of 64x80 px at (300, 80) is not inside the picture of 320x240"),
+        (region(300, 80), "region of 64x80 px at (300, 80) is not inside the image of 320x240"),
         (RegionOfInterest(), "region of 0x0 px at (0, 0) is too small, must be at least 16x16 px"),
-        (region(2**32 - 1, 2**32 - 1), "is not inside the picture of 320x240"),
+        (region(2**32 - 1, 2**32 - 1), "is not inside the image of 320x240"),
         (region(4, 4, np.zeros((60, 60))), "region of 60x60 px at (4, 4) has 0 feature points"),
     ],
 )
 def test_bad_selections_are_answered_and_logged(start, where, text):
     desk = Desk(start)
     pixels = picture(100)
-    pixels[:70, :70] = 90  # a wall
+    pixels[:70, :70] = 90  # has no features
     desk.show(pixels)
     answer = desk.select(where, "nothing", pixels)
     assert not answer.success and text in answer.message and answer.id == -1
@@ -198,13 +198,13 @@ def test_bad_selections_are_answered_and_logged(start, where, text):
     assert desk.select(region(100, 80), "face", pixels).success
 
 
-def test_a_selection_is_followed_while_nobody_subscribes(start, diagnostics):
+def test_selection_is_followed_while_nobody_subscribes(start, diagnostics):
     desk = Desk(start, "_diagnostic_period:=0.1", outputs=False)
     idle = "idle: nobody subscribes"
     support.wait_for(lambda: diagnostics.next("eye").message == idle, idle)
     answer = desk.select(region(40, 80), "face", picture(40))
     assert (answer.success, answer.id) == (True, 1)
-    for step in range(1, 21):  # it is gone from where it was when somebody looks
+    for step in range(1, 21):  # the object has moved far away before anybody subscribes
         desk.send(picture(40 + 5 * step))
         rospy.sleep(0.03)
     desk.objects = support.Messages("/eye/object", DetectionArray)
@@ -221,7 +221,7 @@ def test_a_selection_is_followed_while_nobody_subscribes(start, diagnostics):
     support.wait_for(lambda: diagnostics.next("eye").message == idle, idle)
 
 
-def test_a_service_call_without_frames_is_answered(start):
+def test_service_call_without_frames_is_answered(start):
     desk = Desk(start, outputs=False)
     answer = rospy.ServiceProxy("/eye/select_object", SelectObject)(region(40, 80), "face")
     assert not answer.success
@@ -229,7 +229,7 @@ def test_a_service_call_without_frames_is_answered(start):
     assert desk.process.running()
 
 
-def test_a_selection_after_a_pause_is_made_in_a_new_frame(start, diagnostics):
+def test_selection_after_a_pause_is_made_in_a_new_frame(start, diagnostics):
     desk = Desk(start, "_diagnostic_period:=0.1", outputs=False)
     assert desk.select(region(40, 80), "face", picture(40)).success
     assert desk.forget(1).success
@@ -242,20 +242,20 @@ def test_a_selection_after_a_pause_is_made_in_a_new_frame(start, diagnostics):
     assert [(track.id, track.state) for track in states.tracks] == [(2, TrackState.TRACKED)]
 
 
-def test_of_selections_that_wait_for_a_frame_the_last_one_counts(start):
+def test_last_of_several_selections_without_a_frame_counts(start):
     desk = Desk(start)
     selector = Source("/eye/select", RegionOfInterest)
     selector.wait_for()
     for x in (200, 120, 40):
         selector.send(region(x, 80))
-    rospy.sleep(0.3)  # they have come, or the next frames show so
+    rospy.sleep(0.3)  # until they have arrived; the next frames would show if not
     states = support.wait_for(lambda: desk.show(picture(40))[1], "the object")
     assert set(states) == {1}
     (found,), _ = desk.show(picture(44))
     assert found.center.x == pytest.approx(75.5, abs=0.5)
 
 
-def test_flow_is_that_of_the_whole_picture(start):
+def test_flow_is_that_of_the_whole_image(start):
     desk = Desk(start)
     flows = support.Messages("/eye/flow", Flow)
     support.wait_for(flows.connected, "the flow")
@@ -270,7 +270,7 @@ def test_flow_is_that_of_the_whole_picture(start):
     assert np.median(velocities, axis=0) == pytest.approx((60.0, -30.0), abs=1.0)
 
 
-def test_overlay_shows_what_is_tracked_and_says_what_is_lost(start):
+def test_overlay_shows_tracked_objects_and_names_lost_ones(start):
     desk = Desk(start)
     overlays = support.Messages("/eye/processed_image", Image)
     support.wait_for(overlays.connected, "the overlay")
@@ -296,7 +296,7 @@ def test_overlay_shows_what_is_tracked_and_says_what_is_lost(start):
 
 
 class Finder:
-    """Another node that finds things."""
+    """Another node, which publishes detections."""
 
     def __init__(self):
         self._source = Source("/finder/found", DetectionArray)
@@ -304,9 +304,9 @@ class Finder:
         self._sent = 0
 
     def found_at(self, stamp, *things):
-        """Says that (label, box) or (label, box, id) were found in the frame of this stamp.
+        """Publishes (label, box) or (label, box, id) as found in the frame with this stamp.
 
-        The node has received it then: it does not look for what comes many frames late.
+        Waits until the node has received them, because it ignores detections many frames late.
         """
         array = DetectionArray(width=320, height=240)
         array.header.stamp = stamp
@@ -319,7 +319,7 @@ class Finder:
         support.wait_for(lambda: self._received() == self._sent, "the detections")
 
     def _received(self):
-        """How many messages the node has received."""
+        """The number of messages that the node has received."""
         _, _, (_, subscribed, _) = support.node_api("/eye").getBusStats("/test")
         ((_, _, count, *_),) = dict(subscribed)[self._source.topic]  # one connection: number, bytes
         return count
@@ -339,7 +339,7 @@ def test_detections_of_another_node_are_selected(start):
     stamp = desk.send(picture(40, other=(250, 20)))
     desk.states.of(stamp)
     desk.show(picture(44, other=(250, 20)))
-    # Two frames late, something with another label first, and one more than there is room for.
+    # The message is two frames late, begins with another label, and has one object too many.
     suit = region(250, 20, SMALL)
     finder.found_at(stamp, ("suit", suit), ("face", region(40, 80)), ("face", suit))
 
@@ -349,7 +349,7 @@ def test_detections_of_another_node_are_selected(start):
     (found,) = support.wait_for(tracked, "the detection to be followed")
     assert (found.label, found.id) == ("face", 1)
     assert found.center.x == pytest.approx(77.5, abs=0.5)
-    for step in range(10):  # found again and again, it stays the same; another has no room
+    for step in range(10):  # detected again it stays the same object; there is no room for another
         x = 46 + 2 * step
         stamp = desk.send(picture(x, other=(250, 20)))
         finder.found_at(stamp, ("face", region(x, 80)), ("face", region(250, 20, SMALL)))
@@ -358,7 +358,7 @@ def test_detections_of_another_node_are_selected(start):
 
 
 class Selector:
-    """An ObjectTracker that only notes what is selected."""
+    """An ObjectTracker that only records the selections."""
 
     def __init__(self):
         self.selected = []
@@ -368,7 +368,7 @@ class Selector:
         return len(self.selected)
 
 
-def test_of_thousands_of_detections_the_best_are_looked_at(log):
+def test_only_the_best_of_thousands_of_detections_are_used(log):
     boxes = [region(x, y, SMALL) for y in range(0, 5000, 100) for x in range(0, 6000, 100)]
     array = DetectionArray(detections=[Detection(box=box, id=-1) for box in boxes])
     order = np.random.default_rng(1).permutation(len(boxes))
@@ -388,11 +388,11 @@ def test_of_thousands_of_detections_the_best_are_looked_at(log):
 
 
 @pytest.mark.parametrize("ids", [(), (7,)], ids=["followed by place", "followed by id"])
-def test_only_what_is_found_for_long_is_selected(start, ids):
-    """The suit is missed for three frames, the face is found in all."""
+def test_only_objects_detected_for_long_enough_are_selected(start, ids):
+    """The suit is not detected in three frames, the face in all."""
     desk = Desk(start, "_auto_select:=true", "_auto_after:=0.19", "detections:=/finder/found")
     finder = Finder()
-    for step in range(7):  # in the seventh frame the face was found for 0.2 s
+    for step in range(7):  # in the seventh frame the face has been detected for 0.2 s
         pixels = picture(40 + 2 * step, other=(250, 20))
         stamp = desk.send(pixels)
         things = [("face", region(40 + 2 * step, 80), *ids)]
@@ -408,7 +408,7 @@ def test_only_what_is_found_for_long_is_selected(start, ids):
     assert found.center.x == pytest.approx(40 + 2 * step + 31.5, abs=0.5)
 
 
-def test_what_is_lost_for_long_is_forgotten(start):
+def test_objects_lost_for_long_are_forgotten(start):
     desk = Desk(start, "_forget_after:=0.49")
     desk.show(picture(40))
     desk.select(region(40, 80), "face", picture(40))
@@ -417,8 +417,8 @@ def test_what_is_lost_for_long_is_forgotten(start):
     assert kept == [True] * 15 + [False] * 5
 
 
-def test_a_rectangle_dragged_in_the_launch_file_s_window_is_followed(start, display):
-    """The scene's poster, from the picture on the screen to the messages."""
+def test_rectangle_dragged_in_the_launch_files_window_is_followed(start, display):
+    """The scene's poster, from the image on the screen to the messages."""
     start("camera_node", "__name:=usb_cam", "_source:=synthetic")
     start("/usr/bin/roslaunch", "robot_vision", "object_tracker.launch", "view:=true")
     objects = support.Messages("/object_tracker/object", DetectionArray)

@@ -48,40 +48,44 @@ struct ObjectTrackerParams
 /// Throws std::invalid_argument naming the first parameter out of range, its value and the range.
 void validate(const ObjectTrackerParams& params);
 
-/// An object in a frame. If it is lost, outline, centre, scale and angle are those of the last frame it was seen in.
+/// An object in a frame. If it is lost, outline, centre, scale and angle are those of the last frame in which it was
+/// seen.
 struct TrackedObject
 {
   int id = 0;
   std::string label;
-  bool tracked = false;                // seen in this frame; else lost
-  std::array<cv::Point2d, 4> outline;  // px: what was the region's top left, top right, bottom right, bottom left
-  cv::Point2d center;                  // px
-  double scale = 1.0;                  // size, 1 when it was selected
-  double angle = 0.0;                  // rad, by which it has turned since, clockwise as seen, -pi to pi
-  cv::Point2d velocity;                // px/s of the centre, filtered; 0 if it is lost
-  double confidence = 0.0;             // share of its points that are seen, 0 to 1; 0 if it is lost
-  std::vector<cv::Point2f> points;     // px, those seen; none if it is lost
+  bool tracked = false;  // seen in this frame, otherwise lost
+  std::array<cv::Point2d, 4>
+      outline;                      // px: the selected region's top left, top right, bottom right, bottom left corner
+  cv::Point2d center;               // px
+  double scale = 1.0;               // size relative to that when it was selected
+  double angle = 0.0;               // rad, rotation since it was selected, clockwise in the image, -pi to pi
+  cv::Point2d velocity;             // px/s of the centre, filtered; 0 if it is lost
+  double confidence = 0.0;          // share of its points that are seen, 0 to 1; 0 if it is lost
+  std::vector<cv::Point2f> points;  // px, the points that are seen; none if it is lost
 };
 
-/// How a point of the picture moves.
+/// The motion of a point of the image.
 struct FlowPoint
 {
   cv::Point2f position;  // px, in the newest frame
   cv::Point2f velocity;  // px/s
 };
 
-/// Follows selected objects from frame to frame, as pictures that are shifted, turned and scaled.
+/// Follows selected objects from frame to frame, as flat patterns that are shifted, rotated and scaled.
 ///
 /// Feature points (Shi, Tomasi: Good Features to Track, 1994) are followed from the last frame by pyramidal
-/// Lucas-Kanade flow there and back. The similarity that most of them agree with is then corrected by the same flow
-/// from the object's first appearance, and is believed only if enough of the points still look as they did: errors do
-/// not add up, and an object that is covered, has left or has turned away is lost in that frame, not followed to
-/// somewhere else. Lost objects are searched for where they were last seen in every frame, and by their ORB features in
-/// the whole picture at intervals; what is found must look as the object did. No clock is read, and no chance is
-/// involved.
+/// Lucas-Kanade flow, there and back. The similarity transform that most of them agree with is then corrected by the
+/// same flow from the object's first appearance. It is accepted only if enough of the points still look as they did at
+/// first, so that errors do not add up, and an object that is covered, has left the image or has turned away is lost at
+/// once instead of being followed to a wrong place.
 ///
-/// A pattern that repeats is followed to its next repetition if it moves by about half of one between two frames, and
-/// of two objects that look the same one may be found in the place of the other. Not for two threads at once.
+/// Lost objects are searched for in every frame at the place where they were seen last, and at intervals in the whole
+/// image by their ORB features; what is found must look as the object did at first. No clock is read, and the results
+/// do not depend on chance.
+///
+/// A repeating pattern that moves by about half of its period between two frames is followed to its next repetition,
+/// and of two objects that look the same one may be found in the place of the other. Not thread-safe.
 class ObjectTracker
 {
 public:
@@ -91,34 +95,35 @@ public:
   ObjectTracker(ObjectTracker&&) noexcept;
   ObjectTracker& operator=(ObjectTracker&&) noexcept;
 
-  /// Parameters from the next frame on; objects stay, with the points that they have.
+  /// Sets the parameters from the next frame on. Objects are kept, with the points that they have.
   /// Throws std::invalid_argument as validate() does.
   void configure(const ObjectTrackerParams& params);
 
-  /// Selects what is in a region (px) of the newest frame, and returns its id: 1, 2, ... Throws std::invalid_argument
-  /// if there is no frame yet, the region is not inside of the picture, is smaller than 16x16 px, or has no features.
+  /// Selects the object in a region (px) of the newest frame, and returns its id: 1, 2, ... Throws
+  /// std::invalid_argument if there is no frame yet, or if the region is not inside of the image, is smaller than 16x16
+  /// px, or has too few features.
   int select(const cv::Rect& region, const std::string& label = "");
 
-  /// Selects what is in a region of a frame of the past; it is lost until it is found in the next frame.
+  /// Selects the object in a region of an earlier frame. It counts as lost until it is found in the next frame.
   int select(const cv::Mat& image, const std::string& encoding, const cv::Rect& region, const std::string& label = "");
 
-  /// Forgets an object; whether there was one.
+  /// Forgets an object. Returns whether there was one with this id.
   bool forget(int id);
 
   /// Forgets all objects.
   void clear();
 
-  /// The objects in the frame of `time_s` (s, of any clock), in the order in which they were selected. In a frame of
-  /// another size than the last, or of an earlier time, they are searched for as if they had been lost. `image` is not
-  /// modified. Throws std::invalid_argument if `image` is not a picture of `encoding` (see encoding.hpp), and for a
-  /// time that is not finite.
+  /// Follows the objects into the frame at `time_s` (s, of any clock), and returns them in the order in which they were
+  /// selected. In a frame of another size than the last one, or of an earlier time, they are searched for as if they
+  /// had been lost. `image` is not modified. Throws std::invalid_argument if `image` is not of `encoding` (see
+  /// encoding.hpp), and for a time that is not finite.
   std::vector<TrackedObject> update(double time_s, const cv::Mat& image, const std::string& encoding);
 
-  /// The objects as update() has returned them, and those selected since.
+  /// The objects as update() has returned them, and those that were selected since.
   std::vector<TrackedObject> objects() const;
 
-  /// How the picture has moved from the last frame but one to the newest, at up to `count` of its feature points; none
-  /// where that cannot be said: after the first frame, one of another size, or of no later time.
+  /// The optical flow from the last frame but one to the newest at up to `count` feature points. Nothing after the
+  /// first frame, after one of another size, and after one whose time is not later.
   std::vector<FlowPoint> flow(int count = 200);
 
 private:

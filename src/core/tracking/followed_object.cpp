@@ -10,9 +10,9 @@ namespace robot_vision
 namespace
 {
 
-constexpr int kMinPoints = 5;             // that a similarity is believed by
-constexpr double kMaxFlowError = 2.0;     // px by which flow may differ from a similarity
-constexpr double kMaxScaleChange = 1.25;  // times, at most, from one frame to the next: five points may agree by chance
+constexpr int kMinPoints = 5;             // points that must agree on a similarity
+constexpr double kMaxFlowError = 2.0;     // px by which flow may deviate from a similarity
+constexpr double kMaxScaleChange = 1.25;  // factor from frame to frame; beyond it five points agree only by chance
 
 }  // namespace
 
@@ -22,10 +22,10 @@ FollowedObject::FollowedObject(int id, const std::string& label, const cv::Mat& 
 {
   state_.id = id;
   state_.label = label;
-  describe();
+  updateState();
 }
 
-void FollowedObject::markSeen()
+void FollowedObject::setSeen()
 {
   seen_.resize(model_.points().size());
   std::iota(seen_.begin(), seen_.end(), std::size_t{0});
@@ -34,13 +34,13 @@ void FollowedObject::markSeen()
   state_.points = pose_(model_.points());
 }
 
-void FollowedObject::lose()
+void FollowedObject::setLost()
 {
-  hide();
+  clearState();
   last_.reset();
 }
 
-void FollowedObject::hide()
+void FollowedObject::clearState()
 {
   seen_.clear();
   state_.tracked = false;
@@ -52,18 +52,18 @@ void FollowedObject::hide()
 void FollowedObject::follow(FramePair& frames, const ObjectTrackerParams& params)
 {
   last_ = Motion{state_.center, state_.velocity};
-  const ModelFit fit = fitAt(startOf(frames), frames, params.min_similarity);
+  const ModelFit fit = fitAt(predictedPose(frames), frames, params.min_similarity);
   const double growth = fit.pose.scale() / pose_.scale();
   if (growth > kMaxScaleChange || growth < 1.0 / kMaxScaleChange ||
       !accept(fit, params.min_confidence, frames, params.smoothing))
-    hide();
+    clearState();
 }
 
-/// Where flow has brought it, as far as its points agree; else where its velocity has.
-Similarity FollowedObject::startOf(FramePair& frames) const
+/// The pose that flow gives, or that the velocity gives if the points do not agree.
+Similarity FollowedObject::predictedPose(FramePair& frames) const
 {
   Similarity predicted = pose_;
-  predicted.shift += state_.velocity * frames.passed;
+  predicted.shift += state_.velocity * frames.elapsed;
   std::vector<cv::Point2f> of_model, points;
   for (const std::size_t i : seen_)
   {
@@ -94,25 +94,25 @@ bool FollowedObject::accept(const ModelFit& fit, double min_confidence, const Fr
   seen_ = fit.seen;
   state_.tracked = true;
   state_.confidence = confidence;
-  state_.points = fit.where;
-  describe();
-  state_.velocity = last_ ? velocityFrom(*last_, frames.passed, smoothing) : cv::Point2d();
+  state_.points = fit.positions;
+  updateState();
+  state_.velocity = last_ ? velocityFrom(*last_, frames.elapsed, smoothing) : cv::Point2d();
   return true;
 }
 
-/// After a motion in the last frame: smoothed, and none if it is further than its own size from where that led.
-cv::Point2d FollowedObject::velocityFrom(const Motion& last, double passed, double smoothing) const
+/// The filtered velocity. It is 0 if the object is further than its own size from where the last motion led.
+cv::Point2d FollowedObject::velocityFrom(const Motion& last, double elapsed, double smoothing) const
 {
-  if (passed < kMinInterval) return last.velocity;
-  const cv::Point2d off = state_.center - last.center - last.velocity * passed;
+  if (elapsed < kMinInterval) return last.velocity;
+  const cv::Point2d error = state_.center - last.center - last.velocity * elapsed;
   const std::vector<cv::Point2f> outline(state_.outline.begin(), state_.outline.end());
-  if (off.ddot(off) > cv::contourArea(outline)) return {};
-  const double share = smoothing > 0.0 ? 1.0 - std::exp(-passed / smoothing) : 1.0;
-  return last.velocity + share / passed * off;
+  if (error.ddot(error) > cv::contourArea(outline)) return {};
+  const double gain = smoothing > 0.0 ? 1.0 - std::exp(-elapsed / smoothing) : 1.0;
+  return last.velocity + gain / elapsed * error;
 }
 
-/// Writes the pose into the state.
-void FollowedObject::describe()
+/// Writes the pose into the state that users see.
+void FollowedObject::updateState()
 {
   const std::vector<cv::Point2f>& corners = model_.corners();
   std::transform(corners.begin(), corners.end(), state_.outline.begin(),

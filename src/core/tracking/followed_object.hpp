@@ -13,47 +13,49 @@
 namespace robot_vision
 {
 
-constexpr double kMinInterval = 1e-3;  // s, in which a velocity can be measured
+constexpr double kMinInterval = 1e-3;  // s, the shortest time in which a velocity can be measured
 
-/// Two frames, one after the other, and what is needed to follow something from one to the next.
+/// The last two frames, between which objects are followed.
 struct FramePair
 {
-  /// Whether a velocity can be measured in that time.
-  bool measurable() const { return passed >= kMinInterval; }
+  /// Whether the time between them is long enough to measure a velocity.
+  bool isLongEnough() const { return elapsed >= kMinInterval; }
 
   FlowImage last, newest;
-  double passed = 0.0;  // s from one to the other; 0 if they cannot be compared
+  double elapsed = 0.0;  // s between them; 0 if they cannot be compared
   FlowParams flow;
 };
 
-/// One object of an ObjectTracker: what it looks like, and where it was seen last.
+/// One object of an ObjectTracker: its appearance, and where it was seen last.
 class FollowedObject
 {
 public:
-  /// In a region of a gray picture (CV_8UC1), lost at first. Throws std::invalid_argument as ObjectModel does.
+  /// Makes an object of a region of a gray image (CV_8UC1); it counts as lost at first. Throws std::invalid_argument as
+  /// ObjectModel does.
   FollowedObject(int id, const std::string& label, const cv::Mat& gray, const cv::Rect& region, int points);
 
   const TrackedObject& state() const { return state_; }
   const Features& features() const { return features_; }
   const Similarity& pose() const { return pose_; }
-  /// Where it was when it was selected.
+  /// The pose that it was selected in.
   const Similarity& firstPose() const { return model_.firstPose(); }
-  /// Its outline, were it there.
+  /// The outline that it has in a pose.
   std::vector<cv::Point2f> outlineAt(const Similarity& pose) const { return pose(model_.corners()); }
 
-  /// It is where it was in the picture that it was selected in.
-  void markSeen();
+  /// Makes it tracked in the pose that it was selected in.
+  void setSeen();
 
-  /// It was not seen in the last frame, or that cannot be compared with the newest.
-  void lose();
+  /// Makes it lost, because it was not seen in the last frame or that cannot be compared with the newest.
+  void setLost();
 
-  /// Follows it from the last frame to the newest. If that fails it is not there, but may be found in the same frame.
+  /// Follows it from the last frame to the newest. If that fails it is lost, but may be found in the same frame.
   void follow(FramePair& frames, const ObjectTrackerParams& params);
 
-  /// How it would look where it is searched for.
+  /// Fits the model to the newest frame, beginning with a pose.
   ModelFit fitAt(const Similarity& pose, FramePair& frames, double min_similarity) const;
 
-  /// It is there if that share of its points is seen; whether it is. `smoothing` as in the parameters.
+  /// Makes it tracked in the pose of a fit, if at least `min_confidence` of its points are seen. Returns whether they
+  /// are. `smoothing` is that of ObjectTrackerParams.
   bool accept(const ModelFit& fit, double min_confidence, const FramePair& frames, double smoothing);
 
 private:
@@ -62,16 +64,16 @@ private:
     cv::Point2d center, velocity;
   };
 
-  void hide();
-  cv::Point2d velocityFrom(const Motion& last, double passed, double smoothing) const;
-  Similarity startOf(FramePair& frames) const;
-  void describe();
+  void clearState();
+  cv::Point2d velocityFrom(const Motion& last, double elapsed, double smoothing) const;
+  Similarity predictedPose(FramePair& frames) const;
+  void updateState();
 
   ObjectModel model_;
   Features features_;
   Similarity pose_;
-  std::vector<std::size_t> seen_;  // the model's points that were in the last frame
-  std::optional<Motion> last_;     // in the last frame, if it was seen there
+  std::vector<std::size_t> seen_;  // indices of the model's points that were seen last
+  std::optional<Motion> last_;     // its motion in the last frame, if it was seen there
   TrackedObject state_;
 };
 

@@ -12,15 +12,15 @@ namespace robot_vision
 namespace
 {
 
-constexpr int kMaxModelSide = 96;        // px of a model
-constexpr int kMinRegionSide = 16;       // px of a region
-constexpr double kUpscaledSide = 48.0;   // px of the model of a small one
+constexpr int kMaxModelSide = 96;        // px
+constexpr int kMinRegionSide = 16;       // px
+constexpr double kUpscaledSide = 48.0;   // px, shorter side of the model of a small region
 constexpr int kMinPoints = 8;            // of a region that can be followed
-constexpr int kBorderWidth = 3;          // px of the model at whose edge there are no points
-constexpr int kWindow = 13;              // px around a point that are compared
-constexpr double kMinContrast = 6e-5;    // least eigenvalue of the gradients around a point
-constexpr double kMaxPointError = 0.04;  // of the model's side, by which a point may be off: nothing is flat and rigid
-constexpr int kIterations = 2;           // of corrections: the first brings far away points into view
+constexpr int kBorderWidth = 3;          // px along the edge of the model that have no points
+constexpr int kWindow = 13;              // px, side of the window around a point that is compared
+constexpr double kMinContrast = 6e-5;    // smallest eigenvalue of the gradients around a point
+constexpr double kMaxPointError = 0.04;  // of the model's side; objects are neither quite flat nor quite rigid
+constexpr int kIterations = 2;           // of corrections; the first may bring more points into view
 const cv::Size kFlowWindow(13, 13);
 constexpr int kFlowLevels = 2;
 
@@ -30,25 +30,26 @@ std::string text(const cv::Rect& r)
          std::to_string(r.y) + ")";
 }
 
-void checkRegion(const cv::Size& picture, const cv::Rect& region)
+void checkRegion(const cv::Size& image, const cv::Rect& region)
 {
-  const std::string size = std::to_string(picture.width) + "x" + std::to_string(picture.height);
-  const auto refuse = [&](const std::string& why)
-  { throw std::invalid_argument("region of " + text(region) + " " + why + " the picture of " + size); };
+  const std::string size = std::to_string(image.width) + "x" + std::to_string(image.height);
+  const auto refuse = [&](const std::string& reason)
+  { throw std::invalid_argument("region of " + text(region) + " " + reason + " the image of " + size); };
   const std::int64_t right = std::int64_t{region.x} + region.width, bottom = std::int64_t{region.y} + region.height;
   if (region.width < kMinRegionSide || region.height < kMinRegionSide)
     refuse("is too small, must be at least 16x16 px inside");
-  if (region.x < 0 || region.y < 0 || right > picture.width || bottom > picture.height) refuse("is not inside");
+  if (region.x < 0 || region.y < 0 || right > image.width || bottom > image.height) refuse("is not inside");
 }
 
+/// Smooths pixels so that patches can be compared that differ in noise, blur and resolution.
 cv::Mat smoothed(const cv::Mat& pixels)
 {
-  cv::Mat smooth;  // what is compared has been noisy, blurred, larger and smaller
+  cv::Mat smooth;
   cv::GaussianBlur(pixels, smooth, {5, 5}, 1.2);
   return smooth;
 }
 
-/// The strongest corners that have some contrast at all.
+/// The strongest corners whose contrast is large enough.
 std::vector<cv::Point2f> findPoints(const cv::Mat& pixels, int count)
 {
   const int block = 7;
@@ -62,7 +63,7 @@ std::vector<cv::Point2f> findPoints(const cv::Mat& pixels, int count)
   return points;
 }
 
-/// Mean 0 and norm 1; nothing if there is no contrast.
+/// Gives a window the mean 0 and the norm 1. Returns false if it has no contrast.
 bool normalize(cv::Mat& window)
 {
   window -= cv::mean(window)[0];
@@ -79,8 +80,9 @@ cv::Mat windowAt(const cv::Mat& pixels, const cv::Point2f& point)
   return window;
 }
 
-/// Gives the pixels the brightness and contrast of the model, judged by those that are alike: the rest is covered.
-void matchLight(cv::Mat& pixels, const cv::Mat& model)
+/// Gives the pixels the brightness and contrast of the model, fitted to those pixels that agree, as others may be
+/// covered.
+void matchBrightness(cv::Mat& pixels, const cv::Mat& model)
 {
   double gain = 1.0, offset = 0.0, limit = 1e9;
   for (int round = 0; round < 3; ++round)
@@ -91,7 +93,7 @@ void matchLight(cv::Mat& pixels, const cv::Mat& model)
       {
         const double from = pixels.at<uchar>(row, column), to = model.at<uchar>(row, column);
         const double error = gain * from + offset - to;
-        if (from == 0.0 || std::abs(error) > limit) continue;  // 0: outside of the picture
+        if (from == 0.0 || std::abs(error) > limit) continue;  // pixels outside of the image are 0
         n += 1, x += from, y += to, xx += from * from, xy += from * to, errors += error * error;
       }
     const double variance = n * xx - x * x;
@@ -109,7 +111,7 @@ ObjectModel::ObjectModel(const cv::Mat& gray, const cv::Rect& region, int points
 {
   checkRegion(gray.size(), region);
   const double longest = std::max(region.width, region.height), shortest = std::min(region.width, region.height);
-  // What is small is enlarged: its points keep a distance from its edge and from each other.
+  // Small regions are enlarged, because points keep a distance from the edge and from each other.
   const double larger = std::max(1.0, std::min(kMaxModelSide / longest, kUpscaledSide / shortest));
   const double shrunk = std::min(larger, std::max(kMaxModelSide / longest, kMinRegionSide / shortest));
   cv::Mat small;
@@ -126,7 +128,7 @@ ObjectModel::ObjectModel(const cv::Mat& gray, const cv::Rect& region, int points
     windows_.push_back(windowAt(pixels_, point));
     normalize(windows_.back());
   }
-  const double scale = 1.0 / shrunk, half = 0.5 * (scale - 1.0);  // pixels' middles, not their corners, are whole
+  const double scale = 1.0 / shrunk, half = 0.5 * (scale - 1.0);  // integer coordinates are those of pixel centres
   first_pose_ = {scale, 0.0, {region.x + half, region.y + half}};
   const auto right = static_cast<float>(region.width * shrunk - 0.5);
   const auto bottom = static_cast<float>(region.height * shrunk - 0.5);
@@ -134,10 +136,10 @@ ObjectModel::ObjectModel(const cv::Mat& gray, const cv::Rect& region, int points
   center_ = {0.5 * (right - 0.5), 0.5 * (bottom - 0.5)};
 }
 
-cv::Mat ObjectModel::warped(FlowImage& picture, const FlowParams& params, const Similarity& pose) const
+cv::Mat ObjectModel::warped(FlowImage& image, const FlowParams& params, const Similarity& pose) const
 {
-  int halvings = cvRound(std::log2(std::max(pose.scale(), 1.0)));  // or far apart pixels would be taken
-  const cv::Mat& pixels = picture.halved(params, halvings);
+  int halvings = cvRound(std::log2(std::max(pose.scale(), 1.0)));  // avoids aliasing
+  const cv::Mat& pixels = image.halved(params, halvings);
   const double factor = std::ldexp(1.0, -halvings);
   const Similarity smaller{pose.a * factor, pose.b * factor, pose.shift * factor};
   cv::Mat patch;
@@ -165,18 +167,18 @@ std::vector<std::size_t> ObjectModel::findIn(const cv::Mat& patch, double min_si
   return alike;
 }
 
-ModelFit ObjectModel::fit(FlowImage& picture, const FlowParams& params, const Similarity& pose,
+ModelFit ObjectModel::fit(FlowImage& image, const FlowParams& params, const Similarity& pose,
                           double min_similarity) const
 {
   ModelFit result{pose, {}, {}};
   const double tolerance = std::max(1.5, kMaxPointError * std::sqrt(static_cast<double>(pixels_.total())));
-  const cv::Rect2d inside({0.0, 0.0}, cv::Size2d(picture.size()));
+  const cv::Rect2d inside({0.0, 0.0}, cv::Size2d(image.size()));
   for (int round = 0; round < kIterations; ++round)
   {
     result.seen.clear();
-    result.where.clear();
-    cv::Mat patch = warped(picture, params, result.pose);
-    matchLight(patch, pixels_);
+    result.positions.clear();
+    cv::Mat patch = warped(image, params, result.pose);
+    matchBrightness(patch, pixels_);
     std::vector<cv::Point2f> found, from, to;
     std::vector<std::size_t> alike = findIn(patch, min_similarity, found);
     const auto is_outside = [&](std::size_t i) { return !inside.contains(result.pose(cv::Point2d(found[i]))); };
@@ -192,7 +194,7 @@ ModelFit ObjectModel::fit(FlowImage& picture, const FlowParams& params, const Si
     {
       if (cv::norm((*correction)(cv::Point2d(points_[i])) - cv::Point2d(found[i])) > tolerance) continue;
       result.seen.push_back(i);
-      result.where.emplace_back(result.pose(cv::Point2d(found[i])));
+      result.positions.emplace_back(result.pose(cv::Point2d(found[i])));
     }
     result.pose = result.pose * *correction;
   }

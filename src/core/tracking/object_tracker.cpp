@@ -16,8 +16,8 @@ namespace robot_vision
 namespace
 {
 
-constexpr double kMinOverlap = 0.5;          // overlap of the outlines of what is one object
-constexpr double kRecoveryConfidence = 1.3;  // times as sure must be what is found as what is followed
+constexpr double kMinOverlap = 0.5;          // of two outlines that are taken for the same object
+constexpr double kRecoveryConfidence = 1.3;  // times min_confidence, which an object that is found again must have
 
 /// Intersection over union of two convex polygons, 0 to 1.
 double overlap(const std::vector<cv::Point2f>& a, const std::vector<cv::Point2f>& b)
@@ -27,10 +27,10 @@ double overlap(const std::vector<cv::Point2f>& a, const std::vector<cv::Point2f>
   return both / (cv::contourArea(a) + cv::contourArea(b) - both);
 }
 
-bool isInside(const cv::Size& picture, const cv::Point2f& p)
+bool isInside(const cv::Size& image, const cv::Point2f& p)
 {
-  return p.x >= 0.0F && p.y >= 0.0F && p.x <= static_cast<float>(picture.width - 1) &&
-         p.y <= static_cast<float>(picture.height - 1);
+  return p.x >= 0.0F && p.y >= 0.0F && p.x <= static_cast<float>(image.width - 1) &&
+         p.y <= static_cast<float>(image.height - 1);
 }
 
 }  // namespace
@@ -55,7 +55,7 @@ struct ObjectTracker::Impl
     return objects.back();
   }
 
-  /// Whether what has been found is another object of that name, which is followed already.
+  /// Whether another object with the same label is already followed in this pose.
   bool isTaken(const FollowedObject& finder, const Similarity& pose) const
   {
     const auto is_there = [&](const FollowedObject& other)
@@ -68,7 +68,8 @@ struct ObjectTracker::Impl
 
   bool tryPose(FollowedObject& object, const Similarity& pose)
   {
-    const double similarity = 0.5 * (1.0 + params.min_similarity);  // the next coin in a row is quite like this one
+    // More than min_similarity is required, because similar objects may be near, such as coins in a row.
+    const double similarity = 0.5 * (1.0 + params.min_similarity);
     const ModelFit fit = object.fitAt(pose, frames, similarity);
     return !isTaken(object, fit.pose) &&
            object.accept(fit, std::min(kRecoveryConfidence * params.min_confidence, 1.0), frames, params.smoothing);
@@ -80,14 +81,15 @@ struct ObjectTracker::Impl
     return found && tryPose(object, *found * object.firstPose());
   }
 
-  bool isNear(FollowedObject& object)
+  /// Searches for an object around its last place. Returns whether it was found.
+  bool tryNear(FollowedObject& object)
   {
     const auto& outline = object.state().outline;
     const std::vector<cv::Point2f> last(outline.begin(), outline.end());
     return tryMatch(object, nearFeatures(frames.newest.gray(), cv::boundingRect(last)));
   }
 
-  /// Looks for objects that are lost: where they were, and at times around there and everywhere.
+  /// Searches for lost objects: in every frame at their last places, and at intervals around these and everywhere.
   void search(double time_s)
   {
     std::vector<FollowedObject*> lost;
@@ -95,7 +97,7 @@ struct ObjectTracker::Impl
       if (!object.state().tracked && !tryPose(object, object.pose())) lost.push_back(&object);
     if (lost.empty() || (time_s >= searched && time_s < searched + params.search_period)) return;
     searched = time_s;
-    lost.erase(std::remove_if(lost.begin(), lost.end(), [this](FollowedObject* object) { return isNear(*object); }),
+    lost.erase(std::remove_if(lost.begin(), lost.end(), [this](FollowedObject* object) { return tryNear(*object); }),
                lost.end());
     if (lost.empty()) return;
     const Features features = imageFeatures(frames.newest.gray(), params.search_features);
@@ -108,8 +110,8 @@ struct ObjectTracker::Impl
   ConversionBuffer buffer;
   std::vector<FollowedObject> objects;
   int last_id = 0;
-  double time = 0.0;         // s, of the newest picture
-  double searched = -1e300;  // s, when the whole picture was last
+  double time = 0.0;         // s, time of the newest frame
+  double searched = -1e300;  // s, when the whole image was searched last
 };
 
 ObjectTracker::ObjectTracker(const ObjectTrackerParams& params)
@@ -132,9 +134,9 @@ void ObjectTracker::configure(const ObjectTrackerParams& params)
 int ObjectTracker::select(const cv::Rect& region, const std::string& label)
 {
   const FlowImage& newest = impl_->frames.newest;
-  if (newest.empty()) throw std::invalid_argument("there is no picture yet to select a region of");
+  if (newest.empty()) throw std::invalid_argument("there is no image yet to select a region of");
   FollowedObject& object = impl_->add(newest.gray(), region, label);
-  object.markSeen();
+  object.setSeen();
   return object.state().id;
 }
 
@@ -170,14 +172,14 @@ std::vector<TrackedObject> ObjectTracker::update(double time_s, const cv::Mat& i
   std::swap(frames.last, frames.newest);
   frames.newest.set(gray);
   const bool comparable = frames.last.size() == frames.newest.size() && time_s >= me.time;
-  frames.passed = comparable ? time_s - me.time : 0.0;
+  frames.elapsed = comparable ? time_s - me.time : 0.0;
   me.time = time_s;
   for (FollowedObject& object : me.objects)
   {
     if (comparable && object.state().tracked)
       object.follow(frames, me.params);
     else
-      object.lose();
+      object.setLost();
   }
   me.search(time_s);
   return objects();
@@ -195,8 +197,8 @@ std::vector<FlowPoint> ObjectTracker::flow(int count)
 {
   FramePair& frames = impl_->frames;
   require(count > 0, "count", count, "above 0");
-  if (frames.last.empty() || !frames.measurable()) return {};
-  // Corners of the picture at half its size: they do for this, at a quarter of the price.
+  if (frames.last.empty() || !frames.isLongEnough()) return {};
+  // Corners are found in the image of half the size, which is good enough and takes a quarter of the time.
   int halvings = 1;
   const cv::Mat& small = frames.last.halved(frames.flow, halvings);
   std::vector<cv::Point2f> points;
@@ -208,7 +210,7 @@ std::vector<FlowPoint> ObjectTracker::flow(int count)
   std::vector<FlowPoint> result;
   for (std::size_t i = 0; i < points.size(); ++i)
     if (moved.found[i] && isInside(frames.newest.size(), moved.positions[i]))
-      result.push_back({moved.positions[i], (moved.positions[i] - points[i]) / frames.passed});
+      result.push_back({moved.positions[i], (moved.positions[i] - points[i]) / frames.elapsed});
   return result;
 }
 
