@@ -100,7 +100,7 @@ TEST(BackgroundTask, throwsWhatTheWorkHasThrownAndGoesOn)
   EXPECT_EQ(task.take(), 6);
 }
 
-TEST(BackgroundTask, whatWasDroppedIsNeitherGivenNorThrown)
+TEST(BackgroundTask, neitherGivesNorThrowsWhatWasDropped)
 {
   BackgroundTask<int> task;
   for (const bool fails : {false, true})
@@ -119,7 +119,7 @@ TEST(BackgroundTask, whatWasDroppedIsNeitherGivenNorThrown)
   EXPECT_EQ(task.take(), 8);
 }
 
-TEST(BackgroundTask, letsGoOfWhatTheWorkHadWhenItsResultIsTaken)
+TEST(BackgroundTask, destroysTheWorkWhenItsResultIsTaken)
 {
   BackgroundTask<int> task;
   auto image = std::make_unique<int>(9);
@@ -130,7 +130,7 @@ TEST(BackgroundTask, letsGoOfWhatTheWorkHadWhenItsResultIsTaken)
   EXPECT_EQ(kept.use_count(), 1);
 }
 
-TEST(BackgroundTask, withoutAThreadItDoesNotStart)
+TEST(BackgroundTask, doesNotStartWithoutAThread)
 {
   BackgroundTask<int> task;
   {
@@ -143,7 +143,7 @@ TEST(BackgroundTask, withoutAThreadItDoesNotStart)
   EXPECT_EQ(task.take(), 11);
 }
 
-TEST(BackgroundTask, whoDestroysItWaitsForItsWork)
+TEST(BackgroundTask, waitsForItsWorkWhenItIsDestroyed)
 {
   std::promise<void> began, end;
   bool has_ended = false;  // a race, if the destructor does not wait
@@ -162,7 +162,7 @@ TEST(BackgroundTask, whoDestroysItWaitsForItsWork)
   EXPECT_TRUE(has_ended);
 }
 
-TEST(BackgroundTask, whoAbandonsItDoesNotWait)
+TEST(BackgroundTask, doesNotWaitForItsWorkIfItWasAbandoned)
 {
   const auto ended = std::make_shared<std::promise<void>>();
   {

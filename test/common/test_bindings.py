@@ -1,4 +1,4 @@
-"""What all bindings have alike."""
+"""Properties that all bindings share."""
 
 import inspect
 import re
@@ -26,14 +26,14 @@ def documents():
                 yield name, member.__doc__
 
 
-def test_the_package_has_what_the_core_has():
+def test_package_has_the_names_of_the_core():
     assert {"EdgeParams", "find_edges", "Scene"} <= set(rv.__all__)
     for name in rv.__all__:
         assert getattr(rv, name) is getattr(rv._core, name)
 
 
-def test_signatures_have_python_s_names():
-    """pybind11 writes C++ names where a type is bound after what takes it."""
+def test_signatures_have_python_names():
+    """pybind11 writes C++ names if a type is bound after a function that uses it."""
     for name, document in documents():
         assert "::" not in (document or ""), name
 
@@ -59,7 +59,7 @@ def test_parameters_are_valid_documented_and_compared(kind):
 
 
 @pytest.mark.parametrize("kind", PARAMS.values(), ids=PARAMS)
-def test_what_is_out_of_a_documented_range_is_refused(kind):
+def test_values_out_of_the_documented_range_are_refused(kind):
     number = r"-?[\d.]+(?:e[+-]?\d+)?"
     for name in fields(kind):
         found = re.search(

@@ -1,4 +1,4 @@
-"""The bindings: arrays in, arrays out, Python's errors. The gtests test the algorithms."""
+"""The bindings: arrays, parameters and errors. The gtests test the algorithms."""
 
 import cv2
 import numpy as np
@@ -56,7 +56,7 @@ def test_brightness_equals_opencv(picture):
     )
 
 
-def test_samples_that_are_not_aligned():
+def test_misaligned_samples_are_read():
     bytes_of_noise = np.random.default_rng(3).integers(0, 256, 1 + 4 * 9, np.uint8)
     odd_place = np.frombuffer(bytes_of_noise.tobytes(), np.uint16, 16, offset=1).reshape(4, 4)
     odd_rows = np.ndarray((4, 4), np.uint16, bytes_of_noise.tobytes(), 0, (9, 2))
@@ -78,7 +78,7 @@ def test_samples_that_are_not_aligned():
         (np.zeros((4, 5, 2), np.uint8), "yuv422", ValueError),
     ],
 )
-def test_what_is_no_picture_is_refused(array, encoding, error):
+def test_invalid_images_are_refused(array, encoding, error):
     with pytest.raises(error):
         rv.find_edges(array, encoding)
 
@@ -102,7 +102,7 @@ def test_line_is_found_in_a_mask():
     assert line.outline.dtype == np.int32
     assert sorted(map(tuple, line.outline)) == [(200, 0), (200, 59), (240, 0), (240, 59)]
     assert np.array_equal(mask, before)
-    # The smaller region is the line for who saw it there.
+    # The smaller region is chosen if the previous line was there.
     left = rv.find_line(mask[:, :160])
     assert left.center == (45.0, 29.5)
     assert rv.find_line(mask, previous=left).center == left.center
@@ -147,7 +147,7 @@ def test_scene_is_rendered_with_its_truth():
     assert picture.shape == (480, 640, 3)
     ball = objects["ball"]
     assert ball.outline.shape[1] == 2 and ball.pose.shape == (4, 4)
-    # The truth projects to itself through the camera's own numbers, and the ball is blue there.
+    # The scene's camera projects the true position to the true centre, and the ball is blue there.
     point, _ = cv2.projectPoints(
         ball.pose[:3, 3].reshape(1, 3),
         np.zeros(3),

@@ -1,4 +1,4 @@
-// What a struct says of its fields, and the check by it.
+// The descriptions of the fields of a parameters struct, and checkFields().
 
 #include "robot_vision/common/fields.hpp"
 
@@ -39,7 +39,7 @@ struct ZooParams
   }
 };
 
-/// What the check says of parameters with one value changed.
+/// The error of the check for parameters with one value changed.
 template <class Value>
 std::string refusalOf(Value ZooParams::*member, Value value)
 {
@@ -67,7 +67,7 @@ TEST(Fields, rangesIncludeTheirEnds)
   EXPECT_EQ(refusalOf(&ZooParams::cages, 0), "cages is 0, must be from 1 to 1e+06");
 }
 
-TEST(Fields, whatIsNoNumberIsInNoRange)
+TEST(Fields, rangesDoNotIncludeNan)
 {
   EXPECT_EQ(refusalOf(&ZooParams::size, kNan), "size is nan, must be from 0.5 to 10");
   EXPECT_EQ(refusalOf(&ZooParams::size, kInfinity), "size is inf, must be from 0.5 to 10");
@@ -76,7 +76,7 @@ TEST(Fields, whatIsNoNumberIsInNoRange)
   EXPECT_EQ(refusal([] { checkField("legs", kNan, OneOf{"2 or 4"}); }), "legs is nan, must be 2 or 4");
 }
 
-TEST(Fields, oddRangesHaveOddNumbersOnly)
+TEST(Fields, oddRangesIncludeOnlyOddNumbers)
 {
   for (const int good : {1, 3, 5})
     EXPECT_EQ(refusalOf(&ZooParams::doors, good), "") << good;
@@ -84,7 +84,7 @@ TEST(Fields, oddRangesHaveOddNumbersOnly)
     EXPECT_EQ(refusalOf(&ZooParams::doors, bad), "doors is " + std::to_string(bad) + ", must be odd and from 1 to 5");
 }
 
-TEST(Fields, aboveLeavesItsLowEndOut)
+TEST(Fields, aboveExcludesItsLowEnd)
 {
   EXPECT_EQ(refusalOf(&ZooParams::speed, 2.0), "");
   EXPECT_EQ(refusalOf(&ZooParams::speed, 1e-300), "");

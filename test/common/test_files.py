@@ -1,4 +1,4 @@
-"""Files: read with care, and replaced in one step, whatever is in their place."""
+"""Files are read with care, and replaced in one step, whatever is at their path."""
 
 import contextlib
 import itertools
@@ -25,14 +25,14 @@ OLD, NEW = b"old\n", b"new " * 10000
 
 @contextlib.contextmanager
 def changed(function, *arguments):
-    """Something of the process that is as it was in the end."""
+    """Restores a property of the process at the end."""
     before = function(*arguments)
     yield
     function(before)
 
 
 def make_odd(folder, kind):
-    """A path of something that is no file."""
+    """Makes something that is no regular file, and returns its path."""
     path = str(folder / "odd.yaml")
     if kind == "pipe":
         os.mkfifo(path)
@@ -56,18 +56,18 @@ ODD = [
 ]
 
 
-@pytest.mark.parametrize("kind, why", ODD)
-def test_only_files_are_read_and_replaced(tmp_path, kind, why):
+@pytest.mark.parametrize("kind, reason", ODD)
+def test_only_files_are_read_and_replaced(tmp_path, kind, reason):
     path = make_odd(tmp_path, kind)
     before = os.lstat(path)
     with pytest.raises(OSError) as error:
         replace_file(path, NEW)
-    assert str(error.value) == f"{path} cannot be written: {why}"
+    assert str(error.value) == f"{path} cannot be written: {reason}"
     for new_folders in (False, True):
         with pytest.raises(OSError) as error:
             require_replaceable(path, replace=True, new_folders=new_folders)
-        assert str(error.value) == f"{path} cannot be written: {why}"
-    no_file = "No such file or directory" if kind == "dangling" else why
+        assert str(error.value) == f"{path} cannot be written: {reason}"
+    no_file = "No such file or directory" if kind == "dangling" else reason
     for read in (read_text, require_file, lambda path: read_file(path, 100)):
         with pytest.raises(OSError) as error:
             read(path)
@@ -85,14 +85,14 @@ def test_no_more_is_read_than_allowed(tmp_path):
     with pytest.raises(OSError) as error:
         read_file(path, (2 << 20) - 1)
     assert str(error.value) == f"{path} cannot be read: it has 2 MB, must have at most 1"
-    os.truncate(path, 1 << 40)  # would not fit into the memory
+    os.truncate(path, 1 << 40)  # does not fit into the memory
     with pytest.raises(OSError, match="it has 1048576 MB, must have at most 256"):
         read_file(path, 256 << 20)
-    with pytest.raises(OSError, match="must have at most 0"):  # its size is said to be 0
+    with pytest.raises(OSError, match="must have at most 0"):  # the system reports a size of 0
         read_file("/proc/kallsyms", 1000)
 
 
-def test_a_temporary_that_a_dead_process_left_is_in_nobody_s_way(tmp_path):
+def test_temporary_file_of_a_dead_process_is_left_alone(tmp_path):
     path = tmp_path / "file.yaml"
     path.write_bytes(OLD)
     (tmp_path / f"file.yaml.{os.getpid()}.tmp").write_text("half")
@@ -102,7 +102,7 @@ def test_a_temporary_that_a_dead_process_left_is_in_nobody_s_way(tmp_path):
 
 
 @pytest.mark.parametrize("mode", [0o600, 0o640, 0o666])
-def test_mode_and_owner_stay(tmp_path, mode, monkeypatch):
+def test_mode_and_owner_are_kept(tmp_path, mode, monkeypatch):
     path = tmp_path / "file.yaml"
     path.write_bytes(OLD)
     os.chmod(path, mode)
@@ -122,7 +122,7 @@ def test_mode_and_owner_stay(tmp_path, mode, monkeypatch):
     assert given == ([(1234, 4321)] if os.getuid() == 0 else [])
 
 
-def test_an_owner_who_cannot_be_kept_hinders_nobody(tmp_path, monkeypatch):
+def test_file_is_replaced_even_if_its_owner_cannot_be_kept(tmp_path, monkeypatch):
     path = tmp_path / "file.yaml"
     path.write_bytes(OLD)
     before = os.stat(path)
@@ -139,7 +139,7 @@ def test_an_owner_who_cannot_be_kept_hinders_nobody(tmp_path, monkeypatch):
     assert path.read_bytes() == NEW and tried == [(1234, 4321), (-1, 4321)]
 
 
-def test_without_hard_links_new_files_take_their_names_all_the_same(tmp_path, monkeypatch):
+def test_new_files_are_made_without_hard_links(tmp_path, monkeypatch):
     def refuse(*_):
         raise PermissionError(1, "Operation not permitted")  # as FAT does
 
@@ -154,9 +154,9 @@ def test_without_hard_links_new_files_take_their_names_all_the_same(tmp_path, mo
 
 
 def killed_at_each_call(work):
-    """Runs `work` in one process after the other, each killed (-9) at a later call of it.
+    """Runs `work` in processes, each of which is killed (-9) one call of a C function later.
 
-    Yields after each death, and ends when the work comes to its end before.
+    Yields after each death, and returns when the work ends before it is killed.
     """
     for deadly in itertools.count(1):
         pid = os.fork()
@@ -177,15 +177,15 @@ def killed_at_each_call(work):
         yield
 
 
-def test_killed_at_any_instant_a_file_is_the_old_or_the_new_one(tmp_path, monkeypatch):
-    monkeypatch.setattr(os, "fsync", lambda _: None)  # it is slow, and not about processes
+def test_file_is_the_old_or_the_new_one_when_killed_at_any_call(tmp_path, monkeypatch):
+    monkeypatch.setattr(os, "fsync", lambda _: None)  # slow, and does not matter to other processes
     path = tmp_path / "file.yaml"
     path.write_bytes(OLD)
     seen = []
     for _ in killed_at_each_call(lambda: replace_file(str(path), NEW)):
         seen.append(path.read_bytes())
     assert set(seen) == {OLD, NEW} and len(seen) > 10
-    assert seen == sorted(seen, reverse=True)  # the old ones first
+    assert seen == sorted(seen, reverse=True)  # first the old one
     assert path.read_bytes() == NEW
 
 
@@ -196,7 +196,7 @@ def test_killed_at_any_instant_a_file_is_the_old_or_the_new_one(tmp_path, monkey
         lambda folder: add_file(folder, "a", ".png", NEW),
     ],
 )
-def test_killed_at_any_instant_a_new_file_is_whole_or_not_there(tmp_path, monkeypatch, create):
+def test_new_file_is_complete_or_missing_when_killed_at_any_call(tmp_path, monkeypatch, create):
     monkeypatch.setattr(os, "fsync", lambda _: None)
     deaths = 0
     for _ in killed_at_each_call(lambda: create(str(tmp_path))):
@@ -207,13 +207,13 @@ def test_killed_at_any_instant_a_new_file_is_whole_or_not_there(tmp_path, monkey
     assert deaths > 10 and (tmp_path / "a.png").read_bytes() == NEW
 
 
-def test_what_cannot_be_written_is_known_before_the_work_and_makes_nothing(tmp_path):
+def test_paths_are_checked_before_the_work_without_making_anything(tmp_path):
     file = tmp_path / "file.yaml"
     file.write_bytes(OLD)
     deep = tmp_path / "a" / "b" / "new.yaml"
     require_replaceable(str(file), replace=True)
     require_replaceable(str(deep), replace=False, new_folders=True)
-    for path, options, why in (
+    for path, options, reason in (
         (file, {"replace": False}, "file.yaml is there already; --force replaces it"),
         (deep, {"replace": True}, f"new.yaml cannot be written: {deep.parent} is no folder"),
         (file / "new.yaml", {"replace": True}, "new.yaml cannot be written: Not a directory"),
@@ -225,7 +225,7 @@ def test_what_cannot_be_written_is_known_before_the_work_and_makes_nothing(tmp_p
     ):
         with pytest.raises(OSError) as error:
             require_replaceable(str(path), **options)
-        assert str(error.value).endswith(why)
+        assert str(error.value).endswith(reason)
     assert os.listdir(tmp_path) == ["file.yaml"]
     make_folder(str(deep))
     assert os.listdir(deep.parent) == []

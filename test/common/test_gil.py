@@ -1,4 +1,4 @@
-"""What takes a while lets other threads of Python run meanwhile."""
+"""Calls that take a while release the GIL, so that other Python threads run meanwhile."""
 
 import subprocess
 import sys
@@ -17,12 +17,12 @@ CORNERS = corners_of(matrix(np.diag([1.0, -1.0, -1.0]), [0.05, -0.1, 1.0]), CAME
 GRAY = np.full((480, 640), 128, np.uint8)
 CELLS = rv.tag_cells("tag36h11", 3)
 TRIES = 2000
-DEADLINE = 60.0  # s: on a busy machine few of many calls are long enough for a thread to wake up
+DEADLINE = 60.0  # s; on a busy machine few calls are long enough for another thread to wake up
 
 
 @pytest.fixture
 def never_switching():
-    """The GIL is passed on only where it is released."""
+    """Threads are switched only where the GIL is released."""
     before = sys.getswitchinterval()
     sys.setswitchinterval(1e3)
     yield
@@ -30,7 +30,7 @@ def never_switching():
 
 
 def lets_others_run(function, tries=sys.maxsize):
-    """Whether another thread, which waits for nothing but the GIL, gets it during a call."""
+    """Whether another thread, which waits only for the GIL, runs during a call."""
     ran, blocked = [], threading.Lock()
 
     def run():
@@ -50,7 +50,7 @@ def lets_others_run(function, tries=sys.maxsize):
 
 
 def searching(detector):
-    """Has it begin a search in the background."""
+    """Makes a detector begin a search in the background."""
     detector.update(0.0, GRAY, "mono8")
     detector.update(10.0, GRAY, "mono8")
     return detector
@@ -69,15 +69,15 @@ CALLS = {
 
 
 @pytest.mark.parametrize("name", CALLS)
-def test_a_call_lets_others_run(never_switching, name):
+def test_call_lets_others_run(never_switching, name):
     assert lets_others_run(CALLS[name])
 
 
-def test_what_is_no_call_lets_nobody_run(never_switching):
+def test_python_code_lets_nobody_run(never_switching):
     assert not lets_others_run(lambda: None, TRIES)
 
 
-def test_a_detector_that_is_given_up_while_it_searches_lets_others_run(never_switching):
+def test_destroying_a_searching_detector_lets_others_run(never_switching):
     params = rv.TagDetectorParams()
     params.background = True
 
@@ -110,7 +110,7 @@ rv.find_edges(np.zeros((2000, 2000), np.uint8), "mono8")
 
 
 @pytest.mark.parametrize("run", range(5))
-def test_calls_under_way_when_the_process_ends(run):
+def test_process_ends_cleanly_during_calls(run):
     command = [sys.executable, "-c", AT_THE_END]
     ended = subprocess.run(command, capture_output=True, text=True, check=False)
     assert (ended.returncode, ended.stderr) == (0, "")

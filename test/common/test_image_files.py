@@ -1,4 +1,4 @@
-"""Picture files: the sensor's pixels, or the picture as people look at it."""
+"""Image files are read as the sensor's pixels, or upright as people look at them."""
 
 import struct
 
@@ -13,19 +13,19 @@ from robot_vision.faces.gallery_files import decode
 from robot_vision.recordings.gray_images import gray_file
 
 
-def test_the_sensor_s_pixels_are_never_turned_and_people_s_are():
+def test_only_upright_images_are_rotated_by_exif():
     picture = np.zeros((32, 48, 3), np.uint8)
     picture[:16] = 40, 120, 200
     jpeg = cv2.imencode(".jpg", picture)[1].tobytes()
     plain = sensor_pixels(jpeg)
     assert np.array_equal(sensor_pixels(sideways(jpeg)), plain)
-    for read in (upright, decode):  # the latter is that of faces
+    for read in (upright, decode):  # decode reads the images of faces
         assert np.array_equal(read(jpeg), plain)
         assert np.array_equal(read(sideways(jpeg)), np.rot90(plain, -1))
 
 
-def test_a_file_that_claims_to_fill_the_memory_is_refused():
-    """One of hundreds of kilobytes may be of 30000 x 30000 px."""
+def test_file_that_claims_to_fill_the_memory_is_refused():
+    """A file of some hundred kilobytes may have 30000 x 30000 px."""
     picture = cv2.imencode(".png", np.zeros((4, 4, 3), np.uint8))[1].tobytes()
     bomb = picture[:16] + struct.pack(">II", 30000, 30000) + picture[24:]
     for read in (sensor_pixels, upright, decode, gray_file):
@@ -33,11 +33,11 @@ def test_a_file_that_claims_to_fill_the_memory_is_refused():
             read(bomb)
 
 
-def test_what_is_no_picture_is_none():
+def test_other_files_give_none():
     for data in (b"", b"no picture"):
         assert sensor_pixels(data) is None and upright(data) is None
 
 
-def test_bytes_that_do_not_follow_each_other_are_refused():
+def test_bytes_that_are_not_contiguous_are_refused():
     with pytest.raises(ValueError, match="bytes in a row"):
         decode_image_file(np.zeros(100, np.uint8)[::-1], cv2.IMREAD_COLOR)

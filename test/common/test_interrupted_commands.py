@@ -1,4 +1,4 @@
-"""Commands that Ctrl-C ends in the middle: nothing half, and no traceback."""
+"""Commands that Ctrl-C interrupts leave no incomplete files, and print no traceback."""
 
 import contextlib
 import os
@@ -25,14 +25,14 @@ from robot_vision.tags import calibrate_bundle
 
 OURS = os.path.dirname(create_marker.__file__).rpartition("/")[0]
 OLD = b"old: 1\n"
-ALL = 10**9  # calls, more than a command makes
+ALL = 10**9  # more calls than a command makes
 
 
 def interrupted_at(main, words, call):
-    """The exit code and the output of a command that is interrupted at one of our calls.
+    """The exit code and the output of a command that is interrupted at a call of our functions.
 
-    Before and after run_command() a signal ends it by the system's own means. The last line of the
-    output is how many calls there were.
+    Only calls within run_command() count; outside of it a signal just ends the process. The last
+    line of the output is the number of calls.
     """
     reader, writer = os.pipe()
     pid = os.fork()
@@ -41,7 +41,7 @@ def interrupted_at(main, words, call):
         os.dup2(writer, 2)
         sys.stdout, sys.stderr = (os.fdopen(number, "w") for number in (1, 2))
         sys.argv = ["command", *words]
-        cv2.setNumThreads(0)  # a fork has none of the threads that there were
+        cv2.setNumThreads(0)  # a fork does not have the threads of its parent
         calls, working = 0, False
 
         def count(frame, event, _):
@@ -75,7 +75,7 @@ def _is_ours(frame):
 
 
 def moments(calls):
-    """Some of so many calls; of the first and the last, where files are looked at, all."""
+    """Some of so many calls, with all of the first and the last ones, which handle files."""
     step = max(7, calls // 25)
     return sorted({*range(1, 20), *range(20, calls, step), *range(calls - 25, calls + 2)})
 
@@ -90,7 +90,7 @@ def pick_a_color(folder, _):
 
 
 def learn_a_bundle(folder, monkeypatch):
-    """From frames that are there already: Ctrl-C while they come begins the work."""
+    """The frames are there already, because Ctrl-C while they arrive would begin the work."""
     rng = np.random.default_rng(1)
     places = {tag: matrix(turned([0.3 * tag, 0, 0]), [0.3 * tag, 0, 0]) for tag in range(3)}
     bodies = [pose_in_view(rng, 60, rng.uniform(0, 0.7)) for _ in range(8)]
@@ -119,7 +119,7 @@ def calibrate_a_camera(folder, _):
 
 
 def shape(path):
-    """What a whole file has, whatever was measured: the end of a picture, and keys of YAML."""
+    """What is the same in all complete files: the end of a PNG, or the keys of a YAML file."""
     data = path.read_bytes()
     return data[-12:] if path.suffix == ".png" else ([*yaml.safe_load(data)], data[-1:])
 
@@ -129,7 +129,7 @@ COMMANDS = [create_a_marker, pick_a_color, learn_a_bundle, calibrate_a_camera]
 
 @pytest.mark.parametrize("command", COMMANDS, ids=lambda command: command.__name__)
 def test_interrupted_at_any_call(tmp_path, monkeypatch, command):
-    """Old files stay what they were, or new ones are whole; nothing else is left."""
+    """Old files are unchanged, or new ones are complete; there are no other files."""
     (tmp_path / "made").mkdir()
     main, words, names = command(tmp_path, monkeypatch)
     words, paths = list(map(str, words)), {tmp_path / "made" / name for name in names}
@@ -148,7 +148,7 @@ def test_interrupted_at_any_call(tmp_path, monkeypatch, command):
                 path.unlink()
         code, output = interrupted_at(main, words, call)
         codes.append(code)
-        # While calibrate_headless.py looks at pictures, Ctrl-C means that there are enough.
+        # While calibrate_headless.py reads images, Ctrl-C means that there are enough.
         too_few = code == 1 and "\ncalibrate_headless.py: " in "\n" + output
         assert (code in (0, INTERRUPTED) or too_few) and "Traceback" not in output, (call, output)
         assert set((tmp_path / "made").iterdir()) <= paths
@@ -159,7 +159,7 @@ def test_interrupted_at_any_call(tmp_path, monkeypatch, command):
 
 
 def interrupted_by_itself(words, is_stuck, **options):
-    """Asserts that the signal ends a program that is stuck, and that it says nothing of it."""
+    """Asserts that the signal ends a program that is stuck, and that it prints nothing."""
     own = {"stderr": subprocess.PIPE, "start_new_session": True, "text": True, **options}
     with subprocess.Popen(list(map(str, words)), **own) as process:
         deadline = time.monotonic() + 60.0
@@ -167,11 +167,11 @@ def interrupted_by_itself(words, is_stuck, **options):
             time.sleep(0.01)
         os.killpg(process.pid, signal.SIGINT)
         _, said = process.communicate(timeout=60.0)
-    assert process.returncode == -signal.SIGINT  # which shells call 130
+    assert process.returncode == -signal.SIGINT  # shells show 130
     assert said == ""
 
 
-def test_list_cameras_interrupted_while_nobody_reads_what_it_says():
+def test_list_cameras_interrupted_while_nobody_reads_its_output():
     program = roslib.packages.find_node("robot_vision", "list_cameras")[0]
     reader, writer = os.pipe()
     os.set_blocking(writer, False)
@@ -190,14 +190,14 @@ def test_list_cameras_interrupted_while_nobody_reads_what_it_says():
 
 
 def test_check_arguments_interrupted_while_it_reads(tmp_path):
-    """Of a shell, in the place of roslaunch: its parent has the launch file in its command."""
+    """A shell plays roslaunch, the parent process, whose command names the launch file."""
     program = roslib.packages.find_node("robot_vision", "check_arguments.py")[0]
     pipe = tmp_path / "our.launch"
     os.mkfifo(str(pipe))
     writers = []
 
     def reads(_):
-        with contextlib.suppress(OSError):  # it has not opened it yet
+        with contextlib.suppress(OSError):  # the program has not opened the pipe yet
             writers.append(os.open(str(pipe), os.O_WRONLY | os.O_NONBLOCK))
         return writers
 

@@ -1,4 +1,4 @@
-"""What others have sent, told to people."""
+"""Text that others have sent, as it is shown to people; and how often errors are logged."""
 
 import pytest
 
@@ -17,11 +17,11 @@ from robot_vision.common.plain_text import printable
         ("\0" * 1000000, (r"\x00" * 25)[:97] + "..."),
     ],
 )
-def test_it_is_one_short_line_that_tells_a_terminal_nothing(text, expected):
+def test_text_becomes_one_short_line_without_control_characters(text, expected):
     assert printable(text) == expected
 
 
-def test_errors_are_told_by_their_kind_whatever_they_say(monkeypatch):
+def test_throttles_are_independent(monkeypatch):
     now = 0.0
     monkeypatch.setattr(throttle.time, "monotonic", lambda: now)
     one, other = throttle.Throttle(), throttle.Throttle()

@@ -33,7 +33,7 @@ bool isDueAt(double time, const std::vector<Track>& tracks, double frame_period 
 
 }  // namespace
 
-TEST(SearchSchedule, framesThatHaveNothingToDoWithEarlierOnesAreFirst)
+TEST(SearchSchedule, beginsAnewForFramesOfAnotherSizeOrAnEarlierTime)
 {
   SearchSchedule schedule;
   EXPECT_TRUE(schedule.begin(10.0, kSize));
@@ -45,7 +45,7 @@ TEST(SearchSchedule, framesThatHaveNothingToDoWithEarlierOnesAreFirst)
   EXPECT_TRUE(schedule.isFirst());
 }
 
-TEST(SearchSchedule, aFirstFrameAndAResetOneAreDue)
+TEST(SearchSchedule, isDueInAFirstFrameAndAfterAReset)
 {
   SearchSchedule schedule;
   schedule.begin(10.0, kSize);
@@ -57,14 +57,14 @@ TEST(SearchSchedule, aFirstFrameAndAResetOneAreDue)
   EXPECT_TRUE(schedule.isDue(kPeriod, std::vector<Track>()));
 }
 
-TEST(SearchSchedule, aSearchIsDueBeforeThePeriodIsOver)
+TEST(SearchSchedule, isDueBeforeThePeriodIsOver)
 {
   EXPECT_FALSE(isDueAt(10.46875, {}));  // the next frame is still in time
   EXPECT_TRUE(isDueAt(10.5, {}));
   EXPECT_TRUE(isDueAt(10.375, {}, 0.25));
 }
 
-TEST(SearchSchedule, aSearchIsDueSoonerWhenATrackIsLost)
+TEST(SearchSchedule, isDueSoonerWhenATrackIsLost)
 {
   const Track lost{10.05}, old{9.9}, seen{10.25}, out_of_view{10.05, false};
   EXPECT_TRUE(isDueAt(10.25, {seen, lost}));
@@ -72,7 +72,7 @@ TEST(SearchSchedule, aSearchIsDueSoonerWhenATrackIsLost)
   EXPECT_FALSE(isDueAt(10.25, {old, seen, out_of_view}));
 }
 
-TEST(SearchSchedule, tracksAreKeptForLongerThanASearchTakes)
+TEST(SearchSchedule, keepsTracksForLongerThanASearchTakes)
 {
   SearchSchedule schedule;
   const auto keeps = [&schedule](double seen)

@@ -1,4 +1,4 @@
-"""YAML that is nested, repeated or long without measure."""
+"""YAML that is nested, repeated or long without limits."""
 
 import os
 
@@ -38,22 +38,22 @@ HOSTILE = [
 ]
 
 
-@pytest.mark.parametrize("text, why", HOSTILE, ids=[why for _, why in HOSTILE])
-def test_one_line_says_what_is_wrong(text, why):
+@pytest.mark.parametrize("text, reason", HOSTILE, ids=[reason for _, reason in HOSTILE])
+def test_one_line_says_what_is_wrong(text, reason):
     with pytest.raises(ValueError) as error:
         load_yaml(text)
-    assert why in str(error.value)
+    assert reason in str(error.value)
     assert "\n" not in str(error.value) and len(str(error.value)) < 250
 
 
-@pytest.mark.parametrize("text, why", HOSTILE, ids=[why for _, why in HOSTILE])
-def test_files_of_colours_and_bundles_are_named_and_left(tmp_path, text, why):
+@pytest.mark.parametrize("text, reason", HOSTILE, ids=[reason for _, reason in HOSTILE])
+def test_errors_name_files_of_colors_and_bundles_and_leave_them(tmp_path, text, reason):
     path = tmp_path / "hostile.yaml"
     path.write_text(text)
     for use in (lambda name: save_colors(name, {"blue": HsvRange()}), read_bundles):
         with pytest.raises(ValueError) as error:
             use(str(path))
-        assert str(error.value).startswith(f"{path}: ") and why in str(error.value)
+        assert str(error.value).startswith(f"{path}: ") and reason in str(error.value)
     assert path.read_text() == text and os.listdir(tmp_path) == ["hostile.yaml"]
 
 
@@ -75,7 +75,7 @@ def test_files_that_are_too_large_are_not_parsed(tmp_path):
         "[" * MAX_DEPTH + "]" * MAX_DEPTH,
     ],
 )
-def test_what_people_write_is_read_as_ever(text):
+def test_usual_files_are_read_as_by_pyyaml(text):
     assert load_yaml(text) == yaml.safe_load(text)
     node, expected = compose_yaml(text), yaml.compose(text, Loader=yaml.SafeLoader)
     assert yaml.serialize(node) == yaml.serialize(expected) if expected else node is None

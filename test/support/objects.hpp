@@ -8,7 +8,7 @@
 
 #include "robot_vision/tracking/object_tracker.hpp"
 
-inline const cv::Size kPicture(320, 240);
+inline const cv::Size kImageSize(320, 240);
 inline constexpr double kPeriod = 1.0 / 30.0;  // s
 
 /// An image of discs of many sizes, the same for the same seed.
@@ -25,7 +25,7 @@ inline cv::Mat blots(const cv::Size& size, int seed)
   return image;
 }
 
-inline const cv::Mat kBackground = blots(kPicture, 1);
+inline const cv::Mat kBackground = blots(kImageSize, 1);
 
 /// The background with an object in front of it, whose middle is at `center`, rotated (rad, clockwise) and scaled.
 inline cv::Mat with(const cv::Mat& object, const cv::Point2d& center, double scale = 1.0, double angle = 0.0,

@@ -11,14 +11,14 @@ TEST(ObjectFlow, measuresTheFlowOfTheWholeImage)
   ObjectTracker tracker;
   EXPECT_TRUE(tracker.flow().empty());
   const cv::Mat large = blots({340, 260}, 6);
-  tracker.update(1.0, large(cv::Rect({10, 10}, kPicture)), "bgr8");
+  tracker.update(1.0, large(cv::Rect({10, 10}, kImageSize)), "bgr8");
   EXPECT_TRUE(tracker.flow().empty());
-  tracker.update(1.1, large(cv::Rect({7, 14}, kPicture)), "bgr8");  // all moves by 3 px right, 4 px up
+  tracker.update(1.1, large(cv::Rect({7, 14}, kImageSize)), "bgr8");  // all moves by 3 px right, 4 px up
   const std::vector<FlowPoint> flow = tracker.flow(100);
   EXPECT_GT(flow.size(), 60U);
   EXPECT_LE(flow.size(), 100U);
   // Nearer to the border, a part of a point's window is outside of one of the two images.
-  const cv::Rect2f whole({8.0F, 8.0F}, cv::Size2f(kPicture) - cv::Size2f(16.0F, 16.0F));
+  const cv::Rect2f whole({8.0F, 8.0F}, cv::Size2f(kImageSize) - cv::Size2f(16.0F, 16.0F));
   std::size_t right = 0;
   for (const FlowPoint& point : flow)
   {
@@ -56,8 +56,8 @@ TEST(ObjectFlow, endsAtTheBorder)
   for (const cv::Point& shift : {cv::Point(6, 0), cv::Point(-6, 0), cv::Point(0, 6), cv::Point(0, -6)})
   {
     ObjectTracker tracker;
-    tracker.update(0.0, large(cv::Rect({50, 50}, kPicture)), "bgr8");
-    tracker.update(kPeriod, large(cv::Rect(cv::Point(50, 50) + shift, kPicture)), "bgr8");
+    tracker.update(0.0, large(cv::Rect({50, 50}, kImageSize)), "bgr8");
+    tracker.update(kPeriod, large(cv::Rect(cv::Point(50, 50) + shift, kImageSize)), "bgr8");
     const std::vector<FlowPoint> flow = tracker.flow();
     EXPECT_GT(flow.size(), 100U);
     for (const FlowPoint& point : flow)

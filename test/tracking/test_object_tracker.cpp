@@ -79,11 +79,11 @@ TEST(ObjectTracker, followsLongAndLargeRegions)
   for (const cv::Rect& region : {cv::Rect(20, 100, 280, 16), cv::Rect(150, 20, 17, 200), cv::Rect(10, 10, 301, 223)})
   {
     ObjectTracker tracker;
-    tracker.update(0.0, large(cv::Rect({40, 30}, kPicture)), "bgr8");
+    tracker.update(0.0, large(cv::Rect({40, 30}, kImageSize)), "bgr8");
     tracker.select(region);
     TrackedObject found;
     for (int frame = 1; frame <= 8; ++frame)
-      found = tracker.update(frame * kPeriod, large(cv::Rect({40 - frame, 30 + frame}, kPicture)), "bgr8").at(0);
+      found = tracker.update(frame * kPeriod, large(cv::Rect({40 - frame, 30 + frame}, kImageSize)), "bgr8").at(0);
     EXPECT_TRUE(found.tracked) << region;
     const cv::Point2d corner(region.x - 0.5 + 8.0, region.y - 0.5 - 8.0);
     EXPECT_LT(distance(found.outline[0], corner), 0.5) << region;
@@ -147,10 +147,10 @@ TEST(ObjectTracker, namesWhatIsWrongWithASelection)
             "region of 0x0 px at (10, 10) is too small, must be at least 16x16 px inside the image of 320x240");
   ObjectTracker tracker;
   EXPECT_EQ(refusal([&] { tracker.select(kRegion); }), "there is no image yet to select a region of");
-  cv::Mat wall = cv::Mat(kPicture, CV_8UC1, cv::Scalar(128)), grain(kPicture, CV_8SC1);
+  cv::Mat wall = cv::Mat(kImageSize, CV_8UC1, cv::Scalar(128)), grain(kImageSize, CV_8SC1);
   cv::RNG(1).fill(grain, cv::RNG::NORMAL, 0.0, 5.0);
   cv::add(wall, grain, wall, cv::noArray(), CV_8U);
-  for (const cv::Mat& image : {wall, cv::Mat(kPicture, CV_8UC1, cv::Scalar(128))})
+  for (const cv::Mat& image : {wall, cv::Mat(kImageSize, CV_8UC1, cv::Scalar(128))})
   {
     tracker.update(0.0, image, "mono8");
     EXPECT_EQ(refusal([&] { tracker.select(kRegion); }),

@@ -1,4 +1,4 @@
-// Runs all tests with the kernels of one instruction set: --kernels=NAME; without it with the best.
+// Runs all tests with the kernels of one instruction set, which --kernels=NAME chooses. The default is the fastest set.
 
 #include <gtest/gtest.h>
 
@@ -17,7 +17,7 @@ namespace
 constexpr const char* kOption = "--kernels=";
 const std::string kSets[] = {KERNEL_SETS};
 
-/// None: the machine has no such set.
+/// The set with this name, or nothing if the machine cannot run it.
 std::optional<robot_vision::InstructionSet> find(const char* name)
 {
   for (const robot_vision::InstructionSet set : robot_vision::availableSets())
@@ -43,7 +43,7 @@ int main(int argc, char** argv)
     if (!set)
     {
       std::printf("this machine has no %s\n", name);
-      testing::GTEST_FLAG(filter) = "-*";  // the report of no test is wanted nevertheless
+      testing::GTEST_FLAG(filter) = "-*";  // runs no test, but writes the report
     }
     robot_vision::chooseSet(set);
   }

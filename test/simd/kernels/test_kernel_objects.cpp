@@ -4,7 +4,7 @@
 #include <cstdio>
 #include <string>
 
-/// What a command prints.
+/// The standard output of a command, which must succeed.
 std::string outputOf(const std::string& command)
 {
   std::string output;
@@ -16,8 +16,8 @@ std::string outputOf(const std::string& command)
   return output;
 }
 
-// The linker keeps one copy of a weak function for all of the library: it must not be one with instructions that the
-// machine may not have.
+// The linker keeps a single copy of a weak function for the whole library. That copy could have instructions that the
+// machine does not have.
 TEST(KernelObjects, shareNoFunctions)
 {
   for (const std::string object : {KERNEL_OBJECTS})
