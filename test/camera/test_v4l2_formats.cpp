@@ -2,7 +2,7 @@
 
 #include <opencv2/imgproc.hpp>
 
-#include "core/camera/v4l2_format.hpp"
+#include "core/camera/v4l2_pixel_formats.hpp"
 #include "core/camera/v4l2_source.hpp"
 #include "robot_vision/image/encoding.hpp"
 #include "support/fake_v4l2.hpp"

@@ -11,7 +11,7 @@ namespace robot_vision
 namespace
 {
 
-constexpr int kBlock = 16;  // px; both sides of a coded frame are multiples of it
+constexpr int kBlock = 16;        // px; both sides of a coded frame are multiples of it
 constexpr int kGranuleShift = 6;  // bits that count the frames since a key frame: keyframe_frequency is 64 at most
 constexpr int kNominalRate = 30;  // Hz; a stream has to name a rate, to which the target bit rate refers
 

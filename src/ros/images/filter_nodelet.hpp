@@ -67,7 +67,7 @@ private:
   }
 
   CallbackGate gate_;  // must be destroyed last, because roscpp uses its queues
-  std::mutex mutex_;  // guards filter_, which new parameters may replace while a frame uses it
+  std::mutex mutex_;   // guards filter_, which new parameters may replace while a frame uses it
   std::shared_ptr<Filter> filter_;
   std::unique_ptr<LiveParams<Config>> params_;
   std::unique_ptr<LazyImageFilter> image_filter_;

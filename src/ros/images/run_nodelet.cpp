@@ -85,7 +85,8 @@ bool asksForHelp(int argc, char** argv)
 std::string usage(const std::string& name, const std::string& about)
 {
   return "usage: rosrun robot_vision " + name + "_node [TOPIC:=OTHER ...] [_PARAMETER:=VALUE ...]\n\n" + about +
-         "\ndocs/parameters.md of this package describes the parameters. A file in its folder config has their defaults;\n"
+         "\ndocs/parameters.md of this package describes the parameters. A file in its folder config has their "
+         "defaults;\n"
          "~save_parameters (std_srvs/Trigger) saves those that can be changed live in the file ~config_file.\n";
 }
 
