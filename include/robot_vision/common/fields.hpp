@@ -48,7 +48,7 @@ struct OneOf
   const char* quote = "";
 };
 
-/// What a message and a document say of limits: "from 0 to 10". Empty for what may be anything.
+/// The limits as messages and documents name them: "from 0 to 10". Empty for a value that may be anything.
 std::string limitsText(const Anything& limits);
 std::string limitsText(const Range& limits);
 std::string limitsText(const OddRange& limits);

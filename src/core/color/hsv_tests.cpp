@@ -135,8 +135,8 @@ HueLimit HsvTests::hueLimit(int limit, bool gray_inside)
   plane.channels[sextant.min] = static_cast<std::int16_t>(-max - mid);
   plane.offset = gray_inside ? 0 : 1;
 
-  // For each difference, the smallest numerator in OpenCV's division that reaches the limit. Numerators are negative in
-  // the last sextant.
+  // The slack depends on the smallest numerator in OpenCV's division that reaches the limit, for each difference of the
+  // channels. Numerators are negative in the last sextant.
   const int signed_limit = number == 5 && limit > 0 ? limit - kHues : limit;
   for (int diff = 1; diff < 256; ++diff)
   {

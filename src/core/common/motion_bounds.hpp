@@ -11,7 +11,7 @@ namespace robot_vision
 inline double motionMargin(bool is_tracked, double speed, double elapsed, double side)
 {
   constexpr double kPositionError = 0.1;       // sides
-  constexpr double kMotionError = 0.5;         // of the way that it has moved
+  constexpr double kMotionError = 0.5;         // share of the distance that it has moved
   constexpr double kInitialMotion = 0.5;       // sides in a single frame
   constexpr double kMaxUntrackedSpeed = 15.0;  // sides/s
   constexpr double kMaxUntrackedMotion = 2.5;  // sides

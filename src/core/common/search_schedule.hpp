@@ -75,12 +75,12 @@ private:
   static constexpr double kMinMemory = 2.5;  // durations of a search for which a lost track is kept at least
 
   cv::Size size_;                   // px, of the newest frame
-  double time_ = 0.0;               // of the newest frame
-  double last_time_ = 0.0;          // of the frame before
+  double time_ = 0.0;               // time of the newest frame
+  double last_time_ = 0.0;          // time of the frame before
   bool is_first_ = true;            // whether nothing is known of earlier frames
   std::optional<double> searched_;  // the newest frame of which the whole image was searched
   double background_time_ = 0.0;    // the newest frame that was searched in the background
-  double search_time_ = 0.0;        // that passed during the last search in the background
+  double search_time_ = 0.0;        // duration of the last search in the background
 };
 
 }  // namespace robot_vision

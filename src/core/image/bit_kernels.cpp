@@ -12,7 +12,7 @@ namespace
 
 #ifdef ROBOT_VISION_VECTORS
 
-constexpr int kVectors = kWordBits / static_cast<int>(sizeof(Simd::Vector));  // that have a byte for each bit of a word
+constexpr int kVectors = kWordBits / static_cast<int>(sizeof(Simd::Vector));  // with a byte for each bit of a word
 
 /// A word whose bits are 1 where bytes are not 0; `bytes(i)` is the i-th of kVectors vectors of them.
 template <class Bytes>

@@ -10,8 +10,8 @@ namespace robot_vision
 {
 
 /// Converts the images of a stream, each into the memory of the one before. An image that needs no conversion is not
-/// copied: what is returned then shares the pixels of the input, so nobody may write to it, or keep it for longer than
-/// the input.
+/// copied: the returned image then shares the pixels of the input, so that it must neither be written to nor be kept
+/// longer than the input.
 class ConversionBuffer
 {
 public:
@@ -21,8 +21,8 @@ public:
   /// The image as toBgr() makes it, valid until the next call.
   cv::Mat bgr(const cv::Mat& image, const std::string& encoding) { return convert(toBgr, image, encoding); }
 
-  /// The same pixels as in `converted`, the last image that was returned, to be kept for any time: the memory itself,
-  /// which the buffer then does without, or a copy if they are those of the input.
+  /// Returns the pixels of `converted`, the last image that was returned, as an image that may be kept. It takes the
+  /// buffer's memory, or a copy if the pixels are those of the input.
   cv::Mat detach(const cv::Mat& converted)
   {
     return sharesPixels(converted, memory_) ? std::exchange(memory_, cv::Mat()) : converted.clone();
