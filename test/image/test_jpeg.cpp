@@ -94,6 +94,7 @@ TEST(Jpeg, isDecodedAsOpenCvDoes)
          {std::vector<int>{}, {cv::IMWRITE_JPEG_QUALITY, 30}, {cv::IMWRITE_JPEG_PROGRESSIVE, 1}})
       for (const bool color : {true, false})
       {
+        SCOPED_TRACE(testing::Message() << size << ", parameters " << testing::PrintToString(params) << color);
         cv::Mat image = smooth(size);
         if (!color) cv::cvtColor(image, image, cv::COLOR_BGR2GRAY);
         const Bytes bytes = jpegOf(image, params);
@@ -117,7 +118,7 @@ TEST(Jpeg, isDecodedSmaller)
   {
     const cv::Mat small = decoded(bytes, JpegPixels::kBgr, reduction);
     EXPECT_EQ(small.size(), cv::Size((61 + reduction - 1) / reduction, (47 + reduction - 1) / reduction));
-    EXPECT_TRUE(equal(small, cv::imdecode(bytes, flag)));
+    EXPECT_TRUE(equal(small, cv::imdecode(bytes, flag))) << reduction;
     EXPECT_EQ(decoded(bytes, JpegPixels::kGray, reduction).size(), small.size());
   }
   EXPECT_EQ(refusal([&] { decoded(bytes, JpegPixels::kBgr, 3); }), "reduction is 3, must be 1, 2, 4 or 8");
@@ -145,7 +146,7 @@ TEST(Jpeg, isEncodedAsOpenCvDoes)
     {
       const cv::Mat before = image.clone();
       encodeJpeg(image, is_rgb, params, bytes);
-      EXPECT_EQ(bytes, jpegOf(bgr, same));
+      EXPECT_EQ(bytes, jpegOf(bgr, same)) << testing::PrintToString(same) << is_rgb;
       EXPECT_TRUE(equal(image, before));
     }
     encodeJpeg(gray, false, params, bytes);
@@ -207,7 +208,7 @@ TEST(Jpeg, isRefusedIfDamagedAfterExtraBytes)
     Bytes bytes = jpegOf(noise({64, 48}, CV_8UC3));
     const cv::Mat expected = decoded(bytes, JpegPixels::kBgr);
     bytes.insert(bytes.begin() + find(bytes, {0xFF, marker}), 5, 0x11);
-    EXPECT_TRUE(equal(decoded(bytes, JpegPixels::kBgr), expected));
+    EXPECT_TRUE(equal(decoded(bytes, JpegPixels::kBgr), expected)) << int{marker};
     Bytes copy;
     EXPECT_EQ(copyJpeg(bytes.data(), bytes.size(), copy).size, cv::Size(64, 48));
     EXPECT_EQ(copy, bytes);
@@ -256,7 +257,7 @@ TEST(Jpeg, mayHaveExtraBytesBeforeItsEnd)
   {
     Bytes bytes = whole;
     bytes.insert(bytes.end() - 2, left.begin(), left.end());
-    EXPECT_TRUE(equal(decoded(bytes, JpegPixels::kBgr), decoded(whole, JpegPixels::kBgr)));
+    EXPECT_TRUE(equal(decoded(bytes, JpegPixels::kBgr), decoded(whole, JpegPixels::kBgr))) << int{left[0]};
   }
 }
 

@@ -156,8 +156,8 @@ TEST(Line, isMirroredWithTheMask)
     cv::Mat mirrored;
     cv::flip(mask, mirrored, 1);
     const Line line = findLine(mask), other = findLine(mirrored);
-    EXPECT_NEAR(other.offset, -line.offset, 1e-9);
-    EXPECT_NEAR(other.angle, -line.angle, 1e-9);
+    EXPECT_NEAR(other.offset, -line.offset, 1e-9) << degrees;
+    EXPECT_NEAR(other.angle, -line.angle, 1e-9) << degrees;
     EXPECT_NEAR(other.confidence, line.confidence, 1e-9);
   }
 }

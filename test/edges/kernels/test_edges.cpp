@@ -48,7 +48,7 @@ TEST(EdgeDetector, equalsTheOpenCvChainForEveryParameter)
   {
     cv::Mat edges;
     EdgeDetector(params).apply(image, "bgr8", edges);
-    EXPECT_TRUE(equal(edges, byOpenCv(image, "bgr8", params)));
+    EXPECT_TRUE(equal(edges, byOpenCv(image, "bgr8", params))) << params.blur_size << ", " << params.aperture;
   }
 }
 

@@ -59,7 +59,8 @@ TEST(Brightness, equalsTheOpenCvChain)
         const cv::Mat before = image.clone();
         cv::Mat out;
         Brightness(params).apply(image, encoding, out);
-        EXPECT_TRUE(equal(out, image.channels() == 4 ? withAlpha(image, params) : byOpenCv(image, params))) << encoding;
+        EXPECT_TRUE(equal(out, image.channels() == 4 ? withAlpha(image, params) : byOpenCv(image, params)))
+            << encoding << ", gain " << params.gain << ", " << size;
         EXPECT_TRUE(equal(image, before));
         EXPECT_EQ(Brightness::outputEncoding(encoding), encoding);
       }
@@ -111,7 +112,7 @@ TEST(Brightness, equalsTheFormulaFor16Bits)
       value = cv::saturate_cast<std::uint16_t>(std::pow(value / 65535.0, params.gamma) * 65535.0);
     cv::Mat out;
     Brightness(params).apply(image, "mono16", out);
-    EXPECT_TRUE(equal(out, expected));
+    EXPECT_TRUE(equal(out, expected)) << params.gain;
   }
 }
 
