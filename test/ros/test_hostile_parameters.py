@@ -2,6 +2,7 @@
 
 import importlib
 import os
+import pathlib
 import re
 from types import SimpleNamespace
 from unittest.mock import MagicMock
@@ -11,7 +12,6 @@ import pytest
 import rospy
 import tf2_ros
 from std_msgs.msg import Header
-from test_parameter_sources import PYTHON, ROOT
 
 from robot_vision.camera.camera_list import parse_cameras
 from robot_vision.color.named_colors import NamedColors
@@ -23,6 +23,7 @@ from robot_vision.tags.tag_layout import TagLayout
 from robot_vision.viewer import simple_camera_view_node
 from robot_vision.viewer.simple_camera_view_node import CameraView
 
+ROOT = pathlib.Path(__file__).resolve().parents[2]
 NAN, INF = float("nan"), float("inf")
 DEEP = []
 for _ in range(50):
@@ -52,7 +53,15 @@ def config_of(node):
     return importlib.import_module(f"robot_vision.cfg.{name}Config")
 
 
-CONFIGS = {node: config_of(node) for node in PYTHON}
+def python_nodes():
+    """The nodes in Python that have a .cfg file."""
+    for path in sorted((ROOT / "config").glob("*.yaml")):
+        names = (f"*/{path.stem}.py", f"*/{path.stem}_node.py")
+        if any(any((ROOT / "src/robot_vision").glob(name)) for name in names):
+            yield path.stem
+
+
+CONFIGS = {node: config_of(node) for node in python_nodes()}
 
 
 class Server:
