@@ -256,6 +256,8 @@ def test_all_parameters_are_tested():
         source = path.read_text()
         named |= set(re.findall(r'\b(?:readParam|readMap|getParam)\(\w+, "(\w+)"', source))
         named |= set(re.findall(r'\bgetParam\("(\w+)"', source))
+    of_source = (ROOT / "include/robot_vision/camera/open_source.hpp").read_text()
+    named |= set(re.findall(r'\bvisit\("(\w+)"', of_source))  # readFields() reads them
     of_controls = (ROOT / "src/ros/camera/control_params.cpp").read_text()
     array = of_controls[of_controls.index("kUsbCamControls[] =") :].partition(";")[0]
     assert set(re.findall(r'"(\w+)"', array)) == set(USB_CAM_CONTROLS)

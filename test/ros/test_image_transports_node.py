@@ -289,7 +289,9 @@ def test_theora_reaches_late_subscribers(republish):
 STUB = """
 cmake_minimum_required(VERSION 3.16)
 project(robot_vision LANGUAGES CXX)
-add_library(robot_vision_ros INTERFACE)
+file(WRITE ${CMAKE_BINARY_DIR}/empty.cpp "")
+add_library(robot_vision_ros ${CMAKE_BINARY_DIR}/empty.cpp)
+target_precompile_headers(robot_vision_ros PRIVATE <string>)
 function(enable_warnings target)
 endfunction()
 set(CATKIN_PACKAGE_LIB_DESTINATION lib)
