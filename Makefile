@@ -18,7 +18,7 @@ demo: build
 check: deps
 	@tools/env tools/test --no-master
 
-## make test      everything that can be checked; TESTS=core, python, nodes or a word of a test's name for a part
+## make test      everything that can be checked; TESTS=core, python, node or a word of a test's name for a part
 test: deps
 	@tools/env tools/test $(TESTS)
 

@@ -18,6 +18,11 @@ SETTLED = 15  # frames, after which the same frame has the same answer
 GREEN = (0, 255, 0)  # BGR, of what is seen
 
 
+def plain(name: str, stage: Stage) -> np.ndarray:
+    """What a Python node draws with its defaults."""
+    return stage.drawn(f"{name}.py", room(), [FRAME])
+
+
 def brightness(stage: Stage) -> np.ndarray:
     shown = [room().render(FRAME)]
     for settings in (["_offset:=50.0"], ["_offset:=0.0", "_gamma:=0.5"]):
