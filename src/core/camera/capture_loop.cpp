@@ -191,7 +191,8 @@ private:
         watchdog_.onData();
         [[fallthrough]];
       case ReadResult::kTimeout:
-        if (const std::string reason = watchdog_.stall(*source_, "no frame"); !reason.empty()) onDisconnected(reason);
+        if (const std::string reason = watchdog_.stall(*source_, "no frame"); !reason.empty())
+          throw SourceUnavailable(reason);
         break;
       case ReadResult::kEnd:
         end("", request.loop);
