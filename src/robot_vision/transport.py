@@ -14,6 +14,7 @@ usual.
 """
 
 from .ros.transport import (
+    Callback,
     CameraSubscriber,
     Frame,
     FrameError,
@@ -27,6 +28,7 @@ from .ros.transport import (
 )
 
 __all__ = [
+    "Callback",
     "CameraSubscriber",
     "Frame",
     "FrameError",
