@@ -16,7 +16,7 @@ ROSLAUNCH = "/usr/bin/roslaunch"
 
 def pytest_collection_modifyitems(items):
     for item in items:
-        if item.path.name.endswith("_node.py"):
+        if item.nodeid.partition("::")[0].endswith("_node.py"):
             item.fixturenames[:0] = ["master", "subscriptions_end"]
 
 
