@@ -54,6 +54,13 @@ def test_cfg_files_say_what_the_core_says():
     assert tool.faults() == []
 
 
+def test_a_parameter_that_its_node_does_not_know_is_named(monkeypatch):
+    config = CONFIGS["ball_tracker"]
+    typo = config.parameters[0]._replace(name="h_lo")
+    monkeypatch.setattr(tool, "configs", lambda: [config._replace(parameters=[typo])])
+    assert tool.faults() == ["cfg/BallTracker.cfg: h_lo: no source that uses it knows it"]
+
+
 def test_the_page_is_up_to_date():
     assert tool.PAGE.read_text() == tool.page()
 
