@@ -4,10 +4,12 @@
 #include <pybind11/pybind11.h>
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <cstdlib>
 #include <memory>
 #include <opencv2/core.hpp>
+#include <opencv2/core/affine.hpp>
 #include <string>
 #include <tuple>
 #include <utility>
@@ -76,7 +78,7 @@ inline py::dtype sampleType(int depth)
 /// An array of the Mat's pixels, without a copy: (height, width), or (height, width, channels) if there are several.
 /// `owner` is kept until the array and all views of it are gone. `Owner` keeps the pixels alive.
 template <class Owner>
-py::array toNumpy(const cv::Mat& mat, Owner owner)
+py::array toPython(const cv::Mat& mat, Owner owner)
 {
   const py::capsule release(new Owner(std::move(owner)), [](void* p) { delete static_cast<Owner*>(p); });
   std::vector<py::ssize_t> shape = {mat.rows, mat.cols};
@@ -110,42 +112,117 @@ inline std::vector<cv::Point> toPoints(const py::object& object)
   return pixels;
 }
 
-/// (n, 2) array of a copy of the points.
-template <class T>
-py::array_t<T> toNumpy(const std::vector<cv::Point_<T>>& points)
-{
-  return py::array_t<T>({static_cast<py::ssize_t>(points.size()), py::ssize_t{2}},
-                        points.empty() ? nullptr : &points[0].x);
-}
+/// Numbers from Python, of any type that NumPy converts to double.
+using Matrix = py::array_t<double, py::array::c_style | py::array::forcecast>;
 
-/// (x, y).
-inline std::pair<double, double> toPair(const cv::Point2d& point)
+/// `expected` is what a message calls it.
+inline cv::Affine3d toPose(const Matrix& matrix, const std::string& expected = "4x4 pose")
 {
-  return {point.x, point.y};
+  if (matrix.ndim() != 2 || matrix.shape(0) != 4 || matrix.shape(1) != 4)
+    throw py::value_error("expected a " + expected);
+  return cv::Affine3d(cv::Matx44d(matrix.data()));
 }
 
 /// x, y, width, height.
 using Box = std::tuple<int, int, int, int>;
-
-inline Box toBox(const cv::Rect& box)
-{
-  return {box.x, box.y, box.width, box.height};
-}
 
 inline cv::Rect toRect(const Box& box)
 {
   return {std::get<0>(box), std::get<1>(box), std::get<2>(box), std::get<3>(box)};
 }
 
-inline py::array_t<double> toNumpy(const cv::Matx44d& matrix)
+/// An array that owns the Mat's pixels.
+inline py::array toPython(const cv::Mat& mat)
 {
-  return py::array_t<double>({4, 4}, matrix.val);
+  return toPython(mat, mat);
 }
 
-/// An array that owns the Mat's pixels.
-inline py::array toNumpy(const cv::Mat& mat)
+/// (n, 2) array of a copy of the points.
+template <class T>
+py::array_t<T> toPython(const std::vector<cv::Point_<T>>& points)
 {
-  return toNumpy(mat, mat);
+  return py::array_t<T>({static_cast<py::ssize_t>(points.size()), py::ssize_t{2}},
+                        points.empty() ? nullptr : &points[0].x);
+}
+
+/// (4, 2) array.
+inline py::array_t<double> toPython(const std::array<cv::Point2d, 4>& corners)
+{
+  return py::array_t<double>({4, 2}, &corners[0].x);
+}
+
+template <int rows, int columns>
+py::array_t<double> toPython(const cv::Matx<double, rows, columns>& matrix)
+{
+  return py::array_t<double>({rows, columns}, matrix.val);
+}
+
+/// 4x4.
+inline py::array_t<double> toPython(const cv::Affine3d& pose)
+{
+  return toPython(pose.matrix);
+}
+
+/// (x, y).
+inline std::pair<double, double> toPython(const cv::Point2d& point)
+{
+  return {point.x, point.y};
+}
+
+inline Box toPython(const cv::Rect& box)
+{
+  return {box.x, box.y, box.width, box.height};
+}
+
+/// Reads a member of an object as toPython() gives it.
+template <class T, class Member>
+auto attribute(Member T::*member)
+{
+  return [member](const T& object) { return toPython(object.*member); };
+}
+
+/// An array of the image that `make` writes into a cv::Mat, without the GIL.
+template <class Make>
+py::array imageFrom(const Make& make)
+{
+  cv::Mat image;
+  {
+    const LeaveGil unlocked;
+    make(image);
+  }
+  return toPython(image);
+}
+
+/// What a filter of the core makes of an array. `Filter` is made of Params and has apply().
+template <class Filter, class Params>
+py::array applyFilter(const py::array& image, const std::string& encoding, const Params& params)
+{
+  const ImageArray input(image);
+  return imageFrom([&](cv::Mat& output) { Filter(params).apply(input.view, encoding, output); });
+}
+
+/// A method for an image of some encoding, which is called with an array and without the GIL.
+template <class T, class Result>
+auto withArray(Result (T::*method)(const cv::Mat& image, const std::string& encoding))
+{
+  return [method](T& object, const py::array& image, const std::string& encoding)
+  {
+    const ImageArray input(image);
+    const LeaveGil unlocked;
+    return (object.*method)(input.view, encoding);
+  };
+}
+
+/// The same for a frame of a time, s.
+template <class T, class Result>
+auto withArray(Result (T::*method)(double time, const cv::Mat& image, const std::string& encoding))
+{
+  return [method](T& object, double time, const py::array& image, const std::string& encoding)
+  {
+    const ImageArray input(image);
+    const LeaveGil unlocked;
+    return (object.*method)(time, input.view, encoding);
+  };
 }
 
 }  // namespace robot_vision

@@ -42,19 +42,15 @@ void bindTracker(py::module& m)
                  return BallMeasurement{{center.first, center.second}, radius};
                }),
            "center"_a, "radius"_a)
-      .def_property_readonly(
-          "center", [](const BallMeasurement& b) { return toPair(b.center); }, "(x, y), px")
+      .def_property_readonly("center", attribute(&BallMeasurement::center), "(x, y), px")
       .def_readonly("radius", &BallMeasurement::radius, "px");
 
   py::class_<BallState>(m, "BallState", "A ball that is followed, at one time.")
-      .def_property_readonly(
-          "center", [](const BallState& b) { return toPair(b.center); }, "(x, y), px")
-      .def_property_readonly(
-          "velocity", [](const BallState& b) { return toPair(b.velocity); }, "(x, y), px/s; 0 in the first frame")
+      .def_property_readonly("center", attribute(&BallState::center), "(x, y), px")
+      .def_property_readonly("velocity", attribute(&BallState::velocity), "(x, y), px/s; 0 in the first frame")
       .def_readonly("radius", &BallState::radius, "px")
       .def_readonly("predicted", &BallState::predicted, "not measured at this time")
-      .def_property_readonly(
-          "covariance", [](const BallState& b) { return toNumpy(b.covariance); }, "4x4, of x, y and their rates");
+      .def_property_readonly("covariance", attribute(&BallState::covariance), "4x4, of x, y and their rates");
 
   py::class_<BallTracker>(m, "BallTracker", "Kalman filter of a ball's centre, velocity and radius in the image.")
       .def(py::init<const BallTrackerParams&>(), "params"_a = BallTrackerParams(),
@@ -72,9 +68,8 @@ void bindBall(py::module& m)
       .def_property_readonly(
           "position", [](const BallPosition& b) { return py::array_t<double>(3, &b.position.x); },
           "(3,) array, m, in the camera's optical frame")
-      .def_property_readonly(
-          "center", [](const BallPosition& b) { return toPair(b.center); },
-          "(x, y), px, the position as the camera sees it");
+      .def_property_readonly("center", attribute(&BallPosition::center),
+                             "(x, y), px, the position as the camera sees it");
   m.def(
       "ball_position",
       [](const CameraModel& camera, const py::object& outline, double diameter)

@@ -18,14 +18,11 @@ std::optional<py::array> decodeFile(const py::buffer& data, int flags)
 {
   const py::buffer_info bytes = data.request();
   if (bytes.ndim != 1 || bytes.strides[0] != bytes.itemsize) throw py::value_error("expected bytes in a row");
-  cv::Mat image;
-  {
-    const LeaveGil unlocked;
-    image = decodeImageFile(static_cast<const unsigned char*>(bytes.ptr),
-                            static_cast<std::size_t>(bytes.size * bytes.itemsize), flags);
-  }
+  const auto size = static_cast<std::size_t>(bytes.size * bytes.itemsize);
+  const cv::Mat image =
+      withoutGil([&] { return decodeImageFile(static_cast<const unsigned char*>(bytes.ptr), size, flags); });
   if (image.empty()) return std::nullopt;
-  return toNumpy(image);
+  return toPython(image);
 }
 
 void bindCodecs(py::module& m)

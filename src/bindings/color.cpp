@@ -3,7 +3,6 @@
 #include <tuple>
 
 #include "arrays.hpp"
-#include "leave_gil.hpp"
 #include "params.hpp"
 #include "registry.hpp"
 #include "robot_vision/color/hsv.hpp"
@@ -54,12 +53,7 @@ cv::Vec3b toVec(const Bytes& color)
 py::array applyMask(const HsvMask& mask, const py::array& image, const std::string& encoding)
 {
   const ImageArray input(image);
-  cv::Mat output;
-  {
-    const LeaveGil unlocked;
-    mask.apply(input.view, encoding, output);
-  }
-  return toNumpy(output);
+  return imageFrom([&](cv::Mat& output) { mask.apply(input.view, encoding, output); });
 }
 
 void bindRange(py::module& m)

@@ -1,6 +1,6 @@
 #include "robot_vision/edges/edges.hpp"
 
-#include "filters.hpp"
+#include "arrays.hpp"
 #include "params.hpp"
 #include "registry.hpp"
 

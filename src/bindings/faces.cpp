@@ -18,11 +18,9 @@ void bindFaces(py::module& m)
 
   py::class_<Face>(m, "Face", "A face in a frame.")
       .def_readonly("id", &Face::id, "the same for the same face from frame to frame; -1: not followed")
-      .def_property_readonly(
-          "box", [](const Face& face) { return toBox(face.box); }, "x, y, width, height, px")
+      .def_property_readonly("box", attribute(&Face::box), "x, y, width, height, px")
       .def_readonly("score", &Face::score, "0 to 1")
-      .def_property_readonly(
-          "velocity", [](const Face& face) { return toPair(face.velocity); }, "px/s, of its middle")
+      .def_property_readonly("velocity", attribute(&Face::velocity), "px/s, of its middle")
       .def_readonly("predicted", &Face::predicted, "followed by its looks: no cascade has seen it in this frame");
 
   py::class_<FaceDetector>(m, "FaceDetector", "Finds faces with OpenCV's cascades, and follows them.")
@@ -30,28 +28,12 @@ void bindFaces(py::module& m)
            "Raises ValueError for a parameter out of range, and for a cascade that is not there or none.")
       .def("configure", &FaceDetector::configure, "params"_a, Unlocked(),
            "Other parameters from now on; the faces remain known. Raises as the constructor does.")
-      .def(
-          "detect",
-          [](FaceDetector& detector, const py::array& image, const std::string& encoding)
-          {
-            const ImageArray input(image);
-            const LeaveGil unlocked;
-            return detector.detect(input.view, encoding);
-          },
-          "image"_a, "encoding"_a = "bgr8",
-          "The Faces of an image by itself, the largest first.\n\n"
-          "Raises ValueError for an image that is not of this encoding.")
-      .def(
-          "update",
-          [](FaceDetector& detector, double time, const py::array& image, const std::string& encoding)
-          {
-            const ImageArray input(image);
-            const LeaveGil unlocked;
-            return detector.update(time, input.view, encoding);
-          },
-          "time"_a, "image"_a, "encoding"_a = "bgr8",
-          "The Faces in the frame of a time, s, by their id: a new one within max_search_period.\n\n"
-          "Raises ValueError for an image that is not of this encoding.")
+      .def("detect", withArray(&FaceDetector::detect), "image"_a, "encoding"_a = "bgr8",
+           "The Faces of an image by itself, the largest first.\n\n"
+           "Raises ValueError for an image that is not of this encoding.")
+      .def("update", withArray(&FaceDetector::update), "time"_a, "image"_a, "encoding"_a = "bgr8",
+           "The Faces in the frame of a time, s, by their id: a new one within max_search_period.\n\n"
+           "Raises ValueError for an image that is not of this encoding.")
       .def(
           "find_eyes",
           [](FaceDetector& detector, const Face& face)
@@ -59,7 +41,7 @@ void bindFaces(py::module& m)
             const LeaveGil unlocked;
             std::vector<Box> boxes;
             for (const cv::Rect& eye : detector.findEyes(face))
-              boxes.push_back(toBox(eye));
+              boxes.push_back(toPython(eye));
             return boxes;
           },
           "face"_a, "Up to two eyes in a face of the last frame, the left one in the image first: x, y, width, height.")

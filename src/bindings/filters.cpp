@@ -1,8 +1,8 @@
-#include "filters.hpp"
+#include "robot_vision/filters/brightness.hpp"
 
+#include "arrays.hpp"
 #include "params.hpp"
 #include "registry.hpp"
-#include "robot_vision/filters/brightness.hpp"
 
 using namespace robot_vision;
 using namespace py::literals;

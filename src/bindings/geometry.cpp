@@ -15,8 +15,6 @@ using namespace py::literals;
 namespace
 {
 
-using Matrix = py::array_t<double, py::array::c_style | py::array::forcecast>;
-
 cv::Matx33d toK(const Matrix& K)
 {
   if (K.size() != 9) throw py::value_error("K has " + std::to_string(K.size()) + " numbers, must have 9");
@@ -58,12 +56,7 @@ void bindGeometry(py::module& m)
            "sensor_msgs/CameraInfo.\n\nRaises ValueError for what no camera has.")
       .def_readonly("width", &CameraModel::width, "px")
       .def_readonly("height", &CameraModel::height, "px")
-      .def_property_readonly(
-          "K",
-          [](const CameraModel& c) {
-            return py::array_t<double>({3, 3}, c.K.val);
-          },
-          "3x3, px")
+      .def_property_readonly("K", attribute(&CameraModel::K), "3x3, px")
       .def_readonly("D", &CameraModel::D,
                     "k1, k2, p1, p2, k3, k4, k5, k6: the first 0, 4, 5 or 8; equidistant: k1 to k4")
       .def_readonly("distortion_model", &CameraModel::distortion_model)

@@ -12,7 +12,6 @@ using namespace py::literals;
 namespace
 {
 
-using Centers = py::array_t<double, py::array::c_style | py::array::forcecast>;
 using Color = std::array<double, 3>;
 
 /// The array's own pixels, to draw on.
@@ -24,7 +23,7 @@ cv::Mat canvas(const py::array& bgr)
   return picture.view;
 }
 
-std::vector<cv::Point2d> toCenters(const Centers& centers)
+std::vector<cv::Point2d> toCenters(const Matrix& centers)
 {
   if (centers.size() == 0) return {};
   if (centers.ndim() != 2 || centers.shape(1) != 2) throw py::value_error("expected an (n, 2) array of centres");
@@ -45,8 +44,8 @@ void bindConversions(py::module& m)
           const LeaveGil unlocked;
           toGray(input.view, encoding, gray);
         }
-        if (!sharesPixels(gray, input.view)) return toNumpy(gray);
-        py::array view = toNumpy(gray, input.array);
+        if (!sharesPixels(gray, input.view)) return toPython(gray);
+        py::array view = toPython(gray, input.array);
         view.attr("setflags")("write"_a = false);
         return view;
       },
@@ -58,13 +57,12 @@ void bindConversions(py::module& m)
       [](const py::array& image, const std::string& encoding)
       {
         const ImageArray input(image);
-        cv::Mat bgr;
-        {
-          const LeaveGil unlocked;
-          toBgr(input.view, encoding, bgr);
-          if (sharesPixels(bgr, input.view)) bgr = bgr.clone();
-        }
-        return toNumpy(bgr);
+        return imageFrom(
+            [&](cv::Mat& bgr)
+            {
+              toBgr(input.view, encoding, bgr);
+              if (sharesPixels(bgr, input.view)) bgr = bgr.clone();
+            });
       },
       "image"_a, "encoding"_a,
       "A new (height, width, 3) image, to draw on, of one of any encoding.\n\n"
@@ -78,12 +76,7 @@ void bindOverlay(py::module& m)
       [](const py::array& bgr, const py::array& mask)
       {
         const ImageArray picture(bgr), where(mask);
-        cv::Mat out;
-        {
-          const LeaveGil unlocked;
-          maskPicture(picture.view, where.view, out);
-        }
-        return toNumpy(out);
+        return imageFrom([&](cv::Mat& out) { maskPicture(picture.view, where.view, out); });
       },
       "bgr"_a, "mask"_a,
       "The (height, width, 3) image where the (height, width) mask is not 0, black elsewhere.\n\n"
@@ -125,7 +118,7 @@ void bindOverlay(py::module& m)
       "Raises ValueError for an array that cannot be drawn on.");
   m.def(
       "draw_trail",
-      [](const py::array& bgr, const Centers& centers)
+      [](const py::array& bgr, const Matrix& centers)
       {
         cv::Mat picture = canvas(bgr);
         const std::vector<cv::Point2d> points = toCenters(centers);

@@ -74,4 +74,12 @@ private:
 
 using Unlocked = pybind11::call_guard<LeaveGil>;
 
+/// What `work` returns, which does not have the GIL.
+template <class Work>
+auto withoutGil(const Work& work)
+{
+  const LeaveGil unlocked;
+  return work();
+}
+
 }  // namespace robot_vision

@@ -23,11 +23,9 @@ void bindLine(py::module& m)
       .def_readonly("angle", &Line::angle, "rad, direction in the image, -pi/2 to pi/2: 0 straight up, right > 0")
       .def_readonly("confidence", &Line::confidence, "0 to 1, see line.hpp")
       .def_readonly("area", &Line::area, "px^2")
-      .def_property_readonly(
-          "center", [](const Line& l) { return toPair(l.center); }, "(x, y), px, centroid")
-      .def_property_readonly(
-          "outline", [](const Line& l) { return toNumpy(l.outline); },
-          "(n, 2) int32 array, px, corners of the outer border");
+      .def_property_readonly("center", attribute(&Line::center), "(x, y), px, centroid")
+      .def_property_readonly("outline", attribute(&Line::outline),
+                             "(n, 2) int32 array, px, corners of the outer border");
 
   m.def(
       "find_line",

@@ -1,5 +1,4 @@
 #include <opencv2/core/utility.hpp>
-#include <string>
 
 #include "leave_gil.hpp"
 #include "registry.hpp"
@@ -7,18 +6,12 @@
 using namespace robot_vision;
 using namespace py::literals;
 
-namespace
-{
-
-constexpr const char* kLayout =
-    "Images are (height, width) or (height, width, channels) arrays of uint8 or, for 16-bit encodings, uint16. They "
-    "are used without a copy if their pixels lie side by side in each row; rows may be padded.";
-
-}  // namespace
-
 PYBIND11_MODULE(_core, m)
 {
-  m.doc() = std::string("The C++ core of robot_vision on NumPy arrays. ") + kLayout;
+  m.doc() =
+      "The C++ core of robot_vision on NumPy arrays. Images are (height, width) or (height, width, channels) arrays of "
+      "uint8 or, for 16-bit encodings, uint16. They are used without a copy if their pixels lie side by side in each "
+      "row; rows may be padded.";
   LeaveGil::endWithProcess();
   Bindings::bindAll(m);
   m.def(

@@ -3,7 +3,6 @@
 #include <pybind11/stl.h>
 
 #include "arrays.hpp"
-#include "leave_gil.hpp"
 #include "params.hpp"
 #include "registry.hpp"
 
@@ -18,27 +17,17 @@ void bindMotion(py::module& m)
   bindParams<MotionParams>(m, "MotionParams", "What a MotionDetector compares frames with, and what counts as motion.");
 
   py::class_<Motion>(m, "Motion", "What moves in a frame.")
-      .def_property_readonly(
-          "mask", [](const Motion& motion) { return toNumpy(motion.mask); },
-          "(height, width) uint8, 255 where the image has changed")
+      .def_property_readonly("mask", attribute(&Motion::mask), "(height, width) uint8, 255 where the image has changed")
       .def_readonly("changed", &Motion::changed, "share of the image that has, 0 to 1")
       .def_readonly("everywhere", &Motion::everywhere, "more than max_changed: light, or the camera; no regions")
       .def_readonly("regions", &Motion::regions, "of the mask, the largest first");
 
   py::class_<MotionDetector>(m, "MotionDetector", "Finds what moves by comparing each frame with a background.")
       .def(py::init<const MotionParams&>(), "params"_a = MotionParams())
-      .def(
-          "update",
-          [](MotionDetector& detector, double time, const py::array& image, const std::string& encoding)
-          {
-            const ImageArray input(image);
-            const LeaveGil unlocked;
-            return detector.update(time, input.view, encoding);
-          },
-          "time"_a, "image"_a, "encoding"_a = "bgr8",
-          "The Motion in the frame of a time, s. The first frame, one of another size and one of an earlier time are "
-          "new "
-          "backgrounds.\n\nRaises ValueError for an image that is not of this encoding.")
+      .def("update", withArray(&MotionDetector::update), "time"_a, "image"_a, "encoding"_a = "bgr8",
+           "The Motion in the frame of a time, s. The first frame, one of another size and one of an earlier time are "
+           "new "
+           "backgrounds.\n\nRaises ValueError for an image that is not of this encoding.")
       .def("reset", &MotionDetector::reset, "The next frame is the background.");
 }
 

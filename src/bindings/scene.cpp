@@ -7,7 +7,6 @@
 #include <optional>
 
 #include "arrays.hpp"
-#include "leave_gil.hpp"
 #include "params.hpp"
 #include "registry.hpp"
 #include "robot_vision/scene/calibration_scene.hpp"
@@ -19,7 +18,17 @@ using namespace py::literals;
 namespace
 {
 
-using Matrix = py::array_t<double, py::array::c_style | py::array::forcecast>;
+/// Binds what Scene and CalibrationScene have in common.
+template <class T>
+void bindFrames(py::class_<T>& bound)
+{
+  bound.def_property_readonly("camera", &T::camera)
+      .def("truth", &T::truth, "frame"_a)
+      .def(
+          "render",
+          [](const T& scene, std::int64_t frame) { return imageFrom([&](cv::Mat& bgr) { scene.render(frame, bgr); }); },
+          "frame"_a, "The image of a frame: (height, width, 3) uint8, BGR.");
+}
 
 void bindRoom(py::module& m)
 {
@@ -27,73 +36,35 @@ void bindRoom(py::module& m)
 
   py::class_<SceneObject>(m, "SceneObject", "One thing in the scene, as one frame shows it.")
       .def_readonly("name", &SceneObject::name)
-      .def_property_readonly(
-          "pose", [](const SceneObject& o) { return toNumpy(o.pose.matrix); },
-          "4x4, object in the camera's optical frame, m")
-      .def_property_readonly(
-          "outline", [](const SceneObject& o) { return toNumpy(o.outline); }, "(n, 2) array, px")
-      .def_property_readonly(
-          "center", [](const SceneObject& o) { return toPair(o.center); }, "(x, y), px")
+      .def_property_readonly("pose", attribute(&SceneObject::pose), "4x4, object in the camera's optical frame, m")
+      .def_property_readonly("outline", attribute(&SceneObject::outline), "(n, 2) array, px")
+      .def_property_readonly("center", attribute(&SceneObject::center), "(x, y), px")
       .def_readonly("visible", &SceneObject::visible);
 
   py::class_<SceneTruth>(m, "SceneTruth", "Where everything in the scene is in one frame.")
       .def_readonly("frame", &SceneTruth::frame)
-      .def_property_readonly(
-          "camera", [](const SceneTruth& t) { return toNumpy(t.camera.matrix); }, "4x4, camera in the world, m")
+      .def_property_readonly("camera", attribute(&SceneTruth::camera), "4x4, camera in the world, m")
       .def_readonly("objects", &SceneTruth::objects);
 
-  py::class_<Scene>(m, "Scene", "A synthetic room with exact ground truth, the same for the same frame number.")
-      .def(py::init([](const SceneParams& params, const std::optional<py::array>& poster)
-                    { return Scene(params, poster ? ImageArray(*poster).view : cv::Mat()); }),
-           "params"_a = SceneParams(), "poster"_a = py::none(), "poster: (height, width, 3) BGR image for the wall.")
-      .def_property_readonly("camera", &Scene::camera)
-      .def("truth", &Scene::truth, "frame"_a)
-      .def(
-          "render",
-          [](const Scene& scene, std::int64_t frame)
-          {
-            cv::Mat bgr;
-            {
-              const LeaveGil unlocked;
-              scene.render(frame, bgr);
-            }
-            return toNumpy(bgr);
-          },
-          "frame"_a, "The image of a frame: (height, width, 3) uint8, BGR.");
+  py::class_<Scene> scene(m, "Scene", "A synthetic room with exact ground truth, the same for the same frame number.");
+  scene.def(py::init([](const SceneParams& params, const std::optional<py::array>& poster)
+                     { return Scene(params, poster ? ImageArray(*poster).view : cv::Mat()); }),
+            "params"_a = SceneParams(), "poster"_a = py::none(), "poster: (height, width, 3) BGR image for the wall.");
+  bindFrames(scene);
 }
 
 void bindCalibration(py::module& m)
 {
-  py::class_<CalibrationScene>(m, "CalibrationScene",
-                               "A checkerboard shown to the Scene's camera, each half second in another pose.")
-      .def(py::init<const SceneParams&>(), "params"_a = SceneParams())
-      .def_property_readonly("camera", &CalibrationScene::camera)
-      .def("truth", &CalibrationScene::truth, "frame"_a)
-      .def(
-          "render",
-          [](const CalibrationScene& scene, std::int64_t frame)
-          {
-            cv::Mat bgr;
-            {
-              const LeaveGil unlocked;
-              scene.render(frame, bgr);
-            }
-            return toNumpy(bgr);
-          },
-          "frame"_a, "The image of a frame: (height, width, 3) uint8, BGR.");
+  py::class_<CalibrationScene> scene(m, "CalibrationScene",
+                                     "A checkerboard shown to the Scene's camera, each half second in another pose.");
+  scene.def(py::init<const SceneParams&>(), "params"_a = SceneParams());
+  bindFrames(scene);
 }
 
 py::array renderFloor(const FloorScene& scene, const Matrix& camera)
 {
-  if (camera.ndim() != 2 || camera.shape(0) != 4 || camera.shape(1) != 4)
-    throw py::value_error("expected a 4x4 pose of the camera");
-  const cv::Affine3d pose(cv::Matx44d(camera.data()));
-  cv::Mat bgr;
-  {
-    const LeaveGil unlocked;
-    scene.render(pose, bgr);
-  }
-  return toNumpy(bgr);
+  const cv::Affine3d pose = toPose(camera, "4x4 pose of the camera");
+  return imageFrom([&](cv::Mat& bgr) { scene.render(pose, bgr); });
 }
 
 void bindFloor(py::module& m)

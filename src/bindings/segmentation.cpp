@@ -22,7 +22,7 @@ py::tuple findRegions(const RegionFinder& finder, const py::array& mask)
     cleaned = input.view.clone();
     regions = finder.apply(cleaned);
   }
-  return py::make_tuple(toNumpy(cleaned), std::move(regions));
+  return py::make_tuple(toPython(cleaned), std::move(regions));
 }
 
 void bindSegmentation(py::module& m)
@@ -30,17 +30,13 @@ void bindSegmentation(py::module& m)
   bindParams<RegionParams>(m, "RegionParams", "What a RegionFinder cleans away and leaves out.");
 
   py::class_<Region>(m, "Region", "Pixels of a mask that touch each other; pixel centres have whole coordinates.")
-      .def_property_readonly(
-          "box", [](const Region& r) { return toBox(r.box); }, "(x, y, width, height), px")
-      .def_property_readonly(
-          "center", [](const Region& r) { return toPair(r.center); }, "(x, y), px, of the pixels")
+      .def_property_readonly("box", attribute(&Region::box), "(x, y, width, height), px")
+      .def_property_readonly("center", attribute(&Region::center), "(x, y), px, of the pixels")
       .def_readonly("area", &Region::area, "number of pixels, without holes")
-      .def_property_readonly(
-          "outline", [](const Region& r) { return toNumpy(r.outline); },
-          "(n, 2) array of int, px: the pixels along the outer border, straight parts by their ends")
-      .def_property_readonly(
-          "circle_center", [](const Region& r) { return toPair(r.circle_center); },
-          "(x, y), px, of the smallest circle around the outline")
+      .def_property_readonly("outline", attribute(&Region::outline),
+                             "(n, 2) array of int, px: the pixels along the outer border, straight parts by their ends")
+      .def_property_readonly("circle_center", attribute(&Region::circle_center),
+                             "(x, y), px, of the smallest circle around the outline")
       .def_readonly("circle_radius", &Region::circle_radius, "px")
       .def_readonly("roundness", &Region::roundness, "area to area of the circle half a pixel larger, 0 to 1 (a disc)");
 

@@ -27,14 +27,7 @@ void bindFamilies(py::module& m)
   m.def(
       "tag_cells",
       [](const std::string& family, int id)
-      {
-        const auto cells = [&]
-        {
-          const LeaveGil unlocked;
-          return tagCells(family, id);
-        };
-        return toNumpy(cells());
-      },
+      { return imageFrom([&](cv::Mat& cells) { cells = tagCells(family, id); }); },
       "family"_a, "id"_a,
       "Image of a tag, upright: (width, width) uint8, a pixel per cell: 0, 255, or 128 where it may have any colour; "
       "see tag_families.hpp.\n\n"
@@ -50,12 +43,9 @@ void bindTag(py::module& m)
       .def_readonly("hamming", &Tag::hamming, "wrong bits that were corrected")
       .def_readonly("margin", &Tag::margin, "gray levels, mean distance of the bits from the threshold")
       .def_readonly("similarity", &Tag::similarity, "correlation of the image with the tag's cells, at most 1")
-      .def_property_readonly(
-          "center", [](const Tag& tag) { return toPair(tag.center); }, "px, where the diagonals meet")
-      .def_property_readonly(
-          "corners",
-          [](const Tag& tag) { return toNumpy(std::vector<cv::Point2d>(tag.corners.begin(), tag.corners.end())); },
-          "(4, 2), px: the upright tag's bottom left, bottom right, top right, top left corner");
+      .def_property_readonly("center", attribute(&Tag::center), "px, where the diagonals meet")
+      .def_property_readonly("corners", attribute(&Tag::corners),
+                             "(4, 2), px: the upright tag's bottom left, bottom right, top right, top left corner");
 }
 
 void bindDetector(py::module& m)
@@ -68,28 +58,12 @@ void bindDetector(py::module& m)
            "Raises ValueError for a parameter out of range.")
       .def("configure", &TagDetector::configure, "params"_a, Unlocked(),
            "Other parameters from now on; tags remain known. Raises as the constructor does.")
-      .def(
-          "detect",
-          [](TagDetector& detector, const py::array& image, const std::string& encoding)
-          {
-            const ImageArray input(image);
-            const LeaveGil unlocked;
-            return detector.detect(input.view, encoding);
-          },
-          "image"_a, "encoding"_a = "bgr8",
-          "All Tags of an image by itself, by family, id and place.\n\n"
-          "Raises ValueError for an image that is not of this encoding or too large.")
-      .def(
-          "update",
-          [](TagDetector& detector, double time, const py::array& image, const std::string& encoding)
-          {
-            const ImageArray input(image);
-            const LeaveGil unlocked;
-            return detector.update(time, input.view, encoding);
-          },
-          "time"_a, "image"_a, "encoding"_a = "bgr8",
-          "The Tags in the frame of a time, s: a new one within max_search_period.\n\n"
-          "Raises ValueError for an image that is not of this encoding or too large.")
+      .def("detect", withArray(&TagDetector::detect), "image"_a, "encoding"_a = "bgr8",
+           "All Tags of an image by itself, by family, id and place.\n\n"
+           "Raises ValueError for an image that is not of this encoding or too large.")
+      .def("update", withArray(&TagDetector::update), "time"_a, "image"_a, "encoding"_a = "bgr8",
+           "The Tags in the frame of a time, s: a new one within max_search_period.\n\n"
+           "Raises ValueError for an image that is not of this encoding or too large.")
       .def_property_readonly("lacks_threads", &TagDetector::lacksThreads,
                              "whether update() had to search a whole image itself, as no thread could be started")
       .def("wait_for_search", &TagDetector::waitForSearch, Unlocked(),

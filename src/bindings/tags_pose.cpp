@@ -18,7 +18,6 @@ using namespace py::literals;
 namespace
 {
 
-using Matrix = py::array_t<double, py::array::c_style | py::array::forcecast>;
 using CornersById = std::map<int, std::variant<TagCorners, Matrix>>;
 
 TagCorners toTag(int id, const Matrix& matrix)
@@ -44,26 +43,16 @@ std::vector<TagCorners> toTags(const CornersById& corners)
   return tags;
 }
 
-py::array_t<double> toCorners(const std::array<cv::Point2d, 4>& corners)
-{
-  return toNumpy(std::vector<cv::Point2d>(corners.begin(), corners.end()));
-}
-
-cv::Affine3d toPose(const Matrix& matrix)
-{
-  if (matrix.ndim() != 2 || matrix.shape(0) != 4 || matrix.shape(1) != 4) throw py::value_error("expected a 4x4 pose");
-  return cv::Affine3d(cv::Matx44d(matrix.data()));
-}
-
-py::array_t<double> toMatrix(const cv::Matx66d& matrix)
-{
-  return py::array_t<double>({6, 6}, matrix.val);
-}
-
 constexpr const char* kCorners =
     "corners: by id of the tag, MeasuredCorners or (4, 2) px each, counter-clockwise for somebody who looks at the "
     "tag, from the bottom left one; of tags that are not in the bundle they are left out. None is returned if no tag "
     "is left, or no pose in front of the camera is like it.\n\nRaises ValueError for corners that are no tag's.";
+
+Bundle validated(const Bundle& bundle)
+{
+  validate(bundle);
+  return bundle;
+}
 
 void bindBundle(py::module& m)
 {
@@ -78,39 +67,28 @@ void bindBundle(py::module& m)
       .def_readonly("shift_noise", &BundleTag::shift_noise, "m, standard deviation of each coordinate of its place")
       .def_readonly("turn_noise", &BundleTag::turn_noise, "rad, standard deviation of its rotation about each axis")
       .def_property_readonly(
-          "pose", [](const BundleTag& tag) { return toNumpy(tag.pose.matrix); },
+          "pose", attribute(&BundleTag::pose),
           "4x4, m; of the tag's frame: x right, y up, z out of it as seen in front of it, the origin in its middle");
 
   py::class_<Bundle>(m, "Bundle", "Tags on one rigid body.")
       .def(py::init(
-               [](const std::string& name, const std::vector<BundleTag>& tags)
-               {
-                 const Bundle bundle{name, tags};
-                 validate(bundle);
-                 return bundle;
+               [](const std::string& name, const std::vector<BundleTag>& tags) {
+                 return validated({name, tags});
                }),
            "name"_a, "tags"_a, "Raises ValueError naming what is wrong: no tags, an id twice, a size, a pose.")
       .def_readonly("name", &Bundle::name)
       .def_readonly("tags", &Bundle::tags);
   m.def(
-      "single_tag",
-      [](int id, double size)
-      {
-        const Bundle bundle = singleTag(id, size);
-        validate(bundle);
-        return bundle;
-      },
-      "id"_a, "size"_a, "A tag (size in m) as a Bundle.\n\nRaises ValueError as Bundle does.");
+      "single_tag", [](int id, double size) { return validated(singleTag(id, size)); }, "id"_a, "size"_a,
+      "A tag (size in m) as a Bundle.\n\nRaises ValueError as Bundle does.");
 }
 
 void bindResult(py::module& m)
 {
   py::class_<PoseEstimate>(m, "PoseEstimate", "A pose of a body in the camera's optical frame.")
-      .def_property_readonly(
-          "pose", [](const PoseEstimate& e) { return toNumpy(e.pose.matrix); }, "4x4, m")
-      .def_property_readonly(
-          "covariance", [](const PoseEstimate& e) { return toMatrix(e.covariance); },
-          "6x6, of x, y, z (m) and rotations about x, y, z (rad), all along the camera's axes")
+      .def_property_readonly("pose", attribute(&PoseEstimate::pose), "4x4, m")
+      .def_property_readonly("covariance", attribute(&PoseEstimate::covariance),
+                             "6x6, of x, y, z (m) and rotations about x, y, z (rad), all along the camera's axes")
       .def_readonly("error", &PoseEstimate::error, "px, root mean square distance of the corners");
 
   py::class_<TagPoses>(m, "TagPoses", "The two poses that corners agree with.")
@@ -133,13 +111,9 @@ void bindCorners(py::module& m)
                  return tag;
                }),
            "corners"_a, "covariance"_a)
+      .def_property_readonly("corners", attribute(&TagCorners::corners), "(4, 2) px")
       .def_property_readonly(
-          "corners", [](const TagCorners& tag) { return toCorners(tag.corners); }, "(4, 2) px")
-      .def_property_readonly(
-          "covariance",
-          [](const TagCorners& tag) {
-            return py::array_t<double>({8, 8}, tag.covariance->val);
-          },
+          "covariance", [](const TagCorners& tag) { return toPython(*tag.covariance); },
           "8x8 px^2, of x and y of the first corner to x and y of the last one");
   m.def(
       "measure_corners",
@@ -164,12 +138,7 @@ void bindTagPoses(py::module& m)
       [](const Matrix& corners, const CameraModel& camera)
       {
         const TagCorners found = toTag(0, corners);
-        const auto straight = [&]
-        {
-          const LeaveGil unlocked;
-          return withoutBentEdges(found.corners, camera);
-        };
-        return toCorners(straight());
+        return toPython(withoutGil([&] { return withoutBentEdges(found.corners, camera); }));
       },
       "corners"_a, "camera"_a,
       "Where the corners of a tag are, (4, 2) px, from those that a TagDetector finds: it fits straight lines to the "

@@ -21,7 +21,7 @@ py::tuple toTuple(const std::vector<FlowPoint>& flow)
     positions.push_back(point.position);
     velocities.push_back(point.velocity);
   }
-  return py::make_tuple(toNumpy(positions), toNumpy(velocities));
+  return py::make_tuple(toPython(positions), toPython(velocities));
 }
 
 void bindResult(py::module& m)
@@ -30,21 +30,14 @@ void bindResult(py::module& m)
       .def_readonly("id", &TrackedObject::id)
       .def_readonly("label", &TrackedObject::label)
       .def_readonly("tracked", &TrackedObject::tracked, "seen in this frame; else lost")
-      .def_property_readonly(
-          "outline",
-          [](const TrackedObject& object)
-          { return toNumpy(std::vector<cv::Point2d>(object.outline.begin(), object.outline.end())); },
-          "(4, 2) px: what was the region's top left, top right, bottom right, bottom left")
-      .def_property_readonly(
-          "center", [](const TrackedObject& object) { return toPair(object.center); }, "(x, y), px")
+      .def_property_readonly("outline", attribute(&TrackedObject::outline),
+                             "(4, 2) px: what was the region's top left, top right, bottom right, bottom left")
+      .def_property_readonly("center", attribute(&TrackedObject::center), "(x, y), px")
       .def_readonly("scale", &TrackedObject::scale, "size, 1 when it was selected")
       .def_readonly("angle", &TrackedObject::angle, "rad, by which it has turned since, clockwise")
-      .def_property_readonly(
-          "velocity", [](const TrackedObject& object) { return toPair(object.velocity); }, "px/s of the centre")
+      .def_property_readonly("velocity", attribute(&TrackedObject::velocity), "px/s of the centre")
       .def_readonly("confidence", &TrackedObject::confidence, "share of its points that are seen, 0 to 1")
-      .def_property_readonly(
-          "points", [](const TrackedObject& object) { return toNumpy(object.points); },
-          "(n, 2) float32 px, those seen");
+      .def_property_readonly("points", attribute(&TrackedObject::points), "(n, 2) float32 px, those seen");
 }
 
 void bindTracking(py::module& m)
@@ -82,29 +75,13 @@ void bindTracking(py::module& m)
           "id.\n\nRaises ValueError as select() does.")
       .def("forget", &ObjectTracker::forget, "id"_a, "Forgets an object; whether there was one.")
       .def("clear", &ObjectTracker::clear, "Forgets all objects.")
-      .def(
-          "update",
-          [](ObjectTracker& tracker, double time, const py::array& image, const std::string& encoding)
-          {
-            const ImageArray input(image);
-            const LeaveGil unlocked;
-            return tracker.update(time, input.view, encoding);
-          },
-          "time"_a, "image"_a, "encoding"_a = "bgr8",
-          "The TrackedObjects in the frame of a time, s, in the order in which they were selected.\n\n"
-          "Raises ValueError for an image that is not of this encoding.")
+      .def("update", withArray(&ObjectTracker::update), "time"_a, "image"_a, "encoding"_a = "bgr8",
+           "The TrackedObjects in the frame of a time, s, in the order in which they were selected.\n\n"
+           "Raises ValueError for an image that is not of this encoding.")
       .def("objects", &ObjectTracker::objects, "The objects as update() has returned them, and those selected since.")
       .def(
           "flow",
-          [](ObjectTracker& tracker, int count)
-          {
-            std::vector<FlowPoint> flow;
-            {
-              const LeaveGil unlocked;
-              flow = tracker.flow(count);
-            }
-            return toTuple(flow);
-          },
+          [](ObjectTracker& tracker, int count) { return toTuple(withoutGil([&] { return tracker.flow(count); })); },
           "count"_a = 200,
           "How the image has moved to the newest frame: positions (n, 2) px and velocities (n, 2) px/s of up to "
           "`count` of its points.");

@@ -1,7 +1,6 @@
+#include <dynamic_reconfigure/config_tools.h>
 #include <pybind11/stl.h>
 #include <ros/serialization.h>
-
-#include <optional>
 
 #include "arrays.hpp"
 #include "leave_gil.hpp"
@@ -54,16 +53,12 @@ py::str toStr(const std::string& text)
 /// (inbox, pixels, encoding, seq, secs, nsecs, frame_id, camera_info as serialized or None), or None.
 py::object next(EmbeddedRoscppNode& runtime, double timeout_s)
 {
-  std::optional<EmbeddedRoscppNode::Delivery> delivery;
-  {
-    const LeaveGil unlocked;
-    delivery = runtime.next(timeout_s);
-  }
+  auto delivery = withoutGil([&] { return runtime.next(timeout_s); });
   if (!delivery) return py::none();
   ReceivedImage& received = delivery->picture;
   const std_msgs::Header& header = received.header;
   const auto owner = std::make_pair(received.message, received.pixels);
-  const py::array pixels = toNumpy(received.pixels, owner);
+  const py::array pixels = toPython(received.pixels, owner);
   py::detail::array_proxy(pixels.ptr())->flags &= ~py::detail::npy_api::NPY_ARRAY_WRITEABLE_;
   py::object info = py::none();
   if (received.camera_info) info = serialized(*received.camera_info);
@@ -92,24 +87,19 @@ void publish(PooledImagePublisher& outbox, const py::array& pixels, const std::s
 /// `values`: bool, int, float and str by name.
 std::string edit(const std::string& path, const std::string& text, const py::dict& values)
 {
+  using dynamic_reconfigure::ConfigTools;
   dynamic_reconfigure::Config config;
-  const auto put = [](auto& list, const std::string& name, auto value)
-  {
-    list.emplace_back();
-    list.back().name = name;
-    list.back().value = value;
-  };
   for (const auto& [key, value] : values)
   {
     const auto name = key.cast<std::string>();
     if (py::isinstance<py::bool_>(value))
-      put(config.bools, name, value.cast<bool>());
+      ConfigTools::appendParameter(config, name, value.cast<bool>());
     else if (py::isinstance<py::int_>(value))
-      put(config.ints, name, value.cast<int>());
+      ConfigTools::appendParameter(config, name, value.cast<int>());
     else if (py::isinstance<py::float_>(value))
-      put(config.doubles, name, value.cast<double>());
+      ConfigTools::appendParameter(config, name, value.cast<double>());
     else
-      put(config.strs, name, value.cast<std::string>());
+      ConfigTools::appendParameter(config, name, value.cast<std::string>());
   }
   return editParams(path, text, config);
 }
