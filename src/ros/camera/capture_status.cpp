@@ -43,10 +43,8 @@ void CaptureStatus::stopped()
 
 void CaptureStatus::ended(const std::string& error)
 {
-  if (error.empty())
-    statistics_.setState(DiagnosticStatus::OK, "the source has ended");
-  else
-    statistics_.setState(DiagnosticStatus::ERROR, error);
+  const bool good = error.empty();
+  statistics_.setState(good ? DiagnosticStatus::OK : DiagnosticStatus::ERROR, good ? "the source has ended" : error);
 }
 
 }  // namespace robot_vision

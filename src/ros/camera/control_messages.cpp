@@ -1,5 +1,7 @@
 #include "control_messages.hpp"
 
+#include <dynamic_reconfigure/config_tools.h>
+
 #include <cmath>
 #include <limits>
 
@@ -9,14 +11,7 @@ namespace
 {
 
 using dynamic_reconfigure::Config;
-
-template <class List, class Value>
-void put(List& list, const std::string& name, const Value& value)
-{
-  list.emplace_back();
-  list.back().name = name;
-  list.back().value = value;
-}
+using dynamic_reconfigure::ConfigTools;
 
 bool fitsInt32(std::int64_t number)
 {
@@ -48,21 +43,21 @@ std::string typeOf(const CameraControl& control)
 void put(Config& config, const std::string& type, const std::string& name, std::int64_t number)
 {
   if (type == "bool")
-    put(config.bools, name, number != 0);
+    ConfigTools::appendParameter(config, name, number != 0);
   else if (type == "str")
-    put(config.strs, name, std::string());
+    ConfigTools::appendParameter(config, name, std::string());
   else if (type == "int")
-    put(config.ints, name, static_cast<std::int32_t>(number));
+    ConfigTools::appendParameter(config, name, static_cast<std::int32_t>(number));
   else
-    put(config.doubles, name, static_cast<double>(number));
+    ConfigTools::appendParameter(config, name, static_cast<double>(number));
 }
 
 void put(Config& config, const std::string& type, const std::string& name, const ControlValue& value)
 {
   if (const auto* text = std::get_if<std::string>(&value))
-    put(config.strs, name, *text);
+    ConfigTools::appendParameter(config, name, *text);
   else if (const auto* truth = std::get_if<bool>(&value))
-    put(config.bools, name, *truth);
+    ConfigTools::appendParameter(config, name, *truth);
   else
     put(config, type, name, std::get<std::int64_t>(value));
 }

@@ -13,17 +13,18 @@ namespace robot_vision
 class CallbackGate::State
 {
 public:
-  bool enter()
+  /// Does the work, unless the gate is closed.
+  template <class Work>
+  void pass(const Work& work)
   {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    if (!closed_) ++running_;
-    return !closed_;
-  }
-
-  void leave()
-  {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    if (--running_ == 0) empty_.notify_all();
+    {
+      const std::lock_guard<std::mutex> lock(mutex_);
+      if (closed_) return;
+      ++running_;
+    }
+    const auto leave = [](State* state) { state->leave(); };
+    const std::unique_ptr<State, decltype(leave)> inside(this, leave);
+    work();
   }
 
   void close()
@@ -34,27 +35,17 @@ public:
   }
 
 private:
+  void leave()
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    if (--running_ == 0) empty_.notify_all();
+  }
+
   std::mutex mutex_;  // guards all below
   std::condition_variable empty_;
   bool closed_ = false;
   int running_ = 0;
 };
-
-namespace
-{
-
-/// Does the work and returns true, unless the gate is closed.
-template <class State, class Work>
-bool pass(State& state, Work work)
-{
-  if (!state.enter()) return false;
-  const auto leave = [](State* entered) { entered->leave(); };
-  const std::unique_ptr<State, decltype(leave)> inside(&state, leave);
-  work();
-  return true;
-}
-
-}  // namespace
 
 class CallbackGate::Callback : public ros::CallbackInterface
 {
@@ -69,7 +60,7 @@ public:
   CallResult call() override
   {
     CallResult result = Invalid;
-    pass(*state_, [&] { result = callback_->call(); });
+    state_->pass([&] { result = callback_->call(); });
     return result;
   }
 
@@ -86,12 +77,12 @@ public:
 
   void addCallback(const ros::CallbackInterfacePtr& callback, std::uint64_t owner) override
   {
-    pass(*state_, [&] { queue_->addCallback(boost::make_shared<Callback>(state_, callback), owner); });
+    state_->pass([&] { queue_->addCallback(boost::make_shared<Callback>(state_, callback), owner); });
   }
 
   void removeByID(std::uint64_t owner) override
   {
-    pass(*state_, [&] { queue_->removeByID(owner); });
+    state_->pass([&] { queue_->removeByID(owner); });
   }
 
 private:

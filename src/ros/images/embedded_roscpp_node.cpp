@@ -58,11 +58,13 @@ std::shared_ptr<T> EmbeddedRoscppNode::add(std::vector<std::weak_ptr<T>>& all, s
   return one;
 }
 
-std::shared_ptr<image_transport::ImageTransport> EmbeddedRoscppNode::transport()
+/// A copy of a pointer that stop() resets.
+template <class T>
+std::shared_ptr<T> EmbeddedRoscppNode::held(const std::shared_ptr<T>& member)
 {
   const std::lock_guard<std::mutex> lock(mutex_);
   requireRunning();
-  return it_;
+  return member;
 }
 
 void EmbeddedRoscppNode::requireRunning() const
@@ -73,20 +75,14 @@ void EmbeddedRoscppNode::requireRunning() const
 std::shared_ptr<LatestImageSubscriber> EmbeddedRoscppNode::makeInbox(const LatestImageSubscriber::Params& params,
                                                                      std::shared_ptr<FrameStatistics> statistics)
 {
-  return add(subscribers_, std::make_shared<LatestImageSubscriber>(params, *nh_, transport(), std::move(statistics)));
+  return add(subscribers_, std::make_shared<LatestImageSubscriber>(params, *nh_, held(it_), std::move(statistics)));
 }
 
 std::shared_ptr<PooledImagePublisher> EmbeddedRoscppNode::makeOutbox(const std::string& topic)
 {
   const auto changed = [this] { connections_changed_ = true; };
-  const auto publisher = add(publishers_, std::make_shared<PooledImagePublisher>(topic, *transport(), changed));
-  std::shared_ptr<Registration> registration;
-  {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    requireRunning();
-    registration = registration_;
-  }
-  registration->look();  // because the transports have advertised services
+  const auto publisher = add(publishers_, std::make_shared<PooledImagePublisher>(topic, *held(it_), changed));
+  held(registration_)->look();  // because the transports have advertised services
   return publisher;
 }
 

@@ -68,7 +68,8 @@ private:
 
   template <class T>
   std::shared_ptr<T> add(std::vector<std::weak_ptr<T>>& all, std::shared_ptr<T> one);
-  std::shared_ptr<image_transport::ImageTransport> transport();
+  template <class T>
+  std::shared_ptr<T> held(const std::shared_ptr<T>& member);
   void requireRunning() const;
   std::optional<Delivery> takeNext();
 

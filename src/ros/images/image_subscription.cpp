@@ -1,7 +1,10 @@
 #include "image_subscription.hpp"
 
+#include <vector>
+
 #include "bounded_reading.hpp"
 #include "image_message.hpp"
+#include "robot_vision/common/range.hpp"
 
 namespace robot_vision
 {
@@ -11,6 +14,18 @@ namespace
 constexpr std::uint32_t kQueueSize = 1;  // so that after a slow frame the newest is next
 
 }  // namespace
+
+void requireTransport(const image_transport::ImageTransport& it, const std::string& transport)
+{
+  std::vector<std::string> known;
+  for (std::string name : it.getLoadableTransports())
+  {
+    name.erase(0, name.find('/') + 1);  // the names are like image_transport/raw
+    if (name == transport) return;
+    known.push_back(name);
+  }
+  require(false, "image_transport", "'" + transport + "'", "one that is installed: " + joined(known));
+}
 
 ImageSubscription::ImageSubscription(ros::NodeHandle nh, image_transport::ImageTransport& it, const std::string& topic,
                                      const image_transport::TransportHints& hints, const Callback& callback)

@@ -10,6 +10,9 @@
 namespace robot_vision
 {
 
+/// Throws std::invalid_argument naming the installed transports if `transport` ("raw", "compressed") is not among them.
+void requireTransport(const image_transport::ImageTransport& it, const std::string& transport);
+
 /// Subscribes to the newest image of a topic over the image_transport of the hints. Raw images come in messages from a
 /// pool: image_transport would allocate a new message for each image and set it to zero before it copies the pixels.
 class ImageSubscription

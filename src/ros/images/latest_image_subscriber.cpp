@@ -5,7 +5,6 @@
 
 #include "bounded_reading.hpp"
 #include "image_message.hpp"
-#include "transports.hpp"
 
 namespace robot_vision
 {

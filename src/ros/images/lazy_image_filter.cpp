@@ -4,7 +4,6 @@
 #include <utility>
 
 #include "ros/params/params.hpp"
-#include "transports.hpp"
 
 namespace robot_vision
 {

@@ -163,7 +163,6 @@ void setMissing(const std::string& ns, XmlRpcValue params)
 class Registration::Watch
 {
 public:
-  static std::shared_ptr<Watch> ofProcess();
   Watch() : thread_(&Watch::run, this) {}
   ~Watch();
   /// Adds a namespace of parameters and possibly a node, and checks at once.
@@ -188,11 +187,6 @@ private:
   std::map<std::string, std::string> nodes_;   // the nodes of this process and their URIs
   std::thread thread_;
 };
-
-std::shared_ptr<Registration::Watch> Registration::Watch::ofProcess()
-{
-  return sharedInstance<Watch>();
-}
 
 Registration::Watch::~Watch()
 {
@@ -291,7 +285,7 @@ bool Registration::Watch::registerAgain()
 }
 
 Registration::Registration(const std::string& ns, const std::string& node, const std::string& node_uri)
-  : watch_(Watch::ofProcess()), ns_(ns)
+  : watch_(sharedInstance<Watch>()), ns_(ns)
 {
   watch_->add(ns_, node, node_uri);
 }

@@ -1,20 +1,12 @@
 #pragma once
 
-#include <dynamic_reconfigure/Config.h>
+#include <dynamic_reconfigure/config_tools.h>
 #include <ros/ros.h>
-
-#include <string>
 
 #include "params.hpp"
 
 namespace robot_vision
 {
-
-/// Puts what `config` has under `name` into `value`, if it has it.
-void takeValue(const dynamic_reconfigure::Config& config, const std::string& name, bool& value);
-void takeValue(const dynamic_reconfigure::Config& config, const std::string& name, int& value);
-void takeValue(const dynamic_reconfigure::Config& config, const std::string& name, double& value);
-void takeValue(const dynamic_reconfigure::Config& config, const std::string& name, std::string& value);
 
 /// Params of the core (see fields.hpp there) with what `config` has under the names of their fields. `Config` is
 /// generated from a .cfg file.
@@ -24,8 +16,9 @@ Params filled(const Config& config)
   dynamic_reconfigure::Config message;
   config.__toMessage__(message);
   Params params;
-  Params::fields([&](const char* name, auto member, const auto& /*limits*/, const char* /*unit*/,
-                     const char* /*meaning*/) { takeValue(message, name, params.*member); });
+  Params::fields(
+      [&](const char* name, auto member, const auto& /*limits*/, const char* /*unit*/, const char* /*meaning*/)
+      { dynamic_reconfigure::ConfigTools::getParameter(message, name, params.*member); });
   return params;
 }
 

@@ -4,7 +4,6 @@
 #include <stdexcept>
 #include <type_traits>
 
-#include "fields.hpp"
 #include "robot_vision/common/printable.hpp"
 #include "unknown_params.hpp"
 
@@ -39,14 +38,6 @@ void read(const ros::NodeHandle& nh, const std::string& name, T& value, const ch
   if (rounded || !nh.getParam(name, value))
     throw std::invalid_argument(name + " is " + valueText(found) + ", must be " + type);
   if (value != default_value) noteKnownParam(nh, name, shown(value));
-}
-
-/// `entries`: a Config's values of one type.
-template <class Entries, class Value>
-void take(const Entries& entries, const std::string& name, Value& value)
-{
-  for (const auto& entry : entries)
-    if (entry.name == name) value = static_cast<Value>(entry.value);
 }
 
 }  // namespace
@@ -93,26 +84,6 @@ void readParams(const ros::NodeHandle& nh, dynamic_reconfigure::Config& config)
     readParam(nh, p.name, p.value);
   for (auto& p : config.strs)
     readParam(nh, p.name, p.value);
-}
-
-void takeValue(const dynamic_reconfigure::Config& config, const std::string& name, bool& value)
-{
-  take(config.bools, name, value);
-}
-
-void takeValue(const dynamic_reconfigure::Config& config, const std::string& name, int& value)
-{
-  take(config.ints, name, value);
-}
-
-void takeValue(const dynamic_reconfigure::Config& config, const std::string& name, double& value)
-{
-  take(config.doubles, name, value);
-}
-
-void takeValue(const dynamic_reconfigure::Config& config, const std::string& name, std::string& value)
-{
-  take(config.strs, name, value);
 }
 
 }  // namespace robot_vision

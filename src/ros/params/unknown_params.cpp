@@ -20,34 +20,24 @@ constexpr std::size_t kMaxPathLength = 300;  // bytes, of a path in a message
 using Names = std::map<std::string, std::string>;  // name -> value as text, empty if it is the default
 
 /// The parameters of the nodes that are starting in this process, by namespace.
-class KnownParams
+struct KnownParams
 {
-public:
-  void add(const std::string& ns, const std::string& name, const std::string& changed)
-  {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    names_[ns][name] = changed;
-  }
-
-  /// Takes the parameters of a namespace out of the collection, because another nodelet may be loaded into it later.
-  Names take(const std::string& ns)
-  {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    Names names;
-    names.swap(names_[ns]);
-    names_.erase(ns);
-    return names;
-  }
-
-private:
-  std::mutex mutex_;  // guards names_, because nodelets start in several threads
-  std::map<std::string, Names> names_;
+  std::mutex mutex;  // guards names, because nodelets start in several threads
+  std::map<std::string, Names> names;
 };
 
 KnownParams& knownParams()
 {
   static KnownParams known;
   return known;
+}
+
+/// Takes the parameters of a namespace out of the collection, because another nodelet may be loaded into it later.
+Names takeKnownParams(const std::string& ns)
+{
+  const std::lock_guard<std::mutex> lock(knownParams().mutex);
+  const auto taken = knownParams().names.extract(ns);
+  return taken ? taken.mapped() : Names();
 }
 
 /// The similarity of two words, 0 to 1: twice the length of their longest common subsequence over their total length.
@@ -126,12 +116,13 @@ void logChanged(const ros::NodeHandle& nh, const Names& known)
 
 void noteKnownParam(const ros::NodeHandle& nh, const std::string& name, const std::string& changed)
 {
-  knownParams().add(nh.getNamespace(), name, changed);
+  const std::lock_guard<std::mutex> lock(knownParams().mutex);
+  knownParams().names[nh.getNamespace()][name] = changed;
 }
 
 void reviewParams(const ros::NodeHandle& nh)
 {
-  Names known = knownParams().take(nh.getNamespace());
+  Names known = takeKnownParams(nh.getNamespace());
   std::string config_file;  // it is read only when values are saved
   nh.getParam("config_file", config_file);
   known["config_file"] = config_file.empty() ? "" : "'" + shortened(config_file, kMaxPathLength) + "'";
