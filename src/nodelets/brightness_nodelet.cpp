@@ -11,9 +11,7 @@ namespace robot_vision
 {
 
 /// Publishes `image` with gain, offset and gamma changed on ~processed_image.
-class BrightnessNodelet : public FilterNodelet<BrightnessConfig, BrightnessParams, Brightness>
-{
-};
+using BrightnessNodelet = FilterNodelet<BrightnessConfig, BrightnessParams, Brightness>;
 
 boost::shared_ptr<nodelet::Nodelet> makeBrightness()
 {

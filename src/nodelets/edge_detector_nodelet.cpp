@@ -11,9 +11,7 @@ namespace robot_vision
 {
 
 /// Publishes the Canny edges of `image` on ~processed_image.
-class EdgeDetectorNodelet : public FilterNodelet<EdgeDetectorConfig, EdgeParams, EdgeDetector>
-{
-};
+using EdgeDetectorNodelet = FilterNodelet<EdgeDetectorConfig, EdgeParams, EdgeDetector>;
 
 boost::shared_ptr<nodelet::Nodelet> makeEdgeDetector()
 {

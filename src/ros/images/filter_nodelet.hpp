@@ -22,7 +22,7 @@ namespace robot_vision
 template <class Config, class Params, class Filter>
 class FilterNodelet : public nodelet::Nodelet
 {
-protected:
+public:
   ~FilterNodelet() override { stop(); }
 
 private:

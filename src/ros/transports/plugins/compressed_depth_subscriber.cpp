@@ -19,12 +19,8 @@ private:
   {
     const auto fill = [&](cv::Mat& pixels)
     { return decompressDepth(message.format, message.data.data(), message.data.size(), pixels); };
-    const sensor_msgs::ImagePtr image = maker_.make(fill);
-    image->header = message.header;
-    return image;
+    return makeImage(message.header, fill);
   }
-
-  ImageMaker maker_;
 };
 
 }  // namespace robot_vision

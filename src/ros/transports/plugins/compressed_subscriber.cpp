@@ -23,9 +23,7 @@ private:
     nh().getParamCached("reduction", reduction);
     const auto fill = [&](cv::Mat& pixels)
     { return decompress(message.format, message.data.data(), message.data.size(), mode, reduction, pixels); };
-    const sensor_msgs::ImagePtr image = maker_.make(fill);
-    image->header = message.header;
-    return image;
+    return makeImage(message.header, fill);
   }
 
   ColorMode colorMode() const
@@ -36,8 +34,6 @@ private:
             "unchanged, gray or color");
     return mode == "gray" ? ColorMode::kGray : mode == "color" ? ColorMode::kColor : ColorMode::kUnchanged;
   }
-
-  ImageMaker maker_;
 };
 
 }  // namespace robot_vision

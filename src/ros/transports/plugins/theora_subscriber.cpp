@@ -37,19 +37,16 @@ private:
     nh().getParamCached("post_processing_level", level);
     decoder_.setPostProcessing(level);
     if (!decoder_.decode(toPacket(message), bgr_)) return nullptr;
-    const sensor_msgs::ImagePtr image = maker_.make(
-        [this](cv::Mat& pixels)
-        {
-          bgr_.copyTo(pixels);
-          return std::string("bgr8");
-        });
-    image->header = message.header;
-    return image;
+    return makeImage(message.header,
+                     [this](cv::Mat& pixels)
+                     {
+                       bgr_.copyTo(pixels);
+                       return std::string("bgr8");
+                     });
   }
 
   TheoraDecoder decoder_;
   cv::Mat bgr_;
-  ImageMaker maker_;
 };
 
 }  // namespace robot_vision

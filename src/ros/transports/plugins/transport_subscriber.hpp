@@ -29,6 +29,14 @@ protected:
   /// The image of a message, null if it has none. Throws for a message that cannot be used.
   virtual sensor_msgs::ImagePtr decode(const Message& message) = 0;
 
+  /// The message of an image that `fill` writes, see ImageMaker.
+  sensor_msgs::ImagePtr makeImage(const std_msgs::Header& header, const ImageMaker::Fill& fill)
+  {
+    const sensor_msgs::ImagePtr image = maker_.make(fill);
+    image->header = header;
+    return image;
+  }
+
   /// The namespace of the transport's parameters.
   const ros::NodeHandle& nh() const { return *nh_; }
 
@@ -62,6 +70,7 @@ private:
 
   std::uint32_t more_messages_;
   std::unique_ptr<ros::NodeHandle> nh_;
+  ImageMaker maker_;
   Throttle refused_;
   ros::Subscriber subscriber_;
 };
