@@ -7,7 +7,6 @@
 #include <array>
 #include <cstdint>
 #include <cstdlib>
-#include <memory>
 #include <opencv2/core.hpp>
 #include <opencv2/core/affine.hpp>
 #include <string>

@@ -1,5 +1,7 @@
 #include "capture_status.hpp"
 
+#include <utility>
+
 namespace robot_vision
 {
 
@@ -7,8 +9,7 @@ using diagnostic_msgs::DiagnosticStatus;
 
 bool CaptureStatus::opened(const std::string& description)
 {
-  const bool is_new = description_ != description;
-  description_ = description;
+  const bool is_new = std::exchange(description_, description) != description;
   statistics_.resumed();
   if (!lost_) statistics_.setState(DiagnosticStatus::OK, description_);
   return is_new;
@@ -22,18 +23,14 @@ void CaptureStatus::lost(const std::string& reason)
 
 bool CaptureStatus::streaming()
 {
-  const bool again = lost_;
-  lost_ = false;
   statistics_.setState(DiagnosticStatus::OK, description_);
-  return again;
+  return std::exchange(lost_, false);
 }
 
 bool CaptureStatus::idle()
 {
-  const bool again = lost_;
-  lost_ = false;
   statistics_.setIdle();
-  return again;
+  return std::exchange(lost_, false);
 }
 
 void CaptureStatus::stopped()

@@ -4,7 +4,6 @@
 #include <ros/ros.h>
 
 #include <functional>
-#include <memory>
 #include <mutex>
 #include <string>
 

@@ -4,7 +4,6 @@
 #include <std_msgs/Header.h>
 
 #include <functional>
-#include <memory>
 #include <mutex>
 #include <opencv2/core.hpp>
 #include <string>

@@ -27,19 +27,6 @@ std::string shown(const T& value)
   return text.str();
 }
 
-template <class T>
-void read(const ros::NodeHandle& nh, const std::string& name, T& value, const char* type)
-{
-  const T default_value = value;
-  noteKnownParam(nh, name);
-  XmlRpc::XmlRpcValue found;
-  if (!nh.getParam(name, found)) return;
-  const bool rounded = std::is_same<T, int>::value && found.getType() == XmlRpc::XmlRpcValue::TypeDouble;
-  if (rounded || !nh.getParam(name, value))
-    throw std::invalid_argument(name + " is " + valueText(found) + ", must be " + type);
-  if (value != default_value) noteKnownParam(nh, name, shown(value));
-}
-
 }  // namespace
 
 std::string valueText(const XmlRpc::XmlRpcValue& value)
@@ -50,25 +37,27 @@ std::string valueText(const XmlRpc::XmlRpcValue& value)
   return shortened(stream.str(), kMaxValueLength);
 }
 
-void readParam(const ros::NodeHandle& nh, const std::string& name, bool& value)
+template <class T>
+void readParam(const ros::NodeHandle& nh, const std::string& name, T& value)
 {
-  read(nh, name, value, "true or false");
+  constexpr const char* kType = std::is_same_v<T, bool>     ? "true or false"
+                                : std::is_same_v<T, int>    ? "an integer"
+                                : std::is_same_v<T, double> ? "a number"
+                                                            : "a string";
+  const T default_value = value;
+  noteKnownParam(nh, name);
+  XmlRpc::XmlRpcValue found;
+  if (!nh.getParam(name, found)) return;
+  const bool rounded = std::is_same_v<T, int> && found.getType() == XmlRpc::XmlRpcValue::TypeDouble;
+  if (rounded || !nh.getParam(name, value))
+    throw std::invalid_argument(name + " is " + valueText(found) + ", must be " + kType);
+  if (value != default_value) noteKnownParam(nh, name, shown(value));
 }
 
-void readParam(const ros::NodeHandle& nh, const std::string& name, int& value)
-{
-  read(nh, name, value, "an integer");
-}
-
-void readParam(const ros::NodeHandle& nh, const std::string& name, double& value)
-{
-  read(nh, name, value, "a number");
-}
-
-void readParam(const ros::NodeHandle& nh, const std::string& name, std::string& value)
-{
-  read(nh, name, value, "a string");
-}
+template void readParam(const ros::NodeHandle& nh, const std::string& name, bool& value);
+template void readParam(const ros::NodeHandle& nh, const std::string& name, int& value);
+template void readParam(const ros::NodeHandle& nh, const std::string& name, double& value);
+template void readParam(const ros::NodeHandle& nh, const std::string& name, std::string& value);
 
 void readParams(const ros::NodeHandle& nh, dynamic_reconfigure::Config& config)
 {

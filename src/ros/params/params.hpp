@@ -11,12 +11,11 @@ namespace robot_vision
 /// A parameter's value for a log line: as in YAML, shortened if it is long.
 std::string valueText(const XmlRpc::XmlRpcValue& value);
 
-/// Reads the parameter `name` into `value` if it is on the parameter server. Throws std::invalid_argument naming the
-/// parameter, its value and the expected type if it has another type; an integer is accepted for a double.
-void readParam(const ros::NodeHandle& nh, const std::string& name, bool& value);
-void readParam(const ros::NodeHandle& nh, const std::string& name, int& value);
-void readParam(const ros::NodeHandle& nh, const std::string& name, double& value);
-void readParam(const ros::NodeHandle& nh, const std::string& name, std::string& value);
+/// Reads the parameter `name` into `value`, a bool, int, double or std::string, if it is on the parameter server.
+/// Throws std::invalid_argument naming the parameter, its value and the expected type if it has another type; an
+/// integer is accepted for a double.
+template <class T>
+void readParam(const ros::NodeHandle& nh, const std::string& name, T& value);
 
 /// Reads all values of `config` by their names, as readParam() does.
 void readParams(const ros::NodeHandle& nh, dynamic_reconfigure::Config& config);

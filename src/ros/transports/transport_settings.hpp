@@ -4,7 +4,6 @@
 #include <ros/ros.h>
 
 #include <boost/thread/recursive_mutex.hpp>
-#include <memory>
 #include <mutex>
 #include <stdexcept>
 
