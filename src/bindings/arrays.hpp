@@ -32,14 +32,6 @@ struct DeleteUnlocked
   }
 };
 
-/// An array of pixels and the view of it.
-struct ImageArray
-{
-  explicit ImageArray(py::array pixels);
-  py::array array;
-  cv::Mat view;
-};
-
 /// Whether a cv::Mat can view the array: packed pixels, rows that do not overlap, and aligned samples.
 inline bool hasPackedRows(const py::array& array)
 {
@@ -50,20 +42,28 @@ inline bool hasPackedRows(const py::array& array)
          array.strides(0) % array.itemsize() == 0 && address % static_cast<std::uintptr_t>(array.itemsize()) == 0;
 }
 
-inline ImageArray::ImageArray(py::array pixels) : array(std::move(pixels))
+/// An array of pixels and the view of it.
+struct ImageArray
 {
-  const bool wide = py::isinstance<py::array_t<std::uint16_t>>(array);
-  if (!wide && !py::isinstance<py::array_t<std::uint8_t>>(array))
-    throw py::type_error("expected an array of uint8 or uint16, got " + std::string(py::str(array.dtype())));
-  if (array.ndim() != 2 && array.ndim() != 3)
-    throw py::value_error("expected an array of 2 or 3 dimensions, got " + std::to_string(array.ndim()));
-  const auto channels = static_cast<int>(array.ndim() == 3 ? array.shape(2) : 1);
-  if (channels < 1 || channels > 4) throw py::value_error("expected 1 to 4 channels, got " + std::to_string(channels));
-  if (!hasPackedRows(array)) array = array.attr("copy")("C");
-  view = cv::Mat(static_cast<int>(array.shape(0)), static_cast<int>(array.shape(1)),
-                 CV_MAKETYPE(wide ? CV_16U : CV_8U, channels), const_cast<void*>(array.data()),
-                 static_cast<std::size_t>(array.strides(0)));
-}
+  explicit ImageArray(py::array pixels) : array(std::move(pixels))
+  {
+    const bool wide = py::isinstance<py::array_t<std::uint16_t>>(array);
+    if (!wide && !py::isinstance<py::array_t<std::uint8_t>>(array))
+      throw py::type_error("expected an array of uint8 or uint16, got " + std::string(py::str(array.dtype())));
+    if (array.ndim() != 2 && array.ndim() != 3)
+      throw py::value_error("expected an array of 2 or 3 dimensions, got " + std::to_string(array.ndim()));
+    const auto channels = static_cast<int>(array.ndim() == 3 ? array.shape(2) : 1);
+    if (channels < 1 || channels > 4)
+      throw py::value_error("expected 1 to 4 channels, got " + std::to_string(channels));
+    if (!hasPackedRows(array)) array = array.attr("copy")("C");
+    view = cv::Mat(static_cast<int>(array.shape(0)), static_cast<int>(array.shape(1)),
+                   CV_MAKETYPE(wide ? CV_16U : CV_8U, channels), const_cast<void*>(array.data()),
+                   static_cast<std::size_t>(array.strides(0)));
+  }
+
+  py::array array;
+  cv::Mat view;
+};
 
 /// NumPy's names of samples by cv::Mat depth, CV_8U to CV_64F.
 constexpr const char* kSampleTypes[] = {"u1", "i1", "u2", "i2", "i4", "f4", "f8"};

@@ -165,12 +165,10 @@ class Registration::Watch
 public:
   Watch() : thread_(&Watch::run, this) {}
   ~Watch();
-  /// Adds a namespace of parameters and possibly a node, and checks at once.
-  void add(const std::string& ns, const std::string& node, const std::string& node_uri);
-  void remove(const std::string& ns);
-  void checkNow();
 
 private:
+  friend class Registration;
+
   void run();
   void look();
   bool namesAreTaken() const;
@@ -196,27 +194,6 @@ Registration::Watch::~Watch()
   }
   ended_.notify_all();
   thread_.join();
-}
-
-void Registration::Watch::add(const std::string& ns, const std::string& node, const std::string& node_uri)
-{
-  const std::lock_guard<std::mutex> lock(mutex_);
-  params_[ns];
-  nodes_[ros::this_node::getName()] = uri();
-  if (!node.empty()) nodes_[node] = node_uri;
-  look();
-}
-
-void Registration::Watch::remove(const std::string& ns)
-{
-  const std::lock_guard<std::mutex> lock(mutex_);
-  params_.erase(ns);
-}
-
-void Registration::Watch::checkNow()
-{
-  const std::lock_guard<std::mutex> lock(mutex_);
-  look();
 }
 
 void Registration::Watch::run()
@@ -287,17 +264,23 @@ bool Registration::Watch::registerAgain()
 Registration::Registration(const std::string& ns, const std::string& node, const std::string& node_uri)
   : watch_(sharedInstance<Watch>()), ns_(ns)
 {
-  watch_->add(ns_, node, node_uri);
+  const std::lock_guard<std::mutex> lock(watch_->mutex_);
+  watch_->params_[ns_];
+  watch_->nodes_[ros::this_node::getName()] = uri();
+  if (!node.empty()) watch_->nodes_[node] = node_uri;
+  watch_->look();
 }
 
 Registration::~Registration()
 {
-  watch_->remove(ns_);
+  const std::lock_guard<std::mutex> lock(watch_->mutex_);
+  watch_->params_.erase(ns_);
 }
 
 void Registration::look()
 {
-  watch_->checkNow();
+  const std::lock_guard<std::mutex> lock(watch_->mutex_);
+  watch_->look();
 }
 
 }  // namespace robot_vision

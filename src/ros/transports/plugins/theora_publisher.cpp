@@ -23,14 +23,7 @@ TheoraParams toParams(const TheoraPublisherConfig& config)
 
 TheoraPacketMessage toMessage(const TheoraPacket& packet, const std_msgs::Header& header)
 {
-  TheoraPacketMessage message;
-  message.header = header;
-  message.data = packet.data;
-  message.b_o_s = packet.begins_stream ? 1 : 0;
-  message.e_o_s = packet.ends_stream ? 1 : 0;
-  message.granulepos = packet.granule_position;
-  message.packetno = packet.number;
-  return message;
+  return {header, packet.data, packet.begins_stream, packet.ends_stream, packet.granule_position, packet.number};
 }
 
 }  // namespace

@@ -11,13 +11,7 @@ namespace
 
 TheoraPacket toPacket(const TheoraPacketMessage& message)
 {
-  TheoraPacket packet;
-  packet.data = message.data;
-  packet.begins_stream = message.b_o_s != 0;
-  packet.ends_stream = message.e_o_s != 0;
-  packet.granule_position = message.granulepos;
-  packet.number = message.packetno;
-  return packet;
+  return {message.data, message.b_o_s != 0, message.e_o_s != 0, message.granulepos, message.packetno};
 }
 
 }  // namespace
