@@ -4,10 +4,30 @@
 
 #include "robot_vision/codecs/compressed_picture.hpp"
 #include "robot_vision/common/range.hpp"
+#include "ros/transports/compression.hpp"
+#include "transport_publisher.hpp"
 #include "transport_subscriber.hpp"
 
 namespace robot_vision
 {
+
+/// Publishes image_transport's "compressed": JPEG or PNG.
+class CompressedPublisher
+  : public TransportPublisher<sensor_msgs::CompressedImage, CompressedPublisherConfig, CompressionParams>
+{
+public:
+  CompressedPublisher() : TransportPublisher(toCompressionParams) {}
+  ~CompressedPublisher() override { CompressedPublisher::shutdown(); }
+
+  std::string getTransportName() const override { return "compressed"; }
+
+private:
+  void send(const sensor_msgs::Image& message, const CompressionParams& params,
+            const PublishFn& publish_fn) const override
+  {
+    publish_fn(compressMessage(message, params));
+  }
+};
 
 /// Subscribes to "compressed". Live parameters: `mode` (unchanged, gray or color) and `reduction` (1, 2, 4 or 8).
 class CompressedSubscriber : public TransportSubscriber<sensor_msgs::CompressedImage>
@@ -38,4 +58,5 @@ private:
 
 }  // namespace robot_vision
 
+PLUGINLIB_EXPORT_CLASS(robot_vision::CompressedPublisher, image_transport::PublisherPlugin)
 PLUGINLIB_EXPORT_CLASS(robot_vision::CompressedSubscriber, image_transport::SubscriberPlugin)

@@ -1,11 +1,16 @@
+#include <sensor_msgs/CompressedImage.h>
+
 #include <atomic>
 #include <pluginlib/class_list_macros.hpp>
 
+#include "robot_vision/codecs/compressed_depth.hpp"
 #include "ros/transports/compression.hpp"
 #include "transport_publisher.hpp"
+#include "transport_subscriber.hpp"
 
 namespace robot_vision
 {
+
 /// Publishes image_transport's "compressedDepth". Every image topic has this transport, and recorders subscribe to all
 /// topics. So for images that hold no depths it publishes nothing and logs that once.
 class CompressedDepthPublisher
@@ -33,6 +38,22 @@ private:
   mutable std::atomic<bool> logged_{false};
 };
 
+/// Subscribes to "compressedDepth".
+class CompressedDepthSubscriber : public TransportSubscriber<sensor_msgs::CompressedImage>
+{
+public:
+  std::string getTransportName() const override { return "compressedDepth"; }
+
+private:
+  sensor_msgs::ImagePtr decode(const sensor_msgs::CompressedImage& message) override
+  {
+    const auto fill = [&](cv::Mat& pixels)
+    { return decompressDepth(message.format, message.data.data(), message.data.size(), pixels); };
+    return makeImage(message.header, fill);
+  }
+};
+
 }  // namespace robot_vision
 
 PLUGINLIB_EXPORT_CLASS(robot_vision::CompressedDepthPublisher, image_transport::PublisherPlugin)
+PLUGINLIB_EXPORT_CLASS(robot_vision::CompressedDepthSubscriber, image_transport::SubscriberPlugin)

@@ -7,6 +7,7 @@
 #include "ros/params/fields.hpp"
 #include "theora_packet.hpp"
 #include "transport_publisher.hpp"
+#include "transport_subscriber.hpp"
 
 namespace robot_vision
 {
@@ -24,6 +25,11 @@ TheoraParams toParams(const TheoraPublisherConfig& config)
 TheoraPacketMessage toMessage(const TheoraPacket& packet, const std_msgs::Header& header)
 {
   return {header, packet.data, packet.begins_stream, packet.ends_stream, packet.granule_position, packet.number};
+}
+
+TheoraPacket toPacket(const TheoraPacketMessage& message)
+{
+  return {message.data, message.b_o_s != 0, message.e_o_s != 0, message.granulepos, message.packetno};
 }
 
 }  // namespace
@@ -75,6 +81,34 @@ private:
   mutable std_msgs::Header last_;
 };
 
+/// Subscribes to "theora" and gives bgr8. Live parameter: `post_processing_level`, 0 to 7, softens the edges of blocks.
+class TheoraSubscriber : public TransportSubscriber<TheoraPacketMessage>
+{
+public:
+  TheoraSubscriber() : TransportSubscriber(kTheoraHeaders) {}
+
+  std::string getTransportName() const override { return "theora"; }
+
+private:
+  sensor_msgs::ImagePtr decode(const TheoraPacketMessage& message) override
+  {
+    int level = 0;
+    nh().getParamCached("post_processing_level", level);
+    decoder_.setPostProcessing(level);
+    if (!decoder_.decode(toPacket(message), bgr_)) return nullptr;
+    return makeImage(message.header,
+                     [this](cv::Mat& pixels)
+                     {
+                       bgr_.copyTo(pixels);
+                       return std::string("bgr8");
+                     });
+  }
+
+  TheoraDecoder decoder_;
+  cv::Mat bgr_;
+};
+
 }  // namespace robot_vision
 
 PLUGINLIB_EXPORT_CLASS(robot_vision::TheoraPublisher, image_transport::PublisherPlugin)
+PLUGINLIB_EXPORT_CLASS(robot_vision::TheoraSubscriber, image_transport::SubscriberPlugin)
