@@ -47,13 +47,11 @@ private:
 
   static void bindRoom(py::module& m, const std::string& room)
   {
-    const auto found = registry().find(room);
-    if (found == registry().end()) return;  // bound already
-    const Entry entry = found->second;
-    registry().erase(found);
-    for (const std::string& used : entry.uses)
+    const auto entry = registry().extract(room);
+    if (!entry) return;  // bound already
+    for (const std::string& used : entry.mapped().uses)
       bindRoom(m, used);
-    entry.bind(m);
+    entry.mapped().bind(m);
   }
 };
 
