@@ -62,6 +62,7 @@ def python_nodes():
 
 
 CONFIGS = {node: config_of(node) for node in python_nodes()}
+assert len(CONFIGS) >= 9, "nodes with parameters are not found"
 
 
 class Server:
