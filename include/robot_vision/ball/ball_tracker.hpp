@@ -35,9 +35,6 @@ struct BallTrackerParams
   }
 };
 
-/// Throws std::invalid_argument naming the first parameter out of range, its value and the range.
-void validate(const BallTrackerParams& params);
-
 struct BallMeasurement
 {
   cv::Point2d center;   // px

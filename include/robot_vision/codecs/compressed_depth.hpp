@@ -26,9 +26,6 @@ struct DepthCompressionParams
   }
 };
 
-/// Throws std::invalid_argument naming the first parameter out of range, its value and the range.
-void validate(const DepthCompressionParams& params);
-
 /// Whether images of this encoding hold depths: 16UC1 and mono16 in mm, 32FC1 in m.
 bool isDepth(const std::string& encoding);
 

@@ -33,9 +33,6 @@ struct TheoraParams
   }
 };
 
-/// Throws std::invalid_argument naming the first parameter out of range, its value and the range.
-void validate(const TheoraParams& params);
-
 /// One of the three headers at the start of a stream, or one frame.
 struct TheoraPacket
 {

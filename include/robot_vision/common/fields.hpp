@@ -75,6 +75,14 @@ void checkFields(const Params& params)
                            const char* /*meaning*/) { checkField(name, params.*member, limits); });
 }
 
+/// Throws std::invalid_argument naming the first parameter out of range, its value and the range. A struct with rules
+/// that concern several of its fields has an overload, declared beside it.
+template <class Params>
+void validate(const Params& params)
+{
+  checkFields(params);
+}
+
 /// Whether all fields of two structs are equal.
 template <class Params>
 bool equalFields(const Params& a, const Params& b)

@@ -28,9 +28,6 @@ struct BrightnessParams
   }
 };
 
-/// Throws std::invalid_argument naming the first parameter out of range, its value and the range.
-void validate(const BrightnessParams& params);
-
 /// Applies gain, offset and gamma: out = max * (clip(gain * in + offset) / max) ^ gamma. max is 255, or 65535 for 16
 /// bits, where the offset is multiplied by 257. The result equals cv::Mat::convertTo followed by cv::LUT with the gamma
 /// curve, to the bit. The lookup tables are computed once, so that each frame takes a single pass.

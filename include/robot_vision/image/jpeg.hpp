@@ -82,9 +82,6 @@ struct JpegParams
   }
 };
 
-/// Throws std::invalid_argument naming the first parameter out of range, its value and the range.
-void validate(const JpegParams& params);
-
 /// Encodes mono8 (CV_8UC1), bgr8 (CV_8UC3) or bgra8 (CV_8UC4) into `out`, with the chroma at half the resolution as
 /// cv::imencode does. If `rgb`, the channels are in the order of rgb8 or rgba8. Throws std::invalid_argument for an
 /// image of another type, without pixels, or that is too large.

@@ -19,9 +19,6 @@ struct LineParams
   }
 };
 
-/// Throws std::invalid_argument naming the first parameter out of range, its value and the range.
-void validate(const LineParams& params);
-
 /// A line to follow. Pixel centres have integer coordinates, so that the middle of an image of width w is (w - 1) / 2.
 /// If no line was found, all fields are zero or empty.
 struct Line

@@ -43,9 +43,6 @@ struct MotionParams
   }
 };
 
-/// Throws std::invalid_argument naming the first parameter out of range, its value and the range.
-void validate(const MotionParams& params);
-
 /// What moves in a frame.
 struct Motion
 {

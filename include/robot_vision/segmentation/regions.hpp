@@ -25,9 +25,6 @@ struct RegionParams
   }
 };
 
-/// Throws std::invalid_argument naming the first parameter out of range, its value and the range.
-void validate(const RegionParams& params);
-
 /// A region of a mask: pixels that touch each other at a side or a corner. Pixel centres have integer coordinates.
 struct Region
 {

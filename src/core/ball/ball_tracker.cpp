@@ -16,11 +16,6 @@ double square(double value)
 
 }  // namespace
 
-void validate(const BallTrackerParams& params)
-{
-  checkFields(params);
-}
-
 BallTracker::BallTracker(const BallTrackerParams& params) : params_(params)
 {
   validate(params);

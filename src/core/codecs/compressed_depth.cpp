@@ -73,11 +73,6 @@ void decodeMetres(const cv::Mat& codes, const Header& header, cv::Mat& depth)
 
 }  // namespace
 
-void validate(const DepthCompressionParams& params)
-{
-  checkFields(params);
-}
-
 bool isDepth(const std::string& encoding)
 {
   return encoding == "16UC1" || encoding == "mono16" || encoding == "32FC1";

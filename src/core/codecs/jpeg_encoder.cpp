@@ -60,11 +60,6 @@ void encodeByOpenCv(const cv::Mat& image, bool rgb, const JpegParams& params, st
 
 }  // namespace
 
-void validate(const JpegParams& params)
-{
-  checkFields(params);
-}
-
 void encodeJpeg(const cv::Mat& image, bool rgb, const JpegParams& params, std::vector<std::uint8_t>& out)
 {
   validate(params);

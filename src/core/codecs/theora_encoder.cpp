@@ -53,11 +53,6 @@ struct TheoraEncoder::Stream
   std::unique_ptr<th_enc_ctx, void (*)(th_enc_ctx*)> context;
 };
 
-void validate(const TheoraParams& params)
-{
-  checkFields(params);
-}
-
 TheoraEncoder::TheoraEncoder(const TheoraParams& params) : params_(params)
 {
   validate(params);

@@ -64,11 +64,6 @@ void applyLut(const std::uint16_t* table, const std::uint16_t* values, int count
 
 }  // namespace
 
-void validate(const BrightnessParams& params)
-{
-  checkFields(params);
-}
-
 Brightness::Brightness(const BrightnessParams& params) : params_(params)
 {
   validate(params);

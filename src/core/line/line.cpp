@@ -108,11 +108,6 @@ std::pair<double, Fit> direction(const cv::Mat& region, const cv::Rect& box, con
 
 }  // namespace
 
-void validate(const LineParams& params)
-{
-  checkFields(params);
-}
-
 Line findLine(const cv::Mat& mask, const LineParams& params, const Line& previous)
 {
   validate(params);

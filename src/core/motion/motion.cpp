@@ -24,11 +24,6 @@ RegionParams regionParams(const MotionParams& params)
 
 }  // namespace
 
-void validate(const MotionParams& params)
-{
-  checkFields(params);
-}
-
 struct MotionDetector::Impl
 {
   explicit Impl(const MotionParams& p) : params(p), finder(regionParams(p)), background(p) {}

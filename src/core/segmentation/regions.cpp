@@ -71,11 +71,6 @@ void addCircle(Region& region)
 
 }  // namespace
 
-void validate(const RegionParams& params)
-{
-  checkFields(params);
-}
-
 RegionFinder::RegionFinder(const RegionParams& params) : params_(params)
 {
   validate(params);

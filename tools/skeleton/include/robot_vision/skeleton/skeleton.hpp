@@ -19,9 +19,6 @@ struct SkeletonParams
   }
 };
 
-/// Throws std::invalid_argument naming the first parameter out of range, its value and the range.
-void validate(const SkeletonParams& params);
-
 /// The share of the pixels that are bright, 0 to 1. `image` is not modified.
 /// Throws std::invalid_argument as validate() does, or if `image` is not an image of `encoding` (see encoding.hpp).
 double measureSkeleton(const cv::Mat& image, const std::string& encoding,

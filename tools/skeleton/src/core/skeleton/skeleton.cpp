@@ -5,11 +5,6 @@
 namespace robot_vision
 {
 
-void validate(const SkeletonParams& params)
-{
-  checkFields(params);
-}
-
 double measureSkeleton(const cv::Mat& image, const std::string& encoding, const SkeletonParams& params)
 {
   validate(params);
