@@ -4,34 +4,6 @@
 
 namespace robot_vision
 {
-namespace
-{
-
-void suppress(const Gradients<std::int16_t>& gradients, const EdgeThresholds& thresholds, int count,
-              std::uint8_t* marks)
-{
-  kernels<EdgeKernels>().suppress16(gradients, thresholds, count, marks);
-}
-
-void suppress(const Gradients<std::int32_t>& gradients, const EdgeThresholds& thresholds, int count,
-              std::uint8_t* marks)
-{
-  kernels<EdgeKernels>().suppress32(gradients, thresholds, count, marks);
-}
-
-void gradient(const std::uint8_t* above, const std::uint8_t* row, const std::uint8_t* below, int count,
-              std::int16_t* dx, std::int16_t* dy, std::int16_t* magnitude)
-{
-  kernels<EdgeKernels>().gradient16(above, row, below, count, dx, dy, magnitude);
-}
-
-void gradient(const std::uint8_t* above, const std::uint8_t* row, const std::uint8_t* below, int count,
-              std::int16_t* dx, std::int16_t* dy, std::int32_t* magnitude)
-{
-  kernels<EdgeKernels>().gradient32(above, row, below, count, dx, dy, magnitude);
-}
-
-}  // namespace
 
 void CannyStripe::run(const cv::Mat& image, const std::string& encoding, int blur_size,
                       const EdgeThresholds& thresholds, bool squared, cv::Range rows, EdgeHysteresis& hysteresis)
@@ -68,8 +40,9 @@ void CannyStripe::run(const EdgeThresholds& thresholds, cv::Range rows, RowRing<
       std::fill_n(magnitudes[y], size_.width, Magnitude());
     const int done = y - 1;
     if (done < rows.start) continue;
-    suppress({magnitudes[done - 1], magnitudes[done], magnitudes[done + 1], dx_[done], dy_[done]}, thresholds,
-             size_.width, marks_.data());
+    kernels<EdgeKernels<Magnitude>>().suppress(
+        {magnitudes[done - 1], magnitudes[done], magnitudes[done + 1], dx_[done], dy_[done]}, thresholds, size_.width,
+        marks_.data());
     hysteresis.setRow(done, marks_.data());
   }
 }
@@ -91,7 +64,8 @@ void CannyStripe::differentiate(int y, Magnitude* magnitudes)
 {
   const int below = std::min(y + 1, size_.height - 1);
   blurTo(below);
-  gradient(blurred_[std::max(y - 1, 0)], blurred_[y], blurred_[below], size_.width, dx_[y], dy_[y], magnitudes);
+  kernels<EdgeKernels<Magnitude>>().gradient(blurred_[std::max(y - 1, 0)], blurred_[y], blurred_[below], size_.width,
+                                             dx_[y], dy_[y], magnitudes);
 }
 
 }  // namespace robot_vision

@@ -89,11 +89,9 @@ void suppress(const Gradients<Magnitude>& gradients, const EdgeThresholds& thres
 }  // namespace
 
 template <>
-const EdgeKernels KernelTable<EdgeKernels, ROBOT_VISION_SET>::table = {
-    gradient<std::int16_t>,
-    gradient<std::int32_t>,
-    suppress<std::int16_t>,
-    suppress<std::int32_t>,
-};
+const EdgeKernels<std::int16_t> KernelTable<EdgeKernels<std::int16_t>, ROBOT_VISION_SET>::table = {gradient, suppress};
+
+template <>
+const EdgeKernels<std::int32_t> KernelTable<EdgeKernels<std::int32_t>, ROBOT_VISION_SET>::table = {gradient, suppress};
 
 }  // namespace robot_vision

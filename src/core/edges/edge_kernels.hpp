@@ -25,20 +25,17 @@ struct Gradients
   const std::int16_t* dy;
 };
 
+/// The kernels for magnitudes |dx| + |dy| (std::int16_t) or dx^2 + dy^2 (std::int32_t).
+template <class Magnitude>
 struct EdgeKernels
 {
-  /// Writes the 3x3 Sobel derivatives and their magnitude, |dx| + |dy| (16 bits) or dx^2 + dy^2 (32 bits). Reads one
-  /// pixel before and one after each row.
-  void (*gradient16)(const std::uint8_t* above, const std::uint8_t* row, const std::uint8_t* below, int count,
-                     std::int16_t* dx, std::int16_t* dy, std::int16_t* magnitude);
-  void (*gradient32)(const std::uint8_t* above, const std::uint8_t* row, const std::uint8_t* below, int count,
-                     std::int16_t* dx, std::int16_t* dy, std::int32_t* magnitude);
+  /// Writes the 3x3 Sobel derivatives and their magnitude. Reads one pixel before and one after each row.
+  void (*gradient)(const std::uint8_t* above, const std::uint8_t* row, const std::uint8_t* below, int count,
+                   std::int16_t* dx, std::int16_t* dy, Magnitude* magnitude);
 
   /// Non-maximum suppression as in cv::Canny. Writes 0, kCandidate, or kCandidate | kStrong.
-  void (*suppress16)(const Gradients<std::int16_t>& gradients, const EdgeThresholds& thresholds, int count,
-                     std::uint8_t* marks);
-  void (*suppress32)(const Gradients<std::int32_t>& gradients, const EdgeThresholds& thresholds, int count,
-                     std::uint8_t* marks);
+  void (*suppress)(const Gradients<Magnitude>& gradients, const EdgeThresholds& thresholds, int count,
+                   std::uint8_t* marks);
 };
 
 }  // namespace robot_vision

@@ -11,41 +11,10 @@ namespace
 
 constexpr int kMaxSize16 = 15;  // px, side of the largest box whose sum of bytes fits 16 bits
 
-void slide(const std::uint8_t* entering, const std::uint8_t* leaving, int count, std::uint16_t* sums)
-{
-  kernels<BoxKernels>().slide16(entering, leaving, count, sums);
-}
-
-void slide(const std::uint8_t* entering, const std::uint8_t* leaving, int count, std::uint32_t* sums)
-{
-  kernels<BoxKernels>().slide32(entering, leaving, count, sums);
-}
-
-void widen(const std::uint16_t* single, const std::uint16_t* part, int width, bool odd, int count, std::uint16_t* wider)
-{
-  kernels<BoxKernels>().widen16(single, part, width, odd, count, wider);
-}
-
-void widen(const std::uint32_t* single, const std::uint32_t* part, int width, bool odd, int count, std::uint32_t* wider)
-{
-  kernels<BoxKernels>().widen32(single, part, width, odd, count, wider);
-}
-
-void divide(const std::uint16_t* sums, int by, int count, std::uint8_t* quotients)
-{
-  kernels<BoxKernels>().divide16(sums, Division(by), count, quotients);
-}
-
-// The float rounds correctly: an odd divisor allows no ties, and the quotients next to a tie are further from it than
-// the error of the multiplication.
-void divide(const std::uint32_t* sums, int by, int count, std::uint8_t* quotients)
-{
-  kernels<BoxKernels>().divide32(sums, 1.0F / static_cast<float>(by), count, quotients);
-}
-
 }  // namespace
 
-Division::Division(int divisor) : half(static_cast<std::uint16_t>(divisor / 2)), factor(0), shift(0)
+Division::Division(int divisor)
+  : half(static_cast<std::uint16_t>(divisor / 2)), factor(0), shift(0), reciprocal(1.0F / static_cast<float>(divisor))
 {
   while (2 << shift <= divisor)
     ++shift;
@@ -85,7 +54,7 @@ void BoxFilterRows::start(Sums<Sum>& sums)
   sums.columns.assign(static_cast<std::size_t>(width + 2 * half), 0);
   sums.boxes.resize(sums.columns.size());
   for (int y = y_ - half; y <= y_ + half; ++y)
-    slide(rows_->mirroredRow(y), sums.black_row.data(), width, sums.columns.data() + half);
+    kernels<BoxKernels<Sum>>().slide(rows_->mirroredRow(y), sums.black_row.data(), width, sums.columns.data() + half);
 }
 
 template <class Sum>
@@ -93,8 +62,9 @@ void BoxFilterRows::blur(Sums<Sum>& sums, std::uint8_t* means)
 {
   const int width = rows_->size().width;
   const int half = size_ / 2;
-  divide(sumBoxes(sums), size_ * size_, width, means);
-  slide(rows_->mirroredRow(y_ + 1 + half), rows_->mirroredRow(y_ - half), width, sums.columns.data() + half);
+  const auto& box = kernels<BoxKernels<Sum>>();
+  box.divide(sumBoxes(sums), Division(size_ * size_), width, means);
+  box.slide(rows_->mirroredRow(y_ + 1 + half), rows_->mirroredRow(y_ - half), width, sums.columns.data() + half);
 }
 
 template <class Sum>
@@ -112,7 +82,8 @@ const Sum* BoxFilterRows::sumBoxes(Sums<Sum>& sums)
   for (int columns = 1; bit > 0;)
   {
     const int wider = size_ >> --bit;
-    widen(sums.columns.data(), part, columns, wider % 2 != 0, width + size_ - wider, sums.boxes.data());
+    kernels<BoxKernels<Sum>>().widen(sums.columns.data(), part, columns, wider % 2 != 0, width + size_ - wider,
+                                     sums.boxes.data());
     part = sums.boxes.data();
     columns = wider;
   }

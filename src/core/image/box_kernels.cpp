@@ -1,7 +1,5 @@
 #include "box_kernels.hpp"
 
-#include "core/simd/loops.hpp"
-
 namespace robot_vision
 {
 namespace
@@ -13,6 +11,13 @@ void slide(const std::uint8_t* entering, const std::uint8_t* leaving, int count,
   for (int i = 0; i < count; ++i)
     sums[i] = static_cast<Sum>(sums[i] + entering[i] - leaving[i]);
 }
+
+// Stands before a loop that may be vectorized although the memory that it writes overlaps the memory that it reads.
+#ifdef __clang__
+#define ROBOT_VISION_INDEPENDENT _Pragma("clang loop vectorize(assume_safety)")
+#else
+#define ROBOT_VISION_INDEPENDENT _Pragma("GCC ivdep")
+#endif
 
 template <class Sum>
 void widen(const Sum* single, const Sum* part, int width, bool odd, int count, Sum* wider)
@@ -32,7 +37,7 @@ void widen(const Sum* single, const Sum* part, int width, bool odd, int count, S
   }
 }
 
-void divide16(const std::uint16_t* __restrict sums, const Division& by, int count, std::uint8_t* __restrict quotients)
+void divide(const std::uint16_t* __restrict sums, const Division& by, int count, std::uint8_t* __restrict quotients)
 {
   const std::uint16_t half = by.half;
   const std::uint16_t factor = by.factor;
@@ -45,20 +50,30 @@ void divide16(const std::uint16_t* __restrict sums, const Division& by, int coun
   }
 }
 
-void divide32(const std::uint32_t* __restrict sums, float factor, int count, std::uint8_t* __restrict quotients)
+void divide(const std::uint32_t* __restrict sums, const Division& by, int count, std::uint8_t* __restrict quotients)
 {
+  const float reciprocal = by.reciprocal;
   for (int i = 0; i < count; ++i)  // converts by way of int, for which more SIMD instructions exist
   {
     const auto sum = static_cast<float>(static_cast<std::int32_t>(sums[i]));
-    quotients[i] = static_cast<std::uint8_t>(static_cast<std::int32_t>(sum * factor + 0.5F));
+    quotients[i] = static_cast<std::uint8_t>(static_cast<std::int32_t>(sum * reciprocal + 0.5F));
   }
 }
 
 }  // namespace
 
 template <>
-const BoxKernels KernelTable<BoxKernels, ROBOT_VISION_SET>::table = {
-    slide<std::uint16_t>, slide<std::uint32_t>, widen<std::uint16_t>, widen<std::uint32_t>, divide16, divide32,
+const BoxKernels<std::uint16_t> KernelTable<BoxKernels<std::uint16_t>, ROBOT_VISION_SET>::table = {
+    slide,
+    widen,
+    divide,
+};
+
+template <>
+const BoxKernels<std::uint32_t> KernelTable<BoxKernels<std::uint32_t>, ROBOT_VISION_SET>::table = {
+    slide,
+    widen,
+    divide,
 };
 
 }  // namespace robot_vision

@@ -142,7 +142,7 @@ TEST(Division, isRoundedForEverySum)
     std::vector<std::uint16_t> sums(static_cast<std::size_t>(255 * divisor + 1));
     std::iota(sums.begin(), sums.end(), std::uint16_t{0});
     std::vector<std::uint8_t> quotients(sums.size());
-    kernels<BoxKernels>().divide16(sums.data(), division, static_cast<int>(sums.size()), quotients.data());
+    kernels<BoxKernels<std::uint16_t>>().divide(sums.data(), division, static_cast<int>(sums.size()), quotients.data());
     for (std::size_t i = 0; i < sums.size(); ++i)
       ASSERT_EQ(quotients[i], (2 * sums[i] + divisor) / (2 * divisor)) << sums[i] << " / " << divisor;
   }

@@ -194,9 +194,9 @@ TEST(RowEnds, slideAndDivide)
     std::vector<std::uint16_t> sums(before);
     for (std::size_t i = 0; i < sums.size(); ++i)
       sums[i] = static_cast<std::uint16_t>(before[i] + leaving[i]);
-    kernels<BoxKernels>().slide16(entering.data(), leaving.data(), count, sums.data());
+    kernels<BoxKernels<std::uint16_t>>().slide(entering.data(), leaving.data(), count, sums.data());
     Bytes quotients(sums.size());
-    kernels<BoxKernels>().divide16(sums.data(), by_nine, count, quotients.data());
+    kernels<BoxKernels<std::uint16_t>>().divide(sums.data(), by_nine, count, quotients.data());
     for (std::size_t i = 0; i < sums.size(); ++i)
     {
       ASSERT_EQ(sums[i], before[i] + entering[i]) << count << ", " << i;
@@ -214,7 +214,7 @@ TEST(RowEnds, gradient)
     std::vector<std::int16_t> dx(static_cast<std::size_t>(count)), dy(dx), sums(dx);
     std::vector<std::int32_t> squares(dx.size());
     const auto row = [&rows](std::size_t i) { return rows[i].data() + 1; };
-    kernels<EdgeKernels>().gradient16(row(0), row(1), row(2), count, dx.data(), dy.data(), sums.data());
+    kernels<EdgeKernels<std::int16_t>>().gradient(row(0), row(1), row(2), count, dx.data(), dy.data(), sums.data());
     for (int i = 0; i < count; ++i)
     {
       const auto column = [&](int x) { return row(0)[x] + 2 * row(1)[x] + row(2)[x]; };
@@ -224,7 +224,7 @@ TEST(RowEnds, gradient)
       ASSERT_EQ(dy[place], along(2) - along(0)) << count << ", " << i;
       ASSERT_EQ(sums[place], std::abs(dx[place]) + std::abs(dy[place])) << count << ", " << i;
     }
-    kernels<EdgeKernels>().gradient32(row(0), row(1), row(2), count, dx.data(), dy.data(), squares.data());
+    kernels<EdgeKernels<std::int32_t>>().gradient(row(0), row(1), row(2), count, dx.data(), dy.data(), squares.data());
     for (std::size_t i = 0; i < dx.size(); ++i)
       ASSERT_EQ(squares[i], dx[i] * dx[i] + dy[i] * dy[i]) << count << ", " << i;
   }
