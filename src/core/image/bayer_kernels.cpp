@@ -55,11 +55,9 @@ void convertBayer(const BayerRow& row, int count, std::uint8_t* pixels)
   convertBlock(row, i, Simd::words((i % 2 != 0) != row.green_first ? 0xFF00 : 0x00FF), row.third, pixels);
 }
 
-constexpr auto kConvertBayer = convertBayer;
-
 #else
 
-constexpr decltype(BayerKernels::bayer) kConvertBayer = nullptr;
+constexpr decltype(BayerKernels::bayer) convertBayer = nullptr;
 
 #endif
 
@@ -67,7 +65,7 @@ constexpr decltype(BayerKernels::bayer) kConvertBayer = nullptr;
 
 template <>
 const BayerKernels KernelTable<BayerKernels, ROBOT_VISION_SET>::table = {
-    kConvertBayer,
+    convertBayer,
 };
 
 }  // namespace robot_vision

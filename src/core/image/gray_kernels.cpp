@@ -117,11 +117,9 @@ void convertToGray(const std::uint8_t* pixels, int channels, const GrayWeights& 
     grayRow<4>(pixels, mean, count, gray);
 }
 
-constexpr auto kConvertToGray = convertToGray;
-
 #else
 
-constexpr decltype(GrayKernels::gray) kConvertToGray = nullptr;
+constexpr decltype(GrayKernels::gray) convertToGray = nullptr;
 
 #endif
 
@@ -129,7 +127,7 @@ constexpr decltype(GrayKernels::gray) kConvertToGray = nullptr;
 
 template <>
 const GrayKernels KernelTable<GrayKernels, ROBOT_VISION_SET>::table = {
-    kConvertToGray,
+    convertToGray,
 };
 
 }  // namespace robot_vision

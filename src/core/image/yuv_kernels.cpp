@@ -126,11 +126,9 @@ void convertYuv(const YuvRow& row, YuvLayout layout, int pairs, bool is_rgb, std
   }
 }
 
-constexpr auto kConvertYuv = convertYuv;
-
 #else
 
-constexpr decltype(YuvKernels::yuv) kConvertYuv = nullptr;
+constexpr decltype(YuvKernels::yuv) convertYuv = nullptr;
 
 #endif
 
@@ -139,7 +137,7 @@ constexpr decltype(YuvKernels::yuv) kConvertYuv = nullptr;
 template <>
 const YuvKernels KernelTable<YuvKernels, ROBOT_VISION_SET>::table = {
     everySecond,
-    kConvertYuv,
+    convertYuv,
 };
 
 }  // namespace robot_vision
