@@ -75,15 +75,7 @@ void HsvMask::apply(const cv::Mat& image, const std::string& encoding, cv::Mat& 
 {
   const bool is_rgb = encoding == "rgb8";
   cv::Mat pixels;
-  if (is_rgb)
-  {
-    checkPixels(image, encoding);
-    pixels = image;
-  }
-  else
-  {
-    toBgr(image, encoding, pixels);
-  }
+  toEncoding(image, encoding, is_rgb ? "rgb8" : "bgr8", pixels);
   mask.create(pixels.size(), CV_8UC1);
   const HsvTests& tests = is_rgb ? impl_->rgb : impl_->bgr;
   const auto test = kernels<HsvKernels>().hsv;

@@ -42,14 +42,6 @@ constexpr std::array<BayerName, 4> kBayerNames = {{{"bayer_rggb8", false, true},
                                                    {"bayer_gbrg8", true, false},
                                                    {"bayer_grbg8", true, true}}};
 
-struct ColorName
-{
-  const char* encoding;
-  bool is_rgb;
-};
-
-constexpr std::array<ColorName, 4> kColorNames = {{{"bgr8", false}, {"rgb8", true}, {"bgra8", false}, {"rgba8", true}}};
-
 /// The entry of an encoding, or null.
 template <class Names>
 auto find(const Names& names, const std::string& encoding)
@@ -58,11 +50,16 @@ auto find(const Names& names, const std::string& encoding)
   return found == names.end() ? nullptr : found;
 }
 
+/// Calls work(y) for each row of an image.
 template <class Work>
 void forRows(const cv::Size& size, const Work& work)
 {
   parallelForRows(size.height, cv::getNumThreads(), rowsOf(kMinPixelsPerThread, size.width),
-                  [&](int, const cv::Range& rows) { work(rows); });
+                  [&](int, const cv::Range& rows)
+                  {
+                    for (int y = rows.start; y < rows.end; ++y)
+                      work(y);
+                  });
 }
 
 bool isPacked(YuvLayout layout)
@@ -92,11 +89,7 @@ void convertYuv(const cv::Mat& image, YuvLayout layout, bool is_rgb, cv::Mat& pi
   const int height = isPacked(layout) ? image.rows : image.rows * 2 / 3;
   pixels.create(height, image.cols, CV_8UC3);
   forRows(pixels.size(),
-          [&](const cv::Range& rows)
-          {
-            for (int y = rows.start; y < rows.end; ++y)
-              convert(yuvRow(image, layout, height, y), layout, image.cols / 2, is_rgb, pixels.ptr(y));
-          });
+          [&](int y) { convert(yuvRow(image, layout, height, y), layout, image.cols / 2, is_rgb, pixels.ptr(y)); });
 }
 
 void convertBayerRow(const cv::Mat& image, const BayerName& name, bool is_rgb, int y, cv::Mat& pixels)
@@ -116,10 +109,9 @@ void convertBayer(const cv::Mat& image, const BayerName& name, bool is_rgb, cv::
 {
   pixels.create(image.size(), CV_8UC3);
   forRows(image.size(),
-          [&](const cv::Range& rows)
+          [&](int y)
           {
-            for (int y = std::max(rows.start, 1); y < std::min(rows.end, image.rows - 1); ++y)
-              convertBayerRow(image, name, is_rgb, y, pixels);
+            if (y > 0 && y < image.rows - 1) convertBayerRow(image, name, is_rgb, y, pixels);
           });
   pixels.row(1).copyTo(pixels.row(0));
   pixels.row(image.rows - 2).copyTo(pixels.row(image.rows - 1));
@@ -145,21 +137,15 @@ bool convertRows(const cv::Mat& image, const std::string& encoding, bool is_rgb,
   return false;
 }
 
-bool convertRowsToGray(const cv::Mat& image, const std::string& encoding, cv::Mat& gray)
+bool convertRowsToGray(const cv::Mat& image, bool is_rgb, cv::Mat& gray)
 {
-  const auto* color = find(kColorNames, encoding);
   const auto convert = kernels<GrayKernels>().gray;
-  if (color == nullptr || convert == nullptr || grayWeightsOfBgr() == nullptr) return false;
+  if (image.channels() < 3 || convert == nullptr || grayWeightsOfBgr() == nullptr) return false;
   GrayWeights weights = *grayWeightsOfBgr();
-  if (color->is_rgb) std::swap(weights.channels[0], weights.channels[2]);
+  if (is_rgb) std::swap(weights.channels[0], weights.channels[2]);
   const cv::Mat source = image;
   gray.create(source.size(), CV_8UC1);
-  forRows(source.size(),
-          [&](const cv::Range& rows)
-          {
-            for (int y = rows.start; y < rows.end; ++y)
-              convert(source.ptr(y), source.channels(), weights, source.cols, gray.ptr(y));
-          });
+  forRows(source.size(), [&](int y) { convert(source.ptr(y), source.channels(), weights, source.cols, gray.ptr(y)); });
   return true;
 }
 
@@ -169,11 +155,7 @@ void copyLuma(const cv::Mat& image, const std::string& encoding, cv::Mat& luma)
   const int first = encoding == "yuv422" ? 1 : 0;
   luma.create(source.size(), CV_8UC1);
   forRows(source.size(),
-          [&](const cv::Range& rows)
-          {
-            for (int y = rows.start; y < rows.end; ++y)
-              kernels<YuvKernels>().every_second(source.ptr(y) + first, source.cols, luma.ptr(y));
-          });
+          [&](int y) { kernels<YuvKernels>().every_second(source.ptr(y) + first, source.cols, luma.ptr(y)); });
 }
 
 }  // namespace robot_vision

@@ -11,9 +11,9 @@ namespace robot_vision
 /// images of a few columns, and on processors without SIMD. `image` must be valid for the encoding.
 bool convertRows(const cv::Mat& image, const std::string& encoding, bool is_rgb, cv::Mat& pixels);
 
-/// Converts bgr8, rgb8, bgra8 and rgba8 to gray in the same way. Returns false for other encodings, on processors
-/// without SIMD, and if the arithmetic of this version of OpenCV is not known.
-bool convertRowsToGray(const cv::Mat& image, const std::string& encoding, cv::Mat& gray);
+/// Converts pixels of three or four channels of 8 bits, in BGR or RGB order, to gray in the same way. Returns false for
+/// fewer channels, on processors without SIMD, and if the arithmetic of this version of OpenCV is not known.
+bool convertRowsToGray(const cv::Mat& image, bool is_rgb, cv::Mat& gray);
 
 /// Copies the luma of yuv422 or yuv422_yuy2, with as many threads.
 void copyLuma(const cv::Mat& image, const std::string& encoding, cv::Mat& luma);

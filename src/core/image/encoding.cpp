@@ -132,6 +132,18 @@ void convert(const cv::Mat& image, const std::string& encoding, int code, cv::Ma
   wide.convertTo(out, CV_8U, scaleTo(255.0, encoding));
 }
 
+void toColor(const cv::Mat& image, const std::string& encoding, bool is_rgb, cv::Mat& out)
+{
+  const Layout& layout = checkedLayout(image, encoding);
+  const int code = is_rgb ? layout.to_rgb : layout.to_bgr;
+  if (encoding == "jpeg")
+    decode(image, is_rgb ? JpegPixels::kRgb : JpegPixels::kBgr, out);
+  else if (code == kNoConversion)
+    out = image;
+  else if (!convertRows(image, encoding, is_rgb, out))
+    convert(image, encoding, code, out);
+}
+
 void toMono16(const cv::Mat& image, const std::string& encoding, cv::Mat& out)
 {
   if (encoding != "mono10") throw std::invalid_argument("a " + encoding + " image has no 16 bits to give as mono16");
@@ -194,7 +206,8 @@ void toGray(const cv::Mat& image, const std::string& encoding, cv::Mat& gray)
     copyLuma(image, encoding, gray);
   else if (layout.to_gray != kNoConversion)
   {
-    if (!convertRowsToGray(image, encoding, gray)) convert(image, encoding, layout.to_gray, gray);
+    const bool is_rgb = encoding == "rgb8" || encoding == "rgba8";
+    if (!convertRowsToGray(image, is_rgb, gray)) convert(image, encoding, layout.to_gray, gray);
   }
   else if (image.depth() == CV_16U)
     image.convertTo(gray, CV_8U, scaleTo(255.0, encoding));
@@ -209,24 +222,12 @@ bool sharesPixels(const cv::Mat& converted, const cv::Mat& source)
 
 void toBgr(const cv::Mat& image, const std::string& encoding, cv::Mat& bgr)
 {
-  const Layout& layout = checkedLayout(image, encoding);
-  if (encoding == "jpeg")
-    decode(image, JpegPixels::kBgr, bgr);
-  else if (layout.to_bgr == kNoConversion)
-    bgr = image;
-  else if (!convertRows(image, encoding, /*is_rgb=*/false, bgr))
-    convert(image, encoding, layout.to_bgr, bgr);
+  toColor(image, encoding, /*is_rgb=*/false, bgr);
 }
 
 void toRgb(const cv::Mat& image, const std::string& encoding, cv::Mat& rgb)
 {
-  const Layout& layout = checkedLayout(image, encoding);
-  if (encoding == "jpeg")
-    decode(image, JpegPixels::kRgb, rgb);
-  else if (layout.to_rgb == kNoConversion)
-    rgb = image;
-  else if (!convertRows(image, encoding, /*is_rgb=*/true, rgb))
-    convert(image, encoding, layout.to_rgb, rgb);
+  toColor(image, encoding, /*is_rgb=*/true, rgb);
 }
 
 void toEncoding(const cv::Mat& image, const std::string& encoding, const std::string& wanted, cv::Mat& out)

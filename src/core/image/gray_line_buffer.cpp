@@ -12,11 +12,6 @@ namespace
 
 constexpr int kRowsPerBatch = 16;  // few enough for the cache, many enough for the cost of a call not to matter
 
-int bands(int rows)
-{
-  return (rows + kRowsPerBatch - 1) / kRowsPerBatch;
-}
-
 }  // namespace
 
 bool GrayLineBuffer::takes(const std::string& encoding)
@@ -33,7 +28,7 @@ void GrayLineBuffer::begin(const cv::Mat& image, const std::string& encoding, in
   ring_ = cv::Mat();
   if (encoding != "mono8")
   {
-    const int rows = (bands(window) + 1) * kRowsPerBatch;
+    const int rows = ((window + kRowsPerBatch - 1) / kRowsPerBatch + 1) * kRowsPerBatch;
     memory_.resize(rows, image.cols);
     ring_ = cv::Mat(rows, image.cols, CV_8UC1, memory_[0], memory_.stride());
   }

@@ -35,22 +35,21 @@ const GrayWeights* findWeights()
       beside_black[channel] = beside_white[channel] = static_cast<std::uint8_t>(i);
     }
   std::array<cv::Mat, 4> grays;
-  cv::Mat other;
+  cv::Mat rgb, bgra, rgba;
+  cv::cvtColor(colors, rgb, cv::COLOR_BGR2RGB);
+  cv::cvtColor(colors, bgra, cv::COLOR_BGR2BGRA);
+  cv::cvtColor(colors, rgba, cv::COLOR_BGR2RGBA);
   cv::cvtColor(colors, grays[0], cv::COLOR_BGR2GRAY);
-  cv::cvtColor(colors, other, cv::COLOR_BGR2RGB);
-  cv::cvtColor(other, grays[1], cv::COLOR_RGB2GRAY);
-  cv::cvtColor(colors, other, cv::COLOR_BGR2BGRA);
-  cv::cvtColor(other, grays[2], cv::COLOR_BGRA2GRAY);
-  cv::cvtColor(colors, other, cv::COLOR_BGR2RGBA);
-  cv::cvtColor(other, grays[3], cv::COLOR_RGBA2GRAY);
+  cv::cvtColor(rgb, grays[1], cv::COLOR_RGB2GRAY);
+  cv::cvtColor(bgra, grays[2], cv::COLOR_BGRA2GRAY);
+  cv::cvtColor(rgba, grays[3], cv::COLOR_RGBA2GRAY);
   const auto gives_all_grays = [&](const GrayWeights& weights)
   {
-    const auto gives = [&](const cv::Mat& gray)
-    {
-      return std::equal(gray.begin<std::uint8_t>(), gray.end<std::uint8_t>(), colors.begin<cv::Vec3b>(),
-                        [&](std::uint8_t level, const cv::Vec3b& bgr) { return level == mean(bgr, weights); });
-    };
-    return std::all_of(grays.begin(), grays.end(), gives);
+    cv::Mat_<std::uint8_t> expected(colors.size());
+    std::transform(colors.begin<cv::Vec3b>(), colors.end<cv::Vec3b>(), expected.begin(),
+                   [&](const cv::Vec3b& bgr) { return mean(bgr, weights); });
+    return std::all_of(grays.begin(), grays.end(),
+                       [&](const cv::Mat& gray) { return cv::norm(gray, expected, cv::NORM_INF) == 0.0; });
   };
   const auto* found = std::find_if(kKnownWeights.begin(), kKnownWeights.end(), gives_all_grays);
   return found == kKnownWeights.end() ? nullptr : found;
