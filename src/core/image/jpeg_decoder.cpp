@@ -201,19 +201,6 @@ void readLuma(jpeg_decompress_struct& info, cv::Mat& out, std::vector<JSAMPLE>& 
   }
 }
 
-J_COLOR_SPACE colorSpace(JpegPixels pixels)
-{
-  switch (pixels)
-  {
-    case JpegPixels::kGray:
-      return JCS_GRAYSCALE;
-    case JpegPixels::kRgb:
-      return JCS_EXT_RGB;
-    default:
-      return JCS_EXT_BGR;
-  }
-}
-
 }  // namespace
 
 void validateReduction(int reduction)
@@ -227,14 +214,14 @@ void decodeJpeg(const unsigned char* data, std::size_t size, JpegPixels pixels, 
   Decompression jpeg(size);
   jpeg_decompress_struct& info = jpeg.readHeader(data);
   requireSize(jpeg, info.image_width, info.image_height);
-  info.out_color_space = colorSpace(pixels);
+  const bool is_gray = pixels == JpegPixels::kGray;
+  info.out_color_space = is_gray ? JCS_GRAYSCALE : pixels == JpegPixels::kRgb ? JCS_EXT_RGB : JCS_EXT_BGR;
   info.scale_num = 1;
   info.scale_denom = static_cast<unsigned>(reduction);
-  const bool luma = pixels == JpegPixels::kGray && isLumaOfBlocks(info);
+  const bool luma = is_gray && isLumaOfBlocks(info);
   if (luma) requestLuma(info);
   jpeg.run([&info] { jpeg_start_decompress(&info); });
-  out.create(static_cast<int>(info.output_height), static_cast<int>(info.output_width),
-             pixels == JpegPixels::kGray ? CV_8UC1 : CV_8UC3);
+  out.create(static_cast<int>(info.output_height), static_cast<int>(info.output_width), is_gray ? CV_8UC1 : CV_8UC3);
   std::vector<JSAMPLE> below(luma ? info.output_width : 0);
   if (luma)
     jpeg.run([&info, &out, &below] { readLuma(info, out, below); });

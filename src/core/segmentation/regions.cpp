@@ -80,14 +80,13 @@ RegionFinder::RegionFinder(const RegionParams& params) : params_(params)
 
 std::vector<Region> RegionFinder::apply(cv::Mat& mask) const
 {
-  checkPixels(mask, "mono8");
-  return apply(mask, cv::Rect({0, 0}, mask.size()));
+  return apply(mask, fullRect(mask));
 }
 
 std::vector<Region> RegionFinder::apply(cv::Mat& mask, const cv::Rect& part) const
 {
   checkPixels(mask, "mono8");
-  const std::vector<Run> runs = findRuns(mask, clean(mask, part & cv::Rect({0, 0}, mask.size())));
+  const std::vector<Run> runs = findRuns(mask, clean(mask, part & fullRect(mask)));
   if (runs.empty()) return {};
   const cv::Rect white = boxOf(runs);
   const std::vector<Sums> all_sums = sumUp(runs);
