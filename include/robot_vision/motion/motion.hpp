@@ -68,8 +68,6 @@ public:
   /// Throws std::invalid_argument as validate() does.
   explicit MotionDetector(const MotionParams& params = MotionParams());
   ~MotionDetector();
-  MotionDetector(MotionDetector&&) noexcept;
-  MotionDetector& operator=(MotionDetector&&) noexcept;
 
   /// The motion in the frame of `time_s` (s, of any clock). Nothing moves in the first frame, in one of another size
   /// or encoding than the last, and when time has gone back: each is a new background. `image` is not modified.

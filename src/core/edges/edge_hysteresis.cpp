@@ -5,14 +5,12 @@ namespace robot_vision
 namespace
 {
 
-using Word = BitWord;
-
 /// The runs of ones in `candidates` that contain a bit of `seeds`. All seeds must be candidates.
-Word fillRuns(Word seeds, Word candidates)
+BitWord fillRuns(BitWord seeds, BitWord candidates)
 {
   // The carry of the addition goes from the lowest seed of a run to the end of the run.
-  Word filled = (((seeds + candidates) ^ candidates) | seeds) & candidates;
-  Word path = candidates;
+  BitWord filled = (((seeds + candidates) ^ candidates) | seeds) & candidates;
+  BitWord path = candidates;
   for (int step = 1; step < kWordBits; step *= 2)
   {
     filled |= path & filled >> step;
@@ -42,9 +40,9 @@ void EdgeHysteresis::setRow(int y, const std::uint8_t* marks)
 /// there were any.
 bool EdgeHysteresis::spread(std::size_t word)
 {
-  const Word candidates = candidates_[word];
-  const Word before = edges_[word];
-  Word near = before;
+  const BitWord candidates = candidates_[word];
+  const BitWord before = edges_[word];
+  BitWord near = before;
   for (const std::size_t i : {word - stride_, word, word + stride_})
     near |= edges_[i] | edges_[i] << 1 | edges_[i] >> 1 | edges_[i - 1] >> (kWordBits - 1) |
             edges_[i + 1] << (kWordBits - 1);

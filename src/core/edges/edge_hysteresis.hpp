@@ -31,8 +31,6 @@ public:
   void write(cv::Mat& edges) const;
 
 private:
-  using Word = BitWord;
-
   std::size_t at(int y) const { return static_cast<std::size_t>(y + 1) * stride_ + 1; }
   /// Whether a word has candidates that are not edges yet. Most words have none.
   bool isOpen(std::size_t word) const { return candidates_[word] != edges_[word]; }
@@ -42,8 +40,8 @@ private:
   cv::Size size_;
   std::size_t words_ = 0;            // in a row
   std::size_t stride_ = 0;           // words in a row with its margin
-  std::vector<Word> candidates_;     // with a margin of zeros: a word on both sides of each row, a row above and below
-  std::vector<Word> edges_;          // the same
+  std::vector<BitWord> candidates_;  // with a margin of zeros: a word on both sides of each row, a row above and below
+  std::vector<BitWord> edges_;       // the same
   std::vector<std::size_t> gained_;  // indices of words that have gained edges, whose neighbours may gain some, too
 };
 

@@ -29,20 +29,20 @@ cv::Mat blurred(const cv::Mat& gray, int blur_size)
   return result;
 }
 
-cv::Rect FrameDifference::find(const EncodedImage& image, const Reference& reference, const Comparison& how,
+cv::Rect FrameDifference::find(const EncodedImage& image, const Reference& reference, const MotionParams& params,
                                cv::Mat& mask)
 {
-  if (!weights_ || weights_->size() != how.blur_size)
+  if (!weights_ || weights_->size() != params.blur_size)
   {
-    weights_.emplace(how.blur_size);
+    weights_.emplace(params.blur_size);
     are_exact_ = weights_->areExact();
   }
-  if (!are_exact_) return findByOpenCv(image, reference, how, mask);
+  if (!are_exact_) return findByOpenCv(image, reference, params, mask);
   // Differences are whole numbers: those above 25.5 are those above 25.
-  const auto threshold = static_cast<std::uint8_t>(how.threshold);
-  const MotionComparison comparison{image, reference, &*weights_, threshold, how.dilate};
+  const auto threshold = static_cast<std::uint8_t>(params.threshold);
+  const MotionComparison comparison{image, reference, &*weights_, threshold, params.dilate};
   const int threads = cv::getNumThreads();
-  const int min_rows = 2 * (how.blur_size + 2 * how.dilate);  // twice the rows that two neighbours both compute
+  const int min_rows = 2 * (params.blur_size + 2 * params.dilate);  // twice the rows that two neighbours both compute
   const auto count = static_cast<std::size_t>(bandsOf(mask.rows, threads, min_rows));
   if (stripes_.size() < count) stripes_.resize(count);
   std::vector<cv::Rect> parts(count);
@@ -55,22 +55,22 @@ cv::Rect FrameDifference::find(const EncodedImage& image, const Reference& refer
   return part;
 }
 
-cv::Rect FrameDifference::findByOpenCv(const EncodedImage& image, const Reference& reference, const Comparison& how,
-                                       cv::Mat& mask)
+cv::Rect FrameDifference::findByOpenCv(const EncodedImage& image, const Reference& reference,
+                                       const MotionParams& params, cv::Mat& mask)
 {
   cv::Mat gray, difference;
   toGray(image.pixels, image.encoding, gray);
   cv::absdiff(gray, reference.gray, difference);
-  cv::threshold(difference, mask, how.threshold, 255.0, cv::THRESH_BINARY);
-  const cv::Rect part = grown(cv::boundingRect(mask), how.blur_size / 2, mask.size());
+  cv::threshold(difference, mask, params.threshold, 255.0, cv::THRESH_BINARY);
+  const cv::Rect part = grown(cv::boundingRect(mask), params.blur_size / 2, mask.size());
   mask.setTo(0);
   if (part.empty()) return part;
   const cv::Mat background =
-      reference.blurred.empty() ? blurPart(reference.gray, part, how.blur_size) : reference.blurred(part);
-  cv::absdiff(blurPart(gray, part, how.blur_size), background, difference);
-  cv::threshold(difference, mask(part), how.threshold, 255.0, cv::THRESH_BINARY);
-  const cv::Rect grown_part = grown(part, how.dilate, mask.size());
-  if (how.dilate > 0) cv::dilate(mask(grown_part), mask(grown_part), cv::Mat(), {-1, -1}, how.dilate);
+      reference.blurred.empty() ? blurPart(reference.gray, part, params.blur_size) : reference.blurred(part);
+  cv::absdiff(blurPart(gray, part, params.blur_size), background, difference);
+  cv::threshold(difference, mask(part), params.threshold, 255.0, cv::THRESH_BINARY);
+  const cv::Rect grown_part = grown(part, params.dilate, mask.size());
+  if (params.dilate > 0) cv::dilate(mask(grown_part), mask(grown_part), cv::Mat(), {-1, -1}, params.dilate);
   return grown_part;
 }
 

@@ -5,20 +5,13 @@
 #include <vector>
 
 #include "motion_stripe.hpp"
+#include "robot_vision/motion/motion.hpp"
 
 namespace robot_vision
 {
 
 /// `gray` (CV_8UC1) blurred by a Gaussian.
 cv::Mat blurred(const cv::Mat& gray, int blur_size);
-
-/// How images are compared.
-struct Comparison
-{
-  int blur_size;     // px, side of the Gaussian
-  double threshold;  // gray levels
-  int dilate;        // px
-};
 
 /// Makes a mask that is 255 where an image differs from a reference of its size, and 0 elsewhere: toGray(),
 /// cv::GaussianBlur, cv::absdiff, cv::threshold and cv::dilate (3x3, once per px), to the bit, with as many threads as
@@ -28,12 +21,12 @@ struct Comparison
 class FrameDifference
 {
 public:
-  /// Writes the whole mask (CV_8UC1 of the image's size). Returns a part outside of which it is black. GrayLineBuffer
-  /// must take the encoding.
-  cv::Rect find(const EncodedImage& image, const Reference& reference, const Comparison& how, cv::Mat& mask);
+  /// Writes the whole mask (CV_8UC1 of the image's size), as blur_size, threshold and dilate say. Returns a part
+  /// outside of which it is black. GrayLineBuffer must take the encoding.
+  cv::Rect find(const EncodedImage& image, const Reference& reference, const MotionParams& params, cv::Mat& mask);
 
   /// The same, computed by OpenCV.
-  static cv::Rect findByOpenCv(const EncodedImage& image, const Reference& reference, const Comparison& how,
+  static cv::Rect findByOpenCv(const EncodedImage& image, const Reference& reference, const MotionParams& params,
                                cv::Mat& mask);
 
 private:

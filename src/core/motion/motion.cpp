@@ -100,8 +100,6 @@ MotionDetector::MotionDetector(const MotionParams& params)
 }
 
 MotionDetector::~MotionDetector() = default;
-MotionDetector::MotionDetector(MotionDetector&&) noexcept = default;
-MotionDetector& MotionDetector::operator=(MotionDetector&&) noexcept = default;
 
 Motion MotionDetector::update(double time_s, const cv::Mat& image, const std::string& encoding)
 {

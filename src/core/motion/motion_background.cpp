@@ -78,10 +78,9 @@ cv::Rect MotionBackground::compareWithModel(const EncodedImage& image, cv::Mat& 
 
 cv::Rect MotionBackground::compareWithReference(const EncodedImage& image, cv::Mat& mask)
 {
-  const Comparison comparison{params_.blur_size, params_.threshold, params_.dilate};
-  if (!params_.ignore_light) return difference_.find(image, reference_, comparison, mask);
+  if (!params_.ignore_light) return difference_.find(image, reference_, params_, mask);
   cv::subtract(image.pixels, cv::Scalar(brighterBy(image.pixels, reference_.gray)), relit_);
-  return difference_.find({relit_, "mono8"}, reference_, comparison, mask);
+  return difference_.find({relit_, "mono8"}, reference_, params_, mask);
 }
 
 void MotionBackground::learn(const cv::Mat& gray)

@@ -38,7 +38,7 @@ cv::Rect MotionStripe::run(const MotionComparison& comparison, const cv::Range& 
       united_.push_back(dilated(i));
     kernels<BitKernels>().unite(united_.data(), static_cast<int>(united_.size()), words_, mask_.data());
     kernels<BitKernels>().spread_bits(mask_.data(), mask.cols, mask.ptr(y));
-    const auto is_white = [](Word word) { return word != 0; };
+    const auto is_white = [](BitWord word) { return word != 0; };
     const auto first = std::find_if(mask_.begin(), mask_.end(), is_white);
     if (first == mask_.end()) continue;
     const auto last = std::find_if(mask_.rbegin(), mask_.rend(), is_white).base();
@@ -94,7 +94,7 @@ void MotionStripe::compareTo(const MotionComparison& comparison, int end)
     return;
   }
   const cv::Mat& reference = comparison.reference.gray;
-  Word* const different = marked_[0];
+  BitWord* const different = marked_[0];
   int blocks = 0;
   for (int y = compared_; y < end; ++y)
   {
@@ -137,8 +137,8 @@ void MotionStripe::findSpans(const MotionComparison& comparison)
 void MotionStripe::mark(const MotionComparison& comparison, int i)
 {
   const cv::Mat& kept = comparison.reference.blurred;
-  Word* from = marked_[0];
-  Word* to = marked_[1];
+  BitWord* from = marked_[0];
+  BitWord* to = marked_[1];
   std::fill_n(from, words_, 0);
   if (!spans_.empty())
   {

@@ -46,14 +46,12 @@ public:
   cv::Rect run(const MotionComparison& comparison, const cv::Range& rows, cv::Mat& mask);
 
 private:
-  using Word = BitWord;
-
   void begin(const MotionComparison& comparison, int first);
   void makeNext(const MotionComparison& comparison);
   void compareTo(const MotionComparison& comparison, int end);
   void findSpans(const MotionComparison& comparison);
   void mark(const MotionComparison& comparison, int i);
-  Word* dilated(int y) { return dilated_[y % window_]; }
+  BitWord* dilated(int y) { return dilated_[y % window_]; }
 
   GrayLineBuffer gray_;
   GrayLineBuffer reference_gray_;
@@ -64,12 +62,12 @@ private:
   int compared_ = 0;              // the first row that is not in `changed_`
   int assumed_ = 0;               // all blocks of the rows before it are assumed to differ
   std::vector<cv::Range> spans_;  // columns to be blurred in the next rows
-  AlignedRows<Word> marked_;      // two rows of bits to work with
-  AlignedRows<Word> dilated_;     // bits of blurred pixels that differ, dilated along the row; row y is y % window_
+  AlignedRows<BitWord> marked_;   // two rows of bits to work with
+  AlignedRows<BitWord> dilated_;  // bits of blurred pixels that differ, dilated along the row; row y is y % window_
   int window_ = 1;                // rows that a dilation needs, and those that are made together with the last of them
   int next_ = 0;                  // the first row that is not in `dilated_`
-  std::vector<const Word*> united_;  // the rows that are dilated to one
-  std::vector<Word> mask_;           // the bits of a row of the mask
+  std::vector<const BitWord*> united_;  // the rows that are dilated to one
+  std::vector<BitWord> mask_;           // the bits of a row of the mask
 };
 
 }  // namespace robot_vision

@@ -9,7 +9,7 @@ namespace bench
 namespace
 {
 
-constexpr robot_vision::Comparison kHow{21, 25.0, 2};  // as MotionParams begins with
+const robot_vision::MotionParams kParams{};
 
 /// Each frame is compared with the first.
 struct State
@@ -17,22 +17,22 @@ struct State
   explicit State(const std::vector<cv::Mat>& pictures) : frames(pictures)
   {
     cv::cvtColor(frames.front(), background.gray, cv::COLOR_BGR2GRAY);
-    background.blurred = robot_vision::blurred(background.gray, kHow.blur_size);
+    background.blurred = robot_vision::blurred(background.gray, kParams.blur_size);
   }
 
   void byOpenCv(const cv::Mat& frame)
   {
     cv::cvtColor(frame, gray, cv::COLOR_BGR2GRAY);
-    cv::GaussianBlur(gray, blurred, {kHow.blur_size, kHow.blur_size}, 0.0);
+    cv::GaussianBlur(gray, blurred, {kParams.blur_size, kParams.blur_size}, 0.0);
     cv::absdiff(blurred, background.blurred, difference);
-    cv::threshold(difference, results.theirs, kHow.threshold, 255.0, cv::THRESH_BINARY);
-    cv::dilate(results.theirs, results.theirs, cv::Mat(), {-1, -1}, kHow.dilate);
+    cv::threshold(difference, results.theirs, kParams.threshold, 255.0, cv::THRESH_BINARY);
+    cv::dilate(results.theirs, results.theirs, cv::Mat(), {-1, -1}, kParams.dilate);
   }
 
   void byUs(const cv::Mat& frame)
   {
     results.ours.create(frame.size(), CV_8UC1);
-    changed.find({frame, "bgr8"}, background, kHow, results.ours);
+    changed.find({frame, "bgr8"}, background, kParams, results.ours);
   }
 
   std::vector<cv::Mat> frames;

@@ -160,11 +160,10 @@ TEST(FrameDifference, areTheSameByOpenCvAndWriteAllOfTheMask)
   for (const bool is_changed : {true, false})
     for (const bool by_opencv : {true, false})
     {
-      const Comparison how{params.blur_size, params.threshold, params.dilate};
       const cv::Mat& picture = is_changed ? image : before;
       cv::Mat mask(before.size(), CV_8UC1, cv::Scalar(99));
-      const cv::Rect part = by_opencv ? FrameDifference::findByOpenCv({picture, "bgr8"}, reference, how, mask)
-                                      : FrameDifference().find({picture, "bgr8"}, reference, how, mask);
+      const cv::Rect part = by_opencv ? FrameDifference::findByOpenCv({picture, "bgr8"}, reference, params, mask)
+                                      : FrameDifference().find({picture, "bgr8"}, reference, params, mask);
       EXPECT_TRUE(equal(mask, byOpenCv(picture, before, params)));
       EXPECT_EQ(part & cv::boundingRect(mask), cv::boundingRect(mask));
       EXPECT_EQ(part.empty(), !is_changed);
@@ -194,7 +193,7 @@ TEST(FrameDifference, keepNothingFromOnePictureToTheNext)
     toGray(before, encoding, reference.gray);
     if (i % 3 != 0) reference.blurred = blurred(reference.gray.clone(), params.blur_size);
     cv::Mat mask(size, CV_8UC1, cv::Scalar(99));
-    changed.find({after, encoding}, reference, {params.blur_size, params.threshold, params.dilate}, mask);
+    changed.find({after, encoding}, reference, params, mask);
     ASSERT_TRUE(equal(mask, byOpenCv(after, before, params, encoding))) << i << ", " << size;
   }
 }
@@ -221,7 +220,6 @@ TEST(FrameDifference, lookAtNothingBesideAGreyPicture)
       params.blur_size = blur_size;
       params.threshold = 0.0;
       const cv::Mat expected = byOpenCv(picture, before, params, "mono8");
-      const Comparison how{blur_size, params.threshold, params.dilate};
       for (const cv::Mat& image : {picture, part})
         for (const bool by_opencv : {false, true})
         {
@@ -229,9 +227,9 @@ TEST(FrameDifference, lookAtNothingBesideAGreyPicture)
           const EncodedImage compared{image, "mono8"};
           const Reference reference{before, {}};
           if (by_opencv)
-            FrameDifference::findByOpenCv(compared, reference, how, mask);
+            FrameDifference::findByOpenCv(compared, reference, params, mask);
           else
-            FrameDifference().find(compared, reference, how, mask);
+            FrameDifference().find(compared, reference, params, mask);
           EXPECT_TRUE(equal(mask, expected)) << blur_size << is_changed << by_opencv;
         }
     }
