@@ -8,6 +8,8 @@
 
 #include "robot_vision/common/fields.hpp"
 
+struct th_enc_ctx;  // of libtheora
+
 namespace robot_vision
 {
 
@@ -51,9 +53,6 @@ class TheoraEncoder
 public:
   /// Throws std::invalid_argument as validate() does.
   explicit TheoraEncoder(const TheoraParams& params = TheoraParams());
-  ~TheoraEncoder();
-  TheoraEncoder(TheoraEncoder&&) noexcept;
-  TheoraEncoder& operator=(TheoraEncoder&&) noexcept;
 
   /// Encodes the next image (CV_8UC3, BGR). A size other than the last one begins a new stream.
   /// Throws std::invalid_argument for an image of another type, without pixels or with too many.
@@ -66,14 +65,13 @@ public:
   const std::vector<TheoraPacket>& headers() const { return headers_; }
 
 private:
-  struct Stream;
-
   void begin(cv::Size size);
   void setKeyframeFrequency(int frames);
 
   TheoraParams params_;
   bool keyframe_wanted_ = false;
-  std::unique_ptr<Stream> stream_;
+  cv::Size size_;  // px, of the images of the stream
+  std::unique_ptr<th_enc_ctx, void (*)(th_enc_ctx*)> stream_{nullptr, nullptr};
   std::vector<TheoraPacket> headers_;
 };
 
@@ -83,8 +81,6 @@ class TheoraDecoder
 public:
   TheoraDecoder();
   ~TheoraDecoder();
-  TheoraDecoder(TheoraDecoder&&) noexcept;
-  TheoraDecoder& operator=(TheoraDecoder&&) noexcept;
 
   /// Sets how much the edges of blocks are softened: 0 (not at all) to 7, limited to what libtheora supports.
   void setPostProcessing(int level);

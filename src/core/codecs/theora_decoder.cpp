@@ -134,8 +134,6 @@ TheoraDecoder::TheoraDecoder() : stream_(std::make_unique<Stream>())
 {
 }
 TheoraDecoder::~TheoraDecoder() = default;
-TheoraDecoder::TheoraDecoder(TheoraDecoder&&) noexcept = default;
-TheoraDecoder& TheoraDecoder::operator=(TheoraDecoder&&) noexcept = default;
 
 void TheoraDecoder::setPostProcessing(int level)
 {

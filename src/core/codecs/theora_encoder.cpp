@@ -3,6 +3,7 @@
 #include <opencv2/imgproc.hpp>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 #include "robot_vision/codecs/theora.hpp"
 
@@ -38,34 +39,15 @@ th_img_plane toPlane(const cv::Mat& pixels)
 
 }  // namespace
 
-struct TheoraEncoder::Stream
-{
-  explicit Stream(const th_info& info)
-    : size(static_cast<int>(info.pic_width), static_cast<int>(info.pic_height)),
-      context(th_encode_alloc(&info), th_encode_free)
-  {
-    if (!context)
-      throw std::runtime_error("Theora cannot encode images of " + std::to_string(info.pic_width) + "x" +
-                               std::to_string(info.pic_height));
-  }
-
-  cv::Size size;
-  std::unique_ptr<th_enc_ctx, void (*)(th_enc_ctx*)> context;
-};
-
 TheoraEncoder::TheoraEncoder(const TheoraParams& params) : params_(params)
 {
   validate(params);
 }
 
-TheoraEncoder::~TheoraEncoder() = default;
-TheoraEncoder::TheoraEncoder(TheoraEncoder&&) noexcept = default;
-TheoraEncoder& TheoraEncoder::operator=(TheoraEncoder&&) noexcept = default;
-
 void TheoraEncoder::setKeyframeFrequency(int frames)
 {
   auto frequency = static_cast<ogg_uint32_t>(frames);
-  th_encode_ctl(stream_->context.get(), TH_ENCCTL_SET_KEYFRAME_FREQUENCY_FORCE, &frequency, sizeof(frequency));
+  th_encode_ctl(stream_.get(), TH_ENCCTL_SET_KEYFRAME_FREQUENCY_FORCE, &frequency, sizeof(frequency));
 }
 
 void TheoraEncoder::begin(cv::Size size)
@@ -85,14 +67,19 @@ void TheoraEncoder::begin(cv::Size size)
   info.keyframe_granule_shift = kGranuleShift;
   info.quality = params_.quality;
   info.target_bitrate = params_.constant_quality ? 0 : params_.target_bitrate;
-  stream_ = std::make_unique<Stream>(info);
+  decltype(stream_) stream(th_encode_alloc(&info), th_encode_free);
   th_info_clear(&info);
+  if (!stream)
+    throw std::runtime_error("Theora cannot encode images of " + std::to_string(size.width) + "x" +
+                             std::to_string(size.height));
+  stream_ = std::move(stream);
+  size_ = size;
 
   headers_.clear();
   th_comment comment;
   th_comment_init(&comment);
   ogg_packet packet;
-  while (th_encode_flushheader(stream_->context.get(), &comment, &packet) > 0)
+  while (th_encode_flushheader(stream_.get(), &comment, &packet) > 0)
     headers_.push_back(toPacket(packet));
   th_comment_clear(&comment);
   setKeyframeFrequency(params_.keyframe_frequency);
@@ -105,7 +92,7 @@ std::vector<TheoraPacket> TheoraEncoder::encode(const cv::Mat& bgr)
     throw std::invalid_argument("an image of " + std::to_string(bgr.cols) + "x" + std::to_string(bgr.rows) + " (" +
                                 cv::typeToString(bgr.type()) + ") cannot become Theora, must be CV_8UC3 of 1 to " +
                                 std::to_string(kMaxVideoPixels) + " pixels");
-  if (!stream_ || stream_->size != bgr.size()) begin(bgr.size());
+  if (!stream_ || size_ != bgr.size()) begin(bgr.size());
 
   cv::Mat frame;
   cv::copyMakeBorder(bgr, frame, 0, padded(bgr.rows) - bgr.rows, 0, padded(bgr.cols) - bgr.cols, cv::BORDER_REPLICATE);
@@ -119,14 +106,13 @@ std::vector<TheoraPacket> TheoraEncoder::encode(const cv::Mat& bgr)
   th_ycbcr_buffer image = {toPlane(planes[0]), toPlane(cb), toPlane(cr)};
 
   if (keyframe_wanted_) setKeyframeFrequency(1);
-  if (th_encode_ycbcr_in(stream_->context.get(), image) != 0)
-    throw std::runtime_error("Theora cannot encode the image");
+  if (th_encode_ycbcr_in(stream_.get(), image) != 0) throw std::runtime_error("Theora cannot encode the image");
   if (keyframe_wanted_) setKeyframeFrequency(params_.keyframe_frequency);
   keyframe_wanted_ = false;
 
   std::vector<TheoraPacket> packets;
   ogg_packet packet;
-  while (th_encode_packetout(stream_->context.get(), 0, &packet) > 0)
+  while (th_encode_packetout(stream_.get(), 0, &packet) > 0)
   {
     if (th_packet_iskeyframe(&packet) == 1) packets.insert(packets.end(), headers_.begin(), headers_.end());
     packets.push_back(toPacket(packet));
