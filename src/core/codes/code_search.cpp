@@ -1,10 +1,7 @@
 #include "code_search.hpp"
 
-#include <zbar.h>
-
 #include <algorithm>
 #include <array>
-#include <map>
 #include <new>
 #include <opencv2/imgproc.hpp>
 #include <stdexcept>
@@ -33,22 +30,6 @@ constexpr std::array<std::pair<const char*, zbar::zbar_symbol_type_t>, 10> kSymb
     {"codabar", zbar::ZBAR_CODABAR},
 }};
 
-struct Free
-{
-  void operator()(zbar::zbar_image_scanner_t* scanner) const { zbar::zbar_image_scanner_destroy(scanner); }
-  void operator()(zbar::zbar_image_t* image) const { zbar::zbar_image_destroy(image); }
-};
-
-template <class T>
-using Owned = std::unique_ptr<T, Free>;
-
-template <class T>
-Owned<T> owned(T* made)
-{
-  if (!made) throw std::bad_alloc();
-  return Owned<T>(made);
-}
-
 /// Splits a list at its commas, and removes blanks.
 std::vector<std::string> splitList(const std::string& list)
 {
@@ -67,12 +48,10 @@ constexpr int kMinLines = 2;
 // The name of an option for which the headers of older versions of zbar have no constant.
 constexpr const char* kBinaryOption = "qrcode.binary";
 
-using Types = std::map<zbar::zbar_symbol_type_t, std::string>;
-
-Types wantedTypes(const std::string& symbologies)
+std::map<zbar::zbar_symbol_type_t, std::string> wantedTypes(const std::string& symbologies)
 {
   const std::vector<std::string> names = splitList(symbologies);
-  Types wanted;
+  std::map<zbar::zbar_symbol_type_t, std::string> wanted;
   for (const auto& [name, type] : kSymbologies)
     if (symbologies == "all" || std::find(names.begin(), names.end(), name) != names.end()) wanted[type] = name;
   return wanted;
@@ -123,68 +102,59 @@ void validate(const CodeReaderParams& params)
   checkFields(params);
 }
 
-struct CodeSearch::Impl
+CodeSearch::CodeSearch(const CodeReaderParams& params)
+  : scanner_(zbar::zbar_image_scanner_create()),
+    image_(zbar::zbar_image_create()),
+    wanted_(wantedTypes(params.symbologies)),
+    enlarge_(params.enlarge)
 {
-  Owned<zbar::zbar_image_scanner_t> scanner = owned(zbar::zbar_image_scanner_create());
-  Owned<zbar::zbar_image_t> image = owned(zbar::zbar_image_create());
-  Types wanted;
-  int enlarge = 1;
-  cv::Mat copy;  // memory for pixels that zbar cannot be given as they are
-
-  void set(zbar::zbar_symbol_type_t type, zbar::zbar_config_t option, int value)
-  {
-    zbar::zbar_image_scanner_set_config(scanner.get(), type, option, value);
-  }
-
-  /// The pixels, enlarged, with rows that follow each other without gaps.
-  cv::Mat prepare(const cv::Mat& pixels)
-  {
-    if (enlarge == 1 && pixels.isContinuous()) return pixels;
-    if (enlarge == 1)
-      pixels.copyTo(copy);
-    else
-      cv::resize(pixels, copy, {}, enlarge, enlarge, cv::INTER_CUBIC);
-    return copy;
-  }
-};
-
-CodeSearch::CodeSearch(const CodeReaderParams& params) : impl_(std::make_unique<Impl>())
-{
-  impl_->wanted = wantedTypes(params.symbologies);
-  impl_->enlarge = params.enlarge;
-  impl_->set(zbar::ZBAR_NONE, zbar::ZBAR_CFG_ENABLE, 0);
-  for (const auto& type : impl_->wanted)
-    impl_->set(type.first, zbar::ZBAR_CFG_ENABLE, 1);
+  if (!scanner_ || !image_) throw std::bad_alloc();
+  set(zbar::ZBAR_NONE, zbar::ZBAR_CFG_ENABLE, 0);
+  for (const auto& type : wanted_)
+    set(type.first, zbar::ZBAR_CFG_ENABLE, 1);
   // zbar reads UPC-A as a kind of EAN-13.
-  if (impl_->wanted.count(zbar::ZBAR_UPCA)) impl_->set(zbar::ZBAR_EAN13, zbar::ZBAR_CFG_ENABLE, 1);
-  impl_->set(zbar::ZBAR_NONE, zbar::ZBAR_CFG_X_DENSITY, params.spacing);
-  impl_->set(zbar::ZBAR_NONE, zbar::ZBAR_CFG_Y_DENSITY, params.spacing);
-  zbar::zbar_image_scanner_parse_config(impl_->scanner.get(), kBinaryOption);
-  zbar::zbar_image_set_format(impl_->image.get(), zbar_fourcc('Y', '8', '0', '0'));
+  if (wanted_.count(zbar::ZBAR_UPCA)) set(zbar::ZBAR_EAN13, zbar::ZBAR_CFG_ENABLE, 1);
+  set(zbar::ZBAR_NONE, zbar::ZBAR_CFG_X_DENSITY, params.spacing);
+  set(zbar::ZBAR_NONE, zbar::ZBAR_CFG_Y_DENSITY, params.spacing);
+  zbar::zbar_image_scanner_parse_config(scanner_.get(), kBinaryOption);
+  zbar::zbar_image_set_format(image_.get(), zbar_fourcc('Y', '8', '0', '0'));
 }
 
-CodeSearch::~CodeSearch() = default;
+void CodeSearch::set(zbar::zbar_symbol_type_t type, zbar::zbar_config_t option, int value)
+{
+  zbar::zbar_image_scanner_set_config(scanner_.get(), type, option, value);
+}
+
+/// The pixels, enlarged, with rows that follow each other without gaps.
+cv::Mat CodeSearch::prepare(const cv::Mat& pixels)
+{
+  if (enlarge_ == 1 && pixels.isContinuous()) return pixels;
+  if (enlarge_ == 1)
+    pixels.copyTo(copy_);
+  else
+    cv::resize(pixels, copy_, {}, enlarge_, enlarge_, cv::INTER_CUBIC);
+  return copy_;
+}
 
 std::vector<Code> CodeSearch::find(const cv::Mat& gray, const cv::Rect& part)
 {
-  Impl& me = *impl_;
-  const cv::Mat pixels = me.prepare(gray(part));
-  zbar::zbar_image_t* const image = me.image.get();
+  const cv::Mat pixels = prepare(gray(part));
+  zbar::zbar_image_t* const image = image_.get();
   zbar::zbar_image_set_size(image, static_cast<unsigned>(pixels.cols), static_cast<unsigned>(pixels.rows));
   zbar::zbar_image_set_data(image, pixels.data, pixels.total(), nullptr);
-  zbar::zbar_scan_image(me.scanner.get(), image);
+  zbar::zbar_scan_image(scanner_.get(), image);
   std::vector<Code> codes;
   for (const auto* symbol = zbar::zbar_image_first_symbol(image); symbol; symbol = zbar::zbar_symbol_next(symbol))
   {
-    const auto type = me.wanted.find(zbar::zbar_symbol_get_type(symbol));
-    if (type == me.wanted.end()) continue;  // not asked for, or only a part of a code
+    const auto type = wanted_.find(zbar::zbar_symbol_get_type(symbol));
+    if (type == wanted_.end()) continue;  // not asked for, or only a part of a code
     const bool is_qr = type->first == zbar::ZBAR_QRCODE;
     const int lines = zbar::zbar_symbol_get_quality(symbol);
     if (!is_qr && lines < kMinLines) continue;
     Code code;
     code.type = type->second;
     code.data.assign(zbar::zbar_symbol_get_data(symbol), zbar::zbar_symbol_get_data_length(symbol));
-    code.polygon = polygonOf(symbol, me.enlarge, part.tl());
+    code.polygon = polygonOf(symbol, enlarge_, part.tl());
     code.score = is_qr ? 1.0 : lines / (lines + 4.0);
     codes.push_back(code);
   }
