@@ -57,17 +57,12 @@ std::int16_t larger(std::int16_t a, int b)
 
 HsvTests::HsvTests(const HsvRange& range)
 {
-  setSaturation(range);
+  s_low = saturationLimit(range.s_low);
+  s_above = saturationLimit(range.s_high + 1);
   setHue(range);
   // Black has no saturation, but lies on every line. It is excluded by its value.
   v_low = static_cast<std::uint8_t>(range.s_low > 0 ? std::max(range.v_low, 1) : range.v_low);
   v_high = static_cast<std::uint8_t>(range.v_high);
-}
-
-void HsvTests::setSaturation(const HsvRange& range)
-{
-  s_low = saturationLimit(range.s_low);
-  s_above = saturationLimit(range.s_high + 1);
 }
 
 /// The line whose slack is the smallest, measured in gray levels.

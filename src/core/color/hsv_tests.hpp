@@ -46,7 +46,6 @@ struct HsvTests
   std::uint8_t v_high = 255;
 
 private:
-  void setSaturation(const HsvRange& range);
   void setHue(const HsvRange& range);
   SaturationLimit saturationLimit(int limit);
   HueLimit hueLimit(int limit, bool gray_inside);

@@ -6,7 +6,7 @@
 
 #include <cerrno>
 #include <cstdio>
-#include <cstdlib>
+#include <filesystem>
 #include <optional>
 #include <random>
 #include <sstream>
@@ -42,16 +42,6 @@ std::optional<Status> statusOf(const std::string& path)
   if (errno != ENOENT) fail(path, errno);
   if (lstat(path.c_str(), &status) == 0) refuse(path, "it is a symbolic link that leads nowhere");
   return std::nullopt;
-}
-
-/// The path without symbolic links, so that the file is replaced and not a link to it.
-std::string target(const std::string& path)
-{
-  char* resolved = realpath(path.c_str(), nullptr);
-  if (resolved == nullptr) fail(path, errno);
-  const std::string real = resolved;
-  std::free(resolved);
-  return real;
 }
 
 /// A part of a file name that no other file has. A process id would not do: an earlier process with the same id may
@@ -91,7 +81,10 @@ bool writeAll(int file, const std::string& text)
 void replaceFile(const std::string& link, const std::string& text)
 {
   const std::optional<Status> old = statusOf(link);
-  const std::string path = old ? target(link) : link;
+  std::error_code error_of_path;
+  // Without symbolic links, so that the file is replaced and not a link to it.
+  const std::string path = old ? std::filesystem::canonical(link, error_of_path).string() : link;
+  if (error_of_path) fail(link, error_of_path.value());
   // The temporary file is in the same folder, because a rename is atomic only within a file system.
   const std::string temporary = path + "." + randomName() + ".tmp";
   // A file that replaces another is private until it has the other's mode.

@@ -22,8 +22,7 @@ cv::Mat makeTable(const BrightnessParams& params)
 {
   constexpr int kMax = std::numeric_limits<T>::max();
   cv::Mat_<T> ramp(1, kMax + 1);
-  for (int i = 0; i <= kMax; ++i)
-    ramp(i) = static_cast<T>(i);
+  std::iota(ramp.begin(), ramp.end(), T{0});
   cv::Mat_<T> table;
   ramp.convertTo(table, -1, params.gain, params.offset * (kMax / 255));
   for (T& value : table)
@@ -34,9 +33,8 @@ cv::Mat makeTable(const BrightnessParams& params)
 /// The table for three channels, with the identity for the fourth.
 cv::Mat keepAlpha(const cv::Mat& table)
 {
-  cv::Mat identity(table.size(), CV_8UC1);
-  for (int i = 0; i < identity.cols; ++i)
-    identity.at<std::uint8_t>(i) = static_cast<std::uint8_t>(i);
+  cv::Mat_<std::uint8_t> identity(table.size());
+  std::iota(identity.begin(), identity.end(), std::uint8_t{0});
   cv::Mat merged;
   cv::merge(std::vector<cv::Mat>{table, table, table, identity}, merged);
   return merged;

@@ -1,6 +1,5 @@
 #include "robot_vision/motion/motion.hpp"
 
-#include <algorithm>
 #include <atomic>
 #include <opencv2/imgproc.hpp>
 #include <optional>
