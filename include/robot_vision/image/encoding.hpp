@@ -30,6 +30,9 @@ std::string describePixels(int type);
 /// encoding.
 void checkPixels(const cv::Mat& image, const std::string& encoding);
 
+/// Throws in the same words unless `image` has pixels of this cv::Mat type; `encoding` may be any name.
+void checkPixels(const cv::Mat& image, const std::string& encoding, int type);
+
 /// The size in px that toBgr() would give the image, found without converting it. Throws as checkPixels() does, and if
 /// a JPEG is truncated or too large.
 cv::Size pictureSize(const cv::Mat& image, const std::string& encoding);

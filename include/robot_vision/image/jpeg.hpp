@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <opencv2/core.hpp>
+#include <string>
 #include <vector>
 
 #include "robot_vision/common/fields.hpp"
@@ -20,6 +21,10 @@ bool isCompleteJpeg(const unsigned char* data, std::size_t size);
 /// The largest image that is decoded, 8192 x 8192: a stream of some hundred bytes can claim a size that would fill the
 /// memory.
 constexpr std::size_t kMaxPixels = std::size_t{1} << 26;
+
+/// Throws std::invalid_argument, whose message begins with `what`, if this size (px) has more than kMaxPixels.
+void requireDecodableSize(const std::string& what, std::uint64_t width, std::uint64_t height);
+
 constexpr int kLongestJpegSide = 65500;  // px, libjpeg's own limit
 
 struct JpegInfo

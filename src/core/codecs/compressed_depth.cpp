@@ -84,10 +84,7 @@ void compressDepth(const cv::Mat& image, const std::string& encoding, const Dept
   validate(params);
   require(isDepth(encoding), "encoding", "'" + printable(encoding) + "'", "16UC1, mono16 or 32FC1");
   const int type = encoding == "32FC1" ? CV_32FC1 : CV_16UC1;
-  if (image.empty() || image.type() != type)
-    throw std::invalid_argument(encoding + " image of " + std::to_string(image.cols) + "x" +
-                                std::to_string(image.rows) + ": expected pixels of " + describePixels(type) + ", got " +
-                                describePixels(image.type()));
+  checkPixels(image, encoding, type);
   Header header;
   cv::Mat codes;
   if (type == CV_32FC1)

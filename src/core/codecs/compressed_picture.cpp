@@ -1,6 +1,5 @@
 #include "robot_vision/codecs/compressed_picture.hpp"
 
-#include <algorithm>
 #include <array>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
@@ -157,10 +156,7 @@ void compress(const cv::Mat& image, const std::string& encoding, const Compressi
   validate(params);
   const bool jpeg = params.format == "jpeg";
   const Layout given = layoutOf(encoding);
-  if (image.empty() || image.type() != given.type)
-    throw std::invalid_argument(encoding + " image of " + std::to_string(image.cols) + "x" +
-                                std::to_string(image.rows) + ": expected pixels of " + describePixels(given.type) +
-                                ", got " + describePixels(image.type()));
+  checkPixels(image, encoding, given.type);
   cv::Mat pixels = image;
   if (given.order == Order::kYuv)
     toBgr(image, encoding, pixels);

@@ -3,7 +3,6 @@
 #include <limits>
 #include <opencv2/imgcodecs.hpp>
 #include <stdexcept>
-#include <string>
 
 #include "image_header.hpp"
 #include "png.hpp"
@@ -16,10 +15,7 @@ cv::Mat decodeImageFile(const unsigned char* data, std::size_t size, int flags)
 {
   const auto claimed = claimedSize(data, size);
   if (!claimed || size > static_cast<std::size_t>(std::numeric_limits<int>::max())) return {};
-  if (claimed->width > kMaxPixels || claimed->height > kMaxPixels || claimed->width * claimed->height > kMaxPixels)
-    throw std::invalid_argument("claims to be of " + std::to_string(claimed->width) + "x" +
-                                std::to_string(claimed->height) + ", the most is " + std::to_string(kMaxPixels) +
-                                " pixels");
+  requireDecodableSize("", claimed->width, claimed->height);
   try
   {
     if (isPng(data, size)) return cv::imdecode(withoutMetadata(data, size), flags);

@@ -58,11 +58,8 @@ PngInfo readPngInfo(const unsigned char* data, std::size_t size)
   constexpr std::size_t kSizeOffset = kSignature.size() + 8;  // after the length and the name of the first chunk
   if (size < kSizeOffset + 10 || std::memcmp(data + kSizeOffset - 4, "IHDR", 4) != 0 || !isComplete(data, size))
     refuse(size, "is damaged or truncated");
-  const std::uint64_t width = bigEndian<4>(data + kSizeOffset);
-  const std::uint64_t height = bigEndian<4>(data + kSizeOffset + 4);
-  if (width * height > kMaxPixels)
-    refuse(size, "claims to be of " + std::to_string(width) + "x" + std::to_string(height) + ", the most is " +
-                     std::to_string(kMaxPixels) + " pixels");
+  requireDecodableSize("PNG of " + std::to_string(size) + " bytes ", bigEndian<4>(data + kSizeOffset),
+                       bigEndian<4>(data + kSizeOffset + 4));
   constexpr unsigned char kColor = 2;  // a bit of the color type, as is the next one
   constexpr unsigned char kAlpha = 4;
   return {(data[kSizeOffset + 9] & (kColor | kAlpha)) != 0, data[kSizeOffset + 8] == 16};

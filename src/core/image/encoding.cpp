@@ -78,10 +78,7 @@ std::string describe(const cv::Mat& image, const std::string& encoding)
 const Layout& checkedLayout(const cv::Mat& image, const std::string& encoding)
 {
   const Layout& layout = layoutOf(encoding);
-  if (image.empty()) throw std::invalid_argument(describe(image, encoding) + " is empty");
-  if (image.type() != layout.type)
-    throw std::invalid_argument(describe(image, encoding) + ": expected pixels of " + describePixels(layout.type) +
-                                ", got " + describePixels(image.type()));
+  checkPixels(image, encoding, layout.type);
   if (image.cols % layout.width_multiple != 0 || image.rows % layout.height_multiple != 0)
     throw std::invalid_argument(describe(image, encoding) + ": expected columns to be a multiple of " +
                                 std::to_string(layout.width_multiple) + " and rows of " +
@@ -186,6 +183,14 @@ std::string describePixels(int type)
 void checkPixels(const cv::Mat& image, const std::string& encoding)
 {
   checkedLayout(image, encoding);
+}
+
+void checkPixels(const cv::Mat& image, const std::string& encoding, int type)
+{
+  if (image.empty()) throw std::invalid_argument(describe(image, encoding) + " is empty");
+  if (image.type() != type)
+    throw std::invalid_argument(describe(image, encoding) + ": expected pixels of " + describePixels(type) + ", got " +
+                                describePixels(image.type()));
 }
 
 cv::Size pictureSize(const cv::Mat& image, const std::string& encoding)

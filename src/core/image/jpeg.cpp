@@ -89,14 +89,11 @@ Structure readStructure(const unsigned char* data, std::size_t size)
 
 Structure readCompleteStructure(const unsigned char* data, std::size_t size)
 {
-  const auto refuse = [size](const std::string& reason)
-  { throw std::invalid_argument("JPEG of " + std::to_string(size) + " bytes " + reason); };
+  const std::string what = "JPEG of " + std::to_string(size) + " bytes ";
   Structure found = readStructure(data, size);
-  if (!found.complete) refuse("is damaged or truncated");
-  const cv::Size claimed = found.info.size;
-  if (static_cast<std::size_t>(claimed.width) * static_cast<std::size_t>(claimed.height) > kMaxPixels)
-    refuse("claims to be of " + std::to_string(claimed.width) + "x" + std::to_string(claimed.height) +
-           ", the most is " + std::to_string(kMaxPixels) + " pixels");
+  if (!found.complete) throw std::invalid_argument(what + "is damaged or truncated");
+  requireDecodableSize(what, static_cast<std::uint64_t>(found.info.size.width),
+                       static_cast<std::uint64_t>(found.info.size.height));
   return found;
 }
 
@@ -109,6 +106,13 @@ std::vector<std::uint8_t> makeStandardTables()
 }
 
 }  // namespace
+
+void requireDecodableSize(const std::string& what, std::uint64_t width, std::uint64_t height)
+{
+  if (height != 0 && width > kMaxPixels / height)
+    throw std::invalid_argument(what + "claims to be of " + std::to_string(width) + "x" + std::to_string(height) +
+                                ", the most is " + std::to_string(kMaxPixels) + " pixels");
+}
 
 bool isJpeg(const unsigned char* data, std::size_t size)
 {

@@ -63,7 +63,7 @@ bool isHarmless(const jpeg_decompress_struct& info)
 class Decompression
 {
 public:
-  explicit Decompression(std::size_t size) : size_(size)
+  explicit Decompression(std::size_t size) : size_(size), what_("JPEG of " + std::to_string(size) + " bytes ")
   {
     info_.err = jpeg_std_error(&errors_);
     info_.client_data = this;
@@ -79,6 +79,7 @@ public:
   Decompression(const Decompression&) = delete;
   Decompression& operator=(const Decompression&) = delete;
 
+  /// Throws std::invalid_argument for an image of more than kMaxPixels, too.
   jpeg_decompress_struct& readHeader(const unsigned char* data)
   {
     run(
@@ -89,6 +90,7 @@ public:
           jpeg_mem_src(&info_, data, static_cast<unsigned long>(size_));
           jpeg_read_header(&info_, TRUE);
         });
+    requireDecodableSize(what_, info_.image_width, info_.image_height);
     return info_;
   }
 
@@ -100,10 +102,7 @@ public:
     work();
   }
 
-  [[noreturn]] void refuse(const std::string& reason) const
-  {
-    throw std::invalid_argument("JPEG of " + std::to_string(size_) + " bytes " + reason);
-  }
+  [[noreturn]] void refuse(const std::string& reason) const { throw std::invalid_argument(what_ + reason); }
 
 private:
   static Decompression& of(j_common_ptr info) { return *static_cast<Decompression*>(info->client_data); }
@@ -123,19 +122,13 @@ private:
   }
 
   std::size_t size_;
+  std::string what_;  // how messages begin
   jpeg_decompress_struct info_{};
   jpeg_error_mgr errors_{};
   jpeg_progress_mgr progress_{};
   std::jmp_buf failed_{};
   std::array<char, JMSG_LENGTH_MAX> reason_{};
 };
-
-void requireSize(const Decompression& jpeg, std::size_t width, std::size_t height)
-{
-  if (width * height > kMaxPixels)
-    jpeg.refuse("claims to be of " + std::to_string(width) + "x" + std::to_string(height) + ", the most is " +
-                std::to_string(kMaxPixels) + " pixels");
-}
 
 /// Whether no scan is missing. A stream may end after any of its scans; the parts whose scans are missing are then gray
 /// or blurred.
@@ -213,7 +206,6 @@ void decodeJpeg(const unsigned char* data, std::size_t size, JpegPixels pixels, 
   validateReduction(reduction);
   Decompression jpeg(size);
   jpeg_decompress_struct& info = jpeg.readHeader(data);
-  requireSize(jpeg, info.image_width, info.image_height);
   const bool is_gray = pixels == JpegPixels::kGray;
   info.out_color_space = is_gray ? JCS_GRAYSCALE : pixels == JpegPixels::kRgb ? JCS_EXT_RGB : JCS_EXT_BGR;
   info.scale_num = 1;
@@ -234,7 +226,6 @@ void requireSoundJpeg(const unsigned char* data, std::size_t size)
 {
   Decompression jpeg(size);
   jpeg_decompress_struct& info = jpeg.readHeader(data);
-  requireSize(jpeg, info.image_width, info.image_height);
   jpeg.run([&info] { jpeg_read_coefficients(&info); });
   finish(jpeg, info);
 }
