@@ -99,7 +99,7 @@ TEST_P(V4l2Formats, areConvertedAsOpenCvDoes)
       cv::Mat rgb;
       cv::Mat gray;
       toBgr(frame.image, frame.encoding, bgr);
-      toRgb(frame.image, frame.encoding, rgb);
+      toEncoding(frame.image, frame.encoding, "rgb8", rgb);
       toGray(frame.image, frame.encoding, gray);
       const double white = frame.encoding == "mono10" ? 1023.0 : 65535.0;
       const cv::Mat expected = convertedByOpenCv(image, layout.to_bgr, white);

@@ -116,7 +116,7 @@ TEST(Planes, shareTheirLuma)
     cv::Mat rgb;
     toGray(image, encoding, gray);
     toBgr(image, encoding, bgr);
-    toRgb(image, encoding, rgb);
+    toEncoding(image, encoding, "rgb8", rgb);
     EXPECT_EQ(gray.data, image.data);
     EXPECT_EQ(gray.size(), cv::Size(32, 24));
     EXPECT_FALSE(gray.isSubmatrix());
@@ -174,7 +174,7 @@ TEST(Encodings, jpegIsDecodedAsOpenCvDoes)
   cv::Mat rgb;
   toGray(stream, "jpeg", gray);
   toBgr(stream, "jpeg", bgr);
-  toRgb(stream, "jpeg", rgb);
+  toEncoding(stream, "jpeg", "rgb8", rgb);
   EXPECT_TRUE(equal(gray, cv::imdecode(bytes, cv::IMREAD_GRAYSCALE)));
   EXPECT_TRUE(equal(rgb, byOpenCv(bgr, cv::COLOR_BGR2RGB)));
   EXPECT_TRUE(equal(bgr, cv::imdecode(bytes, cv::IMREAD_COLOR)));

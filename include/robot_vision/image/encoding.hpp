@@ -49,12 +49,9 @@ bool sharesPixels(const cv::Mat& converted, const cv::Mat& source);
 /// `bgr` shares the input's pixels if these are bgr8 already; else it is reused if it fits.
 void toBgr(const cv::Mat& image, const std::string& encoding, cv::Mat& bgr);
 
-/// The same in RGB order; `rgb` shares pixels of rgb8.
-void toRgb(const cv::Mat& image, const std::string& encoding, cv::Mat& rgb);
-
-/// Converts to the encoding `wanted`: the image's own, bgr8, rgb8 or mono8, and also mono16 for mono10 (its white,
-/// 1023, becomes 65535). `out` shares the input's pixels if nothing has to be changed. Throws std::invalid_argument for
-/// any other encoding.
+/// Converts in the same way to the encoding `wanted`: the image's own, bgr8, rgb8 or mono8, and also mono16 for mono10
+/// (its white, 1023, becomes 65535). `out` shares the input's pixels if nothing has to be changed. Throws
+/// std::invalid_argument for any other encoding.
 void toEncoding(const cv::Mat& image, const std::string& encoding, const std::string& wanted, cv::Mat& out);
 
 }  // namespace robot_vision

@@ -230,11 +230,6 @@ void toBgr(const cv::Mat& image, const std::string& encoding, cv::Mat& bgr)
   toColor(image, encoding, /*is_rgb=*/false, bgr);
 }
 
-void toRgb(const cv::Mat& image, const std::string& encoding, cv::Mat& rgb)
-{
-  toColor(image, encoding, /*is_rgb=*/true, rgb);
-}
-
 void toEncoding(const cv::Mat& image, const std::string& encoding, const std::string& wanted, cv::Mat& out)
 {
   if (wanted == encoding)
@@ -242,10 +237,8 @@ void toEncoding(const cv::Mat& image, const std::string& encoding, const std::st
     checkPixels(image, encoding);
     out = image;
   }
-  else if (wanted == "bgr8")
-    toBgr(image, encoding, out);
-  else if (wanted == "rgb8")
-    toRgb(image, encoding, out);
+  else if (wanted == "bgr8" || wanted == "rgb8")
+    toColor(image, encoding, wanted == "rgb8", out);
   else if (wanted == "mono8")
     toGray(image, encoding, out);
   else if (wanted == "mono16")

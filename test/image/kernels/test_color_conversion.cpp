@@ -96,7 +96,7 @@ void expectOpenCvs(const Conversion& conversion, const cv::Size& wanted, int kin
   const cv::Mat before = image.clone();
   cv::Mat bgr, rgb, gray;
   toBgr(image, conversion.encoding, bgr);
-  toRgb(image, conversion.encoding, rgb);
+  toEncoding(image, conversion.encoding, "rgb8", rgb);
   toGray(image, conversion.encoding, gray);
   const auto what = [&] { return cv::format("%s %d, %d threads ", conversion.encoding, kind, cv::getNumThreads()); };
   ASSERT_TRUE(equal(bgr, byOpenCv(image, conversion.to_bgr))) << what() << image.size();
