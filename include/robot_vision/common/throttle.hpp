@@ -1,6 +1,7 @@
 #pragma once
 
 #include <chrono>
+#include <optional>
 
 namespace robot_vision
 {
@@ -13,18 +14,16 @@ public:
   bool due()
   {
     const auto now = std::chrono::steady_clock::now();
-    if (began_ && now - last_ < std::chrono::seconds(5)) return false;
-    began_ = true;
+    if (last_ && now - *last_ < std::chrono::seconds(5)) return false;
     last_ = now;
     return true;
   }
 
   /// Lets the next message through at once.
-  void reset() { began_ = false; }
+  void reset() { last_.reset(); }
 
 private:
-  bool began_ = false;
-  std::chrono::steady_clock::time_point last_;
+  std::optional<std::chrono::steady_clock::time_point> last_;
 };
 
 }  // namespace robot_vision

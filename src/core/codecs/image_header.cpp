@@ -123,11 +123,8 @@ std::optional<ClaimedSize> sizeOfTiff(const Bytes& file)
   {
     const std::uint64_t tag = file.number(at, 2, big_endian);
     const std::uint64_t type = file.number(at + 2, 2, big_endian);
-    const std::uint64_t value = file.number(at + (wide ? 12 : 8),
-                                            type == kShort  ? 2
-                                            : type == kLong ? 4
-                                                            : 8,
-                                            big_endian);
+    const std::size_t value_bytes = type == kShort ? 2 : type == kLong ? 4 : 8;
+    const std::uint64_t value = file.number(at + (wide ? 12 : 8), value_bytes, big_endian);
     if (tag == kWidthTag) size.width = std::max(size.width, value);
     if (tag == kHeightTag) size.height = std::max(size.height, value);
   }

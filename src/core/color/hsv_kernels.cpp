@@ -15,12 +15,8 @@ inline std::uint8_t larger(std::uint8_t a, std::uint8_t b)
   return a > b ? a : b;
 }
 
-inline std::uint8_t smaller(std::uint8_t a, std::uint8_t b)
-{
-  return a < b ? a : b;
-}
-
-inline std::int16_t smaller(std::int16_t a, std::int16_t b)
+template <class Number>
+inline Number smaller(Number a, Number b)
 {
   return a < b ? a : b;
 }
