@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <stdexcept>
 #include <system_error>
 #include <vector>
 
@@ -21,59 +22,41 @@ constexpr std::size_t kChunk = std::size_t{1} << 20;  // bytes read at a time
   throw std::system_error(errno, std::generic_category(), path + " cannot be read");
 }
 
-class OpenFile
+void requireRegular(const std::string& path, const struct stat& status)
 {
-public:
-  explicit OpenFile(const std::string& path) : path_(path)
-  {
-    if (stat(path.c_str(), &status_) != 0) fail(path);
-    if (!S_ISREG(status_.st_mode)) refuse();  // checked before open(), because opening some devices has side effects
-    // The path may lead to another file by now. O_NONBLOCK keeps open() from waiting for the other end of a pipe.
-    file_ = open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
-    if (file_ == -1) fail(path);
-    if (fstat(file_, &status_) == 0 && S_ISREG(status_.st_mode)) return;
-    close(file_);
-    refuse();
-  }
-  OpenFile(const OpenFile&) = delete;
-  OpenFile& operator=(const OpenFile&) = delete;
-  ~OpenFile() { close(file_); }
+  if (!S_ISREG(status.st_mode)) throw std::runtime_error(path + " cannot be read: it is no file");
+}
 
-  std::size_t size() const { return static_cast<std::size_t>(status_.st_size); }
+struct Descriptor
+{
+  ~Descriptor() { close(file); }
 
-  /// Reads the next bytes into `chunk` and returns how many they are, 0 at the end of the file.
-  std::size_t read(std::vector<char>& chunk) const
-  {
-    const ssize_t count = ::read(file_, chunk.data(), chunk.size());
-    if (count < 0) fail(path_);
-    return static_cast<std::size_t>(count);
-  }
-
-private:
-  [[noreturn]] void refuse() const { throw std::runtime_error(path_ + " cannot be read: it is no file"); }
-
-  std::string path_;
-  struct stat status_ = {};
-  int file_ = -1;
+  const int file;
 };
 
 }  // namespace
 
 std::string readFile(const std::string& path, std::size_t max_size)
 {
-  const OpenFile file(path);
+  struct stat status = {};
+  if (stat(path.c_str(), &status) != 0) fail(path);
+  requireRegular(path, status);  // before open(), because opening some devices has side effects
+  // The path may lead to another file by now. O_NONBLOCK keeps open() from waiting for the other end of a pipe.
+  const Descriptor opened{open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC)};
+  if (opened.file == -1 || fstat(opened.file, &status) != 0) fail(path);
+  requireRegular(path, status);
   std::string bytes;
   std::vector<char> chunk(kChunk);
-  bool complete = false;
-  while (!complete && std::max(file.size(), bytes.size()) <= max_size)
+  auto size = static_cast<std::size_t>(status.st_size);
+  while (size <= max_size)
   {
-    const std::size_t count = file.read(chunk);
-    bytes.append(chunk.data(), count);
-    complete = count == 0;
+    const ssize_t count = read(opened.file, chunk.data(), chunk.size());
+    if (count < 0) fail(path);
+    if (count == 0) return bytes;
+    bytes.append(chunk.data(), static_cast<std::size_t>(count));
+    size = std::max(size, bytes.size());
   }
-  if (complete) return bytes;
-  throw std::runtime_error(path + " cannot be read: it has " +
-                           std::to_string(std::max(file.size(), bytes.size()) >> 20) + " MB, must have at most " +
+  throw std::runtime_error(path + " cannot be read: it has " + std::to_string(size >> 20) + " MB, must have at most " +
                            std::to_string(max_size >> 20));
 }
 
