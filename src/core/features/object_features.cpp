@@ -4,6 +4,8 @@
 #include <opencv2/features2d.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "core/image/rects.hpp"
+
 namespace robot_vision
 {
 namespace
@@ -19,24 +21,21 @@ constexpr float kMaxDistanceRatio = 0.85F;  // of the distances to the best and 
 constexpr int kMinMatches = 5;
 constexpr double kMaxMatchError = 4.0;  // px
 
-Features find(const cv::Mat& gray, int count, double scale, const cv::Point2f& origin)
-{
-  const auto orb = cv::ORB::create(count, 1.25F, 7, 8, 0, 2, cv::ORB::HARRIS_SCORE, 31, 12);
-  std::vector<cv::KeyPoint> keys;
-  Features features;
-  orb->detectAndCompute(gray, cv::noArray(), keys, features.descriptors);
-  for (const cv::KeyPoint& key : keys)
-    features.points.push_back(key.pt * scale + origin);
-  return features;
-}
-
 /// Finds features in a region that is enlarged first.
-Features findEnlarged(const cv::Mat& gray, const cv::Rect& region, int count, double enlarged)
+Features find(const cv::Mat& gray, const cv::Rect& region, int count, double enlarged)
 {
   cv::Mat pixels = gray(region);
   if (enlarged > 1.0) cv::resize(pixels, pixels, {}, enlarged, enlarged, cv::INTER_LINEAR);
-  const double half = 0.5 * (1.0 / enlarged - 1.0);  // because integer coordinates are those of pixel centres
-  return find(pixels, count, 1.0 / enlarged, cv::Point2d(region.x + half, region.y + half));
+  const auto orb = cv::ORB::create(count, 1.25F, 7, 8, 0, 2, cv::ORB::HARRIS_SCORE, 31, 12);
+  std::vector<cv::KeyPoint> keys;
+  Features features;
+  orb->detectAndCompute(pixels, cv::noArray(), keys, features.descriptors);
+  const double scale = 1.0 / enlarged;
+  const double half = 0.5 * (scale - 1.0);  // because integer coordinates are those of pixel centres
+  const cv::Point2f origin = cv::Point2d(region.x + half, region.y + half);
+  for (const cv::KeyPoint& key : keys)
+    features.points.push_back(key.pt * scale + origin);
+  return features;
 }
 
 }  // namespace
@@ -44,13 +43,13 @@ Features findEnlarged(const cv::Mat& gray, const cv::Rect& region, int count, do
 Features objectFeatures(const cv::Mat& gray, const cv::Rect& region)
 {
   const double enlarged = std::min(region.width, region.height) < kMinRegionSide ? 2.0 : 1.0;
-  return findEnlarged(gray, region, kMaxObjectFeatures, enlarged);
+  return find(gray, region, kMaxObjectFeatures, enlarged);
 }
 
 Features imageFeatures(const cv::Mat& gray, int count)
 {
   if (std::min(gray.rows, gray.cols) < kMinImageSide) return {};
-  return find(gray, count, 1.0, {});
+  return find(gray, fullRect(gray), count, 1.0);
 }
 
 Features nearFeatures(const cv::Mat& gray, const cv::Rect& region)
@@ -58,11 +57,10 @@ Features nearFeatures(const cv::Mat& gray, const cv::Rect& region)
   const int side = std::max({region.width, region.height, 1});
   if (side >= kMinRegionSide) return {};
   const auto reach = static_cast<int>(kSearchReach * side);
-  const cv::Rect around = cv::Rect(region.tl() - cv::Point(reach, reach), region.br() + cv::Point(reach, reach)) &
-                          cv::Rect({}, gray.size());
+  const cv::Rect around =
+      cv::Rect(region.tl() - cv::Point(reach, reach), region.br() + cv::Point(reach, reach)) & fullRect(gray);
   if (std::min(around.width, around.height) < kMinImageSide) return {};
-  return findEnlarged(gray, around, kMaxNearFeatures,
-                      std::min(static_cast<double>(kMinRegionSide) / side, kMaxUpscaling));
+  return find(gray, around, kMaxNearFeatures, std::min(static_cast<double>(kMinRegionSide) / side, kMaxUpscaling));
 }
 
 std::optional<Similarity> matchFeatures(const Features& object, const Features& image)

@@ -1,20 +1,9 @@
 #include "similarity.hpp"
 
-#include <cmath>
 #include <opencv2/calib3d.hpp>
 
 namespace robot_vision
 {
-
-double Similarity::scale() const
-{
-  return std::hypot(a, b);
-}
-
-double Similarity::angle() const
-{
-  return std::atan2(b, a);
-}
 
 cv::Point2d Similarity::operator()(const cv::Point2d& p) const
 {
@@ -32,11 +21,6 @@ std::vector<cv::Point2f> Similarity::operator()(const std::vector<cv::Point2f>& 
 Similarity Similarity::operator*(const Similarity& inner) const
 {
   return {a * inner.a - b * inner.b, b * inner.a + a * inner.b, (*this)(inner.shift)};
-}
-
-cv::Matx23d Similarity::matrix() const
-{
-  return {a, -b, shift.x, b, a, shift.y};
 }
 
 std::optional<Similarity> fitSimilarity(const std::vector<cv::Point2f>& from, const std::vector<cv::Point2f>& to,
