@@ -55,7 +55,7 @@ public:
   void apply(const cv::Mat& image, const std::string& encoding, cv::Mat& edges);
 
   /// The encoding of what apply() writes for input of `encoding`: mono8.
-  static std::string outputEncoding(const std::string& encoding);
+  static std::string outputEncoding(const std::string& /*encoding*/) { return "mono8"; }
 
 private:
   struct Impl;

@@ -98,9 +98,4 @@ void EdgeDetector::apply(const cv::Mat& image, const std::string& encoding, cv::
   impl_->apply(image, encoding, edges);
 }
 
-std::string EdgeDetector::outputEncoding(const std::string&)
-{
-  return "mono8";
-}
-
 }  // namespace robot_vision

@@ -28,7 +28,6 @@ struct Simd
   static Vector bytes(int value) { return _mm512_set1_epi8(static_cast<char>(value)); }
   static Vector words(int value) { return _mm512_set1_epi16(static_cast<short>(value)); }
   static Vector integers(int value) { return _mm512_set1_epi32(value); }
-  static Vector addWords(Vector a, Vector b) { return _mm512_add_epi16(a, b); }
   static Vector addIntegers(Vector a, Vector b) { return _mm512_add_epi32(a, b); }
   static Vector subtractSaturated(Vector a, Vector b) { return _mm512_subs_epu8(a, b); }  // unsigned bytes, 0 at least
   static Vector InterleaveLower(Vector a, Vector b) { return _mm512_unpacklo_epi8(a, b); }
@@ -44,7 +43,7 @@ struct Simd
   /// Adds to each word of `sum` the products of two neighbouring bytes (unsigned) with their factors (signed bytes).
   static Vector addBytePairs(Vector sum, Vector bytes, Vector factors)
   {
-    return addWords(sum, _mm512_maddubs_epi16(bytes, factors));
+    return _mm512_add_epi16(sum, _mm512_maddubs_epi16(bytes, factors));
   }
   /// Adds to each integer of `sum` the products of two neighbouring signed words.
   static Vector addWordPairs(Vector sum, Vector a, Vector b)
@@ -82,7 +81,6 @@ struct Simd
   static Vector bytes(int value) { return _mm256_set1_epi8(static_cast<char>(value)); }
   static Vector words(int value) { return _mm256_set1_epi16(static_cast<short>(value)); }
   static Vector integers(int value) { return _mm256_set1_epi32(value); }
-  static Vector addWords(Vector a, Vector b) { return _mm256_add_epi16(a, b); }
   static Vector addIntegers(Vector a, Vector b) { return _mm256_add_epi32(a, b); }
   static Vector subtractSaturated(Vector a, Vector b) { return _mm256_subs_epu8(a, b); }
   static Vector InterleaveLower(Vector a, Vector b) { return _mm256_unpacklo_epi8(a, b); }
@@ -104,7 +102,7 @@ struct Simd
   }
   static Vector addBytePairs(Vector sum, Vector bytes, Vector factors)
   {
-    return addWords(sum, _mm256_maddubs_epi16(bytes, factors));
+    return _mm256_add_epi16(sum, _mm256_maddubs_epi16(bytes, factors));
   }
   static Vector addWordPairs(Vector sum, Vector a, Vector b) { return addIntegers(sum, _mm256_madd_epi16(a, b)); }
   static void storeInOrder(std::uint16_t* to, Vector low, Vector high)
@@ -131,7 +129,6 @@ struct Simd
   static Vector bytes(int value) { return _mm_set1_epi8(static_cast<char>(value)); }
   static Vector words(int value) { return _mm_set1_epi16(static_cast<short>(value)); }
   static Vector integers(int value) { return _mm_set1_epi32(value); }
-  static Vector addWords(Vector a, Vector b) { return _mm_add_epi16(a, b); }
   static Vector addIntegers(Vector a, Vector b) { return _mm_add_epi32(a, b); }
   static Vector subtractSaturated(Vector a, Vector b) { return _mm_subs_epu8(a, b); }
   static Vector InterleaveLower(Vector a, Vector b) { return _mm_unpacklo_epi8(a, b); }
@@ -153,7 +150,7 @@ struct Simd
   }
   static Vector addBytePairs(Vector sum, Vector bytes, Vector factors)
   {
-    return addWords(sum, _mm_maddubs_epi16(bytes, factors));
+    return _mm_add_epi16(sum, _mm_maddubs_epi16(bytes, factors));
   }
   static Vector addWordPairs(Vector sum, Vector a, Vector b) { return addIntegers(sum, _mm_madd_epi16(a, b)); }
   static void storeInOrder(std::uint16_t* to, Vector low, Vector high)
