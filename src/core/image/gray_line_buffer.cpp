@@ -1,7 +1,6 @@
 #include "gray_line_buffer.hpp"
 
 #include <algorithm>
-#include <array>
 
 #include "robot_vision/image/encoding.hpp"
 
@@ -16,9 +15,8 @@ constexpr int kRowsPerBatch = 16;  // few enough for the cache, many enough for 
 
 bool GrayLineBuffer::takes(const std::string& encoding)
 {
-  constexpr std::array<const char*, 8> names = {"mono8", "bgr8",   "rgb8",   "bgra8",
-                                                "rgba8", "mono16", "yuv422", "yuv422_yuy2"};
-  return std::find(names.begin(), names.end(), encoding) != names.end();
+  // What only cameras give is planar, compressed or rare, and a row of a mosaic depends on the rows around it.
+  return isMessageEncoding(encoding) && encoding.rfind("bayer", 0) != 0;
 }
 
 void GrayLineBuffer::begin(const cv::Mat& image, const std::string& encoding, int first, int window)

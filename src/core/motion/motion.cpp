@@ -13,19 +13,11 @@ namespace
 
 constexpr double kOutlineError = 1.0;  // px; the blur has moved the outline by more than that
 
-RegionParams regionParams(const MotionParams& params)
-{
-  RegionParams regions;
-  regions.min_area = params.min_area;
-  regions.opening = regions.closing = 1;
-  return regions;
-}
-
 }  // namespace
 
 struct MotionDetector::Impl
 {
-  explicit Impl(const MotionParams& p) : params(p), finder(regionParams(p)), background(p) {}
+  explicit Impl(const MotionParams& p) : params(p), finder({p.min_area, /*opening=*/1, /*closing=*/1}), background(p) {}
 
   Motion update(double time_s, const cv::Mat& image, const std::string& encoding)
   {
