@@ -54,10 +54,6 @@ public:
   /// Throws std::invalid_argument as validate() does.
   explicit TagPoseTracker(const Bundle& bundle, const TagPoseParams& params = TagPoseParams());
   ~TagPoseTracker();
-  TagPoseTracker(TagPoseTracker&&) noexcept;
-  TagPoseTracker& operator=(TagPoseTracker&&) noexcept;
-
-  const Bundle& bundle() const;
 
   /// The poses in the frame at `time_s` (s, of any clock); their errors are those of this frame's corners. When time
   /// goes back, the tracker starts anew. The result is empty, and exceptions are thrown, as estimatePose() does; a time

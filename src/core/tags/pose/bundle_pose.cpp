@@ -9,7 +9,6 @@
 
 #include "corner_covariance.hpp"
 #include "ippe_square.hpp"
-#include "lens_error.hpp"
 #include "robot_vision/common/range.hpp"
 
 namespace robot_vision
@@ -178,8 +177,8 @@ Observation observationOf(const std::vector<SeenTag>& tags, const CameraModel& c
   Observation observation;
   for (const SeenTag& seen : tags)
   {
-    const CornerCovariance covariance = seen.covariance + lensError(seen.corners, seen.lens_variance, camera);
-    observation.push_back({cornersOf(seen.tag), seen.corners, inverseOf(covariance)});
+    const CornerCovariance lens_error = seen.lens_variance * distortionCorrelation(seen.corners, seen.corners, camera);
+    observation.push_back({cornersOf(seen.tag), seen.corners, inverseOf(seen.covariance + lens_error)});
   }
   return observation;
 }

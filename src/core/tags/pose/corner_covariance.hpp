@@ -12,4 +12,9 @@ bool isCovariance(const CornerCovariance& matrix);
 /// information.
 CornerCovariance inverseOf(const CornerCovariance& matrix);
 
+/// The correlation between the errors that a lens's calibration leaves in the corners of two tags, or of one tag: of x
+/// with x and of y with y, 0 to 1.
+CornerCovariance distortionCorrelation(const std::array<cv::Point2d, 4>& one, const std::array<cv::Point2d, 4>& other,
+                                       const CameraModel& camera);
+
 }  // namespace robot_vision

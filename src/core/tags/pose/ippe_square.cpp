@@ -9,16 +9,6 @@ namespace robot_vision
 namespace
 {
 
-/// The homography that takes (0, 0), (1, 0), (1, 1), (0, 1) to four points: Heckbert, Fundamentals of Texture Mapping
-/// and Image Warping, 1989.
-cv::Matx33d fromUnitSquare(const std::array<cv::Point2d, 4>& p)
-{
-  const cv::Point2d sum = p[0] - p[1] + p[2] - p[3], a = p[1] - p[2], b = p[3] - p[2];
-  const double det = a.cross(b), g = sum.cross(b) / det, h = a.cross(sum) / det;
-  const cv::Point2d u = p[1] - p[0] + g * p[1], v = p[3] - p[0] + h * p[3];
-  return {u.x, v.x, p[0].x, u.y, v.y, p[0].y, g, h, 1.0};
-}
-
 /// A rotation that takes the z axis to (x, y, 1).
 cv::Matx33d turnTowards(const cv::Point2d& v)
 {
@@ -29,6 +19,14 @@ cv::Matx33d turnTowards(const cv::Point2d& v)
 }
 
 }  // namespace
+
+cv::Matx33d fromUnitSquare(const std::array<cv::Point2d, 4>& p)
+{
+  const cv::Point2d sum = p[0] - p[1] + p[2] - p[3], a = p[1] - p[2], b = p[3] - p[2];
+  const double det = a.cross(b), g = sum.cross(b) / det, h = a.cross(sum) / det;
+  const cv::Point2d u = p[1] - p[0] + g * p[1], v = p[3] - p[0] + h * p[3];
+  return {u.x, v.x, p[0].x, u.y, v.y, p[0].y, g, h, 1.0};
+}
 
 std::array<cv::Affine3d, 2> squarePoses(const std::array<cv::Point2d, 4>& rays, double size)
 {

@@ -137,13 +137,6 @@ TagPoseTracker::TagPoseTracker(const Bundle& bundle, const TagPoseParams& params
 }
 
 TagPoseTracker::~TagPoseTracker() = default;
-TagPoseTracker::TagPoseTracker(TagPoseTracker&&) noexcept = default;
-TagPoseTracker& TagPoseTracker::operator=(TagPoseTracker&&) noexcept = default;
-
-const Bundle& TagPoseTracker::bundle() const
-{
-  return impl_->bundle;
-}
 
 double TagPoseTracker::cornerNoise() const
 {

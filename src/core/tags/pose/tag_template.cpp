@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "ippe_square.hpp"
+
 namespace robot_vision
 {
 
@@ -17,16 +19,10 @@ Mapped mapped(const cv::Matx33d& H, const cv::Point2d& point)
 
 cv::Matx33d toTemplate(const std::array<cv::Point2d, 4>& corners, const TagTemplate& tag_template)
 {
-  // Heckbert's homography from the unit square to a quadrilateral.
-  const auto& [a, b, c, d] = corners;
-  const cv::Point2d sum = a - b + c - d, u = b - c, v = d - c;
-  const double det = u.cross(v), g = sum.cross(v) / det, h = u.cross(sum) / det;
-  const cv::Point2d x = b - a + g * b, y = d - a + h * d;
-  const cv::Matx33d to_image(x.x, y.x, a.x, x.y, y.y, a.y, g, h, 1.0);
   const double side = static_cast<double>(tag_template.widthAtBorder()) / tag_template.cells.cols;
   // The rows of the template count downwards.
   const cv::Matx33d to_square(1.0 / side, 0.0, 0.5, 0.0, -1.0 / side, 0.5, 0.0, 0.0, 1.0);
-  return (to_image * to_square).inv();
+  return (fromUnitSquare(corners) * to_square).inv();
 }
 
 std::array<cv::Point2d, 4> templateCorners(const cv::Matx33d& to_template, const TagTemplate& tag_template)
