@@ -4,12 +4,12 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <optional>
 
 #include "arrays.hpp"
 #include "params.hpp"
 #include "registry.hpp"
-#include "robot_vision/scene/calibration_scene.hpp"
 #include "robot_vision/scene/floor_scene.hpp"
 
 using namespace robot_vision;
@@ -18,19 +18,7 @@ using namespace py::literals;
 namespace
 {
 
-/// Binds what Scene and CalibrationScene have in common.
-template <class T>
-void bindFrames(py::class_<T>& bound)
-{
-  bound.def_property_readonly("camera", &T::camera)
-      .def("truth", &T::truth, "frame"_a)
-      .def(
-          "render",
-          [](const T& scene, std::int64_t frame) { return imageFrom([&](cv::Mat& bgr) { scene.render(frame, bgr); }); },
-          "frame"_a, "The image of a frame: (height, width, 3) uint8, BGR.");
-}
-
-void bindRoom(py::module& m)
+void bindScenes(py::module& m)
 {
   bindParams<SceneParams>(m, "SceneParams", "What the frames of a Scene are like.");
 
@@ -46,19 +34,21 @@ void bindRoom(py::module& m)
       .def_property_readonly("camera", attribute(&SceneTruth::camera), "4x4, camera in the world, m")
       .def_readonly("objects", &SceneTruth::objects);
 
-  py::class_<Scene> scene(m, "Scene", "A synthetic room with exact ground truth, the same for the same frame number.");
-  scene.def(py::init([](const SceneParams& params, const std::optional<py::array>& poster)
-                     { return Scene(params, poster ? ImageArray(*poster).view : cv::Mat()); }),
-            "params"_a = SceneParams(), "poster"_a = py::none(), "poster: (height, width, 3) BGR image for the wall.");
-  bindFrames(scene);
-}
+  py::class_<Scene>(m, "Scene", "A synthetic room with exact ground truth, the same for the same frame number.")
+      .def(py::init([](const SceneParams& params, const std::optional<py::array>& poster)
+                    { return std::make_unique<Scene>(params, poster ? ImageArray(*poster).view : cv::Mat()); }),
+           "params"_a = SceneParams(), "poster"_a = py::none(), "poster: (height, width, 3) BGR image for the wall.")
+      .def_property_readonly("camera", &Scene::camera)
+      .def("truth", &Scene::truth, "frame"_a)
+      .def(
+          "render",
+          [](const Scene& scene, std::int64_t frame)
+          { return imageFrom([&](cv::Mat& bgr) { scene.render(frame, bgr); }); },
+          "frame"_a, "The image of a frame: (height, width, 3) uint8, BGR.");
 
-void bindCalibration(py::module& m)
-{
-  py::class_<CalibrationScene> scene(m, "CalibrationScene",
-                                     "A checkerboard shown to the Scene's camera, each half second in another pose.");
-  scene.def(py::init<const SceneParams&>(), "params"_a = SceneParams());
-  bindFrames(scene);
+  py::class_<CalibrationScene, Scene>(m, "CalibrationScene",
+                                      "A checkerboard shown to the Scene's camera, each half second in another pose.")
+      .def(py::init<const SceneParams&>(), "params"_a = SceneParams());
 }
 
 py::array renderFloor(const FloorScene& scene, const Matrix& camera)
@@ -74,8 +64,8 @@ void bindFloor(py::module& m)
       .def(py::init(
                [](const py::array& floor, std::pair<double, double> size, const CameraModel& camera, const Bgr& around)
                {
-                 return FloorScene(ImageArray(floor).view, cv::Size2d(size.first, size.second), camera,
-                                   cv::Scalar(around[0], around[1], around[2]));
+                 return std::make_unique<FloorScene>(ImageArray(floor).view, cv::Size2d(size.first, size.second),
+                                                     camera, cv::Scalar(around[0], around[1], around[2]));
                }),
            "floor"_a, "size"_a, "camera"_a, "around"_a = Bgr{150.0, 150.0, 150.0},
            "floor: (height, width, 3) BGR, its top forward (+x), its left side left (+y), the origin in its middle; "
@@ -88,8 +78,7 @@ void bindFloor(py::module& m)
 
 void bindScene(py::module& m)
 {
-  bindRoom(m);
-  bindCalibration(m);
+  bindScenes(m);
   bindFloor(m);
 }
 

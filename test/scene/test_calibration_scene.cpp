@@ -1,11 +1,10 @@
-#include "robot_vision/scene/calibration_scene.hpp"
-
 #include <gtest/gtest.h>
 
 #include <opencv2/calib3d.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include "robot_vision/camera/open_source.hpp"
+#include "robot_vision/scene/scene.hpp"
 #include "support/refusal.hpp"
 
 using namespace robot_vision;

@@ -99,9 +99,27 @@ public:
   /// padded or its memory belongs to somebody else.
   void render(std::int64_t frame, cv::Mat& bgr) const;
 
+protected:
+  struct Content;
+  explicit Scene(std::unique_ptr<const Content> content);
+
 private:
-  struct Impl;
-  std::unique_ptr<const Impl> impl_;
+  struct Room;
+  std::unique_ptr<const Content> content_;
+};
+
+/// A checkerboard is shown to the Scene's camera as one does to calibrate it: every half second in another pose, all
+/// over the image, near and far, tilted to all sides and always completely in view. It is the room's checkerboard:
+/// squares of kSceneCheckerSquare, 8 x 6 inner corners. It is the only object of the truth. The camera stays where the
+/// room's camera is in frame 0.
+class CalibrationScene : public Scene
+{
+public:
+  /// The parameter `still` has no effect here. Throws std::invalid_argument as validate(SceneParams) does.
+  explicit CalibrationScene(const SceneParams& params);
+
+private:
+  struct ShownBoard;
 };
 
 }  // namespace robot_vision

@@ -5,7 +5,6 @@
 
 #include "picture_source.hpp"
 #include "robot_vision/common/range.hpp"
-#include "robot_vision/scene/calibration_scene.hpp"
 #include "robot_vision/scene/scene.hpp"
 
 namespace robot_vision

@@ -11,18 +11,6 @@ namespace robot_vision
 namespace
 {
 
-const cv::Mat& validated(const cv::Mat& image)
-{
-  checkPixels(image, "bgr8");
-  return image;
-}
-
-const CameraModel& validated(const CameraModel& camera)
-{
-  validate(camera);
-  return camera;
-}
-
 const cv::Size2d& validated(const cv::Size2d& size)
 {
   for (const double length : {size.width, size.height})
@@ -35,9 +23,9 @@ const cv::Size2d& validated(const cv::Size2d& size)
 struct FloorScene::Impl
 {
   Impl(const cv::Mat& image, const cv::Size2d& size, const CameraModel& camera, const cv::Scalar& color)
-    : texture(scene::imageTexture(validated(image))),
+    : texture(scene::imageTexture((checkPixels(image, "bgr8"), image))),
       board(scene::onFloor(0.0, 0.0, validated(size))),
-      lens(validated(camera)),
+      lens((validate(camera), camera)),
       around(color)
   {
   }

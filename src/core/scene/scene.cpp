@@ -1,11 +1,11 @@
 #include "robot_vision/scene/scene.hpp"
 
-#include <memory>
 #include <stdexcept>
+#include <utility>
 
+#include "calibration_poses.hpp"
 #include "robot_vision/common/range.hpp"
 #include "robot_vision/common/shared_instance.hpp"
-#include "scene_model.hpp"
 #include "scene_noise.hpp"
 #include "scene_renderer.hpp"
 #include "scene_truth.hpp"
@@ -24,11 +24,9 @@ void validate(const SceneParams& params)
 namespace
 {
 
-const SceneParams& validated(const SceneParams& params)
-{
-  validate(params);
-  return params;
-}
+const double kPoseTime = 0.5;                 // s, how long each pose of the checkerboard is shown
+const cv::Scalar kBackground(128, 140, 146);  // gray, far from the checkerboard's black and white
+const cv::Size2d kInnerCorners(7.0 * kSceneCheckerSquare, 5.0 * kSceneCheckerSquare);
 
 /// The renderer of a poster. Scenes without a poster share one, because building it takes a while.
 std::shared_ptr<const scene::SceneRenderer> rendererFor(const cv::Mat& poster)
@@ -40,30 +38,88 @@ std::shared_ptr<const scene::SceneRenderer> rendererFor(const cv::Mat& poster)
 
 }  // namespace
 
-struct Scene::Impl
+/// What a scene shows, and the camera that sees it.
+struct Scene::Content
 {
-  Impl(const SceneParams& params, const cv::Mat& poster)
-    : rate(validated(params).rate),
-      still(params.still),
-      renderer(rendererFor(poster)),
+  explicit Content(const SceneParams& params)
+    : rate((validate(params), params.rate)),
       lens(scene::sceneCamera(params.width, params.height)),
       noise(params.noise, params.seed, 3 * params.width)
   {
   }
+  virtual ~Content() = default;
 
-  double timeOf(std::int64_t frame) const { return scene::sceneTime(frame, rate); }
+  /// The truth at a time of the motion (s), without the number of the frame.
+  virtual SceneTruth truth(double seconds) const = 0;
 
-  cv::Affine3d cameraAt(std::int64_t frame) const { return scene::cameraPose(still ? 0.0 : timeOf(frame)); }
+  /// Draws an image of the camera's size, without the noise.
+  virtual void paint(double seconds, cv::Mat& bgr) const = 0;
 
   double rate;
-  bool still;
-  std::shared_ptr<const scene::SceneRenderer> renderer;
   scene::Lens lens;
   scene::PixelNoise noise;
 };
 
+struct Scene::Room : Content
+{
+  Room(const SceneParams& params, const cv::Mat& poster)
+    : Content(params), still(params.still), renderer(rendererFor(poster))
+  {
+  }
+
+  cv::Affine3d cameraAt(double seconds) const { return scene::cameraPose(still ? 0.0 : seconds); }
+
+  SceneTruth truth(double seconds) const override
+  {
+    return scene::truthAt(seconds, cameraAt(seconds), renderer->posterAspect(), lens);
+  }
+
+  void paint(double seconds, cv::Mat& bgr) const override { renderer->paint(seconds, cameraAt(seconds), lens, bgr); }
+
+  bool still;
+  std::shared_ptr<const scene::SceneRenderer> renderer;
+};
+
+struct CalibrationScene::ShownBoard : Content
+{
+  using Content::Content;
+
+  cv::Affine3d poseAt(double seconds) const
+  {
+    return scene::shownBoard(static_cast<int>(seconds / kPoseTime), size, lens.camera);
+  }
+
+  SceneTruth truth(double seconds) const override
+  {
+    SceneObject board;
+    board.name = "checkerboard";
+    board.pose = poseAt(seconds);
+    board.outline = scene::project(scene::corners(board.pose, kInnerCorners), lens.camera, 1);
+    board.center = lens.camera.project(cv::Point3d(board.pose.translation()));
+    board.visible = true;
+    return {0, scene::cameraPose(0.0), {board}};
+  }
+
+  void paint(double seconds, cv::Mat& bgr) const override
+  {
+    bgr.setTo(kBackground);
+    scene::paintBoard(texture, poseAt(seconds), size, lens, bgr);
+  }
+
+  cv::Size2d size = scene::checkerBoard().size;
+  scene::Texture texture = scene::cellTexture(scene::checkerCells());
+};
+
+Scene::Scene(std::unique_ptr<const Content> content) : content_(std::move(content))
+{
+}
+
 Scene::Scene(const SceneParams& params, const cv::Mat& poster_bgr)
-  : impl_(std::make_unique<const Impl>(params, poster_bgr))
+  : Scene(std::make_unique<const Room>(params, poster_bgr))
+{
+}
+
+CalibrationScene::CalibrationScene(const SceneParams& params) : Scene(std::make_unique<const ShownBoard>(params))
 {
 }
 
@@ -73,22 +129,21 @@ Scene& Scene::operator=(Scene&&) noexcept = default;
 
 const CameraModel& Scene::camera() const
 {
-  return impl_->lens.camera;
+  return content_->lens.camera;
 }
 
 SceneTruth Scene::truth(std::int64_t frame) const
 {
-  SceneTruth truth =
-      scene::truthAt(impl_->timeOf(frame), impl_->cameraAt(frame), impl_->renderer->posterAspect(), impl_->lens);
+  SceneTruth truth = content_->truth(scene::sceneTime(frame, content_->rate));
   truth.frame = frame;
   return truth;
 }
 
 void Scene::render(std::int64_t frame, cv::Mat& bgr) const
 {
-  bgr.create(impl_->lens.camera.height, impl_->lens.camera.width, CV_8UC3);
-  impl_->renderer->paint(impl_->timeOf(frame), impl_->cameraAt(frame), impl_->lens, bgr);
-  impl_->noise.add(frame, bgr);
+  bgr.create(camera().height, camera().width, CV_8UC3);
+  content_->paint(scene::sceneTime(frame, content_->rate), bgr);
+  content_->noise.add(frame, bgr);
 }
 
 }  // namespace robot_vision

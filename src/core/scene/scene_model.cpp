@@ -29,6 +29,14 @@ cv::Affine3d facing(const cv::Vec3d& origin, double turn = 0.0, double tilt = 0.
   return upright * cv::Affine3d(cv::Vec3d(0, turn, 0)) * cv::Affine3d(cv::Vec3d(-tilt, 0, 0));
 }
 
+double smoothStep(double t)
+{
+  const double x = std::clamp(t, 0.0, 1.0);
+  return x * x * x * (10.0 + x * (6.0 * x - 15.0));
+}
+
+}  // namespace
+
 Room buildRoom()
 {
   const double extra = 0.2, length = kBackWallX - kFrontX, middle = (kBackWallX + kFrontX) / 2.0;
@@ -46,20 +54,6 @@ Room buildRoom()
                 inPlaneOf(r.left_wall, {0, down, thickness}, {length, kSkirtingHeight}),
                 inPlaneOf(r.right_wall, {0, down, thickness}, {length, kSkirtingHeight})};
   return r;
-}
-
-double smoothStep(double t)
-{
-  const double x = std::clamp(t, 0.0, 1.0);
-  return x * x * x * (10.0 + x * (6.0 * x - 15.0));
-}
-
-}  // namespace
-
-const Room& room()
-{
-  static const Room built = buildRoom();
-  return built;
 }
 
 Board tagBoard(int id)

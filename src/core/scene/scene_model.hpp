@@ -25,7 +25,7 @@ struct Room
   std::array<Board, 3> skirting;
 };
 
-const Room& room();
+Room buildRoom();
 
 /// The boards that never move, each with its white margin.
 Board tagBoard(int id);

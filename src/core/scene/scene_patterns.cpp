@@ -1,8 +1,8 @@
 // The patterns that detectors look for: tags, QR code, checkerboard.
 
 #include <array>
-#include <cstdint>
 
+#include "robot_vision/tags/detection/tag_families.hpp"
 #include "scene_textures.hpp"
 
 namespace robot_vision::scene
@@ -14,9 +14,6 @@ namespace
 // Print on paper: neither clips when noise is added, and black stays out of the reach of any colour filter.
 const cv::Vec3b kBlack(28, 28, 28);
 const cv::Vec3b kWhite(232, 236, 236);
-
-// Data bits of the tags, row by row from the top left, most significant first; a set bit is white.
-constexpr std::array<std::uint64_t, 2> kTag36h11 = {0xd5d628584, 0xd97f18b49};
 
 constexpr std::array<const char*, 21> kQrModules = {
     "#######...#...#######", "#.....#..###..#.....#", "#.###.#.#.###.#.###.#", "#.###.#.#.###.#.###.#",
@@ -31,15 +28,9 @@ constexpr std::array<const char*, 21> kQrModules = {
 
 cv::Mat tagCells(int id)
 {
-  const int data = 6, border = 2;  // one black cell and a white one around the data
-  const std::uint64_t code = kTag36h11.at(static_cast<std::size_t>(id));
-  cv::Mat cells(data + 2 * border, data + 2 * border, CV_8UC3, kWhite);
-  cells(cv::Rect(1, 1, data + 2, data + 2)).setTo(kBlack);
-  for (int bit = 0; bit < data * data; ++bit)
-  {
-    const bool white = (code >> (data * data - 1 - bit)) & 1;
-    if (white) cells.at<cv::Vec3b>(border + bit / data, border + bit % data) = kWhite;
-  }
+  const cv::Mat pattern = robot_vision::tagCells("tag36h11", id);
+  cv::Mat cells(pattern.size(), CV_8UC3, kBlack);
+  cells.setTo(kWhite, pattern);
   return cells;
 }
 

@@ -29,7 +29,7 @@ void shadeBehind(cv::Mat& image, const Board& wall, const Board& board)
 SceneRenderer::SceneRenderer(const cv::Mat& poster_bgr)
 {
   const cv::Mat poster = poster_bgr.empty() ? posterPattern() : poster_bgr;
-  const Room& r = room();
+  const Room r = buildRoom();
   poster_aspect_ = static_cast<double>(poster.cols) / poster.rows;
   const Board poster_board = posterBoard(poster_aspect_);
   const int rim = std::max(cvRound(0.03 * std::max(poster.cols, poster.rows)), 1);  // px, width of the poster's frame
