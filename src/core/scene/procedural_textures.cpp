@@ -63,20 +63,18 @@ cv::Mat wallImage(const cv::Size2d& metres, double shade)
   const cv::Vec3d paint(150, 174, 184);
   const double brick_width = 0.26, brick_height = 0.09, joint = 0.006;
   cv::Mat wall = blank(metres);
-  for (int row = 0; row < wall.rows; ++row)
-  {
-    const double y = row * kTexel;
-    const int course = static_cast<int>(y / brick_height);
-    const double light = 1.06 - 0.16 * y / metres.height;
-    for (int column = 0; column < wall.cols; ++column)
-    {
-      const double x = column * kTexel + (course % 2) * brick_width / 2.0;
-      const bool mortar = std::min(distanceToJoint(x, brick_width), distanceToJoint(y, brick_height)) < joint;
-      const double brick = 0.03 * (hashed(static_cast<int>(x / brick_width), course) - 0.5);
-      const double blotch = 0.02 * smoothNoise(x / 0.4, y / 0.4) + 0.008 * smoothNoise(x / 0.02, y / 0.02);
-      wall.at<cv::Vec3b>(row, column) = scaled(paint, shade * light * (mortar ? 0.955 : 1.0 + brick) * (1.0 + blotch));
-    }
-  }
+  wall.forEach<cv::Vec3b>(
+      [&](cv::Vec3b& pixel, const int* at)
+      {
+        const double y = at[0] * kTexel;
+        const int course = static_cast<int>(y / brick_height);
+        const double x = at[1] * kTexel + (course % 2) * brick_width / 2.0;
+        const double light = 1.06 - 0.16 * y / metres.height;
+        const bool mortar = std::min(distanceToJoint(x, brick_width), distanceToJoint(y, brick_height)) < joint;
+        const double brick = 0.03 * (hashed(static_cast<int>(x / brick_width), course) - 0.5);
+        const double blotch = 0.02 * smoothNoise(x / 0.4, y / 0.4) + 0.008 * smoothNoise(x / 0.02, y / 0.02);
+        pixel = scaled(paint, shade * light * (mortar ? 0.955 : 1.0 + brick) * (1.0 + blotch));
+      });
   return wall;
 }
 
@@ -85,20 +83,18 @@ cv::Mat floorImage(const cv::Size2d& metres)
   const cv::Vec3d wood(150, 186, 206);
   const double plank_width = 0.18, plank_length = 1.1, joint = 0.004;
   cv::Mat floor = blank(metres);
-  for (int row = 0; row < floor.rows; ++row)
-  {
-    for (int column = 0; column < floor.cols; ++column)
-    {
-      const double x = column * kTexel;
-      const int plank = static_cast<int>(x / plank_width);
-      const double y = row * kTexel + plank_length * hashed(plank, 7);
-      const int piece = static_cast<int>(y / plank_length);
-      const bool gap = std::min(distanceToJoint(x, plank_width), distanceToJoint(y, plank_length)) < joint;
-      const double tone = 0.07 * (hashed(plank, piece + 100) - 0.5);
-      const double grain = 0.025 * smoothNoise(x / 0.012, y / 0.35 + 17.0 * plank);
-      floor.at<cv::Vec3b>(row, column) = scaled(wood, gap ? 0.88 : 1.0 + tone + grain);
-    }
-  }
+  floor.forEach<cv::Vec3b>(
+      [&](cv::Vec3b& pixel, const int* at)
+      {
+        const double x = at[1] * kTexel;
+        const int plank = static_cast<int>(x / plank_width);
+        const double y = at[0] * kTexel + plank_length * hashed(plank, 7);
+        const int piece = static_cast<int>(y / plank_length);
+        const bool gap = std::min(distanceToJoint(x, plank_width), distanceToJoint(y, plank_length)) < joint;
+        const double tone = 0.07 * (hashed(plank, piece + 100) - 0.5);
+        const double grain = 0.025 * smoothNoise(x / 0.012, y / 0.35 + 17.0 * plank);
+        pixel = scaled(wood, gap ? 0.88 : 1.0 + tone + grain);
+      });
   return floor;
 }
 
@@ -107,17 +103,16 @@ cv::Mat crateImage(double shade)
   const cv::Vec3d paint(58, 84, 214), slat(70, 104, 232);
   const int size = 256, rim = 30, plank = 49;
   cv::Mat crate(size, size, CV_8UC3);
-  for (int y = 0; y < size; ++y)
-  {
-    for (int x = 0; x < size; ++x)
-    {
-      const int edge = std::min(std::min(x, y), std::min(size - 1 - x, size - 1 - y));
-      const bool gap = edge >= rim && (y - rim) % plank < 3;
-      const bool groove = edge >= rim - 3 && edge < rim;
-      const double grain = 0.05 * smoothNoise(x / 60.0, y / 4.0);
-      crate.at<cv::Vec3b>(y, x) = scaled(edge < rim ? slat : paint, shade * (gap || groove ? 0.6 : 1.0 + grain));
-    }
-  }
+  crate.forEach<cv::Vec3b>(
+      [&](cv::Vec3b& pixel, const int* at)
+      {
+        const int x = at[1], y = at[0];
+        const int edge = std::min(std::min(x, y), std::min(size - 1 - x, size - 1 - y));
+        const bool gap = edge >= rim && (y - rim) % plank < 3;
+        const bool groove = edge >= rim - 3 && edge < rim;
+        const double grain = 0.05 * smoothNoise(x / 60.0, y / 4.0);
+        pixel = scaled(edge < rim ? slat : paint, shade * (gap || groove ? 0.6 : 1.0 + grain));
+      });
   return crate;
 }
 
@@ -158,29 +153,21 @@ void castShadow(cv::Mat& bgr, const std::vector<cv::Point2d>& polygon, double st
   cv::Mat mask(bgr.size(), CV_32FC1, cv::Scalar(0));
   cv::fillConvexPoly(mask, points, cv::Scalar(1));
   cv::GaussianBlur(mask, mask, cv::Size(), blur);
-  for (int row = 0; row < bgr.rows; ++row)
-  {
-    for (int column = 0; column < bgr.cols; ++column)
-    {
-      cv::Vec3b& pixel = bgr.at<cv::Vec3b>(row, column);
-      pixel = scaled(cv::Vec3d(pixel), 1.0 - strength * mask.at<float>(row, column));
-    }
-  }
+  bgr.forEach<cv::Vec3b>([&](cv::Vec3b& pixel, const int* at)
+                         { pixel = scaled(cv::Vec3d(pixel), 1.0 - strength * mask.at<float>(at)); });
 }
 
 cv::Mat shadowDisc(double strength)
 {
   const int size = 64;
   cv::Mat disc(size, size, CV_8UC4);
-  for (int row = 0; row < size; ++row)
-  {
-    for (int column = 0; column < size; ++column)
-    {
-      const double distance = std::hypot(2.0 * (column + 0.5) / size - 1.0, 2.0 * (row + 0.5) / size - 1.0);
-      const double t = std::clamp(1.0 - distance, 0.0, 1.0);
-      disc.at<cv::Vec4b>(row, column) = cv::Vec4b(18, 22, 26, cv::saturate_cast<uchar>(strength * t * t * (3 - 2 * t)));
-    }
-  }
+  disc.forEach<cv::Vec4b>(
+      [&](cv::Vec4b& pixel, const int* at)
+      {
+        const double distance = std::hypot(2.0 * (at[1] + 0.5) / size - 1.0, 2.0 * (at[0] + 0.5) / size - 1.0);
+        const double t = std::clamp(1.0 - distance, 0.0, 1.0);
+        pixel = cv::Vec4b(18, 22, 26, cv::saturate_cast<uchar>(strength * t * t * (3 - 2 * t)));
+      });
   return disc;
 }
 
