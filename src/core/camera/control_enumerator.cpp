@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <cstdint>
 
 namespace robot_vision
 {
@@ -28,43 +29,46 @@ std::uint32_t idAfter(std::uint32_t id, std::uint32_t begin)
   return id_class + kClassSize < kClassEnd ? id_class + kClassSize + kFirstControl : 0;
 }
 
-}  // namespace
-
-bool ControlEnumerator::next(v4l2_query_ext_ctrl& query)
-{
-  int error;
-  while ((error = ask(id_ | kNextControlFlags, query)) != 0)
-  {
-    if (error == EINVAL || error == ENOTTY || ++failures_ > kMaxFailures) return false;
-    error = findUndescribed(query);
-    if (error == 0) break;
-    if (error == EINVAL) return false;
-  }
-  id_ = query.id;
-  return true;
-}
-
-int ControlEnumerator::ask(std::uint32_t id, v4l2_query_ext_ctrl& query)
+int ask(V4l2Device& device, std::uint32_t id, v4l2_query_ext_ctrl& query)
 {
   query = {};
   query.id = id;
-  const int error = device_.tryCall(VIDIOC_QUERY_EXT_CTRL, &query);
-  if (error == ENODEV) device_.fail("VIDIOC_QUERY_EXT_CTRL", error);
+  const int error = device.tryCall(VIDIOC_QUERY_EXT_CTRL, &query);
+  if (error == ENODEV) device.fail("VIDIOC_QUERY_EXT_CTRL", error);
   return error;
 }
 
-/// Finds the id of the control that the driver failed to describe, which the driver does not tell. Returns the errno of
-/// the driver's answer for it: 0 if the driver describes it after all, EINVAL if no such control is found.
-int ControlEnumerator::findUndescribed(v4l2_query_ext_ctrl& query)
+/// Finds the id of the control after `id` that the driver failed to describe, which the driver does not tell. Returns
+/// the errno of the driver's answer for it: 0 if the driver describes it after all, EINVAL if no such control is found.
+int findUndescribed(V4l2Device& device, std::uint32_t& id, v4l2_query_ext_ctrl& query)
 {
-  const std::uint32_t begin = id_;
-  for (std::uint32_t id = idAfter(begin, begin); id != 0; id = idAfter(id, begin))
+  const std::uint32_t begin = id;
+  for (std::uint32_t next = idAfter(begin, begin); next != 0; next = idAfter(next, begin))
   {
-    id_ = id;
-    const int error = ask(id, query);
+    id = next;
+    const int error = ask(device, id, query);
     if (error != EINVAL) return error;
   }
   return EINVAL;
+}
+
+}  // namespace
+
+std::vector<v4l2_query_ext_ctrl> enumerateControls(V4l2Device& device)
+{
+  std::vector<v4l2_query_ext_ctrl> controls;
+  v4l2_query_ext_ctrl query;
+  int failures = 0;
+  for (std::uint32_t id = 0;;)
+  {
+    int error = ask(device, id | kNextControlFlags, query);
+    if (error == EINVAL || error == ENOTTY || (error != 0 && ++failures > kMaxFailures)) return controls;
+    if (error != 0) error = findUndescribed(device, id, query);
+    if (error == EINVAL) return controls;
+    if (error != 0) continue;
+    controls.push_back(query);
+    id = query.id;
+  }
 }
 
 }  // namespace robot_vision

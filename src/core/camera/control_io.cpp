@@ -1,65 +1,73 @@
 #include "control_io.hpp"
 
 #include <algorithm>
+#include <vector>
 
 namespace robot_vision
 {
-
-ControlIo::ControlIo(const v4l2_query_ext_ctrl& query) : type_(query.type), text_(query.elem_size)
+namespace
 {
-  control_.id = query.id;
-  if (type_ != V4L2_CTRL_TYPE_STRING) return;
-  control_.size = query.elem_size;
-  control_.string = text_.data();
+
+/// The control for a call. The value of a text is in `text`, which must outlive it.
+v4l2_ext_control controlOf(const v4l2_query_ext_ctrl& query, std::vector<char>& text)
+{
+  v4l2_ext_control control{};
+  control.id = query.id;
+  if (query.type != V4L2_CTRL_TYPE_STRING) return control;
+  text.resize(query.elem_size);
+  control.size = query.elem_size;
+  control.string = text.data();
+  return control;
 }
 
-int ControlIo::get(V4l2Device& device, ControlValue& value)
-{
-  const int error = run(device, VIDIOC_G_EXT_CTRLS);
-  if (error == 0) value = this->value();
-  return error;
-}
-
-int ControlIo::set(V4l2Device& device, const ControlValue& value)
-{
-  put(value);
-  return run(device, VIDIOC_S_EXT_CTRLS);
-}
-
-int ControlIo::run(V4l2Device& device, unsigned long request)
+int call(V4l2Device& device, unsigned long request, v4l2_ext_control& control)
 {
   v4l2_ext_controls call{};
   call.which = V4L2_CTRL_WHICH_CUR_VAL;
   call.count = 1;
-  call.controls = &control_;
+  call.controls = &control;
   return device.tryCall(request, &call);
 }
 
-void ControlIo::put(const ControlValue& value)
+ControlValue valueOf(const v4l2_ext_control& control, std::uint32_t type)
 {
-  if (const auto* text = std::get_if<std::string>(&value))
-    std::copy(text->begin(), text->end(), text_.begin());
-  else if (type_ == V4L2_CTRL_TYPE_INTEGER64)
-    control_.value64 = std::get<std::int64_t>(value);
-  else
-    control_.value = static_cast<std::int32_t>(std::get<std::int64_t>(value));
-}
-
-ControlValue ControlIo::value() const
-{
-  switch (type_)
+  switch (type)
   {
     case V4L2_CTRL_TYPE_BOOLEAN:
-      return control_.value != 0;
+      return control.value != 0;
     case V4L2_CTRL_TYPE_STRING:
-      return std::string(text_.data());
+      return std::string(control.string);
     case V4L2_CTRL_TYPE_INTEGER64:
-      return std::int64_t{control_.value64};
+      return std::int64_t{control.value64};
     case V4L2_CTRL_TYPE_BITMASK:
-      return std::int64_t{static_cast<std::uint32_t>(control_.value)};
+      return std::int64_t{static_cast<std::uint32_t>(control.value)};
     default:
-      return std::int64_t{control_.value};
+      return std::int64_t{control.value};
   }
+}
+
+}  // namespace
+
+int readControl(V4l2Device& device, const v4l2_query_ext_ctrl& query, ControlValue& value)
+{
+  std::vector<char> text;
+  v4l2_ext_control control = controlOf(query, text);
+  const int error = call(device, VIDIOC_G_EXT_CTRLS, control);
+  if (error == 0) value = valueOf(control, query.type);
+  return error;
+}
+
+int writeControl(V4l2Device& device, const v4l2_query_ext_ctrl& query, const ControlValue& value)
+{
+  std::vector<char> text;
+  v4l2_ext_control control = controlOf(query, text);
+  if (const auto* wanted = std::get_if<std::string>(&value))
+    std::copy(wanted->begin(), wanted->end(), text.begin());
+  else if (query.type == V4L2_CTRL_TYPE_INTEGER64)
+    control.value64 = std::get<std::int64_t>(value);
+  else
+    control.value = static_cast<std::int32_t>(std::get<std::int64_t>(value));
+  return call(device, VIDIOC_S_EXT_CTRLS, control);
 }
 
 }  // namespace robot_vision

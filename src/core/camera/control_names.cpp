@@ -1,33 +1,13 @@
-#include "control_names.hpp"
-
 #include <linux/videodev2.h>
 
-#include <cctype>
 #include <map>
+
+#include "robot_vision/camera/camera_controls.hpp"
 
 namespace robot_vision
 {
 
-std::string controlName(const std::string& title)
-{
-  std::string name;
-  bool gap = false;
-  for (const char c : title)
-  {
-    const auto letter = static_cast<unsigned char>(c);
-    if (std::isalnum(letter) == 0)
-    {
-      gap = !name.empty();
-      continue;
-    }
-    if (gap) name += '_';
-    gap = false;
-    name += static_cast<char>(std::tolower(letter));
-  }
-  return name;
-}
-
-std::vector<std::uint32_t> idsOfControlName(const std::string& name)
+const CameraControl* findControl(const std::vector<CameraControl>& controls, const std::string& name)
 {
   // Linux renamed these controls between 5.15 and 6.0. The last name of each group is usb_cam's parameter.
   static const std::map<std::string, std::vector<std::uint32_t>> kIds = {
@@ -56,8 +36,14 @@ std::vector<std::uint32_t> idsOfControlName(const std::string& name)
       {"gain_automatic", {V4L2_CID_AUTOGAIN}},
       {"gain", {V4L2_CID_GAIN, V4L2_CID_ANALOGUE_GAIN}},
   };
-  const auto found = kIds.find(name);
-  return found == kIds.end() ? std::vector<std::uint32_t>() : found->second;
+  for (const CameraControl& control : controls)
+    if (control.name == name) return &control;
+  const auto ids = kIds.find(name);
+  if (ids == kIds.end()) return nullptr;
+  for (const std::uint32_t id : ids->second)
+    for (const CameraControl& control : controls)
+      if (control.id == id) return &control;
+  return nullptr;
 }
 
 }  // namespace robot_vision

@@ -6,8 +6,6 @@
 #include <array>
 #include <stdexcept>
 
-#include "control_names.hpp"
-
 namespace robot_vision
 {
 namespace
@@ -84,16 +82,6 @@ std::string toText(const ControlValue& value)
   if (const auto* truth = std::get_if<bool>(&value)) return *truth ? "true" : "false";
   if (const auto* number = std::get_if<std::int64_t>(&value)) return std::to_string(*number);
   return "'" + std::get<std::string>(value) + "'";
-}
-
-const CameraControl* findControl(const std::vector<CameraControl>& controls, const std::string& name)
-{
-  for (const CameraControl& control : controls)
-    if (control.name == name) return &control;
-  for (const std::uint32_t id : idsOfControlName(name))
-    for (const CameraControl& control : controls)
-      if (control.id == id) return &control;
-  return nullptr;
 }
 
 ControlValue valueFor(const CameraControl& control, const ControlValue& value)

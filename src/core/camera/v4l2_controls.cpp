@@ -3,6 +3,7 @@
 #include <linux/videodev2.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cerrno>
 #include <cstring>
 #include <limits>
@@ -10,7 +11,6 @@
 
 #include "control_enumerator.hpp"
 #include "control_io.hpp"
-#include "control_names.hpp"
 #include "control_values.hpp"
 #include "robot_vision/common/range.hpp"
 
@@ -20,6 +20,26 @@ namespace
 {
 
 constexpr double kExposureUnit = 1e-4;  // s, the unit of V4L2_CID_EXPOSURE_ABSOLUTE
+
+/// A control's name as v4l2-ctl prints it: "Exposure, Auto" becomes exposure_auto.
+std::string controlName(const std::string& title)
+{
+  std::string name;
+  bool gap = false;
+  for (const char c : title)
+  {
+    const auto letter = static_cast<unsigned char>(c);
+    if (std::isalnum(letter) == 0)
+    {
+      gap = !name.empty();
+      continue;
+    }
+    if (gap) name += '_';
+    gap = false;
+    name += static_cast<char>(std::tolower(letter));
+  }
+  return name;
+}
 
 ControlKind kindOf(const v4l2_query_ext_ctrl& query)
 {
@@ -78,7 +98,7 @@ CameraControl describe(V4l2Device& device, const v4l2_query_ext_ctrl& query)
   if (control.kind == ControlKind::kMenu) control.items = itemsOf(device, query);
   const bool readable = control.kind != ControlKind::kButton && control.kind != ControlKind::kCompound;
   if (!readable || (query.flags & V4L2_CTRL_FLAG_WRITE_ONLY) != 0) return control;
-  control.has_value = ControlIo(query).get(device, control.value) == 0;
+  control.has_value = readControl(device, query, control.value) == 0;
   return control;
 }
 
@@ -105,7 +125,7 @@ void setControl(V4l2Device& device, const CameraControl& control, const ControlV
   const v4l2_query_ext_ctrl present = query(device, control.id);
   if ((present.flags & V4L2_CTRL_FLAG_INACTIVE) != 0)
     throw std::invalid_argument("is inactive: another control, such as its automatic mode, determines it now");
-  const int error = ControlIo(present).set(device, value);
+  const int error = writeControl(device, present, value);
   if (error == EBUSY) throw std::invalid_argument("cannot be changed while the camera streams");
   if (error != 0) refuse(device, "VIDIOC_S_EXT_CTRLS", error);
 }
@@ -148,8 +168,7 @@ bool isSwitch(const std::vector<CameraControl>& controls, const ControlSetting& 
 std::vector<CameraControl> listControls(V4l2Device& device)
 {
   std::vector<CameraControl> controls;
-  ControlEnumerator enumerator(device);
-  for (v4l2_query_ext_ctrl query{}; enumerator.next(query);)
+  for (const v4l2_query_ext_ctrl& query : enumerateControls(device))
   {
     const bool heading = query.type == V4L2_CTRL_TYPE_CTRL_CLASS;
     if (!heading && (query.flags & V4L2_CTRL_FLAG_DISABLED) == 0) controls.push_back(describe(device, query));
@@ -185,13 +204,11 @@ std::vector<RefusedSetting> setControls(V4l2Device& device, const std::vector<Co
 
 double exposureTime(V4l2Device& device)
 {
-  v4l2_ext_control control{};
-  control.id = V4L2_CID_EXPOSURE_ABSOLUTE;
-  v4l2_ext_controls call{};
-  call.which = V4L2_CTRL_WHICH_CUR_VAL;
-  call.count = 1;
-  call.controls = &control;
-  return device.tryCall(VIDIOC_G_EXT_CTRLS, &call) == 0 ? control.value * kExposureUnit : 0.0;
+  v4l2_query_ext_ctrl exposure{};
+  exposure.id = V4L2_CID_EXPOSURE_ABSOLUTE;
+  exposure.type = V4L2_CTRL_TYPE_INTEGER;
+  ControlValue value;
+  return readControl(device, exposure, value) == 0 ? std::get<std::int64_t>(value) * kExposureUnit : 0.0;
 }
 
 }  // namespace robot_vision
