@@ -78,8 +78,6 @@ public:
   /// not there or none.
   explicit FaceDetector(const FaceParams& params = FaceParams());
   ~FaceDetector();
-  FaceDetector(FaceDetector&&) noexcept;
-  FaceDetector& operator=(FaceDetector&&) noexcept;
 
   /// Other parameters from now on; the faces remain known. Throws as the constructor does, and then changes nothing.
   void configure(const FaceParams& params);

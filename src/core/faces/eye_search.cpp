@@ -4,7 +4,6 @@
 #include <opencv2/imgproc.hpp>
 
 #include "core/image/rects.hpp"
-#include "face_search.hpp"
 
 namespace robot_vision
 {
@@ -16,22 +15,17 @@ constexpr int kMinNeighbors = 3;
 
 }  // namespace
 
-EyeSearch::EyeSearch(const FaceParams& params)
-{
-  if (!params.eye_cascade.empty()) cascade_ = readCascade("eye_cascade", params.eye_cascade);
-}
-
-std::vector<cv::Rect> EyeSearch::find(const cv::Mat& gray, const cv::Rect& face)
+std::vector<cv::Rect> findEyes(cv::CascadeClassifier& cascade, const cv::Mat& gray, const cv::Rect& face)
 {
   const cv::Rect box = face & fullRect(gray);
-  if (cascade_.empty() || box.empty()) return {};
+  if (cascade.empty() || box.empty()) return {};
   const cv::Rect upper(box.x, box.y, box.width, std::max(box.height * 3 / 5, 1));
   const double scale = static_cast<double>(kFaceWidth) / upper.width;
   cv::Mat pixels;
   cv::resize(gray(upper), pixels, {kFaceWidth, cvCeil(upper.height * scale)});
   std::vector<cv::Rect> found;
   std::vector<int> neighbors;
-  cascade_.detectMultiScale(pixels, found, neighbors, 1.1, kMinNeighbors, 0, {kFaceWidth / 8, kFaceWidth / 8},
+  cascade.detectMultiScale(pixels, found, neighbors, 1.1, kMinNeighbors, 0, {kFaceWidth / 8, kFaceWidth / 8},
                             {kFaceWidth * 2 / 5, kFaceWidth * 2 / 5});
   // Of each half of the face the one on which most windows agree.
   std::vector<cv::Rect> eyes;

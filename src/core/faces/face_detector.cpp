@@ -39,7 +39,10 @@ void validate(const FaceParams& params)
 
 struct FaceDetector::Impl
 {
-  explicit Impl(const FaceParams& p) : params((validate(p), p)), near(p), whole(p), eyes(p) {}
+  explicit Impl(const FaceParams& p) : params((validate(p), p)), near(p), whole(p)
+  {
+    if (!p.eye_cascade.empty()) eyes = readCascade("eye_cascade", p.eye_cascade);
+  }
   ~Impl() { stop = true; }  // so that there is little to wait for
 
   /// Whether the cascades that have been read, and the thread, are those of the parameters.
@@ -170,7 +173,7 @@ struct FaceDetector::Impl
   FaceParams params;
   FaceSearch near;   // around known faces
   FaceSearch whole;  // of images and their parts, in the background
-  EyeSearch eyes;
+  cv::CascadeClassifier eyes;
   FaceTracks tracks;
   ChangedCells moving{kCellSide};
   cv::Mat gray;                             // the newest image
@@ -189,8 +192,6 @@ FaceDetector::FaceDetector(const FaceParams& params) : impl_(std::make_unique<Im
 {
 }
 FaceDetector::~FaceDetector() = default;
-FaceDetector::FaceDetector(FaceDetector&&) noexcept = default;
-FaceDetector& FaceDetector::operator=(FaceDetector&&) noexcept = default;
 
 void FaceDetector::configure(const FaceParams& params)
 {
@@ -219,7 +220,7 @@ std::vector<Face> FaceDetector::update(double time_s, const cv::Mat& image, cons
 
 std::vector<cv::Rect> FaceDetector::findEyes(const Face& face)
 {
-  return impl_->eyes.find(impl_->gray, face.box);
+  return robot_vision::findEyes(impl_->eyes, impl_->gray, face.box);
 }
 
 double FaceDetector::searchTime() const

@@ -1,7 +1,5 @@
 #pragma once
 
-#include <cstdint>
-
 #include "robot_vision/scene/scene.hpp"
 #include "scene_view.hpp"
 

@@ -1,7 +1,6 @@
 #include "tag_search.hpp"
 
 #include <algorithm>
-#include <opencv2/imgproc.hpp>
 #include <utility>
 
 namespace robot_vision

@@ -1,6 +1,5 @@
 #include "robot_vision/tags/pose/tag_pose_tracker.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <iterator>
 #include <map>
