@@ -59,10 +59,10 @@ std::vector<TagFamily> listFamilies()
 
 std::string familyNames()
 {
-  std::string names;
+  std::vector<std::string> names;
   for (const Maker& maker : kMakers)
-    names += (names.empty() ? "" : ", ") + std::string(maker.name);
-  return names;
+    names.emplace_back(maker.name);
+  return joined(names);
 }
 
 }  // namespace

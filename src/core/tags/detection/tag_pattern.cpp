@@ -26,31 +26,6 @@ double levelAt(const cv::Mat& gray, const cv::Point2d& position)
          below * (lower[0] + right * (lower[1] - lower[0]));
 }
 
-/// The correlation of pairs.
-class Correlation
-{
-public:
-  void add(double x, double y)
-  {
-    n_ += 1.0;
-    x_ += x;
-    y_ += y;
-    xx_ += x * x;
-    yy_ += y * y;
-    xy_ += x * y;
-  }
-
-  /// 0 if one of the two never changes.
-  double value() const
-  {
-    const double spread = (n_ * xx_ - x_ * x_) * (n_ * yy_ - y_ * y_);
-    return spread > 0.0 ? (n_ * xy_ - x_ * y_) / std::sqrt(spread) : 0.0;
-  }
-
-private:
-  double n_ = 0.0, x_ = 0.0, y_ = 0.0, xx_ = 0.0, yy_ = 0.0, xy_ = 0.0;
-};
-
 }  // namespace
 
 TagPattern::TagPattern(const apriltag_family_t& family) : quarter_(0.5 / family.width_at_border)
@@ -77,7 +52,7 @@ TagPattern::TagPattern(const apriltag_family_t& family) : quarter_(0.5 / family.
 
 double TagPattern::compare(const cv::Mat& gray, const cv::Matx33d& toPixels, std::uint64_t code) const
 {
-  Correlation correlation;
+  double count = 0.0, sum = 0.0, squares = 0.0, white_count = 0.0, white_sum = 0.0;
   for (const Cell& cell : cells_)
   {
     const bool white = cell.bit == kWhite || (cell.bit >= 0 && (code >> cell.bit & 1) != 0);
@@ -86,10 +61,17 @@ double TagPattern::compare(const cv::Mat& gray, const cv::Matx33d& toPixels, std
       {
         const cv::Vec3d pixel = toPixels * cv::Vec3d(cell.middle.x + dx, cell.middle.y + dy, 1.0);
         const double level = levelAt(gray, {pixel[0] / pixel[2], pixel[1] / pixel[2]});
-        if (level >= 0.0) correlation.add(level, white ? 1.0 : 0.0);
+        if (level < 0.0) continue;
+        count += 1.0;
+        sum += level;
+        squares += level * level;
+        if (!white) continue;
+        white_count += 1.0;
+        white_sum += level;
       }
   }
-  return correlation.value();
+  const double spread = (count * squares - sum * sum) * (count * white_count - white_count * white_count);
+  return spread > 0.0 ? (count * white_sum - sum * white_count) / std::sqrt(spread) : 0.0;
 }
 
 }  // namespace robot_vision
