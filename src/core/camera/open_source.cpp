@@ -1,11 +1,9 @@
 #include "robot_vision/camera/open_source.hpp"
 
 #include <sys/stat.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cctype>
-#include <cstdlib>
 #include <filesystem>
 
 #include "picture_source.hpp"
@@ -66,10 +64,9 @@ SourceKind kindOfMissing(const std::string& source)
 /// its user has in mind.
 std::string inWorkingFolder(const std::string& path)
 {
-  char* folder = path.front() == '/' ? nullptr : getcwd(nullptr, 0);
-  const std::string text = folder == nullptr ? "" : std::string(" in ") + folder;
-  std::free(folder);
-  return text;
+  std::error_code error;
+  const std::string folder = std::filesystem::current_path(error).string();
+  return error || path.front() == '/' ? "" : " in " + folder;
 }
 
 /// Checks the limits of the scene, but names the camera's parameters in the error message.

@@ -1,6 +1,6 @@
 #include "robot_vision/camera/output_encoding.hpp"
 
-#include "robot_vision/common/range.hpp"
+#include "robot_vision/common/fields.hpp"
 #include "robot_vision/image/encoding.hpp"
 
 namespace robot_vision
@@ -8,9 +8,7 @@ namespace robot_vision
 
 void validateOutputEncoding(const std::string& wanted)
 {
-  for (const char* value : {"auto", "bgr8", "rgb8", "mono8", "native"})
-    if (wanted == value) return;
-  require(false, "output_encoding", "'" + wanted + "'", "auto, bgr8, rgb8, mono8 or native");
+  checkField("output_encoding", wanted, OneOf{"auto, bgr8, rgb8, mono8 or native", "'"});
 }
 
 std::string outputEncoding(const std::string& wanted, const std::string& given)

@@ -51,33 +51,24 @@ std::vector<std::string> listPictures(const std::string& path)
   return found;
 }
 
-std::vector<char> readBytes(const std::string& path)
-{
-  try
-  {
-    const std::string bytes = readFile(path, kMaxFile);
-    return {bytes.begin(), bytes.end()};
-  }
-  catch (const std::runtime_error& e)
-  {
-    throw SourceError(e.what());
-  }
-}
-
 cv::Mat decodeFile(const std::string& path, int flags)
 {
-  const std::vector<char> bytes = readBytes(path);
-  const auto* data = reinterpret_cast<const unsigned char*>(bytes.data());
-  if (isJpeg(data, bytes.size()) && !isCompleteJpeg(data, bytes.size()))
-    throw SourceError(path + ": the JPEG is damaged or truncated");
   cv::Mat image;
   try
   {
+    const std::string bytes = readFile(path, kMaxFile);
+    const auto* data = reinterpret_cast<const unsigned char*>(bytes.data());
+    if (isJpeg(data, bytes.size()) && !isCompleteJpeg(data, bytes.size()))
+      throw SourceError(path + ": the JPEG is damaged or truncated");
     image = decodeImageFile(data, bytes.size(), flags);
   }
   catch (const std::invalid_argument& e)
   {
     throw SourceError(path + ": " + e.what());
+  }
+  catch (const std::runtime_error& e)
+  {
+    throw SourceError(e.what());
   }
   if (image.empty()) throw SourceError(path + ": not a picture that OpenCV can read, or damaged");
   return image;

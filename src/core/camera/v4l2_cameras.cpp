@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cctype>
-#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <optional>
@@ -99,13 +98,6 @@ std::vector<std::string> linksTo(const fs::path& node, const std::vector<fs::pat
   return found;
 }
 
-template <std::size_t size>
-std::string text(const __u8 (&field)[size])
-{
-  const auto* begin = reinterpret_cast<const char*>(field);
-  return {begin, strnlen(begin, size)};
-}
-
 /// Describes the camera of a device file; empty if the device does not capture images.
 std::optional<V4l2Camera> cameraAt(const fs::path& node, const std::vector<fs::path>& links, const V4l2System& system)
 {
@@ -119,9 +111,9 @@ std::optional<V4l2Camera> cameraAt(const fs::path& node, const std::vector<fs::p
   {
     const v4l2_capability capability = queryCapability(*system.open(camera.path));
     if ((capability.capabilities & V4L2_CAP_VIDEO_CAPTURE) == 0) return std::nullopt;
-    camera.card = text(capability.card);
-    camera.driver = text(capability.driver);
-    camera.bus = text(capability.bus_info);
+    camera.card = textOf(capability.card);
+    camera.driver = textOf(capability.driver);
+    camera.bus = textOf(capability.bus_info);
   }
   catch (const SourceUnavailable& e)
   {

@@ -71,9 +71,7 @@ std::vector<MenuItem> itemsOf(V4l2Device& device, const v4l2_query_ext_ctrl& que
     item.id = query.id;
     item.index = static_cast<std::uint32_t>(i);
     if (device.tryCall(VIDIOC_QUERYMENU, &item) != 0) continue;  // menus have gaps
-    const auto* text = reinterpret_cast<const char*>(item.name);
-    items.push_back({i, query.type == V4L2_CTRL_TYPE_MENU ? std::string(text, strnlen(text, sizeof(item.name)))
-                                                          : std::to_string(item.value)});
+    items.push_back({i, query.type == V4L2_CTRL_TYPE_MENU ? textOf(item.name) : std::to_string(item.value)});
   }
   return items;
 }
@@ -81,7 +79,7 @@ std::vector<MenuItem> itemsOf(V4l2Device& device, const v4l2_query_ext_ctrl& que
 CameraControl describe(V4l2Device& device, const v4l2_query_ext_ctrl& query)
 {
   CameraControl control;
-  control.name = controlName(std::string(query.name, strnlen(query.name, sizeof(query.name))));
+  control.name = controlName(textOf(query.name));
   control.id = query.id;
   control.kind = kindOf(query);
   control.minimum = query.minimum;

@@ -2,6 +2,7 @@
 
 #include <linux/videodev2.h>
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -46,6 +47,14 @@ private:
 
 /// Describes a device. `capabilities` are those of this device file, not of all files of the device together.
 v4l2_capability queryCapability(V4l2Device& device);
+
+/// The text in a field of a driver's answer; a text that fills its field has no zero at its end.
+template <class Character, std::size_t size>
+std::string textOf(const Character (&field)[size])
+{
+  const auto* begin = reinterpret_cast<const char*>(field);
+  return {begin, std::find(begin, begin + size, '\0')};
+}
 
 std::unique_ptr<V4l2Device> openV4l2Device(const std::string& path);
 

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
-#include <cstring>
 
 #include "robot_vision/common/range.hpp"
 
@@ -68,10 +67,8 @@ std::vector<V4l2Offer> offeredFormats(V4l2Device& device)
   v4l2_fmtdesc question{};
   question.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
   enumerate(device, VIDIOC_ENUM_FMT, question,
-            [&offers](const v4l2_fmtdesc& answer)
-            {
-              const auto* text = reinterpret_cast<const char*>(answer.description);
-              offers.push_back({answer.pixelformat, {text, strnlen(text, sizeof(answer.description))}});
+            [&offers](const v4l2_fmtdesc& answer) {
+              offers.push_back({answer.pixelformat, textOf(answer.description)});
             });
   for (V4l2Offer& offer : offers)
     offer.sizes = offeredSizes(device, offer.fourcc);

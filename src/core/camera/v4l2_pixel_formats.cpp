@@ -1,29 +1,20 @@
 #include "v4l2_pixel_formats.hpp"
 
-#include <algorithm>
-
 namespace robot_vision
 {
-namespace
-{
-
-template <class Condition>
-const V4l2Format* findFormat(Condition condition)
-{
-  const auto found = std::find_if(kV4l2Formats.begin(), kV4l2Formats.end(), condition);
-  return found == kV4l2Formats.end() ? nullptr : &*found;
-}
-
-}  // namespace
 
 const V4l2Format* findV4l2Format(const std::string& name)
 {
-  return findFormat([&name](const V4l2Format& format) { return name == format.name; });
+  for (const V4l2Format& format : kV4l2Formats)
+    if (name == format.name) return &format;
+  return nullptr;
 }
 
 const V4l2Format* findV4l2Format(std::uint32_t fourcc)
 {
-  return findFormat([fourcc](const V4l2Format& format) { return fourcc == format.fourcc; });
+  for (const V4l2Format& format : kV4l2Formats)
+    if (fourcc == format.fourcc) return &format;
+  return nullptr;
 }
 
 std::string v4l2FormatNames()

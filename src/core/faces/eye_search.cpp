@@ -26,7 +26,7 @@ std::vector<cv::Rect> findEyes(cv::CascadeClassifier& cascade, const cv::Mat& gr
   std::vector<cv::Rect> found;
   std::vector<int> neighbors;
   cascade.detectMultiScale(pixels, found, neighbors, 1.1, kMinNeighbors, 0, {kFaceWidth / 8, kFaceWidth / 8},
-                            {kFaceWidth * 2 / 5, kFaceWidth * 2 / 5});
+                           {kFaceWidth * 2 / 5, kFaceWidth * 2 / 5});
   // Of each half of the face the one on which most windows agree.
   std::vector<cv::Rect> eyes;
   for (const bool left : {true, false})
