@@ -96,6 +96,35 @@ void see(FaceTrack& track, double time_s, const FoundFace& face)
   track.score = scoreOf(face.neighbors);
 }
 
+cv::Mat templateOf(const cv::Mat& gray, const cv::Rect& box)
+{
+  cv::Mat pixels;
+  cv::resize(gray(box), pixels, {kTemplateSide, kTemplateSide}, 0.0, 0.0, cv::INTER_AREA);
+  return pixels;
+}
+
+/// Where the image correlates best with a template, up to `margin` px away from `expected`, and the correlation (-1 to
+/// 1).
+std::optional<std::pair<cv::Rect, double>> locate(const cv::Mat& appearance, const cv::Mat& gray,
+                                                  const cv::Rect& expected, int margin)
+{
+  const cv::Rect part = grown(expected, margin, gray.size());
+  const double scale = static_cast<double>(kTemplateSide) / expected.width;
+  const cv::Size size(cvRound(part.width * scale), cvRound(part.height * scale));
+  if (size.width < kTemplateSide || size.height < kTemplateSide) return std::nullopt;
+  cv::Mat pixels, correlation;
+  cv::resize(gray(part), pixels, size, 0.0, 0.0, cv::INTER_AREA);
+  cv::matchTemplate(pixels, appearance, correlation, cv::TM_CCOEFF_NORMED);
+  double best = 0.0;
+  cv::Point where;
+  cv::minMaxLoc(correlation, nullptr, &best, nullptr, &where);
+  const cv::Point corner = part.tl() + cv::Point(cvRound(where.x / scale), cvRound(where.y / scale));
+  return std::make_pair(cv::Rect({std::clamp(corner.x, 0, gray.cols - expected.width),
+                                  std::clamp(corner.y, 0, gray.rows - expected.height)},
+                                 expected.size()),
+                        best);
+}
+
 /// Whether the face would have been found with the larger steps of a search of the whole image, too, in which fewer
 /// windows can agree on it.
 bool isSure(const FoundFace& face, const FaceParams& params)
@@ -109,31 +138,6 @@ bool isSure(const FoundFace& face, const FaceParams& params)
 double scoreOf(int neighbors)
 {
   return neighbors / (neighbors + 4.0);
-}
-
-FaceTemplate::FaceTemplate(const cv::Mat& gray, const cv::Rect& box)
-{
-  cv::resize(gray(box), patch_, {kTemplateSide, kTemplateSide}, 0.0, 0.0, cv::INTER_AREA);
-}
-
-std::optional<std::pair<cv::Rect, double>> FaceTemplate::locate(const cv::Mat& gray, const cv::Rect& expected,
-                                                                int margin) const
-{
-  const cv::Rect part = grown(expected, margin, gray.size());
-  const double scale = static_cast<double>(kTemplateSide) / expected.width;
-  const cv::Size size(cvRound(part.width * scale), cvRound(part.height * scale));
-  if (size.width < kTemplateSide || size.height < kTemplateSide) return std::nullopt;
-  cv::Mat pixels, correlation;
-  cv::resize(gray(part), pixels, size, 0.0, 0.0, cv::INTER_AREA);
-  cv::matchTemplate(pixels, patch_, correlation, cv::TM_CCOEFF_NORMED);
-  double best = 0.0;
-  cv::Point where;
-  cv::minMaxLoc(correlation, nullptr, &best, nullptr, &where);
-  const cv::Point corner = part.tl() + cv::Point(cvRound(where.x / scale), cvRound(where.y / scale));
-  return std::make_pair(cv::Rect({std::clamp(corner.x, 0, gray.cols - expected.width),
-                                  std::clamp(corner.y, 0, gray.rows - expected.height)},
-                                 expected.size()),
-                        best);
 }
 
 void FaceTracks::follow(double time_s, const cv::Mat& gray, FaceSearch& search, const FaceParams& params)
@@ -152,11 +156,11 @@ void FaceTracks::follow(double time_s, const cv::Mat& gray, FaceSearch& search, 
     {
       see(track, time_s, *found);
       if (!sure) continue;
-      track.appearance = FaceTemplate(gray, found->box);
+      track.appearance = templateOf(gray, found->box);
       if (track.id < 0) track.id = next_id_++;
       continue;
     }
-    const auto located = track.appearance.locate(gray, expected, margin);
+    const auto located = locate(track.appearance, gray, expected, margin);
     track.visible = located && located->second >= kMinCorrelation && time_s - track.seen <= params.hold;
     if (!track.visible) continue;
     move(track, time_s, located->first);
@@ -187,7 +191,7 @@ void FaceTracks::add(const FaceResult& result, double time_s, const FaceParams& 
     track.trust = kMissWeight + 1;  // so that it lasts if it is not seen at once
     track.time = time;
     see(track, time, face);
-    track.appearance = FaceTemplate(result.job.gray, face.box);
+    track.appearance = templateOf(result.job.gray, face.box);
     if (time == time_s && track.id < 0) track.id = next_id_++;
     if (known != tracks_.end())
       *known = track;

@@ -14,21 +14,6 @@ namespace robot_vision
 /// The score of a face on which so many windows agree.
 double scoreOf(int neighbors);
 
-/// The image of a face when a cascade saw it last.
-class FaceTemplate
-{
-public:
-  FaceTemplate() = default;
-  FaceTemplate(const cv::Mat& gray, const cv::Rect& box);
-
-  /// Where the image correlates best with the template, up to `margin` px away from `expected`, and the correlation
-  /// (-1 to 1).
-  std::optional<std::pair<cv::Rect, double>> locate(const cv::Mat& gray, const cv::Rect& expected, int margin) const;
-
-private:
-  cv::Mat patch_;
-};
-
 /// A face that is followed from frame to frame.
 struct FaceTrack
 {
@@ -41,8 +26,8 @@ struct FaceTrack
   bool visible = true;     // false: it is only remembered, in case that it comes back
   bool predicted = false;  // not seen by a cascade at `time`
   double score = 0.0;
-  cv::Point2d velocity;  // px/s
-  FaceTemplate appearance;
+  cv::Point2d velocity;                          // px/s
+  cv::Mat appearance;                            // when a cascade saw it last, as a square
   std::deque<std::pair<double, cv::Rect>> past;  // its boxes, with their times in s
 };
 
