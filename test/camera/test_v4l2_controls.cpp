@@ -4,9 +4,8 @@
 #include <cerrno>
 #include <limits>
 
-#include "core/camera/v4l2_controls.hpp"
 #include "core/camera/v4l2_source.hpp"
-#include "robot_vision/camera/open_source.hpp"
+#include "robot_vision/camera/camera_controls.hpp"
 #include "support/fake_v4l2.hpp"
 
 using namespace robot_vision;

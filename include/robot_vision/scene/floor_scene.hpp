@@ -20,8 +20,6 @@ public:
   /// image, its size or the camera is not valid.
   FloorScene(const cv::Mat& floor_bgr, const cv::Size2d& size, const CameraModel& camera, const cv::Scalar& around);
   ~FloorScene();
-  FloorScene(FloorScene&&) noexcept;
-  FloorScene& operator=(FloorScene&&) noexcept;
 
   /// Draws what the camera sees from a pose of its optical frame in the world, as CV_8UC3 BGR. The horizon must be out
   /// of view: what is above it is drawn as floor, too.

@@ -87,8 +87,6 @@ public:
   /// validate does, and for a poster of another type.
   explicit Scene(const SceneParams& params, const cv::Mat& poster_bgr = cv::Mat());
   ~Scene();
-  Scene(Scene&&) noexcept;
-  Scene& operator=(Scene&&) noexcept;
 
   const CameraModel& camera() const;
 

@@ -3,7 +3,6 @@
 #include <vector>
 
 #include "robot_vision/camera/camera_controls.hpp"
-#include "v4l2_controls.hpp"
 #include "v4l2_formats.hpp"
 #include "v4l2_pixel_formats.hpp"
 

@@ -8,6 +8,8 @@ namespace robot_vision
 namespace
 {
 
+constexpr double kExposureUnit = 1e-4;  // s, the unit of V4L2_CID_EXPOSURE_ABSOLUTE
+
 /// The control for a call. The value of a text is in `text`, which must outlive it.
 v4l2_ext_control controlOf(const v4l2_query_ext_ctrl& query, std::vector<char>& text)
 {
@@ -68,6 +70,15 @@ int writeControl(V4l2Device& device, const v4l2_query_ext_ctrl& query, const Con
   else
     control.value = static_cast<std::int32_t>(std::get<std::int64_t>(value));
   return call(device, VIDIOC_S_EXT_CTRLS, control);
+}
+
+double exposureTime(V4l2Device& device)
+{
+  v4l2_query_ext_ctrl exposure{};
+  exposure.id = V4L2_CID_EXPOSURE_ABSOLUTE;
+  exposure.type = V4L2_CTRL_TYPE_INTEGER;
+  ControlValue value;
+  return readControl(device, exposure, value) == 0 ? std::get<std::int64_t>(value) * kExposureUnit : 0.0;
 }
 
 }  // namespace robot_vision

@@ -13,4 +13,7 @@ namespace robot_vision
 int readControl(V4l2Device& device, const v4l2_query_ext_ctrl& query, ControlValue& value);
 int writeControl(V4l2Device& device, const v4l2_query_ext_ctrl& query, const ControlValue& value);
 
+/// The exposure time in seconds; 0 if the device does not tell it.
+double exposureTime(V4l2Device& device);
+
 }  // namespace robot_vision

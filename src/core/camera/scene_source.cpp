@@ -1,7 +1,6 @@
 #include "scene_source.hpp"
 
 #include <filesystem>
-#include <utility>
 
 #include "picture_source.hpp"
 #include "robot_vision/common/range.hpp"
@@ -43,8 +42,9 @@ template <class AnyScene>
 class SceneSource : public FrameSource
 {
 public:
-  SceneSource(const CaptureParams& params, AnyScene scene)
-    : name_(params.scene), rate_(wantedRate(params)), scene_(std::move(scene))
+  template <class... Poster>
+  explicit SceneSource(const CaptureParams& params, const Poster&... poster)
+    : name_(params.scene), rate_(wantedRate(params)), scene_(sceneParams(params), poster...)
   {
   }
 
@@ -80,9 +80,8 @@ private:
 
 std::unique_ptr<FrameSource> openScene(const CaptureParams& params)
 {
-  if (params.scene == "calibration")
-    return std::make_unique<SceneSource<CalibrationScene>>(params, CalibrationScene(sceneParams(params)));
-  return std::make_unique<SceneSource<Scene>>(params, Scene(sceneParams(params), readPoster(params.poster)));
+  if (params.scene == "calibration") return std::make_unique<SceneSource<CalibrationScene>>(params);
+  return std::make_unique<SceneSource<Scene>>(params, readPoster(params.poster));
 }
 
 }  // namespace robot_vision

@@ -1,5 +1,3 @@
-#include "v4l2_controls.hpp"
-
 #include <linux/videodev2.h>
 
 #include <algorithm>
@@ -18,8 +16,6 @@ namespace robot_vision
 {
 namespace
 {
-
-constexpr double kExposureUnit = 1e-4;  // s, the unit of V4L2_CID_EXPOSURE_ABSOLUTE
 
 /// A control's name as v4l2-ctl prints it: "Exposure, Auto" becomes exposure_auto.
 std::string controlName(const std::string& title)
@@ -198,15 +194,6 @@ std::vector<RefusedSetting> setControls(V4l2Device& device, const std::vector<Co
     pending.swap(left);
   }
   return refused;
-}
-
-double exposureTime(V4l2Device& device)
-{
-  v4l2_query_ext_ctrl exposure{};
-  exposure.id = V4L2_CID_EXPOSURE_ABSOLUTE;
-  exposure.type = V4L2_CTRL_TYPE_INTEGER;
-  ControlValue value;
-  return readControl(device, exposure, value) == 0 ? std::get<std::int64_t>(value) * kExposureUnit : 0.0;
 }
 
 }  // namespace robot_vision

@@ -4,8 +4,8 @@
 #include <cerrno>
 #include <utility>
 
+#include "control_io.hpp"
 #include "robot_vision/common/monotonic.hpp"
-#include "v4l2_controls.hpp"
 #include "v4l2_formats.hpp"
 #include "v4l2_image.hpp"
 

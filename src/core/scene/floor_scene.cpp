@@ -43,8 +43,6 @@ FloorScene::FloorScene(const cv::Mat& floor_bgr, const cv::Size2d& size, const C
 }
 
 FloorScene::~FloorScene() = default;
-FloorScene::FloorScene(FloorScene&&) noexcept = default;
-FloorScene& FloorScene::operator=(FloorScene&&) noexcept = default;
 
 void FloorScene::render(const cv::Affine3d& camera_in_world, cv::Mat& bgr) const
 {

@@ -124,8 +124,6 @@ CalibrationScene::CalibrationScene(const SceneParams& params) : Scene(std::make_
 }
 
 Scene::~Scene() = default;
-Scene::Scene(Scene&&) noexcept = default;
-Scene& Scene::operator=(Scene&&) noexcept = default;
 
 const CameraModel& Scene::camera() const
 {
