@@ -42,12 +42,6 @@ void validate(const ObjectTrackerParams& params)
 
 struct ObjectTracker::Impl
 {
-  void configure(const ObjectTrackerParams& p)
-  {
-    params = p;
-    frames.flow = {p.window, p.levels, p.max_error};
-  }
-
   FollowedObject& add(const cv::Mat& gray, const cv::Rect& region, const std::string& label)
   {
     objects.emplace_back(last_id + 1, label, gray, region, params.points);
@@ -114,11 +108,9 @@ struct ObjectTracker::Impl
   double searched = -1e300;  // s, when the whole image was searched last
 };
 
-ObjectTracker::ObjectTracker(const ObjectTrackerParams& params)
+ObjectTracker::ObjectTracker(const ObjectTrackerParams& params) : impl_(std::make_unique<Impl>())
 {
-  validate(params);
-  impl_ = std::make_unique<Impl>();
-  impl_->configure(params);
+  configure(params);
 }
 
 ObjectTracker::~ObjectTracker() = default;
@@ -128,7 +120,8 @@ ObjectTracker& ObjectTracker::operator=(ObjectTracker&&) noexcept = default;
 void ObjectTracker::configure(const ObjectTrackerParams& params)
 {
   validate(params);
-  impl_->configure(params);
+  impl_->params = params;
+  impl_->frames.flow = {params.window, params.levels, params.max_error};
 }
 
 int ObjectTracker::select(const cv::Rect& region, const std::string& label)
