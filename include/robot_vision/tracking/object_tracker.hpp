@@ -45,9 +45,6 @@ struct ObjectTrackerParams
   }
 };
 
-/// Throws std::invalid_argument naming the first parameter out of range, its value and the range.
-void validate(const ObjectTrackerParams& params);
-
 /// An object in a frame. If it is lost, outline, centre, scale and angle are those of the last frame in which it was
 /// seen.
 struct TrackedObject

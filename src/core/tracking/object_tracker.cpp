@@ -35,11 +35,6 @@ bool isInside(const cv::Size& image, const cv::Point2f& p)
 
 }  // namespace
 
-void validate(const ObjectTrackerParams& params)
-{
-  checkFields(params);
-}
-
 struct ObjectTracker::Impl
 {
   FollowedObject& add(const cv::Mat& gray, const cv::Rect& region, const std::string& label)

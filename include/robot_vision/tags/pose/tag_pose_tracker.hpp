@@ -29,9 +29,6 @@ struct TagPoseParams
   }
 };
 
-/// Throws std::invalid_argument naming the first parameter out of range, its value and the range.
-void validate(const TagPoseParams& params);
-
 /// Tracks the pose of a bundle, or of a single tag, over time.
 ///
 /// The corners are filtered before a pose is computed from them, by interacting multiple models of rest and motion

@@ -123,11 +123,6 @@ struct TagPoseTracker::Impl
   double time = std::nan("");  // s, of the newest frame with a pose
 };
 
-void validate(const TagPoseParams& params)
-{
-  checkFields(params);
-}
-
 TagPoseTracker::TagPoseTracker(const Bundle& bundle, const TagPoseParams& params)
 {
   validate(bundle);
