@@ -29,6 +29,12 @@ cv::Affine3d facing(const cv::Vec3d& origin, double turn = 0.0, double tilt = 0.
   return upright * cv::Affine3d(cv::Vec3d(0, turn, 0)) * cv::Affine3d(cv::Vec3d(-tilt, 0, 0));
 }
 
+// A rectangle parallel to a board; `offset` moves its middle right, up and out of the board's plane.
+Board inPlaneOf(const Board& board, const cv::Vec3d& offset, const cv::Size2d& size)
+{
+  return {board.pose * cv::Affine3d(cv::Matx33d::eye(), offset), size};
+}
+
 double smoothStep(double t)
 {
   const double x = std::clamp(t, 0.0, 1.0);
@@ -128,11 +134,6 @@ cv::Affine3d boxPose(double seconds)
 Board onFloor(double forward, double left, const cv::Size2d& size)
 {
   return {poseFromAxes({0, -1, 0}, {1, 0, 0}, {forward, left, 0}), size};
-}
-
-Board inPlaneOf(const Board& board, const cv::Vec3d& offset, const cv::Size2d& size)
-{
-  return {board.pose * cv::Affine3d(cv::Matx33d::eye(), offset), size};
 }
 
 }  // namespace robot_vision::scene

@@ -55,7 +55,4 @@ cv::Affine3d boxPose(double seconds);
 /// A rectangle that lies on the floor.
 Board onFloor(double forward, double left, const cv::Size2d& size);
 
-/// A rectangle parallel to a board; `offset` moves its middle right, up and out of the board's plane.
-Board inPlaneOf(const Board& board, const cv::Vec3d& offset, const cv::Size2d& size);
-
 }  // namespace robot_vision::scene
