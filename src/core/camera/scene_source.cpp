@@ -42,6 +42,7 @@ template <class AnyScene>
 class SceneSource : public FrameSource
 {
 public:
+  /// `poster` is that of a Scene; a CalibrationScene has none.
   template <class... Poster>
   explicit SceneSource(const CaptureParams& params, const Poster&... poster)
     : name_(params.scene), rate_(wantedRate(params)), scene_(sceneParams(params), poster...)

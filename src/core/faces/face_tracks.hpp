@@ -2,7 +2,6 @@
 
 #include <deque>
 #include <opencv2/core.hpp>
-#include <optional>
 #include <utility>
 #include <vector>
 

@@ -18,9 +18,6 @@ constexpr double kMinInterval = 1e-3;  // s, the shortest time in which a veloci
 /// The last two frames, between which objects are followed.
 struct FramePair
 {
-  /// Whether the time between them is long enough to measure a velocity.
-  bool isLongEnough() const { return elapsed >= kMinInterval; }
-
   FlowImage last, newest;
   double elapsed = 0.0;  // s between them; 0 if they cannot be compared
   FlowParams flow;

@@ -185,7 +185,7 @@ std::vector<FlowPoint> ObjectTracker::flow(int count)
 {
   FramePair& frames = impl_->frames;
   require(count > 0, "count", count, "above 0");
-  if (frames.last.empty() || !frames.isLongEnough()) return {};
+  if (frames.last.empty() || frames.elapsed < kMinInterval) return {};
   // Corners are found in the image of half the size, which is good enough and takes a quarter of the time.
   int halvings = 1;
   const cv::Mat& small = frames.last.halved(frames.flow, halvings);

@@ -5,6 +5,17 @@
 namespace robot_vision
 {
 
+cv::Vec<double, 8> coordinatesOf(const std::array<cv::Point2d, 4>& corners)
+{
+  cv::Vec<double, 8> coordinates;
+  for (int i = 0; i < 4; ++i)
+  {
+    coordinates[2 * i] = corners[static_cast<std::size_t>(i)].x;
+    coordinates[2 * i + 1] = corners[static_cast<std::size_t>(i)].y;
+  }
+  return coordinates;
+}
+
 bool isCovariance(const CornerCovariance& matrix)
 {
   const double tolerance = 1e-9, size = cv::norm(matrix);

@@ -5,6 +5,9 @@
 namespace robot_vision
 {
 
+/// The coordinates of corners, in the order of a CornerCovariance.
+cv::Vec<double, 8> coordinatesOf(const std::array<cv::Point2d, 4>& corners);
+
 /// True if a matrix is symmetric, positive definite and finite, and not so close to singular that its inverse is noise.
 bool isCovariance(const CornerCovariance& matrix);
 

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "corner_covariance.hpp"
+
 namespace robot_vision
 {
 
@@ -19,17 +21,6 @@ const double kMinRestGain = 1.0 / 10;  // limits the memory of a tag at rest to 
 const double kMaxInnovation = 5.0;     // standard deviations; a larger one cannot be explained by motion
 const double kStateSize = 8.0;
 
-cv::Vec<double, 8> toState(const CornerFilter::Corners& corners)
-{
-  cv::Vec<double, 8> state;
-  for (int i = 0; i < 4; ++i)
-  {
-    state[2 * i] = corners[static_cast<std::size_t>(i)].x;
-    state[2 * i + 1] = corners[static_cast<std::size_t>(i)].y;
-  }
-  return state;
-}
-
 }  // namespace
 
 CornerFilter::CornerFilter(const Corners& seen, double variance)
@@ -37,14 +28,14 @@ CornerFilter::CornerFilter(const Corners& seen, double variance)
   for (std::size_t i = 0; i < kModels; ++i)
   {
     const cv::Matx22d moving(variance, 0.0, 0.0, kInitialSpeeds[i] * kInitialSpeeds[i]);
-    models_[i] = {toState(seen), State::all(0.0), moving, 1.0 / kModels, 1.0};
+    models_[i] = {coordinatesOf(seen), State::all(0.0), moving, 1.0 / kModels, 1.0};
   }
 }
 
 void CornerFilter::update(double elapsed, const Corners& seen, double variance)
 {
   mix();
-  const State measured = toState(seen);
+  const State measured = coordinatesOf(seen);
   for (std::size_t i = 0; i < kModels; ++i)
     predict(models_[i], elapsed, kAccelerations[i]);
   if (squaredInnovation(models_.back(), measured, variance) > kMaxInnovation * kMaxInnovation)
@@ -135,7 +126,7 @@ CornerFilter::Corners CornerFilter::corners() const
 
 double CornerFilter::variance() const
 {
-  const State mean = toState(corners());
+  const State mean = coordinatesOf(corners());
   double sum = 0.0;
   for (const Model& model : models_)
   {

@@ -1,7 +1,10 @@
 #include "pose_refinement.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
+
+#include "corner_covariance.hpp"
 
 namespace robot_vision
 {
@@ -57,13 +60,7 @@ Linearised linearise(const Observation& observation, const CameraModel& camera, 
   {
     Corners pixels;
     const MotionJacobian J = project(square.points, camera, pose, pixels);
-    Residuals residuals;
-    for (std::size_t i = 0; i < pixels.size(); ++i)
-    {
-      const int row = 2 * static_cast<int>(i);
-      residuals[row] = square.pixels[i].x - pixels[i].x;
-      residuals[row + 1] = square.pixels[i].y - pixels[i].y;
-    }
+    const Residuals residuals = coordinatesOf(square.pixels) - coordinatesOf(pixels);
     const cv::Matx<double, 6, 8> weighted = J.t() * square.information;
     sum.information += weighted * J;
     sum.gradient += weighted * residuals;
@@ -146,13 +143,10 @@ double costOf(const Observation& observation, const CameraModel& camera, const c
   double cost = 0.0;
   for (const SeenSquare& square : observation)
   {
-    Residuals residuals;
-    for (std::size_t i = 0; i < square.points.size(); ++i)
-    {
-      const cv::Point2d residual = square.pixels[i] - camera.project(pose * square.points[i]);
-      residuals[2 * static_cast<int>(i)] = residual.x;
-      residuals[2 * static_cast<int>(i) + 1] = residual.y;
-    }
+    Corners pixels;
+    std::transform(square.points.begin(), square.points.end(), pixels.begin(),
+                   [&](const cv::Point3d& point) { return camera.project(pose * point); });
+    const Residuals residuals = coordinatesOf(square.pixels) - coordinatesOf(pixels);
     cost += residuals.dot(square.information * residuals);
   }
   return std::isnan(cost) ? kInfinity : cost;
