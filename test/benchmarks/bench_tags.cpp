@@ -23,7 +23,7 @@
 #include "robot_vision/tags/detection/tag_detector.hpp"
 #include "robot_vision/tags/pose/corner_refinement.hpp"
 #include "robot_vision/tags/pose/corner_undistortion.hpp"
-#include "support/tag_pictures.hpp"
+#include "support/tag_images.hpp"
 
 namespace
 {

@@ -6,7 +6,7 @@
 #include "core/camera/v4l2_source.hpp"
 #include "support/fake_v4l2.hpp"
 #include "support/h264_stream.hpp"
-#include "support/pictures.hpp"
+#include "support/images.hpp"
 #include "support/refusal.hpp"
 
 using namespace robot_vision;

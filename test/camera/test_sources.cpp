@@ -9,7 +9,7 @@
 
 #include "core/camera/picture_source.hpp"
 #include "robot_vision/camera/open_source.hpp"
-#include "support/pictures.hpp"
+#include "support/images.hpp"
 #include "support/refusal.hpp"
 #include "support/temp_folder.hpp"
 

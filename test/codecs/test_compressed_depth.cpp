@@ -6,7 +6,7 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "robot_vision/codecs/compressed_depth.hpp"
-#include "support/pictures.hpp"
+#include "support/images.hpp"
 #include "support/refusal.hpp"
 
 using namespace robot_vision;

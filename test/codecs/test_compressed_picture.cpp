@@ -5,7 +5,7 @@
 
 #include "robot_vision/codecs/compressed_picture.hpp"
 #include "robot_vision/image/encoding.hpp"
-#include "support/pictures.hpp"
+#include "support/images.hpp"
 #include "support/refusal.hpp"
 
 using namespace robot_vision;

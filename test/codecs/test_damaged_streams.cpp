@@ -6,7 +6,7 @@
 #include "robot_vision/codecs/compressed_depth.hpp"
 #include "robot_vision/codecs/compressed_picture.hpp"
 #include "robot_vision/codecs/theora.hpp"
-#include "support/pictures.hpp"
+#include "support/images.hpp"
 
 using namespace robot_vision;
 

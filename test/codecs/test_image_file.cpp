@@ -7,7 +7,7 @@
 #include "core/codecs/image_header.hpp"
 #include "robot_vision/codecs/image_file.hpp"
 #include "robot_vision/common/printable.hpp"
-#include "support/pictures.hpp"
+#include "support/images.hpp"
 #include "support/refusal.hpp"
 
 using namespace robot_vision;

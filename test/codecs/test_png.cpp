@@ -7,7 +7,7 @@
 
 #include "core/codecs/png.hpp"
 #include "robot_vision/codecs/image_file.hpp"
-#include "support/pictures.hpp"
+#include "support/images.hpp"
 
 using namespace robot_vision;
 

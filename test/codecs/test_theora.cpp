@@ -5,7 +5,7 @@
 
 #include "core/codecs/theora_setup.hpp"
 #include "robot_vision/codecs/theora.hpp"
-#include "support/pictures.hpp"
+#include "support/images.hpp"
 #include "support/refusal.hpp"
 
 using namespace robot_vision;

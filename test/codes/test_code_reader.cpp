@@ -8,7 +8,7 @@
 #include <thread>
 
 #include "robot_vision/scene/scene.hpp"
-#include "support/pictures.hpp"
+#include "support/images.hpp"
 #include "support/refusal.hpp"
 
 using namespace robot_vision;

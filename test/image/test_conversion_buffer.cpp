@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "support/pictures.hpp"
+#include "support/images.hpp"
 
 using namespace robot_vision;
 

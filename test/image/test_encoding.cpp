@@ -4,7 +4,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "robot_vision/image/encoding.hpp"
-#include "support/pictures.hpp"
+#include "support/images.hpp"
 #include "support/refusal.hpp"
 
 using namespace robot_vision;

@@ -10,7 +10,7 @@
 #include <tuple>
 
 #include "robot_vision/image/jpeg.hpp"
-#include "support/pictures.hpp"
+#include "support/images.hpp"
 #include "support/refusal.hpp"
 
 using namespace robot_vision;

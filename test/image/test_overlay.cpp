@@ -4,7 +4,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "robot_vision/image/overlay.hpp"
-#include "support/pictures.hpp"
+#include "support/images.hpp"
 
 using namespace robot_vision;
 

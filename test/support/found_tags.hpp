@@ -4,7 +4,7 @@
 #include <limits>
 
 #include "robot_vision/tags/detection/tag_detector.hpp"
-#include "tag_pictures.hpp"
+#include "tag_images.hpp"
 
 /// The largest distance between corresponding corners.
 inline double distance(const TagCorners& a, const TagCorners& b)

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "support/found_tags.hpp"
-#include "support/pictures.hpp"
+#include "support/images.hpp"
 #include "support/refusal.hpp"
 
 using namespace robot_vision;

@@ -13,7 +13,7 @@
 #include "robot_vision/tags/detection/tag_detector.hpp"
 #include "support/found_tags.hpp"
 #include "support/no_threads.hpp"
-#include "support/pictures.hpp"
+#include "support/images.hpp"
 #include "support/refusal.hpp"
 
 using namespace robot_vision;

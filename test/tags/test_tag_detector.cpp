@@ -7,7 +7,7 @@
 #include <map>
 
 #include "support/found_tags.hpp"
-#include "support/pictures.hpp"
+#include "support/images.hpp"
 #include "support/refusal.hpp"
 
 using namespace robot_vision;

@@ -7,7 +7,7 @@
 
 #include "core/tags/detection/tag_dictionary.hpp"
 #include "core/tags/detection/tag_library.hpp"
-#include "support/pictures.hpp"
+#include "support/images.hpp"
 #include "support/refusal.hpp"
 
 using namespace robot_vision;

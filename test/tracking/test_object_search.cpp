@@ -3,7 +3,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "support/objects.hpp"
-#include "support/pictures.hpp"
+#include "support/images.hpp"
 
 using namespace robot_vision;
 

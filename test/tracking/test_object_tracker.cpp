@@ -5,7 +5,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "support/objects.hpp"
-#include "support/pictures.hpp"
+#include "support/images.hpp"
 #include "support/refusal.hpp"
 
 using namespace robot_vision;

@@ -6,7 +6,7 @@
 #include "robot_vision/color/hsv.hpp"
 #include "robot_vision/image/encoding.hpp"
 #include "support/hsv_ranges.hpp"
-#include "support/pictures.hpp"
+#include "support/images.hpp"
 
 using namespace robot_vision;
 

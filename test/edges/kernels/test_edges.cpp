@@ -7,7 +7,7 @@
 #include "core/image/box_kernels.hpp"
 #include "robot_vision/edges/edges.hpp"
 #include "robot_vision/image/encoding.hpp"
-#include "support/pictures.hpp"
+#include "support/images.hpp"
 #include "support/refusal.hpp"
 
 using namespace robot_vision;

@@ -5,7 +5,7 @@
 #include "core/image/color_conversion.hpp"
 #include "core/image/gray_weights.hpp"
 #include "robot_vision/image/encoding.hpp"
-#include "support/pictures.hpp"
+#include "support/images.hpp"
 #include "support/thread_counts.hpp"
 
 using namespace robot_vision;

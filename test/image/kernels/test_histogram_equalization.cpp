@@ -4,7 +4,7 @@
 
 #include "core/image/histogram_equalization.hpp"
 #include "robot_vision/image/encoding.hpp"
-#include "support/pictures.hpp"
+#include "support/images.hpp"
 #include "support/thread_counts.hpp"
 
 using namespace robot_vision;

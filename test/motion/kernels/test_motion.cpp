@@ -9,7 +9,7 @@
 #include "core/image/gaussian_filter_rows.hpp"
 #include "core/motion/frame_difference.hpp"
 #include "robot_vision/image/encoding.hpp"
-#include "support/pictures.hpp"
+#include "support/images.hpp"
 #include "support/refusal.hpp"
 #include "support/thread_counts.hpp"
 
