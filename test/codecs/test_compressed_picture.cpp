@@ -65,20 +65,7 @@ Decompressed decompressed(const CompressedPicture& from, ColorMode mode = ColorM
 /// The image with the alpha that it has after decompression, which does not know the alpha.
 cv::Mat opaque(const cv::Mat& image)
 {
-  cv::Mat out = image.clone();
-  if (image.channels() != 4) return out;
-  cv::Mat bgr;
-  cv::cvtColor(image, bgr, cv::COLOR_BGRA2BGR);
-  cv::cvtColor(bgr, out, cv::COLOR_BGR2BGRA);
-  return out;
-}
-
-cv::Mat converted(const cv::Mat& image, int code)
-{
-  if (code < 0) return image;
-  cv::Mat out;
-  cv::cvtColor(image, out, code);
-  return out;
+  return image.channels() != 4 ? image : converted(converted(image, cv::COLOR_BGRA2BGR), cv::COLOR_BGR2BGRA);
 }
 
 }  // namespace
@@ -108,8 +95,7 @@ TEST(CompressedPicture, equalsOpenCvAsJpeg)
     cv::Mat narrow;
     image.convertTo(narrow, CV_8U, image.depth() == CV_16U ? 255.0 / 65535.0 : 1.0);
     const cv::Mat stored = converted(narrow, expected.stored);
-    std::vector<std::uint8_t> bytes;
-    cv::imencode(".jpg", stored, bytes, {cv::IMWRITE_JPEG_QUALITY, 90});
+    const Bytes bytes = jpegOf(stored, {cv::IMWRITE_JPEG_QUALITY, 90});
 
     const CompressedPicture jpeg = compressed(image, expected.encoding, "jpeg");
     EXPECT_EQ(jpeg.format, expected.jpeg_format);
@@ -126,9 +112,7 @@ TEST(CompressedPicture, equalsOpenCvAsJpeg)
 
 TEST(CompressedPicture, storesYuvAsBgr)
 {
-  const cv::Mat image = noise({32, 16}, CV_8UC2);
-  cv::Mat bgr;
-  toBgr(image, "yuv422", bgr);
+  const cv::Mat image = noise({32, 16}, CV_8UC2), bgr = converted(image, "yuv422", "bgr8");
   const CompressedPicture png = compressed(image, "yuv422", "png");
   EXPECT_EQ(png.format, "bgr8; png compressed bgr8");
   EXPECT_TRUE(equal(decompressed(png).image, bgr));
@@ -140,9 +124,7 @@ TEST(CompressedPicture, storesYuvAsBgr)
 
 TEST(CompressedPicture, isReadWithoutALabel)
 {
-  const cv::Mat color = smooth({31, 17});
-  cv::Mat gray;
-  cv::cvtColor(color, gray, cv::COLOR_BGR2GRAY);
+  const cv::Mat color = smooth({31, 17}), gray = converted(color, cv::COLOR_BGR2GRAY);
   cv::Mat wide;
   gray.convertTo(wide, CV_16U, 257.0);
   for (const std::string& format : {"jpeg", "jpg", "png", ""})
@@ -161,11 +143,11 @@ TEST(CompressedPicture, isReadWithoutALabel)
 // OpenCV cannot write gray with alpha, and reads it as BGR.
 TEST(CompressedPicture, isBgrIfItIsGrayWithAlphaWithoutALabel)
 {
-  const std::vector<std::uint8_t> gray_alpha = {
-      0x89, 0x50, 0x4E, 0x47, 0x0D, 0x0A, 0x1A, 0x0A, 0x00, 0x00, 0x00, 0x0D, 0x49, 0x48, 0x44, 0x52, 0x00, 0x00,
-      0x00, 0x02, 0x00, 0x00, 0x00, 0x01, 0x08, 0x04, 0x00, 0x00, 0x00, 0x5E, 0x2B, 0xB7, 0x01, 0x00, 0x00, 0x00,
-      0x0D, 0x49, 0x44, 0x41, 0x54, 0x78, 0x9C, 0x63, 0x48, 0xF9, 0x7F, 0xE2, 0x3F, 0x00, 0x07, 0x21, 0x03, 0x2B,
-      0x82, 0x71, 0xD3, 0xB5, 0x00, 0x00, 0x00, 0x00, 0x49, 0x45, 0x4E, 0x44, 0xAE, 0x42, 0x60, 0x82};
+  const Bytes gray_alpha = {0x89, 0x50, 0x4E, 0x47, 0x0D, 0x0A, 0x1A, 0x0A, 0x00, 0x00, 0x00, 0x0D, 0x49, 0x48,
+                            0x44, 0x52, 0x00, 0x00, 0x00, 0x02, 0x00, 0x00, 0x00, 0x01, 0x08, 0x04, 0x00, 0x00,
+                            0x00, 0x5E, 0x2B, 0xB7, 0x01, 0x00, 0x00, 0x00, 0x0D, 0x49, 0x44, 0x41, 0x54, 0x78,
+                            0x9C, 0x63, 0x48, 0xF9, 0x7F, 0xE2, 0x3F, 0x00, 0x07, 0x21, 0x03, 0x2B, 0x82, 0x71,
+                            0xD3, 0xB5, 0x00, 0x00, 0x00, 0x00, 0x49, 0x45, 0x4E, 0x44, 0xAE, 0x42, 0x60, 0x82};
   const Decompressed back = decompressed({"png", gray_alpha});
   EXPECT_EQ(back.encoding, "bgr8");
   EXPECT_TRUE(equal(back.image, cv::imdecode(gray_alpha, cv::IMREAD_ANYDEPTH | cv::IMREAD_ANYCOLOR)));
@@ -186,11 +168,9 @@ TEST(CompressedPicture, isReadInGrayAndInColor)
     EXPECT_TRUE(equal(color.image, cv::imdecode(picture.data, cv::IMREAD_COLOR)));
   }
   const cv::Mat mosaic = noise({32, 16}, CV_8UC1);
-  cv::Mat bgr;
-  toBgr(mosaic, "bayer_rggb8", bgr);
   const Decompressed color = decompressed(compressed(mosaic, "bayer_rggb8", "png"), ColorMode::kColor);
   EXPECT_EQ(color.encoding, "bgr8");
-  EXPECT_TRUE(equal(color.image, bgr));
+  EXPECT_TRUE(equal(color.image, converted(mosaic, "bayer_rggb8", "bgr8")));
 }
 
 TEST(CompressedPicture, isReadSmaller)
@@ -217,7 +197,7 @@ TEST(CompressedPicture, isRefusedIfItIsNotWhatItsLabelSays)
 {
   const CompressedPicture png = compressed(smooth({4, 4}), "bgr8", "png");
   const CompressedPicture jpeg = compressed(smooth({4, 4}), "bgr8", "jpeg");
-  const auto refused = [](const std::string& format, const std::vector<std::uint8_t>& data) {
+  const auto refused = [](const std::string& format, const Bytes& data) {
     return refusal([&] { decompressed({format, data}); });
   };
   EXPECT_EQ(refused(png.format, jpeg.data),
@@ -237,7 +217,5 @@ TEST(CompressedPicture, refusesToCompressOtherEncodingsAndTypes)
             "bgr8 image of 2x2: expected pixels of 3 x 8 bits (CV_8UC3), got 1 x 8 bits (CV_8UC1)");
   EXPECT_EQ(refusal([] { compressed(cv::Mat(2, 2, CV_8UC1), "mono8", "webp"); }),
             "format is 'webp', must be jpeg or png");
-  CompressionParams params;
-  params.png_level = 10;
-  EXPECT_EQ(refusal([&] { validate(params); }), "png_level is 10, must be from 1 to 9");
+  EXPECT_EQ(refusalWith(&CompressionParams::png_level, 10), "png_level is 10, must be from 1 to 9");
 }

@@ -13,8 +13,6 @@ using namespace robot_vision;
 namespace
 {
 
-using Bytes = std::vector<std::uint8_t>;
-
 constexpr int kRounds = 400;
 
 /// Damages streams as cables, disks and attackers do, in the same way in every run.

@@ -15,10 +15,8 @@ using namespace robot_vision;
 namespace
 {
 
-using Bytes = std::vector<std::uint8_t>;
-
-const cv::Size kSize{18,
-                     7};  // the width is even, because OpenCV reads beyond odd rows of the Sun raster that it writes
+// The width is even, because OpenCV reads beyond odd rows of the Sun raster that it writes.
+const cv::Size kSize{18, 7};
 
 Bytes encoded(const std::string& suffix, const cv::Mat& image = noise(kSize, CV_8UC3))
 {

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <cstdint>
+#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 #include <string>
 #include <utility>
@@ -18,6 +19,39 @@ inline cv::Mat noise(cv::Size size, int type, int row_padding = 0)
   return padded.colRange(0, size.width);
 }
 
+/// The image after cv::cvtColor with a code; the image itself if the code is negative.
+inline cv::Mat converted(const cv::Mat& image, int code)
+{
+  if (code < 0) return image;
+  cv::Mat out;
+  cv::cvtColor(image, out, code);
+  return out;
+}
+
+/// The image after robot_vision::toEncoding().
+inline cv::Mat converted(const cv::Mat& image, const std::string& encoding, const std::string& wanted)
+{
+  cv::Mat out;
+  robot_vision::toEncoding(image, encoding, wanted, out);
+  return out;
+}
+
+using Bytes = std::vector<std::uint8_t>;
+
+/// The JPEG that OpenCV makes of an image.
+inline Bytes jpegOf(const cv::Mat& image, const std::vector<int>& params = {})
+{
+  Bytes bytes;
+  cv::imencode(".jpg", image, bytes, params);
+  return bytes;
+}
+
+/// A copy of bytes as an image of one row, such as a frame of encoding jpeg.
+inline cv::Mat rowOf(const Bytes& bytes)
+{
+  return cv::Mat(bytes, true).reshape(1, 1);
+}
+
 /// A matrix of sin(i * step) and cos(i * step) for each index i.
 inline cv::Mat_<float> turns(int count, double step)
 {
@@ -30,7 +64,7 @@ inline cv::Mat_<float> turns(int count, double step)
   return result;
 }
 
-/// A smooth colour image, like a photograph: each channel is a product of sin(ax + by) and cos(bx - ay).
+/// A smooth color image, like a photograph: each channel is a product of sin(ax + by) and cos(bx - ay).
 inline cv::Mat smooth(cv::Size size)
 {
   const cv::Matx22f swap(0, 1, 1, 0);
@@ -65,7 +99,7 @@ inline cv::Mat allColors()
 }
 
 /// An image of any encoding but jpeg: bgr8 is smooth, all others are noise with padded rows.
-inline cv::Mat colourful(cv::Size size, const std::string& encoding)
+inline cv::Mat colorful(cv::Size size, const std::string& encoding)
 {
   if (encoding != "bgr8") return noise(size, robot_vision::matType(encoding), 3);
   return smooth(size);

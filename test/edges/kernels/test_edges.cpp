@@ -59,7 +59,7 @@ TEST(EdgeDetector, equalsTheOpenCvChainForEveryEncodingAndSize)
     for (const cv::Size size : {cv::Size(80, 60), cv::Size(2, 3), cv::Size(6, 240), cv::Size(80, 60)})
     {
       if (encoding == "jpeg") continue;
-      const cv::Mat image = colourful(size, encoding);
+      const cv::Mat image = colorful(size, encoding);
       const cv::Mat before = image.clone();
       cv::Mat edges;
       detector.apply(image, encoding, edges);
@@ -79,7 +79,7 @@ TEST(EdgeDetector, equalsTheOpenCvChainWithAnyNumberOfThreads)
     for (const std::string encoding : {"bgr8", "mono16", "rgba8", "yuv422", "mono8"})
       for (const int rows : {200, 3, 61})
       {
-        const cv::Mat image = colourful({2 * random.uniform(1, 80), rows}, encoding);
+        const cv::Mat image = colorful({2 * random.uniform(1, 80), rows}, encoding);
         cv::Mat edges;
         detector.apply(image, encoding, edges);
         EXPECT_TRUE(equal(edges, byOpenCv(image, encoding, params))) << encoding << " " << rows << " " << threads;

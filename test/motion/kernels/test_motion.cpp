@@ -184,7 +184,7 @@ TEST(FrameDifference, keepNothingFromOnePictureToTheNext)
     params.threshold = random.uniform(0, 30);
     params.dilate = random.uniform(0, i % 3 == 1 ? 51 : 4);
     const std::string encoding = i % 2 == 0 ? "bgr8" : "mono8";
-    const cv::Mat before = colourful(size, encoding);
+    const cv::Mat before = colorful(size, encoding);
     cv::Mat after = before.clone();
     const cv::Rect box(random.uniform(0, size.width), random.uniform(0, size.height), 1 + size.width / 4, 9);
     cv::Mat part = after(box & cv::Rect({0, 0}, size));
@@ -252,7 +252,7 @@ TEST(MotionDetector, equalsTheOpenCvChainForEveryEncoding)
       }
       else
       {
-        before = colourful({80, 60}, encoding);
+        before = colorful({80, 60}, encoding);
         after = before.clone();
         after(cv::Rect(10, 10, 30, 20)).setTo(0);
       }
