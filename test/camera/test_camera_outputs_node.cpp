@@ -10,7 +10,6 @@
 #include <future>
 #include <mutex>
 #include <opencv2/imgcodecs.hpp>
-#include <opencv2/imgproc.hpp>
 #include <thread>
 
 #include "robot_vision/image/jpeg.hpp"
@@ -18,6 +17,7 @@
 #include "ros/images/newest_worker.hpp"
 #include "ros/transports/compression.hpp"
 #include "ros/transports/plugins/transport_publisher.hpp"
+#include "support/images.hpp"
 #include "support/receiver.hpp"
 #include "support/refusal.hpp"
 #include "support/run_tests.hpp"
@@ -27,43 +27,29 @@ using namespace robot_vision;
 namespace
 {
 
-using Bytes = std::vector<std::uint8_t>;
-
-constexpr int kSequence = 7;
 const ros::Time kStamp(12, 34);
 
-cv::Mat testImage()
+const cv::Mat kImage = noise({64, 48}, CV_8UC3);
+
+/// A JPEG that a decoder refuses.
+Bytes damagedJpeg()
 {
-  cv::Mat image(48, 64, CV_8UC3);
-  cv::RNG(7).fill(image, cv::RNG::UNIFORM, 0, 256);
-  cv::GaussianBlur(image, image, {9, 9}, 0);
-  return image;
+  Bytes jpeg = jpegOf(kImage);
+  jpeg.erase(jpeg.end() - 200, jpeg.end() - 2);
+  return jpeg;
 }
 
-Bytes jpegOf(const cv::Mat& image, int quality = 95)
-{
-  Bytes bytes;
-  cv::imencode(".jpg", image, bytes, {cv::IMWRITE_JPEG_QUALITY, quality});
-  return bytes;
-}
-
-Frame frameOf(Bytes& jpeg)
+Frame frameOf(const cv::Mat& image, const std::string& encoding)
 {
   Frame frame;
-  frame.image = cv::Mat(1, static_cast<int>(jpeg.size()), CV_8UC1, jpeg.data());
-  frame.encoding = "jpeg";
-  frame.sequence = kSequence;
+  frame.image = image;
+  frame.encoding = encoding;
   return frame;
 }
 
-cv::Mat pixelsOf(const sensor_msgs::Image& image)
+Frame frameOf(const Bytes& jpeg)
 {
-  return viewPixels(image);
-}
-
-bool equal(const cv::Mat& a, const cv::Mat& b)
-{
-  return a.size() == b.size() && a.type() == b.type() && cv::norm(a, b, cv::NORM_INF) == 0.0;
+  return frameOf(rowOf(jpeg), "jpeg");
 }
 
 }  // namespace
@@ -72,8 +58,10 @@ bool equal(const cv::Mat& a, const cv::Mat& b)
 class Outputs : public testing::Test
 {
 protected:
-  void make(const CameraOutputs::Params& params = {})
+  void make(const std::string& output_encoding = "auto")
   {
+    CameraOutputs::Params params;
+    params.output_encoding = output_encoding;
     outputs_ = std::make_unique<CameraOutputs>(ros::NodeHandle("~"), params, [] {});
     ASSERT_FALSE(outputs_->wanted());
   }
@@ -84,6 +72,16 @@ protected:
   }
 
   void publish(const Frame& frame) { outputs_->publish(frame, kStamp); }
+
+  /// What a topic's only subscriber gets of a frame.
+  template <class Message>
+  boost::shared_ptr<const Message> published(const std::string& topic, const Frame& frame)
+  {
+    Receiver<Message> receiver(topic);
+    waitUntilWanted();
+    publish(frame);
+    return receiver.wait();
+  }
 
   /// The number of advertised topics with this name: 0 or 1.
   static long topics(const std::string& name)
@@ -99,12 +97,8 @@ protected:
 TEST_F(Outputs, passJpegOnUntouched)
 {
   make();
-  Bytes jpeg = jpegOf(testImage());
-  jpeg.erase(jpeg.end() - 200, jpeg.end() - 2);  // a decoder would refuse it
-  Receiver<sensor_msgs::CompressedImage> compressed("image_raw/compressed");
-  waitUntilWanted();
-  publish(frameOf(jpeg));
-  const auto message = compressed.wait();
+  const Bytes jpeg = damagedJpeg();
+  const auto message = published<sensor_msgs::CompressedImage>("image_raw/compressed", frameOf(jpeg));
   EXPECT_EQ(message->data, jpeg);
   EXPECT_EQ(message->format, "bgr8; jpeg compressed bgr8");
   EXPECT_EQ(message->header.stamp, kStamp);
@@ -114,49 +108,40 @@ TEST_F(Outputs, passJpegOnUntouched)
 TEST_F(Outputs, sayThatAJpegIsGray)
 {
   make();
-  cv::Mat gray;
-  cv::cvtColor(testImage(), gray, cv::COLOR_BGR2GRAY);
-  Bytes jpeg = jpegOf(gray);
-  Receiver<sensor_msgs::CompressedImage> compressed("image_raw/compressed");
-  waitUntilWanted();
-  publish(frameOf(jpeg));
-  EXPECT_EQ(compressed.wait()->format, "mono8; jpeg compressed ");
+  const Bytes jpeg = jpegOf(converted(kImage, cv::COLOR_BGR2GRAY));
+  const auto message = published<sensor_msgs::CompressedImage>("image_raw/compressed", frameOf(jpeg));
+  EXPECT_EQ(message->format, "mono8; jpeg compressed ");
 }
 
 TEST_F(Outputs, decodeJpegForSubscribersOfPixels)
 {
   make();
-  Bytes jpeg = jpegOf(testImage());
-  Receiver<sensor_msgs::Image> raw("image_raw");
-  waitUntilWanted();
-  publish(frameOf(jpeg));
-  EXPECT_EQ(raw.wait()->encoding, "bgr8");
-  EXPECT_TRUE(equal(pixelsOf(*raw.wait()), cv::imdecode(jpeg, cv::IMREAD_COLOR)));
+  const Bytes jpeg = jpegOf(kImage);
+  const auto raw = published<sensor_msgs::Image>("image_raw", frameOf(jpeg));
+  EXPECT_EQ(raw->encoding, "bgr8");
+  EXPECT_TRUE(equal(viewPixels(*raw), cv::imdecode(jpeg, cv::IMREAD_COLOR)));
 }
 
 TEST_F(Outputs, takeTheLumaOfJpegForGray)
 {
   make();
-  Bytes jpeg = jpegOf(testImage());
-  Receiver<sensor_msgs::Image> mono("image_mono");
-  waitUntilWanted();
-  publish(frameOf(jpeg));
-  EXPECT_EQ(mono.wait()->encoding, "mono8");
-  EXPECT_TRUE(equal(pixelsOf(*mono.wait()), cv::imdecode(jpeg, cv::IMREAD_GRAYSCALE)));
+  const Bytes jpeg = jpegOf(kImage);
+  const auto mono = published<sensor_msgs::Image>("image_mono", frameOf(jpeg));
+  EXPECT_EQ(mono->encoding, "mono8");
+  EXPECT_TRUE(equal(viewPixels(*mono), cv::imdecode(jpeg, cv::IMREAD_GRAYSCALE)));
 }
 
 TEST_F(Outputs, tellTheCamerasSizeWithoutDecoding)
 {
   make();
-  Bytes jpeg = jpegOf(testImage());
-  jpeg.erase(jpeg.end() - 200, jpeg.end() - 2);
+  const Frame frame = frameOf(damagedJpeg());
   Receiver<sensor_msgs::CameraInfo> info("camera_info");
   Receiver<sensor_msgs::CompressedImage> compressed("image_raw/compressed");
   waitUntilWanted();
   ASSERT_TRUE(waitFor(
       [&]
       {
-        publish(frameOf(jpeg));
+        publish(frame);
         return info.last() && compressed.last();
       }));
   EXPECT_EQ(info.last()->width, 64u);
@@ -175,38 +160,26 @@ TEST_F(Outputs, doNotDecodeJpegForCompressedDepth)
   EXPECT_EQ(topics("image_mono/compressed"), 1);
   outputs_.reset();
 
-  CameraOutputs::Params params;
-  params.output_encoding = "native";
-  make(params);
-  Bytes jpeg = jpegOf(testImage());
-  jpeg.erase(jpeg.end() - 200, jpeg.end() - 2);  // a decoder would refuse it
+  make("native");
   Receiver<sensor_msgs::CompressedImage> depth("image_raw/compressedDepth");
   waitUntilWanted();
-  EXPECT_EQ(refusal([&] { publish(frameOf(jpeg)); }), "");
+  EXPECT_EQ(refusal([&] { publish(frameOf(damagedJpeg())); }), "");
 }
 
 TEST_F(Outputs, compressDepthImages)
 {
-  CameraOutputs::Params params;
-  params.output_encoding = "native";
-  make(params);
-  Receiver<sensor_msgs::CompressedImage> depth("image_raw/compressedDepth");
-  waitUntilWanted();
-  Frame frame;
-  frame.image = cv::Mat(48, 64, CV_16UC1, cv::Scalar(1234));
-  frame.encoding = "mono16";
-  publish(frame);
-  EXPECT_EQ(depth.wait()->format, "mono16; compressedDepth png");
+  make("native");
+  const Frame frame = frameOf(cv::Mat(48, 64, CV_16UC1, cv::Scalar(1234)), "mono16");
+  const auto depth = published<sensor_msgs::CompressedImage>("image_raw/compressedDepth", frame);
+  EXPECT_EQ(depth->format, "mono16; compressedDepth png");
 }
 
 TEST_F(Outputs, makeEqualOutputsOnce)
 {
-  CameraOutputs::Params params;
-  params.output_encoding = "mono8";
-  make(params);
+  make("mono8");
   Receiver<sensor_msgs::Image> raw("image_raw");
   Receiver<sensor_msgs::Image> mono("image_mono");
-  Bytes jpeg = jpegOf(testImage());
+  const Bytes jpeg = jpegOf(kImage);
   ASSERT_TRUE(waitFor(
       [&]
       {
@@ -215,7 +188,7 @@ TEST_F(Outputs, makeEqualOutputsOnce)
       }));
   publish(frameOf(jpeg));
   EXPECT_TRUE(waitFor([&] { return raw.last() == mono.last(); }));
-  EXPECT_TRUE(equal(pixelsOf(*mono.last()), cv::imdecode(jpeg, cv::IMREAD_GRAYSCALE)));
+  EXPECT_TRUE(equal(viewPixels(*mono.last()), cv::imdecode(jpeg, cv::IMREAD_GRAYSCALE)));
 }
 
 TEST_F(Outputs, tellTheSizeWithoutReadingPixels)
@@ -224,21 +197,17 @@ TEST_F(Outputs, tellTheSizeWithoutReadingPixels)
   constexpr std::size_t kBytes = 64 * 48 * 2;
   void* const unreadable = mmap(nullptr, kBytes, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
   ASSERT_NE(unreadable, MAP_FAILED);
-  Frame frame;
-  frame.image = cv::Mat(48, 64, CV_8UC2, unreadable);
-  frame.encoding = "yuv422_yuy2";
-  Receiver<sensor_msgs::CameraInfo> info("camera_info");
-  waitUntilWanted();
-  publish(frame);
-  EXPECT_EQ(info.wait()->width, 64u);
-  EXPECT_EQ(info.wait()->height, 48u);
+  const Frame frame = frameOf(cv::Mat(48, 64, CV_8UC2, unreadable), "yuv422_yuy2");
+  const auto info = published<sensor_msgs::CameraInfo>("camera_info", frame);
+  EXPECT_EQ(info->width, 64u);
+  EXPECT_EQ(info->height, 48u);
   munmap(unreadable, kBytes);
 }
 
 TEST_F(Outputs, refuseTruncatedJpeg)
 {
   make();
-  Bytes jpeg = jpegOf(testImage());
+  Bytes jpeg = jpegOf(kImage);
   jpeg.resize(jpeg.size() / 2);
   Receiver<sensor_msgs::CompressedImage> compressed("image_raw/compressed");
   waitUntilWanted();
@@ -249,12 +218,8 @@ TEST_F(Outputs, refuseTruncatedJpeg)
 // An image that cannot be made for one subscriber must not keep the others from theirs, above all not camera_info.
 TEST_F(Outputs, goOnWithTheOthersIfOneFails)
 {
-  CameraOutputs::Params params;
-  params.output_encoding = "native";
-  make(params);
-  Frame frame;
-  frame.image = cv::Mat(1, kLongestJpegSide + 1, CV_16UC1, cv::Scalar(1234));
-  frame.encoding = "mono16";
+  make("native");
+  const Frame frame = frameOf(cv::Mat(1, kLongestJpegSide + 1, CV_16UC1, cv::Scalar(1234)), "mono16");
   Receiver<sensor_msgs::CompressedImage> compressed("image_raw/compressed");
   Receiver<sensor_msgs::Image> raw("image_raw");
   Receiver<sensor_msgs::CameraInfo> info("camera_info");
@@ -273,17 +238,16 @@ TEST_F(Outputs, goOnWithTheOthersIfOneFails)
 TEST_F(Outputs, passDamagedJpegOnWhereNoPixelsAreNeeded)
 {
   make();
-  Bytes jpeg = jpegOf(testImage());
-  jpeg.erase(jpeg.end() - 200, jpeg.end() - 2);
+  const Frame frame = frameOf(damagedJpeg());
   Receiver<sensor_msgs::Image> raw("image_raw");
   Receiver<sensor_msgs::CameraInfo> info("camera_info");
-  ASSERT_TRUE(waitFor([&] { return refusal([&] { publish(frameOf(jpeg)); }) != ""; }));  // raw is wanted
+  ASSERT_TRUE(waitFor([&] { return refusal([&] { publish(frame); }) != ""; }));  // raw is wanted
   EXPECT_FALSE(info.last());
   Receiver<sensor_msgs::CompressedImage> compressed("image_raw/compressed");
   EXPECT_TRUE(waitFor(
       [&]
       {
-        EXPECT_NE(refusal([&] { publish(frameOf(jpeg)); }), "");
+        EXPECT_NE(refusal([&] { publish(frame); }), "");
         return compressed.last() && info.last();
       }));
   EXPECT_FALSE(raw.last());
@@ -293,14 +257,9 @@ TEST_F(Outputs, compressPixelsAsThePluginDoes)
 {
   ros::NodeHandle("~").setParam("image_raw/compressed/jpeg_quality", 40);
   make();
-  Receiver<sensor_msgs::CompressedImage> compressed("image_raw/compressed");
-  waitUntilWanted();
-  Frame frame;
-  frame.image = testImage();
-  frame.encoding = "bgr8";
-  publish(frame);
-  EXPECT_EQ(compressed.wait()->data, jpegOf(frame.image, 40));
-  EXPECT_EQ(compressed.wait()->format, "bgr8; jpeg compressed bgr8");
+  const auto message = published<sensor_msgs::CompressedImage>("image_raw/compressed", frameOf(kImage, "bgr8"));
+  EXPECT_EQ(message->data, jpegOf(kImage, {cv::IMWRITE_JPEG_QUALITY, 40}));
+  EXPECT_EQ(message->format, "bgr8; jpeg compressed bgr8");
   ros::NodeHandle("~").deleteParam("image_raw/compressed/jpeg_quality");
 }
 
