@@ -10,6 +10,7 @@
 #include "core/camera/device_access.hpp"
 #include "core/camera/v4l2_device.hpp"
 #include "robot_vision/camera/frame_source.hpp"
+#include "support/refusal.hpp"
 
 using namespace robot_vision;
 
@@ -43,16 +44,8 @@ TEST_F(DeviceAccess, isExplainedToUsersWithoutPermission)
   ASSERT_NE(video, nullptr);
   ASSERT_EQ(chown(path_, 0, video->gr_gid), 0);
   ASSERT_EQ(chmod(path_, 0660), 0);
-  std::string error;
   ASSERT_EQ(seteuid(kNobody), 0);
-  try
-  {
-    openV4l2Device(path_);
-  }
-  catch (const SourceUnavailable& e)
-  {
-    error = e.what();
-  }
+  const std::string error = refusal<SourceUnavailable>([this] { openV4l2Device(path_); });
   ASSERT_EQ(seteuid(0), 0);
   EXPECT_EQ(error, std::string(path_) +
                        ": cannot be opened: Permission denied; its group is video, its mode 0660: join with `sudo "

@@ -5,6 +5,7 @@
 #include "core/camera/v4l2_formats.hpp"
 #include "core/camera/v4l2_mode.hpp"
 #include "support/fake_v4l2.hpp"
+#include "support/refusal.hpp"
 
 using namespace robot_vision;
 
@@ -95,16 +96,9 @@ TEST(V4l2Mode, isRefusedIfNoFormatIsUsable)
     FakeCamera camera;
     camera.formats = {{V4L2_PIX_FMT_HEVC, 8, {{640, 480, {30.0}}}}};
     camera.enumerates = enumerates;
-    try
-    {
-      negotiate(camera, CaptureParams());
-      FAIL();
-    }
-    catch (const SourceUnavailable& e)
-    {
-      EXPECT_EQ(e.what(), std::string("/dev/video0: ") + (enumerates ? "offers HEVC, but none of " : "gives none of ") +
-                              v4l2FormatNames());
-    }
+    EXPECT_EQ(refusal<SourceUnavailable>([&] { negotiate(camera, CaptureParams()); }),
+              std::string("/dev/video0: ") + (enumerates ? "offers HEVC, but none of " : "gives none of ") +
+                  v4l2FormatNames());
   }
 }
 

@@ -5,6 +5,7 @@
 
 #include "core/camera/v4l2_source.hpp"
 #include "support/fake_v4l2.hpp"
+#include "support/refusal.hpp"
 
 using namespace robot_vision;
 
@@ -14,15 +15,7 @@ namespace
 std::string readError(V4l2Source& source)
 {
   Frame frame;
-  try
-  {
-    source.read(frame);
-  }
-  catch (const std::exception& e)
-  {
-    return e.what();
-  }
-  return "";
+  return refusal<std::exception>([&] { source.read(frame); });
 }
 
 }  // namespace

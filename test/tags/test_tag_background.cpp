@@ -12,8 +12,8 @@
 #include "core/tags/detection/tag_searches.hpp"
 #include "robot_vision/tags/detection/tag_detector.hpp"
 #include "support/found_tags.hpp"
-#include "support/no_threads.hpp"
 #include "support/images.hpp"
+#include "support/no_threads.hpp"
 #include "support/refusal.hpp"
 
 using namespace robot_vision;

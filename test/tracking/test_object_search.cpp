@@ -2,8 +2,8 @@
 
 #include <opencv2/imgproc.hpp>
 
-#include "support/objects.hpp"
 #include "support/images.hpp"
+#include "support/objects.hpp"
 
 using namespace robot_vision;
 

@@ -4,8 +4,8 @@
 
 #include <opencv2/imgproc.hpp>
 
-#include "support/objects.hpp"
 #include "support/images.hpp"
+#include "support/objects.hpp"
 #include "support/refusal.hpp"
 
 using namespace robot_vision;
