@@ -1,6 +1,7 @@
 """Properties that all bindings share."""
 
 import inspect
+import math
 import re
 
 import pytest
@@ -86,7 +87,10 @@ def test_values_out_of_the_documented_range_are_refused(kind):
             continue
         of_type = type(getattr(kind(), name))
         low, high = float(found[2]), float(found[3])
-        for value in (low - 1, high + 1, *([low] if found[1] == "above" else [])):
+        wrong = [low - 1, high + 1]
+        wrong += [low] if found[1] == "above" else []
+        wrong += [math.nan] if of_type is float else []
+        for value in wrong:
             params = kind()
             setattr(params, name, of_type(value))
             with pytest.raises(ValueError, match=rf"^{name} is "):

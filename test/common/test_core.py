@@ -118,23 +118,6 @@ def test_no_line_is_not_found():
         rv.find_line(np.zeros((4, 4, 3), np.uint8))
 
 
-@pytest.mark.parametrize(
-    "params, name, value, message",
-    [
-        (rv.BrightnessParams(), "gamma", 0.0, "gamma is 0, must be from 0.1 to 10"),
-        (rv.EdgeParams(), "blur_size", 2, "blur_size is 2, must be odd and from 1 to 31"),
-        (rv.CaptureParams(), "framerate", -1, "framerate is -1, must be from 0 to 1000"),
-        (rv.SceneParams(), "width", 0, "width is 0"),
-        (rv.LineParams(), "min_area", 0, "min_area is 0, must be from 1 to"),
-    ],
-)
-def test_parameters_out_of_range_are_value_errors(params, name, value, message):
-    rv.validate(params)
-    setattr(params, name, value)
-    with pytest.raises(ValueError, match=message):
-        rv.validate(params)
-
-
 def test_scene_is_rendered_with_its_truth():
     params = rv.SceneParams()
     params.noise = 0.0

@@ -1,7 +1,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <limits>
 #include <opencv2/imgproc.hpp>
 
 #include "robot_vision/line/line.hpp"
@@ -28,13 +27,6 @@ cv::Mat band(const cv::Point2d& center, double angle, double width)
       mask(y, x) = std::abs(off) <= width / 2.0 ? 255 : 0;
     }
   return std::move(mask);
-}
-
-LineParams lineParams(double min_area)
-{
-  LineParams params;
-  params.min_area = min_area;
-  return params;
 }
 
 Line lineAt(double x)
@@ -103,7 +95,7 @@ TEST(Line, isConnectedAtTheCornersOfItsPixels)
   cv::Mat mask = cv::Mat::zeros(kStrip, CV_8UC1);
   for (int y = 0; y < kStrip.height; ++y)
     mask.at<std::uint8_t>(y, 130 - y) = 255;
-  const Line line = findLine(mask, lineParams(kStrip.height));
+  const Line line = findLine(mask, {1.0 * kStrip.height});
   EXPECT_DOUBLE_EQ(line.area, kStrip.height);
   EXPECT_DOUBLE_EQ(line.angle, CV_PI / 4.0);
 }
@@ -172,8 +164,8 @@ TEST(Line, isNotFoundBelowMinArea)
   EXPECT_EQ(none.offset, 0.0);
   EXPECT_EQ(none.confidence, 0.0);
   EXPECT_TRUE(none.outline.empty());
-  EXPECT_TRUE(findLine(mask, lineParams(99)).found);
-  EXPECT_DOUBLE_EQ(findLine(mask, lineParams(99)).confidence, 0.5);
+  EXPECT_TRUE(findLine(mask, {99}).found);
+  EXPECT_DOUBLE_EQ(findLine(mask, {99}).confidence, 0.5);
 }
 
 TEST(Line, hasLittleConfidenceInWhiteMasksAndBentRegions)
@@ -208,7 +200,7 @@ TEST(Line, isFoundInPaddedAndTinyMasks)
   EXPECT_EQ(findLine(padded).angle, findLine(mask).angle);
   EXPECT_TRUE(equal(wide, before));
 
-  const Line pixel = findLine(cv::Mat(1, 1, CV_8UC1, cv::Scalar(255)), lineParams(1));
+  const Line pixel = findLine(cv::Mat(1, 1, CV_8UC1, cv::Scalar(255)), {1});
   EXPECT_TRUE(pixel.found);
   EXPECT_EQ(pixel.offset, 0.0);
   EXPECT_EQ(pixel.angle, 0.0);
@@ -221,12 +213,7 @@ TEST(Line, refusesEmptyMasksAndOtherTypes)
   EXPECT_THROW(findLine(cv::Mat(4, 4, CV_16UC1)), std::invalid_argument);
 }
 
-TEST(LineParams, outOfRangeAreNamed)
+TEST(Line, refusesParametersOutOfRange)
 {
-  const double nan = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_EQ(refusal([] { validate(lineParams(0)); }), "min_area is 0, must be from 1 to 1e+09");
-  EXPECT_EQ(refusal([=] { validate(lineParams(nan)); }), "min_area is nan, must be from 1 to 1e+09");
-  EXPECT_EQ(refusal([] { findLine(cv::Mat(4, 4, CV_8UC1), lineParams(2e9)); }),
-            "min_area is 2e+09, must be from 1 to 1e+09");
-  EXPECT_NO_THROW(validate(LineParams{}));
+  EXPECT_EQ(refusal([] { findLine(cv::Mat(4, 4, CV_8UC1), {2e9}); }), "min_area is 2e+09, must be from 1 to 1e+09");
 }

