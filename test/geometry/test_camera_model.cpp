@@ -108,7 +108,8 @@ TEST(CameraModel, givesNanForPixelsThatNoRayReaches)
   camera = cameraWith({0.0, 0.0, 0.0, 0.0}, "equidistant");
   EXPECT_FALSE(std::isnan(camera.ray({318.0 + 520.0 * 1.55, 243.0}).x));
   EXPECT_TRUE(std::isnan(camera.ray({318.0 + 520.0 * 1.58, 243.0}).x));
-  EXPECT_TRUE(std::isnan(camera.project({0.1, 0.1, 0.0}).x));
+  for (const double z : {0.0, -1.0})
+    EXPECT_TRUE(std::isnan(camera.project({0.1, 0.1, z}).x));
 }
 
 TEST(CameraModel, namesWhatIsWrongWithARectification)

@@ -5,6 +5,7 @@
 
 #include "robot_vision/camera/open_source.hpp"
 #include "robot_vision/scene/scene.hpp"
+#include "support/images.hpp"
 #include "support/refusal.hpp"
 
 using namespace robot_vision;
@@ -13,23 +14,14 @@ namespace
 {
 
 constexpr int kViews = 40;
+constexpr double kNewViewEachFrame = 2.0;  // Hz, the rate of frames
 const cv::Size kCorners(8, 6);
-
-SceneParams newViewEachFrame(int width, int height)
-{
-  SceneParams params;
-  params.width = width;
-  params.height = height;
-  params.rate = 2.0;
-  return params;
-}
 
 cv::Mat gray(const CalibrationScene& scene, int frame)
 {
-  cv::Mat bgr, result;
+  cv::Mat bgr;
   scene.render(frame, bgr);
-  cv::cvtColor(bgr, result, cv::COLOR_BGR2GRAY);
-  return result;
+  return converted(bgr, cv::COLOR_BGR2GRAY);
 }
 
 /// The corners that OpenCV finds; empty if it finds no board.
@@ -55,7 +47,7 @@ std::vector<cv::Point3d> boardPoints()
 
 TEST(CalibrationScene, cornersAreFoundWhereTheTruthHasThem)
 {
-  const CalibrationScene scene(newViewEachFrame(640, 480));
+  const CalibrationScene scene({640, 480, kNewViewEachFrame});
   for (int view = 0; view < kViews; view += 4)
   {
     const std::vector<cv::Point2f> corners = findCorners(gray(scene, view));
@@ -78,7 +70,7 @@ TEST(CalibrationScene, showsTheWholeBoardAllOverTheImage)
 {
   for (const cv::Size size : {cv::Size(640, 480), cv::Size(1280, 720), cv::Size(480, 640)})
   {
-    const CalibrationScene scene(newViewEachFrame(size.width, size.height));
+    const CalibrationScene scene({size.width, size.height, kNewViewEachFrame});
     const cv::Rect2d image(-0.5, -0.5, size.width, size.height);
     cv::Mat seen = cv::Mat::zeros(3, 4, CV_8U);
     for (int view = 0; view < kViews; ++view)
@@ -99,9 +91,7 @@ TEST(CalibrationScene, showsTheWholeBoardAllOverTheImage)
 
 TEST(CalibrationScene, holdsAPoseForHalfASecond)
 {
-  SceneParams params;
-  params.rate = 30.0;
-  const CalibrationScene scene(params);
+  const CalibrationScene scene{SceneParams()};  // at 30 Hz
   const auto pose = [&](int frame) { return scene.truth(frame).objects.at(0).pose.matrix; };
   EXPECT_EQ(pose(0), pose(14));
   EXPECT_NE(pose(14), pose(15));
@@ -120,7 +110,7 @@ TEST(CalibrationScene, isOpenedAsASourceByItsName)
   cv::Mat exact;
   const CalibrationScene scene{SceneParams()};
   scene.render(0, exact);
-  EXPECT_EQ(cv::norm(frame.image, exact, cv::NORM_INF), 0.0);
+  EXPECT_TRUE(equal(frame.image, exact));
   ASSERT_EQ(frame.truth->objects.size(), 1U);
   EXPECT_EQ(frame.truth->objects[0].name, "checkerboard");
   EXPECT_EQ(source->cameraModel()->K, scene.camera().K);
