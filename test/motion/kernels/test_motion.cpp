@@ -2,7 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 #include <optional>
 
@@ -23,14 +22,11 @@ cv::Mat byOpenCv(const cv::Mat& image, const cv::Mat& background, const MotionPa
                  const std::string& encoding = "bgr8")
 {
   std::vector<cv::Mat> blurred;
-  for (const cv::Mat& picture : {background, image})
+  for (const cv::Mat& frame : {background, image})
   {
-    cv::Mat gray;
-    if (encoding == "bgr8")
-      cv::cvtColor(picture, gray, cv::COLOR_BGR2GRAY);
-    else
-      toGray(picture, encoding, gray);
-    gray = gray.clone();  // beyond a part of a larger picture it would be the picture that is looked at
+    const bool is_bgr = encoding == "bgr8";
+    cv::Mat gray = is_bgr ? converted(frame, cv::COLOR_BGR2GRAY) : converted(frame, encoding, "mono8");
+    gray = gray.clone();  // beyond a part of a larger image the filter would look at that image
     cv::GaussianBlur(gray, gray, {p.blur_size, p.blur_size}, 0.0);
     blurred.push_back(gray);
   }
@@ -41,10 +37,10 @@ cv::Mat byOpenCv(const cv::Mat& image, const cv::Mat& background, const MotionPa
   return mask;
 }
 
-/// The picture with a box of noise in it.
-cv::Mat withBox(const cv::Mat& picture, const cv::Rect& box)
+/// The image with a box of noise in it.
+cv::Mat withBox(const cv::Mat& image, const cv::Rect& box)
 {
-  cv::Mat changed = picture.clone();
+  cv::Mat changed = image.clone();
   noise(box.size(), CV_8UC3, 5).copyTo(changed(box));
   return changed;
 }
@@ -89,7 +85,7 @@ TEST(MotionDetector, equalsTheOpenCvChain)
       }
 }
 
-TEST(MotionDetector, equalsTheOpenCvChainForAdversarialPictures)
+TEST(MotionDetector, equalsTheOpenCvChainForAdversarialImages)
 {
   cv::RNG random(0x307104);
   for (int i = 0; i < 200; ++i)
@@ -102,12 +98,11 @@ TEST(MotionDetector, equalsTheOpenCvChainForAdversarialPictures)
     params.dilate = random.uniform(0, i % 10 == 1 ? 51 : 4);
     params.max_changed = 1.0;
     const ThreadCount threads(random.uniform(1, 5));
-    cv::Mat pictures[2];
-    cv::cvtColor(adversarial(size, i), pictures[0], cv::COLOR_GRAY2BGR);
-    cv::cvtColor(adversarial(size, i / 6), pictures[1], cv::COLOR_GRAY2BGR);
-    if (i % 2 == 0) cv::bitwise_not(pictures[1], pictures[1]);
-    expectTheOpenCvChain(pictures[0], pictures[1], params);
-    ASSERT_FALSE(::testing::Test::HasFailure()) << "pictures " << i;
+    const cv::Mat before = converted(adversarial(size, i), cv::COLOR_GRAY2BGR);
+    cv::Mat after = converted(adversarial(size, i / 6), cv::COLOR_GRAY2BGR);
+    if (i % 2 == 0) cv::bitwise_not(after, after);
+    expectTheOpenCvChain(before, after, params);
+    ASSERT_FALSE(::testing::Test::HasFailure()) << "images " << i;
   }
 }
 
@@ -135,7 +130,7 @@ TEST(MotionDetector, equalsTheOpenCvChainWherePartsFarFromEachOtherMove)
       cv::bitwise_not(part, part);
     }
     expectTheOpenCvChain(before, after, params);
-    ASSERT_FALSE(::testing::Test::HasFailure()) << "pictures " << i;
+    ASSERT_FALSE(::testing::Test::HasFailure()) << "images " << i;
   }
 }
 
@@ -143,23 +138,22 @@ TEST(FrameDifference, areTheSameByOpenCvAndWriteAllOfTheMask)
 {
   const cv::Mat before = smooth({160, 120}), image = withBox(before, {60, 40, 50, 20});
   const MotionParams params;
-  Reference reference;
-  cv::cvtColor(before, reference.gray, cv::COLOR_BGR2GRAY);
+  const Reference reference{converted(before, cv::COLOR_BGR2GRAY), {}};
   for (const bool is_changed : {true, false})
     for (const bool by_opencv : {true, false})
     {
-      const cv::Mat& picture = is_changed ? image : before;
+      const cv::Mat& frame = is_changed ? image : before;
       cv::Mat mask(before.size(), CV_8UC1, cv::Scalar(99));
-      const cv::Rect part = by_opencv ? FrameDifference::findByOpenCv({picture, "bgr8"}, reference, params, mask)
-                                      : FrameDifference().find({picture, "bgr8"}, reference, params, mask);
-      EXPECT_TRUE(equal(mask, byOpenCv(picture, before, params)));
+      const cv::Rect part = by_opencv ? FrameDifference::findByOpenCv({frame, "bgr8"}, reference, params, mask)
+                                      : FrameDifference().find({frame, "bgr8"}, reference, params, mask);
+      EXPECT_TRUE(equal(mask, byOpenCv(frame, before, params)));
       EXPECT_EQ(part & cv::boundingRect(mask), cv::boundingRect(mask));
       EXPECT_EQ(part.empty(), !is_changed);
       EXPECT_LT(part.height, mask.rows);
     }
 }
 
-TEST(FrameDifference, keepNothingFromOnePictureToTheNext)
+TEST(FrameDifference, keepNothingFromOneImageToTheNext)
 {
   cv::RNG random(0x307106);
   FrameDifference changed;  // one for all
@@ -177,8 +171,7 @@ TEST(FrameDifference, keepNothingFromOnePictureToTheNext)
     const cv::Rect box(random.uniform(0, size.width), random.uniform(0, size.height), 1 + size.width / 4, 9);
     cv::Mat part = after(box & cv::Rect({0, 0}, size));
     cv::bitwise_not(part, part);
-    Reference reference;
-    toGray(before, encoding, reference.gray);
+    Reference reference{converted(before, encoding, "mono8"), {}};
     if (i % 3 != 0) reference.blurred = blurred(reference.gray.clone(), params.blur_size);
     cv::Mat mask(size, CV_8UC1, cv::Scalar(99));
     changed.find({after, encoding}, reference, params, mask);
@@ -186,29 +179,29 @@ TEST(FrameDifference, keepNothingFromOnePictureToTheNext)
   }
 }
 
-TEST(FrameDifference, lookAtNothingBesideAGreyPicture)
+TEST(FrameDifference, lookAtNothingBesideAGrayImage)
 {
   const cv::Size size(150, 70);
   constexpr int kStep = 200;
   const int bytes = kStep * (size.height - 1) + size.width;  // none after the last pixel
   std::vector<std::uint8_t> memory(static_cast<std::size_t>(bytes), 255);
-  cv::Mat picture(size, CV_8UC1, memory.data(), kStep);
-  noise(size, CV_8UC1).copyTo(picture);
-  const cv::Mat before = picture.clone();
+  cv::Mat alone(size, CV_8UC1, memory.data(), kStep);
+  noise(size, CV_8UC1).copyTo(alone);
+  const cv::Mat before = alone.clone();
   cv::Mat frame(size + cv::Size(40, 40), CV_8UC1, cv::Scalar(255));
   cv::Mat part = frame(cv::Rect({20, 20}, size));
   before.copyTo(part);
   for (const int blur_size : {1, 21, 99})
     for (const bool is_changed : {false, true})
     {
-      picture.at<std::uint8_t>(35, 70) =
+      alone.at<std::uint8_t>(35, 70) =
           is_changed ? 255 - before.at<std::uint8_t>(35, 70) : before.at<std::uint8_t>(35, 70);
-      picture.copyTo(part);
+      alone.copyTo(part);
       MotionParams params;
       params.blur_size = blur_size;
       params.threshold = 0.0;
-      const cv::Mat expected = byOpenCv(picture, before, params, "mono8");
-      for (const cv::Mat& image : {picture, part})
+      const cv::Mat expected = byOpenCv(alone, before, params, "mono8");
+      for (const cv::Mat& image : {alone, part})
         for (const bool by_opencv : {false, true})
         {
           cv::Mat mask(size, CV_8UC1);
@@ -231,12 +224,8 @@ TEST(MotionDetector, equalsTheOpenCvChainForEveryEncoding)
       cv::Mat before, after;
       if (encoding == "jpeg")
       {
-        const cv::Mat picture = smooth({80, 60});
-        std::vector<std::uint8_t> first, second;
-        cv::imencode(".jpg", picture, first);
-        cv::imencode(".jpg", withBox(picture, {20, 20, 30, 20}), second);
-        before = cv::Mat(first, true).reshape(1, 1);
-        after = cv::Mat(second, true).reshape(1, 1);
+        before = rowOf(jpegOf(smooth({80, 60})));
+        after = rowOf(jpegOf(withBox(smooth({80, 60}), {20, 20, 30, 20})));
       }
       else
       {
@@ -258,12 +247,10 @@ TEST(MotionDetector, equalsTheOpenCvChainForEveryEncoding)
     }
 }
 
-TEST(MotionDetector, aPictureThatCannotBeReadIsNoBackground)
+TEST(MotionDetector, anImageThatCannotBeReadIsNoBackground)
 {
   const cv::Mat bgr = smooth({80, 60});
-  std::vector<std::uint8_t> file;
-  cv::imencode(".jpg", bgr, file);
-  cv::Mat jpeg = cv::Mat(file, true).reshape(1, 1);
+  const cv::Mat jpeg = rowOf(jpegOf(bgr));
   const cv::Mat broken(jpeg.size(), CV_8UC1, cv::Scalar(0));
   MotionDetector detector;
   EXPECT_ANY_THROW(detector.update(0.0, broken, "jpeg"));
@@ -296,16 +283,9 @@ TEST(MotionDetector, equalsTheOpenCvChainInEveryEncodingAndUnderNoise)
                                                           {"mono8", cv::COLOR_BGR2GRAY}};
   for (const auto& [encoding, code] : codes)
   {
-    const auto encoded = [code = code](const cv::Mat& bgr)
-    {
-      if (code < 0) return bgr;
-      cv::Mat result;
-      cv::cvtColor(bgr, result, code);
-      return result;
-    };
     MotionDetector detector;
-    detector.update(0.0, encoded(background), encoding);
-    const Motion motion = detector.update(1.0, encoded(noisy), encoding);
+    detector.update(0.0, converted(background, code), encoding);
+    const Motion motion = detector.update(1.0, converted(noisy, code), encoding);
     EXPECT_TRUE(equal(motion.mask, byOpenCv(noisy, background, MotionParams()))) << encoding;
     ASSERT_EQ(motion.regions.size(), 1U) << encoding;
     EXPECT_EQ(motion.regions[0].area, cv::countNonZero(motion.mask)) << encoding;
@@ -314,9 +294,7 @@ TEST(MotionDetector, equalsTheOpenCvChainInEveryEncodingAndUnderNoise)
 
 TEST(MotionDetector, anotherEncodingIsANewBackground)
 {
-  const cv::Mat bgr = smooth({160, 120});
-  cv::Mat rgb;
-  cv::cvtColor(bgr, rgb, cv::COLOR_BGR2RGB);
+  const cv::Mat bgr = smooth({160, 120}), rgb = converted(bgr, cv::COLOR_BGR2RGB);
   MotionDetector detector;
   detector.update(0.0, bgr, "bgr8");
   EXPECT_EQ(detector.update(1.0, withBox(rgb, {10, 10, 40, 40}), "rgb8").changed, 0.0);
@@ -451,7 +429,7 @@ TEST(MotionDetector, aLampIsNoMotion)
   EXPECT_EQ(motion.regions.size(), 1U);
 }
 
-TEST(MotionDetector, aPictureOfAnotherSizeOrAnEarlierTimeIsABackground)
+TEST(MotionDetector, anImageOfAnotherSizeOrAnEarlierTimeIsABackground)
 {
   MotionDetector detector;
   detector.update(5.0, cv::Mat(40, 60, CV_8UC1, cv::Scalar(0)), "mono8");
