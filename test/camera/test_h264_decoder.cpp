@@ -24,11 +24,7 @@ std::vector<cv::Mat> movingImages(cv::Size size = kSize)
   std::vector<cv::Mat> images;
   const cv::Mat wide = smooth({size.width + 4 * kFrames, size.height});
   for (int i = 0; i < kFrames; ++i)
-  {
-    cv::Mat yu12;
-    cv::cvtColor(wide.colRange(4 * i, 4 * i + size.width), yu12, cv::COLOR_BGR2YUV_I420);
-    images.push_back(yu12);
-  }
+    images.push_back(converted(wide.colRange(4 * i, 4 * i + size.width), cv::COLOR_BGR2YUV_I420));
   return images;
 }
 

@@ -17,11 +17,8 @@ namespace
 cv::Mat byOpenCv(const cv::Mat& image, const std::string& encoding, const EdgeParams& p)
 {
   const cv::Mat whole = image.clone();  // OpenCV's filters would read the pixels around a part of a larger matrix
-  cv::Mat gray;
-  toGray(whole, encoding, gray);
-  cv::Mat smooth;
-  cv::blur(gray, smooth, {p.blur_size, p.blur_size});
-  cv::Mat edges;
+  cv::Mat smooth, edges;
+  cv::blur(converted(whole, encoding, "mono8"), smooth, {p.blur_size, p.blur_size});
   cv::Canny(smooth, edges, p.low_threshold, p.high_threshold, p.aperture, p.l2_gradient);
   return edges;
 }

@@ -81,12 +81,7 @@ private:
 
 cv::Mat byOpenCv(const cv::Mat& image, int code)
 {
-  cv::Mat out;
-  if (code == kPlanes)
-    image.rowRange(0, image.rows * 2 / 3).copyTo(out);
-  else
-    cv::cvtColor(image, out, code);
-  return out;
+  return code == kPlanes ? image.rowRange(0, image.rows * 2 / 3) : converted(image, code);
 }
 
 void expectOpenCvs(const Conversion& conversion, const cv::Size& wanted, int kind)
@@ -94,14 +89,11 @@ void expectOpenCvs(const Conversion& conversion, const cv::Size& wanted, int kin
   const TestImage input(conversion.encoding, allowed(conversion, wanted), kind);
   const cv::Mat& image = input.image;
   const cv::Mat before = image.clone();
-  cv::Mat bgr, rgb, gray;
-  toBgr(image, conversion.encoding, bgr);
-  toEncoding(image, conversion.encoding, "rgb8", rgb);
-  toGray(image, conversion.encoding, gray);
   const auto what = [&] { return cv::format("%s %d, %d threads ", conversion.encoding, kind, cv::getNumThreads()); };
-  ASSERT_TRUE(equal(bgr, byOpenCv(image, conversion.to_bgr))) << what() << image.size();
-  ASSERT_TRUE(equal(rgb, byOpenCv(image, conversion.to_rgb))) << what() << image.size();
-  ASSERT_TRUE(equal(gray, byOpenCv(image, conversion.to_gray))) << what() << image.size();
+  for (const auto& [wanted, code] :
+       {std::pair{"bgr8", conversion.to_bgr}, {"rgb8", conversion.to_rgb}, {"mono8", conversion.to_gray}})
+    ASSERT_TRUE(equal(converted(image, conversion.encoding, wanted), byOpenCv(image, code)))
+        << what() << image.size() << ' ' << wanted;
   EXPECT_TRUE(equal(image, before));
 }
 
@@ -155,9 +147,7 @@ TEST(ColorConversion, equalsOpenCvForAllLumaAndChroma)
       for (int x = 0; x < image.cols; ++x)
         image.at<cv::Vec2b>(y, x) =
             cv::Vec2b(static_cast<std::uint8_t>(y), static_cast<std::uint8_t>(x % 2 ? x / 2 : u));
-    cv::Mat bgr;
-    toBgr(image, "yuv422_yuy2", bgr);
-    ASSERT_TRUE(equal(bgr, byOpenCv(image, cv::COLOR_YUV2BGR_YUY2))) << u;
+    ASSERT_TRUE(equal(converted(image, "yuv422_yuy2", "bgr8"), converted(image, cv::COLOR_YUV2BGR_YUY2))) << u;
   }
 }
 
@@ -178,11 +168,8 @@ TEST_P(ColorConversionInThreads, equalsOpenCvsGray)
 TEST(ColorConversion, equalsOpenCvsGrayForEveryColor)
 {
   const cv::Mat image = allColors();
-  cv::Mat gray;
-  toGray(image, "bgr8", gray);
-  EXPECT_TRUE(equal(gray, byOpenCv(image, cv::COLOR_BGR2GRAY)));
-  toGray(image, "rgb8", gray);
-  EXPECT_TRUE(equal(gray, byOpenCv(image, cv::COLOR_RGB2GRAY)));
+  EXPECT_TRUE(equal(converted(image, "bgr8", "mono8"), converted(image, cv::COLOR_BGR2GRAY)));
+  EXPECT_TRUE(equal(converted(image, "rgb8", "mono8"), converted(image, cv::COLOR_RGB2GRAY)));
 }
 
 TEST(ColorConversion, worksInPlace)

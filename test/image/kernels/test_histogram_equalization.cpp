@@ -14,9 +14,8 @@ namespace
 
 void expectOpenCvs(const cv::Mat& image, const std::string& encoding)
 {
-  const cv::Mat before = image.clone();
-  cv::Mat gray, expected;
-  toGray(image, encoding, gray);
+  const cv::Mat before = image.clone(), gray = converted(image, encoding, "mono8");
+  cv::Mat expected;
   cv::equalizeHist(gray, expected);
   for (const int threads : {1, 3})
   {
