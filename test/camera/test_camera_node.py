@@ -246,35 +246,14 @@ def test_exits_at_the_end_of_a_video_although_the_master_is_stopped(start, half_
 
 
 @pytest.mark.parametrize(
-    "name, content, reason",
-    [
-        ("missing.mp4", None, "no such file or folder"),
-        ("empty.mp4", b"", "the file is empty"),
-        ("half.mp4", "half a video", "not a picture or video that FFmpeg can read, or truncated"),
-        ("text.mp4", b"This is a text.\n" * 100, "not a picture or video"),
-        ("text.png", b"hello", "not a picture or video"),
-        ("folder", "folder", "no pictures that OpenCV can read"),
-        ("*.png", None, "no pictures that OpenCV can read"),
-        ("half.jpg", "half a jpeg", "damaged or truncated"),
-    ],
+    "name, reason",
+    [("missing.mp4", "no such file or folder"), ("folder", "no pictures that OpenCV can read")],
 )
-def test_wrong_source_exits_1_naming_the_path(start, tmp_path, name, content, reason):
+def test_wrong_source_exits_1_naming_the_path(start, tmp_path, name, reason):
+    """The gtest Sources.areNamedIfTheyAreWrong has the other kinds of wrong files."""
+    (tmp_path / "folder").mkdir()
+    (tmp_path / "folder" / "notes.txt").write_text("no image")
     path = tmp_path / name
-    if content == "folder":
-        path.mkdir()
-        (path / "notes.txt").write_text("no picture")
-    elif content == "half a video":
-        fourcc = cv2.VideoWriter_fourcc(*"mp4v")
-        writer = cv2.VideoWriter(str(path), cv2.CAP_FFMPEG, fourcc, 30, (64, 48))
-        for _ in range(20):
-            writer.write(np.zeros((48, 64, 3), np.uint8))
-        writer.release()
-        path.write_bytes(path.read_bytes()[: path.stat().st_size // 2])
-    elif content == "half a jpeg":
-        jpeg = cv2.imencode(".jpg", np.random.RandomState(1).randint(0, 256, (48, 64, 3)))[1]
-        path.write_bytes(jpeg.tobytes()[: len(jpeg) // 2])
-    elif content is not None:
-        path.write_bytes(content)
     process = start("camera_node", f"_source:={path}")
     assert process.exit_code() == 1
     fatal = [line for line in process.output().splitlines() if "FATAL" in line]
@@ -363,18 +342,12 @@ def test_calibration_is_set_saved_and_used(start, tmp_path):
 
 
 INVALID_CALIBRATIONS = [
-    # the wrong fields of a CameraInfo, the reason why it is refused
+    # The wrong fields of a CameraInfo, and the reason why it is refused. The gtest of the camera
+    # model has more of both.
     ({"width": 0}, "width is 0, must be 640 as in the camera's images"),
     ({"height": 481}, "height is 481, must be 480 as in the camera's images"),
     ({"K": [0.0] * 9}, "K is 0 everywhere, must be that of a calibrated camera"),
-    ({"K": [-5.0, 0, 320, 0, 500, 240, 0, 0, 1]}, "K is -5, must be above 0 where it is a focal"),
-    ({"K": [500, 0, float("nan"), 0, 500, 240, 0, 0, 1]}, "K is nan, must be finite"),
-    ({"K": [500, 1e300, 320, 0, 500, 240, 0, 0, 1]}, "K is 1e+300, must be from -1e+06 to 1e+06"),
-    ({"K": [500, 0, 320, 0, 500, 240, 0, 0, -1]}, "the last row of K is 0, 0, -1, must be 0, 0, 1"),
     ({"R": [2.0, 0, 0, 0, 1, 0, 0, 0, 1]}, "R is no rotation, must be a rotation matrix"),
-    ({"P": [500.0, 0, 320, 0, 0, -1, 240, 0, 0, 0, 1, 0]}, "P is -1, must be above 0"),
-    ({"D": [float("inf"), 0, 0, 0, 0]}, "D is inf, must be finite"),
-    ({"R": [float("nan")] * 9}, "R is nan, must be finite"),
     ({"P": [float("nan")] * 12}, "P is nan, must be finite"),
     ({"D": [0.1] * 3}, "D is 3 numbers, must be 0, 4, 5 or 8 of them"),
     ({"distortion_model": "barrel"}, "distortion_model is 'barrel', must be plumb_bob, "),
@@ -471,11 +444,11 @@ def write_calibration(path, width, height):
 def test_the_scenes_own_calibration_precedes_the_users_file(start, tmp_path):
     path = tmp_path / "camera_info" / "head_camera.yaml"
     write_calibration(path, 640, 480)
-    picture = tmp_path / "picture.png"
-    cv2.imwrite(str(picture), np.zeros((480, 640, 3), np.uint8))
+    image = tmp_path / "image.png"
+    cv2.imwrite(str(image), np.zeros((480, 640, 3), np.uint8))
     exact = Scene(SceneParams()).camera.K[0, 0]
     for source, argument, focal_length, said in [
-        (picture, "", 9.0, "camera_info/head_camera.yaml"),
+        (image, "", 9.0, "camera_info/head_camera.yaml"),
         ("synthetic", "", exact, "camera_info is the scene's own, exact"),
         ("synthetic", f"file://{path}", 9.0, "camera_info is that of camera_info_url"),
     ]:
@@ -501,11 +474,11 @@ def test_invalid_calibration_file_is_not_used(start, tmp_path):
 
 def test_calibration_of_another_size_is_not_published(start, tmp_path):
     write_calibration(tmp_path / "other.yaml", 320, 240)
-    picture = tmp_path / "picture.png"
-    cv2.imwrite(str(picture), np.zeros((48, 64, 3), np.uint8))
+    image = tmp_path / "image.png"
+    cv2.imwrite(str(image), np.zeros((48, 64, 3), np.uint8))
     infos = support.Messages("/camera/camera_info", CameraInfo)
     url = f"file://{tmp_path}/other.yaml"
-    process = start("camera_node", f"_source:={picture}", "_camera_info_url:=" + url)
+    process = start("camera_node", f"_source:={image}", "_camera_info_url:=" + url)
     info = infos.wait()[0]
     assert (info.width, info.height, info.K[0]) == (64, 48, 0.0)
     process.wait_for_output("the calibration is for 320x240, the picture has 64x48")

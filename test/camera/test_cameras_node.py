@@ -102,13 +102,13 @@ def test_a_restarted_loader_takes_over_the_cameras_of_a_killed_one(start):
 
 
 def test_a_camera_that_fails_to_load_is_tried_again(start, tmp_path):
-    picture = tmp_path / "later.png"
+    image = tmp_path / "later.png"
     start("/usr/lib/nodelet/nodelet", "manager", "__name:=camera_manager")
-    rospy.set_param("/camera_loader/cameras", [{"name": "front", "source": str(picture)}])
+    rospy.set_param("/camera_loader/cameras", [{"name": "front", "source": str(image)}])
     loader = start("camera_loader.py", env=PROMPT)
     for seconds in (1, 2):
         loader.wait_for_output(f"trying again in {seconds} s")
-    cv2.imwrite(str(picture), np.zeros((48, 64, 3), np.uint8))
+    cv2.imwrite(str(image), np.zeros((48, 64, 3), np.uint8))
     loader.wait_for_output("/front: loaded")
     assert_frames("/front", 64, "front")
 

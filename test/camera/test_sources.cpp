@@ -59,9 +59,9 @@ protected:
   }
 
   /// Writes a video whose frame i has the gray level 20 * i everywhere.
-  std::string writeVideo(const std::string& name)
+  std::string writeVideo(const std::string& name, int codec = cv::VideoWriter::fourcc('M', 'J', 'P', 'G'))
   {
-    cv::VideoWriter writer(path(name), cv::CAP_FFMPEG, cv::VideoWriter::fourcc('M', 'J', 'P', 'G'), 10.0, {64, 48});
+    cv::VideoWriter writer(path(name), cv::CAP_FFMPEG, codec, 10.0, {64, 48});
     for (int i = 0; i < kVideoFrames; ++i)
       writer.write(cv::Mat(48, 64, CV_8UC3, cv::Scalar::all(20 * i)));
     return path(name);
@@ -251,11 +251,13 @@ TEST_F(Sources, areNamedIfTheyAreWrong)
 {
   const std::string image = writeImage("whole.png", smooth({64, 48}));
   const std::string jpeg = writeImage("whole.jpg", smooth({64, 48}));
-  const std::string video = writeVideo("whole.avi");
+  const std::string video = writeVideo("whole.mp4", cv::VideoWriter::fourcc('m', 'p', '4', 'v'));
   const std::vector<std::pair<std::string, std::string>> table = {
       {path("missing.avi"), "no such file or folder"},
       {write("empty.avi", ""), "the file is empty"},
       {write("text.mp4", "This is no video, whatever its name says.\n"), "not a picture or video that FFmpeg can read"},
+      {write("text.png", "hello"), "not a picture or video"},
+      {cut("half.mp4", video, 0.5), "not a picture or video that FFmpeg can read, or truncated"},
       {cut("half.jpg", jpeg, 0.5), "the JPEG is damaged or truncated"},
       {cut("half.png", image, 0.5), "not a picture that OpenCV can read, or damaged"},
       {path("*.tiff"), "no pictures that OpenCV can read are there"},
