@@ -2,6 +2,7 @@
 
 import time
 
+import frames
 import numpy as np
 import pytest
 import rospy
@@ -11,7 +12,7 @@ from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import Image
 from simulation import LINE_COLOUR, DifferentialDrive, TrackWorld
 from std_srvs.srv import SetBool
-from track import course_track
+from track import Pose, course_track
 
 from robot_vision import draw_text
 from robot_vision.msg import Line
@@ -41,11 +42,8 @@ class Robot:
         self._clock.publish(self.time)
 
     def publish_frame(self):
-        picture = self.world.render(self.drive.pose, self.frame)
-        height, width = picture.shape[:2]
-        image = Image(height=height, width=width, step=3 * width, encoding="bgr8")
+        image = frames.message(self.world.render(self.drive.pose, self.frame), "bgr8")
         image.header.stamp = self.now
-        image.data = picture.tobytes()
         self._images.publish(image)
 
     def drive_on(self):
@@ -129,6 +127,20 @@ def follower(start):
     return start_follower
 
 
+@pytest.fixture
+def driven(follower):
+    """driven("parameter", ...) starts the line follower, and gives the robot that it drives."""
+
+    def start_both(*parameters, pose=None):
+        robot = Robot(course_track())
+        robot.drive.pose = pose or robot.drive.pose
+        robot.process = follower(*parameters)
+        robot.wait_until_driven()
+        return robot
+
+    return start_both
+
+
 @pytest.mark.parametrize("direction", ["left", "right"])
 def test_a_lap(follower, direction, record_property):
     track = course_track()
@@ -158,28 +170,22 @@ def stands(robot, meanwhile=lambda: None):
     return all(c == Twist() for c in robot.commands.received)
 
 
-def test_robot_stops_when_the_camera_dies(follower):
-    robot = Robot(course_track())
-    follower("_timeout:=0.5")
-    robot.wait_until_driven()
+def test_robot_stops_when_the_camera_dies(driven):
+    robot = driven("_timeout:=0.5")
     robot.drive_on()
     assert stands(robot)
     robot.drive_on()  # the camera is back
 
 
-def test_robot_does_not_drive_on_a_repeated_frame(follower):
-    robot = Robot(course_track())
-    follower("_timeout:=0.5")
-    robot.wait_until_driven()
+def test_robot_does_not_drive_on_a_repeated_frame(driven):
+    robot = driven("_timeout:=0.5")
     robot.drive_on()
     # The camera hangs: it sends the same image with the same stamp again and again.
     assert stands(robot, robot.publish_frame)
 
 
-def test_robot_does_not_drive_on_old_frames(follower):
-    robot = Robot(course_track())
-    process = follower("_timeout:=0.5")
-    robot.wait_until_driven()
+def test_robot_does_not_drive_on_old_frames(driven):
+    robot = driven("_timeout:=0.5")
     robot.jump(9.0)
     robot.now = robot.time - rospy.Duration(1.0)
 
@@ -191,14 +197,12 @@ def test_robot_does_not_drive_on_old_frames(follower):
     assert stands(robot, lag)
     # The warning comes at once: the last one, if there was any, is more than 5 s ago.
     text = "frames are 1.00 s old: they are not driven on"
-    support.wait_for(lambda: lag() or text in process.output(), "the warning")
+    support.wait_for(lambda: lag() or text in robot.process.output(), "the warning")
 
 
-def test_robot_stops_when_the_frame_is_old(follower):
+def test_robot_stops_when_the_frame_is_old(driven):
     """The timeout counts from the stamp of the frame, not from its arrival."""
-    robot = Robot(course_track())
-    follower("_timeout:=10.0")
-    robot.wait_until_driven()
+    robot = driven("_timeout:=10.0")
     robot.jump(19.0)
     old = robot.now - rospy.Duration(8.9)
     robot.now = old
@@ -209,12 +213,9 @@ def test_robot_stops_when_the_frame_is_old(follower):
     assert time.monotonic() - begin < 8.0  # s; 1.1 s are left, another timeout would be 10 s
 
 
-def test_integral_does_not_grow_during_a_pause(follower):
-    robot = Robot(course_track())
-    pose = robot.drive.pose
-    robot.drive.pose = type(pose)(pose.x, pose.y + 0.03, pose.heading)
-    follower("_mode:=pid", "_kp:=0.1", "_ki:=0.2", "_kd:=0.0")
-    robot.wait_until_driven()
+def test_integral_does_not_grow_during_a_pause(driven):
+    beside = Pose(y=0.03)
+    robot = driven("_mode:=pid", "_kp:=0.1", "_ki:=0.2", "_kd:=0.0", pose=beside)
     enable = rospy.ServiceProxy("/follower/enable", SetBool)
     enable(False)
     for _ in range(60):  # 2 s that the integral would sum up
@@ -226,10 +227,8 @@ def test_integral_does_not_grow_during_a_pause(follower):
     assert robot.commands.received[-1].angular.z == pytest.approx(-0.1 * error, rel=0.5)
 
 
-def test_robot_stops_while_it_is_disabled(follower):
-    robot = Robot(course_track())
-    follower()
-    robot.wait_until_driven()
+def test_robot_stops_while_it_is_disabled(driven):
+    robot = driven()
     enable = rospy.ServiceProxy("/follower/enable", SetBool)
     assert enable(False).message == "stopped"
     support.wait_for(lambda: robot.commands.received[-1] == Twist(), "the stop")
@@ -241,10 +240,8 @@ def test_robot_stops_while_it_is_disabled(follower):
     robot.drive_on()
 
 
-def test_robot_stops_without_a_line(follower):
-    robot = Robot(course_track())
-    follower()
-    robot.wait_until_driven()
+def test_robot_stops_without_a_line(driven):
+    robot = driven()
     robot.step()
     robot.drive.pose = robot.drive.pose.along_arc(20.0, 0.0)  # carried away
     for _ in range(5):
@@ -254,10 +251,8 @@ def test_robot_stops_without_a_line(follower):
     assert (last.found, last.offset, last.confidence) == (False, 0.0, 0.0)
 
 
-def test_robot_stands_if_everything_is_line(follower):
-    robot = Robot(course_track())
-    follower()
-    robot.wait_until_driven()
+def test_robot_stands_if_everything_is_line(driven):
+    robot = driven()
     robot.drive_on()
     said = np.full((240, 320, 3), LINE_COLOUR, np.uint8)
     robot.world.render = lambda *_: said
@@ -274,15 +269,12 @@ def test_robot_stands_if_everything_is_line(follower):
 
 
 @pytest.mark.parametrize("side", [1.0, -1.0])
-def test_robot_searches_where_it_last_saw_the_line(follower, side):
-    robot = Robot(course_track())
-    follower("_search:=true", "_search_angular:=0.25", "_search_timeout:=2.0")
-    start = robot.drive.pose
+def test_robot_searches_where_it_last_saw_the_line(driven, side):
     # The robot is put beside the line, which it then sees on the other side.
-    robot.drive.pose = type(start)(start.x, start.y + side * 0.05, start.heading)
-    robot.wait_until_driven()
+    search = "_search:=true", "_search_angular:=0.25", "_search_timeout:=2.0"
+    robot = driven(*search, pose=Pose(y=side * 0.05))
     robot.step()
-    robot.drive.pose = type(start)(start.x, start.y + 20.0, start.heading)
+    robot.drive.pose = Pose(y=20.0)
     for _ in range(10):
         robot.step()
     assert robot.commands.received[-1].angular.z == -side * 0.25
@@ -291,20 +283,16 @@ def test_robot_searches_where_it_last_saw_the_line(follower, side):
     assert robot.commands.received[-1] == Twist()
 
 
-def test_robot_is_told_to_stop_when_the_node_ends(follower):
-    robot = Robot(course_track())
-    process = follower("_timeout:=10.0")  # so long that the watchdog does not stop the robot
-    robot.wait_until_driven()
+def test_robot_is_told_to_stop_when_the_node_ends(driven):
+    robot = driven("_timeout:=10.0")  # so long that the watchdog does not stop the robot
     robot.drive_on()
-    process.interrupt()
-    assert process.exit_code() == 0, process.output()
+    robot.process.interrupt()
+    assert robot.process.exit_code() == 0, robot.process.output()
     assert robot.commands.received[-1] == Twist()
 
 
-def test_line_is_where_the_track_is(follower):
-    robot = Robot(course_track())
-    follower()
-    robot.wait_until_driven()
+def test_line_is_where_the_track_is(driven):
+    robot = driven()
     line = robot.lines.received[-1]
     assert line.found and line.header.stamp <= robot.now
     assert abs(line.offset) < 0.02 and abs(line.angle) < 0.05 and line.confidence > 0.1
