@@ -55,29 +55,6 @@ def test_drive_in_a_line_and_on_the_spot():
     assert astuple(robot.pose) == place(Pose(1.0, 2.6, math.pi / 2 - 1.5))
 
 
-@pytest.mark.parametrize(
-    "left, right, linear, angular",
-    [(0.2, 0.2, 0.2, 0.0), (-0.1, 0.1, 0.0, 1.0), (0.1, 0.3, 0.2, 1.0), (0.1, 0.0, 0.05, -0.5)],
-)
-def test_wheels(left, right, linear, angular):
-    by_wheels, by_twist = (DifferentialDrive(wheel_distance=0.2) for _ in range(2))
-    by_wheels.drive_wheels(left, right, 0.7)
-    by_twist.drive(linear, angular, 0.7)
-    assert astuple(by_wheels.pose) == place(by_twist.pose)
-
-
-def test_acceleration_is_limited():
-    robot = DifferentialDrive(linear_acceleration=0.5, angular_acceleration=2.0)
-    speeds = []
-    for target in (0.12, 0.12, 0.12, 0.12, -1.0, 0.0, 0.0):
-        robot.drive(target, 3.0 * target, 0.1)
-        speeds.append((robot.linear, robot.angular))
-    linear = [0.05, 0.1, 0.12, 0.12, 0.07, 0.02, 0.0]
-    angular = [0.2, 0.36, 0.36, 0.36, 0.16, 0.0, 0.0]
-    assert np.allclose(speeds, np.transpose([linear, angular]))
-    assert robot.pose.heading == pytest.approx(0.1 * sum(angular))
-
-
 def test_course_track_is_closed_and_has_curves_and_straights():
     track = course_track(0.9)
     assert astuple(track.end) == place(Pose(0.0, 0.0, 2.0 * math.pi))

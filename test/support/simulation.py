@@ -25,35 +25,15 @@ class DifferentialDrive:
 
     Attributes:
         pose: the robot's pose on the floor.
-        linear: the present speed, m/s.
-        angular: the present turn rate, rad/s, counter-clockwise.
     """
 
-    def __init__(
-        self,
-        pose: Optional[Pose] = None,
-        wheel_distance: float = 0.16,
-        linear_acceleration: float = math.inf,
-        angular_acceleration: float = math.inf,
-    ) -> None:
-        """The wheel distance is in m, the largest accelerations in m/s^2 and rad/s^2."""
+    def __init__(self, pose: Optional[Pose] = None) -> None:
         self.pose = pose or Pose()
-        self.linear = 0.0
-        self.angular = 0.0
-        self._wheel_distance = wheel_distance
-        self._linear_acceleration = linear_acceleration
-        self._angular_acceleration = angular_acceleration
 
     def drive(self, linear: float, angular: float, dt: float) -> Pose:
-        """Drives for `dt` s. At its start both speeds change as far as they may in that time."""
-        self.linear = _approach(self.linear, linear, self._linear_acceleration * dt)
-        self.angular = _approach(self.angular, angular, self._angular_acceleration * dt)
-        self.pose = self.pose.along_arc(self.linear * dt, self.angular * dt)
+        """Drives for `dt` s with a speed (m/s) and a turn rate (rad/s, counter-clockwise)."""
+        self.pose = self.pose.along_arc(linear * dt, angular * dt)
         return self.pose
-
-    def drive_wheels(self, left: float, right: float, dt: float) -> Pose:
-        """Like drive(), with the speeds of the wheels over the floor, m/s."""
-        return self.drive((left + right) / 2.0, (right - left) / self._wheel_distance, dt)
 
 
 @dataclass(frozen=True)
@@ -171,8 +151,3 @@ def _paint(
     floor[at] = np.rint(part * LINE_COLOUR + (1.0 - part) * FLOOR_COLOUR)
     size = columns * texel, rows * texel
     return floor.reshape(rows, columns, 3), size, (front - size[1] / 2.0, left - size[0] / 2.0)
-
-
-def _approach(value: float, target: float, most: float) -> float:
-    """Moves `value` towards `target` by `most` at most."""
-    return value + min(max(target - value, -most), most)
