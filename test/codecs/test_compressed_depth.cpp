@@ -17,9 +17,9 @@ namespace
 CompressedPicture compressed(const cv::Mat& image, const std::string& encoding,
                              const DepthCompressionParams& params = {})
 {
-  CompressedPicture picture;
-  compressDepth(image, encoding, params, picture);
-  return picture;
+  CompressedPicture coded;
+  compressDepth(image, encoding, params, coded);
+  return coded;
 }
 
 cv::Mat decompressed(const CompressedPicture& from)
@@ -31,16 +31,16 @@ cv::Mat decompressed(const CompressedPicture& from)
 }
 
 template <class T>
-T at(const CompressedPicture& picture, std::size_t offset)
+T at(const CompressedPicture& coded, std::size_t offset)
 {
   T value;
-  std::memcpy(&value, picture.data.data() + offset, sizeof(value));
+  std::memcpy(&value, coded.data.data() + offset, sizeof(value));
   return value;
 }
 
-cv::Mat pngOf(const CompressedPicture& picture)
+cv::Mat pngOf(const CompressedPicture& coded)
 {
-  return cv::imdecode(std::vector<std::uint8_t>(picture.data.begin() + 12, picture.data.end()), cv::IMREAD_UNCHANGED);
+  return cv::imdecode(std::vector<std::uint8_t>(coded.data.begin() + 12, coded.data.end()), cv::IMREAD_UNCHANGED);
 }
 
 }  // namespace
@@ -53,11 +53,11 @@ TEST(CompressedDepth, isLosslessUpToDepthMaxForMillimetres)
   expected.setTo(0, image > 10000);
   for (const std::string encoding : {"16UC1", "mono16"})
   {
-    const CompressedPicture picture = compressed(image, encoding);
-    EXPECT_EQ(picture.format, encoding + "; compressedDepth png");
-    EXPECT_EQ(at<std::int32_t>(picture, 0), 0);
-    EXPECT_TRUE(equal(pngOf(picture), expected));
-    EXPECT_TRUE(equal(decompressed(picture), expected));
+    const CompressedPicture coded = compressed(image, encoding);
+    EXPECT_EQ(coded.format, encoding + "; compressedDepth png");
+    EXPECT_EQ(at<std::int32_t>(coded, 0), 0);
+    EXPECT_TRUE(equal(pngOf(coded), expected));
+    EXPECT_TRUE(equal(decompressed(coded), expected));
   }
   EXPECT_TRUE(equal(image, before));
   DepthCompressionParams far;
@@ -70,16 +70,16 @@ TEST(CompressedDepth, isTheInverseDepthForMetres)
   const float none = std::numeric_limits<float>::quiet_NaN();
   const cv::Mat_<float> image =
       (cv::Mat_<float>(1, 10) << 0.2F, 0.5F, 1.0F, 3.0F, 9.9F, 10.0F, none, 0.0F, -1.0F, 0.01F);
-  const CompressedPicture picture = compressed(image, "32FC1");
-  EXPECT_EQ(picture.format, "32FC1; compressedDepth png");
-  EXPECT_FLOAT_EQ(at<float>(picture, 4), 100.0F * 101.0F);
-  EXPECT_FLOAT_EQ(at<float>(picture, 8), 1.0F - 10100.0F / 10.0F);
-  const cv::Mat codes = pngOf(picture);
+  const CompressedPicture coded = compressed(image, "32FC1");
+  EXPECT_EQ(coded.format, "32FC1; compressedDepth png");
+  EXPECT_FLOAT_EQ(at<float>(coded, 4), 100.0F * 101.0F);
+  EXPECT_FLOAT_EQ(at<float>(coded, 8), 1.0F - 10100.0F / 10.0F);
+  const cv::Mat codes = pngOf(coded);
   ASSERT_EQ(codes.type(), CV_16UC1);
   EXPECT_EQ(codes.at<std::uint16_t>(0, 2), 10100 - 1009);
   EXPECT_EQ(codes.at<std::uint16_t>(0, 6), 0);
 
-  const cv::Mat back = decompressed(picture);
+  const cv::Mat back = decompressed(coded);
   ASSERT_EQ(back.type(), CV_32FC1);
   for (int i = 0; i < 5; ++i)
   {
@@ -94,11 +94,11 @@ TEST(CompressedDepth, isTheInverseDepthForMetres)
 TEST(CompressedDepth, isReadWithAnOlderLabel)
 {
   const cv::Mat image = noise({8, 8}, CV_16UC1) / 10;
-  CompressedPicture picture = compressed(image, "16UC1");
+  CompressedPicture coded = compressed(image, "16UC1");
   for (const char* format : {"16UC1; compressedDepth", "16UC1"})
   {
-    picture.format = format;
-    EXPECT_TRUE(equal(decompressed(picture), image));
+    coded.format = format;
+    EXPECT_TRUE(equal(decompressed(coded), image));
   }
 }
 

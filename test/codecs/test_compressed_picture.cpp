@@ -44,9 +44,9 @@ CompressedPicture compressed(const cv::Mat& image, const std::string& encoding, 
   CompressionParams params;
   params.format = format;
   params.jpeg.quality = 90;
-  CompressedPicture picture;
-  compress(image, encoding, params, picture);
-  return picture;
+  CompressedPicture coded;
+  compress(image, encoding, params, coded);
+  return coded;
 }
 
 struct Decompressed
@@ -159,13 +159,13 @@ TEST(CompressedPicture, isReadInGrayAndInColor)
   const cv::Mat image = smooth({32, 16});
   for (const std::string codec : {"jpeg", "png"})
   {
-    const CompressedPicture picture = compressed(image, "rgb8", codec);
-    const Decompressed gray = decompressed(picture, ColorMode::kGray);
+    const CompressedPicture coded = compressed(image, "rgb8", codec);
+    const Decompressed gray = decompressed(coded, ColorMode::kGray);
     EXPECT_EQ(gray.encoding, "mono8");
-    EXPECT_TRUE(equal(gray.image, cv::imdecode(picture.data, cv::IMREAD_GRAYSCALE)));
-    const Decompressed color = decompressed(picture, ColorMode::kColor);
+    EXPECT_TRUE(equal(gray.image, cv::imdecode(coded.data, cv::IMREAD_GRAYSCALE)));
+    const Decompressed color = decompressed(coded, ColorMode::kColor);
     EXPECT_EQ(color.encoding, "bgr8");
-    EXPECT_TRUE(equal(color.image, cv::imdecode(picture.data, cv::IMREAD_COLOR)));
+    EXPECT_TRUE(equal(color.image, cv::imdecode(coded.data, cv::IMREAD_COLOR)));
   }
   const cv::Mat mosaic = noise({32, 16}, CV_8UC1);
   const Decompressed color = decompressed(compressed(mosaic, "bayer_rggb8", "png"), ColorMode::kColor);

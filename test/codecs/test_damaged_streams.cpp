@@ -83,9 +83,9 @@ CompressedPicture compressed(const cv::Mat& image, const std::string& encoding, 
   CompressionParams params;
   params.format = format;
   params.jpeg.progressive = progressive;
-  CompressedPicture picture;
-  compress(image, encoding, params, picture);
-  return picture;
+  CompressedPicture coded;
+  compress(image, encoding, params, coded);
+  return coded;
 }
 
 }  // namespace

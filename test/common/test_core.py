@@ -8,7 +8,7 @@ import robot_vision as rv
 
 
 @pytest.fixture
-def picture():
+def image():
     return np.random.RandomState(1).randint(0, 256, (48, 64, 3), np.uint8)
 
 
@@ -16,18 +16,18 @@ def opencv_edges(gray):
     return cv2.Canny(cv2.blur(gray, (7, 7)), 15, 30)
 
 
-def test_edges_equal_opencv(picture):
-    before = picture.copy()
-    edges = rv.find_edges(picture)
-    assert np.array_equal(edges, opencv_edges(cv2.cvtColor(picture, cv2.COLOR_BGR2GRAY)))
-    assert np.array_equal(picture, before)
+def test_edges_equal_opencv(image):
+    before = image.copy()
+    edges = rv.find_edges(image)
+    assert np.array_equal(edges, opencv_edges(cv2.cvtColor(image, cv2.COLOR_BGR2GRAY)))
+    assert np.array_equal(image, before)
     assert np.array_equal(
-        rv.find_edges(picture[:, :, 0].copy(), "mono8"), opencv_edges(picture[:, :, 0])
+        rv.find_edges(image[:, :, 0].copy(), "mono8"), opencv_edges(image[:, :, 0])
     )
 
 
-def test_rows_may_be_padded(picture):
-    part = picture[4:40, 10:50]
+def test_rows_may_be_padded(image):
+    part = image[4:40, 10:50]
     assert not part.flags.c_contiguous
     assert np.array_equal(rv.find_edges(part), rv.find_edges(part.copy()))
 
@@ -35,20 +35,20 @@ def test_rows_may_be_padded(picture):
 @pytest.mark.parametrize(
     "part", [np.s_[:, ::2], np.s_[::-1], np.s_[:, :, ::-1], np.s_[:, ::-1, :2]], ids=str
 )
-def test_any_other_layout_is_copied(picture, part):
-    view = picture[part]
+def test_any_other_layout_is_copied(image, part):
+    view = image[part]
     encoding = "bgr8" if view.shape[2] == 3 else "yuv422"
     assert np.array_equal(rv.find_edges(view, encoding), rv.find_edges(view.copy(), encoding))
     channel = view[:, :, 1]
     assert np.array_equal(rv.find_edges(channel, "mono8"), opencv_edges(channel.copy()))
 
 
-def test_brightness_equals_opencv(picture):
+def test_brightness_equals_opencv(image):
     params = rv.BrightnessParams()
     params.gain = 1.5
     params.offset = -20
     assert np.array_equal(
-        rv.adjust_brightness(picture, "rgb8", params), np.clip(np.rint(picture * 1.5 - 20), 0, 255)
+        rv.adjust_brightness(image, "rgb8", params), np.clip(np.rint(image * 1.5 - 20), 0, 255)
     )
     wide = np.arange(64, dtype=np.uint16).reshape(8, 8) * 1000
     assert np.array_equal(
@@ -83,10 +83,10 @@ def test_invalid_images_are_refused(array, encoding, error):
         rv.find_edges(array, encoding)
 
 
-def test_results_outlive_their_source(picture):
-    edges = rv.find_edges(picture)
+def test_results_outlive_their_source(image):
+    edges = rv.find_edges(image)
     expected = edges.copy()
-    del picture
+    del image
     assert np.array_equal(edges, expected)
 
 
@@ -126,8 +126,8 @@ def test_scene_is_rendered_with_its_truth():
     assert {"ball", "tag_0", "tag_1", "qr_code", "checkerboard", "line", "box", "poster"} <= set(
         objects
     )
-    picture = scene.render(0)
-    assert picture.shape == (480, 640, 3)
+    image = scene.render(0)
+    assert image.shape == (480, 640, 3)
     ball = objects["ball"]
     assert ball.outline.shape[1] == 2 and ball.pose.shape == (4, 4)
     # The scene's camera projects the true position to the true centre, and the ball is blue there.
@@ -140,7 +140,7 @@ def test_scene_is_rendered_with_its_truth():
     )
     assert np.allclose(point.ravel(), ball.center, atol=1e-6)
     x, y = np.rint(ball.center).astype(int)
-    blue, green, red = picture[y, x].astype(int)
+    blue, green, red = image[y, x].astype(int)
     assert blue > green + 40 and blue > red + 40
 
 

@@ -96,11 +96,11 @@ import robot_vision as rv
 began = threading.Barrier(5)
 
 def work(side):
-    picture = np.zeros((side, side, 3), np.uint8)
-    rv.find_edges(picture)
+    image = np.zeros((side, side, 3), np.uint8)
+    rv.find_edges(image)
     began.wait()
     while True:
-        rv.find_edges(picture)
+        rv.find_edges(image)
 
 for side in (300, 1000, 2000, 5000):
     threading.Thread(target=work, args=(side,), daemon=True).start()

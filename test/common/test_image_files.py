@@ -14,9 +14,9 @@ from robot_vision.recordings.gray_images import gray_file
 
 
 def test_only_upright_images_are_rotated_by_exif():
-    picture = np.zeros((32, 48, 3), np.uint8)
-    picture[:16] = 40, 120, 200
-    jpeg = cv2.imencode(".jpg", picture)[1].tobytes()
+    image = np.zeros((32, 48, 3), np.uint8)
+    image[:16] = 40, 120, 200
+    jpeg = cv2.imencode(".jpg", image)[1].tobytes()
     plain = sensor_pixels(jpeg)
     assert np.array_equal(sensor_pixels(sideways(jpeg)), plain)
     for read in (upright, decode):  # decode reads the images of faces
@@ -26,15 +26,15 @@ def test_only_upright_images_are_rotated_by_exif():
 
 def test_file_that_claims_to_fill_the_memory_is_refused():
     """A file of some hundred kilobytes may have 30000 x 30000 px."""
-    picture = cv2.imencode(".png", np.zeros((4, 4, 3), np.uint8))[1].tobytes()
-    bomb = picture[:16] + struct.pack(">II", 30000, 30000) + picture[24:]
+    image = cv2.imencode(".png", np.zeros((4, 4, 3), np.uint8))[1].tobytes()
+    bomb = image[:16] + struct.pack(">II", 30000, 30000) + image[24:]
     for read in (sensor_pixels, upright, decode, gray_file):
         with pytest.raises(ValueError, match="claims to be of 30000x30000, the most is 67108864"):
             read(bomb)
 
 
 def test_other_files_give_none():
-    for data in (b"", b"no picture"):
+    for data in (b"", b"no image"):
         assert sensor_pixels(data) is None and upright(data) is None
 
 

@@ -110,11 +110,11 @@ def learn_a_bundle(folder, monkeypatch):
 def calibrate_a_camera(folder, _):
     lens = rv.CameraModel(320, 240, [260.0, 0, 160, 0, 262, 118, 0, 0, 1], [-0.2, 0.05, 0, 0])
     board = Studio(chessboard(6, 5), lens)
-    pictures = folder / "pictures"
-    pictures.mkdir()
+    images = folder / "images"
+    images.mkdir()
     for number in range(6):
-        cv2.imwrite(str(pictures / f"{number}.png"), board.frame())
-    words = ["--size", "6x5", "--square", SQUARE, "--output", folder / "made" / "a.yaml", pictures]
+        cv2.imwrite(str(images / f"{number}.png"), board.frame())
+    words = ["--size", "6x5", "--square", SQUARE, "--output", folder / "made" / "a.yaml", images]
     return calibrate_headless.main, words, ["a.yaml", "a.png"]
 
 

@@ -40,7 +40,7 @@ int drawnAlongCircle(const cv::Mat3b& image, const cv::Point2d& center, double r
 
 }  // namespace
 
-TEST(MaskPicture, keepsThePixelsInTheMask)
+TEST(Masking, keepsThePixelsInTheMask)
 {
   const cv::Mat bgr = noise({61, 47}, CV_8UC3, 3), before = bgr.clone();
   cv::Mat mask = noise(bgr.size(), CV_8UC1, 5);
@@ -56,7 +56,7 @@ TEST(MaskPicture, keepsThePixelsInTheMask)
       ASSERT_EQ(out.at<cv::Vec3b>(y, x), mask.at<std::uint8_t>(y, x) ? bgr.at<cv::Vec3b>(y, x) : cv::Vec3b());
 }
 
-TEST(MaskPicture, refusesOtherTypesAndSizes)
+TEST(Masking, refusesOtherTypesAndSizes)
 {
   const cv::Mat bgr(4, 5, CV_8UC3, cv::Scalar::all(1));
   cv::Mat out;

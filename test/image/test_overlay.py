@@ -65,7 +65,7 @@ def test_empty_trail_and_outline_draw_nothing():
         rv.draw_trail(image, [(1, 2, 3)])
 
 
-def test_mask_picture_keeps_the_pixels_in_the_mask():
+def test_masking_keeps_the_pixels_in_the_mask():
     random = np.random.RandomState(1)
     image = random.randint(0, 256, (48, 64, 3), np.uint8)
     mask = random.randint(0, 2, (48, 64), np.uint8) * 255

@@ -18,9 +18,9 @@ PID = LineControlParams(mode="pid")
 STANDING = (0.0, 0.0)
 
 
-def line_mask(picture):
+def line_mask(image):
     """The pixels of the line's colour: (height, width) uint8, 255 or 0."""
-    return rv.hsv_mask(picture, rv.HsvRange((0, 35, 0), (57, 255, 255)))
+    return rv.hsv_mask(image, rv.HsvRange((0, 35, 0), (57, 255, 255)))
 
 
 class Follower:
@@ -55,8 +55,8 @@ class Follower:
 
     def _look(self, now):
         top = self.world.camera.height * 3 // 4
-        picture = self.world.render(self.robot.pose, self.steps, top)
-        self.line = rv.find_line(line_mask(picture), previous=self.line)
+        image = self.world.render(self.robot.pose, self.steps, top)
+        self.line = rv.find_line(line_mask(image), previous=self.line)
         self._wanted = self.controller.update(now, self.line)
         self._last_frame = now
 

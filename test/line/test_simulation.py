@@ -125,9 +125,9 @@ def projected(camera, robot, points):
     ]
 
 
-def share_of_line(picture):
+def share_of_line(image):
     """The share of each pixel that is line, computed from its blue."""
-    return (FLOOR_COLOUR[0] - picture[:, :, 0].astype(float)) / (FLOOR_COLOUR[0] - LINE_COLOUR[0])
+    return (FLOOR_COLOUR[0] - image[:, :, 0].astype(float)) / (FLOOR_COLOUR[0] - LINE_COLOUR[0])
 
 
 @pytest.mark.parametrize("robot", [Pose(), Pose(0.3, 0.05, -0.3), Pose(-1.0, -0.1, 0.4)], ids=str)
@@ -168,8 +168,8 @@ def test_hsv_range_of_the_line_follower_finds_the_line_only():
     robot = Pose(0.0, 0.04, 0.2)
     share = share_of_line(TrackWorld(STRAIGHT, noise=0.0).render(robot))
     for frame in range(20):
-        picture = TrackWorld(STRAIGHT, noise=2.0).render(robot, frame)
-        mask = cv2.inRange(cv2.cvtColor(picture, cv2.COLOR_BGR2HSV), (0, 35, 0), (57, 255, 255))
+        image = TrackWorld(STRAIGHT, noise=2.0).render(robot, frame)
+        mask = cv2.inRange(cv2.cvtColor(image, cv2.COLOR_BGR2HSV), (0, 35, 0), (57, 255, 255))
         assert mask[share > 0.5].all()
         assert not mask[share == 0.0].any()
 
@@ -177,14 +177,14 @@ def test_hsv_range_of_the_line_follower_finds_the_line_only():
 def test_images_are_the_same_for_the_same_frame_and_seed():
     robot = Pose(0.1, 0.02, 0.1)
     world = TrackWorld(course_track(), noise=4.0, seed=7)
-    picture = world.render(robot, 3)
-    assert picture.shape == (240, 320, 3) and picture.dtype == np.uint8
+    image = world.render(robot, 3)
+    assert image.shape == (240, 320, 3) and image.dtype == np.uint8
     again = TrackWorld(course_track(), noise=4.0, seed=7).render(robot, 3)
-    assert np.array_equal(again, picture)
-    assert np.array_equal(world.render(robot, 3, top=180), picture[180:])
+    assert np.array_equal(again, image)
+    assert np.array_equal(world.render(robot, 3, top=180), image[180:])
     clean = TrackWorld(course_track(), noise=0.0).render(robot, 3).astype(int)
     for other in (world.render(robot, 4), TrackWorld(course_track(), noise=4.0).render(robot, 3)):
-        assert (other != picture).mean() > 0.8
+        assert (other != image).mean() > 0.8
         assert (other - clean).std() == pytest.approx(4.0, rel=0.05)
         assert abs((other - clean).mean()) < 0.1
 
@@ -201,8 +201,8 @@ def test_floor_is_seen_through_a_lens():
         floor, (2.0, 2.0), rv.CameraModel(320, 240, matrix, distortion), (0, 0, 0)
     )
     looking_down = np.array([[0.0, -1, 0, 0.02], [-1, 0, 0, -0.03], [0, 0, -1, 1.5], [0, 0, 0, 1]])
-    picture = scene.render(looking_down)
-    assert picture.shape == (240, 320, 3)
+    image = scene.render(looking_down)
+    assert image.shape == (240, 320, 3)
     xs, ys = np.meshgrid(np.linspace(-0.9, 0.9, 40), np.linspace(-0.9, 0.9, 40))
     points = np.stack([xs.ravel(), ys.ravel(), np.zeros(xs.size)], axis=1)
     inverse = np.linalg.inv(looking_down)
@@ -214,7 +214,7 @@ def test_floor_is_seen_through_a_lens():
     assert clear.sum() > 500
     expected = (np.abs(points[:, :2]) < 0.5).all(axis=1)
     for (x, y), white in zip(np.rint(pixels[clear]).astype(int), expected[clear]):
-        assert (picture[y, x] == (255 if white else 0)).all(), (x, y)
+        assert (image[y, x] == (255 if white else 0)).all(), (x, y)
 
 
 @pytest.mark.parametrize(

@@ -16,13 +16,13 @@ RATE = 30.0  # Hz
 
 
 def place(frame):
-    """Top left corner of the box: it comes in, rests, and goes on out of the picture."""
+    """Top left corner of the box: it comes in, rests, and goes on out of the image."""
     step = min(frame, 60) + max(frame - 120, 0) - 30
     return 8 * step, 100 + step
 
 
 @lru_cache(maxsize=None)  # drawing the noise takes longer than finding what moves
-def picture(frame, box=True, seed=0):
+def frame_of(frame, box=True, seed=0):
     """A frame with the camera's noise, and the box's part of it as (x, y, width, height)."""
     image = PHOTOGRAPH.copy()
     width = image.shape[1]
@@ -47,10 +47,10 @@ def params(**values):
 def test_box_is_found_when_and_where_it_is(method):
     detector = rv.MotionDetector(params(method=method, learning_rate=0.002))
     for frame in range(30):  # mog2 learns what is there
-        detector.update(frame / RATE, picture(0, box=False, seed=1000 + frame)[0])
+        detector.update(frame / RATE, frame_of(0, box=False, seed=1000 + frame)[0])
     right = wrong = missed = 0
     for frame in range(220):
-        image, truth = picture(frame)
+        image, truth = frame_of(frame)
         regions = detector.update(1.0 + frame / RATE, image).regions
         if truth is not None and truth[2] < 30:
             continue  # a strip at the border, smaller than the least area
@@ -66,7 +66,7 @@ def test_previous_frame_sees_what_moves_now():
     detector = rv.MotionDetector(params(method="previous_frame"))
     moving, resting = [], []
     for frame in range(120):
-        image, truth = picture(frame)
+        image, truth = frame_of(frame)
         regions = detector.update(frame / RATE, image).regions
         if truth is not None and truth[2] == BOX.shape[1]:
             (moving if frame <= 60 else resting).append(len(regions) > 0)
@@ -75,7 +75,7 @@ def test_previous_frame_sees_what_moves_now():
 
 def test_a_shaken_camera_is_not_one_huge_box():
     detector = rv.MotionDetector(params(threshold=10.0, max_changed=0.3))
-    still = picture(0, box=False)[0]
+    still = frame_of(0, box=False)[0]
     detector.update(0.0, still)
     for number, (dx, dy) in enumerate([(30, 10), (-25, 20), (40, -30)], 1):
         motion = detector.update(0.1 * number, np.roll(still, (dy, dx), (0, 1)))
@@ -87,10 +87,10 @@ def test_a_shaken_camera_is_not_one_huge_box():
 def test_lights_go_on_and_a_box_is_left():
     """Afterwards the lit room is the background, and with a running average the box as well."""
     detector = rv.MotionDetector(params(method="running_average", learning_rate=0.1))
-    dark = picture(0, box=False)[0] // 3
+    dark = frame_of(0, box=False)[0] // 3
     for frame in range(30):
         assert not detector.update(frame / RATE, dark).regions
-    lit = picture(0, box=False)[0] // 2 + 100
+    lit = frame_of(0, box=False)[0] // 2 + 100
     changes = [detector.update(1.0 + frame / RATE, lit) for frame in range(60)]
     assert changes[0].everywhere
     assert not any(change.regions for change in changes[:1] + changes[45:])
@@ -115,11 +115,11 @@ class Room:
     def gray(self, frame):
         return cv2.cvtColor(self._clean.render(frame), cv2.COLOR_BGR2GRAY)
 
-    def picture(self, frame):
+    def image(self, frame):
         return self._scene.render(frame)
 
     def changed(self, frame):
-        """Where the picture is another one than at first, by more than 25 grey levels."""
+        """Where the image is another one than at first, by more than 25 gray levels."""
         return cv2.absdiff(self.gray(frame), self._first) > 25
 
     def silhouette(self, frame, name):
@@ -133,11 +133,11 @@ class Room:
 def test_the_scene_s_box_and_ball_are_found_while_they_are_elsewhere():
     room = Room()
     detector = rv.MotionDetector(params())
-    detector.update(0.0, room.picture(0))
+    detector.update(0.0, room.image(0))
     rest = {name: room.silhouette(0, name)[0] for name in ("box", "ball")}
     found = missed = right = wrong = moved_box = 0
     for frame in range(5, 600, 5):
-        motion = detector.update(frame / RATE, room.picture(frame))
+        motion = detector.update(frame / RATE, room.image(frame))
         changed = room.changed(frame)
         for name in rest:
             now = room.silhouette(frame, name)[0]
@@ -157,7 +157,7 @@ def test_the_scene_s_box_and_ball_are_found_while_they_are_elsewhere():
     assert moved_box > 30 and found + missed > 100
     assert found / (found + missed) >= 0.95 and right / (right + wrong) >= 0.95
     # Whenever the box is where it was, nothing is said to have moved there.
-    quiet = detector.update(21.0, room.picture(1)).mask[rest["box"] & ~rest["ball"]]
+    quiet = detector.update(21.0, room.image(1)).mask[rest["box"] & ~rest["ball"]]
     assert not quiet.any()
 
 

@@ -18,9 +18,9 @@ EMPTY = np.full((240, 320, 3), 60, np.uint8)
 BOX = (100, 80, 60, 50)  # x, y, width, height
 
 
-def with_box(picture=EMPTY):
+def with_box():
     x, y, width, height = BOX
-    full = picture.copy()
+    full = EMPTY.copy()
     full[y : y + height, x : x + width] = 220
     return full
 
@@ -40,10 +40,10 @@ class Room:
         for messages in (self.motion, self.states, self.overlays):
             support.wait_for(messages.connected, "the node's topics")
 
-    def show(self, picture, frames=1):
-        """Shows a picture; the last frame's detections, state and overlay."""
+    def show(self, image, frames=1):
+        """Shows an image; the last frame's detections, state and overlay."""
         for _ in range(frames):
-            sent = message(picture, "bgr8")
+            sent = message(image, "bgr8")
             sent.header.stamp = rospy.Time.from_sec(next(self._numbers) / 10.0)
             sent.header.frame_id = "eye"
             self._source.send(sent)
