@@ -329,11 +329,12 @@ private:
   Gate& gate_;
 };
 
-sensor_msgs::ImagePtr numbered(int number)
+template <class Message = sensor_msgs::Image>
+boost::shared_ptr<Message> numbered(int number)
 {
-  auto image = boost::make_shared<sensor_msgs::Image>();
-  image->header.stamp = ros::Time(number, 0);
-  return image;
+  auto message = boost::make_shared<Message>();
+  message->header.stamp = ros::Time(number, 0);
+  return message;
 }
 
 /// Collects the seconds of the stamps of a topic's messages.
@@ -417,9 +418,7 @@ TEST(Transports, sendNothingAfterShutdown)
   plugin.publish(*numbered(3));
   ros::Publisher next = nh.advertise<sensor_msgs::CompressedImage>("video/slow", 100);
   ASSERT_TRUE(waitFor([&] { return next.getNumSubscribers() == 1; }));
-  sensor_msgs::CompressedImage last;
-  last.header.stamp = ros::Time(4, 0);
-  next.publish(last);
+  next.publish(numbered<sensor_msgs::CompressedImage>(4));
   EXPECT_TRUE(waitFor([&] { return !sent.received().empty() && sent.received().back() == 4; }));
   for (const std::uint32_t number : sent.received())  // the first two may have been sent before the end, or lost
     EXPECT_NE(number, 3U);
@@ -454,9 +453,7 @@ TEST(Transports, keepTheOrderOfEncodedAndPassedOnImages)
   ASSERT_TRUE(waitFor([&] { return gate.reached(); }));
   output.publish(numbered(2));
   gate.open();
-  sensor_msgs::CompressedImage passed;
-  passed.header.stamp = ros::Time(5, 0);
-  output.passOn(passed);
+  output.passOn(*numbered<sensor_msgs::CompressedImage>(5));
   EXPECT_TRUE(waitFor([&] { return !sent.received().empty() && sent.received().back() == 5; }));
   const List received = sent.received();
   EXPECT_EQ(received.front(), 1U);

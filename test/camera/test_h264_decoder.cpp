@@ -144,11 +144,7 @@ TEST_F(H264, isDecodedFromACamera)
     return kFirst + number == kDamaged ? std::vector<unsigned char>(50, 0xFF)
                                        : std::vector<unsigned char>(packet.datastart, packet.dataend);
   };
-  CaptureParams params;
-  params.pixel_format = "h264";
-  params.image_width = kSize.width;
-  params.image_height = kSize.height;
-  V4l2Source source(camera.plug(), params);
+  V4l2Source source(camera.plug(), withFormat("h264", kSize.width, kSize.height));
   EXPECT_EQ(source.description(), "H264 176x144 at 30 Hz from /dev/video0");
   std::vector<int> shown;
   std::string errors;

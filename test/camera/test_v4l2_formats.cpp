@@ -67,11 +67,7 @@ TEST_P(V4l2Formats, giveTheDriversPixelsWithoutItsPadding)
                          {{static_cast<unsigned>(size.width), static_cast<unsigned>(size.height), {30.0}}}}};
       camera.row_padding = padding;
       camera.frame_bytes = [&](const v4l2_pix_format&, unsigned) { return padded(image, layout, padding); };
-      CaptureParams params;
-      params.pixel_format = layout.name;
-      params.image_width = size.width;
-      params.image_height = size.height;
-      V4l2Source source(camera.plug(), params);
+      V4l2Source source(camera.plug(), withFormat(layout.name, size.width, size.height));
       EXPECT_EQ(source.warning(), "");
 
       Frame frame;
@@ -104,9 +100,7 @@ TEST(V4l2Formats, areRefusedIfTheFrameIsTooShort)
   camera.frame_bytes = [](const v4l2_pix_format& format, unsigned)
   { return std::vector<unsigned char>(format.sizeimage - 1, 0); };
   camera.formats = {{V4L2_PIX_FMT_NV12, 12, {{64, 48, {30.0}}}}};
-  CaptureParams params;
-  params.pixel_format = "nv12";
-  V4l2Source source(camera.plug(), params);
+  V4l2Source source(camera.plug(), withFormat("nv12", 64, 48));
   Frame frame;
   EXPECT_EQ(refusal([&] { source.read(frame); }), "/dev/video0: frame 0 has 4607 bytes instead of 4608");
 }

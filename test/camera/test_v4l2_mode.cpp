@@ -24,16 +24,6 @@ FakeCamera webcam()
   return camera;
 }
 
-CaptureParams withFormat(const std::string& pixel_format, int width, int height, double framerate = 0.0)
-{
-  CaptureParams params;
-  params.pixel_format = pixel_format;
-  params.image_width = width;
-  params.image_height = height;
-  params.framerate = framerate;
-  return params;
-}
-
 V4l2Mode negotiate(FakeCamera& camera, const CaptureParams& params)
 {
   return negotiateFormat(*camera.plug(), params);

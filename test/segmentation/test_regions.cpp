@@ -13,14 +13,26 @@ namespace
 
 const RegionParams kUncleaned{0, 1, 1};
 
-cv::Mat black(cv::Size size)
+/// A black mask with white boxes.
+cv::Mat maskOf(cv::Size size, const std::vector<cv::Rect>& boxes = {})
 {
-  return cv::Mat::zeros(size, CV_8UC1);
+  cv::Mat mask = cv::Mat::zeros(size, CV_8UC1);
+  for (const cv::Rect& box : boxes)
+    mask(box).setTo(255);
+  return mask;
 }
 
 std::vector<Region> find(cv::Mat mask, const RegionParams& params = kUncleaned)
 {
   return RegionFinder(params).apply(mask);
+}
+
+/// The only region of a mask.
+Region onlyRegion(const cv::Mat& mask, const RegionParams& params = kUncleaned)
+{
+  const std::vector<Region> regions = find(mask, params);
+  EXPECT_EQ(regions.size(), 1U);
+  return regions.empty() ? Region() : regions[0];
 }
 
 /// The pixels whose centres are in the disc.
@@ -58,9 +70,7 @@ TEST(RegionFinder, measuresDiscsToAFractionOfAPixel)
   for (const cv::Point2d center : {cv::Point2d(50, 40), cv::Point2d(50.5, 40.25), cv::Point2d(49.3, 41.7)})
     for (const double radius : {8.0, 21.4, 35.0})
     {
-      const std::vector<Region> regions = find(disc({100, 80}, center, radius));
-      ASSERT_EQ(regions.size(), 1U);
-      const Region& found = regions[0];
+      const Region found = onlyRegion(disc({100, 80}, center, radius));
       EXPECT_LT(cv::norm(found.center - center), 0.15) << center << radius;
       EXPECT_LT(cv::norm(found.circle_center - center), 0.6) << center << radius;
       EXPECT_NEAR(found.area, CV_PI * radius * radius, 3.0 * radius) << center << radius;
@@ -72,11 +82,7 @@ TEST(RegionFinder, measuresDiscsToAFractionOfAPixel)
 
 TEST(RegionFinder, measuresRectanglesExactly)
 {
-  cv::Mat mask = black({64, 48});
-  mask(cv::Rect(10, 20, 8, 5)).setTo(255);
-  const std::vector<Region> regions = find(mask);
-  ASSERT_EQ(regions.size(), 1U);
-  const Region& found = regions[0];
+  const Region found = onlyRegion(maskOf({64, 48}, {{10, 20, 8, 5}}));
   EXPECT_EQ(found.box, cv::Rect(10, 20, 8, 5));
   EXPECT_EQ(found.center, cv::Point2d(13.5, 22.0));
   EXPECT_EQ(found.area, 40.0);
@@ -111,8 +117,7 @@ TEST(RegionFinder, countsPixelsAsConnectedComponentsDo)
 
 TEST(RegionFinder, doesNotCountHolesAndFindsRegionsInThem)
 {
-  cv::Mat mask = black({80, 60});
-  mask(cv::Rect(10, 10, 40, 40)).setTo(255);
+  cv::Mat mask = maskOf({80, 60}, {{10, 10, 40, 40}});
   mask(cv::Rect(15, 15, 30, 20)).setTo(0);
   mask(cv::Rect(20, 20, 6, 4)).setTo(255);
   const std::vector<Region> regions = find(mask);
@@ -125,22 +130,17 @@ TEST(RegionFinder, doesNotCountHolesAndFindsRegionsInThem)
 
 TEST(RegionFinder, joinsAtCorners)
 {
-  cv::Mat mask = black({9, 9});
+  cv::Mat mask = maskOf({9, 9});
   for (int i = 2; i < 7; ++i)
     mask.at<std::uint8_t>(i, i) = 255;
-  const std::vector<Region> regions = find(mask);
-  ASSERT_EQ(regions.size(), 1U);
-  EXPECT_EQ(regions[0].area, 5.0);
-  EXPECT_EQ(regions[0].center, cv::Point2d(4, 4));
+  const Region found = onlyRegion(mask);
+  EXPECT_EQ(found.area, 5.0);
+  EXPECT_EQ(found.center, cv::Point2d(4, 4));
 }
 
 TEST(RegionFinder, sortsByAreaAndLeavesOutSmallOnes)
 {
-  cv::Mat mask = black({100, 50});
-  mask(cv::Rect(5, 5, 10, 10)).setTo(255);
-  mask(cv::Rect(30, 5, 11, 10)).setTo(255);
-  mask(cv::Rect(60, 5, 9, 11)).setTo(255);
-  mask(cv::Rect(5, 30, 80, 1)).setTo(255);
+  const cv::Mat mask = maskOf({100, 50}, {{5, 5, 10, 10}, {30, 5, 11, 10}, {60, 5, 9, 11}, {5, 30, 80, 1}});
   const std::vector<Region> regions = find(mask, {99, 1, 1});
   ASSERT_EQ(regions.size(), 3U);
   EXPECT_EQ(regions[0].area, 110.0);
@@ -153,7 +153,7 @@ TEST(RegionFinder, cleansAsOpenCvDoesOnTheWholeMask)
   for (const auto& [opening, closing] : {std::pair(3, 3), std::pair(1, 5), std::pair(5, 1), std::pair(7, 15)})
     for (const cv::Rect& part : {cv::Rect(0, 0, 120, 90), cv::Rect(20, 17, 60, 50), cv::Rect(90, 1, 29, 20)})
     {
-      cv::Mat mask = black({120, 90});
+      cv::Mat mask = maskOf({120, 90});
       blobs(part.size(), 5).copyTo(mask(part));
       const cv::Mat expected = cleanedByOpenCv(mask, opening, closing);
       RegionFinder({0, opening, closing}).apply(mask);
@@ -163,9 +163,7 @@ TEST(RegionFinder, cleansAsOpenCvDoesOnTheWholeMask)
 
 TEST(RegionFinder, looksOnlyAtTheGivenPart)
 {
-  cv::Mat mask = cv::Mat::zeros(60, 150, CV_8UC1);
-  cv::rectangle(mask, cv::Rect(70, 20, 24, 20), cv::Scalar(255), cv::FILLED);
-  cv::rectangle(mask, cv::Rect(100, 25, 12, 10), cv::Scalar(255), cv::FILLED);
+  cv::Mat mask = maskOf({150, 60}, {{70, 20, 24, 20}, {100, 25, 12, 10}});
   for (const int diameter : {1, 3, 9})  // the closing by 9 joins them, and reaches beyond
   {
     const RegionFinder finder({0, 1, diameter});
@@ -187,13 +185,9 @@ TEST(RegionFinder, looksOnlyAtTheGivenPart)
 
 TEST(RegionFinder, removesSpecksAndFillsGaps)
 {
-  cv::Mat mask = black({60, 60});
-  mask(cv::Rect(10, 10, 30, 30)).setTo(255);
-  mask(cv::Rect(25, 10, 1, 30)).setTo(0);   // a gap across
-  mask(cv::Rect(50, 50, 2, 2)).setTo(255);  // a speck
-  const std::vector<Region> regions = find(mask, {0, 3, 3});
-  ASSERT_EQ(regions.size(), 1U);
-  EXPECT_EQ(regions[0].box, cv::Rect(10, 10, 30, 30));
+  // A gap is between the two boxes, and a speck beside them.
+  const cv::Mat mask = maskOf({60, 60}, {{10, 10, 15, 30}, {26, 10, 14, 30}, {50, 50, 2, 2}});
+  EXPECT_EQ(onlyRegion(mask, {0, 3, 3}).box, cv::Rect(10, 10, 30, 30));
 }
 
 TEST(RegionFinder, takesBlackAndWhiteMasks)
@@ -201,7 +195,7 @@ TEST(RegionFinder, takesBlackAndWhiteMasks)
   const RegionFinder finder({0, 3, 3});
   cv::Mat full(30, 40, CV_8UC1, cv::Scalar(255));
   ASSERT_EQ(finder.apply(full).size(), 1U);
-  cv::Mat empty = black({40, 30});
+  cv::Mat empty = maskOf({40, 30});
   EXPECT_TRUE(finder.apply(empty).empty());
   cv::Mat pixel(1, 1, CV_8UC1, cv::Scalar(255));
   const std::vector<Region> regions = finder.apply(pixel);
@@ -218,9 +212,7 @@ TEST(RegionFinder, ignoresPixelsAroundTheMask)
   cv::Mat mask = large(cv::Rect(20, 20, 40, 30));
   mask.setTo(0);
   mask(cv::Rect(0, 0, 10, 10)).setTo(255);
-  const std::vector<Region> regions = find(mask, {0, 3, 3});
-  ASSERT_EQ(regions.size(), 1U);
-  EXPECT_EQ(regions[0].box, cv::Rect(0, 0, 10, 10));
+  EXPECT_EQ(onlyRegion(mask, {0, 3, 3}).box, cv::Rect(0, 0, 10, 10));
   EXPECT_EQ(cv::countNonZero(large), 60 * 80 - 40 * 30 + cv::countNonZero(mask));
 }
 

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "core/camera/v4l2_device.hpp"
+#include "robot_vision/camera/open_source.hpp"
 
 namespace robot_vision
 {
@@ -22,6 +23,17 @@ inline const std::vector<std::pair<unsigned long, std::string>> kStreamingCalls 
     {VIDIOC_REQBUFS, "VIDIOC_REQBUFS"},   {VIDIOC_QUERYBUF, "VIDIOC_QUERYBUF"}, {VIDIOC_QBUF, "VIDIOC_QBUF"},
     {VIDIOC_STREAMON, "VIDIOC_STREAMON"}, {VIDIOC_DQBUF, "VIDIOC_DQBUF"},
 };
+
+/// Parameters that ask a camera for this format.
+inline CaptureParams withFormat(const std::string& pixel_format, int width, int height, double framerate = 0.0)
+{
+  CaptureParams params;
+  params.pixel_format = pixel_format;
+  params.image_width = width;
+  params.image_height = height;
+  params.framerate = framerate;
+  return params;
+}
 
 /// A fake camera whose formats and faults a test chooses; plug() opens it. It answers as drivers do, but follows no
 /// clock: it gives a frame whenever one is waited for and a buffer is queued.

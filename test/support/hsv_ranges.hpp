@@ -8,14 +8,7 @@
 
 inline robot_vision::HsvRange hsvRange(const cv::Vec3i& low, const cv::Vec3i& high)
 {
-  robot_vision::HsvRange range;
-  range.h_low = low[0];
-  range.s_low = low[1];
-  range.v_low = low[2];
-  range.h_high = high[0];
-  range.s_high = high[1];
-  range.v_high = high[2];
-  return range;
+  return {low[0], low[1], low[2], high[0], high[1], high[2]};
 }
 
 inline std::string text(const robot_vision::HsvRange& r)

@@ -23,6 +23,13 @@ cv::Mat byOpenCv(const cv::Mat& image, const std::string& encoding, const EdgePa
   return edges;
 }
 
+cv::Mat edgesOf(const cv::Mat& image, const std::string& encoding, const EdgeParams& params = {})
+{
+  cv::Mat edges;
+  EdgeDetector(params).apply(image, encoding, edges);
+  return edges;
+}
+
 }  // namespace
 
 TEST(EdgeDetector, equalsTheOpenCvChainForEveryParameter)
@@ -30,11 +37,8 @@ TEST(EdgeDetector, equalsTheOpenCvChainForEveryParameter)
   const cv::Mat image = smooth({97, 61});
   for (const EdgeParams& params : {EdgeParams{}, EdgeParams{1, 50, 150, 3, false}, EdgeParams{3, 0, 0, 3, true},
                                    EdgeParams{31, 1, 2, 5, false}, EdgeParams{7, 100, 900, 7, true}})
-  {
-    cv::Mat edges;
-    EdgeDetector(params).apply(image, "bgr8", edges);
-    EXPECT_TRUE(equal(edges, byOpenCv(image, "bgr8", params))) << params.blur_size << ", " << params.aperture;
-  }
+    EXPECT_TRUE(equal(edgesOf(image, "bgr8", params), byOpenCv(image, "bgr8", params)))
+        << params.blur_size << ", " << params.aperture;
 }
 
 TEST(EdgeDetector, equalsTheOpenCvChainForEveryEncodingAndSize)
@@ -96,9 +100,7 @@ TEST(EdgeDetector, equalsTheOpenCvChainForAdversarialImages)
     params.high_threshold = params.low_threshold + random.uniform(0.0, 120.0);
     params.threads = random.uniform(1, 5);
     const cv::Mat image = adversarial(size, i);
-    cv::Mat edges;
-    EdgeDetector(params).apply(image, "mono8", edges);
-    ASSERT_TRUE(equal(edges, byOpenCv(image, "mono8", params)))
+    ASSERT_TRUE(equal(edgesOf(image, "mono8", params), byOpenCv(image, "mono8", params)))
         << "image " << i << ", " << size << ", blur " << params.blur_size << ", " << params.low_threshold << " to "
         << params.high_threshold << ", " << params.threads << " threads";
   }
@@ -111,9 +113,7 @@ TEST(EdgeDetector, followsAnEdgeThatWinds)
   for (const int high : {100, 2000})
   {
     const EdgeParams params{1, 5, 1.0 * high, 3, false};
-    cv::Mat edges;
-    EdgeDetector(params).apply(image, "mono8", edges);
-    EXPECT_TRUE(equal(edges, byOpenCv(image, "mono8", params))) << high;
+    EXPECT_TRUE(equal(edgesOf(image, "mono8", params), byOpenCv(image, "mono8", params))) << high;
   }
 }
 
@@ -136,16 +136,14 @@ TEST(EdgeDetector, marksAStepOnlyAtTheStep)
 {
   cv::Mat image(40, 40, CV_8UC1, cv::Scalar(0));
   image.colRange(20, 40).setTo(200);
-  cv::Mat edges;
-  EdgeDetector().apply(image, "mono8", edges);
+  const cv::Mat edges = edgesOf(image, "mono8");
   EXPECT_EQ(cv::countNonZero(edges.colRange(17, 23)), 40);
   EXPECT_EQ(cv::countNonZero(edges), 40);
 }
 
 TEST(EdgeDetector, takesOnePixel)
 {
-  cv::Mat edges;
-  EdgeDetector().apply(cv::Mat(1, 1, CV_8UC3, cv::Scalar::all(9)), "bgr8", edges);
+  const cv::Mat edges = edgesOf(cv::Mat(1, 1, CV_8UC3, cv::Scalar::all(9)), "bgr8");
   EXPECT_EQ(edges.size(), cv::Size(1, 1));
   EXPECT_EQ(cv::countNonZero(edges), 0);
 }
@@ -162,9 +160,8 @@ TEST(EdgeDetector, reusesTheOutputsMemory)
 
 TEST(EdgeDetector, refusesEmptyImagesAndOtherTypes)
 {
-  cv::Mat edges;
-  EXPECT_THROW(EdgeDetector().apply(cv::Mat(), "bgr8", edges), std::invalid_argument);
-  EXPECT_THROW(EdgeDetector().apply(cv::Mat(4, 4, CV_8UC1), "bgr8", edges), std::invalid_argument);
+  EXPECT_THROW(edgesOf(cv::Mat(), "bgr8"), std::invalid_argument);
+  EXPECT_THROW(edgesOf(cv::Mat(4, 4, CV_8UC1), "bgr8"), std::invalid_argument);
 }
 
 TEST(EdgeDetector, refusesParametersOutOfRange)

@@ -26,6 +26,13 @@ cv::Mat byOpenCv(const cv::Mat& image, const BrightnessParams& p)
   return out;
 }
 
+cv::Mat adjusted(const cv::Mat& image, const std::string& encoding, const BrightnessParams& params = {})
+{
+  cv::Mat out;
+  Brightness(params).apply(image, encoding, out);
+  return out;
+}
+
 /// byOpenCv() with the alpha channel of `image`.
 cv::Mat withAlpha(const cv::Mat& image, const BrightnessParams& params)
 {
@@ -47,9 +54,8 @@ TEST(Brightness, equalsTheOpenCvChain)
       {
         const cv::Mat image = noise(size, matType(encoding), 5);
         const cv::Mat before = image.clone();
-        cv::Mat out;
-        Brightness(params).apply(image, encoding, out);
-        EXPECT_TRUE(equal(out, image.channels() == 4 ? withAlpha(image, params) : byOpenCv(image, params)))
+        const cv::Mat expected = image.channels() == 4 ? withAlpha(image, params) : byOpenCv(image, params);
+        EXPECT_TRUE(equal(adjusted(image, encoding, params), expected))
             << encoding << ", gain " << params.gain << ", " << size;
         EXPECT_TRUE(equal(image, before));
         EXPECT_EQ(Brightness::outputEncoding(encoding), encoding);
@@ -63,14 +69,9 @@ TEST(Brightness, isTheSameWithAnyNumberOfThreads)
     {
       const cv::Mat image = noise({50, rows}, matType(encoding), 5);
       BrightnessParams params{1.5, -20, 1};
-      cv::Mat alone;
-      Brightness(params).apply(image, encoding, alone);
+      const cv::Mat alone = adjusted(image, encoding, params);
       for (params.threads = 2; params.threads <= 64; params.threads *= 2)
-      {
-        cv::Mat shared;
-        Brightness(params).apply(image, encoding, shared);
-        EXPECT_TRUE(equal(shared, alone)) << encoding << " " << rows << " " << params.threads;
-      }
+        EXPECT_TRUE(equal(adjusted(image, encoding, params), alone)) << encoding << " " << rows << params.threads;
     }
 }
 
@@ -81,10 +82,8 @@ TEST(Brightness, convertsMosaicsAndYuvToBgr)
     const bool kept = Brightness::outputEncoding(encoding) == encoding;
     if (kept || encoding == "jpeg") continue;
     const cv::Mat image = noise({40, 30}, matType(encoding), 5);
-    cv::Mat out;
-    Brightness().apply(image, encoding, out);
     EXPECT_EQ(Brightness::outputEncoding(encoding), "bgr8");
-    EXPECT_TRUE(equal(out, byOpenCv(converted(image, encoding, "bgr8"), BrightnessParams{}))) << encoding;
+    EXPECT_TRUE(equal(adjusted(image, encoding), byOpenCv(converted(image, encoding, "bgr8"), {}))) << encoding;
   }
 }
 
@@ -98,16 +97,13 @@ TEST(Brightness, equalsTheFormulaFor16Bits)
     cv::Mat expected = linear.clone();
     for (auto& value : cv::Mat_<std::uint16_t>(expected))
       value = cv::saturate_cast<std::uint16_t>(std::pow(value / 65535.0, params.gamma) * 65535.0);
-    cv::Mat out;
-    Brightness(params).apply(image, "mono16", out);
-    EXPECT_TRUE(equal(out, expected)) << params.gain;
+    EXPECT_TRUE(equal(adjusted(image, "mono16", params), expected)) << params.gain;
   }
 }
 
 TEST(Brightness, isVisiblyBrighterByDefault)
 {
-  cv::Mat out;
-  Brightness().apply(cv::Mat(4, 4, CV_8UC3, cv::Scalar(10, 100, 250)), "bgr8", out);
+  const cv::Mat out = adjusted(cv::Mat(4, 4, CV_8UC3, cv::Scalar(10, 100, 250)), "bgr8");
   EXPECT_EQ(out.at<cv::Vec3b>(2, 2), cv::Vec3b(60, 150, 255));
 }
 
