@@ -6,9 +6,7 @@
 
 #include <algorithm>
 #include <atomic>
-#include <functional>
 #include <future>
-#include <mutex>
 #include <opencv2/imgcodecs.hpp>
 #include <thread>
 
@@ -337,35 +335,6 @@ boost::shared_ptr<Message> numbered(int number)
   return message;
 }
 
-/// Collects the seconds of the stamps of a topic's messages.
-template <class Message>
-class Numbers
-{
-public:
-  explicit Numbers(const std::string& topic)
-    : subscriber_(ros::NodeHandle("~").subscribe<Message>(
-          topic, 100, [this](const boost::shared_ptr<const Message>& message) { put(message->header.stamp.sec); }))
-  {
-  }
-
-  std::vector<std::uint32_t> received() const
-  {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    return received_;
-  }
-
-private:
-  void put(std::uint32_t number)
-  {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    received_.push_back(number);
-  }
-
-  mutable std::mutex mutex_;  // guards received_, which the spinner's threads write
-  std::vector<std::uint32_t> received_;
-  ros::Subscriber subscriber_;
-};
-
 using List = std::vector<std::uint32_t>;
 
 }  // namespace
@@ -378,8 +347,8 @@ TEST(Transports, doNotDelayOthersWhenSlow)
   SlowPublisher slow(gate);
   slow.advertise(nh, nh.resolveName("video"), 100, false);
   ros::Publisher raw = nh.advertise<sensor_msgs::Image>("video", 100);
-  const Numbers<sensor_msgs::Image> images("video");
-  const Numbers<sensor_msgs::CompressedImage> sent("video/slow");
+  const Receiver<sensor_msgs::Image> images("video");
+  const Receiver<sensor_msgs::CompressedImage> sent("video/slow");
   ASSERT_TRUE(waitFor([&] { return raw.getNumSubscribers() == 1 && slow.getNumSubscribers() == 1; }));
   const auto publish = [&](int number)
   {
@@ -392,12 +361,12 @@ TEST(Transports, doNotDelayOthersWhenSlow)
   ASSERT_TRUE(waitFor([&] { return gate.reached(); }));
   for (int number = 2; number <= 9; ++number)
     publish(number);
-  EXPECT_TRUE(waitFor([&] { return images.received().size() == 9; }));
-  EXPECT_EQ(sent.received(), List{});
+  EXPECT_TRUE(waitFor([&] { return images.seconds().size() == 9; }));
+  EXPECT_EQ(sent.seconds(), List{});
   gate.open();
-  EXPECT_TRUE(waitFor([&] { return sent.received() == List{1, 9}; }));
+  EXPECT_TRUE(waitFor([&] { return sent.seconds() == List{1, 9}; }));
   publish(10);
-  EXPECT_TRUE(waitFor([&] { return sent.received() == List{1, 9, 10}; }));
+  EXPECT_TRUE(waitFor([&] { return sent.seconds() == List{1, 9, 10}; }));
 }
 
 TEST(Transports, sendNothingAfterShutdown)
@@ -406,7 +375,7 @@ TEST(Transports, sendNothingAfterShutdown)
   Gate gate;
   SlowPublisher slow(gate);
   slow.advertise(nh, nh.resolveName("video"), 100, false);
-  const Numbers<sensor_msgs::CompressedImage> sent("video/slow");
+  const Receiver<sensor_msgs::CompressedImage> sent("video/slow");
   ASSERT_TRUE(waitFor([&] { return slow.getNumSubscribers() == 1; }));
   const image_transport::PublisherPlugin& plugin = slow;
   plugin.publish(*numbered(1));
@@ -419,8 +388,8 @@ TEST(Transports, sendNothingAfterShutdown)
   ros::Publisher next = nh.advertise<sensor_msgs::CompressedImage>("video/slow", 100);
   ASSERT_TRUE(waitFor([&] { return next.getNumSubscribers() == 1; }));
   next.publish(numbered<sensor_msgs::CompressedImage>(4));
-  EXPECT_TRUE(waitFor([&] { return !sent.received().empty() && sent.received().back() == 4; }));
-  for (const std::uint32_t number : sent.received())  // the first two may have been sent before the end, or lost
+  EXPECT_TRUE(waitFor([&] { return !sent.seconds().empty() && sent.seconds().back() == 4; }));
+  for (const std::uint32_t number : sent.seconds())  // the first two may have been sent before the end, or lost
     EXPECT_NE(number, 3U);
 }
 
@@ -447,15 +416,15 @@ TEST(Transports, keepTheOrderOfEncodedAndPassedOnImages)
   encoder_gate = &gate;
   CompressedOutput output(nh, nh.resolveName("mixed"), toCompressionParams, encodedSlowly,
                           [](const ros::SingleSubscriberPublisher&) {});
-  const Numbers<sensor_msgs::CompressedImage> sent("mixed");
+  const Receiver<sensor_msgs::CompressedImage> sent("mixed");
   ASSERT_TRUE(waitFor([&] { return output.wanted(); }));
   output.publish(numbered(1));
   ASSERT_TRUE(waitFor([&] { return gate.reached(); }));
   output.publish(numbered(2));
   gate.open();
   output.passOn(*numbered<sensor_msgs::CompressedImage>(5));
-  EXPECT_TRUE(waitFor([&] { return !sent.received().empty() && sent.received().back() == 5; }));
-  const List received = sent.received();
+  EXPECT_TRUE(waitFor([&] { return !sent.seconds().empty() && sent.seconds().back() == 5; }));
+  const List received = sent.seconds();
   EXPECT_EQ(received.front(), 1U);
   EXPECT_TRUE(std::is_sorted(received.begin(), received.end()));
   std::string error;
@@ -468,7 +437,7 @@ TEST(Transports, keepTheOrderOfEncodedAndPassedOnImages)
   const auto goesOn = [&]
   {
     refusal([&] { output.publish(numbered(6)); });  // may still throw for image 3
-    return sent.received().back() == 6;
+    return sent.seconds().back() == 6;
   };
   EXPECT_TRUE(waitFor(goesOn));
 }

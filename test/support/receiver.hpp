@@ -4,10 +4,12 @@
 #include <ros/ros.h>
 
 #include <chrono>
+#include <cstdint>
 #include <functional>
 #include <mutex>
 #include <string>
 #include <thread>
+#include <vector>
 
 /// Waits for a condition; returns false if it is still false after half a minute.
 inline bool waitFor(const std::function<bool()>& condition)
@@ -18,7 +20,8 @@ inline bool waitFor(const std::function<bool()>& condition)
   return condition();
 }
 
-/// Receives the messages of a topic, given absolutely or in the private namespace, and keeps the last one.
+/// Receives the messages of a topic, given absolutely or in the private namespace. Keeps the last one, and of all
+/// others the time.
 template <class Message>
 class Receiver
 {
@@ -26,7 +29,7 @@ public:
   using Pointer = boost::shared_ptr<const Message>;
 
   explicit Receiver(const std::string& topic)
-    : subscriber_(ros::NodeHandle("~").subscribe<Message>(topic, 10, [this](const Pointer& message) { put(message); }))
+    : subscriber_(ros::NodeHandle("~").subscribe<Message>(topic, 100, [this](const Pointer& message) { put(message); }))
   {
   }
 
@@ -42,14 +45,23 @@ public:
     return last_;
   }
 
+  /// The seconds of the stamps of all messages.
+  std::vector<std::uint32_t> seconds() const
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    return seconds_;
+  }
+
 private:
   void put(const Pointer& message)
   {
     const std::lock_guard<std::mutex> lock(mutex_);
     last_ = message;
+    seconds_.push_back(message->header.stamp.sec);
   }
 
-  mutable std::mutex mutex_;  // guards last_, which the spinner's threads write
+  mutable std::mutex mutex_;  // guards last_ and seconds_, which the spinner's threads write
   Pointer last_;
+  std::vector<std::uint32_t> seconds_;
   ros::Subscriber subscriber_;
 };
