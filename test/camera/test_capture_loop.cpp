@@ -29,6 +29,12 @@ using Clock = std::chrono::steady_clock;
 
 constexpr std::chrono::seconds kDeadline{60};
 
+/// The ioctl calls of streaming and their names.
+const std::vector<std::pair<unsigned long, std::string>> kStreamingCalls = {
+    {VIDIOC_REQBUFS, "VIDIOC_REQBUFS"},   {VIDIOC_QUERYBUF, "VIDIOC_QUERYBUF"}, {VIDIOC_QBUF, "VIDIOC_QBUF"},
+    {VIDIOC_STREAMON, "VIDIOC_STREAMON"}, {VIDIOC_DQBUF, "VIDIOC_DQBUF"},
+};
+
 /// A capture loop on a fake camera. A test changes the camera in the loop's thread, in the callbacks.
 class Capture : public CaptureListener
 {

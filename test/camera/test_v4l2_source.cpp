@@ -1,6 +1,5 @@
 #include <gtest/gtest.h>
 
-#include <cerrno>
 #include <limits>
 
 #include "core/camera/v4l2_source.hpp"
@@ -76,20 +75,5 @@ TEST(V4l2Source, keepsCountingWhenTheDriversNumbersWrap)
     Frame frame;
     ASSERT_EQ(source.read(frame), ReadResult::kFrame);
     EXPECT_EQ(frame.sequence, i);
-  }
-}
-
-TEST(V4l2Source, namesTheCallThatFailed)
-{
-  for (const auto& [request, name] : kStreamingCalls)
-  {
-    FakeCamera camera;
-    {
-      V4l2Source source(camera.plug(), CaptureParams());
-      camera.faults[request] = {EIO};
-      EXPECT_EQ(readError(source), "/dev/video0: " + name + " failed: Input/output error");
-    }
-    EXPECT_EQ(camera.open_devices, 0);
-    EXPECT_EQ(camera.maps, 0);
   }
 }

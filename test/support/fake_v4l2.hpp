@@ -18,12 +18,6 @@
 namespace robot_vision
 {
 
-/// The ioctl calls of streaming and their names.
-inline const std::vector<std::pair<unsigned long, std::string>> kStreamingCalls = {
-    {VIDIOC_REQBUFS, "VIDIOC_REQBUFS"},   {VIDIOC_QUERYBUF, "VIDIOC_QUERYBUF"}, {VIDIOC_QBUF, "VIDIOC_QBUF"},
-    {VIDIOC_STREAMON, "VIDIOC_STREAMON"}, {VIDIOC_DQBUF, "VIDIOC_DQBUF"},
-};
-
 /// Parameters that ask a camera for this format.
 inline CaptureParams withFormat(const std::string& pixel_format, int width, int height, double framerate = 0.0)
 {

@@ -20,8 +20,8 @@ inline bool waitFor(const std::function<bool()>& condition)
   return condition();
 }
 
-/// Receives the messages of a topic, given absolutely or in the private namespace. Keeps the last one, and of all
-/// others the time.
+/// Receives the messages of a topic, given absolutely or in the private namespace. It keeps the last one,
+/// and the times of all.
 template <class Message>
 class Receiver
 {
