@@ -347,6 +347,8 @@ INVALID_CALIBRATIONS = [
     ({"width": 0}, "width is 0, must be 640 as in the camera's images"),
     ({"height": 481}, "height is 481, must be 480 as in the camera's images"),
     ({"K": [0.0] * 9}, "K is 0 everywhere, must be that of a calibrated camera"),
+    ({"K": [500, 1e300, 320, 0, 500, 240, 0, 0, 1]}, "K is 1e+300, must be from -1e+06 to 1e+06"),
+    ({"K": [500, 0, 320, 0, 500, 240, 0, 0, -1]}, "the last row of K is 0, 0, -1, must be 0, 0, 1"),
     ({"R": [2.0, 0, 0, 0, 1, 0, 0, 0, 1]}, "R is no rotation, must be a rotation matrix"),
     ({"P": [float("nan")] * 12}, "P is nan, must be finite"),
     ({"D": [0.1] * 3}, "D is 3 numbers, must be 0, 4, 5 or 8 of them"),

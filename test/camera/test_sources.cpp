@@ -337,6 +337,10 @@ TEST_F(Sources, renderTheScene)
 
 TEST(CaptureParams, areNamedIfTheyAreNoChoice)
 {
+  EXPECT_EQ(
+      refusalWith(&CaptureParams::pixel_format, "h265"),
+      "pixel_format is 'h265', must be yuyv, uyvy, nv12, nv21, yu12, bgr24, rgb24, mjpeg, bayer_rggb8, bayer_bggr8, "
+      "bayer_gbrg8, bayer_grbg8, h264, grey, y16, y10, yuv or yuvmono10");
   EXPECT_EQ(refusalWith(&CaptureParams::io_method, "dma"), "io_method is 'dma', must be mmap, read or userptr");
   EXPECT_EQ(refusalWith(&CaptureParams::video_device, ""),
             "video_device is '', must be a device such as /dev/video0, or its name");

@@ -94,6 +94,17 @@ INSTANTIATE_TEST_SUITE_P(All, V4l2Formats,
                                          Layout{"bayer_gbrg8", V4L2_PIX_FMT_SGBRG8, 8, "bayer_gbrg8", true},
                                          Layout{"bayer_grbg8", V4L2_PIX_FMT_SGRBG8, 8, "bayer_grbg8", true}));
 
+TEST(V4l2Formats, areRefusedIfTheFrameIsTooShort)
+{
+  FakeCamera camera;
+  camera.frame_bytes = [](const v4l2_pix_format& format, unsigned)
+  { return std::vector<unsigned char>(format.sizeimage - 1, 0); };
+  camera.formats = {{V4L2_PIX_FMT_NV12, 12, {{64, 48, {30.0}}}}};
+  V4l2Source source(camera.plug(), withFormat("nv12", 64, 48));
+  Frame frame;
+  EXPECT_EQ(refusal([&] { source.read(frame); }), "/dev/video0: frame 0 has 4607 bytes instead of 4608");
+}
+
 TEST(V4l2Formats, areThoseThatTheParameterTakes)
 {
   EXPECT_EQ(refusalWith(&CaptureParams::pixel_format, "none"), "pixel_format is 'none', must be " + v4l2FormatNames());
