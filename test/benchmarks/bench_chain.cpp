@@ -1,4 +1,4 @@
-// The bare OpenCV chain at a camera's pace, without ROS: bench_chain PICTURE WIDTH HEIGHT SECONDS RATE THREADS
+// The bare OpenCV chain at a camera's pace, without ROS: bench_chain IMAGE WIDTH HEIGHT SECONDS RATE THREADS
 // THREADS is OpenCV's, 0: as many as it likes. Prints JSON; the latency is the time that a frame takes.
 
 #include <chrono>
@@ -11,7 +11,7 @@
 namespace
 {
 
-bench::Result run(const std::vector<cv::Mat>& pictures, int frames, double rate)
+bench::Result run(const std::vector<cv::Mat>& images, int frames, double rate)
 {
   constexpr int kWarmUp = 15;
   using Clock = std::chrono::steady_clock;
@@ -32,7 +32,7 @@ bench::Result run(const std::vector<cv::Mat>& pictures, int frames, double rate)
       wall_begin = begin;
       cpu_begin = bench::seconds(CLOCK_PROCESS_CPUTIME_ID);
     }
-    chain.apply(pictures[static_cast<std::size_t>(i + kWarmUp) % pictures.size()], edges);
+    chain.apply(images[static_cast<std::size_t>(i + kWarmUp) % images.size()], edges);
     if (i >= 0) result.latencies_ms.push_back((bench::seconds(CLOCK_MONOTONIC) - begin) * 1e3);
   }
   std::this_thread::sleep_until(next);
@@ -47,12 +47,12 @@ bench::Result run(const std::vector<cv::Mat>& pictures, int frames, double rate)
 int main(int argc, char** argv)
 try
 {
-  if (argc != 7) throw std::invalid_argument("bench_chain PICTURE WIDTH HEIGHT SECONDS RATE THREADS");
+  if (argc != 7) throw std::invalid_argument("bench_chain IMAGE WIDTH HEIGHT SECONDS RATE THREADS");
   const double rate = std::atof(argv[5]);
   const int threads = std::atoi(argv[6]);
   if (threads > 0) cv::setNumThreads(threads);
-  const auto pictures = bench::movingPicture(argv[1], {std::atoi(argv[2]), std::atoi(argv[3])});
-  bench::print(run(pictures, static_cast<int>(std::atof(argv[4]) * rate), rate));
+  const auto images = bench::movingImage(argv[1], {std::atoi(argv[2]), std::atoi(argv[3])});
+  bench::print(run(images, static_cast<int>(std::atof(argv[4]) * rate), rate));
   return 0;
 }
 catch (const std::exception& e)

@@ -1,7 +1,7 @@
-// What a frame costs when there is more and more to find in it: bench_growth PICTURE FACE KIND WIDTH HEIGHT NUMBER...
+// What a frame costs when there is more and more to find in it: bench_growth IMAGE FACE KIND WIDTH HEIGHT NUMBER...
 //
 // KIND faces: the photograph FACE as often as the number says, found and followed by FaceDetector, its searches in the
-// same thread; objects: blue discs, found by HsvMask and RegionFinder. All moves before PICTURE, which has neither, at
+// same thread; objects: blue discs, found by HsvMask and RegionFinder. All moves before IMAGE, which has neither, at
 // 30 Hz. Prints JSON, for each number: it, the CPU time of a frame (mean) in ms, and how many were found (median).
 
 #include <cstdlib>
@@ -32,14 +32,14 @@ void draw(cv::Mat& bgr, const cv::Mat& face, cv::Rect place)
 
 /// Each thing goes round in a field of its own; fields are as many as the largest number needs, so that all numbers
 /// have things of one size.
-std::vector<cv::Mat> makeFrames(const std::string& picture, const cv::Mat& face, cv::Size size, int number, int largest)
+std::vector<cv::Mat> makeFrames(const std::string& image, const cv::Mat& face, cv::Size size, int number, int largest)
 {
   const int columns = cvCeil(std::sqrt(largest * size.width / static_cast<double>(size.height)));
   const int rows = std::max(cvCeil(largest / static_cast<double>(columns)), 1);
   const cv::Size field(size.width / std::max(columns, 1), size.height / rows);
   const int side = std::min(field.width, field.height) * 9 / 10;
   const double radius = side / 20.0;
-  const std::vector<cv::Mat> behind = bench::movingPicture(picture, size);
+  const std::vector<cv::Mat> behind = bench::movingImage(image, size);
   std::vector<cv::Mat> frames;
   for (int i = 0; i < kFrames; ++i)
   {
@@ -94,11 +94,11 @@ void run(const std::vector<cv::Mat>& frames, bool faces, int number)
 int main(int argc, char** argv)
 try
 {
-  if (argc < 7) throw std::invalid_argument("bench_growth PICTURE FACE KIND WIDTH HEIGHT NUMBER...");
+  if (argc < 7) throw std::invalid_argument("bench_growth IMAGE FACE KIND WIDTH HEIGHT NUMBER...");
   cv::setNumThreads(1);
   const bool faces = std::string(argv[3]) == "faces";
   const cv::Mat face = faces ? cv::imread(argv[2], cv::IMREAD_COLOR) : cv::Mat();
-  if (faces && face.empty()) throw std::runtime_error(std::string(argv[2]) + " is not a picture");
+  if (faces && face.empty()) throw std::runtime_error(std::string(argv[2]) + " is not an image");
   std::vector<int> numbers;
   for (int i = 6; i < argc; ++i)
     numbers.push_back(std::atoi(argv[i]));

@@ -1,4 +1,4 @@
-// What ROS adds to the kernels inside a nodelet manager: bench_in_process PICTURE WIDTH HEIGHT FRAMES THREADS
+// What ROS adds to the kernels inside a nodelet manager: bench_in_process IMAGE WIDTH HEIGHT FRAMES THREADS
 //
 // The same frames, in turns: the bare OpenCV chain, the core's EdgeDetector, and the edge_detector nodelet of a manager
 // in this process, from publish() to the callback of a subscriber of its result. THREADS is OpenCV's for all three,
@@ -118,12 +118,11 @@ int main(int argc, char** argv)
 try
 {
   ros::init(argc, argv, "bench_in_process");
-  if (argc != 6) throw std::invalid_argument("bench_in_process PICTURE WIDTH HEIGHT FRAMES THREADS");
+  if (argc != 6) throw std::invalid_argument("bench_in_process IMAGE WIDTH HEIGHT FRAMES THREADS");
   const int threads = std::atoi(argv[5]);
   if (threads > 0) cv::setNumThreads(threads);
   ros::NodeHandle nh;
-  run(bench::pictureMessages(argv[1], {std::atoi(argv[2]), std::atoi(argv[3])}, false),
-      std::max(std::atoi(argv[4]), 1));
+  run(bench::movingMessages(argv[1], {std::atoi(argv[2]), std::atoi(argv[3])}, false), std::max(std::atoi(argv[4]), 1));
   return 0;
 }
 catch (const std::exception& e)

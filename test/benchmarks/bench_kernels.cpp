@@ -1,10 +1,10 @@
 // Our work on pixels beside the calls of OpenCV that it replaces, with Google Benchmark:
-// bench_kernels PICTURE [--sizes=WIDTHxHEIGHT,...] [--threads=N] [--all-sets] [--growth] [--benchmark_...]
+// bench_kernels IMAGE [--sizes=WIDTHxHEIGHT,...] [--threads=N] [--all-sets] [--growth] [--benchmark_...]
 //
 // Both see the same frames in turns, and keep their memory; each measures the median over them, of the CPU's time or,
 // with several threads, of a clock. Counters: ms per frame of both, how many times as fast ours is and is to be; an
 // error instead, if a result differs. --all-sets: with the loops of every instruction set that the machine has, instead
-// of the best; --growth: only what is to grow with the size of the picture.
+// of the best; --growth: only what is to grow with the size of the image.
 
 #include <benchmark/benchmark.h>
 
@@ -25,7 +25,7 @@ using robot_vision::InstructionSet;
 
 struct Options
 {
-  std::string picture;
+  std::string image;
   std::vector<cv::Size> sizes = {{640, 480}, {1920, 1080}, {3840, 2160}};
   int threads = 1;
   bool all_sets = false;
@@ -60,13 +60,13 @@ Options parse(int argc, char** argv)
       options.all_sets = true;
     else if (argument == "--growth")
       options.growth = true;
-    else if (argument.rfind("--", 0) == 0 || !options.picture.empty())
+    else if (argument.rfind("--", 0) == 0 || !options.image.empty())
       throw std::invalid_argument("no such option: " + argument);
     else
-      options.picture = argument;
+      options.image = argument;
   }
-  if (options.picture.empty() || options.threads < 1)
-    throw std::invalid_argument("expected PICTURE, and at least 1 thread");
+  if (options.image.empty() || options.threads < 1)
+    throw std::invalid_argument("expected IMAGE, and at least 1 thread");
   return options;
 }
 
@@ -77,7 +77,7 @@ public:
   const Contest& get(const Options& options, const Work& work, const cv::Size& size, InstructionSet set)
   {
     robot_vision::chooseSet(set);
-    if (size != size_) frames_ = bench::movingPicture(options.picture, size);
+    if (size != size_) frames_ = bench::movingImage(options.image, size);
     if (size != size_ || &work != work_ || set != set_) contest_ = work.prepare({frames_, options.threads});
     size_ = size;
     work_ = &work;
@@ -116,7 +116,7 @@ void measure(benchmark::State& state, const Options& options, const Work& work, 
   {
     static_cast<void>(unused);
     const std::size_t i = ours.size() % prepared.frames();
-    const bool ours_first = ours.size() % 2 == 1;  // the second finds the picture in the cache
+    const bool ours_first = ours.size() % 2 == 1;  // the second finds the image in the cache
     if (ours_first) time(contest.ours, i, ours);
     time(contest.theirs, i, theirs);
     if (!ours_first) time(contest.ours, i, ours);

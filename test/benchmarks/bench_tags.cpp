@@ -1,4 +1,4 @@
-// AprilTags, ours and with a plain call of libapriltag for each frame: bench_tags PICTURE WIDTH HEIGHT TAGS ROUNDS
+// AprilTags, ours and with a plain call of libapriltag for each frame: bench_tags IMAGE WIDTH HEIGHT TAGS ROUNDS
 //
 // Tags of tag36h11 move before a photograph that moves, too, with pixel noise, at 30 Hz. Both see the same mono8
 // frames, in turns of some seconds and as they come from a camera: the library in full resolution with 2 threads, as
@@ -52,9 +52,9 @@ TagCorners cornersAt(int id, int tags, int frame, cv::Size size)
   return tagCorners(middle + way, side, 0.4 * std::sin(phase), 0.6, phase);
 }
 
-std::vector<Frame> makeFrames(const char* picture, cv::Size size, int tags)
+std::vector<Frame> makeFrames(const char* image, cv::Size size, int tags)
 {
-  const std::vector<cv::Mat> behind = bench::movingPicture(picture, size);
+  const std::vector<cv::Mat> behind = bench::movingImage(image, size);
   cv::RNG random(1);
   std::vector<Frame> frames(kFrames);
   for (int i = 0; i < kFrames; ++i)
@@ -238,7 +238,7 @@ void measureTags(const std::vector<Frame>& frames)
 int main(int argc, char** argv)
 try
 {
-  if (argc != 6) throw std::invalid_argument("bench_tags PICTURE WIDTH HEIGHT TAGS ROUNDS");
+  if (argc != 6) throw std::invalid_argument("bench_tags IMAGE WIDTH HEIGHT TAGS ROUNDS");
   cv::setNumThreads(1);
   const std::vector<Frame> frames = makeFrames(argv[1], {std::atoi(argv[2]), std::atoi(argv[3])}, std::atoi(argv[4]));
   Plain plain;

@@ -2,9 +2,9 @@
 // others make of it on `result`, which keeps the stamp. Prints JSON: latencies from stamp to arrival, CPU time of the
 // processes ~pids.
 //
-// ~picture (empty: the stamps are another's, e.g. a camera's; only listen), ~width, ~height, ~rate (Hz), ~seconds,
+// ~image (empty: the stamps are another's, e.g. a camera's; only listen), ~width, ~height, ~rate (Hz), ~seconds,
 // ~warm_up (s, not counted), ~pids ("12 34"), ~expect: what one result is compared with: "", opencv, opencv_apps,
-// ~results (false: the processes note themselves when pictures arrive), ~still (a box moves instead of the picture)
+// ~results (false: the processes note themselves when images arrive), ~still (a box moves instead of the image)
 
 #include <image_transport/camera_common.h>
 #include <ros/ros.h>
@@ -25,7 +25,7 @@ constexpr double kLastWait = 0.5;   // s, for the results still under way at the
 
 struct Settings
 {
-  std::string picture;
+  std::string image;
   int width = 640;
   int height = 480;
   double rate = 30.0;
@@ -42,7 +42,7 @@ Settings readSettings()
   const ros::NodeHandle pnh("~");
   Settings settings;
   std::string pids;
-  pnh.getParam("picture", settings.picture);
+  pnh.getParam("image", settings.image);
   pnh.getParam("width", settings.width);
   pnh.getParam("height", settings.height);
   pnh.getParam("rate", settings.rate);
@@ -66,7 +66,7 @@ double cpuSeconds(const std::vector<clockid_t>& clocks)
   return sum;
 }
 
-/// What opencv_apps' edge_detection does to a BGR picture, which it takes for RGB.
+/// What opencv_apps' edge_detection does to a BGR image, which it takes for RGB.
 cv::Mat opencvAppsEdges(const cv::Mat& bgr)
 {
   cv::Mat smooth;
@@ -137,7 +137,7 @@ private:
   ros::AsyncSpinner spinner_;
 };
 
-/// Of a camera without distortion whose picture is as wide as 1.2 focal lengths.
+/// Of a camera without distortion whose image is as wide as 1.2 focal lengths.
 sensor_msgs::CameraInfo cameraInfo(cv::Size size)
 {
   sensor_msgs::CameraInfo info;
@@ -173,7 +173,7 @@ public:
   bench::Result run()
   {
     if (settings_.results) waitFor("for somebody who publishes the result", [this] { return results_.connected(); });
-    if (settings_.picture.empty())
+    if (settings_.image.empty())
       listen();
     else
       publish();
@@ -206,7 +206,7 @@ private:
   void publish()
   {
     const cv::Size size(settings_.width, settings_.height);
-    const auto messages = bench::pictureMessages(settings_.picture, size, settings_.still);
+    const auto messages = bench::movingMessages(settings_.image, size, settings_.still);
     ros::NodeHandle nh;
     ros::Publisher publisher = nh.advertise<sensor_msgs::Image>("image", 1);
     const std::string beside = image_transport::getCameraInfoTopic(nh.resolveName("image"));
@@ -243,8 +243,8 @@ private:
   {
     const sensor_msgs::ImageConstPtr last = results_.last();
     if (settings_.expect.empty() || !last || last->header.stamp != end_) return;
-    const cv::Mat picture = bench::view(sent, CV_8UC3);
-    const cv::Mat expected = settings_.expect == "opencv" ? opencvEdges(picture) : opencvAppsEdges(picture);
+    const cv::Mat image = bench::view(sent, CV_8UC3);
+    const cv::Mat expected = settings_.expect == "opencv" ? opencvEdges(image) : opencvAppsEdges(image);
     result_.same_pixels = samePixels(*last, expected);
   }
 

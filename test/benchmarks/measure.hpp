@@ -10,17 +10,17 @@
 #include <string>
 #include <vector>
 
-/// What the benchmarks share: the pictures, the work to compare with, clocks and the form of a result.
+/// What the benchmarks share: the images, the work to compare with, clocks and the form of a result.
 namespace bench
 {
 
-/// Frames of a photograph that moves: windows of one larger picture, in BGR. Throws std::runtime_error without it.
-inline std::vector<cv::Mat> movingPicture(const std::string& path, cv::Size size)
+/// Frames of a photograph that moves: windows of one larger image, in BGR. Throws std::runtime_error without it.
+inline std::vector<cv::Mat> movingImage(const std::string& path, cv::Size size)
 {
   constexpr int kFrames = 8;
   constexpr int kStep = 4;  // px from frame to frame
   const cv::Mat photograph = cv::imread(path, cv::IMREAD_COLOR);
-  if (photograph.empty()) throw std::runtime_error(path + " is not a picture");
+  if (photograph.empty()) throw std::runtime_error(path + " is not an image");
   cv::Mat large;
   cv::resize(photograph, large, size + cv::Size(kFrames * kStep, kFrames * kStep), 0, 0, cv::INTER_CUBIC);
   std::vector<cv::Mat> frames;
@@ -29,22 +29,26 @@ inline std::vector<cv::Mat> movingPicture(const std::string& path, cv::Size size
   return frames;
 }
 
-/// Frames of a camera that stands still before a photograph: a part of it wanders as a box, and there is pixel noise.
-inline std::vector<cv::Mat> stillPicture(const std::string& path, cv::Size size)
+/// Before a camera that stands still: parts of the first frame as boxes that wander from these places (shares of the
+/// frame's size), and pixel noise.
+inline std::vector<cv::Mat> withBoxes(const std::vector<cv::Mat>& moving, const std::vector<cv::Point2d>& places)
 {
-  std::vector<cv::Mat> frames = movingPicture(path, size);
-  const cv::Mat behind = frames.front().clone();
-  const cv::Size box = size / 6;
+  const cv::Mat& behind = moving.front();
+  const cv::Size box = behind.size() / 6;
+  std::vector<cv::Mat> frames;
   cv::RNG random(1);
-  for (std::size_t i = 0; i < frames.size(); ++i)
+  for (std::size_t i = 0; i < moving.size(); ++i)
   {
-    behind.copyTo(frames[i]);
-    const cv::Point at(size.width / 4 + static_cast<int>(i) * size.width / 32, size.height / 3);
-    behind(cv::Rect({size.width / 2, size.height / 2}, box)).copyTo(frames[i](cv::Rect(at, box)));
-    cv::Mat noise(size, CV_16SC3), noisy;
+    cv::Mat frame = behind.clone();
+    for (const cv::Point2d& place : places)
+    {
+      const int moved = static_cast<int>(i) * frame.cols / 32;
+      const cv::Point at(cvRound(place.x * frame.cols) + moved, cvRound(place.y * frame.rows));
+      behind(cv::Rect({frame.cols / 2, frame.rows / 2}, box)).copyTo(frame(cv::Rect(at, box)));
+    }
+    cv::Mat noise(frame.size(), CV_16SC3);
     random.fill(noise, cv::RNG::NORMAL, 0.0, 2.0);
-    cv::add(frames[i], noise, noisy, cv::noArray(), CV_8U);
-    frames[i] = noisy;
+    cv::add(frame, noise, frames.emplace_back(), cv::noArray(), CV_8U);
   }
   return frames;
 }

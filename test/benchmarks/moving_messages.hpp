@@ -1,8 +1,8 @@
 #pragma once
 
-#include <sensor_msgs/Image.h>
+#include <cv_bridge/cv_bridge.h>
+#include <sensor_msgs/image_encodings.h>
 
-#include <boost/make_shared.hpp>
 #include <string>
 #include <vector>
 
@@ -11,18 +11,6 @@
 namespace bench
 {
 
-inline sensor_msgs::ImagePtr toMessage(const cv::Mat& bgr)
-{
-  auto message = boost::make_shared<sensor_msgs::Image>();
-  message->header.frame_id = "camera";
-  message->encoding = "bgr8";
-  message->width = static_cast<std::uint32_t>(bgr.cols);
-  message->height = static_cast<std::uint32_t>(bgr.rows);
-  message->step = static_cast<std::uint32_t>(bgr.step);
-  message->data.assign(bgr.datastart, bgr.dataend);
-  return message;
-}
-
 /// The pixels of a message, shared with it.
 inline cv::Mat view(const sensor_msgs::Image& message, int type)
 {
@@ -30,12 +18,15 @@ inline cv::Mat view(const sensor_msgs::Image& message, int type)
           const_cast<std::uint8_t*>(message.data.data()), message.step};
 }
 
-/// stillPicture() or movingPicture() as messages.
-inline std::vector<sensor_msgs::ImagePtr> pictureMessages(const std::string& path, cv::Size size, bool still)
+/// A photograph that moves, or a box that moves before it, as messages.
+inline std::vector<sensor_msgs::ImagePtr> movingMessages(const std::string& path, cv::Size size, bool still)
 {
+  std_msgs::Header header;
+  header.frame_id = "camera";
+  const std::vector<cv::Mat> moving = movingImage(path, size);
   std::vector<sensor_msgs::ImagePtr> messages;
-  for (const cv::Mat& picture : still ? stillPicture(path, size) : movingPicture(path, size))
-    messages.push_back(toMessage(picture));
+  for (const cv::Mat& image : still ? withBoxes(moving, {{0.25, 1.0 / 3.0}}) : moving)
+    messages.push_back(cv_bridge::CvImage(header, sensor_msgs::image_encodings::BGR8, image).toImageMsg());
   return messages;
 }
 

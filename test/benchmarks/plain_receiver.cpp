@@ -1,4 +1,4 @@
-// A subscriber that does nothing with its pictures, the least that receiving can cost. At its end it prints JSON:
+// A subscriber that does nothing with its images, the least that receiving can cost. At its end it prints JSON:
 // [stamp in s, latency in ms] of each.
 
 #include <ros/ros.h>

@@ -1,7 +1,6 @@
 #include "robot_vision/filters/brightness.hpp"
 
 #include <cstring>
-#include <memory>
 
 #include "contests.hpp"
 
@@ -13,9 +12,11 @@ namespace
 constexpr double kGain = 1.2;
 constexpr double kOffset = 30.0;
 
-struct State
+struct State : Results
 {
-  State(const Setup& setup, double gamma) : frames(setup.frames)
+  using Function = void (*)(State& state, const cv::Mat& frame);
+
+  State(const Setup& setup, double gamma, Function by) : frames(setup.frames), by_opencv(by)
   {
     robot_vision::BrightnessParams params;
     params.gain = kGain;
@@ -29,41 +30,28 @@ struct State
     brightness.apply(ramp, "mono8", table);
   }
 
+  void byOpenCv(std::size_t i) { by_opencv(*this, frames[i]); }
+  void byUs(std::size_t i) { brightness.apply(frames[i], "bgr8", ours); }
+  bool same() const { return by_opencv == copy || Results::same(); }
+
+  static void copy(State& state, const cv::Mat& frame)
+  {
+    state.theirs.create(frame.size(), frame.type());
+    std::memcpy(state.theirs.data, frame.data, frame.total() * frame.elemSize());
+  }
+
+  static void convert(State& state, const cv::Mat& frame) { frame.convertTo(state.theirs, -1, kGain, kOffset); }
+  static void applyLut(State& state, const cv::Mat& frame) { cv::LUT(frame, state.table, state.theirs); }
+
   std::vector<cv::Mat> frames;
+  Function by_opencv;
   robot_vision::Brightness brightness;
   cv::Mat table;
-  Results results;
 };
 
-using Theirs = void (*)(State& state, const cv::Mat& frame);
-
-void copy(State& state, const cv::Mat& frame)
+Work work(const char* name, const char* against, double goal, double gamma, State::Function theirs)
 {
-  state.results.theirs.create(frame.size(), frame.type());
-  std::memcpy(state.results.theirs.data, frame.data, frame.total() * frame.elemSize());
-}
-
-void convert(State& state, const cv::Mat& frame)
-{
-  frame.convertTo(state.results.theirs, -1, kGain, kOffset);
-}
-
-void applyLut(State& state, const cv::Mat& frame)
-{
-  cv::LUT(frame, state.table, state.results.theirs);
-}
-
-Work work(const char* name, const char* against, double goal, double gamma, Theirs theirs)
-{
-  const auto prepare = [=](const Setup& setup)
-  {
-    const auto state = std::make_shared<State>(setup, gamma);
-    const auto ours = [state](std::size_t i)
-    { state->brightness.apply(state->frames[i], "bgr8", state->results.ours); };
-    return Contest{[=](std::size_t i) { theirs(*state, state->frames[i]); }, ours,
-                   [=] { return theirs == copy || state->results.same(); }};
-  };
-  return {name, against, goal, prepare, theirs == copy && gamma == 1.0};
+  return {name, against, goal, contestOf<State>(gamma, theirs), theirs == State::copy && gamma == 1.0};
 }
 
 }  // namespace
@@ -71,10 +59,10 @@ Work work(const char* name, const char* against, double goal, double gamma, Thei
 std::vector<Work> brightnessWorks()
 {
   constexpr double kOfMemcpy = 1.0 / 1.3;
-  return {work("brightness and contrast", "memcpy", kOfMemcpy, 1.0, copy),
-          work("brightness, contrast, gamma", "memcpy", kOfMemcpy, 0.7, copy),
-          work("brightness and contrast", "convertTo", 1.0, 1.0, convert),
-          work("brightness, contrast, gamma", "LUT", 1.0, 0.7, applyLut)};
+  return {work("brightness and contrast", "memcpy", kOfMemcpy, 1.0, State::copy),
+          work("brightness, contrast, gamma", "memcpy", kOfMemcpy, 0.7, State::copy),
+          work("brightness and contrast", "convertTo", 1.0, 1.0, State::convert),
+          work("brightness, contrast, gamma", "LUT", 1.0, 0.7, State::applyLut)};
 }
 
 }  // namespace bench

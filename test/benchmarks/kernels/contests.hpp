@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <opencv2/core.hpp>
 #include <string>
 #include <vector>
@@ -30,7 +31,7 @@ struct Work
   std::string against;
   double goal;  // how many times as fast as the other ours is to be
   std::function<Contest(const Setup&)> prepare;
-  bool scales = false;  // one of those whose growth with the size of the picture is looked at
+  bool scales = false;  // one of those whose growth with the size of the image is looked at
 };
 
 std::vector<Work> edgeWorks();
@@ -40,12 +41,24 @@ std::vector<Work> brightnessWorks();
 std::vector<Work> conversionWorks();
 std::vector<Work> jpegWorks();
 
-/// Where a contest's pictures go.
+/// Where a contest's images go.
 struct Results
 {
   cv::Mat theirs, ours;
 
   bool same() const { return theirs.size() == ours.size() && cv::norm(theirs, ours, cv::NORM_INF) == 0.0; }
 };
+
+/// Makes contests with a State(setup, arguments...), which has both sides as byOpenCv(i) and byUs(i), and same().
+template <class State, class... Arguments>
+std::function<Contest(const Setup&)> contestOf(const Arguments&... arguments)
+{
+  return [=](const Setup& setup)
+  {
+    const auto state = std::make_shared<State>(setup, arguments...);
+    return Contest{[state](std::size_t i) { state->byOpenCv(i); }, [state](std::size_t i) { state->byUs(i); },
+                   [state] { return state->same(); }};
+  };
+}
 
 }  // namespace bench

@@ -1,4 +1,3 @@
-#include <memory>
 #include <opencv2/imgproc.hpp>
 
 #include "contests.hpp"
@@ -12,7 +11,7 @@ namespace
 
 using Convert = void (*)(const cv::Mat&, const std::string&, cv::Mat&);
 
-/// A picture of the encoding, without the photograph's colours: all its bytes are gray ones of the photograph.
+/// An image of the encoding, without the photograph's colors: all its bytes are gray ones of the photograph.
 cv::Mat encoded(const cv::Mat& bgr, const std::string& encoding)
 {
   const int type = robot_vision::matType(encoding);
@@ -33,49 +32,53 @@ struct Case
   int to_gray;
 };
 
+struct Encoded : Results
+{
+  Encoded(const Setup& setup, const std::string& of, int to) : encoding(of), code(to)
+  {
+    for (const cv::Mat& frame : setup.frames)
+      frames.push_back(encoded(frame, encoding));
+  }
+
+  std::string encoding;
+  int code;
+  std::vector<cv::Mat> frames;
+};
+
+struct Conversion : Encoded
+{
+  Conversion(const Setup& setup, const std::string& of, int to, Convert by) : Encoded(setup, of, to), convert(by) {}
+
+  void byOpenCv(std::size_t i) { cv::cvtColor(frames[i], theirs, code); }
+  void byUs(std::size_t i) { convert(frames[i], encoding, ours); }
+
+  Convert convert;
+};
+
 Work work(const std::string& encoding, const std::string& to, int code, Convert ours)
 {
-  struct State
-  {
-    std::vector<cv::Mat> frames;
-    Results results;
-  };
-  const auto prepare = [=](const Setup& setup)
-  {
-    const auto state = std::make_shared<State>();
-    for (const cv::Mat& frame : setup.frames)
-      state->frames.push_back(encoded(frame, encoding));
-    return Contest{[=](std::size_t i) { cv::cvtColor(state->frames[i], state->results.theirs, code); },
-                   [=](std::size_t i) { ours(state->frames[i], encoding, state->results.ours); },
-                   [=] { return state->results.same(); }};
-  };
-  return {encoding + " to " + to, "cvtColor", 1.0, prepare};
+  return {encoding + " to " + to, "cvtColor", 1.0, contestOf<Conversion>(encoding, code, ours)};
 }
 
 /// What faces are searched in.
-Work equalizingWork(const std::string& encoding, int to_gray)
+struct Equalizing : Encoded
 {
-  struct State
+  using Encoded::Encoded;
+
+  void byOpenCv(std::size_t i)
   {
-    std::vector<cv::Mat> frames;
-    cv::Mat their_gray, our_gray;
-    Results results;
-  };
-  const auto prepare = [=](const Setup& setup)
-  {
-    const auto state = std::make_shared<State>();
-    for (const cv::Mat& frame : setup.frames)
-      state->frames.push_back(encoded(frame, encoding));
-    const auto theirs = [=](std::size_t i)
-    {
-      cv::cvtColor(state->frames[i], state->their_gray, to_gray);
-      cv::equalizeHist(state->their_gray, state->results.theirs);
-    };
-    const auto ours = [=](std::size_t i)
-    { robot_vision::toEqualizedGray(state->frames[i], encoding, state->our_gray, state->results.ours); };
-    return Contest{theirs, ours, [=] { return state->results.same(); }};
-  };
-  return {encoding + " to equalised grey", "cvtColor, equalizeHist", 1.0, prepare};
+    cv::cvtColor(frames[i], their_gray, code);
+    cv::equalizeHist(their_gray, theirs);
+  }
+
+  void byUs(std::size_t i) { robot_vision::toEqualizedGray(frames[i], encoding, our_gray, ours); }
+
+  cv::Mat their_gray, our_gray;
+};
+
+Work equalizingWork(const std::string& encoding, int code)
+{
+  return {encoding + " to equalized gray", "cvtColor, equalizeHist", 1.0, contestOf<Equalizing>(encoding, code)};
 }
 
 }  // namespace
@@ -96,13 +99,13 @@ std::vector<Work> conversionWorks()
       {"bayer_gbrg8", cv::COLOR_BayerGR2BGR, cv::COLOR_BayerGR2GRAY},
       {"bayer_grbg8", cv::COLOR_BayerGB2BGR, cv::COLOR_BayerGB2GRAY},
   };
-  std::vector<Work> works = {work("bgr8", "grey", cv::COLOR_BGR2GRAY, robot_vision::toGray),
+  std::vector<Work> works = {work("bgr8", "gray", cv::COLOR_BGR2GRAY, robot_vision::toGray),
                              equalizingWork("bgr8", cv::COLOR_BGR2GRAY),
                              equalizingWork("yuv422_yuy2", cv::COLOR_YUV2GRAY_YUY2)};
   for (const Case& c : cases)
   {
     works.push_back(work(c.encoding, "bgr8", c.to_bgr, robot_vision::toBgr));
-    works.push_back(work(c.encoding, "grey", c.to_gray, robot_vision::toGray));
+    works.push_back(work(c.encoding, "gray", c.to_gray, robot_vision::toGray));
   }
   return works;
 }

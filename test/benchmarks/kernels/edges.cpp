@@ -1,6 +1,5 @@
 #include "robot_vision/edges/edges.hpp"
 
-#include <memory>
 #include <opencv2/imgproc.hpp>
 
 #include "contests.hpp"
@@ -10,7 +9,7 @@ namespace bench
 namespace
 {
 
-struct State
+struct State : Results
 {
   State(const Setup& setup, bool gray, bool l2) : frames(setup.frames), encoding(gray ? "mono8" : "bgr8"), l2_norm(l2)
   {
@@ -23,37 +22,30 @@ struct State
       cv::cvtColor(frame.clone(), frame, cv::COLOR_BGR2GRAY);
   }
 
-  void byOpenCv(const cv::Mat& frame)
+  void byOpenCv(std::size_t i)
   {
-    cv::Mat gray = frame;
-    if (frame.channels() > 1)
+    cv::Mat gray = frames[i];
+    if (gray.channels() > 1)
     {
-      cv::cvtColor(frame, converted, cv::COLOR_BGR2GRAY);
+      cv::cvtColor(frames[i], converted, cv::COLOR_BGR2GRAY);
       gray = converted;
     }
     cv::blur(gray, blurred, {7, 7});
-    cv::Canny(blurred, results.theirs, 15.0, 30.0, 3, l2_norm);
+    cv::Canny(blurred, theirs, 15.0, 30.0, 3, l2_norm);
   }
+
+  void byUs(std::size_t i) { detector.apply(frames[i], encoding, ours); }
 
   std::vector<cv::Mat> frames;
   std::string encoding;
   bool l2_norm;
   robot_vision::EdgeDetector detector;
   cv::Mat converted, blurred;
-  Results results;
 };
 
 Work work(const char* name, const char* against, bool gray, bool l2)
 {
-  const auto prepare = [=](const Setup& setup)
-  {
-    const auto state = std::make_shared<State>(setup, gray, l2);
-    return Contest{[state](std::size_t i) { state->byOpenCv(state->frames[i]); },
-                   [state](std::size_t i)
-                   { state->detector.apply(state->frames[i], state->encoding, state->results.ours); },
-                   [state] { return state->results.same(); }};
-  };
-  return {name, against, 3.0, prepare, !gray && !l2};
+  return {name, against, 3.0, contestOf<State>(gray, l2), !gray && !l2};
 }
 
 }  // namespace

@@ -1,6 +1,5 @@
 #include "robot_vision/image/jpeg.hpp"
 
-#include <memory>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
@@ -20,7 +19,7 @@ const std::vector<int> kOptions = {cv::IMWRITE_JPEG_QUALITY, 80};  // of compres
 /// One frame in all its forms.
 struct Frame
 {
-  explicit Frame(const cv::Mat& picture) : bgr(picture)
+  explicit Frame(const cv::Mat& image) : bgr(image)
   {
     cv::cvtColor(bgr, rgb, cv::COLOR_BGR2RGB);
     cv::cvtColor(bgr, gray, cv::COLOR_BGR2GRAY);
@@ -33,7 +32,7 @@ struct Frame
 
 struct Outcome
 {
-  Results pictures;
+  Results images;
   cv::Mat swapped;
   Bytes theirs, ours;
 };
@@ -48,9 +47,9 @@ struct Case
   bool (*same)(const Outcome&);
 };
 
-bool samePictures(const Outcome& outcome)
+bool sameImages(const Outcome& outcome)
 {
-  return outcome.pictures.same();
+  return outcome.images.same();
 }
 
 bool sameBytes(const Outcome& outcome)
@@ -66,19 +65,19 @@ bool notCompared(const Outcome&)
 template <JpegPixels pixels, int reduction = 1>
 void decode(const Frame& frame, Outcome& to)
 {
-  robot_vision::decodeJpeg(frame.jpeg.data(), frame.jpeg.size(), pixels, to.pictures.ours, reduction);
+  robot_vision::decodeJpeg(frame.jpeg.data(), frame.jpeg.size(), pixels, to.images.ours, reduction);
 }
 
 template <int flags>
 void imdecode(const Frame& frame, Outcome& to)
 {
-  cv::imdecode(frame.jpeg, flags, &to.pictures.theirs);
+  cv::imdecode(frame.jpeg, flags, &to.images.theirs);
 }
 
 void imdecodeToRgb(const Frame& frame, Outcome& to)
 {
   cv::imdecode(frame.jpeg, cv::IMREAD_COLOR, &to.swapped);
-  cv::cvtColor(to.swapped, to.pictures.theirs, cv::COLOR_BGR2RGB);
+  cv::cvtColor(to.swapped, to.images.theirs, cv::COLOR_BGR2RGB);
 }
 
 template <cv::Mat Frame::*image>
@@ -111,27 +110,26 @@ const std::vector<Case> kCases = {
     {"JPEG passed on", "our decoder", 10.0, kDecode, passOn, notCompared},
     {"JPEG to its luma", "our decoder", 1.0, kDecode, kDecodeLuma, notCompared},
     {"JPEG to 1/2", "our decoder", 1.0, kDecode, decode<JpegPixels::kBgr, 2>, notCompared},
-    {"JPEG to bgr8", "imdecode", 1.0, imdecode<cv::IMREAD_COLOR>, kDecode, samePictures},
-    {"JPEG to rgb8", "imdecode, cvtColor", 1.0, imdecodeToRgb, decode<JpegPixels::kRgb>, samePictures},
-    {"JPEG to mono8", "imdecode", 1.0, imdecode<cv::IMREAD_GRAYSCALE>, kDecodeLuma, samePictures},
+    {"JPEG to bgr8", "imdecode", 1.0, imdecode<cv::IMREAD_COLOR>, kDecode, sameImages},
+    {"JPEG to rgb8", "imdecode, cvtColor", 1.0, imdecodeToRgb, decode<JpegPixels::kRgb>, sameImages},
+    {"JPEG to mono8", "imdecode", 1.0, imdecode<cv::IMREAD_GRAYSCALE>, kDecodeLuma, sameImages},
     {"bgr8 to JPEG", "imencode", 1.0, imencode<&Frame::bgr>, encode<&Frame::bgr>, sameBytes},
     {"rgb8 to JPEG", "cvtColor, imencode", 1.0, imencodeFromRgb, encode<&Frame::rgb>, sameBytes},
     {"mono8 to JPEG", "imencode", 1.0, imencode<&Frame::gray>, encode<&Frame::gray>, sameBytes},
 };
 
-Contest prepare(const Case& c, const Setup& setup)
+struct State
 {
-  struct State
-  {
-    std::vector<Frame> frames;
-    Outcome outcome;
-  };
-  const auto state = std::make_shared<State>();
-  for (const cv::Mat& frame : setup.frames)
-    state->frames.emplace_back(frame);
-  return {[=](std::size_t i) { c.theirs(state->frames[i], state->outcome); },
-          [=](std::size_t i) { c.ours(state->frames[i], state->outcome); }, [=] { return c.same(state->outcome); }};
-}
+  State(const Setup& setup, const Case& of) : frames(setup.frames.begin(), setup.frames.end()), work(of) {}
+
+  void byOpenCv(std::size_t i) { work.theirs(frames[i], outcome); }
+  void byUs(std::size_t i) { work.ours(frames[i], outcome); }
+  bool same() const { return work.same(outcome); }
+
+  std::vector<Frame> frames;
+  Case work;
+  Outcome outcome;
+};
 
 }  // namespace
 
@@ -139,7 +137,7 @@ std::vector<Work> jpegWorks()
 {
   std::vector<Work> works;
   for (const Case& c : kCases)
-    works.push_back({c.name, c.against, c.goal, [c](const Setup& setup) { return prepare(c, setup); }});
+    works.push_back({c.name, c.against, c.goal, contestOf<State>(c)});
   return works;
 }
 
