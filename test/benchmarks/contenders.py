@@ -11,6 +11,8 @@ SIZES = ((640, 480), (1920, 1080))
 FACE_SIZES = ((640, 480), (1280, 720))
 TAG_SIZES = ((640, 480), (1280, 720), (1920, 1080))
 
+IMAGE = "image:=/camera/image"
+
 Sizes = Tuple[Size, ...]
 
 
@@ -21,13 +23,17 @@ def node(package: str, kind: str, name: str, *args: str) -> Command:
     return [found[0], *args, "__name:=" + name]
 
 
+def course(kind: str) -> Command:
+    """A node as courses teach it."""
+    return [str(HERE / "course_node"), kind, IMAGE, "__name:=course_" + kind]
+
+
 def edge_detectors(bench: Bench, size: Size) -> List[Contender]:
-    image = "image:=/camera/image"
-    ours = node("robot_vision", "edge_detector_node", "edge_detector", image)
-    opencv_apps = node("opencv_apps", "edge_detection", "opencv_apps", image)
+    ours = node("robot_vision", "edge_detector_node", "edge_detector", IMAGE)
+    opencv_apps = node("opencv_apps", "edge_detection", "opencv_apps", IMAGE)
     opencv_apps += ["_edge_type:=2", "_canny_threshold1:=15", "_canny_threshold2:=30"]
     opencv_apps += ["_apertureSize:=7", "_L2gradient:=false", "_debug_view:=false"]
-    plain = [*bench.program("plain_edges_node", image)]
+    plain = bench.program("plain_edges_node", IMAGE)
     return [
         Contender("edge_detector_node", [ours], "/edge_detector/processed_image", "opencv"),
         Contender("opencv_apps edge_detection", [opencv_apps], "/opencv_apps/image", "opencv_apps"),
@@ -45,7 +51,7 @@ STEPS = (  # kind, name, input
 
 
 def chains(bench: Bench, size: Size) -> List[Contender]:
-    source = [f"_source:={bench.picture(size)}", f"_framerate:={float(RATE)}"]
+    source = [f"_source:={bench.image(size)}", f"_framerate:={float(RATE)}"]
     manager = [node("nodelet", "nodelet", "vision", "manager")]
     processes = []
     for kind, name, image in STEPS:
@@ -61,18 +67,17 @@ def chains(bench: Bench, size: Size) -> List[Contender]:
 
 
 def receivers(bench: Bench, size: Size) -> List[Contender]:
-    image = "image:=/camera/image"
-    python = [str(HERE / "python_receiver"), image]
+    python = [str(HERE / "python_receiver"), IMAGE]
     return [
         Contender("robot_vision.transport, a view", [[*python, "transport"]]),
-        Contender("roscpp, does nothing", [bench.program("plain_receiver", image)]),
+        Contender("roscpp, does nothing", [bench.program("plain_receiver", IMAGE)]),
         Contender("rospy + cv_bridge", [[*python, "rospy"]]),
         Contender("the same, large buff_size", [[*python, "rospy-buffered"]]),
     ]
 
 
 def masks(_bench: Bench, _size: Size) -> List[Contender]:
-    python = [str(HERE / "python_receiver"), "image:=/camera/image", "--mask"]
+    python = [str(HERE / "python_receiver"), IMAGE, "--mask"]
     return [
         Contender("robot_vision.transport and our mask", [[*python, "transport"]]),
         Contender("rospy + cv_bridge + cv2", [[*python, "rospy"]]),
@@ -81,10 +86,9 @@ def masks(_bench: Bench, _size: Size) -> List[Contender]:
 
 
 def hsv_nodes(_bench: Bench, _size: Size) -> List[Contender]:
-    image = "image:=/camera/image"
     colors = "_colors:={suit: {low: [5, 80, 80], high: [25, 255, 255]}}"  # as python_receiver
-    ours = node("robot_vision", "hsv_tracker.py", "hsv_tracker", image, colors)
-    theirs = [str(HERE / "course_hsv_node"), image, "__name:=course_hsv"]
+    ours = node("robot_vision", "hsv_tracker.py", "hsv_tracker", IMAGE, colors)
+    theirs = course("hsv")
     return [
         Contender("hsv_tracker.py", [ours], "/hsv_tracker/mask"),
         Contender("rospy + cv_bridge + cv2", [theirs], "/course_hsv/mask"),
@@ -96,13 +100,12 @@ def box_listener(topic: str, kind: str, size: Size) -> Command:
 
 
 def motion_nodes(still: bool, mask: bool = False) -> Contenders:
-    """What moves as boxes, or with `mask` as a picture."""
+    """What moves as boxes, or with `mask` as an image."""
 
     def nodes(_bench: Bench, size: Size) -> List[Contender]:
-        image = "image:=/camera/image"
-        ours = node("robot_vision", "motion_detector.py", "motion_detector", image)
+        ours = node("robot_vision", "motion_detector.py", "motion_detector", IMAGE)
         ours.append("_max_changed:=1.0")  # the course's node does not look at that
-        theirs = [str(HERE / "course_motion_node"), image, "__name:=course_motion"]
+        theirs = course("motion")
 
         def contender(name: str, command: Command, of: str) -> Contender:
             if mask:
@@ -120,9 +123,8 @@ def motion_nodes(still: bool, mask: bool = False) -> Contenders:
 
 
 def tracker_nodes(_bench: Bench, size: Tuple[int, int]) -> List[Contender]:
-    image = "image:=/camera/image"
-    ours = node("robot_vision", "object_tracker.py", "object_tracker", image)
-    theirs = [str(HERE / "course_tracker_node"), image, "__name:=course_tracker"]
+    ours = node("robot_vision", "object_tracker.py", "object_tracker", IMAGE)
+    theirs = course("tracker")
     # The same region as the course's node has.
     numbers = (int(value * size[0] / 640) for value in (260, 180, 120, 120))
     region = json.dumps(dict(zip(("x_offset", "y_offset", "width", "height"), numbers)))
@@ -135,10 +137,9 @@ def tracker_nodes(_bench: Bench, size: Tuple[int, int]) -> List[Contender]:
 
 
 def face_nodes(_bench: Bench, size: Size) -> List[Contender]:
-    image = "image:=/camera/image"
-    ours = node("robot_vision", "face_detector.py", "face_detector", image, "_haar_maxSize:=0")
-    course = [str(HERE / "course_face_node"), image, "__name:=course_face"]
-    opencv_apps = node("opencv_apps", "face_detection", "opencv_apps", image, "_debug_view:=false")
+    ours = node("robot_vision", "face_detector.py", "face_detector", IMAGE, "_haar_maxSize:=0")
+    theirs = course("face")
+    opencv_apps = node("opencv_apps", "face_detection", "opencv_apps", IMAGE, "_debug_view:=false")
     opencv_apps += [
         f"_{name}:=/usr/share/opencv4/haarcascades/haarcascade_{cascade}.xml"
         for name, cascade in (
@@ -149,23 +150,22 @@ def face_nodes(_bench: Bench, size: Size) -> List[Contender]:
 
     def contender(name: str, command: Command, topic: str, kind: str = "faces") -> Contender:
         listener = box_listener(topic, kind, size)
-        return Contender(name, [command], listener=listener, picture="portrait")
+        return Contender(name, [command], listener=listener, image="portrait")
 
     return [
         contender("face_detector.py", ours, "/face_detector/faces"),
-        contender("rospy + cv_bridge + cv2", course, "/course_face/faces"),
+        contender("rospy + cv_bridge + cv2", theirs, "/course_face/faces"),
         contender("opencv_apps face_detection", opencv_apps, "/opencv_apps/faces", "opencv_apps"),
     ]
 
 
 def tag_nodes(bench: Bench, size: Size) -> List[Contender]:
-    image = "image:=/camera/image"
-    ours = node("robot_vision", "apriltag_detector.py", "apriltag_detector", image)
-    theirs = [*bench.program("plain_tags_node", image)]
+    ours = node("robot_vision", "apriltag_detector.py", "apriltag_detector", IMAGE)
+    theirs = bench.program("plain_tags_node", IMAGE)
 
     def contender(name: str, command: Command, of: str) -> Contender:
         listener = box_listener(of + "/tags", "tags", size)
-        return Contender(name, [command], listener=listener, picture="tags")
+        return Contender(name, [command], listener=listener, image="tags")
 
     return [
         contender("apriltag_detector.py", ours, "/apriltag_detector"),
@@ -209,5 +209,5 @@ PARTS = (
     *(Parts(_EDGES, size, "edges of bgr8") for size in SIZES),
     *(Parts("HSV mask in Python", size, "HSV mask, skin") for size in SIZES),
     *(Parts(_BOX, size, "motion, a box moves") for size in SIZES),
-    *(Parts(_ALL_MOVES, size, "motion, all of the picture moves") for size in SIZES),
+    *(Parts(_ALL_MOVES, size, "motion, all of the image moves") for size in SIZES),
 )

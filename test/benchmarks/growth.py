@@ -6,7 +6,7 @@ from contenders import STEPS, node
 from measuring import RATE, Bench, Contender
 from results import Growth, Size
 
-PICTURES = ((320, 240), (640, 480), (1280, 720), (1920, 1080), (2560, 1440), (3840, 2160))
+SIZES = ((320, 240), (640, 480), (1280, 720), (1920, 1080), (2560, 1440), (3840, 2160))
 NUMBERS = (1, 2, 4, 8)
 SMALL: Size = (640, 480)
 LARGE: Size = (1280, 720)
@@ -15,8 +15,8 @@ FACES = (0, 1, 4, 16)
 OBJECTS = (0, 1, 4, 16, 64)
 
 
-def by_picture(bench: Bench) -> List[Growth]:
-    sizes = ",".join("{}x{}".format(*size) for size in PICTURES)
+def by_size(bench: Bench) -> List[Growth]:
+    sizes = ",".join("{}x{}".format(*size) for size in SIZES)
     growths = {}
     for kernel in bench.kernels("--growth", f"--sizes={sizes}"):
         growth = Growth(kernel.work, "megapixels", [], [])
@@ -31,7 +31,7 @@ def by_nodelets(bench: Bench) -> Growth:
 
     def contender(number: int) -> Contender:
         kind, name, _ = STEPS[0]
-        source = [f"_source:={bench.picture(SMALL)}", f"_framerate:={float(RATE)}"]
+        source = [f"_source:={bench.image(SMALL)}", f"_framerate:={float(RATE)}"]
         load = ["load", "robot_vision/" + kind, "vision", *source]
         commands = [node("nodelet", "nodelet", "vision", "manager")]
         commands.append(node("nodelet", "nodelet", name, *load))
@@ -78,7 +78,7 @@ def by_findings(bench: Bench, kind: str, numbers: Sequence[int]) -> Growth:
 
 def all_growths(bench: Bench) -> List[Growth]:
     return [
-        *by_picture(bench),
+        *by_size(bench),
         by_nodelets(bench),
         by_subscribers(bench),
         by_tags(bench),

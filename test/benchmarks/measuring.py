@@ -1,4 +1,4 @@
-"""Runs programs and nodes on the same pictures, in turns, and takes their figures."""
+"""Runs programs and nodes on the same images, in turns, and takes their figures."""
 
 import contextlib
 import dataclasses
@@ -31,7 +31,7 @@ Command = List[str]
 
 @dataclasses.dataclass
 class Contender:
-    """Something that works on frames; `result` is the topic where its pictures come out.
+    """Something that works on frames; `result` is the topic where its images come out.
 
     The commands are started in this order and ended in the opposite one; all are measured. Without
     a result, the listener, which is not measured, or the first command prints at its end when each
@@ -45,7 +45,7 @@ class Contender:
     expect: str = ""  # what the probe is to compare one result with
     own_camera: bool = False
     listener: Command = dataclasses.field(default_factory=list)
-    picture: str = ""  # portrait: the photograph keeps its shape, in another one's middle; tags
+    image: str = ""  # portrait: the photograph keeps its shape, in another one's middle; tags
     still: bool = False  # a box wanders before the photograph, instead of the photograph itself
     alone: Command = dataclasses.field(default_factory=list)
     beside: List[Command] = dataclasses.field(default_factory=list)  # meanwhile, not measured
@@ -93,7 +93,7 @@ class Bench:
     def program(self, name: str, *args: Any) -> Command:
         return [str(self._programs / name), *map(str, args)]
 
-    def picture(self, size: Size, kind: str = "") -> Path:
+    def image(self, size: Size, kind: str = "") -> Path:
         """A photograph of this size as a file; portrait and tags as a Contender has them.
 
         nobody: one without faces; face: the part of the usual one that is its face.
@@ -102,17 +102,13 @@ class Bench:
 
         path = self._folder / "{}x{}{}.png".format(*size, kind)
         if not path.exists():
-            photograph = enlarged(skimage.data.astronaut(), size)
-            if kind == "nobody":
-                photograph = enlarged(skimage.data.coffee(), size)
-            if kind == "face":
-                photograph = enlarged(skimage.data.astronaut()[20:240, 110:330], size)
+            astronaut, coffee = skimage.data.astronaut(), skimage.data.coffee()
+            parts = {"nobody": coffee, "face": astronaut[20:240, 110:330], "portrait": coffee}
+            photograph = enlarged(parts.get(kind, astronaut), size)
             if kind == "portrait":
                 width, height = size
                 left = (width - height) // 2
-                square = enlarged(skimage.data.astronaut(), (height, height))
-                photograph = enlarged(skimage.data.coffee(), size)
-                photograph[:, left : left + height] = square
+                photograph[:, left : left + height] = enlarged(astronaut, (height, height))
             if kind == "tags":
                 paste_tags(photograph)
             cv2.imwrite(str(path), photograph)
@@ -130,13 +126,13 @@ class Bench:
 
     def in_process(self, size: Size, threads: int, frames: int) -> Dict[str, Any]:
         say("{}x{}: in one process".format(*size))
-        args = ["__name:=bench_in_process", self.picture(size), *size, frames, threads]
+        args = ["__name:=bench_in_process", self.image(size), *size, frames, threads]
         return self._run(self.program("bench_in_process", *args), 60.0)
 
     def kernels(self, *args: str) -> List[Kernel]:
         """Medians of each repetition; of these the least, as nothing makes work faster."""
         say(" ".join(["work on pixels", *args]))
-        command = self.program("bench_kernels", self.picture((1920, 1080)), *args)
+        command = self.program("bench_kernels", self.image((1920, 1080)), *args)
         command += [f"--benchmark_min_time={KERNEL_SECONDS * self.seconds}"]
         command += [f"--benchmark_repetitions={self.rounds}", "--benchmark_format=json"]
         done = subprocess.run(command, timeout=1800.0, text=True, capture_output=True)
@@ -146,13 +142,13 @@ class Bench:
 
     def tags(self, size: Size, tags: int) -> Dict[str, Any]:
         say("{}x{}: {} AprilTags".format(*size, tags))
-        args = [self.picture(size), *size, tags, self.rounds]
+        args = [self.image(size), *size, tags, self.rounds]
         return self._run(self.program("bench_tags", *args), 300.0)
 
     def findings(self, size: Size, kind: str, numbers: Sequence[int]) -> List[List[float]]:
         """For each number: it, CPU ms per frame, how many were found."""
         say("{}x{}: {} {}".format(*size, ", ".join(map(str, numbers)), kind))
-        args = [self.picture(size, "nobody"), self.picture((440, 440), "face"), kind, *size]
+        args = [self.image(size, "nobody"), self.image((440, 440), "face"), kind, *size]
         return self._run(self.program("bench_growth", *args, *numbers), 600.0)
 
     def vm(self) -> Dict[str, float]:
@@ -169,7 +165,7 @@ class Bench:
         return json.loads((out / "cpu.json").read_text())
 
     def chain(self, size: Size, threads: int) -> Command:
-        return self.program("bench_chain", self.picture(size), *size, self.seconds, RATE, threads)
+        return self.program("bench_chain", self.image(size), *size, self.seconds, RATE, threads)
 
     def _measure(self, size: Size, contender: Contender) -> Figures:
         deadline = self.seconds + WARM_UP + 45.0
@@ -209,7 +205,7 @@ class Bench:
 
     def _probe(self, size: Size, contender: Contender, pids: List[int]) -> Command:
         params = {
-            "picture": "" if contender.own_camera else self.picture(size, contender.picture),
+            "image": "" if contender.own_camera else self.image(size, contender.image),
             "width": size[0],
             "height": size[1],
             "rate": float(RATE),
@@ -236,12 +232,12 @@ class Bench:
 
 
 def enlarged(rgb: Any, size: Size) -> Any:
-    """The BGR picture of an RGB one, in this size."""
+    """The BGR image of an RGB one, in this size."""
     return cv2.resize(cv2.cvtColor(rgb, cv2.COLOR_RGB2BGR), size, interpolation=cv2.INTER_CUBIC)
 
 
 def paste_tags(photograph: np.ndarray) -> None:
-    """Tags 0 and 1 of tag36h11, with white around them, a quarter of the picture high."""
+    """Tags 0 and 1 of tag36h11, with white around them, a quarter of the image high."""
     height, width = photograph.shape[:2]
     for id_, left in enumerate((width // 5, width * 3 // 5)):
         cells = np.pad(robot_vision.tag_cells("tag36h11", id_), 1, constant_values=255)
@@ -261,19 +257,16 @@ def say(text: str) -> None:
 @contextlib.contextmanager
 def private_master(folder: Path) -> Iterator[None]:
     """A ROS master that nobody else knows of."""
-    import rosgraph
-
-    port = support.free_port()
     os.environ.update(
-        ROS_MASTER_URI=f"http://127.0.0.1:{port}",
-        ROS_HOSTNAME="127.0.0.1",
-        ROS_HOME=str(folder),
-        ROS_LOG_DIR=str(folder / "log"),
+        ROS_HOSTNAME="127.0.0.1", ROS_HOME=str(folder), ROS_LOG_DIR=str(folder / "log")
     )
     os.environ.pop("ROS_IP", None)
-    master = support.Process(["rosmaster", "--core", "-p", str(port)], folder / "master.log")
-    try:
-        support.wait_for(rosgraph.is_master_online, "the master")
+    with contextlib.ExitStack() as stack:
+
+        def start(*command: Any) -> support.Process:
+            process = support.Process([*map(str, command)], folder / "master.log")
+            stack.callback(process.end)
+            return process
+
+        os.environ.update(support.Master(start).env)
         yield
-    finally:
-        master.end()

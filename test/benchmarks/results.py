@@ -21,7 +21,7 @@ class Figures:
 
 @dataclasses.dataclass
 class Comparison:
-    """What each of the contenders, ours first, cost with pictures of one size."""
+    """What each of the contenders, ours first, cost with images of one size."""
 
     title: str
     size: Size

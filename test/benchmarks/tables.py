@@ -1,10 +1,8 @@
 """The tables of the benchmarks, in Markdown."""
 
-import os
-import tempfile
-from pathlib import Path
 from typing import Any, Dict, Iterable, List, Sequence, Tuple
 
+import numpy as np
 from results import Comparison, Growth, Kernel, Machine, Parts, Size, Target
 
 CLOCKS = ("cpu_ms", "wall_ms")
@@ -56,7 +54,7 @@ def machine_text(machine: Machine) -> str:
 
 def targets_table(targets: Sequence[Target], comparisons: Sequence[Comparison]) -> str:
     """A line for each target; those that nobody measured say so."""
-    columns = ("work", "picture", "beside", "figure", "theirs", "ours", "ratio", "goal", "reached")
+    columns = ("work", "image", "beside", "figure", "theirs", "ours", "ratio", "goal", "reached")
     return table(columns, [target_row(target, comparisons) for target in targets], texts=4)
 
 
@@ -99,7 +97,7 @@ def parts_table(
             known.append(known[0] - known[1] - known[2])
         cells = [f"{ms:.2f}" if ms is not None else "-" for ms in known]
         rows.append([part.title, size_name(part.size), *cells, *["-"] * (4 - len(cells))])
-    columns = ("work", "picture", "CPU ms/frame", "receiving", "on pixels", "all else")
+    columns = ("work", "image", "CPU ms/frame", "receiving", "on pixels", "all else")
     return table(columns, rows, texts=2)
 
 
@@ -142,26 +140,17 @@ def sets_table(kernels: Sequence[Kernel]) -> str:
 
 
 def growths_table(growths: Sequence[Growth]) -> str:
-    """CPU ms of a frame, and of one more of what there is more and more of."""
+    """CPU ms of a frame, and of one more of what there is more and more of, by least squares."""
     rows = [
         [
             growth.title,
             growth.of,
             ", ".join(f"{x:g}: {ms:.3g}" for x, ms in zip(growth.numbers, growth.cpu_ms)),
-            f"{slope(growth):.3g}",
+            f"{np.polyfit(growth.numbers, growth.cpu_ms, 1)[0]:.3g}",
         ]
         for growth in growths
     ]
     return table(["work", "of", "CPU ms/frame by number", "one more"], rows, texts=3)
-
-
-def slope(growth: Growth) -> float:
-    """ms for one more, by least squares."""
-    count = len(growth.numbers)
-    mean_x, mean_y = sum(growth.numbers) / count, sum(growth.cpu_ms) / count
-    squares = sum((x - mean_x) ** 2 for x in growth.numbers)
-    products = ((x - mean_x) * (y - mean_y) for x, y in zip(growth.numbers, growth.cpu_ms))
-    return sum(products) / squares
 
 
 def comparison_table(comparison: Comparison) -> str:
@@ -191,7 +180,7 @@ def comparison_table(comparison: Comparison) -> str:
 
 
 def in_process_table(results: Sequence[Tuple[Size, Dict[str, Any]]]) -> str:
-    columns = ["picture", "OpenCV threads", "CPU: OpenCV", "core", "nodelet", "added"]
+    columns = ["image", "OpenCV threads", "CPU: OpenCV", "core", "nodelet", "added"]
     columns += ["wall: OpenCV", "core", "nodelet", "added"]
     rows = []
     for size, result in results:
@@ -208,7 +197,7 @@ def in_process_table(results: Sequence[Tuple[Size, Dict[str, Any]]]) -> str:
 
 
 def tags_table(results: Sequence[Tuple[Size, Dict[str, Any]]]) -> str:
-    columns = ["picture", "tags", "CPU: library", "ours", "ratio", "measuring", "ratio"]
+    columns = ["image", "tags", "CPU: library", "ours", "ratio", "measuring", "ratio"]
     columns += ["p50: library", "ours", "ratio", "measuring", "ratio"]
     columns += ["p99: library", "ours", "worst: library", "ours", "found: library", "ours"]
     columns += ["longest: library", "ours", "corners: CPU", "library", "measured"]
@@ -230,7 +219,7 @@ def tags_table(results: Sequence[Tuple[Size, Dict[str, Any]]]) -> str:
     return (
         "### Tags: our detector, and libapriltag called for each frame\n\n"
         "Moving tags of tag36h11, at 30 Hz. The library: full resolution, 2 threads.\n"
-        "In ms per frame; longest: that a tag of the picture was not found, in s.\n"
+        "In ms per frame; longest: that a tag of the image was not found, in s.\n"
         "Measuring: ours with measured corners, the node's default; all else is without.\n"
         "Corners measured for poses: CPU in ms per tag, and the median errors in px.\n\n"
     ) + table(columns, rows)
@@ -262,16 +251,3 @@ def report(
     for title, tables in sections.items():
         texts += [f"## {title}\n", *tables]
     return "\n".join([*texts, f"![CPU time of a frame]({plot})\n", notes])
-
-
-def write_atomically(path: Path, text: str) -> None:
-    """Whoever reads it meanwhile sees the old text or the new one."""
-    with tempfile.NamedTemporaryFile("w", dir=str(path.parent), delete=False) as file:
-        try:
-            file.write(text)
-            file.flush()
-            os.fchmod(file.fileno(), 0o644)
-            os.replace(file.name, str(path))
-        except BaseException:
-            os.unlink(file.name)
-            raise

@@ -55,7 +55,7 @@ def of_opencv() -> float:
 
 
 def of_camera_node(out: pathlib.Path, name: str, *arguments: str) -> float:
-    """camera_node, with a subscriber to its pictures in this process."""
+    """camera_node, with a subscriber to its images in this process."""
     camera = rig.Camera(out, name, DEVICE, *arguments)
     try:
         arrivals = rig.Arrivals(f"/{name}/image_raw", Image)
