@@ -2,6 +2,7 @@
 
 import textwrap
 import time
+from typing import NamedTuple
 
 import pytest
 
@@ -34,102 +35,92 @@ CRIES = [
     "Exception ignored",
     "signal_shutdown hook error",
 ]
-ENDS = {  # name: (exit code, expected in the output, script)
-    "end of main": (0, "", SUBSCRIBE + "wait()"),
-    "before the first frame": (0, "", SUBSCRIBE),
-    "at once": (0, "", INIT + "ImageSubscriber('image', keep)"),
-    "nothing but the publisher": (0, "", INIT + "output = ImagePublisher('~out')"),
-    "sys.exit in main": (3, "", SUBSCRIBE + "wait(); sys.exit(3)"),
-    "exception in main": (1, "ZeroDivisionError", SUBSCRIBE + "wait(); 1 / 0"),
-    "without init_node": (1, "rospy.init_node() first", "ImageSubscriber('image', keep)"),
-    "sys.exit in the callback": (
-        0,
-        "the end",
+
+
+class End(NamedTuple):
+    """How a script ends."""
+
+    script: str
+    code: int = 0
+    output: str = ""  # what is in it
+
+
+ENDS = {
+    "end of main": End(SUBSCRIBE + "wait()"),
+    "before the first frame": End(SUBSCRIBE),
+    "at once": End(INIT + "ImageSubscriber('image', keep)"),
+    "nothing but the publisher": End(INIT + "output = ImagePublisher('~out')"),
+    "sys.exit in main": End(SUBSCRIBE + "wait(); sys.exit(3)", 3),
+    "exception in main": End(SUBSCRIBE + "wait(); 1 / 0", 1, "ZeroDivisionError"),
+    "without init_node": End("ImageSubscriber('image', keep)", 1, "rospy.init_node() first"),
+    "sys.exit in the callback": End(
         INIT + "ImageSubscriber('image', lambda _: sys.exit(3)); rospy.spin(); print('the end')",
+        output="the end",
     ),
-    "signal_shutdown in the callback": (
-        0,
-        "the end",
+    "signal_shutdown in the callback": End(
         INIT + "ImageSubscriber('image', lambda _: rospy.signal_shutdown('')); rospy.spin()\n"
         "print('the end')",
+        output="the end",
     ),
-    "SIGINT in the callback": (
-        0,
-        "the end",
+    "SIGINT in the callback": End(
         INIT + "ImageSubscriber('image', lambda _: os.kill(os.getpid(), signal.SIGINT))\n"
         "rospy.spin(); print('the end')",
+        output="the end",
     ),
-    "the callback always raises": (
-        0,
-        "ZeroDivisionError",
+    "the callback always raises": End(
         INIT + "ImageSubscriber('image', lambda frame: (keep(frame), 1 / 0)); wait()\n"
         "time.sleep(0.5)",
+        output="ZeroDivisionError",
     ),
-    "the callback sleeps": (
-        0,
-        "",
-        INIT + "ImageSubscriber('image', lambda frame: (keep(frame), time.sleep(60))); wait()",
+    "the callback sleeps": End(
+        INIT + "ImageSubscriber('image', lambda frame: (keep(frame), time.sleep(60))); wait()"
     ),
-    "the callback sleeps, SIGINT": (
-        0,
-        "the end",
+    "the callback sleeps, SIGINT": End(
         INIT + "ImageSubscriber('image', lambda frame: (keep(frame), time.sleep(60)))\n"
         "wait(); os.kill(os.getpid(), signal.SIGINT); rospy.spin(); print('the end')",
+        output="the end",
     ),
-    "the callback works without pause": (
-        0,
-        "",
+    "the callback works without pause": End(
         INIT + "def work(frame):\n"
         "    keep(frame)\n"
         "    while True:\n"
         "        frame.image.astype(float).sum()\n"
-        "ImageSubscriber('image', work); wait()",
+        "ImageSubscriber('image', work); wait()"
     ),
-    "deleted before the first frame": (
-        0,
-        "",
-        SUBSCRIBE + "images.unregister(); del images; gc.collect()",
+    "deleted before the first frame": End(
+        SUBSCRIBE + "images.unregister(); del images; gc.collect()"
     ),
-    "deleted after frames": (
-        0,
-        "",
-        SUBSCRIBE + "wait(); images.unregister(); del images; gc.collect()",
+    "deleted after frames": End(
+        SUBSCRIBE + "wait(); images.unregister(); del images; gc.collect()"
     ),
-    "only the name deleted": (0, "", SUBSCRIBE + "del images; wait()"),
-    "frames read after the shutdown": (
-        0,
-        "the end",
+    "only the name deleted": End(SUBSCRIBE + "del images; wait()"),
+    "frames read after the shutdown": End(
         SUBSCRIBE + "wait(); rospy.signal_shutdown('')\n"
         "total = sum(int(frame.image.sum()) for frame in frames)\n"
         "frames.clear(); gc.collect(); print('the end')",
+        output="the end",
     ),
-    "frames kept where only the interpreter's end frees them": (
-        0,
-        "",
-        SUBSCRIBE + "wait(); sys.frames = frames; np.kept = [f.image[::2] for f in frames]",
+    "frames kept where only the interpreter's end frees them": End(
+        SUBSCRIBE + "wait(); sys.frames = frames; np.kept = [f.image[::2] for f in frames]"
     ),
-    "subscribed after the shutdown": (
-        1,
-        "the node has been shut down",
+    "subscribed after the shutdown": End(
         SUBSCRIBE + "rospy.signal_shutdown(''); ImageSubscriber('other', keep)",
-    ),
-    "first subscribed after the shutdown": (
         1,
         "the node has been shut down",
-        INIT + "rospy.signal_shutdown(''); ImageSubscriber('image', keep)",
     ),
-    "publisher and subscriber in one process": (
-        0,
-        "",
+    "first subscribed after the shutdown": End(
+        INIT + "rospy.signal_shutdown(''); ImageSubscriber('image', keep)",
+        1,
+        "the node has been shut down",
+    ),
+    "publisher and subscriber in one process": End(
         INIT + "output = ImagePublisher('~out')\n"
         "copies = ImageSubscriber('~out', keep)\n"
         "def forward(frame):\n"
         "    output.publish(frame.image, frame.encoding, frame.header)\n"
-        "ImageSubscriber('image', forward); wait()",
+        "ImageSubscriber('image', forward); wait()"
     ),
-    "publishing from threads": (
-        0,
-        "",
+    "publishing from threads": End(
         INIT + "output = ImagePublisher('~out')\n"
         "copies = ImageSubscriber('~out', keep)\n"
         "def work():\n"
@@ -137,11 +128,9 @@ ENDS = {  # name: (exit code, expected in the output, script)
         "        output.publish(np.zeros((480, 640, 3), np.uint8))\n"
         "for _ in range(3):\n"
         "    threading.Thread(target=work, daemon=True).start()\n"
-        "wait()",
+        "wait()"
     ),
-    "OpenCV works in threads when a node ends": (
-        0,
-        "",
+    "OpenCV works in threads when a node ends": End(
         "import cv2\n"
         "def work():\n"
         "    while True:\n"
@@ -149,12 +138,10 @@ ENDS = {  # name: (exit code, expected in the output, script)
         "def begin():\n"
         "    for _ in range(4):\n"
         "        threading.Thread(target=work, daemon=True).start()\n"
-        "run_node('ends', begin, lambda _: None)",
+        "run_node('ends', begin, lambda _: None)"
     ),
-    "pictures with camera_info": (
-        0,
-        "",
-        INIT + "images = CameraSubscriber('image', keep); wait(); assert frames[0].camera_info",
+    "images with camera_info": End(
+        INIT + "images = CameraSubscriber('image', keep); wait(); assert frames[0].camera_info"
     ),
 }
 RANDOM_MOMENTS = """
@@ -193,10 +180,10 @@ def assert_silent_end(process, name, code):
 @pytest.mark.parametrize("first", range(0, len(ENDS), TOGETHER))
 def test_every_way_to_end(run, first):
     ends = list(ENDS.items())[first : first + TOGETHER]
-    processes = [run(number, script) for number, (_, (_, _, script)) in enumerate(ends)]
-    for process, (name, (code, output, _)) in zip(processes, ends):
-        assert_silent_end(process, name, code)
-        assert output in process.output(), name
+    processes = [run(number, end.script) for number, (_, end) in enumerate(ends)]
+    for process, (name, end) in zip(processes, ends):
+        assert_silent_end(process, name, end.code)
+        assert end.output in process.output(), name
 
 
 @pytest.mark.parametrize("first", range(0, 12, TOGETHER))

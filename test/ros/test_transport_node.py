@@ -9,40 +9,17 @@ import numpy as np
 import pytest
 import rospy
 import support
-from frames import Frames, Source, message, new_topic
+from frames import ENCODINGS, UNKNOWN, Frames, Source, damaged, message, new_topic, noise
 from sensor_msgs.msg import Image
 from std_msgs.msg import Header
 
 from robot_vision.transport import ImagePublisher, ImageSubscriber
 
-COLOURS = {"bgr": 3, "rgb": 3, "bgra": 4, "rgba": 4}
-PATTERNS = ("rggb", "bggr", "gbrg", "grbg")
-TYPES = {"8U": "u1", "8S": "i1", "16U": "u2", "16S": "i2", "32S": "i4", "32F": "f4", "64F": "f8"}
-ENCODINGS = {  # name: dtype and channels
-    **{f"{name}{bits}": (f"u{bits // 8}", n) for name, n in COLOURS.items() for bits in (8, 16)},
-    **{f"mono{bits}": (f"u{bits // 8}", 1) for bits in (8, 16)},
-    **{f"bayer_{name}{bits}": (f"u{bits // 8}", 1) for name in PATTERNS for bits in (8, 16)},
-    **{name: ("u1", 2) for name in ("yuv422", "yuv422_yuy2")},
-    **{f"{name}C{n}": (dtype, n) for name, dtype in TYPES.items() for n in (1, 2, 3, 4)},
-}
-UNKNOWN = ["", "rgb565", "jpeg", "nv12", "8UC0", "8UC513", "9UC1", "BGR8", "passthrough"]
 
-
-def noise(encoding, height=4, width=6):
-    """A random image over the full range of values of an encoding."""
-    dtype, channels = ENCODINGS[encoding]
-    rng = np.random.default_rng(3)
-    size = (height, width, channels) if channels > 1 else (height, width)
-    if dtype.startswith("f"):
-        return rng.uniform(-300.0, 300.0, size).astype(dtype)
-    limits = np.iinfo(dtype)
-    return rng.integers(limits.min, limits.max, size, dtype, endpoint=True)
-
-
-def by_cv_bridge(picture, encoding):
+def by_cv_bridge(image, encoding):
     """A message as converted by cv_bridge, or None if it refuses."""
     try:
-        return cv_bridge.CvBridge().imgmsg_to_cv2(picture, encoding)
+        return cv_bridge.CvBridge().imgmsg_to_cv2(image, encoding)
     except cv_bridge.CvBridgeError:
         return None
 
@@ -151,38 +128,11 @@ def test_an_unknown_encoding_is_refused_at_once(encoding):
         ImageSubscriber(new_topic(), print, encoding=encoding)
 
 
-def damaged(encoding):
-    """Messages with everything that can be wrong with an image of this encoding."""
-    good = message(noise(encoding), encoding)
-    step, height, data = good.step, good.height, good.data
-    wrongs = [
-        {"data": b""},
-        {"data": data[:-1]},
-        {"data": data + b"\0"},
-        {"step": 0, "data": b""},
-        {"step": step - 1, "data": data[: height * (step - 1)]},
-        {"width": 0},
-        {"height": 0},
-        {"width": 0, "height": 0, "step": 0, "data": b""},
-        {"width": 2**32 - 1},
-        {"height": 2**32 - 1},
-        {"width": 2**31, "height": 2**31, "step": 2**31},
-        {"height": 2**31 + height, "step": 2 * step, "data": data * 2},  # data's size mod 2^32
-        {"is_bigendian": 7},
-        *({"encoding": name} for name in UNKNOWN),
-    ]
-    for fields in wrongs:
-        bad = message(noise(encoding), encoding)
-        for name, value in fields.items():
-            setattr(bad, name, value)
-        yield fields, bad
-
-
 @pytest.mark.parametrize("encoding", ENCODINGS)
 def test_damaged_frames_are_refused_and_counted(source, encoding, log):
     as_it_is, converted = source.frames(), source.frames("bgr8" if "C" not in encoding else None)
     both = (as_it_is, converted)
-    for number, (fields, bad) in enumerate(damaged(encoding), 1):
+    for number, (fields, bad) in enumerate(damaged(message(noise(encoding), encoding)), 1):
         source.send(bad)
         for frames in both:
             subscriber = frames.subscriber
@@ -220,9 +170,9 @@ def test_frames_outlive_their_subscriber(source):
         source.send(message(pixels, "bgr8"))
         views.wait(number)
         converted.wait(number)
-    greys = [cv2.cvtColor(pixels, cv2.COLOR_BGR2GRAY) for pixels in sent]
+    grays = [cv2.cvtColor(pixels, cv2.COLOR_BGR2GRAY) for pixels in sent]
     kept = [frame.image[::2] for frame in views.received]  # slices keep the memory as well
-    kept_greys = [frame.image for frame in converted.received]
+    kept_grays = [frame.image for frame in converted.received]
     subscribers = [weakref.ref(frames.subscriber) for frames in (views, converted)]
     views.close()
     converted.close()
@@ -236,7 +186,7 @@ def test_frames_outlive_their_subscriber(source):
         others.wait(number)
         others.received[-1] = None  # releases the frame for the next one
     assert all(np.array_equal(a, b[::2]) for a, b in zip(kept, sent))
-    assert all(np.array_equal(a, b) for a, b in zip(kept_greys, greys))
+    assert all(np.array_equal(a, b) for a, b in zip(kept_grays, grays))
 
 
 @pytest.mark.parametrize("encoding", ENCODINGS)

@@ -1,14 +1,28 @@
 """Shared by the tests of robot_vision.transport: images as messages, and received frames."""
 
+import copy
 import itertools
-from typing import Any, List, Optional
+from typing import Any, Dict, Iterator, List, Optional, Sequence, Tuple
 
 import numpy as np
 import rospy
 import support
 from sensor_msgs.msg import Image
+from std_msgs.msg import Header
 
 from robot_vision.transport import Frame, ImageSubscriber
+
+COLORS = {"bgr": 3, "rgb": 3, "bgra": 4, "rgba": 4}
+PATTERNS = ("rggb", "bggr", "gbrg", "grbg")
+TYPES = {"8U": "u1", "8S": "i1", "16U": "u2", "16S": "i2", "32S": "i4", "32F": "f4", "64F": "f8"}
+ENCODINGS = {  # name: dtype and channels
+    **{f"{name}{bits}": (f"u{bits // 8}", n) for name, n in COLORS.items() for bits in (8, 16)},
+    **{f"mono{bits}": (f"u{bits // 8}", 1) for bits in (8, 16)},
+    **{f"bayer_{name}{bits}": (f"u{bits // 8}", 1) for name in PATTERNS for bits in (8, 16)},
+    **{name: ("u1", 2) for name in ("yuv422", "yuv422_yuy2")},
+    **{f"{name}C{n}": (dtype, n) for name, dtype in TYPES.items() for n in (1, 2, 3, 4)},
+}
+UNKNOWN = ["", "rgb565", "jpeg", "nv12", "8UC0", "8UC513", "9UC1", "BGR8", "passthrough"]
 
 numbers = itertools.count()
 
@@ -32,6 +46,46 @@ def message(pixels: np.ndarray, encoding: str, padding: int = 0, order: str = "<
         is_bigendian=order == ">",
         data=rows.tobytes(),
     )
+
+
+def noise(encoding: str, height: int = 4, width: int = 6) -> np.ndarray:
+    """A random image over the full range of values of an encoding."""
+    dtype, channels = ENCODINGS[encoding]
+    rng = np.random.default_rng(3)
+    size = (height, width, channels) if channels > 1 else (height, width)
+    if dtype.startswith("f"):
+        return rng.uniform(-300.0, 300.0, size).astype(dtype)
+    limits = np.iinfo(dtype)
+    return rng.integers(limits.min, limits.max, size, dtype, endpoint=True)
+
+
+def damaged(
+    good: Image, unknown: Sequence[str] = UNKNOWN
+) -> Iterator[Tuple[Dict[str, Any], Image]]:
+    """Everything that can be wrong with a message: the wrong fields, and the message with them."""
+    step, height, data = good.step, good.height, good.data
+    wrongs = [
+        {"data": b""},
+        {"data": data[:-1]},
+        {"data": data + b"\0"},
+        {"step": 0, "data": b""},
+        {"step": step - 1, "data": data[: height * (step - 1)]},
+        {"width": 0},
+        {"height": 0},
+        {"width": 0, "height": 0, "step": 0, "data": b""},
+        {"width": 2**32 - 1},
+        {"height": 2**32 - 1},
+        {"width": 2**31, "height": 2**31, "step": 2**31},
+        {"height": 2**31 + height, "step": 2 * step, "data": data * 2},  # data's size mod 2^32
+        {"is_bigendian": 7},
+        *({"encoding": name} for name in unknown),
+    ]
+    for fields in wrongs:
+        bad = copy.copy(good)
+        bad.header = Header(frame_id="bad")
+        for name, value in fields.items():
+            setattr(bad, name, value)
+        yield fields, bad
 
 
 class Frames:
