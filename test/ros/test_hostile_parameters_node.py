@@ -1,5 +1,6 @@
 """Parameters of nodelets with invalid values: one line reports each."""
 
+import contextlib
 import itertools
 import pathlib
 import re
@@ -8,7 +9,6 @@ import xmlrpc.client
 import pytest
 import rospy
 import support
-from nodelet.srv import NodeletLoad, NodeletUnload
 from std_srvs.srv import Trigger
 
 import robot_vision.cfg.BrightnessConfig
@@ -150,15 +150,10 @@ KINDS = {
 }
 
 
+# What the gtests of the parameters of the core do not have: nodelet, parameter, value, text of the
+# FATAL line.
 REFUSED = [
-    # nodelet, parameter, value, text of the FATAL line
-    ("brightness", "gain", -0.1, "gain is -0.1, must be from 0 to 10"),
-    ("brightness", "gain", 10.1, "gain is 10.1, must be from 0 to 10"),
-    ("brightness", "offset", -256, "offset is -256, must be from -255 to 255"),
-    ("brightness", "offset", 256, "offset is 256, must be from -255 to 255"),
     ("brightness", "gamma", 0.05, "gamma is 0.05, must be from 0.1 to 10"),
-    ("brightness", "gamma", 11, "gamma is 11, must be from 0.1 to 10"),
-    ("brightness", "gain", "strong", "must be a number"),
     ("brightness", "gain", True, "gain is 1, must be a number"),
     ("brightness", "gain", "strong", "gain is 'strong', must be a number"),
     ("brightness", "always_subscribe", "maybe", "must be true or false"),
@@ -179,37 +174,22 @@ REFUSED = [
     ("camera", "framerate", {"a": {"b": "x" * 10000}}, "..., must be a number"),
     ("camera", "pixel_format", "x" * 10000, "..., must be yuyv, uyvy, nv12, "),
     ("brightness", "gain", [1.0, 2.0], "must be a number"),
-    ("brightness", "gain", NAN, "gain is nan, must be from 0 to 10"),
     ("brightness", "gain", INF, "gain is inf, must be from 0 to 10"),
     ("brightness", "gain", 1e300, "gain is 1e+300, must be from 0 to 10"),
     ("edge_detector", "aperture", 2**31 - 1, "must be 3, 5 or 7"),
     ("camera", "poster", "/no/poster.png", "/no/poster.png cannot be read: No such file"),
     ("camera", "image_width", 32, "image_width is 32, must be from 64 to 4096"),
     ("camera", "image_width", 1600, "from a third to three times image_height, 480"),
-    ("edge_detector", "blur_size", 0, "blur_size is 0, must be odd and from 1 to 31"),
-    ("edge_detector", "blur_size", 4, "blur_size is 4, must be odd and from 1 to 31"),
-    ("edge_detector", "blur_size", 33, "blur_size is 33, must be odd and from 1 to 31"),
-    ("edge_detector", "low_threshold", -1, "low_threshold is -1, must be from 0 to 10000"),
     (
         "edge_detector",
         "low_threshold",
         40,
         "high_threshold is 30, must be at least low_threshold, 40",
     ),
-    (
-        "edge_detector",
-        "high_threshold",
-        10001,
-        "high_threshold is 10001, must be from 0 to 10000",
-    ),
-    ("edge_detector", "aperture", 4, "aperture is 4, must be 3, 5 or 7"),
-    ("edge_detector", "aperture", 9, "aperture is 9, must be 3, 5 or 7"),
     ("edge_detector", "aperture", 3.5, "must be an integer"),
     ("edge_detector", "l2_gradient", "yes, please", "must be true or false"),
-    ("camera", "image_width", 15, "image_width is 15, must be from 16 to 8192"),
     ("camera", "image_width", 8193, "image_width is 8193, must be from 16 to 8192"),
     ("camera", "image_height", 0, "image_height is 0, must be from 16 to 8192"),
-    ("camera", "framerate", -1, "framerate is -1, must be from 0 to 1000"),
     ("camera", "framerate", 1001, "framerate is 1001, must be from 0 to 1000"),
     ("camera", "timeout", 0, "timeout is 0, must be from 0.1 to 3600"),
     ("camera", "keep_streaming", 2, "keep_streaming is 2, must be true or false"),
@@ -225,9 +205,6 @@ REFUSED = [
     ("camera", "intrinsic_controls/ignore", "gain", "must be a list of controls' names"),
     ("camera", "brightness", 0.5, "brightness is 0.5, must be an integer, true, false"),
     ("camera", "loop", "often", "must be true or false"),
-    ("camera", "pixel_format", "h265", "pixel_format is 'h265', must be yuyv, uyvy, nv12, "),
-    ("camera", "output_encoding", "yuv", "must be auto, bgr8, rgb8, mono8 or native"),
-    ("camera", "io_method", "dma", "must be mmap, read or userptr"),
     ("camera", "camera_name", "no/name", "must be letters, digits and _"),
     (
         "camera",
@@ -271,22 +248,7 @@ def test_all_parameters_are_tested():
 
 @pytest.fixture(scope="module")
 def manager(start_once):
-    process = start_once("/usr/lib/nodelet/nodelet", "manager", "__name:=manager")
-    rospy.wait_for_service("/manager/load_nodelet", support.DEADLINE)
-    return process
-
-
-def load(name, kind):
-    """Loads a nodelet; returns True if it has started."""
-    service = rospy.ServiceProxy("/manager/load_nodelet", NodeletLoad)
-    try:
-        return service(name, "robot_vision/" + kind, ["/image"], ["/no/image"], [], "").success
-    except rospy.ServiceException:
-        return False
-
-
-def unload(name):
-    assert rospy.ServiceProxy("/manager/unload_nodelet", NodeletUnload)(name).success
+    return support.NodeletManager(start_once)
 
 
 def lines_of(process, name):
@@ -342,13 +304,15 @@ def tried(manager, name, kind, values):
     """Whether a nodelet starts with these parameters, their values then, and its log lines."""
     for parameter, value in values.items():
         rospy.set_param(f"{name}/{parameter}", value)
-    started = load(name, kind)
-    assert manager.running(), (values, manager.output()[-1000:])
+    started = False
+    with contextlib.suppress(rospy.ServiceException):
+        started = manager.load(name, kind, {"/image": "/no/image"})
+    assert manager.process.running(), (values, manager.process.output()[-1000:])
     kept = rospy.get_param(name)
     if started:
-        unload(name)
+        assert manager.unload(name)
     rospy.delete_param(name)
-    lines = lines_of(manager, name)
+    lines = lines_of(manager.process, name)
     assert all(line.isprintable() and len(line) <= LONGEST for line in lines), lines
     return started, kept, lines
 
@@ -373,15 +337,17 @@ def test_unused_parameters_may_have_any_value(manager):
         started, _, lines = tried(manager, name, "camera", values)
         assert started, lines
         for parameter in WITHOUT_EFFECT:
-            assert manager.output().count(f"{name}/{parameter} has no effect: ") == 1
-        told = [line for line in manager.output().split("\n") if f"parameter {name}/" in line]
+            assert manager.process.output().count(f"{name}/{parameter} has no effect: ") == 1
+        told = [
+            line for line in manager.process.output().split("\n") if f"parameter {name}/" in line
+        ]
         assert len(told) == len(odd)
         for line in (re.sub("\x1b\\[[0-9;]*m", "", line) for line in told):
             assert line.isprintable() and len(line) <= LONGEST, line
 
 
 def test_an_unsuitable_file_for_saving_is_reported_in_one_line(manager):
-    assert load("/saver", "brightness")
+    assert manager.load("/saver", "brightness", {"/image": "/no/image"})
     save = rospy.ServiceProxy("/saver/save_parameters", Trigger)
     for value in HOSTILE:
         rospy.set_param("/saver/config_file", value)
@@ -393,4 +359,4 @@ def test_an_unsuitable_file_for_saving_is_reported_in_one_line(manager):
         answer = save()
         assert not answer.success and "cannot be " in answer.message, answer
         assert answer.message.isprintable() and len(answer.message) <= LONGEST, answer
-    unload("/saver")
+    assert manager.unload("/saver")

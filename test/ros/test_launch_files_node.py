@@ -16,9 +16,25 @@ import roslaunch.xmlloader
 import rospy
 import support
 import yaml
-from sensor_msgs.msg import Image
+from sensor_msgs.msg import CameraInfo, Image
 
 LAUNCH = pathlib.Path(__file__).resolve().parents[2] / "launch"
+CHAIN = f"""
+<launch>
+  <include file="{LAUNCH}/camera.launch"><arg name="source" value="synthetic"/></include>
+  <include file="{LAUNCH}/brightness.launch"/>
+  <include file="{LAUNCH}/edge_detector.launch">
+    <arg name="image" value="/brightness/processed_image"/>
+  </include>
+</launch>
+"""
+CHAINED = {"usb_cam": "camera", "brightness": "brightness", "edge_detector": "edge_detector"}
+ENCODINGS = {
+    "/usb_cam/image_raw": "bgr8",
+    "/usb_cam/image_mono": "mono8",
+    "/brightness/processed_image": "bgr8",
+    "/edge_detector/processed_image": "mono8",
+}
 NO_TEXTS = {"tag_size", "ball_diameter", "image_width", "image_height", "framerate", "loop", "view"}
 
 
@@ -53,6 +69,25 @@ def loaded(name, *arguments):
 
 def parameters_of(name, *arguments):
     return {name: param.value for name, param in loaded(name, *arguments).params.items()}
+
+
+def test_frames_go_through_a_chain_of_launch_files_with_the_values_of_config(start, tmp_path):
+    """The launch files as people use them, one on top of the other."""
+    images = [support.Messages(topic, Image) for topic in ENCODINGS]
+    infos = support.Messages("/usb_cam/camera_info", CameraInfo)
+    (tmp_path / "chain.launch").write_text(CHAIN)
+    start("/usr/bin/roslaunch", tmp_path / "chain.launch")
+    *frames, info = support.same_frame(*images, infos)
+    for image, encoding in zip(frames, ENCODINGS.values()):
+        assert image.header.frame_id == "head_camera"
+        assert (image.encoding, image.width, image.height) == (encoding, 640, 480)
+        assert len(image.data) == image.step * image.height
+    assert (info.width, info.height) == (640, 480)
+    for node, name in CHAINED.items():
+        config = LAUNCH.parent / "config" / f"{name}.yaml"
+        for key, value in yaml.safe_load(config.read_text()).items():
+            assert rospy.get_param(f"/{node}/{key}") == value, key
+        assert rospy.get_param(f"/{node}/config_file").endswith(config.name)
 
 
 @pytest.mark.parametrize("path", sorted(LAUNCH.glob("*.launch")), ids=lambda path: path.name)

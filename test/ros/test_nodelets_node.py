@@ -7,44 +7,17 @@ import numpy as np
 import pytest
 import rospy
 import support
-from nodelet.srv import NodeletList, NodeletLoad, NodeletUnload
 from sensor_msgs.msg import Image
 
 CYCLES = 100
-MANAGER = "/manager"
 
 
 @pytest.fixture
 def manager(start):
-    """A running manager: its process, and load(name, type) and unload(name)."""
-
-    class Manager:
-        process = start(
-            "/usr/lib/nodelet/nodelet",
-            "manager",
-            "__name:=" + MANAGER[1:],
-            # Makes malloc return freed frames and textures to the kernel. Otherwise it keeps some
-            # of them, and other memory for each of the threads that come and go.
-            env={"MALLOC_MMAP_THRESHOLD_": "131072", "MALLOC_ARENA_MAX": "1"},
-        )
-
-        @staticmethod
-        def load(name, kind, remappings=None):
-            remappings = remappings or {}
-            request = [name, "robot_vision/" + kind, list(remappings), list(remappings.values())]
-            service = rospy.ServiceProxy(MANAGER + "/load_nodelet", NodeletLoad)
-            return service(*request, [], "").success
-
-        @staticmethod
-        def unload(name):
-            return rospy.ServiceProxy(MANAGER + "/unload_nodelet", NodeletUnload)(name).success
-
-        @staticmethod
-        def loaded():
-            return set(rospy.ServiceProxy(MANAGER + "/list", NodeletList)().nodelets)
-
-    rospy.wait_for_service(MANAGER + "/load_nodelet", support.DEADLINE)
-    return Manager
+    # Makes malloc return freed frames and textures to the kernel. Otherwise it keeps some of them,
+    # and other memory for each of the threads that come and go.
+    env = {"MALLOC_MMAP_THRESHOLD_": "131072", "MALLOC_ARENA_MAX": "1"}
+    return support.NodeletManager(start, env=env)
 
 
 def memory(process):
@@ -91,9 +64,7 @@ def test_a_nodelet_that_cannot_start_does_not_harm_the_manager(manager):
             manager.load("/bad", kind)
         manager.process.wait_for_output(message)
         assert manager.loaded() == {"/good"}
-    frames = support.Messages("/good/image_raw", Image)
-    frames.wait(3)
-    frames.close()
+    support.Messages("/good/image_raw", Image).wait(3)
 
 
 def test_a_source_without_a_good_frame_ends_once(manager, diagnostics, tmp_path):
@@ -118,7 +89,7 @@ def test_frames_go_from_nodelet_to_nodelet_inside_the_process(manager):
     assert manager.load("/edges", "edge_detector", {"/image": "/brightness/processed_image"})
 
     def transports(topic):
-        _, _, connections = support.node_api(MANAGER).getBusInfo("/test")
+        _, _, connections = support.node_api(manager.name).getBusInfo("/test")
         return {transport for _, _, _, transport, name, *_ in connections if name == topic}
 
     for topic in ("/camera/image_raw", "/brightness/processed_image"):
@@ -130,8 +101,6 @@ def test_a_manager_with_all_nodelets_ends_on_sigint(manager):
     assert manager.load("/source", "camera")
     assert manager.load("/brightness", "brightness", {"/image": "/source/image_raw"})
     assert manager.load("/edges", "edge_detector", {"/image": "/brightness/processed_image"})
-    frames = support.Messages("/edges/processed_image", Image)
-    frames.wait(3)
+    support.Messages("/edges/processed_image", Image).wait(3)
     manager.process.interrupt()
     assert manager.process.exit_code() == 0, manager.process.output()
-    frames.close()

@@ -22,6 +22,7 @@ import rosgraph
 import roslib.packages
 import rospy
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from nodelet.srv import NodeletList, NodeletLoad, NodeletUnload
 
 DEADLINE = 60.0  # s; on an idle machine everything takes a moment only
 
@@ -197,6 +198,30 @@ class Master:
 
     def end(self) -> None:
         self.process.end()
+
+
+class NodeletManager:
+    """A running nodelet manager, started with a fixture's `start` and these options."""
+
+    def __init__(self, start: Callable[..., Process], **options: Any):
+        self.name = "/manager"
+        self.process = start(
+            "/usr/lib/nodelet/nodelet", "manager", f"__name:={self.name[1:]}", **options
+        )
+        rospy.wait_for_service(self.name + "/load_nodelet", DEADLINE)
+
+    def load(self, name: str, kind: str, remappings: Optional[Dict[str, str]] = None) -> bool:
+        """Loads a nodelet of this package; raises rospy.ServiceException if it does not start."""
+        load = rospy.ServiceProxy(self.name + "/load_nodelet", NodeletLoad)
+        remappings = remappings or {}
+        topics = [*map(list, (remappings.keys(), remappings.values()))]
+        return load(name, "robot_vision/" + kind, *topics, [], "").success
+
+    def unload(self, name: str) -> bool:
+        return rospy.ServiceProxy(self.name + "/unload_nodelet", NodeletUnload)(name).success
+
+    def loaded(self) -> Set[str]:
+        return set(rospy.ServiceProxy(self.name + "/list", NodeletList)().nodelets)
 
 
 class PythonStarter:
