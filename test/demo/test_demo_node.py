@@ -7,8 +7,8 @@ import cv2
 import numpy as np
 import pytest
 import rospy
-import skimage.data
 import support
+from faces import PORTRAIT
 from geometry_msgs.msg import PointStamped, Twist
 from sensor_msgs.msg import Image
 
@@ -24,12 +24,11 @@ WIDTH, HEIGHT, FRAMES = 320, 240, 30
 def video(tmp_path_factory):
     """A video of a window that wanders over a photograph."""
     path = str(tmp_path_factory.mktemp("video") / "astronaut.mp4")
-    photograph = cv2.cvtColor(skimage.data.astronaut(), cv2.COLOR_RGB2BGR)
     fourcc = cv2.VideoWriter_fourcc(*"mp4v")
     writer = cv2.VideoWriter(path, cv2.CAP_FFMPEG, fourcc, 30, (WIDTH, HEIGHT))
     for i in range(FRAMES):
         x, y = 2 * i, i
-        writer.write(photograph[y : y + HEIGHT, x : x + WIDTH])
+        writer.write(PORTRAIT[y : y + HEIGHT, x : x + WIDTH])
     writer.release()
     return path
 
@@ -37,12 +36,7 @@ def video(tmp_path_factory):
 def decoded(path):
     """The frames of a video as OpenCV decodes them."""
     capture = cv2.VideoCapture(path, cv2.CAP_FFMPEG)
-    frames = []
-    while True:
-        ok, frame = capture.read()
-        if not ok:
-            return frames
-        frames.append(frame)
+    return [frame for _, frame in iter(capture.read, (False, None))]
 
 
 def opencv_chain(frame):
@@ -52,33 +46,22 @@ def opencv_chain(frame):
     return cv2.Canny(smooth, 15, 30)
 
 
-@pytest.fixture
-def demo(start):
-    """Starts demo.launch on the test's master."""
-
-    def start_demo(*arguments):
-        return start("/usr/bin/roslaunch", "robot_vision", "demo.launch", *arguments)
-
-    return start_demo
-
-
-def test_edges_of_a_video_are_opencv_s(demo, video):
+def test_edges_of_a_video_are_opencv_s(start, video):
     expected = {opencv_chain(frame).tobytes(): i for i, frame in enumerate(decoded(video))}
     assert len(expected) == FRAMES
     edges = support.Messages("/edge_detector/processed_image", Image)
-    demo("source:=" + video)
+    start("/usr/bin/roslaunch", "robot_vision", "demo.launch", "source:=" + video)
     received = edges.wait(2 * FRAMES)
     assert {(m.encoding, m.width, m.height, m.step) for m in received} == {
         ("mono8", WIDTH, HEIGHT, WIDTH)
     }
-    # Every picture is one of the expected, to the bit; as many frames on as their stamps say.
+    # Every image is one of the expected, to the bit; as many frames on as their stamps say.
     numbers = [expected[m.data] for m in received]
     stamps = np.array([m.header.stamp.to_sec() for m in received])
     assert np.all(np.diff(stamps) > 0)
     late = np.diff(stamps) * 30 - np.diff(numbers) % FRAMES
     assert np.median(np.abs(late)) < 0.5
     assert len(set(numbers)) > FRAMES // 2
-    edges.close()
 
 
 def test_make_demo_fails_when_its_source_is_wrong(start, tmp_path):
@@ -150,11 +133,10 @@ def test_demo_shows_the_scene(scene_demo):
     images = support.Messages("/usb_cam/image_raw", Image)
     edges = support.Messages("/edge_detector/processed_image", Image)
     truth, first, result = support.same_frame(truths, images, edges)
-    portrait = cv2.cvtColor(skimage.data.astronaut(), cv2.COLOR_RGB2BGR)
-    picture = Scene(SceneParams(), portrait).render(truth.frame)
-    assert first.data == picture.tobytes()
+    image = Scene(SceneParams(), PORTRAIT).render(truth.frame)
+    assert first.data == image.tobytes()
     assert result.header.frame_id == first.header.frame_id
-    assert result.data == opencv_chain(picture).tobytes()
+    assert result.data == opencv_chain(image).tobytes()
 
 
 def sees_the_portrait(truth, faces):

@@ -17,6 +17,7 @@ import pytest
 import rospy
 import support
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from frames import Source
 from sensor_msgs.msg import Image
 from std_srvs.srv import Trigger
 
@@ -25,8 +26,10 @@ from robot_vision.msg import TagDetectionArray
 from robot_vision.ros import startup
 
 NODES = ["camera_node", "brightness_node", "edge_detector_node"]
-PYTHON_NODES = ["hsv_tracker.py", "ball_tracker.py", "line_follower.py"]
-PYTHON_NODES += [
+PYTHON_NODES = [
+    "hsv_tracker.py",
+    "ball_tracker.py",
+    "line_follower.py",
     "code_reader.py",
     "face_detector.py",
     "face_recognizer.py",
@@ -144,18 +147,17 @@ def test_the_status_printer_ends_too(start):
 def test_the_status_printer_in_the_middle_of_its_lines(start):
     """Its output ends with a complete line."""
     process = start("demo_status.py")
-    publisher = rospy.Publisher("/diagnostics", DiagnosticArray, queue_size=100)
+    source = Source("/diagnostics", DiagnosticArray)
     status = DiagnosticArray(status=[DiagnosticStatus(name="usb_cam: a", message="fine")])
 
     def printed():
-        publisher.publish(status)
+        source.send(status)
         return process.output().count("fine\n") > 10
 
     support.wait_for(printed, "its lines")
     process.interrupt()
     assert process.prompt_exit_code() == 0, process.output()
     assert "Traceback" not in process.output() and process.output().endswith("fine\n")
-    publisher.unregister()
 
 
 LOCKED_NODE = """
@@ -238,16 +240,13 @@ def test_in_the_middle_of_a_frame(start, node):
     # The frames are so large that one is always being processed.
     size = ["_image_width:=1920", "_image_height:=1080"]
     camera = start("camera_node", "__name:=camera", "_source:=synthetic", *size)
-    process = camera
-    topic = "/camera/image_raw"
+    process, topic = camera, "/camera/image_raw"
     if node != "camera_node":
         process = start(node, "__name:=filter", "image:=/camera/image_raw")
         topic = "/filter/processed_image"
-    messages = support.Messages(topic, Image)
-    messages.wait(5)
+    support.Messages(topic, Image).wait(5)
     process.interrupt()
     assert process.prompt_exit_code() == 0, process.output()
-    messages.close()
 
 
 def test_in_the_middle_of_a_search(start):
@@ -255,12 +254,10 @@ def test_in_the_middle_of_a_search(start):
     start("camera_node", "__name:=camera", "_source:=synthetic", *size)
     arguments = ["image:=/camera/image_raw", "_max_search_period:=0.01"]  # always searches
     process = start("apriltag_detector.py", "__name:=tag", *arguments)
-    messages = support.Messages("/tag/tags", TagDetectionArray)
-    messages.wait(5)
+    support.Messages("/tag/tags", TagDetectionArray).wait(5)
     process.interrupt()
     assert process.prompt_exit_code() == 0, process.output()
     assert "did not end" not in process.output()
-    messages.close()
 
 
 @pytest.mark.parametrize("node", NODES)

@@ -22,15 +22,7 @@ from std_srvs.srv import Empty, Trigger
     ],
 )
 def test_bad_value_at_start_is_fatal(start, node, name, value, message):
-    rospy.set_param("/bad/" + name, value)
-    sources = ["_source:=synthetic"] if name != "source" else []
-    process = start(node, "__name:=bad", *sources)
-    assert process.exit_code() == 1
-    fatal = [line for line in process.output().splitlines() if "FATAL" in line]
-    assert len(fatal) == 1, process.output()
-    assert "/bad: " in fatal[0] and message in fatal[0] and len(fatal[0]) < 1000
-    assert name in fatal[0]
-    rospy.delete_param("/bad/" + name)
+    support.assert_fatal_at_start(start, node, name, value, message)
 
 
 @pytest.mark.parametrize(
@@ -162,16 +154,20 @@ def test_other_parameters_of_usb_cam_are_accepted(start, diagnostics):
     support.Messages("/camera/image_raw", Image).wait()
 
 
-def test_values_change_live(start):
-    start("brightness_node", "__name:=live", "image:=/gray")
-    publisher = rospy.Publisher("/gray", Image, queue_size=1, latch=True)
-    publisher.publish(Image(encoding="mono8", width=1, height=1, step=1, data=b"\x64"))
+def test_values_are_applied_to_every_pixel_at_start_and_live(start):
+    applied = {"gain": 1.5, "offset": -20.0}
+    start("brightness_node", "__name:=live", "image:=/ramp", "_gain:=1.5", "_offset:=-20")
+    publisher = rospy.Publisher("/ramp", Image, queue_size=1, latch=True)
+    ramp = np.arange(256, dtype=np.uint8)
+    publisher.publish(Image(encoding="mono8", width=256, height=1, step=256, data=ramp.tobytes()))
     client = dynamic_reconfigure.client.Client("/live", timeout=support.DEADLINE)
-    for values, level in [({}, 150), ({"offset": 7.0}, 107), ({"gain": 2.0, "offset": -50.0}, 150)]:
+    for values in ({}, {"offset": 7.0}, {"gain": 2.0, "offset": -50.0}):
         answer = client.update_configuration(values)
         assert {name: answer[name] for name in values} == values
+        applied.update(values)
         result = support.Messages("/live/processed_image", Image)
-        assert result.wait()[0].data == bytes([level])
+        levels = np.clip(np.rint(applied["gain"] * ramp + applied["offset"]), 0, 255)
+        assert np.array_equal(np.frombuffer(result.wait()[0].data, np.uint8), levels)
         result.close()
         # The next subscription gets the latched frame only after this one has ended.
         support.wait_for(
@@ -232,7 +228,7 @@ def test_values_are_saved_where_they_were(start, tmp_path):
 
 
 @pytest.mark.parametrize(
-    "content, why",
+    "content, reason",
     [
         ("gain: [", "no valid YAML"),
         ("- a list\n", "no map of parameters"),
@@ -241,14 +237,14 @@ def test_values_are_saved_where_they_were(start, tmp_path):
         (None, NOT_WRITTEN),
     ],
 )
-def test_an_invalid_file_is_not_overwritten(start, tmp_path, content, why):
+def test_an_invalid_file_is_not_overwritten(start, tmp_path, content, reason):
     config = tmp_path / ("config.yaml" if content else "missing_folder/config.yaml")
     if content:
         config.write_text(content)
     start("edge_detector_node", "__name:=saving", f"_config_file:={config}")
     answer = save("/saving")
     assert not answer.success
-    assert str(config) in answer.message and why in answer.message
+    assert str(config) in answer.message and reason in answer.message
     assert not content or config.read_text() == content
 
 
@@ -271,7 +267,7 @@ def test_only_files_are_replaced(start, tmp_path, node):
     dangling.symlink_to("nowhere")
     loop = tmp_path / "loop.yaml"
     loop.symlink_to("loop.yaml")
-    for path, why in (
+    for path, reason in (
         ("/dev/null", "/dev/null cannot be read: it is no file"),
         ("/dev/zero", "/dev/zero cannot be read: it is no file"),
         (null, f"{null} cannot be read: it is no file"),
@@ -283,7 +279,7 @@ def test_only_files_are_replaced(start, tmp_path, node):
     ):
         rospy.set_param("/saving/config_file", str(path))
         answer = save("/saving")
-        assert not answer.success and why in answer.message and "\n" not in answer.message
+        assert not answer.success and reason in answer.message and "\n" not in answer.message
     assert stat.S_ISCHR(os.stat("/dev/null").st_mode) and pipe.is_fifo()
     text.write_bytes(b"threads: 1  # core\r\n")
     rospy.set_param("/saving/config_file", str(text))
@@ -313,7 +309,7 @@ def test_a_pipe_at_start_is_fatal(start, tmp_path, node, name, says):
 
 
 @pytest.mark.parametrize(
-    "content, why",
+    "content, reason",
     [
         ("pipe", "{} cannot be read: it is no file"),
         ("folder", "{} cannot be read: it is no file"),
@@ -323,7 +319,7 @@ def test_a_pipe_at_start_is_fatal(start, tmp_path, node, name, says):
     ],
     ids=["pipe", "folder", "deep", "binary", "large"],
 )
-def test_an_unreadable_calibration_is_not_used(start, tmp_path, content, why):
+def test_an_unreadable_calibration_is_not_used(start, tmp_path, content, reason):
     path = tmp_path / "eye.yaml"
     if content == "pipe":
         os.mkfifo(str(path))
@@ -334,7 +330,7 @@ def test_an_unreadable_calibration_is_not_used(start, tmp_path, content, why):
     url = f"_camera_info_url:=file://{path}"
     process = start("camera_node", "__name:=eye", "_source:=synthetic", url)
     support.Messages("/eye/camera_info", CameraInfo).wait()
-    process.wait_for_output("not calibrated: " + why.format(path))
+    process.wait_for_output("not calibrated: " + reason.format(path))
 
 
 def test_the_name_in_a_calibration_cannot_control_a_terminal(start, tmp_path):
@@ -390,16 +386,3 @@ def test_saving_needs_a_file_name(start):
     answer = save("/saving")
     assert not answer.success
     assert "config_file" in answer.message
-
-
-def test_gain_is_applied_to_every_pixel(start):
-    start("brightness_node", "__name:=brighter", "image:=/ramp", "_gain:=1.5", "_offset:=-20")
-    publisher = rospy.Publisher("/ramp", Image, queue_size=1, latch=True)
-    publisher.publish(
-        Image(encoding="mono8", width=256, height=1, step=256, data=bytes(range(256)))
-    )
-    result = support.Messages("/brighter/processed_image", Image)
-    levels = np.clip(np.rint(np.arange(256) * 1.5 - 20), 0, 255)
-    assert np.array_equal(np.frombuffer(result.wait()[0].data, np.uint8), levels)
-    result.close()
-    publisher.unregister()

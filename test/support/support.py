@@ -214,7 +214,7 @@ class NodeletManager:
         """Loads a nodelet of this package; raises rospy.ServiceException if it does not start."""
         load = rospy.ServiceProxy(self.name + "/load_nodelet", NodeletLoad)
         remappings = remappings or {}
-        topics = [*map(list, (remappings.keys(), remappings.values()))]
+        topics = list(remappings), list(remappings.values())
         return load(name, "robot_vision/" + kind, *topics, [], "").success
 
     def unload(self, name: str) -> bool:

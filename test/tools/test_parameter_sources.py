@@ -7,6 +7,7 @@ import pathlib
 import re
 from importlib.machinery import SourceFileLoader
 
+import pages
 import pytest
 import yaml
 
@@ -30,21 +31,15 @@ def file_of(node):
     return ROOT / f"config/{node}.yaml"
 
 
-def start_rows():
-    """The page's table of what nodes read at start: rows by node and parameter."""
-    lines = tool.PAGE.read_text().splitlines()
-    begin = lines.index("| node | parameter | type | default | range | unit | meaning |")
-    names = [cell.strip() for cell in lines[begin].strip("|").split("|")]
-    rows = [
-        dict(zip(names, (cell.strip() for cell in line.strip("|").split("|"))))
-        for line in lines[begin + 2 :]
-    ]
-    return {(row["node"], row["parameter"].strip("`")): row for row in rows}
+def defaults_at_start():
+    """The defaults of what nodes read at start, by node and parameter, as the page has them."""
+    rows = pages.table(tool.PAGE, "| node | parameter | type | default | range | unit | meaning |")
+    return {(node, name.strip("`")): default for node, name, _, default, *_ in rows}
 
 
 def defaults(node):
     """A node's parameters and their defaults as the page has them."""
-    rows = {name: row["default"] for (of, name), row in start_rows().items() if of == node}
+    rows = {name: default for (of, name), default in defaults_at_start().items() if of == node}
     config = CONFIGS[node]
     declared = (*tool.start_fields(config, STRUCTS), *config.parameters)
     return {**rows, **{one.name: tool.text_of(one.default) for one in declared}}
@@ -134,19 +129,19 @@ def asked_in_cpp():
 
 
 def test_the_page_has_what_nodes_ask_for_at_start():
-    rows = start_rows()
+    rows = defaults_at_start()
     names = {name for _, name in rows}
     commands = {"manager", "cameras", "view"}  # of the camera loader and of the demo's report
     for name, default in asked_in_python():
         assert name in names | commands, name
         if name in names and default is not None:
-            shown = {row["default"] for (_, of), row in rows.items() if of == name}
+            shown = {value for (_, of), value in rows.items() if of == name}
             assert shown == {tool.text_of(default)}, name
     assert set(asked_in_cpp()) <= names
 
 
 def test_rows_of_what_is_read_at_start_are_of_nodes():
-    for node, name in start_rows():
+    for node, name in defaults_at_start():
         assert node in CONFIGS or node in SHARED, node
         if node in CONFIGS:
             assert name not in {parameter.name for parameter in CONFIGS[node].parameters}
