@@ -4,8 +4,6 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <string>
 #include <utility>
 #include <vector>
@@ -21,12 +19,6 @@ namespace fs = std::filesystem;
 
 namespace
 {
-
-std::string bytesOf(const std::string& path)
-{
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
-}
 
 std::vector<std::string> namesIn(const std::string& folder)
 {
@@ -134,8 +126,8 @@ TEST(Files, replacedFilesKeepModeAndOwner)
   EXPECT_EQ(after.st_mode, before.st_mode);
   EXPECT_EQ(after.st_uid, before.st_uid);
   EXPECT_EQ(after.st_gid, before.st_gid);
-  EXPECT_EQ(bytesOf(path), "new");
-  EXPECT_EQ(bytesOf(left), "of a dead process");
+  EXPECT_EQ(readFile(path, 100), "new");
+  EXPECT_EQ(readFile(left, 100), "of a dead process");
   EXPECT_EQ(namesIn(folder.path().string()).size(), 2u);
 }
 

@@ -26,11 +26,17 @@ if not pathlib.Path(REPUBLISH).exists():
 HEADER = Header(stamp=rospy.Time(12, 34), frame_id="eye")
 
 
-def picture(height=48, width=64):
-    """A smooth colour image, BGR."""
+def smooth(height=48, width=64):
+    """A smooth color image, BGR."""
     y, x = np.mgrid[:height, :width]
     waves = [np.sin(0.11 * x + 0.04 * y), np.cos(0.07 * y), np.sin(0.05 * (x + y))]
     return np.stack([127.5 + 127 * wave for wave in waves], axis=2).astype(np.uint8)
+
+
+def told(image):
+    """The encoding or format of an image, and its header."""
+    kind = image.format if isinstance(image, CompressedImage) else image.encoding
+    return kind, image.header.stamp, image.header.frame_id
 
 
 def array(image):
@@ -73,7 +79,7 @@ def open_chain(publisher, image, *ends):
         publisher.send(stamped(image, 1))
         return all(messages.received for messages in ends)
 
-    support.wait_for(arrived, "pictures at all ends")
+    support.wait_for(arrived, "images at all ends")
 
 
 def through(source, kind, sent, messages):
@@ -88,10 +94,9 @@ def through(source, kind, sent, messages):
 def test_what_compressed_writes(republish):
     source, target, _ = republish("raw", "compressed")
     out = support.Messages(target + "/compressed", CompressedImage)
-    bgr = picture()
+    bgr = smooth()
     came = through(source, Image, stamped(message(bgr[:, :, ::-1], "rgb8", padding=6)), out)
-    assert came.format == "rgb8; jpeg compressed bgr8"
-    assert (came.header.stamp, came.header.frame_id) == (HEADER.stamp, "eye")
+    assert told(came) == ("rgb8; jpeg compressed bgr8", HEADER.stamp, "eye")
     assert came.data == cv2.imencode(".jpg", bgr, [cv2.IMWRITE_JPEG_QUALITY, 80])[1].tobytes()
 
     # Its settings have the usual names and can be changed while it runs.
@@ -126,11 +131,10 @@ def test_what_compressed_reads(republish, format, suffix, encoding, mode, expect
     parameters = {} if mode is None else {"compressed/mode": mode}
     source, target, process = republish("compressed", "raw", **parameters)
     out = support.Messages(target, Image)
-    file = cv2.imencode(suffix, picture())[1]
+    file = cv2.imencode(suffix, smooth())[1]
     sent = CompressedImage(header=HEADER, format=format, data=file.tobytes())
     came = through(source + "/compressed", CompressedImage, sent, out)
-    assert came.encoding == encoding
-    assert (came.header.stamp, came.header.frame_id) == (HEADER.stamp, "eye")
+    assert told(came) == (encoding, HEADER.stamp, "eye")
     if expected is None:
         assert np.array_equal(array(came), cv2.imdecode(file, cv2.IMREAD_GRAYSCALE))
     else:
@@ -153,7 +157,7 @@ def test_python_reads_and_writes_every_transport():
         ImageSubscriber(topic, frames.append, transport=name) for name, frames in received.items()
     ]
     support.wait_for(lambda: publisher.get_num_connections() == 3, "three subscriptions")
-    bgr = picture()
+    bgr = smooth()
     publisher.publish(bgr, "bgr8", HEADER)
     support.wait_for(lambda: all(received.values()), "a frame over each transport")
     frames = {name: came[0] for name, came in received.items()}
@@ -162,11 +166,7 @@ def test_python_reads_and_writes_every_transport():
     assert np.array_equal(frames["compressed"].image, cv2.imdecode(file, cv2.IMREAD_COLOR))
     assert np.abs(frames["theora"].image.astype(float) - bgr).mean() < 8
     for frame in frames.values():
-        assert (frame.encoding, frame.header.stamp, frame.header.frame_id) == (
-            "bgr8",
-            HEADER.stamp,
-            "eye",
-        )
+        assert told(frame) == ("bgr8", HEADER.stamp, "eye")
     for subscriber in subscribers:
         subscriber.unregister()
     publisher.unregister()
@@ -179,9 +179,9 @@ def test_the_parameter_image_transport_chooses_the_transport():
         frames = Frames(topic, "mono8")
         publisher = Source(topic + "/compressed", CompressedImage)
         publisher.wait_for()
-        file = cv2.imencode(".png", picture())[1]
+        file = cv2.imencode(".png", smooth())[1]
         publisher.send(CompressedImage(format="png", data=file.tobytes()))
-        expected = cv2.cvtColor(picture(), cv2.COLOR_BGR2GRAY)
+        expected = cv2.cvtColor(smooth(), cv2.COLOR_BGR2GRAY)
         assert np.array_equal(frames.wait()[0].image, expected)
     finally:
         rospy.delete_param("~image_transport")
@@ -194,13 +194,13 @@ def test_nodes_read_the_remapped_topic(start, node):
     out = support.Messages("/reader/processed_image", Image)
     publisher = Source(topic + "/compressed", CompressedImage)
     publisher.wait_for()
-    file = cv2.imencode(".jpg", picture())[1].tobytes()
+    file = cv2.imencode(".jpg", smooth())[1].tobytes()
 
     def seen():
         publisher.send(CompressedImage(header=HEADER, format="jpeg", data=file))
         return out.received
 
-    assert support.wait_for(seen, "a picture")[0].header.stamp == HEADER.stamp
+    assert support.wait_for(seen, "an image")[0].header.stamp == HEADER.stamp
 
 
 def test_depth_goes_there_and_back(republish):
@@ -220,11 +220,7 @@ def test_depth_goes_there_and_back(republish):
     within = np.where(millimetres > 10000, 0, millimetres)
     assert np.array_equal(png, within)
     assert np.array_equal(array(back), within)
-    assert (back.encoding, back.header.stamp, back.header.frame_id) == (
-        "16UC1",
-        HEADER.stamp,
-        "eye",
-    )
+    assert told(back) == ("16UC1", HEADER.stamp, "eye")
 
     metres = np.linspace(0.2, 12.0, 48 * 64, dtype=np.float32).reshape(48, 64)
     metres[0, 0] = np.nan
@@ -239,18 +235,18 @@ def test_depth_goes_there_and_back(republish):
 
 
 def test_recording_all_topics_of_a_color_camera_logs_no_errors(republish):
-    """In usb_cam#55, compressedDepth logged an error for each colour frame."""
+    """In usb_cam#55, compressedDepth logged an error for each color frame."""
     source, target, process = republish("raw", "compressedDepth")
     out = support.Messages(target + "/compressedDepth", CompressedImage)
     publisher = Source(source)
     stays_empty = f"{target}/compressedDepth stays empty: bgr8 images hold no depths"
 
-    def told():
-        publisher.send(message(picture(), "bgr8"))
+    def is_told():
+        publisher.send(message(smooth(), "bgr8"))
         return stays_empty in process.output()
 
-    support.wait_for(told, stays_empty)
-    told()
+    support.wait_for(is_told, stays_empty)
+    is_told()
     open_chain(publisher, message(np.ones((4, 4), np.uint16), "16UC1"), out)
     assert {sent.format for sent in out.received} == {"16UC1; compressedDepth png"}
     assert process.output().count(stays_empty) == 1
@@ -262,11 +258,11 @@ def test_theora_reaches_late_subscribers(republish):
     _, early, _ = republish("theora", "raw", middle)
     first = support.Messages(early, Image)
     publisher = Source(source)
-    open_chain(publisher, message(picture(), "bgr8"), first)
+    open_chain(publisher, message(smooth(), "bgr8"), first)
 
     def show(number):
         """Sends an image and returns it when the early subscriber has received it."""
-        shown = np.roll(picture(), number, axis=1)
+        shown = np.roll(smooth(), number, axis=1)
         image = stamped(message(shown, "bgr8"), number)
         publisher.send(image)
         first.of(image.header.stamp)
@@ -277,7 +273,7 @@ def test_theora_reaches_late_subscribers(republish):
     _, late, process = republish("theora", "raw", middle)
     second = support.Messages(late, Image)
     numbers = iter(range(20, 10000))
-    support.wait_for(lambda: show(next(numbers)) is not None and second.received, "pictures")
+    support.wait_for(lambda: show(next(numbers)) is not None and second.received, "images")
     number = next(numbers)
     shown = show(number)
     image = second.of(rospy.Time(number, HEADER.stamp.nsecs))

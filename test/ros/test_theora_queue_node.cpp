@@ -4,9 +4,8 @@
 #include <ros/ros.h>
 
 #include <boost/make_shared.hpp>
-#include <chrono>
-#include <thread>
 
+#include "support/receiver.hpp"
 #include "support/run_tests.hpp"
 
 namespace
@@ -48,16 +47,15 @@ TEST(Theora, keepsTheFirstFrameAfterAllHeaders)
   const image_transport::Subscriber subscriber = receiver.transport->subscribe(
       "video", 1, [&frames](const sensor_msgs::ImageConstPtr&) { ++frames; }, ros::VoidPtr(),
       image_transport::TransportHints("theora"));
-  const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(30);
-  while (publisher.getNumSubscribers() == 0 && std::chrono::steady_clock::now() < deadline)
-    std::this_thread::sleep_for(std::chrono::milliseconds(2));
-  ASSERT_EQ(publisher.getNumSubscribers(), 1u);
+  ASSERT_TRUE(waitFor([&publisher] { return publisher.getNumSubscribers() == 1; }));
   publisher.publish(grayImage());
-  while (frames == 0 && std::chrono::steady_clock::now() < deadline)  // the messages may still be on their way
-  {
-    sender.callbacks.callAvailable(ros::WallDuration(0.01));  // tells the publisher about its subscriber
-    receiver.callbacks.callAvailable(ros::WallDuration(0.01));
-  }
+  waitFor(  // the messages may still be on their way
+      [&]
+      {
+        sender.callbacks.callAvailable(ros::WallDuration(0.01));  // tells the publisher about its subscriber
+        receiver.callbacks.callAvailable(ros::WallDuration(0.01));
+        return frames > 0;
+      });
   EXPECT_EQ(frames, 1);
 }
 

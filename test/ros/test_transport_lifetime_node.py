@@ -13,7 +13,7 @@ from frames import Frames, Source, message, new_topic
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import Image
 
-PICTURE = np.random.default_rng(5).integers(0, 256, (48, 64, 3), np.uint8)
+IMAGE = np.random.default_rng(5).integers(0, 256, (48, 64, 3), np.uint8)
 CYCLES = 4000
 
 HEAD = """
@@ -73,8 +73,8 @@ def test_names_are_resolved_as_in_rospy(run, arguments, env, node, topics):
         source.wait_for()
     frames = Frames(output)
     support.wait_for(frames.subscriber.get_num_connections, output)
-    sources[0].send(message(PICTURE, "bgr8"))
-    assert np.array_equal(frames.wait()[0].image, PICTURE)
+    sources[0].send(message(IMAGE, "bgr8"))
+    assert np.array_equal(frames.wait()[0].image, IMAGE)
     registered = rosgraph.Master("/test").getSystemState()
     names = {topic for topic, nodes in registered[1] if node + "_images" in nodes}
     assert names == {*topics}
@@ -109,9 +109,9 @@ def test_simulated_time(run, diagnostics):
     def aged():
         nonlocal sent
         sent += 1
-        picture = message(PICTURE, "bgr8")
-        picture.header.stamp = rospy.Time(1234)
-        source.send(picture)
+        image = message(IMAGE, "bgr8")
+        image.header.stamp = rospy.Time(1234)
+        source.send(image)
         assert results.wait(sent)[-1].header.stamp == rospy.Time(1234, 500000000)
         return diagnostics.value("echo", "output age (ms)") == "500.000"
 
@@ -121,14 +121,14 @@ def test_simulated_time(run, diagnostics):
 
 def test_a_bag_recorded_and_played(start, tmp_path):
     topic = new_topic()
-    source, bag = Source(topic), tmp_path / "pictures.bag"
+    source, bag = Source(topic), tmp_path / "images.bag"
     record = start(shutil.which("rosbag"), "record", "-l", 5, "-O", bag, topic)
     source.wait_for()
-    sent = [np.roll(PICTURE, number, axis=0) for number in range(5)]
+    sent = [np.roll(IMAGE, number, axis=0) for number in range(5)]
     for number, pixels in enumerate(sent):
-        picture = message(pixels, "bgr8", padding=4)
-        picture.header.stamp = rospy.Time(100 + number)
-        source.send(picture)
+        image = message(pixels, "bgr8", padding=4)
+        image.header.stamp = rospy.Time(100 + number)
+        source.send(image)
         rospy.sleep(0.1)  # a bag stores the times of arrival
     assert record.exit_code() == 0, record.output()
 
