@@ -61,31 +61,24 @@ struct Raw
   ImagePool pool;
 };
 
+/// An image or depths, compressed.
 struct Compressed
 {
   void operator()(Bytes& input)
   {
     const auto message = read<sensor_msgs::CompressedImage>(input);
+    const std::uint8_t* data = message->data.data();
+    const std::size_t size = message->data.size();
     images.make(
-        [&](cv::Mat& pixels) {
-          return decompress(message->format, message->data.data(), message->data.size(), ColorMode::kUnchanged, 1,
-                            pixels);
+        [&](cv::Mat& pixels)
+        {
+          if (is_depth) return decompressDepth(message->format, data, size, pixels);
+          return decompress(message->format, data, size, ColorMode::kUnchanged, 1, pixels);
         });
   }
 
-  ImageMaker images;
-};
-
-struct CompressedDepth
-{
-  void operator()(Bytes& input)
-  {
-    const auto message = read<sensor_msgs::CompressedImage>(input);
-    images.make([&](cv::Mat& pixels)
-                { return decompressDepth(message->format, message->data.data(), message->data.size(), pixels); });
-  }
-
-  ImageMaker images;
+  bool is_depth;
+  ImageMaker images = {};
 };
 
 /// A stream of packets, each behind its length; it begins anew with each input, as with each sender.
@@ -183,8 +176,8 @@ Target targetOf(const std::string& name)
 {
   if (name == "raw") return Raw();
   if (name == "received_infos") return ReceivedInfos();
-  if (name == "compressed") return Compressed();
-  if (name == "compressed_depth") return CompressedDepth();
+  if (name == "compressed") return Compressed{false};
+  if (name == "compressed_depth") return Compressed{true};
   if (name == "files") return Files();
   if (name == "calibrations") return Calibrations();
   if (name == "theora") return [theora = std::make_shared<Theora>()](Bytes& input) { (*theora)(input); };
