@@ -6,12 +6,12 @@ from typing import Callable, Dict, List
 import cv2
 import numpy as np
 from sensor_msgs.msg import CompressedImage, Image
-from targets import PICTURE, CameraInfos, encoded, serialized
+from targets import IMAGE, CameraInfos, encoded, serialized
 
 from robot_vision.calibration.camera_file import as_yaml
 from robot_vision.calibration.solving import Calibration
 
-DEPTH = PICTURE[:, :, 0].astype(np.uint16) * 100
+DEPTH = IMAGE[:, :, 0].astype(np.uint16) * 100
 
 
 def raw() -> List[bytes]:
@@ -31,7 +31,7 @@ def raw() -> List[bytes]:
 
 
 def compressed() -> List[bytes]:
-    progressive = cv2.imencode(".jpg", PICTURE, [cv2.IMWRITE_JPEG_PROGRESSIVE, 1])[1].tobytes()
+    progressive = cv2.imencode(".jpg", IMAGE, [cv2.IMWRITE_JPEG_PROGRESSIVE, 1])[1].tobytes()
     wide = cv2.imencode(".png", DEPTH)[1].tobytes()
     labelled = (
         *zip(("bgr8; png compressed bgr8", "rgb8; jpeg compressed bgr8"), encoded(".png", ".jpg")),

@@ -34,7 +34,7 @@ LONGEST_ERROR = 2000  # letters; parsers of YAML say where and why
 HIGHEST = 2**32 - 1
 
 rng = np.random.RandomState(1)
-PICTURE = rng.randint(0, 256, (12, 16, 3), np.uint8)
+IMAGE = rng.randint(0, 256, (12, 16, 3), np.uint8)
 
 
 class Target:
@@ -50,7 +50,7 @@ class Target:
 
 
 def encoded(*suffixes: str) -> List[bytes]:
-    return [cv2.imencode(suffix, PICTURE)[1].tobytes() for suffix in suffixes]
+    return [cv2.imencode(suffix, IMAGE)[1].tobytes() for suffix in suffixes]
 
 
 def serialized(message: genpy.Message) -> bytes:
@@ -59,7 +59,7 @@ def serialized(message: genpy.Message) -> bytes:
     return buffer.getvalue()
 
 
-class Pictures(Target):
+class Images(Target):
     """Files that are decoded: ~detect, galleries, calibration, pick_color."""
 
     def seeds(self) -> List[bytes]:
@@ -76,8 +76,8 @@ class Messages(Target):
     """sensor_msgs/Image and CompressedImage as the tools read them, from bags and topics."""
 
     def seeds(self) -> List[bytes]:
-        image = Image(encoding="bgr8", width=16, height=12, step=48, data=PICTURE.tobytes())
-        wide = Image(encoding="mono16", width=8, height=12, step=48, data=PICTURE.tobytes())
+        image = Image(encoding="bgr8", width=16, height=12, step=48, data=IMAGE.tobytes())
+        wide = Image(encoding="mono16", width=8, height=12, step=48, data=IMAGE.tobytes())
         packed = [
             CompressedImage(format="bgr8; jpeg compressed bgr8", data=data)
             for data in encoded(".png", ".jpg")
@@ -120,8 +120,8 @@ class Detections(Target):
         message = DetectionArray().deserialize(data)
         for found in message.detections:
             box = found.box.x_offset, found.box.y_offset, found.box.width, found.box.height
-            check_box(PICTURE, box)
-            cut_out(PICTURE, box)
+            check_box(IMAGE, box)
+            cut_out(IMAGE, box)
 
 
 class Selections(Target):
@@ -129,7 +129,7 @@ class Selections(Target):
 
     def __init__(self) -> None:
         rospy.rostime.set_rostime_initialized(True)  # for what it logs, now and then
-        self._picture = np.random.RandomState(2).randint(0, 256, (96, 128, 3), np.uint8)
+        self._image = np.random.RandomState(2).randint(0, 256, (96, 128, 3), np.uint8)
 
     def seeds(self) -> List[bytes]:
         boxes = [RegionOfInterest(x, 20, 50, 50, False) for x in (10, 70)]
@@ -144,9 +144,9 @@ class Selections(Target):
         selection = AutoSelection(tracker)
         selection.configure("", 3, 0.0)
         for _ in range(2):  # in the second frame it is what was there before
-            tracks = tracker.update(1.0, self._picture)
+            tracks = tracker.update(1.0, self._image)
             selection.add(message)
-            selection.select(Frame(self._picture, "bgr8", message.header), tracks)
+            selection.select(Frame(self._image, "bgr8", message.header), tracks)
         followed = tracker.objects()
         assert len(followed) <= 3 and all(np.isfinite(one.outline).all() for one in followed)
 
@@ -187,7 +187,7 @@ class Files(Target):
 
 
 class Colors(Files):
-    """A YAML file that a colour is saved into."""
+    """A YAML file that a color is saved into."""
 
     def seeds(self) -> List[bytes]:
         return [
@@ -213,7 +213,7 @@ class Bundles(Files):
 
 
 class Faces(Files):
-    """What a gallery keeps of the faces in its pictures."""
+    """What a gallery keeps of the faces in its images."""
 
     def seeds(self) -> List[bytes]:
         write_faces(self.path, {"0" * 64: np.zeros((SIDE, SIDE), np.uint8)})
@@ -240,11 +240,11 @@ class Bags(Files):
         try:
             with opened(self.path) as bag:
                 topics_of(bag)
-                pictures = [read for _, read in images_on(bag, "/image")]
+                images = [read for _, read in images_on(bag, "/image")]
         except REFUSALS as error:
             assert self.path in str(error), error
             raise
-        for read in pictures:
+        for read in images:
             read()
 
 
@@ -256,7 +256,7 @@ TARGETS: Dict[str, Type[Target]] = {
     "colors": Colors,
     "detections": Detections,
     "faces": Faces,
+    "images": Images,
     "messages": Messages,
-    "pictures": Pictures,
     "selections": Selections,
 }

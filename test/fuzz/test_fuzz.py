@@ -7,7 +7,7 @@ import pytest
 
 INPUTS = 800
 SLOW = {
-    "pictures": 300,
+    "images": 300,
     "files": 400,
     "bags": 200,
     "bundles": 200,

@@ -21,7 +21,7 @@ import rospy
 import support
 from rig import (
     FRAMES,
-    PATIENCE,
+    TIMEOUT,
     TRACING,
     WORK,
     Arrivals,
@@ -31,7 +31,8 @@ from rig import (
     plug_in,
     read_directly,
     run,
-    save_picture,
+    save_image,
+    streaming,
     unplug,
     v4l2,
     wait_for,
@@ -61,7 +62,7 @@ class Scenarios:
         rospy.set_param("/camera/config_file", str(self.out / "camera.yaml"))
         unplug()
         self.camera = Camera(self.out, "camera", "/dev/video0")
-        self.camera.wait_for_output("trying again", PATIENCE)
+        self.camera.wait_for_output("trying again", TIMEOUT)
         before = self.camera.output()
         plug_in()
         seconds = wait_for(lambda: "from /dev/video0" in self.camera.output(), "the device's use")
@@ -79,14 +80,14 @@ class Scenarios:
         wait_for(lambda: info.headers, "the first frame")
         seconds_to_start = time.monotonic() - begin
         held = self.camera.holds_device()
-        info.wait_for_more(FRAMES)  # undisturbed by the weight of the pictures
+        info.wait_for_more(FRAMES)  # undisturbed by the weight of the images
         raw = Arrivals("/camera/image_raw", Image)
         mono = Arrivals("/camera/image_mono", Image)
         raw.wait_for_more(5)
         mono.wait_for_more(5)
-        pictures = {
-            "image_raw": save_picture(raw.last, self.out / "yuyv.image_raw"),
-            "image_mono": save_picture(mono.last, self.out / "yuyv.image_mono"),
+        images = {
+            "image_raw": save_image(raw.last, self.out / "yuyv.image_raw"),
+            "image_mono": save_image(mono.last, self.out / "yuyv.image_mono"),
         }
         for topic in (raw, mono, info):
             topic.close()
@@ -104,26 +105,23 @@ class Scenarios:
             "info_size": [info.last.width, info.last.height],
             "image_raw": raw.headers,
             "image_mono": mono.headers,
-            "pictures": pictures,
+            "pictures": images,
         }
 
     def stamped_ahead(self) -> Dict[str, Any]:
         v4l2("/dev/video0", "-c", "timestamp_source=0")
-        info = Arrivals("/camera/camera_info", CameraInfo)
-        info.wait_for_more(20)
-        info.close()
+        with streaming(20) as info:
+            pass
         v4l2("/dev/video0", "-c", "timestamp_source=1")
         return {"camera_info": info.headers}
 
     def damaged_buffer(self) -> Dict[str, Any]:
         before = self.counters()
         trace = Trace()
-        info = Arrivals("/camera/camera_info", CameraInfo)
-        info.wait_for_more(1)
-        v4l2("/dev/video0", "-c", "inject_v4l2_buf_flag_error=1")
-        wait_for(lambda: "refused a frame" in self.camera.output(), "the refusal")
-        info.wait_for_more(10)
-        info.close()
+        with streaming() as info:
+            v4l2("/dev/video0", "-c", "inject_v4l2_buf_flag_error=1")
+            wait_for(lambda: "refused a frame" in self.camera.output(), "the refusal")
+            info.wait_for_more(10)
         self.wait_until_idle()
         after = self.counters()
         log = self.camera.output()
@@ -141,30 +139,25 @@ class Scenarios:
         return {"before": before, "after": self.counters(), "kernel": trace.stamps()}
 
     def fatal_error(self) -> Dict[str, Any]:
-        info = Arrivals("/camera/camera_info", CameraInfo)
-        info.wait_for_more(1)
-        logged = len(self.camera.output())
-        v4l2("/dev/video0", "-c", "inject_fatal_streaming_error=1")
-        wait_for(lambda: "trying again" in self.camera.output()[logged:], "the report of the error")
-        reported = time.monotonic()
-        count = len(info.headers)
-        wait_for(lambda: len(info.headers) > count, "a frame after the error")
-        seconds = time.monotonic() - reported
-        info.wait_for_more(5)
-        info.close()
+        with streaming() as info:
+            logged = len(self.camera.output())
+            v4l2("/dev/video0", "-c", "inject_fatal_streaming_error=1")
+            wait_for(lambda: "trying again" in self.camera.output()[logged:], "report of the error")
+            reported = time.monotonic()
+            info.wait_for_more(1)
+            seconds = time.monotonic() - reported
+            info.wait_for_more(5)
         log = self.camera.output()[logged:]
         return {"seconds": seconds, "log": log, "camera_info": info.headers}
 
     def stalled(self) -> Dict[str, Any]:
-        info = Arrivals("/camera/camera_info", CameraInfo)
-        info.wait_for_more(1)
-        logged = len(self.camera.output())
-        v4l2("/dev/video0", "-c", "percentage_of_dropped_buffers=100")
-        wait_for(lambda: "trying again" in self.camera.output()[logged:], "the report of the stall")
-        message = self.diagnostics.next("camera").message
-        v4l2("/dev/video0", "-c", "percentage_of_dropped_buffers=0")
-        info.wait_for_more(5)
-        info.close()
+        with streaming() as info:
+            logged = len(self.camera.output())
+            v4l2("/dev/video0", "-c", "percentage_of_dropped_buffers=100")
+            wait_for(lambda: "trying again" in self.camera.output()[logged:], "report of the stall")
+            message = self.diagnostics.next("camera").message
+            v4l2("/dev/video0", "-c", "percentage_of_dropped_buffers=0")
+            info.wait_for_more(5)
         return {"log": self.camera.output()[logged:], "message": message}
 
     def unplugged(self) -> Dict[str, Any]:
@@ -220,38 +213,38 @@ class Scenarios:
             for name, args in arguments.items()
         }
         for camera in cameras.values():
-            camera.wait_for_output("from /dev/video1", PATIENCE)
+            camera.wait_for_output("from /dev/video1", TIMEOUT)
         seen: Dict[str, Any] = {"listed": listed}
         for name, camera in cameras.items():
             wait_for(lambda camera=camera: not camera.holds_device(), "an idle " + camera.name)
-            seen[name] = {"pictures": self.pictures_of(camera, name), "log": camera.output()}
+            seen[name] = {"pictures": self.images_of(camera, name), "log": camera.output()}
         for camera in cameras.values():
             camera.interrupt()
         for name, camera in cameras.items():
-            seen[name]["exit_code"] = camera.exit_code(PATIENCE)
+            seen[name]["exit_code"] = camera.exit_code(TIMEOUT)
         return seen
 
-    def pictures_of(self, camera: Camera, name: str) -> Dict[str, Any]:
+    def images_of(self, camera: Camera, name: str) -> Dict[str, Any]:
         topics = {
             topic: Arrivals(f"/{camera.name}/{topic}", Image)
             for topic in ("image_raw", "image_mono")
         }
-        pictures = {}
+        images = {}
         for topic, arrivals in topics.items():
             wait_for(lambda arrivals=arrivals: arrivals.headers, topic + " of " + camera.name)
             path = self.out / f"{name}.{topic}"
-            pictures[topic] = save_picture(arrivals.last, path)
+            images[topic] = save_image(arrivals.last, path)
         for arrivals in topics.values():
             arrivals.close()
         wait_for(lambda: not camera.holds_device(), "the end of streaming of " + camera.name)
-        return pictures
+        return images
 
     def interrupt(self) -> Dict[str, Any]:
         raw = Arrivals("/camera/image_raw", Image)
         raw.wait_for_more(2)
         begin = time.monotonic()
         self.camera.interrupt()
-        code = self.camera.exit_code(PATIENCE)
+        code = self.camera.exit_code(TIMEOUT)
         return {"exit_code": code, "seconds": time.monotonic() - begin}
 
 

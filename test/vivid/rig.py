@@ -1,18 +1,19 @@
 """What the guest's scenarios share: nodes under test, vivid's devices, clocks, the trace."""
 
+import contextlib
 import os
 import pathlib
 import re
 import subprocess
 import time
 import timeit
-from typing import Any, Callable, Dict, List
+from typing import Any, Callable, Dict, Iterator, List
 
 import rospy
 import support
-from sensor_msgs.msg import Image
+from sensor_msgs.msg import CameraInfo, Image
 
-PATIENCE = 240.0  # s, for what takes a moment on a machine that is not emulated, and not busy
+TIMEOUT = 240.0  # s, for what takes a moment on a machine that is not emulated, and not busy
 DRIVER = pathlib.Path("/sys/bus/platform/drivers/vivid")
 TRACING = pathlib.Path("/sys/kernel/tracing")
 FRAMES = 50  # that the figures of a stream are taken from
@@ -61,13 +62,21 @@ class Arrivals:
         )
         self.last = message
 
-    def wait_for_more(self, count: int) -> None:
-        """Waits until `count` messages have come since now."""
+    def wait_for_more(self, count: int) -> float:
+        """Waits until `count` messages have come since now; the seconds that it took."""
         wanted = len(self.headers) + count
-        wait_for(lambda: len(self.headers) >= wanted, f"{count} more on {self._topic}")
+        return wait_for(lambda: len(self.headers) >= wanted, f"{count} more on {self._topic}")
 
     def close(self) -> None:
         self._subscriber.unregister()
+
+
+@contextlib.contextmanager
+def streaming(count: int = 1) -> Iterator[Arrivals]:
+    """The camera's camera_info from when `count` have come, while somebody subscribes to it."""
+    with contextlib.closing(Arrivals("/camera/camera_info", CameraInfo)) as info:
+        info.wait_for_more(count)
+        yield info
 
 
 class Trace:
@@ -92,28 +101,21 @@ class Trace:
 def wait_for(condition: Callable[[], Any], what: str) -> float:
     """Waits until `condition` is true; the seconds that it took."""
     begin = time.monotonic()
-    support.wait_for(condition, what, PATIENCE)
+    support.wait_for(condition, what, TIMEOUT)
     return time.monotonic() - begin
 
 
 def v4l2(device: str, *arguments: str) -> str:
     """Runs v4l2-ctl on a device; its output."""
-    command = ["v4l2-ctl", "-d", device, *arguments]
-    return subprocess.run(
-        command,
-        check=True,
-        timeout=PATIENCE,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.STDOUT,
-        text=True,
-    ).stdout
+    return run(["v4l2-ctl", "-d", device, *arguments], check=True)["output"]
 
 
-def run(command: List[str]) -> Dict[str, Any]:
+def run(command: List[str], check: bool = False) -> Dict[str, Any]:
     """Runs a program to its end."""
     done = subprocess.run(
         command,
-        timeout=PATIENCE,
+        check=check,
+        timeout=TIMEOUT,
         stdout=subprocess.PIPE,
         stderr=subprocess.STDOUT,
         text=True,
@@ -126,7 +128,7 @@ def unplug() -> None:
 
 
 def plug_in() -> None:
-    """Gives the devices back, showing a picture that stands still.
+    """Gives the devices back, showing an image that stands still.
 
     Frames are stamped when they begin; by default vivid gives the time of their end, still to come.
     """
@@ -147,13 +149,13 @@ def wall_minus_monotonic() -> int:
 
 
 def read_directly(device: str, fourcc: str, path: pathlib.Path) -> None:
-    """Has v4l2-ctl read a frame of the standing picture; fails while somebody else streams."""
+    """Has v4l2-ctl read a frame of the standing image; fails while somebody else streams."""
     size = "width=640,height=480,pixelformat=" + fourcc
     v4l2(device, "--set-fmt-video=" + size)
     v4l2(device, "--stream-mmap", "--stream-count=1", f"--stream-to={path}")
 
 
-def save_picture(message: Image, path: pathlib.Path) -> Dict[str, Any]:
+def save_image(message: Image, path: pathlib.Path) -> Dict[str, Any]:
     path.write_bytes(message.data)
     fields = ("width", "height", "step", "encoding", "is_bigendian")
     return {field: getattr(message, field) for field in fields}

@@ -7,12 +7,12 @@ from typing import Any, Dict, List
 
 import dynamic_reconfigure.client
 import rospy
-from rig import DRIVER, PATIENCE, Arrivals, plug_in, unplug, v4l2, wait_for
+from rig import DRIVER, TIMEOUT, Arrivals, plug_in, streaming, unplug, v4l2, wait_for
 from sensor_msgs.msg import CameraInfo
 from std_srvs.srv import Empty, Trigger
 
 CONTROLS = {
-    "integer_32_bits": 99,  # those of the picture stay as they are: it is compared
+    "integer_32_bits": 99,  # those of the image stay as they are: it is compared
     "gain": 50,  # which vivid refuses while gain_automatic is on
     "gain_auto": False,  # its name under other kernels
     "contrast": 999,
@@ -55,11 +55,11 @@ class Survival:
 
     def controls(self) -> Dict[str, Any]:
         at_start = watched()
-        client = dynamic_reconfigure.client.Client("/camera/controls", timeout=PATIENCE)
-        described = {p["name"]: p for p in client.get_parameter_descriptions(timeout=PATIENCE)}
+        client = dynamic_reconfigure.client.Client("/camera/controls", timeout=TIMEOUT)
+        described = {p["name"]: p for p in client.get_parameter_descriptions(timeout=TIMEOUT)}
         logged = len(self.camera.output())
         answer = client.update_configuration(LIVE)
-        rospy.wait_for_service("/camera/save_parameters", PATIENCE)
+        rospy.wait_for_service("/camera/save_parameters", TIMEOUT)
         saved = rospy.ServiceProxy("/camera/save_parameters", Trigger)()
         client.close()
         return {
@@ -104,21 +104,18 @@ class Survival:
             self._scenarios.wait_until_idle()
             logged = len(self.camera.output())
             v4l2("/dev/video0", "-c", f"inject_vidioc_{name}_error=1")
-            info = Arrivals("/camera/camera_info", CameraInfo)
-            info.wait_for_more(2)
-            info.close()
+            with streaming(2):
+                pass
             logs[name] = self.camera.output()[logged:]
         return logs
 
     def disconnected(self) -> Dict[str, Any]:
         """The device works again once nobody holds it any more."""
         logged = len(self.camera.output())
-        info = Arrivals("/camera/camera_info", CameraInfo)
-        info.wait_for_more(1)
-        v4l2("/dev/video0", "-c", "disconnect=1")
-        wait_for(lambda: "trying again" in self.camera.output()[logged:], "the report of the loss")
-        info.wait_for_more(2)
-        info.close()
+        with streaming() as info:
+            v4l2("/dev/video0", "-c", "disconnect=1")
+            wait_for(lambda: "trying again" in self.camera.output()[logged:], "report of the loss")
+            info.wait_for_more(2)
         return {"log": self.camera.output()[logged:], "camera_info": info.headers}
 
     def busy(self) -> Dict[str, Any]:
@@ -151,52 +148,45 @@ class Survival:
 
     def stopped(self) -> Dict[str, Any]:
         """~stop_capture holds, though somebody subscribes and the device comes anew."""
-        info = Arrivals("/camera/camera_info", CameraInfo)
-        info.wait_for_more(1)
-        rospy.ServiceProxy("/camera/stop_capture", Empty)()
-        self._scenarios.wait_until_idle()
-        stopped_ns = time.time_ns()
-        unplug()
-        plug_in()
-        message = self._scenarios.diagnostics.next("camera").message
-        held = self.camera.holds_device()
-        arrived = sum(h["stamp_ns"] > stopped_ns for h in info.headers)  # not on their way before
-        rospy.ServiceProxy("/camera/start_capture", Empty)()
-        info.wait_for_more(1)
-        info.close()
+        with streaming() as info:
+            rospy.ServiceProxy("/camera/stop_capture", Empty)()
+            self._scenarios.wait_until_idle()
+            stopped_ns = time.time_ns()
+            unplug()
+            plug_in()
+            message = self._scenarios.diagnostics.next("camera").message
+            held = self.camera.holds_device()
+            arrived = sum(h["stamp_ns"] > stopped_ns for h in info.headers)  # not under way before
+            rospy.ServiceProxy("/camera/start_capture", Empty)()
+            info.wait_for_more(1)
         values = watched()
         return {"message": message, "held": held, "arrived": arrived, "values": values}
 
     def clock_set_back(self) -> Dict[str, Any]:
         logged = len(self.camera.output())
-        info = Arrivals("/camera/camera_info", CameraInfo)
-        info.wait_for_more(5)
-        time.clock_settime(time.CLOCK_REALTIME, time.time() - STEP)
-        before = len(info.headers)
+        with streaming(5) as info:
+            time.clock_settime(time.CLOCK_REALTIME, time.time() - STEP)
+            before = len(info.headers)
 
-        def has_caught_up() -> bool:
-            ages = [h["received_ns"] - h["stamp_ns"] for h in info.headers[before + 2 :]]
-            return len(ages) > 0 and ages[-1] > 0
+            def has_caught_up() -> bool:
+                ages = [h["received_ns"] - h["stamp_ns"] for h in info.headers[before + 2 :]]
+                return len(ages) > 0 and ages[-1] > 0
 
-        seconds = wait_for(has_caught_up, "stamps behind the clock")
-        info.wait_for_more(5)
-        info.close()
+            seconds = wait_for(has_caught_up, "stamps behind the clock")
+            info.wait_for_more(5)
         log = self.camera.output()[logged:]
         return {"camera_info": info.headers, "seconds": seconds, "log": log}
 
     def cycles(self) -> Dict[str, Any]:
         """Unplugs and plugs in again and again, with a frame each time."""
-        info = Arrivals("/camera/camera_info", CameraInfo)
-        info.wait_for_more(1)
         uses, seconds = [], []
-        for _ in range(CYCLES):
-            unplug()
-            wait_for(lambda: not self.camera.holds_device(), "the lost device to be closed")
-            uses.append(self._use())
-            count = len(info.headers)
-            (DRIVER / "bind").write_text("vivid.0")
-            seconds.append(wait_for(lambda n=count: len(info.headers) > n, "a frame of the device"))
-        info.close()
+        with streaming() as info:
+            for _ in range(CYCLES):
+                unplug()
+                wait_for(lambda: not self.camera.holds_device(), "the lost device to be closed")
+                uses.append(self._use())
+                (DRIVER / "bind").write_text("vivid.0")
+                seconds.append(info.wait_for_more(1))
         plug_in_again()
         return {"uses": uses, "seconds": seconds, "camera_info": info.headers}
 
