@@ -59,7 +59,7 @@ def made(result, folder):
 
 
 def rendered(path, dpi=DPI):
-    """The pages of a file as grey pictures, and their pixels per mm."""
+    """The pages of a file as gray images, and their pixels per mm."""
     if path.suffix == ".png":
         data = path.read_bytes()
         per_metre, also, unit = struct.unpack(">IIB", data[data.index(b"pHYs") + 4 :][:9])
@@ -76,25 +76,25 @@ def rendered(path, dpi=DPI):
     return pages, dpi / 25.4
 
 
-def box_of_ink(picture):
-    """x, y, width and height of what is black, px; edges count as far as they are grey."""
-    ink = 255.0 - picture
+def box_of_ink(image):
+    """x, y, width and height of what is black, px; edges count as far as they are gray."""
+    ink = 255.0 - image
     columns, rows = ink.max(axis=0) / 255.0, ink.max(axis=1) / 255.0
     (x, width), (y, height) = ((np.argmax(line > 0.5), line.sum()) for line in (columns, rows))
     return x, y, width, height
 
 
-def cells_of(picture, number):
+def cells_of(image, number):
     """The middles of so many cells to a side, True where they are black."""
-    places = ((np.arange(number) + 0.5) * len(picture) / number).astype(int)
-    return picture[np.ix_(places, places)] < 128
+    places = ((np.arange(number) + 0.5) * len(image) / number).astype(int)
+    return image[np.ix_(places, places)] < 128
 
 
-def tags_in(picture, family):
-    """Corners (4, 2) by id of the tags in a picture, to which some white around it is added."""
+def tags_in(image, family):
+    """Corners (4, 2) by id of the tags in an image, to which some white around it is added."""
     params = rv.TagDetectorParams()
     params.families = [family]
-    white = cv2.copyMakeBorder(picture, *[20] * 4, cv2.BORDER_CONSTANT, value=255)
+    white = cv2.copyMakeBorder(image, *[20] * 4, cv2.BORDER_CONSTANT, value=255)
     tags = rv.TagDetector(params).detect(white, "mono8")
     assert all(tag.hamming == 0 for tag in tags)
     assert len({tag.id for tag in tags}) == len(tags)
@@ -105,14 +105,14 @@ def tags_in(picture, family):
 @pytest.mark.parametrize("size, id", [(2, 0), (5, 1), (9, 586), (14.37, 100)])
 def test_a_tag_is_of_its_size_to_a_tenth_of_a_millimetre(create, tmp_path, ending, size, id):
     (path,) = made(create("-s", size, "-o", f"tag.{ending}", id), tmp_path)
-    (picture,), scale = rendered(path)
+    (image,), scale = rendered(path)
     whole = size * 10 * 10 / 8  # mm, with the white around it
-    assert np.array(picture.shape) / scale == pytest.approx((whole, whole), abs=0.1)
-    box = np.array(box_of_ink(picture)) / scale
+    assert np.array(image.shape) / scale == pytest.approx((whole, whole), abs=0.1)
+    box = np.array(box_of_ink(image)) / scale
     expected = (whole - size * 10) / 2, (whole - size * 10) / 2, size * 10, size * 10
     assert box == pytest.approx(expected, abs=0.06)  # 0.1 mm, and no more than a pixel less
-    assert np.array_equal(cells_of(picture, 10), rv.tag_cells("tag36h11", id) == 0)
-    assert list(tags_in(cv2.resize(picture, (400, 400)), "tag36h11")) == [id]
+    assert np.array_equal(cells_of(image, 10), rv.tag_cells("tag36h11", id) == 0)
+    assert list(tags_in(cv2.resize(image, (400, 400)), "tag36h11")) == [id]
 
 
 @pytest.mark.parametrize("family", FAMILIES)
@@ -123,56 +123,56 @@ def test_every_family_is_printed_cell_by_cell(create, tmp_path, family, ending):
     for id in (0, 17, facts.ids - 1):
         result = create("-s", 4, "--family", family, "-o", f"{id}.{ending}", id)
         assert result.returncode == 0, result.stderr
-        (picture,), scale = rendered(tmp_path / f"{id}.{ending}", COARSE)
+        (image,), scale = rendered(tmp_path / f"{id}.{ending}", COARSE)
         number = facts.width + 2 * white
-        assert len(picture) / scale == pytest.approx(number * 40 / facts.width_at_border, abs=0.1)
+        assert len(image) / scale == pytest.approx(number * 40 / facts.width_at_border, abs=0.1)
         expected = np.pad(rv.tag_cells(family, id) < 255, white)
-        assert np.array_equal(cells_of(picture, number), expected)
-        small = cv2.resize(picture, (300, 300), interpolation=cv2.INTER_AREA)
+        assert np.array_equal(cells_of(image, number), expected)
+        small = cv2.resize(image, (300, 300), interpolation=cv2.INTER_AREA)
         assert list(tags_in(small, family)) == [id]
 
 
 def test_png_edges_are_sharp(create, tmp_path):
     (path,) = made(create("-s", 5, "--dpi", 150, 3), tmp_path)
     assert path.name == "tag36h11_3.png"
-    (picture,), scale = rendered(path)
+    (image,), scale = rendered(path)
     assert scale == pytest.approx(150 / 25.4, abs=1e-3)
-    assert set(np.unique(picture)) == {0, 255}
+    assert set(np.unique(image)) == {0, 255}
 
 
 @pytest.mark.parametrize("page, size", [("A4", (210, 297)), ("letter", (215.9, 279.4))])
 def test_a_sheet_has_all_tags_and_a_ruler_in_their_sizes(create, tmp_path, page, size):
     (path,) = made(create("-s", 4, "--page", page, "0-10,37"), tmp_path)
     assert path.name == "tag36h11_0-10_37.pdf"
-    (picture,), scale = rendered(path)
-    assert np.array(picture.shape[::-1]) / scale == pytest.approx(size, abs=0.1)
-    quarter = cv2.resize(picture, None, fx=0.25, fy=0.25, interpolation=cv2.INTER_AREA)
+    (image,), scale = rendered(path)
+    assert np.array(image.shape[::-1]) / scale == pytest.approx(size, abs=0.1)
+    quarter = cv2.resize(image, None, fx=0.25, fy=0.25, interpolation=cv2.INTER_AREA)
     tags = tags_in(quarter, "tag36h11")
     assert sorted(tags) == [*range(11), 37]
     for id, corners in tags.items():
         x, y = (corners.min(axis=0) * 4 - 2 * scale).astype(int)
-        around = picture[y : y + int(44 * scale), x : x + int(44 * scale)]
+        around = image[y : y + int(44 * scale), x : x + int(44 * scale)]
         box = np.array(box_of_ink(around)) / scale
         assert box[2:] == pytest.approx((40, 40), abs=0.1), id
-        marks = cut_marks(picture, x / scale + box[0] - 5, y / scale + box[1] - 5, 50, 55)
+        marks = cut_marks(image, x / scale + box[0] - 5, y / scale + box[1] - 5, 50, 55)
         assert all(marks), (id, marks)
     words = " ".join(text_of(path))
     for id in tags:
         assert f"tag36h11 id {id} 40 mm" in words
     assert "Print at 100 %, then measure this ruler." in words
-    line = picture[-int(11.5 * scale), : int(113 * scale)] < 128  # across the ruler's ticks
+    line = image[-int(11.5 * scale), : int(113 * scale)] < 128  # across the ruler's ticks
     ticks = np.flatnonzero(np.diff(line.astype(int)) > 0) / scale
     assert np.diff(ticks) == pytest.approx([10] * 10, abs=0.06)
     assert ticks[-1] - ticks[0] == pytest.approx(100, abs=0.1)
 
 
-def cut_marks(picture, left, top, width, height):
+def cut_marks(image, left, top, width, height):
     """Whether there is ink on the lines through each corner of a rectangle, outside of it; mm."""
     for x, across in ((left, -1), (left + width, 1)):
         for y, down in ((top, -1), (top + height, 1)):
             for place in ((x + 2 * across, y), (x, y + 2 * down)):
                 column, row = np.rint(np.array(place) * MM).astype(int)
-                yield (picture[row - 1 : row + 2, column - 1 : column + 2] < 128).any()
+                yield (image[row - 1 : row + 2, column - 1 : column + 2] < 128).any()
 
 
 def text_of(path):
@@ -189,7 +189,7 @@ def test_a_sheet_is_followed_by_more_sheets(create, tmp_path):
 
 
 @pytest.mark.parametrize("ending", ["png", "svg"])
-def test_pictures_of_sheets_are_a_file_each(create, tmp_path, ending):
+def test_images_of_sheets_are_a_file_each(create, tmp_path, ending):
     paths = made(create("-s", 6, "--format", ending, "--dpi", 150, 0, "2-7"), tmp_path)
     assert [path.name for path in paths] == [
         f"tag36h11_0_tag36h11_2-7-{n}.{ending}" for n in (1, 2)
@@ -216,24 +216,24 @@ def test_a_text_becomes_a_qr_code(create, tmp_path, ending, page):
     for number, text in enumerate(TEXTS):
         result = create("-s", 5, "--qr", "-o", f"{number}.{ending}", *page, "--", text)
         assert result.returncode == 0, result.stderr
-        (picture,), scale = rendered(tmp_path / f"{number}.{ending}", COARSE if page else DPI)
-        small = cv2.resize(picture, None, fx=0.7, fy=0.7, interpolation=cv2.INTER_AREA)
+        (image,), scale = rendered(tmp_path / f"{number}.{ending}", COARSE if page else DPI)
+        small = cv2.resize(image, None, fx=0.7, fy=0.7, interpolation=cv2.INTER_AREA)
         (code,) = reader.read(small, "mono8")
         assert (code.type, code.data) == ("qr", text.encode())
         if not page:
-            box = np.array(box_of_ink(picture)) / scale
+            box = np.array(box_of_ink(image)) / scale
             assert box[2:] == pytest.approx((50, 50), abs=0.1)
             white = 4 * 50 / len(qr_modules(text.encode()))
             assert box[:2] == pytest.approx((white, white), abs=0.1)
-            assert len(picture) / scale == pytest.approx(50 + 2 * white, abs=0.1)
+            assert len(image) / scale == pytest.approx(50 + 2 * white, abs=0.1)
 
 
 @pytest.mark.skipif(not rv.keeps_bytes(), reason="zbar is older than 0.23.1")
 def test_any_text_and_any_bytes_become_a_qr_code(create, tmp_path):
     for name, data in (("text.png", "Grüße, 世界".encode()), ("bytes.png", bytes(range(1, 256)))):
         assert create("-o", name, "--page", "A4", os.fsdecode(data)).returncode == 0
-        (picture,), _ = rendered(tmp_path / name)
-        assert [code.data for code in rv.CodeReader().read(picture, "mono8")] == [data]
+        (image,), _ = rendered(tmp_path / name)
+        assert [code.data for code in rv.CodeReader().read(image, "mono8")] == [data]
 
 
 def test_the_level_of_a_qr_code_is_how_much_of_it_may_be_lost(create, tmp_path):
@@ -245,10 +245,10 @@ def test_the_level_of_a_qr_code_is_how_much_of_it_may_be_lost(create, tmp_path):
         modules.append(8 * 100 / (float(width) - 100))  # eight are white, and the others 100 mm
     assert modules == pytest.approx([29, 29, 33, 37], abs=0.01)
     assert create("--level", "H", "-o", "covered.png", text).returncode == 0
-    (picture,), _ = rendered(tmp_path / "covered.png")
-    middle = slice(len(picture) // 2 - 150, len(picture) // 2 + 150)
-    picture[middle, middle] = 255
-    assert rv.CodeReader().read(picture, "mono8")[0].data == text.encode()
+    (image,), _ = rendered(tmp_path / "covered.png")
+    middle = slice(len(image) // 2 - 150, len(image) // 2 + 150)
+    image[middle, middle] = 255
+    assert rv.CodeReader().read(image, "mono8")[0].data == text.encode()
 
 
 @pytest.mark.parametrize(
@@ -307,11 +307,11 @@ def test_the_size_told_is_that_between_the_corners_that_are_detected(create, tmp
     )
     is_classic = family in ("tag36h11", "tag25h9", "tag16h5")
     assert told[1] == ("the black square" if is_classic else "the square inside the black frame")
-    (picture,), scale = rendered(tmp_path / f"{family}_1.png")
-    corners = tags_in(picture, family)[1] / scale / 1000
+    (image,), scale = rendered(tmp_path / f"{family}_1.png")
+    corners = tags_in(image, family)[1] / scale / 1000
     sides = np.linalg.norm(corners - np.roll(corners, 1, axis=0), axis=1)
     assert sides == pytest.approx([float(told[0])] * 4, abs=2e-4)
-    ink = np.array(box_of_ink(picture)[2:]) / scale / 1000
+    ink = np.array(box_of_ink(image)[2:]) / scale / 1000
     assert not is_classic or ink == pytest.approx([float(told[0])] * 2, abs=1e-4)
 
 
@@ -337,10 +337,10 @@ def test_qr_codes_that_are_hard_to_read_are_told(create, tmp_path):
         ": a cell has 0.25 mm, 2.9 dots at 300 dpi, must have 3 dots: take a --size of 1.8, "
         in (result.stderr)
     )
-    # As small as it may be, it can be read off the picture.
+    # As small as it may be, it can be read off the image.
     assert create("-s", 1.8, "-o", "least.png", text).returncode == 0
-    (picture,), _ = rendered(tmp_path / "least.png")
-    assert [code.data for code in rv.CodeReader().read(picture, "mono8")] == [text.encode()]
+    (image,), _ = rendered(tmp_path / "least.png")
+    assert [code.data for code in rv.CodeReader().read(image, "mono8")] == [text.encode()]
 
 
 def test_forgotten_quotes_are_told(create, tmp_path):

@@ -1,4 +1,4 @@
-"""Recorded pictures of every encoding become the grey pixels that the sensor saw."""
+"""Recorded images of every encoding become the gray pixels that the sensor saw."""
 
 import struct
 
@@ -17,9 +17,9 @@ from robot_vision.recordings.recorded_images import from_files
 def gray():
     """Smooth, from black to white, 48x32."""
     x, y = np.meshgrid(np.linspace(0.0, 1.0, 48), np.linspace(0.0, 1.0, 32))
-    picture = np.rint(255.0 * (x + y) / 2.0).astype(np.uint8)
-    assert (picture.min(), picture.max()) == (0, 255)
-    return picture
+    image = np.rint(255.0 * (x + y) / 2.0).astype(np.uint8)
+    assert (image.min(), image.max()) == (0, 255)
+    return image
 
 
 def repeated(gray, channels):
@@ -31,7 +31,7 @@ def wide(gray, factor):
 
 
 def yuv(gray, luma):
-    """Two bytes to a pixel, no colour; the luma is at index `luma`."""
+    """Two bytes to a pixel, no color; the luma is at index `luma`."""
     pixels = np.full((*gray.shape, 2), 128, np.uint8)
     pixels[:, :, luma] = gray
     return pixels
@@ -74,7 +74,7 @@ def test_compressed_messages(gray):
     assert np.abs(found - 0.587 * gray[2:-2, 2:-2]).max() < 6.0  # no mosaic any more
 
 
-def test_pictures_are_not_turned(gray):
+def test_images_are_not_turned(gray):
     """As the lens bends them, whatever side of the camera was up."""
     jpeg = sideways(cv2.imencode(".jpg", gray)[1].tobytes())
     turned = cv2.imdecode(np.frombuffer(jpeg, np.uint8), cv2.IMREAD_GRAYSCALE)
@@ -103,5 +103,5 @@ def test_videos_are_not_turned(gray, tmp_path):
     if hasattr(cv2, "CAP_PROP_ORIENTATION_AUTO"):
         video = cv2.VideoCapture(str(turned), cv2.CAP_FFMPEG)
         assert video.read()[1].shape[:2] == gray.shape[::-1]
-    pictures = [read() for _, read in from_files([str(turned)])]
-    assert [picture.shape for picture in pictures] == [gray.shape] * 3
+    images = [read() for _, read in from_files([str(turned)])]
+    assert [image.shape for image in images] == [gray.shape] * 3

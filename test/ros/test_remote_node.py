@@ -95,10 +95,10 @@ def test_images_come_again_after_the_network_was_cut(network, run):
 
     wait_for(newest, "edges on the desk", 60.0)
     network.cable("down")
-    wait_for(lambda: time.time() - newest() > CUT, "the pictures that were under way to pass")
+    wait_for(lambda: time.time() - newest() > CUT, "the images that were under way to pass")
     network.cable("up")
     restored = time.time()
-    wait_for(lambda: newest() > restored + 1.0, "pictures of later on", 60.0)
+    wait_for(lambda: newest() > restored + 1.0, "images of later on", 60.0)
     for process in (robot, desk):
         assert process.running() and "has died" not in process.output(), process.output()
 

@@ -152,28 +152,28 @@ def test_calibrate_headless(start_as_nobody, own, locked, has_home):
     params = SceneParams()
     params.rate = 2.0  # so that each frame shows another pose
     scene = CalibrationScene(params)
-    pictures = own / "pictures"
-    pictures.mkdir()
+    images = own / "images"
+    images.mkdir()
     for number in range(6):
-        cv2.imwrite(str(pictures / f"{number}.png"), scene.render(number))
-    (pictures / "0.png").chmod(0o600)
-    command = [locked if has_home else None, "calibrate_headless.py", *BOARD, pictures, "--output"]
+        cv2.imwrite(str(images / f"{number}.png"), scene.render(number))
+    (images / "0.png").chmod(0o600)
+    command = [locked if has_home else None, "calibrate_headless.py", *BOARD, images, "--output"]
     process = start_as_nobody(locked, *command, own / "a.yaml")
     assert process.exit_code() == 0, process.output()
-    assert f"skipped {pictures}/0.png: Permission denied\n" in process.output()
+    assert f"skipped {images}/0.png: Permission denied\n" in process.output()
     assert os.stat(str(own / "a.yaml")).st_uid == NOBODY and (own / "a.png").exists()
     process = start_as_nobody(own, *command, locked / "a.yaml")
     assert process.exit_code() == 1
-    why = f"{locked}/a.yaml cannot be written: {locked} may not be written to"
-    assert process.output() == f"calibrate_headless.py: {why}\n"
+    reason = f"{locked}/a.yaml cannot be written: {locked} may not be written to"
+    assert process.output() == f"calibrate_headless.py: {reason}\n"
     process = start_as_nobody(own, *command[:-1])  # into the user's home
     assert process.exit_code() == 1
     (line,) = process.output().splitlines()
     assert line.startswith("calibrate_headless.py: /") and line.endswith(" may not be written to")
     assert ".ros/camera_info/head_camera.yaml cannot be written: /" in line
-    pictures.chmod(0o700)
+    images.chmod(0o700)
     process = start_as_nobody(own, *command, own / "b.yaml")
     assert process.exit_code() == 1
-    why = f"{pictures} cannot be read: Permission denied"
-    assert process.output() == f"calibrate_headless.py: {why}\n"
+    reason = f"{images} cannot be read: Permission denied"
+    assert process.output() == f"calibrate_headless.py: {reason}\n"
     assert list(locked.iterdir()) == []

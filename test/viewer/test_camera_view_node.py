@@ -27,7 +27,7 @@ RANGES = {
 HSV = {BLUE: (105, 225, 255), RED: (179, 243, 220)}
 
 
-def picture():
+def sample():
     """Blue, but for a red rectangle from (200, 100) to (259, 139), and noise on the left."""
     pixels = np.full((HEIGHT, WIDTH, 3), BLUE, np.uint8)
     pixels[100:140, 200:260] = RED
@@ -49,7 +49,7 @@ def xdotool(*arguments):
     subprocess.run(["xdotool", *map(str, arguments)], check=True, stdout=subprocess.DEVNULL)
 
 
-def window(topic="/pictures", what=""):
+def window(topic="/images", what=""):
     """The number of the window with this topic, and text, in its title, once it is there."""
 
     def found():
@@ -61,7 +61,7 @@ def window(topic="/pictures", what=""):
 
 def click(number, x, y):
     xdotool("mousemove", "--window", number, x, y, "click", 1)
-    xdotool("mousemove", 1300, 1000)  # the pointer is drawn into the picture
+    xdotool("mousemove", 1300, 1000)  # the pointer is drawn into the image
 
 
 def press(number, key):
@@ -99,7 +99,7 @@ def close(number):
 
 @pytest.fixture
 def publisher():
-    made = rospy.Publisher("/pictures", Image, queue_size=1, latch=True)
+    made = rospy.Publisher("/images", Image, queue_size=1, latch=True)
     yield made
     made.unregister()
 
@@ -111,7 +111,7 @@ def view(start, display, tmp_path):
 
     def start_view(*arguments):
         folder = f"_save_folder:={tmp_path / 'saved'}"
-        process = start(NODE, "__name:=view", "image:=/pictures", folder, *arguments)
+        process = start(NODE, "__name:=view", "image:=/images", folder, *arguments)
         window()
         return process
 
@@ -119,12 +119,12 @@ def view(start, display, tmp_path):
 
 
 def show(publisher, pixels, seconds, display):
-    """Publishes a picture and waits until it is on the screen. The window is at (0, 0)."""
+    """Publishes an image and waits until it is on the screen. The window is at (0, 0)."""
     publisher.publish(message(pixels, seconds))
     height, width = pixels.shape[:2]
     support.wait_for(
         lambda: np.array_equal(support.screen(display)[:height, :width], pixels),
-        "the picture on the screen, to the bit",
+        "the image on the screen, to the bit",
     )
 
 
@@ -148,7 +148,7 @@ def test_title_tells_topic_rate_and_size(start, display):
 
 def test_the_rate_falls_to_zero_when_the_topic_falls_silent(view, publisher, display):
     view()
-    show(publisher, picture(), 1, display)
+    show(publisher, sample(), 1, display)
     window(what="0.0 Hz  320x200")
 
 
@@ -156,14 +156,14 @@ def test_waiting_is_told(view, display):
     view()
     window(what="waiting")
 
-    def text_on_grey():
+    def text_on_gray():
         pixels = support.screen(display)[:480, :640]
-        grey = np.count_nonzero(pixels == 128)
-        return grey > 0.9 * pixels.size and np.count_nonzero(pixels > 200) > 500
+        gray = np.count_nonzero(pixels == 128)
+        return gray > 0.9 * pixels.size and np.count_nonzero(pixels > 200) > 500
 
-    support.wait_for(text_on_grey, "the text on grey")
+    support.wait_for(text_on_gray, "the text on gray")
     number = window()
-    click(number, 100, 100)  # on no picture: nothing comes of it
+    click(number, 100, 100)  # on no image: nothing comes of it
     press(number, "s")
     press(number, "q")
 
@@ -173,7 +173,7 @@ def test_a_click_is_published_and_printed(view, publisher, display, x, y, color)
     process = view()
     clicks = support.Messages("/view/clicked", Click)
     support.wait_for(clicks.connected, "the connection")
-    show(publisher, picture(), 1, display)
+    show(publisher, sample(), 1, display)
     click(window(), x, y)
     (found,) = clicks.wait()
     assert (found.x, found.y) == (x, y)
@@ -182,11 +182,11 @@ def test_a_click_is_published_and_printed(view, publisher, display, x, y, color)
     assert f"x {x}, y {y}: BGR {color}, HSV {HSV[color]}" in process.output()
 
 
-def test_a_click_has_the_header_of_the_picture_shown(view, publisher, display):
+def test_a_click_has_the_header_of_the_image_shown(view, publisher, display):
     view()
     clicks = support.Messages("/view/clicked", Click)
     support.wait_for(clicks.connected, "the connection")
-    for seconds, pixels in [(1, picture()), (2, 255 - picture())]:
+    for seconds, pixels in [(1, sample()), (2, 255 - sample())]:
         show(publisher, pixels, seconds, display)
         click(window(), 230, 120)
         found = clicks.wait(seconds)[-1]
@@ -213,7 +213,7 @@ def drag(number, begin, end, between=lambda: None):
     [
         ((200, 100), (259, 139), (200, 100, 60, 40)),
         ((259, 139), (200, 100), (200, 100, 60, 40)),
-        ((300, 150), (600, 500), (300, 150, 20, 50)),  # out of the picture
+        ((300, 150), (600, 500), (300, 150, 20, 50)),  # out of the image
     ],
 )
 def test_a_dragged_rectangle_is_drawn_and_published(view, publisher, display, begin, end, expected):
@@ -222,7 +222,7 @@ def test_a_dragged_rectangle_is_drawn_and_published(view, publisher, display, be
     regions = support.Messages("/view/selected", RegionOfInterest)
     for messages in (clicks, regions):
         support.wait_for(messages.connected, "the connection")
-    show(publisher, picture(), 1, display)
+    show(publisher, sample(), 1, display)
     x, y, width, height = expected
 
     border = np.zeros((HEIGHT, WIDTH), bool)
@@ -238,8 +238,8 @@ def test_a_dragged_rectangle_is_drawn_and_published(view, publisher, display, be
     assert (found.x_offset, found.y_offset, found.width, found.height) == expected
     process.wait_for_output(f"x {x}, y {y}: selected {width}x{height} px")
     support.wait_for(
-        lambda: np.array_equal(support.screen(display)[:HEIGHT, :WIDTH], picture()),
-        "the picture without a rectangle",
+        lambda: np.array_equal(support.screen(display)[:HEIGHT, :WIDTH], sample()),
+        "the image without a rectangle",
     )
     click(window(), 230, 120)  # is no drag, nor was the drag a click
     assert [(one.x, one.y) for one in clicks.wait()] == [(230, 120)]
@@ -247,17 +247,17 @@ def test_a_dragged_rectangle_is_drawn_and_published(view, publisher, display, be
 
 
 @pytest.mark.parametrize("scale", [0.5, 3])
-def test_clicks_hit_the_picture_s_pixels_in_a_resized_window(view, publisher, display, scale):
-    """However large OpenCV shows the picture there: some versions leave it as large as it was."""
+def test_clicks_hit_the_image_s_pixels_in_a_resized_window(view, publisher, display, scale):
+    """However large OpenCV shows the image there: some versions leave it as large as it was."""
     green = (10, 220, 20)
     view("_autosize:=false")
     clicks = support.Messages("/view/clicked", Click)
     support.wait_for(clicks.connected, "the connection")
-    publisher.publish(message(picture(), 1))
+    publisher.publish(message(sample(), 1))
     number = window(what="320x200")
     xdotool("windowsize", "--sync", number, int(WIDTH * scale), int(HEIGHT * scale))
     # What is painted after this has its place.
-    recolored = picture()
+    recolored = sample()
     recolored[100:140, 200:260] = green
     publisher.publish(message(recolored, 2))
 
@@ -282,25 +282,25 @@ def test_clicks_hit_the_picture_s_pixels_in_a_resized_window(view, publisher, di
         assert tuple(found.bgr) == tuple(recolored[found.y, found.x])
 
 
-def test_s_saves_the_picture_and_never_over_a_file(view, publisher, display, tmp_path):
+def test_s_saves_the_image_and_never_over_a_file(view, publisher, display, tmp_path):
     process = view()
-    show(publisher, picture(), 1, display)
+    show(publisher, sample(), 1, display)
     (tmp_path / "saved" / "1.000000007.png").write_text("mine")
     for count in (2, 3):
         press(window(), "s")
         support.wait_for(lambda: len(saved(tmp_path)) == count, "the file")  # noqa: B023
-    mine, *pictures = saved(tmp_path)[::-1]
+    mine, *images = saved(tmp_path)[::-1]
     assert mine.read_text() == "mine"
-    assert {path.name for path in pictures} == {"1.000000007-1.png", "1.000000007-2.png"}
-    for path in pictures:
+    assert {path.name for path in images} == {"1.000000007-1.png", "1.000000007-2.png"}
+    for path in images:
         process.wait_for_output(f"saved {path}")
-        assert np.array_equal(cv2.imread(str(path)), picture())
+        assert np.array_equal(cv2.imread(str(path)), sample())
 
 
-def test_a_picture_that_cannot_be_saved_is_an_error_and_no_end(view, publisher, display, tmp_path):
+def test_an_image_that_cannot_be_saved_is_an_error_and_no_end(view, publisher, display, tmp_path):
     (tmp_path / "saved").rmdir()
     process = view()
-    show(publisher, picture(), 1, display)
+    show(publisher, sample(), 1, display)
     press(window(), "s")
     process.wait_for_output("no picture saved in")
     assert "No such file or directory" in process.output()
@@ -310,12 +310,12 @@ def test_a_picture_that_cannot_be_saved_is_an_error_and_no_end(view, publisher, 
 
 
 @pytest.mark.parametrize("how", ["q", "Escape", "close", "SIGINT"])
-@pytest.mark.parametrize("pictures", [True, False])
-def test_all_ways_to_end_it(view, publisher, display, how, pictures):
+@pytest.mark.parametrize("images", [True, False])
+def test_all_ways_to_end_it(view, publisher, display, how, images):
     process = view()
     number = window()
-    if pictures:
-        show(publisher, picture(), 1, display)
+    if images:
+        show(publisher, sample(), 1, display)
     if how == "SIGINT":
         process.interrupt()
     elif how == "close":
@@ -350,7 +350,7 @@ def test_without_a_display(start, display_name, said):
     ],
 )
 def test_bad_parameters_are_fatal(start, display, parameter, said):
-    process = start(NODE, "image:=/pictures", parameter)
+    process = start(NODE, "image:=/images", parameter)
     assert process.exit_code() == 1
     assert "[FATAL]" in process.output() and said in process.output()
     assert "Traceback" not in process.output()
