@@ -128,3 +128,18 @@ class Source:
     def close(self) -> None:
         support.open_messages.remove(self)
         self._publisher.unregister()
+
+
+class Camera(Source):
+    """Publishes images with stamps that begin at 0 and have a rate, however fast they are sent."""
+
+    def __init__(self, rate: float):
+        super().__init__(new_topic())
+        self._stamps = (rospy.Time.from_sec(number / rate) for number in itertools.count(1))
+
+    def show(self, pixels: np.ndarray, encoding: str = "bgr8", **options: Any) -> Header:
+        """Sends an image of the frame `eye`, and returns its header."""
+        sent = message(pixels, encoding, **options)
+        sent.header.stamp, sent.header.frame_id = next(self._stamps), "eye"
+        self.send(sent)
+        return sent.header

@@ -17,6 +17,7 @@ import time
 import xmlrpc.client
 from typing import Any, Callable, Dict, Iterator, List, Optional, Set
 
+import dynamic_reconfigure.client
 import numpy as np
 import rosgraph
 import roslib.packages
@@ -342,6 +343,21 @@ class Messages:
     def close(self) -> None:
         open_messages.remove(self)
         self._subscriber.unregister()
+
+
+def subscribed(topic: str, kind: Any) -> Messages:
+    """All messages of a topic from now on, when its publishers are connected."""
+    messages = Messages(topic, kind)
+    wait_for(messages.connected, f"the publishers of {topic}")
+    return messages
+
+
+def reconfigured(node: str, **values: Any) -> Dict[str, Any]:
+    """Sets live parameters of a node, and returns all that it has then."""
+    client = dynamic_reconfigure.client.Client(node, timeout=DEADLINE)
+    config = client.update_configuration(values) if values else client.get_configuration(DEADLINE)
+    client.close()
+    return config
 
 
 def windows() -> Dict[str, str]:
