@@ -91,8 +91,7 @@ def test_nodes_start_within_a_second(start, diagnostics, node):
     topic = "image_raw" if node == "camera_node" else "processed_image"
     delays = []
     for _ in range(3):  # other work on the machine can only add to the node's delay
-        images = support.Messages("/lazy/" + topic, Image)
-        support.wait_for(images.connected, "the connection")
+        images = support.subscribed("/lazy/" + topic, Image)
         connected = rospy.Time.now()
         # The frame's stamp counts: its arrival also depends on how fast this test reads it.
         delay = (images.wait()[0].header.stamp - connected).to_sec()

@@ -3,7 +3,6 @@
 import os
 import stat
 
-import dynamic_reconfigure.client
 import numpy as np
 import pytest
 import rospy
@@ -48,14 +47,11 @@ def test_bad_value_at_start_is_fatal(start, node, name, value, message):
 )
 def test_invalid_live_value_leaves_the_old_one(start, node, name, value, default, message):
     process = start(node, "__name:=live", "_source:=synthetic")
-    client = dynamic_reconfigure.client.Client("/live", timeout=support.DEADLINE)
-    answer = client.update_configuration({name: value})
-    assert answer[name] == default
+    assert support.reconfigured("/live", **{name: value})[name] == default
     assert rospy.get_param("/live/" + name) == default
     process.wait_for_output(message)
     assert "WARN" in process.output()
     assert process.running()
-    client.close()
 
 
 @pytest.mark.parametrize(
@@ -160,9 +156,8 @@ def test_values_are_applied_to_every_pixel_at_start_and_live(start):
     publisher = rospy.Publisher("/ramp", Image, queue_size=1, latch=True)
     ramp = np.arange(256, dtype=np.uint8)
     publisher.publish(Image(encoding="mono8", width=256, height=1, step=256, data=ramp.tobytes()))
-    client = dynamic_reconfigure.client.Client("/live", timeout=support.DEADLINE)
     for values in ({}, {"offset": 7.0}, {"gain": 2.0, "offset": -50.0}):
-        answer = client.update_configuration(values)
+        answer = support.reconfigured("/live", **values)
         assert {name: answer[name] for name in values} == values
         applied.update(values)
         result = support.Messages("/live/processed_image", Image)
@@ -173,7 +168,6 @@ def test_values_are_applied_to_every_pixel_at_start_and_live(start):
         support.wait_for(
             lambda: publisher.get_num_connections() == 0, "the end of the subscription"
         )
-    client.close()
     publisher.unregister()
 
 
@@ -215,8 +209,7 @@ def test_values_are_saved_where_they_were(start, tmp_path):
     link = tmp_path / "link.yaml"
     link.symlink_to(config)
     start("brightness_node", "__name:=saving", f"_config_file:={link}", "_gain:=2.0")
-    client = dynamic_reconfigure.client.Client("/saving", timeout=support.DEADLINE)
-    client.update_configuration({"offset": 1e-05, "gamma": 0.1})
+    support.reconfigured("/saving", offset=1e-05, gamma=0.1)
     answer = save("/saving")
     assert answer.success and answer.message == str(link)
     assert config.read_text() == AFTER
@@ -224,7 +217,6 @@ def test_values_are_saved_where_they_were(start, tmp_path):
     assert link.is_symlink()
     assert config.stat().st_mode & 0o777 == 0o640
     assert len(list(tmp_path.glob("brightness.yaml*"))) == 1  # there is no temporary file left
-    client.close()
 
 
 @pytest.mark.parametrize(

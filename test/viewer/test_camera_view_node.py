@@ -171,8 +171,7 @@ def test_waiting_is_told(view, display):
 @pytest.mark.parametrize("x, y, color", [(200, 100, RED), (259, 139, RED), (199, 100, BLUE)])
 def test_a_click_is_published_and_printed(view, publisher, display, x, y, color):
     process = view()
-    clicks = support.Messages("/view/clicked", Click)
-    support.wait_for(clicks.connected, "the connection")
+    clicks = support.subscribed("/view/clicked", Click)
     show(publisher, sample(), 1, display)
     click(window(), x, y)
     (found,) = clicks.wait()
@@ -184,8 +183,7 @@ def test_a_click_is_published_and_printed(view, publisher, display, x, y, color)
 
 def test_a_click_has_the_header_of_the_image_shown(view, publisher, display):
     view()
-    clicks = support.Messages("/view/clicked", Click)
-    support.wait_for(clicks.connected, "the connection")
+    clicks = support.subscribed("/view/clicked", Click)
     for seconds, pixels in [(1, sample()), (2, 255 - sample())]:
         show(publisher, pixels, seconds, display)
         click(window(), 230, 120)
@@ -218,10 +216,8 @@ def drag(number, begin, end, between=lambda: None):
 )
 def test_a_dragged_rectangle_is_drawn_and_published(view, publisher, display, begin, end, expected):
     process = view()
-    clicks = support.Messages("/view/clicked", Click)
-    regions = support.Messages("/view/selected", RegionOfInterest)
-    for messages in (clicks, regions):
-        support.wait_for(messages.connected, "the connection")
+    clicks = support.subscribed("/view/clicked", Click)
+    regions = support.subscribed("/view/selected", RegionOfInterest)
     show(publisher, sample(), 1, display)
     x, y, width, height = expected
 
@@ -251,8 +247,7 @@ def test_clicks_hit_the_image_s_pixels_in_a_resized_window(view, publisher, disp
     """However large OpenCV shows the image there: some versions leave it as large as it was."""
     green = (10, 220, 20)
     view("_autosize:=false")
-    clicks = support.Messages("/view/clicked", Click)
-    support.wait_for(clicks.connected, "the connection")
+    clicks = support.subscribed("/view/clicked", Click)
     publisher.publish(message(sample(), 1))
     number = window(what="320x200")
     xdotool("windowsize", "--sync", number, int(WIDTH * scale), int(HEIGHT * scale))
