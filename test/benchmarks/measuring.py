@@ -135,10 +135,7 @@ class Bench:
         command = self.program("bench_kernels", self.image((1920, 1080)), *args)
         command += [f"--benchmark_min_time={KERNEL_SECONDS * self.seconds}"]
         command += [f"--benchmark_repetitions={self.rounds}", "--benchmark_format=json"]
-        done = subprocess.run(command, timeout=1800.0, text=True, capture_output=True)
-        if done.returncode != 0:
-            raise RuntimeError("{}\n{}".format(" ".join(command), done.stderr))
-        return to_kernels(json.loads(done.stdout)["benchmarks"])
+        return to_kernels(json.loads(self._output(command, 1800.0))["benchmarks"])
 
     def tags(self, size: Size, tags: int) -> Dict[str, Any]:
         say("{}x{}: {} AprilTags".format(*size, tags))
@@ -224,11 +221,14 @@ class Bench:
         ]
 
     def _run(self, command: Command, deadline: float) -> Any:
-        """Runs a program that prints its result as JSON."""
+        """Runs a program whose last line is its result as JSON."""
+        return json.loads(self._output(command, deadline).splitlines()[-1])
+
+    def _output(self, command: Command, deadline: float) -> str:
         done = subprocess.run(command, timeout=deadline, text=True, capture_output=True)
         if done.returncode != 0:
             raise RuntimeError("{}\n{}".format(" ".join(command), done.stderr))
-        return json.loads(done.stdout.splitlines()[-1])
+        return done.stdout
 
 
 def enlarged(rgb: Any, size: Size) -> Any:
