@@ -8,7 +8,6 @@
 
 #include <image_transport/camera_common.h>
 #include <ros/ros.h>
-#include <sensor_msgs/CameraInfo.h>
 #include <sensor_msgs/Image.h>
 
 #include <map>
@@ -16,6 +15,7 @@
 #include <sstream>
 
 #include "moving_messages.hpp"
+#include "ros/camera/scene_messages.hpp"
 
 namespace
 {
@@ -140,18 +140,9 @@ private:
 /// Of a camera without distortion whose image is as wide as 1.2 focal lengths.
 sensor_msgs::CameraInfo cameraInfo(cv::Size size)
 {
-  sensor_msgs::CameraInfo info;
-  info.width = static_cast<std::uint32_t>(size.width);
-  info.height = static_cast<std::uint32_t>(size.height);
-  info.distortion_model = "plumb_bob";
-  info.D.assign(5, 0.0);
-  const double focal_length = size.width / 1.2;
-  const double x = size.width / 2.0;
-  const double y = size.height / 2.0;
-  info.K = {focal_length, 0.0, x, 0.0, focal_length, y, 0.0, 0.0, 1.0};
-  info.R = {1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0};
-  info.P = {focal_length, 0.0, x, 0.0, 0.0, focal_length, y, 0.0, 0.0, 0.0, 1.0, 0.0};
-  return info;
+  const double f = size.width / 1.2, x = size.width / 2.0, y = size.height / 2.0;
+  const cv::Matx33d matrix(f, 0.0, x, 0.0, f, y, 0.0, 0.0, 1.0);
+  return robot_vision::toCameraInfo({size.width, size.height, matrix, std::vector<double>(5)});
 }
 
 template <class Condition>

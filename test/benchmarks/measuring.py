@@ -169,21 +169,18 @@ class Bench:
         if contender.alone:
             return to_figures(self._run(contender.alone, deadline))
         with contextlib.ExitStack() as stack:
-            processes = []
-            for number, command in enumerate(contender.commands):
-                log = self._folder / f"node-{number}.log"
-                process = support.Process(command, log)
+
+            def start(command: Command, name: str) -> support.Process:
+                process = support.Process(command, self._folder / (name + ".log"))
                 stack.callback(process.end)
-                processes.append(process)
+                return process
+
+            processes = [start(node, f"node-{n}") for n, node in enumerate(contender.commands)]
             pids = [process.pid for process in processes]
             for number, command in enumerate(contender.beside):
-                log = self._folder / f"beside-{number}.log"
-                stack.callback(support.Process(command, log).end)
-            if contender.listener:
-                teller = support.Process(contender.listener, self._folder / "listener.log")
-                stack.callback(teller.end)
-            else:
-                teller = processes[0]
+                start(command, f"beside-{number}")
+            listener = contender.listener
+            teller = start(listener, "listener") if listener else processes[0]
             try:
                 result = self._run(self._probe(size, contender, pids), deadline)
             except RuntimeError as error:
