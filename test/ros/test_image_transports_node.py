@@ -7,7 +7,6 @@ import struct
 import subprocess
 
 import cv2
-import dynamic_reconfigure.client
 import numpy as np
 import pytest
 import rospy
@@ -100,23 +99,21 @@ def test_what_compressed_writes(republish):
     assert came.data == cv2.imencode(".jpg", bgr, [cv2.IMWRITE_JPEG_QUALITY, 80])[1].tobytes()
 
     # Its settings have the usual names and can be changed while it runs.
-    client = dynamic_reconfigure.client.Client(target + "/compressed", timeout=support.DEADLINE)
-    assert client.get_configuration()["jpeg_quality"] == 80
-    client.update_configuration({"jpeg_quality": 30, "jpeg_progressive": True})
+    settings = target + "/compressed"
+    assert support.reconfigured(settings)["jpeg_quality"] == 80
+    support.reconfigured(settings, jpeg_quality=30, jpeg_progressive=True)
     publisher = Source(source)
     publisher.wait_for()
     publisher.send(message(bgr, "bgr8"))
     options = [cv2.IMWRITE_JPEG_QUALITY, 30, cv2.IMWRITE_JPEG_PROGRESSIVE, 1]
     assert out.wait(2)[1].data == cv2.imencode(".jpg", bgr, options)[1].tobytes()
-    client.update_configuration({"format": "png", "png_level": 1})
+    support.reconfigured(settings, format="png", png_level=1)
     publisher.send(message(bgr[:, :, 0].astype(np.uint16) * 257, "mono16"))
     came = out.wait(3)[2]
     assert came.format == "mono16; png compressed "
     pixels = cv2.imdecode(np.frombuffer(came.data, np.uint8), cv2.IMREAD_UNCHANGED)
     assert np.array_equal(pixels, bgr[:, :, 0].astype(np.uint16) * 257)
-    client.update_configuration({"format": "webp"})
-    assert client.get_configuration()["format"] == "png"
-    client.close()
+    assert support.reconfigured(settings, format="webp")["format"] == "png"
 
 
 @pytest.mark.parametrize(

@@ -178,10 +178,8 @@ run_node("locked", start)
 
 
 @pytest.mark.parametrize("stuck", [False, True])
-def test_python_node_that_holds_a_lock_needed_for_its_shutdown(start, tmp_path, stuck):
-    script = tmp_path / "locked.py"
-    script.write_text(LOCKED_NODE.format(stuck=stuck))
-    process = start("/usr/bin/python3", script)
+def test_python_node_that_holds_a_lock_needed_for_its_shutdown(run_script, stuck):
+    process = run_script(LOCKED_NODE.format(stuck=stuck))
     process.wait_for_output("locked")
     process.interrupt()
     assert process.exit_code() == 0, process.output()

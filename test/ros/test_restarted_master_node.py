@@ -37,7 +37,7 @@ CAMERA = {"source": "synthetic", "image_width": 160, "image_height": 120}
         ("manager", "blur_size", ["camera", "edge_detector"]),
     ],
 )
-def test_nodes_register_again(start, tmp_path, node, key, nodelets):
+def test_nodes_register_again(start, run_script, tmp_path, node, key, nodelets):
     master = support.Master(start)
     name = "/" + ("edge_detector" if nodelets else node.replace("_node", "").replace(".py", ""))
     for parameter, value in CAMERA.items():
@@ -51,11 +51,9 @@ def test_nodes_register_again(start, tmp_path, node, key, nodelets):
     else:
         processes = [start("camera_node", env=master.env)]
         processes.append(start(node, "image:=/camera/image_raw", env=master.env))
-    script = tmp_path / "client.py"
-    script.write_text(CLIENT)
 
     def ask(value, *kinds):
-        client = start("/usr/bin/python3", script, name, key, value, *kinds, env=master.env)
+        client = run_script(CLIENT, name, key, value, *kinds, env=master.env)
         assert client.exit_code() == 0, client.output()
         assert f"set {value}" in client.output()
         assert f"saved {file}" in client.output()

@@ -1,6 +1,5 @@
 """A process that uses images ends at once, with the right code, and without messages."""
 
-import textwrap
 import time
 from typing import NamedTuple
 
@@ -158,17 +157,11 @@ TOGETHER = 4  # processes at a time
 
 
 @pytest.fixture
-def run(start, tmp_path):
-    """run(number, script) starts a script as a node whose topic `image` is a camera's."""
+def run(start, run_script):
+    """run(script) starts a script as a node whose topic `image` is a camera's."""
     size = ["_image_width:=640", "_image_height:=480"]
     start("camera_node", "__name:=camera", "_source:=synthetic", "_always_subscribe:=true", *size)
-
-    def run_script(number, script):
-        path = tmp_path / f"script_{number}.py"
-        path.write_text(HEAD + textwrap.dedent(script))
-        return start("/usr/bin/python3", path, "image:=/camera/image_raw")
-
-    return run_script
+    return lambda script: run_script(HEAD + script, "image:=/camera/image_raw")
 
 
 def assert_silent_end(process, name, code):
@@ -180,7 +173,7 @@ def assert_silent_end(process, name, code):
 @pytest.mark.parametrize("first", range(0, len(ENDS), TOGETHER))
 def test_every_way_to_end(run, first):
     ends = list(ENDS.items())[first : first + TOGETHER]
-    processes = [run(number, end.script) for number, (_, end) in enumerate(ends)]
+    processes = [run(end.script) for _, end in ends]
     for process, (name, end) in zip(processes, ends):
         assert_silent_end(process, name, end.code)
         assert end.output in process.output(), name
@@ -191,7 +184,7 @@ def test_sigint_at_any_moment(run, first):
     moments = [0.03 * (number % 12) ** 2 for number in range(first, first + TOGETHER)]  # s
     processes = []
     for moment in moments:
-        process = run(moment, RANDOM_MOMENTS.format(len(processes)))
+        process = run(RANDOM_MOMENTS.format(len(processes)))
         process.wait_for_output("starting")
         processes.append(process)
         time.sleep(moment)

@@ -24,7 +24,7 @@ from robot_vision.transport import ImagePublisher, ImageSubscriber
 from std_msgs.msg import Header
 from std_srvs.srv import Empty
 """
-ECHO = """
+ECHO = f"""{HEAD}
 rospy.init_node("echo")
 output = ImagePublisher("~out")
 
@@ -42,18 +42,6 @@ rospy.spin()
 """
 
 
-@pytest.fixture
-def run(start, tmp_path):
-    """run(script, "image:=/x", ..., env={...}) starts a Python script."""
-
-    def run_script(script, *arguments, env=None):
-        path = tmp_path / "script.py"
-        path.write_text(HEAD + script)
-        return start("/usr/bin/python3", path, *arguments, env=env)
-
-    return run_script
-
-
 @pytest.mark.parametrize(
     "arguments, env, node, topics",
     [
@@ -65,8 +53,8 @@ def run(start, tmp_path):
         (["__ns:=/a", "__name:=b", "~out:=out"], {}, "/a/b", ["/a/image", "/a/late"]),
     ],
 )
-def test_names_are_resolved_as_in_rospy(run, arguments, env, node, topics):
-    run(ECHO, *arguments, env=env)
+def test_names_are_resolved_as_in_rospy(run_script, arguments, env, node, topics):
+    run_script(ECHO, *arguments, env=env)
     output = rospy.resolve_name("/a/out" if "~out:=out" in arguments else node + "/out")
     sources = [Source(topic) for topic in topics]
     for source in sources:
@@ -81,26 +69,26 @@ def test_names_are_resolved_as_in_rospy(run, arguments, env, node, topics):
     assert node + "_images" in dict(registered[0])[output]
 
 
-def test_a_transport_that_is_not_installed(run):
-    process = run(ECHO, "_image_transport:=semaphore")
+def test_a_transport_that_is_not_installed(run_script):
+    process = run_script(ECHO, "_image_transport:=semaphore")
     assert process.exit_code() == 1
     assert "image_transport is 'semaphore', must be one that is installed:" in process.output()
 
 
-def test_a_node_ends_when_its_roscpp_node_is_killed(run):
-    process = run(ECHO)
+def test_a_node_ends_when_its_roscpp_node_is_killed(run_script):
+    process = run_script(ECHO)
     master = rosgraph.Master("/test")
     support.wait_for(lambda: "/image" in dict(master.getSystemState()[1]), "the subscription")
     assert support.node_api("/echo_images").shutdown("/test", "killed")[0] == 1
     assert process.exit_code() == 0, process.output()
 
 
-def test_simulated_time(run, diagnostics):
+def test_simulated_time(run_script, diagnostics):
     """Stamps and ages of images come from /clock, and images arrive also while it stands still."""
     clock = rospy.Publisher("/clock", Clock, queue_size=1, latch=True)
     clock.publish(Clock(rospy.Time(1234, 500000000)))
     rospy.set_param("/use_sim_time", True)
-    run(ECHO, "_diagnostic_period:=0.1")
+    run_script(ECHO, "_diagnostic_period:=0.1")
     source, results = Source("/image"), support.Messages("/echo/out", Image)
     source.wait_for()
     support.wait_for(results.connected, "the output")
@@ -141,7 +129,7 @@ def test_a_bag_recorded_and_played(start, tmp_path):
         assert frame.header.stamp == rospy.Time(100 + number)
 
 
-NUMBERED = """
+NUMBERED = f"""{HEAD}
 rospy.init_node("numbered")
 output = ImagePublisher("~out")
 
@@ -161,7 +149,7 @@ LAUNCH = """
 
 def test_a_node_that_is_killed_and_respawned(start, tmp_path):
     script, launch = tmp_path / "numbered.py", tmp_path / "numbered.launch"
-    script.write_text(HEAD + NUMBERED)
+    script.write_text(NUMBERED)
     launch.write_text(LAUNCH.format(script))
     start("camera_node", "__name:=camera", "_source:=synthetic", "~image_raw:=/image")
     start(shutil.which("roslaunch"), launch)
@@ -175,7 +163,7 @@ def test_a_node_that_is_killed_and_respawned(start, tmp_path):
         )
 
 
-def test_a_master_that_is_restarted(start, run):
+def test_a_master_that_is_restarted(start, run_script):
     def frames_come(of, name):
         count = of.output().count(name)
         support.wait_for(lambda: of.output().count(name) > count, name)
@@ -183,7 +171,7 @@ def test_a_master_that_is_restarted(start, run):
     camera = ["_source:=synthetic", "_image_width:=160", "_image_height:=120"]
     master = support.Master(start)
     start("camera_node", "__name:=camera", "~image_raw:=/image", *camera, env=master.env)
-    echo = run(ECHO, env=master.env)
+    echo = run_script(ECHO, env=master.env)
     frames_come(echo, "image")
     master.end()
     frames_come(echo, "image")
@@ -191,7 +179,7 @@ def test_a_master_that_is_restarted(start, run):
     support.wait_for(lambda: "/late" in dict(master.api.getSystemState()[1]), "the subscription")
     start("camera_node", "__name:=late", "~image_raw:=/late", *camera, env=master.env)
     frames_come(echo, "late")
-    second = run(ECHO, "__name:=second", "image:=/echo/out", env=master.env)
+    second = run_script(ECHO, "__name:=second", "image:=/echo/out", env=master.env)
     frames_come(second, "image")
     frames_come(echo, "image")
     services = dict(master.api.getSystemState()[2])
@@ -203,7 +191,7 @@ def test_a_master_that_is_restarted(start, run):
     assert "_images" not in str(master.api.getSystemState())
 
 
-CYCLE = f"""
+CYCLE = f"""{HEAD}
 rospy.init_node("cycles")
 process = psutil.Process()
 came = []
@@ -222,10 +210,10 @@ print("files", process.num_fds(), flush=True)
 """
 
 
-def test_subscribing_and_unsubscribing_4000_times(start, run):
+def test_subscribing_and_unsubscribing_4000_times(start, run_script):
     size = ["_image_width:=160", "_image_height:=120"]
     start("camera_node", "__name:=camera", "_source:=synthetic", "_always_subscribe:=true", *size)
-    process = run(CYCLE, "image:=/camera/image_raw")
+    process = run_script(CYCLE, "image:=/camera/image_raw")
     assert process.exit_code(600) == 0, process.output()
     print(process.output())
     *readings, files = [line.split() for line in process.output().splitlines()]

@@ -118,6 +118,19 @@ def start(tmp_path, request):
         yield start_process
 
 
+@pytest.fixture
+def run_script(start, tmp_path):
+    """run_script(text, "image:=/x", ..., env={...}) starts a Python script."""
+    numbers = itertools.count()
+
+    def run(text, *arguments, env=None):
+        path = tmp_path / f"script_{next(numbers)}.py"
+        path.write_text(text)
+        return start("/usr/bin/python3", path, *arguments, env=env)
+
+    return run
+
+
 @pytest.fixture(scope="module")
 def start_once(tmp_path_factory, request):
     """Like start, for processes that all tests of a file share: they end after the last test."""

@@ -130,11 +130,10 @@ class Scenarios:
     def lost_frames(self) -> Dict[str, Any]:
         before = self.counters()
         trace = Trace()
-        info = Arrivals("/camera/camera_info", CameraInfo)
-        v4l2("/dev/video0", "-c", "percentage_of_dropped_buffers=50")
-        info.wait_for_more(20)
-        v4l2("/dev/video0", "-c", "percentage_of_dropped_buffers=0")
-        info.close()
+        with streaming(0) as info:
+            v4l2("/dev/video0", "-c", "percentage_of_dropped_buffers=50")
+            info.wait_for_more(20)
+            v4l2("/dev/video0", "-c", "percentage_of_dropped_buffers=0")
         self.wait_until_idle()
         return {"before": before, "after": self.counters(), "kernel": trace.stamps()}
 
@@ -161,24 +160,22 @@ class Scenarios:
         return {"log": self.camera.output()[logged:], "message": message}
 
     def unplugged(self) -> Dict[str, Any]:
-        info = Arrivals("/camera/camera_info", CameraInfo)
-        info.wait_for_more(1)
-        logged = len(self.camera.output())
-        unplug()
-        try:
-            wait_for(lambda: "trying again" in self.camera.output()[logged:], "report of the loss")
-            wait_for(lambda: not self.camera.holds_device(), "the lost device to be closed")
-            wait_for(
-                lambda: "cannot be opened" in self.diagnostics.next("camera").message,
-                "diagnostics of the retries",
-            )
-            status = self.diagnostics.next("camera")
-            count = len(info.headers)
-        finally:
-            plug_in()
-        seconds = wait_for(lambda: len(info.headers) > count, "a frame of the device come back")
-        info.wait_for_more(5)
-        info.close()
+        with streaming() as info:
+            logged = len(self.camera.output())
+            unplug()
+            try:
+                wait_for(lambda: "trying again" in self.camera.output()[logged:], "the loss")
+                wait_for(lambda: not self.camera.holds_device(), "the lost device to be closed")
+                wait_for(
+                    lambda: "cannot be opened" in self.diagnostics.next("camera").message,
+                    "diagnostics of the retries",
+                )
+                status = self.diagnostics.next("camera")
+                count = len(info.headers)
+            finally:
+                plug_in()
+            seconds = wait_for(lambda: len(info.headers) > count, "a frame of the device come back")
+            info.wait_for_more(5)
         return {
             "seconds": seconds,
             "log": self.camera.output()[logged:],
