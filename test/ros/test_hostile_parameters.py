@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 import rospy
 import tf2_ros
+from hostile import DEEP, INF, NAN, is_flag, is_number
 from std_msgs.msg import Header
 
 from robot_vision.camera.camera_list import parse_cameras
@@ -24,10 +25,6 @@ from robot_vision.viewer import simple_camera_view_node
 from robot_vision.viewer.simple_camera_view_node import CameraView
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-NAN, INF = float("nan"), float("inf")
-DEEP = []
-for _ in range(50):
-    DEEP = [DEEP]
 HOSTILE = {
     "a map": {"a": {"b": 1}},
     "a long map": {"a": "x" * 100000},
@@ -143,14 +140,6 @@ def test_live_numbers(at_start, monkeypatch, node):
 
 def is_name(value):
     return type(value) is str and value.isprintable() and 0 < len(value) <= 255
-
-
-def is_flag(value):
-    return type(value) is bool
-
-
-def is_number(low, high):
-    return lambda value: type(value) in (int, float) and low <= value <= high
 
 
 # The values that parameters read only at start can have, by the class of the node. The lists

@@ -9,6 +9,7 @@ import xmlrpc.client
 import pytest
 import rospy
 import support
+from hostile import DEEP, INF, NAN, is_flag, is_number
 from std_srvs.srv import Trigger
 
 import robot_vision.cfg.BrightnessConfig
@@ -16,10 +17,6 @@ import robot_vision.cfg.CameraConfig
 import robot_vision.cfg.EdgeDetectorConfig
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-NAN, INF = float("nan"), float("inf")
-DEEP = []
-for _ in range(50):
-    DEEP = [DEEP]
 LONG, OBEYED = "x" * 100000, "\n\x7f\x9b2J\u202e"  # characters that control a terminal
 # Values that the parameter server can hold: integers of 32 bits, texts without \0 and \x1b.
 HOSTILE = [
@@ -41,14 +38,6 @@ HOSTILE = [
     xmlrpc.client.Binary(b"\x00\xff"),
 ]
 LONGEST = 1000  # characters, of a line
-
-
-def flag(value):
-    return type(value) is bool
-
-
-def number(low, high):
-    return lambda value: type(value) in (int, float) and low <= value <= high
 
 
 def integer(low, high):
@@ -80,13 +69,13 @@ def never(_value):
     return False
 
 
-ALL = {"always_subscribe": flag, "diagnostic_period": number(0.01, 3600.0)}
+ALL = {"always_subscribe": is_flag, "diagnostic_period": is_number(0.01, 3600.0)}
 FILTER = {**ALL, "threads": integer(1, 64), "image_transport": never}
 BRIGHTNESS = {
     **FILTER,
-    "gain": number(0.0, 10.0),
-    "offset": number(-255.0, 255.0),
-    "gamma": number(0.1, 10.0),
+    "gain": is_number(0.0, 10.0),
+    "offset": is_number(-255.0, 255.0),
+    "gamma": is_number(0.1, 10.0),
 }
 EDGE_DETECTOR = {
     **FILTER,
@@ -94,7 +83,7 @@ EDGE_DETECTOR = {
     "low_threshold": never,
     "high_threshold": never,
     "aperture": never,
-    "l2_gradient": flag,
+    "l2_gradient": is_flag,
 }
 USB_CAM_CONTROLS = (
     "brightness",
@@ -120,11 +109,11 @@ WITHOUT_EFFECT = (
 )
 CAMERA = {
     **ALL,
-    "keep_streaming": flag,
-    "create_suspended": flag,
-    "loop": flag,
-    "framerate": number(0.0, 1000.0),
-    "timeout": number(0.1, 3600.0),
+    "keep_streaming": is_flag,
+    "create_suspended": is_flag,
+    "loop": is_flag,
+    "framerate": is_number(0.0, 1000.0),
+    "timeout": is_number(0.1, 3600.0),
     "image_width": never,
     "image_height": never,
     "source": text,  # a camera of any name may still appear

@@ -44,13 +44,10 @@ def test_nodes_register_again(start, run_script, tmp_path, node, key, nodelets):
         master.api.setParam("/camera/" + parameter, value)
     file = tmp_path / "saved.yaml"
     master.api.setParam(name + "/config_file", str(file))
+    commands = [["camera_node"], [node, "image:=/camera/image_raw"]]
     if nodelets:
-        processes = [
-            start("/usr/lib/nodelet/nodelet", "manager", "__name:=manager", env=master.env)
-        ]
-    else:
-        processes = [start("camera_node", env=master.env)]
-        processes.append(start(node, "image:=/camera/image_raw", env=master.env))
+        commands = [["/usr/lib/nodelet/nodelet", "manager", "__name:=manager"]]
+    processes = [start(*command, env=master.env) for command in commands]
 
     def ask(value, *kinds):
         client = run_script(CLIENT, name, key, value, *kinds, env=master.env)
