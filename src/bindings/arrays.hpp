@@ -104,7 +104,7 @@ inline std::vector<cv::Point> toPoints(const py::object& object)
   for (const auto* point = values.data(); point != values.data() + values.size(); point += 2)
   {
     if (std::max(std::abs(point[0]), std::abs(point[1])) > far)
-      throw py::value_error("expected points in a picture, got (" + std::to_string(point[0]) + ", " +
+      throw py::value_error("expected points in an image, got (" + std::to_string(point[0]) + ", " +
                             std::to_string(point[1]) + ")");
     pixels.emplace_back(static_cast<int>(point[0]), static_cast<int>(point[1]));
   }

@@ -17,10 +17,10 @@ using Color = std::array<double, 3>;
 /// The array's own pixels, to draw on.
 cv::Mat canvas(const py::array& bgr)
 {
-  const ImageArray picture(bgr);
+  const ImageArray image(bgr);
   if (!bgr.writeable()) throw py::value_error("cannot draw on an array that is read-only");
-  if (picture.array.data() != bgr.data()) throw py::value_error("cannot draw on an array with gaps in its rows");
-  return picture.view;
+  if (image.array.data() != bgr.data()) throw py::value_error("cannot draw on an array with gaps in its rows");
+  return image.view;
 }
 
 std::vector<cv::Point2d> toCenters(const Matrix& centers)
@@ -85,10 +85,10 @@ void bindOverlay(py::module& m)
       "draw_outline",
       [](const py::array& bgr, const py::object& outline, const std::string& label, const Color& color)
       {
-        cv::Mat picture = canvas(bgr);
+        cv::Mat image = canvas(bgr);
         const std::vector<cv::Point> polygon = toPoints(outline);
         const LeaveGil unlocked;
-        drawOutline(picture, polygon, label, {color[0], color[1], color[2]});
+        drawOutline(image, polygon, label, {color[0], color[1], color[2]});
       },
       "bgr"_a, "outline"_a, "label"_a = "", "color"_a = Color{0, 255, 0},
       "Draws a closed polygon, (n, 2) int px, with a label (ASCII) on the image, (height, width, 3) uint8.\n\n"
@@ -97,9 +97,9 @@ void bindOverlay(py::module& m)
       "draw_text",
       [](const py::array& bgr, const std::string& text, const std::pair<int, int>& position, const Color& color)
       {
-        cv::Mat picture = canvas(bgr);
+        cv::Mat image = canvas(bgr);
         const LeaveGil unlocked;
-        drawText(picture, text, {position.first, position.second}, {color[0], color[1], color[2]});
+        drawText(image, text, {position.first, position.second}, {color[0], color[1], color[2]});
       },
       "bgr"_a, "text"_a, "position"_a, "color"_a = Color{0, 255, 0},
       "Writes a line of text (ASCII) on the image, (height, width, 3) uint8, from the left end of its base line, "
@@ -109,9 +109,9 @@ void bindOverlay(py::module& m)
       "draw_ball",
       [](const py::array& bgr, const std::pair<double, double>& center, double radius, bool predicted)
       {
-        cv::Mat picture = canvas(bgr);
+        cv::Mat image = canvas(bgr);
         const LeaveGil unlocked;
-        drawBall(picture, {center.first, center.second}, radius, predicted);
+        drawBall(image, {center.first, center.second}, radius, predicted);
       },
       "bgr"_a, "center"_a, "radius"_a, "predicted"_a = false,
       "Draws a ball on the image, (height, width, 3) uint8: center (x, y) and radius in px; dashed if predicted.\n\n"
@@ -120,10 +120,10 @@ void bindOverlay(py::module& m)
       "draw_trail",
       [](const py::array& bgr, const Matrix& centers)
       {
-        cv::Mat picture = canvas(bgr);
+        cv::Mat image = canvas(bgr);
         const std::vector<cv::Point2d> points = toCenters(centers);
         const LeaveGil unlocked;
-        drawTrail(picture, points);
+        drawTrail(image, points);
       },
       "bgr"_a, "centers"_a,
       "Draws the way through centres, (n, 2) px, the newest last, on the image, (height, width, 3) uint8; NaN "

@@ -120,10 +120,10 @@ void bindCorners(py::module& m)
       [](const py::array& gray, const py::array& cells, int width_at_border, const Matrix& near,
          const CameraModel& camera)
       {
-        const ImageArray picture(gray), pattern(cells);
+        const ImageArray image(gray), pattern(cells);
         const TagCorners start = toTag(0, near);
         const LeaveGil unlocked;
-        return measureCorners(picture.view, pattern.view, width_at_border, start, camera);
+        return measureCorners(image.view, pattern.view, width_at_border, start, camera);
       },
       "gray"_a, "cells"_a, "width_at_border"_a, "near"_a, "camera"_a,
       "The MeasuredCorners of a tag near where they were found, (4, 2) px, or None where the gray image does not "

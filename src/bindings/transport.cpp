@@ -19,7 +19,7 @@ cv::Mat viewOf(const py::array& array)
   const std::string kind = std::string(1, array.dtype().kind()) + std::to_string(array.itemsize());
   const auto* const* found = std::find(std::begin(kSampleTypes), std::end(kSampleTypes), kind);
   if (found == std::end(kSampleTypes))
-    throw py::type_error("no picture has pixels of " + std::string(py::str(array.dtype())));
+    throw py::type_error("no image has pixels of " + std::string(py::str(array.dtype())));
   const auto channels = static_cast<int>(array.ndim() == 3 ? array.shape(2) : 1);
   return {static_cast<int>(array.shape(0)), static_cast<int>(array.shape(1)),
           CV_MAKETYPE(static_cast<int>(found - std::begin(kSampleTypes)), channels), const_cast<void*>(array.data()),
@@ -55,7 +55,7 @@ py::object next(EmbeddedRoscppNode& runtime, double timeout_s)
 {
   auto delivery = withoutGil([&] { return runtime.next(timeout_s); });
   if (!delivery) return py::none();
-  ReceivedImage& received = delivery->picture;
+  ReceivedImage& received = delivery->image;
   const std_msgs::Header& header = received.header;
   const auto owner = std::make_pair(received.message, received.pixels);
   const py::array pixels = toPython(received.pixels, owner);
@@ -72,7 +72,7 @@ void publish(PooledImagePublisher& outbox, const py::array& pixels, const std::s
   if (pixels.ndim() != 2 && pixels.ndim() != 3)
     throw py::value_error("expected an array of 2 or 3 dimensions, got " + std::to_string(pixels.ndim()));
   if (pixels.ndim() == 3 && (pixels.shape(2) < 1 || pixels.shape(2) > CV_CN_MAX))
-    throw py::value_error("no picture has " + std::to_string(pixels.shape(2)) + " channels");
+    throw py::value_error("no image has " + std::to_string(pixels.shape(2)) + " channels");
   const py::array packed = inMemoryOrder(pixels);
   const cv::Mat view = viewOf(packed);
   std_msgs::Header header;

@@ -77,7 +77,7 @@ def test_from_a_folder_to_the_next_start_of_the_camera(
     code, output = calibrate(folder, "--camera-name", "eye")
     assert code == 0, output
     lines = output.splitlines()
-    assert f"{COUNT} pictures: {COUNT} used, 0 without the board, 0 blurred, 0 like others" in lines
+    assert f"{COUNT} images: {COUNT} used, 0 without the board, 0 blurred, 0 like others" in lines
     assert "plumb_bob, 640x480" in lines and "  k3 0" in lines
     assert any(re.fullmatch(r"  fx \d+\.?\d* \+- 0\.\d+ px", line) for line in lines)
     assert sum(line.startswith(f"  {folder}/0") and "px" in line for line in lines) == COUNT
@@ -135,7 +135,7 @@ def test_from_a_glob_and_a_video_and_by_force(calibrate, pictures, folder, tmp_p
     output.write_text("old")
     code, printed = calibrate(folder / "0[0-4].png", video, "--output", output, "--force")
     assert code == 0, printed
-    assert f"{COUNT} pictures: {COUNT} used" in printed and f"  {video}, frame 4: 0." in printed
+    assert f"{COUNT} images: {COUNT} used" in printed and f"  {video}, frame 4: 0." in printed
     assert_found(output)
 
 
@@ -152,7 +152,7 @@ def test_from_a_bag(calibrate, pictures, tmp_path, compressed):
     code, printed = calibrate("--bag", bag, "--image", IMAGE, "--output", output)
     assert code == 0, printed
     assert_found(output)
-    assert f"has no pictures on '/other', but on {IMAGE}" in refused(
+    assert f"has no images on '/other', but on {IMAGE}" in refused(
         calibrate, "--bag", bag, "--image", "/other", "--output", tmp_path / "other.yaml"
     )
 
@@ -165,10 +165,10 @@ def test_pictures_that_cannot_be_used_are_named_and_skipped(calibrate, pictures,
     code, printed = calibrate(folder, tmp_path / "*.png", "--output", tmp_path / "eye.yaml")
     assert code == 0, printed
     lines = printed.splitlines()
-    assert f"skipped {small}: it has 320x240, the pictures before 640x480" in lines
-    assert f"skipped {broken}: no picture that OpenCV can read" in lines
+    assert f"skipped {small}: it has 320x240, the images before 640x480" in lines
+    assert f"skipped {broken}: no image that OpenCV can read" in lines
     assert f"skipped {gone}: No such file or directory" in lines
-    assert any(line.startswith(f"{COUNT + 3} pictures: {COUNT} used, ") for line in lines)
+    assert any(line.startswith(f"{COUNT + 3} images: {COUNT} used, ") for line in lines)
     assert "0 like others, 3 unusable" in printed
     assert_found(tmp_path / "eye.yaml")
 
@@ -187,20 +187,19 @@ def test_unusable_pictures_of_a_bag_are_named_and_skipped(calibrate, pictures, t
             made.write(IMAGE + "/compressedDepth", sent, rospy.Time(number + 1))
     code, printed = calibrate("--bag", bag, "--image", IMAGE, "--output", output)
     assert code == 0, printed
-    assert "skipped picture 0: 32FC1 has no grey levels of 8 or 16 bits\n" in printed
-    assert "skipped picture 1: Unrecognized image encoding [mono7]\n" in printed
+    assert "skipped image 0: 32FC1 has no grey levels of 8 or 16 bits\n" in printed
+    assert "skipped image 1: Unrecognized image encoding [mono7]\n" in printed
     assert (
-        "skipped picture 2: mono8 of 640x480 with 640 bytes to a row, and 307199 in all\n"
-        in printed
+        "skipped image 2: mono8 of 640x480 with 640 bytes to a row, and 307199 in all\n" in printed
     )
-    assert f"{COUNT + 3} pictures: {COUNT} used, " in printed and ", 3 unusable\n" in printed
+    assert f"{COUNT + 3} images: {COUNT} used, " in printed and ", 3 unusable\n" in printed
     assert_found(output)
     code, printed = calibrate(
         "--bag", bag, "--image", IMAGE + "/compressedDepth", "--output", tmp_path / "a.yaml"
     )
-    assert code == 1 and "there were no pictures that can be used" in printed
-    assert "skipped picture 0: it has depths (compressedDepth)\n" in printed
-    assert "skipped picture 1: no picture that OpenCV can read\n" in printed
+    assert code == 1 and "there were no images that can be used" in printed
+    assert "skipped image 0: it has depths (compressedDepth)\n" in printed
+    assert "skipped image 1: no image that OpenCV can read\n" in printed
 
 
 def test_live_and_given_to_the_camera(start, tmp_path):
@@ -302,10 +301,10 @@ def shut_down_subscriber(topic):
 @pytest.mark.parametrize("killed", [False, True])
 def test_a_topic_without_pictures(start, tmp_path, killed):
     process = start("calibrate_headless.py", *BOARD, "--topic", "/none", "--output", tmp_path / "a")
-    process.wait_for_output("waiting: no picture comes on /none; nobody publishes pictures there\n")
+    process.wait_for_output("waiting: no image comes on /none; nobody publishes images there\n")
     shut_down_subscriber("/none") if killed else process.interrupt()
     assert process.exit_code() == 1
-    assert "calibrate_headless.py: there were no pictures" in process.output()
+    assert "calibrate_headless.py: there were no images" in process.output()
 
 
 def test_what_is_no_file_is_named_and_nothing_is_made(calibrate, folder, tmp_path):
@@ -347,17 +346,17 @@ def test_what_cannot_be_used_is_named(calibrate, pictures, folder, monkeypatch, 
     few, empty = sorted(folder.glob("0[0-2].png")), tmp_path / "empty"
     empty.mkdir()
     assert "3 views of the board, 5 are needed at least" in error(*few)
-    assert f"{empty}: no pictures in this folder" in error(empty)
+    assert f"{empty}: no images in this folder" in error(empty)
     assert "/no/pictures/*.png: no such file or folder" in error("/no/pictures/*.png")
-    assert f"{folder}/notes.txt: no picture and no video" in error(folder / "notes.txt")
+    assert f"{folder}/notes.txt: no image and no video" in error(folder / "notes.txt")
     broken = tmp_path / "broken.png"
     broken.write_bytes(few[0].read_bytes()[:1000])
-    assert "there were no pictures that can be used" in error(broken)
+    assert "there were no images that can be used" in error(broken)
     grey = tmp_path / "grey.png"
     cv2.imwrite(str(grey), np.full((480, 640), 99, np.uint8))
     code, printed = calibrate(grey, "--output", tmp_path / "eye.yaml")
-    assert code == 1 and "1 pictures: 0 used, 1 without the board" in printed
-    assert "no picture shows the board well: is --size 8x6 right?" in printed
+    assert code == 1 and "1 images: 0 used, 1 without the board" in printed
+    assert "no image shows the board well: is --size 8x6 right?" in printed
     assert f"{grey}/x.yaml cannot be written" in refused(
         calibrate, folder, "--output", f"{grey}/x.yaml"
     )
@@ -369,8 +368,8 @@ def test_what_cannot_be_used_is_named(calibrate, pictures, folder, monkeypatch, 
 @pytest.mark.parametrize(
     "arguments, why",
     [
-        ([], "the pictures are from FILE..., --bag or --topic: one of them"),
-        (["a.png", "--topic", "/a"], "the pictures are from FILE..., --bag or --topic"),
+        ([], "the images are from FILE..., --bag or --topic: one of them"),
+        (["a.png", "--topic", "/a"], "the images are from FILE..., --bag or --topic"),
         (["--bag", "a.bag"], "--bag and --image belong together"),
         (["a.png", "--size", "8by6"], "--size: is '8by6', must be as 8x6, 3 to 99 each"),
         (["a.png", "--size", "2x6"], "--size: is '2x6', must be as 8x6, 3 to 99 each"),

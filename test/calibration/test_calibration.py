@@ -123,11 +123,11 @@ def test_only_what_tells_something_new_is_kept():
     moved = cv2.filter2D(frame, -1, np.full((1, 15), 1.0 / 15.0))  # while it was taken
     for gray in (frame, frame, moved, np.full(SIZE[::-1], 128, np.uint8)):
         views.offer("frame", gray)
-    assert views.summary() == "4 pictures: 1 used, 1 without the board, 1 blurred, 1 like others"
+    assert views.summary() == "4 images: 1 used, 1 without the board, 1 blurred, 1 like others"
     while not views.full:
         views.offer("more", studio.frame())
     assert len(views.views) == 3
-    with pytest.raises(ValueError, match="it has 320x240, the pictures before 640x480"):
+    with pytest.raises(ValueError, match="it has 320x240, the images before 640x480"):
         views.offer("small", frame[::2, ::2])
 
 

@@ -247,7 +247,7 @@ def test_exits_at_the_end_of_a_video_although_the_master_is_stopped(start, half_
 
 @pytest.mark.parametrize(
     "name, reason",
-    [("missing.mp4", "no such file or folder"), ("folder", "no pictures that OpenCV can read")],
+    [("missing.mp4", "no such file or folder"), ("folder", "no images that OpenCV can read")],
 )
 def test_wrong_source_exits_1_naming_the_path(start, tmp_path, name, reason):
     """The gtest Sources.areNamedIfTheyAreWrong has the other kinds of wrong files."""
@@ -483,4 +483,4 @@ def test_calibration_of_another_size_is_not_published(start, tmp_path):
     process = start("camera_node", f"_source:={image}", "_camera_info_url:=" + url)
     info = infos.wait()[0]
     assert (info.width, info.height, info.K[0]) == (64, 48, 0.0)
-    process.wait_for_output("the calibration is for 320x240, the picture has 64x48")
+    process.wait_for_output("the calibration is for 320x240, the image has 64x48")

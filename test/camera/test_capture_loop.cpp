@@ -125,7 +125,7 @@ public:
   ReadResult read(Frame& frame) override
   {
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
-    if (Clock::now() < keyframe_) return ReadResult::kNoPicture;
+    if (Clock::now() < keyframe_) return ReadResult::kNoImage;
     frame.image = cv::Mat(1, 1, CV_8UC1);
     return ReadResult::kFrame;
   }

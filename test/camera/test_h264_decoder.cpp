@@ -125,7 +125,7 @@ TEST_F(H264, refusesOtherPixelFormats)
   H264Stream stream;
   stream.chroma_422 = true;
   EXPECT_EQ(refusal([&] { decoder_.decode(stream.encode(images_).front(), out_); }),
-            "H.264 picture in the pixel format yuv422p, expected yuv420p or yuvj420p");
+            "H.264 image in the pixel format yuv422p, expected yuv420p or yuvj420p");
 }
 
 // No images come before the first keyframe, nor from a damaged or lost frame to the next keyframe. The sequence numbers
@@ -155,7 +155,7 @@ TEST_F(H264, isDecodedFromACamera)
     Frame frame;
     ReadResult result = ReadResult::kTimeout;
     errors += refusal([&] { result = source.read(frame); });
-    without_image += result == ReadResult::kNoPicture ? 1 : 0;
+    without_image += result == ReadResult::kNoImage ? 1 : 0;
     if (result != ReadResult::kFrame) continue;
     EXPECT_EQ(frame.encoding, "yu12");
     EXPECT_EQ(frame.sequence, i - kKeyframeEvery - (i > kDamaged ? 1 : 0)) << i;

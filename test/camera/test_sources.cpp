@@ -7,7 +7,7 @@
 #include <opencv2/imgproc.hpp>
 #include <opencv2/videoio.hpp>
 
-#include "core/camera/picture_source.hpp"
+#include "core/camera/image_files_source.hpp"
 #include "robot_vision/camera/open_source.hpp"
 #include "support/images.hpp"
 #include "support/refusal.hpp"
@@ -174,9 +174,9 @@ TEST_F(Sources, doNotTurnImagesAsTheirExifSays)
   const std::string turned = write("turned.jpg", jpeg.substr(0, 2) + exif + jpeg.substr(2));
   Frame frame;
   ASSERT_EQ(openSource(from(turned))->read(frame), ReadResult::kFrame);
-  EXPECT_TRUE(equal(frame.image, readPicture(plain)));
+  EXPECT_TRUE(equal(frame.image, readImage(plain)));
   cv::Mat upright;
-  cv::rotate(readPicture(plain), upright, cv::ROTATE_90_CLOCKWISE);
+  cv::rotate(readImage(plain), upright, cv::ROTATE_90_CLOCKWISE);
   EXPECT_TRUE(equal(readUpright(turned), upright));
 }
 
@@ -255,12 +255,12 @@ TEST_F(Sources, areNamedIfTheyAreWrong)
   const std::vector<std::pair<std::string, std::string>> table = {
       {path("missing.avi"), "no such file or folder"},
       {write("empty.avi", ""), "the file is empty"},
-      {write("text.mp4", "This is no video, whatever its name says.\n"), "not a picture or video that FFmpeg can read"},
-      {write("text.png", "hello"), "not a picture or video"},
-      {cut("half.mp4", video, 0.5), "not a picture or video that FFmpeg can read, or truncated"},
+      {write("text.mp4", "This is no video, whatever its name says.\n"), "not an image or video that FFmpeg can read"},
+      {write("text.png", "hello"), "not an image or video"},
+      {cut("half.mp4", video, 0.5), "not an image or video that FFmpeg can read, or truncated"},
       {cut("half.jpg", jpeg, 0.5), "the JPEG is damaged or truncated"},
-      {cut("half.png", image, 0.5), "not a picture that OpenCV can read, or damaged"},
-      {path("*.tiff"), "no pictures that OpenCV can read are there"},
+      {cut("half.png", image, 0.5), "not an image that OpenCV can read, or damaged"},
+      {path("*.tiff"), "no images that OpenCV can read are there"},
   };
   for (const auto& [name, reason] : table)
   {
@@ -270,7 +270,7 @@ TEST_F(Sources, areNamedIfTheyAreWrong)
   }
   const std::string bare = folder_ + "/bare";
   std::filesystem::create_directory(bare);
-  EXPECT_EQ(openError(from(bare)), "wrong: " + bare + ": no pictures that OpenCV can read are there");
+  EXPECT_EQ(openError(from(bare)), "wrong: " + bare + ": no images that OpenCV can read are there");
 }
 
 TEST_F(Sources, areUnavailableIfTheyMayComeLater)

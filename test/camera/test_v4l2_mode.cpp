@@ -154,10 +154,10 @@ TEST(V4l2Mode, saysHowInterlacedImagesDifferFromFrames)
 {
   const std::vector<std::pair<std::uint32_t, std::string>> table = {
       {V4L2_FIELD_NONE, ""},
-      {V4L2_FIELD_ALTERNATE, "its pictures are single fields"},
-      {V4L2_FIELD_SEQ_BT, "its pictures are two fields, one below the other"},
-      {V4L2_FIELD_INTERLACED_TB, "its pictures are interlaced: what moves has combed edges"},
-      {V4L2_FIELD_INTERLACED_BT, "its pictures are interlaced: what moves has combed edges"},
+      {V4L2_FIELD_ALTERNATE, "its images are single fields"},
+      {V4L2_FIELD_SEQ_BT, "its images are two fields, one below the other"},
+      {V4L2_FIELD_INTERLACED_TB, "its images are interlaced: what moves has combed edges"},
+      {V4L2_FIELD_INTERLACED_BT, "its images are interlaced: what moves has combed edges"},
   };
   for (const auto& [field, warning] : table)
   {

@@ -14,15 +14,14 @@ using namespace robot_vision;
 namespace
 {
 
-CompressedPicture compressed(const cv::Mat& image, const std::string& encoding,
-                             const DepthCompressionParams& params = {})
+CompressedImage compressed(const cv::Mat& image, const std::string& encoding, const DepthCompressionParams& params = {})
 {
-  CompressedPicture coded;
+  CompressedImage coded;
   compressDepth(image, encoding, params, coded);
   return coded;
 }
 
-cv::Mat decompressed(const CompressedPicture& from)
+cv::Mat decompressed(const CompressedImage& from)
 {
   cv::Mat image;
   EXPECT_EQ(decompressDepth(from.format, from.data.data(), from.data.size(), image),
@@ -31,14 +30,14 @@ cv::Mat decompressed(const CompressedPicture& from)
 }
 
 template <class T>
-T at(const CompressedPicture& coded, std::size_t offset)
+T at(const CompressedImage& coded, std::size_t offset)
 {
   T value;
   std::memcpy(&value, coded.data.data() + offset, sizeof(value));
   return value;
 }
 
-cv::Mat pngOf(const CompressedPicture& coded)
+cv::Mat pngOf(const CompressedImage& coded)
 {
   return cv::imdecode(std::vector<std::uint8_t>(coded.data.begin() + 12, coded.data.end()), cv::IMREAD_UNCHANGED);
 }
@@ -53,7 +52,7 @@ TEST(CompressedDepth, isLosslessUpToDepthMaxForMillimetres)
   expected.setTo(0, image > 10000);
   for (const std::string encoding : {"16UC1", "mono16"})
   {
-    const CompressedPicture coded = compressed(image, encoding);
+    const CompressedImage coded = compressed(image, encoding);
     EXPECT_EQ(coded.format, encoding + "; compressedDepth png");
     EXPECT_EQ(at<std::int32_t>(coded, 0), 0);
     EXPECT_TRUE(equal(pngOf(coded), expected));
@@ -70,7 +69,7 @@ TEST(CompressedDepth, isTheInverseDepthForMetres)
   const float none = std::numeric_limits<float>::quiet_NaN();
   const cv::Mat_<float> image =
       (cv::Mat_<float>(1, 10) << 0.2F, 0.5F, 1.0F, 3.0F, 9.9F, 10.0F, none, 0.0F, -1.0F, 0.01F);
-  const CompressedPicture coded = compressed(image, "32FC1");
+  const CompressedImage coded = compressed(image, "32FC1");
   EXPECT_EQ(coded.format, "32FC1; compressedDepth png");
   EXPECT_FLOAT_EQ(at<float>(coded, 4), 100.0F * 101.0F);
   EXPECT_FLOAT_EQ(at<float>(coded, 8), 1.0F - 10100.0F / 10.0F);
@@ -94,7 +93,7 @@ TEST(CompressedDepth, isTheInverseDepthForMetres)
 TEST(CompressedDepth, isReadWithAnOlderLabel)
 {
   const cv::Mat image = noise({8, 8}, CV_16UC1) / 10;
-  CompressedPicture coded = compressed(image, "16UC1");
+  CompressedImage coded = compressed(image, "16UC1");
   for (const char* format : {"16UC1; compressedDepth", "16UC1"})
   {
     coded.format = format;
@@ -104,7 +103,7 @@ TEST(CompressedDepth, isReadWithAnOlderLabel)
 
 TEST(CompressedDepth, isRefusedIfDamaged)
 {
-  const CompressedPicture good = compressed(noise({8, 8}, CV_16UC1), "16UC1");
+  const CompressedImage good = compressed(noise({8, 8}, CV_16UC1), "16UC1");
   const auto refused = [](const std::string& format, const std::vector<std::uint8_t>& data)
   {
     cv::Mat image;

@@ -4,7 +4,7 @@
 #include <random>
 
 #include "robot_vision/codecs/compressed_depth.hpp"
-#include "robot_vision/codecs/compressed_picture.hpp"
+#include "robot_vision/codecs/compressed_image.hpp"
 #include "robot_vision/codecs/theora.hpp"
 #include "support/images.hpp"
 
@@ -77,13 +77,13 @@ bool survives(Decode decode)
   }
 }
 
-CompressedPicture compressed(const cv::Mat& image, const std::string& encoding, const std::string& format,
-                             bool progressive = false)
+CompressedImage compressed(const cv::Mat& image, const std::string& encoding, const std::string& format,
+                           bool progressive = false)
 {
   CompressionParams params;
   params.format = format;
   params.jpeg.progressive = progressive;
-  CompressedPicture coded;
+  CompressedImage coded;
   compress(image, encoding, params, coded);
   return coded;
 }
@@ -94,7 +94,7 @@ TEST(DamagedStreams, ofJpegAndPngAreReadOrRefused)
 {
   const cv::Mat image = noise({40, 30}, CV_8UC3);
   Damage damage;
-  for (const CompressedPicture& whole :
+  for (const CompressedImage& whole :
        {compressed(image, "bgr8", "jpeg"), compressed(image, "rgb8", "jpeg", /*progressive=*/true),
         compressed(noise({40, 30}, CV_16UC1), "mono16", "png"), compressed(image, "rgb8", "png")})
   {
@@ -133,7 +133,7 @@ TEST(DamagedStreams, withWrongLabelsAreReadOrRefused)
 TEST(DamagedStreams, ofDepthAreReadOrRefused)
 {
   Damage damage;
-  CompressedPicture whole;
+  CompressedImage whole;
   compressDepth(noise({40, 30}, CV_16UC1), "16UC1", {}, whole);
   int refused = 0;
   for (int i = 0; i < kRounds; ++i)

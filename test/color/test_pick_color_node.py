@@ -112,7 +112,7 @@ def test_topic_without_publisher_is_an_error(pick):
     code, output = pick("--topic", "/silent", "--at", 1, 1, "--timeout", 0.5)
     assert code == 1
     assert output == (
-        "pick_color.py: /silent: no picture came within 0.5 s; nobody publishes pictures there\n"
+        "pick_color.py: /silent: no image came within 0.5 s; nobody publishes images there\n"
     )
 
 
@@ -120,7 +120,7 @@ def test_topic_without_a_usable_image_is_an_error(pick):
     publisher = publish("32FC2", np.zeros((4, 4, 2), np.float32))
     code, output = pick("--topic", "/pictures", "--at", 1, 1, "--timeout", 3)
     assert code == 1
-    assert output.endswith("pick_color.py: /pictures: no picture was usable within 3 s\n")
+    assert output.endswith("pick_color.py: /pictures: no image was usable within 3 s\n")
     publisher.unregister()
 
 
@@ -191,7 +191,7 @@ def test_errors_of_files_name_them(pick, picture, tmp_path):
         code, output = pick(no_picture, "--at", 1, 1)
         assert (code, output) == (
             1,
-            f"pick_color.py: {no_picture}: no picture that OpenCV can read\n",
+            f"pick_color.py: {no_picture}: no image that OpenCV can read\n",
         )
     missing = tmp_path / "missing" / "file"
     for arguments, tried in (
@@ -216,7 +216,7 @@ def test_errors_of_files_name_them(pick, picture, tmp_path):
 )
 def test_places_outside_of_the_image_are_refused(pick, picture, place):
     code, output = pick(picture, *place)
-    assert code == 1 and "not inside of the picture of 60x40" in output
+    assert code == 1 and "not inside of the image of 60x40" in output
 
 
 @pytest.mark.parametrize(

@@ -293,7 +293,7 @@ def test_camera_info_of_another_size_gives_no_position(start):
             break
         rospy.sleep(0.05)
     assert objects.received[-1].detections[0].circle_radius == pytest.approx(40.0, abs=0.6)
-    process.wait_for_output("camera_info is of 320x240, the picture 640x480")
+    process.wait_for_output("camera_info is of 320x240, the image 640x480")
     assert not positions.received
 
 

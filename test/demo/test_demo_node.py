@@ -69,7 +69,7 @@ def test_make_demo_fails_when_its_source_is_wrong(start, tmp_path):
     path.write_text("hello")
     process = start(str(DEMO), f"source:={path}", "view:=false")
     assert process.exit_code() == 1
-    assert f"{path}: not a picture or video" in process.output()
+    assert f"{path}: not an image or video" in process.output()
     assert "the demo ended by itself" in process.output()
 
 

@@ -304,7 +304,7 @@ def test_enrolling_from_the_live_picture_without_subscribers(start, tmp_path):
     support.wait_for(lambda: not subscribed(), "the end of the work")
     with door.showing([photograph(BERT, number)[0] for number in range(11)]):
         answer = enroll("李")
-    assert answer.success and answer.message.startswith(f"{answer.pictures} pictures of 李 added")
+    assert answer.success and answer.message.startswith(f"{answer.pictures} images of 李 added")
     assert set(known()) == {"Anna", "李"}
     kept = [name for name in os.listdir(str(tmp_path / "faces" / "李")) if name[0] != "."]
     assert len(kept) == answer.pictures
@@ -321,9 +321,9 @@ def test_enrolling_fails_clearly_and_changes_nothing(start, folder):
     anna = photograph(ANNA, 20)[0]
     twice = faces_of(anna) * 2
     cases = [
-        (lambda picture: [], "took 0 of 2 pictures; .* showed no face, within 1.5 s"),
-        (lambda picture: twice, "took 0 of 2 pictures; .* showed several faces, within"),
-        (lambda picture: [face((5, 5, 40, 40))], "took 0 of 2 pictures; .* showed no clear face"),
+        (lambda picture: [], "took 0 of 2 images; .* showed no face, within 1.5 s"),
+        (lambda picture: twice, "took 0 of 2 images; .* showed several faces, within"),
+        (lambda picture: [face((5, 5, 40, 40))], "took 0 of 2 images; .* showed no clear face"),
     ]
     for faces, text in cases:
         with door.showing([anna], faces):
@@ -333,7 +333,7 @@ def test_enrolling_fails_clearly_and_changes_nothing(start, folder):
         assert door.look(ANNA, of=-1) == "Anna"
     started = time.monotonic()
     answer = enroll("Eve", 2)
-    told = "took 0 of 2 pictures; saw no others, within 1.5 s"
+    told = "took 0 of 2 images; saw no others, within 1.5 s"
     assert not answer.success and told in answer.message
     assert re.search(f"within 1.5 s: .*no faces on {door.faces.topic} for ", answer.message)
     assert time.monotonic() - started >= 1.5
@@ -423,8 +423,8 @@ def test_folders_are_enrolled_listed_and_forgotten(start, tmp_path):
     assert door.look(ANNA) == "unknown"
     answer = call("enroll_folder", EnrollFolder, str(course), "")
     assert answer.success and answer.pictures == 8
-    assert answer.message == "8 pictures of people added, 1 problems"
-    assert answer.problems == [f"{course}/Anna/broken.jpg: it is damaged, or no picture"]
+    assert answer.message == "8 images of people added, 1 problems"
+    assert answer.problems == [f"{course}/Anna/broken.jpg: it is damaged, or no image"]
     assert known() == {"Anna": 4, "Zoë": 4}
     assert [door.look(p) for p in (ANNA, BERT, CARLA)] == ["Anna", "Zoë", "unknown"]
     answer = call("enroll_folder", EnrollFolder, str(course / "Zoë"), "Bert")
@@ -444,7 +444,7 @@ def test_folders_are_enrolled_listed_and_forgotten(start, tmp_path):
         assert not answer.success and text in answer.message
     answer = call("enroll_folder", EnrollFolder, str(course), "Eve")  # no pictures of its own
     assert not answer.success and answer.pictures == 0
-    assert answer.message.endswith(f": {course}: there are no pictures in it")
+    assert answer.message.endswith(f": {course}: there are no images in it")
     answer = call("enroll_folder", EnrollFolder, str(course / "Anna"), "")  # a person's own
     assert not answer.success and answer.pictures == 0
     assert answer.message.startswith(f"{course}/Anna must have a folder for each person, as Anna/1")
@@ -480,8 +480,8 @@ def test_damaged_gallery_is_told_mended_and_used(start, folder):
     (folder / CACHE).write_bytes((folder / CACHE).read_bytes()[:-100])
     (folder / "Anna" / "9.png").write_bytes((folder / "Anna" / "1.png").read_bytes()[:500])
     door = Door(start, f"_gallery:={folder}", *AT_ONCE)
-    door.process.wait_for_output(".faces is made anew from the pictures: it is damaged")
-    door.process.wait_for_output("Anna/9.png is not used: it is damaged, or no picture")
+    door.process.wait_for_output(".faces is made anew from the images: it is damaged")
+    door.process.wait_for_output("Anna/9.png is not used: it is damaged, or no image")
     assert [door.look(p) for p in (ANNA, BERT)] == ["Anna", "Zoë"]
 
 
@@ -496,8 +496,8 @@ def test_gallery_that_cannot_be_made_is_told_when_it_is_needed(start):
 @pytest.mark.parametrize(
     "box, predicted, text",
     [
-        ((310, 230, 0, 10), False, "the box 0x10 at (310, 230) is not in the picture of 320x240"),
-        ((330, 10, 20, 20), True, "the box 20x20 at (330, 10) is not in the picture of 320x240"),
+        ((310, 230, 0, 10), False, "the box 0x10 at (310, 230) is not in the image of 320x240"),
+        ((330, 10, 20, 20), True, "the box 20x20 at (330, 10) is not in the image of 320x240"),
         ((0, 0, 2**32 - 1, 9), False, "the box 4294967295x9, must have sides of at most 640 px"),
         ((0, 0, 9, 2**32 - 1), True, "the box 9x4294967295, must have sides of at most 640 px"),
     ],
@@ -517,7 +517,7 @@ def test_faces_of_a_picture_of_another_size_are_refused(start, folder):
     image.header.stamp = rospy.Time(500)
     door.images.send(image)
     door.faces.send(DetectionArray(image.header, 640, 480, faces_of(anna)))
-    door.process.wait_for_output("faces of a picture of 640x480, not 320x240")
+    door.process.wait_for_output("faces of an image of 640x480, not 320x240")
     assert door.look(ANNA) == "Anna"
 
 
@@ -538,7 +538,7 @@ def test_missing_faces_and_those_of_another_camera_are_told(start, folder):
         found = DetectionArray(image.header, 320, 240, [])
         found.header.stamp = rospy.Time(1000 + next(seconds))
         door.faces.send(found)
-        text = f"no pictures on {door.images.topic} have the stamps of"
+        text = f"no images on {door.images.topic} have the stamps of"
         return text in door.process.output()
 
     support.wait_for(tell_of_others, "the warning that the faces are another camera's")

@@ -201,7 +201,7 @@ def test_damaged_file_of_faces_is_made_anew(folder, damage, searched):
     data = (folder / CACHE).read_bytes()
     (folder / CACHE).write_bytes(damage(data))
     gallery, problems = loaded(folder)
-    assert len(problems) == 1 and ".faces is made anew from the pictures: it is " in problems[0]
+    assert len(problems) == 1 and ".faces is made anew from the images: it is " in problems[0]
     assert same_faces(gallery, good) and len(searched) == 5
     assert (folder / CACHE).read_bytes() == data
     assert not loaded(folder)[1] and len(searched) == 5
@@ -212,7 +212,7 @@ def test_file_of_faces_that_is_a_pipe_is_told_and_left_and_one_far_too_large_is_
     (folder / CACHE).unlink()
     os.mkfifo(str(folder / CACHE))
     gallery, (not_read, not_written) = loaded(folder)
-    assert not_read == ".faces is made anew from the pictures: it is no file"
+    assert not_read == ".faces is made anew from the images: it is no file"
     assert not_written.endswith("the next start takes longer: it is no file")
     assert gallery.names() == {"Anna": 3, "Bert": 2} and (folder / CACHE).is_fifo()
     (folder / CACHE).unlink()
@@ -261,15 +261,15 @@ def test_what_cannot_be_used_is_told_skipped_and_kept(folder):
         assert same_faces(gallery, good)
         told = "\n".join(sorted(problems)).encode().decode()  # fit for a message
         for name, why in [
-            ("Anna/half.png", "it is damaged, or no picture"),
-            ("Anna/empty.jpg", "it is damaged, or no picture"),
-            ("Anna/text.png", "it is damaged, or no picture"),
+            ("Anna/half.png", "it is damaged, or no image"),
+            ("Anna/empty.jpg", "it is damaged, or no image"),
+            ("Anna/text.png", "it is damaged, or no image"),
             ("Anna/wall.png", "no face is found in it"),
             ("Anna/pipe.png", "it is no file"),
             ("Anna/folder.png", "it is no file"),
             ("Anna/huge.png", "it has 64 MB, must have at most 64"),
-            ("Anna/\ufffd.png", "it is damaged, or no picture"),
-            ("loose.png", "pictures belong into a folder with the person's name"),
+            ("Anna/\ufffd.png", "it is damaged, or no image"),
+            ("loose.png", "images belong into a folder with the person's name"),
             ("\ufffd", "the name '\\udcfe' must not hold"),
         ]:
             assert f"{folder}/{name} is not used: {why}" in told
@@ -303,7 +303,7 @@ def test_folders_of_pictures_are_imported_once(tmp_path):
     added = gallery.import_folder(str(source))
     assert (added.pictures, added.present, len(added.problems)) == (6, 0, 2)
     assert added.problems == [
-        f"{source}/Anna/broken.png: it is damaged, or no picture",
+        f"{source}/Anna/broken.png: it is damaged, or no image",
         f"{source}/unknown: nobody can be called 'unknown'",
     ]
     assert gallery.names() == {"Anna": 3, "Zoë": 3}
@@ -326,11 +326,11 @@ def test_what_an_imported_folder_lacks_is_told(tmp_path):
         gallery.import_folder(str(source / "Anna"))
     (added, none) = gallery.import_folder(str(source)), gallery.import_folder(str(source), "Eve")
     assert (added.pictures, added.problems) == (1, [])
-    assert (none.pictures, none.problems) == (0, [f"{source}: there are no pictures in it"])
+    assert (none.pictures, none.problems) == (0, [f"{source}: there are no images in it"])
     for number in (1, 2):
         cv2.imwrite(str(source / f"{number}.jpg"), photograph(BERT, number)[0])
     again = gallery.import_folder(str(source))
-    assert (again.present, again.problems) == (1, [f"{source}: 2 pictures in no person's folder"])
+    assert (again.present, again.problems) == (1, [f"{source}: 2 images in no person's folder"])
 
 
 def test_gallery_is_not_imported_into_itself(folder):

@@ -92,7 +92,7 @@ def test_cut_out_continues_the_border(box, margin):
 
 @pytest.mark.parametrize("box", [(0, 0, 0, 10), (0, 0, 10, -1), (40, 0, 5, 5), (0, -9, 5, 9)])
 def test_box_that_is_not_in_the_picture_is_refused(box):
-    with pytest.raises(ValueError, match=r"the box .* is not in the picture of 40x30"):
+    with pytest.raises(ValueError, match=r"the box .* is not in the image of 40x30"):
         normalized(np.zeros((30, 40), np.uint8), box)
 
 
@@ -235,13 +235,13 @@ def test_enrollment_takes_pictures_of_one_clear_face():
         enrollment.offer(picture, boxes, float(now))
     assert not enrollment.wait(0.0, lambda: False)
     assert enrollment.outcome() == (
-        "took 0 of 2 pictures; 2 showed no clear face; 1 showed no face; 1 showed several faces"
+        "took 0 of 2 images; 2 showed no clear face; 1 showed no face; 1 showed several faces"
     )
     for now, taken in [(10.0, 1), (10.0 + PERIOD / 2, 1), (10.0 + 1.5 * PERIOD, 2), (20.0, 2)]:
         enrollment.offer(image, [head], now)
         assert len(enrollment.portraits) == taken
     assert enrollment.wait(0.0, lambda: False)
-    assert list(enrollment.portraits) == ["picture 1", "picture 2"]
+    assert list(enrollment.portraits) == ["image 1", "image 2"]
     for taken in enrollment.portraits.values():
         assert np.array_equal(taken, portrait(image, head))
 
@@ -253,4 +253,4 @@ def test_enrollment_ends_when_it_is_given_up():
     given_up.set()
     waiting.join(5.0)
     assert not waiting.is_alive()
-    assert Enrollment(1).outcome() == "took 0 of 1 pictures; saw no others"
+    assert Enrollment(1).outcome() == "took 0 of 1 images; saw no others"

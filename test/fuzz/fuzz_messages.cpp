@@ -13,7 +13,7 @@
 #include <memory>
 
 #include "robot_vision/codecs/compressed_depth.hpp"
-#include "robot_vision/codecs/compressed_picture.hpp"
+#include "robot_vision/codecs/compressed_image.hpp"
 #include "robot_vision/codecs/image_file.hpp"
 #include "robot_vision/codecs/theora.hpp"
 #include "robot_vision/edges/edges.hpp"

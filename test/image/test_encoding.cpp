@@ -153,13 +153,13 @@ TEST(Encodings, tellTheSizeOfAnImage)
   {
     if (encoding == "jpeg") continue;
     const cv::Mat image = noise({6, 6}, matType(encoding));
-    EXPECT_EQ(pictureSize(image, encoding), converted(image, encoding, "bgr8").size()) << encoding;
+    EXPECT_EQ(imageSize(image, encoding), converted(image, encoding, "bgr8").size()) << encoding;
   }
-  EXPECT_EQ(pictureSize(noise({8, 6}, CV_8UC1), "nv12"), cv::Size(8, 4));
+  EXPECT_EQ(imageSize(noise({8, 6}, CV_8UC1), "nv12"), cv::Size(8, 4));
   Bytes bytes = jpegOf(smooth({7, 5}));
   bytes.erase(bytes.end() - 20, bytes.end() - 2);  // a decoder would refuse it
-  EXPECT_EQ(pictureSize(rowOf(bytes), "jpeg"), cv::Size(7, 5));
-  EXPECT_NE(refusal([] { pictureSize(cv::Mat(6, 6, CV_8UC3), "mono8"); }), "");
+  EXPECT_EQ(imageSize(rowOf(bytes), "jpeg"), cv::Size(7, 5));
+  EXPECT_NE(refusal([] { imageSize(cv::Mat(6, 6, CV_8UC3), "mono8"); }), "");
 }
 
 TEST(Pixels, areRefusedIfTheyAreNotOfTheEncoding)

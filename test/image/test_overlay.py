@@ -37,7 +37,7 @@ def test_drawing_changes_the_array_itself(draw):
         (
             [(1, 2), (3, 2**40)],
             ValueError,
-            r"expected points in a picture, got \(3, 1099511627776\)",
+            r"expected points in an image, got \(3, 1099511627776\)",
         ),
         ([1, 2, 3], ValueError, r"expected an \(n, 2\) array of points"),
     ],

@@ -98,7 +98,7 @@ def test_light_is_reported_as_such(start):
     said = EMPTY + 100
     draw_text(said, "whole image changes", (10, 20))
     assert np.array_equal(np.frombuffer(overlay.data, np.uint8).reshape(said.shape)[:40], said[:40])
-    room.process.wait_for_output("the whole picture changes")
+    room.process.wait_for_output("the whole image changes")
     _, state, _ = room.show(EMPTY + 100, 7)
     assert not state.everywhere and state.changed == 0.0
 

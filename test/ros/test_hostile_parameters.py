@@ -348,7 +348,7 @@ def test_an_unsuitable_folder_for_saving_is_an_error_but_not_fatal(
     view._configure({"save_folder": folder.format(tmp_path)})
     view._save()
     (line,) = told
-    assert line.startswith("no picture saved in /") and line.endswith(": " + why)
+    assert line.startswith("no image saved in /") and line.endswith(": " + why)
     assert sorted(os.listdir(tmp_path)) == ["file", "pipe"]
 
 

@@ -127,7 +127,7 @@ def test_descriptive_default_arguments_mean_no_value(start, tmp_path):
     assert support.wait_for(lambda: rospy.get_param(parameter, None), parameter) == 0.1
     home["PYTHONUNBUFFERED"] = "1"
     recognizer = start("/usr/bin/roslaunch", "robot_vision", "face_recognizer.launch", env=home)
-    recognizer.wait_for_output(f"0 people by 0 pictures in {tmp_path}/robot_vision/faces")
+    recognizer.wait_for_output(f"0 people by 0 images in {tmp_path}/robot_vision/faces")
 
 
 @pytest.mark.parametrize("path", sorted(LAUNCH.glob("*.launch")), ids=lambda path: path.name)

@@ -72,7 +72,7 @@ def test_a_source_without_a_good_frame_ends_once(manager, diagnostics, tmp_path)
         (tmp_path / name).write_bytes(b"\xff\xd8\xff\xe0 half a JPEG")
     rospy.set_param("/damaged", {"source": str(tmp_path), "loop": True, "always_subscribe": True})
     assert manager.load("/damaged", "camera")
-    error = f"{tmp_path}: none of its pictures can be read"
+    error = f"{tmp_path}: none of its images can be read"
     support.wait_for(lambda: diagnostics.next("damaged").message == error, "the end")
     for _ in range(2):
         assert diagnostics.next("damaged").message == error

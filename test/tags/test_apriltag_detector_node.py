@@ -135,7 +135,7 @@ def test_without_calibration_there_are_corners_and_one_warning(start):
     answer = studio.show_until(with_poses, picture)
     assert_near(matrix_of(answer.detections[0].pose.pose), truth)
     for info, problem in (
-        (calibrated(width=320), "camera_info is of 320x480, the picture 640x480"),
+        (calibrated(width=320), "camera_info is of 320x480, the image 640x480"),
         (calibrated(matrix=K * [[np.nan], [1], [1]]), "nan"),
         (calibrated(model="wobbly"), "wobbly"),
     ):
@@ -332,7 +332,7 @@ def test_detect_a_file(start, tmp_path):
     cv2.imwrite(path, cv2.copyMakeBorder(picture, 8, 8, 8, 8, cv2.BORDER_REPLICATE))
     answer = detect(path)
     assert answer.success and not answer.tags.detections[0].has_pose
-    assert "camera_info is of 640x480, the picture 656x496" in answer.message
+    assert "camera_info is of 640x480, the image 656x496" in answer.message
     header = struct.pack(">IIBBBBB", 60000, 60000, 8, 0, 0, 0, 0)
     chunk = (
         struct.pack(">I", 13) + b"IHDR" + header + struct.pack(">I", zlib.crc32(b"IHDR" + header))
@@ -345,7 +345,7 @@ def test_detect_a_file(start, tmp_path):
         (str(tmp_path / "huge.png"), "huge.png: claims to be of 60000x60000, the most is 67108864"),
         (str(tmp_path / "pipe.png"), "pipe.png cannot be read: it is no file"),
         ("/dev/zero", "/dev/zero cannot be read: it is no file"),
-        (__file__, "no picture that OpenCV can read"),
+        (__file__, "no image that OpenCV can read"),
     ):
         answer = detect(file)
         assert not answer.success and why in answer.message, answer.message

@@ -184,13 +184,13 @@ def hostile_frames(body):
     for width, height in ((0, 0), (0, 480), (640, 0), (HIGHEST, HIGHEST), (480, 640)):
         frame = good(body)
         frame.width, frame.height = width, height
-        yield frame, None, f"is of 640x480, the picture {width}x{height}\n"
+        yield frame, None, f"is of 640x480, the image {width}x{height}\n"
     for values, why in (
         ({"matrix": np.full((3, 3), NAN)}, "K is nan, must be finite\n"),
         ({"matrix": np.zeros((3, 3))}, "the camera is not calibrated\n"),
         ({"matrix": K + np.eye(3) - np.diag([0.0, 0.0, 1.0])}, "is not that of the first frames\n"),
-        ({"width": 320, "height": 240}, "is of 320x240, the picture 640x480\n"),
-        ({"width": 0, "height": HIGHEST}, f"is of 0x{HIGHEST}, the picture 640x480\n"),
+        ({"width": 320, "height": 240}, "is of 320x240, the image 640x480\n"),
+        ({"width": 0, "height": HIGHEST}, f"is of 0x{HIGHEST}, the image 640x480\n"),
         ({"model": TERMINAL}, "distortion_model is '\\x1b[2J\\x0a"),
     ):
         yield good(body), calibrated(**values), why
@@ -253,7 +253,7 @@ def test_hostile_detections_are_survived_and_reported(start, tmp_path):
         if "first frames" in why:  # there are no first frames yet
             continue
         if info:  # else a late valid calibration might meet the next good frame
-            send_until("the picture 2x1", tiny, calibrated(width=320, height=240))
+            send_until("the image 2x1", tiny, calibrated(width=320, height=240))
         send_until(why, frame, info)
     assert process.output().count("waiting: ") == len(process.output().splitlines())
     send_until("1 of 300 frames", good(body))
@@ -372,21 +372,21 @@ def test_unsuitable_bags_are_named(calibrate, pictures, bag, tmp_path):
     os.mkfifo(str(tmp_path / "pipe.bag"))
     for no_file in (tmp_path / "pipe.bag", tmp_path, "/dev/zero"):
         assert error(no_file).endswith(f"{no_file} cannot be read: it is no file")
-    assert f"has no pictures on '/other', but on {IMAGE}" in error(bag, image="/other")
-    assert f"has no pictures on '{INFO}', but on {IMAGE}" in error(bag, image=INFO)
+    assert f"has no images on '/other', but on {IMAGE}" in error(bag, image="/other")
+    assert f"has no images on '{INFO}', but on {IMAGE}" in error(bag, image=INFO)
     blind = write_bag(tmp_path / "blind.bag", few)
     assert f"has no camera_info on '{INFO}', but on no topic" in error(blind)
     assert f"no camera_info on '/x', but on {INFO}" in error(bag, "--camera-info", "/x")
     plain = write_bag(tmp_path / "plain.bag", few, calibrated(matrix=np.zeros((3, 3))))
     assert f"camera_info on {INFO}: the camera is not calibrated" in error(plain)
     other = write_bag(tmp_path / "other.bag", few, calibrated(320, 240))
-    assert f"of 320x240, picture 0 on {IMAGE} 640x480" in error(other)
+    assert f"of 320x240, image 0 on {IMAGE} 640x480" in error(other)
     broken = write_bag(tmp_path / "broken.bag", [few[0][:, :0]], calibrated())
-    assert f"picture 0 on {IMAGE} cannot be used: " in error(broken)
+    assert f"image 0 on {IMAGE} cannot be used: " in error(broken)
     wide = write_bag(tmp_path / "wide.bag", [np.zeros((16, 8193), np.uint8)], calibrated())
-    assert f"picture 0 on {IMAGE} cannot be used: image is 8193x16" in error(wide)
+    assert f"image 0 on {IMAGE} cannot be used: image is 8193x16" in error(wide)
     floats = write_bag(tmp_path / "floats.bag", [np.float32(few[0])], calibrated(), "32FC1")
-    assert f"picture 0 on {IMAGE} cannot be used: " in error(floats)
+    assert f"image 0 on {IMAGE} cannot be used: " in error(floats)
     with rosbag.Bag(str(tmp_path / "open.bag"), "w") as unfinished:
         unfinished.write(INFO, calibrated())
         unfinished.flush()

@@ -297,7 +297,7 @@ def test_an_image_that_cannot_be_saved_is_an_error_and_no_end(view, publisher, d
     process = view()
     show(publisher, sample(), 1, display)
     press(window(), "s")
-    process.wait_for_output("no picture saved in")
+    process.wait_for_output("no image saved in")
     assert "No such file or directory" in process.output()
     (tmp_path / "saved").mkdir()
     press(window(), "s")

@@ -43,9 +43,9 @@ struct Frame
 enum class ReadResult
 {
   kFrame,
-  kTimeout,    // no data came in time; try again
-  kNoPicture,  // data came, but no image: the stream's next keyframe is still to come; try again
-  kEnd,        // there are no more frames
+  kTimeout,  // no data came in time; try again
+  kNoImage,  // data came, but no image: the stream's next keyframe is still to come; try again
+  kEnd,      // there are no more frames
 };
 
 /// A source of frames. It is not thread-safe: only one thread may read.

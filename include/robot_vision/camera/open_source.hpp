@@ -15,7 +15,7 @@ enum class SourceKind
   kSynthetic,
   kDevice,
   kUrl,
-  kPictures,
+  kImages,
   kVideo,
 };
 

@@ -4,7 +4,7 @@
 #include <opencv2/core.hpp>
 #include <string>
 
-#include "compressed_picture.hpp"
+#include "compressed_image.hpp"
 #include "robot_vision/common/fields.hpp"
 
 namespace robot_vision
@@ -34,7 +34,7 @@ bool isDepth(const std::string& encoding);
 /// one; in 32FC1, a depth nearer than the code can express (0.15 m by default) becomes the nearest one that it can.
 /// Throws std::invalid_argument for another encoding, or if `image` is not of it.
 void compressDepth(const cv::Mat& image, const std::string& encoding, const DepthCompressionParams& params,
-                   CompressedPicture& out);
+                   CompressedImage& out);
 
 /// Decompresses into `image`, and returns its encoding. Pixels without a depth are 0 in 16 bits and NaN in 32FC1.
 /// Throws std::invalid_argument if the data is damaged, too large or not what `format` says.

@@ -35,7 +35,7 @@ void checkPixels(const cv::Mat& image, const std::string& encoding, int type);
 
 /// The size in px that toBgr() would give the image, found without converting it. Throws as checkPixels() does, and if
 /// a JPEG is truncated or too large.
-cv::Size pictureSize(const cv::Mat& image, const std::string& encoding);
+cv::Size imageSize(const cv::Mat& image, const std::string& encoding);
 
 /// Converts to gray (CV_8UC1) as cv::cvtColor does. 16 bits are scaled by 255/65535, 10 bits by 255/1023; YUV and JPEG
 /// give their luma. `gray` shares the input's pixels if these are gray already (mono8, and the luma of nv12, nv21 and

@@ -187,7 +187,7 @@ private:
         last_reason_.clear();
         scheduleNext(request.framerate);
         break;
-      case ReadResult::kNoPicture:
+      case ReadResult::kNoImage:
         watchdog_.onData();
         [[fallthrough]];
       case ReadResult::kTimeout:

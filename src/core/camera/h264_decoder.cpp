@@ -80,7 +80,7 @@ void copyImage(const AVFrame& frame, cv::Mat& yu12)
 
 void checkFrame(const AVFrame& frame)
 {
-  const auto refuse = [](const std::string& reason) { throw std::invalid_argument("H.264 picture " + reason); };
+  const auto refuse = [](const std::string& reason) { throw std::invalid_argument("H.264 image " + reason); };
   if (frame.format != AV_PIX_FMT_YUV420P && frame.format != AV_PIX_FMT_YUVJ420P)
   {
     const char* name = av_get_pix_fmt_name(static_cast<AVPixelFormat>(frame.format));

@@ -6,7 +6,7 @@
 #include <cctype>
 #include <filesystem>
 
-#include "picture_source.hpp"
+#include "image_files_source.hpp"
 #include "robot_vision/common/range.hpp"
 #include "scene_source.hpp"
 #include "v4l2_cameras.hpp"
@@ -56,7 +56,7 @@ bool isDevicePath(const std::string& path)
 SourceKind kindOfMissing(const std::string& source)
 {
   if (isDevicePath(followLinks(source).string())) return SourceKind::kDevice;
-  if (source.find_first_of("*?[") != std::string::npos) return SourceKind::kPictures;
+  if (source.find_first_of("*?[") != std::string::npos) return SourceKind::kImages;
   return looksLikeFile(source) ? SourceKind::kVideo : SourceKind::kDevice;
 }
 
@@ -124,7 +124,7 @@ SourceKind sourceKind(const CaptureParams& params)
   struct stat info;
   if (stat(source.c_str(), &info) != 0) return params.source.empty() ? SourceKind::kDevice : kindOfMissing(source);
   if (S_ISCHR(info.st_mode)) return SourceKind::kDevice;
-  return S_ISDIR(info.st_mode) || isPictureFile(source) ? SourceKind::kPictures : SourceKind::kVideo;
+  return S_ISDIR(info.st_mode) || isImageFile(source) ? SourceKind::kImages : SourceKind::kVideo;
 }
 
 bool mayComeLater(SourceKind kind)
@@ -144,8 +144,8 @@ std::unique_ptr<FrameSource> openSource(const CaptureParams& params)
       return openCamera(source, params);
     case SourceKind::kUrl:
       return std::make_unique<VideoSource>(source);
-    case SourceKind::kPictures:
-      return std::make_unique<PictureSource>(source);
+    case SourceKind::kImages:
+      return std::make_unique<ImageFilesSource>(source);
     case SourceKind::kVideo:
       break;
   }

@@ -2,7 +2,7 @@
 
 #include <filesystem>
 
-#include "picture_source.hpp"
+#include "image_files_source.hpp"
 #include "robot_vision/common/range.hpp"
 #include "robot_vision/scene/scene.hpp"
 

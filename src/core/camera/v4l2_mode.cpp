@@ -133,14 +133,14 @@ std::string describeFields(std::uint32_t field)
     case V4L2_FIELD_TOP:
     case V4L2_FIELD_BOTTOM:
     case V4L2_FIELD_ALTERNATE:
-      return "its pictures are single fields";
+      return "its images are single fields";
     case V4L2_FIELD_SEQ_TB:
     case V4L2_FIELD_SEQ_BT:
-      return "its pictures are two fields, one below the other";
+      return "its images are two fields, one below the other";
     case V4L2_FIELD_INTERLACED:
     case V4L2_FIELD_INTERLACED_TB:
     case V4L2_FIELD_INTERLACED_BT:
-      return "its pictures are interlaced: what moves has combed edges";
+      return "its images are interlaced: what moves has combed edges";
     default:
       return "";
   }

@@ -113,7 +113,7 @@ ReadResult V4l2Source::read(Frame& frame)
   if (filled.index >= buffers_.size()) device_->fail("VIDIOC_DQBUF", ERANGE);
   filled.bytesused = static_cast<std::uint32_t>(std::min<std::size_t>(filled.bytesused, buffers_[filled.index].length));
   held_ = static_cast<int>(filled.index);
-  if (!take(filled, frame)) return ReadResult::kNoPicture;
+  if (!take(filled, frame)) return ReadResult::kNoImage;
   if (first_sequence_ < 0) first_sequence_ = filled.sequence;
   frame.encoding = mode_.format->encoding;
   frame.sequence = static_cast<std::uint32_t>(filled.sequence - first_sequence_);  // the driver's counter wraps

@@ -42,7 +42,7 @@ void VideoSource::open()
   grabbed_ = opened && capture_.grab();
   if (grabbed_) return;
   if (url_) throw SourceUnavailable(path_ + ": the stream cannot be opened");
-  throw SourceError(path_ + ": not a picture or video that FFmpeg can read, or truncated");
+  throw SourceError(path_ + ": not an image or video that FFmpeg can read, or truncated");
 }
 
 ReadResult VideoSource::read(Frame& frame)

@@ -79,7 +79,7 @@ bool isDepth(const std::string& encoding)
 }
 
 void compressDepth(const cv::Mat& image, const std::string& encoding, const DepthCompressionParams& params,
-                   CompressedPicture& out)
+                   CompressedImage& out)
 {
   validate(params);
   require(isDepth(encoding), "encoding", "'" + printable(encoding) + "'", "16UC1, mono16 or 32FC1");

@@ -193,7 +193,7 @@ void checkPixels(const cv::Mat& image, const std::string& encoding, int type)
                                 describePixels(image.type()));
 }
 
-cv::Size pictureSize(const cv::Mat& image, const std::string& encoding)
+cv::Size imageSize(const cv::Mat& image, const std::string& encoding)
 {
   const Layout& layout = checkedLayout(image, encoding);
   if (encoding == "jpeg") return readJpegInfo(jpegBytes(image), image.total()).size;

@@ -50,9 +50,9 @@ def _calibrate(arguments: argparse.Namespace) -> None:
     _collect(_images(arguments), views)
     print(views.summary(), flush=True)
     if views.size is None:
-        raise ValueError("there were no pictures" + " that can be used" * (views.unusable > 0))
+        raise ValueError("there were no images" + " that can be used" * (views.unusable > 0))
     if not views.views:
-        raise ValueError(f"no picture shows the board well: is --size {arguments.size} right?")
+        raise ValueError(f"no image shows the board well: is --size {arguments.size} right?")
     observations = [view.observation for view in views.views]
     found = calibrate(observations, views.size, arguments.model, arguments.k3)
     print(_report(found, views), flush=True)
@@ -114,7 +114,7 @@ def _report(found: Calibration, views: ViewCollection) -> str:
     for view, error in zip(views.views, found.errors):
         lines.append(f"  {view.name}: {error:.3f} px{'  LARGE' if error > limit else ''}")
     seen = seen_cells([view.observation for view in views.views], found.size).mean()
-    lines.append(f"the board was seen in {seen:.0%} of the picture")
+    lines.append(f"the board was seen in {seen:.0%} of the image")
     if found.deviations[0] > MAX_FOCAL_DEVIATION * values[0]:
         lines.append("the focal length is not sure: show the board tilted, and near the borders")
     return "\n".join(lines)

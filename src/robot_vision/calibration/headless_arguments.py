@@ -11,18 +11,18 @@ from .boards import BOARDS, Board
 from .camera_file import default_path
 from .solving import MIN_VIEWS, MODELS
 
-EXAMPLES = """examples, from pictures, a video, a bag, and a running camera:
-  calibrate_headless.py --size 8x6 --square 0.025 pictures/
+EXAMPLES = """examples, from images, a video, a bag, and a running camera:
+  calibrate_headless.py --size 8x6 --square 0.025 images/
   calibrate_headless.py --size 8x6 --square 0.025 --output $PWD/eye.yaml '*.png' more.mp4
   calibrate_headless.py --size 8x6 --square 0.025 --bag eye.bag --image /usb_cam/image_raw
   calibrate_headless.py --size 8x6 --square 0.025 --topic /usb_cam/image_raw --set /usb_cam
 other boards, and a fisheye lens:
   calibrate_headless.py --board charuco --size 11x8 --square 0.025 --marker 0.018 \\
-      --dictionary 5x5_100 pictures/
-  calibrate_headless.py --board acircles --size 4x11 --square 0.02 --model equidistant pictures/
+      --dictionary 5x5_100 images/
+  calibrate_headless.py --board acircles --size 4x11 --square 0.02 --model equidistant images/
 
-Show the board all over the picture, near and far, and tilted to all sides, and hold it still. With
---topic, Ctrl-C ends the recording, and the camera is computed. The colours in the picture of the
+Show the board all over the image, near and far, and tilted to all sides, and hold it still. With
+--topic, Ctrl-C ends the recording, and the camera is computed. The colours in the image of the
 coverage: red cells have never seen the board; green views fit, red ones do not.
 """
 MAX_IMAGES = 1000
@@ -32,7 +32,7 @@ def parse_arguments(command: Sequence[str]) -> argparse.Namespace:
     """Parses the command line, and adds the board as `found`. Exits on wrong arguments."""
     parser = command_parser(
         "calibrate_headless.py",
-        "Calibrates a camera, without a screen, by pictures of a board, and writes the file that "
+        "Calibrates a camera, without a screen, by images of a board, and writes the file that "
         "the camera loads at its next start.",
         EXAMPLES,
     )
@@ -43,24 +43,24 @@ def parse_arguments(command: Sequence[str]) -> argparse.Namespace:
 
 
 def _add_sources(parser: argparse.ArgumentParser) -> None:
-    group = parser.add_argument_group("the pictures, from one of")
-    group.add_argument("files", nargs="*", metavar="FILE", help="folder, glob, pictures, videos")
+    group = parser.add_argument_group("the images, from one of")
+    group.add_argument("files", nargs="*", metavar="FILE", help="folder, glob, images, videos")
     group.add_argument("--bag", metavar="FILE", help="a bag; with --image")
-    group.add_argument("--image", metavar="TOPIC", help="of the pictures in the bag")
+    group.add_argument("--image", metavar="TOPIC", help="of the images in the bag")
     group.add_argument("--topic", help="of a running camera")
     parser.add_argument(
         "--most",
         type=int,
         default=60,
         metavar="N",
-        help="pictures that are used; what is like others is not (default: %(default)s)",
+        help="images that are used; what is like others is not (default: %(default)s)",
     )
     parser.add_argument(
         "--max-blur",
         type=float,
         default=6.0,
         metavar="PX",
-        help="width of an edge above which a picture is too blurred (default: %(default)g)",
+        help="width of an edge above which an image is too blurred (default: %(default)g)",
     )
 
 
@@ -103,7 +103,7 @@ def _add_results(parser: argparse.ArgumentParser) -> None:
     group.add_argument(
         "--coverage",
         metavar="FILE",
-        help="picture of where the board was seen (default: beside the YAML file, .png)",
+        help="image of where the board was seen (default: beside the YAML file, .png)",
     )
 
 
@@ -111,7 +111,7 @@ def _complete(arguments: argparse.Namespace) -> None:
     """Checks what argparse cannot check, and adds the board and the paths of the output files."""
     sources = (arguments.files, arguments.bag, arguments.topic)
     if sum(map(bool, sources)) != 1:
-        raise ValueError("the pictures are from FILE..., --bag or --topic: one of them")
+        raise ValueError("the images are from FILE..., --bag or --topic: one of them")
     if bool(arguments.bag) != bool(arguments.image):
         raise ValueError("--bag and --image belong together")
     if not MIN_VIEWS <= arguments.most <= MAX_IMAGES:

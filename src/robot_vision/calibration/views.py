@@ -50,7 +50,7 @@ class ViewCollection:
         self.size = self.size or size
         if size != self.size:
             raise ValueError(
-                f"it has {size[0]}x{size[1]}, the pictures before {self.size[0]}x{self.size[1]}"
+                f"it has {size[0]}x{size[1]}, the images before {self.size[0]}x{self.size[1]}"
             )
         self.offered += 1
         observation = self._board.find(gray)
@@ -70,7 +70,7 @@ class ViewCollection:
         """Returns how many images were used, and why others were not, as a line of text."""
         unusable = f", {self.unusable} unusable" if self.unusable else ""
         return (
-            f"{self.offered} pictures: {len(self.views)} used, {self.without_board} without the "
+            f"{self.offered} images: {len(self.views)} used, {self.without_board} without the "
             f"board, {self.blurred} blurred, {self.alike} like others{unusable}"
         )
 

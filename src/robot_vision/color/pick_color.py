@@ -21,8 +21,8 @@ from .colors import HUES, as_yaml, median_hsv, outside
 EXAMPLES = """examples:
   pick_color.py --hex '#1e90ff'
   pick_color.py --rgb 30 144 255 --margin 15
-  pick_color.py picture.png --at 320 240
-  pick_color.py picture.png --region 300 220 40 40 --save hsv_tracker.yaml --name blue
+  pick_color.py image.png --at 320 240
+  pick_color.py image.png --region 300 220 40 40 --save hsv_tracker.yaml --name blue
   pick_color.py --topic /usb_cam/image_raw --at 320 240
 """
 
@@ -78,8 +78,8 @@ def _parse(command: Sequence[str]) -> argparse.Namespace:
     arguments = parser.parse_args(command)
     if arguments.hsv and arguments.hsv[0] >= HUES:
         parser.error(f"argument --hsv: the hue is {arguments.hsv[0]}, must be from 0 to 179")
-    if bool(arguments.at or arguments.region) != bool(arguments.topic or arguments.picture):
-        parser.error("a picture or --topic needs --at or --region, and a colour has neither")
+    if bool(arguments.at or arguments.region) != bool(arguments.topic or arguments.image):
+        parser.error("an image or --topic needs --at or --region, and a colour has neither")
     if arguments.save and not arguments.name:
         parser.error("--save needs --name")
     return arguments
@@ -95,9 +95,9 @@ def _add_colors(parser: argparse.ArgumentParser) -> None:
     source.add_argument("--rgb", **channels, metavar=("R", "G", "B"), help="0 to 255 each")
     source.add_argument("--hex", type=_hex_color, metavar="'#RRGGBB'", help="as web pages have it")
     source.add_argument("--hsv", **channels, metavar=("H", "S", "V"), help="H up to 179")
-    source.add_argument("--topic", help="the next picture of a topic; with --at or --region")
-    source.add_argument("picture", nargs="?", help="a picture file; with --at or --region")
-    place = parser.add_argument_group("where in the picture").add_mutually_exclusive_group()
+    source.add_argument("--topic", help="the next image of a topic; with --at or --region")
+    source.add_argument("image", nargs="?", help="an image file; with --at or --region")
+    place = parser.add_argument_group("where in the image").add_mutually_exclusive_group()
     place.add_argument("--at", nargs=2, type=int, metavar=("X", "Y"), help="a pixel")
     place.add_argument(
         "--region",
@@ -129,11 +129,11 @@ def _color(arguments: argparse.Namespace) -> Tuple[Optional[Color], Color]:
     """Returns the chosen colour as (BGR, HSV); BGR is None for --hsv, and for a median."""
     if arguments.hsv:
         return None, tuple(arguments.hsv)
-    if arguments.topic or arguments.picture:
+    if arguments.topic or arguments.image:
         if arguments.topic:
             image = _first_image(arguments.topic, arguments.timeout)
         else:
-            image = load_image(arguments.picture, upright)
+            image = load_image(arguments.image, upright)
         part = _crop(image, arguments.region or [*arguments.at, 1, 1])
         if arguments.region:
             return None, median_hsv(part)
@@ -149,7 +149,7 @@ def _crop(image: np.ndarray, region: Sequence[int]) -> np.ndarray:
     if not (0 <= x < x + width <= columns and 0 <= y < y + height <= rows):
         raise ValueError(
             f"x {x}, y {y}, width {width}, height {height}: "
-            f"not inside of the picture of {columns}x{rows}"
+            f"not inside of the image of {columns}x{rows}"
         )
     return image[y : y + height, x : x + width]
 
@@ -163,9 +163,9 @@ def _first_image(topic: str, seconds: float) -> np.ndarray:
         return frames.get(timeout=seconds)
     except queue.Empty:
         state = "was usable" if subscriber.received else "came"
-        nobody = "" if subscriber.get_num_connections() else "; nobody publishes pictures there"
+        nobody = "" if subscriber.get_num_connections() else "; nobody publishes images there"
         raise TimeoutError(
-            f"{subscriber.topic}: no picture {state} within {seconds:g} s{nobody}"
+            f"{subscriber.topic}: no image {state} within {seconds:g} s{nobody}"
         ) from None
     finally:
         subscriber.unregister()

@@ -56,5 +56,5 @@ def load_image(path: str, decode: Callable[[bytes], Optional[np.ndarray]]) -> np
     except ValueError as error:
         raise ValueError(f"{path}: {error}") from None
     if image is None:
-        raise ValueError(f"{path}: no picture that OpenCV can read")
+        raise ValueError(f"{path}: no image that OpenCV can read")
     return image

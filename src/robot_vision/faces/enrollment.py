@@ -43,7 +43,7 @@ class Enrollment:
             self._refuse("showed no clear face")
             return
         self._taken = now
-        self.portraits[f"picture {len(self.portraits) + 1}"] = taken
+        self.portraits[f"image {len(self.portraits) + 1}"] = taken
         if len(self.portraits) == self._count:
             self._done.set()
 
@@ -57,7 +57,7 @@ class Enrollment:
     def outcome(self) -> str:
         """Returns how many portraits were taken, and why other images were refused."""
         reasons = "".join(f"; {count} {reason}" for reason, count in sorted(self._refused.items()))
-        return f"took {len(self.portraits)} of {self._count} pictures{reasons or '; saw no others'}"
+        return f"took {len(self.portraits)} of {self._count} images{reasons or '; saw no others'}"
 
     def _refuse(self, reason: str) -> None:
         self._refused[reason] = self._refused.get(reason, 0) + 1

@@ -24,7 +24,7 @@ def check_box(image: np.ndarray, box: Box) -> None:
     rows, columns = image.shape[:2]
     if width <= 0 or height <= 0 or x + width <= 0 or y + height <= 0 or x >= columns or y >= rows:
         raise ValueError(
-            f"the box {width}x{height} at ({x}, {y}) is not in the picture of {columns}x{rows}"
+            f"the box {width}x{height} at ({x}, {y}) is not in the image of {columns}x{rows}"
         )
     most = MAX_SIDE_RATIO * max(rows, columns)
     if max(width, height) > most:
@@ -84,11 +84,11 @@ def portrait(image: np.ndarray, box: Optional[Box] = None) -> np.ndarray:
     Raises:
         ValueError: There is no face, or check_box() refuses the box.
     """
-    picture = cut_out(image, box or _require_face(image), MARGIN)
-    rows, columns = picture.shape[:2]
+    face = cut_out(image, box or _require_face(image), MARGIN)
+    rows, columns = face.shape[:2]
     scale = min(1.0, PORTRAIT_SIDE / max(rows, columns))
     size = max(1, round(columns * scale)), max(1, round(rows * scale))
-    return cv2.resize(picture, size, interpolation=cv2.INTER_AREA) if scale < 1.0 else picture
+    return cv2.resize(face, size, interpolation=cv2.INTER_AREA) if scale < 1.0 else face
 
 
 def face_of(image: np.ndarray) -> np.ndarray:
@@ -117,10 +117,10 @@ def find_face(image: np.ndarray) -> Optional[Box]:
 
     A face that fills the image is found too; its box may then extend beyond the image.
     """
-    picture = gray(image)
+    gray_image = gray(image)
     # The detector needs some margin around a face.
-    for border in (0, max(picture.shape) // 4):
-        wider = cv2.copyMakeBorder(picture, *[border] * 4, cv2.BORDER_REPLICATE)
+    for border in (0, max(gray_image.shape) // 4):
+        wider = cv2.copyMakeBorder(gray_image, *[border] * 4, cv2.BORDER_REPLICATE)
         box = _largest_face(wider)
         if box:
             x, y, width, height = box
@@ -128,11 +128,11 @@ def find_face(image: np.ndarray) -> Optional[Box]:
     return None
 
 
-def _largest_face(picture: np.ndarray) -> Optional[Box]:
-    scale = max(*picture.shape, SEARCH_SIDE) / SEARCH_SIDE
-    rows, columns = picture.shape
+def _largest_face(image: np.ndarray) -> Optional[Box]:
+    scale = max(*image.shape, SEARCH_SIDE) / SEARCH_SIDE
+    rows, columns = image.shape
     size = max(1, round(columns / scale)), max(1, round(rows / scale))
-    small = cv2.resize(picture, size, interpolation=cv2.INTER_AREA)
+    small = cv2.resize(image, size, interpolation=cv2.INTER_AREA)
     with _detecting:
         faces = _detector().detect(small, "mono8")
     if not faces:

@@ -84,7 +84,7 @@ class FaceRecognizer:
         elif self._pairs.apart():
             image, topic = rospy.resolve_name("image"), rospy.resolve_name("faces")
             rospy.logwarn_throttle(
-                10.0, f"no pictures on {image} have the stamps of {topic}: is it another camera's?"
+                10.0, f"no images on {image} have the stamps of {topic}: is it another camera's?"
             )
 
     def _process(self, frame: Frame, faces: DetectionArray) -> None:
@@ -92,7 +92,7 @@ class FaceRecognizer:
         height, width = frame.image.shape[:2]
         if (faces.width, faces.height) != (width, height):
             rospy.logerr_throttle(
-                5.0, f"faces of a picture of {faces.width}x{faces.height}, not {width}x{height}"
+                5.0, f"faces of an image of {faces.width}x{faces.height}, not {width}x{height}"
             )
             return
         try:

@@ -103,7 +103,7 @@ class Gallery:
         try:
             cached = read_faces(self._cache())
         except (OSError, ValueError) as error:
-            problems.append(f"{CACHE} is made anew from the pictures: {reason(error)}")
+            problems.append(f"{CACHE} is made anew from the images: {reason(error)}")
         with self._lock:
             self._faces = {}
             for name in names_in(self.folder, problems):
@@ -129,12 +129,12 @@ class Gallery:
                 names += [name] * len(theirs)
         return faces, names
 
-    def add(self, name: str, pictures: Mapping[str, np.ndarray]) -> Added:
+    def add(self, name: str, images: Mapping[str, np.ndarray]) -> Added:
         """Adds the images of a person that show a face; if one cannot be written, adds none.
 
         Args:
             name: A known or a new name.
-            pictures: Images, (height, width, 3) BGR, uint8, by the names for error messages.
+            images: Images, (height, width, 3) BGR, uint8, by the names for error messages.
 
         Raises:
             ValueError: The name is not allowed.
@@ -142,7 +142,7 @@ class Gallery:
         """
         name = valid_name(name)
         candidates = Candidates()
-        candidates.offer(pictures)
+        candidates.offer(images)
         return self._keep(name, candidates)
 
     def import_folder(
@@ -171,11 +171,11 @@ class Gallery:
         if not people:
             raise ValueError(
                 f"{shown(folder)} must have a folder for each person, as Anna/1.jpg; "
-                "to take its own pictures, say whose they are by name"
+                "to take its own images, say whose they are by name"
             )
         nobodys = sum(map(is_image_file, found))
         if nobodys:
-            total.problems.append(f"{shown(folder)}: {nobodys} pictures in no person's folder")
+            total.problems.append(f"{shown(folder)}: {nobodys} images in no person's folder")
         for person in people:
             path = os.path.join(folder, person)
             try:
@@ -243,7 +243,7 @@ class Gallery:
         candidates = Candidates()
         candidates.read(folder, given_up)
         if not candidates.files and not candidates.problems:
-            candidates.problems.append(f"{shown(folder)}: there are no pictures in it")
+            candidates.problems.append(f"{shown(folder)}: there are no images in it")
         return self._keep(name, candidates)
 
     def _check_source(self, folder: str) -> None:

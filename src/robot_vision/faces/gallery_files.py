@@ -73,7 +73,7 @@ def names_in(gallery: str, problems: List[str]) -> List[str]:
                     raise ValueError(f"its name must be in Unicode's form NFC, {name!a} is not")
                 names.append(name)
             elif is_image_file(name):
-                raise ValueError("pictures belong into a folder with the person's name")
+                raise ValueError("images belong into a folder with the person's name")
         except ValueError as error:
             problems.append(f"{shown(os.path.join(gallery, name))} is not used: {error}")
     return names
@@ -120,7 +120,7 @@ def decode(data: bytes) -> np.ndarray:
     """
     image = upright(data)
     if image is None:
-        raise ValueError("it is damaged, or no picture")
+        raise ValueError("it is damaged, or no image")
     return image
 
 

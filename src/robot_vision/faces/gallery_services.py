@@ -67,7 +67,7 @@ class GalleryServices:
         people = self._gallery.names()
         count = sum(people.values())
         folder = shown(self._gallery.folder)
-        rospy.loginfo("%d people by %d pictures in %s", len(people), count, folder)
+        rospy.loginfo("%d people by %d images in %s", len(people), count, folder)
 
     def advertise(self) -> None:
         """Advertises the services."""
@@ -193,7 +193,7 @@ class GalleryServices:
 def _summary(added: Added, who: str) -> str:
     present = f", {added.present} were there already" if added.present else ""
     refused = f", {len(added.problems)} problems" if added.problems else ""
-    return f"{added.pictures} pictures of {who} added{present}{refused}"
+    return f"{added.pictures} images of {who} added{present}{refused}"
 
 
 def _report(problems: List[str]) -> None:

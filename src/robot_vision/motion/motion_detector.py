@@ -51,7 +51,7 @@ class MotionDetector:
         now = frame.time
         motion = self._detector.update(now, frame.image)
         if motion.everywhere:
-            rospy.logwarn_throttle(5.0, "the whole picture changes: the light, or the camera moves")
+            rospy.logwarn_throttle(5.0, "the whole image changes: the light, or the camera moves")
         if motion.regions or now < self._moved:
             self._moved = now if motion.regions else -math.inf
         occupied = now - self._moved <= self._hold

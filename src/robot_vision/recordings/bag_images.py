@@ -84,4 +84,4 @@ def require_topic(
 def images_on(bag: rosbag.Bag, topic: str) -> Iterator[NamedImage]:
     """Yields the images of a topic."""
     for number, message in enumerate(messages_on(bag, topic)):
-        yield f"picture {number}", functools.partial(gray_message, message)
+        yield f"image {number}", functools.partial(gray_message, message)

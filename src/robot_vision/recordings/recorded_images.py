@@ -44,7 +44,7 @@ def from_bag(path: str, topic: str) -> Iterator[NamedImage]:
         OSError: The bag cannot be opened.
     """
     with opened(path) as bag:
-        require_topic(path, topics_of(bag), topic, IMAGE_TYPES, "pictures")
+        require_topic(path, topics_of(bag), topic, IMAGE_TYPES, "images")
         yield from images_on(bag, topic)
 
 
@@ -65,7 +65,7 @@ def from_topic(topic: str) -> Iterator[NamedImage]:
             if newest:
                 frame = newest.pop()
                 read = functools.partial(gray_pixels, frame.image, frame.encoding)
-                yield f"picture {next(numbers)}", read
+                yield f"image {next(numbers)}", read
             elif arrived.wait(TIMEOUT):
                 arrived.clear()
             else:
@@ -75,8 +75,8 @@ def from_topic(topic: str) -> Iterator[NamedImage]:
 
 
 def _report_waiting(subscriber: ImageSubscriber) -> None:
-    nobody = "" if subscriber.get_num_connections() else "; nobody publishes pictures there"
-    print(f"waiting: no picture comes on {subscriber.topic}{nobody}", flush=True)
+    nobody = "" if subscriber.get_num_connections() else "; nobody publishes images there"
+    print(f"waiting: no image comes on {subscriber.topic}{nobody}", flush=True)
 
 
 def _paths(name: str) -> List[str]:
@@ -85,7 +85,7 @@ def _paths(name: str) -> List[str]:
             found = [os.path.join(name, entry) for entry in sorted(os.listdir(name))]
         images = list(filter(has_image_suffix, found))
         if not images:
-            raise ValueError(f"{name}: no pictures in this folder")
+            raise ValueError(f"{name}: no images in this folder")
         return images
     if os.path.exists(name):
         return [name]
@@ -111,4 +111,4 @@ def _video(path: str) -> Iterator[NamedImage]:
             yield f"{path}, frame {number}", functools.partial(gray_pixels, image, "bgr8")
             number += 1
     if not number:
-        raise ValueError(f"{path}: no picture and no video that OpenCV can read")
+        raise ValueError(f"{path}: no image and no video that OpenCV can read")

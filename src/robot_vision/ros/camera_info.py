@@ -117,6 +117,6 @@ def camera_model(info: CameraInfo, size: Tuple[int, int]) -> CameraModel:
         raise ValueError("the camera is not calibrated")
     if (info.width, info.height) != size:
         raise ValueError(
-            f"camera_info is of {info.width}x{info.height}, the picture {size[0]}x{size[1]}"
+            f"camera_info is of {info.width}x{info.height}, the image {size[0]}x{size[1]}"
         )
     return CameraModel(info.width, info.height, info.K, info.D, info.distortion_model)

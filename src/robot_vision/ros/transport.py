@@ -253,7 +253,7 @@ class _Process:
             while self.runtime.running():
                 self._call(self._work)
             if not self._stopped:
-                rospy.signal_shutdown("the node of its pictures was shut down")
+                rospy.signal_shutdown("the node of its images was shut down")
         except SystemExit:  # Only in the main thread would it end the process.
             rospy.signal_shutdown("a callback has called sys.exit()")
 

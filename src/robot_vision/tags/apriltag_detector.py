@@ -104,7 +104,7 @@ class ApriltagDetector:
             return
         if not message.transforms[0].header.frame_id:
             rospy.logwarn_throttle(
-                60.0, f"no transforms: the pictures of {self._node.topic} have no frame_id"
+                60.0, f"no transforms: the images of {self._node.topic} have no frame_id"
             )
             return
         self._tf.publish(message)

@@ -45,8 +45,8 @@ def parse_arguments(command: Sequence[str]) -> argparse.Namespace:
     parser.add_argument(
         "--frames", type=int, default=300, help="most that are collected (default: %(default)s)"
     )
-    parser.add_argument("--bag", metavar="FILE", help="take pictures from a bag; with --image")
-    parser.add_argument("--image", metavar="TOPIC", help="of the pictures in the bag")
+    parser.add_argument("--bag", metavar="FILE", help="take images from a bag; with --image")
+    parser.add_argument("--image", metavar="TOPIC", help="of the images in the bag")
     parser.add_argument(
         "--camera-info", default="", metavar="TOPIC", help="in the bag (default: beside the image)"
     )

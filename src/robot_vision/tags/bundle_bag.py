@@ -50,7 +50,7 @@ def collect_from_bag(
     """
     with opened(path) as bag:
         kinds = topics_of(bag)
-        require_topic(path, kinds, image, IMAGE_TYPES, "pictures")
+        require_topic(path, kinds, image, IMAGE_TYPES, "images")
         camera_info = camera_info or _beside(image, kinds[image])
         require_topic(path, kinds, camera_info, CAMERA_INFO, "camera_info")
         info = next(messages_on(bag, camera_info))

@@ -116,7 +116,7 @@ class CameraView:
     def _save(self) -> None:
         frame = self._shown
         if frame is None:
-            rospy.logwarn("there is no picture to save yet")
+            rospy.logwarn("there is no image to save yet")
             return
         stamp = frame.header.stamp
         png = cv2.imencode(".png", frame.image)[1].tobytes()
@@ -125,7 +125,7 @@ class CameraView:
             print("saved", path, flush=True)
         except OSError as error:
             folder = printable(self._folder, MAX_PATH_LENGTH)
-            rospy.logerr("no picture saved in %s: %s", folder, reason(error))
+            rospy.logerr("no image saved in %s: %s", folder, reason(error))
 
 
 def main() -> None:

@@ -91,7 +91,7 @@ sensor_msgs::CameraInfoPtr Calibration::info(cv::Size size, const std_msgs::Head
   auto info = boost::make_shared<sensor_msgs::CameraInfo>(model_ && !has_url_ ? *model_ : stored());
   const bool calibrated = info->K[0] != 0.0;
   if (calibrated && !fits(*info) && wrong_size_.due())
-    ROS_WARN("%s: the calibration is for %ux%u, the picture has %ux%u: it is not used", name_.c_str(), info->width,
+    ROS_WARN("%s: the calibration is for %ux%u, the image has %ux%u: it is not used", name_.c_str(), info->width,
              info->height, width, height);
   if (!calibrated || !fits(*info)) *info = model_ && fits(*model_) ? *model_ : sensor_msgs::CameraInfo();
   info->header = header;

@@ -1,6 +1,6 @@
 #include "frame_view.hpp"
 
-#include "robot_vision/codecs/compressed_picture.hpp"
+#include "robot_vision/codecs/compressed_image.hpp"
 #include "robot_vision/image/encoding.hpp"
 #include "robot_vision/image/jpeg.hpp"
 
@@ -41,7 +41,7 @@ sensor_msgs::CompressedImage FrameView::jpeg()
 cv::Size FrameView::size()
 {
   if (size_.empty() && damage_) std::rethrow_exception(damage_);
-  if (size_.empty()) size_ = pictureSize(frame_.image, frame_.encoding);
+  if (size_.empty()) size_ = imageSize(frame_.image, frame_.encoding);
   return size_;
 }
 

@@ -115,8 +115,8 @@ std::optional<EmbeddedRoscppNode::Delivery> EmbeddedRoscppNode::takeNext()
     turn_ = (turn_ + 1) % subscribers_.size();
     const std::shared_ptr<LatestImageSubscriber> subscriber = subscribers_[turn_].lock();
     if (!subscriber) continue;
-    std::optional<ReceivedImage> picture = subscriber->take();
-    if (picture) return Delivery{subscriber, std::move(*picture)};
+    std::optional<ReceivedImage> image = subscriber->take();
+    if (image) return Delivery{subscriber, std::move(*image)};
   }
   return std::nullopt;
 }

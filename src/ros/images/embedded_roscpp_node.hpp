@@ -43,7 +43,7 @@ public:
   struct Delivery
   {
     std::shared_ptr<LatestImageSubscriber> inbox;
-    ReceivedImage picture;
+    ReceivedImage image;
   };
 
   /// Runs the callbacks in the queue and takes the newest image of a subscriber, in turn if several have one. Waits at

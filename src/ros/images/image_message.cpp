@@ -48,8 +48,8 @@ void checkLayout(const sensor_msgs::Image& message, int type)
   const auto pixel_bytes = static_cast<std::uint64_t>(CV_ELEM_SIZE(type));
   const auto refuse = [](const std::string& reason) { throw std::invalid_argument(reason); };
   constexpr auto kMaxSize = static_cast<std::uint32_t>(std::numeric_limits<int>::max());
-  if (message.width == 0 || message.height == 0) refuse("the picture has no pixels");
-  if (message.width > kMaxSize || message.height > kMaxSize) refuse("the size is beyond any picture");
+  if (message.width == 0 || message.height == 0) refuse("the image has no pixels");
+  if (message.width > kMaxSize || message.height > kMaxSize) refuse("the size is beyond any image");
   const std::uint64_t row_bytes = message.width * pixel_bytes;
   if (message.step < row_bytes)
     refuse("step is " + std::to_string(message.step) + ", must be at least " + std::to_string(row_bytes));
@@ -81,7 +81,7 @@ int anyMatType(const std::string& encoding)
   {
     const int type = cv_bridge::getCvType(encoding);
     if (type == CV_MAT_TYPE(type)) return type;  // the types of 8UC0 and 8UC513 are not valid
-    throw std::invalid_argument("encoding '" + printable(encoding) + "' has a number of channels that no picture has");
+    throw std::invalid_argument("encoding '" + printable(encoding) + "' has a number of channels that no image has");
   }
   catch (const cv_bridge::Exception& e)
   {
@@ -107,9 +107,9 @@ void requireEncoding(const cv::Mat& pixels, const std::string& encoding)
 {
   if (isMessageEncoding(encoding)) return checkPixels(pixels, encoding);
   const int type = anyMatType(encoding);
-  if (pixels.empty()) throw std::invalid_argument("the picture has no pixels");
+  if (pixels.empty()) throw std::invalid_argument("the image has no pixels");
   if (pixels.type() != type)
-    throw std::invalid_argument(encoding + " picture: expected pixels of " + describePixels(type) + ", got " +
+    throw std::invalid_argument(encoding + " image: expected pixels of " + describePixels(type) + ", got " +
                                 describePixels(pixels.type()));
 }
 

@@ -10,7 +10,7 @@ namespace robot_vision
 namespace
 {
 
-sensor_msgs::CompressedImage toMessage(CompressedPicture compressed, const std_msgs::Header& header)
+sensor_msgs::CompressedImage toMessage(CompressedImage compressed, const std_msgs::Header& header)
 {
   sensor_msgs::CompressedImage message;
   message.header = header;
@@ -38,7 +38,7 @@ DepthCompressionParams toDepthCompressionParams(const CompressedDepthPublisherCo
 
 sensor_msgs::CompressedImage compressMessage(const sensor_msgs::Image& message, const CompressionParams& params)
 {
-  CompressedPicture compressed;
+  CompressedImage compressed;
   compress(viewAnyPixels(message), message.encoding, params, compressed);
   return toMessage(std::move(compressed), message.header);
 }
@@ -46,7 +46,7 @@ sensor_msgs::CompressedImage compressMessage(const sensor_msgs::Image& message, 
 sensor_msgs::CompressedImage compressDepthMessage(const sensor_msgs::Image& message,
                                                   const DepthCompressionParams& params)
 {
-  CompressedPicture compressed;
+  CompressedImage compressed;
   compressDepth(viewAnyPixels(message), message.encoding, params, compressed);
   return toMessage(std::move(compressed), message.header);
 }

@@ -7,7 +7,7 @@
 
 #include "encoded_output.hpp"
 #include "robot_vision/codecs/compressed_depth.hpp"
-#include "robot_vision/codecs/compressed_picture.hpp"
+#include "robot_vision/codecs/compressed_image.hpp"
 
 namespace robot_vision
 {

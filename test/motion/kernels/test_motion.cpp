@@ -239,7 +239,7 @@ TEST(MotionDetector, equalsTheOpenCvChainForEveryEncoding)
       params.threshold = 4.0;
       MotionDetector detector(params);
       const Motion none = detector.update(0.0, before, encoding);
-      EXPECT_EQ(none.mask.size(), pictureSize(before, encoding)) << encoding;
+      EXPECT_EQ(none.mask.size(), imageSize(before, encoding)) << encoding;
       const Motion motion = detector.update(1.0, after, encoding);
       EXPECT_TRUE(equal(motion.mask, byOpenCv(after, before, params, encoding))) << encoding << " " << method;
       EXPECT_GT(cv::countNonZero(motion.mask), 0) << encoding;

@@ -2,7 +2,7 @@
 
 #include <pluginlib/class_list_macros.hpp>
 
-#include "robot_vision/codecs/compressed_picture.hpp"
+#include "robot_vision/codecs/compressed_image.hpp"
 #include "robot_vision/common/range.hpp"
 #include "ros/transports/compression.hpp"
 #include "transport_publisher.hpp"

@@ -1,4 +1,4 @@
-#include "robot_vision/codecs/compressed_picture.hpp"
+#include "robot_vision/codecs/compressed_image.hpp"
 
 #include <array>
 #include <opencv2/imgcodecs.hpp>
@@ -150,8 +150,7 @@ std::string jpegFormat(bool color)
   return color ? "bgr8; jpeg compressed bgr8" : "mono8; jpeg compressed ";
 }
 
-void compress(const cv::Mat& image, const std::string& encoding, const CompressionParams& params,
-              CompressedPicture& out)
+void compress(const cv::Mat& image, const std::string& encoding, const CompressionParams& params, CompressedImage& out)
 {
   validate(params);
   const bool jpeg = params.format == "jpeg";

@@ -9,19 +9,19 @@ namespace robot_vision
 {
 
 /// True if the file begins like an image file that OpenCV can read.
-bool isPictureFile(const std::string& path);
+bool isImageFile(const std::string& path);
 
-/// Reads an image file as BGR. readPicture() ignores the EXIF orientation and gives the pixels as the sensor had them,
+/// Reads an image file as BGR. readImage() ignores the EXIF orientation and gives the pixels as the sensor had them,
 /// because the camera's calibration does, too; readUpright() turns the image as EXIF says. Both throw SourceError
 /// naming the path if the file is missing, damaged or truncated.
-cv::Mat readPicture(const std::string& path);
+cv::Mat readImage(const std::string& path);
 cv::Mat readUpright(const std::string& path);
 
 /// Gives one image file again and again, or the image files of a folder or glob pattern in the order of their names.
-class PictureSource : public FrameSource
+class ImageFilesSource : public FrameSource
 {
 public:
-  explicit PictureSource(const std::string& path);
+  explicit ImageFilesSource(const std::string& path);
   ReadResult read(Frame& frame) override;
   void rewind() override { next_ = 0; }
   double rate() const override { return kDefaultRate; }

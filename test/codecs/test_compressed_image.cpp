@@ -3,7 +3,7 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "robot_vision/codecs/compressed_picture.hpp"
+#include "robot_vision/codecs/compressed_image.hpp"
 #include "robot_vision/image/encoding.hpp"
 #include "support/images.hpp"
 #include "support/refusal.hpp"
@@ -39,12 +39,12 @@ const std::vector<Case> kCases = {
     {"bayer_rggb16", CV_16UC1, "bayer_rggb16; png compressed ", "bayer_rggb8; jpeg compressed ", -1},
 };
 
-CompressedPicture compressed(const cv::Mat& image, const std::string& encoding, const std::string& format)
+CompressedImage compressed(const cv::Mat& image, const std::string& encoding, const std::string& format)
 {
   CompressionParams params;
   params.format = format;
   params.jpeg.quality = 90;
-  CompressedPicture coded;
+  CompressedImage coded;
   compress(image, encoding, params, coded);
   return coded;
 }
@@ -55,7 +55,7 @@ struct Decompressed
   cv::Mat image;
 };
 
-Decompressed decompressed(const CompressedPicture& from, ColorMode mode = ColorMode::kUnchanged, int reduction = 1)
+Decompressed decompressed(const CompressedImage& from, ColorMode mode = ColorMode::kUnchanged, int reduction = 1)
 {
   Decompressed to;
   to.encoding = decompress(from.format, from.data.data(), from.data.size(), mode, reduction, to.image);
@@ -70,13 +70,13 @@ cv::Mat opaque(const cv::Mat& image)
 
 }  // namespace
 
-TEST(CompressedPicture, isLosslessAsPng)
+TEST(CompressedImage, isLosslessAsPng)
 {
   for (const Case& expected : kCases)
   {
     const cv::Mat image = noise({31, 17}, expected.type, /*row_padding=*/5);
     const cv::Mat before = image.clone();
-    const CompressedPicture png = compressed(image, expected.encoding, "png");
+    const CompressedImage png = compressed(image, expected.encoding, "png");
     EXPECT_EQ(png.format, expected.png_format);
     EXPECT_TRUE(equal(cv::imdecode(png.data, cv::IMREAD_UNCHANGED), converted(image, expected.stored)))
         << expected.encoding;
@@ -87,7 +87,7 @@ TEST(CompressedPicture, isLosslessAsPng)
   }
 }
 
-TEST(CompressedPicture, equalsOpenCvAsJpeg)
+TEST(CompressedImage, equalsOpenCvAsJpeg)
 {
   for (const Case& expected : kCases)
   {
@@ -97,7 +97,7 @@ TEST(CompressedPicture, equalsOpenCvAsJpeg)
     const cv::Mat stored = converted(narrow, expected.stored);
     const Bytes bytes = jpegOf(stored, {cv::IMWRITE_JPEG_QUALITY, 90});
 
-    const CompressedPicture jpeg = compressed(image, expected.encoding, "jpeg");
+    const CompressedImage jpeg = compressed(image, expected.encoding, "jpeg");
     EXPECT_EQ(jpeg.format, expected.jpeg_format);
     EXPECT_EQ(jpeg.data, bytes) << expected.encoding;
     const Decompressed back = decompressed(jpeg);
@@ -110,10 +110,10 @@ TEST(CompressedPicture, equalsOpenCvAsJpeg)
   }
 }
 
-TEST(CompressedPicture, storesYuvAsBgr)
+TEST(CompressedImage, storesYuvAsBgr)
 {
   const cv::Mat image = noise({32, 16}, CV_8UC2), bgr = converted(image, "yuv422", "bgr8");
-  const CompressedPicture png = compressed(image, "yuv422", "png");
+  const CompressedImage png = compressed(image, "yuv422", "png");
   EXPECT_EQ(png.format, "bgr8; png compressed bgr8");
   EXPECT_TRUE(equal(decompressed(png).image, bgr));
   // The label of the standard transport names the encoding from before the conversion.
@@ -122,7 +122,7 @@ TEST(CompressedPicture, storesYuvAsBgr)
   EXPECT_TRUE(equal(back.image, bgr));
 }
 
-TEST(CompressedPicture, isReadWithoutALabel)
+TEST(CompressedImage, isReadWithoutALabel)
 {
   const cv::Mat color = smooth({31, 17}), gray = converted(color, cv::COLOR_BGR2GRAY);
   cv::Mat wide;
@@ -141,7 +141,7 @@ TEST(CompressedPicture, isReadWithoutALabel)
 }
 
 // OpenCV cannot write gray with alpha, and reads it as BGR.
-TEST(CompressedPicture, isBgrIfItIsGrayWithAlphaWithoutALabel)
+TEST(CompressedImage, isBgrIfItIsGrayWithAlphaWithoutALabel)
 {
   const Bytes gray_alpha = {0x89, 0x50, 0x4E, 0x47, 0x0D, 0x0A, 0x1A, 0x0A, 0x00, 0x00, 0x00, 0x0D, 0x49, 0x48,
                             0x44, 0x52, 0x00, 0x00, 0x00, 0x02, 0x00, 0x00, 0x00, 0x01, 0x08, 0x04, 0x00, 0x00,
@@ -154,12 +154,12 @@ TEST(CompressedPicture, isBgrIfItIsGrayWithAlphaWithoutALabel)
   EXPECT_EQ(back.image.at<cv::Vec3b>(0, 1), cv::Vec3b(200, 200, 200));
 }
 
-TEST(CompressedPicture, isReadInGrayAndInColor)
+TEST(CompressedImage, isReadInGrayAndInColor)
 {
   const cv::Mat image = smooth({32, 16});
   for (const std::string codec : {"jpeg", "png"})
   {
-    const CompressedPicture coded = compressed(image, "rgb8", codec);
+    const CompressedImage coded = compressed(image, "rgb8", codec);
     const Decompressed gray = decompressed(coded, ColorMode::kGray);
     EXPECT_EQ(gray.encoding, "mono8");
     EXPECT_TRUE(equal(gray.image, cv::imdecode(coded.data, cv::IMREAD_GRAYSCALE)));
@@ -173,7 +173,7 @@ TEST(CompressedPicture, isReadInGrayAndInColor)
   EXPECT_TRUE(equal(color.image, converted(mosaic, "bayer_rggb8", "bgr8")));
 }
 
-TEST(CompressedPicture, isReadSmaller)
+TEST(CompressedImage, isReadSmaller)
 {
   const cv::Mat image = smooth({61, 47});
   for (const std::string codec : {"jpeg", "png"})
@@ -193,10 +193,10 @@ TEST(CompressedPicture, isReadSmaller)
             "a Bayer mosaic (bayer_rggb8) cannot be reduced");
 }
 
-TEST(CompressedPicture, isRefusedIfItIsNotWhatItsLabelSays)
+TEST(CompressedImage, isRefusedIfItIsNotWhatItsLabelSays)
 {
-  const CompressedPicture png = compressed(smooth({4, 4}), "bgr8", "png");
-  const CompressedPicture jpeg = compressed(smooth({4, 4}), "bgr8", "jpeg");
+  const CompressedImage png = compressed(smooth({4, 4}), "bgr8", "png");
+  const CompressedImage jpeg = compressed(smooth({4, 4}), "bgr8", "jpeg");
   const auto refused = [](const std::string& format, const Bytes& data) {
     return refusal([&] { decompressed({format, data}); });
   };
@@ -210,7 +210,7 @@ TEST(CompressedPicture, isRefusedIfItIsNotWhatItsLabelSays)
   EXPECT_EQ(refused("32FC1; png compressed ", png.data).find("encoding '32FC1' is not one of bgr8, "), 0u);
 }
 
-TEST(CompressedPicture, refusesToCompressOtherEncodingsAndTypes)
+TEST(CompressedImage, refusesToCompressOtherEncodingsAndTypes)
 {
   EXPECT_EQ(refusal([] { compressed(cv::Mat(2, 2, CV_32FC1), "32FC1", "png"); }).find("encoding '32FC1' is not"), 0u);
   EXPECT_EQ(refusal([] { compressed(cv::Mat(2, 2, CV_8UC1), "bgr8", "png"); }),

@@ -1,4 +1,4 @@
-#include "picture_source.hpp"
+#include "image_files_source.hpp"
 
 #include <glob.h>
 #include <sys/stat.h>
@@ -38,16 +38,16 @@ std::string escaped(const std::string& path)
   return pattern;
 }
 
-std::vector<std::string> listPictures(const std::string& path)
+std::vector<std::string> listImageFiles(const std::string& path)
 {
   struct stat info;
   const bool exists = stat(path.c_str(), &info) == 0;
   if (exists && !S_ISDIR(info.st_mode)) return {path};
 
   std::vector<std::string> found = globbed(exists ? escaped(path) + "/*" : path);
-  found.erase(std::remove_if(found.begin(), found.end(), [](const std::string& f) { return !isPictureFile(f); }),
+  found.erase(std::remove_if(found.begin(), found.end(), [](const std::string& f) { return !isImageFile(f); }),
               found.end());
-  if (found.empty()) throw SourceError(path + ": no pictures that OpenCV can read are there");
+  if (found.empty()) throw SourceError(path + ": no images that OpenCV can read are there");
   return found;
 }
 
@@ -70,19 +70,19 @@ cv::Mat decodeFile(const std::string& path, int flags)
   {
     throw SourceError(e.what());
   }
-  if (image.empty()) throw SourceError(path + ": not a picture that OpenCV can read, or damaged");
+  if (image.empty()) throw SourceError(path + ": not an image that OpenCV can read, or damaged");
   return image;
 }
 
 }  // namespace
 
-bool isPictureFile(const std::string& path)
+bool isImageFile(const std::string& path)
 {
   struct stat info;
   return stat(path.c_str(), &info) == 0 && S_ISREG(info.st_mode) && cv::haveImageReader(path);
 }
 
-cv::Mat readPicture(const std::string& path)
+cv::Mat readImage(const std::string& path)
 {
   return decodeFile(path, cv::IMREAD_COLOR | cv::IMREAD_IGNORE_ORIENTATION);
 }
@@ -92,12 +92,12 @@ cv::Mat readUpright(const std::string& path)
   return decodeFile(path, cv::IMREAD_COLOR);
 }
 
-PictureSource::PictureSource(const std::string& path) : path_(path), files_(listPictures(path))
+ImageFilesSource::ImageFilesSource(const std::string& path) : path_(path), files_(listImageFiles(path))
 {
-  if (files_.front() == path) only_ = readPicture(files_.front());
+  if (files_.front() == path) only_ = readImage(files_.front());
 }
 
-ReadResult PictureSource::read(Frame& frame)
+ReadResult ImageFilesSource::read(Frame& frame)
 {
   frame.encoding = "bgr8";
   if (!only_.empty())
@@ -106,12 +106,12 @@ ReadResult PictureSource::read(Frame& frame)
     frame.sequence = sequence_++;
     return ReadResult::kFrame;
   }
-  if (failed_in_a_row_ == files_.size()) throw SourceError(path_ + ": none of its pictures can be read");
+  if (failed_in_a_row_ == files_.size()) throw SourceError(path_ + ": none of its images can be read");
   if (next_ == files_.size()) return ReadResult::kEnd;
   const std::string& file = files_[next_++];
   try
   {
-    frame.image = readPicture(file);
+    frame.image = readImage(file);
   }
   catch (const SourceError& e)
   {
@@ -123,9 +123,9 @@ ReadResult PictureSource::read(Frame& frame)
   return ReadResult::kFrame;
 }
 
-std::string PictureSource::description() const
+std::string ImageFilesSource::description() const
 {
-  return (only_.empty() ? std::to_string(files_.size()) + " pictures" : std::string("picture")) + " from " + path_;
+  return (only_.empty() ? std::to_string(files_.size()) + " images" : std::string("image")) + " from " + path_;
 }
 
 }  // namespace robot_vision

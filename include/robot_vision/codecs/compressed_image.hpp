@@ -15,7 +15,7 @@ namespace robot_vision
 /// The contents of a sensor_msgs/CompressedImage. `format` is a label as compressed_image_transport writes it, for
 /// instance "rgb8; jpeg compressed bgr8" for pixels that were rgb8 (JPEG and PNG always count as bgr8), and "mono8; png
 /// compressed " for pixels without colour. Other publishers write only "jpeg" or "png".
-struct CompressedPicture
+struct CompressedImage
 {
   std::string format;
   std::vector<std::uint8_t> data;
@@ -41,8 +41,7 @@ void validate(const CompressionParams& params);
 /// Compresses an image of one of these encodings of sensor_msgs: gray, Bayer, bgr, rgb, bgra and rgba of 8 or 16 bits,
 /// 8UC1, 8UC3, 16UC1, 16UC3, yuv422 and yuv422_yuy2 (which become bgr8). Alpha is lost. JPEG reduces 16 bits to 8, and
 /// the label says so. Throws std::invalid_argument for another encoding, or if `image` is not of it.
-void compress(const cv::Mat& image, const std::string& encoding, const CompressionParams& params,
-              CompressedPicture& out);
+void compress(const cv::Mat& image, const std::string& encoding, const CompressionParams& params, CompressedImage& out);
 
 /// The label of a camera's JPEG.
 std::string jpegFormat(bool color);
