@@ -469,7 +469,7 @@ def test_a_live_recording_that_cannot_be_used(start, calibrate, monkeypatch, tmp
         (["--size", "0.1,0.2"], "--size: is '0.1,0.2', must have one size for all others"),
         (["--size", "0.1,9:0.1"], "--size: tag 9 is not one of --ids"),
         (["--name", ""], "--name: is empty"),
-        (["--frames", "0"], "--frames: is 0, must be from 1 to 10000"),
+        (["--frames", "0"], "--frames: 0 must be from 1 to 10000"),
         (["--bag", "box.bag"], "--bag needs --image"),
         (["--image", IMAGE], "--bag needs --image"),
     ],

@@ -6,7 +6,7 @@ import os
 import re
 from typing import Sequence, Tuple
 
-from ..common.arguments import command_parser, parse_completely
+from ..common.arguments import command_parser, number_within, parse_completely
 from .boards import BOARDS, Board
 from .camera_file import default_path
 from .solving import MIN_VIEWS, MODELS
@@ -26,6 +26,7 @@ Show the board all over the image, near and far, and tilted to all sides, and ho
 coverage: red cells have never seen the board; green views fit, red ones do not.
 """
 MAX_IMAGES = 1000
+LENGTH = number_within(float, 0.0, 10.0, above_low=True)  # m
 
 
 def parse_arguments(command: Sequence[str]) -> argparse.Namespace:
@@ -50,14 +51,14 @@ def _add_sources(parser: argparse.ArgumentParser) -> None:
     group.add_argument("--topic", help="of a running camera")
     parser.add_argument(
         "--most",
-        type=int,
+        type=number_within(int, MIN_VIEWS, MAX_IMAGES),
         default=60,
         metavar="N",
         help="images that are used; what is like others is not (default: %(default)s)",
     )
     parser.add_argument(
         "--max-blur",
-        type=float,
+        type=number_within(float, 1.0, 1000.0),
         default=6.0,
         metavar="PX",
         help="width of an edge above which an image is too blurred (default: %(default)g)",
@@ -77,11 +78,11 @@ def _add_board(parser: argparse.ArgumentParser) -> None:
     group.add_argument(
         "--square",
         required=True,
-        type=float,
+        type=LENGTH,
         metavar="M",
         help="m, side of a square, or from circle to circle (acircles: from row to row)",
     )
-    group.add_argument("--marker", type=float, metavar="M", help="m, side of a ChArUco marker")
+    group.add_argument("--marker", type=LENGTH, metavar="M", help="m, side of a ChArUco marker")
     group.add_argument("--dictionary", help="of the ChArUco markers: 4x4_50, 5x5_100, ...")
 
 
@@ -114,12 +115,6 @@ def _complete(arguments: argparse.Namespace) -> None:
         raise ValueError("the images are from FILE..., --bag or --topic: one of them")
     if bool(arguments.bag) != bool(arguments.image):
         raise ValueError("--bag and --image belong together")
-    if not MIN_VIEWS <= arguments.most <= MAX_IMAGES:
-        raise ValueError(
-            f"argument --most: is {arguments.most}, must be from {MIN_VIEWS} to {MAX_IMAGES}"
-        )
-    if not 1.0 <= arguments.max_blur <= 1000.0:
-        raise ValueError(f"argument --max-blur: is {arguments.max_blur}, must be from 1 to 1000")
     if arguments.k3 and arguments.model != "plumb_bob":
         raise ValueError(f"--k3 is of plumb_bob, the model is {arguments.model}")
     if not re.fullmatch("[A-Za-z0-9_]+", arguments.camera_name):
@@ -142,7 +137,6 @@ def _unused(stem: str) -> str:
 
 def _board(arguments: argparse.Namespace) -> Board:
     columns, rows = _size(arguments.size)
-    _require_length("square", arguments.square)
     of_charuco = (arguments.marker, arguments.dictionary)
     if arguments.board != "charuco":
         if any(of_charuco):
@@ -150,7 +144,6 @@ def _board(arguments: argparse.Namespace) -> Board:
         return BOARDS[arguments.board](columns, rows, arguments.square)
     if not all(of_charuco):
         raise ValueError("a ChArUco board has --marker and --dictionary")
-    _require_length("marker", arguments.marker)
     if arguments.marker >= arguments.square:
         raise ValueError(
             f"argument --marker: is {arguments.marker:g}, must be less than --square, "
@@ -164,8 +157,3 @@ def _size(text: str) -> Tuple[int, int]:
     if not match or min(map(int, match.groups())) < 3:
         raise ValueError(f"argument --size: is '{text}', must be as 8x6, 3 to 99 each")
     return int(match[1]), int(match[2])
-
-
-def _require_length(name: str, value: float) -> None:
-    if not 0.0 < value <= 10.0:
-        raise ValueError(f"argument --{name}: is {value:g}, must be above 0 and at most 10 m")

@@ -70,7 +70,7 @@ def _parse(command: Sequence[str]) -> argparse.Namespace:
     )
     parser.add_argument(
         "--timeout",
-        type=_seconds,
+        type=number_within(float, 0.0, 3600.0, above_low=True),
         default=10.0,
         metavar="S",
         help="how long to wait for --topic (default: %(default)g s)",
@@ -106,13 +106,6 @@ def _add_colors(parser: argparse.ArgumentParser) -> None:
         metavar=("X", "Y", "W", "H"),
         help="a rectangle: the median of its colours",
     )
-
-
-def _seconds(text: str) -> float:
-    value = float(text)
-    if not 0 < value <= 3600:
-        raise argparse.ArgumentTypeError(f"{text} must be above 0 and at most 3600")
-    return value
 
 
 def _hex_color(text: str) -> List[int]:

@@ -4,7 +4,7 @@ import argparse
 from typing import Dict, List, Optional, Sequence, Tuple
 
 from .. import tag_family
-from ..common.arguments import command_parser, parse_completely
+from ..common.arguments import command_parser, number_within, parse_completely
 from .bundle_files import MAX_TAG_SIZE
 from .tag_ids import parse_ids
 
@@ -43,7 +43,10 @@ def parse_arguments(command: Sequence[str]) -> argparse.Namespace:
     parser.add_argument("--output", required=True, metavar="FILE", help="YAML file to write")
     parser.add_argument("--force", action="store_true", help="replace FILE if it is there")
     parser.add_argument(
-        "--frames", type=int, default=300, help="most that are collected (default: %(default)s)"
+        "--frames",
+        type=number_within(int, 1, MAX_FRAMES),
+        default=300,
+        help="most that are collected (default: %(default)s)",
     )
     parser.add_argument("--bag", metavar="FILE", help="take images from a bag; with --image")
     parser.add_argument("--image", metavar="TOPIC", help="of the images in the bag")
@@ -62,10 +65,6 @@ def _complete(arguments: argparse.Namespace) -> None:
         raise ValueError(f"argument --master: tag {arguments.master} is not one of --ids")
     if not arguments.name:
         raise ValueError("argument --name: is empty")
-    if not 1 <= arguments.frames <= MAX_FRAMES:
-        raise ValueError(
-            f"argument --frames: is {arguments.frames}, must be from 1 to {MAX_FRAMES}"
-        )
     if bool(arguments.bag) != bool(arguments.image) or (
         arguments.camera_info and not arguments.bag
     ):
