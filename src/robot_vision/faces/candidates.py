@@ -6,9 +6,9 @@ from typing import Any, Callable, Dict, List, Mapping
 import cv2
 import numpy as np
 
-from ..common.files import reason
+from ..common.files import read_file, reason
 from .face_images import face_of, portrait
-from .gallery_files import decode, image_paths, read_image_file, shown
+from .gallery_files import MAX_FILE, decode, image_paths, shown
 
 
 class Candidates:
@@ -43,7 +43,7 @@ class Candidates:
             if given_up():
                 raise InterruptedError(f"given up at {shown(path)}")
             try:
-                self._take(portrait(decode(read_image_file(path))))
+                self._take(portrait(decode(read_file(path, MAX_FILE))))
             except (OSError, ValueError) as error:
                 self.problems.append(f"{shown(path)}: {reason(error)}")
 

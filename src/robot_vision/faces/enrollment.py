@@ -1,8 +1,9 @@
 """Portraits of a person, taken while that person looks into the camera."""
 
+import collections
 import threading
 import time
-from typing import Any, Callable, Dict, Sequence
+from typing import Any, Callable, Counter, Dict, Sequence
 
 import numpy as np
 
@@ -20,7 +21,7 @@ class Enrollment:
         self._count = count
         self._taken = float("-inf")  # s, time of the last portrait
         self._done = threading.Event()
-        self._refused: Dict[str, int] = {}  # number of refused images by reason
+        self._refused: Counter[str] = collections.Counter()  # number of refused images by reason
 
     def offer(self, image: np.ndarray, boxes: Sequence[Box], now: float) -> None:
         """Takes a portrait if the image shows exactly one face, and if it is found in the portrait.
@@ -34,13 +35,13 @@ class Enrollment:
             return
         if len(boxes) != 1:
             # Nobody can tell whose face is meant, and a wrong portrait spoils a gallery.
-            self._refuse("showed several faces" if boxes else "showed no face")
+            self._refused["showed several faces" if boxes else "showed no face"] += 1
             return
         try:
             taken = portrait(image, boxes[0])
             face_of(taken)
         except ValueError:
-            self._refuse("showed no clear face")
+            self._refused["showed no clear face"] += 1
             return
         self._taken = now
         self.portraits[f"image {len(self.portraits) + 1}"] = taken
@@ -58,6 +59,3 @@ class Enrollment:
         """Returns how many portraits were taken, and why other images were refused."""
         reasons = "".join(f"; {count} {reason}" for reason, count in sorted(self._refused.items()))
         return f"took {len(self.portraits)} of {self._count} images{reasons or '; saw no others'}"
-
-    def _refuse(self, reason: str) -> None:
-        self._refused[reason] = self._refused.get(reason, 0) + 1

@@ -13,7 +13,7 @@ from ..msg import Detection, DetectionArray, FaceIdentity, FaceIdentityArray
 from ..ros.configs import FaceRecognizerConfig
 from ..ros.frame_pairs import FramePairs
 from ..ros.image_node import ImageNode
-from ..ros.messages import Box, box_of, corners
+from ..ros.messages import box_of, corners
 from ..ros.params import LiveParams, filled
 from ..ros.startup import run_node
 from ..ros.transport import Frame
@@ -21,7 +21,7 @@ from .face_images import check_box, normalized
 from .gallery import Gallery
 from .gallery_services import GalleryServices
 from .identities import Identities, Identity, VoteParams
-from .recognition import LbphRecognizer, Recognizer
+from .recognition import LbphRecognizer
 
 GREEN, RED = (0.0, 255.0, 0.0), (0.0, 0.0, 255.0)
 
@@ -36,7 +36,7 @@ class FaceRecognizer:
     def __init__(self) -> None:
         # Guards all attributes below, because images and faces come in threads of their own.
         self._lock = threading.Lock()
-        self._recognizer: Recognizer = LbphRecognizer()
+        self._recognizer = LbphRecognizer()
         self._names: List[str] = []  # in the order of the recogniser's labels
         self._identities = Identities()
         self._connection: Any = None  # the connection by which the newest faces came
@@ -142,7 +142,9 @@ class FaceRecognizer:
         if self._processed.get_num_connections():
             overlay = frame.image.copy()
             for face, identity in zip(faces.detections, found):
-                draw_identity(overlay, box_of(face.box), identity)
+                label = to_ascii(f"{identity.name} {identity.distance:.0f}")
+                color = GREEN if identity.known else RED
+                draw_outline(overlay, corners(box_of(face.box)), label, color)
             self._processed.publish(overlay, "bgr8", frame.header)
 
     def _show_note(self, frame: Frame, text: str) -> None:
@@ -150,16 +152,6 @@ class FaceRecognizer:
             overlay = frame.image.copy()
             draw_text(overlay, to_ascii(text), (10, 20), RED)
             self._processed.publish(overlay, "bgr8", frame.header)
-
-
-def draw_identity(bgr: np.ndarray, box: Box, identity: Identity) -> None:
-    """Draws a face's box with name and distance."""
-    draw_outline(
-        bgr,
-        corners(box),
-        to_ascii(f"{identity.name} {identity.distance:.0f}"),
-        GREEN if identity.known else RED,
-    )
 
 
 def main() -> None:

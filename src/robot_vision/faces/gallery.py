@@ -18,12 +18,13 @@ from typing import Any, Callable, Dict, List, Mapping, Optional, Tuple
 
 import numpy as np
 
-from ..common.files import reason, trying
+from ..common.files import read_file, reason, trying
 from ..common.plain_text import printable
 from .candidates import Candidates, digest_of
 from .face_cache import read_faces, write_faces
 from .face_images import face_of
 from .gallery_files import (
+    MAX_FILE,
     decode,
     entries,
     folder_of,
@@ -31,7 +32,6 @@ from .gallery_files import (
     inside,
     is_image_file,
     names_in,
-    read_image_file,
     shown,
     valid_name,
     write_numbered,
@@ -230,7 +230,7 @@ class Gallery:
             return {}
         for path in paths:
             try:
-                data = read_image_file(inside(self.folder, path))
+                data = read_file(inside(self.folder, path), MAX_FILE)
                 digest = digest_of(data)
                 faces[digest] = cached[digest] if digest in cached else face_of(decode(data))
             except (OSError, ValueError) as error:
@@ -287,12 +287,10 @@ class Gallery:
     def _save_or_remove(self) -> List[str]:
         """Writes the cache without the removed faces; if that fails, removes the whole cache."""
         problems = self._save()
-        if not problems:
-            return []
-        try:
-            os.unlink(os.path.join(self.folder, CACHE))
-        except FileNotFoundError:
-            return problems
-        except OSError as error:
-            return [f"{CACHE} still holds the faces, and cannot be removed: {reason(error)}"]
+        if problems:
+            try:
+                with contextlib.suppress(FileNotFoundError):
+                    os.unlink(os.path.join(self.folder, CACHE))
+            except OSError as error:
+                return [f"{CACHE} still holds the faces, and cannot be removed: {reason(error)}"]
         return problems

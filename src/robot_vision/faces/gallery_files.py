@@ -6,7 +6,7 @@ from typing import List, Sequence
 
 import numpy as np
 
-from ..common.files import add_file, read_file, reason, trying
+from ..common.files import add_file, reason, trying
 from ..common.image_files import has_image_suffix, upright
 from ..common.plain_text import printable
 from .identities import UNKNOWN
@@ -101,15 +101,6 @@ def entries(folder: str) -> List[str]:
     """
     with trying(shown(folder), "read"):
         return sorted(os.listdir(folder))
-
-
-def read_image_file(path: str) -> bytes:
-    """Returns the content of an image file.
-
-    Raises:
-        OSError: The path is not a regular file, or the file is too large or cannot be read.
-    """
-    return read_file(path, MAX_FILE)
 
 
 def decode(data: bytes) -> np.ndarray:

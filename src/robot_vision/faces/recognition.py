@@ -1,6 +1,5 @@
 """Recognition of faces."""
 
-import abc
 import math
 from typing import Sequence, Tuple
 
@@ -10,32 +9,11 @@ import numpy as np
 NOBODY = -1
 
 
-class Recognizer(abc.ABC):
-    """Recognises the faces that it was trained with. Training is not thread-safe."""
-
-    @abc.abstractmethod
-    def train(self, faces: Sequence[np.ndarray], labels: Sequence[int]) -> None:
-        """Forgets everything, and learns these faces.
-
-        Args:
-            faces: Faces from face_images.normalized(); may be empty.
-            labels: The label of the person in each face, 0 or more.
-        """
-
-    @abc.abstractmethod
-    def predict(self, face: np.ndarray) -> Tuple[int, float]:
-        """Returns the label of the most similar person, and the distance.
-
-        The distance is 0 for a face of the training and grows with the difference, on a scale of
-        the recogniser's own. Without training it returns NOBODY and infinity.
-        """
-
-
-class LbphRecognizer(Recognizer):
+class LbphRecognizer:
     """Recognition by histograms of local binary patterns (Ahonen et al. 2004), from OpenCV.
 
     Training takes milliseconds per face. The results are good as long as light, expression and
-    camera are like those of the training.
+    camera are like those of the training. Training is not thread-safe.
 
     Raises:
         ValueError: This OpenCV was built without the module face.
@@ -51,11 +29,22 @@ class LbphRecognizer(Recognizer):
         self._trained = False
 
     def train(self, faces: Sequence[np.ndarray], labels: Sequence[int]) -> None:
+        """Forgets everything, and learns these faces.
+
+        Args:
+            faces: Faces from face_images.normalized(); may be empty.
+            labels: The label of the person in each face, 0 or more.
+        """
         self._trained = len(faces) > 0
         if self._trained:
             self._model.train(list(faces), np.array(labels, np.int32))
 
     def predict(self, face: np.ndarray) -> Tuple[int, float]:
+        """Returns the label of the most similar person, and the distance.
+
+        The distance is 0 for a face of the training and grows with the difference. Without
+        training it returns NOBODY and infinity.
+        """
         if not self._trained:
             return NOBODY, math.inf
         label, distance = self._model.predict(face)
