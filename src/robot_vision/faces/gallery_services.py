@@ -1,9 +1,8 @@
 """The services that tell a face recogniser which people it knows."""
 
-import contextlib
 import os
 import threading
-from typing import Any, Callable, Dict, Iterator, List, Optional, Sequence
+from typing import Any, Callable, Dict, List, Optional, Sequence
 
 import numpy as np
 import rospkg
@@ -85,21 +84,16 @@ class GalleryServices:
 
     def _service(self, name: str, kind: Any, handler: Callable[[Any], Any]) -> None:
         def handle(request: Any) -> Any:
-            with self._at_work():
+            with self._ended:
+                self._working += 1
+            try:
                 return handler(request)
+            finally:
+                with self._ended:
+                    self._working -= 1
+                    self._ended.notify_all()
 
         rospy.Service(name, kind, handle)
-
-    @contextlib.contextmanager
-    def _at_work(self) -> Iterator[None]:
-        with self._ended:
-            self._working += 1
-        try:
-            yield
-        finally:
-            with self._ended:
-                self._working -= 1
-                self._ended.notify_all()
 
     def _finish(self) -> None:
         """Waits for running calls, because the process would abort if one of them were in C++."""

@@ -1,10 +1,10 @@
 """The service ~detect, which searches a single image for tags."""
 
-import contextlib
 import os
 import threading
 import time
-from typing import Any, Callable, Iterator, List, Tuple
+from concurrent import futures
+from typing import Any, Callable, List, Tuple
 
 import numpy as np
 import rospy
@@ -27,14 +27,6 @@ FRAME_PERIOD = 1.0  # s after a frame during which the next one may be on its wa
 Detect = Callable[[np.ndarray, str, Header], Tuple[TagDetectionArray, str]]
 
 
-class _Call:
-    def __init__(self, passes: int) -> None:
-        self.passes = passes  # number of frames to let pass before one is searched
-        self.done = threading.Event()
-        self.error = ""
-        self.answer = TagDetectionArray(), ""
-
-
 class DetectService:
     """~detect searches a file, or the next frame, for which the node works for a moment.
 
@@ -49,7 +41,8 @@ class DetectService:
         self._calibration = calibration
         self._detect = detect
         self._lock = threading.Lock()  # guards all attributes below
-        self._calls: List[_Call] = []
+        self._calls: List[futures.Future] = []  # that get the next frame
+        self._later_calls: List[futures.Future] = []  # that get the one after it
         self._working = 0  # number of calls for which the node has to work
         self._last_frame = -FRAME_PERIOD  # s of the monotonic clock
         rospy.Service("~detect", DetectTags, self._on_detect)
@@ -58,35 +51,25 @@ class DetectService:
         """Offers a frame to the calls that wait for one, before anything else is done with it."""
         with self._lock:
             self._last_frame = time.monotonic()
-            ready = [call for call in self._calls if not call.passes]
-            self._calls = [call for call in self._calls if call.passes]
-            for call in self._calls:
-                call.passes -= 1
+            ready, self._calls, self._later_calls = self._calls, self._later_calls, []
         for call in ready:
             try:
-                call.answer = self._detect(frame.image, frame.encoding, frame.header)
+                call.set_result(self._detect(frame.image, frame.encoding, frame.header))
             except Exception as error:
-                call.error = str(error)
-            call.done.set()
+                call.set_exception(error)
 
     def _on_detect(self, request: Any) -> DetectTagsResponse:
+        self._count(1)
         try:
-            with self._at_work():
-                found = self._of_file(request.file) if request.file else self._of_next_frame()
+            found = self._of_file(request.file) if request.file else self._of_next_frame()
         except Exception as error:  # Of any kind, because rospy would answer without a reason.
             reason = printable(str(error), MAX_ERROR_LENGTH) or type(error).__name__
             rospy.logerr("no tags detected: %s", reason)
             return DetectTagsResponse(False, reason, TagDetectionArray())
-        tags, problem = found
-        return DetectTagsResponse(True, problem, tags)
-
-    @contextlib.contextmanager
-    def _at_work(self) -> Iterator[None]:
-        self._count(1)
-        try:
-            yield
         finally:
             self._count(-1)
+        tags, problem = found
+        return DetectTagsResponse(True, problem, tags)
 
     def _count(self, change: int) -> None:
         with self._lock:
@@ -102,16 +85,17 @@ class DetectService:
         return self._detect(image, "bgr8", header)
 
     def _of_next_frame(self) -> Tuple[TagDetectionArray, str]:
+        call: futures.Future = futures.Future()
         with self._lock:
             # A frame that was taken before the call may be on its way.
-            call = _Call(passes=int(time.monotonic() - self._last_frame < FRAME_PERIOD))
-            self._calls.append(call)
-        arrived = call.done.wait(TIMEOUT)
-        with self._lock:
-            if call in self._calls:
-                self._calls.remove(call)
-        if not arrived:
-            raise RuntimeError(self._node.no_frame(TIMEOUT))
-        if call.error:
-            raise RuntimeError(call.error)
-        return call.answer
+            on_its_way = time.monotonic() - self._last_frame < FRAME_PERIOD
+            (self._later_calls if on_its_way else self._calls).append(call)
+        try:
+            return call.result(TIMEOUT)
+        except futures.TimeoutError:
+            raise RuntimeError(self._node.no_frame(TIMEOUT)) from None
+        finally:
+            with self._lock:
+                for calls in (self._calls, self._later_calls):
+                    if call in calls:
+                        calls.remove(call)
