@@ -1,8 +1,6 @@
 """The command calibrate_headless.py, which calibrates a camera with images of a board."""
 
 import argparse
-import contextlib
-import itertools
 import os
 import sys
 import time
@@ -15,7 +13,7 @@ from sensor_msgs.msg import CameraInfo
 from sensor_msgs.srv import SetCameraInfo
 
 from ..common.commands import run_command
-from ..common.files import create_file, make_folder, reason, replace_file, require_replaceable
+from ..common.files import add_file, make_folder, reason, replace_file, require_replaceable
 from ..recordings.bag_images import NamedImage
 from ..recordings.recorded_images import from_bag, from_files, from_topic
 from ..ros.startup import become_node
@@ -139,15 +137,11 @@ def _save(path: str, data: bytes, force: bool) -> str:
     if force:
         replace_file(path, data)
         return path
-    stem, suffix = os.path.splitext(path)
-    for number in itertools.count():
-        free = f"{stem}-{number}{suffix}" if number else path
-        with contextlib.suppress(FileExistsError):
-            create_file(free, data)
-            break
-    if number:
+    folder, name = os.path.split(path)
+    saved = add_file(folder, *os.path.splitext(name), data)
+    if os.path.basename(saved) != name:
         print(f"{path} has come meanwhile and is not replaced", flush=True)
-    return free
+    return saved
 
 
 def _set_camera_info(node: str, found: Calibration, path: str) -> None:

@@ -162,11 +162,8 @@ def create_file(path: str, data: bytes) -> None:
         FileExistsError: There is a file of this name.
         OSError: The file cannot be written.
     """
-    with trying(path, "written"):
-        if os.path.lexists(path):
-            raise FileExistsError(errno.EEXIST, os.strerror(errno.EEXIST))
-        with _temporary(f"{path}.{_random()}.tmp", data) as temporary:
-            _name(temporary, path)
+    with trying(path, "written"), _temporary(f"{path}.{_random()}.tmp", data) as temporary:
+        _name(temporary, path)
 
 
 def add_file(folder: str, stem: str, suffix: str, data: bytes) -> str:

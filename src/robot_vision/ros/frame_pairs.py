@@ -29,27 +29,15 @@ class FramePairs:
     def message_of(self, frame: Frame) -> Optional[Any]:
         """Returns the message that waited for this frame; if there is none, keeps the frame."""
         with self._lock:
-            message = _take(self._messages, frame.header.stamp)
-            if message is None:
-                self._frames.append(frame)
-                _drop_old(self._frames)
-                self._limit_size()
-            else:
-                self._frames.clear()
-                self._unmatched = 0
+            message = self._match(frame, self._frames, self._messages)
+            self._limit_size()
             return message
 
     def frame_of(self, message: Any) -> Optional[Frame]:
         """Returns the frame of this message; if it has not come yet, keeps the message."""
         with self._lock:
-            frame = _take(self._frames, message.header.stamp)
-            if frame is None:
-                self._messages.append(message)
-                _drop_old(self._messages)
-                self._unmatched += 1
-            else:
-                self._messages.clear()
-                self._unmatched = 0
+            frame = self._match(message, self._messages, self._frames)
+            self._unmatched += frame is None
             return frame
 
     def apart(self) -> bool:
@@ -63,6 +51,17 @@ class FramePairs:
             self._frames.clear()
             self._messages.clear()
             self._unmatched = 0
+
+    def _match(self, new: Any, alike: Deque[Any], others: Deque[Any]) -> Optional[Any]:
+        """Returns the one of `others` that belongs to `new`, which else waits with those alike."""
+        found = _take(others, new.header.stamp)
+        if found is None:
+            alike.append(new)
+            _drop_old(alike)
+        else:
+            alike.clear()
+            self._unmatched = 0
+        return found
 
     def _limit_size(self) -> None:
         size = sum(frame.image.nbytes for frame in self._frames)

@@ -39,7 +39,8 @@ class ImageNode:
     ):
         self._idle = idle
         self._always = read_param("always_subscribe", False)
-        set_threads(read_threads())
+        # A robot needs its other cores for other work, and sharing an image costs more in sum.
+        set_threads(read_param("threads", 1, 0, MAX_THREADS, zero="all cores"))
         self._wanted = False
         self._outputs: List[Tuple[Any, Callable[[], bool]]] = []  # with whether each counts
         self._inputs: List[Tuple[Any, ...]] = []  # names, types and callbacks
@@ -144,22 +145,10 @@ class ImageNode:
         return timed
 
 
-def read_threads() -> int:
-    """Returns ~threads. The default is 1, because a robot needs its other cores for other work.
-
-    Sharing the work on one image among several threads also costs more in sum.
-
-    Raises:
-        ValueError: The parameter is out of range.
-    """
-    return read_param("threads", 1, 0, MAX_THREADS, zero="all cores")
-
-
 class _Listener(rospy.SubscribeListener):
     """Only passes events on, because rospy calls it while it holds locks."""
 
     def peer_subscribe(self, *_: Any) -> None:
         transport.note_connections()
 
-    def peer_unsubscribe(self, *_: Any) -> None:
-        transport.note_connections()
+    peer_unsubscribe = peer_subscribe

@@ -99,16 +99,17 @@ class ObjectTracker:
         with self._lock:
             tracks = self._update(now, frame)
             config = self._config
-            flow = self._tracker.flow(config["flow_points"]) if has_readers(self._flow) else None
+            has_readers = self._flow.get_num_connections() > 0
+            flow = self._tracker.flow(config["flow_points"]) if has_readers else None
             self._keep_working()
-        if has_readers(self._object):
+        if self._object.get_num_connections():
             found = (detection_of(track, frame.image) for track in tracks if track.tracked)
             self._object.publish(detection_array(frame, found))
-        if has_readers(self._state):
+        if self._state.get_num_connections():
             self._state.publish(track_states(frame, tracks))
         if flow:
             self._flow.publish(flow_message(frame, *flow))
-        if has_readers(self._processed):
+        if self._processed.get_num_connections():
             overlay = frame.image.copy()
             draw_tracks(overlay, tracks)
             detections = self._detections
@@ -168,7 +169,7 @@ class ObjectTracker:
     def _await(self, selection: Selection) -> None:
         with self._lock:
             outputs = (self._object, self._state, self._flow, self._processed)
-            if not self._busy and not any(has_readers(output) for output in outputs):
+            if not self._busy and not any(output.get_num_connections() for output in outputs):
                 self._time = None  # No images were coming, so nobody saw the last one.
             self._drop_expired()
             if selection.replaces:
@@ -208,10 +209,6 @@ class ObjectTracker:
                 self._tracker.forget(number)
             self._keep_working()
         return ForgetObjectResponse(True, "")
-
-
-def has_readers(publisher: Any) -> bool:
-    return publisher.get_num_connections() > 0
 
 
 def main() -> None:

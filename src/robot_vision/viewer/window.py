@@ -116,12 +116,12 @@ class Window:
                 or max(abs(x - self._pressed[0]), abs(y - self._pressed[1])) >= MIN_DRAG
             ):
                 self._dragged = (x, y)
-                self._show_again()
+                self.show(self._image)
         elif event == cv2.EVENT_LBUTTONUP and self._pressed:
             pressed, rectangle = self._pressed, self._dragged and self._rectangle()
             self._pressed = self._dragged = None
             if rectangle:
-                self._show_again()
+                self.show(self._image)
                 self._on_drag(*rectangle)
             else:
                 self._on_click(*pressed)
@@ -133,7 +133,3 @@ class Window:
             for ends, size in zip(zip(self._pressed, self._dragged), self._size())
         )
         return left, top, right - left + 1, bottom - top + 1
-
-    def _show_again(self) -> None:
-        if self._image is not None:
-            self.show(self._image)
