@@ -13,30 +13,5 @@ are dropped. rospy resolves names: relative and private names, remappings and na
 usual.
 """
 
-from .ros.transport import (
-    Callback,
-    CameraSubscriber,
-    Frame,
-    FrameError,
-    ImagePublisher,
-    ImageSubscriber,
-    add_connection_listener,
-    camera_info_beside,
-    node_diagnostics,
-    note_connections,
-    remapped_camera_info,
-)
-
-__all__ = [
-    "Callback",
-    "CameraSubscriber",
-    "Frame",
-    "FrameError",
-    "ImagePublisher",
-    "ImageSubscriber",
-    "add_connection_listener",
-    "camera_info_beside",
-    "node_diagnostics",
-    "note_connections",
-    "remapped_camera_info",
-]
+from .ros.transport import *  # noqa: F403
+from .ros.transport import __all__ as __all__

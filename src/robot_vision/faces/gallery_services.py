@@ -2,7 +2,7 @@
 
 import os
 import threading
-from typing import Any, Callable, Dict, List, Optional, Sequence
+from typing import Any, Callable, Dict, List, Optional, Sequence, Tuple
 
 import numpy as np
 import rospkg
@@ -11,16 +11,7 @@ import rospy
 from ..common.plain_text import printable
 from ..ros.image_node import INPUT_TIMEOUT
 from ..ros.params import read_param
-from ..srv import (
-    EnrollFace,
-    EnrollFaceResponse,
-    EnrollFolder,
-    EnrollFolderResponse,
-    ForgetName,
-    ForgetNameResponse,
-    ListNames,
-    ListNamesResponse,
-)
+from ..srv import EnrollFace, EnrollFolder, ForgetName, ListNames
 from .enrollment import Enrollment
 from .face_images import Box
 from .gallery import Added, Gallery
@@ -105,13 +96,13 @@ class GalleryServices:
             if not rospy.core.is_shutdown_requested():
                 self._changed(self._gallery)
 
-    def _on_enroll(self, request: Any) -> EnrollFaceResponse:
+    def _on_enroll(self, request: Any) -> Tuple[bool, str, int]:
         try:
             added = self._enroll(request.name, request.pictures or DEFAULT_COUNT)
         except (OSError, RuntimeError, ValueError) as error:
             rospy.logerr("nobody enrolled: %s", error)
-            return EnrollFaceResponse(False, str(error), 0)
-        return EnrollFaceResponse(True, _summary(added, request.name), added.pictures)
+            return False, str(error), 0
+        return True, _summary(added, request.name), added.pictures
 
     def _enroll(self, name: str, pictures: int) -> Added:
         name = valid_name(name)
@@ -143,7 +134,7 @@ class GalleryServices:
             self._keep_working(False)
         return enrollment.portraits
 
-    def _on_enroll_folder(self, request: Any) -> EnrollFolderResponse:
+    def _on_enroll_folder(self, request: Any) -> Tuple[bool, str, int, List[str]]:
         try:
             if not os.path.isabs(request.folder):  # A node and its caller run in different folders.
                 raise ValueError(
@@ -157,31 +148,31 @@ class GalleryServices:
                 self._learn()
         except (OSError, ValueError) as error:
             rospy.logerr("no folder enrolled: %s", error)
-            return EnrollFolderResponse(False, str(error), 0, [])
+            return False, str(error), 0, []
         _report(added.problems)
         some = added.pictures + added.present > 0
         text = _summary(added, request.name or "people")
         if not some:
             text += ": " + added.problems[0]
-        return EnrollFolderResponse(some, text, added.pictures, added.problems)
+        return some, text, added.pictures, added.problems
 
-    def _on_list_names(self, _request: Any) -> ListNamesResponse:
+    def _on_list_names(self, _request: Any) -> Tuple[List[str], List[int]]:
         names = self._gallery.names()
-        return ListNamesResponse(list(names), list(names.values()))
+        return list(names), list(names.values())
 
-    def _on_forget_name(self, request: Any) -> ForgetNameResponse:
+    def _on_forget_name(self, request: Any) -> Tuple[bool, str, int]:
         try:
             removed = self._gallery.forget(request.name)
             self._learn()
         except (OSError, ValueError) as error:
             rospy.logerr("nobody forgotten: %s", error)
-            return ForgetNameResponse(False, str(error), 0)
+            return False, str(error), 0
         _report(removed.problems)
         known = valid_name(request.name) in self._gallery.names()
         text = "; ".join(
             [f"{request.name} is {'still known' if known else 'forgotten'}", *removed.problems]
         )
-        return ForgetNameResponse(not removed.problems, text, removed.pictures)
+        return not removed.problems, text, removed.pictures
 
 
 def _summary(added: Added, who: str) -> str:

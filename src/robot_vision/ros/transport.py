@@ -17,6 +17,20 @@ from ..common.plain_text import brief, printable
 from ..common.throttle import Throttle
 from .registration import keep_registered
 
+__all__ = [
+    "Callback",
+    "CameraSubscriber",
+    "Frame",
+    "FrameError",
+    "ImagePublisher",
+    "ImageSubscriber",
+    "add_connection_listener",
+    "camera_info_beside",
+    "node_diagnostics",
+    "note_connections",
+    "remapped_camera_info",
+]
+
 
 class Frame:
     """An image that was received.

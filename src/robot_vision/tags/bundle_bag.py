@@ -1,5 +1,6 @@
 """Tags in the images of a bag, for calibrate_bundle.py."""
 
+import argparse
 import time
 
 import numpy as np
@@ -24,20 +25,13 @@ PROGRESS = 1.0  # s between lines of progress
 
 
 def collect_from_bag(
-    path: str,
-    image: str,
-    camera_info: str,
-    family: str,
-    collection: FrameCollection,
-    progress: Progress,
+    arguments: argparse.Namespace, collection: FrameCollection, progress: Progress
 ) -> CameraModel:
     """Offers the images of a topic to the collection, until it is full or the user presses Ctrl-C.
 
     Args:
-        path: The path of the bag.
-        image: The topic of the images.
-        camera_info: The topic of the camera_info; "" means the one beside the images.
-        family: The family of the tags.
+        arguments: The bag, the topics `image` and `camera_info` in it ("": beside the images), and
+            the family of the tags.
         collection: The collection.
         progress: The printer of progress messages.
 
@@ -48,31 +42,31 @@ def collect_from_bag(
         ValueError: There is no such bag, topic or calibration, or an image cannot be used.
         OSError: The bag cannot be opened.
     """
+    path, image = arguments.bag, arguments.image
     with opened(path) as bag:
         kinds = topics_of(bag)
         require_topic(path, kinds, image, IMAGE_TYPES, "images")
-        camera_info = camera_info or _beside(image, kinds[image])
+        camera_info = arguments.camera_info or _beside(image, kinds[image])
         require_topic(path, kinds, camera_info, CAMERA_INFO, "camera_info")
         info = next(messages_on(bag, camera_info))
         try:
             camera = camera_model(info, (info.width, info.height))
         except ValueError as error:
             raise ValueError(f"{path}: camera_info on {camera_info}: {error}") from None
-        _collect(bag, image, family, camera, collection, progress)
+        _collect(bag, arguments, camera, collection, progress)
         return camera
 
 
 def _collect(
     bag: rosbag.Bag,
-    image: str,
-    family: str,
+    arguments: argparse.Namespace,
     camera: CameraModel,
     collection: FrameCollection,
     progress: Progress,
 ) -> None:
     params = TagDetectorParams()
-    params.families = [family]
-    detector = TagDetector(params)
+    params.families = [arguments.family]
+    detector, image = TagDetector(params), arguments.image
     last_progress = time.monotonic()
     try:
         for name, read in images_on(bag, image):

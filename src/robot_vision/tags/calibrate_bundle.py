@@ -54,14 +54,7 @@ def _collect(
     arguments: argparse.Namespace, collection: FrameCollection, progress: Progress
 ) -> CameraModel:
     if arguments.bag:
-        return collect_from_bag(
-            arguments.bag,
-            arguments.image,
-            arguments.camera_info,
-            arguments.family,
-            collection,
-            progress,
-        )
+        return collect_from_bag(arguments, collection, progress)
     become_node("calibrate_bundle")
     return BundleRecorder(arguments.family, collection, progress).run()
 
