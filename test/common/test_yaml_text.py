@@ -8,7 +8,6 @@ import yaml
 from robot_vision import HsvRange
 from robot_vision.color.color_file import save_colors
 from robot_vision.common.yaml_text import MAX_DEPTH, compose_yaml, load_yaml
-from robot_vision.tags.bundle_files import read_bundles
 
 BOMB = "a0: &a0 [1, 2, 3, 4, 5, 6, 7, 8, 9]\n" + "".join(
     f"a{i}: &a{i} [{', '.join([f'*a{i - 1}'] * 9)}]\n" for i in range(1, 20)
@@ -47,22 +46,20 @@ def test_one_line_says_what_is_wrong(text, reason):
 
 
 @pytest.mark.parametrize("text, reason", HOSTILE, ids=[reason for _, reason in HOSTILE])
-def test_errors_name_files_of_colors_and_bundles_and_leave_them(tmp_path, text, reason):
+def test_errors_name_files_of_colors_and_leave_them(tmp_path, text, reason):
     path = tmp_path / "hostile.yaml"
     path.write_text(text)
-    for use in (lambda name: save_colors(name, {"blue": HsvRange()}), read_bundles):
-        with pytest.raises(ValueError) as error:
-            use(str(path))
-        assert str(error.value).startswith(f"{path}: ") and reason in str(error.value)
+    with pytest.raises(ValueError) as error:
+        save_colors(str(path), {"blue": HsvRange()})
+    assert str(error.value).startswith(f"{path}: ") and reason in str(error.value)
     assert path.read_text() == text and os.listdir(tmp_path) == ["hostile.yaml"]
 
 
 def test_files_that_are_too_large_are_not_parsed(tmp_path):
     path = tmp_path / "large.yaml"
     path.write_text("#" * (1 << 20) + "\n")
-    for use in (lambda name: save_colors(name, {"blue": HsvRange()}), read_bundles):
-        with pytest.raises(OSError, match=r"large\.yaml cannot be read: it has 1 MB, must have at"):
-            use(str(path))
+    with pytest.raises(OSError, match=r"large\.yaml cannot be read: it has 1 MB, must have at"):
+        save_colors(str(path), {"blue": HsvRange()})
 
 
 @pytest.mark.parametrize(

@@ -25,7 +25,7 @@ from robot_vision.msg import Detection, DetectionArray
 from robot_vision.recordings.bag_images import images_on, opened, topics_of
 from robot_vision.recordings.gray_images import gray_file, gray_message
 from robot_vision.ros.camera_info import camera_model
-from robot_vision.tags.bundle_files import read_bundles
+from robot_vision.tags.bundle_files import parse_bundles
 from robot_vision.tracking.auto_selection import AutoSelection
 from robot_vision.transport import Frame
 
@@ -200,16 +200,16 @@ class Colors(Files):
         save_colors(self.path, {"red": HsvRange((1, 2, 3), (4, 5, 6))})
 
 
-class Bundles(Files):
-    """A YAML file of bundles of tags."""
+class Bundles(Target):
+    """Bundles of tags in YAML."""
 
     def seeds(self) -> List[bytes]:
         tag = "{id: %d, size: 0.1, x: 0, y: 0, z: %d, qw: 1, qx: 0, qy: 0, qz: 0}"
         layout = ", ".join(tag % (number, number) for number in range(3))
-        return [f"tag_bundles:\n- name: box\n  layout: [{layout}]\n".encode()]
+        return [f"- name: box\n  layout: [{layout}]\n".encode()]
 
-    def read(self) -> None:
-        read_bundles(self.path)
+    def run(self, data: bytes) -> None:
+        parse_bundles(load_yaml(data.decode()))
 
 
 class Faces(Files):

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+import yaml
 from tags import (
     CAMERAS,
     corners_of,
@@ -16,7 +17,7 @@ from tags import (
 
 import robot_vision as rv
 from robot_vision.tags.bundle_calibration import calibrate
-from robot_vision.tags.bundle_files import parse_bundles, read_bundles, write_bundles
+from robot_vision.tags.bundle_files import parse_bundles, write_bundles
 
 SIDE = 0.1  # m
 MASTER = 10
@@ -233,6 +234,10 @@ def both_in_view(layout):
     return [(tag, body @ layout[tag]) for tag in (11, 13)]
 
 
+def read_bundles(path):
+    return parse_bundles(yaml.safe_load(path.read_text())["tag_bundles"])
+
+
 def test_a_bundle_is_read_as_it_was_written(tmp_path):
     rng = np.random.default_rng(15)
     path = tmp_path / "bundles.yaml"
@@ -249,7 +254,7 @@ def test_a_bundle_is_read_as_it_was_written(tmp_path):
     ]
     write_bundles(str(path), bundles)
     assert [entry.name for entry in tmp_path.iterdir()] == ["bundles.yaml"]
-    for wrote, read in zip(bundles, read_bundles(str(path))):
+    for wrote, read in zip(bundles, read_bundles(path)):
         assert wrote.name == read.name
         assert [tag.id for tag in wrote.tags] == [tag.id for tag in read.tags]
         for one, two in zip(wrote.tags, read.tags):
@@ -314,16 +319,6 @@ def test_invalid_bundles_are_named(value, word):
         parse_bundles(value)
 
 
-@pytest.mark.parametrize(
-    "text, word", [("", "no tag_bundles"), ("a: [", "no valid YAML"), ("tag_bundles: 3", "list")]
-)
-def test_invalid_bundle_files_are_named(tmp_path, text, word):
-    path = tmp_path / "bundles.yaml"
-    path.write_text(text)
-    with pytest.raises(ValueError, match=f"{path}.*{word}"):
-        read_bundles(str(path))
-
-
 def test_a_file_is_replaced_only_if_it_may_be(tmp_path):
     path = tmp_path / "bundles.yaml"
     for name in ("old", "new"):
@@ -332,7 +327,4 @@ def test_a_file_is_replaced_only_if_it_may_be(tmp_path):
         write_bundles(
             str(path), [rv.Bundle("no", [rv.BundleTag(1, 0.1, np.eye(4))])], replace=False
         )
-    assert [bundle.name for bundle in read_bundles(str(path))] == ["new"]
-    path.unlink()
-    with pytest.raises(FileNotFoundError, match=f"^{path} cannot be read: No such file"):
-        read_bundles(str(path))
+    assert [bundle.name for bundle in read_bundles(path)] == ["new"]

@@ -10,6 +10,7 @@ import rosbag
 import rosparam
 import rospy
 import support
+import yaml
 from frames import Source, message, new_topic
 from geometry_msgs.msg import Point, PoseWithCovariance
 from sensor_msgs.msg import CameraInfo, CompressedImage
@@ -28,7 +29,7 @@ from tag_studio import (
 
 import robot_vision as rv
 from robot_vision.msg import TagBundlePose, TagDetection, TagDetectionArray
-from robot_vision.tags.bundle_files import read_bundles, write_bundles
+from robot_vision.tags.bundle_files import parse_bundles, write_bundles
 from robot_vision.tags.calibrate_bundle import main
 from robot_vision.tags.frame_collection import FrameCollection
 
@@ -112,7 +113,7 @@ def calibrate(run_main, tmp_path):
 
 
 def assert_learnt(path, master=4, name="box"):
-    (bundle,) = read_bundles(str(path))
+    (bundle,) = parse_bundles(yaml.safe_load(path.read_text())["tag_bundles"])
     assert bundle.name == name and sorted(tag.id for tag in bundle.tags) == sorted(LAYOUT)
     for tag in bundle.tags:
         truth = np.linalg.inv(LAYOUT[master]) @ LAYOUT[tag.id]
@@ -340,7 +341,7 @@ def test_a_tag_of_another_size_than_stated(calibrate, bag, tmp_path):
     code, output = calibrate(*bag, f"{SIZE},7:{1.05 * SIZE}")
     (large,) = (line for line in output.splitlines() if "LARGE" in line)
     assert code == 0 and large.startswith("  tag 7: "), output
-    (bundle,) = read_bundles(str(tmp_path / "box.yaml"))
+    (bundle,) = parse_bundles(yaml.safe_load((tmp_path / "box.yaml").read_text())["tag_bundles"])
     assert {tag.id: tag.size for tag in bundle.tags} == {4: SIZE, 5: SIZE, 6: SIZE, 7: 1.05 * SIZE}
 
 

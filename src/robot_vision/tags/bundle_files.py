@@ -17,10 +17,9 @@ import numpy as np
 import yaml
 
 from .._core import Bundle, BundleTag
-from ..common.files import MAX_TEXT, create_file, read_file, replace_file
+from ..common.files import create_file, replace_file
 from ..common.plain_text import NAME, brief, is_name
 from ..common.rotations import quaternion_of, rotation_of
-from ..common.yaml_text import load_yaml
 
 DEFAULTS = {"x": 0.0, "y": 0.0, "z": 0.0, "qw": 1.0, "qx": 0.0, "qy": 0.0, "qz": 0.0}
 MAX_ID = 999999999
@@ -53,27 +52,8 @@ def write_bundles(
     write(path, ("\n".join(lines) + "\n").encode())
 
 
-def read_bundles(path: str) -> List[Bundle]:
-    """Returns the bundles in a file.
-
-    Raises:
-        ValueError: The file has another form; the message says what is wrong, and where.
-        OSError: The file cannot be read.
-    """
-    try:
-        values = load_yaml(read_file(path, MAX_TEXT).decode())
-    except ValueError as error:
-        raise ValueError(f"{path}: no valid YAML: {error}") from None
-    if not isinstance(values, dict) or "tag_bundles" not in values:
-        raise ValueError(f"{path}: there is no tag_bundles")
-    try:
-        return parse_bundles(values["tag_bundles"])
-    except ValueError as error:
-        raise ValueError(f"{path}: {error}") from None
-
-
 def parse_bundles(values: Any) -> List[Bundle]:
-    """Returns the bundles in the value of tag_bundles, from a file or the parameter server.
+    """Returns the bundles in the value of tag_bundles, as the parameter server has it.
 
     Raises:
         ValueError: The value has another form; the message says what is wrong, and where.
