@@ -1,5 +1,6 @@
 """Calibration boards: where OpenCV finds their points in an image."""
 
+from dataclasses import dataclass
 from typing import Callable, Dict, NamedTuple, Optional, Tuple
 
 import cv2
@@ -18,30 +19,26 @@ class Observation(NamedTuple):
     pixels: np.ndarray
 
 
+@dataclass(frozen=True)
 class Board:
     """A calibration board.
 
-    Args:
+    Attributes:
         points: All points of the board, (n, 3) m.
-        find: A function that finds points in a gray image. It returns their indices and their
+        finder: A function that finds points in a gray image. It returns their indices and their
             pixels, (n, 2), or None.
     """
 
-    def __init__(
-        self,
-        points: np.ndarray,
-        find: Callable[[np.ndarray], Optional[Tuple[np.ndarray, np.ndarray]]],
-    ):
-        self._points = points
-        self._find = find
+    points: np.ndarray
+    finder: Callable[[np.ndarray], Optional[Tuple[np.ndarray, np.ndarray]]]
 
     def find(self, gray: np.ndarray) -> Optional[Observation]:
         """Finds the board in an image, (height, width) uint8; returns None if it is not there."""
-        found = self._find(gray)
+        found = self.finder(gray)
         if found is None:
             return None
         seen, pixels = found
-        return Observation(self._points[seen], pixels)
+        return Observation(self.points[seen], pixels)
 
 
 def chessboard(columns: int, rows: int, square: float) -> Board:

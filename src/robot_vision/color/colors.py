@@ -41,13 +41,10 @@ def _median_hue(hues: np.ndarray) -> int:
 def outside(hsv: Tuple[int, int, int], colors: HsvRange) -> str:
     """Returns why a picked colour does not fit its own range: it is too gray or dark; or ""."""
     _, saturation, value = hsv
-    limits = []
-    for name, channel, lowest in (
-        ("saturation", saturation, colors.s_low),
-        ("value", value, colors.v_low),
-    ):
-        if channel < lowest:
-            limits.append(f"{name} {channel} is below {lowest}")
+    channels = ("saturation", saturation, colors.s_low), ("value", value, colors.v_low)
+    limits = [
+        f"{name} {seen} is below {lowest}" for name, seen, lowest in channels if seen < lowest
+    ]
     return f"the range does not hold this colour: {', '.join(limits)}" if limits else ""
 
 

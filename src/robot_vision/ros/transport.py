@@ -4,6 +4,7 @@ import atexit
 import sys
 import threading
 import traceback
+from dataclasses import dataclass
 from typing import Any, Callable, Dict, List, Optional
 
 import numpy as np
@@ -32,6 +33,7 @@ __all__ = [
 ]
 
 
+@dataclass(eq=False, repr=False)
 class Frame:
     """An image that was received.
 
@@ -45,19 +47,10 @@ class Frame:
             else None.
     """
 
-    __slots__ = ("camera_info", "encoding", "header", "image")
-
-    def __init__(
-        self,
-        image: np.ndarray,
-        encoding: str,
-        header: Header,
-        camera_info: Optional[CameraInfo] = None,
-    ):
-        self.image = image
-        self.encoding = encoding
-        self.header = header
-        self.camera_info = camera_info
+    image: np.ndarray
+    encoding: str
+    header: Header
+    camera_info: Optional[CameraInfo] = None
 
     @property
     def time(self) -> float:
