@@ -14,6 +14,7 @@ from typing import Any, Dict, Mapping, Optional
 import yaml
 
 from .._core import HsvRange
+from ..common.errors import about
 from ..common.files import read_text, replace_file
 from ..common.yaml_text import compose_yaml, load_yaml
 from .colors import as_yaml
@@ -71,10 +72,8 @@ def _entry(old: Any, color: HsvRange) -> Dict[str, Any]:
 
 
 def _parse(path: str, text: str) -> Dict[str, Any]:
-    try:
+    with about(f"{path}: not overwritten, for it is no valid YAML"):
         values = load_yaml(text)
-    except ValueError as error:
-        raise ValueError(f"{path}: not overwritten, for it is no valid YAML: {error}") from None
     if not isinstance(values, (dict, type(None))):
         raise ValueError(f"{path}: not overwritten, for it is no map of parameters")
     return values or {}

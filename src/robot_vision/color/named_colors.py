@@ -5,6 +5,7 @@ from typing import Any, Dict
 import rospy
 
 from .. import HsvRange, validate
+from ..common.errors import about
 from ..common.plain_text import brief, printable
 from ..ros.params import filled, read_any, read_param
 
@@ -73,8 +74,6 @@ def _range(name: str, entry: Any) -> HsvRange:
         raise ValueError(
             f"{where} is {brief(entry)}, must be {{low: [h, s, v], high: [h, s, v]}}"
         ) from None
-    try:
+    with about(where):
         validate(found)
-    except ValueError as error:
-        raise ValueError(f"{where}: {error}") from None
     return found

@@ -12,6 +12,8 @@ import secrets
 import stat
 from typing import Iterator, Optional, Tuple
 
+from .errors import about
+
 MAX_TEXT = 1 << 20  # bytes, largest parameter file
 MAX_IMAGE = 256 << 20  # bytes, largest image file
 CHUNK = 1 << 20  # bytes that are read at a time
@@ -40,12 +42,8 @@ def read_file(path: str, max_size: int) -> bytes:
     Raises:
         OSError: The path is not a regular file, or the file is too large or cannot be read.
     """
-    with trying(path, "read"):
-        file = _open_regular(path)
-        try:
-            return _read_all(file, max_size)
-        finally:
-            os.close(file)
+    with trying(path, "read"), open(_open_regular(path), "rb", buffering=0) as file:
+        return _read_all(file.fileno(), max_size)
 
 
 def require_file(path: str) -> None:
@@ -88,10 +86,8 @@ def read_text(path: str) -> str:
     """
     if not os.path.lexists(path):
         return ""
-    try:
+    with about(f"{path}: not overwritten, for it is no text"):
         return read_file(path, MAX_TEXT).decode()
-    except UnicodeDecodeError as error:
-        raise ValueError(f"{path}: not overwritten, for it is no text: {error}") from None
 
 
 def require_replaceable(path: str, replace: bool, new_folders: bool = False) -> None:

@@ -6,6 +6,7 @@ import cv2
 import numpy as np
 
 from .._core import decode_image_file
+from .errors import about
 from .files import MAX_IMAGE, read_file
 
 SUFFIXES = (".bmp", ".jpeg", ".jpg", ".pgm", ".png", ".ppm", ".tif", ".tiff", ".webp")
@@ -51,10 +52,8 @@ def load_image(path: str, decode: Callable[[bytes], Optional[np.ndarray]]) -> np
         OSError: The path is not a regular file, or the file is too large or cannot be read.
     """
     data = read_file(path, MAX_IMAGE)
-    try:
+    with about(path):
         image = decode(data)
-    except ValueError as error:
-        raise ValueError(f"{path}: {error}") from None
     if image is None:
         raise ValueError(f"{path}: no image that OpenCV can read")
     return image

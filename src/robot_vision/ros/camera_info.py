@@ -8,6 +8,7 @@ import rospy
 from sensor_msgs.msg import CameraInfo
 
 from .. import CameraModel, is_calibrated
+from ..common.errors import about
 from ..common.repeats import Repeats
 from .image_node import ImageNode
 from .transport import camera_info_beside, remapped_camera_info
@@ -77,13 +78,10 @@ class CameraInfoListener:
         Raises:
             ValueError: The camera is not known; the message gives the reason.
         """
-        try:
+        with about(f"no {self._missing}: camera_info on {self.topic}"):
             if self._info is None:
                 raise ValueError("there is none")
             return camera_model(self._info, size)
-        except ValueError as error:
-            message = f"no {self._missing}: camera_info on {self.topic}: {error}"
-            raise ValueError(message) from None
 
     def _on_info(self, info: CameraInfo) -> None:
         self._info = info

@@ -5,6 +5,7 @@ from typing import Dict, List, Optional, Sequence, Tuple
 
 from .. import tag_family
 from ..common.arguments import command_parser, number_within, parse_completely
+from ..common.errors import about
 from .bundle_files import MAX_TAG_SIZE
 from .tag_ids import parse_ids
 
@@ -59,7 +60,8 @@ def parse_arguments(command: Sequence[str]) -> argparse.Namespace:
 def _complete(arguments: argparse.Namespace) -> None:
     """Checks what argparse cannot check, and adds the sizes by tag."""
     ids = _ids_of(arguments.ids, arguments.family)
-    arguments.sizes = _sizes_of(arguments.size, ids)
+    with about("argument --size"):
+        arguments.sizes = _sizes_of(arguments.size, ids)
     arguments.master = ids[0] if arguments.master is None else arguments.master
     if arguments.master not in ids:
         raise ValueError(f"argument --master: tag {arguments.master} is not one of --ids")
@@ -75,12 +77,10 @@ def _complete(arguments: argparse.Namespace) -> None:
 
 def _ids_of(text: str, family: str) -> List[int]:
     tag_family(family)  # An error about the family must not be reported for --ids.
-    try:
+    with about("argument --ids"):
         ids = parse_ids(text, family)
-    except ValueError as error:
-        raise ValueError(f"argument --ids: {error}") from None
-    if len(set(ids)) != len(ids) or len(ids) < 2:
-        raise ValueError(f"argument --ids: ids is '{text}', must be two or more different tags")
+        if len(set(ids)) != len(ids) or len(ids) < 2:
+            raise ValueError(f"ids is '{text}', must be two or more different tags")
     return sorted(ids)
 
 
@@ -92,21 +92,20 @@ def _sizes_of(text: str, ids: Sequence[int]) -> Dict[int, float]:
             tag, size = _size_of(part)
         except ValueError:
             raise ValueError(
-                f"argument --size: '{part}' must be 0.1 or 3:0.1, above 0 and at most "
-                f"{MAX_TAG_SIZE:g} m"
+                f"'{part}' must be 0.1 or 3:0.1, above 0 and at most {MAX_TAG_SIZE:g} m"
             ) from None
         if tag is None:
             if default:
-                raise ValueError(f"argument --size: is '{text}', must have one size for all others")
+                raise ValueError(f"is '{text}', must have one size for all others")
             default = {number: size for number in ids}
         elif tag not in ids or tag in sizes:
-            raise ValueError(f"argument --size: tag {tag} is not one of --ids, or is there twice")
+            raise ValueError(f"tag {tag} is not one of --ids, or is there twice")
         else:
             sizes[tag] = size
     sizes = {**default, **sizes}
     missing = [str(tag) for tag in ids if tag not in sizes]
     if missing:
-        raise ValueError(f"argument --size: there is none of the tags {', '.join(missing)}")
+        raise ValueError(f"there is none of the tags {', '.join(missing)}")
     return sizes
 
 

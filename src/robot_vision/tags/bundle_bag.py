@@ -7,6 +7,7 @@ import numpy as np
 import rosbag
 
 from .. import CameraModel, TagDetector, TagDetectorParams
+from ..common.errors import about
 from ..common.progress import Progress
 from ..recordings.bag_images import (
     IMAGE_TYPES,
@@ -49,10 +50,8 @@ def collect_from_bag(
         camera_info = arguments.camera_info or _beside(image, kinds[image])
         require_topic(path, kinds, camera_info, CAMERA_INFO, "camera_info")
         info = next(messages_on(bag, camera_info))
-        try:
+        with about(f"{path}: camera_info on {camera_info}"):
             camera = camera_model(info, (info.width, info.height))
-        except ValueError as error:
-            raise ValueError(f"{path}: camera_info on {camera_info}: {error}") from None
         _collect(bag, arguments, camera, collection, progress)
         return camera
 
@@ -70,11 +69,9 @@ def _collect(
     last_progress = time.monotonic()
     try:
         for name, read in images_on(bag, image):
-            try:
+            with about(f"{name} on {image} cannot be used"):
                 gray = read()
                 tags = detector.detect(gray, "mono8")
-            except ValueError as error:
-                raise ValueError(f"{name} on {image} cannot be used: {error}") from None
             size = gray.shape[1::-1]
             if size != (camera.width, camera.height):
                 raise ValueError(

@@ -8,6 +8,7 @@ from typing import Dict, List, Mapping, NamedTuple, Sequence, Tuple
 import numpy as np
 
 from .._core import Bundle, BundleTag, CameraModel, estimate_pose, single_tag
+from ..common.errors import about
 from .bundle_adjustment import Observations, adjust, layout_covariance
 from .layout_noise import noises_of
 
@@ -84,10 +85,8 @@ def _poses_of(
     """Returns the one or two possible poses of each tag in a frame."""
     guesses = {}
     for tag, corners in frame.items():
-        try:
+        with about(f"frame {index}"):
             found = estimate_pose(singles[tag], {tag: corners}, camera)
-        except ValueError as error:
-            raise ValueError(f"frame {index}: {error}") from None
         guesses[tag] = []
         if found is not None:
             guesses[tag].append(_Guess(found.best.pose, found.probability))

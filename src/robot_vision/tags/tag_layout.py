@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from typing import Any, Dict, Iterable, List, NamedTuple
 
 from .. import Bundle, tag_family
+from ..common.errors import about
 from ..common.plain_text import NAME, brief, is_name
 from .bundle_files import MAX_TAG_SIZE, list_of, parse_bundles, require_map
 from .tag_ids import parse_ids, require_id
@@ -69,46 +70,47 @@ class TagLayout:
 
     def _add(self, entry: Any, where: str) -> None:
         require_map(entry, where, ("id", "ids", "size", "name", "family"))
-        family = self._family_of(entry, where)
-        ids = _ids_of(entry, family, where)
-        size = _checked_size(entry.get("size", self._size), f"{where}: size")
-        name = entry.get("name", "")
-        if not isinstance(name, str) or (name and not is_name(name)):
-            raise ValueError(f"{where}: name is {brief(name)}, must be {NAME}")
-        if name and len(ids) > 1:
-            raise ValueError(f"{where}: name is '{name}', but there are {len(ids)} tags")
-        for number in ids:
-            if TagKey(family, number) in self._tags:
-                raise ValueError(f"{where}: tag {number} of {family} is there twice")
-            self._tags[TagKey(family, number)] = _Tag(size, name)
+        if ("id" in entry) == ("ids" in entry):
+            raise ValueError(f"{where} must have either id or ids")
+        with about(where):
+            family = self._family_of(entry)
+            ids = _ids_of(entry, family)
+            size = _checked_size(entry.get("size", self._size), "size")
+            name = entry.get("name", "")
+            if not isinstance(name, str) or (name and not is_name(name)):
+                raise ValueError(f"name is {brief(name)}, must be {NAME}")
+            if name and len(ids) > 1:
+                raise ValueError(f"name is '{name}', but there are {len(ids)} tags")
+            for number in ids:
+                if TagKey(family, number) in self._tags:
+                    raise ValueError(f"tag {number} of {family} is there twice")
+                self._tags[TagKey(family, number)] = _Tag(size, name)
 
     def _read_bundles(self, values: Any) -> List[FamilyBundle]:
         bundles = parse_bundles(values)
         found = []
         for value, bundle in zip(values, bundles):
-            where = f"bundle '{bundle.name}'"
-            family = self._family_of(value, where)
-            for tag in bundle.tags:
-                _require_id(tag.id, family, where)
-                self._require_same_size(TagKey(family, tag.id), tag.size, where)
+            with about(f"bundle '{bundle.name}'"):
+                family = self._family_of(value)
+                for tag in bundle.tags:
+                    require_id(tag.id, family)
+                    self._require_same_size(TagKey(family, tag.id), tag.size)
             found.append(FamilyBundle(family, bundle))
         return found
 
-    def _require_same_size(self, key: TagKey, size: float, where: str) -> None:
+    def _require_same_size(self, key: TagKey, size: float) -> None:
         """Checks that a bundle's tag has the same size elsewhere, as it also has its own pose."""
         known = self._tags.setdefault(key, _Tag(size, ""))
         if known.size != size:
             raise ValueError(
-                f"{where}: tag {key.id} of {key.family} has size {size:g}, elsewhere {known.size:g}"
+                f"tag {key.id} of {key.family} has size {size:g}, elsewhere {known.size:g}"
             )
 
-    def _family_of(self, entry: Dict[str, Any], where: str) -> str:
+    def _family_of(self, entry: Dict[str, Any]) -> str:
         family = entry.get("family", self.families[0])
         if family not in self.families:
             known = ", ".join(self.families)
-            raise ValueError(
-                f"{where}: family is {brief(family)}, must be one of families: {known}"
-            )
+            raise ValueError(f"family is {brief(family)}, must be one of families: {known}")
         return family
 
     def _require_different_names(self) -> None:
@@ -141,34 +143,20 @@ def _families(value: Any) -> List[str]:
         raise ValueError(f"families is {brief(value)}, must be names between commas")
     names = [name.strip() for name in names]
     for name in names:
-        try:
+        with about("families"):
             tag_family(name)
-        except ValueError as error:
-            raise ValueError(f"families: {error}") from None
         if names.count(name) > 1:
             raise ValueError(f"families has '{name}' twice")
     return names
 
 
-def _ids_of(entry: Dict[str, Any], family: str, where: str) -> List[int]:
-    if ("id" in entry) == ("ids" in entry):
-        raise ValueError(f"{where} must have either id or ids")
+def _ids_of(entry: Dict[str, Any], family: str) -> List[int]:
     if "ids" in entry:
-        try:
-            return parse_ids(str(entry["ids"]), family)
-        except ValueError as error:
-            raise ValueError(f"{where}: {error}") from None
+        return parse_ids(str(entry["ids"]), family)
     if type(entry["id"]) is not int:
-        raise ValueError(f"{where}: id is {brief(entry['id'])}, must be a whole number")
-    _require_id(entry["id"], family, where)
+        raise ValueError(f"id is {brief(entry['id'])}, must be a whole number")
+    require_id(entry["id"], family)
     return [entry["id"]]
-
-
-def _require_id(id: int, family: str, where: str) -> None:
-    try:
-        require_id(id, family)
-    except ValueError as error:
-        raise ValueError(f"{where}: {error}") from None
 
 
 def _checked_size(value: Any, where: str) -> float:
