@@ -1,7 +1,3 @@
-#include <pybind11/stl.h>
-
-#include <optional>
-
 #include "arrays.hpp"
 #include "leave_gil.hpp"
 #include "registry.hpp"
@@ -13,23 +9,23 @@ using namespace py::literals;
 namespace
 {
 
-/// None: it is no image.
-std::optional<py::array> decodeFile(const py::buffer& data, int flags)
+py::array decodeFile(const py::buffer& data, int flags)
 {
   const py::buffer_info bytes = data.request();
   if (bytes.ndim != 1 || bytes.strides[0] != bytes.itemsize) throw py::value_error("expected bytes in a row");
   const auto size = static_cast<std::size_t>(bytes.size * bytes.itemsize);
   const cv::Mat image =
       withoutGil([&] { return decodeImageFile(static_cast<const unsigned char*>(bytes.ptr), size, flags); });
-  if (image.empty()) return std::nullopt;
+  if (image.empty()) throw py::value_error("no image that OpenCV can read");
   return toPython(image);
 }
 
 void bindCodecs(py::module& m)
 {
   m.def("decode_image_file", &decodeFile, "data"_a, "flags"_a,
-        "The image of a file's bytes, read with cv2.IMREAD_... flags; None if it is none, or damaged.\n\n"
-        "Raises ValueError if its header claims more pixels than fit into memory beside others.");
+        "The image of a file's bytes, read with cv2.IMREAD_... flags.\n\n"
+        "Raises ValueError if it is none, or damaged, or if its header claims more pixels than fit into memory beside "
+        "others.");
 }
 
 const Bindings kBindings("codecs", {}, bindCodecs);

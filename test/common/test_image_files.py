@@ -9,7 +9,6 @@ from exif import sideways
 
 from robot_vision._core import decode_image_file
 from robot_vision.common.image_files import sensor_pixels, upright
-from robot_vision.faces.gallery_files import decode
 from robot_vision.recordings.gray_images import gray_file
 
 
@@ -19,23 +18,24 @@ def test_only_upright_images_are_rotated_by_exif():
     jpeg = cv2.imencode(".jpg", image)[1].tobytes()
     plain = sensor_pixels(jpeg)
     assert np.array_equal(sensor_pixels(sideways(jpeg)), plain)
-    for read in (upright, decode):  # decode reads the images of faces
-        assert np.array_equal(read(jpeg), plain)
-        assert np.array_equal(read(sideways(jpeg)), np.rot90(plain, -1))
+    assert np.array_equal(upright(jpeg), plain)
+    assert np.array_equal(upright(sideways(jpeg)), np.rot90(plain, -1))
 
 
 def test_file_that_claims_to_fill_the_memory_is_refused():
     """A file of some hundred kilobytes may have 30000 x 30000 px."""
     image = cv2.imencode(".png", np.zeros((4, 4, 3), np.uint8))[1].tobytes()
     bomb = image[:16] + struct.pack(">II", 30000, 30000) + image[24:]
-    for read in (sensor_pixels, upright, decode, gray_file):
+    for read in (sensor_pixels, upright, gray_file):
         with pytest.raises(ValueError, match="claims to be of 30000x30000, the most is 67108864"):
             read(bomb)
 
 
-def test_other_files_give_none():
-    for data in (b"", b"no image"):
-        assert sensor_pixels(data) is None and upright(data) is None
+@pytest.mark.parametrize("data", [b"", b"no image"])
+@pytest.mark.parametrize("read", [sensor_pixels, upright, gray_file])
+def test_other_files_are_refused(read, data):
+    with pytest.raises(ValueError, match=r"^no image that OpenCV can read$"):
+        read(data)
 
 
 def test_bytes_that_are_not_contiguous_are_refused():

@@ -424,7 +424,7 @@ def test_folders_are_enrolled_listed_and_forgotten(start, tmp_path):
     answer = call("enroll_folder", EnrollFolder, str(course), "")
     assert answer.success and answer.pictures == 8
     assert answer.message == "8 images of people added, 1 problems"
-    assert answer.problems == [f"{course}/Anna/broken.jpg: it is damaged, or no image"]
+    assert answer.problems == [f"{course}/Anna/broken.jpg: no image that OpenCV can read"]
     assert known() == {"Anna": 4, "Zoë": 4}
     assert [door.look(p) for p in (ANNA, BERT, CARLA)] == ["Anna", "Zoë", "unknown"]
     answer = call("enroll_folder", EnrollFolder, str(course / "Zoë"), "Bert")
@@ -481,7 +481,7 @@ def test_damaged_gallery_is_told_mended_and_used(start, folder):
     (folder / "Anna" / "9.png").write_bytes((folder / "Anna" / "1.png").read_bytes()[:500])
     door = Door(start, f"_gallery:={folder}", *AT_ONCE)
     door.process.wait_for_output(".faces is made anew from the images: it is damaged")
-    door.process.wait_for_output("Anna/9.png is not used: it is damaged, or no image")
+    door.process.wait_for_output("Anna/9.png is not used: no image that OpenCV can read")
     assert [door.look(p) for p in (ANNA, BERT)] == ["Anna", "Zoë"]
 
 

@@ -261,14 +261,14 @@ def test_what_cannot_be_used_is_told_skipped_and_kept(folder):
         assert same_faces(gallery, good)
         told = "\n".join(sorted(problems)).encode().decode()  # fit for a message
         for name, why in [
-            ("Anna/half.png", "it is damaged, or no image"),
-            ("Anna/empty.jpg", "it is damaged, or no image"),
-            ("Anna/text.png", "it is damaged, or no image"),
+            ("Anna/half.png", "no image that OpenCV can read"),
+            ("Anna/empty.jpg", "no image that OpenCV can read"),
+            ("Anna/text.png", "no image that OpenCV can read"),
             ("Anna/wall.png", "no face is found in it"),
             ("Anna/pipe.png", "it is no file"),
             ("Anna/folder.png", "it is no file"),
             ("Anna/huge.png", "it has 64 MB, must have at most 64"),
-            ("Anna/\ufffd.png", "it is damaged, or no image"),
+            ("Anna/\ufffd.png", "no image that OpenCV can read"),
             ("loose.png", "images belong into a folder with the person's name"),
             ("\ufffd", "the name '\\udcfe' must not hold"),
         ]:
@@ -303,7 +303,7 @@ def test_folders_of_pictures_are_imported_once(tmp_path):
     added = gallery.import_folder(str(source))
     assert (added.pictures, added.present, len(added.problems)) == (6, 0, 2)
     assert added.problems == [
-        f"{source}/Anna/broken.png: it is damaged, or no image",
+        f"{source}/Anna/broken.png: no image that OpenCV can read",
         f"{source}/unknown: nobody can be called 'unknown'",
     ]
     assert gallery.names() == {"Anna": 3, "Zoë": 3}

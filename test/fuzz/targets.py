@@ -16,11 +16,10 @@ from sensor_msgs.msg import CameraInfo, CompressedImage, Image, RegionOfInterest
 from robot_vision import HsvRange, ObjectTracker
 from robot_vision.camera.camera_list import parse_cameras
 from robot_vision.color.color_file import save_colors
-from robot_vision.common.image_files import sensor_pixels
+from robot_vision.common.image_files import sensor_pixels, upright
 from robot_vision.common.yaml_text import load_yaml
 from robot_vision.faces.face_cache import read_faces, write_faces
 from robot_vision.faces.face_images import SIDE, check_box, cut_out
-from robot_vision.faces.gallery_files import decode
 from robot_vision.msg import Detection, DetectionArray
 from robot_vision.recordings.bag_images import images_on, opened, topics_of
 from robot_vision.recordings.gray_images import gray_file, gray_message
@@ -66,9 +65,8 @@ class Images(Target):
         return encoded(".png", ".jpg", ".bmp", ".ppm", ".webp", ".tiff", ".ras")
 
     def run(self, data: bytes) -> None:
-        if sensor_pixels(data) is None:
-            raise ValueError("no picture")
-        decode(data)
+        sensor_pixels(data)
+        upright(data)
         gray_file(data)
 
 

@@ -1,6 +1,6 @@
 """Image files: their names, and their decoding."""
 
-from typing import Callable, Optional
+from typing import Callable
 
 import cv2
 import numpy as np
@@ -17,7 +17,7 @@ def has_image_suffix(path: str) -> bool:
     return path.lower().endswith(SUFFIXES)
 
 
-def sensor_pixels(data: bytes, flags: int = cv2.IMREAD_COLOR) -> Optional[np.ndarray]:
+def sensor_pixels(data: bytes, flags: int = cv2.IMREAD_COLOR) -> np.ndarray:
     """Decodes an image as the sensor saw it, without the rotation that its EXIF data asks for.
 
     A calibration needs these pixels, because the lens does not turn with the camera.
@@ -26,21 +26,19 @@ def sensor_pixels(data: bytes, flags: int = cv2.IMREAD_COLOR) -> Optional[np.nda
         data: The content of the file.
         flags: cv2.IMREAD_...; the default gives (height, width, 3) uint8, BGR.
 
-    Returns:
-        The image, or None if the file is damaged or not an image.
-
     Raises:
-        ValueError: The file claims to be larger than any image that fits into the memory.
+        ValueError: The file is damaged, not an image, or claims to be larger than any image that
+            fits into the memory.
     """
     return decode_image_file(data, flags | cv2.IMREAD_IGNORE_ORIENTATION)
 
 
-def upright(data: bytes) -> Optional[np.ndarray]:
+def upright(data: bytes) -> np.ndarray:
     """Decodes an image like sensor_pixels() to BGR, but rotated by EXIF, as viewers show it."""
     return decode_image_file(data, cv2.IMREAD_COLOR)
 
 
-def load_image(path: str, decode: Callable[[bytes], Optional[np.ndarray]]) -> np.ndarray:
+def load_image(path: str, decode: Callable[[bytes], np.ndarray]) -> np.ndarray:
     """Returns the image in a file.
 
     Args:
@@ -53,7 +51,4 @@ def load_image(path: str, decode: Callable[[bytes], Optional[np.ndarray]]) -> np
     """
     data = read_file(path, MAX_IMAGE)
     with about(path):
-        image = decode(data)
-    if image is None:
-        raise ValueError(f"{path}: no image that OpenCV can read")
-    return image
+        return decode(data)

@@ -7,8 +7,9 @@ import cv2
 import numpy as np
 
 from ..common.files import read_file, reason
+from ..common.image_files import upright
 from .face_images import face_of, portrait
-from .gallery_files import MAX_FILE, decode, image_paths, shown
+from .gallery_files import MAX_FILE, image_paths, shown
 
 
 class Candidates:
@@ -43,7 +44,7 @@ class Candidates:
             if given_up():
                 raise InterruptedError(f"given up at {shown(path)}")
             try:
-                self._take(portrait(decode(read_file(path, MAX_FILE))))
+                self._take(portrait(upright(read_file(path, MAX_FILE))))
             except (OSError, ValueError) as error:
                 self.problems.append(f"{shown(path)}: {reason(error)}")
 

@@ -19,13 +19,13 @@ from typing import Any, Callable, Dict, List, Mapping, Optional, Tuple
 import numpy as np
 
 from ..common.files import read_file, reason, trying
+from ..common.image_files import upright
 from ..common.plain_text import printable
 from .candidates import Candidates, digest_of
 from .face_cache import read_faces, write_faces
 from .face_images import face_of
 from .gallery_files import (
     MAX_FILE,
-    decode,
     entries,
     folder_of,
     image_paths,
@@ -232,7 +232,7 @@ class Gallery:
             try:
                 data = read_file(inside(self.folder, path), MAX_FILE)
                 digest = digest_of(data)
-                faces[digest] = cached[digest] if digest in cached else face_of(decode(data))
+                faces[digest] = cached[digest] if digest in cached else face_of(upright(data))
             except (OSError, ValueError) as error:
                 problems.append(f"{shown(path)} is not used: {reason(error)}")
         return faces

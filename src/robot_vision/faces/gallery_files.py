@@ -4,10 +4,8 @@ import os
 import unicodedata
 from typing import List, Sequence
 
-import numpy as np
-
 from ..common.files import add_file, reason, trying
-from ..common.image_files import has_image_suffix, upright
+from ..common.image_files import has_image_suffix
 from ..common.plain_text import printable
 from .identities import UNKNOWN
 
@@ -101,18 +99,6 @@ def entries(folder: str) -> List[str]:
     """
     with trying(shown(folder), "read"):
         return sorted(os.listdir(folder))
-
-
-def decode(data: bytes) -> np.ndarray:
-    """Returns the upright image of a file, (height, width, 3) BGR, uint8.
-
-    Raises:
-        ValueError: The file is not an image, or is damaged.
-    """
-    image = upright(data)
-    if image is None:
-        raise ValueError("it is damaged, or no image")
-    return image
 
 
 def write_numbered(folder: str, pngs: Sequence[bytes]) -> None:

@@ -44,8 +44,6 @@ def gray_file(data: bytes, label: str = "") -> np.ndarray:
     if "compressedDepth" in label:
         raise ValueError("it has depths (compressedDepth)")
     image = sensor_pixels(data, cv2.IMREAD_GRAYSCALE | cv2.IMREAD_ANYDEPTH)
-    if image is None:
-        raise ValueError("no image that OpenCV can read")
     bayer = re.match("bayer_[rgb]{4}", label)
     layout = bayer[0] if bayer else "mono"
     return gray_pixels(image, f"{layout}{8 * image.itemsize}")
