@@ -29,7 +29,7 @@ def coverage_image(
     """Draws the points and the hull of each view: (height, width, 3) uint8, BGR.
 
     Args:
-        sightings: The views of the board.
+        observations: The views of the board.
         errors: The errors of the views in px. Typical ones are green, those twice as large red.
         size: The width and height of the camera's images in px.
     """

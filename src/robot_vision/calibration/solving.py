@@ -51,7 +51,7 @@ def calibrate(
     """Computes the camera from views of a board in images of `size`, (width, height) px.
 
     Args:
-        sightings: The views.
+        observations: The views.
         size: The width and height of the images in px.
         model: One of MODELS.
         third: Whether to estimate the third radial coefficient of plumb_bob, which needs many

@@ -39,9 +39,9 @@ def _read(text: str, of: Any) -> Any:
     try:
         return of(_BoundedLoader(text))
     except yaml.MarkedYAMLError as error:
-        raise ValueError(
-            _located(str(error.problem or error.context), error.problem_mark)
-        ) from None
+        mark = error.problem_mark
+        where = f"line {mark.line + 1}, column {mark.column + 1}: " if mark else ""
+        raise ValueError(where + _one_line(str(error.problem or error.context))) from None
     except Exception as error:  # for instance of an impossible date, or a number without digits
         raise ValueError(_one_line(str(error))) from None
 
@@ -78,11 +78,6 @@ class _BoundedLoader(yaml.SafeLoader):
     def _require(self, ok: bool, problem: str, place: Any) -> None:
         if not ok:
             raise yaml.MarkedYAMLError(problem=problem, problem_mark=place.start_mark)
-
-
-def _located(problem: str, mark: Optional[yaml.Mark]) -> str:
-    where = f"line {mark.line + 1}, column {mark.column + 1}: " if mark else ""
-    return where + _one_line(problem)
 
 
 def _one_line(text: str) -> str:

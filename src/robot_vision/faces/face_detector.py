@@ -55,7 +55,8 @@ class FaceDetector:
         time = frame.time
         with self._lock:
             faces = self._detector.update(time, frame.image)
-            eyes = self._find_eyes(faces) if with_eyes else []
+            looked_at = faces if with_eyes else []
+            eyes = [(face, box) for face in looked_at for box in self._detector.find_eyes(face)]
             self._warn_if_slow(self._detector.search_time)
         found = (face_detection(face) for face in faces)
         self._faces.publish(detection_array(frame, found))
@@ -63,9 +64,6 @@ class FaceDetector:
         self._eyes.publish(detection_array(frame, found))
         if drawn:
             self._publish_overlay(frame, faces, eyes)
-
-    def _find_eyes(self, faces: List[Face]) -> List[Tuple[Face, Box]]:
-        return [(face, box) for face in faces for box in self._detector.find_eyes(face)]
 
     def _warn_if_slow(self, search_time: float) -> None:
         longest = 2.0 * search_time  # A face may appear just after a search has begun.

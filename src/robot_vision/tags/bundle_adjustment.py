@@ -39,7 +39,7 @@ def adjust(
     McLauchlan, Hartley, Fitzgibbon: Bundle Adjustment, A Modern Synthesis, 1999.
 
     Args:
-        sightings: The observed tags.
+        observations: The observed tags.
         camera: The camera.
         layout: (n, 4, 4), a guess of the tags' poses in the master's frame; the first stays.
         poses: (f, 4, 4), a guess of the master's poses in the camera's frame.
