@@ -7,12 +7,14 @@ from typing import Sequence
 from xml.sax.saxutils import escape
 
 import cairo
+import cv2
 import numpy as np
 
 from .drawing import INCH, Drawing
 
 POINT = INCH / 72.0  # mm, the unit of cairo in a PDF
 FONT = "sans-serif"
+PNG_HEADER = 33  # bytes: the signature, and the chunk with the size of the image
 MAX_SIDE = 32767  # px, largest side of an image of cairo
 
 
@@ -65,25 +67,12 @@ def paint(context: cairo.Context, page: Drawing) -> None:
 
 
 def png(gray: np.ndarray, dpi: int) -> bytes:
-    """Returns a PNG of a (height, width) uint8 image with its pHYs chunk, unlike cairo's PNGs."""
-    height, width = gray.shape
+    """Returns a PNG of a (height, width) uint8 image with the resolution in its pHYs chunk."""
+    data = cv2.imencode(".png", gray, [cv2.IMWRITE_PNG_COMPRESSION, 9])[1].tobytes()
     per_metre = round(dpi / INCH * 1000.0)
-    rows = np.pad(gray, ((0, 0), (1, 0)))  # Each row starts with the number of its filter, 0: none.
-
-    def chunk(kind: bytes, data: bytes) -> bytes:
-        return (
-            struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
-        )
-
-    return b"".join(
-        (
-            b"\x89PNG\r\n\x1a\n",
-            chunk(b"IHDR", struct.pack(">IIBBBBB", width, height, 8, 0, 0, 0, 0)),
-            chunk(b"pHYs", struct.pack(">IIB", per_metre, per_metre, 1)),
-            chunk(b"IDAT", zlib.compress(rows.tobytes(), 9)),
-            chunk(b"IEND", b""),
-        )
-    )
+    size = struct.pack(">4sIIB", b"pHYs", per_metre, per_metre, 1)
+    chunk = struct.pack(">I", len(size) - 4) + size + struct.pack(">I", zlib.crc32(size))
+    return data[:PNG_HEADER] + chunk + data[PNG_HEADER:]
 
 
 def to_svg(page: Drawing) -> bytes:
