@@ -5,6 +5,7 @@
 #include "arrays.hpp"
 #include "leave_gil.hpp"
 #include "ros/images/embedded_roscpp_node.hpp"
+#include "ros/params/package_file.hpp"
 #include "ros/params/save_params.hpp"
 
 namespace
@@ -148,4 +149,7 @@ PYBIND11_MODULE(_transport, m)
   m.def("edit_params", edit, "path"_a, "text"_a, "values"_a,
         "The YAML text of the file `path` with the values in it; see save_params.hpp. Raises RuntimeError naming the "
         "path.");
+  m.def(
+      "require_own_launch", &requireOwnLaunch, "path"_a,
+      "Raises RuntimeError for a file of this package if roslaunch did not start this process; see package_file.hpp.");
 }

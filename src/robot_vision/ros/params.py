@@ -4,9 +4,7 @@ import copy
 import difflib
 import math
 import os
-import pathlib
 import re
-import sys
 from typing import Any, Callable, Dict, Optional, TypeVar
 
 import dynamic_reconfigure.server
@@ -188,7 +186,7 @@ class LiveParams:
             # roslaunch and a node resolve a relative path in different folders.
             if not os.path.isabs(path):
                 raise RuntimeError(f"~config_file is {brief(path)}, must be an absolute path")
-            _require_own_launch(path)
+            _transport.require_own_launch(path)
             values = {name: accepted[name] for name in self._type.defaults}
             replace_file(path, self._edit(path, read_text(path), values).encode())
         except (OSError, RuntimeError, ValueError) as error:
@@ -198,29 +196,6 @@ class LiveParams:
             rospy.logerr("parameters not saved: %s", reason)
             return TriggerResponse(False, reason)
         return TriggerResponse(True, path)
-
-
-def _require_own_launch(path: str) -> None:
-    """Refuses to save to a file of this package if the node was started by rosrun.
-
-    ~config_file then was not set for this node, but left on the parameter server by a launch file
-    that has ended. A process was started by roslaunch if it got a name for its log file.
-    """
-    launched = any(word.startswith("__log:=") for word in sys.argv)
-    if not launched and _is_in_this_package(path):
-        raise RuntimeError(
-            f"~config_file is '{path}', a file of the package, to which only what roslaunch starts "
-            "saves; name another one: _config_file:=/absolute/path.yaml"
-        )
-
-
-def _is_in_this_package(path: str) -> bool:
-    """Returns whether a file is in the sources or in an installed copy of this package."""
-    for folder in pathlib.Path(os.path.realpath(path)).parents:
-        manifest = folder / "package.xml"
-        if manifest.is_file():
-            return "<name>robot_vision</name>" in manifest.read_text(encoding="utf-8")
-    return False
 
 
 class _Server(dynamic_reconfigure.server.Server):
