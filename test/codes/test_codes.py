@@ -246,7 +246,7 @@ def test_only_the_symbologies_wanted_are_read():
     both = [("ean13", b"4006381333931"), ("qr", b"hello")]
     for wanted, expected in [
         ("all", both),
-        ("qr, ean13", both),
+        (" qr , ean13 ", both),
         ("ean13,code128", both[:1]),
         ("qr", both[1:]),
         ("i25", []),
@@ -397,19 +397,12 @@ def test_invalid_images_are_refused():
         (
             "symbologies",
             "aztec",
-            "symbologies has 'aztec', must be all, or some with commas: qr, ean13, ",
+            "symbologies has 'aztec', must be all, or some with commas: qr, ean13, ean8, upca, "
+            "upce, code128, code93, code39, i25, codabar$",
         ),
-        (
-            "symbologies",
-            "qr,,ean8",
-            "symbologies has '', must be all, or some with commas: qr, ean13, ",
-        ),
+        ("symbologies", "qr,,ean8", "symbologies has '', must be all, or some with commas: qr, "),
         ("symbologies", "", "symbologies has '', must be all, or some with commas: qr, ean13, "),
         ("spacing", 0, "spacing is 0, must be from 1 to 16"),
-        ("spacing", 17, "spacing is 17, must be from 1 to 16"),
-        ("enlarge", 0, "enlarge is 0, must be from 1 to 4"),
-        ("enlarge", 5, "enlarge is 5, must be from 1 to 4"),
-        ("max_search_period", -0.1, "max_search_period is -0.1, must be from 0 to 60"),
     ],
 )
 def test_parameters_out_of_range_are_refused(name, value, text):
