@@ -43,12 +43,14 @@ inline const cv::Mat kObject = blots({60, 50}, 2);
 inline const cv::Point2d kStart(159.5, 119.5);
 inline const cv::Rect kRegion(130, 95, 60, 50);  // the object at kStart
 
-/// A tracker that has selected the object in the frame at time 0.
-inline robot_vision::ObjectTracker selected(const robot_vision::ObjectTrackerParams& params = {})
+/// A tracker that has selected the object, whose middle is at `center`, in the frame at time 0.
+inline robot_vision::ObjectTracker selected(const robot_vision::ObjectTrackerParams& params = {},
+                                            const cv::Mat& object = kObject, const cv::Point2d& center = kStart)
 {
   robot_vision::ObjectTracker tracker(params);
-  tracker.update(0.0, with(kObject, kStart), "bgr8");
-  EXPECT_EQ(tracker.select(kRegion, "thing"), 1);
+  tracker.update(0.0, with(object, center), "bgr8");
+  const cv::Point corner = center - 0.5 * cv::Point2d(object.cols - 1, object.rows - 1);
+  EXPECT_EQ(tracker.select({corner, object.size()}, "thing"), 1);
   return tracker;
 }
 

@@ -121,9 +121,7 @@ int mistaken(cv::Mat other(const cv::Mat& object, int seed))
   for (int seed = 20; seed < 30; ++seed)
   {
     const cv::Mat object = blots({80, 70}, seed);
-    ObjectTracker tracker;
-    tracker.update(0.0, with(object, kStart), "bgr8");
-    tracker.select({120, 85, 80, 70});
+    ObjectTracker tracker = selected({}, object);
     EXPECT_FALSE(tracker.update(kPeriod, kBackground, "bgr8").at(0).tracked) << seed;
     found += tracker.update(2.0 * kPeriod, with(other(object, seed + 100), kStart), "bgr8").at(0).tracked;
   }

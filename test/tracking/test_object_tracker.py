@@ -191,81 +191,35 @@ def test_velocity_scale_and_angle_are_measured():
     assert len(inside) > 20 and min(inside) >= 0.0
 
 
-def test_object_is_not_lost_when_the_light_is_switched():
-    picture, background = part("astronaut", FACE, (100, 120)), photograph("coffee", SIZE)
-    place = placement(picture, (320.0, 240.0), 1.0, 0.0)
-    image = put(background, picture, place)
-    tracker = rv.ObjectTracker()
-    tracker.update(0.0, image)
-    tracker.select(box_around(outline(picture, place)))
-    for number in range(1, 30):
-        light = 0.5 if number % 10 >= 5 else 1.0
-        (found,) = tracker.update(number / RATE, cv2.convertScaleAbs(image, alpha=light))
-        assert found.tracked and iou(found.outline, outline(picture, place)) > 0.9
-
-
 @pytest.mark.parametrize("poster", [None, "astronaut"])
 def test_objects_of_the_synthetic_scene(poster):
     """The poster is always seen; the box shows other sides to the camera, and is lost then."""
     scene = rv.Scene(rv.SceneParams(), photograph(poster) if poster else None)
-    trackers = {name: rv.ObjectTracker() for name in ("poster", "box")}
-    overlaps, seen = {name: [] for name in trackers}, {name: [] for name in trackers}
+    tracker = rv.ObjectTracker()
+    overlaps, seen = {"poster": [], "box": []}, {"poster": [], "box": []}
     for number in range(400):
         things = {thing.name: thing for thing in scene.truth(number).objects}
-        image = scene.render(number)
-        for name, tracker in trackers.items():
-            silhouette = cv2.convexHull(np.asarray(things[name].outline, np.float32))[:, 0]
-            found = tracker.update(number / RATE, image)
-            if not found:
+        found = tracker.update(number / RATE, scene.render(number))
+        if number == 0:
+            for name in seen:
                 assert things[name].visible
-                tracker.select(box_around(silhouette.astype(float)), name)
-                continue
-            seen[name].append(found[0].tracked)
-            if found[0].tracked:
-                overlaps[name].append(iou(found[0].outline, silhouette))
+                tracker.select(box_around(things[name].outline), name)
+        for one in found:
+            seen[one.label].append(one.tracked)
+            if one.tracked:
+                silhouette = cv2.convexHull(things[one.label].outline.astype(np.float32))[:, 0]
+                overlaps[one.label].append(iou(one.outline, silhouette))
     for name, min_share in (("poster", 0.95), ("box", 0.3)):
         assert min(overlaps[name]) >= 0.5, name
         assert np.mean(seen[name]) > min_share, name
 
 
-def test_three_objects_side_by_side():
-    pictures = [PARTS[name][0] for name in ("face 60x70", "cat 110x100", "cup 90x90")]
-    background = photograph("grass", SIZE)
-    tracker = rv.ObjectTracker()
-    seen = []
-    for number in range(240):
-        t = number / RATE
-        image, outlines = background, []
-        for row, picture in enumerate(pictures):
-            center = 320.0 + 240.0 * np.cos(0.8 * t + np.pi * row), 140.0 + 110.0 * row
-            place = placement(picture, center, 1.0, 0.2 * np.sin(t + row))
-            image = put(image, picture, place)
-            outlines.append(outline(picture, place))
-        found = tracker.update(t, image)
-        if number == 0:
-            for row, true in enumerate(outlines):
-                assert tracker.select(box_around(true), str(row)) == row + 1
-            continue
-        assert [one.label for one in found] == ["0", "1", "2"]
-        for one, true in zip(found, outlines):
-            seen.append(one.tracked)
-            if one.tracked:
-                assert iou(one.outline, true) >= 0.5
-    assert np.mean(seen) > 0.95
-
-
 def test_selecting_in_other_encodings_and_bad_selections():
     gray = cv2.cvtColor(photograph("astronaut", SIZE), cv2.COLOR_BGR2GRAY)
     tracker = rv.ObjectTracker()
-    with pytest.raises(ValueError, match="there is no image yet"):
-        tracker.select((10, 10, 50, 50))
     tracker.update(0.0, gray, "mono8")
-    for box, text in [
-        ((600, 400, 100, 50), r"region of 100x50 px at \(600, 400\) is not inside the image of"),
-        ((10, 10, 15, 50), "is too small, must be at least 16x16 px"),
-    ]:
-        with pytest.raises(ValueError, match=text):
-            tracker.select(box)
+    with pytest.raises(ValueError, match=r"region of 100x50 px at \(600, 400\) is not inside"):
+        tracker.select((600, 400, 100, 50))
     with pytest.raises(TypeError):
         tracker.select((1.5, 2.5, 40.0, 40.0))
     assert tracker.select_in(gray, (200, 50, 100, 100), "old", "mono8") == 1
