@@ -76,11 +76,6 @@ def picture_of(
     return picture
 
 
-def turn_of(error):
-    """The angle in degrees of an error (x, y, z and rotations)."""
-    return np.degrees(np.linalg.norm(error[3:]))
-
-
 def moving(rng, pixels, frames):
     """Poses, at 30 Hz, of a tag that moves and turns as long as it is in view."""
     pose = pose_in_view(rng, pixels, np.radians(rng.uniform(0, 50)))

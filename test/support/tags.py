@@ -55,6 +55,33 @@ def faces_camera(pose):
     return pose[:3, 2] @ pose[:3, 3] < -0.2 * np.linalg.norm(pose[:3, 3])
 
 
+def visible(body, places, camera, size=SIZE):
+    """The corners of the tags that a camera sees, by id; `places` are their poses on a body."""
+    poses = {tag: body @ place for tag, place in places.items()}
+    seen = {tag: corners_of(pose, camera, size) for tag, pose in poses.items()}
+    return {
+        tag: corners
+        for tag, corners in seen.items()
+        if faces_camera(poses[tag]) and in_picture(corners, camera)
+    }
+
+
+def random_places(rng, flat):
+    """Poses of five tags on a body, by id."""
+    return {
+        tag: matrix(
+            turned([0, 0, rng.uniform(-3, 3)] if flat else rng.uniform(-0.6, 0.6, 3)),
+            rng.uniform(-0.4, 0.4, 3) * ([1, 1, 0] if flat else [1, 1, 0.5]),
+        )
+        for tag in range(5)
+    }
+
+
+def bundle_of(places, size, *noise):
+    """The bundle `box` of tags at these places, of one size; noise of their shift and turn."""
+    return rv.Bundle("box", [rv.BundleTag(tag, size, p, *noise) for tag, p in places.items()])
+
+
 def error_of(pose, truth):
     """x, y, z (m) and rotations about x, y, z (rad) from a pose to the truth, in camera axes."""
     turn = cv2.Rodrigues(truth[:3, :3] @ pose[:3, :3].T)[0][:, 0]
@@ -65,3 +92,8 @@ def squared_error(estimate, truth):
     """The squared error divided by the covariance: 6 on average if the covariance is right."""
     error = error_of(estimate.pose, truth)
     return error @ np.linalg.solve(estimate.covariance, error)
+
+
+def turn_of(error):
+    """The angle in degrees of an error (x, y, z and rotations)."""
+    return np.degrees(np.linalg.norm(error[3:]))

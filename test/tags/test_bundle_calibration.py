@@ -7,12 +7,12 @@ from tags import (
     CAMERAS,
     corners_of,
     error_of,
-    faces_camera,
-    in_picture,
     matrix,
     pose_in_view,
     squared_error,
+    turn_of,
     turned,
+    visible,
 )
 
 import robot_vision as rv
@@ -40,12 +40,11 @@ def frames_of(rng, layout, camera, count, only=None, noise=NOISE):
     while len(frames) < count:
         body = pose_in_view(rng, rng.uniform(90, 170), rng.uniform(0, 1.1))
         tags = layout if only is None else only(len(frames))
-        seen = {tag: corners_of(body @ layout[tag], camera, SIDE) for tag in tags}
+        places = {tag: layout[tag] for tag in tags}
         frames.append(
             {
                 tag: corners + rng.normal(0.0, noise, (4, 2))
-                for tag, corners in seen.items()
-                if faces_camera(body @ layout[tag]) and in_picture(corners, camera)
+                for tag, corners in visible(body, places, camera, SIDE).items()
             }
         )
     return frames
@@ -56,7 +55,7 @@ def worst(bundle, layout):
     errors = [error_of(tag.pose, layout[tag.id]) for tag in bundle.tags]
     return (
         max(np.linalg.norm(error[:3]) for error in errors),
-        np.degrees(max(np.linalg.norm(error[3:]) for error in errors)),
+        max(map(turn_of, errors)),
     )
 
 
@@ -122,12 +121,10 @@ def test_uncertainties_of_a_layout_are_right():
             turns.append(np.mean(error[3:] ** 2) / tag.turn_noise**2)
         for _ in range(10):
             body = pose_in_view(rng, 120, rng.uniform(0, 1))
-            seen = {}
-            for tag, place in layout.items():
-                corners = corners_of(body @ place, camera, SIDE)
-                if faces_camera(body @ place) and in_picture(corners, camera):
-                    noise = rng.normal(0.0, 0.02, (4, 2))
-                    seen[tag] = rv.MeasuredCorners(corners + noise, 0.0004 * np.eye(8))
+            seen = {
+                tag: rv.MeasuredCorners(corners + rng.normal(0.0, 0.02, (4, 2)), 0.0004 * np.eye(8))
+                for tag, corners in visible(body, layout, camera, SIDE).items()
+            }
             if len(seen) > 1:
                 best = rv.estimate_pose(bundle, seen, camera, lens_noise=0.0).best
                 squares.append(squared_error(best, body @ frame) / 6.0)

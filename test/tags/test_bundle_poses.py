@@ -4,14 +4,18 @@ import numpy as np
 import pytest
 from tag_views import CAMERA, RAYS, badly_calibrated, picture_of
 from tags import (
+    bundle_of,
     corners_of,
     error_of,
     faces_camera,
     in_picture,
     matrix,
     pose_in_view,
+    random_places,
     squared_error,
+    turn_of,
     turned,
+    visible,
 )
 
 import robot_vision as rv
@@ -21,17 +25,6 @@ SIDE = 0.1  # m
 CORNER_NOISE = 0.02  # px, of measured corners
 SHIFT, TURN = 0.0005, 0.005  # m, rad: errors of a layout
 FREEDOM = 6  # of a pose
-
-
-def some_places(rng, flat):
-    """Poses of five tags on a body."""
-    return [
-        matrix(
-            turned([0, 0, rng.uniform(-3, 3)] if flat else rng.uniform(-0.6, 0.6, 3)),
-            rng.uniform(-0.4, 0.4, 3) * ([1, 1, 0] if flat else [1, 1, 0.5]),
-        )
-        for _ in range(5)
-    ]
 
 
 def shaken(rng, pose, shift, turn):
@@ -55,16 +48,16 @@ def mean_square(rng, off=0.0, lens_noise=0.0, shift=0.0, turn=0.0, stated=None, 
     squares = []
     for trial in range(250):
         camera = badly_calibrated(rng, off) if off else CAMERA
-        places = some_places(rng, trial % 2)
-        real = [shaken(rng, place, shift, turn) for place in places]
-        bundle = rv.Bundle("box", [rv.BundleTag(i, SIDE, p, *stated) for i, p in enumerate(places)])
+        places = random_places(rng, trial % 2)
+        real = {tag: shaken(rng, place, shift, turn) for tag, place in places.items()}
+        bundle = bundle_of(places, SIDE, *stated)
         body = pose_in_view(rng, rng.choice([60, 120]), rng.uniform(0, 1))
-        seen = {}
-        for number, place in enumerate(real):
-            corners = corners_of(body @ place, CAMERA, SIDE)
-            if faces_camera(body @ place) and in_picture(corners, CAMERA):
-                noise = rng.normal(0.0, CORNER_NOISE, (4, 2))
-                seen[number] = rv.MeasuredCorners(corners + noise, CORNER_NOISE**2 * np.eye(8))
+        seen = {
+            tag: rv.MeasuredCorners(
+                corners + rng.normal(0.0, CORNER_NOISE, (4, 2)), CORNER_NOISE**2 * np.eye(8)
+            )
+            for tag, corners in visible(body, real, CAMERA, SIDE).items()
+        }
         if len(seen) < 2:
             continue
         if track:
@@ -84,11 +77,6 @@ def test_tags_share_the_error_of_the_lens(off, track):
     assert 0.7 < mean_square(rng, off, off / np.sqrt(2), track=track) < 1.5
 
 
-def test_default_noise_suits_a_usual_calibration():
-    rng = np.random.default_rng(22)
-    assert 0.7 < mean_square(rng, 0.1, rv.TagPoseParams().lasting_noise) < 1.5
-
-
 @pytest.mark.parametrize("off", [0.0, 0.1])
 @pytest.mark.parametrize("track", [False, True], ids=["picture", "tracker"])
 def test_a_layout_is_trusted_as_its_noise_says(off, track):
@@ -106,7 +94,7 @@ def test_an_image_of_a_bundle():
         for x, angle in ((-0.2, -0.4), (0.2, 0.4))
         for y in (-0.15, 0.15)
     ]
-    bundle = rv.Bundle("box", [rv.BundleTag(i, SIDE, p, SHIFT, TURN) for i, p in enumerate(wall)])
+    bundle = bundle_of(dict(enumerate(wall)), SIDE, SHIFT, TURN)
     detector = rv.TagDetector()
     squares, places, turns = {0.0: [], 0.1: []}, [], []
     for trial in range(100):
@@ -126,7 +114,7 @@ def test_an_image_of_a_bundle():
         error = error_of(best.pose, body)
         squares[off].append(squared_error(best, body) / FREEDOM)
         places.append(np.linalg.norm(error[:3]) / body[2, 3])
-        turns.append(np.degrees(np.linalg.norm(error[3:])))
+        turns.append(turn_of(error))
     assert min(map(len, squares.values())) > 20
     for off, values in squares.items():
         assert 0.7 < np.mean(values) < 1.5, off

@@ -10,10 +10,19 @@ from tag_views import (
     moving,
     picture_of,
     rays_of,
-    turn_of,
     undistorted,
 )
-from tags import CAMERAS, SIZE, K, corners_of, error_of, in_picture, pose_in_view, squared_error
+from tags import (
+    CAMERAS,
+    SIZE,
+    K,
+    corners_of,
+    error_of,
+    in_picture,
+    pose_in_view,
+    squared_error,
+    turn_of,
+)
 
 import robot_vision as rv
 from robot_vision.tags.tag_poses import corners_of as measured
