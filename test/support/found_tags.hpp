@@ -15,6 +15,27 @@ inline double distance(const TagCorners& a, const TagCorners& b)
   return largest;
 }
 
+/// The errors of the corners' coordinates, x and y of each (px).
+inline cv::Vec<double, 8> cornerErrors(const TagCorners& corners, const TagCorners& truth)
+{
+  cv::Vec<double, 8> off;
+  for (int i = 0; i < 4; ++i)
+  {
+    const cv::Point2d d = corners[static_cast<std::size_t>(i)] - truth[static_cast<std::size_t>(i)];
+    off[2 * i] = d.x;
+    off[2 * i + 1] = d.y;
+  }
+  return off;
+}
+
+/// Corners with noise of a standard deviation (px).
+inline TagCorners shaken(TagCorners corners, double deviation, cv::RNG& random)
+{
+  for (cv::Point2d& corner : corners)
+    corner += cv::Point2d(random.gaussian(deviation), random.gaussian(deviation));
+  return corners;
+}
+
 inline std::vector<int> idsOf(const std::vector<robot_vision::Tag>& tags)
 {
   std::vector<int> ids;

@@ -68,19 +68,6 @@ std::optional<robot_vision::TagCorners> measure(const cv::Mat& image, const std:
   return measureCorners(image, tagCells(family, id), tagFamily(family).width_at_border, {id, near}, camera);
 }
 
-/// The errors of the corners' coordinates, x and y of each (px).
-cv::Vec<double, 8> errorsOfCoordinates(const Corners& corners, const Corners& truth)
-{
-  cv::Vec<double, 8> off;
-  for (int i = 0; i < 4; ++i)
-  {
-    const cv::Point2d d = corners[static_cast<std::size_t>(i)] - truth[static_cast<std::size_t>(i)];
-    off[2 * i] = d.x;
-    off[2 * i + 1] = d.y;
-  }
-  return off;
-}
-
 /// The errors of many tags: the root mean square of the coordinates' errors (px), the mean of their squares divided by
 /// the covariance (1 if the covariance is right), and the number of tags that were not found.
 struct Errors
@@ -100,13 +87,10 @@ Errors errorsOf(const Shot& shot, int runs, std::uint64_t seed, const cv::Mat& s
     const Corners truth = randomCorners(shot.side, random);
     cv::Mat image = imageOf(shot, id, truth, random);
     if (!sharpen.empty()) cv::filter2D(image, image, -1, sharpen);
-    Corners near = truth;
-    for (cv::Point2d& corner : near)
-      corner += cv::Point2d(random.gaussian(0.15), random.gaussian(0.15));
-    const auto found = measure(image, shot.family, id, near);
+    const auto found = measure(image, shot.family, id, shaken(truth, 0.15, random));
     if (!found && ++errors.missed) continue;
     ++seen;
-    const cv::Vec<double, 8> off = errorsOfCoordinates(found->corners, truth);
+    const cv::Vec<double, 8> off = cornerErrors(found->corners, truth);
     errors.px += off.dot(off) / 8.0;
     errors.squares += off.dot(found->covariance->solve(off, cv::DECOMP_CHOLESKY)) / 8.0;
   }
@@ -191,12 +175,9 @@ TEST(RefinedCorners, areRightForDrawnTagsWithEdgesBetweenPixels)
       cv::resize(paperOf(kFamily, id), paper, {}, cell, cell, cv::INTER_NEAREST);
       paper.copyTo(image({10, 10, paper.cols, paper.rows}));
       addNoise(image, noise, random);
-      Corners start = truth;
-      for (cv::Point2d& corner : start)
-        corner += cv::Point2d(random.gaussian(0.15), random.gaussian(0.15));
-      const auto found = measure(image, kFamily, id, start);
+      const auto found = measure(image, kFamily, id, shaken(truth, 0.15, random));
       ASSERT_TRUE(found) << "tag " << id << ", noise " << noise;
-      const cv::Vec<double, 8> off = errorsOfCoordinates(found->corners, truth);
+      const cv::Vec<double, 8> off = cornerErrors(found->corners, truth);
       EXPECT_LT(cv::norm(off, cv::NORM_INF), 0.1 + 0.02 * noise) << "tag " << id << ", noise " << noise;
       EXPECT_LT(off.dot(found->covariance->solve(off, cv::DECOMP_CHOLESKY)) / 8.0, 3.0)
           << "tag " << id << ", noise " << noise;

@@ -48,13 +48,11 @@ private:
 
 TagDetectorParams withBackgroundSearch(double period = 0.5, double decimate = 0.0)
 {
-  return with(
-      [=](TagDetectorParams& p)
-      {
-        p.background = true;
-        p.max_search_period = period;
-        p.decimate = decimate;
-      });
+  TagDetectorParams params;
+  params.background = true;
+  params.max_search_period = period;
+  params.decimate = decimate;
+  return params;
 }
 
 cv::Mat withTag(cv::Point2d middle, double side = 50.0, cv::Size size = {640, 480})

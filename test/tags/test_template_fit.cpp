@@ -103,10 +103,7 @@ TEST(TemplateFit, findsTheCornersOfItsOwnModel)
       const TagTemplate tag_template = templateOf(family.name, 5);
       const Corners truth = tagCorners({320.0, 240.0}, 50.0, 0.4, 0.3, 1.0);
       const auto samples = samplesOf(tag_template, viewOf(truth, tag_template, blur), 0.5, random);
-      Corners near = truth;
-      for (cv::Point2d& corner : near)
-        corner += cv::Point2d(random.gaussian(0.2), random.gaussian(0.2));
-      const auto found = fitTemplate(tag_template, samples, near);
+      const auto found = fitTemplate(tag_template, samples, shaken(truth, 0.2, random));
       ASSERT_TRUE(found) << family.name << " " << blur;
       EXPECT_LT(distance(found->corners, truth), 0.02) << family.name << " " << blur;
     }
@@ -126,13 +123,7 @@ TEST(TemplateFit, covarianceIsThatOfTheErrors)
       const auto samples = samplesOf(tag_template, viewOf(truth, tag_template, blur), 4.0, random);
       const auto found = fitTemplate(tag_template, samples, truth);
       ASSERT_TRUE(found) << blur;
-      cv::Vec<double, 8> off;
-      for (int i = 0; i < 4; ++i)
-      {
-        const cv::Point2d d = found->corners[static_cast<std::size_t>(i)] - truth[static_cast<std::size_t>(i)];
-        off[2 * i] = d.x;
-        off[2 * i + 1] = d.y;
-      }
+      const cv::Vec<double, 8> off = cornerErrors(found->corners, truth);
       squares += off.dot(found->covariance.solve(off, cv::DECOMP_CHOLESKY)) / 8.0;
     }
     EXPECT_GT(squares / runs, 0.75) << blur;
