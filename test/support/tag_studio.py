@@ -1,12 +1,9 @@
 """Shared by the tests of tags: images of tags with known poses, and a detector for them."""
 
-import itertools
-
 import cv2
 import numpy as np
-import rospy
 import support
-from frames import Source, message, new_topic
+from frames import Camera, Source
 from sensor_msgs.msg import CameraInfo
 
 import robot_vision as rv
@@ -86,38 +83,31 @@ class Studio:
     """A camera with frames at 10 Hz of simulated stamps, and the node's answers to them."""
 
     def __init__(self, start, *arguments, info=None, tag_size=SIZE):
-        topic = new_topic()
-        self._source = Source(topic)
-        self.infos = Source(topic.replace("image", "camera_info"), CameraInfo)
-        self._numbers = itertools.count(1)
-        self.topic = topic
+        self._camera = Camera(10.0)
+        self.topic = self._camera.topic
+        self.infos = Source(self.topic.replace("image", "camera_info"), CameraInfo)
         self.info = info
         size = f"_tag_size:={tag_size}"
         self.process = start(
-            "apriltag_detector.py", "__name:=tag", f"image:={topic}", size, *arguments
+            "apriltag_detector.py", "__name:=tag", f"image:={self.topic}", size, *arguments
         )
-        self.tags = support.Messages("/tag/tags", TagDetectionArray)
-        self._source.wait_for()
+        self.tags = support.subscribed("/tag/tags", TagDetectionArray)
+        self._camera.wait_for()
         self.infos.wait_for()
-        support.wait_for(self.tags.connected, "~tags")
 
-    def show(self, picture, encoding="mono8", frame_id="eye"):
+    def show(self, picture, encoding="mono8"):
         """Sends an image and waits for the tags that the node finds in it."""
-        return self.tags.of(self.send(picture, encoding, frame_id))
+        return self.tags.of(self.send(picture, encoding))
 
-    def send(self, picture, encoding="mono8", frame_id="eye"):
+    def send(self, picture, encoding="mono8"):
         """Sends an image and returns its stamp."""
-        sent = message(picture, encoding)
-        sent.header.stamp = rospy.Time.from_sec(next(self._numbers) / 10.0)
-        sent.header.frame_id = frame_id
         if self.info is not None:
             self.infos.send(self.info)
-        self._source.send(sent)
-        return sent.header.stamp
+        return self._camera.show(picture, encoding).stamp
 
     def wait_for_subscribers(self, count):
         """Waits for this many subscribers of the images."""
-        self._source.wait_for(count)
+        self._camera.wait_for(count)
 
     def show_until(self, condition, picture, encoding="mono8"):
         """Sends an image until the answer satisfies the condition; returns that answer."""
