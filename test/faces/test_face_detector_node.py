@@ -1,15 +1,10 @@
 """The node face_detector: what it publishes, and what it makes of bad cascades."""
 
-import itertools
-
-import dynamic_reconfigure.client
 import numpy as np
 import pytest
-import rosgraph
-import rospy
 import support
 from faces import BACKGROUND, RATE, frame, iou
-from frames import Source, message, new_topic
+from frames import Camera
 from sensor_msgs.msg import Image
 
 from robot_vision.msg import DetectionArray
@@ -19,28 +14,22 @@ class Person:
     """A camera at 30 Hz of its own time, and what the node says of its frames."""
 
     def __init__(self, start, *arguments):
-        topic = new_topic()
-        self._source = Source(topic)
-        self._numbers = itertools.count(1)
+        self._camera = Camera(RATE)
         self.process = start(
             "face_detector.py",
             "__name:=finder",
-            f"image:={topic}",
+            f"image:={self._camera.topic}",
             "_haar_maxSize:=0",
             "_cascade_2:=''",
             *arguments,
         )
-        self.faces = support.Messages("/finder/faces", DetectionArray)
-        self._source.wait_for()
-        support.wait_for(self.faces.connected, "the node's topic")
+        self.faces = support.subscribed("/finder/faces", DetectionArray)
+        self._camera.wait_for()
 
     def show(self, picture):
         """Shows a picture; its header and what is found."""
-        sent = message(picture, "bgr8")
-        sent.header.stamp = rospy.Time.from_sec(next(self._numbers) / RATE)
-        sent.header.frame_id = "eye"
-        self._source.send(sent)
-        return sent.header, self.answer(self.faces, sent.header)
+        header = self._camera.show(picture)
+        return header, self.answer(self.faces, header)
 
     @staticmethod
     def answer(messages, header):
@@ -71,9 +60,8 @@ def box_of(detection):
 
 def test_faces_are_published_and_drawn_field_by_field(start):
     person = Person(start)
-    eyes = support.Messages("/finder/eyes", DetectionArray)
-    overlays = support.Messages("/finder/processed_image", Image)
-    support.wait_for(lambda: eyes.connected() and overlays.connected(), "the node's topics")
+    eyes = support.subscribed("/finder/eyes", DetectionArray)
+    overlays = support.subscribed("/finder/processed_image", Image)
     for _ in range(3):
         _, faces = person.show(BACKGROUND)
         assert (faces.width, faces.height, faces.detections) == (640, 480, [])
@@ -110,32 +98,17 @@ def test_a_face_keeps_its_id_while_it_moves_with_a_velocity(start):
     assert face.velocity.y == pytest.approx(speed[1], abs=0.5 * speed[0])
 
 
-def test_only_what_somebody_wants_is_subscribed_to(start):
-    start("face_detector.py", "__name:=finder", "image:=/quiet/image")
-
-    def subscribers():
-        return dict(rosgraph.Master("/test").getSystemState()[1]).get("/quiet/image", [])
-
-    rospy.wait_for_service("/finder/save_parameters", support.DEADLINE)
-    assert not subscribers()
-    faces = support.Messages("/finder/faces", DetectionArray)
-    support.wait_for(subscribers, "the subscription")
-    faces.close()
-    support.wait_for(lambda: not subscribers(), "its end")
-
-
 def test_parameters_change_live_and_bad_ones_are_refused(start, tmp_path):
     empty = tmp_path / "empty.xml"
     empty.write_text("")
     person = Person(start)
-    client = dynamic_reconfigure.client.Client("/finder", timeout=support.DEADLINE)
     person.show_until_found()
-    client.update_configuration({"haar_maxSize": 60})
+    support.reconfigured("/finder", haar_maxSize=60)
     assert not person.show(BACKGROUND)[1].detections
     for number in range(3):
         for small in person.show(frame(number)[0])[1].detections:
             assert small.box.width <= 60
-    client.update_configuration({"haar_maxSize": 0})
+    support.reconfigured("/finder", haar_maxSize=0)
     _, face, truth = person.show_until_found(3)
     for name, value, text in (
         ("cascade_1", "none.xml", "cascade_1 is 'none.xml', which is in none of"),
@@ -143,23 +116,12 @@ def test_parameters_change_live_and_bad_ones_are_refused(start, tmp_path):
         ("eye_cascade", "/etc/passwd", "eye_cascade is '/etc/passwd', which is no cascade"),
         ("haar_maxSize", 30, "haar_maxSize is 30, must be 0 (any) or from haar_minSize (40) to"),
     ):
-        config = client.update_configuration({name: value})
-        assert config[name] != value
+        assert support.reconfigured("/finder", **{name: value})[name] != value
         person.process.wait_for_output("refused, the parameters stay as they are: " + text)
         (after,) = at(truth, person.show(frame(3)[0])[1])
         assert after.id == face.id
-    client.close()
 
 
-@pytest.mark.parametrize(
-    "name, value, text",
-    [
-        ("cascade_1", "none.xml", "cascade_1 is 'none.xml', which is in none of"),
-        ("cascade_2", "/no/where.xml", "cascade_2 is '/no/where.xml', there is no such file"),
-        ("eye_cascade", "/etc/passwd", "eye_cascade is '/etc/passwd', which is no cascade"),
-        ("haar_scaleFactor", 1.0, "haar_scaleFactor is 1, must be from 1.01 to 4"),
-        ("haar_minSize", "big", "haar_minSize is 'big', must be an integer"),
-    ],
-)
-def test_bad_value_at_start_is_fatal(start, name, value, text):
-    support.assert_fatal_at_start(start, "face_detector.py", name, value, text)
+def test_bad_value_at_start_is_fatal(start):
+    text = "cascade_2 is '/no/where.xml', there is no such file"
+    support.assert_fatal_at_start(start, "face_detector.py", "cascade_2", "/no/where.xml", text)

@@ -2,17 +2,15 @@
 
 import concurrent.futures
 import copy
-import itertools
 import subprocess
 
 import cv2
-import dynamic_reconfigure.client
 import numpy as np
 import pytest
 import rospy
 import skimage.data
 import support
-from frames import Source, message, new_topic
+from frames import Camera, Source
 from geometry_msgs.msg import Point
 from sensor_msgs.msg import Image, RegionOfInterest
 
@@ -54,34 +52,31 @@ class Desk:
     """A camera, the node, and the messages about each frame."""
 
     def __init__(self, start, *arguments, outputs=True):
-        self.topic = new_topic()
-        self._source = Source(self.topic)
-        self._numbers = itertools.count(1)
+        self._camera = Camera(RATE)
+        self.topic = self._camera.topic
         self.process = start("object_tracker.py", "__name:=eye", f"image:={self.topic}", *arguments)
         self.objects = self.states = None
         if outputs:
-            self.objects = support.Messages("/eye/object", DetectionArray)
-            self.states = support.Messages("/eye/state", TrackStateArray)
-            self._source.wait_for()
-            for messages in (self.objects, self.states):
-                support.wait_for(messages.connected, "the node's topics")
+            self.listen()
+            self._camera.wait_for()
         rospy.wait_for_service("/eye/select_object", support.DEADLINE)
         self._select = rospy.ServiceProxy("/eye/select_object", SelectObject)
-        self._forget = rospy.ServiceProxy("/eye/forget", ForgetObject)
+        self.forget = rospy.ServiceProxy("/eye/forget", ForgetObject)
+
+    def listen(self):
+        """Subscribes to what the node says of each frame."""
+        self.objects = support.subscribed("/eye/object", DetectionArray)
+        self.states = support.subscribed("/eye/state", TrackStateArray)
 
     def send(self, pixels):
         """Sends a frame, and returns its stamp."""
-        sent = message(pixels, "bgr8")
-        sent.header.stamp = rospy.Time.from_sec(next(self._numbers) / RATE)
-        sent.header.frame_id = "camera"
-        self._source.send(sent)
-        return sent.header.stamp
+        return self._camera.show(pixels).stamp
 
     def show(self, pixels):
         """Sends a frame, and returns the tracked objects and all states by id."""
         stamp = self.send(pixels)
         objects, states = (topic.of(stamp) for topic in (self.objects, self.states))
-        assert objects.header.frame_id == states.header.frame_id == "camera"
+        assert objects.header.frame_id == states.header.frame_id == "eye"
         assert (objects.width, objects.height) == (320, 240)
         tracked = {track.id for track in states.tracks if track.state == TrackState.TRACKED}
         assert [found.id for found in objects.detections] == sorted(tracked)
@@ -95,9 +90,6 @@ class Desk:
                 self.send(pixels)
                 rospy.sleep(1.0 / RATE)
             return answer.result()
-
-    def forget(self, number):
-        return self._forget(number)
 
 
 def test_select_by_the_service_follow_lose_and_find_again(start):
@@ -165,16 +157,14 @@ def test_selection_by_topic_replaces_objects_unless_several(start):
 
     assert ids_after(region(40, 80), 1) == {1}
     assert ids_after(region(250, 20, SMALL), 2) == {2}
-    client = dynamic_reconfigure.client.Client("/eye", timeout=support.DEADLINE)
-    client.update_configuration({"several": True})
+    support.reconfigured("/eye", several=True)
     assert ids_after(region(40, 80), 3) == {2, 3}
-    client.update_configuration({"several": False})
+    support.reconfigured("/eye", several=False)
     select.send(region(300, 80))  # a bad one changes nothing
     refused = "nothing selected on " + desk.topic
     support.wait_for(lambda: desk.show(pixels) and refused in desk.process.output(), refused)
     found, states = desk.show(pixels)
     assert set(states) == {2, 3} and len(found) == 2
-    client.close()
 
 
 @pytest.mark.parametrize(
@@ -207,10 +197,7 @@ def test_selection_is_followed_while_nobody_subscribes(start, diagnostics):
     for step in range(1, 21):  # the object has moved far away before anybody subscribes
         desk.send(picture(40 + 5 * step))
         rospy.sleep(0.03)
-    desk.objects = support.Messages("/eye/object", DetectionArray)
-    desk.states = support.Messages("/eye/state", TrackStateArray)
-    for topic in (desk.objects, desk.states):
-        support.wait_for(topic.connected, "the node's topics")
+    desk.listen()
     (found,), _ = desk.show(picture(145))
     assert found.center.x == pytest.approx(176.5, abs=0.5)
     desk.objects.close()
@@ -236,8 +223,7 @@ def test_selection_after_a_pause_is_made_in_a_new_frame(start, diagnostics):
     idle = "idle: nobody subscribes"
     support.wait_for(lambda: diagnostics.next("eye").message == idle, idle)
     assert desk.select(region(150, 80), "face", picture(150)).id == 2
-    desk.states = support.Messages("/eye/state", TrackStateArray)
-    support.wait_for(desk.states.connected, "the node's topic")
+    desk.states = support.subscribed("/eye/state", TrackStateArray)
     states = desk.states.of(desk.send(picture(154)))
     assert [(track.id, track.state) for track in states.tracks] == [(2, TrackState.TRACKED)]
 
@@ -257,14 +243,13 @@ def test_last_of_several_selections_without_a_frame_counts(start):
 
 def test_flow_is_that_of_the_whole_image(start):
     desk = Desk(start)
-    flows = support.Messages("/eye/flow", Flow)
-    support.wait_for(flows.connected, "the flow")
+    flows = support.subscribed("/eye/flow", Flow)
     large = cv2.resize(ASTRONAUT, (400, 400))
     for step in range(4):
         stamp = desk.send(large[20 + step : 260 + step, 40 - 2 * step : 360 - 2 * step])
         flow = flows.of(stamp)
         assert len(flow.points) == len(flow.velocities)
-        assert flow.header.frame_id == "camera"
+        assert flow.header.frame_id == "eye"
     velocities = np.array([(v.x, v.y) for v in flow.velocities])
     assert 50 < len(velocities) <= 200
     assert np.median(velocities, axis=0) == pytest.approx((60.0, -30.0), abs=1.0)
@@ -272,8 +257,7 @@ def test_flow_is_that_of_the_whole_image(start):
 
 def test_overlay_shows_tracked_objects_and_names_lost_ones(start):
     desk = Desk(start)
-    overlays = support.Messages("/eye/processed_image", Image)
-    support.wait_for(overlays.connected, "the overlay")
+    overlays = support.subscribed("/eye/processed_image", Image)
 
     def overlay(pixels):
         sent = overlays.of(desk.send(pixels))
@@ -453,14 +437,6 @@ def test_rectangle_dragged_in_the_launch_files_window_is_followed(start, display
     assert (box.x_offset + box.width, box.y_offset + box.height) == pytest.approx(high, abs=12)
 
 
-@pytest.mark.parametrize(
-    "name, value, text",
-    [
-        ("points", 3, "points is 3, must be from 8 to 200"),
-        ("window", 8, "window is 8, must be odd and from 5 to 51"),
-        ("several", "yes", "several is 'yes', must be true or false"),
-        ("max_objects", 0, "max_objects is 0, must be from 1 to 100"),
-    ],
-)
-def test_bad_value_at_start_is_fatal(start, name, value, text):
-    support.assert_fatal_at_start(start, "object_tracker.py", name, value, text)
+def test_bad_value_at_start_is_fatal(start):
+    text = "window is 8, must be odd and from 5 to 51"
+    support.assert_fatal_at_start(start, "object_tracker.py", "window", 8, text)
