@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 import skimage.data
 from faces import BACKGROUND, KINDS, PORTRAIT, RATE, frame, iou, is_at
+from people import looks
 
 import robot_vision as rv
 
@@ -45,15 +46,13 @@ def boxes(faces):
     return {face.box for face in faces}
 
 
-def people():
-    """Pictures, (25, 25), of 100 faces."""
-    return (skimage.data.lfw_subset()[:100] * 255).astype(np.uint8)
+PEOPLE = (looks() * 255).astype(np.uint8)
 
 
-def crowd(places, number=0, background=120):
+def crowd(places):
     """A picture with a face, 100 px, at each place, (x, y)."""
-    picture = np.full((480, 640), background, np.uint8)
-    for (x, y), face in zip(places, people()[number:]):
+    picture = np.full((480, 640), 120, np.uint8)
+    for (x, y), face in zip(places, PEOPLE):
         large = cv2.resize(face, (100, 100), interpolation=cv2.INTER_CUBIC)
         faded = cv2.copyMakeBorder(large, *(30, 30, 30, 30), cv2.BORDER_REPLICATE)
         picture[y : y + 160, x : x + 160] = faded
@@ -63,21 +62,23 @@ def crowd(places, number=0, background=120):
 @pytest.mark.parametrize("kind", KINDS)
 def test_no_face_is_lost_that_a_search_of_every_frame_finds(kind):
     detector = rv.FaceDetector(params())
-    found = wrong = wrong_reference = 0
-    ids = set()
+    ids, found, wrong = set(), 0, {}
     for number in range(0, 132, 4):  # the whole period
         image, truth = frame(number, kind)
         faces = detector.update(number / RATE, image)
-        expected = reference(image)
         right = [face for face in faces if is_at(face, truth)]
         assert len(right) <= 1
-        assert right or not any(iou(box, truth) >= 0.5 for box in expected), number
+        assert right or not any(iou(box, truth) >= 0.5 for box in reference(image)), number
         ids.update(face.id for face in right)
         found += len(right)
-        wrong += len(faces) - len(right)
-        wrong_reference += sum(iou(box, truth) < 0.5 for box in expected)
+        wrong[number] = len(faces) - len(right)
     assert found >= 30 and len(ids) == 1
-    assert wrong <= wrong_reference
+    too_many = sum(wrong.values())  # more than the reference finds in the frames looked at so far
+    for number in sorted(wrong, key=wrong.get, reverse=True):
+        if too_many > 0:
+            image, truth = frame(number, kind)
+            too_many -= sum(iou(box, truth) < 0.5 for box in reference(image))
+    assert too_many <= 0
 
 
 @pytest.mark.parametrize("mirrored", [False, True])
@@ -114,7 +115,7 @@ def test_boxes_are_inside_of_the_picture():
     random = np.random.default_rng(3)
     detector = rv.FaceDetector(params(min_size=24, min_neighbors=1, scale_factor=1.05))
     found = 0
-    for picture in people():
+    for picture in PEOPLE:
         left, top, right, bottom = random.integers(0, 8, 4)
         tight = cv2.copyMakeBorder(
             cv2.resize(picture, tuple(random.integers(28, 48, 2).tolist())),
@@ -333,13 +334,8 @@ def test_a_long_pause_does_not_move_a_face():
 @pytest.mark.parametrize(
     "name, value, text",
     [
-        ("scale_factor", 1.0, "scale_factor is 1, must be from 1.01 to 4"),
         ("scale_factor", math.nan, "scale_factor is nan"),
-        ("min_neighbors", 101, "min_neighbors is 101, must be from 0 to 100"),
-        ("min_size", 0, "min_size is 0, must be from 1 to 8192"),
         ("max_size", 39, r"max_size is 39, must be 0 \(any\) or from min_size \(40\) to 8192"),
-        ("max_search_period", -1.0, "max_search_period is -1, must be from 0 to 60"),
-        ("hold", 61.0, "hold is 61, must be from 0 to 60"),
         ("cascade_1", "", "cascade_1 is '', must be the name of a file"),
     ],
 )

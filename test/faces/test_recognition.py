@@ -8,7 +8,7 @@ import cv2
 import numpy as np
 import pytest
 import skimage.data
-from people import ANNA, BERT, CARLA, KNOWN, STRANGERS, photograph
+from people import ANNA, BERT, CARLA, KNOWN, STRANGERS, looks, photograph
 
 from robot_vision.faces.enrollment import PERIOD, Enrollment
 from robot_vision.faces.face_images import (
@@ -61,7 +61,7 @@ def test_largest_face_is_the_one():
 
 def test_faces_that_fill_their_picture_are_found():
     found = 0
-    for look in skimage.data.lfw_subset()[:100]:
+    for look in looks():
         tight = cv2.resize((255 * look).astype(np.uint8), (150, 150))
         box = find_face(tight)
         found += box is not None and is_around(box, (75, 75), 140)

@@ -1,5 +1,6 @@
 """A face that moves in front of a background, with its true box: for the tests of faces."""
 
+import functools
 import math
 from typing import Tuple
 
@@ -19,6 +20,7 @@ KINDS = ("moved", "scaled", "mirrored", "darkened", "blurred", "turned")
 Box = Tuple[float, float, float, float]  # x, y, width, height, px
 
 
+@functools.lru_cache(maxsize=40)
 def frame(number: int, kind: str = "moved") -> Tuple[np.ndarray, Box]:
     """A frame of the moving portrait, and the box of its face."""
     x, y = 320 + 120 * math.sin(0.06 * number), 240 + 60 * math.sin(0.041 * number)
