@@ -3,7 +3,7 @@
 import cv2
 import numpy as np
 from tags import (
-    CAMERAS,
+    CAMERA,
     SIZE,
     corners_of,
     faces_camera,
@@ -14,8 +14,6 @@ from tags import (
 )
 
 import robot_vision as rv
-
-CAMERA = CAMERAS["plumb_bob"]
 
 
 def undistorted(pixels, camera):

@@ -14,6 +14,7 @@ CAMERAS = {
     ),
     "equidistant": rv.CameraModel(640, 480, K, [0.05, -0.02, 0.006, -0.001], "equidistant"),
 }
+CAMERA = CAMERAS["plumb_bob"]
 SQUARE = np.array([[-0.5, -0.5, 0.0], [0.5, -0.5, 0.0], [0.5, 0.5, 0.0], [-0.5, 0.5, 0.0]])
 
 

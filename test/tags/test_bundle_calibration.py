@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 import yaml
 from tags import (
+    CAMERA,
     CAMERAS,
     corners_of,
     error_of,
@@ -34,7 +35,7 @@ def random_layout(rng, count, flat):
     return layout
 
 
-def frames_of(rng, layout, camera, count, only=None, noise=NOISE):
+def frames_of(rng, layout, count, only=None, noise=NOISE, camera=CAMERA):
     """Frames of corners by tag, from about 1 m away and many sides; only(frame) chooses tags."""
     frames = []
     while len(frames) < count:
@@ -48,6 +49,11 @@ def frames_of(rng, layout, camera, count, only=None, noise=NOISE):
             }
         )
     return frames
+
+
+def learnt(frames, layout, camera=CAMERA, side=SIDE):
+    """What is learnt of a layout whose tags have sides of `side` m."""
+    return calibrate("box", frames, {tag: side for tag in layout}, camera, MASTER)
 
 
 def worst(bundle, layout):
@@ -64,9 +70,9 @@ def worst(bundle, layout):
 def test_a_random_layout_is_recovered(model, flat):
     rng = np.random.default_rng(11)
     layout = random_layout(rng, 8, flat)
-    frames = frames_of(rng, layout, CAMERAS[model], 300)
+    frames = frames_of(rng, layout, 300, camera=CAMERAS[model])
     before = [{tag: corners.copy() for tag, corners in frame.items()} for frame in frames]
-    found = calibrate("box", frames, {tag: SIDE for tag in layout}, CAMERAS[model], MASTER)
+    found = learnt(frames, layout, CAMERAS[model])
     shift, turn = worst(found.bundle, layout)
     assert shift < 0.0005 and turn < 0.2
     assert found.bundle.name == "box" and found.bundle.tags[0].id == MASTER
@@ -86,9 +92,8 @@ def test_a_random_layout_is_recovered(model, flat):
 def test_exact_corners_give_the_exact_layout():
     rng = np.random.default_rng(16)
     layout = random_layout(rng, 3, False)
-    frames = frames_of(rng, layout, CAMERAS["equidistant"], 10, noise=0.0)
-    sizes = {tag: SIDE for tag in layout}
-    found = calibrate("box", frames, sizes, CAMERAS["equidistant"], MASTER)
+    frames = frames_of(rng, layout, 10, noise=0.0, camera=CAMERAS["equidistant"])
+    found = learnt(frames, layout, CAMERAS["equidistant"])
     shift, turn = worst(found.bundle, layout)
     assert shift < 1e-5 and turn < 1e-3 and found.rejected == 0
 
@@ -107,13 +112,12 @@ def fitting_frame(bundle, layout):
 
 def test_uncertainties_of_a_layout_are_right():
     """So are the poses of a bundle that was learnt from few images."""
-    camera = CAMERAS["plumb_bob"]
     shifts, turns, squares = [], [], []
     for seed in range(20):
         rng = np.random.default_rng(seed)
         layout = random_layout(rng, 5, seed % 2)
-        frames = frames_of(rng, layout, camera, 30, noise=0.4)
-        bundle = calibrate("box", frames, {tag: SIDE for tag in layout}, camera, MASTER).bundle
+        frames = frames_of(rng, layout, 30, noise=0.4)
+        bundle = learnt(frames, layout).bundle
         frame = fitting_frame(bundle, layout)
         for tag in bundle.tags:
             error = error_of(frame @ tag.pose, layout[tag.id])
@@ -123,10 +127,10 @@ def test_uncertainties_of_a_layout_are_right():
             body = pose_in_view(rng, 120, rng.uniform(0, 1))
             seen = {
                 tag: rv.MeasuredCorners(corners + rng.normal(0.0, 0.02, (4, 2)), 0.0004 * np.eye(8))
-                for tag, corners in visible(body, layout, camera, SIDE).items()
+                for tag, corners in visible(body, layout, CAMERA, SIDE).items()
             }
             if len(seen) > 1:
-                best = rv.estimate_pose(bundle, seen, camera, lens_noise=0.0).best
+                best = rv.estimate_pose(bundle, seen, CAMERA, lens_noise=0.0).best
                 squares.append(squared_error(best, body @ frame) / 6.0)
     assert len(squares) > 150
     for values in (shifts, turns, squares):
@@ -136,17 +140,16 @@ def test_uncertainties_of_a_layout_are_right():
 def test_tags_are_linked_by_others_while_the_master_is_out_of_view():
     """Only neighbours in a row are seen together, and some tags do not belong to the bundle."""
     rng = np.random.default_rng(12)
-    camera = CAMERAS["plumb_bob"]
     layout = {MASTER + i: matrix(turned([0, -0.4 * i, 0]), [0.2 * i, 0, 0]) for i in range(4)}
-    frames = frames_of(rng, layout, camera, 200, lambda i: (MASTER + i % 3, MASTER + 1 + i % 3))
+    frames = frames_of(rng, layout, 200, lambda i: (MASTER + i % 3, MASTER + 1 + i % 3))
     for frame in frames:
         frame[99] = np.zeros((4, 2))
     sizes = {tag: SIDE for tag in layout}
-    found = calibrate("row", frames, sizes, camera, MASTER)
+    found = calibrate("row", frames, sizes, CAMERA, MASTER)
     shift, turn = worst(found.bundle, layout)
     assert shift < 0.001 and turn < 0.4
     # With another master tag it is the same body.
-    other = calibrate("row", frames, sizes, camera, MASTER + 2)
+    other = calibrate("row", frames, sizes, CAMERA, MASTER + 2)
     inverse = np.linalg.inv(layout[MASTER + 2])
     shift, turn = worst(other.bundle, {tag: inverse @ pose for tag, pose in layout.items()})
     assert shift < 0.001 and turn < 0.4
@@ -154,74 +157,66 @@ def test_tags_are_linked_by_others_while_the_master_is_out_of_view():
 
 def test_a_few_misplaced_tags_are_rejected():
     rng = np.random.default_rng(13)
-    camera = CAMERAS["plumb_bob"]
     layout = random_layout(rng, 4, False)
-    frames = frames_of(rng, layout, camera, 120)
+    frames = frames_of(rng, layout, 120)
     for frame in frames[::20]:
         for tag in list(frame)[:1]:
             frame[tag] = frame[tag] + 40.0  # px, so that it does not fit the others
-    found = calibrate("box", frames, {tag: SIDE for tag in layout}, camera, MASTER)
+    found = learnt(frames, layout)
     shift, turn = worst(found.bundle, layout)
     assert shift < 0.0005 and turn < 0.2
     assert 6 <= found.rejected <= 18  # if two tags contradict each other, both are rejected
     # A layout of twice the size is twice as far away.
-    double = calibrate("box", frames, {tag: 2 * SIDE for tag in layout}, camera, MASTER)
+    double = learnt(frames, layout, side=2 * SIDE)
     for one, two in zip(found.bundle.tags, double.bundle.tags):
         assert np.allclose(2 * one.pose[:3, 3], two.pose[:3, 3], atol=2e-5)
 
 
 def test_errors_of_learning_are_named():
     rng = np.random.default_rng(14)
-    camera = CAMERAS["plumb_bob"]
     layout = random_layout(rng, 4, True)
     sizes = {tag: SIDE for tag in layout}
-    frames = frames_of(rng, layout, camera, 30)
+    frames = frames_of(rng, layout, 30)
 
-    def refused(*args):
+    def refused(frames, sizes, master=MASTER):
         with pytest.raises(ValueError) as error:
-            calibrate("box", *args)
+            calibrate("box", frames, sizes, CAMERA, master)
         return str(error.value)
 
-    assert "master tag 7 has no size" in refused(frames, sizes, camera, 7)
-    assert "tag 10 alone" in refused(frames, {10: SIDE}, camera, 10)
-    assert "tag 42 was not seen in any of 30 frames" in refused(
-        frames, {**sizes, 42: SIDE}, camera, MASTER
-    )
+    assert "master tag 7 has no size" in refused(frames, sizes, 7)
+    assert "tag 10 alone" in refused(frames, {10: SIDE})
+    assert "tag 42 was not seen in any of 30 frames" in refused(frames, {**sizes, 42: SIDE})
     without = [{tag: c for tag, c in frame.items() if tag != MASTER} for frame in frames]
-    assert "master tag 10 was not seen" in refused(without, sizes, camera, MASTER)
-    pairs = frames_of(rng, layout, camera, 30, lambda i: [(10, 11), (12, 13)][i % 2])
-    assert "tags [12, 13] were never seen together with the master tag 10" in refused(
-        pairs, sizes, camera, MASTER
-    )
+    assert "master tag 10 was not seen" in refused(without, sizes)
+    pairs = frames_of(rng, layout, 30, lambda i: [(10, 11), (12, 13)][i % 2])
+    assert "tags [12, 13] were never seen together with the master tag 10" in refused(pairs, sizes)
     alone = [{tag: frame[tag]} for frame in frames for tag in frame]
-    assert "tags [11, 12, 13] were never seen together" in refused(alone, sizes, camera, MASTER)
-    assert "size of tag 11" in refused(frames, {**sizes, 11: 0.0}, camera, MASTER)
-    assert "master tag 10 was not seen in any of 0 frames" in refused([], sizes, camera, MASTER)
-    many = frames_of(rng, layout, camera, 60)
+    assert "tags [11, 12, 13] were never seen together" in refused(alone, sizes)
+    assert "size of tag 11" in refused(frames, {**sizes, 11: 0.0})
+    assert "master tag 10 was not seen in any of 0 frames" in refused([], sizes)
+    many = frames_of(rng, layout, 60)
     loose = [
         {tag: c for tag, c in frame.items() if tag != 13 or i < 9} for i, frame in enumerate(many)
     ]
     for frame in loose[:9]:
         if 13 in frame:
             frame[13] = frame[13] + rng.uniform(-100, 100, 2)
-    assert "tags [13] are not on one rigid body" in refused(loose, sizes, camera, MASTER)
+    assert "tags [13] are not on one rigid body" in refused(loose, sizes)
     index = next(i for i, frame in enumerate(frames) if i > 5 and len(frame) > 1)
     tag = next(iter(frames[index]))
     frames[index][tag] = np.full((4, 2), np.nan)
-    assert f"frame {index}: corners of tag {tag}" in refused(frames, sizes, camera, MASTER)
+    assert f"frame {index}: corners of tag {tag}" in refused(frames, sizes)
 
 
 def test_a_tag_without_a_link_to_others_is_named():
     rng = np.random.default_rng(15)
-    camera = CAMERAS["plumb_bob"]
     layout = random_layout(rng, 4, True)
-    sizes = {tag: SIDE for tag in layout}
-    frames = frames_of(rng, layout, camera, 40, lambda i: [10, 11, 12] if i < 39 else [11, 13])
-    frames[39] = {tag: corners_of(place, camera, SIDE) for tag, place in both_in_view(layout)}
+    frames = frames_of(rng, layout, 40, lambda i: [10, 11, 12] if i < 39 else [11, 13])
+    frames[39] = {tag: corners_of(place, CAMERA, SIDE) for tag, place in both_in_view(layout)}
     # The tag that it was seen with is not a square, so it is ignored.
     frames[39][11] = frames[39][11] + [[6, 6], [-6, 6], [6, -6], [-6, -6]]
     with pytest.raises(ValueError, match=r"tags \[13\] were seen too little with others"):
-        calibrate("box", frames, sizes, camera, MASTER)
+        learnt(frames, layout)
 
 
 def both_in_view(layout):

@@ -2,8 +2,9 @@
 
 import numpy as np
 import pytest
-from tag_views import CAMERA, RAYS, badly_calibrated, picture_of
+from tag_views import RAYS, badly_calibrated, picture_of
 from tags import (
+    CAMERA,
     bundle_of,
     corners_of,
     error_of,

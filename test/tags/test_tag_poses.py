@@ -4,6 +4,7 @@ import cv2
 import numpy as np
 import pytest
 from tags import (
+    CAMERA,
     CAMERAS,
     SIZE,
     SQUARE,
@@ -63,9 +64,7 @@ def test_poses_are_accurate_and_their_covariances_right(model):
 
 def test_the_probability_of_a_pose_is_how_often_it_is_right():
     said, true = [], []
-    shots = single_shots(
-        CAMERAS["plumb_bob"], [10, 15, 20, 30], [0.3], 200, 2, (15, 30, 45, 60, 75)
-    )
+    shots = single_shots(CAMERA, [10, 15, 20, 30], [0.3], 200, 2, (15, 30, 45, 60, 75))
     for _, truth, found in shots:
         if found.other is None or turn_of(error_of(found.best.pose, found.other.pose)) < 20.0:
             continue
@@ -82,7 +81,6 @@ def test_the_probability_of_a_pose_is_how_often_it_is_right():
 
 def test_bundles_are_found_with_right_covariances():
     rng = np.random.default_rng(3)
-    camera = CAMERAS["plumb_bob"]
     squares, shifts, turns = [], [], []
     for trial in range(300):
         places = random_places(rng, trial % 2)
@@ -90,11 +88,11 @@ def test_bundles_are_found_with_right_covariances():
         noise = rng.choice([0.1, 0.5])
         seen = {
             tag: corners + rng.normal(0.0, noise, (4, 2))
-            for tag, corners in visible(truth, places, camera, 0.1).items()
+            for tag, corners in visible(truth, places, CAMERA, 0.1).items()
         }
         if len(seen) < 2:
             continue
-        best = rv.estimate_pose(bundle_of(places, 0.1), seen, camera, noise).best
+        best = rv.estimate_pose(bundle_of(places, 0.1), seen, CAMERA, noise).best
         error = error_of(best.pose, truth)
         squares.append(squared_error(best, truth))
         shifts.append(np.linalg.norm(error[:3]) / truth[2, 3])
@@ -164,20 +162,19 @@ def test_a_tag_at_rest_jitters_half_as_much_as_one_shot_poses_or_less(model):
 @pytest.mark.parametrize("speed, rate", [(0.02, 0.05), (0.1, 0.2), (0.5, 1.0)])
 def test_covariances_of_a_moving_tag_are_right(speed, rate):
     rng = np.random.default_rng(5)
-    camera = CAMERAS["plumb_bob"]
     squares, ours, theirs, flips = [], [], [], []
     for noise in (0.1, 0.3):
         for size in (40, 80, 160):
             for tilt in np.radians([10, 30, 50]):
                 path = wandering(rng, pose_in_view(rng, size, tilt), speed, rate)
                 tracker = rv.TagPoseTracker(TAG, FRESH)
-                for frame, corners, truth, found in track(tracker, camera, path, noise, rng, 200):
+                for frame, corners, truth, found in track(tracker, CAMERA, path, noise, rng, 200):
                     error = error_of(found.best.pose, truth)
                     flips.append(is_flipped(found, truth))
                     if frame < 30:
                         continue
                     squares.append(squared_error(found.best, truth))
-                    single = rv.estimate_pose(TAG, {0: corners}, camera).best.pose
+                    single = rv.estimate_pose(TAG, {0: corners}, CAMERA).best.pose
                     ours.append(np.linalg.norm(error[:3]) / truth[2, 3])
                     theirs.append(np.linalg.norm(error_of(single, truth)[:3]) / truth[2, 3])
     assert 0.7 <= np.mean(squares) / FREEDOM <= 1.5
@@ -196,15 +193,14 @@ def is_flipped(found, truth):
 @pytest.mark.parametrize("passed", [1 / RATE, 1e-4, 0.0])
 def test_a_tag_that_jumps_is_followed_in_the_same_frame(passed):
     rng = np.random.default_rng(6)
-    camera = CAMERAS["plumb_bob"]
     tracker = rv.TagPoseTracker(TAG, FRESH)
     for jump in (0.01, 0.1, 0.3):
         here = pose_in_view(rng, 100, 0.6)
         there = here.copy()
         there[0, 3] += jump - 2 * jump * (here[0, 3] > 0)
-        list(track(tracker, camera, still(here), 0.1, rng, 60))
-        corners = corners_of(there, camera) + rng.normal(0.0, 0.1, (4, 2))
-        found = tracker.update(59 / RATE + passed, {0: corners}, camera)
+        list(track(tracker, CAMERA, still(here), 0.1, rng, 60))
+        corners = corners_of(there, CAMERA) + rng.normal(0.0, 0.1, (4, 2))
+        found = tracker.update(59 / RATE + passed, {0: corners}, CAMERA)
         errors = error_of(found.best.pose, there)
         assert np.linalg.norm(errors[:2]) < 0.02 * jump + 0.0005
         assert squared_error(found.best, there) < 6 * FREEDOM
@@ -213,17 +209,16 @@ def test_a_tag_that_jumps_is_followed_in_the_same_frame(passed):
 def test_time_decides_where_the_image_does_not():
     """A tag comes from where it is well visible; the right pose is kept when it is small."""
     rng = np.random.default_rng(7)
-    camera = CAMERAS["plumb_bob"]
     flips, single_flips = [], []
     for _ in range(20):
         near = pose_in_view(rng, 80, 0.7)
         tracker = rv.TagPoseTracker(TAG, FRESH)
         scales = np.concatenate([np.linspace(1, 5, 120), np.full(120, 5.0)])
         path = (matrix(near[:3, :3], scale * near[:3, 3]) for scale in scales)
-        for frame, corners, truth, found in track(tracker, camera, path, 0.2, rng, 240):
+        for frame, corners, truth, found in track(tracker, CAMERA, path, 0.2, rng, 240):
             if frame >= 120:
                 flips.append(is_flipped(found, truth))
-                single_flips.append(is_flipped(rv.estimate_pose(TAG, {0: corners}, camera), truth))
+                single_flips.append(is_flipped(rv.estimate_pose(TAG, {0: corners}, CAMERA), truth))
     assert np.mean(single_flips) > 0.2
     assert np.mean(flips) < 0.005
 
@@ -231,7 +226,6 @@ def test_time_decides_where_the_image_does_not():
 @pytest.mark.parametrize("least", [0.0, 0.05])
 def test_lasting_noise_is_not_averaged_out(least):
     rng = np.random.default_rng(8)
-    camera = CAMERAS["plumb_bob"]
     params = rv.TagPoseParams()
     params.lasting_noise = least
     squares = []
@@ -239,7 +233,7 @@ def test_lasting_noise_is_not_averaged_out(least):
         path = still(pose_in_view(rng, 100, 0.7))
         tracker = rv.TagPoseTracker(TAG, params)
         lasting = 0.05 if least else 0.2
-        *_, (_, _, truth, found) = track(tracker, camera, path, 0.02, rng, 150, lasting)
+        *_, (_, _, truth, found) = track(tracker, CAMERA, path, 0.02, rng, 150, lasting)
         squares.append(squared_error(found.best, truth))
     if least:
         assert 0.7 <= np.mean(squares) / FREEDOM <= 1.5
@@ -271,11 +265,11 @@ def test_a_bundle_is_tracked_while_tags_come_and_go():
 
 
 def test_arrays_of_other_shapes_are_refused():
-    corners = corners_of(pose_in_view(np.random.default_rng(0), 60, 0.5), CAMERAS["plumb_bob"])
+    corners = corners_of(pose_in_view(np.random.default_rng(0), 60, 0.5), CAMERA)
     with pytest.raises(ValueError, match="4, 2"):
-        rv.estimate_pose(TAG, {0: corners[:3]}, CAMERAS["plumb_bob"])
+        rv.estimate_pose(TAG, {0: corners[:3]}, CAMERA)
     with pytest.raises(ValueError, match="4, 2"):
-        rv.TagPoseTracker(TAG).update(0.0, {0: corners[:3]}, CAMERAS["plumb_bob"])
+        rv.TagPoseTracker(TAG).update(0.0, {0: corners[:3]}, CAMERA)
     with pytest.raises(ValueError, match="4x4"):
         rv.BundleTag(3, 0.1, np.eye(3))
     with pytest.raises(ValueError, match="8, 8"):
@@ -283,11 +277,10 @@ def test_arrays_of_other_shapes_are_refused():
 
 
 def test_lens_noise_makes_poses_of_single_images_uncertain():
-    camera = CAMERAS["plumb_bob"]
     truth = pose_in_view(np.random.default_rng(0), 100, 0.5)
-    seen = {0: rv.MeasuredCorners(corners_of(truth, camera), 1e-4 * np.eye(8))}
+    seen = {0: rv.MeasuredCorners(corners_of(truth, CAMERA), 1e-4 * np.eye(8))}
     exact, off = (
-        rv.estimate_pose(TAG, seen, camera, lens_noise=noise).best.covariance
+        rv.estimate_pose(TAG, seen, CAMERA, lens_noise=noise).best.covariance
         for noise in (0.0, 0.06)
     )
     # All corners move alike, so the tag moves across the line of sight like the rays.

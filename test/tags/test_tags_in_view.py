@@ -4,7 +4,6 @@ import cv2
 import numpy as np
 import pytest
 from tag_views import (
-    CAMERA,
     RAYS,
     badly_calibrated,
     moving,
@@ -13,6 +12,7 @@ from tag_views import (
     undistorted,
 )
 from tags import (
+    CAMERA,
     CAMERAS,
     SIZE,
     K,
