@@ -49,15 +49,6 @@ def test_mask_equals_opencv(picture, low, high):
     assert np.array_equal(picture, before)
 
 
-def test_range_goes_through_red(picture):
-    expected = opencv_mask(picture, (170, 100, 100), (180, 255, 255)) | opencv_mask(
-        picture, (0, 100, 100), (10, 255, 255)
-    )
-    red = rv.range_around((0, 255, 255))
-    assert (red.low, red.high) == ((170, 100, 100), (10, 255, 255))
-    assert np.array_equal(rv.hsv_mask(picture, red), expected)
-
-
 def test_colors_are_converted_as_by_opencv(picture):
     hsv = cv2.cvtColor(picture, cv2.COLOR_BGR2HSV)
     assert rv.to_hsv((255, 0, 0)) == (120, 255, 255)

@@ -8,29 +8,14 @@ import numpy as np
 import pytest
 import yaml
 
-from robot_vision import HsvRange, range_around, to_hsv
+from robot_vision import HsvRange, range_around
 from robot_vision.color.color_file import save_colors
-from robot_vision.color.colors import as_yaml, median_hsv
+from robot_vision.color.colors import median_hsv
 from robot_vision.common.files import add_file, create_file, replace_file
 from robot_vision.viewer.window_content import Rate, placeholder, title
 
 TEAL = HsvRange((80, 100, 100), (100, 255, 255))
 TEAL_YAML = {"low": [80, 100, 100], "high": [100, 255, 255]}
-
-
-@pytest.mark.parametrize(
-    "bgr, hsv",
-    [
-        ((0, 0, 255), (0, 255, 255)),
-        ((0, 255, 0), (60, 255, 255)),
-        ((255, 0, 0), (120, 255, 255)),
-        ((255, 0, 255), (150, 255, 255)),
-        ((0, 0, 0), (0, 0, 0)),
-        ((64, 64, 128), (0, 128, 128)),  # saturation: 255 * (128 - 64) / 128 = 127.5
-    ],
-)
-def test_hsv_of_colors(bgr, hsv):
-    assert to_hsv(bgr) == hsv
 
 
 @pytest.mark.parametrize("margin", [0, 1, 10, 45, 89, 90])
@@ -45,12 +30,6 @@ def test_range_contains_exactly_the_hues_within_the_margin(margin):
             above, below = other >= low[0], other <= high[0]
             inside = (above or below) if wraps else (above and below)
             assert inside == (apart <= margin), (hue, other)
-
-
-def test_default_margin_is_that_of_the_course():
-    near = range_around((105, 225, 255))
-    assert (near.low, near.high) == ((95, 100, 100), (115, 255, 255))
-    assert as_yaml(range_around((3, 1, 2))) == "{low: [173, 100, 100], high: [13, 255, 255]}"
 
 
 def hues(*values, saturation=200, value=180):

@@ -44,12 +44,9 @@ TEST(HsvTests, fitSignedBytes)
 TEST(HsvRange, surroundsAPickedColor)
 {
   EXPECT_EQ(text(rangeAround({105, 200, 180})), text(hsvRange({95, 100, 100}, {115, 255, 255})));
-  EXPECT_EQ(text(rangeAround({2, 0, 0}, 5)), text(hsvRange({177, 100, 100}, {7, 255, 255})));
   EXPECT_EQ(text(rangeAround({2, 0, 0}, 90)), text(hsvRange({0, 100, 100}, {179, 255, 255})));
   EXPECT_EQ(refusal([] { rangeAround({2, 0, 0}, 91); }), "margin is 91, must be from 0 to 90");
   EXPECT_EQ(text(rangeAround({4, 0, 0})), text(hsvRange({174, 100, 100}, {14, 255, 255})));
-  EXPECT_EQ(text(rangeAround({175, 9, 9})), text(hsvRange({165, 100, 100}, {5, 255, 255})));
-  EXPECT_EQ(text(rangeAround({10, 9, 9})), text(hsvRange({0, 100, 100}, {20, 255, 255})));
   EXPECT_EQ(text(rangeAround({185, 9, 9})), text(rangeAround({5, 9, 9})));
   for (int hue = 0; hue < 256; ++hue)
     EXPECT_NO_THROW(validate(rangeAround(cv::Vec3b(static_cast<std::uint8_t>(hue), 0, 0))));
@@ -57,11 +54,6 @@ TEST(HsvRange, surroundsAPickedColor)
 
 TEST(HsvRange, outOfRangeIsNamed)
 {
-  EXPECT_EQ(refusal([] { validate(hsvRange({-1, 0, 0}, {9, 9, 9})); }), "h_low is -1, must be from 0 to 180");
-  EXPECT_EQ(refusal([] { validate(hsvRange({0, 0, 0}, {181, 9, 9})); }), "h_high is 181, must be from 0 to 180");
-  EXPECT_EQ(refusal([] { validate(hsvRange({0, 256, 0}, {9, 9, 9})); }), "s_low is 256, must be from 0 to 255");
   EXPECT_EQ(refusal([] { validate(hsvRange({0, 10, 0}, {9, 9, 9})); }), "s_high is 9, must be from 10 to 255");
-  EXPECT_EQ(refusal([] { validate(hsvRange({0, 0, -2}, {9, 9, 9})); }), "v_low is -2, must be from 0 to 255");
-  EXPECT_EQ(refusal([] { validate(hsvRange({0, 0, 0}, {9, 9, 256})); }), "v_high is 256, must be from 0 to 255");
   EXPECT_EQ(refusal([] { HsvMask{hsvRange({0, 0, 7}, {9, 9, 6})}; }), "v_high is 6, must be from 7 to 255");
 }

@@ -61,10 +61,6 @@ def printed(bgr, hsv, text, name="name"):
             "saturation 1 is below 100, value 2 is below 100\n",
         ),
         (
-            ["--bgr", 0, 0, 255],
-            printed((0, 0, 255), (0, 255, 255), "{low: [170, 100, 100], high: [10, 255, 255]}"),
-        ),
-        (
             ["--bgr", 255, 144, 30, "--margin", 20],
             printed(BLUE, BLUE_HSV, "{low: [85, 100, 100], high: [125, 255, 255]}"),
         ),
