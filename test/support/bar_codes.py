@@ -19,18 +19,7 @@ PARITIES = [
     "LGLGGL",
     "LGGLGL",
 ]
-UPCE_PARITIES = [
-    "GGGLLL",
-    "GGLGLL",
-    "GGLLGL",
-    "GGLLLG",
-    "GLGGLL",
-    "GLLGGL",
-    "GLLLGG",
-    "GLGLGL",
-    "GLGLLG",
-    "GLLGLG",
-]
+UPCE_PARITIES = ["GGGLLL", *(row.translate(str.maketrans("LG", "GL")) for row in PARITIES[1:])]
 CODE128 = [
     "212222",
     "222122",
