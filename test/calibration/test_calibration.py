@@ -1,5 +1,6 @@
 """Known cameras, from pictures of every kind of board."""
 
+import functools
 from dataclasses import replace
 
 import cv2
@@ -50,6 +51,7 @@ BOARDS = {
 }
 
 
+@functools.lru_cache(maxsize=None)
 def collected(kind, model, count=16, seed=1):
     """The views of so many frames."""
     picture, board = BOARDS[kind]

@@ -10,6 +10,7 @@ import subprocess
 import sys
 import tempfile
 import threading
+from unittest.mock import Mock
 
 import cv2
 import numpy as np
@@ -396,10 +397,7 @@ def test_forgotten_are_gone_with_all_pictures_but_no_other_files(folder):
 
 def test_forgotten_are_gone_though_the_file_of_faces_cannot_be_written(folder, monkeypatch):
     gallery = loaded(folder)[0]
-
-    def refuse(path, data):
-        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
-
+    refuse = Mock(side_effect=OSError(errno.ENOSPC, os.strerror(errno.ENOSPC)))
     monkeypatch.setattr("robot_vision.faces.face_cache.replace_file", refuse)
     removed = gallery.forget("Anna")
     assert removed.pictures == 3
@@ -450,10 +448,7 @@ def test_all_pictures_are_written_or_none(folder, monkeypatch):
 
 def test_lost_file_of_faces_costs_a_search_only(folder, monkeypatch):
     gallery = loaded(folder)[0]
-
-    def refuse(path, data):
-        raise OSError(errno.EROFS, os.strerror(errno.EROFS))
-
+    refuse = Mock(side_effect=OSError(errno.EROFS, os.strerror(errno.EROFS)))
     monkeypatch.setattr("robot_vision.faces.face_cache.replace_file", refuse)
     added = gallery.add("Carla", photographs(CARLA, 2))
     assert added.pictures == 2
