@@ -21,17 +21,13 @@ FLOOR_COLOUR = (150, 150, 150)  # BGR: no saturation, out of that range
 
 
 class DifferentialDrive:
-    """Two driven wheels: the unicycle model, integrated exactly over each step.
-
-    Attributes:
-        pose: the robot's pose on the floor.
-    """
+    """Two driven wheels: the unicycle model, integrated exactly over each step."""
 
     def __init__(self, pose: Optional[Pose] = None) -> None:
         self.pose = pose or Pose()
 
     def drive(self, linear: float, angular: float, dt: float) -> Pose:
-        """Drives for `dt` s with a speed (m/s) and a turn rate (rad/s, counter-clockwise)."""
+        """Drives for `dt` s with a speed in m/s and a turn rate in rad/s, counter-clockwise."""
         self.pose = self.pose.along_arc(linear * dt, angular * dt)
         return self.pose
 
