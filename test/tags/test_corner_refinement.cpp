@@ -234,7 +234,7 @@ TEST(RefinedCorners, areRightAtTheBorderOfTheImage)
     const double deviation = std::sqrt(cv::trace(*found->covariance) / 8.0);
     EXPECT_LT(distance(found->corners, moved), std::max(0.08, 6.0 * deviation)) << cut;
   }
-  for (cv::Point2d far : {cv::Point2d(300.0, 0.0), cv::Point2d(0.0, -1e6)})
+  for (cv::Point2d far : {cv::Point2d(30.0, 30.0), cv::Point2d(300.0, 0.0), cv::Point2d(0.0, -1e6)})
   {
     Corners moved = truth;
     for (cv::Point2d& corner : moved)

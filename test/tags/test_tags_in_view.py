@@ -191,16 +191,3 @@ def test_tags_in_motion_do_not_flip(pixels):
     assert len(flips) > 90
     assert np.mean(flips) < 0.005
     assert np.median(places) < 0.003
-
-
-def test_corners_are_not_measured_where_the_tag_is_not_visible():
-    rng = np.random.default_rng(10)
-    pose = pose_in_view(rng, 80, 0.4)
-    picture, near = picture_of(pose, CAMERA, RAYS, 3, rng), corners_of(pose, CAMERA)
-    cells = rv.tag_cells("tag36h11", 3)
-    found = rv.measure_corners(picture, cells, 8, near + 0.3, CAMERA)
-    assert np.abs(found.corners - near).max() < 0.05
-    assert rv.measure_corners(picture, rv.tag_cells("tag36h11", 4), 8, near, CAMERA) is None
-    assert rv.measure_corners(picture, cells, 8, near + 30.0, CAMERA) is None
-    assert rv.measure_corners(picture, cells, 8, near + 3000.0, CAMERA) is None
-    assert rv.measure_corners(np.full_like(picture, 90), cells, 8, near, CAMERA) is None
