@@ -28,7 +28,7 @@ COUNT = 10
 
 
 @pytest.fixture(scope="module")
-def pictures():
+def images():
     params = SceneParams()
     params.rate = 2.0  # each frame another pose
     scene = CalibrationScene(params)
@@ -36,10 +36,10 @@ def pictures():
 
 
 @pytest.fixture(scope="module")
-def folder(pictures, tmp_path_factory):
+def folder(images, tmp_path_factory):
     path = tmp_path_factory.mktemp("pictures")
-    for number, picture in enumerate(pictures):
-        cv2.imwrite(str(path / f"{number:02}.png"), picture)
+    for number, image in enumerate(images):
+        cv2.imwrite(str(path / f"{number:02}.png"), image)
     (path / "notes.txt").write_text("no picture")
     return path
 
@@ -124,13 +124,13 @@ def test_a_file_that_comes_during_the_work_is_left_and_the_result_beside_it(
         assert any(line.endswith(f" in {tmp_path / used}") for line in lines), printed
 
 
-def test_from_a_glob_and_a_video_and_by_force(calibrate, pictures, folder, tmp_path):
+def test_from_a_glob_and_a_video_and_by_force(calibrate, images, folder, tmp_path):
     video, output = tmp_path / "more.avi", tmp_path / "eye.yaml"
     writer = cv2.VideoWriter(
         str(video), cv2.CAP_FFMPEG, cv2.VideoWriter_fourcc(*"FFV1"), 30, (640, 480)
     )
-    for picture in pictures[5:]:
-        writer.write(picture)
+    for image in images[5:]:
+        writer.write(image)
     writer.release()
     output.write_text("old")
     code, printed = calibrate(folder / "0[0-4].png", video, "--output", output, "--force")
@@ -140,13 +140,13 @@ def test_from_a_glob_and_a_video_and_by_force(calibrate, pictures, folder, tmp_p
 
 
 @pytest.mark.parametrize("compressed", [False, True])
-def test_from_a_bag(calibrate, pictures, tmp_path, compressed):
+def test_from_a_bag(calibrate, images, tmp_path, compressed):
     bag, output = tmp_path / "eye.bag", tmp_path / "eye.yaml"
     with rosbag.Bag(str(bag), "w") as made:
-        for number, picture in enumerate(pictures):
-            sent = message(picture, "bgr8", padding=4)
+        for number, image in enumerate(images):
+            sent = message(image, "bgr8", padding=4)
             if compressed:
-                data = cv2.imencode(".png", picture)[1].tobytes()
+                data = cv2.imencode(".png", image)[1].tobytes()
                 sent = CompressedImage(format="bgr8; png compressed bgr8", data=data)
             made.write(IMAGE, sent, rospy.Time(number + 1))
     code, printed = calibrate("--bag", bag, "--image", IMAGE, "--output", output)
@@ -157,9 +157,9 @@ def test_from_a_bag(calibrate, pictures, tmp_path, compressed):
     )
 
 
-def test_pictures_that_cannot_be_used_are_named_and_skipped(calibrate, pictures, folder, tmp_path):
+def test_images_that_cannot_be_used_are_named_and_skipped(calibrate, images, folder, tmp_path):
     small, broken, gone = (tmp_path / name for name in ("small.png", "broken.png", "gone.png"))
-    cv2.imwrite(str(small), pictures[0][::2, ::2])
+    cv2.imwrite(str(small), images[0][::2, ::2])
     broken.write_bytes((folder / "00.png").read_bytes()[:1000])
     gone.symlink_to(tmp_path / "nowhere")
     code, printed = calibrate(folder, tmp_path / "*.png", "--output", tmp_path / "eye.yaml")
@@ -173,15 +173,15 @@ def test_pictures_that_cannot_be_used_are_named_and_skipped(calibrate, pictures,
     assert_found(tmp_path / "eye.yaml")
 
 
-def test_unusable_pictures_of_a_bag_are_named_and_skipped(calibrate, pictures, tmp_path):
+def test_unusable_images_of_a_bag_are_named_and_skipped(calibrate, images, tmp_path):
     bag, output = tmp_path / "eye.bag", tmp_path / "eye.yaml"
-    gray = cv2.cvtColor(pictures[0], cv2.COLOR_BGR2GRAY)
+    gray = cv2.cvtColor(images[0], cv2.COLOR_BGR2GRAY)
     short = message(gray, "mono8")
     short.data = short.data[:-1]
     depths = CompressedImage(format="16UC1; compressedDepth", data=bytes(20))
     bad = [message(np.float32(gray), "32FC1"), message(gray, "mono7"), short]
     with rosbag.Bag(str(bag), "w") as made:
-        for number, sent in enumerate([*bad, *(message(one, "bgr8") for one in pictures)]):
+        for number, sent in enumerate([*bad, *(message(one, "bgr8") for one in images)]):
             made.write(IMAGE, sent, rospy.Time(number + 1))
         for number, sent in enumerate([depths, CompressedImage(format="jpeg")]):
             made.write(IMAGE + "/compressedDepth", sent, rospy.Time(number + 1))
@@ -219,10 +219,10 @@ def test_live_and_given_to_the_camera(start, tmp_path):
     assert (tmp_path / "seen.png").exists()
 
 
-def test_shut_down_it_goes_on_with_what_it_has(start, pictures, tmp_path):
-    """While more pictures come."""
+def test_shut_down_it_goes_on_with_what_it_has(start, images, tmp_path):
+    """While more images come."""
     publisher = rospy.Publisher("/shown", Image, queue_size=1)
-    messages = itertools.cycle(message(picture, "bgr8") for picture in pictures)
+    messages = itertools.cycle(message(image, "bgr8") for image in images)
     command = [*BOARD, "--topic", "/shown", "--output", tmp_path / "eye.yaml"]
     process = start("calibrate_headless.py", *command)
 
@@ -256,19 +256,19 @@ def fail(_request):
 
 
 @pytest.mark.parametrize(
-    "handler, why",
+    "handler, reason",
     [
         (lambda _: SetCameraInfoResponse(success=False, status_message="read only"), "read only"),
         (lambda _: SetCameraInfoResponse(success=False), "refused"),
         (fail, "disk full"),
     ],
 )
-def test_what_the_camera_does_not_take_is_not_lost(start, camera, folder, tmp_path, handler, why):
+def test_what_the_camera_refuses_is_not_lost(start, camera, folder, tmp_path, handler, reason):
     """It is in a new file, and the error says how the camera takes it from there."""
     camera(handler)
     kept = tmp_path / "camera_info" / "head_camera-calibrated.yaml"
     command = [*BOARD, folder, "--set", "/broken"]
-    if why == "refused":
+    if reason == "refused":
         kept.parent.mkdir()
         kept.touch()  # by an earlier run
         kept = kept.with_name("head_camera-calibrated-1.yaml")
@@ -277,7 +277,7 @@ def test_what_the_camera_does_not_take_is_not_lost(start, camera, folder, tmp_pa
     *_, saved, coverage, error = process.output().splitlines()
     assert coverage == f"coverage in {kept.with_suffix('.png')}"
     assert saved == f"saved in {kept}"
-    assert error.startswith("calibrate_headless.py: /broken/set_camera_info: ") and why in error
+    assert error.startswith("calibrate_headless.py: /broken/set_camera_info: ") and reason in error
     assert error.endswith(f"start the camera with camera_info_url:=file://{kept}")
     assert_found(kept)
 
@@ -291,7 +291,7 @@ def test_a_camera_that_does_not_run_is_told_before_the_work(start, folder):
 
 
 def shut_down_subscriber(topic):
-    """As rosnode kill does it: its pictures come by a node of roscpp beside it."""
+    """As rosnode kill does it: its images come by a node of roscpp beside it."""
     _, subscribers, _ = rosgraph.Master("/test").getSystemState()
     (images,) = dict(subscribers)[topic]
     with contextlib.suppress(OSError):  # it may end before it has answered
@@ -299,7 +299,7 @@ def shut_down_subscriber(topic):
 
 
 @pytest.mark.parametrize("killed", [False, True])
-def test_a_topic_without_pictures(start, tmp_path, killed):
+def test_a_topic_without_images(start, tmp_path, killed):
     process = start("calibrate_headless.py", *BOARD, "--topic", "/none", "--output", tmp_path / "a")
     process.wait_for_output("waiting: no image comes on /none; nobody publishes images there\n")
     shut_down_subscriber("/none") if killed else process.interrupt()
@@ -339,7 +339,7 @@ def test_interrupted_at_its_work_it_leaves_nothing(calibrate, folder, monkeypatc
     assert [path.name for path in tmp_path.glob("new/*")] == ["eye.yaml"] * ("saved in" in output)
 
 
-def test_what_cannot_be_used_is_named(calibrate, pictures, folder, monkeypatch, tmp_path):
+def test_what_cannot_be_used_is_named(calibrate, images, folder, monkeypatch, tmp_path):
     def error(*arguments):
         return refused(calibrate, *arguments, "--output", tmp_path / "eye.yaml")
 
@@ -352,13 +352,13 @@ def test_what_cannot_be_used_is_named(calibrate, pictures, folder, monkeypatch, 
     broken = tmp_path / "broken.png"
     broken.write_bytes(few[0].read_bytes()[:1000])
     assert "there were no images that can be used" in error(broken)
-    grey = tmp_path / "grey.png"
-    cv2.imwrite(str(grey), np.full((480, 640), 99, np.uint8))
-    code, printed = calibrate(grey, "--output", tmp_path / "eye.yaml")
+    gray = tmp_path / "gray.png"
+    cv2.imwrite(str(gray), np.full((480, 640), 99, np.uint8))
+    code, printed = calibrate(gray, "--output", tmp_path / "eye.yaml")
     assert code == 1 and "1 images: 0 used, 1 without the board" in printed
     assert "no image shows the board well: is --size 8x6 right?" in printed
-    assert f"{grey}/x.yaml cannot be written" in refused(
-        calibrate, folder, "--output", f"{grey}/x.yaml"
+    assert f"{gray}/x.yaml cannot be written" in refused(
+        calibrate, folder, "--output", f"{gray}/x.yaml"
     )
     monkeypatch.setenv("ROS_MASTER_URI", f"http://127.0.0.1:{support.free_port()}")
     assert "no ROS master answers at http://127" in error("--topic", IMAGE)
@@ -366,7 +366,7 @@ def test_what_cannot_be_used_is_named(calibrate, pictures, folder, monkeypatch, 
 
 
 @pytest.mark.parametrize(
-    "arguments, why",
+    "arguments, reason",
     [
         ([], "the images are from FILE..., --bag or --topic: one of them"),
         (["a.png", "--topic", "/a"], "the images are from FILE..., --bag or --topic"),
@@ -390,9 +390,9 @@ def test_what_cannot_be_used_is_named(calibrate, pictures, folder, monkeypatch, 
         (["a.png", "--camera-name", "../eye"], "--camera-name: is '../eye', must be letters"),
     ],
 )
-def test_what_is_no_command_is_refused(calibrate, arguments, why):
+def test_what_is_no_command_is_refused(calibrate, arguments, reason):
     code, output = calibrate(*arguments)
-    assert code == 2 and why in output, output
+    assert code == 2 and reason in output, output
 
 
 def test_help_has_examples(calibrate):

@@ -1,4 +1,4 @@
-"""Known cameras, from pictures of every kind of board."""
+"""Known cameras, from images of every kind of board."""
 
 import functools
 from dataclasses import replace
@@ -54,8 +54,8 @@ BOARDS = {
 @functools.lru_cache(maxsize=None)
 def collected(kind, model, count=16, seed=1):
     """The views of so many frames."""
-    picture, board = BOARDS[kind]
-    studio = Studio(picture, CAMERAS[model], seed)
+    image, board = BOARDS[kind]
+    studio = Studio(image, CAMERAS[model], seed)
     views = ViewCollection(board, 60, 6.0)
     for number in range(count):
         views.offer(str(number), studio.frame())
@@ -119,8 +119,8 @@ def test_k3_is_0_unless_it_is_asked_for():
 
 
 def test_only_what_tells_something_new_is_kept():
-    picture, board = BOARDS["chessboard"]
-    studio, views = Studio(picture, CAMERAS["plumb_bob"]), ViewCollection(board, 3, 6.0)
+    image, board = BOARDS["chessboard"]
+    studio, views = Studio(image, CAMERAS["plumb_bob"]), ViewCollection(board, 3, 6.0)
     frame = studio.frame()
     moved = cv2.filter2D(frame, -1, np.full((1, 15), 1.0 / 15.0))  # while it was taken
     for gray in (frame, frame, moved, np.full(SIZE[::-1], 128, np.uint8)):
@@ -135,8 +135,8 @@ def test_only_what_tells_something_new_is_kept():
 
 @pytest.mark.parametrize("direction", [(1, 15), (15, 1)])
 def test_blur_is_measured_whatever_its_direction(direction):
-    picture, board = BOARDS["acircles"]
-    frame = Studio(picture, CAMERAS["plumb_bob"]).frame()
+    image, board = BOARDS["acircles"]
+    frame = Studio(image, CAMERAS["plumb_bob"]).frame()
     pixels = board.find(frame).pixels
     moved = cv2.filter2D(frame, -1, np.full(direction, 1.0 / 15.0))
     assert edge_width(frame, pixels) < 4.5 < 9.0 < edge_width(moved, pixels)
@@ -146,8 +146,8 @@ def test_blur_is_measured_whatever_its_direction(direction):
     "light", [lambda x: 0.06, lambda x: 0.15 + 0.85 * x], ids=["dark", "shade on one side"]
 )
 def test_chessboards_are_found_in_bad_light(light):
-    picture, board = BOARDS["chessboard"]
-    studio, shade = Studio(picture, CAMERAS["plumb_bob"]), light(np.linspace(0.0, 1.0, SIZE[0]))
+    image, board = BOARDS["chessboard"]
+    studio, shade = Studio(image, CAMERAS["plumb_bob"]), light(np.linspace(0.0, 1.0, SIZE[0]))
     for _ in range(5):
         assert board.find(np.rint(studio.frame() * shade).astype(np.uint8)) is not None
 
@@ -174,8 +174,8 @@ def test_opposite_tilts_are_different_views():
 
 
 def test_a_part_of_a_charuco_board_is_enough():
-    picture, board = BOARDS["charuco"]
-    frame = Studio(picture, CAMERAS["plumb_bob"]).frame()
+    image, board = BOARDS["charuco"]
+    frame = Studio(image, CAMERAS["plumb_bob"]).frame()
     whole = board.find(frame)
     x = int(np.median(whole.pixels[:, 0]))
     frame[:, x:] = 128
@@ -191,8 +191,8 @@ def test_a_part_of_a_charuco_board_is_enough():
 def test_charuco_boards_of_old_and_new_opencv_are_found(size, first):
     """Whole, with every corner in its place, whichever OpenCV has printed them."""
     columns, rows = size
-    picture = charuco(columns, rows, DICTIONARY, first)
-    found = boards.charuco(columns, rows, SQUARE, MARKER, DICTIONARY).find(picture)
+    image = charuco(columns, rows, DICTIONARY, first)
+    found = boards.charuco(columns, rows, SQUARE, MARKER, DICTIONARY).find(image)
     places = (found.points - found.points.min(axis=0))[:, :2] / SQUARE
     if np.corrcoef(places[:, 1], found.pixels[:, 1])[0, 1] < 0:  # before 4.6 their y is upwards
         places[:, 1] = places[:, 1].max() - places[:, 1]
@@ -222,9 +222,9 @@ def test_strange_markers_cost_no_charuco_view(size, number):
 
 def test_charuco_markers_that_fit_two_patterns_are_no_board():
     """Two rows of markers that are not neighbours: either pattern has them, at another place."""
-    picture = charuco(8, 6, DICTIONARY)
-    picture[DOT // 2 + DOT : DOT // 2 + 2 * DOT] = picture[DOT // 2 + 3 * DOT :] = WHITE
-    assert BOARDS["charuco"][1].find(picture) is None
+    image = charuco(8, 6, DICTIONARY)
+    image[DOT // 2 + DOT : DOT // 2 + 2 * DOT] = image[DOT // 2 + 3 * DOT :] = WHITE
+    assert BOARDS["charuco"][1].find(image) is None
 
 
 def test_too_few_views_are_refused():
@@ -233,14 +233,14 @@ def test_too_few_views_are_refused():
 
 
 @pytest.mark.parametrize(
-    "words, why",
+    "words, reason",
     [
         ((8, 6, SQUARE, MARKER, "9x9_50"), "dictionary is '9x9_50', must be one of .*4x4_50"),
         ((12, 12, SQUARE, MARKER, "4x4_50"), "dictionary 4x4_50 has 50 markers, the board 72"),
     ],
 )
-def test_charuco_boards_that_cannot_be(words, why):
-    with pytest.raises(ValueError, match=why):
+def test_charuco_boards_that_cannot_be(words, reason):
+    with pytest.raises(ValueError, match=reason):
         boards.charuco(*words)
 
 
@@ -256,10 +256,10 @@ def test_coverage_shows_where_the_board_was():
     )
     seen = seen_cells([observation], SIZE)
     assert seen.sum() == 3 and seen[0, 0] and seen[0, 4] and seen[3, 4]
-    picture = coverage_image([observation, observation], np.array([0.1, 0.1]), SIZE)
-    assert picture.shape == (480, 640, 3)
-    assert tuple(picture[470, 630]) == UNSEEN
-    assert picture[200, 300, 1] > 150 > picture[200, 300, 2]  # a green dot
+    image = coverage_image([observation, observation], np.array([0.1, 0.1]), SIZE)
+    assert image.shape == (480, 640, 3)
+    assert tuple(image[470, 630]) == UNSEEN
+    assert image[200, 300, 1] > 150 > image[200, 300, 2]  # a green dot
 
 
 def test_the_file_is_camera_info_manager_s(monkeypatch):

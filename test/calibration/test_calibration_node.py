@@ -1,4 +1,4 @@
-"""A camera is calibrated by camera_calibration, and its pictures are rectified by image_proc."""
+"""A camera is calibrated by camera_calibration, and its images are rectified by image_proc."""
 
 import shutil
 import subprocess
@@ -34,7 +34,7 @@ def press(screen, number, of):
 
 
 def corners_of(message):
-    """(6, 8, 2) px, or None if the whole board is not in the picture."""
+    """(6, 8, 2) px, or None if the whole board is not in the image."""
     rows = np.frombuffer(message.data, np.uint8).reshape(message.height, message.step)
     found, corners = cv2.findChessboardCorners(rows, CORNERS)
     if not found:

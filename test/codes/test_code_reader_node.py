@@ -15,19 +15,19 @@ GREETING = "Grüße an 世界".encode()
 BINARY = bytes([0, 255, 128, 10])
 
 
-def place(picture, data, x, y, module=4):
+def place(image, data, x, y, module=4):
     """Puts a QR code without its quiet zone at (x, y)."""
     code = np.kron(~qr_modules(data), np.full((module, module), 255, np.uint8))
-    picture[y : y + len(code), x : x + len(code)] = code
+    image[y : y + len(code), x : x + len(code)] = code
     return len(code)
 
 
 def with_codes(*data):
     """A gray image of codes side by side."""
-    picture = np.full((240, 640), 255, np.uint8)
+    image = np.full((240, 640), 255, np.uint8)
     for number, one in enumerate(data):
-        place(picture, one, 40 + 200 * number, 60)
-    return picture
+        place(image, one, 40 + 200 * number, 60)
+    return image
 
 
 class Reader:
@@ -44,21 +44,21 @@ class Reader:
         self.overlays = support.subscribed("/reader/processed_image", Image)
         self.source.wait_for()
 
-    def show(self, picture, encoding="mono8", **options):
+    def show(self, image, encoding="mono8", **options):
         """Shows an image and returns its overlay."""
-        return self.overlays.of(self.source.show(picture, encoding, **options).stamp)
+        return self.overlays.of(self.source.show(image, encoding, **options).stamp)
 
-    def read(self, *picture, **options):
+    def read(self, *image, **options):
         """Shows an image and returns its codes and its overlay."""
-        overlay = self.show(*picture, **options)
+        overlay = self.show(*image, **options)
         return self.codes.of(overlay.header.stamp), overlay
 
 
 def test_all_fields_of_a_code(start):
     reader = Reader(start)
-    picture = np.full((240, 320), 255, np.uint8)
-    side = place(picture, HELLO, 100, 50)
-    codes, overlay = reader.read(picture)
+    image = np.full((240, 320), 255, np.uint8)
+    side = place(image, HELLO, 100, 50)
+    codes, overlay = reader.read(image)
     assert codes.header.frame_id == overlay.header.frame_id == "eye"
     assert (codes.width, codes.height) == (320, 240)
     (code,) = codes.detections
@@ -80,7 +80,7 @@ def test_all_fields_of_a_code(start):
     green = (pixels == (0, 255, 0)).all(axis=2)
     for x, y in outline:
         assert green[round(y) - 1 : round(y) + 2, round(x) - 1 : round(x) + 2].any()
-    drawn = (pixels != picture[:, :, None]).any(axis=2)
+    drawn = (pixels != image[:, :, None]).any(axis=2)
     assert drawn[30:45, 100:160].any()  # the label
     assert not drawn[60:120, 110:160].any()  # inside of the code
 
@@ -97,12 +97,12 @@ def test_any_text_and_any_bytes_are_published(start):
 def test_images_of_every_encoding_are_read(start):
     reader = Reader(start, "_repeat_period:=0")
     gray = with_codes(b"kinds")
-    for picture, encoding in [
+    for image, encoding in [
         (np.dstack([gray] * 3), "bgr8"),
         (gray.astype(np.uint16) * 257, "mono16"),
         (gray, "bayer_rggb8"),
     ]:
-        codes, _ = reader.read(picture, encoding, padding=6)
+        codes, _ = reader.read(image, encoding, padding=6)
         assert [code.code_data for code in codes.detections] == [b"kinds"], encoding
 
 
@@ -171,8 +171,8 @@ def test_code_of_the_scene_is_read(start):
     image, found = support.same_frame(images, codes)
     (code,) = found.detections
     assert (code.label, code.code_type) == ("robot_vision", "qr")
-    picture = np.frombuffer(image.data, np.uint8).reshape(image.height, image.width, 3)
-    (expected,) = CodeReader().read(picture)
+    pixels = np.frombuffer(image.data, np.uint8).reshape(image.height, image.width, 3)
+    (expected,) = CodeReader().read(pixels)
     assert np.array([(p.x, p.y) for p in code.outline]) == pytest.approx(expected.polygon, abs=1e-4)
 
 

@@ -29,7 +29,7 @@ def found(codes):
     return [(code.type, code.data) for code in codes]
 
 
-def qr_picture(data, module, level="M"):
+def qr_image(data, module, level="M"):
     """A QR code with its quiet zone; a module has `module` px."""
     white = np.pad(~qr_modules(data, level), QUIET, constant_values=True)
     return np.kron(white, np.full((module, module), 255, np.uint8))
@@ -70,15 +70,15 @@ def test_every_qr_code_is_read_back(kind):
     for length in lengths:
         data = payload(rng, kind, length)
         level = "LMQH"[rng.integers(4)]
-        picture = qr_picture(data, int(rng.integers(2, 6)), level)
-        assert found(qr.read(picture, "mono8")) == [("qr", data)], (data, level, picture.shape)
+        image = qr_image(data, int(rng.integers(2, 6)), level)
+        assert found(qr.read(image, "mono8")) == [("qr", data)], (data, level, image.shape)
 
 
 @needs_bytes
 @pytest.mark.parametrize("level, most", [("L", 2953), ("M", 2331), ("Q", 1663), ("H", 1273)])
 def test_the_largest_qr_codes_are_read_back(level, most):
     data = payload(np.random.default_rng(most), "bytes", most)
-    assert found(reader().read(qr_picture(data, 3, level), "mono8")) == [("qr", data)]
+    assert found(reader().read(qr_image(data, 3, level), "mono8")) == [("qr", data)]
     with pytest.raises(ValueError, match=f"^{most + 1} bytes fit no QR code of level {level}$"):
         qr_modules(data + b"x", level)
 
@@ -86,22 +86,22 @@ def test_the_largest_qr_codes_are_read_back(level, most):
 @needs_bytes
 def test_all_bytes_are_read_back_at_once():
     data = bytes(range(256))
-    assert found(reader().read(qr_picture(data, 3), "mono8")) == [("qr", data)]
+    assert found(reader().read(qr_image(data, 3), "mono8")) == [("qr", data)]
 
 
-def seen(picture, turn, module, tilt, rng, size=(640, 480)):
+def seen(image, turn, module, tilt, rng, size=(640, 480)):
     """The code as a camera sees it, and the corners of its modules, px.
 
     A homography of a higher resolution is drawn, then contrast and noise are added.
     """
-    modules = picture.shape[0]
+    modules = image.shape[0]
     square = np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)]) / 2.0
     turned = [[np.cos(turn), np.sin(turn)], [-np.sin(turn), np.cos(turn)]]
     corners = square * modules * module * rng.uniform(1 - tilt, 1, (4, 2)) @ turned
     corners += np.array(size) / 2.0 + rng.uniform(-20, 20, 2)
     inside = (square + 0.5) * modules
     fine, finer = 4 if module < 4.0 else 2, 8  # large modules are smooth with fewer points
-    large = np.kron(picture, np.ones((finer, finer), np.uint8))
+    large = np.kron(image, np.ones((finer, finer), np.uint8))
     drawn = np.full(size[::-1], 255, np.uint8)
     left, top = np.maximum(corners.min(axis=0) - 1, 0).astype(int)
     right, bottom = np.minimum(corners.max(axis=0) + 2, size).astype(int)
@@ -125,10 +125,10 @@ def test_qr_codes_turned_and_tilted_are_read_and_located():
     errors, missed = [], 0
     for _ in range(120):
         data = payload(rng, "capitals", int(rng.integers(1, 60)))
-        modules = qr_picture(data, 1)
+        modules = qr_image(data, 1)
         module = rng.uniform(3.0, 400 / len(modules))
-        picture, corners = seen(modules, rng.uniform(0, 2 * np.pi), module, 0.15, rng)
-        codes = qr.read(picture, "mono8")
+        image, corners = seen(modules, rng.uniform(0, 2 * np.pi), module, 0.15, rng)
+        codes = qr.read(image, "mono8")
         if not codes:
             missed += 1
             continue
@@ -141,8 +141,8 @@ def test_qr_codes_turned_and_tilted_are_read_and_located():
 def test_qr_codes_are_read_blurred():
     rng = np.random.default_rng(4)
     for sigma in (0.5, 1.0, 1.5):
-        picture = cv2.GaussianBlur(qr_picture(b"blurred", 4), (0, 0), sigma)
-        noisy = np.clip(picture + rng.normal(0, 5, picture.shape), 0, 255).astype(np.uint8)
+        image = cv2.GaussianBlur(qr_image(b"blurred", 4), (0, 0), sigma)
+        noisy = np.clip(image + rng.normal(0, 5, image.shape), 0, 255).astype(np.uint8)
         assert found(reader().read(noisy, "mono8")) == [("qr", b"blurred")], sigma
 
 
@@ -152,11 +152,11 @@ def test_enlarged_small_codes_are_read():
     as_it_is, larger, errors = 0, 0, []
     for _ in range(40):
         data = payload(rng, "capitals", int(rng.integers(1, 60)))
-        picture, corners = seen(
-            qr_picture(data, 1), rng.uniform(0, 2 * np.pi), 2.3, 0.05, rng, (240, 200)
+        image, corners = seen(
+            qr_image(data, 1), rng.uniform(0, 2 * np.pi), 2.3, 0.05, rng, (240, 200)
         )
-        as_it_is += found(plainly.read(picture, "mono8")) == [("qr", data)]
-        codes = enlarged.read(picture, "mono8")
+        as_it_is += found(plainly.read(image, "mono8")) == [("qr", data)]
+        codes = enlarged.read(image, "mono8")
         if found(codes) == [("qr", data)]:
             larger += 1
             errors.append(np.abs(codes[0].polygon - corners).max())
@@ -170,11 +170,11 @@ def test_a_damaged_qr_code_is_read_right_or_not_at_all():
     read = 0
     for _ in range(60):
         data = payload(rng, "capitals", 40)
-        picture = qr_picture(data, 4, "H")
+        image = qr_image(data, 4, "H")
         side = int(rng.integers(8, 110))
-        x, y = rng.integers(0, len(picture) - side, 2)
-        picture[y : y + side, x : x + side] = rng.integers(0, 2) * 255
-        codes = found(qr.read(picture, "mono8"))
+        x, y = rng.integers(0, len(image) - side, 2)
+        image[y : y + side, x : x + side] = rng.integers(0, 2) * 255
+        codes = found(qr.read(image, "mono8"))
         assert codes in ([], [("qr", data)])
         read += len(codes)
     assert 20 < read < 60, read  # some codes were damaged too much
@@ -199,16 +199,16 @@ def test_every_bar_code_is_read_back(kind):
     for reads in (reader(), reader(symbologies=kind)):
         for turn in range(4):
             text, widths = BAR_CODES[kind](payload(rng, "digits", 12).decode())
-            bars = bar_codes.picture(widths)
+            bars = bar_codes.image(widths)
             height, width = bars.shape
             top, left = 40, 60
-            picture = np.full((480, 640), 255, np.uint8)
-            picture[top : top + height, left : left + width] = bars
-            picture = np.rot90(picture, turn)
-            codes = reads.read(picture, "mono8")
+            image = np.full((480, 640), 255, np.uint8)
+            image[top : top + height, left : left + width] = bars
+            image = np.rot90(image, turn)
+            codes = reads.read(image, "mono8")
             assert found(codes) == [(kind, text.encode())]
             # The polygon is around the bars, which are read along lines from end to end.
-            x, y, wide, high = cv2.boundingRect((picture == 0).astype(np.uint8))
+            x, y, wide, high = cv2.boundingRect((image == 0).astype(np.uint8))
             low, above = codes[0].polygon.min(axis=0), codes[0].polygon.max(axis=0)
             if turn % 2:
                 low, above, x, y, wide, high = low[::-1], above[::-1], y, x, high, wide
@@ -220,31 +220,31 @@ def test_every_bar_code_is_read_back(kind):
 @pytest.mark.parametrize("kind", ["code128", "code93", "code39", "i25"])
 def test_one_line_is_no_bar_code(kind):
     _, widths = BAR_CODES[kind]("123456789012")
-    bars = bar_codes.picture(widths)
+    bars = bar_codes.image(widths)
     middle = len(bars) // 2
     for lines, expected in [(1, 0), (2, 1), (3, 1)]:
-        picture = np.full((60, bars.shape[1]), 255, np.uint8)
-        picture[20 : 20 + lines] = bars[middle]
-        assert len(reader().read(picture, "mono8")) == expected, lines
+        image = np.full((60, bars.shape[1]), 255, np.uint8)
+        image[20 : 20 + lines] = bars[middle]
+        assert len(reader().read(image, "mono8")) == expected, lines
 
 
 def test_codes_come_from_top_to_bottom():
-    picture = np.full((480, 640), 255, np.uint8)
+    image = np.full((480, 640), 255, np.uint8)
     places = {b"second": (150, 300), b"first": (20, 40), b"third": (300, 10)}
     for data, (y, x) in places.items():
-        code = qr_picture(data, 4)
-        picture[y : y + len(code), x : x + len(code)] = code
-    codes = reader().read(picture, "mono8")
+        code = qr_image(data, 4)
+        image[y : y + len(code), x : x + len(code)] = code
+    codes = reader().read(image, "mono8")
     assert found(codes) == [("qr", b"first"), ("qr", b"second"), ("qr", b"third")]
     assert all(code.score == 1.0 for code in codes)
 
 
 def test_only_the_symbologies_wanted_are_read():
-    picture = np.full((300, 400), 255, np.uint8)
-    bars = bar_codes.picture(bar_codes.ean13("400638133393")[1])
-    code = qr_picture(b"hello", 4)
-    picture[: bars.shape[0], : bars.shape[1]] = bars
-    picture[-len(code) :, -len(code) :] = code
+    image = np.full((300, 400), 255, np.uint8)
+    bars = bar_codes.image(bar_codes.ean13("400638133393")[1])
+    code = qr_image(b"hello", 4)
+    image[: bars.shape[0], : bars.shape[1]] = bars
+    image[-len(code) :, -len(code) :] = code
     both = [("ean13", b"4006381333931"), ("qr", b"hello")]
     for wanted, expected in [
         ("all", both),
@@ -253,7 +253,7 @@ def test_only_the_symbologies_wanted_are_read():
         ("qr", both[1:]),
         ("i25", []),
     ]:
-        assert found(reader(symbologies=wanted).read(picture, "mono8")) == expected, wanted
+        assert found(reader(symbologies=wanted).read(image, "mono8")) == expected, wanted
 
 
 def with_header(monkeypatch, data, *header):
@@ -296,23 +296,23 @@ def test_parts_of_a_content_are_one_code_if_all_are_there(monkeypatch):
     ],
 )
 def test_a_named_character_set_becomes_utf8(monkeypatch, data, number, expected):
-    picture = with_header(monkeypatch, data, (7, 4), (number, 8))
-    assert [code.data for code in reader().read(picture, "mono8")] == expected
+    image = with_header(monkeypatch, data, (7, 4), (number, 8))
+    assert [code.data for code in reader().read(image, "mono8")] == expected
 
 
 @pytest.mark.parametrize("kind", BAR_CODES)
 @pytest.mark.parametrize("spacing, enlarge", [(1, 1), (3, 1), (2, 2)])
 def test_bar_codes_are_followed(kind, spacing, enlarge):
     _, widths = BAR_CODES[kind]("123456789012")
-    bars = bar_codes.picture(widths)
+    bars = bar_codes.image(widths)
     height, width = bars.shape
     reads = reader(spacing=spacing, enlarge=enlarge, max_search_period=60.0)
     for frame in range(8):
         top, left = 40 + 9 * frame, 20 + 12 * frame
-        picture = np.full((480, 640), 255, np.uint8)
-        picture[top : top + height, left : left + width] = bars
-        (code,) = reads.update(frame / 30, picture, "mono8")
-        (expected,) = reads.read(picture, "mono8")
+        image = np.full((480, 640), 255, np.uint8)
+        image[top : top + height, left : left + width] = bars
+        (code,) = reads.update(frame / 30, image, "mono8")
+        (expected,) = reads.read(image, "mono8")
         assert found([code]) == found([expected])
         low, above = code.polygon.min(axis=0), code.polygon.max(axis=0)
         assert low == pytest.approx(expected.polygon.min(axis=0), abs=3.0)
@@ -324,14 +324,14 @@ def test_qr_codes_turned_and_tilted_are_followed():
     rng = np.random.default_rng(9)
     whole = followed = 0
     for _ in range(12):
-        modules = qr_picture(payload(rng, "capitals", int(rng.integers(1, 60))), 1)
+        modules = qr_image(payload(rng, "capitals", int(rng.integers(1, 60))), 1)
         module = rng.uniform(3.0, 300 / len(modules))
         turn = rng.uniform(0, 2 * np.pi)
         qr = reader(max_search_period=60.0)
         for frame in range(5):
-            picture, _ = seen(modules, turn + 0.02 * frame, module, 0.1, rng)
-            codes = qr.update(frame / 30, picture, "mono8")
-            expected = qr.read(picture, "mono8")
+            image, _ = seen(modules, turn + 0.02 * frame, module, 0.1, rng)
+            codes = qr.update(frame / 30, image, "mono8")
+            expected = qr.read(image, "mono8")
             if frame and expected:
                 whole += 1
                 followed += found(codes) == found(expected)
@@ -340,8 +340,8 @@ def test_qr_codes_turned_and_tilted_are_followed():
 
 def test_nothing_is_read_in_images_without_codes():
     rng = np.random.default_rng(8)
-    pictures = [skimage.data.astronaut(), skimage.data.coffee(), skimage.data.chelsea()]
-    grays = [cv2.cvtColor(picture, cv2.COLOR_RGB2GRAY) for picture in pictures]
+    images = [skimage.data.astronaut(), skimage.data.coffee(), skimage.data.chelsea()]
+    grays = [cv2.cvtColor(image, cv2.COLOR_RGB2GRAY) for image in images]
     grays += [skimage.data.text(), skimage.data.page(), skimage.data.brick(), skimage.data.grass()]
     every = reader()
     for _ in range(25):
@@ -355,13 +355,13 @@ def test_nothing_is_read_in_images_without_codes():
 
 
 def test_images_of_every_encoding_are_read():
-    gray = qr_picture(b"kinds", 4)
+    gray = qr_image(b"kinds", 4)
     gray = gray[:, : len(gray) // 2 * 2]
     bgr = cv2.cvtColor(gray, cv2.COLOR_GRAY2BGR)
     yuv = np.dstack([np.full_like(gray, 128), gray])
     padded = np.zeros((len(gray), gray.shape[1] + 7), np.uint8)[:, :-7]
     padded[:] = gray
-    for picture, encoding in [
+    for image, encoding in [
         (gray, "mono8"),
         (bgr, "bgr8"),
         (gray.astype(np.uint16) * 257, "mono16"),
@@ -371,11 +371,11 @@ def test_images_of_every_encoding_are_read():
         (np.asfortranarray(gray), "mono8"),
     ]:
         for enlarge in (1, 2):
-            before = picture.copy()
-            picture.flags.writeable = False
-            codes = reader(enlarge=enlarge).read(picture, encoding)
-            assert found(codes) == [("qr", b"kinds")], (encoding, picture.strides)
-            assert np.array_equal(picture, before)
+            before = image.copy()
+            image.flags.writeable = False
+            codes = reader(enlarge=enlarge).read(image, encoding)
+            assert found(codes) == [("qr", b"kinds")], (encoding, image.strides)
+            assert np.array_equal(image, before)
 
 
 def test_images_that_are_too_small_have_no_codes():

@@ -10,7 +10,7 @@ BLUE = rv.HsvRange(low=(90, 50, 50), high=(120, 255, 255))
 
 
 @pytest.fixture
-def picture():
+def image():
     return np.random.RandomState(1).randint(0, 256, (48, 64, 3), np.uint8)
 
 
@@ -32,28 +32,28 @@ def test_range_has_named_limits():
 @pytest.mark.parametrize(
     "low, high", [((90, 50, 50), (120, 255, 255)), ((0, 35, 0), (57, 255, 99))]
 )
-def test_mask_equals_opencv(picture, low, high):
-    before = picture.copy()
-    expected = opencv_mask(picture, low, high)
+def test_mask_equals_opencv(image, low, high):
+    before = image.copy()
+    expected = opencv_mask(image, low, high)
     assert 0 < np.count_nonzero(expected) < expected.size
     color = rv.HsvRange(low=low, high=high)
-    mask = rv.hsv_mask(picture, color)
+    mask = rv.hsv_mask(image, color)
     assert mask.dtype == np.uint8
     assert np.array_equal(mask, expected)
-    assert np.array_equal(rv.HsvMask(color).apply(picture), expected)
-    rgb = picture[:, :, ::-1].copy()
+    assert np.array_equal(rv.HsvMask(color).apply(image), expected)
+    rgb = image[:, :, ::-1].copy()
     assert np.array_equal(rv.hsv_mask(rgb, color, "rgb8"), expected)
     assert np.array_equal(rv.hsv_mask(rgb, color, encoding="bgr8"), opencv_mask(rgb, low, high))
-    part = picture[3:40, 5:33]
+    part = image[3:40, 5:33]
     assert np.array_equal(rv.hsv_mask(part, color), expected[3:40, 5:33])
-    assert np.array_equal(picture, before)
+    assert np.array_equal(image, before)
 
 
-def test_colors_are_converted_as_by_opencv(picture):
-    hsv = cv2.cvtColor(picture, cv2.COLOR_BGR2HSV)
+def test_colors_are_converted_as_by_opencv(image):
+    hsv = cv2.cvtColor(image, cv2.COLOR_BGR2HSV)
     assert rv.to_hsv((255, 0, 0)) == (120, 255, 255)
     for y, x in [(0, 0), (20, 30), (47, 63)]:
-        assert rv.to_hsv(tuple(picture[y, x])) == tuple(hsv[y, x])
+        assert rv.to_hsv(tuple(image[y, x])) == tuple(hsv[y, x])
 
 
 @pytest.mark.parametrize(
@@ -63,9 +63,9 @@ def test_colors_are_converted_as_by_opencv(picture):
         ((0, 9, 0), (90, 8, 9), "s_high is 8, must be from 9 to 255"),
     ],
 )
-def test_invalid_ranges_are_refused(picture, low, high, message):
+def test_invalid_ranges_are_refused(image, low, high, message):
     color = rv.HsvRange(low=low, high=high)
-    for use in (rv.validate, rv.HsvMask, lambda r: rv.hsv_mask(picture, r)):
+    for use in (rv.validate, rv.HsvMask, lambda r: rv.hsv_mask(image, r)):
         with pytest.raises(ValueError, match=message):
             use(color)
 
@@ -118,8 +118,8 @@ def test_region_parameters():
             use(params)
 
 
-def test_invalid_masks_are_refused(picture):
+def test_invalid_masks_are_refused(image):
     with pytest.raises(ValueError):
-        rv.RegionFinder().apply(picture)
+        rv.RegionFinder().apply(image)
     with pytest.raises(TypeError):
         rv.RegionFinder().apply(np.zeros((4, 4), bool))

@@ -64,12 +64,12 @@ def test_gray_pixels_have_no_hue():
 
 
 def test_region_may_be_a_view_but_not_empty():
-    picture = np.zeros((20, 30, 3), np.uint8)
-    picture[4:8, 5:9] = (255, 0, 0)
-    assert median_hsv(picture[4:8, 5:9]) == (120, 255, 255)
-    assert median_hsv(picture[:, :, ::-1][4:8, 5:9]) == (0, 255, 255)
+    image = np.zeros((20, 30, 3), np.uint8)
+    image[4:8, 5:9] = (255, 0, 0)
+    assert median_hsv(image[4:8, 5:9]) == (120, 255, 255)
+    assert median_hsv(image[:, :, ::-1][4:8, 5:9]) == (0, 255, 255)
     with pytest.raises(ValueError, match="empty"):
-        median_hsv(picture[4:4])
+        median_hsv(image[4:4])
 
 
 FILE = """\
@@ -275,7 +275,7 @@ def test_title_and_waiting_image_of_the_window():
         "/a",
         "/a_very_long/name_of/a_topic/that/does_not_fit/into_the_picture/image_raw",
     ):
-        picture = placeholder(topic)
-        written = np.argwhere(picture[:, :, 0] != 128)
-        assert picture.shape == (480, 640, 3) and len(written) > 100
+        image = placeholder(topic)
+        written = np.argwhere(image[:, :, 0] != 128)
+        assert image.shape == (480, 640, 3) and len(written) > 100
         assert written.min() >= 15 and written[:, 1].max() < 625

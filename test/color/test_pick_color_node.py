@@ -33,7 +33,7 @@ def pick(start):
 
 
 @pytest.fixture
-def picture(tmp_path):
+def image(tmp_path):
     """A blue image file of 60x40 with a red rectangle at (30, 20), in which one pixel is gray."""
     pixels = np.full((40, 60, 3), BLUE, np.uint8)
     pixels[20:30, 30:40] = RED
@@ -79,8 +79,8 @@ def test_color_of_the_command_line(pick, arguments, output):
         (["--region", 0, 0, 60, 40], printed(None, BLUE_HSV, BLUE_YAML)),
     ],
 )
-def test_color_of_an_image_file(pick, picture, place, output):
-    assert pick(picture, *place) == (0, output)
+def test_color_of_an_image_file(pick, image, place, output):
+    assert pick(image, *place) == (0, output)
 
 
 def publish(encoding, pixels):
@@ -93,8 +93,8 @@ def publish(encoding, pixels):
     return publisher
 
 
-def test_color_of_a_topic(pick, picture):
-    rgb = np.ascontiguousarray(cv2.imread(str(picture))[:, :, ::-1])
+def test_color_of_a_topic(pick, image):
+    rgb = np.ascontiguousarray(cv2.imread(str(image))[:, :, ::-1])
     publisher = publish("rgb8", rgb)
     assert pick("--topic", "/pictures", "--at", 30, 20) == (0, printed(RED, RED_HSV, RED_YAML))
     region = ["--region", 30, 20, 10, 10]
@@ -180,14 +180,14 @@ def test_bad_file_is_not_changed(pick, tmp_path, text, error):
     assert path.read_text() == text
 
 
-def test_errors_of_files_name_them(pick, picture, tmp_path):
-    no_picture = tmp_path / "text.png"
+def test_errors_of_files_name_them(pick, image, tmp_path):
+    no_image = tmp_path / "text.png"
     for content in ("", "text"):
-        no_picture.write_text(content)
-        code, output = pick(no_picture, "--at", 1, 1)
+        no_image.write_text(content)
+        code, output = pick(no_image, "--at", 1, 1)
         assert (code, output) == (
             1,
-            f"pick_color.py: {no_picture}: no image that OpenCV can read\n",
+            f"pick_color.py: {no_image}: no image that OpenCV can read\n",
         )
     missing = tmp_path / "missing" / "file"
     for arguments, tried in (
@@ -210,8 +210,8 @@ def test_errors_of_files_name_them(pick, picture, tmp_path):
         ["--region", 0, 0, 5, -1],
     ],
 )
-def test_places_outside_of_the_image_are_refused(pick, picture, place):
-    code, output = pick(picture, *place)
+def test_places_outside_of_the_image_are_refused(pick, image, place):
+    code, output = pick(image, *place)
     assert code == 1 and "not inside of the image of 60x40" in output
 
 

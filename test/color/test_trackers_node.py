@@ -45,8 +45,8 @@ def test_hsv_tracker_finds_the_ball_by_its_blue(start, camera):
     images = support.Messages("/camera/image_raw", Image)
     objects = support.Messages("/tracker/objects", DetectionArray)
     masks = support.Messages("/tracker/mask", Image)
-    pictures = support.Messages("/tracker/processed_image", Image)
-    image, found, mask, picture = support.same_frame(images, objects, masks, pictures)
+    overlays = support.Messages("/tracker/processed_image", Image)
+    image, found, mask, overlay = support.same_frame(images, objects, masks, overlays)
     assert found.header.frame_id == mask.header.frame_id == image.header.frame_id
     assert (found.width, found.height) == (640, 480)
     expected = cleaned(pixels(image), *BLUE)
@@ -68,18 +68,18 @@ def test_hsv_tracker_finds_the_ball_by_its_blue(start, camera):
 
     inside = cv2.erode(expected, np.ones((9, 9))) > 0  # away from the lines that are drawn
     assert inside.any()
-    assert np.array_equal(pixels(picture)[inside], pixels(image)[inside])
-    assert np.mean(np.any(pixels(picture) > 0, axis=2)) < 0.1  # black elsewhere
+    assert np.array_equal(pixels(overlay)[inside], pixels(image)[inside])
+    assert np.mean(np.any(pixels(overlay) > 0, axis=2)) < 0.1  # black elsewhere
 
 
 def test_hsv_tracker_finds_several_colors_and_red_on_both_ends_of_the_hues(start, tmp_path):
-    picture = np.zeros((120, 160, 3), np.uint8)
+    image = np.zeros((120, 160, 3), np.uint8)
     for box, hue in [((10, 10, 30, 40), 178), ((60, 10, 30, 40), 3), ((110, 10, 30, 40), 60)]:
         x, y, w, h = box
         color = cv2.cvtColor(np.uint8([[[hue, 200, 200]]]), cv2.COLOR_HSV2BGR)[0, 0]
-        picture[y : y + h, x : x + w] = color
+        image[y : y + h, x : x + w] = color
     path = tmp_path / "colors.png"
-    cv2.imwrite(str(path), picture)
+    cv2.imwrite(str(path), image)
     rospy.set_param(
         "/tracker/colors",
         {
@@ -185,9 +185,9 @@ def test_config_file_must_be_absolute(start, node):
 @pytest.mark.parametrize("node", ["hsv_tracker.py", "brightness_node"])
 def test_missing_frames_are_logged(start, node):
     process = start(node, "__name:=waiting", "image:=/nobody")
-    pictures = support.Messages("/waiting/processed_image", Image)
+    images = support.Messages("/waiting/processed_image", Image)
     process.wait_for_output("no frames on /nobody for 5 s")
-    pictures.close()
+    images.close()
 
 
 def test_ball_is_followed_as_it_moves(start):
@@ -196,13 +196,13 @@ def test_ball_is_followed_as_it_moves(start):
     The frames have the scene's own time, however long the machine takes to render them.
     """
     topic, calibrated = new_topic(), "/elsewhere/camera_info"
-    pictures, infos = Source(topic), Source(calibrated, CameraInfo)
+    images, infos = Source(topic), Source(calibrated, CameraInfo)
     remapped = [f"image:={topic}", f"camera_info:={calibrated}"]
     start("ball_tracker.py", "__name:=ball", *remapped, "_ball_diameter:=0.2")
     objects = support.subscribed("/ball/objects", DetectionArray)
     positions = support.subscribed("/ball/position", PointStamped)
     transforms = support.subscribed("/tf", tf2_msgs.msg.TFMessage)
-    for source in (pictures, infos):
+    for source in (images, infos):
         source.wait_for()
     scene = Scene(SceneParams())
     width, height = scene.camera.width, scene.camera.height
@@ -215,7 +215,7 @@ def test_ball_is_followed_as_it_moves(start):
         image.header.frame_id = "eye"
         info.header = image.header
         infos.send(info)
-        pictures.send(image)
+        images.send(image)
         (found,) = objects.of(image.header.stamp).detections
         ball = ball_in(scene, frame)
         if not ball.visible:
@@ -255,21 +255,21 @@ def test_ball_without_a_diameter_has_no_position(start, camera):
 
 def test_camera_info_of_another_size_gives_no_position(start):
     topic = new_topic()
-    pictures, infos = Source(topic), Source(topic.replace("image", "camera_info"), CameraInfo)
+    images, infos = Source(topic), Source(topic.replace("image", "camera_info"), CameraInfo)
     process = start("ball_tracker.py", "__name:=ball", f"image:={topic}", "_ball_diameter:=0.2")
     objects = support.Messages("/ball/objects", DetectionArray)
     positions = support.subscribed("/ball/position", PointStamped)
-    pictures.wait_for()
+    images.wait_for()
     infos.wait_for()
-    picture = np.zeros((480, 640, 3), np.uint8)
-    cv2.circle(picture, (500, 240), 40, (255, 0, 0), -1)
+    disc = np.zeros((480, 640, 3), np.uint8)
+    cv2.circle(disc, (500, 240), 40, (255, 0, 0), -1)
     for number in itertools.count(1):
-        image = message(picture, "bgr8")
+        image = message(disc, "bgr8")
         image.header.stamp = rospy.Time(number)
         info = CameraInfo(width=320, height=240, K=[300, 0, 160, 0, 300, 120, 0, 0, 1])
         info.header = image.header
         infos.send(info)
-        pictures.send(image)
+        images.send(image)
         if len(objects.received) > 2:
             break
         rospy.sleep(0.05)

@@ -26,9 +26,9 @@ class Person:
         self.faces = support.subscribed("/finder/faces", DetectionArray)
         self._camera.wait_for()
 
-    def show(self, picture):
-        """Shows a picture; its header and what is found."""
-        header = self._camera.show(picture)
+    def show(self, image):
+        """Shows an image; its header and what is found."""
+        header = self._camera.show(image)
         return header, self.answer(self.faces, header)
 
     @staticmethod
@@ -39,10 +39,10 @@ class Person:
 
     def show_until_found(self, number=0):
         """Shows a frame until its face is found: its header, the face, and where it is."""
-        picture, truth = frame(number)
+        image, truth = frame(number)
 
         def found():
-            header, faces = self.show(picture)
+            header, faces = self.show(image)
             return [(header, face, truth) for face in at(truth, faces)]
 
         return support.wait_for(found, "a face")[0]
@@ -88,8 +88,8 @@ def test_a_face_keeps_its_id_while_it_moves_with_a_velocity(start):
     person = Person(start)
     _, first, _ = person.show_until_found()
     for number in range(1, 20):
-        picture, truth = frame(number)
-        (face,) = at(truth, person.show(picture)[1])
+        image, truth = frame(number)
+        (face,) = at(truth, person.show(image)[1])
         assert face.id == first.id
     before = frame(18)[1]
     speed = RATE * (truth[0] - before[0]), RATE * (truth[1] - before[1])

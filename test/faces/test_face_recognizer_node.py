@@ -37,9 +37,9 @@ def face(box, number=-1, **values):
     return Detection(label="face", id=number, score=0.9, box=region, **values)
 
 
-def faces_of(picture, number=-1):
-    """What a detector says of a picture with one face."""
-    return [face(find_face(picture), number)]
+def faces_of(image, number=-1):
+    """What a detector says of an image with one face."""
+    return [face(find_face(image), number)]
 
 
 class Door:
@@ -84,13 +84,13 @@ class Door:
         """From now on stamps are those of the beginning."""
         self._stamps = itertools.count(0)  # of which no answer has come
 
-    def send(self, picture, detections, faces_first=False):
-        """A picture and the faces in it; their stamp."""
+    def send(self, pixels, detections, faces_first=False):
+        """An image and the faces in it; their stamp."""
         with self._lock:
-            image = message(picture, "bgr8")
+            image = message(pixels, "bgr8")
             image.header.stamp = rospy.Time(next(self._stamps), 5)
             image.header.frame_id = "eye"
-            height, width = picture.shape[:2]
+            height, width = pixels.shape[:2]
             found = DetectionArray(image.header, width, height, detections)
             one, other = (self.images.send, image), (self.faces.send, found)
             for send, what in (other, one) if faces_first else (one, other):
@@ -98,28 +98,28 @@ class Door:
             return image.header.stamp
 
     def answer(self, stamp):
-        """What came out of the frame of this stamp: faces, identities, picture."""
+        """What came out of the frame of this stamp: faces, identities, image."""
         answers = [output.of(stamp) for output in self.outputs]
         assert all(answer.header.frame_id == "eye" for answer in answers)
         return answers
 
     def look(self, person, number=20, of=1):
-        """Who the node says that a person in a new picture is."""
-        picture, _ = photograph(person, number)
-        _, identities, _ = self.answer(self.send(picture, faces_of(picture, of)))
+        """Who the node says that a person in a new image is."""
+        image, _ = photograph(person, number)
+        _, identities, _ = self.answer(self.send(image, faces_of(image, of)))
         (identity,) = identities.identities
         assert identity.id == of and identity.known == (identity.name != "unknown")
         return identity.name
 
     @contextlib.contextmanager
-    def showing(self, pictures, faces=faces_of):
-        """Shows pictures again and again."""
-        shown = [(picture, faces(picture)) for picture in pictures]
+    def showing(self, images, faces=faces_of):
+        """Shows images again and again."""
+        shown = [(image, faces(image)) for image in images]
         over = threading.Event()
 
         def play():
-            for picture, detections in itertools.cycle(shown):
-                self.send(picture, detections)
+            for image, detections in itertools.cycle(shown):
+                self.send(image, detections)
                 if over.wait(0.05):
                     return
 
@@ -142,8 +142,8 @@ def known():
     return dict(zip(answer.names, answer.pictures))
 
 
-def enroll(name, pictures=0):
-    return call("enroll", EnrollFace, name, pictures)
+def enroll(name, images=0):
+    return call("enroll", EnrollFace, name, images)
 
 
 @pytest.fixture(scope="module")
@@ -175,11 +175,11 @@ def test_two_people_are_told_apart_and_a_third_is_unknown(start, folder):
 def test_outputs_agree_with_the_faces_that_came_in(start, folder):
     door = Door(start, f"_gallery:={folder}", *AT_ONCE)
     left, right = (photograph(person, 20)[0] for person in (BERT, CARLA))
-    picture = np.hstack([left, right])
+    image = np.hstack([left, right])
     x, y, width, height = find_face(right)
     boxes = [find_face(left), (320 + x, y, width, height)]
     sent = [face(boxes[0], 7), face(boxes[1], 9)]
-    faces, identities, overlay = door.answer(door.send(picture, sent))
+    faces, identities, overlay = door.answer(door.send(image, sent))
     assert (faces.width, faces.height) == (640, 240)
     assert [(one.id, one.label) for one in faces.detections] == [(7, "Zoë"), (9, "unknown")]
     assert [one.box for one in faces.detections] == [one.box for one in sent]
@@ -188,14 +188,14 @@ def test_outputs_agree_with_the_faces_that_came_in(start, folder):
     assert (zoe.id, zoe.name, zoe.known) == (7, "Zoë", True)
     assert (stranger.id, stranger.name, stranger.known) == (9, "unknown", False)
     assert 0.0 < zoe.distance <= 80.0 < stranger.distance
-    drawn = np.frombuffer(overlay.data, np.uint8).reshape(picture.shape)
+    drawn = np.frombuffer(overlay.data, np.uint8).reshape(image.shape)
     for (left, top, across, _), color in zip(boxes, [(0, 255, 0), (0, 0, 255)]):
         assert (drawn[top, left : left + across] == color).all(axis=1).mean() > 0.9
-    outside = (drawn != picture).any(axis=2)
+    outside = (drawn != image).any(axis=2)
     for left, top, across, down in boxes:
         outside[max(top - 30, 0) : top + down + 3, max(left - 3, 0) : left + across + 60] = False
     assert not outside.any()
-    faces, identities, _ = door.answer(door.send(picture, []))
+    faces, identities, _ = door.answer(door.send(image, []))
     assert not faces.detections and not identities.identities
 
 
@@ -237,13 +237,13 @@ def test_predicted_face_keeps_its_name_unseen(start, folder):
     assert [one.name for one in identities.identities] == ["Anna", "unknown"]
 
 
-def test_faces_may_come_before_their_picture_or_late(start, folder):
+def test_faces_may_come_before_their_image_or_late(start, folder):
     door = Door(start, f"_gallery:={folder}", *AT_ONCE)
     anna, carla = photograph(ANNA, 20)[0], photograph(CARLA, 20)[0]
     for first in (True, False):
         stamp = door.send(anna, faces_of(anna, 1), faces_first=first)
         assert door.answer(stamp)[1].identities[0].name == "Anna"
-    # The picture is that of the stamp, not the newest one.
+    # The image is that of the stamp, not the newest one.
     late = message(anna, "bgr8")
     late.header.stamp, late.header.frame_id = rospy.Time(1000), "eye"
     found = DetectionArray(late.header, 320, 240, faces_of(anna, 3))
@@ -259,7 +259,7 @@ def test_faces_may_come_before_their_picture_or_late(start, folder):
     assert door.answer(late.header.stamp)[1].identities[0].name == "Anna"
 
 
-def test_pictures_do_not_wait_while_nobody_listens(start, folder, diagnostics):
+def test_images_do_not_wait_while_nobody_listens(start, folder, diagnostics):
     door = Door(start, f"_gallery:={folder}", "_diagnostic_period:=0.1", *AT_ONCE)
     anna = photograph(ANNA, 20)[0]
     waits = message(anna, "bgr8")
@@ -275,7 +275,7 @@ def test_pictures_do_not_wait_while_nobody_listens(start, folder, diagnostics):
     assert all(m.header.stamp != waits.header.stamp for o in door.outputs for m in o.received)
 
 
-def test_enrolling_from_the_live_picture_without_subscribers(start, tmp_path):
+def test_enrolling_from_the_live_image_without_subscribers(start, tmp_path):
     door = Door(start, f"_gallery:={tmp_path / 'faces'}", *AT_ONCE, listen=False)
 
     def subscribed():
@@ -311,9 +311,9 @@ def test_enrolling_fails_clearly_and_changes_nothing(start, folder):
     anna = photograph(ANNA, 20)[0]
     twice = faces_of(anna) * 2
     cases = [
-        (lambda picture: [], "took 0 of 2 images; .* showed no face, within 1.5 s"),
-        (lambda picture: twice, "took 0 of 2 images; .* showed several faces, within"),
-        (lambda picture: [face((5, 5, 40, 40))], "took 0 of 2 images; .* showed no clear face"),
+        (lambda image: [], "took 0 of 2 images; .* showed no face, within 1.5 s"),
+        (lambda image: twice, "took 0 of 2 images; .* showed several faces, within"),
+        (lambda image: [face((5, 5, 40, 40))], "took 0 of 2 images; .* showed no clear face"),
     ]
     for faces, text in cases:
         with door.showing([anna], faces):
@@ -437,7 +437,7 @@ def test_folders_are_enrolled_listed_and_forgotten(start, tmp_path):
     ]:
         answer = call("enroll_folder", EnrollFolder, folder, "")
         assert not answer.success and text in answer.message
-    answer = call("enroll_folder", EnrollFolder, str(course), "Eve")  # no pictures of its own
+    answer = call("enroll_folder", EnrollFolder, str(course), "Eve")  # no images of its own
     assert not answer.success and answer.pictures == 0
     assert answer.message.endswith(f": {course}: there are no images in it")
     answer = call("enroll_folder", EnrollFolder, str(course / "Anna"), "")  # a person's own
@@ -503,7 +503,7 @@ def test_boxes_that_cannot_be_used_are_refused(start, folder, box, predicted, te
     assert "Traceback" not in door.process.output()
 
 
-def test_faces_of_a_picture_of_another_size_are_refused(start, folder):
+def test_faces_of_an_image_of_another_size_are_refused(start, folder):
     door = Door(start, f"_gallery:={folder}", *AT_ONCE)
     anna = photograph(ANNA, 20)[0]
     image = message(anna, "bgr8")

@@ -50,13 +50,13 @@ PEOPLE = (looks() * 255).astype(np.uint8)
 
 
 def crowd(places):
-    """A picture with a face, 100 px, at each place, (x, y)."""
-    picture = np.full((480, 640), 120, np.uint8)
+    """An image with a face, 100 px, at each place, (x, y)."""
+    image = np.full((480, 640), 120, np.uint8)
     for (x, y), face in zip(places, PEOPLE):
         large = cv2.resize(face, (100, 100), interpolation=cv2.INTER_CUBIC)
         faded = cv2.copyMakeBorder(large, *(30, 30, 30, 30), cv2.BORDER_REPLICATE)
-        picture[y : y + 160, x : x + 160] = faded
-    return picture
+        image[y : y + 160, x : x + 160] = faded
+    return image
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -83,17 +83,17 @@ def test_no_face_is_lost_that_a_search_of_every_frame_finds(kind):
 
 @pytest.mark.parametrize("mirrored", [False, True])
 @pytest.mark.parametrize(
-    "picture, is_there",
+    "original, is_there",
     [
         (PORTRAIT, True),
         (cv2.resize(PORTRAIT, None, fx=1.5, fy=1.5), True),
         (BACKGROUND, False),
-        (PROFILE_PORTRAIT, True),  # of which only the mirrored picture shows the side that is known
+        (PROFILE_PORTRAIT, True),  # of which only the mirrored image shows the side that is known
         (cv2.resize(PROFILE_PORTRAIT, None, fx=1.2, fy=1.2), True),
     ],
 )
-def test_a_search_finds_what_opencv_finds(picture, is_there, mirrored):
-    image = np.ascontiguousarray(picture[:, ::-1]) if mirrored else picture
+def test_a_search_finds_what_opencv_finds(original, is_there, mirrored):
+    image = np.ascontiguousarray(original[:, ::-1]) if mirrored else original
     found = rv.FaceDetector(params()).detect(image)
     assert boxes(found) == reference(image) and (found or not is_there)
     assert [face.id for face in found] == [-1] * len(found)
@@ -111,14 +111,14 @@ def test_sizes_are_kept(sizes):
             assert smallest <= face.box[2] <= (largest or 480)
 
 
-def test_boxes_are_inside_of_the_picture():
+def test_boxes_are_inside_of_the_image():
     random = np.random.default_rng(3)
     detector = rv.FaceDetector(params(min_size=24, min_neighbors=1, scale_factor=1.05))
     found = 0
-    for picture in PEOPLE:
+    for image in PEOPLE:
         left, top, right, bottom = random.integers(0, 8, 4)
         tight = cv2.copyMakeBorder(
-            cv2.resize(picture, tuple(random.integers(28, 48, 2).tolist())),
+            cv2.resize(image, tuple(random.integers(28, 48, 2).tolist())),
             *(top, bottom, left, right),
             cv2.BORDER_REPLICATE,
         )
@@ -139,11 +139,11 @@ def test_lbp_cascades_find_faces_as_well():
 
 def test_windows_need_not_be_square():
     tall = {"cascade_1": "lbpcascade_profileface.xml", "cascade_2": "", "min_neighbors": 0}
-    for picture in (PORTRAIT, BACKGROUND):
-        found = boxes(rv.FaceDetector(params(**tall)).detect(picture))
+    for image in (PORTRAIT, BACKGROUND):
+        found = boxes(rv.FaceDetector(params(**tall)).detect(image))
         assert found and all(height > width >= 40 for _, _, width, height in found)
         # update() goes from size to size, and groups alike what it finds.
-        assert boxes(rv.FaceDetector(params(**tall)).update(0.0, picture)) == found
+        assert boxes(rv.FaceDetector(params(**tall)).update(0.0, image)) == found
 
 
 def test_eyes_are_in_the_face():
@@ -199,13 +199,13 @@ def test_a_new_face_is_found_within_the_period_and_one_that_goes_is_gone():
 
 def test_a_face_that_no_cascade_sees_is_predicted_by_its_looks():
     detector = rv.FaceDetector(params(cascade_2="", hold=0.3))
-    picture = crowd([(240, 160)])
+    image = crowd([(240, 160)])
     for number in range(20):
-        (face,) = detector.update(number / RATE, picture, "mono8")
+        (face,) = detector.update(number / RATE, image, "mono8")
         assert not face.predicted
-    picture[214:238, 270:370] = 60  # a bar over the eyes
-    assert not rv.FaceDetector(params(cascade_2="")).detect(picture, "mono8")
-    states = [detector.update((20 + n) / RATE, picture, "mono8") for n in range(15)]
+    image[214:238, 270:370] = 60  # a bar over the eyes
+    assert not rv.FaceDetector(params(cascade_2="")).detect(image, "mono8")
+    states = [detector.update((20 + n) / RATE, image, "mono8") for n in range(15)]
     held = round(0.3 * RATE)
     assert all(states[: held - 1]) and not any(states[held:])
     for (face,) in states[: held - 1]:
@@ -247,29 +247,29 @@ def test_searches_in_the_background_find_the_same():
 
 def test_a_pause_of_the_stream_is_no_long_search():
     detector = rv.FaceDetector(params(background=True, cascade_2=""))
-    picture = crowd([(240, 160)])
-    detector.update(100.0, picture, "mono8")
+    image = crowd([(240, 160)])
+    detector.update(100.0, image, "mono8")
     detector.wait_for_search()
-    detector.update(160.0, picture, "mono8")
+    detector.update(160.0, image, "mono8")
     assert 0.0 < detector.search_time < 10.0
 
 
 def test_frames_at_almost_the_same_time():
     detector = rv.FaceDetector(params(cascade_2=""))
     for number in range(20):
-        picture = crowd([(240 + number % 2, 160)])
-        (face,) = detector.update(1.0 + 1e-6 * number, picture, "mono8")
+        image = crowd([(240 + number % 2, 160)])
+        (face,) = detector.update(1.0 + 1e-6 * number, image, "mono8")
         assert np.hypot(*face.velocity) < 1e4
-    (face,) = detector.update(2.0, picture, "mono8")
+    (face,) = detector.update(2.0, image, "mono8")
     assert is_at(face, (270, 190, 100, 100))
 
 
 def test_a_face_of_a_size_that_is_no_longer_wanted_is_forgotten():
     detector = rv.FaceDetector(params(cascade_2=""))
-    picture = crowd([(240, 160)])
-    assert detector.update(0.0, picture, "mono8")
+    image = crowd([(240, 160)])
+    assert detector.update(0.0, image, "mono8")
     detector.configure(params(cascade_2="", min_size=200))
-    assert not detector.update(1 / RATE, picture, "mono8")
+    assert not detector.update(1 / RATE, image, "mono8")
 
 
 def test_other_parameters_keep_the_faces():
@@ -289,30 +289,30 @@ def test_other_parameters_keep_the_faces():
 
 def test_another_size_and_an_earlier_time_begin_anew():
     detector = rv.FaceDetector(params(cascade_2=""))
-    picture = crowd([(240, 160)])
-    (face,) = detector.update(5.0, picture, "mono8")
+    image = crowd([(240, 160)])
+    (face,) = detector.update(5.0, image, "mono8")
     assert face.id == 0
-    (face,) = detector.update(1.0, picture, "mono8")
+    (face,) = detector.update(1.0, image, "mono8")
     assert face.id == 1
     detector.detect(PORTRAIT)  # has nothing to do with it
-    (face,) = detector.update(1.1, picture, "mono8")
+    (face,) = detector.update(1.1, image, "mono8")
     assert face.id == 1
-    (face,) = detector.update(1.2, np.ascontiguousarray(picture[:, 100:]), "mono8")
+    (face,) = detector.update(1.2, np.ascontiguousarray(image[:, 100:]), "mono8")
     assert face.id == 2 and is_at(face, (170, 190, 100, 100))
 
 
 @pytest.mark.parametrize("shape", [(1, 1), (10, 300), (300, 10), (24, 24)])
-def test_pictures_smaller_than_a_face(shape):
+def test_images_smaller_than_a_face(shape):
     detector = rv.FaceDetector(params(min_size=1))
-    picture = np.random.default_rng(1).integers(0, 256, shape, np.uint8)
-    before = picture.copy()
+    image = np.random.default_rng(1).integers(0, 256, shape, np.uint8)
+    before = image.copy()
     for number in range(5):
-        detector.update(number / RATE, picture, "mono8")
-    detector.detect(picture, "mono8")
-    assert (picture == before).all()
+        detector.update(number / RATE, image, "mono8")
+    detector.detect(image, "mono8")
+    assert (image == before).all()
 
 
-def test_bad_pictures_are_refused():
+def test_bad_images_are_refused():
     detector = rv.FaceDetector(params())
     with pytest.raises(ValueError, match="bgr8"):
         detector.update(0.0, np.zeros((4, 4), np.uint8))

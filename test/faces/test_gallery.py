@@ -55,15 +55,15 @@ def folder(two_people, tmp_path):
 
 @pytest.fixture
 def searched(monkeypatch):
-    """The pictures in which a face has been looked for."""
-    pictures = []
+    """The images in which a face has been looked for."""
+    images = []
 
-    def find(picture):
-        pictures.append(picture)
-        return find_face(picture)
+    def find(image):
+        images.append(image)
+        return find_face(image)
 
     monkeypatch.setattr("robot_vision.faces.face_images.find_face", find)
-    return pictures
+    return images
 
 
 def loaded(folder):
@@ -94,8 +94,8 @@ def test_what_was_added_is_there_after_a_start_without_a_search(folder, searched
     assert sorted(labels) == ["Anna"] * 3 + ["Bert"] * 2 and len(faces) == 5
     names = ["Anna/1.png", "Anna/2.png", "Anna/3.png", "Bert/1.png", "Bert/2.png"]
     assert sorted(files(folder)) == [CACHE, *names]
-    picture = cv2.imread(str(folder / "Anna" / "2.png"))
-    assert np.array_equal(picture, photograph(ANNA, 1)[0])
+    image = cv2.imread(str(folder / "Anna" / "2.png"))
+    assert np.array_equal(image, photograph(ANNA, 1)[0])
 
 
 def test_gallery_that_is_not_there_is_empty_and_made_when_needed(tmp_path):
@@ -224,7 +224,7 @@ def test_file_of_faces_that_is_a_pipe_is_told_and_left_and_one_far_too_large_is_
     assert (folder / CACHE).read_bytes() == data
 
 
-def test_pictures_changed_by_hand_are_noticed(folder, searched):
+def test_images_changed_by_hand_are_noticed(folder, searched):
     shutil.copy(str(folder / "Bert" / "2.png"), str(folder / "Bert" / "copy.png"))
     (folder / "Anna" / "1.png").unlink()
     (folder / "Anna" / "2.png").rename(folder / "Anna" / "first.png")
@@ -261,7 +261,7 @@ def test_what_cannot_be_used_is_told_skipped_and_kept(folder):
         gallery, problems = loaded(folder)
         assert same_faces(gallery, good)
         told = "\n".join(sorted(problems)).encode().decode()  # fit for a message
-        for name, why in [
+        for name, reason in [
             ("Anna/half.png", "no image that OpenCV can read"),
             ("Anna/empty.jpg", "no image that OpenCV can read"),
             ("Anna/text.png", "no image that OpenCV can read"),
@@ -273,16 +273,16 @@ def test_what_cannot_be_used_is_told_skipped_and_kept(folder):
             ("loose.png", "images belong into a folder with the person's name"),
             ("\ufffd", "the name '\\udcfe' must not hold"),
         ]:
-            assert f"{folder}/{name} is not used: {why}" in told
+            assert f"{folder}/{name} is not used: {reason}" in told
         assert len(problems) == 10, told
     assert set(os.listdir(str(anna))) == kept
 
 
-def test_pictures_without_a_face_and_known_ones_are_not_added(folder):
+def test_images_without_a_face_and_known_ones_are_not_added(folder):
     gallery = loaded(folder)[0]
     wall = np.full((200, 200, 3), 90, np.uint8)
-    pictures = {"the wall": wall, **photographs(ANNA, 2, first=2)}
-    added = gallery.add("Anna", pictures)
+    images = {"the wall": wall, **photographs(ANNA, 2, first=2)}
+    added = gallery.add("Anna", images)
     assert (added.pictures, added.present) == (1, 1)
     assert added.problems == ["the wall: no face is found in it"]
     assert gallery.names()["Anna"] == 4 and (folder / "Anna" / "4.png").exists()
@@ -290,7 +290,7 @@ def test_pictures_without_a_face_and_known_ones_are_not_added(folder):
     assert not (folder / "Wall").exists()
 
 
-def test_folders_of_pictures_are_imported_once(tmp_path):
+def test_folders_of_images_are_imported_once(tmp_path):
     source = tmp_path / "course"
     for name, person in [("Anna", ANNA), ("Zoë", CARLA), (".git", BERT), ("unknown", BERT)]:
         (source / name).mkdir(parents=True)
@@ -348,12 +348,12 @@ def test_gallery_is_not_imported_into_itself(folder):
     assert files(folder) == before
 
 
-def test_import_is_given_up_between_two_pictures(folder, searched):
+def test_import_is_given_up_between_two_images(folder, searched):
     source = folder.parent / "source"
     for name in ("Carla", "Eve"):
         (source / name).mkdir(parents=True)
-        for number, picture in enumerate(photographs(CARLA, 3).values()):
-            cv2.imwrite(str(source / name / f"{number}.png"), picture)
+        for number, image in enumerate(photographs(CARLA, 3).values()):
+            cv2.imwrite(str(source / name / f"{number}.png"), image)
     gallery = loaded(folder)[0]
     with pytest.raises(InterruptedError, match=r"given up at .*Eve/1\.png"):
         gallery.import_folder(str(source), given_up=lambda: len(searched) >= 2 * 4)
@@ -364,10 +364,10 @@ def test_import_is_given_up_between_two_pictures(folder, searched):
 def test_names_are_told_while_faces_are_searched(folder, monkeypatch):
     searching, go_on = threading.Event(), threading.Event()
 
-    def find(picture):
+    def find(image):
         searching.set()
         assert go_on.wait(30.0)
-        return find_face(picture)
+        return find_face(image)
 
     gallery = loaded(folder)[0]
     monkeypatch.setattr("robot_vision.faces.face_images.find_face", find)
@@ -382,7 +382,7 @@ def test_names_are_told_while_faces_are_searched(folder, monkeypatch):
     assert gallery.names() == {"Anna": 3, "Bert": 2, "Carla": 2}
 
 
-def test_forgotten_are_gone_with_all_pictures_but_no_other_files(folder):
+def test_forgotten_are_gone_with_all_images_but_no_other_files(folder):
     gallery = loaded(folder)[0]
     (folder / "Anna" / "damaged.png").write_text("")
     (folder / "Bert" / "notes.txt").write_text("mine")
@@ -426,7 +426,7 @@ def test_who_cannot_be_forgotten_whole_keeps_the_rest(folder, monkeypatch):
     assert gallery.forget("Anna") == Removed(1)
 
 
-def test_all_pictures_are_written_or_none(folder, monkeypatch):
+def test_all_images_are_written_or_none(folder, monkeypatch):
     gallery = loaded(folder)[0]
     before = files(folder)
     whole = robot_vision.faces.gallery_files.add_file
@@ -493,17 +493,17 @@ gallery.add("Carla", photographs(CARLA, 4))
 
 
 @pytest.mark.parametrize(
-    "where, pictures",
+    "where, images",
     [("between pictures", 2), ("in a picture", 2), ("before the faces", 4), ("in the faces", 4)],
 )
-def test_crash_while_adding_leaves_a_gallery_that_loads(folder, where, pictures):
+def test_crash_while_adding_leaves_a_gallery_that_loads(folder, where, images):
     tests = os.path.join(os.path.dirname(__file__), "..", "support")
     ended = subprocess.run([sys.executable, "-c", CRASH, str(folder), tests, where], check=False)
     assert ended.returncode == 9
     gallery, problems = loaded(folder)
     assert not problems
-    assert gallery.names() == {"Anna": 3, "Bert": 2, "Carla": pictures}
-    assert gallery.add("Carla", photographs(CARLA, 4)).pictures == 4 - pictures
+    assert gallery.names() == {"Anna": 3, "Bert": 2, "Carla": images}
+    assert gallery.add("Carla", photographs(CARLA, 4)).pictures == 4 - images
     assert same_faces(gallery, loaded(folder)[0])
 
 

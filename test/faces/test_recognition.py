@@ -37,29 +37,29 @@ def is_around(box, point, size):
 
 @pytest.mark.parametrize("scale", [0.6, 1.0, 4.0])
 def test_face_is_found_in_a_photograph_of_any_size(scale):
-    picture = cv2.resize(ASTRONAUT, None, fx=scale, fy=scale, interpolation=cv2.INTER_LINEAR)
-    before = picture.copy()
-    box = find_face(picture)
+    image = cv2.resize(ASTRONAUT, None, fx=scale, fy=scale, interpolation=cv2.INTER_LINEAR)
+    before = image.copy()
+    box = find_face(image)
     assert is_around(box, [scale * value for value in FACE], scale * 100), box
-    assert find_face(cv2.cvtColor(picture, cv2.COLOR_BGR2GRAY)) == box
-    assert np.array_equal(picture, before)
+    assert find_face(cv2.cvtColor(image, cv2.COLOR_BGR2GRAY)) == box
+    assert np.array_equal(image, before)
 
 
 def test_faces_are_found_by_several_threads_at_once():
-    pictures = [photograph(ANNA, number)[0] for number in range(40)]
+    images = [photograph(ANNA, number)[0] for number in range(40)]
     with concurrent.futures.ThreadPoolExecutor(4) as threads:
-        assert list(threads.map(find_face, pictures)) == [find_face(one) for one in pictures]
+        assert list(threads.map(find_face, images)) == [find_face(one) for one in images]
 
 
 def test_largest_face_is_the_one():
-    pictures = [photograph(ANNA, 0), photograph(BERT, 1)]
-    (small, _), (large, (x, y, side, _)) = sorted(pictures, key=lambda one: one[1][2])
+    images = [photograph(ANNA, 0), photograph(BERT, 1)]
+    (small, _), (large, (x, y, side, _)) = sorted(images, key=lambda one: one[1][2])
     small = cv2.copyMakeBorder(small[::2, ::2], 60, 60, 0, 0, cv2.BORDER_REPLICATE)
     both = np.hstack([small, large])
     assert is_around(find_face(both), (160 + x + side / 2, y + side / 2), side)
 
 
-def test_faces_that_fill_their_picture_are_found():
+def test_faces_that_fill_their_image_are_found():
     found = 0
     for look in looks():
         tight = cv2.resize((255 * look).astype(np.uint8), (150, 150))
@@ -82,27 +82,27 @@ def test_no_face_is_found_where_there_is_none(shape):
     "box", [(0, 0, 20, 10), (-3, -2, 8, 9), (35, 25, 20, 20), (-9, -9, 70, 60)]
 )
 def test_cut_out_continues_the_border(box, margin):
-    picture = np.random.default_rng(1).integers(0, 256, (30, 40, 3), np.uint8)
+    image = np.random.default_rng(1).integers(0, 256, (30, 40, 3), np.uint8)
     x, y, width, height = box
     across, down = round(margin * width), round(margin * height)
     columns = np.clip(np.arange(x - across, x + width + across), 0, 39)
     rows = np.clip(np.arange(y - down, y + height + down), 0, 29)
-    assert np.array_equal(cut_out(picture, box, margin), picture[np.ix_(rows, columns)])
+    assert np.array_equal(cut_out(image, box, margin), image[np.ix_(rows, columns)])
 
 
 @pytest.mark.parametrize("box", [(0, 0, 0, 10), (0, 0, 10, -1), (40, 0, 5, 5), (0, -9, 5, 9)])
-def test_box_that_is_not_in_the_picture_is_refused(box):
+def test_box_that_is_not_in_the_image_is_refused(box):
     with pytest.raises(ValueError, match=r"the box .* is not in the image of 40x30"):
         normalized(np.zeros((30, 40), np.uint8), box)
 
 
 @pytest.mark.parametrize("box", [(0, 0, 81, 10), (0, 0, 10, 81), (0, 0, 2**32 - 1, 2**32 - 1)])
-def test_box_far_larger_than_the_picture_is_refused(box):
-    picture = np.zeros((30, 40), np.uint8)
+def test_box_far_larger_than_the_image_is_refused(box):
+    image = np.zeros((30, 40), np.uint8)
     for use in (normalized, portrait):
         with pytest.raises(ValueError, match=r"the box .* must have sides of at most 80 px"):
-            use(picture, box)
-    assert normalized(picture, (0, 0, 80, 80)).shape == (SIDE, SIDE)
+            use(image, box)
+    assert normalized(image, (0, 0, 80, 80)).shape == (SIDE, SIDE)
 
 
 def test_normalized_faces_are_alike_in_any_size_and_light():
@@ -118,13 +118,13 @@ def test_normalized_faces_are_alike_in_any_size_and_light():
 
 def test_portrait_has_the_face_in_its_middle_and_is_bounded():
     _, _, width, height = find_face(ASTRONAUT)
-    picture = portrait(ASTRONAUT)
-    assert picture.shape == (
+    image = portrait(ASTRONAUT)
+    assert image.shape == (
         height + 2 * round(MARGIN * height),
         width + 2 * round(MARGIN * width),
         3,
     )
-    assert is_around(find_face(picture), (picture.shape[1] / 2, picture.shape[0] / 2), width)
+    assert is_around(find_face(image), (image.shape[1] / 2, image.shape[0] / 2), width)
     large = portrait(cv2.resize(ASTRONAUT, None, fx=5, fy=5))
     assert max(large.shape) == PORTRAIT_SIDE
 
@@ -225,14 +225,14 @@ def test_looks_are_limited_and_faces_forgotten():
     assert identities.of(1).name == UNKNOWN and identities.due(1, 0.0)
 
 
-def test_enrollment_takes_pictures_of_one_clear_face():
+def test_enrollment_takes_images_of_one_clear_face():
     image, head = photograph(CARLA, 0)
     blank = np.zeros_like(image)
     enrollment = Enrollment(2)
-    for now, (picture, boxes) in enumerate(
+    for now, (offered, boxes) in enumerate(
         [(image, []), (image, [head, head]), (blank, [head]), (image, [(900, 0, 9, 9)])]
     ):
-        enrollment.offer(picture, boxes, float(now))
+        enrollment.offer(offered, boxes, float(now))
     assert not enrollment.wait(0.0, lambda: False)
     assert enrollment.outcome() == (
         "took 0 of 2 images; 2 showed no clear face; 1 showed no face; 1 showed several faces"

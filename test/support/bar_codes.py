@@ -272,7 +272,7 @@ def codabar(digits):
     return text, "1".join(wide(CODABAR[letter]) for letter in text)
 
 
-def picture(widths, module=2, height=60, quiet=12):
+def image(widths, module=2, height=60, quiet=12):
     """An image of the bars, (rows, columns) uint8, with white around them; lengths are in px."""
     colors = itertools.cycle((0, 255))
     row = [value for width, value in zip(map(int, widths), colors) for _ in range(width)]

@@ -31,10 +31,10 @@ def charuco(columns, rows, dictionary, first=BLACK):
     side = round(DOT * MARKER / SQUARE)
     margin = (DOT - side) // 2
     whites = np.indices((rows, columns)).sum(axis=0) % 2 == (first == BLACK)
-    picture = np.kron(np.where(whites, WHITE, BLACK), np.ones((DOT, DOT)))
+    image = np.kron(np.where(whites, WHITE, BLACK), np.ones((DOT, DOT)))
     for number, (y, x) in enumerate(np.argwhere(whites) * DOT + margin):
-        picture[y : y + side, x : x + side] = marker(number, dictionary, side)
-    return framed(picture)
+        image[y : y + side, x : x + side] = marker(number, dictionary, side)
+    return framed(image)
 
 
 def marker(number, dictionary, side):
@@ -45,15 +45,15 @@ def marker(number, dictionary, side):
 
 
 def dotted(points, columns, rows):
-    picture = np.full((rows * DOT, columns * DOT), WHITE, np.uint8)
+    image = np.full((rows * DOT, columns * DOT), WHITE, np.uint8)
     for x, y in points:
         middle = (DOT * x + DOT // 2) * 16 - 8, (DOT * y + DOT // 2) * 16 - 8
-        cv2.circle(picture, middle, DOT * 16 * 3 // 10, BLACK, -1, cv2.LINE_AA, 4)
-    return framed(picture)
+        cv2.circle(image, middle, DOT * 16 * 3 // 10, BLACK, -1, cv2.LINE_AA, 4)
+    return framed(image)
 
 
-def framed(picture):
-    return np.pad(np.uint8(picture), DOT // 2, constant_values=WHITE)
+def framed(image):
+    return np.pad(np.uint8(image), DOT // 2, constant_values=WHITE)
 
 
 class Studio:

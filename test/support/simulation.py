@@ -120,10 +120,10 @@ class TrackWorld:
             model = self.camera.model(top)
             self._scenes[top] = FloorScene(self._floor, self._size, model, FLOOR_COLOUR)
         x, y = pose.x - self._middle[0], pose.y - self._middle[1]
-        picture = self._scenes[top].render(self.camera.pose_on(Pose(x, y, pose.heading)))
+        image = self._scenes[top].render(self.camera.pose_on(Pose(x, y, pose.heading)))
         begin = self._begins[frame % len(self._begins)] + 3 * self.camera.width * top
-        noise = self._noise[begin : begin + picture.size].reshape(picture.shape)
-        return cv2.add(picture, noise, dtype=cv2.CV_8U)
+        noise = self._noise[begin : begin + image.size].reshape(image.shape)
+        return cv2.add(image, noise, dtype=cv2.CV_8U)
 
 
 def _paint(

@@ -27,9 +27,9 @@ def corners_of(pose):
     return points[:, :2] / points[:, 2:] * [K[0, 0], K[1, 1]] + K[:2, 2]
 
 
-def picture_of(poses, family="tag36h11"):
+def image_of(poses, family="tag36h11"):
     """A gray image of tags, [(id, pose), ...]."""
-    picture = np.full((480, 640), 150.0)
+    image = np.full((480, 640), 150.0)
     for number, pose in poses:
         cells = rv.tag_cells(family, number)
         facts = rv.tag_family(family)
@@ -38,14 +38,14 @@ def picture_of(poses, family="tag36h11"):
         large = np.kron(cells, np.ones((scale, scale), np.uint8))
         near, far = margin * scale - 0.5, (margin + facts.width_at_border) * scale - 0.5
         own = np.array([[near, far], [far, far], [far, near], [near, near]], np.float32)
-        to_picture = cv2.getPerspectiveTransform(own, corners_of(pose).astype(np.float32))
+        to_image = cv2.getPerspectiveTransform(own, corners_of(pose).astype(np.float32))
         seen = [
-            cv2.warpPerspective(layer, to_picture, (640, 480), flags=cv2.INTER_AREA)
+            cv2.warpPerspective(layer, to_image, (640, 480), flags=cv2.INTER_AREA)
             for layer in (large.astype(np.float32), np.ones(large.shape, np.float32))
         ]
         inside = seen[1] > 0.999
-        picture[inside] = seen[0][inside] * 0.8 + 25.0
-    return cv2.GaussianBlur(picture, (0, 0), 0.7).round().astype(np.uint8)
+        image[inside] = seen[0][inside] * 0.8 + 25.0
+    return cv2.GaussianBlur(image, (0, 0), 0.7).round().astype(np.uint8)
 
 
 def matrix_of(pose):
@@ -95,24 +95,24 @@ class Studio:
         self._camera.wait_for()
         self.infos.wait_for()
 
-    def show(self, picture, encoding="mono8"):
+    def show(self, image, encoding="mono8"):
         """Sends an image and waits for the tags that the node finds in it."""
-        return self.tags.of(self.send(picture, encoding))
+        return self.tags.of(self.send(image, encoding))
 
-    def send(self, picture, encoding="mono8"):
+    def send(self, image, encoding="mono8"):
         """Sends an image and returns its stamp."""
         if self.info is not None:
             self.infos.send(self.info)
-        return self._camera.show(picture, encoding).stamp
+        return self._camera.show(image, encoding).stamp
 
     def wait_for_subscribers(self, count):
         """Waits for this many subscribers of the images."""
         self._camera.wait_for(count)
 
-    def show_until(self, condition, picture, encoding="mono8"):
+    def show_until(self, condition, image, encoding="mono8"):
         """Sends an image until the answer satisfies the condition; returns that answer."""
         for _ in range(100):
-            answer = self.show(picture, encoding)
+            answer = self.show(image, encoding)
             if condition(answer):
                 return answer
         raise AssertionError("not in 100 frames")

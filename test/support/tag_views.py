@@ -7,7 +7,7 @@ from tags import (
     SIZE,
     corners_of,
     faces_camera,
-    in_picture,
+    in_image,
     matrix,
     pose_in_view,
     turned,
@@ -35,7 +35,7 @@ def rays_of(camera):
 RAYS = rays_of(CAMERA)
 
 
-def picture_of(
+def image_of(
     pose, camera, rays, number, rng, blur=None, noise=3.0, family="tag36h11", size=SIZE, onto=None
 ):
     """The camera's image of a tag on white paper in front of a gray wall.
@@ -69,9 +69,9 @@ def picture_of(
     near = cv2.resize(values, part.shape[1::-1], interpolation=cv2.INTER_AREA)
     near = cv2.GaussianBlur(near, (0, 0), blur or rng.uniform(0.3, 1.0))
     near += rng.normal(0.0, noise, near.shape)
-    picture = np.full((camera.height, camera.width), 140, np.uint8) if onto is None else onto
-    picture[top:bottom, left:right] = near.clip(0, 255).round()
-    return picture
+    image = np.full((camera.height, camera.width), 140, np.uint8) if onto is None else onto
+    image[top:bottom, left:right] = near.clip(0, 255).round()
+    return image
 
 
 def moving(rng, pixels, frames):
@@ -79,7 +79,7 @@ def moving(rng, pixels, frames):
     pose = pose_in_view(rng, pixels, np.radians(rng.uniform(0, 50)))
     shift, turn = rng.uniform(-0.15, 0.15, 3) / 30.0, turned(rng.uniform(-0.7, 0.7, 3) / 30.0)
     for _ in range(frames):
-        if not in_picture(corners_of(pose, CAMERA), CAMERA) or not faces_camera(pose):
+        if not in_image(corners_of(pose, CAMERA), CAMERA) or not faces_camera(pose):
             return
         yield pose
         pose = matrix(pose[:3, :3] @ turn, pose[:3, 3] + shift)

@@ -47,7 +47,7 @@ def corners_of(pose, camera, size=SIZE):
     return camera.project(size * SQUARE @ pose[:3, :3].T + pose[:3, 3])[0]
 
 
-def in_picture(corners, camera):
+def in_image(corners, camera):
     low, high = corners.min(axis=0), corners.max(axis=0)
     return bool((low > 0).all() and (high < [camera.width - 1, camera.height - 1]).all())
 
@@ -63,7 +63,7 @@ def visible(body, places, camera, size=SIZE):
     return {
         tag: corners
         for tag, corners in seen.items()
-        if faces_camera(poses[tag]) and in_picture(corners, camera)
+        if faces_camera(poses[tag]) and in_image(corners, camera)
     }
 
 

@@ -22,8 +22,8 @@ from tag_studio import (
     calibrated,
     corners_of,
     facing,
+    image_of,
     matrix_of,
-    picture_of,
 )
 from tf2_msgs.msg import TFMessage
 from visualization_msgs.msg import Marker, MarkerArray
@@ -40,7 +40,7 @@ def test_all_fields_of_a_tag(start):
     studio = Studio(start, info=calibrated())
     truth = facing(0.1, -0.05, 1.0, (0.5, 0.2, 0.3))
     transforms = support.subscribed("/tf", TFMessage)
-    answer = studio.show_until(with_poses, picture_of([(5, truth)]))
+    answer = studio.show_until(with_poses, image_of([(5, truth)]))
     assert (answer.width, answer.height, answer.header.frame_id) == (640, 480, "eye")
     (tag,) = answer.detections
     assert (tag.family, tag.id, tag.frame_id, tag.size) == ("tag36h11", 5, "tag_5", SIZE)
@@ -101,34 +101,34 @@ def test_measuring_of_corners_is_switched_while_running(start):
     def deviation(answer):
         return answer.detections[0].pose.covariance[14] ** 0.5  # m, of z
 
-    picture = picture_of([(5, truth)])
-    measured = studio.show_until(with_poses, picture)
+    image = image_of([(5, truth)])
+    measured = studio.show_until(with_poses, image)
     assert_near(matrix_of(measured.detections[0].pose.pose), truth, metres=0.002, degrees=0.2)
     support.reconfigured("/tag", measure_corners=False)
     found = studio.show_until(
-        lambda answer: with_poses(answer) and deviation(answer) > 2.0 * deviation(measured), picture
+        lambda answer: with_poses(answer) and deviation(answer) > 2.0 * deviation(measured), image
     )
     assert_near(matrix_of(found.detections[0].pose.pose), truth)
     support.reconfigured("/tag", measure_corners=True)
     studio.show_until(
-        lambda answer: with_poses(answer) and deviation(answer) < 1.1 * deviation(measured), picture
+        lambda answer: with_poses(answer) and deviation(answer) < 1.1 * deviation(measured), image
     )
 
 
 def test_without_calibration_there_are_corners_and_one_warning(start):
     studio = Studio(start, info=calibrated(matrix=np.zeros((3, 3))))
     truth = facing(0.0, 0.0, 1.0)
-    picture = picture_of([(3, truth)])
+    image = image_of([(3, truth)])
     for _ in range(10):
-        (tag,) = studio.show(picture).detections
+        (tag,) = studio.show(image).detections
         assert not tag.has_pose
         corners = np.array([(corner.x, corner.y) for corner in tag.corners])
         assert np.abs(corners - corners_of(truth)).max() < 0.3
-    why = f"no poses of tags: camera_info on {studio.topic.replace('image', 'camera_info')}: "
-    studio.process.wait_for_output(why + "the camera is not calibrated")
+    reason = f"no poses of tags: camera_info on {studio.topic.replace('image', 'camera_info')}: "
+    studio.process.wait_for_output(reason + "the camera is not calibrated")
     assert studio.process.output().count("no poses of tags") == 1
     studio.info = calibrated()  # comes late
-    answer = studio.show_until(with_poses, picture)
+    answer = studio.show_until(with_poses, image)
     assert_near(matrix_of(answer.detections[0].pose.pose), truth)
     for info, problem in (
         (calibrated(width=320), "camera_info is of 320x480, the image 640x480"),
@@ -138,21 +138,21 @@ def test_without_calibration_there_are_corners_and_one_warning(start):
         studio.info = info
         # Images may overtake camera_info.
         support.wait_for(
-            lambda problem=problem: studio.show(picture) and problem in studio.process.output(),
+            lambda problem=problem: studio.show(image) and problem in studio.process.output(),
             problem,
         )
-        (tag,) = studio.show(picture).detections
+        (tag,) = studio.show(image).detections
         assert not tag.has_pose
     studio.info = calibrated()
-    studio.show_until(with_poses, picture)
+    studio.show_until(with_poses, image)
 
 
 def test_tags_without_camera_info(start):
     studio = Studio(start)
-    picture = picture_of([(3, facing(0.0, 0.0, 1.0))])
+    image = image_of([(3, facing(0.0, 0.0, 1.0))])
     support.wait_for(
         lambda: (
-            not studio.show(picture).detections[0].has_pose
+            not studio.show(image).detections[0].has_pose
             and "camera_info: there is none" in studio.process.output()
         ),
         "the warning",
@@ -182,10 +182,10 @@ def test_sizes_names_families_and_bundles(start):
     rig = facing(0.05, 0.1, 1.2, (0.3, -0.3, 0.1))
     shifts = [np.eye(4) for _ in range(2)]
     shifts[0][0, 3], shifts[1][0, 3] = -0.15, 0.15
-    picture = picture_of([(1, rig @ shifts[0]), (2, rig @ shifts[1]), (7, facing(0.2, -0.3, 1.0))])
-    other = picture_of([(3, facing(-0.4, -0.3, 1.2))], "tag25h9")
-    picture = np.where(other == 150, picture, other)
-    answer = studio.show_until(lambda a: len(a.detections) == 4 and with_poses(a), picture)
+    image = image_of([(1, rig @ shifts[0]), (2, rig @ shifts[1]), (7, facing(0.2, -0.3, 1.0))])
+    other = image_of([(3, facing(-0.4, -0.3, 1.2))], "tag25h9")
+    image = np.where(other == 150, image, other)
+    answer = studio.show_until(lambda a: len(a.detections) == 4 and with_poses(a), image)
     found = {(tag.family, tag.id): tag for tag in answer.detections}
     assert {key: (tag.size, tag.frame_id) for key, tag in found.items()} == {
         ("tag36h11", 1): (SIZE, "tag_1"),
@@ -206,8 +206,8 @@ def test_two_tags_of_one_id_have_poses_but_no_transform(start):
     studio = Studio(start, info=calibrated())
     transforms = support.subscribed("/tf", TFMessage)
     places = [facing(-0.3, 0.0, 1.0), facing(0.3, 0.0, 1.0)]
-    picture = picture_of([(4, places[0]), (4, places[1]), (6, facing(0.0, 0.3, 1.0))])
-    answer = studio.show_until(lambda a: len(a.detections) == 3 and with_poses(a), picture)
+    image = image_of([(4, places[0]), (4, places[1]), (6, facing(0.0, 0.3, 1.0))])
+    answer = studio.show_until(lambda a: len(a.detections) == 3 and with_poses(a), image)
     twins = sorted((t for t in answer.detections if t.id == 4), key=lambda t: t.center.x)
     for tag, truth in zip(twins, places):
         assert_near(matrix_of(tag.pose.pose), truth, 0.02, 15.0)
@@ -221,8 +221,8 @@ def test_markers_and_overlay(start):
     boxes = support.subscribed("/tag/markers", MarkerArray)
     overlays = support.subscribed("/tag/processed_image", Image)
     truth = facing(0.0, 0.0, 1.0, (0.6, 0.0, 0.0))
-    picture = picture_of([(5, truth)])
-    answer = studio.show_until(with_poses, picture)
+    image = image_of([(5, truth)])
+    answer = studio.show_until(with_poses, image)
     support.wait_for(lambda: any(array.markers for array in boxes.received), "markers")
     box, text = boxes.received[-1].markers
     assert (box.type, box.ns, box.id, box.scale.x) == (Marker.CUBE, "tag36h11", 5, SIZE)
@@ -243,8 +243,8 @@ def test_markers_and_overlay(start):
 def test_images_of_any_encoding(start):
     studio = Studio(start, info=calibrated())
     overlays = support.subscribed("/tag/processed_image", Image)
-    gray = picture_of([(5, facing(0.0, 0.0, 1.0))])
-    for number, (encoding, picture) in enumerate(
+    gray = image_of([(5, facing(0.0, 0.0, 1.0))])
+    for number, (encoding, image) in enumerate(
         {
             "bgr8": np.dstack([gray] * 3),
             "rgb8": np.dstack([gray] * 3),
@@ -253,7 +253,7 @@ def test_images_of_any_encoding(start):
             "mono16": gray.astype(np.uint16) * 257,
         }.items()
     ):
-        assert [tag.id for tag in studio.show(picture, encoding).detections] == [5], encoding
+        assert [tag.id for tag in studio.show(image, encoding).detections] == [5], encoding
         overlays.wait(number + 1)
 
 
@@ -262,18 +262,18 @@ def test_frames_of_other_encodings_are_refused(start):
     source = Source(studio.topic)
     source.wait_for()
     refused = f"refused a frame on {studio.topic} "
-    for dtype, encoding, why in (
+    for dtype, encoding, reason in (
         (np.float32, "32FC1", "expected an array of uint8 or uint16, got float32"),
         (np.uint8, "8UC1", "encoding '8UC1' is not one of bgr8, "),
     ):
-        frame, said = message(np.zeros((48, 64), dtype), encoding), f"({encoding}, 64x48): {why}"
+        frame, said = message(np.zeros((48, 64), dtype), encoding), f"({encoding}, 64x48): {reason}"
         # The error is throttled, however many frames are refused.
         support.wait_for(
             lambda: source.send(frame) or refused + said in studio.process.output(),  # noqa: B023
             said,
         )
     assert "Traceback" not in studio.process.output()
-    assert studio.show(picture_of([(5, facing(0.0, 0.0, 1.0))])).detections
+    assert studio.show(image_of([(5, facing(0.0, 0.0, 1.0))])).detections
 
 
 class Caller:
@@ -283,27 +283,27 @@ class Caller:
         self._studio = studio
         studio.tags.close()  # leaves the node without subscribers
 
-    def __call__(self, file="", picture=None, encoding="mono8"):
+    def __call__(self, file="", image=None, encoding="mono8"):
         answers = []
         detect = rospy.ServiceProxy("/tag/detect", DetectTags)
         call = threading.Thread(target=lambda: answers.append(detect(file)))
         call.start()
         while call.is_alive():
-            if picture is None:
+            if image is None:
                 self._studio.infos.send(self._studio.info)
             else:
-                self._studio.send(picture, encoding)
+                self._studio.send(image, encoding)
             call.join(0.1)
         return answers[0]
 
 
 def test_detect_the_next_frame(start):
     detect = Caller(Studio(start, info=calibrated()))
-    picture = picture_of([(9, facing(0.0, 0.0, 1.0)), (8, facing(0.3, 0.0, 1.0))])
-    answer = detect(picture=picture)
+    image = image_of([(9, facing(0.0, 0.0, 1.0)), (8, facing(0.3, 0.0, 1.0))])
+    answer = detect(image=image)
     assert answer.success and [tag.id for tag in answer.tags.detections] == [8, 9]
     assert answer.tags.header.frame_id == "eye"
-    answer = detect(picture=np.zeros((48, 64), np.uint8), encoding="8UC1")
+    answer = detect(image=np.zeros((48, 64), np.uint8), encoding="8UC1")
     assert not answer.success and "encoding '8UC1' is not one of" in answer.message
 
 
@@ -311,21 +311,21 @@ def test_detect_a_file(start, tmp_path):
     studio = Studio(start, info=calibrated())
     studio.info.header.frame_id = "lens"
     detect = Caller(studio)
-    picture = picture_of([(9, facing(0.0, 0.0, 1.0)), (8, facing(0.3, 0.0, 1.0))])
+    image = image_of([(9, facing(0.0, 0.0, 1.0)), (8, facing(0.3, 0.0, 1.0))])
     path = str(tmp_path / "tags.png")
-    cv2.imwrite(path, picture)
+    cv2.imwrite(path, image)
     answer = detect(path)
     assert (answer.success, answer.message) == (True, "")
     assert [tag.id for tag in answer.tags.detections] == [8, 9] and with_poses(answer.tags)
     assert answer.tags.header.frame_id == "lens"
     assert_near(matrix_of(answer.tags.detections[1].pose.pose), facing(0, 0, 1.0), 0.01, 15.0)
     # The calibration holds for the sensor's pixels, whichever side of the camera was up.
-    file = cv2.imencode(".jpg", picture, [cv2.IMWRITE_JPEG_QUALITY, 99])[1].tobytes()
+    file = cv2.imencode(".jpg", image, [cv2.IMWRITE_JPEG_QUALITY, 99])[1].tobytes()
     (tmp_path / "sideways.jpg").write_bytes(sideways(file))
     answer = detect(str(tmp_path / "sideways.jpg"))
     assert (answer.success, answer.message) == (True, "") and with_poses(answer.tags)
     assert_near(matrix_of(answer.tags.detections[1].pose.pose), facing(0, 0, 1.0), 0.01, 15.0)
-    cv2.imwrite(path, cv2.copyMakeBorder(picture, 8, 8, 8, 8, cv2.BORDER_REPLICATE))
+    cv2.imwrite(path, cv2.copyMakeBorder(image, 8, 8, 8, 8, cv2.BORDER_REPLICATE))
     answer = detect(path)
     assert answer.success and not answer.tags.detections[0].has_pose
     assert "camera_info is of 640x480, the image 656x496" in answer.message
@@ -335,7 +335,7 @@ def test_detect_a_file(start, tmp_path):
     )
     (tmp_path / "huge.png").write_bytes(b"\x89PNG\r\n\x1a\n" + chunk)
     os.mkfifo(str(tmp_path / "pipe.png"))
-    for file, why in (
+    for file, reason in (
         ("tags.png", "file is 'tags.png', must be an absolute path"),
         (str(tmp_path / "none.png"), "none.png cannot be read: No such file or directory"),
         (str(tmp_path / "huge.png"), "huge.png: claims to be of 60000x60000, the most is 67108864"),
@@ -344,13 +344,13 @@ def test_detect_a_file(start, tmp_path):
         (__file__, "no image that OpenCV can read"),
     ):
         answer = detect(file)
-        assert not answer.success and why in answer.message, answer.message
+        assert not answer.success and reason in answer.message, answer.message
 
 
 def test_detect_a_file_without_a_camera(start, tmp_path):
     Studio(start).tags.close()
     path = str(tmp_path / "tags.png")
-    cv2.imwrite(path, picture_of([(9, facing(0.0, 0.0, 1.0))]))
+    cv2.imwrite(path, image_of([(9, facing(0.0, 0.0, 1.0))]))
     answer = rospy.ServiceProxy("/tag/detect", DetectTags)(path)
     assert answer.success and [tag.id for tag in answer.tags.detections] == [9]
     assert answer.message.startswith("no poses of tags: camera_info on /frames_")
@@ -366,15 +366,15 @@ def test_a_listener_to_transforms_is_a_subscriber(start):
     studio = Studio(start, info=calibrated())
     studio.tags.close()
     transforms = support.Messages("/tf", TFMessage)
-    picture = picture_of([(2, facing(0.0, 0.0, 1.0))])
-    support.wait_for(lambda: studio.send(picture) and transforms.received, "a transform")
+    image = image_of([(2, facing(0.0, 0.0, 1.0))])
+    support.wait_for(lambda: studio.send(image) and transforms.received, "a transform")
     assert transforms.received[0].transforms[0].child_frame_id == "tag_2"
 
 
 def test_listeners_to_transforms_that_are_off_do_not_count(start):
     studio = Studio(start, "_publish_tf:=false", info=calibrated())
     transforms = support.subscribed("/tf", TFMessage)
-    studio.show(picture_of([(2, facing(0.0, 0.0, 1.0))]))
+    studio.show(image_of([(2, facing(0.0, 0.0, 1.0))]))
     studio.tags.close()
     studio.wait_for_subscribers(0)
     support.reconfigured("/tag", publish_tf=True)

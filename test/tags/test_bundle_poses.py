@@ -2,14 +2,14 @@
 
 import numpy as np
 import pytest
-from tag_views import RAYS, badly_calibrated, picture_of
+from tag_views import RAYS, badly_calibrated, image_of
 from tags import (
     CAMERA,
     bundle_of,
     corners_of,
     error_of,
     faces_camera,
-    in_picture,
+    in_image,
     matrix,
     pose_in_view,
     random_places,
@@ -70,7 +70,7 @@ def mean_square(rng, off=0.0, lens_noise=0.0, shift=0.0, turn=0.0, stated=None, 
     return np.mean(squares)
 
 
-@pytest.mark.parametrize("track", [False, True], ids=["picture", "tracker"])
+@pytest.mark.parametrize("track", [False, True], ids=["image", "tracker"])
 @pytest.mark.parametrize("off", [0.1, 0.2, 0.3])
 def test_tags_share_the_error_of_the_lens(off, track):
     """off is the root mean square distance (px), sqrt(2) times that of each coordinate."""
@@ -79,7 +79,7 @@ def test_tags_share_the_error_of_the_lens(off, track):
 
 
 @pytest.mark.parametrize("off", [0.0, 0.1])
-@pytest.mark.parametrize("track", [False, True], ids=["picture", "tracker"])
+@pytest.mark.parametrize("track", [False, True], ids=["image", "tracker"])
 def test_a_layout_is_trusted_as_its_noise_says(off, track):
     rng = np.random.default_rng(23)
     lens = off / np.sqrt(2)
@@ -102,12 +102,12 @@ def test_an_image_of_a_bundle():
         off = 0.1 * (trial % 2)
         camera = badly_calibrated(rng, off) if off else CAMERA
         body = pose_in_view(rng, rng.choice([100, 160]), rng.uniform(0.0, 0.8))
-        picture = np.full((480, 640), 140, np.uint8)
+        image = np.full((480, 640), 140, np.uint8)
         for number, place in enumerate(wall):
             pose = body @ shaken(rng, place, SHIFT, TURN)
-            if faces_camera(pose) and in_picture(corners_of(pose, CAMERA, 1.4 * SIDE), CAMERA):
-                picture_of(pose, CAMERA, RAYS, number, rng, size=SIDE, onto=picture)
-        seen = {tag.id: measured(tag, camera, picture) for tag in detector.detect(picture, "mono8")}
+            if faces_camera(pose) and in_image(corners_of(pose, CAMERA, 1.4 * SIDE), CAMERA):
+                image_of(pose, CAMERA, RAYS, number, rng, size=SIDE, onto=image)
+        seen = {tag.id: measured(tag, camera, image) for tag in detector.detect(image, "mono8")}
         if len(seen) < 2:
             continue
         assert any(isinstance(corners, rv.MeasuredCorners) for corners in seen.values())

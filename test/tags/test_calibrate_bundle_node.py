@@ -23,8 +23,8 @@ from tag_studio import (
     calibrated,
     corners_of,
     facing,
+    image_of,
     matrix_of,
-    picture_of,
 )
 from tags import matrix, turned
 
@@ -62,33 +62,33 @@ def visible(body, hidden=()):
     ]
 
 
-def picture_at(body, hidden=()):
-    return picture_of(visible(body, hidden))
+def image_at(body, hidden=()):
+    return image_of(visible(body, hidden))
 
 
 @pytest.fixture(scope="module")
-def pictures():
-    return [picture_at(body) for body in views(24)]
+def images():
+    return [image_at(body) for body in views(24)]
 
 
-def write_bag(path, pictures, info=None, encoding="mono8"):
+def write_bag(path, images, info=None, encoding="mono8"):
     """Writes a bag of compressed images, or of images with padded rows."""
     with rosbag.Bag(str(path), "w") as bag:
-        for number, picture in enumerate(pictures):
+        for number, image in enumerate(images):
             stamp = rospy.Time(100, number * 33_000_000)
             if info is not None:
                 bag.write(INFO, info, stamp)
             if encoding == "png":
-                data = cv2.imencode(".png", picture)[1].tobytes()
+                data = cv2.imencode(".png", image)[1].tobytes()
                 bag.write(IMAGE + "/compressed", CompressedImage(format="png", data=data), stamp)
             else:
-                bag.write(IMAGE, message(picture, encoding, padding=4), stamp)
+                bag.write(IMAGE, message(image, encoding, padding=4), stamp)
     return path
 
 
 @pytest.fixture(scope="module")
-def bag(pictures, tmp_path_factory):
-    return write_bag(tmp_path_factory.mktemp("bags") / "box.bag", pictures, calibrated())
+def bag(images, tmp_path_factory):
+    return write_bag(tmp_path_factory.mktemp("bags") / "box.bag", images, calibrated())
 
 
 def command(path):
@@ -129,22 +129,22 @@ def frames_told(process):
     return int(re.findall("^([0-9]+) of 300 frames", process.output(), re.MULTILINE)[-1])
 
 
-def test_live(start, pictures, tmp_path):
+def test_live(start, images, tmp_path):
     studio = Studio(start, info=calibrated())
     path = tmp_path / "box.yaml"
     process = start("calibrate_bundle.py", *command(path), "--master", 5, "tags:=/tag/tags")
-    alone = picture_at(next(views(1)), hidden=[5, 6, 7])
+    alone = image_at(next(views(1)), hidden=[5, 6, 7])
     support.wait_for(
         lambda: studio.show(alone) and "not seen: 5, 6, 7" in process.output(), "the recording"
     )
-    two = picture_at(next(views(1)), hidden=[5, 7])
+    two = image_at(next(views(1)), hidden=[5, 7])
     studio.show_until(lambda found: len(found.detections) == 2, two)
     process.wait_for_output(
         "tags: 4 (1), 6 (1); together: 4+6 (1); not seen: 5, 7; not linked with 5: 4, 6\n"
     )
-    for picture, body in zip(pictures, views(24)):
+    for image, body in zip(images, views(24)):
         count = len(visible(body))
-        studio.show_until(lambda found, count=count: len(found.detections) == count, picture)
+        studio.show_until(lambda found, count=count: len(found.detections) == count, image)
     support.wait_for(lambda: frames_told(process) >= 25, "all frames")
     process.interrupt()
     assert process.exit_code() == 0, process.output()
@@ -179,7 +179,7 @@ def hostile_frames(body):
         frame = good(body)
         frame.width, frame.height = width, height
         yield frame, None, f"is of 640x480, the image {width}x{height}\n"
-    for values, why in (
+    for values, reason in (
         ({"matrix": np.full((3, 3), NAN)}, "K is nan, must be finite\n"),
         ({"matrix": np.zeros((3, 3))}, "the camera is not calibrated\n"),
         ({"matrix": K + np.eye(3) - np.diag([0.0, 0.0, 1.0])}, "is not that of the first frames\n"),
@@ -187,7 +187,7 @@ def hostile_frames(body):
         ({"width": 0, "height": HIGHEST}, f"is of 0x{HIGHEST}, the image 640x480\n"),
         ({"model": TERMINAL}, "distortion_model is '\\x1b[2J\\x0a"),
     ):
-        yield good(body), calibrated(**values), why
+        yield good(body), calibrated(**values), reason
 
 
 def hostile_detections(body):
@@ -243,16 +243,16 @@ def test_hostile_detections_are_survived_and_reported(start, tmp_path):
     body, *bodies = views(24)
     tiny = good(body)
     tiny.width, tiny.height = 2, 1
-    for frame, info, why in hostile_frames(body):
-        if "first frames" in why:  # there are no first frames yet
+    for frame, info, reason in hostile_frames(body):
+        if "first frames" in reason:  # there are no first frames yet
             continue
         if info:  # else a late valid calibration might meet the next good frame
             send_until("the image 2x1", tiny, calibrated(width=320, height=240))
-        send_until(why, frame, info)
+        send_until(reason, frame, info)
     assert process.output().count("waiting: ") == len(process.output().splitlines())
     send_until("1 of 300 frames", good(body))
-    for frame, info, why in hostile_frames(body):
-        send_until(why, frame, info)
+    for frame, info, reason in hostile_frames(body):
+        send_until(reason, frame, info)
     send_until("2 of 300 frames", good(bodies[0]))
     for frame in hostile_detections(body):
         tags.send(frame)
@@ -278,14 +278,14 @@ def test_from_a_bag_and_into_the_detector(calibrate, start, bag, tmp_path):
         rosparam.upload_params(namespace, values)
     body = facing(0.0, 0.0, 1.2, (0.2, -0.3, 0.1))
     studio = Studio(start, info=calibrated())
-    answer = studio.show_until(lambda found: found.bundles, picture_at(body, hidden=[4]))
+    answer = studio.show_until(lambda found: found.bundles, image_at(body, hidden=[4]))
     (bundle,) = answer.bundles
     assert (bundle.name, list(bundle.ids)) == ("box", [5, 6, 7])
     assert_near(matrix_of(bundle.pose.pose), body, 0.003, 0.5)
 
 
-def test_compressed_images(calibrate, pictures, tmp_path):
-    bag = write_bag(tmp_path / "box.bag", pictures, calibrated(), "png")
+def test_compressed_images(calibrate, images, tmp_path):
+    bag = write_bag(tmp_path / "box.bag", images, calibrated(), "png")
     code, output = calibrate("--bag", bag, "--image", IMAGE + "/compressed")
     assert code == 0, output
     assert_learnt(tmp_path / "box.yaml")
@@ -341,11 +341,11 @@ def test_a_file_is_replaced_only_by_force(calibrate, bag, tmp_path):
     assert [entry.name for entry in tmp_path.iterdir()] == ["box.yaml"]
 
 
-def test_unsuitable_bags_are_named(calibrate, pictures, bag, tmp_path):
+def test_unsuitable_bags_are_named(calibrate, images, bag, tmp_path):
     def error(path, *arguments, image=IMAGE):
         return refused(calibrate, tmp_path, "--bag", path, "--image", image, *arguments)
 
-    few = pictures[:3]
+    few = images[:3]
     missing = f"{tmp_path}/none.bag cannot be read: No such file or directory"
     assert missing in error(tmp_path / "none.bag")
     (tmp_path / "text.bag").write_text("not a bag")
@@ -374,13 +374,13 @@ def test_unsuitable_bags_are_named(calibrate, pictures, bag, tmp_path):
         assert f"has no index: try rosbag reindex {tmp_path}/open.bag" in error(
             tmp_path / "open.bag"
         )
-    grey = write_bag(tmp_path / "grey.bag", [np.full((480, 640), 99, np.uint8)] * 2, calibrated())
-    assert "none of the tags was seen in 2 frames" in error(grey)
+    gray = write_bag(tmp_path / "gray.bag", [np.full((480, 640), 99, np.uint8)] * 2, calibrated())
+    assert "none of the tags was seen in 2 frames" in error(gray)
 
 
-def test_a_damaged_bag_is_named(calibrate, pictures, monkeypatch, tmp_path):
+def test_a_damaged_bag_is_named(calibrate, images, monkeypatch, tmp_path):
     """It is wherever the damage is, although rosbag's many errors do not name the file."""
-    whole = write_bag(tmp_path / "whole.bag", pictures[:2], calibrated()).read_bytes()
+    whole = write_bag(tmp_path / "whole.bag", images[:2], calibrated()).read_bytes()
     monkeypatch.setattr("robot_vision.tags.bundle_bag.TagDetector.detect", lambda *_: [])
     bag = tmp_path / "damaged.bag"
     random = np.random.default_rng(1)
@@ -406,7 +406,7 @@ def test_errors_of_learning_are_named(calibrate, bag, tmp_path):
     assert "master tag 3 was not seen" in error("--ids", "3-7")
     assert "tag 9 was not seen" in error("--ids", "4-7,9")
     body = next(views(1))
-    apart = [picture_at(body, hidden=[6, 7]), picture_at(body, hidden=[4, 5, 7])]
+    apart = [image_at(body, hidden=[6, 7]), image_at(body, hidden=[4, 5, 7])]
     bag = write_bag(tmp_path / "apart.bag", apart, calibrated())
     assert "tags [6] were never seen together with the master tag 4" in error("--ids", "4-6")
 
@@ -415,15 +415,15 @@ def test_a_live_recording_that_cannot_be_used(start, calibrate, monkeypatch, tmp
     nobody = start("calibrate_bundle.py", *command(tmp_path / "1.yaml"), "tags:=/nobody/tags")
     studio = Studio(start, info=calibrated(matrix=np.zeros((3, 3))))
     plain = start("calibrate_bundle.py", *command(tmp_path / "2.yaml"), "tags:=/tag/tags")
-    picture = picture_at(next(views(1)))
+    image = image_at(next(views(1)))
     info = studio.topic.replace("image", "camera_info")
-    why = f": camera_info on {info}: the camera is not calibrated\n"
+    reason = f": camera_info on {info}: the camera is not calibrated\n"
     support.wait_for(
-        lambda: studio.show(picture) and f"waiting{why}" in plain.output(), "what is wrong"
+        lambda: studio.show(image) and f"waiting{reason}" in plain.output(), "what is wrong"
     )
     plain.interrupt()
     assert plain.exit_code() == 1
-    assert f"calibrate_bundle.py{why}" in plain.output()
+    assert f"calibrate_bundle.py{reason}" in plain.output()
     nobody.wait_for_output(
         "waiting: no tags came on /nobody/tags; nobody publishes there: see tags:= in --help\n"
     )
@@ -436,7 +436,7 @@ def test_a_live_recording_that_cannot_be_used(start, calibrate, monkeypatch, tmp
 
 
 @pytest.mark.parametrize(
-    "arguments, why",
+    "arguments, reason",
     [
         (["--ids", "4"], "--ids: ids is '4', must be two or more different tags"),
         (["--ids", "4,4-5"], "--ids: ids is '4,4-5', must be two or more different tags"),
@@ -453,19 +453,19 @@ def test_a_live_recording_that_cannot_be_used(start, calibrate, monkeypatch, tmp
         (["--image", IMAGE], "--bag needs --image"),
     ],
 )
-def test_wrong_arguments_are_refused(calibrate, arguments, why):
+def test_wrong_arguments_are_refused(calibrate, arguments, reason):
     code, output = calibrate(*arguments)
-    assert code == 2 and why in output, output
+    assert code == 2 and reason in output, output
 
 
 def test_an_output_that_cannot_be_written(calibrate, bag, tmp_path):
-    for output, why in (
+    for output, reason in (
         (tmp_path, "it is no file"),
         (tmp_path / "none" / "box.yaml", f"{tmp_path}/none is no folder"),
     ):
         arguments = ("--bag", bag, "--image", IMAGE)
         error = refused(calibrate, tmp_path, *arguments, output=output)
-        assert error.endswith(f"{output} cannot be written: {why}")
+        assert error.endswith(f"{output} cannot be written: {reason}")
 
 
 def test_help_has_examples(calibrate):

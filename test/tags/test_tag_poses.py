@@ -13,7 +13,7 @@ from tags import (
     corners_of,
     error_of,
     faces_camera,
-    in_picture,
+    in_image,
     matrix,
     pose_in_view,
     random_places,
@@ -124,7 +124,7 @@ def track(tracker, camera, path, noise, rng, frames, lasting=0.0):
     shift = rng.normal(0.0, lasting, (4, 2))
     for frame, truth in zip(range(frames), path):
         corners = corners_of(truth, camera)
-        if not in_picture(corners, camera) or not faces_camera(truth):
+        if not in_image(corners, camera) or not faces_camera(truth):
             continue
         corners = corners + shift + rng.normal(0.0, noise, (4, 2))
         yield frame, corners, truth, tracker.update(frame / RATE, {0: corners}, camera)

@@ -41,7 +41,7 @@ def photographs():
 def crops(count):
     """Parts of the photographs in many scales; each tenth is random noise instead."""
     random = np.random.default_rng(1)
-    pictures = list(photographs())
+    images = list(photographs())
     for number in range(count):
         if number % 10 == 9:
             noise = random.integers(0, 256, CROP[::-1], np.uint8)
@@ -50,14 +50,14 @@ def crops(count):
                 noise = cv2.normalize(noise, None, 0, 255, cv2.NORM_MINMAX)
             yield noise
             continue
-        picture = pictures[random.integers(len(pictures))]
+        image = images[random.integers(len(images))]
         scale = np.exp(random.uniform(-1.2, 1.0))
         width, height = (
-            min(int(side / scale), limit) for side, limit in zip(CROP, picture.shape[::-1])
+            min(int(side / scale), limit) for side, limit in zip(CROP, image.shape[::-1])
         )
-        x = random.integers(picture.shape[1] - width + 1)
-        y = random.integers(picture.shape[0] - height + 1)
-        part = picture[y : y + height, x : x + width]
+        x = random.integers(image.shape[1] - width + 1)
+        y = random.integers(image.shape[0] - height + 1)
+        part = image[y : y + height, x : x + width]
         way = cv2.INTER_AREA if scale < 1.0 else cv2.INTER_CUBIC
         yield cv2.resize(part, CROP, interpolation=way)
 

@@ -6,8 +6,8 @@ import pytest
 from tag_views import (
     RAYS,
     badly_calibrated,
+    image_of,
     moving,
-    picture_of,
     rays_of,
     undistorted,
 )
@@ -18,7 +18,7 @@ from tags import (
     K,
     corners_of,
     error_of,
-    in_picture,
+    in_image,
     pose_in_view,
     squared_error,
     turn_of,
@@ -86,9 +86,9 @@ def located(
         detector = rv.TagDetector(settings)
         tracker = rv.TagPoseTracker(rv.single_tag(3, SIZE), params or rv.TagPoseParams())
         for frame, truth in enumerate(moving(rng, pixels, frames)):
-            picture = picture_of(truth, CAMERA, RAYS, 3, rng, blur, noise, family)
-            for tag in detector.update(frame / 30.0, picture, "mono8"):
-                seen = {3: measured(tag, camera, picture)}
+            image = image_of(truth, CAMERA, RAYS, 3, rng, blur, noise, family)
+            for tag in detector.update(frame / 30.0, image, "mono8"):
+                seen = {3: measured(tag, camera, image)}
                 yield frame, truth, tracker.update(frame / 30.0, seen, camera)
 
 
@@ -102,18 +102,18 @@ def test_poses_of_single_images(model):
         for tilt in np.radians((0, 15, 30, 45, 60, 75)):
             pose = pose_in_view(rng, pixels, tilt)
             corners = corners_of(pose, camera)
-            if not in_picture(corners, camera):
+            if not in_image(corners, camera):
                 continue
             number = int(rng.integers(587))
-            picture = picture_of(pose, camera, rays, number, rng)
-            tags = detector.detect(picture, "mono8")
+            image = image_of(pose, camera, rays, number, rng)
+            tags = detector.detect(image, "mono8")
             height = cv2.minAreaRect(corners.astype(np.float32))[1]
             if not tags:
                 missed.append(min(height))
                 continue
             (tag,) = tags
             assert tag.id == number
-            seen = {number: measured(tag, camera, picture)}
+            seen = {number: measured(tag, camera, image)}
             found = rv.estimate_pose(rv.single_tag(number, SIZE), seen, camera)
             error = error_of(found.best.pose, pose)
             places.append(np.linalg.norm(error[:3]) / np.linalg.norm(pose[:3, 3]))

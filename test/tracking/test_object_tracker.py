@@ -15,9 +15,9 @@ SIZE = (640, 480)
 
 
 def photograph(name, size=None):
-    picture = getattr(skimage.data, name)()
-    code = cv2.COLOR_GRAY2BGR if picture.ndim == 2 else cv2.COLOR_RGB2BGR
-    return cv2.resize(cv2.cvtColor(picture, code), size or picture.shape[1::-1])
+    image = getattr(skimage.data, name)()
+    code = cv2.COLOR_GRAY2BGR if image.ndim == 2 else cv2.COLOR_RGB2BGR
+    return cv2.resize(cv2.cvtColor(image, code), size or image.shape[1::-1])
 
 
 def part(name, box, size):
@@ -29,30 +29,28 @@ def part(name, box, size):
 FACE = (160, 20, 160, 200)  # of the astronaut
 
 
-def placement(picture, center, scale, angle):
+def placement(patch, center, scale, angle):
     """The affine matrix that puts the middle of an image at `center`."""
-    height, width = picture.shape[:2]
+    height, width = patch.shape[:2]
     c, s = scale * np.cos(angle), scale * np.sin(angle)
     turn = np.array([[c, -s], [s, c]])
     shift = np.subtract(center, turn @ ((width - 1) / 2.0, (height - 1) / 2.0))
     return np.column_stack([turn, shift])
 
 
-def outline(picture, place):
-    height, width = picture.shape[:2]
+def outline(patch, place):
+    height, width = patch.shape[:2]
     corners = np.array([(0, 0), (width, 0), (width, height), (0, height)]) - 0.5
     return corners @ place[:, :2].T + place[:, 2]
 
 
-def put(background, picture, place):
+def put(background, patch, place):
     """The background with the image in front of it, as a camera sees it."""
     scale = np.hypot(*place[:, 0])
     if scale < 1.0:
-        picture = cv2.GaussianBlur(picture, (0, 0), 0.5 / scale)
+        patch = cv2.GaussianBlur(patch, (0, 0), 0.5 / scale)
     size = background.shape[1::-1]
-    return cv2.warpAffine(
-        picture, place, size, background.copy(), borderMode=cv2.BORDER_TRANSPARENT
-    )
+    return cv2.warpAffine(patch, place, size, background.copy(), borderMode=cv2.BORDER_TRANSPARENT)
 
 
 def common(a, b):
@@ -76,8 +74,8 @@ class Show:
     """Frames of an object that moves, rotates, grows to twice and shrinks to half its size, is
     covered now and then, and is blurred, lit and noisy."""
 
-    def __init__(self, picture, background="coffee", cover="brick", seed=0):
-        self._picture = picture
+    def __init__(self, patch, background="coffee", cover="brick", seed=0):
+        self._patch = patch
         self._background = photograph(background, SIZE)
         self._cover = photograph(cover, SIZE)
         grain = np.random.default_rng(seed).normal(0.0, 4.0, (7, *self._background.shape))
@@ -88,10 +86,10 @@ class Show:
         t = number / RATE
         center = 319.5 + 190.0 * np.sin(0.9 * t), 239.5 + 110.0 * np.sin(1.3 * t)
         place = placement(
-            self._picture, center, 2.0 ** np.sin(0.2 * np.pi * t), 1.2 * np.sin(0.7 * t)
+            self._patch, center, 2.0 ** np.sin(0.2 * np.pi * t), 1.2 * np.sin(0.7 * t)
         )
-        image = put(self._background, self._picture, place)
-        true = outline(self._picture, place)
+        image = put(self._background, self._patch, place)
+        true = outline(self._patch, place)
         hidden = 1.0 - common(true, rectangle(0, 0, *SIZE)) / area(true)
         left = -340 + 24 * (number % 150 - 90)  # left side of a bar that passes
         if 0 <= number % 150 - 90 < 42:
@@ -131,8 +129,8 @@ PARTS = {
 
 @pytest.mark.parametrize("name", PARTS)
 def test_object_is_followed_or_lost_and_found_again(name):
-    picture, background = PARTS[name]
-    show = Show(picture, background, "brick" if background != "brick" else "grass")
+    patch, background = PARTS[name]
+    show = Show(patch, background, "brick" if background != "brick" else "grass")
     tracker = rv.ObjectTracker()
     image, true, _ = show.frame(0)
     tracker.update(0.0, image)
@@ -154,34 +152,34 @@ def test_object_is_followed_or_lost_and_found_again(name):
 
 def test_object_that_has_become_small_is_found_again():
     """It shrinks to half its size, is hidden for a third of a second, and appears elsewhere."""
-    picture, background = PARTS["cup 90x90"][0], photograph("astronaut", SIZE)
+    patch, background = PARTS["cup 90x90"][0], photograph("astronaut", SIZE)
     tracker, tracked = rv.ObjectTracker(), []
     for number in range(60):
         center = 250.0 + 3.0 * number, 240.0
-        place = placement(picture, center, max(0.5, 1.0 - number / 40.0), 0.0)
+        place = placement(patch, center, max(0.5, 1.0 - number / 40.0), 0.0)
         hidden = 25 <= number < 35
-        image = background if hidden else put(background, picture, place)
+        image = background if hidden else put(background, patch, place)
         found = tracker.update(number / RATE, image)
         if number == 0:
-            tracker.select(box_around(outline(picture, place)))
+            tracker.select(box_around(outline(patch, place)))
             continue
         tracked.append(found[0].tracked)
         if found[0].tracked:
-            assert not hidden and iou(found[0].outline, outline(picture, place)) > 0.8
+            assert not hidden and iou(found[0].outline, outline(patch, place)) > 0.8
     assert all(tracked[:24]) and all(tracked[-10:])
 
 
 def test_velocity_scale_and_angle_are_measured():
-    picture, background = part("astronaut", FACE, (100, 120)), photograph("coffee", SIZE)
+    patch, background = part("astronaut", FACE, (100, 120)), photograph("coffee", SIZE)
     tracker = rv.ObjectTracker()
     for number in range(60):
         t = number / RATE
         center = 150.0 + 120.0 * t, 200.0 + 40.0 * t
-        place = placement(picture, center, 1.0 + 0.3 * t, 0.5 * t)
-        image = put(background, picture, place)
+        place = placement(patch, center, 1.0 + 0.3 * t, 0.5 * t)
+        image = put(background, patch, place)
         found = tracker.update(t, image)
         if number == 0:
-            tracker.select(box_around(outline(picture, place)))
+            tracker.select(box_around(outline(patch, place)))
     (found,) = found
     assert np.allclose(found.velocity, (120.0, 40.0), atol=5.0)
     assert found.scale == pytest.approx(1.0 + 0.3 * t, rel=0.01)

@@ -33,11 +33,11 @@ OBJECT = cv2.resize(ASTRONAUT[20:220, 160:320], (64, 80), interpolation=cv2.INTE
 SMALL = cv2.resize(ASTRONAUT[300:460, 160:320], (48, 48), interpolation=cv2.INTER_AREA)
 
 
-def region(x, y, picture=OBJECT):
-    return RegionOfInterest(x_offset=x, y_offset=y, width=picture.shape[1], height=picture.shape[0])
+def region(x, y, patch=OBJECT):
+    return RegionOfInterest(x_offset=x, y_offset=y, width=patch.shape[1], height=patch.shape[0])
 
 
-def picture(x=None, y=80, other=None):
+def view(x=None, y=80, other=None):
     """The background with the object at (x, y) and another one at `other` (top left corners)."""
     image = BACKGROUND.copy()
     if x is not None:
@@ -94,11 +94,11 @@ class Desk:
 
 def test_select_by_the_service_follow_lose_and_find_again(start):
     desk = Desk(start)
-    assert desk.show(picture(40)) == ([], {})
-    answer = desk.select(region(40, 80), "face", picture(40))
+    assert desk.show(view(40)) == ([], {})
+    answer = desk.select(region(40, 80), "face", view(40))
     assert (answer.success, answer.message, answer.id) == (True, "", 1)
     for step in range(1, 31):
-        (found,), states = desk.show(picture(40 + 2 * step, 80 + step // 3))
+        (found,), states = desk.show(view(40 + 2 * step, 80 + step // 3))
     assert (found.label, found.id, found.predicted) == ("face", 1, False)
     assert (found.center.x, found.center.y) == pytest.approx((131.5, 129.5), abs=0.5)
     assert (found.box.x_offset, found.box.y_offset) == pytest.approx((100, 90), abs=1)
@@ -112,39 +112,39 @@ def test_select_by_the_service_follow_lose_and_find_again(start):
     assert (state.scale, state.angle) == pytest.approx((1.0, 0.0), abs=0.02)
     assert len(state.points) > 15 and all(100 <= point.x <= 164 for point in state.points)
     for _ in range(5):
-        found, states = desk.show(picture())
+        found, states = desk.show(view())
         assert not found and states[1].state == TrackState.LOST
         assert states[1].label == "face" and states[1].confidence == 0 and not states[1].points
-    back = (desk.show(picture(200, 30))[0] for _ in range(30))  # for a second
+    back = (desk.show(view(200, 30))[0] for _ in range(30))  # for a second
     found = next(filter(None, back))
     assert (found[0].center.x, found[0].center.y) == pytest.approx((231.5, 69.5), abs=0.5)
 
 
 def test_several_objects_and_forgetting_them(start):
     desk = Desk(start)
-    pixels = picture(40, other=(250, 20))
+    pixels = view(40, other=(250, 20))
     desk.show(pixels)
     assert desk.select(region(40, 80), "face", pixels).id == 1
     assert desk.select(region(250, 20, SMALL), "suit", pixels).id == 2
     for step in range(1, 20):
-        found, states = desk.show(picture(40 + step, other=(250 - 2 * step, 20)))
+        found, states = desk.show(view(40 + step, other=(250 - 2 * step, 20)))
         assert len(found) == len(states) == 2
     assert [one.center.x for one in found] == pytest.approx([90.5, 235.5], abs=0.5)
     answer = desk.forget(7)
     assert not answer.success
     assert answer.message == "id is 7, must be of an object (1, 2), or -1 for all"
     assert desk.forget(1).success
-    found, states = desk.show(picture(60, other=(212, 20)))
+    found, states = desk.show(view(60, other=(212, 20)))
     assert [one.label for one in found] == ["suit"] and set(states) == {2}
     assert desk.forget(-1).success
-    assert desk.show(picture(60, other=(212, 20))) == ([], {})
+    assert desk.show(view(60, other=(212, 20))) == ([], {})
 
 
 def test_selection_by_topic_replaces_objects_unless_several(start):
     desk = Desk(start)
     select = Source("/eye/select", RegionOfInterest)
     select.wait_for()
-    pixels = picture(40, other=(250, 20))
+    pixels = view(40, other=(250, 20))
     desk.show(pixels)
 
     def ids_after(where, newest):
@@ -178,7 +178,7 @@ def test_selection_by_topic_replaces_objects_unless_several(start):
 )
 def test_bad_selections_are_answered_and_logged(start, where, text):
     desk = Desk(start)
-    pixels = picture(100)
+    pixels = view(100)
     pixels[:70, :70] = 90  # has no features
     desk.show(pixels)
     answer = desk.select(where, "nothing", pixels)
@@ -192,13 +192,13 @@ def test_selection_is_followed_while_nobody_subscribes(start, diagnostics):
     desk = Desk(start, "_diagnostic_period:=0.1", outputs=False)
     idle = "idle: nobody subscribes"
     support.wait_for(lambda: diagnostics.next("eye").message == idle, idle)
-    answer = desk.select(region(40, 80), "face", picture(40))
+    answer = desk.select(region(40, 80), "face", view(40))
     assert (answer.success, answer.id) == (True, 1)
     for step in range(1, 21):  # the object has moved far away before anybody subscribes
-        desk.send(picture(40 + 5 * step))
+        desk.send(view(40 + 5 * step))
         rospy.sleep(0.03)
     desk.listen()
-    (found,), _ = desk.show(picture(145))
+    (found,), _ = desk.show(view(145))
     assert found.center.x == pytest.approx(176.5, abs=0.5)
     desk.objects.close()
     desk.states.close()
@@ -218,13 +218,13 @@ def test_service_call_without_frames_is_answered(start):
 
 def test_selection_after_a_pause_is_made_in_a_new_frame(start, diagnostics):
     desk = Desk(start, "_diagnostic_period:=0.1", outputs=False)
-    assert desk.select(region(40, 80), "face", picture(40)).success
+    assert desk.select(region(40, 80), "face", view(40)).success
     assert desk.forget(1).success
     idle = "idle: nobody subscribes"
     support.wait_for(lambda: diagnostics.next("eye").message == idle, idle)
-    assert desk.select(region(150, 80), "face", picture(150)).id == 2
+    assert desk.select(region(150, 80), "face", view(150)).id == 2
     desk.states = support.subscribed("/eye/state", TrackStateArray)
-    states = desk.states.of(desk.send(picture(154)))
+    states = desk.states.of(desk.send(view(154)))
     assert [(track.id, track.state) for track in states.tracks] == [(2, TrackState.TRACKED)]
 
 
@@ -235,9 +235,9 @@ def test_last_of_several_selections_without_a_frame_counts(start):
     for x in (200, 120, 40):
         selector.send(region(x, 80))
     rospy.sleep(0.3)  # until they have arrived; the next frames would show if not
-    states = support.wait_for(lambda: desk.show(picture(40))[1], "the object")
+    states = support.wait_for(lambda: desk.show(view(40))[1], "the object")
     assert set(states) == {1}
-    (found,), _ = desk.show(picture(44))
+    (found,), _ = desk.show(view(44))
     assert found.center.x == pytest.approx(75.5, abs=0.5)
 
 
@@ -263,17 +263,17 @@ def test_overlay_shows_tracked_objects_and_names_lost_ones(start):
         sent = overlays.of(desk.send(pixels))
         return np.frombuffer(sent.data, np.uint8).reshape(240, 320, 3)
 
-    desk.show(picture(100))
-    desk.select(region(100, 80), "face", picture(100))
-    drawn = overlay(picture(100))
+    desk.show(view(100))
+    desk.select(region(100, 80), "face", view(100))
+    drawn = overlay(view(100))
     for x, y in [(100, 120), (163, 120), (130, 80), (130, 159)]:
         around = drawn[y - 2 : y + 3, x - 2 : x + 3].reshape(-1, 3)
         assert (around == (0, 255, 0)).all(axis=1).any(), (x, y)
     inside = (drawn[80:160, 100:164] == (0, 255, 255)).all(axis=2)
     assert np.count_nonzero(inside) > 50  # points
-    assert np.array_equal(drawn[200:], picture(100)[200:])
-    lost = overlay(picture())
-    changed = (lost != picture()).any(axis=2)
+    assert np.array_equal(drawn[200:], view(100)[200:])
+    lost = overlay(view())
+    changed = (lost != view()).any(axis=2)
     assert changed[:30, :120].any() and not changed[30:].any()
     blue, green, red = np.moveaxis(lost[:30].astype(int), 2, 0)
     assert np.count_nonzero((red > 150) & (blue < 60) & (green < 60)) > 20
@@ -320,24 +320,24 @@ def test_detections_of_another_node_are_selected(start):
     )
     finder = Finder()
 
-    stamp = desk.send(picture(40, other=(250, 20)))
+    stamp = desk.send(view(40, other=(250, 20)))
     desk.states.of(stamp)
-    desk.show(picture(44, other=(250, 20)))
+    desk.show(view(44, other=(250, 20)))
     # The message is two frames late, begins with another label, and has one object too many.
     suit = region(250, 20, SMALL)
     finder.found_at(stamp, ("suit", suit), ("face", region(40, 80)), ("face", suit))
 
     def tracked():
-        return desk.show(picture(46, other=(250, 20)))[0]
+        return desk.show(view(46, other=(250, 20)))[0]
 
     (found,) = support.wait_for(tracked, "the detection to be followed")
     assert (found.label, found.id) == ("face", 1)
     assert found.center.x == pytest.approx(77.5, abs=0.5)
     for step in range(10):  # detected again it stays the same object; there is no room for another
         x = 46 + 2 * step
-        stamp = desk.send(picture(x, other=(250, 20)))
+        stamp = desk.send(view(x, other=(250, 20)))
         finder.found_at(stamp, ("face", region(x, 80)), ("face", region(250, 20, SMALL)))
-        found, states = desk.show(picture(x, other=(250, 20)))
+        found, states = desk.show(view(x, other=(250, 20)))
         assert set(states) == {1} and found
 
 
@@ -377,7 +377,7 @@ def test_only_objects_detected_for_long_enough_are_selected(start, ids):
     desk = Desk(start, "_auto_select:=true", "_auto_after:=0.19", "detections:=/finder/found")
     finder = Finder()
     for step in range(7):  # in the seventh frame the face has been detected for 0.2 s
-        pixels = picture(40 + 2 * step, other=(250, 20))
+        pixels = view(40 + 2 * step, other=(250, 20))
         stamp = desk.send(pixels)
         things = [("face", region(40 + 2 * step, 80), *ids)]
         if step not in (2, 3, 4):
@@ -394,10 +394,10 @@ def test_only_objects_detected_for_long_enough_are_selected(start, ids):
 
 def test_objects_lost_for_long_are_forgotten(start):
     desk = Desk(start, "_forget_after:=0.49")
-    desk.show(picture(40))
-    desk.select(region(40, 80), "face", picture(40))
-    desk.show(picture(40))
-    kept = [bool(desk.show(picture())[1]) for _ in range(20)]
+    desk.show(view(40))
+    desk.select(region(40, 80), "face", view(40))
+    desk.show(view(40))
+    kept = [bool(desk.show(view())[1]) for _ in range(20)]
     assert kept == [True] * 15 + [False] * 5
 
 
