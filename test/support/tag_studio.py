@@ -82,12 +82,12 @@ def calibrated(width=640, height=480, matrix=K, model="plumb_bob"):
 class Studio:
     """A camera with frames at 10 Hz of simulated stamps, and the node's answers to them."""
 
-    def __init__(self, start, *arguments, info=None, tag_size=SIZE):
+    def __init__(self, start, *arguments, info=None):
         self._camera = Camera(10.0)
         self.topic = self._camera.topic
         self.infos = Source(self.topic.replace("image", "camera_info"), CameraInfo)
         self.info = info
-        size = f"_tag_size:={tag_size}"
+        size = f"_tag_size:={SIZE}"
         self.process = start(
             "apriltag_detector.py", "__name:=tag", f"image:={self.topic}", size, *arguments
         )
@@ -109,10 +109,10 @@ class Studio:
         """Waits for this many subscribers of the images."""
         self._camera.wait_for(count)
 
-    def show_until(self, condition, image, encoding="mono8"):
+    def show_until(self, condition, image):
         """Sends an image until the answer satisfies the condition; returns that answer."""
         for _ in range(100):
-            answer = self.show(image, encoding)
+            answer = self.show(image)
             if condition(answer):
                 return answer
         raise AssertionError("not in 100 frames")

@@ -105,9 +105,9 @@ def calibrate(run_main, tmp_path):
     return run
 
 
-def assert_learnt(path, master=4, name="box"):
+def assert_learnt(path, master=4):
     (bundle,) = parse_bundles(yaml.safe_load(path.read_text())["tag_bundles"])
-    assert bundle.name == name and sorted(tag.id for tag in bundle.tags) == sorted(LAYOUT)
+    assert bundle.name == "box" and sorted(tag.id for tag in bundle.tags) == sorted(LAYOUT)
     for tag in bundle.tags:
         truth = np.linalg.inv(LAYOUT[master]) @ LAYOUT[tag.id]
         assert tag.size == SIZE
