@@ -131,7 +131,7 @@ class Source:
 
 
 class Camera(Source):
-    """Publishes images with stamps that begin at 0 and have a rate, however fast they are sent."""
+    """Publishes images with the stamps of a rate in Hz, however fast they are sent."""
 
     def __init__(self, rate: float):
         super().__init__(new_topic())

@@ -17,7 +17,6 @@ import time
 import xmlrpc.client
 from typing import Any, Callable, Dict, Iterator, List, Optional, Set
 
-import dynamic_reconfigure.client
 import numpy as np
 import rosgraph
 import roslib.packages
@@ -354,7 +353,9 @@ def subscribed(topic: str, kind: Any) -> Messages:
 
 def reconfigured(node: str, **values: Any) -> Dict[str, Any]:
     """Sets live parameters of a node, and returns all that it has then."""
-    client = dynamic_reconfigure.client.Client(node, timeout=DEADLINE)
+    from dynamic_reconfigure.client import Client  # its import takes long, and few tests need it
+
+    client = Client(node, timeout=DEADLINE)
     config = client.update_configuration(values) if values else client.get_configuration(DEADLINE)
     client.close()
     return config
