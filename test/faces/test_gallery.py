@@ -4,10 +4,9 @@ import concurrent.futures
 import contextlib
 import errno
 import hashlib
+import itertools
 import os
 import shutil
-import subprocess
-import sys
 import tempfile
 import threading
 from unittest.mock import Mock
@@ -17,7 +16,7 @@ import numpy as np
 import pytest
 from people import ANNA, BERT, CARLA, photograph, photographs
 
-import robot_vision.faces.gallery
+import robot_vision.faces.face_cache
 import robot_vision.faces.gallery_files
 from robot_vision.faces.face_cache import HEAD
 from robot_vision.faces.face_images import find_face
@@ -460,46 +459,35 @@ def test_lost_file_of_faces_costs_a_search_only(folder, monkeypatch):
     assert not problems and same_faces(gallery, again)
 
 
-CRASH = """
-import os, sys
-sys.path.insert(0, sys.argv[2])
-from people import CARLA, photographs
-import robot_vision.faces.face_cache, robot_vision.common.files, robot_vision.faces.gallery_files
-from robot_vision.faces.gallery import Gallery
-
-where = sys.argv[3]
-count = 0
-
-def crash(*_):
-    global count
-    count += 1
-    if count == 3:
-        os._exit(9)
-    return original(*_)
-
-module, name = {
-    "between pictures": (robot_vision.faces.gallery_files, "add_file"),
-    "in a picture": (os, "link"),
-    "before the faces": (robot_vision.faces.face_cache, "replace_file"),
-    "in the faces": (os, "replace"),
-}[where]
-count = 2 if "faces" in where else 0
-gallery = Gallery(sys.argv[1])
-gallery.load()
-original = getattr(module, name)
-setattr(module, name, crash)
-gallery.add("Carla", photographs(CARLA, 4))
-"""
-
-
 @pytest.mark.parametrize(
-    "where, images",
-    [("between pictures", 2), ("in a picture", 2), ("before the faces", 4), ("in the faces", 4)],
+    "module, name, call, images",
+    [
+        (robot_vision.faces.gallery_files, "add_file", 3, 2),  # between two images
+        (os, "link", 3, 2),  # in an image
+        (robot_vision.faces.face_cache, "replace_file", 1, 4),  # before the file of faces
+        (os, "replace", 1, 4),  # in it
+    ],
+    ids=["between images", "in an image", "before the faces", "in the faces"],
 )
-def test_crash_while_adding_leaves_a_gallery_that_loads(folder, where, images):
-    tests = os.path.join(os.path.dirname(__file__), "..", "support")
-    ended = subprocess.run([sys.executable, "-c", CRASH, str(folder), tests, where], check=False)
-    assert ended.returncode == 9
+def test_crash_while_adding_leaves_a_gallery_that_loads(folder, module, name, call, images):
+    """A fork of this process ends in one of its calls of a function."""
+    child = os.fork()
+    if child == 0:
+        calls, original = itertools.count(1), getattr(module, name)
+
+        def crash(*arguments):
+            if next(calls) == call:
+                os._exit(9)
+            return original(*arguments)
+
+        try:
+            cv2.setNumThreads(0)  # a fork does not have the threads of its parent
+            gallery = loaded(folder)[0]
+            setattr(module, name, crash)
+            gallery.add("Carla", photographs(CARLA, 4))
+        finally:
+            os._exit(0)
+    assert os.WEXITSTATUS(os.waitpid(child, 0)[1]) == 9
     gallery, problems = loaded(folder)
     assert not problems
     assert gallery.names() == {"Anna": 3, "Bert": 2, "Carla": images}
