@@ -7,6 +7,7 @@
 #include "robot_vision/image/encoding.hpp"
 #include "support/hsv_ranges.hpp"
 #include "support/images.hpp"
+#include "support/thread_counts.hpp"
 
 using namespace robot_vision;
 
@@ -184,15 +185,13 @@ TEST(HsvMask, takesRowsOfEveryLength)
 
 TEST(HsvMask, isTheSameWithAnyNumberOfThreads)
 {
-  const int before = cv::getNumThreads();
   const cv::Mat image = noise({75, 201}, CV_8UC3, 1);
   const cv::Mat expected = byOpenCv(toHsvImage(image), HsvRange{});
   for (const int threads : {1, 2, 5, 64})
   {
-    cv::setNumThreads(threads);
+    const ThreadCount count(threads);
     EXPECT_TRUE(equal(maskOf(image, "bgr8", HsvRange{}), expected)) << threads;
   }
-  cv::setNumThreads(before);
 }
 
 TEST(HsvMask, reusesTheOutputsMemory)
