@@ -149,6 +149,7 @@ def test_colors_are_changed_live_and_saved(start, camera, tmp_path):
 @pytest.mark.parametrize(
     "node, name, value, message",
     [
+        ("hsv_tracker.py", "colors", {}, "colors is {}, must be a map"),
         (
             "hsv_tracker.py",
             "colors",

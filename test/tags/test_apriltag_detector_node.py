@@ -387,6 +387,7 @@ def test_listeners_to_transforms_that_are_off_do_not_count(start):
     [
         ("families", "tag36h12", "tag36h12"),
         ("decimate", 11.0, "decimate is 11, must be from 0 to 10"),
+        ("threads", -1, "threads is -1, must be from 0 (all cores) to 256"),
     ],
 )
 def test_bad_value_at_start_is_fatal(start, name, value, text):

@@ -50,7 +50,8 @@ def test_a_list_of_families():
     [
         (("", 0.1), "tag36h11"),
         ((7, 0.1), "families is 7, must be names between commas"),
-        (("tag36h11", 0), "tag_size is 0, must be above 0"),
+        (("tag36h11, tag36h11", 0.1), "families has 'tag36h11' twice"),
+        (("tag36h11", 0), "tag_size is 0, must be above 0 and at most 100 m"),
         (("tag36h11", float("nan")), "tag_size is nan"),
         (("tag36h11", True), "tag_size is True"),
         (("tag36h11", 0.1, {}), "standalone_tags is {}, must be a list"),
