@@ -75,8 +75,8 @@ void bindOverlay(py::module& m)
       "mask_picture",
       [](const py::array& bgr, const py::array& mask)
       {
-        const ImageArray picture(bgr), where(mask);
-        return imageFrom([&](cv::Mat& out) { maskPicture(picture.view, where.view, out); });
+        const ImageArray image(bgr), where(mask);
+        return imageFrom([&](cv::Mat& out) { maskPicture(image.view, where.view, out); });
       },
       "bgr"_a, "mask"_a,
       "The (height, width, 3) image where the (height, width) mask is not 0, black elsewhere.\n\n"

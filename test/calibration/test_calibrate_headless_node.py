@@ -37,10 +37,10 @@ def images():
 
 @pytest.fixture(scope="module")
 def folder(images, tmp_path_factory):
-    path = tmp_path_factory.mktemp("pictures")
+    path = tmp_path_factory.mktemp("images")
     for number, image in enumerate(images):
         cv2.imwrite(str(path / f"{number:02}.png"), image)
-    (path / "notes.txt").write_text("no picture")
+    (path / "notes.txt").write_text("no image")
     return path
 
 

@@ -224,13 +224,13 @@ def test_frames_are_counted(seen):
 
 
 def test_yuyv_images(vm, seen):
-    pictures = seen("stream")["pictures"]
+    images = seen("stream")["images"]
     direct = pixels(vm / "yuyv.raw", LAYOUTS["yuyv"])
-    assert pictures["image_raw"]["encoding"] == "bgr8"
-    assert pictures["image_mono"]["encoding"] == "mono8"
+    assert images["image_raw"]["encoding"] == "bgr8"
+    assert images["image_mono"]["encoding"] == "mono8"
     for topic, expected in (("image_raw", as_bgr), ("image_mono", as_gray)):
         np.testing.assert_array_equal(
-            published(vm, "yuyv", topic, pictures[topic]), expected(direct, LAYOUTS["yuyv"])
+            published(vm, "yuyv", topic, images[topic]), expected(direct, LAYOUTS["yuyv"])
         )
     assert (vm / "afterwards.raw").read_bytes() == (vm / "yuyv.raw").read_bytes()
 
@@ -278,8 +278,8 @@ def test_all_formats_show_the_same_image(vm, seen):
 def test_native_images_are_published_unchanged(vm, seen, rate):
     found = seen("cameras")["native"]
     assert f"GBRG 640x480 at {rate(FRAMERATE):g} Hz from /dev/video1" in found["log"]
-    assert found["pictures"]["image_raw"]["encoding"] == "bayer_gbrg8"
-    mosaic = published(vm, "native", "image_raw", found["pictures"]["image_raw"])
+    assert found["images"]["image_raw"]["encoding"] == "bayer_gbrg8"
+    mosaic = published(vm, "native", "image_raw", found["images"]["image_raw"])
     np.testing.assert_array_equal(mosaic, pixels(vm / "bayer_gbrg8.raw", LAYOUTS["bayer_gbrg8"]))
     assert found["exit_code"] == 0
 
@@ -295,8 +295,8 @@ def test_unsupported_modes_are_replaced_with_a_warning(vm, seen, rate):
     refused = f"; asked for 1000 Hz, gives {highest}; YUYV 640x480 has "
     assert re.search(re.escape(refused) + rf".*\b{highest}\b.* Hz", warning)
     assert f"YUYV 640x480 at {highest} Hz from /dev/video1" in found["log"]
-    assert found["pictures"]["image_raw"]["encoding"] == "bgr8"
-    bgr = published(vm, "mjpeg", "image_raw", found["pictures"]["image_raw"])
+    assert found["images"]["image_raw"]["encoding"] == "bgr8"
+    bgr = published(vm, "mjpeg", "image_raw", found["images"]["image_raw"])
     direct = pixels(vm / "yuyv.raw", LAYOUTS["yuyv"])
     np.testing.assert_array_equal(bgr, as_bgr(direct, LAYOUTS["yuyv"]))
 

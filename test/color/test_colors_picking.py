@@ -273,7 +273,7 @@ def test_title_and_waiting_image_of_the_window():
     assert title("/camera/image", 0.0, None) == "/camera/image  waiting"
     for topic in (
         "/a",
-        "/a_very_long/name_of/a_topic/that/does_not_fit/into_the_picture/image_raw",
+        "/a_very_long/name_of/a_topic/that/does_not_fit/into_the_image/image_raw",
     ):
         image = placeholder(topic)
         written = np.argwhere(image[:, :, 0] != 128)

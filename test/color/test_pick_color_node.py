@@ -38,7 +38,7 @@ def image(tmp_path):
     pixels = np.full((40, 60, 3), BLUE, np.uint8)
     pixels[20:30, 30:40] = RED
     pixels[25, 35] = 128
-    path = tmp_path / "picture.png"
+    path = tmp_path / "image.png"
     cv2.imwrite(str(path), pixels)
     return path
 

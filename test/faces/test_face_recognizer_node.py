@@ -266,7 +266,7 @@ def test_images_do_not_wait_while_nobody_listens(start, folder, diagnostics):
     waits.header.stamp = rospy.Time(0, 7)
     door.images.send(waits)
     support.wait_for(
-        lambda: diagnostics.value("door", "frames published") == "1", "the picture in the node"
+        lambda: diagnostics.value("door", "frames published") == "1", "the image in the node"
     )
     door.listen_no_more()
     door.listen()

@@ -243,7 +243,7 @@ def test_what_cannot_be_used_is_told_skipped_and_kept(folder):
     png = (anna / "1.png").read_bytes()
     (anna / "half.png").write_bytes(png[: len(png) // 2])
     (anna / "empty.jpg").write_bytes(b"")
-    (anna / "text.png").write_text("no picture")
+    (anna / "text.png").write_text("no image")
     cv2.imwrite(str(anna / "wall.png"), np.full((200, 200, 3), 90, np.uint8))
     os.mkfifo(str(anna / "pipe.png"))
     (anna / "folder.png").mkdir()
@@ -253,7 +253,7 @@ def test_what_cannot_be_used_is_told_skipped_and_kept(folder):
     with open(os.fsencode(anna) + b"/\xff.png", "wb") as file:
         file.write(b"odd")
     os.mkdir(os.fsencode(folder) + b"/\xfe")
-    (anna / "notes.txt").write_text("not a picture, and nobody says so")
+    (anna / "notes.txt").write_text("not an image, and nobody says so")
     (folder / ".hidden").mkdir()
     kept = set(os.listdir(str(anna)))
     for _ in range(2):

@@ -420,7 +420,7 @@ def test_rectangle_dragged_in_the_launch_files_window_is_followed(start, display
         shown = [number for name, number in support.windows().items() if name.startswith(title)]
         return shown if any("640x480" in name for name in support.windows()) else []
 
-    number = support.wait_for(window, "the window with pictures")[0]
+    number = support.wait_for(window, "the window with images")[0]
     truth = support.wait_for(lambda: [t for t in truths.received[-1:] if poster(t).visible], "it")
     begin, end = (corner.astype(int).tolist() for corner in corners(poster(truth[0])))
     command = ["xdotool", "mousemove", "--window", number, *begin, "mousedown", 1]

@@ -105,7 +105,7 @@ class Scenarios:
             "info_size": [info.last.width, info.last.height],
             "image_raw": raw.headers,
             "image_mono": mono.headers,
-            "pictures": images,
+            "images": images,
         }
 
     def stamped_ahead(self) -> Dict[str, Any]:
@@ -214,7 +214,7 @@ class Scenarios:
         seen: Dict[str, Any] = {"listed": listed}
         for name, camera in cameras.items():
             wait_for(lambda camera=camera: not camera.holds_device(), "an idle " + camera.name)
-            seen[name] = {"pictures": self.images_of(camera, name), "log": camera.output()}
+            seen[name] = {"images": self.images_of(camera, name), "log": camera.output()}
         for camera in cameras.values():
             camera.interrupt()
         for name, camera in cameras.items():
