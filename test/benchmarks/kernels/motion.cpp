@@ -1,8 +1,8 @@
 #include <opencv2/imgproc.hpp>
 
+#include "../measure.hpp"
 #include "contests.hpp"
 #include "core/motion/frame_difference.hpp"
-#include "measure.hpp"
 
 namespace bench
 {
