@@ -164,9 +164,10 @@ class Process:
         return self.exit_code()
 
     def wait_for_output(self, text: str, seconds: float = DEADLINE) -> None:
-        wait_for(
-            lambda: text in self.output() or not self.running(), "end or output " + text, seconds
-        )
+        try:
+            wait_for(lambda: text in self.output() or not self.running(), text, seconds)
+        except AssertionError as error:
+            raise AssertionError(f"{error}; the output:\n{self.output()}") from None
         assert text in self.output(), self.output()
 
     def end(self) -> None:
