@@ -1,11 +1,10 @@
 """Limits how often errors are logged that may come with every frame."""
 
 import time
+from typing import Optional
 
-from .repeats import Repeats
 
-
-class Throttle(Repeats):
+class Throttle:
     """Lets one message through in each period, whatever its text is.
 
     Each kind of error needs a throttle of its own. Those of rospy distinguish messages by the line
@@ -16,8 +15,13 @@ class Throttle(Repeats):
     """
 
     def __init__(self, period: float = 5.0) -> None:
-        super().__init__(period)
+        self._period = period
+        self._last: Optional[float] = None  # s of the monotonic clock, the last message
 
     def due(self) -> bool:
         """Returns whether a message may be logged now, and then counts it as logged."""
-        return bool(self.news([""], time.monotonic()))
+        now = time.monotonic()
+        if self._last is not None and now - self._last < self._period:
+            return False
+        self._last = now
+        return True
