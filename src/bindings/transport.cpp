@@ -150,6 +150,6 @@ PYBIND11_MODULE(_transport, m)
         "The YAML text of the file `path` with the values in it; see save_params.hpp. Raises RuntimeError naming the "
         "path.");
   m.def(
-      "require_own_launch", &requireOwnLaunch, "path"_a,
+      "require_own_launch", &requireOwnLaunch, "path"_a, "is_started_by_roslaunch"_a,
       "Raises RuntimeError for a file of this package if roslaunch did not start this process; see package_file.hpp.");
 }

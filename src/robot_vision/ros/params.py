@@ -5,6 +5,7 @@ import difflib
 import math
 import os
 import re
+import sys
 from typing import Any, Callable, Dict, Optional, TypeVar
 
 import dynamic_reconfigure.server
@@ -186,7 +187,9 @@ class LiveParams:
             # roslaunch and a node resolve a relative path in different folders.
             if not os.path.isabs(path):
                 raise RuntimeError(f"~config_file is {brief(path)}, must be an absolute path")
-            _transport.require_own_launch(path)
+            # As requireOwnLaunch() in C++ finds it; rospy goes by sys.argv as well.
+            launched = any(word.startswith("__log:=") for word in sys.argv)
+            _transport.require_own_launch(path, launched)
             values = {name: accepted[name] for name in self._type.defaults}
             replace_file(path, self._edit(path, read_text(path), values).encode())
         except (OSError, RuntimeError, ValueError) as error:

@@ -18,13 +18,6 @@ std::string contents(const fs::path& path)
   return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
 }
 
-/// True if roslaunch started this process: it passes the name of the log file, which rosrun does not.
-bool startedByRoslaunch()
-{
-  static const bool started = contents("/proc/self/cmdline").find(std::string("\0__log:=", 8)) != std::string::npos;
-  return started;
-}
-
 /// True for a file of any copy of this package, in its sources or installed.
 bool isOfThisPackage(const fs::path& path)
 {
@@ -40,10 +33,16 @@ bool isOfThisPackage(const fs::path& path)
 
 }  // namespace
 
-void requireOwnLaunch(const std::string& path)
+bool isStartedByRoslaunch()
+{
+  static const bool is_started = contents("/proc/self/cmdline").find(std::string("\0__log:=", 8)) != std::string::npos;
+  return is_started;
+}
+
+void requireOwnLaunch(const std::string& path, bool is_started_by_roslaunch)
 {
   std::error_code ignored;
-  if (startedByRoslaunch() || !isOfThisPackage(fs::weakly_canonical(path, ignored))) return;
+  if (is_started_by_roslaunch || !isOfThisPackage(fs::weakly_canonical(path, ignored))) return;
   throw std::runtime_error("~config_file is '" + path +
                            "', a file of the package, to which only what roslaunch starts saves; name another one: "
                            "_config_file:=/absolute/path.yaml");
