@@ -26,7 +26,7 @@ Show the board all over the image, near and far, and tilted to all sides, and ho
 coverage: red cells have never seen the board; green views fit, red ones do not.
 """
 MAX_IMAGES = 1000
-LENGTH = number_within(float, 0.0, 10.0, above_low=True)  # m
+LENGTH = number_within(float, 0.0, 10.0, above_low=True, unit="m")
 
 
 def parse_arguments(command: Sequence[str]) -> argparse.Namespace:

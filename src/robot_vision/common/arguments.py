@@ -36,18 +36,18 @@ def parse_completely(
 
 
 def number_within(
-    kind: Callable[[str], float], low: float, high: float, above_low: bool = False
+    kind: Callable[[str], float], low: float, high: float, above_low: bool = False, unit: str = ""
 ) -> Callable[[str], float]:
     """Returns a function with which argparse reads an int or a float within a range.
 
-    `above_low` leaves out the lowest number.
+    `above_low` leaves out the lowest number; `unit` is that of all of them, for the error.
     """
     span = f"above {low:g} and at most {high:g}" if above_low else f"from {low:g} to {high:g}"
 
     def checked(text: str) -> float:
         value = kind(text)
         if not low <= value <= high or (above_low and value == low):
-            raise argparse.ArgumentTypeError(f"{text} must be {span}")
+            raise argparse.ArgumentTypeError(f"{text} must be {span} {unit}".rstrip())
         return value
 
     checked.__name__ = "integer" if kind is int else "number"  # for argparse's error messages
