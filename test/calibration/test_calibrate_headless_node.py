@@ -187,7 +187,7 @@ def test_unusable_images_of_a_bag_are_named_and_skipped(calibrate, images, tmp_p
             made.write(IMAGE + "/compressedDepth", sent, rospy.Time(number + 1))
     code, printed = calibrate("--bag", bag, "--image", IMAGE, "--output", output)
     assert code == 0, printed
-    assert "skipped image 0: 32FC1 has no grey levels of 8 or 16 bits\n" in printed
+    assert "skipped image 0: 32FC1 has no gray levels of 8 or 16 bits\n" in printed
     assert "skipped image 1: Unrecognized image encoding [mono7]\n" in printed
     assert (
         "skipped image 2: mono8 of 640x480 with 640 bytes to a row, and 307199 in all\n" in printed

@@ -24,7 +24,7 @@ def gray_pixels(image: np.ndarray, encoding: str) -> np.ndarray:
         ValueError: The image does not fit the encoding, or the encoding has no gray levels.
     """
     if image.dtype not in (np.uint8, np.uint16):
-        raise ValueError(f"{printable(encoding)} has no grey levels of 8 or 16 bits")
+        raise ValueError(f"{printable(encoding)} has no gray levels of 8 or 16 bits")
     encoding = NAMED_BY_TYPE.get(encoding, encoding)
     if image.dtype == np.uint16 and image.size:
         image = cv2.normalize(image, None, 0, 65535, cv2.NORM_MINMAX)
