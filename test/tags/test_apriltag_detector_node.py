@@ -365,6 +365,7 @@ def test_detect_without_frames(start):
 def test_a_listener_to_transforms_is_a_subscriber(start):
     studio = Studio(start, info=calibrated())
     studio.tags.close()
+    studio.wait_for_subscribers(0)
     transforms = support.Messages("/tf", TFMessage)
     image = image_of([(2, facing(0.0, 0.0, 1.0))])
     support.wait_for(lambda: studio.send(image) and transforms.received, "a transform")
