@@ -32,6 +32,11 @@ def test_range_contains_exactly_the_hues_within_the_margin(margin):
             assert inside == (apart <= margin), (hue, other)
 
 
+def test_default_margin_is_that_of_the_course():
+    near = range_around((105, 225, 255))
+    assert (near.low, near.high) == ((95, 100, 100), (115, 255, 255))
+
+
 def hues(*values, saturation=200, value=180):
     """A row of pixels of these hues, BGR."""
     hsv = np.array([[(hue, saturation, value) for hue in values]], np.uint8)
