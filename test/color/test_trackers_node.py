@@ -157,6 +157,7 @@ def test_colors_are_changed_live_and_saved(start, camera, tmp_path):
             "colors/a: v_low is 300, must be",
         ),
         ("ball_tracker.py", "h_low", 200, "h_low is 200, must be from 0 to 180"),
+        ("ball_tracker.py", "ball_diameter", -1, "ball_diameter is -1, must be"),
         ("line_follower.py", "min_speed", 0.3, "min_speed is 0.3, must be at most linear_speed"),
         ("line_follower.py", "image_transport", "pigeon", "must be one that is installed: "),
     ],
