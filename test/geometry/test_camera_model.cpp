@@ -129,6 +129,9 @@ TEST(CameraModel, namesWhatIsWrongWithARectification)
   wrong(0, 0) = 0.0;
   EXPECT_EQ(of(R, wrong), "P is 0, must be above 0 where it is a focal length");
   wrong = P;
+  wrong(1, 1) = -1.0;
+  EXPECT_EQ(of(R, wrong), "P is -1, must be above 0 where it is a focal length");
+  wrong = P;
   wrong(2, 2) = 2.0;
   EXPECT_EQ(of(R, wrong), "the last row of P is 0, 0, 2, 0, must be 0, 0, 1, 0");
   wrong(1, 2) = 1e300;
@@ -160,6 +163,7 @@ TEST(CameraModel, namesWhatIsWrongWithACamera)
     EXPECT_TRUE(isCalibrated(changed.K));
     return refusalOf(changed);
   };
+  EXPECT_EQ(with(0, 0, -5), "K is -5, must be above 0 where it is a focal length");
   EXPECT_EQ(with(1, 1, -515), "K is -515, must be above 0 where it is a focal length");
   EXPECT_EQ(with(0, 2, std::nan("")), "K is nan, must be finite");
   EXPECT_EQ(with(0, 1, 1e300), "K is 1e+300, must be from -1e+06 to 1e+06");
