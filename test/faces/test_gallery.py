@@ -7,6 +7,7 @@ import hashlib
 import itertools
 import os
 import shutil
+import struct
 import tempfile
 import threading
 from unittest.mock import Mock
@@ -14,6 +15,7 @@ from unittest.mock import Mock
 import cv2
 import numpy as np
 import pytest
+from exif import sideways
 from people import ANNA, BERT, CARLA, photograph, photographs
 
 import robot_vision.faces.face_cache
@@ -244,6 +246,7 @@ def test_what_cannot_be_used_is_told_skipped_and_kept(folder):
     (anna / "half.png").write_bytes(png[: len(png) // 2])
     (anna / "empty.jpg").write_bytes(b"")
     (anna / "text.png").write_text("no image")
+    (anna / "claims.png").write_bytes(png[:16] + struct.pack(">II", 30000, 30000) + png[24:])
     cv2.imwrite(str(anna / "wall.png"), np.full((200, 200, 3), 90, np.uint8))
     os.mkfifo(str(anna / "pipe.png"))
     (anna / "folder.png").mkdir()
@@ -264,6 +267,7 @@ def test_what_cannot_be_used_is_told_skipped_and_kept(folder):
             ("Anna/half.png", "no image that OpenCV can read"),
             ("Anna/empty.jpg", "no image that OpenCV can read"),
             ("Anna/text.png", "no image that OpenCV can read"),
+            ("Anna/claims.png", "claims to be of 30000x30000, the most is 67108864"),
             ("Anna/wall.png", "no face is found in it"),
             ("Anna/pipe.png", "it is no file"),
             ("Anna/folder.png", "it is no file"),
@@ -273,8 +277,20 @@ def test_what_cannot_be_used_is_told_skipped_and_kept(folder):
             ("\ufffd", "the name '\\udcfe' must not hold"),
         ]:
             assert f"{folder}/{name} is not used: {reason}" in told
-        assert len(problems) == 10, told
+        assert len(problems) == 11, told
     assert set(os.listdir(str(anna))) == kept
+
+
+def test_images_are_turned_as_their_exif_says(tmp_path):
+    """Those in a gallery, and those that are imported."""
+    lying = np.ascontiguousarray(np.rot90(photograph(ANNA, 0)[0]))
+    for people in ("faces", "course"):
+        (tmp_path / people / "Anna").mkdir(parents=True)
+        file = sideways(cv2.imencode(".jpg", lying)[1].tobytes())
+        (tmp_path / people / "Anna" / "1.jpg").write_bytes(file)
+    gallery, problems = loaded(tmp_path / "faces")
+    assert not problems and gallery.names() == {"Anna": 1}
+    assert Gallery(str(tmp_path / "others")).import_folder(str(tmp_path / "course")).pictures == 1
 
 
 def test_images_without_a_face_and_known_ones_are_not_added(folder):
