@@ -264,6 +264,11 @@ def test_a_bundle_is_tracked_while_tags_come_and_go():
     assert tracker.update(14.1, {9: np.zeros((4, 2))}, camera) is None
 
 
+def test_a_tag_without_a_size_is_refused():
+    with pytest.raises(ValueError, match=r"size of tag 1 .* is -1, must be above 0"):
+        rv.single_tag(1, -1.0)
+
+
 def test_arrays_of_other_shapes_are_refused():
     corners = corners_of(pose_in_view(np.random.default_rng(0), 60, 0.5), CAMERA)
     with pytest.raises(ValueError, match="4, 2"):
