@@ -81,7 +81,7 @@ def test_values_out_of_the_documented_range_are_refused(kind):
     ranges = 0
     for name in fields(kind):
         found = re.search(
-            rf"(from|above) ({number}) (?:and at most|and up to|to) ({number})\)$",
+            rf"(odd and from|from|above) ({number}) (?:and at most|and up to|to) ({number})\)$",
             getattr(kind, name).__doc__,
         )
         if not found:
@@ -91,6 +91,7 @@ def test_values_out_of_the_documented_range_are_refused(kind):
         low, high = float(found[2]), float(found[3])
         wrong = [low - 1, high + 1]
         wrong += [low] if found[1] == "above" else []
+        wrong += [low + 1] if found[1] == "odd and from" else []
         wrong += [math.nan] if of_type is float else []
         for value in wrong:
             params = kind()
