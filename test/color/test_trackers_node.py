@@ -150,6 +150,7 @@ def test_colors_are_changed_live_and_saved(start, camera, tmp_path):
     "node, name, value, message",
     [
         ("hsv_tracker.py", "colors", {}, "colors is {}, must be a map"),
+        ("hsv_tracker.py", "colors", {"a": [1]}, "colors/a is [1], must be {low: [h, s, v]"),
         (
             "hsv_tracker.py",
             "colors",
