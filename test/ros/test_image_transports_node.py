@@ -299,7 +299,7 @@ endif()
 @pytest.mark.parametrize(
     "there, ours",
     [
-        ([], ["compressedDepth", "compressed", "theora"]),
+        ([], ["compressed", "compressedDepth", "theora"]),
         (["compressed"], ["compressedDepth", "theora"]),
         (["compressed", "compressed_depth", "theora"], []),
     ],
