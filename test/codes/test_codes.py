@@ -146,9 +146,7 @@ def test_enlarged_small_codes_are_read():
     as_it_is, larger, errors = 0, 0, []
     for _ in range(40):
         data = payload(rng, "capitals", int(rng.integers(1, 60)))
-        image, corners = seen(
-            qr_image(data, 1), rng.uniform(0, 2 * np.pi), 2.3, 0.05, rng, (240, 200)
-        )
+        image, corners = seen(qr_image(data, 1), rng.uniform(0, 2 * np.pi), 2.3, 0.05, rng)
         as_it_is += found(plainly.read(image, "mono8")) == [("qr", data)]
         codes = enlarged.read(image, "mono8")
         if found(codes) == [("qr", data)]:
