@@ -71,6 +71,12 @@ def forget(node):
         master.unsubscribeParam(master.lookupNode(node), "/rosout_disable_topics_generation")
 
 
+def namespaces(param):
+    """The namespaces of a parameter, /a and /a/b of /a/b/c; one of them is its node's name."""
+    words = param.split("/")
+    return {"/".join(words[:count]) for count in range(2, len(words))}
+
+
 @contextlib.contextmanager
 def starting(folder, request):
     """The function that the fixtures start and start_once give; it ends what it has started."""
@@ -100,9 +106,11 @@ def starting(folder, request):
     for process in processes:
         process.end()
         print(f"{process}:\n{process.output()[-4000:]}")  # pytest shows it if the test fails
-    for node in nodes:
+    params = set(rospy.get_param_names()) - before
+    for node in nodes.union(*map(namespaces, params)):  # also those that have ended before
         forget(node)
-    for name in {name.split("/")[1] for name in set(rospy.get_param_names()) - before}:
+        forget(node + "_images")
+    for name in {name.split("/")[1] for name in params}:
         rospy.delete_param("/" + name)  # with all below it, else empty maps stay
 
 
