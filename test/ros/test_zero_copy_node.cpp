@@ -15,7 +15,7 @@
 #include "robot_vision/image/encoding.hpp"
 #include "ros/images/filter_nodelet.hpp"
 #include "ros/images/image_message.hpp"
-#include "ros/images/lazy_image_filter.hpp"
+#include "ros/images/lazy_image_input.hpp"
 #include "support/receiver.hpp"
 #include "support/run_tests.hpp"
 
@@ -50,25 +50,19 @@ sensor_msgs::ImagePtr makeMessage(const std::string& encoding)
   return message;
 }
 
-/// A filter that remembers the address of its input.
+/// An input that remembers the address of its images.
 struct Probe
 {
   explicit Probe(const std::string& name)
-    : pipe(ros::NodeHandle(), withSubscription(name), name,
-           {[](const std::string&) { return std::string("mono8"); },
-            [this](const cv::Mat& image, const std::string&, cv::Mat&) { seen = image.data; }})
+    : input(
+          ros::NodeHandle(), ros::NodeHandle(name), name,
+          [this](const sensor_msgs::ImageConstPtr&, const cv::Mat& image) { seen = image.data; }, [] { return true; })
   {
-  }
-
-  static ros::NodeHandle withSubscription(const std::string& name)
-  {
-    ros::NodeHandle nh(name);
-    nh.setParam("always_subscribe", true);
-    return nh;
+    input.start();
   }
 
   std::atomic<const void*> seen{nullptr};
-  LazyImageFilter pipe;
+  LazyImageInput input;
 };
 
 std::promise<void> slow_end;

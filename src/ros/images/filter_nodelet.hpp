@@ -1,77 +1,41 @@
 #pragma once
 
-#include <nodelet/nodelet.h>
-
 #include <memory>
-#include <mutex>
-#include <string>
+#include <opencv2/core.hpp>
 
-#include "callback_gate.hpp"
-#include "lazy_image_filter.hpp"
-#include "registration.hpp"
-#include "robot_vision/common/printable.hpp"
+#include "image_nodelet.hpp"
 #include "ros/params/fields.hpp"
-#include "ros/params/live_params.hpp"
-#include "ros/params/unknown_params.hpp"
 
 namespace robot_vision
 {
 
-/// A nodelet that filters images. `Filter` is a class of the core with apply() and outputEncoding(); a new one is made
-/// from the `Params` in each `Config`. Its constructor throws std::invalid_argument to refuse them.
+/// Publishes what a filter makes of each image on ~processed_image. `Filter` is a class of the core with apply() and
+/// outputEncoding(); a new one is made from the `Params` in each `Config`. Its constructor throws std::invalid_argument
+/// to refuse them.
 template <class Config, class Params, class Filter>
-class FilterNodelet : public nodelet::Nodelet
+class FilterWork
 {
 public:
-  ~FilterNodelet() override { stop(); }
+  FilterWork(const ros::NodeHandle& /*nh*/, const ros::NodeHandle& /*pnh*/) {}
+
+  void configure(const Config& config) { filter_ = std::make_unique<Filter>(filled<Params>(config)); }
+  void advertise(LazyOutputs& outputs) { outputs.advertiseImages("processed_image"); }
+
+  void process(const sensor_msgs::ImageConstPtr& message, const cv::Mat& image, LazyOutputs& outputs)
+  {
+    const auto fill = [&](cv::Mat& out)
+    {
+      filter_->apply(image, message->encoding, out);
+      return Filter::outputEncoding(message->encoding);
+    };
+    outputs.publishImage("processed_image", message->header, fill);
+  }
 
 private:
-  void onInit() override
-  try
-  {
-    gate_.guard(getNodeHandle());
-    gate_.guard(getPrivateNodeHandle());
-    const auto renew = [this](const Config& config)
-    {
-      auto filter = std::make_shared<Filter>(filled<Params>(config));
-      const std::lock_guard<std::mutex> lock(mutex_);
-      filter_ = filter;
-    };
-    params_ = std::make_unique<LiveParams<Config>>(getPrivateNodeHandle(), renew);
-    const auto apply = [this](const cv::Mat& image, const std::string& encoding, cv::Mat& out)
-    { current()->apply(image, encoding, out); };
-    image_filter_ = std::make_unique<LazyImageFilter>(getNodeHandle(), getPrivateNodeHandle(), getName(),
-                                                      LazyImageFilter::Step{&Filter::outputEncoding, apply});
-    reviewParams(getPrivateNodeHandle());
-    registration_ = std::make_unique<Registration>(getPrivateNodeHandle().getNamespace());
-  }
-  catch (const std::exception& e)
-  {
-    NODELET_FATAL("%s: %s", getName().c_str(), logLine(e.what()).c_str());
-    stop();  // here, because the loader destroys the callback queues before the nodelet
-    throw;   // so that the loader reports a failure instead of keeping a dead nodelet
-  }
-
-  void stop()
-  {
-    registration_.reset();
-    gate_.close();
-    image_filter_.reset();
-    params_.reset();
-  }
-
-  std::shared_ptr<Filter> current()
-  {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    return filter_;
-  }
-
-  CallbackGate gate_;  // must be destroyed last, because roscpp uses its queues
-  std::mutex mutex_;   // guards filter_, which new parameters may replace while a frame uses it
-  std::shared_ptr<Filter> filter_;
-  std::unique_ptr<LiveParams<Config>> params_;
-  std::unique_ptr<LazyImageFilter> image_filter_;
-  std::unique_ptr<Registration> registration_;
+  std::unique_ptr<Filter> filter_;
 };
+
+template <class Config, class Params, class Filter>
+using FilterNodelet = ImageNodelet<Config, FilterWork<Config, Params, Filter>>;
 
 }  // namespace robot_vision

@@ -1,0 +1,80 @@
+#pragma once
+
+#include <nodelet/nodelet.h>
+
+#include <memory>
+#include <opencv2/core.hpp>
+
+#include "callback_gate.hpp"
+#include "lazy_image_input.hpp"
+#include "lazy_outputs.hpp"
+#include "registration.hpp"
+#include "robot_vision/common/printable.hpp"
+#include "ros/params/live_params.hpp"
+#include "ros/params/unknown_params.hpp"
+
+namespace robot_vision
+{
+
+/// A nodelet that processes the images of the topic `image` while somebody subscribes to its results. `Work` is what it
+/// does:
+///
+///   Work(const ros::NodeHandle& nh, const ros::NodeHandle& pnh);     // subscriptions and services of its own
+///   void configure(const Config& config);                            // throws std::invalid_argument to refuse
+///   void advertise(LazyOutputs& outputs);                            // after the first configure()
+///   void process(const sensor_msgs::ImageConstPtr& message, const cv::Mat& image, LazyOutputs& outputs);
+///
+/// `image` views the pixels of the message; process() throws std::exception to refuse it. The manager of the nodelets
+/// calls these functions, and the callbacks of both handles, one after the other.
+template <class Config, class Work>
+class ImageNodelet : public nodelet::Nodelet
+{
+public:
+  ~ImageNodelet() override { stop(); }
+
+private:
+  void onInit() override
+  try
+  {
+    gate_.guard(getNodeHandle());
+    gate_.guard(getPrivateNodeHandle());
+    work_ = std::make_unique<Work>(getNodeHandle(), getPrivateNodeHandle());
+    params_ = std::make_unique<LiveParams<Config>>(getPrivateNodeHandle(),
+                                                   [this](const Config& config) { work_->configure(config); });
+    outputs_ = std::make_unique<LazyOutputs>(getPrivateNodeHandle(), [this] { input_->update(); });
+    input_ = std::make_unique<LazyImageInput>(
+        getNodeHandle(), getPrivateNodeHandle(), getName(),
+        [this](const sensor_msgs::ImageConstPtr& message, const cv::Mat& image)
+        { work_->process(message, image, *outputs_); },
+        [this] { return outputs_->areWanted(); });
+    work_->advertise(*outputs_);
+    input_->start();
+    reviewParams(getPrivateNodeHandle());
+    registration_ = std::make_unique<Registration>(getPrivateNodeHandle().getNamespace());
+  }
+  catch (const std::exception& e)
+  {
+    NODELET_FATAL("%s: %s", getName().c_str(), logLine(e.what()).c_str());
+    stop();  // here, because the loader destroys the callback queues before the nodelet
+    throw;   // so that the loader reports a failure instead of keeping a dead nodelet
+  }
+
+  void stop()
+  {
+    registration_.reset();
+    gate_.close();
+    input_.reset();  // waits for a frame that is processed during the end of roscpp
+    params_.reset();
+    outputs_.reset();
+    work_.reset();
+  }
+
+  CallbackGate gate_;  // must be destroyed last, because roscpp uses its queues
+  std::unique_ptr<Work> work_;
+  std::unique_ptr<LiveParams<Config>> params_;
+  std::unique_ptr<LazyOutputs> outputs_;
+  std::unique_ptr<LazyImageInput> input_;
+  std::unique_ptr<Registration> registration_;
+};
+
+}  // namespace robot_vision

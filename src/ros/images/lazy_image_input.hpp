@@ -1,0 +1,52 @@
+#pragma once
+
+#include <image_transport/image_transport.h>
+#include <ros/ros.h>
+
+#include <functional>
+#include <mutex>
+#include <opencv2/core.hpp>
+#include <string>
+
+#include "frame_statistics.hpp"
+#include "image_subscription.hpp"
+#include "robot_vision/common/throttle.hpp"
+
+namespace robot_vision
+{
+
+/// The images of the topic `image`, to which it subscribes only while the node's results are wanted, or always if
+/// ~always_subscribe is set. A frame that cannot be used is refused, logged and counted.
+class LazyImageInput
+{
+public:
+  /// Processes a frame, whose pixels `image` views; it may throw std::exception to refuse it.
+  using Process = std::function<void(const sensor_msgs::ImageConstPtr& message, const cv::Mat& image)>;
+
+  /// Reads the parameters. No frame comes before start().
+  LazyImageInput(const ros::NodeHandle& nh, const ros::NodeHandle& pnh, const std::string& name, Process process,
+                 std::function<bool()> is_wanted);
+  ~LazyImageInput();
+
+  void start();
+  /// Subscribes or not, as the results are wanted now. Thread-safe; to be called when their subscribers come or go.
+  void update();
+
+private:
+  void onImage(const sensor_msgs::ImageConstPtr& message);
+
+  ros::NodeHandle nh_;
+  ros::NodeHandle pnh_;
+  std::string name_;
+  Process process_;
+  std::function<bool()> is_wanted_;
+  bool always_subscribe_ = false;
+  FrameDiagnostics diagnostics_;
+  Throttle throttle_;
+  image_transport::ImageTransport it_;
+  std::mutex mutex_;  // guards all below, as connections come also during the setup and the destruction
+  bool running_ = false;
+  ImageSubscription subscription_;
+};
+
+}  // namespace robot_vision
