@@ -21,6 +21,14 @@ public:
   /// The image as toBgr() makes it, valid until the next call.
   cv::Mat bgr(const cv::Mat& image, const std::string& encoding) { return convert(toBgr, image, encoding); }
 
+  /// The image as toEncoding() makes it, valid until the next call.
+  cv::Mat as(const std::string& wanted, const cv::Mat& image, const std::string& encoding)
+  {
+    const auto function = [&](const cv::Mat& from, const std::string& layout, cv::Mat& to)
+    { toEncoding(from, layout, wanted, to); };
+    return convert(function, image, encoding);
+  }
+
   /// Returns the pixels of `converted`, the last image that was returned, as an image that may be kept. It takes the
   /// buffer's memory, or a copy if the pixels are those of the input.
   cv::Mat detach(const cv::Mat& converted)
@@ -30,7 +38,7 @@ public:
 
 private:
   template <class Function>
-  cv::Mat convert(Function function, const cv::Mat& image, const std::string& encoding)
+  cv::Mat convert(const Function& function, const cv::Mat& image, const std::string& encoding)
   {
     cv::Mat converted = memory_;
     function(image, encoding, converted);

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
-#include <cstring>
 #include <vector>
 
+#include "gray_histogram.hpp"
 #include "gray_line_buffer.hpp"
 #include "lut_kernels.hpp"
 #include "robot_vision/image/encoding.hpp"
@@ -18,42 +18,9 @@ namespace
 
 constexpr int kBlockPixels = 1 << 16;         // fit the cache, and are many enough for the cost of a call not to matter
 constexpr int kMinPixelsPerThread = 1 << 17;  // fewer are not worth waking a thread
-constexpr int kWordBytes = 8;
-
-using Counts = std::array<int, 256>;
-
-/// Counts gray levels. Each byte of a word has counters of its own: neighbouring pixels are often equal, and would wait
-/// for each other if they shared a counter.
-class Histogram
-{
-public:
-  void add(const std::uint8_t* row, int count)
-  {
-    int i = 0;
-    for (; i + kWordBytes <= count; i += kWordBytes)
-    {
-      std::uint64_t word;
-      std::memcpy(&word, row + i, sizeof word);
-      for (int byte = 0; byte < kWordBytes; ++byte)
-        ++counts_[byte][word >> (8 * byte) & 0xFF];
-    }
-    for (; i < count; ++i)
-      ++counts_[0][row[i]];
-  }
-
-  void addTo(Counts& sums) const
-  {
-    for (const Counts& counts : counts_)
-      for (std::size_t i = 0; i < sums.size(); ++i)
-        sums[i] += counts[i];
-  }
-
-private:
-  std::array<Counts, kWordBytes> counts_ = {};
-};
 
 /// The lookup table of cv::equalizeHist, computed in float as there.
-std::array<std::uint8_t, 256> equalizationTable(const Counts& counts, int total)
+std::array<std::uint8_t, 256> equalizationTable(const GrayCounts& counts, int total)
 {
   std::array<std::uint8_t, 256> table = {};
   const auto* darkest = std::find_if(counts.begin(), counts.end(), [](int count) { return count > 0; });
@@ -75,7 +42,7 @@ std::array<std::uint8_t, 256> equalizationTable(const Counts& counts, int total)
 
 /// Counts the gray levels of rows, a block at a time. Each block is first converted from `image` unless that is empty.
 void countRows(const cv::Mat& image, const std::string& encoding, const cv::Range& rows, cv::Mat& plain,
-               Histogram& histogram)
+               GrayHistogram& histogram)
 {
   const int block_rows = rowsOf(kBlockPixels, plain.cols);
   for (int begin = rows.start; begin < rows.end; begin += block_rows)
@@ -107,12 +74,12 @@ void toEqualizedGray(const cv::Mat& image, const std::string& encoding, cv::Mat&
 
   const int min_rows = rowsOf(kMinPixelsPerThread, plain.cols);
   const int threads = cv::getNumThreads();
-  std::vector<Histogram> histograms(static_cast<std::size_t>(bandsOf(plain.rows, threads, min_rows)));
+  std::vector<GrayHistogram> histograms(static_cast<std::size_t>(bandsOf(plain.rows, threads, min_rows)));
   parallelForRows(plain.rows, threads, min_rows,
                   [&](int i, const cv::Range& rows)
                   { countRows(unconverted, encoding, rows, plain, histograms[static_cast<std::size_t>(i)]); });
-  Counts counts = {};
-  for (const Histogram& histogram : histograms)
+  GrayCounts counts = {};
+  for (const GrayHistogram& histogram : histograms)
     histogram.addTo(counts);
 
   const std::array<std::uint8_t, 256> table = equalizationTable(counts, plain.size().area());

@@ -30,6 +30,8 @@ struct Simd
   static Vector integers(int value) { return _mm512_set1_epi32(value); }
   static Vector addIntegers(Vector a, Vector b) { return _mm512_add_epi32(a, b); }
   static Vector subtractSaturated(Vector a, Vector b) { return _mm512_subs_epu8(a, b); }  // unsigned bytes, 0 at least
+  static Vector lesserBytes(Vector a, Vector b) { return _mm512_min_epu8(a, b); }         // unsigned
+  static Vector greaterBytes(Vector a, Vector b) { return _mm512_max_epu8(a, b); }
   static Vector InterleaveLower(Vector a, Vector b) { return _mm512_unpacklo_epi8(a, b); }
   static Vector InterleaveUpper(Vector a, Vector b) { return _mm512_unpackhi_epi8(a, b); }
   static Vector Or(Vector a, Vector b) { return _mm512_or_si512(a, b); }
@@ -83,6 +85,8 @@ struct Simd
   static Vector integers(int value) { return _mm256_set1_epi32(value); }
   static Vector addIntegers(Vector a, Vector b) { return _mm256_add_epi32(a, b); }
   static Vector subtractSaturated(Vector a, Vector b) { return _mm256_subs_epu8(a, b); }
+  static Vector lesserBytes(Vector a, Vector b) { return _mm256_min_epu8(a, b); }
+  static Vector greaterBytes(Vector a, Vector b) { return _mm256_max_epu8(a, b); }
   static Vector InterleaveLower(Vector a, Vector b) { return _mm256_unpacklo_epi8(a, b); }
   static Vector InterleaveUpper(Vector a, Vector b) { return _mm256_unpackhi_epi8(a, b); }
   static Vector Or(Vector a, Vector b) { return _mm256_or_si256(a, b); }
@@ -131,6 +135,8 @@ struct Simd
   static Vector integers(int value) { return _mm_set1_epi32(value); }
   static Vector addIntegers(Vector a, Vector b) { return _mm_add_epi32(a, b); }
   static Vector subtractSaturated(Vector a, Vector b) { return _mm_subs_epu8(a, b); }
+  static Vector lesserBytes(Vector a, Vector b) { return _mm_min_epu8(a, b); }
+  static Vector greaterBytes(Vector a, Vector b) { return _mm_max_epu8(a, b); }
   static Vector InterleaveLower(Vector a, Vector b) { return _mm_unpacklo_epi8(a, b); }
   static Vector InterleaveUpper(Vector a, Vector b) { return _mm_unpackhi_epi8(a, b); }
   static Vector Or(Vector a, Vector b) { return _mm_or_si128(a, b); }
