@@ -12,6 +12,7 @@ namespace robot_vision
 /// Make the nodelets without a plugin loader, for the programs that run one nodelet as a node.
 boost::shared_ptr<nodelet::Nodelet> makeBrightness();
 boost::shared_ptr<nodelet::Nodelet> makeEdgeDetector();
+boost::shared_ptr<nodelet::Nodelet> makeFilter();
 
 /// `on_end` is called from the capture thread when the source has ended, with 0, or 1 after an error that was logged.
 boost::shared_ptr<nodelet::Nodelet> makeCamera(const std::function<void(int exit_code)>& on_end);

@@ -16,13 +16,15 @@ UNNAMED = re.compile(
 )
 
 OURS = {"/node", "/node_images"}  # a Python node and its roscpp half
+CHAIN = ("gaussian", "blend")  # of the filter, which has a topic for each NAME of it
 
 
 def resolved(types):
     """What a page names, by its name in the running node."""
     return {
-        name.replace("~", "/node/") if name[0] in "~/" else "/" + name: kind
+        (each.replace("~", "/node/") if each[0] in "~/" else "/" + each): kind
         for name, kind in types.items()
+        for each in ([name.replace("NAME", one) for one in CHAIN] if "NAME" in name else [name])
     }
 
 
@@ -41,7 +43,7 @@ def test_topics_and_services(start, display, node):
     page = NODES[node]
     inputs, outputs, services = map(resolved, (page.inputs, page.outputs, page.services))
     parameters = ["_source:=synthetic", "_always_subscribe:=true", "_ball_diameter:=0.2"]
-    parameters += ["_auto_select:=true"]
+    parameters += ["_auto_select:=true", "_use_second:=true", f"_chain:={','.join(CHAIN)}"]
     start(node, "__name:=node", *parameters)
     reports = set() if node == "simple_camera_view_node.py" else {"/diagnostics"}
     expected = (outputs.keys() | reports, set(inputs), set(services))

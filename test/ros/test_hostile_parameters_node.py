@@ -15,6 +15,8 @@ from std_srvs.srv import Trigger
 import robot_vision.cfg.BrightnessConfig
 import robot_vision.cfg.CameraConfig
 import robot_vision.cfg.EdgeDetectorConfig
+import robot_vision.cfg.FilterConfig
+from robot_vision import operations
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 LONG, OBEYED = "x" * 100000, "\n\x7f\x9b2J\u202e"  # characters that control a terminal
@@ -85,6 +87,19 @@ EDGE_DETECTOR = {
     "aperture": never,
     "l2_gradient": is_flag,
 }
+# Of the parameters of operations, which are all read alike, one of each kind.
+CHAIN = {
+    **ALL,
+    "image_transport": never,
+    "chain": empty,
+    "use_second": is_flag,
+    "gaussian_size": never,
+    "gaussian_sigma": is_number(0.0, 100.0),
+    "canny_l2_gradient": is_flag,
+    "kernel_rows": text,
+    "resize_interpolation": never,
+}
+OPERATION_PARAMS = {f"{one.name}_{param.name}" for one in operations() for param in one.params}
 USB_CAM_CONTROLS = (
     "brightness",
     "contrast",
@@ -136,6 +151,7 @@ KINDS = {
     "brightness": (BRIGHTNESS, robot_vision.cfg.BrightnessConfig),
     "edge_detector": (EDGE_DETECTOR, robot_vision.cfg.EdgeDetectorConfig),
     "camera": (CAMERA, robot_vision.cfg.CameraConfig),
+    "filter": (CHAIN, robot_vision.cfg.FilterConfig),
 }
 
 
@@ -162,6 +178,14 @@ REFUSED = [
     ("camera", "poster", "/dev/zero", "/dev/zero cannot be read: it is no file"),
     ("camera", "framerate", {"a": {"b": "x" * 10000}}, "..., must be a number"),
     ("camera", "pixel_format", "x" * 10000, "..., must be yuyv, uyvy, nv12, "),
+    (
+        "filter",
+        "chain",
+        "gray, blur",
+        "'blur' is no operation, must be one of adaptive_threshold, add",
+    ),
+    ("filter", "chain", "gray,,canny", "must be names with one comma between two"),
+    ("filter", "open_size", 4, "open_size is 4, must be odd and from 1 to 99"),
     ("brightness", "gain", [1.0, 2.0], "must be a number"),
     ("brightness", "gain", INF, "gain is inf, must be from 0 to 10"),
     ("brightness", "gain", 1e300, "gain is 1e+300, must be from 0 to 10"),
@@ -232,7 +256,7 @@ def test_all_parameters_are_tested():
     for _, config in KINDS.values():
         named |= {parameter["name"] for parameter in config.config_description["parameters"]}
     swept = {name for parameters, _ in KINDS.values() for name in parameters if "/" not in name}
-    assert named == swept | {"config_file"}
+    assert named == swept | {"config_file"} | OPERATION_PARAMS
 
 
 @pytest.fixture(scope="module")

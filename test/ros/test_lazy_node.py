@@ -47,7 +47,7 @@ def test_camera_captures_while_somebody_subscribes(start, diagnostics, topic, ki
     assert stands_still(diagnostics, "lazy", "frames received")
 
 
-@pytest.mark.parametrize("node", ["brightness_node", "edge_detector_node"])
+@pytest.mark.parametrize("node", ["brightness_node", "edge_detector_node", "filter_node"])
 def test_filter_subscribes_while_somebody_subscribes(start, diagnostics, node):
     start("camera_node", "__name:=source", "_source:=synthetic", "_always_subscribe:=true")
     start(node, "__name:=lazy", "image:=/source/image_raw", "_diagnostic_period:=0.1")

@@ -35,6 +35,20 @@ def edge_detector(stage: Stage) -> np.ndarray:
     return beside([room().render(FRAME), edges], ["image", "~processed_image"])
 
 
+def filter_chain(stage: Stage) -> np.ndarray:
+    """What a chain makes of a frame, step by step."""
+    shown = [room().render(FRAME)]
+    names = ["median", "gray", "clahe", "threshold", "open"]
+    for count in range(1, len(names) + 1):
+        words = [
+            f"_chain:={', '.join(names[:count])}",
+            "_threshold_method:=otsu",
+            "_median_size:=9",
+        ]
+        shown.append(stage.drawn("filter_node", room(), [FRAME], *words))
+    return beside(shown, ["image", *names], columns=3, width=600)
+
+
 def hsv_tracker(stage: Stage) -> np.ndarray:
     found = stage.drawn("hsv_tracker.py", room(), [FRAME])
     return beside([room().render(FRAME), found], ["image", "~processed_image"])

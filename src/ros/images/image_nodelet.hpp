@@ -24,8 +24,11 @@ namespace robot_vision
 ///   void advertise(LazyOutputs& outputs);                            // after the first configure()
 ///   void process(const sensor_msgs::ImageConstPtr& message, const cv::Mat& image, LazyOutputs& outputs);
 ///
+///   void listen(bool listens);  // if it has other inputs: whether somebody subscribes to the results
+///
 /// `image` views the pixels of the message; process() throws std::exception to refuse it. The manager of the nodelets
-/// calls these functions, and the callbacks of both handles, one after the other.
+/// calls these functions, and the callbacks of both handles, one after the other; only the first listen() comes while
+/// the nodelet is still set up.
 template <class Config, class Work>
 class ImageNodelet : public nodelet::Nodelet
 {
@@ -46,7 +49,7 @@ private:
         getNodeHandle(), getPrivateNodeHandle(), getName(),
         [this](const sensor_msgs::ImageConstPtr& message, const cv::Mat& image)
         { work_->process(message, image, *outputs_); },
-        [this] { return outputs_->areWanted(); });
+        [this] { return outputs_->areWanted(); }, [this](bool listens) { listen(*work_, listens, 0); });
     work_->advertise(*outputs_);
     input_->start();
     reviewParams(getPrivateNodeHandle());
@@ -57,6 +60,17 @@ private:
     NODELET_FATAL("%s: %s", getName().c_str(), logLine(e.what()).c_str());
     stop();  // here, because the loader destroys the callback queues before the nodelet
     throw;   // so that the loader reports a failure instead of keeping a dead nodelet
+  }
+
+  template <class Other>
+  static auto listen(Other& work, bool listens, int /*preferred*/) -> decltype(work.listen(listens))
+  {
+    work.listen(listens);
+  }
+
+  template <class Other>
+  static void listen(Other& /*work*/, bool /*listens*/, long /*otherwise*/)
+  {
   }
 
   void stop()

@@ -9,12 +9,13 @@ namespace robot_vision
 {
 
 LazyImageInput::LazyImageInput(const ros::NodeHandle& nh, const ros::NodeHandle& pnh, const std::string& name,
-                               Process process, std::function<bool()> is_wanted)
+                               Process process, std::function<bool()> is_wanted, std::function<void(bool)> on_listen)
   : nh_(nh),
     pnh_(pnh),
     name_(name),
     process_(std::move(process)),
     is_wanted_(std::move(is_wanted)),
+    on_listen_(std::move(on_listen)),
     diagnostics_(nh, pnh, name),
     it_(nh)
 {
@@ -57,11 +58,13 @@ void LazyImageInput::update()
     subscription_ = ImageSubscription(nh_, it_, "image", hints,
                                       [this](const sensor_msgs::ImageConstPtr& message) { onImage(message); });
     diagnostics_.statistics().setRunning(subscription_.topic());
+    on_listen_(true);
   }
   else if (!wanted)
   {
     subscription_.shutdown();
     diagnostics_.statistics().setIdle();
+    on_listen_(false);
   }
 }
 

@@ -23,9 +23,11 @@ public:
   /// Processes a frame, whose pixels `image` views; it may throw std::exception to refuse it.
   using Process = std::function<void(const sensor_msgs::ImageConstPtr& message, const cv::Mat& image)>;
 
-  /// Reads the parameters. No frame comes before start().
-  LazyImageInput(const ros::NodeHandle& nh, const ros::NodeHandle& pnh, const std::string& name, Process process,
-                 std::function<bool()> is_wanted);
+  /// Reads the parameters. No frame comes before start(). `on_listen` is told when it subscribes, and when it ends
+  /// that.
+  LazyImageInput(
+      const ros::NodeHandle& nh, const ros::NodeHandle& pnh, const std::string& name, Process process,
+      std::function<bool()> is_wanted, std::function<void(bool)> on_listen = [](bool /*listens*/) {});
   ~LazyImageInput();
 
   void start();
@@ -40,6 +42,7 @@ private:
   std::string name_;
   Process process_;
   std::function<bool()> is_wanted_;
+  std::function<void(bool)> on_listen_;
   bool always_subscribe_ = false;
   FrameDiagnostics diagnostics_;
   Throttle throttle_;

@@ -1,0 +1,55 @@
+#pragma once
+
+#include <functional>
+#include <opencv2/core.hpp>
+#include <string>
+#include <vector>
+
+#include "robot_vision/filters/operations.hpp"
+
+namespace robot_vision
+{
+
+/// An image and its encoding (see encoding.hpp).
+struct EncodedImage
+{
+  cv::Mat pixels;
+  std::string encoding;
+};
+
+/// Operations on an image, one after the other. Buffers are kept from image to image. Not thread-safe.
+class FilterChain
+{
+public:
+  static constexpr std::size_t kMaxSteps = 32;
+
+  /// Called with the index of a step, and its result, which is valid until the function returns.
+  using OnStep = std::function<void(std::size_t step, const EncodedImage& result)>;
+
+  /// `chain` names operations; one that occurs several times has the same parameters each time. An empty chain changes
+  /// nothing. `values` are parameters as checkValues() takes them. Throws std::invalid_argument as it does, for
+  /// names of operations that there are none of, and for more than kMaxSteps.
+  explicit FilterChain(const std::vector<std::string>& chain, const ParamValues& values = {});
+  FilterChain(FilterChain&&);
+  FilterChain& operator=(FilterChain&&);
+  ~FilterChain();
+
+  /// Whether an operation of the chain works on two images.
+  bool takesSecond() const;
+
+  /// Writes the result into `out` (reused if it fits) and returns its encoding. `image` is not modified. Operations on
+  /// two images take `second` as the other one, or `image` if that is empty. Throws std::invalid_argument if an image
+  /// is not of its encoding, and, naming the operation, if one cannot be done on it.
+  std::string apply(const EncodedImage& image, cv::Mat& out, const EncodedImage& second = {},
+                    const OnStep& on_step = nullptr);
+
+private:
+  struct Step;
+  std::vector<Step> steps_;
+};
+
+/// The names in a text such as "gaussian, canny"; none in an empty one. Throws std::invalid_argument for one with
+/// nothing between two commas.
+std::vector<std::string> chainNames(const std::string& text);
+
+}  // namespace robot_vision

@@ -1,0 +1,46 @@
+#include <opencv2/imgproc.hpp>
+
+#include "core/image/histogram_equalization.hpp"
+#include "operation_table.hpp"
+#include "tile_equalization.hpp"
+
+namespace robot_vision
+{
+
+std::vector<Operation> histogramOperations()
+{
+  return {
+      {"equalize",
+       "Gray values spread evenly over the range: cv::equalizeHist.",
+       kGrayOnly,
+       "",
+       {},
+       eachTime(
+           [](const OperationValues&, const OperationInput& in, cv::Mat& out)
+           {
+             cv::Mat gray;
+             toEqualizedGray(in.image, in.encoding, gray, out);
+           })},
+      {"clahe",
+       "Gray values spread evenly in each tile, with limited contrast: cv::CLAHE.",
+       {"mono8", "mono16"},
+       "",
+       {{"limit", 2.0, Range{0.1, 40}, "", "of the contrast"},
+        {"tiles", 8, Range{1, 64}, "", "to each side of the image"}},
+       [](const OperationValues& v) -> Operation::Step
+       {
+         TileEqualizer equalizer(v.number("limit"), v.integer("tiles"));
+         return [equalizer](const OperationInput& in, cv::Mat& out) mutable { equalizer.apply(in.image, out); };
+       }},
+      {"normalize",
+       "Values stretched from the least and the largest to a range: cv::normalize.",
+       kAllPixels,
+       "",
+       {{"low", 0.0, Range{0, 255}, "gray levels", "of the least value"},
+        {"high", 255.0, Range{0, 255}, "gray levels", "of the largest value"}},
+       eachTime([](const OperationValues& v, const OperationInput& in, cv::Mat& out)
+                { cv::normalize(in.image, out, v.number("low"), v.number("high"), cv::NORM_MINMAX); })},
+  };
+}
+
+}  // namespace robot_vision

@@ -1,0 +1,74 @@
+#include <algorithm>
+#include <opencv2/imgproc.hpp>
+#include <stdexcept>
+
+#include "operation_table.hpp"
+
+using namespace std::string_literals;
+
+namespace robot_vision
+{
+namespace
+{
+
+const std::map<std::string, int> kShapes = {
+    {"rect", cv::MORPH_RECT}, {"cross", cv::MORPH_CROSS}, {"ellipse", cv::MORPH_ELLIPSE}};
+
+/// An operation that cv::morphologyEx has.
+Operation morphology(const std::string& name, const std::string& meaning, int rule)
+{
+  return {name,
+          meaning + ": cv::morphologyEx.",
+          kAllPixels,
+          "",
+          {{"shape", "rect"s, OneOf{"rect, cross or ellipse", "'"}, "", "of the structuring element"},
+           {"size", 3, OddRange{1, 99}, "px", "side of the structuring element"},
+           {"iterations", 1, Range{1, 20}, "", "how often it is done"}},
+          [rule](const OperationValues& v) -> Operation::Step
+          {
+            const int size = v.integer("size");
+            const cv::Mat element = cv::getStructuringElement(v.choice("shape", kShapes), {size, size});
+            return [=, iterations = v.integer("iterations")](const OperationInput& in, cv::Mat& out) {
+              cv::morphologyEx(in.image, out, rule, element, {-1, -1}, iterations);
+            };
+          }};
+}
+
+/// The kernel of hit_or_miss. Throws std::invalid_argument for other numbers than 1, -1 and 0.
+cv::Mat hitOrMissKernel(const std::string& rows)
+{
+  const cv::Mat kernel = parseKernel(rows);
+  const auto is_sign = [](double number) { return number == 1.0 || number == -1.0 || number == 0.0; };
+  if (!std::all_of(kernel.begin<double>(), kernel.end<double>(), is_sign))
+    throw std::invalid_argument("rows must have the numbers 1, -1 and 0 only");
+  cv::Mat signs;
+  kernel.convertTo(signs, CV_32S);
+  return signs;
+}
+
+}  // namespace
+
+std::vector<Operation> morphologyOperations()
+{
+  return {
+      morphology("erode", "The darkest pixel of a neighbourhood", cv::MORPH_ERODE),
+      morphology("dilate", "The brightest pixel of a neighbourhood", cv::MORPH_DILATE),
+      morphology("open", "Erosion and then dilation, which takes away small bright spots", cv::MORPH_OPEN),
+      morphology("close", "Dilation and then erosion, which fills small dark holes", cv::MORPH_CLOSE),
+      morphology("morphological_gradient", "Dilation less erosion, which leaves outlines", cv::MORPH_GRADIENT),
+      morphology("top_hat", "What opening takes away", cv::MORPH_TOPHAT),
+      morphology("black_hat", "What closing fills", cv::MORPH_BLACKHAT),
+      {"hit_or_miss",
+       "Where a pattern of set and unset pixels is: cv::morphologyEx.",
+       kGrayOnly,
+       "",
+       {{"rows", "0 1 0; 1 -1 1; 0 1 0"s, Anything{}, "", "1: set, -1: not set, 0: either; rows with semicolons"}},
+       [](const OperationValues& v) -> Operation::Step
+       {
+         return [kernel = hitOrMissKernel(v.word("rows"))](const OperationInput& in, cv::Mat& out)
+         { cv::morphologyEx(in.image, out, cv::MORPH_HITMISS, kernel); };
+       }},
+  };
+}
+
+}  // namespace robot_vision
