@@ -434,5 +434,8 @@ class Diagnostics:
         return self._statuses[node]
 
     def value(self, node: str, key: str) -> str:
-        """One value of the next status of `node`."""
-        return {pair.key: pair.value for pair in self.next(node).values}[key]
+        """One value of the next status of `node` that has any: the one of its start has none."""
+        while True:
+            values = {pair.key: pair.value for pair in self.next(node).values}
+            if values:
+                return values[key]
