@@ -172,6 +172,7 @@ AT_START = {
     "motion.motion_detector.MotionDetector": IMAGE_NODE,
     "tracking.object_tracker.ObjectTracker": IMAGE_NODE,
     "codes.code_reader.CodeReader": IMAGE_NODE,
+    "hough.hough.Hough": IMAGE_NODE,
     "viewer.simple_camera_view_node.CameraView": {
         "autosize": is_flag,
         "image_transport": IMAGE_NODE["image_transport"],

@@ -228,6 +228,7 @@ def test_the_host_with_the_camera_passes_the_source_on_unchanged():
         ("motion_detector", ["synthetic:=true"], {"method": "previous_frame"}),
         ("motion_detector", ["synthetic:=true", "method:=mog2"], {"method": "mog2"}),
         ("code_reader", ["synthetic:=true"], {}),
+        ("hough", ["method:=circles", "circle_method:=gradient_alt"], {"method": "circles"}),
     ],
 )
 def test_arguments_set_parameters(name, arguments, changed):

@@ -49,6 +49,14 @@ def filter_chain(stage: Stage) -> np.ndarray:
     return beside(shown, ["image", *names], columns=3, width=600)
 
 
+def hough(stage: Stage) -> np.ndarray:
+    shown = [stage.drawn("hough.py", room(), [FRAME], "_method:=segments")]
+    shown.append(stage.drawn("hough.py", room(), [FRAME], "_max_results:=12"))
+    circles = "_circle_method:=gradient_alt", "_canny_high:=300.0", "_dp:=1.5"
+    shown.append(stage.drawn("hough.py", room(), [FRAME], "_method:=circles", *circles))
+    return beside(shown, ["segments", "lines", "circles (gradient_alt)"])
+
+
 def hsv_tracker(stage: Stage) -> np.ndarray:
     found = stage.drawn("hsv_tracker.py", room(), [FRAME])
     return beside([room().render(FRAME), found], ["image", "~processed_image"])
