@@ -173,6 +173,7 @@ AT_START = {
     "tracking.object_tracker.ObjectTracker": IMAGE_NODE,
     "codes.code_reader.CodeReader": IMAGE_NODE,
     "hough.hough.Hough": IMAGE_NODE,
+    "contours.contours.Contours": IMAGE_NODE,
     "viewer.simple_camera_view_node.CameraView": {
         "autosize": is_flag,
         "image_transport": IMAGE_NODE["image_transport"],

@@ -37,6 +37,7 @@ PYTHON_NODES = [
     "object_tracker.py",
     "apriltag_detector.py",
     "hough.py",
+    "contours.py",
 ]
 OTHER_NODES = ["camera_loader.py", "demo_status.py", "simple_camera_view_node.py"]
 BOARD = ["--size", "8x6", "--square", "0.05", "--output", "{folder}/{number}.yaml"]

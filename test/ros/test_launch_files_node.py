@@ -35,7 +35,16 @@ ENCODINGS = {
     "/brightness/processed_image": "bgr8",
     "/edge_detector/processed_image": "mono8",
 }
-NO_TEXTS = {"tag_size", "ball_diameter", "image_width", "image_height", "framerate", "loop", "view"}
+NO_TEXTS = {
+    "tag_size",
+    "ball_diameter",
+    "image_width",
+    "image_height",
+    "framerate",
+    "loop",
+    "view",
+    "invert",
+}
 
 
 def texts():
@@ -229,6 +238,8 @@ def test_the_host_with_the_camera_passes_the_source_on_unchanged():
         ("motion_detector", ["synthetic:=true", "method:=mog2"], {"method": "mog2"}),
         ("code_reader", ["synthetic:=true"], {}),
         ("hough", ["method:=circles", "circle_method:=gradient_alt"], {"method": "circles"}),
+        ("contours", ["invert:=true", "draw:=hull"], {"invert": True, "draw": "hull"}),
+        ("contours", ["template_file:=/a.png"], {"template_file": "/a.png"}),
     ],
 )
 def test_arguments_set_parameters(name, arguments, changed):

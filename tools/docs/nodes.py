@@ -49,6 +49,13 @@ def filter_chain(stage: Stage) -> np.ndarray:
     return beside(shown, ["image", *names], columns=3, width=600)
 
 
+def contours(stage: Stage) -> np.ndarray:
+    dark = "_invert:=true", "_min_area:=500.0"
+    edges = "_method:=canny", "_mode:=external", "_min_area:=300.0"
+    shown = [stage.drawn("contours.py", room(), [FRAME], *words) for words in (dark, edges)]
+    return beside(shown, ["otsu, invert", "canny, external"])
+
+
 def hough(stage: Stage) -> np.ndarray:
     shown = [stage.drawn("hough.py", room(), [FRAME], "_method:=segments")]
     shown.append(stage.drawn("hough.py", room(), [FRAME], "_max_results:=12"))
