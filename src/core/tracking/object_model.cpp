@@ -7,6 +7,8 @@
 #include <stdexcept>
 #include <string>
 
+#include "core/image/rects.hpp"
+
 namespace robot_vision
 {
 namespace
@@ -24,21 +26,12 @@ constexpr int kIterations = 2;           // of corrections; the first may bring 
 const cv::Size kFlowWindow(13, 13);
 constexpr int kFlowLevels = 2;
 
-std::string text(const cv::Rect& r)
-{
-  return std::to_string(r.width) + "x" + std::to_string(r.height) + " px at (" + std::to_string(r.x) + ", " +
-         std::to_string(r.y) + ")";
-}
-
 void checkRegion(const cv::Size& image, const cv::Rect& region)
 {
-  const std::string size = std::to_string(image.width) + "x" + std::to_string(image.height);
-  const auto refuse = [&](const std::string& reason)
-  { throw std::invalid_argument("region of " + text(region) + " " + reason + " the image of " + size); };
-  const std::int64_t right = std::int64_t{region.x} + region.width, bottom = std::int64_t{region.y} + region.height;
   if (region.width < kMinRegionSide || region.height < kMinRegionSide)
-    refuse("is too small, must be at least 16x16 px inside");
-  if (region.x < 0 || region.y < 0 || right > image.width || bottom > image.height) refuse("is not inside");
+    throw std::invalid_argument(regionText(region) + " is too small, must be at least 16x16 px inside the image of " +
+                                std::to_string(image.width) + "x" + std::to_string(image.height));
+  requireInside(region, image);
 }
 
 /// Smooths pixels so that patches can be compared that differ in noise, blur and resolution.
@@ -119,7 +112,7 @@ ObjectModel::ObjectModel(const cv::Mat& gray, const cv::Rect& region, int points
   pixels_ = smoothed(small);
   points_ = findPoints(pixels_, points);
   if (static_cast<int>(points_.size()) < kMinPoints)
-    throw std::invalid_argument("region of " + text(region) + " has " + std::to_string(points_.size()) +
+    throw std::invalid_argument(regionText(region) + " has " + std::to_string(points_.size()) +
                                 " feature points, must have at least " + std::to_string(kMinPoints) +
                                 ": select something with a pattern");
   cv::buildOpticalFlowPyramid(pixels_, pyramid_, kFlowWindow, kFlowLevels, true);
