@@ -11,6 +11,7 @@ from ..msg import Detection, DetectionArray
 from .transport import Frame
 
 Box = Tuple[int, int, int, int]  # x, y, width, height in px
+MAX_COORDINATE = 2**30  # px, more than any image has
 
 
 def detection(region: Region, label: str, score: float = 1.0) -> Detection:
@@ -46,6 +47,11 @@ def box_detection(box: Box, label: str, id: int = -1, score: float = 1.0) -> Det
 def box_of(region: RegionOfInterest) -> Box:
     """Returns a region as x, y, width and height in px."""
     return region.x_offset, region.y_offset, region.width, region.height
+
+
+def clipped_box(region: RegionOfInterest) -> Box:
+    """Returns (x, y, width, height) for the core, which refuses boxes outside the image."""
+    return tuple(min(side, MAX_COORDINATE) for side in box_of(region))
 
 
 def box_around(outline: np.ndarray, image: np.ndarray) -> RegionOfInterest:

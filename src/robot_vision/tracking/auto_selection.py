@@ -10,8 +10,8 @@ import rospy
 
 from .. import ObjectTracker, TrackedObject
 from ..msg import Detection, DetectionArray
+from ..ros.messages import clipped_box
 from ..ros.transport import Frame
-from .tracks import clipped_box
 
 HISTORY = 8  # frames by which a detection may be late
 MAX_CANDIDATES = 100  # detections of a message with the highest scores; each is compared with each

@@ -10,8 +10,8 @@ from sensor_msgs.msg import RegionOfInterest
 
 from ..common.throttle import Throttle
 from ..ros.image_node import ImageNode
+from ..ros.messages import clipped_box
 from ..srv import ForgetObject, ForgetObjectResponse, SelectObject, SelectObjectResponse
-from .tracks import clipped_box
 
 MAX_FRAME_AGE = 1.0  # s; nobody selects something in a frame that is older
 SELECT_TIMEOUT = 5.0  # s that a selection waits for a frame

@@ -5,21 +5,13 @@ from typing import Iterable, List
 import cv2
 import numpy as np
 from geometry_msgs.msg import Point, Vector3
-from sensor_msgs.msg import RegionOfInterest
 
 from .. import TrackedObject, draw_outline, draw_text
 from ..msg import Detection, Flow, TrackState, TrackStateArray
-from ..ros.messages import Box, box_around, box_of, points
+from ..ros.messages import box_around, points
 from ..ros.transport import Frame
 
 RED = (0, 0, 255)
-MAX_COORDINATE = 2**30  # px, more than any image has
-
-
-def clipped_box(region: RegionOfInterest) -> Box:
-    """Returns (x, y, width, height) for the core, which refuses boxes outside the image."""
-    return tuple(min(side, MAX_COORDINATE) for side in box_of(region))
-
 
 def detection_of(track: TrackedObject, image: np.ndarray) -> Detection:
     """Returns a tracked object as a Detection, whose box is clipped to the image."""
