@@ -1,0 +1,163 @@
+"""The node histogram, which counts and plots the values of pixels."""
+
+import collections
+from typing import Any, Deque, Dict, List, Optional
+
+import numpy as np
+import rospy
+from sensor_msgs.msg import RegionOfInterest
+from std_msgs.msg import Float64
+
+from .. import (
+    ChannelHistogram,
+    HistogramParams,
+    HistogramPlotParams,
+    HueSaturationParams,
+    back_project,
+    compare_histograms,
+    compute_histogram,
+    draw_hue_saturation,
+    draw_outline,
+    hue_saturation_histogram,
+    part_of,
+    plot_histogram,
+    to_bgr,
+    validate,
+)
+from ..msg import Histogram as HistogramMessage
+from ..ros.configs import HistogramConfig
+from ..ros.image_node import ImageNode
+from ..ros.messages import Box, clipped_box, corners
+from ..ros.params import LiveParams, filled
+from ..ros.startup import run_node
+from ..ros.transport import Frame, FrameError
+
+WHOLE = (0, 0, 0, 0)  # the region that is the whole image
+WHITE = (255, 255, 255)
+
+
+class Histogram:
+    """Publishes ~histogram, ~histogram_2d, ~back_projection, ~similarity and ~processed_image.
+
+    ~histogram (robot_vision/Histogram) has the counts of each channel, ~processed_image (bgr8) the
+    image with their curves, ~histogram_2d (bgr8) those of hue and saturation together. A selection
+    is remembered: ~back_projection (mono8) shows where its colours are, and ~similarity
+    (std_msgs/Float64) says how alike the colours of the image are.
+
+    Subscribes to image, and to selected (sensor_msgs/RegionOfInterest): the region to count in; an
+    empty one means the whole image.
+    """
+
+    def __init__(self) -> None:
+        self._region: Box = WHOLE
+        self._wanted: Deque[Box] = collections.deque(maxlen=1)  # a region that waits for a frame
+        self._configured: Box = WHOLE
+        self._selection: Optional[np.ndarray] = None  # BGR pixels, as they were selected
+        self._params = LiveParams(HistogramConfig, self._configure)
+        self._node = ImageNode(self._process, encoding="")
+        self._histogram = self._node.publisher("~histogram", HistogramMessage)
+        self._similarity = self._node.publisher("~similarity", Float64)
+        self._histogram_2d = self._node.image_publisher("~histogram_2d")
+        self._projection = self._node.image_publisher("~back_projection")
+        self._processed = self._node.image_publisher("~processed_image")
+        self._selected = rospy.Subscriber("selected", RegionOfInterest, self._on_selected)
+        self._node.start()
+
+    def _configure(self, config: Dict[str, Any]) -> None:
+        used = [
+            filled(params, config)
+            for params in (HistogramParams(), HueSaturationParams(), HistogramPlotParams())
+        ]
+        for params in used:
+            validate(params)
+        self._used = used  # replaced in one step: another thread may process a frame
+        region = (config["x"], config["y"], config["width"], config["height"])
+        if region != self._configured:
+            self._configured = region
+            self._wanted.append(region)
+
+    def _on_selected(self, region: RegionOfInterest) -> None:
+        self._wanted.append(clipped_box(region))
+
+    def _process(self, frame: Frame) -> None:
+        try:
+            bgr = to_bgr(frame.image, frame.encoding)
+            region = self._region_in(bgr)
+        except (TypeError, ValueError) as error:
+            raise FrameError(error) from None
+        params, hue_saturation, plot = self._used
+        if self._histogram.get_num_connections() or self._processed.get_num_connections():
+            # Gray has more than 8 bits in the image as it came.
+            is_gray = params.space == "gray"
+            image, encoding = (frame.image, frame.encoding) if is_gray else (bgr, "bgr8")
+            counted = compute_histogram(image, encoding, params, region)
+            self._histogram.publish(message(frame, region, params, counted))
+            if self._processed.get_num_connections():
+                self._publish_plot(frame, bgr, region, counted, plot)
+        if self._histogram_2d.get_num_connections():
+            counts = hue_saturation_histogram(bgr, "bgr8", hue_saturation, region)
+            self._histogram_2d.publish(draw_hue_saturation(counts, plot), "bgr8", frame.header)
+        if self._projection.get_num_connections() or self._similarity.get_num_connections():
+            self._compare(frame, bgr, hue_saturation)
+
+    def _region_in(self, bgr: np.ndarray) -> Box:
+        """Returns the part of a frame to count in, after a new region was looked at."""
+        size = bgr.shape[1::-1]
+        if self._wanted:
+            wanted = self._wanted.pop()
+            try:
+                x, y, width, height = part_of(size, wanted)
+                self._region = wanted
+                pixels = bgr[y : y + height, x : x + width].copy()
+                self._selection = None if wanted == WHOLE else pixels
+            except ValueError as error:
+                rospy.logerr("nothing selected on %s: %s", self._node.topic, error)
+        return part_of(size, self._region)
+
+    def _compare(self, frame: Frame, bgr: np.ndarray, params: HueSaturationParams) -> None:
+        if self._selection is None:
+            rospy.logwarn_throttle(
+                10.0, "no ~back_projection and no ~similarity: no region of the image is selected"
+            )
+            return
+        model = hue_saturation_histogram(self._selection, "bgr8", params)
+        if self._projection.get_num_connections():
+            projection = back_project(bgr, model, "bgr8", params)
+            self._projection.publish(projection, "mono8", frame.header)
+        if self._similarity.get_num_connections():
+            counts = hue_saturation_histogram(bgr, "bgr8", params)
+            self._similarity.publish(compare_histograms(model, counts, params.comparison))
+
+    def _publish_plot(
+        self,
+        frame: Frame,
+        bgr: np.ndarray,
+        region: Box,
+        counted: List[ChannelHistogram],
+        plot: HistogramPlotParams,
+    ) -> None:
+        overlay = plot_histogram(bgr, counted, plot)
+        if self._selection is not None:
+            draw_outline(overlay, corners(region), "selected", WHITE)
+        self._processed.publish(overlay, "bgr8", frame.header)
+
+
+def message(
+    frame: Frame, region: Box, params: HistogramParams, counted: List[ChannelHistogram]
+) -> HistogramMessage:
+    """Returns the histogram of a region of a frame as a message."""
+    x, y, width, height = region
+    return HistogramMessage(
+        header=frame.header,
+        region=RegionOfInterest(x_offset=x, y_offset=y, width=width, height=height),
+        space=params.space,
+        channels=[channel.name for channel in counted],
+        bins=params.bins,
+        low=[channel.low for channel in counted],
+        high=[channel.high for channel in counted],
+        counts=np.concatenate([channel.counts for channel in counted]).tolist(),
+    )
+
+
+def main() -> None:
+    run_node("histogram", Histogram)
