@@ -6,6 +6,7 @@
 #include "leave_gil.hpp"
 #include "params.hpp"
 #include "registry.hpp"
+#include "robot_vision/tracking/window_tracker.hpp"
 
 using namespace robot_vision;
 using namespace py::literals;
@@ -38,6 +39,64 @@ void bindResult(py::module& m)
       .def_property_readonly("velocity", attribute(&TrackedObject::velocity), "px/s of the centre")
       .def_readonly("confidence", &TrackedObject::confidence, "share of its points that are seen, 0 to 1")
       .def_property_readonly("points", attribute(&TrackedObject::points), "(n, 2) float32 px, those seen");
+}
+
+void bindWindowTracker(py::module& m)
+{
+  bindParams<WindowTrackerParams>(m, "WindowTrackerParams", "How a WindowTracker follows an object by its colours.");
+
+  py::class_<TrackedWindow>(m, "TrackedWindow", "The object in a frame; if it is lost, as it was when last seen.")
+      .def_readonly("id", &TrackedWindow::id)
+      .def_readonly("label", &TrackedWindow::label)
+      .def_readonly("tracked", &TrackedWindow::tracked, "seen in this frame; else lost")
+      .def_readonly("predicted", &TrackedWindow::predicted, "lost, but expected at outline and center")
+      .def_property_readonly("window", attribute(&TrackedWindow::window), "(x, y, width, height), px, as of OpenCV")
+      .def_property_readonly("outline", attribute(&TrackedWindow::outline),
+                             "(4, 2) px: corners of the window, or of CamShift's rotated rectangle")
+      .def_property_readonly("center", attribute(&TrackedWindow::center), "(x, y), px, centre of mass")
+      .def_readonly("scale", &TrackedWindow::scale, "size, 1 when it was selected")
+      .def_readonly("angle", &TrackedWindow::angle, "rad, by which it has turned since, clockwise")
+      .def_property_readonly("velocity", attribute(&TrackedWindow::velocity), "px/s of the centre")
+      .def_readonly("confidence", &TrackedWindow::confidence, "mean of the back projection in the outline, 0 to 1");
+
+  py::class_<WindowTracker>(m, "WindowTracker",
+                            "Follows one selected object by its colours, with meanShift or CamShift, and searches for "
+                            "it while it is lost. Not for two threads at once.")
+      .def(py::init<const WindowTrackerParams&>(), "params"_a = WindowTrackerParams())
+      .def(
+          "configure",
+          [](WindowTracker& tracker, const WindowTrackerParams& params)
+          {
+            const LeaveGil unlocked;
+            tracker.configure(params);
+          },
+          "params"_a, "Parameters from the next frame on; the object stays.\n\nRaises ValueError for one out of range.")
+      .def(
+          "select",
+          [](WindowTracker& tracker, const Box& box, const std::string& label)
+          {
+            const LeaveGil unlocked;
+            return tracker.select(toRect(box), label);
+          },
+          "box"_a, "label"_a = "",
+          "Selects what is in a box (x, y, width, height; px) of the newest frame, in place of the object before; its "
+          "id.\n\nRaises ValueError if there is no frame, the box is not inside of it or too small, or if what is in "
+          "it "
+          "has no colours to be followed by.")
+      .def("forget", &WindowTracker::forget, "id"_a, "Forgets the object; whether there was one with this id.")
+      .def("update", withArray(&WindowTracker::update), "time"_a, "image"_a, "encoding"_a = "bgr8",
+           "The TrackedWindows in the frame of a time, s: one, or none.\n\n"
+           "Raises ValueError for an image that is not of this encoding.")
+      .def("objects", &WindowTracker::objects, "The object as update() has returned it, or as it was selected since.")
+      .def(
+          "back_projection",
+          [](const WindowTracker& tracker) -> py::object
+          {
+            const cv::Mat projection = tracker.backProjection();
+            if (projection.empty()) return py::none();
+            return toPython(projection);
+          },
+          "(height, width) uint8 of the newest frame, 255 for the most frequent colour; None without an object.");
 }
 
 void bindTracking(py::module& m)
@@ -87,6 +146,12 @@ void bindTracking(py::module& m)
           "`count` of its points.");
 }
 
-const Bindings kBindings("tracking", {}, bindTracking);
+void bindTrackers(py::module& m)
+{
+  bindTracking(m);
+  bindWindowTracker(m);
+}
+
+const Bindings kBindings("tracking", {}, bindTrackers);
 
 }  // namespace

@@ -171,6 +171,7 @@ AT_START = {
     "faces.face_detector.FaceDetector": IMAGE_NODE,
     "motion.motion_detector.MotionDetector": IMAGE_NODE,
     "tracking.object_tracker.ObjectTracker": IMAGE_NODE,
+    "tracking.window_tracker.WindowTracker": IMAGE_NODE,
     "histogram.histogram.Histogram": IMAGE_NODE,
     "codes.code_reader.CodeReader": IMAGE_NODE,
     "hough.hough.Hough": IMAGE_NODE,

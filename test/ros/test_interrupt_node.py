@@ -35,6 +35,7 @@ PYTHON_NODES = [
     "face_recognizer.py",
     "motion_detector.py",
     "object_tracker.py",
+    "window_tracker.py",
     "histogram.py",
     "apriltag_detector.py",
     "hough.py",

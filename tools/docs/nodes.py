@@ -8,8 +8,8 @@ import cv2
 import numpy as np
 import rospy
 from canvas import beside
-from sensor_msgs.msg import RegionOfInterest
-from stage import FRAME, IMAGE, Stage, color, pixels, room, support, x_server
+from sensor_msgs.msg import Image, RegionOfInterest
+from stage import FRAME, IMAGE, Stage, color, listening, pixels, room, support, x_server
 
 from robot_vision.srv import SelectObject
 
@@ -134,6 +134,20 @@ def object_tracker(stage: Stage) -> np.ndarray:
                 show(first)  # an object is selected in the frame that comes next
         assert answer.result().success, answer.result().message
         return [pixels(show(frame)) for frame in range(first, FRAME, 2)][-1]
+
+
+def window_tracker(stage: Stage) -> np.ndarray:
+    scene, frames = room(400, 300), range(FRAME - 40, FRAME + 1, 2)
+    ball = next(one for one in scene.truth(frames[0]).objects if one.name == "ball")
+    where = zip(("x", "y", "width", "height"), cv2.boundingRect(np.int32(ball.outline)))
+    arguments = [f"_{name}:={value}" for name, value in where]
+    with stage.watched("window_tracker.py", scene, *arguments) as show, listening(
+        "/window_tracker/back_projection", Image
+    ) as projections:
+        drawn = [show(frame) for frame in frames][-1]
+        projection = projections.of(drawn.header.stamp)
+    gray = cv2.cvtColor(pixels(projection), cv2.COLOR_GRAY2BGR)
+    return beside([pixels(drawn), gray], ["~processed_image", "~back_projection"])
 
 
 def simple_camera_view(stage: Stage) -> np.ndarray:

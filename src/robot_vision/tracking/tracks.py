@@ -1,19 +1,21 @@
 """Tracked objects as messages, and in the overlay."""
 
-from typing import Iterable, List
+from typing import Iterable, List, Union
 
 import cv2
 import numpy as np
 from geometry_msgs.msg import Point, Vector3
 
-from .. import TrackedObject, draw_outline, draw_text
+from .. import TrackedObject, TrackedWindow, draw_outline, draw_text
 from ..msg import Detection, Flow, TrackState, TrackStateArray
 from ..ros.messages import box_around, points
 from ..ros.transport import Frame
 
 RED = (0, 0, 255)
+YELLOW = (0, 255, 255)
 
-def detection_of(track: TrackedObject, image: np.ndarray) -> Detection:
+
+def detection_of(track: Union[TrackedObject, TrackedWindow], image: np.ndarray) -> Detection:
     """Returns a tracked object as a Detection, whose box is clipped to the image."""
     center = Point(*track.center, 0.0)
     sides = np.hypot(*(track.outline[1:3] - track.outline[:2]).T)
@@ -34,19 +36,24 @@ def detection_of(track: TrackedObject, image: np.ndarray) -> Detection:
 
 def track_states(frame: Frame, tracks: Iterable[TrackedObject]) -> TrackStateArray:
     """Returns the states of all objects in a frame, including lost ones."""
-    states = [
-        TrackState(
-            id=track.id,
-            label=track.label,
-            state=TrackState.TRACKED if track.tracked else TrackState.LOST,
-            scale=track.scale,
-            angle=track.angle,
-            confidence=track.confidence,
-            points=points(track.points),
-        )
-        for track in tracks
-    ]
+    states = []
+    for track in tracks:
+        state = track_state(track)
+        state.points = points(track.points)
+        states.append(state)
     return TrackStateArray(frame.header, states)
+
+
+def track_state(track: Union[TrackedObject, TrackedWindow]) -> TrackState:
+    """Returns the state of an object without its points."""
+    return TrackState(
+        id=track.id,
+        label=track.label,
+        state=TrackState.TRACKED if track.tracked else TrackState.LOST,
+        scale=track.scale,
+        angle=track.angle,
+        confidence=track.confidence,
+    )
 
 
 def flow_message(frame: Frame, positions: np.ndarray, velocities: np.ndarray) -> Flow:
@@ -63,7 +70,20 @@ def draw_tracks(image: np.ndarray, tracks: List[TrackedObject]) -> None:
             outline = np.rint(track.outline).astype(int)
             draw_outline(image, outline, f"{name}: {track.confidence:.0%}")
             for x, y in np.rint(track.points).astype(int).tolist():
-                cv2.circle(image, (x, y), 2, (0, 255, 255), cv2.FILLED)
+                cv2.circle(image, (x, y), 2, YELLOW, cv2.FILLED)
         else:
             draw_text(image, f"{name}: lost", (10, line), RED)
             line += 20
+
+
+def draw_window(image: np.ndarray, window: TrackedWindow) -> None:
+    """Draws the outline and the center of a tracked object, yellow if it is only expected."""
+    name = f"{window.label} {window.id}".strip()
+    outline = np.rint(window.outline).astype(int)
+    if window.tracked:
+        draw_outline(image, outline, f"{name}: {window.confidence:.0%}")
+        cv2.circle(image, tuple(np.rint(window.center).astype(int).tolist()), 3, RED, cv2.FILLED)
+    elif window.predicted:
+        draw_outline(image, outline, f"{name}: expected", YELLOW)
+    else:
+        draw_text(image, f"{name}: lost", (10, 20), RED)
