@@ -65,6 +65,15 @@ struct ImageArray
   cv::Mat view;
 };
 
+/// The array's own pixels, to draw on.
+inline cv::Mat canvas(const py::array& bgr)
+{
+  const ImageArray image(bgr);
+  if (!bgr.writeable()) throw py::value_error("cannot draw on an array that is read-only");
+  if (image.array.data() != bgr.data()) throw py::value_error("cannot draw on an array with gaps in its rows");
+  return image.view;
+}
+
 /// NumPy's names of samples by cv::Mat depth, CV_8U to CV_64F.
 constexpr const char* kSampleTypes[] = {"u1", "i1", "u2", "i2", "i4", "f4", "f8"};
 

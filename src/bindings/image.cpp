@@ -14,15 +14,6 @@ namespace
 
 using Color = std::array<double, 3>;
 
-/// The array's own pixels, to draw on.
-cv::Mat canvas(const py::array& bgr)
-{
-  const ImageArray image(bgr);
-  if (!bgr.writeable()) throw py::value_error("cannot draw on an array that is read-only");
-  if (image.array.data() != bgr.data()) throw py::value_error("cannot draw on an array with gaps in its rows");
-  return image.view;
-}
-
 std::vector<cv::Point2d> toCenters(const Matrix& centers)
 {
   if (centers.size() == 0) return {};

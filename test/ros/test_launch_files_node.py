@@ -240,6 +240,8 @@ def test_the_host_with_the_camera_passes_the_source_on_unchanged():
         ("hough", ["method:=circles", "circle_method:=gradient_alt"], {"method": "circles"}),
         ("contours", ["invert:=true", "draw:=hull"], {"invert": True, "draw": "hull"}),
         ("contours", ["template_file:=/a.png"], {"template_file": "/a.png"}),
+        ("dense_flow", ["method:=farneback"], {"method": "farneback"}),
+        ("dense_flow", ["draw:=arrows"], {"draw": "arrows"}),
     ],
 )
 def test_arguments_set_parameters(name, arguments, changed):

@@ -11,6 +11,7 @@ from canvas import beside
 from sensor_msgs.msg import Image, RegionOfInterest
 from stage import FRAME, IMAGE, Stage, color, listening, pixels, room, support, x_server
 
+from robot_vision import flow_to_colors
 from robot_vision.srv import SelectObject
 
 SEARCH_ALL = "_max_search_period:=0.0"  # each frame, and not in the background
@@ -62,6 +63,31 @@ def hough(stage: Stage) -> np.ndarray:
     circles = "_circle_method:=gradient_alt", "_canny_high:=300.0", "_dp:=1.5"
     shown.append(stage.drawn("hough.py", room(), [FRAME], "_method:=circles", *circles))
     return beside(shown, ["segments", "lines", "circles (gradient_alt)"])
+
+
+def dense_flow(stage: Stage) -> np.ndarray:
+    arrows = "_draw:=arrows", "_arrow_spacing:=24", "_arrow_scale:=8.0"
+    drawn = [second_drawn(stage, *settings) for settings in ((), arrows)]
+    y, x = np.mgrid[-240:240, -320:320]
+    colors = flow_to_colors(np.dstack([x, y]) / 240, 1.0)
+    colors[np.hypot(x, y) > 240] = 255
+    captions = ["image", "~processed_image, wheel", "the same, arrows", "directions"]
+    return beside([room().render(FRAME), *drawn, colors], captions, columns=2)
+
+
+def second_drawn(stage: Stage, *settings: str) -> np.ndarray:
+    """What dense_flow draws on the second frame, as it says nothing of the first."""
+    words = f"image:={IMAGE}", "_diagnostic_period:=0.05", *settings
+    node = stage.node("dense_flow_node", "dense_flow", *words)
+    answers = listening("/dense_flow/processed_image", Image)
+    diagnostics = support.Diagnostics()
+    with stage.shown(room()) as camera, node, answers as results:
+        camera.wait_for(1)
+        camera.show(FRAME - 1)
+        support.wait_for(
+            lambda: diagnostics.value("dense_flow", "frames received") == "1", "the first frame"
+        )
+        return pixels(results.of(camera.show(FRAME)))
 
 
 def hsv_tracker(stage: Stage) -> np.ndarray:
