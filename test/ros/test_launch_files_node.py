@@ -44,6 +44,8 @@ NO_TEXTS = {
     "loop",
     "view",
     "invert",
+    *("tag_size", "ball_diameter", "image_width", "image_height", "framerate", "loop", "view"),
+    "radius",
 }
 
 
@@ -242,6 +244,7 @@ def test_the_host_with_the_camera_passes_the_source_on_unchanged():
         ("contours", ["template_file:=/a.png"], {"template_file": "/a.png"}),
         ("dense_flow", ["method:=farneback"], {"method": "farneback"}),
         ("dense_flow", ["draw:=arrows"], {"draw": "arrows"}),
+        ("spectrum", ["filter:=low_pass", "radius:=0.2"], {"filter": "low_pass", "radius": 0.2}),
     ],
 )
 def test_arguments_set_parameters(name, arguments, changed):

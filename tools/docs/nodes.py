@@ -90,6 +90,15 @@ def second_drawn(stage: Stage, *settings: str) -> np.ndarray:
         return pixels(results.of(camera.show(FRAME)))
 
 
+def spectrum(stage: Stage) -> np.ndarray:
+    shown = [room().render(FRAME)]
+    for kind, output in (("low", "processed_image"), ("low", "filtered"), ("high", "filtered")):
+        words = [f"_filter:={kind}_pass", "_radius:=0.15"]
+        shown.append(stage.drawn("spectrum_node", room(), [FRAME], *words, output=output))
+    captions = ["image", "~processed_image, low_pass", "~filtered, low_pass", "high_pass"]
+    return beside(shown, captions, columns=2)
+
+
 def hsv_tracker(stage: Stage) -> np.ndarray:
     found = stage.drawn("hsv_tracker.py", room(), [FRAME])
     return beside([room().render(FRAME), found], ["image", "~processed_image"])
