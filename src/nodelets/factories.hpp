@@ -14,6 +14,7 @@ boost::shared_ptr<nodelet::Nodelet> makeBrightness();
 boost::shared_ptr<nodelet::Nodelet> makeDenseFlow();
 boost::shared_ptr<nodelet::Nodelet> makeEdgeDetector();
 boost::shared_ptr<nodelet::Nodelet> makeFilter();
+boost::shared_ptr<nodelet::Nodelet> makeSegmenter();
 boost::shared_ptr<nodelet::Nodelet> makeSpectrum();
 
 /// `on_end` is called from the capture thread when the source has ended, with 0, or 1 after an error that was logged.

@@ -2,7 +2,7 @@
 
 import concurrent.futures
 import subprocess
-from typing import Any, Callable, Tuple
+from typing import Any, Callable, List, Tuple
 
 import cv2
 import numpy as np
@@ -12,6 +12,7 @@ from sensor_msgs.msg import Image, RegionOfInterest
 from stage import FRAME, IMAGE, Stage, color, listening, pixels, room, support, x_server
 
 from robot_vision import flow_to_colors
+from robot_vision.ros.messages import Box
 from robot_vision.srv import SelectObject
 
 SEARCH_ALL = "_max_search_period:=0.0"  # each frame, and not in the background
@@ -183,6 +184,45 @@ def window_tracker(stage: Stage) -> np.ndarray:
         projection = projections.of(drawn.header.stamp)
     gray = cv2.cvtColor(pixels(projection), cv2.COLOR_GRAY2BGR)
     return beside([pixels(drawn), gray], ["~processed_image", "~back_projection"])
+
+
+def segmenter(stage: Stage) -> np.ndarray:
+    flat = "_opacity:=1.0", "_paint:=mean", "_outlines:=false"
+    outlines = {one.name: np.int32(one.outline) for one in room().truth(FRAME).objects}
+    boxes = {name: cv2.boundingRect(outline) for name, outline in outlines.items()}
+    seeds = [grown(boxes[name], -0.2) for name in ("ball", "poster", "qr_code", "box", "tag_0")]
+    seeds += [(296, 60, 24, 200), (60, 420, 200, 40)]  # on the wall and the floor
+    shown = [
+        segmented(stage, seeds, "_border:=0"),
+        segmented(stage, [grown(boxes["ball"], 0.2)], "_method:=grab_cut"),
+        stage.drawn("segmenter_node", room(), [FRAME], "_method:=k_means", "_clusters:=6", *flat),
+        stage.drawn(
+            "segmenter_node", room(), [FRAME], "_method:=mean_shift", "_color_radius:=30.0", *flat
+        ),
+    ]
+    titles = ["watershed, dragged seeds", "grab_cut, a rectangle"]
+    return beside(shown, [*titles, "k_means, 6 clusters", "mean_shift"], columns=2, width=540)
+
+
+def grown(box: Box, share: float) -> Box:
+    """A box with so much of its sides added on each side."""
+    x, y, width, height = box
+    by_x, by_y = round(share * width), round(share * height)
+    return x - by_x, y - by_y, width + 2 * by_x, height + 2 * by_y
+
+
+def segmented(stage: Stage, boxes: List[Box], *arguments: str) -> np.ndarray:
+    """What the segmenter draws with these seeds."""
+    seeds = rospy.Publisher("/seeds", RegionOfInterest, queue_size=10)
+    with stage.watched("segmenter_node", room(), "selected:=/seeds", *arguments) as show:
+        support.wait_for(seeds.get_num_connections, "the node's subscription")
+        for x, y, width, height in boxes:
+            seeds.publish(RegionOfInterest(x_offset=x, y_offset=y, width=width, height=height))
+        support.wait_for(
+            lambda: (pixels(show(FRAME))[y, x : x + width] == 255).all(), "the last seed"
+        )
+        seeds.unregister()
+        return pixels(show(FRAME))
 
 
 def simple_camera_view(stage: Stage) -> np.ndarray:
