@@ -9,7 +9,7 @@ import numpy as np
 import rospy
 from canvas import beside
 from sensor_msgs.msg import Image, RegionOfInterest
-from stage import FRAME, IMAGE, Stage, color, listening, pixels, room, support, x_server
+from stage import FRAME, IMAGE, Stage, color, figures, listening, pixels, room, support, x_server
 
 from robot_vision import flow_to_colors
 from robot_vision.ros.messages import Box
@@ -223,6 +223,24 @@ def segmented(stage: Stage, boxes: List[Box], *arguments: str) -> np.ndarray:
         )
         seeds.unregister()
         return pixels(show(FRAME))
+
+
+class Walkers:
+    """The room with figures that are taken for people."""
+
+    def __init__(self) -> None:
+        self._room = room(portrait=False)
+        self.camera = self._room.camera
+
+    def render(self, frame: int) -> np.ndarray:
+        image = self._room.render(frame)
+        for box in ((185, 105, 160, 320), (375, 185, 120, 240)):
+            figures.draw_figure(image, box)
+        return image
+
+
+def people_detector(stage: Stage) -> np.ndarray:
+    return stage.drawn("people_detector.py", Walkers(), [FRAME])
 
 
 def simple_camera_view(stage: Stage) -> np.ndarray:

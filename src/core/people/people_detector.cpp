@@ -1,0 +1,81 @@
+#include "robot_vision/people/people_detector.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+#include <tuple>
+
+#include "robot_vision/image/encoding.hpp"
+
+namespace robot_vision
+{
+namespace
+{
+
+cv::HOGDescriptor makeDescriptor(const PeopleParams& params)
+{
+  validate(params);
+  if (params.model == "daimler")
+  {
+    cv::HOGDescriptor hog({48, 96}, {16, 16}, {8, 8}, {8, 8}, 9);  // without gamma correction, as it was trained
+    hog.setSVMDetector(cv::HOGDescriptor::getDaimlerPeopleDetector());
+    return hog;
+  }
+  cv::HOGDescriptor hog;
+  hog.setSVMDetector(cv::HOGDescriptor::getDefaultPeopleDetector());
+  return hog;
+}
+
+/// A box in an image that is larger by these factors, and inside of it.
+cv::Rect enlarged(const cv::Rect& box, double scale_x, double scale_y, const cv::Size& image)
+{
+  const cv::Point corner(cvRound(box.x * scale_x), cvRound(box.y * scale_y));
+  const cv::Point end(cvRound(box.br().x * scale_x), cvRound(box.br().y * scale_y));
+  return cv::Rect(corner, end) & cv::Rect({0, 0}, image);
+}
+
+/// Threads find windows in any order.
+bool isSurer(const Person& a, const Person& b)
+{
+  const auto key = [](const Person& one)
+  { return std::make_tuple(-one.weight, one.box.x, one.box.y, one.box.width, one.box.height); };
+  return key(a) < key(b);
+}
+
+}  // namespace
+
+PeopleDetector::PeopleDetector(const PeopleParams& params) : params_(params), hog_(makeDescriptor(params))
+{
+}
+
+std::vector<Person> PeopleDetector::detect(const cv::Mat& image, const std::string& encoding) const
+{
+  cv::Mat bgr;
+  toBgr(image, encoding, bgr);
+  double factor = std::min(1.0, static_cast<double>(params_.max_width) / bgr.cols);
+  if (params_.min_height > 0) factor = std::min(factor, static_cast<double>(hog_.winSize.height) / params_.min_height);
+  const cv::Size size(std::max(1, cvRound(bgr.cols * factor)), std::max(1, cvRound(bgr.rows * factor)));
+  // OpenCV would read beyond an image that is smaller than its window.
+  if (size.width < hog_.winSize.width || size.height < hog_.winSize.height) return {};
+  cv::Mat smaller = bgr;
+  if (size != bgr.size()) cv::resize(bgr, smaller, size, 0.0, 0.0, cv::INTER_AREA);
+
+  std::vector<cv::Rect> boxes;
+  std::vector<double> weights;
+  const cv::Size stride(params_.win_stride, params_.win_stride), padding(params_.padding, params_.padding);
+  hog_.detectMultiScale(smaller, boxes, weights, params_.hit_threshold, stride, padding, params_.scale,
+                        params_.group_threshold, params_.mean_shift);
+  const double scale_x = static_cast<double>(bgr.cols) / size.width;
+  const double scale_y = static_cast<double>(bgr.rows) / size.height;
+  std::vector<Person> people;
+  for (std::size_t i = 0; i < boxes.size(); ++i)
+  {
+    const cv::Rect box = enlarged(boxes[i], scale_x, scale_y, bgr.size());
+    if (!box.empty()) people.push_back({box, weights[i], 1.0 / (1.0 + std::exp(-weights[i]))});
+  }
+  std::sort(people.begin(), people.end(), isSurer);
+  people.resize(std::min(people.size(), static_cast<std::size_t>(params_.max_people)));
+  return people;
+}
+
+}  // namespace robot_vision
