@@ -83,6 +83,49 @@ def test_color_of_an_image_file(pick, image, place, output):
     assert pick(image, *place) == (0, output)
 
 
+@pytest.mark.parametrize(
+    "arguments, output",
+    [
+        (
+            ["--bgr", 255, 144, 30, "--space", "lab"],
+            f"BGR {BLUE}, Lab (152, 138, 65); for the colors of hsv_tracker:\n"
+            "  name: {space: lab, low: [92, 118, 45], high: [212, 158, 85]}\n",
+        ),
+        (
+            ["--rgb", 30, 144, 255, "--space", "bgr", "--margin", 5, "--name", "sky"],
+            f"BGR {BLUE}; for the colors of hsv_tracker:\n"
+            "  sky: {space: bgr, low: [250, 139, 25], high: [255, 149, 35]}\n",
+        ),
+        (
+            ["--hsv", 120, 255, 255, "--space", "rgb"],
+            "RGB (0, 0, 255); for the colors of hsv_tracker:\n"
+            "  name: {space: rgb, low: [0, 0, 235], high: [20, 20, 255]}\n",
+        ),
+        (
+            ["--hex", "#ffffff", "--space", "hls"],
+            "BGR (255, 255, 255), HLS (0, 255, 0); for the colors of hsv_tracker:\n"
+            "  name: {space: hls, low: [170, 50, 100], high: [10, 205, 255]}\n"
+            "the range does not hold this colour: lightness 255 is above 205, "
+            "saturation 0 is below 100\n",
+        ),
+    ],
+)
+def test_the_range_may_be_of_another_space(pick, arguments, output):
+    assert pick(*arguments) == (0, output)
+
+
+def test_a_median_of_another_space_is_saved_with_its_space(pick, image, tmp_path):
+    path = tmp_path / "hsv_tracker.yaml"
+    path.write_text(FILE)
+    region = [image, "--region", 30, 20, 10, 10]
+    code, output = pick(*region, "--space", "ycrcb", "--save", path, "--name", "blue")
+    y, cr, cb = cv2.cvtColor(np.uint8([[RED]]), cv2.COLOR_BGR2YCrCb)[0, 0].tolist()
+    assert code == 0 and output.startswith(f"YCrCb ({y}, {cr}, {cb}); for the colors")
+    low, high = [y - 60, cr - 20, cb - 20], [y + 60, min(cr + 20, 255), cb + 20]
+    saved = yaml.safe_load(path.read_text())["colors"]["blue"]
+    assert saved == {"space": "ycrcb", "low": [max(0, one) for one in low], "high": high}
+
+
 def publish(encoding, pixels):
     publisher = rospy.Publisher("/pictures", Image, queue_size=1, latch=True)
     height, width = pixels.shape[:2]
@@ -228,6 +271,7 @@ def test_places_outside_of_the_image_are_refused(pick, image, place):
         (["--topic", "/a"], "needs --at or --region"),
         (["p.png", "--at", 1, 2, "--region", 1, 2, 3, 4], "not allowed with"),
         (["--hex", "#1e90ff", "--margin", 91], "91 must be from 0 to 90"),
+        (["--hex", "#1e90ff", "--space", "cmyk"], "argument --space: invalid choice: 'cmyk'"),
         (["--hex", "#1e90ff", "--save", "f"], "--save needs --name"),
         (["--topic", "/a", "--at", 1, 1, "--timeout", 0], "must be above 0"),
     ],

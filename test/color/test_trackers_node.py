@@ -15,7 +15,7 @@ from geometry_msgs.msg import PointStamped
 from sensor_msgs.msg import CameraInfo, Image
 from std_srvs.srv import Trigger
 
-from robot_vision import Scene, SceneParams
+from robot_vision import ColorRange, Scene, SceneParams, convert_range
 from robot_vision.msg import DetectionArray
 
 COLORS = pathlib.Path(__file__).resolve().parents[2] / "config" / "colors"
@@ -146,6 +146,81 @@ def test_colors_are_changed_live_and_saved(start, camera, tmp_path):
     }
 
 
+def test_colors_of_several_spaces_are_found_changed_live_and_saved(start, tmp_path):
+    """On one frame, with OpenCV's masks; a colour keeps its limits in each space."""
+    patches = np.random.RandomState(2).randint(0, 256, (9, 12, 3), np.uint8)
+    image = cv2.resize(patches, (160, 120), interpolation=cv2.INTER_CUBIC)
+    path = tmp_path / "tracker.yaml"
+    path.write_text(
+        "colors:\n  first: {space: lab, low: [80, 100, 110], high: [200, 160, 150]}\n"
+        "  second: {low: [60, 20, 60], high: [120, 255, 255]}\nmin_area: 0.0\n"
+    )
+    for name, value in yaml.safe_load(path.read_text()).items():
+        rospy.set_param("/tracker/" + name, value)
+    topic = new_topic()
+    process = start("hsv_tracker.py", "__name:=tracker", f"image:={topic}", f"_config_file:={path}")
+    images, masks = Source(topic), support.subscribed("/tracker/mask", Image)
+    images.wait_for()
+
+    def expected(*ranges):
+        union = np.zeros(image.shape[:2], np.uint8)
+        for code, low, high in ranges:
+            mask = cv2.inRange(cv2.cvtColor(image, code), low, high)
+            for kind in (cv2.MORPH_OPEN, cv2.MORPH_CLOSE):
+                mask = cv2.morphologyEx(mask, kind, KERNEL)
+            union |= mask
+        assert 0 < np.count_nonzero(union) < union.size
+        return union
+
+    def mask(number):
+        sent = message(image, "bgr8")
+        sent.header.stamp = rospy.Time(number)
+        images.send(sent)
+        return pixels(masks.of(sent.header.stamp))
+
+    second = cv2.COLOR_BGR2HSV, (60, 20, 60), (120, 255, 255)
+    lab = cv2.COLOR_BGR2Lab, (80, 100, 110), (200, 160, 150)
+    assert np.array_equal(mask(1), expected(lab, second))
+    config = support.reconfigured("/tracker")
+    assert (config["color"], config["space"]) == ("first", "lab")
+    names = [f"{end}_{number}" for end in ("low", "high") for number in (1, 2, 3)]
+    assert [config[name] for name in names] == [80, 100, 110, 200, 160, 150]
+    support.reconfigured("/tracker", low_1=120)
+    lab = cv2.COLOR_BGR2Lab, (120, 100, 110), (200, 160, 150)
+    assert np.array_equal(mask(2), expected(lab, second))
+
+    before = support.reconfigured("/tracker")
+    for wrong in ({"h_low": 10}, {"space": "hsv", "low_1": 7}, {"space": "cmyk"}, {"high_1": 100}):
+        assert support.reconfigured("/tracker", **wrong) == before
+    for line in (
+        "h_low is 10, must not be set while space is lab, whose limits are low_1 to high_3 "
+        "(lightness, green to red, blue to yellow)",
+        "low_1 is 7, must not be set while space is hsv, whose limits are h_low to v_high "
+        "(hue, saturation, value)",
+        "space is 'cmyk', must be one of hsv, hls, lab, ycrcb, rgb, bgr",
+        "l_high is 100, must be from 120 to 255",
+    ):
+        process.wait_for_output(line)
+
+    config = support.reconfigured("/tracker", space="ycrcb")
+    around = convert_range(ColorRange("lab", *lab[1:]), "ycrcb")
+    assert [config[name] for name in names] == [*around.low, *around.high]
+    config = support.reconfigured("/tracker", space="ycrcb", low_1=100, high_1=180)
+    low, high = (100, *around.low[1:]), (180, *around.high[1:])
+    assert np.array_equal(mask(3), expected((cv2.COLOR_BGR2YCrCb, low, high), second))
+    assert support.reconfigured("/tracker", space="lab")["low_1"] == 120
+    assert np.array_equal(mask(4), expected(lab, second))
+    config = support.reconfigured("/tracker", color="second")
+    assert (config["space"], config["h_low"], config["s_low"]) == ("hsv", 60, 20)
+
+    assert rospy.ServiceProxy("/tracker/save_parameters", Trigger)().success
+    assert path.read_text().startswith(
+        "colors:\n  first: {space: lab, low: [120, 100, 110], high: [200, 160, 150]}\n"
+        "  second: {low: [60, 20, 60], high: [120, 255, 255]}\nmin_area: 0.0\n"
+    )
+    assert yaml.safe_load(path.read_text()).keys() == {"colors", "min_area", "opening", "closing"}
+
+
 @pytest.mark.parametrize(
     "node, name, value, message",
     [
@@ -157,6 +232,7 @@ def test_colors_are_changed_live_and_saved(start, camera, tmp_path):
             {"a": {"low": [1, 2, 300], "high": [4, 5, 6]}},
             "colors/a: v_low is 300, must be",
         ),
+        ("hsv_tracker.py", "space", "cmyk", "space is 'cmyk', must be one of hsv, hls, lab"),
         ("ball_tracker.py", "h_low", 200, "h_low is 200, must be from 0 to 180"),
         ("ball_tracker.py", "ball_diameter", -1, "ball_diameter is -1, must be"),
         ("line_follower.py", "min_speed", 0.3, "min_speed is 0.3, must be at most linear_speed"),
@@ -173,6 +249,14 @@ def test_limits_at_start_are_those_of_the_only_color(start):
     limits = [config[name] for name in ("color", "h_low", "s_low", "h_high")]
     assert limits == ["blue", 10, 50, 20]
     assert process.running()
+
+
+def test_limits_at_start_may_be_of_another_space(start):
+    limits = "_space:=hls", "_low_2:=10", "_high_1:=20", "_h_low:=70"
+    start("hsv_tracker.py", "__name:=tracker", "image:=/no", *limits)
+    config = support.reconfigured("/tracker")
+    names = ("color", "space", "low_1", "low_2", "high_1", "high_2")
+    assert [config[name] for name in names] == ["blue", "hls", 0, 10, 20, 255]
 
 
 @pytest.mark.parametrize("node", ["hsv_tracker.py", "brightness_node"])

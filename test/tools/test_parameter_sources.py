@@ -12,7 +12,7 @@ import pytest
 import yaml
 
 import robot_vision as rv
-from robot_vision.color.named_colors import DEFAULT, HIGH, LOW
+from robot_vision.color.named_colors import DEFAULT, SHOWN
 from robot_vision.faces.face_detector import COURSE
 from robot_vision.ros.params import attribute_of
 
@@ -105,7 +105,7 @@ def test_config_files_have_the_defaults(node):
     for name, value in values.items():
         assert tool.text_of(value) == CONFIGURED.get((node, name), expected[name]), name
     live = {parameter.name for parameter in CONFIGS[node].parameters}
-    of_colors = {"color", *LOW, *HIGH} if colors else set()
+    of_colors = {*SHOWN} if colors else set()
     assert live - of_colors <= set(values)
     assert not of_colors & set(values)
 

@@ -2,6 +2,7 @@
 
     colors:
       blue: {low: [90, 50, 50], high: [120, 255, 255]}   # a comment
+      skin: {space: ycrcb, low: [0, 133, 77], high: [255, 173, 127]}
 
 PyYAML can read such a file, but loses comments and layout when it writes. Therefore it is only
 used to find positions in the text. The text is edited there, and the result is read again before
@@ -9,20 +10,19 @@ it replaces the file.
 """
 
 import re
-from typing import Any, Dict, Mapping, Optional
+from typing import Any, Dict, List, Mapping, Optional, Tuple
 
 import yaml
 
-from .._core import HsvRange
 from ..common.errors import about
 from ..common.files import read_text, replace_file
 from ..common.yaml_text import compose_yaml, load_yaml
-from .colors import as_yaml
+from .colors import AnyRange, as_yaml, limit_names, space_of
 
 NAME = re.compile("[A-Za-z][A-Za-z0-9_]*")
 
 
-def save_colors(path: str, colors: Mapping[str, HsvRange]) -> None:
+def save_colors(path: str, colors: Mapping[str, AnyRange]) -> None:
     """Puts colours into a YAML file like edit_colors(), and makes the file if there is none.
 
     The file is replaced in one step or not at all.
@@ -34,7 +34,7 @@ def save_colors(path: str, colors: Mapping[str, HsvRange]) -> None:
     replace_file(path, edit_colors(path, read_text(path), colors).encode())
 
 
-def edit_colors(path: str, text: str, colors: Mapping[str, HsvRange]) -> str:
+def edit_colors(path: str, text: str, colors: Mapping[str, AnyRange]) -> str:
     """Returns the text of a file with colours put into it, and everything else unchanged.
 
     Args:
@@ -65,10 +65,21 @@ def edit_colors(path: str, text: str, colors: Mapping[str, HsvRange]) -> str:
     return text
 
 
-def _entry(old: Any, color: HsvRange) -> Dict[str, Any]:
+def _entry(old: Any, color: AnyRange) -> Dict[str, Any]:
     """Returns what must be read for a colour: the new limits, and what else its entry has."""
     others = old if isinstance(old, dict) else {}
-    return {**others, "low": list(color.low), "high": list(color.high)}
+    space = space_of(color)
+    named = {"space": space} if "space" in others or space != "hsv" else {}
+    limits = _named_limits(color)
+    if not limits.keys() <= others.keys():
+        limits = {"low": list(color.low), "high": list(color.high)}
+    return {**others, **named, **limits}
+
+
+def _named_limits(color: AnyRange) -> Dict[str, int]:
+    """Returns the limits by their names in the colour's space, as in config/colors."""
+    low, high = limit_names(space_of(color))
+    return dict(zip((*low, *high), (*color.low, *color.high)))
 
 
 def _parse(path: str, text: str) -> Dict[str, Any]:
@@ -86,7 +97,7 @@ def _reads_as(text: str, expected: Dict[str, Any]) -> bool:
         return False
 
 
-def _edit(text: str, name: str, color: HsvRange) -> str:
+def _edit(text: str, name: str, color: AnyRange) -> str:
     """Returns the text with the colour replaced or added, or unchanged if there is no place."""
     colors = _value(compose_yaml(text), "colors")
     if colors is None:
@@ -96,12 +107,21 @@ def _edit(text: str, name: str, color: HsvRange) -> str:
     old = _value(colors, name)
     if old is None:
         return _add(text, colors, f"{name}: {as_yaml(color)}")
-    limits = [(_value(old, "low"), list(color.low)), (_value(old, "high"), list(color.high))]
-    if not all(isinstance(node, yaml.SequenceNode) and node.flow_style for node, _ in limits):
-        return text
-    # The later one first, so that the position of the other stays valid.
-    for node, value in sorted(limits, key=lambda limit: -limit[0].start_mark.index):
+    values: List[Tuple[yaml.Node, Any]] = [
+        (_value(old, name), limit) for name, limit in _named_limits(color).items()
+    ]
+    if not all(isinstance(node, yaml.ScalarNode) for node, _ in values):
+        values = [(_value(old, "low"), list(color.low)), (_value(old, "high"), list(color.high))]
+        if not all(isinstance(node, yaml.SequenceNode) and node.flow_style for node, _ in values):
+            return text
+    space = _value(old, "space")
+    if isinstance(space, yaml.ScalarNode):
+        values.append((space, space_of(color)))
+    # The later one first, so that the positions of the others stay valid.
+    for node, value in sorted(values, key=lambda value: -value[0].start_mark.index):
         text = _replace(text, node, str(value))
+    if space is None and space_of(color) != "hsv":
+        text = _begin(text, old, f"space: {space_of(color)}")
     return text
 
 
@@ -130,6 +150,13 @@ def _add(text: str, colors: yaml.Node, entry: str) -> str:
     if not below:
         return f"{text}{end}{' ' * column}{entry}{end}"
     return f"{text[:below]}{' ' * column}{entry}{end}{text[below:]}"
+
+
+def _begin(text: str, entry: yaml.Node, first: str) -> str:
+    """Returns the text with one more key before the others of a colour."""
+    start = entry.value[0][0].start_mark
+    between = ", " if entry.flow_style else _line_end(text) + " " * start.column
+    return text[: start.index] + first + between + text[start.index :]
 
 
 def _line_end(text: str) -> str:

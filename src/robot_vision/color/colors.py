@@ -1,34 +1,66 @@
-"""Colours in OpenCV's 8-bit HSV: hue 0 to 179 in half degrees, saturation and value 0 to 255."""
+"""Colours in the 8-bit spaces of OpenCV: hues in half degrees, everything else from 0 to 255."""
 
-from typing import Tuple
+from typing import List, Sequence, Tuple, Union
 
 import cv2
 import numpy as np
 
-from .._core import HsvRange
+from .._core import ColorRange, HsvRange, color_channels, image_to_space
 
 HUES = 180
+TITLES = {"lab": "Lab", "ycrcb": "YCrCb"}  # of the spaces that are not written in capitals
+
+AnyRange = Union[ColorRange, HsvRange]
+Color = Tuple[int, ...]
+
+
+def space_of(colors: AnyRange) -> str:
+    """Returns the space of a range."""
+    return getattr(colors, "space", "hsv")
+
+
+def title_of(space: str) -> str:
+    """Returns a space's name as people write it: HSV, Lab."""
+    return TITLES.get(space, space.upper())
+
+
+def limit_names(space: str) -> Tuple[Tuple[str, ...], Tuple[str, ...]]:
+    """Returns the names of the limits in a space: (l_low, a_low, b_low), (l_high, ...)."""
+    names = [name for name, _, _ in color_channels(space)]
+    return tuple(f"{name}_low" for name in names), tuple(f"{name}_high" for name in names)
 
 
 def median_hsv(bgr_region: np.ndarray) -> Tuple[int, int, int]:
+    """Returns the median colour of a part of an image in HSV, as median_color() does."""
+    hue, saturation, value = median_color(bgr_region, "hsv")
+    return hue, saturation, value
+
+
+def median_color(bgr_region: np.ndarray, space: str) -> Color:
     """Returns the median colour of a part of an image.
 
     Args:
         bgr_region: (height, width, 3) uint8, BGR.
+        space: The space of the result, one of color_spaces().
 
     Returns:
-        The hue, and the medians of saturation and value, rounded down. The median hue is the hue
-        in the region with the least sum of distances to all others on the colour circle. Pixels
-        without saturation have no hue; if there are no others, the hue is 0.
+        The medians of the channels, rounded down. The median hue is the hue in the region with
+        the least sum of distances to all others on the colour circle. Pixels without saturation
+        have no hue; if there are no others, the hue is 0.
 
     Raises:
         ValueError: The region is empty.
     """
     if bgr_region.size == 0:
         raise ValueError("the region is empty")
-    hsv = cv2.cvtColor(np.ascontiguousarray(bgr_region), cv2.COLOR_BGR2HSV).reshape(-1, 3)
-    _, saturation, value = np.median(hsv, axis=0).astype(int)
-    return _median_hue(hsv[hsv[:, 1] > 0, 0]), int(saturation), int(value)
+    bgr = np.ascontiguousarray(bgr_region)
+    pixels = image_to_space(bgr, space).reshape(-1, 3)
+    medians = [int(median) for median in np.median(pixels, axis=0)]
+    meanings = [meaning for _, meaning, _ in color_channels(space)]
+    if meanings[0] == "hue":
+        colored = pixels[pixels[:, meanings.index("saturation")] > 0, 0]
+        medians[0] = _median_hue(colored % HUES)
+    return tuple(medians)
 
 
 def _median_hue(hues: np.ndarray) -> int:
@@ -38,16 +70,33 @@ def _median_hue(hues: np.ndarray) -> int:
     return int(np.argmin(np.where(counts > 0, costs, np.inf))) if hues.size else 0
 
 
-def outside(hsv: Tuple[int, int, int], colors: HsvRange) -> str:
-    """Returns why a picked colour does not fit its own range: it is too gray or dark; or ""."""
-    _, saturation, value = hsv
-    channels = ("saturation", saturation, colors.s_low), ("value", value, colors.v_low)
-    limits = [
-        f"{name} {seen} is below {lowest}" for name, seen, lowest in channels if seen < lowest
-    ]
+def bgr_of_hsv(hsv: Sequence[int]) -> Color:
+    """Returns a colour in BGR that has this HSV as nearly as 8 bits allow."""
+    pixel = np.array([[hsv]], np.uint8)
+    return tuple(cv2.cvtColor(pixel, cv2.COLOR_HSV2BGR)[0, 0].tolist())
+
+
+def outside(color: Sequence[int], colors: AnyRange) -> str:
+    """Returns why a picked colour does not fit its own range: it is too gray or dark; or "".
+
+    Args:
+        color: In the range's space.
+        colors: A range around its hue, or around all of its channels.
+    """
+    limits: List[str] = []
+    channels = color_channels(space_of(colors))
+    for (_, meaning, _), seen, low, high in zip(channels, color, colors.low, colors.high):
+        if meaning == "hue":  # lies in the range, which may go through red
+            continue
+        if seen < low:
+            limits.append(f"{meaning} {seen} is below {low}")
+        if seen > high:
+            limits.append(f"{meaning} {seen} is above {high}")
     return f"the range does not hold this colour: {', '.join(limits)}" if limits else ""
 
 
-def as_yaml(colors: HsvRange) -> str:
+def as_yaml(colors: AnyRange) -> str:
     """Returns the range as one line of hsv_tracker's parameter file."""
-    return f"{{low: {list(colors.low)}, high: {list(colors.high)}}}"
+    space = space_of(colors)
+    named = "" if space == "hsv" else f"space: {space}, "
+    return f"{{{named}low: {list(colors.low)}, high: {list(colors.high)}}}"

@@ -4,7 +4,15 @@ from typing import Any, Dict, List, Tuple
 
 import numpy as np
 
-from .. import HsvMask, Region, RegionFinder, RegionParams, _transport, draw_outline, mask_picture
+from .. import (
+    ColorMask,
+    Region,
+    RegionFinder,
+    RegionParams,
+    _transport,
+    draw_outline,
+    mask_picture,
+)
 from ..msg import DetectionArray
 from ..ros.configs import HsvTrackerConfig
 from ..ros.image_node import ImageNode
@@ -13,7 +21,7 @@ from ..ros.params import LiveParams, filled
 from ..ros.startup import run_node
 from ..ros.transport import Frame
 from .color_file import edit_colors
-from .named_colors import HIGH, LOW, NamedColors
+from .named_colors import SHOWN, NamedColors
 
 
 class HsvTracker:
@@ -34,7 +42,7 @@ class HsvTracker:
     def _configure(self, config: Dict[str, Any]) -> None:
         finder = RegionFinder(filled(RegionParams(), config))
         self._colors.update(config)
-        masks = {name: HsvMask(color) for name, color in self._colors.ranges.items()}
+        masks = {name: ColorMask(color) for name, color in self._colors.ranges.items()}
         self._tools = masks, finder  # replaced in one step: another thread may process a frame
 
     def _process(self, frame: Frame) -> None:
@@ -61,8 +69,7 @@ class HsvTracker:
         return union, sorted(found, key=lambda entry: -entry[1].area)
 
     def _edit(self, path: str, text: str, values: Dict[str, Any]) -> str:
-        shown = ("color", *LOW, *HIGH)
-        others = {name: value for name, value in values.items() if name not in shown}
+        others = {name: value for name, value in values.items() if name not in SHOWN}
         return edit_colors(path, _transport.edit_params(path, text, others), self._colors.ranges)
 
 

@@ -1,22 +1,34 @@
 """The named colours of a node: the parameter ~colors, and the one that live parameters show."""
 
-from typing import Any, Dict
+import re
+from typing import Any, Dict, Tuple
 
 import rospy
 
-from .. import HsvRange, validate
+from .. import ColorRange, HsvRange, color_channels, convert_range, validate
 from ..common.errors import about
 from ..common.plain_text import brief, printable
-from ..ros.params import filled, read_any, read_param
+from ..ros.params import read_any, read_param
+from .colors import limit_names
 
+# The live limits in HSV have names of their own, and those in all other spaces are numbered.
 LOW = ("h_low", "s_low", "v_low")
 HIGH = ("h_high", "s_high", "v_high")
+NUMBERED_LOW = ("low_1", "low_2", "low_3")
+NUMBERED_HIGH = ("high_1", "high_2", "high_3")
+SPACE = "space"
+# What live parameters show of one colour; ~colors has that of all.
+SHOWN = ("color", SPACE, *LOW, *HIGH, *NUMBERED_LOW, *NUMBERED_HIGH)
 MAX_LIST_LENGTH = 200  # characters of the names in an error
-DEFAULT = {"blue": {"low": [90, 50, 50], "high": [120, 255, 255]}}
+DEFAULT = {"blue": {"low": list(HsvRange().low), "high": list(HsvRange().high)}}
 
 
 class NamedColors:
-    """The ranges in ~colors by name. The live parameter `color` names the one in h_low .. v_high.
+    """The ranges in ~colors by name. The live parameter `color` names the one that is shown.
+
+    `space` is that of the range, whose limits are h_low .. v_high in HSV, and low_1 .. high_3 in
+    the other spaces. In a new space the limits begin with those that hold all colours of the old
+    ones. A colour keeps its limits in each space, for when it comes back to it.
 
     Raises:
         ValueError: ~colors does not have the form {name: {low: [h, s, v], high: [h, s, v]}}, or
@@ -24,7 +36,7 @@ class NamedColors:
     """
 
     def __init__(self) -> None:
-        self.ranges: Dict[str, HsvRange] = {}
+        self.ranges: Dict[str, ColorRange] = {}
         given = read_any("colors", None)
         if given is None:
             given = _default()
@@ -35,8 +47,9 @@ class NamedColors:
         for name, entry in given.items():
             self.ranges[str(name)] = _range(str(name), entry)
         self._shown = ""
-        self._values: Dict[str, int] = {}  # h_low .. v_high as they were shown last
-        for name in (*LOW, *HIGH):  # At start ~colors has precedence over the live parameters.
+        self._values: Dict[str, Any] = {}  # of SHOWN but the colour, as they were shown last
+        self._left: Dict[Tuple[str, str], ColorRange] = {}  # by the name and the space
+        for name in SHOWN[1:]:  # At start ~colors has precedence over the live parameters.
             if rospy.has_param("~" + name):
                 rospy.delete_param("~" + name)
 
@@ -46,34 +59,96 @@ class NamedColors:
         if name not in self.ranges:
             known = printable(", ".join(self.ranges), MAX_LIST_LENGTH)
             raise ValueError(f"color is {brief(name)}, must be one of {known}")
-        values = dict(zip((*LOW, *HIGH), (*self.ranges[name].low, *self.ranges[name].high)))
         changed = {key: config[key] for key, old in self._values.items() if config[key] != old}
-        values.update(changed)
-        chosen = filled(HsvRange(), values)
+        old = self.ranges[name]
+        space = changed.pop(SPACE, old.space)
+        _require_own(space, changed)
+        chosen = old if space == old.space else self._in_space(name, space)
+        low, high = _live_names(space)
+        chosen = ColorRange(
+            space,
+            tuple(changed.get(key, value) for key, value in zip(low, chosen.low)),
+            tuple(changed.get(key, value) for key, value in zip(high, chosen.high)),
+        )
         validate(chosen)
+        if space != old.space:
+            self._left[name, old.space] = old
         self.ranges[name] = chosen
-        config.update(values, color=name)
-        self._shown, self._values = name, values
+        limits = zip((*low, *high), (*chosen.low, *chosen.high))
+        config.update(limits, color=name, space=space)
+        self._shown, self._values = name, {key: config[key] for key in SHOWN[1:]}
+
+    def _in_space(self, name: str, space: str) -> ColorRange:
+        """Returns the limits that a colour had in a space; else those that hold all of it."""
+        left = self._left.get((name, space))
+        return left or convert_range(self.ranges[name], space)
+
+
+def _live_names(space: str) -> Tuple[Tuple[str, ...], Tuple[str, ...]]:
+    """Returns the names of the live parameters that are the low and the high limits in a space."""
+    return (LOW, HIGH) if space == "hsv" else (NUMBERED_LOW, NUMBERED_HIGH)
+
+
+def _require_own(space: str, changed: Dict[str, Any]) -> None:
+    """Raises ValueError for a limit that is none in this space, and for a space that is none."""
+    channels = ", ".join(meaning for _, meaning, _ in color_channels(space))
+    low, high = _live_names(space)
+    for name, value in changed.items():
+        if name not in (*low, *high):
+            raise ValueError(
+                f"{name} is {value}, must not be set while space is {space}, whose limits are "
+                f"{low[0]} to {high[-1]} ({channels})"
+            )
 
 
 def _default() -> Dict[str, Any]:
-    """Returns ~colors where it is not set: one colour with the limits in h_low .. v_high."""
+    """Returns ~colors where it is not set: one colour with the limits of the live parameters."""
     (name, limits), *_ = DEFAULT.items()
-    low = [read_param(key, value) for key, value in zip(LOW, limits["low"])]
-    high = [read_param(key, value) for key, value in zip(HIGH, limits["high"])]
-    return {name: {"low": low, "high": high}}
+    space = read_param(SPACE, "hsv")
+    low, high = limits["low"], limits["high"]
+    if space != "hsv":
+        low, high = [0, 0, 0], [largest for _, _, largest in color_channels(space)]
+    names = _live_names(space)
+    low = [read_param(key, value) for key, value in zip(names[0], low)]
+    high = [read_param(key, value) for key, value in zip(names[1], high)]
+    return {name: {"space": space, "low": low, "high": high}}
 
 
-def _range(name: str, entry: Any) -> HsvRange:
-    if isinstance(entry, dict) and entry.keys() >= {*LOW, *HIGH}:  # from a file in config/colors
-        entry = {"low": [entry[key] for key in LOW], "high": [entry[key] for key in HIGH]}
+def _range(name: str, entry: Any) -> ColorRange:
     where = f"colors/{printable(name)}"
+    space = entry.get("space", "hsv") if isinstance(entry, dict) else "hsv"
+    if not isinstance(space, str):
+        raise ValueError(f"{where}: space is {brief(space)}, must be a string")
+    with about(where):
+        names = limit_names(space)
+        entry = _in_lists(entry, names)
     try:
-        found = HsvRange(low=tuple(entry["low"]), high=tuple(entry["high"]))
+        found = ColorRange(space, tuple(entry["low"]), tuple(entry["high"]))
     except (KeyError, TypeError):
+        letters = ", ".join(channel for channel, _, _ in color_channels(space))
+        named = "" if space == "hsv" else f"space: {space}, "
         raise ValueError(
-            f"{where} is {brief(entry)}, must be {{low: [h, s, v], high: [h, s, v]}}"
+            f"{where} is {brief(entry)}, must be {{{named}low: [{letters}], high: [{letters}]}}"
         ) from None
     with about(where):
         validate(found)
     return found
+
+
+def _in_lists(entry: Any, names: Tuple[Tuple[str, ...], Tuple[str, ...]]) -> Any:
+    """Returns an entry whose limits are named, as in config/colors, with lists of them.
+
+    Raises:
+        ValueError: There are limits of another space, or limits in lists, too.
+    """
+    if not isinstance(entry, dict):
+        return entry
+    limits = {key for key in map(str, entry) if re.search("(^|_)(low|high)$", key)}
+    if limits <= {"low", "high"}:
+        return entry
+    low, high = names
+    expected = (*low, *high)
+    for key in sorted(limits ^ {*expected}):
+        state = "is there" if key in limits else "is missing"
+        raise ValueError(f"{printable(key)} {state}, must be {', '.join(expected)}")
+    return {"low": [entry[key] for key in low], "high": [entry[key] for key in high]}

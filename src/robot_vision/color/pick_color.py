@@ -1,4 +1,4 @@
-"""The command pick_color.py, which finds the HSV range around a colour for hsv_tracker."""
+"""The command pick_color.py, which finds the range around a colour for hsv_tracker."""
 
 import argparse
 import queue
@@ -9,14 +9,14 @@ from typing import List, Optional, Sequence, Tuple
 import numpy as np
 import rospy
 
-from .. import range_around, to_hsv
+from .. import color_spaces, range_around, to_space
 from ..common.arguments import command_parser, number_within
 from ..common.commands import run_command
 from ..common.image_files import load_image, upright
 from ..ros.startup import become_node
 from ..ros.transport import ImageSubscriber
 from .color_file import save_colors
-from .colors import HUES, as_yaml, median_hsv, outside
+from .colors import HUES, Color, as_yaml, bgr_of_hsv, median_color, outside, title_of
 
 EXAMPLES = """examples:
   pick_color.py --hex '#1e90ff'
@@ -24,6 +24,7 @@ EXAMPLES = """examples:
   pick_color.py image.png --at 320 240
   pick_color.py image.png --region 300 220 40 40 --save hsv_tracker.yaml --name blue
   pick_color.py --topic /usb_cam/image_raw --at 320 240
+  pick_color.py --hex '#1e90ff' --space lab
 """
 
 
@@ -34,11 +35,13 @@ def main() -> int:
 
 
 def _pick(arguments: argparse.Namespace) -> None:
-    bgr, hsv = _color(arguments)
-    color = range_around(hsv, arguments.margin)
-    print((f"BGR {bgr}, " if bgr else "") + f"HSV {hsv}; for the colors of hsv_tracker:")
+    bgr, picked = _color(arguments)
+    space = arguments.space
+    color = range_around(picked, space, arguments.margin)
+    known = f"BGR {bgr}, " if bgr and space != "bgr" else ""
+    print(f"{known}{title_of(space)} {picked}; for the colors of hsv_tracker:")
     print(f"  {arguments.name or 'name'}: {as_yaml(color)}")
-    problem = outside(hsv, color)
+    problem = outside(picked, color)
     if problem:
         print(problem)
     if arguments.save:
@@ -51,17 +54,23 @@ def _pick(arguments: argparse.Namespace) -> None:
 def _parse(command: Sequence[str]) -> argparse.Namespace:
     parser = command_parser(
         "pick_color.py",
-        "Prints the HSV range around a colour, as hsv_tracker's parameter file has it: hue 0 to "
-        "179, saturation and value 0 to 255.",
+        "Prints the range around a colour, as hsv_tracker's parameter file has it, in HSV (hue 0 "
+        "to 179, saturation and value 0 to 255) or another space of OpenCV.",
         EXAMPLES,
     )
     _add_colors(parser)
     parser.add_argument(
         "--margin",
         type=number_within(int, 0, 90),
-        default=10,
-        metavar="H",
-        help="hues more and less, 0 to 90 (default: %(default)s)",
+        metavar="M",
+        help="hues more and less, 0 to 90 (default: 10); of the other channels in a space without "
+        "hue (default: 20)",
+    )
+    parser.add_argument(
+        "--space",
+        choices=color_spaces(),
+        default="hsv",
+        help="of the range (default: %(default)s)",
     )
     parser.add_argument("--save", metavar="FILE", help="put it into this YAML file; with --name")
     parser.add_argument("--name", help="of the colour in the file")
@@ -115,13 +124,12 @@ def _hex_color(text: str) -> List[int]:
     return list(bytes.fromhex(text[-6:]))[::-1]
 
 
-Color = Tuple[int, ...]
-
-
 def _color(arguments: argparse.Namespace) -> Tuple[Optional[Color], Color]:
-    """Returns the chosen colour as (BGR, HSV); BGR is None for --hsv, and for a median."""
+    """Returns the chosen colour in BGR and in --space; BGR is None for --hsv, and for a median."""
+    space = arguments.space
     if arguments.hsv:
-        return None, tuple(arguments.hsv)
+        hsv = tuple(arguments.hsv)
+        return None, hsv if space == "hsv" else to_space(bgr_of_hsv(hsv), space)
     if arguments.topic or arguments.image:
         if arguments.topic:
             image = _first_image(arguments.topic, arguments.timeout)
@@ -129,11 +137,11 @@ def _color(arguments: argparse.Namespace) -> Tuple[Optional[Color], Color]:
             image = load_image(arguments.image, upright)
         part = _crop(image, arguments.region or [*arguments.at, 1, 1])
         if arguments.region:
-            return None, median_hsv(part)
+            return None, median_color(part, space)
         bgr = part[0, 0].tolist()
     else:
         bgr = arguments.bgr or arguments.hex or arguments.rgb[::-1]
-    return tuple(bgr), to_hsv(bgr)
+    return tuple(bgr), to_space(bgr, space)
 
 
 def _crop(image: np.ndarray, region: Sequence[int]) -> np.ndarray:
