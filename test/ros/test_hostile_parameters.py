@@ -349,7 +349,7 @@ def test_an_unsuitable_folder_for_saving_is_an_error_but_not_fatal(
     monkeypatch.setattr(rospy, "logerr", lambda text, *values: told.append(text % values))
     monkeypatch.chdir(tmp_path)
     view = viewer()
-    view._configure({"save_folder": folder.format(tmp_path)})
+    view._configure(saving_in(folder.format(tmp_path)))
     view._save()
     (line,) = told
     assert line.startswith("no image saved in /") and line.endswith(": " + why)
@@ -357,7 +357,12 @@ def test_an_unsuitable_folder_for_saving_is_an_error_but_not_fatal(
 
 
 def test_a_folder_with_an_impossible_character_is_refused():
-    refused("save_folder", lambda: viewer()._configure({"save_folder": "a\0b"}))
+    refused("save_folder", lambda: viewer()._configure(saving_in("a\0b")))
+
+
+def saving_in(folder):
+    """The viewer's live parameters."""
+    return {**CONFIGS["simple_camera_view"].defaults, "save_folder": folder}
 
 
 def viewer():

@@ -14,7 +14,10 @@ import support
 import yaml
 from sensor_msgs.msg import Image, RegionOfInterest
 
+from robot_vision import range_around, to_space
+from robot_vision.color.colors import as_yaml
 from robot_vision.msg import Click
+from robot_vision.viewer.channel_view import ChannelView
 
 NODE = "simple_camera_view_node.py"
 WIDTH, HEIGHT = 320, 200
@@ -181,6 +184,55 @@ def test_a_click_is_published_and_printed(view, publisher, display, x, y, color)
     assert f"x {x}, y {y}: BGR {color}, HSV {HSV[color]}" in process.output()
 
 
+def test_a_click_tells_the_color_in_all_spaces_and_the_range_in_one(view, publisher, display):
+    process = view()
+    clicks = support.subscribed("/view/clicked", Click)
+    show(publisher, sample(), 1, display)
+    expected = {name: to_space(RED, name) for name in ("bgr", "hsv", "hls", "lab", "ycrcb")}
+    for name, code in (("hls", cv2.COLOR_BGR2HLS), ("lab", cv2.COLOR_BGR2Lab)):
+        assert tuple(cv2.cvtColor(sample(), code)[120, 230]) == expected[name]
+    for count, space in enumerate(("hls", "lab", "ycrcb", "rgb", "bgr"), 1):
+        support.reconfigured("/view", space=space)
+        click(window(), 200, 100)
+        found = clicks.wait(count)[-1]
+        assert {name: tuple(getattr(found, name)) for name in expected} == expected
+        wanted = range_around(to_space(RED, space), space)
+        process.wait_for_output(
+            "x 200, y 100: BGR {bgr}, HSV {hsv}, HLS {hls}, Lab {lab}, YCrCb {ycrcb}; for the "
+            "colors of hsv_tracker:\n  name: ".format(**expected)
+            + as_yaml(wanted)
+        )
+
+
+def test_c_shows_the_channels_of_one_space_after_the_other(view, publisher, display):
+    """Each tile has every second pixel; clicks and rectangles are of the image all the same."""
+    view("_show:=lab")
+    clicks = support.subscribed("/view/clicked", Click)
+    regions = support.subscribed("/view/selected", RegionOfInterest)
+    publisher.publish(message(sample(), 1))
+    number = window(what="320x200")
+
+    def shown(what):
+        def is_shown():
+            seen = support.screen(display)[:HEIGHT, :WIDTH]
+            return np.array_equal(seen, ChannelView(what, (WIDTH, HEIGHT)).of(sample()))
+
+        support.wait_for(is_shown, what)
+
+    shown("lab")
+    for what in ("ycrcb", "bgr", "hsv", "hls", "lab"):
+        press(number, "c")
+        shown(what)
+    click(number, 160 + 101, 100 + 51)  # in the last tile
+    (found,) = clicks.wait()
+    assert (found.x, found.y, tuple(found.bgr)) == (202, 102, RED)
+    drag(number, (100, 120), (129, 139))  # in the third one
+    (region,) = regions.wait()
+    assert (region.x_offset, region.y_offset, region.width, region.height) == (200, 40, 60, 40)
+    support.reconfigured("/view", show="hls")
+    shown("hls")
+
+
 def test_a_click_has_the_header_of_the_image_shown(view, publisher, display):
     view()
     clicks = support.subscribed("/view/clicked", Click)
@@ -341,6 +393,8 @@ def test_without_a_display(start, display_name, said):
     [
         ("_autosize:=3", "autosize is 3, must be true or false"),
         ("_save_folder:=7", "save_folder is 7, must be a string"),
+        ("_space:=cmyk", "space is 'cmyk', must be one of hsv, hls, lab, ycrcb, rgb, bgr"),
+        ("_show:=gray", "show is 'gray', must be one of bgr, hsv, hls, lab, ycrcb"),
         ("_image_transport:=pigeon", "must be one that is installed"),
     ],
 )
@@ -354,7 +408,7 @@ def test_bad_parameters_are_fatal(start, display, parameter, said):
 def test_the_launch_file_loads_the_defaults(start, display):
     config = pathlib.Path(__file__).resolve().parents[2] / "config" / "simple_camera_view.yaml"
     defaults = yaml.safe_load(config.read_text())
-    assert defaults == {"autosize": True, "save_folder": "."}
+    assert defaults == {"autosize": True, "space": "hsv", "show": "bgr", "save_folder": "."}
     start("/usr/bin/roslaunch", "robot_vision", "simple_camera_view.launch", "image:=/a/topic")
     window("/a/topic")
     for name, value in defaults.items():

@@ -14,6 +14,7 @@ from stage import FRAME, IMAGE, Stage, color, figures, listening, pixels, room, 
 from robot_vision import flow_to_colors
 from robot_vision.ros.messages import Box
 from robot_vision.srv import SelectObject
+from robot_vision.viewer.channel_view import ChannelView
 
 SEARCH_ALL = "_max_search_period:=0.0"  # each frame, and not in the background
 SETTLED = 15  # frames, after which the same frame has the same answer
@@ -263,6 +264,12 @@ def simple_camera_view(stage: Stage) -> np.ndarray:
         drag(number, (x - 8, y - 8), (x + side_x + 8, y + side_y + 8))
         support.wait_for(lambda: (shown() == GREEN).all(axis=2).sum() > side_x, "the rectangle")
         return shown().copy()
+
+
+def color_spaces(_stage: Stage) -> np.ndarray:
+    """What the viewer shows with the parameter show at lab."""
+    image = room(480, 360).render(FRAME)
+    return ChannelView("lab", image.shape[1::-1]).of(image)
 
 
 def drag(window: str, begin: Tuple[int, int], end: Tuple[int, int]) -> None:
