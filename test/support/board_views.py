@@ -57,10 +57,13 @@ def framed(image):
 
 
 class Studio:
-    """A camera to which a board is shown: each frame another pose, with the whole board in view."""
+    """A camera to which a board is shown: each frame another pose, with the whole board in view.
 
-    def __init__(self, board, camera, seed=1):
-        size = np.array(board.shape[::-1]) / DOT * SQUARE  # m
+    The image of the board is `size` m large; without, a square of it has DOT px and SQUARE m.
+    """
+
+    def __init__(self, board, camera, seed=1, size=None):
+        size = np.array(board.shape[::-1]) / DOT * SQUARE if size is None else np.array(size)
         bgr = cv2.cvtColor(board, cv2.COLOR_GRAY2BGR)
         self._scene = rv.FloorScene(bgr, tuple(size), camera)
         self._camera = camera

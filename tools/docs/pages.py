@@ -160,15 +160,20 @@ def pick_color(stage: Stage) -> np.ndarray:
 
 def markers(stage: Stage) -> np.ndarray:
     made: List[np.ndarray] = []
-    what: Sequence[Sequence[str]] = (["-s", "4", "0-11"], ["-s", "3", "http://wiki.ros.org"])
+    what: Sequence[Sequence[str]] = (
+        ["-s", "4", "0-11"],
+        ["-s", "3", "http://wiki.ros.org"],
+        ["--charuco", "5x7"],
+    )
     for number, words in enumerate(what):
         path = stage.folder / f"marker{number}.png"
         process = stage.start("create_marker.py", "--dpi", 300, "-o", path, *words)
         assert process.exit_code() == 0, process.output()
         made.append(cv2.imread(str(path)))
-    sheet = cv2.copyMakeBorder(made[0], 4, 4, 4, 4, cv2.BORDER_CONSTANT, value=(120, 120, 120))
-    cells = [fitted(sheet, 330, 450), fitted(made[1], 300, 450)]
-    captions = ["create_marker.py -s 4 0-11", "create_marker.py -s 3 http://wiki.ros.org"]
+    gray = {"borderType": cv2.BORDER_CONSTANT, "value": (120, 120, 120)}
+    sheet, board = (cv2.copyMakeBorder(page, 4, 4, 4, 4, **gray) for page in made[::2])
+    cells = [fitted(sheet, 240, 340), fitted(made[1], 150, 340), fitted(board, 240, 340)]
+    captions = ["create_marker.py -s 4 0-11", "-s 3 http://...", "--charuco 5x7"]
     return joined([captioned(cell, text) for cell, text in zip(cells, captions)], axis=1)
 
 

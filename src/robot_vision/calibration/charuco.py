@@ -5,6 +5,8 @@ from typing import Optional, Sequence, Tuple
 import cv2
 import numpy as np
 
+from ..common.aruco import require_markers
+
 MIN_CORNERS = 6  # corners of a board that counts as seen
 RANSAC_CONFIDENCE = 0.9999  # probability that RANSAC tries a sample of the board's own markers only
 MAX_MISFIT = 0.5  # of the pattern that is seen, as a share of the other pattern's misfit
@@ -32,18 +34,9 @@ class Charuco:
     """
 
     def __init__(self, squares: Tuple[int, int], square: float, marker: float, dictionary: str):
-        if not hasattr(cv2, "aruco"):
-            raise ValueError(
-                f"OpenCV {cv2.__version__} has no aruco, which ChArUco boards need: "
-                "it is one of the contrib modules"
-            )
         columns, rows = squares
-        predefined = _dictionary(dictionary)
-        self._count, there = columns * rows // 2, len(predefined.bytesList)
-        if self._count > there:
-            raise ValueError(
-                f"dictionary {dictionary} has {there} markers, the board {self._count}"
-            )
+        self._count = columns * rows // 2
+        predefined = require_markers(dictionary, self._count)
         even = rows % 2 == 0
         self._skipped = (0, columns // 2) if even else (0,)  # markers above the board, by pattern
         self._opencv = _OpenCv((columns, rows + even), square, marker, predefined)
@@ -151,11 +144,3 @@ class _OpenCv:
         if self._new:
             return self._detector.detectBoard(gray, markerCorners=corners, markerIds=numbers)[:2]
         return cv2.aruco.interpolateCornersCharuco(corners, numbers, gray, self._board)[1:]
-
-
-def _dictionary(name: str) -> "cv2.aruco.Dictionary":
-    number = getattr(cv2.aruco, "DICT_" + name.upper(), None)
-    if number is None:
-        known = [key[5:].lower() for key in sorted(vars(cv2.aruco)) if key.startswith("DICT_")]
-        raise ValueError(f"dictionary is '{name}', must be one of {', '.join(known)}")
-    return cv2.aruco.getPredefinedDictionary(number)

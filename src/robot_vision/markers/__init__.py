@@ -1,1 +1,1 @@
-"""Markers to print: tags and QR codes, sheets of them, and files of exact size."""
+"""Markers to print: tags, QR codes and boards, sheets of them, and files of exact size."""

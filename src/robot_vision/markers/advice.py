@@ -5,6 +5,7 @@ import shlex
 from typing import Sequence
 
 from .._core import tag_family
+from .board import Board
 from .drawing import INCH
 from .marker import Marker
 
@@ -19,6 +20,16 @@ def require_dots(marker: Marker, dpi: int) -> None:
         raise ValueError(
             f"{marker.label}: a cell has {marker.cell:.2f} mm, {dots:.1f} dots at {dpi} dpi, must "
             f"have {MIN_DOTS:g} dots: {_remedy(marker, MIN_DOTS * INCH / dpi)}"
+        )
+
+
+def require_board_dots(board: Board, dpi: int) -> None:
+    """Raises ValueError if the printed cells of a board's markers would run into each other."""
+    dots = board.cell * dpi / INCH
+    if dots < MIN_DOTS:
+        raise ValueError(
+            f"{board.label}: a cell of its markers has {board.cell:.2f} mm, {dots:.1f} dots at "
+            f"{dpi} dpi, must have {MIN_DOTS:g} dots: take a larger --square and --marker"
         )
 
 

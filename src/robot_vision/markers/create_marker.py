@@ -9,8 +9,9 @@ from typing import Iterator, List, Sequence, Tuple
 from ..common.commands import run_command
 from ..common.files import create_file, replace_file
 from ..tags.tag_ids import parse_ids
-from .advice import cell_advice, require_dots, tag_size_line, words_advice
+from .advice import cell_advice, require_board_dots, require_dots, tag_size_line, words_advice
 from .arguments import FORMATS, parse
+from .board import board_sheet, make_board
 from .drawing import Drawing
 from .marker import Marker, qr_marker, tag_marker
 from .sheet import sheets
@@ -27,16 +28,32 @@ def main() -> int:
 
 
 def make(arguments: argparse.Namespace) -> None:
-    """Writes the files, and prints hints about the markers.
+    """Writes the files, and prints hints about what is in them.
 
     Raises:
         ValueError: A marker does not exist, does not fit on the page, or could not be read.
         OSError: A file exists already, or cannot be written.
     """
+    (make_markers if arguments.board is None else make_calibration_board)(arguments)
+
+
+def make_calibration_board(arguments: argparse.Namespace) -> None:
+    """Writes the files of a board, and prints how to calibrate by it."""
+    board = make_board(*arguments.board, arguments.square, arguments.marker, arguments.dictionary)
+    require_board_dots(board, arguments.dpi)
+    for path in write([board_sheet(board, arguments.page or "A4")], "pdf", arguments):
+        print("written:", path)
+    print(f"to calibrate: rosrun robot_vision calibrate_headless.py {board.words} IMAGES")
+
+
+def make_markers(arguments: argparse.Namespace) -> None:
+    """Writes the files of tags and QR codes, and prints hints about them."""
     markers = [marker for text in arguments.what for marker in markers_of(text, arguments)]
     for marker in markers:
         require_dots(marker, arguments.dpi)
-    for path in write(markers, arguments):
+    page = arguments.page or ("A4" if len(markers) > 1 else None)
+    pages = sheets(markers, page) if page else [markers[0].drawing()]
+    for path in write(pages, "pdf" if page else "png", arguments):
         print("written:", path)
     tags = [text for text in arguments.what if means_tags(text, arguments)]
     if tags:
@@ -48,16 +65,19 @@ def make(arguments: argparse.Namespace) -> None:
         print(f"{PROGRAM}: {line}", file=sys.stderr)
 
 
-def write(markers: Sequence[Marker], arguments: argparse.Namespace) -> Iterator[str]:
+def write(pages: Sequence[Drawing], default: str, arguments: argparse.Namespace) -> Iterator[str]:
     """Writes the files, and yields the path of each as soon as it is written.
 
+    Args:
+        pages: What is drawn.
+        default: The suffix where the arguments name no format.
+        arguments: Those of the command.
+
     Raises:
-        ValueError: The markers do not fit on the page.
+        ValueError: The suffix is not that of a known format.
         OSError: A file exists already, or cannot be written.
     """
-    page = arguments.page or ("A4" if len(markers) > 1 else None)
-    pages = sheets(markers, page) if page else [markers[0].drawing()]
-    stem, kind = target(arguments, "pdf" if page else "png")
+    stem, kind = target(arguments, default)
     files = rendered(pages, stem, kind, arguments.dpi)
     taken = [path for path, _ in files if os.path.lexists(path)]
     if taken and not arguments.force:
@@ -124,6 +144,9 @@ def target(arguments: argparse.Namespace, default: str) -> Tuple[str, str]:
 
 def default_name(arguments: argparse.Namespace) -> str:
     """Returns a file name made of the arguments, without characters special to shells."""
+    if arguments.board:
+        kind, columns, rows = arguments.board
+        return f"{kind}_{columns}x{rows}_{arguments.square:g}mm"
     names = []
     for text in arguments.what:
         tags = means_tags(text, arguments)

@@ -8,6 +8,7 @@ import numpy as np
 INCH = 25.4  # mm
 
 Bar = Tuple[float, float, float, float]  # x, y, width, height in mm
+Disc = Tuple[float, float, float]  # x and y of the centre, and radius in mm
 
 
 @dataclass(frozen=True)
@@ -22,12 +23,13 @@ class Text:
 
 @dataclass
 class Drawing:
-    """A page of black bars and text. x points right and y down, from the page's top left corner."""
+    """A page of black bars, discs and text, x to the right and y down from its top left corner."""
 
     width: float  # mm
     height: float  # mm
     bars: List[Bar] = field(default_factory=list)
     texts: List[Text] = field(default_factory=list)
+    discs: List[Disc] = field(default_factory=list)
 
     def add_cells(self, cells: np.ndarray, x: float, y: float, cell: float) -> None:
         """Draws the cells that are True, (rows, columns), as squares with sides of `cell` mm."""

@@ -1,6 +1,7 @@
 """Writers of drawings as PDF, SVG and PNG."""
 
 import io
+import math
 import struct
 import zlib
 from typing import Sequence
@@ -59,6 +60,13 @@ def paint(context: cairo.Context, page: Drawing) -> None:
     for bar in page.bars:
         context.rectangle(*bar)
     context.fill()
+    context.save()
+    context.set_antialias(cairo.ANTIALIAS_GRAY)  # so that the middle of a disc is where it should
+    for x, y, radius in page.discs:
+        context.new_sub_path()
+        context.arc(x, y, radius, 0.0, 2.0 * math.pi)
+        context.fill()
+    context.restore()
     context.select_font_face(FONT)
     for text in page.texts:
         context.set_font_size(text.size)
@@ -79,6 +87,9 @@ def to_svg(page: Drawing) -> bytes:
     """Returns an SVG whose unit is the millimetre; the unit of cairo's depends on its version."""
     size = f"{page.width:.4f}", f"{page.height:.4f}"
     bars = "".join(f"M{x:.4f} {y:.4f}h{w:.4f}v{h:.4f}h{-w:.4f}z" for x, y, w, h in page.bars)
+    discs = "".join(
+        f'<circle cx="{x:.4f}" cy="{y:.4f}" r="{radius:.4f}"/>\n' for x, y, radius in page.discs
+    )
     texts = "".join(
         f'<text x="{text.x:.4f}" y="{text.y:.4f}" font-size="{text.size:.4f}" '
         f'font-family="{FONT}" text-anchor="middle">{escape(text.text)}</text>\n'
@@ -88,5 +99,5 @@ def to_svg(page: Drawing) -> bytes:
         f'<svg xmlns="http://www.w3.org/2000/svg" width="{size[0]}mm" height="{size[1]}mm" '
         f'viewBox="0 0 {size[0]} {size[1]}">\n'
         '<rect width="100%" height="100%" fill="white"/>\n'
-        f'<path d="{bars}"/>\n{texts}</svg>\n'
+        f'<path d="{bars}"/>\n{discs}{texts}</svg>\n'
     ).encode()
