@@ -1,10 +1,12 @@
 """A camera is calibrated by camera_calibration, and its images are rectified by image_proc."""
 
+import re
 import shutil
 import subprocess
 
 import cv2
 import numpy as np
+import pytest
 import rospy
 import support
 from sensor_msgs.msg import CameraInfo, Image
@@ -12,7 +14,8 @@ from sensor_msgs.srv import SetCameraInfo, SetCameraInfoResponse
 
 from robot_vision import CalibrationScene, SceneParams
 from robot_vision.calibration.boards import chessboard
-from robot_vision.calibration.solving import calibrate
+from robot_vision.calibration.camera_file import as_yaml
+from robot_vision.calibration.solving import Calibration, calibrate
 
 BUTTON = (155, 155, 80)  # BGR, of one that can be pressed
 CORNERS = (8, 6)
@@ -109,6 +112,46 @@ def test_from_the_board_to_straight_lines(start, display, tmp_path):
     assert after.max() < 0.1 and before.mean() > 3.0 * after.mean()
     color = support.Messages("/usb_cam/image_rect_color", Image).wait()[0]
     assert (color.encoding, color.header.frame_id) == ("bgr8", "head_camera")
+
+
+ERRORS = r"Linearity RMS Error: ([\d.]+) Pixels +Reprojection RMS Error: ([\d.]+) Pixels"
+
+
+@pytest.mark.skipif(not hasattr(np, "product"), reason="cameracheck.py is older than this NumPy")
+def test_cameracheck_tells_how_good_a_calibration_is(start, tmp_path):
+    """First of a calibration that has no distortion, then of the right one."""
+    truth, kept = CalibrationScene().camera, tmp_path / "kept.yaml"
+    flat = np.zeros(5)
+    wrong = Calibration(
+        (640, 480), "plumb_bob", truth.K, flat, projection(truth.K), flat, 0.0, flat
+    )
+    kept.write_text(as_yaml(wrong, "head_camera"))
+    start("camera_node", *SHOWN, f"_camera_info_url:=file://{kept}")
+    unbuffered = {"PYTHONUNBUFFERED": "1"}
+    check = start(shutil.which("roslaunch"), "robot_vision", "cameracheck.launch", env=unbuffered)
+
+    def errors():
+        """Linearity and reprojection, px, of each image in which the board was found."""
+        return np.array(re.findall(ERRORS, check.output()), float).reshape(-1, 2)
+
+    support.wait_for(lambda: len(errors()) >= 5, "errors of the wrong calibration", 60.0)
+    before = np.median(errors(), axis=0)
+    right = CameraInfo(width=640, height=480, distortion_model="plumb_bob")
+    right.K, right.P, right.D = truth.K.ravel(), projection(truth.K).ravel(), truth.D
+    right.R = np.eye(3).ravel()
+    assert rospy.ServiceProxy("/usb_cam/set_camera_info", SetCameraInfo)(right).success
+    last = {}
+
+    def small():
+        last["errors"] = np.median(errors()[-5:], axis=0)
+        return (last["errors"] < 0.1).all()
+
+    support.wait_for(small, "small errors of the right calibration", 60.0)
+    assert (before > 3.0 * last["errors"]).all()
+
+
+def projection(matrix):
+    return np.hstack([matrix, np.zeros((3, 1))])
 
 
 def test_a_camera_in_the_root_namespace_is_found(start, display):
