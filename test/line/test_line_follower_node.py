@@ -2,6 +2,7 @@
 
 import time
 
+import cv2
 import frames
 import numpy as np
 import pytest
@@ -266,6 +267,24 @@ def test_robot_stands_if_everything_is_line(driven):
     said = said.copy()
     draw_text(said, "no line", (10, 20))
     assert np.array_equal(np.frombuffer(overlay.data, np.uint8).reshape(said.shape), said)
+
+
+def test_the_region_of_interest_and_the_threshold_image_are_published(driven):
+    """Pixel by pixel, with the header of their frame; another strip is another part of it."""
+    robot = driven()
+    topics = [support.subscribed(f"/follower/{name}", Image) for name in ("roi", "mask")]
+    for strip, rows in ((0.25, 60), (0.5, 120)):
+        support.reconfigured("/follower", strip=strip)
+        robot.drive.pose = Pose()
+        robot.step()
+        roi, mask = (topic.of(robot.now) for topic in topics)
+        image = robot.world.render(Pose(), robot.frame)[-rows:]
+        expected = cv2.inRange(cv2.cvtColor(image, cv2.COLOR_BGR2HSV), (0, 35, 0), (57, 255, 255))
+        assert 0 < np.count_nonzero(expected) < expected.size
+        assert (roi.encoding, mask.encoding) == ("bgr8", "mono8")
+        assert (roi.width, roi.height) == (mask.width, mask.height) == (320, rows)
+        assert np.array_equal(np.frombuffer(roi.data, np.uint8).reshape(image.shape), image)
+        assert np.array_equal(np.frombuffer(mask.data, np.uint8).reshape(expected.shape), expected)
 
 
 @pytest.mark.parametrize("side", [1.0, -1.0])

@@ -22,6 +22,7 @@ CONTROL = tuple(LineControlParams.__dataclass_fields__)
 class LineFollower:
     """Publishes cmd_vel, ~line and ~processed_image (the image with the line outlined).
 
+    ~roi is the part of the image that the line is looked for in, and ~mask is where its colour is.
     Subscribes to image. ~enable (std_srvs/SetBool) makes the robot stop, or drive again.
     """
 
@@ -32,6 +33,8 @@ class LineFollower:
         self._node = ImageNode(self._process)
         self._lines = self._node.publisher("~line", LineMessage)
         self._processed = self._node.image_publisher("~processed_image")
+        self._roi = self._node.image_publisher("~roi")
+        self._mask = self._node.image_publisher("~mask")
         self._drive = Drive(self._node.publisher("cmd_vel", Twist))
         self._params = LiveParams(LineFollowerConfig, self._configure)
         self._node.start()
@@ -50,10 +53,11 @@ class LineFollower:
 
     def _process(self, frame: Frame) -> None:
         began, age = time.monotonic(), _age(frame.header.stamp)
-        strip, mask, params, controller = self._tools
+        strip, color, params, controller = self._tools
         height = frame.image.shape[0]
         top = min(round(height * (1.0 - strip)), height - 1)
-        line = find_line(mask.apply(frame.image[top:]), params, self._followed)
+        mask = color.apply(frame.image[top:])
+        line = find_line(mask, params, self._followed)
         if line.confidence < self._min_confidence:  # For instance, the mask may fill the image.
             line = Line()
         if line.found:
@@ -64,6 +68,8 @@ class LineFollower:
             stamp = frame.header.stamp.to_sec() or rospy.get_time()
             self._drive.command(*controller.update(stamp, line), began - age)
         self._publish(frame, line, top)
+        self._roi.publish(frame.image[top:], "bgr8", frame.header)
+        self._mask.publish(mask, "mono8", frame.header)
 
     def _is_fresh(self, stamp: rospy.Time, age: float) -> bool:
         """Returns whether to drive on a frame: not if it is old, nor if it came before."""
