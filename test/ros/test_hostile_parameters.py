@@ -181,7 +181,7 @@ AT_START = {
         "image_transport": IMAGE_NODE["image_transport"],
     },
     "camera.camera_loader.CameraLoader": {"manager": is_name},
-    "demo.demo_status.DemoStatus": {"view": is_flag},
+    "demo.demo_status.DemoStatus": {"view": is_flag, "basics": is_flag},
 }
 # Parameters that are read later, when values are saved or periodically, have their own tests.
 LATER = {"config_file", "cameras"}

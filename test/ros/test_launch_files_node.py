@@ -18,6 +18,8 @@ import support
 import yaml
 from sensor_msgs.msg import CameraInfo, Image
 
+from robot_vision.demo import demo_status
+
 LAUNCH = pathlib.Path(__file__).resolve().parents[2] / "launch"
 CHAIN = f"""
 <launch>
@@ -278,6 +280,17 @@ def test_demo_sets_the_parameters_of_its_launch_files():
     device = parameters_of("demo.launch", "source:=/dev/video0")
     assert device["/apriltag_detector/tag_size"] == 0.1
     assert device["/motion_detector/method"] == "first_frame"
+
+
+def test_basics_are_an_optional_part_of_the_demo():
+    nodes, more = (
+        {node.name for node in loaded("demo.launch", *words).nodes}
+        for words in ([], ["basics:=true"])
+    )
+    assert more - nodes == set(demo_status.BASICS) and nodes < more
+    parameters = parameters_of("demo.launch", "basics:=true")
+    assert all(parameters[f"/{name}/always_subscribe"] for name in demo_status.BASICS)
+    assert parameters["/demo_status/basics"]
 
 
 def test_a_camera_in_the_root_namespace_is_rectified(start):

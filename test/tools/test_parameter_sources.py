@@ -131,7 +131,12 @@ def asked_in_cpp():
 def test_the_page_has_what_nodes_ask_for_at_start():
     rows = defaults_at_start()
     names = {name for _, name in rows}
-    commands = {"manager", "cameras", "view"}  # of the camera loader and of the demo's report
+    commands = {
+        "manager",
+        "cameras",
+        "view",
+        "basics",
+    }  # of the camera loader and of the demo's report
     for name, default in asked_in_python():
         assert name in names | commands, name
         if name in names and default is not None:

@@ -25,6 +25,20 @@ TOPICS = {
     "apriltag_detector": "/apriltag_detector/processed_image",
     "code_reader": "/code_reader/processed_image",
 }
+BASICS = {  # with basics:=true
+    name: f"/{name}/processed_image"
+    for name in (
+        "filter",
+        "dense_flow",
+        "spectrum",
+        "segmenter",
+        "hough",
+        "contours",
+        "histogram",
+        "window_tracker",
+        "people_detector",
+    )
+}
 WIDTH = max(map(len, TOPICS))
 VIEWER = TOPICS["usb_cam"] + " "  # the start of simple_camera_view's title, which has two blanks
 WINDOWS_TIMEOUT = 120.0  # s for all windows to open
@@ -50,17 +64,20 @@ class DemoStatus:
     With windows (~view true) it also puts them side by side. Without windows, the default, it
     first prints the topics that can be viewed.
 
-    Subscribes to /diagnostics.
+    With ~basics true the nodes of basic operations are among them. Subscribes to /diagnostics.
     """
 
     def __init__(self) -> None:
+        self._topics = {**TOPICS, **BASICS} if read_param("basics", False) else TOPICS
         if read_param("view", False):
-            threading.Thread(target=tile_windows, name="windows", daemon=True).start()
+            windows = threading.Thread(target=tile_windows, args=(self._topics,), name="windows")
+            windows.daemon = True
+            windows.start()
         else:
             none = "No windows (view:=true)" if os.environ.get("DISPLAY") else "No display"
             print(f"{none}: look at these topics, for instance with")
             print("  rosrun image_view image_view image:=" + TOPICS["edge_detector"])
-            print(*("  " + topic for topic in TOPICS.values()), sep="\n", flush=True)
+            print(*("  " + topic for topic in self._topics.values()), sep="\n", flush=True)
         self._lock = threading.Lock()  # guards _round: each publisher has its own thread
         self._round: Dict[str, DiagnosticStatus] = {}
         self._subscriber = rospy.Subscriber("/diagnostics", DiagnosticArray, self._on_diagnostics)
@@ -71,24 +88,24 @@ class DemoStatus:
                 self._add(status.name.split(":")[0], status)
 
     def _add(self, name: str, status: DiagnosticStatus) -> None:
-        if name not in TOPICS:
+        if name not in self._topics:
             return
         if name in self._round:  # Another node is missing from this round.
             self._print_round()
         self._round[name] = status
-        if len(self._round) == len(TOPICS):
+        if len(self._round) == len(self._topics):
             self._print_round()
 
     def _print_round(self) -> None:
-        lines = [line(name, self._round[name]) for name in TOPICS if name in self._round]
+        lines = [line(name, self._round[name]) for name in self._topics if name in self._round]
         print("", *lines, sep="\n", flush=True)
         self._round.clear()
 
 
-def tile_windows() -> None:
+def tile_windows(topics: Dict[str, str]) -> None:
     """Puts the windows of demo.launch side by side as they open."""
     try:
-        tiles = Tiles([*TOPICS.values(), VIEWER])
+        tiles = Tiles([*topics.values(), VIEWER])
     except OSError as error:
         rospy.logwarn("windows stay where they open: %s", error)
         return
