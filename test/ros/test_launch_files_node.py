@@ -48,6 +48,8 @@ NO_TEXTS = {
     "invert",
     *("tag_size", "ball_diameter", "image_width", "image_height", "framerate", "loop", "view"),
     "radius",
+    *("tag_size", "ball_diameter", "image_width", "image_height", "framerate", "loop", "view"),
+    "max_features",
 }
 
 
@@ -247,6 +249,9 @@ def test_the_host_with_the_camera_passes_the_source_on_unchanged():
         ("dense_flow", ["method:=farneback"], {"method": "farneback"}),
         ("dense_flow", ["draw:=arrows"], {"draw": "arrows"}),
         ("spectrum", ["filter:=low_pass", "radius:=0.2"], {"filter": "low_pass", "radius": 0.2}),
+        ("features", ["synthetic:=true"], {}),
+        ("features", ["detector:=akaze", "max_features:=9"], {"max_features": 9}),
+        ("features", ["match:=last_frame", "reference:=/a.png"], {"match": "last_frame"}),
     ],
 )
 def test_arguments_set_parameters(name, arguments, changed):

@@ -7,6 +7,7 @@ from typing import Any, Callable, List, Tuple
 import cv2
 import numpy as np
 import rospy
+import skimage.data
 from canvas import beside
 from sensor_msgs.msg import Image, RegionOfInterest
 from stage import FRAME, IMAGE, Stage, color, figures, listening, pixels, room, support, x_server
@@ -242,6 +243,18 @@ class Walkers:
 
 def people_detector(stage: Stage) -> np.ndarray:
     return stage.drawn("people_detector.py", Walkers(), [FRAME])
+
+
+def features(stage: Stage) -> np.ndarray:
+    path = stage.folder / "portrait.png"
+    cv2.imwrite(str(path), cv2.cvtColor(skimage.data.astronaut(), cv2.COLOR_RGB2BGR))
+    found = ("_match:=reference", f"_reference:={path}", "_detector:=akaze")
+    few, many = "_max_features:=150", "_max_features:=2000"
+    shown = [
+        stage.drawn("features.py", room(), [FRAME], *settings)
+        for settings in (["_detector:=orb", few], [*found, many])
+    ]
+    return beside(shown, ["detector orb", "match reference"])
 
 
 def simple_camera_view(stage: Stage) -> np.ndarray:
