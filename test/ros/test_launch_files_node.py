@@ -252,6 +252,9 @@ def test_the_host_with_the_camera_passes_the_source_on_unchanged():
         ("features", ["synthetic:=true"], {}),
         ("features", ["detector:=akaze", "max_features:=9"], {"max_features": 9}),
         ("features", ["match:=last_frame", "reference:=/a.png"], {"match": "last_frame"}),
+        ("template_matcher", ["synthetic:=true"], {}),
+        ("template_matcher", ["templates:=/a", "results:=multiple"], {"templates": "/a"}),
+        ("template_matcher", ["method:=ccorr"], {"method": "ccorr"}),
     ],
 )
 def test_arguments_set_parameters(name, arguments, changed):

@@ -257,6 +257,20 @@ def features(stage: Stage) -> np.ndarray:
     return beside(shown, ["detector orb", "match reference"])
 
 
+def template_matcher(stage: Stage) -> np.ndarray:
+    """Parts of an earlier frame, found in this one."""
+    folder = stage.folder / "templates"
+    folder.mkdir()
+    early, truth = room().render(FRAME - 10), room().truth(FRAME - 10)
+    for name in ("tag_0", "qr_code"):
+        outline = next(one.outline for one in truth.objects if one.name == name)
+        x, y, width, height = cv2.boundingRect(np.int32(outline))
+        cv2.imwrite(str(folder / f"{name}.png"), early[y : y + height, x : x + width])
+    words = "template_matcher.py", room(), [FRAME], f"_templates:={folder}", "_threshold:=0.6"
+    shown = [stage.drawn(*words, output=output) for output in ("processed_image", "response")]
+    return beside(shown, ["~processed_image", "~response"])
+
+
 def simple_camera_view(stage: Stage) -> np.ndarray:
     scene = room(480, 360)
     image = scene.render(FRAME)

@@ -1,0 +1,80 @@
+"""Templates in image files, whose alpha channel says which of their pixels count."""
+
+import os
+from typing import List, NamedTuple, Optional
+
+import cv2
+import numpy as np
+
+from .._core import decode_image_file
+from ..common.errors import about
+from ..common.files import MAX_IMAGE, read_file, trying
+from ..common.image_files import has_image_suffix, upright
+from ..common.plain_text import brief, printable
+
+MAX_FILES = 100
+WHITE = {np.dtype(np.uint8): 255, np.dtype(np.uint16): 65535}
+
+
+class Template(NamedTuple):
+    """An image that is looked for.
+
+    Attributes:
+        name: The name of its file without the ending.
+        pixels: (height, width, 3) uint8, BGR.
+        mask: (height, width) uint8, 128 and more for the pixels that count; None: all do.
+    """
+
+    name: str
+    pixels: np.ndarray
+    mask: Optional[np.ndarray] = None
+
+
+def load_templates(text: str) -> List[Template]:
+    """Returns the templates in files and folders: absolute paths, separated by commas.
+
+    Raises:
+        ValueError: A path is not absolute or not that of an image or a folder with images, or they
+            are too many.
+    """
+    try:
+        files = [file for path in text.split(",") if path.strip() for file in _files(path.strip())]
+        if len(files) > MAX_FILES:
+            raise ValueError(f"{len(files)} files, must be at most {MAX_FILES}")
+        return [load_template(path) for path in files]
+    except (OSError, ValueError) as error:
+        raise ValueError(f"templates: {printable(str(error), 300)}") from None
+
+
+def load_template(path: str) -> Template:
+    """Returns the template in a file.
+
+    Raises:
+        ValueError: The file is not an image.
+        OSError: The file cannot be read.
+    """
+    name = os.fsencode(os.path.splitext(os.path.basename(path))[0]).decode(errors="replace")
+    data = read_file(path, MAX_IMAGE)
+    with about(path):
+        image = decode_image_file(data, cv2.IMREAD_UNCHANGED)
+        if image.ndim < 3 or image.shape[2] < 4 or image.dtype not in WHITE:
+            return Template(printable(name), upright(data))
+        image = cv2.convertScaleAbs(image, alpha=255 / WHITE[image.dtype])
+        bgr, alpha = np.ascontiguousarray(image[:, :, :3]), np.ascontiguousarray(image[:, :, 3])
+        return Template(printable(name), bgr, alpha)
+
+
+def _files(path: str) -> List[str]:
+    """Returns the sorted image files of a folder, or the one file that the path is."""
+    if not os.path.isabs(
+        path
+    ):  # roslaunch and a node resolve a relative path in different folders.
+        raise ValueError(f"{brief(path)} must be an absolute path")
+    if not os.path.isdir(path):
+        return [path]
+    with trying(path, "read"):
+        names = sorted(os.listdir(path))
+    files = [name for name in names if has_image_suffix(name) and not name.startswith(".")]
+    if not files:
+        raise ValueError(f"{path} has no image files")
+    return [os.path.join(path, name) for name in files]
