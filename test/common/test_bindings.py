@@ -84,6 +84,13 @@ def test_values_out_of_the_documented_range_are_refused(kind):
             rf"(odd and from|from|above) ({number}) (?:and at most|and up to|to) ({number})\)$",
             getattr(kind, name).__doc__,
         )
+        words = re.search(r"[ (](\w+(?:, \w+)* or \w+)\)$", getattr(kind, name).__doc__)
+        if words and isinstance(getattr(kind(), name), str):
+            ranges += 1
+            params = kind()
+            setattr(params, name, "magic")
+            with pytest.raises(ValueError, match=f"^{name} is .*magic.*, must be {words[1]}$"):
+                rv.validate(params)
         if not found:
             continue
         ranges += 1

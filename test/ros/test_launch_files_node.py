@@ -38,18 +38,8 @@ ENCODINGS = {
     "/edge_detector/processed_image": "mono8",
 }
 NO_TEXTS = {
-    "tag_size",
-    "ball_diameter",
-    "image_width",
-    "image_height",
-    "framerate",
-    "loop",
-    "view",
-    "invert",
     *("tag_size", "ball_diameter", "image_width", "image_height", "framerate", "loop", "view"),
-    "radius",
-    *("tag_size", "ball_diameter", "image_width", "image_height", "framerate", "loop", "view"),
-    "max_features",
+    *("basics", "invert", "max_features", "radius"),
 }
 
 

@@ -1,5 +1,6 @@
 """The README and the pages of docs/ against the files of the package."""
 
+import pathlib
 import re
 from xml.etree import ElementTree
 
@@ -43,6 +44,20 @@ def test_a_node_s_launch_file_is_what_its_page_says(name):
 def test_a_node_s_page_has_an_image_of_its_name(name):
     page = NODES[name].page
     assert f"images/{page.stem}.jpg" in pages.links(page.read_text())
+
+
+def test_every_launch_file_of_opencv_apps_has_its_like():
+    (rows,) = [
+        text.partition("\n\n")[0]
+        for text in (pages.ROOT / "docs/basics.md")
+        .read_text()
+        .split("| opencv_apps | here |\n|---|---|\n")[1:]
+    ]
+    named = {
+        name for row in rows.splitlines() for name in re.findall(r"`(\w+)`", row.split("|")[1])
+    }
+    theirs = pathlib.Path("/usr/share/opencv_apps/launch").glob("*.launch")
+    assert named >= {path.stem for path in theirs} and len(named) >= 26
 
 
 def test_the_index_lists_all_pages():

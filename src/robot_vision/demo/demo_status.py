@@ -37,6 +37,8 @@ BASICS = {  # with basics:=true
         "histogram",
         "window_tracker",
         "people_detector",
+        "features",
+        "template_matcher",
     )
 }
 WIDTH = max(map(len, TOPICS))
