@@ -47,6 +47,15 @@ py::tuple project(const CameraModel& camera, const Matrix& points)
   return py::make_tuple(pixels, jacobians);
 }
 
+py::array_t<double> rays(const CameraModel& camera, const Matrix& pixels)
+{
+  if (pixels.ndim() != 2 || pixels.shape(1) != 2) throw py::value_error("expected an (n, 2) array of pixels");
+  std::vector<cv::Point2d> found;
+  for (py::ssize_t i = 0; i < pixels.shape(0); ++i)
+    found.push_back(camera.ray({pixels.at(i, 0), pixels.at(i, 1)}));
+  return toPython(found);
+}
+
 void bindGeometry(py::module& m)
 {
   py::class_<CameraModel>(m, "CameraModel", "Pinhole camera with one of sensor_msgs/CameraInfo's distortions.")
@@ -62,7 +71,10 @@ void bindGeometry(py::module& m)
       .def_readonly("distortion_model", &CameraModel::distortion_model)
       .def("project", &project, "points"_a,
            "Where points are seen, and how that changes with them: (n, 2) px and (n, 2, 3) px/m of (n, 3) m in the "
-           "optical frame; NaN for those not in front of the camera.");
+           "optical frame; NaN for those not in front of the camera.")
+      .def("rays", &rays, "pixels"_a,
+           "The inverse of project(): x and y, (n, 2), of the rays (x, y, 1) in the optical frame that are seen at "
+           "pixel positions, (n, 2); NaN where there is none.");
   m.def(
       "validate_rectification",
       [](const Matrix& R, const Matrix& P)

@@ -41,6 +41,8 @@ NO_TEXTS = {
     *("tag_size", "ball_diameter", "image_width", "image_height", "framerate", "loop", "view"),
     *("basics", "invert", "max_features", "radius"),
 }
+NO_TEXTS = {"tag_size", "ball_diameter", "image_width", "image_height", "framerate", "loop", "view"}
+NO_TEXTS |= {"columns", "rows", "square"}
 
 
 def texts():
@@ -232,6 +234,8 @@ def test_the_host_with_the_camera_passes_the_source_on_unchanged():
         ("line_follower", ["synthetic:=true", "color:=blue"], {"h_low": 90, "h_high": 120}),
         ("motion_detector", ["synthetic:=true"], {"method": "previous_frame"}),
         ("motion_detector", ["synthetic:=true", "method:=mog2"], {"method": "mog2"}),
+        ("cube_overlay", ["synthetic:=true"], {"square": 0.05}),
+        ("cube_overlay", ["board:=acircles", "columns:=4"], {"board": "acircles", "columns": 4}),
         ("code_reader", ["synthetic:=true"], {}),
         ("hough", ["method:=circles", "circle_method:=gradient_alt"], {"method": "circles"}),
         ("contours", ["invert:=true", "draw:=hull"], {"invert": True, "draw": "hull"}),

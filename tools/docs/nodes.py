@@ -14,12 +14,17 @@ from stage import FRAME, IMAGE, Stage, color, figures, listening, pixels, room, 
 
 from robot_vision import flow_to_colors
 from robot_vision.ros.messages import Box
+from sensor_msgs.msg import RegionOfInterest
+from stage import FRAME, IMAGE, NOISE, Stage, color, pixels, room, support, x_server
+
+from robot_vision import CalibrationScene, SceneParams
 from robot_vision.srv import SelectObject
 from robot_vision.viewer.channel_view import ChannelView
 
 SEARCH_ALL = "_max_search_period:=0.0"  # each frame, and not in the background
 SETTLED = 15  # frames, after which the same frame has the same answer
 GREEN = (0, 255, 0)  # BGR, of what is seen
+BOARD_FRAME = 60  # of the calibration scene, with a tilted board
 
 
 def plain(name: str, stage: Stage) -> np.ndarray:
@@ -117,6 +122,22 @@ def line_follower(stage: Stage, width: int = 640, height: int = 480) -> np.ndarr
 
 def small_line_follower(stage: Stage) -> np.ndarray:
     return line_follower(stage, 320, 240)
+
+
+def cube_overlay(stage: Stage) -> np.ndarray:
+    scene, frames = CalibrationScene(quiet()), [BOARD_FRAME] * SETTLED
+    drawn = [
+        stage.drawn("cube_overlay.py", scene, frames, "_square:=0.05", f"_draw:={kind}", infos=1)
+        for kind in ("cube", "axes")
+    ]
+    return beside(drawn, ["draw:=cube", "draw:=axes"])
+
+
+def quiet() -> SceneParams:
+    """Of a scene with little noise, which takes small files."""
+    params = SceneParams()
+    params.noise = NOISE
+    return params
 
 
 def motion_detector(stage: Stage) -> np.ndarray:

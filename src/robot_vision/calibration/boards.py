@@ -1,6 +1,6 @@
 """Calibration boards: where OpenCV finds their points in an image."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Callable, Dict, NamedTuple, Optional, Tuple
 
 import cv2
@@ -27,10 +27,13 @@ class Board:
         points: All points of the board, (n, 3) m.
         finder: A function that finds points in a gray image. It returns their indices and their
             pixels, (n, 2), or None.
+        refine: A function that moves pixels, (n, 2), of all points to where they are in a gray
+            image, if they have been found in a smaller one. None: that would not do.
     """
 
     points: np.ndarray
     finder: Callable[[np.ndarray], Optional[Tuple[np.ndarray, np.ndarray]]]
+    refine: Optional[Callable[[np.ndarray, np.ndarray], np.ndarray]] = None
 
     def find(self, gray: np.ndarray) -> Optional[Observation]:
         """Finds the board in an image, (height, width) uint8; returns None if it is not there."""
@@ -49,14 +52,16 @@ def chessboard(columns: int, rows: int, square: float) -> Board:
         # is hidden or the board has another size.
         flags = cv2.CALIB_CB_ADAPTIVE_THRESH | cv2.CALIB_CB_FAST_CHECK
         found, pixels = cv2.findChessboardCorners(gray, (columns, rows), flags=flags)
-        if not found:
-            return None
+        return refine(gray, pixels) if found else None
+
+    def refine(gray: np.ndarray, pixels: np.ndarray) -> np.ndarray:
         grid = pixels.reshape(rows, columns, 2)
         nearest = min(np.linalg.norm(np.diff(grid, axis=axis), axis=2).min() for axis in (0, 1))
         half = int(min(max(nearest / 2.0, 2.0), MAX_CORNER_WINDOW))  # No other corner is inside.
-        return cv2.cornerSubPix(gray, pixels, (half, half), (-1, -1), SUB_PIXEL_END)
+        start = pixels.reshape(-1, 1, 2).astype(np.float32)
+        return cv2.cornerSubPix(gray, start, (half, half), (-1, -1), SUB_PIXEL_END).reshape(-1, 2)
 
-    return _whole(_grid(columns, rows, square), find)
+    return replace(_whole(_grid(columns, rows, square), find), refine=refine)
 
 
 def circles(columns: int, rows: int, spacing: float) -> Board:

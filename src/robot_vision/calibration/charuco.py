@@ -40,24 +40,37 @@ class Charuco:
         even = rows % 2 == 0
         self._skipped = (0, columns // 2) if even else (0,)  # markers above the board, by pattern
         self._opencv = _OpenCv((columns, rows + even), square, marker, predefined)
-        self.points = self._opencv.corners  # (n, 3) m: the inner corners
+        self._inner = [self._inner_corners(skipped) for skipped in self._skipped]  # by pattern
+        self.points = self._opencv.corners[self._inner[0]]  # (n, 3) m: the inner corners
 
     def find(self, gray: np.ndarray) -> Optional[Tuple[np.ndarray, np.ndarray]]:
         """Returns the indices and pixels, (n, 2), of the corners seen; None if they are too few."""
-        markers = self._board_markers(*self._opencv.detect(gray))
-        if markers is None:
+        chosen = self._board_markers(*self._opencv.detect(gray))
+        if chosen is None:
             return None
+        pattern, markers = chosen
         corners, ids = self._opencv.interpolate(gray, markers)
-        if ids is None or len(ids) < MIN_CORNERS:
+        if ids is None:
             return None
-        seen = ids.ravel()
+        inner = self._inner[pattern]
+        own = np.isin(ids.ravel(), inner)
+        seen = np.searchsorted(inner, ids.ravel()[own])
+        if len(seen) < MIN_CORNERS:
+            return None
         on_a_line = np.linalg.matrix_rank(self.points[seen] - self.points[seen[0]]) < 2
-        return None if on_a_line else (seen, corners.reshape(-1, 2))
+        return None if on_a_line else (seen, corners.reshape(-1, 2)[own])
+
+    def _inner_corners(self, skipped: int) -> np.ndarray:
+        """Returns which corners are inside of the pattern before which so many markers are."""
+        corners, markers = self._opencv.corners, self._opencv.markers
+        own = markers[skipped : skipped + self._count].reshape(-1, 3)[:, :2]
+        inside = (corners[:, :2] > own.min(axis=0)) & (corners[:, :2] < own.max(axis=0))
+        return np.flatnonzero(inside.all(axis=1))
 
     def _board_markers(
         self, corners: Sequence[np.ndarray], numbers: Optional[np.ndarray]
-    ) -> Optional[Markers]:
-        """Returns the board's markers, numbered by the pattern that is seen.
+    ) -> Optional[Tuple[int, Markers]]:
+        """Returns the pattern that is seen, and the board's markers as it numbers them.
 
         Markers that are not where the board has them, because they are false or belong to other
         boards, are left out. Returns None if it is not clear which pattern is seen.
@@ -76,7 +89,7 @@ class Charuco:
         best = int(np.argmin(misfits))
         others = misfits[:best] + misfits[best + 1 :]
         is_clear = all(misfits[best] < MAX_MISFIT * other for other in others)
-        return choices[best] if is_clear else None
+        return (best, choices[best]) if is_clear else None
 
     def _consistent(self, corners: Sequence[np.ndarray], numbers: np.ndarray) -> np.ndarray:
         """Returns the indices of the largest set of markers that fit one flat board."""
