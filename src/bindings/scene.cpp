@@ -49,6 +49,9 @@ void bindScenes(py::module& m)
   py::class_<CalibrationScene, Scene>(m, "CalibrationScene",
                                       "A checkerboard shown to the Scene's camera, each half second in another pose.")
       .def(py::init<const SceneParams&>(), "params"_a = SceneParams());
+
+  py::class_<RoadScene, Scene>(m, "RoadScene", "A robot drives in the lane of a road, around an oval to the left.")
+      .def(py::init<const SceneParams&>(), "params"_a = SceneParams());
 }
 
 py::array renderFloor(const FloorScene& scene, const Matrix& camera)

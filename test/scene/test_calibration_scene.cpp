@@ -114,6 +114,8 @@ TEST(CalibrationScene, isOpenedAsASourceByItsName)
   ASSERT_EQ(frame.truth->objects.size(), 1U);
   EXPECT_EQ(frame.truth->objects[0].name, "checkerboard");
   EXPECT_EQ(source->cameraModel()->K, scene.camera().K);
+  params.scene = "road";
+  EXPECT_EQ(openSource(params)->description(), "synthetic scene (road) 640x480 at 30 Hz");
   params.scene = "beach";
-  EXPECT_EQ(refusal([&] { openSource(params); }), "scene is 'beach', must be room or calibration");
+  EXPECT_EQ(refusal([&] { openSource(params); }), "scene is 'beach', must be room, calibration or road");
 }

@@ -58,8 +58,8 @@ struct CaptureParams
     visit("timeout", &CaptureParams::timeout, Range{0.1, 3600}, "s",
           "a device or stream that gives no good frame for so long is opened anew; cameras slower than that have "
           "three of their periods or exposures, to 30 s, and a stream has 30 s to its next keyframe");
-    visit("scene", &CaptureParams::scene, OneOf{"room or calibration", "'"}, "",
-          "what synthetic shows: the room, or a checkerboard in many poses");
+    visit("scene", &CaptureParams::scene, OneOf{"room, calibration or road", "'"}, "",
+          "what synthetic shows: the room, a checkerboard in many poses, or a road that a robot drives on");
     visit("poster", &CaptureParams::poster, Anything{}, "",
           "image file on the wall of the scene; empty or pattern: a pattern; auto: the portrait of python3-skimage "
           "if that is installed, else the pattern");

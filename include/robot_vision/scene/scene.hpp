@@ -19,7 +19,12 @@ constexpr double kSceneQrSide = 0.504;        // 21 modules, without the quiet z
 constexpr double kSceneCheckerSquare = 0.05;  // one square of the checkerboard (8 x 6 inner corners)
 constexpr double kSceneBallRadius = 0.1;
 constexpr double kSceneLineWidth = 0.06;
-constexpr double kScenePeriod = 20.0;  // s after which every motion repeats
+constexpr double kSceneRoadRadius = 2.0;     // of the curves of the RoadScene, in the middle of the lane
+constexpr double kSceneLaneWidth = 0.4;      // between the middles of its lines
+constexpr double kSceneRoadLine = 0.02;      // width of a line
+constexpr double kSceneCameraHeight = 0.25;  // of the robot's camera above the road
+constexpr double kSceneCameraPitch = 0.6;    // rad, by which it looks down
+constexpr double kScenePeriod = 20.0;        // s after which every motion repeats
 
 struct SceneParams
 {
@@ -58,11 +63,13 @@ void validate(const SceneParams& params);
 ///   convex silhouette.
 /// - ball: it has the axes of the world and the origin in its middle. The outline has 64 points of the exact
 ///   silhouette; their centroid is not `center`, because a sphere off the optical axis is seen as an ellipse.
+/// - lane, of the RoadScene: x points along it, y to its left, z up; the origin is on its middle, beside the robot. The
+///   outline is the part ahead inside the image, between the middles of its lines.
 /// - line: x points right, y away from the robot, z up; the origin is on its middle line. The outline is the part
 ///   inside the image.
 struct SceneObject
 {
-  std::string name;                  // ball, tag_0, tag_1, qr_code, checkerboard, line, box, poster
+  std::string name;                  // ball, tag_0, tag_1, qr_code, checkerboard, line, box, poster, lane
   cv::Affine3d pose;                 // object in the camera's optical frame, m
   std::vector<cv::Point2d> outline;  // px in the (distorted) image, sub-pixel
   cv::Point2d center;                // px, projection of the object's origin
@@ -118,6 +125,20 @@ public:
 
 private:
   struct ShownBoard;
+};
+
+/// A robot drives in the lane of a road, once around an oval of two straights and two half circles to the left, and
+/// sways a little. The left line is yellow and dashed, the right one white. The camera is kSceneCameraHeight above the
+/// robot's origin and looks down by kSceneCameraPitch. The lane is the only object of the truth.
+class RoadScene : public Scene
+{
+public:
+  /// The parameter `still` has the robot stay where it is in frame 0. Throws std::invalid_argument as
+  /// validate(SceneParams) does.
+  explicit RoadScene(const SceneParams& params);
+
+private:
+  struct Drive;
 };
 
 }  // namespace robot_vision

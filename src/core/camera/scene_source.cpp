@@ -37,12 +37,12 @@ cv::Mat readPoster(const std::string& poster)
   }
 }
 
-/// The source of a Scene or CalibrationScene, each frame with its ground truth.
+/// The source of a Scene, CalibrationScene or RoadScene, each frame with its ground truth.
 template <class AnyScene>
 class SceneSource : public FrameSource
 {
 public:
-  /// `poster` is that of a Scene; a CalibrationScene has none.
+  /// `poster` is that of a Scene; the others have none.
   template <class... Poster>
   explicit SceneSource(const CaptureParams& params, const Poster&... poster)
     : name_(params.scene), rate_(wantedRate(params)), scene_(sceneParams(params), poster...)
@@ -82,6 +82,7 @@ private:
 std::unique_ptr<FrameSource> openScene(const CaptureParams& params)
 {
   if (params.scene == "calibration") return std::make_unique<SceneSource<CalibrationScene>>(params);
+  if (params.scene == "road") return std::make_unique<SceneSource<RoadScene>>(params);
   return std::make_unique<SceneSource<Scene>>(params, readPoster(params.poster));
 }
 

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "calibration_poses.hpp"
+#include "road_model.hpp"
 #include "robot_vision/common/range.hpp"
 #include "robot_vision/common/shared_instance.hpp"
 #include "scene_noise.hpp"
@@ -110,6 +111,39 @@ struct CalibrationScene::ShownBoard : Content
   scene::Texture texture = scene::cellTexture(scene::checkerCells());
 };
 
+struct RoadScene::Drive : Content
+{
+  explicit Drive(const SceneParams& params) : Content(params), still(params.still) {}
+
+  scene::RoadPlace placeAt(double seconds) const { return scene::roadPlace(still ? 0.0 : seconds); }
+
+  SceneTruth truth(double seconds) const override
+  {
+    const scene::RoadPlace place = placeAt(seconds);
+    const cv::Affine3d camera = scene::mountedCamera(place.robot), world_in_camera = camera.inv();
+    scene::Polygon3 ahead = scene::laneAhead(place.along);
+    for (cv::Point3d& point : ahead)
+      point = world_in_camera * point;
+    SceneObject lane;
+    lane.name = "lane";
+    lane.pose = world_in_camera * place.lane;
+    lane.outline = scene::clipToImage(scene::project(scene::clipToView(ahead, lens), lens.camera, 1), lens.camera);
+    lane.center = lens.camera.project(cv::Point3d(lane.pose.translation()));
+    return {0, camera, {lane}};
+  }
+
+  void paint(double seconds, cv::Mat& bgr) const override
+  {
+    bgr.setTo(scene::kGrass);
+    const cv::Affine3d world_in_camera = scene::mountedCamera(placeAt(seconds).robot).inv();
+    scene::paintBoard(texture, world_in_camera * board.pose, board.size, lens, bgr);
+  }
+
+  bool still;
+  scene::Board board = scene::onFloor(0.0, 0.0, scene::roadSize());
+  scene::Texture texture = scene::imageTexture(scene::roadImage());
+};
+
 Scene::Scene(std::unique_ptr<const Content> content) : content_(std::move(content))
 {
 }
@@ -120,6 +154,10 @@ Scene::Scene(const SceneParams& params, const cv::Mat& poster_bgr)
 }
 
 CalibrationScene::CalibrationScene(const SceneParams& params) : Scene(std::make_unique<const ShownBoard>(params))
+{
+}
+
+RoadScene::RoadScene(const SceneParams& params) : Scene(std::make_unique<const Drive>(params))
 {
 }
 

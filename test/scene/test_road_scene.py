@@ -1,0 +1,84 @@
+"""The scene of a road: what it shows is where its truth says, and what the lane detector finds."""
+
+import functools
+import math
+
+import numpy as np
+import pytest
+
+import robot_vision as rv
+
+RADIUS, WIDTH, STRAIGHT, PERIOD = 2.0, 0.4, 1.5, 20.0  # m, m, m, s
+TRIP = 2.0 * (STRAIGHT + math.pi * RADIUS)  # m, once around
+RATE = 30.0  # Hz
+AHEAD = 1.2  # m, what is seen of the road
+
+
+@functools.lru_cache(maxsize=None)
+def scene(still=False):
+    params = rv.SceneParams()
+    params.still = still
+    return rv.RoadScene(params)
+
+
+def lane_of(frame):
+    (lane,) = scene().truth(frame).objects
+    assert lane.name == "lane"
+    return lane
+
+
+def in_image(frame, x, y):
+    """The pixels of places in the frame of the lane, (n,) m each."""
+    places = np.column_stack([x, np.broadcast_to(y, np.shape(x)), np.zeros(len(x))])
+    pose = lane_of(frame).pose
+    pixels, _ = scene().camera.project(places @ pose[:3, :3].T + pose[:3, 3])
+    return np.rint(pixels).astype(int)
+
+
+def robot_in_lane(frame):
+    """Offset (m) and heading (rad) by the poses of lane and camera."""
+    camera = np.linalg.inv(lane_of(frame).pose)
+    ahead = camera[:3, 2]
+    return camera[1, 3], math.atan2(ahead[1], ahead[0])
+
+
+def curvature(frame):
+    """Of the road that is seen; None where a straight goes over into a curve."""
+    along = TRIP * frame / RATE / PERIOD % (TRIP / 2.0)
+    if along + AHEAD < STRAIGHT:
+        return 0.0
+    return 1.0 / RADIUS if STRAIGHT < along < TRIP / 2.0 - AHEAD else None
+
+
+@pytest.mark.parametrize("frame", [0, 10, 305])
+def test_lines_are_where_the_truth_has_them(frame):
+    assert curvature(frame) == 0.0
+    image, x = scene().render(frame).astype(int), np.linspace(0.35, 0.9, 12)
+    right = in_image(frame, x, -WIDTH / 2.0)
+    middle = in_image(frame, x, 0.0)
+    left = in_image(frame, np.linspace(0.35, 0.9, 60), WIDTH / 2.0)
+    assert (image[right[:, 1], right[:, 0]] > 200).all()
+    assert (np.abs(image[middle[:, 1], middle[:, 0]] - 106) < 30).all()
+    yellow = image[left[:, 1], left[:, 0], 2] > 180
+    assert 0.3 < yellow.mean() < 0.7  # dashed
+    outline = lane_of(frame).outline
+    assert (outline > -1.0).all() and (outline < (640, 480)).all()
+    assert outline[:, 0].min() < middle[:, 0].min() and outline[:, 0].max() > middle[:, 0].max()
+
+
+def test_the_camera_is_on_a_robot_that_drives_around():
+    poses = [scene().truth(frame).camera for frame in range(0, 600, 10)]
+    places = np.array([pose[:3, 3] for pose in poses])
+    assert np.allclose(places[:, 2], 0.25)
+    assert np.allclose([math.asin(-pose[2, 2]) for pose in poses], 0.6)
+    steps = np.linalg.norm(np.diff(places[:, :2], axis=0), axis=1)
+    assert np.allclose(steps, TRIP / 60, rtol=0.1)
+    assert np.allclose(scene().truth(600).camera, poses[0])
+    offsets = np.array([robot_in_lane(frame)[0] for frame in range(0, 600, 10)])
+    assert offsets.max() == pytest.approx(0.05, abs=0.002)
+    assert offsets.min() == pytest.approx(-0.05, abs=0.002)
+
+
+def test_a_still_robot_stays():
+    assert np.allclose(scene(True).truth(100).camera, scene().truth(0).camera)
+    assert np.abs(scene(True).render(0).astype(int) - scene(True).render(100)).max() < 30
