@@ -170,6 +170,7 @@ AT_START = {
     "line.line_follower.LineFollower": IMAGE_NODE,
     "faces.face_detector.FaceDetector": IMAGE_NODE,
     "motion.motion_detector.MotionDetector": IMAGE_NODE,
+    "lanes.lane_detector.LaneDetector": IMAGE_NODE,
     "calibration.cube_overlay.CubeOverlay": {"board_frame_id": is_name, **IMAGE_NODE},
     "tracking.object_tracker.ObjectTracker": IMAGE_NODE,
     "tracking.window_tracker.WindowTracker": IMAGE_NODE,

@@ -34,6 +34,7 @@ PYTHON_NODES = [
     "face_detector.py",
     "face_recognizer.py",
     "motion_detector.py",
+    "lane_detector.py",
     "cube_overlay.py",
     "object_tracker.py",
     "window_tracker.py",

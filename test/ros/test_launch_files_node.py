@@ -39,10 +39,9 @@ ENCODINGS = {
 }
 NO_TEXTS = {
     *("tag_size", "ball_diameter", "image_width", "image_height", "framerate", "loop", "view"),
-    *("basics", "invert", "max_features", "radius"),
+    *("basics", "camera_height", "columns", "invert", "lane_width", "max_features", "pitch"),
+    *("radius", "rows", "square"),
 }
-NO_TEXTS = {"tag_size", "ball_diameter", "image_width", "image_height", "framerate", "loop", "view"}
-NO_TEXTS |= {"columns", "rows", "square"}
 
 
 def texts():
@@ -234,6 +233,12 @@ def test_the_host_with_the_camera_passes_the_source_on_unchanged():
         ("line_follower", ["synthetic:=true", "color:=blue"], {"h_low": 90, "h_high": 120}),
         ("motion_detector", ["synthetic:=true"], {"method": "previous_frame"}),
         ("motion_detector", ["synthetic:=true", "method:=mog2"], {"method": "mog2"}),
+        ("lane_detector", ["synthetic:=true"], {}),
+        (
+            "lane_detector",
+            ["ground:=points", "lane_width:=3.5"],
+            {"ground": "points", "lane_width": 3.5},
+        ),
         ("cube_overlay", ["synthetic:=true"], {"square": 0.05}),
         ("cube_overlay", ["board:=acircles", "columns:=4"], {"board": "acircles", "columns": 4}),
         ("code_reader", ["synthetic:=true"], {}),

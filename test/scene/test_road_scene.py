@@ -82,3 +82,19 @@ def test_the_camera_is_on_a_robot_that_drives_around():
 def test_a_still_robot_stays():
     assert np.allclose(scene(True).truth(100).camera, scene().truth(0).camera)
     assert np.abs(scene(True).render(0).astype(int) - scene(True).render(100)).max() < 30
+
+
+def test_the_lane_detector_finds_the_lane_of_the_truth():
+    detector, checked = rv.LaneDetector(), 0
+    for frame in range(0, 600, 12):
+        lane = detector.update(frame / RATE, scene().render(frame), camera=scene().camera)
+        offset, heading = robot_in_lane(frame)
+        assert lane.found and lane.offset == pytest.approx(offset, abs=0.06), frame
+        if curvature(frame) is None:
+            continue  # The detector's lane has one curvature, and this road two.
+        checked += 1
+        assert lane.offset == pytest.approx(offset, abs=0.01), frame
+        assert lane.heading == pytest.approx(heading, abs=math.radians(1.5)), frame
+        assert lane.curvature == pytest.approx(curvature(frame), abs=0.06), frame
+        assert lane.width == pytest.approx(WIDTH, abs=0.01), frame
+    assert checked > 30

@@ -10,20 +10,29 @@ import rospy
 import skimage.data
 from canvas import beside
 from sensor_msgs.msg import Image, RegionOfInterest
-from stage import FRAME, IMAGE, Stage, color, figures, listening, pixels, room, support, x_server
+from stage import (
+    FRAME,
+    IMAGE,
+    NOISE,
+    Stage,
+    color,
+    figures,
+    listening,
+    pixels,
+    room,
+    support,
+    x_server,
+)
 
-from robot_vision import flow_to_colors
+from robot_vision import CalibrationScene, RoadScene, SceneParams, flow_to_colors
 from robot_vision.ros.messages import Box
-from sensor_msgs.msg import RegionOfInterest
-from stage import FRAME, IMAGE, NOISE, Stage, color, pixels, room, support, x_server
-
-from robot_vision import CalibrationScene, SceneParams
 from robot_vision.srv import SelectObject
 from robot_vision.viewer.channel_view import ChannelView
 
 SEARCH_ALL = "_max_search_period:=0.0"  # each frame, and not in the background
 SETTLED = 15  # frames, after which the same frame has the same answer
 GREEN = (0, 255, 0)  # BGR, of what is seen
+ROAD_FRAME = 250  # in a curve
 BOARD_FRAME = 60  # of the calibration scene, with a tilted board
 
 
@@ -122,6 +131,15 @@ def line_follower(stage: Stage, width: int = 640, height: int = 480) -> np.ndarr
 
 def small_line_follower(stage: Stage) -> np.ndarray:
     return line_follower(stage, 320, 240)
+
+
+def lane_detector(stage: Stage) -> np.ndarray:
+    road, frames = RoadScene(quiet()), [ROAD_FRAME] * SETTLED
+    drawn = [
+        stage.drawn("lane_detector.py", road, frames, output=output, infos=1)
+        for output in ("processed_image", "birds_eye")
+    ]
+    return beside(drawn, ["~processed_image", "~birds_eye"])
 
 
 def cube_overlay(stage: Stage) -> np.ndarray:

@@ -39,6 +39,8 @@ BASICS = {  # with basics:=true
         "people_detector",
         "features",
         "template_matcher",
+        "cube_overlay",
+        "lane_detector",
     )
 }
 WIDTH = max(map(len, TOPICS))
