@@ -19,8 +19,7 @@ py::array applyChain(FilterChain& chain, const py::array& image, const std::stri
   const ImageArray input(image);
   const ImageArray other(second.is_none() ? image : second.cast<py::array>());
   const std::string& other_encoding = second.is_none() ? encoding : second_encoding;
-  return imageFrom([&](cv::Mat& output)
-                   { chain.apply({input.view, encoding}, output, {other.view, other_encoding}); });
+  return imageFrom([&](cv::Mat& output) { chain.apply({input.view, encoding}, output, {other.view, other_encoding}); });
 }
 
 std::string limitsOf(const OperationParam& param)

@@ -3,7 +3,8 @@
 
 int main(int argc, char** argv)
 {
-  const char* about = R"(Does operations on a camera's images, one after the other: ~chain names them ("gaussian, canny").
+  const char* about =
+      R"(Does operations on a camera's images, one after the other: ~chain names them ("gaussian, canny").
 
 Subscribes to image while somebody subscribes to ~processed_image or to ~steps/NAME, the result of an operation, and to
 second if the chain needs another image and ~use_second is set. Also publishes /diagnostics.

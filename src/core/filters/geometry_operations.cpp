@@ -125,7 +125,8 @@ std::vector<Operation> geometryOperations()
              const double radius = std::max(1.0, std::hypot(double{middle.x}, double{middle.y}));
              const int log = v.flag("log") ? cv::WARP_POLAR_LOG : cv::WARP_POLAR_LINEAR;
              const int inverse = v.flag("inverse") ? cv::WARP_INVERSE_MAP : 0;
-             cv::warpPolar(in.image, out, in.image.size(), middle, radius, cv::INTER_LINEAR | cv::WARP_FILL_OUTLIERS | log | inverse);
+             cv::warpPolar(in.image, out, in.image.size(), middle, radius,
+                           cv::INTER_LINEAR | cv::WARP_FILL_OUTLIERS | log | inverse);
            })},
   };
 }
