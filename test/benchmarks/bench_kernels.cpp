@@ -156,7 +156,7 @@ std::vector<Work> allWorks()
 {
   std::vector<Work> all;
   for (const auto& part : {bench::edgeWorks(), bench::hsvWorks(), bench::motionWorks(), bench::brightnessWorks(),
-                           bench::conversionWorks(), bench::jpegWorks()})
+                           bench::filterWorks(), bench::conversionWorks(), bench::jpegWorks()})
     all.insert(all.end(), part.begin(), part.end());
   return all;
 }

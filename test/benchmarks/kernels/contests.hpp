@@ -35,6 +35,7 @@ struct Work
 };
 
 std::vector<Work> edgeWorks();
+std::vector<Work> filterWorks();
 std::vector<Work> hsvWorks();
 std::vector<Work> motionWorks();
 std::vector<Work> brightnessWorks();
