@@ -26,10 +26,7 @@ std::vector<cv::Point2d> toCurve(const Matrix& points)
 
 void draw(const py::array& bgr, const Matrix& left, const Matrix& right)
 {
-  const ImageArray image(bgr);
-  if (!bgr.writeable()) throw py::value_error("cannot draw on an array that is read-only");
-  if (image.array.data() != bgr.data()) throw py::value_error("cannot draw on an array with gaps in its rows");
-  cv::Mat pixels = image.view;
+  cv::Mat pixels = canvas(bgr);
   const auto left_curve = toCurve(left), right_curve = toCurve(right);
   const LeaveGil unlocked;
   drawLane(pixels, left_curve, right_curve);

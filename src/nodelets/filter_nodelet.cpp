@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <boost/make_shared.hpp>
-#include <mutex>
 #include <pluginlib/class_list_macros.hpp>
 #include <stdexcept>
 #include <string>
@@ -10,6 +9,7 @@
 #include <vector>
 
 #include "factories.hpp"
+#include "robot_vision/common/throttle.hpp"
 #include "robot_vision/filters/filter_chain.hpp"
 #include "ros/images/image_nodelet.hpp"
 #include "ros/images/image_subscription.hpp"
@@ -50,7 +50,6 @@ public:
     values.erase("use_second");
     const std::vector<std::string> names = chainNames(config.chain);
     FilterChain chain(names, values);
-    const std::lock_guard<std::mutex> lock(mutex_);
     chain_ = std::move(chain);
     uses_second_ = config.use_second && chain_.takesSecond();
     subscribe();
@@ -66,7 +65,6 @@ public:
 
   void listen(bool listens)
   {
-    const std::lock_guard<std::mutex> lock(mutex_);
     listens_ = listens;
     subscribe();
   }
@@ -99,12 +97,26 @@ private:
     {
       const image_transport::TransportHints hints("raw", ros::TransportHints().tcpNoDelay(), pnh_);
       subscription_ = ImageSubscription(nh_, it_, "second", hints,
-                                        [this](const sensor_msgs::ImageConstPtr& message) { second_ = message; });
+                                        [this](const sensor_msgs::ImageConstPtr& message) { keep(message); });
     }
     else if (!wanted)
     {
       subscription_.shutdown();
       second_.reset();
+    }
+  }
+
+  /// As the second image, if it can be one.
+  void keep(const sensor_msgs::ImageConstPtr& message)
+  {
+    try
+    {
+      viewPixels(*message);
+      second_ = message;
+    }
+    catch (const std::exception& e)
+    {
+      if (throttle_.due()) ROS_ERROR("%s", describeRefusal(*message, subscription_.topic(), e.what()).c_str());
     }
   }
 
@@ -126,7 +138,7 @@ private:
   std::vector<std::string> topics_;  // of the steps
   LazyOutputs* outputs_ = nullptr;   // null before advertise()
   sensor_msgs::ImageConstPtr second_;
-  std::mutex mutex_;  // guards all below, which parameters may change while the nodelet is set up
+  Throttle throttle_;
   bool uses_second_ = false;
   bool listens_ = false;
   ImageSubscription subscription_;  // to the topic `second`

@@ -38,11 +38,12 @@ class Studio:
 
     def show_until_known(self, image):
         """Shows an image until the node knows the camera, as camera_info may come later."""
-        for _ in range(100):
+
+        def known():
             stamp, overlay = self.show(image)
-            if not np.array_equal(overlay, not_calibrated(image)):
-                return stamp, overlay
-        raise AssertionError("not in 100 frames")
+            return not np.array_equal(overlay, not_calibrated(image)) and (stamp, overlay)
+
+        return support.wait_for(known, "the camera to be known")
 
 
 def not_calibrated(image):

@@ -38,11 +38,12 @@ class Robot:
 
     def show_until_known(self, image):
         """Shows an image until the node knows the camera, as camera_info may come later."""
-        for _ in range(100):
+
+        def known():
             stamp, overlay = self.show(image)
-            if not np.array_equal(overlay, not_calibrated(image)):
-                return stamp, overlay
-        raise AssertionError("not in 100 frames")
+            return not np.array_equal(overlay, not_calibrated(image)) and (stamp, overlay)
+
+        return support.wait_for(known, "the camera to be known")
 
 
 def pixels(message):
@@ -128,11 +129,12 @@ def test_without_a_calibration_four_points_are_enough(start):
 def test_a_view_that_the_camera_does_not_have_is_said(start):
     robot = Robot(start, "_near:=30.0", "_far:=31.0", "_pitch:=1.5")
     image = ROAD.view(0.0, 0.0)
-    for _ in range(100):
-        robot.camera.show(image)
-        if "the view from above is black" in robot.process.output():
-            break
-        support.arrived.wait(0.02)
+    support.wait_for(
+        lambda: (
+            robot.camera.show(image) and "the view from above is black" in robot.process.output()
+        ),
+        "the refusal",
+    )
     robot.process.wait_for_output(
         f"refused a frame on {robot.camera.topic} (bgr8, 320x240): the vi"
     )

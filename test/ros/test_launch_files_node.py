@@ -298,6 +298,9 @@ def test_basics_are_an_optional_part_of_the_demo():
     parameters = parameters_of("demo.launch", "basics:=true")
     assert all(parameters[f"/{name}/always_subscribe"] for name in demo_status.BASICS)
     assert parameters["/demo_status/basics"]
+    with_windows = loaded("demo.launch", "basics:=true", "view:=true").nodes
+    windows = {node.name for node in with_windows if "view" in node.type}
+    assert windows >= {f"{name}_view" for name in demo_status.BASICS}
 
 
 def test_a_camera_in_the_root_namespace_is_rectified(start):

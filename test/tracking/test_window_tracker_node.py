@@ -162,14 +162,17 @@ def test_the_topic_selects_another_object_and_parameters_change_live(start):
     assert desk.show(image)[0][0].id == 3
 
 
-def test_a_region_of_parameters_is_followed_though_nobody_subscribes(start):
+def test_a_region_of_parameters_is_followed_though_nobody_subscribes(start, diagnostics):
     where = [
         f"_{name}:={value}" for name, value in zip(("x", "y", "width", "height"), (50, 84, 61, 33))
     ]
-    desk = Desk(start, *where, topics={})
+    desk = Desk(start, *where, "_diagnostic_period:=0.02", topics={})
     for step in range(12):
         desk.send(view((80 + 5 * step, 100)))
-        rospy.sleep(0.02)
+        support.wait_for(
+            lambda: int(diagnostics.value("hand", "frames published")) > step,  # noqa: B023
+            "the frame to be processed",
+        )
     states = support.subscribed("/hand/state", TrackStateArray)
     (state,) = states.of(desk.send(view((80 + 5 * 12, 100)))).tracks
     assert (state.id, state.state) == (1, TrackState.TRACKED)

@@ -55,8 +55,9 @@ def test_a_window_is_known_by_its_title(title, number):
     assert place_of(title, ["/a", "/a/b", "/a "]) == number
 
 
-def test_tiles_fill_the_screen_and_do_not_overlap():
-    tiles = [tile(number, (1283, 1025)) for number in range(12)]
+@pytest.mark.parametrize("count", [12, 24])
+def test_tiles_fill_the_screen_and_do_not_overlap(count):
+    tiles = [tile(number, count, (1283, 1025)) for number in range(count)]
     assert not any(overlap(one, other) for one, other in itertools.combinations(tiles, 2))
     assert max(x + width for x, _, width, _ in tiles) == 1283
     assert max(y + height for _, y, _, height in tiles) == 1025

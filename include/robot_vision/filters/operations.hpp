@@ -66,7 +66,7 @@ struct Operation
 
   std::string name;
   std::string meaning;                 // a sentence that names OpenCV's function
-  std::vector<std::string> encodings;  // that it takes; others are converted to bgr8 if that is one of them, or mono8
+  std::vector<std::string> encodings;  // that it takes; others are converted to one of bgr8 and mono8
   std::string output;                  // the encoding of its results; empty: that of its input
   std::vector<OperationParam> params;
   std::function<Step(const OperationValues& values)> make;

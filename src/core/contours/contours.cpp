@@ -35,7 +35,7 @@ struct FoundContours
   {
     cv::findContours(mask, outlines, hierarchy, kModes.at(mode), kApproximations.at(params.approximation));
     for (const Outline& outline : outlines)
-      areas.push_back(cv::contourArea(outline));
+      areas.push_back(outline.empty() ? 0.0 : cv::contourArea(outline));
   }
 
   /// Indices of those of at least `min_area`, the largest first, `max_count` at most.

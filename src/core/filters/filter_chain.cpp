@@ -20,7 +20,8 @@ std::string inputEncoding(const Operation& operation, const std::string& encodin
   const auto takes = [&](const std::string& name)
   { return std::find(taken.begin(), taken.end(), name) != taken.end(); };
   if (takes(encoding)) return encoding;
-  return takes("bgr8") ? "bgr8" : "mono8";
+  const bool is_gray = encoding == "mono8" || encoding == "mono16" || encoding == "mono10";
+  return takes("mono8") && (is_gray || !takes("bgr8")) ? "mono8" : "bgr8";
 }
 
 /// What `work` returns; what it throws begins with `name`.

@@ -53,7 +53,8 @@ SeedMap::SeedMap(const std::vector<SegmentSeed>& seeds, const cv::Size& whole, c
     const cv::Rect there = (clicked ? cv::Rect(seed.point, cv::Size(1, 1)) : seed.region) & cv::Rect({0, 0}, whole);
     if (there.empty()) continue;
     const cv::Point corner(first(there.x, scale_x), first(there.y, scale_y));
-    const cv::Rect region(corner, cv::Point(end(there.br().x, scale_x), end(there.br().y, scale_y)));
+    const cv::Point behind(end(there.br().x, scale_x), end(there.br().y, scale_y));
+    const cv::Rect region = cv::Rect(corner, behind) & cv::Rect({0, 0}, size);  // a product may be rounded upwards
     const cv::Point point = clicked ? seed.point : there.tl() + cv::Point(there.width / 2, there.height / 2);
     spots_.push_back(
         {number, clicked ? cv::Rect() : region, cv::Point(middle(point.x, scale_x), middle(point.y, scale_y))});

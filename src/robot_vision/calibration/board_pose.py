@@ -137,5 +137,5 @@ def _turn(quarters: int) -> np.ndarray:
 
 def _has_all(points: np.ndarray, others: np.ndarray, step: float) -> bool:
     """Whether each of the others, (n, 2), is where one of the points is, which are a step apart."""
-    near = np.linalg.norm(points[:, None] - others, axis=2).min(axis=0)
-    return bool((near < 0.1 * step).all())
+    here, there = (set(map(tuple, np.rint(4.0 * of / step).astype(int))) for of in (points, others))
+    return there <= here

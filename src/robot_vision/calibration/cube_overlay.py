@@ -76,7 +76,10 @@ class CubeOverlay:
         if found:
             self._publish(frame, found)
         if self._processed.get_num_connections():
-            overlay = to_bgr(frame.image, frame.encoding)
+            try:
+                overlay = to_bgr(frame.image, frame.encoding)
+            except (TypeError, ValueError) as error:
+                raise FrameError(error) from None
             if camera is None:
                 draw_text(overlay, "no calibration: see what the node has printed", (10, 20))
             elif found:

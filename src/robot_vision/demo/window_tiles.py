@@ -1,9 +1,9 @@
 """Arranges the windows of other processes side by side on the X display."""
 
 import ctypes
+import math
 from typing import Dict, Iterator, List, NamedTuple, Optional, Sequence, Tuple
 
-COLUMNS, ROWS = 4, 3
 TITLE_BAR = 30  # px that a window manager adds above a window
 
 Xid = ctypes.c_ulong
@@ -20,16 +20,19 @@ class Area(NamedTuple):
     height: int
 
 
-def tile(number: int, screen: Tuple[int, int]) -> Area:
-    """Returns the area of the tile with a number from 0 to COLUMNS * ROWS - 1, row by row.
+def tile(number: int, count: int, screen: Tuple[int, int]) -> Area:
+    """Returns the area of one of `count` tiles, which cover the screen row by row.
 
     Args:
-        number: The number of the tile.
+        number: The number of the tile, from 0.
+        count: How many tiles there are.
         screen: The width and height of the screen in px.
     """
-    row, column = divmod(number, COLUMNS)
-    left, right = (screen[0] * i // COLUMNS for i in (column, column + 1))
-    top, bottom = (screen[1] * i // ROWS for i in (row, row + 1))
+    columns = math.ceil(math.sqrt(count * 4 / 3))  # as images are wider than high
+    rows = math.ceil(count / columns)
+    row, column = divmod(number, columns)
+    left, right = (screen[0] * i // columns for i in (column, column + 1))
+    top, bottom = (screen[1] * i // rows for i in (row, row + 1))
     return Area(left, top + TITLE_BAR, right - left, bottom - top - TITLE_BAR)
 
 
@@ -65,7 +68,7 @@ class Tiles:
         for window, title in self._titled(self._x11.XDefaultRootWindow(self._display)):
             number = place_of(title, self._starts)
             if number is not None and self._placed.get(window) != number:  # Titles may change.
-                area = tile(number, self._screen)
+                area = tile(number, len(self._starts), self._screen)
                 self._x11.XMoveResizeWindow(self._display, window, *area)
                 self._placed[window] = number
         self._x11.XSync(self._display, 0)

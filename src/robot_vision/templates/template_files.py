@@ -13,6 +13,7 @@ from ..common.image_files import has_image_suffix, upright
 from ..common.plain_text import brief, printable
 
 MAX_FILES = 100
+MAX_PIXELS = 2**26  # of all together
 WHITE = {np.dtype(np.uint8): 255, np.dtype(np.uint16): 65535}
 
 
@@ -41,7 +42,13 @@ def load_templates(text: str) -> List[Template]:
         files = [file for path in text.split(",") if path.strip() for file in _files(path.strip())]
         if len(files) > MAX_FILES:
             raise ValueError(f"{len(files)} files, must be at most {MAX_FILES}")
-        return [load_template(path) for path in files]
+        templates: List[Template] = []
+        for path in files:
+            templates.append(load_template(path))
+            pixels = sum(one.pixels.shape[0] * one.pixels.shape[1] for one in templates)
+            if pixels > MAX_PIXELS:
+                raise ValueError(f"{pixels} pixels up to {path}, must be at most {MAX_PIXELS}")
+        return templates
     except (OSError, ValueError) as error:
         raise ValueError(f"templates: {printable(str(error), 300)}") from None
 
@@ -66,9 +73,8 @@ def load_template(path: str) -> Template:
 
 def _files(path: str) -> List[str]:
     """Returns the sorted image files of a folder, or the one file that the path is."""
-    if not os.path.isabs(
-        path
-    ):  # roslaunch and a node resolve a relative path in different folders.
+    # roslaunch and a node resolve a relative path in different folders.
+    if not os.path.isabs(path):
         raise ValueError(f"{brief(path)} must be an absolute path")
     if not os.path.isdir(path):
         return [path]

@@ -57,10 +57,10 @@ class TemplateMatcher:
         self._node.start()
 
     def _configure(self, config: Dict[str, Any]) -> None:
+        files = self._files  # which only this function changes
+        if config["templates"] != files[0]:
+            files = config["templates"], load_templates(config["templates"])
         with self._lock:
-            files = self._files
-            if config["templates"] != files[0]:
-                files = config["templates"], load_templates(config["templates"])
             self._work = work_of(config, files[1], self._selected)
             self._files, self._config = files, config
 

@@ -27,8 +27,7 @@ namespace robot_vision
 ///   void listen(bool listens);  // if it has other inputs: whether somebody subscribes to the results
 ///
 /// `image` views the pixels of the message; process() throws std::exception to refuse it. The manager of the nodelets
-/// calls these functions, and the callbacks of both handles, one after the other; only the first listen() comes while
-/// the nodelet is still set up.
+/// calls these functions, and the callbacks of both handles, one after the other.
 template <class Config, class Work>
 class ImageNodelet : public nodelet::Nodelet
 {

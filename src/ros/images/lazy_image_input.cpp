@@ -7,6 +7,12 @@
 
 namespace robot_vision
 {
+namespace
+{
+
+constexpr double kUpdatePeriod = 1.0;  // s
+
+}  // namespace
 
 LazyImageInput::LazyImageInput(const ros::NodeHandle& nh, const ros::NodeHandle& pnh, const std::string& name,
                                Process process, std::function<bool()> is_wanted, std::function<void(bool)> on_listen)
@@ -29,6 +35,7 @@ LazyImageInput::LazyImageInput(const ros::NodeHandle& nh, const ros::NodeHandle&
 
 LazyImageInput::~LazyImageInput()
 {
+  timer_.stop();
   {
     const std::lock_guard<std::mutex> lock(mutex_);
     running_ = false;  // from now on no connection changes subscription_
@@ -41,8 +48,12 @@ void LazyImageInput::start()
   {
     const std::lock_guard<std::mutex> lock(mutex_);
     running_ = true;
+    diagnostics_.statistics().setIdle();
   }
   update();
+  // The loader of nodelets drops callbacks until onInit() returns, also those of subscribers that come meanwhile; and a
+  // topic that is withdrawn does not tell that its subscribers are gone.
+  timer_ = nh_.createWallTimer(ros::WallDuration(kUpdatePeriod), [this](const ros::WallTimerEvent&) { update(); });
 }
 
 void LazyImageInput::update()
@@ -60,7 +71,7 @@ void LazyImageInput::update()
     diagnostics_.statistics().setRunning(subscription_.topic());
     on_listen_(true);
   }
-  else if (!wanted)
+  else if (!wanted && subscription_)
   {
     subscription_.shutdown();
     diagnostics_.statistics().setIdle();

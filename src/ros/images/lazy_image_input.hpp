@@ -50,6 +50,7 @@ private:
   std::mutex mutex_;  // guards all below, as connections come also during the setup and the destruction
   bool running_ = false;
   ImageSubscription subscription_;
+  ros::WallTimer timer_;
 };
 
 }  // namespace robot_vision

@@ -46,10 +46,10 @@ bool LazyOutputs::isWanted(const std::string& name) const
 
 void LazyOutputs::publishImage(const std::string& name, const std_msgs::Header& header, const ImageMaker::Fill& fill)
 {
-  ImageTopic& images = *output(name).images;
-  const sensor_msgs::ImagePtr message = images.maker.make(fill);
+  const std::shared_ptr<ImageTopic> images = output(name).images;  // stays while it is used
+  const sensor_msgs::ImagePtr message = images->maker.make(fill);
   message->header = header;
-  images.publisher.publish(sensor_msgs::ImageConstPtr(message));
+  images->publisher.publish(sensor_msgs::ImageConstPtr(message));
 }
 
 void LazyOutputs::add(const std::string& name, Output output)
