@@ -178,6 +178,9 @@ AT_START = {
     "codes.code_reader.CodeReader": IMAGE_NODE,
     "hough.hough.Hough": IMAGE_NODE,
     "contours.contours.Contours": IMAGE_NODE,
+    "features.features.Features": IMAGE_NODE,
+    "templates.template_matcher.TemplateMatcher": IMAGE_NODE,
+    "people.people_detector.PeopleDetector": IMAGE_NODE,
     "viewer.simple_camera_view_node.CameraView": {
         "autosize": is_flag,
         "image_transport": IMAGE_NODE["image_transport"],

@@ -25,7 +25,15 @@ from robot_vision.common.commands import INTERRUPTED
 from robot_vision.msg import TagDetectionArray
 from robot_vision.ros import startup
 
-NODES = ["camera_node", "brightness_node", "edge_detector_node"]
+NODES = [
+    "camera_node",
+    "brightness_node",
+    "edge_detector_node",
+    "filter_node",
+    "dense_flow_node",
+    "spectrum_node",
+    "segmenter_node",
+]
 PYTHON_NODES = [
     "hsv_tracker.py",
     "ball_tracker.py",
@@ -42,6 +50,9 @@ PYTHON_NODES = [
     "apriltag_detector.py",
     "hough.py",
     "contours.py",
+    "features.py",
+    "template_matcher.py",
+    "people_detector.py",
 ]
 OTHER_NODES = ["camera_loader.py", "demo_status.py", "simple_camera_view_node.py"]
 BOARD = ["--size", "8x6", "--square", "0.05", "--output", "{folder}/{number}.yaml"]

@@ -6,6 +6,11 @@ import rospy
 import support
 from sensor_msgs.msg import CameraInfo, Image
 
+FILTERS = [
+    f"{name}_node"
+    for name in ("brightness", "edge_detector", "filter", "dense_flow", "spectrum", "segmenter")
+]
+
 
 def subscribers(topic):
     """The nodes that subscribe to a topic according to the master."""
@@ -47,7 +52,7 @@ def test_camera_captures_while_somebody_subscribes(start, diagnostics, topic, ki
     assert stands_still(diagnostics, "lazy", "frames received")
 
 
-@pytest.mark.parametrize("node", ["brightness_node", "edge_detector_node", "filter_node"])
+@pytest.mark.parametrize("node", FILTERS)
 def test_filter_subscribes_while_somebody_subscribes(start, diagnostics, node):
     start("camera_node", "__name:=source", "_source:=synthetic", "_always_subscribe:=true")
     start(node, "__name:=lazy", "image:=/source/image_raw", "_diagnostic_period:=0.1")

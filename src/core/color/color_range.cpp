@@ -55,6 +55,14 @@ void compare(const cv::Mat& pixels, const ColorRange& range, bool through_red, c
   cv::bitwise_or(mask, rest, mask);
 }
 
+/// Has OpenCV make its tables for Lab, which several threads must not do at the same time.
+bool prepareLab()
+{
+  cv::Mat lab;
+  cv::cvtColor(cv::Mat(1, 1, CV_8UC3, cv::Scalar::all(0)), lab, cv::COLOR_BGR2Lab);
+  return true;
+}
+
 }  // namespace
 
 void validate(const ColorRange& range)
@@ -75,6 +83,8 @@ struct ColorMask::Impl
       from_bgr(colorCode(r.space, false)),
       from_rgb(colorCode(r.space, true))
   {
+    static const bool prepared = prepareLab();
+    static_cast<void>(prepared);
     if (r.space == "hsv") hsv.emplace(toHsvRange(r));
   }
 
