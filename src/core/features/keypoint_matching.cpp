@@ -7,6 +7,7 @@
 #include <set>
 #include <utility>
 
+#include "core/common/random_state.hpp"
 #include "robot_vision/common/range.hpp"
 #include "robot_vision/image/encoding.hpp"
 
@@ -22,19 +23,6 @@ constexpr int kSeed = 0x5EED;
 constexpr int kLshTables = 6, kLshKeySize = 12, kLshProbes = 1;
 constexpr int kTrees = 5, kChecks = 50;
 
-/// Seeds OpenCV's random numbers of this thread, and puts back what they were before.
-class SeededRandom
-{
-public:
-  SeededRandom() : before_(cv::theRNG()) { cv::theRNG() = cv::RNG(kSeed); }
-  ~SeededRandom() { cv::theRNG() = before_; }
-  SeededRandom(const SeededRandom&) = delete;
-  SeededRandom& operator=(const SeededRandom&) = delete;
-
-private:
-  cv::RNG before_;
-};
-
 int normOf(const cv::Mat& descriptors)
 {
   return descriptors.depth() == CV_32F ? cv::NORM_L2 : cv::NORM_HAMMING;
@@ -49,7 +37,7 @@ std::vector<std::vector<cv::DMatch>> nearestTwo(const cv::Mat& reference, const 
     cv::BFMatcher(normOf(reference)).knnMatch(reference, image, nearest, 2);
     return nearest;
   }
-  const SeededRandom seeded;
+  const RandomState seeded(kSeed);
   cv::Ptr<cv::flann::IndexParams> index;
   if (reference.depth() == CV_32F)
     index = cv::makePtr<cv::flann::KDTreeIndexParams>(kTrees);

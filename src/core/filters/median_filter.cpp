@@ -43,7 +43,7 @@ void medianFilter(const cv::Mat& image, int size, cv::Mat& out)
 {
   const auto& kernel = kernels<MedianKernels>();
   const bool is_sorted = size >= kMinSize && size <= kernel.max_size && image.depth() == CV_8U;
-  if (!is_sorted || image.cols * image.channels() < kernel.least_count)
+  if (!is_sorted || image.cols * image.channels() < kernel.min_count)
   {
     cv::medianBlur(image, out, size);
     return;

@@ -38,26 +38,23 @@ template <int kCount>
 class Network
 {
 public:
-  static constexpr int kMost = kCount * 12;  // comparators
+  static constexpr int kMaxComparators = kCount * 12;  // comparators
 
-  Comparator comparators[kMost] = {};
+  Comparator comparators[kMaxComparators] = {};
   int count = 0;
   Order<kCount> order = {};  // of the places, after the comparators
 
-  /// Merges sorted lists of places, two shortest ones at a time, until there is one.
+  /// Merges sorted lists of places, which are of one length, two shortest ones at a time, until there is one. The
+  /// merged one is never shorter than any that is left.
   template <int kLists>
   constexpr void mergeAll(Order<kCount> (&lists)[kLists])
   {
     for (int left = kLists; left > 1; --left)
     {
       const Order<kCount> merged = merge(lists[0], lists[1]);
-      int place = 0;
-      for (; place + 2 < left && lists[place + 2].count <= merged.count; ++place)
-        lists[place] = lists[place + 2];
-      const int behind = place;
-      for (place = left - 2; place > behind; --place)
-        lists[place] = lists[place + 1];
-      lists[behind] = merged;
+      for (int i = 2; i < left; ++i)
+        lists[i - 2] = lists[i];
+      lists[left - 2] = merged;
     }
     order = lists[0];
   }

@@ -5,7 +5,7 @@
 #include <numeric>
 #include <vector>
 
-#include "random_state.hpp"
+#include "core/common/random_state.hpp"
 
 namespace robot_vision
 {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <opencv2/imgproc.hpp>
 
-#include "random_state.hpp"
+#include "core/common/random_state.hpp"
 #include "similar_neighbors.hpp"
 #include "touching_objects.hpp"
 

@@ -1,5 +1,6 @@
 """Image files: their names, and their decoding."""
 
+import os
 from typing import Callable
 
 import cv2
@@ -8,6 +9,7 @@ import numpy as np
 from .._core import decode_image_file
 from .errors import about
 from .files import MAX_IMAGE, read_file
+from .plain_text import printable
 
 SUFFIXES = (".bmp", ".jpeg", ".jpg", ".pgm", ".png", ".ppm", ".tif", ".tiff", ".webp")
 
@@ -15,6 +17,12 @@ SUFFIXES = (".bmp", ".jpeg", ".jpg", ".pgm", ".png", ".ppm", ".tif", ".tiff", ".
 def has_image_suffix(path: str) -> bool:
     """Returns whether a file is named like an image."""
     return path.lower().endswith(SUFFIXES)
+
+
+def name_of(path: str) -> str:
+    """Returns the name of a file without its ending: portrait of /tmp/portrait.png."""
+    name = os.fsencode(os.path.splitext(os.path.basename(path))[0])
+    return printable(name.decode(errors="replace"))
 
 
 def sensor_pixels(data: bytes, flags: int = cv2.IMREAD_COLOR) -> np.ndarray:

@@ -5,6 +5,7 @@ from typing import Any, Dict, Optional
 import rospy
 
 from .. import KeypointMatcher, KeypointParams, MatchedFrame, MatchParams
+from ..common.image_files import name_of
 from ..msg import DetectionArray, KeypointMatches, Keypoints
 from ..ros.configs import FeaturesConfig
 from ..ros.image_node import ImageNode
@@ -14,7 +15,7 @@ from ..ros.startup import run_node
 from ..ros.transport import Frame
 from .feature_messages import keypoints_message, matches_message, reference_detection
 from .feature_overlay import draw_keypoints, draw_motion, draw_reference
-from .reference_file import ReferenceFile, name_of
+from .reference_file import ReferenceFile
 
 
 class Work:

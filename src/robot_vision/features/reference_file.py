@@ -15,20 +15,13 @@ def load_reference(path: str) -> np.ndarray:
     Raises:
         ValueError: The path is not absolute, or not that of an image that can be read.
     """
-    if not os.path.isabs(
-        path
-    ):  # roslaunch and a node resolve a relative path in different folders.
+    # roslaunch and a node resolve a relative path in different folders.
+    if not os.path.isabs(path):
         raise ValueError(f"reference is {brief(path)}, must be the absolute path of an image file")
     try:
         return load_image(path, upright)
     except (OSError, ValueError) as error:
         raise ValueError(f"reference: {printable(str(error), 300)}") from None
-
-
-def name_of(path: str) -> str:
-    """Returns the name of a file without its ending: portrait of /tmp/portrait.png."""
-    name = os.fsencode(os.path.splitext(os.path.basename(path))[0])
-    return printable(name.decode(errors="replace"))
 
 
 class ReferenceFile:

@@ -9,7 +9,7 @@ import numpy as np
 from .._core import decode_image_file
 from ..common.errors import about
 from ..common.files import MAX_IMAGE, read_file, trying
-from ..common.image_files import has_image_suffix, upright
+from ..common.image_files import has_image_suffix, name_of, upright
 from ..common.plain_text import brief, printable
 
 MAX_FILES = 100
@@ -60,15 +60,15 @@ def load_template(path: str) -> Template:
         ValueError: The file is not an image.
         OSError: The file cannot be read.
     """
-    name = os.fsencode(os.path.splitext(os.path.basename(path))[0]).decode(errors="replace")
+    name = name_of(path)
     data = read_file(path, MAX_IMAGE)
     with about(path):
         image = decode_image_file(data, cv2.IMREAD_UNCHANGED)
         if image.ndim < 3 or image.shape[2] < 4 or image.dtype not in WHITE:
-            return Template(printable(name), upright(data))
+            return Template(name, upright(data))
         image = cv2.convertScaleAbs(image, alpha=255 / WHITE[image.dtype])
         bgr, alpha = np.ascontiguousarray(image[:, :, :3]), np.ascontiguousarray(image[:, :, 3])
-        return Template(printable(name), bgr, alpha)
+        return Template(name, bgr, alpha)
 
 
 def _files(path: str) -> List[str]:
