@@ -2,6 +2,7 @@
 #include <opencv2/photo.hpp>
 
 #include "box_filter.hpp"
+#include "gaussian_filter.hpp"
 #include "median_filter.hpp"
 #include "operation_table.hpp"
 
@@ -26,10 +27,11 @@ std::vector<Operation> blurOperations()
        kAllPixels,
        "",
        {size, {"sigma", 0.0, Range{0, 100}, "px", "standard deviation; 0: as fits the size"}},
-       eachTime(
-           [](const OperationValues& v, const OperationInput& in, cv::Mat& out) {
-             cv::GaussianBlur(in.image, out, {v.integer("size"), v.integer("size")}, v.number("sigma"));
-           })},
+       [](const OperationValues& v) -> Operation::Step
+       {
+         return [filter = GaussianFilter(v.integer("size"), v.number("sigma"))](const OperationInput& in, cv::Mat& out)
+         { filter.apply(in.image, out); };
+       }},
       {"median",
        "The median of a square around each pixel, which takes away single wrong pixels: cv::medianBlur.",
        kEightBits,
@@ -81,13 +83,16 @@ std::vector<Operation> blurOperations()
        "",
        {{"amount", 1.0, Range{0, 10}, "", "of what the blur takes away, that is added"},
         {"sigma", 2.0, Range{0.3, 30}, "px", "of the blur"}},
-       eachTime(
-           [](const OperationValues& v, const OperationInput& in, cv::Mat& out)
-           {
-             cv::Mat blurred;
-             cv::GaussianBlur(in.image, blurred, {}, v.number("sigma"));
-             cv::addWeighted(in.image, 1.0 + v.number("amount"), blurred, -v.number("amount"), 0.0, out);
-           })},
+       [](const OperationValues& v) -> Operation::Step
+       {
+         return [blur = GaussianFilter(0, v.number("sigma")), amount = v.number("amount")](const OperationInput& in,
+                                                                                           cv::Mat& out)
+         {
+           cv::Mat blurred;
+           blur.apply(in.image, blurred);
+           cv::addWeighted(in.image, 1.0 + amount, blurred, -amount, 0.0, out);
+         };
+       }},
   };
 }
 

@@ -74,9 +74,9 @@ inline void convolveBlock(const std::uint8_t* const* rows, const SymmetricWeight
     const Vector fourth = loadSigned(rows[j + 3] + i);
     const LowAndHigh upper = {Simd::InterleaveLower(first, second), Simd::InterleaveUpper(first, second)};
     const LowAndHigh lower = {Simd::InterleaveLower(third, fourth), Simd::InterleaveUpper(third, fourth)};
-    const Vector columns[4] = {_mm512_unpacklo_epi16(upper.low, lower.low), _mm512_unpackhi_epi16(upper.low, lower.low),
-                               _mm512_unpacklo_epi16(upper.high, lower.high),
-                               _mm512_unpackhi_epi16(upper.high, lower.high)};
+    const Vector columns[4] = {
+        Simd::InterleaveLowerWords(upper.low, lower.low), Simd::InterleaveUpperWords(upper.low, lower.low),
+        Simd::InterleaveLowerWords(upper.high, lower.high), Simd::InterleaveUpperWords(upper.high, lower.high)};
     for (int k = 0; k < kRowsAtOnce; ++k)
     {
       std::int32_t four;
@@ -217,13 +217,38 @@ inline Vector means(const EvenAndOdd& sums)
   return Simd::Or(Simd::upperWords(sums.even), Simd::And(sums.odd, Simd::integers(static_cast<int>(0xFFFF0000U))));
 }
 
-void convolveRow(const std::uint16_t* sums, const SymmetricWeights& weights, int count, std::uint8_t* row)
+/// The means of as many values as a vector has words, each over every channels-th value.
+inline Vector meansOfChannels(const std::uint16_t* values, const SymmetricWeights& weights, int channels)
 {
-  for (int i = 0; i < count; i += kVectorBytes)
+  Vector lower = Simd::integers(kMeanOffset);
+  Vector upper = lower;
+  for (int j = 0; j <= 2 * weights.half; j += 2)
   {
-    const TwoSums around = addAllPairs(sums + i, weights);
-    Simd::storeBytes(row + i, means(around.first), means(around.second));
+    std::int32_t two;
+    std::memcpy(&two, weights.words + j, sizeof two);
+    const Vector pair = Simd::integers(two);
+    const Vector first = Simd::load(values + j * channels);
+    const Vector second = Simd::load(values + (j + 1) * channels);
+    lower = Simd::addWordPairs(lower, Simd::InterleaveLowerWords(first, second), pair);
+    upper = Simd::addWordPairs(upper, Simd::InterleaveUpperWords(first, second), pair);
   }
+  return Simd::packIntegers(Simd::upperWords(lower), Simd::upperWords(upper));
+}
+
+void convolveRow(const std::uint16_t* sums, const SymmetricWeights& weights, int channels, int count, std::uint8_t* row)
+{
+  if (channels == 1)
+  {
+    for (int i = 0; i < count; i += kVectorBytes)
+    {
+      const TwoSums around = addAllPairs(sums + i, weights);
+      Simd::storeBytes(row + i, means(around.first), means(around.second));
+    }
+    return;
+  }
+  for (int i = 0; i < count; i += kVectorBytes)
+    Simd::storeBytes(row + i, meansOfChannels(sums + i, weights, channels),
+                     meansOfChannels(sums + i + kVectorBytes / 2, weights, channels));
 }
 
 #else
@@ -235,7 +260,8 @@ void convolveColumns(const std::uint8_t* const* rows, const SymmetricWeights& we
     convolveRowInLoops(rows + k, weights, count, sums[k]);
 }
 
-void convolveRow(const std::uint16_t* sums, const SymmetricWeights& weights, int count, std::uint8_t* __restrict means)
+void convolveRow(const std::uint16_t* sums, const SymmetricWeights& weights, int channels, int count,
+                 std::uint8_t* __restrict means)
 {
   for (int begin = 0; begin < count; begin += kBlock)
   {
@@ -244,7 +270,7 @@ void convolveRow(const std::uint16_t* sums, const SymmetricWeights& weights, int
       totals[i] = kMeanOffset;
     for (int j = 0; j <= 2 * weights.half; ++j)
     {
-      const std::uint16_t* const shifted = sums + begin + j;
+      const std::uint16_t* const shifted = sums + begin + j * channels;
       const auto weight = static_cast<std::int16_t>(weights.words[j]);
       for (int i = 0; i < kBlock; ++i)
         totals[i] += static_cast<std::int16_t>(shifted[i]) * weight;

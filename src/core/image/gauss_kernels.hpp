@@ -32,9 +32,10 @@ struct GaussKernels
   /// sums[k] begin in rows[k]. SymmetricWeights::rows() rows are read, even those whose weights are 0.
   void (*convolve_columns)(const std::uint8_t* const* rows, const SymmetricWeights& weights, int count,
                            std::uint16_t* const* sums);
-  /// Writes the rounded weighted means of such sums; that of pixel i is over the sums i to i + 2 * half. Reads up to
-  /// 128 sums and writes up to 64 means beyond those asked for.
-  void (*convolve_row)(const std::uint16_t* sums, const SymmetricWeights& weights, int count, std::uint8_t* means);
+  /// Writes the rounded weighted means of such sums, of pixels with 1 to 4 `channels`; mean i is over every channels-th
+  /// sum from i to i + 2 * half * channels. Reads up to 128 sums and writes up to 64 means beyond those asked for.
+  void (*convolve_row)(const std::uint16_t* sums, const SymmetricWeights& weights, int channels, int count,
+                       std::uint8_t* means);
 };
 
 }  // namespace robot_vision

@@ -16,13 +16,13 @@ constexpr std::uint8_t kImpulse = 255;
 
 }  // namespace
 
-GaussWeights::GaussWeights(int size) : size_(size), half_(size / 2)
+GaussWeights::GaussWeights(int size, double sigma) : size_(size), sigma_(sigma), half_(size / 2)
 {
   // A row with a single white pixel (255) becomes 255/256 of each weight, rounded, which is the weight itself up to
   // 127. Only the middle one can be larger; it is what the others leave of the sum.
   cv::Mat row(1, 2 * size + 1, CV_8UC1, cv::Scalar(0));
   row.at<std::uint8_t>(size) = kImpulse;
-  cv::GaussianBlur(row, row, {size, size}, 0.0);
+  cv::GaussianBlur(row, row, {size, size}, sigma);
   std::vector<std::uint16_t> beside;  // the weights on one side of the middle
   for (int j = 1; j <= half_; ++j)
     beside.push_back(row.at<std::uint8_t>(size + j));
@@ -43,7 +43,7 @@ bool GaussWeights::areExact() const
   cv::RNG().fill(image, cv::RNG::UNIFORM, 0, 256);
   image.colRange(0, 50).setTo(255);  // stays white only if the weights add up
   cv::Mat expected;
-  cv::GaussianBlur(image, expected, {size_, size_}, 0.0);
+  cv::GaussianBlur(image, expected, {size_, size_}, sigma_);
   GrayLineBuffer gray;
   gray.begin(image, "mono8", 0, GaussianFilterRows::window(*this));
   GaussianFilterRows rows;
@@ -97,7 +97,7 @@ const std::uint8_t* GaussianFilterRows::row(int i)
   if (half == 0) return window_[static_cast<std::size_t>(i)];
   mirrorEnds(sums_[i] + half, rows_->size().width, half);
   for (const cv::Range& span : spans_)
-    kernels<GaussKernels>().convolve_row(sums_[i] + span.start, weights_->weights(), span.size(),
+    kernels<GaussKernels>().convolve_row(sums_[i] + span.start, weights_->weights(), 1, span.size(),
                                          means_[0] + span.start);
   return means_[0];
 }

@@ -15,8 +15,9 @@ namespace robot_vision
 class GaussWeights
 {
 public:
-  /// Finds the weights for a window with this side (px, odd, at least 1) and the sigma that OpenCV derives from it.
-  explicit GaussWeights(int size);
+  /// Finds the weights for a window with this side (px, odd, at least 1). `sigma` is in px; 0: as OpenCV derives it
+  /// from the size.
+  explicit GaussWeights(int size, double sigma = 0.0);
 
   int size() const { return size_; }
   /// Pixels on each side of the window's middle whose weights are not 0.
@@ -30,6 +31,7 @@ public:
 
 private:
   int size_;
+  double sigma_;
   int half_;
   std::vector<std::uint8_t> bytes_;
   std::vector<std::uint16_t> words_;

@@ -34,6 +34,11 @@ struct Simd
   static Vector greaterBytes(Vector a, Vector b) { return _mm512_max_epu8(a, b); }
   static Vector InterleaveLower(Vector a, Vector b) { return _mm512_unpacklo_epi8(a, b); }
   static Vector InterleaveUpper(Vector a, Vector b) { return _mm512_unpackhi_epi8(a, b); }
+  static Vector InterleaveLowerWords(Vector a, Vector b) { return _mm512_unpacklo_epi16(a, b); }
+  static Vector InterleaveUpperWords(Vector a, Vector b) { return _mm512_unpackhi_epi16(a, b); }
+  /// The lower words of integers from 0 to 65535, in the order that InterleaveLowerWords() and InterleaveUpperWords()
+  /// had words in to make these integers of.
+  static Vector packIntegers(Vector lower, Vector upper) { return _mm512_packus_epi32(lower, upper); }
   static Vector Or(Vector a, Vector b) { return _mm512_or_si512(a, b); }
   static Vector Xor(Vector a, Vector b) { return _mm512_xor_si512(a, b); }
   static Vector And(Vector a, Vector b) { return _mm512_and_si512(a, b); }
@@ -89,6 +94,9 @@ struct Simd
   static Vector greaterBytes(Vector a, Vector b) { return _mm256_max_epu8(a, b); }
   static Vector InterleaveLower(Vector a, Vector b) { return _mm256_unpacklo_epi8(a, b); }
   static Vector InterleaveUpper(Vector a, Vector b) { return _mm256_unpackhi_epi8(a, b); }
+  static Vector InterleaveLowerWords(Vector a, Vector b) { return _mm256_unpacklo_epi16(a, b); }
+  static Vector InterleaveUpperWords(Vector a, Vector b) { return _mm256_unpackhi_epi16(a, b); }
+  static Vector packIntegers(Vector lower, Vector upper) { return _mm256_packus_epi32(lower, upper); }
   static Vector Or(Vector a, Vector b) { return _mm256_or_si256(a, b); }
   static Vector Xor(Vector a, Vector b) { return _mm256_xor_si256(a, b); }
   static Vector And(Vector a, Vector b) { return _mm256_and_si256(a, b); }
@@ -139,6 +147,9 @@ struct Simd
   static Vector greaterBytes(Vector a, Vector b) { return _mm_max_epu8(a, b); }
   static Vector InterleaveLower(Vector a, Vector b) { return _mm_unpacklo_epi8(a, b); }
   static Vector InterleaveUpper(Vector a, Vector b) { return _mm_unpackhi_epi8(a, b); }
+  static Vector InterleaveLowerWords(Vector a, Vector b) { return _mm_unpacklo_epi16(a, b); }
+  static Vector InterleaveUpperWords(Vector a, Vector b) { return _mm_unpackhi_epi16(a, b); }
+  static Vector packIntegers(Vector lower, Vector upper) { return _mm_packus_epi32(lower, upper); }
   static Vector Or(Vector a, Vector b) { return _mm_or_si128(a, b); }
   static Vector Xor(Vector a, Vector b) { return _mm_xor_si128(a, b); }
   static Vector And(Vector a, Vector b) { return _mm_and_si128(a, b); }

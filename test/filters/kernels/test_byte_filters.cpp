@@ -1,10 +1,13 @@
 #include <gtest/gtest.h>
 
 #include <opencv2/imgproc.hpp>
+#include <string>
+#include <utility>
 
 #include "core/filters/adaptive_threshold.hpp"
 #include "core/filters/box_filter.hpp"
 #include "core/filters/derivative_filter.hpp"
+#include "core/filters/gaussian_filter.hpp"
 #include "core/filters/median_filter.hpp"
 #include "core/filters/tile_equalization.hpp"
 #include "support/images.hpp"
@@ -68,6 +71,31 @@ TEST(BoxFilter, equalsOpenCv)
           [=](const cv::Mat& image, cv::Mat& out) {
             cv::blur(image, out, {size, size}, {-1, -1}, border);
           });
+}
+
+TEST(GaussianFilter, equalsOpenCv)
+{
+  const std::pair<int, double> windows[] = {{1, 0.0},  {3, 0.0},  {5, 0.0},  {5, 0.3}, {7, 1.1},
+                                            {15, 0.0}, {31, 9.0}, {63, 0.0}, {0, 2.0}, {0, 12.5}};
+  for (const auto& [size, sigma] : windows)
+    expectEqual(
+        "size " + std::to_string(size) + ", sigma " + std::to_string(sigma),
+        [size = size, sigma = sigma](const cv::Mat& image, cv::Mat& out)
+        { GaussianFilter(size, sigma).apply(image, out); },
+        [size = size, sigma = sigma](const cv::Mat& image, cv::Mat& out) {
+          cv::GaussianBlur(image, out, {size, size}, sigma);
+        });
+}
+
+TEST(GaussianFilter, takesAPartOfAnImageByItself)
+{
+  const cv::Mat image = noise({90, 70}, CV_8UC3, 3);
+  const cv::Mat part = image({20, 10, 40, 30});
+  cv::Mat out;
+  cv::Mat expected;
+  GaussianFilter(9, 0.0).apply(part, out);
+  cv::GaussianBlur(part.clone(), expected, {9, 9}, 0.0);
+  EXPECT_TRUE(equal(out, expected));
 }
 
 TEST(DerivativeMagnitude, equalsOpenCv)
@@ -139,11 +167,12 @@ TEST(ByteFilters, areTheSameByAnyNumberOfThreads)
   const cv::Mat gray = noise({200, 300}, CV_8UC1);
   const auto all = [&]
   {
-    std::vector<cv::Mat> results(4);
+    std::vector<cv::Mat> results(5);
     medianFilter(image, 7, results[0]);
     boxFilter(image, 9, cv::BORDER_DEFAULT, results[1]);
     derivativeMagnitude(image, {}, results[2]);
     TileEqualizer(2.0, 8).apply(gray, results[3]);
+    GaussianFilter(9, 0.0).apply(image, results[4]);
     return results;
   };
   const ThreadCount one(1);

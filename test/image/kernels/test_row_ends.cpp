@@ -167,19 +167,22 @@ TEST(RowEnds, convolveColumnsAndRows)
           ASSERT_EQ(sums[k][x], sum & 0xFFFF) << half << ", " << count << ", row " << k << ", " << x;
         }
 
-      const auto taps = random<std::uint16_t>(count + 2 * half, 255 * 256);
-      std::vector<std::uint16_t> biased;
-      for (const std::uint16_t tap : taps)
-        biased.push_back(static_cast<std::uint16_t>(tap + kSumBias));
-      biased.resize(biased.size() + kReadBeyond, 0x1234);
-      Bytes means(rows[0].size() + kWrittenBeyond);
-      kernels<GaussKernels>().convolve_row(biased.data(), weights, count, means.data());
-      for (std::size_t x = 0; x < rows[0].size(); ++x)
+      for (const std::size_t channels : {1U, 3U, 4U})
       {
-        int sum = 0x8000;
-        for (std::size_t j = 0; j < window.size(); ++j)
-          sum += window[j] * taps[x + j];
-        ASSERT_EQ(means[x], sum >> 16) << half << ", " << count << ", " << x;
+        const auto taps = random<std::uint16_t>(count + 2 * half * static_cast<int>(channels), 255 * 256);
+        std::vector<std::uint16_t> biased;
+        for (const std::uint16_t tap : taps)
+          biased.push_back(static_cast<std::uint16_t>(tap + kSumBias));
+        biased.resize(biased.size() + kReadBeyond, 0x1234);
+        Bytes means(rows[0].size() + kWrittenBeyond);
+        kernels<GaussKernels>().convolve_row(biased.data(), weights, static_cast<int>(channels), count, means.data());
+        for (std::size_t x = 0; x < rows[0].size(); ++x)
+        {
+          int sum = 0x8000;
+          for (std::size_t j = 0; j < window.size(); ++j)
+            sum += window[j] * taps[x + j * channels];
+          ASSERT_EQ(means[x], sum >> 16) << half << ", " << count << ", " << channels << " channels, " << x;
+        }
       }
     }
 }
