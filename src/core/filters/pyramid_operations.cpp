@@ -1,6 +1,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "operation_table.hpp"
+#include "pyramid_filter.hpp"
 
 namespace robot_vision
 {
@@ -79,7 +80,7 @@ std::vector<Operation> pyramidOperations()
            [](const OperationValues& v, const OperationInput& in, cv::Mat& out)
            {
              out = in.image;
-             repeat(v.integer("levels"), out, [](const cv::Mat& level, cv::Mat& next) { cv::pyrDown(level, next); });
+             repeat(v.integer("levels"), out, pyramidDown);
            })},
       {"pyramid_up",
        "The image doubled and blurred: cv::pyrUp.",

@@ -9,6 +9,7 @@
 #include "core/filters/derivative_filter.hpp"
 #include "core/filters/gaussian_filter.hpp"
 #include "core/filters/median_filter.hpp"
+#include "core/filters/pyramid_filter.hpp"
 #include "core/filters/tile_equalization.hpp"
 #include "support/images.hpp"
 #include "support/thread_counts.hpp"
@@ -98,6 +99,13 @@ TEST(GaussianFilter, takesAPartOfAnImageByItself)
   EXPECT_TRUE(equal(out, expected));
 }
 
+TEST(PyramidDown, equalsOpenCv)
+{
+  expectEqual(
+      "half the size", [](const cv::Mat& image, cv::Mat& out) { pyramidDown(image, out); },
+      [](const cv::Mat& image, cv::Mat& out) { cv::pyrDown(image, out); });
+}
+
 TEST(DerivativeMagnitude, equalsOpenCv)
 {
   for (const Derivative d : {Derivative{1, 0, 3, 1.0},
@@ -167,12 +175,13 @@ TEST(ByteFilters, areTheSameByAnyNumberOfThreads)
   const cv::Mat gray = noise({200, 300}, CV_8UC1);
   const auto all = [&]
   {
-    std::vector<cv::Mat> results(5);
+    std::vector<cv::Mat> results(6);
     medianFilter(image, 7, results[0]);
     boxFilter(image, 9, cv::BORDER_DEFAULT, results[1]);
     derivativeMagnitude(image, {}, results[2]);
     TileEqualizer(2.0, 8).apply(gray, results[3]);
     GaussianFilter(9, 0.0).apply(image, results[4]);
+    pyramidDown(image, results[5]);
     return results;
   };
   const ThreadCount one(1);
