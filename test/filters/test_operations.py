@@ -94,6 +94,14 @@ def sobel(c):
     )
 
 
+def gradient(c):
+    of_x, of_y = (
+        cv2.convertScaleAbs(cv2.Sobel(c.image, cv2.CV_16S, dx, 1 - dx, ksize=c.size, scale=c.scale))
+        for dx in (1, 0)
+    )
+    return cv2.addWeighted(of_x, 0.5, of_y, 0.5, 0)
+
+
 def scharr(c):
     dx = int(c.direction == "x")
     return cv2.convertScaleAbs(cv2.Scharr(c.image, cv2.CV_16S, dx, 1 - dx, scale=c.scale))
@@ -222,6 +230,7 @@ REFERENCES = {
     "erode": morphology(cv2.MORPH_ERODE),
     "flip": lambda c: cv2.flip(c.image, {"vertical": 1, "horizontal": 0, "both": -1}[c.axis]),
     "gaussian": lambda c: cv2.GaussianBlur(c.image, c.square, c.sigma),
+    "gradient": gradient,
     "gray": lambda c: c.image,
     "hit_or_miss": lambda c: cv2.morphologyEx(
         c.image, cv2.MORPH_HITMISS, kernel_of(c.rows).astype(np.int32)

@@ -44,6 +44,20 @@ std::vector<Operation> gradientOperations()
              const int dx = v.word("direction") == "x" ? 1 : 0;
              derivativeMagnitude(in.image, {dx, 1 - dx, cv::FILTER_SCHARR, v.number("scale")}, out);
            })},
+      {"gradient",
+       "How strong edges are, the mean of the magnitudes of the first derivatives in x and y: cv::Sobel, "
+       "cv::convertScaleAbs, cv::addWeighted.",
+       kEightBits,
+       "",
+       {{"size", 3, OddRange{1, 7}, "px", "side of the kernel"}, scale},
+       eachTime(
+           [](const OperationValues& v, const OperationInput& in, cv::Mat& out)
+           {
+             cv::Mat along_y;
+             derivativeMagnitude(in.image, {1, 0, v.integer("size"), v.number("scale")}, out);
+             derivativeMagnitude(in.image, {0, 1, v.integer("size"), v.number("scale")}, along_y);
+             cv::addWeighted(out, 0.5, along_y, 0.5, 0.0, out);
+           })},
       {"laplacian",
        "The magnitude of the sum of both second derivatives: cv::Laplacian, cv::convertScaleAbs.",
        kEightBits,
