@@ -3,29 +3,16 @@
 import json
 from typing import List, Tuple
 
-import roslib.packages
+import filter_contenders
 from measuring import HERE, RATE, Bench, Command, Contender, Contenders
+from node_commands import IMAGE, course, node
 from results import Parts, Size, Target
 
 SIZES = ((640, 480), (1920, 1080))
 FACE_SIZES = ((640, 480), (1280, 720))
 TAG_SIZES = ((640, 480), (1280, 720), (1920, 1080))
 
-IMAGE = "image:=/camera/image"
-
 Sizes = Tuple[Size, ...]
-
-
-def node(package: str, kind: str, name: str, *args: str) -> Command:
-    found = roslib.packages.find_node(package, kind)
-    if not found:
-        raise RuntimeError(f"{kind} of the package {package} is not installed")
-    return [found[0], *args, "__name:=" + name]
-
-
-def course(kind: str) -> Command:
-    """A node as courses teach it."""
-    return [str(HERE / "course_node"), kind, IMAGE, "__name:=course_" + kind]
 
 
 def edge_detectors(bench: Bench, size: Size) -> List[Contender]:
@@ -41,41 +28,6 @@ def edge_detectors(bench: Bench, size: Size) -> List[Contender]:
         Contender("bare OpenCV chain, no ROS", alone=bench.chain(size, 0)),
         Contender("the same, 1 OpenCV thread", alone=bench.chain(size, 1)),
     ]
-
-
-FILTERS = (  # chain and parameters of ours, node and parameters of opencv_apps
-    ("box", "box_size:=7", "smoothing", "filter_type:=0 kernel_size:=7"),
-    ("gaussian", "gaussian_size:=7", "smoothing", "filter_type:=1 kernel_size:=7"),
-    ("median", "median_size:=7", "smoothing", "filter_type:=2 kernel_size:=7"),
-    (
-        "bilateral",
-        "bilateral_diameter:=7 bilateral_sigma_color:=14 bilateral_sigma_space:=3",
-        "smoothing",
-        "filter_type:=3 kernel_size:=7",
-    ),
-    ("gaussian,gray,laplacian", "gaussian_size:=3", "edge_detection", "edge_type:=1"),
-    ("threshold", "threshold_value:=150", "threshold", "threshold:=150"),
-    ("pyramid_down", "pyramid_down_levels:=1", "pyramids", "pyramids_type:=1"),
-)
-
-
-def private(values: str) -> Command:
-    """Parameters as words of a command line."""
-    return ["_" + value for value in values.split()]
-
-
-def filters(chain: str, values: str, kind: str, of_theirs: str) -> Contenders:
-    """A chain of the node filter beside the node of opencv_apps that does the same."""
-
-    def nodes(_bench: Bench, _size: Size) -> List[Contender]:
-        ours = node("robot_vision", "filter_node", "filter", IMAGE, f"_chain:={chain}")
-        theirs = node("opencv_apps", kind, "opencv_apps", IMAGE, "_debug_view:=false")
-        return [
-            Contender("filter_node", [ours + private(values)], "/filter/processed_image"),
-            Contender(f"opencv_apps {kind}", [theirs + private(of_theirs)], "/opencv_apps/image"),
-        ]
-
-    return nodes
 
 
 STEPS = (  # kind, name, input
@@ -220,7 +172,10 @@ COMPARISONS: Tuple[Tuple[str, Contenders, Sizes], ...] = (
     ("Motion: the whole photograph moves", motion_nodes(still=False), SIZES),
     ("Object tracker: the photograph moves, an overlay is published", tracker_nodes, SIZES),
     ("AprilTag nodes: two tags, with poses", tag_nodes, TAG_SIZES),
-    *((f"Filter: {words[0]}", filters(*words), SIZES) for words in FILTERS),
+    *(
+        (filter_contenders.title(name), filter_contenders.contenders(pair), SIZES)
+        for name, pair in filter_contenders.PAIRS.items()
+    ),
 )
 
 # The figures to beat; apriltag_ros is no package of Debian, what it does is done beside.
@@ -240,10 +195,7 @@ TARGETS = (
     Target(_FACES, (640, 480), "", "arrived", 0.98),
     *(Target(_TAGS, size, _PLAIN_TAGS, "cpu_ms", 1 / 2) for size in reversed(TAG_SIZES)),
     *(Target(_TAGS, size, _PLAIN_TAGS, "found", 1.0) for size in reversed(TAG_SIZES)),
-    *(
-        Target(f"Filter: {words[0]}", (1920, 1080), f"opencv_apps {words[2]}", "cpu_ms", 1.0)
-        for words in FILTERS
-    ),
+    *filter_contenders.targets(),
 )
 PARTS = (
     *(Parts(_EDGES, size, "edges of bgr8") for size in SIZES),

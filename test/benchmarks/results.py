@@ -34,14 +34,15 @@ class Target:
     """What a figure of ours (a field of Figures) may be at most, as a ratio to another's.
 
     Of the frames that arrived and those in which all was found it is the least; without another,
-    the ratio is that to all frames.
+    the ratio is that to all frames. With `titles` the figures of these comparisons are added up.
     """
 
     title: str
     size: Size
-    against: str
+    against: str  # what the other's name begins with
     figure: str
     limit: float
+    titles: Tuple[str, ...] = ()  # empty: the comparison is that of the title
 
 
 @dataclasses.dataclass

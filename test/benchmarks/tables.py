@@ -58,20 +58,31 @@ def targets_table(targets: Sequence[Target], comparisons: Sequence[Comparison]) 
     return table(columns, [target_row(target, comparisons) for target in targets], texts=4)
 
 
+def compared(target: Target, comparisons: Sequence[Comparison]) -> List[Comparison]:
+    """What a target is about; nothing unless all of it was measured."""
+    by_title = {each.title: each for each in comparisons if each.size == target.size}
+    titles = target.titles or (target.title,)
+    return [by_title[title] for title in titles] if by_title.keys() >= set(titles) else []
+
+
+def figures_of(target: Target, comparison: Comparison) -> Tuple[float, float]:
+    """The target's figure: theirs, and ours."""
+    ours = getattr(comparison.figures[0], target.figure)
+    if not target.against:
+        return 100.0, ours  # %: of all
+    names = enumerate(comparison.names)
+    which = next(i for i, name in names if name.startswith(target.against))
+    return getattr(comparison.figures[which], target.figure), ours
+
+
 def target_row(target: Target, comparisons: Sequence[Comparison]) -> List[str]:
     cells = [target.title, size_name(target.size), target.against or "-", WORDS[target.figure]]
-    for comparison in comparisons:
-        if (comparison.title, comparison.size) == (target.title, target.size):
-            break
-    else:
+    figures = [figures_of(target, comparison) for comparison in compared(target, comparisons)]
+    if not figures:
         return [*cells, *["-"] * 4, "not measured"]
-    ours = getattr(comparison.figures[0], target.figure)
+    theirs, ours = map(sum, zip(*figures))
     sign = ">=" if target.figure in AT_LEAST else "<="
     goal = f"{sign} {target.limit:.2f}"
-    theirs = 100.0  # %: of all
-    if target.against:
-        which = comparison.names.index(target.against)
-        theirs = getattr(comparison.figures[which], target.figure)
     reached = ours >= target.limit * theirs if sign == ">=" else ours <= target.limit * theirs
     number = f"{theirs:.2f}" if target.against else "-"
     value = ratio(ours, theirs) if theirs > 0.0 else "-"

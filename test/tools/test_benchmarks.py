@@ -1,9 +1,13 @@
 """The tables of test/benchmarks: given results, BENCHMARKS.md says what they are."""
 
+import filter_contenders
 import plot
 import pytest
 import tables
+import yaml
 from results import Comparison, Figures, Growth, Kernel, Machine, Parts, Target, to_kernels
+
+import robot_vision as rv
 
 SMALL, LARGE = (640, 480), (1920, 1080)
 
@@ -49,6 +53,26 @@ def test_a_target_is_reached_or_not(target, expected):
     rows = [figures(2.0, 4.0, arrived=97.0, found=95.0), figures(8.0, 3.0, found=90.0)]
     text = tables.targets_table([target], [Comparison("Edges", LARGE, ["ours", "other"], rows)])
     assert cells(text, "Edges")[4:] == expected
+
+
+@pytest.mark.parametrize("limit, reached", [(0.5, "yes"), (0.4, "**no**")])
+def test_figures_of_several_comparisons_are_added_up(limit, reached):
+    target = Target("All", LARGE, "other", "cpu_ms", limit, ("Box", "Median"))
+    box = Comparison("Box", LARGE, ["ours", "other box"], [figures(3.0), figures(4.0)])
+    median = Comparison("Median", LARGE, ["ours", "other one"], [figures(1.5), figures(6.0)])
+    alone = tables.targets_table([target], [box])  # would be reached without what is not measured
+    assert cells(alone, "All")[4:] == ["-", "-", "-", "-", "not measured"]
+    text = tables.targets_table([target], [box, median])
+    assert cells(text, "All")[4:] == ["10.00", "4.50", "0.45", f"<= {limit:.2f}", reached]
+
+
+@pytest.mark.parametrize("name", filter_contenders.PAIRS)
+def test_the_chains_that_are_measured_are_those_of_the_node(name):
+    pair = filter_contenders.PAIRS[name]
+    words = (word.split(":=") for word in pair.ours.split() if ":=/" not in word)
+    values = {key: yaml.safe_load(value) for key, value in words if key != "use_second"}
+    assert values
+    rv.FilterChain(pair.chain.split(","), values)  # refuses names and values that it has not
 
 
 def test_kernels_have_a_line_for_each_work_and_a_column_for_each_size():

@@ -62,6 +62,26 @@ Work sobel(int size, double goal)
               });
 }
 
+Work scharr(double goal)
+{
+  return work("Scharr, bgr8", "Scharr, convertScaleAbs", goal, "scharr", {}, "bgr8",
+              [](const cv::Mat& frame, cv::Mat& out)
+              {
+                cv::Mat derivative;
+                cv::Scharr(frame, derivative, CV_16S, 1, 0);
+                cv::convertScaleAbs(derivative, out);
+              });
+}
+
+Work gaussian(int size, const std::string& encoding, double goal)
+{
+  return work("Gaussian of " + std::to_string(size) + " px, " + encoding, "GaussianBlur", goal, "gaussian",
+              {{"gaussian_size", size}}, encoding,
+              [size](const cv::Mat& frame, cv::Mat& out) {
+                cv::GaussianBlur(frame, out, {size, size}, 0.0);
+              });
+}
+
 }  // namespace
 
 std::vector<Work> filterWorks()
@@ -75,6 +95,11 @@ std::vector<Work> filterWorks()
                }),
           sobel(3, 1.5),
           sobel(5, 3.0),
+          scharr(1.5),
+          gaussian(5, "mono8", 1.5),
+          gaussian(15, "mono8", 1.5),
+          gaussian(5, "bgr8", 1.5),
+          gaussian(15, "bgr8", 1.5),
           work("adaptive threshold, mean of 11 px", "adaptiveThreshold", 2.0, "adaptive_threshold",
                {{"adaptive_threshold_mean", std::string("mean")}}, "mono8",
                [](const cv::Mat& frame, cv::Mat& out)
