@@ -96,7 +96,9 @@ void bindMatching(py::module& m)
       .def("__len__", [](const KeypointMatches& matches) { return matches.from.size(); })
       .def_property_readonly("reference_points", attribute(&KeypointMatches::from), "(n, 2) float32, px")
       .def_property_readonly("points", attribute(&KeypointMatches::to), "(n, 2) float32, px, in the image")
-      .def_readonly("distances", &KeypointMatches::distances, "of the descriptors: bits, or of sift Euclidean")
+      .def_readonly(
+          "distances", &KeypointMatches::distances,
+          "of the descriptors: bits, of sift Euclidean; by flow: px, by which each misses itself there and back")
       .def_property_readonly("inliers", &inliersOf, "(n,) bool, those that agree with the pose")
       .def_readonly("pose", &KeypointMatches::pose, "the ReferencePose; None if too few agree on one");
 
@@ -106,11 +108,12 @@ void bindMatching(py::module& m)
 
   m.def("match_keypoints", &matchKeypoints, "reference"_a, "image"_a, "params"_a = MatchParams(), Unlocked(),
         "The KeypointMatches of two Keypoints with descriptors, without a pose.\n\n"
-        "Raises ValueError for a parameter out of range, and for descriptors of two kinds.");
+        "Raises ValueError for a parameter out of range, for descriptors of two kinds, and for the matcher by flow, "
+        "which compares none.");
 
   py::class_<KeypointMatcher>(m, "KeypointMatcher",
                               "Finds keypoints in frames, and matches them with those of a reference or of the frame "
-                              "before. Not for two threads at once.")
+                              "before, or follows those of the frame before. Not for two threads at once.")
       .def(py::init<const KeypointParams&, const MatchParams&>(), "keypoints"_a = KeypointParams(),
            "params"_a = MatchParams())
       .def("set_reference", withArray(&KeypointMatcher::setReference), "image"_a, "encoding"_a = "bgr8",

@@ -127,14 +127,16 @@ def test_a_reference_is_found_by_its_file(start, portrait):
     assert (drawn == 90).all()
 
 
-def test_points_are_matched_with_the_frame_before(start):
-    desk = Desk(start, "_match:=last_frame")
+@pytest.mark.parametrize("arguments", [(), ("_matcher:=flow", "_detector:=shi_tomasi")])
+def test_points_are_matched_with_the_frame_before(start, arguments):
+    desk = Desk(start, "_match:=last_frame", *arguments)
     first, matches, _, _ = desk.show(PORTRAIT)
     assert not matches.points and matches.reference_stamp == rospy.Time()
     moved = np.roll(PORTRAIT, (6, -9), (0, 1))
     _, matches, objects, drawn = desk.show(moved)
     assert matches.reference == "" and matches.reference_stamp == first.header.stamp
-    assert not objects.detections
+    assert len(matches.points) == len(matches.distances) > 50 and not objects.detections
+    assert not arguments or max(matches.distances) <= 1.0  # px by which a point misses itself
     homography = np.reshape(matches.homography, (3, 3))
     middle = cv2.perspectiveTransform(np.array([[(119.5, 119.5)]]), homography)[0, 0]
     assert middle == pytest.approx((110.5, 125.5), abs=0.3)
@@ -143,7 +145,7 @@ def test_points_are_matched_with_the_frame_before(start):
     assert has(drawn[y - 1 : y + 2, x - 1 : x + 2], GREEN).any()
     x, y = round(x + 4.5), round(y - 3)  # half of the way back
     assert (drawn[y - 1 : y + 2, x - 1 : x + 2] != moved[y - 1 : y + 2, x - 1 : x + 2]).any()
-    support.reconfigured("/features", ratio=0.7)
+    support.reconfigured("/features", min_inliers=11)
     assert not desk.show(PORTRAIT)[1].points  # another matcher has no last frame
 
 
@@ -166,7 +168,13 @@ def test_bad_references_are_refused_in_words(start, portrait, tmp_path):
         assert (config["match"], config["reference"]) == ("none", "")
         desk.process.wait_for_output("refused, the parameters stay as they are: ")
         desk.process.wait_for_output(reason)
-    config = support.reconfigured("/features", match="reference", reference=str(portrait))
+    wanted = {"match": "reference", "reference": str(portrait)}
+    config = support.reconfigured("/features", matcher="flow", **wanted)
+    assert (config["match"], config["matcher"]) == ("none", "brute_force")
+    desk.process.wait_for_output(
+        "matcher is flow, must be brute_force or flann if match is reference"
+    )
+    config = support.reconfigured("/features", **wanted)
     assert config["reference"] == str(portrait)
     assert desk.show(VIEW)[1].reference == "portrait"
 

@@ -275,7 +275,7 @@ def test_the_scene_s_poster_is_found_by_its_file(detector, error):
     "values, text",
     [
         ({"match": "all"}, "match is all, must be none, reference or last_frame"),
-        ({"matcher": "best"}, "matcher is best, must be brute_force or flann"),
+        ({"matcher": "best"}, "matcher is best, must be brute_force, flann or flow"),
         ({"ratio": 0.0}, "ratio is 0, must be above 0 and at most 1"),
         ({"homography": "usac"}, "homography is usac, must be ransac, rho or lmeds"),
         ({"ransac_threshold": 0.0}, "ransac_threshold is 0, must be from 0.1 to 50"),

@@ -251,6 +251,7 @@ def test_the_host_with_the_camera_passes_the_source_on_unchanged():
         ("features", ["synthetic:=true"], {}),
         ("features", ["detector:=akaze", "max_features:=9"], {"max_features": 9}),
         ("features", ["match:=last_frame", "reference:=/a.png"], {"match": "last_frame"}),
+        ("features", ["match:=last_frame", "matcher:=flow"], {"matcher": "flow"}),
         ("template_matcher", ["synthetic:=true"], {}),
         ("template_matcher", ["templates:=/a", "results:=multiple"], {"templates": "/a"}),
         ("template_matcher", ["method:=ccorr"], {"method": "ccorr"}),

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <memory>
 #include <opencv2/core.hpp>
 #include <optional>
 #include <string>
@@ -12,12 +13,17 @@
 namespace robot_vision
 {
 
+class KeypointFlow;
+
 struct MatchParams
 {
   std::string match = "none";
   std::string matcher = "brute_force";
   double ratio = 0.75;
   bool cross_check = false;
+  int flow_window = 15;
+  int flow_levels = 3;
+  double flow_max_error = 1.0;
   std::string homography = "ransac";
   double ransac_threshold = 3.0;
   int min_inliers = 10;
@@ -26,11 +32,17 @@ struct MatchParams
   static void fields(Visit&& visit)
   {
     visit("match", &MatchParams::match, OneOf{"none, reference or last_frame"}, "", "what keypoints are compared with");
-    visit("matcher", &MatchParams::matcher, OneOf{"brute_force or flann"}, "", "how the nearest descriptor is found");
+    visit("matcher", &MatchParams::matcher, OneOf{"brute_force, flann or flow"}, "",
+          "how the nearest descriptor is found, or the points of the last frame by their optical flow");
     visit("ratio", &MatchParams::ratio, Above{0, 1}, "",
-          "largest distance of a match, as a share of that of the second nearest; 1: any");
+          "brute_force, flann: largest distance of a match, as a share of that of the second nearest; 1: any");
     visit("cross_check", &MatchParams::cross_check, Anything{}, "",
           "brute_force: only matches that are the nearest of each other");
+    visit("flow_window", &MatchParams::flow_window, OddRange{5, 51}, "px",
+          "flow: side of the window around a point that is followed");
+    visit("flow_levels", &MatchParams::flow_levels, Range{0, 6}, "", "flow: halvings of the image, for fast motion");
+    visit("flow_max_error", &MatchParams::flow_max_error, Range{0.1, 10}, "px",
+          "flow: by which a point that is followed there and back may miss itself");
     visit("homography", &MatchParams::homography, OneOf{"ransac, rho or lmeds"}, "",
           "how the homography of most matches is found");
     visit("ransac_threshold", &MatchParams::ransac_threshold, Range{0.1, 50}, "px",
@@ -40,6 +52,10 @@ struct MatchParams
   }
 };
 
+/// Throws std::invalid_argument naming the first parameter out of range, its value and its range, and for the matcher
+/// by flow with a reference, which is no frame before.
+void validate(const MatchParams& params);
+
 /// Where a reference is in an image.
 struct ReferencePose
 {
@@ -48,19 +64,21 @@ struct ReferencePose
   cv::Point2d center;                  // px, of its middle
 };
 
-/// Points of a reference, each with the point of the image that looks most like it, the most alike first.
+/// Points of a reference, each with the point of the image that looks most like it, or by flow with where it has moved
+/// to. The most alike come first.
 struct KeypointMatches
 {
   std::vector<cv::Point2f> from;      // px, in the reference
   std::vector<cv::Point2f> to;        // px, in the image
-  std::vector<float> distances;       // of the descriptors: bits that differ, of sift Euclidean
+  std::vector<float> distances;       // of the descriptors: bits that differ, of sift Euclidean; by flow: px
   std::vector<uchar> inliers;         // 1 for those that agree with the pose; all 0 if there is none
   std::optional<ReferencePose> pose;  // none if too few agree on one
 };
 
 /// Matches descriptors as cv::BFMatcher or cv::FlannBasedMatcher do (LSH for bits, KD-trees for floats), then by the
 /// ratio of the distances to the nearest and the second nearest (Lowe, 2004). The same descriptors always give the same
-/// matches: FLANN's random numbers have a fixed seed. Throws std::invalid_argument as validate() does.
+/// matches: FLANN's random numbers have a fixed seed. Throws std::invalid_argument as validate() does, and for the
+/// matcher by flow, which compares no descriptors.
 KeypointMatches matchKeypoints(const Keypoints& reference, const Keypoints& image, const MatchParams& params);
 
 /// Finds the pose of a reference of a size (px) by cv::findHomography, and the inliers; the homography of ransac and
@@ -77,13 +95,23 @@ struct MatchedFrame
   KeypointMatches matches;
 };
 
-/// Finds keypoints in frames, and matches them with those of a reference or of the frame before. Not thread-safe.
+/// Finds keypoints in frames, and matches them with those of a reference or of the frame before.
+///
+/// With the matcher by flow the keypoints of the frame before are followed into this one by pyramidal Lucas-Kanade
+/// flow, there and back (Kalal et al.: Forward-Backward Error, 2010). Those that miss themselves by more than
+/// flow_max_error px, and those that leave the image, match nothing; the distance of the others is by how much they
+/// miss themselves. There are no descriptors then.
+///
+/// Not thread-safe.
 class KeypointMatcher
 {
 public:
   /// Throws std::invalid_argument as validate() does.
   explicit KeypointMatcher(const KeypointParams& keypoints = KeypointParams(),
                            const MatchParams& params = MatchParams());
+  ~KeypointMatcher();
+  KeypointMatcher(KeypointMatcher&&) noexcept;
+  KeypointMatcher& operator=(KeypointMatcher&&) noexcept;
 
   /// Sets the reference, whose keypoints are found and described here once. One with a side of more than 1280 px is
   /// made smaller for it; positions are always those of `image`. Throws std::invalid_argument if it has too few
@@ -109,6 +137,7 @@ private:
   MatchParams params_;
   View reference_;
   View last_;
+  std::unique_ptr<KeypointFlow> flow_;  // null unless it matches
 };
 
 }  // namespace robot_vision

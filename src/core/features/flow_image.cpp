@@ -38,7 +38,7 @@ const cv::Mat& FlowImage::halved(const FlowParams& params, int& halvings)
 FollowedPoints followPoints(FlowImage& last, FlowImage& next, const FlowParams& params,
                             const std::vector<cv::Point2f>& points, const std::vector<cv::Point2f>& guess)
 {
-  FollowedPoints followed{guess, {}};
+  FollowedPoints followed{guess, {}, {}};
   if (points.empty()) return followed;
   const cv::Size window(params.window, params.window);
   std::vector<cv::Point2f> back = points;
@@ -53,8 +53,18 @@ FollowedPoints followPoints(FlowImage& last, FlowImage& next, const FlowParams& 
   follow(last, next, points, followed.positions, followed.found);
   follow(next, last, followed.positions, back, found_back);
   for (std::size_t i = 0; i < points.size(); ++i)
-    followed.found[i] = followed.found[i] && found_back[i] && cv::norm(back[i] - points[i]) <= params.max_error;
+  {
+    const double error = cv::norm(back[i] - points[i]);
+    followed.found[i] = followed.found[i] && found_back[i] && error <= params.max_error;
+    followed.errors.push_back(static_cast<float>(error));
+  }
   return followed;
+}
+
+bool isInside(const cv::Size& image, const cv::Point2f& p)
+{
+  return p.x >= 0.0F && p.y >= 0.0F && p.x <= static_cast<float>(image.width - 1) &&
+         p.y <= static_cast<float>(image.height - 1);
 }
 
 }  // namespace robot_vision

@@ -6,7 +6,7 @@
 namespace robot_vision
 {
 
-/// Parameters of optical flow; see the fields of the same names in ObjectTrackerParams.
+/// Parameters of optical flow; see the fields of the same names in ObjectTrackerParams, and of MatchParams.
 struct FlowParams
 {
   int window = 15;
@@ -42,10 +42,15 @@ struct FollowedPoints
 {
   std::vector<cv::Point2f> positions;  // px, in the next image
   std::vector<uchar> found;            // 1 if following the point there and back led to where it was, else 0
+  std::vector<float> errors;           // px, between where that led and where it was
 };
 
-/// Follows points from the last image to the next one by pyramidal Lucas-Kanade flow, which begins at `guess`.
+/// Follows points from the last image to the next one by pyramidal Lucas-Kanade flow, which begins at `guess`. Points
+/// may be found somewhat outside of the image.
 FollowedPoints followPoints(FlowImage& last, FlowImage& next, const FlowParams& params,
                             const std::vector<cv::Point2f>& points, const std::vector<cv::Point2f>& guess);
+
+/// Whether a point is between the centres of an image's outermost pixels.
+bool isInside(const cv::Size& image, const cv::Point2f& p);
 
 }  // namespace robot_vision

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "core/common/random_state.hpp"
+#include "keypoint_flow.hpp"
 #include "robot_vision/common/range.hpp"
 #include "robot_vision/image/encoding.hpp"
 
@@ -75,9 +76,17 @@ void enlarge(std::vector<cv::Point2f>& points, const cv::Point2d& factor)
 
 }  // namespace
 
+void validate(const MatchParams& params)
+{
+  checkFields(params);
+  require(params.matcher != "flow" || params.match != "reference", "matcher", params.matcher,
+          "brute_force or flann if match is reference");
+}
+
 KeypointMatches matchKeypoints(const Keypoints& reference, const Keypoints& image, const MatchParams& params)
 {
   validate(params);
+  require(params.matcher != "flow", "matcher", params.matcher, "brute_force or flann to compare descriptors");
   KeypointMatches found;
   const cv::Mat &of_reference = reference.descriptors, &of_image = image.descriptors;
   if (of_reference.empty() || of_image.rows < 2) return found;
@@ -108,7 +117,13 @@ KeypointMatcher::KeypointMatcher(const KeypointParams& keypoints, const MatchPar
 {
   validate(keypoints);
   validate(params);
+  const FlowParams flow{params.flow_window, params.flow_levels, params.flow_max_error};
+  if (params.match == "last_frame" && params.matcher == "flow") flow_ = std::make_unique<KeypointFlow>(flow);
 }
+
+KeypointMatcher::~KeypointMatcher() = default;
+KeypointMatcher::KeypointMatcher(KeypointMatcher&&) noexcept = default;
+KeypointMatcher& KeypointMatcher::operator=(KeypointMatcher&&) noexcept = default;
 
 void KeypointMatcher::setReference(const cv::Mat& image, const std::string& encoding)
 {
@@ -135,16 +150,19 @@ void KeypointMatcher::setReference(const cv::Mat& image, const std::string& enco
 MatchedFrame KeypointMatcher::update(const cv::Mat& image, const std::string& encoding, bool matches)
 {
   const bool wanted = matches && params_.match != "none", of_last = params_.match == "last_frame";
+  cv::Mat gray;
+  toGray(image, encoding, gray);
   MatchedFrame frame;
-  frame.keypoints = findKeypoints(image, encoding, keypoint_params_, wanted);
-  const cv::Size size = imageSize(image, encoding);
+  frame.keypoints = findKeypoints(gray, "mono8", keypoint_params_, wanted && !flow_);
+  if (wanted && flow_) flow_->add(gray);
   const View& reference = of_last ? last_ : reference_;
-  if (wanted && !reference.size.empty() && (!of_last || reference.size == size))
+  if (wanted && !reference.size.empty() && (!of_last || reference.size == gray.size()))
   {
-    frame.matches = matchKeypoints(reference.keypoints, frame.keypoints, params_);
-    findPose(reference.size, size, params_, frame.matches);
+    frame.matches =
+        flow_ ? flow_->follow(reference.keypoints.all) : matchKeypoints(reference.keypoints, frame.keypoints, params_);
+    findPose(reference.size, gray.size(), params_, frame.matches);
   }
-  last_ = wanted && of_last ? View{frame.keypoints, size} : View{};
+  last_ = wanted && of_last ? View{frame.keypoints, gray.size()} : View{};
   return frame;
 }
 

@@ -27,12 +27,6 @@ double overlap(const std::vector<cv::Point2f>& a, const std::vector<cv::Point2f>
   return both / (cv::contourArea(a) + cv::contourArea(b) - both);
 }
 
-bool isInside(const cv::Size& image, const cv::Point2f& p)
-{
-  return p.x >= 0.0F && p.y >= 0.0F && p.x <= static_cast<float>(image.width - 1) &&
-         p.y <= static_cast<float>(image.height - 1);
-}
-
 }  // namespace
 
 struct ObjectTracker::Impl
