@@ -4,6 +4,7 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
+#include "fixed_point.hpp"
 #include "robot_vision/common/range.hpp"
 #include "robot_vision/image/encoding.hpp"
 
@@ -15,7 +16,6 @@ namespace
 const cv::Scalar kYellow(0, 255, 255), kRed(0, 0, 255), kBlack(0, 0, 0);
 const int kFont = cv::FONT_HERSHEY_SIMPLEX;
 const double kFontScale = 0.5;
-const int kFractionBits = 4;  // of the positions that OpenCV draws at
 
 /// Whether a position or length in px fits a fixed-point number. NaN does not.
 bool isDrawable(double pixels)
@@ -26,16 +26,6 @@ bool isDrawable(double pixels)
 bool isDrawable(const cv::Point2d& point)
 {
   return isDrawable(point.x) && isDrawable(point.y);
-}
-
-int fixedPoint(double pixels)
-{
-  return cvRound(pixels * (1 << kFractionBits));
-}
-
-cv::Point fixedPoint(const cv::Point2d& point)
-{
-  return {fixedPoint(point.x), fixedPoint(point.y)};
 }
 
 }  // namespace

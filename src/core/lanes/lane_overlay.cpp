@@ -1,6 +1,7 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
+#include "core/image/fixed_point.hpp"
 #include "robot_vision/image/encoding.hpp"
 #include "robot_vision/lanes/lane_detector.hpp"
 
@@ -9,7 +10,6 @@ namespace robot_vision
 namespace
 {
 
-constexpr int kFractionBits = 4;      // of the positions that OpenCV draws at
 constexpr double kMaxPosition = 1e5;  // px, that is drawn
 constexpr double kShade = 0.3;        // share of the color between the lines
 const cv::Scalar kGreen(0, 255, 0), kOrange(0, 100, 255);
@@ -19,7 +19,7 @@ std::vector<cv::Point> drawable(const std::vector<cv::Point2d>& curve)
   std::vector<cv::Point> fixed;
   for (const cv::Point2d& at : curve)
     if (std::abs(at.x) < kMaxPosition && std::abs(at.y) < kMaxPosition)  // NaN is not
-      fixed.emplace_back(cvRound(at.x * (1 << kFractionBits)), cvRound(at.y * (1 << kFractionBits)));
+      fixed.push_back(fixedPoint(at));
   return fixed;
 }
 

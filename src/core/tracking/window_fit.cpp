@@ -6,6 +6,7 @@
 #include <opencv2/video/tracking.hpp>
 #include <vector>
 
+#include "core/image/fixed_point.hpp"
 #include "core/image/rects.hpp"
 
 namespace robot_vision
@@ -14,7 +15,6 @@ namespace
 {
 
 constexpr double kHalfPixel = 0.5;  // px: positions are from the centre of the first pixel, OpenCV's from its corner
-constexpr int kFractionBits = 4;    // of the positions of a polygon that is filled
 
 cv::Point2d centerOfMass(const cv::Mat& back_projection, const cv::Rect& part)
 {
@@ -31,7 +31,7 @@ void measureInside(const cv::Mat& back_projection, WindowFit& fit)
   if (part.empty()) return;
   std::vector<cv::Point> polygon;
   for (const cv::Point2d& corner : fit.outline)
-    polygon.emplace_back((corner - cv::Point2d(part.tl())) * (1 << kFractionBits));
+    polygon.push_back(fixedPoint(corner - cv::Point2d(part.tl())));
   cv::Mat mask = cv::Mat::zeros(part.size(), CV_8UC1);
   cv::fillConvexPoly(mask, polygon, cv::Scalar::all(255), cv::LINE_8, kFractionBits);
   fit.similarity = cv::mean(back_projection(part), mask)[0] / 255.0;

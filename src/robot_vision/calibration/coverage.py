@@ -5,12 +5,12 @@ from typing import Sequence, Tuple
 import cv2
 import numpy as np
 
+from ..common.drawing import FRACTION_BITS, fixed_point
 from .boards import Observation
 
 CELLS = (10, 8)  # across and down
 UNSEEN = (205, 205, 250)  # BGR, cells without a point of the board
 GOOD, BAD = np.array([60, 160, 0]), np.array([0, 0, 230])  # BGR, views with small and large errors
-FRACTION_BITS = 4  # fractional bits of the coordinates at which OpenCV draws
 
 
 def seen_cells(observations: Sequence[Observation], size: Tuple[int, int]) -> np.ndarray:
@@ -39,7 +39,7 @@ def coverage_image(
     radius = max(size) / 320.0
     for observation, bad in zip(observations, badness):
         color = (GOOD + bad * (BAD - GOOD)).tolist()
-        fixed = np.rint(observation.pixels * 2**FRACTION_BITS).astype(np.int32)
+        fixed = fixed_point(observation.pixels)
         hull = cv2.convexHull(fixed)
         cv2.polylines(image, [hull], True, color, 1, cv2.LINE_AA, FRACTION_BITS)
         for x, y in fixed.tolist():

@@ -6,6 +6,7 @@ import cv2
 import numpy as np
 
 from .. import CameraModel
+from ..common.drawing import FRACTION_BITS, fixed_point
 
 AXES = ((0, 0, 255), (0, 255, 0), (255, 0, 0))  # BGR: x red, y green, z blue
 EDGE = (255, 255, 255)
@@ -14,7 +15,6 @@ DARKEST = 0.3  # of a face that looks away from the light, as a share of FACE
 TO_LIGHT = np.array([0.35, 0.65, 0.68])  # in the board's frame
 OPACITY = 0.8  # of the faces
 PIECES = 8  # of an edge, which the lens may bend
-FRACTION_BITS = 4  # fractional bits of the coordinates at which OpenCV draws
 MAX_COORDINATE = 1e5  # px, that is drawn
 
 # The faces of a cube from 0 to 1, each with its normal and its corners, around it.
@@ -96,4 +96,4 @@ def _pixels(points: np.ndarray, camera: CameraModel) -> Optional[np.ndarray]:
     pixels, _ = camera.project(points)
     if not (np.abs(pixels) < MAX_COORDINATE).all():
         return None
-    return np.rint(pixels * 2**FRACTION_BITS).astype(np.int32)
+    return fixed_point(pixels)

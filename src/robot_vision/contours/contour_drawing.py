@@ -5,8 +5,8 @@ from typing import Callable, Dict, Iterable, List, Tuple
 import numpy as np
 
 from .. import Contour, TurnedShape, draw_outline
+from ..common.drawing import CIRCLE
 
-ANGLES = np.arange(64) * (2.0 * np.pi / 64)  # rad, of the points of an ellipse
 GREEN, YELLOW, RED = (0.0, 255.0, 0.0), (0.0, 255.0, 255.0), (0.0, 0.0, 255.0)
 
 
@@ -40,7 +40,7 @@ def _rectangle(contour: Contour) -> List[np.ndarray]:
 def _ellipse(contour: Contour) -> List[np.ndarray]:
     if contour.ellipse is None:
         return []
-    return [_turned(contour.ellipse, np.cos(ANGLES), np.sin(ANGLES))]
+    return [_turned(contour.ellipse, *CIRCLE.T)]
 
 
 def _defects(contour: Contour) -> List[np.ndarray]:

@@ -4,11 +4,11 @@ import cv2
 import numpy as np
 
 from .. import KeypointMatches, Keypoints, draw_outline
+from ..common.drawing import FRACTION_BITS, fixed_point
 from ..common.plain_text import to_ascii
 
 # BGR, and what they show.
 YELLOW, GREEN, RED = (0, 255, 255), (0, 255, 0), (0, 0, 255)  # keypoints, inliers, other matches
-FRACTION_BITS = 4  # of the positions that OpenCV draws at
 MAX_DRAWN = 1e5  # px from the image: OpenCV's fixed-point numbers end there
 
 
@@ -32,8 +32,8 @@ def draw_reference(image: np.ndarray, found: KeypointMatches, label: str) -> Non
 
 def draw_motion(image: np.ndarray, found: KeypointMatches) -> None:
     """Draws a line from where each point was in the last frame to where it is in this one."""
-    ends = np.rint(np.hstack([found.reference_points, found.points]) * 2**FRACTION_BITS)
-    for (x0, y0, x1, y1), inlier in zip(ends.astype(int).tolist(), found.inliers.tolist()):
+    ends = fixed_point(np.hstack([found.reference_points, found.points]))
+    for (x0, y0, x1, y1), inlier in zip(ends.tolist(), found.inliers.tolist()):
         tone = GREEN if inlier else RED
         cv2.line(image, (x0, y0), (x1, y1), tone, 1, cv2.LINE_AA, FRACTION_BITS)
         cv2.circle(image, (x1, y1), 2 << FRACTION_BITS, tone, -1, cv2.LINE_AA, FRACTION_BITS)

@@ -16,6 +16,7 @@ from .. import (
     draw_outline,
     draw_text,
 )
+from ..common.drawing import CIRCLE
 from ..msg import Detection, DetectionArray
 from ..ros.configs import HoughConfig
 from ..ros.image_node import ImageNode
@@ -25,7 +26,6 @@ from ..ros.startup import run_node
 from ..ros.transport import Frame, FrameError
 
 LABELS = {"lines": "line", "segments": "segment"}  # of the methods that find something straight
-ANGLES = np.arange(64) * (2.0 * np.pi / 64)  # rad, of the points of a circle's outline
 
 
 class Hough:
@@ -85,7 +85,7 @@ def line_detection(line: HoughLine, label: str, image: np.ndarray) -> Detection:
 
 def circle_detection(circle: HoughCircle, image: np.ndarray) -> Detection:
     """Returns a circle as a Detection, whose box is clipped to the image."""
-    outline = circle.center + circle.radius * np.column_stack([np.cos(ANGLES), np.sin(ANGLES)])
+    outline = circle.center + circle.radius * CIRCLE
     center = Point(*circle.center, 0.0)
     return Detection(
         label="circle",
