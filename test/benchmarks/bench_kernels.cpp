@@ -15,6 +15,7 @@
 #include "core/simd/instruction_sets.hpp"
 #include "kernels/contests.hpp"
 #include "measure.hpp"
+#include "robot_vision/common/range.hpp"
 
 namespace
 {
@@ -144,8 +145,8 @@ void registerAll(const Options& options, const std::vector<Work>& works)
       for (InstructionSet set : sets)
       {
         if (options.growth && !work.scales) continue;
-        const std::string name = work.name + "/" + std::to_string(size.width) + "x" + std::to_string(size.height) +
-                                 "/" + robot_vision::name(set) + "/" + std::to_string(options.threads);
+        const std::string name = work.name + "/" + robot_vision::toText(size) + "/" + robot_vision::name(set) + "/" +
+                                 std::to_string(options.threads);
         const auto run = [&options, &work, size, set](benchmark::State& state)
         { measure(state, options, work, size, set); };
         benchmark::RegisterBenchmark(name.c_str(), run)->UseManualTime()->Unit(benchmark::kMillisecond);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <opencv2/core/types.hpp>
 #include <string>
 #include <vector>
 
@@ -8,6 +9,14 @@ namespace robot_vision
 
 /// A number as C++ streams write it: 0.5, 30, nan.
 std::string toText(double value);
+
+/// A size as "640x480", for messages. Other integers than those of cv::Size stay what they are.
+std::string toText(const cv::Size& size);
+template <class Integer>
+std::string sizeText(Integer width, Integer height)
+{
+  return std::to_string(width) + "x" + std::to_string(height);
+}
 
 /// The words separated by commas, "a, b, c", for a message.
 std::string joined(const std::vector<std::string>& words);

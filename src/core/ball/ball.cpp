@@ -148,7 +148,7 @@ std::optional<BallPosition> ballPosition(const CameraModel& camera, const std::v
 {
   validate(camera);
   require(diameter > 0.0 && std::isfinite(diameter), "diameter", diameter, "positive (m)");
-  const std::string size = std::to_string(camera.width) + "x" + std::to_string(camera.height);
+  const std::string size = sizeText(camera.width, camera.height);
   for (const cv::Point& pixel : outline)
     require(pixel.inside({0, 0, camera.width, camera.height}), "outline point",
             "(" + std::to_string(pixel.x) + ", " + std::to_string(pixel.y) + ")", "in the camera's image, " + size);

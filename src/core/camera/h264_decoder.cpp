@@ -14,6 +14,7 @@ extern "C"
 #include <string>
 
 #include "robot_vision/camera/frame_source.hpp"
+#include "robot_vision/common/range.hpp"
 
 namespace robot_vision
 {
@@ -87,7 +88,7 @@ void checkFrame(const AVFrame& frame)
     refuse("in the pixel format " + std::string(name == nullptr ? "?" : name) + ", expected yuv420p or yuvj420p");
   }
   if (frame.width % 2 != 0 || frame.height % 2 != 0)
-    refuse("of " + std::to_string(frame.width) + "x" + std::to_string(frame.height) + ", expected even sizes");
+    refuse("of " + sizeText(frame.width, frame.height) + ", expected even sizes");
   if (frame.decode_error_flags != 0 || (frame.flags & AV_FRAME_FLAG_CORRUPT) != 0)
     refuse("is damaged, or follows one that was lost");
 }

@@ -64,8 +64,7 @@ public:
   std::string description() const override
   {
     const CameraModel& camera = scene_.camera();
-    return "synthetic scene (" + name_ + ") " + std::to_string(camera.width) + "x" + std::to_string(camera.height) +
-           " at " + toText(rate_) + " Hz";
+    return "synthetic scene (" + name_ + ") " + sizeText(camera.width, camera.height) + " at " + toText(rate_) + " Hz";
   }
 
   const CameraModel* cameraModel() const override { return &scene_.camera(); }

@@ -135,16 +135,14 @@ std::string rateText(double rate)
 
 std::string describeSizes(const std::vector<v4l2_frmsize_stepwise>& sizes)
 {
-  const auto size = [](std::uint32_t width, std::uint32_t height)
-  { return std::to_string(width) + "x" + std::to_string(height); };
   std::string text;
   for (const v4l2_frmsize_stepwise& range : sizes)
   {
-    text += (text.empty() ? "" : ", ") + size(range.min_width, range.min_height);
+    text += (text.empty() ? "" : ", ") + sizeText(range.min_width, range.min_height);
     if (range.min_width == range.max_width && range.min_height == range.max_height) continue;
-    text += " to " + size(range.max_width, range.max_height);
+    text += " to " + sizeText(range.max_width, range.max_height);
     if (range.step_width > 1 || range.step_height > 1)
-      text += " in steps of " + size(range.step_width, range.step_height);
+      text += " in steps of " + sizeText(range.step_width, range.step_height);
   }
   return text;
 }

@@ -1,5 +1,7 @@
 #include "v4l2_pixel_formats.hpp"
 
+#include "robot_vision/common/range.hpp"
+
 namespace robot_vision
 {
 
@@ -35,7 +37,7 @@ std::string fourccText(std::uint32_t fourcc)
 
 std::string describeFormat(std::uint32_t fourcc, std::uint32_t width, std::uint32_t height)
 {
-  return fourccText(fourcc) + " " + std::to_string(width) + "x" + std::to_string(height);
+  return fourccText(fourcc) + " " + sizeText(width, height);
 }
 
 }  // namespace robot_vision

@@ -7,6 +7,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "robot_vision/common/range.hpp"
 #include "robot_vision/image/jpeg.hpp"
 
 namespace robot_vision
@@ -65,7 +66,7 @@ void encodeJpeg(const cv::Mat& image, bool rgb, const JpegParams& params, std::v
   validate(params);
   const TJPF format = pixelFormat(image, rgb);
   if (image.empty() || image.total() > kMaxPixels || std::max(image.cols, image.rows) > kLongestJpegSide)
-    throw std::invalid_argument("an image of " + std::to_string(image.cols) + "x" + std::to_string(image.rows) +
+    throw std::invalid_argument("an image of " + toText(image.size()) +
                                 " cannot become JPEG: it has no or too many pixels");
   if (params.optimize || params.progressive || params.restart_interval != 0)
     return encodeByOpenCv(image, rgb, params, out);

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "robot_vision/codecs/theora.hpp"
+#include "robot_vision/common/range.hpp"
 #include "theora_setup.hpp"
 
 namespace robot_vision
@@ -91,9 +92,9 @@ struct TheoraDecoder::Stream
     if (info.pic_width == 0 || info.pic_height == 0 ||
         static_cast<std::uint64_t>(info.frame_width) * info.frame_height > kMaxVideoPixels)
       refuse(static_cast<std::size_t>(packet.bytes),
-             "belongs to images of " + std::to_string(info.pic_width) + "x" + std::to_string(info.pic_height) +
-                 " in frames of " + std::to_string(info.frame_width) + "x" + std::to_string(info.frame_height) +
-                 ", must be of 1 to " + std::to_string(kMaxVideoPixels) + " pixels");
+             "belongs to images of " + sizeText(info.pic_width, info.pic_height) + " in frames of " +
+                 sizeText(info.frame_width, info.frame_height) + ", must be of 1 to " +
+                 std::to_string(kMaxVideoPixels) + " pixels");
     context = th_decode_alloc(&info, setup);
     if (context == nullptr) refuse(static_cast<std::size_t>(packet.bytes), "belongs to headers that make no stream");
     return true;

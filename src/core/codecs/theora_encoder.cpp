@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "robot_vision/codecs/theora.hpp"
+#include "robot_vision/common/range.hpp"
 
 namespace robot_vision
 {
@@ -69,9 +70,7 @@ void TheoraEncoder::begin(cv::Size size)
   info.target_bitrate = params_.constant_quality ? 0 : params_.target_bitrate;
   decltype(stream_) stream(th_encode_alloc(&info), th_encode_free);
   th_info_clear(&info);
-  if (!stream)
-    throw std::runtime_error("Theora cannot encode images of " + std::to_string(size.width) + "x" +
-                             std::to_string(size.height));
+  if (!stream) throw std::runtime_error("Theora cannot encode images of " + toText(size));
   stream_ = std::move(stream);
   size_ = size;
 
@@ -89,9 +88,9 @@ std::vector<TheoraPacket> TheoraEncoder::encode(const cv::Mat& bgr)
 {
   const auto frame_pixels = static_cast<std::size_t>(padded(bgr.rows)) * static_cast<std::size_t>(padded(bgr.cols));
   if (bgr.empty() || bgr.type() != CV_8UC3 || frame_pixels > kMaxVideoPixels)
-    throw std::invalid_argument("an image of " + std::to_string(bgr.cols) + "x" + std::to_string(bgr.rows) + " (" +
-                                cv::typeToString(bgr.type()) + ") cannot become Theora, must be CV_8UC3 of 1 to " +
-                                std::to_string(kMaxVideoPixels) + " pixels");
+    throw std::invalid_argument("an image of " + toText(bgr.size()) + " (" + cv::typeToString(bgr.type()) +
+                                ") cannot become Theora, must be CV_8UC3 of 1 to " + std::to_string(kMaxVideoPixels) +
+                                " pixels");
   if (!stream_ || size_ != bgr.size()) begin(bgr.size());
 
   cv::Mat frame;

@@ -15,6 +15,11 @@ std::string toText(double value)
   return text.str();
 }
 
+std::string toText(const cv::Size& size)
+{
+  return sizeText(size.width, size.height);
+}
+
 std::string joined(const std::vector<std::string>& words)
 {
   std::string list;

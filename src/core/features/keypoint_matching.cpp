@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "core/common/random_state.hpp"
+#include "core/image/rects.hpp"
 #include "keypoint_flow.hpp"
 #include "robot_vision/common/range.hpp"
 #include "robot_vision/image/encoding.hpp"
@@ -133,9 +134,8 @@ void KeypointMatcher::setReference(const cv::Mat& image, const std::string& enco
   const double scale = static_cast<double>(kMaxReferenceSide) / std::max(size.width, size.height);
   if (scale < 1.0)
   {
-    const cv::Size smaller(std::max(1, cvRound(size.width * scale)), std::max(1, cvRound(size.height * scale)));
     cv::Mat reduced;  // not in place: `gray` may be the image itself
-    cv::resize(gray, reduced, smaller, 0.0, 0.0, cv::INTER_AREA);
+    cv::resize(gray, reduced, scaledSize(size, scale), 0.0, 0.0, cv::INTER_AREA);
     gray = reduced;
   }
   View view{findKeypoints(gray, "mono8", keypoint_params_, true), size};

@@ -21,7 +21,7 @@ cv::Rect roiIn(const cv::Size& size, const OperationValues& values)
   const cv::Rect roi = cv::Rect(x, y, width, height) & image;
   if (roi.empty())
     throw std::invalid_argument("x, y are " + toText(x) + ", " + toText(y) + ", must be inside of the image of " +
-                                toText(size.width) + "x" + toText(size.height));
+                                toText(size));
   return roi;
 }
 

@@ -6,6 +6,7 @@
 
 #include "core/image/conversion_buffer.hpp"
 #include "robot_vision/common/printable.hpp"
+#include "robot_vision/common/range.hpp"
 #include "robot_vision/image/encoding.hpp"
 
 namespace robot_vision
@@ -44,9 +45,9 @@ decltype(auto) named(const std::string& name, const Work& work)
 
 void requireSameSize(const cv::Mat& image, const cv::Mat& second)
 {
-  const auto text = [](const cv::Mat& one) { return std::to_string(one.cols) + "x" + std::to_string(one.rows); };
   if (image.size() != second.size())
-    throw std::invalid_argument("the other image is " + text(second) + ", must be " + text(image) + " as this one");
+    throw std::invalid_argument("the other image is " + toText(second.size()) + ", must be " + toText(image.size()) +
+                                " as this one");
 }
 
 }  // namespace

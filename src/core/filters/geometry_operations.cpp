@@ -4,6 +4,7 @@
 #include <opencv2/imgproc.hpp>
 #include <stdexcept>
 
+#include "core/image/rects.hpp"
 #include "operation_table.hpp"
 
 using namespace std::string_literals;
@@ -12,12 +13,6 @@ namespace robot_vision
 {
 namespace
 {
-
-/// The size of an image whose sides are multiplied by `scale`.
-cv::Size scaled(const cv::Size& size, double scale)
-{
-  return {std::max(1, cvRound(size.width * scale)), std::max(1, cvRound(size.height * scale))};
-}
 
 const std::map<std::string, int> kInterpolations = {{"nearest", cv::INTER_NEAREST},
                                                     {"linear", cv::INTER_LINEAR},
@@ -58,7 +53,7 @@ std::vector<Operation> geometryOperations()
            [](const OperationValues& v, const OperationInput& in, cv::Mat& out)
            {
              requireResultSize(in.image.size(), v.number("scale"));
-             cv::resize(in.image, out, scaled(in.image.size(), v.number("scale")), 0.0, 0.0,
+             cv::resize(in.image, out, scaledSize(in.image.size(), v.number("scale")), 0.0, 0.0,
                         v.choice("interpolation", kInterpolations));
            })},
       {"flip",

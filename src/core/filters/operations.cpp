@@ -143,9 +143,9 @@ cv::Mat parseKernel(const std::string& text)
 void requireResultSize(const cv::Size& size, double scale)
 {
   if (size.width * scale * size.height * scale <= static_cast<double>(kMaxPixels)) return;
-  throw std::invalid_argument("the result would be " + toText(std::round(size.width * scale)) + "x" +
-                              toText(std::round(size.height * scale)) + ", must have at most " +
-                              std::to_string(kMaxPixels) + " pixels");
+  throw std::invalid_argument("the result would be " +
+                              sizeText(std::llround(size.width * scale), std::llround(size.height * scale)) +
+                              ", must have at most " + std::to_string(kMaxPixels) + " pixels");
 }
 
 }  // namespace robot_vision

@@ -10,6 +10,7 @@
 #include "core/image/conversion_buffer.hpp"
 #include "core/image/filled_up.hpp"
 #include "core/image/frame_sequence.hpp"
+#include "core/image/rects.hpp"
 #include "robot_vision/common/range.hpp"
 #include "robot_vision/image/encoding.hpp"
 
@@ -47,11 +48,6 @@ cv::Size disSize(const cv::Size& size)
   cv::Size larger(std::max(size.width, kMinDisSide), std::max(size.height, kMinDisSide));
   if (std::max(larger.width, larger.height) < kMinDisLength) larger.width = kMinDisLength;
   return larger;
-}
-
-cv::Size scaled(const cv::Size& size, double scale)
-{
-  return {std::max(1, cvRound(size.width * scale)), std::max(1, cvRound(size.height * scale))};
 }
 
 /// The flow of a smaller image as one of this size.
@@ -106,7 +102,7 @@ struct DenseFlow::Impl
   /// Makes `next` of the image, whose pixels may be those of the input and are not kept.
   void shrink(const cv::Mat& gray)
   {
-    const cv::Size size = scaled(gray.size(), params.scale);
+    const cv::Size size = scaledSize(gray.size(), params.scale);
     if (size == gray.size())
       gray.copyTo(next);
     else

@@ -18,11 +18,6 @@ constexpr double kMinArrow = 0.5;      // px, motion that is drawn as an arrow
 constexpr double kMaxArrow = 4096.0;   // px, length that OpenCV's fixed-point numbers hold for sure
 const cv::Scalar kGreen(0, 255, 0);
 
-std::string sizeText(const cv::Mat& image)
-{
-  return std::to_string(image.cols) + "x" + std::to_string(image.rows);
-}
-
 void drawArrow(cv::Mat& bgr, const cv::Point& from, const cv::Point2f& motion, double scale)
 {
   const double length = std::hypot(motion.x, motion.y);
@@ -65,7 +60,7 @@ void drawFlowArrows(cv::Mat& bgr, const cv::Mat& flow, int spacing, double scale
 {
   checkPixels(bgr, "bgr8");
   checkPixels(flow, "32FC2", CV_32FC2);
-  require(flow.size() == bgr.size(), "the flow's size", sizeText(flow), "the image's, " + sizeText(bgr));
+  require(flow.size() == bgr.size(), "the flow's size", toText(flow.size()), "the image's, " + toText(bgr.size()));
   requireRange("spacing", spacing, 1, 1e6);
   requireRange("scale", scale, 0.0, 1e6);
   for (int y = spacing / 2; y < flow.rows; y += spacing)

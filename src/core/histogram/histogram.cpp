@@ -89,8 +89,8 @@ std::vector<ChannelHistogram> computeHistogram(const cv::Mat& image, const std::
   if (!mask.empty())
   {
     checkPixels(mask, "mono8");
-    const auto size = [](const cv::Mat& mat) { return std::to_string(mat.cols) + "x" + std::to_string(mat.rows); };
-    require(mask.size() == pixels.size(), "the mask's size", size(mask), "the image's, " + size(pixels));
+    require(mask.size() == pixels.size(), "the mask's size", toText(mask.size()),
+            "the image's, " + toText(pixels.size()));
   }
   const cv::Rect part = partOf(pixels.size(), region);
   const cv::Mat counted = mask.empty() ? cv::Mat() : mask(part);

@@ -19,11 +19,6 @@ const std::map<std::string, cv::HistCompMethods> kMethods = {{"correlation", cv:
                                                              {"intersection", cv::HISTCMP_INTERSECT},
                                                              {"bhattacharyya", cv::HISTCMP_BHATTACHARYYA}};
 
-std::string sizeText(const cv::Mat& histogram)
-{
-  return std::to_string(histogram.rows) + "x" + std::to_string(histogram.cols);
-}
-
 }  // namespace
 
 cv::Mat hueSaturationHistogram(const cv::Mat& image, const std::string& encoding, const HueSaturationParams& params,
@@ -42,9 +37,9 @@ void backProject(const cv::Mat& image, const std::string& encoding, const cv::Ma
   validate(params);
   const bool fits =
       histogram.type() == CV_32FC1 && histogram.rows == params.hue_bins && histogram.cols == params.saturation_bins;
-  require(fits, "the histogram", sizeText(histogram) + " bins of " + describePixels(histogram.type()),
-          std::to_string(params.hue_bins) + "x" + std::to_string(params.saturation_bins) + " bins of " +
-              describePixels(CV_32FC1));
+  require(fits, "the histogram",
+          sizeText(histogram.rows, histogram.cols) + " bins of " + describePixels(histogram.type()),
+          sizeText(params.hue_bins, params.saturation_bins) + " bins of " + describePixels(CV_32FC1));
   cv::Mat bgr;
   toBgr(image, encoding, bgr);
   HsvPixels(bgr, params.min_saturation, params.min_value).backProject(histogram, out);
@@ -59,7 +54,8 @@ double compareHistograms(const cv::Mat& a, const cv::Mat& b, const std::string& 
   require(a.type() == CV_32FC1 && !a.empty(), "the first histogram", describePixels(a.type()),
           describePixels(CV_32FC1));
   require(a.type() == b.type() && a.size() == b.size(), "the second histogram",
-          sizeText(b) + " bins of " + describePixels(b.type()), "as the first, of " + sizeText(a));
+          sizeText(b.rows, b.cols) + " bins of " + describePixels(b.type()),
+          "as the first, of " + sizeText(a.rows, a.cols));
   const double sum_a = cv::sum(a)[0], sum_b = cv::sum(b)[0];
   // OpenCV takes the correlation of a histogram that is empty for 1.
   if (found->second == cv::HISTCMP_CORREL && (sum_a <= 0.0 || sum_b <= 0.0)) return 0.0;

@@ -53,7 +53,7 @@ std::optional<Ends> clipped(double rho, double theta, const cv::Size& size, doub
 
 void checkSteps(const cv::Size& size, const HoughParams& params)
 {
-  const std::string of_image = " of an image of " + std::to_string(size.width) + "x" + std::to_string(size.height);
+  const std::string of_image = " of an image of " + toText(size);
   // With coarser ones rounding may lead OpenCV to cells beside its accumulator.
   require(params.rho <= std::max(std::min(size.width, size.height) / 3.0, 1.0), "rho", params.rho,
           "at most 1, or a third of the smaller side" + of_image);

@@ -72,7 +72,7 @@ const Layout& layoutOf(const std::string& encoding)
 
 std::string describe(const cv::Mat& image, const std::string& encoding)
 {
-  return encoding + " image of " + std::to_string(image.cols) + "x" + std::to_string(image.rows);
+  return encoding + " image of " + toText(image.size());
 }
 
 const Layout& checkedLayout(const cv::Mat& image, const std::string& encoding)

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "core/common/big_endian.hpp"
+#include "robot_vision/common/range.hpp"
 
 namespace robot_vision
 {
@@ -110,8 +111,8 @@ std::vector<std::uint8_t> makeStandardTables()
 void requireDecodableSize(const std::string& what, std::uint64_t width, std::uint64_t height)
 {
   if (height != 0 && width > kMaxPixels / height)
-    throw std::invalid_argument(what + "claims to be of " + std::to_string(width) + "x" + std::to_string(height) +
-                                ", the most is " + std::to_string(kMaxPixels) + " pixels");
+    throw std::invalid_argument(what + "claims to be of " + sizeText(width, height) + ", the most is " +
+                                std::to_string(kMaxPixels) + " pixels");
 }
 
 bool isJpeg(const unsigned char* data, std::size_t size)

@@ -34,8 +34,7 @@ void maskPicture(const cv::Mat& bgr, const cv::Mat& mask, cv::Mat& out)
 {
   checkPixels(bgr, "bgr8");
   checkPixels(mask, "mono8");
-  const auto size = [](const cv::Mat& mat) { return std::to_string(mat.cols) + "x" + std::to_string(mat.rows); };
-  require(mask.size() == bgr.size(), "the mask's size", size(mask), "the image's, " + size(bgr));
+  require(mask.size() == bgr.size(), "the mask's size", toText(mask.size()), "the image's, " + toText(bgr.size()));
   out.create(bgr.size(), bgr.type());
   out.setTo(0);
   bgr.copyTo(out, mask);

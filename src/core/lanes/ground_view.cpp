@@ -117,8 +117,7 @@ void GroundView::makeMap()
 void GroundView::fromAbove(const cv::Mat& bgr, cv::Mat& view) const
 {
   checkPixels(bgr, "bgr8");
-  const auto text = [](const cv::Size& size) { return std::to_string(size.width) + "x" + std::to_string(size.height); };
-  require(bgr.size() == image_size_, "the image", text(bgr.size()), "of the camera's size, " + text(image_size_));
+  require(bgr.size() == image_size_, "the image", toText(bgr.size()), "of the camera's size, " + toText(image_size_));
   cv::remap(bgr, view, map_, map_fraction_, cv::INTER_LINEAR, cv::BORDER_CONSTANT);
   view.setTo(cv::Scalar::all(0), seen_ == 0);
 }

@@ -5,6 +5,7 @@
 #include <opencv2/imgproc.hpp>
 #include <tuple>
 
+#include "core/image/rects.hpp"
 #include "robot_vision/image/encoding.hpp"
 
 namespace robot_vision
@@ -54,7 +55,7 @@ std::vector<Person> PeopleDetector::detect(const cv::Mat& image, const std::stri
   toBgr(image, encoding, bgr);
   double factor = std::min(1.0, static_cast<double>(params_.max_width) / bgr.cols);
   if (params_.min_height > 0) factor = std::min(factor, static_cast<double>(hog_.winSize.height) / params_.min_height);
-  const cv::Size size(std::max(1, cvRound(bgr.cols * factor)), std::max(1, cvRound(bgr.rows * factor)));
+  const cv::Size size = scaledSize(bgr.size(), factor);
   // OpenCV would read beyond an image that is smaller than its window.
   if (size.width < hog_.winSize.width || size.height < hog_.winSize.height) return {};
   cv::Mat smaller = bgr;

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
+#include "core/image/rects.hpp"
+
 namespace robot_vision::scene
 {
 
@@ -81,7 +83,7 @@ Texture imageTexture(const cv::Mat& image)
   std::vector<cv::Size> sizes;
   for (double scale = 1.0; sizes.empty() || std::max(sizes.back().width, sizes.back().height) > 4;
        scale /= std::sqrt(2.0))
-    sizes.emplace_back(std::max(1, cvRound(image.cols * scale)), std::max(1, cvRound(image.rows * scale)));
+    sizes.push_back(scaledSize(image.size(), scale));
   return Texture(image, sizes, cv::INTER_AREA);
 }
 

@@ -1,9 +1,9 @@
 #include "robot_vision/segmentation/segmenter.hpp"
 
-#include <algorithm>
 #include <opencv2/imgproc.hpp>
 
 #include "color_clusters.hpp"
+#include "core/image/rects.hpp"
 #include "label_numbers.hpp"
 #include "robot_vision/common/range.hpp"
 #include "robot_vision/image/encoding.hpp"
@@ -26,7 +26,7 @@ void requireNear(const std::string& name, const cv::Point& point)
 /// The image in the size that is worked on; the image itself if that is its own.
 cv::Mat reduced(const cv::Mat& bgr, double scale)
 {
-  const cv::Size size(std::max(1, cvRound(bgr.cols * scale)), std::max(1, cvRound(bgr.rows * scale)));
+  const cv::Size size = scaledSize(bgr.size(), scale);
   if (size == bgr.size()) return bgr;
   cv::Mat smaller;
   cv::resize(bgr, smaller, size, 0.0, 0.0, cv::INTER_AREA);
@@ -80,9 +80,8 @@ void Segmenter::configure(const SegmenterParams& params)
 
 void Segmenter::addRegion(const cv::Rect& region)
 {
-  const std::string size = std::to_string(region.width) + "x" + std::to_string(region.height);
   const bool fits = region.width > 0 && region.height > 0 && region.width <= kFar && region.height <= kFar;
-  require(fits, "the region's size", size, "from 1x1 to 16777216x16777216");
+  require(fits, "the region's size", toText(region.size()), "from 1x1 to 16777216x16777216");
   requireNear("the region", region.tl());
   impl_->add({region, (region.tl() + region.br()) / 2});
 }

@@ -128,8 +128,7 @@ void paintSegments(const cv::Mat& bgr, const cv::Mat& labels, const SegmentPaint
   validate(params);
   checkPixels(bgr, "bgr8");
   checkLabels(labels);
-  const auto size = [](const cv::Mat& mat) { return std::to_string(mat.cols) + "x" + std::to_string(mat.rows); };
-  require(labels.size() == bgr.size(), "the labels' size", size(labels), "the image's, " + size(bgr));
+  require(labels.size() == bgr.size(), "the labels' size", toText(labels.size()), "the image's, " + toText(bgr.size()));
   double highest = 0.0;
   cv::minMaxLoc(labels, nullptr, &highest);
   const int count = static_cast<int>(highest) + 1;

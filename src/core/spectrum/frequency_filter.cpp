@@ -52,8 +52,7 @@ bool hasMean(const SpectrumParams& params)
 cv::Mat frequencyMask(const cv::Size& size, const SpectrumParams& params)
 {
   validate(params);
-  require(!size.empty(), "the size of the mask", std::to_string(size.width) + "x" + std::to_string(size.height),
-          "1x1 or larger");
+  require(!size.empty(), "the size of the mask", toText(size), "1x1 or larger");
   cv::Mat mask(size, CV_32FC1);
   for (int y = 0; y < size.height; ++y)
   {

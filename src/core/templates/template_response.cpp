@@ -141,14 +141,13 @@ void requireMask(const std::string& method)
 
 cv::Mat templateResponse(const cv::Mat& image, const cv::Mat& templ, const cv::Mat& mask, const std::string& method)
 {
-  const auto size = [](const cv::Mat& mat) { return std::to_string(mat.cols) + "x" + std::to_string(mat.rows); };
   const int number = methodNumber(method);
   require(image.type() == CV_8UC1 || image.type() == CV_8UC3, "the image's type", describePixels(image.type()),
           describePixels(CV_8UC1) + " or " + describePixels(CV_8UC3));
   require(templ.type() == image.type(), "the template's type", describePixels(templ.type()),
           "the image's, " + describePixels(image.type()));
-  require(!templ.empty() && templ.cols <= image.cols && templ.rows <= image.rows, "the template's size", size(templ),
-          "at most the image's, " + size(image));
+  require(!templ.empty() && templ.cols <= image.cols && templ.rows <= image.rows, "the template's size",
+          toText(templ.size()), "at most the image's, " + toText(image.size()));
   cv::Mat response;
   if (mask.empty())
     cv::matchTemplate(image, templ, response, number);

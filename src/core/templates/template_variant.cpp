@@ -5,6 +5,7 @@
 #include <opencv2/imgproc.hpp>
 #include <tuple>
 
+#include "core/image/rects.hpp"
 #include "robot_vision/common/range.hpp"
 #include "template_methods.hpp"
 
@@ -116,11 +117,6 @@ std::vector<double> scalesOf(const TemplateParams& params)
   for (int step = 1; step < params.scale_steps; ++step)
     scales.push_back(params.min_scale * std::pow(ratio, step / (params.scale_steps - 1.0)));
   return scales;
-}
-
-cv::Size scaledSize(const cv::Size& size, double scale)
-{
-  return {std::max(1, cvRound(size.width * scale)), std::max(1, cvRound(size.height * scale))};
 }
 
 std::vector<TemplateVariant> templateVariants(int index, const cv::Mat& pixels, const cv::Mat& mask,

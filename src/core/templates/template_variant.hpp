@@ -48,7 +48,4 @@ std::vector<TemplateVariant> templateVariants(int index, const cv::Mat& pixels, 
 /// All scales, the smallest first.
 std::vector<double> scalesOf(const TemplateParams& params);
 
-/// An image's size at a scale, px.
-cv::Size scaledSize(const cv::Size& size, double scale);
-
 }  // namespace robot_vision

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "core/image/rects.hpp"
+#include "robot_vision/common/range.hpp"
 
 namespace robot_vision
 {
@@ -30,7 +31,7 @@ void checkRegion(const cv::Size& image, const cv::Rect& region)
 {
   if (region.width < kMinRegionSide || region.height < kMinRegionSide)
     throw std::invalid_argument(regionText(region) + " is too small, must be at least 16x16 px inside the image of " +
-                                std::to_string(image.width) + "x" + std::to_string(image.height));
+                                toText(image));
   requireInside(region, image);
 }
 

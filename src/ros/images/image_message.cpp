@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "robot_vision/common/printable.hpp"
+#include "robot_vision/common/range.hpp"
 #include "robot_vision/image/encoding.hpp"
 
 namespace robot_vision
@@ -137,8 +138,8 @@ cv::Mat convertPixels(const sensor_msgs::Image& message, const std::string& enco
 
 std::string describeRefusal(const sensor_msgs::Image& message, const std::string& topic, const std::string& reason)
 {
-  return "refused a frame on " + topic + " (" + printable(message.encoding) + ", " + std::to_string(message.width) +
-         "x" + std::to_string(message.height) + "): " + reason;
+  return "refused a frame on " + topic + " (" + printable(message.encoding) + ", " +
+         sizeText(message.width, message.height) + "): " + reason;
 }
 
 class ImagePool::Store

@@ -20,11 +20,6 @@ namespace
 constexpr int kMaxSide = 8192;           // px: in larger images the library may need more stack than a thread has
 constexpr double kCoarseDecimate = 4.0;  // of the searches that find large tags early
 
-std::string sizeText(const cv::Size& size)
-{
-  return std::to_string(size.width) + "x" + std::to_string(size.height);
-}
-
 bool isDecimation(double value)
 {
   return value == 0.0 || value == 1.5 || (value >= 1.0 && value <= 10.0 && value == std::floor(value));
@@ -84,7 +79,7 @@ struct TagDetector::Impl
   cv::Mat grayOf(const cv::Mat& image, const std::string& encoding)
   {
     cv::Mat gray = buffer.gray(image, encoding);
-    require(std::max(gray.cols, gray.rows) <= kMaxSide, "image", sizeText(gray.size()),
+    require(std::max(gray.cols, gray.rows) <= kMaxSide, "image", toText(gray.size()),
             "at most " + std::to_string(kMaxSide) + " px wide and high");
     return gray;
   }

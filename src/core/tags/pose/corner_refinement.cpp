@@ -154,7 +154,7 @@ std::optional<TagCorners> measureCorners(const cv::Mat& gray, const cv::Mat& cel
   const int min_cells = width_at_border + 2;  // the border and one ring of cells around it
   require(
       width_at_border > 0 && cells.cols == cells.rows && cells.cols >= min_cells && (cells.cols - min_cells) % 2 == 0,
-      "cells", std::to_string(cells.cols) + "x" + std::to_string(cells.rows),
+      "cells", toText(cells.size()),
       "those of a tag that is " + std::to_string(width_at_border) + " wide at its border");
   validate(camera);
   const TagTemplate tag_template{cells, (cells.cols - width_at_border) / 2};
