@@ -11,7 +11,7 @@ void CannyStripe::run(const cv::Mat& image, const std::string& encoding, int blu
   // Candidates depend on the gradients of the rows next to them, which depend on the blurred rows next to these.
   const int first_blurred = std::max(rows.start - 2, 0);
   gray_.begin(image, encoding, std::max(first_blurred - blur_size / 2, 0), blur_size + 1);
-  box_.begin(gray_, blur_size, first_blurred);
+  box_.begin({&gray_}, blur_size, first_blurred);
   next_blurred_ = first_blurred;
   if (gray_.size().width != size_.width)
   {

@@ -51,7 +51,7 @@ private:
   void differentiate(int y, Magnitude* magnitudes);
 
   GrayLineBuffer gray_;
-  BoxFilterRows box_;
+  BoxFilterRows<MirroredRows> box_;
   cv::Size size_;
   int next_blurred_ = 0;
   RowRing<std::uint8_t, 3> blurred_;

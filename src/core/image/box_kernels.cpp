@@ -37,7 +37,7 @@ void widen(const Sum* single, const Sum* part, int width, bool odd, int count, S
   }
 }
 
-void divide(const std::uint16_t* __restrict sums, const Division& by, int count, std::uint8_t* __restrict quotients)
+void divide(const std::uint16_t* __restrict sums, const BoxDivision& by, int count, std::uint8_t* __restrict quotients)
 {
   const std::uint16_t half = by.half;
   const std::uint16_t factor = by.factor;
@@ -50,7 +50,7 @@ void divide(const std::uint16_t* __restrict sums, const Division& by, int count,
   }
 }
 
-void divide(const std::uint32_t* __restrict sums, const Division& by, int count, std::uint8_t* __restrict quotients)
+void divide(const std::uint32_t* __restrict sums, const BoxDivision& by, int count, std::uint8_t* __restrict quotients)
 {
   const float reciprocal = by.reciprocal;
   for (int i = 0; i < count; ++i)  // converts by way of int, for which more SIMD instructions exist

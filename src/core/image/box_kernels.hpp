@@ -8,9 +8,9 @@ namespace robot_vision
 {
 
 /// A rounded division by an odd `divisor` of at least 3 as a multiplication. Holds for sums up to 255 * divisor.
-struct Division
+struct BoxDivision
 {
-  explicit Division(int divisor);
+  explicit BoxDivision(int divisor);
 
   // For sums of 16 bits: (sum + half) * factor / 2^(16 + shift).
   std::uint16_t half;
@@ -34,7 +34,7 @@ struct BoxKernels
   void (*widen)(const Sum* single, const Sum* part, int width, bool odd, int count, Sum* wider);
 
   /// Writes the rounded quotients.
-  void (*divide)(const Sum* sums, const Division& by, int count, std::uint8_t* quotients);
+  void (*divide)(const Sum* sums, const BoxDivision& by, int count, std::uint8_t* quotients);
 };
 
 }  // namespace robot_vision

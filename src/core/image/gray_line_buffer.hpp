@@ -55,4 +55,21 @@ void mirrorEnds(T* row, int width, int reach)
   }
 }
 
+/// The rows of a GrayLineBuffer, continued as cv::BORDER_REFLECT_101 does, for BoxFilterRows. The window of the buffer
+/// must have one row more than the box, and the buffer must outlive this.
+struct MirroredRows
+{
+  GrayLineBuffer* gray = nullptr;
+
+  int width() const { return gray->size().width; }
+  int channels() const { return 1; }
+  const std::uint8_t* row(int y) const { return gray->mirroredRow(y); }
+
+  template <class T>
+  void extend(T* row, int margin) const
+  {
+    mirrorEnds(row, width(), margin);
+  }
+};
+
 }  // namespace robot_vision

@@ -117,12 +117,12 @@ TEST(EdgeDetector, followsAnEdgeThatWinds)
   }
 }
 
-TEST(Division, isRoundedForEverySum)
+TEST(BoxDivision, isRoundedForEverySum)
 {
   for (int side = 3; side <= 15; side += 2)
   {
     const int divisor = side * side;
-    const Division division(divisor);
+    const BoxDivision division(divisor);
     std::vector<std::uint16_t> sums(static_cast<std::size_t>(255 * divisor + 1));
     std::iota(sums.begin(), sums.end(), std::uint16_t{0});
     std::vector<std::uint8_t> quotients(sums.size());

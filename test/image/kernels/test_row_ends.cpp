@@ -189,7 +189,7 @@ TEST(RowEnds, convolveColumnsAndRows)
 
 TEST(RowEnds, slideAndDivide)
 {
-  const Division by_nine(9);
+  const BoxDivision by_nine(9);
   for (const int count : kCounts)
   {
     const Bytes entering = random<std::uint8_t>(count, 255), leaving = random<std::uint8_t>(count, 255);
