@@ -154,7 +154,8 @@ cv::Mat templateResponse(const cv::Mat& image, const cv::Mat& templ, const cv::M
   else
   {
     require(mask.type() == CV_8UC1 && mask.size() == templ.size(), "the mask",
-            size(mask) + " of " + describePixels(mask.type()), size(templ) + " of " + describePixels(CV_8UC1));
+            toText(mask.size()) + " of " + describePixels(mask.type()),
+            toText(templ.size()) + " of " + describePixels(CV_8UC1));
     requireMask(method);
     const cv::Mat of_channels = maskOfChannels(mask, image.channels());
     response = maskedResponse(image, templ, of_channels, number);
