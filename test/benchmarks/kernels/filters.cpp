@@ -82,6 +82,12 @@ Work gaussian(int size, const std::string& encoding, double goal)
               });
 }
 
+Work halved(const std::string& encoding, double goal)
+{
+  return work("half the size, " + encoding, "pyrDown", goal, "pyramid_down", {}, encoding,
+              [](const cv::Mat& frame, cv::Mat& out) { cv::pyrDown(frame, out); });
+}
+
 }  // namespace
 
 std::vector<Work> filterWorks()
@@ -100,6 +106,8 @@ std::vector<Work> filterWorks()
           gaussian(15, "mono8", 1.5),
           gaussian(5, "bgr8", 1.5),
           gaussian(15, "bgr8", 1.5),
+          halved("mono8", 1.5),
+          halved("bgr8", 1.5),
           work("adaptive threshold, mean of 11 px", "adaptiveThreshold", 2.0, "adaptive_threshold",
                {{"adaptive_threshold_mean", std::string("mean")}}, "mono8",
                [](const cv::Mat& frame, cv::Mat& out)
