@@ -2,7 +2,9 @@
 #include <robot_vision/DenseFlowConfig.h>
 
 #include <boost/make_shared.hpp>
+#include <memory>
 #include <pluginlib/class_list_macros.hpp>
+#include <string>
 
 #include "factories.hpp"
 #include "robot_vision/flow/dense_flow.hpp"

@@ -8,6 +8,7 @@
 #include <boost/make_shared.hpp>
 #include <cstdint>
 #include <pluginlib/class_list_macros.hpp>
+#include <stdexcept>
 #include <string>
 
 #include "factories.hpp"

@@ -3,6 +3,7 @@
 
 #include <boost/make_shared.hpp>
 #include <cstdio>
+#include <memory>
 #include <opencv2/imgproc.hpp>
 #include <optional>
 #include <pluginlib/class_list_macros.hpp>

@@ -258,6 +258,10 @@ def test_mean_and_median():
     assert rv.mean_flow(flow) == pytest.approx((106 / 15, 10))
     assert rv.median_flow(flow) == (7, 0)
     assert rv.median_flow(flow[:1, :4]) == (2, 0)  # of 1, 1, 2, 3 the upper one in the middle
+    flow[2, 4, 0] = np.nan
+    for average, expected in ((rv.mean_flow, 10), (rv.median_flow, 0)):
+        x, y = average(flow)
+        assert math.isnan(x) and y == pytest.approx(expected)
 
 
 @pytest.mark.parametrize(

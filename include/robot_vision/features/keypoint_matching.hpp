@@ -129,8 +129,8 @@ public:
 private:
   struct View
   {
-    Keypoints keypoints;  // in px of the full image
-    cv::Size size;        // px; empty: there is none
+    Keypoints keypoints;  // `described` in px of the full image, `all` of the one that was searched
+    cv::Size size;        // px, of the full image; empty: there is none
   };
 
   KeypointParams keypoint_params_;

@@ -80,11 +80,12 @@ private:
   std::unique_ptr<Impl> impl_;
 };
 
-/// The mean of a flow (CV_32FC2), in its unit. Throws std::invalid_argument if it is no such image.
+/// The mean of a flow (CV_32FC2), in its unit. A coordinate is NaN if that of a pixel is. Throws std::invalid_argument
+/// if it is no such image.
 cv::Point2d meanFlow(const cv::Mat& flow);
 
-/// The median of x and that of y, which is how most of the image moves, of two in the middle the upper one. Throws as
-/// meanFlow() does.
+/// The median of x and that of y, which is how most of the image moves, of two in the middle the upper one. Treats NaN,
+/// and throws, as meanFlow() does.
 cv::Point2d medianFlow(const cv::Mat& flow);
 
 }  // namespace robot_vision

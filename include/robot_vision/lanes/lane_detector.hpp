@@ -60,7 +60,7 @@ struct LaneParams
     visit("max_curvature", &LaneParams::max_curvature, Above{0, 1000}, "1/m", "of a lane, 1 / its smallest radius");
     visit("min_confidence", &LaneParams::min_confidence, Range{0, 1}, "", "of a line that is one");
     visit("max_gap", &LaneParams::max_gap, Range{0, 60}, "s",
-          "after which a line is no longer looked for around where it was; 0: never");
+          "after which a line is no longer looked for around where it was; 0: at once");
     visit("smoothing", &LaneParams::smoothing, Range{0, 10}, "s", "time constant of the mean over frames; 0: none");
   }
 };

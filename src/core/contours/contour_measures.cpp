@@ -9,6 +9,7 @@ namespace robot_vision
 namespace
 {
 
+constexpr std::size_t kMinEllipsePoints = 5;
 constexpr double kMaxEllipse = 10.0;  // times the diagonal of the box: longer ones are fitted to what is no ellipse
 constexpr double kMinFilledRectangle = 0.9;
 constexpr double kMinSquareSides = 0.9;  // the shorter one to the longer one
@@ -37,8 +38,7 @@ TurnedShape turnedShape(const cv::RotatedRect& rect)
 
 std::optional<TurnedShape> fittedEllipse(const std::vector<cv::Point>& outline, const cv::Rect& box)
 {
-  const std::size_t fewest_points = 5;
-  if (outline.size() < fewest_points) return std::nullopt;
+  if (outline.size() < kMinEllipsePoints) return std::nullopt;
   const TurnedShape ellipse = turnedShape(cv::fitEllipse(outline));
   const double numbers = ellipse.center.x + ellipse.center.y + ellipse.length + ellipse.width + ellipse.angle;
   const double longest = kMaxEllipse * std::hypot(box.width, box.height);

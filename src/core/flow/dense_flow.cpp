@@ -1,6 +1,7 @@
 #include "robot_vision/flow/dense_flow.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <opencv2/imgproc.hpp>
 #include <opencv2/video/tracking.hpp>
@@ -69,8 +70,11 @@ std::vector<float> component(const cv::Mat& flow, int channel)
   return {values.ptr<float>(), values.ptr<float>() + values.total()};
 }
 
+/// NaN if one of the values is.
 double median(std::vector<float> values)
 {
+  const auto unknown = std::find_if(values.begin(), values.end(), [](float value) { return std::isnan(value); });
+  if (unknown != values.end()) return *unknown;
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
   std::nth_element(values.begin(), middle, values.end());
   return *middle;
