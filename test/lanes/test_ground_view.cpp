@@ -1,7 +1,9 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <opencv2/calib3d.hpp>
+#include <utility>
 
 #include "robot_vision/lanes/ground_view.hpp"
 #include "robot_vision/lanes/lane_detector.hpp"
@@ -30,6 +32,33 @@ cv::Point2d expected(const cv::Point2d& place, const GroundParams& params, const
                     pixels);
   return pixels[0];
 }
+
+/// While it lives it notes how large the matrices are that OpenCV makes.
+class NotedMatrices : public cv::MatAllocator
+{
+public:
+  NotedMatrices() { cv::Mat::setDefaultAllocator(this); }
+  ~NotedMatrices() override { cv::Mat::setDefaultAllocator(cv::Mat::getStdAllocator()); }
+
+  cv::UMatData* allocate(int dims, const int* sizes, int type, void* data, std::size_t* step, cv::AccessFlag flags,
+                         cv::UMatUsageFlags usage) const override
+  {
+    cv::UMatData* const made = cv::Mat::getStdAllocator()->allocate(dims, sizes, type, data, step, flags, usage);
+    largest_ = std::max(largest_, made->size);
+    return made;
+  }
+  bool allocate(cv::UMatData* data, cv::AccessFlag flags, cv::UMatUsageFlags usage) const override
+  {
+    return cv::Mat::getStdAllocator()->allocate(data, flags, usage);
+  }
+  void deallocate(cv::UMatData* data) const override { cv::Mat::getStdAllocator()->deallocate(data); }
+
+  /// Bytes of the largest one since the last call.
+  std::size_t largest() const { return std::exchange(largest_, 0); }
+
+private:
+  mutable std::size_t largest_ = 0;
+};
 
 }  // namespace
 
@@ -113,6 +142,34 @@ TEST(LaneDetector, refusesAnImageInWhichThereIsNoFloor)
     EXPECT_EQ(refusal([&] { detector.update(0.0, cv::Mat::zeros(size, CV_8UC3), "bgr8"); }).substr(0, 45),
               "the view from above is black, must be of floo")
         << size;
+}
+
+TEST(LaneDetector, makesAViewThatItRefusesOnlyOnce)
+{
+  const std::string black = "the view from above is black, must be of floo";
+  GroundParams beyond, points;
+  beyond.near = 30.0;
+  beyond.far = 31.0;
+  beyond.pitch = 1.5;
+  points.ground = "points";
+  const CameraModel seen_by = camera();
+  for (const auto& [ground, size] :
+       {std::make_pair(beyond, cv::Size(320, 240)), std::make_pair(points, cv::Size(1, 240))})
+  {
+    const std::size_t map = std::size_t{240} * 200 * 8;  // bytes: where each pixel of the view is in the image
+    const cv::Mat image = cv::Mat::zeros(size, CV_8UC1);
+    LaneDetector detector(ground);
+    const NotedMatrices matrices;
+    for (const bool first : {true, false, false})
+    {
+      EXPECT_EQ(refusal([&] { detector.update(0.0, image, "mono8", &seen_by); }).substr(0, 45), black);
+      EXPECT_EQ(matrices.largest() >= map, first);
+    }
+    CameraModel other = seen_by;
+    other.K(0, 0) += 1.0;
+    refusal([&] { detector.update(0.0, image, "mono8", &other); });
+    EXPECT_EQ(matrices.largest() >= map, ground.ground == "camera");
+  }
 }
 
 TEST(LaneDetector, refusesAViewThatIsTooNarrow)

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <stdexcept>
 
 #include "lane_mask.hpp"
 #include "lane_model.hpp"
@@ -92,16 +93,26 @@ struct LaneDetector::Impl
   {
     const bool by_camera = ground.ground == "camera";
     if (by_camera) require(camera != nullptr, "the camera", "not known", "given, as ground is camera");
-    if (view && (by_camera ? isSame(*camera, seen_by) : view->imageSize() == size)) return;
+    const bool known = by_camera ? isSame(*camera, seen_by) : size == seen_size;
+    if (known && view) return;
+    if (known && !refusal.empty()) throw std::invalid_argument(refusal);  // it takes long to find that out again
     forget();
     view.reset();
-    if (by_camera)
+    refusal.clear();
+    seen_size = size;
+    if (by_camera) seen_by = *camera;
+    try
     {
-      view.emplace(ground, *camera);
-      seen_by = *camera;
+      if (by_camera)
+        view.emplace(ground, *camera);
+      else
+        view.emplace(ground, params.lane_width, size);
     }
-    else
-      view.emplace(ground, params.lane_width, size);
+    catch (const std::invalid_argument& e)
+    {
+      refusal = e.what();
+      throw;
+    }
   }
 
   /// The lines around where they were; else, or if one of them is missing, those in the whole view.
@@ -190,7 +201,9 @@ struct LaneDetector::Impl
   GroundParams ground;
   LaneParams params;
   std::optional<GroundView> view;
-  CameraModel seen_by;                                          // for which `view` was made
+  CameraModel seen_by;                                          // for which `view` was made or refused
+  cv::Size seen_size;                                           // px, likewise with points
+  std::string refusal;                                          // why there is no view for them
   std::optional<LaneModel> model;                               // the last lane
   std::vector<LineFit> lines;                                   // its lines
   double last_time = -std::numeric_limits<double>::infinity();  // s, when it was seen
