@@ -431,6 +431,27 @@ def test_images_that_cannot_be_are_refused():
         filters.box(image, encoding="mono8")
 
 
+@pytest.mark.parametrize(
+    "operation, values, text",
+    [
+        (
+            "dilate",
+            {"shape": "ellipse", "size": 99, "iterations": 20},
+            "size, iterations are 99, 20",
+        ),
+        ("open", {"size": 99, "iterations": 20}, "size, iterations are 99, 20"),
+        ("nl_means", {"search_size": 41}, "patch_size, search_size are 7, 41"),
+    ],
+)
+def test_what_would_take_many_seconds_is_refused(operation, values, text):
+    image = np.zeros((1080, 1920, 3), np.uint8)
+    limit = r"must be less, or the image of 1920x1080 have at most \d+ pixels"
+    apply = getattr(filters, operation)
+    with pytest.raises(ValueError, match=f"^{operation}: {text}, {limit}$"):
+        apply(image, **values)
+    assert apply(image[:32, :48], **values).shape == (32, 48, 3)
+
+
 def test_files_that_follow_from_the_operations_are_up_to_date():
     root = pathlib.Path(__file__).resolve().parents[2]
     tool = SourceFileLoader("operations_tool", str(root / "tools/operations")).load_module()

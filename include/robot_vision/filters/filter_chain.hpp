@@ -38,8 +38,9 @@ public:
   bool takesSecond() const;
 
   /// Writes the result into `out` (reused if it fits) and returns its encoding. `image` is not modified. Operations on
-  /// two images take `second` as the other one, or `image` if that is empty. Throws std::invalid_argument if an image
-  /// is not of its encoding, and, naming the operation, if one cannot be done on it.
+  /// two images take `second` as the other one, or `image` if that is empty. Of an image that is a part of another one
+  /// nothing around it is seen. Throws std::invalid_argument if an image is not of its encoding, and, naming the
+  /// operation, if one cannot be done on it, or would take many seconds.
   std::string apply(const EncodedImage& image, cv::Mat& out, const EncodedImage& second = {},
                     const OnStep& on_step = nullptr);
 

@@ -5,11 +5,25 @@
 #include "gaussian_filter.hpp"
 #include "median_filter.hpp"
 #include "operation_table.hpp"
+#include "robot_vision/common/range.hpp"
 
 using namespace std::string_literals;
 
 namespace robot_vision
 {
+namespace
+{
+
+constexpr double kMaxPatchSteps = 1e9;  // for an image, in color some 5 ns each, shared by all cores
+
+/// How often nl_means compares a patch with another for each pixel. It does so anew where a row begins, and from there
+/// on only with what is new in a patch.
+double patchSteps(int patch_size, int search_size, int width)
+{
+  return static_cast<double>(search_size * search_size) * (1.0 + static_cast<double>(patch_size * patch_size) / width);
+}
+
+}  // namespace
 
 std::vector<Operation> blurOperations()
 {
@@ -61,8 +75,11 @@ std::vector<Operation> blurOperations()
        eachTime(
            [](const OperationValues& v, const OperationInput& in, cv::Mat& out)
            {
-             cv::fastNlMeansDenoising(in.image, out, static_cast<float>(v.number("strength")), v.integer("patch_size"),
-                                      v.integer("search_size"));
+             const int patch = v.integer("patch_size");
+             const int search = v.integer("search_size");
+             requireWork("patch_size, search_size are " + toText(patch) + ", " + toText(search),
+                         patchSteps(patch, search, in.image.cols), in.image.size(), kMaxPatchSteps);
+             cv::fastNlMeansDenoising(in.image, out, static_cast<float>(v.number("strength")), patch, search);
            })},
       {"kernel",
        "A kernel of one's own: cv::filter2D.",

@@ -43,6 +43,14 @@ decltype(auto) named(const std::string& name, const Work& work)
   }
 }
 
+/// The same pixels, without what is around them: OpenCV's filters would read that of an image that is a part of
+/// another.
+EncodedImage alone(const EncodedImage& image)
+{
+  const cv::Mat& pixels = image.pixels;
+  return {cv::Mat(pixels.rows, pixels.cols, pixels.type(), pixels.data, pixels.step), image.encoding};
+}
+
 void requireSameSize(const cv::Mat& image, const cv::Mat& second)
 {
   if (image.size() != second.size())
@@ -106,9 +114,9 @@ std::string FilterChain::apply(const EncodedImage& image, cv::Mat& out, const En
                                const OnStep& on_step)
 {
   checkPixels(image.pixels, image.encoding);
-  const EncodedImage& other = second.pixels.empty() ? image : second;
-  checkPixels(other.pixels, other.encoding);
-  EncodedImage current = image;
+  if (!second.pixels.empty()) checkPixels(second.pixels, second.encoding);
+  const EncodedImage other = alone(second.pixels.empty() ? image : second);
+  EncodedImage current = alone(image);
   for (std::size_t i = 0; i < steps_.size(); ++i)
   {
     Step& step = steps_[i];

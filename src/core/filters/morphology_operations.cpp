@@ -3,6 +3,7 @@
 #include <stdexcept>
 
 #include "operation_table.hpp"
+#include "robot_vision/common/range.hpp"
 
 using namespace std::string_literals;
 
@@ -13,6 +14,18 @@ namespace
 
 const std::map<std::string, int> kShapes = {
     {"rect", cv::MORPH_RECT}, {"cross", cv::MORPH_CROSS}, {"ellipse", cv::MORPH_ELLIPSE}};
+
+constexpr double kMaxComparisons = 2e10;  // of bytes of an image: some seconds where a vector has 16 of them
+
+/// How often cv::morphologyEx compares each value of an image with another. It does a rectangle in two passes, however
+/// often it is to be done.
+double comparisonsOf(int rule, const cv::Mat& element, int iterations)
+{
+  const int set = cv::countNonZero(element);
+  const bool is_rect = set == element.rows * element.cols;
+  const double once = is_rect ? 2.0 * (1 + iterations * (element.rows - 1)) : static_cast<double>(set) * iterations;
+  return rule == cv::MORPH_ERODE || rule == cv::MORPH_DILATE ? once : 2.0 * once;
+}
 
 /// An operation that cv::morphologyEx has.
 Operation morphology(const std::string& name, const std::string& meaning, int rule)
@@ -27,8 +40,13 @@ Operation morphology(const std::string& name, const std::string& meaning, int ru
           [rule](const OperationValues& v) -> Operation::Step
           {
             const int size = v.integer("size");
+            const int iterations = v.integer("iterations");
             const cv::Mat element = cv::getStructuringElement(v.choice("shape", kShapes), {size, size});
-            return [=, iterations = v.integer("iterations")](const OperationInput& in, cv::Mat& out) {
+            const double comparisons = comparisonsOf(rule, element, iterations);
+            return [=](const OperationInput& in, cv::Mat& out)
+            {
+              requireWork("size, iterations are " + toText(size) + ", " + toText(iterations),
+                          comparisons * static_cast<double>(in.image.elemSize()), in.image.size(), kMaxComparisons);
               cv::morphologyEx(in.image, out, rule, element, {-1, -1}, iterations);
             };
           }};
