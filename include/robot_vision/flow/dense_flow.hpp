@@ -54,7 +54,11 @@ struct DenseFlowParams
 /// The flow is that of cv::calcOpticalFlowFarneback or cv::DISOpticalFlow between the gray images, with a scale of 1 to
 /// the bit, except that DIS, which needs 32 px in each direction and 96 px in one, is given smaller images with their
 /// last rows and columns repeated. With a smaller scale both images are shrunk (cv::INTER_AREA), and the flow is
-/// enlarged and multiplied. All is done in the thread of the caller.
+/// enlarged and multiplied.
+///
+/// All is done in the thread of the caller, which leaves the other cores to others and costs less in sum. OpenCV can
+/// only be told so for the whole process: until update() returns, what it does in other threads, such as those of
+/// nodelets in the same manager, is not divided either. No result depends on that.
 class DenseFlow
 {
 public:

@@ -27,6 +27,8 @@ constexpr int kMinDisLength = 96;     // px, of the larger side
 constexpr int kMaxDisLength = 16384;  // px
 
 /// Calls `work` with OpenCV's functions confined to this thread: what is parallel already is not divided any further.
+/// Whether something is, OpenCV notes for the process, so that others are confined to their threads meanwhile; the
+/// number of its threads, by which DIS divides an image, stays as it is.
 template <class Work>
 void inThisThread(const Work& work)
 {
