@@ -81,9 +81,7 @@ public:
       };
       outputs.publishImage(topics_[step], message->header, copy);
     };
-    EncodedImage other;
-    if (uses_second_ && !second_) throw std::runtime_error("no image has come on " + subscription_.topic() + " yet");
-    if (uses_second_) other = {viewPixels(*second_), second_->encoding};
+    const EncodedImage other = uses_second_ ? newestSecond() : EncodedImage();
     const auto fill = [&](cv::Mat& out) { return chain_.apply({image, message->encoding}, out, other, on_step); };
     outputs.publishImage("processed_image", message->header, fill);
   }
@@ -104,6 +102,18 @@ private:
       subscription_.shutdown();
       second_.reset();
     }
+  }
+
+  /// The newest image of `second`. Throws std::runtime_error if there is none.
+  EncodedImage newestSecond()
+  {
+    if (subscription_.publishers() == 0)
+    {
+      second_.reset();  // it would be laid over all images to come
+      throw std::runtime_error("nobody publishes the other image on " + subscription_.topic());
+    }
+    if (!second_) throw std::runtime_error("no image has come on " + subscription_.topic() + " yet");
+    return {viewPixels(*second_), second_->encoding};
   }
 
   /// As the second image, if it can be one.

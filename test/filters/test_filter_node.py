@@ -88,13 +88,18 @@ def test_the_chain_and_its_parameters_change_live(start):
     assert is_result(chain.results(GRAY, "mono8", "processed_image")[0], GRAY, "mono8")
 
 
-def test_the_other_image_is_that_of_another_topic(start):
+def test_the_other_image_is_that_of_another_topic(start, diagnostics):
     second = Source(new_topic())
-    chain = Chain(start, "difference", "_use_second:=true", f"second:={second.topic}")
+    words = "_use_second:=true", f"second:={second.topic}", "_diagnostic_period:=0.02"
+    chain = Chain(start, "difference", *words)
     answers = support.subscribed("/filter/processed_image", Image)
+
+    def is_refused(text):  # /diagnostics has each error, the log one in some seconds
+        return chain.send(BGR, "bgr8") and text in diagnostics.value("filter", "last error")
+
+    second.wait_for()
     chain.send(BGR, "bgr8")
     chain.process.wait_for_output(f"no image has come on {second.topic} yet")
-    second.wait_for()
     other = cv2.flip(BGR, 1)
     second.send(message(other, "bgr8"))
     expected = cv2.absdiff(BGR, other)
@@ -112,11 +117,24 @@ def test_the_other_image_is_that_of_another_topic(start):
         return np.array_equal(pixels(answers.received[-1]), gray)
 
     support.wait_for(changed, "a result with the newest of the other images")
+    second.close()
+    text = f"nobody publishes the other image on {second.topic}"
+    support.wait_for(lambda: is_refused(text), text)
+    alone = [chain.send(BGR, "bgr8") for _ in range(3)]
+    second = Source(second.topic)
+    second.wait_for()
+    support.wait_for(lambda: is_refused("no image has come on"), "the end of the old image")
     second.send(message(BGR[:40], "bgr8"))
-    support.wait_for(
-        lambda: chain.send(BGR, "bgr8") and "64x40, must be 64x48" in chain.process.output(),
-        "the refusal of another size",
-    )
+    support.wait_for(lambda: is_refused("64x40, must be 64x48"), "the refusal of another size")
+    second.send(message(other, "bgr8"))
+    last = chain.send(BGR, "bgr8")
+
+    def again():
+        stamps = [answer.header.stamp for answer in answers.received]
+        assert not {*alone} & {*stamps}
+        return chain.send(BGR, "bgr8") and max(stamps) > last
+
+    support.wait_for(again, "results with another publisher")
 
 
 REFUSED = [

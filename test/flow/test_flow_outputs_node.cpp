@@ -3,7 +3,6 @@
 #include <sensor_msgs/Image.h>
 
 #include <atomic>
-#include <boost/make_shared.hpp>
 #include <opencv2/core.hpp>
 
 #include "nodelets/factories.hpp"
@@ -11,6 +10,7 @@
 #include "robot_vision/flow/flow_drawing.hpp"
 #include "support/receiver.hpp"
 #include "support/run_tests.hpp"
+#include "support/small_camera.hpp"
 
 namespace
 {
@@ -39,48 +39,11 @@ cv::Point2d meanFlow(const cv::Mat& /*flow*/)
 
 }  // namespace robot_vision
 
-namespace
-{
-
 using namespace robot_vision;
-
-/// Frames at 10 Hz of their own time.
-class Camera
-{
-public:
-  void show()
-  {
-    const auto message = boost::make_shared<sensor_msgs::Image>();
-    message->header.stamp = ros::Time(100.0 + 0.1 * ++frames_);
-    message->encoding = "mono8";
-    message->width = message->step = 64;
-    message->height = 48;
-    message->data.resize(std::size_t{64} * 48);
-    publisher_.publish(message);
-  }
-
-  /// Shows frames until there is an answer.
-  template <class Answers>
-  bool showUntil(const Answers& answered)
-  {
-    return waitFor(
-        [&]
-        {
-          if (publisher_.getNumSubscribers() > 0) show();
-          return answered();
-        });
-  }
-
-private:
-  ros::Publisher publisher_ = ros::NodeHandle().advertise<sensor_msgs::Image>("image", 1);
-  int frames_ = 0;
-};
-
-}  // namespace
 
 TEST(FlowOutputs, onlyWhatIsSubscribedToIsMade)
 {
-  Camera camera;
+  SmallCamera camera;
   const auto nodelet = makeDenseFlow();
   nodelet->init("/dense_flow", {}, {});
   const Receiver<sensor_msgs::Image> flow("/dense_flow/flow");

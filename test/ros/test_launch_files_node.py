@@ -268,6 +268,17 @@ def test_arguments_set_parameters(name, arguments, changed):
     assert bool(changed) == bool(differ) and after.keys() >= before.keys()
 
 
+def test_the_other_image_of_a_chain_is_that_of_a_topic_that_is_given():
+    (node,) = loaded("filter.launch", "second:=/other/image_raw").nodes
+    assert dict(node.remap_args)["second"] == "/other/image_raw"
+    before, after = (
+        parameters_of("filter.launch", *words) for words in ([], ["second:=/other/image_raw"])
+    )
+    assert after == {**before, "/filter/use_second": True}
+    (node,) = loaded("filter.launch").nodes
+    assert "second" not in dict(node.remap_args) and not before["/filter/use_second"]
+
+
 def test_every_color_is_a_range():
     files = sorted((LAUNCH.parent / "config" / "colors").glob("*.yaml"))
     assert {"blue", "red", "black"} <= {file.stem for file in files}

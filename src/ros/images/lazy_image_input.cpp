@@ -1,5 +1,6 @@
 #include "lazy_image_input.hpp"
 
+#include <exception>
 #include <utility>
 
 #include "image_message.hpp"
@@ -37,8 +38,9 @@ LazyImageInput::~LazyImageInput()
 {
   timer_.stop();
   {
-    const std::lock_guard<std::mutex> lock(mutex_);
+    std::unique_lock<std::mutex> lock(mutex_);
     running_ = false;  // from now on no connection changes subscription_
+    updated_.wait(lock, [this] { return !updating_; });
   }
   subscription_.shutdown();  // waits for the frame in progress, whose results are still published
 }
@@ -58,8 +60,31 @@ void LazyImageInput::start()
 
 void LazyImageInput::update()
 {
-  const std::lock_guard<std::mutex> lock(mutex_);
-  if (!running_) return;
+  std::unique_lock<std::mutex> lock(mutex_);
+  changed_ = true;
+  if (updating_) return;
+  updating_ = true;
+  std::exception_ptr error;
+  while (running_ && !error && std::exchange(changed_, false))
+  {
+    lock.unlock();  // because the master is asked, and callbacks must not wait for that
+    try
+    {
+      subscribeIfWanted();
+    }
+    catch (...)
+    {
+      error = std::current_exception();
+    }
+    lock.lock();
+  }
+  updating_ = false;
+  updated_.notify_all();
+  if (error) std::rethrow_exception(error);
+}
+
+void LazyImageInput::subscribeIfWanted()
+{
   const bool wanted = always_subscribe_ || is_wanted_();
   if (wanted && !subscription_)
   {

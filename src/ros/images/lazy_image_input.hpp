@@ -3,6 +3,7 @@
 #include <image_transport/image_transport.h>
 #include <ros/ros.h>
 
+#include <condition_variable>
 #include <functional>
 #include <mutex>
 #include <opencv2/core.hpp>
@@ -31,10 +32,12 @@ public:
   ~LazyImageInput();
 
   void start();
-  /// Subscribes or not, as the results are wanted now. Thread-safe; to be called when their subscribers come or go.
+  /// Subscribes or not, as the results are wanted now; while another thread does so, it has that thread look again.
+  /// Thread-safe; to be called when their subscribers come or go.
   void update();
 
 private:
+  void subscribeIfWanted();
   void onImage(const sensor_msgs::ImageConstPtr& message);
 
   ros::NodeHandle nh_;
@@ -47,8 +50,11 @@ private:
   FrameDiagnostics diagnostics_;
   Throttle throttle_;
   image_transport::ImageTransport it_;
-  std::mutex mutex_;  // guards all below, as connections come also during the setup and the destruction
+  std::mutex mutex_;  // guards the next three, as connections come also during the setup and the destruction
   bool running_ = false;
+  bool updating_ = false;            // a thread subscribes or not, and only that thread uses `subscription_` for it
+  bool changed_ = false;             // since it looked
+  std::condition_variable updated_;  // updating_ is false again
   ImageSubscription subscription_;
   ros::WallTimer timer_;
 };

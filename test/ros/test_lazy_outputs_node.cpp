@@ -1,0 +1,93 @@
+#include <gtest/gtest.h>
+#include <sensor_msgs/Image.h>
+
+#include <atomic>
+#include <boost/make_shared.hpp>
+#include <chrono>
+#include <future>
+#include <opencv2/core.hpp>
+#include <string>
+
+#include "nodelets/factories.hpp"
+#include "ros/images/image_message.hpp"
+#include "ros/images/lazy_image_input.hpp"
+#include "support/receiver.hpp"
+#include "support/run_tests.hpp"
+#include "support/small_camera.hpp"
+
+namespace
+{
+
+std::atomic<int> large_images{0};  // that were made into messages
+
+}  // namespace
+
+namespace robot_vision
+{
+
+/// Takes the place of that of the library, as a program's symbols go before those of its libraries, and counts.
+sensor_msgs::ImagePtr ImageMaker::make(const Fill& fill)
+{
+  cv::Mat pixels;
+  const auto message = boost::make_shared<sensor_msgs::Image>();
+  message->encoding = fill(pixels);
+  message->width = static_cast<std::uint32_t>(pixels.cols);
+  message->height = static_cast<std::uint32_t>(pixels.rows);
+  message->step = static_cast<std::uint32_t>(pixels.cols * pixels.elemSize());
+  message->data.resize(std::size_t{message->step} * message->height);
+  cv::Mat target = writablePixels(*message);
+  pixels.copyTo(target);
+  if (message->width == SmallCamera::kWidth) ++large_images;
+  return message;
+}
+
+}  // namespace robot_vision
+
+using namespace robot_vision;
+
+TEST(Filter, aStepIsMadeIntoAMessageOnlyWhileSomebodyLooksAtIt)
+{
+  ros::param::set("/filter/chain", "gaussian, resize");
+  SmallCamera camera;
+  const auto nodelet = makeFilter();
+  nodelet->init("/filter", {}, {});
+  const Receiver<sensor_msgs::Image> small("/filter/processed_image");
+  ASSERT_TRUE(camera.showUntil([&] { return small.seconds().size() > 3; }));
+  EXPECT_LT(small.last()->width, SmallCamera::kWidth);
+  EXPECT_EQ(large_images, 0);
+
+  const Receiver<sensor_msgs::Image> step("/filter/steps/gaussian");
+  ASSERT_TRUE(camera.showUntil([&] { return step.last() != nullptr; }));
+  EXPECT_EQ(step.last()->width, SmallCamera::kWidth);
+  EXPECT_GT(large_images, 0);
+}
+
+TEST(LazyImageInput, aConnectionDoesNotWaitForOneThatAsksTheMaster)
+{
+  std::atomic<bool> wanted{true};
+  std::atomic<bool> asks{false};
+  std::atomic<bool> listens{false};
+  std::promise<void> answer;
+  const auto on_listen = [&](bool now)
+  {
+    asks = now;
+    if (now) answer.get_future().wait();  // as long as a master that does not answer
+    listens = now;
+  };
+  LazyImageInput input(
+      ros::NodeHandle(), ros::NodeHandle("/waiting"), "/waiting",
+      [](const sensor_msgs::ImageConstPtr&, const cv::Mat&) {}, [&] { return wanted.load(); }, on_listen);
+  std::future<void> first = std::async(std::launch::async, [&] { input.start(); });
+  EXPECT_TRUE(waitFor([&] { return asks.load(); }));
+  wanted = false;
+  std::future<void> second = std::async(std::launch::async, [&] { input.update(); });
+  EXPECT_EQ(second.wait_for(std::chrono::seconds(30)), std::future_status::ready);
+  answer.set_value();
+  first.get();
+  EXPECT_FALSE(listens);  // it has looked again, and nobody wants the images any more
+}
+
+int main(int argc, char** argv)
+{
+  return runTests(argc, argv, "test_lazy_outputs");
+}
