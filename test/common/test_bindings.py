@@ -12,16 +12,31 @@ import robot_vision as rv
 PUBLISHED = """
     BallMeasurement BallPosition BallState BallTracker BallTrackerParams
     BrightnessParams Bundle BundleTag CalibrationScene CameraModel CaptureParams
-    Code CodeReader CodeReaderParams EdgeParams Face FaceDetector FaceParams HsvMask
-    HsvRange Line LineParams MeasuredCorners Motion MotionDetector MotionParams
-    ObjectTracker ObjectTrackerParams PoseEstimate Region RegionFinder RegionParams
-    Scene SceneObject SceneParams SceneTruth Tag TagDetector TagDetectorParams
-    TagFamily TagPoseParams TagPoseTracker TagPoses TrackedObject adjust_brightness
-    ball_position choose_ball code_types draw_ball draw_outline draw_text draw_trail
-    encodings estimate_pose find_edges find_line hsv_mask is_calibrated keeps_bytes
-    mask_picture measure_corners range_around set_threads single_tag tag_cells
-    tag_families tag_family to_bgr to_gray to_hsv validate validate_rectification
-    without_bent_edges
+    ChannelHistogram Code CodeReader CodeReaderParams ColorMask ColorRange Contour
+    ContourDefect ContourFinder ContourParams ContourResult DenseFlow
+    DenseFlowParams EdgeParams Face FaceDetector FaceParams FilterChain FloorScene
+    FlowDrawingParams GroundParams HistogramParams HistogramPlotParams HoughCircle
+    HoughLine HoughParams HoughResult HoughTransform HsvMask HsvRange
+    HueSaturationParams ImageShift KeypointMatcher KeypointMatches KeypointParams
+    Keypoints Lane LaneDetector LaneLine LaneParams Line LineParams MatchParams
+    MatchedFrame MeasuredCorners Motion MotionDetector MotionParams ObjectTracker
+    ObjectTrackerParams Operation OperationParam PeopleDetector PeopleParams Person
+    PhaseCorrelator PoseEstimate ReferencePose Region RegionFinder RegionParams
+    RoadScene Scene SceneObject SceneParams SceneTruth Segment SegmentPaintParams
+    SegmentSeed Segmentation Segmenter SegmenterParams SpectrumParams Tag
+    TagDetector TagDetectorParams TagFamily TagPoseParams TagPoseTracker TagPoses
+    TemplateMatch TemplateMatcher TemplateMatches TemplateParams TrackedObject
+    TrackedWindow TurnedShape WindowTracker WindowTrackerParams adjust_brightness
+    back_project ball_position choose_ball code_types color_channels color_spaces
+    compare_histograms compute_histogram convert_range draw_ball draw_flow_arrows
+    draw_hue_saturation draw_lane draw_outline draw_passband draw_text draw_trail
+    encodings estimate_pose filter_frequencies find_edges find_keypoints find_line
+    find_segments flow_to_colors frequency_mask hsv_mask hue_saturation_histogram
+    image_to_space is_calibrated keeps_bytes mask_picture match_keypoints mean_flow
+    measure_corners median_flow operations paint_segments part_of plot_histogram
+    range_around response_image set_threads single_tag spectrum_image
+    spectrum_magnitude tag_cells tag_families tag_family template_response to_bgr
+    to_gray to_hsv to_space validate validate_rectification without_bent_edges
 """
 
 PARAMS = {

@@ -14,8 +14,11 @@ from std_srvs.srv import Trigger
 
 import robot_vision.cfg.BrightnessConfig
 import robot_vision.cfg.CameraConfig
+import robot_vision.cfg.DenseFlowConfig
 import robot_vision.cfg.EdgeDetectorConfig
 import robot_vision.cfg.FilterConfig
+import robot_vision.cfg.SegmenterConfig
+import robot_vision.cfg.SpectrumConfig
 from robot_vision import operations
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
@@ -99,6 +102,25 @@ CHAIN = {
     "kernel_rows": text,
     "resize_interpolation": never,
 }
+# Of those that only are fields of the core's structs, too.
+DENSE_FLOW = {
+    "method": never,
+    "scale": is_number(0.05, 1.0),
+    "levels": never,
+    "gaussian_window": is_flag,
+}
+SPECTRUM = {
+    "filter": never,
+    "radius": is_number(0.001, 1.5),
+    "order": never,
+    "optimal_size": is_flag,
+}
+SEGMENTER = {
+    "method": never,
+    "opacity": is_number(0.0, 1.0),
+    "clusters": never,
+    "outlines": is_flag,
+}
 OPERATION_PARAMS = {f"{one.name}_{param.name}" for one in operations() for param in one.params}
 USB_CAM_CONTROLS = (
     "brightness",
@@ -152,6 +174,14 @@ KINDS = {
     "edge_detector": (EDGE_DETECTOR, robot_vision.cfg.EdgeDetectorConfig),
     "camera": (CAMERA, robot_vision.cfg.CameraConfig),
     "filter": (CHAIN, robot_vision.cfg.FilterConfig),
+    "dense_flow": (DENSE_FLOW, robot_vision.cfg.DenseFlowConfig),
+    "spectrum": (SPECTRUM, robot_vision.cfg.SpectrumConfig),
+    "segmenter": (SEGMENTER, robot_vision.cfg.SegmenterConfig),
+}
+READ_ALIKE = OPERATION_PARAMS | {
+    of["name"]
+    for kind in ("dense_flow", "spectrum", "segmenter")
+    for of in KINDS[kind][1].config_description["parameters"]
 }
 
 
@@ -186,6 +216,9 @@ REFUSED = [
     ),
     ("filter", "chain", "gray,,canny", "must be names with one comma between two"),
     ("filter", "open_size", 4, "open_size is 4, must be odd and from 1 to 99"),
+    ("dense_flow", "poly_n", 6, "poly_n is 6, must be 5 or 7"),
+    ("spectrum", "radius", 0, "radius is 0, must be above 0 and at most 1.5"),
+    ("segmenter", "opening", 4, "opening is 4, must be odd and from 1 to 31"),
     ("brightness", "gain", [1.0, 2.0], "must be a number"),
     ("brightness", "gain", INF, "gain is inf, must be from 0 to 10"),
     ("brightness", "gain", 1e300, "gain is 1e+300, must be from 0 to 10"),
@@ -256,7 +289,7 @@ def test_all_parameters_are_tested():
     for _, config in KINDS.values():
         named |= {parameter["name"] for parameter in config.config_description["parameters"]}
     swept = {name for parameters, _ in KINDS.values() for name in parameters if "/" not in name}
-    assert named == swept | {"config_file"} | OPERATION_PARAMS
+    assert named == swept | {"config_file"} | READ_ALIKE
 
 
 @pytest.fixture(scope="module")
