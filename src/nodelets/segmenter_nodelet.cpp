@@ -35,14 +35,14 @@ int coordinate(std::uint32_t value)
 
 }  // namespace
 
-/// Divides `image` into segments, from the seeds on `selected` and `clicked`.
+/// Divides `image` into segments, from the seeds on ~select and ~click.
 class SegmenterWork
 {
 public:
-  SegmenterWork(ros::NodeHandle nh, ros::NodeHandle pnh)
+  SegmenterWork(const ros::NodeHandle& /*nh*/, ros::NodeHandle pnh)
     : name_(pnh.getNamespace()),
-      selected_(nh.subscribe("selected", kQueueSize, &SegmenterWork::onSelected, this)),
-      clicked_(nh.subscribe("clicked", kQueueSize, &SegmenterWork::onClicked, this)),
+      select_(pnh.subscribe("select", kQueueSize, &SegmenterWork::onSelect, this)),
+      click_(pnh.subscribe("click", kQueueSize, &SegmenterWork::onClick, this)),
       clear_(pnh.advertiseService("clear_seeds", &SegmenterWork::onClear, this))
   {
   }
@@ -112,7 +112,7 @@ private:
     if (!found.hint.empty()) drawText(out, found.hint, {10, 20});
   }
 
-  void onSelected(const sensor_msgs::RegionOfInterest& region)
+  void onSelect(const sensor_msgs::RegionOfInterest& region)
   {
     add(
         [&]
@@ -122,7 +122,7 @@ private:
         });
   }
 
-  void onClicked(const Click& click)
+  void onClick(const Click& click)
   {
     add([&] { segmenter_.addPoint({coordinate(click.x), coordinate(click.y)}); });
   }
@@ -152,8 +152,8 @@ private:
   Segmenter segmenter_;
   SegmentPaintParams paint_;
   Throttle throttle_;
-  ros::Subscriber selected_;
-  ros::Subscriber clicked_;
+  ros::Subscriber select_;
+  ros::Subscriber click_;
   ros::ServiceServer clear_;
 };
 

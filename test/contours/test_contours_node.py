@@ -38,14 +38,9 @@ class Watched:
 
     def __init__(self, start, *arguments):
         self.camera = Camera(10.0)
-        self.clicks = Source("/contour_clicks", Click)
-        self.process = start(
-            "contours.py",
-            "__name:=contours",
-            f"image:={self.camera.topic}",
-            "clicked:=/contour_clicks",
-            *arguments,
-        )
+        self.clicks = Source("/contours/click", Click)
+        words = "__name:=contours", f"image:={self.camera.topic}"
+        self.process = start("contours.py", *words, *arguments)
         self.topics = [
             support.subscribed(f"/contours/{name}", kind)
             for name, kind in (

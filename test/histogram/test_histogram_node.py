@@ -31,35 +31,38 @@ class Counter:
     """A camera, the node, and what it says of each frame."""
 
     def __init__(self, start, *arguments, topics=TOPICS):
-        self._camera = Camera(30.0)
-        self.topic = self._camera.topic
-        words = "__name:=count", f"image:={self.topic}", "selected:=/viewer/selected"
+        self.camera = Camera(30.0)
+        self.topic = self.camera.topic
+        words = "__name:=count", f"image:={self.topic}"
         self.process = start("histogram.py", *words, *arguments)
         self.messages = {}
         for name, kind in topics.items():
             self.listen(name, kind)
-        self._camera.wait_for()
+        self.camera.wait_for()
 
     def listen(self, name, kind):
         self.messages[name] = support.subscribed(f"/count/{name}", kind)
 
     def show(self, image, *names, encoding="bgr8"):
         """Sends a frame, and returns what is said of it on these topics."""
-        stamp = self._camera.show(image, encoding).stamp
+        stamp = self.camera.show(image, encoding).stamp
         answers = [self.messages[name].of(stamp) for name in names]
         assert all(answer.header.frame_id == "eye" for answer in answers)
         return answers if len(answers) > 1 else answers[0]
 
     def refused(self, image, text, encoding="bgr8"):
         """Asserts that a frame is refused in these words."""
-        self._camera.show(image, encoding)
+        self.camera.show(image, encoding)
         self.process.wait_for_output(text)
+
+    def select(self, region):
+        selections = Source("/count/select", RegionOfInterest)
+        selections.wait_for()
+        selections.send(region)
 
     def selected(self, region, image=IMAGE):
         """The histogram of a region that the topic selects."""
-        viewer = Source("/viewer/selected", RegionOfInterest)
-        viewer.wait_for()
-        viewer.send(region)
+        self.select(region)
         return support.wait_for(
             lambda: [
                 found
@@ -151,6 +154,25 @@ def test_a_region_of_parameters_and_one_outside_of_the_image(start):
     counter.refused(IMAGE[:100], "(bgr8, 320x100): region of 70x100 px at (250, 30) is not inside")
     support.reconfigured("/count", x=0, y=0, width=0, height=0)
     assert counter.show(IMAGE, "histogram").region.width == 320
+
+
+def test_a_region_is_remembered_while_nobody_subscribes(start, diagnostics):
+    counter = Counter(start, "_diagnostic_period:=0.1")
+    for topic in counter.messages.values():
+        topic.close()
+    idle = "idle: nobody subscribes"
+    support.wait_for(lambda: diagnostics.next("count").message == idle, idle)
+    counter.camera.wait_for(0)
+    counter.select(LEFT)
+    counter.camera.wait_for()  # and no longer: after some seconds the selection counts no more
+    counter.camera.show(IMAGE)
+    support.wait_for(lambda: diagnostics.next("count").message == idle, "the node to rest")
+    counter.listen("histogram", Histogram)
+    counter.listen("back_projection", Image)
+    counter.camera.wait_for()
+    found, projection = counter.show(IMAGE[:, ::-1].copy(), "histogram", "back_projection")
+    assert (found.region.x_offset, found.region.width) == (20, 40)
+    assert (pixels(projection)[:, 242:] == 255).all() and not pixels(projection)[:, :238].any()
 
 
 @pytest.mark.parametrize(

@@ -35,14 +35,10 @@ class Room:
 
     def __init__(self, start, *arguments):
         self.camera = Camera(30.0)
-        self.regions = Source("/view/selected", RegionOfInterest)
-        self.clicks = Source("/view/clicked", Click)
-        words = [
-            f"image:={self.camera.topic}",
-            "selected:=/view/selected",
-            "clicked:=/view/clicked",
-        ]
-        self.process = start("segmenter_node", "__name:=segmenter", *words, *arguments)
+        self.regions = Source("/segmenter/select", RegionOfInterest)
+        self.clicks = Source("/segmenter/click", Click)
+        words = "__name:=segmenter", f"image:={self.camera.topic}"
+        self.process = start("segmenter_node", *words, *arguments)
         self.outputs = {
             name: support.Messages(f"/segmenter/{name}", kind) for name, kind in OUTPUTS.items()
         }

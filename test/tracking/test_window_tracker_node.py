@@ -48,7 +48,7 @@ class Desk:
     def __init__(self, start, *arguments, topics=TOPICS):
         self._camera = Camera(RATE)
         self.topic = self._camera.topic
-        words = "__name:=hand", f"image:={self.topic}", "selected:=/viewer/selected"
+        words = "__name:=hand", f"image:={self.topic}"
         self.process = start("window_tracker.py", *words, *arguments)
         self._messages = {
             name: support.subscribed(f"/hand/{name}", topics[name]) for name in topics
@@ -134,7 +134,7 @@ def test_select_by_the_service_follow_lose_and_find_again(start):
 def test_the_topic_selects_another_object_and_parameters_change_live(start):
     desk = Desk(start, "_method:=meanshift")
     image = view((60, 60), (240, 180))
-    viewer = Source("/viewer/selected", RegionOfInterest)
+    viewer = Source("/hand/select", RegionOfInterest)
     viewer.wait_for()
 
     def selected(where, number):

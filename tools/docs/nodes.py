@@ -255,7 +255,7 @@ def grown(box: Box, share: float) -> Box:
 def segmented(stage: Stage, boxes: List[Box], *arguments: str) -> np.ndarray:
     """What the segmenter draws with these seeds."""
     seeds = rospy.Publisher("/seeds", RegionOfInterest, queue_size=10)
-    with stage.watched("segmenter_node", room(), "selected:=/seeds", *arguments) as show:
+    with stage.watched("segmenter_node", room(), "~select:=/seeds", *arguments) as show:
         support.wait_for(seeds.get_num_connections, "the node's subscription")
         for x, y, width, height in boxes:
             seeds.publish(RegionOfInterest(x_offset=x, y_offset=y, width=width, height=height))

@@ -21,8 +21,8 @@ from .template_file import load_template
 class Contours:
     """Publishes ~contours, ~objects, ~mask (mono8) and ~processed_image (what ~draw names).
 
-    Subscribes to image, and to `clicked` (robot_vision/Click), such as the viewer's clicks: from
-    then on each contour comes with its distance from the pixel that was clicked last.
+    Subscribes to image, and to ~click (robot_vision/Click), such as the viewer's clicks: from then
+    on each contour comes with its distance from the pixel that was clicked last.
     """
 
     def __init__(self) -> None:
@@ -31,7 +31,7 @@ class Contours:
         self._point: Optional[Tuple[float, float]] = None  # px, clicked last
         self._params = LiveParams(ContoursConfig, self._configure)
         self._node = ImageNode(self._process)
-        self._node.subscriber("clicked", Click, self._on_click)
+        self._node.subscriber("~click", Click, self._on_click)
         self._contours = self._node.publisher("~contours", ContourArray)
         self._objects = self._node.publisher("~objects", DetectionArray)
         self._mask = self._node.image_publisher("~mask")

@@ -1,7 +1,8 @@
 """The node histogram, which counts and plots the values of pixels."""
 
-import collections
-from typing import Any, Deque, Dict, List, Optional
+import math
+import threading
+from typing import Any, Dict, List, Optional
 
 import numpy as np
 import rospy
@@ -27,8 +28,9 @@ from .. import (
 from ..msg import Histogram as HistogramMessage
 from ..ros.configs import HistogramConfig
 from ..ros.image_node import ImageNode
-from ..ros.messages import Box, clipped_box, corners
+from ..ros.messages import Box, corners
 from ..ros.params import LiveParams, filled
+from ..ros.selections import Selection, Selections
 from ..ros.startup import run_node
 from ..ros.transport import Frame, FrameError
 
@@ -44,23 +46,24 @@ class Histogram:
     is remembered: ~back_projection (mono8) shows where its colours are, and ~similarity
     (std_msgs/Float64) says how alike the colours of the image are.
 
-    Subscribes to image, and to selected (sensor_msgs/RegionOfInterest): the region to count in; an
+    Subscribes to image, and to ~select (sensor_msgs/RegionOfInterest): the region to count in; an
     empty one means the whole image.
     """
 
     def __init__(self) -> None:
         self._region: Box = WHOLE
-        self._wanted: Deque[Box] = collections.deque(maxlen=1)  # a region that waits for a frame
         self._configured: Box = WHOLE
         self._selection: Optional[np.ndarray] = None  # BGR pixels, as they were selected
-        self._params = LiveParams(HistogramConfig, self._configure)
+        self._lock = threading.Lock()  # guards the selections that wait
         self._node = ImageNode(self._process, encoding="")
+        self._selections = Selections(self._node, self._lock)
+        self._params = LiveParams(HistogramConfig, self._configure)
         self._histogram = self._node.publisher("~histogram", HistogramMessage)
         self._similarity = self._node.publisher("~similarity", Float64)
         self._histogram_2d = self._node.image_publisher("~histogram_2d")
         self._projection = self._node.image_publisher("~back_projection")
         self._processed = self._node.image_publisher("~processed_image")
-        self._selected = rospy.Subscriber("selected", RegionOfInterest, self._on_selected)
+        self._selections.subscribe()
         self._node.start()
 
     def _configure(self, config: Dict[str, Any]) -> None:
@@ -74,10 +77,8 @@ class Histogram:
         region = (config["x"], config["y"], config["width"], config["height"])
         if region != self._configured:
             self._configured = region
-            self._wanted.append(region)
-
-    def _on_selected(self, region: RegionOfInterest) -> None:
-        self._wanted.append(clipped_box(region))
+            with self._lock:
+                self._selections.add(Selection(region, timeout=math.inf))
 
     def _process(self, frame: Frame) -> None:
         try:
@@ -103,15 +104,17 @@ class Histogram:
     def _region_in(self, bgr: np.ndarray) -> Box:
         """Returns the part of a frame to count in, after a new region was looked at."""
         size = bgr.shape[1::-1]
-        if self._wanted:
-            wanted = self._wanted.pop()
-            try:
-                x, y, width, height = part_of(size, wanted)
-                self._region = wanted
+        with self._lock:
+            for wanted in self._selections.take():
+                try:
+                    x, y, width, height = part_of(size, wanted.box)
+                except ValueError as error:
+                    self._selections.refuse(wanted, error)
+                    continue
+                self._region = wanted.box
                 pixels = bgr[y : y + height, x : x + width].copy()
-                self._selection = None if wanted == WHOLE else pixels
-            except ValueError as error:
-                rospy.logerr("nothing selected on %s: %s", self._node.topic, error)
+                self._selection = None if wanted.box == WHOLE else pixels
+            self._selections.keep_working()
         return part_of(size, self._region)
 
     def _compare(self, frame: Frame, bgr: np.ndarray, params: HueSaturationParams) -> None:

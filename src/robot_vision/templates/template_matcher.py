@@ -1,13 +1,11 @@
 """The node template_matcher, which finds images of files, or what is selected, in the image."""
 
 import threading
-import time
 from typing import Any, Dict, List, NamedTuple, Optional, Tuple
 
 import numpy as np
 import rospy
 from geometry_msgs.msg import Point
-from sensor_msgs.msg import RegionOfInterest
 
 from .. import TemplateMatch, TemplateMatches, TemplateParams, draw_outline, response_image
 from .. import TemplateMatcher as Matcher
@@ -17,14 +15,14 @@ from ..common.throttle import Throttle
 from ..msg import Detection, DetectionArray
 from ..ros.configs import TemplateMatcherConfig
 from ..ros.image_node import ImageNode
-from ..ros.messages import box_detection, box_of, corners, detection_array
+from ..ros.messages import Box, box_detection, corners, detection_array
 from ..ros.params import LiveParams, filled
+from ..ros.selections import Selection, Selections
 from ..ros.startup import run_node
 from ..ros.transport import Frame
 from .template_files import Template, load_templates
 
 SELECTED = "selected"  # name of the template that was selected in the image
-SELECT_TIMEOUT = 5.0  # s that a selection waits for a frame
 
 
 class Work(NamedTuple):
@@ -46,14 +44,14 @@ class TemplateMatcher:
         self._lock = threading.Lock()  # guards all attributes below but the outputs
         self._files: Tuple[str, List[Template]] = "", []
         self._selected: Optional[Template] = None
-        self._waiting: Optional[Tuple[RegionOfInterest, float]] = None  # with its s
         self._throttle = Throttle()
         self._params = LiveParams(TemplateMatcherConfig, self._configure)
         self._node = ImageNode(self._process)
+        self._selections = Selections(self._node, self._lock)
         self._objects = self._node.publisher("~objects", DetectionArray)
         self._response = self._node.image_publisher("~response")
         self._processed = self._node.image_publisher("~processed_image")
-        self._select = rospy.Subscriber("~select", RegionOfInterest, self._on_select)
+        self._selections.subscribe()
         self._node.start()
 
     def _configure(self, config: Dict[str, Any]) -> None:
@@ -64,17 +62,11 @@ class TemplateMatcher:
             self._work = work_of(config, files[1], self._selected)
             self._files, self._config = files, config
 
-    def _on_select(self, region: RegionOfInterest) -> None:
-        with self._lock:
-            self._waiting = region, time.monotonic()
-            self._node.keep_working(True)  # until a frame has come
-
     def _process(self, frame: Frame) -> None:
         with self._lock:
-            waiting, self._waiting = self._waiting, None
-            if waiting:
-                self._cut_out(frame.image, *waiting)
-                self._node.keep_working(False)
+            for wanted in self._selections.take():
+                self._cut_out(frame.image, wanted)
+            self._selections.keep_working()
             work = self._work
         wants_response = self._response.get_num_connections() > 0
         found = work.matcher.match(frame.image, response=wants_response)
@@ -92,16 +84,14 @@ class TemplateMatcher:
                 draw_outline(overlay, corners(one.box), label)
             self._processed.publish(overlay, "bgr8", frame.header)
 
-    def _cut_out(self, image: np.ndarray, region: RegionOfInterest, since: float) -> None:
+    def _cut_out(self, image: np.ndarray, wanted: Selection) -> None:
         """Makes a region of the image a template, or forgets it. The lock must be held."""
         try:
-            if time.monotonic() - since > SELECT_TIMEOUT:
-                raise ValueError(self._node.no_frame(SELECT_TIMEOUT))
-            selected = cut_out(image, region)
+            selected = cut_out(image, wanted.box)
             self._work = work_of(self._config, self._files[1], selected)
             self._selected = selected
         except ValueError as error:
-            rospy.logerr("nothing selected on %s: %s", self._node.topic, error)
+            self._selections.refuse(wanted, error)
 
     def _warn_of_large(self, work: Work, found: TemplateMatches) -> None:
         if found.too_large and self._throttle.due():
@@ -125,13 +115,13 @@ def work_of(
     return Work(matcher, [template.name for template in everything], config["method"])
 
 
-def cut_out(image: np.ndarray, region: RegionOfInterest) -> Optional[Template]:
+def cut_out(image: np.ndarray, box: Box) -> Optional[Template]:
     """Returns a region of the image as a template, None for a region without pixels.
 
     Raises:
         ValueError: The region is not inside of the image.
     """
-    x, y, width, height = box_of(region)
+    x, y, width, height = box
     if not width or not height:
         return None
     rows, columns = image.shape[:2]

@@ -16,7 +16,7 @@ from ..ros.params import LiveParams, filled
 from ..ros.startup import run_node
 from ..ros.transport import Frame
 from .auto_selection import AutoSelection
-from .selections import Selections
+from .selections import TrackSelections
 from .tracks import detection_of, draw_tracks, flow_message, track_states
 
 
@@ -36,7 +36,7 @@ class ObjectTracker:
         self._lost: Dict[int, float] = {}  # s, the time since which an object is lost
         self._detections: Optional[rospy.Subscriber] = None
         self._node = ImageNode(self._process)
-        self._selections = Selections(
+        self._selections = TrackSelections(
             self._node, self._lock, self._tracker, lambda: self._detections is not None
         )
         self._params = LiveParams(ObjectTrackerConfig, self._configure)
@@ -44,7 +44,7 @@ class ObjectTracker:
         self._state = self._node.publisher("~state", TrackStateArray)
         self._flow = self._node.publisher("~flow", Flow)
         self._processed = self._node.image_publisher("~processed_image")
-        self._selections.listen("~select", (self._object, self._state, self._flow, self._processed))
+        self._selections.listen((self._object, self._state, self._flow, self._processed))
         self._node.start()
 
     def _configure(self, config: Dict[str, Any]) -> None:

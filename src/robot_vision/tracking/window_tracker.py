@@ -4,8 +4,6 @@ import math
 import threading
 from typing import Any, Dict
 
-from sensor_msgs.msg import RegionOfInterest
-
 from .. import TrackedWindow, WindowTrackerParams, draw_text
 from .. import WindowTracker as Tracker
 from ..msg import Detection, DetectionArray, TrackStateArray
@@ -15,7 +13,7 @@ from ..ros.messages import detection_array
 from ..ros.params import LiveParams, filled
 from ..ros.startup import run_node
 from ..ros.transport import Frame
-from .selections import Selection, Selections
+from .selections import TrackSelection, TrackSelections
 from .tracks import detection_of, draw_window, track_state
 
 NOTHING = (0, 0, 0, 0)  # the region of the parameters that selects nothing
@@ -25,7 +23,7 @@ class WindowTracker:
     """Publishes ~objects, ~state, ~back_projection (mono8) and ~processed_image (its outline).
 
     Subscribes to image. It follows one region: that of the parameters ~x, ~y, ~width and ~height,
-    or the last that came from selected (sensor_msgs/RegionOfInterest) or ~select_object, until
+    or the last that came from ~select (sensor_msgs/RegionOfInterest) or ~select_object, until
     ~forget. While it has an object it processes images even if nobody subscribes, because it would
     lose it otherwise.
     """
@@ -35,23 +33,22 @@ class WindowTracker:
         self._tracker = Tracker()
         self._configured = NOTHING
         self._node = ImageNode(self._process)
-        self._selections = Selections(self._node, self._lock, self._tracker)
+        self._selections = TrackSelections(self._node, self._lock, self._tracker)
         self._params = LiveParams(WindowTrackerConfig, self._configure)
         self._objects = self._node.publisher("~objects", DetectionArray)
         self._state = self._node.publisher("~state", TrackStateArray)
         self._projection = self._node.image_publisher("~back_projection")
         self._processed = self._node.image_publisher("~processed_image")
         outputs = (self._objects, self._state, self._projection, self._processed)
-        self._selections.listen("selected", outputs)
+        self._selections.listen(outputs)
         self._node.start()
 
     def _configure(self, config: Dict[str, Any]) -> None:
-        x, y, width, height = box = tuple(config[name] for name in ("x", "y", "width", "height"))
+        box = config["x"], config["y"], config["width"], config["height"]
         with self._lock:
             self._tracker.configure(filled(WindowTrackerParams(), config))
-            if box != self._configured and width > 0 and height > 0:
-                region = RegionOfInterest(x_offset=x, y_offset=y, width=width, height=height)
-                self._selections.add(Selection(region, "", True, math.inf))
+            if box != self._configured and config["width"] > 0 and config["height"] > 0:
+                self._selections.add(TrackSelection(box, timeout=math.inf))
             self._configured = box
 
     def _process(self, frame: Frame) -> None:
