@@ -44,6 +44,48 @@ def test_a_color_is_given_in_lists_or_by_the_names_of_its_limits(named, entry, s
     assert (found.space, found.low, found.high) == (space, low, high)
 
 
+@pytest.fixture
+def server(monkeypatch):
+    """server(params) starts NamedColors with these parameters; it returns what was warned of."""
+
+    def start(params):
+        there, warnings = {"~" + name: value for name, value in params.items()}, []
+        monkeypatch.setattr(rospy, "get_param", lambda name, default=None: there.get(name, default))
+        monkeypatch.setattr(rospy, "has_param", lambda name: name in there)
+        monkeypatch.setattr(rospy, "delete_param", there.pop)
+        monkeypatch.setattr(rospy, "logwarn", lambda text, *values: warnings.append(text % values))
+        NamedColors()
+        assert there.keys() <= {"~colors", "~color"}
+        return warnings
+
+    return start
+
+
+SKY = {"space": "lab", "low": [120, 100, 60], "high": [255, 140, 110]}
+BLUE = {"low": [90, 50, 50], "high": [120, 255, 255]}
+OF_LAB = "space is lab, whose limits are low_1 to high_3 (lightness, green to red, blue to yellow)"
+
+
+@pytest.mark.parametrize(
+    "params, ignored",
+    [
+        ({"h_low": 70, "space": "hsv"}, ""),
+        ({"low_1": 70, "space": "lab", "h_low": 90}, ""),  # the default
+        ({"s_low": 70, "h_high": 7, "space": "lab"}, f"s_low 70, h_high 7, because {OF_LAB}"),
+        ({"low_1": 7}, "low_1 7, because space is hsv, whose limits are h_low to v_high (hue, sa"),
+        ({"colors": {"blue": BLUE}, "h_low": 90, "space": "hsv"}, ""),  # what a run has left
+        ({"colors": {"blue": BLUE}, "h_low": 70}, "h_low 70, because ~colors has all limits"),
+        ({"colors": {"sky": SKY}, "space": "hls"}, "space 'hls', because ~colors has all"),
+        ({"colors": {"sky": SKY, "blue": BLUE}, "color": "blue", "h_low": 90}, ""),
+        ({"colors": {"sky": SKY}, "low_1": 120, "low_2": "x"}, "low_2 'x', because ~colors has"),
+    ],
+)
+def test_live_parameters_without_effect_at_start_are_said(server, params, ignored):
+    warnings = server(params)
+    assert bool(warnings) == bool(ignored) and len(warnings) <= 1
+    assert "".join(warnings).startswith(f"without effect: {ignored}" if ignored else "")
+
+
 LAB_NAMES = "must be l_low, a_low, b_low, l_high, a_high, b_high"
 
 

@@ -253,10 +253,14 @@ def test_limits_at_start_are_those_of_the_only_color(start):
 
 def test_limits_at_start_may_be_of_another_space(start):
     limits = "_space:=hls", "_low_2:=10", "_high_1:=20", "_h_low:=70"
-    start("hsv_tracker.py", "__name:=tracker", "image:=/no", *limits)
+    process = start("hsv_tracker.py", "__name:=tracker", "image:=/no", *limits)
     config = support.reconfigured("/tracker")
-    names = ("color", "space", "low_1", "low_2", "high_1", "high_2")
-    assert [config[name] for name in names] == ["blue", "hls", 0, 10, 20, 255]
+    names = ("color", "space", "low_1", "low_2", "high_1", "high_2", "h_low")
+    assert [config[name] for name in names] == ["blue", "hls", 0, 10, 20, 255, 90]
+    process.wait_for_output(
+        "without effect: h_low 70, because space is hls, whose limits are low_1 to high_3 "
+        "(hue, lightness, saturation)"
+    )
 
 
 @pytest.mark.parametrize("node", ["hsv_tracker.py", "brightness_node"])

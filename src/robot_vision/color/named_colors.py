@@ -8,6 +8,7 @@ import rospy
 from .. import ColorRange, HsvRange, color_channels, convert_range, validate
 from ..common.errors import about
 from ..common.plain_text import brief, printable
+from ..ros.configs import HsvTrackerConfig
 from ..ros.params import read_any, read_param
 from .colors import limit_names
 
@@ -37,9 +38,8 @@ class NamedColors:
 
     def __init__(self) -> None:
         self.ranges: Dict[str, ColorRange] = {}
-        given = read_any("colors", None)
-        if given is None:
-            given = _default()
+        named = read_any("colors", None)
+        given = _default() if named is None else named
         if not isinstance(given, dict) or not given:
             raise ValueError(
                 f"colors is {brief(given)}, must be a map of at least one name to a range"
@@ -49,9 +49,7 @@ class NamedColors:
         self._shown = ""
         self._values: Dict[str, Any] = {}  # of SHOWN but the colour, as they were shown last
         self._left: Dict[Tuple[str, str], ColorRange] = {}  # by the name and the space
-        for name in SHOWN[1:]:  # At start ~colors has precedence over the live parameters.
-            if rospy.has_param("~" + name):
-                rospy.delete_param("~" + name)
+        self._drop_live("~colors has all limits" if named is not None else "")
 
     def update(self, config: Dict[str, Any]) -> None:
         """Takes over the limits that have changed in `config`, and updates the rest of it."""
@@ -78,6 +76,28 @@ class NamedColors:
         config.update(limits, color=name, space=space)
         self._shown, self._values = name, {key: config[key] for key in SHOWN[1:]}
 
+    def _drop_live(self, reason: str) -> None:
+        """Takes live parameters from the server at start, and tells which have had no effect.
+
+        Args:
+            reason: Why they have none; "" if the limits of the space have one.
+        """
+        there = {name: rospy.get_param("~" + name) for name in SHOWN if rospy.has_param("~" + name)}
+        first = next(iter(self.ranges.values()))
+        shown = self.ranges.get(str(there.pop("color", "")), first)
+        low, high = _live_names(shown.space)
+        used = {
+            **HsvTrackerConfig.defaults,
+            **dict(zip((*low, *high), (*shown.low, *shown.high))),
+            SPACE: shown.space,
+        }
+        ignored = [f"{name} {brief(there[name])}" for name in there if there[name] != used[name]]
+        if ignored:
+            reason = reason or _limits_of(shown.space)
+            rospy.logwarn("without effect: %s, because %s", ", ".join(ignored), reason)
+        for name in there:
+            rospy.delete_param("~" + name)
+
     def _in_space(self, name: str, space: str) -> ColorRange:
         """Returns the limits that a colour had in a space; else those that hold all of it."""
         left = self._left.get((name, space))
@@ -91,14 +111,22 @@ def _live_names(space: str) -> Tuple[Tuple[str, ...], Tuple[str, ...]]:
 
 def _require_own(space: str, changed: Dict[str, Any]) -> None:
     """Raises ValueError for a limit that is none in this space, and for a space that is none."""
-    channels = ", ".join(meaning for _, meaning, _ in color_channels(space))
+    limits = _limits_of(space)
     low, high = _live_names(space)
     for name, value in changed.items():
         if name not in (*low, *high):
-            raise ValueError(
-                f"{name} is {value}, must not be set while space is {space}, whose limits are "
-                f"{low[0]} to {high[-1]} ({channels})"
-            )
+            raise ValueError(f"{name} is {value}, must not be set while {limits}")
+
+
+def _limits_of(space: str) -> str:
+    """Returns which live parameters are the limits in a space, in words.
+
+    Raises:
+        ValueError: There is no such space.
+    """
+    channels = ", ".join(meaning for _, meaning, _ in color_channels(space))
+    low, high = _live_names(space)
+    return f"space is {space}, whose limits are {low[0]} to {high[-1]} ({channels})"
 
 
 def _default() -> Dict[str, Any]:
