@@ -171,8 +171,8 @@ def test_a_template_is_set_live_and_a_bad_one_leaves_the_old_one(node, tmp_path)
         assert detection.score == pytest.approx(1.0 / (1.0 + message.match_distance))
     assert contours.contours[1].match_distance < 0.05 < contours.contours[2].match_distance
     for bad, told in (
-        (tmp_path / "none.png", "must be the path of an image: No such file or directory"),
-        ("ellipse.png", "template_file is 'ellipse.png', must be an absolute path"),
+        (tmp_path / "none.png", "the absolute path of an image file: No such file or directory"),
+        ("ellipse.png", "template_file is 'ellipse.png', must be the absolute path of an"),
         (empty, "the template has no contour with an area"),
     ):
         assert support.reconfigured("/contours", template_file=str(bad))["template_file"] == str(
@@ -192,7 +192,7 @@ def test_a_template_is_set_live_and_a_bad_one_leaves_the_old_one(node, tmp_path)
     [
         ("method", "magic", "method is magic, must be fixed, otsu"),
         ("draw", "all", "draw is 'all', must be contour, approximation"),
-        ("template_file", "/none.png", "template_file is '/none.png', must be the path of an im"),
+        ("template_file", "/none.png", "template_file is '/none.png', must be the absolute path"),
     ],
 )
 def test_bad_value_at_start_is_fatal(start, name, value, text):

@@ -90,7 +90,7 @@ def test_live_parameters_and_files(start, folder):
     flat = folder / "flat.png"
     cv2.imwrite(str(flat), np.full((9, 9), 80, np.uint8))
     for values, reason in [
-        ({"templates": "star.png"}, "templates: 'star.png' must be an absolute path"),
+        ({"templates": "star.png"}, "templates is 'star.png', must be the absolute path"),
         (
             {"templates": str(flat)},
             "flat: the template's standard deviation is 0, must be at least",
@@ -160,7 +160,7 @@ def test_a_region_is_cut_out_while_nobody_subscribes(start, diagnostics):
     "name, value, text",
     [
         ("method", "best", "method is best, must be sqdiff, sqdiff_normed"),
-        ("templates", "/nowhere.png", "templates: /nowhere.png cannot be read: No such file"),
+        ("templates", "/nowhere.png", "an image file: No such file or directory"),
     ],
 )
 def test_bad_value_at_start_is_fatal(start, name, value, text):

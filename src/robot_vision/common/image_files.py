@@ -1,15 +1,17 @@
 """Image files: their names, and their decoding."""
 
 import os
-from typing import Callable
+from typing import Callable, TypeVar
 
 import cv2
 import numpy as np
 
 from .._core import decode_image_file
 from .errors import about
-from .files import MAX_IMAGE, read_file
-from .plain_text import printable
+from .files import MAX_IMAGE, read_file, reason
+from .plain_text import brief, printable
+
+Decoded = TypeVar("Decoded")
 
 SUFFIXES = (".bmp", ".jpeg", ".jpg", ".pgm", ".png", ".ppm", ".tif", ".tiff", ".webp")
 
@@ -60,3 +62,24 @@ def load_image(path: str, decode: Callable[[bytes], np.ndarray]) -> np.ndarray:
     data = read_file(path, MAX_IMAGE)
     with about(path):
         return decode(data)
+
+
+def load_parameter(parameter: str, path: str, decode: Callable[[bytes], Decoded]) -> Decoded:
+    """Returns what is in the image file that a parameter names.
+
+    Args:
+        parameter: The name of the parameter.
+        path: Its value. It must be absolute, as roslaunch and a node resolve others in different
+            folders.
+        decode: upright(), or another function of the content of the file.
+
+    Raises:
+        ValueError: The path is not absolute, or not that of an image that can be read.
+    """
+    given = f"{parameter} is {brief(path)}, must be the absolute path of an image file"
+    if not os.path.isabs(path):
+        raise ValueError(given)
+    try:
+        return decode(read_file(path, MAX_IMAGE))
+    except (OSError, ValueError) as error:
+        raise ValueError(f"{given}: {printable(reason(error), 200)}") from None

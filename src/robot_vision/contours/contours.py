@@ -5,6 +5,7 @@ from typing import Any, Dict, Optional, Tuple
 import numpy as np
 
 from .. import ContourFinder, ContourParams
+from ..common.image_files import load_parameter, upright
 from ..common.plain_text import brief
 from ..msg import Click, ContourArray, DetectionArray
 from ..ros.configs import ContoursConfig
@@ -15,7 +16,6 @@ from ..ros.startup import run_node
 from ..ros.transport import Frame
 from .contour_drawing import DRAWN, draw_contours
 from .contour_messages import contour_array, contour_detection, label_of
-from .template_file import load_template
 
 
 class Contours:
@@ -43,7 +43,9 @@ class Contours:
         if drawn not in DRAWN:
             *names, last = DRAWN
             raise ValueError(f"draw is {brief(drawn)}, must be {', '.join(names)} or {last}")
-        pattern = self._pattern if path == self._path else load_template(path)
+        pattern = self._pattern
+        if path != self._path:
+            pattern = load_parameter("template_file", path, upright) if path else None
         finder = ContourFinder(filled(ContourParams(), config), pattern)
         # Replaced in one step, because another thread may be processing a frame.
         self._tools = finder, drawn

@@ -1,16 +1,15 @@
 """Templates in image files, whose alpha channel says which of their pixels count."""
 
 import os
+from functools import partial
 from typing import List, NamedTuple, Optional
 
 import cv2
 import numpy as np
 
 from .._core import decode_image_file
-from ..common.errors import about
-from ..common.files import MAX_IMAGE, read_file, trying
-from ..common.image_files import has_image_suffix, name_of, upright
-from ..common.plain_text import brief, printable
+from ..common.image_files import has_image_suffix, load_parameter, name_of, upright
+from ..common.plain_text import brief
 
 MAX_FILES = 100
 MAX_PIXELS = 2**26  # of all together
@@ -38,49 +37,39 @@ def load_templates(text: str) -> List[Template]:
         ValueError: A path is not absolute or not that of an image or a folder with images, or they
             are too many.
     """
-    try:
-        files = [file for path in text.split(",") if path.strip() for file in _files(path.strip())]
-        if len(files) > MAX_FILES:
-            raise ValueError(f"{len(files)} files, must be at most {MAX_FILES}")
-        templates: List[Template] = []
-        for path in files:
-            templates.append(load_template(path))
-            pixels = sum(one.pixels.shape[0] * one.pixels.shape[1] for one in templates)
-            if pixels > MAX_PIXELS:
-                raise ValueError(f"{pixels} pixels up to {path}, must be at most {MAX_PIXELS}")
-        return templates
-    except (OSError, ValueError) as error:
-        raise ValueError(f"templates: {printable(str(error), 300)}") from None
+    files = [file for path in text.split(",") if path.strip() for file in _files(path.strip())]
+    if len(files) > MAX_FILES:
+        raise ValueError(f"templates: {len(files)} files, must be at most {MAX_FILES}")
+    templates: List[Template] = []
+    for path in files:
+        templates.append(load_parameter("templates", path, partial(_template, name_of(path))))
+        pixels = sum(one.pixels.shape[0] * one.pixels.shape[1] for one in templates)
+        if pixels > MAX_PIXELS:
+            raise ValueError(
+                f"templates: {pixels} pixels up to {brief(path)}, must be at most {MAX_PIXELS}"
+            )
+    return templates
 
 
-def load_template(path: str) -> Template:
-    """Returns the template in a file.
-
-    Raises:
-        ValueError: The file is not an image.
-        OSError: The file cannot be read.
-    """
-    name = name_of(path)
-    data = read_file(path, MAX_IMAGE)
-    with about(path):
-        image = decode_image_file(data, cv2.IMREAD_UNCHANGED)
-        if image.ndim < 3 or image.shape[2] < 4 or image.dtype not in WHITE:
-            return Template(name, upright(data))
-        image = cv2.convertScaleAbs(image, alpha=255 / WHITE[image.dtype])
-        bgr, alpha = np.ascontiguousarray(image[:, :, :3]), np.ascontiguousarray(image[:, :, 3])
-        return Template(name, bgr, alpha)
+def _template(name: str, data: bytes) -> Template:
+    """Returns the template in the content of a file; raises ValueError if it is no image."""
+    image = decode_image_file(data, cv2.IMREAD_UNCHANGED)
+    if image.ndim < 3 or image.shape[2] < 4 or image.dtype not in WHITE:
+        return Template(name, upright(data))
+    image = cv2.convertScaleAbs(image, alpha=255 / WHITE[image.dtype])
+    bgr, alpha = np.ascontiguousarray(image[:, :, :3]), np.ascontiguousarray(image[:, :, 3])
+    return Template(name, bgr, alpha)
 
 
 def _files(path: str) -> List[str]:
     """Returns the sorted image files of a folder, or the one file that the path is."""
-    # roslaunch and a node resolve a relative path in different folders.
-    if not os.path.isabs(path):
-        raise ValueError(f"{brief(path)} must be an absolute path")
-    if not os.path.isdir(path):
+    if not os.path.isabs(path) or not os.path.isdir(path):
         return [path]
-    with trying(path, "read"):
+    try:
         names = sorted(os.listdir(path))
+    except OSError as error:
+        raise ValueError(f"templates: {brief(path)} cannot be read: {error.strerror}") from None
     files = [name for name in names if has_image_suffix(name) and not name.startswith(".")]
     if not files:
-        raise ValueError(f"{path} has no image files")
+        raise ValueError(f"templates: {brief(path)} has no image files")
     return [os.path.join(path, name) for name in files]
