@@ -18,12 +18,13 @@ import rospy
 import support
 from frames import Source, message, new_topic
 from people import ANNA, BERT, CARLA, DORA, photograph, photographs
-from sensor_msgs.msg import Image, RegionOfInterest
+from sensor_msgs.msg import Image
 
 from robot_vision.faces.face_images import find_face
 from robot_vision.faces.gallery import CACHE, Gallery
 from robot_vision.msg import Detection, DetectionArray, FaceIdentityArray
 from robot_vision.ros.frame_pairs import MAX_BYTES, FramePairs
+from robot_vision.ros.messages import region_of
 from robot_vision.srv import EnrollFace, EnrollFolder, ForgetName, ListNames
 from robot_vision.transport import Frame
 
@@ -32,9 +33,7 @@ BLANK = np.full((240, 320, 3), 90, np.uint8)
 
 
 def face(box, number=-1, **values):
-    x, y, width, height = box
-    region = RegionOfInterest(x_offset=x, y_offset=y, width=width, height=height)
-    return Detection(label="face", id=number, score=0.9, box=region, **values)
+    return Detection(label="face", id=number, score=0.9, box=region_of(box), **values)
 
 
 def faces_of(image, number=-1):

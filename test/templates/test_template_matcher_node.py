@@ -9,6 +9,7 @@ from sensor_msgs.msg import Image, RegionOfInterest
 
 import robot_vision as rv
 from robot_vision.msg import DetectionArray
+from robot_vision.ros.messages import region_of
 
 RNG = np.random.default_rng(1)
 IMAGE = cv2.GaussianBlur(RNG.integers(0, 256, (120, 160, 3), np.uint8), (0, 0), 2.0) // 2
@@ -119,8 +120,7 @@ def test_a_selected_region_is_a_template_until_another_one_is(start, folder):
 
     def found_after(box, wanted):
         """What is found once a selection has arrived."""
-        x, y, width, height = box
-        select.send(RegionOfInterest(x_offset=x, y_offset=y, width=width, height=height))
+        select.send(region_of(box))
         return support.wait_for(
             lambda: [found for found in [desk.show()] if wanted(found)], "the selection"
         )[0]
@@ -131,7 +131,7 @@ def test_a_selected_region_is_a_template_until_another_one_is(start, folder):
     assert box_of(desk.show(moved)["selected"]) == (47, 35, 24, 20)
     other = (10, 60, 30, 30)
     found_after(other, lambda found: box_of(found["selected"]) == other)
-    select.send(RegionOfInterest(x_offset=150, y_offset=60, width=30, height=30))
+    select.send(region_of((150, 60, 30, 30)))
     text = f"nothing selected on {desk.camera.topic}: region of 30x30 px at (150, 60) is not inside"
     support.wait_for(lambda: desk.show() and text in desk.process.output(), text)
     assert box_of(desk.show()["selected"]) == other
@@ -146,8 +146,7 @@ def test_a_region_is_cut_out_while_nobody_subscribes(start, diagnostics):
     desk.camera.wait_for(0)
     select = Source("/matcher/select", RegionOfInterest)
     select.wait_for()
-    x, y, width, height = STAR_BOX
-    select.send(RegionOfInterest(x_offset=x, y_offset=y, width=width, height=height))
+    select.send(region_of(STAR_BOX))
     desk.camera.wait_for()  # and no longer: after some seconds the selection counts no more
     desk.camera.show(IMAGE)
     support.wait_for(lambda: diagnostics.next("matcher").message == idle, "the node to rest")

@@ -25,7 +25,7 @@ from stage import (
 )
 
 from robot_vision import CalibrationScene, RoadScene, SceneParams, flow_to_colors
-from robot_vision.ros.messages import Box
+from robot_vision.ros.messages import Box, region_of
 from robot_vision.srv import SelectObject
 from robot_vision.viewer.channel_view import ChannelView
 
@@ -201,7 +201,7 @@ def object_tracker(stage: Stage) -> np.ndarray:
     scene, first = room(), FRAME - 60
     poster = next(one for one in scene.truth(first).objects if one.name == "poster")
     x, y, width, height = cv2.boundingRect(np.int32(poster.outline))
-    region = RegionOfInterest(x_offset=x + 20, y_offset=y, width=width - 40, height=height // 2)
+    region = region_of((x + 20, y, width - 40, height // 2))
     with stage.watched("object_tracker.py", scene) as show:
         show(first)
         select = rospy.ServiceProxy("/object_tracker/select_object", SelectObject)
@@ -257,8 +257,9 @@ def segmented(stage: Stage, boxes: List[Box], *arguments: str) -> np.ndarray:
     seeds = rospy.Publisher("/seeds", RegionOfInterest, queue_size=10)
     with stage.watched("segmenter_node", room(), "~select:=/seeds", *arguments) as show:
         support.wait_for(seeds.get_num_connections, "the node's subscription")
-        for x, y, width, height in boxes:
-            seeds.publish(RegionOfInterest(x_offset=x, y_offset=y, width=width, height=height))
+        for box in boxes:
+            seeds.publish(region_of(box))
+        x, y, width, _ = boxes[-1]
         support.wait_for(
             lambda: (pixels(show(FRAME))[y, x : x + width] == 255).all(), "the last seed"
         )

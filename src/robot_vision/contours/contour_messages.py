@@ -3,12 +3,11 @@
 from typing import Iterable, Optional, Tuple
 
 from geometry_msgs.msg import Point, Point32
-from sensor_msgs.msg import RegionOfInterest
 
 from .. import Contour
 from ..msg import Contour as ContourMessage
 from ..msg import ContourArray, Detection
-from ..ros.messages import points
+from ..ros.messages import points, region_of
 from ..ros.transport import Frame
 
 NO_TEMPLATE = -1.0  # of a distance from the template's shape
@@ -30,7 +29,7 @@ def contour_detection(contour: Contour) -> Detection:
         label=label_of(contour),
         id=-1,
         score=score_of(contour),
-        box=_region(contour.box),
+        box=region_of(contour.box),
         center=_point(contour.center),
         outline=points(contour.outline),
         circle_center=_point(contour.circle_center),
@@ -47,7 +46,7 @@ def contour_message(contour: Contour) -> ContourMessage:
         parent=contour.parent,
         depth=contour.depth,
         hole=contour.hole,
-        box=_region(contour.box),
+        box=region_of(contour.box),
         center=_point(contour.center),
         outline=points(contour.outline),
         area=contour.area,
@@ -102,8 +101,3 @@ def _point(position: Tuple[float, float]) -> Point:
 
 def _point32(position: Tuple[int, int]) -> Point32:
     return Point32(*position, 0.0)
-
-
-def _region(box: Tuple[int, int, int, int]) -> RegionOfInterest:
-    x, y, width, height = box
-    return RegionOfInterest(x_offset=x, y_offset=y, width=width, height=height)

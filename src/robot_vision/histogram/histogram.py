@@ -6,7 +6,6 @@ from typing import Any, Dict, List, Optional
 
 import numpy as np
 import rospy
-from sensor_msgs.msg import RegionOfInterest
 from std_msgs.msg import Float64
 
 from .. import (
@@ -28,7 +27,7 @@ from .. import (
 from ..msg import Histogram as HistogramMessage
 from ..ros.configs import HistogramConfig
 from ..ros.image_node import ImageNode
-from ..ros.messages import Box, corners
+from ..ros.messages import Box, corners, region_of
 from ..ros.params import LiveParams, filled
 from ..ros.selections import Selection, Selections
 from ..ros.startup import run_node
@@ -149,10 +148,9 @@ def message(
     frame: Frame, region: Box, params: HistogramParams, counted: List[ChannelHistogram]
 ) -> HistogramMessage:
     """Returns the histogram of a region of a frame as a message."""
-    x, y, width, height = region
     return HistogramMessage(
         header=frame.header,
-        region=RegionOfInterest(x_offset=x, y_offset=y, width=width, height=height),
+        region=region_of(region),
         space=params.space,
         channels=[channel.name for channel in counted],
         bins=params.bins,

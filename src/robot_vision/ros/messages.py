@@ -16,12 +16,11 @@ MAX_COORDINATE = 2**30  # px, more than any image has
 
 def detection(region: Region, label: str, score: float = 1.0) -> Detection:
     """Returns a region of a mask as a Detection without an id."""
-    x, y, width, height = region.box
     return Detection(
         label=label,
         id=-1,
         score=score,
-        box=RegionOfInterest(x_offset=x, y_offset=y, width=width, height=height),
+        box=region_of(region.box),
         center=Point(*region.center, 0.0),
         outline=points(region.outline),
         circle_center=Point(*region.circle_center, 0.0),
@@ -37,11 +36,17 @@ def box_detection(box: Box, label: str, id: int = -1, score: float = 1.0) -> Det
         label=label,
         id=id,
         score=score,
-        box=RegionOfInterest(x_offset=x, y_offset=y, width=width, height=height),
+        box=region_of(box),
         center=Point(x + (width - 1) / 2.0, y + (height - 1) / 2.0, 0.0),
         outline=points(corners(box)),
         area=width * height,
     )
+
+
+def region_of(box: Box) -> RegionOfInterest:
+    """Returns (x, y, width, height) in px as a region."""
+    x, y, width, height = box
+    return RegionOfInterest(x_offset=x, y_offset=y, width=width, height=height)
 
 
 def box_of(region: RegionOfInterest) -> Box:
@@ -59,12 +64,7 @@ def box_around(outline: np.ndarray, image: np.ndarray) -> RegionOfInterest:
     height, width = image.shape[:2]
     left, top = np.maximum(np.floor(outline.min(axis=0)), 0).astype(int)
     right, bottom = np.minimum(np.ceil(outline.max(axis=0)), (width - 1, height - 1)).astype(int)
-    return RegionOfInterest(
-        x_offset=left,
-        y_offset=top,
-        width=max(right - left + 1, 0),
-        height=max(bottom - top + 1, 0),
-    )
+    return region_of((left, top, max(right - left + 1, 0), max(bottom - top + 1, 0)))
 
 
 def corners(box: Box) -> np.ndarray:

@@ -14,6 +14,7 @@ from ..common.files import add_file, reason
 from ..common.plain_text import brief, printable
 from ..msg import Click
 from ..ros.configs import SimpleCameraViewConfig
+from ..ros.messages import region_of
 from ..ros.params import LiveParams, read_param, review_params
 from ..ros.startup import run_node
 from ..ros.transport import Frame, ImageSubscriber
@@ -136,8 +137,7 @@ class CameraView:
             return
         x, y, width, height = self._view.region(x, y, width, height)
         print(f"x {x}, y {y}: selected {width}x{height} px", flush=True)
-        region = RegionOfInterest(x_offset=x, y_offset=y, width=width, height=height)
-        self._selected.publish(region)
+        self._selected.publish(region_of((x, y, width, height)))
 
     def _save(self) -> None:
         frame = self._shown
