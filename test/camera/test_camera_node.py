@@ -16,6 +16,7 @@ import rospy
 import support
 import tf2_msgs.msg
 import yaml
+from frames import pixels
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import CameraInfo, Image
 from sensor_msgs.srv import SetCameraInfo
@@ -23,14 +24,6 @@ from std_srvs.srv import Empty, Trigger
 
 from robot_vision import Scene, SceneParams
 from robot_vision.msg import GroundTruth
-
-
-def pixels(message):
-    """The pixels of an Image message."""
-    shape = (message.height, message.step)
-    rows = np.frombuffer(message.data, np.uint8).reshape(shape)
-    channels = 3 if message.encoding == "bgr8" else 1
-    return rows.reshape(message.height, message.width, channels).squeeze()
 
 
 @pytest.fixture

@@ -10,7 +10,7 @@ import rospy
 import support
 import tf2_msgs.msg
 import yaml
-from frames import Source, message, new_topic
+from frames import Source, message, new_topic, pixels
 from geometry_msgs.msg import PointStamped
 from sensor_msgs.msg import CameraInfo, Image
 from std_srvs.srv import Trigger
@@ -26,11 +26,6 @@ KERNEL = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (3, 3))
 @pytest.fixture
 def camera(start):
     start("camera_node", "__name:=camera", "_source:=synthetic")
-
-
-def pixels(message):
-    rows = np.frombuffer(message.data, np.uint8).reshape(message.height, message.step)
-    return rows.reshape(message.height, message.width, -1).squeeze()
 
 
 def cleaned(bgr, low, high):

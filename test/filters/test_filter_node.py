@@ -5,12 +5,11 @@ import numpy as np
 import rosgraph
 import rospy
 import support
-from frames import Source, message, new_topic, noise
+from frames import Source, message, new_topic, noise, pixels
 from sensor_msgs.msg import Image
 
 BGR = noise("bgr8", 48, 64)
 GRAY = cv2.cvtColor(BGR, cv2.COLOR_BGR2GRAY)
-CHANNELS = {"bgr8": 3, "mono8": 1}
 
 
 class Chain:
@@ -45,11 +44,6 @@ class Chain:
     def publishes(self, name):
         published = dict(rosgraph.Master("/test").getSystemState()[0])
         return published.get(f"/filter/{name}") == ["/filter"]
-
-
-def pixels(answer):
-    shape = (answer.height, answer.width, CHANNELS[answer.encoding])
-    return np.frombuffer(answer.data, np.uint8).reshape(shape).squeeze()
 
 
 def is_result(result, expected, encoding):

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 import rospy
 import support
-from frames import Camera
+from frames import Camera, pixels
 from geometry_msgs.msg import Vector3Stamped
 from sensor_msgs.msg import Image
 
@@ -30,14 +30,6 @@ def flow_of(number, **values):
     finder = rv.DenseFlow(params)
     finder.update(0.0, frame(number - 1))
     return finder.update(0.1, frame(number))
-
-
-def pixels(message):
-    """The array of a message of 32FC2 or bgr8."""
-    kind, channels = {"32FC2": (np.float32, 2), "bgr8": (np.uint8, 3)}[message.encoding]
-    assert message.step == message.width * channels * np.dtype(kind).itemsize
-    shape = message.height, message.width, channels
-    return np.frombuffer(message.data, kind).reshape(shape)
 
 
 class Watched:

@@ -4,7 +4,7 @@ import cv2
 import numpy as np
 import pytest
 import support
-from frames import Camera, Source
+from frames import Camera, Source, pixels
 from sensor_msgs.msg import Image, RegionOfInterest
 from std_msgs.msg import Float64
 
@@ -20,11 +20,6 @@ TOPICS = {
     "processed_image": Image,
     "histogram_2d": Image,
 }
-
-
-def pixels(message):
-    kind = np.uint8 if message.encoding in ("bgr8", "mono8") else np.uint16
-    return np.frombuffer(message.data, kind).reshape(message.height, message.width, -1)
 
 
 class Counter:
@@ -102,7 +97,7 @@ def test_the_whole_image_then_a_selection(start):
     assert (drawn[30, 21:59] == 255).all() and (drawn[79, 21:59] == 255).all()
     part = IMAGE[30:80, 20:60]
     assert np.array_equal(pixels(plane), rv.draw_hue_saturation(rv.hue_saturation_histogram(part)))
-    white = pixels(projection)[:, :, 0]
+    white = pixels(projection)
     assert (white[:, :78] == 255).all() and not white[:, 82:].any()
     colors = rv.hue_saturation_histogram(part), rv.hue_saturation_histogram(IMAGE)
     alike = counter.messages["similarity"].wait()[0].data

@@ -5,7 +5,8 @@ import math
 import numpy as np
 import pytest
 import support
-from calibrated_camera import CalibratedCamera, info_of
+from calibrated_camera import CalibratedCamera, info_of, not_calibrated, show_until_known
+from frames import pixels
 from road import LANE, WIDTH, Road, corners_in_image
 from sensor_msgs.msg import CameraInfo, Image
 
@@ -36,26 +37,6 @@ class Robot:
         assert (overlay.header.frame_id, overlay.encoding) == ("eye", "bgr8")
         return stamp, pixels(overlay)
 
-    def show_until_known(self, image):
-        """Shows an image until the node knows the camera, as camera_info may come later."""
-
-        def known():
-            stamp, overlay = self.show(image)
-            return not np.array_equal(overlay, not_calibrated(image)) and (stamp, overlay)
-
-        return support.wait_for(known, "the camera to be known")
-
-
-def pixels(message):
-    rows = np.frombuffer(message.data, np.uint8).reshape(message.height, message.width, -1)
-    return rows[:, :, 0] if rows.shape[2] == 1 else rows
-
-
-def not_calibrated(image):
-    drawn = image.copy()
-    draw_text(drawn, "no calibration: see what the node has printed", (10, 20))
-    return drawn
-
 
 def places(points):
     assert all(point.z == 0.0 for point in points)
@@ -73,7 +54,7 @@ def assert_lane(lane):
 def test_the_lane_the_views_and_the_overlay_of_a_frame(start):
     robot = Robot(start)
     image = ROAD.view(OFFSET, HEADING)
-    stamp, overlay = robot.show_until_known(image)
+    stamp, overlay = show_until_known(robot.show, image)
     lane = robot.lanes.of(stamp)
     assert_lane(lane)
     assert lane.left.found and lane.right.found and 0.3 <= lane.left.confidence <= 1.0

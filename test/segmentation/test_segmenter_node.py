@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 import rospy
 import support
-from frames import Camera, Source
+from frames import Camera, Source, pixels
 from segment_images import DISCS, discs
 from sensor_msgs.msg import Image, RegionOfInterest
 from std_srvs.srv import Trigger
@@ -20,14 +20,6 @@ OUTPUTS = {
     "segments": DetectionArray,
     "processed_image": Image,
 }
-
-
-def pixels(message):
-    dtype, channels = {"mono16": ("<u2", 1), "mono8": ("u1", 1), "bgr8": ("u1", 3)}[
-        message.encoding
-    ]
-    image = np.frombuffer(message.data, dtype).reshape(message.height, message.width, channels)
-    return image[..., 0] if channels == 1 else image
 
 
 class Room:

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 import rospy
 import support
-from frames import Camera
+from frames import Camera, pixels
 from geometry_msgs.msg import Vector3Stamped
 from sensor_msgs.msg import Image
 
@@ -25,13 +25,6 @@ def params(**values):
     for name, value in values.items():
         setattr(made, name, value)
     return made
-
-
-def pixels(message):
-    channels = {"mono8": 1, "bgr8": 3}[message.encoding]
-    assert message.step == message.width * channels
-    shape = (message.height, message.width, channels)[: 2 if channels == 1 else 3]
-    return np.frombuffer(message.data, np.uint8).reshape(shape)
 
 
 @pytest.fixture

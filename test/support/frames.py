@@ -48,6 +48,15 @@ def message(pixels: np.ndarray, encoding: str, padding: int = 0, order: str = "<
     )
 
 
+def pixels(message: Image) -> np.ndarray:
+    """The pixels of a message, (height, width), or (height, width, channels) if it has several."""
+    dtype, channels = ENCODINGS[message.encoding]
+    kind = np.dtype((">" if message.is_bigendian else "<") + dtype)
+    rows = np.frombuffer(message.data, np.uint8).reshape(message.height, message.step)
+    used = np.ascontiguousarray(rows[:, : message.width * channels * kind.itemsize]).view(kind)
+    return used.reshape(message.height, message.width, channels) if channels > 1 else used
+
+
 def noise(encoding: str, height: int = 4, width: int = 6) -> np.ndarray:
     """A random image over the full range of values of an encoding."""
     dtype, channels = ENCODINGS[encoding]

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import rospy
 import support
-from frames import Camera, Source
+from frames import Camera, Source, pixels
 from sensor_msgs.msg import Image, RegionOfInterest
 
 from robot_vision.msg import DetectionArray, TrackState, TrackStateArray
@@ -36,10 +36,6 @@ def view(*centers):
 def region(center):
     (x, y), (a, b) = center, AXES
     return RegionOfInterest(x_offset=x - a, y_offset=y - b, width=2 * a + 1, height=2 * b + 1)
-
-
-def pixels(message):
-    return np.frombuffer(message.data, np.uint8).reshape(240, 320, -1)
 
 
 class Desk:
@@ -107,7 +103,7 @@ def test_select_by_the_service_follow_lose_and_find_again(start):
     assert found.score == state.confidence > 0.6
     assert (state.scale, state.angle) == pytest.approx((1.0, 0.0), abs=0.05)
     blue = (view(center) == (200, 60, 20)).all(axis=2)
-    assert np.array_equal(projection[:, :, 0], np.where(blue, 255, 0))
+    assert np.array_equal(projection, np.where(blue, 255, 0))
     around = overlay[center[1] - 3 : center[1] + 4, center[0] - 36 : center[0] - 24]
     assert has(GREEN, around) and has(RED, overlay[center[1] - 2 : center[1] + 3])
     for step in range(1, 15):
