@@ -56,7 +56,8 @@ def test_every_launch_file_of_opencv_apps_has_its_like():
     named = {
         name for row in rows.splitlines() for name in re.findall(r"`(\w+)`", row.split("|")[1])
     }
-    theirs = pathlib.Path("/usr/share/opencv_apps/launch").glob("*.launch")
+    shares = [pathlib.Path("/usr/share"), *pathlib.Path("/opt/ros").glob("*/share")]
+    theirs = [path for share in shares for path in share.glob("opencv_apps/launch/*.launch")]
     assert named >= {path.stem for path in theirs} and len(named) >= 26
 
 
