@@ -119,14 +119,18 @@ ERRORS = r"Linearity RMS Error: ([\d.]+) Pixels +Reprojection RMS Error: ([\d.]+
 
 @pytest.mark.skipif(not hasattr(np, "product"), reason="cameracheck.py is older than this NumPy")
 def test_cameracheck_tells_how_good_a_calibration_is(start, tmp_path):
-    """First of a calibration that has no distortion, then of the right one."""
+    """First of a calibration that has no distortion, then of the right one.
+
+    At 2 Hz each frame shows the board in another pose, so that five are not all in the middle of
+    the image, where both calibrations are good.
+    """
     truth, kept = CalibrationScene().camera, tmp_path / "kept.yaml"
     flat = np.zeros(5)
     wrong = Calibration(
         (640, 480), "plumb_bob", truth.K, flat, projection(truth.K), flat, 0.0, flat
     )
     kept.write_text(as_yaml(wrong, "head_camera"))
-    start("camera_node", *SHOWN, f"_camera_info_url:=file://{kept}")
+    start("camera_node", *SHOWN, "_framerate:=2", f"_camera_info_url:=file://{kept}")
     unbuffered = {"PYTHONUNBUFFERED": "1"}
     check = start(shutil.which("roslaunch"), "robot_vision", "cameracheck.launch", env=unbuffered)
 
