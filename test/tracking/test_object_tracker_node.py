@@ -88,7 +88,7 @@ class Desk:
             answer = pool.submit(self._select, where, label)
             while not answer.done():
                 self.send(pixels)
-                rospy.sleep(1.0 / RATE)
+                concurrent.futures.wait([answer], 1.0 / RATE)
             return answer.result()
 
 

@@ -72,7 +72,7 @@ class Desk:
             answer = pool.submit(service, where, label)
             while not answer.done():
                 self.send(image)
-                rospy.sleep(1.0 / RATE)
+                concurrent.futures.wait([answer], 1.0 / RATE)
             return answer.result()
 
 
