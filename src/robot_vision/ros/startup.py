@@ -11,7 +11,7 @@ import threading
 import time
 import traceback
 import xmlrpc.client
-from typing import Any, Callable
+from typing import Any, Callable, Dict
 
 import rosgraph
 import rospy
@@ -26,6 +26,7 @@ from .registration import UNREACHABLE_ERRORS, keep_registered
 SIGNALS = (signal.SIGINT, signal.SIGTERM)
 SHUTDOWN_GRACE = 2.0  # s of time on a core that a node has to end by itself after a signal
 MAX_SHUTDOWN_GRACE = 10.0  # s until it is ended by force, however busy the machine is
+START_GRACE = 0.5  # s after the shutdown that a node has to end by itself which was still starting
 USAGE = """usage: rosrun robot_vision {program} [TOPIC:=OTHER ...] [_PARAMETER:=VALUE ...]
 
 {module}
@@ -72,10 +73,11 @@ def run_node(
         print(f"{name}: {error}", file=sys.stderr)
         end_process(1)
     _wait_for_master(name)
-    _shut_down_on_signals()
+    started = threading.Event()
+    _shut_down_on_signals(started)
     code = 0
     try:
-        code = _start_and_spin(name, start, spin)
+        code = _start_and_spin(name, start, spin, started)
     except SystemExit as error:
         code = error.code if isinstance(error.code, int) else int(error.code is not None)
     except BaseException:
@@ -126,11 +128,14 @@ def _require_storable_params() -> None:
             raise ValueError(f"{what}: {printable(str(error))}") from None
 
 
-def _start_and_spin(name: str, start: Callable[[], Any], spin: Callable[[Any], object]) -> int:
-    """Returns the exit code."""
+def _start_and_spin(
+    name: str, start: Callable[[], Any], spin: Callable[[Any], object], started: threading.Event
+) -> int:
+    """Returns the exit code. `started` is set in between."""
     try:
         _init_node(name)
         node = start()
+        started.set()
     except ValueError as error:
         if rospy.core.is_shutdown_requested():
             return 0
@@ -171,36 +176,43 @@ def _wait_for_master(name: str) -> None:
             time.sleep(0.1)
 
 
-def is_stuck(thread: threading.Thread) -> bool:
-    """Waits for a thread to end; returns whether it did not within SHUTDOWN_GRACE.
+def is_stuck(goes_on: Callable[[], bool]) -> bool:
+    """Waits while something goes on; returns whether it still does after SHUTDOWN_GRACE.
 
     The time during which this process waits for a core of a busy machine does not count.
     """
-    begin, before = time.monotonic(), waited_for_cores()
-    while thread.is_alive():
-        grace = min(SHUTDOWN_GRACE + max(waited_for_cores() - before, 0.0), MAX_SHUTDOWN_GRACE)
-        if time.monotonic() - begin >= grace:
+    begin, before, waited = time.monotonic(), waited_for_cores(), 0.0
+    while goes_on():
+        now = waited_for_cores()
+        # Threads end meanwhile: what they have waited before is not to be taken from the sum.
+        waited += sum(seconds - before.get(thread, 0.0) for thread, seconds in now.items())
+        before = now
+        if time.monotonic() - begin >= min(SHUTDOWN_GRACE + waited, MAX_SHUTDOWN_GRACE):
             return True
-        thread.join(0.1)
+        time.sleep(0.05)
     return False
 
 
-def waited_for_cores() -> float:
-    """Returns the time in s that the threads of this process have waited for a core, in sum.
+def waited_for_cores() -> Dict[str, float]:
+    """Returns the time in s that each thread of this process has waited for a core.
 
     It is the second number of /proc/PID/task/TID/schedstat, in ns. Where the kernel does not count
-    this time, it is 0.
+    this time, there is none.
     """
-    waited = 0
+    waited = {}
     for path in glob.glob("/proc/self/task/*/schedstat"):
         # A thread may have ended meanwhile, and no content of the file may keep the node alive.
         with contextlib.suppress(OSError, ValueError, IndexError), open(path) as file:
-            waited += int(file.read().split()[1])
-    return waited * 1e-9
+            waited[path] = int(file.read().split()[1]) * 1e-9
+    return waited
 
 
-def _shut_down_on_signals() -> None:
-    """Makes signals shut the node down, and ends the process even if the node is stuck."""
+def _shut_down_on_signals(started: threading.Event) -> None:
+    """Makes signals shut the node down, and ends the process even if the node is stuck.
+
+    A node that has not started then goes on to do so until something fails, which may be much work
+    for the master. As soon as rospy is shut down it has nothing more to do.
+    """
     reader, writer = os.pipe()
     os.set_blocking(writer, False)
     # The interpreter writes to this pipe at once, whatever the main thread is doing.
@@ -213,9 +225,12 @@ def _shut_down_on_signals() -> None:
             pass
         # rospy closes sockets that its own threads are waiting for.
         threading.excepthook = lambda _: None
-        threading.Thread(target=rospy.signal_shutdown, args=("signal",), daemon=True).start()
-        if is_stuck(threading.main_thread()):
+        shutdown = threading.Thread(target=rospy.signal_shutdown, args=("signal",), daemon=True)
+        shutdown.start()
+        if is_stuck(lambda: started.is_set() or shutdown.is_alive()):
             print(f"did not end within {SHUTDOWN_GRACE:g} s of a signal", file=sys.stderr)
-            os._exit(0)
+        else:
+            time.sleep(START_GRACE)
+        os._exit(0)
 
     threading.Thread(target=wait, name="signals", daemon=True).start()
