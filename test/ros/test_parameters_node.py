@@ -117,8 +117,9 @@ def test_leftovers_of_an_ended_launch_are_reported_and_not_saved_to(
 
 
 def test_a_node_with_defaults_reports_nothing(start):
-    start("brightness_node", "__name:=plain")  # it leaves all its values on the server
+    process = start("brightness_node", "__name:=plain")  # it leaves all its values on the server
     rospy.wait_for_service("/plain/save_parameters", support.DEADLINE)
+    process.end()  # or what it still registers would take the name from the next one
     process = start("brightness_node", "__name:=plain", "_threads:=2")
     process.wait_for_output("/plain: set on the parameter server: threads: 2")
     assert "threads: 2," not in process.output(), process.output()
