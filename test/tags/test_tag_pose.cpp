@@ -7,50 +7,18 @@
 #include "robot_vision/tags/pose/tag_pose.hpp"
 #include "robot_vision/tags/pose/tag_pose_tracker.hpp"
 #include "support/refusal.hpp"
+#include "support/tag_views.hpp"
 
 using namespace robot_vision;
 
 namespace
 {
 
-const double kSize = 0.2;
-const cv::Matx33d kK(600, 0, 320, 0, 600, 240, 0, 0, 1);
-
 std::vector<CameraModel> cameras()
 {
   return {{640, 480, kK, {-0.25, 0.07, 0.001, -0.002, 0.0}, "plumb_bob"},
           {640, 480, kK, {0.45, -0.3, 0.001, -0.002, -0.02, 0.8, -0.1, -0.07}, "rational_polynomial"},
           {640, 480, kK, {0.05, -0.02, 0.006, -0.001}, "equidistant"}};
-}
-
-/// A tag that faces the camera, then turned by a rotation vector (rad) along the camera's axes.
-cv::Affine3d facing(const cv::Vec3d& turn, const cv::Vec3d& place)
-{
-  return {cv::Affine3d(turn).rotation() * cv::Matx33d(1, 0, 0, 0, -1, 0, 0, 0, -1), place};
-}
-
-TagCorners seen(const BundleTag& tag, const cv::Affine3d& body, const CameraModel& camera)
-{
-  const double half = tag.size / 2.0;
-  const cv::Affine3d pose = body * tag.pose;
-  return {tag.id,
-          {camera.project(pose * cv::Point3d(-half, -half, 0)), camera.project(pose * cv::Point3d(half, -half, 0)),
-           camera.project(pose * cv::Point3d(half, half, 0)), camera.project(pose * cv::Point3d(-half, half, 0))}};
-}
-
-TagCorners seenTag(const cv::Affine3d& pose, const CameraModel& camera, int id = 0)
-{
-  return seen(singleTag(id, kSize).tags[0], pose, camera);
-}
-
-double angleBetween(const cv::Affine3d& a, const cv::Affine3d& b)
-{
-  return cv::norm(cv::Affine3d(a.rotation() * b.rotation().t()).rvec());
-}
-
-double distanceBetween(const cv::Affine3d& a, const cv::Affine3d& b)
-{
-  return cv::norm(a.translation() - b.translation());
 }
 
 std::vector<cv::Affine3d> somePoses()

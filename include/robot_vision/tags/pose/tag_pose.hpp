@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "robot_vision/geometry/camera_model.hpp"
+#include "tag_plane.hpp"
 
 namespace robot_vision
 {
@@ -25,6 +26,8 @@ struct TagCorners
   // The uncertainty that the image leaves, if measureCorners() has determined it. It does not contain the error of the
   // lens's calibration.
   std::optional<CornerCovariance> covariance = std::nullopt;
+  // The tag's plane in a depth image of the same time, if measureTagPlane() has found it.
+  std::optional<DepthPlane> plane = std::nullopt;
 };
 
 /// A tag on a rigid body. Its frame is that of apriltag_ros: for somebody who looks at the tag, x points right, y up
@@ -80,10 +83,14 @@ struct TagPoses
 /// distances of all corners in the distorted image, weighted by their covariances.
 /// `noise` (px, 0.001 to 10) is the standard deviation of each coordinate of a corner whose covariance is not known.
 /// `lens_noise` (px, 0 to 10) is that of the error that the calibration of the lens leaves; it is similar in corners
-/// near each other. The result is empty if none of the tags is seen, or if no pose in front of the camera explains the
+/// near each other.
+/// Where a tag comes with a plane, the pose explains both: corners and plane are weighted by their covariances. A plane
+/// that none of the poses of the corners explains (its squared error by both covariances is one of the largest in 1000)
+/// is of something else, or its sensor is wrong: it is left out.
+/// The result is empty if none of the tags is seen, or if no pose in front of the camera explains the
 /// corners. Throws std::invalid_argument as validate() does for the bundle and the camera, for a noise out of range,
 /// and for corners that no tag can have, naming them: corners that are not finite, not convex, in the wrong order,
-/// smaller than a pixel or where the camera has no rays, an invalid covariance, and a tag that is seen twice.
+/// smaller than a pixel or where the camera has no rays, an invalid covariance or plane, and a tag that is seen twice.
 std::optional<TagPoses> estimatePose(const Bundle& bundle, const std::vector<TagCorners>& seen,
                                      const CameraModel& camera, double noise, double lens_noise);
 

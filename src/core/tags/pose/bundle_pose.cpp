@@ -64,6 +64,7 @@ void validateCorners(const TagCorners& seen, const CameraModel& camera)
   require(isConvex(raysOf(seen.corners, camera), 0.0), name, corners.str(), "where the camera's distortion has rays");
   require(!seen.covariance || isCovariance(*seen.covariance), "covariance of the " + name, "none",
           "symmetric, positive definite and finite");
+  if (seen.plane) validate(*seen.plane);
 }
 
 /// Two poses of the body to start the fit from, the better one first. They come from the tag whose two poses explain
@@ -94,6 +95,16 @@ std::array<cv::Affine3d, 2> initialPoses(const std::vector<SeenTag>& tags, const
   return best;
 }
 
+/// The uncertainty of the inverse depth of a tag's plane by that of its pose on the body.
+cv::Matx33d planeNoise(const BundleTag& tag, const cv::Affine3d& body)
+{
+  PlaneJacobian J = planeJacobian({{0, 0, 1}, {0, 0, 0}, {}, {}}, body * tag.pose);
+  for (int row = 0; row < J.rows; ++row)
+    for (int column = 0; column < J.cols; ++column)
+      J(row, column) *= column < 3 ? tag.shift_noise : tag.turn_noise;
+  return J * J.t();
+}
+
 /// Adds the uncertainty of the bundle's layout to the observation of a body near this pose.
 Observation withLayoutNoise(Observation observation, const std::vector<SeenTag>& tags, const CameraModel& camera,
                             const cv::Affine3d& body)
@@ -109,6 +120,7 @@ Observation withLayoutNoise(Observation observation, const std::vector<SeenTag>&
     const CornerCovariance layout = J * J.t();
     if (!std::isfinite(cv::norm(layout))) continue;  // the tag is behind the camera, so there is no pose
     observation[i].information = inverseOf(inverseOf(observation[i].information) + layout);
+    if (observation[i].plane) observation[i].plane->covariance += planeNoise(tag, body);
   }
   return observation;
 }
@@ -152,6 +164,40 @@ bool isPlausible(const cv::Affine3d& body, const std::vector<SeenTag>& tags)
                      });
 }
 
+/// The poses near these that explain an observation and are plausible, those that are the same only once.
+std::vector<PoseRefinement> fitAll(const Observation& observation, const std::vector<SeenTag>& tags,
+                                   const CameraModel& camera, const std::vector<cv::Affine3d>& starts)
+{
+  const double same = 0.005;  // rad, below which two results are the same pose
+  std::vector<PoseRefinement> fits;
+  for (const cv::Affine3d& start : starts)
+  {
+    PoseRefinement fit = fitPose(observation, camera, start);
+    if (!std::isfinite(fit.cost) || !isPlausible(fit.pose, tags)) continue;
+    fit.covariance += sharedLensError(fit, observation, tags, camera);
+    if (fits.empty() || cv::norm(difference(fits[0].pose, fit.pose).get_minor<3, 1>(3, 0)) > same) fits.push_back(fit);
+  }
+  std::sort(fits.begin(), fits.end(), [](const PoseRefinement& a, const PoseRefinement& b) { return a.cost < b.cost; });
+  return fits;
+}
+
+/// Removes the planes that none of the poses of the corners explains; returns whether any is left.
+bool keepExplainedPlanes(const std::vector<PoseRefinement>& fits, Observation& observation)
+{
+  const double max_distance = 16.27;  // which one in 1000 exceeds, with three degrees of freedom
+  bool left = false;
+  for (SeenSquare& square : observation)
+  {
+    if (!square.plane) continue;
+    const bool explained =
+        std::any_of(fits.begin(), fits.end(),
+                    [&](const PoseRefinement& fit) { return planeDistance(*square.plane, fit) < max_distance; });
+    if (!explained) square.plane.reset();
+    left = left || explained;
+  }
+  return left;
+}
+
 }  // namespace
 
 std::vector<SeenTag> tagsOf(const Bundle& bundle, const std::vector<TagCorners>& seen, const CameraModel& camera,
@@ -167,7 +213,7 @@ std::vector<SeenTag> tagsOf(const Bundle& bundle, const std::vector<TagCorners>&
     require(ids.insert(one.id).second, "tag " + std::to_string(one.id), "seen twice", "seen once");
     validateCorners(one, camera);
     tags.push_back({*tag, one.corners, one.covariance.value_or(variance * CornerCovariance::eye()),
-                    one.covariance.has_value(), lens_variance});
+                    one.covariance.has_value(), lens_variance, one.plane});
   }
   return tags;
 }
@@ -178,28 +224,28 @@ Observation observationOf(const std::vector<SeenTag>& tags, const CameraModel& c
   for (const SeenTag& seen : tags)
   {
     const CornerCovariance lens_error = seen.lens_variance * distortionCorrelation(seen.corners, seen.corners, camera);
-    observation.push_back({cornersOf(seen.tag), seen.corners, inverseOf(seen.covariance + lens_error)});
+    observation.push_back({cornersOf(seen.tag), seen.corners, inverseOf(seen.covariance + lens_error), std::nullopt});
+    if (!seen.plane) continue;
+    const cv::Affine3d& pose = seen.tag.pose;
+    observation.back().plane = {pose.rotation() * cv::Vec3d(0, 0, 1), pose.translation(), seen.plane->inverse_depth,
+                                seen.plane->covariance};
   }
   return observation;
 }
 
 std::vector<PoseRefinement> fitBundle(const std::vector<SeenTag>& tags, const CameraModel& camera)
 {
-  std::vector<PoseRefinement> fits;
-  if (tags.empty()) return fits;
-  const double same = 0.005;  // rad, below which two results are the same pose
+  if (tags.empty()) return {};
   const Observation exact = observationOf(tags, camera);
-  const std::array<cv::Affine3d, 2> starts = initialPoses(tags, exact, camera);
-  const Observation observation = withLayoutNoise(exact, tags, camera, starts[0]);
-  for (const cv::Affine3d& start : starts)
-  {
-    PoseRefinement fit = fitPose(observation, camera, start);
-    if (!std::isfinite(fit.cost) || !isPlausible(fit.pose, tags)) continue;
-    fit.covariance += sharedLensError(fit, observation, tags, camera);
-    if (fits.empty() || cv::norm(difference(fits[0].pose, fit.pose).get_minor<3, 1>(3, 0)) > same) fits.push_back(fit);
-  }
-  std::sort(fits.begin(), fits.end(), [](const PoseRefinement& a, const PoseRefinement& b) { return a.cost < b.cost; });
-  return fits;
+  const std::array<cv::Affine3d, 2> starts = initialPoses(tags, cornersOnly(exact), camera);
+  Observation observation = withLayoutNoise(exact, tags, camera, starts[0]);
+  const std::vector<PoseRefinement> fits =
+      fitAll(cornersOnly(observation), tags, camera, {starts.begin(), starts.end()});
+  if (!keepExplainedPlanes(fits, observation)) return fits;
+  std::vector<cv::Affine3d> poses;
+  for (const PoseRefinement& fit : fits)
+    poses.push_back(fit.pose);
+  return fitAll(observation, tags, camera, poses);
 }
 
 TagPoses posesOf(const std::vector<WeightedPose>& poses, const Observation& observation, const CameraModel& camera)

@@ -16,6 +16,7 @@ struct SeenTag
   CornerCovariance covariance;  // the uncertainty that the image leaves
   bool measured;                // whether the covariance was measured in the image
   double lens_variance;         // px^2, of each coordinate: the error that the calibration of the lens leaves
+  std::optional<DepthPlane> plane;
 };
 
 /// The tags of a valid bundle that are seen. `variance` (px^2) is that of each coordinate of a corner whose covariance
@@ -23,7 +24,8 @@ struct SeenTag
 std::vector<SeenTag> tagsOf(const Bundle& bundle, const std::vector<TagCorners>& seen, const CameraModel& camera,
                             double variance, double lens_variance);
 
-/// All corners of the tags with the uncertainty that the image and the lens leave. The layout is taken to be exact.
+/// All corners and planes of the tags with the uncertainty that the images and the lens leave. The layout is taken to
+/// be exact.
 Observation observationOf(const std::vector<SeenTag>& tags, const CameraModel& camera);
 
 /// The one or two poses that explain the tags' corners best, the best one first; empty if there is no such pose in

@@ -53,6 +53,51 @@ MotionJacobian project(const std::array<cv::Point3d, 4>& points, const CameraMod
   return J;
 }
 
+/// The inverse depth of a plane that moves with a pose, and its derivatives by the pose.
+struct PredictedPlane
+{
+  cv::Vec3d inverse_depth;
+  PlaneJacobian jacobian;
+};
+
+PredictedPlane predict(const SeenPlane& plane, const cv::Affine3d& pose)
+{
+  // With the normal n and a point p of the plane, a ray r has the depth (n . p) / (n . r), so a, b and c are n / (n .
+  // p).
+  const cv::Vec3d n = pose.rotation() * plane.normal;
+  const double distance = n.dot(pose * plane.point);
+  const cv::Vec3d by_turn = n.cross(pose.translation()) * (1.0 / (distance * distance));
+  PredictedPlane predicted{n * (1.0 / distance), PlaneJacobian()};
+  const cv::Matx33d shift = n * n.t() * (-1.0 / (distance * distance));
+  const cv::Matx33d across(0, -n[2], n[1], n[2], 0, -n[0], -n[1], n[0], 0);
+  const cv::Matx33d turn = across * (-1.0 / distance) - n * by_turn.t();
+  for (int row = 0; row < 3; ++row)
+    for (int column = 0; column < 3; ++column)
+    {
+      predicted.jacobian(row, column) = shift(row, column);
+      predicted.jacobian(row, column + 3) = turn(row, column);
+    }
+  return predicted;
+}
+
+/// The inverse of a covariance, scaled because OpenCV takes a matrix of small numbers to be singular.
+cv::Matx33d inverseOf(const cv::Matx33d& covariance)
+{
+  const double scale = 1.0 / cv::norm(covariance);
+  return scale * (scale * covariance).inv(cv::DECOMP_CHOLESKY);
+}
+
+void addPlane(const SeenPlane& plane, const cv::Affine3d& pose, Linearised& sum)
+{
+  const PredictedPlane predicted = predict(plane, pose);
+  const cv::Vec3d residuals = plane.inverse_depth - predicted.inverse_depth;
+  const cv::Matx33d information = inverseOf(plane.covariance);
+  const cv::Matx<double, 6, 3> weighted = predicted.jacobian.t() * information;
+  sum.information += weighted * predicted.jacobian;
+  sum.gradient += weighted * residuals;
+  sum.cost += residuals.dot(information * residuals);
+}
+
 Linearised linearise(const Observation& observation, const CameraModel& camera, const cv::Affine3d& pose)
 {
   Linearised sum;
@@ -65,6 +110,7 @@ Linearised linearise(const Observation& observation, const CameraModel& camera, 
     sum.information += weighted * J;
     sum.gradient += weighted * residuals;
     sum.cost += residuals.dot(square.information * residuals);
+    if (square.plane) addPlane(*square.plane, pose, sum);
   }
   if (std::isnan(sum.cost)) sum.cost = kInfinity;
   return sum;
@@ -111,6 +157,26 @@ cv::Vec6d difference(const cv::Affine3d& from, const cv::Affine3d& to)
   return {shift[0], shift[1], shift[2], turn[0], turn[1], turn[2]};
 }
 
+PlaneJacobian planeJacobian(const SeenPlane& plane, const cv::Affine3d& pose)
+{
+  return predict(plane, pose).jacobian;
+}
+
+Observation cornersOnly(Observation observation)
+{
+  for (SeenSquare& square : observation)
+    square.plane.reset();
+  return observation;
+}
+
+double planeDistance(const SeenPlane& plane, const PoseRefinement& fit)
+{
+  const PredictedPlane predicted = predict(plane, fit.pose);
+  const cv::Vec3d residuals = plane.inverse_depth - predicted.inverse_depth;
+  const cv::Matx33d expected = plane.covariance + predicted.jacobian * fit.covariance * predicted.jacobian.t();
+  return residuals.dot(inverseOf(expected) * residuals);
+}
+
 PoseRefinement fitPose(const Observation& observation, const CameraModel& camera, const cv::Affine3d& start)
 {
   const int max_steps = 50;
@@ -148,13 +214,17 @@ double costOf(const Observation& observation, const CameraModel& camera, const c
                    [&](const cv::Point3d& point) { return camera.project(pose * point); });
     const Residuals residuals = coordinatesOf(square.pixels) - coordinatesOf(pixels);
     cost += residuals.dot(square.information * residuals);
+    if (!square.plane) continue;
+    Linearised of_plane;
+    addPlane(*square.plane, pose, of_plane);
+    cost += of_plane.cost;
   }
   return std::isnan(cost) ? kInfinity : cost;
 }
 
 double errorOf(const Observation& observation, const CameraModel& camera, const cv::Affine3d& pose)
 {
-  Observation unit = observation;
+  Observation unit = cornersOnly(observation);
   for (SeenSquare& square : unit)
     square.information = CornerCovariance::eye();
   return std::sqrt(costOf(unit, camera, pose) / (4.0 * static_cast<double>(unit.size())));

@@ -3,6 +3,7 @@
 #include <array>
 #include <opencv2/core.hpp>
 #include <opencv2/core/affine.hpp>
+#include <optional>
 #include <vector>
 
 #include "robot_vision/tags/pose/tag_pose.hpp"
@@ -10,12 +11,21 @@
 namespace robot_vision
 {
 
+/// The plane of a tag of a body, and where a depth image shows it.
+struct SeenPlane
+{
+  cv::Vec3d normal, point;  // of the plane in the body's frame; m
+  cv::Vec3d inverse_depth;  // as in DepthPlane
+  cv::Matx33d covariance;
+};
+
 /// The corners of a tag of a body, and their pixels in an image.
 struct SeenSquare
 {
   std::array<cv::Point3d, 4> points;  // m, in the body's frame
   std::array<cv::Point2d, 4> pixels;
-  CornerCovariance information;  // the inverse of the covariance of the pixels, 1/px^2
+  CornerCovariance information;    // the inverse of the covariance of the pixels, 1/px^2
+  std::optional<SeenPlane> plane;  // if there is a depth image, too
 };
 
 /// All tags of a body that are seen in an image.
@@ -27,6 +37,10 @@ using MotionJacobian = cv::Matx<double, 8, 6>;
 MotionJacobian motionJacobian(const std::array<cv::Point3d, 4>& points, const CameraModel& camera,
                               const cv::Affine3d& pose);
 
+/// The derivatives of a plane's inverse depth by the same motion of the body's frame.
+using PlaneJacobian = cv::Matx<double, 3, 6>;
+PlaneJacobian planeJacobian(const SeenPlane& plane, const cv::Affine3d& pose);
+
 /// A pose that was fitted to an observation.
 struct PoseRefinement
 {
@@ -37,6 +51,12 @@ struct PoseRefinement
 
 /// The pose near `start` that explains an observation best, by the method of Levenberg and Marquardt.
 PoseRefinement fitPose(const Observation& observation, const CameraModel& camera, const cv::Affine3d& start);
+
+/// The observation without its planes.
+Observation cornersOnly(Observation observation);
+
+/// The squared distance of a plane from where a fit that does not know of it has it, by the covariances of both.
+double planeDistance(const SeenPlane& plane, const PoseRefinement& fit);
 
 /// The cost of a pose; infinite if a tag is behind the camera.
 double costOf(const Observation& observation, const CameraModel& camera, const cv::Affine3d& pose);

@@ -105,7 +105,7 @@ struct TagPoseTracker::Impl
       for (std::size_t i = 0; i < tags.size(); ++i)
       {
         if (&noiseOf(tags[i]) != noise) continue;
-        const double cost = fitPose({raw[i]}, camera, near).cost;
+        const double cost = fitPose(cornersOnly({raw[i]}), camera, near).cost;
         if (!std::isfinite(cost)) continue;
         squares += cost * noise->total();
         count += freedom;

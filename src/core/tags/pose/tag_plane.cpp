@@ -1,0 +1,218 @@
+#include "robot_vision/tags/pose/tag_plane.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <iterator>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "robot_vision/common/range.hpp"
+
+namespace robot_vision
+{
+namespace
+{
+
+constexpr double kMargin = 1.0;       // px between a tag's edge and the depths that are used
+constexpr double kMaxSamples = 2000;  // of a tag; more take time, and make the plane no better than its bias
+constexpr std::size_t kMinSamples = 12;
+constexpr double kMinShare = 0.6;      // of the samples, that agree with the plane
+constexpr double kNearest = 0.4;       // m, from where on the noise grows
+constexpr int kRobustSteps = 6;        // of the fit with Huber's weights
+constexpr double kHuberLimit = 1.345;  // standard deviations
+constexpr double kMaxResidual = 4.0;   // standard deviations, of a depth that agrees with the plane
+constexpr double kMedianToSigma = 1.4826;
+constexpr double kMaxScatter = 9.0;  // mean squared residual, from which on the depths are of no plane
+
+struct Sample
+{
+  cv::Vec3d ray;  // x, y, 1
+  double depth;   // m
+  double inverse_depth;
+  double noise;  // standard deviation of the inverse depth, 1/m
+};
+
+using Quad = std::array<cv::Point2d, 4>;
+
+/// Whether a pixel is in the quad, counter-clockwise in an image whose y points down, and so far from its edges.
+bool isInside(const Quad& quad, const cv::Point2d& pixel, double margin)
+{
+  for (std::size_t i = 0; i < quad.size(); ++i)
+  {
+    const cv::Point2d along = quad[(i + 1) % quad.size()] - quad[i];
+    if ((pixel - quad[i]).cross(along) < margin * cv::norm(along)) return false;
+  }
+  return true;
+}
+
+/// The depth of a pixel in m, NaN where it is unknown.
+double depthAt(const cv::Mat& depth, int x, int y)
+{
+  if (depth.type() == CV_16UC1)
+  {
+    const auto millimetres = depth.at<std::uint16_t>(y, x);
+    return millimetres == 0 ? std::numeric_limits<double>::quiet_NaN() : millimetres / 1000.0;
+  }
+  const double metres = static_cast<double>(depth.at<float>(y, x));
+  return std::isfinite(metres) && metres > 0.0 ? metres : std::numeric_limits<double>::quiet_NaN();
+}
+
+double noiseOf(double depth, const DepthErrorParams& params)
+{
+  const double beyond = std::max(depth - kNearest, 0.0);
+  const double step = params.depth_step * depth * depth / std::sqrt(12.0);  // of a uniform error
+  return std::hypot(params.depth_noise + params.depth_noise_growth * beyond * beyond, step);
+}
+
+std::vector<Sample> samplesOf(const cv::Mat& depth, const Quad& quad, int stride, const CameraModel& camera,
+                              const DepthErrorParams& params)
+{
+  const auto [left, right] = std::minmax({quad[0].x, quad[1].x, quad[2].x, quad[3].x});
+  const auto [top, bottom] = std::minmax({quad[0].y, quad[1].y, quad[2].y, quad[3].y});
+  const int end_x = std::min(cvFloor(right) + 1, depth.cols);
+  const int end_y = std::min(cvFloor(bottom) + 1, depth.rows);
+  std::vector<Sample> samples;
+  for (int y = std::max(cvCeil(top), 0); y < end_y; y += stride)
+    for (int x = std::max(cvCeil(left), 0); x < end_x; x += stride)
+    {
+      const cv::Point2d pixel(x, y);
+      const double z = depthAt(depth, x, y);
+      if (std::isnan(z) || !isInside(quad, pixel, kMargin)) continue;
+      const cv::Point2d ray = camera.ray(pixel);
+      if (std::isnan(ray.x)) continue;
+      samples.push_back({{ray.x, ray.y, 1.0}, z, 1.0 / z, noiseOf(z, params) / (z * z)});
+    }
+  return samples;
+}
+
+/// The residual of a sample in standard deviations.
+double residualOf(const Sample& sample, const cv::Vec3d& plane)
+{
+  return (sample.inverse_depth - sample.ray.dot(plane)) / sample.noise;
+}
+
+/// A weighted fit of a plane.
+struct PlaneFit
+{
+  cv::Vec3d plane;
+  cv::Matx33d covariance;
+};
+
+/// Fits a plane, each sample with its own weight. Returns nothing if the samples lie on a line.
+template <class Weight>  // double(const Sample&)
+std::optional<PlaneFit> fitPlane(const std::vector<Sample>& samples, const Weight& weight)
+{
+  cv::Matx33d information = cv::Matx33d::zeros();
+  cv::Vec3d moment;
+  for (const Sample& sample : samples)
+  {
+    const double w = weight(sample) / (sample.noise * sample.noise);
+    information += w * (sample.ray * sample.ray.t());
+    moment += w * sample.inverse_depth * sample.ray;
+  }
+  // The rays to a small tag are nearly alike, and OpenCV takes such a matrix to be singular: it is scaled.
+  cv::Matx33d scale = cv::Matx33d::zeros();
+  for (int i = 0; i < 3; ++i)
+    scale(i, i) = 1.0 / std::sqrt(std::max(information(i, i), std::numeric_limits<double>::min()));
+  bool exists = false;
+  const cv::Matx33d covariance = scale * (scale * information * scale).inv(cv::DECOMP_CHOLESKY, &exists) * scale;
+  if (!exists || !std::isfinite(cv::norm(covariance))) return std::nullopt;
+  return PlaneFit{covariance * moment, covariance};
+}
+
+double huberWeight(double residual)
+{
+  return std::abs(residual) <= kHuberLimit ? 1.0 : kHuberLimit / std::abs(residual);
+}
+
+/// The samples that agree with the plane of most of them. Their scatter may be larger than the sensor's noise is said
+/// to be.
+std::vector<Sample> inliersOf(const std::vector<Sample>& samples)
+{
+  std::optional<PlaneFit> fit = fitPlane(samples, [](const Sample&) { return 1.0; });
+  double scatter = 1.0;
+  std::vector<double> residuals(samples.size());
+  for (int step = 0; fit && step < kRobustSteps; ++step)
+  {
+    std::transform(samples.begin(), samples.end(), residuals.begin(),
+                   [&](const Sample& sample) { return std::abs(residualOf(sample, fit->plane)); });
+    const auto middle = residuals.begin() + static_cast<std::ptrdiff_t>(residuals.size() / 2);
+    std::nth_element(residuals.begin(), middle, residuals.end());
+    scatter = std::max(kMedianToSigma * *middle, 1.0);
+    fit =
+        fitPlane(samples, [&](const Sample& sample) { return huberWeight(residualOf(sample, fit->plane) / scatter); });
+  }
+  std::vector<Sample> inliers;
+  if (!fit) return inliers;
+  std::copy_if(samples.begin(), samples.end(), std::back_inserter(inliers),
+               [&](const Sample& sample)
+               { return std::abs(residualOf(sample, fit->plane)) <= kMaxResidual * scatter; });
+  return inliers;
+}
+
+/// The mean squared residual, in variances of the noise.
+double scatterOf(const PlaneFit& fit, const std::vector<Sample>& samples)
+{
+  double squares = 0.0;
+  for (const Sample& sample : samples)
+    squares += std::pow(residualOf(sample, fit.plane), 2);
+  return squares / static_cast<double>(samples.size() - 3);
+}
+
+/// The covariance of a plane with what the noise of a pixel alone does not tell: noise that is larger than said, that
+/// neighbours share, and that all depths have in common.
+cv::Matx33d wholeCovariance(const PlaneFit& fit, const std::vector<Sample>& samples, int stride,
+                            const DepthErrorParams& params)
+{
+  cv::Vec3d response;  // of the plane to a change of all depths
+  for (const Sample& sample : samples)
+  {
+    const double by_depth = -sample.inverse_depth * sample.inverse_depth;
+    response += by_depth / (sample.noise * sample.noise) * sample.ray;
+  }
+  response = fit.covariance * response;
+  const double shared = std::max(static_cast<double>(params.depth_correlation) / (stride * stride), 1.0);
+  const double depth = 1.0 / fit.plane.dot(samples.front().ray);
+  // All depths of a plane that faces the camera may lie on one step of the sensor.
+  const double step = params.depth_step * depth * depth / std::sqrt(12.0);
+  const double common = params.depth_bias * params.depth_bias + step * step;
+  return std::max(scatterOf(fit, samples), 1.0) * shared * fit.covariance + common * (response * response.t());
+}
+
+}  // namespace
+
+void validate(const DepthPlane& plane)
+{
+  const cv::Matx33d& covariance = plane.covariance;
+  const double size = cv::norm(covariance);
+  bool is_definite = std::isfinite(size) && size > 0.0 && cv::norm(covariance - covariance.t()) <= 1e-9 * size;
+  if (is_definite) (covariance * (1.0 / size)).inv(cv::DECOMP_CHOLESKY, &is_definite);
+  require(is_definite && std::isfinite(cv::norm(plane.inverse_depth)), "plane of depths", "none",
+          "finite, with a symmetric and positive definite covariance");
+}
+
+std::optional<DepthPlane> measureTagPlane(const cv::Mat& depth, const std::array<cv::Point2d, 4>& corners,
+                                          const CameraModel& camera, const DepthErrorParams& params)
+{
+  checkFields(params);
+  require(depth.type() == CV_32FC1 || depth.type() == CV_16UC1, "type of the depth image",
+          cv::typeToString(depth.type()), "CV_32FC1 (m) or CV_16UC1 (mm)");
+  require(depth.cols == camera.width && depth.rows == camera.height, "size of the depth image",
+          std::to_string(depth.cols) + "x" + std::to_string(depth.rows),
+          "that of the camera, " + std::to_string(camera.width) + "x" + std::to_string(camera.height));
+  const cv::Point2d down = corners[2] - corners[0];
+  const double area = std::abs(down.cross(corners[3] - corners[1])) / 2.0;
+  const int stride = std::max(cvCeil(std::sqrt(area / kMaxSamples)), 1);
+  const std::vector<Sample> all = samplesOf(depth, corners, stride, camera, params);
+  if (all.size() < kMinSamples) return std::nullopt;
+  const std::vector<Sample> inliers = inliersOf(all);
+  if (inliers.size() < std::max(kMinSamples, static_cast<std::size_t>(kMinShare * static_cast<double>(all.size()))))
+    return std::nullopt;
+  const std::optional<PlaneFit> fit = fitPlane(inliers, [](const Sample&) { return 1.0; });
+  if (!fit || scatterOf(*fit, inliers) > kMaxScatter) return std::nullopt;
+  return DepthPlane{fit->plane, wholeCovariance(*fit, inliers, stride, params), static_cast<int>(inliers.size())};
+}
+
+}  // namespace robot_vision
