@@ -31,7 +31,8 @@ void bindFunctions(py::module& m)
       "The mean (x, y) of a flow, (height, width, 2) float32, in its unit.\n\nRaises ValueError for what is none.");
   m.def(
       "median_flow", [](const FlowArray& flow) { return toPython(medianFlow(flowView(flow))); }, "flow"_a,
-      "The median of x and that of y of a flow, (height, width, 2) float32: how most of the image moves. As of the mean, "
+      "The median of x and that of y of a flow, (height, width, 2) float32: how most of the image moves. As of the "
+      "mean, "
       "each is NaN if it is for a pixel.\n\n"
       "Raises ValueError for what is none.");
   m.def(

@@ -21,7 +21,7 @@ void bindResults(py::module& m)
       .def_property_readonly("labels", attribute(&Segmentation::labels),
                              "(height, width) uint16: 1, 2, ... are segments; 0 is background, a line, or left out")
       .def_property_readonly("centers", attribute(&Segmentation::centers),
-                             "(n, 3) float32, BGR: of k_means, the color of each label; else empty")
+                             "(n, 3) float32, BGR: of k_means, the colour of each label; else empty")
       .def_readonly("hint", &Segmentation::hint, "what the method lacks, in words; empty: nothing");
 
   py::class_<SegmentSeed>(m, "SegmentSeed", "What somebody has pointed at, px of the whole image.")
@@ -33,7 +33,7 @@ void bindResults(py::module& m)
   py::class_<Segment>(m, "Segment", "A segment of a label image.")
       .def_readonly("label", &Segment::label)
       .def_readonly("region", &Segment::region,
-                    "outline and circle are of its largest piece; area, box and center of all pixels");
+                    "outline and circle are of its largest piece; area, box and centre of all pixels");
 }
 
 void bindSegmenter(py::module& m)

@@ -20,7 +20,7 @@ struct FlowDrawingParams
   {
     visit("draw", &FlowDrawingParams::draw, OneOf{"wheel or arrows"}, "", "how ~processed_image shows the flow");
     visit("max_speed", &FlowDrawingParams::max_speed, Range{0, 1000}, "px per frame",
-          "wheel: speed of the brightest color; 0: the largest in the frame, and 1 at least");
+          "wheel: speed of the brightest colour; 0: the largest in the frame, and 1 at least");
     visit("arrow_spacing", &FlowDrawingParams::arrow_spacing, Range{4, 500}, "px", "arrows: distance between them");
     visit("arrow_scale", &FlowDrawingParams::arrow_scale, Range{0.1, 100}, "",
           "arrows: length, in the distance that the pixel has moved");
@@ -29,7 +29,7 @@ struct FlowDrawingParams
 
 // The functions take a flow of CV_32FC2, in px, and throw std::invalid_argument if it is none.
 
-/// Writes the flow as colors (CV_8UC3, BGR) into `bgr`, which is reused if it fits: the hue is the angle (red to the
+/// Writes the flow as colours (CV_8UC3, BGR) into `bgr`, which is reused if it fits: the hue is the angle (red to the
 /// right, yellow-green down, cyan to the left, violet up), and the brightness is the speed in `max_speed`; more is as
 /// bright. With 0 the largest speed is the brightest, if it is 1 px or more: noise of an image at rest stays dark.
 void flowToColors(const cv::Mat& flow, double max_speed, cv::Mat& bgr);

@@ -58,11 +58,11 @@ struct SegmenterParams
     visit("border", &SegmenterParams::border, Range{0, 1000}, "px",
           "watershed, grab_cut with clicks only: so much along the edges of the image is background; 0: none");
     visit("iterations", &SegmenterParams::iterations, Range{1, 10}, "", "grab_cut: how often it is refined");
-    visit("clusters", &SegmenterParams::clusters, Range{1, 32}, "", "k_means: number of colors");
+    visit("clusters", &SegmenterParams::clusters, Range{1, 32}, "", "k_means: number of colours");
     visit("attempts", &SegmenterParams::attempts, Range{1, 10}, "",
-          "k_means: beginnings of which the best is taken, unless centers are kept");
+          "k_means: beginnings of which the best is taken, unless centres are kept");
     visit("keep_centers", &SegmenterParams::keep_centers, Anything{}, "",
-          "k_means: begin with the colors of the last frame, which keep their numbers");
+          "k_means: begin with the colours of the last frame, which keep their numbers");
     visit("random_seed", &SegmenterParams::random_seed, Range{0, 1e9}, "",
           "k_means, grab_cut: the same one gives the same result");
     visit("spatial_radius", &SegmenterParams::spatial_radius, Range{0, 50}, "px", "mean_shift: of the window");
@@ -70,13 +70,13 @@ struct SegmenterParams
     visit("levels", &SegmenterParams::levels, Range{0, 8}, "",
           "mean_shift: halvings of the image, in the smallest of which it begins");
     visit("color_tolerance", &SegmenterParams::color_tolerance, Range{0, 255}, "gray levels",
-          "mean_shift: neighbors of one segment differ by no more, in each channel");
+          "mean_shift: neighbours of one segment differ by no more, in each channel");
     visit("lower_difference", &SegmenterParams::lower_difference, Range{0, 255}, "gray levels",
           "flood_fill: by how much a pixel may be darker, in each channel");
     visit("upper_difference", &SegmenterParams::upper_difference, Range{0, 255}, "gray levels",
           "flood_fill: by how much a pixel may be brighter, in each channel");
     visit("fixed_range", &SegmenterParams::fixed_range, Anything{}, "",
-          "flood_fill: compare with the seed, not with the neighbor");
+          "flood_fill: compare with the seed, not with the neighbour");
     visit("objects", &SegmenterParams::objects, OneOf{"auto, bright or dark"}, "",
           "distance_transform, automatic: what objects are; auto goes by the edges of the image");
     visit("opening", &SegmenterParams::opening, OddRange{1, 31}, "px",
@@ -90,7 +90,7 @@ struct SegmenterParams
 struct Segmentation
 {
   cv::Mat labels;    // CV_16UC1: 1, 2, ... are segments; 0 is background, a line between segments, or left out
-  cv::Mat centers;   // CV_32FC1, (n, 3), BGR: of k_means, the color of each label; else empty
+  cv::Mat centers;   // CV_32FC1, (n, 3), BGR: of k_means, the colour of each label; else empty
   std::string hint;  // what the method lacks, for people; empty: nothing
 };
 
@@ -106,8 +106,8 @@ struct SegmentSeed
 /// - watershed: cv::watershed. Each seed is a marker, a region or a disc around a click.
 /// - grab_cut: cv::grabCut. The object is in the dragged regions, or if there are none inside of the border, and the
 ///   discs around clicks belong to it.
-/// - k_means: cv::kmeans of the colors. All pixels of one color are a segment.
-/// - mean_shift: cv::pyrMeanShiftFiltering; neighbors of about the same color are a segment.
+/// - k_means: cv::kmeans of the colours. All pixels of one colour are a segment.
+/// - mean_shift: cv::pyrMeanShiftFiltering; neighbours of about the same colour are a segment.
 /// - flood_fill: cv::floodFill from each seed, as far as no earlier one has come.
 /// - distance_transform: the image is thresholded by Otsu's method; the places that are farthest from the outlines
 ///   (cv::distanceTransform) are the markers of cv::watershed, which divides things that touch.
@@ -144,7 +144,7 @@ private:
   std::unique_ptr<Impl> impl_;
 };
 
-/// A segment of a label image. The outline and the circle are those of its largest piece; area, box and center are of
+/// A segment of a label image. The outline and the circle are those of its largest piece; area, box and centre are of
 /// all its pixels.
 struct Segment
 {
@@ -164,9 +164,9 @@ struct SegmentPaintParams
   template <class Visit>
   static void fields(Visit&& visit)
   {
-    visit("opacity", &SegmentPaintParams::opacity, Range{0, 1}, "", "of the colors over the image");
+    visit("opacity", &SegmentPaintParams::opacity, Range{0, 1}, "", "of the colours over the image");
     visit("paint", &SegmentPaintParams::paint, OneOf{"distinct or mean"}, "",
-          "colors that differ from each other, or the mean color of each segment");
+          "colours that differ from each other, or the mean colour of each segment");
     visit("outlines", &SegmentPaintParams::outlines, Anything{}, "", "white lines between segments");
   }
 };

@@ -14,7 +14,7 @@ namespace robot_vision
 namespace
 {
 
-constexpr double kMaxPatchSteps = 1e9;  // for an image, in color some 5 ns each, shared by all cores
+constexpr double kMaxPatchSteps = 1e9;  // for an image, in colour some 5 ns each, shared by all cores
 
 /// How often nl_means compares a patch with another for each pixel. It does so anew where a row begins, and from there
 /// on only with what is new in a patch.

@@ -11,7 +11,7 @@ namespace
 {
 
 constexpr double kMaxPosition = 1e5;  // px, that is drawn
-constexpr double kShade = 0.3;        // share of the color between the lines
+constexpr double kShade = 0.3;        // share of the colour between the lines
 const cv::Scalar kGreen(0, 255, 0), kOrange(0, 100, 255);
 
 std::vector<cv::Point> drawable(const std::vector<cv::Point2d>& curve)

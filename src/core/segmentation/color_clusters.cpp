@@ -13,9 +13,9 @@ namespace
 {
 
 constexpr int kMaxSteps = 20;       // of one attempt
-constexpr double kMinMotion = 0.1;  // gray levels of the centers in a step, below which an attempt has ended
+constexpr double kMinMotion = 0.1;  // gray levels of the centres in a step, below which an attempt has ended
 
-/// The nearest center of each color (CV_32SC1), from 0.
+/// The nearest centre of each colour (CV_32SC1), from 0.
 cv::Mat nearestCenters(const cv::Mat_<cv::Vec3f>& colors, const cv::Mat& centers)
 {
   cv::Mat_<int> nearest(colors.rows, 1);
@@ -34,7 +34,7 @@ cv::Mat nearestCenters(const cv::Mat_<cv::Vec3f>& colors, const cv::Mat& centers
   return std::move(nearest);
 }
 
-/// The clusters by the number of their colors, the largest first.
+/// The clusters by the number of their colours, the largest first.
 std::vector<int> bySize(const cv::Mat_<int>& clusters, int count)
 {
   std::vector<int> sizes(count), order(count);

@@ -17,7 +17,7 @@ const cv::Scalar kWhite(255, 255, 255), kBlack(0, 0, 0);
 constexpr int kClickRadius = 4;            // px, of the circle around a click
 constexpr double kGoldenRatio = 0.618034;  // of the circle of hues from one label to the next: they never come near
 constexpr double kFirstHue = 0.1;          // of the same circle: label 1 is green
-constexpr int kUnit = 256;                 // of the weights of two colors
+constexpr int kUnit = 256;                 // of the weights of two colours
 
 /// Sums over the pixels of a label.
 struct Sums
@@ -64,7 +64,7 @@ void checkLabels(const cv::Mat& labels)
   checkPixels(labels, "a label image", CV_16UC1);
 }
 
-/// A color of each label, BGR, as different as they can be.
+/// A colour of each label, BGR, as different as they can be.
 std::vector<cv::Vec3b> distinctColors(int count)
 {
   cv::Mat_<cv::Vec3b> colors(1, count);
@@ -78,10 +78,10 @@ std::vector<cv::Vec3b> distinctColors(int count)
   return {bgr.begin<cv::Vec3b>(), bgr.end<cv::Vec3b>()};
 }
 
-/// The mean color of each label.
+/// The mean colour of each label.
 std::vector<cv::Vec3b> meanColors(const cv::Mat& bgr, const cv::Mat_<std::uint16_t>& labels, int count)
 {
-  std::vector<cv::Vec4d> sums(count);  // of the colors, and the number of pixels
+  std::vector<cv::Vec4d> sums(count);  // of the colours, and the number of pixels
   auto color = bgr.begin<cv::Vec3b>();
   for (const std::uint16_t label : labels)
   {
@@ -158,7 +158,7 @@ void drawSeeds(cv::Mat& bgr, const std::vector<SegmentSeed>& seeds)
 {
   checkPixels(bgr, "bgr8");
   for (const SegmentSeed& seed : seeds)
-    for (const int thickness : {3, 1})  // an outline, visible on any color
+    for (const int thickness : {3, 1})  // an outline, visible on any colour
     {
       const cv::Scalar& color = thickness > 1 ? kBlack : kWhite;
       if (seed.region.empty())

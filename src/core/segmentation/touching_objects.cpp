@@ -50,7 +50,7 @@ std::vector<float> summits(const cv::Mat_<int>& components, int count, const cv:
   return summits;
 }
 
-/// The label of a neighbor above `none`, of those at a side first; `none` if there is none.
+/// The label of a neighbour above `none`, of those at a side first; `none` if there is none.
 int neighborAbove(const cv::Mat_<int>& labels, int x, int y, int none)
 {
   const cv::Point around[] = {{0, -1}, {-1, 0}, {1, 0}, {0, 1}, {-1, -1}, {1, -1}, {-1, 1}, {1, 1}};
