@@ -10,6 +10,7 @@
 #include "arrays.hpp"
 #include "params.hpp"
 #include "registry.hpp"
+#include "robot_vision/scene/depth_noise.hpp"
 #include "robot_vision/scene/floor_scene.hpp"
 
 using namespace robot_vision;
@@ -38,13 +39,32 @@ void bindScenes(py::module& m)
       .def(py::init([](const SceneParams& params, const std::optional<py::array>& poster)
                     { return std::make_unique<Scene>(params, poster ? ImageArray(*poster).view : cv::Mat()); }),
            "params"_a = SceneParams(), "poster"_a = py::none(), "poster: (height, width, 3) BGR image for the wall.")
-      .def_property_readonly("camera", &Scene::camera)
+      .def_property_readonly(
+          "camera", [](const Scene& scene) -> const CameraModel& { return scene.camera(); }, "the color camera")
+      .def(
+          "view_camera",
+          [](const Scene& scene, const std::string& view) -> const CameraModel&
+          { return scene.camera(sceneView(view)); },
+          "view"_a, py::return_value_policy::reference_internal,
+          "The camera of a view: color, right (of the stereo pair, whose left one is the color camera) or depth.\n\n"
+          "Raises ValueError for any other one.")
+      .def(
+          "view_pose",
+          [](const Scene& scene, const std::string& view) { return toPython(scene.viewPose(sceneView(view))); },
+          "view"_a, "4x4 pose of a view's optical frame in that of the color camera, m.")
       .def("truth", &Scene::truth, "frame"_a)
       .def(
           "render",
-          [](const Scene& scene, std::int64_t frame)
-          { return imageFrom([&](cv::Mat& bgr) { scene.render(frame, bgr); }); },
-          "frame"_a, "The image of a frame: (height, width, 3) uint8, BGR.");
+          [](const Scene& scene, std::int64_t frame, const std::string& view)
+          { return imageFrom([&](cv::Mat& bgr) { scene.render(frame, bgr, sceneView(view)); }); },
+          "frame"_a, "view"_a = "color", "The image of a frame: (height, width, 3) uint8, BGR. view: color or right.")
+      .def(
+          "render_depth",
+          [](const Scene& scene, std::int64_t frame, const std::string& view)
+          { return imageFrom([&](cv::Mat& depth) { scene.renderDepth(frame, depth, sceneView(view)); }); },
+          "frame"_a, "view"_a = "depth",
+          "The exact depth in a frame: (height, width) float32, z in m of what the ray of each pixel meets first, NaN "
+          "where it meets nothing.");
 
   py::class_<CalibrationScene, Scene>(m, "CalibrationScene",
                                       "A checkerboard shown to the Scene's camera, each half second in another pose.")
@@ -79,10 +99,39 @@ void bindFloor(py::module& m)
            "horizon.");
 }
 
+py::array applyNoise(const DepthNoise& noise, std::int64_t frame, const py::array& exact,
+                     const std::optional<py::array>& brightness)
+{
+  if (exact.dtype().kind() != 'f')
+    throw py::type_error("expected depth as an array of float32, got " + std::string(py::str(exact.dtype())));
+  if (exact.ndim() != 2) throw py::value_error("expected a (height, width) array of depth");
+  const py::array_t<float, py::array::c_style | py::array::forcecast> values(exact);
+  const cv::Mat depth(static_cast<int>(values.shape(0)), static_cast<int>(values.shape(1)), CV_32FC1,
+                      const_cast<float*>(values.data()));
+  const std::optional<ImageArray> light = brightness ? std::optional<ImageArray>(*brightness) : std::nullopt;
+  return imageFrom([&](cv::Mat& noisy) { noise.apply(frame, depth, light ? light->view : cv::Mat(), noisy); });
+}
+
+void bindDepthNoise(py::module& m)
+{
+  py::class_<DepthNoise>(m, "DepthNoise", "Makes of exact depth what a sensor would measure.")
+      .def(py::init([](const std::string& sensor, const CameraModel& camera, std::uint64_t seed)
+                    { return std::make_unique<DepthNoise>(depthSensor(sensor), camera, seed); }),
+           "sensor"_a, "camera"_a, "seed"_a = 1,
+           "sensor: none, kinect, stereo or tof; camera: that of the depth.\n\n"
+           "Raises ValueError for any other sensor.")
+      .def("apply", &applyNoise, "frame"_a, "exact"_a, "brightness"_a = py::none(),
+           "(height, width) float32, z in m, NaN where the sensor has nothing. exact: the same without noise; "
+           "brightness: (height, width) uint8, what the same pixels reflect, or None for 128 everywhere. The noise of "
+           "a frame depends on the seed and its number only.\n\n"
+           "Raises ValueError for an image that is not of the camera's size.");
+}
+
 void bindScene(py::module& m)
 {
   bindScenes(m);
   bindFloor(m);
+  bindDepthNoise(m);
 }
 
 const Bindings kBindings("scene", {"geometry"}, bindScene);

@@ -12,55 +12,9 @@
 
 #include "support/images.hpp"
 #include "support/refusal.hpp"
+#include "support/scenes.hpp"
 
 using namespace robot_vision;
-
-namespace
-{
-
-SceneParams withoutNoise(int width = 640, int height = 480)
-{
-  return {width, height, 30.0, 1, 0.0};
-}
-
-// A scene without noise. Scenes are slow to build, and they are const, so the tests share this one.
-const Scene& sharedScene()
-{
-  static const Scene scene(withoutNoise());
-  return scene;
-}
-
-cv::Mat rendered(const Scene& scene, std::int64_t frame)
-{
-  cv::Mat image;
-  scene.render(frame, image);
-  return image;
-}
-
-cv::Mat renderedGray(const Scene& scene, std::int64_t frame)
-{
-  return converted(rendered(scene, frame), cv::COLOR_BGR2GRAY);
-}
-
-SceneObject find(const SceneTruth& truth, const std::string& name)
-{
-  for (const SceneObject& object : truth.objects)
-  {
-    if (object.name == name) return object;
-  }
-  throw std::runtime_error("no " + name);
-}
-
-// The gray level between pixel centres, by linear interpolation.
-double grayAt(const cv::Mat& gray, const cv::Point2d& p)
-{
-  const int x = static_cast<int>(std::floor(p.x)), y = static_cast<int>(std::floor(p.y));
-  const double fx = p.x - x, fy = p.y - y;
-  return (gray.at<uchar>(y, x) * (1 - fx) + gray.at<uchar>(y, x + 1) * fx) * (1 - fy) +
-         (gray.at<uchar>(y + 1, x) * (1 - fx) + gray.at<uchar>(y + 1, x + 1) * fx) * fy;
-}
-
-}  // namespace
 
 TEST(SceneParams, acceptsItsLimits)
 {

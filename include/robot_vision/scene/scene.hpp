@@ -19,12 +19,14 @@ constexpr double kSceneQrSide = 0.504;        // 21 modules, without the quiet z
 constexpr double kSceneCheckerSquare = 0.05;  // one square of the checkerboard (8 x 6 inner corners)
 constexpr double kSceneBallRadius = 0.1;
 constexpr double kSceneLineWidth = 0.06;
-constexpr double kSceneRoadRadius = 2.0;     // of the curves of the RoadScene, in the middle of the lane
-constexpr double kSceneLaneWidth = 0.4;      // between the middles of its lines
-constexpr double kSceneRoadLine = 0.02;      // width of a line
-constexpr double kSceneCameraHeight = 0.25;  // of the robot's camera above the road
-constexpr double kSceneCameraPitch = 0.6;    // rad, by which it looks down
-constexpr double kScenePeriod = 20.0;        // s after which every motion repeats
+constexpr double kSceneRoadRadius = 2.0;       // of the curves of the RoadScene, in the middle of the lane
+constexpr double kSceneLaneWidth = 0.4;        // between the middles of its lines
+constexpr double kSceneRoadLine = 0.02;        // width of a line
+constexpr double kSceneCameraHeight = 0.25;    // of the robot's camera above the road
+constexpr double kSceneCameraPitch = 0.6;      // rad, by which it looks down
+constexpr double kSceneStereoBaseline = 0.1;   // from the color camera to the right camera of the stereo pair
+constexpr double kSceneDepthBaseline = 0.025;  // from the depth camera to the color camera, as in a Kinect
+constexpr double kScenePeriod = 20.0;          // s after which every motion repeats
 
 struct SceneParams
 {
@@ -83,9 +85,26 @@ struct SceneTruth
   std::vector<SceneObject> objects;
 };
 
-/// A room drawn from exact geometry and seen by a moving camera. An image and its ground truth depend on the
-/// parameters, the poster and the frame number only. All methods are const and use no scratch memory, so threads may
-/// share one scene.
+/// The cameras that see the scene. They are fixed to each other and look in the same direction.
+///
+/// - The color camera is also the left one of the stereo pair.
+/// - The right camera of the stereo pair is of the same model, and kSceneStereoBaseline to the right of it.
+/// - The depth camera is kSceneDepthBaseline to the left of the color camera, has a lens of its own, and sees a little
+///   more than a color image of 4:3. Its images always are 4:3, as wide as the color images and at most 640x480: so are
+///   those of a Kinect, whatever size its color images have.
+enum class SceneView
+{
+  kColor,
+  kRight,
+  kDepth,
+};
+
+/// The view of a name: color, right or depth. Throws std::invalid_argument for any other name.
+SceneView sceneView(const std::string& name);
+
+/// A room drawn from exact geometry and seen by moving cameras. An image and its ground truth depend on the parameters,
+/// the poster and the frame number only. All methods are const and use no scratch memory, so threads may share one
+/// scene.
 class Scene
 {
 public:
@@ -95,14 +114,23 @@ public:
   explicit Scene(const SceneParams& params, const cv::Mat& poster_bgr = cv::Mat());
   ~Scene();
 
-  const CameraModel& camera() const;
+  const CameraModel& camera(SceneView view = SceneView::kColor) const;
 
-  /// Poses and pixel positions of all objects in a frame, always in the same order.
+  /// The pose of a view's optical frame in the color camera's optical frame, m.
+  cv::Affine3d viewPose(SceneView view) const;
+
+  /// Poses and pixel positions of all objects in a frame of the color camera, always in the same order.
   SceneTruth truth(std::int64_t frame) const;
 
-  /// Draws a frame as CV_8UC3 BGR. An image of the right size and type is written in place, also when its rows are
-  /// padded or its memory belongs to somebody else.
-  void render(std::int64_t frame, cv::Mat& bgr) const;
+  /// Draws a frame of the color camera or the right one as CV_8UC3 BGR. An image of the right size and type is written
+  /// in place, also when its rows are padded or its memory belongs to somebody else. Throws std::invalid_argument for
+  /// the depth camera, which sees no colors.
+  void render(std::int64_t frame, cv::Mat& bgr, SceneView view = SceneView::kColor) const;
+
+  /// The exact depth in a frame as CV_32FC1: z (m) in the view's optical frame of what the ray through the middle of
+  /// each pixel meets first, NaN where it meets nothing. It is without noise, which a DepthNoise adds. The image is
+  /// written in place as by render().
+  void renderDepth(std::int64_t frame, cv::Mat& depth, SceneView view = SceneView::kDepth) const;
 
 protected:
   struct Content;

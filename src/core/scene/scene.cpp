@@ -3,11 +3,9 @@
 #include <stdexcept>
 #include <utility>
 
-#include "calibration_poses.hpp"
-#include "road_model.hpp"
 #include "robot_vision/common/range.hpp"
 #include "robot_vision/common/shared_instance.hpp"
-#include "scene_noise.hpp"
+#include "scene_content.hpp"
 #include "scene_renderer.hpp"
 #include "scene_truth.hpp"
 
@@ -22,12 +20,15 @@ void validate(const SceneParams& params)
   require(params.height <= narrowest * params.width, "height", params.height, "at most 3 times the width");
 }
 
+SceneView sceneView(const std::string& name)
+{
+  checkField("view", name, OneOf{"color, right or depth", "'"});
+  if (name == "color") return SceneView::kColor;
+  return name == "right" ? SceneView::kRight : SceneView::kDepth;
+}
+
 namespace
 {
-
-const double kPoseTime = 0.5;                 // s, how long each pose of the checkerboard is shown
-const cv::Scalar kBackground(128, 140, 146);  // gray, far from the checkerboard's black and white
-const cv::Size2d kInnerCorners(7.0 * kSceneCheckerSquare, 5.0 * kSceneCheckerSquare);
 
 /// The renderer of a poster. Scenes without a poster share one, because building it takes a while.
 std::shared_ptr<const scene::SceneRenderer> rendererFor(const cv::Mat& poster)
@@ -39,27 +40,13 @@ std::shared_ptr<const scene::SceneRenderer> rendererFor(const cv::Mat& poster)
 
 }  // namespace
 
-/// What a scene shows, and the camera that sees it.
-struct Scene::Content
+Scene::Content::Content(const SceneParams& params)
+  : rate((validate(params), params.rate)),
+    cameras(params.width, params.height),
+    noise(params.noise, params.seed, 3 * params.width),
+    right_noise(params.noise, ~params.seed, 3 * params.width)
 {
-  explicit Content(const SceneParams& params)
-    : rate((validate(params), params.rate)),
-      lens(scene::sceneCamera(params.width, params.height)),
-      noise(params.noise, params.seed, 3 * params.width)
-  {
-  }
-  virtual ~Content() = default;
-
-  /// The truth at a time of the motion (s), without the number of the frame.
-  virtual SceneTruth truth(double seconds) const = 0;
-
-  /// Draws an image of the camera's size, without the noise.
-  virtual void paint(double seconds, cv::Mat& bgr) const = 0;
-
-  double rate;
-  scene::Lens lens;
-  scene::PixelNoise noise;
-};
+}
 
 struct Scene::Room : Content
 {
@@ -72,76 +59,16 @@ struct Scene::Room : Content
 
   SceneTruth truth(double seconds) const override
   {
-    return scene::truthAt(seconds, cameraAt(seconds), renderer->posterAspect(), lens);
+    return scene::truthAt(seconds, cameraAt(seconds), renderer->posterAspect(), cameras.color());
   }
 
-  void paint(double seconds, cv::Mat& bgr) const override { renderer->paint(seconds, cameraAt(seconds), lens, bgr); }
+  void draw(double seconds, const cv::Vec3d& offset, scene::Canvas& canvas) const override
+  {
+    renderer->draw(seconds, cameraAt(seconds).inv().translate(-offset), canvas);
+  }
 
   bool still;
   std::shared_ptr<const scene::SceneRenderer> renderer;
-};
-
-struct CalibrationScene::ShownBoard : Content
-{
-  using Content::Content;
-
-  cv::Affine3d poseAt(double seconds) const
-  {
-    return scene::shownBoard(static_cast<int>(seconds / kPoseTime), size, lens.camera);
-  }
-
-  SceneTruth truth(double seconds) const override
-  {
-    SceneObject board;
-    board.name = "checkerboard";
-    board.pose = poseAt(seconds);
-    board.outline = scene::project(scene::corners(board.pose, kInnerCorners), lens.camera, 1);
-    board.center = lens.camera.project(cv::Point3d(board.pose.translation()));
-    board.visible = true;
-    return {0, scene::cameraPose(0.0), {board}};
-  }
-
-  void paint(double seconds, cv::Mat& bgr) const override
-  {
-    bgr.setTo(kBackground);
-    scene::paintBoard(texture, poseAt(seconds), size, lens, bgr);
-  }
-
-  cv::Size2d size = scene::checkerBoard().size;
-  scene::Texture texture = scene::cellTexture(scene::checkerCells());
-};
-
-struct RoadScene::Drive : Content
-{
-  explicit Drive(const SceneParams& params) : Content(params), still(params.still) {}
-
-  scene::RoadPlace placeAt(double seconds) const { return scene::roadPlace(still ? 0.0 : seconds); }
-
-  SceneTruth truth(double seconds) const override
-  {
-    const scene::RoadPlace place = placeAt(seconds);
-    const cv::Affine3d camera = scene::mountedCamera(place.robot), world_in_camera = camera.inv();
-    scene::Polygon3 ahead = scene::laneAhead(place.along);
-    for (cv::Point3d& point : ahead)
-      point = world_in_camera * point;
-    SceneObject lane;
-    lane.name = "lane";
-    lane.pose = world_in_camera * place.lane;
-    lane.outline = scene::clipToImage(scene::project(scene::clipToView(ahead, lens), lens.camera, 1), lens.camera);
-    lane.center = lens.camera.project(cv::Point3d(lane.pose.translation()));
-    return {0, camera, {lane}};
-  }
-
-  void paint(double seconds, cv::Mat& bgr) const override
-  {
-    bgr.setTo(scene::kGrass);
-    const cv::Affine3d world_in_camera = scene::mountedCamera(placeAt(seconds).robot).inv();
-    scene::paintBoard(texture, world_in_camera * board.pose, board.size, lens, bgr);
-  }
-
-  bool still;
-  scene::Board board = scene::onFloor(0.0, 0.0, scene::roadSize());
-  scene::Texture texture = scene::imageTexture(scene::roadImage());
 };
 
 Scene::Scene(std::unique_ptr<const Content> content) : content_(std::move(content))
@@ -153,19 +80,16 @@ Scene::Scene(const SceneParams& params, const cv::Mat& poster_bgr)
 {
 }
 
-CalibrationScene::CalibrationScene(const SceneParams& params) : Scene(std::make_unique<const ShownBoard>(params))
-{
-}
-
-RoadScene::RoadScene(const SceneParams& params) : Scene(std::make_unique<const Drive>(params))
-{
-}
-
 Scene::~Scene() = default;
 
-const CameraModel& Scene::camera() const
+const CameraModel& Scene::camera(SceneView view) const
 {
-  return content_->lens.camera;
+  return content_->cameras.model(view);
+}
+
+cv::Affine3d Scene::viewPose(SceneView view) const
+{
+  return cv::Affine3d(cv::Matx33d::eye(), scene::viewOffset(view));
 }
 
 SceneTruth Scene::truth(std::int64_t frame) const
@@ -175,11 +99,23 @@ SceneTruth Scene::truth(std::int64_t frame) const
   return truth;
 }
 
-void Scene::render(std::int64_t frame, cv::Mat& bgr) const
+void Scene::render(std::int64_t frame, cv::Mat& bgr, SceneView view) const
 {
-  bgr.create(camera().height, camera().width, CV_8UC3);
-  content_->paint(scene::sceneTime(frame, content_->rate), bgr);
-  content_->noise.add(frame, bgr);
+  require(view != SceneView::kDepth, "view", "'depth'", "color or right for an image in color");
+  const scene::Lens& lens = content_->cameras.lens(view);
+  bgr.create(lens.camera.height, lens.camera.width, CV_8UC3);
+  scene::ColorCanvas canvas(lens, bgr);
+  content_->draw(scene::sceneTime(frame, content_->rate), scene::viewOffset(view), canvas);
+  (view == SceneView::kRight ? content_->right_noise : content_->noise).add(frame, bgr);
+}
+
+void Scene::renderDepth(std::int64_t frame, cv::Mat& depth, SceneView view) const
+{
+  const scene::Lens& lens = content_->cameras.lens(view);
+  depth.create(lens.camera.height, lens.camera.width, CV_32FC1);
+  scene::DepthCanvas canvas(lens, depth);
+  content_->draw(scene::sceneTime(frame, content_->rate), scene::viewOffset(view), canvas);
+  canvas.finish();
 }
 
 }  // namespace robot_vision

@@ -19,14 +19,9 @@ PixelNoise::PixelNoise(double sigma, std::uint64_t seed, int row_length) : seed_
 {
   if (sigma <= 0.0) return;
   tile_.resize(kStartCount + static_cast<std::size_t>(row_length));
-  // This is Box and Muller's method, because std::normal_distribution differs between standard libraries.
-  std::uint64_t state = seed_;
+  NormalNumbers normal(seed_);
   for (std::int8_t& value : tile_)
-  {
-    const double u = 1.0 - unitInterval(state = mix(state)), v = unitInterval(state = mix(state));
-    const double normal = std::sqrt(-2.0 * std::log(u)) * std::cos(2.0 * CV_PI * v);
-    value = static_cast<std::int8_t>(std::clamp(std::lround(sigma * normal), -127L, 127L));
-  }
+    value = static_cast<std::int8_t>(std::clamp(std::lround(sigma * normal.next()), -127L, 127L));
 }
 
 void PixelNoise::add(std::int64_t frame, cv::Mat& image) const

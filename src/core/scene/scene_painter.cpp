@@ -138,12 +138,17 @@ RowSpans rowSpans(const Polygon2& polygon, const CameraModel& camera)
   return result;
 }
 
+RowSpans boardSpans(const cv::Affine3d& pose, const cv::Size2d& size, const Lens& lens)
+{
+  const int pieces = 12;  // of each edge, which the lens bends
+  return rowSpans(project(clipToView(corners(pose, size), lens), lens.camera, pieces), lens.camera);
+}
+
 void paintBoard(const Texture& texture, const cv::Affine3d& pose, const cv::Size2d& size, const Lens& lens,
                 cv::Mat& bgr)
 {
   if (!facesCamera(pose)) return;
-  const Polygon3 seen = clipToView(corners(pose, size), lens);
-  const RowSpans rows = rowSpans(project(seen, lens.camera, 12), lens.camera);
+  const RowSpans rows = boardSpans(pose, size, lens);
   // Maps metres from the middle with y up to the unit square with y down.
   const cv::Matx33d to_unit(1.0 / size.width, 0, 0.5, 0, -1.0 / size.height, 0.5, 0, 0, 1);
   const cv::Matx33f plane = to_unit * rayToPlane(pose);

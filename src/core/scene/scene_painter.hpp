@@ -32,6 +32,9 @@ struct RowSpans
 /// The spans of a polygon, two pixels wider on every side.
 RowSpans rowSpans(const Polygon2& polygon, const CameraModel& camera);
 
+/// The spans of a rectangle of `size` (m); `pose` is in the optical frame.
+RowSpans boardSpans(const cv::Affine3d& pose, const cv::Size2d& size, const Lens& lens);
+
 /// The homography from a ray (x, y, 1) to the point (a, b) where it meets the plane z = 0 of `pose`: the product of the
 /// matrix with the ray is proportional to (a, b, 1). Its third element is positive if the point is in front of the
 /// camera and seen from +z.

@@ -61,22 +61,20 @@ SceneRenderer::SceneRenderer(const cv::Mat& poster_bgr)
   crate_ = {imageTexture(crateImage(0.94)), imageTexture(crateImage(0.78)), imageTexture(crateImage(1.08))};
 }
 
-void SceneRenderer::paint(double seconds, const cv::Affine3d& camera, const Lens& lens, cv::Mat& bgr) const
+void SceneRenderer::draw(double seconds, const cv::Affine3d& world, Canvas& canvas) const
 {
   const cv::Vec3d to_light(-0.45, 0.45, 0.77);  // in the world
-  const cv::Affine3d world_in_camera = camera.inv();
-  bgr.setTo(cv::Scalar(140, 165, 178));  // shows a little where two anti-aliased edges meet
-  paintBoard(floor_.texture, world_in_camera * floor_.board.pose, floor_.board.size, lens, bgr);
-  paintLine(world_in_camera, lens, bgr);
-  paintShadows(seconds, world_in_camera, lens, bgr);
+  canvas.background({140, 165, 178});           // shows a little where two anti-aliased edges meet
+  canvas.board(floor_.texture, world * floor_.board.pose, floor_.board.size);
+  canvas.line(world);
+  drawShadows(seconds, world, canvas);
   for (const Item& item : boards_)
-    paintBoard(item.texture, world_in_camera * item.board.pose, item.board.size, lens, bgr);
-  paintBox(seconds, world_in_camera, lens, bgr);
-  paintBall(world_in_camera * ballCenter(seconds), kSceneBallRadius, world_in_camera.rotation() * to_light, lens, bgr);
+    canvas.board(item.texture, world * item.board.pose, item.board.size);
+  drawBox(seconds, world, canvas);
+  canvas.ball(world * ballCenter(seconds), kSceneBallRadius, world.rotation() * to_light);
 }
 
-void SceneRenderer::paintShadows(double seconds, const cv::Affine3d& world_in_camera, const Lens& lens,
-                                 cv::Mat& bgr) const
+void SceneRenderer::drawShadows(double seconds, const cv::Affine3d& world, Canvas& canvas) const
 {
   const double box_width = 2.0 * kBoxSize[0], spread = 1.2;
   const cv::Vec3d box = boxPose(seconds).translation();
@@ -84,15 +82,15 @@ void SceneRenderer::paintShadows(double seconds, const cv::Affine3d& world_in_ca
   const double ball_width = 2.0 * kSceneBallRadius + spread * 0.4 * ball.z;  // wider when the ball is higher
   for (const Board& shadow :
        {onFloor(box[0], box[1], {box_width, box_width}), onFloor(ball.x, ball.y, {ball_width, ball_width})})
-    paintBoard(shadow_, world_in_camera * shadow.pose, shadow.size, lens, bgr);
+    canvas.shadow(shadow_, world * shadow.pose, shadow.size);
 }
 
-void SceneRenderer::paintBox(double seconds, const cv::Affine3d& world_in_camera, const Lens& lens, cv::Mat& bgr) const
+void SceneRenderer::drawBox(double seconds, const cv::Affine3d& world, Canvas& canvas) const
 {
   const double x = kBoxSize[0] / 2.0, y = kBoxSize[1] / 2.0, z = kBoxSize[2] / 2.0;
-  const cv::Affine3d box = world_in_camera * boxPose(seconds);
+  const cv::Affine3d box = world * boxPose(seconds);
   const auto face = [&](const Texture& texture, const cv::Vec3d& turn, const cv::Vec3d& middle, double w, double h) {
-    paintBoard(texture, box * cv::Affine3d(turn, middle), {w, h}, lens, bgr);
+    canvas.board(texture, box * cv::Affine3d(turn, middle), {w, h});
   };
   const double quarter = CV_PI / 2.0;
   face(crate_[0], {0, 0, 0}, {0, 0, z}, 2 * x, 2 * y);

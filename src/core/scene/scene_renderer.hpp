@@ -2,8 +2,8 @@
 
 #include <array>
 
+#include "scene_canvas.hpp"
 #include "scene_model.hpp"
-#include "scene_painter.hpp"
 #include "scene_textures.hpp"
 
 namespace robot_vision::scene
@@ -18,8 +18,9 @@ public:
   /// Width of the poster over its height.
   double posterAspect() const { return poster_aspect_; }
 
-  /// Draws the room at a time of the motion (s) as a camera with this pose in the world sees it. Writes every pixel.
-  void paint(double seconds, const cv::Affine3d& camera, const Lens& lens, cv::Mat& bgr) const;
+  /// Draws the room at a time of the motion (s) on a canvas of a camera in which the world has this pose. Writes every
+  /// pixel.
+  void draw(double seconds, const cv::Affine3d& world, Canvas& canvas) const;
 
 private:
   struct Item
@@ -28,8 +29,8 @@ private:
     Board board;
   };
 
-  void paintBox(double seconds, const cv::Affine3d& world_in_camera, const Lens& lens, cv::Mat& bgr) const;
-  void paintShadows(double seconds, const cv::Affine3d& world_in_camera, const Lens& lens, cv::Mat& bgr) const;
+  void drawBox(double seconds, const cv::Affine3d& world, Canvas& canvas) const;
+  void drawShadows(double seconds, const cv::Affine3d& world, Canvas& canvas) const;
 
   double poster_aspect_;
   Item floor_;
