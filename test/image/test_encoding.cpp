@@ -162,6 +162,26 @@ TEST(Encodings, tellTheSizeOfAnImage)
   EXPECT_NE(refusal([] { imageSize(cv::Mat(6, 6, CV_8UC3), "mono8"); }), "");
 }
 
+TEST(Encodings, ofDepthsHaveATypeAndASizeButNoColors)
+{
+  for (const std::string encoding : {"16UC1", "32FC1"})
+  {
+    const int type = encoding == "16UC1" ? CV_16UC1 : CV_32FC1;
+    EXPECT_TRUE(isDepthEncoding(encoding));
+    EXPECT_FALSE(isEncoding(encoding) || isMessageEncoding(encoding)) << encoding;
+    EXPECT_EQ(matType(encoding), type);
+    const cv::Mat depths(6, 8, type, cv::Scalar(1));
+    EXPECT_EQ(imageSize(depths, encoding), cv::Size(8, 6));
+    EXPECT_EQ(converted(depths, encoding, encoding).data, depths.data);
+    for (const char* wanted : {"bgr8", "rgb8", "mono8", "mono16"})
+      EXPECT_NE(refusal([&] { converted(depths, encoding, wanted); }), "") << encoding << " as " << wanted;
+    EXPECT_NE(refusal([&] { checkPixels(depths, encoding); }), "") << encoding;  // nodes take no depths for images
+    EXPECT_NE(refusal([&] { imageSize(cv::Mat(6, 8, CV_8UC1), encoding); }), "") << encoding;
+    EXPECT_NE(refusal([&] { converted(cv::Mat(), encoding, encoding); }), "") << encoding;
+  }
+  EXPECT_FALSE(isDepthEncoding("mono16"));
+}
+
 TEST(Pixels, areRefusedIfTheyAreNotOfTheEncoding)
 {
   for (const std::string& encoding : encodings())

@@ -6,16 +6,10 @@
 #include <vector>
 
 #include "robot_vision/filters/operations.hpp"
+#include "robot_vision/image/encoding.hpp"
 
 namespace robot_vision
 {
-
-/// An image and its encoding (see encoding.hpp).
-struct EncodedImage
-{
-  cv::Mat pixels;
-  std::string encoding;
-};
 
 /// Operations on an image, one after the other. Buffers are kept from image to image. Not thread-safe.
 class FilterChain

@@ -7,6 +7,13 @@
 namespace robot_vision
 {
 
+/// An image and its encoding.
+struct EncodedImage
+{
+  cv::Mat pixels;
+  std::string encoding;
+};
+
 /// Names of the pixel layouts that every function below accepts. bgr8, rgb8, bgra8, rgba8, mono8, mono16, bayer_*8,
 /// bayer_*16, yuv422 (UYVY) and yuv422_yuy2 (YUYV) are those of sensor_msgs/image_encodings.h. The others come only
 /// from cameras: mono10 (10 bits in the low end of 16), nv12, nv21 and yu12 (the luma with the chroma below it, in one
@@ -18,6 +25,11 @@ bool isEncoding(const std::string& encoding);
 
 /// Whether the name is one of encodings() that a sensor_msgs/Image can have.
 bool isMessageEncoding(const std::string& encoding);
+
+/// Whether the encoding is one of depths: 16UC1 in mm, where 0 is none, or 32FC1 in m, where NaN is none (REP 118).
+/// Depths are not among encodings(), as they have neither colors nor a gray. Of all below only matType(), imageSize(),
+/// and toEncoding() to the encoding that they have take them.
+bool isDepthEncoding(const std::string& encoding);
 
 /// The cv::Mat type that holds an image of this encoding, for instance CV_8UC3 for bgr8.
 /// Throws std::invalid_argument naming the encoding if it is unknown.

@@ -56,6 +56,22 @@ constexpr std::array<Layout, 21> kLayouts = {{
 // Encodings that sensor_msgs has no names for.
 constexpr std::array<const char*, 5> kCameraEncodings = {"mono10", "nv12", "nv21", "yu12", "jpeg"};
 
+struct DepthLayout
+{
+  const char* name;
+  int type;
+};
+
+constexpr std::array<DepthLayout, 2> kDepthLayouts = {{{"16UC1", CV_16UC1}, {"32FC1", CV_32FC1}}};
+
+/// The layout of an encoding of depths, or null if it is none.
+const DepthLayout* findDepthLayout(const std::string& encoding)
+{
+  const auto* found = std::find_if(kDepthLayouts.begin(), kDepthLayouts.end(),
+                                   [&](const DepthLayout& l) { return encoding == l.name; });
+  return found == kDepthLayouts.end() ? nullptr : found;
+}
+
 /// The layout of an encoding, or null if it is unknown.
 const Layout* findLayout(const std::string& encoding)
 {
@@ -169,9 +185,15 @@ bool isMessageEncoding(const std::string& encoding)
          std::find(kCameraEncodings.begin(), kCameraEncodings.end(), encoding) == kCameraEncodings.end();
 }
 
+bool isDepthEncoding(const std::string& encoding)
+{
+  return findDepthLayout(encoding) != nullptr;
+}
+
 int matType(const std::string& encoding)
 {
-  return layoutOf(encoding).type;
+  const DepthLayout* depth = findDepthLayout(encoding);
+  return depth != nullptr ? depth->type : layoutOf(encoding).type;
 }
 
 std::string describePixels(int type)
@@ -195,6 +217,11 @@ void checkPixels(const cv::Mat& image, const std::string& encoding, int type)
 
 cv::Size imageSize(const cv::Mat& image, const std::string& encoding)
 {
+  if (const DepthLayout* depth = findDepthLayout(encoding))
+  {
+    checkPixels(image, encoding, depth->type);
+    return image.size();
+  }
   const Layout& layout = checkedLayout(image, encoding);
   if (encoding == "jpeg") return readJpegInfo(jpegBytes(image), image.total()).size;
   return isPlanar(layout) ? lumaPlane(image).size() : image.size();
@@ -234,7 +261,10 @@ void toEncoding(const cv::Mat& image, const std::string& encoding, const std::st
 {
   if (wanted == encoding)
   {
-    checkPixels(image, encoding);
+    if (const DepthLayout* depth = findDepthLayout(encoding))
+      checkPixels(image, encoding, depth->type);
+    else
+      checkPixels(image, encoding);
     out = image;
   }
   else if (wanted == "bgr8" || wanted == "rgb8")

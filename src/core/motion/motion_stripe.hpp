@@ -9,16 +9,10 @@
 #include "core/image/bit_kernels.hpp"
 #include "core/image/gaussian_filter_rows.hpp"
 #include "core/image/gray_line_buffer.hpp"
+#include "robot_vision/image/encoding.hpp"
 
 namespace robot_vision
 {
-
-/// An image and its encoding.
-struct EncodedImage
-{
-  cv::Mat pixels;
-  std::string encoding;
-};
 
 /// What images are compared with.
 struct Reference
