@@ -41,9 +41,12 @@ CaptureParams loadCaptureParams(const ros::NodeHandle& pnh)
   return params;
 }
 
-CameraOutputs::Params loadOutputParams(const ros::NodeHandle& pnh)
+CameraOutputs::Params loadOutputParams(const ros::NodeHandle& pnh, const CaptureParams& capture)
 {
   CameraOutputs::Params params;
+  params.views = capture.views;
+  const bool has_pixel_format = capture.kind == SourceKind::kDevice || capture.kind == SourceKind::kImages;
+  params.depths = has_pixel_format && capture.pixel_format == "z16";
   readParam(pnh, "camera_frame_id", params.frame_id);
   readParam(pnh, "camera_name", params.camera_name);
   readParam(pnh, "camera_info_url", params.camera_info_url);
@@ -90,7 +93,8 @@ private:
     const std::vector<ControlSetting> controls = readControlSettings(pnh);
     if (capture.kind == SourceKind::kDevice)
       controls_ = std::make_unique<ControlServer>(pnh, ControlDevice(capture), controls);
-    outputs_ = std::make_unique<CameraOutputs>(pnh, loadOutputParams(pnh), [this] { updateDemand(); });
+    const CameraOutputs::Params published = loadOutputParams(pnh, capture);
+    outputs_ = std::make_unique<CameraOutputs>(pnh, published, [this] { updateDemand(); });
     reviewParams(pnh);
     CaptureListener& listener = *this;
     auto loop = std::make_unique<CaptureLoop>(capture, listener, [this](const CaptureParams& of) { return open(of); });
@@ -158,12 +162,13 @@ private:
 
   void onOpened(const FrameSource& source) override
   {
-    outputs_->setModel(source.cameraModel());
+    outputs_->setCameras(source.cameraModel(), source.secondCamera());
     if (!status_->opened(source.description())) return;
     NODELET_INFO("%s: %s", getName().c_str(), logLine(source.description()).c_str());
     if (!source.warning().empty()) NODELET_WARN("%s: %s", getName().c_str(), logLine(source.warning()).c_str());
   }
 
+  WantedViews wantedViews() override { return outputs_->wantedViews(); }
   void prepare(Frame& frame) override { outputs_->prepare(frame); }
 
   void onFrame(const Frame& frame) override

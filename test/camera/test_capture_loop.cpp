@@ -46,6 +46,7 @@ public:
   std::function<void()> on_idle;
   std::atomic<int> opened{0};
   std::atomic<int> prepared{0};
+  WantedViews wanted;                // what it asks for; in the loop's thread
   std::string loss;                  // the last reason for which there was no source
   std::string file = "/dev/video0";  // the file that the loop looks for while it is idle
   std::function<std::unique_ptr<FrameSource>(const CaptureParams&)> open = [this](const CaptureParams& p)
@@ -94,6 +95,7 @@ public:
 
 private:
   void onOpened(const FrameSource&) override {}
+  WantedViews wantedViews() override { return wanted; }
   void prepare(Frame&) override { ++prepared; }
   void onFrame(const Frame& frame) override
   {
@@ -301,6 +303,23 @@ TEST(CaptureLoop, waitsForTheKeyframeOfAStream)
   EXPECT_EQ(capture.loss, "");
   EXPECT_EQ(capture.opened, 1);
   EXPECT_GT(capture.prepared, 0);
+}
+
+TEST(CaptureLoop, tellsTheSourceWhichViewsAreWanted)
+{
+  const std::vector<WantedViews> asked = {{true, true}, {false, true}, {true, false}, {false, false}};
+  Capture capture;
+  std::size_t number = 0;
+  capture.wanted = asked[0];
+  capture.on_frame = [&](const Frame& frame)
+  {
+    EXPECT_EQ(frame.wanted.first, asked[number].first);
+    EXPECT_EQ(frame.wanted.second, asked[number].second);
+    if (++number == asked.size()) return capture.finish();
+    capture.wanted = asked[number];
+  };
+  capture.runUntilFinished();
+  EXPECT_EQ(number, asked.size());
 }
 
 TEST(CaptureLoop, preparesNoMemoryForADriversImages)

@@ -26,6 +26,13 @@ TEST(OutputEncoding, isChosenByWhatTheCameraGives)
   }
 }
 
+TEST(OutputEncoding, leavesDepthsAsTheyAre)
+{
+  for (const char* wanted : {"auto", "bgr8", "rgb8", "mono8", "native"})
+    for (const char* given : {"16UC1", "32FC1"})
+      EXPECT_EQ(outputEncoding(wanted, given), given) << wanted;
+}
+
 TEST(OutputEncoding, canBeConvertedFromAllCameraFormats)
 {
   for (const V4l2Format& format : kV4l2Formats)

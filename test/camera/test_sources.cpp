@@ -224,6 +224,51 @@ TEST_F(Sources, showAFolderOrGlobInTheOrderOfTheNames)
   }
 }
 
+TEST_F(Sources, areDividedIfTheyAreStereo)
+{
+  const cv::Mat image = smooth({64, 40});
+  CaptureParams still = from(writeImage("pair.png", image)), video = from(writeVideo("pair.avi"));
+  still.views = video.views = "stereo";
+  Frame frame;
+  ASSERT_EQ(openSource(still)->read(frame), ReadResult::kFrame);
+  EXPECT_TRUE(equal(frame.image, image.colRange(0, 32)));
+  EXPECT_TRUE(equal(frame.second.pixels, image.colRange(32, 64)));
+  const auto source = openSource(video);
+  EXPECT_EQ(source->description(), "video at 10 Hz from " + path("pair.avi") + ", two images side by side");
+  for (int round = 0; round < 2; ++round)
+  {
+    for (int i = 0; i < kVideoFrames; ++i)
+    {
+      ASSERT_EQ(source->read(frame), ReadResult::kFrame);
+      EXPECT_EQ(frame.second.pixels.size(), cv::Size(32, 48));
+      EXPECT_NEAR(centreGray(frame), 20 * i, 3);
+    }
+    EXPECT_EQ(source->read(frame), ReadResult::kEnd);
+    source->rewind();
+  }
+}
+
+TEST_F(Sources, readDepthsFromImageFilesOf16Bits)
+{
+  const cv::Mat depths = noise({50, 40}, CV_16UC1);
+  CaptureParams params = from(folder_);
+  params.pixel_format = "z16";
+  writeImage("a.png", depths);
+  const std::string colors = writeImage("b.png", smooth({50, 40}));
+  writeImage("c.png", depths);
+  const auto source = openSource(params);
+  Frame frame;
+  ASSERT_EQ(source->read(frame), ReadResult::kFrame);
+  EXPECT_EQ(frame.encoding, "16UC1");
+  EXPECT_TRUE(equal(frame.image, depths));
+  EXPECT_EQ(refusal([&] { source->read(frame); }),
+            colors + ": no depths: expected pixels of 1 x 16 bits (CV_16UC1), got 3 x 8 bits (CV_8UC3)");
+  EXPECT_EQ(source->read(frame), ReadResult::kFrame);
+  EXPECT_EQ(source->read(frame), ReadResult::kEnd);
+  ASSERT_EQ(openSource(from(path("a.png")))->read(frame), ReadResult::kFrame);  // nobody has said that they are depths
+  EXPECT_EQ(frame.encoding, "bgr8");
+}
+
 TEST_F(Sources, skipDamagedImagesOfAFolder)
 {
   const std::string whole = writeImage("b.jpg", smooth({64, 48}));
@@ -340,7 +385,7 @@ TEST(CaptureParams, areNamedIfTheyAreNoChoice)
   EXPECT_EQ(
       refusalWith(&CaptureParams::pixel_format, "h265"),
       "pixel_format is 'h265', must be yuyv, uyvy, nv12, nv21, yu12, bgr24, rgb24, mjpeg, bayer_rggb8, bayer_bggr8, "
-      "bayer_gbrg8, bayer_grbg8, h264, grey, y16, y10, yuv or yuvmono10");
+      "bayer_gbrg8, bayer_grbg8, h264, grey, y16, y10, y10b, z16, yuv or yuvmono10");
   EXPECT_EQ(refusalWith(&CaptureParams::io_method, "dma"), "io_method is 'dma', must be mmap, read or userptr");
   EXPECT_EQ(refusalWith(&CaptureParams::video_device, ""),
             "video_device is '', must be a device such as /dev/video0, or its name");

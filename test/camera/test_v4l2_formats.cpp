@@ -89,10 +89,56 @@ INSTANTIATE_TEST_SUITE_P(All, V4l2Formats,
                                          Layout{"y16", V4L2_PIX_FMT_Y16, 16, "mono16", true},
                                          Layout{"y10", V4L2_PIX_FMT_Y10, 16, "mono10", true},
                                          Layout{"yuvmono10", V4L2_PIX_FMT_YUYV, 16, "mono10", true},
+                                         Layout{"z16", V4L2_PIX_FMT_Z16, 16, "16UC1", true},
                                          Layout{"bayer_rggb8", V4L2_PIX_FMT_SRGGB8, 8, "bayer_rggb8", true},
                                          Layout{"bayer_bggr8", V4L2_PIX_FMT_SBGGR8, 8, "bayer_bggr8", true},
                                          Layout{"bayer_gbrg8", V4L2_PIX_FMT_SGBRG8, 8, "bayer_gbrg8", true},
                                          Layout{"bayer_grbg8", V4L2_PIX_FMT_SGRBG8, 8, "bayer_grbg8", true}));
+
+// The most significant bit of each pixel comes first, as the kernel's documentation of Y10B has it: Y'00[9:2],
+// Y'00[1:0]Y'01[9:4], ...
+TEST(V4l2Formats, giveGrayOf10BitsWithoutGapsAsNumbers)
+{
+  for (const unsigned padding : {0U, 6U})
+  {
+    const cv::Mat image = noise({64, 48}, CV_16UC1) & 1023;
+    FakeCamera camera;
+    camera.formats = {{V4L2_PIX_FMT_Y10BPACK, 10, {{64, 48, {30.0}}}}};
+    camera.row_padding = padding;
+    camera.frame_bytes = [&](const v4l2_pix_format&, unsigned)
+    {
+      std::vector<unsigned char> bytes;
+      for (int y = 0; y < image.rows; ++y)
+      {
+        for (int bit = 0; bit < 10 * image.cols; ++bit)
+        {
+          if (bit % 8 == 0) bytes.push_back(0);
+          const int value = image.at<std::uint16_t>(y, bit / 10) >> (9 - bit % 10) & 1;
+          bytes.back() = static_cast<unsigned char>(bytes.back() | value << (7 - bit % 8));
+        }
+        bytes.insert(bytes.end(), padding, 0xEE);
+      }
+      return bytes;
+    };
+    V4l2Source source(camera.plug(), withFormat("y10b", 64, 48));
+    EXPECT_EQ(source.warning(), "");
+    Frame frame;
+    ASSERT_EQ(source.read(frame), ReadResult::kFrame);
+    EXPECT_EQ(frame.encoding, "mono10");
+    EXPECT_TRUE(equal(frame.image, image));
+  }
+}
+
+TEST(V4l2Formats, areDepthsIfTheCameraHasNothingElse)
+{
+  FakeCamera camera;
+  camera.formats = {{V4L2_PIX_FMT_Z16, 16, {{64, 48, {30.0}}}}};
+  V4l2Source source(camera.plug(), withFormat("yuyv", 64, 48));
+  EXPECT_EQ(source.warning(), "/dev/video0: asked for YUYV 64x48, gives Z16 64x48; it offers Z16: 64x48");
+  Frame frame;
+  ASSERT_EQ(source.read(frame), ReadResult::kFrame);
+  EXPECT_EQ(frame.encoding, "16UC1");
+}
 
 TEST(V4l2Formats, areRefusedIfTheFrameIsTooShort)
 {

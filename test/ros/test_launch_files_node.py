@@ -187,6 +187,7 @@ def test_the_camera_s_parameters_are_arguments():
     before = parameters_of("camera.launch")
     given = {"image_width": 320, "image_height": 240, "framerate": 5, "camera_name": "7"}
     given.update(pixel_format="mjpeg", source="/a.mp4", scene="calibration", poster="auto")
+    given.update(views="stereo", depth_noise="tof")
     after = parameters_of("camera.launch", *(f"{name}:={value}" for name, value in given.items()))
     assert after == {**before, **{"/usb_cam/" + name: value for name, value in given.items()}}
 
@@ -224,6 +225,7 @@ def test_the_host_with_the_camera_passes_the_source_on_unchanged():
     "name, arguments, changed",
     [
         ("camera", ["synthetic:=true"], {"source": "synthetic"}),
+        ("rgbd", ["depth_noise:=kinect"], {"depth_noise": "kinect"}),
         ("apriltag", ["synthetic:=true"], {"tag_size": 0.24}),
         ("apriltag", ["synthetic:=true", "tag_size:=0.3"], {"tag_size": 0.3}),
         ("ball_tracker", ["synthetic:=true"], {"ball_diameter": 0.2}),
@@ -260,7 +262,8 @@ def test_the_host_with_the_camera_passes_the_source_on_unchanged():
 def test_arguments_set_parameters(name, arguments, changed):
     before, after = (parameters_of(name + ".launch", *given) for given in ([], arguments))
     differ = {key: value for key, value in after.items() if before.get(key) != value}
-    node = {"apriltag": "apriltag_detector", "camera": "usb_cam"}.get(name, name)
+    others = {"apriltag": "apriltag_detector", "camera": "usb_cam", "rgbd": "camera"}
+    node = others.get(name, name)
     assert (
         changed.items() <= {key.rpartition("/")[2]: value for key, value in differ.items()}.items()
     )

@@ -63,6 +63,7 @@ int main(int argc, char** argv)
   for (const V4l2Format& format : kV4l2Formats)
   {
     if (format.compressed || findV4l2Format(format.fourcc) != &format) continue;
+    if (isDepthEncoding(format.encoding) || format.fourcc == V4L2_PIX_FMT_Y10BPACK) continue;  // vivid has neither
     try
     {
       grab(format.name, argv[1], argv[2]);

@@ -4,6 +4,7 @@
 #include <memory>
 #include <string>
 
+#include "robot_vision/camera/frame_source.hpp"
 #include "robot_vision/camera/open_source.hpp"
 
 namespace robot_vision
@@ -16,7 +17,9 @@ class CaptureListener
 public:
   virtual ~CaptureListener() = default;
   virtual void onOpened(const FrameSource& source) = 0;
-  /// May give `frame.image` memory for the source to fill.
+  /// The images that the next frame is to have.
+  virtual WantedViews wantedViews() { return {}; }
+  /// May give the images of `frame` memory for the source to fill.
   virtual void prepare(Frame& frame) = 0;
   virtual void onFrame(const Frame& frame) = 0;
   /// A frame, or the end of a looping video, is damaged. The next frame may be good.

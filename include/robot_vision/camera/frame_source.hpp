@@ -3,10 +3,12 @@
 #include <cstdint>
 #include <memory>
 #include <opencv2/core.hpp>
+#include <opencv2/core/affine.hpp>
 #include <stdexcept>
 #include <string>
 
 #include "robot_vision/geometry/camera_model.hpp"
+#include "robot_vision/image/encoding.hpp"
 #include "robot_vision/scene/scene.hpp"
 
 namespace robot_vision
@@ -30,14 +32,30 @@ public:
 
 constexpr double kDefaultRate = 30.0;  // Hz, for a source that has no rate of its own
 
-/// One captured image.
+/// Which images of a frame with two views are to be made.
+struct WantedViews
+{
+  bool first = true;
+  bool second = true;
+};
+
+/// What one moment looked like: one image, or two of a source with two views.
 struct Frame
 {
+  WantedViews wanted;                       // set before read(); a source with one view makes its image all the same
   cv::Mat image;                            // see encoding.hpp; valid until the source's next read() or its end
   std::string encoding;                     // see encoding.hpp
+  EncodedImage second;                      // of a pair the right one, beside color the depth; valid as `image` is
   std::int64_t sequence = 0;                // counts from 0; gaps are lost frames
   std::int64_t monotonic_ns = 0;            // time of capture on CLOCK_MONOTONIC; 0 if the source does not know it
   std::shared_ptr<const SceneTruth> truth;  // the ground truth of a synthetic frame, else null
+};
+
+/// The camera that a source's second images are of.
+struct SecondCamera
+{
+  CameraModel model;
+  cv::Affine3d pose;  // its optical frame in that of the first camera, m
 };
 
 enum class ReadResult
@@ -54,8 +72,8 @@ class FrameSource
 public:
   virtual ~FrameSource() = default;
 
-  /// Gets the next frame. `frame.image` may come with memory that the source may fill or replace by its own. Waits at
-  /// most about 0.1 s. Throws std::invalid_argument for a damaged frame (the next may be good), and SourceError or
+  /// Gets the next frame. Its images may come with memory that the source may fill or replace by its own. Waits at most
+  /// about 0.1 s. Throws std::invalid_argument for a damaged frame (the next may be good), and SourceError or
   /// SourceUnavailable if no more frames can come. A device streams from the first read() until the source is
   /// destroyed.
   virtual ReadResult read(Frame& frame) = 0;
@@ -84,6 +102,9 @@ public:
 
   /// The geometry of the camera if the source knows it, else null.
   virtual const CameraModel* cameraModel() const { return nullptr; }
+
+  /// The camera of the second images; null if there are none, or if the source does not know it.
+  virtual const SecondCamera* secondCamera() const { return nullptr; }
 };
 
 }  // namespace robot_vision

@@ -32,6 +32,9 @@ struct CaptureParams
   double timeout = 3.0;
   std::string scene = "room";
   std::string poster;
+  std::string views = "one";
+  std::string depth_encoding = "16UC1";
+  std::string depth_noise = "none";
 
   template <class Visit>
   static void fields(Visit&& visit)
@@ -46,11 +49,11 @@ struct CaptureParams
           "of a device, or of the scene: 64 to 4096, a third to three times the width");
     visit("pixel_format", &CaptureParams::pixel_format,
           OneOf{"yuyv, uyvy, nv12, nv21, yu12, bgr24, rgb24, mjpeg, bayer_rggb8, bayer_bggr8, bayer_gbrg8, "
-                "bayer_grbg8, h264, grey, y16, y10, yuv or yuvmono10",
+                "bayer_grbg8, h264, grey, y16, y10, y10b, z16, yuv or yuvmono10",
                 "'"},
           "",
           "asked of a device; what comes nearest is taken, with a warning. yuvmono10: 10 bits that the camera calls "
-          "YUYV");
+          "YUYV; z16: depths in mm, also of image files of 16 bits");
     visit("io_method", &CaptureParams::io_method, OneOf{"mmap, read or userptr", "'"}, "",
           "for usb_cam's launch files; always mmap");
     visit("framerate", &CaptureParams::framerate, Range{0, 1000}, "Hz",
@@ -63,6 +66,13 @@ struct CaptureParams
     visit("poster", &CaptureParams::poster, Anything{}, "",
           "image file on the wall of the scene; empty or pattern: a pattern; auto: the portrait of python3-skimage "
           "if that is installed, else the pattern");
+    visit("views", &CaptureParams::views, OneOf{"one, stereo or rgbd", "'"}, "",
+          "one image, a stereo pair, or color and depth, which only the scene has; each frame of any other stereo "
+          "source is both images side by side, the left one left");
+    visit("depth_encoding", &CaptureParams::depth_encoding, OneOf{"16UC1 or 32FC1", "'"}, "",
+          "of the scene's depths: mm, 0 where there is none, or m, NaN where there is none");
+    visit("depth_noise", &CaptureParams::depth_noise, OneOf{"none, kinect, stereo or tof", "'"}, "",
+          "of the scene's depths: none, or as such a sensor has it");
   }
 };
 

@@ -11,7 +11,7 @@ void validateOutputEncoding(const std::string& wanted);
 
 /// The encoding of ~image_raw for frames of the encoding `given`. auto is mono8 for gray cameras and bgr8 for all
 /// others. native is the given encoding under its name in sensor_msgs (10-bit gray becomes mono16), or bgr8 if
-/// sensor_msgs has no name for it.
+/// sensor_msgs has no name for it. Depths stay what they are, whatever is wanted.
 std::string outputEncoding(const std::string& wanted, const std::string& given);
 
 }  // namespace robot_vision

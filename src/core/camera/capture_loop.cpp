@@ -177,6 +177,7 @@ private:
   try
   {
     Frame frame;
+    frame.wanted = listener_.wantedViews();
     if (source_->fillsMemory()) listener_.prepare(frame);
     switch (source_->read(frame))
     {

@@ -8,6 +8,7 @@
 
 #include "robot_vision/codecs/image_file.hpp"
 #include "robot_vision/common/regular_file.hpp"
+#include "robot_vision/image/encoding.hpp"
 #include "robot_vision/image/jpeg.hpp"
 
 namespace robot_vision
@@ -92,14 +93,24 @@ cv::Mat readUpright(const std::string& path)
   return decodeFile(path, cv::IMREAD_COLOR);
 }
 
-ImageFilesSource::ImageFilesSource(const std::string& path) : path_(path), files_(listImageFiles(path))
+cv::Mat readDepths(const std::string& path)
 {
-  if (files_.front() == path) only_ = readImage(files_.front());
+  const cv::Mat depths = decodeFile(path, cv::IMREAD_UNCHANGED);
+  if (depths.type() != CV_16UC1)
+    throw SourceError(path + ": no depths: expected pixels of " + describePixels(CV_16UC1) + ", got " +
+                      describePixels(depths.type()));
+  return depths;
+}
+
+ImageFilesSource::ImageFilesSource(const std::string& path, bool depths)
+  : path_(path), depths_(depths), files_(listImageFiles(path))
+{
+  if (files_.front() == path) only_ = readOne(files_.front());
 }
 
 ReadResult ImageFilesSource::read(Frame& frame)
 {
-  frame.encoding = "bgr8";
+  frame.encoding = depths_ ? "16UC1" : "bgr8";
   if (!only_.empty())
   {
     frame.image = only_;
@@ -111,7 +122,7 @@ ReadResult ImageFilesSource::read(Frame& frame)
   const std::string& file = files_[next_++];
   try
   {
-    frame.image = readImage(file);
+    frame.image = readOne(file);
   }
   catch (const SourceError& e)
   {

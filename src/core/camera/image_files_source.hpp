@@ -17,11 +17,16 @@ bool isImageFile(const std::string& path);
 cv::Mat readImage(const std::string& path);
 cv::Mat readUpright(const std::string& path);
 
+/// Reads an image file of depths in mm, as 16UC1. Throws as readImage() does, also if its pixels are not gray of 16
+/// bits.
+cv::Mat readDepths(const std::string& path);
+
 /// Gives one image file again and again, or the image files of a folder or glob pattern in the order of their names.
 class ImageFilesSource : public FrameSource
 {
 public:
-  explicit ImageFilesSource(const std::string& path);
+  /// `depths` says whether the images are depths of 16 bits.
+  explicit ImageFilesSource(const std::string& path, bool depths = false);
   ReadResult read(Frame& frame) override;
   void rewind() override { next_ = 0; }
   double rate() const override { return kDefaultRate; }
@@ -29,7 +34,10 @@ public:
   std::string description() const override;
 
 private:
+  cv::Mat readOne(const std::string& path) const { return depths_ ? readDepths(path) : readImage(path); }
+
   std::string path_;
+  bool depths_;
   std::vector<std::string> files_;
   std::size_t next_ = 0;
   std::size_t failed_in_a_row_ = 0;

@@ -9,6 +9,7 @@
 #include "image_files_source.hpp"
 #include "robot_vision/common/range.hpp"
 #include "scene_source.hpp"
+#include "side_by_side_source.hpp"
 #include "v4l2_cameras.hpp"
 #include "v4l2_source.hpp"
 #include "video_source.hpp"
@@ -94,12 +95,35 @@ std::unique_ptr<FrameSource> openVideoFile(const std::string& path)
   return std::make_unique<VideoSource>(path);
 }
 
+std::unique_ptr<FrameSource> openFrames(const CaptureParams& params)
+{
+  const std::string source = sourceName(params);
+  switch (sourceKind(params))
+  {
+    case SourceKind::kSynthetic:
+      return openScene(params);
+    case SourceKind::kDevice:
+      return openCamera(source, params);
+    case SourceKind::kUrl:
+      return std::make_unique<VideoSource>(source);
+    case SourceKind::kImages:
+      return std::make_unique<ImageFilesSource>(source, params.pixel_format == "z16");
+    case SourceKind::kVideo:
+      break;
+  }
+  return openVideoFile(source);
+}
+
 }  // namespace
 
 void validate(const CaptureParams& params)
 {
   checkFields(params);
-  if (params.source == "synthetic") validateScene(params);
+  if (params.source == "synthetic")
+    validateScene(params);
+  else
+    require(params.views != "rgbd", "views", "'rgbd'",
+            "one or stereo, as only the source synthetic has depths as well");
   require(!params.source.empty() || !params.video_device.empty(), "video_device", "''",
           "a device such as /dev/video0, or its name");
 }
@@ -135,21 +159,9 @@ bool mayComeLater(SourceKind kind)
 std::unique_ptr<FrameSource> openSource(const CaptureParams& params)
 {
   validate(params);
-  const std::string source = sourceName(params);
-  switch (sourceKind(params))
-  {
-    case SourceKind::kSynthetic:
-      return openScene(params);
-    case SourceKind::kDevice:
-      return openCamera(source, params);
-    case SourceKind::kUrl:
-      return std::make_unique<VideoSource>(source);
-    case SourceKind::kImages:
-      return std::make_unique<ImageFilesSource>(source);
-    case SourceKind::kVideo:
-      break;
-  }
-  return openVideoFile(source);
+  std::unique_ptr<FrameSource> frames = openFrames(params);
+  if (params.views != "stereo" || sourceKind(params) == SourceKind::kSynthetic) return frames;
+  return std::make_unique<SideBySideSource>(std::move(frames));
 }
 
 }  // namespace robot_vision

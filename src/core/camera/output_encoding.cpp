@@ -13,6 +13,7 @@ void validateOutputEncoding(const std::string& wanted)
 
 std::string outputEncoding(const std::string& wanted, const std::string& given)
 {
+  if (isDepthEncoding(given)) return given;
   if (wanted == "auto") return given == "mono8" || given == "mono10" || given == "mono16" ? "mono8" : "bgr8";
   if (wanted != "native") return wanted;
   if (given == "mono10") return "mono16";

@@ -5,6 +5,7 @@
 #include "image_files_source.hpp"
 #include "robot_vision/common/range.hpp"
 #include "robot_vision/scene/scene.hpp"
+#include "scene_second_view.hpp"
 
 namespace robot_vision
 {
@@ -37,7 +38,8 @@ cv::Mat readPoster(const std::string& poster)
   }
 }
 
-/// The source of a Scene, CalibrationScene or RoadScene, each frame with its ground truth.
+/// The source of a Scene, CalibrationScene or RoadScene, each frame with its ground truth, which is that of the first
+/// view.
 template <class AnyScene>
 class SceneSource : public FrameSource
 {
@@ -45,13 +47,20 @@ public:
   /// `poster` is that of a Scene; the others have none.
   template <class... Poster>
   explicit SceneSource(const CaptureParams& params, const Poster&... poster)
-    : name_(params.scene), rate_(wantedRate(params)), scene_(sceneParams(params), poster...)
+    : name_(params.scene),
+      rate_(wantedRate(params)),
+      scene_(sceneParams(params), poster...),
+      second_(params.views == "one" ? nullptr : std::make_unique<SceneSecondView>(scene_, params))
   {
   }
 
   ReadResult read(Frame& frame) override
   {
-    scene_.render(next_, frame.image);
+    if (frame.wanted.first || !second_)
+      scene_.render(next_, frame.image);
+    else
+      frame.image.release();
+    if (second_ && frame.wanted.second) second_->render(next_, frame.image, frame.second);
     frame.encoding = "bgr8";
     frame.truth = std::make_shared<const SceneTruth>(scene_.truth(next_));
     frame.sequence = next_++;
@@ -63,16 +72,20 @@ public:
 
   std::string description() const override
   {
-    const CameraModel& camera = scene_.camera();
-    return "synthetic scene (" + name_ + ") " + sizeText(camera.width, camera.height) + " at " + toText(rate_) + " Hz";
+    const auto size = [](const CameraModel& camera) { return sizeText(camera.width, camera.height); };
+    const std::string second = second_ ? " and " + size(second_->camera().model) : "";
+    return "synthetic scene (" + name_ + ") " + size(scene_.camera()) + second + " at " + toText(rate_) + " Hz";
   }
 
   const CameraModel* cameraModel() const override { return &scene_.camera(); }
+
+  const SecondCamera* secondCamera() const override { return second_ ? &second_->camera() : nullptr; }
 
 private:
   std::string name_;
   double rate_;
   AnyScene scene_;
+  std::unique_ptr<SceneSecondView> second_;  // null with one view
   std::int64_t next_ = 0;
 };
 

@@ -19,8 +19,9 @@ struct V4l2Format
 };
 
 /// The formats in order of preference if the driver does not have the one asked for. The last two are further names
-/// that usb_cam has; yuvmono10 is for cameras that give 10-bit gray but call it YUYV.
-inline constexpr std::array<V4l2Format, 18> kV4l2Formats = {{
+/// that usb_cam has; yuvmono10 is for cameras that give 10-bit gray but call it YUYV. y10b is gray of 10 bits without
+/// gaps between the pixels.
+inline constexpr std::array<V4l2Format, 20> kV4l2Formats = {{
     {"yuyv", V4L2_PIX_FMT_YUYV, "yuv422_yuy2", false},
     {"uyvy", V4L2_PIX_FMT_UYVY, "yuv422", false},
     {"nv12", V4L2_PIX_FMT_NV12, "nv12", false},
@@ -37,6 +38,8 @@ inline constexpr std::array<V4l2Format, 18> kV4l2Formats = {{
     {"grey", V4L2_PIX_FMT_GREY, "mono8", false},
     {"y16", V4L2_PIX_FMT_Y16, "mono16", false},
     {"y10", V4L2_PIX_FMT_Y10, "mono10", false},
+    {"y10b", V4L2_PIX_FMT_Y10BPACK, "mono10", false},
+    {"z16", V4L2_PIX_FMT_Z16, "16UC1", false},
     {"yuv", V4L2_PIX_FMT_YUYV, "yuv422_yuy2", false},
     {"yuvmono10", V4L2_PIX_FMT_YUYV, "mono10", false},
 }};

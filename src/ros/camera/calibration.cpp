@@ -6,12 +6,13 @@
 #include <filesystem>
 #include <limits>
 #include <stdexcept>
+#include <utility>
 
 #include "calibration_file.hpp"
 #include "robot_vision/common/printable.hpp"
 #include "robot_vision/common/range.hpp"
+#include "robot_vision/geometry/camera_model.hpp"
 #include "ros/images/bounded_reading.hpp"
-#include "scene_messages.hpp"
 
 namespace robot_vision
 {
@@ -66,11 +67,11 @@ Calibration::Calibration(const ros::NodeHandle& pnh, const std::string& camera_n
   service_ = ros::NodeHandle(pnh).advertiseService(service);
 }
 
-void Calibration::setModel(const CameraModel* model)
+void Calibration::setModel(std::unique_ptr<sensor_msgs::CameraInfo> model)
 {
-  model_ = model == nullptr ? nullptr : std::make_unique<sensor_msgs::CameraInfo>(toCameraInfo(*model));
+  model_ = std::move(model);
   if (!model_) return;
-  setImageSize({model->width, model->height});
+  setImageSize({static_cast<int>(model_->width), static_cast<int>(model_->height)});
   if (has_url_)
     ROS_INFO("%s: camera_info is that of camera_info_url, if it has one, else the scene's own", name_.c_str());
   else

@@ -11,7 +11,6 @@
 #include <string>
 
 #include "robot_vision/common/throttle.hpp"
-#include "robot_vision/geometry/camera_model.hpp"
 
 namespace robot_vision
 {
@@ -27,8 +26,8 @@ public:
   /// ${ROS_HOME}/camera_info/${NAME}.yaml. Throws std::invalid_argument naming camera_name or camera_info_url.
   Calibration(const ros::NodeHandle& pnh, const std::string& camera_name, const std::string& url);
 
-  /// Sets the exact geometry of the source; null if the source does not know it.
-  void setModel(const CameraModel* model);
+  /// Sets the exact calibration of the source; null if the source does not know it.
+  void setModel(std::unique_ptr<sensor_msgs::CameraInfo> model);
 
   /// Sets the size of the camera's images. Until it is known, calibrations of any size are accepted.
   void setImageSize(cv::Size size);

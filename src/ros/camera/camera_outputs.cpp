@@ -1,14 +1,11 @@
 #include "camera_outputs.hpp"
 
-#include <image_transport/camera_common.h>
+#include <robot_vision/GroundTruth.h>
 
 #include <algorithm>
 #include <exception>
 
-#include "robot_vision/camera/output_encoding.hpp"
-#include "robot_vision/common/printable.hpp"
 #include "robot_vision/common/range.hpp"
-#include "ros/transports/compression.hpp"
 #include "scene_messages.hpp"
 
 namespace robot_vision
@@ -16,134 +13,79 @@ namespace robot_vision
 namespace
 {
 
-constexpr std::size_t kMaxFrameId = 255;  // bytes
-const std::string kPluginPrefix = "image_transport/";
-const std::string kCompressed = "compressed";
-const std::string kDepth = "compressedDepth";
+const std::string kName = "${NAME}";  // in camera_info_url, see calibrationPath()
 
-std::vector<std::string> disabledPlugins(const ros::NodeHandle& nh, const std::string& topic)
+/// The names of the views, which are their namespaces; an empty one if there is only one view.
+std::vector<std::string> viewNames(const std::string& views)
 {
-  std::vector<std::string> names;
-  nh.getParam(topic + "/disable_pub_plugins", names);
-  return names;
+  if (views == "stereo") return {"left", "right"};
+  if (views == "rgbd") return {"rgb", "depth"};
+  return {""};
 }
 
-/// Advertises the topic over all transports but these. image_transport reads the parameter while it advertises.
-/// Afterwards the parameter is as it was, as the next node of this name may be that of another camera.
-image_transport::Publisher advertiseWithout(const std::vector<std::string>& transports, ros::NodeHandle& nh,
-                                            const std::string& topic,
-                                            const image_transport::SubscriberStatusCallback& on_connection)
+/// The parameters of a view of this name. With one view, they are those of the camera.
+ViewOutputs::Params paramsOf(const std::string& view, bool is_first, const CameraOutputs::Params& camera)
 {
-  const std::string parameter = topic + "/disable_pub_plugins";
-  const bool is_set = nh.hasParam(parameter);
-  const std::vector<std::string> before = disabledPlugins(nh, topic);
-  std::vector<std::string> disabled = before;
-  for (const std::string& transport : transports)
-    disabled.push_back(kPluginPrefix + transport);
-  nh.setParam(parameter, disabled);
-  const auto publisher = image_transport::ImageTransport(nh).advertise(topic, 1, on_connection, on_connection);
-  if (is_set)
-    nh.setParam(parameter, before);
-  else
-    nh.deleteParam(parameter);
-  return publisher;
+  const std::string name = view.empty() ? camera.camera_name : camera.camera_name + "_" + view;
+  return {is_first ? camera.frame_id : name + "_optical_frame", name, camera.output_encoding, camera.camera_info_url,
+          view == "depth" || (view.empty() && camera.depths)};
 }
 
-/// The topic of a transport that is no plugin here, or null if the user has disabled it as if it were one.
-template <class Output, class... Arguments>
-std::shared_ptr<Output> advertiseEncoded(ros::NodeHandle& nh, const std::string& topic, const std::string& transport,
-                                         const Arguments&... arguments)
+/// Two views cannot have the same file.
+void requireTwoFiles(const CameraOutputs::Params& params, const std::vector<std::string>& views)
 {
-  const std::vector<std::string> disabled = disabledPlugins(nh, topic);
-  if (std::find(disabled.begin(), disabled.end(), kPluginPrefix + transport) != disabled.end()) return nullptr;
-  return std::make_shared<Output>(nh, topic + "/" + transport, arguments...);
-}
-
-template <class Publisher>
-bool hasSubscribers(const Publisher& publisher)
-{
-  return publisher.getNumSubscribers() > 0;
-}
-
-template <class Config, class Params>
-bool hasSubscribers(const std::shared_ptr<EncodedOutput<Config, Params>>& output)
-{
-  return output && output->wanted();
+  const std::string& url = params.camera_info_url;
+  require(url.empty() || url.find(kName) != std::string::npos, "camera_info_url", "'" + url + "'",
+          "empty or have " + kName + " in it, which becomes " + params.camera_name + "_" + views.front() + " and " +
+              params.camera_name + "_" + views.back());
 }
 
 }  // namespace
 
 CameraOutputs::CameraOutputs(const ros::NodeHandle& pnh, const Params& params,
                              const std::function<void()>& on_connection)
-  : name_(pnh.getNamespace()),
-    frame_id_(params.frame_id),
-    output_encoding_(params.output_encoding),
-    calibration_(pnh, params.camera_name, params.camera_info_url)
+  : stereo_(params.views == "stereo")
 {
-  validateOutputEncoding(output_encoding_);
-  require(shortened(frame_id_, kMaxFrameId) == frame_id_, "camera_frame_id", "'" + frame_id_ + "'",
-          "a name of at most " + std::to_string(kMaxFrameId) + " printable letters");
-  advertise(pnh, on_connection);
-}
-
-void CameraOutputs::advertise(ros::NodeHandle nh, const std::function<void()>& on_connection)
-{
-  const auto on_image = [on_connection](const image_transport::SingleSubscriberPublisher&) { on_connection(); };
-  const auto on_other = [on_connection](const ros::SingleSubscriberPublisher&) { on_connection(); };
-  const std::string topic = nh.resolveName("image_raw");
-  raw_ = advertiseWithout({kCompressed, kDepth}, nh, topic, on_image);
-  const auto mono = advertiseWithout({kDepth}, nh, nh.resolveName("image_mono"), on_image);
-  const auto compressed =
-      advertiseEncoded<CompressedOutput>(nh, topic, kCompressed, toCompressionParams, compressMessage, on_other);
-  std::shared_ptr<CompressedDepthOutput> depth;
-  if (output_encoding_ == "native")
-    depth = advertiseEncoded<CompressedDepthOutput>(nh, topic, kDepth, toDepthCompressionParams, compressDepthMessage,
-                                                    on_other);
-  const std::string info_topic = image_transport::getCameraInfoTopic(topic);
-  const auto info = nh.advertise<sensor_msgs::CameraInfo>(info_topic, 1, on_other, on_other);
-  const auto truth = nh.advertise<GroundTruth>("ground_truth", 1, on_other, on_other);
-
-  const auto add = [this](const auto& publisher, const auto& publish)
+  const std::vector<std::string> names = viewNames(params.views);
+  if (names.size() > 1) requireTwoFiles(params, names);
+  for (const std::string& name : names)
   {
-    outputs_.push_back({[publisher] { return hasSubscribers(publisher); },
-                        [publisher, publish](FrameView& view) { publish(publisher, view); }});
-  };
-  // They are published in this order: ~camera_info follows as soon as it is known whether a JPEG is damaged, and waits
-  // neither for what is compressed nor for a second conversion.
-  add(raw_, [this](const auto& publisher, FrameView& view) { publisher.publish(rawImage(view)); });
-  add(compressed,
-      [](const auto& output, FrameView& view)
-      {
-        if (view.isJpeg()) output->passOn(view.jpeg());
-      });
-  add(info, [this](const auto& publisher, FrameView& view)
-      { publisher.publish(calibration_.info(view.size(), view.header())); });
-  add(depth,
-      [](const auto& output, FrameView& view)
-      {
-        if (isDepth(view.rawEncoding())) output->publish(view.raw());
-      });
-  add(compressed,
-      [](const auto& output, FrameView& view)
-      {
-        if (!view.isJpeg()) output->publish(view.raw());
-      });
-  add(mono, [](const auto& publisher, FrameView& view) { publisher.publish(view.image("mono8")); });
-  add(truth,
-      [](const auto& publisher, FrameView& view)
-      {
-        if (view.frame().truth) publisher.publish(toMessage(*view.frame().truth, view.header()));
-      });
+    const ros::NodeHandle nh = name.empty() ? pnh : ros::NodeHandle(pnh, name);
+    views_.push_back(std::make_unique<ViewOutputs>(nh, paramsOf(name, views_.empty(), params), on_connection));
+  }
+  const auto on_truth = [on_connection](const ros::SingleSubscriberPublisher&) { on_connection(); };
+  truth_ = ros::NodeHandle(pnh).advertise<GroundTruth>("ground_truth", 1, on_truth, on_truth);
 }
 
 bool CameraOutputs::wanted() const
 {
-  return std::any_of(outputs_.begin(), outputs_.end(), [](const Output& output) { return output.wanted(); });
+  const auto is_wanted = [](const std::unique_ptr<ViewOutputs>& view) { return view->wanted(); };
+  return truth_.getNumSubscribers() > 0 || std::any_of(views_.begin(), views_.end(), is_wanted);
+}
+
+WantedViews CameraOutputs::wantedViews() const
+{
+  if (views_.size() == 1) return {true, false};
+  return {views_.front()->wanted(), views_.back()->wanted()};
+}
+
+void CameraOutputs::setCameras(const CameraModel* first, const SecondCamera* second)
+{
+  using Info = sensor_msgs::CameraInfo;
+  views_.front()->setModel(first == nullptr ? nullptr : std::make_unique<Info>(toCameraInfo(*first)));
+  if (views_.size() == 1) return;
+  const bool is_pair = stereo_ && first != nullptr && second != nullptr;
+  std::unique_ptr<Info> info;
+  if (second != nullptr)
+    info = std::make_unique<Info>(is_pair ? toRightCameraInfo(*first, *second) : toCameraInfo(second->model));
+  views_.back()->setModel(std::move(info));
+  if (second != nullptr) broadcastSecond(second->pose);
 }
 
 void CameraOutputs::prepare(Frame& frame)
 {
-  if (outputEncoding(output_encoding_, "bgr8") == "bgr8" && hasSubscribers(raw_)) frame.image = makers_["bgr8"].lend();
+  views_.front()->prepare(frame.image);
+  if (views_.size() > 1) views_.back()->prepare(frame.second.pixels);
 }
 
 void CameraOutputs::publish(const Frame& frame, const ros::Time& stamp)
@@ -151,37 +93,40 @@ void CameraOutputs::publish(const Frame& frame, const ros::Time& stamp)
   std_msgs::Header header;
   header.seq = static_cast<std::uint32_t>(frame.sequence);
   header.stamp = stamp;
-  header.frame_id = frame_id_;
-  FrameView view(frame, header, outputEncoding(output_encoding_, frame.encoding), makers_);
+  header.frame_id = views_.front()->frameId();
   std::exception_ptr error;
-  for (const Output& output : outputs_)
+  const auto publish_view = [&](ViewOutputs& view, const EncodedImage& image)
+  {
     try
     {
-      if (output.wanted()) output.publish(view);
+      view.publish(image, header);
     }
-    catch (const std::exception&)  // which must cost no other topic its message
+    catch (const std::exception&)  // which must not keep the other view from being published
     {
       if (!error) error = std::current_exception();
     }
-  if (!view.knownSize().empty()) calibration_.setImageSize(view.knownSize());
+  };
+  if (frame.wanted.first) publish_view(*views_.front(), {frame.image, frame.encoding});
+  if (frame.wanted.second && views_.size() > 1) publish_view(*views_.back(), frame.second);
+  if (frame.truth && truth_.getNumSubscribers() > 0) truth_.publish(toMessage(*frame.truth, header));
   if (frame.truth) broadcast(*frame.truth, header);
   if (error) std::rethrow_exception(error);
-}
-
-sensor_msgs::ImageConstPtr CameraOutputs::rawImage(FrameView& view)
-{
-  const std::string& given = view.frame().encoding;
-  if (output_encoding_ == "native" && view.rawEncoding() != given && !told_)
-    ROS_INFO("%s: sensor_msgs has no name for %s: it is published as %s", name_.c_str(), given.c_str(),
-             view.rawEncoding().c_str());
-  told_ = true;
-  return view.raw();
 }
 
 void CameraOutputs::broadcast(const SceneTruth& truth, const std_msgs::Header& header)
 {
   if (!tf_) tf_ = std::make_unique<tf2_ros::TransformBroadcaster>();
   tf_->sendTransform(toTransforms(truth, header));
+}
+
+/// Where the second view's optical frame is in the first's.
+void CameraOutputs::broadcastSecond(const cv::Affine3d& pose)
+{
+  std_msgs::Header header;
+  header.stamp = ros::Time::now();
+  header.frame_id = views_.front()->frameId();
+  if (!static_tf_) static_tf_ = std::make_unique<tf2_ros::StaticTransformBroadcaster>();
+  static_tf_->sendTransform(toTransform(pose, header, views_.back()->frameId()));
 }
 
 }  // namespace robot_vision

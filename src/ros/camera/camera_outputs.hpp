@@ -1,7 +1,7 @@
 #pragma once
 
-#include <image_transport/image_transport.h>
 #include <ros/ros.h>
+#include <tf2_ros/static_transform_broadcaster.h>
 #include <tf2_ros/transform_broadcaster.h>
 
 #include <functional>
@@ -9,28 +9,30 @@
 #include <string>
 #include <vector>
 
-#include "calibration.hpp"
-#include "frame_view.hpp"
 #include "robot_vision/camera/frame_source.hpp"
+#include "view_outputs.hpp"
 
 namespace robot_vision
 {
 
-/// What a camera publishes: ~image_raw (in output_encoding) with ~camera_info, ~image_mono, and of the synthetic scene
-/// ~ground_truth and the tf frames scene/<name>. Nothing is made for a topic that nobody subscribes to.
-/// ~image_raw/compressed does not come from a plugin, so that the JPEG of a camera can be passed on as it is. Neither
-/// does ~image_raw/compressedDepth: it exists only with the output_encoding native, the only one that can hold depths,
-/// so that a recorder that subscribes to all topics has no JPEG decoded for it. Images are compressed in other threads,
-/// and no other output waits for that.
+/// What a camera publishes: a view (see ViewOutputs) in its own namespace, or two of them, with the same stamps, in
+/// ~left and ~right or in ~rgb and ~depth. Where the second is to the first is on /tf_static, if the source knows it.
+/// Of the synthetic scene there are also ~ground_truth and the tf frames scene/<name>, in the first view's frame.
+///
+/// Of a pair, too, each view has its own optical frame (REP 103), as K and D belong to that one, and so does what is
+/// found in image_raw. (Some drivers give both of a pair the left frame, in which the P of both have their points.) The
+/// names are those of freenect and openni: <camera_name>_depth_optical_frame.
 class CameraOutputs
 {
 public:
   struct Params
   {
-    std::string frame_id = "head_camera";     // the camera's optical frame
+    std::string frame_id = "head_camera";     // the optical frame of the camera, or of its first view
     std::string camera_name = "head_camera";  // letters, digits and _; names the calibration
-    std::string output_encoding = "auto";     // of ~image_raw: auto, bgr8, rgb8, mono8 or native
+    std::string output_encoding = "auto";     // of image_raw: auto, bgr8, rgb8, mono8 or native
     std::string camera_info_url;              // file:// or package://; "": in $ROS_HOME/camera_info
+    std::string views = "one";                // one, stereo or rgbd, see CaptureParams
+    bool depths = false;                      // whether the only view is one of depths
   };
 
   /// `on_connection` is called when subscribers come or go. Throws std::invalid_argument naming the bad parameter.
@@ -39,38 +41,29 @@ public:
   /// Whether somebody subscribes to any of the topics.
   bool wanted() const;
 
-  /// The geometry of the source, or null if the source does not know it.
-  void setModel(const CameraModel* model) { calibration_.setModel(model); }
+  /// The views to which somebody subscribes. That of a camera with one view always counts as wanted.
+  WantedViews wantedViews() const;
 
-  /// Gives the frame memory of the next message, if its image is going to be published as it is.
+  /// The exact geometry of the source; null for what it does not know.
+  void setCameras(const CameraModel* first, const SecondCamera* second);
+
+  /// Gives the images of a frame memory of the next messages, if they are going to be published as they are.
   void prepare(Frame& frame);
 
   /// Publishes what can be made of the frame, and then throws what has kept the first of the other outputs from being
   /// made: std::invalid_argument if the frame is damaged. An image that could not be compressed is told of by a later
-  /// call.
+  /// call. Only the views that the frame says were wanted are published.
   void publish(const Frame& frame, const ros::Time& stamp);
 
 private:
-  /// A topic and what is published on it.
-  struct Output
-  {
-    std::function<bool()> wanted;
-    std::function<void(FrameView& view)> publish;
-  };
-
-  void advertise(ros::NodeHandle nh, const std::function<void()>& on_connection);
-  sensor_msgs::ImageConstPtr rawImage(FrameView& view);
   void broadcast(const SceneTruth& truth, const std_msgs::Header& header);
+  void broadcastSecond(const cv::Affine3d& pose);
 
-  std::string name_;
-  std::string frame_id_;
-  std::string output_encoding_;
-  bool told_ = false;  // whether the log says that an encoding cannot be published
-  Calibration calibration_;
-  ImageMakers makers_;
-  image_transport::Publisher raw_;
-  std::vector<Output> outputs_;  // in the order in which they are published
+  bool stereo_;
+  std::vector<std::unique_ptr<ViewOutputs>> views_;  // one or two
+  ros::Publisher truth_;
   std::unique_ptr<tf2_ros::TransformBroadcaster> tf_;
+  std::unique_ptr<tf2_ros::StaticTransformBroadcaster> static_tf_;
 };
 
 }  // namespace robot_vision

@@ -1,7 +1,6 @@
 #include "frame_view.hpp"
 
 #include "robot_vision/codecs/compressed_image.hpp"
-#include "robot_vision/image/encoding.hpp"
 #include "robot_vision/image/jpeg.hpp"
 
 namespace robot_vision
@@ -15,7 +14,7 @@ try
   const sensor_msgs::ImagePtr image = makers_[encoding].make(
       [&](cv::Mat& pixels)
       {
-        toEncoding(frame_.image, frame_.encoding, encoding, pixels);
+        toEncoding(frame_.pixels, frame_.encoding, encoding, pixels);
         return encoding;
       });
   image->header = header_;
@@ -31,7 +30,7 @@ catch (const std::exception&)
 sensor_msgs::CompressedImage FrameView::jpeg()
 {
   sensor_msgs::CompressedImage message;
-  const JpegInfo info = copyJpeg(frame_.image.data, frame_.image.total(), message.data);
+  const JpegInfo info = copyJpeg(frame_.pixels.data, frame_.pixels.total(), message.data);
   message.header = header_;
   message.format = jpegFormat(info.color);
   size_ = info.size;
@@ -41,7 +40,7 @@ sensor_msgs::CompressedImage FrameView::jpeg()
 cv::Size FrameView::size()
 {
   if (size_.empty() && damage_) std::rethrow_exception(damage_);
-  if (size_.empty()) size_ = imageSize(frame_.image, frame_.encoding);
+  if (size_.empty()) size_ = imageSize(frame_.pixels, frame_.encoding);
   return size_;
 }
 

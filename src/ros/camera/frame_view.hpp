@@ -9,7 +9,7 @@
 #include <opencv2/core.hpp>
 #include <string>
 
-#include "robot_vision/camera/frame_source.hpp"
+#include "robot_vision/image/encoding.hpp"
 #include "ros/images/image_message.hpp"
 
 namespace robot_vision
@@ -18,22 +18,24 @@ namespace robot_vision
 /// The makers of a camera's image messages by encoding, as a maker expects each image to be like the last one.
 using ImageMakers = std::map<std::string, ImageMaker>;
 
-/// One frame and the messages that are made of it. An image is converted when it is first asked for, and only once.
+/// One image of a frame and the messages that are made of it. It is converted when that is first asked for, and only
+/// once.
 class FrameView
 {
 public:
-  /// `raw_encoding` is the encoding of ~image_raw. The other arguments must outlive the view.
-  FrameView(const Frame& frame, const std_msgs::Header& header, const std::string& raw_encoding, ImageMakers& makers)
+  /// `raw_encoding` is the encoding of image_raw. The other arguments must outlive the view.
+  FrameView(const EncodedImage& frame, const std_msgs::Header& header, const std::string& raw_encoding,
+            ImageMakers& makers)
     : frame_(frame), header_(header), raw_encoding_(raw_encoding), makers_(makers)
   {
   }
 
-  const Frame& frame() const { return frame_; }
   const std_msgs::Header& header() const { return header_; }
+  const std::string& givenEncoding() const { return frame_.encoding; }
   const std::string& rawEncoding() const { return raw_encoding_; }
   bool isJpeg() const { return frame_.encoding == "jpeg"; }
 
-  /// The image in this encoding, or in that of ~image_raw. Both throw std::invalid_argument if the frame is damaged.
+  /// The image in this encoding, or in that of image_raw. Both throw std::invalid_argument if the frame is damaged.
   sensor_msgs::ImageConstPtr image(const std::string& encoding);
   sensor_msgs::ImageConstPtr raw() { return image(raw_encoding_); }
 
@@ -48,7 +50,7 @@ public:
   cv::Size knownSize() const { return size_; }
 
 private:
-  const Frame& frame_;
+  const EncodedImage& frame_;
   const std_msgs::Header& header_;
   std::string raw_encoding_;
   ImageMakers& makers_;

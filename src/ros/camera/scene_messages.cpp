@@ -62,6 +62,14 @@ sensor_msgs::CameraInfo toCameraInfo(const CameraModel& model)
   return info;
 }
 
+sensor_msgs::CameraInfo toRightCameraInfo(const CameraModel& left, const SecondCamera& right)
+{
+  sensor_msgs::CameraInfo info = toCameraInfo(right.model);
+  info.P = toCameraInfo(left).P;
+  info.P[3] = -info.P[0] * right.pose.translation()[0];
+  return info;
+}
+
 GroundTruth toMessage(const SceneTruth& truth, const std_msgs::Header& header)
 {
   GroundTruth message;
@@ -73,21 +81,25 @@ GroundTruth toMessage(const SceneTruth& truth, const std_msgs::Header& header)
   return message;
 }
 
+geometry_msgs::TransformStamped toTransform(const cv::Affine3d& pose, const std_msgs::Header& header,
+                                            const std::string& child_frame_id)
+{
+  const geometry_msgs::Pose as_message = toPose(pose);
+  geometry_msgs::TransformStamped transform;
+  transform.header = header;
+  transform.child_frame_id = child_frame_id;
+  transform.transform.translation.x = as_message.position.x;
+  transform.transform.translation.y = as_message.position.y;
+  transform.transform.translation.z = as_message.position.z;
+  transform.transform.rotation = as_message.orientation;
+  return transform;
+}
+
 std::vector<geometry_msgs::TransformStamped> toTransforms(const SceneTruth& truth, const std_msgs::Header& header)
 {
   std::vector<geometry_msgs::TransformStamped> transforms;
   for (const SceneObject& object : truth.objects)
-  {
-    const geometry_msgs::Pose pose = toPose(object.pose);
-    geometry_msgs::TransformStamped transform;
-    transform.header = header;
-    transform.child_frame_id = "scene/" + object.name;
-    transform.transform.translation.x = pose.position.x;
-    transform.transform.translation.y = pose.position.y;
-    transform.transform.translation.z = pose.position.z;
-    transform.transform.rotation = pose.orientation;
-    transforms.push_back(transform);
-  }
+    transforms.push_back(toTransform(object.pose, header, "scene/" + object.name));
   return transforms;
 }
 

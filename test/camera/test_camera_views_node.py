@@ -1,0 +1,139 @@
+"""The camera node with two views: color and depth, and pairs of images."""
+
+import cv2
+import numpy as np
+import pytest
+import support
+from sensor_msgs.msg import CameraInfo, CompressedImage, Image
+from tf2_msgs.msg import TFMessage
+
+from robot_vision import CameraModel, Scene, SceneParams
+from robot_vision.msg import GroundTruth
+
+WIDTH, HEIGHT = 320, 240
+SIZE = [f"_image_width:={WIDTH}", f"_image_height:={HEIGHT}"]
+TYPES = {"bgr8": (np.uint8, 3), "16UC1": (np.uint16, 1), "32FC1": (np.float32, 1)}
+
+
+@pytest.fixture(scope="module")
+def scene():
+    params = SceneParams()
+    params.width, params.height = WIDTH, HEIGHT
+    return Scene(params)
+
+
+def pixels(message):
+    """The pixels of an Image message."""
+    kind, channels = TYPES[message.encoding]
+    image = np.frombuffer(message.data, kind).reshape(message.height, message.width, channels)
+    return image.squeeze()
+
+
+def topics(node, views):
+    """The images and calibrations of both views."""
+    images = [support.Messages(f"/{node}/{view}/image_raw", Image) for view in views]
+    infos = [support.Messages(f"/{node}/{view}/camera_info", CameraInfo) for view in views]
+    return images + infos
+
+
+def shift_of(static):
+    """The place of the second view in the first view's frame, and the names of both frames."""
+    (sent,) = static.wait()[0].transforms
+    turn, place = sent.transform.rotation, sent.transform.translation
+    assert (turn.x, turn.y, turn.z, turn.w) == (0, 0, 0, 1)  # both look in the same direction
+    return np.array([place.x, place.y, place.z]), sent.header.frame_id, sent.child_frame_id
+
+
+def test_depth_is_how_far_the_things_of_the_truth_are(start, scene):
+    static = support.Messages("/tf_static", TFMessage)
+    truths = support.Messages("/camera/ground_truth", GroundTruth)
+    wanted = topics("camera", ["rgb", "depth"])
+    start("camera_node", "_source:=synthetic", "_views:=rgbd", "_depth_encoding:=32FC1", *SIZE)
+    color, depth, _, info, truth = support.same_frame(*wanted, truths)
+    shift, parent, child = shift_of(static)
+    assert (color.header.frame_id, depth.header.frame_id) == (parent, child)
+    assert (parent, child) == ("head_camera", "head_camera_depth_optical_frame")
+    assert info.header.frame_id == child and info.P[3] == 0
+    assert np.allclose(shift, scene.view_pose("depth")[:3, 3])
+    assert np.array_equal(pixels(color), scene.render(truth.frame))
+    z = pixels(depth)
+    np.testing.assert_array_equal(z, scene.render_depth(truth.frame))
+
+    camera = CameraModel(info.width, info.height, np.reshape(info.K, (3, 3)), list(info.D))
+    close = []
+    for thing in scene.truth(truth.frame).objects:
+        if thing.visible and thing.name.startswith(("tag", "qr", "checker")):
+            normal, middle = thing.pose[:3, 2], thing.pose[:3, 3] - shift
+            u, v = np.rint(camera.project([middle])[0][0]).astype(int)
+            ray = np.append(camera.rays([[float(u), float(v)]])[0], 1.0)
+            error = z[v, u] - normal @ middle / (normal @ ray)  # of the plane's point in this pixel
+            assert error < 1e-4, thing.name  # something else may be in between
+            close.append(error > -1e-4)
+    assert any(close)
+
+
+def test_a_pair_of_the_scene_is_calibrated_together(start, scene):
+    static = support.Messages("/tf_static", TFMessage)
+    truths = support.Messages("/camera/ground_truth", GroundTruth)
+    wanted = topics("camera", ["left", "right"])
+    start("camera_node", "_source:=synthetic", "_views:=stereo", "_camera_name:=eyes", *SIZE)
+    left, right, left_info, right_info, truth = support.same_frame(*wanted, truths)
+    assert np.array_equal(pixels(left), scene.render(truth.frame))
+    assert np.array_equal(pixels(right), scene.render(truth.frame, "right"))
+    shift, parent, child = shift_of(static)
+    assert (left.header.frame_id, right.header.frame_id) == (parent, child)
+    assert (parent, child) == ("head_camera", "eyes_right_optical_frame")
+    assert right_info.P[3] == pytest.approx(-right_info.P[0] * shift[0])
+    assert shift[0] > 0 and left_info.P[3] == 0
+    assert right_info.P[:3] + right_info.P[4:] == left_info.P[:3] + left_info.P[4:]
+    assert left_info.R == right_info.R == (1, 0, 0, 0, 1, 0, 0, 0, 1)
+
+
+def test_the_launch_file_has_the_names_of_a_kinect(start):
+    static = support.Messages("/tf_static", TFMessage)
+    truths = support.Messages("/camera/ground_truth", GroundTruth)
+    wanted = topics("camera", ["rgb", "depth"])
+    size = ["image_width:=160", "image_height:=120"]
+    start("/usr/bin/roslaunch", "robot_vision", "rgbd.launch", *size)
+    color, depth, _, info, truth = support.same_frame(*wanted, truths)
+    assert shift_of(static)[1:] == ("camera_rgb_optical_frame", "camera_depth_optical_frame")
+    assert color.header.frame_id == "camera_rgb_optical_frame"
+    assert depth.header.frame_id == info.header.frame_id == "camera_depth_optical_frame"
+    params = SceneParams()
+    params.width, params.height = 160, 120
+    metres = np.nan_to_num(Scene(params).render_depth(truth.frame))
+    assert depth.encoding == "16UC1"
+    assert np.abs(pixels(depth) - 1000.0 * metres).max() < 0.501
+
+
+def test_one_image_is_divided_into_a_pair(start, tmp_path):
+    both = np.random.default_rng(1).integers(0, 256, (48, 128, 3), np.uint8)
+    cv2.imwrite(str(tmp_path / "both.png"), both)
+    wanted = topics("camera", ["left", "right"])
+    compressed = support.Messages("/camera/left/image_raw/compressed", CompressedImage)
+    start("camera_node", f"_source:={tmp_path}/both.png", "_views:=stereo")
+    left, right, info, _, jpeg = support.same_frame(*wanted, compressed)
+    assert np.array_equal(pixels(left), both[:, :64])
+    assert np.array_equal(pixels(right), both[:, 64:])
+    assert (info.width, info.height, info.K[0]) == (64, 48, 0)
+    assert cv2.imdecode(np.frombuffer(jpeg.data, np.uint8), 1).shape == (48, 64, 3)
+
+
+def test_an_image_that_cannot_be_divided_is_refused(start, tmp_path):
+    cv2.imwrite(str(tmp_path / "odd.png"), np.zeros((48, 127, 3), np.uint8))
+    process = start("camera_node", f"_source:={tmp_path}/odd.png", "_views:=stereo")
+    images = support.Messages("/camera/left/image_raw", Image)
+    process.wait_for_output("a bgr8 image of 127x48 cannot be divided into a left and a right one")
+    assert not images.received
+
+
+@pytest.mark.parametrize(
+    "name, value, text",
+    [
+        ("views", "rgbd", "views is 'rgbd', must be one or stereo, as only the source synthetic"),
+        ("views", "both", "views is 'both', must be one, stereo or rgbd"),
+        ("depth_noise", "lots", "depth_noise is 'lots', must be none, kinect, stereo or tof"),
+    ],
+)
+def test_wrong_views_are_fatal_at_start(start, name, value, text):
+    support.assert_fatal_at_start(start, "camera_node", name, value, text)
