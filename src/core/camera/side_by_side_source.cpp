@@ -2,6 +2,7 @@
 
 #include <stdexcept>
 
+#include "robot_vision/common/range.hpp"
 #include "robot_vision/image/encoding.hpp"
 
 namespace robot_vision
@@ -44,11 +45,10 @@ cv::Mat halfOf(const cv::Mat& image, const std::string& encoding, int side, cv::
   const int multiple = 2 * columnsTogether(encoding);
   const cv::Size size = imageSize(image, encoding);
   if (size.width % multiple != 0)
-    throw std::invalid_argument("a " + encoding + " image of " + std::to_string(size.width) + "x" +
-                                std::to_string(size.height) +
-                                " cannot be divided into a left and a right one: expected its width to be a multiple "
-                                "of " +
-                                std::to_string(multiple));
+    throw std::invalid_argument(
+        "a " + encoding + " image of " + toText(size) +
+        " cannot be divided into a left and a right one: expected its width to be a multiple of " +
+        std::to_string(multiple));
   if (encoding != "yu12") return image.colRange(side * image.cols / 2, (side + 1) * image.cols / 2);
   copyHalf(image, side, copy);
   return copy;

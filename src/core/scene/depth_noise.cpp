@@ -72,10 +72,9 @@ float beyondEdge(const cv::Mat& inverse, cv::Point at, double limit)
 /// Throws std::invalid_argument naming the image unless it has this type and size.
 void checkImage(const cv::Mat& image, const std::string& name, int type, const cv::Size& size)
 {
-  const auto text = [](const cv::Size& s) { return std::to_string(s.width) + "x" + std::to_string(s.height); };
   checkPixels(image, name, type);
-  require(image.size() == size, "the size of the " + name + " image", text(image.size()),
-          "that of the camera, " + text(size));
+  require(image.size() == size, "the size of the " + name + " image", toText(image.size()),
+          "that of the camera, " + toText(size));
 }
 
 }  // namespace

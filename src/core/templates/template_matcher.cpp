@@ -32,8 +32,7 @@ cv::Mat usedMask(const cv::Mat& mask, const cv::Size& size)
 {
   if (mask.empty()) return {};
   checkPixels(mask, "a mask", CV_8UC1);
-  const auto text = [](const cv::Size& one) { return std::to_string(one.width) + "x" + std::to_string(one.height); };
-  require(mask.size() == size, "the mask's size", text(mask.size()), "the template's, " + text(size));
+  require(mask.size() == size, "the mask's size", toText(mask.size()), "the template's, " + toText(size));
   const cv::Mat used = mask >= 128;
   const int count = cv::countNonZero(used);
   require(count > 0, "the mask's number of pixels that count", count, "at least 1");

@@ -200,8 +200,8 @@ std::optional<DepthPlane> measureTagPlane(const cv::Mat& depth, const std::array
   require(depth.type() == CV_32FC1 || depth.type() == CV_16UC1, "type of the depth image",
           cv::typeToString(depth.type()), "CV_32FC1 (m) or CV_16UC1 (mm)");
   require(depth.cols == camera.width && depth.rows == camera.height, "size of the depth image",
-          std::to_string(depth.cols) + "x" + std::to_string(depth.rows),
-          "that of the camera, " + std::to_string(camera.width) + "x" + std::to_string(camera.height));
+          toText(depth.size()),
+          "that of the camera, " + sizeText(camera.width, camera.height));
   const cv::Point2d down = corners[2] - corners[0];
   const double area = std::abs(down.cross(corners[3] - corners[1])) / 2.0;
   const int stride = std::max(cvCeil(std::sqrt(area / kMaxSamples)), 1);
