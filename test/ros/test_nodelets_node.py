@@ -12,7 +12,7 @@ from sensor_msgs.msg import Image
 # How often each is loaded and unloaded; those that share all code for that with others less often.
 CYCLES = {
     **dict.fromkeys(("camera", "brightness", "edge_detector"), 100),
-    **dict.fromkeys(("filter", "dense_flow", "spectrum", "segmenter"), 20),
+    **dict.fromkeys(("filter", "dense_flow", "spectrum", "segmenter"), 50),
 }
 
 
