@@ -1,13 +1,15 @@
 """Shared by the tests of nodes that need camera_info: images, and the calibration beside them."""
 
-from typing import Any
+from typing import Any, Callable, Tuple
 
 import numpy as np
+import rospy
+import support
 from frames import Camera, Source
 from sensor_msgs.msg import CameraInfo
 from std_msgs.msg import Header
 
-from robot_vision import CameraModel
+from robot_vision import CameraModel, draw_text
 
 
 def info_of(camera: CameraModel) -> CameraInfo:
@@ -19,6 +21,29 @@ def info_of(camera: CameraModel) -> CameraInfo:
         D=list(camera.D),
         distortion_model=camera.distortion_model,
     )
+
+
+def not_calibrated(image: np.ndarray) -> np.ndarray:
+    """What a node shows of an image as long as it does not know the camera."""
+    drawn = image.copy()
+    draw_text(drawn, "no calibration: see what the node has printed", (10, 20))
+    return drawn
+
+
+def show_until_known(
+    show: Callable[[np.ndarray], Tuple[rospy.Time, np.ndarray]], image: np.ndarray
+) -> Tuple[rospy.Time, np.ndarray]:
+    """Shows an image until the node knows the camera, as camera_info may come later.
+
+    Args:
+        show: Sends an image, and returns its stamp and what the node shows of it.
+    """
+
+    def known() -> Any:
+        stamp, shown = show(image)
+        return not np.array_equal(shown, not_calibrated(image)) and (stamp, shown)
+
+    return support.wait_for(known, "the camera to be known")
 
 
 class CalibratedCamera(Camera):
