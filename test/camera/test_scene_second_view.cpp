@@ -60,10 +60,10 @@ bool sameBits(const cv::Mat& a, const cv::Mat& b)
          std::memcmp(a.data, b.data, a.total() * a.elemSize()) == 0;
 }
 
-/// How many pixels have no depth (CV_32FC1).
+/// How many pixels have no depth (CV_32FC1), which equals nothing.
 int missing(const cv::Mat& metres)
 {
-  return cv::countNonZero(metres != metres);
+  return static_cast<int>(metres.total()) - cv::countNonZero(metres == metres);
 }
 
 }  // namespace
