@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/common/in_this_thread.hpp"
 #include "core/image/conversion_buffer.hpp"
 #include "core/image/filled_up.hpp"
 #include "core/image/frame_sequence.hpp"
@@ -25,15 +26,6 @@ namespace
 constexpr int kMinDisSide = 32;       // px, of the smaller side
 constexpr int kMinDisLength = 96;     // px, of the larger side
 constexpr int kMaxDisLength = 16384;  // px
-
-/// Calls `work` with OpenCV's functions confined to this thread: what is parallel already is not divided any further.
-/// Whether something is, OpenCV notes for the process, so that others are confined to their threads meanwhile; the
-/// number of its threads, by which DIS divides an image, stays as it is.
-template <class Work>
-void inThisThread(const Work& work)
-{
-  cv::parallel_for_({0, 1}, [&](const cv::Range&) { work(); });
-}
 
 cv::Ptr<cv::DISOpticalFlow> makeDis(const std::string& preset)
 {
