@@ -4,7 +4,6 @@
 #include <boost/make_shared.hpp>
 #include <cctype>
 #include <filesystem>
-#include <limits>
 #include <stdexcept>
 #include <utility>
 
@@ -13,6 +12,7 @@
 #include "robot_vision/common/range.hpp"
 #include "robot_vision/geometry/camera_model.hpp"
 #include "ros/images/bounded_reading.hpp"
+#include "ros/images/camera_info.hpp"
 
 namespace robot_vision
 {
@@ -27,18 +27,6 @@ bool isName(const std::string& text)
   return !text.empty() && text.size() <= kMaxName && std::all_of(text.begin(), text.end(), fits);
 }
 
-CameraModel modelOf(const sensor_msgs::CameraInfo& info)
-{
-  CameraModel model;
-  constexpr std::uint32_t kMaxInt = std::numeric_limits<int>::max();
-  model.width = static_cast<int>(std::min(info.width, kMaxInt));
-  model.height = static_cast<int>(std::min(info.height, kMaxInt));
-  model.K = cv::Matx33d(info.K.data());
-  model.D = info.D;
-  model.distortion_model = info.distortion_model;
-  return model;
-}
-
 /// Throws std::invalid_argument naming what is not valid for a camera with images of this size (empty: any size).
 void requireUsable(const sensor_msgs::CameraInfo& info, cv::Size size)
 {
@@ -50,7 +38,7 @@ void requireUsable(const sensor_msgs::CameraInfo& info, cv::Size size)
     require(info.height == static_cast<std::uint32_t>(size.height), "height", info.height,
             toText(size.height) + as_in_images);
   }
-  validate(modelOf(info));
+  validate(cameraModel(info));
   validateRectification(cv::Matx33d(info.R.data()), cv::Matx34d(info.P.data()));
 }
 

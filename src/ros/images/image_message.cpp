@@ -25,12 +25,6 @@ constexpr std::size_t kMaxPooled = 4;       // one that is being filled, one que
 constexpr std::size_t kMaxSizeRatio = 4;    // of a kept message to the last one that came back
 constexpr std::size_t kMinLimit = 1 << 20;  // bytes; messages up to this size, times the ratio, are always kept
 
-bool isLittleEndianHost()
-{
-  const std::uint16_t one = 1;
-  return *reinterpret_cast<const std::uint8_t*>(&one) == 1;
-}
-
 cv::Mat swapBytes(const cv::Mat& image)
 {
   cv::Mat swapped = image.clone();
@@ -142,6 +136,22 @@ std::string describeRefusal(const sensor_msgs::Image& message, const std::string
          sizeText(message.width, message.height) + "): " + reason;
 }
 
+bool isLittleEndianHost()
+{
+  const std::uint16_t one = 1;
+  return *reinterpret_cast<const std::uint8_t*>(&one) == 1;
+}
+
+void layOut(cv::Size size, const std::string& encoding, sensor_msgs::Image& message)
+{
+  message.encoding = encoding;
+  message.width = static_cast<std::uint32_t>(size.width);
+  message.height = static_cast<std::uint32_t>(size.height);
+  message.step = static_cast<std::uint32_t>(size.width * CV_ELEM_SIZE(anyMatType(encoding)));
+  message.is_bigendian = isLittleEndianHost() ? 0 : 1;
+  message.data.resize(std::size_t{message.step} * message.height);
+}
+
 class ImagePool::Store
 {
 public:
@@ -201,12 +211,7 @@ std::size_t ImagePool::kept() const
 sensor_msgs::ImagePtr ImagePool::take(cv::Size size, const std::string& encoding) const
 {
   sensor_msgs::ImagePtr free = take();
-  free->encoding = encoding;
-  free->width = static_cast<std::uint32_t>(size.width);
-  free->height = static_cast<std::uint32_t>(size.height);
-  free->step = static_cast<std::uint32_t>(size.width * CV_ELEM_SIZE(anyMatType(encoding)));
-  free->is_bigendian = isLittleEndianHost() ? 0 : 1;
-  free->data.resize(std::size_t{free->step} * free->height);
+  layOut(size, encoding, *free);
   return free;
 }
 

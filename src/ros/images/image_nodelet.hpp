@@ -3,7 +3,6 @@
 #include <nodelet/nodelet.h>
 
 #include <memory>
-#include <opencv2/core.hpp>
 
 #include "callback_gate.hpp"
 #include "lazy_image_input.hpp"
@@ -27,8 +26,9 @@ namespace robot_vision
 ///   void listen(bool listens);  // if it has other inputs: whether somebody subscribes to the results
 ///
 /// `image` views the pixels of the message; process() throws std::exception to refuse it. The manager of the nodelets
-/// calls these functions, and the callbacks of both handles, one after the other.
-template <class Config, class Work>
+/// calls these functions, and the callbacks of both handles, one after the other. `Input` may be another one with
+/// LazyImageInput's functions: process() takes what it gives, and the outputs.
+template <class Config, class Work, class Input = LazyImageInput>
 class ImageNodelet : public nodelet::Nodelet
 {
 public:
@@ -44,11 +44,10 @@ private:
     params_ = std::make_unique<LiveParams<Config>>(getPrivateNodeHandle(),
                                                    [this](const Config& config) { work_->configure(config); });
     outputs_ = std::make_unique<LazyOutputs>(getPrivateNodeHandle(), [this] { input_->update(); });
-    input_ = std::make_unique<LazyImageInput>(
+    input_ = std::make_unique<Input>(
         getNodeHandle(), getPrivateNodeHandle(), getName(),
-        [this](const sensor_msgs::ImageConstPtr& message, const cv::Mat& image)
-        { work_->process(message, image, *outputs_); },
-        [this] { return outputs_->areWanted(); }, [this](bool listens) { listen(*work_, listens, 0); });
+        [this](const auto&... frame) { work_->process(frame..., *outputs_); }, [this] { return outputs_->areWanted(); },
+        [this](bool listens) { listen(*work_, listens, 0); });
     work_->advertise(*outputs_);
     input_->start();
     reviewParams(getPrivateNodeHandle());
@@ -86,7 +85,7 @@ private:
   std::unique_ptr<Work> work_;
   std::unique_ptr<LiveParams<Config>> params_;
   std::unique_ptr<LazyOutputs> outputs_;
-  std::unique_ptr<LazyImageInput> input_;
+  std::unique_ptr<Input> input_;
   std::unique_ptr<Registration> registration_;
 };
 

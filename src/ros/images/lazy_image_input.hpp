@@ -3,14 +3,13 @@
 #include <image_transport/image_transport.h>
 #include <ros/ros.h>
 
-#include <condition_variable>
 #include <functional>
-#include <mutex>
 #include <opencv2/core.hpp>
 #include <string>
 
 #include "frame_statistics.hpp"
 #include "image_subscription.hpp"
+#include "lazy_subscriber.hpp"
 #include "robot_vision/common/throttle.hpp"
 
 namespace robot_vision
@@ -32,31 +31,23 @@ public:
   ~LazyImageInput();
 
   void start();
-  /// Subscribes or not, as the results are wanted now; while another thread does so, it has that thread look again.
-  /// Thread-safe; to be called when their subscribers come or go.
-  void update();
+  /// As LazySubscriber's. Thread-safe; to be called when the results' subscribers come or go.
+  void update() { subscriber_.update(); }
 
 private:
-  void subscribeIfWanted();
+  void listen(bool wanted);
   void onImage(const sensor_msgs::ImageConstPtr& message);
 
   ros::NodeHandle nh_;
   ros::NodeHandle pnh_;
   std::string name_;
   Process process_;
-  std::function<bool()> is_wanted_;
   std::function<void(bool)> on_listen_;
-  bool always_subscribe_ = false;
   FrameDiagnostics diagnostics_;
   Throttle throttle_;
   image_transport::ImageTransport it_;
-  std::mutex mutex_;  // guards the next three, as connections come also during the setup and the destruction
-  bool running_ = false;
-  bool updating_ = false;            // a thread subscribes or not, and only that thread uses `subscription_` for it
-  bool changed_ = false;             // since it looked
-  std::condition_variable updated_;  // updating_ is false again
   ImageSubscription subscription_;
-  ros::WallTimer timer_;
+  LazySubscriber subscriber_;  // calls listen()
 };
 
 }  // namespace robot_vision

@@ -1,0 +1,22 @@
+#include "camera_info.hpp"
+
+#include <algorithm>
+#include <cstdint>
+#include <limits>
+
+namespace robot_vision
+{
+
+CameraModel cameraModel(const sensor_msgs::CameraInfo& info)
+{
+  CameraModel model;
+  constexpr std::uint32_t kMaxInt = std::numeric_limits<int>::max();
+  model.width = static_cast<int>(std::min(info.width, kMaxInt));
+  model.height = static_cast<int>(std::min(info.height, kMaxInt));
+  model.K = cv::Matx33d(info.K.data());
+  model.D = info.D;
+  model.distortion_model = info.distortion_model;
+  return model;
+}
+
+}  // namespace robot_vision
