@@ -16,6 +16,7 @@ boost::shared_ptr<nodelet::Nodelet> makeEdgeDetector();
 boost::shared_ptr<nodelet::Nodelet> makeFilter();
 boost::shared_ptr<nodelet::Nodelet> makeSegmenter();
 boost::shared_ptr<nodelet::Nodelet> makeSpectrum();
+boost::shared_ptr<nodelet::Nodelet> makeStereoMatcher();
 
 /// `on_end` is called from the capture thread when the source has ended, with 0, or 1 after an error that was logged.
 boost::shared_ptr<nodelet::Nodelet> makeCamera(const std::function<void(int exit_code)>& on_end);

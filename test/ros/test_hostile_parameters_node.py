@@ -19,6 +19,7 @@ import robot_vision.cfg.EdgeDetectorConfig
 import robot_vision.cfg.FilterConfig
 import robot_vision.cfg.SegmenterConfig
 import robot_vision.cfg.SpectrumConfig
+import robot_vision.cfg.StereoMatcherConfig
 from robot_vision import operations
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
@@ -121,6 +122,7 @@ SEGMENTER = {
     "clusters": never,
     "outlines": is_flag,
 }
+STEREO_MATCHER = {"slop": is_number(0.0, 10.0), "method": never, "full_image": is_flag}
 OPERATION_PARAMS = {f"{one.name}_{param.name}" for one in operations() for param in one.params}
 USB_CAM_CONTROLS = (
     "brightness",
@@ -177,10 +179,11 @@ KINDS = {
     "dense_flow": (DENSE_FLOW, robot_vision.cfg.DenseFlowConfig),
     "spectrum": (SPECTRUM, robot_vision.cfg.SpectrumConfig),
     "segmenter": (SEGMENTER, robot_vision.cfg.SegmenterConfig),
+    "stereo_matcher": (STEREO_MATCHER, robot_vision.cfg.StereoMatcherConfig),
 }
 READ_ALIKE = OPERATION_PARAMS | {
     of["name"]
-    for kind in ("dense_flow", "spectrum", "segmenter")
+    for kind in ("dense_flow", "spectrum", "segmenter", "stereo_matcher")
     for of in KINDS[kind][1].config_description["parameters"]
 }
 

@@ -34,6 +34,7 @@ NODES = [
     "spectrum_node",
     "segmenter_node",
 ]
+PAIR_NODES = ["stereo_matcher_node"]  # which take the images of two cameras
 PYTHON_NODES = [
     "hsv_tracker.py",
     "ball_tracker.py",
@@ -68,7 +69,7 @@ STARTS = 200
 TOGETHER = 4  # programs at a time
 
 
-@pytest.mark.parametrize("node", NODES)
+@pytest.mark.parametrize("node", [*NODES, *PAIR_NODES])
 @pytest.mark.parametrize(
     "argument, waiting",
     [
@@ -84,7 +85,7 @@ def test_while_waiting_for_the_master(start, node, argument, waiting):
     assert process.prompt_exit_code() == 0, process.output()
 
 
-@pytest.mark.parametrize("node", [*NODES, *PYTHON_NODES])
+@pytest.mark.parametrize("node", [*NODES, *PAIR_NODES, *PYTHON_NODES])
 def test_while_idle(start, diagnostics, node):
     process = start(node, "__name:=idle", "_source:=synthetic", fork=False)
     diagnostics.next("idle")

@@ -40,7 +40,7 @@ ENCODINGS = {
 NO_TEXTS = {
     *("tag_size", "ball_diameter", "image_width", "image_height", "framerate", "loop", "view"),
     *("basics", "camera_height", "columns", "invert", "lane_width", "max_features", "pitch"),
-    *("radius", "rows", "square"),
+    *("disparities", "radius", "rows", "slop", "square"),
 }
 
 
@@ -250,6 +250,8 @@ def test_the_host_with_the_camera_passes_the_source_on_unchanged():
         ("dense_flow", ["method:=farneback"], {"method": "farneback"}),
         ("dense_flow", ["draw:=arrows"], {"draw": "arrows"}),
         ("spectrum", ["filter:=low_pass", "radius:=0.2"], {"filter": "low_pass", "radius": 0.2}),
+        ("stereo", ["method:=bm", "disparities:=96"], {"method": "bm", "disparities": 96}),
+        ("stereo", ["epipolar:=fundamental", "slop:=0.02"], {"slop": 0.02}),
         ("features", ["synthetic:=true"], {}),
         ("features", ["detector:=akaze", "max_features:=9"], {"max_features": 9}),
         ("features", ["match:=last_frame", "reference:=/a.png"], {"match": "last_frame"}),
@@ -262,7 +264,12 @@ def test_the_host_with_the_camera_passes_the_source_on_unchanged():
 def test_arguments_set_parameters(name, arguments, changed):
     before, after = (parameters_of(name + ".launch", *given) for given in ([], arguments))
     differ = {key: value for key, value in after.items() if before.get(key) != value}
-    others = {"apriltag": "apriltag_detector", "camera": "usb_cam", "rgbd": "camera"}
+    others = {
+        "apriltag": "apriltag_detector",
+        "camera": "usb_cam",
+        "rgbd": "camera",
+        "stereo": "stereo_matcher",
+    }
     node = others.get(name, name)
     assert (
         changed.items() <= {key.rpartition("/")[2]: value for key, value in differ.items()}.items()
@@ -280,6 +287,20 @@ def test_the_other_image_of_a_chain_is_that_of_a_topic_that_is_given():
     assert after == {**before, "/filter/use_second": True}
     (node,) = loaded("filter.launch").nodes
     assert "second" not in dict(node.remap_args) and not before["/filter/use_second"]
+
+
+def test_a_pair_of_cameras_is_started_where_it_is_asked_for():
+    nodes = {node.name for node in loaded("stereo.launch").nodes}
+    assert nodes == {"stereo_matcher"}
+    words = "camera:=true", "source:=/a.mp4"
+    (matcher,) = (node for node in loaded("stereo.launch", *words).nodes if node.name != "usb_cam")
+    names = ("left/image_raw", "left/camera_info", "right/image_raw", "right/camera_info")
+    assert dict(matcher.remap_args) == {name: "/usb_cam/" + name for name in names}
+    parameters = parameters_of("stereo.launch", *words)
+    assert (parameters["/usb_cam/source"], parameters["/usb_cam/views"]) == ("/a.mp4", "stereo")
+    assert "/usb_cam/source" not in parameters_of("stereo.launch")
+    (matcher,) = loaded("stereo.launch", "stereo:=/eyes").nodes
+    assert dict(matcher.remap_args)["left/image_raw"] == "/eyes/left/image_raw"
 
 
 def test_every_color_is_a_range():

@@ -1,0 +1,146 @@
+#include "stereo_pairs.hpp"
+
+#include <cmath>
+#include <cstdio>
+
+#include "robot_vision/common/range.hpp"
+
+namespace robot_vision
+{
+namespace
+{
+
+/// The index of the newest message of a stamp.
+template <class Messages>
+std::optional<std::size_t> indexOf(const Messages& messages, const ros::Time& stamp)
+{
+  for (std::size_t i = messages.size(); i-- > 0;)
+    if (messages[i]->header.stamp == stamp) return i;
+  return std::nullopt;
+}
+
+/// Takes a message out, and drops the older ones.
+template <class Messages>
+typename Messages::value_type takeOut(Messages& messages, std::size_t index)
+{
+  const typename Messages::value_type taken = messages[index];
+  messages.erase(messages.begin(), messages.begin() + static_cast<std::ptrdiff_t>(index) + 1);
+  return taken;
+}
+
+std::size_t bytesOf(const std::deque<sensor_msgs::ImageConstPtr>& images)
+{
+  std::size_t sum = 0;
+  for (const auto& image : images)
+    sum += image->data.size();
+  return sum;
+}
+
+std::string timeText(const ros::Time& stamp)
+{
+  char text[40];
+  std::snprintf(text, sizeof(text), "%u.%09u", stamp.sec, stamp.nsec);
+  return text;
+}
+
+/// That the stamps of two topics do not meet.
+std::string apart(const std::string& a, const ros::Time& of_a, const std::string& b, const ros::Time& of_b,
+                  const std::string& expected)
+{
+  return "the stamps on " + a + " and " + b + " do not meet: the newest are " + timeText(of_a) + " s and " +
+         timeText(of_b) + " s, must be " + expected;
+}
+
+}  // namespace
+
+std::optional<StereoPair> StereoPairs::add(std::size_t side, const sensor_msgs::ImageConstPtr& image)
+{
+  auto& images = cameras_[side].images;
+  images.push_back(image);
+  while (images.size() > kMaxImages || (images.size() > 1 && bytesOf(images) > kMaxBytes))
+    images.pop_front();
+  ++unpaired_;
+  return take();
+}
+
+std::optional<StereoPair> StereoPairs::add(std::size_t side, const sensor_msgs::CameraInfoConstPtr& info)
+{
+  auto& infos = cameras_[side].infos;
+  infos.push_back(info);
+  if (infos.size() > kMaxInfos) infos.pop_front();
+  return take();
+}
+
+std::optional<StereoPair> StereoPairs::take()
+{
+  Camera &left = cameras_[kLeft], &right = cameras_[kRight];
+  for (std::size_t i = left.images.size(); i-- > 0;)
+  {
+    const ros::Time stamp = left.images[i]->header.stamp;
+    const auto left_info = indexOf(left.infos, stamp);
+    const auto partner = nearestRight(stamp);
+    if (!left_info || !partner) continue;
+    StereoPair pair;
+    pair.images = {takeOut(left.images, i), takeOut(right.images, *partner)};
+    const auto right_info = indexOf(right.infos, pair.images[kRight]->header.stamp);
+    pair.infos = {takeOut(left.infos, *left_info), takeOut(right.infos, *right_info)};
+    unpaired_ = 0;
+    return pair;
+  }
+  return std::nullopt;
+}
+
+/// The index of the right image nearest in time to a left one, among those that are near enough and have camera_info.
+std::optional<std::size_t> StereoPairs::nearestRight(const ros::Time& left) const
+{
+  const Camera& right = cameras_[kRight];
+  if (slop_ == 0.0)  // exactly, beyond what a double can tell
+  {
+    if (!indexOf(right.infos, left)) return std::nullopt;
+    return indexOf(right.images, left);
+  }
+  std::optional<std::size_t> nearest;
+  double least = slop_;
+  for (std::size_t i = 0; i < right.images.size(); ++i)
+  {
+    const ros::Time stamp = right.images[i]->header.stamp;
+    const double difference = std::abs(stamp.toSec() - left.toSec());
+    if (difference > least || !indexOf(right.infos, stamp)) continue;
+    nearest = i;
+    least = difference;
+  }
+  return nearest;
+}
+
+std::string StereoPairs::problem(const StereoTopics& topics)
+{
+  if (unpaired_ < kMaxUnpaired) return "";
+  unpaired_ = 0;
+  for (const std::size_t side : {kLeft, kRight})
+  {
+    if (cameras_[side].images.empty()) return "nothing has come on " + topics.images[side];
+    if (cameras_[side].infos.empty()) return "nothing has come on " + topics.infos[side];
+  }
+  for (const std::size_t side : {kLeft, kRight})
+  {
+    const Camera& camera = cameras_[side];
+    bool meet = false;
+    for (const auto& image : camera.images)
+      meet = meet || indexOf(camera.infos, image->header.stamp);
+    if (!meet)
+      return apart(topics.images[side], camera.images.back()->header.stamp, topics.infos[side],
+                   camera.infos.back()->header.stamp, "equal");
+  }
+  const std::string expected =
+      slop_ > 0.0 ? "at most slop, " + toText(slop_) + " s, apart" : "equal; slop allows cameras that are not in step";
+  return apart(topics.images[kLeft], cameras_[kLeft].images.back()->header.stamp, topics.images[kRight],
+               cameras_[kRight].images.back()->header.stamp, expected);
+}
+
+void StereoPairs::clear()
+{
+  cameras_ = {};
+  unpaired_ = 0;
+}
+
+}  // namespace robot_vision

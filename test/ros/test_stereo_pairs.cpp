@@ -1,0 +1,260 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <boost/make_shared.hpp>
+#include <cstdint>
+#include <cstring>
+#include <string>
+#include <vector>
+
+#include "ros/stereo/stereo_messages.hpp"
+#include "ros/stereo/stereo_pairs.hpp"
+
+using namespace robot_vision;
+
+namespace
+{
+
+const StereoTopics kTopics = {{"/l/image_raw", "/r/image_raw"}, {"/l/camera_info", "/r/camera_info"}};
+
+template <class Message>
+boost::shared_ptr<Message> stamped(double time)
+{
+  const auto message = boost::make_shared<Message>();
+  message->header.stamp = ros::Time(time);
+  return message;
+}
+
+/// What is sent, and the pairs that it makes.
+class Cameras
+{
+public:
+  explicit Cameras(double slop = 0.0) : pairs(slop) {}
+
+  void image(std::size_t side, double time, std::size_t bytes = 0)
+  {
+    const auto message = stamped<sensor_msgs::Image>(time);
+    message->data.resize(bytes);
+    note(pairs.add(side, sensor_msgs::ImageConstPtr(message)));
+  }
+
+  void info(std::size_t side, double time)
+  {
+    note(pairs.add(side, sensor_msgs::CameraInfoConstPtr(stamped<sensor_msgs::CameraInfo>(time))));
+  }
+
+  /// An image with its camera_info.
+  void both(std::size_t side, double time)
+  {
+    info(side, time);
+    image(side, time);
+  }
+
+  StereoPairs pairs;
+  std::string found;  // the times of both images of each pair: "1-1 2-2 "
+
+private:
+  void note(const std::optional<StereoPair>& pair)
+  {
+    if (!pair) return;
+    const auto seconds = [](const auto& message) { return std::to_string(message->header.stamp.sec); };
+    for (const std::size_t side : {kLeft, kRight})
+      EXPECT_EQ(pair->infos[side]->header.stamp, pair->images[side]->header.stamp);
+    found += seconds(pair->images[kLeft]) + "-" + seconds(pair->images[kRight]) + " ";
+  }
+};
+
+}  // namespace
+
+TEST(StereoPairs, belongTogetherInWhicheverOrderTheyCome)
+{
+  // Which of left image, left info, right image and right info comes first, second, ...
+  std::vector<int> order = {0, 1, 2, 3};
+  do
+  {
+    Cameras cameras;
+    for (const int what : order)
+    {
+      EXPECT_EQ(cameras.found, "");
+      const std::size_t side = what < 2 ? kLeft : kRight;
+      if (what % 2 == 0)
+        cameras.image(side, 5.0);
+      else
+        cameras.info(side, 5.0);
+    }
+    EXPECT_EQ(cameras.found, "5-5 ");
+  } while (std::next_permutation(order.begin(), order.end()));
+}
+
+TEST(StereoPairs, haveExactlyEqualStampsWithoutSlop)
+{
+  Cameras cameras;
+  cameras.both(kLeft, 1.0);
+  cameras.both(kRight, 1.0 + 1e-8);
+  EXPECT_EQ(cameras.found, "");
+  cameras.both(kRight, 1.0);
+  EXPECT_EQ(cameras.found, "1-1 ");
+}
+
+TEST(StereoPairs, keepNothingThatIsOlder)
+{
+  Cameras cameras;
+  for (const double time : {1.0, 2.0, 3.0})
+    cameras.both(kLeft, time);
+  cameras.both(kRight, 2.0);
+  EXPECT_EQ(cameras.found, "2-2 ");
+  cameras.both(kRight, 1.0);  // comes late
+  EXPECT_EQ(cameras.found, "2-2 ");
+  cameras.both(kRight, 3.0);
+  EXPECT_EQ(cameras.found, "2-2 3-3 ");
+  cameras.both(kRight, 3.0);  // the left one is used
+  EXPECT_EQ(cameras.found, "2-2 3-3 ");
+}
+
+TEST(StereoPairs, areTheNearestWithSlop)
+{
+  Cameras cameras(0.4);
+  cameras.both(kLeft, 10.0);
+  cameras.both(kRight, 10.5);
+  EXPECT_EQ(cameras.found, "");
+  cameras.both(kRight, 11.25);
+  cameras.image(kLeft, 11.0);
+  EXPECT_EQ(cameras.found, "");  // its camera_info is missing
+  cameras.both(kRight, 11.1);
+  cameras.info(kLeft, 11.0);
+  EXPECT_EQ(cameras.found, "11-11 ");
+  cameras.both(kLeft, 11.5);  // 11.25 came before the one that was taken, and is gone
+  EXPECT_EQ(cameras.found, "11-11 ");
+}
+
+TEST(StereoPairs, goOnWhenTimeBeginsAnew)
+{
+  Cameras cameras;
+  for (const double time : {100.0, 101.0, 102.0})
+  {
+    cameras.both(kLeft, time);
+    if (time < 102.0) cameras.both(kRight, time);
+  }
+  for (const double time : {1.0, 2.0})
+  {
+    cameras.both(kRight, time);
+    cameras.both(kLeft, time);
+  }
+  EXPECT_EQ(cameras.found, "100-100 101-101 1-1 2-2 ");
+}
+
+TEST(StereoPairs, dropTheOldestOfMany)
+{
+  Cameras cameras;
+  cameras.info(kLeft, 1.0);
+  for (double time = 1.0; time < 2.0 + StereoPairs::kMaxImages; time += 1.0)
+    cameras.image(kLeft, time);
+  cameras.both(kRight, 1.0);
+  EXPECT_EQ(cameras.found, "");  // the image has been dropped
+
+  Cameras of_infos;
+  for (double time = 1.0; time < 2.0 + StereoPairs::kMaxInfos; time += 1.0)
+    of_infos.info(kLeft, time);
+  of_infos.image(kLeft, 1.0);
+  of_infos.both(kRight, 1.0);
+  EXPECT_EQ(of_infos.found, "");
+
+  Cameras of_bytes;
+  of_bytes.info(kLeft, 1.0);
+  of_bytes.info(kLeft, 2.0);
+  of_bytes.image(kLeft, 1.0, StereoPairs::kMaxBytes / 2 + 1);
+  of_bytes.image(kLeft, 2.0, StereoPairs::kMaxBytes / 2 + 1);
+  of_bytes.both(kRight, 1.0);
+  of_bytes.both(kRight, 2.0);
+  EXPECT_EQ(of_bytes.found, "2-2 ");
+}
+
+TEST(StereoPairs, tellWhyThereAreNone)
+{
+  const auto problem = [](double slop, auto send)
+  {
+    Cameras cameras(slop);
+    std::string told;
+    for (std::size_t i = 0; i < StereoPairs::kMaxUnpaired && told.empty(); ++i)
+    {
+      send(cameras, 1.0 + static_cast<double>(i));
+      told = cameras.pairs.problem(kTopics);
+    }
+    EXPECT_EQ(cameras.pairs.problem(kTopics), "");  // told once
+    return told;
+  };
+  EXPECT_EQ(problem(0.0, [](Cameras& cameras, double time) { cameras.both(kLeft, time); }),
+            "nothing has come on /r/image_raw");
+  EXPECT_EQ(problem(0.0, [](Cameras& cameras, double time) { cameras.both(kRight, time); }),
+            "nothing has come on /l/image_raw");
+  EXPECT_EQ(problem(0.0,
+                    [](Cameras& cameras, double time)
+                    {
+                      cameras.both(kLeft, time);
+                      cameras.image(kRight, time);
+                    }),
+            "nothing has come on /r/camera_info");
+  EXPECT_EQ(problem(0.0,
+                    [](Cameras& cameras, double time)
+                    {
+                      cameras.both(kLeft, time);
+                      cameras.both(kRight, time + 0.5);
+                    }),
+            "the stamps on /l/image_raw and /r/image_raw do not meet: the newest are 10.000000000 s and 10.500000000 "
+            "s, must be equal; slop allows cameras that are not in step");
+  EXPECT_EQ(problem(0.25,
+                    [](Cameras& cameras, double time)
+                    {
+                      cameras.both(kLeft, time);
+                      cameras.both(kRight, time + 0.5);
+                    }),
+            "the stamps on /l/image_raw and /r/image_raw do not meet: the newest are 10.000000000 s and 10.500000000 "
+            "s, must be at most slop, 0.25 s, apart");
+  EXPECT_EQ(problem(0.0,
+                    [](Cameras& cameras, double time)
+                    {
+                      cameras.both(kLeft, time);
+                      cameras.image(kRight, time);
+                      cameras.info(kRight, time + 0.5);
+                    }),
+            "the stamps on /r/image_raw and /r/camera_info do not meet: the newest are 10.000000000 s and "
+            "10.500000000 s, must be equal");
+}
+
+TEST(StereoPairs, tellNothingWhilePairsCome)
+{
+  Cameras cameras;
+  for (std::size_t i = 1; i < 3 * StereoPairs::kMaxUnpaired; ++i)
+  {
+    cameras.both(kLeft, static_cast<double>(i));
+    cameras.both(kRight, static_cast<double>(i));
+    EXPECT_EQ(cameras.pairs.problem(kTopics), "");
+  }
+}
+
+TEST(StereoPairs, canBeForgotten)
+{
+  Cameras cameras;
+  cameras.both(kLeft, 1.0);
+  cameras.pairs.clear();
+  cameras.both(kRight, 1.0);
+  EXPECT_EQ(cameras.found, "");
+}
+
+TEST(StereoMessages, wordsOfAPointCloudAreThoseOfItsPixels)
+{
+  const cv::Mat_<cv::Vec3f> points = (cv::Mat_<cv::Vec3f>(1, 2) << cv::Vec3f(1, 2, 3), cv::Vec3f(4, 5, 6));
+  const cv::Mat_<cv::Vec3b> bgr = (cv::Mat_<cv::Vec3b>(1, 2) << cv::Vec3b(1, 2, 3), cv::Vec3b(255, 254, 253));
+  const auto cloud = toPointCloud(std_msgs::Header(), points, bgr);
+  ASSERT_EQ(cloud->fields.size(), 4u);
+  EXPECT_EQ(cloud->point_step, 16u);
+  EXPECT_EQ(cloud->row_step, 32u);
+  ASSERT_EQ(cloud->data.size(), 32u);
+  float place[3];
+  std::uint32_t color = 0;
+  std::memcpy(place, cloud->data.data() + 16, sizeof(place));
+  std::memcpy(&color, cloud->data.data() + 28, sizeof(color));
+  EXPECT_EQ(place[0], 4.0F);
+  EXPECT_EQ(place[2], 6.0F);
+  EXPECT_EQ(color, 0xFDFEFFu);
+}
