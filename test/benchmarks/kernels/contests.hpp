@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-/// What bench_kernels measures: work of ours beside the calls of OpenCV that it replaces.
+/// What bench_kernels measures: work of ours beside the calls of OpenCV, or the plain loops, that it replaces.
 namespace bench
 {
 
@@ -40,6 +40,7 @@ std::vector<Work> hsvWorks();
 std::vector<Work> motionWorks();
 std::vector<Work> brightnessWorks();
 std::vector<Work> conversionWorks();
+std::vector<Work> depthWorks();
 std::vector<Work> jpegWorks();
 
 /// Where a contest's images go.
