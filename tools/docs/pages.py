@@ -7,8 +7,8 @@ import nodes
 import numpy as np
 import rospy
 from canvas import RED, beside, captioned, fitted, joined, write
-from sensor_msgs.msg import CompressedImage
-from stage import FRAME, IMAGE, Stage, listening, room
+from sensor_msgs.msg import CompressedImage, Image
+from stage import FRAME, IMAGE, Stage, listening, pixels, room, support
 
 from robot_vision import (
     CalibrationScene,
@@ -42,6 +42,21 @@ def camera(stage: Stage) -> np.ndarray:
     board = CalibrationScene(SceneParams()).render(POSE_FRAMES * 3)
     shown = [room(portrait=False).render(FRAME), board]
     return beside(shown, ["source:=synthetic", "source:=synthetic scene:=calibration"])
+
+
+def depth(stage: Stage) -> np.ndarray:
+    """Color and depth of the scene: near is blue, far is red, and nothing is black."""
+    topics = "/camera/rgb/image_raw", "/camera/depth/image_raw"
+    arguments = "_source:=synthetic", "_views:=rgbd", "_depth_noise:=kinect", "_poster:=auto"
+    sent = listening(topics[0], Image), listening(topics[1], Image)
+    with stage.node("camera_node", "camera", *arguments), sent[0] as colors, sent[1] as depths:
+        color, measured = support.same_frame(colors, depths)
+    size = measured.height, measured.width
+    millimetres = np.frombuffer(measured.data, np.uint16).reshape(size)
+    levels = np.interp(millimetres, (1000, 3500), (0, 255)).astype(np.uint8)
+    shown = cv2.applyColorMap(levels, cv2.COLORMAP_JET)
+    shown[millimetres == 0] = 0
+    return beside([pixels(color), shown], topics)
 
 
 def several_machines(stage: Stage) -> np.ndarray:
