@@ -9,10 +9,12 @@ import rospy
 import support
 from sensor_msgs.msg import Image
 
-# How often each is loaded and unloaded; those that share all code for that with others less often.
+# How often each is loaded and unloaded, and after how many of these cycles it has to make an image
+# again; in the others it is unloaded before it has fully started. What the last ones share with
+# those before them is not tested as often.
 CYCLES = {
-    **dict.fromkeys(("camera", "brightness", "edge_detector"), 100),
-    **dict.fromkeys(("filter", "dense_flow", "spectrum", "segmenter"), 50),
+    **dict.fromkeys(("camera", "brightness", "edge_detector"), (100, 10)),
+    **dict.fromkeys(("filter", "dense_flow", "spectrum", "segmenter"), (10, 1)),
 }
 
 
@@ -38,9 +40,10 @@ def test_loads_and_unloads_under_traffic(manager, kind):
     assert manager.load("/source", "camera")
     output = "/cycled/" + ("image_raw" if kind == "camera" else "processed_image")
     used = []
-    for cycle in range(CYCLES[kind]):
+    cycles, apart = CYCLES[kind]
+    for cycle in range(cycles):
         assert manager.load("/cycled", kind, {"/image": "/source/image_raw"}), cycle
-        if cycle % 10 == 0:  # in other cycles it is unloaded before it has fully started
+        if cycle % apart == 0:
             frames = support.Messages(output, Image)
             frames.wait()
             frames.close()
@@ -48,9 +51,11 @@ def test_loads_and_unloads_under_traffic(manager, kind):
         assert manager.process.running(), manager.process.output()
         used.append(memory(manager.process))
     # Single readings differ by frames on their way, and the heap grows now and then, when its free
-    # parts are too small. A leak would show in every ten cycles: 9 MiB for a 640x480 frame each.
-    growth = np.median(np.subtract(used[10:], used[:-10]))
-    assert growth < 1.0, f"{growth:.1f} MiB in 10 cycles: {np.round(used, 1)}"
+    # parts are too small. A leak would show most of the time: 0.9 MiB for a 640x480 frame, in each
+    # of the cycles or, of a hundred, 9 MiB in each ten.
+    growth = np.median(np.subtract(used[apart:], used[:-apart]))
+    most = 1.0 if apart > 1 else 0.5
+    assert growth < most, f"{growth:.1f} MiB in {apart} cycles: {np.round(used, 1)}"
     assert manager.loaded() == {"/source"}
 
 
