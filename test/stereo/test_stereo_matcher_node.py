@@ -16,6 +16,7 @@ from stereo_images import HEIGHT, WIDTH, Plane
 from stereo_msgs.msg import DisparityImage
 
 import robot_vision as rv
+from robot_vision.msg import GroundTruth
 
 LEFT, RIGHT = stereo_images.pair_of(Plane(10.0))
 TOPICS = {
@@ -353,6 +354,22 @@ def test_camera_info_may_come_from_elsewhere(start):
     infos.send(cameras.calibration["right"])
     baseline = disparities.of(stamp).T
     assert baseline == pytest.approx(BASELINE)
+
+
+def test_the_scene_s_pair_has_depths_where_its_objects_are(start):
+    """The camera node and this one, as the launch file starts them."""
+    start("/usr/bin/roslaunch", "robot_vision", "stereo.launch", "camera:=true")
+    names = {"depth": Image, "camera_info": CameraInfo}
+    topics = [support.Messages(f"/stereo_matcher/{name}", kind) for name, kind in names.items()]
+    truths = support.Messages("/usb_cam/ground_truth", GroundTruth)
+    image, info, truth = support.same_frame(*topics, truths)
+    depth, projection = pixels(image), np.reshape(info.P, (3, 4))
+    for name in ("poster", "tag_0", "tag_1"):
+        (place,) = (one.pose.position for one in truth.objects if one.name == name)
+        x, y, z = projection @ (place.x, place.y, place.z, 1.0)
+        column, row = round(x / z), round(y / z)
+        around = depth[row - 5 : row + 6, column - 5 : column + 6]
+        assert np.nanmedian(around) == pytest.approx(place.z, rel=0.05), name
 
 
 def test_it_is_a_nodelet_beside_others(start):
