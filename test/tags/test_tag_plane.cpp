@@ -119,7 +119,7 @@ TEST(TagPlane, isThatOfTheTag)
       EXPECT_LE(plane->pixels, 2200);
       cv::Mat millimetres;
       depth.convertTo(millimetres, CV_16U, 1000.0);  // NaN becomes 0
-      millimetres.setTo(0, ~(depth == depth));  // OpenCV's != may not know NaN
+      millimetres.setTo(0, ~(depth == depth));       // OpenCV's != may not know NaN
       const auto rounded = measureTagPlane(millimetres, corners.corners, kCamera);
       ASSERT_TRUE(rounded);
       const cv::Vec3d change = rounded->inverse_depth - plane->inverse_depth;

@@ -199,8 +199,7 @@ std::optional<DepthPlane> measureTagPlane(const cv::Mat& depth, const std::array
   checkFields(params);
   require(depth.type() == CV_32FC1 || depth.type() == CV_16UC1, "type of the depth image",
           cv::typeToString(depth.type()), "CV_32FC1 (m) or CV_16UC1 (mm)");
-  require(depth.cols == camera.width && depth.rows == camera.height, "size of the depth image",
-          toText(depth.size()),
+  require(depth.cols == camera.width && depth.rows == camera.height, "size of the depth image", toText(depth.size()),
           "that of the camera, " + sizeText(camera.width, camera.height));
   const cv::Point2d down = corners[2] - corners[0];
   const double area = std::abs(down.cross(corners[3] - corners[1])) / 2.0;
