@@ -38,6 +38,9 @@ def test_bad_frames_are_refused_and_counted(start, diagnostics, node):
     encodings = FILTERED if node in NODES[:2] else ["bgr8", "mono16", "yuv422"]
     if node == "dense_flow":
         source.send(good("bgr8"))  # the first frame has no flow
+        support.wait_for(
+            lambda: diagnostics.value("filter", "frames published") == "1", "the first frame"
+        )
     refused = 0
     for accepted, encoding in enumerate(encodings, 1):
         for fields, bad in damaged(good(encoding), UNKNOWN[:3]):

@@ -79,7 +79,7 @@ def at_start(monkeypatch):
     """at_start(values) fakes a parameter server with these values, with names such as ~gain."""
     monkeypatch.setattr(params, "_Server", Server)
     monkeypatch.setattr(rospy, "Service", lambda *_: None)
-    monkeypatch.setattr(rospy, "get_param", lambda name, default: server_values.get(name, default))
+    monkeypatch.setattr(rospy, "get_param", server_values.get)
     monkeypatch.setattr(rospy, "has_param", lambda name: name in server_values)
     monkeypatch.setattr(rospy, "delete_param", server_values.pop)
     monkeypatch.setattr(rospy, "set_param", server_values.__setitem__)

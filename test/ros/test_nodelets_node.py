@@ -14,7 +14,7 @@ from sensor_msgs.msg import Image
 # those before them is not tested as often.
 CYCLES = {
     **dict.fromkeys(("camera", "brightness", "edge_detector"), (100, 10)),
-    **dict.fromkeys(("filter", "dense_flow", "spectrum", "segmenter"), (10, 1)),
+    **dict.fromkeys(("filter", "dense_flow", "spectrum", "segmenter"), (25, 1)),
 }
 
 
