@@ -160,8 +160,9 @@ def test_looping_keeps_the_rate(start, tmp_path):
         cv2.imwrite(str(tmp_path / f"{name}.png"), np.zeros((48, 64, 3), np.uint8))
     images = support.Messages("/camera/image_raw", Image)
     start("camera_node", f"_source:={tmp_path}", "_loop:=true", "_framerate:=50")
-    stamps = [m.header.stamp.to_sec() for m in images.wait(51)]
-    assert (stamps[-1] - stamps[0]) / 50 == pytest.approx(0.02, rel=0.1)
+    stamps = np.array([m.header.stamp.to_sec() for m in images.wait(51)])
+    # Twice the period from each image to itself; a machine that stops now and then is seen in few.
+    assert np.median(stamps[2:] - stamps[:-2]) == pytest.approx(0.04, rel=0.1)
 
 
 class MjpegServer(http.server.BaseHTTPRequestHandler):

@@ -45,7 +45,9 @@ def test_camera_captures_while_somebody_subscribes(start, diagnostics, topic, ki
     messages = support.Messages("/lazy/" + topic, kind)
     messages.wait(2)
     rising = int(diagnostics.value("lazy", "frames received"))
-    assert int(diagnostics.value("lazy", "frames received")) > rising
+    support.wait_for(
+        lambda: int(diagnostics.value("lazy", "frames received")) > rising, "more frames"
+    )
     messages.close()
 
     wait_until_idle(diagnostics, "lazy")
