@@ -6,12 +6,18 @@ master.
 
 import os
 import pathlib
+import signal
 import sys
 
 HERE = pathlib.Path(__file__).resolve().parent
 # Its threads yield to each other at every small matrix: beside other work a second becomes minutes.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 sys.path[:0] = [str(HERE / "support"), str(HERE / "benchmarks"), str(HERE / "vivid")]
+
+
+# What a shell starts in the background ignores SIGINT, as all does that it starts: a master would
+# then be waited for that was told to end.
+signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 def has_nodes(path):
