@@ -22,11 +22,6 @@ constexpr double kNearest = 0.05;          // m, median of what depth cameras se
 constexpr double kFarthestMetres = 200.0;  // m, of 32FC1
 constexpr double kFarthest = 30.0;         // m, of 16UC1, which ends at 65 m
 
-std::string sizeText(const cv::Size& size)
-{
-  return std::to_string(size.width) + "x" + std::to_string(size.height);
-}
-
 /// The depths (m) of some pixels that have one.
 std::vector<double> samplesOf(const cv::Mat& depth)
 {
@@ -71,8 +66,8 @@ void checkDepth(const cv::Mat& depth, const std::string& encoding)
 void checkDepth(const cv::Mat& depth, const std::string& encoding, const cv::Size& size)
 {
   checkDepth(depth, encoding);
-  require(depth.size() == size, "the size of the depth image", sizeText(depth.size()),
-          sizeText(size) + " as of its camera");
+  require(depth.size() == size, "the size of the depth image", toText(depth.size()),
+          toText(size) + " as of its camera");
 }
 
 void toMetres(const cv::Mat& depth, const std::string& encoding, cv::Mat& metres)
@@ -105,7 +100,7 @@ std::string oddDepth(const cv::Mat& depth, const std::string& encoding)
 {
   checkDepth(depth, encoding);
   std::vector<double> depths = samplesOf(depth);
-  if (depths.empty()) return hasDepth(depth) ? "" : "none of the " + sizeText(depth.size()) + " pixels has a depth";
+  if (depths.empty()) return hasDepth(depth) ? "" : "none of the " + toText(depth.size()) + " pixels has a depth";
   const auto middle = depths.begin() + static_cast<std::ptrdiff_t>(depths.size() / 2);
   std::nth_element(depths.begin(), middle, depths.end());
   const bool in_mm = depth.type() == CV_16UC1;

@@ -50,9 +50,8 @@ void DepthPoints::cloud(const cv::Mat& depth, const std::string& encoding, cv::M
 void DepthPoints::cloud(const cv::Mat& depth, const std::string& encoding, const cv::Mat& bgr, cv::Mat& xyzrgb) const
 {
   checkPixels(bgr, "bgr8");
-  require(bgr.size() == depth.size(), "the size of the color image",
-          std::to_string(bgr.cols) + "x" + std::to_string(bgr.rows),
-          std::to_string(depth.cols) + "x" + std::to_string(depth.rows) + " as of the depth image");
+  require(bgr.size() == depth.size(), "the size of the color image", toText(bgr.size()),
+          toText(depth.size()) + " as of the depth image");
   forRows(depth, encoding, CV_32FC4, xyzrgb,
           [&](int y, const float* depths, const RayRow& rays, float* points)
           { kernels<DepthKernels>().colored_points(depths, rays, bgr.ptr(y), camera_.width, points); });

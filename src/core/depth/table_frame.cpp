@@ -1,0 +1,60 @@
+#include "table_frame.hpp"
+
+#include <cmath>
+#include <cstddef>
+#include <opencv2/imgproc.hpp>
+#include <utility>
+
+#include "plane_hulls.hpp"
+
+namespace robot_vision
+{
+
+Footprint footprint(const std::vector<cv::Point2f>& points)
+{
+  Footprint result;
+  if (points.empty()) return result;
+  const cv::RotatedRect rectangle = cv::minAreaRect(points);
+  result.middle = rectangle.center;
+  result.length = rectangle.size.width;
+  result.width = rectangle.size.height;
+  result.angle = rectangle.angle * CV_PI / 180.0;
+  if (result.length >= result.width) return result;
+  std::swap(result.length, result.width);
+  result.angle += CV_PI / 2.0;
+  return result;
+}
+
+TableFrame::TableFrame(const Plane& plane) : pose_(planeFrame(plane)), to_plane_(pose_.inv())
+{
+  for (const cv::Point3d& corner : plane.hull)
+  {
+    const cv::Vec3d place = local(cv::Vec3d(corner.x, corner.y, corner.z));
+    hull_.emplace_back(static_cast<float>(place[0]), static_cast<float>(place[1]));
+  }
+}
+
+bool TableFrame::isAbove(const cv::Vec3d& place, double margin) const
+{
+  for (std::size_t i = 0; i < hull_.size(); ++i)
+  {
+    const cv::Point2d from = hull_[i], side = cv::Point2d(hull_[(i + 1) % hull_.size()]) - from;
+    const cv::Point2d to_place = cv::Point2d(place[0], place[1]) - from;
+    if (side.cross(to_place) < -margin * cv::norm(side)) return false;
+  }
+  return hull_.size() >= 3;
+}
+
+double TableFrame::area() const
+{
+  return hull_.size() < 3 ? 0.0 : cv::contourArea(hull_);
+}
+
+cv::Affine3d TableFrame::poseOf(const Footprint& rectangle, double height) const
+{
+  const double cosine = std::cos(rectangle.angle), sine = std::sin(rectangle.angle);
+  const cv::Matx33d turn(cosine, -sine, 0.0, sine, cosine, 0.0, 0.0, 0.0, 1.0);
+  return pose_ * cv::Affine3d(turn, cv::Vec3d(rectangle.middle.x, rectangle.middle.y, height));
+}
+
+}  // namespace robot_vision

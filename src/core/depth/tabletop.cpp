@@ -1,0 +1,133 @@
+#include "robot_vision/depth/tabletop.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <utility>
+
+#include "plane_search.hpp"
+#include "robot_vision/common/range.hpp"
+#include "table_frame.hpp"
+#include "table_objects.hpp"
+
+namespace robot_vision
+{
+namespace
+{
+
+constexpr double kMinDeviations = 3.0;  // of the noise, that an object is higher than its table
+
+}  // namespace
+
+void validate(const TabletopParams& params)
+{
+  checkFields(params);
+  require(params.max_height > params.min_height, "max_height", params.max_height,
+          "above min_height, " + toText(params.min_height));
+}
+
+struct TabletopFinder::Impl
+{
+  Impl(const CameraModel& camera, const PlaneParams& planes, const TabletopParams& p)
+    : params((validate(p), p)), search(camera, planes), objects(search.rays(), p.gap, p.min_pixels)
+  {
+  }
+
+  const Tabletop& find(const cv::Mat& depth, const std::string& encoding, const cv::Vec3d& up)
+  {
+    for (const double value : up.val)
+      requireFinite("up", value);
+    search.find(depth, encoding);
+    found.tables.clear();
+    objects.begin(depth.size());
+    is_table.assign(256, false);
+    const std::vector<std::size_t> tables = tablesOf(up);
+    for (const std::size_t i : tables)
+      is_table[i + 1] = true;
+    for (const std::size_t i : tables)
+      add(search.found().planes[i]);
+    found.labels = objects.labels();
+    return found;
+  }
+
+  /// The indices of the planes that are tables, the nearest first.
+  std::vector<std::size_t> tablesOf(const cv::Vec3d& up) const
+  {
+    const std::vector<Plane>& planes = search.found().planes;
+    const double length = cv::norm(up);
+    if (length == 0.0) return planes.empty() ? std::vector<std::size_t>() : std::vector<std::size_t>{0};
+    const double least = std::cos(params.up_tolerance * CV_PI / 180.0);
+    std::vector<std::size_t> tables;
+    for (std::size_t i = 0; i < planes.size(); ++i)
+      if (planes[i].normal.dot(up) >= least * length && TableFrame(planes[i]).area() >= params.min_table_area)
+        tables.push_back(i);
+    std::stable_sort(tables.begin(), tables.end(),
+                     [&](std::size_t a, std::size_t b) { return planes[a].distance < planes[b].distance; });
+    return tables;
+  }
+
+  void add(const Plane& plane)
+  {
+    const TableFrame frame(plane);
+    const Footprint around = footprint(frame.hull());
+    Table table;
+    table.plane = plane;
+    table.pose = frame.poseOf(around, 0.0);
+    table.size = {around.length, around.width};
+    findCandidates(plane, frame);
+    table.objects = objects.find(depths, frame);
+    found.tables.push_back(std::move(table));
+  }
+
+  /// Writes the depths of pixels that can show what stands on a table, and 0 for all others.
+  void findCandidates(const Plane& plane, const TableFrame& frame)
+  {
+    depths.create(search.inverse().size(), CV_32FC1);
+    for (int y = 0; y < depths.rows; ++y)
+    {
+      const auto* const inverse = search.inverse().ptr<float>(y);
+      const auto *const ray_x = search.rays().x.ptr<float>(y), *const ray_y = search.rays().y.ptr<float>(y);
+      const auto* const of_planes = search.found().labels.ptr(y);
+      const auto* const taken = objects.labels().ptr<std::uint16_t>(y);
+      auto* const to = depths.ptr<float>(y);
+      for (int x = 0; x < depths.cols; ++x)
+      {
+        to[x] = 0.0F;
+        if (inverse[x] == 0.0F || is_table[of_planes[x]] || taken[x] != 0) continue;
+        const double z = 1.0 / inverse[x];
+        const cv::Vec3d ray(ray_x[x], ray_y[x], 1.0);
+        const double along = plane.normal.dot(ray), height = z * along + plane.distance;
+        if (!(height >= params.min_height && height <= params.max_height)) continue;
+        if (height < kMinDeviations * search.deviation(z) * std::abs(along)) continue;
+        if (frame.isAbove(frame.local(z * ray), params.margin)) to[x] = static_cast<float>(z);
+      }
+    }
+  }
+
+  TabletopParams params;
+  PlaneSearch search;
+  TableObjects objects;
+  Tabletop found;
+  std::vector<bool> is_table;  // of the planes, by their labels
+  cv::Mat depths;              // of what can be objects of one table
+};
+
+TabletopFinder::TabletopFinder(const CameraModel& camera, const PlaneParams& planes, const TabletopParams& params)
+  : impl_(std::make_unique<Impl>(camera, planes, params))
+{
+}
+
+TabletopFinder::~TabletopFinder() = default;
+
+const Tabletop& TabletopFinder::find(const cv::Mat& depth, const std::string& encoding, const cv::Vec3d& up)
+{
+  return impl_->find(depth, encoding, up);
+}
+
+const PlaneSegmentation& TabletopFinder::planes() const
+{
+  return impl_->search.found();
+}
+
+}  // namespace robot_vision
