@@ -12,6 +12,7 @@ namespace robot_vision
 /// Make the nodelets without a plugin loader, for the programs that run one nodelet as a node.
 boost::shared_ptr<nodelet::Nodelet> makeBrightness();
 boost::shared_ptr<nodelet::Nodelet> makeDenseFlow();
+boost::shared_ptr<nodelet::Nodelet> makeDepthRegistration();
 boost::shared_ptr<nodelet::Nodelet> makeEdgeDetector();
 boost::shared_ptr<nodelet::Nodelet> makeFilter();
 boost::shared_ptr<nodelet::Nodelet> makeSegmenter();

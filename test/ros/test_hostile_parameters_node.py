@@ -15,6 +15,7 @@ from std_srvs.srv import Trigger
 import robot_vision.cfg.BrightnessConfig
 import robot_vision.cfg.CameraConfig
 import robot_vision.cfg.DenseFlowConfig
+import robot_vision.cfg.DepthRegistrationConfig
 import robot_vision.cfg.EdgeDetectorConfig
 import robot_vision.cfg.FilterConfig
 import robot_vision.cfg.SegmenterConfig
@@ -122,6 +123,11 @@ SEGMENTER = {
     "clusters": never,
     "outlines": is_flag,
 }
+DEPTH_REGISTRATION = {
+    "slop": is_number(0.0, 10.0),
+    "max_jump": is_number(0.001, 1.0),
+    "color": is_flag,
+}
 STEREO_MATCHER = {"slop": is_number(0.0, 10.0), "method": never, "full_image": is_flag}
 OPERATION_PARAMS = {f"{one.name}_{param.name}" for one in operations() for param in one.params}
 USB_CAM_CONTROLS = (
@@ -182,11 +188,12 @@ KINDS = {
     "dense_flow": (DENSE_FLOW, robot_vision.cfg.DenseFlowConfig),
     "spectrum": (SPECTRUM, robot_vision.cfg.SpectrumConfig),
     "segmenter": (SEGMENTER, robot_vision.cfg.SegmenterConfig),
+    "depth_registration": (DEPTH_REGISTRATION, robot_vision.cfg.DepthRegistrationConfig),
     "stereo_matcher": (STEREO_MATCHER, robot_vision.cfg.StereoMatcherConfig),
 }
 READ_ALIKE = OPERATION_PARAMS | {
     of["name"]
-    for kind in ("dense_flow", "spectrum", "segmenter", "stereo_matcher")
+    for kind in ("dense_flow", "spectrum", "segmenter", "depth_registration", "stereo_matcher")
     for of in KINDS[kind][1].config_description["parameters"]
 }
 

@@ -34,7 +34,7 @@ NODES = [
     "spectrum_node",
     "segmenter_node",
 ]
-PAIR_NODES = ["stereo_matcher_node"]  # which take the images of two cameras
+PAIR_NODES = ["stereo_matcher_node", "depth_registration_node"]  # which take those of two cameras
 PYTHON_NODES = [
     "hsv_tracker.py",
     "ball_tracker.py",

@@ -40,7 +40,7 @@ ENCODINGS = {
 NO_TEXTS = {
     *("tag_size", "ball_diameter", "image_width", "image_height", "framerate", "loop", "view"),
     *("basics", "camera_height", "columns", "invert", "lane_width", "max_features", "pitch"),
-    *("disparities", "radius", "rows", "slop", "square"),
+    *("color", "disparities", "radius", "rows", "slop", "square", "threads"),
 }
 
 
@@ -252,6 +252,7 @@ def test_the_host_with_the_camera_passes_the_source_on_unchanged():
         ("spectrum", ["filter:=low_pass", "radius:=0.2"], {"filter": "low_pass", "radius": 0.2}),
         ("stereo", ["method:=bm", "disparities:=96"], {"method": "bm", "disparities": 96}),
         ("stereo", ["epipolar:=fundamental", "slop:=0.02"], {"slop": 0.02}),
+        ("depth_registration", ["color:=false", "threads:=2"], {"color": False, "threads": 2}),
         ("features", ["synthetic:=true"], {}),
         ("features", ["detector:=akaze", "max_features:=9"], {"max_features": 9}),
         ("features", ["match:=last_frame", "reference:=/a.png"], {"match": "last_frame"}),

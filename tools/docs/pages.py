@@ -1,5 +1,6 @@
 """The images of the pages that are about no single node."""
 
+import contextlib
 from typing import List, Sequence, Tuple
 
 import cv2
@@ -44,19 +45,38 @@ def camera(stage: Stage) -> np.ndarray:
     return beside(shown, ["source:=synthetic", "source:=synthetic scene:=calibration"])
 
 
-def depth(stage: Stage) -> np.ndarray:
-    """Color and depth of the scene: near is blue, far is red, and nothing is black."""
-    topics = "/camera/rgb/image_raw", "/camera/depth/image_raw"
-    arguments = "_source:=synthetic", "_views:=rgbd", "_depth_noise:=kinect", "_poster:=auto"
-    sent = listening(topics[0], Image), listening(topics[1], Image)
-    with stage.node("camera_node", "camera", *arguments), sent[0] as colors, sent[1] as depths:
-        color, measured = support.same_frame(colors, depths)
-    size = measured.height, measured.width
-    millimetres = np.frombuffer(measured.data, np.uint16).reshape(size)
+RGBD = "_source:=synthetic", "_views:=rgbd", "_depth_noise:=kinect", "_poster:=auto"
+
+
+def colors_of(depth_image: Image) -> np.ndarray:
+    """A depth image of 16UC1: near is blue, far is red, and nothing is black."""
+    size = depth_image.height, depth_image.width
+    millimetres = np.frombuffer(depth_image.data, np.uint16).reshape(size)
     levels = np.interp(millimetres, (1000, 3500), (0, 255)).astype(np.uint8)
     shown = cv2.applyColorMap(levels, cv2.COLORMAP_JET)
     shown[millimetres == 0] = 0
-    return beside([pixels(color), shown], topics)
+    return shown
+
+
+def depth(stage: Stage) -> np.ndarray:
+    """Color and depth of the scene."""
+    topics = "/camera/rgb/image_raw", "/camera/depth/image_raw"
+    sent = listening(topics[0], Image), listening(topics[1], Image)
+    with stage.node("camera_node", "camera", *RGBD), sent[0] as colors, sent[1] as depths:
+        color, measured = support.same_frame(colors, depths)
+    return beside([pixels(color), colors_of(measured)], topics)
+
+
+def depth_registration(stage: Stage) -> np.ndarray:
+    """Color and depth of the scene, and the depth of the color camera."""
+    names = "rgb/image_raw", "depth/image_raw", "depth_registered/image_raw"
+    with contextlib.ExitStack() as stack:
+        stack.enter_context(stage.node("camera_node", "camera", *RGBD))
+        words = "depth_registration_node", "depth_registration", "__ns:=/camera"
+        stack.enter_context(stage.node(*words))
+        sent = [stack.enter_context(listening(f"/camera/{name}", Image)) for name in names]
+        color, *depths = support.same_frame(*sent)
+    return beside([pixels(color), *map(colors_of, depths)], names)
 
 
 def several_machines(stage: Stage) -> np.ndarray:

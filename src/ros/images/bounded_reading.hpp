@@ -4,6 +4,7 @@
 #include <ros/serialization.h>
 #include <ros/subscribe_options.h>
 #include <sensor_msgs/CameraInfo.h>
+#include <tf2_msgs/TFMessage.h>
 
 #include <boost/make_shared.hpp>
 #include <cstdint>
@@ -62,6 +63,11 @@ auto clearContent(Message& message) -> decltype(message.data.clear())
 inline void clearContent(sensor_msgs::CameraInfo& info)
 {
   info = {};
+}
+
+inline void clearContent(tf2_msgs::TFMessage& message)
+{
+  message.transforms.clear();
 }
 
 /// Reads a message; if it is truncated, only what clearContent() leaves is kept.

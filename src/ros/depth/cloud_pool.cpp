@@ -1,0 +1,89 @@
+#include "cloud_pool.hpp"
+
+#include <sensor_msgs/PointField.h>
+
+#include <cstdint>
+#include <mutex>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "ros/images/image_message.hpp"
+
+namespace robot_vision
+{
+namespace
+{
+
+constexpr std::size_t kMaxPooled = 3;                   // one that is being filled, two that others hold
+constexpr std::size_t kMaxKept = std::size_t{1} << 27;  // bytes of a cloud that is kept
+constexpr std::uint32_t kFloat = sizeof(float);
+
+std::vector<sensor_msgs::PointField> fields(bool colored)
+{
+  std::vector<sensor_msgs::PointField> result;
+  for (const char* name : {"x", "y", "z", "rgb"})
+  {
+    sensor_msgs::PointField field;
+    field.name = name;
+    field.offset = kFloat * static_cast<std::uint32_t>(result.size());
+    field.datatype = sensor_msgs::PointField::FLOAT32;
+    field.count = 1;
+    result.push_back(field);
+  }
+  if (!colored) result.pop_back();
+  return result;
+}
+
+}  // namespace
+
+class CloudPool::Store
+{
+public:
+  using Cloud = std::unique_ptr<sensor_msgs::PointCloud2>;
+
+  Cloud take()
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    if (idle_.empty()) return std::make_unique<sensor_msgs::PointCloud2>();
+    Cloud cloud = std::move(idle_.back());
+    idle_.pop_back();
+    return cloud;
+  }
+
+  void giveBack(Cloud cloud)
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    if (idle_.size() < kMaxPooled && cloud->data.capacity() <= kMaxKept) idle_.push_back(std::move(cloud));
+  }
+
+private:
+  std::mutex mutex_;
+  std::vector<Cloud> idle_;
+};
+
+CloudPool::CloudPool() : store_(std::make_shared<Store>())
+{
+}
+
+sensor_msgs::PointCloud2Ptr CloudPool::take(const cv::Size& size, bool colored) const
+{
+  const sensor_msgs::PointCloud2Ptr cloud(store_->take().release(), [store = store_](sensor_msgs::PointCloud2* used)
+                                          { store->giveBack(Store::Cloud(used)); });
+  cloud->width = static_cast<std::uint32_t>(size.width);
+  cloud->height = static_cast<std::uint32_t>(size.height);
+  cloud->fields = fields(colored);
+  cloud->point_step = 4 * kFloat;
+  cloud->row_step = cloud->point_step * cloud->width;
+  cloud->is_bigendian = !isLittleEndianHost();
+  cloud->is_dense = false;
+  cloud->data.resize(std::size_t{cloud->row_step} * cloud->height);
+  return cloud;
+}
+
+cv::Mat writablePoints(sensor_msgs::PointCloud2& cloud)
+{
+  return {static_cast<int>(cloud.height), static_cast<int>(cloud.width), CV_32FC4, cloud.data.data(), cloud.row_step};
+}
+
+}  // namespace robot_vision

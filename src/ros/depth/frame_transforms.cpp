@@ -1,0 +1,62 @@
+#include "frame_transforms.hpp"
+
+#include <tf2/LinearMath/Matrix3x3.h>
+#include <tf2/LinearMath/Quaternion.h>
+#include <tf2/exceptions.h>
+
+#include "ros/images/bounded_reading.hpp"
+
+namespace robot_vision
+{
+namespace
+{
+
+constexpr std::uint32_t kQueueSize = 100;
+
+std::string withoutSlash(const std::string& frame)
+{
+  return !frame.empty() && frame.front() == '/' ? frame.substr(1) : frame;
+}
+
+cv::Affine3d toAffine(const geometry_msgs::Transform& transform)
+{
+  const geometry_msgs::Quaternion& q = transform.rotation;
+  const tf2::Matrix3x3 r(tf2::Quaternion(q.x, q.y, q.z, q.w));
+  const cv::Matx33d rotation(r[0][0], r[0][1], r[0][2], r[1][0], r[1][1], r[1][2], r[2][0], r[2][1], r[2][2]);
+  return {rotation, {transform.translation.x, transform.translation.y, transform.translation.z}};
+}
+
+}  // namespace
+
+void FrameTransforms::listen(bool listens)
+{
+  buffer_.clear();  // of static transforms, too, which come again
+  moving_ = listens ? subscribe("/tf", false) : ros::Subscriber();
+  static_ = listens ? subscribe("/tf_static", true) : ros::Subscriber();
+}
+
+ros::Subscriber FrameTransforms::subscribe(const std::string& topic, bool is_static)
+{
+  const auto take = [this, is_static](const tf2_msgs::TFMessageConstPtr& message)
+  {
+    for (const geometry_msgs::TransformStamped& transform : message->transforms)
+      buffer_.setTransform(transform, "tf", is_static);  // logs what cannot be one
+  };
+  ros::SubscribeOptions options = boundedOptions<tf2_msgs::TFMessage>(topic, kQueueSize, take);
+  return nh_.subscribe(options);
+}
+
+std::optional<cv::Affine3d> FrameTransforms::find(const std::string& to, const std::string& from) const
+{
+  if (withoutSlash(to) == withoutSlash(from)) return cv::Affine3d::Identity();
+  try
+  {
+    return toAffine(buffer_.lookupTransform(withoutSlash(to), withoutSlash(from), ros::Time(0)).transform);
+  }
+  catch (const tf2::TransformException&)
+  {
+    return std::nullopt;
+  }
+}
+
+}  // namespace robot_vision

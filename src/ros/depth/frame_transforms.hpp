@@ -1,0 +1,37 @@
+#pragma once
+
+#include <ros/ros.h>
+#include <tf2/buffer_core.h>
+#include <tf2_msgs/TFMessage.h>
+
+#include <opencv2/core/affine.hpp>
+#include <optional>
+#include <string>
+
+namespace robot_vision
+{
+
+/// Where frames are to each other, as /tf and /tf_static say. Unlike tf2_ros::TransformListener it has no thread of its
+/// own: messages come through the queue of `nh`, and only while it listens.
+class FrameTransforms
+{
+public:
+  explicit FrameTransforms(const ros::NodeHandle& nh) : nh_(nh) {}
+
+  /// Begins, and forgets what was before, or ends.
+  void listen(bool listens);
+
+  /// Takes points (m) of the frame `from` to the frame `to`, by what was said last; nothing as long as that is not
+  /// known. A slash that a name begins with, as in times of tf_prefix, is left out.
+  std::optional<cv::Affine3d> find(const std::string& to, const std::string& from) const;
+
+private:
+  ros::Subscriber subscribe(const std::string& topic, bool is_static);
+
+  ros::NodeHandle nh_;
+  tf2::BufferCore buffer_;
+  ros::Subscriber moving_;
+  ros::Subscriber static_;
+};
+
+}  // namespace robot_vision

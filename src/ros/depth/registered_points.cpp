@@ -1,0 +1,88 @@
+#include "registered_points.hpp"
+
+#include <utility>
+
+#include "robot_vision/common/range.hpp"
+#include "robot_vision/image/encoding.hpp"
+#include "ros/images/image_message.hpp"
+#include "ros/params/params.hpp"
+
+namespace robot_vision
+{
+namespace
+{
+
+constexpr double kMaxSlop = 10.0;  // s
+
+double readSlop(const ros::NodeHandle& pnh)
+{
+  double slop = 0.02;
+  readParam(pnh, "slop", slop);
+  requireRange("slop", slop, 0.0, kMaxSlop);
+  return slop;
+}
+
+}  // namespace
+
+RegisteredPoints::RegisteredPoints(const ros::NodeHandle& nh, const ros::NodeHandle& pnh, RegistrationTopics topics)
+  : nh_(nh), pnh_(pnh), it_(nh), topics_(std::move(topics)), pairs_(readSlop(pnh))
+{
+}
+
+void RegisteredPoints::listen(bool listens)
+{
+  if (listens == this->listens()) return;
+  subscription_.shutdown();
+  pairs_.clear();
+  if (!listens) return;
+  const image_transport::TransportHints hints("raw", ros::TransportHints().tcpNoDelay(), pnh_);
+  subscription_ =
+      ImageSubscription(nh_, it_, "rgb/image_raw", hints,
+                        [this](const sensor_msgs::ImageConstPtr& message) { publish(pairs_.add(message)); });
+}
+
+void RegisteredPoints::add(const RegisteredDepth& depth, const std::shared_ptr<const DepthPoints>& maker)
+{
+  maker_ = maker;
+  if (listens()) return publish(pairs_.add(depth));
+  const auto cloud = pool_.take(depth.pixels.size(), /*colored=*/false);
+  cloud->header = depth.header;
+  cv::Mat points = writablePoints(*cloud);
+  maker->cloud(depth.pixels, depth.encoding, points);
+  publish_(cloud);
+}
+
+void RegisteredPoints::publish(const std::optional<ColoredDepth>& pair)
+{
+  const std::string problem = pairs_.problem(topics_.depth_image, topics_.color_image);
+  if (!problem.empty()) tell("no colors of points: " + problem);
+  if (!pair) return;
+  try
+  {
+    publishColored(*pair);
+  }
+  catch (const std::exception& e)
+  {
+    tell(describeRefusal(*pair->color, topics_.color_image, e.what()));
+  }
+}
+
+void RegisteredPoints::publishColored(const ColoredDepth& pair)
+{
+  const cv::Mat image = viewPixels(*pair.color);
+  require(image.size() == pair.depth.pixels.size(), "its size", toText(image.size()),
+          toText(pair.depth.pixels.size()) + " as on " + topics_.color_info);
+  toBgr(image, pair.color->encoding, bgr_);
+  const auto cloud = pool_.take(image.size(), /*colored=*/true);
+  cloud->header = pair.depth.header;
+  cv::Mat points = writablePoints(*cloud);
+  maker_->cloud(pair.depth.pixels, pair.depth.encoding, bgr_, points);
+  publish_(cloud);
+}
+
+void RegisteredPoints::tell(const std::string& what)
+{
+  if (throttle_.due()) ROS_ERROR("%s: %s", pnh_.getNamespace().c_str(), what.c_str());
+}
+
+}  // namespace robot_vision

@@ -1,0 +1,144 @@
+#include "registration_input.hpp"
+
+#include <image_transport/camera_common.h>
+
+#include <stdexcept>
+#include <utility>
+
+#include "ros/images/bounded_reading.hpp"
+#include "ros/images/image_message.hpp"
+#include "ros/params/params.hpp"
+
+namespace robot_vision
+{
+namespace
+{
+
+constexpr std::uint32_t kQueueSize = 1;  // of camera_info, of which the newest one counts
+
+/// Where camera_info is: as it is remapped, or else beside the image.
+std::string infoTopic(const ros::NodeHandle& nh, const std::string& camera)
+{
+  const std::string name = camera + "/camera_info", resolved = nh.resolveName(name);
+  if (resolved != nh.resolveName(name, /*remap=*/false)) return resolved;
+  return image_transport::getCameraInfoTopic(nh.resolveName(camera + "/image_raw"));
+}
+
+/// Subscribes to the newest calibration.
+ros::Subscriber subscribeTo(ros::NodeHandle& nh, const std::string& topic, sensor_msgs::CameraInfoConstPtr& newest)
+{
+  ros::SubscribeOptions options = boundedOptions<sensor_msgs::CameraInfo>(
+      topic, kQueueSize, [&newest](const sensor_msgs::CameraInfoConstPtr& info) { newest = info; });
+  options.transport_hints = ros::TransportHints().tcpNoDelay();
+  return nh.subscribe(options);
+}
+
+}  // namespace
+
+RegistrationTopics::RegistrationTopics(const ros::NodeHandle& nh)
+  : depth_image(nh.resolveName("depth/image_raw")),
+    depth_info(infoTopic(nh, "depth")),
+    color_image(nh.resolveName("rgb/image_raw")),
+    color_info(infoTopic(nh, "rgb"))
+{
+}
+
+RegistrationInput::RegistrationInput(const ros::NodeHandle& nh, const ros::NodeHandle& pnh, const std::string& name,
+                                     Process process, std::function<bool()> is_wanted,
+                                     std::function<void(bool)> on_listen)
+  : nh_(nh),
+    pnh_(pnh),
+    name_(name),
+    process_(std::move(process)),
+    on_listen_(std::move(on_listen)),
+    diagnostics_(nh, pnh, name),
+    it_(nh),
+    topics_(nh),
+    subscriber_(nh, pnh, std::move(is_wanted), [this](bool wanted) { listen(wanted); })
+{
+  std::string transport = "raw";
+  readParam(pnh_, "image_transport", transport);
+  requireTransport(it_, transport);  // at start, because later the exception would come with the first subscriber
+  if (topics_.depth_image == "/depth/image_raw")
+    ROS_WARN(
+        "%s: topic 'depth/image_raw' is not remapped, and the node is in no namespace; typical use is in that of a "
+        "camera, such as __ns:=/camera",
+        name_.c_str());
+}
+
+RegistrationInput::~RegistrationInput()
+{
+  subscriber_.stop();  // from now on no connection changes the subscriptions
+  unsubscribe();       // waits for the frame in progress, whose results are still published
+}
+
+void RegistrationInput::start()
+{
+  diagnostics_.statistics().setIdle();
+  subscriber_.start();
+}
+
+void RegistrationInput::listen(bool wanted)
+{
+  if (wanted)
+  {
+    diagnostics_.statistics().resumed();
+    subscribe();
+    diagnostics_.statistics().setRunning(topics_.depth_image);
+  }
+  else
+  {
+    unsubscribe();
+    diagnostics_.statistics().setIdle();
+  }
+  on_listen_(wanted);
+}
+
+void RegistrationInput::subscribe()
+{
+  waiting_ = 0;
+  depth_info_subscription_ = subscribeTo(nh_, topics_.depth_info, depth_info_);
+  color_info_subscription_ = subscribeTo(nh_, topics_.color_info, color_info_);
+  // Without this option small packets would wait for each other.
+  const image_transport::TransportHints hints("raw", ros::TransportHints().tcpNoDelay(), pnh_);
+  depth_subscription_ = ImageSubscription(nh_, it_, "depth/image_raw", hints,
+                                          [this](const sensor_msgs::ImageConstPtr& message) { onDepth(message); });
+}
+
+void RegistrationInput::unsubscribe()
+{
+  depth_subscription_.shutdown();
+  depth_info_subscription_.shutdown();
+  color_info_subscription_.shutdown();
+  depth_info_.reset();
+  color_info_.reset();
+}
+
+void RegistrationInput::onDepth(const sensor_msgs::ImageConstPtr& message)
+{
+  const auto begin = FrameStatistics::Clock::now();
+  diagnostics_.statistics().received(message->header.seq);
+  const bool waits = !depth_info_ || !color_info_;
+  waiting_ = waits ? waiting_ + 1 : 0;
+  if (waits && waiting_ < kMaxWaiting) return;  // it may be on its way
+  try
+  {
+    process(message);
+    diagnostics_.statistics().published(begin, message->header.stamp);
+  }
+  catch (const std::exception& e)
+  {
+    const std::string what = describeRefusal(*message, topics_.depth_image, e.what());
+    diagnostics_.statistics().refused(what);
+    if (throttle_.due()) ROS_ERROR("%s: %s", name_.c_str(), what.c_str());
+  }
+}
+
+void RegistrationInput::process(const sensor_msgs::ImageConstPtr& message)
+{
+  if (!depth_info_) throw std::invalid_argument("nothing has come on " + topics_.depth_info);
+  if (!color_info_) throw std::invalid_argument("nothing has come on " + topics_.color_info);
+  process_({message, viewAnyPixels(*message), depth_info_, color_info_});
+}
+
+}  // namespace robot_vision

@@ -1,0 +1,347 @@
+"""The node depth_registration: its topics field by field, and what it cannot use."""
+
+import itertools
+
+import numpy as np
+import pytest
+import rosgraph
+import rospy
+import support
+from rgbd_cameras import SIZES, RgbdCameras, depth_to_color, info_of, model_of
+from sensor_msgs.msg import CameraInfo, Image, PointCloud2, PointField
+
+import robot_vision as rv
+
+TOPICS = {"image_raw": Image, "camera_info": CameraInfo, "points": PointCloud2}
+WIDTH, HEIGHT = SIZES["rgb"]
+COLORS = np.random.default_rng(2).integers(0, 256, (HEIGHT, WIDTH, 3), np.uint8)
+METRES = np.full(SIZES["depth"][::-1], 2.0, np.float32)
+METRES[10:30, 20:40] = 1.2
+METRES[5, 5] = float("nan")
+MILLIMETRES = (np.nan_to_num(METRES) * 1000).astype(np.uint16)
+
+
+def pixels(message):
+    kind = {"32FC1": "<f4", "16UC1": "<u2"}[message.encoding]
+    assert message.step == message.width * np.dtype(kind).itemsize
+    return np.frombuffer(message.data, kind).reshape(message.height, message.width)
+
+
+def same(a, b):
+    """Whether two arrays are equal, and NaN where the other one is."""
+    return np.array_equal(np.nan_to_num(a, nan=-1.0), np.nan_to_num(b, nan=-1.0))
+
+
+def expected_of(depth, rectified=(), **values):
+    """What the core makes of a depth image."""
+    cameras = [model_of(info_of(camera), camera in rectified) for camera in SIZES]
+    params = rv.RegistrationParams()
+    for name, value in values.items():
+        setattr(params, name, value)
+    return rv.DepthRegistration(*cameras, depth_to_color(), params).apply(depth)
+
+
+class Watched:
+    """The cameras, the node behind them, and its topics."""
+
+    def __init__(self, start, *arguments, topics=("image_raw",), placed=True):
+        self.cameras = RgbdCameras()
+        words = "__name:=registration", *self.cameras.arguments(), "_diagnostic_period:=0.02"
+        self.process = start("depth_registration_node", *words, *arguments)
+        self.topics = {
+            name: support.subscribed(self.cameras.output(name), TOPICS[name]) for name in topics
+        }
+        if placed:
+            self.cameras.place()
+        self.cameras.wait_for()
+
+    def show(self, depth, encoding):
+        """Sends a depth image after the calibrations; returns its stamp."""
+        stamp = self.cameras.next_stamp()
+        self.cameras.send_infos()
+        self.cameras.send("depth", depth, encoding, stamp)
+        return stamp
+
+    def answers(self, depth=MILLIMETRES, encoding="16UC1", color=COLORS):
+        """What the node says of a frame, by topics; shown until the calibrations are there."""
+        stamps = []
+
+        def answered():
+            stamp = self.show(depth, encoding)
+            if color is not None and "points" in self.topics:
+                self.cameras.send("rgb", color, "bgr8", stamp)
+            stamps.append(stamp)
+            return any(self.complete(one) for one in stamps)
+
+        support.wait_for(answered, "the answers")
+        (stamp,) = [one for one in stamps if self.complete(one)][-1:]
+        found = {name: topic.of(stamp) for name, topic in self.topics.items()}
+        for message in found.values():
+            assert message.header.frame_id == self.cameras.frames["rgb"]
+        return found
+
+    def complete(self, stamp):
+        return all(stamp in map(support.stamp_of, topic.received) for topic in self.topics.values())
+
+
+def assert_cloud(cloud, depth, colors=None):
+    names = ("x", "y", "z", "rgb") if colors is not None else ("x", "y", "z")
+    assert (cloud.width, cloud.height) == (WIDTH, HEIGHT)
+    assert (cloud.point_step, cloud.row_step) == (16, 16 * WIDTH)
+    assert not cloud.is_bigendian and not cloud.is_dense
+    fields = [(field.name, field.offset, field.datatype, field.count) for field in cloud.fields]
+    assert fields == [(name, 4 * i, PointField.FLOAT32, 1) for i, name in enumerate(names)]
+    words = np.frombuffer(cloud.data, "<f4").reshape(HEIGHT, WIDTH, 4)
+    maker = rv.DepthPoints(model_of(info_of("rgb")))
+    assert same(words[:, :, :3], maker.points(depth))
+    if colors is not None:
+        packed = np.frombuffer(cloud.data, "<u4").reshape(HEIGHT, WIDTH, 4)[:, :, 3]
+        blue, green, red = np.moveaxis(colors.astype(np.uint32), 2, 0)
+        assert np.array_equal(packed, red << 16 | green << 8 | blue)
+
+
+@pytest.mark.parametrize(
+    "depth, encoding, published",
+    [(MILLIMETRES, "16UC1", "16UC1"), (METRES, "32FC1", "32FC1"), (MILLIMETRES, "mono16", "16UC1")],
+)
+def test_all_topics_of_a_frame(start, depth, encoding, published):
+    watched = Watched(start, topics=TOPICS)
+    found = watched.answers(depth, encoding)
+    expected = expected_of(depth)
+    assert (expected > 0).mean() > 0.9
+    image = found["image_raw"]
+    assert image.encoding == published and same(pixels(image), expected)
+    registered, given = found["camera_info"], info_of("rgb")
+    for name in ("width", "height", "distortion_model", "D", "K", "R", "P"):
+        assert getattr(registered, name) == getattr(given, name), name
+    assert_cloud(found["points"], expected, COLORS)
+
+
+def test_points_without_colors_do_not_wait_for_any(start):
+    watched = Watched(start, "_color:=false", topics=("points",))
+    assert_cloud(watched.answers(color=None)["points"], expected_of(MILLIMETRES))
+    topic = watched.cameras.topic("rgb", "image_raw")
+    assert "/registration" not in str(dict(rosgraph.Master("/t").getSystemState()[1]).get(topic))
+
+
+def test_rectified_images_have_the_camera_of_p(start):
+    watched = Watched(start, "_depth_rectified:=true", "_color_rectified:=true")
+    found = pixels(watched.answers()["image_raw"])
+    assert same(found, expected_of(MILLIMETRES, rectified=SIZES))
+    assert not same(found, expected_of(MILLIMETRES))
+
+
+def test_parameters_and_places_change_live(start):
+    watched = Watched(start)
+    node = f"{watched.cameras.namespace}/registration"
+    watched.answers()
+    support.reconfigured(node, max_jump=0.8, threads=3)
+    found = pixels(watched.answers()["image_raw"])
+    assert same(found, expected_of(MILLIMETRES, max_jump=0.8))
+    assert not same(found, expected_of(MILLIMETRES))
+    assert support.reconfigured(node, max_jump=2.0)["max_jump"] == 0.8
+    watched.process.wait_for_output("stay as they are: max_jump is 2, must be from 0.001 to 1")
+    watched.cameras.place(0.0)
+
+    def moved():
+        return not same(pixels(watched.answers()["image_raw"]), found)
+
+    support.wait_for(moved, "the other place")
+
+
+def test_a_missing_transform_names_both_frames(start):
+    watched = Watched(start, placed=False)
+    frames = watched.cameras.frames
+
+    def told():
+        watched.show(MILLIMETRES, "16UC1")
+        return "no transform" in watched.process.output()
+
+    support.wait_for(told, "what is missing")
+    said = f"no transform from its frame '{frames['depth']}' to '{frames['rgb']}' of "
+    topic = watched.cameras.topic("rgb", "camera_info")
+    assert f"{said}{topic}, expected on /tf_static or /tf" in watched.process.output()
+    assert not watched.topics["image_raw"].received
+    watched.cameras.place()
+    watched.answers()
+
+
+def shown_until(watched, text, depth=MILLIMETRES, encoding="16UC1"):
+    def told():
+        watched.show(depth, encoding)
+        return text in watched.process.output()
+
+    support.wait_for(told, text)
+
+
+def spoil_size(info):
+    info.width, info.height = 32, 24
+
+
+def spoil_k(info):
+    info.K = [0.0] * 9
+
+
+def spoil_lens(info):
+    info.distortion_model = "magic"
+
+
+@pytest.mark.parametrize(
+    "camera, spoil, said",
+    [
+        ("depth", spoil_size, "the size of the depth image is 64x48, must be 32x24 as of its"),
+        ("depth", spoil_k, "K is 0 everywhere, must be that of a calibrated camera"),
+        ("rgb", spoil_k, "K is 0 everywhere, must be that of a calibrated camera"),
+        ("rgb", spoil_lens, "distortion_model is 'magic', must be plumb_bob"),
+    ],
+)
+def test_calibrations_that_cannot_be_are_refused(start, camera, spoil, said):
+    watched = Watched(start)
+    spoil(watched.cameras.calibration[camera])
+    shown_until(watched, said)
+    output = watched.process.output()
+    image = watched.cameras.topic("depth", "image_raw")
+    assert f"refused a frame on {image} (16UC1, 64x48): " in output
+    if spoil is not spoil_size:
+        assert f"camera_info on {watched.cameras.topic(camera, 'camera_info')}: " in output
+    watched.cameras.calibration[camera] = info_of(camera)
+    watched.answers()
+
+
+def test_a_calibration_that_does_not_come_is_named(start):
+    watched = Watched(start)
+    watched.topics["image_raw"].close()
+    cameras = watched.cameras
+    support.wait_for(lambda: "/registration" not in str(subscriptions(cameras)), "idleness")
+    watched.topics["image_raw"] = support.subscribed(cameras.output("image_raw"), Image)
+    cameras.wait_for()
+    times = itertools.count(5000)
+
+    def told():
+        cameras.infos["depth"].send(cameras.calibration["depth"])
+        cameras.send("depth", MILLIMETRES, "16UC1", rospy.Time(next(times)))
+        return "nothing has come on" in watched.process.output()
+
+    support.wait_for(told, "what is missing")
+    topic = cameras.topic("rgb", "camera_info")
+    assert f"nothing has come on {topic}" in watched.process.output()
+
+
+def subscriptions(cameras):
+    """The nodes that subscribe to topics of the cameras, by topic."""
+    state = rosgraph.Master("/test").getSystemState()[1]
+    return {topic: nodes for topic, nodes in state if topic.startswith(cameras.namespace)}
+
+
+@pytest.mark.parametrize(
+    "depth, encoding, said",
+    [
+        (np.zeros((48, 64, 3), np.uint8), "bgr8", "the encoding of a depth image is 'bgr8', must"),
+        (MILLIMETRES[:, 1:], "16UC1", "the size of the depth image is 63x48, must be 64x48"),
+    ],
+)
+def test_images_that_are_no_depths_are_refused_and_counted(start, depth, encoding, said):
+    watched = Watched(start)
+    watched.answers()
+    shown_until(watched, said, np.ascontiguousarray(depth), encoding)
+    diagnostics = support.Diagnostics()
+    name = f"{watched.cameras.namespace}/registration".lstrip("/")
+    support.wait_for(lambda: said in diagnostics.value(name, "last error"), "the last error")
+    watched.answers()
+
+
+@pytest.mark.parametrize(
+    "depth, encoding, said",
+    [
+        (0 * MILLIMETRES, "16UC1", "none of the 64x48 pixels has a depth"),
+        (np.full_like(METRES, np.inf), "32FC1", "none of the 64x48 pixels has a depth"),
+        (1000 * METRES, "32FC1", "the median depth is 2000 m by the encoding 32FC1"),
+        (MILLIMETRES // 1000, "16UC1", "the median depth is 2 mm by the encoding 16UC1"),
+    ],
+)
+def test_odd_depths_are_told_and_published_as_they_are(start, depth, encoding, said):
+    watched = Watched(start)
+    shown_until(watched, said, depth, encoding)
+    topic = watched.cameras.topic("depth", "image_raw")
+    assert f"{topic}: {said}" in watched.process.output()
+    assert same(pixels(watched.answers(depth, encoding)["image_raw"]), expected_of(depth))
+
+
+def test_colors_whose_stamps_never_meet_are_told(start):
+    watched = Watched(start, "_slop:=0.01", topics=("points",))
+
+    def told():
+        stamp = watched.show(MILLIMETRES, "16UC1")
+        watched.cameras.send("rgb", COLORS, "bgr8", stamp + rospy.Duration(0.02))
+        return "do not meet" in watched.process.output()
+
+    support.wait_for(told, "what is wrong")
+    depth, color = (watched.cameras.topic(camera, "image_raw") for camera in SIZES)
+    output = watched.process.output()
+    assert f"no colors of points: the stamps on {depth} and {color} do not meet: " in output
+    assert " s, must be at most slop, 0.01 s, apart" in output
+    assert not watched.topics["points"].received
+    stamp = watched.show(MILLIMETRES, "16UC1")
+    watched.cameras.send("rgb", COLORS, "bgr8", stamp + rospy.Duration(0.005))
+    assert_cloud(watched.topics["points"].of(stamp), expected_of(MILLIMETRES), COLORS)
+
+
+def test_colors_of_another_size_are_refused(start):
+    watched = Watched(start, topics=("points",))
+
+    def told():
+        stamp = watched.show(MILLIMETRES, "16UC1")
+        watched.cameras.send("rgb", np.ascontiguousarray(COLORS[:, 1:]), "bgr8", stamp)
+        return "its size is" in watched.process.output()
+
+    support.wait_for(told, "what is wrong")
+    color, of_info = (watched.cameras.topic("rgb", name) for name in ("image_raw", "camera_info"))
+    said = f"{color} (bgr8, 95x72): its size is 95x72, must be 96x72 as on {of_info}"
+    assert said in watched.process.output()
+    watched.answers()
+
+
+def test_it_subscribes_while_somebody_subscribes(start):
+    watched = Watched(start, topics=("image_raw",))
+    cameras = watched.cameras
+    watched.answers()
+    own = {cameras.topic(camera, "camera_info") for camera in SIZES}
+    own.add(cameras.topic("depth", "image_raw"))
+    node = f"{cameras.namespace}/registration"
+    wanted = {topic for topic, nodes in subscriptions(cameras).items() if node in nodes}
+    assert wanted >= own and cameras.topic("rgb", "image_raw") not in wanted
+    watched.topics["image_raw"].close()
+
+    def idle():
+        return not any(node in nodes for nodes in subscriptions(cameras).values())
+
+    support.wait_for(idle, "the end of the subscriptions")
+
+
+def test_it_is_a_nodelet_in_the_manager_of_the_cameras(start):
+    manager = support.NodeletManager(start)
+    for name, value in {"source": "synthetic", "views": "rgbd", "camera_name": "rig"}.items():
+        rospy.set_param(f"/rig/{name}", value)
+    rospy.set_param("/rig/camera_frame_id", "rig_rgb_optical_frame")
+    assert manager.load("/rig", "camera")
+    topics = ("depth/image_raw", "rgb/image_raw", "depth_registered/points")
+    remapped = {f"/{name}": f"/rig/{name}" for name in topics}
+    assert manager.load("/registration", "depth_registration", remapped)
+    (cloud,) = support.Messages("/rig/depth_registered/points", PointCloud2).wait()
+    assert (cloud.header.frame_id, cloud.width, cloud.height) == ("rig_rgb_optical_frame", 640, 480)
+    z = np.frombuffer(cloud.data, "<f4").reshape(480, 640, 4)[:, :, 2]
+    assert np.isfinite(z).mean() > 0.8
+    assert manager.unload("/registration") and manager.process.running()
+
+
+@pytest.mark.parametrize(
+    "name, value, text",
+    [
+        ("max_jump", 0.0, "max_jump is 0, must be from 0.001 to 1"),
+        ("threads", 0, "threads is 0, must be from 1 to 64"),
+        ("slop", -1.0, "slop is -1, must be from 0 to 10"),
+        ("image_transport", "pigeon", "must be one that is installed: "),
+    ],
+)
+def test_bad_value_at_start_is_fatal(start, name, value, text):
+    support.assert_fatal_at_start(start, "depth_registration_node", name, value, text)

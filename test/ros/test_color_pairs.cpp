@@ -1,0 +1,169 @@
+#include <gtest/gtest.h>
+
+#include <boost/make_shared.hpp>
+#include <cstdint>
+#include <string>
+
+#include "ros/depth/cloud_pool.hpp"
+#include "ros/depth/color_pairs.hpp"
+
+using namespace robot_vision;
+
+namespace
+{
+
+/// What is sent, in ms, and the pairs that it makes: "1000-1010 ".
+class Cameras
+{
+public:
+  explicit Cameras(double slop) : pairs(slop) {}
+
+  void depth(int ms)
+  {
+    RegisteredDepth depth;
+    depth.header.stamp = stampOf(ms);
+    note(pairs.add(depth));
+  }
+
+  void color(int ms, std::size_t bytes = 0)
+  {
+    const auto message = boost::make_shared<sensor_msgs::Image>();
+    message->header.stamp = stampOf(ms);
+    message->data.resize(bytes);
+    note(pairs.add(sensor_msgs::ImageConstPtr(message)));
+  }
+
+  ColorPairs pairs;
+  std::string found;
+
+private:
+  static ros::Time stampOf(int ms)
+  {
+    ros::Time stamp;
+    return stamp.fromNSec(static_cast<std::uint64_t>(ms) * 1000000);
+  }
+
+  void note(const std::optional<ColoredDepth>& pair)
+  {
+    if (!pair) return;
+    const auto ms = [](const ros::Time& stamp) { return std::to_string(stamp.toNSec() / 1000000); };
+    found += ms(pair->depth.header.stamp) + "-" + ms(pair->color->header.stamp) + " ";
+  }
+};
+
+}  // namespace
+
+TEST(ColorPairs, areFoundWhicheverComesFirst)
+{
+  Cameras cameras(0.02);
+  cameras.depth(1000);
+  cameras.color(1000);
+  cameras.color(1033);
+  cameras.depth(1033);
+  EXPECT_EQ(cameras.found, "1000-1000 1033-1033 ");
+  cameras.color(1034);  // nobody waits
+  EXPECT_EQ(cameras.found, "1000-1000 1033-1033 ");
+}
+
+TEST(ColorPairs, areTheNearestOfThoseThatAreThere)
+{
+  Cameras cameras(0.02);
+  cameras.color(1000);
+  cameras.color(1015);
+  cameras.color(1033);
+  cameras.depth(1012);
+  EXPECT_EQ(cameras.found, "1012-1015 ");
+  cameras.depth(1060);
+  cameras.color(1085);  // too late
+  cameras.color(1075);
+  EXPECT_EQ(cameras.found, "1012-1015 1060-1075 ");
+}
+
+TEST(ColorPairs, haveEqualStampsWithoutSlop)
+{
+  Cameras cameras(0.0);
+  cameras.depth(1000);
+  cameras.color(1001);
+  EXPECT_EQ(cameras.found, "");
+  cameras.color(1000);
+  EXPECT_EQ(cameras.found, "1000-1000 ");
+}
+
+TEST(ColorPairs, goOnWhenTimeBeginsAnew)
+{
+  Cameras cameras(0.02);
+  cameras.color(90000);
+  cameras.depth(90000);
+  cameras.depth(1000);
+  cameras.color(1000);
+  EXPECT_EQ(cameras.found, "90000-90000 1000-1000 ");
+}
+
+TEST(ColorPairs, keepFewImages)
+{
+  Cameras cameras(0.02);
+  for (std::size_t i = 0; i <= ColorPairs::kMaxColors; ++i)
+    cameras.color(1000 + 100 * static_cast<int>(i));
+  cameras.depth(1000);
+  EXPECT_EQ(cameras.found, "");
+  cameras.depth(1100);
+  EXPECT_EQ(cameras.found, "1100-1100 ");
+  Cameras large(0.02);
+  large.color(1000, ColorPairs::kMaxBytes / 2 + 1);
+  large.color(2000, ColorPairs::kMaxBytes / 2 + 1);
+  large.depth(1000);
+  EXPECT_EQ(large.found, "");
+  large.depth(2000);
+  EXPECT_EQ(large.found, "2000-2000 ");
+}
+
+TEST(ColorPairs, tellWhyThereAreNone)
+{
+  Cameras none(0.02), late(0.02);
+  std::string told_of_none, told_of_late;
+  for (std::size_t i = 0; i < ColorPairs::kMaxUnpaired; ++i)
+  {
+    EXPECT_EQ(told_of_none + told_of_late, "");
+    none.depth(1000 + static_cast<int>(i));
+    late.depth(1000 + 100 * static_cast<int>(i));
+    late.color(1050 + 100 * static_cast<int>(i));
+    told_of_none = none.pairs.problem("/d", "/c");
+    told_of_late = late.pairs.problem("/d", "/c");
+  }
+  EXPECT_EQ(told_of_none, "nothing has come on /c");
+  EXPECT_EQ(told_of_late,
+            "the stamps on /d and /c do not meet: the newest are 2.900000000 s and 2.950000000 s, must be "
+            "at most slop, 0.02 s, apart");
+  EXPECT_EQ(none.pairs.problem("/d", "/c"), "");  // told once
+}
+
+TEST(ColorPairs, canBeForgotten)
+{
+  Cameras cameras(0.02);
+  cameras.depth(1000);
+  cameras.pairs.clear();
+  cameras.color(1000);
+  EXPECT_EQ(cameras.found, "");
+}
+
+TEST(CloudPool, messagesAreUsedAgainWhenNobodyHasThem)
+{
+  const CloudPool pool;
+  sensor_msgs::PointCloud2Ptr cloud = pool.take({8, 6}, true);
+  ASSERT_EQ(cloud->data.size(), 8u * 6u * 16u);
+  ASSERT_EQ(cloud->fields.size(), 4u);
+  EXPECT_EQ(cloud->fields[3].name, "rgb");
+  EXPECT_EQ(cloud->fields[3].offset, 12u);
+  const void* const first = cloud.get();
+  const sensor_msgs::PointCloud2Ptr other = pool.take({8, 6}, true);
+  EXPECT_NE(other.get(), first);
+  cloud.reset();
+  cloud = pool.take({4, 3}, false);
+  EXPECT_EQ(cloud.get(), first);
+  EXPECT_EQ(cloud->fields.size(), 3u);
+  EXPECT_EQ(cloud->row_step, 64u);
+  EXPECT_EQ(cloud->data.size(), 4u * 3u * 16u);
+  cv::Mat points = writablePoints(*cloud);
+  EXPECT_EQ(points.data, cloud->data.data());
+  EXPECT_EQ(points.size(), cv::Size(4, 3));
+}
