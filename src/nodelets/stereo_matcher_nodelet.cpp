@@ -170,13 +170,14 @@ private:
                            });
     if (!wanted.points) return;
     pointsFromDepth(depth_, rectifier_.geometry(), points_);
-    outputs.publish("points", toPointCloud(header, points_, left_color_));
+    outputs.publish("points", toPointCloud(header, points_, left_color_, clouds_));
   }
 
   std::unique_ptr<StereoMatcher> matcher_;
   StereoDepthParams depth_params_;
   EpipolarParams epipolar_params_;
   StereoRectifier rectifier_;
+  CloudPool clouds_;
   // Of the last pair; they keep their memory.
   std::array<cv::Mat, 2> gray_;
   cv::Mat left_color_, disparity_, depth_, points_;

@@ -245,7 +245,7 @@ TEST(StereoMessages, wordsOfAPointCloudAreThoseOfItsPixels)
 {
   const cv::Mat_<cv::Vec3f> points = (cv::Mat_<cv::Vec3f>(1, 2) << cv::Vec3f(1, 2, 3), cv::Vec3f(4, 5, 6));
   const cv::Mat_<cv::Vec3b> bgr = (cv::Mat_<cv::Vec3b>(1, 2) << cv::Vec3b(1, 2, 3), cv::Vec3b(255, 254, 253));
-  const auto cloud = toPointCloud(std_msgs::Header(), points, bgr);
+  const auto cloud = toPointCloud(std_msgs::Header(), points, bgr, CloudPool());
   ASSERT_EQ(cloud->fields.size(), 4u);
   EXPECT_EQ(cloud->point_step, 16u);
   EXPECT_EQ(cloud->row_step, 32u);

@@ -3,9 +3,6 @@
 #include <sensor_msgs/PointField.h>
 
 #include <cstdint>
-#include <mutex>
-#include <string>
-#include <utility>
 #include <vector>
 
 #include "ros/images/image_message.hpp"
@@ -15,8 +12,6 @@ namespace robot_vision
 namespace
 {
 
-constexpr std::size_t kMaxPooled = 3;                   // one that is being filled, two that others hold
-constexpr std::size_t kMaxKept = std::size_t{1} << 27;  // bytes of a cloud that is kept
 constexpr std::uint32_t kFloat = sizeof(float);
 
 std::vector<sensor_msgs::PointField> fields(bool colored)
@@ -37,39 +32,9 @@ std::vector<sensor_msgs::PointField> fields(bool colored)
 
 }  // namespace
 
-class CloudPool::Store
-{
-public:
-  using Cloud = std::unique_ptr<sensor_msgs::PointCloud2>;
-
-  Cloud take()
-  {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    if (idle_.empty()) return std::make_unique<sensor_msgs::PointCloud2>();
-    Cloud cloud = std::move(idle_.back());
-    idle_.pop_back();
-    return cloud;
-  }
-
-  void giveBack(Cloud cloud)
-  {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    if (idle_.size() < kMaxPooled && cloud->data.capacity() <= kMaxKept) idle_.push_back(std::move(cloud));
-  }
-
-private:
-  std::mutex mutex_;
-  std::vector<Cloud> idle_;
-};
-
-CloudPool::CloudPool() : store_(std::make_shared<Store>())
-{
-}
-
 sensor_msgs::PointCloud2Ptr CloudPool::take(const cv::Size& size, bool colored) const
 {
-  const sensor_msgs::PointCloud2Ptr cloud(store_->take().release(), [store = store_](sensor_msgs::PointCloud2* used)
-                                          { store->giveBack(Store::Cloud(used)); });
+  const sensor_msgs::PointCloud2Ptr cloud = take();
   cloud->width = static_cast<std::uint32_t>(size.width);
   cloud->height = static_cast<std::uint32_t>(size.height);
   cloud->fields = fields(colored);

@@ -2,26 +2,22 @@
 
 #include <sensor_msgs/PointCloud2.h>
 
-#include <memory>
 #include <opencv2/core.hpp>
+
+#include "ros/images/message_pool.hpp"
 
 namespace robot_vision
 {
 
-/// A pool of messages of organised clouds, which are used again when nobody in the process holds them any more, so that
-/// large clouds cost no page faults. Thread-safe.
-class CloudPool
+/// A pool of organised clouds, see MessagePool.
+class CloudPool : public MessagePool<sensor_msgs::PointCloud2>
 {
 public:
-  CloudPool();
+  using MessagePool::take;
 
   /// Takes a message for a cloud with a point for each pixel of an image of this size: x, y and z, and with `colored`
   /// rgb, each point in 16 bytes. Its header and points are undefined.
   sensor_msgs::PointCloud2Ptr take(const cv::Size& size, bool colored) const;
-
-private:
-  class Store;
-  std::shared_ptr<Store> store_;
 };
 
 /// The points of such a message, CV_32FC4, to be written.

@@ -1,11 +1,10 @@
 #include "registration_input.hpp"
 
-#include <image_transport/camera_common.h>
-
 #include <stdexcept>
 #include <utility>
 
 #include "ros/images/bounded_reading.hpp"
+#include "ros/images/camera_info.hpp"
 #include "ros/images/image_message.hpp"
 #include "ros/params/params.hpp"
 
@@ -15,14 +14,6 @@ namespace
 {
 
 constexpr std::uint32_t kQueueSize = 1;  // of camera_info, of which the newest one counts
-
-/// Where camera_info is: as it is remapped, or else beside the image.
-std::string infoTopic(const ros::NodeHandle& nh, const std::string& camera)
-{
-  const std::string name = camera + "/camera_info", resolved = nh.resolveName(name);
-  if (resolved != nh.resolveName(name, /*remap=*/false)) return resolved;
-  return image_transport::getCameraInfoTopic(nh.resolveName(camera + "/image_raw"));
-}
 
 /// Subscribes to the newest calibration.
 ros::Subscriber subscribeTo(ros::NodeHandle& nh, const std::string& topic, sensor_msgs::CameraInfoConstPtr& newest)
@@ -37,9 +28,9 @@ ros::Subscriber subscribeTo(ros::NodeHandle& nh, const std::string& topic, senso
 
 RegistrationTopics::RegistrationTopics(const ros::NodeHandle& nh)
   : depth_image(nh.resolveName("depth/image_raw")),
-    depth_info(infoTopic(nh, "depth")),
+    depth_info(cameraInfoTopic(nh, "depth")),
     color_image(nh.resolveName("rgb/image_raw")),
-    color_info(infoTopic(nh, "rgb"))
+    color_info(cameraInfoTopic(nh, "rgb"))
 {
 }
 

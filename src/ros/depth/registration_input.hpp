@@ -42,8 +42,7 @@ struct RegistrationFrame
 class RegistrationInput
 {
 public:
-  static constexpr std::size_t kMaxWaiting =
-      20;  // depth images in a row that wait for a calibration until that is told
+  static constexpr std::size_t kMaxWaiting = 20;  // depth images in a row without a calibration, until that is told
 
   /// Processes a frame; it may throw std::exception to refuse it.
   using Process = std::function<void(const RegistrationFrame& frame)>;

@@ -1,5 +1,7 @@
 #include "camera_info.hpp"
 
+#include <image_transport/camera_common.h>
+
 #include <algorithm>
 #include <cstdint>
 #include <limits>
@@ -17,6 +19,13 @@ CameraModel cameraModel(const sensor_msgs::CameraInfo& info)
   model.D = info.D;
   model.distortion_model = info.distortion_model;
   return model;
+}
+
+std::string cameraInfoTopic(const ros::NodeHandle& nh, const std::string& camera)
+{
+  const std::string name = camera + "/camera_info", resolved = nh.resolveName(name);
+  if (resolved != nh.resolveName(name, /*remap=*/false)) return resolved;
+  return image_transport::getCameraInfoTopic(nh.resolveName(camera + "/image_raw"));
 }
 
 }  // namespace robot_vision

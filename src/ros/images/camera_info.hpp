@@ -1,6 +1,9 @@
 #pragma once
 
+#include <ros/node_handle.h>
 #include <sensor_msgs/CameraInfo.h>
+
+#include <string>
 
 #include "robot_vision/geometry/camera_model.hpp"
 
@@ -9,5 +12,8 @@ namespace robot_vision
 
 /// The camera of a camera_info, as it is: validate() says whether there can be such a camera.
 CameraModel cameraModel(const sensor_msgs::CameraInfo& info);
+
+/// Where the camera_info of CAMERA/image_raw is: as CAMERA/camera_info is remapped, or else beside the image.
+std::string cameraInfoTopic(const ros::NodeHandle& nh, const std::string& camera);
 
 }  // namespace robot_vision

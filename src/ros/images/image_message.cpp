@@ -6,8 +6,6 @@
 #include <boost/make_shared.hpp>
 #include <cstdint>
 #include <limits>
-#include <mutex>
-#include <numeric>
 #include <stdexcept>
 #include <utility>
 #include <vector>
@@ -20,10 +18,6 @@ namespace robot_vision
 {
 namespace
 {
-
-constexpr std::size_t kMaxPooled = 4;       // one that is being filled, one queued, two held by slow subscribers
-constexpr std::size_t kMaxSizeRatio = 4;    // of a kept message to the last one that came back
-constexpr std::size_t kMinLimit = 1 << 20;  // bytes; messages up to this size, times the ratio, are always kept
 
 cv::Mat swapBytes(const cv::Mat& image)
 {
@@ -150,62 +144,6 @@ void layOut(cv::Size size, const std::string& encoding, sensor_msgs::Image& mess
   message.step = static_cast<std::uint32_t>(size.width * CV_ELEM_SIZE(anyMatType(encoding)));
   message.is_bigendian = isLittleEndianHost() ? 0 : 1;
   message.data.resize(std::size_t{message.step} * message.height);
-}
-
-class ImagePool::Store
-{
-public:
-  using Message = std::unique_ptr<sensor_msgs::Image>;
-
-  Message take()
-  {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    if (idle_.empty()) return std::make_unique<sensor_msgs::Image>();
-    Message message = std::move(idle_.back());
-    idle_.pop_back();
-    return message;
-  }
-
-  void giveBack(Message message)
-  {
-    const std::size_t limit = kMaxSizeRatio * std::max(message->data.size(), kMinLimit);
-    const std::lock_guard<std::mutex> lock(mutex_);
-    idle_.push_back(std::move(message));
-    const auto too_large = [limit](const Message& other) { return other->data.capacity() > limit; };
-    idle_.erase(std::remove_if(idle_.begin(), idle_.end(), too_large), idle_.end());
-    if (idle_.size() > kMaxPooled || bytes() > kMaxKept) idle_.pop_back();
-  }
-
-  std::size_t kept()
-  {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    return bytes();
-  }
-
-private:
-  std::size_t bytes() const
-  {
-    const auto add = [](std::size_t sum, const Message& message) { return sum + message->data.capacity(); };
-    return std::accumulate(idle_.begin(), idle_.end(), std::size_t{0}, add);
-  }
-
-  std::mutex mutex_;
-  std::vector<Message> idle_;
-};
-
-ImagePool::ImagePool() : store_(std::make_shared<Store>())
-{
-}
-
-sensor_msgs::ImagePtr ImagePool::take() const
-{
-  return {store_->take().release(),
-          [store = store_](sensor_msgs::Image* message) { store->giveBack(Store::Message(message)); }};
-}
-
-std::size_t ImagePool::kept() const
-{
-  return store_->kept();
 }
 
 sensor_msgs::ImagePtr ImagePool::take(cv::Size size, const std::string& encoding) const

@@ -3,9 +3,10 @@
 #include <sensor_msgs/Image.h>
 
 #include <functional>
-#include <memory>
 #include <opencv2/core.hpp>
 #include <string>
+
+#include "message_pool.hpp"
 
 namespace robot_vision
 {
@@ -41,28 +42,14 @@ bool isLittleEndianHost();
 /// header and pixels are undefined.
 void layOut(cv::Size size, const std::string& encoding, sensor_msgs::Image& message);
 
-/// A pool of messages, which are reused when nobody in the process holds them any more, so that large images cost no
-/// page faults. The memory that is kept is limited; and messages far larger than the one that came back last are freed,
-/// so that one huge image does not occupy memory for ever. Thread-safe; copies of a pool share their messages.
-class ImagePool
+/// A pool of images, see MessagePool.
+class ImagePool : public MessagePool<sensor_msgs::Image>
 {
 public:
-  static constexpr std::size_t kMaxKept = std::size_t{1} << 27;  // bytes, of all messages in the pool
-
-  ImagePool();
-
-  /// Takes a message whose header, layout and pixels are undefined.
-  sensor_msgs::ImagePtr take() const;
+  using MessagePool::take;
 
   /// Takes a message for an image of this size and encoding; its header and pixels are undefined.
   sensor_msgs::ImagePtr take(cv::Size size, const std::string& encoding) const;
-
-  /// The bytes of all messages in the pool.
-  std::size_t kept() const;
-
-private:
-  class Store;
-  std::shared_ptr<Store> store_;
 };
 
 /// Makes messages for a stream of images whose size is known only when they are there. Not thread-safe.

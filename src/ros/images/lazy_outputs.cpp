@@ -52,6 +52,11 @@ void LazyOutputs::publishImage(const std::string& name, const std_msgs::Header& 
   images->publisher.publish(sensor_msgs::ImageConstPtr(message));
 }
 
+void LazyOutputs::publishImage(const std::string& name, const sensor_msgs::ImageConstPtr& message)
+{
+  output(name).images->publisher.publish(message);
+}
+
 void LazyOutputs::add(const std::string& name, Output output)
 {
   const std::lock_guard<std::mutex> lock(mutex_);

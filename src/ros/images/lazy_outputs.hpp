@@ -48,6 +48,9 @@ public:
   /// Publishes the image that `fill` writes (see ImageMaker) with this header.
   void publishImage(const std::string& name, const std_msgs::Header& header, const ImageMaker::Fill& fill);
 
+  /// Publishes an image that is there, which must not change afterwards: subscribers in the process share it.
+  void publishImage(const std::string& name, const sensor_msgs::ImageConstPtr& message);
+
   /// Publishes a message, which must not change afterwards: subscribers in the process share it.
   template <class Message>
   void publish(const std::string& name, const boost::shared_ptr<Message>& message)

@@ -1,14 +1,14 @@
 #include "stereo_input.hpp"
 
-#include <image_transport/camera_common.h>
-
 #include <stdexcept>
 #include <utility>
 
 #include "robot_vision/common/printable.hpp"
 #include "robot_vision/common/range.hpp"
 #include "ros/images/bounded_reading.hpp"
+#include "ros/images/camera_info.hpp"
 #include "ros/images/image_message.hpp"
+#include "ros/images/stamps.hpp"
 #include "ros/params/params.hpp"
 
 namespace robot_vision
@@ -16,29 +16,12 @@ namespace robot_vision
 namespace
 {
 
-constexpr double kMaxSlop = 10.0;         // s
 constexpr std::uint32_t kQueueSize = 10;  // camera_info that waits while a pair is processed
 const std::array<std::string, 2> kSides = {"left", "right"};
-
-double readSlop(const ros::NodeHandle& pnh)
-{
-  double slop = 0.0;
-  readParam(pnh, "slop", slop);
-  requireRange("slop", slop, 0.0, kMaxSlop);
-  return slop;
-}
 
 std::string imageName(std::size_t side)
 {
   return kSides[side] + "/image_raw";
-}
-
-/// Where camera_info is: as it is remapped, or else beside the image.
-std::string infoTopic(const ros::NodeHandle& nh, std::size_t side)
-{
-  const std::string name = kSides[side] + "/camera_info", resolved = nh.resolveName(name);
-  if (resolved != nh.resolveName(name, /*remap=*/false)) return resolved;
-  return image_transport::getCameraInfoTopic(nh.resolveName(imageName(side)));
 }
 
 StereoTopics topicsOf(const ros::NodeHandle& nh)
@@ -47,7 +30,7 @@ StereoTopics topicsOf(const ros::NodeHandle& nh)
   for (const std::size_t side : {kLeft, kRight})
   {
     topics.images[side] = nh.resolveName(imageName(side));
-    topics.infos[side] = infoTopic(nh, side);
+    topics.infos[side] = cameraInfoTopic(nh, kSides[side]);
   }
   return topics;
 }
@@ -83,7 +66,7 @@ StereoInput::StereoInput(const ros::NodeHandle& nh, const ros::NodeHandle& pnh, 
     diagnostics_(nh, pnh, name),
     it_(nh),
     topics_(topicsOf(nh)),
-    pairs_(readSlop(pnh)),
+    pairs_(readSlop(pnh, 0.0)),
     subscriber_(nh, pnh, std::move(is_wanted), [this](bool wanted) { listen(wanted); })
 {
   std::string transport = "raw";

@@ -1,7 +1,5 @@
 #include "stereo_messages.hpp"
 
-#include <sensor_msgs/PointField.h>
-
 #include <algorithm>
 #include <boost/make_shared.hpp>
 #include <cmath>
@@ -18,7 +16,6 @@ namespace
 {
 
 constexpr double kStep = 1.0 / 16.0;  // px, between two disparities of OpenCV
-constexpr std::uint32_t kFloat = sizeof(float);
 
 /// One camera of the pair. Throws std::invalid_argument, which does not name the topic.
 RectifiedCamera rectifiedCamera(const sensor_msgs::Image& image, const sensor_msgs::CameraInfo& info)
@@ -43,16 +40,6 @@ auto about(const std::string& where, const Make& make)
   {
     throw std::invalid_argument("camera_info on " + where + ": " + e.what());
   }
-}
-
-void addField(sensor_msgs::PointCloud2& cloud, const std::string& name)
-{
-  sensor_msgs::PointField field;
-  field.name = name;
-  field.offset = kFloat * static_cast<std::uint32_t>(cloud.fields.size());
-  field.datatype = sensor_msgs::PointField::FLOAT32;
-  field.count = 1;
-  cloud.fields.push_back(field);
 }
 
 /// A color as the bits of a float, as PCL and rviz read it.
@@ -126,20 +113,12 @@ stereo_msgs::DisparityImagePtr toDisparityImage(const std_msgs::Header& header, 
   return message;
 }
 
-sensor_msgs::PointCloud2Ptr toPointCloud(const std_msgs::Header& header, const cv::Mat& points, const cv::Mat& bgr)
+sensor_msgs::PointCloud2Ptr toPointCloud(const std_msgs::Header& header, const cv::Mat& points, const cv::Mat& bgr,
+                                         const CloudPool& pool)
 {
-  const auto cloud = boost::make_shared<sensor_msgs::PointCloud2>();
+  const sensor_msgs::PointCloud2Ptr cloud = pool.take(points.size(), /*colored=*/true);
   cloud->header = header;
-  cloud->width = static_cast<std::uint32_t>(points.cols);
-  cloud->height = static_cast<std::uint32_t>(points.rows);
-  for (const char* name : {"x", "y", "z", "rgb"})
-    addField(*cloud, name);
-  cloud->point_step = kFloat * static_cast<std::uint32_t>(cloud->fields.size());
-  cloud->row_step = cloud->point_step * cloud->width;
-  cloud->is_bigendian = !isLittleEndianHost();
-  cloud->is_dense = false;
-  cloud->data.resize(std::size_t{cloud->row_step} * cloud->height);
-  cv::Mat out(points.size(), CV_32FC4, cloud->data.data(), cloud->row_step);
+  cv::Mat out = writablePoints(*cloud);
   for (int y = 0; y < out.rows; ++y)
   {
     const auto* from = points.ptr<cv::Vec3f>(y);

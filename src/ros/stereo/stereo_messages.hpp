@@ -8,6 +8,7 @@
 
 #include "robot_vision/stereo/stereo_camera.hpp"
 #include "robot_vision/stereo/stereo_matcher.hpp"
+#include "ros/depth/cloud_pool.hpp"
 #include "stereo_input.hpp"
 
 namespace robot_vision
@@ -26,7 +27,8 @@ stereo_msgs::DisparityImagePtr toDisparityImage(const std_msgs::Header& header, 
                                                 const StereoMatcher& matcher, const StereoGeometry& geometry);
 
 /// An organised cloud of points (CV_32FC3, m, NaN: none) with the colors of `bgr` (CV_8UC3 of the same size): the
-/// fields x, y, z and rgb.
-sensor_msgs::PointCloud2Ptr toPointCloud(const std_msgs::Header& header, const cv::Mat& points, const cv::Mat& bgr);
+/// fields x, y, z and rgb. The message is one of the pool.
+sensor_msgs::PointCloud2Ptr toPointCloud(const std_msgs::Header& header, const cv::Mat& points, const cv::Mat& bgr,
+                                         const CloudPool& pool);
 
 }  // namespace robot_vision

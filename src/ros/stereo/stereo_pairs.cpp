@@ -1,9 +1,7 @@
 #include "stereo_pairs.hpp"
 
-#include <cmath>
-#include <cstdio>
-
 #include "robot_vision/common/range.hpp"
+#include "ros/images/stamps.hpp"
 
 namespace robot_vision
 {
@@ -26,21 +24,6 @@ typename Messages::value_type takeOut(Messages& messages, std::size_t index)
   const typename Messages::value_type taken = messages[index];
   messages.erase(messages.begin(), messages.begin() + static_cast<std::ptrdiff_t>(index) + 1);
   return taken;
-}
-
-std::size_t bytesOf(const std::deque<sensor_msgs::ImageConstPtr>& images)
-{
-  std::size_t sum = 0;
-  for (const auto& image : images)
-    sum += image->data.size();
-  return sum;
-}
-
-std::string timeText(const ros::Time& stamp)
-{
-  char text[40];
-  std::snprintf(text, sizeof(text), "%u.%09u", stamp.sec, stamp.nsec);
-  return text;
 }
 
 /// That the stamps of two topics do not meet.
@@ -94,17 +77,12 @@ std::optional<StereoPair> StereoPairs::take()
 std::optional<std::size_t> StereoPairs::nearestRight(const ros::Time& left) const
 {
   const Camera& right = cameras_[kRight];
-  if (slop_ == 0.0)  // exactly, beyond what a double can tell
-  {
-    if (!indexOf(right.infos, left)) return std::nullopt;
-    return indexOf(right.images, left);
-  }
   std::optional<std::size_t> nearest;
   double least = slop_;
   for (std::size_t i = 0; i < right.images.size(); ++i)
   {
     const ros::Time stamp = right.images[i]->header.stamp;
-    const double difference = std::abs(stamp.toSec() - left.toSec());
+    const double difference = secondsBetween(stamp, left);
     if (difference > least || !indexOf(right.infos, stamp)) continue;
     nearest = i;
     least = difference;
