@@ -14,6 +14,7 @@
 #include "ros/depth/registered_points.hpp"
 #include "ros/depth/registration_cameras.hpp"
 #include "ros/depth/registration_input.hpp"
+#include "ros/images/image_message.hpp"
 #include "ros/images/image_nodelet.hpp"
 #include "ros/params/fields.hpp"
 #include "ros/params/params.hpp"
@@ -74,22 +75,11 @@ public:
     if (!prepare(frame)) return;
     std_msgs::Header header = frame.depth->header;
     header.frame_id = frame.color_info->header.frame_id;
-    const std::string& given = frame.depth->encoding;
-    const std::string encoding = DepthRegistration::outputEncoding(given);
-    cv::Mat registered;
-    if (points) cameras_.registration().apply(frame.image, given, registered);
-    if (image)
-      outputs.publishImage(image_, header,
-                           [&](cv::Mat& out)
-                           {
-                             if (points)
-                               registered.copyTo(out);
-                             else
-                               cameras_.registration().apply(frame.image, given, out);
-                             return encoding;
-                           });
-    if (points) points_.add({header, registered, encoding}, cameras_.points());
     if (outputs.isWanted(info_)) publishInfo(*frame.color_info, header, outputs);
+    if (!image && !points) return;
+    const sensor_msgs::ImageConstPtr seen = registered(frame, header);
+    if (image) outputs.publishImage(image_, seen);
+    if (points) points_.add(seen, cameras_.points());
   }
 
 private:
@@ -109,6 +99,16 @@ private:
     cameras_.set(frame, topics_, *depth_to_color);
     if (frames_++ % kFramesPerLook == 0) lookAt(frame);
     return true;
+  }
+
+  sensor_msgs::ImageConstPtr registered(const RegistrationFrame& frame, const std_msgs::Header& header)
+  {
+    const std::string& encoding = frame.depth->encoding;
+    const sensor_msgs::ImagePtr message = pool_.take(cameras_.colorSize(), DepthRegistration::outputEncoding(encoding));
+    cv::Mat pixels = writablePixels(*message);
+    cameras_.registration().apply(frame.image, encoding, pixels);
+    message->header = header;
+    return message;
   }
 
   /// Warns of depths that are none, or probably in another unit.
@@ -133,6 +133,7 @@ private:
   bool color_ = true;                 // whether points have colors
   LazyOutputs* outputs_ = nullptr;
   RegistrationCameras cameras_;
+  ImagePool pool_;
   std::chrono::steady_clock::time_point since_;  // when it began to listen
   int frames_ = 0;                               // since then
   Throttle throttle_;

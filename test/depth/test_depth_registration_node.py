@@ -166,6 +166,31 @@ def test_a_missing_transform_names_both_frames(start):
     watched.answers()
 
 
+def without_subscribers(watched):
+    """Has nobody subscribe for a while."""
+    watched.topics.pop("image_raw").close()
+    cameras = watched.cameras
+    node = f"{cameras.namespace}/registration"
+    support.wait_for(
+        lambda: not any(node in nodes for nodes in subscriptions(cameras).values()), "idleness"
+    )
+
+
+def subscribed_again(watched):
+    watched.topics["image_raw"] = support.subscribed(watched.cameras.output("image_raw"), Image)
+    watched.cameras.wait_for()
+
+
+def test_what_was_said_of_places_before_is_forgotten(start):
+    watched = Watched(start)
+    watched.answers()
+    without_subscribers(watched)
+    watched.cameras.withdraw()
+    subscribed_again(watched)
+    shown_until(watched, "no transform")
+    assert not watched.topics["image_raw"].received
+
+
 def shown_until(watched, text, depth=MILLIMETRES, encoding="16UC1"):
     def told():
         watched.show(depth, encoding)
@@ -210,11 +235,9 @@ def test_calibrations_that_cannot_be_are_refused(start, camera, spoil, said):
 
 def test_a_calibration_that_does_not_come_is_named(start):
     watched = Watched(start)
-    watched.topics["image_raw"].close()
     cameras = watched.cameras
-    support.wait_for(lambda: "/registration" not in str(subscriptions(cameras)), "idleness")
-    watched.topics["image_raw"] = support.subscribed(cameras.output("image_raw"), Image)
-    cameras.wait_for()
+    without_subscribers(watched)
+    subscribed_again(watched)
     times = itertools.count(5000)
 
     def told():
@@ -310,12 +333,7 @@ def test_it_subscribes_while_somebody_subscribes(start):
     node = f"{cameras.namespace}/registration"
     wanted = {topic for topic, nodes in subscriptions(cameras).items() if node in nodes}
     assert wanted >= own and cameras.topic("rgb", "image_raw") not in wanted
-    watched.topics["image_raw"].close()
-
-    def idle():
-        return not any(node in nodes for nodes in subscriptions(cameras).values())
-
-    support.wait_for(idle, "the end of the subscriptions")
+    without_subscribers(watched)
 
 
 def test_it_is_a_nodelet_in_the_manager_of_the_cameras(start):

@@ -6,6 +6,7 @@
 
 #include "ros/depth/cloud_pool.hpp"
 #include "ros/depth/color_pairs.hpp"
+#include "ros/images/stamps.hpp"
 
 using namespace robot_vision;
 
@@ -18,36 +19,27 @@ class Cameras
 public:
   explicit Cameras(double slop) : pairs(slop) {}
 
-  void depth(int ms)
-  {
-    RegisteredDepth depth;
-    depth.header.stamp = stampOf(ms);
-    note(pairs.add(depth));
-  }
+  void depth(int ms) { note(pairs.addDepth(imageOf(ms, 0))); }
 
-  void color(int ms, std::size_t bytes = 0)
-  {
-    const auto message = boost::make_shared<sensor_msgs::Image>();
-    message->header.stamp = stampOf(ms);
-    message->data.resize(bytes);
-    note(pairs.add(sensor_msgs::ImageConstPtr(message)));
-  }
+  void color(int ms, std::size_t bytes = 0) { note(pairs.addColor(imageOf(ms, bytes))); }
 
   ColorPairs pairs;
   std::string found;
 
 private:
-  static ros::Time stampOf(int ms)
+  static sensor_msgs::ImageConstPtr imageOf(int ms, std::size_t bytes)
   {
-    ros::Time stamp;
-    return stamp.fromNSec(static_cast<std::uint64_t>(ms) * 1000000);
+    const auto message = boost::make_shared<sensor_msgs::Image>();
+    message->header.stamp.fromNSec(static_cast<std::uint64_t>(ms) * 1000000);
+    message->data.resize(bytes);
+    return message;
   }
 
   void note(const std::optional<ColoredDepth>& pair)
   {
     if (!pair) return;
     const auto ms = [](const ros::Time& stamp) { return std::to_string(stamp.toNSec() / 1000000); };
-    found += ms(pair->depth.header.stamp) + "-" + ms(pair->color->header.stamp) + " ";
+    found += ms(pair->depth->header.stamp) + "-" + ms(pair->color->header.stamp) + " ";
   }
 };
 
@@ -87,6 +79,15 @@ TEST(ColorPairs, haveEqualStampsWithoutSlop)
   EXPECT_EQ(cameras.found, "");
   cameras.color(1000);
   EXPECT_EQ(cameras.found, "1000-1000 ");
+}
+
+TEST(ColorPairs, stampsAreComparedExactlyAndHoweverFarApart)
+{
+  const ros::Time now(1700000000, 5);
+  EXPECT_EQ(secondsBetween(now, now), 0.0);
+  EXPECT_EQ(secondsBetween(now, ros::Time(1700000000, 4)), 1e-9);
+  EXPECT_EQ(secondsBetween(ros::Time(1700000000, 4), now), 1e-9);
+  EXPECT_EQ(secondsBetween(ros::Time(), ros::Time(4294967295U, 0)), 4294967295.0);
 }
 
 TEST(ColorPairs, goOnWhenTimeBeginsAnew)

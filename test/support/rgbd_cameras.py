@@ -5,6 +5,7 @@ from typing import Any, List, Optional
 
 import numpy as np
 import rospy
+import support
 from frames import Source, message
 from geometry_msgs.msg import TransformStamped
 from sensor_msgs.msg import CameraInfo
@@ -78,8 +79,20 @@ class RgbdCameras:
         transform.header.frame_id = self.frames["rgb"]
         transform.transform.translation.x = x
         transform.transform.rotation.w = 1.0
+        self.withdraw()
+        support.open_messages.append(self)
         self._transforms = rospy.Publisher("/tf_static", TFMessage, queue_size=1, latch=True)
         self._transforms.publish(TFMessage([transform]))
+
+    def withdraw(self) -> None:
+        """Says no longer where the depth camera is: not to those that come later."""
+        if self._transforms is not None:
+            support.open_messages.remove(self)
+            self._transforms.unregister()
+        self._transforms = None
+
+    def close(self) -> None:
+        self.withdraw()
 
     def wait_for(self) -> None:
         """Waits until somebody subscribes to the depth images and both camera_info."""

@@ -1,42 +1,21 @@
 #include "color_pairs.hpp"
 
-#include <cmath>
-#include <cstdio>
 #include <utility>
 
 #include "robot_vision/common/range.hpp"
+#include "ros/images/stamps.hpp"
 
 namespace robot_vision
 {
-namespace
-{
-
-std::string timeText(const ros::Time& stamp)
-{
-  char text[40];
-  std::snprintf(text, sizeof(text), "%u.%09u", stamp.sec, stamp.nsec);
-  return text;
-}
-
-std::size_t bytesOf(const std::deque<sensor_msgs::ImageConstPtr>& images)
-{
-  std::size_t sum = 0;
-  for (const auto& image : images)
-    sum += image->data.size();
-  return sum;
-}
-
-}  // namespace
-
-std::optional<ColoredDepth> ColorPairs::add(const RegisteredDepth& depth)
+std::optional<ColoredDepth> ColorPairs::addDepth(const sensor_msgs::ImageConstPtr& depth)
 {
   ++unpaired_;
-  newest_depth_ = depth.header.stamp;
+  newest_depth_ = depth->header.stamp;
   waiting_ = depth;
   return pair();
 }
 
-std::optional<ColoredDepth> ColorPairs::add(const sensor_msgs::ImageConstPtr& color)
+std::optional<ColoredDepth> ColorPairs::addColor(const sensor_msgs::ImageConstPtr& color)
 {
   colors_.push_back(color);
   while (colors_.size() > kMaxColors || (colors_.size() > 1 && bytesOf(colors_) > kMaxBytes))
@@ -51,16 +30,14 @@ std::optional<ColoredDepth> ColorPairs::pair()
   double least = slop_;
   for (const sensor_msgs::ImageConstPtr& color : colors_)
   {
-    const double difference = std::abs(color->header.stamp.toSec() - waiting_->header.stamp.toSec());
+    const double difference = secondsBetween(color->header.stamp, waiting_->header.stamp);
     if (difference > least) continue;
     nearest = color;
     least = difference;
   }
   if (!nearest) return std::nullopt;
   unpaired_ = 0;
-  ColoredDepth found{std::move(*waiting_), nearest};
-  waiting_.reset();
-  return found;
+  return ColoredDepth{std::exchange(waiting_, nullptr), nearest};
 }
 
 std::string ColorPairs::problem(const std::string& depth_topic, const std::string& color_topic)

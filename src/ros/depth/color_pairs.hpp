@@ -1,30 +1,19 @@
 #pragma once
 
 #include <sensor_msgs/Image.h>
-#include <std_msgs/Header.h>
 
 #include <cstddef>
 #include <deque>
-#include <opencv2/core.hpp>
 #include <optional>
 #include <string>
 
 namespace robot_vision
 {
 
-/// A depth image that waits for its colors.
-struct RegisteredDepth
-{
-  std_msgs::Header header;
-  cv::Mat pixels;
-  std::string encoding;
-};
-
 /// A depth image and the color image of about the same time.
 struct ColoredDepth
 {
-  RegisteredDepth depth;
-  sensor_msgs::ImageConstPtr color;
+  sensor_msgs::ImageConstPtr depth, color;
 };
 
 /// Finds the color image of each depth image by their stamps, whichever comes first: the nearest of those that are
@@ -40,8 +29,8 @@ public:
   explicit ColorPairs(double slop) : slop_(slop) {}
 
   /// Adds an image. Returns the pair that it makes complete.
-  std::optional<ColoredDepth> add(const RegisteredDepth& depth);
-  std::optional<ColoredDepth> add(const sensor_msgs::ImageConstPtr& color);
+  std::optional<ColoredDepth> addDepth(const sensor_msgs::ImageConstPtr& depth);
+  std::optional<ColoredDepth> addColor(const sensor_msgs::ImageConstPtr& color);
 
   /// Why there are no pairs, in one line that names topics, each time that so many depth images have found none;
   /// otherwise empty.
@@ -55,7 +44,7 @@ private:
 
   double slop_;
   std::deque<sensor_msgs::ImageConstPtr> colors_;
-  std::optional<RegisteredDepth> waiting_;
+  sensor_msgs::ImageConstPtr waiting_;  // the last depth image, until it has its colors
   ros::Time newest_depth_;
   std::size_t unpaired_ = 0;
 };

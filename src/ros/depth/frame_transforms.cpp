@@ -30,9 +30,13 @@ cv::Affine3d toAffine(const geometry_msgs::Transform& transform)
 
 void FrameTransforms::listen(bool listens)
 {
-  buffer_.clear();  // of static transforms, too, which come again
-  moving_ = listens ? subscribe("/tf", false) : ros::Subscriber();
-  static_ = listens ? subscribe("/tf_static", true) : ros::Subscriber();
+  moving_ = ros::Subscriber();
+  static_ = ros::Subscriber();
+  buffer_.reset();  // tf2's clear() would keep the static transforms
+  if (!listens) return;
+  buffer_ = std::make_unique<tf2::BufferCore>();
+  moving_ = subscribe("/tf", false);
+  static_ = subscribe("/tf_static", true);
 }
 
 ros::Subscriber FrameTransforms::subscribe(const std::string& topic, bool is_static)
@@ -40,7 +44,7 @@ ros::Subscriber FrameTransforms::subscribe(const std::string& topic, bool is_sta
   const auto take = [this, is_static](const tf2_msgs::TFMessageConstPtr& message)
   {
     for (const geometry_msgs::TransformStamped& transform : message->transforms)
-      buffer_.setTransform(transform, "tf", is_static);  // logs what cannot be one
+      buffer_->setTransform(transform, "tf", is_static);  // logs what cannot be one
   };
   ros::SubscribeOptions options = boundedOptions<tf2_msgs::TFMessage>(topic, kQueueSize, take);
   return nh_.subscribe(options);
@@ -49,9 +53,10 @@ ros::Subscriber FrameTransforms::subscribe(const std::string& topic, bool is_sta
 std::optional<cv::Affine3d> FrameTransforms::find(const std::string& to, const std::string& from) const
 {
   if (withoutSlash(to) == withoutSlash(from)) return cv::Affine3d::Identity();
+  if (!buffer_) return std::nullopt;
   try
   {
-    return toAffine(buffer_.lookupTransform(withoutSlash(to), withoutSlash(from), ros::Time(0)).transform);
+    return toAffine(buffer_->lookupTransform(withoutSlash(to), withoutSlash(from), ros::Time(0)).transform);
   }
   catch (const tf2::TransformException&)
   {

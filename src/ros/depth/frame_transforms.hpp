@@ -4,6 +4,7 @@
 #include <tf2/buffer_core.h>
 #include <tf2_msgs/TFMessage.h>
 
+#include <memory>
 #include <opencv2/core/affine.hpp>
 #include <optional>
 #include <string>
@@ -29,7 +30,7 @@ private:
   ros::Subscriber subscribe(const std::string& topic, bool is_static);
 
   ros::NodeHandle nh_;
-  tf2::BufferCore buffer_;
+  std::unique_ptr<tf2::BufferCore> buffer_;  // while it listens
   ros::Subscriber moving_;
   ros::Subscriber static_;
 };

@@ -5,27 +5,19 @@
 #include "robot_vision/common/range.hpp"
 #include "robot_vision/image/encoding.hpp"
 #include "ros/images/image_message.hpp"
-#include "ros/params/params.hpp"
+#include "ros/images/stamps.hpp"
 
 namespace robot_vision
 {
 namespace
 {
 
-constexpr double kMaxSlop = 10.0;  // s
-
-double readSlop(const ros::NodeHandle& pnh)
-{
-  double slop = 0.02;
-  readParam(pnh, "slop", slop);
-  requireRange("slop", slop, 0.0, kMaxSlop);
-  return slop;
-}
+constexpr double kSlop = 0.02;  // s, unless ~slop is set
 
 }  // namespace
 
 RegisteredPoints::RegisteredPoints(const ros::NodeHandle& nh, const ros::NodeHandle& pnh, RegistrationTopics topics)
-  : nh_(nh), pnh_(pnh), it_(nh), topics_(std::move(topics)), pairs_(readSlop(pnh))
+  : nh_(nh), pnh_(pnh), it_(nh), topics_(std::move(topics)), pairs_(readSlop(pnh, kSlop))
 {
 }
 
@@ -38,17 +30,18 @@ void RegisteredPoints::listen(bool listens)
   const image_transport::TransportHints hints("raw", ros::TransportHints().tcpNoDelay(), pnh_);
   subscription_ =
       ImageSubscription(nh_, it_, "rgb/image_raw", hints,
-                        [this](const sensor_msgs::ImageConstPtr& message) { publish(pairs_.add(message)); });
+                        [this](const sensor_msgs::ImageConstPtr& message) { publish(pairs_.addColor(message)); });
 }
 
-void RegisteredPoints::add(const RegisteredDepth& depth, const std::shared_ptr<const DepthPoints>& maker)
+void RegisteredPoints::add(const sensor_msgs::ImageConstPtr& depth, const std::shared_ptr<const DepthPoints>& maker)
 {
   maker_ = maker;
-  if (listens()) return publish(pairs_.add(depth));
-  const auto cloud = pool_.take(depth.pixels.size(), /*colored=*/false);
-  cloud->header = depth.header;
+  if (listens()) return publish(pairs_.addDepth(depth));
+  const cv::Mat pixels = viewAnyPixels(*depth);
+  const auto cloud = pool_.take(pixels.size(), /*colored=*/false);
+  cloud->header = depth->header;
   cv::Mat points = writablePoints(*cloud);
-  maker->cloud(depth.pixels, depth.encoding, points);
+  maker->cloud(pixels, depth->encoding, points);
   publish_(cloud);
 }
 
@@ -69,14 +62,14 @@ void RegisteredPoints::publish(const std::optional<ColoredDepth>& pair)
 
 void RegisteredPoints::publishColored(const ColoredDepth& pair)
 {
-  const cv::Mat image = viewPixels(*pair.color);
-  require(image.size() == pair.depth.pixels.size(), "its size", toText(image.size()),
-          toText(pair.depth.pixels.size()) + " as on " + topics_.color_info);
+  const cv::Mat image = viewPixels(*pair.color), depth = viewAnyPixels(*pair.depth);
+  require(image.size() == depth.size(), "its size", toText(image.size()),
+          toText(depth.size()) + " as on " + topics_.color_info);
   toBgr(image, pair.color->encoding, bgr_);
   const auto cloud = pool_.take(image.size(), /*colored=*/true);
-  cloud->header = pair.depth.header;
+  cloud->header = pair.depth->header;
   cv::Mat points = writablePoints(*cloud);
-  maker_->cloud(pair.depth.pixels, pair.depth.encoding, bgr_, points);
+  maker_->cloud(depth, pair.depth->encoding, bgr_, points);
   publish_(cloud);
 }
 

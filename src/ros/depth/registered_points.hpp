@@ -2,6 +2,7 @@
 
 #include <image_transport/image_transport.h>
 #include <ros/ros.h>
+#include <sensor_msgs/Image.h>
 #include <sensor_msgs/PointCloud2.h>
 
 #include <functional>
@@ -38,9 +39,9 @@ public:
   void listen(bool listens);
   bool listens() const { return static_cast<bool>(subscription_); }
 
-  /// Publishes the points of a depth image: at once without colors, else when its color image is there. Its pixels must
-  /// not change until then. `maker` is of the camera of its pixels.
-  void add(const RegisteredDepth& depth, const std::shared_ptr<const DepthPoints>& maker);
+  /// Publishes the points of a registered depth image, which must not change any more: at once without colors, else
+  /// when its color image is there. `maker` is of the camera of its pixels.
+  void add(const sensor_msgs::ImageConstPtr& depth, const std::shared_ptr<const DepthPoints>& maker);
 
 private:
   void publish(const std::optional<ColoredDepth>& pair);

@@ -32,6 +32,7 @@ public:
 
   // Only to be called after set().
   DepthRegistration& registration() { return *registration_; }
+  cv::Size colorSize() const { return {color_.width, color_.height}; }
   /// What makes points of the registered images.
   std::shared_ptr<const DepthPoints> points();
 
