@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <opencv2/imgproc.hpp>
 
 #include "robot_vision/depth/depth_image.hpp"
 #include "robot_vision/scene/depth_noise.hpp"
@@ -158,6 +159,44 @@ TEST(PlaneFinder, whatIsRoundOrWithoutDepthIsNoPlane)
   }
   const CameraModel single{1, 1, {50, 0, 0, 0, 50, 0, 0, 0, 1}, {}, "plumb_bob"};
   EXPECT_TRUE(planesOf(cv::Mat(1, 1, CV_16UC1, cv::Scalar(900)), single).planes.empty());
+}
+
+TEST(PlaneFinder, theHullEndsBeforeTheHorizon)
+{
+  const CameraModel camera = depthWorldCamera(160);
+  constexpr double kHeight = 20.0;  // m, above a floor that is seen as far as 4 km away
+  cv::Mat depth(camera.height, camera.width, CV_32FC1, cv::Scalar(kNan));
+  for (int y = 0; y < depth.rows; ++y)
+    if (const double down = (y - camera.K(1, 2)) / camera.K(1, 1); down > 0.0)
+      depth.row(y).setTo(cv::Scalar(kHeight / down));
+  double farthest = 0.0;
+  cv::minMaxLoc(depth, nullptr, &farthest, nullptr, nullptr, depth == depth);
+  ASSERT_GT(farthest, 3000.0);
+  const PlaneSegmentation found = planesOf(depth, camera);
+  ASSERT_EQ(found.planes.size(), 1u);
+  EXPECT_LT(degreesBetween(found.planes[0].normal, {0.0, -1.0, 0.0}), 0.1);
+  EXPECT_NEAR(found.planes[0].distance, kHeight, 0.1);
+  ASSERT_GE(found.planes[0].hull.size(), 4u);
+  for (const cv::Point3d& at : found.planes[0].hull)
+    EXPECT_TRUE(at.z > 10.0 && at.z <= 1000.0) << at;
+}
+
+TEST(PlaneFinder, ofVeryManySurfacesItFindsThoseThatAreWanted)
+{
+  const CameraModel camera = depthWorldCamera(640);
+  cv::Mat blocks(60, 80, CV_16UC1), depth;
+  cv::RNG random(1);
+  random.fill(blocks, cv::RNG::UNIFORM, 800, 5000);
+  cv::resize(blocks, depth, cv::Size(640, 480), 0, 0, cv::INTER_NEAREST);
+  PlaneParams params;
+  params.min_area = 0.0001;
+  params.max_planes = 100;
+  const PlaneSegmentation found = planesOf(depth, camera, params);
+  ASSERT_EQ(found.planes.size(), 100u);
+  for (std::size_t i = 0; i < found.planes.size(); ++i)
+    EXPECT_EQ(found.planes[i].pixels, cv::countNonZero(found.labels == static_cast<double>(i + 1))) << i;
+  random.fill(depth, cv::RNG::UNIFORM, 0, 65536);
+  EXPECT_TRUE(planesOf(depth, camera).planes.empty());
 }
 
 TEST(PlaneFinder, findsAsManyAsAreWanted)

@@ -1,5 +1,6 @@
 #include "plane_hulls.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -10,7 +11,8 @@ namespace robot_vision
 namespace
 {
 
-constexpr int kMinRun = 3;  // px of a plane beside each other in a row, which a single wrong pixel is not
+constexpr int kMinRun = 3;            // px of a plane beside each other in a row, which a single wrong pixel is not
+constexpr double kFarthest = 1000.0;  // m: what is farther, or beyond the horizon of its plane, is at no known place
 
 /// The ends of the plane's pixels in each row, as far as they are runs, in the frame of the plane.
 using Ends = std::vector<std::vector<cv::Point2f>>;  // for each plane
@@ -18,7 +20,8 @@ using Ends = std::vector<std::vector<cv::Point2f>>;  // for each plane
 class HullFinder
 {
 public:
-  HullFinder(const RayTable& rays, std::vector<Plane>& planes) : rays_(rays), planes_(planes), ends_(planes.size())
+  HullFinder(const RayTable& rays, std::vector<Plane>& planes)
+    : rays_(rays), planes_(planes), ends_(planes.size()), reach_(planes.size())
   {
     for (const Plane& plane : planes)
       frames_.push_back(planeFrame(plane));
@@ -26,7 +29,7 @@ public:
 
   void addRow(const std::uint8_t* labels, int y)
   {
-    std::vector<cv::Range> reach(planes_.size());  // from the first to the last pixel of a plane's runs
+    std::fill(reach_.begin(), reach_.end(), cv::Range());
     const int width = rays_.x.cols;
     for (int begin = 0; begin < width;)
     {
@@ -35,15 +38,15 @@ public:
         ++end;
       if (labels[begin] != 0 && end - begin >= kMinRun)
       {
-        cv::Range& columns = reach[labels[begin] - std::size_t{1}];
+        cv::Range& columns = reach_[labels[begin] - std::size_t{1}];
         columns = {columns.empty() ? begin : columns.start, end};
       }
       begin = end;
     }
     for (std::size_t i = 0; i < planes_.size(); ++i)
-      if (!reach[i].empty())
-        for (const int x : {reach[i].start, reach[i].end - 1})
-          ends_[i].push_back(onPlane(i, x, y));
+      if (!reach_[i].empty())
+        for (const int x : {reach_[i].start, reach_[i].end - 1})
+          addEnd(i, x, y);
   }
 
   void finish()
@@ -59,18 +62,22 @@ public:
   }
 
 private:
-  cv::Point2f onPlane(std::size_t i, int x, int y) const
+  /// Adds the place where the ray of a pixel meets a plane.
+  void addEnd(std::size_t i, int x, int y)
   {
     const cv::Vec3d ray(rays_.x.at<float>(y, x), rays_.y.at<float>(y, x), 1.0);
-    const cv::Vec3d point = -planes_[i].distance / planes_[i].normal.dot(ray) * ray;
+    const double towards = -planes_[i].normal.dot(ray);
+    if (!(towards * kFarthest > planes_[i].distance)) return;
+    const cv::Vec3d point = planes_[i].distance / towards * ray;
     const cv::Vec3d local = frames_[i].rotation().t() * (point - frames_[i].translation());
-    return {static_cast<float>(local[0]), static_cast<float>(local[1])};
+    ends_[i].emplace_back(static_cast<float>(local[0]), static_cast<float>(local[1]));
   }
 
   const RayTable& rays_;
   std::vector<Plane>& planes_;
   std::vector<cv::Affine3d> frames_;
   Ends ends_;
+  std::vector<cv::Range> reach_;  // of each plane in a row, from the first to the last pixel of its runs
 };
 
 }  // namespace

@@ -25,8 +25,13 @@ void PlaneBlocks::sumUp(const cv::Mat& inverse, const RayTable& rays)
     const auto* const w = inverse.ptr<float>(y);
     const auto *const ray_x = rays.x.ptr<float>(y), *const ray_y = rays.y.ptr<float>(y);
     PlaneSums* const row = &sums_[static_cast<std::size_t>(y / kSide * size_.width)];
-    for (int x = 0; x < inverse.cols; ++x)
-      if (w[x] > 0.0F) row[x / kSide].add(ray_x[x], ray_y[x], w[x]);
+    for (int x = 0; x < inverse.cols; x += kSide)
+    {
+      PlaneSums sums;  // apart from the others, as these are in memory and its numbers in registers
+      for (int i = x; i < std::min(inverse.cols, x + kSide); ++i)
+        if (w[i] > 0.0F) sums.add(ray_x[i], ray_y[i], w[i]);
+      row[x / kSide] += sums;
+    }
   }
 }
 
@@ -57,22 +62,21 @@ std::vector<PlaneRegion> PlaneBlocks::grow(const InverseNoise& noise, double min
   {
     if (is_free_[static_cast<std::size_t>(seed)] == 0) continue;
     PlaneRegion region = growFrom(seed, noise);
-    if (region.pixels >= min_pixels) regions.push_back(std::move(region));
+    if (region.sums.n >= min_pixels) regions.push_back(std::move(region));
   }
-  std::stable_sort(regions.begin(), regions.end(), [](const auto& a, const auto& b) { return a.pixels > b.pixels; });
+  std::stable_sort(regions.begin(), regions.end(), [](const auto& a, const auto& b) { return a.sums.n > b.sums.n; });
   return regions;
 }
 
 PlaneRegion PlaneBlocks::growFrom(int seed, const InverseNoise& noise)
 {
   PlaneRegion region;
-  PlaneSums sums;
   const auto take = [&](int block)
   {
     is_free_[static_cast<std::size_t>(block)] = 0;
     region.blocks.push_back(block);
-    sums += sums_[static_cast<std::size_t>(block)];
-    region.plane = sums.fit().value_or(region.plane);
+    region.sums += sums_[static_cast<std::size_t>(block)];
+    region.plane = region.sums.fit().value_or(region.plane);
   };
   const auto offer = [&](int block)
   {
@@ -88,7 +92,6 @@ PlaneRegion PlaneBlocks::growFrom(int seed, const InverseNoise& noise)
     if (row > 0) offer(block - size_.width);
     if (row + 1 < size_.height) offer(block + size_.width);
   }
-  region.pixels = sums.n;
   return region;
 }
 
@@ -98,19 +101,23 @@ cv::Rect PlaneBlocks::rect(int block) const
   return cv::Rect(corner, cv::Size(kSide, kSide)) & cv::Rect({0, 0}, image_);
 }
 
-std::vector<int> PlaneBlocks::withNeighbours(const PlaneRegion& region) const
+void PlaneBlocks::addParts(const PlaneRegion& region, std::vector<cv::Rect>& parts) const
 {
-  std::vector<std::uint8_t> is_wanted(sums_.size(), 0);
+  cv::Mat is_wanted = cv::Mat::zeros(size_, CV_8UC1);
   for (const int block : region.blocks)
-    for (int row = std::max(0, block / size_.width - 1); row <= std::min(size_.height - 1, block / size_.width + 1);
-         ++row)
-      for (int column = std::max(0, block % size_.width - 1);
-           column <= std::min(size_.width - 1, block % size_.width + 1); ++column)
-        is_wanted[static_cast<std::size_t>(row * size_.width + column)] = 1;
-  std::vector<int> blocks;
-  for (std::size_t i = 0; i < is_wanted.size(); ++i)
-    if (is_wanted[i] != 0) blocks.push_back(static_cast<int>(i));
-  return blocks;
+  {
+    const cv::Rect around(block % size_.width - 1, block / size_.width - 1, 3, 3);
+    is_wanted(around & cv::Rect({0, 0}, size_)).setTo(1);
+  }
+  for (int row = 0; row < size_.height; ++row)
+    for (int column = 0; column < size_.width; ++column)
+    {
+      if (is_wanted.at<std::uint8_t>(row, column) == 0) continue;
+      const int first = row * size_.width + column;
+      while (column + 1 < size_.width && is_wanted.at<std::uint8_t>(row, column + 1) != 0)
+        ++column;
+      parts.push_back(rect(first) | rect(row * size_.width + column));
+    }
 }
 
 }  // namespace robot_vision

@@ -23,8 +23,8 @@ struct InverseNoise
 struct PlaneRegion
 {
   std::vector<int> blocks;  // row by row counted
-  InversePlane plane;
-  double pixels = 0.0;
+  PlaneSums sums;           // of all of their pixels
+  InversePlane plane;       // by these
 };
 
 /// An image divided into square blocks; those at its end may be smaller.
@@ -39,13 +39,12 @@ public:
   /// Finds regions with at least so many pixels, the largest first.
   std::vector<PlaneRegion> grow(const InverseNoise& noise, double min_pixels);
 
-  /// The pixels of a block.
-  cv::Rect rect(int block) const;
-
-  /// The blocks of a region, and those that touch them at a side or a corner.
-  std::vector<int> withNeighbours(const PlaneRegion& region) const;
+  /// Adds the blocks of a region, and those that touch them at a side or a corner, as rectangles of pixels: blocks
+  /// beside each other are one.
+  void addParts(const PlaneRegion& region, std::vector<cv::Rect>& parts) const;
 
 private:
+  cv::Rect rect(int block) const;  // px
   bool isPlanar(const PlaneSums& sums, const InversePlane& plane, const InverseNoise& noise, double limit) const;
   PlaneRegion growFrom(int seed, const InverseNoise& noise);
 

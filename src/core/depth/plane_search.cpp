@@ -18,6 +18,7 @@ namespace
 constexpr double kMaxError = 2.5;   // of a plane's pixels, standard deviations
 constexpr double kMoreError = 1.2;  // by which the error of two pieces of one plane may grow if they are taken for one
 constexpr double kOffset = 0.3;     // standard deviations, that it may grow by besides
+constexpr std::size_t kMaxRegions = 400;  // the largest, as each is compared with all planes before it
 
 Plane toPlane(const InversePlane& fitted, const PlaneSums& sums, const InverseNoise& noise)
 {
@@ -33,12 +34,28 @@ Plane toPlane(const InversePlane& fitted, const PlaneSums& sums, const InverseNo
   return plane;
 }
 
+/// Writes how far inverse depths are from a plane, in standard deviations; much where there is none, or NaN.
+void findErrors(const float* w, const float* ray_x, const float* ray_y, int count, const InversePlane& plane,
+                const InverseNoise& noise, float* __restrict errors)
+{
+  constexpr float kMuch = 1e9F;
+  const auto a = static_cast<float>(plane.a), b = static_cast<float>(plane.b), c = static_cast<float>(plane.c);
+  const auto plain = static_cast<float>(noise.noise), squared = static_cast<float>(noise.min_noise);
+  for (int i = 0; i < count; ++i)
+  {
+    const float expected = a * ray_x[i] + b * ray_y[i] + c;
+    const float error = std::abs(w[i] - expected) / (plain + squared * expected * expected);
+    errors[i] = error + (w[i] > 0.0F ? 0.0F : kMuch) + (expected > 0.0F ? 0.0F : kMuch);
+  }
+}
+
 }  // namespace
 
 PlaneSearch::PlaneSearch(const CameraModel& camera, const PlaneParams& params)
   : camera_((validate(camera), camera)), params_((validate(params), params)), noise_{params.noise, params.min_noise}
 {
   rays_ = rayTable(camera_);
+  row_errors_.resize(static_cast<std::size_t>(camera_.width));
 }
 
 const PlaneSegmentation& PlaneSearch::find(const cv::Mat& depth, const std::string& encoding)
@@ -49,7 +66,9 @@ const PlaneSegmentation& PlaneSearch::find(const cv::Mat& depth, const std::stri
   blocks_.sumUp(inverse_, rays_);
   candidates_.clear();
   const double min_pixels = params_.min_area * size.area();
-  for (const PlaneRegion& region : blocks_.grow(noise_, min_pixels))
+  std::vector<PlaneRegion> regions = blocks_.grow(noise_, min_pixels);
+  if (regions.size() > kMaxRegions) regions.resize(kMaxRegions);
+  for (const PlaneRegion& region : regions)
     add(region);
   const auto most = static_cast<std::size_t>(params_.max_planes);
   if (candidates_.size() > most) candidates_.resize(most);
@@ -59,50 +78,19 @@ const PlaneSegmentation& PlaneSearch::find(const cv::Mat& depth, const std::stri
   return found_;
 }
 
-/// Calls use(x, y, error) for the pixels of some blocks that are on a plane; the error is at most 1.
-template <class Use>
-void PlaneSearch::forPixels(const std::vector<int>& blocks, const InversePlane& plane, const Use& use) const
-{
-  const auto a = static_cast<float>(plane.a), b = static_cast<float>(plane.b), c = static_cast<float>(plane.c);
-  const auto noise = static_cast<float>(kMaxError * noise_.noise);
-  const auto min_noise = static_cast<float>(kMaxError * noise_.min_noise);
-  for (const int block : blocks)
-  {
-    const cv::Rect part = blocks_.rect(block);
-    for (int y = part.y; y < part.br().y; ++y)
-    {
-      const auto* const w = inverse_.ptr<float>(y);
-      const auto *const ray_x = rays_.x.ptr<float>(y), *const ray_y = rays_.y.ptr<float>(y);
-      for (int x = part.x; x < part.br().x; ++x)
-      {
-        const float expected = a * ray_x[x] + b * ray_y[x] + c;
-        const float error = std::abs(w[x] - expected) / (noise + min_noise * expected * expected);
-        if (error <= 1.0F && w[x] > 0.0F && expected > 0.0F) use(x, y, error);
-      }
-    }
-  }
-}
-
-/// Adds the plane of a region, fitted to the pixels in and beside it, or makes the region a part of an earlier plane.
+/// Adds the plane of a region, or makes the region a part of an earlier plane.
 void PlaneSearch::add(const PlaneRegion& region)
 {
-  Candidate candidate;
-  candidate.blocks = blocks_.withNeighbours(region);
-  forPixels(candidate.blocks, region.plane,
-            [&](int x, int y, float /*error*/)
-            { candidate.sums.add(rays_.x.at<float>(y, x), rays_.y.at<float>(y, x), inverse_.at<float>(y, x)); });
-  const auto fitted = candidate.sums.fit();
-  if (!fitted) return;
-  candidate.plane = *fitted;
   for (Candidate& other : candidates_)
   {
-    if (!isSamePlane(other.sums, candidate.sums)) continue;
-    other.sums += candidate.sums;
+    if (!isSamePlane(other.sums, region.sums)) continue;
+    other.sums += region.sums;
     other.plane = other.sums.fit().value_or(other.plane);
-    other.blocks.insert(other.blocks.end(), candidate.blocks.begin(), candidate.blocks.end());
+    blocks_.addParts(region, other.parts);
     return;
   }
-  candidates_.push_back(std::move(candidate));
+  candidates_.push_back({{}, region.plane, region.sums});
+  blocks_.addParts(region, candidates_.back().parts);
 }
 
 /// Whether one plane fits the pixels of two as well as their own planes do.
@@ -127,15 +115,28 @@ void PlaneSearch::label()
   found_.labels.create(inverse_.size(), CV_8UC1);
   found_.labels.setTo(0);
   errors_.create(inverse_.size(), CV_32FC1);
-  errors_.setTo(2.0);  // more than any
+  errors_.setTo(kMaxError);
   for (std::size_t i = 0; i < candidates_.size(); ++i)
-    forPixels(candidates_[i].blocks, candidates_[i].plane,
-              [&](int x, int y, float error)
-              {
-                if (error >= errors_.at<float>(y, x)) return;
-                errors_.at<float>(y, x) = error;
-                found_.labels.at<std::uint8_t>(y, x) = static_cast<std::uint8_t>(i + 1);
-              });
+    for (const cv::Rect& part : candidates_[i].parts)
+      labelPart(part, candidates_[i].plane, static_cast<std::uint8_t>(i + 1));
+}
+
+void PlaneSearch::labelPart(const cv::Rect& part, const InversePlane& plane, std::uint8_t number)
+{
+  for (int y = part.y; y < part.br().y; ++y)
+  {
+    const std::ptrdiff_t x = part.x;
+    findErrors(inverse_.ptr<float>(y) + x, rays_.x.ptr<float>(y) + x, rays_.y.ptr<float>(y) + x, part.width, plane,
+               noise_, row_errors_.data());
+    auto* const errors = errors_.ptr<float>(y) + x;
+    auto* const labels = found_.labels.ptr(y) + x;
+    for (int i = 0; i < part.width; ++i)
+    {
+      if (!(row_errors_[static_cast<std::size_t>(i)] < errors[i])) continue;
+      errors[i] = row_errors_[static_cast<std::size_t>(i)];
+      labels[i] = number;
+    }
+  }
 }
 
 /// Fits the planes to their pixels, leaves out those that are too small, and puts the one with most pixels first.
@@ -147,8 +148,19 @@ void PlaneSearch::measure(double min_pixels)
     const auto* const labels = found_.labels.ptr(y);
     const auto* const w = inverse_.ptr<float>(y);
     const auto *const ray_x = rays_.x.ptr<float>(y), *const ray_y = rays_.y.ptr<float>(y);
-    for (int x = 0; x < inverse_.cols; ++x)
-      if (labels[x] != 0) sums[labels[x] - std::size_t{1}].add(ray_x[x], ray_y[x], w[x]);
+    for (int x = 0; x < inverse_.cols;)
+    {
+      const std::uint8_t number = labels[x];
+      if (number == 0)
+      {
+        ++x;
+        continue;
+      }
+      PlaneSums of_run;
+      for (; x < inverse_.cols && labels[x] == number; ++x)
+        of_run.add(ray_x[x], ray_y[x], w[x]);
+      sums[number - std::size_t{1}] += of_run;
+    }
   }
   std::vector<std::size_t> order;
   for (std::size_t i = 0; i < sums.size(); ++i)

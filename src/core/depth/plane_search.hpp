@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <opencv2/core.hpp>
 #include <string>
 #include <vector>
@@ -29,19 +30,18 @@ public:
   double deviation(double depth) const { return params_.noise * depth * depth + params_.min_noise; }
 
 private:
-  /// A plane, and the blocks that may have pixels of it.
+  /// A plane, and the parts of the image that may have pixels of it.
   struct Candidate
   {
-    std::vector<int> blocks;
+    std::vector<cv::Rect> parts;
     InversePlane plane;
     PlaneSums sums;
   };
 
-  template <class Use>
-  void forPixels(const std::vector<int>& blocks, const InversePlane& plane, const Use& use) const;
   void add(const PlaneRegion& region);
   bool isSamePlane(const PlaneSums& a, const PlaneSums& b) const;
   void label();
+  void labelPart(const cv::Rect& part, const InversePlane& plane, std::uint8_t number);
   void measure(double min_pixels);
 
   CameraModel camera_;
@@ -51,7 +51,8 @@ private:
   PlaneBlocks blocks_;
   cv::Mat inverse_;
   std::vector<Candidate> candidates_;
-  cv::Mat errors_;  // CV_32FC1, of each pixel with regard to its plane, in what is allowed
+  cv::Mat errors_;                 // CV_32FC1, of each pixel with regard to its plane, in standard deviations
+  std::vector<float> row_errors_;  // likewise, of a part of a row
   PlaneSegmentation found_;
 };
 

@@ -7,7 +7,8 @@ namespace robot_vision
 namespace
 {
 
-constexpr double kMinSpread = 1e-9;  // of the determinant, in the product of both variances
+constexpr double kMinSpread = 1e-9;     // of the determinant, in the product of both variances
+constexpr double kMinVariance = 1e-12;  // of rays, in the mean of their squares: less is what rounding leaves of none
 
 }  // namespace
 
@@ -32,6 +33,7 @@ std::optional<InversePlane> PlaneSums::fit() const
   const double mx = x / n, my = y / n, mw = w / n;
   const double cxx = xx / n - mx * mx, cxy = xy / n - mx * my, cyy = yy / n - my * my;
   const double cxw = xw / n - mx * mw, cyw = yw / n - my * mw;
+  if (cxx <= kMinVariance * xx / n || cyy <= kMinVariance * yy / n) return std::nullopt;
   const double det = cxx * cyy - cxy * cxy;
   if (!(det > kMinSpread * cxx * cyy)) return std::nullopt;
   InversePlane plane;

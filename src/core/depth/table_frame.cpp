@@ -1,5 +1,6 @@
 #include "table_frame.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <opencv2/imgproc.hpp>
@@ -32,17 +33,22 @@ TableFrame::TableFrame(const Plane& plane) : pose_(planeFrame(plane)), to_plane_
     const cv::Vec3d place = local(cv::Vec3d(corner.x, corner.y, corner.z));
     hull_.emplace_back(static_cast<float>(place[0]), static_cast<float>(place[1]));
   }
+  for (std::size_t i = 0; hull_.size() >= 3 && i < hull_.size(); ++i)
+  {
+    const cv::Point2d from = hull_[i], side = cv::Point2d(hull_[(i + 1) % hull_.size()]) - from;
+    const double length = cv::norm(side);
+    if (length == 0.0) continue;
+    const cv::Point2d outwards(side.y / length, -side.x / length);
+    sides_.push_back({outwards, outwards.dot(from)});
+  }
 }
 
 bool TableFrame::isAbove(const cv::Vec3d& place, double margin) const
 {
-  for (std::size_t i = 0; i < hull_.size(); ++i)
-  {
-    const cv::Point2d from = hull_[i], side = cv::Point2d(hull_[(i + 1) % hull_.size()]) - from;
-    const cv::Point2d to_place = cv::Point2d(place[0], place[1]) - from;
-    if (side.cross(to_place) < -margin * cv::norm(side)) return false;
-  }
-  return hull_.size() >= 3;
+  const cv::Point2d at(place[0], place[1]);
+  return !sides_.empty() &&
+         std::all_of(sides_.begin(), sides_.end(),
+                     [&](const Side& side) { return side.outwards.dot(at) <= side.distance + margin; });
 }
 
 double TableFrame::area() const

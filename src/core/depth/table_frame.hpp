@@ -43,7 +43,15 @@ public:
 private:
   cv::Affine3d pose_;  // of the plane's frame in the camera's optical frame
   cv::Affine3d to_plane_;
+  /// A side of the hull: what is inside is at most `distance` away from the frame's origin along `outwards`.
+  struct Side
+  {
+    cv::Point2d outwards;  // unit vector
+    double distance;       // m
+  };
+
   std::vector<cv::Point2f> hull_;  // counter-clockwise
+  std::vector<Side> sides_;        // none if the hull has no area
 };
 
 }  // namespace robot_vision

@@ -1,6 +1,7 @@
 #include "robot_vision/depth/tabletop.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -41,10 +42,10 @@ struct TabletopFinder::Impl
     search.find(depth, encoding);
     found.tables.clear();
     objects.begin(depth.size());
-    is_table.assign(256, false);
+    is_table = {};
     const std::vector<std::size_t> tables = tablesOf(up);
     for (const std::size_t i : tables)
-      is_table[i + 1] = true;
+      is_table[i + 1] = 1;
     for (const std::size_t i : tables)
       add(search.found().planes[i]);
     found.labels = objects.labels();
@@ -83,6 +84,9 @@ struct TabletopFinder::Impl
   /// Writes the depths of pixels that can show what stands on a table, and 0 for all others.
   void findCandidates(const Plane& plane, const TableFrame& frame)
   {
+    const cv::Vec3f normal = plane.normal;
+    const auto distance = static_cast<float>(plane.distance);
+    const auto low = static_cast<float>(params.min_height), high = static_cast<float>(params.max_height);
     depths.create(search.inverse().size(), CV_32FC1);
     for (int y = 0; y < depths.rows; ++y)
     {
@@ -94,13 +98,14 @@ struct TabletopFinder::Impl
       for (int x = 0; x < depths.cols; ++x)
       {
         to[x] = 0.0F;
-        if (inverse[x] == 0.0F || is_table[of_planes[x]] || taken[x] != 0) continue;
-        const double z = 1.0 / inverse[x];
-        const cv::Vec3d ray(ray_x[x], ray_y[x], 1.0);
-        const double along = plane.normal.dot(ray), height = z * along + plane.distance;
-        if (!(height >= params.min_height && height <= params.max_height)) continue;
-        if (height < kMinDeviations * search.deviation(z) * std::abs(along)) continue;
-        if (frame.isAbove(frame.local(z * ray), params.margin)) to[x] = static_cast<float>(z);
+        const float w = inverse[x], along = normal[0] * ray_x[x] + normal[1] * ray_y[x] + normal[2];
+        const float height = along + distance * w;  // divided by the depth
+        if (!(w > 0.0F && height >= low * w && height <= high * w)) continue;
+        if (is_table[of_planes[x]] != 0 || taken[x] != 0) continue;
+        const double z = 1.0 / w;
+        if (height * z < kMinDeviations * search.deviation(z) * std::abs(along)) continue;
+        if (frame.isAbove(frame.local(z * cv::Vec3d(ray_x[x], ray_y[x], 1.0)), params.margin))
+          to[x] = static_cast<float>(z);
       }
     }
   }
@@ -109,8 +114,8 @@ struct TabletopFinder::Impl
   PlaneSearch search;
   TableObjects objects;
   Tabletop found;
-  std::vector<bool> is_table;  // of the planes, by their labels
-  cv::Mat depths;              // of what can be objects of one table
+  std::array<std::uint8_t, 256> is_table{};  // of the planes, by their labels
+  cv::Mat depths;                            // of what can be objects of one table
 };
 
 TabletopFinder::TabletopFinder(const CameraModel& camera, const PlaneParams& planes, const TabletopParams& params)
