@@ -157,7 +157,8 @@ std::vector<Work> allWorks()
 {
   std::vector<Work> all;
   for (const auto& part : {bench::edgeWorks(), bench::hsvWorks(), bench::motionWorks(), bench::brightnessWorks(),
-                           bench::filterWorks(), bench::conversionWorks(), bench::jpegWorks(), bench::depthWorks()})
+                           bench::filterWorks(), bench::conversionWorks(), bench::jpegWorks(), bench::depthWorks(),
+                           bench::normalWorks(), bench::tabletopWorks()})
     all.insert(all.end(), part.begin(), part.end());
   return all;
 }

@@ -3,6 +3,7 @@
 import json
 from typing import List, Tuple
 
+import depth_contenders
 import filter_contenders
 from measuring import HERE, RATE, Bench, Command, Contender, Contenders
 from node_commands import IMAGE, course, node
@@ -172,6 +173,8 @@ COMPARISONS: Tuple[Tuple[str, Contenders, Sizes], ...] = (
     ("Motion: the whole photograph moves", motion_nodes(still=False), SIZES),
     ("Object tracker: the photograph moves, an overlay is published", tracker_nodes, SIZES),
     ("AprilTag nodes: two tags, with poses", tag_nodes, TAG_SIZES),
+    (depth_contenders.IMAGE, depth_contenders.registrations(points=False), SIZES),
+    (depth_contenders.POINTS, depth_contenders.registrations(points=True), SIZES),
     *(
         (filter_contenders.title(name), filter_contenders.contenders(pair), SIZES)
         for name, pair in filter_contenders.PAIRS.items()

@@ -4,16 +4,20 @@
 //
 // ~image (empty: the stamps are another's, e.g. a camera's; only listen), ~width, ~height, ~rate (Hz), ~seconds,
 // ~warm_up (s, not counted), ~pids ("12 34"), ~expect: what one result is compared with: "", opencv, opencv_apps,
-// ~results (false: the processes note themselves when images arrive), ~still (a box moves instead of the image)
+// ~results (false: the processes note themselves when images arrive), ~still (a box moves instead of the image),
+// ~depth (the topic of a depth camera's images that are published, too; empty: none), ~cloud (the result is one)
 
 #include <image_transport/camera_common.h>
 #include <ros/ros.h>
 #include <sensor_msgs/Image.h>
+#include <sensor_msgs/PointCloud2.h>
 
 #include <map>
 #include <mutex>
+#include <optional>
 #include <sstream>
 
+#include "depth_source.hpp"
 #include "moving_messages.hpp"
 #include "ros/camera/scene_messages.hpp"
 
@@ -34,6 +38,8 @@ struct Settings
   std::string expect;
   bool results = true;
   bool still = false;
+  std::string depth;
+  bool cloud = false;
   std::vector<clockid_t> clocks;
 };
 
@@ -51,6 +57,8 @@ Settings readSettings()
   pnh.getParam("expect", settings.expect);
   pnh.getParam("results", settings.results);
   pnh.getParam("still", settings.still);
+  pnh.getParam("depth", settings.depth);
+  pnh.getParam("cloud", settings.cloud);
   pnh.getParam("pids", pids);
   std::istringstream stream(pids);
   for (pid_t pid = 0; stream >> pid;)
@@ -96,10 +104,12 @@ double samePixels(const sensor_msgs::Image& message, const cv::Mat& expected)
 class Results
 {
 public:
-  Results() : spinner_(1)
+  explicit Results(bool cloud) : spinner_(1)
   {
     ros::NodeHandle nh;
-    subscriber_ = nh.subscribe("result", 10, &Results::onImage, this, ros::TransportHints().tcpNoDelay());
+    const ros::TransportHints hints = ros::TransportHints().tcpNoDelay();
+    subscriber_ = cloud ? nh.subscribe("result", 10, &Results::onCloud, this, hints)
+                        : nh.subscribe("result", 10, &Results::onImage, this, hints);
     spinner_.start();
   }
 
@@ -124,10 +134,18 @@ public:
 private:
   void onImage(const sensor_msgs::ImageConstPtr& message)
   {
+    note(message->header.stamp);
+    const std::lock_guard<std::mutex> lock(mutex_);
+    last_ = message;
+  }
+
+  void onCloud(const sensor_msgs::PointCloud2ConstPtr& message) { note(message->header.stamp); }
+
+  void note(const ros::Time& stamp)
+  {
     const ros::Time now = ros::Time::now();
     const std::lock_guard<std::mutex> lock(mutex_);
-    arrivals_[message->header.stamp] = now;
-    last_ = message;
+    arrivals_[stamp] = now;
   }
 
   std::mutex mutex_;  // guards arrivals_ and last_
@@ -159,7 +177,7 @@ void waitFor(const std::string& what, const Condition& condition)
 class Measurement
 {
 public:
-  explicit Measurement(Settings settings) : settings_(std::move(settings)) {}
+  explicit Measurement(Settings settings) : settings_(std::move(settings)), results_(settings_.cloud) {}
 
   bench::Result run()
   {
@@ -203,7 +221,10 @@ private:
     const std::string beside = image_transport::getCameraInfoTopic(nh.resolveName("image"));
     ros::Publisher info_publisher = nh.advertise<sensor_msgs::CameraInfo>(beside, 1);
     sensor_msgs::CameraInfo info = cameraInfo(size);
-    waitFor("for somebody who takes the image", [&] { return publisher.getNumSubscribers() > 0; });
+    std::optional<bench::DepthSource> depth;
+    if (!settings_.depth.empty()) depth.emplace(nh, settings_.depth, messages.front()->header.frame_id);
+    waitFor("for somebody who takes the image",
+            [&] { return depth ? depth->connected() : publisher.getNumSubscribers() > 0; });
     const int warm_up = static_cast<int>(settings_.warm_up * settings_.rate);
     result_.sent = static_cast<int>(settings_.seconds * settings_.rate);
     ros::WallRate rate(settings_.rate);
@@ -217,6 +238,7 @@ private:
       publisher.publish(message);
       info.header = message->header;
       info_publisher.publish(info);
+      if (depth) depth->publish(i, message->header.stamp);
     }
     if (!settings_.results) return;
     awaitLast();

@@ -49,6 +49,8 @@ class Contender:
     still: bool = False  # a box wanders before the photograph, instead of the photograph itself
     alone: Command = dataclasses.field(default_factory=list)
     beside: List[Command] = dataclasses.field(default_factory=list)  # meanwhile, not measured
+    depth: str = ""  # the topic of a depth camera's images, which are there, too
+    cloud: bool = False  # the result is a cloud
 
 
 def percentile(values: Sequence[float], share: float) -> float:
@@ -208,6 +210,8 @@ class Bench:
             "expect": contender.expect,
             "results": "true" if contender.result else "false",
             "still": "true" if contender.still else "false",
+            "depth": contender.depth,
+            "cloud": "true" if contender.cloud else "false",
             # Two spaces, or a single number would not be read as text.
             "pids": "  ".join(["", *map(str, pids), ""]),
         }

@@ -42,6 +42,8 @@ std::vector<Work> brightnessWorks();
 std::vector<Work> conversionWorks();
 std::vector<Work> depthWorks();
 std::vector<Work> jpegWorks();
+std::vector<Work> normalWorks();
+std::vector<Work> tabletopWorks();
 
 /// Where a contest's images go.
 struct Results

@@ -4,6 +4,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "contests.hpp"
+#include "depth_frames.hpp"
 #include "robot_vision/depth/depth_registration.hpp"
 
 namespace bench
@@ -12,9 +13,6 @@ namespace
 {
 
 using robot_vision::CameraModel;
-
-const cv::Size kDepthSize(640, 480);    // of a Kinect
-constexpr double kFocalLength = 525.0;  // px, for 640 columns
 
 CameraModel pinhole(const cv::Size& size)
 {
