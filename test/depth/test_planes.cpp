@@ -140,6 +140,21 @@ TEST(PlaneFinder, aPlaneBehindSomethingIsOne)
   EXPECT_EQ(planesOf(world.depth(camera), camera).planes.size(), 3u);
 }
 
+TEST(PlaneFinder, aPlaneMayBeSeenInPiecesSmallerThanTheSmallest)
+{
+  const CameraModel camera = depthWorldCamera(160);
+  DepthWorld world;
+  world.rectangles = {{{0.0, 0.0, 2.0}, {9.0, 0.0, 2.0}, {0.0, 9.0, 0.0}}};
+  for (const double x : {-0.2, 0.2})
+    world.rectangles.push_back({{x, 0.0, 1.0}, {0.04, 0.0, 0.0}, {0.0, 2.0, 0.0}});
+  PlaneParams params;
+  params.min_area = 0.4;
+  const PlaneSegmentation found = planesOf(world.depth(camera), camera, params);
+  ASSERT_EQ(found.planes.size(), 1u);
+  expectPlane(found.planes[0], world.rectangles[0], 0.05, 5e-4);
+  EXPECT_GT(found.planes[0].pixels, camera.width * camera.height * 7 / 10);
+}
+
 TEST(PlaneFinder, whatIsRoundOrWithoutDepthIsNoPlane)
 {
   const CameraModel camera = depthWorldCamera(120);

@@ -15,6 +15,7 @@ namespace robot_vision
 namespace
 {
 
+constexpr double kMinPiece = 0.1;   // of the smallest plane, that a piece of one has which something stands before
 constexpr double kMaxError = 2.5;   // of a plane's pixels, standard deviations
 constexpr double kMoreError = 1.2;  // by which the error of two pieces of one plane may grow if they are taken for one
 constexpr double kOffset = 0.3;     // standard deviations, that it may grow by besides
@@ -64,18 +65,28 @@ const PlaneSegmentation& PlaneSearch::find(const cv::Mat& depth, const std::stri
   checkDepth(depth, encoding, size);
   invertDepth(depth, encoding, rays_, inverse_);
   blocks_.sumUp(inverse_, rays_);
-  candidates_.clear();
   const double min_pixels = params_.min_area * size.area();
-  std::vector<PlaneRegion> regions = blocks_.grow(noise_, min_pixels);
-  if (regions.size() > kMaxRegions) regions.resize(kMaxRegions);
-  for (const PlaneRegion& region : regions)
-    add(region);
-  const auto most = static_cast<std::size_t>(params_.max_planes);
-  if (candidates_.size() > most) candidates_.resize(most);
+  findCandidates(min_pixels);
   label();
   measure(min_pixels);
   findHulls(found_.labels, rays_, found_.planes);
   return found_;
+}
+
+/// Finds the planes that are large enough, the largest first, as many as are wanted.
+void PlaneSearch::findCandidates(double min_pixels)
+{
+  candidates_.clear();
+  std::vector<PlaneRegion> regions = blocks_.grow(noise_, kMinPiece * min_pixels);
+  if (regions.size() > kMaxRegions) regions.resize(kMaxRegions);
+  for (const PlaneRegion& region : regions)
+    add(region);
+  const auto is_small = [&](const Candidate& candidate) { return candidate.sums.n < min_pixels; };
+  candidates_.erase(std::remove_if(candidates_.begin(), candidates_.end(), is_small), candidates_.end());
+  std::stable_sort(candidates_.begin(), candidates_.end(),
+                   [](const Candidate& a, const Candidate& b) { return a.sums.n > b.sums.n; });
+  const auto most = static_cast<std::size_t>(params_.max_planes);
+  if (candidates_.size() > most) candidates_.resize(most);
 }
 
 /// Adds the plane of a region, or makes the region a part of an earlier plane.

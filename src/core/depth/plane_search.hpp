@@ -38,6 +38,7 @@ private:
     PlaneSums sums;
   };
 
+  void findCandidates(double min_pixels);
   void add(const PlaneRegion& region);
   bool isSamePlane(const PlaneSums& a, const PlaneSums& b) const;
   void label();
