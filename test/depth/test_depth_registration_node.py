@@ -149,6 +149,13 @@ def test_parameters_and_places_change_live(start):
     support.wait_for(moved, "the other place")
 
 
+def test_cameras_without_frames_are_not_taken_for_one(start):
+    watched = Watched(start, placed=False)
+    watched.cameras.frames = dict.fromkeys(SIZES, "")
+    shown_until(watched, "no transform from its frame '' to '' of ")
+    assert not watched.topics["image_raw"].received
+
+
 def test_a_missing_transform_names_both_frames(start):
     watched = Watched(start, placed=False)
     frames = watched.cameras.frames
@@ -352,13 +359,30 @@ def test_it_is_a_nodelet_in_the_manager_of_the_cameras(start):
     assert manager.unload("/registration") and manager.process.running()
 
 
+def test_images_come_over_other_transports(start):
+    words = "_camera_name:=far", "_camera_frame_id:=far_rgb_optical_frame"
+    size = "_image_width:=160", "_image_height:=120"
+    start("camera_node", "__name:=far", "_source:=synthetic", "_views:=rgbd", *words, *size)
+    transports = "_depth_image_transport:=compressedDepth", "_image_transport:=compressed"
+    start("depth_registration_node", "__name:=registration", "__ns:=/far", *transports)
+    (cloud,) = support.Messages("/far/depth_registered/points", PointCloud2).wait()
+    z = np.frombuffer(cloud.data, "<f4").reshape(120, 160, 4)[:, :, 2]
+    assert np.isfinite(z).mean() > 0.8
+    subscribed = dict(rosgraph.Master("/test").getSystemState()[1])
+    for topic in ("depth/image_raw/compressedDepth", "rgb/image_raw/compressed"):
+        assert "/far/registration" in subscribed[f"/far/{topic}"]
+    for camera in SIZES:
+        assert "/far/registration" not in subscribed.get(f"/far/{camera}/image_raw", [])
+
+
 @pytest.mark.parametrize(
     "name, value, text",
     [
         ("max_jump", 0.0, "max_jump is 0, must be from 0.001 to 1"),
         ("threads", 0, "threads is 0, must be from 1 to 64"),
         ("slop", -1.0, "slop is -1, must be from 0 to 10"),
-        ("image_transport", "pigeon", "must be one that is installed: "),
+        ("image_transport", "pigeon", "image_transport is 'pigeon', must be one that is "),
+        ("depth_image_transport", "pigeon", "depth_image_transport is 'pigeon', must be one "),
     ],
 )
 def test_bad_value_at_start_is_fatal(start, name, value, text):

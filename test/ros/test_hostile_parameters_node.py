@@ -124,6 +124,7 @@ SEGMENTER = {
     "outlines": is_flag,
 }
 DEPTH_REGISTRATION = {
+    "depth_image_transport": never,
     "slop": is_number(0.0, 10.0),
     "max_jump": is_number(0.001, 1.0),
     "color": is_flag,

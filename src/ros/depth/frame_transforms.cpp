@@ -52,7 +52,7 @@ ros::Subscriber FrameTransforms::subscribe(const std::string& topic, bool is_sta
 
 std::optional<cv::Affine3d> FrameTransforms::find(const std::string& to, const std::string& from) const
 {
-  if (withoutSlash(to) == withoutSlash(from)) return cv::Affine3d::Identity();
+  if (!to.empty() && withoutSlash(to) == withoutSlash(from)) return cv::Affine3d::Identity();
   if (!buffer_) return std::nullopt;
   try
   {

@@ -47,9 +47,12 @@ RegistrationInput::RegistrationInput(const ros::NodeHandle& nh, const ros::NodeH
     topics_(nh),
     subscriber_(nh, pnh, std::move(is_wanted), [this](bool wanted) { listen(wanted); })
 {
-  std::string transport = "raw";
+  std::string transport = "raw", of_depth = "raw";
   readParam(pnh_, "image_transport", transport);
-  requireTransport(it_, transport);  // at start, because later the exception would come with the first subscriber
+  readParam(pnh_, "depth_image_transport", of_depth);
+  // At start, because later the exception would come with the first subscriber.
+  requireTransport(it_, transport);
+  requireTransport(it_, of_depth, "depth_image_transport");
   if (topics_.depth_image == "/depth/image_raw")
     ROS_WARN(
         "%s: topic 'depth/image_raw' is not remapped, and the node is in no namespace; typical use is in that of a "
@@ -91,7 +94,7 @@ void RegistrationInput::subscribe()
   depth_info_subscription_ = subscribeTo(nh_, topics_.depth_info, depth_info_);
   color_info_subscription_ = subscribeTo(nh_, topics_.color_info, color_info_);
   // Without this option small packets would wait for each other.
-  const image_transport::TransportHints hints("raw", ros::TransportHints().tcpNoDelay(), pnh_);
+  const image_transport::TransportHints hints("raw", ros::TransportHints().tcpNoDelay(), pnh_, "depth_image_transport");
   depth_subscription_ = ImageSubscription(nh_, it_, "depth/image_raw", hints,
                                           [this](const sensor_msgs::ImageConstPtr& message) { onDepth(message); });
 }

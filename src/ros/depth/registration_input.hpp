@@ -35,10 +35,10 @@ struct RegistrationFrame
   sensor_msgs::CameraInfoConstPtr color_info;
 };
 
-/// The depth images on depth/image_raw, and the calibrations on depth/camera_info and rgb/camera_info, to which it
-/// subscribes only while the node's results are wanted, or always if ~always_subscribe is set. A camera_info that is
-/// not remapped is expected beside its image. A depth image that cannot be used is refused, logged and counted; so is
-/// that no calibration comes.
+/// The depth images on depth/image_raw, over ~depth_image_transport, and the calibrations on depth/camera_info and
+/// rgb/camera_info, to which it subscribes only while the node's results are wanted, or always if ~always_subscribe is
+/// set. A camera_info that is not remapped is expected beside its image. A depth image that cannot be used is refused,
+/// logged and counted; so is that no calibration comes.
 class RegistrationInput
 {
 public:

@@ -15,7 +15,8 @@ constexpr std::uint32_t kQueueSize = 1;  // so that after a slow frame the newes
 
 }  // namespace
 
-void requireTransport(const image_transport::ImageTransport& it, const std::string& transport)
+void requireTransport(const image_transport::ImageTransport& it, const std::string& transport,
+                      const std::string& parameter)
 {
   std::vector<std::string> known;
   for (std::string name : it.getLoadableTransports())
@@ -24,7 +25,7 @@ void requireTransport(const image_transport::ImageTransport& it, const std::stri
     if (name == transport) return;
     known.push_back(name);
   }
-  require(false, "image_transport", "'" + transport + "'", "one that is installed: " + joined(known));
+  require(false, parameter, "'" + transport + "'", "one that is installed: " + joined(known));
 }
 
 ImageSubscription::ImageSubscription(ros::NodeHandle nh, image_transport::ImageTransport& it, const std::string& topic,

@@ -10,8 +10,10 @@
 namespace robot_vision
 {
 
-/// Throws std::invalid_argument naming the installed transports if `transport` ("raw", "compressed") is not among them.
-void requireTransport(const image_transport::ImageTransport& it, const std::string& transport);
+/// Throws std::invalid_argument naming the parameter and the installed transports if `transport` ("raw", "compressed")
+/// is not among them.
+void requireTransport(const image_transport::ImageTransport& it, const std::string& transport,
+                      const std::string& parameter = "image_transport");
 
 /// Subscribes to the newest image of a topic over the image_transport of the hints. Raw images come in messages from a
 /// pool: image_transport would allocate a new message for each image and set it to zero before it copies the pixels.
