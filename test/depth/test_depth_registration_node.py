@@ -113,7 +113,7 @@ def test_all_topics_of_a_frame(start, depth, encoding, published):
     assert image.encoding == published and same(pixels(image), expected)
     registered, given = found["camera_info"], info_of("rgb")
     for name in ("width", "height", "distortion_model", "D", "K", "R", "P"):
-        assert getattr(registered, name) == getattr(given, name), name
+        assert np.array_equal(getattr(registered, name), getattr(given, name)), name
     assert_cloud(found["points"], expected, COLORS)
 
 

@@ -46,14 +46,6 @@ cv::Mat kitchen(std::size_t number)
   return depth;
 }
 
-std::vector<cv::Mat> kitchens(const cv::Size& size)
-{
-  std::vector<cv::Mat> frames;
-  for (std::size_t i = 0; i < kFrames; ++i)
-    frames.push_back(enlarged(kitchen(i), size));
-  return frames;
-}
-
 /// x, y, z (m) of each pixel; 0 where there is no depth.
 void toPoints(const cv::Mat& depth, const CameraModel& camera, cv::Mat& points)
 {
@@ -168,9 +160,10 @@ private:
 
 struct TabletopState
 {
-  explicit TabletopState(const Setup& setup)
-    : camera(depthCamera(setup.frames.front().size())), frames(kitchens(setup.frames.front().size())), finder(camera)
+  explicit TabletopState(const Setup& setup) : camera(depthCamera(setup.frames.front().size())), finder(camera)
   {
+    for (std::size_t i = 0; i < kFrames; ++i)
+      frames.push_back(enlarged(kitchen(i), setup.frames.front().size()));
   }
 
   void byOpenCv(std::size_t i) { theirs.apply(frames[i % kFrames], camera); }
