@@ -155,6 +155,7 @@ TEST(TileEqualizer, equalsOpenCv)
       for (const double limit : {0.1, 2.0, 40.0})
         for (const int tiles : {1, 2, 8, 13})
         {
+          if (type == CV_16UC1 && tiles > 2 && size.width != 64) continue;  // OpenCV's own, which takes long
           const cv::Mat gray = noise(size, type, 5);
           cv::Mat soft;
           cv::GaussianBlur(gray, soft, {}, 3.0);
