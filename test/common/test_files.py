@@ -134,7 +134,7 @@ def test_file_is_replaced_even_if_its_owner_cannot_be_kept(tmp_path, monkeypatch
 
     other = os.stat_result((*before[:4], 1234, 4321, *before[6:]))
     monkeypatch.setattr(os, "fchown", refuse)
-    monkeypatch.setattr("robot_vision.common.files._replaced", lambda path: (path, other))
+    monkeypatch.setattr("robot_vision.common.files.replaced_file", lambda path: (path, other))
     replace_file(str(path), NEW)
     assert path.read_bytes() == NEW and tried == [(1234, 4321), (-1, 4321)]
 

@@ -8,11 +8,11 @@ import contextlib
 import errno
 import itertools
 import os
-import secrets
 import stat
-from typing import Iterator, Optional, Tuple
+from typing import Iterator
 
 from .errors import about
+from .temporary_files import give_name, no_file, random_name, replaced_file, written_aside
 
 MAX_TEXT = 1 << 20  # bytes, largest parameter file
 MAX_IMAGE = 256 << 20  # bytes, largest image file
@@ -54,12 +54,12 @@ def require_file(path: str) -> None:
 
 def _open_regular(path: str) -> int:
     if not stat.S_ISREG(os.stat(path).st_mode):  # Opening some devices has side effects.
-        raise _no_file()
+        raise no_file()
     # The path may lead elsewhere by now, and opening a pipe without O_NONBLOCK waits for a writer.
     file = os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC)
     if not stat.S_ISREG(os.fstat(file).st_mode):
         os.close(file)
-        raise _no_file()
+        raise no_file()
     return file
 
 
@@ -99,7 +99,7 @@ def require_replaceable(path: str, replace: bool, new_folders: bool = False) -> 
         new_folders: Whether the folder may be missing, because make_folder() will make it.
     """
     with trying(path, "written"):
-        target, _ = _replaced(path)
+        target, _ = replaced_file(path)
         folder = os.path.dirname(target)
         while new_folders and not os.path.lexists(folder):
             folder = os.path.dirname(folder)
@@ -132,23 +132,10 @@ def replace_file(path: str, data: bytes) -> None:
         OSError: The file cannot be written or is not a regular file; an existing one is unchanged.
     """
     with trying(path, "written"):
-        target, old = _replaced(path)
+        target, old = replaced_file(path)
         # A rename is atomic only within one folder.
-        with _temporary(f"{target}.{_random()}.tmp", data, old) as temporary:
+        with written_aside(f"{target}.{random_name()}.tmp", data, old) as temporary:
             os.replace(temporary, target)
-
-
-def _replaced(path: str) -> Tuple[str, Optional[os.stat_result]]:
-    """Returns the path with all links resolved, and the file's status or None if it is missing."""
-    try:
-        old = os.stat(path)
-    except FileNotFoundError:
-        if os.path.islink(path):
-            raise OSError(errno.ENOENT, "it is a symbolic link that leads nowhere") from None
-        return os.path.realpath(path), None
-    if not stat.S_ISREG(old.st_mode):
-        raise _no_file()
-    return os.path.realpath(path), old
 
 
 def create_file(path: str, data: bytes) -> None:
@@ -158,8 +145,8 @@ def create_file(path: str, data: bytes) -> None:
         FileExistsError: There is a file of this name.
         OSError: The file cannot be written.
     """
-    with trying(path, "written"), _temporary(f"{path}.{_random()}.tmp", data) as temporary:
-        _name(temporary, path)
+    with trying(path, "written"), written_aside(f"{path}.{random_name()}.tmp", data) as temporary:
+        give_name(temporary, path)
 
 
 def add_file(folder: str, stem: str, suffix: str, data: bytes) -> str:
@@ -171,74 +158,11 @@ def add_file(folder: str, stem: str, suffix: str, data: bytes) -> str:
     Raises:
         OSError: The file cannot be written.
     """
-    free, hidden = (os.path.join(folder, name) for name in (stem + suffix, f".{stem}.{_random()}"))
-    with trying(free, "written"), _temporary(hidden + ".tmp", data) as temporary:
+    free, hidden = (os.path.join(folder, name) for name in (stem + suffix, "." + stem))
+    with trying(free, "written"), written_aside(f"{hidden}.{random_name()}.tmp", data) as temporary:
         for number in itertools.count():
             path = os.path.join(folder, stem + (f"-{number}" if number else "") + suffix)
             with contextlib.suppress(FileExistsError):
-                _name(temporary, path)
+                give_name(temporary, path)
                 break
     return path
-
-
-def _name(temporary: str, path: str) -> None:
-    """Gives a written file its final name.
-
-    Raises:
-        FileExistsError: The name is taken.
-    """
-    try:
-        os.link(temporary, path)  # Unlike a rename, this fails if the name is taken.
-    except FileExistsError:
-        raise
-    except OSError:  # USB sticks have no hard links. There an empty file reserves the name.
-        os.close(os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC, 0o666))
-        try:
-            os.replace(temporary, path)
-        except BaseException:
-            os.unlink(path)
-            raise
-
-
-def _no_file() -> OSError:
-    return OSError(errno.EINVAL, "it is no file")
-
-
-def _random() -> str:
-    """Returns a part of a name that no file has yet, unlike a process id, which may come again."""
-    return secrets.token_hex(8)
-
-
-@contextlib.contextmanager
-def _temporary(path: str, data: bytes, old: Optional[os.stat_result] = None) -> Iterator[str]:
-    """Writes a file and syncs it to the disk; at the end it is removed unless it was renamed.
-
-    Args:
-        path: The path of the new file.
-        data: The content.
-        old: The status of the file whose mode and owner it takes over; None takes the umask's mode.
-    """
-    flags = os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC
-    try:
-        # A private file must be private from the beginning.
-        with open(os.open(path, flags, 0o600 if old else 0o666), "wb") as file:
-            if old:
-                _take_over(file.fileno(), old)
-            file.write(data)
-            file.flush()
-            os.fsync(file.fileno())
-        yield path
-    finally:
-        with contextlib.suppress(FileNotFoundError):
-            os.unlink(path)
-
-
-def _take_over(file: int, old: os.stat_result) -> None:
-    """Gives a file the mode and the owner of another one; only root may give files to others."""
-    new = os.fstat(file)
-    if (new.st_uid, new.st_gid) != (old.st_uid, old.st_gid):
-        for owner in (old.st_uid, -1):
-            with contextlib.suppress(PermissionError):
-                os.fchown(file, owner, old.st_gid)
-                break
-    os.fchmod(file, stat.S_IMODE(old.st_mode))
