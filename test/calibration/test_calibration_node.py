@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 import rospy
 import support
+import yaml
 from sensor_msgs.msg import CameraInfo, Image
 from sensor_msgs.srv import SetCameraInfo, SetCameraInfoResponse
 
@@ -112,6 +113,30 @@ def test_from_the_board_to_straight_lines(start, display, tmp_path):
     assert after.max() < 0.1 and before.mean() > 3.0 * after.mean()
     color = support.Messages("/usb_cam/image_rect_color", Image).wait()[0]
     assert (color.encoding, color.header.frame_id) == ("bgr8", "head_camera")
+
+
+def test_a_pair_is_calibrated_together_in_the_window(start, display, tmp_path):
+    """calibrate_stereo.launch as people use it: both views get the same P, but for the baseline."""
+    kept = [tmp_path / f"head_camera_{side}.yaml" for side in ("left", "right")]
+    small = ["_views:=stereo", "_image_width:=320", "_image_height:=240", "_framerate:=10"]
+    camera = start(
+        "camera_node", *SHOWN, *small, f"_camera_info_url:=file://{tmp_path}/${{NAME}}.yaml"
+    )
+    rospy.wait_for_service("/usb_cam/right/set_camera_info", support.DEADLINE)
+    calibrator = start(shutil.which("roslaunch"), "robot_vision", "calibrate_stereo.launch")
+    press(display, 0, of=1)  # CALIBRATE
+    press(display, 2, of=3)  # COMMIT
+    calibrator.exit_code()
+    assert all(path.exists() for path in kept), calibrator.output() + camera.output()
+    left, right = (
+        np.reshape(yaml.safe_load(path.read_text())["projection_matrix"]["data"], (3, 4))
+        for path in kept
+    )
+    assert np.allclose(left[:, :3], right[:, :3]) and not left[:, 3].any()
+    params = SceneParams()
+    params.width, params.height = 320, 240
+    baseline = CalibrationScene(params).view_pose("right")[0, 3]
+    assert -right[0, 3] / right[0, 0] == pytest.approx(baseline, rel=0.01)
 
 
 ERRORS = r"Linearity RMS Error: ([\d.]+) Pixels +Reprojection RMS Error: ([\d.]+) Pixels"

@@ -64,8 +64,8 @@ class Studio:
 
     def __init__(self, board, camera, seed=1, size=None):
         size = np.array(board.shape[::-1]) / DOT * SQUARE if size is None else np.array(size)
-        bgr = cv2.cvtColor(board, cv2.COLOR_GRAY2BGR)
-        self._scene = rv.FloorScene(bgr, tuple(size), camera)
+        self._image = cv2.cvtColor(board, cv2.COLOR_GRAY2BGR), tuple(size)
+        self._scene = rv.FloorScene(*self._image, camera)
         self._camera = camera
         self._random = np.random.RandomState(seed)
         x, y = size / 2.0
@@ -74,16 +74,17 @@ class Studio:
 
     def frame(self, noise=1.0):
         """The next frame, (height, width) uint8."""
+        return self._seen(self._scene, self._pose(), noise)
+
+    def _seen(self, scene, pose, noise):
         on_floor = np.array([[0, -1, 0, 0], [1, 0, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1.0]])
-        seen = self._scene.render(np.linalg.inv(self._pose() @ on_floor))
-        gray = cv2.cvtColor(seen, cv2.COLOR_BGR2GRAY)
+        gray = cv2.cvtColor(scene.render(np.linalg.inv(pose @ on_floor)), cv2.COLOR_BGR2GRAY)
         noisy = gray + self._random.normal(0.0, noise, gray.shape)
         return np.clip(np.rint(noisy), 0, 255).astype(np.uint8)
 
     def _pose(self):
         """The pose of the board in the optical frame, 4x4: x right, y up, z towards the camera."""
         random, camera = self._random, self._camera
-        border = 3.0  # px
         while True:
             axis, tilt = random.uniform(0.0, 2.0 * np.pi), random.uniform(0.25, 0.75)
             turn = cv2.Rodrigues(tilt * np.array([np.cos(axis), np.sin(axis), 0.0]))[0]
@@ -93,7 +94,33 @@ class Studio:
             pixel = random.uniform((0.0, 0.0), (camera.width, camera.height))
             ray = (pixel - camera.K[:2, 2]) / camera.K[[0, 1], [0, 1]]
             pose[:3, 3] = random.uniform(0.9, 2.0) * self._nearest * np.array([*ray, 1.0])
-            pixels, _ = camera.project(self._corners @ pose[:3, :3].T + pose[:3, 3])
-            inside = (pixels > border) & (pixels < [camera.width - border, camera.height - border])
-            if inside.all():
+            if self._is_inside(camera, pose):
                 return pose
+
+    def _is_inside(self, camera, pose):
+        """Whether the camera has the whole board in view."""
+        border = 3.0  # px
+        pixels, _ = camera.project(self._corners @ pose[:3, :3].T + pose[:3, 3])
+        inside = (pixels > border) & (pixels < [camera.width - border, camera.height - border])
+        return bool(inside.all())
+
+
+class PairStudio(Studio):
+    """Two cameras to which a board is shown, in view of both.
+
+    `to_right` is 4x4, and takes points (m) of the left optical frame to that of the right camera.
+    """
+
+    def __init__(self, board, left, right, to_right, seed=1):
+        super().__init__(board, left, seed)
+        self._right = rv.FloorScene(*self._image, right)
+        self._right_camera = right
+        self._to_right = to_right
+
+    def pair(self, noise=1.0):
+        """The next images of both, (height, width) uint8."""
+        pose = self._pose()
+        while not self._is_inside(self._right_camera, self._to_right @ pose):
+            pose = self._pose()
+        seen = (self._scene, pose), (self._right, self._to_right @ pose)
+        return tuple(self._seen(scene, of, noise) for scene, of in seen)

@@ -40,8 +40,11 @@ class ViewCollection:
         """Whether no more images are kept."""
         return len(self.views) == self._most
 
-    def offer(self, name: str, gray: np.ndarray) -> None:
+    def offer(self, name: str, gray: np.ndarray) -> Optional[Observation]:
         """Examines an image, (height, width) uint8, and keeps it if it is of use.
+
+        Returns:
+            The board if the image shows it sharply, whether it is kept or not.
 
         Raises:
             ValueError: The image differs in size from those before.
@@ -56,10 +59,12 @@ class ViewCollection:
         observation = self._board.find(gray)
         if observation is None or not cv2.isContourConvex(outline(observation).astype(np.float32)):
             self.without_board += 1
-        elif edge_width(gray, observation.pixels) > self._max_blur:
+            return None
+        if edge_width(gray, observation.pixels) > self._max_blur:
             self.blurred += 1
-        else:
-            self._keep_new(View(name, observation))
+            return None
+        self._keep_new(View(name, observation))
+        return observation
 
     def skip(self) -> None:
         """Counts an image that cannot be examined."""

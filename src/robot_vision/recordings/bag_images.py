@@ -49,13 +49,23 @@ def messages_on(bag: rosbag.Bag, topic: str) -> Iterator[Any]:
     Raises:
         ValueError: The bag is damaged.
     """
-    entries = bag.read_messages(topic)
+    for _, message in entries_on(bag, [topic]):
+        yield message
+
+
+def entries_on(bag: rosbag.Bag, topics: Sequence[str]) -> Iterator[Tuple[str, Any]]:
+    """Yields the topic and the message of each entry on some topics, in the order of their times.
+
+    Raises:
+        ValueError: The bag is damaged.
+    """
+    entries = bag.read_messages(list(topics))
     while True:
         with _reading(bag.filename):
             entry = next(entries, None)
         if entry is None:
             return
-        yield entry.message
+        yield entry.topic, entry.message
 
 
 @contextlib.contextmanager

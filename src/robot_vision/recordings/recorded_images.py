@@ -3,10 +3,9 @@
 import collections
 import functools
 import glob
-import itertools
 import os
 import threading
-from typing import Deque, Iterator, List, Sequence
+from typing import Callable, Deque, Iterator, List, Sequence, TypeVar
 
 import cv2
 import numpy as np
@@ -20,6 +19,8 @@ from .gray_images import gray_file, gray_pixels
 
 TIMEOUT = 2.0  # s without an image until that is reported
 
+Item = TypeVar("Item")
+
 
 def from_files(names: Sequence[str]) -> Iterator[NamedImage]:
     """Yields the images of folders, glob patterns, image files and videos, sorted by name.
@@ -29,11 +30,21 @@ def from_files(names: Sequence[str]) -> Iterator[NamedImage]:
             the name.
         OSError: A file cannot be read, or is not a regular file.
     """
-    for path in (path for name in names for path in _paths(name)):
-        if has_image_suffix(path):
-            yield path, functools.partial(_read, path)
-        else:
-            yield from _video(path)
+    for name in names:
+        for path in paths_of(name):
+            yield from images_in(path)
+
+
+def images_in(path: str) -> Iterator[NamedImage]:
+    """Yields the image of an image file, or those of a video.
+
+    Raises:
+        ValueError, OSError: As from_files().
+    """
+    if has_image_suffix(path):
+        yield path, functools.partial(_read, path)
+    else:
+        yield from _video(path)
 
 
 def from_bag(path: str, topic: str) -> Iterator[NamedImage]:
@@ -58,28 +69,46 @@ def from_topic(topic: str) -> Iterator[NamedImage]:
         arrived.set()
 
     subscriber = ImageSubscriber(topic, keep)
-    rospy.on_shutdown(arrived.set)
-    numbers = itertools.count()
+    frames = newest_of(newest, arrived, lambda: print(_missing(subscriber), flush=True))
     try:
-        while not rospy.core.is_shutdown_requested():
-            if newest:
-                frame = newest.pop()
-                read = functools.partial(gray_pixels, frame.image, frame.encoding)
-                yield f"image {next(numbers)}", read
-            elif arrived.wait(TIMEOUT):
-                arrived.clear()
-            else:
-                _report_waiting(subscriber)
+        for number, frame in enumerate(frames):
+            yield f"image {number}", functools.partial(gray_pixels, frame.image, frame.encoding)
     finally:
         subscriber.unregister()
 
 
-def _report_waiting(subscriber: ImageSubscriber) -> None:
+def newest_of(
+    newest: Deque[Item], arrived: threading.Event, report: Callable[[], object]
+) -> Iterator[Item]:
+    """Yields what other threads put into a deque until this process, a node, shuts down.
+
+    Args:
+        newest: The deque.
+        arrived: Set after something was put into it.
+        report: Called now and then while nothing arrives.
+    """
+    rospy.on_shutdown(arrived.set)
+    while not rospy.core.is_shutdown_requested():
+        if newest:
+            yield newest.pop()
+        elif arrived.wait(TIMEOUT):
+            arrived.clear()
+        else:
+            report()
+
+
+def _missing(subscriber: ImageSubscriber) -> str:
     nobody = "" if subscriber.get_num_connections() else "; nobody publishes images there"
-    print(f"waiting: no image comes on {subscriber.topic}{nobody}", flush=True)
+    return f"waiting: no image comes on {subscriber.topic}{nobody}"
 
 
-def _paths(name: str) -> List[str]:
+def paths_of(name: str) -> List[str]:
+    """Returns the images of a folder, the path of a file, or those of a glob pattern, sorted.
+
+    Raises:
+        ValueError: Nothing has the name, or the folder has no images.
+        OSError: The folder cannot be read.
+    """
     if os.path.isdir(name):
         with trying(name, "read"):
             found = [os.path.join(name, entry) for entry in sorted(os.listdir(name))]

@@ -1,0 +1,47 @@
+"""Cameras that are calibrated already, from files, topics and bags."""
+
+from typing import Optional
+
+import rospy
+from sensor_msgs.msg import CameraInfo
+
+from .. import CameraModel
+from ..common.errors import about
+from ..recordings.bag_images import messages_on, opened, require_topic, topics_of
+from ..ros.camera_info import camera_model
+from .camera_file import read_camera
+
+TIMEOUT = 5.0  # s, longest wait for a camera_info
+SUFFIXES = (".yaml", ".yml")
+
+
+def known_camera(source: str, bag: Optional[str] = None) -> CameraModel:
+    """Returns the camera of a calibration file, or of a topic of camera_info.
+
+    Args:
+        source: The path of a file that ends in .yaml or .yml, or a topic.
+        bag: The path of the bag with the topic. None: somebody publishes it, and this process is
+            a node.
+
+    Raises:
+        ValueError: There is no camera_info, or the camera is not calibrated.
+        OSError: The file or the bag cannot be read.
+    """
+    if source.endswith(SUFFIXES):
+        return read_camera(source)
+    info = _recorded(source, bag) if bag else _published(source)
+    with about(f"camera_info on {source}"):
+        return camera_model(info, (info.width, info.height))
+
+
+def _recorded(topic: str, bag: str) -> CameraInfo:
+    with opened(bag) as messages:
+        require_topic(bag, topics_of(messages), topic, [CameraInfo._type], "camera_info")
+        return next(messages_on(messages, topic))
+
+
+def _published(topic: str) -> CameraInfo:
+    try:
+        return rospy.wait_for_message(topic, CameraInfo, TIMEOUT)
+    except rospy.ROSException:
+        raise ValueError(f"no camera_info comes on {topic}") from None
