@@ -69,7 +69,7 @@ TEST(StereoCamera, isRefusedByTheFieldThatNoPairCanHave)
       {[](StereoCamera& pair) { pair.right.model.width = 32; },
        "the size of the right camera is 32x48, must be 64x48 as of the left one"},
       {[](StereoCamera& pair) { pair.right.P(0, 0) = 51; },
-       "P[0] of the right camera is 51, must be 50 as of the left one"},
+       "P[0] of the right camera is 51, must be 50 as of the left one; the cameras were not calibrated together"},
       {[](StereoCamera& pair) { pair.right.P(1, 1) = 53; },
        "P[5] of the right camera is 53, must be 52 as of the left one"},
       {[](StereoCamera& pair) { pair.right.P(1, 2) = 25; },
@@ -77,6 +77,9 @@ TEST(StereoCamera, isRefusedByTheFieldThatNoPairCanHave)
       {[](StereoCamera& pair) { pair.left.P(0, 3) = -6; }, "P[3] of the left camera is -6, must be 0, as distances"},
       {[](StereoCamera& pair) { pair.right.P(0, 3) = 0; },
        "P[3] of the right camera is 0, must be below 0, -P[0] times the baseline; left and right are swapped"},
+      {[](StereoCamera& pair) { pair.right.P = {51, 0, 31, 0, 0, 53, 25, 0, 0, 0, 1, 0}; },
+       "P[3] of the right camera is 0, must be below 0, -P[0] times the baseline; left and right are swapped, or not "
+       "calibrated together"},
       {[](StereoCamera& pair) { pair.right.P(0, 3) = 6; }, "P[3] of the right camera is 6, must be below 0"},
       {[](StereoCamera& pair) { pair.right.P(0, 3) = -1e-6; },
        "the baseline in m, -P[3] / P[0] of the right camera, is 2e-08, must be from 0.0001 to 10000"},

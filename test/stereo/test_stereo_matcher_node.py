@@ -216,6 +216,10 @@ def swapped(info):
     info.P[3] = -info.P[3]
 
 
+def calibrated_by_itself(info):
+    info.P[0], info.P[3] = 200.0, 0.0
+
+
 def other_focal_length(info):
     info.P[0] = 200.0
 
@@ -229,6 +233,7 @@ def other_focal_length(info):
         ("right", small, ("right",), "its size is 100x60, must be 200x120 as of the image"),
         ("right", no_baseline, SIDES, "P[3] of the right camera is 0, must be below 0, -P[0]"),
         ("right", swapped, SIDES, "P[3] of the right camera is 27, must be below 0, -P[0]"),
+        ("right", calibrated_by_itself, SIDES, "P[3] of the right camera is 0, must be below 0"),
         ("right", other_focal_length, SIDES, "P[0] of the right camera is 200, must be 180 as of"),
     ],
 )

@@ -38,7 +38,7 @@ void validateNamed(const RectifiedCamera& camera, const std::string& name)
 void requireEqual(const std::string& name, double left, double right)
 {
   require(std::abs(left - right) <= kMaxDifference, name + " of the right camera", right,
-          toText(left) + " as of the left one");
+          toText(left) + " as of the left one; the cameras were not calibrated together");
 }
 
 }  // namespace
@@ -70,12 +70,13 @@ void validate(const StereoCamera& pair)
   const cv::Matx34d &left = pair.left.P, &right = pair.right.P;
   require(sizeOf(pair.left) == sizeOf(pair.right), "the size of the right camera", toText(sizeOf(pair.right)),
           toText(sizeOf(pair.left)) + " as of the left one");
-  requireEqual("P[0]", left(0, 0), right(0, 0));
-  requireEqual("P[5]", left(1, 1), right(1, 1));
-  requireEqual("P[6]", left(1, 2), right(1, 2));
+  // First, as nothing else fits either if each camera was calibrated by itself.
   require(left(0, 3) == 0.0, "P[3] of the left camera", left(0, 3), "0, as distances are measured from it");
   require(right(0, 3) < 0.0, "P[3] of the right camera", right(0, 3),
           "below 0, -P[0] times the baseline; left and right are swapped, or not calibrated together");
+  requireEqual("P[0]", left(0, 0), right(0, 0));
+  requireEqual("P[5]", left(1, 1), right(1, 1));
+  requireEqual("P[6]", left(1, 2), right(1, 2));
   requireRange("the baseline in m, -P[3] / P[0] of the right camera,", -right(0, 3) / right(0, 0), kMinBaseline,
                kMaxBaseline);
 }
