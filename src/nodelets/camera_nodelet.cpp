@@ -48,6 +48,7 @@ CameraOutputs::Params loadOutputParams(const ros::NodeHandle& pnh, const Capture
   const bool has_pixel_format = capture.kind == SourceKind::kDevice || capture.kind == SourceKind::kImages;
   params.depths = has_pixel_format && capture.pixel_format == "z16";
   readParam(pnh, "camera_frame_id", params.frame_id);
+  readParam(pnh, "right_frame", params.right_frame);
   readParam(pnh, "camera_name", params.camera_name);
   readParam(pnh, "camera_info_url", params.camera_info_url);
   readParam(pnh, "output_encoding", params.output_encoding);

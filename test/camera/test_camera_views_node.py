@@ -81,8 +81,8 @@ def test_a_pair_of_the_scene_is_calibrated_together(start, scene):
     assert np.array_equal(pixels(left), scene.render(truth.frame))
     assert np.array_equal(pixels(right), scene.render(truth.frame, "right"))
     shift, parent, child = shift_of(static)
-    assert (left.header.frame_id, right.header.frame_id) == (parent, child)
     assert (parent, child) == ("head_camera", "eyes_right_optical_frame")
+    assert {one.header.frame_id for one in (left, right, left_info, right_info)} == {parent}
     assert right_info.P[3] == pytest.approx(-right_info.P[0] * shift[0])
     assert shift[0] > 0 and left_info.P[3] == 0
     assert right_info.P[:3] + right_info.P[4:] == left_info.P[:3] + left_info.P[4:]
@@ -132,6 +132,7 @@ def test_an_image_that_cannot_be_divided_is_refused(start, tmp_path):
     [
         ("views", "rgbd", "views is 'rgbd', must be one or stereo, as only the source synthetic"),
         ("views", "both", "views is 'both', must be one, stereo or rgbd"),
+        ("right_frame", "both", "right_frame is 'both', must be left or own"),
         ("depth_noise", "lots", "depth_noise is 'lots', must be none, kinect, stereo or tof"),
     ],
 )

@@ -66,11 +66,12 @@ SecondCamera rightOf(const CameraModel& left)
 class Views : public testing::Test
 {
 protected:
-  void make(const std::string& views, const std::string& url = "")
+  void make(const std::string& views, const std::string& url = "", const std::string& right_frame = "left")
   {
     CameraOutputs::Params params;
     params.views = views;
     params.camera_info_url = url;
+    params.right_frame = right_frame;
     outputs_ = std::make_unique<CameraOutputs>(ros::NodeHandle("~"), params, [] {});
     ASSERT_FALSE(outputs_->wanted());
   }
@@ -109,7 +110,7 @@ protected:
   std::unique_ptr<CameraOutputs> outputs_;
 };
 
-TEST_F(Views, areAPairWithTheSameStampAndAFrameForEach)
+TEST_F(Views, areAPairWithTheSameStampAndFrame)
 {
   make("stereo");
   const Receiver<Image> left("left/image_raw"), right("right/image_raw"), gray("right/image_mono");
@@ -120,13 +121,30 @@ TEST_F(Views, areAPairWithTheSameStampAndAFrameForEach)
   EXPECT_TRUE(equal(viewPixels(*left.last()), kFirst));
   EXPECT_TRUE(equal(viewPixels(*right.last()), kSecond));
   EXPECT_TRUE(equal(viewPixels(*gray.last()), converted(kSecond, cv::COLOR_BGR2GRAY)));
-  for (const auto& header : {left.last()->header, left_info.last()->header})
-    EXPECT_EQ(header.frame_id, "head_camera");
-  for (const auto& header : {right.last()->header, gray.last()->header, right_info.last()->header})
-    EXPECT_EQ(header.frame_id, "head_camera_right_optical_frame");
   for (const auto& header : {left.last()->header, right.last()->header, gray.last()->header, left_info.last()->header,
                              right_info.last()->header})
+  {
     EXPECT_EQ(header.stamp, kStamp);
+    EXPECT_EQ(header.frame_id, "head_camera");
+  }
+}
+
+TEST_F(Views, areInTwoFramesIfTheRightOneIsToHaveItsOwn)
+{
+  make("stereo", "", "own");
+  const Receiver<Image> left("left/image_raw"), right("right/image_raw");
+  const Receiver<CameraInfo> left_info("left/camera_info"), right_info("right/camera_info");
+  ASSERT_TRUE(publishUntil(frameOf(kFirst, {kSecond, "bgr8"}),
+                           [&] { return left.last() && right.last() && left_info.last() && right_info.last(); }));
+  for (const auto& header : {left.last()->header, left_info.last()->header})
+    EXPECT_EQ(header.frame_id, "head_camera");
+  for (const auto& header : {right.last()->header, right_info.last()->header})
+    EXPECT_EQ(header.frame_id, "head_camera_right_optical_frame");
+}
+
+TEST_F(Views, haveNoOtherFrames)
+{
+  EXPECT_EQ(refusal([&] { make("stereo", "", "middle"); }), "right_frame is 'middle', must be left or own");
 }
 
 TEST_F(Views, areColorAndDepthWhichIsNeitherGrayNorJpegNorVideo)

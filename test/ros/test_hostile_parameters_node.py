@@ -168,6 +168,7 @@ CAMERA = {
     "io_method": never,
     "scene": never,
     "views": never,
+    "right_frame": never,
     "depth_encoding": never,
     "depth_noise": never,
     "poster": empty,

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <exception>
 
+#include "robot_vision/common/fields.hpp"
 #include "robot_vision/common/range.hpp"
 #include "scene_messages.hpp"
 
@@ -23,12 +24,18 @@ std::vector<std::string> viewNames(const std::string& views)
   return {""};
 }
 
+std::string ownFrame(const std::string& camera_name, const std::string& view)
+{
+  return camera_name + "_" + view + "_optical_frame";
+}
+
 /// The parameters of a view of this name. With one view, they are those of the camera.
 ViewOutputs::Params paramsOf(const std::string& view, bool is_first, const CameraOutputs::Params& camera)
 {
   const std::string name = view.empty() ? camera.camera_name : camera.camera_name + "_" + view;
-  return {is_first ? camera.frame_id : name + "_optical_frame", name, camera.output_encoding, camera.camera_info_url,
-          view == "depth" || (view.empty() && camera.depths)};
+  const bool same = is_first || (view == "right" && camera.right_frame == "left");
+  return {same ? camera.frame_id : ownFrame(camera.camera_name, view), name, camera.output_encoding,
+          camera.camera_info_url, view == "depth" || (view.empty() && camera.depths)};
 }
 
 /// Two views cannot have the same file.
@@ -46,8 +53,13 @@ CameraOutputs::CameraOutputs(const ros::NodeHandle& pnh, const Params& params,
                              const std::function<void()>& on_connection)
   : stereo_(params.views == "stereo")
 {
+  checkField("right_frame", params.right_frame, OneOf{"left or own", "'"});
   const std::vector<std::string> names = viewNames(params.views);
-  if (names.size() > 1) requireTwoFiles(params, names);
+  if (names.size() > 1)
+  {
+    requireTwoFiles(params, names);
+    second_frame_ = ownFrame(params.camera_name, names.back());
+  }
   for (const std::string& name : names)
   {
     const ros::NodeHandle nh = name.empty() ? pnh : ros::NodeHandle(pnh, name);
@@ -119,14 +131,14 @@ void CameraOutputs::broadcast(const SceneTruth& truth, const std_msgs::Header& h
   tf_->sendTransform(toTransforms(truth, header));
 }
 
-/// Where the second view's optical frame is in the first's.
+/// Where the second camera's optical frame is in the first's.
 void CameraOutputs::broadcastSecond(const cv::Affine3d& pose)
 {
   std_msgs::Header header;
   header.stamp = ros::Time::now();
   header.frame_id = views_.front()->frameId();
   if (!static_tf_) static_tf_ = std::make_unique<tf2_ros::StaticTransformBroadcaster>();
-  static_tf_->sendTransform(toTransform(pose, header, views_.back()->frameId()));
+  static_tf_->sendTransform(toTransform(pose, header, second_frame_));
 }
 
 }  // namespace robot_vision

@@ -19,9 +19,12 @@ namespace robot_vision
 /// ~left and ~right or in ~rgb and ~depth. Where the second is to the first is on /tf_static, if the source knows it.
 /// Of the synthetic scene there are also ~ground_truth and the tf frames scene/<name>, in the first view's frame.
 ///
-/// Of a pair, too, each view has its own optical frame (REP 103), as K and D belong to that one, and so does what is
-/// found in image_raw. (Some drivers give both of a pair the left frame, in which the P of both have their points.) The
-/// names are those of freenect and openni: <camera_name>_depth_optical_frame.
+/// Both of a stereo pair have the frame of the left one, unless `right_frame` is own: the P of both have their points
+/// there, with the baseline in the right one. image_pipeline refuses a pair in two frames (image_geometry's
+/// StereoCameraModel asserts that), and in a frame of its own the right one's P would count the baseline twice, as
+/// rviz does. But its K and D, and what is found by them in image_raw, belong to a frame of its own. That is on
+/// /tf_static in both cases. A depth camera has one, too. The names are those of freenect and openni:
+/// <camera_name>_depth_optical_frame.
 class CameraOutputs
 {
 public:
@@ -32,6 +35,7 @@ public:
     std::string output_encoding = "auto";     // of image_raw: auto, bgr8, rgb8, mono8 or native
     std::string camera_info_url;              // file:// or package://; "": in $ROS_HOME/camera_info
     std::string views = "one";                // one, stereo or rgbd, see CaptureParams
+    std::string right_frame = "left";         // of the right one of a pair: left, the same, or own
     bool depths = false;                      // whether the only view is one of depths
   };
 
@@ -60,6 +64,7 @@ private:
   void broadcastSecond(const cv::Affine3d& pose);
 
   bool stereo_;
+  std::string second_frame_;                         // where the second camera is
   std::vector<std::unique_ptr<ViewOutputs>> views_;  // one or two
   ros::Publisher truth_;
   std::unique_ptr<tf2_ros::TransformBroadcaster> tf_;
