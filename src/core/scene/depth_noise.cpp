@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "depth_sensor.hpp"
+#include "depth_surfaces.hpp"
 #include "robot_vision/common/range.hpp"
 #include "robot_vision/image/encoding.hpp"
 #include "scene_random.hpp"
@@ -21,52 +22,13 @@ const double kInfinity = std::numeric_limits<double>::infinity();
 constexpr std::uint64_t kStartCount = 1 << 16;  // places in the list of normal numbers where a row may start
 const double kSteepest = 8.0;                   // tangent of 83 degrees; what seems to be steeper is an edge
 
-bool isDepth(float z)
-{
-  return z > 0.0F && z <= std::numeric_limits<float>::max();
-}
-
 /// Copies depth, and makes NaN of what is none.
 void withoutWrong(const cv::Mat& depth, cv::Mat& out)
 {
   depth.copyTo(out);
   for (int row = 0; row < out.rows; ++row)
     for (int column = 0; column < out.cols; ++column)
-      if (float& z = out.at<float>(row, column); !isDepth(z)) z = kNan;
-}
-
-/// 1/z of each pixel, 0 where there is nothing.
-cv::Mat inverseOf(const cv::Mat& depth)
-{
-  cv::Mat inverse(depth.size(), CV_32FC1);
-  for (int row = 0; row < depth.rows; ++row)
-    std::transform(depth.ptr<float>(row), depth.ptr<float>(row) + depth.cols, inverse.ptr<float>(row),
-                   [](float z) { return isDepth(z) ? 1.0F / z : 0.0F; });
-  return inverse;
-}
-
-/// How 1/z changes with each pixel along a row or column of `count` pixels that are `stride` apart: to the side where
-/// it changes less, because beyond an edge there is another surface.
-double change(const float* inverse, int stride, int position, int count)
-{
-  if (count < 2) return 0.0;
-  const double before = position > 0 ? inverse[0] - inverse[-stride] : kInfinity;
-  const double after = position + 1 < count ? inverse[stride] - inverse[0] : kInfinity;
-  return std::abs(before) < std::abs(after) ? before : after;
-}
-
-/// 1/z of a pixel beside this one that is beyond an edge, 0 if there is none. `limit` is the relative difference that
-/// makes an edge.
-float beyondEdge(const cv::Mat& inverse, cv::Point at, double limit)
-{
-  const float* here = inverse.ptr<float>(at.y) + at.x;
-  const auto differs = [&](float other)
-  { return other > 0.0F && std::abs(other - *here) > limit * std::max(other, *here); };
-  if (at.x > 0 && differs(here[-1])) return here[-1];
-  if (at.x + 1 < inverse.cols && differs(here[1])) return here[1];
-  if (at.y > 0 && differs(here[-inverse.cols])) return here[-inverse.cols];
-  if (at.y + 1 < inverse.rows && differs(here[inverse.cols])) return here[inverse.cols];
-  return 0.0F;
+      if (float& z = out.at<float>(row, column); !scene::isDepth(z)) z = kNan;
 }
 
 /// Throws std::invalid_argument naming the image unless it has this type and size.
@@ -115,13 +77,7 @@ DepthNoise::Impl::Impl(DepthSensor sensor, const CameraModel& camera, std::uint6
 /// The share of pixels that are lost on the surface at a pixel.
 double DepthNoise::Impl::shareLost(const cv::Mat& inverse, cv::Point at, double light) const
 {
-  const float* here = inverse.ptr<float>(at.y) + at.x;
-  const double x = rays.x.at<float>(at), y = rays.y.at<float>(at);
-  // A plane has 1/z = a x + b y + c, and its normal is (a, b, c).
-  const double a = change(here, 1, at.x, inverse.cols) * focal.x;
-  const double b = change(here, inverse.cols, at.y, inverse.rows) * focal.y;
-  const double c = *here - a * x - b * y;
-  const double square = *here * *here / ((a * a + b * b + c * c) * (x * x + y * y + 1.0));  // of the cosine
+  const double square = scene::squaredCosine(inverse, at, {rays.x.at<float>(at), rays.y.at<float>(at)}, focal);
   if (square >= scene::kSteepCosine * scene::kSteepCosine) return scene::lostAtBrightness(light);
   return 1.0 - (1.0 - scene::lostAtAngle(std::sqrt(square))) * (1.0 - scene::lostAtBrightness(light));
 }
@@ -160,7 +116,7 @@ void DepthNoise::Impl::measureRow(const cv::Mat& inverse, const cv::Mat& brightn
     const double share = shareLost(inverse, at, light);
     if (share > 0.0 && chance() < share) continue;
     double mixed = here;
-    const double other = model.flying > 0.0 ? beyondEdge(inverse, at, kSteepest / focal.x) : 0.0;
+    const double other = model.flying > 0.0 ? scene::beyondEdge(inverse, at, kSteepest / focal.x) : 0.0;
     if (other > 0.0 && chance() < model.flying)
     {
       const double part = chance();
@@ -187,7 +143,7 @@ void DepthNoise::apply(std::int64_t frame, const cv::Mat& exact, const cv::Mat& 
     withoutWrong(exact, noisy);
     return;
   }
-  const cv::Mat inverse = inverseOf(exact);
+  const cv::Mat inverse = scene::inverseDepths(exact);
   noisy.create(impl_->size, CV_32FC1);
   const std::uint64_t frame_key = scene::mix(impl_->seed ^ static_cast<std::uint64_t>(frame));
   for (int row = 0; row < inverse.rows; ++row)
