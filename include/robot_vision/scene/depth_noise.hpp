@@ -28,7 +28,9 @@ DepthSensor depthSensor(const std::string& name);
 /// - kinect measures the disparity to a projector 75 mm to its right, in steps of 1/8 px, from 0.5 to 5 m. The standard
 ///   deviation of z is 0.0012 + 0.0019 (z - 0.4)^2 m. It has nothing where the projector's light does not fall.
 /// - stereo measures the disparity to a second camera 50 mm to its right, in steps of 1/32 px, from 0.3 to 10 m. The
-///   standard deviation is that of 0.1 px: 2 z^2 / f m. It has nothing where the second camera does not see.
+///   standard deviation is that of 0.1 px: 2 z^2 / f m. The errors of pixels that are near each other are alike, as of
+///   a matcher that compares blocks of 5 x 5 px: of two that are dx and dy px apart the correlation is
+///   (1 - dx / 5) (1 - dy / 5), 0 from 5 px on. It has nothing where the second camera does not see.
 /// - tof measures the time of flight, from 0.5 to 4.5 m. The standard deviation is 0.001 + 0.064 z^2 / brightness m,
 ///   where a brightness below 8 counts as 8.
 ///
@@ -44,7 +46,8 @@ DepthSensor depthSensor(const std::string& name);
 /// 2012; Khoshelham and Elberink, Accuracy and Resolution of Kinect Depth Data, Sensors 2012; Lange and Seitz,
 /// Solid-State Time-of-Flight Range Camera, J. Quantum Electronics 2001.
 ///
-/// The noise of a frame depends on the seed and its number only. Threads may share one object.
+/// The errors of the other sensors are independent from pixel to pixel. The noise of a frame depends on the seed and
+/// its number only. Threads may share one object.
 class DepthNoise
 {
 public:

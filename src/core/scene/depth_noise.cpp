@@ -7,6 +7,7 @@
 
 #include "depth_sensor.hpp"
 #include "depth_surfaces.hpp"
+#include "noise_rows.hpp"
 #include "robot_vision/common/range.hpp"
 #include "robot_vision/image/encoding.hpp"
 #include "scene_random.hpp"
@@ -19,8 +20,7 @@ namespace
 
 const float kNan = std::numeric_limits<float>::quiet_NaN();
 const double kInfinity = std::numeric_limits<double>::infinity();
-constexpr std::uint64_t kStartCount = 1 << 16;  // places in the list of normal numbers where a row may start
-const double kSteepest = 8.0;                   // tangent of 83 degrees; what seems to be steeper is an edge
+const double kSteepest = 8.0;  // tangent of 83 degrees; what seems to be steeper is an edge
 
 /// Copies depth, and makes NaN of what is none.
 void withoutWrong(const cv::Mat& depth, cv::Mat& out)
@@ -45,7 +45,8 @@ struct DepthNoise::Impl
 {
   Impl(DepthSensor sensor, const CameraModel& camera, std::uint64_t any_seed);
 
-  void measureRow(const cv::Mat& inverse, const cv::Mat& brightness, int row, std::uint64_t key, float* noisy) const;
+  void measureRow(const cv::Mat& inverse, const cv::Mat& brightness, int row, std::uint64_t key, const float* normal,
+                  float* noisy) const;
   double shareLost(const cv::Mat& inverse, cv::Point at, double light) const;
   double measured(double inverse, double light, double normal) const;
 
@@ -69,9 +70,7 @@ DepthNoise::Impl::Impl(DepthSensor sensor, const CameraModel& camera, std::uint6
 {
   if (kind == DepthSensor::kExact) return;
   rays = rayTable(camera);
-  scene::NormalNumbers normal(seed);
-  normals.resize(kStartCount + static_cast<std::size_t>(camera.width));
-  std::generate(normals.begin(), normals.end(), [&] { return static_cast<float>(normal.next()); });
+  normals = scene::NoiseRows::independentNumbers(seed, camera.width, model.block);
 }
 
 /// The share of pixels that are lost on the surface at a pixel.
@@ -94,10 +93,10 @@ double DepthNoise::Impl::measured(double inverse, double light, double normal) c
   return disparity / (steps * model.step);
 }
 
+/// `normal` are the random numbers of the row's errors; what else is random depends on its key.
 void DepthNoise::Impl::measureRow(const cv::Mat& inverse, const cv::Mat& brightness, int row, std::uint64_t key,
-                                  float* noisy) const
+                                  const float* normal, float* noisy) const
 {
-  const float* normal = normals.data() + key % kStartCount;
   double leftmost = kInfinity;  // ray of the other device to what it sees of the pixels at the right
   for (int column = inverse.cols - 1; column >= 0; --column)
   {
@@ -146,11 +145,9 @@ void DepthNoise::apply(std::int64_t frame, const cv::Mat& exact, const cv::Mat& 
   const cv::Mat inverse = scene::inverseDepths(exact);
   noisy.create(impl_->size, CV_32FC1);
   const std::uint64_t frame_key = scene::mix(impl_->seed ^ static_cast<std::uint64_t>(frame));
+  scene::NoiseRows normals(impl_->normals, inverse.cols, impl_->model.block, frame_key);
   for (int row = 0; row < inverse.rows; ++row)
-  {
-    const std::uint64_t key = scene::mix(frame_key + static_cast<std::uint64_t>(row));
-    impl_->measureRow(inverse, brightness, row, key, noisy.ptr<float>(row));
-  }
+    impl_->measureRow(inverse, brightness, row, scene::rowKey(frame_key, row), normals.next(), noisy.ptr<float>(row));
 }
 
 }  // namespace robot_vision

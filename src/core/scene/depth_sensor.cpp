@@ -43,9 +43,9 @@ double tofSigma(double z, double /*disparity*/, double brightness)
   return 0.001 + 0.064 * z * z / std::max(brightness, darkest);
 }
 
-const DepthSensorModel kKinectModel = {0.075, 1.0 / 8.0, 0.5, 5.0, 0.0, kinectSigma};
-const DepthSensorModel kStereoModel = {0.05, 1.0 / 32.0, 0.3, 10.0, 0.5, stereoSigma};
-const DepthSensorModel kTofModel = {0.0, 0.0, 0.5, 4.5, 0.5, tofSigma};
+const DepthSensorModel kKinectModel = {0.075, 1.0 / 8.0, 0.5, 5.0, 1, 0.0, kinectSigma};
+const DepthSensorModel kStereoModel = {0.05, 1.0 / 32.0, 0.3, 10.0, 5, 0.5, stereoSigma};
+const DepthSensorModel kTofModel = {0.0, 0.0, 0.5, 4.5, 1, 0.5, tofSigma};
 
 }  // namespace
 

@@ -11,6 +11,7 @@ struct DepthSensorModel
   double baseline;              // m, to the other device at the right; 0: there is none
   double step;                  // px, of disparities; 0: it measures none
   double min_range, max_range;  // m
+  int block;                    // px, side of the square whose pixels have errors that are alike; 1: they have not
   double flying;                // 0 to 1, of the pixels beside an edge that mix what is on its two sides
 
   /// The standard deviation (m) at a distance z (m). `disparity` is the baseline times the focal length, px m.

@@ -5,8 +5,8 @@
 namespace robot_vision::scene
 {
 
-// What a depth image tells of the surfaces that its pixels see. All of it is told by inverse depths, which are linear in
-// the pixel where the surface is a plane.
+// What a depth image tells of the surfaces that its pixels see. All of it is told by inverse depths, which are linear
+// in the pixel where the surface is a plane.
 
 /// Whether a number (m) is a depth: finite, and above 0.
 bool isDepth(float z);
