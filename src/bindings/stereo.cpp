@@ -49,7 +49,8 @@ void bindCameras(py::module& m)
            "Raises ValueError for what no camera of a calibrated pair has.")
       .def_readonly("model", &RectifiedCamera::model)
       .def_property_readonly("R", attribute(&RectifiedCamera::R), "3x3, from the optical to the rectified frame")
-      .def_property_readonly("P", attribute(&RectifiedCamera::P), "3x4, px, of rectified images");
+      .def_property_readonly("P", attribute(&RectifiedCamera::P), "3x4, px, of rectified images")
+      .def_property_readonly("rectified", &rectifiedModel, "the CameraModel that sees the rectified images");
 
   py::class_<StereoCamera>(m, "StereoCamera", "Two cameras that were calibrated together.")
       .def(py::init(

@@ -69,16 +69,6 @@ void bindDepth(py::module& m)
       "A depth, (height, width) float32, m, as 32FC1 or as 16UC1: mm, 0 for NaN and beyond 65.535 m.\n\n"
       "Raises ValueError for another encoding.");
   m.def(
-      "points_from_depth",
-      [](const FloatArray& depth, const StereoGeometry& geometry)
-      {
-        const cv::Mat view = floatView(depth);
-        return imageFrom([&](cv::Mat& out) { pointsFromDepth(view, geometry, out); });
-      },
-      "depth"_a, "geometry"_a,
-      "x, y and z, (height, width, 3) float32, m, in the rectified left camera's optical frame, of a depth, (height, "
-      "width) float32; NaN where there is none.");
-  m.def(
       "disparity_to_colors",
       [](const FloatArray& disparity, double lowest, double highest)
       {

@@ -16,6 +16,7 @@
 #include "ros/params/fields.hpp"
 #include "ros/stereo/stereo_input.hpp"
 #include "ros/stereo/stereo_messages.hpp"
+#include "ros/stereo/stereo_points.hpp"
 
 namespace robot_vision
 {
@@ -169,18 +170,17 @@ private:
                              return depth_params_.depth_encoding;
                            });
     if (!wanted.points) return;
-    pointsFromDepth(depth_, rectifier_.geometry(), points_);
-    outputs.publish("points", toPointCloud(header, points_, left_color_, clouds_));
+    outputs.publish("points", points_.cloud(header, rectifier_.left().camera(), depth_, left_color_));
   }
 
   std::unique_ptr<StereoMatcher> matcher_;
   StereoDepthParams depth_params_;
   EpipolarParams epipolar_params_;
   StereoRectifier rectifier_;
-  CloudPool clouds_;
   // Of the last pair; they keep their memory.
   std::array<cv::Mat, 2> gray_;
-  cv::Mat left_color_, disparity_, depth_, points_;
+  cv::Mat left_color_, disparity_, depth_;
+  StereoPoints points_;
 };
 
 using StereoMatcherNodelet = ImageNodelet<StereoMatcherConfig, StereoMatcherWork, StereoInput>;

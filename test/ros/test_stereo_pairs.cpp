@@ -2,13 +2,16 @@
 
 #include <algorithm>
 #include <boost/make_shared.hpp>
+#include <cmath>
 #include <cstdint>
 #include <cstring>
+#include <limits>
+#include <opencv2/core.hpp>
 #include <string>
 #include <vector>
 
-#include "ros/stereo/stereo_messages.hpp"
 #include "ros/stereo/stereo_pairs.hpp"
+#include "ros/stereo/stereo_points.hpp"
 
 using namespace robot_vision;
 
@@ -241,20 +244,55 @@ TEST(StereoPairs, canBeForgotten)
   EXPECT_EQ(cameras.found, "");
 }
 
-TEST(StereoMessages, wordsOfAPointCloudAreThoseOfItsPixels)
+namespace
 {
-  const cv::Mat_<cv::Vec3f> points = (cv::Mat_<cv::Vec3f>(1, 2) << cv::Vec3f(1, 2, 3), cv::Vec3f(4, 5, 6));
+
+/// A rectified camera of 2 x 1 pixels that sees the first one along its axis.
+RectifiedCamera cameraOf(double focal_length)
+{
+  RectifiedCamera camera;
+  camera.model.width = 2;
+  camera.model.height = 1;
+  camera.P = {focal_length, 0, 0, 0, 0, focal_length, 0, 0, 0, 0, 1, 0};
+  return camera;
+}
+
+struct Word
+{
+  float place[3];
+  std::uint32_t color;
+};
+
+/// The words of a pixel of a cloud of 2 x 1.
+Word wordOf(const sensor_msgs::PointCloud2& cloud, std::size_t pixel)
+{
+  Word word{};
+  std::memcpy(word.place, cloud.data.data() + 16 * pixel, sizeof(word.place));
+  std::memcpy(&word.color, cloud.data.data() + 16 * pixel + 12, sizeof(word.color));
+  return word;
+}
+
+}  // namespace
+
+TEST(StereoPoints, haveTheWordsOfTheirPixels)
+{
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  const cv::Mat depth = (cv::Mat_<float>(1, 2) << nan, 6.0F);
   const cv::Mat_<cv::Vec3b> bgr = (cv::Mat_<cv::Vec3b>(1, 2) << cv::Vec3b(1, 2, 3), cv::Vec3b(255, 254, 253));
-  const auto cloud = toPointCloud(std_msgs::Header(), points, bgr, CloudPool());
+  std_msgs::Header header;
+  header.frame_id = "left_eye";
+  StereoPoints points;
+  const auto cloud = points.cloud(header, cameraOf(2.0), depth, bgr);
+  EXPECT_EQ(cloud->header.frame_id, "left_eye");
   ASSERT_EQ(cloud->fields.size(), 4u);
   EXPECT_EQ(cloud->point_step, 16u);
   EXPECT_EQ(cloud->row_step, 32u);
   ASSERT_EQ(cloud->data.size(), 32u);
-  float place[3];
-  std::uint32_t color = 0;
-  std::memcpy(place, cloud->data.data() + 16, sizeof(place));
-  std::memcpy(&color, cloud->data.data() + 28, sizeof(color));
-  EXPECT_EQ(place[0], 4.0F);
-  EXPECT_EQ(place[2], 6.0F);
-  EXPECT_EQ(color, 0xFDFEFFu);
+  EXPECT_TRUE(std::isnan(wordOf(*cloud, 0).place[2]));
+  EXPECT_EQ(wordOf(*cloud, 0).color, 0x030201u);
+  EXPECT_EQ(wordOf(*cloud, 1).place[0], 3.0F);  // (1 px - 0 px) / 2 px * 6 m
+  EXPECT_EQ(wordOf(*cloud, 1).place[1], 0.0F);
+  EXPECT_EQ(wordOf(*cloud, 1).place[2], 6.0F);
+  EXPECT_EQ(wordOf(*cloud, 1).color, 0xFDFEFFu);
+  EXPECT_EQ(wordOf(*points.cloud(header, cameraOf(3.0), depth, bgr), 1).place[0], 2.0F);
 }

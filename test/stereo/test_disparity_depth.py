@@ -9,6 +9,7 @@ import robot_vision as rv
 SIZE = WIDTH, HEIGHT = 64, 48
 FX, FY, CX, CY, BASELINE = 500.0, 510.0, 33.0, 22.0, 0.12  # px, m
 NAN = float("nan")
+CAMERA = rv.CameraModel(*SIZE, [[FX, 0, CX], [0, FY, CY], [0, 0, 1]])  # sees the left images
 
 
 def geometry(offset=0.0):
@@ -62,7 +63,7 @@ def test_what_is_not_nearer_than_infinity_has_no_depth():
 def test_points_are_those_of_opencv_s_q(offset):
     """Q as cv2.stereoRectify makes it, where fx and fy are equal; here rows have their own."""
     found, of = disparities(), geometry(offset)
-    points = rv.points_from_depth(rv.depth_from_disparity(found, of), of)
+    points = rv.DepthPoints(CAMERA).points(rv.depth_from_disparity(found, of))
     assert (points.dtype, points.shape) == (np.float32, (HEIGHT, WIDTH, 3))
     tx = -BASELINE
     of_opencv = np.float64(
@@ -82,7 +83,7 @@ def test_points_are_those_of_opencv_s_q(offset):
 
 def test_points_project_onto_their_pixels():
     found, of = disparities(), geometry()
-    points = rv.points_from_depth(rv.depth_from_disparity(found, of), of)
+    points = rv.DepthPoints(CAMERA).points(rv.depth_from_disparity(found, of))
     known = ~np.isnan(found)
     x, y, z = points[known].T
     rows, columns = np.nonzero(known)
@@ -120,7 +121,6 @@ def test_what_is_no_image_is_refused(shape):
     of = geometry()
     for call in (
         lambda: rv.depth_from_disparity(empty, of),
-        lambda: rv.points_from_depth(empty, of),
         lambda: rv.encode_depth(empty),
         lambda: rv.disparity_to_colors(empty, 0.0, 1.0),
     ):

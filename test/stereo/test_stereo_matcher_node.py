@@ -29,6 +29,9 @@ TOPICS = {
     "epipolar": Image,
 }
 FAST = "_disparities:=32"
+RECTIFIED = rv.CameraModel(
+    WIDTH, HEIGHT, info_of("left").P[:3] + info_of("left").P[4:7] + [0, 0, 1]
+)
 
 
 def pixels(message):
@@ -122,7 +125,7 @@ def test_all_topics_of_a_pair(start):
     assert list(info.K) == [FOCAL, 0, CX, 0, FOCAL, CY, 0, 0, 1]
     assert list(info.P) == list(info_of("left").P)
 
-    assert_cloud(found["points"], rv.points_from_depth(depth, of), LEFT)
+    assert_cloud(found["points"], rv.DepthPoints(RECTIFIED).points(depth), LEFT)
 
     color = cv2.cvtColor(LEFT, cv2.COLOR_GRAY2BGR)
     assert np.array_equal(pixels(found["left/image_rect_color"]), color)

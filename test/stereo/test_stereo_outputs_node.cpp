@@ -10,6 +10,7 @@
 #include <string>
 
 #include "nodelets/factories.hpp"
+#include "robot_vision/depth/depth_points.hpp"
 #include "robot_vision/stereo/depth_from_disparity.hpp"
 #include "robot_vision/stereo/epipolar.hpp"
 #include "robot_vision/stereo/stereo_matcher.hpp"
@@ -45,10 +46,11 @@ void depthFromDisparity(const cv::Mat& disparity, const StereoGeometry& /*geomet
   out = disparity.clone();
 }
 
-void pointsFromDepth(const cv::Mat& depth, const StereoGeometry& /*geometry*/, cv::Mat& out)
+void DepthPoints::cloud(const cv::Mat& /*depth*/, const std::string& /*encoding*/, const cv::Mat& /*bgr*/,
+                        cv::Mat& xyzrgb) const
 {
   ++placed;
-  out = cv::Mat(depth.size(), CV_32FC3, cv::Scalar::all(1.0));
+  xyzrgb.setTo(1.0);
 }
 
 void disparityToColors(const cv::Mat& disparity, double /*lowest*/, double /*highest*/, cv::Mat& out)

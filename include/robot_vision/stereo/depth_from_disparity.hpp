@@ -32,10 +32,6 @@ void depthFromDisparity(const cv::Mat& disparity, const StereoGeometry& geometry
 /// what is beyond 65.535 m.
 void encodeDepth(const cv::Mat& depth, const std::string& encoding, cv::Mat& out);
 
-/// Writes the places of all pixels of a depth in the rectified left camera's optical frame, CV_32FC3: x, y and z in m,
-/// NaN where there is no depth.
-void pointsFromDepth(const cv::Mat& depth, const StereoGeometry& geometry, cv::Mat& out);
-
 /// Writes disparities (CV_32FC1, px) as colors (CV_8UC3, BGR): from blue for `lowest` or less to red for `highest` or
 /// more (cv::COLORMAP_TURBO), black for NaN. Throws also if `highest` is not above `lowest`.
 void disparityToColors(const cv::Mat& disparity, double lowest, double highest, cv::Mat& out);

@@ -20,6 +20,9 @@ struct RectifiedCamera
 
 bool operator==(const RectifiedCamera& a, const RectifiedCamera& b);
 
+/// The camera that sees the rectified images: K is that of P, and there is no distortion.
+CameraModel rectifiedModel(const RectifiedCamera& camera);
+
 /// Two cameras that were calibrated together, as by cv::stereoRectify.
 struct StereoCamera
 {

@@ -49,6 +49,15 @@ bool operator==(const RectifiedCamera& a, const RectifiedCamera& b)
          a.model.distortion_model == b.model.distortion_model && a.R == b.R && a.P == b.P;
 }
 
+CameraModel rectifiedModel(const RectifiedCamera& camera)
+{
+  CameraModel model;
+  model.width = camera.model.width;
+  model.height = camera.model.height;
+  model.K = camera.P.get_minor<3, 3>(0, 0);
+  return model;
+}
+
 void validate(const RectifiedCamera& camera)
 {
   validate(camera.model);

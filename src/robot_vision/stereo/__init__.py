@@ -14,6 +14,7 @@ import numpy as np
 
 from .. import (
     CameraModel,
+    DepthPoints,
     RectifiedCamera,
     Rectifier,
     StereoCamera,
@@ -21,7 +22,6 @@ from .. import (
     StereoMatcher,
     StereoParams,
     depth_from_disparity,
-    points_from_depth,
 )
 
 __all__ = ["Match", "calibrated_pair", "match", "match_rectified"]
@@ -51,7 +51,9 @@ class Match:
     @property
     def points(self) -> np.ndarray:
         """x, y, z in the rectified left optical frame, (height, width, 3) float32, m, or NaN."""
-        return points_from_depth(self.depth, self.geometry)
+        (height, width), of = self.disparity.shape, self.geometry
+        matrix = [[of.fx, 0.0, of.cx], [0.0, of.fy, of.cy], [0.0, 0.0, 1.0]]
+        return DepthPoints(CameraModel(width, height, matrix)).points(self.depth)
 
 
 def calibrated_pair(

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <boost/make_shared.hpp>
 #include <cmath>
-#include <cstring>
 #include <stdexcept>
 
 #include "robot_vision/common/range.hpp"
@@ -42,15 +41,6 @@ auto about(const std::string& where, const Make& make)
   }
 }
 
-/// A color as the bits of a float, as PCL and rviz read it.
-float packed(const cv::Vec3b& bgr)
-{
-  const std::uint32_t bits = std::uint32_t{bgr[2]} << 16 | std::uint32_t{bgr[1]} << 8 | std::uint32_t{bgr[0]};
-  float number = 0.0F;
-  std::memcpy(&number, &bits, sizeof(number));
-  return number;
-}
-
 }  // namespace
 
 StereoCamera stereoCamera(const StereoFrame& frame)
@@ -72,13 +62,14 @@ StereoCamera stereoCamera(const StereoFrame& frame)
 sensor_msgs::CameraInfoPtr rectifiedInfo(const std_msgs::Header& header, const RectifiedCamera& left)
 {
   const auto info = boost::make_shared<sensor_msgs::CameraInfo>();
+  const CameraModel model = rectifiedModel(left);
   info->header = header;
-  info->width = static_cast<std::uint32_t>(left.model.width);
-  info->height = static_cast<std::uint32_t>(left.model.height);
-  info->distortion_model = "plumb_bob";
+  info->width = static_cast<std::uint32_t>(model.width);
+  info->height = static_cast<std::uint32_t>(model.height);
+  info->distortion_model = model.distortion_model;
   info->D.assign(5, 0.0);
-  const cv::Matx33d K = left.P.get_minor<3, 3>(0, 0), R = cv::Matx33d::eye();
-  std::copy_n(K.val, info->K.size(), info->K.begin());
+  const cv::Matx33d R = cv::Matx33d::eye();
+  std::copy_n(model.K.val, info->K.size(), info->K.begin());
   std::copy_n(R.val, info->R.size(), info->R.begin());
   std::copy_n(left.P.val, info->P.size(), info->P.begin());
   return info;
@@ -111,23 +102,6 @@ stereo_msgs::DisparityImagePtr toDisparityImage(const std_msgs::Header& header, 
                    [=](float found) { return std::isnan(found) ? none : found - offset; });
   }
   return message;
-}
-
-sensor_msgs::PointCloud2Ptr toPointCloud(const std_msgs::Header& header, const cv::Mat& points, const cv::Mat& bgr,
-                                         const CloudPool& pool)
-{
-  const sensor_msgs::PointCloud2Ptr cloud = pool.take(points.size(), /*colored=*/true);
-  cloud->header = header;
-  cv::Mat out = writablePoints(*cloud);
-  for (int y = 0; y < out.rows; ++y)
-  {
-    const auto* from = points.ptr<cv::Vec3f>(y);
-    const auto* color = bgr.ptr<cv::Vec3b>(y);
-    auto* to = out.ptr<cv::Vec4f>(y);
-    for (int x = 0; x < out.cols; ++x)
-      to[x] = cv::Vec4f(from[x][0], from[x][1], from[x][2], packed(color[x]));
-  }
-  return cloud;
 }
 
 }  // namespace robot_vision

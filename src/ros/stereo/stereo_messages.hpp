@@ -1,14 +1,12 @@
 #pragma once
 
 #include <sensor_msgs/CameraInfo.h>
-#include <sensor_msgs/PointCloud2.h>
 #include <stereo_msgs/DisparityImage.h>
 
 #include <opencv2/core.hpp>
 
 #include "robot_vision/stereo/stereo_camera.hpp"
 #include "robot_vision/stereo/stereo_matcher.hpp"
-#include "ros/depth/cloud_pool.hpp"
 #include "stereo_input.hpp"
 
 namespace robot_vision
@@ -25,10 +23,5 @@ sensor_msgs::CameraInfoPtr rectifiedInfo(const std_msgs::Header& header, const R
 /// min_disparity where there is none.
 stereo_msgs::DisparityImagePtr toDisparityImage(const std_msgs::Header& header, const cv::Mat& disparity,
                                                 const StereoMatcher& matcher, const StereoGeometry& geometry);
-
-/// An organised cloud of points (CV_32FC3, m, NaN: none) with the colors of `bgr` (CV_8UC3 of the same size): the
-/// fields x, y, z and rgb. The message is one of the pool.
-sensor_msgs::PointCloud2Ptr toPointCloud(const std_msgs::Header& header, const cv::Mat& points, const cv::Mat& bgr,
-                                         const CloudPool& pool);
 
 }  // namespace robot_vision
