@@ -164,11 +164,16 @@ def test_from_a_bag(calibrate, pairs, tmp_path):
 
 
 def test_live_and_given_to_the_camera(start, tmp_path):
-    """From the running camera, and back to both of its views; Ctrl-C ends the recording."""
+    """From the running camera, and back to both of its views; Ctrl-C ends the recording.
+
+    The cameras are those that the scene publishes, and stay as they are.
+    """
     url = f"_camera_info_url:=file://{tmp_path}/${{NAME}}.yaml"
     scene = ["_source:=synthetic", "_scene:=calibration", "_views:=stereo"]
     start("camera_node", "__name:=eyes", "_camera_name:=eyes", *scene, url)
-    command = [*BOARD, *LIVE, "--set", "/eyes", "--output", tmp_path / "result.yaml"]
+    known = [f"/eyes/{side}/camera_info" for side in SIDES]
+    words = ["--keep", *known, "--set", "/eyes", "--output", tmp_path / "result.yaml"]
+    command = [*BOARD, *LIVE, *words]
     process = start("calibrate_headless.py", *command)
     support.wait_for(lambda: re.search(r": ([7-9]|\d\d) used", process.output()), "seven pairs")
     process.interrupt()
@@ -178,8 +183,9 @@ def test_live_and_given_to_the_camera(start, tmp_path):
     assert_found(*kept)
     infos = [support.Messages(f"/eyes/{side}/camera_info", CameraInfo) for side in SIDES]
     for path, info in zip(kept, infos):
-        expected = yaml.safe_load(path.read_text())["projection_matrix"]["data"]
-        assert np.allclose(info.wait()[0].P, expected, rtol=1e-6)
+        found = yaml.safe_load(path.read_text())
+        assert np.allclose(found["camera_matrix"]["data"], CalibrationScene().camera.K.ravel())
+        assert np.allclose(info.wait()[0].P, found["projection_matrix"]["data"], rtol=1e-6)
 
 
 def test_what_a_camera_refuses_is_not_lost(start, folders, tmp_path):

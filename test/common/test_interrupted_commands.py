@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 import roslib.packages
 import yaml
-from board_views import SQUARE, Studio, chessboard
+from board_views import SQUARE, PairStudio, Studio, chessboard
 from tags import CAMERAS, SIZE, corners_of, matrix, pose_in_view, turned
 
 import robot_vision as rv
@@ -118,13 +118,32 @@ def calibrate_a_camera(folder, _):
     return calibrate_headless.main, words, ["a.yaml", "a.png"]
 
 
+def calibrate_a_pair(folder, _):
+    left, right = (
+        rv.CameraModel(320, 240, [260.0, 0, 160, 0, 262, 118, 0, 0, 1], [k1, 0.05, 0, 0])
+        for k1 in (-0.2, -0.15)
+    )
+    to_right = np.eye(4)
+    to_right[0, 3] = -0.05
+    board = PairStudio(chessboard(6, 5), left, right, to_right)
+    folders = [folder / side for side in ("left", "right")]
+    for made in folders:
+        made.mkdir()
+    for number in range(6):
+        for made, image in zip(folders, board.pair()):
+            cv2.imwrite(str(made / f"{number}.png"), image)
+    words = ["--stereo", "--size", "6x5", "--square", SQUARE, *folders]
+    output = ["--output", folder / "made" / "a.yaml"]
+    return calibrate_headless.main, [*words, *output], ["a_left.yaml", "a_right.yaml", "a.png"]
+
+
 def shape(path):
     """What is the same in all complete files: the end of a PNG, or the keys of a YAML file."""
     data = path.read_bytes()
     return data[-12:] if path.suffix == ".png" else ([*yaml.safe_load(data)], data[-1:])
 
 
-COMMANDS = [create_a_marker, pick_a_color, learn_a_bundle, calibrate_a_camera]
+COMMANDS = [create_a_marker, pick_a_color, learn_a_bundle, calibrate_a_camera, calibrate_a_pair]
 
 
 @pytest.mark.parametrize("command", COMMANDS, ids=lambda command: command.__name__)
