@@ -66,10 +66,12 @@ class PairCollection:
             self.pairs.append(PairView(name, *both))
         elif both:
             self.alike += 1
-        elif seen == [None, None]:
+        elif seen[0] and not seen[1]:
+            self.in_one[0] += 1
+        elif seen[1] and not seen[0]:
+            self.in_one[1] += 1
+        else:  # or both images show parts of the board that have too little in common
             self.in_none += 1
-        else:
-            self.in_one[0 if seen[0] else 1] += 1
 
     def skip(self) -> None:
         """Counts a pair that cannot be examined."""
