@@ -619,3 +619,27 @@ def test_pairs_are_apart_only_while_nothing_fits():
         pairs.message_of(frame)
         assert pairs.frame_of(stamped(DetectionArray, frame.header.stamp.to_sec())) is frame
         assert not pairs.apart()
+
+
+def test_pairs_with_slop_are_of_the_nearest_stamps():
+    pairs = FramePairs(slop=0.02)
+    early, near, late = frames_of([1.0, 1.015, 1.033])
+    for frame in (early, near, late):
+        assert pairs.message_of(frame) is None
+    assert pairs.frame_of(stamped(DetectionArray, 1.02)) is near
+    assert pairs.frame_of(stamped(DetectionArray, 1.0)) is None  # dropped, as 1.015 was taken
+    assert pairs.frame_of(stamped(DetectionArray, 1.052)) is late
+    waits = stamped(DetectionArray, 1.1)
+    assert pairs.frame_of(waits) is None
+    (too_late, fits) = frames_of([1.121, 1.119])
+    assert pairs.message_of(too_late) is None and pairs.message_of(fits) is waits
+
+
+def test_pairs_of_frames_hold_no_more_than_their_bytes_of_either():
+    pairs = FramePairs()
+    large = np.zeros((2000, 2000, 3), np.uint8)
+    frames = frames_of([0.01 * n for n in range(50)], large)
+    before = held(frames)
+    assert [pairs.frame_of(frame) for frame in frames] == [None] * 50
+    kept = [now > then for now, then in zip(held(frames), before)]
+    assert sum(kept) == MAX_BYTES // large.nbytes and all(kept[-5:])

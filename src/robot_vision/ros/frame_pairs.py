@@ -13,14 +13,19 @@ MAX_UNMATCHED = 10  # messages in a row without a frame, from which on it is no 
 
 
 class FramePairs:
-    """Pairs messages with the frames of the same stamps, whichever come first. Thread-safe.
+    """Pairs messages with the frames of their stamps, whichever come first. Thread-safe.
 
-    Frames are referenced, not copied, and released as soon as a message belongs to a later one.
-    message_filters cannot replace this: it bounds the number of frames but not their size, and
-    keeps older frames after a match.
+    The messages may be frames, too, of another topic. Frames are referenced, not copied, and
+    released as soon as a message belongs to a later one. message_filters cannot replace this: it
+    bounds the number of frames but not their size, and keeps older frames after a match.
+
+    Args:
+        slop: By how much two stamps may differ, in s. Of several that wait the nearest is taken,
+            and of two that are as near the newer one. 0: they must be the same.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, slop: float = 0.0) -> None:
+        self.slop = slop
         self._lock = threading.Lock()  # guards all attributes below
         self._frames: Deque[Frame] = collections.deque()
         self._messages: Deque[Any] = collections.deque(maxlen=MAX_MESSAGES)
@@ -29,9 +34,7 @@ class FramePairs:
     def message_of(self, frame: Frame) -> Optional[Any]:
         """Returns the message that waited for this frame; if there is none, keeps the frame."""
         with self._lock:
-            message = self._match(frame, self._frames, self._messages)
-            self._limit_size()
-            return message
+            return self._match(frame, self._frames, self._messages)
 
     def frame_of(self, message: Any) -> Optional[Frame]:
         """Returns the frame of this message; if it has not come yet, keeps the message."""
@@ -54,19 +57,15 @@ class FramePairs:
 
     def _match(self, new: Any, alike: Deque[Any], others: Deque[Any]) -> Optional[Any]:
         """Returns the one of `others` that belongs to `new`, which else waits with those alike."""
-        found = _take(others, new.header.stamp)
+        found = _take(others, new.header.stamp, self.slop)
         if found is None:
             alike.append(new)
             _drop_old(alike)
+            _limit_size(alike)
         else:
             alike.clear()
             self._unmatched = 0
         return found
-
-    def _limit_size(self) -> None:
-        size = sum(frame.image.nbytes for frame in self._frames)
-        while size > MAX_BYTES and len(self._frames) > 1:
-            size -= self._frames.popleft().image.nbytes
 
 
 def _drop_old(waiting: Deque[Any]) -> None:
@@ -76,12 +75,25 @@ def _drop_old(waiting: Deque[Any]) -> None:
         waiting.popleft()
 
 
-def _take(waiting: Deque[Any], stamp: Any) -> Optional[Any]:
-    """Removes and returns the newest entry of this stamp, or None; older ones are dropped too."""
-    for index in reversed(range(len(waiting))):
-        if waiting[index].header.stamp == stamp:
-            found = waiting[index]
-            for _ in range(index + 1):
-                waiting.popleft()
-            return found
-    return None
+def _limit_size(waiting: Deque[Any]) -> None:
+    """Drops the oldest frames if all together are too large; the newest one stays."""
+    size = sum(_bytes_of(entry) for entry in waiting)
+    while size > MAX_BYTES and len(waiting) > 1:
+        size -= _bytes_of(waiting.popleft())
+
+
+def _bytes_of(entry: Any) -> int:
+    return entry.image.nbytes if isinstance(entry, Frame) else 0
+
+
+def _take(waiting: Deque[Any], stamp: Any, slop: float) -> Optional[Any]:
+    """Removes and returns the entry nearest to this stamp, or None; older ones are dropped too."""
+    time, nearest, least = stamp.to_nsec(), -1, round(slop * 1e9)  # ns
+    for index, entry in enumerate(waiting):
+        apart = abs(entry.header.stamp.to_nsec() - time)
+        if apart <= least:
+            nearest, least = index, apart
+    found = waiting[nearest] if nearest >= 0 else None
+    for _ in range(nearest + 1):
+        waiting.popleft()
+    return found
