@@ -8,6 +8,7 @@
 #include "leave_gil.hpp"
 #include "params.hpp"
 #include "registry.hpp"
+#include "robot_vision/depth/depth_error.hpp"
 #include "robot_vision/depth/depth_image.hpp"
 #include "robot_vision/depth/depth_points.hpp"
 #include "robot_vision/depth/depth_registration.hpp"
@@ -20,6 +21,8 @@ namespace
 
 void bindImages(py::module& m)
 {
+  bindParams<DepthErrorParams>(m, "DepthErrorParams",
+                               "How wrong the distances of a depth camera are; the defaults are those of a Kinect.");
   m.def(
       "to_metres",
       [](const py::array& depth)

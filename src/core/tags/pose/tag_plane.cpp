@@ -19,7 +19,6 @@ constexpr double kMargin = 1.0;       // px between a tag's edge and the depths 
 constexpr double kMaxSamples = 2000;  // of a tag; more take time, and make the plane no better than its bias
 constexpr std::size_t kMinSamples = 12;
 constexpr double kMinShare = 0.6;      // of the samples, that agree with the plane
-constexpr double kNearest = 0.4;       // m, from where on the noise grows
 constexpr int kRobustSteps = 6;        // of the fit with Huber's weights
 constexpr double kHuberLimit = 1.345;  // standard deviations
 constexpr double kMaxResidual = 4.0;   // standard deviations, of a depth that agrees with the plane
@@ -59,13 +58,6 @@ double depthAt(const cv::Mat& depth, int x, int y)
   return std::isfinite(metres) && metres > 0.0 ? metres : std::numeric_limits<double>::quiet_NaN();
 }
 
-double noiseOf(double depth, const DepthErrorParams& params)
-{
-  const double beyond = std::max(depth - kNearest, 0.0);
-  const double step = params.depth_step * depth * depth / std::sqrt(12.0);  // of a uniform error
-  return std::hypot(params.depth_noise + params.depth_noise_growth * beyond * beyond, step);
-}
-
 std::vector<Sample> samplesOf(const cv::Mat& depth, const Quad& quad, int stride, const CameraModel& camera,
                               const DepthErrorParams& params)
 {
@@ -82,7 +74,7 @@ std::vector<Sample> samplesOf(const cv::Mat& depth, const Quad& quad, int stride
       if (std::isnan(z) || !isInside(quad, pixel, kMargin)) continue;
       const cv::Point2d ray = camera.ray(pixel);
       if (std::isnan(ray.x)) continue;
-      samples.push_back({{ray.x, ray.y, 1.0}, z, 1.0 / z, noiseOf(z, params) / (z * z)});
+      samples.push_back({{ray.x, ray.y, 1.0}, z, 1.0 / z, depthDeviation(z, params) / (z * z)});
     }
   return samples;
 }
@@ -176,7 +168,7 @@ cv::Matx33d wholeCovariance(const PlaneFit& fit, const std::vector<Sample>& samp
   const double shared = std::max(static_cast<double>(params.depth_correlation) / (stride * stride), 1.0);
   const double depth = 1.0 / fit.plane.dot(samples.front().ray);
   // All depths of a plane that faces the camera may lie on one step of the sensor.
-  const double step = params.depth_step * depth * depth / std::sqrt(12.0);
+  const double step = stepDeviation(depth, params);
   const double common = params.depth_bias * params.depth_bias + step * step;
   return std::max(scatterOf(fit, samples), 1.0) * shared * fit.covariance + common * (response * response.t());
 }
