@@ -14,7 +14,7 @@ namespace robot_vision
 
 struct RegionSample;
 
-struct RegionParams
+struct LocatorParams
 {
   std::string shape = "surface";
   double min_share = 0.3;
@@ -25,15 +25,15 @@ struct RegionParams
   template <class Visit>
   static void fields(Visit&& visit)
   {
-    visit("shape", &RegionParams::shape, OneOf{"surface or sphere"}, "",
+    visit("shape", &LocatorParams::shape, OneOf{"surface or sphere"}, "",
           "where a thing is: its surface that is seen, or the middle of a sphere");
-    visit("min_share", &RegionParams::min_share, Range{0, 1}, "",
+    visit("min_share", &LocatorParams::min_share, Range{0, 1}, "",
           "of the depths in a region, that what is nearest must have to be the thing; the middle counts most");
-    visit("min_pixels", &RegionParams::min_pixels, Range{1, 1000000}, "px^2",
+    visit("min_pixels", &LocatorParams::min_pixels, Range{1, 1000000}, "px^2",
           "fewest that must show the thing with a depth");
-    visit("box_error", &RegionParams::box_error, Range{0, 1}, "",
+    visit("box_error", &LocatorParams::box_error, Range{0, 1}, "",
           "standard deviation of the place of a box, as share of its sides");
-    visit("pixel_error", &RegionParams::pixel_error, Range{0.01, 1000}, "px",
+    visit("pixel_error", &LocatorParams::pixel_error, Range{0.01, 1000}, "px",
           "what is added to it, whatever the size of the box is");
   }
 };
@@ -72,7 +72,7 @@ class RegionLocator
 {
 public:
   /// Throws std::invalid_argument as validate() of the camera and of the parameters does.
-  explicit RegionLocator(const CameraModel& camera, const RegionParams& params = RegionParams(),
+  explicit RegionLocator(const CameraModel& camera, const LocatorParams& params = LocatorParams(),
                          const DepthErrorParams& errors = DepthErrorParams());
 
   const CameraModel& camera() const { return camera_; }
@@ -89,7 +89,7 @@ private:
                                         const ImageRegion& region) const;
 
   CameraModel camera_;
-  RegionParams params_;
+  LocatorParams params_;
   DepthErrorParams errors_;
 };
 

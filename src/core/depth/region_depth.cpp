@@ -17,7 +17,7 @@ namespace robot_vision
 namespace
 {
 
-constexpr int kMaxCoordinate = 1 << 24;        // px, beyond any image; sums of such numbers still fit an int
+constexpr int kMaxCoordinate = 10000000;       // px, beyond any image; sums of such numbers still fit an int
 constexpr double kTail = 0.1;                  // of a layer's depths, left out at each end
 constexpr double kTailDistance = 2.563;        // of the ends from each other, in standard deviations of normal noise
 constexpr double kMedianVariance = CV_PI / 2;  // of the median of normal noise, in that of its mean
@@ -84,7 +84,7 @@ double medianVariance(const Depths& depths, std::size_t samples, int pixels, dou
 }
 
 /// The deviation of the pixel position of a region, px.
-cv::Vec2d acrossOf(const ImageRegion& region, const RegionParams& params)
+cv::Vec2d acrossOf(const ImageRegion& region, const LocatorParams& params)
 {
   return {std::hypot(params.pixel_error, params.box_error * region.box.width),
           std::hypot(params.pixel_error, params.box_error * region.box.height)};
@@ -119,7 +119,7 @@ cv::Vec2d sidesAt(double depth, const cv::Rect& box, const cv::Point2d& center, 
 
 }  // namespace
 
-RegionLocator::RegionLocator(const CameraModel& camera, const RegionParams& params, const DepthErrorParams& errors)
+RegionLocator::RegionLocator(const CameraModel& camera, const LocatorParams& params, const DepthErrorParams& errors)
   : camera_(camera), params_(params), errors_(errors)
 {
   validate(camera_);

@@ -1,7 +1,6 @@
 #include "sphere_distance.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstddef>
 
@@ -18,19 +17,31 @@ cv::Vec3d directionOf(const CameraModel& camera, const cv::Point2d& pixel)
   return cv::normalize(cv::Vec3d(ray.x, ray.y, 1.0));
 }
 
+/// The mean of the angles between an axis and the rays at both sides of its pixel, rad.
+double meanAngle(const CameraModel& camera, const cv::Vec3d& axis, const cv::Point2d& center, const cv::Point2d& off)
+{
+  double sum = 0.0;
+  for (const cv::Point2d& pixel : {center + off, center - off})
+  {
+    const cv::Vec3d direction = directionOf(camera, pixel);
+    sum += std::atan2(cv::norm(axis.cross(direction)), axis.dot(direction));
+  }
+  return sum / 2.0;
+}
+
 }  // namespace
 
 SphereView sphereView(const CameraModel& camera, const cv::Point2d& center, double radius)
 {
   SphereView view;
   view.axis = directionOf(camera, center);
-  const std::array<cv::Point2d, 4> rim = {cv::Point2d(radius, 0.0), cv::Point2d(-radius, 0.0), cv::Point2d(0.0, radius),
-                                          cv::Point2d(0.0, -radius)};
-  for (const cv::Point2d& off : rim)
-  {
-    const cv::Vec3d direction = directionOf(camera, center + off);
-    view.radius += std::atan2(cv::norm(view.axis.cross(direction)), view.axis.dot(direction)) / rim.size();
-  }
+  const cv::Point2d out = center - camera.project({0.0, 0.0, 1.0});
+  const double length = cv::norm(out);
+  const cv::Point2d radial = length > 0.0 ? out * (radius / length) : cv::Point2d(radius, 0.0);
+  // Beside the optical axis a sphere is seen as an ellipse, which the circle encloses: it touches the rim where the
+  // angle is smaller.
+  view.radius = std::min(meanAngle(camera, view.axis, center, radial),
+                         meanAngle(camera, view.axis, center, {-radial.y, radial.x}));
   return view;
 }
 

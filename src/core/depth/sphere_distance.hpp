@@ -17,7 +17,7 @@ struct SphereView
   double radius = 0.0;  // rad, between the axis and the rim
 };
 
-/// The view of a sphere with this centre and radius in the image, px. Throws std::invalid_argument if the lens has no
+/// The view of a sphere that this circle encloses in the image, px. Throws std::invalid_argument if the lens has no
 /// rays there.
 SphereView sphereView(const CameraModel& camera, const cv::Point2d& center, double radius);
 

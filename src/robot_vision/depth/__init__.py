@@ -1,4 +1,4 @@
-"""Depth images: into another camera, as points, normals, planes and tables, without ROS.
+"""Depth images: into another camera, as points, normals, planes, tables and places, without ROS.
 
 Depths are (height, width) arrays of uint16 in mm, 0 where there is none, or of float32 in m, NaN
 where there is none (REP 118).
@@ -7,6 +7,7 @@ where there is none (REP 118).
 >>> registered = depth.register(image, depth_camera, color_camera, depth_to_color)
 >>> xyz = depth.points(registered, color_camera)
 >>> (table, *_), labels = depth.tables(image, depth_camera, up=(0, -1, 0))
+>>> face = depth.locate(registered, color_camera, box=(310, 120, 60, 60))
 """
 
 from typing import Any, List, Optional, Sequence, Tuple
@@ -15,13 +16,17 @@ import numpy as np
 
 from .. import (
     CameraModel,
+    DepthErrorParams,
     DepthNormals,
     DepthPoints,
     DepthRegistration,
+    LocatedRegion,
+    LocatorParams,
     NormalParams,
     Plane,
     PlaneFinder,
     PlaneParams,
+    RegionLocator,
     RegistrationParams,
     Table,
     TabletopFinder,
@@ -32,6 +37,7 @@ from .. import (
 )
 
 __all__ = [
+    "locate",
     "normals",
     "odd_depth",
     "planes",
@@ -109,6 +115,33 @@ def tables(
     params = _filled(TabletopParams(), values)
     finder = TabletopFinder(camera, plane_params or PlaneParams(), params)
     return finder.find(image, (0.0, 0.0, 0.0) if up is None else up)
+
+
+def locate(
+    image: np.ndarray,
+    camera: CameraModel,
+    box: Tuple[int, int, int, int],
+    outline: Optional[np.ndarray] = None,
+    center: Optional[Tuple[float, float]] = None,
+    radius: float = 0.0,
+    errors: Optional[DepthErrorParams] = None,
+    **values: Any,
+) -> Optional[LocatedRegion]:
+    """Where a thing is that was found in the image of a camera; None if too few of it have a depth.
+
+    `values` are LocatorParams by their names: shape="sphere". Raises as register() does.
+
+    Args:
+        image: The depths of that camera's image: those of a color camera are registered to it.
+        box: (x, y, width, height), px.
+        outline: (n, 2), px, a closed polygon; None: all of the box.
+        center: (x, y), px; None: the middle of the box.
+        radius: Of a sphere, px; 0: that of the box.
+        errors: How wrong the depths are; None: those of a Kinect.
+    """
+    params = _filled(LocatorParams(), values)
+    locator = RegionLocator(camera, params, errors or DepthErrorParams())
+    return locator.locate(image, box, outline, center, radius)
 
 
 def _filled(params: Any, values: Any) -> Any:

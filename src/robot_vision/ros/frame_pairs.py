@@ -1,6 +1,7 @@
 """Pairs of frames and the messages about them that another node publishes."""
 
 import collections
+import math
 import threading
 from typing import Any, Deque, Optional
 
@@ -47,6 +48,16 @@ class FramePairs:
         """Returns whether so many messages in a row had no frame that the two do not fit."""
         with self._lock:
             return self._unmatched >= MAX_UNMATCHED
+
+    def distance(self, message: Any) -> float:
+        """Returns by how much the stamps of a message and the nearest frame differ, in s.
+
+        It is infinite while no frame waits.
+        """
+        stamp = message.header.stamp.to_nsec()
+        with self._lock:
+            apart = (abs(frame.header.stamp.to_nsec() - stamp) for frame in self._frames)
+            return min(apart, default=math.inf) * 1e-9
 
     def clear(self) -> None:
         """Releases all frames and messages that wait."""

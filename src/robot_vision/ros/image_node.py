@@ -1,7 +1,7 @@
 """What all nodes that process images have in common."""
 
 import time
-from typing import Any, Callable, Dict, List, Tuple
+from typing import Any, Callable, Dict, List, Set, Tuple
 
 import rospy
 
@@ -11,10 +11,14 @@ from .params import read_param, review_params
 
 MAX_THREADS = 256
 INPUT_TIMEOUT = 5.0  # s without a message until an input counts as missing
+TYPICAL = {  # what a topic of images is remapped to
+    "image": "/usb_cam/image_raw",
+    "depth": "/camera/depth_registered/image_raw",
+}
 
 
 class ImageNode:
-    """Processes the topic `image` while the results are wanted.
+    """Processes the images of a topic while the results are wanted.
 
     They are wanted while somebody subscribes to an output, while keep_working() asks for it, and
     always if ~always_subscribe is true. Frames are counted, and refused if they cannot be used.
@@ -25,6 +29,7 @@ class ImageNode:
         encoding: The encoding to which frames are converted.
         camera_info: Whether frames come with their camera_info.
         idle: A function that is called when the work ends, to release what was kept for it.
+        name: The name of the topic: image, or depth.
 
     Raises:
         ValueError: A parameter has the wrong type or is out of range.
@@ -36,27 +41,31 @@ class ImageNode:
         encoding: str = "bgr8",
         camera_info: bool = False,
         idle: Callable[[], Any] = lambda: None,
+        name: str = "image",
     ):
         self._idle = idle
+        self._name = name
         self._always = read_param("always_subscribe", False)
         # A robot needs its other cores for other work, and sharing an image costs more in sum.
         set_threads(read_param("threads", 1, 0, MAX_THREADS, zero="all cores"))
         self._wanted = False
         self._outputs: List[Tuple[Any, Callable[[], bool]]] = []  # with whether each counts
         self._inputs: List[Tuple[Any, ...]] = []  # names, types and callbacks
+        self._regular: Set[str] = set()  # those of the inputs that come again and again
         self._subscribers: List[rospy.Subscriber] = []  # of the inputs, while the node works
         self._last_message: Dict[str, float] = {}  # s of the monotonic clock, by input
         self._working_since = float("inf")  # s of the monotonic clock
         kind = transport.CameraSubscriber if camera_info else transport.ImageSubscriber
         self._images = kind(
-            "image",
-            self._timed("image", process),
+            name,
+            self._timed(name, process),
             encoding,
             diagnostics=transport.node_diagnostics(),
             start=False,
         )
-        if self._images.topic == "/image":
-            rospy.logwarn("topic 'image' is not remapped; typical use is image:=/usb_cam/image_raw")
+        if self._images.topic == f"/{name}":
+            typical = f"{name}:={TYPICAL[name]}"
+            rospy.logwarn("topic '%s' is not remapped; typical use is %s", name, typical)
 
     @property
     def topic(self) -> str:
@@ -77,9 +86,16 @@ class ImageNode:
         self._outputs.append((output, lambda: True))
         return output
 
-    def subscriber(self, name: str, kind: Any, callback: Callable[[Any], Any]) -> None:
-        """Adds an input: while the node works, the callback gets the newest message of a topic."""
+    def subscriber(
+        self, name: str, kind: Any, callback: Callable[[Any], Any], regular: bool = True
+    ) -> None:
+        """Adds an input: while the node works, the callback gets the newest message of a topic.
+
+        What is not `regular` may come once for all, and is never missing().
+        """
         self._inputs.append((name, kind, self._timed(name, callback)))
+        if regular:
+            self._regular.add(name)
 
     def keep_working(self, wanted: bool) -> None:
         """Sets whether to work even if nobody subscribes. Thread-safe."""
@@ -92,9 +108,10 @@ class ImageNode:
         The text is empty if there are none, or if the node is not working.
         """
         now = time.monotonic()
-        inputs = [("image", "images", self._images.topic, self._images)]
+        inputs = [(self._name, "images", self._images.topic, self._images)]
         for (name, *_), subscriber in zip(self._inputs, self._subscribers):
-            inputs.append((name, name, subscriber.resolved_name, subscriber))
+            if name in self._regular:
+                inputs.append((name, name, subscriber.resolved_name, subscriber))
         lacking = []
         for name, plural, topic, subscriber in inputs:
             silent = now - max(self._last_message.get(name, 0.0), self._working_since)

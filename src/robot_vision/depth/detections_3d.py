@@ -1,0 +1,178 @@
+"""The node detections_3d, which tells where things are that another node finds in images."""
+
+import threading
+from typing import Any, Dict, Optional
+
+import rospy
+from std_msgs.msg import Header
+from tf2_msgs.msg import TFMessage
+from visualization_msgs.msg import MarkerArray
+
+from .. import CameraModel, DepthErrorParams, LocatorParams, RegionLocator, odd_depth, validate
+from ..common.plain_text import NAME, brief, is_name, printable
+from ..common.throttle import Throttle
+from ..msg import Detection, Detection3DArray, DetectionArray
+from ..ros.camera_info import CameraInfoListener
+from ..ros.configs import Detections3dConfig
+from ..ros.frame_pairs import FramePairs
+from ..ros.image_node import ImageNode
+from ..ros.params import LiveParams, filled, read_param
+from ..ros.startup import run_node
+from ..ros.transport import Frame, FrameError, note_connections
+from .depth_overlay import depth_colors, draw_places
+from .detection_places import ENCODINGS, detection_3d, located, misfit
+from .places import frame_ids, markers, transforms
+
+
+class Detections3d:
+    """Publishes ~detections, /tf, ~markers and ~processed_image (the depth with the boxes).
+
+    Subscribes to detections, to depth, which is registered to the camera of the detections, and to
+    camera_info beside the depth, or where that name is remapped to.
+    """
+
+    def __init__(self) -> None:
+        self._lock = threading.Lock()  # guards all below: depth and detections have own threads
+        self._prefix = read_prefix()
+        self._camera: Optional[CameraModel] = None  # that of the locator
+        self._left_out = 0  # detections since the start
+        self._odd, self._unfit, self._apart, self._lacking = (Throttle() for _ in range(4))
+        self._pairs = FramePairs()
+        self._node = ImageNode(self._on_depth, encoding="", idle=self._pairs.clear, name="depth")
+        self._params = LiveParams(Detections3dConfig, self._configure)
+        self._calibration = CameraInfoListener(self._node, "places of detections")
+        self._node.subscriber("detections", DetectionArray, self._on_detections)
+        self._found = self._node.publisher("~detections", Detection3DArray)
+        self._markers = self._node.publisher("~markers", MarkerArray)
+        self._tf = self._node.publisher("/tf", TFMessage, counts=lambda: self._publish_tf)
+        self._processed = self._node.image_publisher("~processed_image")
+        self._node.start()
+
+    def _configure(self, config: Dict[str, Any]) -> None:
+        params = filled(LocatorParams(), config), filled(DepthErrorParams(), config)
+        for one in params:
+            validate(one)
+        with self._lock:
+            self._values = params
+            self._camera = None  # The locator is made anew.
+            self._predicted = config["predicted"]
+            self._publish_tf = config["publish_tf"]
+            self._pairs.slop = config["slop"]
+        note_connections()  # because /tf may start or stop to count
+
+    def _on_depth(self, depth: Frame) -> None:
+        if depth.encoding not in ENCODINGS:
+            raise FrameError("no depths, whose encoding is 16UC1 (mm) or 32FC1 (m)")
+        missing = self._node.missing()
+        if missing:
+            rospy.logwarn_throttle(10.0, f"no places of detections: {missing}")
+        detections = self._pairs.message_of(depth)
+        if detections:
+            self._process(depth, detections)
+
+    def _on_detections(self, detections: DetectionArray) -> None:
+        depth = self._pairs.frame_of(detections)
+        if depth:
+            self._process(depth, detections)
+            return
+        missing = self._node.missing()
+        if missing:
+            rospy.logwarn_throttle(10.0, f"no places of detections: {missing}")
+        elif self._pairs.apart() and self._apart.due():
+            rospy.logwarn(
+                "no places of detections: the stamps on %s do not meet: the nearest are %.3g s "
+                "apart, must be at most slop, %g s",
+                self._topics(),
+                self._pairs.distance(detections),
+                self._pairs.slop,
+            )
+
+    def _process(self, depth: Frame, detections: DetectionArray) -> None:
+        with self._lock:
+            camera = self._calibration.camera(depth.image.shape[1::-1])
+            problem = misfit(detections, depth, self._calibration.frame_id)
+            if problem and self._unfit.due():
+                rospy.logerr(
+                    "no places of detections: %s do not fit: %s: the depth has to be registered to "
+                    "the camera of the detections",
+                    self._topics(),
+                    problem,
+                )
+            if problem or camera is None:
+                return
+            if camera is not self._camera:
+                self._camera, self._locator = camera, RegionLocator(camera, *self._values)
+            self._publish(depth, self._located(depth, detections))
+
+    def _located(self, depth: Frame, detections: DetectionArray) -> Detection3DArray:
+        header = detections.header
+        frame_id = header.frame_id or depth.header.frame_id
+        array = Detection3DArray(header=Header(header.seq, header.stamp, frame_id))
+        seen = [one for one in detections.detections if self._predicted or not one.predicted]
+        for one, name in zip(seen, frame_ids(seen, self._prefix)):
+            try:
+                found, reason = located(self._locator, depth.image, one), "too few depths there"
+            except ValueError as error:
+                found, reason = None, printable(str(error), 300)
+            if found is None:
+                self._note_lack(one, reason)
+            else:
+                array.detections.append(detection_3d(one, found, name))
+        array.left_out = len(seen) - len(array.detections)
+        return array
+
+    def _note_lack(self, detection: Detection, reason: str) -> None:
+        self._left_out += 1
+        if self._lacking.due():
+            rospy.logwarn(
+                "left out '%s' %d, %dx%d at (%d, %d), of %s: %s; %d since the start",
+                printable(detection.label),
+                detection.id,
+                detection.box.width,
+                detection.box.height,
+                detection.box.x_offset,
+                detection.box.y_offset,
+                self._topics(),
+                reason,
+                self._left_out,
+            )
+
+    def _publish(self, depth: Frame, array: Detection3DArray) -> None:
+        if array.left_out and self._odd.due():
+            odd = odd_depth(depth.image)
+            if odd:
+                rospy.logwarn("%s: %s", self._node.topic, odd)
+        self._found.publish(array)
+        if self._markers.get_num_connections():
+            self._markers.publish(markers(array))
+        if self._publish_tf and self._tf.get_num_connections():
+            self._broadcast(transforms(array))
+        if self._processed.get_num_connections():
+            overlay = depth_colors(depth.image)
+            draw_places(overlay, array.detections)
+            self._processed.publish(overlay, "bgr8", array.header)
+
+    def _broadcast(self, message: TFMessage) -> None:
+        if message.transforms and not message.transforms[0].header.frame_id:
+            rospy.logwarn_throttle(60.0, f"no transforms: {self._topics()} have no frame_id")
+        elif message.transforms:
+            self._tf.publish(message)
+
+    def _topics(self) -> str:
+        return f"{rospy.resolve_name('detections')} and {self._node.topic}"
+
+
+def read_prefix() -> str:
+    """Returns ~frame_prefix, which is in front of the names of transforms.
+
+    Raises:
+        ValueError: It cannot be a part of a name.
+    """
+    prefix = read_param("frame_prefix", "")
+    if prefix and not is_name(prefix):
+        raise ValueError(f"frame_prefix is {brief(prefix)}, must be empty or {NAME}")
+    return prefix
+
+
+def main() -> None:
+    run_node("detections_3d", Detections3d)
