@@ -11,13 +11,16 @@ import genpy
 import numpy as np
 import rosbag
 import rospy
+from geometry_msgs.msg import Point32
 from sensor_msgs.msg import CameraInfo, CompressedImage, Image, RegionOfInterest
 
-from robot_vision import HsvRange, ObjectTracker
+from robot_vision import CameraModel, HsvRange, LocatorParams, ObjectTracker, RegionLocator
 from robot_vision.camera.camera_list import parse_cameras
 from robot_vision.color.color_file import save_colors
 from robot_vision.common.image_files import sensor_pixels, upright
 from robot_vision.common.yaml_text import load_yaml
+from robot_vision.depth.detection_places import detection_3d, located, misfit
+from robot_vision.depth.places import frame_ids
 from robot_vision.faces.face_cache import read_faces, write_faces
 from robot_vision.faces.face_images import SIDE, check_box, cut_out
 from robot_vision.msg import Detection, DetectionArray
@@ -120,6 +123,42 @@ class Detections(Target):
             box = found.box.x_offset, found.box.y_offset, found.box.width, found.box.height
             check_box(IMAGE, box)
             cut_out(IMAGE, box)
+
+
+class Places(Target):
+    """What others have found, and where that is by a depth image."""
+
+    def __init__(self) -> None:
+        depth = np.random.RandomState(3).uniform(-0.5, 3.0, (12, 16))
+        self._depth = depth.astype(np.float32)
+        camera = CameraModel(16, 12, [[15.0, 0.0, 7.5], [0.0, 15.0, 5.5], [0.0, 0.0, 1.0]])
+        self._locators = []
+        for shape in ("surface", "sphere"):
+            params = LocatorParams()
+            params.shape, params.min_pixels = shape, 3
+            self._locators.append(RegionLocator(camera, params))
+
+    def seeds(self) -> List[bytes]:
+        found = []
+        for number in range(3):
+            box = RegionOfInterest(x_offset=2, y_offset=2, width=8 + number, height=8)
+            outline = [Point32(x, y, 0.0) for x, y in ((2, 2), (9, 3), (5, 9))][: 3 * (number % 2)]
+            values = {"score": 0.5, "outline": outline, "circle_radius": 2.0 * number}
+            found.append(Detection(label="face", id=number, box=box, **values))
+        return [serialized(DetectionArray(width=16, height=12, detections=found))]
+
+    def run(self, data: bytes) -> None:
+        message = DetectionArray().deserialize(data)
+        misfit(message, Frame(self._depth, "32FC1", message.header), "eye")
+        names = frame_ids(message.detections, "")
+        for found, name in zip(message.detections, names):
+            for locator in self._locators:
+                place = located(locator, self._depth, found)
+                if place is not None:
+                    made = detection_3d(found, place, name)
+                    assert np.isfinite(made.pose.covariance).all() and made.pixels >= 3
+                    assert np.isfinite([made.size.x, made.pose.pose.position.z, made.score]).all()
+                    serialized(made)
 
 
 class Selections(Target):
@@ -256,5 +295,6 @@ TARGETS: Dict[str, Type[Target]] = {
     "faces": Faces,
     "images": Images,
     "messages": Messages,
+    "places": Places,
     "selections": Selections,
 }

@@ -181,6 +181,10 @@ AT_START = {
     "features.features.Features": IMAGE_NODE,
     "templates.template_matcher.TemplateMatcher": IMAGE_NODE,
     "people.people_detector.PeopleDetector": IMAGE_NODE,
+    "depth.detections_3d.Detections3d": {
+        "frame_prefix": lambda value: value == "" or is_name(value),
+        **IMAGE_NODE,
+    },
     "viewer.simple_camera_view_node.CameraView": {
         "autosize": is_flag,
         "image_transport": IMAGE_NODE["image_transport"],

@@ -253,6 +253,11 @@ def test_the_host_with_the_camera_passes_the_source_on_unchanged():
         ("stereo", ["method:=bm", "disparities:=96"], {"method": "bm", "disparities": 96}),
         ("stereo", ["epipolar:=fundamental", "slop:=0.02"], {"slop": 0.02}),
         ("depth_registration", ["color:=false", "threads:=2"], {"color": False, "threads": 2}),
+        (
+            "detections_3d",
+            ["shape:=sphere", "frame_prefix:=a_"],
+            {"shape": "sphere", "frame_prefix": "a_"},
+        ),
         ("features", ["synthetic:=true"], {}),
         ("features", ["detector:=akaze", "max_features:=9"], {"max_features": 9}),
         ("features", ["match:=last_frame", "reference:=/a.png"], {"match": "last_frame"}),
@@ -302,6 +307,14 @@ def test_a_pair_of_cameras_is_started_where_it_is_asked_for():
     assert "/usb_cam/source" not in parameters_of("stereo.launch")
     (matcher,) = loaded("stereo.launch", "stereo:=/eyes").nodes
     assert dict(matcher.remap_args)["left/image_raw"] == "/eyes/left/image_raw"
+
+
+def test_a_camera_info_beside_the_depth_is_not_remapped():
+    words = "detections:=/tracker/objects", "depth:=/depth/image"
+    (node,) = loaded("detections_3d.launch", *words).nodes
+    assert dict(node.remap_args) == {"detections": "/tracker/objects", "depth": "/depth/image"}
+    (node,) = loaded("detections_3d.launch", "camera_info:=/color/camera_info").nodes
+    assert dict(node.remap_args)["camera_info"] == "/color/camera_info"
 
 
 def test_every_color_is_a_range():

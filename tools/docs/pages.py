@@ -19,7 +19,7 @@ from robot_vision import (
     range_around,
     to_hsv,
 )
-from robot_vision.msg import DetectionArray
+from robot_vision.msg import Detection3DArray, DetectionArray
 
 BLACK, YELLOW = (0, 0, 0), (0, 220, 255)  # BGR
 BOARD = ("--size", "8x6", "--square", "0.05")
@@ -77,6 +77,38 @@ def depth_registration(stage: Stage) -> np.ndarray:
         sent = [stack.enter_context(listening(f"/camera/{name}", Image)) for name in names]
         color, *depths = support.same_frame(*sent)
     return beside([pixels(color), *map(colors_of, depths)], names)
+
+
+def detections_3d(stage: Stage) -> np.ndarray:
+    """A face in the color image, and the depth with its place."""
+    color, faces = "/camera/rgb/image_raw", "/face_detector/faces"
+    names = "/face_detector/processed_image", "/detections_3d/processed_image"
+    nodes_behind = [
+        ("depth_registration_node", "depth_registration", "__ns:=/camera"),
+        ("face_detector.py", "face_detector", f"image:={color}", "_haar_maxSize:=0"),
+        (
+            "detections_3d.py",
+            "detections_3d",
+            "depth:=/camera/depth_registered/image_raw",
+            f"detections:={faces}",
+        ),
+    ]
+    with contextlib.ExitStack() as stack:
+        stack.enter_context(stage.node("camera_node", "camera", *RGBD))
+        for words in nodes_behind:
+            stack.enter_context(stage.node(*words))
+        places = stack.enter_context(listening("/detections_3d/detections", Detection3DArray))
+        sent = [stack.enter_context(listening(name, Image)) for name in names]
+
+        def complete() -> set:
+            stamps = {support.stamp_of(one) for one in places.received if one.detections}
+            return stamps.intersection(
+                *({support.stamp_of(m) for m in one.received} for one in sent)
+            )
+
+        stamp = max(support.wait_for(complete, "a face with a place"))
+        images = [pixels(one.of(stamp)) for one in sent]
+    return beside(images, names)
 
 
 def several_machines(stage: Stage) -> np.ndarray:
