@@ -53,7 +53,7 @@ struct LocatedRegion
   cv::Point3d position;    // m
   cv::Matx33d covariance;  // m^2, of the position; symmetric and positive definite
   cv::Vec3d size;  // m, along the axes of the frame: of the box at that depth, and of the depths that its surface
-                   // has without their outermost fifth and the noise; three diameters of a sphere
+                   // has without their outermost fifth and the noise; of a sphere its diameter
   int pixels = 0;  // px^2, that show it with a depth
 };
 

@@ -63,9 +63,7 @@ class Detections3d:
     def _on_depth(self, depth: Frame) -> None:
         if depth.encoding not in ENCODINGS:
             raise FrameError("no depths, whose encoding is 16UC1 (mm) or 32FC1 (m)")
-        missing = self._node.missing()
-        if missing:
-            rospy.logwarn_throttle(10.0, f"no places of detections: {missing}")
+        self._report_missing("detections")
         detections = self._pairs.message_of(depth)
         if detections:
             self._process(depth, detections)
@@ -74,11 +72,7 @@ class Detections3d:
         depth = self._pairs.frame_of(detections)
         if depth:
             self._process(depth, detections)
-            return
-        missing = self._node.missing()
-        if missing:
-            rospy.logwarn_throttle(10.0, f"no places of detections: {missing}")
-        elif self._pairs.apart() and self._apart.due():
+        elif not self._report_missing("depth") and self._pairs.apart() and self._apart.due():
             rospy.logwarn(
                 "no places of detections: the stamps on %s do not meet: the nearest are %.3g s "
                 "apart, must be at most slop, %g s",
@@ -86,6 +80,12 @@ class Detections3d:
                 self._pairs.distance(detections),
                 self._pairs.slop,
             )
+
+    def _report_missing(self, name: str) -> bool:
+        missing = self._node.missing(only=name)
+        if missing:
+            rospy.logwarn_throttle(10.0, f"no places of detections: {missing}")
+        return bool(missing)
 
     def _process(self, depth: Frame, detections: DetectionArray) -> None:
         with self._lock:

@@ -40,7 +40,7 @@ class CameraInfoListener:
         self._logged_problem = ""  # the problem logged last
         self._reports = Repeats(REPEAT_PERIOD)
         self._first_asked = 0.0  # s of the monotonic clock
-        node.subscriber(self.topic, CameraInfo, self._on_info, regular=False)
+        node.subscriber(self.topic, CameraInfo, self._on_info)
 
     def camera(self, size: Tuple[int, int]) -> Optional[CameraModel]:
         """Returns the camera model for images of `size`, (width, height) in px.

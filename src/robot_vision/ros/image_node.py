@@ -1,7 +1,7 @@
 """What all nodes that process images have in common."""
 
 import time
-from typing import Any, Callable, Dict, List, Set, Tuple
+from typing import Any, Callable, Dict, List, Tuple
 
 import rospy
 
@@ -51,7 +51,6 @@ class ImageNode:
         self._wanted = False
         self._outputs: List[Tuple[Any, Callable[[], bool]]] = []  # with whether each counts
         self._inputs: List[Tuple[Any, ...]] = []  # names, types and callbacks
-        self._regular: Set[str] = set()  # those of the inputs that come again and again
         self._subscribers: List[rospy.Subscriber] = []  # of the inputs, while the node works
         self._last_message: Dict[str, float] = {}  # s of the monotonic clock, by input
         self._working_since = float("inf")  # s of the monotonic clock
@@ -86,34 +85,32 @@ class ImageNode:
         self._outputs.append((output, lambda: True))
         return output
 
-    def subscriber(
-        self, name: str, kind: Any, callback: Callable[[Any], Any], regular: bool = True
-    ) -> None:
-        """Adds an input: while the node works, the callback gets the newest message of a topic.
-
-        What is not `regular` may come once for all, and is never missing().
-        """
+    def subscriber(self, name: str, kind: Any, callback: Callable[[Any], Any]) -> None:
+        """Adds an input: while the node works, the callback gets the newest message of a topic."""
         self._inputs.append((name, kind, self._timed(name, callback)))
-        if regular:
-            self._regular.add(name)
 
     def keep_working(self, wanted: bool) -> None:
         """Sets whether to work even if nobody subscribes. Thread-safe."""
         self._wanted = wanted
         transport.note_connections()
 
-    def missing(self, seconds: float = INPUT_TIMEOUT) -> str:
+    def missing(self, seconds: float = INPUT_TIMEOUT, only: str = "") -> str:
         """Returns which inputs had no message for `seconds`, in words. Thread-safe.
 
         The text is empty if there are none, or if the node is not working.
+
+        Args:
+            seconds: How long an input may be silent.
+            only: The name of the input that is asked for; by default all are.
         """
         now = time.monotonic()
         inputs = [(self._name, "images", self._images.topic, self._images)]
         for (name, *_), subscriber in zip(self._inputs, self._subscribers):
-            if name in self._regular:
-                inputs.append((name, name, subscriber.resolved_name, subscriber))
+            inputs.append((name, name, subscriber.resolved_name, subscriber))
         lacking = []
         for name, plural, topic, subscriber in inputs:
+            if only not in ("", name):
+                continue
             silent = now - max(self._last_message.get(name, 0.0), self._working_since)
             if silent >= seconds and not subscriber.get_num_connections():
                 lacking.append(f"nobody publishes {plural} on {topic}")
