@@ -2,6 +2,7 @@
 
 import itertools
 import math
+import re
 
 import numpy as np
 import pytest
@@ -16,9 +17,10 @@ from tf2_msgs.msg import TFMessage
 from visualization_msgs.msg import Marker, MarkerArray
 
 import robot_vision as rv
+from robot_vision.depth import detection_places
 from robot_vision.depth.depth_overlay import depth_colors, draw_places
 from robot_vision.msg import Detection, Detection3DArray, DetectionArray
-from robot_vision.ros.messages import box_detection, points
+from robot_vision.ros.messages import box_detection, corners, points
 
 WIDTH, HEIGHT = 160, 120
 K = [150.0, 0.0, 79.5, 0.0, 150.0, 59.5, 0.0, 0.0, 1.0]
@@ -142,7 +144,7 @@ def test_places_of_a_frame_field_by_field(start, depth, encoding):
     assert (second.label, second.id, second.frame_id) == ("Zoë", -1, "Zoe_0")
     box = first.box
     assert (box.x_offset, box.y_offset, box.width, box.height) == FACE_BOX
-    assert_place(first, located(depth, FACE_BOX, center=(51.5, 44.5)))
+    assert_place(first, located(depth, FACE_BOX, corners(FACE_BOX), (51.5, 44.5)))
     assert_place(second, located(depth, FACE_BOX, outline, (50.5, 44.25)))
     assert first.pose.pose.position.z == pytest.approx(1.2, abs=1e-6)
 
@@ -180,12 +182,13 @@ def test_transforms_markers_and_overlay_are_of_the_same_places(start):
 def test_parameters_change_live(start):
     watched = Watched(start)
     (one,) = watched.answer([face()]).detections
-    assert_place(one, located(MILLIMETRES, FACE_BOX))
+    assert_place(one, located(MILLIMETRES, FACE_BOX, corners(FACE_BOX)))
     support.reconfigured("/places", shape="sphere", min_share=0.5, depth_bias=0.001)
     circle = face(circle_center=Point(52.0, 45.0, 0.0), circle_radius=10.0)
     (one,) = watched.answer([circle]).detections
     values = {"shape": "sphere", "min_share": 0.5}
-    expected = located(MILLIMETRES, FACE_BOX, center=(52.0, 45.0), radius=10.0, **values)
+    outline = corners(FACE_BOX)
+    expected = located(MILLIMETRES, FACE_BOX, outline, (52.0, 45.0), 10.0, **values)
     assert one.pose.pose.position.z == expected.position[2] > 1.2
     assert one.pose.covariance[14] < expected.covariance[2, 2]
     config = support.reconfigured("/places", shape="cube")
@@ -202,26 +205,34 @@ def test_what_is_only_predicted_counts_if_asked_for(start):
     assert [one.id for one in watched.answer(found).detections] == [3, 4]
 
 
-@pytest.mark.parametrize(
-    "bad, said",
-    [
-        (face(7, HOLE_BOX), "'face' 7, 20x20 at (100, 60), of {}: too few depths there; 1 since"),
-        (face(7, (500, 2, 8, 8)), "of {}: the box is 8x8 at (500, 2), must be in the image of"),
+def bad_ones():
+    """Detections that cannot be used, and what is said of them."""
+    none, far = float("nan"), float("inf")
+    return [
+        (face(7, (500, 2, 8, 8)), "the box is 8x8 at (500, 2), must be in the image of 160x120"),
         (face(7, (3, 3, 0, 0)), "the box is 0x0 at (3, 3), must be in the image of 160x120"),
-        (face(7, center=Point(float("nan"), 40.0, 0.0)), "a point of the region is (nan, 40)"),
-        (face(7, circle_radius=float("inf")), "the radius is inf, must be from 0 to 1e+07"),
-        (face(7, score=float("nan")), "the score is nan, must be finite"),
-        (face(7, outline=points(np.full((3, 2), np.inf))), "a point of the region is (inf, inf)"),
-    ],
-)
-def test_what_has_no_place_is_left_out_told_and_counted(start, bad, said):
+        (face(7, center=Point(none, 40.0, 0.0)), "a point of the region is (nan, 40), must be"),
+        (face(7, circle_radius=far), "the radius is inf, must be from 0 to 1e+07"),
+        (face(7, score=none), "the score is nan, must be finite"),
+        (face(7, outline=points(np.full((3, 2), far))), "a point of the region is (inf, inf)"),
+        (Detection(), "the box is 0x0 at (0, 0), must be"),  # all of it at its default
+    ]
+
+
+@pytest.mark.parametrize("bad, said", bad_ones())
+def test_what_cannot_be_used_is_named(bad, said):
+    with pytest.raises(ValueError, match=re.escape(said)):
+        detection_places.located(rv.RegionLocator(CAMERA), MILLIMETRES, bad)
+
+
+def test_what_has_no_place_is_left_out_told_and_counted(start):
     watched = Watched(start)
-    array = watched.answer([bad, face()])
-    assert ([one.id for one in array.detections], array.left_out) == ([3], 1)
-    watched.process.wait_for_output("left out 'face' 7")
-    assert said.format(watched.topics()) in watched.process.output()
-    for one in array.detections:
-        assert np.isfinite(one.pose.covariance).all()
+    bad = [one for one, _ in bad_ones()]
+    array = watched.answer([face(7, HOLE_BOX), *bad, face()])
+    assert ([one.id for one in array.detections], array.left_out) == ([3], 1 + len(bad))
+    assert np.isfinite(array.detections[0].pose.covariance).all()
+    said = f"left out 'face' 7, 20x20 at (100, 60), of {watched.topics()}: too few depths there; "
+    watched.process.wait_for_output(said + "1 since the start")
 
 
 def test_depth_without_depths_is_told(start):
@@ -296,7 +307,6 @@ def test_a_calibration_that_does_not_fit_is_told(start, spoil, said):
     [
         (np.zeros((HEIGHT, WIDTH, 3), np.uint8), "bgr8"),
         (MILLIMETRES, "bayer_rggb16"),
-        (MILLIMETRES.astype(np.int16), "16SC1"),
     ],
 )
 def test_images_that_are_no_depths_are_refused_and_counted(start, depth, encoding):
@@ -311,9 +321,9 @@ def test_images_that_are_no_depths_are_refused_and_counted(start, depth, encodin
 
 
 def subscribed_topics():
-    """The topics that the node subscribes to."""
+    """The topics that the node subscribes to, and the one of roscpp in its process."""
     state = rosgraph.Master("/test").getSystemState()[1]
-    return {topic for topic, nodes in state if "/places" in nodes}
+    return {topic for topic, nodes in state if any(name.startswith("/places") for name in nodes)}
 
 
 def test_it_subscribes_while_somebody_wants_what_it_publishes(start):
@@ -349,18 +359,11 @@ def test_a_camera_info_of_another_name(start):
     "name, value, text",
     [
         ("shape", "cube", "shape is cube, must be surface or sphere"),
-        ("slop", -1.0, "slop is -1.0, must be from 0.0 to 2.0"),
-        ("min_pixels", 0, "min_pixels is 0, must be from 1 to 1000000"),
+        ("slop", -1.0, "slop is -1, must be from 0 to 2"),
+        ("min_pixels", 0, "min_pixels is 0, must be from 1 to 1e+06"),
         ("frame_prefix", 7, "frame_prefix is 7, must be a string"),
         ("frame_prefix", "a\nb", "frame_prefix is 'a\\nb', must be empty or a name of 1 to 255"),
     ],
 )
 def test_bad_value_at_start_is_fatal(start, name, value, text):
     support.assert_fatal_at_start(start, "detections_3d.py", name, value, text)
-
-
-def test_a_message_without_anything_does_no_harm(start):
-    """What another language leaves at its default."""
-    watched = Watched(start)
-    array = watched.answer([Detection(), face()])
-    assert ([one.id for one in array.detections], array.left_out) == ([3], 1)

@@ -632,7 +632,10 @@ def test_pairs_with_slop_are_of_the_nearest_stamps():
     waits = stamped(DetectionArray, 1.1)
     assert pairs.frame_of(waits) is None
     (too_late, fits) = frames_of([1.121, 1.119])
-    assert pairs.message_of(too_late) is None and pairs.message_of(fits) is waits
+    assert pairs.distance() == float("inf")
+    assert pairs.message_of(too_late) is None
+    assert pairs.distance() == pytest.approx(0.021)
+    assert pairs.message_of(fits) is waits
 
 
 def test_pairs_of_frames_hold_no_more_than_their_bytes_of_either():

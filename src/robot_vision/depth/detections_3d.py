@@ -77,7 +77,7 @@ class Detections3d:
                 "no places of detections: the stamps on %s do not meet: the nearest are %.3g s "
                 "apart, must be at most slop, %g s",
                 self._topics(),
-                self._pairs.distance(detections),
+                self._pairs.distance(),
                 self._pairs.slop,
             )
 

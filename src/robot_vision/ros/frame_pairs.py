@@ -49,15 +49,18 @@ class FramePairs:
         with self._lock:
             return self._unmatched >= MAX_UNMATCHED
 
-    def distance(self, message: Any) -> float:
-        """Returns by how much the stamps of a message and the nearest frame differ, in s.
+    def distance(self) -> float:
+        """Returns by how much those two stamps differ that are nearest to each other, in s.
 
-        It is infinite while no frame waits.
+        It is that of the messages and frames that wait, infinite if there are none of either.
         """
-        stamp = message.header.stamp.to_nsec()
         with self._lock:
-            apart = (abs(frame.header.stamp.to_nsec() - stamp) for frame in self._frames)
-            return min(apart, default=math.inf) * 1e-9
+            messages, frames = (
+                [entry.header.stamp.to_nsec() for entry in waiting]
+                for waiting in (self._messages, self._frames)
+            )
+        apart = (abs(one - other) for one in messages for other in frames)
+        return min(apart, default=math.inf) * 1e-9
 
     def clear(self) -> None:
         """Releases all frames and messages that wait."""
