@@ -175,8 +175,8 @@ std::optional<LocatedRegion> RegionLocator::asSphere(const std::vector<RegionSam
   const std::optional<double> distance = sphereDistance(samples, camera_, view);
   if (!distance) return std::nullopt;
   const Depths depths = depthsOf(samples);
-  const double by_depth =
-      std::sqrt(medianVariance(depths, samples.size(), pixels, params_.box_error, errors_)) / depths.median;
+  const std::size_t asked = std::min(samples.size(), kMaxSphereSamples);
+  const double variance = medianVariance(depths, asked, pixels, params_.box_error, errors_);
   // Half of the pixels are within a circle of 0.7 radii: a sphere of radius r is deeper than what is seen there by 0.7
   // r.
   const double sine = std::sin(view.radius), deeper = std::sqrt(0.5);
@@ -184,7 +184,8 @@ std::optional<LocatedRegion> RegionLocator::asSphere(const std::vector<RegionSam
   const double by_rim = deeper * rim / (1.0 - deeper * sine);
   LocatedRegion found;
   found.position = cv::Point3d(*distance * view.axis);
-  found.covariance = covarianceOf(found.position, std::hypot(by_depth, by_rim), acrossOf(region, params_), camera_);
+  found.covariance = covarianceOf(found.position, std::hypot(std::sqrt(variance) / depths.median, by_rim),
+                                  acrossOf(region, params_), camera_);
   found.size = cv::Vec3d::all(2.0 * *distance * sine);
   found.pixels = pixels;
   return found;

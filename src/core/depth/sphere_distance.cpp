@@ -50,8 +50,10 @@ std::optional<double> sphereDistance(const std::vector<RegionSample>& samples, c
 {
   const double square = std::pow(std::cos(view.radius), 2);
   std::vector<double> distances;
-  for (const RegionSample& sample : samples)
+  const std::size_t step = (samples.size() + kMaxSphereSamples - 1) / kMaxSphereSamples;
+  for (std::size_t i = 0; i < samples.size(); i += step)
   {
+    const RegionSample& sample = samples[i];
     const cv::Point2d ray = camera.ray(cv::Point2d(sample.x, sample.y));
     if (std::isnan(ray.x)) continue;
     const cv::Vec3d point = static_cast<double>(sample.depth) * cv::Vec3d(ray.x, ray.y, 1.0);

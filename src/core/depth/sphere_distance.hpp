@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <opencv2/core.hpp>
 #include <optional>
 #include <vector>
@@ -21,8 +22,10 @@ struct SphereView
 /// rays there.
 SphereView sphereView(const CameraModel& camera, const cv::Point2d& center, double radius);
 
-/// The distance (m) of the middle of a sphere that is seen so: the median of what the samples within its rim say. Empty
-/// if there is none.
+constexpr std::size_t kMaxSphereSamples = 300;  // that are asked: the ray of each takes time
+
+/// The distance (m) of the middle of a sphere that is seen so: the median of what samples within its rim say. Empty if
+/// there is none.
 std::optional<double> sphereDistance(const std::vector<RegionSample>& samples, const CameraModel& camera,
                                      const SphereView& view);
 
