@@ -61,7 +61,11 @@ TEST(CompressedDepth, isLosslessUpToDepthMaxForMillimetres)
   EXPECT_TRUE(equal(image, before));
   DepthCompressionParams far;
   far.depth_max = 100.0;
-  EXPECT_TRUE(equal(decompressed(compressed(image, "16UC1", far)), image));
+  for (const char* format : {"png", "rvl"})
+  {
+    far.format = format;
+    EXPECT_TRUE(equal(decompressed(compressed(image, "16UC1", far)), image)) << format;
+  }
 }
 
 TEST(CompressedDepth, isTheInverseDepthForMetres)
@@ -111,8 +115,11 @@ TEST(CompressedDepth, isRefusedIfDamaged)
   };
   EXPECT_EQ(refused(good.format, {1, 2, 3}), "compressed depth of 3 bytes has no whole header");
   EXPECT_EQ(refused(good.format, std::vector<std::uint8_t>(30)), "PNG of 18 bytes does not begin as a PNG");
-  EXPECT_EQ(refused("16UC1; compressedDepth rvl", good.data),
-            "format is '16UC1; compressedDepth rvl', must be 16UC1, mono16 or 32FC1 with '; compressedDepth png'");
+  EXPECT_EQ(refused("16UC1; compressedDepth lz4", good.data),
+            "format is '16UC1; compressedDepth lz4', must be 16UC1, mono16 or 32FC1 with '; compressedDepth png' or "
+            "'; compressedDepth rvl'");
+  EXPECT_NE(refused("16UC1; compressedDepth rvl", good.data).find("claims to be of 1196314761x169478669, the most"),
+            std::string::npos);  // the first bytes of a PNG
   EXPECT_EQ(refused("bgr8; jpeg compressed bgr8", good.data).find("format is 'bgr8; jpeg"), 0u);
   std::vector<std::uint8_t> png;
   cv::imencode(".png", cv::Mat(2, 2, CV_8UC1, cv::Scalar(7)), png);
@@ -134,8 +141,9 @@ TEST(CompressedDepth, refusesToCompressOtherEncodingsAndTypes)
             "encoding is 'bgr8', must be 16UC1, mono16 or 32FC1");
   EXPECT_EQ(refusal([] { compressed(cv::Mat(2, 2, CV_16UC1), "32FC1"); }),
             "32FC1 image of 2x2: expected pixels of 1 x 32 bits (CV_32FC1), got 1 x 16 bits (CV_16UC1)");
-  for (const auto& [params, reason] : {std::pair{DepthCompressionParams{0.5, 100.0, 1}, "depth_max is 0.5"},
-                                       {DepthCompressionParams{10.0, 151.0, 1}, "depth_quantization is 151"},
-                                       {DepthCompressionParams{10.0, 100.0, 0}, "png_level is 0"}})
+  for (const auto& [params, reason] : {std::pair{DepthCompressionParams{"png", 0.5, 100.0, 1}, "depth_max is 0.5"},
+                                       {DepthCompressionParams{"png", 10.0, 151.0, 1}, "depth_quantization is 151"},
+                                       {DepthCompressionParams{"rvl", 10.0, 100.0, 0}, "png_level is 0"},
+                                       {DepthCompressionParams{"jpeg", 10.0, 100.0, 1}, "format is 'jpeg', must be"}})
     EXPECT_EQ(refusal([&, &params = params] { validate(params); }).find(reason), 0u);
 }

@@ -133,17 +133,22 @@ TEST(DamagedStreams, withWrongLabelsAreReadOrRefused)
 TEST(DamagedStreams, ofDepthAreReadOrRefused)
 {
   Damage damage;
-  CompressedImage whole;
-  compressDepth(noise({40, 30}, CV_16UC1), "16UC1", {}, whole);
-  int refused = 0;
-  for (int i = 0; i < kRounds; ++i)
+  for (const std::string codec : {"png", "rvl"})
   {
-    const Bytes data = damage(whole.data);
-    const char* format = i % 2 == 0 ? "32FC1; compressedDepth png" : "16UC1; compressedDepth";
-    cv::Mat out;
-    refused += survives([&] { decompressDepth(format, data.data(), data.size(), out); }) ? 0 : 1;
+    DepthCompressionParams params;
+    params.format = codec;
+    CompressedImage whole;
+    compressDepth(noise({40, 30}, CV_16UC1), "16UC1", params, whole);
+    int refused = 0;
+    for (int i = 0; i < kRounds; ++i)
+    {
+      const Bytes data = damage(whole.data);
+      const std::string format = (i % 2 == 0 ? "32FC1" : "16UC1") + ("; compressedDepth " + codec);
+      cv::Mat out;
+      refused += survives([&] { decompressDepth(format, data.data(), data.size(), out); }) ? 0 : 1;
+    }
+    EXPECT_GT(refused, kRounds / 10) << codec;
   }
-  EXPECT_GT(refused, kRounds / 10);
 }
 
 TEST(DamagedStreams, ofTheoraAreReadOrRefused)

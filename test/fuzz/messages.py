@@ -43,11 +43,14 @@ def compressed() -> List[bytes]:
 
 def compressed_depth() -> List[bytes]:
     png = cv2.imencode(".png", DEPTH)[1].tobytes()
+    rvl = struct.pack("<4I", 3, 2, 0x238AF323, 0x10000000)  # test_rvl.cpp says of what
+    heads = {"16UC1": (0, 0.0, 0.0), "32FC1": (0, 100.0, 0.1)}
     return [
-        serialized(CompressedImage(format=kind + "; compressedDepth png", data=head + png))
-        for kind, head in (
-            ("16UC1", struct.pack("<Iff", 0, 0.0, 0.0)),
-            ("32FC1", struct.pack("<Iff", 0, 100.0, 0.1)),
+        serialized(CompressedImage(format=label, data=struct.pack("<Iff", *head) + stream))
+        for kind, head in heads.items()
+        for label, stream in (
+            (f"{kind}; compressedDepth png", png),
+            (f"{kind}; compressedDepth rvl", rvl),
         )
     ]
 

@@ -11,6 +11,7 @@
 #include "robot_vision/common/printable.hpp"
 #include "robot_vision/common/range.hpp"
 #include "robot_vision/image/encoding.hpp"
+#include "rvl.hpp"
 
 namespace robot_vision
 {
@@ -19,7 +20,7 @@ namespace
 
 constexpr std::int32_t kInverseDepth = 0;
 
-/// Stands in front of the PNG, in the byte order of the machine, because the standard transport copies it from memory.
+/// Stands in front of the image, in the byte order of the machine, because the standard transport copies it from memory.
 struct Header
 {
   std::int32_t format = kInverseDepth;
@@ -97,12 +98,15 @@ void compressDepth(const cv::Mat& image, const std::string& encoding, const Dept
     codes = image.clone();
     codes.setTo(0, image > std::min(params.depth_max * 1000.0, 65535.0));
   }
-  std::vector<std::uint8_t> png;
-  encodePng(codes, params.png_level, png);
-  out.format = encoding + "; compressedDepth png";
+  std::vector<std::uint8_t> stream;
+  if (params.format == "rvl")
+    encodeRvl(codes, stream);
+  else
+    encodePng(codes, params.png_level, stream);
+  out.format = encoding + "; compressedDepth " + params.format;
   out.data.resize(sizeof(header));
   std::memcpy(out.data.data(), &header, sizeof(header));
-  out.data.insert(out.data.end(), png.begin(), png.end());
+  out.data.insert(out.data.end(), stream.begin(), stream.end());
 }
 
 std::string decompressDepth(const std::string& format, const unsigned char* data, std::size_t size, cv::Mat& image)
@@ -110,14 +114,18 @@ std::string decompressDepth(const std::string& format, const unsigned char* data
   const std::size_t split = format.find(';');
   const std::string codec = split == std::string::npos ? "" : format.substr(split);
   const std::string encoding = format.substr(0, split);
-  const bool known = codec.empty() || codec == "; compressedDepth" || codec == "; compressedDepth png";
-  require(known && isDepth(encoding), "format", "'" + printable(format) + "'",
-          "16UC1, mono16 or 32FC1 with '; compressedDepth png'");
+  const bool is_rvl = codec == "; compressedDepth rvl";
+  // Older transports, which know PNG only, say less.
+  const bool is_png = codec.empty() || codec == "; compressedDepth" || codec == "; compressedDepth png";
+  require((is_rvl || is_png) && isDepth(encoding), "format", "'" + printable(format) + "'",
+          "16UC1, mono16 or 32FC1 with '; compressedDepth png' or '; compressedDepth rvl'");
   Header header;
   if (size < sizeof(header))
     throw std::invalid_argument("compressed depth of " + std::to_string(size) + " bytes has no whole header");
   std::memcpy(&header, data, sizeof(header));
-  cv::Mat codes = decodePng(data + sizeof(header), size - sizeof(header), cv::IMREAD_UNCHANGED);
+  data += sizeof(header);
+  size -= sizeof(header);
+  cv::Mat codes = is_rvl ? decodeRvl(data, size) : decodePng(data, size, cv::IMREAD_UNCHANGED);
   if (codes.type() != CV_16UC1)
     throw std::invalid_argument("compressed depth: expected a PNG of " + describePixels(CV_16UC1) + ", got " +
                                 describePixels(codes.type()));
