@@ -254,6 +254,11 @@ def test_the_host_with_the_camera_passes_the_source_on_unchanged():
         ("stereo", ["epipolar:=fundamental", "slop:=0.02"], {"slop": 0.02}),
         ("depth_registration", ["color:=false", "threads:=2"], {"color": False, "threads": 2}),
         (
+            "depth_registration",
+            ["depth_transport:=compressedDepth", "color_transport:=compressed"],
+            {"depth_image_transport": "compressedDepth", "image_transport": "compressed"},
+        ),
+        (
             "detections_3d",
             ["shape:=sphere", "frame_prefix:=a_"],
             {"shape": "sphere", "frame_prefix": "a_"},
