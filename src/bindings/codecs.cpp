@@ -1,6 +1,7 @@
 #include "arrays.hpp"
 #include "leave_gil.hpp"
 #include "registry.hpp"
+#include "robot_vision/codecs/compressed_depth.hpp"
 #include "robot_vision/codecs/image_file.hpp"
 
 using namespace robot_vision;
@@ -9,15 +10,34 @@ using namespace py::literals;
 namespace
 {
 
+/// Bytes of Python, which must outlive this.
+struct ByteView
+{
+  explicit ByteView(const py::buffer& buffer) : info(buffer.request())
+  {
+    if (info.ndim != 1 || info.strides[0] != info.itemsize) throw py::value_error("expected bytes in a row");
+  }
+
+  const unsigned char* data() const { return static_cast<const unsigned char*>(info.ptr); }
+  std::size_t size() const { return static_cast<std::size_t>(info.size * info.itemsize); }
+
+  py::buffer_info info;
+};
+
 py::array decodeFile(const py::buffer& data, int flags)
 {
-  const py::buffer_info bytes = data.request();
-  if (bytes.ndim != 1 || bytes.strides[0] != bytes.itemsize) throw py::value_error("expected bytes in a row");
-  const auto size = static_cast<std::size_t>(bytes.size * bytes.itemsize);
-  const cv::Mat image =
-      withoutGil([&] { return decodeImageFile(static_cast<const unsigned char*>(bytes.ptr), size, flags); });
+  const ByteView bytes(data);
+  const cv::Mat image = withoutGil([&] { return decodeImageFile(bytes.data(), bytes.size(), flags); });
   if (image.empty()) throw py::value_error("no image that OpenCV can read");
   return toPython(image);
+}
+
+py::array decodeDepth(const std::string& format, const py::buffer& data)
+{
+  const ByteView bytes(data);
+  cv::Mat depth;
+  withoutGil([&] { decompressDepth(format, bytes.data(), bytes.size(), depth); });
+  return toPython(depth);
 }
 
 void bindCodecs(py::module& m)
@@ -26,6 +46,10 @@ void bindCodecs(py::module& m)
         "The image of a file's bytes, read with cv2.IMREAD_... flags.\n\n"
         "Raises ValueError if it is none, or damaged, or if its header claims more pixels than fit into memory beside "
         "others.");
+  m.def("decompress_depth", &decodeDepth, "format"_a, "data"_a,
+        "The depths of a sensor_msgs/CompressedImage of the transport compressedDepth, by its fields `format` and "
+        "`data`: (height, width) uint16 in mm, 0 where there is none, or float32 in m, NaN where there is none.\n\n"
+        "Raises ValueError if the data is damaged, too large or not what `format` says.");
 }
 
 const Bindings kBindings("codecs", {}, bindCodecs);

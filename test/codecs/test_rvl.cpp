@@ -42,7 +42,8 @@ cv::Mat decoded(const Bytes& bytes)
 
 TEST(Rvl, isWhatThePaperSays)
 {
-  // Runs of 2 holes and 3 depths, whose differences 1000, 1 and -2 are folded to 2000, 2 and 3; then 1 hole and nothing.
+  // Runs of 2 holes and 3 depths, whose differences 1000, 1 and -2 are folded to 2000, 2 and 3; then 1 hole and
+  // nothing.
   const cv::Mat image = (cv::Mat_<std::uint16_t>(2, 3) << 0, 0, 1000, 1001, 999, 0);
   // 2000 is 3720 in groups of 3 bits: 0, 2, 7, 3 from the lowest, of which all but the last say that more follow.
   const Bytes expected = streamOf({3, 2, 0x238AF323, 0x10000000});
@@ -90,7 +91,7 @@ TEST(Rvl, isRefusedIfDamaged)
   EXPECT_EQ(refused(streamOf({65536, 65536, 0})),
             "RVL of 12 bytes claims to be of 65536x65536, the most is 67108864 pixels");
   EXPECT_EQ(refused(streamOf({3, 2, 0x238AF323})), "RVL of 12 bytes is truncated");
-  EXPECT_EQ(refused(streamOf({1, 1, 0x20000000})), "RVL of 12 bytes is damaged");  // 2 holes in 1 pixel
-  EXPECT_EQ(refused(streamOf({1, 1, 0x01100000})), "RVL of 12 bytes is damaged");  // a depth of -1
+  EXPECT_EQ(refused(streamOf({1, 1, 0x20000000})), "RVL of 12 bytes is damaged");              // 2 holes in 1 pixel
+  EXPECT_EQ(refused(streamOf({1, 1, 0x01100000})), "RVL of 12 bytes is damaged");              // a depth of -1
   EXPECT_EQ(refused(streamOf({1, 1, 0xFFFFFFFF, 0xFFFFFFFF})), "RVL of 16 bytes is damaged");  // a number without end
 }

@@ -7,6 +7,7 @@ import struct
 import subprocess
 
 import cv2
+import depth_streams
 import numpy as np
 import pytest
 import rospy
@@ -229,6 +230,31 @@ def test_depth_goes_there_and_back(republish):
     seen = metres < 10.0
     assert np.array_equal(np.isnan(decoded), ~seen)
     assert np.all(np.abs(decoded[seen] - metres[seen]) <= metres[seen] ** 2 / 10100 * 1.01 + 1e-6)
+
+
+def test_depth_goes_there_and_back_by_the_other_codec(republish):
+    source, middle, _ = republish("raw", "compressedDepth")
+    _, target, _ = republish("compressedDepth", "raw", middle)
+    wire = support.Messages(middle + "/compressedDepth", CompressedImage)
+    out = support.Messages(target, Image)
+    publisher = Source(source)
+    depth = (np.arange(48 * 64, dtype=np.uint16).reshape(48, 64) * 5) % 9000
+    open_chain(publisher, message(depth, "16UC1"), wire, out)
+    support.reconfigured(middle + "/compressedDepth", format="rvl")
+
+    publisher.send(stamped(message(depth, "16UC1")))
+    came, back = wire.of(HEADER.stamp), out.of(HEADER.stamp)
+    assert came.format == "16UC1; compressedDepth rvl"
+    assert came.data[12:] == depth_streams.compressed(depth, "rvl").data[12:]
+    assert np.array_equal(array(back), depth)
+
+    metres = np.where(depth > 0, depth / 1000.0, np.nan).astype(np.float32)
+    publisher.send(stamped(message(metres, "32FC1"), 13))
+    came, back = wire.of(rospy.Time(13, 34)), array(out.of(rospy.Time(13, 34)))
+    assert came.format == "32FC1; compressedDepth rvl"
+    seen = metres > 0.16  # what is nearer has no code
+    assert np.isnan(back[np.isnan(metres)]).all()
+    assert np.all(np.abs(back - metres)[seen] <= metres[seen] ** 2 / 10100 * 1.01 + 1e-6)
 
 
 def test_recording_all_topics_of_a_color_camera_logs_no_errors(republish):

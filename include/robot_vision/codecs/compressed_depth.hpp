@@ -33,9 +33,9 @@ struct DepthCompressionParams
 bool isDepth(const std::string& encoding);
 
 /// Compresses a depth image as compressed_depth_image_transport does: a header of 12 bytes, then a 16-bit PNG, or RVL,
-/// of the millimetres, or of the inverse depth for 32FC1. Pixels without a depth (0, NaN, infinite or negative) stay without
-/// one; in 32FC1, a depth nearer than the code can express (0.15 m by default) becomes the nearest one that it can.
-/// Throws std::invalid_argument for another encoding, or if `image` is not of it.
+/// of the millimetres, or of the inverse depth for 32FC1. Pixels without a depth (0, NaN, infinite or negative) stay
+/// without one; in 32FC1, a depth nearer than the code can express (0.15 m by default) becomes the nearest one that it
+/// can. Throws std::invalid_argument for another encoding, or if `image` is not of it.
 void compressDepth(const cv::Mat& image, const std::string& encoding, const DepthCompressionParams& params,
                    CompressedImage& out);
 

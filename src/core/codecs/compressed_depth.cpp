@@ -20,7 +20,8 @@ namespace
 
 constexpr std::int32_t kInverseDepth = 0;
 
-/// Stands in front of the image, in the byte order of the machine, because the standard transport copies it from memory.
+/// Stands in front of the image, in the byte order of the machine, because the standard transport copies it from
+/// memory.
 struct Header
 {
   std::int32_t format = kInverseDepth;

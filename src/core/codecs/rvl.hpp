@@ -9,8 +9,8 @@ namespace robot_vision
 {
 
 // RVL (A. D. Wilson, "Fast Lossless Depth Image Compression", 2017) as compressed_depth_image_transport writes it:
-// width and height, each of 32 bits, then runs of pixels that are 0 and of pixels that are not, of which the differences
-// are coded, in groups of 3 bits.
+// width and height, each of 32 bits, then runs of pixels that are 0 and of pixels that are not, of which the
+// differences are coded, in groups of 3 bits.
 
 /// Appends the stream of an image (CV_16UC1) to `out`.
 void encodeRvl(const cv::Mat& image, std::vector<std::uint8_t>& out);

@@ -1,16 +1,16 @@
 """Conversion of recorded images to gray images as the sensor saw them."""
 
 import re
-from typing import Any, Tuple
+from typing import Any
 
 import cv2
-import cv_bridge
 import numpy as np
 from sensor_msgs.msg import Image
 
 from .. import to_gray
 from ..common.image_files import sensor_pixels
 from ..common.plain_text import printable
+from .image_pixels import pixels_of
 
 NAMED_BY_TYPE = {"8UC1": "mono8", "8UC3": "bgr8", "16UC1": "mono16"}  # meant by users of OpenCV
 
@@ -57,26 +57,4 @@ def gray_message(message: Any) -> np.ndarray:
     """
     if message._type != Image._type:
         return gray_file(message.data, message.format)
-    sample_type, channels = _sample_layout(message.encoding)
-    # cv_bridge itself may take the padding between two rows for pixels.
-    dtype = np.dtype(sample_type).newbyteorder(">" if message.is_bigendian else "<")
-    row = message.width * channels * dtype.itemsize
-    if message.step < row or len(message.data) != message.height * message.step:
-        raise ValueError(
-            f"{printable(message.encoding)} of {message.width}x{message.height} with "
-            f"{message.step} bytes to a row, and {len(message.data)} in all"
-        )
-    rows = np.frombuffer(message.data, np.uint8).reshape(message.height, message.step)
-    shape = (message.height, message.width) + ((channels,) if channels > 1 else ())
-    pixels = rows[:, :row].copy().view(dtype).reshape(shape)
-    return gray_pixels(pixels.astype(sample_type), message.encoding)
-
-
-def _sample_layout(encoding: str) -> Tuple[str, int]:
-    """Returns the type of the samples, and their number per pixel."""
-    if encoding == "yuv422_yuy2":  # cv_bridge for Python knows only the same layout as yuv422.
-        encoding = "yuv422"
-    try:
-        return cv_bridge.CvBridge().encoding_to_dtype_with_channels(encoding)
-    except cv_bridge.CvBridgeError as error:
-        raise ValueError(printable(str(error), 300)) from None
+    return gray_pixels(pixels_of(message), message.encoding)
