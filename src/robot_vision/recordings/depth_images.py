@@ -7,11 +7,9 @@ from sensor_msgs.msg import Image
 from std_msgs.msg import Header
 
 from .. import decompress_depth
-from ..common.plain_text import printable
+from ..common.depth_encodings import require_depths
 from .bag_images import IMAGE_TYPES, messages_on, opened, require_topic, topics_of
 from .image_pixels import pixels_of
-
-ENCODINGS = ("16UC1", "mono16", "32FC1")
 
 
 def depth_pixels(message: Any) -> np.ndarray:
@@ -26,11 +24,7 @@ def depth_pixels(message: Any) -> np.ndarray:
     """
     if message._type != Image._type:
         return decompress_depth(message.format, message.data)
-    if message.encoding not in ENCODINGS:
-        raise ValueError(
-            f"the encoding of a depth image is '{printable(message.encoding)}', must be 16UC1 (mm) "
-            "or 32FC1 (m)"
-        )
+    require_depths(message.encoding)
     return pixels_of(message)
 
 
