@@ -198,6 +198,28 @@ def test_what_was_said_of_places_before_is_forgotten(start):
     assert not watched.topics["image_raw"].received
 
 
+@pytest.mark.parametrize(
+    "x, w, said",
+    [
+        (float("nan"), 1.0, "has a number that is not finite"),
+        (float("inf"), 1.0, "has a number that is not finite"),
+        (0.0, 0.0, "has a rotation of length 0, must be 1"),
+        (0.0, 2.0, "has a rotation of length 2, must be 1"),
+    ],
+)
+def test_a_transform_that_is_none_is_left_out(start, x, w, said):
+    watched = Watched(start, placed=False)
+    frames = watched.cameras.frames
+    watched.cameras.place(x, w)
+    shown_until(watched, "no transform from its frame")
+    text = f"left out: the transform from '{frames['depth']}' to '{frames['rgb']}' {said}"
+    watched.process.wait_for_output(f"/tf_static: {text}")
+    assert not watched.topics["image_raw"].received
+    watched.cameras.place()
+    found = pixels(watched.answers()["image_raw"])
+    assert same(found, expected_of(MILLIMETRES))
+
+
 def shown_until(watched, text, depth=MILLIMETRES, encoding="16UC1"):
     def told():
         watched.show(depth, encoding)
@@ -214,6 +236,10 @@ def spoil_k(info):
     info.K = [0.0] * 9
 
 
+def spoil_d(info):
+    info.D = [float("inf"), *info.D[1:]]
+
+
 def spoil_lens(info):
     info.distortion_model = "magic"
 
@@ -224,6 +250,7 @@ def spoil_lens(info):
         ("depth", spoil_size, "the size of the depth image is 64x48, must be 32x24 as of its"),
         ("depth", spoil_k, "K is 0 everywhere, must be that of a calibrated camera"),
         ("rgb", spoil_k, "K is 0 everywhere, must be that of a calibrated camera"),
+        ("rgb", spoil_d, "D is inf, must be finite"),
         ("rgb", spoil_lens, "distortion_model is 'magic', must be plumb_bob"),
     ],
 )
@@ -261,40 +288,6 @@ def subscriptions(cameras):
     """The nodes that subscribe to topics of the cameras, by topic."""
     state = rosgraph.Master("/test").getSystemState()[1]
     return {topic: nodes for topic, nodes in state if topic.startswith(cameras.namespace)}
-
-
-@pytest.mark.parametrize(
-    "depth, encoding, said",
-    [
-        (np.zeros((48, 64, 3), np.uint8), "bgr8", "the encoding of a depth image is 'bgr8', must"),
-        (MILLIMETRES[:, 1:], "16UC1", "the size of the depth image is 63x48, must be 64x48"),
-    ],
-)
-def test_images_that_are_no_depths_are_refused_and_counted(start, depth, encoding, said):
-    watched = Watched(start)
-    watched.answers()
-    shown_until(watched, said, np.ascontiguousarray(depth), encoding)
-    diagnostics = support.Diagnostics()
-    name = f"{watched.cameras.namespace}/registration".lstrip("/")
-    support.wait_for(lambda: said in diagnostics.value(name, "last error"), "the last error")
-    watched.answers()
-
-
-@pytest.mark.parametrize(
-    "depth, encoding, said",
-    [
-        (0 * MILLIMETRES, "16UC1", "none of the 64x48 pixels has a depth"),
-        (np.full_like(METRES, np.inf), "32FC1", "none of the 64x48 pixels has a depth"),
-        (1000 * METRES, "32FC1", "the median depth is 2000 m by the encoding 32FC1"),
-        (MILLIMETRES // 1000, "16UC1", "the median depth is 2 mm by the encoding 16UC1"),
-    ],
-)
-def test_odd_depths_are_told_and_published_as_they_are(start, depth, encoding, said):
-    watched = Watched(start)
-    shown_until(watched, said, depth, encoding)
-    topic = watched.cameras.topic("depth", "image_raw")
-    assert f"{topic}: {said}" in watched.process.output()
-    assert same(pixels(watched.answers(depth, encoding)["image_raw"]), expected_of(depth))
 
 
 def test_colors_whose_stamps_never_meet_are_told(start):

@@ -73,12 +73,17 @@ class RgbdCameras:
         """What puts the node into the namespace of the cameras."""
         return [f"__ns:={self.namespace}"]
 
-    def place(self, x: float = -BASELINE) -> None:
-        """Says on /tf_static where the depth camera is in the color camera's frame."""
+    def place(self, x: float = -BASELINE, w: float = 1.0) -> None:
+        """Says on /tf_static where the depth camera is in the color camera's frame.
+
+        Args:
+            x: m, to the right.
+            w: of the quaternion, whose x, y and z are 0.
+        """
         transform = TransformStamped(child_frame_id=self.frames["depth"])
         transform.header.frame_id = self.frames["rgb"]
         transform.transform.translation.x = x
-        transform.transform.rotation.w = 1.0
+        transform.transform.rotation.w = w
         self.withdraw()
         support.open_messages.append(self)
         self._transforms = rospy.Publisher("/tf_static", TFMessage, queue_size=1, latch=True)

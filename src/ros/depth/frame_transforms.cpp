@@ -4,6 +4,10 @@
 #include <tf2/LinearMath/Quaternion.h>
 #include <tf2/exceptions.h>
 
+#include <cmath>
+
+#include "robot_vision/common/printable.hpp"
+#include "robot_vision/common/range.hpp"
 #include "ros/images/bounded_reading.hpp"
 
 namespace robot_vision
@@ -12,10 +16,26 @@ namespace
 {
 
 constexpr std::uint32_t kQueueSize = 100;
+constexpr double kMaxLengthError = 0.01;  // of the square of a quaternion's length, tf2's own limit
 
 std::string withoutSlash(const std::string& frame)
 {
   return !frame.empty() && frame.front() == '/' ? frame.substr(1) : frame;
+}
+
+/// Why tf2 would leave a transform out, and log it each time that it comes; empty for one that it takes.
+std::string flawOf(const geometry_msgs::TransformStamped& transform)
+{
+  const geometry_msgs::Vector3& t = transform.transform.translation;
+  const geometry_msgs::Quaternion& q = transform.transform.rotation;
+  for (const double value : {t.x, t.y, t.z, q.x, q.y, q.z, q.w})
+    if (!std::isfinite(value)) return "has a number that is not finite";
+  const double square = q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w;
+  if (std::abs(square - 1.0) > kMaxLengthError)
+    return "has a rotation of length " + toText(std::sqrt(square)) + ", must be 1";
+  const std::string parent = withoutSlash(transform.header.frame_id), child = withoutSlash(transform.child_frame_id);
+  if (parent.empty() || child.empty()) return "does not name both frames";
+  return parent == child ? "has one frame for both" : "";
 }
 
 cv::Affine3d toAffine(const geometry_msgs::Transform& transform)
@@ -41,10 +61,18 @@ void FrameTransforms::listen(bool listens)
 
 ros::Subscriber FrameTransforms::subscribe(const std::string& topic, bool is_static)
 {
-  const auto take = [this, is_static](const tf2_msgs::TFMessageConstPtr& message)
+  const auto take = [this, topic, is_static](const tf2_msgs::TFMessageConstPtr& message)
   {
     for (const geometry_msgs::TransformStamped& transform : message->transforms)
-      buffer_->setTransform(transform, "tf", is_static);  // logs what cannot be one
+    {
+      const std::string flaw = flawOf(transform);
+      if (flaw.empty())
+        buffer_->setTransform(transform, "tf", is_static);
+      else if (throttle_.due())
+        ROS_ERROR("%s: left out: the transform from '%s' to '%s' %s", topic.c_str(),
+                  printable(transform.child_frame_id).c_str(), printable(transform.header.frame_id).c_str(),
+                  flaw.c_str());
+    }
   };
   ros::SubscribeOptions options = boundedOptions<tf2_msgs::TFMessage>(topic, kQueueSize, take);
   return nh_.subscribe(options);

@@ -9,11 +9,14 @@
 #include <optional>
 #include <string>
 
+#include "robot_vision/common/throttle.hpp"
+
 namespace robot_vision
 {
 
 /// Where frames are to each other, as /tf and /tf_static say. Unlike tf2_ros::TransformListener it has no thread of its
-/// own: messages come through the queue of `nh`, and only while it listens.
+/// own: messages come through the queue of `nh`, and only while it listens. What cannot be a transform is left out, and
+/// logged now and then.
 class FrameTransforms
 {
 public:
@@ -31,6 +34,7 @@ private:
 
   ros::NodeHandle nh_;
   std::unique_ptr<tf2::BufferCore> buffer_;  // while it listens
+  Throttle throttle_;
   ros::Subscriber moving_;
   ros::Subscriber static_;
 };
