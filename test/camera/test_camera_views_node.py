@@ -3,6 +3,7 @@
 import cv2
 import numpy as np
 import pytest
+import rosgraph
 import support
 from sensor_msgs.msg import CameraInfo, CompressedImage, Image
 from tf2_msgs.msg import TFMessage
@@ -104,6 +105,30 @@ def test_the_launch_file_has_the_names_of_a_kinect(start):
     metres = np.nan_to_num(Scene(params).render_depth(truth.frame))
     assert depth.encoding == "16UC1"
     assert np.abs(pixels(depth) - 1000.0 * metres).max() < 0.501
+
+
+def names_of(node):
+    """The topics and services of a node, below its name."""
+    published, _, services = rosgraph.Master("/test").getSystemState()
+    names = {name for name, _ in (*published, *services) if name.startswith(f"/{node}/")}
+    return {name[len(node) + 2 :] for name in names}
+
+
+def test_the_color_view_can_be_where_that_of_a_camera_without_depth_is(start):
+    """As demo.launch has it, so that no other node need know of the depth."""
+    moved = [f"/eye/rgb/{name}:=/eye/{name}" for name in ("image_raw", "image_mono")]
+    moved.append("/eye/rgb/set_camera_info:=/eye/set_camera_info")
+    start("camera_node", "__name:=plain", "_source:=synthetic", *SIZE)
+    start("camera_node", "__name:=eye", "_source:=synthetic", "_views:=rgbd", *SIZE, *moved)
+    support.Messages("/plain/image_raw", Image).wait()
+    kinds = {"image_raw": Image, "image_mono": Image, "camera_info": CameraInfo}
+    kinds.update({"image_raw/compressed": CompressedImage, "depth/image_raw": Image})
+    sent = support.same_frame(*(support.Messages(f"/eye/{n}", kind) for n, kind in kinds.items()))
+    frames = {name: message.header.frame_id for name, message in zip(kinds, sent)}
+    assert frames.pop("depth/image_raw") == "head_camera_depth_optical_frame"
+    assert set(frames.values()) == {"head_camera"}
+    assert names_of("plain") <= names_of("eye")
+    assert not [name for name in names_of("eye") if name.startswith("rgb")]
 
 
 def test_one_image_is_divided_into_a_pair(start, tmp_path):

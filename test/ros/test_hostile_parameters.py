@@ -190,7 +190,7 @@ AT_START = {
         "image_transport": IMAGE_NODE["image_transport"],
     },
     "camera.camera_loader.CameraLoader": {"manager": is_name},
-    "demo.demo_status.DemoStatus": {"view": is_flag, "basics": is_flag},
+    "demo.demo_status.DemoStatus": {name: is_flag for name in ("view", "basics", "depth")},
 }
 # Parameters that are read later, when values are saved or periodically, have their own tests.
 LATER = {"config_file", "cameras"}

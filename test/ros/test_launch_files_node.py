@@ -40,7 +40,7 @@ ENCODINGS = {
 NO_TEXTS = {
     *("tag_size", "ball_diameter", "image_width", "image_height", "framerate", "loop", "view"),
     *("basics", "camera_height", "columns", "invert", "lane_width", "max_features", "pitch"),
-    *("color", "disparities", "radius", "rows", "slop", "square", "threads"),
+    *("color", "depth", "disparities", "radius", "rows", "slop", "square", "threads"),
 }
 
 
@@ -356,6 +356,51 @@ def test_basics_are_an_optional_part_of_the_demo():
     with_windows = loaded("demo.launch", "basics:=true", "view:=true").nodes
     windows = {node.name for node in with_windows if "view" in node.type}
     assert windows >= {f"{name}_view" for name in demo_status.BASICS}
+
+
+def remapped(node):
+    """What a node's remappings make of the names in them, which are global."""
+    return {f"/{name.lstrip('/')}": f"/{to.lstrip('/')}" for name, to in node.remap_args}
+
+
+def test_depth_is_an_optional_part_of_the_demo():
+    nodes, more = (
+        {node.name: node for node in loaded("demo.launch", *words).nodes}
+        for words in ([], ["depth:=true", "rviz:=true"])
+    )
+    assert more.keys() - nodes.keys() == {*demo_status.DEPTH, "rviz"} and nodes.keys() < more.keys()
+    parameters = parameters_of("demo.launch", "depth:=true")
+    assert (parameters["/usb_cam/views"], parameters["/demo_status/depth"]) == ("rgbd", True)
+    assert parameters_of("demo.launch")["/usb_cam/views"] == "one"
+    topic = demo_status.DEPTH["depth_registration"]
+    assert remapped(more["depth_registration"])["/depth_registered/image_raw"] == topic
+    with_windows = loaded("demo.launch", "depth:=true", "view:=true").nodes
+    (window,) = (node for node in with_windows if node.name == "depth_registration_view")
+    assert remapped(window)["/image"] == topic
+
+
+@pytest.mark.parametrize("name", ["demo", "rgbd"])
+def test_rviz_shows_topics_that_are_there(name):
+    """Of its own configuration, as the launch file remaps them."""
+    nodes = loaded(f"{name}.launch", "rviz:=true", *["depth:=true"][: name == "demo"]).nodes
+    (rviz,) = (node for node in nodes if node.name == "rviz")
+    assert (rviz.package, rviz.type) == ("rviz", "rviz")
+    words = rviz.args.split()
+    assert words[0] == "-d"
+    shown = yaml.safe_load(pathlib.Path(words[1]).read_text())["Visualization Manager"]
+    frame = words[3] if words[2:3] == ["-f"] else shown["Global Options"]["Fixed Frame"]
+    camera = next(key for key in parameters_of(f"{name}.launch") if key.endswith("camera_frame_id"))
+    assert frame == parameters_of(f"{name}.launch")[camera]
+    topics = {
+        remapped(rviz).get(display[key], display[key])
+        for display in shown["Displays"]
+        for key in ("Topic", "Image Topic", "Marker Topic")
+        if key in display
+    }
+    space = camera.rpartition("/")[0]
+    registered = {f"{space}/depth_registered/{one}" for one in ("image_raw", "points")}
+    color = "/usb_cam/image_raw" if name == "demo" else "/camera/rgb/image_raw"
+    assert topics >= registered | {color}
 
 
 def test_a_camera_in_the_root_namespace_is_rectified(start):

@@ -136,6 +136,7 @@ def test_the_page_has_what_nodes_ask_for_at_start():
         "cameras",
         "view",
         "basics",
+        "depth",
     }  # of the camera loader and of the demo's report
     for name, default in asked_in_python():
         assert name in names | commands, name
@@ -152,7 +153,8 @@ def test_rows_of_what_is_read_at_start_are_of_nodes():
             assert name not in {parameter.name for parameter in CONFIGS[node].parameters}
 
 
-def test_rviz_looks_from_the_camera():
-    shown = yaml.safe_load((ROOT / "config/robot_vision.rviz").read_text())
+@pytest.mark.parametrize("view, camera", [("robot_vision", "camera"), ("rgbd", "rgbd")])
+def test_rviz_looks_from_the_camera(view, camera):
+    shown = yaml.safe_load((ROOT / f"config/{view}.rviz").read_text())
     frame = shown["Visualization Manager"]["Global Options"]["Fixed Frame"]
-    assert frame == yaml.safe_load((ROOT / "config/camera.yaml").read_text())["camera_frame_id"]
+    assert frame == yaml.safe_load((ROOT / f"config/{camera}.yaml").read_text())["camera_frame_id"]

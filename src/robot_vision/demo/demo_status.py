@@ -43,6 +43,7 @@ BASICS = {  # with basics:=true
         "lane_detector",
     )
 }
+DEPTH = {"depth_registration": "/usb_cam/depth_registered/image_raw"}  # with depth:=true
 WIDTH = max(map(len, TOPICS))
 VIEWER = TOPICS["usb_cam"] + " "  # the start of simple_camera_view's title, which has two blanks
 WINDOWS_TIMEOUT = 120.0  # s for all windows to open
@@ -68,11 +69,16 @@ class DemoStatus:
     With windows (~view true) it also puts them side by side. Without windows, the default, it
     first prints the topics that can be viewed.
 
-    With ~basics true the nodes of basic operations are among them. Subscribes to /diagnostics.
+    With ~basics true the nodes of basic operations are among them, with ~depth true those of depth.
+    Subscribes to /diagnostics.
     """
 
     def __init__(self) -> None:
-        self._topics = {**TOPICS, **BASICS} if read_param("basics", False) else TOPICS
+        self._topics = dict(TOPICS)
+        if read_param("basics", False):
+            self._topics.update(BASICS)
+        if read_param("depth", False):
+            self._topics.update(DEPTH)
         if read_param("view", False):
             windows = threading.Thread(target=tile_windows, args=(self._topics,), name="windows")
             windows.daemon = True
