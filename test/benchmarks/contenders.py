@@ -5,6 +5,7 @@ from typing import List, Tuple
 
 import depth_contenders
 import filter_contenders
+import stereo_contenders
 from measuring import HERE, RATE, Bench, Command, Contender, Contenders
 from node_commands import IMAGE, course, node
 from results import Parts, Size, Target
@@ -175,6 +176,7 @@ COMPARISONS: Tuple[Tuple[str, Contenders, Sizes], ...] = (
     ("AprilTag nodes: two tags, with poses", tag_nodes, TAG_SIZES),
     (depth_contenders.IMAGE, depth_contenders.registrations(points=False), SIZES),
     (depth_contenders.POINTS, depth_contenders.registrations(points=True), SIZES),
+    (stereo_contenders.TITLE, stereo_contenders.nodes, SIZES[:1]),
     *(
         (filter_contenders.title(name), filter_contenders.contenders(pair), SIZES)
         for name, pair in filter_contenders.PAIRS.items()
@@ -198,6 +200,7 @@ TARGETS = (
     Target(_FACES, (640, 480), "", "arrived", 0.98),
     *(Target(_TAGS, size, _PLAIN_TAGS, "cpu_ms", 1 / 2) for size in reversed(TAG_SIZES)),
     *(Target(_TAGS, size, _PLAIN_TAGS, "found", 1.0) for size in reversed(TAG_SIZES)),
+    *stereo_contenders.targets(SIZES[:1]),
     *filter_contenders.targets(),
 )
 PARTS = (

@@ -204,7 +204,7 @@ private:
 
   void listen()
   {
-    waitFor("for a result", [this] { return results_.last() != nullptr; });
+    if (settings_.results) waitFor("for a result", [this] { return results_.last() != nullptr; });
     ros::WallDuration(settings_.warm_up).sleep();
     begin(ros::Time::now());
     ros::WallDuration(settings_.seconds).sleep();

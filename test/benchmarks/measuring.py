@@ -43,7 +43,7 @@ class Contender:
     commands: List[Command] = dataclasses.field(default_factory=list)
     result: str = ""
     expect: str = ""  # what the probe is to compare one result with
-    own_camera: bool = False
+    own_camera: bool = False  # the frames are those of one of the commands, or of one beside
     listener: Command = dataclasses.field(default_factory=list)
     image: str = ""  # portrait: the photograph keeps its shape, in another one's middle; tags
     still: bool = False  # a box wanders before the photograph, instead of the photograph itself
@@ -51,6 +51,8 @@ class Contender:
     beside: List[Command] = dataclasses.field(default_factory=list)  # meanwhile, not measured
     depth: str = ""  # the topic of a depth camera's images, which are there, too
     cloud: bool = False  # the result is a cloud
+    rate: int = RATE  # Hz
+    warm_up: int = WARM_UP  # s
 
 
 def percentile(values: Sequence[float], share: float) -> float:
@@ -167,7 +169,7 @@ class Bench:
         return self.program("bench_chain", self.image(size), *size, self.seconds, RATE, threads)
 
     def _measure(self, size: Size, contender: Contender) -> Figures:
-        deadline = self.seconds + WARM_UP + 45.0
+        deadline = self.seconds + contender.warm_up + 45.0
         if contender.alone:
             return to_figures(self._run(contender.alone, deadline))
         with contextlib.ExitStack() as stack:
@@ -204,9 +206,9 @@ class Bench:
             "image": "" if contender.own_camera else self.image(size, contender.image),
             "width": size[0],
             "height": size[1],
-            "rate": float(RATE),
+            "rate": float(contender.rate),
             "seconds": float(self.seconds),
-            "warm_up": float(WARM_UP),
+            "warm_up": float(contender.warm_up),
             "expect": contender.expect,
             "results": "true" if contender.result else "false",
             "still": "true" if contender.still else "false",

@@ -1,10 +1,19 @@
 """The commands that start the nodes that are measured."""
 
 import roslib.packages
+import rospkg
 from measuring import HERE, Command
 
 TOPIC = "/camera/image"  # of the frames that all of them see
 IMAGE = f"image:={TOPIC}"
+
+
+def installed(package: str, kind: str) -> bool:
+    """Whether a package has a program of this name."""
+    try:
+        return bool(roslib.packages.find_node(package, kind))
+    except rospkg.ResourceNotFound:
+        return False
 
 
 def node(package: str, kind: str, name: str, *args: str) -> Command:

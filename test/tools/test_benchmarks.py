@@ -3,6 +3,7 @@
 import filter_contenders
 import plot
 import pytest
+import stereo_contenders
 import tables
 import yaml
 from results import Comparison, Figures, Growth, Kernel, Machine, Parts, Target, to_kernels
@@ -73,6 +74,16 @@ def test_the_chains_that_are_measured_are_those_of_the_node(name):
     values = {key: yaml.safe_load(value) for key, value in words if key != "use_second"}
     assert values
     rv.FilterChain(pair.chain.split(","), values)  # refuses names and values that it has not
+
+
+def test_the_matcher_that_is_measured_has_parameters_that_there_are():
+    params = rv.StereoParams()
+    for word in stereo_contenders.SAME:
+        name, value = word.split(":=")
+        assert hasattr(params, name), name
+        setattr(params, name, yaml.safe_load(value))
+    rv.validate(params)
+    assert params != rv.StereoParams()
 
 
 def test_kernels_have_a_line_for_each_work_and_a_column_for_each_size():
