@@ -95,7 +95,7 @@ void bindTables(py::module& m)
       .def_readonly("pixels", &TableObject::pixels, "that show it")
       .def_property_readonly("pose", attribute(&TableObject::pose),
                              "4x4, m, of the box around it in the camera's optical frame: the origin is its middle, z "
-                             "the table's normal, x along the longer side of its footprint")
+                             "the table's normal, x along the longer side of its footprint, to the camera's right")
       .def_property_readonly(
           "size", [](const TableObject& object) { return numbers(object.size); }, "(3,), m, of that box");
   py::class_<Table>(m, "Table", "A table, and what stands on it.")
@@ -103,7 +103,7 @@ void bindTables(py::module& m)
       .def_property_readonly(
           "pose", attribute(&Table::pose),
           "4x4, m, in the camera's optical frame: the origin is the middle of the smallest rectangle "
-          "around its hull, x along the longer side of that, z the normal")
+          "around its hull, x along the longer side of that, to the camera's right, z the normal")
       .def_property_readonly(
           "size", [](const Table& table) { return std::make_pair(table.size[0], table.size[1]); },
           "m, of that rectangle")

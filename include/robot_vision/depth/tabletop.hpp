@@ -51,7 +51,8 @@ struct TableObject
   cv::Rect box;       // px
   int pixels = 0;     // that show it
   cv::Affine3d pose;  // of the box around it in the camera's optical frame, m: the origin is the middle of the box, z
-                      // is the table's normal, x is along the longer side of its footprint, the smallest rectangle
+                      // is the table's normal, x is along the longer side of its footprint, the smallest rectangle, to
+                      // the camera's right
   cv::Vec3d size;     // m, of the box; z is from the table to the top
 };
 
@@ -59,7 +60,7 @@ struct Table
 {
   Plane plane;
   cv::Affine3d pose;  // in the camera's optical frame, m: the origin is the middle of the smallest rectangle around its
-                      // hull, x is along the longer side of that, z is the normal
+                      // hull, x is along the longer side of that, to the camera's right, z is the normal
   cv::Vec2d size;     // m, of that rectangle
   std::vector<TableObject> objects;  // the one with most pixels first
 };

@@ -20,9 +20,14 @@ Footprint footprint(const std::vector<cv::Point2f>& points)
   result.length = rectangle.size.width;
   result.width = rectangle.size.height;
   result.angle = rectangle.angle * CV_PI / 180.0;
-  if (result.length >= result.width) return result;
-  std::swap(result.length, result.width);
-  result.angle += CV_PI / 2.0;
+  if (result.length < result.width)
+  {
+    std::swap(result.length, result.width);
+    result.angle += CV_PI / 2.0;
+  }
+  // A side has two directions. Without a rule they would take turns from image to image where the angle is near 0.
+  if (result.angle > CV_PI / 2.0) result.angle -= CV_PI;
+  if (result.angle <= -CV_PI / 2.0) result.angle += CV_PI;
   return result;
 }
 

@@ -15,7 +15,7 @@ struct Footprint
   cv::Point2d middle;
   double length = 0.0;  // of the longer side
   double width = 0.0;
-  double angle = 0.0;  // rad, of the longer side from the x axis towards y
+  double angle = 0.0;  // rad, of the longer side from the x axis towards y, above -pi/2 to pi/2
 };
 
 Footprint footprint(const std::vector<cv::Point2f>& points);
