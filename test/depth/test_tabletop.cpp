@@ -115,6 +115,9 @@ TEST(TabletopFinder, withoutAKnownUpTheLargestPlaneIsTheTable)
   const Tabletop found = tabletopOf(world.depth(camera), camera, {});
   ASSERT_EQ(found.tables.size(), 1u);
   EXPECT_EQ(found.tables[0].objects.size(), 2u);
+  TabletopParams params;
+  params.min_table_area = 2.0;
+  EXPECT_TRUE(tabletopOf(world.depth(camera), camera, {}, params).tables.empty());
 }
 
 TEST(TabletopFinder, leavesOutWhatIsTooLowTooHighTooSmallOrNotAboveTheTable)

@@ -82,9 +82,9 @@ public:
   ~TabletopFinder();
 
   /// `up` is a direction in the camera's optical frame: planes that face it and are large enough are tables. Where
-  /// nothing is known of it (zeros) the plane with most pixels is the table. Throws std::invalid_argument if `up` is
-  /// not finite, and if `depth` is not of `encoding` (see depth_image.hpp) or not of the camera's size. The labels are
-  /// the finder's own: valid until its next call.
+  /// nothing is known of it (zeros) the one with most pixels of those large enough is the table. Throws
+  /// std::invalid_argument if `up` is not finite, and if `depth` is not of `encoding` (see depth_image.hpp) or not of
+  /// the camera's size. The labels are the finder's own: valid until its next call.
   const Tabletop& find(const cv::Mat& depth, const std::string& encoding, const cv::Vec3d& up = cv::Vec3d());
 
   /// All planes of the last image.

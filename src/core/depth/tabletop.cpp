@@ -56,13 +56,14 @@ struct TabletopFinder::Impl
   std::vector<std::size_t> tablesOf(const cv::Vec3d& up) const
   {
     const std::vector<Plane>& planes = search.found().planes;
-    const double length = cv::norm(up);
-    if (length == 0.0) return planes.empty() ? std::vector<std::size_t>() : std::vector<std::size_t>{0};
-    const double least = std::cos(params.up_tolerance * CV_PI / 180.0);
+    const double length = cv::norm(up), least = std::cos(params.up_tolerance * CV_PI / 180.0);
     std::vector<std::size_t> tables;
     for (std::size_t i = 0; i < planes.size(); ++i)
-      if (planes[i].normal.dot(up) >= least * length && TableFrame(planes[i]).area() >= params.min_table_area)
-        tables.push_back(i);
+    {
+      const bool faces_up = length == 0.0 || planes[i].normal.dot(up) >= least * length;
+      if (faces_up && TableFrame(planes[i]).area() >= params.min_table_area) tables.push_back(i);
+    }
+    if (length == 0.0 && tables.size() > 1) tables.resize(1);
     std::stable_sort(tables.begin(), tables.end(),
                      [&](std::size_t a, std::size_t b) { return planes[a].distance < planes[b].distance; });
     return tables;
