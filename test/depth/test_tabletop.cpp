@@ -120,6 +120,17 @@ TEST(TabletopFinder, withoutAKnownUpTheLargestPlaneIsTheTable)
   EXPECT_TRUE(tabletopOf(world.depth(camera), camera, {}, params).tables.empty());
 }
 
+TEST(TabletopFinder, leavesOutAWallThatTheTableEndsAt)
+{
+  DepthWorld world = kitchen();
+  world.rectangles.push_back({kTable + 0.3 * kAway + 0.5 * kUp, 2.0 * kRight, 0.6 * kUp});
+  const CameraModel camera = depthWorldCamera(320);
+  expectKitchen(tabletopOf(world.depth(camera), camera, kUp), 0.02);
+  // A board in the middle of the table, of the same direction, stands on it.
+  world.rectangles.push_back({kTable + 0.1 * kUp, 0.06 * kRight, 0.1 * kUp});
+  EXPECT_EQ(tabletopOf(world.depth(camera), camera, kUp).tables.at(0).objects.size(), 3u);
+}
+
 TEST(TabletopFinder, leavesOutWhatIsTooLowTooHighTooSmallOrNotAboveTheTable)
 {
   const CameraModel camera = depthWorldCamera(240);

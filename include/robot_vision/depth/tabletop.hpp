@@ -72,7 +72,8 @@ struct Tabletop
 };
 
 /// Finds tables in the depth images of one camera, and what stands on them: pixels above the hull of a table that hang
-/// together. Memory is kept from frame to frame. For one thread at a time.
+/// together. Walls that a table ends at do not stand on it. Memory is kept from frame to frame. For one thread at a
+/// time.
 class TabletopFinder
 {
 public:

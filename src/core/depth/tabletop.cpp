@@ -17,7 +17,8 @@ namespace robot_vision
 namespace
 {
 
-constexpr double kMinDeviations = 3.0;  // of the noise, that an object is higher than its table
+constexpr double kMinDeviations = 3.0;  // of the noise, that an object is higher than its table, a wall before its end
+constexpr double kMaxWallCosine = 0.5;  // between the normals of a wall and of the table before it
 
 }  // namespace
 
@@ -82,12 +83,46 @@ struct TabletopFinder::Impl
     found.tables.push_back(std::move(table));
   }
 
+  /// Whether a plane is upright, and no part of a table is behind it.
+  bool isWall(const Plane& plane, const Plane& table) const
+  {
+    if (std::abs(plane.normal.dot(table.normal)) > kMaxWallCosine) return false;
+    return std::all_of(table.hull.begin(), table.hull.end(),
+                       [&](const cv::Point3d& corner)
+                       {
+                         const double before = plane.normal.dot(cv::Vec3d(corner)) + plane.distance;
+                         return before > -params.margin - kMinDeviations * search.deviation(corner.z);
+                       });
+  }
+
+  /// The walls that a table ends at.
+  std::vector<Plane> wallsOf(const Plane& table) const
+  {
+    std::vector<Plane> walls;
+    for (const Plane& plane : search.found().planes)
+      if (isWall(plane, table)) walls.push_back(plane);
+    return walls;
+  }
+
+  /// Whether what a ray meets at a depth is a part of a wall, as far as the noise tells, or behind one.
+  bool isBeyond(const std::vector<Plane>& walls, const cv::Vec3d& ray, double z) const
+  {
+    return std::any_of(walls.begin(), walls.end(),
+                       [&](const Plane& wall)
+                       {
+                         const double along = wall.normal.dot(ray);
+                         const double error = kMinDeviations * search.deviation(z) * std::abs(along);
+                         return z * along + wall.distance < error;
+                       });
+  }
+
   /// Writes the depths of pixels that can show what stands on a table, and 0 for all others.
   void findCandidates(const Plane& plane, const TableFrame& frame)
   {
     const cv::Vec3f normal = plane.normal;
     const auto distance = static_cast<float>(plane.distance);
     const auto low = static_cast<float>(params.min_height), high = static_cast<float>(params.max_height);
+    const std::vector<Plane> walls = wallsOf(plane);
     depths.create(search.inverse().size(), CV_32FC1);
     for (int y = 0; y < depths.rows; ++y)
     {
@@ -105,8 +140,9 @@ struct TabletopFinder::Impl
         if (is_table[of_planes[x]] != 0 || taken[x] != 0) continue;
         const double z = 1.0 / w;
         if (height * z < kMinDeviations * search.deviation(z) * std::abs(along)) continue;
-        if (frame.isAbove(frame.local(z * cv::Vec3d(ray_x[x], ray_y[x], 1.0)), params.margin))
-          to[x] = static_cast<float>(z);
+        const cv::Vec3d ray(ray_x[x], ray_y[x], 1.0);
+        if (!frame.isAbove(frame.local(z * ray), params.margin) || isBeyond(walls, ray, z)) continue;
+        to[x] = static_cast<float>(z);
       }
     }
   }
