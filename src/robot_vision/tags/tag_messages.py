@@ -4,22 +4,13 @@ from typing import Iterable, List, Sequence, Tuple
 
 import numpy as np
 import rospy
-from geometry_msgs.msg import (
-    Point,
-    Pose,
-    PoseWithCovariance,
-    Quaternion,
-    Transform,
-    TransformStamped,
-    Vector3,
-)
+from geometry_msgs.msg import Point, Vector3
 from std_msgs.msg import ColorRGBA, Header
 from tf2_msgs.msg import TFMessage
 from visualization_msgs.msg import Marker, MarkerArray
 
-from .. import PoseEstimate
-from ..common.rotations import quaternion_of
 from ..msg import TagBundlePose, TagDetection, TagDetectionArray
+from ..ros.poses import pose_of, transform_of, with_covariance
 from .tag_poses import LocatedBundle, LocatedTag
 
 THICKNESS = 0.05  # thickness of a tag's marker, as a share of the tag's side
@@ -50,7 +41,7 @@ def transforms(
     """Returns the transforms of tags and bundles, without tags that are there more than once."""
     known = [(tag.frame_id, tag.poses) for tag in tags if tag.unique and tag.poses]
     known += [(bundle.name, bundle.poses) for bundle in bundles]
-    return TFMessage([_transform(header, name, poses.best.pose) for name, poses in known])
+    return TFMessage([transform_of(header, name, poses.best.pose) for name, poses in known])
 
 
 def markers(header: Header, tags: Iterable[LocatedTag]) -> MarkerArray:
@@ -68,7 +59,7 @@ def markers(header: Header, tags: Iterable[LocatedTag]) -> MarkerArray:
             marker.ns = tag.tag.family + kind
             # Tags with the same id get different markers.
             marker.id = tag.tag.id if tag.unique else -1 - len(made)
-            marker.pose = _pose(tag.poses.best.pose)
+            marker.pose = pose_of(tag.poses.best.pose)
             marker.lifetime = rospy.Duration(LIFETIME)
             made.append(marker)
     return MarkerArray(made)
@@ -90,13 +81,13 @@ def _detection(located: LocatedTag) -> TagDetection:
     )
     if located.poses is not None:
         poses = located.poses
-        message.pose = _with_covariance(poses.best)
+        message.pose = with_covariance(poses.best.pose, poses.best.covariance)
         message.reprojection_error = poses.best.error
         message.probability = poses.probability
         message.error_ratio = poses.ratio
         if poses.other is not None:
             message.has_other_pose = True
-            message.other_pose = _pose(poses.other.pose)
+            message.other_pose = pose_of(poses.other.pose)
             message.other_reprojection_error = poses.other.error
     return message
 
@@ -107,23 +98,7 @@ def _bundle(bundle: LocatedBundle) -> TagBundlePose:
         name=bundle.name,
         family=bundle.family,
         ids=bundle.ids,
-        pose=_with_covariance(best),
+        pose=with_covariance(best.pose, best.covariance),
         reprojection_error=best.error,
         probability=bundle.poses.probability,
     )
-
-
-def _pose(matrix: np.ndarray) -> Pose:
-    """Converts a 4x4 matrix to a Pose."""
-    turn = quaternion_of(matrix[:3, :3])
-    return Pose(Point(*matrix[:3, 3].tolist()), Quaternion(*turn.tolist()))
-
-
-def _with_covariance(estimate: PoseEstimate) -> PoseWithCovariance:
-    return PoseWithCovariance(_pose(estimate.pose), estimate.covariance.ravel().tolist())
-
-
-def _transform(header: Header, name: str, matrix: np.ndarray) -> TransformStamped:
-    pose = _pose(matrix)
-    place = Vector3(pose.position.x, pose.position.y, pose.position.z)
-    return TransformStamped(header, name, Transform(place, pose.orientation))

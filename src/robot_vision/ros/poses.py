@@ -1,0 +1,33 @@
+"""Poses, which the core gives as 4x4 matrices, as messages."""
+
+import numpy as np
+from geometry_msgs.msg import (
+    Point,
+    Pose,
+    PoseWithCovariance,
+    Quaternion,
+    Transform,
+    TransformStamped,
+    Vector3,
+)
+from std_msgs.msg import Header
+
+from ..common.rotations import quaternion_of
+
+
+def pose_of(matrix: np.ndarray) -> Pose:
+    """Converts a 4x4 matrix to a Pose."""
+    turn = quaternion_of(matrix[:3, :3])
+    return Pose(Point(*matrix[:3, 3].tolist()), Quaternion(*turn.tolist()))
+
+
+def with_covariance(matrix: np.ndarray, covariance: np.ndarray) -> PoseWithCovariance:
+    """Converts a 4x4 matrix and its 6x6 covariance (m, rad; the axes of the frame around it)."""
+    return PoseWithCovariance(pose_of(matrix), np.ravel(covariance).tolist())
+
+
+def transform_of(header: Header, name: str, matrix: np.ndarray) -> TransformStamped:
+    """Converts a 4x4 matrix to the transform of the frame `name`."""
+    pose = pose_of(matrix)
+    place = Vector3(pose.position.x, pose.position.y, pose.position.z)
+    return TransformStamped(header, name, Transform(place, pose.orientation))
