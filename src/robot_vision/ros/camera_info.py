@@ -42,22 +42,23 @@ class CameraInfoListener:
         self._first_asked = 0.0  # s of the monotonic clock
         node.subscriber(self.topic, CameraInfo, self._on_info)
 
-    def camera(self, size: Tuple[int, int]) -> Optional[CameraModel]:
+    def camera(self, size: Tuple[int, int], rectified: bool = False) -> Optional[CameraModel]:
         """Returns the camera model for images of `size`, (width, height) in px.
 
         The same object is returned until the camera changes. If the camera is not known, None is
-        returned, and one warning gives the reason.
+        returned, and one warning gives the reason. See camera_model() for `rectified`.
         """
         info = self._info  # Other threads replace it.
         if info is None:
             self._report_missing()
             return None
-        used = size, info.width, info.height, info.K, info.D, info.distortion_model
+        lens = (info.P,) if rectified else (info.K, info.D, info.distortion_model)
+        used = size, info.width, info.height, *lens
         if used != self._used:
             self._used = used
             self._camera, self._error = None, ""
             try:
-                self._camera = camera_model(info, size)
+                self._camera = camera_model(info, size, rectified)
             except ValueError as error:
                 self._error = str(error)
         self._report(self._error)
@@ -104,17 +105,25 @@ class CameraInfoListener:
             rospy.loginfo("%s from now on: camera_info on %s", self._missing, self.topic)
 
 
-def camera_model(info: CameraInfo, size: Tuple[int, int]) -> CameraModel:
+def camera_model(info: CameraInfo, size: Tuple[int, int], rectified: bool = False) -> CameraModel:
     """Returns the camera model for images of `size`, (width, height) in px.
+
+    Args:
+        info: The calibration.
+        size: Of the images.
+        rectified: Whether the images are rectified: then their camera is P, without distortion.
 
     Raises:
         ValueError: The camera is not calibrated, camera_info belongs to images of another size,
             or its distortion model is not known here.
     """
-    if not is_calibrated(info.K):
-        raise ValueError("the camera is not calibrated")
+    matrix = [value for row in range(3) for value in info.P[4 * row :][:3]] if rectified else info.K
+    if not is_calibrated(matrix):
+        raise ValueError(f"the camera is not calibrated{' for rectified images' * rectified}")
     if (info.width, info.height) != size:
         raise ValueError(
             f"camera_info is of {info.width}x{info.height}, the image {size[0]}x{size[1]}"
         )
+    if rectified:
+        return CameraModel(info.width, info.height, matrix)
     return CameraModel(info.width, info.height, info.K, info.D, info.distortion_model)
