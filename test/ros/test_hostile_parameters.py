@@ -185,6 +185,7 @@ AT_START = {
         "frame_prefix": lambda value: value == "" or is_name(value),
         **IMAGE_NODE,
     },
+    "depth.tabletop.Tabletop": {"table_frame_id": is_name, **IMAGE_NODE},
     "viewer.simple_camera_view_node.CameraView": {
         "autosize": is_flag,
         "image_transport": IMAGE_NODE["image_transport"],

@@ -55,6 +55,7 @@ PYTHON_NODES = [
     "template_matcher.py",
     "people_detector.py",
     "detections_3d.py",
+    "tabletop.py",
 ]
 OTHER_NODES = ["camera_loader.py", "demo_status.py", "simple_camera_view_node.py"]
 BOARD = ["--size", "8x6", "--square", "0.05", "--output", "{folder}/{number}.yaml"]

@@ -40,7 +40,7 @@ ENCODINGS = {
 NO_TEXTS = {
     *("tag_size", "ball_diameter", "image_width", "image_height", "framerate", "loop", "view"),
     *("basics", "camera_height", "columns", "invert", "lane_width", "max_features", "pitch"),
-    *("color", "depth", "disparities", "radius", "rows", "slop", "square", "threads"),
+    *("color", "depth", "disparities", "max_distance", "radius", "rows", "slop", "square", "threads"),
 }
 
 
@@ -262,6 +262,12 @@ def test_the_host_with_the_camera_passes_the_source_on_unchanged():
             "detections_3d",
             ["shape:=sphere", "frame_prefix:=a_"],
             {"shape": "sphere", "frame_prefix": "a_"},
+        ),
+        ("tabletop", ["synthetic:=true"], {"vertical_frame": "scene/line"}),
+        (
+            "tabletop",
+            ["vertical_frame:=base_link", "max_distance:=2.0"],
+            {"vertical_frame": "base_link", "max_distance": 2.0},
         ),
         ("features", ["synthetic:=true"], {}),
         ("features", ["detector:=akaze", "max_features:=9"], {"max_features": 9}),

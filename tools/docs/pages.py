@@ -111,6 +111,18 @@ def detections_3d(stage: Stage) -> np.ndarray:
     return beside(images, names)
 
 
+def tabletop(stage: Stage) -> np.ndarray:
+    """The scene, and its floor as a table in the depth image."""
+    topics = "/camera/rgb/image_raw", "/tabletop/processed_image"
+    words = "image:=/camera/depth/image_raw", "_vertical_frame:=scene/line"
+    with contextlib.ExitStack() as stack:
+        stack.enter_context(stage.node("camera_node", "camera", *RGBD))
+        stack.enter_context(stage.node("tabletop.py", "tabletop", *words))
+        sent = [stack.enter_context(listening(topic, Image)) for topic in topics]
+        shown = support.same_frame(*sent)
+    return beside([pixels(one) for one in shown], ["rgb/image_raw", "~processed_image"])
+
+
 def several_machines(stage: Stage) -> np.ndarray:
     front, rear = room().render(FRAME), room(portrait=False).render(0)
     return beside([front, rear], ["/front/image_raw", "/rear/image_raw"])

@@ -1,0 +1,171 @@
+"""The node tabletop, which finds tables in depth images, and what stands on them."""
+
+from typing import Any, Dict, List, NamedTuple, Optional, Tuple
+
+import numpy as np
+import rospy
+from tf2_msgs.msg import TFMessage
+from visualization_msgs.msg import MarkerArray
+
+from .. import (
+    CameraModel,
+    PlaneParams,
+    Table,
+    TabletopFinder,
+    TabletopParams,
+    draw_text,
+    odd_depth,
+    validate,
+)
+from ..common.plain_text import NAME, brief, is_name, printable
+from ..common.throttle import Throttle
+from ..msg import Detection3DArray, TableArray
+from ..ros.camera_info import CameraInfoListener
+from ..ros.configs import TabletopConfig
+from ..ros.frame_transforms import FrameTransforms
+from ..ros.image_node import ImageNode
+from ..ros.params import LiveParams, filled, read_name
+from ..ros.startup import run_node
+from ..ros.transport import Frame, FrameError, note_connections
+from .depth_range import DEPTH_ENCODINGS, within
+from .table_markers import markers
+from .table_messages import object_array, table_array, transforms
+from .table_overlay import depth_picture, draw_tables
+
+TRANSFORM_GRACE = 2.0  # s, for the first transforms to come
+FRAMES_PER_LOOK = 10  # of which one is looked at for odd depths
+UNKNOWN = (0.0, 0.0, 0.0)  # what is up, if nothing says it
+
+
+class Settings(NamedTuple):
+    """The live parameters."""
+
+    planes: PlaneParams
+    tables: TabletopParams
+    max_tables: int
+    max_distance: float  # m
+    vertical_frame: str
+    rectified: bool
+    publish_tf: bool
+
+
+class Tabletop:
+    """Publishes ~tables, ~objects (which stand on them), ~markers, /tf and ~processed_image.
+
+    Subscribes to image, of depths, and to camera_info beside it, or where that name is remapped to.
+    With ~vertical_frame it also listens to /tf and /tf_static.
+    """
+
+    def __init__(self) -> None:
+        self._table_frame = read_name("table_frame_id", "table")
+        self._finder: Optional[TabletopFinder] = None
+        self._made_of: Tuple[Any, ...] = ()  # what the finder was made of
+        self._transforms = FrameTransforms()
+        self._frames = 0
+        self._odd = Throttle()
+        self._node = ImageNode(self._process, encoding="", idle=self._transforms.forget)
+        self._params = LiveParams(TabletopConfig, self._configure)
+        self._calibration = CameraInfoListener(self._node, "tables")
+        self._tables = self._node.publisher("~tables", TableArray)
+        self._objects = self._node.publisher("~objects", Detection3DArray)
+        self._markers = self._node.publisher("~markers", MarkerArray)
+        self._tf = self._node.publisher("/tf", TFMessage, counts=lambda: self._settings.publish_tf)
+        self._processed = self._node.image_publisher("~processed_image")
+        self._node.start()
+
+    def _configure(self, config: Dict[str, Any]) -> None:
+        frame = config["vertical_frame"]
+        if frame and not is_name(frame):
+            raise ValueError(f"vertical_frame is {brief(frame)}, must be empty or {NAME}")
+        planes, tables = filled(PlaneParams(), config), filled(TabletopParams(), config)
+        validate(planes)
+        validate(tables)
+        own = (config[name] for name in Settings._fields[2:])
+        self._settings = Settings(planes, tables, *own)  # replaced in one step
+        note_connections()  # because /tf may start or stop to count
+
+    def _process(self, frame: Frame) -> None:
+        settings = self._settings
+        if frame.encoding not in DEPTH_ENCODINGS:
+            raise FrameError(
+                f"the encoding of a depth image is '{printable(frame.encoding)}', "
+                "must be 16UC1 (mm) or 32FC1 (m)"
+            )
+        self._look_at(frame)
+        camera = self._calibration.camera(frame.image.shape[1::-1], settings.rectified)
+        if camera is None:
+            if self._processed.get_num_connections():
+                overlay = depth_picture(frame.image, settings.max_distance)
+                draw_text(overlay, "no calibration: see what the node has printed", (10, 20))
+                self._processed.publish(overlay, "bgr8", frame.header)
+            return
+        up = self._up(frame, settings.vertical_frame)
+        if up is not None:
+            self._publish(frame, camera, settings, *self._find(frame, camera, settings, up))
+
+    def _look_at(self, frame: Frame) -> None:
+        """Warns of depths that are none, or probably in another unit."""
+        odd = odd_depth(frame.image) if self._frames % FRAMES_PER_LOOK == 0 else ""
+        self._frames += 1
+        if odd and self._odd.due():
+            rospy.logwarn("%s: %s", self._node.topic, odd)
+
+    def _up(self, frame: Frame, vertical: str) -> Optional[Tuple[float, ...]]:
+        """Returns what is up in the frame's optical frame; None as long as that may come."""
+        if not vertical:
+            self._transforms.forget()
+            return UNKNOWN
+        own = frame.header.frame_id
+        axes = self._transforms.rotation(own, vertical)
+        if axes is not None:
+            return tuple(axes[:, 2].tolist())
+        if self._transforms.age < TRANSFORM_GRACE:
+            return None
+        self._transforms.forget()  # It begins anew, as after a bag that plays again.
+        raise FrameError(
+            f"no transform from the vertical_frame '{vertical}' to its frame '{printable(own)}', "
+            "expected on /tf_static or /tf"
+        )
+
+    def _find(
+        self, frame: Frame, camera: CameraModel, settings: Settings, up: Tuple[float, ...]
+    ) -> Tuple[List[Table], np.ndarray]:
+        """Returns the tables, the highest first, and which pixel is of which object."""
+        made_of = camera, settings.planes, settings.tables
+        if made_of != self._made_of:
+            self._finder = TabletopFinder(*made_of)
+            self._made_of = made_of
+        tables, labels = self._finder.find(within(frame.image, settings.max_distance), up)
+        return tables[: settings.max_tables], labels
+
+    def _publish(
+        self,
+        frame: Frame,
+        camera: CameraModel,
+        settings: Settings,
+        tables: List[Table],
+        labels: np.ndarray,
+    ) -> None:
+        if self._tables.get_num_connections():
+            self._tables.publish(table_array(frame.header, tables))
+        if self._objects.get_num_connections():
+            self._objects.publish(object_array(frame.header, tables, camera, settings.planes))
+        if self._markers.get_num_connections():
+            self._markers.publish(markers(frame.header, tables))
+        if settings.publish_tf and self._tf.get_num_connections() and tables:
+            self._broadcast(transforms(frame.header, self._table_frame, tables))
+        if self._processed.get_num_connections():
+            overlay = depth_picture(frame.image, settings.max_distance)
+            draw_tables(overlay, tables, labels, camera)
+            self._processed.publish(overlay, "bgr8", frame.header)
+
+    def _broadcast(self, message: TFMessage) -> None:
+        if message.transforms[0].header.frame_id:
+            self._tf.publish(message)
+        else:
+            topic = self._node.topic
+            rospy.logwarn_throttle(60.0, f"no transforms: the images of {topic} have no frame_id")
+
+
+def main() -> None:
+    run_node("tabletop", Tabletop)
