@@ -131,6 +131,17 @@ inline cv::Affine3d toPose(const Matrix& matrix, const std::string& expected = "
   return cv::Affine3d(cv::Matx44d(matrix.data()));
 }
 
+/// The corners of a tag from a (4, 2) array; `whose` is what a message calls it.
+inline std::array<cv::Point2d, 4> toCorners(const Matrix& matrix, const std::string& whose = "a tag")
+{
+  if (matrix.ndim() != 2 || matrix.shape(0) != 4 || matrix.shape(1) != 2)
+    throw py::value_error("expected a (4, 2) array of the corners of " + whose);
+  std::array<cv::Point2d, 4> corners;
+  for (py::ssize_t i = 0; i < 4; ++i)
+    corners[static_cast<std::size_t>(i)] = {matrix.at(i, 0), matrix.at(i, 1)};
+  return corners;
+}
+
 /// x, y, width, height.
 using Box = std::tuple<int, int, int, int>;
 

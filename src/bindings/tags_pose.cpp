@@ -1,6 +1,7 @@
 #include <pybind11/stl.h>
 
 #include <map>
+#include <optional>
 #include <variant>
 
 #include "arrays.hpp"
@@ -22,12 +23,9 @@ using CornersById = std::map<int, std::variant<TagCorners, Matrix>>;
 
 TagCorners toTag(int id, const Matrix& matrix)
 {
-  if (matrix.ndim() != 2 || matrix.shape(0) != 4 || matrix.shape(1) != 2)
-    throw py::value_error("expected a (4, 2) array of the corners of tag " + std::to_string(id));
   TagCorners tag;
   tag.id = id;
-  for (py::ssize_t i = 0; i < 4; ++i)
-    tag.corners[static_cast<std::size_t>(i)] = {matrix.at(i, 0), matrix.at(i, 1)};
+  tag.corners = toCorners(matrix, "tag " + std::to_string(id));
   return tag;
 }
 
@@ -95,26 +93,37 @@ void bindResult(py::module& m)
       .def_readonly("best", &TagPoses::best)
       .def_readonly("other", &TagPoses::other, "None if there is none")
       .def_readonly("ratio", &TagPoses::ratio, "error of the best to that of the other, 0 if there is none")
-      .def_readonly("probability", &TagPoses::probability, "that the best one is right, 0 to 1");
+      .def_readonly("probability", &TagPoses::probability, "that the best one is right, 0 to 1")
+      .def_readonly("planes", &TagPoses::planes, "number of tags whose planes in a depth image it explains, too");
+}
+
+TagCorners makeCorners(const Matrix& corners, const std::optional<Matrix>& covariance,
+                       const std::optional<DepthPlane>& plane)
+{
+  TagCorners tag = toTag(0, corners);
+  tag.plane = plane;
+  if (!covariance) return tag;
+  if (covariance->ndim() != 2 || covariance->shape(0) != 8 || covariance->shape(1) != 8)
+    throw py::value_error("expected an (8, 8) covariance");
+  tag.covariance = CornerCovariance(covariance->data());
+  return tag;
 }
 
 void bindCorners(py::module& m)
 {
   py::class_<TagCorners>(m, "MeasuredCorners", "Where the corners of a tag are, and how well that is known.")
-      .def(py::init(
-               [](const Matrix& corners, const Matrix& covariance)
-               {
-                 if (covariance.ndim() != 2 || covariance.shape(0) != 8 || covariance.shape(1) != 8)
-                   throw py::value_error("expected an (8, 8) covariance");
-                 TagCorners tag = toTag(0, corners);
-                 tag.covariance = CornerCovariance(covariance.data());
-                 return tag;
-               }),
-           "corners"_a, "covariance"_a)
+      .def(py::init(&makeCorners), "corners"_a, "covariance"_a = py::none(), "plane"_a = py::none(),
+           "plane: the tag's DepthPlane in a depth image of the same time, as measure_tag_plane() finds it.")
       .def_property_readonly("corners", attribute(&TagCorners::corners), "(4, 2) px")
       .def_property_readonly(
-          "covariance", [](const TagCorners& tag) { return toPython(*tag.covariance); },
-          "8x8 px^2, of x and y of the first corner to x and y of the last one");
+          "covariance",
+          [](const TagCorners& tag) -> py::object
+          {
+            if (!tag.covariance) return py::none();
+            return toPython(*tag.covariance);
+          },
+          "8x8 px^2, of x and y of the first corner to x and y of the last one; None if it was not measured")
+      .def_readonly("plane", &TagCorners::plane, "DepthPlane, or None");
   m.def(
       "measure_corners",
       [](const py::array& gray, const py::array& cells, int width_at_border, const Matrix& near,
@@ -180,6 +189,6 @@ void bindTagPoses(py::module& m)
                              "the corners of its tag that was seen with the least id");
 }
 
-const Bindings kBindings("tags/pose", {"geometry"}, bindTagPoses);
+const Bindings kBindings("tags/pose", {"geometry", "tags/plane"}, bindTagPoses);
 
 }  // namespace

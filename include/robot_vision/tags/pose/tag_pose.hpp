@@ -76,6 +76,7 @@ struct TagPoses
   // of the corners, or the frames before, made the pose with the larger error the better one.
   double ratio = 0.0;
   double probability = 1.0;  // that the best one is right, 0 to 1
+  int planes = 0;            // of tags in a depth image, which the best one explains, too
 };
 
 /// Estimates the pose of a bundle, or of a single tag, from the corners of its tags in one image; other tags are

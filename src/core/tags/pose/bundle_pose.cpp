@@ -256,6 +256,7 @@ TagPoses posesOf(const std::vector<WeightedPose>& poses, const Observation& obse
   TagPoses result;
   result.best = estimate(poses[0].fit);
   result.probability = poses[0].probability;
+  result.planes = poses[0].fit.planes;
   if (poses.size() == 1) return result;
   result.other = estimate(poses[1].fit);
   result.ratio = result.best.error / result.other->error;

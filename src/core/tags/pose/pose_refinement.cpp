@@ -199,7 +199,9 @@ PoseRefinement fitPose(const Observation& observation, const CameraModel& camera
     pose = next_pose;
     now = next;
   }
-  PoseRefinement fit{pose, cv::Matx66d(), now.cost};
+  const auto planes = std::count_if(observation.begin(), observation.end(),
+                                    [](const SeenSquare& square) { return square.plane.has_value(); });
+  PoseRefinement fit{pose, cv::Matx66d(), now.cost, static_cast<int>(planes)};
   if (!invert(now.information, fit.covariance)) fit.cost = kInfinity;
   return fit;
 }

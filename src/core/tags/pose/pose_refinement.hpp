@@ -47,6 +47,7 @@ struct PoseRefinement
   cv::Affine3d pose;
   cv::Matx66d covariance;  // of x, y, z and the rotations about x, y, z, along the camera's axes
   double cost = 0.0;       // sum of the squared residuals divided by their covariances; infinite if the fit failed
+  int planes = 0;          // that are a part of the observation
 };
 
 /// The pose near `start` that explains an observation best, by the method of Levenberg and Marquardt.

@@ -173,16 +173,21 @@ cv::Matx33d wholeCovariance(const PlaneFit& fit, const std::vector<Sample>& samp
   return std::max(scatterOf(fit, samples), 1.0) * shared * fit.covariance + common * (response * response.t());
 }
 
-}  // namespace
-
-void validate(const DepthPlane& plane)
+/// Whether the plane is finite, and its covariance symmetric and positive definite.
+bool isPlane(const DepthPlane& plane)
 {
   const cv::Matx33d& covariance = plane.covariance;
   const double size = cv::norm(covariance);
   bool is_definite = std::isfinite(size) && size > 0.0 && cv::norm(covariance - covariance.t()) <= 1e-9 * size;
   if (is_definite) (covariance * (1.0 / size)).inv(cv::DECOMP_CHOLESKY, &is_definite);
-  require(is_definite && std::isfinite(cv::norm(plane.inverse_depth)), "plane of depths", "none",
-          "finite, with a symmetric and positive definite covariance");
+  return is_definite && std::isfinite(cv::norm(plane.inverse_depth));
+}
+
+}  // namespace
+
+void validate(const DepthPlane& plane)
+{
+  require(isPlane(plane), "plane of depths", "none", "finite, with a symmetric and positive definite covariance");
 }
 
 std::optional<DepthPlane> measureTagPlane(const cv::Mat& depth, const std::array<cv::Point2d, 4>& corners,
@@ -203,7 +208,9 @@ std::optional<DepthPlane> measureTagPlane(const cv::Mat& depth, const std::array
     return std::nullopt;
   const std::optional<PlaneFit> fit = fitPlane(inliers, [](const Sample&) { return 1.0; });
   if (!fit || scatterOf(*fit, inliers) > kMaxScatter) return std::nullopt;
-  return DepthPlane{fit->plane, wholeCovariance(*fit, inliers, stride, params), static_cast<int>(inliers.size())};
+  const DepthPlane plane{fit->plane, wholeCovariance(*fit, inliers, stride, params), static_cast<int>(inliers.size())};
+  // Depths of a few micrometres, or of a light year, are finite numbers, but not what follows from them.
+  return isPlane(plane) ? std::optional<DepthPlane>(plane) : std::nullopt;
 }
 
 }  // namespace robot_vision
