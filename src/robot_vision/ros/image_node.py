@@ -52,6 +52,7 @@ class ImageNode:
         self._outputs: List[Tuple[Any, Callable[[], bool]]] = []  # with whether each counts
         self._inputs: List[Tuple[Any, ...]] = []  # names, types and callbacks
         self._subscribers: List[rospy.Subscriber] = []  # of the inputs, while the node works
+        self._other_images: Dict[str, transport.ImageSubscriber] = {}  # by name
         self._last_message: Dict[str, float] = {}  # s of the monotonic clock, by input
         self._working_since = float("inf")  # s of the monotonic clock
         kind = transport.CameraSubscriber if camera_info else transport.ImageSubscriber
@@ -89,6 +90,22 @@ class ImageNode:
         """Adds an input: while the node works, the callback gets the newest message of a topic."""
         self._inputs.append((name, kind, self._timed(name, callback)))
 
+    def image_subscriber(
+        self, name: str, callback: transport.Callback, image_transport: str = "raw"
+    ) -> transport.ImageSubscriber:
+        """Adds another topic of images, which come as they are while the node works.
+
+        The thread that processes `image` calls the callback with the newest Frame, too.
+
+        Raises:
+            ValueError: There is no such transport.
+        """
+        images = transport.ImageSubscriber(
+            name, self._timed(name, callback), transport=image_transport, start=False
+        )
+        self._other_images[name] = images
+        return images
+
     def keep_working(self, wanted: bool) -> None:
         """Sets whether to work even if nobody subscribes. Thread-safe."""
         self._wanted = wanted
@@ -105,6 +122,8 @@ class ImageNode:
         """
         now = time.monotonic()
         inputs = [(self._name, "images", self._images.topic, self._images)]
+        for name, images in self._other_images.items():
+            inputs.append((name, name, images.topic, images))
         for (name, *_), subscriber in zip(self._inputs, self._subscribers):
             inputs.append((name, name, subscriber.resolved_name, subscriber))
         lacking = []
@@ -137,6 +156,8 @@ class ImageNode:
         if self._always or self._wanted or listened:
             self._working_since = min(self._working_since, time.monotonic())
             self._images.start()
+            for images in self._other_images.values():
+                images.start()
             if not self._subscribers:
                 self._subscribers = [
                     rospy.Subscriber(name, kind, callback, queue_size=1, tcp_nodelay=True)
@@ -144,6 +165,8 @@ class ImageNode:
                 ]
         else:
             self._images.unregister()
+            for images in self._other_images.values():
+                images.unregister()
             while self._subscribers:
                 self._subscribers.pop().unregister()
             self._working_since = float("inf")

@@ -29,6 +29,7 @@ __all__ = [
     "camera_info_beside",
     "node_diagnostics",
     "note_connections",
+    "remapped",
     "remapped_camera_info",
 ]
 
@@ -289,10 +290,14 @@ class _Process:
             rospy.logerr("a callback failed:\n%s", traceback.format_exc())
 
 
+def remapped(name: str) -> str:
+    """Returns the topic that a name is remapped to, or "" if it is not remapped."""
+    return rospy.names.get_resolved_mappings().get(rospy.get_namespace() + name, "")
+
+
 def remapped_camera_info() -> str:
     """Returns the topic that the name camera_info is remapped to, or "" if it is not remapped."""
-    remappings = rospy.names.get_resolved_mappings()
-    return remappings.get(rospy.get_namespace() + "camera_info", "")
+    return remapped("camera_info")
 
 
 def camera_info_beside(topic: str) -> str:

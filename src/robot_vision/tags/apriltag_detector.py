@@ -1,7 +1,7 @@
 """The node apriltag_detector, which finds AprilTags and their poses."""
 
 import threading
-from typing import Any, Dict, Optional, Tuple
+from typing import Any, Dict, List, NamedTuple, Optional, Tuple
 
 import numpy as np
 import rospy
@@ -10,7 +10,7 @@ from tf2_msgs.msg import TFMessage
 from visualization_msgs.msg import MarkerArray
 
 from .. import TagDetector as Detector
-from .. import TagDetectorParams, TagPoseParams, to_bgr, to_gray
+from .. import CameraModel, DepthErrorParams, Tag, TagDetectorParams, TagPoseParams, to_bgr, to_gray
 from ..msg import TagDetectionArray
 from ..ros.camera_info import CameraInfoListener
 from ..ros.configs import ApriltagDetectorConfig
@@ -18,19 +18,35 @@ from ..ros.image_node import ImageNode
 from ..ros.params import LiveParams, filled, read_any, read_param
 from ..ros.startup import run_node
 from ..ros.transport import Frame, FrameError, note_connections
+from .depth_input import DepthFrame, DepthInput
+from .depth_report import DepthReport
 from .detect_service import DetectService
+from .tag_depth import TagDepth
 from .tag_layout import TagLayout
 from .tag_messages import markers, tag_array, transforms
 from .tag_overlay import draw_tags
-from .tag_poses import TagLocator
+from .tag_poses import LocatedBundle, LocatedTag, TagLocator
+
+
+class Sighting(NamedTuple):
+    """A frame and the tags that were found in it, which may wait for their depth."""
+
+    frame: Frame
+    gray: np.ndarray
+    found: List[Tag]
+
+    @property
+    def header(self) -> Header:
+        return self.frame.header
 
 
 class ApriltagDetector:
     """Publishes ~tags, /tf, ~markers and ~processed_image (outlines, ids, axes and distances).
 
     Subscribes to image, and to camera_info beside it, or where that name is remapped to. Poses need
-    the camera_info of a calibrated camera, and an image that is not rectified. ~detect
-    (robot_vision/DetectTags) searches a file, or the next frame.
+    the camera_info of a calibrated camera, and an image that is not rectified. If the name depth is
+    remapped to a registered depth image, poses are of both. ~detect (robot_vision/DetectTags)
+    searches a file, or the next frame.
     """
 
     def __init__(self) -> None:
@@ -43,7 +59,10 @@ class ApriltagDetector:
         )
         self._detector = Detector()
         self._poses: Optional[Tuple[TagPoseParams, bool]] = None  # and whether corners are measured
-        self._node = ImageNode(self._process, encoding="")
+        self._depth_errors = DepthErrorParams()
+        self._node = ImageNode(self._search, encoding="", idle=lambda: self._depth.clear())
+        self._depth = DepthInput(self._node, self._process)
+        self._depth_report = DepthReport(self._depth.topic)
         self._params = LiveParams(ApriltagDetectorConfig, self._configure)
         self._calibration = CameraInfoListener(self._node, "poses of tags")
         self._tags = self._node.publisher("~tags", TagDetectionArray)
@@ -66,19 +85,43 @@ class ApriltagDetector:
                 self._poses = poses
                 self._locator = TagLocator(self._layout, poses[0])
             self._publish_tf = config["publish_tf"]
+        self._depth_errors = filled(DepthErrorParams(), config)
+        self._depth.set_slop(config["depth_slop"])
+        self._depth_report.max_error = config["max_depth_error"]
         note_connections()  # because /tf may start or stop to count
 
-    def _process(self, frame: Frame) -> None:
-        self._service.offer(frame)
-        now, size = frame.time, frame.image.shape[1::-1]
+    def _search(self, frame: Frame) -> None:
+        try:
+            with self._lock:
+                gray = to_gray(frame.image, frame.encoding)
+                found = self._detector.update(frame.time, gray, "mono8")
+        except (TypeError, ValueError) as error:
+            self._service.offer(frame)  # which answers with the error
+            raise FrameError(error) from None
+        self._depth.offer(Sighting(frame, gray, found), frame.image.shape[1::-1])
+
+    def _process(self, sighting: Sighting, depth: Optional[DepthFrame]) -> None:
+        frame, gray, found = sighting
+        self._service.offer(frame, depth)
+        size = frame.image.shape[1::-1]
         camera = self._calibration.camera(size)
         with self._lock:
-            try:
-                gray = to_gray(frame.image, frame.encoding)
-                found = self._detector.update(now, gray, "mono8")
-            except (TypeError, ValueError) as error:
-                raise FrameError(error) from None
-            tags, bundles = self._locator.locate(now, found, camera, self._for_corners(gray))
+            tags, bundles = self._locator.locate(
+                frame.time, found, camera, self._for_corners(gray), self._of_tags(depth, camera)
+            )
+        if camera is not None and depth is not None:
+            self._depth_report.add(tags, camera, self._poses[0], self._depth_errors)
+        self._depth_report.publish()
+        self._publish(frame, camera, tags, bundles)
+
+    def _publish(
+        self,
+        frame: Frame,
+        camera: Optional[CameraModel],
+        tags: List[LocatedTag],
+        bundles: List[LocatedBundle],
+    ) -> None:
+        size = frame.image.shape[1::-1]
         if self._detector.lacks_threads:
             rospy.logwarn_once("no thread can be started: frames wait for searches of all of one")
         for twin in (tag.tag for tag in tags if not tag.unique):
@@ -99,6 +142,13 @@ class ApriltagDetector:
     def _for_corners(self, gray: np.ndarray) -> Optional[np.ndarray]:
         return gray if self._poses[1] else None
 
+    def _of_tags(
+        self, depth: Optional[DepthFrame], camera: Optional[CameraModel]
+    ) -> Optional[TagDepth]:
+        if depth is None or camera is None:
+            return None
+        return TagDepth(depth.image, depth.camera or camera, self._depth_errors)
+
     def _broadcast(self, message: TFMessage) -> None:
         if not message.transforms:
             return
@@ -110,7 +160,7 @@ class ApriltagDetector:
         self._tf.publish(message)
 
     def _detect(
-        self, image: np.ndarray, encoding: str, header: Header
+        self, image: np.ndarray, encoding: str, header: Header, depth: Optional[DepthFrame]
     ) -> Tuple[TagDetectionArray, str]:
         """Returns the tags of a single image, and the reason if they have no poses."""
         size = image.shape[1::-1]
@@ -122,7 +172,9 @@ class ApriltagDetector:
         with self._lock:
             gray = to_gray(image, encoding)
             found = self._detector.detect(gray, "mono8")
-            tags, bundles = self._locator.locate_at_once(found, camera, self._for_corners(gray))
+            tags, bundles = self._locator.locate_at_once(
+                found, camera, self._for_corners(gray), self._of_tags(depth, camera)
+            )
         return tag_array(header, size, tags, bundles), problem
 
 

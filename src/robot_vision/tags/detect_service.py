@@ -4,7 +4,7 @@ import os
 import threading
 import time
 from concurrent import futures
-from typing import Any, Callable, List, Tuple
+from typing import Any, Callable, List, Optional, Tuple
 
 import numpy as np
 import rospy
@@ -17,14 +17,16 @@ from ..ros.camera_info import CameraInfoListener
 from ..ros.image_node import ImageNode
 from ..ros.transport import Frame
 from ..srv import DetectTags, DetectTagsResponse
+from .depth_input import DepthFrame
 
 TIMEOUT = 5.0  # s that a call waits for a frame
 CALIBRATION_TIMEOUT = 1.0  # s that a call for a file waits for camera_info
 MAX_ERROR_LENGTH = 1000  # characters of an error, which may name a path
 FRAME_PERIOD = 1.0  # s after a frame during which the next one may be on its way already
 
-# Searches an image of an encoding; returns the tags, and the reason if they have no poses.
-Detect = Callable[[np.ndarray, str, Header], Tuple[TagDetectionArray, str]]
+# Searches an image of an encoding, with its depth if there is one; returns the tags, and the reason
+# if they have no poses.
+Detect = Callable[[np.ndarray, str, Header, Optional[DepthFrame]], Tuple[TagDetectionArray, str]]
 
 
 class DetectService:
@@ -47,14 +49,14 @@ class DetectService:
         self._last_frame = -FRAME_PERIOD  # s of the monotonic clock
         rospy.Service("~detect", DetectTags, self._on_detect)
 
-    def offer(self, frame: Frame) -> None:
-        """Offers a frame to the calls that wait for one, before anything else is done with it."""
+    def offer(self, frame: Frame, depth: Optional[DepthFrame] = None) -> None:
+        """Offers a frame, and its depth, to the calls that wait for one."""
         with self._lock:
             self._last_frame = time.monotonic()
             ready, self._calls, self._later_calls = self._calls, self._later_calls, []
         for call in ready:
             try:
-                call.set_result(self._detect(frame.image, frame.encoding, frame.header))
+                call.set_result(self._detect(frame.image, frame.encoding, frame.header, depth))
             except Exception as error:
                 call.set_exception(error)
 
@@ -82,7 +84,7 @@ class DetectService:
         image = load_image(path, sensor_pixels)
         self._calibration.wait(CALIBRATION_TIMEOUT)
         header = Header(stamp=rospy.Time.now(), frame_id=self._calibration.frame_id)
-        return self._detect(image, "bgr8", header)
+        return self._detect(image, "bgr8", header, None)
 
     def _of_next_frame(self) -> Tuple[TagDetectionArray, str]:
         call: futures.Future = futures.Future()

@@ -19,6 +19,7 @@ from .. import (
     tag_family,
     without_bent_edges,
 )
+from .tag_depth import TagDepth
 from .tag_layout import TagKey, TagLayout
 
 MAX_TRACKED = 1000  # tags whose poses are remembered
@@ -34,6 +35,7 @@ class LocatedTag(NamedTuple):
     frame_id: str
     poses: Optional[TagPoses]  # None without a camera, or if no pose explains the corners
     unique: bool  # whether no other tag in the frame has the same family and id
+    corners: Optional[Corners] = None  # that the poses were estimated from; None without a camera
 
 
 class LocatedBundle(NamedTuple):
@@ -64,6 +66,7 @@ class TagLocator:
         tags: Sequence[Tag],
         camera: Optional[CameraModel],
         gray: Optional[np.ndarray] = None,
+        depth: Optional[TagDepth] = None,
     ) -> Tuple[List[LocatedTag], List[LocatedBundle]]:
         """Returns the tags in the frame of a time, and the bundles that have one of them.
 
@@ -75,6 +78,8 @@ class TagLocator:
             camera: The camera; None if it is not known.
             gray: The gray image in which the corners are measured. With None they are used as
                 they were found.
+            depth: The depth image of the same time, if there is one: the poses of tags and bundles
+                explain the corners, and the planes of the tags in it.
         """
         if camera is not self._camera:
             self._forget()
@@ -86,13 +91,13 @@ class TagLocator:
             key = key_of(tag)
             unique = seen[key] == 1
             size, frame_id = self._layout.size(key), self._layout.frame_id(key)
-            poses = None
+            corners = poses = None
             if camera is not None:
-                corners = corners_of(tag, camera, gray)
+                corners = corners_of(tag, camera, gray, depth)
                 poses = self._poses_of(time, key, corners, unique, camera)
                 if unique and poses is not None:
                     usable[key] = corners
-            located.append(LocatedTag(tag, size, frame_id, poses, unique))
+            located.append(LocatedTag(tag, size, frame_id, poses, unique, corners))
         return located, [] if camera is None else self._locate_bundles(time, usable, camera)
 
     def locate_at_once(
@@ -100,9 +105,10 @@ class TagLocator:
         tags: Sequence[Tag],
         camera: Optional[CameraModel],
         gray: Optional[np.ndarray] = None,
+        depth: Optional[TagDepth] = None,
     ) -> Tuple[List[LocatedTag], List[LocatedBundle]]:
         """Like locate(), for a single image: earlier poses are neither used nor changed."""
-        return TagLocator(self._layout, self._params).locate(0.0, tags, camera, gray)
+        return TagLocator(self._layout, self._params).locate(0.0, tags, camera, gray, depth)
 
     def _forget(self) -> None:
         self._tags: Dict[TagKey, TagPoseTracker] = {}
@@ -148,13 +154,24 @@ def key_of(tag: Tag) -> TagKey:
     return TagKey(tag.family, tag.id)
 
 
-def corners_of(tag: Tag, camera: CameraModel, gray: Optional[np.ndarray]) -> Corners:
-    """Returns the corners of a tag, measured in the image if there is one."""
+def corners_of(
+    tag: Tag,
+    camera: CameraModel,
+    gray: Optional[np.ndarray],
+    depth: Optional[TagDepth] = None,
+) -> Corners:
+    """Returns the corners of a tag, measured in the image if there is one, and its plane."""
     found = without_bent_edges(tag.corners, camera)
-    if gray is None:
-        return found
-    width = tag_family(tag.family).width_at_border
-    return measure_corners(gray, cells_of(key_of(tag)), width, found, camera) or found
+    measured = None
+    if gray is not None:
+        width = tag_family(tag.family).width_at_border
+        measured = measure_corners(gray, cells_of(key_of(tag)), width, found, camera)
+    if depth is None:
+        return measured or found
+    if measured is None:
+        return MeasuredCorners(found, plane=depth.plane_of(found, camera))
+    plane = depth.plane_of(measured.corners, camera)
+    return MeasuredCorners(measured.corners, measured.covariance, plane)
 
 
 @lru_cache(MAX_TRACKED)

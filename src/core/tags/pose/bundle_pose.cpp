@@ -9,6 +9,7 @@
 
 #include "corner_covariance.hpp"
 #include "ippe_square.hpp"
+#include "plane_gate.hpp"
 #include "robot_vision/common/range.hpp"
 
 namespace robot_vision
@@ -181,23 +182,6 @@ std::vector<PoseRefinement> fitAll(const Observation& observation, const std::ve
   return fits;
 }
 
-/// Removes the planes that none of the poses of the corners explains; returns whether any is left.
-bool keepExplainedPlanes(const std::vector<PoseRefinement>& fits, Observation& observation)
-{
-  const double max_distance = 16.27;  // which one in 1000 exceeds, with three degrees of freedom
-  bool left = false;
-  for (SeenSquare& square : observation)
-  {
-    if (!square.plane) continue;
-    const bool explained =
-        std::any_of(fits.begin(), fits.end(),
-                    [&](const PoseRefinement& fit) { return planeDistance(*square.plane, fit) < max_distance; });
-    if (!explained) square.plane.reset();
-    left = left || explained;
-  }
-  return left;
-}
-
 }  // namespace
 
 std::vector<SeenTag> tagsOf(const Bundle& bundle, const std::vector<TagCorners>& seen, const CameraModel& camera,
@@ -241,7 +225,7 @@ std::vector<PoseRefinement> fitBundle(const std::vector<SeenTag>& tags, const Ca
   Observation observation = withLayoutNoise(exact, tags, camera, starts[0]);
   const std::vector<PoseRefinement> fits =
       fitAll(cornersOnly(observation), tags, camera, {starts.begin(), starts.end()});
-  if (!keepExplainedPlanes(fits, observation)) return fits;
+  if (!keepExplainedPlanes(fits, camera, observation)) return fits;
   std::vector<cv::Affine3d> poses;
   for (const PoseRefinement& fit : fits)
     poses.push_back(fit.pose);

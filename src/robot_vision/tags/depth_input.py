@@ -1,0 +1,154 @@
+"""The depth images of the node apriltag_detector, which belong to its images."""
+
+import time
+from typing import Any, Callable, NamedTuple, Optional, Tuple
+
+import numpy as np
+import rospy
+from sensor_msgs.msg import CameraInfo
+from std_msgs.msg import Header
+
+from .. import CameraModel, odd_depth
+from ..common.errors import about
+from ..common.plain_text import brief
+from ..common.throttle import Throttle
+from ..ros.camera_info import camera_model
+from ..ros.depth_pairs import DepthPairs
+from ..ros.image_node import ImageNode
+from ..ros.params import read_param
+from ..ros.transport import Frame, FrameError, camera_info_beside, remapped
+
+INFO_TIMEOUT = 2.0  # s with depths, until camera_info that is needed counts as missing
+ENCODINGS = ("16UC1", "mono16", "32FC1")  # some transports call 16UC1 mono16
+
+
+class DepthFrame(NamedTuple):
+    """A depth image that can be used.
+
+    Attributes:
+        header: Its header.
+        image: (height, width) uint16 in mm, or float32 in m.
+        camera: The camera of its pixels; None: that of the images.
+    """
+
+    header: Header
+    image: np.ndarray
+    camera: Optional[CameraModel]
+
+
+class DepthInput:
+    """Gives each image the depth image of its time, if the name `depth` is remapped to a topic.
+
+    A depth image has the optical frame of the images. Its size may be another one: then the
+    camera_info beside it tells its camera. Images go on without depth that has none, or that
+    cannot be used.
+
+    Args:
+        node: The node whose images get depths.
+        go_on: A function that gets each image, in the order in which they come, with its depth or
+            None. The thread of the images calls it.
+
+    Raises:
+        ValueError: ~depth_transport is not a string, or no transport.
+    """
+
+    def __init__(self, node: ImageNode, go_on: Callable[[Any, Optional[DepthFrame]], None]):
+        self.topic = remapped("depth")
+        self.info_topic = camera_info_beside(self.topic)
+        self._node = node
+        self._go_on = go_on
+        self._pairs: DepthPairs = DepthPairs()
+        self._of_images: Optional[Tuple[str, Tuple[int, int]]] = None  # frame_id and size
+        self._info: Optional[CameraInfo] = None
+        self._first: Optional[float] = None  # s of the monotonic clock, of the first depth
+        self._is_missing = False  # whether that was said
+        self._missing, self._apart = Throttle(60.0), Throttle(10.0)
+        depth_transport = read_param("depth_transport", "raw")
+        if self.topic:
+            node.image_subscriber("depth", self._on_depth, depth_transport)
+            node.subscriber(self.info_topic, CameraInfo, self._on_info)
+
+    def set_slop(self, slop: float) -> None:
+        """Sets by how much the stamps of an image and its depth may differ, in s."""
+        self._pairs.slop = slop
+
+    def offer(self, image: Any, size: Tuple[int, int]) -> None:
+        """Takes the next image: anything with a header, and the size in px, (width, height)."""
+        if not self.topic:
+            self._go_on(image, None)
+            return
+        self._of_images = image.header.frame_id, size
+        ready = self._pairs.add_image(image, time.monotonic())
+        self._report()
+        for pair in ready:
+            self._go_on(*pair)
+
+    def clear(self) -> None:
+        """Forgets the images that wait."""
+        self._pairs.clear()
+        self._of_images = self._info = self._first = None
+
+    def _on_info(self, info: CameraInfo) -> None:
+        self._info = info
+
+    def _on_depth(self, frame: Frame) -> None:
+        now = time.monotonic()
+        self._first = self._first or now
+        if self._of_images is None:  # It cannot be compared with the images yet.
+            return
+        frame_id, size = self._of_images
+        waits = self._info is None and frame.image.shape[1::-1] != size
+        if waits and now - self._first < INFO_TIMEOUT:
+            return
+        depth = self._usable(frame, frame_id, size)
+        if self._is_missing:
+            self._is_missing = False
+            rospy.loginfo("depth from now on: %s", self.topic)
+        for pair in self._pairs.add_depth(depth, now):
+            self._go_on(*pair)
+
+    def _usable(self, frame: Frame, frame_id: str, size: Tuple[int, int]) -> DepthFrame:
+        """Returns a depth image and its camera.
+
+        Raises:
+            FrameError: The image cannot be used; the message says what was expected.
+        """
+        if frame.encoding not in ENCODINGS:
+            raise FrameError("the encoding of a depth image must be 16UC1 (mm) or 32FC1 (m)")
+        own = frame.header.frame_id
+        if own and frame_id and own != frame_id:
+            raise FrameError(
+                f"its frame is {brief(own)}, must be that of the images on {self._node.topic}, "
+                f"{brief(frame_id)}: is it registered?"
+            )
+        try:
+            camera = self._camera(frame.image.shape[1::-1], size)
+            odd = odd_depth(frame.image)
+        except ValueError as error:
+            raise FrameError(error) from None
+        if odd:
+            raise FrameError(odd)
+        return DepthFrame(frame.header, frame.image, camera)
+
+    def _camera(self, own: Tuple[int, int], size: Tuple[int, int]) -> Optional[CameraModel]:
+        info = self._info  # Other threads replace it.
+        if info is not None:
+            with about(f"camera_info on {self.info_topic}"):
+                return camera_model(info, own)
+        if own == size:
+            return None
+        sizes = ["{}x{}".format(*one) for one in (own, size)]
+        raise ValueError(
+            f"it is of {sizes[0]}, the images on {self._node.topic} of {sizes[1]}: expected the "
+            f"same, or a camera_info of {sizes[0]} on {self.info_topic}, where there is none"
+        )
+
+    def _report(self) -> None:
+        """Says, not too often, if no depth comes, or none that belongs to the images."""
+        missing = self._node.missing(only="depth")
+        if missing and self._missing.due():
+            self._is_missing = True
+            rospy.logwarn("%s: poses of tags are from the corners alone", missing)
+        apart = self._pairs.problem(self._node.topic, self.topic)
+        if apart and self._apart.due():
+            rospy.logwarn("%s: poses of tags are from the corners alone", apart)

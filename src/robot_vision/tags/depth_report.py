@@ -1,0 +1,127 @@
+"""What the node says of a depth camera: on /diagnostics, and in the log if it does not fit."""
+
+import time
+from typing import Dict, Iterable, Tuple
+
+import rospy
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
+
+from .. import CameraModel, DepthErrorParams, TagPoseParams
+from ..common.throttle import Throttle
+from ..ros.params import read_param
+from .depth_check import DepthCheck
+from .tag_poses import LocatedTag
+
+WRONG_UNIT = 1.5  # times too large, or too small, from which on that is what is said
+
+
+class DepthReport:
+    """Publishes what a DepthCheck says, once in ~diagnostic_period while the node works.
+
+    Args:
+        topic: The topic of the depth images; without one, nothing is published.
+
+    Attributes:
+        max_error: The error of a depth, in m, from which on the status is a warning.
+
+    Raises:
+        ValueError: ~diagnostic_period is out of range.
+    """
+
+    def __init__(self, topic: str):
+        self.max_error = 0.0
+        self._topic = topic
+        self._period = read_param("diagnostic_period", 1.0, 0.01, 3600.0)
+        self._check = DepthCheck()
+        self._warnings = Throttle(10.0)
+        self._last = float("-inf")  # s of the monotonic clock, of the newest status
+        if topic:
+            self._publisher = rospy.Publisher("/diagnostics", DiagnosticArray, queue_size=1)
+
+    def add(
+        self,
+        tags: Iterable[LocatedTag],
+        camera: CameraModel,
+        noise: TagPoseParams,
+        depth_noise: DepthErrorParams,
+    ) -> None:
+        """Adds the tags of a frame with depth, as DepthCheck does."""
+        self._check.add(tags, camera, noise, depth_noise)
+        if self._check.rejects() and self._warnings.due():
+            rospy.logwarn("%s", misfit(self._check, self._topic))
+
+    def publish(self) -> None:
+        """Publishes the status if it is due."""
+        now = time.monotonic()
+        if not self._topic or now - self._last < self._period:
+            return
+        self._last = now
+        level, text = summary(self._check, self._topic, self.max_error)
+        status = DiagnosticStatus(
+            level=level,
+            name=f"{rospy.get_name().lstrip('/')}: depth",
+            message=text,
+            hardware_id="none",
+            values=[KeyValue(name, value) for name, value in values(self._check).items()],
+        )
+        message = DiagnosticArray(status=[status])
+        message.header.stamp = rospy.Time.now()
+        self._publisher.publish(message)
+
+
+def summary(check: DepthCheck, topic: str, max_error: float) -> Tuple[int, str]:
+    """Returns the level and the text of a status."""
+    if check.rejects():
+        return DiagnosticStatus.WARN, misfit(check, topic)
+    if not len(check.estimate):
+        return DiagnosticStatus.OK, f"no tag was seen with depth on {topic}"
+    errors = check.estimate.errors()
+    depth, error = errors.worst(max_error)
+    text = (
+        f"scale {errors.scale:.4f} +- {errors.scale_error:.4f}, "
+        f"bias {errors.bias:.4f} +- {errors.bias_error:.4f} m"
+    )
+    if error:
+        return DiagnosticStatus.WARN, f"depths are off by {error:+.3f} m at {depth:.2f} m: {text}"
+    return DiagnosticStatus.OK, f"depths fit the tags: {text}"
+
+
+def values(check: DepthCheck) -> Dict[str, str]:
+    """Returns the values of a status by name."""
+    wrong, planes = check.left_out()
+    found = {
+        "tags compared": str(len(check.estimate)),
+        "newest planes": str(planes),
+        "newest planes left out": str(wrong),
+    }
+    if len(check.estimate):
+        errors = check.estimate.errors()
+        found.update(
+            {
+                "scale": f"{errors.scale:.6f}",
+                "scale standard error": f"{errors.scale_error:.6f}",
+                "bias (m)": f"{errors.bias:.6f}",
+                "bias standard error (m)": f"{errors.bias_error:.6f}",
+                "nearest (m)": f"{errors.nearest:.3f}",
+                "farthest (m)": f"{errors.farthest:.3f}",
+            }
+        )
+    return found
+
+
+def misfit(check: DepthCheck, topic: str) -> str:
+    """Returns that the depths do not fit the tags, and how."""
+    wrong, planes = check.left_out()
+    text = f"{wrong} of the last {planes} tags in the depth on {topic} do not fit their corners"
+    if len(check.estimate):
+        ratio = check.estimate.ratio()
+        if ratio > WRONG_UNIT:
+            text += f": it is {ratio:.3g} times too large"
+        elif ratio * WRONG_UNIT < 1.0:
+            text += f": it is {1.0 / ratio:.3g} times too small"
+        else:
+            depth, error = check.estimate.errors().worst(0.0)
+            text += f": it is off by {error:+.3f} m at {depth:.2f} m"
+    return (
+        f"{text}. They are left out: is the unit right, is tag_size, or has depth_bias to be larger?"
+    )
