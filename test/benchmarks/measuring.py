@@ -146,6 +146,10 @@ class Bench:
         args = [self.image(size), *size, tags, self.rounds]
         return self._run(self.program("bench_tags", *args), 300.0)
 
+    def tag_depth(self) -> List[Dict[str, Any]]:
+        say("poses of tags by depth")
+        return self._run(self.program("bench_tag_depth", int(self.seconds * 200)), 300.0)
+
     def findings(self, size: Size, kind: str, numbers: Sequence[int]) -> List[List[float]]:
         """For each number: it, CPU ms per frame, how many were found."""
         say("{}x{}: {} {}".format(*size, ", ".join(map(str, numbers)), kind))

@@ -236,6 +236,30 @@ def tags_table(results: Sequence[Tuple[Size, Dict[str, Any]]]) -> str:
     ) + table(columns, rows)
 
 
+def tag_depth_table(results: Sequence[Dict[str, Any]]) -> str:
+    """A line for each tag and noise of its corners; three columns for each figure."""
+    ways = ("points", "corners", "both")
+    figures = {"tilt": "{:.2f}", "distance": "{:.1f}", "wrong": "{:.1%}", "us": "{:.0f}"}
+    columns = ["tag, distance, tilt, corners"]
+    for figure in ("tilt", "distance", "wrong side", "us"):
+        columns += [f"{figure}: points", "corners", "both"]
+    rows = [
+        [
+            "{size:g} m, {distance:g} m, {tilt:g}°, {noise:g} px".format(**result),
+            *(text.format(result[way][name]) for name, text in figures.items() for way in ways),
+        ]
+        for result in results
+    ]
+    return (
+        "### Tags and a Kinect: poses by points, by corners, and by both\n\n"
+        "Points: as ar_track_alvar documents it, the centroid and the plane of the points inside of "
+        "the tag, and those\nof its four corners. Root mean square errors of the tilt in degrees, "
+        "and of the distance in mm; wrong side:\ntilted to the other side, or no pose at all. µs of "
+        "CPU for a pose, median. The first row of each tag has corners\nas libapriltag finds them, "
+        "the later ones as they are measured.\n\n"
+    ) + table(columns, rows)
+
+
 def vm_table(figures: Dict[str, float]) -> str:
     others = [name for name in figures if not name.startswith("camera_node")]
     rows = [

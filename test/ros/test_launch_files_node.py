@@ -306,6 +306,15 @@ def test_the_other_image_of_a_chain_is_that_of_a_topic_that_is_given():
     assert "second" not in dict(node.remap_args) and not before["/filter/use_second"]
 
 
+def test_tags_have_a_depth_image_where_one_is_given():
+    (node,) = loaded("apriltag.launch").nodes
+    assert "depth" not in dict(node.remap_args)
+    topic = "/camera/depth_registered/image_raw"
+    (node,) = loaded("apriltag.launch", f"depth:={topic}").nodes
+    assert dict(node.remap_args)["depth"] == topic
+    assert parameters_of("apriltag.launch", f"depth:={topic}") == parameters_of("apriltag.launch")
+
+
 def test_a_pair_of_cameras_is_started_where_it_is_asked_for():
     nodes = {node.name for node in loaded("stereo.launch").nodes}
     assert nodes == {"stereo_matcher"}

@@ -27,9 +27,17 @@ HALF = np.diag([0.5, 0.5, 1.0]) @ K
 SMALL = view_of(rv.CameraModel(320, 240, HALF))
 BEFORE = 0.0007  # s by which the depth camera is ahead
 FRONT = facing(0.05, -0.05, 1.5, (0.06, 0.03, 0.3))
-SCENERY = image_of([(5, FRONT)])
 
 numbers = itertools.count()
+
+
+def noisy_image(pose, rng):
+    """An image of the tag 5, of a camera that sees little light."""
+    image = image_of([(5, pose)]) + rng.normal(0.0, 20.0, (480, 640))
+    return image.clip(0, 255).astype(np.uint8)
+
+
+SCENERY = noisy_image(FRONT, np.random.default_rng(0))
 
 
 def depth_of(pose, view=VIEW):
@@ -97,9 +105,10 @@ class DepthStudio(Studio):
 
 
 def test_poses_are_nearer_to_the_truth_than_those_of_a_node_without_depth(start):
-    studio = DepthStudio(start)
-    size = f"_tag_size:={SIZE}"
-    start("apriltag_detector.py", "__name:=plain", f"image:={studio.topic}", size)
+    search = "_max_search_period:=0"
+    studio = DepthStudio(start, search)
+    words = f"image:={studio.topic}", f"_tag_size:={SIZE}", search
+    start("apriltag_detector.py", "__name:=plain", *words)
     plain = support.subscribed("/plain/tags", TagDetectionArray)
     studio.wait_for_subscribers(2)
     studio.infos.wait_for(2)
@@ -108,10 +117,9 @@ def test_poses_are_nearer_to_the_truth_than_those_of_a_node_without_depth(start)
     errors = []
     for number in range(12):
         turn = (*rng.uniform(-0.12, 0.12, 2), 0.3 * number)
-        truth = facing(*rng.uniform(-0.2, 0.2, 2), rng.uniform(1.5, 2.5), turn)
-        noisy = image_of([(5, truth)]) + rng.normal(0.0, 8.0, (480, 640))
+        truth = facing(*rng.uniform(-0.2, 0.2, 2), rng.uniform(1.2, 1.8), turn)
         depth = depth_of(truth) + rng.normal(0.0, 0.003, (480, 640)).astype(np.float32)
-        stamp = studio.send_both(noisy.clip(0, 255).astype(np.uint8), depth)
+        stamp = studio.send_both(noisy_image(truth, rng), depth)
         answers = [topic.of(stamp) for topic in (studio.tags, plain)]
         if not all(map(has_pose, answers)):
             continue
@@ -121,7 +129,7 @@ def test_poses_are_nearer_to_the_truth_than_those_of_a_node_without_depth(start)
         )
     assert len(errors) >= 8
     (tilt, place), (tilt_alone, place_alone) = np.sqrt(np.mean(np.square(errors), axis=0))
-    assert tilt < 0.5 * tilt_alone and tilt < 0.7, (tilt, tilt_alone)
+    assert tilt < 0.5 * tilt_alone and tilt < 0.5, (tilt, tilt_alone)
     assert place < 1.1 * place_alone, (place, place_alone)
 
 
@@ -265,7 +273,7 @@ def test_a_camera_that_does_not_fit_is_named(start):
 
 def test_stamps_that_never_meet_are_told(start):
     studio = DepthStudio(start)
-    studio.lag = -0.45
+    studio.lag = 0.45
     said = f"the stamps on {studio.topic} and {studio.depth_topic} do not meet: the newest are "
 
     def told():
@@ -294,11 +302,12 @@ def test_a_depth_camera_that_is_silent_is_told_once(start):
         studio.show(SCENERY)
     assert studio.process.output().count("no depth on ") == 1
     studio.show_both_until(is_fused, SCENERY, GOOD)
-    studio.process.wait_for_output(f"depth from now on: {studio.depth_topic}")
 
 
 def test_a_sensor_that_is_off_is_on_diagnostics(start):
-    studio = DepthStudio(start, "_diagnostic_period:=0.01", "_depth_bias:=0.05")
+    studio = DepthStudio(
+        start, "_diagnostic_period:=0.01", "_depth_bias:=0.05", "_max_search_period:=0"
+    )
     diagnostics = support.Messages("/diagnostics", DiagnosticArray)
 
     def statuses(level):

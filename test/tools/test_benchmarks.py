@@ -195,3 +195,13 @@ def test_the_plot_is_small_and_the_same_for_the_same_numbers():
     assert len(svg) < 60_000
     for i in range(9):
         assert f">work {i}</text>" in svg
+
+
+def test_poses_by_depth_have_a_line_for_each_tag():
+    figures = {"tilt": 1.234, "distance": 5.67, "wrong": 0.012, "us": 89.6}
+    of = {"size": 0.1, "distance": 2.0, "tilt": 40.0, "noise": 0.03}
+    result = {**of, "points": figures, "corners": figures, "both": {**figures, "tilt": 0.5}}
+    text = tables.tag_depth_table([result])
+    found = cells(text, "0.1 m, 2 m, 40°, 0.03 px")[1:]
+    assert found == ["1.23", "1.23", "0.50", *["5.7"] * 3, *["1.2%"] * 3, *["90"] * 3]
+    assert len(cells(text, "corners | both")) == len(found) + 1

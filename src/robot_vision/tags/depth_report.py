@@ -116,9 +116,9 @@ def misfit(check: DepthCheck, topic: str) -> str:
     if len(check.estimate):
         ratio = check.estimate.ratio()
         if ratio > WRONG_UNIT:
-            text += f": it is {ratio:.3g} times too large"
+            text += f": it is {ratio:.2g} times too large"
         elif ratio * WRONG_UNIT < 1.0:
-            text += f": it is {1.0 / ratio:.3g} times too small"
+            text += f": it is {1.0 / ratio:.2g} times too small"
         else:
             depth, error = check.estimate.errors().worst(0.0)
             text += f": it is off by {error:+.3f} m at {depth:.2f} m"
