@@ -66,11 +66,11 @@ Shot shoot(const Case& of, const CameraModel& camera, const robot_vision::DepthN
   Shot shot;
   shot.truth = {turn.rotation() * facing * spin.rotation(), cv::Vec3d(0.0, 0.0, of.distance)};
   const double half = of.size / 2.0;
-  const std::array<cv::Point3d, 4> points = {cv::Point3d(-half, -half, 0), {half, -half, 0}, {half, half, 0},
-                                             {-half, half, 0}};
+  const std::array<cv::Point3d, 4> points = {
+      cv::Point3d(-half, -half, 0), {half, -half, 0}, {half, half, 0}, {-half, half, 0}};
   for (std::size_t i = 0; i < 4; ++i)
-    shot.corners.corners[i] = camera.project(shot.truth * points[i]) +
-                              cv::Point2d(random.gaussian(of.noise), random.gaussian(of.noise));
+    shot.corners.corners[i] =
+        camera.project(shot.truth * points[i]) + cv::Point2d(random.gaussian(of.noise), random.gaussian(of.noise));
   const cv::Vec3d normal = shot.truth.rotation() * cv::Vec3d(0, 0, 1);
   const double distance = normal.dot(shot.truth.translation());
   cv::Mat exact(camera.height, camera.width, CV_32FC1);
@@ -200,22 +200,21 @@ public:
   {
     const double count = std::max(found_, 1);
     std::printf("\"%s\": {\"tilt\": %.4f, \"distance\": %.4f, \"wrong\": %.6f, \"us\": %.2f}", name_,
-                std::sqrt(tilts_ / count), std::sqrt(distances_ / count),
-                wrong_ / static_cast<double>(times_.size()), bench::median(times_));
+                std::sqrt(tilts_ / count), std::sqrt(distances_ / count), wrong_ / static_cast<double>(times_.size()),
+                bench::median(times_));
   }
 
 private:
   const char* name_;
   Find find_;
-  std::vector<double> times_;               // us
-  double tilts_ = 0.0, distances_ = 0.0;    // sums of squares, degrees^2 and mm^2
+  std::vector<double> times_;             // us
+  double tilts_ = 0.0, distances_ = 0.0;  // sums of squares, degrees^2 and mm^2
   int found_ = 0, wrong_ = 0;
 };
 
 std::optional<cv::Affine3d> poseOf(const Case& of, const robot_vision::TagCorners& corners, const CameraModel& camera)
 {
-  const auto poses =
-      robot_vision::estimatePose(robot_vision::singleTag(0, of.size), {corners}, camera, of.noise, 0.0);
+  const auto poses = robot_vision::estimatePose(robot_vision::singleTag(0, of.size), {corners}, camera, of.noise, 0.0);
   return poses ? std::optional<cv::Affine3d>(poses->best.pose) : std::nullopt;
 }
 

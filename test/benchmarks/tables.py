@@ -252,11 +252,11 @@ def tag_depth_table(results: Sequence[Dict[str, Any]]) -> str:
     ]
     return (
         "### Tags and a Kinect: poses by points, by corners, and by both\n\n"
-        "Points: as ar_track_alvar documents it, the centroid and the plane of the points inside of "
-        "the tag, and those\nof its four corners. Root mean square errors of the tilt in degrees, "
-        "and of the distance in mm; wrong side:\ntilted to the other side, or no pose at all. µs of "
-        "CPU for a pose, median. The first row of each tag has corners\nas libapriltag finds them, "
-        "the later ones as they are measured.\n\n"
+        "Points: as ar_track_alvar documents it, centroid and plane of the points inside of the\n"
+        "tag, axes of those of its four corners. Root mean square errors of the tilt in degrees\n"
+        "and of the distance in mm; wrong side: tilted to the other side, or no pose at all. µs\n"
+        "of CPU for a pose, median. Corners with 0.3 px are as libapriltag finds them, with 0.03\n"
+        "px as they are measured.\n\n"
     ) + table(columns, rows)
 
 

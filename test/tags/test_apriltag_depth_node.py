@@ -219,7 +219,11 @@ BAD = {
     "infinities": (np.full_like(GOOD, np.inf), "32FC1", "none of the 640x480 pixels has a depth"),
     "mm as m": (GOOD * 1000, "32FC1", " m by the encoding 32FC1, expected 0.05 to 200 m"),
     "m as mm": (GOOD.astype(np.uint16), "16UC1", " mm by the encoding 16UC1, expected 0.05 to 30"),
-    "0.1 mm as mm": (millimetres(GOOD * 10), "16UC1", "do not fit their corners: it is 10 times too"),
+    "0.1 mm as mm": (
+        millimetres(GOOD * 10),
+        "16UC1",
+        "do not fit their corners: it is 10 times too",
+    ),
     "cm as mm": (millimetres(GOOD / 10), "16UC1", "do not fit their corners: it is 10 times too"),
     "another place": (GOOD + 0.4, "32FC1", "do not fit their corners: it is off by +0.4"),
     "another size": (GOOD[::2, ::2], "32FC1", "expected the same, or a camera_info of 320x240 on"),

@@ -180,7 +180,11 @@ def test_a_tag_at_rest_counts_once(exact):
 
 @pytest.mark.parametrize(
     "factor, said",
-    [(10.0, "it is 10 times too large"), (0.1, "it is 10 times too small"), (1.3, "it is off by +")],
+    [
+        (10.0, "it is 10 times too large"),
+        (0.1, "it is 10 times too small"),
+        (1.3, "it is off by +"),
+    ],
 )
 def test_depths_in_another_unit_are_told_so(factor, said):
     found = SceneCheck(lambda depth: factor * depth)

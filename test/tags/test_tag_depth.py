@@ -54,7 +54,7 @@ def test_tilts_are_better_by_half_from_the_front_and_never_worse(sensor):
         alone, fused = np.sqrt(np.mean(np.square(distances), axis=0))
         assert fused < 1.02 * alone, tilt
         assert planes > 70
-        if tilt >= 10:  # From the front the covariance is that of two poses that are nearly the same.
+        if tilt >= 10:  # From the front there are two poses that are nearly the same.
             assert 0.6 < np.mean(squares) / FREEDOM < 1.5, tilt
 
 
@@ -114,7 +114,8 @@ def test_a_depth_image_may_have_another_size_and_lens(dtype):
         depth = depth.astype(np.float32) if dtype is np.float32 else np.rint(1000 * depth)
         tag_depth = TagDepth(depth.astype(dtype), other, rv.DepthErrorParams())
         plane = tag_depth.plane_of(corners, camera)
-        assert np.abs(plane.inverse_depth - expected).max() < (1e-4 if dtype is np.float32 else 0.01)
+        limit = 1e-4 if dtype is np.float32 else 0.01
+        assert np.abs(plane.inverse_depth - expected).max() < limit
         assert plane.pixels > 100
         poses = rv.estimate_pose(
             rv.single_tag(0, 0.2), {0: rv.MeasuredCorners(corners, plane=plane)}, camera
@@ -132,8 +133,7 @@ def test_a_part_of_a_tag_outside_of_the_depth_image_is_left_out():
     depth = TagDepth(view.image(truth, 0, np.random.default_rng(0)), other, rv.DepthErrorParams())
     plane = depth.plane_of(corners, camera)
     assert plane is not None and plane.pixels < 0.75 * 79 * 79
-    far = corners + [1000.0, 0.0]
-    assert depth.plane_of(far, camera) is None
+    assert depth.plane_of(corners + np.array([1000.0, 0.0]), camera) is None
 
 
 HOLES = {

@@ -68,6 +68,7 @@ struct Errors
   double distance = 0.0;     // m, root mean square
   double consistency = 0.0;  // mean squared error by the covariance, divided by the degrees of freedom
   int wrong = 0;             // poses that are tilted by more than a third of the angle between the two
+  int planes = 0;            // that the poses explain
 };
 
 constexpr int kFrames = 150;
@@ -96,6 +97,7 @@ Errors errorsOf(const cv::Affine3d& truth, double corner_noise, bool with_depth)
     errors.distance += std::pow(error[2], 2) / kFrames;
     errors.consistency += error.dot(best.covariance.solve(error, cv::DECOMP_SVD)) / 6.0 / kFrames;
     errors.wrong += tilt > 0.35;
+    errors.planes += poses->planes;
   }
   errors.tilt = std::sqrt(errors.tilt);
   errors.distance = std::sqrt(errors.distance);
@@ -201,6 +203,16 @@ TEST(TagPoseWithDepth, isMuchLessTiltedWhereTheTagFacesTheCamera)
   EXPECT_LT(fused.consistency, 1.3);
 }
 
+TEST(TagPoseWithDepth, takesPlanesOfTagsWhoseCornersLeaveTheTiltOpen)
+{
+  const cv::Affine3d truth = facing({0.17, 0.0, 0.3}, {0.1, 0.05, 2.0});
+  const Errors corners = errorsOf(truth, 0.3, false);
+  const Errors fused = errorsOf(truth, 0.3, true);
+  EXPECT_EQ(corners.planes, 0);
+  EXPECT_GE(fused.planes, kFrames - 2);
+  EXPECT_LT(fused.tilt, 0.5 * corners.tilt);
+}
+
 TEST(TagPoseWithDepth, isNeverWorseAtAnyTilt)
 {
   for (const double tilt : {0.3, 0.6, 0.9, 1.2})
@@ -231,9 +243,10 @@ TEST(TagPoseWithDepth, leavesOutThePlaneOfSomethingElse)
   const PoseEstimate alone = estimatePose(singleTag(0, kSize), {corners}, kCamera, 0.2, 0.0)->best;
   corners.plane = measureTagPlane(depthOf(truth, kCamera) + 0.3F, corners.corners, kCamera);
   ASSERT_TRUE(corners.plane);
-  const PoseEstimate best = estimatePose(singleTag(0, kSize), {corners}, kCamera, 0.2, 0.0)->best;
-  EXPECT_EQ(best.pose.matrix, alone.pose.matrix);
-  EXPECT_EQ(best.covariance, alone.covariance);
+  const auto poses = estimatePose(singleTag(0, kSize), {corners}, kCamera, 0.2, 0.0);
+  EXPECT_EQ(poses->planes, 0);
+  EXPECT_EQ(poses->best.pose.matrix, alone.pose.matrix);
+  EXPECT_EQ(poses->best.covariance, alone.covariance);
 }
 
 TEST(TagPoseWithDepth, refusesWhatIsNoPlane)
@@ -260,9 +273,10 @@ TEST(TagPoseWithDepth, isThatOfABundle)
     tags.back().plane = measureTagPlane(depthOf(truth * tag.pose, kCamera), tags.back().corners, kCamera);
     ASSERT_TRUE(tags.back().plane);
   }
-  const PoseEstimate best = estimatePose(bundle, tags, kCamera, 0.3, 0.0)->best;
-  EXPECT_LT(angleBetween(best.pose, truth), 1e-3);
-  EXPECT_LT(distanceBetween(best.pose, truth), 1e-3);
+  const auto poses = estimatePose(bundle, tags, kCamera, 0.3, 0.0);
+  EXPECT_EQ(poses->planes, 2);
+  EXPECT_LT(angleBetween(poses->best.pose, truth), 1e-3);
+  EXPECT_LT(distanceBetween(poses->best.pose, truth), 1e-3);
 }
 
 TEST(TagPoseTracker, takesPlanesToo)

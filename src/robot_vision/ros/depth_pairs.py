@@ -82,11 +82,14 @@ class DepthPairs(Generic[Image, Depth]):
             depth = self._nearest(header)
             if depth is not None:
                 self._unmet = 0
-            elif patient and len(self._waiting) <= MAX_WAITING:
-                if _seconds(self._depths[-1].header, header) <= 0.0:
-                    break  # Its own depth may be the next one.
+            elif patient and len(self._waiting) <= MAX_WAITING and self._may_come(header):
+                break
             ready.append((self._waiting.popleft(), depth))
         return ready
+
+    def _may_come(self, header: Any) -> bool:
+        """Returns whether the newest depth is older, so that a later one may be nearer."""
+        return _seconds(self._depths[-1].header, header) <= 0.0
 
     def _nearest(self, header: Any) -> Optional[Depth]:
         """Returns the depth whose stamp is nearest to that of a header, if it is near enough.

@@ -9,8 +9,8 @@ from std_msgs.msg import Header
 from tf2_msgs.msg import TFMessage
 from visualization_msgs.msg import MarkerArray
 
-from .. import TagDetector as Detector
 from .. import CameraModel, DepthErrorParams, Tag, TagDetectorParams, TagPoseParams, to_bgr, to_gray
+from .. import TagDetector as Detector
 from ..msg import TagDetectionArray
 from ..ros.camera_info import CameraInfoListener
 from ..ros.configs import ApriltagDetectorConfig

@@ -118,7 +118,7 @@ class DepthCheck:
 def depth_at(
     estimate: PoseEstimate, plane: DepthPlane, bias: float
 ) -> Optional[Tuple[float, float]]:
-    """Returns the depth of a plane in the middle of a tag, and its variance, without that of a bias.
+    """Returns the depth of a plane in the middle of a tag, and its variance without that of a bias.
 
     Args:
         estimate: The tag's pose.

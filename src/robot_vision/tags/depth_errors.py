@@ -42,16 +42,15 @@ class DepthErrors(NamedTuple):
         return float(np.sqrt(self.covariance[1, 1]))
 
     def at(self, depth: float) -> Tuple[float, float]:
-        """Returns by how much a true depth is measured wrong, and the standard error of that (m)."""
+        """Returns by how much a true depth is measured wrong, and its standard error, in m."""
         row = np.array([depth, 1.0])
         error = (self.scale - 1.0) * depth + self.bias
         return error, float(np.sqrt(row @ self.covariance @ row))
 
     def worst(self, limit: float) -> Tuple[float, float]:
-        """Returns the depth among those measured, and its error, that is wrong by more than `limit`.
+        """Returns the depth among those measured that is wrong most, and its error, in m.
 
-        All in m. The error is 0 if it is nowhere larger, or not significantly: by three standard
-        errors.
+        The error is 0 if it is nowhere above `limit`, or not significantly: three standard errors.
         """
         found = self.nearest, 0.0
         for depth in (self.nearest, (self.nearest + self.farthest) / 2.0, self.farthest):

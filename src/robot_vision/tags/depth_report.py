@@ -122,6 +122,5 @@ def misfit(check: DepthCheck, topic: str) -> str:
         else:
             depth, error = check.estimate.errors().worst(0.0)
             text += f": it is off by {error:+.3f} m at {depth:.2f} m"
-    return (
-        f"{text}. They are left out: is the unit right, is tag_size, or has depth_bias to be larger?"
-    )
+    hint = "is the unit right, is tag_size, or has depth_bias to be larger?"
+    return f"{text}. They are left out: {hint}"
