@@ -13,7 +13,8 @@ from frames import Source, message
 from sensor_msgs.msg import CameraInfo
 from std_msgs.msg import Header
 from tag_depths import tilt_of, view_of
-from tag_studio import SIZE, K, Studio, assert_near, calibrated, facing, image_of, matrix_of
+from tag_studio import SIZE, K, Studio, assert_near, calibrated, facing, matrix_of
+from tag_views import image_of
 from tf2_msgs.msg import TFMessage
 
 import robot_vision as rv
@@ -33,8 +34,8 @@ numbers = itertools.count()
 
 def noisy_image(pose, rng):
     """An image of the tag 5, of a camera that sees little light."""
-    image = image_of([(5, pose)]) + rng.normal(0.0, 20.0, (480, 640))
-    return image.clip(0, 255).astype(np.uint8)
+    rays = VIEW.rays[:, :, :2]
+    return image_of(pose, VIEW.camera, rays, 5, rng, blur=0.7, noise=12.0, size=SIZE)
 
 
 SCENERY = noisy_image(FRONT, np.random.default_rng(0))
@@ -141,8 +142,10 @@ def test_all_outputs_are_of_corners_and_depth(start, encoding):
     depth[::7] = NAN  # a sensor has holes
     if encoding != "32FC1":
         depth = millimetres(depth)
-    answer = studio.show_both_until(is_fused, SCENERY, depth, encoding)
+    studio.show_both_until(is_fused, SCENERY, depth, encoding)
+    answer = studio.tags.of(studio.send_both(SCENERY, depth, encoding))
     (tag,) = answer.detections
+    assert is_fused(answer)
     assert_near(matrix_of(tag.pose.pose), FRONT, 0.005, 0.5)
     (transform,) = transforms.of(answer.header.stamp).transforms
     assert np.allclose(matrix_of(transform.transform), matrix_of(tag.pose.pose))
@@ -322,7 +325,8 @@ def test_a_sensor_that_is_off_is_on_diagnostics(start):
 
     def warned():
         pose = facing(0.05, -0.05, next(distances), (0.3, 0.2, 0.1))
-        studio.send_both(image_of([(5, pose)]), 1.03 * depth_of(pose) + np.float32(0.02))
+        image = noisy_image(pose, np.random.default_rng(0))
+        studio.send_both(image, 1.03 * depth_of(pose) + np.float32(0.02))
         return [one for one in statuses(DiagnosticStatus.WARN) if "off by" in one.message]
 
     status = support.wait_for(warned, "the warning")[-1]

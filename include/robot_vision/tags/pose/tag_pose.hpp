@@ -86,8 +86,8 @@ struct TagPoses
 /// `lens_noise` (px, 0 to 10) is that of the error that the calibration of the lens leaves; it is similar in corners
 /// near each other.
 /// Where a tag comes with a plane, the pose explains both: corners and plane are weighted by their covariances. A plane
-/// that no pose near those of the corners explains (its squared error is one of the largest in 1000) is of something
-/// else, or its sensor is wrong: it is left out.
+/// that no pose near those of the corners explains (its squared error is one of the largest in 100000) is of
+/// something else, or its sensor is wrong: it is left out.
 /// The result is empty if none of the tags is seen, or if no pose in front of the camera explains the
 /// corners. Throws std::invalid_argument as validate() does for the bundle and the camera, for a noise out of range,
 /// and for corners that no tag can have, naming them: corners that are not finite, not convex, in the wrong order,
