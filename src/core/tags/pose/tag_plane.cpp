@@ -2,12 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
+#include <cstddef>
 #include <iterator>
 #include <limits>
 #include <string>
 #include <vector>
 
+#include "depth_samples.hpp"
 #include "robot_vision/common/range.hpp"
 
 namespace robot_vision
@@ -15,8 +16,6 @@ namespace robot_vision
 namespace
 {
 
-constexpr double kMargin = 1.0;       // px between a tag's edge and the depths that are used
-constexpr double kMaxSamples = 2000;  // of a tag; more take time, and make the plane no better than its bias
 constexpr std::size_t kMinSamples = 12;
 constexpr double kMinShare = 0.6;      // of the samples, that agree with the plane
 constexpr int kRobustSteps = 6;        // of the fit with Huber's weights
@@ -25,62 +24,8 @@ constexpr double kMaxResidual = 4.0;   // standard deviations, of a depth that a
 constexpr double kMedianToSigma = 1.4826;
 constexpr double kMaxScatter = 9.0;  // mean squared residual, from which on the depths are of no plane
 
-struct Sample
-{
-  cv::Vec3d ray;  // x, y, 1
-  double depth;   // m
-  double inverse_depth;
-  double noise;  // standard deviation of the inverse depth, 1/m
-};
-
-using Quad = std::array<cv::Point2d, 4>;
-
-/// Whether a pixel is in the quad, counter-clockwise in an image whose y points down, and so far from its edges.
-bool isInside(const Quad& quad, const cv::Point2d& pixel, double margin)
-{
-  for (std::size_t i = 0; i < quad.size(); ++i)
-  {
-    const cv::Point2d along = quad[(i + 1) % quad.size()] - quad[i];
-    if ((pixel - quad[i]).cross(along) < margin * cv::norm(along)) return false;
-  }
-  return true;
-}
-
-/// The depth of a pixel in m, NaN where it is unknown.
-double depthAt(const cv::Mat& depth, int x, int y)
-{
-  if (depth.type() == CV_16UC1)
-  {
-    const auto millimetres = depth.at<std::uint16_t>(y, x);
-    return millimetres == 0 ? std::numeric_limits<double>::quiet_NaN() : millimetres / 1000.0;
-  }
-  const double metres = static_cast<double>(depth.at<float>(y, x));
-  return std::isfinite(metres) && metres > 0.0 ? metres : std::numeric_limits<double>::quiet_NaN();
-}
-
-std::vector<Sample> samplesOf(const cv::Mat& depth, const Quad& quad, int stride, const CameraModel& camera,
-                              const DepthErrorParams& params)
-{
-  const auto [left, right] = std::minmax({quad[0].x, quad[1].x, quad[2].x, quad[3].x});
-  const auto [top, bottom] = std::minmax({quad[0].y, quad[1].y, quad[2].y, quad[3].y});
-  const int end_x = std::min(cvFloor(right) + 1, depth.cols);
-  const int end_y = std::min(cvFloor(bottom) + 1, depth.rows);
-  std::vector<Sample> samples;
-  for (int y = std::max(cvCeil(top), 0); y < end_y; y += stride)
-    for (int x = std::max(cvCeil(left), 0); x < end_x; x += stride)
-    {
-      const cv::Point2d pixel(x, y);
-      const double z = depthAt(depth, x, y);
-      if (std::isnan(z) || !isInside(quad, pixel, kMargin)) continue;
-      const cv::Point2d ray = camera.ray(pixel);
-      if (std::isnan(ray.x)) continue;
-      samples.push_back({{ray.x, ray.y, 1.0}, z, 1.0 / z, depthDeviation(z, params) / (z * z)});
-    }
-  return samples;
-}
-
 /// The residual of a sample in standard deviations.
-double residualOf(const Sample& sample, const cv::Vec3d& plane)
+double residualOf(const DepthSample& sample, const cv::Vec3d& plane)
 {
   return (sample.inverse_depth - sample.ray.dot(plane)) / sample.noise;
 }
@@ -93,12 +38,12 @@ struct PlaneFit
 };
 
 /// Fits a plane, each sample with its own weight. Returns nothing if the samples lie on a line.
-template <class Weight>  // double(const Sample&)
-std::optional<PlaneFit> fitPlane(const std::vector<Sample>& samples, const Weight& weight)
+template <class Weight>  // double(const DepthSample&)
+std::optional<PlaneFit> fitPlane(const std::vector<DepthSample>& samples, const Weight& weight)
 {
   cv::Matx33d information = cv::Matx33d::zeros();
   cv::Vec3d moment;
-  for (const Sample& sample : samples)
+  for (const DepthSample& sample : samples)
   {
     const double w = weight(sample) / (sample.noise * sample.noise);
     information += w * (sample.ray * sample.ray.t());
@@ -121,51 +66,51 @@ double huberWeight(double residual)
 
 /// The samples that agree with the plane of most of them. Their scatter may be larger than the sensor's noise is said
 /// to be.
-std::vector<Sample> inliersOf(const std::vector<Sample>& samples)
+std::vector<DepthSample> inliersOf(const std::vector<DepthSample>& samples)
 {
-  std::optional<PlaneFit> fit = fitPlane(samples, [](const Sample&) { return 1.0; });
+  std::optional<PlaneFit> fit = fitPlane(samples, [](const DepthSample&) { return 1.0; });
   double scatter = 1.0;
   std::vector<double> residuals(samples.size());
   for (int step = 0; fit && step < kRobustSteps; ++step)
   {
     std::transform(samples.begin(), samples.end(), residuals.begin(),
-                   [&](const Sample& sample) { return std::abs(residualOf(sample, fit->plane)); });
+                   [&](const DepthSample& sample) { return std::abs(residualOf(sample, fit->plane)); });
     const auto middle = residuals.begin() + static_cast<std::ptrdiff_t>(residuals.size() / 2);
     std::nth_element(residuals.begin(), middle, residuals.end());
     scatter = std::max(kMedianToSigma * *middle, 1.0);
-    fit =
-        fitPlane(samples, [&](const Sample& sample) { return huberWeight(residualOf(sample, fit->plane) / scatter); });
+    fit = fitPlane(samples,
+                   [&](const DepthSample& sample) { return huberWeight(residualOf(sample, fit->plane) / scatter); });
   }
-  std::vector<Sample> inliers;
+  std::vector<DepthSample> inliers;
   if (!fit) return inliers;
   std::copy_if(samples.begin(), samples.end(), std::back_inserter(inliers),
-               [&](const Sample& sample)
+               [&](const DepthSample& sample)
                { return std::abs(residualOf(sample, fit->plane)) <= kMaxResidual * scatter; });
   return inliers;
 }
 
 /// The mean squared residual, in variances of the noise.
-double scatterOf(const PlaneFit& fit, const std::vector<Sample>& samples)
+double scatterOf(const PlaneFit& fit, const std::vector<DepthSample>& samples)
 {
   double squares = 0.0;
-  for (const Sample& sample : samples)
+  for (const DepthSample& sample : samples)
     squares += std::pow(residualOf(sample, fit.plane), 2);
   return squares / static_cast<double>(samples.size() - 3);
 }
 
 /// The covariance of a plane with what the noise of a pixel alone does not tell: noise that is larger than said, that
 /// neighbours share, and that all depths have in common.
-cv::Matx33d wholeCovariance(const PlaneFit& fit, const std::vector<Sample>& samples, int stride,
+cv::Matx33d wholeCovariance(const PlaneFit& fit, const std::vector<DepthSample>& samples, const cv::Size& stride,
                             const DepthErrorParams& params)
 {
   cv::Vec3d response;  // of the plane to a change of all depths
-  for (const Sample& sample : samples)
+  for (const DepthSample& sample : samples)
   {
     const double by_depth = -sample.inverse_depth * sample.inverse_depth;
     response += by_depth / (sample.noise * sample.noise) * sample.ray;
   }
   response = fit.covariance * response;
-  const double shared = std::max(static_cast<double>(params.depth_correlation) / (stride * stride), 1.0);
+  const double shared = std::max(static_cast<double>(params.depth_correlation) / stride.area(), 1.0);
   const double depth = 1.0 / fit.plane.dot(samples.front().ray);
   // All depths of a plane that faces the camera may lie on one step of the sensor.
   const double step = stepDeviation(depth, params);
@@ -198,15 +143,13 @@ std::optional<DepthPlane> measureTagPlane(const cv::Mat& depth, const std::array
           cv::typeToString(depth.type()), "CV_32FC1 (m) or CV_16UC1 (mm)");
   require(depth.cols == camera.width && depth.rows == camera.height, "size of the depth image", toText(depth.size()),
           "that of the camera, " + sizeText(camera.width, camera.height));
-  const cv::Point2d down = corners[2] - corners[0];
-  const double area = std::abs(down.cross(corners[3] - corners[1])) / 2.0;
-  const int stride = std::max(cvCeil(std::sqrt(area / kMaxSamples)), 1);
-  const std::vector<Sample> all = samplesOf(depth, corners, stride, camera, params);
+  const cv::Size stride = depthStride(corners);
+  const std::vector<DepthSample> all = depthSamples(depth, corners, stride, camera, params);
   if (all.size() < kMinSamples) return std::nullopt;
-  const std::vector<Sample> inliers = inliersOf(all);
+  const std::vector<DepthSample> inliers = inliersOf(all);
   if (inliers.size() < std::max(kMinSamples, static_cast<std::size_t>(kMinShare * static_cast<double>(all.size()))))
     return std::nullopt;
-  const std::optional<PlaneFit> fit = fitPlane(inliers, [](const Sample&) { return 1.0; });
+  const std::optional<PlaneFit> fit = fitPlane(inliers, [](const DepthSample&) { return 1.0; });
   if (!fit || scatterOf(*fit, inliers) > kMaxScatter) return std::nullopt;
   const DepthPlane plane{fit->plane, wholeCovariance(*fit, inliers, stride, params), static_cast<int>(inliers.size())};
   // Depths of a few micrometres, or of a light year, are finite numbers, but not what follows from them.
