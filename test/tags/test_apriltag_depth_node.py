@@ -18,7 +18,7 @@ from tag_views import image_of
 from tf2_msgs.msg import TFMessage
 
 import robot_vision as rv
-from robot_vision.msg import TagDetectionArray
+from robot_vision.msg import GroundTruth, TagDetectionArray
 from robot_vision.srv import DetectTags
 from robot_vision.transport import ImagePublisher
 
@@ -305,6 +305,36 @@ def test_a_depth_camera_that_is_silent_is_told_once(start):
         studio.show(SCENERY)
     assert studio.process.output().count("no depth on ") == 1
     studio.show_both_until(is_fused, SCENERY, GOOD)
+
+
+def test_tags_of_the_scene_by_a_registered_kinect(start):
+    """All nodes of docs/depth.md, in the frames that they themselves give."""
+    start("camera_node", "__name:=camera", "_source:=synthetic", "_views:=rgbd", "_framerate:=10")
+    start("depth_registration_node", "__name:=registration", "__ns:=/camera")
+    words = "image:=/camera/rgb/image_raw", "_tag_size:=0.24"
+    depth = "depth:=/camera/depth_registered/image_raw"
+    start("apriltag_detector.py", "__name:=tag", *words, depth)
+    start("apriltag_detector.py", "__name:=plain", *words)
+    topics = [support.Messages(f"/{name}/tags", TagDetectionArray) for name in ("tag", "plain")]
+    truths = support.Messages("/camera/ground_truth", GroundTruth)
+
+    def answers_to_both():
+        of = [{one.header.stamp: one for one in topic.received} for topic in (*topics, truths)]
+        return [[one[stamp] for one in of] for stamp in set.intersection(*map(set, of))]
+
+    support.wait_for(lambda: len(answers_to_both()) >= 40, "answers of both nodes")
+    errors = []
+    for *answers, truth in answers_to_both():
+        poses = [{tag.id: tag.pose for tag in one.detections if tag.has_pose} for one in answers]
+        true = {one.name: matrix_of(one.pose) for one in truth.objects}
+        for tag in set.intersection(*map(set, poses)):
+            found = [one[tag] for one in poses]
+            tilts = [tilt_of(matrix_of(one.pose), true[f"tag_{tag}"]) for one in found]
+            errors.append((*tilts, *map(deviation_of, found)))
+    tilt, tilt_alone, said, said_alone = np.median(errors, axis=0)
+    assert len(errors) >= 20
+    assert said < 0.9 * said_alone, (said, said_alone)
+    assert tilt < 1.2 * tilt_alone, (tilt, tilt_alone)
 
 
 def test_a_sensor_that_is_off_is_on_diagnostics(start):
