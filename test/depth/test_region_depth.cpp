@@ -120,6 +120,9 @@ TEST(RegionLocator, onlyWhatIsInTheOutlineCounts)
   const auto found = locate(depth, camera, region);
   EXPECT_NEAR(found->position.z, 1.2, 1e-6);
   EXPECT_NEAR(found->pixels, 4.0 * 91, 60.0);
+  region.outline.insert(region.outline.end(), {{0, 0}, {0, 0}});  // lines to and fro enclose nothing more
+  region.outline.push_back(region.outline[3]);
+  EXPECT_EQ(locate(depth, camera, region)->pixels, found->pixels);
   region.outline.resize(2);  // a line, in which there is nothing
   EXPECT_GT(locate(depth, camera, region)->position.z, 2.5);
 }
@@ -218,6 +221,9 @@ TEST(RegionLocator, whatCannotBeIsRefused)
   bad = region;
   bad.radius = -1.0;
   EXPECT_EQ(refused(bad), "the radius is -1, must be from 0 to 1e+07");
+  bad.radius = 1e6;
+  EXPECT_EQ(refusal([&] { locate(depth, camera, bad, sphere()); }),
+            "the radius is 1e+06, must be that of a sphere which is seen in one image");
   EXPECT_EQ(refusal([&] { locate(depth(cv::Rect(0, 0, 60, 48)), camera, region); }),
             "the size of the depth image is 60x48, must be 64x48 as of its camera");
   EXPECT_NE(refusal([&] { RegionLocator(camera).locate(depth, "bgr8", region); }).find("must be 16UC1"),

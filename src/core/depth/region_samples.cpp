@@ -4,7 +4,8 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <tuple>
+#include <functional>
+#include <numeric>
 #include <utility>
 
 #include "depth_layers.hpp"
@@ -15,24 +16,8 @@ namespace
 {
 
 constexpr double kMaxSamples = 1000.0;
+constexpr double kMaxLooks = 100000.0;  // at pixels of the box, of which few may be in a thin outline
 constexpr float kMetresPerMm = 0.001F;
-
-/// Where an outline crosses the middle of a row of pixels.
-struct Crossing
-{
-  int y;
-  double x;
-
-  bool operator<(const Crossing& other) const { return std::tie(y, x) < std::tie(other.y, other.x); }
-};
-
-/// Pixels from `begin` to before `end` of a row.
-struct Span
-{
-  int y;
-  int begin;
-  int end;
-};
 
 double areaOf(const std::vector<cv::Point2d>& outline)
 {
@@ -42,53 +27,54 @@ double areaOf(const std::vector<cv::Point2d>& outline)
   return std::abs(twice) / 2.0;
 }
 
-/// Rows and columns of pixels at equal distances.
+/// Pixels at equal distances in rows and columns.
 struct Grid
 {
-  cv::Rect part;  // px, of the image
-  int stride;     // px
+  Grid(const cv::Rect& part, int distance)
+    : stride(distance),
+      left(part.x + std::min(stride, part.width) / 2),
+      top(part.y + std::min(stride, part.height) / 2),
+      columns((part.br().x - left + stride - 1) / stride),
+      rows((part.br().y - top + stride - 1) / stride)
+  {
+  }
 
-  int left() const { return part.x + std::min(stride, part.width) / 2; }
-  int top() const { return part.y + std::min(stride, part.height) / 2; }
-
-  /// The first row or column from `from` on, of those that begin with `first`.
-  int next(int first, int from) const { return first + std::max(0, (from - first + stride - 1) / stride) * stride; }
+  int stride;  // px
+  int left;    // px, of the first column
+  int top;     // px, of the first row
+  int columns;
+  int rows;
 };
 
-/// Adds where the line from a to b crosses rows: also at its upper end, but not at its lower end.
-void addCrossings(cv::Point2d a, cv::Point2d b, const Grid& grid, std::vector<Crossing>& crossings)
+/// The first of `count` rows or columns that is at or behind a position; `count` if none is.
+int firstFrom(double position, int begin, int stride, int count)
 {
-  if (a.y > b.y) std::swap(a, b);
-  const double top = grid.part.y, bottom = grid.part.br().y;
-  const int first = static_cast<int>(std::clamp(std::ceil(a.y), top, bottom));
-  const int end = static_cast<int>(std::clamp(std::ceil(b.y), top, bottom));
-  for (int y = grid.next(grid.top(), first); y < end; y += grid.stride)
-    crossings.push_back({y, a.x + (y - a.y) * ((b.x - a.x) / (b.y - a.y))});
+  return static_cast<int>(std::clamp(std::ceil((position - begin) / stride), 0.0, static_cast<double>(count)));
 }
 
-std::vector<Span> spansOf(const Grid& grid, const std::vector<cv::Point2d>& outline)
+/// Which pixels of a grid are inside of an outline, row by row. Each line of the outline turns what is to the right of
+/// it into the opposite.
+std::vector<std::uint8_t> insideOf(const Grid& grid, const std::vector<cv::Point2d>& outline)
 {
-  std::vector<Crossing> crossings;
+  std::vector<std::uint8_t> inside(static_cast<std::size_t>(grid.columns) * static_cast<std::size_t>(grid.rows), 0);
   for (std::size_t i = 0; i < outline.size(); ++i)
-    addCrossings(outline[i], outline[(i + 1) % outline.size()], grid, crossings);
-  std::sort(crossings.begin(), crossings.end());
-  std::vector<Span> spans;
-  const double left = grid.part.x, right = grid.part.br().x;
-  for (std::size_t i = 0; i + 1 < crossings.size(); i += 2)  // a closed outline crosses a row an even number of times
   {
-    const double begin = std::clamp(std::ceil(crossings[i].x), left, right);
-    const double end = std::clamp(std::floor(crossings[i + 1].x) + 1.0, left, right);
-    spans.push_back({crossings[i].y, static_cast<int>(begin), static_cast<int>(end)});
+    cv::Point2d a = outline[i], b = outline[(i + 1) % outline.size()];
+    if (a.y > b.y) std::swap(a, b);
+    const int end = firstFrom(b.y, grid.top, grid.stride, grid.rows);
+    for (int row = firstFrom(a.y, grid.top, grid.stride, grid.rows); row < end; ++row)
+    {
+      const double share = (grid.top + row * grid.stride - a.y) / (b.y - a.y);
+      const int column = firstFrom(a.x + share * (b.x - a.x), grid.left, grid.stride, grid.columns);
+      if (column < grid.columns) inside[static_cast<std::size_t>(row * grid.columns + column)] ^= 1U;
+    }
   }
-  return spans;
-}
-
-std::vector<Span> spansOf(const Grid& grid)
-{
-  std::vector<Span> spans;
-  for (int y = grid.top(); y < grid.part.br().y; y += grid.stride)
-    spans.push_back({y, grid.part.x, grid.part.br().x});
-  return spans;
+  for (int row = 0; row < grid.rows; ++row)
+  {
+    auto* const first = inside.data() + row * grid.columns;
+    std::partial_sum(first, first + grid.columns, first, std::bit_xor<std::uint8_t>());
+  }
+  return inside;
 }
 
 /// How much a place counts that is this share of the way through a side of the box.
@@ -98,19 +84,23 @@ double weightAt(double share)
   return std::max(1.0 - off * off, 0.0);
 }
 
+/// Adds the pixels that have a depth; `inside` is empty if all count.
 template <class Value>
-void addSamples(const cv::Mat& depth, const cv::Rect& box, const Grid& grid, const std::vector<Span>& spans,
+void addSamples(const cv::Mat& depth, const cv::Rect& box, const Grid& grid, const std::vector<std::uint8_t>& inside,
                 float metres, std::vector<RegionSample>& samples)
 {
-  for (const Span& span : spans)
+  for (int row = 0; row < grid.rows; ++row)
   {
-    const auto* const row = depth.ptr<Value>(span.y);
-    const double weight = weightAt((span.y + 0.5 - box.y) / box.height);
-    for (int x = grid.next(grid.left(), span.begin); x < span.end; x += grid.stride)
+    const int y = grid.top + row * grid.stride;
+    const auto* const values = depth.ptr<Value>(y);
+    const double weight = weightAt((y + 0.5 - box.y) / box.height);
+    for (int column = 0; column < grid.columns; ++column)
     {
-      const float z = static_cast<float>(row[x]) * metres;
+      if (!inside.empty() && inside[static_cast<std::size_t>(row * grid.columns + column)] == 0) continue;
+      const int x = grid.left + column * grid.stride;
+      const float z = static_cast<float>(values[x]) * metres;
       if (!(z > 0.0F && z <= kMaxLayerDepth)) continue;
-      samples.push_back({x, span.y, z, static_cast<float>(weight * weightAt((x + 0.5 - box.x) / box.width))});
+      samples.push_back({x, y, z, static_cast<float>(weight * weightAt((x + 0.5 - box.x) / box.width))});
     }
   }
 }
@@ -120,16 +110,18 @@ void addSamples(const cv::Mat& depth, const cv::Rect& box, const Grid& grid, con
 RegionSamples samplesOf(const cv::Mat& depth, const cv::Rect& box, const std::vector<cv::Point2d>& outline)
 {
   const cv::Rect part = box & cv::Rect(0, 0, depth.cols, depth.rows);
-  const double all = part.area(), inside = areaOf(outline);
-  const double area = inside >= 1.0 ? std::min(inside, all) : all;
+  const double all = part.area(), enclosed = areaOf(outline);
+  const bool has_outline = enclosed >= 1.0;
+  const double area = has_outline ? std::min(enclosed, all) : all;
+  const double square = std::max(area / kMaxSamples, all / kMaxLooks);  // px^2, for each sample
   RegionSamples found;
-  found.stride = std::max(1, static_cast<int>(std::ceil(std::sqrt(area / kMaxSamples))));
-  const Grid grid = {part, found.stride};
-  const std::vector<Span> spans = inside >= 1.0 ? spansOf(grid, outline) : spansOf(grid);
+  found.stride = std::max(1, static_cast<int>(std::ceil(std::sqrt(square))));
+  const Grid grid(part, found.stride);
+  const std::vector<std::uint8_t> inside = has_outline ? insideOf(grid, outline) : std::vector<std::uint8_t>();
   if (depth.type() == CV_16UC1)
-    addSamples<std::uint16_t>(depth, box, grid, spans, kMetresPerMm, found.samples);
+    addSamples<std::uint16_t>(depth, box, grid, inside, kMetresPerMm, found.samples);
   else
-    addSamples<float>(depth, box, grid, spans, 1.0F, found.samples);
+    addSamples<float>(depth, box, grid, inside, 1.0F, found.samples);
   return found;
 }
 

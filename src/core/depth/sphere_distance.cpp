@@ -11,6 +11,8 @@ namespace robot_vision
 namespace
 {
 
+constexpr double kMaxRadius = 1.2;  // rad, of a sphere as it is seen
+
 cv::Vec3d directionOf(const CameraModel& camera, const cv::Point2d& pixel)
 {
   const cv::Point2d ray = rayThrough(camera, pixel);
@@ -42,6 +44,7 @@ SphereView sphereView(const CameraModel& camera, const cv::Point2d& center, doub
   // angle is smaller.
   view.radius = std::min(meanAngle(camera, view.axis, center, radial),
                          meanAngle(camera, view.axis, center, {-radial.y, radial.x}));
+  require(view.radius <= kMaxRadius, "the radius", radius, "that of a sphere which is seen in one image");
   return view;
 }
 

@@ -19,7 +19,7 @@ struct SphereView
 };
 
 /// The view of a sphere that this circle encloses in the image, px. Throws std::invalid_argument if the lens has no
-/// rays there.
+/// rays there, or the sphere is too large.
 SphereView sphereView(const CameraModel& camera, const cv::Point2d& center, double radius);
 
 constexpr std::size_t kMaxSphereSamples = 300;  // that are asked: the ray of each takes time
