@@ -223,6 +223,14 @@ def calibrated_by_itself(info):
     info.P[0], info.P[3] = 200.0, 0.0
 
 
+def nan_in_k(info):
+    info.K = [float("nan"), *info.K[1:]]
+
+
+def infinite_baseline(info):
+    info.P[3] = -float("inf")
+
+
 def other_focal_length(info):
     info.P[0] = 200.0
 
@@ -237,6 +245,8 @@ def other_focal_length(info):
         ("right", no_baseline, SIDES, "P[3] of the right camera is 0, must be below 0, -P[0]"),
         ("right", swapped, SIDES, "P[3] of the right camera is 27, must be below 0, -P[0]"),
         ("right", calibrated_by_itself, SIDES, "P[3] of the right camera is 0, must be below 0"),
+        ("left", nan_in_k, ("left",), "K is nan, must be finite"),
+        ("right", infinite_baseline, ("right",), "P is -inf, must be finite"),
         ("right", other_focal_length, SIDES, "P[0] of the right camera is 200, must be 180 as of"),
     ],
 )
