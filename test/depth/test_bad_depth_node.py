@@ -13,6 +13,8 @@ import support
 from rgbd_cameras import SIZES, RgbdCameras
 from sensor_msgs.msg import Image
 
+from robot_vision.msg import TableArray
+
 WIDTH, HEIGHT = SIZES["depth"]
 METRES = np.full((HEIGHT, WIDTH), 2.0, np.float32)
 METRES[10:30, 20:40] = 1.2
@@ -38,6 +40,12 @@ NODES = {
         lambda cameras: f"{cameras.namespace}/taker",
         lambda cameras: (cameras.output("image_raw"), Image),
         infos=("depth", "rgb"),
+    ),
+    "tabletop": Node(
+        "tabletop.py",
+        lambda cameras: ["__name:=taker", f"image:={cameras.topic('depth', 'image_raw')}"],
+        lambda cameras: "/taker",
+        lambda cameras: ("/taker/tables", TableArray),
     ),
 }
 

@@ -43,7 +43,11 @@ BASICS = {  # with basics:=true
         "lane_detector",
     )
 }
-DEPTH = {"depth_registration": "/usb_cam/depth_registered/image_raw"}  # with depth:=true
+DEPTH = {  # with depth:=true
+    "depth_registration": "/usb_cam/depth_registered/image_raw",
+    "tabletop": "/tabletop/processed_image",
+    "detections_3d": "/detections_3d/processed_image",
+}
 WIDTH = max(map(len, TOPICS))
 VIEWER = TOPICS["usb_cam"] + " "  # the start of simple_camera_view's title, which has two blanks
 WINDOWS_TIMEOUT = 120.0  # s for all windows to open
