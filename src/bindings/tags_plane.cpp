@@ -3,7 +3,6 @@
 #include "arrays.hpp"
 #include "depth_arrays.hpp"
 #include "leave_gil.hpp"
-#include "params.hpp"
 #include "registry.hpp"
 #include "robot_vision/tags/pose/tag_plane.hpp"
 
@@ -24,8 +23,6 @@ DepthPlane makePlane(const Matrix& inverse_depth, const Matrix& covariance, int 
 
 void bindTagPlane(py::module& m)
 {
-  bindParams<DepthErrorParams>(m, "DepthErrorParams", "How wrong the distances of a depth camera are.");
-
   py::class_<DepthPlane>(m, "DepthPlane",
                          "A plane that a depth image shows: on the ray (x, y, 1) of the camera's optical frame it has "
                          "the depth 1 / (a x + b y + c).")
@@ -53,6 +50,6 @@ void bindTagPlane(py::module& m)
       "Raises ValueError for an image of another size, and for a parameter out of range.");
 }
 
-const Bindings kBindings("tags/plane", {"geometry"}, bindTagPlane);
+const Bindings kBindings("tags/plane", {"geometry", "depth"}, bindTagPlane);
 
 }  // namespace

@@ -40,7 +40,8 @@ ENCODINGS = {
 NO_TEXTS = {
     *("tag_size", "ball_diameter", "image_width", "image_height", "framerate", "loop", "view"),
     *("basics", "camera_height", "columns", "invert", "lane_width", "max_features", "pitch"),
-    *("color", "depth", "disparities", "max_distance", "radius", "rows", "slop", "square", "threads"),
+    *("color", "depth", "disparities", "max_distance", "radius", "rows", "slop"),
+    *("square", "threads"),
 }
 
 
