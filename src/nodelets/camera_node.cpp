@@ -3,7 +3,7 @@
 
 int main(int argc, char** argv)
 {
-  const char* about = R"(Publishes the frames of a camera, a video, a folder of images or a synthetic scene.
+  const char* about = R"(Publishes the frames of a camera, a Kinect, a video, a folder of images or a synthetic scene.
 
 Publishes ~image_raw, ~image_mono, ~camera_info and /diagnostics, with _source:=synthetic also ~ground_truth and /tf.
 ~stop_capture and ~start_capture (std_srvs/Empty) stop and start the capture. dynamic_reconfigure changes the controls

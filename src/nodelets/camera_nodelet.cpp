@@ -45,10 +45,13 @@ CameraOutputs::Params loadOutputParams(const ros::NodeHandle& pnh, const Capture
 {
   CameraOutputs::Params params;
   params.views = capture.views;
-  const bool has_pixel_format = capture.kind == SourceKind::kDevice || capture.kind == SourceKind::kImages;
+  const bool has_pixel_format =
+      capture.kind == SourceKind::kDevice || capture.kind == SourceKind::kKinect || capture.kind == SourceKind::kImages;
   params.depths = has_pixel_format && capture.pixel_format == "z16";
   readParam(pnh, "camera_frame_id", params.frame_id);
   readParam(pnh, "right_frame", params.right_frame);
+  readParam(pnh, "second_frame_id", params.second_frame_id);
+  readParam(pnh, "publish_tf", params.publish_tf);
   readParam(pnh, "camera_name", params.camera_name);
   readParam(pnh, "camera_info_url", params.camera_info_url);
   readParam(pnh, "output_encoding", params.output_encoding);
@@ -163,7 +166,7 @@ private:
 
   void onOpened(const FrameSource& source) override
   {
-    outputs_->setCameras(source.cameraModel(), source.secondCamera());
+    outputs_->setCameras(source.cameraModel(), source.secondCamera(), source.housing());
     if (!status_->opened(source.description())) return;
     NODELET_INFO("%s: %s", getName().c_str(), logLine(source.description()).c_str());
     if (!source.warning().empty()) NODELET_WARN("%s: %s", getName().c_str(), logLine(source.warning()).c_str());

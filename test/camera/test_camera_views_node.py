@@ -144,6 +144,26 @@ def test_one_image_is_divided_into_a_pair(start, tmp_path):
     assert cv2.imdecode(np.frombuffer(jpeg.data, np.uint8), 1).shape == (48, 64, 3)
 
 
+def test_images_of_two_folders_are_color_and_depth(start, tmp_path):
+    random = np.random.default_rng(1)
+    written = {
+        "rgb": random.integers(0, 256, (24, 32, 3), np.uint8),
+        "depth": random.integers(0, 13000, (12, 16)).astype(np.uint16) * 5,
+    }
+    for name, image in written.items():
+        (tmp_path / name).mkdir()
+        cv2.imwrite(str(tmp_path / name / "1.png"), image)
+    wanted = topics("camera", ["rgb", "depth"])
+    words = f"_source:={tmp_path}", "_views:=rgbd", "_depth_scale:=5000", "_loop:=true"
+    start("camera_node", *words)
+    color, depth, _, info = support.same_frame(*wanted)
+    assert np.array_equal(pixels(color), written["rgb"])
+    assert depth.encoding == "16UC1"
+    assert np.array_equal(pixels(depth), written["depth"] // 5)
+    assert depth.header.frame_id == info.header.frame_id == "head_camera_depth_optical_frame"
+    assert (info.width, info.height, info.K[0]) == (16, 12, 0)
+
+
 def test_an_image_that_cannot_be_divided_is_refused(start, tmp_path):
     cv2.imwrite(str(tmp_path / "odd.png"), np.zeros((48, 127, 3), np.uint8))
     process = start("camera_node", f"_source:={tmp_path}/odd.png", "_views:=stereo")
@@ -155,7 +175,7 @@ def test_an_image_that_cannot_be_divided_is_refused(start, tmp_path):
 @pytest.mark.parametrize(
     "name, value, text",
     [
-        ("views", "rgbd", "views is 'rgbd', must be one or stereo, as only the source synthetic"),
+        ("views", "rgbd", "views is 'rgbd', must be one or stereo, as a V4L2 camera or"),
         ("views", "both", "views is 'both', must be one, stereo or rgbd"),
         ("right_frame", "both", "right_frame is 'both', must be left or own"),
         ("depth_noise", "lots", "depth_noise is 'lots', must be none, kinect, stereo or tof"),

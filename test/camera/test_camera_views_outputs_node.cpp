@@ -8,6 +8,7 @@
 #include <tf2_ros/transform_listener.h>
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <functional>
 #include <memory>
@@ -52,6 +53,30 @@ CameraModel camera(int width, int height)
   model.K = {100, 0, width / 2.0, 0, 100, height / 2.0, 0, 0, 1};
   model.D = {-0.1, 0.01, 0, 0, 0};
   return model;
+}
+
+/// The calibration of a camera without distortion, as it is sent to set_camera_info.
+sensor_msgs::SetCameraInfo calibrationOf(unsigned width, unsigned height, double focal_length)
+{
+  sensor_msgs::SetCameraInfo request;
+  CameraInfo& info = request.request.camera_info;
+  info.width = width;
+  info.height = height;
+  info.K = {focal_length, 0, width / 2.0, 0, focal_length, height / 2.0, 0, 0, 1};
+  info.R = {1, 0, 0, 0, 1, 0, 0, 0, 1};
+  info.P = {focal_length, 0, width / 2.0, 0, 0, focal_length, height / 2.0, 0, 0, 0, 1, 0};
+  info.D.assign(5, 0.0);
+  info.distortion_model = "plumb_bob";
+  return request;
+}
+
+/// A Kinect's color camera in its housing.
+const Housing kHousing = {cv::Affine3d(cv::Matx33d(0, 0, 1, -1, 0, 0, 0, -1, 0), cv::Vec3d(0, -0.045, 0))};
+
+/// A Kinect's depth camera beside that.
+SecondCamera depthCamera()
+{
+  return {camera(32, 24), cv::Affine3d().translate({-0.025, 0, 0})};
 }
 
 /// The same camera 0.1 m to the right.
@@ -207,7 +232,7 @@ TEST_F(Views, ofColorAndDepthAreNoStereoPair)
 {
   make("rgbd");
   const CameraModel color = camera(64, 48);
-  const SecondCamera depth = {camera(32, 24), cv::Affine3d().translate({-0.025, 0, 0})};
+  const SecondCamera depth = depthCamera();
   outputs_->setCameras(&color, &depth);
   const Receiver<CameraInfo> info("depth/camera_info");
   ASSERT_TRUE(publishUntil(frameOf(kFirst, {kDepths, "16UC1"}), [&] { return info.last() != nullptr; }));
@@ -230,6 +255,61 @@ TEST_F(Views, areAtThePlacesThatTheSourceKnows)
   EXPECT_NEAR(found.translation.x, 0.1, 1e-12);
   EXPECT_NEAR(found.translation.y, 0.0, 1e-12);
   EXPECT_NEAR(found.rotation.w, 1.0, 1e-12);
+}
+
+TEST_F(Views, ofADeviceAreAtTheirPlacesInItsHousing)
+{
+  make("rgbd");
+  tf2_ros::Buffer buffer;
+  const tf2_ros::TransformListener listener(buffer);
+  const CameraModel color = camera(64, 48);
+  const SecondCamera depth = depthCamera();
+  outputs_->setCameras(&color, &depth, &kHousing);
+  const std::string link = "head_camera_link", optical = "head_camera_depth_optical_frame";
+  ASSERT_TRUE(waitFor([&] { return buffer.canTransform(link, optical, ros::Time(0)); }));
+  const auto place = [&](const std::string& parent, const std::string& child)
+  { return buffer.lookupTransform(parent, child, ros::Time(0)).transform; };
+  EXPECT_NEAR(place(link, "head_camera_rgb_frame").translation.y, -0.045, 1e-12);
+  EXPECT_NEAR(place(link, "head_camera_rgb_frame").rotation.w, 1.0, 1e-12);
+  EXPECT_NEAR(place(link, "head_camera_depth_frame").translation.y, -0.02, 1e-12);
+  EXPECT_NEAR(place("head_camera", optical).translation.x, -0.025, 1e-12);
+  EXPECT_NEAR(place("head_camera", optical).rotation.w, 1.0, 1e-12);
+  EXPECT_NEAR(std::abs(place(link, optical).rotation.x), 0.5, 1e-12);
+}
+
+TEST_F(Views, areNotAtAnyPlaceIfOthersTell)
+{
+  CameraOutputs::Params params;
+  params.views = "rgbd";
+  params.publish_tf = false;
+  params.second_frame_id = "robot_eye";
+  outputs_ = std::make_unique<CameraOutputs>(ros::NodeHandle("~"), params, [] {});
+  const CameraModel color = camera(64, 48);
+  const SecondCamera depth = depthCamera();
+  outputs_->setCameras(&color, &depth, &kHousing);
+  const Receiver<CameraInfo> info("depth/camera_info");
+  ASSERT_TRUE(publishUntil(frameOf(kFirst, {kDepths, "16UC1"}), [&] { return info.last() != nullptr; }));
+  EXPECT_EQ(info.last()->header.frame_id, "robot_eye");
+  ros::V_string topics;
+  ros::this_node::getAdvertisedTopics(topics);
+  EXPECT_EQ(std::count(topics.begin(), topics.end(), "/tf_static"), 0);
+}
+
+// What is known of all cameras of a make is worse than the calibration of this one.
+TEST_F(Views, haveTheirOwnCalibrationInPlaceOfThatOfTheirMake)
+{
+  const TempFolder folder;
+  make("rgbd", "file://" + folder.path().string() + "/${NAME}.yaml");
+  sensor_msgs::SetCameraInfo request = calibrationOf(64, 48, 90);
+  ASSERT_TRUE(ros::service::call(ros::NodeHandle("~").resolveName("rgb/set_camera_info"), request));
+  EXPECT_TRUE(request.response.success) << request.response.status_message;
+  const CameraModel color = camera(64, 48);
+  const SecondCamera depth = depthCamera();
+  outputs_->setCameras(&color, &depth, &kHousing);
+  const Receiver<CameraInfo> rgb("rgb/camera_info"), depths("depth/camera_info");
+  ASSERT_TRUE(publishUntil(frameOf(kFirst, {kDepths, "16UC1"}), [&] { return rgb.last() && depths.last(); }));
+  EXPECT_EQ(rgb.last()->K[0], 90.0);
+  EXPECT_EQ(depths.last()->K[0], 100.0);
 }
 
 // A view that nobody watches is not touched: its memory cannot even be read.
@@ -287,14 +367,8 @@ TEST_F(Views, haveACalibrationForEach)
   const TempFolder folder;
   make("stereo", "file://" + folder.path().string() + "/${NAME}.yaml");
   ros::NodeHandle nh("~");
-  sensor_msgs::SetCameraInfo request;
-  request.request.camera_info.width = 64;
-  request.request.camera_info.height = 48;
-  request.request.camera_info.K = {90, 0, 32, 0, 90, 24, 0, 0, 1};
-  request.request.camera_info.R = {1, 0, 0, 0, 1, 0, 0, 0, 1};
-  request.request.camera_info.P = {90, 0, 32, -9, 0, 90, 24, 0, 0, 0, 1, 0};
-  request.request.camera_info.D.assign(5, 0.0);
-  request.request.camera_info.distortion_model = "plumb_bob";
+  sensor_msgs::SetCameraInfo request = calibrationOf(64, 48, 90);
+  request.request.camera_info.P[3] = -9;
   ASSERT_TRUE(ros::service::call(nh.resolveName("right/set_camera_info"), request));
   EXPECT_TRUE(request.response.success) << request.response.status_message;
   EXPECT_TRUE(std::filesystem::exists(folder.path() / "head_camera_right.yaml"));

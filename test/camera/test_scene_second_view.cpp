@@ -172,7 +172,7 @@ TEST(SceneViews, areNamedIfTheyAreNoChoice)
 {
   EXPECT_EQ(refusalWith(&CaptureParams::views, "two"), "views is 'two', must be one, stereo or rgbd");
   EXPECT_EQ(refusalWith(&CaptureParams::views, "rgbd"),
-            "views is 'rgbd', must be one or stereo, as only the source synthetic has depths as well");
+            "views is 'rgbd', must be one or stereo, as a V4L2 camera or a stream has no depths beside its colors");
   EXPECT_EQ(refusalWith(&CaptureParams::depth_noise, "much"),
             "depth_noise is 'much', must be none, kinect, stereo or tof");
   EXPECT_EQ(refusalWith(&CaptureParams::depth_encoding, "64FC1"), "depth_encoding is '64FC1', must be 16UC1 or 32FC1");

@@ -171,8 +171,11 @@ CAMERA = {
     "right_frame": never,
     "depth_encoding": never,
     "depth_noise": never,
+    "depth_scale": is_number(1.0, 1e6),
     "poster": empty,
     "camera_frame_id": empty,
+    "second_frame_id": text,  # of a second view, which is not there
+    "publish_tf": is_flag,
     "camera_name": never,
     "camera_info_url": empty,
     "output_encoding": never,

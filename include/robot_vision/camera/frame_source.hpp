@@ -58,6 +58,12 @@ struct SecondCamera
   cv::Affine3d pose;  // its optical frame in that of the first camera, m
 };
 
+/// What the cameras of a device are built into.
+struct Housing
+{
+  cv::Affine3d first_camera;  // the first camera's optical frame in the housing's frame (x forward, y left, z up), m
+};
+
 enum class ReadResult
 {
   kFrame,
@@ -105,6 +111,10 @@ public:
 
   /// The camera of the second images; null if there are none, or if the source does not know it.
   virtual const SecondCamera* secondCamera() const { return nullptr; }
+
+  /// Their housing, if the geometry of the cameras is only that of their make, so that a calibration is better; else
+  /// null.
+  virtual const Housing* housing() const { return nullptr; }
 };
 
 }  // namespace robot_vision

@@ -14,6 +14,7 @@ enum class SourceKind
 {
   kSynthetic,
   kDevice,
+  kKinect,
   kUrl,
   kImages,
   kVideo,
@@ -35,16 +36,18 @@ struct CaptureParams
   std::string views = "one";
   std::string depth_encoding = "16UC1";
   std::string depth_noise = "none";
+  double depth_scale = 1000.0;
 
   template <class Visit>
   static void fields(Visit&& visit)
   {
     visit("source", &CaptureParams::source, Anything{}, "",
-          "synthetic, or a camera, video, URL, image or folder of images; empty: video_device");
+          "synthetic, or a camera, video, URL, image or folder of images; freenect:0: a Kinect, by its number or "
+          "serial number; empty: video_device");
     visit("video_device", &CaptureParams::video_device, Anything{}, "",
           "a V4L2 camera: path, card, bus or serial number");
     visit("image_width", &CaptureParams::image_width, Range{16, 8192}, "px",
-          "of a device, or of the scene: 64 to 4096; files keep their own size");
+          "of a device, or of the scene: 64 to 4096; files keep their own size; a Kinect: more than 640 is 1280x1024");
     visit("image_height", &CaptureParams::image_height, Range{16, 8192}, "px",
           "of a device, or of the scene: 64 to 4096, a third to three times the width");
     visit("pixel_format", &CaptureParams::pixel_format,
@@ -67,12 +70,14 @@ struct CaptureParams
           "image file on the wall of the scene; empty or pattern: a pattern; auto: the portrait of python3-skimage "
           "if that is installed, else the pattern");
     visit("views", &CaptureParams::views, OneOf{"one, stereo or rgbd", "'"}, "",
-          "one image, a stereo pair, or color and depth, which only the scene has; each frame of any other stereo "
-          "source is both images side by side, the left one left");
+          "one image, a stereo pair, or color and depth: of the scene, a Kinect or the folders rgb and depth in a "
+          "folder; each frame of a stereo source but the scene is both images side by side, the left one left");
     visit("depth_encoding", &CaptureParams::depth_encoding, OneOf{"16UC1 or 32FC1", "'"}, "",
           "of the scene's depths: mm, 0 where there is none, or m, NaN where there is none");
     visit("depth_noise", &CaptureParams::depth_noise, OneOf{"none, kinect, stereo or tof", "'"}, "",
           "of the scene's depths: none, or as such a sensor has it");
+    visit("depth_scale", &CaptureParams::depth_scale, Range{1, 1e6}, "1/m",
+          "of image files of depths: the number that stands for 1 m; 5000 in files of the TUM RGB-D benchmark");
   }
 };
 
@@ -87,7 +92,7 @@ std::string sourceName(const CaptureParams& params);
 /// because the link to a camera leads nowhere while the camera is unplugged.
 SourceKind sourceKind(const CaptureParams& params);
 
-/// True for a device or URL: if it is not there now, it may appear later.
+/// True for a device, a Kinect or a URL: if it is not there now, it may appear later.
 bool mayComeLater(SourceKind kind);
 
 /// The rate in Hz at which a source without a rate of its own is to run.

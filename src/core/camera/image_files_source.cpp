@@ -4,6 +4,8 @@
 #include <sys/stat.h>
 
 #include <algorithm>
+#include <cstdint>
+#include <limits>
 #include <opencv2/imgcodecs.hpp>
 
 #include "robot_vision/codecs/image_file.hpp"
@@ -37,19 +39,6 @@ std::string escaped(const std::string& path)
     pattern += c;
   }
   return pattern;
-}
-
-std::vector<std::string> listImageFiles(const std::string& path)
-{
-  struct stat info;
-  const bool exists = stat(path.c_str(), &info) == 0;
-  if (exists && !S_ISDIR(info.st_mode)) return {path};
-
-  std::vector<std::string> found = globbed(exists ? escaped(path) + "/*" : path);
-  found.erase(std::remove_if(found.begin(), found.end(), [](const std::string& f) { return !isImageFile(f); }),
-              found.end());
-  if (found.empty()) throw SourceError(path + ": no images that OpenCV can read are there");
-  return found;
 }
 
 cv::Mat decodeFile(const std::string& path, int flags)
@@ -93,24 +82,41 @@ cv::Mat readUpright(const std::string& path)
   return decodeFile(path, cv::IMREAD_COLOR);
 }
 
-cv::Mat readDepths(const std::string& path)
+cv::Mat readDepths(const std::string& path, double scale)
 {
   const cv::Mat depths = decodeFile(path, cv::IMREAD_UNCHANGED);
   if (depths.type() != CV_16UC1)
     throw SourceError(path + ": no depths: expected pixels of " + describePixels(CV_16UC1) + ", got " +
                       describePixels(depths.type()));
-  return depths;
+  if (scale == kMillimetres) return depths;
+  cv::Mat millimetres;
+  depths.convertTo(millimetres, CV_16U, kMillimetres / scale);
+  millimetres.setTo(0, millimetres == std::numeric_limits<std::uint16_t>::max());  // what is beyond ends there
+  return millimetres;
 }
 
-ImageFilesSource::ImageFilesSource(const std::string& path, bool depths)
-  : path_(path), depths_(depths), files_(listImageFiles(path))
+std::vector<std::string> listImageFiles(const std::string& path)
+{
+  struct stat info;
+  const bool exists = stat(path.c_str(), &info) == 0;
+  if (exists && !S_ISDIR(info.st_mode)) return {path};
+
+  std::vector<std::string> found = globbed(exists ? escaped(path) + "/*" : path);
+  found.erase(std::remove_if(found.begin(), found.end(), [](const std::string& f) { return !isImageFile(f); }),
+              found.end());
+  if (found.empty()) throw SourceError(path + ": no images that OpenCV can read are there");
+  return found;
+}
+
+ImageFilesSource::ImageFilesSource(const std::string& path, double depth_scale)
+  : path_(path), depth_scale_(depth_scale), files_(listImageFiles(path))
 {
   if (files_.front() == path) only_ = readOne(files_.front());
 }
 
 ReadResult ImageFilesSource::read(Frame& frame)
 {
-  frame.encoding = depths_ ? "16UC1" : "bgr8";
+  frame.encoding = ofDepths() ? "16UC1" : "bgr8";
   if (!only_.empty())
   {
     frame.image = only_;

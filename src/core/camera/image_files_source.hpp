@@ -17,16 +17,22 @@ bool isImageFile(const std::string& path);
 cv::Mat readImage(const std::string& path);
 cv::Mat readUpright(const std::string& path);
 
-/// Reads an image file of depths in mm, as 16UC1. Throws as readImage() does, also if its pixels are not gray of 16
-/// bits.
-cv::Mat readDepths(const std::string& path);
+constexpr double kMillimetres = 1000.0;  // the number that stands for 1 m
+
+/// Reads an image file of depths, in which the number `scale` stands for 1 m, as 16UC1: in mm, 0 where there is none or
+/// where it is beyond 65.534 m. Throws as readImage() does, also if its pixels are not gray of 16 bits.
+cv::Mat readDepths(const std::string& path, double scale = kMillimetres);
+
+/// The image files of a folder or glob pattern in the order of their names, or the one file that it names. Throws
+/// SourceError if there are none.
+std::vector<std::string> listImageFiles(const std::string& path);
 
 /// Gives one image file again and again, or the image files of a folder or glob pattern in the order of their names.
 class ImageFilesSource : public FrameSource
 {
 public:
-  /// `depths` says whether the images are depths of 16 bits.
-  explicit ImageFilesSource(const std::string& path, bool depths = false);
+  /// The images are depths of 16 bits, in which the number `depth_scale` stands for 1 m, unless that is 0.
+  explicit ImageFilesSource(const std::string& path, double depth_scale = 0.0);
   ReadResult read(Frame& frame) override;
   void rewind() override { next_ = 0; }
   double rate() const override { return kDefaultRate; }
@@ -34,10 +40,14 @@ public:
   std::string description() const override;
 
 private:
-  cv::Mat readOne(const std::string& path) const { return depths_ ? readDepths(path) : readImage(path); }
+  bool ofDepths() const { return depth_scale_ > 0.0; }
+  cv::Mat readOne(const std::string& path) const
+  {
+    return ofDepths() ? readDepths(path, depth_scale_) : readImage(path);
+  }
 
   std::string path_;
-  bool depths_;
+  double depth_scale_;
   std::vector<std::string> files_;
   std::size_t next_ = 0;
   std::size_t failed_in_a_row_ = 0;

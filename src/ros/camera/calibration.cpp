@@ -55,12 +55,15 @@ Calibration::Calibration(const ros::NodeHandle& pnh, const std::string& camera_n
   service_ = ros::NodeHandle(pnh).advertiseService(service);
 }
 
-void Calibration::setModel(std::unique_ptr<sensor_msgs::CameraInfo> model)
+void Calibration::setModel(std::unique_ptr<sensor_msgs::CameraInfo> model, bool exact)
 {
   model_ = std::move(model);
+  exact_ = exact;
   if (!model_) return;
   setImageSize({static_cast<int>(model_->width), static_cast<int>(model_->height)});
-  if (has_url_)
+  if (!exact_)
+    ROS_INFO("%s: unless it is calibrated, camera_info is what is usual for such cameras", name_.c_str());
+  else if (has_url_)
     ROS_INFO("%s: camera_info is that of camera_info_url, if it has one, else the scene's own", name_.c_str());
   else
     ROS_INFO("%s: camera_info is the scene's own, exact; camera_info_url can name another", name_.c_str());
@@ -77,7 +80,7 @@ sensor_msgs::CameraInfoPtr Calibration::info(cv::Size size, const std_msgs::Head
   const auto width = static_cast<std::uint32_t>(size.width);
   const auto height = static_cast<std::uint32_t>(size.height);
   const auto fits = [=](const sensor_msgs::CameraInfo& info) { return info.width == width && info.height == height; };
-  auto info = boost::make_shared<sensor_msgs::CameraInfo>(model_ && !has_url_ ? *model_ : stored());
+  auto info = boost::make_shared<sensor_msgs::CameraInfo>(model_ && exact_ && !has_url_ ? *model_ : stored());
   const bool calibrated = info->K[0] != 0.0;
   if (calibrated && !fits(*info) && wrong_size_.due())
     ROS_WARN("%s: the calibration is for %ux%u, the image has %ux%u: it is not used", name_.c_str(), info->width,

@@ -17,8 +17,8 @@ namespace robot_vision
 
 /// A camera's calibration: its file, in the format of camera_info_manager and camera_calibration, and the service
 /// ~set_camera_info. Unlike camera_info_manager it refuses calibrations that cannot be the camera's, and replaces the
-/// file in one step or not at all. The exact model of a source takes the place of a file that no
-/// url names.
+/// file in one step or not at all. The exact model of a source takes the place of a file that no url names; a model
+/// that is only that of its make stands in for a file that is not there.
 class Calibration
 {
 public:
@@ -26,8 +26,8 @@ public:
   /// ${ROS_HOME}/camera_info/${NAME}.yaml. Throws std::invalid_argument naming camera_name or camera_info_url.
   Calibration(const ros::NodeHandle& pnh, const std::string& camera_name, const std::string& url);
 
-  /// Sets the exact calibration of the source; null if the source does not know it.
-  void setModel(std::unique_ptr<sensor_msgs::CameraInfo> model);
+  /// Sets the calibration that the source knows, which is exact or that of its make; null if it knows none.
+  void setModel(std::unique_ptr<sensor_msgs::CameraInfo> model, bool exact = true);
 
   /// Sets the size of the camera's images. Until it is known, calibrations of any size are accepted.
   void setImageSize(cv::Size size);
@@ -46,6 +46,7 @@ private:
   std::string path_;
   bool has_url_;
   std::unique_ptr<sensor_msgs::CameraInfo> model_;
+  bool exact_ = true;  // whether the model is
   Throttle wrong_size_;
   std::mutex mutex_;  // guards all below, which the threads of the service and of the images use
   bool read_ = false;

@@ -3,6 +3,7 @@
 #include <robot_vision/GroundTruth.h>
 
 #include <algorithm>
+#include <array>
 #include <exception>
 
 #include "robot_vision/common/fields.hpp"
@@ -24,9 +25,10 @@ std::vector<std::string> viewNames(const std::string& views)
   return {""};
 }
 
-std::string ownFrame(const std::string& camera_name, const std::string& view)
+/// The optical frame of the second camera, of this view.
+std::string secondFrame(const CameraOutputs::Params& camera, const std::string& view)
 {
-  return camera_name + "_" + view + "_optical_frame";
+  return camera.second_frame_id.empty() ? camera.camera_name + "_" + view + "_optical_frame" : camera.second_frame_id;
 }
 
 /// The parameters of a view of this name. With one view, they are those of the camera.
@@ -34,8 +36,12 @@ ViewOutputs::Params paramsOf(const std::string& view, bool is_first, const Camer
 {
   const std::string name = view.empty() ? camera.camera_name : camera.camera_name + "_" + view;
   const bool same = is_first || (view == "right" && camera.right_frame == "left");
-  return {same ? camera.frame_id : ownFrame(camera.camera_name, view), name, camera.output_encoding,
-          camera.camera_info_url, view == "depth" || (view.empty() && camera.depths)};
+  return {same ? camera.frame_id : secondFrame(camera, view),
+          name,
+          camera.output_encoding,
+          camera.camera_info_url,
+          view == "depth" || (view.empty() && camera.depths),
+          same ? "camera_frame_id" : "second_frame_id"};
 }
 
 /// Two views cannot have the same file.
@@ -47,18 +53,30 @@ void requireTwoFiles(const CameraOutputs::Params& params, const std::vector<std:
               params.camera_name + "_" + views.back());
 }
 
+/// The transforms from a frame to that of a camera with z up and x forward, and from there to its optical frame.
+std::array<geometry_msgs::TransformStamped, 2> mountingOf(const cv::Affine3d& optical_pose,
+                                                          const std_msgs::Header& header, const std::string& camera,
+                                                          const std::string& optical_frame)
+{
+  const cv::Affine3d optical(cv::Matx33d(0, 0, 1, -1, 0, 0, 0, -1, 0));  // REP 103
+  std_msgs::Header of_camera = header;
+  of_camera.frame_id = camera + "_frame";
+  return {toTransform(optical_pose * optical.inv(), header, of_camera.frame_id),
+          toTransform(optical, of_camera, optical_frame)};
+}
+
 }  // namespace
 
 CameraOutputs::CameraOutputs(const ros::NodeHandle& pnh, const Params& params,
                              const std::function<void()>& on_connection)
-  : stereo_(params.views == "stereo")
+  : params_(params)
 {
   checkField("right_frame", params.right_frame, OneOf{"left or own", "'"});
   const std::vector<std::string> names = viewNames(params.views);
   if (names.size() > 1)
   {
     requireTwoFiles(params, names);
-    second_frame_ = ownFrame(params.camera_name, names.back());
+    second_frame_ = secondFrame(params, names.back());
   }
   for (const std::string& name : names)
   {
@@ -81,17 +99,18 @@ WantedViews CameraOutputs::wantedViews() const
   return {views_.front()->wanted(), views_.back()->wanted()};
 }
 
-void CameraOutputs::setCameras(const CameraModel* first, const SecondCamera* second)
+void CameraOutputs::setCameras(const CameraModel* first, const SecondCamera* second, const Housing* housing)
 {
   using Info = sensor_msgs::CameraInfo;
-  views_.front()->setModel(first == nullptr ? nullptr : std::make_unique<Info>(toCameraInfo(*first)));
+  const bool exact = housing == nullptr;
+  views_.front()->setModel(first == nullptr ? nullptr : std::make_unique<Info>(toCameraInfo(*first)), exact);
   if (views_.size() == 1) return;
-  const bool is_pair = stereo_ && first != nullptr && second != nullptr;
+  const bool is_pair = params_.views == "stereo" && first != nullptr && second != nullptr;
   std::unique_ptr<Info> info;
   if (second != nullptr)
     info = std::make_unique<Info>(is_pair ? toRightCameraInfo(*first, *second) : toCameraInfo(second->model));
-  views_.back()->setModel(std::move(info));
-  if (second != nullptr) broadcastSecond(second->pose);
+  views_.back()->setModel(std::move(info), exact);
+  if (second != nullptr && params_.publish_tf) broadcastSecond(second->pose, housing);
 }
 
 void CameraOutputs::prepare(Frame& frame)
@@ -121,7 +140,7 @@ void CameraOutputs::publish(const Frame& frame, const ros::Time& stamp)
   if (frame.wanted.first) publish_view(*views_.front(), {frame.image, frame.encoding});
   if (frame.wanted.second && views_.size() > 1) publish_view(*views_.back(), frame.second);
   if (frame.truth && truth_.getNumSubscribers() > 0) truth_.publish(toMessage(*frame.truth, header));
-  if (frame.truth) broadcast(*frame.truth, header);
+  if (frame.truth && params_.publish_tf) broadcast(*frame.truth, header);
   if (error) std::rethrow_exception(error);
 }
 
@@ -131,14 +150,30 @@ void CameraOutputs::broadcast(const SceneTruth& truth, const std_msgs::Header& h
   tf_->sendTransform(toTransforms(truth, header));
 }
 
-/// Where the second camera's optical frame is in the first's.
-void CameraOutputs::broadcastSecond(const cv::Affine3d& pose)
+/// Where the second view's optical frame is in the first's, or where both are in their housing.
+void CameraOutputs::broadcastSecond(const cv::Affine3d& pose, const Housing* housing)
 {
   std_msgs::Header header;
   header.stamp = ros::Time::now();
   header.frame_id = views_.front()->frameId();
+  std::vector<geometry_msgs::TransformStamped> transforms;
+  if (housing == nullptr)
+    transforms.push_back(toTransform(pose, header, second_frame_));
+  else
+  {
+    const std::vector<std::string> names = viewNames(params_.views);
+    header.frame_id = params_.camera_name + "_link";
+    for (const bool is_first : {true, false})
+    {
+      const std::string camera = params_.camera_name + "_" + (is_first ? names.front() : names.back());
+      const ViewOutputs& view = is_first ? *views_.front() : *views_.back();
+      const cv::Affine3d in_housing = is_first ? housing->first_camera : housing->first_camera * pose;
+      for (const auto& transform : mountingOf(in_housing, header, camera, view.frameId()))
+        transforms.push_back(transform);
+    }
+  }
   if (!static_tf_) static_tf_ = std::make_unique<tf2_ros::StaticTransformBroadcaster>();
-  static_tf_->sendTransform(toTransform(pose, header, second_frame_));
+  static_tf_->sendTransform(transforms);
 }
 
 }  // namespace robot_vision

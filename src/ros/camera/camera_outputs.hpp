@@ -16,8 +16,10 @@ namespace robot_vision
 {
 
 /// What a camera publishes: a view (see ViewOutputs) in its own namespace, or two of them, with the same stamps, in
-/// ~left and ~right or in ~rgb and ~depth. Where the second is to the first is on /tf_static, if the source knows it.
-/// Of the synthetic scene there are also ~ground_truth and the tf frames scene/<name>, in the first view's frame.
+/// ~left and ~right or in ~rgb and ~depth. Where the second is to the first is on /tf_static, if the source knows it,
+/// and where both are in their housing: <camera_name>_link, with the frames <camera_name>_rgb_frame (x forward)
+/// between. Of the synthetic scene there are also ~ground_truth and the tf frames scene/<name>, in the first view's
+/// frame.
 ///
 /// Both of a stereo pair have the frame of the left one, unless `right_frame` is own: the P of both have their points
 /// there, with the baseline in the right one. image_pipeline refuses a pair in two frames (image_geometry's
@@ -37,6 +39,8 @@ public:
     std::string views = "one";                // one, stereo or rgbd, see CaptureParams
     std::string right_frame = "left";         // of the right one of a pair: left, the same, or own
     bool depths = false;                      // whether the only view is one of depths
+    std::string second_frame_id;              // of the second view; "": <camera_name>_<view>_optical_frame
+    bool publish_tf = true;                   // whether anything is on /tf and /tf_static
   };
 
   /// `on_connection` is called when subscribers come or go. Throws std::invalid_argument naming the bad parameter.
@@ -48,8 +52,8 @@ public:
   /// The views to which somebody subscribes. That of a camera with one view always counts as wanted.
   WantedViews wantedViews() const;
 
-  /// The exact geometry of the source; null for what it does not know.
-  void setCameras(const CameraModel* first, const SecondCamera* second);
+  /// The geometry of the source; null for what it does not know. With a housing it is that of its make, else exact.
+  void setCameras(const CameraModel* first, const SecondCamera* second, const Housing* housing = nullptr);
 
   /// Gives the images of a frame memory of the next messages, if they are going to be published as they are.
   void prepare(Frame& frame);
@@ -61,9 +65,9 @@ public:
 
 private:
   void broadcast(const SceneTruth& truth, const std_msgs::Header& header);
-  void broadcastSecond(const cv::Affine3d& pose);
+  void broadcastSecond(const cv::Affine3d& pose, const Housing* housing);
 
-  bool stereo_;
+  Params params_;
   std::string second_frame_;                         // where the second camera is
   std::vector<std::unique_ptr<ViewOutputs>> views_;  // one or two
   ros::Publisher truth_;

@@ -81,7 +81,7 @@ ViewOutputs::ViewOutputs(const ros::NodeHandle& nh, const Params& params, const 
     calibration_(nh, params.camera_name, params.camera_info_url)
 {
   validateOutputEncoding(output_encoding_);
-  require(shortened(frame_id_, kMaxFrameId) == frame_id_, "camera_frame_id", "'" + frame_id_ + "'",
+  require(shortened(frame_id_, kMaxFrameId) == frame_id_, params.frame_parameter, "'" + frame_id_ + "'",
           "a name of at most " + std::to_string(kMaxFrameId) + " printable letters");
   advertise(nh, params.depths, on_connection);
 }

@@ -29,11 +29,12 @@ class ViewOutputs
 public:
   struct Params
   {
-    std::string frame_id;         // the view's optical frame
-    std::string camera_name;      // letters, digits and _; names the calibration
-    std::string output_encoding;  // of image_raw: auto, bgr8, rgb8, mono8 or native
-    std::string camera_info_url;  // file:// or package://; "": in $ROS_HOME/camera_info
-    bool depths = false;          // whether the view is one of depths
+    std::string frame_id;                             // the view's optical frame
+    std::string camera_name;                          // letters, digits and _; names the calibration
+    std::string output_encoding;                      // of image_raw: auto, bgr8, rgb8, mono8 or native
+    std::string camera_info_url;                      // file:// or package://; "": in $ROS_HOME/camera_info
+    bool depths = false;                              // whether the view is one of depths
+    std::string frame_parameter = "camera_frame_id";  // that sets frame_id
   };
 
   /// `on_connection` is called when subscribers come or go. Throws std::invalid_argument naming the bad parameter.
@@ -44,8 +45,11 @@ public:
   /// Whether somebody subscribes to any of the topics.
   bool wanted() const;
 
-  /// The exact calibration of the source, or null if the source does not know it.
-  void setModel(std::unique_ptr<sensor_msgs::CameraInfo> model) { calibration_.setModel(std::move(model)); }
+  /// The calibration that the source knows, which is exact or that of its make, or null.
+  void setModel(std::unique_ptr<sensor_msgs::CameraInfo> model, bool exact)
+  {
+    calibration_.setModel(std::move(model), exact);
+  }
 
   /// Gives an image memory of the next message, if it is going to be published as it is.
   void prepare(cv::Mat& image);
