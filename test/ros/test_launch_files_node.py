@@ -40,7 +40,7 @@ ENCODINGS = {
 NO_TEXTS = {
     *("tag_size", "ball_diameter", "image_width", "image_height", "framerate", "loop", "view"),
     *("basics", "camera_height", "columns", "invert", "lane_width", "max_features", "pitch"),
-    *("color", "depth", "disparities", "max_distance", "radius", "rows", "slop"),
+    *("color", "depth", "disparities", "max_distance", "publish_tf", "radius", "rows", "slop"),
     *("square", "threads"),
 }
 
@@ -213,7 +213,8 @@ def test_values_of_a_users_file_are_kept(tmp_path, name):
     values = {key: f"their {key}" for key in names | {"video_device"}}
     theirs = tmp_path / "theirs.yaml"
     theirs.write_text(yaml.safe_dump(values))
-    given = {f"/{node.get('name')}/{key}": value for key, value in values.items()}
+    name_of_node = node.get("name").replace("$(arg camera)", "camera")
+    given = {f"/{name_of_node}/{key}": value for key, value in values.items()}
     assert given.items() <= parameters_of(name, f"config:={theirs}").items()
 
 
@@ -227,6 +228,9 @@ def test_the_host_with_the_camera_passes_the_source_on_unchanged():
     [
         ("camera", ["synthetic:=true"], {"source": "synthetic"}),
         ("rgbd", ["depth_noise:=kinect"], {"depth_noise": "kinect"}),
+        ("freenect", ["device_id:=#2"], {"source": "freenect:#2"}),
+        ("freenect", ["device_id:=0000000000000000"], {"source": "freenect:0000000000000000"}),
+        ("freenect", ["rgb_frame_id:=eye", "publish_tf:=false"], {"publish_tf": False}),
         ("apriltag", ["synthetic:=true"], {"tag_size": 0.24}),
         ("apriltag", ["synthetic:=true", "tag_size:=0.3"], {"tag_size": 0.3}),
         ("ball_tracker", ["synthetic:=true"], {"ball_diameter": 0.2}),
@@ -285,6 +289,7 @@ def test_arguments_set_parameters(name, arguments, changed):
     others = {
         "apriltag": "apriltag_detector",
         "camera": "usb_cam",
+        "freenect": "camera",
         "rgbd": "camera",
         "stereo": "stereo_matcher",
     }
@@ -336,6 +341,29 @@ def test_a_camera_info_beside_the_depth_is_not_remapped():
     assert dict(node.remap_args) == {"detections": "/tracker/objects", "depth": "/depth/image"}
     (node,) = loaded("detections_3d.launch", "camera_info:=/color/camera_info").nodes
     assert dict(node.remap_args)["camera_info"] == "/color/camera_info"
+
+
+def test_a_kinect_s_names_begin_with_that_of_its_camera():
+    nodes = {node.namespace + node.name: node for node in loaded("freenect.launch").nodes}
+    assert nodes.keys() == {
+        "/camera",
+        "/camera/camera_nodelet_manager",
+        "/camera/depth_registration",
+    }
+    head = loaded("freenect.launch", "camera:=head").nodes
+    names = {node.namespace + node.name: node.args for node in head}
+    assert names["/head"] == "load robot_vision/camera head/head_nodelet_manager"
+    registration = names["/head/depth_registration"]
+    assert registration == "load robot_vision/depth_registration head_nodelet_manager"
+    parameters = parameters_of("freenect.launch", "camera:=head")
+    assert parameters["/head/camera_name"] == "head"
+    assert parameters["/head/camera_frame_id"] == "head_rgb_optical_frame"
+    before = parameters_of("freenect.launch")
+    assert before["/camera/camera_name"] == "camera"
+    assert before["/camera/camera_frame_id"] == "camera_rgb_optical_frame"
+    words = "load_driver:=false", "depth_registration:=false"
+    (manager,) = loaded("freenect.launch", *words).nodes
+    assert manager.args == "manager"
 
 
 def test_every_color_is_a_range():
