@@ -160,7 +160,7 @@ AT_START = {
         "tag_size": lambda value: is_number(0.0, 100.0)(value) and value > 0.0,
         "standalone_tags": lambda _: False,
         "tag_bundles": lambda _: False,
-        "depth_transport": IMAGE_NODE["image_transport"],
+        "depth_image_transport": IMAGE_NODE["image_transport"],
         "diagnostic_period": is_number(0.01, 3600.0),
         **IMAGE_NODE,
     },

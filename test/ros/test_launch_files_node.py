@@ -233,6 +233,11 @@ def test_the_host_with_the_camera_passes_the_source_on_unchanged():
         ("freenect", ["rgb_frame_id:=eye", "publish_tf:=false"], {"publish_tf": False}),
         ("apriltag", ["synthetic:=true"], {"tag_size": 0.24}),
         ("apriltag", ["synthetic:=true", "tag_size:=0.3"], {"tag_size": 0.3}),
+        (
+            "apriltag",
+            ["depth_transport:=compressedDepth"],
+            {"depth_image_transport": "compressedDepth"},
+        ),
         ("ball_tracker", ["synthetic:=true"], {"ball_diameter": 0.2}),
         ("ball_tracker", ["ball_diameter:=0.1"], {"ball_diameter": 0.1}),
         ("ball_tracker", ["color:=green"], {"h_low": 36, "h_high": 85, "v_low": 40}),

@@ -200,7 +200,7 @@ def test_without_a_topic_for_it_there_is_no_depth(start):
 def test_depth_comes_over_another_transport(start):
     topic = f"/depth_{next(numbers)}/image"
     sender, depth = ImagePublisher(topic), millimetres(depth_of(FRONT))
-    transport = "_depth_transport:=compressedDepth"
+    transport = "_depth_image_transport:=compressedDepth"
     studio = Studio(start, f"depth:={topic}", transport, info=calibrated())
 
     def fused():
@@ -365,7 +365,7 @@ def test_a_sensor_that_is_off_is_on_diagnostics(start):
 
 
 def test_a_bad_transport_is_fatal(start):
-    arguments = "depth:=/depth/image", "_depth_transport:=pigeon"
+    arguments = "depth:=/depth/image", "_depth_image_transport:=pigeon"
     process = start("apriltag_detector.py", "__name:=bad", *arguments)
     assert process.exit_code() == 1
     assert "pigeon" in process.output() and "Traceback" not in process.output()

@@ -49,7 +49,7 @@ class DepthInput:
             None. The thread of the images calls it.
 
     Raises:
-        ValueError: ~depth_transport is not a string, or no transport.
+        ValueError: ~depth_image_transport is not a string, or no transport.
     """
 
     def __init__(self, node: ImageNode, go_on: Callable[[Any, Optional[DepthFrame]], None]):
@@ -63,9 +63,9 @@ class DepthInput:
         self._first: Optional[float] = None  # s of the monotonic clock, of the first depth
         self._is_missing = False  # whether that was said
         self._missing, self._apart = Throttle(60.0), Throttle(10.0)
-        depth_transport = read_param("depth_transport", "raw")
+        transport = read_param("depth_image_transport", "raw")
         if self.topic:
-            node.image_subscriber("depth", self._on_depth, depth_transport)
+            node.image_subscriber("depth", self._on_depth, transport)
             node.subscriber(self.info_topic, CameraInfo, self._on_info)
 
     def set_slop(self, slop: float) -> None:
