@@ -311,7 +311,7 @@ def test_a_calibration_that_does_not_fit_is_told(start, spoil, said):
 )
 def test_images_that_are_no_depths_are_refused_and_counted(start, depth, encoding):
     watched = Watched(start)
-    said = "no depths, whose encoding is 16UC1 (mm) or 32FC1 (m)"
+    said = f"the encoding of a depth image is '{encoding}', must be 16UC1 (mm) or 32FC1 (m)"
     watched.shown_until(said, face(), depth=depth, encoding=encoding)
     start_of_line = f"refused a frame on {watched.depth.topic} ({encoding}, 160x120): "
     assert start_of_line + said in watched.process.output()

@@ -1,8 +1,7 @@
-"""Depth images as nodes take them: their encodings, and the range of their depths that counts."""
+"""The range of depths that counts."""
 
 import numpy as np
 
-DEPTH_ENCODINGS = ("16UC1", "mono16", "32FC1")  # as some transports call them
 NEAREST = 0.01  # m, what no camera sees sharply, and which is noise or another unit
 
 

@@ -13,8 +13,6 @@ from ..ros.messages import clipped_box
 from ..ros.transport import Frame
 from .places import at_position
 
-ENCODINGS = ("16UC1", "mono16", "32FC1")  # of depths: mm, mm as some transports call it, m
-
 
 def located(
     locator: RegionLocator, image: np.ndarray, detection: Detection

@@ -8,19 +8,20 @@ from std_msgs.msg import Header
 from tf2_msgs.msg import TFMessage
 from visualization_msgs.msg import MarkerArray
 
-from .. import CameraModel, DepthErrorParams, LocatorParams, RegionLocator, odd_depth, validate
+from .. import CameraModel, DepthErrorParams, LocatorParams, RegionLocator, validate
 from ..common.plain_text import NAME, brief, is_name, printable
 from ..common.throttle import Throttle
 from ..msg import Detection, Detection3DArray, DetectionArray
 from ..ros.camera_info import CameraInfoListener
 from ..ros.configs import Detections3dConfig
+from ..ros.depth_frames import DepthLook
 from ..ros.frame_pairs import FramePairs
 from ..ros.image_node import ImageNode
 from ..ros.params import LiveParams, filled, read_param
 from ..ros.startup import run_node
-from ..ros.transport import Frame, FrameError, note_connections
+from ..ros.transport import Frame, note_connections
 from .depth_overlay import depth_colors, draw_places
-from .detection_places import ENCODINGS, detection_3d, located, misfit
+from .detection_places import detection_3d, located, misfit
 from .places import frame_ids, markers, transforms
 
 
@@ -36,9 +37,10 @@ class Detections3d:
         self._prefix = read_prefix()
         self._camera: Optional[CameraModel] = None  # that of the locator
         self._left_out = 0  # detections since the start
-        self._odd, self._unfit, self._apart, self._lacking = (Throttle() for _ in range(4))
+        self._unfit, self._apart, self._lacking = (Throttle() for _ in range(3))
         self._pairs = FramePairs()
         self._node = ImageNode(self._on_depth, encoding="", idle=self._pairs.clear, name="depth")
+        self._look = DepthLook(self._node.topic)
         self._params = LiveParams(Detections3dConfig, self._configure)
         self._calibration = CameraInfoListener(self._node, "places of detections")
         self._node.subscriber("detections", DetectionArray, self._on_detections)
@@ -61,8 +63,7 @@ class Detections3d:
         note_connections()  # because /tf may start or stop to count
 
     def _on_depth(self, depth: Frame) -> None:
-        if depth.encoding not in ENCODINGS:
-            raise FrameError("no depths, whose encoding is 16UC1 (mm) or 32FC1 (m)")
+        self._look.check(depth)
         self._report_missing("detections")
         detections = self._pairs.message_of(depth)
         if detections:
@@ -138,10 +139,6 @@ class Detections3d:
             )
 
     def _publish(self, depth: Frame, array: Detection3DArray) -> None:
-        if array.left_out and self._odd.due():
-            odd = odd_depth(depth.image)
-            if odd:
-                rospy.logwarn("%s: %s", self._node.topic, odd)
         self._found.publish(array)
         if self._markers.get_num_connections():
             self._markers.publish(markers(array))

@@ -14,26 +14,24 @@ from .. import (
     TabletopFinder,
     TabletopParams,
     draw_text,
-    odd_depth,
     validate,
 )
 from ..common.plain_text import NAME, brief, is_name, printable
-from ..common.throttle import Throttle
 from ..msg import Detection3DArray, TableArray
 from ..ros.camera_info import CameraInfoListener
 from ..ros.configs import TabletopConfig
+from ..ros.depth_frames import DepthLook
 from ..ros.frame_transforms import FrameTransforms
 from ..ros.image_node import ImageNode
 from ..ros.params import LiveParams, filled, read_name
 from ..ros.startup import run_node
 from ..ros.transport import Frame, FrameError, note_connections
-from .depth_range import DEPTH_ENCODINGS, within
+from .depth_range import within
 from .table_markers import markers
 from .table_messages import object_array, table_array, transforms
 from .table_overlay import depth_picture, draw_tables
 
 TRANSFORM_GRACE = 2.0  # s, for the first transforms to come
-FRAMES_PER_LOOK = 10  # of which one is looked at for odd depths
 UNKNOWN = (0.0, 0.0, 0.0)  # what is up, if nothing says it
 
 
@@ -61,9 +59,8 @@ class Tabletop:
         self._finder: Optional[TabletopFinder] = None
         self._made_of: Tuple[Any, ...] = ()  # what the finder was made of
         self._transforms = FrameTransforms()
-        self._frames = 0
-        self._odd = Throttle()
         self._node = ImageNode(self._process, encoding="", idle=self._transforms.forget)
+        self._look = DepthLook(self._node.topic)
         self._params = LiveParams(TabletopConfig, self._configure)
         self._calibration = CameraInfoListener(self._node, "tables")
         self._tables = self._node.publisher("~tables", TableArray)
@@ -86,12 +83,7 @@ class Tabletop:
 
     def _process(self, frame: Frame) -> None:
         settings = self._settings
-        if frame.encoding not in DEPTH_ENCODINGS:
-            raise FrameError(
-                f"the encoding of a depth image is '{printable(frame.encoding)}', "
-                "must be 16UC1 (mm) or 32FC1 (m)"
-            )
-        self._look_at(frame)
+        self._look.check(frame)
         camera = self._calibration.camera(frame.image.shape[1::-1], settings.rectified)
         if camera is None:
             if self._processed.get_num_connections():
@@ -102,13 +94,6 @@ class Tabletop:
         up = self._up(frame, settings.vertical_frame)
         if up is not None:
             self._publish(frame, camera, settings, *self._find(frame, camera, settings, up))
-
-    def _look_at(self, frame: Frame) -> None:
-        """Warns of depths that are none, or probably in another unit."""
-        odd = odd_depth(frame.image) if self._frames % FRAMES_PER_LOOK == 0 else ""
-        self._frames += 1
-        if odd and self._odd.due():
-            rospy.logwarn("%s: %s", self._node.topic, odd)
 
     def _up(self, frame: Frame, vertical: str) -> Optional[Tuple[float, ...]]:
         """Returns what is up in the frame's optical frame; None as long as that may come."""

@@ -8,18 +8,18 @@ import rospy
 from sensor_msgs.msg import CameraInfo
 from std_msgs.msg import Header
 
-from .. import CameraModel, odd_depth
+from .. import CameraModel
 from ..common.errors import about
 from ..common.plain_text import brief
 from ..common.throttle import Throttle
 from ..ros.camera_info import camera_model
+from ..ros.depth_frames import DepthLook
 from ..ros.depth_pairs import DepthPairs
 from ..ros.image_node import ImageNode
 from ..ros.params import read_param
 from ..ros.transport import Frame, FrameError, camera_info_beside, remapped
 
 INFO_TIMEOUT = 2.0  # s with depths, until camera_info that is needed counts as missing
-ENCODINGS = ("16UC1", "mono16", "32FC1")  # some transports call 16UC1 mono16
 
 
 class DepthFrame(NamedTuple):
@@ -40,8 +40,8 @@ class DepthInput:
     """Gives each image the depth image of its time, if the name `depth` is remapped to a topic.
 
     A depth image has the optical frame of the images. Its size may be another one: then the
-    camera_info beside it tells its camera. Images go on without depth that has none, or that
-    cannot be used.
+    camera_info beside it tells its camera. Images go on without depth that cannot be used. Depths
+    that are odd are told and used: planes of tags in them do not fit the corners, or tell nothing.
 
     Args:
         node: The node whose images get depths.
@@ -57,6 +57,7 @@ class DepthInput:
         self.info_topic = camera_info_beside(self.topic)
         self._node = node
         self._go_on = go_on
+        self._look = DepthLook(self.topic)
         self._pairs: DepthPairs = DepthPairs()
         self._of_images: Optional[Tuple[str, Tuple[int, int]]] = None  # frame_id and size
         self._info: Optional[CameraInfo] = None
@@ -113,8 +114,7 @@ class DepthInput:
         Raises:
             FrameError: The image cannot be used; the message says what was expected.
         """
-        if frame.encoding not in ENCODINGS:
-            raise FrameError("the encoding of a depth image must be 16UC1 (mm) or 32FC1 (m)")
+        self._look.check(frame)
         own = frame.header.frame_id
         if own and frame_id and own != frame_id:
             raise FrameError(
@@ -123,11 +123,8 @@ class DepthInput:
             )
         try:
             camera = self._camera(frame.image.shape[1::-1], size)
-            odd = odd_depth(frame.image)
         except ValueError as error:
             raise FrameError(error) from None
-        if odd:
-            raise FrameError(odd)
         return DepthFrame(frame.header, frame.image, camera)
 
     def _camera(self, own: Tuple[int, int], size: Tuple[int, int]) -> Optional[CameraModel]:
