@@ -168,13 +168,19 @@ def test_the_status_printer_in_the_middle_of_its_lines(start):
     """Its output ends with a complete line."""
     process = start("demo_status.py")
     source = Source("/diagnostics", DiagnosticArray)
-    status = DiagnosticArray(status=[DiagnosticStatus(name="usb_cam: a", message="fine")])
+    status = DiagnosticArray(
+        status=[
+            DiagnosticStatus(name="usb_cam: frames", message="fine"),
+            DiagnosticStatus(name="usb_cam: depth", message="of something else"),
+        ]
+    )
 
     def printed():
         source.send(status)
         return process.output().count("fine\n") > 10
 
     support.wait_for(printed, "its lines")
+    assert "of something else" not in process.output()
     process.interrupt()
     assert process.prompt_exit_code() == 0, process.output()
     assert "Traceback" not in process.output() and process.output().endswith("fine\n")

@@ -416,7 +416,7 @@ def same_frame(*topics: Messages) -> List[Any]:
 
 
 class Diagnostics:
-    """Keeps the last status of every node on /diagnostics."""
+    """Keeps the last status of the frames of every node on /diagnostics."""
 
     def __init__(self) -> None:
         self._statuses: Dict[str, DiagnosticStatus] = {}
@@ -424,7 +424,9 @@ class Diagnostics:
 
     def _on_message(self, message: DiagnosticArray) -> None:
         for status in message.status:
-            self._statuses[status.name.split(":")[0]] = status
+            node, _, what = status.name.partition(": ")
+            if what == "frames":  # Some nodes have statuses of something else, too.
+                self._statuses[node] = status
         arrived.set()
 
     def next(self, node: str) -> DiagnosticStatus:

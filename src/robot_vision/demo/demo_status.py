@@ -48,6 +48,7 @@ DEPTH = {  # with depth:=true
     "tabletop": "/tabletop/processed_image",
     "detections_3d": "/detections_3d/processed_image",
 }
+FRAMES = ": frames"  # the end of the name of the status that each node has; some have others, too
 WIDTH = max(map(len, TOPICS))
 VIEWER = TOPICS["usb_cam"] + " "  # the start of simple_camera_view's title, which has two blanks
 WINDOWS_TIMEOUT = 120.0  # s for all windows to open
@@ -99,7 +100,8 @@ class DemoStatus:
     def _on_diagnostics(self, message: DiagnosticArray) -> None:
         with self._lock:
             for status in message.status:
-                self._add(status.name.split(":")[0], status)
+                if status.name.endswith(FRAMES):
+                    self._add(status.name[: -len(FRAMES)], status)
 
     def _add(self, name: str, status: DiagnosticStatus) -> None:
         if name not in self._topics:
