@@ -4,25 +4,17 @@ from dataclasses import fields
 from typing import Any, Dict, Optional
 
 import rospy
-from geometry_msgs.msg import (
-    Point,
-    Pose,
-    PoseStamped,
-    Quaternion,
-    Transform,
-    TransformStamped,
-    Vector3,
-)
+from geometry_msgs.msg import PoseStamped
 from std_msgs.msg import Float64
 from tf2_msgs.msg import TFMessage
 
 from .. import CameraModel, draw_text, to_bgr, to_gray
 from ..common.plain_text import brief
-from ..common.rotations import quaternion_of
 from ..ros.camera_info import CameraInfoListener
 from ..ros.configs import CubeOverlayConfig
 from ..ros.image_node import ImageNode
 from ..ros.params import LiveParams, read_name
+from ..ros.poses import pose_of, transform_of
 from ..ros.startup import run_node
 from ..ros.transport import Frame, FrameError, note_connections
 from .board_pose import BoardPose, Orientation, quarter_turns, solve_pose
@@ -104,17 +96,14 @@ class CubeOverlay:
         return solved._replace(pose=orientation.continued(frame.time, solved.pose))
 
     def _publish(self, frame: Frame, found: BoardPose) -> None:
-        turn = Quaternion(*quaternion_of(found.pose[:3, :3]).tolist())
-        place = found.pose[:3, 3].tolist()
-        self._poses.publish(PoseStamped(frame.header, Pose(Point(*place), turn)))
+        self._poses.publish(PoseStamped(frame.header, pose_of(found.pose)))
         self._errors.publish(found.error)
         if not self._publish_tf or not self._tf.get_num_connections():
             return
         if not frame.header.frame_id:
             rospy.logwarn_throttle(60.0, "no transform: the images have no frame_id")
             return
-        transform = Transform(Vector3(*place), turn)
-        self._tf.publish(TFMessage([TransformStamped(frame.header, self._frame_id, transform)]))
+        self._tf.publish(TFMessage([transform_of(frame.header, self._frame_id, found.pose)]))
 
 
 def main() -> None:

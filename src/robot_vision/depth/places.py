@@ -7,13 +7,14 @@ from typing import List, Sequence, Set
 
 import numpy as np
 import rospy
-from geometry_msgs.msg import PoseWithCovariance, Transform, TransformStamped, Vector3
+from geometry_msgs.msg import PoseWithCovariance, Vector3
 from std_msgs.msg import ColorRGBA
 from tf2_msgs.msg import TFMessage
 from visualization_msgs.msg import Marker, MarkerArray
 
 from ..common.plain_text import to_ascii
 from ..msg import Detection, Detection3D, Detection3DArray
+from ..ros.poses import transform_at
 
 ANY_ANGLE = math.pi**2 / 3  # rad^2, variance of an angle that may be any
 MIN_SIDE = 0.005  # m, of a marker: rviz shows nothing that is flat
@@ -58,7 +59,8 @@ def at_position(position: np.ndarray, covariance: np.ndarray) -> PoseWithCovaria
 
 def transforms(array: Detection3DArray) -> TFMessage:
     """Returns the transforms of the detections that have one."""
-    return TFMessage([_transform(array, one) for one in array.detections if one.frame_id])
+    named = (one for one in array.detections if one.frame_id)
+    return TFMessage([transform_at(array.header, one.frame_id, one.pose.pose) for one in named])
 
 
 def markers(array: Detection3DArray) -> MarkerArray:
@@ -84,9 +86,3 @@ def title(one: Detection3D) -> str:
     distance = math.sqrt(point.x**2 + point.y**2 + point.z**2)
     number = f" {one.id}" if one.id >= 0 else ""
     return f"{to_ascii(one.label, NAME_LENGTH)}{number}: {distance:.2f} m"
-
-
-def _transform(array: Detection3DArray, one: Detection3D) -> TransformStamped:
-    pose = one.pose.pose
-    place = Vector3(pose.position.x, pose.position.y, pose.position.z)
-    return TransformStamped(array.header, one.frame_id, Transform(place, pose.orientation))

@@ -1,4 +1,4 @@
-"""Poses, which the core gives as 4x4 matrices, as messages."""
+"""Poses, which the core gives as 4x4 matrices, as messages and as transforms."""
 
 import numpy as np
 from geometry_msgs.msg import (
@@ -28,6 +28,10 @@ def with_covariance(matrix: np.ndarray, covariance: np.ndarray) -> PoseWithCovar
 
 def transform_of(header: Header, name: str, matrix: np.ndarray) -> TransformStamped:
     """Converts a 4x4 matrix to the transform of the frame `name`."""
-    pose = pose_of(matrix)
+    return transform_at(header, name, pose_of(matrix))
+
+
+def transform_at(header: Header, name: str, pose: Pose) -> TransformStamped:
+    """Returns the transform of the frame `name`, which has a pose in the frame of the header."""
     place = Vector3(pose.position.x, pose.position.y, pose.position.z)
     return TransformStamped(header, name, Transform(place, pose.orientation))
