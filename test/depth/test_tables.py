@@ -22,10 +22,11 @@ from visualization_msgs.msg import Marker
 
 import robot_vision as rv
 from robot_vision.depth.box_covariance import EDGE_ERROR, UNKNOWN, box_covariance
+from robot_vision.depth.depth_overlay import depth_gray
 from robot_vision.depth.depth_range import NEAREST, within
 from robot_vision.depth.table_markers import markers
 from robot_vision.depth.table_messages import object_array, table_array, transforms
-from robot_vision.depth.table_overlay import depth_picture, draw_tables
+from robot_vision.depth.table_overlay import draw_tables
 from robot_vision.msg import Table, TableArray
 
 CAMERA = camera_of(320)
@@ -237,18 +238,18 @@ def test_no_tables_are_empty_messages():
 
 def test_depths_are_drawn_bright_where_they_are_near():
     metres = np.float32([[np.nan, 0.5, 1.0, 4.0, 100.0, np.inf]])
-    drawn = depth_picture(metres, 4.0)
+    drawn = depth_gray(metres, 4.0)
     assert (drawn.shape, drawn.dtype) == ((1, 6, 3), np.uint8)
     assert (drawn == drawn[:, :, :1]).all()
     none, near, farther, end, beyond, nowhere = drawn[0, :, 0].astype(int)
     assert none == nowhere == 0 < beyond == end < farther < near
     millimetres = np.array([[0, 500, 1000, 4000]], np.uint16)
-    assert np.array_equal(depth_picture(millimetres, 4.0), drawn[:, :4])
+    assert np.array_equal(depth_gray(millimetres, 4.0), drawn[:, :4])
 
 
 def test_objects_are_tinted_where_they_are_and_hulls_and_boxes_drawn():
     tables, labels = exact_tables()
-    before = depth_picture(render_depth(CAMERA, floor=None), 5.0)
+    before = depth_gray(render_depth(CAMERA, floor=None), 5.0)
     drawn = before.copy()
     draw_tables(drawn, tables, labels, CAMERA)
     colored = (drawn != drawn[:, :, :1]).any(axis=2)
@@ -295,4 +296,4 @@ def test_no_message_of_any_image_has_a_number_that_is_none(what):
         ]
         for message in messages:
             assert not re.search(r"\b(nan|inf)\b", str(message))
-        draw_tables(depth_picture(image, 5.0), found, labels, CAMERA)
+        draw_tables(depth_gray(image, 5.0), found, labels, CAMERA)

@@ -21,10 +21,11 @@ from visualization_msgs.msg import MarkerArray
 
 import robot_vision as rv
 from robot_vision.common.rotations import quaternion_of
+from robot_vision.depth.depth_overlay import depth_gray
 from robot_vision.depth.depth_range import within
 from robot_vision.depth.table_markers import markers
 from robot_vision.depth.table_messages import object_array, table_array
-from robot_vision.depth.table_overlay import depth_picture, draw_tables
+from robot_vision.depth.table_overlay import draw_tables
 from robot_vision.msg import Detection3DArray, TableArray
 
 CAMERA = camera_of(160)
@@ -140,7 +141,7 @@ def test_all_topics_of_an_image(start, depth, encoding):
         for field in ("type", "pose", "scale", "points", "text"):
             assert getattr(same, field) == getattr(one, field), field
     assert not shown
-    overlay = depth_picture(depth, 5.0)
+    overlay = depth_gray(depth, 5.0)
     draw_tables(overlay, tables, labels, CAMERA)
     assert np.array_equal(pixels(found["processed_image"]), overlay)
 
@@ -262,7 +263,7 @@ def test_calibrations_that_cannot_be_are_named(start, spoil, said):
     line = kitchen.shown_until(said)
     assert f"no tables: camera_info on {kitchen.infos}: " in line
     header = kitchen.camera.show(METRES, "32FC1")
-    expected = not_calibrated(depth_picture(METRES, 5.0))
+    expected = not_calibrated(depth_gray(METRES, 5.0))
     assert np.array_equal(pixels(shown.of(header.stamp)), expected)
     assert not kitchen.topics["tables"].received
     kitchen.camera.info = info_of(CAMERA)

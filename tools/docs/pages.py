@@ -19,6 +19,7 @@ from robot_vision import (
     range_around,
     to_hsv,
 )
+from robot_vision.depth.depth_overlay import depth_colors
 from robot_vision.msg import Detection3DArray, DetectionArray
 
 BLACK, YELLOW = (0, 0, 0), (0, 220, 255)  # BGR
@@ -49,13 +50,10 @@ RGBD = "_source:=synthetic", "_views:=rgbd", "_depth_noise:=kinect", "_poster:=a
 
 
 def colors_of(depth_image: Image) -> np.ndarray:
-    """A depth image of 16UC1: near is blue, far is red, and nothing is black."""
+    """A depth image of 16UC1, in the colours of the depths of the room."""
     size = depth_image.height, depth_image.width
     millimetres = np.frombuffer(depth_image.data, np.uint16).reshape(size)
-    levels = np.interp(millimetres, (1000, 3500), (0, 255)).astype(np.uint8)
-    shown = cv2.applyColorMap(levels, cv2.COLORMAP_JET)
-    shown[millimetres == 0] = 0
-    return shown
+    return depth_colors(millimetres, nearest=1.0, farthest=3.5)
 
 
 def depth(stage: Stage) -> np.ndarray:

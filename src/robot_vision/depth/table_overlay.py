@@ -4,10 +4,9 @@ from typing import Optional, Sequence
 
 import numpy as np
 
-from .. import CameraModel, Table, TableObject, draw_outline, draw_text, to_bgr, to_metres
+from .. import CameraModel, Table, TableObject, draw_outline, draw_text
 from .table_markers import size_text
 
-NEAR, FAR = 255, 60  # gray levels of what is at the camera, and of what is at the end of the range
 HULL = (255.0, 160.0, 40.0)  # BGR
 COLORS = np.array(  # BGR, which objects have in turn
     [(80, 230, 60), (60, 90, 250), (40, 210, 250), (230, 80, 220), (220, 210, 60), (60, 150, 255)],
@@ -16,18 +15,6 @@ COLORS = np.array(  # BGR, which objects have in turn
 MAX_COORDINATE = 1e6  # px, that is drawn
 # The corners of a box from -1 to 1: of the bottom, and in the same order of the top.
 CORNERS = np.array([(x, y, z) for z in (-1, 1) for x, y in ((-1, -1), (1, -1), (1, 1), (-1, 1))])
-
-
-def depth_picture(image: np.ndarray, farthest: float) -> np.ndarray:
-    """Returns depths as gray, (height, width, 3) uint8: near is bright, black has no depth.
-
-    Args:
-        image: (height, width) uint16 in mm or float32 in m.
-        farthest: m, from where on all is equally dark.
-    """
-    share = np.clip(to_metres(image) / farthest, 0.0, 1.0)
-    gray = np.nan_to_num(NEAR - (NEAR - FAR) * share).astype(np.uint8)
-    return to_bgr(gray, "mono8")
 
 
 def draw_tables(

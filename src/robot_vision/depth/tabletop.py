@@ -26,10 +26,11 @@ from ..ros.image_node import ImageNode
 from ..ros.params import LiveParams, filled, read_name
 from ..ros.startup import run_node
 from ..ros.transport import Frame, FrameError, note_connections
+from .depth_overlay import depth_gray
 from .depth_range import within
 from .table_markers import markers
 from .table_messages import object_array, table_array, transforms
-from .table_overlay import depth_picture, draw_tables
+from .table_overlay import draw_tables
 
 TRANSFORM_GRACE = 2.0  # s, for the first transforms to come
 UNKNOWN = (0.0, 0.0, 0.0)  # what is up, if nothing says it
@@ -87,7 +88,7 @@ class Tabletop:
         camera = self._calibration.camera(frame.image.shape[1::-1], settings.rectified)
         if camera is None:
             if self._processed.get_num_connections():
-                overlay = depth_picture(frame.image, settings.max_distance)
+                overlay = depth_gray(frame.image, settings.max_distance)
                 draw_text(overlay, "no calibration: see what the node has printed", (10, 20))
                 self._processed.publish(overlay, "bgr8", frame.header)
             return
@@ -140,7 +141,7 @@ class Tabletop:
         if settings.publish_tf and self._tf.get_num_connections() and tables:
             self._broadcast(transforms(frame.header, self._table_frame, tables))
         if self._processed.get_num_connections():
-            overlay = depth_picture(frame.image, settings.max_distance)
+            overlay = depth_gray(frame.image, settings.max_distance)
             draw_tables(overlay, tables, labels, camera)
             self._processed.publish(overlay, "bgr8", frame.header)
 
