@@ -2,92 +2,17 @@
 
 import copy
 import math
-import re
 import time
-from typing import Any, Callable, List, NamedTuple, Tuple
 
 import genpy
 import numpy as np
 import pytest
 import support
-from rgbd_cameras import SIZES, RgbdCameras
+from depth_takers import HEIGHT, METRES, MILLIMETRES, NODES, WIDTH, Taker
 from sensor_msgs.msg import Image
 
-from robot_vision.msg import TableArray
-
-WIDTH, HEIGHT = SIZES["depth"]
-METRES = np.full((HEIGHT, WIDTH), 2.0, np.float32)
-METRES[10:30, 20:40] = 1.2
-MILLIMETRES = (METRES * 1000).astype(np.uint16)
 NAN, INF = float("nan"), float("inf")
 THROTTLE = 5.0  # s, between two lines of one kind
-
-
-class Node(NamedTuple):
-    """A node that takes depths of RgbdCameras."""
-
-    program: str
-    arguments: Callable[[RgbdCameras], List[str]]  # that say where the cameras are
-    name: Callable[[RgbdCameras], str]
-    output: Callable[[RgbdCameras], Tuple[str, Any]]  # a topic that has a message for each frame
-    infos: Tuple[str, ...] = ("depth",)  # whose calibration it takes
-
-
-NODES = {
-    "depth_registration": Node(
-        "depth_registration_node",
-        lambda cameras: ["__name:=taker", *cameras.arguments()],
-        lambda cameras: f"{cameras.namespace}/taker",
-        lambda cameras: (cameras.output("image_raw"), Image),
-        infos=("depth", "rgb"),
-    ),
-    "tabletop": Node(
-        "tabletop.py",
-        lambda cameras: ["__name:=taker", f"image:={cameras.topic('depth', 'image_raw')}"],
-        lambda cameras: "/taker",
-        lambda cameras: ("/taker/tables", TableArray),
-    ),
-}
-
-
-class Taker:
-    """One of these nodes, its cameras and what it answers."""
-
-    def __init__(self, start: Any, kind: str):
-        node = NODES[kind]
-        self.begin = time.monotonic()
-        self.cameras = RgbdCameras()
-        words = node.arguments(self.cameras)
-        self.process = start(node.program, *words, "_diagnostic_period:=0.02")
-        self.name = node.name(self.cameras).lstrip("/")
-        self.answers = support.subscribed(*node.output(self.cameras))
-        self.cameras.place()
-        for source in (self.cameras.images["depth"], *map(self.cameras.infos.get, node.infos)):
-            source.wait_for()
-        self.topic = self.cameras.topic("depth", "image_raw")
-
-    def show(self, depth: np.ndarray, encoding: str) -> Any:
-        stamp = self.cameras.next_stamp()
-        self.cameras.send_infos()
-        self.cameras.send("depth", depth, encoding, stamp)
-        return stamp
-
-    def shows_until(self, condition: Callable[[], Any], what: str, *frame: Any) -> Any:
-        def fulfilled() -> Any:
-            self.show(*frame)
-            return condition()
-
-        return support.wait_for(fulfilled, what)
-
-    def lines(self, said: str) -> List[str]:
-        """The lines of its output with a text, or a regular expression."""
-        return [line for line in self.process.output().splitlines() if re.search(said, line)]
-
-    def answer(self, depth: np.ndarray = MILLIMETRES, encoding: str = "16UC1") -> Any:
-        """What it makes of a frame; the frame is shown again until that comes."""
-        before = len(self.answers.received)
-        self.shows_until(lambda: len(self.answers.received) > before, "answers", depth, encoding)
-        return self.answers.received[-1]
 
 
 def spoilt(**fields):
@@ -138,7 +63,7 @@ def test_what_cannot_be_used_is_told_now_and_then(start, kind, bad):
     assert taker.process.running()
 
 
-@pytest.mark.parametrize("kind", NODES)
+@pytest.mark.parametrize("kind", [name for name, node in NODES.items() if node.counts])
 def test_what_holds_no_depths_is_counted(start, kind):
     taker = Taker(start, kind)
     diagnostics = support.Diagnostics()

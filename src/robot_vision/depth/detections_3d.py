@@ -90,7 +90,6 @@ class Detections3d:
 
     def _process(self, depth: Frame, detections: DetectionArray) -> None:
         with self._lock:
-            camera = self._calibration.camera(depth.image.shape[1::-1])
             problem = misfit(detections, depth, self._calibration.frame_id)
             if problem and self._unfit.due():
                 rospy.logerr(
@@ -99,7 +98,10 @@ class Detections3d:
                     self._topics(),
                     problem,
                 )
-            if problem or camera is None:
+            if problem:
+                return
+            camera = self._calibration.camera(depth.image.shape[1::-1])
+            if camera is None:
                 return
             if camera is not self._camera:
                 self._camera, self._locator = camera, RegionLocator(camera, *self._values)
