@@ -146,6 +146,7 @@ class Taker:
 
     def shows_until(self, condition: Callable[[], Any], what: str, *frame: Any) -> Any:
         """Shows a frame until the condition holds; returns its value."""
+
         def fulfilled() -> Any:
             self.show(*frame)
             return condition()
