@@ -44,6 +44,7 @@ def test_topics_and_services(start, display, node):
     inputs, outputs, services = map(resolved, (page.inputs, page.outputs, page.services))
     parameters = ["_source:=synthetic", "_always_subscribe:=true", "_ball_diameter:=0.2"]
     parameters += ["_auto_select:=true", "_use_second:=true", f"_chain:={','.join(CHAIN)}"]
+    parameters += ["depth:=/depth"]  # some take it only if it is remapped
     start(node, "__name:=node", *parameters)
     reports = set() if node == "simple_camera_view_node.py" else {"/diagnostics"}
     expected = (outputs.keys() | reports, set(inputs), set(services))

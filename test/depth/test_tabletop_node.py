@@ -72,23 +72,18 @@ class Kitchen:
 
         def answered():
             stamps.append(self.camera.show(depth, encoding).stamp)
-            said = [support.stamp_of(one) for one in self.topics["tables"].received]
-            return [stamp for stamp in stamps if stamp in said]
+            said = [self.said(name) for name in self.topics]
+            return [stamp for stamp in stamps if all(stamp in of_topic for of_topic in said)]
 
-        stamp = support.wait_for(answered, "tables")[-1]
-        return {name: self.of(stamp, name) for name in self.topics}
+        stamp = support.wait_for(answered, "all that is said of an image")[-1]
+        return {name: self.said(name)[stamp] for name in self.topics}
 
-    def of(self, stamp, name):
-        if name != "markers":
-            return self.topics[name].of(stamp)
-        return support.wait_for(
-            lambda: [
-                one
-                for one in self.topics[name].received
-                if one.markers and one.markers[0].header.stamp == stamp
-            ],
-            "markers",
-        )[0]
+    def said(self, name):
+        """The messages of a topic by their stamps; markers of nothing have none."""
+        received = self.topics[name].received
+        if name == "markers":
+            return {one.markers[0].header.stamp: one for one in received if one.markers}
+        return {support.stamp_of(one): one for one in received}
 
     def shown_until(self, text, depth=METRES, encoding="32FC1", level="WARN"):
         """Shows an image until something is told, and returns the line."""

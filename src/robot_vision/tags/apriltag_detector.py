@@ -45,8 +45,8 @@ class ApriltagDetector:
 
     Subscribes to image, and to camera_info beside it, or where that name is remapped to. Poses need
     the camera_info of a calibrated camera, and an image that is not rectified. If the name depth is
-    remapped to a registered depth image, poses are of both. ~detect (robot_vision/DetectTags)
-    searches a file, or the next frame.
+    remapped to a registered depth image, poses are of both, and /diagnostics has how wrong it is.
+    ~detect (robot_vision/DetectTags) searches a file, or the next frame.
     """
 
     def __init__(self) -> None:
