@@ -610,6 +610,10 @@ def test_pairs_hold_no_more_than_their_bytes_nor_of_another_time():
 
 def test_pairs_are_apart_only_while_nothing_fits():
     pairs = FramePairs()
+    for number in range(20):  # before the first frame
+        pairs.frame_of(stamped(DetectionArray, 0.1 * number))
+        assert not pairs.apart()
+    pairs.clear()
     for frame in frames_of(range(100, 110)):
         pairs.message_of(frame)
         assert not pairs.apart()

@@ -45,9 +45,12 @@ class FramePairs:
             return frame
 
     def apart(self) -> bool:
-        """Returns whether so many messages in a row had no frame that the two do not fit."""
+        """Returns whether so many messages in a row had no frame that the two do not fit.
+
+        They are not apart as long as no frame has come: nothing is known of its stamp.
+        """
         with self._lock:
-            return self._unmatched >= MAX_UNMATCHED
+            return self._unmatched >= MAX_UNMATCHED and bool(self._frames)
 
     def distance(self) -> float:
         """Returns by how much those two stamps differ that are nearest to each other, in s.
