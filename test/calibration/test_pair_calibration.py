@@ -209,6 +209,22 @@ def test_what_one_camera_sees_alone_tells_something_about_that_camera():
     assert [len(pairs.of_camera(side)) for side in (0, 1)] == [1, 2]
 
 
+def test_nothing_more_is_waited_for_when_neither_camera_keeps_more():
+    board, gray = BOARDS["chessboard"][1], np.full(SIZE[::-1], 128, np.uint8)
+    image = cv2.resize(BOARDS["chessboard"][0], None, fx=0.8, fy=0.8)
+    shown = gray.copy()
+    shown[50 : 50 + image.shape[0], 60 : 60 + image.shape[1]] = image
+    turns = quarter_turns("chessboard", 8, 6, board)
+    pairs = PairCollection(board, turns, 1, 6.0)
+    pairs.offer("left", (shown, gray))
+    assert not pairs.full
+    pairs.offer("right", (gray, shown))
+    assert pairs.full and not pairs.pairs
+    pairs = PairCollection(board, turns, 1, 6.0)
+    pairs.offer("both", (shown, shown))
+    assert pairs.full and len(pairs.pairs) == 1
+
+
 def observation(board, order):
     """A board of which each point's pixel is its own place, in mm, listed in this order."""
     points = board.points[order]

@@ -46,8 +46,8 @@ class PairCollection:
 
     @property
     def full(self) -> bool:
-        """Whether no more pairs are kept."""
-        return len(self.pairs) == self._most
+        """Whether no more pairs are kept: there are enough of them, or of both cameras' views."""
+        return len(self.pairs) == self._most or all(camera.full for camera in self._cameras)
 
     def offer(self, name: str, images: Tuple[np.ndarray, np.ndarray]) -> None:
         """Examines the left and the right image, (height, width) uint8, and keeps what is of use.
@@ -62,7 +62,7 @@ class PairCollection:
         seen = [camera.offer(name, image) for camera, image in zip(self._cameras, images)]
         self.offered += 1
         both = self._same_points.of(*seen) if None not in seen else None
-        if both and self._kept() > kept and not self.full:
+        if both and self._kept() > kept and len(self.pairs) < self._most:
             self.pairs.append(PairView(name, *both))
         elif both:
             self.alike += 1
