@@ -147,7 +147,10 @@ class ApriltagDetector:
     ) -> Optional[TagDepth]:
         if depth is None or camera is None:
             return None
-        return TagDepth(depth.image, depth.camera or camera, self._depth_errors)
+        own = depth.camera or camera
+        if (own.width, own.height) != depth.image.shape[1::-1]:  # Images just got another size.
+            return None
+        return TagDepth(depth.image, own, self._depth_errors)
 
     def _broadcast(self, message: TFMessage) -> None:
         if not message.transforms:
