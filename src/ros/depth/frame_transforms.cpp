@@ -80,7 +80,8 @@ ros::Subscriber FrameTransforms::subscribe(const std::string& topic, bool is_sta
 
 std::optional<cv::Affine3d> FrameTransforms::find(const std::string& to, const std::string& from) const
 {
-  if (!to.empty() && withoutSlash(to) == withoutSlash(from)) return cv::Affine3d::Identity();
+  if (to.empty() || from.empty()) return std::nullopt;  // tf2 would take two empty names for one frame
+  if (withoutSlash(to) == withoutSlash(from)) return cv::Affine3d::Identity();
   if (!buffer_) return std::nullopt;
   try
   {
