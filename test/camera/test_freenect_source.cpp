@@ -178,6 +178,16 @@ TEST(FreenectSource, givesOneViewInTheFormatThatIsAskedFor)
   }
 }
 
+TEST(FreenectSource, isNamedByTheParameterOfTheDeviceToo)
+{
+  FakeKinect fake;
+  CaptureParams params = kinect();
+  params.video_device = params.source;
+  params.source.clear();
+  const FreenectSource source(fake.library(), params);
+  EXPECT_EQ(source.description(), "640x480 color and 640x480 depth at 30 Hz from the Kinect freenect:0");
+}
+
 TEST(FreenectSource, givesDepthsAlone)
 {
   FakeKinect fake;

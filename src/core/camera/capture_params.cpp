@@ -72,7 +72,7 @@ void validateScene(const CaptureParams& params)
 
 void validateKinect(const CaptureParams& params)
 {
-  require(kHasFreenect, "source", "'" + params.source + "'",
+  require(kHasFreenect, "source", "'" + sourceName(params) + "'",
           "another one, as this build has no libfreenect: install libfreenect-dev and build again");
   require(params.views != "stereo", "views", "'stereo'", "one or rgbd for a Kinect");
   const std::string& format = params.pixel_format;

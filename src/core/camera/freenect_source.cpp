@@ -49,7 +49,7 @@ FreenectSource::Mode FreenectSource::modeFor(const CaptureParams& params)
 }
 
 FreenectSource::FreenectSource(std::shared_ptr<const FreenectLibrary> library, const CaptureParams& params)
-  : name_(params.source),
+  : name_(sourceName(params)),
     gives_(givesFor(params)),
     mode_(modeFor(params)),
     frames_(mode_.size, matType(mode_.encoding), kDepthSize),
@@ -161,7 +161,7 @@ std::unique_ptr<FrameSource> openFreenect(const CaptureParams& params)
   }
   catch (const std::runtime_error& e)
   {
-    throw SourceUnavailable(params.source + ": " + e.what());
+    throw SourceUnavailable(sourceName(params) + ": " + e.what());
   }
   return std::make_unique<FreenectSource>(std::move(library), params);
 }

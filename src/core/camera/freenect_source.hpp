@@ -18,7 +18,7 @@ namespace robot_vision
 class FreenectSource : public FrameSource
 {
 public:
-  /// Opens the Kinect that `params.source` names. Throws SourceUnavailable as FreenectDevice does.
+  /// Opens the Kinect that sourceName() of `params` tells. Throws SourceUnavailable as FreenectDevice does.
   FreenectSource(std::shared_ptr<const FreenectLibrary> library, const CaptureParams& params);
   ~FreenectSource() override;
 
@@ -73,8 +73,8 @@ private:
   std::thread thread_;
 };
 
-/// Loads libfreenect and opens the Kinect that `params.source` names. Throws SourceUnavailable if one of both is not
-/// there.
+/// Loads libfreenect and opens the Kinect that sourceName() of `params` tells. Throws SourceUnavailable if one of both
+/// is not there.
 std::unique_ptr<FrameSource> openFreenect(const CaptureParams& params);
 
 }  // namespace robot_vision

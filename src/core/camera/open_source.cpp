@@ -42,7 +42,7 @@ std::unique_ptr<FrameSource> openKinect(const CaptureParams& params)
 #ifdef FREENECT_LIBRARY
   return openFreenect(params);
 #else
-  throw SourceError(params.source + ": this build has no libfreenect");  // validate() has said so already
+  throw SourceError(sourceName(params) + ": this build has no libfreenect");  // validate() has said so already
 #endif
 }
 
