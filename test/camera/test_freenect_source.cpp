@@ -193,10 +193,11 @@ TEST(FreenectSource, givesDepthsAlone)
   FakeKinect fake;
   CaptureParams params = kinect("0", "one");
   params.pixel_format = "z16";
-  params.image_height = 600;
+  params.image_width = 1280;
   FreenectSource source(fake.library(), params);
   EXPECT_EQ(source.description(), "640x480 depth at 30 Hz from the Kinect freenect:0");
-  EXPECT_EQ(source.warning(), "freenect:0: gives 640x480 instead of 640x600");
+  EXPECT_DOUBLE_EQ(source.period(), 1.0 / 30.0);
+  EXPECT_EQ(source.warning(), "freenect:0: gives 640x480 instead of 1280x480");
   fake.send({{kDepth, 0, kShift, 0, ""}});
   const Frame frame = frameOf(source, {true, false});
   EXPECT_EQ(frame.encoding, "16UC1");

@@ -41,7 +41,7 @@ FreenectSource::Mode FreenectSource::modeFor(const CaptureParams& params)
     mode = {FREENECT_VIDEO_IR_8BIT, FREENECT_RESOLUTION_MEDIUM, kInfraredSize, "mono8", 30};
   else if (wanted == "y10" || wanted == "y10b")
     mode = {FREENECT_VIDEO_IR_10BIT, FREENECT_RESOLUTION_MEDIUM, kInfraredSize, "mono10", 30};
-  if (params.image_width <= 640) return mode;
+  if (params.image_width <= 640 || !givesFor(params).color) return mode;
   mode.resolution = FREENECT_RESOLUTION_HIGH;
   mode.size = {1280, 1024};
   mode.rate = 10;
