@@ -44,8 +44,8 @@ void bindTagPlane(py::module& m)
         return measureTagPlane(input.view, around, camera, params);
       },
       "depth"_a, "corners"_a, "camera"_a, "params"_a = DepthErrorParams(),
-      "The DepthPlane of a tag, whose corners, (4, 2) px, were found in an image of the camera, or None where there is "
-      "none; see tag_plane.hpp.\n\n"
+      "The DepthPlane of a tag, whose corners, (4, 2) px, counter-clockwise as seen, were found in an image of the "
+      "camera, or None where there is none; see tag_plane.hpp.\n\n"
       "depth: of the camera's size, lens and frame, (height, width) uint16 in mm, or float32 in m.\n"
       "Raises ValueError for an image of another size, and for a parameter out of range.");
 }

@@ -171,6 +171,19 @@ TEST(TagPlane, refusesWhatIsNoDepthOfTheCamera)
   EXPECT_EQ(refused(cv::Mat(480, 640, CV_32FC1), params), "depth_noise is 0, must be from 1e-05 to 1");
 }
 
+TEST(TagPlane, isNoneOfCornersThatAreInNoImage)
+{
+  const cv::Mat depth(480, 640, CV_32FC1, cv::Scalar(1.0));
+  const std::array<cv::Point2d, 4> corners = {{{100, 300}, {300, 300}, {300, 100}, {100, 100}}};
+  EXPECT_TRUE(measureTagPlane(depth, corners, kCamera));
+  for (const double far : {1e10, -1e300, std::numeric_limits<double>::quiet_NaN()})
+  {
+    std::array<cv::Point2d, 4> odd = corners;
+    odd[1] = {std::abs(far), far};
+    EXPECT_FALSE(measureTagPlane(depth, odd, kCamera)) << far;
+  }
+}
+
 TEST(TagPlane, movesWithThePoseAsItsDerivativesSay)
 {
   const SeenPlane plane{{0.1, 0.2, 0.97}, {0.05, -0.02, 0.1}, {}, {}};

@@ -16,6 +16,7 @@ namespace robot_vision
 namespace
 {
 
+constexpr double kMaxCoordinate = 1e6;  // px, of corners: beyond any image, and sums of such numbers fit an int
 constexpr std::size_t kMinSamples = 12;
 constexpr double kMinShare = 0.6;      // of the samples, that agree with the plane
 constexpr int kRobustSteps = 6;        // of the fit with Huber's weights
@@ -143,6 +144,9 @@ std::optional<DepthPlane> measureTagPlane(const cv::Mat& depth, const std::array
           cv::typeToString(depth.type()), "CV_32FC1 (m) or CV_16UC1 (mm)");
   require(depth.cols == camera.width && depth.rows == camera.height, "size of the depth image", toText(depth.size()),
           "that of the camera, " + sizeText(camera.width, camera.height));
+  const auto is_pixel = [](const cv::Point2d& corner)
+  { return std::abs(corner.x) <= kMaxCoordinate && std::abs(corner.y) <= kMaxCoordinate; };  // never NaN
+  if (!std::all_of(corners.begin(), corners.end(), is_pixel)) return std::nullopt;
   const cv::Size stride = depthStride(corners);
   const std::vector<DepthSample> all = depthSamples(depth, corners, stride, camera, params);
   if (all.size() < kMinSamples) return std::nullopt;
