@@ -47,9 +47,20 @@ public:
     BoundedStream ahead = *this;
     std::uint32_t count = 0;
     ahead.next(count);
-    const std::size_t min_bytes = ros::message_traits::isSimple<T>() ? sizeof(T) : 1;
-    if (count > ahead.getLength() / min_bytes) ros::serialization::throwStreamOverrun();
-    ros::serialization::deserialize(*this, values);
+    if (ros::message_traits::isSimple<T>())
+    {
+      if (count > ahead.getLength() / sizeof(T)) ros::serialization::throwStreamOverrun();
+      ros::serialization::deserialize(*this, values);
+      return;
+    }
+    // One by one, as no size of theirs is known: a transform takes far more memory than the byte that one may be of.
+    *this = ahead;
+    values.clear();
+    for (; count > 0; --count)
+    {
+      values.emplace_back();
+      next(values.back());
+    }
   }
 };
 
