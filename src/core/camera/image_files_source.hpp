@@ -19,8 +19,9 @@ cv::Mat readUpright(const std::string& path);
 
 constexpr double kMillimetres = 1000.0;  // the number that stands for 1 m
 
-/// Reads an image file of depths, in which the number `scale` stands for 1 m, as 16UC1: in mm, 0 where there is none or
-/// where it is beyond 65.534 m. Throws as readImage() does, also if its pixels are not gray of 16 bits.
+/// Reads an image file of depths, in which the number `scale` stands for 1 m, as 16UC1: in mm, 0 where there is none.
+/// Of another scale than kMillimetres it is 0 beyond 65.534 m, too. Throws as readImage() does, also if its pixels are
+/// not gray of 16 bits.
 cv::Mat readDepths(const std::string& path, double scale = kMillimetres);
 
 /// The image files of a folder or glob pattern in the order of their names, or the one file that it names. Throws
