@@ -167,19 +167,19 @@ void FreenectDevice::close()
   if (context_ != nullptr) library_->shutdown(context_);
 }
 
-void FreenectDevice::onLog(freenect_context* /*context*/, freenect_loglevel level, const char* text)
+void FreenectDevice::onLog(freenect_context* /*context*/, freenect_loglevel level, const char* text) noexcept
 {
   if (current == nullptr || level > FREENECT_LOG_ERROR || !current->log_.empty()) return;
   const std::string line(text);
   current->log_ = line.substr(0, line.find_last_not_of(" \n") + 1);
 }
 
-void FreenectDevice::onVideo(freenect_device* /*device*/, void* /*memory*/, std::uint32_t ticks)
+void FreenectDevice::onVideo(freenect_device* /*device*/, void* /*memory*/, std::uint32_t ticks) noexcept
 {
   if (current != nullptr) current->on_image_(KinectCamera::kColor, ticks);
 }
 
-void FreenectDevice::onDepth(freenect_device* /*device*/, void* /*memory*/, std::uint32_t ticks)
+void FreenectDevice::onDepth(freenect_device* /*device*/, void* /*memory*/, std::uint32_t ticks) noexcept
 {
   if (current != nullptr) current->on_image_(KinectCamera::kDepth, ticks);
 }

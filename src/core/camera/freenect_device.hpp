@@ -51,9 +51,10 @@ private:
   [[noreturn]] void fail(const std::string& what) const;
   void close();
 
-  static void onLog(freenect_context* context, freenect_loglevel level, const char* text);
-  static void onVideo(freenect_device* device, void* memory, std::uint32_t ticks);
-  static void onDepth(freenect_device* device, void* memory, std::uint32_t ticks);
+  // C calls them, through which no exception gets.
+  static void onLog(freenect_context* context, freenect_loglevel level, const char* text) noexcept;
+  static void onVideo(freenect_device* device, void* memory, std::uint32_t ticks) noexcept;
+  static void onDepth(freenect_device* device, void* memory, std::uint32_t ticks) noexcept;
 
   std::shared_ptr<const FreenectLibrary> library_;
   std::string source_;

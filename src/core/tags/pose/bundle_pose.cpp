@@ -229,7 +229,8 @@ std::vector<PoseRefinement> fitBundle(const std::vector<SeenTag>& tags, const Ca
   std::vector<cv::Affine3d> poses;
   for (const PoseRefinement& fit : fits)
     poses.push_back(fit.pose);
-  return fitAll(observation, tags, camera, poses);
+  std::vector<PoseRefinement> joint = fitAll(observation, tags, camera, poses);
+  return joint.empty() ? fits : joint;  // no pose may explain all planes, each of which some pose explains
 }
 
 TagPoses posesOf(const std::vector<WeightedPose>& poses, const Observation& observation, const CameraModel& camera)

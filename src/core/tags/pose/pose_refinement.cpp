@@ -174,7 +174,9 @@ double planeDistance(const SeenPlane& plane, const PoseRefinement& fit)
   const PredictedPlane predicted = predict(plane, fit.pose);
   const cv::Vec3d residuals = plane.inverse_depth - predicted.inverse_depth;
   const cv::Matx33d expected = plane.covariance + predicted.jacobian * fit.covariance * predicted.jacobian.t();
-  return residuals.dot(inverseOf(expected) * residuals);
+  const cv::Matx33d information = inverseOf(expected);
+  if (!(information(0, 0) > 0.0)) return std::numeric_limits<double>::infinity();  // it could not be inverted
+  return residuals.dot(information * residuals);
 }
 
 PoseRefinement fitPose(const Observation& observation, const CameraModel& camera, const cv::Affine3d& start)
