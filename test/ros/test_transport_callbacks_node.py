@@ -107,6 +107,9 @@ def test_a_slow_callback_on_a_fast_topic_gets_the_newest_frames(source):
     images = ImageSubscriber(source.topic, work)
     plain = support.Messages(source.topic, Image)  # shows that they have arrived
     source.wait_for(2)
+    published += 1
+    source.send(numbered(published))
+    support.wait_for(lambda: numbers, "the first frame")  # which has its turn with the first burst
     for _ in range(bursts):
         for _ in range(burst):
             published += 1
