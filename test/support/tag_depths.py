@@ -21,11 +21,14 @@ def errors_of(**values):
 SENSORS = {
     "none": errors_of(depth_noise=1e-4, depth_noise_growth=0.0, depth_step=0.0),
     "kinect": errors_of(depth_step=0.0032),
-    "stereo": errors_of(depth_noise=0.0015, depth_noise_growth=0.0055, depth_step=0.0012),
+    "stereo": errors_of(
+        depth_noise=0.0015, depth_noise_growth=0.0055, depth_step=0.0012, depth_correlation=25
+    ),
     "tof": errors_of(depth_noise=0.0012, depth_noise_growth=0.0007, depth_step=0.0),
 }
-for _params in SENSORS.values():
-    _params.depth_correlation = 1
+for _name, _params in SENSORS.items():
+    if _name != "stereo":  # whose errors are alike in blocks of 5x5 px
+        _params.depth_correlation = 1
     _params.depth_bias = BIAS
 
 
