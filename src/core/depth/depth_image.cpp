@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "depth_kernels.hpp"
+#include "depth_pixel.hpp"
 #include "robot_vision/common/printable.hpp"
 #include "robot_vision/common/range.hpp"
 #include "robot_vision/image/encoding.hpp"
@@ -30,8 +31,8 @@ std::vector<double> samplesOf(const cv::Mat& depth)
   for (int y = dy / 2; y < depth.rows; y += dy)
     for (int x = dx / 2; x < depth.cols; x += dx)
     {
-      const double z = depth.type() == CV_16UC1 ? depth.at<std::uint16_t>(y, x) / kMmPerMetre : depth.at<float>(y, x);
-      if (z > 0.0 && std::isfinite(z)) found.push_back(z);
+      const double z = depthAt(depth, x, y);
+      if (!std::isnan(z)) found.push_back(z);
     }
   return found;
 }

@@ -3,9 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <cstdint>
-#include <limits>
 
+#include "core/depth/depth_pixel.hpp"
 #include "robot_vision/depth/depth_error.hpp"
 
 namespace robot_vision
@@ -27,18 +26,6 @@ bool isInside(const Quad& quad, const cv::Point2d& pixel, double margin)
     if ((pixel - quad[i]).cross(along) < margin * cv::norm(along)) return false;
   }
   return true;
-}
-
-/// The depth of a pixel in m, NaN where it is unknown.
-double depthAt(const cv::Mat& depth, int x, int y)
-{
-  if (depth.type() == CV_16UC1)
-  {
-    const auto millimetres = depth.at<std::uint16_t>(y, x);
-    return millimetres == 0 ? std::numeric_limits<double>::quiet_NaN() : millimetres / 1000.0;
-  }
-  const double metres = static_cast<double>(depth.at<float>(y, x));
-  return std::isfinite(metres) && metres > 0.0 ? metres : std::numeric_limits<double>::quiet_NaN();
 }
 
 }  // namespace
