@@ -26,7 +26,7 @@ cv::Mat band(const cv::Point2d& center, double angle, double width)
       const double off = (x - center.x) * std::cos(angle) + (y - center.y) * std::sin(angle);
       mask(y, x) = std::abs(off) <= width / 2.0 ? 255 : 0;
     }
-  return std::move(mask);
+  return mask;
 }
 
 Line lineAt(double x)

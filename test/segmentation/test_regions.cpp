@@ -42,7 +42,7 @@ cv::Mat disc(cv::Size size, cv::Point2d center, double radius)
   for (int y = 0; y < size.height; ++y)
     for (int x = 0; x < size.width; ++x)
       mask(y, x) = std::hypot(x - center.x, y - center.y) <= radius ? 255 : 0;
-  return std::move(mask);
+  return mask;
 }
 
 /// Noise, blurred by a box of `blur` px and thresholded at its mean.

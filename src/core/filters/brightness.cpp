@@ -27,7 +27,7 @@ cv::Mat makeTable(const BrightnessParams& params)
   ramp.convertTo(table, -1, params.gain, params.offset * (kMax / 255));
   for (T& value : table)
     value = cv::saturate_cast<T>(std::pow(value / double{kMax}, params.gamma) * kMax);
-  return std::move(table);
+  return table;
 }
 
 /// The table for three channels, with the identity for the fourth.

@@ -31,7 +31,7 @@ cv::Mat nearestCenters(const cv::Mat_<cv::Vec3f>& colors, const cv::Mat& centers
       nearest(i) = center;
     }
   }
-  return std::move(nearest);
+  return nearest;
 }
 
 /// The clusters by the number of their colours, the largest first.

@@ -52,7 +52,7 @@ cv::Mat LabelNumbers::apply(const cv::Mat& labels, const NumberingRule& rule)
   cv::Mat_<std::uint16_t> numbered(labels.size());
   std::transform(labels.begin<int>(), labels.end<int>(), numbered.begin(), [&](int label) { return table[label]; });
   last_ = numbered;
-  return std::move(numbered);
+  return numbered;
 }
 
 std::vector<int> LabelNumbers::keptNumbers(const cv::Mat& labels, const std::vector<int>& areas,

@@ -64,7 +64,7 @@ cv::Mat similarNeighbors(const cv::Mat& bgr, double tolerance)
     const int root = forest.root(pixel);
     labels(pixel / width, pixel % width) = root == pixel ? ++count : labels(root / width, root % width);
   }
-  return std::move(labels);
+  return labels;
 }
 
 }  // namespace robot_vision

@@ -112,7 +112,7 @@ cv::Mat divideObjects(const ObjectSeeds& seeds)
       const int label = flooded(y, x) > 0 ? flooded(y, x) : neighborAbove(flooded, x, y, background);
       divided(y, x) = label - background;
     }
-  return std::move(divided);
+  return divided;
 }
 
 }  // namespace robot_vision
