@@ -94,10 +94,10 @@ FilterChain::FilterChain(const std::vector<std::string>& chain, const ParamValue
   for (const std::string& name : chain)
   {
     steps_.emplace_back();
-    const Operation& operation = named("chain", [&]() -> const Operation& { return operationNamed(name); });
-    const OperationValues complete = completeValues(operation, values);
-    steps_.back().operation = &operation;
-    steps_.back().run = named(operation.name, [&] { return operation.make(complete); });
+    const Operation* operation = named("chain", [&] { return &operationNamed(name); });
+    const OperationValues complete = completeValues(*operation, values);
+    steps_.back().operation = operation;
+    steps_.back().run = named(operation->name, [&] { return operation->make(complete); });
   }
 }
 
