@@ -317,6 +317,19 @@ def test_the_other_image_of_a_chain_is_that_of_a_topic_that_is_given():
     assert "second" not in dict(node.remap_args) and not before["/filter/use_second"]
 
 
+@pytest.mark.parametrize(
+    "name", ["histogram", "object_tracker", "segmenter", "template_matcher", "window_tracker"]
+)
+def test_what_is_dragged_in_a_node_s_window_goes_to_the_node(name):
+    nodes = {node.name: node for node in loaded(f"{name}.launch", "view:=true").nodes}
+    window = nodes[f"{name}_view"]
+    assert window.type == "simple_camera_view_node.py"
+    topics = {"image": f"{name}/processed_image", "~selected": f"{name}/select"}
+    if name == "segmenter":
+        topics["~clicked"] = "segmenter/click"
+    assert dict(window.remap_args) == topics
+
+
 def test_tags_have_a_depth_image_where_one_is_given():
     (node,) = loaded("apriltag.launch").nodes
     assert "depth" not in dict(node.remap_args)

@@ -46,7 +46,38 @@ def test_a_node_s_page_has_an_image_of_its_name(name):
     assert f"images/{page.stem}.jpg" in pages.links(page.read_text())
 
 
-def test_every_launch_file_of_opencv_apps_has_its_like():
+def text_of_all_pages():
+    """The README and all pages in one text, with the lines that go on in the next one joined."""
+    texts = (path.read_text(encoding="utf-8") for path in [README, *pages.DOCS.glob("*.md")])
+    return "".join(texts).replace("\\\n", " ")
+
+
+def test_launch_files_have_the_arguments_that_pages_give_them():
+    command = r"roslaunch (?:--ros-args )?robot_vision ([\w-]+\.launch)((?: +\w+:=[^\s`]+)*)"
+    found = re.findall(command, text_of_all_pages())
+    assert len(found) > 50
+    for name, given in found:
+        arguments = ElementTree.parse(pages.ROOT / "launch" / name).getroot().findall("arg")
+        known = {argument.get("name") for argument in arguments}
+        assert known >= set(re.findall(r"(\w+):=", given)), name + given
+
+
+def test_nodes_have_the_parameters_that_pages_set():
+    text = (pages.DOCS / "parameters.md").read_text()
+    sections = re.split(r"^### (\w+)$", text, flags=re.MULTILINE)
+    known = {
+        node: set(re.findall(r"^\| `(\w+)` \|", rows, re.MULTILINE))
+        for node, rows in zip(sections[1::2], sections[2::2])
+    }
+    found = re.findall(r"dynparam set /(\w+) (\S.*)", text_of_all_pages())
+    assert len(found) > 20
+    for node, given in found:
+        several = given.startswith(('"{', "'{"))
+        names = re.findall(r"(\w+): ", given) if several else given.split()[:1]
+        assert known[node.replace("usb_cam", "camera")] >= set(names), f"/{node} {given}"
+
+
+def test_every_nodelet_of_opencv_apps_has_its_like():
     (rows,) = [
         text.partition("\n\n")[0]
         for text in (pages.ROOT / "docs/basics.md")
@@ -57,8 +88,11 @@ def test_every_launch_file_of_opencv_apps_has_its_like():
         name for row in rows.splitlines() for name in re.findall(r"`(\w+)`", row.split("|")[1])
     }
     shares = [pathlib.Path("/usr/share"), *pathlib.Path("/opt/ros").glob("*/share")]
-    theirs = [path for share in shares for path in share.glob("opencv_apps/launch/*.launch")]
-    assert named >= {path.stem for path in theirs} and len(named) >= 26
+    declared = [path for share in shares for path in share.glob("opencv_apps/nodelet_plugins.xml")]
+    theirs = {
+        name for path in declared for name in re.findall(r'"opencv_apps/(\w+)"', path.read_text())
+    }
+    assert named >= theirs and len(named) >= 29
 
 
 def test_the_index_lists_all_pages():
