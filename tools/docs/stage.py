@@ -5,7 +5,7 @@ import os
 import pathlib
 import shutil
 import sys
-from typing import Any, Callable, Iterator, List, Sequence, Union
+from typing import Any, Callable, Iterator, List, Sequence, Tuple, Union
 
 import cv2
 import numpy as np
@@ -185,9 +185,10 @@ def listening(topic: str, kind: Any) -> Iterator[support.Messages]:
 
 
 @contextlib.contextmanager
-def x_server(stage: Stage) -> Iterator[pathlib.Path]:
-    """A virtual screen, which $DISPLAY names meanwhile; its frame buffer's file."""
-    options = ["-displayfd", "1", "-noreset", "-fbdir", stage.folder, "-screen", "0", "800x600x24"]
+def x_server(stage: Stage, size: Tuple[int, int] = (800, 600)) -> Iterator[pathlib.Path]:
+    """A virtual screen of `size` px, which $DISPLAY names meanwhile; its frame buffer's file."""
+    screen = "{}x{}x24".format(*size)
+    options = ["-displayfd", "1", "-noreset", "-fbdir", stage.folder, "-screen", "0", screen]
     process = stage.start(str(shutil.which("Xvfb")), *options)
     try:
         lines = support.wait_for(
