@@ -154,6 +154,27 @@ struct Networks
 
 using Vector = Simd::Vector;
 
+// What is watched by AddressSanitizer goes through the comparators in a loop: with checks at each access to a constant
+// place GCC takes a minute for this file.
+#ifdef __SANITIZE_ADDRESS__
+constexpr bool kInLoop = true;
+#else
+constexpr bool kInLoop = false;
+#endif
+
+template <int kCount>
+inline void compareInLoop(const Network<kCount>& network, Vector* values)
+{
+  for (int i = 0; i < network.count; ++i)
+  {
+    const Comparator one = network.comparators[i];
+    const Vector a = values[one.first];
+    const Vector b = values[one.second];
+    if (one.needs_lesser) values[one.first] = Simd::lesserBytes(a, b);
+    if (one.needs_greater) values[one.second] = Simd::greaterBytes(a, b);
+  }
+}
+
 template <int kFirst, int kSecond, bool kLesser, bool kGreater>
 [[gnu::always_inline]] inline void compare(Vector* values)
 {
@@ -168,15 +189,22 @@ template <int kSize, std::size_t... kIndices>
 [[gnu::always_inline]] inline void sortColumn(Vector* values, std::index_sequence<kIndices...> /*indices*/)
 {
   constexpr auto& all = Networks<kSize>::kColumn.comparators;
-  (compare<all[kIndices].first, all[kIndices].second, true, true>(values), ...);
+  if constexpr (kInLoop)
+    compareInLoop(Networks<kSize>::kColumn, values);
+  else
+    (compare<all[kIndices].first, all[kIndices].second, true, true>(values), ...);
 }
 
 template <int kSize, std::size_t... kIndices>
 [[gnu::always_inline]] inline void findMedian(Vector* values, std::index_sequence<kIndices...> /*indices*/)
 {
   constexpr auto& all = Networks<kSize>::kWindow.comparators;
-  (compare<all[kIndices].first, all[kIndices].second, all[kIndices].needs_lesser, all[kIndices].needs_greater>(values),
-   ...);
+  if constexpr (kInLoop)
+    compareInLoop(Networks<kSize>::kWindow, values);
+  else
+    (compare<all[kIndices].first, all[kIndices].second, all[kIndices].needs_lesser, all[kIndices].needs_greater>(
+         values),
+     ...);
 }
 
 /// Calls work(begin) for blocks of kBytes bytes that cover `count` bytes, the last of which may overlap another one.
