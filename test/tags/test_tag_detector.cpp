@@ -212,7 +212,8 @@ TEST(TagDetector, findsNeighboursLikeASearchOfTheWholeImage)
 {
   TagDetectorParams params;
   params.decimate = 1.0;
-  params.refine_edges = false;  // else a rounding error in the library may move a corner by a tenth of a pixel
+  params.refine_edges = false;      // else a rounding error in the library may move a corner by a tenth of a pixel
+  const TagDetector owner(params);  // of the family's tables, which take longer to make than all the searches
   cv::RNG random(11);
   for (int i = 0; i < 150; ++i)
   {
@@ -256,6 +257,7 @@ TEST(TagDetector, findsANewTagWithinTheSearchPeriod)
 
 TEST(TagDetector, searchesTheWholeImageOftenEnough)
 {
+  const TagDetector owner;  // of the family's tables, which take longer to make than the searches
   for (const double period : {0.1, 0.5, 1.0})
     for (int phase = 0; phase < 35; phase += 3)
     {
@@ -278,6 +280,7 @@ TEST(TagDetector, searchesTheWholeImageOftenEnough)
 
 TEST(TagDetector, findsANewLargeTagInAFifthOfTheSearchPeriod)
 {
+  const TagDetector owner;  // of the family's tables, which take longer to make than the searches
   for (int phase = 0; phase < 16; ++phase)
   {
     TagDetector detector;
