@@ -244,7 +244,7 @@ def test_every_format_is_supported(seen):
 
 @pytest.mark.parametrize("name", LAYOUTS)
 def test_images_are_exactly_those_of_the_device(vm, seen, name):
-    """They are bit-exactly those that v4l2-ctl reads and OpenCV converts."""
+    """They are bit-exactly those that read(2) gives and OpenCV converts."""
     seen("formats")
     layout = LAYOUTS[name]
     direct = pixels(vm / (name + ".raw"), layout)
@@ -319,7 +319,7 @@ def test_cameras_are_listed(seen):
 
 
 def test_device_is_free_without_subscribers(vm, seen):
-    """v4l2-ctl could stream from the device before and after the node did."""
+    """The device could be read from before and after the node streamed."""
     assert seen("idle")["message"] == "idle: nobody subscribes"
     assert (vm / "yuyv.raw").stat().st_size == (vm / "afterwards.raw").stat().st_size > 0
 

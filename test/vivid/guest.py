@@ -3,7 +3,7 @@
 
     guest.py OUT
 
-OUT/seen.json gets one entry per scenario, OUT/*.raw what v4l2-ctl read from the device,
+OUT/seen.json gets one entry per scenario, OUT/*.raw what read(2) gives of the device, and
 OUT/*.image_raw and OUT/*.image_mono the pixels that camera_node published. What has to be true of
 them: test/camera/test_v4l2_node.py.
 """
