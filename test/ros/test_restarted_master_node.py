@@ -50,7 +50,7 @@ def test_nodes_register_again(start, run_script, tmp_path, node, key, nodelets):
     processes = [start(*command, env=master.env) for command in commands]
 
     def ask(value, *kinds):
-        client = run_script(CLIENT, name, key, value, *kinds, env=master.env)
+        client = run_script(CLIENT, name, key, value, *kinds, env=master.env, fork=True)
         assert client.exit_code() == 0, client.output()
         assert f"set {value}" in client.output()
         assert f"saved {file}" in client.output()

@@ -128,12 +128,17 @@ def start(tmp_path, request):
 
 @pytest.fixture
 def run_script(start, tmp_path):
-    """run_script(text, "image:=/x", ..., env={...}) starts a Python script."""
+    """run_script(text, "image:=/x", ..., env={...}) starts a Python script.
+
+    With fork=True, for one that is not itself under test, it is forked as the package's programs.
+    """
     numbers = itertools.count()
 
-    def run(text, *arguments, env=None):
+    def run(text, *arguments, env=None, fork=False):
         path = tmp_path / f"script_{next(numbers)}.py"
         path.write_text(text)
+        if fork:
+            return start(str(path), *arguments, env=env)
         return start("/usr/bin/python3", path, *arguments, env=env)
 
     return run
