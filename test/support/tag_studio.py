@@ -80,10 +80,10 @@ def calibrated(width=640, height=480, matrix=K, model="plumb_bob"):
 
 
 class Studio:
-    """A camera with frames at 10 Hz of simulated stamps, and the node's answers to them."""
+    """A camera with frames at `rate` (Hz) of simulated stamps, and the node's answers to them."""
 
-    def __init__(self, start, *arguments, info=None):
-        self._camera = Camera(10.0)
+    def __init__(self, start, *arguments, info=None, rate=10.0):
+        self._camera = Camera(rate)
         self.topic = self._camera.topic
         self.infos = Source(self.topic.replace("image", "camera_info"), CameraInfo)
         self.info = info
