@@ -11,9 +11,18 @@ import support
 from faces import PORTRAIT
 from geometry_msgs.msg import PointStamped, Twist
 from sensor_msgs.msg import Image
+from tag_studio import matrix_of
 
 from robot_vision import Scene, SceneParams
-from robot_vision.msg import DetectionArray, FaceIdentityArray, GroundTruth, Line
+from robot_vision.msg import (
+    DetectionArray,
+    Detection3DArray,
+    FaceIdentityArray,
+    GroundTruth,
+    Line,
+    TableArray,
+    TagDetectionArray,
+)
 from robot_vision.srv import EnrollFace
 
 DEMO = pathlib.Path(__file__).resolve().parents[2] / "tools" / "demo"
@@ -105,8 +114,8 @@ def test_rosrun_finds_scripts_and_programs(start):
 
 @pytest.fixture(scope="module")
 def scene_demo(start_once):
-    """The demo on the scene, for all the tests from here on; ends with 0."""
-    process = start_once("/usr/bin/roslaunch", "robot_vision", "demo.launch")
+    """The demo on the scene, with depth, for all the tests from here on; ends with 0."""
+    process = start_once("/usr/bin/roslaunch", "robot_vision", "demo.launch", "depth:=true")
     yield process
     process.interrupt()
     assert process.exit_code() == 0, process.output()
@@ -179,6 +188,59 @@ def test_demo_finds_what_is_in_the_scene(scene_demo):
     support.wait_for(lambda: any(c.linear.x == 0.2 for c in commands.received), "driving")
     assert {code.label for m in codes.wait() for code in m.detections} == {"robot_vision"}
     assert "/cmd_vel" not in dict(rospy.get_published_topics())  # a demo drives no robot
+
+
+def true_pose(truth, name):
+    return matrix_of(next(one for one in truth.objects if one.name == name).pose)
+
+
+def place_of(pose):
+    return matrix_of(pose)[:3, 3]
+
+
+def test_demo_finds_by_depth_where_things_are(scene_demo):
+    truths = support.Messages("/usb_cam/ground_truth", GroundTruth)
+    tables = support.Messages("/tabletop/tables", TableArray)
+    standing = support.Messages("/tabletop/objects", Detection3DArray)
+    things = support.Messages("/detections_3d/detections", Detection3DArray)
+    tags = support.Messages("/apriltag_detector/tags", TagDetectionArray)
+
+    def the_floor_is_the_table():
+        truth, found = support.same_frame(truths, tables)
+        camera = matrix_of(truth.camera)
+        poses = [matrix_of(table.pose) for table in found.tables]
+        return any(
+            np.degrees(np.arccos(min(1.0, pose[:3, 2] @ camera[2, :3]))) < 0.5
+            and abs(camera[2, 3] + pose[:3, 2] @ pose[:3, 3]) < 0.01
+            for pose in poses
+        )
+
+    def the_box_stands_on_it():
+        truth, found = support.same_frame(truths, standing)
+        box = true_pose(truth, "box")[:3, 3]
+        return any(
+            np.linalg.norm(place_of(one.pose.pose) - box) < 0.1 for one in found.detections
+        )
+
+    def the_ball_has_its_middle():
+        truth, found = support.same_frame(truths, things)
+        ball = true_pose(truth, "ball")[:3, 3]
+        return any(
+            np.linalg.norm(place_of(one.pose.pose) - ball) < 0.03 for one in found.detections
+        )
+
+    def tags_have_poses():
+        truth, found = support.same_frame(truths, tags)
+        poses = [(matrix_of(tag.pose.pose), tag.id) for tag in found.detections if tag.has_pose]
+        return poses and all(
+            np.linalg.norm(pose[:3, 3] - true_pose(truth, f"tag_{number}")[:3, 3]) < 0.03
+            for pose, number in poses
+        )
+
+    support.wait_for(the_floor_is_the_table, "the plane of the floor")
+    support.wait_for(the_box_stands_on_it, "the box on the floor")
+    support.wait_for(the_ball_has_its_middle, "the ball in space")
+    support.wait_for(tags_have_poses, "the tags by their depth")
 
 
 def test_the_portrait_is_enrolled_and_recognised(scene_demo, start, tmp_path):
