@@ -49,7 +49,7 @@ DEPTH = {  # with depth:=true
     "detections_3d": "/detections_3d/processed_image",
 }
 FRAMES = ": frames"  # the end of the name of the status that each node has; some have others, too
-WIDTH = max(map(len, TOPICS))
+WIDTH = max(map(len, [*TOPICS, *BASICS, *DEPTH]))
 VIEWER = TOPICS["usb_cam"] + " "  # the start of simple_camera_view's title, which has two blanks
 WINDOWS_TIMEOUT = 120.0  # s for all windows to open
 POLL = 0.5  # s
