@@ -15,8 +15,8 @@ from tag_studio import matrix_of
 
 from robot_vision import Scene, SceneParams
 from robot_vision.msg import (
-    DetectionArray,
     Detection3DArray,
+    DetectionArray,
     FaceIdentityArray,
     GroundTruth,
     Line,
@@ -218,9 +218,7 @@ def test_demo_finds_by_depth_where_things_are(scene_demo):
     def the_box_stands_on_it():
         truth, found = support.same_frame(truths, standing)
         box = true_pose(truth, "box")[:3, 3]
-        return any(
-            np.linalg.norm(place_of(one.pose.pose) - box) < 0.1 for one in found.detections
-        )
+        return any(np.linalg.norm(place_of(one.pose.pose) - box) < 0.1 for one in found.detections)
 
     def the_ball_has_its_middle():
         truth, found = support.same_frame(truths, things)

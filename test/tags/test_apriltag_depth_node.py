@@ -71,8 +71,8 @@ def is_fused(answer):
 class DepthStudio(Studio):
     """A Studio with a depth camera.
 
-    Its frames are so far apart in time that no pose is averaged over them: of a tag at rest, which is
-    seen more often on a busy machine, corners alone tell the tilt as well as depth does in time.
+    Its frames are so far apart in time that no pose is averaged over them: of a tag at rest, which
+    is seen more often on a busy machine, corners alone tell the tilt as well as depth in time.
     """
 
     def __init__(self, start, *arguments):
