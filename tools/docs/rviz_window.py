@@ -34,7 +34,7 @@ def rviz(stage: Stage) -> np.ndarray:
         def drawn() -> bool:
             window = support.screen(screen)
             view, docks = window[:, DOCKS:], window[:, :DOCKS]
-            return shown_share(view) > 0.1 and shown_share(docks) > 0.2
+            return shown_share(view) > 0.1 and shown_share(docks) > 0.15
 
         support.wait_for(drawn, "points and images in rviz", 2 * support.DEADLINE)
         width, height = SIZE
