@@ -148,9 +148,13 @@ def test_demo_shows_the_scene(scene_demo):
     assert result.data == opencv_chain(image).tobytes()
 
 
+def true_object(truth, name):
+    return next(one for one in truth.objects if one.name == name)
+
+
 def sees_the_portrait(truth, faces):
     """Whether a face is found where the poster's is, 0.44 by 0.21 of its size from the corner."""
-    poster = next(one for one in truth.objects if one.name == "poster")
+    poster = true_object(truth, "poster")
     bottom_left, bottom_right, _, top_left = (np.array([p.x, p.y]) for p in poster.outline)
     across, down = bottom_right - bottom_left, bottom_left - top_left
     face = top_left + 0.44 * across + 0.21 * down
@@ -170,13 +174,13 @@ def test_demo_finds_what_is_in_the_scene(scene_demo):
     commands = support.Messages("/line_follower/cmd_vel", Twist)
     codes = support.Messages("/code_reader/codes", DetectionArray)
     truth, tracked = support.same_frame(truths, objects)
-    ball = next(one for one in truth.objects if one.name == "ball")
+    ball = true_object(truth, "ball")
     places = [
         np.hypot(d.center.x - ball.center.x, d.center.y - ball.center.y) for d in tracked.detections
     ]
     assert min(places) < 3.0, (ball.center, tracked.detections)
     truth, position = support.same_frame(truths, positions)
-    point = next(one for one in truth.objects if one.name == "ball").pose.position
+    point = true_object(truth, "ball").pose.position
     assert (position.point.x, position.point.y, position.point.z) == pytest.approx(
         (point.x, point.y, point.z), rel=0.03, abs=0.02
     )
@@ -190,12 +194,10 @@ def test_demo_finds_what_is_in_the_scene(scene_demo):
     assert "/cmd_vel" not in dict(rospy.get_published_topics())  # a demo drives no robot
 
 
-def true_pose(truth, name):
-    return matrix_of(next(one for one in truth.objects if one.name == name).pose)
-
-
-def place_of(pose):
-    return matrix_of(pose)[:3, 3]
+def distance(pose, truth, name):
+    """How far (m) a pose is from the middle of the object of this name."""
+    places = [matrix_of(one)[:3, 3] for one in (pose, true_object(truth, name).pose)]
+    return np.linalg.norm(np.subtract(*places))
 
 
 def test_demo_finds_by_depth_where_things_are(scene_demo):
@@ -215,29 +217,18 @@ def test_demo_finds_by_depth_where_things_are(scene_demo):
             for pose in poses
         )
 
-    def the_box_stands_on_it():
-        truth, found = support.same_frame(truths, standing)
-        box = true_pose(truth, "box")[:3, 3]
-        return any(np.linalg.norm(place_of(one.pose.pose) - box) < 0.1 for one in found.detections)
-
-    def the_ball_has_its_middle():
-        truth, found = support.same_frame(truths, things)
-        ball = true_pose(truth, "ball")[:3, 3]
-        return any(
-            np.linalg.norm(place_of(one.pose.pose) - ball) < 0.03 for one in found.detections
-        )
+    def is_found(name, topic, limit):
+        truth, found = support.same_frame(truths, topic)
+        return any(distance(one.pose.pose, truth, name) < limit for one in found.detections)
 
     def tags_have_poses():
         truth, found = support.same_frame(truths, tags)
-        poses = [(matrix_of(tag.pose.pose), tag.id) for tag in found.detections if tag.has_pose]
-        return poses and all(
-            np.linalg.norm(pose[:3, 3] - true_pose(truth, f"tag_{number}")[:3, 3]) < 0.03
-            for pose, number in poses
-        )
+        seen = [tag for tag in found.detections if tag.has_pose]
+        return seen and all(distance(tag.pose.pose, truth, f"tag_{tag.id}") < 0.03 for tag in seen)
 
     support.wait_for(the_floor_is_the_table, "the plane of the floor")
-    support.wait_for(the_box_stands_on_it, "the box on the floor")
-    support.wait_for(the_ball_has_its_middle, "the ball in space")
+    support.wait_for(lambda: is_found("box", standing, 0.1), "the box on the floor")
+    support.wait_for(lambda: is_found("ball", things, 0.03), "the ball in space")
     support.wait_for(tags_have_poses, "the tags by their depth")
 
 
