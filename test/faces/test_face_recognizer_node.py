@@ -76,8 +76,12 @@ class Door:
 
     def restart_detector(self):
         """Another publisher of faces, whose ids begin anew."""
+        topic = self.faces.topic
         self.faces.close()
-        self.faces = Source(self.faces.topic, DetectionArray)
+        # Another detector is another node. To a node that it is connected with rospy connects no
+        # second time.
+        support.wait_for(lambda: not support.receives("/door", topic), f"no connection to {topic}")
+        self.faces = Source(topic, DetectionArray)
         self.faces.wait_for()
 
     def restart_clock(self):

@@ -295,6 +295,12 @@ def node_api(name: str) -> xmlrpc.client.ServerProxy:
     return xmlrpc.client.ServerProxy(rosgraph.Master(rospy.get_name()).lookupNode(name))
 
 
+def receives(node: str, topic: str) -> bool:
+    """True as long as a running node has a connection to a publisher of a topic."""
+    _, _, connections = node_api(node).getBusInfo(rospy.get_name())
+    return any((way, of) == ("i", topic) for _, _, way, _, of, *_ in connections)
+
+
 open_messages: "List[Messages]" = []  # closed at the end of each test
 
 
