@@ -100,6 +100,27 @@ def test_warnings_are_errors_where_they_are_asked_for_only(tmp_path):
         product.unlink()
 
 
+@pytest.mark.skipif(not shutil.which("ccache"), reason="needs ccache")
+def test_a_precompiled_header_that_is_made_anew_is_in_the_cache(tmp_path):
+    """As it is whenever a file is added; else nothing that reads it is in the cache either."""
+    header, product = tmp_path / "a.hxx", tmp_path / "a.hxx.gch"
+    header.write_text("inline int f() { return 1; }\n")
+    source = tmp_path / "a.hxx.cxx"
+    source.write_text("")
+    make = ["tools/compile", "g++", "-x", "c++-header", "-include", header, "-o", product]
+    cache = {"CCACHE_DIR": str(tmp_path / "cache")}
+    made = []
+    for _ in range(2):
+        result = run(*make, "-c", source, **cache)
+        assert result.returncode == 0, result.stderr
+        made.append(product.read_bytes())
+    assert made[0] == made[1]
+    counts = dict(
+        line.split("\t") for line in run("ccache", "--print-stats", **cache).stdout.splitlines()
+    )
+    assert counts["direct_cache_hit"] == "1"
+
+
 def test_what_is_not_built_yet_can_be_linted(tmp_path):
     checkout = tmp_path / "robot_vision"
     built = shutil.ignore_patterns(".git", ".ws", "build", "transport_plugins.xml", "__pycache__")
