@@ -282,6 +282,7 @@ def main() -> None:
             seen[name] = scenario()
         except Exception:
             seen[name] = {"error": traceback.format_exc()}
+            print(seen[name]["error"])  # for who gives the guest up before its end
         print(f"{name}: {time.monotonic() - begin:.1f} s", flush=True)
         seen["work"]["seconds"] = max(seen["work"]["seconds"], emulated_work())
         (out / "seen.json").write_text(json.dumps(seen, indent=1))
