@@ -9,10 +9,10 @@ from typing import Any, Callable, Dict, Iterator, List, Sequence, Tuple
 import cv2
 import numpy as np
 import skimage.data
-import table_world
 from measuring import say
 from results import Accuracy
 from seen_depths import scene_of, seen_by_both
+from table_world import MIDDLE, NOISE, UP, camera_of, render_depth
 from tag_depths import is_the_wrong_one, narrow_camera, shots, tilt_of
 from tags import squared_error
 
@@ -63,19 +63,19 @@ def registrations(repeats: int) -> Iterator[Accuracy]:
 
 def tables(repeats: int) -> Iterator[Accuracy]:
     """The plane of a table of 1 m x 0.6 m with boxes on it, 1.1 m away, at 640x480."""
-    camera = table_world.camera_of(640)
-    exact = table_world.render_depth(camera)
+    camera = camera_of(640)
+    exact = render_depth(camera)
     for sensor in SENSORS:
         planes = rv.PlaneParams()
-        planes.noise = table_world.NOISE[sensor]
+        planes.noise = NOISE[sensor]
         finder = rv.TabletopFinder(camera, planes, rv.TabletopParams())
         noise, distances, angles, times = rv.DepthNoise(sensor, camera), [], [], []
         for frame in range(max(repeats, 3)):
-            find = functools.partial(finder.find, noise.apply(frame, exact), table_world.UP)
+            find = functools.partial(finder.find, noise.apply(frame, exact), UP)
             (found, _), ms = timed(find, 3)
             plane = found[0].plane
-            distances.append(abs(table_world.MIDDLE @ plane.normal + plane.distance) * 1e3)
-            cosine = np.clip(plane.normal @ table_world.UP, -1.0, 1.0)
+            distances.append(abs(MIDDLE @ plane.normal + plane.distance) * 1e3)
+            cosine = np.clip(plane.normal @ UP, -1.0, 1.0)
             angles.append(np.degrees(np.arccos(cosine)))
             times.append(ms)
         work = "a table and what stands on it, 640x480"
@@ -151,7 +151,7 @@ def motorcycle(repeats: int) -> Iterator[Accuracy]:
 
 
 def all_accuracies(scale: float) -> List[Accuracy]:
-    """`scale`: how much is measured; 1 takes about a minute."""
+    """`scale`: how much is measured; 1 takes half a minute."""
 
     def of(count: int) -> int:
         return max(round(count * scale), 2)
