@@ -1,7 +1,7 @@
 """What the benchmarks measure: plain data, which tables.py writes and plot.py draws."""
 
 import dataclasses
-from typing import Any, Dict, List, Tuple
+from typing import Any, Dict, List, Optional, Tuple
 
 Size = Tuple[int, int]
 
@@ -70,6 +70,18 @@ class Kernel:
     @property
     def times(self) -> float:
         return self.theirs_ms / self.ours_ms
+
+
+@dataclasses.dataclass
+class Accuracy:
+    """A figure of ours alone, and between which it is to be; None: there is no such limit."""
+
+    work: str
+    of: str  # in which it is one of several: a size, a sensor
+    figure: str
+    value: float
+    least: Optional[float] = None
+    most: Optional[float] = None
 
 
 @dataclasses.dataclass

@@ -4,6 +4,7 @@ import functools
 
 import numpy as np
 import pytest
+from seen_depths import scene_of, seen_by_both
 
 import robot_vision as rv
 from robot_vision import depth
@@ -15,9 +16,13 @@ SENSORS = ("none", "kinect", "stereo", "tof")
 
 @functools.lru_cache(maxsize=None)
 def scene():
-    params = rv.SceneParams()
-    params.width, params.height = SIZE
-    return rv.Scene(params)
+    return scene_of(SIZE)
+
+
+@functools.lru_cache(maxsize=None)
+def inside_of_surfaces():
+    """As seen_by_both(); not where a surface ends, as the noise of sensors is another there."""
+    return seen_by_both(scene(), FRAME, around=2)
 
 
 def measured(sensor):
@@ -35,28 +40,9 @@ def deviation(sensor, z):
     }[sensor]
 
 
-@functools.lru_cache(maxsize=None)
-def seen_by_both():
-    """The exact depth of the color camera, and where the depth camera sees the same surface."""
-    camera, pose = scene().view_camera("depth"), scene().view_pose("depth")
-    truth, exact = scene().render_depth(FRAME, "color"), scene().render_depth(FRAME)
-    places = depth.points(truth, scene().view_camera("color")).reshape(-1, 3)
-    places = (places - pose[:3, 3]) @ pose[:3, :3]
-    places = np.nan_to_num(places, nan=-1.0)
-    pixels = np.nan_to_num(camera.project(places)[0], nan=-1.0)
-    left, top = np.floor(pixels).astype(int).T
-    inside = (left >= 1) & (top >= 1) & (left < camera.width - 2) & (top < camera.height - 2)
-    visible = inside.copy()
-    for x in range(-1, 3):
-        for y in range(-1, 3):
-            around = exact[np.where(inside, top + y, 0), np.where(inside, left + x, 0)]
-            visible &= np.abs(np.nan_to_num(around) - places[:, 2]) < 0.03 * places[:, 2]
-    return truth, visible.reshape(truth.shape)
-
-
 @pytest.mark.parametrize("sensor", SENSORS)
 def test_a_color_camera_sees_what_is_there(sensor):
-    truth, visible = seen_by_both()
+    truth, visible = inside_of_surfaces()
     assert visible.mean() > 0.8
     color = scene().view_camera("color")
     seen = depth.register(
@@ -70,8 +56,19 @@ def test_a_color_camera_sees_what_is_there(sensor):
     assert np.mean(errors < 4.0) > 0.97
 
 
+@pytest.mark.parametrize("size", [SIZE, (640, 360)])
+def test_all_that_both_cameras_see_is_filled_up_to_its_edges(size):
+    one = scene_of(size)
+    truth, visible = seen_by_both(one, FRAME)
+    color, camera = one.view_camera("color"), one.view_camera("depth")
+    seen = depth.register(one.render_depth(FRAME), camera, color, one.view_pose("depth"))
+    assert visible.mean() > 0.75
+    assert (~np.isnan(seen))[visible].mean() > 0.99
+    assert (np.abs(seen - truth) < 0.01 * truth)[visible].mean() > 0.99
+
+
 def test_nothing_is_seen_that_is_nowhere_near():
-    truth, _ = seen_by_both()
+    truth, _ = inside_of_surfaces()
     seen = depth.register(
         scene().render_depth(FRAME),
         scene().view_camera("depth"),

@@ -10,6 +10,7 @@ from std_msgs.msg import Header
 from table_world import (
     BOXES,
     MIDDLE,
+    NOISE,
     TABLE,
     UP,
     box_pose,
@@ -31,9 +32,8 @@ from robot_vision.msg import Table, TableArray
 
 CAMERA = camera_of(320)
 BENT = (-0.1, 0.02, 0.001, -0.001, 0.0)
-# Of a depth at 1 m by a camera of these focal lengths, in m: the deviation of each sensor.
-WORLD_NOISE = {"none": 0.0005, "kinect": 0.004, "stereo": 0.008, "tof": 0.001}  # 272 px
-SCENE_NOISE = {"none": 0.0005, "kinect": 0.002, "stereo": 0.004, "tof": 0.0006}  # 504 px
+# As NOISE in table_world, but with a focal length of 272 px.
+WORLD_NOISE = {"none": 0.0005, "kinect": 0.004, "stereo": 0.008, "tof": 0.001}
 ALIKE = {"stereo": 2.0}  # errors that are alike in blocks of pixels bend planes: as larger ones
 FLYING = {"stereo": 0.01, "tof": 0.01}  # m, by which pixels that mix two surfaces move the middle
 HEADER = Header(frame_id="eye")
@@ -92,7 +92,7 @@ def test_a_table_and_its_boxes_are_where_they_are(sensor, lens):
             assert found.pose[:3, 0] @ expected[:3, 0] > 0.99
 
 
-@pytest.mark.parametrize("sensor", SCENE_NOISE)
+@pytest.mark.parametrize("sensor", NOISE)
 def test_the_floor_of_the_scene_is_a_table_that_things_stand_on(sensor):
     scene, frame = rv.Scene(), 30
     camera, view = scene.view_camera("depth"), scene.view_pose("depth")
@@ -100,7 +100,7 @@ def test_the_floor_of_the_scene_is_a_table_that_things_stand_on(sensor):
     truth = scene.truth(frame)
     eye = truth.camera @ view  # the depth camera in the world, whose z is up
     up, height = eye[2, :3], eye[2, 3]
-    noise = SCENE_NOISE[sensor] * ALIKE.get(sensor, 1.0)
+    noise = NOISE[sensor] * ALIKE.get(sensor, 1.0)
     tables, _ = finder_of(camera, noise).find(measured, up)
     plane = min(tables, key=lambda table: abs(table.plane.distance - height)).plane
     assert abs(plane.distance - height) < 0.002
@@ -109,7 +109,7 @@ def test_the_floor_of_the_scene_is_a_table_that_things_stand_on(sensor):
     (box,) = (thing for thing in truth.objects if thing.name == "box")
     place = (np.linalg.inv(view) @ box.pose)[:3, 3]
     found = min(things, key=lambda thing: np.linalg.norm(thing.pose[:3, 3] - place))
-    sigma = SCENE_NOISE[sensor] * place[2] ** 2 + 0.001
+    sigma = NOISE[sensor] * place[2] ** 2 + 0.001
     assert np.linalg.norm(found.pose[:3, 3] - place) < 0.04 + 2.0 * sigma
     assert found.size[2] == pytest.approx(0.28, abs=0.02 + 2.0 * sigma)
     # The walls that the floor ends at stand on nothing.

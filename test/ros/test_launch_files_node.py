@@ -463,6 +463,10 @@ def test_rviz_shows_topics_that_are_there(name):
     registered = {f"{space}/depth_registered/{one}" for one in ("image_raw", "points")}
     color = "/usb_cam/image_raw" if name == "demo" else "/camera/rgb/image_raw"
     assert topics >= registered | {color}
+    if name == "demo":
+        finders = {"apriltag_detector", "tabletop", "detections_3d"}
+        assert finders <= {node.name for node in nodes}
+        assert topics >= {f"/{finder}/markers" for finder in finders}
 
 
 def test_a_camera_in_the_root_namespace_is_rectified(start):

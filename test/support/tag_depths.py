@@ -3,9 +3,12 @@
 from typing import NamedTuple
 
 import numpy as np
+from tags import corners_of, matrix, turned
 
 import robot_vision as rv
 
+CORNER_NOISE = 0.3  # px, as libapriltag finds corners
+FACING = np.diag([1.0, -1.0, -1.0])
 BIAS = 0.005  # m, standard deviation of what all depths of a frame have in common
 
 
@@ -65,3 +68,35 @@ def narrow_camera(width, height, focus=525.0):
 def tilt_of(pose, truth):
     """The angle between the normals of two poses, in degrees."""
     return np.degrees(np.arccos(np.clip(pose[:3, 2] @ truth[:3, 2], -1.0, 1.0)))
+
+
+def tilted(rng, tilt, place):
+    """A pose that is tilted from the line of sight by `tilt` rad, in any direction."""
+    ray = place / np.linalg.norm(place)
+    across = np.cross([0.0, 0.0, 1.0], ray)
+    side, spin = rng.uniform(-np.pi, np.pi, 2)
+    away = turned([tilt * np.cos(side), tilt * np.sin(side), 0.0])
+    return matrix(turned(across) @ away @ FACING @ turned([0.0, 0.0, spin]), place)
+
+
+def shots(sensor, camera, size, distance, tilts, count, corner_noise=CORNER_NOISE):
+    """(truth, poses by corners, poses by both) of single images of a tag; tilts in degrees."""
+    rng = np.random.default_rng(3)
+    view, params = view_of(camera, sensor), SENSORS[sensor]
+    tag = rv.single_tag(0, size)
+    for number in range(count):
+        place = distance * np.array([*rng.uniform(-0.02, 0.02, 2), 1.0])
+        truth = tilted(rng, np.radians(rng.choice(tilts)), place)
+        corners = corners_of(truth, camera, size) + rng.normal(0.0, corner_noise, (4, 2))
+        plane = rv.measure_tag_plane(view.image(truth, number, rng), corners, camera, params)
+        seen = {0: corners}, {0: rv.MeasuredCorners(corners, plane=plane)}
+        alone, fused = (rv.estimate_pose(tag, one, camera, corner_noise, 0.0) for one in seen)
+        yield truth, alone, fused
+
+
+def is_the_wrong_one(poses, truth):
+    """Whether the better of two poses, if they are not nearly the same, is farther off."""
+    best, other = poses.best, poses.other
+    if other is None or tilt_of(best.pose, other.pose) < 20.0:
+        return False
+    return tilt_of(other.pose, truth) < tilt_of(best.pose, truth)

@@ -1,12 +1,23 @@
 """The tables of test/benchmarks: given results, BENCHMARKS.md says what they are."""
 
+import depth_truth
 import filter_contenders
 import plot
 import pytest
 import stereo_contenders
 import tables
 import yaml
-from results import Comparison, Figures, Growth, Kernel, Machine, Parts, Target, to_kernels
+from results import (
+    Accuracy,
+    Comparison,
+    Figures,
+    Growth,
+    Kernel,
+    Machine,
+    Parts,
+    Target,
+    to_kernels,
+)
 
 import robot_vision as rv
 
@@ -205,3 +216,28 @@ def test_poses_by_depth_have_a_line_for_each_tag():
     found = cells(text, "0.1 m, 2 m, 40°, 0.03 px")[1:]
     assert found == ["1.23", "1.23", "0.50", *["5.7"] * 3, *["1.2%"] * 3, *["90"] * 3]
     assert len(cells(text, "corners | both")) == len(found) + 1
+
+
+@pytest.mark.parametrize(
+    "value, least, most, goal, reached",
+    [
+        (0.4, None, 0.5, "<= 0.5", "yes"),
+        (0.504, None, 0.5, "<= 0.5", "**no**"),
+        (98.7, 99.0, None, ">= 99", "**no**"),
+        (0.9, 0.8, 1.2, ">= 0.8, <= 1.2", "yes"),
+        (1.3, 0.8, 1.2, ">= 0.8, <= 1.2", "**no**"),
+        (7.0, None, None, "-", "-"),
+    ],
+)
+def test_a_figure_of_ours_alone_has_limits(value, least, most, goal, reached):
+    text = tables.accuracies_table([Accuracy("tags", "kinect", "ratio", value, least, most)])
+    assert cells(text, "tags") == ["tags", "kinect", "ratio", f"{value:.2f}", goal, reached]
+
+
+@pytest.mark.parametrize("part", ["tables", "tags", "small_tags"])
+def test_depth_is_measured_for_each_sensor(part):
+    found = list(getattr(depth_truth, part)(2))
+    assert [one.of.partition(";")[0] for one in found] == [
+        sensor for sensor in depth_truth.SENSORS for _ in range(len(found) // 3)
+    ]
+    assert all(one.least or one.most for one in found)

@@ -10,6 +10,25 @@
 
 namespace robot_vision
 {
+namespace
+{
+
+/// Whether decodePng() gives the image that these flags of cv::imdecode ask for.
+bool isPlain(int flags)
+{
+  constexpr int kPlain = cv::IMREAD_COLOR | cv::IMREAD_ANYCOLOR | cv::IMREAD_ANYDEPTH | cv::IMREAD_IGNORE_ORIENTATION;
+  return flags == cv::IMREAD_UNCHANGED || ((flags & cv::IMREAD_IGNORE_ORIENTATION) != 0 && (flags & ~kPlain) == 0);
+}
+
+/// The PNG is decoded by us first, as libpng would print what is wrong with it where OpenCV decodes it.
+cv::Mat decodePngFile(const unsigned char* data, std::size_t size, int flags)
+{
+  if (isPlain(flags)) return decodePng(data, size, flags);
+  decodePng(data, size, cv::IMREAD_UNCHANGED);
+  return cv::imdecode(withoutMetadata(data, size), flags);
+}
+
+}  // namespace
 
 cv::Mat decodeImageFile(const unsigned char* data, std::size_t size, int flags)
 {
@@ -18,7 +37,7 @@ cv::Mat decodeImageFile(const unsigned char* data, std::size_t size, int flags)
   requireDecodableSize("", claimed->width, claimed->height);
   try
   {
-    if (isPng(data, size)) return cv::imdecode(withoutMetadata(data, size), flags);
+    if (isPng(data, size)) return decodePngFile(data, size, flags);
     if (isJpeg(data, size)) requireSoundJpeg(data, size);
     const cv::Mat bytes(1, static_cast<int>(size), CV_8UC1, const_cast<unsigned char*>(data));
     return cv::imdecode(bytes, flags);

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cstring>
-#include <limits>
 #include <opencv2/imgcodecs.hpp>
 #include <stdexcept>
 #include <string>
@@ -81,15 +80,6 @@ std::vector<std::uint8_t> withoutMetadata(const unsigned char* data, std::size_t
   }
   kept.insert(kept.end(), data + i, data + size);  // the rest of a damaged stream, so that the decoder refuses it
   return kept;
-}
-
-cv::Mat decodePng(const unsigned char* data, std::size_t size, int flags)
-{
-  readPngInfo(data, size);  // OpenCV would decode any other format, too, and allocate any size that is claimed
-  if (size > static_cast<std::size_t>(std::numeric_limits<int>::max())) refuse(size, "is too large");
-  cv::Mat image = cv::imdecode(withoutMetadata(data, size), flags);
-  if (image.empty()) refuse(size, "cannot be decoded");
-  return image;
 }
 
 void encodePng(const cv::Mat& image, int level, std::vector<std::uint8_t>& out)

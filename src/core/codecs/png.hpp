@@ -21,12 +21,13 @@ struct PngInfo
 /// kMaxPixels.
 PngInfo readPngInfo(const unsigned char* data, std::size_t size);
 
-/// The stream without all chunks but those of the image and EXIF. libpng prints what is wrong with the others, most
-/// often with color profiles, on the terminal, and OpenCV lets it.
+/// The stream without all chunks but those of the image and EXIF. The others cost time and memory, and where OpenCV
+/// decodes the stream, libpng prints what is wrong with them, most often with color profiles.
 std::vector<std::uint8_t> withoutMetadata(const unsigned char* data, std::size_t size);
 
-/// Decodes with the `flags` of cv::imdecode. Throws std::invalid_argument if the stream is no PNG, is truncated or
-/// damaged, or claims more than kMaxPixels.
+/// Decodes as cv::imdecode does with `flags` of cv::IMREAD_UNCHANGED, COLOR, GRAYSCALE, ANYCOLOR and ANYDEPTH, but
+/// ignores the EXIF orientation, and prints nothing. Throws std::invalid_argument if the stream is no PNG, is truncated
+/// or damaged, or claims more than kMaxPixels.
 cv::Mat decodePng(const unsigned char* data, std::size_t size, int flags);
 
 /// Encodes with zlib's compression `level`, 1 (fast) to 9 (small).
