@@ -8,6 +8,7 @@ OUT/*.image_raw and OUT/*.image_mono the pixels that camera_node published. What
 them: test/camera/test_v4l2_node.py.
 """
 
+import contextlib
 import json
 import os
 import pathlib
@@ -245,6 +246,17 @@ class Scenarios:
         return {"exit_code": code, "seconds": time.monotonic() - begin}
 
 
+def waiting_threads() -> str:
+    """What the threads of the nodes under test wait for in the kernel, a line for each."""
+    lines = []
+    for task in sorted(pathlib.Path("/proc").glob("[0-9]*/task/[0-9]*")):
+        with contextlib.suppress(OSError):  # Threads end.
+            if b"camera_node" in (task / "cmdline").read_bytes():
+                files = ("comm", "wchan", "syscall", "stack")
+                lines.append(" | ".join((task / file).read_text().strip() for file in files))
+    return "\n".join(lines)
+
+
 def main() -> None:
     out = pathlib.Path(sys.argv[1])
     wait_for(rosgraph.is_master_online, "the master")
@@ -283,6 +295,7 @@ def main() -> None:
         except Exception:
             seen[name] = {"error": traceback.format_exc()}
             print(seen[name]["error"])  # for who gives the guest up before its end
+            print(waiting_threads(), flush=True)
         print(f"{name}: {time.monotonic() - begin:.1f} s", flush=True)
         seen["work"]["seconds"] = max(seen["work"]["seconds"], emulated_work())
         (out / "seen.json").write_text(json.dumps(seen, indent=1))
