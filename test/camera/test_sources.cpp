@@ -304,7 +304,7 @@ TEST_F(Sources, areNamedIfTheyAreWrong)
       {write("text.png", "hello"), "not an image or video"},
       {cut("half.mp4", video, 0.5), "not an image or video that FFmpeg can read, or truncated"},
       {cut("half.jpg", jpeg, 0.5), "the JPEG is damaged or truncated"},
-      {cut("half.png", image, 0.5), "not an image that OpenCV can read, or damaged"},
+      {cut("half.png", image, 0.5), " bytes is damaged or truncated"},
       {path("*.tiff"), "no images that OpenCV can read are there"},
   };
   for (const auto& [name, reason] : table)
