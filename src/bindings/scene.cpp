@@ -12,6 +12,7 @@
 #include "registry.hpp"
 #include "robot_vision/scene/depth_noise.hpp"
 #include "robot_vision/scene/floor_scene.hpp"
+#include "robot_vision/scene/tabletop_scene.hpp"
 
 using namespace robot_vision;
 using namespace py::literals;
@@ -72,6 +73,20 @@ void bindScenes(py::module& m)
 
   py::class_<RoadScene, Scene>(m, "RoadScene", "A robot drives in the lane of a road, around an oval to the left.")
       .def(py::init<const SceneParams&>(), "params"_a = SceneParams());
+
+  py::class_<TabletopScene, Scene>(m, "TabletopScene", "Meshes on a table, which the camera moves slowly around.")
+      .def(py::init(
+               [](const SceneParams& params, const std::optional<std::vector<std::pair<std::string, Mesh>>>& meshes)
+               {
+                 std::vector<TabletopMesh> standing;
+                 if (!meshes) standing = sampleTabletop();
+                 for (const auto& mesh : meshes.value_or(std::vector<std::pair<std::string, Mesh>>()))
+                   standing.push_back({mesh.first, mesh.second});
+                 return withoutGil([&] { return std::make_unique<TabletopScene>(params, standing); });
+               }),
+           "params"_a = SceneParams(), "meshes"_a = py::none(),
+           "meshes: list of (name, Mesh), with z up; None: the sample meshes.\n\nRaises ValueError if there is no room "
+           "for all, and for names that are not unique.");
 }
 
 py::array renderFloor(const FloorScene& scene, const Matrix& camera)
@@ -134,6 +149,6 @@ void bindScene(py::module& m)
   bindDepthNoise(m);
 }
 
-const Bindings kBindings("scene", {"geometry"}, bindScene);
+const Bindings kBindings("scene", {"geometry", "meshes"}, bindScene);
 
 }  // namespace

@@ -158,7 +158,7 @@ std::vector<Work> allWorks()
   std::vector<Work> all;
   for (const auto& part : {bench::edgeWorks(), bench::hsvWorks(), bench::motionWorks(), bench::brightnessWorks(),
                            bench::filterWorks(), bench::conversionWorks(), bench::jpegWorks(), bench::depthWorks(),
-                           bench::normalWorks(), bench::tabletopWorks()})
+                           bench::normalWorks(), bench::tabletopWorks(), bench::meshWorks()})
     all.insert(all.end(), part.begin(), part.end());
   return all;
 }

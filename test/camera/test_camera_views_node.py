@@ -8,7 +8,8 @@ import support
 from sensor_msgs.msg import CameraInfo, CompressedImage, Image
 from tf2_msgs.msg import TFMessage
 
-from robot_vision import CameraModel, Scene, SceneParams
+from robot_vision import CameraModel, Scene, SceneParams, TabletopScene
+from robot_vision.meshes import read_mesh, sample_mesh, write_mesh
 from robot_vision.msg import GroundTruth
 
 WIDTH, HEIGHT = 320, 240
@@ -105,6 +106,36 @@ def test_the_launch_file_has_the_names_of_a_kinect(start):
     metres = np.nan_to_num(Scene(params).render_depth(truth.frame))
     assert depth.encoding == "16UC1"
     assert np.abs(pixels(depth) - 1000.0 * metres).max() < 0.501
+
+
+def test_the_launch_file_puts_meshes_on_a_table(start, tmp_path):
+    path = tmp_path / "cup of mine.ply"
+    cup = sample_mesh("mug").mesh
+    write_mesh(str(path), cup)
+    truths = support.Messages("/camera/ground_truth", GroundTruth)
+    frames = support.Messages("/tf", TFMessage)
+    wanted = topics("camera", ["rgb", "depth"])
+    size = ["image_width:=160", "image_height:=120"]
+    start(
+        *("/usr/bin/roslaunch", "robot_vision", "rgbd.launch", "scene:=tabletop"),
+        *(f"meshes:=nut,{path}", "depth_encoding:=32FC1", *size),
+    )
+    color, depth, _, _, truth = support.same_frame(*wanted, truths)
+    assert [one.name for one in truth.objects] == ["nut", "cup_of_mine"]
+    params = SceneParams()
+    params.width, params.height = 160, 120
+    scene = TabletopScene(
+        params, [("nut", sample_mesh("nut").mesh), ("cup", read_mesh(str(path)).mesh)]
+    )
+    assert np.array_equal(pixels(color), scene.render(truth.frame))
+    np.testing.assert_array_equal(pixels(depth), scene.render_depth(truth.frame))
+    place = truth.objects[1].pose.position
+    assert np.allclose([place.x, place.y, place.z], scene.truth(truth.frame).objects[1].pose[:3, 3])
+
+    def sent():
+        return {one.child_frame_id for message in frames.received for one in message.transforms}
+
+    support.wait_for(lambda: {"scene/nut", "scene/cup_of_mine"} <= sent(), "the meshes in tf")
 
 
 def names_of(node):

@@ -23,6 +23,7 @@ from robot_vision.depth.detection_places import detection_3d, located, misfit
 from robot_vision.depth.places import frame_ids
 from robot_vision.faces.face_cache import read_faces, write_faces
 from robot_vision.faces.face_images import SIDE, check_box, cut_out
+from robot_vision.meshes import Mesh, MeshRenderer, read_mesh, write_mesh
 from robot_vision.msg import Detection, DetectionArray
 from robot_vision.recordings.bag_images import images_on, opened, topics_of
 from robot_vision.recordings.gray_images import gray_file, gray_message
@@ -261,6 +262,43 @@ class Faces(Files):
         read_faces(self.path)
 
 
+class Meshes(Files):
+    """Mesh files of some formats, which the first byte chooses."""
+
+    FORMATS = ("ply", "stl", "obj", "gltf")
+    GLTF = (
+        b'{"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}],'
+        b'"meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}],"accessors":[{"bufferView":0,'
+        b'"componentType":5126,"count":3,"type":"VEC3","min":[0,0,0],"max":[1,1,0]}],'
+        b'"bufferViews":[{"buffer":0,"byteLength":36}],"buffers":[{"byteLength":36,'
+        b'"uri":"data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAA'
+        b'AA"}]}'
+    )
+
+    def seeds(self) -> List[bytes]:
+        mesh = Mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], [[0, 2, 1], [0, 1, 3], [1, 2, 3]])
+        found = []
+        for number, suffix in enumerate(self.FORMATS[:3]):
+            write_mesh(f"{self.path}.{suffix}", mesh)
+            with open(f"{self.path}.{suffix}", "rb") as file:
+                found.append(bytes([number]) + file.read())
+        return [*found, b"\3" + self.GLTF]
+
+    def run(self, data: bytes) -> None:
+        path = f"{self.path}.{self.FORMATS[data[0] % len(self.FORMATS)] if data else 'stl'}"
+        with open(path, "wb") as file:
+            file.write(data[1:])
+        try:
+            loaded = read_mesh(path)
+        except REFUSALS as error:
+            assert path in str(error), error
+            raise
+        for sentence in (loaded.unit_reason, *loaded.warnings):
+            assert sentence.isprintable(), sentence
+        extent = MeshRenderer(loaded.mesh).extent
+        assert 0.0 < extent.diameter < 6.0 and np.isfinite(loaded.mesh.normals).all()
+
+
 class Bags(Files):
     """A recording, some of whose stamps are the last that there is."""
 
@@ -294,6 +332,7 @@ TARGETS: Dict[str, Type[Target]] = {
     "detections": Detections,
     "faces": Faces,
     "images": Images,
+    "meshes": Meshes,
     "messages": Messages,
     "places": Places,
     "selections": Selections,

@@ -9,6 +9,7 @@ INPUTS = 800
 SLOW = {
     "images": 300,
     "files": 400,
+    "meshes": 40,
     "bags": 200,
     "bundles": 200,
     "colors": 200,

@@ -173,6 +173,7 @@ CAMERA = {
     "depth_noise": never,
     "depth_scale": is_number(1.0, 1e6),
     "poster": empty,
+    "meshes": text,  # of a scene that is not there
     "camera_frame_id": empty,
     "second_frame_id": text,  # of a second view, which is not there
     "publish_tf": is_flag,

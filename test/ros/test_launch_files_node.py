@@ -188,7 +188,7 @@ def test_the_camera_s_parameters_are_arguments():
     before = parameters_of("camera.launch")
     given = {"image_width": 320, "image_height": 240, "framerate": 5, "camera_name": "7"}
     given.update(pixel_format="mjpeg", source="/a.mp4", scene="calibration", poster="auto")
-    given.update(views="stereo", depth_noise="tof")
+    given.update(views="stereo", depth_noise="tof", meshes="mug,/home/me/a.stl")
     after = parameters_of("camera.launch", *(f"{name}:={value}" for name, value in given.items()))
     assert after == {**before, **{"/usb_cam/" + name: value for name, value in given.items()}}
 

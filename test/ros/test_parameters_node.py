@@ -288,6 +288,7 @@ def test_only_files_are_replaced(start, tmp_path, node):
     [
         ("camera_node", "source", "cannot be read: it is no file"),
         ("camera_node", "poster", "cannot be read: it is no file"),
+        ("camera_node", "meshes", "cannot be read: it is no file"),
         ("face_detector.py", "cascade_1", "which is no file"),
     ],
 )
@@ -295,6 +296,7 @@ def test_a_pipe_at_start_is_fatal(start, tmp_path, node, name, says):
     pipe = tmp_path / "pipe.png"
     os.mkfifo(str(pipe))
     sources = [] if name == "source" else ["_source:=synthetic"]
+    sources += ["_scene:=tabletop"] if name == "meshes" else []
     process = start(node, "__name:=bad", f"_{name}:={pipe}", *sources)
     assert process.exit_code() == 1
     (fatal,) = [line for line in process.output().splitlines() if "FATAL" in line]

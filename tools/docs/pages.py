@@ -14,6 +14,7 @@ from stage import FRAME, IMAGE, Stage, listening, pixels, room, support
 from robot_vision import (
     CalibrationScene,
     SceneParams,
+    TabletopScene,
     find_edges,
     hsv_mask,
     range_around,
@@ -26,6 +27,7 @@ BLACK, YELLOW = (0, 0, 0), (0, 220, 255)  # BGR
 BOARD = ("--size", "8x6", "--square", "0.05")
 VIEWS = 40  # of the calibration scene, each in another pose
 POSE_FRAMES = 15  # that it holds a pose for
+TABLE_FRAME = 140  # of the table's scene
 
 
 def demo(stage: Stage) -> np.ndarray:
@@ -44,6 +46,13 @@ def camera(stage: Stage) -> np.ndarray:
     board = CalibrationScene(SceneParams()).render(POSE_FRAMES * 3)
     shown = [room(portrait=False).render(FRAME), board]
     return beside(shown, ["source:=synthetic", "source:=synthetic scene:=calibration"])
+
+
+def meshes(stage: Stage) -> np.ndarray:
+    """The scene's table, and what its depth camera sees of it."""
+    scene = TabletopScene(SceneParams())
+    depths = depth_colors(scene.render_depth(TABLE_FRAME), nearest=0.6, farthest=1.4)
+    return beside([scene.render(TABLE_FRAME), depths], ["~image_raw", "its depth"])
 
 
 RGBD = "_source:=synthetic", "_views:=rgbd", "_depth_noise:=kinect", "_poster:=auto"

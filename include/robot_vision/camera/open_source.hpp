@@ -33,6 +33,7 @@ struct CaptureParams
   double timeout = 3.0;
   std::string scene = "room";
   std::string poster;
+  std::string meshes;
   std::string views = "one";
   std::string depth_encoding = "16UC1";
   std::string depth_noise = "none";
@@ -64,11 +65,15 @@ struct CaptureParams
     visit("timeout", &CaptureParams::timeout, Range{0.1, 3600}, "s",
           "a device or stream that gives no good frame for so long is opened anew; cameras slower than that have "
           "three of their periods or exposures, to 30 s, and a stream has 30 s to its next keyframe");
-    visit("scene", &CaptureParams::scene, OneOf{"room, calibration or road", "'"}, "",
-          "what synthetic shows: the room, a checkerboard in many poses, or a road that a robot drives on");
+    visit("scene", &CaptureParams::scene, OneOf{"room, calibration, road or tabletop", "'"}, "",
+          "what synthetic shows: the room, a checkerboard in many poses, a road that a robot drives on, or meshes on a "
+          "table");
     visit("poster", &CaptureParams::poster, Anything{}, "",
           "image file on the wall of the scene; empty or pattern: a pattern; auto: the portrait of python3-skimage "
           "if that is installed, else the pattern");
+    visit("meshes", &CaptureParams::meshes, Anything{}, "",
+          "on the table of the scene, with commas between them: mesh files (stl, obj, dae, ply, gltf, ...) and bottle, "
+          "box, bracket, can, drill, duck, mug and nut; empty: all of these eight");
     visit("views", &CaptureParams::views, OneOf{"one, stereo or rgbd", "'"}, "",
           "one image, a stereo pair, or color and depth: of the scene, a Kinect or the folders rgb and depth in a "
           "folder; each frame of a stereo source but the scene is both images side by side, the left one left");

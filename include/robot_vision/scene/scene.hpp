@@ -69,6 +69,7 @@ void validate(const SceneParams& params);
 ///   outline is the part ahead inside the image, between the middles of its lines.
 /// - line: x points right, y away from the robot, z up; the origin is on its middle line. The outline is the part
 ///   inside the image.
+/// - meshes, of the TabletopScene: see there.
 struct SceneObject
 {
   std::string name;                  // ball, tag_0, tag_1, qr_code, checkerboard, line, box, poster, lane

@@ -5,6 +5,8 @@
 #include "image_files_source.hpp"
 #include "robot_vision/common/range.hpp"
 #include "robot_vision/scene/scene.hpp"
+#include "robot_vision/scene/tabletop_scene.hpp"
+#include "scene_meshes.hpp"
 #include "scene_second_view.hpp"
 
 namespace robot_vision
@@ -38,18 +40,17 @@ cv::Mat readPoster(const std::string& poster)
   }
 }
 
-/// The source of a Scene, CalibrationScene or RoadScene, each frame with its ground truth, which is that of the first
-/// view.
+/// The source of any scene, each frame with its ground truth, which is that of the first view.
 template <class AnyScene>
 class SceneSource : public FrameSource
 {
 public:
-  /// `poster` is that of a Scene; the others have none.
-  template <class... Poster>
-  explicit SceneSource(const CaptureParams& params, const Poster&... poster)
+  /// `content` is the poster of a Scene, or the meshes of a TabletopScene; the others have none.
+  template <class... Content>
+  explicit SceneSource(const CaptureParams& params, const Content&... content)
     : name_(params.scene),
       rate_(wantedRate(params)),
-      scene_(sceneParams(params), poster...),
+      scene_(sceneParams(params), content...),
       second_(params.views == "one" ? nullptr : std::make_unique<SceneSecondView>(scene_, params))
   {
   }
@@ -77,17 +78,29 @@ public:
     return "synthetic scene (" + name_ + ") " + size(scene_.camera()) + second + " at " + toText(rate_) + " Hz";
   }
 
+  std::string warning() const override { return remarks_; }
+
+  void remark(const std::string& text) { remarks_ = text; }
+
   const CameraModel* cameraModel() const override { return &scene_.camera(); }
 
   const SecondCamera* secondCamera() const override { return second_ ? &second_->camera() : nullptr; }
 
 private:
-  std::string name_;
+  std::string name_, remarks_;
   double rate_;
   AnyScene scene_;
   std::unique_ptr<SceneSecondView> second_;  // null with one view
   std::int64_t next_ = 0;
 };
+
+std::unique_ptr<FrameSource> openTabletop(const CaptureParams& params)
+{
+  const SceneMeshes read = readSceneMeshes(params.meshes);
+  auto source = std::make_unique<SceneSource<TabletopScene>>(params, read.meshes);
+  source->remark(read.remarks);
+  return source;
+}
 
 }  // namespace
 
@@ -95,6 +108,7 @@ std::unique_ptr<FrameSource> openScene(const CaptureParams& params)
 {
   if (params.scene == "calibration") return std::make_unique<SceneSource<CalibrationScene>>(params);
   if (params.scene == "road") return std::make_unique<SceneSource<RoadScene>>(params);
+  if (params.scene == "tabletop") return openTabletop(params);
   return std::make_unique<SceneSource<Scene>>(params, readPoster(params.poster));
 }
 

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <utility>
 
-#include "kernel_numbers.hpp"
+#include "core/simd/kernel_numbers.hpp"
 
 namespace robot_vision
 {

@@ -2,7 +2,7 @@
 
 #include <cstdint>
 
-#include "kernel_numbers.hpp"
+#include "core/simd/kernel_numbers.hpp"
 
 namespace robot_vision
 {

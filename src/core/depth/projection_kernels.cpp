@@ -2,7 +2,7 @@
 
 #include <cstdint>
 
-#include "kernel_numbers.hpp"
+#include "core/simd/kernel_numbers.hpp"
 
 namespace robot_vision
 {
@@ -18,16 +18,6 @@ struct Point
 {
   float x, y;
 };
-
-/// 1 / sqrt(s) for s from 1 on, by Newton's method: unlike std::sqrt it makes vectors with every instruction set.
-ROBOT_VISION_INLINE float inverseRoot(float s)
-{
-  constexpr std::uint32_t kGuess = 0x5F3759DF;  // halves the exponent, and is right within 4 %
-  float root = fromBits(kGuess - (bitsOf(s) >> 1));
-  root = root * (1.5F - 0.5F * s * root * root);
-  root = root * (1.5F - 0.5F * s * root * root);
-  return root * (1.5F - 0.5F * s * root * root);
-}
 
 /// atan(r) / r of s = r^2 <= 1 within 2e-8: Abramowitz and Stegun, Handbook of Mathematical Functions, 4.4.49.
 ROBOT_VISION_INLINE float angleShare(float s)

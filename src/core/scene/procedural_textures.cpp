@@ -98,6 +98,24 @@ cv::Mat floorImage(const cv::Size2d& metres)
   return floor;
 }
 
+cv::Mat tableImage(const cv::Size2d& metres)
+{
+  const cv::Vec3d wood(84, 118, 146);
+  const double board = 0.12;  // m
+  cv::Mat table = blank(metres);
+  table.forEach<cv::Vec3b>(
+      [&](cv::Vec3b& pixel, const int* at)
+      {
+        const double x = at[1] * kTexel, y = at[0] * kTexel;
+        const int piece = static_cast<int>(y / board);
+        const double tone = 0.08 * (hashed(piece, 31) - 0.5);
+        const double grain =
+            0.04 * smoothNoise(x / 0.3 + 11.0 * piece, y / 0.008) + 0.02 * smoothNoise(x / 0.1, y / 0.1);
+        pixel = scaled(wood, 1.0 + tone + grain);
+      });
+  return table;
+}
+
 cv::Mat crateImage(double shade)
 {
   const cv::Vec3d paint(58, 84, 214), slat(70, 104, 232);

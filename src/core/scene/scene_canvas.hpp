@@ -2,13 +2,22 @@
 
 #include <opencv2/core.hpp>
 #include <opencv2/core/affine.hpp>
+#include <vector>
 
+#include "robot_vision/meshes/mesh_renderer.hpp"
 #include "scene_painter.hpp"
 #include "scene_textures.hpp"
 #include "scene_view.hpp"
 
 namespace robot_vision::scene
 {
+
+/// A mesh at its place.
+struct PlacedMesh
+{
+  const MeshRenderer* renderer;
+  cv::Affine3d pose;
+};
 
 /// What a scene is drawn on, from the back to the front. So one list of things gives the colors and the depth. All
 /// poses and points are in the optical frame of the camera that sees them, m.
@@ -34,6 +43,9 @@ public:
 
   /// The ball, lit by a lamp in the direction `to_light`.
   virtual void ball(const cv::Point3d& center, double radius, const cv::Vec3d& to_light) = 0;
+
+  /// Meshes that hide parts of each other, lit likewise.
+  virtual void meshes(const std::vector<PlacedMesh>& meshes, const cv::Vec3d& to_light) = 0;
 };
 
 /// Draws the colors into an image of the camera's size, CV_8UC3 BGR.
@@ -58,6 +70,7 @@ public:
   {
     paintBall(center, radius, to_light, lens_, bgr_);
   }
+  void meshes(const std::vector<PlacedMesh>& meshes, const cv::Vec3d& to_light) override;
 
 private:
   const Lens& lens_;
@@ -78,6 +91,7 @@ public:
   void shadow(const Texture& /*texture*/, const cv::Affine3d& /*pose*/, const cv::Size2d& /*size*/) override {}
   void line(const cv::Affine3d& /*world*/) override {}
   void ball(const cv::Point3d& center, double radius, const cv::Vec3d& to_light) override;
+  void meshes(const std::vector<PlacedMesh>& meshes, const cv::Vec3d& to_light) override;
 
   /// Until then the image has 1/z, which is linear in the ray for a plane, and 0 where nothing is. Then it has z (m),
   /// and NaN.

@@ -104,15 +104,19 @@ double sceneTime(long long frame, double rate)
   return seconds < 0.0 ? seconds + kScenePeriod : seconds;
 }
 
+cv::Affine3d lookingAt(const cv::Vec3d& eye, const cv::Vec3d& target, double roll)
+{
+  const cv::Vec3d forward = cv::normalize(target - eye);
+  const cv::Vec3d right = cv::normalize(forward.cross(cv::Vec3d(0, std::sin(roll), std::cos(roll))));
+  return poseFromAxes(right, forward.cross(right), eye);
+}
+
 cv::Affine3d cameraPose(double seconds)
 {
   const double phase = 2.0 * CV_PI * seconds / kScenePeriod;
   const cv::Vec3d eye(0.09 * std::sin(phase), 0.20 * std::cos(phase), 0.80 + 0.05 * std::sin(2.0 * phase));
   const cv::Vec3d target(kBackWallX, 0.10 * std::sin(phase + 1.0), 0.44 + 0.04 * std::cos(2.0 * phase));
-  const double roll = 0.02 * std::sin(phase + 2.0);
-  const cv::Vec3d forward = cv::normalize(target - eye);
-  const cv::Vec3d right = cv::normalize(forward.cross(cv::Vec3d(0, std::sin(roll), std::cos(roll))));
-  return poseFromAxes(right, forward.cross(right), eye);
+  return lookingAt(eye, target, 0.02 * std::sin(phase + 2.0));
 }
 
 cv::Point3d ballCenter(double seconds)
@@ -131,9 +135,14 @@ cv::Affine3d boxPose(double seconds)
   return facing({2.12, 0.90 - 0.4 * there, kBoxSize[1] / 2.0}, -0.35 + 0.5 * there);
 }
 
-Board onFloor(double forward, double left, const cv::Size2d& size)
+Board onFloor(double forward, double left, const cv::Size2d& size, double height)
 {
-  return {poseFromAxes({0, -1, 0}, {1, 0, 0}, {forward, left, 0}), size};
+  return {poseFromAxes({0, -1, 0}, {1, 0, 0}, {forward, left, height}), size};
+}
+
+Board upright(const cv::Vec3d& middle, double turn, const cv::Size2d& size)
+{
+  return {facing(middle, turn), size};
 }
 
 }  // namespace robot_vision::scene

@@ -47,12 +47,19 @@ const cv::Vec3d kBoxSize(0.34, 0.28, 0.28);
 /// The time of a frame in the periodic motion: 0 to kScenePeriod seconds, also for negative frames. `rate` is in Hz.
 double sceneTime(long long frame, double rate);
 
+/// The optical frame of a camera that looks from one point to another; `roll` (rad) turns it to the right.
+cv::Affine3d lookingAt(const cv::Vec3d& eye, const cv::Vec3d& target, double roll = 0.0);
+
 cv::Affine3d cameraPose(double seconds);
 cv::Point3d ballCenter(double seconds);
 /// The box rests for seven seconds, then slides for three.
 cv::Affine3d boxPose(double seconds);
 
-/// A rectangle that lies on the floor.
-Board onFloor(double forward, double left, const cv::Size2d& size);
+/// A rectangle that lies on the floor, or at a height above it.
+Board onFloor(double forward, double left, const cv::Size2d& size, double height = 0.0);
+
+/// An upright rectangle. It faces the camera's mean position if `turn` (rad) is 0, and turns to the right of who looks
+/// at it from there.
+Board upright(const cv::Vec3d& middle, double turn, const cv::Size2d& size);
 
 }  // namespace robot_vision::scene

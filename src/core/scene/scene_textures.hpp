@@ -72,6 +72,9 @@ cv::Mat wallImage(const cv::Size2d& metres, double shade);
 /// A floor of light planks that run away from the camera.
 cv::Mat floorImage(const cv::Size2d& metres);
 
+/// The top of a table, of dark wood.
+cv::Mat tableImage(const cv::Size2d& metres);
+
 /// One side of a wooden crate. `shade` scales the brightness.
 cv::Mat crateImage(double shade);
 

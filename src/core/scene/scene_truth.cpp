@@ -76,14 +76,6 @@ Projected projectedLine(const cv::Affine3d& world_in_camera, const Lens& lens)
   return result;
 }
 
-bool insideImage(const Polygon2& outline, const CameraModel& camera)
-{
-  return !outline.empty() &&
-         std::all_of(outline.begin(), outline.end(),
-                     [&](const cv::Point2d& p)
-                     { return p.x >= -0.5 && p.y >= -0.5 && p.x <= camera.width - 0.5 && p.y <= camera.height - 0.5; });
-}
-
 bool isVisible(const Projected& one, const std::vector<Projected>& all, const CameraModel& camera)
 {
   if (!one.faces_camera || !insideImage(one.object.outline, camera)) return false;

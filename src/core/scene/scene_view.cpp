@@ -52,7 +52,7 @@ bool contains(const Polygon2& polygon, const cv::Point2d& point)
 
 }  // namespace
 
-Lens::Lens(const CameraModel& model) : camera(model), rays(rayTable(model))
+Lens::Lens(const CameraModel& model) : camera(model), rays(rayTable(model)), for_meshes(model)
 {
   const double margin = 1.1;  // keeps the cut edges of clipped shapes out of the image
   max_x = margin * std::max(cv::norm(rays.x, cv::NORM_INF), 0.05);
@@ -146,6 +146,14 @@ Polygon2 project(const Polygon3& polygon, const CameraModel& camera, int pieces)
       outline.push_back(camera.project(from + (to - from) * (static_cast<double>(piece) / pieces)));
   }
   return outline;
+}
+
+bool insideImage(const Polygon2& outline, const CameraModel& camera)
+{
+  return !outline.empty() &&
+         std::all_of(outline.begin(), outline.end(),
+                     [&](const cv::Point2d& p)
+                     { return p.x >= -0.5 && p.y >= -0.5 && p.x <= camera.width - 0.5 && p.y <= camera.height - 0.5; });
 }
 
 bool overlap(const Polygon2& a, const Polygon2& b)

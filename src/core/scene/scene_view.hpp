@@ -4,6 +4,7 @@
 #include <opencv2/core/affine.hpp>
 #include <vector>
 
+#include "mesh_lens.hpp"
 #include "robot_vision/geometry/camera_model.hpp"
 #include "scene_model.hpp"
 
@@ -22,6 +23,7 @@ struct Lens
   CameraModel camera;
   RayTable rays;
   double max_x, max_y;  // |x| and |y| of all rays are below these, with a margin around the image
+  MeshLens for_meshes;
 };
 
 /// The camera of the scene. Its focal length is such that images of all shapes show at least what a 4:3 image shows.
@@ -48,6 +50,9 @@ Polygon2 clipToImage(const Polygon2& polygon, const CameraModel& camera);
 
 /// Projects a polygon. Each edge is cut into `pieces`, because distortion bends it.
 Polygon2 project(const Polygon3& polygon, const CameraModel& camera, int pieces);
+
+/// True if all points of an outline, which has some, are inside the image.
+bool insideImage(const Polygon2& outline, const CameraModel& camera);
 
 /// True if two polygons, convex or not, overlap.
 bool overlap(const Polygon2& a, const Polygon2& b);

@@ -37,6 +37,7 @@ struct Work
 std::vector<Work> edgeWorks();
 std::vector<Work> filterWorks();
 std::vector<Work> hsvWorks();
+std::vector<Work> meshWorks();
 std::vector<Work> motionWorks();
 std::vector<Work> brightnessWorks();
 std::vector<Work> conversionWorks();

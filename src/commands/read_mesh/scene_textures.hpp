@@ -1,0 +1,41 @@
+#pragma once
+
+#include <assimp/scene.h>
+
+#include <map>
+#include <opencv2/core.hpp>
+#include <string>
+#include <vector>
+
+namespace robot_vision
+{
+
+/// The textures of the materials of a scene, which are files beside it or parts of it. One that cannot be read is left
+/// out, with a warning.
+class SceneTextures
+{
+public:
+  /// `path` is that of the file of the scene.
+  SceneTextures(const aiScene& scene, const std::string& path);
+
+  /// The index of the image of a material's color; -1: it has none.
+  int of(const aiMaterial& material);
+
+  const std::vector<cv::Mat>& images() const { return images_; }
+
+  /// Lines for the user.
+  const std::string& warnings() const { return warnings_; }
+
+private:
+  cv::Mat read(const std::string& name) const;
+  cv::Mat readFile(const std::string& name) const;
+  void warn(const std::string& line);
+
+  const aiScene& scene_;
+  std::string folder_;
+  std::map<std::string, int> known_;  // the indices of names, -1 of those that cannot be read
+  std::vector<cv::Mat> images_;
+  std::string warnings_;
+};
+
+}  // namespace robot_vision

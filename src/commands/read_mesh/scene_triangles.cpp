@@ -1,0 +1,129 @@
+#include "scene_triangles.hpp"
+
+#include <assimp/material.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <stdexcept>
+
+#include "scene_textures.hpp"
+
+namespace robot_vision
+{
+namespace
+{
+
+cv::Vec3f toVector(const aiVector3D& v)
+{
+  return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)};
+}
+
+cv::Vec3b toBgr(const aiColor4D& color)
+{
+  const auto byte = [](float part)
+  { return static_cast<uchar>(std::isfinite(part) ? std::clamp(part, 0.0F, 1.0F) * 255.0F + 0.5F : 0.0F); };
+  return {byte(color.b), byte(color.g), byte(color.r)};
+}
+
+/// Puts the meshes of a scene, at the places that its nodes give them, into one list.
+class Collector
+{
+public:
+  Collector(const aiScene& scene, const std::string& path) : scene_(scene), textures_(scene, path) {}
+
+  SceneTriangles collect()
+  {
+    addNode(*scene_.mRootNode, aiMatrix4x4());
+    result_.textures = textures_.images();
+    result_.warnings = textures_.warnings();
+    return std::move(result_);
+  }
+
+private:
+  void addNode(const aiNode& node, const aiMatrix4x4& parent)
+  {
+    const aiMatrix4x4 pose = parent * node.mTransformation;
+    for (unsigned i = 0; i < node.mNumMeshes; ++i)
+      if (node.mMeshes[i] < scene_.mNumMeshes) addMesh(*scene_.mMeshes[node.mMeshes[i]], pose);
+    for (unsigned i = 0; i < node.mNumChildren; ++i)
+      addNode(*node.mChildren[i], pose);
+  }
+
+  void addMesh(const aiMesh& mesh, const aiMatrix4x4& pose)
+  {
+    if ((mesh.mPrimitiveTypes & aiPrimitiveType_TRIANGLE) == 0) return;
+    count_ += mesh.mNumFaces;
+    if (count_ > kMaxMeshTriangles)
+      throw std::invalid_argument("it has " + std::to_string(std::max<std::uint64_t>(count_, countAll())) +
+                                  " triangles, must have at most " + std::to_string(kMaxMeshTriangles));
+    const auto first = static_cast<int>(result_.vertices.size());
+    const aiMaterial* material =
+        mesh.mMaterialIndex < scene_.mNumMaterials ? scene_.mMaterials[mesh.mMaterialIndex] : nullptr;
+    const int texture = mesh.HasTextureCoords(0) && material != nullptr ? textures_.of(*material) : -1;
+    addVertices(mesh, pose, material);
+    addFaces(mesh, first, pose.Determinant() < 0.0F, texture);
+  }
+
+  std::uint64_t countAll() const
+  {
+    std::uint64_t count = 0;
+    for (unsigned i = 0; i < scene_.mNumMeshes; ++i)
+      count += scene_.mMeshes[i]->mNumFaces;
+    return count;
+  }
+
+  void addVertices(const aiMesh& mesh, const aiMatrix4x4& pose, const aiMaterial* material)
+  {
+    const aiMatrix3x3 normal_pose = aiMatrix3x3(pose).Inverse().Transpose();
+    aiColor4D diffuse(0.63F, 0.63F, 0.63F, 1.0F);
+    if (material != nullptr) material->Get(AI_MATKEY_COLOR_DIFFUSE, diffuse);
+    for (unsigned i = 0; i < mesh.mNumVertices; ++i)
+    {
+      result_.vertices.push_back(toVector(pose * mesh.mVertices[i]));
+      result_.normals.push_back(mesh.HasNormals() ? toVector(normal_pose * mesh.mNormals[i]) : cv::Vec3f());
+      const aiVector3D uv = mesh.HasTextureCoords(0) ? mesh.mTextureCoords[0][i] : aiVector3D();
+      result_.texture_coordinates.emplace_back(static_cast<float>(uv.x), static_cast<float>(uv.y));
+      result_.colors.push_back(toBgr(mesh.HasVertexColors(0) ? mesh.mColors[0][i] : diffuse));
+    }
+  }
+
+  void addFaces(const aiMesh& mesh, int first, bool mirrored, int texture)
+  {
+    for (unsigned i = 0; i < mesh.mNumFaces; ++i)
+    {
+      const aiFace& face = mesh.mFaces[i];
+      if (face.mNumIndices != 3) continue;
+      const unsigned a = face.mIndices[0], b = face.mIndices[mirrored ? 2 : 1], c = face.mIndices[mirrored ? 1 : 2];
+      if (std::max({a, b, c}) >= mesh.mNumVertices)
+        throw std::invalid_argument("a triangle has a vertex that is not there");
+      result_.triangles.emplace_back(first + static_cast<int>(a), first + static_cast<int>(b),
+                                     first + static_cast<int>(c));
+      result_.triangle_textures.push_back(texture);
+    }
+  }
+
+  const aiScene& scene_;
+  SceneTextures textures_;
+  SceneTriangles result_;
+  std::uint64_t count_ = 0;
+};
+
+bool endsWith(const std::string& text, const std::string& end)
+{
+  return text.size() >= end.size() &&
+         std::equal(end.rbegin(), end.rend(), text.rbegin(),
+                    [](char a, char b) { return a == std::tolower(static_cast<unsigned char>(b)); });
+}
+
+}  // namespace
+
+SceneTriangles trianglesOf(const aiScene& scene, const std::string& path)
+{
+  SceneTriangles triangles = Collector(scene, path).collect();
+  // Collada files say which unit they have, which is applied; glTF has no other one.
+  triangles.is_metric = endsWith(path, ".dae") || endsWith(path, ".gltf") || endsWith(path, ".glb");
+  return triangles;
+}
+
+}  // namespace robot_vision

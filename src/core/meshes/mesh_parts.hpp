@@ -1,0 +1,48 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "robot_vision/meshes/mesh.hpp"
+
+// The steps of readMesh().
+namespace robot_vision
+{
+
+/// What the program read_mesh writes, as mesh_stream.hpp describes it: a mesh in the unit of its file, some of whose
+/// normals may be 0, 0, 0.
+struct StreamedMesh
+{
+  Mesh mesh;
+  std::vector<std::string> warnings;
+  bool is_metric = false;
+};
+
+/// Throws std::runtime_error for anything else.
+StreamedMesh parseMeshStream(const std::string& bytes);
+
+/// Leaves out triangles without an area, and returns how many. Vertices that are the same become one, those that no
+/// triangle has go.
+std::int64_t tidy(Mesh& mesh);
+
+/// Turns closed surfaces whose inside is out, normals as well. `outsides` is that of the mesh's MeshSurface.
+void turnOutsideOut(Mesh& mesh, const std::vector<std::int8_t>& outsides);
+
+/// Gives normals to the vertices that have none (0, 0, 0): the mean of those triangles around them whose normals are
+/// less than `crease` (deg) from each other. A vertex that so gets several becomes several.
+void addNormals(Mesh& mesh, double crease);
+
+/// The unit of a mesh of this size (m if its numbers are m), and the sentence that says why.
+struct MeshUnit
+{
+  std::string name;
+  double metres;  // of one
+  std::string reason;
+};
+
+/// `named` is what the user says, or empty. Throws std::invalid_argument for an unknown one, and if the size in m is
+/// not that of a thing to be handled.
+MeshUnit meshUnit(const std::string& named, bool is_metric, const cv::Vec3d& size);
+
+}  // namespace robot_vision
