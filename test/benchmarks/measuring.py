@@ -93,6 +93,7 @@ class Bench:
         self._folder = folder
         self.seconds = seconds
         self.rounds = rounds
+        self.scenes = 51  # of each object to recognize
 
     def program(self, name: str, *args: Any) -> Command:
         return [str(self._programs / name), *map(str, args)]
@@ -149,6 +150,15 @@ class Bench:
     def tag_depth(self) -> List[Dict[str, Any]]:
         say("poses of tags by depth")
         return self._run(self.program("bench_tag_depth", int(self.seconds * 200)), 300.0)
+
+    def recognition(self, frames: int) -> List[Dict[str, Any]]:
+        """For each object: its name, and what each contender has found in these frames."""
+        say(f"objects recognized, {frames} frames of each")
+        return json.loads(self._output(self.program("bench_recognition", frames), 3600.0))
+
+    def recognition_growth(self) -> Dict[str, Any]:
+        say("recognition by the number of objects and of templates")
+        return self._run(self.program("bench_recognition_growth"), 1800.0)
 
     def findings(self, size: Size, kind: str, numbers: Sequence[int]) -> List[List[float]]:
         """For each number: it, CPU ms per frame, how many were found."""

@@ -5,7 +5,6 @@ import os
 import pathlib
 import signal
 import subprocess
-import sys
 import time
 
 import cv2
@@ -14,70 +13,17 @@ import pytest
 import roslib.packages
 import yaml
 from board_views import SQUARE, PairStudio, Studio, chessboard
+from interruptions import ALL, interrupted_at, moments
 from tags import CAMERAS, SIZE, corners_of, matrix, pose_in_view, turned
 
 import robot_vision as rv
 from robot_vision.calibration import calibrate_headless
 from robot_vision.color import pick_color
-from robot_vision.common.commands import INTERRUPTED, run_command
+from robot_vision.common.commands import INTERRUPTED
 from robot_vision.markers import create_marker
 from robot_vision.tags import calibrate_bundle
 
-OURS = os.path.dirname(create_marker.__file__).rpartition("/")[0]
 OLD = b"old: 1\n"
-ALL = 10**9  # more calls than a command makes
-
-
-def interrupted_at(main, words, call):
-    """The exit code and the output of a command that is interrupted at a call of our functions.
-
-    Only calls within run_command() count; outside of it a signal just ends the process. The last
-    line of the output is the number of calls.
-    """
-    reader, writer = os.pipe()
-    pid = os.fork()
-    if pid == 0:
-        os.dup2(writer, 1)
-        os.dup2(writer, 2)
-        sys.stdout, sys.stderr = (os.fdopen(number, "w") for number in (1, 2))
-        sys.argv = ["command", *words]
-        cv2.setNumThreads(0)  # a fork does not have the threads of its parent
-        calls, working = 0, False
-
-        def count(frame, event, _):
-            nonlocal calls, working
-            if frame.f_code is run_command.__code__ and event in ("call", "return"):
-                working = event == "call"
-            elif working and event == "call" and _is_ours(frame):
-                calls += 1
-                if calls == call:
-                    sys.setprofile(None)
-                    raise KeyboardInterrupt
-
-        code = 99
-        try:
-            sys.setprofile(count)
-            code = main()
-        finally:
-            sys.setprofile(None)
-            print(calls)
-            sys.stdout.flush()
-            sys.stderr.flush()
-            os._exit(code)
-    os.close(writer)
-    with os.fdopen(reader) as stream:
-        output = stream.read()
-    return os.WEXITSTATUS(os.waitpid(pid, 0)[1]), output
-
-
-def _is_ours(frame):
-    return frame.f_code.co_filename.startswith(OURS)
-
-
-def moments(calls):
-    """Some of so many calls, with all of the first and the last ones, which handle files."""
-    step = max(7, calls // 25)
-    return sorted({*range(1, 20), *range(20, calls, step), *range(calls - 25, calls + 2)})
 
 
 def create_a_marker(folder, _):

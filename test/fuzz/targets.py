@@ -14,7 +14,17 @@ import rospy
 from geometry_msgs.msg import Point32
 from sensor_msgs.msg import CameraInfo, CompressedImage, Image, RegionOfInterest
 
-from robot_vision import CameraModel, HsvRange, LocatorParams, ObjectTracker, RegionLocator
+from robot_vision import (
+    CameraModel,
+    HsvRange,
+    LocatorParams,
+    ObjectTracker,
+    RegionLocator,
+    TextureMatcher,
+    TextureModel,
+    TextureParams,
+    TextureTrainer,
+)
 from robot_vision.camera.camera_list import parse_cameras
 from robot_vision.color.color_file import save_colors
 from robot_vision.common.image_files import sensor_pixels, upright
@@ -299,6 +309,36 @@ class Meshes(Files):
         assert 0.0 < extent.diameter < 6.0 and np.isfinite(loaded.mesh.normals).all()
 
 
+class Textures(Target):
+    """What was learned of an object's texture, in a database of others."""
+
+    def __init__(self) -> None:
+        size = 96
+        self._image = cv2.resize(IMAGE, (size, size), interpolation=cv2.INTER_CUBIC)
+        matrix = [[90.0, 0.0, 47.5], [0.0, 90.0, 47.5], [0.0, 0.0, 1.0]]
+        self._camera = CameraModel(size, size, matrix)
+        self._depth = np.full((size, size), 0.5, np.float32)
+
+    def seeds(self) -> List[bytes]:
+        pose = np.eye(4)
+        pose[2, 3] = 0.5
+        found = []
+        for detector in ("orb", "akaze"):
+            params = TextureParams()
+            params.detector, params.view_features, params.scales = detector, 50, 1
+            trainer = TextureTrainer(params, (0.0, 0.0, 0.0), (0.5, 0.5, 0.1))
+            trainer.add(self._image, self._depth, None, self._camera, pose)
+            found.append(trainer.state().to_bytes())
+        return found
+
+    def run(self, data: bytes) -> None:
+        model = TextureModel.from_bytes(data)
+        matcher = TextureMatcher()
+        matcher.add(model)
+        for one in matcher.match(self._image, self._depth, self._camera):
+            assert 0.0 <= one.probability <= 1.0 and np.isfinite(one.pose).all()
+
+
 class Bags(Files):
     """A recording, some of whose stamps are the last that there is."""
 
@@ -336,4 +376,5 @@ TARGETS: Dict[str, Type[Target]] = {
     "messages": Messages,
     "places": Places,
     "selections": Selections,
+    "textures": Textures,
 }

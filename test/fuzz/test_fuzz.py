@@ -14,6 +14,7 @@ SLOW = {
     "bundles": 200,
     "colors": 200,
     "selections": 100,
+    "textures": 200,
 }  # inputs
 
 

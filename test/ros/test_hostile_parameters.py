@@ -18,6 +18,7 @@ from robot_vision.camera.camera_list import parse_cameras
 from robot_vision.color.named_colors import NamedColors
 from robot_vision.demo import demo_status
 from robot_vision.line import line_follower
+from robot_vision.recognition import recognize_action
 from robot_vision.ros import params, transport
 from robot_vision.tags.bundle_files import parse_bundles
 from robot_vision.tags.tag_layout import TagLayout
@@ -187,6 +188,15 @@ AT_START = {
         "frame_prefix": lambda value: value == "" or is_name(value),
         **IMAGE_NODE,
     },
+    "recognition.object_recognizer.ObjectRecognizer": {
+        "database": lambda _: False,
+        "methods": lambda value: value == "",
+        "frame_prefix": lambda value: value == "" or is_name(value),
+        "depth_image_transport": IMAGE_NODE["image_transport"],
+        "ork_names": is_flag,
+        "diagnostic_period": is_number(0.01, 3600.0),
+        **IMAGE_NODE,
+    },
     "depth.tabletop.Tabletop": {"table_frame_id": is_name, **IMAGE_NODE},
     "viewer.simple_camera_view_node.CameraView": {
         "autosize": is_flag,
@@ -195,8 +205,9 @@ AT_START = {
     "camera.camera_loader.CameraLoader": {"manager": is_name},
     "demo.demo_status.DemoStatus": {name: is_flag for name in ("view", "basics", "depth")},
 }
-# Parameters that are read later, when values are saved or periodically, have their own tests.
-LATER = {"config_file", "cameras"}
+# Parameters that are read later, when values are saved or periodically, or only make a difference
+# with a database, have their own tests.
+LATER = {"config_file", "cameras", "needs_models"}
 # These read all live parameters, those of a color, and all of a camera at once.
 ASK_BY_VARIABLE = {"params.py", "named_colors.py", "camera_loader.py"}
 
@@ -211,6 +222,7 @@ def alone(at_start, monkeypatch, tmp_path):
         monkeypatch.setattr(rospy, name, nothing)
     monkeypatch.setattr(transport, "_process", lambda: nothing)
     monkeypatch.setattr(line_follower, "Drive", nothing)
+    monkeypatch.setattr(recognize_action, "actionlib", nothing)
     monkeypatch.setattr(demo_status, "threading", nothing)
     monkeypatch.setattr(simple_camera_view_node, "Window", nothing)
     monkeypatch.setattr(simple_camera_view_node, "require_display", nothing)

@@ -117,5 +117,5 @@ TEST(CalibrationScene, isOpenedAsASourceByItsName)
   params.scene = "road";
   EXPECT_EQ(openSource(params)->description(), "synthetic scene (road) 640x480 at 30 Hz");
   params.scene = "beach";
-  EXPECT_EQ(refusal([&] { openSource(params); }), "scene is 'beach', must be room, calibration or road");
+  EXPECT_EQ(refusal([&] { openSource(params); }), "scene is 'beach', must be room, calibration, road or tabletop");
 }

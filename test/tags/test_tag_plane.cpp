@@ -3,6 +3,7 @@
 #include <cmath>
 #include <limits>
 
+#include "core/geometry/rigid_motion.hpp"
 #include "core/tags/pose/pose_refinement.hpp"
 #include "robot_vision/tags/pose/tag_plane.hpp"
 #include "robot_vision/tags/pose/tag_pose.hpp"

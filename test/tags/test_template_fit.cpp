@@ -19,9 +19,9 @@ TagTemplate templateOf(const std::string& family, int id)
   return {tagCells(family, id), (facts.width - facts.width_at_border) / 2};
 }
 
-View viewOf(const Corners& corners, const TagTemplate& tag_template, double blur)
+TagView viewOf(const Corners& corners, const TagTemplate& tag_template, double blur)
 {
-  View view{toTemplate(corners, tag_template), {}};
+  TagView view{toTemplate(corners, tag_template), {}};
   view.appearance[kBlur] = blur;
   view.appearance[kBlack] = 30.0;
   view.appearance[kBlack + 1] = 6.0;
@@ -34,7 +34,7 @@ View viewOf(const Corners& corners, const TagTemplate& tag_template, double blur
 }
 
 /// Samples near the edges of a tag, with the gray levels of the view and some noise.
-std::vector<GraySample> samplesOf(const TagTemplate& tag_template, const View& view, double noise, cv::RNG& random)
+std::vector<GraySample> samplesOf(const TagTemplate& tag_template, const TagView& view, double noise, cv::RNG& random)
 {
   const BlurredGrid cells(tag_template.cells);
   const cv::Matx33d to_image = view.H.inv();
@@ -72,7 +72,7 @@ TEST(TagTemplate, jacobianIsThatOfTheLevel)
     {
       const TagTemplate tag_template = templateOf(family, 11);
       const BlurredGrid cells(tag_template.cells);
-      const View view = viewOf(tagCorners({320.0, 240.0}, 50.0, 0.4, 0.3, 1.0), tag_template, blur);
+      const TagView view = viewOf(tagCorners({320.0, 240.0}, 50.0, 0.4, 0.3, 1.0), tag_template, blur);
       const cv::Matx33d to_image = view.H.inv();
       for (int i = 0; i < 60; ++i)
       {

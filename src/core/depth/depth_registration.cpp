@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "cell_kernels.hpp"
+#include "core/geometry/rigid_motion.hpp"
 #include "core/image/row_bands.hpp"
 #include "depth_kernels.hpp"
 #include "drawn_band.hpp"
@@ -20,9 +21,8 @@ namespace robot_vision
 namespace
 {
 
-constexpr int kMaxSide = 8192;              // px
-constexpr double kMaxRotationError = 1e-3;  // largest element of R * R^T - I
-constexpr double kMaxDistance = 1000.0;     // m, between the cameras
+constexpr int kMaxSide = 8192;  // px
+const char* const kTransform = "the transform from the depth camera to the color camera";
 
 const CameraModel& checked(const CameraModel& camera, const std::string& name)
 {
@@ -30,16 +30,6 @@ const CameraModel& checked(const CameraModel& camera, const std::string& name)
   requireRange("the width of the " + name + " camera", camera.width, 1, kMaxSide);
   requireRange("the height of the " + name + " camera", camera.height, 1, kMaxSide);
   return camera;
-}
-
-void requireRigid(const cv::Affine3d& transform)
-{
-  const std::string name = "the transform from the depth camera to the color camera";
-  const cv::Matx33d R = transform.rotation();
-  const bool rotates = cv::norm(R * R.t() - cv::Matx33d::eye(), cv::NORM_INF) < kMaxRotationError;  // not with NaN
-  require(rotates && cv::determinant(R) > 0.0, name, "no rotation and translation", "that of a rigid body");
-  for (const double value : transform.translation().val)
-    requireRange(name, value, -kMaxDistance, kMaxDistance);
 }
 
 /// The steps in the color image from one pixel of the depth image to the next one, halved.
@@ -75,7 +65,7 @@ struct DepthRegistration::Impl
        const RegistrationParams& p)
     : depth_camera(checked(depth, "depth")), color_camera(checked(color, "color")), params((validate(p), p))
   {
-    requireRigid(depth_to_color);
+    requireRigid(depth_to_color, kTransform);
     rays = rayTable(depth_camera);
     const double ratio =
         std::max(color_camera.K(0, 0), color_camera.K(1, 1)) / std::min(depth_camera.K(0, 0), depth_camera.K(1, 1));
@@ -91,7 +81,7 @@ struct DepthRegistration::Impl
 
   void setTransform(const cv::Affine3d& depth_to_color)
   {
-    requireRigid(depth_to_color);
+    requireRigid(depth_to_color, kTransform);
     projection = projection32(color_camera, depth_to_color, radius);
     half = halfCell(depth_camera, color_camera, depth_to_color.rotation());
   }

@@ -9,7 +9,7 @@ from tf2_msgs.msg import TFMessage
 from visualization_msgs.msg import MarkerArray
 
 from .. import CameraModel, DepthErrorParams, LocatorParams, RegionLocator, validate
-from ..common.plain_text import NAME, brief, is_name, printable
+from ..common.plain_text import printable
 from ..common.throttle import Throttle
 from ..msg import Detection, Detection3DArray, DetectionArray
 from ..ros.camera_info import CameraInfoListener
@@ -17,7 +17,7 @@ from ..ros.configs import Detections3dConfig
 from ..ros.depth_frames import DepthLook
 from ..ros.frame_pairs import FramePairs
 from ..ros.image_node import ImageNode
-from ..ros.params import LiveParams, filled, read_param
+from ..ros.params import LiveParams, filled, read_prefix
 from ..ros.startup import run_node
 from ..ros.transport import Frame, note_connections
 from .depth_overlay import depth_colors, draw_places
@@ -159,18 +159,6 @@ class Detections3d:
 
     def _topics(self) -> str:
         return f"{rospy.resolve_name('detections')} and {self._node.topic}"
-
-
-def read_prefix() -> str:
-    """Returns ~frame_prefix, which is in front of the names of transforms.
-
-    Raises:
-        ValueError: It cannot be a part of a name.
-    """
-    prefix = read_param("frame_prefix", "")
-    if prefix and not is_name(prefix):
-        raise ValueError(f"frame_prefix is {brief(prefix)}, must be empty or {NAME}")
-    return prefix
 
 
 def main() -> None:

@@ -44,8 +44,13 @@ def write_mesh(path: str, mesh: Mesh, replace: bool = True) -> None:
 
 
 def _ply(mesh: Mesh, stem: str) -> Dict[str, bytes]:
+    return {f"{stem}.ply": ply_of(mesh)}
+
+
+def ply_of(mesh: Mesh, scale: float = 1.0) -> bytes:
+    """Returns a mesh, `scale` times as large, as a PLY file with normals and colors of vertices."""
     columns = [("x", "f4"), ("y", "f4"), ("z", "f4")]
-    parts = [mesh.vertices]
+    parts = [mesh.vertices * np.float32(scale)]
     if len(mesh.normals):
         columns += [("nx", "f4"), ("ny", "f4"), ("nz", "f4")]
         parts.append(mesh.normals)
@@ -62,7 +67,7 @@ def _ply(mesh: Mesh, stem: str) -> Dict[str, bytes]:
     header += [f"property {words[kind]} {name}" for name, kind in columns]
     header += [f"element face {len(faces)}", "property list uchar int vertex_indices", "end_header"]
     text = "\n".join(header) + "\n"
-    return {f"{stem}.ply": text.encode() + vertices.tobytes() + faces.tobytes()}
+    return text.encode() + vertices.tobytes() + faces.tobytes()
 
 
 def _vertex_colors(mesh: Mesh) -> np.ndarray:

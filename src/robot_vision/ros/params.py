@@ -72,6 +72,18 @@ def read_name(name: str, default: str) -> str:
     return value
 
 
+def read_prefix() -> str:
+    """Returns ~frame_prefix, which is in front of the names of transforms.
+
+    Raises:
+        ValueError: It cannot be a part of a name.
+    """
+    prefix = read_param("frame_prefix", "")
+    if prefix and not is_name(prefix):
+        raise ValueError(f"frame_prefix is {brief(prefix)}, must be empty or {NAME}")
+    return prefix
+
+
 def read_any(name: str, default: Any) -> Any:
     """Returns the private parameter `name` of any type, or `default` if it is not set."""
     value = rospy.get_param("~" + name, default)

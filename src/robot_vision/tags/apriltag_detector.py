@@ -14,11 +14,11 @@ from .. import TagDetector as Detector
 from ..msg import TagDetectionArray
 from ..ros.camera_info import CameraInfoListener
 from ..ros.configs import ApriltagDetectorConfig
+from ..ros.depth_input import DepthFrame, DepthInput
 from ..ros.image_node import ImageNode
 from ..ros.params import LiveParams, filled, read_any, read_param
 from ..ros.startup import run_node
 from ..ros.transport import Frame, FrameError, note_connections
-from .depth_input import DepthFrame, DepthInput
 from .depth_report import DepthReport
 from .detect_service import DetectService
 from .tag_depth import TagDepth
@@ -26,6 +26,8 @@ from .tag_layout import TagLayout
 from .tag_messages import markers, tag_array, transforms
 from .tag_overlay import draw_tags
 from .tag_poses import LocatedBundle, LocatedTag, TagLocator
+
+WITHOUT_DEPTH = "poses of tags are from the corners alone"
 
 
 class Sighting(NamedTuple):
@@ -61,7 +63,7 @@ class ApriltagDetector:
         self._poses: Optional[Tuple[TagPoseParams, bool]] = None  # and whether corners are measured
         self._depth_errors = DepthErrorParams()
         self._node = ImageNode(self._search, encoding="", idle=lambda: self._depth.clear())
-        self._depth = DepthInput(self._node, self._process)
+        self._depth = DepthInput(self._node, self._process, WITHOUT_DEPTH)
         self._depth_report = DepthReport(self._depth.topic)
         self._params = LiveParams(ApriltagDetectorConfig, self._configure)
         self._calibration = CameraInfoListener(self._node, "poses of tags")

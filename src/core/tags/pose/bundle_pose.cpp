@@ -7,6 +7,7 @@
 #include <sstream>
 #include <utility>
 
+#include "core/geometry/rigid_motion.hpp"
 #include "corner_covariance.hpp"
 #include "ippe_square.hpp"
 #include "plane_gate.hpp"

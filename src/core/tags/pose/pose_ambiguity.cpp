@@ -5,6 +5,8 @@
 #include <numeric>
 #include <utility>
 
+#include "core/geometry/rigid_motion.hpp"
+
 namespace robot_vision
 {
 

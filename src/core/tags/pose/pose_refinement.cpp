@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "core/geometry/rigid_motion.hpp"
 #include "corner_covariance.hpp"
 
 namespace robot_vision
@@ -28,8 +29,7 @@ using Residuals = cv::Vec<double, 8>;
 /// `lever`, the vector to it from the frame's origin.
 void setRows(MotionJacobian& jacobian, int first, const cv::Matx23d& by_point, const cv::Vec3d& lever)
 {
-  const cv::Matx33d turn(0, lever[2], -lever[1], -lever[2], 0, lever[0], lever[1], -lever[0], 0);
-  const cv::Matx23d by_rotation = by_point * turn;
+  const cv::Matx23d by_rotation = -by_point * crossMatrix(lever);
   for (int row = 0; row < 2; ++row)
     for (int column = 0; column < 3; ++column)
     {
@@ -69,8 +69,7 @@ PredictedPlane predict(const SeenPlane& plane, const cv::Affine3d& pose)
   const cv::Vec3d by_turn = n.cross(pose.translation()) * (1.0 / (distance * distance));
   PredictedPlane predicted{n * (1.0 / distance), PlaneJacobian()};
   const cv::Matx33d shift = n * n.t() * (-1.0 / (distance * distance));
-  const cv::Matx33d across(0, -n[2], n[1], n[2], 0, -n[0], -n[1], n[0], 0);
-  const cv::Matx33d turn = across * (-1.0 / distance) - n * by_turn.t();
+  const cv::Matx33d turn = crossMatrix(n) * (-1.0 / distance) - n * by_turn.t();
   for (int row = 0; row < 3; ++row)
     for (int column = 0; column < 3; ++column)
     {
@@ -142,19 +141,6 @@ MotionJacobian motionJacobian(const std::array<cv::Point3d, 4>& points, const Ca
 {
   Corners pixels;
   return project(points, camera, pose, pixels);
-}
-
-cv::Affine3d moved(const cv::Affine3d& pose, const cv::Vec6d& by)
-{
-  const cv::Affine3d turn(cv::Vec3d(by[3], by[4], by[5]));
-  return {turn.rotation() * pose.rotation(), pose.translation() + cv::Vec3d(by[0], by[1], by[2])};
-}
-
-cv::Vec6d difference(const cv::Affine3d& from, const cv::Affine3d& to)
-{
-  const cv::Vec3d shift = to.translation() - from.translation();
-  const cv::Vec3d turn = cv::Affine3d(to.rotation() * from.rotation().t()).rvec();
-  return {shift[0], shift[1], shift[2], turn[0], turn[1], turn[2]};
 }
 
 PlaneJacobian planeJacobian(const SeenPlane& plane, const cv::Affine3d& pose)

@@ -65,8 +65,4 @@ double costOf(const Observation& observation, const CameraModel& camera, const c
 /// The root mean square distance (px) of the pixels from their projections by a pose.
 double errorOf(const Observation& observation, const CameraModel& camera, const cv::Affine3d& pose);
 
-/// A pose shifted, and rotated about its origin, along the camera's axes; and the motion from one pose to another.
-cv::Affine3d moved(const cv::Affine3d& pose, const cv::Vec6d& by);
-cv::Vec6d difference(const cv::Affine3d& from, const cv::Affine3d& to);
-
 }  // namespace robot_vision

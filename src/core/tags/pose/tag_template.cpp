@@ -33,13 +33,13 @@ std::array<cv::Point2d, 4> templateCorners(const cv::Matx33d& to_template, const
           mapped(to_image, {half, -half}).point, mapped(to_image, {-half, -half}).point};
 }
 
-View movedView(const View& view, const Unknowns& by)
+TagView movedView(const TagView& view, const Unknowns& by)
 {
   const cv::Matx33d motion(1.0 + by[1], by[2], by[0], by[4], 1.0 + by[5], by[3], -by[6], -by[7], 1.0);
   return {motion * view.H, view.appearance + by};
 }
 
-double grayAt(const BlurredGrid& cells, int width, const View& view, const cv::Point2d& position, Unknowns& jacobian)
+double grayAt(const BlurredGrid& cells, int width, const TagView& view, const cv::Point2d& position, Unknowns& jacobian)
 {
   const Mapped seen = mapped(view.H, position);
   const cv::Point2d& q = seen.point;

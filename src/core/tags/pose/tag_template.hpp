@@ -40,18 +40,19 @@ constexpr int kBlur = 8, kBlack = 9, kContrast = 12, kAround = 15, kUnknowns = 1
 using Unknowns = cv::Vec<double, kUnknowns>;
 
 /// What determines the image of a template.
-struct View
+struct TagView
 {
   cv::Matx33d H;        // toTemplate()
   Unknowns appearance;  // the unknowns from kBlur on
 };
 
 /// Changes the unknowns of a view. To first order, a point q of the template moves by a + B q + q (c q).
-View movedView(const View& view, const Unknowns& by);
+TagView movedView(const TagView& view, const Unknowns& by);
 
 /// The gray level of a view at a position in the undistorted image, with its derivatives by the unknowns. `width` is
 /// that of the cells.
-double grayAt(const BlurredGrid& cells, int width, const View& view, const cv::Point2d& position, Unknowns& jacobian);
+double grayAt(const BlurredGrid& cells, int width, const TagView& view, const cv::Point2d& position,
+              Unknowns& jacobian);
 
 /// The derivatives of the corners, x and y, by the eight unknowns of the homography.
 cv::Matx<double, 8, 8> cornersByHomography(const cv::Matx33d& H, const std::array<cv::Point2d, 4>& corners);

@@ -83,7 +83,7 @@ public:
     {
       const Unknowns by = nextStep(damping);
       if (!(by.dot(by) > 0.0)) return false;  // the equations have no solution
-      const View next_view = movedView(view_, by);
+      const TagView next_view = movedView(view_, by);
       if (!last_step_failed && hasConverged(by.dot(fit_.gradient)))
       {
         view_ = next_view;  // the last gain is too small to compute the residuals once more
@@ -148,7 +148,7 @@ private:
     return damped.solve(gradient, cv::DECOMP_CHOLESKY);
   }
 
-  Linearised linearise(const View& view) const
+  Linearised linearise(const TagView& view) const
   {
     Linearised sums;
     sums.jacobian.resize(samples_.size());
@@ -168,7 +168,7 @@ private:
   const TagTemplate& template_;
   BlurredGrid cells_;
   const std::vector<GraySample>& samples_;
-  View view_;
+  TagView view_;
   Linearised fit_;  // at the view, or at the one before the last step
 };
 

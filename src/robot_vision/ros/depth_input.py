@@ -1,4 +1,4 @@
-"""The depth images of the node apriltag_detector, which belong to its images."""
+"""The depth images of a node that also works without, which belong to its images."""
 
 import time
 from typing import Any, Callable, NamedTuple, Optional, Tuple
@@ -12,12 +12,12 @@ from .. import CameraModel
 from ..common.errors import about
 from ..common.plain_text import brief
 from ..common.throttle import Throttle
-from ..ros.camera_info import camera_model
-from ..ros.depth_frames import DepthLook
-from ..ros.depth_pairs import DepthPairs
-from ..ros.image_node import ImageNode
-from ..ros.params import read_param
-from ..ros.transport import Frame, FrameError, camera_info_beside, remapped
+from .camera_info import camera_model
+from .depth_frames import DepthLook
+from .depth_pairs import DepthPairs
+from .image_node import ImageNode
+from .params import read_param
+from .transport import Frame, FrameError, camera_info_beside, remapped
 
 INFO_TIMEOUT = 2.0  # s with depths, until camera_info that is needed counts as missing
 
@@ -41,18 +41,22 @@ class DepthInput:
 
     A depth image has the optical frame of the images. Its size may be another one: then the
     camera_info beside it tells its camera. Images go on without depth that cannot be used. Depths
-    that are odd are told and used: planes of tags in them do not fit the corners, or tell nothing.
+    that are odd are told and used.
 
     Args:
         node: The node whose images get depths.
         go_on: A function that gets each image, in the order in which they come, with its depth or
             None. The thread of the images calls it.
+        without: What becomes of images without depth, for warnings.
 
     Raises:
         ValueError: ~depth_image_transport is not a string, or no transport.
     """
 
-    def __init__(self, node: ImageNode, go_on: Callable[[Any, Optional[DepthFrame]], None]):
+    def __init__(
+        self, node: ImageNode, go_on: Callable[[Any, Optional[DepthFrame]], None], without: str
+    ):
+        self._without = without
         self.topic = remapped("depth")
         self.info_topic = camera_info_beside(self.topic)
         self._node = node
@@ -145,7 +149,7 @@ class DepthInput:
         missing = self._node.missing(only="depth")
         if missing and self._missing.due():
             self._is_missing = True
-            rospy.logwarn("%s: poses of tags are from the corners alone", missing)
+            rospy.logwarn("%s: %s", missing, self._without)
         apart = self._pairs.problem(self._node.topic, self.topic)
         if apart and self._apart.due():
-            rospy.logwarn("%s: poses of tags are from the corners alone", apart)
+            rospy.logwarn("%s: %s", apart, self._without)

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <vector>
+
+#include "coarse_check.hpp"
+#include "robot_vision/recognition/object_recognizer.hpp"
+
+namespace robot_vision
+{
+
+/// A candidate that may be worth to be refined.
+struct Hypothesis
+{
+  cv::Affine3d pose;
+  cv::Vec3d center;      // m, of the mesh
+  double quality = 0.0;  // the more the better
+  double score = 0.0;    // of the candidate
+};
+
+/// The hypotheses of one model, the best first, and why there are no others.
+class Hypotheses
+{
+public:
+  Hypotheses(const DepthErrorParams& errors, double search) : coarse_(errors, search) {}
+
+  /// Looks at the candidates of a model, the best first; notes in the report what is wrong with them.
+  const std::vector<Hypothesis>& select(const RecognitionFrame& frame, const ObjectShape& shape,
+                                        const std::vector<PoseCandidate>& candidates, ModelReport& report);
+
+private:
+  void look(const RecognitionFrame& frame, const ObjectShape& shape, const PoseCandidate& candidate,
+            ModelReport& report);
+  bool isNew(const Hypothesis& hypothesis, const MeshExtent& extent) const;
+
+  CoarseCheck coarse_;
+  std::vector<Hypothesis> found_, different_;
+};
+
+}  // namespace robot_vision

@@ -1,0 +1,149 @@
+"""The capture of an object: frames come in, and the views that are kept go into the database."""
+
+from collections import Counter
+from typing import Counter as Counts
+from typing import Iterable, Optional
+
+import cv2
+import numpy as np
+
+from .. import CameraModel, to_gray
+from ..common.errors import about
+from ..common.progress import Progress
+from .capture_mask import PixelRays, Space, metres_of, object_mask, sharpness, touches_border
+from .capture_plate import Plate
+from .capture_sources import Shot
+from .capture_views import View, ViewCollection
+from .database import Database, Observation, Session
+from .plate_finder import PlateFinder
+
+MIN_PIXELS = 400  # of an object in an image
+MAX_DEPTH = 65535  # mm
+
+
+class CaptureRun:
+    """Takes frames until there is a view from all directions.
+
+    Each view is stored in a transaction of its own, so that what there is can always be used.
+
+    Args:
+        database: Where views are stored; None: nowhere, it is a trial.
+        session: The session that they belong to, which is added with the first of them.
+        plate: The plate.
+        space: Where the object is above it.
+        camera: The camera.
+        views: From how many directions.
+        replace: Whether earlier sessions are deleted when the first view is stored.
+        progress: What tells how far it is.
+    """
+
+    def __init__(
+        self,
+        database: Optional[Database],
+        session: Session,
+        plate: Plate,
+        space: Space,
+        camera: CameraModel,
+        views: int,
+        replace: bool,
+        progress: Progress,
+    ) -> None:
+        self._database = database
+        self._session = session
+        self._finder = PlateFinder(plate)
+        self._space = space
+        self._camera = camera
+        self._rays = PixelRays()
+        self._views = ViewCollection(views)
+        self._replace = replace
+        self._progress = progress
+        self._frames = 0
+        self._problems: Counts[str] = Counter()
+
+    def take(self, shots: Iterable[Shot]) -> None:
+        """Takes frames until all directions have a view, or there are no more.
+
+        Raises:
+            OSError: A file cannot be read, or the database not be written.
+            ValueError: An image cannot be used, or there is not one view.
+        """
+        try:
+            for shot in shots:
+                with about(shot.name):
+                    view = self._view(shot)
+                if view is not None:
+                    self._store(self._views.add(view))
+                self._progress.tell(self._views.summary())
+                if self._views.full:
+                    return
+        finally:
+            self._store(self._views.end())
+        if not self._views.kept:
+            raise ValueError(f"no view of the object in {self._frames} frames{self._worst()}")
+
+    def result(self) -> str:
+        """What there is in the end, for the user."""
+        stored = "stored" if self._database is not None else "would be stored"
+        text = f"{self._views.summary()}, {stored}"
+        return text if self._views.full else text + self._worst()
+
+    def interrupted(self) -> str:
+        """What there is after Ctrl-C, for the user."""
+        return (
+            f"interrupted; {self.result()}. What is there can be learned as it is; --add takes the "
+            "rest if the object stays where it is"
+        )
+
+    def _view(self, shot: Shot) -> Optional[View]:
+        """Returns a frame as a view, or None if it cannot be one."""
+        self._frames += 1
+        image, depth = shot.read()
+        size = (self._camera.height, self._camera.width)
+        for name, pixels in (("image", image), ("depth", depth)):
+            if pixels.shape[:2] != size:
+                sizes = ["{1}x{0}".format(*one) for one in (pixels.shape, size)]
+                raise ValueError(f"its {name} is of {sizes[0]}, camera_info of {sizes[1]}")
+        found = self._finder.find(image, depth, self._camera)
+        if found.pose is None:
+            self._problems[found.problem] += 1
+            return None
+        mask = object_mask(depth, self._rays.of(self._camera), found.pose, self._space)
+        if np.count_nonzero(mask) < MIN_PIXELS:
+            self._problems["there is nothing on the plate, or it has no depth"] += 1
+            return None
+        if touches_border(mask):
+            self._problems["not all of the object is in the image"] += 1
+            return None
+        sharp = sharpness(to_gray(image, "bgr8"), mask)
+        return View(shot.time, self._frames, image, depth, mask, self._camera, found.pose, sharp)
+
+    def _store(self, view: Optional[View]) -> None:
+        if view is None or self._database is None:
+            return
+        observations = self._database.observations
+        with self._database.transaction():
+            if not self._session.id:
+                if self._replace:
+                    for one in observations.sessions(self._session.object_id):
+                        observations.delete_session(one.id)
+                self._session = observations.add_session(self._session)
+            observations.add(_observation(view, self._session.id))
+
+    def _worst(self) -> str:
+        """Why most frames that were not used were not."""
+        if not self._problems:
+            return ""
+        problem, count = self._problems.most_common(1)[0]
+        return f"; {sum(self._problems.values())} frames were not used, most ({count}): {problem}"
+
+
+def _observation(view: View, session_id: str) -> Observation:
+    metres = metres_of(view.depth)
+    depth = np.clip(np.rint(1000.0 * np.nan_to_num(metres)), 0, MAX_DEPTH).astype(np.uint16)
+    rgb, depth_file, mask = (
+        cv2.imencode(".png", pixels)[1].tobytes() for pixels in (view.image, depth, view.mask)
+    )
+    camera = view.camera
+    return Observation(
+        session_id, view.number, rgb, depth_file, mask, camera.K, view.pose, list(camera.D)
+    )

@@ -1,0 +1,151 @@
+"""Frames of a color camera and their depths for object_capture.py: from topics, bags, folders."""
+
+import collections
+import contextlib
+import functools
+import os
+import threading
+from typing import Any, Callable, Deque, Iterator, NamedTuple, Sequence, Tuple
+
+import cv2
+import numpy as np
+from sensor_msgs.msg import Image
+
+from .. import CameraModel, to_bgr
+from ..calibration.known_cameras import known_camera
+from ..common.depth_encodings import require_depths
+from ..common.files import MAX_IMAGE, read_file
+from ..common.image_files import sensor_pixels
+from ..recordings.bag_images import (
+    IMAGE_TYPES,
+    entries_on,
+    opened,
+    require_topic,
+    topics_of,
+)
+from ..recordings.depth_images import depth_pixels
+from ..recordings.image_pixels import pixels_of
+from ..recordings.recorded_images import newest_of, paths_of
+from ..recordings.stamp_pairs import StampPairs
+from ..ros.transport import Frame, ImageSubscriber
+
+CAMERA_FILE = "camera.yaml"
+FRAME_PERIOD = 1.0  # s, between two files: they have no times, and none waits for the next one
+
+Images = Tuple[np.ndarray, np.ndarray]  # BGR, and its depths as uint16 in mm or float32 in m
+
+
+class Shot(NamedTuple):
+    """A frame.
+
+    Attributes:
+        name: For messages.
+        time: s.
+        read: A function that returns its images, or raises OSError or ValueError.
+    """
+
+    name: str
+    time: float
+    read: Callable[[], Images]
+
+
+def camera_of(camera_info: str, bag: str, folder: str) -> CameraModel:
+    """Returns the camera: of a topic, in a bag if there is one, or of a file.
+
+    Raises:
+        OSError: A file or the bag cannot be read.
+        ValueError: There is no calibration, or it has a lens that observations cannot tell.
+    """
+    if folder and not camera_info:
+        camera_info = os.path.join(folder, CAMERA_FILE)
+    camera = known_camera(camera_info, bag or None)
+    if camera.distortion_model in ("equidistant", "fisheye"):
+        raise ValueError(
+            f"camera_info of {camera_info}: the lens is {camera.distortion_model}, must be "
+            "plumb_bob or rational_polynomial: take rectified images"
+        )
+    return camera
+
+
+def shots_from_folder(folder: str) -> Iterator[Shot]:
+    """Yields the frames of a folder with rgb/NAME.png and depth/NAME.png, sorted by name.
+
+    Raises:
+        OSError: The folder cannot be read.
+        ValueError: There are no images, or not as many depths.
+    """
+    colors, depths = (paths_of(os.path.join(folder, part)) for part in ("rgb", "depth"))
+    stems = [
+        [os.path.splitext(os.path.basename(path))[0] for path in one] for one in (colors, depths)
+    ]
+    if stems[0] != stems[1]:
+        raise ValueError(f"{folder}: the files in rgb and depth must have the same names")
+    for number, (color, depth) in enumerate(zip(colors, depths)):
+        yield Shot(color, FRAME_PERIOD * number, functools.partial(_read_files, color, depth))
+
+
+def shots_from_bag(path: str, topics: Sequence[str], slop: float) -> Iterator[Shot]:
+    """Yields the frames on two topics of a bag, of images and of their depths.
+
+    Raises:
+        OSError: The bag cannot be opened.
+        ValueError: There is no such bag or topic, or nothing on the topics belongs together.
+    """
+    pairs: StampPairs = StampPairs(topics, slop)
+    with opened(path) as bag:
+        kinds = topics_of(bag)
+        for topic in topics:
+            require_topic(path, kinds, topic, IMAGE_TYPES, "images")
+        for topic, message in entries_on(bag, topics):
+            pair = pairs.add(topics.index(topic), message.header.stamp, message)
+            if pair:
+                name, time = f"frame {pairs.found - 1}", pair[0].header.stamp.to_sec()
+                yield Shot(name, time, functools.partial(_read_messages, *pair))
+    if not pairs.found:
+        raise ValueError(f"{path} has no images with depths: {pairs.problem()}")
+
+
+def shots_from_topics(topics: Sequence[str], slop: float) -> Iterator[Shot]:
+    """Yields the newest frames of two topics until this process, a node, shuts down."""
+    pairs: StampPairs = StampPairs(topics, slop)
+    lock = threading.Lock()  # guards the pairs
+    newest: Deque[Tuple[Frame, Frame]] = collections.deque(maxlen=1)
+    arrived = threading.Event()
+
+    def keep(side: int, frame: Frame) -> None:
+        with lock:
+            pair = pairs.add(side, frame.header.stamp, frame)
+        if pair:
+            newest.append(pair)
+            arrived.set()
+
+    def report() -> None:
+        with lock:
+            problem = pairs.problem()
+        print("waiting: no image with depths comes:", problem, flush=True)
+
+    with contextlib.ExitStack() as stack:
+        for side, topic in enumerate(topics):
+            subscriber = ImageSubscriber(topic, functools.partial(keep, side))
+            stack.callback(subscriber.unregister)
+        for number, pair in enumerate(newest_of(newest, arrived, report)):
+            time = pair[0].header.stamp.to_sec()
+            yield Shot(f"frame {number}", time, functools.partial(_read_frames, *pair))
+
+
+def _read_files(color: str, depth: str) -> Images:
+    depths = sensor_pixels(read_file(depth, MAX_IMAGE), cv2.IMREAD_UNCHANGED)
+    if depths.dtype != np.uint16 or depths.ndim != 2:
+        raise ValueError(f"{depth} must have one channel of 16 bits, mm")
+    return sensor_pixels(read_file(color, MAX_IMAGE)), depths
+
+
+def _read_messages(color: Any, depth: Any) -> Images:
+    if color._type == Image._type:
+        return to_bgr(pixels_of(color), color.encoding), depth_pixels(depth)
+    return sensor_pixels(color.data), depth_pixels(depth)
+
+
+def _read_frames(color: Frame, depth: Frame) -> Images:
+    require_depths(depth.encoding)
+    return to_bgr(color.image, color.encoding), depth.image

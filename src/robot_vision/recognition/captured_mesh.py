@@ -1,0 +1,51 @@
+"""A coarse mesh of an object by its observations, so that methods that need one know it, too."""
+
+from typing import List
+
+import numpy as np
+
+from .. import DepthVolume
+from ..common.errors import about
+from ..meshes import mesh_extent
+from ..meshes.mesh_files import ply_of
+from .database import Database, Mesh, Object
+from .mesh_data import pack_mesh
+from .observed_views import ObservationSource, Seen, extent_of, seen_by
+
+CAPTURED = "captured.ply"  # the name of a mesh that was made here
+MAX_VIEWS = 120  # that are used of an object, those that are spread best
+CELLS = 100  # voxels along the longest side
+MIN_VOXEL = 0.0015  # m; what is smaller is less than depth cameras tell
+MARGIN = 4  # voxels around the object
+FLOOR = 0.005  # m above the plate, below which depths may be the plate's
+
+
+def make_mesh(database: Database, one: Object) -> str:
+    """Makes a mesh of an object's observations, stores it, and returns what there is to say.
+
+    Raises:
+        OSError: The database cannot be written.
+        ValueError: There are no observations that show a surface.
+    """
+    source = ObservationSource(database, one.id)
+    chosen = source.spread(MAX_VIEWS)
+    with about(f"'{one.name}'"):
+        mesh = _mesh_of(source, chosen)
+    size = np.asarray(mesh_extent(mesh).size)
+    stored = Mesh(CAPTURED, ply_of(mesh), pack_mesh(mesh))
+    with database.transaction():
+        database.meshes.set(one.id, stored)
+    sides = " x ".join(f"{1000.0 * side:.0f}" for side in size)
+    return f"a mesh of {sides} mm, of {len(mesh.triangles)} triangles, by {len(chosen)} views"
+
+
+def _mesh_of(source: ObservationSource, chosen: List[str]) -> object:
+    center, size = extent_of(source.of(one) for one in chosen)
+    voxel = max(float(size.max()) / CELLS, MIN_VOXEL)
+    low, high = (center + sign * size / 2.0 + sign * MARGIN * voxel for sign in (-1.0, 1.0))
+    low[2] = 0.0  # It stands on the plate.
+    volume = DepthVolume(low, high, voxel, FLOOR)
+    for number in chosen:
+        seen: Seen = seen_by(source.of(number))
+        volume.add(seen.image, seen.depth, seen.mask, seen.camera, seen.pose)
+    return volume.mesh()

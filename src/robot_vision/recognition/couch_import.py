@@ -1,0 +1,115 @@
+"""Objects from the CouchDB of object_recognition_core, as its _all_docs gives them in a file.
+
+    curl 'http://localhost:5984/object_recognition/_all_docs?include_docs=true&attachments=true'
+
+An object keeps its id. Its mesh is the attachment original.* of its model of the method `mesh`, or
+mesh.stl beside it. What was learned is left out: only object_recognition_core can use it.
+"""
+
+import base64
+import binascii
+import os
+import tempfile
+from typing import Any, Callable, Dict, List, Mapping, Tuple
+
+from ..common.errors import about
+from ..common.plain_text import brief, printable
+from .database import Database
+from .database.folder_files import is_file_name, read_json
+from .database.folder_import import object_of
+from .database.json_values import text
+from .database.objects import is_id
+from .mesh_intake import take_mesh
+
+MESH_METHOD = "mesh"
+
+
+def import_couch(
+    database: Database,
+    path: str,
+    replace: bool,
+    tell: Callable[[str], None] = lambda line: None,
+) -> int:
+    """Adds the objects of a file, within a transaction, and returns how many.
+
+    Args:
+        database: The database.
+        path: The file.
+        replace: Whether objects that are there are replaced; else they stay as they are.
+        tell: A function that is told in lines what becomes of the objects.
+
+    Raises:
+        OSError: The file cannot be read, or the database not be written.
+        ValueError: The file is not what it must be.
+    """
+    values = read_json(path)
+    with about(path):
+        documents = _documents(values)
+        objects = {one["_id"]: one for one in documents if one.get("Type") == "Object"}
+        meshes = _meshes(documents)
+    count = 0
+    there = {one.id for one in database.objects.all()}
+    for object_id, values in objects.items():
+        with about(f"{path}: object {printable(object_id)}"):
+            if not is_id(object_id):
+                raise ValueError("its id must have 32 hexadecimal digits")
+            if object_id in there and not replace:
+                tell(f"{object_id} is there already, and stays as it is")
+                continue
+            if object_id in there:
+                database.objects.delete(object_id)
+            added = database.objects.add(object_of(values, object_id))
+            if object_id in meshes:
+                _add_mesh(database, object_id, *meshes[object_id], tell)
+        tell(f"{object_id} added: '{added.name}'")
+        count += 1
+    return count
+
+
+def _documents(values: Mapping[str, Any]) -> List[Dict[str, Any]]:
+    rows = values.get("rows")
+    if not isinstance(rows, list):
+        raise ValueError(f"rows is {brief(rows)}, must be a list, as _all_docs of CouchDB has it")
+    found = [row.get("doc") for row in rows if isinstance(row, dict)]
+    documents = [one for one in found if isinstance(one, dict) and isinstance(one.get("_id"), str)]
+    if rows and not documents:
+        raise ValueError("it has no documents: is include_docs=true missing?")
+    return documents
+
+
+def _meshes(documents: List[Dict[str, Any]]) -> Dict[str, Tuple[str, bytes]]:
+    """Returns the names and contents of the files of meshes, by the ids of their objects."""
+    found = {}
+    for one in documents:
+        attached = one.get("_attachments")
+        if one.get("method", one.get("ModelType")) != MESH_METHOD or not isinstance(attached, dict):
+            continue
+        names = sorted(name for name in attached if is_file_name(name))
+        originals = [name for name in names if name.startswith("original.")]
+        for name in [*originals, *(name for name in names if name.startswith("mesh."))]:
+            found[text(one, "object_id")] = name, _content(attached[name])
+            break
+    return found
+
+
+def _content(attachment: Any) -> bytes:
+    data = attachment.get("data") if isinstance(attachment, dict) else None
+    if not isinstance(data, str):
+        raise ValueError("a mesh has no data: is attachments=true missing?")
+    try:
+        return base64.b64decode(data, validate=True)
+    except binascii.Error as error:
+        raise ValueError(f"the data of a mesh cannot be read: {error}") from None
+
+
+def _add_mesh(
+    database: Database, object_id: str, name: str, data: bytes, tell: Callable[[str], None]
+) -> None:
+    with tempfile.TemporaryDirectory() as folder:
+        path = os.path.join(folder, name)
+        with open(path, "wb") as file:
+            file.write(data)
+        taken = take_mesh(path)
+    for note in taken.notes:
+        tell(f"{object_id}: {note}")
+    database.meshes.set(object_id, taken.stored)

@@ -1,0 +1,104 @@
+"""Folders that appear with all of their files, and JSON files that others may have written."""
+
+import contextlib
+import errno
+import json
+import os
+import shutil
+from typing import Any, Dict, Iterator
+
+from ...common.errors import about
+from ...common.files import read_file, trying
+from ...common.plain_text import brief
+from ...common.temporary_files import random_name
+
+MAX_JSON = 64 << 20  # bytes, the largest JSON file: the poses of a large scene
+MAX_DATA = 1 << 30  # bytes, the largest other file
+
+
+@contextlib.contextmanager
+def new_folder(path: str) -> Iterator[str]:
+    """Gives a folder to write into, which gets the name `path` at the end, or is removed.
+
+    Raises:
+        FileExistsError: There is something of this name.
+        OSError: The folder cannot be made.
+    """
+    path = os.path.abspath(path)
+    if os.path.lexists(path):
+        raise FileExistsError(f"{path} is there already")
+    temporary = f"{path}.{random_name()}.tmp"
+    try:
+        with trying(path, "made"):
+            os.makedirs(temporary)
+        yield temporary
+        with trying(path, "made"):
+            os.rename(temporary, path)
+    finally:
+        shutil.rmtree(temporary, ignore_errors=True)
+
+
+def write_data(data: bytes, *path: str) -> None:
+    """Writes a file into a folder that new_folder() has given, with the folders above it.
+
+    Raises:
+        OSError: The file cannot be written.
+    """
+    name = os.path.join(*path)
+    with trying(name, "written"):
+        os.makedirs(os.path.dirname(name), exist_ok=True)
+        with open(name, "xb") as file:
+            file.write(data)
+
+
+def write_json(value: Any, *path: str) -> None:
+    """Writes a JSON file likewise."""
+    write_data((json.dumps(value, indent=1, ensure_ascii=False) + "\n").encode(), *path)
+
+
+def read_json(*path: str) -> Dict[str, Any]:
+    """Reads a JSON file with an object.
+
+    Raises:
+        OSError: The file cannot be read.
+        ValueError: It is something else.
+    """
+    name = os.path.join(*path)
+    data = read_file(name, MAX_JSON)
+    with about(name):
+        try:
+            value = json.loads(data.decode())
+        except RecursionError:
+            raise ValueError("it is nested too deeply") from None
+        if not isinstance(value, dict):
+            raise ValueError(f"it is {brief(value)}, must be an object of JSON")
+    return value
+
+
+def read_data(*path: str) -> bytes:
+    """Reads a file that a JSON file names, beside which it has to be.
+
+    Raises:
+        OSError: The file cannot be read.
+        ValueError: The name leads elsewhere.
+    """
+    *folders, name = path
+    if not is_file_name(name):
+        raise ValueError(f"a file is {brief(name)}, must be a name without a folder")
+    return read_file(os.path.join(*folders, name), MAX_DATA)
+
+
+def is_file_name(name: Any) -> bool:
+    """Returns whether a text is the name of a file in the same folder."""
+    is_text = isinstance(name, str) and 0 < len(name.encode(errors="replace")) <= 255
+    return is_text and name not in (".", "..") and not set(name) & {"/", "\\", "\0"}
+
+
+def entries_of(folder: str) -> Iterator[str]:
+    """Returns the names in a folder, sorted; none if there is no such folder."""
+    if not os.path.lexists(folder):
+        return iter(())
+    with trying(folder, "read"):
+        if not os.path.isdir(folder):
+            raise OSError(errno.ENOTDIR, "it is no folder")
+        return iter(sorted(os.listdir(folder)))

@@ -1,0 +1,94 @@
+"""The command detection, which recognizes objects as an .ork file says, until Ctrl-C."""
+
+import argparse
+import sys
+from typing import List, Sequence
+
+import rospy
+
+from ..common.commands import run_command
+from ..ros.startup import run_node
+from .database import Database
+from .database_arguments import database_parser
+from .object_recognizer import ObjectRecognizer
+from .ork_file import read_ork
+from .ork_node import node_words, parameter_word
+from .ork_pipelines import (
+    ALL,
+    MISSING,
+    TABLES,
+    Pipeline,
+    chosen_objects,
+    pipelines_of,
+    unknown_warnings,
+)
+from .ork_runs import add_choice, choose_objects, database_of, tell
+
+PROGRAM = "detection"
+NODE = "object_recognition"
+EXAMPLES = """examples, of all objects, and of one of them on other topics:
+  detection -c detection.ros.ork
+  detection -c detection.ros.ork --object_names '[coke]' image:=/eye/rgb depth:=/eye/depth
+It is the node object_recognizer, which has a launch file, too.
+"""
+
+
+def main() -> int:
+    """Runs the command and returns its exit code."""
+    arguments = parse_arguments(rospy.myargv(sys.argv)[1:])
+    words: List[str] = []
+    code = run_command(PROGRAM, lambda: words.extend(words_of(arguments)))
+    if code:
+        return code
+    given = [word for word in sys.argv[1:] if ":=" in word]
+    sys.argv[1:] = [*words, *given]  # Of two words for the same, the last one counts.
+    rospy.names.reload_mappings(sys.argv)  # rospy has read them when it was imported.
+    run_node(arguments.node_name, ObjectRecognizer)
+    return 0
+
+
+def parse_arguments(command: Sequence[str]) -> argparse.Namespace:
+    """Parses the command line. Exits on wrong arguments."""
+    parser = database_parser(PROGRAM, "Recognizes objects as an .ork file says.", EXAMPLES)
+    add_choice(parser)
+    parser.add_argument("--node_name", default=NODE, metavar="NAME", help="(default: %(default)s)")
+    parser.add_argument("--visualize", action="store_true", help=argparse.SUPPRESS)
+    return parser.parse_args(command)
+
+
+def words_of(arguments: argparse.Namespace) -> List[str]:
+    """Returns what the node is started with, and tells what is not used of the file.
+
+    Raises:
+        OSError: A file cannot be read.
+        ValueError: A file is wrong, or an object is not there.
+    """
+    file = read_ork(arguments.config_file)
+    pipelines = pipelines_of(file)
+    words = node_words(file)
+    learned = [one for one in pipelines if one.method != TABLES]
+    for pipeline in pipelines:
+        known = ["table_detector", "clusterer"] if pipeline.method == TABLES else []
+        file.warnings += unknown_warnings(pipeline.name, pipeline.parameters, known)
+    tell(file)
+    words.append(parameter_word("methods", ",".join(dict.fromkeys(one.method for one in learned))))
+    if learned:
+        path = database_of(arguments, learned[0], file.path)
+        words.append(parameter_word("database", path))
+        words.append(parameter_word("objects", _objects(arguments, learned, path)))
+        words.append(parameter_word("needs_models", True))
+        words += (
+            [parameter_word("on_tables", True)] if all(one.on_tables for one in learned) else []
+        )
+    return [*words, parameter_word("ork_names", True)]
+
+
+def _objects(arguments: argparse.Namespace, pipelines: Sequence[Pipeline], path: str) -> str:
+    """Returns the ids of all objects that the pipelines name, or "" for all that there are."""
+    for pipeline in pipelines:
+        choose_objects(pipeline, arguments)
+    if any(pipeline.objects in (ALL, MISSING) for pipeline in pipelines):
+        return ""
+    with Database(path) as database:
+        found = [one for pipeline in pipelines for one in chosen_objects(database, pipeline)]
+    return ",".join(dict.fromkeys(one.id for one in found))

@@ -1,0 +1,163 @@
+"""The command evaluate_bop.py: recognizes the objects of a BOP data set and compares poses."""
+
+import argparse
+import os
+import sys
+import time
+from typing import Any, Dict, List, NamedTuple, Sequence
+
+import numpy as np
+
+from .. import CameraModel, MeshRenderer, ObjectShape, ViewParams
+from ..common.arguments import command_parser
+from ..common.commands import run_command
+from ..common.errors import about
+from ..common.files import replace_file
+from ..common.image_files import load_image, sensor_pixels
+from ..meshes import mesh_extent
+from .bop_export import MODELS_INFO
+from .bop_import import (
+    MODEL,
+    depth_in_mm,
+    frame_number,
+    is_bop,
+    optional_json,
+    pose_of,
+    rgb_path,
+    stored_model,
+    truths_of,
+)
+from .database.folder_files import entries_of, read_data, read_json
+from .database.json_values import matrix, number
+from .found import KnownObject
+from .known_objects import corners_of
+from .mesh_data import unpack_mesh
+from .recognizer import RecognitionParams, Recognizer
+from .symmetries import MM
+from .view_method import VIEWS, ViewTraining
+
+PROGRAM = "evaluate_bop.py"
+EXAMPLES = """examples, the objects of a data set in its test images, with BOP's file of results:
+  evaluate_bop.py lm/
+  evaluate_bop.py lm/ --split test --output views_lm-test.csv
+"""
+RIGHT = 0.1  # of the diameter, the mean distance below which a pose is right
+POINTS = 500  # of a mesh that are compared
+
+
+class _Model(NamedTuple):
+    known: KnownObject
+    points: np.ndarray
+    diameter: float
+    is_symmetric: bool
+
+
+def main() -> int:
+    """Runs the command and returns its exit code."""
+    arguments = parse_arguments(sys.argv[1:])
+    return run_command(PROGRAM, lambda: evaluate(arguments))
+
+
+def parse_arguments(command: Sequence[str]) -> argparse.Namespace:
+    """Parses the command line. Exits on wrong arguments."""
+    parser = command_parser(PROGRAM, "Recognizes the objects of a BOP data set.", EXAMPLES)
+    parser.add_argument("folder", metavar="FOLDER", help="the data set")
+    parser.add_argument("--split", default="test", metavar="NAME", help="(default: %(default)s)")
+    parser.add_argument("--output", default="", metavar="FILE", help="BOP's results, as CSV")
+    return parser.parse_args(command)
+
+
+def evaluate(arguments: argparse.Namespace) -> None:
+    """Prints what is recognized.
+
+    Raises:
+        OSError: A file cannot be read or written.
+        ValueError: A file is not what it must be.
+    """
+    if not is_bop(arguments.folder):
+        raise ValueError(f"{arguments.folder} is no BOP data set: no models/obj_000001.ply or such")
+    split = os.path.join(arguments.folder, arguments.split)
+    scenes = list(entries_of(split))
+    if not scenes:
+        raise ValueError(f"no scenes in {split}")
+    models = _models(os.path.join(arguments.folder, "models"))
+    numbers = list(models)
+    recognizer = Recognizer([models[one].known for one in numbers], RecognitionParams.defaults())
+    counts = {one: [0, 0, 0] for one in numbers}  # there, right, false
+    rows, times = ["scene_id,im_id,obj_id,score,R,t,time"], []
+    for scene in scenes:
+        path = os.path.join(split, scene)
+        cameras, truths = read_json(path, "scene_camera.json"), read_json(path, "scene_gt.json")
+        for frame in sorted(truths, key=frame_number):
+            with about(f"{path}: frame {frame}"):
+                seen = _seen(path, int(frame), cameras.get(frame))
+                there = [(one.get("obj_id"), pose_of(one)) for one in truths_of(truths[frame])]
+            begin = time.monotonic()
+            found, _ = recognizer.recognize(*seen)
+            times.append(time.monotonic() - begin)
+            by_object = [(int(one.object.id), one) for one in found]
+            rows += [_row(frame_number(scene), frame, *one, times[-1]) for one in by_object]
+            for index in numbers:
+                own = [one.pose for of, one in by_object if of == index]
+                _count(models[index], [p for of, p in there if of == index], own, counts[index])
+    for index, (all_, right, wrong) in counts.items():
+        recall = f"{right / all_:.1%}" if all_ else "-"
+        print(f"object {index}: {right} of {all_} found, {recall}; {wrong} false")
+    print(f"{len(times)} images, {np.mean(times) if times else 0.0:.3f} s each")
+    if arguments.output:
+        replace_file(arguments.output, ("\n".join(rows) + "\n").encode())
+
+
+def _models(folder: str) -> Dict[int, _Model]:
+    infos, models = optional_json(folder, MODELS_INFO), {}
+    for match in filter(None, map(MODEL.fullmatch, entries_of(folder))):
+        index = int(match[1])
+        stored = stored_model(folder, index, infos, lambda line: print(line, file=sys.stderr))
+        mesh = unpack_mesh(stored.converted)
+        training = ViewTraining(stored, ViewParams(), None)
+        while training.done < training.total:
+            training.step()
+        symmetries = [(tuple(one.axis), one.fold) for one in stored.symmetries]
+        made = (mesh, MeshRenderer(mesh), ObjectShape(mesh, symmetries), corners_of(mesh))
+        known = KnownObject(str(index), str(index), *made, {VIEWS.name: training.model()})
+        points = np.asarray(mesh.vertices, float)
+        points = points[:: max(1, len(points) // POINTS)]
+        models[index] = _Model(known, points, mesh_extent(mesh).diameter, bool(symmetries))
+    return models
+
+
+def _seen(path: str, frame: int, camera: Any) -> Any:
+    if not isinstance(camera, dict):
+        raise ValueError("scene_camera.json has no camera of it")
+    bgr = load_image(rgb_path(path, frame), sensor_pixels)
+    data = read_data(path, "depth", f"{frame:06d}.png")
+    depth = sensor_pixels(depth_in_mm(data, number(camera, "depth_scale")), -1)
+    height, width = bgr.shape[:2]
+    return bgr, depth, CameraModel(width, height, matrix(camera, "cam_K", 3), [])
+
+
+def _count(model: _Model, truths: List[Any], found: List[Any], counts: List[int]) -> None:
+    """Gives each truth the first pose that is right, and counts those that are left as false."""
+    left = list(found)
+    for truth in truths:
+        right = [i for i, one in enumerate(left) if _distance(model, one, truth) < RIGHT]
+        counts[1] += bool(right)
+        if right:
+            del left[right[0]]
+    counts[0] += len(truths)
+    counts[2] += len(left)
+
+
+def _distance(model: _Model, found: Any, truth: Any) -> float:
+    """Returns ADD, or ADD-S of an object with symmetries, as a share of the diameter."""
+    here, there = (model.points @ pose[:3, :3].T + pose[:3, 3] for pose in (found, truth))
+    if not model.is_symmetric:
+        return float(np.linalg.norm(here - there, axis=1).mean() / model.diameter)
+    apart = np.linalg.norm(here[:, None] - there[None], axis=2)
+    return float(apart.min(axis=1).mean() / model.diameter)
+
+
+def _row(scene: int, frame: str, index: int, one: Any, seconds: float) -> str:
+    turn = " ".join(f"{value:.8f}" for value in one.pose[:3, :3].ravel())
+    place = " ".join(f"{value:.4f}" for value in one.pose[:3, 3] / MM)
+    return f"{scene},{int(frame)},{index},{one.probability:.4f},{turn},{place},{seconds:.4f}"

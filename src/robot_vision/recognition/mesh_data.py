@@ -1,0 +1,80 @@
+"""A mesh as the database holds it: an uncompressed .npz file of its arrays, textures as PNG."""
+
+import io
+import zipfile
+from typing import Any, Dict
+
+import cv2
+import numpy as np
+
+from .. import Mesh
+from ..common.image_files import sensor_pixels
+
+MAX_ARRAYS = 300  # textures included
+ARRAYS = {  # names and types of the arrays
+    "vertices": np.float32,
+    "triangles": np.int32,
+    "normals": np.float32,
+    "colors": np.uint8,
+    "texture_coordinates": np.float32,
+    "triangle_textures": np.int32,
+    "color": np.uint8,
+}
+TEXTURE = "texture_"
+
+
+def pack_mesh(mesh: Mesh) -> bytes:
+    """Returns the bytes of a mesh, the same ones for the same mesh."""
+    arrays: Dict[str, np.ndarray] = {}
+    for name, kind in ARRAYS.items():
+        arrays[name] = np.ascontiguousarray(getattr(mesh, name), kind)
+    for index, texture in enumerate(mesh.textures):
+        arrays[f"{TEXTURE}{index}"] = cv2.imencode(".png", texture)[1].ravel()
+    file = io.BytesIO()
+    np.savez(file, **arrays)
+    return file.getvalue()
+
+
+def unpack_mesh(data: bytes) -> Mesh:
+    """Returns the mesh that pack_mesh() has packed.
+
+    Raises:
+        ValueError: The bytes are of something else, or damaged.
+    """
+    arrays = _arrays(data)
+    missing = sorted(set(ARRAYS) - set(arrays))
+    if missing:
+        raise ValueError(f"it is no mesh: there are no {missing[0]}")
+    for name, kind in ARRAYS.items():
+        if arrays[name].dtype != kind:
+            raise ValueError(f"it is no mesh: {name} are {arrays[name].dtype}")
+    textures = [arrays[name] for name in sorted(_textures(arrays), key=_index)]
+    return Mesh(
+        *(arrays[name] for name in list(ARRAYS)[:5]),
+        [sensor_pixels(texture.tobytes()) for texture in textures],
+        arrays["triangle_textures"],
+        tuple(arrays["color"].ravel().tolist()),
+    )
+
+
+def _arrays(data: bytes) -> Dict[str, np.ndarray]:
+    try:
+        with zipfile.ZipFile(io.BytesIO(data)) as file:
+            entries = file.infolist()
+            sizes = sum(entry.file_size for entry in entries)
+            if len(entries) > MAX_ARRAYS or sizes > len(data):  # Compressed ones might be huge.
+                raise ValueError("it has more than a mesh has")
+        with np.load(io.BytesIO(data), allow_pickle=False) as arrays:
+            return {name: arrays[name] for name in arrays.files}
+    except ValueError:
+        raise
+    except Exception as error:  # zipfile and NumPy have many kinds
+        raise ValueError(f"it is no mesh: {error}") from None
+
+
+def _textures(arrays: Dict[str, Any]) -> Any:
+    return (name for name in arrays if name.startswith(TEXTURE) and name[len(TEXTURE) :].isdigit())
+
+
+def _index(name: str) -> int:
+    return int(name[len(TEXTURE) :])

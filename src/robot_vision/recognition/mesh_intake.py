@@ -1,0 +1,122 @@
+"""Mesh files as the database takes them: read, measured, and with the files that they name."""
+
+import os
+import re
+from typing import Any, Dict, List, NamedTuple, Optional, Sequence, Set
+
+import numpy as np
+
+from .. import Mesh
+from ..common.files import MAX_IMAGE, read_file
+from ..meshes import mesh_extent, read_mesh
+from .database import Mesh as StoredMesh
+from .database import Symmetry
+from .database.folder_files import MAX_DATA, is_file_name
+from .mesh_data import pack_mesh
+
+UNITS = {"m": 1.0, "cm": 0.01, "mm": 0.001, "inch": 0.0254}  # m
+MIN_SIZE, MAX_SIZE = 0.005, 3.0  # m, of the largest side of an object
+MAX_FILES = 50  # that a mesh names
+# What names other files: of obj, mtl, ply, gltf and dae.
+NAMES = re.compile(
+    rb"^\s*(?:mtllib|map_\w+(?:\s+-\w+\s+\S+)*|bump|comment TextureFile)\s+(.+?)\s*$"
+    rb'|"uri"\s*:\s*"([^"]+)"|<init_from>\s*([^<]+?)\s*</init_from>',
+    re.MULTILINE,
+)
+
+
+class Intake(NamedTuple):
+    """A mesh that was read.
+
+    Attributes:
+        stored: What goes into the database.
+        notes: What there is to say of it, in lines.
+    """
+
+    stored: StoredMesh
+    notes: List[str]
+
+
+def take_mesh(
+    path: str,
+    unit: Optional[str] = None,
+    symmetries: Sequence[Symmetry] = (),
+    scale: float = 1.0,
+    center: bool = False,
+) -> Intake:
+    """Reads a mesh.
+
+    Args:
+        path: The file; the files that it names are beside it.
+        unit: That of the file: m, cm, mm or inch; None: it is guessed.
+        symmetries: Turns that nobody can see.
+        scale: By which it is made larger besides.
+        center: Whether its origin is moved into its middle.
+
+    Raises:
+        OSError: A file cannot be read.
+        ValueError: It is no mesh that can be used.
+    """
+    original = read_file(path, MAX_DATA)
+    loaded = read_mesh(path, unit)
+    mesh, offset = loaded.mesh, np.zeros(3)
+    if scale != 1.0 or center:
+        offset = scale * np.asarray(mesh_extent(mesh).center) if center else offset
+        mesh = _moved(mesh, scale, offset)
+    size = np.asarray(mesh_extent(mesh).size)
+    if not MIN_SIZE <= size.max() <= MAX_SIZE:
+        raise ValueError(
+            f"{path}: it is {size.max():.3g} m long after scaling, must be from {MIN_SIZE:g} to "
+            f"{MAX_SIZE:g}"
+        )
+    sides = " x ".join(f"{1000.0 * side:.1f}" for side in size)
+    notes = [loaded.unit_reason, f"it is {sides} mm, of {len(mesh.triangles)} triangles"]
+    stored = StoredMesh(
+        os.path.basename(path) if is_file_name(os.path.basename(path)) else "mesh",
+        original,
+        pack_mesh(mesh),
+        _files_of(path, original),
+        UNITS[loaded.unit],
+        scale,
+        tuple(offset.tolist()),
+        symmetries,
+    )
+    return Intake(stored, notes + list(loaded.warnings))
+
+
+def _moved(mesh: Mesh, scale: float, offset: np.ndarray) -> Any:
+    return Mesh(
+        (scale * mesh.vertices.astype(float) - offset).astype(np.float32),
+        mesh.triangles,
+        mesh.normals,
+        mesh.colors,
+        mesh.texture_coordinates,
+        mesh.textures,
+        mesh.triangle_textures,
+        mesh.color,
+    )
+
+
+def _files_of(path: str, data: bytes) -> Dict[str, bytes]:
+    """Returns the files beside a mesh that it names, and that these name, by their names."""
+    folder, found = os.path.dirname(path), {}
+    waiting = _names_in(data)
+    seen: Set[str] = {os.path.basename(path)}
+    while waiting and len(found) < MAX_FILES:
+        name = waiting.pop(0)
+        if name in seen or not is_file_name(name):
+            continue
+        seen.add(name)
+        try:
+            found[name] = read_file(os.path.join(folder, name), MAX_IMAGE)
+        except OSError:  # The mesh was read without it.
+            continue
+        waiting += _names_in(found[name])
+    return found
+
+
+def _names_in(data: bytes) -> List[str]:
+    if b"\0" in data[:10000] and not data.startswith(b"ply"):  # not text
+        return []
+    names = (next(filter(None, match.groups())) for match in NAMES.finditer(data))
+    return [os.fsdecode(name) for name in names][:MAX_FILES]

@@ -1,0 +1,200 @@
+"""The node object_recognizer, which recognizes learned objects and tells where they are."""
+
+from typing import Any, Callable, Dict, List, NamedTuple, Optional
+
+import numpy as np
+import rospy
+from std_srvs.srv import Trigger, TriggerResponse
+from tf2_msgs.msg import TFMessage
+from visualization_msgs.msg import MarkerArray
+
+from .. import CameraModel, draw_text
+from ..common.plain_text import printable, to_ascii
+from ..msg import DetectionArray, RecognizedObjectArray, TableArray
+from ..ros.camera_info import CameraInfoListener
+from ..ros.configs import ObjectRecognizerConfig
+from ..ros.depth_input import DepthFrame, DepthInput
+from ..ros.frame_calls import FrameCalls
+from ..ros.image_node import ImageNode
+from ..ros.params import LiveParams, read_param, read_prefix
+from ..ros.startup import run_node
+from ..ros.transport import Frame, note_connections
+from .found import Found, Limits, Look
+from .looks import Looks
+from .object_info_service import ObjectInfoService
+from .object_source import ObjectSource
+from .recognition_markers import ObjectMarkers
+from .recognition_messages import clouds_of, detection_array, object_array, transforms
+from .recognition_overlay import draw_objects
+from .recognition_report import RecognitionReport
+from .recognition_settings import read_methods, settings_of
+from .recognize_action import RecognizeAction
+from .straight_images import StraightImages
+from .tables_below import TablesBelow
+
+WITHOUT_DEPTH = "nothing is recognized"
+ORK_NAMES = {  # of object_recognition_core, which are not private
+    "~recognized_object_array": "recognized_object_array",
+    "~tables": "table_array",
+    "~recognize_objects": "recognize_objects",
+    "~get_object_info": "get_object_info",
+}
+
+
+class Seen(NamedTuple):
+    """What was recognized in a frame, and how it looks there."""
+
+    frame: Frame
+    depth: Optional[np.ndarray]  # of each pixel of the image
+    camera: CameraModel
+    found: List[Found]
+    looks: List[Look]
+
+
+class ObjectRecognizer:
+    """Publishes ~recognized_object_array, ~detections, ~tables, ~markers, /tf, ~processed_image.
+
+    Subscribes to image, and to camera_info beside it, or where that name is remapped to. If the
+    name depth is remapped to a registered depth image, objects are recognized by both, else by
+    the image alone. The objects are those of ~database that were learned by ~methods. The action
+    ~recognize_objects recognizes those in the next image, ~get_object_info tells what is known of
+    an object, ~reload loads them anew, which is done by itself when the database has changed.
+    """
+
+    def __init__(self) -> None:
+        names = _names(read_param("ork_names", False))
+        self._prefix = read_prefix()
+        self._report = RecognitionReport()
+        self._markers_of, self._looks, self._straight_looks = ObjectMarkers(), Looks(), Looks()
+        self._straight: Optional[StraightImages] = None
+        self._node = ImageNode(self._on_image, idle=self._on_idle)
+        self._depth = DepthInput(self._node, self._process, WITHOUT_DEPTH)
+        self._tables_of = TablesBelow()
+        self._calls = FrameCalls(self._node)
+        self._params = LiveParams(ObjectRecognizerConfig, self._configure)
+        self._source = ObjectSource(read_methods(), lambda: self._settings, self._report)
+        self._calibration = CameraInfoListener(self._node, "objects")
+        self._outputs(names)
+        self._action = RecognizeAction(
+            names("~recognize_objects"), self._calls, lambda: self._report.problem
+        )
+        self._info = ObjectInfoService(names("~get_object_info"), self._source.path)
+        rospy.Service("~reload", Trigger, self._on_reload)
+        self._node.start()
+
+    def _outputs(self, names: Callable[[str], List[str]]) -> None:
+        node = self._node
+        self._arrays = [
+            node.publisher(name, RecognizedObjectArray)
+            for name in names("~recognized_object_array")
+        ]
+        self._tables = [node.publisher(name, TableArray) for name in names("~tables")]
+        self._detections = node.publisher("~detections", DetectionArray)
+        self._markers = node.publisher("~markers", MarkerArray)
+        self._tf = node.publisher("/tf", TFMessage, counts=lambda: self._settings.publish_tf)
+        self._processed = node.image_publisher("~processed_image")
+
+    def _configure(self, config: Dict[str, Any]) -> None:
+        self._settings = settings_of(config)
+        self._depth.set_slop(config["depth_slop"])
+        note_connections()  # because /tf may start or stop to count
+
+    def _on_idle(self) -> None:
+        self._depth.clear()
+        self._tables_of.clear()
+
+    def _on_reload(self, _request: Any) -> TriggerResponse:
+        return TriggerResponse(*self._source.reload())
+
+    def _on_image(self, frame: Frame) -> None:
+        self._depth.offer(frame, frame.image.shape[1::-1])
+
+    def _process(self, frame: Frame, depth: Optional[DepthFrame]) -> None:
+        settings = self._settings
+        camera = self._calibration.camera(frame.image.shape[1::-1], settings.rectified)
+        recognizer = self._source.recognizer()
+        self._report.publish()
+        if camera is None or recognizer is None:
+            self._show_problem(frame, camera)
+            self._calls.offer(lambda: lambda limits: RecognizedObjectArray(header=frame.header))
+            return
+        if depth is None and self._depth.topic:
+            return
+        straight = self._straighten(camera, depth and depth.camera)
+        bgr, depths = straight.apply(frame.image, depth and depth.image)
+        wants_tables = any(one.get_num_connections() for one in self._tables)
+        tables, mask = None, None
+        if depths is not None and (wants_tables or settings.on_tables):
+            tables, mask = self._tables_of.find(depths, straight.camera, frame, settings)
+        only = mask if settings.on_tables else None
+        found, told = recognizer.recognize(bgr, depths, straight.camera, only)
+        found = [one for one in found if settings.limits is None or settings.limits.holds(one.pose)]
+        self._report.set_frame(told, len(found))
+        looks = [self._looks.of(one, camera, self._shows()) for one in found]
+        self._publish(Seen(frame, depths, straight.camera, found, looks))
+        for output in self._tables if tables is not None else ():
+            output.publish(tables)
+
+    def _straighten(
+        self, camera: CameraModel, depth_camera: Optional[CameraModel]
+    ) -> StraightImages:
+        if self._straight is None or self._straight.made_of != (camera, depth_camera):
+            self._straight = StraightImages(camera, depth_camera)
+        return self._straight
+
+    def _shows(self) -> bool:
+        return self._processed.get_num_connections() > 0
+
+    def _publish(self, seen: Seen) -> None:
+        header = seen.frame.header
+
+        def array_of(limits: Optional[Limits]) -> RecognizedObjectArray:
+            found = [one for one in seen.found if limits is None or limits.holds(one.pose)]
+            clouds = clouds_of(found, seen.depth, seen.camera, self._straight_looks)
+            return object_array(header, found, self._source.path, clouds)
+
+        self._calls.offer(lambda: array_of)
+        if any(output.get_num_connections() for output in self._arrays):
+            array = array_of(None)
+            for output in self._arrays:
+                output.publish(array)
+        if self._detections.get_num_connections():
+            size = seen.frame.image.shape[1::-1]
+            self._detections.publish(detection_array(header, size, seen.found, seen.looks))
+        if self._markers.get_num_connections():
+            self._markers.publish(self._markers_of.of(header, seen.found))
+        if self._settings.publish_tf and self._tf.get_num_connections() and seen.found:
+            self._broadcast(transforms(header, seen.found, self._prefix))
+        if self._shows():
+            overlay = seen.frame.image.copy()
+            draw_objects(overlay, seen.found, seen.looks)
+            self._processed.publish(overlay, "bgr8", header)
+
+    def _broadcast(self, message: TFMessage) -> None:
+        if message.transforms[0].header.frame_id:
+            self._tf.publish(message)
+        else:
+            topic = self._node.topic
+            rospy.logwarn_throttle(60.0, f"no transforms: the images of {topic} have no frame_id")
+
+    def _show_problem(self, frame: Frame, camera: Optional[CameraModel]) -> None:
+        if self._shows():
+            overlay = frame.image.copy()
+            text = "no calibration: see what the node has printed"
+            if camera is not None:
+                text = to_ascii(printable(self._report.problem))
+            draw_text(overlay, text, (10, 20))
+            self._processed.publish(overlay, "bgr8", frame.header)
+
+
+def _names(with_ork: bool) -> Callable[[str], List[str]]:
+    """Returns a function that gives the names under which something private is offered."""
+
+    def names(private: str) -> List[str]:
+        return [private, ORK_NAMES[private]] if with_ork else [private]
+
+    return names
+
+
+def main() -> None:
+    run_node("object_recognizer", ObjectRecognizer)

@@ -1,0 +1,80 @@
+"""What was recognized as markers for rviz: the meshes themselves, which needs no file."""
+
+from typing import Dict, List, Sequence
+
+import numpy as np
+import rospy
+from geometry_msgs.msg import Point
+from std_msgs.msg import ColorRGBA, Header
+from visualization_msgs.msg import Marker, MarkerArray
+
+from ..common.plain_text import to_ascii
+from ..ros.poses import pose_of
+from .found import Found, KnownObject
+from .marker_mesh import marker_triangles
+
+LIFETIME = 0.5  # s for which a marker stays after its object is gone
+TEXT_HEIGHT = 0.03  # m
+WHITE = ColorRGBA(1.0, 1.0, 1.0, 1.0)
+
+
+class ObjectMarkers:
+    """Makes markers of what was found; those of an object differ by their poses alone."""
+
+    def __init__(self) -> None:
+        self._shapes: Dict[str, Marker] = {}  # by the ids of objects, without a header
+
+    def of(self, header: Header, found: Sequence[Found]) -> MarkerArray:
+        """Returns a mesh and a text for each object that was found in an image."""
+        made: List[Marker] = []
+        for number, one in enumerate(found):
+            for marker in (self._shape(one.object), _text(one)):
+                marker.header = header
+                marker.id = number
+                marker.lifetime = rospy.Duration(LIFETIME)
+                made.append(marker)
+            made[-2].pose = pose_of(one.pose)
+        return MarkerArray(made)
+
+    def forget(self) -> None:
+        """Forgets all shapes, because the objects have changed."""
+        self._shapes.clear()
+
+    def _shape(self, known: KnownObject) -> Marker:
+        if known.id not in self._shapes:
+            self._shapes[known.id] = _triangles(known)
+        shape = self._shapes[known.id]
+        return Marker(
+            ns="meshes",
+            type=Marker.TRIANGLE_LIST,
+            color=WHITE,
+            scale=shape.scale,
+            points=shape.points,
+            colors=shape.colors,
+        )
+
+
+def _triangles(known: KnownObject) -> Marker:
+    corners, colors = marker_triangles(known.mesh)
+    made = Marker()
+    made.scale.x = made.scale.y = made.scale.z = 1.0
+    made.points = [Point(*corner) for corner in corners.reshape(-1, 3).tolist()]
+    made.colors = [ColorRGBA(red, green, blue, 1.0) for blue, green, red in colors.tolist()]
+    return made
+
+
+def _text(one: Found) -> Marker:
+    made = Marker(type=Marker.TEXT_VIEW_FACING, color=WHITE, ns="names", text=title(one))
+    made.scale.z = TEXT_HEIGHT
+    top = one.pose[:3, :3] @ one.object.corners.mean(axis=0) + one.pose[:3, 3]
+    above = np.ptp(one.object.corners, axis=0).max() / 2.0 + TEXT_HEIGHT
+    place = np.eye(4)
+    place[:3, 3] = top - [0.0, above, 0.0]  # up in the image
+    made.pose = pose_of(place)
+    return made
+
+
+def title(one: Found) -> str:
+    """Returns what was found, how probable it is, and how far away, in ASCII."""
+    distance = float(np.linalg.norm(one.pose[:3, 3]))
+    return f"{to_ascii(one.object.name, 40)} {one.probability:.2f}: {distance:.2f} m"

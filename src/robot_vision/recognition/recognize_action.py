@@ -1,0 +1,58 @@
+"""The action recognize_objects, which recognizes objects in the next image."""
+
+from typing import Callable, List, Optional
+
+import actionlib
+import rospy
+
+from ..common.plain_text import printable
+from ..msg import ObjectRecognitionAction, ObjectRecognitionGoal, ObjectRecognitionResult
+from ..msg import RecognizedObjectArray as Array
+from ..ros.frame_calls import FrameCalls
+from .found import Limits, limits_of
+
+TIMEOUT = 10.0  # s that a goal waits for an image and what is in it
+Result = Callable[[Optional[Limits]], Array]  # what was recognized within limits
+
+
+class RecognizeAction:
+    """Serves an action under one or more names.
+
+    Args:
+        names: The names.
+        calls: What waits for the next image; the node offers it functions of type Result.
+        problem: A function that returns the reason why nothing can be recognized, or "".
+    """
+
+    def __init__(self, names: List[str], calls: FrameCalls, problem: Callable[[], str]):
+        self._calls = calls
+        self._problem = problem
+        self._servers = [self._started(name) for name in names]
+
+    def _started(self, name: str) -> actionlib.SimpleActionServer:
+        server: actionlib.SimpleActionServer = actionlib.SimpleActionServer(
+            name, ObjectRecognitionAction, lambda goal: self._execute(server, goal), False
+        )
+        server.start()
+        return server
+
+    def _execute(self, server: actionlib.SimpleActionServer, goal: ObjectRecognitionGoal) -> None:
+        try:
+            limits = limits_of(goal.filter_limits) if goal.use_roi else None
+            with self._calls.working():
+                made = self._calls.wait(TIMEOUT, lambda: _is_over(server))
+            problem = self._problem()
+            if problem:
+                raise RuntimeError(problem)
+            server.set_succeeded(ObjectRecognitionResult(made(limits)))
+        except Exception as error:  # Of any kind, because actionlib would answer without a reason.
+            reason = printable(str(error), 1000) or type(error).__name__
+            if server.is_preempt_requested():
+                server.set_preempted(text=reason)
+            elif not rospy.core.is_shutdown_requested():
+                rospy.logerr("no objects recognized: %s", reason)
+                server.set_aborted(text=reason)
+
+
+def _is_over(server: actionlib.SimpleActionServer) -> bool:
+    return server.is_preempt_requested() or rospy.core.is_shutdown_requested()

@@ -1,0 +1,186 @@
+"""What recognizes objects in images: matchers that say where they may be, and what verifies it."""
+
+from typing import Any, Dict, List, NamedTuple, Optional, Sequence, Tuple
+
+import numpy as np
+
+from .. import (
+    CameraModel,
+    DepthErrorParams,
+    ObjectMatchParams,
+    ObjectRecognizer,
+    PointPairMatchParams,
+    PoseCandidate,
+    RecognitionFrame,
+    RecognizerParams,
+    RefinerParams,
+    TextureMatchParams,
+    VerifierParams,
+)
+from .found import Found, KnownObject
+from .pair_method import PAIRS, pair_matcher
+from .texture_method import TEXTURES, texture_matcher
+from .view_method import VIEWS, view_matcher
+
+
+class RecognitionParams(NamedTuple):
+    """The parameters of all that recognizes."""
+
+    match: ObjectMatchParams
+    pairs: PointPairMatchParams
+    textures: TextureMatchParams
+    decision: RecognizerParams
+    refiner: RefinerParams
+    verifier: VerifierParams
+    errors: DepthErrorParams
+
+    @staticmethod
+    def defaults() -> "RecognitionParams":
+        """The defaults of all of them."""
+        return RecognitionParams(*(kind() for kind in RecognitionParams.__annotations__.values()))
+
+
+class Recognizer:
+    """Recognizes objects in the images of cameras without distortion. For one thread at a time.
+
+    Args:
+        objects: The objects.
+        params: The parameters.
+
+    Raises:
+        ValueError: A parameter is out of range, or a model is damaged.
+    """
+
+    def __init__(self, objects: Sequence[KnownObject], params: RecognitionParams) -> None:
+        self._span = params.match.min_distance, params.match.max_distance  # m
+        self._objects = list(objects)
+        self._titles = _titles(self._objects)
+        self._recognizer = ObjectRecognizer(
+            params.decision, params.refiner, params.verifier, params.errors
+        )
+        for one in self._objects:
+            self._recognizer.add(one.shape)
+        self._views, self._of_views = view_matcher(self._models(VIEWS.name), params.match)
+        self._pairs, self._of_pairs = pair_matcher(self._models(PAIRS.name), params.pairs)
+        self._textures, self._of_textures = texture_matcher(
+            self._models(TEXTURES.name), params.textures, params.errors
+        )
+        self._threshold = params.decision.threshold
+        self._frame: Optional[RecognitionFrame] = None
+        self._camera: Optional[CameraModel] = None
+
+    def recognize(
+        self,
+        bgr: np.ndarray,
+        depth: Optional[np.ndarray],
+        camera: CameraModel,
+        mask: Optional[np.ndarray] = None,
+    ) -> Tuple[List[Found], Dict[str, str]]:
+        """Returns the objects in an image, and what became of each, by title.
+
+        Args:
+            bgr: (height, width, 3) uint8.
+            depth: (height, width), uint16 in mm or float32 in m, of its pixels; or None.
+            camera: The camera, without distortion.
+            mask: (height, width) uint8, not 0 where objects may be; None: everywhere.
+        """
+        if camera is not self._camera:
+            self._frame, self._camera = RecognitionFrame(camera), camera
+        self._frame.set(bgr, depth)
+        candidates = []
+        if self._of_views:
+            there = self._views.match(bgr, depth, camera, mask)
+            candidates += _renumbered(there, self._of_views)
+        if self._of_pairs and depth is not None:
+            there = self._pairs.match(self._frame)
+            there = _within(_renumbered(there, self._of_pairs), mask)
+            near, far = self._span
+            candidates += [one for one in there if near <= one.pose[2, 3] <= far]
+        textured = self._textured(bgr, depth, camera, mask)
+        candidates += [
+            PoseCandidate(index, one.pose, one.score, one.box, 0)
+            for index, one in textured
+            if not self._objects[index].is_box
+        ]
+        made = self._recognizer.recognize(self._frame, candidates)
+        found = [
+            Found(self._objects[one.model], one.pose, one.covariance, one.probability)
+            for one in made.objects
+        ]
+        told = {self._titles[one.model]: _told(one) for one in made.reports}
+        return found + self._unverified(textured, told), told
+
+    def _textured(self, *seen: Any) -> List[Tuple[int, Any]]:
+        """Returns what was found by its texture, each with the index of the object."""
+        if not self._of_textures:
+            return []
+        near, far = self._span
+        return [
+            (self._of_textures[one.model], one)
+            for one in self._textures.match(*seen)
+            if near <= one.pose[2, 3] <= far
+        ]
+
+    def _unverified(self, textured: Sequence[Tuple[int, Any]], told: Dict[str, str]) -> List[Found]:
+        """Returns what has no mesh that could verify it, and tells what became of it."""
+        found = []
+        for index, known in enumerate(self._objects):
+            if not known.is_box:
+                continue
+            there = [one for of, one in textured if of == index]
+            best = max((one.probability for one in there), default=0.0)
+            own = [
+                Found(known, one.pose, one.covariance, one.probability)
+                for one in there
+                if one.probability >= self._threshold
+            ]
+            missed = f"not found: the best probability is {best:.2f}"
+            told[self._titles[index]] = (
+                f"found {len(own)}, probability {best:.2f}" if own else missed
+            )
+            found += own
+        return found
+
+    def _models(self, method: str) -> List[Tuple[int, bytes]]:
+        return [
+            (index, one.models[method])
+            for index, one in enumerate(self._objects)
+            if method in one.models
+        ]
+
+
+def _titles(objects: Sequence[KnownObject]) -> List[str]:
+    """Returns the names of objects, with their ids where there are several of one name."""
+    names = [one.name for one in objects]
+    return [
+        one.name if names.count(one.name) == 1 else f"{one.name} {one.id[:8]}" for one in objects
+    ]
+
+
+def _renumbered(candidates: Sequence[Any], objects: Sequence[int]) -> List[Any]:
+    """Returns candidates of a matcher's models as those of objects."""
+    if objects == list(range(len(objects))):
+        return list(candidates)
+    return [
+        PoseCandidate(objects[one.model], one.pose, one.score, one.box, one.view)
+        for one in candidates
+    ]
+
+
+def _within(candidates: Sequence[Any], mask: Optional[np.ndarray]) -> List[Any]:
+    """Returns the candidates whose boxes have something of the mask in them."""
+    if mask is None:
+        return list(candidates)
+    kept = []
+    for one in candidates:
+        x, y, width, height = one.box
+        part = mask[max(y, 0) : max(y + height, 0), max(x, 0) : max(x + width, 0)]
+        kept += [one] if part.any() else []
+    return kept
+
+
+def _told(report: Any) -> str:
+    """Returns what became of an object."""
+    if report.found:
+        return f"found {report.found}, probability {report.best_probability:.2f}"
+    return f"not found: {report.reason}"

@@ -1,0 +1,109 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <opencv2/core.hpp>
+#include <opencv2/core/affine.hpp>
+#include <string>
+#include <vector>
+
+#include "robot_vision/meshes/sample_meshes.hpp"
+#include "robot_vision/recognition/object_shape.hpp"
+#include "robot_vision/recognition/symmetry.hpp"
+#include "support/cluttered_scenes.hpp"
+
+/// What is tried with objects in cluttered scenes, by programs that measure or fit recognition.
+namespace trials
+{
+
+/// An object that is looked for, among all other samples.
+struct Object
+{
+  std::string name;
+  robot_vision::Mesh mesh;
+  std::vector<robot_vision::Symmetry> symmetries;
+  std::shared_ptr<const robot_vision::ObjectShape> shape;
+  std::unique_ptr<ClutteredScenes> scenes;
+  std::vector<cv::Vec3f> points;  // m, of its surface
+};
+
+/// All sample meshes, each in scenes of its own, which are the same for the same seed.
+inline std::vector<Object> allObjects(std::uint64_t seed)
+{
+  std::vector<Object> objects;
+  for (const std::string& name : robot_vision::sampleMeshNames())
+  {
+    const robot_vision::SampleMesh sample = robot_vision::sampleMesh(name);
+    Object object;
+    object.name = name;
+    object.mesh = sample.mesh;
+    for (const robot_vision::SampleSymmetry& symmetry : sample.symmetries)
+      object.symmetries.push_back({symmetry.axis, symmetry.fold});
+    object.shape = std::make_shared<robot_vision::ObjectShape>(sample.mesh, object.symmetries);
+    std::vector<robot_vision::Mesh> others;
+    for (const std::string& other : robot_vision::sampleMeshNames())
+      if (other != name) others.push_back(robot_vision::sampleMesh(other).mesh);
+    object.scenes = std::make_unique<ClutteredScenes>(sample.mesh, others, seed);
+    const std::size_t step = std::max<std::size_t>(1, sample.mesh.vertices.size() / 300);
+    for (std::size_t i = 0; i < sample.mesh.vertices.size(); i += step)
+      object.points.push_back(sample.mesh.vertices[i]);
+    objects.push_back(std::move(object));
+  }
+  return objects;
+}
+
+/// The mean distance (m) of the points of an object in two poses: of each from itself (ADD) or, for one that looks the
+/// same in several poses, from the nearest one (ADD-S).
+inline double meanDistance(const Object& object, const cv::Affine3d& found, const cv::Affine3d& truth)
+{
+  std::vector<cv::Vec3d> there;
+  for (const cv::Vec3f& point : object.points)
+    there.push_back(truth * cv::Vec3d(point));
+  double sum = 0.0;
+  for (std::size_t i = 0; i < there.size(); ++i)
+  {
+    const cv::Vec3d place = found * cv::Vec3d(object.points[i]);
+    double nearest = cv::norm(place - there[i]);
+    for (std::size_t j = 0; j < there.size() && !object.symmetries.empty(); ++j)
+      nearest = std::min(nearest, cv::norm(place - there[j]));
+    sum += nearest;
+  }
+  return sum / static_cast<double>(there.size());
+}
+
+/// How alike an object looks in two poses: the share of the pixels of either one where the depths are at most `gate`
+/// (m) apart and, if they count, the colors a quarter of their range.
+inline double likeness(const Object& object, const cv::Affine3d& a, const cv::Affine3d& b, const cv::Matx33d& K,
+                       const cv::Size& image, double gate, bool colors)
+{
+  robot_vision::MeshView first, second;
+  robot_vision::RenderParts parts;
+  parts.bgr = colors;
+  object.shape->renderer().render(K, a, {{0, 0}, image}, first, parts);
+  object.shape->renderer().render(K, b, {{0, 0}, image}, second, parts);
+  int all = 0, alike = 0;
+  for (int y = 0; y < image.height; ++y)
+    for (int x = 0; x < image.width; ++x)
+    {
+      const float p = first.depth.at<float>(y, x), q = second.depth.at<float>(y, x);
+      if (!(p > 0.0F) && !(q > 0.0F)) continue;
+      ++all;
+      bool is_alike = static_cast<double>(std::abs(p - q)) <= gate;
+      for (int i = 0; i < 3 && is_alike && colors; ++i)
+        is_alike = std::abs(first.bgr.at<cv::Vec3b>(y, x)[i] - second.bgr.at<cv::Vec3b>(y, x)[i]) <= 64;
+      alike += is_alike ? 1 : 0;
+    }
+  return all > 0 ? static_cast<double>(alike) / all : 0.0;
+}
+
+/// The difference of two poses, as far as it can be seen: the distance of the object's middle (m), and an angle (rad).
+inline cv::Vec2d visibleError(const Object& object, const cv::Affine3d& found, const cv::Affine3d& truth)
+{
+  const cv::Vec3d center = object.shape->extent().center;
+  const robot_vision::SymmetryGroup symmetries(object.symmetries);
+  return {cv::norm(found * center - truth * center), symmetries.angle(found.rotation(), truth.rotation())};
+}
+
+}  // namespace trials

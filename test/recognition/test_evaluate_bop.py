@@ -1,0 +1,84 @@
+"""evaluate_bop.py, on a small data set that is drawn."""
+
+import csv
+import json
+
+import cv2
+import numpy as np
+import pytest
+
+import robot_vision as rv
+from robot_vision.meshes.mesh_files import ply_of
+from robot_vision.recognition import evaluate_bop
+from robot_vision.recognition.database.folder_files import write_data, write_json
+
+SIZE = (320, 240)
+K = np.array([[525.0, 0.0, 159.5], [0.0, 525.0, 119.5], [0.0, 0.0, 1.0]])
+
+
+@pytest.fixture
+def folder(tmp_path):
+    """The bracket before a wall in frame 0, and in frame 1 a truth that is not where it is."""
+    mesh = rv.sample_mesh("bracket").mesh
+    pose = np.eye(4)
+    pose[:3, :3] = cv2.Rodrigues(np.array([2.0, 0.4, 0.2]))[0]
+    pose[:3, 3] = [0.01, -0.01, 0.7] - pose[:3, :3] @ np.asarray(rv.mesh_extent(mesh).center)
+    corners = [(2.0 * x, 2.0 * y, 0.9) for y in (-1, 1) for x in (-1, 1)]
+    wall = rv.Mesh(corners, [(0, 1, 2), (1, 3, 2)], color=(120, 150, 160))
+    renderers = [rv.MeshRenderer(wall), rv.MeshRenderer(mesh)]
+    view = rv.render_meshes(renderers, [np.eye(4), pose], K, (0, 0, *SIZE), bgr=True)
+    root = tmp_path / "small"
+    scene = str(root / "test" / "000003")
+    write_data(ply_of(mesh, 1000.0), str(root / "models"), "obj_000005.ply")
+    depth = np.rint(np.nan_to_num(view.depth) * 1e4).astype(np.uint16)
+    truths = {}
+    for frame in range(2):
+        write_data(cv2.imencode(".png", view.bgr)[1].tobytes(), scene, "rgb", f"{frame:06d}.png")
+        write_data(cv2.imencode(".png", depth)[1].tobytes(), scene, "depth", f"{frame:06d}.png")
+        place = 1e3 * (pose[:3, 3] + [0.2 * frame, 0.0, 0.0])
+        turn = pose[:3, :3].ravel().tolist()
+        truths[frame] = [{"cam_R_m2c": turn, "cam_t_m2c": place.tolist(), "obj_id": 5}]
+    write_json(truths, scene, "scene_gt.json")
+    camera = {"cam_K": K.ravel().tolist(), "depth_scale": 0.1}
+    write_json({0: camera, 1: camera}, scene, "scene_camera.json")
+    return root, pose
+
+
+@pytest.fixture
+def run(monkeypatch, capsys):
+    def command(*words):
+        monkeypatch.setattr("sys.argv", [evaluate_bop.PROGRAM, *map(str, words)])
+        return (evaluate_bop.main(), *capsys.readouterr())
+
+    return command
+
+
+def test_figures_and_results_are_those_of_the_truth(folder, run, tmp_path):
+    root, pose = folder
+    output = tmp_path / "results.csv"
+    code, out, err = run(root, "--output", output)
+    assert code == 0, err
+    assert "object 5: 1 of 2 found, 50.0%; 1 false\n2 images, " in out
+    rows = list(csv.DictReader(output.read_text().splitlines()))
+    assert [(row["scene_id"], row["im_id"], row["obj_id"]) for row in rows] == [
+        ("3", "0", "5"),
+        ("3", "1", "5"),
+    ]
+    for row in rows:
+        place = np.array(row["t"].split(), float)
+        assert np.linalg.norm(place - 1e3 * pose[:3, 3]) < 3.0
+        turn = np.array(row["R"].split(), float).reshape(3, 3)
+        assert np.linalg.norm(cv2.Rodrigues(turn @ pose[:3, :3].T)[0]) < 0.03
+        assert 0.5 < float(row["score"]) <= 1.0 and float(row["time"]) > 0.0
+
+
+def test_what_is_wrong_is_told(folder, run, tmp_path):
+    root, _ = folder
+    assert "is no BOP data set" in run(tmp_path)[2]
+    scene = root / "test" / "000003"
+    (scene / "rgb" / "000001.png").unlink()
+    code, _, err = run(root)
+    assert code == 1 and "000001.png" in err and err.count("\n") == 1
+    (scene / "scene_gt.json").write_text(json.dumps([1]))
+    code, _, err = run(root)
+    assert code == 1 and "scene_gt.json" in err and "must be an object of JSON" in err

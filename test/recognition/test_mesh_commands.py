@@ -1,0 +1,439 @@
+"""Meshes in the database: mesh_add.py, mesh_view.py, pages, and the formats of others."""
+
+import base64
+import json
+import pathlib
+import re
+
+import cv2
+import numpy as np
+import pytest
+
+import robot_vision as rv
+from robot_vision.meshes import write_mesh
+from robot_vision.recognition import (
+    mesh_add,
+    mesh_view,
+    object_add,
+    object_export,
+    object_import,
+    object_list,
+)
+from robot_vision.recognition.database import Database, Object, Observation, Session, Symmetry
+from robot_vision.recognition.mesh_data import pack_mesh, unpack_mesh
+
+MATRIX = np.array([[525.0, 0, 319.5], [0, 525, 239.5], [0, 0, 1]])
+POSE = np.array([[0.0, -1, 0, 0.1], [1, 0, 0, -0.2], [0, 0, 1, 0.7], [0, 0, 0, 1]])
+
+
+@pytest.fixture
+def path(tmp_path, monkeypatch):
+    monkeypatch.setenv("ROS_HOME", str(tmp_path))
+    return str(tmp_path / "robot_vision_objects.db")
+
+
+@pytest.fixture
+def run(path, monkeypatch, capsys):
+    """run(module, "word", ...) runs a command: exit code, stdout and stderr."""
+
+    def command(module, *words):
+        monkeypatch.setattr("sys.argv", [module.PROGRAM, *map(str, words)])
+        try:
+            code = module.main()
+        except SystemExit as error:
+            code = error.code
+        return (code, *capsys.readouterr())
+
+    return command
+
+
+@pytest.fixture(scope="module")
+def box():
+    """A mesh with textures, and corners that are not in the middle."""
+    return rv.sample_mesh("box").mesh
+
+
+@pytest.fixture
+def box_file(box, tmp_path):
+    path = tmp_path / "box.obj"
+    write_mesh(str(path), box)
+    return path
+
+
+def add(run, name, *words):
+    assert run(object_add, "-n", name, "--commit")[0] == 0
+    if words:
+        code, out, err = run(mesh_add, name, *words, "--commit")
+        assert code == 0, err
+        return out
+    return ""
+
+
+def stored(path, name):
+    """The mesh of an object, as the database has it, and as it is drawn."""
+    with Database(path) as database:
+        mesh = database.meshes.of(database.objects.find(name).id)
+    return mesh, unpack_mesh(mesh.converted)
+
+
+def scaled(mesh, factor):
+    return rv.Mesh(mesh.vertices * np.float32(factor), mesh.triangles, mesh.normals)
+
+
+def same_shape(one, other, tolerance=1e-5):
+    """Whether two meshes have the same triangles, in whatever order their vertices are."""
+
+    def middles(mesh):
+        found = np.asarray(mesh.vertices, float)[mesh.triangles].mean(axis=1)
+        return found[np.lexsort(np.round(found, 4).T)]
+
+    first, second = middles(one), middles(other)
+    return first.shape == second.shape and np.abs(first - second).max() < tolerance
+
+
+def test_a_mesh_with_all_that_it_names(run, path, box, box_file):
+    told = add(run, "box", box_file, "--symmetry", "z:2, x:2")
+    size = np.asarray(rv.mesh_extent(box).size)
+    assert "is taken for m" in told and "symmetry: z:2\nsymmetry: x:2\n" in told
+    assert "it is {:.1f} x {:.1f} x {:.1f} mm".format(*(1000.0 * size)) in told
+    mesh, drawn = stored(path, "box")
+    assert mesh.file_name == "box.obj" and mesh.original == box_file.read_bytes()
+    beside = {one.name: one.read_bytes() for one in box_file.parent.glob("box*") if one != box_file}
+    assert dict(mesh.files) == beside and any(name.endswith(".png") for name in beside)
+    assert list(mesh.symmetries) == [Symmetry((0.0, 0.0, 1.0), 2), Symmetry((1.0, 0.0, 0.0), 2)]
+    assert same_shape(drawn, box) and len(drawn.textures) == len(box.textures)
+    for one, other in zip(drawn.textures, box.textures):
+        assert np.array_equal(one, other)
+
+
+def test_packed_meshes_are_the_same_bytes(box):
+    packed = pack_mesh(box)
+    again = unpack_mesh(packed)
+    assert pack_mesh(again) == packed
+    for name in ("vertices", "triangles", "normals", "texture_coordinates", "triangle_textures"):
+        assert np.array_equal(getattr(again, name), getattr(box, name)), name
+    assert again.color == box.color and all(map(np.array_equal, again.textures, box.textures))
+
+
+@pytest.mark.parametrize("spoil", [b"", b"hello", "half", "bit", "bomb"])
+def test_what_is_no_packed_mesh(box, spoil):
+    packed = pack_mesh(box)
+    if spoil == "half":
+        spoil = packed[: len(packed) // 2]
+    elif spoil == "bit":  # the first triangle has a vertex that is not there
+        at = packed.index(np.asarray(box.triangles, "<i4").tobytes())
+        spoil = packed[: at + 3] + b"\x7f" + packed[at + 4 :]
+    elif spoil == "bomb":
+        import io
+
+        file = io.BytesIO()
+        np.savez_compressed(file, vertices=np.zeros((10**6, 3), np.float32))
+        spoil = file.getvalue()
+    with pytest.raises(ValueError):
+        unpack_mesh(spoil)
+
+
+@pytest.mark.parametrize(
+    "factor, words, unit",
+    [
+        (1000.0, [], 0.001),
+        (100.0, ["--unit", "cm"], 0.01),
+        (1.0 / 0.0254, ["--unit", "inch"], 0.0254),
+        (500.0, ["--unit", "mm", "--scale", "2"], 0.001),
+    ],
+)
+def test_units(run, path, box, tmp_path, factor, words, unit):
+    write_mesh(str(tmp_path / "part.stl"), scaled(box, factor))
+    add(run, "part", tmp_path / "part.stl", *words)
+    mesh, drawn = stored(path, "part")
+    assert mesh.unit == unit and mesh.scale == (2.0 if "--scale" in words else 1.0)
+    assert same_shape(drawn, box)
+
+
+def test_the_origin_is_the_mesh_s_own_or_its_middle(run, path, box, tmp_path):
+    moved = rv.Mesh(box.vertices + np.float32([0.3, 0.0, -0.1]), box.triangles)
+    write_mesh(str(tmp_path / "part.stl"), moved)
+    add(run, "part", tmp_path / "part.stl")
+    mesh, drawn = stored(path, "part")
+    assert mesh.offset == (0.0, 0.0, 0.0) and same_shape(drawn, moved)
+    assert run(mesh_add, "part", tmp_path / "part.stl", "--center", "--commit")[0] == 0
+    mesh, drawn = stored(path, "part")
+    assert np.allclose(mesh.offset, rv.mesh_extent(moved).center, atol=1e-6)
+    assert np.allclose(rv.mesh_extent(drawn).center, 0.0, atol=1e-6)
+
+
+def test_without_commit_it_is_told_and_nothing_is_done(run, path, box_file):
+    add(run, "box")
+    code, out, _ = run(mesh_add, "box", box_file)
+    assert code == 0 and out.endswith(
+        "would give 'box' the mesh box.obj\n"
+        "Use the --commit option to commit the proposed change.\n"
+    )
+    with Database(path) as database:
+        assert database.meshes.entry(database.objects.find("box").id) is None
+
+
+def written(tmp_path, kind):
+    """A file that mesh_add.py cannot take."""
+    path = tmp_path / {"no format": "a.xyz", "truncated": "a.ply"}.get(kind, "a.stl")
+    if kind == "huge":
+        write_mesh(str(path), scaled(rv.sample_mesh("box").mesh, 1e3))
+    elif kind == "truncated":
+        write_mesh(str(path), rv.sample_mesh("box").mesh)
+        path.write_bytes(path.read_bytes()[:300])
+    elif kind != "none":
+        path.write_bytes({"empty": b"", "text": b"hello\n" * 99, "no format": b"x"}[kind])
+    return path
+
+
+@pytest.mark.parametrize("kind", ["none", "empty", "text", "no format", "truncated", "huge"])
+def test_files_that_cannot_be_taken(run, path, tmp_path, kind):
+    add(run, "thing")
+    file = written(tmp_path, kind)
+    words = ["--unit", "m"] if kind == "huge" else []
+    code, out, err = run(mesh_add, "thing", file, *words, "--commit")
+    assert (code, out, len(err.splitlines())) == (1, "", 1)
+    assert err.startswith(f"mesh_add.py: {file}")
+    with Database(path) as database:
+        assert database.meshes.entry(database.objects.find("thing").id) is None
+
+
+@pytest.mark.parametrize(
+    "words, said",
+    [
+        (
+            ["--symmetry", "w"],
+            "a symmetry is 'w', must be x, y or z, for any turn about it, or x:N",
+        ),
+        (["--symmetry", "z:1"], "fold is 1, must be 0 (any turn), or from 2 to 120"),
+        (["--symmetry", "z:"], "a symmetry is 'z:'"),
+        (["--unit", "furlong"], "invalid choice: 'furlong'"),
+        (["--scale", "0"], "0 must be from 1e-06 to 1e+06"),
+    ],
+)
+def test_usage_errors(run, box_file, words, said):
+    code, _, err = run(mesh_add, "box", box_file, *words, "--commit")
+    assert code == 2 and said in err
+
+
+def test_an_object_that_is_not_there(run, path, box_file):
+    add(run, "box")
+    said = f"mesh_add.py: there is no object 'bix' in {path}\n"
+    assert run(mesh_add, "bix", box_file, "--commit") == (1, "", said)
+
+
+def test_a_table_and_a_page(run, path, box_file, tmp_path):
+    add(run, "box", box_file, "--symmetry", "z:2")
+    add(run, "<b>bare</b>")
+    code, out, _ = run(object_list)
+    head, bare, row = out.splitlines()
+    assert code == 0 and head.split()[:3] == ["id", "name", "mesh"]
+    assert re.search(r"<b>bare</b>  -  +-  +-  +-  +-$", bare)
+    assert re.search(r"box  +box\.obj  \d+ x \d+ x \d+  +z:2  +-  +-$", row)
+    page = tmp_path / "new" / "page.html"
+    assert run(object_list, "--html", page)[0] == 0
+    text = page.read_text()
+    assert "<b>bare" not in text and "&lt;b&gt;bare" in text and "<code>" in text
+    (image,) = re.findall('src="data:image/jpeg;base64,([^"]*)"', text)
+    pixels = cv2.imdecode(np.frombuffer(base64.b64decode(image), np.uint8), cv2.IMREAD_COLOR)
+    assert pixels.shape[1] > 400 and pixels.std() > 10
+    code, _, err = run(object_list, "--html", page)
+    assert code == 1 and f"{page} is there already; --force replaces it" in err
+
+
+def test_a_sheet_of_views(run, path, box, box_file, tmp_path):
+    add(run, "box", box_file)
+    add(run, "bare")
+    for source in ("box", box_file):
+        output = tmp_path / f"{pathlib.Path(str(source)).name}.png"
+        assert run(mesh_view, source, "--output", output, "--side", 100)[0] == 0
+        expected = rv.meshes.mesh_sheet(box, side=100)
+        difference = cv2.absdiff(cv2.imread(str(output)), expected)
+        assert difference.mean() < 1.0
+    code, _, err = run(mesh_view, "bare", "--output", tmp_path / "bare.png")
+    assert (code, err) == (1, "mesh_view.py: 'bare' has no mesh: mesh_add.py adds it\n")
+
+
+def observe(path, name, depth):
+    with Database(path, write=True) as database, database.transaction():
+        one = database.objects.find(name)
+        session = database.observations.add_session(Session(one.id, "turn"))
+        images = [
+            cv2.imencode(".png", image)[1].tobytes()
+            for image in (np.full((4, 6, 3), 7, np.uint8), depth, np.full((4, 6), 255, np.uint8))
+        ]
+        database.observations.add(Observation(session.id, 5, *images, MATRIX, POSE))
+
+
+def test_a_data_set_of_bop_and_back(run, path, box, box_file, tmp_path):
+    add(run, "box", box_file, "--symmetry", "z:4,x")
+    add(run, "bare")
+    depth = np.arange(24, dtype=np.uint16).reshape(4, 6) * 100
+    observe(path, "box", depth)
+    folder = tmp_path / "bop"
+    code, _, err = run(object_export, folder, "--bop")
+    assert code == 0 and err.endswith(" bare\n") and "left out, as it has no mesh: " in err
+    info = json.loads((folder / "models" / "models_info.json").read_text())["1"]
+    extent = rv.mesh_extent(box)
+    assert info["diameter"] == pytest.approx(1000.0 * extent.diameter, rel=1e-5)
+    assert [info[f"size_{axis}"] for axis in "xyz"] == pytest.approx(
+        [1000.0 * side for side in extent.size], rel=1e-5
+    )
+    assert len(info["symmetries_discrete"]) == 3 and len(info["symmetries_continuous"]) == 1
+    for turn in info["symmetries_discrete"]:  # each takes the middle to itself
+        middle = [*(1000.0 * value for value in extent.center), 1.0]
+        assert np.allclose(np.reshape(turn, (4, 4)) @ middle, middle, atol=1e-3)
+    scene = folder / "train_real" / "000001"
+    (truth,) = json.loads((scene / "scene_gt.json").read_text())["0"]
+    assert truth["cam_t_m2c"] == pytest.approx([100.0, -200.0, 700.0]) and truth["obj_id"] == 1
+    loaded = rv.read_mesh(str(folder / "models" / "obj_000001.ply"), "mm").mesh
+    assert same_shape(loaded, box) and tuple(loaded.color) == tuple(box.textures[0][0, 0])
+
+    other = ["--database", tmp_path / "other.db", "--commit"]
+    code, out, err = run(object_import, folder, "--split", "train_real", *other)
+    assert (code, err) == (0, "") and out.endswith("1 object added\n")
+    with Database(str(tmp_path / "other.db")) as database, Database(path) as before:
+        (one,) = database.objects.all()
+        assert one.id == before.objects.find("box").id and one.name == "box"
+        mesh = database.meshes.of(one.id)
+        axes = {(tuple(np.round(known.axis, 6)), known.fold) for known in mesh.symmetries}
+        assert axes == {((0.0, 0.0, 1.0), 4), ((0.0, 0.0, 1.0), 2), ((1.0, 0.0, 0.0), 0)}
+        (session,) = database.observations.sessions(one.id)
+        (seen,) = database.observations.of(session.id)
+    assert session.source == "train_real/000001"
+    assert np.allclose(seen.pose, POSE) and np.allclose(seen.matrix, MATRIX)
+    pixels = cv2.imdecode(np.frombuffer(seen.depth, np.uint8), cv2.IMREAD_UNCHANGED)
+    assert np.array_equal(pixels, depth)
+    code, out, _ = run(object_import, folder, *other)
+    assert code == 0 and "is there already, and stays as it is" in out
+    assert out.endswith("0 objects added\n")
+
+
+def test_a_data_set_of_others(run, path, box, tmp_path):
+    """Depths in tenths of mm, an axis that passes the middle, and no names."""
+    folder = tmp_path / "lm"
+    (folder / "models").mkdir(parents=True)
+    write_mesh(str(folder / "models" / "obj_000005.ply"), scaled(box, 1000.0))
+    far = {"symmetries_continuous": [{"axis": [0, 0, 1], "offset": [500, 0, 0]}]}
+    (folder / "models" / "models_info.json").write_text(json.dumps({"5": far}))
+    scene = folder / "test" / "000002"
+    for kind in ("rgb", "depth", "mask_visib"):
+        (scene / kind).mkdir(parents=True)
+    cv2.imwrite(str(scene / "rgb" / "000003.jpg"), np.zeros((4, 6, 3), np.uint8))
+    cv2.imwrite(str(scene / "depth" / "000003.png"), np.full((4, 6), 7000, np.uint16))
+    cv2.imwrite(str(scene / "mask_visib" / "000003_000001.png"), np.zeros((4, 6), np.uint8))
+    pose = {"cam_R_m2c": np.eye(3).ravel().tolist(), "cam_t_m2c": [0.0, 0.0, 700.0]}
+    truth = [{**pose, "obj_id": 9}, {**pose, "obj_id": 5}]
+    (scene / "scene_gt.json").write_text(json.dumps({"3": truth}))
+    camera = {"cam_K": MATRIX.ravel().tolist(), "depth_scale": 0.1}
+    (scene / "scene_camera.json").write_text(json.dumps({"3": camera}))
+    code, out, err = run(object_import, folder, "--split", "test", "--commit")
+    assert (code, err) == (0, "") and "added: 'obj_000005'" in out
+    assert "object 5 has no symmetries here: an axis of symmetry is 500.0 mm from the mid" in out
+    with Database(path) as database:
+        one = database.objects.find("obj_000005")
+        (session,) = database.observations.sessions(one.id)
+        (seen,) = database.observations.of(session.id)
+    depth = cv2.imdecode(np.frombuffer(seen.depth, np.uint8), cv2.IMREAD_UNCHANGED)
+    assert seen.frame_number == 3 and (depth == 700).all()
+    (scene / "scene_camera.json").write_text("{}")
+    words = [folder, "--split", "test", "--database", tmp_path / "x.db", "--commit"]
+    code, _, err = run(object_import, *words)
+    assert code == 1 and "frame 3: scene_camera.json has no camera of it" in err
+    with Database(str(tmp_path / "x.db")) as database:
+        assert database.objects.all() == []
+
+
+def couch(box_file, **changes):
+    """What _all_docs of a CouchDB of object_recognition_core gives."""
+    data = base64.b64encode(box_file.read_bytes()).decode()
+    thing = {
+        "_id": "4680aac58c1d263b9449d57bd2000f27",
+        "Type": "Object",
+        "object_name": "coke ",
+        "description": "A universal can of coke",
+        "tags": ["can"],
+        "author_name": "Ada",
+        "author_email": "",
+        "added": "2014-05-01T10:00:00Z",
+    }
+    model = {
+        "_id": "f" * 32,
+        "Type": "Model",
+        "method": "mesh",
+        "object_id": thing["_id"],
+        "_attachments": {
+            "mesh.stl": {"data": "AAAA"},
+            "original.obj": {"data": data},
+        },
+    }
+    learned = {"_id": "e" * 32, "Type": "Model", "method": "LINEMOD", "object_id": thing["_id"]}
+    documents = [{"_id": "_design/objects"}, {**thing, **changes}, model, learned]
+    return {"total_rows": 4, "rows": [{"id": one["_id"], "doc": one} for one in documents]}
+
+
+def test_the_documents_of_a_couchdb(run, path, box, box_file, tmp_path):
+    file = tmp_path / "couch.json"
+    file.write_text(json.dumps(couch(box_file)))
+    code, out, err = run(object_import, file, "--commit")
+    assert (code, err) == (0, "") and out.endswith("1 object added\n")
+    with Database(path) as database:
+        one = database.objects.find("4680")
+        assert one == Object(
+            "coke",
+            "A universal can of coke",
+            ["can"],
+            "Ada",
+            "",
+            "4680aac58c1d263b9449d57bd2000f27",
+            "2014-05-01T10:00:00Z",
+        )
+    mesh, drawn = stored(path, "coke")
+    assert mesh.file_name == "original.obj" and same_shape(drawn, box)
+
+
+@pytest.mark.parametrize(
+    "spoil, said",
+    [
+        (lambda values: values.pop("rows"), "rows is None, must be a list, as _all_docs"),
+        (lambda values: [row.pop("doc") for row in values["rows"]], "is include_docs=true missing"),
+        (
+            lambda values: values["rows"][2]["doc"]["_attachments"]["original.obj"].pop("data"),
+            "a mesh has no data: is attachments=true missing?",
+        ),
+        (
+            lambda values: values["rows"][2]["doc"]["_attachments"]["original.obj"].update(
+                data="?"
+            ),
+            "the data of a mesh cannot be read: ",
+        ),
+        (lambda values: values["rows"][1]["doc"].update(_id="x"), "its id must have 32 hexadecim"),
+    ],
+)
+def test_documents_with_something_wrong(run, path, box_file, tmp_path, spoil, said):
+    values = couch(box_file)
+    spoil(values)
+    file = tmp_path / "couch.json"
+    file.write_text(json.dumps(values))
+    code, _, err = run(object_import, file, "--commit")
+    assert code == 1 and said in err and len(err.splitlines()) == 1
+    with Database(path) as database:
+        assert database.objects.all() == []
+
+
+def test_a_folder_is_tried_before_it_is_imported(run, path, box_file, tmp_path):
+    add(run, "box", box_file)
+    folder = tmp_path / "folder"
+    assert run(object_export, folder)[0] == 0
+    other = ["--database", tmp_path / "other.db"]
+    code, _, err = run(object_import, folder, *other)
+    assert code == 1 and "yet: --commit makes it" in err
+    assert run(object_add, "-n", "first", "--commit", *other)[0] == 0
+    code, out, _ = run(object_import, folder, *other)
+    assert code == 0 and "would add 1 object\n" in out
+    with Database(str(tmp_path / "other.db")) as database:
+        assert [one.name for one in database.objects.all()] == ["first"]
+    assert run(object_import, folder, *other, "--commit")[0] == 0
+    with Database(str(tmp_path / "other.db")) as database, Database(path) as before:
+        one = database.objects.find("box")
+        assert database.meshes.of(one.id) == before.meshes.of(one.id)

@@ -1,0 +1,350 @@
+"""object_capture.py on a synthetic turntable: views, masks, poses, a mesh, and what is learned."""
+
+import pathlib
+
+import cv2
+import numpy as np
+import pytest
+import rosbag
+import rospy
+import turntable
+from frames import message
+from sensor_msgs.msg import CameraInfo
+from textured_boxes import box, pose_error
+
+from robot_vision import CameraModel, TextureMatcher, TextureModel
+from robot_vision.meshes import Mesh, mesh_extent
+from robot_vision.recognition import object_capture, training
+from robot_vision.recognition.capture_plate import plate_of, read_plate_bundle
+from robot_vision.recognition.database import Database, Object
+from robot_vision.recognition.known_objects import load_objects
+from robot_vision.recognition.mesh_data import unpack_mesh
+from robot_vision.recognition.observed_views import seen_by
+from robot_vision.recognition.recognizer import RecognitionParams, Recognizer
+
+VIEWS = 14
+SIZE = np.array([0.10, 0.08, 0.12])  # m, of the object
+
+
+def standing_box():
+    made = box(SIZE, 3)
+    return Mesh(
+        made.vertices + np.float32([0.0, 0.0, SIZE[2] / 2.0]),
+        made.triangles,
+        texture_coordinates=made.texture_coordinates,
+        textures=made.textures,
+        triangle_textures=made.triangle_textures,
+    )
+
+
+@pytest.fixture(scope="module")
+def table():
+    return turntable.Turntable(standing_box())
+
+
+@pytest.fixture(scope="module")
+def frames(table):
+    return table.turn(VIEWS)
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory, frames):
+    return turntable.write_frames(tmp_path_factory.mktemp("turn") / "frames", frames)
+
+
+@pytest.fixture(scope="module")
+def plate(tmp_path_factory):
+    return turntable.write_bundle(tmp_path_factory.mktemp("plate") / "plate.yaml")
+
+
+@pytest.fixture
+def path(tmp_path):
+    path = str(tmp_path / "objects.db")
+    with Database(path, write=True) as database, database.transaction():
+        database.objects.add(Object("thing"))
+    return path
+
+
+@pytest.fixture
+def run(path, monkeypatch, capsys):
+    """run(program, "word", ...) runs a command: exit code, stdout and stderr."""
+
+    def command(program, *words):
+        monkeypatch.setattr("sys.argv", ["program", "--database", path, *map(str, words)])
+        try:
+            code = program.main()
+        except SystemExit as error:
+            code = error.code
+        return (code, *capsys.readouterr())
+
+    return command
+
+
+def observations_in(path):
+    with Database(path) as database:
+        one = database.objects.find("thing")
+        sessions = database.observations.sessions(one.id)
+        return [seen for session in sessions for seen in database.observations.of(session.id)]
+
+
+def mesh_in(path):
+    with Database(path) as database:
+        stored = database.meshes.of(database.objects.find("thing").id)
+        return stored and unpack_mesh(stored.converted)
+
+
+def in_frame(pose):
+    """A plate's pose as that of the frame that observations are in."""
+    return pose @ turntable.plate_frame()
+
+
+@pytest.fixture(scope="module")
+def captured(tmp_path_factory, folder, plate):
+    """A database with the views of a whole turn, and a mesh of them."""
+    path = str(tmp_path_factory.mktemp("captured") / "objects.db")
+    with Database(path, write=True) as database, database.transaction():
+        database.objects.add(Object("thing"))
+    words = ["--database", path, "thing", plate, "--folder", folder, "--views", str(VIEWS)]
+    object_capture.capture(object_capture.parse_arguments([*words, "--commit"]))
+    return path
+
+
+def test_views_have_poses_masks_and_depths_of_the_truth(captured, frames):
+    seen = observations_in(captured)
+    assert len(seen) == VIEWS
+    for observation, frame in zip(seen, frames):
+        view = seen_by(observation)
+        shift, turn = pose_error(view.pose, in_frame(frame.pose))
+        assert shift < 1.5 and turn < 0.3
+        overlap, pixels = turntable.overlap(view.mask, frame.mask)
+        assert overlap > 0.9 and pixels > 5000  # its lowest 5 mm are not told from the plate
+        assert np.array_equal(view.image, frame.image)
+        assert np.array_equal(view.depth, frame.depth)
+        assert np.allclose(view.camera.K, turntable.CAMERA.K)
+        assert np.allclose(view.camera.D, turntable.LENS)
+
+
+def test_a_mesh_is_made_of_them(captured):
+    mesh = mesh_in(captured)
+    extent = mesh_extent(mesh)
+    # The truth is turned about z, as the frame of observations has the first tag's x axis.
+    vertices = mesh.vertices @ turntable.plate_frame()[:3, :3].T - [0.0, 0.0, SIZE[2] / 2.0]
+    away = np.abs(vertices) - SIZE / 2.0
+    outside = np.linalg.norm(np.maximum(away, 0.0), axis=1)
+    distance = outside + np.abs(np.minimum(away.max(axis=1), 0.0))
+    assert np.median(distance) < 0.0012 and np.quantile(distance, 0.99) < 0.006
+    assert abs(np.asarray(extent.size)[2] - SIZE[2]) < 0.004
+    assert_closed(mesh)
+    colors = mesh.colors.astype(float)
+    assert colors.std(axis=0).min() > 15.0  # It has labels, and not one color.
+
+
+def assert_closed(mesh):
+    """Each edge is there once in each direction, as often as the other."""
+    edges = np.concatenate([mesh.triangles[:, [i, (i + 1) % 3]] for i in range(3)])
+    there, counts = np.unique(edges, axis=0, return_counts=True)
+    back, back_counts = np.unique(edges[:, ::-1], axis=0, return_counts=True)
+    assert np.array_equal(there, back) and np.array_equal(counts, back_counts)
+
+
+def ork_file(tmp_path):
+    file = tmp_path / "training.ork"
+    file.write_text("pipeline1: {type: TodTrainer, object_ids: all}")
+    return file
+
+
+def test_its_texture_is_learned_and_found(captured, table, tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr(
+        "sys.argv", ["training", "--database", captured, "-c", str(ork_file(tmp_path))]
+    )
+    assert training.main() == 0
+    assert f"thing: TOD: {VIEWS} views learned" in capsys.readouterr().out
+    assert training.main() == 0
+    assert "nothing has changed" in capsys.readouterr().out
+    with Database(captured) as database:
+        data = database.models.of(database.objects.find("thing").id, "TOD").data
+    matcher = TextureMatcher()
+    matcher.add(TextureModel.from_bytes(data))
+    for with_depth, limits in ((False, (12.0, 3.0)), (True, (6.0, 3.0))):
+        frame = table.frame(1.1, elevation=0.55, distance=0.6)
+        depth = frame.depth if with_depth else None
+        found = matcher.match(frame.image, depth, turntable.CAMERA)
+        shift, turn = pose_error(found[0].pose, in_frame(frame.pose))
+        assert found[0].probability > 0.9 and shift < limits[0] and turn < limits[1]
+
+
+def test_the_recognizer_verifies_it_by_the_mesh(captured, table, tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr(
+        "sys.argv", ["training", "--database", captured, "-c", str(ork_file(tmp_path))]
+    )
+    assert training.main() == 0
+    loaded = load_objects(captured, [], ["TOD"])
+    assert loaded.problem == "" and loaded.lacks == [] and not loaded.objects[0].is_box
+    assert_recognized(loaded, table)
+
+
+def assert_recognized(loaded, table):
+    recognizer = Recognizer(loaded.objects, RecognitionParams.defaults())
+    frame = table.frame(2.6, elevation=0.6, distance=0.6)
+    camera, image, depth = straight(frame)
+    found, told = recognizer.recognize(image, depth, camera)
+    assert [one.object.name for one in found] == ["thing"], told
+    shift, turn = pose_error(found[0].pose, in_frame(frame.pose))
+    assert shift < 8.0 and turn < 3.0
+    assert told["thing"].startswith("found 1, probability ")
+
+
+def straight(frame):
+    """A frame as a camera without distortion would see it."""
+    known = turntable.CAMERA
+    camera = CameraModel(known.width, known.height, known.K)
+    size = known.width, known.height
+    matrix = np.asarray(known.K)
+    lens = np.array(turntable.LENS)
+    maps = cv2.initUndistortRectifyMap(matrix, lens, None, matrix, size, cv2.CV_32FC1)
+    image = cv2.remap(frame.image, *maps, cv2.INTER_LINEAR)
+    return camera, image, cv2.remap(frame.depth, *maps, cv2.INTER_NEAREST)
+
+
+def test_without_a_mesh_it_is_judged_by_its_texture(run, path, folder, plate, table, tmp_path):
+    words = ("thing", plate, "--folder", folder, "--views", VIEWS, "--commit", "--no-mesh")
+    assert run(object_capture, *words)[0] == 0
+    assert mesh_in(path) is None
+    code, _, err = run(training, "-c", ork_file(tmp_path))
+    assert (code, err) == (0, "")
+    loaded = load_objects(path, [], ["TOD"])
+    assert loaded.problem == "" and loaded.objects[0].is_box
+    assert_recognized(loaded, table)
+
+
+def test_a_trial_stores_nothing(run, path, folder, plate):
+    code, out, err = run(object_capture, "thing", plate, "--folder", folder, "--views", 4)
+    assert (code, err) == (0, "")
+    assert "4 of 4 views, would be stored" in out and "--commit" in out
+    assert observations_in(path) == [] and mesh_in(path) is None
+
+
+def test_what_is_there_is_only_replaced_or_added_to_if_that_is_said(run, path, folder, plate):
+    words = ("thing", plate, "--folder", folder, "--views", 4, "--commit", "--no-mesh")
+    assert run(object_capture, *words)[0] == 0
+    first = {one.session_id for one in observations_in(path)}
+    code, _, err = run(object_capture, *words)
+    assert code == 1 and "has 4 observations already: --replace replaces them, --add" in err
+    assert run(object_capture, *words, "--add")[0] == 0
+    assert len(observations_in(path)) == 8
+    assert run(object_capture, *words, "--replace")[0] == 0
+    assert len(observations_in(path)) == 4
+    assert not first.intersection(one.session_id for one in observations_in(path))
+
+
+def test_after_ctrl_c_what_was_taken_is_there(run, path, folder, plate, monkeypatch):
+    def interrupted(arguments):
+        for number, shot in enumerate(object_capture.shots_from_folder(arguments.folder)):
+            if number == 5:
+                raise KeyboardInterrupt
+            yield shot
+
+    monkeypatch.setattr(object_capture, "_shots", interrupted)
+    words = ("thing", plate, "--folder", folder, "--views", VIEWS, "--commit")
+    code, out, _ = run(object_capture, *words)
+    assert code == 130 and f"interrupted; 5 of {VIEWS} views, missing at" in out
+    assert len(observations_in(path)) == 5
+    assert all(seen_by(one).mask.any() for one in observations_in(path))
+
+
+def test_a_bag_gives_the_same_views(run, path, plate, frames, tmp_path):
+    bag_path = str(tmp_path / "turn.bag")
+    with rosbag.Bag(bag_path, "w") as bag:
+        for number, frame in enumerate(frames[:3]):
+            stamp = rospy.Time(10 + number)
+            for topic, pixels, encoding in (
+                ("/eye/image_raw", frame.image, "bgr8"),
+                ("/eye/depth", frame.depth, "16UC1"),
+            ):
+                image = message(pixels, encoding)
+                image.header.stamp = stamp
+                bag.write(topic, image, stamp)
+            bag.write("/eye/camera_info", info_of(turntable.CAMERA), stamp)
+    topics = ("--image", "/eye/image_raw", "--depth", "/eye/depth")
+    words = ("thing", plate, "--bag", bag_path, *topics, "--views", VIEWS)
+    code, out, err = run(object_capture, *words, "--commit", "--no-mesh")
+    assert (code, err) == (0, "") and f"3 of {VIEWS} views, missing at" in out
+    seen = observations_in(path)
+    assert [one.frame_number for one in seen] == [1, 2, 3]
+    assert np.array_equal(seen_by(seen[1]).image, frames[1].image)
+    wrong = ("--image", "/eye/image_raw", "--depth", "/eye/deep")
+    code, _, err = run(object_capture, "thing", plate, "--bag", bag_path, *wrong, "--add")
+    assert code == 1 and "has no images on '/eye/deep', but on /eye/depth, /eye/image_raw" in err
+
+
+def info_of(camera):
+    return CameraInfo(
+        width=camera.width,
+        height=camera.height,
+        K=np.ravel(camera.K).tolist(),
+        D=list(camera.D),
+        distortion_model="plumb_bob",
+    )
+
+
+def test_what_is_missing_is_told(run, path, folder, plate, frames, tmp_path):
+    folders = {
+        "tags": (np.full_like(frames[0].image, 120), frames[0].depth),
+        "nothing": (frames[0].image, np.full_like(frames[0].depth, 0)),
+    }
+    for name, problem in (
+        ("tags", "no tag of the plate is seen"),
+        ("nothing", "there is nothing on the plate, or it has no depth"),
+    ):
+        image, depth = folders[name]
+        bad = [frames[0]._replace(image=image, depth=depth)] * 2
+        where = turntable.write_frames(tmp_path / name, bad)
+        code, _, err = run(object_capture, "thing", plate, "--folder", where, "--commit")
+        assert code == 1
+        assert (
+            f"no view of the object in 2 frames; 2 frames were not used, most (2): {problem}" in err
+        )
+    assert observations_in(path) == []
+
+
+@pytest.mark.parametrize(
+    "words, code, message",
+    [
+        (("thing", "{plate}", "--image", "/image"), 2, "only depths tell what of an image"),
+        (("thing", "{plate}"), 2, "the images are missing: --image and --depth, or --folder"),
+        (("cup", "{plate}", "--folder", "{folder}"), 1, "cup"),
+        (("thing", "nowhere.yaml", "--folder", "{folder}"), 1, "nowhere.yaml"),
+        (("thing", "{plate}", "--folder", "/nowhere"), 1, "/nowhere"),
+        (("thing", "{plate}", "--folder", "{folder}", "--bundle-name", "x"), 1, "none of the name"),
+        (("thing", "{plate}", "--folder", "{folder}", "--family", "x"), 2, "argument --family"),
+        (("thing", "{plate}", "--folder", "{folder}", "--views", "2"), 2, "from 4 to 360"),
+        (("thing", "{plate}", "--folder", "{folder}", "--floor", "0.6"), 2, "below --height"),
+    ],
+)
+def test_wrong_arguments_say_what_is_wrong(run, plate, folder, words, code, message):
+    given = [word.format(plate=plate, folder=folder) for word in words]
+    result, _, err = run(object_capture, *given)
+    assert result == code and message in err and "Traceback" not in err
+
+
+def test_a_plate_is_where_its_tags_are(plate):
+    found = plate_of(read_plate_bundle(plate, "", "tag36h11"))
+    poses = turntable.tag_poses()
+    truth = np.linalg.inv(poses[turntable.FIRST]) @ turntable.plate_frame()
+    assert np.allclose(found.frame, truth, atol=1e-5)
+    corner = turntable.RING - turntable.TAG * np.sqrt(0.5)
+    assert corner < found.radius < turntable.RING - turntable.TAG / 2.0 + 1e-6
+    other = plate_of(read_plate_bundle(plate, "plate", ""), truth[:2, 3] + [0.01, 0.0], 0.05)
+    assert np.allclose(other.frame[:3, 3], truth[:3, 3] + [0.01, 0.0, 0.0], atol=1e-5)
+    assert other.radius == 0.05
+
+
+def test_tags_on_no_plane_are_no_plate(plate, tmp_path):
+    lines = pathlib.Path(plate).read_text().splitlines()
+    lines[-1] = lines[-1].replace("z: ", "z: 0.03, shift_noise: 0.001} # ")
+    bad = tmp_path / "bent.yaml"
+    bad.write_text("\n".join(lines))
+    with pytest.raises(
+        ValueError, match="from the plane of all of them, must be on the upper side"
+    ):
+        plate_of(read_plate_bundle(str(bad), "", "tag36h11"))

@@ -1,0 +1,123 @@
+#include "robot_vision/recognition/object_recognizer.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "support/object_scenes.hpp"
+#include "support/refusal.hpp"
+
+using namespace robot_vision;
+
+namespace
+{
+
+const CameraModel kCamera = objectCamera(320, 240);
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+
+/// Two blocks of different shapes, and a rod, on a table.
+struct Kitchen
+{
+  Mesh block = lBlock(), box = boxMesh({0.1F, 0.06F, 0.05F}, {60, 180, 60}),
+       rod = cylinderMesh(0.02F, 0.12F, 32, {200, 90, 40});
+  cv::Affine3d block_pose{cv::Matx33d(0.8, 0.6, 0, 0.36, -0.48, -0.8, -0.48, 0.64, -0.6).t(), {-0.12, -0.01, 0.72}};
+  cv::Affine3d box_pose{cv::Affine3d(cv::Vec3d(0.9, 0.3, 0.2)).rotation(), {0.06, 0.02, 0.75}};
+  cv::Affine3d rod_pose{cv::Affine3d(cv::Vec3d(1.2, 0.2, 0.1)).rotation(), {0.17, 0.0, 0.8}};
+  cv::Mat bgr, depth;
+  RecognitionFrame frame{kCamera};
+
+  Kitchen()
+  {
+    ObjectScene scene(kCamera);
+    scene.addTable({0.0, 0.08, 0.8}, {0.0, -0.8, -0.6});
+    scene.add(block, block_pose);
+    scene.add(box, box_pose);
+    scene.add(rod, rod_pose);
+    scene.draw(DepthSensor::kKinect, 0, bgr, depth);
+    frame.set(bgr, depth);
+  }
+};
+
+const Kitchen& kitchen()
+{
+  static const Kitchen one;
+  return one;
+}
+
+/// Candidates near a pose, some of them hopeless.
+std::vector<PoseCandidate> candidatesNear(int model, const cv::Affine3d& pose, const cv::Vec3d& center, int count,
+                                          cv::RNG& random)
+{
+  std::vector<PoseCandidate> candidates;
+  for (int i = 0; i < count; ++i)
+  {
+    PoseCandidate candidate;
+    candidate.model = model;
+    candidate.pose = disturbed(pose, center, 0.005 * (1 + i), 0.06 * (1 + i), random);
+    candidate.score = 0.9 - 0.05 * i;
+    candidates.push_back(candidate);
+  }
+  return candidates;
+}
+
+struct Models
+{
+  std::shared_ptr<const ObjectShape> block = std::make_shared<ObjectShape>(kitchen().block),
+                                     box = std::make_shared<ObjectShape>(kitchen().box),
+                                     rod = std::make_shared<ObjectShape>(kitchen().rod);
+};
+
+const Models& models()
+{
+  static const Models all;
+  return all;
+}
+
+}  // namespace
+
+TEST(ObjectRecognizer, findsEachObjectOnceWhereItIs)
+{
+  ObjectRecognizer recognizer;
+  EXPECT_EQ(recognizer.add(models().block), 0);
+  EXPECT_EQ(recognizer.add(models().box), 1);
+  EXPECT_EQ(recognizer.add(models().rod), 2);
+  cv::RNG random(3);
+  std::vector<PoseCandidate> candidates;
+  const cv::Affine3d poses[] = {kitchen().block_pose, kitchen().box_pose, kitchen().rod_pose};
+  const std::shared_ptr<const ObjectShape> shapes[] = {models().block, models().box, models().rod};
+  for (int model = 0; model < 3; ++model)
+    for (int place = 0; place < 3; ++place)  // each model is looked for where the others are, too
+    {
+      const cv::Vec3d center = shapes[model]->extent().center;
+      const cv::Affine3d pose(poses[place].rotation(),
+                              poses[place] * shapes[place]->extent().center - poses[place].rotation() * center);
+      const auto more = candidatesNear(model, pose, center, 4, random);
+      candidates.insert(candidates.end(), more.begin(), more.end());
+    }
+  const Recognition found = recognizer.recognize(kitchen().frame, candidates);
+  ASSERT_EQ(found.objects.size(), 3u);
+  std::vector<int> seen(3, 0);
+  for (const RecognizedObject& object : found.objects)
+  {
+    ++seen[static_cast<std::size_t>(object.model)];
+    const cv::Vec3d center = shapes[object.model]->extent().center;
+    EXPECT_LT(distanceBetween(object.pose, poses[object.model], center), 1.5) << object.model;
+    EXPECT_GT(object.probability, 0.9) << object.model;
+    EXPECT_LT(object.occlusion, 0.1) << object.model;
+    EXPECT_EQ(object.free_axes.size(), object.model == 2 ? 1u : 0u);
+    if (object.model < 2)
+    {
+      EXPECT_LT(angleBetween(object.pose, poses[object.model]), 1.5);
+    }
+    const cv::Point2d middle = kCamera.project(cv::Point3d(poses[object.model] * center));
+    EXPECT_TRUE(object.box.contains(cv::Point(middle))) << object.model;
+  }
+  EXPECT_EQ(seen, (std::vector<int>{1, 1, 1}));
+  for (const ModelReport& report : found.reports)
+  {
+    EXPECT_EQ(report.candidates, 12);
+    EXPECT_EQ(report.found, 1);
+    EXPECT_EQ(reasonText(report), "found");
+  }
+}

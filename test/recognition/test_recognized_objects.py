@@ -1,0 +1,166 @@
+"""Refining, verifying and recognizing objects from Python, on NumPy arrays."""
+
+import numpy as np
+import pytest
+
+import robot_vision as rv
+
+SIZE = (320, 240)
+K = np.array([[525.0, 0.0, 159.5], [0.0, 525.0, 119.5], [0.0, 0.0, 1.0]])
+
+
+def camera_of(distortion=()):
+    return rv.CameraModel(*SIZE, K, list(distortion))
+
+
+def pose_of(turn, place, center=(0.0, 0.0, 0.0)):
+    """A pose by a rotation vector, and the place of a point of the object."""
+    angle = np.linalg.norm(turn)
+    x, y, z = np.asarray(turn) / max(angle, 1e-12)
+    cross = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
+    pose = np.eye(4)
+    pose[:3, :3] += np.sin(angle) * cross + (1.0 - np.cos(angle)) * cross @ cross
+    pose[:3, 3] = np.asarray(place) - pose[:3, :3] @ np.asarray(center)
+    return pose
+
+
+@pytest.fixture(scope="module")
+def bracket():
+    return rv.sample_mesh("bracket")
+
+
+@pytest.fixture(scope="module")
+def scene(bracket):
+    """The bracket before a wall: its pose, the image and the depths of a Kinect."""
+    truth = pose_of((2.0, 0.4, 0.2), (0.01, -0.01, 0.7), rv.mesh_extent(bracket.mesh).center)
+    size = 2.0
+    corners = [(x * size, y * size, 0.9) for y in (-1, 1) for x in (-1, 1)]
+    wall = rv.Mesh(corners, [(0, 1, 2), (1, 3, 2)], color=(120, 150, 160))
+    renderers = [rv.MeshRenderer(wall), rv.MeshRenderer(bracket.mesh)]
+    view = rv.render_meshes(renderers, [np.eye(4), truth], K, (0, 0, *SIZE), bgr=True)
+    depth = rv.DepthNoise("kinect", camera_of()).apply(0, view.depth)
+    return truth, view.bgr, depth
+
+
+@pytest.fixture(scope="module")
+def shape(bracket):
+    return rv.ObjectShape(bracket.mesh, bracket.symmetries)
+
+
+@pytest.fixture(scope="module")
+def frame(scene):
+    made = rv.RecognitionFrame(camera_of())
+    made.set(*scene[1:])
+    return made
+
+
+def test_a_pose_is_refined(scene, shape, frame):
+    truth = scene[0]
+    first = truth.copy()
+    first[:3, 3] += (0.004, -0.003, 0.006)
+    refined = rv.PoseRefiner().refine(frame, shape, first)
+    assert np.linalg.norm(refined.pose[:3, 3] - truth[:3, 3]) < 0.002
+    assert refined.covariance.shape == (6, 6)
+    assert np.allclose(refined.covariance, refined.covariance.T)
+    assert (np.linalg.eigvalsh(refined.covariance) > 0.0).all()
+    assert refined.score > refined.first_score
+    assert refined.free_axes == []
+
+
+def test_an_axis_that_is_known_is_free(bracket, frame, scene):
+    free = rv.ObjectShape(bracket.mesh, [((0.0, 0.0, 2.0), 0)])
+    ((point, direction),) = rv.PoseRefiner().refine(frame, free, scene[0]).free_axes
+    assert direction == (0.0, 0.0, 1.0) or direction == [0.0, 0.0, 1.0]
+    assert np.allclose(point, rv.mesh_extent(bracket.mesh).center)
+
+
+def test_a_pose_is_verified(scene, shape, frame):
+    truth = scene[0]
+    verifier = rv.PoseVerifier()
+    right = verifier.verify(frame, shape, truth)
+    assert right.probability > 0.9
+    assert right.occlusion < 0.05
+    assert right.evidence.agreeing > 0.8
+    assert len(right.evidence.features) > 5
+    _, _, width, height = right.box
+    assert right.explained.shape == (-(-height // right.step), -(-width // right.step))
+    assert set(np.unique(right.explained)) == {0, 255}
+    wrong = truth.copy()
+    wrong[0, 3] += 0.03
+    assert verifier.verify(frame, shape, wrong).probability < 0.5
+    frame_of_colors = rv.RecognitionFrame(camera_of())
+    frame_of_colors.set(bgr=scene[1])
+    assert np.isnan(verifier.verify(frame_of_colors, shape, truth).evidence.agreeing)
+
+
+def test_an_object_is_recognized_and_another_one_is_not(scene, shape, frame):
+    recognizer = rv.ObjectRecognizer()
+    assert recognizer.add(shape) == 0
+    assert recognizer.add(rv.ObjectShape(rv.sample_mesh("mug").mesh)) == 1
+    candidates = [rv.PoseCandidate(model, scene[0], 0.8) for model in (0, 1)]
+    assert (candidates[1].model, candidates[1].score, candidates[1].view) == (1, 0.8, 0)
+    found = recognizer.recognize(frame, candidates)
+    (one,) = found.objects
+    assert one.model == 0
+    assert one.probability > 0.9
+    assert np.linalg.norm(one.pose[:3, 3] - scene[0][:3, 3]) < 0.002
+    assert [report.found for report in found.reports] == [1, 0]
+    assert found.reports[0].reason == "found"
+    assert found.reports[1].reason not in ("", "found")
+    nothing = recognizer.recognize(frame, [])
+    assert nothing.objects == []
+    assert {report.reason for report in nothing.reports} == {"nothing looks like it"}
+
+
+def test_point_pairs_find_it_and_come_back_from_bytes(bracket, scene, shape, frame):
+    model = rv.train_point_pairs(bracket.mesh)
+    data = model.to_bytes()
+    assert isinstance(data, bytes)
+    assert model.points.shape == model.normals.shape
+    assert model.extent.diameter == shape.extent.diameter
+    matcher = rv.PointPairMatcher()
+    assert matcher.add(rv.PointPairModel.from_bytes(data)) == 0
+    candidates = matcher.match(frame)
+    center = np.append(shape.extent.center, 1.0)
+    away = [np.linalg.norm((one.pose - scene[0]) @ center) for one in candidates]
+    assert min(away) < 0.02
+    assert candidates[0].model == 0
+    with pytest.raises(ValueError, match="it ends too early"):
+        rv.PointPairModel.from_bytes(data[:40])
+    with pytest.raises(ValueError, match="the method of a trained model"):
+        rv.PointPairModel.from_bytes(data.replace(b"PPF", b"XYZ"))
+
+
+def test_depths_of_millimetres_and_arrays_with_gaps_will_do(scene, shape):
+    truth, bgr, depth = scene
+    wide = np.zeros((SIZE[1], 2 * SIZE[0]), np.uint16)
+    wide[:, ::2] = np.nan_to_num(depth * 1000.0).round().astype(np.uint16)
+    frame = rv.RecognitionFrame(camera_of())
+    frame.set(bgr[:, :, :], wide[:, ::2])
+    refined = rv.PoseRefiner().refine(frame, shape, truth)
+    assert np.linalg.norm(refined.pose[:3, 3] - truth[:3, 3]) < 0.002
+
+
+def test_what_cannot_be_is_refused(scene, shape, frame):
+    truth, bgr, _ = scene
+    with pytest.raises(ValueError, match="its images must be rectified"):
+        rv.RecognitionFrame(camera_of(distortion=(0.1, 0.0, 0.0, 0.0)))
+    empty = rv.RecognitionFrame(camera_of())
+    with pytest.raises(ValueError, match="must be an image of colors, of depths, or both"):
+        empty.set()
+    with pytest.raises(ValueError, match="must be 320x240 as of its camera"):
+        empty.set(bgr[1:])
+    with pytest.raises(ValueError, match="the frame is empty"):
+        rv.PoseRefiner().refine(empty, shape, truth)
+    with pytest.raises(ValueError, match="4x4 pose"):
+        rv.PoseRefiner().refine(frame, shape, truth[:3])
+    with pytest.raises(ValueError, match="that of a rigid body"):
+        rv.PoseVerifier().verify(frame, shape, 2.0 * truth)
+    with pytest.raises(ValueError, match="the model of a candidate is 7"):
+        rv.ObjectRecognizer().recognize(frame, [rv.PoseCandidate(7, truth)])
+    params = rv.RecognizerParams()
+    params.threshold = 2.0
+    with pytest.raises(ValueError, match="threshold is 2, must be from 0 to 1"):
+        rv.ObjectRecognizer(params)
+    with pytest.raises(ValueError, match="the axis of a symmetry"):
+        rv.ObjectShape(rv.sample_mesh("nut").mesh, [((0.0, 0.0, 0.0), 2)])

@@ -1,0 +1,194 @@
+"""The method TOD: what it learns by, interruptions, and what it says of what it cannot learn."""
+
+import cv2
+import numpy as np
+import pytest
+from textured_boxes import CAMERA, box
+
+from robot_vision import TextureModel
+from robot_vision.meshes import MeshRenderer
+from robot_vision.recognition import training
+from robot_vision.recognition.database import Database, Mesh, Object, Observation, Session
+from robot_vision.recognition.mesh_data import pack_mesh
+from robot_vision.recognition.observed_views import ObservationSource, extent_of, seen_by
+from robot_vision.recognition.texture_method import TEXTURES, box_around
+
+SIZE = np.array([0.10, 0.15, 0.06])  # m
+FAST = {"subdivisions": 0, "scales": 2}
+ORK = "pipeline1: {type: TodTrainer, object_ids: all, parameters: {subdivisions: 0, scales: 2}}"
+
+
+@pytest.fixture(scope="module")
+def mesh():
+    return box(SIZE, 5)
+
+
+@pytest.fixture
+def path(tmp_path):
+    return str(tmp_path / "objects.db")
+
+
+@pytest.fixture
+def run(tmp_path, path, monkeypatch, capsys):
+    """run("word", ...) runs training: exit code, stdout and stderr."""
+    file = tmp_path / "training.ork"
+    file.write_text(ORK)
+
+    def command(*words):
+        monkeypatch.setattr("sys.argv", ["training", "--database", path, "-c", str(file), *words])
+        return (training.main(), *capsys.readouterr())
+
+    return command
+
+
+def add(path, name, mesh=None):
+    with Database(path, write=True) as database, database.transaction():
+        one = database.objects.add(Object(name))
+        if mesh is not None:
+            database.meshes.set(one.id, Mesh("a.ply", b"file", pack_mesh(mesh)))
+    return one
+
+
+def png(pixels):
+    return cv2.imencode(".png", pixels)[1].tobytes()
+
+
+def observe(path, one, mesh, count, **changes):
+    """Adds observations from around an object."""
+    renderer = MeshRenderer(mesh)
+    with Database(path, write=True) as database, database.transaction():
+        session = database.observations.add_session(Session(one.id, "test"))
+        for number in range(count):
+            pose = np.eye(4)
+            turn = cv2.Rodrigues(np.array([0.0, 2.0 * np.pi * number / count, 0.0]))[0]
+            pose[:3, :3] = cv2.Rodrigues(np.array([-0.5, 0.0, 0.0]))[0] @ turn
+            pose[:3, 3] = 0.0, 0.0, 0.5
+            view = renderer.render(CAMERA, pose, (0, 0, CAMERA.width, CAMERA.height), bgr=True)
+            seen = np.isfinite(view.depth)
+            depth = np.where(seen, np.rint(1000.0 * np.nan_to_num(view.depth)), 1500.0)
+            parts = {
+                "rgb": png(view.bgr),
+                "depth": png(depth.astype(np.uint16)),
+                "mask": png(np.where(seen, 255, 0).astype(np.uint8)),
+                **changes,
+            }
+            new = Observation(session.id, number, matrix=CAMERA.K, pose=pose, **parts)
+            database.observations.add(new)
+
+
+def model_of(path, name):
+    with Database(path) as database:
+        return database.models.of(database.objects.find(name).id, "TOD").data
+
+
+def test_a_mesh_is_learned_the_same_each_time(run, path, mesh):
+    add(path, "tea", mesh)
+    code, out, err = run()
+    assert (code, err) == (0, "") and out.endswith("tea: TOD: 12 views learned\n")
+    first = model_of(path, "tea")
+    assert len(TextureModel.from_bytes(first)) > 300
+    assert "nothing has changed" in run()[1]
+    assert run("--force")[0] == 0
+    assert model_of(path, "tea") == first
+
+
+def test_observations_are_learned_rather_than_a_mesh_and_anew_when_there_are_more(run, path, mesh):
+    one = add(path, "tea", mesh)
+    observe(path, one, mesh, 10)
+    assert run()[1].endswith("tea: TOD: 10 views learned\n")
+    by_observations = TextureModel.from_bytes(model_of(path, "tea"))
+    assert np.abs(by_observations.positions).max() < 0.08
+    # Nothing is known of the side that was never seen, as the camera stayed on one level.
+    heights = by_observations.positions[:, 1]
+    on_sides = [(np.abs(heights - end) < 0.001).sum() for end in (-SIZE[1] / 2, SIZE[1] / 2)]
+    assert min(on_sides) == 0 and max(on_sides) > 0
+    assert "nothing has changed" in run()[1]
+    observe(path, one, mesh, 3)
+    assert run()[1].endswith("tea: TOD: 13 views learned\n")
+
+
+def test_a_training_that_was_interrupted_ends_with_the_same_bytes(path, mesh):
+    one = add(path, "tea")
+    observe(path, one, mesh, 10)
+    with Database(path) as database:
+        source = ObservationSource(database, one.id)
+        parameters = TEXTURES.complete(FAST)
+        for begin in (
+            lambda state: TEXTURES.trainer_of_observations(source, parameters, state),
+            lambda state: TEXTURES.trainer(Mesh("", b"", pack_mesh(mesh)), parameters, state),
+        ):
+            whole, part = begin(None), begin(None)
+            part._learn(0)
+            part._learn(1)
+            rest = begin(part.state())
+            assert rest.done == 2 and rest.total == whole.total
+            for trainer in (whole, rest):
+                while trainer.done < trainer.total:
+                    trainer.step()
+            assert whole.model() == rest.model()
+
+
+def test_a_state_of_something_else_is_refused(path, mesh):
+    stored = Mesh("", b"", pack_mesh(mesh))
+    state = TEXTURES.trainer(stored, TEXTURES.complete(FAST), None).state()
+    with pytest.raises(ValueError, match="it is of other parameters"):
+        TEXTURES.trainer(stored, TEXTURES.complete({}), state)
+    with pytest.raises(ValueError, match="the beginning of a trained model"):
+        TEXTURES.trainer(stored, TEXTURES.complete(FAST), b"something else")
+
+
+def test_what_has_no_texture_or_nothing_at_all_says_so(run, path):
+    add(path, "plain", box(SIZE, 0, plain=True))
+    code, _, err = run()
+    assert code == 1 and "it has too little texture, and needs a method that knows shapes" in err
+    with Database(path) as database:
+        assert database.models.of(database.objects.find("plain").id, "TOD") is None
+
+
+def test_observations_that_cannot_be_used_say_which(run, path, mesh):
+    one = add(path, "tea")
+    observe(path, one, mesh, 1, depth=png(np.zeros((48, 64), np.uint16)))
+    code, _, err = run()
+    assert code == 1 and "must have 16 bits, and all its images the same size" in err
+    assert "tea: TOD: observation " in err
+
+
+def test_nothing_seen_is_told(run, path, mesh):
+    one = add(path, "tea")
+    observe(path, one, mesh, 2, mask=png(np.zeros((CAMERA.height, CAMERA.width), np.uint8)))
+    code, _, err = run()
+    assert code == 1 and "no depth of the object is in its observations" in err
+
+
+def test_views_that_are_spread_best_are_taken(path, mesh):
+    one = add(path, "tea")
+    observe(path, one, mesh, 12)
+    with Database(path) as database:
+        source = ObservationSource(database, one.id)
+        numbers = [source.of(number).frame_number for number in source.spread(4)]
+        assert numbers in ([0, 3, 6, 9], [0, 2, 6, 9], [0, 3, 6, 10], [0, 4, 6, 9], [0, 3, 6, 8])
+        assert len(source.spread(100)) == 12
+        assert ObservationSource(database, "nobody").spread(3) == []
+
+
+def test_the_extent_is_that_of_what_is_seen(path, mesh):
+    one = add(path, "tea")
+    observe(path, one, mesh, 12)
+    with Database(path) as database:
+        source = ObservationSource(database, one.id)
+        center, size = extent_of(source.of(number) for number in source.spread(12))
+        seen = seen_by(source.of(source.spread(1)[0]))
+    assert np.abs(center).max() < 0.006
+    assert np.abs(size - SIZE).max() < 0.012
+    assert set(np.unique(seen.mask)) == {0, 255}
+
+
+def test_a_box_stands_for_what_has_no_mesh(path, mesh, run):
+    one = add(path, "tea")
+    observe(path, one, mesh, 10)
+    assert run()[0] == 0
+    stands = box_around({"TOD": model_of(path, "tea")})
+    low, high = stands.vertices.min(axis=0), stands.vertices.max(axis=0)
+    assert np.abs(high - low - SIZE).max() < 0.015 and len(stands.triangles) == 12
+    with pytest.raises(ValueError, match="it has no mesh"):
+        box_around({"LINEMOD": b""})
