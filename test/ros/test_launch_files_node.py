@@ -441,6 +441,27 @@ def test_depth_is_an_optional_part_of_the_demo():
     assert remapped(window)["/image"] == topic
 
 
+def test_recognition_is_an_optional_part_of_the_demo():
+    nodes, more = (
+        {node.name for node in loaded("demo.launch", *words).nodes}
+        for words in ([], ["recognition:=true"])
+    )
+    table = {"camera_nodelet_manager", "camera", "depth_registration", "learn_samples"}
+    assert more - nodes == {*demo_status.RECOGNITION, *table} and nodes < more
+    parameters = parameters_of("demo.launch", "recognition:=true")
+    assert parameters["/table/camera/scene"] == "tabletop"
+    assert parameters["/demo_status/recognition"]
+    assert "box" not in parameters["/table/camera/meshes"].split(",")
+    (learning,) = (
+        node
+        for node in loaded("demo.launch", "recognition:=true").nodes
+        if node.name == "learn_samples"
+    )
+    database = parameters["/object_recognizer/database"]
+    things = parameters["/table/camera/meshes"].split(",")
+    assert learning.args.split() == ["--database", database, *things]
+
+
 @pytest.mark.parametrize("name", ["demo", "rgbd"])
 def test_rviz_shows_topics_that_are_there(name):
     """Of its own configuration, as the launch file remaps them."""

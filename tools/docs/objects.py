@@ -9,14 +9,11 @@ from canvas import beside
 from sensor_msgs.msg import Image
 from stage import Stage, listening, pixels, support
 
-from robot_vision import sample_mesh_names
 from robot_vision.meshes import MeshRenderer, sample_mesh
 from robot_vision.recognition.database import Database
 from robot_vision.recognition.mesh_data import unpack_mesh
 from robot_vision.recognition.observed_views import seen_by
 
-SYMMETRIES = {"bottle": "z", "can": "z", "nut": "z:6,x:2"}
-ORK = "pipeline1: {type: LinemodTrainer}\n"
 CAMERA = "_source:=synthetic", "_views:=rgbd", "_scene:=tabletop", "_depth_noise:=kinect"
 REGISTRATION = (
     "depth/image_raw:=/camera/depth/image_raw",
@@ -37,17 +34,7 @@ def learned(stage: Stage) -> pathlib.Path:
     path = stage.folder / "objects.db"
     if path.exists():
         return path
-    database = "--database", str(path)
-    for name in sample_mesh_names():
-        mesh = stage.folder / f"{name}.ply"
-        run(stage, "sample_mesh.py", name, str(mesh))
-        run(stage, "object_add.py", "-n", name, "--commit", *database)
-        symmetry = SYMMETRIES.get(name, "none")
-        words = name, str(mesh), "--symmetry", symmetry, "--commit"
-        run(stage, "mesh_add.py", *words, *database)
-    file = stage.folder / "training.ork"
-    file.write_text(ORK)
-    run(stage, "training", "-c", str(file), *database)
+    run(stage, "learn_samples.py", "--database", str(path))
     return path
 
 

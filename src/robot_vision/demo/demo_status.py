@@ -48,8 +48,9 @@ DEPTH = {  # with depth:=true
     "tabletop": "/tabletop/processed_image",
     "detections_3d": "/detections_3d/processed_image",
 }
+RECOGNITION = {"object_recognizer": "/object_recognizer/processed_image"}  # with recognition:=true
 FRAMES = ": frames"  # the end of the name of the status that each node has; some have others, too
-WIDTH = max(map(len, [*TOPICS, *BASICS, *DEPTH]))
+WIDTH = max(map(len, [*TOPICS, *BASICS, *DEPTH, *RECOGNITION]))
 VIEWER = TOPICS["usb_cam"] + " "  # the start of simple_camera_view's title, which has two blanks
 WINDOWS_TIMEOUT = 120.0  # s for all windows to open
 POLL = 0.5  # s
@@ -74,7 +75,8 @@ class DemoStatus:
     With windows (~view true) it also puts them side by side. Without windows, the default, it
     first prints the topics that can be viewed.
 
-    With ~basics true the nodes of basic operations are among them, with ~depth true those of depth.
+    With ~basics true the nodes of basic operations are among them, with ~depth true those of depth,
+    with ~recognition true the one that recognizes objects.
     Subscribes to /diagnostics.
     """
 
@@ -84,6 +86,8 @@ class DemoStatus:
             self._topics.update(BASICS)
         if read_param("depth", False):
             self._topics.update(DEPTH)
+        if read_param("recognition", False):
+            self._topics.update(RECOGNITION)
         if read_param("view", False):
             windows = threading.Thread(target=tile_windows, args=(self._topics,), name="windows")
             windows.daemon = True
