@@ -453,9 +453,8 @@ def require_goal(client, goal, eyes, kitchen):
 
     def result(**values):
         client.send_goal(goal(**values))
-        over = (actionlib.GoalStatus.SUCCEEDED, actionlib.GoalStatus.ABORTED)
-        eyes.shown_until(lambda: client.get_state() in over, "the result of the action")
-        return client.get_result()
+        # Not until its state says so, which may come before the result.
+        return eyes.shown_until(client.get_result, "the result of the action")
 
     assert set(named(kitchen, result().recognized_objects)) == set(NAMES)
     low, high = (eyes.table.poses["box"][:3, 3] + shift for shift in (-0.02, 0.02))

@@ -250,7 +250,8 @@ def test_a_python_node_also_reports_a_file_that_cannot_be_written(start):
 @pytest.mark.parametrize("node", ["brightness_node", "code_reader.py"])
 def test_only_files_are_replaced(start, tmp_path, node):
     """If root replaced a device by a file, the device would be lost for the whole machine."""
-    start(node, "__name:=saving", "_config_file:=/dev/null")
+    name = "replacing_" + node.partition(".")[0]
+    start(node, f"__name:={name}", "_config_file:=/dev/null")
     pipe, bomb, text = tmp_path / "pipe.yaml", tmp_path / "bomb.yaml", tmp_path / "text.yaml"
     os.mkfifo(str(pipe))
     bomb.write_text("[" * 100000)
@@ -270,13 +271,13 @@ def test_only_files_are_replaced(start, tmp_path, node):
         (loop, f"{loop} cannot be read: Too many levels of symbolic links"),
         (bomb, f"{bomb}: not overwritten, for it is no valid YAML: "),
     ):
-        rospy.set_param("/saving/config_file", str(path))
-        answer = save("/saving")
+        rospy.set_param(f"/{name}/config_file", str(path))
+        answer = save(f"/{name}")
         assert not answer.success and reason in answer.message and "\n" not in answer.message
     assert stat.S_ISCHR(os.stat("/dev/null").st_mode) and pipe.is_fifo()
     text.write_bytes(b"threads: 1  # core\r\n")
-    rospy.set_param("/saving/config_file", str(text))
-    assert save("/saving").success
+    rospy.set_param(f"/{name}/config_file", str(text))
+    assert save(f"/{name}").success
     lines = text.read_bytes().split(b"\r\n")
     assert lines[0] == b"threads: 1  # core" and len(lines) > 2 and b"\n" not in b"".join(lines)
     names = {"pipe.yaml", "bomb.yaml", "null", "dangling.yaml", "loop.yaml", "text.yaml"}
