@@ -20,6 +20,7 @@ from .found import Limits
 from .methods import known_methods, method_of
 from .recognizer import RecognitionParams
 
+MAX_THREADS = 64  # of ObjectMatchParams
 SIDES = ("x_min", "x_max", "y_min", "y_max", "z_min", "z_max")
 
 
@@ -57,6 +58,7 @@ def settings_of(config: Dict[str, Any]) -> Settings:
             )
         )
     )
+    params.match.threads = MAX_THREADS  # as many of them as ~threads allows
     planes, tables = PlaneParams(), TabletopParams()
     for one in (*params, planes, tables):
         validate(one)
