@@ -7,6 +7,7 @@
 #include <cstdlib>
 #include <exception>
 #include <functional>
+#include <sstream>
 #include <stdexcept>
 #include <utility>
 
@@ -240,25 +241,34 @@ Contender opencvLinemod(const trials::Object& object)
 }
 #endif
 
-std::vector<Contender> contendersFor(const trials::Object& object)
+/// Those whose names have one of the words in them, which have commas between them; all if there is none.
+std::vector<Contender> contendersFor(const trials::Object& object, const std::string& words)
 {
   std::vector<Contender> contenders;
-  contenders.push_back(views(object, "views", true, true));
-  contenders.push_back(views(object, "views, depth only", false, true));
-  contenders.push_back(views(object, "views, colors only", true, false));
-  contenders.push_back(pairs(object));
+  const auto offer = [&](const std::string& name, const auto& make)
+  {
+    std::istringstream stream(words);
+    bool is_chosen = words.empty();
+    for (std::string word; std::getline(stream, word, ',');)
+      is_chosen = is_chosen || name.find(word) != std::string::npos;
+    if (is_chosen) contenders.push_back(make());
+  };
+  offer("views", [&] { return views(object, "views", true, true); });
+  offer("views, depth only", [&] { return views(object, "views, depth only", false, true); });
+  offer("views, colors only", [&] { return views(object, "views, colors only", true, false); });
+  offer("point pairs", [&] { return pairs(object); });
 #ifdef WITH_SURFACE_MATCHING
-  contenders.push_back(opencvPairs(object));
+  offer("cv::ppf_match_3d", [&] { return opencvPairs(object); });
 #endif
 #ifdef WITH_LINEMOD
-  contenders.push_back(opencvLinemod(object));
+  offer("cv::linemod", [&] { return opencvLinemod(object); });
 #endif
   return contenders;
 }
 
-void measure(const trials::Object& object, int frames, const std::string& only)
+void measure(const trials::Object& object, int frames, const std::string& words)
 {
-  std::vector<Contender> contenders = contendersFor(object);
+  std::vector<Contender> contenders = contendersFor(object, words);
   for (int i = 0; i < frames; ++i)
   {
     ClutterParams params;
@@ -267,13 +277,11 @@ void measure(const trials::Object& object, int frames, const std::string& only)
     params.sensor = i % 2 == 0 ? DepthSensor::kKinect : DepthSensor::kStereo;
     const ClutteredFrame frame = object.scenes->frame(i, params);
     for (Contender& contender : contenders)
-      if (contender.name.find(only) != std::string::npos)
-        contender.score.see(object, frame, params, contender.find(frame));
+      contender.score.see(object, frame, params, contender.find(frame));
   }
   std::printf("{\"object\": \"%s\"", object.name.c_str());
   for (const Contender& contender : contenders)
   {
-    if (contender.name.find(only) == std::string::npos) continue;
     std::printf(",\n  ");
     contender.score.print(contender.name);
     std::printf(", \"train %s\": %.3f", contender.name.c_str(), contender.train);
@@ -287,7 +295,7 @@ void measure(const trials::Object& object, int frames, const std::string& only)
 int main(int argc, char** argv)
 try
 {
-  if (argc < 2) throw std::invalid_argument("bench_recognition FRAMES [a word of the contenders' names]");
+  if (argc < 2) throw std::invalid_argument("bench_recognition FRAMES [words of the contenders' names, with commas]");
   cv::setNumThreads(1);
   const char* comma = "[";
   for (const trials::Object& object : trials::allObjects(3))

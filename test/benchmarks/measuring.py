@@ -151,10 +151,15 @@ class Bench:
         say("poses of tags by depth")
         return self._run(self.program("bench_tag_depth", int(self.seconds * 200)), 300.0)
 
-    def recognition(self, frames: int) -> List[Dict[str, Any]]:
-        """For each object: its name, and what each contender has found in these frames."""
+    def recognition(self, frames: int, slow: bool) -> List[Dict[str, Any]]:
+        """For each object: its name, and what each contender has found in these frames.
+
+        With `slow` there is cv::ppf_match_3d, too, which takes some minutes for ten frames.
+        """
         say(f"objects recognized, {frames} frames of each")
-        return json.loads(self._output(self.program("bench_recognition", frames), 3600.0))
+        words = [] if slow else ["views,point pairs,cv::linemod"]
+        command = self.program("bench_recognition", frames, *words)
+        return json.loads(self._output(command, 36000.0))
 
     def recognition_growth(self) -> Dict[str, Any]:
         say("recognition by the number of objects and of templates")

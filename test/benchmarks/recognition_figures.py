@@ -12,8 +12,7 @@ stereo: {scenes} frames of each of {objects} objects, a third of them without it
 for all, on one thread. Found: the mean distance of the points (ADD, or ADD-S with
 symmetries) is below a tenth of the diameter. False: of a frame without the object; wrong:
 of all frames. cv::linemod has the views and thresholds of object_recognition_core, and
-the ICP of cv::ppf_match_3d; of the latter the best pose is taken, so that it has one in
-each frame. Errors are medians of what was found.
+the ICP of cv::ppf_match_3d. Errors are medians of what was found.
 
 """
 

@@ -151,7 +151,7 @@ def test_a_vertical_frame_tells_what_is_up(start):
     assert not kitchen.topics["tables"].received
     publisher = place_in_tf()
 
-    def placed():  # Of some frames only one of the two comes: each replaces one that was not sent yet.
+    def placed():  # Of a frame one of them may not come: it gives way to the next one.
         kitchen.answers(depth)
         said = kitchen.said("tables")
         came = ((support.stamp_of(one), one.transforms) for one in transforms.received)
