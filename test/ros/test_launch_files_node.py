@@ -41,7 +41,7 @@ NO_TEXTS = {
     *("tag_size", "ball_diameter", "image_width", "image_height", "framerate", "loop", "view"),
     *("basics", "camera_height", "columns", "invert", "lane_width", "max_features", "pitch"),
     *("color", "depth", "disparities", "max_distance", "publish_tf", "radius", "rows", "slop"),
-    *("square", "threads"),
+    *("recognition", "square", "threads"),
 }
 
 
