@@ -203,7 +203,9 @@ AT_START = {
         "image_transport": IMAGE_NODE["image_transport"],
     },
     "camera.camera_loader.CameraLoader": {"manager": is_name},
-    "demo.demo_status.DemoStatus": {name: is_flag for name in ("view", "basics", "depth")},
+    "demo.demo_status.DemoStatus": {
+        name: is_flag for name in ("view", "basics", "depth", "recognition")
+    },
 }
 # Parameters that are read later, when values are saved or periodically, or only make a difference
 # with a database, have their own tests.

@@ -137,6 +137,7 @@ def test_the_page_has_what_nodes_ask_for_at_start():
         "view",
         "basics",
         "depth",
+        "recognition",
     }  # of the camera loader and of the demo's report
     for name, default in asked_in_python():
         assert name in names | commands, name
