@@ -13,12 +13,7 @@ void visitNumbers(Model& model, const Visit& visit)
 {
   PointPairParams::fields([&](const char* /*name*/, auto member, const auto& /*limits*/, const char* /*unit*/,
                               const char* /*meaning*/) { visit(model.params.*member); });
-  for (int i = 0; i < 3; ++i)
-    visit(model.extent.center[i]);
-  for (int i = 0; i < 3; ++i)
-    visit(model.extent.size[i]);
-  visit(model.extent.diameter);
-  visit(model.extent.radius);
+  visitExtent(model.extent, visit);
 }
 
 }  // namespace

@@ -32,18 +32,6 @@ void get(int& number, ByteReader& from)
   number = from.next<std::int32_t>();
 }
 
-/// Calls visit(number) for each number of an extent.
-template <class Extent, class Visit>
-void visitNumbers(Extent& extent, const Visit& visit)
-{
-  for (int i = 0; i < 3; ++i)
-    visit(extent.center[i]);
-  for (int i = 0; i < 3; ++i)
-    visit(extent.size[i]);
-  visit(extent.diameter);
-  visit(extent.radius);
-}
-
 template <class Point, class Visit>
 void visitFloats(Point& point, const Visit& visit)
 {
@@ -78,7 +66,7 @@ std::vector<std::uint8_t> toBytes(const TextureModel& model)
   writeModelHead(TextureModel::kMethod, to);
   TextureParams::fields([&](const char* /*name*/, auto member, const auto& /*limits*/, const char* /*unit*/,
                             const char* /*meaning*/) { add(model.params.*member, to); });
-  visitNumbers(model.extent, [&](double number) { to.add(number); });
+  visitExtent(model.extent, [&](double number) { to.add(number); });
   add(model.views, to);
   to.add(static_cast<std::uint16_t>(model.descriptors.cols));
   to.add(static_cast<std::uint32_t>(model.points.size()));
@@ -100,7 +88,7 @@ TextureModel textureModelFromBytes(const std::uint8_t* bytes, std::size_t size)
   TextureModel model;
   TextureParams::fields([&](const char* /*name*/, auto member, const auto& /*limits*/, const char* /*unit*/,
                             const char* /*meaning*/) { get(model.params.*member, from); });
-  visitNumbers(model.extent, [&](double& number) { from.get(number); });
+  visitExtent(model.extent, [&](double& number) { from.get(number); });
   get(model.views, from);
   const bool is_float = model.params.detector == "sift";
   const auto columns = from.next<std::uint16_t>();

@@ -48,17 +48,6 @@ void visitView(AnyView& view, const Visit& visit)
   visit(view.parent);
 }
 
-template <class Extent, class Visit>
-void visitExtent(Extent& extent, const Visit& visit)
-{
-  for (int i = 0; i < 3; ++i)
-    visit(extent.center[i]);
-  for (int i = 0; i < 3; ++i)
-    visit(extent.size[i]);
-  visit(extent.diameter);
-  visit(extent.radius);
-}
-
 template <class AnySymmetry, class Visit>
 void visitSymmetry(AnySymmetry& symmetry, const Visit& visit)
 {

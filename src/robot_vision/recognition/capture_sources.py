@@ -1,11 +1,8 @@
 """Frames of a color camera and their depths for object_capture.py: from topics, bags, folders."""
 
-import collections
-import contextlib
 import functools
 import os
-import threading
-from typing import Any, Callable, Deque, Iterator, NamedTuple, Sequence, Tuple
+from typing import Any, Callable, Iterator, NamedTuple, Sequence, Tuple
 
 import cv2
 import numpy as np
@@ -16,18 +13,11 @@ from ..calibration.known_cameras import known_camera
 from ..common.depth_encodings import require_depths
 from ..common.files import MAX_IMAGE, read_file
 from ..common.image_files import sensor_pixels
-from ..recordings.bag_images import (
-    IMAGE_TYPES,
-    entries_on,
-    opened,
-    require_topic,
-    topics_of,
-)
 from ..recordings.depth_images import depth_pixels
 from ..recordings.image_pixels import pixels_of
-from ..recordings.recorded_images import newest_of, paths_of
-from ..recordings.stamp_pairs import StampPairs
-from ..ros.transport import Frame, ImageSubscriber
+from ..recordings.paired_images import paired_frames, paired_messages
+from ..recordings.recorded_images import paths_of
+from ..ros.transport import Frame
 
 CAMERA_FILE = "camera.yaml"
 FRAME_PERIOD = 1.0  # s, between two files: they have no times, and none waits for the next one
@@ -91,46 +81,16 @@ def shots_from_bag(path: str, topics: Sequence[str], slop: float) -> Iterator[Sh
         OSError: The bag cannot be opened.
         ValueError: There is no such bag or topic, or nothing on the topics belongs together.
     """
-    pairs: StampPairs = StampPairs(topics, slop)
-    with opened(path) as bag:
-        kinds = topics_of(bag)
-        for topic in topics:
-            require_topic(path, kinds, topic, IMAGE_TYPES, "images")
-        for topic, message in entries_on(bag, topics):
-            pair = pairs.add(topics.index(topic), message.header.stamp, message)
-            if pair:
-                name, time = f"frame {pairs.found - 1}", pair[0].header.stamp.to_sec()
-                yield Shot(name, time, functools.partial(_read_messages, *pair))
-    if not pairs.found:
-        raise ValueError(f"{path} has no images with depths: {pairs.problem()}")
+    for number, pair in enumerate(paired_messages(path, topics, slop, "images with depths")):
+        time = pair[0].header.stamp.to_sec()
+        yield Shot(f"frame {number}", time, functools.partial(_read_messages, *pair))
 
 
 def shots_from_topics(topics: Sequence[str], slop: float) -> Iterator[Shot]:
     """Yields the newest frames of two topics until this process, a node, shuts down."""
-    pairs: StampPairs = StampPairs(topics, slop)
-    lock = threading.Lock()  # guards the pairs
-    newest: Deque[Tuple[Frame, Frame]] = collections.deque(maxlen=1)
-    arrived = threading.Event()
-
-    def keep(side: int, frame: Frame) -> None:
-        with lock:
-            pair = pairs.add(side, frame.header.stamp, frame)
-        if pair:
-            newest.append(pair)
-            arrived.set()
-
-    def report() -> None:
-        with lock:
-            problem = pairs.problem()
-        print("waiting: no image with depths comes:", problem, flush=True)
-
-    with contextlib.ExitStack() as stack:
-        for side, topic in enumerate(topics):
-            subscriber = ImageSubscriber(topic, functools.partial(keep, side))
-            stack.callback(subscriber.unregister)
-        for number, pair in enumerate(newest_of(newest, arrived, report)):
-            time = pair[0].header.stamp.to_sec()
-            yield Shot(f"frame {number}", time, functools.partial(_read_frames, *pair))
+    for number, pair in enumerate(paired_frames(topics, slop, "image with depths")):
+        time = pair[0].header.stamp.to_sec()
+        yield Shot(f"frame {number}", time, functools.partial(_read_frames, *pair))
 
 
 def _read_files(color: str, depth: str) -> Images:

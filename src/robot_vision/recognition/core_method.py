@@ -1,6 +1,6 @@
 """Methods that learn by the core, whose parameters are a struct of it."""
 
-from typing import Any, Dict, List, Mapping
+from typing import Any, Dict, List, Mapping, Sequence, Tuple
 
 from .. import validate
 from ..common.plain_text import brief
@@ -35,6 +35,24 @@ class CoreMethod:
             setattr(params, name, number if kind is float else value)
         validate(params)
         return params
+
+
+def with_models(
+    matcher: Any, kind: Any, models: Sequence[Tuple[int, bytes]]
+) -> Tuple[Any, List[int]]:
+    """Returns a matcher after models were added to it, and their numbers.
+
+    Args:
+        matcher: The matcher.
+        kind: The class of its models.
+        models: What was learned, each with its number.
+
+    Raises:
+        ValueError: A model is damaged.
+    """
+    for _, data in models:
+        matcher.add(kind.from_bytes(data))
+    return matcher, [number for number, _ in models]
 
 
 def _fields_of(kind: Any) -> List[str]:

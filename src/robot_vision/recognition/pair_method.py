@@ -9,7 +9,7 @@ from .. import (
     PointPairParams,
     train_point_pairs,
 )
-from .core_method import CoreMethod
+from .core_method import CoreMethod, with_models
 from .database import Mesh
 from .mesh_data import unpack_mesh
 from .methods import register
@@ -69,7 +69,4 @@ def pair_matcher(
     Raises:
         ValueError: A model is damaged.
     """
-    matcher = PointPairMatcher(params)
-    for _, data in models:
-        matcher.add(PointPairModel.from_bytes(data))
-    return matcher, [number for number, _ in models]
+    return with_models(PointPairMatcher(params), PointPairModel, models)

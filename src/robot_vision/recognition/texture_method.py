@@ -17,7 +17,7 @@ from .. import (
     TextureViews,
 )
 from ..meshes import mesh_extent
-from .core_method import CoreMethod
+from .core_method import CoreMethod, with_models
 from .database import Mesh as StoredMesh
 from .mesh_data import unpack_mesh
 from .methods import register
@@ -141,10 +141,7 @@ def texture_matcher(
     Raises:
         ValueError: A model is damaged.
     """
-    matcher = TextureMatcher(params, errors)
-    for _, data in models:
-        matcher.add(TextureModel.from_bytes(data))
-    return matcher, [number for number, _ in models]
+    return with_models(TextureMatcher(params, errors), TextureModel, models)
 
 
 def box_around(models: Mapping[str, bytes]) -> Mesh:

@@ -4,7 +4,7 @@ import time
 from typing import Any, List, Mapping, Optional, Sequence, Tuple
 
 from .. import ObjectMatcher, ObjectMatchParams, ViewModel, ViewParams, ViewTrainer
-from .core_method import CoreMethod
+from .core_method import CoreMethod, with_models
 from .database import Mesh
 from .mesh_data import unpack_mesh
 from .methods import register
@@ -70,7 +70,4 @@ def view_matcher(
     Raises:
         ValueError: A model is damaged.
     """
-    matcher = ObjectMatcher(params)
-    for _, data in models:
-        matcher.add(ViewModel.from_bytes(data))
-    return matcher, [number for number, _ in models]
+    return with_models(ObjectMatcher(params), ViewModel, models)

@@ -1,20 +1,15 @@
 """Pairs of images of two cameras for a command: from files, bags and topics."""
 
-import collections
-import contextlib
 import functools
 import os
 import re
-import threading
-from typing import Callable, Deque, Iterator, Sequence, Tuple
+from typing import Callable, Iterator, Sequence, Tuple
 
 import numpy as np
 
-from ..ros.transport import Frame, ImageSubscriber
-from .bag_images import IMAGE_TYPES, entries_on, opened, require_topic, topics_of
 from .gray_images import gray_message, gray_pixels
-from .recorded_images import images_in, newest_of, paths_of
-from .stamp_pairs import StampPairs
+from .paired_images import paired_frames, paired_messages
+from .recorded_images import images_in, paths_of
 
 Images = Tuple[np.ndarray, np.ndarray]  # left and right, (height, width) uint8
 # The name of a pair, and a function that reads it or raises OSError or ValueError.
@@ -53,46 +48,16 @@ def pairs_from_bag(path: str, topics: Sequence[str], slop: float) -> Iterator[Na
         ValueError: There is no such bag or topic, or there are no pairs.
         OSError: The bag cannot be opened.
     """
-    pairs: StampPairs = StampPairs(topics, slop)
-    with opened(path) as bag:
-        kinds = topics_of(bag)
-        for topic in topics:
-            require_topic(path, kinds, topic, IMAGE_TYPES, "images")
-        for topic, message in entries_on(bag, topics):
-            pair = pairs.add(topics.index(topic), message.header.stamp, message)
-            if pair:
-                reads = (functools.partial(gray_message, one) for one in pair)
-                yield f"pair {pairs.found - 1}", functools.partial(_both, *reads)
-    if not pairs.found:
-        raise ValueError(f"{path} has no pairs: {pairs.problem()}")
+    for number, pair in enumerate(paired_messages(path, topics, slop, "pairs")):
+        reads = (functools.partial(gray_message, one) for one in pair)
+        yield f"pair {number}", functools.partial(_both, *reads)
 
 
 def pairs_from_topics(topics: Sequence[str], slop: float) -> Iterator[NamedPair]:
     """Yields the newest pairs of two topics until this process, a node, shuts down."""
-    pairs: StampPairs = StampPairs(topics, slop)
-    lock = threading.Lock()  # guards the pairs
-    newest: Deque[Tuple[Frame, Frame]] = collections.deque(maxlen=1)
-    arrived = threading.Event()
-
-    def keep(side: int, frame: Frame) -> None:
-        with lock:
-            pair = pairs.add(side, frame.header.stamp, frame)
-        if pair:
-            newest.append(pair)
-            arrived.set()
-
-    def report() -> None:
-        with lock:
-            problem = pairs.problem()
-        print("waiting: no pair comes:", problem, flush=True)
-
-    with contextlib.ExitStack() as stack:
-        for side, topic in enumerate(topics):
-            subscriber = ImageSubscriber(topic, functools.partial(keep, side))
-            stack.callback(subscriber.unregister)
-        for number, pair in enumerate(newest_of(newest, arrived, report)):
-            reads = (functools.partial(gray_pixels, one.image, one.encoding) for one in pair)
-            yield f"pair {number}", functools.partial(_both, *reads)
+    for number, pair in enumerate(paired_frames(topics, slop, "pair")):
+        reads = (functools.partial(gray_pixels, one.image, one.encoding) for one in pair)
+        yield f"pair {number}", functools.partial(_both, *reads)
 
 
 def _both(left: Callable[[], np.ndarray], right: Callable[[], np.ndarray]) -> Images:
