@@ -88,13 +88,11 @@ def streaming(count: int = 1) -> Iterator[Arrivals]:
 class Trace:
     """The time stamps that the kernel gave with the frames, as its own trace shows them.
 
-    The event is on from the first trace to the guest's end: to switch it, the kernel writes into
-    its own code while all its processors wait for each other, and emulated ones can wait for ever.
+    The event is on from the first trace to the guest's end.
     """
 
     def __init__(self) -> None:
         (TRACING / "trace").write_text("")
-        # Where it is on already, the kernel switches nothing.
         (TRACING / "events/v4l2/v4l2_dqbuf/enable").write_text("1")
 
     def stamps(self) -> List[Dict[str, int]]:
