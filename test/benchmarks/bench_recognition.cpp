@@ -7,6 +7,7 @@
 #include <cstdlib>
 #include <exception>
 #include <functional>
+#include <map>
 #include <sstream>
 #include <stdexcept>
 #include <utility>
@@ -105,19 +106,24 @@ private:
 struct Contender
 {
   std::string name;
-  std::function<Answer(const ClutteredFrame&)> find;
+  std::function<Answer(const ClutteredFrame&, DepthSensor)> find;
   double train = 0.0;  // s
   Score score;
 };
 
 /// Matches, and has the recognizer decide.
 template <class Match>
-std::function<Answer(const ClutteredFrame&)> decided(const trials::Object& object, Match match, bool colors,
-                                                     bool depths)
+std::function<Answer(const ClutteredFrame&, DepthSensor)> decided(const trials::Object& object, Match match,
+                                                                  bool colors, bool depths)
 {
-  auto recognizer = std::make_shared<ObjectRecognizer>();
-  recognizer->add(object.shape);
-  return [=](const ClutteredFrame& seen)
+  std::map<DepthSensor, std::shared_ptr<ObjectRecognizer>> recognizers;
+  for (const DepthSensor sensor : {DepthSensor::kKinect, DepthSensor::kStereo})
+  {
+    recognizers[sensor] = std::make_shared<ObjectRecognizer>(RecognizerParams(), RefinerParams(), VerifierParams(),
+                                                             trials::errorsOf(sensor));
+    recognizers[sensor]->add(object.shape);
+  }
+  return [=](const ClutteredFrame& seen, DepthSensor sensor)
   {
     RecognitionFrame frame(seen.camera);
     Answer answer;
@@ -125,7 +131,7 @@ std::function<Answer(const ClutteredFrame&)> decided(const trials::Object& objec
     const std::vector<PoseCandidate> candidates = match(seen, frame);
     const double matched = now();
     frame.set(colors ? seen.bgr : cv::Mat(), depths ? seen.depth : cv::Mat());
-    for (const RecognizedObject& found : recognizer->recognize(frame, candidates).objects)
+    for (const RecognizedObject& found : recognizers.at(sensor)->recognize(frame, candidates).objects)
       answer.poses.push_back(found.pose);
     answer.match = matched - begin;
     answer.decide = now() - matched;
@@ -188,7 +194,7 @@ Contender opencvPairs(const trials::Object& object)
   detector->trainModel(model);
   contender.train = now() - begin;
   const double diameter = object.shape->extent().diameter;
-  contender.find = [=](const ClutteredFrame& seen)
+  contender.find = [=](const ClutteredFrame& seen, DepthSensor /*sensor*/)
   {
     Answer answer;
     const double start = now();
@@ -227,7 +233,7 @@ Contender opencvLinemod(const trials::Object& object)
   const double begin = now();
   auto linemod = std::make_shared<const LinemodContender>(object);
   contender.train = now() - begin;
-  contender.find = [=](const ClutteredFrame& seen)
+  contender.find = [=](const ClutteredFrame& seen, DepthSensor /*sensor*/)
   {
     Answer answer;
     const double start = now();
@@ -277,7 +283,7 @@ void measure(const trials::Object& object, int frames, const std::string& words)
     params.sensor = i % 2 == 0 ? DepthSensor::kKinect : DepthSensor::kStereo;
     const ClutteredFrame frame = object.scenes->frame(i, params);
     for (Contender& contender : contenders)
-      contender.score.see(object, frame, params, contender.find(frame));
+      contender.score.see(object, frame, params, contender.find(frame, params.sensor));
   }
   std::printf("{\"object\": \"%s\"", object.name.c_str());
   for (const Contender& contender : contenders)

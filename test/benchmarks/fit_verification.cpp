@@ -42,17 +42,19 @@ struct Kind
 constexpr std::array<Kind, 3> kKinds = {
     {{"kColorAndDepthWeights", true, true}, {"kDepthWeights", false, true}, {"kColorWeights", true, false}}};
 using Examples = std::array<std::vector<Example>, kKinds.size()>;  // of each kind of frames
+using Choice = std::array<bool, kKinds.size()>;                    // of kinds
 
 /// Adds what the verifier sees of poses in frames.
 class Collector
 {
 public:
-  explicit Collector(const trials::Object& object) : object_(object)
+  Collector(const trials::Object& object, const Choice& is_wanted)
+    : object_(object), is_wanted_(is_wanted), judges_{Judge(DepthSensor::kKinect), Judge(DepthSensor::kStereo)}
   {
     matcher_.add(trainViews(object.mesh, ViewParams(), object.symmetries));
   }
 
-  void look(const ClutteredFrame& seen, bool is_there, cv::RNG& random, Examples& examples)
+  void look(const ClutteredFrame& seen, DepthSensor sensor, bool is_there, cv::RNG& random, Examples& examples)
   {
     std::vector<cv::Affine3d> disturbed;
     for (const double error : {0.01, 0.02, 0.06})  // of the diameter
@@ -61,6 +63,7 @@ public:
       if (is_there && seen.visible > 0.3) disturbed.emplace_back(seen.pose.rotation(), share * seen.pose.translation());
     for (std::size_t i = 0; i < kKinds.size(); ++i)
     {
+      if (!is_wanted_[i]) continue;
       const cv::Mat bgr = kKinds[i].colors ? seen.bgr : cv::Mat(), depth = kKinds[i].depths ? seen.depth : cv::Mat();
       RecognitionFrame frame(seen.camera);
       frame.set(bgr, depth);
@@ -68,11 +71,23 @@ public:
       for (const PoseCandidate& candidate : matcher_.match(bgr, depth, "32FC1", seen.camera))
         if (poses.size() < disturbed.size() + kCandidates) poses.push_back(candidate.pose);
       for (const cv::Affine3d& pose : poses)
-        add(frame, pose, seen, is_there, examples[i]);
+        add(frame, pose, judges_[sensor == DepthSensor::kStereo ? 1 : 0], seen, is_there, examples[i]);
     }
   }
 
 private:
+  /// What refines and verifies poses in frames of a sensor.
+  struct Judge
+  {
+    explicit Judge(DepthSensor sensor)
+      : refiner(RefinerParams(), trials::errorsOf(sensor)), verifier(VerifierParams(), trials::errorsOf(sensor))
+    {
+    }
+
+    PoseRefiner refiner;
+    PoseVerifier verifier;
+  };
+
   cv::Affine3d disturb(const cv::Affine3d& pose, double error, cv::RNG& random) const
   {
     cv::Vec3d shift, turn;
@@ -86,11 +101,11 @@ private:
     return {rotation, pose * center + shift - rotation * center};
   }
 
-  void add(const RecognitionFrame& frame, const cv::Affine3d& first, const ClutteredFrame& seen, bool is_there,
-           std::vector<Example>& examples)
+  void add(const RecognitionFrame& frame, const cv::Affine3d& first, Judge& judge, const ClutteredFrame& seen,
+           bool is_there, std::vector<Example>& examples)
   {
-    const cv::Affine3d pose = refiner_.refine(frame, *object_.shape, first).pose;
-    const PoseVerdict verdict = verifier_.verify(frame, *object_.shape, pose);
+    const cv::Affine3d pose = judge.refiner.refine(frame, *object_.shape, first).pose;
+    const PoseVerdict verdict = judge.verifier.verify(frame, *object_.shape, pose);
     if (verdict.evidence.pixels == 0.0) return;
     const double gate = (frame.hasDepth() ? kDepthGate : kColorGate) * object_.shape->extent().diameter;
     const double alike =
@@ -101,9 +116,9 @@ private:
   }
 
   const trials::Object& object_;
+  const Choice is_wanted_;
   ObjectMatcher matcher_;
-  PoseRefiner refiner_;
-  PoseVerifier verifier_;
+  std::array<Judge, 2> judges_;
 };
 
 /// Cameras have other colors than meshes: brighter or darker, of another light, and not as sharp.
@@ -117,13 +132,13 @@ void disturb(cv::Mat& bgr, cv::RNG& random)
   cv::GaussianBlur(bgr, bgr, {5, 5}, random.uniform(0.2, 1.0));
 }
 
-Examples collect(int frames, std::uint64_t seed)
+Examples collect(int frames, std::uint64_t seed, const Choice& is_wanted)
 {
   Examples examples;
   cv::RNG random(seed);
   for (const trials::Object& object : trials::allObjects(seed))
   {
-    Collector collector(object);
+    Collector collector(object, is_wanted);
     for (int i = 0; i < frames; ++i)
     {
       ClutterParams params;
@@ -132,9 +147,12 @@ Examples collect(int frames, std::uint64_t seed)
       params.sensor = i % 2 == 0 ? DepthSensor::kKinect : DepthSensor::kStereo;
       ClutteredFrame frame = object.scenes->frame(i, params);
       disturb(frame.bgr, random);
-      collector.look(frame, params.with_object, random, examples);
+      // Some users do not say that their sensor is no Kinect.
+      const DepthSensor said = i % 4 == 3 ? DepthSensor::kKinect : params.sensor;
+      collector.look(frame, said, params.with_object, random, examples);
     }
-    std::fprintf(stderr, "%s: %zu poses\n", object.name.c_str(), examples[0].size());
+    std::fprintf(stderr, "%s: %zu poses\n", object.name.c_str(),
+                 std::max({examples[0].size(), examples[1].size(), examples[2].size()}));
   }
   return examples;
 }
@@ -204,12 +222,17 @@ void tell(const std::vector<Example>& examples, const cv::Mat_<double>& weights)
 int main(int argc, char** argv)
 try
 {
-  if (argc != 2) throw std::invalid_argument("fit_verification FRAMES (of each object and kind)");
+  if (argc < 2)
+    throw std::invalid_argument("fit_verification FRAMES (of each object and kind) [names of the weights to fit]");
   const int frames = std::max(std::atoi(argv[1]), 12);
   cv::setNumThreads(1);
-  const Examples seen = collect(frames, 1), others = collect(frames / 3, 2);
+  Choice is_wanted;
+  for (std::size_t kind = 0; kind < kKinds.size(); ++kind)
+    is_wanted[kind] = argc == 2 || std::count(argv + 2, argv + argc, std::string(kKinds[kind].name)) > 0;
+  const Examples seen = collect(frames, 1, is_wanted), others = collect(frames / 3, 2, is_wanted);
   for (std::size_t kind = 0; kind < kKinds.size(); ++kind)
   {
+    if (!is_wanted[kind]) continue;
     const cv::Mat_<double> weights = fit(seen[kind]);
     std::printf("constexpr VerificationWeights %s = {", kKinds[kind].name);
     for (int i = 0; i < weights.rows; ++i)

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "robot_vision/depth/depth_error.hpp"
 #include "robot_vision/meshes/sample_meshes.hpp"
 #include "robot_vision/recognition/object_shape.hpp"
 #include "robot_vision/recognition/symmetry.hpp"
@@ -28,6 +29,19 @@ struct Object
   std::unique_ptr<ClutteredScenes> scenes;
   std::vector<cv::Vec3f> points;  // m, of its surface
 };
+
+/// What a sensor of the scenes is like, as docs/depth.md says: with parameters of another one, its noise is taken for
+/// other surfaces.
+inline robot_vision::DepthErrorParams errorsOf(robot_vision::DepthSensor sensor)
+{
+  robot_vision::DepthErrorParams errors;
+  if (sensor != robot_vision::DepthSensor::kStereo) return errors;
+  errors.depth_noise = 0.0015;
+  errors.depth_noise_growth = 0.0055;
+  errors.depth_step = 0.0012;
+  errors.depth_correlation = 25;
+  return errors;
+}
 
 /// All sample meshes, each in scenes of its own, which are the same for the same seed.
 inline std::vector<Object> allObjects(std::uint64_t seed)

@@ -121,3 +121,41 @@ TEST(ObjectRecognizer, findsEachObjectOnceWhereItIs)
     EXPECT_EQ(reasonText(report), "found");
   }
 }
+
+TEST(ObjectRecognizer, aHandleIsTheOneThatIsSeenAndNotHidden)
+{
+  // A cup whose handle is to the right, and a board before its left side: turned round, the handle would be behind it.
+  // Its label is on the other side than the mesh's, so that all evidence but the handle is for the pose in which that
+  // is hidden.
+  const auto withLabel = [](float y)
+  {
+    Mesh mesh = cylinderMesh(0.04F, 0.09F, 48, {200, 200, 200});
+    append(mesh, boxMesh({0.012F, 0.012F, 0.05F}, {200, 200, 200}, {0.045F, 0.0F, 0.0F}));
+    append(mesh, boxMesh({0.036F, 0.004F, 0.04F}, {40, 60, 200}, {0.0F, y, 0.0F}));
+    return mesh;
+  };
+  const Mesh cup = withLabel(0.04F);
+  const auto shape = std::make_shared<ObjectShape>(cup);
+  const cv::Matx33d upright(1, 0, 0, 0, 0, -1, 0, 1, 0), round(-1, 0, 0, 0, -1, 0, 0, 0, 1);
+  const cv::Affine3d truth(upright, cv::Vec3d(0.0, 0.0, 0.7));
+  ObjectScene scene(kCamera);
+  scene.add(withLabel(-0.04F), truth);
+  scene.addTable({0.0, 0.0, 1.0}, {0.0, -0.3, -1.0});
+  scene.add(boxMesh({0.06F, 0.2F, 0.01F}, {60, 90, 160}), {cv::Matx33d::eye(), cv::Vec3d(-0.068, 0.0, 0.6)});
+  cv::Mat bgr, depth;
+  scene.draw(DepthSensor::kKinect, 0, bgr, depth);
+  RecognitionFrame frame(kCamera);
+  frame.set(bgr, depth);
+  PoseCandidate hidden, seen;
+  hidden.pose = cv::Affine3d(upright * round, truth.translation());
+  hidden.score = 0.9;
+  seen.pose = truth;
+  seen.score = 0.5;
+  ObjectRecognizer recognizer;
+  recognizer.add(shape);
+  const Recognition alone = recognizer.recognize(frame, {hidden});
+  ASSERT_EQ(alone.objects.size(), 1u);  // nothing else speaks against it
+  const Recognition found = recognizer.recognize(frame, {hidden, seen});
+  ASSERT_EQ(found.objects.size(), 1u);
+  EXPECT_LT(angleBetween(found.objects[0].pose, truth), 5.0);
+}

@@ -116,6 +116,44 @@ TEST(PoseVerifier, aHidingThingIsNoProofOfTheObject)
   }
 }
 
+TEST(PoseVerifier, whereAnObjectHasNoDepthItsOutlineIsNotMissed)
+{
+  // A board hides the left part, and right of it a Kinect, whose projector it shades, measures nothing of the object.
+  PoseVerifier verifier;
+  for (int i = 0; i < 4; ++i)
+  {
+    const Shot shot(i, DepthSensor::kExact, {true, true}, 0.4);
+    const PoseVerdict all = verifier.verify(shot.frame, block(), shot.truth);
+    cv::Mat shaded = shot.depth.clone(), hiding = shot.depth < 0.7F, near;
+    cv::dilate(hiding, near, cv::Mat::ones(1, 31, CV_8UC1));
+    shaded.setTo(std::numeric_limits<float>::quiet_NaN(), near);
+    RecognitionFrame frame(kCamera);
+    frame.set(shot.bgr, shaded);
+    const PoseVerdict verdict = verifier.verify(frame, block(), shot.truth);
+    EXPECT_GT(verdict.evidence.unknown, 0.2) << i;
+    EXPECT_GT(verdict.evidence.outline, 0.95) << i;
+    EXPECT_GT(verdict.probability, kThreshold) << i;
+    EXPECT_NEAR(verdict.evidence.outline, all.evidence.outline, 0.05) << i;
+  }
+}
+
+TEST(PoseVerifier, theNoiseOfTheSensorIsNoMisfit)
+{
+  DepthErrorParams stereo;
+  stereo.depth_noise_growth = 0.0055;
+  for (int i = 0; i < 4; ++i)
+  {
+    const DepthSensor sensor = i % 2 == 0 ? DepthSensor::kKinect : DepthSensor::kStereo;
+    const Shot shot(i, sensor, {true, true});
+    PoseVerifier verifier(VerifierParams(), sensor == DepthSensor::kStereo ? stereo : DepthErrorParams());
+    const PoseEvidence evidence = verifier.verify(shot.frame, block(), shot.truth).evidence;
+    EXPECT_NEAR(evidence.misfit, evidence.noise, 0.2) << i;
+    const cv::Affine3d behind = shot.truth.translate({0.0, 0.0, 0.006});
+    const PoseEvidence other = verifier.verify(shot.frame, block(), behind).evidence;
+    EXPECT_GT(other.misfit, other.noise + 0.5) << i;
+  }
+}
+
 TEST(PoseVerifier, aPartOfALargerPlaneIsNoFlatObject)
 {
   // All depths agree, and so do the normals; nothing ends where the object should.

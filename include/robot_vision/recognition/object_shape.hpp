@@ -39,7 +39,10 @@ public:
   const MeshRenderer& renderer() const;
   const MeshExtent& extent() const { return renderer().extent(); }
 
-  /// Those that are known, in the mesh's frame: none, one, or three of a ball.
+  /// Those that are known.
+  const SymmetryGroup& symmetries() const;
+
+  /// The axes of those that are known, in the mesh's frame: none, one, or three of a ball.
   const std::vector<FreeAxis>& freeAxes() const;
 
   /// Whether its colors tell it from others: it has a texture, colors of its vertices, or a color that is no gray.

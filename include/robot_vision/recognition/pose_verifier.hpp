@@ -42,6 +42,7 @@ struct PoseEvidence
   double hidden = 0.0;    // where something before it is seen
   double unknown = 0.0;   // without a depth; with those above 1
   double misfit = 0.0;    // root mean square distance of what agrees, in standard deviations
+  double noise = 0.0;     // what the misfit is if it is the sensor's noise alone
   double normals = 0.0;   // share of the parts of what agrees that have the surface's normal
   double outline = 0.0;   // share of its outline, as far as it is not hidden, where the frame changes
   double inner = 0.0;     // the same of its creases and of the edges of its texture

@@ -50,7 +50,9 @@ Support depthSupport(const ContourSearch& search, const cv::Point2d& place, cons
   if (!contour.is_outline) return Support::kNone;
   const auto outside = static_cast<double>(search.depthAt(place + way));
   if (outside < depth - gate) return Support::kHidden;
-  if (std::isnan(outside) || std::isnan(inside)) return Support::kUntold;
+  // Where the object itself has no depth, something may hide it: beside what is near, a Kinect measures none.
+  if (std::isnan(inside)) return Support::kHidden;
+  if (std::isnan(outside)) return Support::kUntold;
   return outside > depth + gate && inside < depth + gate ? Support::kFound : Support::kNone;
 }
 

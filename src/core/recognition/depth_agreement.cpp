@@ -58,7 +58,7 @@ void DepthAgreement::compare(const RenderedRegion& region, const RecognitionFram
   deviations_.create(size, CV_32FC1);
   for (int y = 0; y < size.height; ++y)
     compareRow(region, frame, y);
-  count(evidence);
+  count(depthDeviation(region.center[2], errors_), evidence);
   evidence.pixels *= region.step * region.step;
   evidence.normals = normalAgreement(region);
 }
@@ -92,11 +92,12 @@ void DepthAgreement::compareRow(const RenderedRegion& region, const RecognitionF
   }
 }
 
-/// Counts the states. At the border of what is drawn, what is behind it may be seen a part of a pixel early.
-void DepthAgreement::count(PoseEvidence& evidence) const
+/// Counts the states; `noise` is the standard deviation (m) of a depth there. At the border of what is drawn, what is
+/// behind it may be seen a part of a pixel early.
+void DepthAgreement::count(double noise, PoseEvidence& evidence) const
 {
   int counts[5] = {};
-  double squares = 0.0;
+  double squares = 0.0, expected = 0.0;
   const auto isEmpty = [&](int x, int y)
   { return x < 0 || y < 0 || x >= states_.cols || y >= states_.rows || states_.at<std::uint8_t>(y, x) == kEmpty; };
   for (int y = 0; y < states_.rows; ++y)
@@ -108,7 +109,9 @@ void DepthAgreement::count(PoseEvidence& evidence) const
       ++counts[state];
       if (state != kAgreeing) continue;
       const double normalized = static_cast<double>(differences_.at<float>(y, x) / deviations_.at<float>(y, x));
+      const double noise_alone = noise / static_cast<double>(deviations_.at<float>(y, x));
       squares += normalized * normalized;
+      expected += noise_alone * noise_alone;
     }
   const double all = counts[kAgreeing] + counts[kPierced] + counts[kHidden] + counts[kUnknown];
   evidence.pixels = counts[kAgreeing];
@@ -118,6 +121,7 @@ void DepthAgreement::count(PoseEvidence& evidence) const
   evidence.hidden = counts[kHidden] / all;
   evidence.unknown = counts[kUnknown] / all;
   evidence.misfit = counts[kAgreeing] > 0 ? std::sqrt(squares / counts[kAgreeing]) : kNan;
+  evidence.noise = counts[kAgreeing] > 0 ? std::sqrt(expected / counts[kAgreeing]) : kNan;
 }
 
 /// The share of the blocks in which the differences have no slope but that of the noise; NaN if that tells nothing.

@@ -34,7 +34,7 @@ public:
 
 private:
   void compareRow(const RenderedRegion& region, const RecognitionFrame& frame, int y);
-  void count(PoseEvidence& evidence) const;
+  void count(double noise, PoseEvidence& evidence) const;
   double normalAgreement(const RenderedRegion& region) const;
 
   DepthErrorParams errors_;

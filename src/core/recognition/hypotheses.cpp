@@ -40,7 +40,8 @@ void Hypotheses::look(const RecognitionFrame& frame, const ObjectShape& shape, c
   const cv::Rect box = projectedBox(shape.extent(), candidate.pose, frame.camera().K, frame.size());
   if (box.empty()) return refuse(MissReason::kOutside);
   if (box.area() < kMinPixels) return refuse(MissReason::kTooSmall);
-  Hypothesis hypothesis{candidate.pose, candidate.pose * shape.extent().center, candidate.score, candidate.score};
+  Hypothesis hypothesis{candidate.pose, candidate.pose, candidate.pose * shape.extent().center, candidate.score,
+                        candidate.score};
   if (frame.hasDepth())
   {
     const CoarseFit fit = coarse_.check(frame, shape, candidate.pose);

@@ -1,6 +1,7 @@
 #include "model_trials.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 namespace robot_vision
@@ -11,13 +12,36 @@ namespace
 constexpr double kPlace = 0.4;        // of the diameter: hypotheses that are nearer are at one place
 constexpr double kMinLogOdds = -3.0;  // of a pose whose look-alikes are tried
 constexpr int kQuickPixels = 500;     // that are looked at first
-constexpr double kMinQuick = -2.0;    // log odds by these, before a pose is refined
+constexpr double kMinQuick = -4.0;    // log odds by these, before a pose is refined
 constexpr double kMaxGain = 4.0;      // by which they may become larger when it is
+constexpr double kMaxLoss = 1.5;      // of log odds by these, by which another pose than one that is sure may be worse
+constexpr double kOther = 0.35;       // rad, by which such a pose is turned
+// What the logarithm of the pixels that a pose explains adds to its log odds, when it is refined and before: some
+// pixels more are chance then.
+constexpr double kExplained = 60.0, kQuickExplained = 20.0;
 
 VerifierParams withFewPixels(VerifierParams params)
 {
   params.max_pixels = std::min(params.max_pixels, kQuickPixels);
   return params;
+}
+
+/// What a pose explains of what is seen at a place is the more in favor of it, the less others there explain. What one
+/// of them calls hidden, while another one finds the object's surface there, speaks against it, though something may
+/// well hide an object: the handle of a mug is behind what is before the mug, or it is the one that is seen.
+double explained(double pixels, double weight)
+{
+  return weight * std::log(std::max(pixels, 1.0));
+}
+
+double preference(const PoseVerdict& verdict)
+{
+  return verdict.log_odds + explained(verdict.evidence.pixels, kExplained);
+}
+
+bool isSamePlace(const cv::Vec3d& a, const cv::Vec3d& b, const MeshExtent& extent)
+{
+  return cv::norm(a - b) < kPlace * extent.diameter;
 }
 
 /// A pose of an object after it was turned about its own center.
@@ -48,11 +72,12 @@ const std::vector<Trial>& ModelTrials::run(const RecognitionFrame& frame, const 
   {
     if (report.refined >= params_.max_refined) break;
     Place& place = placeOf(hypothesis, shape.extent());
-    if (place.tried >= params_.max_per_place || isDecided(place, hypothesis)) continue;
+    if (place.tried >= params_.max_per_place || isDecided(place, hypothesis, shape)) continue;
     ++place.tried;
     ++report.refined;
     Trial trial = tryPose(frame, shape, hypothesis.pose, hypothesis.score, report);
-    if (!place.best || trial.verdict.log_odds > place.best->verdict.log_odds) place.best = std::move(trial);
+    trial.quality = hypothesis.quality;
+    if (!place.best || isBetter(trial.verdict, place.best->verdict)) place.best = std::move(trial);
   }
   for (Place& place : places_)
   {
@@ -70,27 +95,63 @@ const std::vector<Hypothesis>& ModelTrials::promising(const RecognitionFrame& fr
   promising_ = hypotheses_.select(frame, shape, candidates, report);
   if (!frame.hasDepth()) return promising_;  // contours are not where they should be before a pose is refined
   for (Hypothesis& hypothesis : promising_)
-    hypothesis.quality = quick_verifier_.verify(frame, shape, hypothesis.pose).log_odds;
+  {
+    const PoseVerdict moved = quick_verifier_.verify(frame, shape, hypothesis.pose);
+    const PoseVerdict first = quick_verifier_.verify(frame, shape, hypothesis.first);
+    // What has moved it goes by a few depths, which noise can draw aside.
+    if (first.log_odds > moved.log_odds) hypothesis.pose = hypothesis.first;
+    hypothesis.quality = std::max(first.log_odds, moved.log_odds);
+    hypothesis.pixels = std::max(first.evidence.pixels, moved.evidence.pixels);
+  }
   const auto end = std::remove_if(promising_.begin(), promising_.end(),
                                   [](const Hypothesis& hypothesis) { return hypothesis.quality < kMinQuick; });
   if (end != promising_.end()) report.reason = std::max(report.reason, MissReason::kNotThere);
   promising_.erase(end, promising_.end());
+  preferWhatExplainsMost(shape.extent());
   std::stable_sort(promising_.begin(), promising_.end(),
                    [](const Hypothesis& a, const Hypothesis& b) { return a.quality > b.quality; });
   return promising_;
 }
 
-/// Whether a pose is sure, or so much better than another one seems to be that this need not be tried.
-bool ModelTrials::isDecided(const Place& place, const Hypothesis& other) const
+/// Lowers the quality of hypotheses that explain less than others at their place.
+void ModelTrials::preferWhatExplainsMost(const MeshExtent& extent)
+{
+  std::vector<double> most;
+  for (const Hypothesis& hypothesis : promising_)
+  {
+    double pixels = 0.0;
+    for (const Hypothesis& other : promising_)
+      if (isSamePlace(hypothesis.center, other.center, extent)) pixels = std::max(pixels, other.pixels);
+    most.push_back(pixels);
+  }
+  for (std::size_t i = 0; i < promising_.size(); ++i)
+    promising_[i].quality += explained(promising_[i].pixels, kQuickExplained) - explained(most[i], kQuickExplained);
+}
+
+/// Whether another pose need not be tried: it seems to be so much worse than the best one, or that one is sure and the
+/// other is no other way to explain what is seen.
+bool ModelTrials::isDecided(const Place& place, const Hypothesis& other, const ObjectShape& shape) const
 {
   if (!place.best) return false;
-  return place.best->verdict.probability >= params_.sure || place.best->verdict.log_odds > other.quality + kMaxGain;
+  const PoseVerdict& best = place.best->verdict;
+  if (best.log_odds > other.quality + kMaxGain) return true;
+  if (best.probability < params_.sure) return false;
+  return place.best->quality > other.quality + kMaxLoss ||
+         shape.symmetries().angle(place.best->refined.pose.rotation(), other.pose.rotation()) < kOther;
+}
+
+/// Of two poses at a place; none that is too improbable is better than one that is not.
+bool ModelTrials::isBetter(const PoseVerdict& verdict, const PoseVerdict& than) const
+{
+  if ((verdict.probability < params_.threshold) != (than.probability < params_.threshold))
+    return verdict.probability > than.probability;
+  return preference(verdict) > preference(than);
 }
 
 ModelTrials::Place& ModelTrials::placeOf(const Hypothesis& hypothesis, const MeshExtent& extent)
 {
   for (Place& place : places_)
-    if (cv::norm(place.center - hypothesis.center) < kPlace * extent.diameter) return place;
+    if (isSamePlace(place.center, hypothesis.center, extent)) return place;
   places_.push_back({hypothesis.center, 0, std::nullopt});
   return places_.back();
 }
@@ -113,18 +174,18 @@ void ModelTrials::tryLookAlikes(const RecognitionFrame& frame, const ObjectShape
 {
   if (!frame.hasColors() || best.verdict.log_odds < kMinLogOdds) return;
   const cv::Affine3d pose = best.refined.pose;
-  double most = best.verdict.log_odds;
+  PoseVerdict most = best.verdict;
   const cv::Matx33d* better = nullptr;
   for (const cv::Matx33d& turn : shape.lookAlikes())
   {
-    const double log_odds = verifier_.verify(frame, shape, turned(pose, turn, shape.extent().center)).log_odds;
-    if (log_odds <= most) continue;
-    most = log_odds;
+    PoseVerdict verdict = verifier_.verify(frame, shape, turned(pose, turn, shape.extent().center));
+    if (!isBetter(verdict, most)) continue;
+    most = std::move(verdict);
     better = &turn;
   }
   if (better == nullptr) return;
   Trial other = tryPose(frame, shape, turned(pose, *better, shape.extent().center), best.match_score, report);
-  if (other.verdict.log_odds > best.verdict.log_odds) best = std::move(other);
+  if (isBetter(other.verdict, best.verdict)) best = std::move(other);
 }
 
 }  // namespace robot_vision

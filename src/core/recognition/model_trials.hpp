@@ -15,6 +15,7 @@ struct Trial
   RefinedPose refined;
   PoseVerdict verdict;
   double match_score = 0.0;  // of its candidate
+  double quality = 0.0;      // of its hypothesis
 };
 
 /// Refines and verifies what is most promising of a model, not much more than once at each place.
@@ -24,8 +25,9 @@ public:
   ModelTrials(const RecognizerParams& params, const RefinerParams& refiner, const VerifierParams& verifier,
               const DepthErrorParams& errors);
 
-  /// The best pose at each place, of those candidates that come first; notes in the report what became of them. Valid
-  /// until the next call.
+  /// The best pose at each place, of those candidates that come first; notes in the report what became of them. Of
+  /// poses at a place one is right at most: that counts, too, of how much of what is seen there it is the explanation.
+  /// Valid until the next call.
   const std::vector<Trial>& run(const RecognitionFrame& frame, const ObjectShape& shape,
                                 const std::vector<PoseCandidate>& candidates, ModelReport& report);
 
@@ -40,8 +42,10 @@ private:
 
   const std::vector<Hypothesis>& promising(const RecognitionFrame& frame, const ObjectShape& shape,
                                            const std::vector<PoseCandidate>& candidates, ModelReport& report);
+  void preferWhatExplainsMost(const MeshExtent& extent);
+  bool isBetter(const PoseVerdict& verdict, const PoseVerdict& than) const;
   Place& placeOf(const Hypothesis& hypothesis, const MeshExtent& extent);
-  bool isDecided(const Place& place, const Hypothesis& other) const;
+  bool isDecided(const Place& place, const Hypothesis& other, const ObjectShape& shape) const;
   Trial tryPose(const RecognitionFrame& frame, const ObjectShape& shape, const cv::Affine3d& pose, double match_score,
                 ModelReport& report);
   void tryLookAlikes(const RecognitionFrame& frame, const ObjectShape& shape, Trial& best, ModelReport& report);

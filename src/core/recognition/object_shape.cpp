@@ -47,7 +47,7 @@ bool isColored(const Mesh& mesh)
 
 struct ObjectShape::Impl
 {
-  Impl(const Mesh& mesh, const SymmetryGroup& symmetries) : renderer(mesh), has_colors(isColored(mesh))
+  Impl(const Mesh& mesh, const SymmetryGroup& group) : renderer(mesh), symmetries(group), has_colors(isColored(mesh))
   {
     const MeshExtent& extent = renderer.extent();
     require(extent.diameter > 0.0, "the diameter of the mesh", extent.diameter, "above 0");
@@ -105,6 +105,7 @@ struct ObjectShape::Impl
   }
 
   MeshRenderer renderer;
+  SymmetryGroup symmetries;
   std::vector<FreeAxis> free_axes;
   bool has_colors;
   std::vector<SurfaceView> views;
@@ -121,6 +122,11 @@ ObjectShape::~ObjectShape() = default;
 const MeshRenderer& ObjectShape::renderer() const
 {
   return impl_->renderer;
+}
+
+const SymmetryGroup& ObjectShape::symmetries() const
+{
+  return impl_->symmetries;
 }
 
 const std::vector<FreeAxis>& ObjectShape::freeAxes() const

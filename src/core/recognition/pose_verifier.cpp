@@ -47,7 +47,8 @@ const VerificationWeights& weightsFor(const RecognitionFrame& frame)
 PoseEvidence nothingKnown()
 {
   PoseEvidence evidence;
-  evidence.agreeing = evidence.pierced = evidence.hidden = evidence.misfit = evidence.normals = kNan;
+  evidence.agreeing = evidence.pierced = evidence.hidden = kNan;
+  evidence.misfit = evidence.noise = evidence.normals = kNan;
   evidence.outline = evidence.inner = evidence.colors = evidence.pattern = kNan;
   evidence.unknown = 1.0;
   return evidence;
@@ -62,7 +63,7 @@ std::vector<double> evidenceFeatures(const PoseEvidence& evidence)
   const double visible = evidence.agreeing / std::max(1.0 - evidence.unknown, 1e-9);
   return {about(solid, 1.3),
           about(visible, 0.7),
-          about(evidence.misfit, 1.0),
+          about(evidence.misfit - evidence.noise, 0.0),
           about(evidence.normals, 0.8),
           about(evidence.outline, 0.7),
           about(evidence.inner, 0.5),
