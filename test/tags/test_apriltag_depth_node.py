@@ -71,8 +71,9 @@ def is_fused(answer):
 class DepthStudio(Studio):
     """A Studio with a depth camera.
 
-    Its frames are so far apart in time that no pose is averaged over them: of a tag at rest, which
-    is seen more often on a busy machine, corners alone tell the tilt as well as depth in time.
+    Its frames are farther apart in time than max_gap of the poses, so that none is averaged over
+    them: of a tag at rest, which is seen more often on a busy machine, corners alone tell the tilt
+    as well as depth in time.
     """
 
     def __init__(self, start, *arguments):
@@ -83,7 +84,7 @@ class DepthStudio(Studio):
         self.depth_info = None
         self.frame, self.lag = "eye", -BEFORE
         words = f"depth:={self.depth_topic}", *arguments
-        super().__init__(start, *words, info=calibrated(), rate=2.0)
+        super().__init__(start, *words, info=calibrated(), rate=1.0)
         self.depth.wait_for()
         self.depth_infos.wait_for()
 
