@@ -21,7 +21,7 @@ struct RecognizerParams
   double threshold = 0.7;
   double sure = 0.98;
   int max_candidates = 100;
-  int max_refined = 12;
+  int max_refined = 8;
   int max_per_place = 6;
   double min_unclaimed = 0.5;
 

@@ -12,7 +12,7 @@ namespace
 constexpr double kPlace = 0.4;        // of the diameter: hypotheses that are nearer are at one place
 constexpr double kMinLogOdds = -3.0;  // of a pose whose look-alikes are tried
 constexpr int kQuickPixels = 500;     // that are looked at first
-constexpr double kMinQuick = -4.0;    // log odds by these, before a pose is refined
+constexpr double kMinQuick = -3.0;    // log odds by these, before a pose is refined
 constexpr double kMaxGain = 4.0;      // by which they may become larger when it is
 constexpr double kMaxLoss = 1.5;      // of log odds by these, by which another pose than one that is sure may be worse
 constexpr double kOther = 0.35;       // rad, by which such a pose is turned
