@@ -10,11 +10,11 @@ OCCLUSIONS = (0, 20, 40, 60)  # %
 TEXT = """Sample meshes on a table among other things, drawn with the noise of a Kinect and of
 stereo: {scenes} frames of each of {objects} objects, a third of them without it; the same
 for all, on one thread. Found: the mean distance of the points (ADD, or ADD-S with
-symmetries) is below a tenth of the diameter; so a mug whose handle is hidden is not found
-if it is elsewhere. False: of a frame without the object; wrong: of all frames. What refines
-and verifies is told which of the two sensors it is. cv::linemod has the views and thresholds
-of object_recognition_core, and the ICP of cv::ppf_match_3d. Errors are medians of what was
-found.
+symmetries) is below a tenth of the diameter: a mug whose handle nobody can see counts as
+wrong if its handle is elsewhere. False: of a frame without the object; wrong: of all
+frames. What refines and verifies is told which of the two sensors it is. cv::linemod has
+the views and thresholds of object_recognition_core, and the ICP of cv::ppf_match_3d.
+Errors are medians of what was found.
 
 """
 

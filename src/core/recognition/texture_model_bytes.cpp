@@ -35,10 +35,8 @@ void get(int& number, ByteReader& from)
 template <class Point, class Visit>
 void visitFloats(Point& point, const Visit& visit)
 {
-  for (int i = 0; i < 3; ++i)
-    visit(point.position[i]);
-  for (int i = 0; i < 3; ++i)
-    visit(point.direction[i]);
+  visitThree(point.position, visit);
+  visitThree(point.direction, visit);
   visit(point.size);
 }
 

@@ -36,10 +36,8 @@ ViewFeature readFeature(ByteReader& from)
 template <class AnyView, class Visit>
 void visitView(AnyView& view, const Visit& visit)
 {
-  for (int i = 0; i < 3; ++i)
-    visit(view.rotation[i]);
-  for (int i = 0; i < 3; ++i)
-    visit(view.center[i]);
+  visitThree(view.rotation, visit);
+  visitThree(view.center, visit);
   visit(view.box.x);
   visit(view.box.y);
   visit(view.box.width);
@@ -51,8 +49,7 @@ void visitView(AnyView& view, const Visit& visit)
 template <class AnySymmetry, class Visit>
 void visitSymmetry(AnySymmetry& symmetry, const Visit& visit)
 {
-  for (int i = 0; i < 3; ++i)
-    visit(symmetry.axis[i]);
+  visitThree(symmetry.axis, visit);
   visit(symmetry.fold);
 }
 
