@@ -1,14 +1,13 @@
 """What the node says on /diagnostics: what is found, and of what is not the reason."""
 
-import time
-from typing import Dict, List, Mapping, Sequence
+from typing import Dict, Mapping, Sequence
 
 import rospy
-from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
+from diagnostic_msgs.msg import DiagnosticStatus
 
 from ..common.plain_text import printable
 from ..common.throttle import Throttle
-from ..ros.params import read_param
+from ..ros.status_topic import StatusTopic
 
 PROBLEM_PERIOD = 30.0  # s until a problem is logged again
 
@@ -21,9 +20,7 @@ class RecognitionReport:
     """
 
     def __init__(self) -> None:
-        self._period = read_param("diagnostic_period", 1.0, 0.01, 3600.0)
-        self._publisher = rospy.Publisher("/diagnostics", DiagnosticArray, queue_size=1)
-        self._last = float("-inf")  # s of the monotonic clock, of the newest status
+        self._status = StatusTopic("objects")
         self._problem, self._logged = "", ""
         self._throttle = Throttle(PROBLEM_PERIOD)
         self._lacks: Sequence[str] = ()
@@ -56,21 +53,7 @@ class RecognitionReport:
 
     def publish(self) -> None:
         """Publishes the status if it is due."""
-        now = time.monotonic()
-        if now - self._last < self._period:
-            return
-        self._last = now
-        level, text = self._summary()
-        status = DiagnosticStatus(
-            level=level,
-            name=f"{rospy.get_name().lstrip('/')}: objects",
-            message=text,
-            hardware_id="none",
-            values=self._values(),
-        )
-        message = DiagnosticArray(status=[status])
-        message.header.stamp = rospy.Time.now()
-        self._publisher.publish(message)
+        self._status.publish(lambda: (*self._summary(), self._values()))
 
     def _summary(self) -> "tuple[int, str]":
         if self._problem:
@@ -80,5 +63,5 @@ class RecognitionReport:
             return DiagnosticStatus.WARN, self._lacks[0] + more
         return DiagnosticStatus.OK, f"{self._seen} recognized of {len(self._found)} known objects"
 
-    def _values(self) -> List[KeyValue]:
-        return [KeyValue(printable(name), text) for name, text in sorted(self._found.items())]
+    def _values(self) -> Dict[str, str]:
+        return {printable(name): text for name, text in sorted(self._found.items())}

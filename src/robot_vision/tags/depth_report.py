@@ -1,14 +1,13 @@
 """What the node says of a depth camera: on /diagnostics, and in the log if it does not fit."""
 
-import time
 from typing import Dict, Iterable, Tuple
 
 import rospy
-from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
+from diagnostic_msgs.msg import DiagnosticStatus
 
 from .. import CameraModel, DepthErrorParams, TagPoseParams
 from ..common.throttle import Throttle
-from ..ros.params import read_param
+from ..ros.status_topic import StatusTopic
 from .depth_check import DepthCheck
 from .tag_poses import LocatedTag
 
@@ -31,12 +30,9 @@ class DepthReport:
     def __init__(self, topic: str):
         self.max_error = 0.0
         self._topic = topic
-        self._period = read_param("diagnostic_period", 1.0, 0.01, 3600.0)
         self._check = DepthCheck()
         self._warnings = Throttle(10.0)
-        self._last = float("-inf")  # s of the monotonic clock, of the newest status
-        if topic:
-            self._publisher = rospy.Publisher("/diagnostics", DiagnosticArray, queue_size=1)
+        self._status = StatusTopic("depth") if topic else None
 
     def add(
         self,
@@ -52,21 +48,10 @@ class DepthReport:
 
     def publish(self) -> None:
         """Publishes the status if it is due."""
-        now = time.monotonic()
-        if not self._topic or now - self._last < self._period:
-            return
-        self._last = now
-        level, text = summary(self._check, self._topic, self.max_error)
-        status = DiagnosticStatus(
-            level=level,
-            name=f"{rospy.get_name().lstrip('/')}: depth",
-            message=text,
-            hardware_id="none",
-            values=[KeyValue(name, value) for name, value in values(self._check).items()],
-        )
-        message = DiagnosticArray(status=[status])
-        message.header.stamp = rospy.Time.now()
-        self._publisher.publish(message)
+        if self._status is not None:
+            self._status.publish(
+                lambda: (*summary(self._check, self._topic, self.max_error), values(self._check))
+            )
 
 
 def summary(check: DepthCheck, topic: str, max_error: float) -> Tuple[int, str]:

@@ -1,0 +1,48 @@
+"""What a node says on /diagnostics besides the statistics of its images."""
+
+import time
+from typing import Callable, Mapping, Tuple
+
+import rospy
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
+
+from .params import read_param
+
+Status = Tuple[int, str, Mapping[str, str]]  # level of DiagnosticStatus, message, values by name
+
+
+class StatusTopic:
+    """Publishes a status `<node>: <name>`, once in ~diagnostic_period.
+
+    Args:
+        name: What the status is about.
+
+    Raises:
+        ValueError: ~diagnostic_period is out of range.
+    """
+
+    def __init__(self, name: str):
+        self._name = name
+        self._period = read_param("diagnostic_period", 1.0, 0.01, 3600.0)
+        self._publisher = rospy.Publisher("/diagnostics", DiagnosticArray, queue_size=1)
+        self._last = float("-inf")  # s of the monotonic clock, of the newest status
+
+    def publish(self, status: Callable[[], Status]) -> None:
+        """Publishes what `status` returns if it is due."""
+        now = time.monotonic()
+        if now - self._last < self._period:
+            return
+        self._last = now
+        level, text, values = status()
+        message = DiagnosticArray()
+        message.header.stamp = rospy.Time.now()
+        message.status = [
+            DiagnosticStatus(
+                level=level,
+                name=f"{rospy.get_name().lstrip('/')}: {self._name}",
+                message=text,
+                hardware_id="none",
+                values=[KeyValue(name, value) for name, value in values.items()],
+            )
+        ]
+        self._publisher.publish(message)
