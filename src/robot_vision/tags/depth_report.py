@@ -32,7 +32,7 @@ class DepthReport:
         self._topic = topic
         self._check = DepthCheck()
         self._warnings = Throttle(10.0)
-        self._status = StatusTopic("depth") if topic else None
+        self._status = StatusTopic("depth")
 
     def add(
         self,
@@ -48,7 +48,7 @@ class DepthReport:
 
     def publish(self) -> None:
         """Publishes the status if it is due."""
-        if self._status is not None:
+        if self._topic:
             self._status.publish(
                 lambda: (*summary(self._check, self._topic, self.max_error), values(self._check))
             )
