@@ -187,6 +187,12 @@ class LiveParams:
     def _require_ranges(self, config: Dict[str, Any]) -> None:
         for name, low in self._type.min.items():
             high = self._type.max[name]
+            kind = type(self._type.defaults[name])
+            # A client may have put a value into the list of another type.
+            if type(config[name]) not in ((int, float) if kind is float else (kind,)):
+                raise ValueError(
+                    f"{name} is {brief(config[name])}, must be of type {kind.__name__}"
+                )
             if low != "" and type(config[name]) is not bool:
                 require_range(name, config[name], low, high)
 
