@@ -251,6 +251,8 @@ class _Process:
 
     def stop(self) -> None:
         """Ends the roscpp node; a callback that never returns is left behind."""
+        if self._stopped:  # At the end of a process there is another call, which need not wait.
+            return
         self._stopped = True
         self.runtime.stop()
         if threading.current_thread() is not self._thread:
