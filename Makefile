@@ -3,7 +3,7 @@
 PREFIX ?= /opt/robot_vision
 
 .DEFAULT_GOAL := help
-.PHONY: help deps build demo check test fuzz sanitize lint format docs bench install clean run-deps
+.PHONY: help deps build demo check test fuzz sanitize lint format docs bench train-detector install onnxruntime clean run-deps
 .NOTPARALLEL:
 MAKEFLAGS += --no-print-directory
 
@@ -52,9 +52,17 @@ docs: deps build
 bench: deps build
 	@tools/env --source .ws/devel/setup.bash test/benchmarks/run $(ARGS)
 
+## make train-detector  train the small network of config/networks on the scene, with PyTorch; ARGS="--seed 2"
+train-detector: deps build
+	@tools/env --source .ws/devel/setup.bash tools/train_detector $(ARGS)
+
 ## make install   into PREFIX (default /opt/robot_vision) below DESTDIR; then `source PREFIX/setup.bash`
 install: build
 	@tools/env tools/install "$(PREFIX)" "$(DESTDIR)"
+
+## make onnxruntime  for this user, without root: object_detector then runs ONNX models by it, two to four times as fast
+onnxruntime: run-deps
+	@tools/env tools/onnxruntime
 
 ## make deps      install what building, running and testing need (apt, through rosdep and package.xml)
 deps:

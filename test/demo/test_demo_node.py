@@ -1,5 +1,6 @@
 """The demo on real input: a video of a photograph runs through its graph to the edges."""
 
+import functools
 import pathlib
 import re
 
@@ -194,6 +195,40 @@ def test_demo_finds_what_is_in_the_scene(scene_demo):
     assert "/cmd_vel" not in dict(rospy.get_published_topics())  # a demo drives no robot
 
 
+def overlap(detection, thing):
+    """Intersection over union of a detection's box and the box of a thing's true outline."""
+    outline = np.array([(point.x, point.y) for point in thing.outline])
+    left, top = np.array((detection.box.x_offset, detection.box.y_offset)) - 0.5
+    right, bottom = left + detection.box.width, top + detection.box.height
+    low = np.maximum(outline.min(axis=0), (left, top))
+    high = np.minimum(outline.max(axis=0), (right, bottom))
+    common = np.prod(np.maximum(high - low, 0.0))
+    return common / (np.prod(np.ptp(outline, axis=0)) + (right - left) * (bottom - top) - common)
+
+
+def test_the_network_of_the_package_finds_and_follows_what_is_in_the_scene(scene_demo):
+    truths = support.Messages("/usb_cam/ground_truth", GroundTruth)
+    objects = support.Messages("/object_detector/objects", DetectionArray)
+
+    def is_found(name, label, predicted):
+        truth, found = support.same_frame(truths, objects)
+        thing = true_object(truth, name)
+        return thing.visible and any(
+            one.label == label
+            and one.id > 0
+            and one.predicted == predicted
+            and overlap(one, thing) > 0.5
+            for one in found.detections
+        )
+
+    for name in ("ball", "tag_0", "tag_1", "qr_code", "checkerboard", "box", "poster"):
+        label = "tag" if name.startswith("tag") else name
+        for predicted, when in ((False, "seen"), (True, "in a frame between")):
+            support.wait_for(
+                functools.partial(is_found, name, label, predicted), f"the {name}, {when}"
+            )
+
+
 def distance(pose, truth, name):
     """How far (m) a pose is from the middle of the object of this name."""
     places = [matrix_of(one)[:3, 3] for one in (pose, true_object(truth, name).pose)]
@@ -230,6 +265,29 @@ def test_demo_finds_by_depth_where_things_are(scene_demo):
     support.wait_for(lambda: is_found("box", standing, 0.1), "the box on the floor")
     support.wait_for(lambda: is_found("ball", things, 0.03), "the ball in space")
     support.wait_for(tags_have_poses, "the tags by their depth")
+
+
+def test_what_the_network_finds_has_its_place_in_space(scene_demo, start):
+    depth = "/usb_cam/depth_registered/image_raw"
+    remapped = "detections:=/object_detector/objects", f"depth:={depth}"
+    start("detections_3d.py", "__name:=objects_3d", *remapped, "_frame_prefix:=network_")
+    truths = support.Messages("/usb_cam/ground_truth", GroundTruth)
+    things = support.subscribed("/objects_3d/detections", Detection3DArray)
+
+    def is_found(name, label, limit):
+        truth, found = support.same_frame(truths, things)
+        return any(
+            one.label == label and distance(one.pose.pose, truth, name) < limit
+            for one in found.detections
+        )
+
+    for name, label, limit in (
+        ("tag_0", "tag", 0.05),
+        ("qr_code", "qr_code", 0.08),
+        ("poster", "poster", 0.15),
+        ("ball", "ball", 0.15),  # its surface is located, which is 0.1 m before its middle
+    ):
+        support.wait_for(functools.partial(is_found, name, label, limit), f"the {name} in space")
 
 
 def test_the_portrait_is_enrolled_and_recognised(scene_demo, start, tmp_path):

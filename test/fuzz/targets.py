@@ -1,10 +1,8 @@
 """What hostile hands can reach in Python: messages and files, without a ROS master."""
 
 import io
-import os
 import re
-import tempfile
-from typing import Any, Dict, List, Type
+from typing import Dict, List, Type
 
 import cv2
 import genpy
@@ -12,7 +10,9 @@ import numpy as np
 import rosbag
 import rospy
 from geometry_msgs.msg import Point32
+from networks_to_open import CaffeModels, DarknetModels, OnnxEdits, OnnxModels
 from sensor_msgs.msg import CameraInfo, CompressedImage, Image, RegionOfInterest
+from target import Files, Target
 
 from robot_vision import (
     CameraModel,
@@ -48,18 +48,6 @@ HIGHEST = 2**32 - 1
 
 rng = np.random.RandomState(1)
 IMAGE = rng.randint(0, 256, (12, 16, 3), np.uint8)
-
-
-class Target:
-    """Something that takes bytes from others."""
-
-    def seeds(self) -> List[bytes]:
-        """Good ones."""
-        raise NotImplementedError
-
-    def run(self, data: bytes) -> None:
-        """Takes them, or raises one of REFUSALS."""
-        raise NotImplementedError
 
 
 def encoded(*suffixes: str) -> List[bytes]:
@@ -218,22 +206,6 @@ class Cameras(Target):
             assert re.fullmatch("[A-Za-z0-9_]+", name) and isinstance(parameters["source"], str)
 
 
-class Files(Target):
-    """Something that reads a file by its path."""
-
-    def __init__(self) -> None:
-        self._folder = tempfile.TemporaryDirectory()
-        self.path = os.path.join(self._folder.name, "file")
-
-    def run(self, data: bytes) -> None:
-        with open(self.path, "wb") as file:
-            file.write(data)
-        self.read()
-
-    def read(self) -> Any:
-        raise NotImplementedError
-
-
 class Colors(Files):
     """A YAML file that a color is saved into."""
 
@@ -367,13 +339,17 @@ TARGETS: Dict[str, Type[Target]] = {
     "bags": Bags,
     "bundles": Bundles,
     "camera_infos": CameraInfos,
+    "caffe_models": CaffeModels,
     "cameras": Cameras,
     "colors": Colors,
+    "darknet_models": DarknetModels,
     "detections": Detections,
     "faces": Faces,
     "images": Images,
     "meshes": Meshes,
     "messages": Messages,
+    "onnx_edits": OnnxEdits,
+    "onnx_models": OnnxModels,
     "places": Places,
     "selections": Selections,
     "textures": Textures,

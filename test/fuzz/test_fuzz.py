@@ -15,6 +15,10 @@ SLOW = {
     "colors": 200,
     "selections": 100,
     "textures": 200,
+    "onnx_edits": 300,
+    "onnx_models": 150,
+    "darknet_models": 200,
+    "caffe_models": 200,
 }  # inputs
 
 

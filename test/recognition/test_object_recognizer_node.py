@@ -11,8 +11,8 @@ import rospy
 import support
 from calibrated_camera import info_of
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from foreign_messages import foreign_messages
 from frames import Source, message, new_topic, pixels
-from ork_messages import their_messages
 from sensor_msgs.msg import CameraInfo, Image, PointCloud2
 from std_msgs.msg import Header
 from std_srvs.srv import Trigger
@@ -417,7 +417,7 @@ pipeline1:
 
 def test_clients_of_ork(start, kitchen, table, tmp_path):
     """Theirs in C++ and in Python, built with their own messages, and their action client."""
-    theirs = their_messages(tmp_path)
+    theirs = foreign_messages("object_recognition_msgs", tmp_path)
     file = write_ork(tmp_path, kitchen)
     eyes = Eyes(start, table, kitchen, "-c", file, program="detection")
     in_cpp = start("test_ork_client")

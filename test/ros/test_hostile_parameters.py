@@ -17,6 +17,7 @@ from std_msgs.msg import Header
 from robot_vision.camera.camera_list import parse_cameras
 from robot_vision.color.named_colors import NamedColors
 from robot_vision.demo import demo_status
+from robot_vision.dnn import check_for_objects
 from robot_vision.line import line_follower
 from robot_vision.recognition import recognize_action
 from robot_vision.ros import params, transport
@@ -197,6 +198,26 @@ AT_START = {
         "diagnostic_period": is_number(0.01, 3600.0),
         **IMAGE_NODE,
     },
+    "dnn.object_detector.ObjectDetector": {
+        "model": lambda value: value == "",
+        "weights": lambda value: value == "",
+        "class_names": lambda value: value == "",
+        "backend": lambda value: value in ("auto", "opencv"),
+        "head": lambda value: value == "auto",
+        "task": lambda value: value == "auto",
+        "input_width": lambda value: type(value) is int and value == 0,
+        "input_height": lambda value: type(value) is int and value == 0,
+        "fit": lambda value: value == "auto",
+        "pad": lambda value: type(value) is int and -1 <= value <= 255,
+        "order": lambda value: value == "auto",
+        "mean": lambda value: value == [],
+        "std": lambda value: value == [],
+        "affinity": lambda value: value in ([], [0]),
+        "background": is_flag,
+        "darknet_names": is_flag,
+        "diagnostic_period": is_number(0.01, 3600.0),
+        **IMAGE_NODE,
+    },
     "depth.tabletop.Tabletop": {"table_frame_id": is_name, **IMAGE_NODE},
     "viewer.simple_camera_view_node.CameraView": {
         "autosize": is_flag,
@@ -204,7 +225,7 @@ AT_START = {
     },
     "camera.camera_loader.CameraLoader": {"manager": is_name},
     "demo.demo_status.DemoStatus": {
-        name: is_flag for name in ("view", "basics", "depth", "recognition")
+        name: is_flag for name in ("view", "synthetic", "basics", "depth", "recognition")
     },
 }
 # Parameters that are read later, when values are saved or periodically, or only make a difference
@@ -224,7 +245,8 @@ def alone(at_start, monkeypatch, tmp_path):
         monkeypatch.setattr(rospy, name, nothing)
     monkeypatch.setattr(transport, "_process", lambda: nothing)
     monkeypatch.setattr(line_follower, "Drive", nothing)
-    monkeypatch.setattr(recognize_action, "actionlib", nothing)
+    for module in (recognize_action, check_for_objects):
+        monkeypatch.setattr(module, "actionlib", nothing)
     monkeypatch.setattr(demo_status, "threading", nothing)
     monkeypatch.setattr(simple_camera_view_node, "Window", nothing)
     monkeypatch.setattr(simple_camera_view_node, "require_display", nothing)

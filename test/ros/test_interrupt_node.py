@@ -54,6 +54,7 @@ PYTHON_NODES = [
     "features.py",
     "template_matcher.py",
     "people_detector.py",
+    "object_detector.py",
     "detections_3d.py",
     "tabletop.py",
 ]
@@ -63,6 +64,7 @@ TAGS = ["--name", "a", "--ids", "0-3", "--size", "0.1", "--output", "{folder}/{n
 TOOLS = {  # command: arguments
     "create_marker.py": ["--output", "{folder}/{number}.png", "1"],
     "pick_color.py": ["--hex", "#1e90ff"],
+    "inspect_model.py": ["{folder}/none.onnx"],
     "calibrate_headless.py": ["--topic", "/none", *BOARD],
     "calibrate_bundle.py": ["tags:=/none", *TAGS],
     "check_arguments.py": ["/none.launch"],

@@ -41,7 +41,7 @@ NO_TEXTS = {
     *("tag_size", "ball_diameter", "image_width", "image_height", "framerate", "loop", "view"),
     *("basics", "camera_height", "columns", "invert", "lane_width", "max_features", "pitch"),
     *("color", "depth", "disparities", "max_distance", "publish_tf", "radius", "rows", "slop"),
-    *("recognition", "square", "threads"),
+    *("recognition", "score_threshold", "square", "threads", "track"),
 }
 
 
@@ -404,6 +404,33 @@ def test_demo_sets_the_parameters_of_its_launch_files():
     device = parameters_of("demo.launch", "source:=/dev/video0")
     assert device["/apriltag_detector/tag_size"] == 0.1
     assert device["/motion_detector/method"] == "first_frame"
+
+
+def test_the_scene_s_things_are_detected_in_the_scene_alone():
+    synthetic, device = (
+        {node.name for node in loaded("demo.launch", *words).nodes}
+        for words in ([], ["source:=/dev/video0"])
+    )
+    assert synthetic - device == set(demo_status.SYNTHETIC) and device < synthetic
+    parameters = parameters_of("demo.launch")
+    assert parameters["/demo_status/synthetic"]
+    assert parameters["/object_detector/always_subscribe"]
+    assert not parameters_of("demo.launch", "source:=/dev/video0")["/demo_status/synthetic"]
+
+
+def test_what_the_network_finds_is_located_where_there_is_depth():
+    assert {node.name for node in loaded("object_detector.launch").nodes} == {"object_detector"}
+    nodes = {
+        node.name: node
+        for node in loaded(
+            "object_detector.launch", "depth:=/eye/depth", "camera_info:=/eye/info"
+        ).nodes
+    }
+    assert remapped(nodes["detections_3d"]) == {
+        "/detections": "/object_detector/objects",
+        "/depth": "/eye/depth",
+        "/camera_info": "/eye/info",
+    }
 
 
 def test_basics_are_an_optional_part_of_the_demo():

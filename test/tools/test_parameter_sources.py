@@ -135,6 +135,7 @@ def test_the_page_has_what_nodes_ask_for_at_start():
         "manager",
         "cameras",
         "view",
+        "synthetic",
         "basics",
         "depth",
         "recognition",

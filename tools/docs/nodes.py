@@ -285,6 +285,11 @@ def people_detector(stage: Stage) -> np.ndarray:
     return stage.drawn("people_detector.py", Walkers(), [FRAME])
 
 
+def object_detector(stage: Stage) -> np.ndarray:
+    """The room when each thing has been found for the second time."""
+    return stage.drawn("object_detector.py", room(), [FRAME - 2, FRAME], "_score_threshold:=0.5")
+
+
 def features(stage: Stage) -> np.ndarray:
     path = stage.folder / "portrait.png"
     cv2.imwrite(str(path), cv2.cvtColor(skimage.data.astronaut(), cv2.COLOR_RGB2BGR))

@@ -25,6 +25,7 @@ TOPICS = {
     "apriltag_detector": "/apriltag_detector/processed_image",
     "code_reader": "/code_reader/processed_image",
 }
+SYNTHETIC = {"object_detector": "/object_detector/processed_image"}  # with the scene as source
 BASICS = {  # with basics:=true
     name: f"/{name}/processed_image"
     for name in (
@@ -50,7 +51,7 @@ DEPTH = {  # with depth:=true
 }
 RECOGNITION = {"object_recognizer": "/object_recognizer/processed_image"}  # with recognition:=true
 FRAMES = ": frames"  # the end of the name of the status that each node has; some have others, too
-WIDTH = max(map(len, [*TOPICS, *BASICS, *DEPTH, *RECOGNITION]))
+WIDTH = max(map(len, [*TOPICS, *SYNTHETIC, *BASICS, *DEPTH, *RECOGNITION]))
 VIEWER = TOPICS["usb_cam"] + " "  # the start of simple_camera_view's title, which has two blanks
 WINDOWS_TIMEOUT = 120.0  # s for all windows to open
 POLL = 0.5  # s
@@ -75,13 +76,16 @@ class DemoStatus:
     With windows (~view true) it also puts them side by side. Without windows, the default, it
     first prints the topics that can be viewed.
 
-    With ~basics true the nodes of basic operations are among them, with ~depth true those of depth,
-    with ~recognition true the one that recognizes objects.
+    With ~synthetic true the node that detects the scene's things is among them, with ~basics true
+    those of basic operations, with ~depth true those of depth, with ~recognition true the one that
+    recognizes objects.
     Subscribes to /diagnostics.
     """
 
     def __init__(self) -> None:
         self._topics = dict(TOPICS)
+        if read_param("synthetic", False):
+            self._topics.update(SYNTHETIC)
         if read_param("basics", False):
             self._topics.update(BASICS)
         if read_param("depth", False):

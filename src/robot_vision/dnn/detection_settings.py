@@ -1,0 +1,92 @@
+"""The live parameters of the node object_detector."""
+
+from typing import Any, Dict, List, NamedTuple, Sequence, Tuple
+
+import numpy as np
+
+from .. import BoxTrack, BoxTracker, BoxTrackerParams, FoundObject
+from ..ros.params import filled
+from .detector import DetectionSettings
+from .thresholds import SURE, ClassThresholds
+
+MAX_BOXES = 1000  # of the tracker
+Region = Tuple[int, int, int, int]  # x, y, width, height, px
+
+
+class Settings(NamedTuple):
+    """The live parameters; each change makes new ones."""
+
+    thresholds: ClassThresholds
+    detection: DetectionSettings  # with the scores below which a detection is of no use
+    config: Dict[str, Any]
+    tracker: BoxTrackerParams
+
+    @property
+    def track(self) -> bool:
+        """Whether things are followed."""
+        return self.config["track"]
+
+    @property
+    def period(self) -> float:
+        """The shortest time from one frame that the network looks at to the next, in s."""
+        rate = self.config["max_rate"]
+        return 1.0 / rate if rate else 0.0
+
+    def tracker_score(self, found: FoundObject) -> float:
+        """Returns the score of what was found for the tracker, which has one threshold for all."""
+        return self.thresholds.for_tracker(found.class_id, found.score)
+
+    def score_of_track(self, track: BoxTrack) -> float:
+        """Returns the network's score of what a track had last."""
+        return self.thresholds.from_tracker(track.class_id, track.score)
+
+    def region(self, bgr: np.ndarray) -> Region:
+        """Returns the part of an image that is searched.
+
+        Raises:
+            ValueError: It is outside of the image.
+        """
+        height, width = bgr.shape[:2]
+        x, y = self.config["region_x"], self.config["region_y"]
+        if x >= width or y >= height:
+            raise ValueError(
+                f"region_x and region_y are {x} and {y}, outside of an image of {width}x{height} px"
+            )
+        right, bottom = width - x, height - y
+        return (
+            x,
+            y,
+            min(self.config["region_width"] or right, right),
+            min(self.config["region_height"] or bottom, bottom),
+        )
+
+    def sure(self, found: Sequence[FoundObject]) -> List[FoundObject]:
+        """Returns those that are reported."""
+        return [one for one in found if self.thresholds.is_sure(one.class_id, one.score)]
+
+
+def settings_of(config: Dict[str, Any], names: Sequence[str]) -> Settings:
+    """Returns the settings for values by their names.
+
+    Args:
+        config: The values.
+        names: The names of the network's classes.
+
+    Raises:
+        ValueError: A value cannot be.
+    """
+    thresholds = ClassThresholds(
+        names, config["score_threshold"], config["class_scores"], config["only"]
+    )
+    unsure = config["unsure_score"] if config["track"] else 1.0
+    detection = filled(DetectionSettings(), config)
+    detection.score_threshold = min(config["score_threshold"], unsure)
+    lowest = (min(score, unsure) for score in thresholds.scores)
+    detection.class_thresholds = {
+        name: score for name, score in zip(names, lowest) if score != detection.score_threshold
+    }
+    tracker = filled(BoxTrackerParams(), config)
+    tracker.low_score, tracker.high_score = 0.0, SURE  # on the scale of ClassThresholds
+    tracker.max_boxes = min(config["max_detections"], MAX_BOXES)
+    BoxTracker(tracker)  # refuses them now, before some of the settings are put to use
+    return Settings(thresholds, detection, config, tracker)

@@ -1,0 +1,152 @@
+"""Following what a network finds through all frames, also those that it does not look at."""
+
+import threading
+from typing import Any, Callable, List, NamedTuple, Optional, Sequence, Tuple
+
+from .. import BoxTrack, BoxTracker, BoxTrackerParams, CameraMotion, FoundObject
+from ..ros.transport import Frame
+
+Look = Callable[[Frame], List[FoundObject]]
+Score = Callable[[FoundObject], float]
+Tell = Callable[[Frame, List[BoxTrack], Sequence[FoundObject]], Any]
+
+
+class Pace:
+    """Tells which frames are looked at, so that there are not too many.
+
+    Attributes:
+        period: s from one to the next, at least.
+    """
+
+    def __init__(self) -> None:
+        self.period = 0.0
+        self._last: Optional[float] = None  # s, the time of the newest that was looked at
+
+    def is_due(self, now: float) -> bool:
+        """Returns whether the frame of this time is looked at; time may go back."""
+        if self._last is not None and 0.0 <= now - self._last < self.period:
+            return False
+        self._last = now
+        return True
+
+
+class _Job(NamedTuple):
+    """A frame that the network looks at."""
+
+    frame: Frame
+    time: float  # s; that of a frame without a stamp is another one whenever it is asked for
+
+
+class FrameFollower:
+    """Has a network look at frames in a thread, and tells of each frame what is in it.
+
+    The network looks at the newest frame when it is done with the last one. Meanwhile the tracker
+    says where things are now, by their velocity and the motion of the camera. A frame that the
+    network looks at is told of when it has, or when the next frame comes if that is earlier. What
+    is found too late for its own frame is known from the next frame on. Thread-safe.
+
+    Args:
+        look: A function that returns what the network finds in a frame. Only one thread calls it.
+        tell: A function that is called for each frame in turn, with what is followed in it and
+            what was found in it, which is empty if the network has not looked at it in time.
+        fail: A function that is called with what `look` has raised, or what the tracker or `tell`
+            has raised at its result; the next frame is looked at as usual.
+    """
+
+    def __init__(self, look: Look, tell: Tell, fail: Callable[[Exception], Any]):
+        self._look, self._tell, self._fail = look, tell, fail
+        self._changed = threading.Condition()  # guards all below
+        self._tracker = BoxTracker()
+        self._pace = Pace()
+        self._score: Score = lambda found: found.score
+        self._worker: Optional[threading.Thread] = None
+        self._forget()
+
+    def configure(self, params: BoxTrackerParams, period: float, score: Score) -> None:
+        """Sets how things are followed.
+
+        Args:
+            params: Those of the tracker.
+            period: s from one frame that the network looks at to the next, at least.
+            score: A function that returns the score of what was found for the tracker.
+
+        Raises:
+            ValueError: A parameter of the tracker is out of range.
+        """
+        with self._changed:
+            self._tracker.configure(params)
+            self._pace.period = period
+            self._score = score
+
+    def offer(self, frame: Frame) -> None:
+        """Takes the next frame."""
+        time = frame.time
+        with self._changed:
+            self._tell_waiting([])
+            warp = self._motion.update(frame.image, frame.encoding, self._boxes)
+            tracks = self._tracker.predict(time, warp)
+            self._boxes = [one.box for one in tracks]
+            if self._job is None and self._pace.is_due(time):
+                self._begin(_Job(frame, time), tracks)
+            else:
+                self._tell(frame, tracks, [])
+
+    def clear(self) -> None:
+        """Forgets what is followed; what the network is looking at does not count any more."""
+        with self._changed:
+            self._tracker.clear()
+            self._forget()
+
+    def _forget(self) -> None:
+        self._motion = CameraMotion()
+        self._boxes: List[Tuple[float, float, float, float]] = []  # in the newest frame, px
+        self._job: Optional[_Job] = None
+        self._waiting: Optional[List[BoxTrack]] = None  # in the job, if that was not told of yet
+
+    def _begin(self, job: _Job, tracks: List[BoxTrack]) -> None:
+        self._job, self._waiting = job, tracks
+        if self._worker is None:
+            self._worker = threading.Thread(target=self._work, name="network", daemon=True)
+            self._worker.start()
+        self._changed.notify()
+
+    def _tell_waiting(
+        self, found: Sequence[FoundObject], tracks: Optional[List[BoxTrack]] = None
+    ) -> None:
+        """Tells of the job's frame, with other tracks than those expected in it if there are."""
+        waiting, self._waiting = self._waiting, None
+        if waiting is not None:
+            self._tell(self._job.frame, waiting if tracks is None else tracks, found)
+
+    def _work(self) -> None:
+        while True:
+            with self._changed:
+                self._changed.wait_for(lambda: self._job is not None)
+                job = self._job
+            found: List[FoundObject] = []
+            error: Optional[Exception] = None
+            try:
+                found = self._look(job.frame)
+            except Exception as raised:  # Of any kind, as the runtimes raise what they like.
+                error = raised
+            with self._changed:
+                if self._job is job:
+                    self._end(found, error)
+
+    def _end(self, found: List[FoundObject], error: Optional[Exception]) -> None:
+        """Ends the job. Whatever is raised, the thread goes on, as nobody would start another."""
+        tracks = None
+        try:
+            if error is None:
+                boxes = [(one.class_id, self._score(one), one.box) for one in found]
+                tracks = self._tracker.update(self._job.time, boxes)
+        except Exception as raised:  # Numbers of a network need not make sense.
+            error, found = raised, []
+        try:
+            if error is not None:
+                self._fail(error)
+            self._tell_waiting(found, tracks)
+        except Exception as raised:
+            self._fail(raised)
+        finally:
+            self._job, self._waiting = None, None

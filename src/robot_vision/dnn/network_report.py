@@ -1,0 +1,85 @@
+"""What object_detector says of its network: on /diagnostics, and in the log if it fails."""
+
+import threading
+import time
+from typing import Dict, Mapping, Optional
+
+import rospy
+from diagnostic_msgs.msg import DiagnosticStatus
+
+from ..common.plain_text import printable
+from ..common.throttle import Throttle
+from ..ros.status_topic import Status, StatusTopic
+from .network import Network
+
+SMOOTHING = 0.1  # share of the newest run in the mean time
+RECENT = 5.0  # s for which a failure counts
+MAX_ERROR_LENGTH = 300  # characters
+
+
+def facts_of(network: Network) -> Dict[str, str]:
+    """Returns what the status says of a network that does not change."""
+    return {
+        "model": network.model.path,
+        "head": network.head.head,
+        "backend": network.runtime.name,
+        "input": f"{network.input.width}x{network.input.height}",
+        "advice": network.advice,
+    }
+
+
+class NetworkReport:
+    """Publishes a status `<node>: network`, once in ~diagnostic_period. Thread-safe.
+
+    Args:
+        facts: What does not change, by name.
+
+    Raises:
+        ValueError: ~diagnostic_period is out of range.
+    """
+
+    def __init__(self, facts: Mapping[str, str]):
+        self._facts = dict(facts)
+        self._lock = threading.Lock()  # guards all below
+        self._status = StatusTopic("network")
+        self._throttle = Throttle()
+        self._runs, self._failures = 0, 0
+        self._mean: Optional[float] = None  # s that a run takes
+        self._last_failure = float("-inf")  # s of the monotonic clock
+        self._last_error = ""
+
+    def add_run(self, seconds: float) -> None:
+        """Adds a run of the network on an image, and what is done before and after it."""
+        with self._lock:
+            self._runs += 1
+            mean = seconds if self._mean is None else self._mean
+            self._mean = mean + SMOOTHING * (seconds - mean)
+
+    def add_failure(self, error: Exception) -> None:
+        """Adds a run that has raised an exception, which is logged now and then."""
+        text = printable(str(error), MAX_ERROR_LENGTH) or type(error).__name__
+        with self._lock:
+            self._failures += 1
+            self._last_failure, self._last_error = time.monotonic(), text
+            # A node that ends has closed the topics before its network is done.
+            due = not rospy.core.is_shutdown_requested() and self._throttle.due()
+        if due:
+            rospy.logerr("the network has failed, the next frame is tried: %s", text)
+
+    def publish(self) -> None:
+        """Publishes the status if it is due."""
+        with self._lock:
+            self._status.publish(self._made)
+
+    def _made(self) -> Status:
+        values: Dict[str, str] = dict(self._facts)
+        values["frames looked at"] = str(self._runs)
+        values["failures"] = str(self._failures)
+        values["last error"] = self._last_error
+        if self._mean is not None:
+            values["time of a frame (ms)"] = f"{1e3 * self._mean:.1f}"
+        if time.monotonic() - self._last_failure < RECENT:
+            return DiagnosticStatus.ERROR, f"the network has failed: {self._last_error}", values
+        if self._mean is None:
+            return DiagnosticStatus.OK, "the network has not looked at a frame yet", values
+        return DiagnosticStatus.OK, f"{1e3 * self._mean:.1f} ms for a frame", values

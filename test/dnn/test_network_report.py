@@ -1,0 +1,55 @@
+"""What is said of a network while it runs, and when it fails."""
+
+import pytest
+import rospy
+from diagnostic_msgs.msg import DiagnosticStatus
+
+from robot_vision.dnn import network_report
+from robot_vision.dnn.network_report import NetworkReport
+
+
+class Topic:
+    """Takes the place of a StatusTopic, and has what was published last."""
+
+    def __init__(self, _name):
+        self.last = None
+
+    def publish(self, made):
+        self.last = made()
+
+
+@pytest.fixture
+def report(monkeypatch):
+    monkeypatch.setattr(network_report, "StatusTopic", Topic)
+    return NetworkReport({"model": "a.onnx"})
+
+
+@pytest.fixture
+def logged(monkeypatch):
+    lines = []
+    monkeypatch.setattr(rospy, "logerr", lambda text, *values: lines.append(text % values))
+    return lines
+
+
+def status_of(report):
+    report.publish()
+    return report._status.last
+
+
+def test_a_failure_is_logged_and_is_an_error_of_the_status(report, logged):
+    report.add_run(0.25)
+    level, text, values = status_of(report)
+    assert (level, text) == (DiagnosticStatus.OK, "250.0 ms for a frame")
+    assert (values["model"], values["frames looked at"], values["failures"]) == ("a.onnx", "1", "0")
+    report.add_failure(RuntimeError("no\nmemory"))
+    report.add_failure(KeyError())
+    assert logged == ["the network has failed, the next frame is tried: no\\nmemory"]
+    level, text, values = status_of(report)
+    assert (level, text) == (DiagnosticStatus.ERROR, "the network has failed: KeyError")
+    assert values["failures"] == "2"
+
+
+def test_what_fails_because_the_node_ends_is_not_logged(report, logged, monkeypatch):
+    monkeypatch.setattr(rospy.core, "is_shutdown_requested", lambda: True)
+    report.add_failure(rospy.ROSException("publish() to a closed topic"))
+    assert logged == []
