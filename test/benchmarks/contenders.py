@@ -1,9 +1,11 @@
 """Who is compared with whom: our nodes, what people use today, and the bare work."""
 
 import json
+import os
 from typing import List, Tuple
 
 import depth_contenders
+import detection_contenders
 import filter_contenders
 import stereo_contenders
 from measuring import HERE, RATE, Bench, Command, Contender, Contenders
@@ -176,6 +178,10 @@ COMPARISONS: Tuple[Tuple[str, Contenders, Sizes], ...] = (
     ("AprilTag nodes: two tags, with poses", tag_nodes, TAG_SIZES),
     (depth_contenders.IMAGE, depth_contenders.registrations(points=False), SIZES),
     (depth_contenders.POINTS, depth_contenders.registrations(points=True), SIZES),
+    *(
+        (detection_contenders.title(cores), detection_contenders.nodes(cores), SIZES[:1])
+        for cores in (1, 2)[: os.cpu_count()]
+    ),
     (stereo_contenders.TITLE, stereo_contenders.nodes, SIZES[:1]),
     *(
         (filter_contenders.title(name), filter_contenders.contenders(pair), SIZES)
@@ -200,6 +206,7 @@ TARGETS = (
     Target(_FACES, (640, 480), "", "arrived", 0.98),
     *(Target(_TAGS, size, _PLAIN_TAGS, "cpu_ms", 1 / 2) for size in reversed(TAG_SIZES)),
     *(Target(_TAGS, size, _PLAIN_TAGS, "found", 1.0) for size in reversed(TAG_SIZES)),
+    *detection_contenders.targets(),
     *stereo_contenders.targets(SIZES[:1]),
     *filter_contenders.targets(),
 )

@@ -8,7 +8,7 @@ import statistics
 import subprocess
 import sys
 from pathlib import Path
-from typing import Any, Callable, Dict, Iterator, List, Sequence
+from typing import Any, Callable, Dict, Iterator, List, Sequence, Tuple
 
 HERE = Path(__file__).resolve().parent
 sys.path[:0] = [str(HERE.parent / "support"), str(HERE.parent / "vivid")]
@@ -24,6 +24,7 @@ import robot_vision  # noqa: E402
 RATE = 30  # Hz
 WARM_UP = 1  # s, not counted
 KERNEL_SECONDS = 0.07  # of the time of a node's measurement, for each kernel
+NODE_LOG = "node-{}"  # name of the log of a contender's command
 STAMP_ERROR = 1e-6  # s, by which a stamp changes on its way through text
 
 Command = List[str]
@@ -51,6 +52,7 @@ class Contender:
     beside: List[Command] = dataclasses.field(default_factory=list)  # meanwhile, not measured
     depth: str = ""  # the topic of a depth camera's images, which are there, too
     cloud: bool = False  # the result is a cloud
+    certain: bool = False  # a result in which not all is found is an error
     rate: int = RATE  # Hz
     warm_up: int = WARM_UP  # s
 
@@ -90,7 +92,7 @@ class Bench:
 
     def __init__(self, programs: Path, folder: Path, seconds: float, rounds: int):
         self._programs = programs
-        self._folder = folder
+        self.folder = folder
         self.seconds = seconds
         self.rounds = rounds
         self.scenes = 51  # of each object to recognize
@@ -105,7 +107,7 @@ class Bench:
         """
         import skimage.data
 
-        path = self._folder / "{}x{}{}.png".format(*size, kind)
+        path = self.folder / "{}x{}{}.png".format(*size, kind)
         if not path.exists():
             astronaut, coffee = skimage.data.astronaut(), skimage.data.coffee()
             parts = {"nobody": coffee, "face": astronaut[20:240, 110:330], "portrait": coffee}
@@ -175,7 +177,7 @@ class Bench:
         """CPU seconds per frame of a V4L2 camera; empty if there can be no VM here."""
         say("640x480: a V4L2 camera in a VM")
         one_webcam = "n_devs=1 node_types=0x1 num_inputs=1 input_types=0x0"
-        out = self._folder / "vivid"
+        out = self.folder / "vivid"
         done = host.run_guest(HERE / "vivid_cpu.py", out, one_webcam, 600.0)
         if done.returncode == host.UNAVAILABLE:
             say(done.stdout.strip())
@@ -188,37 +190,56 @@ class Bench:
         return self.program("bench_chain", self.image(size), *size, self.seconds, RATE, threads)
 
     def _measure(self, size: Size, contender: Contender) -> Figures:
-        deadline = self.seconds + contender.warm_up + 45.0
         if contender.alone:
-            return to_figures(self._run(contender.alone, deadline))
+            return to_figures(self._run(contender.alone, self._deadline(contender)))
+        result, output = self.observe(size, contender)
+        if not contender.result:  # the listener knows when they arrived
+            arrivals = [
+                arrival
+                for arrival in json.loads(output.splitlines()[-1])
+                if result["begin"] - STAMP_ERROR < arrival[0] < result["end"] + STAMP_ERROR
+            ]
+            result["latencies_ms"] = [arrival[1] for arrival in arrivals]
+            if not arrivals:
+                raise RuntimeError(self._failure(contender, "no result has arrived"))
+            if contender.listener and arrivals and arrivals[0][2] is not None:
+                found = sum(arrival[2] for arrival in arrivals)
+                if contender.certain and found < len(arrivals):
+                    what = f"only {found} of {len(arrivals)} results are as expected"
+                    raise RuntimeError(self._failure(contender, what))
+                result["found"] = found / result["sent"]
+        return to_figures(result)
+
+    def observe(self, size: Size, contender: Contender) -> Tuple[Dict[str, Any], str]:
+        """Runs the commands once; returns what the probe says, and what the listener prints."""
         with contextlib.ExitStack() as stack:
 
             def start(command: Command, name: str) -> support.Process:
-                process = support.Process(command, self._folder / (name + ".log"))
+                process = support.Process(command, self.folder / (name + ".log"))
                 stack.callback(process.end)
                 return process
 
-            processes = [start(node, f"node-{n}") for n, node in enumerate(contender.commands)]
+            names = map(NODE_LOG.format, range(len(contender.commands)))
+            processes = [start(node, name) for node, name in zip(contender.commands, names)]
             pids = [process.pid for process in processes]
             for number, command in enumerate(contender.beside):
                 start(command, f"beside-{number}")
             listener = contender.listener
             teller = start(listener, "listener") if listener else processes[0]
             try:
-                result = self._run(self._probe(size, contender, pids), deadline)
+                result = self._run(self._probe(size, contender, pids), self._deadline(contender))
             except RuntimeError as error:
-                logs = "\n".join(process.output() for process in processes)
-                raise RuntimeError(f"{contender.name}: {error}\n{logs}") from None
-        if not contender.result:
-            arrivals = [
-                arrival
-                for arrival in json.loads(teller.output().splitlines()[-1])
-                if result["begin"] - STAMP_ERROR < arrival[0] < result["end"] + STAMP_ERROR
-            ]
-            result["latencies_ms"] = [arrival[1] for arrival in arrivals]
-            if contender.listener and arrivals and arrivals[0][2] is not None:
-                result["found"] = sum(arrival[2] for arrival in arrivals) / result["sent"]
-        return to_figures(result)
+                raise RuntimeError(self._failure(contender, str(error))) from None
+        return result, teller.output()
+
+    def _failure(self, contender: Contender, what: str) -> str:
+        """What has failed, and all that the nodes have said."""
+        names = map(NODE_LOG.format, range(len(contender.commands)))
+        logs = [(self.folder / (name + ".log")).read_text(errors="replace") for name in names]
+        return "\n".join([f"{contender.name}: {what}", *logs])
+
+    def _deadline(self, contender: Contender) -> float:
+        return self.seconds + contender.warm_up + 45.0
 
     def _probe(self, size: Size, contender: Contender, pids: List[int]) -> Command:
         params = {

@@ -33,8 +33,9 @@ class Comparison:
 class Target:
     """What a figure of ours (a field of Figures) may be at most, as a ratio to another's.
 
-    Of the frames that arrived and those in which all was found it is the least; without another,
-    the ratio is that to all frames. With `titles` the figures of these comparisons are added up.
+    Of the frames that arrived and those in which all was found it is the least. Without another the
+    ratio is that to all frames, and of a time the limit is in ms. With `titles` the figures of
+    these comparisons are added up.
     """
 
     title: str

@@ -65,7 +65,11 @@ def targets_table(targets: Sequence[Target], comparisons: Sequence[Comparison]) 
 
 def compared(target: Target, comparisons: Sequence[Comparison]) -> List[Comparison]:
     """What a target is about; nothing unless all of it was measured."""
-    by_title = {each.title: each for each in comparisons if each.size == target.size}
+    by_title = {
+        each.title: each
+        for each in comparisons
+        if each.size == target.size and any(name.startswith(target.against) for name in each.names)
+    }
     titles = target.titles or (target.title,)
     return [by_title[title] for title in titles] if by_title.keys() >= set(titles) else []
 
@@ -74,7 +78,7 @@ def figures_of(target: Target, comparison: Comparison) -> Tuple[float, float]:
     """The target's figure: theirs, and ours."""
     ours = getattr(comparison.figures[0], target.figure)
     if not target.against:
-        return 100.0, ours  # %: of all
+        return (100.0 if target.figure in AT_LEAST else 1.0), ours  # % of all, or ms
     names = enumerate(comparison.names)
     which = next(i for i, name in names if name.startswith(target.against))
     return getattr(comparison.figures[which], target.figure), ours
@@ -90,7 +94,8 @@ def target_row(target: Target, comparisons: Sequence[Comparison]) -> List[str]:
     goal = f"{sign} {target.limit:.2f}"
     reached = ours >= target.limit * theirs if sign == ">=" else ours <= target.limit * theirs
     number = f"{theirs:.2f}" if target.against else "-"
-    value = ratio(ours, theirs) if theirs > 0.0 else "-"
+    relative = target.against or target.figure in AT_LEAST
+    value = ratio(ours, theirs) if relative and theirs > 0.0 else "-"
     return [*cells, number, f"{ours:.2f}", value, goal, yes(reached)]
 
 

@@ -2,10 +2,15 @@
 
 import re
 
+import cv2
 import depth_truth
 import filter_contenders
+import nano_network
+import numpy as np
+import plain_network
 import plot
 import pytest
+import skimage.data
 import stereo_contenders
 import tables
 import yaml
@@ -22,6 +27,10 @@ from results import (
 )
 
 import robot_vision as rv
+from robot_vision.dnn.cost import flop_of
+from robot_vision.dnn.model_file import read_model
+from robot_vision.dnn.network_input import input_of
+from robot_vision.dnn.opencv_runtime import OpenCvRuntime
 
 SMALL, LARGE = (640, 480), (1920, 1080)
 
@@ -60,7 +69,10 @@ def cells(text, word):
             ["90.00", "95.00", "1.06", ">= 1.00", "yes"],
         ),
         (Target("Edges", LARGE, "", "arrived", 0.98), ["-", "97.00", "0.97", ">= 0.98", "**no**"]),
+        (Target("Edges", LARGE, "", "median", 5.0), ["-", "4.00", "-", "<= 5.00", "yes"]),
+        (Target("Edges", LARGE, "", "median", 3.9), ["-", "4.00", "-", "<= 3.90", "**no**"]),
         (Target("Edges", SMALL, "other", "cpu_ms", 1.0), ["-", "-", "-", "-", "not measured"]),
+        (Target("Edges", LARGE, "absent", "cpu_ms", 1.0), ["-", "-", "-", "-", "not measured"]),
     ],
 )
 def test_a_target_is_reached_or_not(target, expected):
@@ -97,6 +109,20 @@ def test_the_matcher_that_is_measured_has_parameters_that_there_are():
         setattr(params, name, yaml.safe_load(value))
     rv.validate(params)
     assert params != rv.StereoParams()
+
+
+def test_the_network_that_is_measured_is_nano_and_finds_things_that_overlap(tmp_path):
+    model = read_model(str(nano_network.nano_file(tmp_path)))
+    network_input = input_of(model)
+    assert (network_input.width, network_input.height) == (416, 416)
+    runtime = OpenCvRuntime(model, network_input)
+    assert flop_of(model, network_input, runtime)[0] == pytest.approx(1.056e9, rel=1e-3)
+    image = cv2.cvtColor(skimage.data.astronaut(), cv2.COLOR_RGB2BGR)
+    detector = plain_network.PlainDetector("opencv", model.path, 1, 416)
+    (output,) = runtime.run(detector.input_of(image)[0])
+    assert output.shape == (1, 84, 3549)
+    likely = np.count_nonzero(output[0, 4:].max(axis=0) >= plain_network.SCORE)
+    assert 10 <= 2 * len(detector.detect(image)) <= likely <= 300
 
 
 def test_kernels_have_a_line_for_each_work_and_a_column_for_each_size():
