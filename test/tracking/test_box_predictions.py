@@ -93,3 +93,22 @@ def test_the_same_time_again_changes_nothing_by_itself():
     assert shown(made.predict(time)) == first
     (track,) = made.update(time, [sure(at(50.0))])
     assert track.id == 1 and np.isfinite(track.box).all()
+
+
+def test_after_an_hour_with_nothing_found_all_is_as_at_the_start():
+    """At 32 Hz, before a camera that turns to and fro."""
+    made = tracker()
+    last = started(made, [at(50.0)])
+    turns = [np.array([[1.0, 0.0, shift], [0.0, 1.0, 0.0]]) for shift in (1.5, -1.5)]
+    frame = 1.0 / 32.0
+    for number in range(32 * 3600):
+        tracks = made.predict(last + number * frame, turns[number % 2])
+        if number % 4 == 0:
+            tracks = made.update(last + number * frame, [])
+        assert not tracks or number * frame < 4.0
+    now = last + 32 * 3600 * frame
+    for number in range(4):
+        tracks = made.update(now + number * STEP, [sure(at(200.0))])
+    (track,) = tracks
+    assert (track.id, track.predicted, track.lost) == (2, False, False)
+    assert track.box == pytest.approx(at(200.0), abs=0.5)
