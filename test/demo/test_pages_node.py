@@ -9,10 +9,12 @@ import rosservice
 import support
 
 NODES = pages.nodes()
-# What every node has without being named: of rosout, roscpp, dynamic_reconfigure, image_transport.
+# What nodes have without being named: of rosout, roscpp, dynamic_reconfigure, image_transport, and
+# of actions, which pages name as a whole.
 UNNAMED = re.compile(
     r"/rosout|.*/(get_loggers|set_logger_level|set_parameters|parameter_(descriptions|updates))"
     r"|.*/(compressed|compressedDepth|theora)(/.*)?"
+    r"|.*/check_for_objects/(goal|cancel|status|feedback|result)"
 )
 
 OURS = {"/node", "/node_images"}  # a Python node and its roscpp half

@@ -38,7 +38,8 @@ class ObjectDetector:
 
     Subscribes to image. ~detections_2d, ~bounding_boxes and ~found_object are ~detections in the
     messages of vision_msgs and darknet_ros. ~detect searches a file or the next frame, the action
-    ~check_for_objects an image that comes with the goal. The network is that of ~model.
+    ~check_for_objects an image that comes with the goal. The network is that of ~model;
+    /diagnostics tells what runs it, how long it takes, and what it has failed with.
     """
 
     def __init__(self) -> None:
