@@ -19,6 +19,14 @@ def printable(text: str, length: int = 100) -> str:
     return line[: length - 3] + "..." if len(line) > length else line
 
 
+def error_text(error: Exception, length: int = 1000) -> str:
+    """Returns what an error says as a part of one line; of one that says nothing its type.
+
+    The length is enough for the path that an error may name.
+    """
+    return printable(str(error), length) or type(error).__name__
+
+
 def is_name(text: str) -> bool:
     """Returns whether the text can name a frame or a node that all tools of ROS can show."""
     return 0 < len(text) <= MAX_NAME_LENGTH and text.isprintable()

@@ -6,15 +6,13 @@ import actionlib
 import rospy
 from sensor_msgs.msg import Image
 
-from ..common.plain_text import printable
+from ..common.plain_text import error_text
 from ..msg import (
     BoundingBoxes,
     CheckForObjectsAction,
     CheckForObjectsGoal,
     CheckForObjectsResult,
 )
-
-MAX_ERROR_LENGTH = 1000  # characters
 
 
 class CheckForObjects:
@@ -36,7 +34,7 @@ class CheckForObjects:
         try:
             boxes = self._search(goal.image)
         except Exception as error:  # Of any kind, because actionlib would answer without a reason.
-            reason = printable(str(error), MAX_ERROR_LENGTH) or type(error).__name__
+            reason = error_text(error)
             if not rospy.core.is_shutdown_requested():
                 rospy.logerr("no objects searched for: %s", reason)
                 self._server.set_aborted(text=reason)

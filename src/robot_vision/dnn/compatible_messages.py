@@ -53,21 +53,17 @@ def _bounding_box(detection: Detection) -> BoundingBox:
 def _detection_2d(detections: DetectionArray, detection: Detection) -> Detection2D:
     message = Detection2D(header=detections.header)
     message.results = [ObjectHypothesisWithPose(id=detection.class_id, score=detection.score)]
-    box, center = detection.box, detection.center
-    message.bbox = BoundingBox2D(Pose2D(center.x, center.y, 0.0), box.width, box.height)
-    if len(detection.outline) == 4 and not detection.mask:
-        message.bbox = _of_corners(detection)
+    message.bbox = _box_of(detection)
     return message
 
 
-def _of_corners(detection: Detection) -> BoundingBox2D:
-    """The box of an outline of four corners, of which the first side is along its x axis."""
-    first, second, third = detection.outline[:3]
-    theta = math.atan2(second.y - first.y, second.x - first.x)
-    if theta == 0.0:  # An upright outline has pixels, but a box the space between their corners.
-        width, height = detection.box.width, detection.box.height
-    else:
-        width = math.hypot(second.x - first.x, second.y - first.y)
-        height = math.hypot(third.x - second.x, third.y - second.y)
-    center = detection.center
-    return BoundingBox2D(Pose2D(center.x, center.y, theta), width, height)
+def _box_of(detection: Detection) -> BoundingBox2D:
+    """The upright box; or, of a turned one, that of its corners, whose first side is its x axis."""
+    theta, width, height = 0.0, float(detection.box.width), float(detection.box.height)
+    if len(detection.outline) == 4 and not detection.mask:
+        first, second, third = detection.outline[:3]
+        theta = math.atan2(second.y - first.y, second.x - first.x)
+        if theta != 0.0:  # An upright outline is of pixels, and narrower than their box.
+            width = math.hypot(second.x - first.x, second.y - first.y)
+            height = math.hypot(third.x - second.x, third.y - second.y)
+    return BoundingBox2D(Pose2D(detection.center.x, detection.center.y, theta), width, height)

@@ -9,13 +9,12 @@ import rospy
 from std_msgs.msg import Header
 
 from ..common.image_files import load_image, sensor_pixels
-from ..common.plain_text import printable
+from ..common.plain_text import error_text, printable
 from ..msg import DetectionArray
 from ..ros.frame_calls import FrameCalls
 from ..srv import DetectObjects, DetectObjectsResponse
 
 TIMEOUT = 10.0  # s that a call waits for a frame and the network
-MAX_ERROR_LENGTH = 1000  # characters of an error, which may name a path
 
 
 class DetectService:
@@ -40,7 +39,7 @@ class DetectService:
                 with self._calls.working():
                     found = self._calls.wait(TIMEOUT)
         except Exception as error:  # Of any kind, because rospy would answer without a reason.
-            reason = printable(str(error), MAX_ERROR_LENGTH) or type(error).__name__
+            reason = error_text(error)
             rospy.logerr("no objects detected: %s", reason)
             return DetectObjectsResponse(False, reason, DetectionArray())
         return DetectObjectsResponse(True, "", found)

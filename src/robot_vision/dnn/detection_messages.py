@@ -9,9 +9,7 @@ from .. import BoxTrack, FoundObject, RegionFinder, RegionParams, box_pixels
 from ..msg import Detection
 from ..ros.messages import corners, points, region_of
 
-CENTER = (
-    0.5  # px from a pixel's corner, from where the core counts, to its centre, where messages do
-)
+CENTER = 0.5  # px from the corner of a pixel, where the core counts from, to its centre, as here
 MASK_PARTS = RegionParams()
 MASK_PARTS.min_area, MASK_PARTS.opening, MASK_PARTS.closing = 0.0, 1, 1  # as the network has it
 

@@ -1,6 +1,6 @@
 """The live parameters of the node object_detector."""
 
-from typing import Any, Dict, List, NamedTuple, Sequence, Tuple
+from typing import Any, Dict, List, NamedTuple, Sequence
 
 import numpy as np
 
@@ -8,9 +8,9 @@ from .. import BoxTrack, BoxTracker, BoxTrackerParams, FoundObject
 from ..ros.params import filled
 from .detector import DetectionSettings
 from .thresholds import SURE, ClassThresholds
+from .tiles import Region
 
 MAX_BOXES = 1000  # of the tracker
-Region = Tuple[int, int, int, int]  # x, y, width, height, px
 
 
 class Settings(NamedTuple):

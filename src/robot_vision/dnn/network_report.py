@@ -7,7 +7,7 @@ from typing import Dict, Mapping, Optional
 import rospy
 from diagnostic_msgs.msg import DiagnosticStatus
 
-from ..common.plain_text import printable
+from ..common.plain_text import error_text
 from ..common.throttle import Throttle
 from ..ros.status_topic import Status, StatusTopic
 from .network import Network
@@ -57,7 +57,7 @@ class NetworkReport:
 
     def add_failure(self, error: Exception) -> None:
         """Adds a run that has raised an exception, which is logged now and then."""
-        text = printable(str(error), MAX_ERROR_LENGTH) or type(error).__name__
+        text = error_text(error, MAX_ERROR_LENGTH)
         with self._lock:
             self._failures += 1
             self._last_failure, self._last_error = time.monotonic(), text

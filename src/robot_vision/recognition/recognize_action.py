@@ -5,7 +5,7 @@ from typing import Callable, List, Optional
 import actionlib
 import rospy
 
-from ..common.plain_text import printable
+from ..common.plain_text import error_text
 from ..msg import ObjectRecognitionAction, ObjectRecognitionGoal, ObjectRecognitionResult
 from ..msg import RecognizedObjectArray as Array
 from ..ros.frame_calls import FrameCalls
@@ -46,7 +46,7 @@ class RecognizeAction:
                 raise RuntimeError(problem)
             server.set_succeeded(ObjectRecognitionResult(made(limits)))
         except Exception as error:  # Of any kind, because actionlib would answer without a reason.
-            reason = printable(str(error), 1000) or type(error).__name__
+            reason = error_text(error)
             if server.is_preempt_requested():
                 server.set_preempted(text=reason)
             elif not rospy.core.is_shutdown_requested():

@@ -8,7 +8,7 @@ import rospy
 from std_msgs.msg import Header
 
 from ..common.image_files import load_image, sensor_pixels
-from ..common.plain_text import printable
+from ..common.plain_text import error_text, printable
 from ..msg import TagDetectionArray
 from ..ros.camera_info import CameraInfoListener
 from ..ros.depth_input import DepthFrame
@@ -19,7 +19,6 @@ from ..srv import DetectTags, DetectTagsResponse
 
 TIMEOUT = 5.0  # s that a call waits for a frame
 CALIBRATION_TIMEOUT = 1.0  # s that a call for a file waits for camera_info
-MAX_ERROR_LENGTH = 1000  # characters of an error, which may name a path
 
 # Searches an image of an encoding, with its depth if there is one; returns the tags, and the reason
 # if they have no poses.
@@ -50,7 +49,7 @@ class DetectService:
             with self._calls.working():
                 found = self._of_file(request.file) if request.file else self._calls.wait(TIMEOUT)
         except Exception as error:  # Of any kind, because rospy would answer without a reason.
-            reason = printable(str(error), MAX_ERROR_LENGTH) or type(error).__name__
+            reason = error_text(error)
             rospy.logerr("no tags detected: %s", reason)
             return DetectTagsResponse(False, reason, TagDetectionArray())
         tags, problem = found
