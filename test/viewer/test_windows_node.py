@@ -27,9 +27,9 @@ def test_demo_opens_a_window_for_each_node(start, display):
         """Whether all windows are there, and none lies on another one."""
         areas = [geometry(window) for window in support.windows().values()]
         overlaps = (overlap(one, other) for one, other in itertools.combinations(areas, 2))
-        return len(areas) == 12 and not any(overlaps)
+        return len(areas) == 13 and not any(overlaps)
 
-    support.wait_for(apart, "twelve windows side by side")
+    support.wait_for(apart, "thirteen windows side by side")
 
 
 def geometry(window):
