@@ -2,6 +2,7 @@
 #include <pybind11/stl.h>
 #include <ros/serialization.h>
 
+#include "any_image.hpp"
 #include "arrays.hpp"
 #include "leave_gil.hpp"
 #include "ros/images/embedded_roscpp_node.hpp"
@@ -13,27 +14,6 @@ namespace
 
 using namespace robot_vision;
 using namespace py::literals;
-
-/// Pixels whose depth and channels are those of the array, of any type that a cv::Mat can have.
-cv::Mat viewOf(const py::array& array)
-{
-  const std::string kind = std::string(1, array.dtype().kind()) + std::to_string(array.itemsize());
-  const auto* const* found = std::find(std::begin(kSampleTypes), std::end(kSampleTypes), kind);
-  if (found == std::end(kSampleTypes))
-    throw py::type_error("no image has pixels of " + std::string(py::str(array.dtype())));
-  const auto channels = static_cast<int>(array.ndim() == 3 ? array.shape(2) : 1);
-  return {static_cast<int>(array.shape(0)), static_cast<int>(array.shape(1)),
-          CV_MAKETYPE(static_cast<int>(found - std::begin(kSampleTypes)), channels), const_cast<void*>(array.data()),
-          static_cast<std::size_t>(array.strides(0))};
-}
-
-/// The array, or a copy of it, with packed rows and this machine's byte order.
-py::array inMemoryOrder(const py::array& array)
-{
-  const py::object dtype = array.attr("dtype");
-  if (hasPackedRows(array) && dtype.attr("isnative").cast<bool>()) return array;
-  return array.attr("astype")(dtype.attr("newbyteorder")("="), "order"_a = "C");
-}
 
 py::bytes serialized(const sensor_msgs::CameraInfo& info)
 {
@@ -70,11 +50,7 @@ py::object next(EmbeddedRoscppNode& runtime, double timeout_s)
 void publish(PooledImagePublisher& outbox, const py::array& pixels, const std::string& encoding, std::uint32_t seq,
              std::uint32_t secs, std::uint32_t nsecs, const std::string& frame_id)
 {
-  if (pixels.ndim() != 2 && pixels.ndim() != 3)
-    throw py::value_error("expected an array of 2 or 3 dimensions, got " + std::to_string(pixels.ndim()));
-  if (pixels.ndim() == 3 && (pixels.shape(2) < 1 || pixels.shape(2) > CV_CN_MAX))
-    throw py::value_error("no image has " + std::to_string(pixels.shape(2)) + " channels");
-  const py::array packed = inMemoryOrder(pixels);
+  const py::array packed = anyImage(pixels);
   const cv::Mat view = viewOf(packed);
   std_msgs::Header header;
   header.seq = seq;

@@ -43,6 +43,16 @@ void validate(const CompressionParams& params);
 /// the label says so. Throws std::invalid_argument for another encoding, or if `image` is not of it.
 void compress(const cv::Mat& image, const std::string& encoding, const CompressionParams& params, CompressedImage& out);
 
+struct CompressedInfo
+{
+  std::string format;  // jpeg or png
+  cv::Size size;       // px
+};
+
+/// Reads what the bytes are, without decoding them. Throws std::invalid_argument if they are neither JPEG nor PNG, not
+/// complete, without pixels, or claim more than kMaxPixels.
+CompressedInfo readCompressedInfo(const unsigned char* data, std::size_t size);
+
 /// The label of a camera's JPEG.
 std::string jpegFormat(bool color);
 
