@@ -6,6 +6,7 @@ import pytest
 import rospy
 
 from robot_vision.color.named_colors import NamedColors
+from robot_vision.ros.configs import HsvTrackerConfig
 
 LAB = {"l_low": 1, "a_low": 2, "b_low": 3, "l_high": 4, "a_high": 5, "b_high": 6}
 HSV = {"h_low": 170, "s_low": 2, "v_low": 3, "h_high": 4, "s_high": 5, "v_high": 6}
@@ -116,3 +117,72 @@ LAB_NAMES = "must be l_low, a_low, b_low, l_high, a_high, b_high"
 def test_what_is_mixed_or_wrong_is_refused_in_words(named, entry, error):
     with pytest.raises(ValueError, match="^colors/a.*" + re.escape(error)):
         named(entry)
+
+
+@pytest.fixture
+def colors(monkeypatch):
+    """colors(named) starts NamedColors with ~colors; with it what the parameter server has then."""
+
+    def start(entries):
+        there = {"~colors": entries}
+        monkeypatch.setattr(rospy, "get_param", lambda name, default=None: there.get(name, default))
+        monkeypatch.setattr(rospy, "has_param", lambda name: name in there)
+        monkeypatch.setattr(rospy, "set_param", there.__setitem__)
+        return NamedColors(), there
+
+    return start
+
+
+def shown(named):
+    """The live parameters as they are at the start."""
+    config = dict(HsvTrackerConfig.defaults)
+    named.update(config)
+    return config
+
+
+BLUE = {"low": [100, 1, 2], "high": [130, 250, 251]}
+
+
+def test_a_plus_adds_a_color_with_all_limits_that_are_given(colors):
+    named, there = colors({"blue": BLUE})
+    config = {**shown(named), "color": "+red", "h_high": 9}
+    named.update(config)
+    assert config["color"] == "red"
+    red = named.ranges["red"]  # with the limits of blue that were not changed
+    assert (red.space, red.low, red.high) == ("hsv", (100, 1, 2), (9, 250, 251))
+    assert named.ranges["blue"].high == (130, 250, 251)
+    assert set(there["~colors"]) == {"blue", "red"} and there["~colors"]["blue"] == BLUE
+    config.update(color="blue")
+    named.update(config)
+    assert config["h_high"] == 130
+
+
+def test_a_plus_before_a_known_name_gives_it_all_limits(colors):
+    named, there = colors({"blue": BLUE, "green": {"low": [40, 3, 4], "high": [80, 5, 6]}})
+    config = {**shown(named), "color": "+green"}
+    named.update(config)
+    assert (named.ranges["green"].low, named.ranges["green"].high) == ((100, 1, 2), (130, 250, 251))
+    assert set(there["~colors"]) == {"blue", "green"}
+
+
+def test_a_plus_in_another_space(colors):
+    named, _ = colors({"blue": BLUE})
+    limits = {"low_1": 1, "low_2": 2, "low_3": 3, "high_1": 4, "high_2": 5, "high_3": 6}
+    named.update({**shown(named), "color": "+skin", "space": "lab", **limits})
+    skin = named.ranges["skin"]
+    assert (skin.space, skin.low, skin.high) == ("lab", (1, 2, 3), (4, 5, 6))
+
+
+@pytest.mark.parametrize("name", ["+", "+1", "+a b", "+yes", "++a", "+<b>", "+a.b"])
+def test_a_color_is_added_only_under_a_name_that_a_file_can_have(colors, name):
+    named, there = colors({"blue": BLUE})
+    with pytest.raises(ValueError, match=re.escape(f"color is {name!r}, must be + and letters")):
+        named.update({**shown(named), "color": name})
+    assert set(named.ranges) == set(there["~colors"]) == {"blue"}
+
+
+def test_a_range_that_is_none_adds_no_color(colors):
+    named, there = colors({"blue": BLUE})
+    with pytest.raises(ValueError, match="s_high is 100, must be from 200 to 255"):
+        named.update({**shown(named), "color": "+red", "s_low": 200, "s_high": 100})
+    assert set(named.ranges) == set(there["~colors"]) == {"blue"}

@@ -24,6 +24,7 @@ CONFIGS = {config.node: config for config in tool.configs()}
 CONFIGURED = {("face_detector", "haar_maxSize"): "0"}
 # Of groups of nodes in the table of what is read at start.
 SHARED = ("all", "all but the viewer", "Python but the viewer", "all but camera")
+NOTHING_LIVE = ("dashboard",)  # nodes that read all their parameters at start
 
 
 def file_of(node):
@@ -110,13 +111,22 @@ def test_config_files_have_the_defaults(node):
     assert not of_colors & set(values)
 
 
+@pytest.mark.parametrize("node", NOTHING_LIVE)
+def test_config_files_of_nodes_without_live_parameters_have_the_defaults(node):
+    values = yaml.safe_load(file_of(node).read_text())
+    rows = {name: shown for (of, name), shown in defaults_at_start().items() if of == node}
+    assert values.keys() <= rows.keys()
+    for name, value in values.items():
+        assert rows[name] == ("" if value == [] else tool.text_of(value)), name
+
+
 def asked_in_python():
     """Names and literal defaults of the parameters that Python nodes ask for."""
     for path in sorted((ROOT / "src/robot_vision").rglob("*.py")):
         for call in ast.walk(ast.parse(path.read_text())):
             if not isinstance(call, ast.Call) or not isinstance(call.func, ast.Name):
                 continue
-            if not re.fullmatch(r"read_(param|name|any)", call.func.id):
+            if not re.fullmatch(r"read_(param|name|any|secret)", call.func.id):
                 continue
             name, default = (*call.args, None)[:2]
             if isinstance(name, ast.Constant):
@@ -139,6 +149,8 @@ def test_the_page_has_what_nodes_ask_for_at_start():
         "basics",
         "depth",
         "recognition",
+        "dashboard",
+        "period",
     }  # of the camera loader and of the demo's report
     for name, default in asked_in_python():
         assert name in names | commands, name
@@ -150,7 +162,7 @@ def test_the_page_has_what_nodes_ask_for_at_start():
 
 def test_rows_of_what_is_read_at_start_are_of_nodes():
     for node, name in defaults_at_start():
-        assert node in CONFIGS or node in SHARED, node
+        assert node in CONFIGS or node in SHARED or node in NOTHING_LIVE, node
         if node in CONFIGS:
             assert name not in {parameter.name for parameter in CONFIGS[node].parameters}
 

@@ -22,6 +22,11 @@ from .colors import AnyRange, as_yaml, limit_names, space_of
 NAME = re.compile("[A-Za-z][A-Za-z0-9_]*")
 
 
+def is_color_name(name: str) -> bool:
+    """Returns whether a file can get a new colour of this name: see edit_colors()."""
+    return bool(NAME.fullmatch(name)) and load_yaml(name) == name
+
+
 def save_colors(path: str, colors: Mapping[str, AnyRange]) -> None:
     """Puts colours into a YAML file like edit_colors(), and makes the file if there is none.
 
@@ -52,7 +57,7 @@ def edit_colors(path: str, text: str, colors: Mapping[str, AnyRange]) -> str:
     if not isinstance(old, dict):
         raise ValueError(f"{path}: not overwritten, for its colors are no map")
     for name in colors:
-        if name not in old and (not NAME.fullmatch(name) or load_yaml(name) != name):
+        if name not in old and not is_color_name(name):
             raise ValueError(f"{path}: not overwritten, for '{name}' is no name for a colour")
     expected["colors"] = {**old, **{name: _entry(old.get(name), colors[name]) for name in colors}}
     for name, color in colors.items():

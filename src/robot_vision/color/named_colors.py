@@ -1,16 +1,15 @@
 """The named colours of a node: the parameter ~colors, and the one that live parameters show."""
 
-import re
 from typing import Any, Dict, Tuple
 
 import rospy
 
 from .. import ColorRange, HsvRange, color_channels, convert_range, validate
-from ..common.errors import about
 from ..common.plain_text import brief, printable
 from ..ros.configs import HsvTrackerConfig
 from ..ros.params import read_any, read_param
-from .colors import limit_names
+from .color_entries import range_of
+from .color_file import is_color_name
 
 # The live limits in HSV have names of their own, and those in all other spaces are numbered.
 LOW = ("h_low", "s_low", "v_low")
@@ -18,6 +17,8 @@ HIGH = ("h_high", "s_high", "v_high")
 NUMBERED_LOW = ("low_1", "low_2", "low_3")
 NUMBERED_HIGH = ("high_1", "high_2", "high_3")
 SPACE = "space"
+ADD = "+"  # before the name of a colour that is to have the limits given with it
+NEW_NAME = "letters, digits and _, a letter first, that YAML reads as a text"
 # What live parameters show of one colour; ~colors has that of all.
 SHOWN = ("color", SPACE, *LOW, *HIGH, *NUMBERED_LOW, *NUMBERED_HIGH)
 MAX_LIST_LENGTH = 200  # characters of the names in an error
@@ -45,36 +46,64 @@ class NamedColors:
                 f"colors is {brief(given)}, must be a map of at least one name to a range"
             )
         for name, entry in given.items():
-            self.ranges[str(name)] = _range(str(name), entry)
+            self.ranges[str(name)] = range_of(str(name), entry)
+        self._named = {str(name): entry for name, entry in given.items()}  # as ~colors has them
         self._shown = ""
         self._values: Dict[str, Any] = {}  # of SHOWN but the colour, as they were shown last
         self._left: Dict[Tuple[str, str], ColorRange] = {}  # by the name and the space
         self._drop_live("~colors has all limits" if named is not None else "")
 
     def update(self, config: Dict[str, Any]) -> None:
-        """Takes over the limits that have changed in `config`, and updates the rest of it."""
+        """Takes over the limits that have changed in `config`, and updates the rest of it.
+
+        A `color` that begins with ADD is that of the name behind it: it gets all limits in
+        `config`, and is added if there is none of this name.
+        """
         name = config["color"] or self._shown or next(iter(self.ranges))
-        if name not in self.ranges:
-            known = printable(", ".join(self.ranges), MAX_LIST_LENGTH)
-            raise ValueError(f"color is {brief(name)}, must be one of {known}")
+        is_given = name.startswith(ADD) and name not in self.ranges
+        name = name[len(ADD) :] if is_given else name
+        old = self.ranges.get(name)
+        self._require_name(name, is_given)
+        chosen = _range_in(config) if is_given else self._changed_range(name, config)
+        validate(chosen)
+        if old is None:
+            self._announce(name, chosen)
+        elif chosen.space != old.space:
+            self._left[name, old.space] = old
+        self.ranges[name] = chosen
+        low, high = _live_names(chosen.space)
+        limits = zip((*low, *high), (*chosen.low, *chosen.high))
+        config.update(limits, color=name, space=chosen.space)
+        self._shown, self._values = name, {key: config[key] for key in SHOWN[1:]}
+
+    def _require_name(self, name: str, is_given: bool) -> None:
+        """Raises ValueError for the name of a colour that is not there, and cannot be added."""
+        if name in self.ranges or (is_given and is_color_name(name)):
+            return
+        if is_given:
+            raise ValueError(f"color is {brief(ADD + name)}, must be {ADD} and {NEW_NAME}")
+        known = printable(", ".join(self.ranges), MAX_LIST_LENGTH)
+        raise ValueError(f"color is {brief(name)}, must be one of {known}; {ADD}name adds one")
+
+    def _changed_range(self, name: str, config: Dict[str, Any]) -> ColorRange:
+        """Returns the range of a colour with the limits that differ from those shown last."""
         changed = {key: config[key] for key, old in self._values.items() if config[key] != old}
         old = self.ranges[name]
         space = changed.pop(SPACE, old.space)
         _require_own(space, changed)
         chosen = old if space == old.space else self._in_space(name, space)
         low, high = _live_names(space)
-        chosen = ColorRange(
+        return ColorRange(
             space,
             tuple(changed.get(key, value) for key, value in zip(low, chosen.low)),
             tuple(changed.get(key, value) for key, value in zip(high, chosen.high)),
         )
-        validate(chosen)
-        if space != old.space:
-            self._left[name, old.space] = old
-        self.ranges[name] = chosen
-        limits = zip((*low, *high), (*chosen.low, *chosen.high))
-        config.update(limits, color=name, space=space)
-        self._shown, self._values = name, {key: config[key] for key in SHOWN[1:]}
+
+    def _announce(self, name: str, chosen: ColorRange) -> None:
+        """Adds a colour to ~colors, where others look for the names."""
+        entry = {"low": list(chosen.low), "high": list(chosen.high), SPACE: chosen.space}
+        self._named[name] = entry
+        rospy.set_param("~colors", self._named)
 
     def _drop_live(self, reason: str) -> None:
         """Takes live parameters from the server at start, and tells which have had no effect.
@@ -109,6 +138,13 @@ def _live_names(space: str) -> Tuple[Tuple[str, ...], Tuple[str, ...]]:
     return (LOW, HIGH) if space == "hsv" else (NUMBERED_LOW, NUMBERED_HIGH)
 
 
+def _range_in(config: Dict[str, Any]) -> ColorRange:
+    """Returns the range that live parameters have."""
+    low, high = _live_names(config[SPACE])
+    limits = (tuple(config[key] for key in names) for names in (low, high))
+    return ColorRange(config[SPACE], *limits)
+
+
 def _require_own(space: str, changed: Dict[str, Any]) -> None:
     """Raises ValueError for a limit that is none in this space, and for a space that is none."""
     limits = _limits_of(space)
@@ -140,43 +176,3 @@ def _default() -> Dict[str, Any]:
     low = [read_param(key, value) for key, value in zip(names[0], low)]
     high = [read_param(key, value) for key, value in zip(names[1], high)]
     return {name: {"space": space, "low": low, "high": high}}
-
-
-def _range(name: str, entry: Any) -> ColorRange:
-    where = f"colors/{printable(name)}"
-    space = entry.get("space", "hsv") if isinstance(entry, dict) else "hsv"
-    if not isinstance(space, str):
-        raise ValueError(f"{where}: space is {brief(space)}, must be a string")
-    with about(where):
-        names = limit_names(space)
-        entry = _in_lists(entry, names)
-    try:
-        found = ColorRange(space, tuple(entry["low"]), tuple(entry["high"]))
-    except (KeyError, TypeError):
-        letters = ", ".join(channel for channel, _, _ in color_channels(space))
-        named = "" if space == "hsv" else f"space: {space}, "
-        raise ValueError(
-            f"{where} is {brief(entry)}, must be {{{named}low: [{letters}], high: [{letters}]}}"
-        ) from None
-    with about(where):
-        validate(found)
-    return found
-
-
-def _in_lists(entry: Any, names: Tuple[Tuple[str, ...], Tuple[str, ...]]) -> Any:
-    """Returns an entry whose limits are named, as in config/colors, with lists of them.
-
-    Raises:
-        ValueError: There are limits of another space, or limits in lists, too.
-    """
-    if not isinstance(entry, dict):
-        return entry
-    limits = {key for key in map(str, entry) if re.search("(^|_)(low|high)$", key)}
-    if limits <= {"low", "high"}:
-        return entry
-    low, high = names
-    expected = (*low, *high)
-    for key in sorted(limits ^ {*expected}):
-        state = "is there" if key in limits else "is missing"
-        raise ValueError(f"{printable(key)} {state}, must be {', '.join(expected)}")
-    return {"low": [entry[key] for key in low], "high": [entry[key] for key in high]}
