@@ -12,6 +12,7 @@ import rospy
 from geometry_msgs.msg import Point32
 from networks_to_open import CaffeModels, DarknetModels, OnnxEdits, OnnxModels
 from sensor_msgs.msg import CameraInfo, CompressedImage, Image, RegionOfInterest
+from streams_to_show import Clouds, CompressedStreams, Requests
 from target import Files, Target
 
 from robot_vision import (
@@ -341,7 +342,9 @@ TARGETS: Dict[str, Type[Target]] = {
     "camera_infos": CameraInfos,
     "caffe_models": CaffeModels,
     "cameras": Cameras,
+    "clouds": Clouds,
     "colors": Colors,
+    "compressed_streams": CompressedStreams,
     "darknet_models": DarknetModels,
     "detections": Detections,
     "faces": Faces,
@@ -351,6 +354,7 @@ TARGETS: Dict[str, Type[Target]] = {
     "onnx_edits": OnnxEdits,
     "onnx_models": OnnxModels,
     "places": Places,
+    "requests": Requests,
     "selections": Selections,
     "textures": Textures,
 }

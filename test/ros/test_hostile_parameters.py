@@ -16,6 +16,7 @@ from std_msgs.msg import Header
 
 from robot_vision.camera.camera_list import parse_cameras
 from robot_vision.color.named_colors import NamedColors
+from robot_vision.dashboard import dashboard
 from robot_vision.demo import demo_status
 from robot_vision.dnn import check_for_objects
 from robot_vision.line import line_follower
@@ -56,6 +57,9 @@ def python_nodes():
     """The nodes in Python that have a .cfg file."""
     for path in sorted((ROOT / "config").glob("*.yaml")):
         names = (f"*/{path.stem}.py", f"*/{path.stem}_node.py")
+        config = "".join(word.capitalize() for word in path.stem.split("_"))
+        if not (ROOT / f"cfg/{config}.cfg").exists():
+            continue
         if any(any((ROOT / "src/robot_vision").glob(name)) for name in names):
             yield path.stem
 
@@ -225,7 +229,25 @@ AT_START = {
     },
     "camera.camera_loader.CameraLoader": {"manager": is_name},
     "demo.demo_status.DemoStatus": {
-        name: is_flag for name in ("view", "synthetic", "basics", "depth", "recognition")
+        **dict.fromkeys(("view", "synthetic", "basics", "depth", "recognition"), is_flag),
+        "dashboard": is_flag,
+        "period": is_number(0.0, 3600.0),
+    },
+    "dashboard.dashboard.Dashboard": {
+        "address": lambda _: False,
+        "port": lambda _: False,
+        "port_tries": lambda _: False,
+        "token": lambda _: False,
+        "view_token": lambda _: False,
+        "hosts": lambda _: False,
+        "open_streams": is_flag,
+        "foxglove": is_flag,
+        "foxglove_origins": lambda _: False,
+        "open_browser": is_flag,
+        "max_clients": lambda _: False,
+        "quality": lambda _: False,
+        "bag_folder": lambda _: False,
+        "max_bag_size": lambda _: False,
     },
 }
 # Parameters that are read later, when values are saved or periodically, or only make a difference
@@ -248,6 +270,8 @@ def alone(at_start, monkeypatch, tmp_path):
     for module in (recognize_action, check_for_objects):
         monkeypatch.setattr(module, "actionlib", nothing)
     monkeypatch.setattr(demo_status, "threading", nothing)
+    for name in ("Server", "bind", "make_features", "open_browser"):
+        monkeypatch.setattr(dashboard, name, nothing)
     monkeypatch.setattr(simple_camera_view_node, "Window", nothing)
     monkeypatch.setattr(simple_camera_view_node, "require_display", nothing)
     monkeypatch.setattr(tf2_ros, "TransformBroadcaster", nothing)
@@ -315,7 +339,7 @@ def test_all_parameters_are_tested():
     named, others = set(), set()
     for path in (ROOT / "src" / "robot_vision").rglob("*.py"):
         for name in re.findall(
-            r"\b(?:read_(?:param|name|any)|get_param)\(\s*([^\s,)]+)", path.read_text()
+            r"\b(?:read_(?:param|name|any|secret)|get_param)\(\s*([^\s,)]+)", path.read_text()
         ):
             literal = re.fullmatch(r'"~?(\w+)"', name)
             if literal:

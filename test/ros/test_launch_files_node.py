@@ -42,6 +42,7 @@ NO_TEXTS = {
     *("basics", "camera_height", "columns", "invert", "lane_width", "max_features", "pitch"),
     *("color", "depth", "disparities", "max_distance", "publish_tf", "radius", "rows", "slop"),
     *("recognition", "score_threshold", "square", "threads", "track"),
+    *("foxglove", "open_browser", "open_streams", "port"),
 }
 
 
@@ -286,6 +287,16 @@ def test_the_host_with_the_camera_passes_the_source_on_unchanged():
         ("template_matcher", ["synthetic:=true"], {}),
         ("template_matcher", ["templates:=/a", "results:=multiple"], {"templates": "/a"}),
         ("template_matcher", ["method:=ccorr"], {"method": "ccorr"}),
+        (
+            "dashboard",
+            ["address:=0.0.0.0", "port:=0", "browser:=true"],
+            {"address": "0.0.0.0", "port": 0, "open_browser": True},
+        ),
+        (
+            "dashboard",
+            ["open_streams:=true", "foxglove:=true", "bag_folder:=/b", "view_token:=12345678"],
+            {"open_streams": True, "foxglove": True, "bag_folder": "/b", "view_token": "12345678"},
+        ),
     ],
 )
 def test_arguments_set_parameters(name, arguments, changed):
@@ -450,6 +461,28 @@ def test_basics_are_an_optional_part_of_the_demo():
 def remapped(node):
     """What a node's remappings make of the names in them, which are global."""
     return {f"/{name.lstrip('/')}": f"/{to.lstrip('/')}" for name, to in node.remap_args}
+
+
+@pytest.mark.parametrize("word, windows", [("false", 0), ("true", 1), ("windows", 1)])
+def test_the_demo_has_windows_only_where_they_are_asked_for(word, windows):
+    nodes = {node.name for node in loaded("demo.launch", f"view:={word}").nodes}
+    assert "dashboard" in nodes
+    assert ("camera_view" in nodes) == ("hsv_tracker_view" in nodes) == bool(windows)
+    parameters = parameters_of("demo.launch", f"view:={word}")
+    assert parameters["/demo_status/view"] == parameters["/demo_status/dashboard"] ^ (not windows)
+    assert parameters["/hsv_tracker/always_subscribe"] is not bool(windows)
+
+
+def test_the_demo_takes_no_other_word_for_its_windows():
+    with pytest.raises(roslaunch.RLException):
+        loaded("demo.launch", "view:=widnows")
+
+
+def test_the_demo_opens_a_browser_where_it_is_asked_for():
+    assert not parameters_of("demo.launch")["/dashboard/open_browser"]
+    parameters = parameters_of("demo.launch", "browser:=true", "port:=8090")
+    assert parameters["/dashboard/open_browser"]
+    assert parameters["/dashboard/port"] == 8090
 
 
 def test_depth_is_an_optional_part_of_the_demo():

@@ -17,8 +17,8 @@ FILES = {
     "src/ros/images/message.cpp": '#include "robot_vision/camera/source.hpp"\n',
     "src/robot_vision/common/files.py": "import os\n",
     "src/robot_vision/color/colors.py": "from ..common.files import os\nfrom .. import _core\n",
-    "src/robot_vision/faces/gallery.py": "from ..color import colors\nfrom . import views\n",
-    "src/robot_vision/faces/views.py": "",
+    "src/robot_vision/motion/gallery.py": "from ..color import colors\nfrom . import views\n",
+    "src/robot_vision/motion/views.py": "",
     "src/robot_vision/ball/tracker.py": "",
 }
 
@@ -56,9 +56,9 @@ def test_rooms_use_themselves_and_those_before_them(tmp_path):
         ("src/nodelets/one.cpp", '#include "core/image/jpeg.hpp"', "a private header"),
         ("src/robot_vision/common/files.py", "from ..color import colors", "a later room"),
         ("src/robot_vision/common/files.py", "from .. import color", "a later room"),
-        ("src/robot_vision/ball/tracker.py", "from ..faces.views import x", "a later room"),
-        ("src/robot_vision/ball/tracker.py", "from robot_vision.faces import x", "a later room"),
-        ("src/robot_vision/ball/tracker.py", "import robot_vision.faces.views", "a later room"),
+        ("src/robot_vision/ball/tracker.py", "from ..motion.views import x", "a later room"),
+        ("src/robot_vision/ball/tracker.py", "from robot_vision.motion import x", "a later room"),
+        ("src/robot_vision/ball/tracker.py", "import robot_vision.motion.views", "a later room"),
     ],
 )
 def test_what_is_used_against_the_order_is_named(tmp_path, path, line, said):

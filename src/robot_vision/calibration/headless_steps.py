@@ -103,7 +103,19 @@ def set_camera_info(
         OSError: The camera does not take it.
     """
     name = service_of(node)
-    info = CameraInfo(
+    info = camera_info(camera, rotation, projection)
+    try:
+        answer = rospy.ServiceProxy(name, SetCameraInfo)(info)
+        problem = "" if answer.success else answer.status_message or "refused"
+    except (rospy.ROSException, rospy.ServiceException) as error:
+        problem = str(error)
+    if problem:
+        raise OSError(f"{name}: {problem}")
+
+
+def camera_info(camera: CameraModel, rotation: np.ndarray, projection: np.ndarray) -> CameraInfo:
+    """Returns a calibration with the R, 3x3, and P, 3x4, of its rectified images as a message."""
+    return CameraInfo(
         width=camera.width,
         height=camera.height,
         distortion_model=camera.distortion_model,
@@ -112,10 +124,3 @@ def set_camera_info(
         R=np.ravel(rotation).tolist(),
         P=np.ravel(projection).tolist(),
     )
-    try:
-        answer = rospy.ServiceProxy(name, SetCameraInfo)(info)
-        problem = "" if answer.success else answer.status_message or "refused"
-    except (rospy.ROSException, rospy.ServiceException) as error:
-        problem = str(error)
-    if problem:
-        raise OSError(f"{name}: {problem}")

@@ -60,6 +60,19 @@ def read_param(
     return value
 
 
+def read_secret(name: str) -> str:
+    """Returns a private parameter whose value is in no log and no error, "" if it is not set.
+
+    Raises:
+        ValueError: The parameter is not a string.
+    """
+    value = read_any(name, "")
+    _known[name] = False  # review_params() shows what has changed.
+    if not isinstance(value, str):
+        raise ValueError(f"{name} is of type {type(value).__name__}, must be a string")
+    return value
+
+
 def read_name(name: str, default: str) -> str:
     """Returns a private parameter that names a frame, a node or the like.
 

@@ -1,0 +1,79 @@
+"""The people that face_recognizer knows, in the dashboard."""
+
+import base64
+import os
+
+import cv2
+import numpy as np
+import pytest
+import rospy
+import support
+from feature_page import FeaturePage, RefusedError
+from people import ANNA, photographs
+
+from robot_vision.dashboard.face_feature import FaceFeature
+from robot_vision.dashboard.settings import Settings
+from robot_vision.faces.gallery import Gallery
+
+
+@pytest.fixture
+def page(master):
+    made = FeaturePage(FaceFeature(Settings()))
+    yield made
+    made.close()
+
+
+@pytest.fixture
+def gallery(start, tmp_path):
+    """The gallery of a running node, with one image of Anna."""
+    folder = tmp_path / "gallery"
+    Gallery(str(folder)).add("Anna", photographs(ANNA, 1))
+    start("face_recognizer.py", "__name:=door", "image:=/nobody", f"_gallery:={folder}")
+    rospy.wait_for_service("/door/list_names", support.DEADLINE)
+    return folder
+
+
+def test_people_are_listed_shown_and_forgotten(page, gallery):
+    assert page.request("faces", node="/door") == {"people": [{"name": "Anna", "pictures": 1}]}
+    jpeg = base64.b64decode(page.request("face_picture", node="/door", name="Anna")["jpeg"])
+    image = cv2.imdecode(np.frombuffer(jpeg, np.uint8), cv2.IMREAD_COLOR)
+    assert max(image.shape) == 96
+    (file,) = [name for name in os.listdir(gallery / "Anna") if name.endswith(".png")]
+    whole = cv2.imread(str(gallery / "Anna" / file))
+    small = cv2.resize(whole, image.shape[1::-1], interpolation=cv2.INTER_AREA)
+    assert np.abs(image.astype(int) - small).mean() < 6.0
+    with pytest.raises(RefusedError, match="index is 1, there are 1 images of 'Anna'"):
+        page.request("face_picture", node="/door", name="Anna", index=1)
+    assert "forgotten" in page.request("forget_face", node="/door", name="Anna")["message"]
+    assert page.request("faces", node="/door") == {"people": []}
+
+
+@pytest.mark.parametrize("name", ["../..", "/etc", "..", ".hidden", "a/b", "\\x", "", "Nobody"])
+def test_only_people_who_are_listed_are_shown(page, gallery, name):
+    with pytest.raises(RefusedError, match=r"name|nobody"):
+        page.request("face_picture", node="/door", name=name)
+
+
+def test_links_out_of_the_gallery_are_refused(page, gallery, tmp_path):
+    secret = tmp_path / "secret.png"
+    cv2.imwrite(str(secret), np.zeros((9, 9, 3), np.uint8))
+    os.symlink(secret, gallery / "Anna" / "0.png")
+    with pytest.raises(RefusedError, match="out of the gallery"):
+        page.request("face_picture", node="/door", name="Anna")
+
+
+def test_enrolling_says_what_is_missing(page, start, tmp_path):
+    start(
+        "face_recognizer.py",
+        "__name:=door",
+        "image:=/nobody",
+        f"_gallery:={tmp_path / 'empty'}",
+        "_enroll_timeout:=0.5",
+    )
+    rospy.wait_for_service("/door/enroll", support.DEADLINE)
+    with pytest.raises(RefusedError, match="within"):
+        page.request("enroll", node="/door", name="Bert", pictures=1)
+    with pytest.raises(RefusedError, match="must not hold /"):
+        page.request("enroll", node="/door", name="a/b", pictures=1)
+    with pytest.raises(RefusedError, match="/gone has no service enroll"):
+        page.request("enroll", node="/gone", name="Bert")
