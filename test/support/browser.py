@@ -1,0 +1,138 @@
+"""Debian's chromium, driven for tests: one for all of them, with a fresh window for each.
+
+Errors on a page's console, violations of its Content-Security-Policy among them, fail the test.
+"""
+
+import contextlib
+import os
+import pathlib
+import shutil
+from typing import Any, Dict, Iterator, List, Set
+
+import pytest
+import support
+from browser_page import DEADLINE, Page
+
+OPTIONS = (
+    "--headless=new",
+    "--disable-gpu",
+    "--use-angle=swiftshader",  # WebGL without a graphics card
+    "--enable-unsafe-swiftshader",
+    "--disable-dev-shm-usage",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--disable-background-timer-throttling",
+    "--disable-renderer-backgrounding",
+    "--disable-backgrounding-occluded-windows",
+    "--no-first-run",
+    "--no-default-browser-check",
+    "--no-proxy-server",
+    "--force-color-profile=srgb",
+    "--hide-scrollbars",
+    "--mute-audio",
+)
+
+
+def missing() -> str:
+    """What is not there of a browser and of what drives it, in words; "" if it all is."""
+    for program in ("chromium", "chromedriver"):
+        path = shutil.which(program)
+        if not path:
+            return f"there is no {program}"
+        if "/snap/" in path or os.path.basename(os.path.realpath(path)) == "snap":
+            return f"{program} is a snap, which sees no private folder"
+    try:
+        import selenium  # noqa: F401
+    except ImportError:
+        return "there is no python3-selenium"
+    return ""
+
+
+class Browser:
+    """A chromium whose profile is below `folder`; it ends with close()."""
+
+    def __init__(self, folder: pathlib.Path, *options: str):
+        from selenium import webdriver
+        from selenium.webdriver.chrome.options import Options
+        from selenium.webdriver.chrome.service import Service
+
+        chosen = Options()
+        chosen.binary_location = shutil.which("chromium")
+        root = ["--no-sandbox"] if os.geteuid() == 0 else []
+        for option in (*OPTIONS, *options, *root, f"--user-data-dir={folder / 'profile'}"):
+            chosen.add_argument(option)
+        chosen.set_capability("goog:loggingPrefs", {"browser": "ALL", "performance": "ALL"})
+        self.downloads = folder / "downloads"
+        self.downloads.mkdir()
+        private = {"HOME": folder, "XDG_CONFIG_HOME": folder, "XDG_CACHE_HOME": folder}
+        service = Service(
+            shutil.which("chromedriver"),
+            port=support.free_port(),
+            env={**os.environ, **{name: str(path) for name, path in private.items()}},
+        )
+        chosen.set_capability("unhandledPromptBehavior", "ignore")
+        self.driver = webdriver.Chrome(service=service, options=chosen)
+        self.driver.set_page_load_timeout(DEADLINE)
+        self.driver.set_script_timeout(DEADLINE)
+        self._first = self.driver.current_window_handle
+        self.origins: Set[str] = set()  # of all pages that have been opened
+
+    def page(self) -> Page:
+        """A new window. What earlier ones stored is forgotten."""
+        self.driver.switch_to.new_window("window")  # of two tabs one would be hidden
+        page = Page(self)
+        page.command("Network.clearBrowserCookies")
+        for origin in self.origins:
+            page.command("Storage.clearDataForOrigin", origin=origin, storageTypes="all")
+        page.command(
+            "Browser.setDownloadBehavior", behavior="allow", downloadPath=str(self.downloads)
+        )
+        return page
+
+    def end_pages(self) -> None:
+        """Closes all windows but the first, which stays empty."""
+        for handle in self.driver.window_handles:
+            if handle != self._first:
+                self.driver.switch_to.window(handle)
+                self.driver.close()
+        self.driver.switch_to.window(self._first)
+
+    def logs(self, kind: str) -> List[Dict[str, Any]]:
+        """What has been logged since the last call: "browser" or "performance"."""
+        return self.driver.get_log(kind)
+
+    def close(self) -> None:
+        self.driver.quit()
+
+
+@contextlib.contextmanager
+def running(folder: pathlib.Path, *options: str) -> Iterator[Browser]:
+    """A browser for as long as the context lasts."""
+    browser = Browser(folder, *options)
+    try:
+        yield browser
+    finally:
+        browser.close()
+
+
+@pytest.fixture(scope="session")
+def browser(tmp_path_factory: Any) -> Iterator[Browser]:
+    """The browser of all tests; they are skipped where there is none."""
+    lacking = missing()
+    if lacking:
+        pytest.skip(f"no browser to test with: {lacking}")
+    with running(tmp_path_factory.mktemp("browser")) as made:
+        yield made
+
+
+@pytest.fixture
+def page(browser: Browser) -> Iterator[Page]:
+    """A window of 1280x720 px, whose console must stay free of errors."""
+    made = browser.page()
+    made.size(1280, 720)
+    browser.logs("browser"), browser.logs("performance")
+    yield made
+    try:
+        made.front().check()
+    finally:
+        browser.end_pages()
