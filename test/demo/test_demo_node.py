@@ -108,7 +108,7 @@ def test_rosrun_finds_scripts_and_programs(start):
     process = start(*status, env={"DISPLAY": ""})
     process.wait_for_output("No display: look at")
     process = start(*status, env={"DISPLAY": ":7"})
-    process.wait_for_output("No windows (view:=true): look at")
+    process.wait_for_output("No windows (view:=windows): look at")
     other = start("/usr/bin/rosrun", "robot_vision", "camera_node", "_source:=synthetic")
     other.wait_for_output("synthetic scene (room) 640x480 at 30 Hz")
 
@@ -122,20 +122,34 @@ def scene_demo(start_once):
     assert process.exit_code() == 0, process.output()
 
 
-def test_demo_prints_a_line_per_node_and_second(scene_demo):
+def test_demo_prints_a_line_per_node_now_and_then(scene_demo):
     process = scene_demo
     number = r"\s+[0-9.]+"
     line = f"^{{}}{number} Hz  age{number} ms  processing{number} ms  "
     for node in ("usb_cam", "brightness", "edge_detector"):
         support.wait_for(
-            lambda: len(re.findall(line.format(node), process.output(), re.MULTILINE)) >= 3,  # noqa: B023
-            f"three lines of {node} in\n{process.output()}",
+            lambda: len(re.findall(line.format(node), process.output(), re.MULTILINE)) >= 2,  # noqa: B023
+            f"two lines of {node} in\n{process.output()}",
         )
     for topic in ("/usb_cam/image_raw", "/brightness/processed_image"):
         assert topic in process.output()
     lines = re.findall("^.* Hz  age .*$", process.output(), re.MULTILINE)
     assert {text.index(" Hz  age ") for text in lines} == {lines[0].index(" Hz  age ")}
     assert "rosdep view is empty" not in process.output()
+
+
+def test_demo_prints_the_address_of_its_dashboard_at_start_and_when_all_is_up(scene_demo):
+    address = r"^dashboard: (http://127\.0\.0\.1:\d+/\?token=[0-9a-f]{32})$"
+
+    def printed():
+        return re.findall(address, scene_demo.output(), re.MULTILINE)
+
+    support.wait_for(lambda: len(printed()) == 2, "the address, twice")
+    assert len(set(printed())) == 1
+    before, between, _ = re.split(address, scene_demo.output(), maxsplit=2, flags=re.MULTILINE)[::2]
+    assert " Hz  age " not in before and "code_reader " in between
+    token = printed()[0].partition("?token=")[2]
+    assert token not in str(rospy.get_param("/"))
 
 
 def test_demo_shows_the_scene(scene_demo):

@@ -18,6 +18,7 @@ UNNAMED = re.compile(
 )
 
 OURS = {"/node", "/node_images"}  # a Python node and its roscpp half
+WITHOUT_REPORTS = ("dashboard.py", "simple_camera_view_node.py")  # they process nothing
 CHAIN = ("gaussian", "blend")  # of the filter, which has a topic for each NAME of it
 
 
@@ -48,7 +49,7 @@ def test_topics_and_services(start, display, node):
     parameters += ["_auto_select:=true", "_use_second:=true", f"_chain:={','.join(CHAIN)}"]
     parameters += ["depth:=/depth"]  # some take it only if it is remapped
     start(node, "__name:=node", *parameters)
-    reports = set() if node == "simple_camera_view_node.py" else {"/diagnostics"}
+    reports = set() if node in WITHOUT_REPORTS else {"/diagnostics"}
     expected = (outputs.keys() | reports, set(inputs), set(services))
     master = rosgraph.Master("/test")
 

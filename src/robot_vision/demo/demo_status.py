@@ -1,5 +1,6 @@
 """The node demo_status, which prints rate, age, processing time and state of each node."""
 
+import contextlib
 import os
 import threading
 import time
@@ -7,7 +8,9 @@ from typing import Dict
 
 import rospy
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from std_srvs.srv import Trigger
 
+from ..common.throttle import Throttle
 from ..ros.params import read_param
 from ..ros.startup import run_node
 from .window_tiles import Tiles
@@ -54,6 +57,10 @@ FRAMES = ": frames"  # the end of the name of the status that each node has; som
 WIDTH = max(map(len, [*TOPICS, *SYNTHETIC, *BASICS, *DEPTH, *RECOGNITION]))
 VIEWER = TOPICS["usb_cam"] + " "  # the start of simple_camera_view's title, which has two blanks
 WINDOWS_TIMEOUT = 120.0  # s for all windows to open
+MAX_PERIOD = 3600.0  # s
+PRINT_ADDRESS = "dashboard/print_address"  # the service of the dashboard beside this node
+SERVICE_TIMEOUT = 10.0  # s for the dashboard to start
+LAST_INCOMPLETE = 10  # rounds until a node that is missing is not waited for
 POLL = 0.5  # s
 
 
@@ -71,10 +78,13 @@ def line(name: str, status: DiagnosticStatus) -> str:
 
 
 class DemoStatus:
-    """Prints a line for each node every second, in the order in which frames pass the nodes.
+    """Prints a line for each node, in the order in which frames pass the nodes.
 
-    With windows (~view true) it also puts them side by side. Without windows, the default, it
-    first prints the topics that can be viewed.
+    It does so as often as they report, every second, or with ~period at most every so many s. With
+    ~dashboard true it begins when all have reported, and has the dashboard print its address again.
+
+    With windows (~view true) it also puts them side by side. With neither windows nor a dashboard,
+    the default, it first prints the topics that can be viewed.
 
     With ~synthetic true the node that detects the scene's things is among them, with ~basics true
     those of basic operations, with ~depth true those of depth, with ~recognition true the one that
@@ -92,16 +102,19 @@ class DemoStatus:
             self._topics.update(DEPTH)
         if read_param("recognition", False):
             self._topics.update(RECOGNITION)
+        self._wants_address = read_param("dashboard", False)
         if read_param("view", False):
             windows = threading.Thread(target=tile_windows, args=(self._topics,), name="windows")
             windows.daemon = True
             windows.start()
-        else:
-            none = "No windows (view:=true)" if os.environ.get("DISPLAY") else "No display"
+        elif not self._wants_address:
+            none = "No windows (view:=windows)" if os.environ.get("DISPLAY") else "No display"
             print(f"{none}: look at these topics, for instance with")
             print("  rosrun image_view image_view image:=" + TOPICS["edge_detector"])
             print(*("  " + topic for topic in self._topics.values()), sep="\n", flush=True)
-        self._lock = threading.Lock()  # guards _round: each publisher has its own thread
+        self._throttle = Throttle(read_param("period", 0.0, 0.0, MAX_PERIOD))
+        self._rounds = 0
+        self._lock = threading.Lock()  # guards the rounds: each publisher has its own thread
         self._round: Dict[str, DiagnosticStatus] = {}
         self._subscriber = rospy.Subscriber("/diagnostics", DiagnosticArray, self._on_diagnostics)
 
@@ -121,9 +134,23 @@ class DemoStatus:
             self._print_round()
 
     def _print_round(self) -> None:
-        lines = [line(name, self._round[name]) for name in self._topics if name in self._round]
-        print("", *lines, sep="\n", flush=True)
+        self._rounds += 1
+        # All nodes first come together in one table, with the address below it.
+        ready = len(self._round) == len(self._topics) or self._rounds > LAST_INCOMPLETE
+        if (ready or not self._wants_address) and self._throttle.due():
+            lines = [line(name, self._round[name]) for name in self._topics if name in self._round]
+            print("", *lines, sep="\n", flush=True)
+        if ready and self._wants_address:
+            self._wants_address = False
+            threading.Thread(target=print_address, name="address", daemon=True).start()
         self._round.clear()
+
+
+def print_address() -> None:
+    """Has the dashboard print its address; the address itself is a secret of that node."""
+    with contextlib.suppress(rospy.ROSException, rospy.ServiceException):  # It may not be there.
+        rospy.wait_for_service(PRINT_ADDRESS, SERVICE_TIMEOUT)
+        rospy.ServiceProxy(PRINT_ADDRESS, Trigger)()
 
 
 def tile_windows(topics: Dict[str, str]) -> None:
