@@ -8,6 +8,7 @@ import depth_contenders
 import detection_contenders
 import filter_contenders
 import stereo_contenders
+import stream_contenders
 from measuring import HERE, RATE, Bench, Command, Contender, Contenders
 from node_commands import IMAGE, course, node
 from results import Parts, Size, Target
@@ -183,6 +184,8 @@ COMPARISONS: Tuple[Tuple[str, Contenders, Sizes], ...] = (
         for cores in (1, 2)[: os.cpu_count()]
     ),
     (stereo_contenders.TITLE, stereo_contenders.nodes, SIZES[:1]),
+    (stream_contenders.TITLE, stream_contenders.streams, SIZES),
+    (stream_contenders.PASSED, stream_contenders.passed_on, SIZES),
     *(
         (filter_contenders.title(name), filter_contenders.contenders(pair), SIZES)
         for name, pair in filter_contenders.PAIRS.items()
@@ -208,6 +211,7 @@ TARGETS = (
     *(Target(_TAGS, size, _PLAIN_TAGS, "found", 1.0) for size in reversed(TAG_SIZES)),
     *detection_contenders.targets(),
     *stereo_contenders.targets(SIZES[:1]),
+    *stream_contenders.targets(),
     *filter_contenders.targets(),
 )
 PARTS = (
