@@ -35,8 +35,9 @@ def test_each_image_can_be_rendered():
 
 @pytest.mark.parametrize("path", IMAGES, ids=lambda path: path.stem)
 def test_images_are_small(path):
-    assert path.stat().st_size <= 30000
-    assert cv2.imread(str(path)).shape[1] <= 640
+    is_page = path.stem.startswith("dashboard")  # its words must be legible
+    assert path.stat().st_size <= (150000 if is_page else 30000)
+    assert cv2.imread(str(path)).shape[1] <= (1280 if is_page else 640)
 
 
 def test_an_unknown_image_is_named():

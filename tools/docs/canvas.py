@@ -8,6 +8,8 @@ import numpy as np
 
 WIDTH = 640  # px, of the widest
 LARGEST = 30000  # bytes of a file
+PAGE_WIDTH = 1280  # px, of a page of a browser, whose words must be legible
+LARGEST_PAGE = 150000  # bytes
 QUALITIES = range(90, 30, -2)  # of JPEG, %
 GAP = 4  # px between images
 STRIP = 20  # px, height of a caption
@@ -73,18 +75,24 @@ def joined(images: Sequence[np.ndarray], axis: int) -> np.ndarray:
     return np.concatenate(parts[1:], axis=axis)
 
 
-def save(image: np.ndarray, path: pathlib.Path) -> int:
+def save(image: np.ndarray, path: pathlib.Path, width: int = WIDTH, largest: int = LARGEST) -> int:
     """Writes a JPEG of the best quality whose file is not too large; its bytes.
+
+    Args:
+        image: of at most `width` px.
+        path: of the file.
+        width: px.
+        largest: bytes of the file.
 
     Raises:
         ValueError: the image is too wide, or too large at every quality.
     """
-    if image.shape[1] > WIDTH:
-        raise ValueError(f"{path.name} would be {image.shape[1]} px wide, of {WIDTH}")
+    if image.shape[1] > width:
+        raise ValueError(f"{path.name} would be {image.shape[1]} px wide, of {width}")
     for quality in QUALITIES:
         options = [cv2.IMWRITE_JPEG_QUALITY, quality, cv2.IMWRITE_JPEG_OPTIMIZE, 1]
         data = cv2.imencode(".jpg", image, options)[1].tobytes()
-        if len(data) <= LARGEST:
+        if len(data) <= largest:
             path.write_bytes(data)
             return len(data)
-    raise ValueError(f"{path.name} is larger than {LARGEST} bytes at every quality")
+    raise ValueError(f"{path.name} is larger than {largest} bytes at every quality")

@@ -17,7 +17,8 @@ from sensor_msgs.msg import CameraInfo, Image
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 sys.path.append(str(ROOT / "test" / "support"))
 
-import figures  # noqa: E402, F401  drawn people, for those who import this
+import browser  # noqa: E402, F401  for those who import this, as the next one
+import figures  # noqa: E402, F401  drawn people
 import support  # noqa: E402  of the tests of nodes: processes and topics with deadlines
 
 from robot_vision import CalibrationScene, Scene, SceneParams  # noqa: E402
