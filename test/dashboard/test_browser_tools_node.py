@@ -140,19 +140,27 @@ def test_a_slider_sets_a_parameter_and_a_refusal_is_told(view, color_file):
 
 def test_what_is_dragged_around_is_followed_until_it_is_forgotten(view):
     states = support.subscribed("/object_tracker/state", TrackStateArray)
+
+    def followed():
+        return [track.label for track in states.received[-1].tracks] if states.received else []
+
     open_tool(view, "select")
     view.fill('[data-test="select-label"]', "carpet")
     x, y, width, height = TEXTURE
     corners = [(x + 10, y + 10), (x + 60, y + 60), (x + width - 10, y + height - 10)]
     view.drag([at(view, FOLLOWER, *corner) for corner in corners])
-    support.wait_for(
-        lambda: any(track.label == "carpet" for one in states.received for track in one.tracks),
-        "the object",
-    )
+    support.wait_for(lambda: followed() == ["carpet"], "the object")
     view.wait_for_text("carpet", '[data-test="object"]')
     view.wait_for_text("followed", '[data-test="object"]')
+    view.fill('[data-test="select-label"]', "part")
+    view.drag([at(view, FOLLOWER, *corner) for corner in (corners[0], corners[1])])
+    support.wait_for(lambda: followed() == ["carpet", "part"], "another one")
+    view.wait("document.querySelectorAll('[data-test=object]').length === 2")
+    view.click('[data-test="object"]:last-child [data-test="forget"]')
+    support.wait_for(lambda: followed() == ["carpet"], "that only the other one is forgotten")
+    view.wait("document.querySelectorAll('[data-test=object]').length === 1")
     view.click('[data-test="forget"]')
-    support.wait_for(lambda: not states.received[-1].tracks, "that it is forgotten")
+    support.wait_for(lambda: not followed(), "that it is forgotten")
     view.wait("!document.querySelector('[data-test=object]')")
 
 
@@ -241,6 +249,8 @@ def test_another_colour_is_tuned_by_a_click_and_saved(view, color_file):
     )
     view.click('[data-test="color-undo"]')
     support.wait_for(lambda: value_of("s_low") == before + 2, "the saved range")
+    open_tool(view, "log")
+    support.wait_for(lambda: not tinted(view, TRACKER).any(), "the end of the mask")
 
 
 def test_a_new_colour_is_added_by_a_click(view):

@@ -171,8 +171,9 @@ def test_an_object_is_selected_and_forgotten(page, start):
     assert found.label == "cup" and found.id == told["id"]
     assert abs(found.box.x_offset - 100) <= 2 and abs(found.box.y_offset - 120) <= 2
     with pytest.raises(RefusedError, match="must be of an object"):
-        page.request("forget_object", node="/tracker", id=77)
-    assert "forgotten" in page.request("forget_object", node="/tracker", id=told["id"])["message"]
+        page.request("forget_object", node="/tracker", object=77)
+    answer = page.request("forget_object", node="/tracker", object=told["id"])
+    assert answer["message"] == f"object {told['id']} is forgotten"
     assert output.of(camera.show(scene()).stamp).detections == []
 
 
@@ -208,7 +209,7 @@ def test_nobody_who_takes_a_region_is_told(page, monkeypatch):
     with pytest.raises(RefusedError, match="nobody subscribes to /gone/select"):
         page.request("select_object", node="/gone", region=region)
     with pytest.raises(RefusedError, match="/gone has no service forget"):
-        page.request("forget_object", node="/gone", id=1)
+        page.request("forget_object", node="/gone", object=1)
 
 
 def test_a_click_has_the_color_and_the_header_of_its_pixel(page):

@@ -93,6 +93,8 @@ def test_names_and_roles_are_unique_and_known():
         OperationTable([operation("look", "view"), operation("look", "control")])
     with pytest.raises(ValueError, match="role admin"):
         OperationTable([operation("look", "admin")])
+    with pytest.raises(ValueError, match="look has the field id"):
+        OperationTable([Operation("look", print, "view", {"id": Number(0, 9)})])
 
 
 def test_roles_include_one_another():

@@ -8,6 +8,7 @@ from ..common.plain_text import brief
 from .fields import MAX_EXACT, Field, checked
 
 MAX_DIGITS = 40  # of an integer: longer ones are read in quadratic time
+RESERVED = {"op", "id"}  # what each request has: its operation, and its number
 ROLES = ("view", "control")  # each may do what those before it may
 
 
@@ -39,7 +40,8 @@ class OperationTable:
         operations: The operations.
 
     Raises:
-        ValueError: Two have the same name, or one has a role that does not exist.
+        ValueError: Two have the same name, or one has a role that does not exist, or a field whose
+            name each request has already.
     """
 
     def __init__(self, operations: Iterable[Operation]):
@@ -49,6 +51,8 @@ class OperationTable:
                 raise ValueError(f"there are two operations {operation.name}")
             if operation.role not in ROLES:
                 raise ValueError(f"the operation {operation.name} has the role {operation.role}")
+            for name in RESERVED.intersection(operation.fields):
+                raise ValueError(f"the operation {operation.name} has the field {name}")
             self._operations[operation.name] = operation
 
     def find(self, name: Any, role: str, request: Dict[str, Any]) -> Tuple[Operation, Dict]:

@@ -27,7 +27,7 @@ class SelectFeature:
 
     def __init__(self, settings: Settings):
         select = {"node": Text(), "region": Region(), "label": Text(max_length=100, default="")}
-        forget = {"node": Text(), "id": Number(-1, MAX_ID, integer=True, default=-1)}
+        forget = {"node": Text(), "object": Number(-1, MAX_ID, integer=True)}  # -1: all
         self.operations = [
             Operation(SELECT, self._on_select, "control", select),
             Operation("forget_object", self._on_forget, "control", forget),
@@ -52,8 +52,9 @@ class SelectFeature:
         return {"message": f"object {answer.id} of {node} is selected", "id": answer.id}
 
     def _on_forget(self, _session: Session, request: Dict[str, Any]) -> Dict[str, Any]:
-        answer = call_node(request["node"], "forget", ForgetObject, request["id"])
+        number = request["object"]
+        answer = call_node(request["node"], "forget", ForgetObject, number)
         if not answer.success:
             raise ValueError(printable(answer.message, MAX_MESSAGE))
-        what = "all objects are" if request["id"] == -1 else f"object {request['id']} is"
+        what = "all objects are" if number == -1 else f"object {number} is"
         return {"message": f"{what} forgotten"}

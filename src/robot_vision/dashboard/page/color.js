@@ -162,6 +162,7 @@ class ColorPanel {
       const { widened, ...range } = holding(space, around, picked[space] || around.low);
       const name = this.view.chosenName();
       if (!name) this.picked = range;
+      this.isSaved = false;
       const undo = this.view.naming.hidden ? " Undo gives the last one back." : "";
       const pale = widened ? " It is wide, as this colour is pale or dark: narrow it below." : "";
       this.view.tell(name && `${name} has the range around it.${undo}${pale}`);
@@ -171,6 +172,8 @@ class ColorPanel {
 
   /** Tells the node a range; while it answers only the newest of the next ones is kept. */
   _apply(range) {
+    if (this.isSaved) this.view.tell("Changed since it was saved.");
+    this.isSaved = false;
     this.range = range;
     this._show();
     const idle = !this.waiting;
@@ -202,6 +205,7 @@ class ColorPanel {
       await this.told;
       const { message } = await this.app.connection.request("save_parameters", { node: this.node });
       this.before = this.range;
+      this.isSaved = true;
       this._say(message, "good");
     });
   }

@@ -67,7 +67,12 @@ export class ColorView {
     return el(
       "div",
       { class: "stack" },
-      el("p", {}, "3. Move the ends until only the thing is tinted in the image, and save."),
+      el(
+        "p",
+        {},
+        "3. Move the ends until the thing is tinted, and nothing else but what has the node's " +
+          "other colours, and save. min_area, under Parameters, leaves specks out.",
+      ),
       this.space.element,
       this.bars,
       el("div", { class: "row" }, this.save, this.undo),

@@ -18,6 +18,7 @@ export function liveMask(app, node) {
     if (size.width) context.drawImage(canvas, 0, 0, size.width, size.height);
   };
   let layers = new Map();
+  let closed = false;
   const redraw = () => {
     const tiles = app.tiles.list().filter((tile) => tile.node === node);
     const kept = new Map();
@@ -32,12 +33,14 @@ export function liveMask(app, node) {
     "image", { topic: `${node}/mask`, width: WIDTH, quality: 80 },
     async ({ header, payload }) => {
       await tint(canvas, header, payload);
+      if (closed) return; // or the last mask would stay
       size.width = header.width;
       size.height = header.height;
       redraw();
     },
   );
   return () => {
+    closed = true;
     close();
     layers.forEach((remove) => remove());
   };

@@ -77,7 +77,7 @@ function followed(app, node) {
   const list = app.el("div", { class: "list", "data-test": "followed", "data-node": node });
   const rows = new Map();
   const forget = (id) => done(
-    app, (text, kind) => app.notify(text, kind), { op: "forget_object", node, id },
+    app, (text, kind) => app.notify(text, kind), { op: "forget_object", node, object: id },
     id < 0 ? `${node} follows nothing any more` : `${node} has forgotten object ${id}`,
   );
   const all = button(app, "Forget all", "forget-all", () => forget(-1));
