@@ -1,5 +1,6 @@
 /** Recording: what is recorded into a bag, and the bags that are there. */
 
+import { ask } from "./asking.js";
 import { BagForm } from "./bag_form.js";
 import { sizeText, timeText } from "./bag_offers.js";
 import { bagRow, unfinishedRow } from "./bag_rows.js";
@@ -105,13 +106,8 @@ class BagsPanel {
     return this.ask("bag_delete", { name, unfinished }, told);
   }
 
-  async ask(op, fields, then = (_result) => {}) {
-    try {
-      const result = await this.app.connection.request(op, fields);
-      if (!this.closed) then(result);
-    } catch (error) {
-      if (!this.closed) this.app.notify(error.message, "bad");
-    }
+  ask(op, fields, then) {
+    return ask(this, op, fields, then);
   }
 
   close() {

@@ -1,5 +1,6 @@
 /** The calibration of a camera, in four steps: board, views, result, and who gets it. */
 
+import { ask } from "./asking.js";
 import { BoardStep } from "./calibration_board.js";
 import { cameraStep, resultStep } from "./calibration_result.js";
 import { drawCorners, ViewsStep } from "./calibration_views.js";
@@ -100,13 +101,8 @@ class CalibrationPanel {
     );
   }
 
-  async ask(op, fields, then = (_result) => {}) {
-    try {
-      const result = await this.app.connection.request(op, fields);
-      if (!this.closed) then(result);
-    } catch (error) {
-      if (!this.closed) this.app.notify(error.message, "bad");
-    }
+  ask(op, fields, then) {
+    return ask(this, op, fields, then);
   }
 
   close() {
