@@ -79,6 +79,14 @@ void bindRange(py::module& m)
         return Color(hsv[0], hsv[1], hsv[2]);
       },
       "bgr"_a, "The colour (b, g, r) as (h, s, v), as cv2.cvtColor converts it.");
+  m.def(
+      "bgr_of_hsv",
+      [](const Bytes& hsv)
+      {
+        const cv::Vec3b bgr = bgrOfHsv(toVec(hsv));
+        return Color(bgr[0], bgr[1], bgr[2]);
+      },
+      "hsv"_a, "A colour (b, g, r) that has this (h, s, v) as nearly as 8 bits allow, as cv2.cvtColor converts it.");
 }
 
 void bindMask(py::module& m)

@@ -97,6 +97,17 @@ void bindOverlay(py::module& m)
       "px.\n\n"
       "Raises ValueError for an array that cannot be drawn on.");
   m.def(
+      "draw_dot",
+      [](const py::array& bgr, const std::pair<double, double>& center, double radius, const Color& color)
+      {
+        cv::Mat image = canvas(bgr);
+        const LeaveGil unlocked;
+        drawDot(image, {center.first, center.second}, radius, {color[0], color[1], color[2]});
+      },
+      "bgr"_a, "center"_a, "radius"_a, "color"_a = Color{0, 255, 0},
+      "Draws a filled circle on the image, (height, width, 3) uint8: center (x, y) and radius in px.\n\n"
+      "Raises ValueError for an array that cannot be drawn on.");
+  m.def(
       "draw_ball",
       [](const py::array& bgr, const std::pair<double, double>& center, double radius, bool predicted)
       {

@@ -156,9 +156,10 @@ void registerAll(const Options& options, const std::vector<Work>& works)
 std::vector<Work> allWorks()
 {
   std::vector<Work> all;
-  for (const auto& part : {bench::edgeWorks(), bench::hsvWorks(), bench::motionWorks(), bench::brightnessWorks(),
-                           bench::filterWorks(), bench::conversionWorks(), bench::jpegWorks(), bench::depthWorks(),
-                           bench::normalWorks(), bench::tabletopWorks(), bench::meshWorks()})
+  for (const auto& part :
+       {bench::edgeWorks(), bench::hsvWorks(), bench::motionWorks(), bench::brightnessWorks(), bench::filterWorks(),
+        bench::conversionWorks(), bench::jpegWorks(), bench::depthWorks(), bench::normalWorks(), bench::tabletopWorks(),
+        bench::meshWorks(), bench::sceneWorks(), bench::faceWorks()})
     all.insert(all.end(), part.begin(), part.end());
   return all;
 }

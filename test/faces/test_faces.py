@@ -100,6 +100,87 @@ def test_a_search_finds_what_opencv_finds(original, is_there, mirrored):
     assert boxes(rv.FaceDetector(params()).update(0.0, image)) == boxes(found)
 
 
+def places(size, number, random):
+    """Faces of all sizes in an image, also cut off at its border."""
+    width, height = size
+    image = np.full((height, width), 120, np.uint8)
+    image += random.integers(0, 20, image.shape, np.uint8)
+    for i in range(number):
+        side = min(int(random.choice([45, 70, 110, 180, 300])), height)
+        face = cv2.resize(PEOPLE[i], (side, side), interpolation=cv2.INTER_CUBIC)
+        x, y = (
+            random.integers(-side // 4, width - side // 2),
+            random.integers(-side // 4, height - side // 2),
+        )
+        left, top = max(-x, 0), max(-y, 0)
+        face = face[top : height - y, left : width - x]
+        image[y + top : y + top + face.shape[0], x + left : x + left + face.shape[1]] = face
+    return image
+
+
+@pytest.mark.parametrize(
+    "size, number",
+    [
+        ((317, 211), 12),
+        ((640, 480), 0),
+        ((640, 480), 1),
+        ((640, 480), 12),
+        ((1280, 720), 12),
+        ((1920, 1080), 12),
+    ],
+)
+def test_every_box_is_opencvs(size, number):
+    image = places(size, number, np.random.default_rng(size[0] + number))
+    views = [image]
+    if size[0] <= 640:
+        views += [np.ascontiguousarray(np.rot90(image)), cv2.flip(image, 1)]
+    found = 0
+    for kind, cascade in (("frontalface_default", FRONTAL), ("profileface", PROFILE)):
+        detector = rv.FaceDetector(params(cascade_1=f"haarcascade_{kind}.xml", cascade_2=""))
+        for turned in views:
+            expected = searched(cascade, cv2.equalizeHist(turned))
+            assert boxes(detector.detect(turned, "mono8")) == expected
+            # Of two that overlap one is followed.
+            assert boxes(detector.update(0.0, turned, "mono8")) <= expected
+            found += len(expected)
+    assert found or not number
+
+
+@pytest.mark.parametrize("size", [(1280, 720), (1920, 1080)])
+def test_faces_in_large_images_are_followed_to_the_border(size):
+    detector = rv.FaceDetector(params(cascade_2=""))
+    width, height = size
+    side, large = 60, 400
+    small_face, large_face = (cv2.resize(PEOPLE[i], 2 * (n,)) for i, n in ((0, side), (3, large)))
+    ids = set()
+    for number in range(30):
+        image = np.full((height, width), 120, np.uint8)
+        x, y = width - side - 4 * (29 - number), 29 - number
+        image[y : y + side, x : x + side] = small_face
+        image[height - large :, 3 * number : 3 * number + large] = large_face
+        faces = detector.update(number / RATE, image, "mono8")
+        at = [(x, y, side, side), (3 * number, height - large, large, large)]
+        found = [[face for face in faces if iou(face.box, truth) > 0.4] for truth in at]
+        assert [len(some) for some in found] == [1, 1] and len(faces) == 2, number
+        ids.update(face.id for (face,) in found)
+    assert len(ids) == 2
+
+
+@pytest.mark.parametrize("size", [(640, 480), (1920, 1080)])
+@pytest.mark.parametrize("kind", ["flat", "noise", "clouds"])
+def test_nothing_is_found_where_there_is_no_face(size, kind):
+    random = np.random.default_rng(7)
+    width, height = size
+    image = np.full((height, width), 90, np.uint8)
+    if kind != "flat":
+        image = random.integers(0, 256, image.shape, np.uint8)
+    if kind == "clouds":
+        image = cv2.GaussianBlur(image, (0, 0), 20)
+    detector = rv.FaceDetector(params(cascade_2="", equalize=kind != "flat"))
+    for number in range(3):
+        assert detector.update(number / RATE, image, "mono8") == []
+
+
 @pytest.mark.parametrize("sizes", [(40, 60), (130, 0), (100, 125), (130, 135), (105, 120)])
 def test_sizes_are_kept(sizes):
     smallest, largest = sizes

@@ -62,4 +62,7 @@ HsvRange rangeAround(const cv::Vec3b& hsv, int margin = 10);
 /// Converts a colour as cv::cvtColor with COLOR_BGR2HSV does: hue in half degrees (0 to 179), saturation, value.
 cv::Vec3b toHsv(const cv::Vec3b& bgr);
 
+/// A colour that has this HSV as nearly as 8 bits allow, as cv::cvtColor converts it.
+cv::Vec3b bgrOfHsv(const cv::Vec3b& hsv);
+
 }  // namespace robot_vision

@@ -23,6 +23,9 @@ void drawOutline(cv::Mat& bgr, const std::vector<cv::Point>& outline, const std:
 void drawText(cv::Mat& bgr, const std::string& text, const cv::Point& position,
               const cv::Scalar& color = cv::Scalar(0, 255, 0));
 
+/// Draws a filled circle around `center` with a radius in px.
+void drawDot(cv::Mat& bgr, const cv::Point2d& center, double radius, const cv::Scalar& color = cv::Scalar(0, 255, 0));
+
 /// Draws a ball as a circle with a dot in its centre; the circle is thin and dashed if the ball is only predicted.
 void drawBall(cv::Mat& bgr, const cv::Point2d& center, double radius, bool predicted = false);
 

@@ -1,6 +1,7 @@
 #include "robot_vision/codes/code_reader.hpp"
 
 #include <algorithm>
+#include <map>
 #include <optional>
 #include <tuple>
 
@@ -28,12 +29,12 @@ bool isAbove(const Code& a, const Code& b)
 
 struct CodeReader::Impl
 {
-  explicit Impl(const CodeReaderParams& p) : params((validate(p), p)), near(p), whole(p) {}
+  explicit Impl(const CodeReaderParams& p) : params((validate(p), p)), all(p), whole(p) {}
 
   std::vector<Code> read(const cv::Mat& image, const std::string& encoding)
   {
     const cv::Mat gray = buffer.gray(image, encoding);
-    std::vector<Code> codes = near.find(gray, fullRect(gray));
+    std::vector<Code> codes = all.find(gray, fullRect(gray));
     std::sort(codes.begin(), codes.end(), isAbove);
     return codes;
   }
@@ -70,7 +71,16 @@ struct CodeReader::Impl
     follow(tracks, schedule.time(), code);
   }
 
-  /// Searches around the codes that have not been read in this frame, with a larger margin if `wide`.
+  /// The search for codes of one type alone, which takes less time.
+  CodeSearch& searchFor(const std::string& type)
+  {
+    CodeReaderParams of_type = params;
+    of_type.symbologies = type;
+    return near.try_emplace(type, of_type).first->second;
+  }
+
+  /// Searches around the codes that have not been read in this frame, each for those of its type, with a larger margin
+  /// if `wide`.
   void searchAroundTracks(const cv::Mat& gray, bool wide, std::vector<Code>& codes)
   {
     for (std::size_t i = 0; i < tracks.size(); ++i)  // add() may append tracks
@@ -80,7 +90,7 @@ struct CodeReader::Impl
       if (region.empty()) continue;
       const Code wanted = tracks[i].code;
       const cv::Rect part = alignedToScanLines(region, params.spacing, gray.size());
-      for (const Code& code : near.find(gray, part))
+      for (const Code& code : searchFor(wanted.type).find(gray, part))
         if (haveSameContent(code, wanted) || isWhole(code, part, gray.size())) add(code, codes);
     }
   }
@@ -108,7 +118,7 @@ struct CodeReader::Impl
     if (!schedule.isDue(params.max_search_period, tracks)) return;
     schedule.setSearched();
     if (at_once || !startSearch(gray))
-      for (const Code& code : near.find(gray, fullRect(gray)))
+      for (const Code& code : all.find(gray, fullRect(gray)))
         add(code, codes);
   }
 
@@ -120,8 +130,9 @@ struct CodeReader::Impl
   }
 
   CodeReaderParams params;
-  CodeSearch near;   // used by the caller's thread
-  CodeSearch whole;  // used in the background
+  CodeSearch all;                          // used by the caller's thread
+  std::map<std::string, CodeSearch> near;  // by type, likewise
+  CodeSearch whole;                        // used in the background
   ConversionBuffer buffer;
   SearchSchedule schedule;
   std::vector<CodeTrack> tracks;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <opencv2/imgproc.hpp>
 #include <utility>
 
 #include "core/image/row_bands.hpp"
@@ -112,6 +113,14 @@ cv::Vec3b toHsv(const cv::Vec3b& bgr)
   const int numerator = max == r ? g - b : max == g ? b - r + 2 * diff : r - g + 4 * diff;
   const int h = roundedProduct(numerator, kHueFactors[diff]);
   return {static_cast<std::uint8_t>(h < 0 ? h + 180 : h), static_cast<std::uint8_t>(s), static_cast<std::uint8_t>(max)};
+}
+
+cv::Vec3b bgrOfHsv(const cv::Vec3b& hsv)
+{
+  const cv::Mat3b pixel(1, 1, hsv);
+  cv::Mat3b bgr;
+  cv::cvtColor(pixel, bgr, cv::COLOR_HSV2BGR);
+  return bgr(0, 0);
 }
 
 }  // namespace robot_vision

@@ -35,12 +35,13 @@ void require(bool ok, const std::string& name, const std::string& value, const s
 
 void require(bool ok, const std::string& name, double value, const std::string& expected)
 {
-  require(ok, name, toText(value), expected);
+  if (!ok) require(false, name, toText(value), expected);  // numbers are not written out for nothing
 }
 
 void requireRange(const std::string& name, double value, double low, double high)
 {
-  require(value >= low && value <= high, name, value, "from " + toText(low) + " to " + toText(high));
+  const bool ok = value >= low && value <= high;
+  if (!ok) require(false, name, value, "from " + toText(low) + " to " + toText(high));
 }
 
 void requireFinite(const std::string& name, double value)

@@ -15,7 +15,7 @@ constexpr int kMinNeighbors = 3;
 
 }  // namespace
 
-std::vector<cv::Rect> findEyes(cv::CascadeClassifier& cascade, const cv::Mat& gray, const cv::Rect& face)
+std::vector<cv::Rect> findEyes(Cascade& cascade, const cv::Mat& gray, const cv::Rect& face)
 {
   const cv::Rect box = face & fullRect(gray);
   if (cascade.empty() || box.empty()) return {};
@@ -23,10 +23,9 @@ std::vector<cv::Rect> findEyes(cv::CascadeClassifier& cascade, const cv::Mat& gr
   const double scale = static_cast<double>(kFaceWidth) / upper.width;
   cv::Mat pixels;
   cv::resize(gray(upper), pixels, {kFaceWidth, cvCeil(upper.height * scale)});
-  std::vector<cv::Rect> found;
   std::vector<int> neighbors;
-  cascade.detectMultiScale(pixels, found, neighbors, 1.1, kMinNeighbors, 0, {kFaceWidth / 8, kFaceWidth / 8},
-                           {kFaceWidth * 2 / 5, kFaceWidth * 2 / 5});
+  const std::vector<cv::Rect> found =
+      cascade.find(pixels, {1.1, kMinNeighbors, kFaceWidth / 8, kFaceWidth * 2 / 5}, neighbors);
   // Of each half of the face the one on which most windows agree.
   std::vector<cv::Rect> eyes;
   for (const bool left : {true, false})

@@ -41,7 +41,7 @@ struct FaceDetector::Impl
 {
   explicit Impl(const FaceParams& p) : params((validate(p), p)), near(p), whole(p)
   {
-    if (!p.eye_cascade.empty()) eyes = readCascade("eye_cascade", p.eye_cascade);
+    if (!p.eye_cascade.empty()) eyes = Cascade("eye_cascade", p.eye_cascade);
   }
   ~Impl() { stop = true; }  // so that there is little to wait for
 
@@ -173,7 +173,7 @@ struct FaceDetector::Impl
   FaceParams params;
   FaceSearch near;   // around known faces
   FaceSearch whole;  // of images and their parts, in the background
-  cv::CascadeClassifier eyes;
+  Cascade eyes;
   FaceTracks tracks;
   ChangedCells moving{kCellSide};
   cv::Mat gray;                             // the newest image

@@ -2,18 +2,13 @@
 
 #include <atomic>
 #include <opencv2/core.hpp>
-#include <opencv2/objdetect.hpp>
-#include <string>
 #include <vector>
 
+#include "cascade.hpp"
 #include "robot_vision/faces/face_detector.hpp"
 
 namespace robot_vision
 {
-
-/// Reads a cascade: a path, or a name that is looked up where OpenCV's data is installed. Throws std::invalid_argument
-/// naming `parameter` and the file.
-cv::CascadeClassifier readCascade(const std::string& parameter, const std::string& name);
 
 /// The view of a face, which is given by the cascade that sees it.
 enum class FaceView
@@ -30,8 +25,8 @@ struct FoundFace
   FaceView view = FaceView::kFirst;
 };
 
-/// Which windows are classified, and how many must agree on a face; see FaceParams.
-struct FaceWindows
+/// The windows that are classified in search of faces; see FaceParams.
+struct FaceWindows : CascadeWindows
 {
   /// Those that the parameters ask for.
   static FaceWindows of(const FaceParams& params);
@@ -41,11 +36,6 @@ struct FaceWindows
 
   /// Those of them whose sides are from `min_side` to `max_side` px.
   FaceWindows narrowed(int min_side, int max_side) const;
-
-  double scale_factor;
-  int min_neighbors;
-  int smallest;  // px
-  int largest;   // px, 0: any
 };
 
 /// What is to be searched. The image is the job's own: nobody writes to it.
@@ -88,8 +78,8 @@ public:
   const std::vector<FaceView>& views() const { return views_; }
 
 private:
-  cv::CascadeClassifier first_;
-  cv::CascadeClassifier second_;
+  Cascade first_;
+  Cascade second_;
   std::vector<FaceView> views_ = {FaceView::kFirst};
 };
 

@@ -80,7 +80,7 @@ void validate(const CameraModel& camera)
     requireFocalLength("K", camera.K(axis, axis));
   require(camera.K(1, 0) == 0.0, "K[3]", camera.K(1, 0), "0");
   const cv::Matx13d last_row = camera.K.row(2);
-  require(last_row == cv::Matx13d(0.0, 0.0, 1.0), "the last row of K", listOf(last_row), "0, 0, 1");
+  if (last_row != cv::Matx13d(0.0, 0.0, 1.0)) require(false, "the last row of K", listOf(last_row), "0, 0, 1");
   for (const double value : camera.D)
     requirePlausible("D", value);
   validateDistortion(camera.distortion_model, camera.D.size());

@@ -65,6 +65,13 @@ void drawText(cv::Mat& bgr, const std::string& text, const cv::Point& position, 
   cv::putText(bgr, text, position, kFont, kFontScale, color, 1, cv::LINE_AA);
 }
 
+void drawDot(cv::Mat& bgr, const cv::Point2d& center, double radius, const cv::Scalar& color)
+{
+  checkPixels(bgr, "bgr8");
+  if (!isDrawable(center) || !isDrawable(radius) || radius < 0.0) return;
+  cv::circle(bgr, fixedPoint(center), fixedPoint(radius), color, cv::FILLED, cv::LINE_AA, kFractionBits);
+}
+
 void drawBall(cv::Mat& bgr, const cv::Point2d& center, double radius, bool predicted)
 {
   checkPixels(bgr, "bgr8");
@@ -79,7 +86,7 @@ void drawBall(cv::Mat& bgr, const cv::Point2d& center, double radius, bool predi
   }
   else
     cv::circle(bgr, middle, fixedPoint(radius), kYellow, 2, cv::LINE_AA, kFractionBits);
-  cv::circle(bgr, middle, fixedPoint(predicted ? 2.0 : 4.0), kRed, cv::FILLED, cv::LINE_AA, kFractionBits);
+  drawDot(bgr, center, predicted ? 2.0 : 4.0, kRed);
 }
 
 void drawTrail(cv::Mat& bgr, const std::vector<cv::Point2d>& centers)

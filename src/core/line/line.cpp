@@ -13,33 +13,42 @@ namespace robot_vision
 namespace
 {
 
-/// The regions of a mask; index 0 is the background.
+/// The regions of a mask, from index 1 on. Only the part of the mask that is around them is looked at.
 struct Regions
 {
-  explicit Regions(const cv::Mat& mask) { count = cv::connectedComponentsWithStats(mask, labels, stats, centers, 8); }
-
-  int area(int i) const { return stats(i, cv::CC_STAT_AREA); }
-  cv::Rect box(int i) const
+  explicit Regions(const cv::Mat& mask) : part(cv::boundingRect(mask))
   {
-    return {stats(i, cv::CC_STAT_LEFT), stats(i, cv::CC_STAT_TOP), stats(i, cv::CC_STAT_WIDTH),
-            stats(i, cv::CC_STAT_HEIGHT)};
+    if (!part.empty()) count = cv::connectedComponentsWithStats(mask(part), labels, stats, centers, 8);
   }
 
-  int count;
+  int area(int i) const { return stats(i, cv::CC_STAT_AREA); }
+  int areaOfAll() const { return part.area() - area(0); }
+  cv::Point2d center(int i) const { return cv::Point2d(centers(i, 0), centers(i, 1)) + cv::Point2d(part.tl()); }
+  cv::Rect box(int i) const
+  {
+    return cv::Rect(stats(i, cv::CC_STAT_LEFT), stats(i, cv::CC_STAT_TOP), stats(i, cv::CC_STAT_WIDTH),
+                    stats(i, cv::CC_STAT_HEIGHT)) +
+           part.tl();
+  }
+  /// The pixels of a region in its box, 255.
+  cv::Mat pixels(int i) const { return labels(box(i) - part.tl()) == i; }
+
+  cv::Rect part;
+  int count = 1;
   cv::Mat_<int> labels, stats;
   cv::Mat_<double> centers;
 };
 
-/// The index of the region that is the line, or 0 if there is none.
-int chooseLine(const Regions& regions, double min_area, const Line& previous)
+/// The index of the region that is the line, or 0 if there is none. `width` is that of the mask.
+int chooseLine(const Regions& regions, int width, double min_area, const Line& previous)
 {
-  const double half_score_distance = regions.labels.cols / 8.0;  // px
+  const double half_score_distance = width / 8.0;  // px
   int best = 0;
   double best_score = 0.0;
   for (int i = 1; i < regions.count; ++i)
   {
     if (regions.area(i) < min_area) continue;
-    const double distance = previous.found ? (regions.centers(i, 0) - previous.center.x) / half_score_distance : 0.0;
+    const double distance = previous.found ? (regions.center(i).x - previous.center.x) / half_score_distance : 0.0;
     const double score = regions.area(i) / (1.0 + distance * distance);
     if (score <= best_score) continue;
     best = i;
@@ -113,22 +122,22 @@ Line findLine(const cv::Mat& mask, const LineParams& params, const Line& previou
   validate(params);
   checkPixels(mask, "mono8");
   const Regions regions(mask);
-  const int chosen = chooseLine(regions, params.min_area, previous);
+  const int chosen = chooseLine(regions, mask.cols, params.min_area, previous);
   Line line;
   if (chosen == 0) return line;
 
   const cv::Rect box = regions.box(chosen);
-  const cv::Mat region = regions.labels(box) == chosen;
+  const cv::Mat region = regions.pixels(chosen);
   const auto [angle, fit] = direction(region, box, mask.size());
   line.angle = angle;
   line.found = true;
-  line.center = {regions.centers(chosen, 0), regions.centers(chosen, 1)};
+  line.center = regions.center(chosen);
   line.offset = line.center.x - (mask.cols - 1) / 2.0;
   line.error = line.offset / (mask.cols / 2.0);
   line.area = regions.area(chosen);
 
   const double bend = fit.residual / fit.width;
-  const double white = static_cast<double>(mask.total()) - regions.area(0);
+  const double white = regions.areaOfAll();
   const double large = line.area / (line.area + params.min_area), straight = 1.0 / (1.0 + bend * bend);
   line.confidence = line.area / white * fit.in_view * large * straight;
 

@@ -4,7 +4,7 @@
 
 #include "robot_vision/common/range.hpp"
 #include "robot_vision/image/encoding.hpp"
-#include "scene_painter.hpp"
+#include "scene_canvas.hpp"
 
 namespace robot_vision
 {
@@ -23,7 +23,7 @@ const cv::Size2d& validated(const cv::Size2d& size)
 struct FloorScene::Impl
 {
   Impl(const cv::Mat& image, const cv::Size2d& size, const CameraModel& camera, const cv::Scalar& color)
-    : texture(scene::imageTexture((checkPixels(image, "bgr8"), image))),
+    : texture(scene::imageTexture((checkPixels(image, "bgr8"), image.clone()))),
       board(scene::onFloor(0.0, 0.0, validated(size))),
       lens((validate(camera), camera)),
       around(color)
@@ -47,8 +47,9 @@ FloorScene::~FloorScene() = default;
 void FloorScene::render(const cv::Affine3d& camera_in_world, cv::Mat& bgr) const
 {
   bgr.create(impl_->lens.camera.height, impl_->lens.camera.width, CV_8UC3);
-  bgr.setTo(impl_->around);
-  scene::paintBoard(impl_->texture, camera_in_world.inv() * impl_->board.pose, impl_->board.size, impl_->lens, bgr);
+  scene::ColorCanvas canvas(impl_->lens, bgr);
+  canvas.background(impl_->around);
+  canvas.board(impl_->texture, camera_in_world.inv() * impl_->board.pose, impl_->board.size);
 }
 
 }  // namespace robot_vision

@@ -52,18 +52,21 @@ public:
 class ColorCanvas final : public Canvas
 {
 public:
-  /// Keeps references to both.
-  ColorCanvas(const Lens& lens, cv::Mat& bgr) : lens_(lens), bgr_(bgr) {}
+  /// Keeps references to both. `draw` draws textures.
+  ColorCanvas(const Lens& lens, cv::Mat& bgr, DrawTexture draw = kernels<TextureKernels>().draw)
+    : lens_(lens), bgr_(bgr), draw_(draw)
+  {
+  }
 
   void background(const cv::Scalar& bgr) override { bgr_.setTo(bgr); }
   void ground(const cv::Scalar& bgr, const cv::Affine3d& /*pose*/) override { bgr_.setTo(bgr); }
   void board(const Texture& texture, const cv::Affine3d& pose, const cv::Size2d& size) override
   {
-    paintBoard(texture, pose, size, lens_, bgr_);
+    paintBoard(texture, pose, size, lens_, draw_, bgr_);
   }
   void shadow(const Texture& texture, const cv::Affine3d& pose, const cv::Size2d& size) override
   {
-    paintBoard(texture, pose, size, lens_, bgr_);
+    paintBoard(texture, pose, size, lens_, draw_, bgr_);
   }
   void line(const cv::Affine3d& world) override { paintLine(world, lens_, bgr_); }
   void ball(const cv::Point3d& center, double radius, const cv::Vec3d& to_light) override
@@ -75,6 +78,7 @@ public:
 private:
   const Lens& lens_;
   cv::Mat& bgr_;
+  DrawTexture draw_;
 };
 
 /// Draws the depth into an image of the camera's size, CV_32FC1: of what the ray through the middle of each pixel meets

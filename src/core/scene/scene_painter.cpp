@@ -1,7 +1,6 @@
 #include "scene_painter.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 namespace robot_vision::scene
@@ -9,28 +8,6 @@ namespace robot_vision::scene
 
 namespace
 {
-
-constexpr int kRunLength = 64;    // px that are drawn with one level of the texture
-constexpr int kFractionBits = 8;  // of texture coordinates
-constexpr int kTexelUnit = 1 << kFractionBits;
-
-// Interpolates a * (1 - f) + b * f, rounded, in all four lanes. The lanes of the sum stay below 2^16; lanes of (b - a)
-// may be negative, which arithmetic modulo 2^64 makes good.
-std::uint64_t mixLanes(std::uint64_t a, std::uint64_t b, std::uint64_t fraction)
-{
-  const std::uint64_t half = 0x0080008000800080, low_bytes = 0x00ff00ff00ff00ff;
-  return (((a << kFractionBits) + (b - a) * fraction + half) >> kFractionBits) & low_bytes;
-}
-
-void put(std::uint64_t texel, uchar* pixel)
-{
-  const uchar color[3] = {static_cast<uchar>(texel), static_cast<uchar>(texel >> 16), static_cast<uchar>(texel >> 32)};
-  const int alpha = static_cast<int>(texel >> 48);
-  if (alpha == 255)
-    std::copy(color, color + 3, pixel);
-  else if (alpha > 0)
-    blend(pixel, color, alpha);
-}
 
 // Picks the finest level whose texels are a little larger than a pixel. So nothing flickers, and every edge is a ramp
 // that shows its sub-pixel position, as it is behind a real lens. `plane` maps rays to the unit square of the texture.
@@ -53,48 +30,6 @@ const TextureLevel& pickLevel(const Texture& texture, const cv::Matx33f& plane, 
   while (level + 1 < sizes.size() && static_cast<float>(sizes[level].width) > max_width)
     ++level;
   return texture.level(level);
-}
-
-// Texture coordinates of a run of rays in units of 1 / kTexelUnit texel, counted from the centre of the border texel.
-struct Coordinates
-{
-  std::array<int, kRunLength> u, v;
-};
-
-void locate(const cv::Matx33f& plane, const TextureLevel& level, const float* xs, const float* ys, int count,
-            Coordinates& at)
-{
-  const auto one = static_cast<float>(kTexelUnit);
-  const float width = static_cast<float>(level.width) * one, height = static_cast<float>(level.height) * one;
-  // The content starts half a texel after the centre of the border texel. The other 0.5 rounds to the nearest unit.
-  const float shift = 0.5F * one + 0.5F, last_u = width + one - 1.0F, last_v = height + one - 1.0F;
-  const cv::Matx33f p(plane(0, 0) * width, plane(0, 1) * width, plane(0, 2) * width,     //
-                      plane(1, 0) * height, plane(1, 1) * height, plane(1, 2) * height,  //
-                      plane(2, 0), plane(2, 1), plane(2, 2));
-  for (int i = 0; i < count; ++i)
-  {
-    const float depth = 1.0F / (p(2, 0) * xs[i] + p(2, 1) * ys[i] + p(2, 2));
-    const float u = (p(0, 0) * xs[i] + p(0, 1) * ys[i] + p(0, 2)) * depth + shift;
-    const float v = (p(1, 0) * xs[i] + p(1, 1) * ys[i] + p(1, 2)) * depth + shift;
-    at.u[i] = static_cast<int>(std::min(std::max(u, 0.0F), last_u));
-    at.v[i] = static_cast<int>(std::min(std::max(v, 0.0F), last_v));
-  }
-}
-
-void sample(const TextureLevel& level, const Coordinates& at, int count, uchar* pixels)
-{
-  const std::size_t stride = static_cast<std::size_t>(level.width) + 2;
-  const std::uint64_t* texels = level.texels.data();
-  for (int i = 0; i < count; ++i)
-  {
-    const int u = at.u[i], v = at.v[i];
-    const std::uint64_t* corner = texels + static_cast<std::size_t>(v >> kFractionBits) * stride + (u >> kFractionBits);
-    const auto fu = static_cast<std::uint64_t>(u & (kTexelUnit - 1)),
-               fv = static_cast<std::uint64_t>(v & (kTexelUnit - 1));
-    const std::uint64_t left = mixLanes(corner[0], corner[stride], fv);
-    const std::uint64_t right = mixLanes(corner[1], corner[stride + 1], fv);
-    put(mixLanes(left, right, fu), pixels + 3 * i);
-  }
 }
 
 }  // namespace
@@ -145,7 +80,7 @@ RowSpans boardSpans(const cv::Affine3d& pose, const cv::Size2d& size, const Lens
 }
 
 void paintBoard(const Texture& texture, const cv::Affine3d& pose, const cv::Size2d& size, const Lens& lens,
-                cv::Mat& bgr)
+                DrawTexture draw, cv::Mat& bgr)
 {
   if (!facesCamera(pose)) return;
   const RowSpans rows = boardSpans(pose, size, lens);
@@ -153,18 +88,22 @@ void paintBoard(const Texture& texture, const cv::Affine3d& pose, const cv::Size
   const cv::Matx33d to_unit(1.0 / size.width, 0, 0.5, 0, -1.0 / size.height, 0.5, 0, 0, 1);
   const cv::Matx33f plane = to_unit * rayToPlane(pose);
   const auto focal = static_cast<float>(lens.camera.K(0, 0));
-  Coordinates at;
+  TexturePlane view = {};
+  std::copy(plane.val, plane.val + 9, view.plane);
   for (std::size_t i = 0; i < rows.spans.size(); ++i)
   {
     const int row = rows.top + static_cast<int>(i), end = rows.spans[i].y;
     const float* xs = lens.rays.x.ptr<float>(row);
     const float* ys = lens.rays.y.ptr<float>(row);
-    for (int column = rows.spans[i].x; column < end; column += kRunLength)
+    for (int column = rows.spans[i].x; column < end; column += TextureKernels::kMaxRun)
     {
-      const int count = std::min(kRunLength, end - column), middle = column + count / 2;
+      // A run is drawn with one level of the texture.
+      const int count = std::min(TextureKernels::kMaxRun, end - column), middle = column + count / 2;
       const TextureLevel& level = pickLevel(texture, plane, xs[middle], ys[middle], focal);
-      locate(plane, level, xs + column, ys + column, count, at);
-      sample(level, at, count, bgr.ptr(row) + 3 * column);
+      view.texels = level.texels.data();
+      view.width = level.width;
+      view.height = level.height;
+      draw(view, xs + column, ys + column, count, bgr.ptr(row) + 3 * column);
     }
   }
 }

@@ -5,6 +5,7 @@
 
 #include "scene_textures.hpp"
 #include "scene_view.hpp"
+#include "texture_kernels.hpp"
 
 // These functions draw anti-aliased shapes over what is already in the image, so the caller goes from the back to the
 // front. Every pixel has its ray from the lens's table, so the distortion is exact. `bgr` is CV_8UC3 of the camera's
@@ -12,9 +13,12 @@
 namespace robot_vision::scene
 {
 
+/// What draws a run of pixels of a texture, as TextureKernels::draw() does.
+using DrawTexture = decltype(TextureKernels::draw);
+
 /// Draws a textured rectangle of `size` (m) if the camera sees its front. `pose` is in the optical frame.
 void paintBoard(const Texture& texture, const cv::Affine3d& pose, const cv::Size2d& size, const Lens& lens,
-                cv::Mat& bgr);
+                DrawTexture draw, cv::Mat& bgr);
 
 /// Draws the ball, lit by a lamp in the direction `to_light`. All vectors are in the optical frame.
 void paintBall(const cv::Point3d& center, double radius, const cv::Vec3d& to_light, const Lens& lens, cv::Mat& bgr);

@@ -12,11 +12,11 @@ namespace robot_vision::scene
 namespace
 {
 
-std::uint64_t pack(const cv::Vec4b& colour)
+std::uint32_t pack(const cv::Vec4b& colour)
 {
-  std::uint64_t texel = 0;
-  for (int lane = 0; lane < 4; ++lane)
-    texel |= static_cast<std::uint64_t>(colour[lane]) << (16 * lane);
+  std::uint32_t texel = 0;
+  for (int channel = 0; channel < 4; ++channel)
+    texel |= static_cast<std::uint32_t>(colour[channel]) << (8 * channel);
   return texel;
 }
 
@@ -50,7 +50,7 @@ TextureLevel makeLevel(const cv::Mat& bgra)
 }  // namespace
 
 Texture::Texture(const cv::Mat& image, const std::vector<cv::Size>& sizes, int interpolation)
-  : image_(withAlpha(image)), sizes_(sizes), interpolation_(interpolation), slots_(new Slot[sizes.size()])
+  : image_(image), sizes_(sizes), interpolation_(interpolation), slots_(new Slot[sizes.size()])
 {
 }
 
@@ -62,7 +62,7 @@ const TextureLevel& Texture::level(std::size_t index) const
                  {
                    cv::Mat scaled;
                    cv::resize(image_, scaled, sizes_[index], 0, 0, interpolation_);
-                   slot.level = makeLevel(scaled);
+                   slot.level = makeLevel(withAlpha(scaled));
                  });
   return slot.level;
 }

@@ -9,14 +9,14 @@
 namespace robot_vision::scene
 {
 
-/// One resolution of a texture. A texel has four 16-bit lanes (B, G, R and alpha, from the lowest bits), each holding 0
-/// to 255, so that one 64-bit multiplication scales all of them. The content has a border one texel wide that repeats
-/// its colours but is transparent: sampling across the edge gives an anti-aliased outline, centred exactly on the edge.
+/// One resolution of a texture. A texel has four bytes: B, G, R and alpha, from the lowest bits. The content has a
+/// border one texel wide that repeats its colours but is transparent: sampling across the edge gives an anti-aliased
+/// outline, centred exactly on the edge.
 struct TextureLevel
 {
   int width = 0;  // texels, without the border
   int height = 0;
-  std::vector<std::uint64_t> texels;  // (width + 2) x (height + 2)
+  std::vector<std::uint32_t> texels;  // (width + 2) x (height + 2)
 };
 
 /// An image in several resolutions, the finest first. A level is made when it is first drawn, because most never are.
@@ -25,7 +25,8 @@ class Texture
 public:
   Texture() = default;
 
-  /// `image` is CV_8UC3 or (with alpha) CV_8UC4, `interpolation` one of cv::InterpolationFlags.
+  /// `image` is CV_8UC3 or (with alpha) CV_8UC4, and kept without a copy; `interpolation` is one of
+  /// cv::InterpolationFlags.
   Texture(const cv::Mat& image, const std::vector<cv::Size>& sizes, int interpolation);
 
   /// The sizes of the levels in texels.
@@ -51,7 +52,8 @@ private:
 /// cell is a whole number of texels wide, so that the borders between cells stay exactly where they belong.
 Texture cellTexture(const cv::Mat& cells_bgr);
 
-/// A texture of an image, CV_8UC3 or (with alpha) CV_8UC4. Each level has half as many texels as the one before.
+/// A texture of an image, CV_8UC3 or (with alpha) CV_8UC4, which is kept without a copy. Each level has half as many
+/// texels as the one before.
 Texture imageTexture(const cv::Mat& image);
 
 /// Cells of an AprilTag of family tag36h11 (id 0 or 1) with the white border, 10 x 10, CV_8UC3.

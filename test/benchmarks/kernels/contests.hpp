@@ -35,6 +35,7 @@ struct Work
 };
 
 std::vector<Work> edgeWorks();
+std::vector<Work> faceWorks();
 std::vector<Work> filterWorks();
 std::vector<Work> hsvWorks();
 std::vector<Work> meshWorks();
@@ -44,6 +45,7 @@ std::vector<Work> conversionWorks();
 std::vector<Work> depthWorks();
 std::vector<Work> jpegWorks();
 std::vector<Work> normalWorks();
+std::vector<Work> sceneWorks();
 std::vector<Work> tabletopWorks();
 
 /// Where a contest's images go.

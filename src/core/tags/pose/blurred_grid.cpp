@@ -19,15 +19,36 @@ constexpr int kNodes = 2 * kMaxSigmas * kNodesPerSigma + 1;
 
 /// The share of a one-dimensional blur on one side of a boundary, and its first three derivatives by the boundary's
 /// position in sigmas.
-using BoundaryShare = cv::Vec4d;
+using BoundaryShare = std::array<double, 4>;
 
-/// The shares of the cells along one axis in the blur around a position.
+/// The shares of the cells along one axis in the blur around a position. They are not set to 0 first, which would take
+/// longer than to compute them.
 struct AxisShares
 {
-  int first = 0, count = 0;                 // the cells within the blur
+  int first, count;                         // the cells within the blur
   std::array<BoundaryShare, kMaxCells> of;  // of each of them
   BoundaryShare all;                        // their sum
 };
+
+BoundaryShare difference(const BoundaryShare& a, const BoundaryShare& b)
+{
+  return {a[0] - b[0], a[1] - b[1], a[2] - b[2], a[3] - b[3]};
+}
+
+void add(const BoundaryShare& share, BoundaryShare& sum)
+{
+  for (std::size_t i = 0; i < sum.size(); ++i)
+    sum[i] += share[i];
+}
+
+/// The products of all numbers of a column's share with all of a row's.
+cv::Matx44d product(const BoundaryShare& column, const BoundaryShare& row)
+{
+  cv::Matx44d m = cv::Matx44d::zeros();
+  for (int i = 0; i < 16; ++i)
+    m.val[i] = column[static_cast<std::size_t>(i / 4)] * row[static_cast<std::size_t>(i % 4)];
+  return m;
+}
 
 /// The cumulative normal distribution and its density at z sigmas.
 struct Normal
@@ -63,6 +84,7 @@ BoundaryShare cumulative(double z)
 AxisShares sharesAt(double position, double sigma, int width)
 {
   AxisShares shares;
+  shares.count = 0;
   const double reach = std::min(kMaxSigmas * sigma, kMaxCells / 2.0 - 1.0), per_cell = 1.0 / sigma;
   shares.first = std::max(0, cvFloor(position - reach));
   const int end = std::min(width, cvFloor(position + reach) + 1);
@@ -71,10 +93,10 @@ AxisShares sharesAt(double position, double sigma, int width)
   for (int i = shares.first; i < end; ++i)
   {
     const BoundaryShare next = cumulative((i + 1 - position) * per_cell);
-    shares.of[static_cast<std::size_t>(shares.count++)] = next - last;
+    shares.of[static_cast<std::size_t>(shares.count++)] = difference(next, last);
     last = next;
   }
-  shares.all = last - begin;
+  shares.all = difference(last, begin);
   return shares;
 }
 
@@ -99,16 +121,16 @@ BlurredGrid::BlurredGrid(const cv::Mat& cells) : cells_(cells), all_known_(cv::c
 BlurredPoint BlurredGrid::at(const cv::Point2d& point, const cv::Point2d& sigma, double correlation) const
 {
   const AxisShares columns = sharesAt(point.x, sigma.x, cells_.cols), rows = sharesAt(point.y, sigma.y, cells_.rows);
-  cv::Matx44d white = cv::Matx44d::zeros(), known = columns.all * rows.all.t();
+  cv::Matx44d white = cv::Matx44d::zeros(), known = product(columns.all, rows.all);
   for (int r = 0; r < rows.count; ++r)
   {
     const auto* row = cells_.ptr<uchar>(rows.first + r) + columns.first;
     const BoundaryShare& of_row = rows.of[static_cast<std::size_t>(r)];
-    BoundaryShare white_in_row, free_in_row;
+    BoundaryShare white_in_row = {}, free_in_row = {};
     for (int c = 0; c < columns.count; ++c)
-      if (row[c] != 0) (row[c] == kFreeCell ? free_in_row : white_in_row) += columns.of[static_cast<std::size_t>(c)];
-    white += white_in_row * of_row.t();
-    if (!all_known_) known -= free_in_row * of_row.t();
+      if (row[c] != 0) add(columns.of[static_cast<std::size_t>(c)], row[c] == kFreeCell ? free_in_row : white_in_row);
+    white += product(white_in_row, of_row);
+    if (!all_known_) known -= product(free_in_row, of_row);
   }
   return {areaOf(white, sigma, correlation), areaOf(known, sigma, correlation)};
 }
