@@ -32,14 +32,13 @@ py::str toStr(const std::string& text)
 }
 
 /// (inbox, pixels, encoding, seq, secs, nsecs, frame_id, camera_info as serialized or None), or None.
-py::object next(EmbeddedRoscppNode& runtime, double timeout_s)
+py::object next(NodeQueue& queue, double timeout_s)
 {
-  auto delivery = withoutGil([&] { return runtime.next(timeout_s); });
+  auto delivery = withoutGil([&] { return queue.next(timeout_s); });
   if (!delivery) return py::none();
   ReceivedImage& received = delivery->image;
   const std_msgs::Header& header = received.header;
-  const auto owner = std::make_pair(received.message, received.pixels);
-  const py::array pixels = toPython(received.pixels, owner);
+  const py::array pixels = toPython(received.pixels.image, received.pixels);
   py::detail::array_proxy(pixels.ptr())->flags &= ~py::detail::npy_api::NPY_ARRAY_WRITEABLE_;
   py::object info = py::none();
   if (received.camera_info) info = serialized(*received.camera_info);
@@ -81,13 +80,19 @@ std::string edit(const std::string& path, const std::string& text, const py::dic
   return editParams(path, text, config);
 }
 
-std::shared_ptr<LatestImageSubscriber> makeInbox(EmbeddedRoscppNode& runtime, const std::string& topic,
+std::shared_ptr<LatestImageSubscriber> makeInbox(NodeQueue& queue, const std::string& topic,
                                                  const std::string& transport, const std::string& parameters,
                                                  const std::string& encoding, const std::string& camera_info_topic,
-                                                 const std::shared_ptr<FrameDiagnostics>& diagnostics)
+                                                 std::shared_ptr<FrameStatistics> statistics)
 {
-  const LatestImageSubscriber::Params params{topic, transport, parameters, encoding, camera_info_topic};
-  return runtime.makeInbox(params, diagnostics ? diagnostics->shared() : std::make_shared<FrameStatistics>());
+  if (!statistics) statistics = std::make_shared<FrameStatistics>();
+  return queue.makeInbox({topic, transport, parameters, encoding, camera_info_topic}, std::move(statistics));
+}
+
+void loadNodelet(EmbeddedRoscppNode& runtime, const std::string& name, const std::string& type,
+                 const nodelet::M_string& remappings, const nodelet::V_string& arguments)
+{
+  runtime.nodelets()->load(name, type, remappings, arguments);
 }
 
 }  // namespace
@@ -96,7 +101,7 @@ PYBIND11_MODULE(_transport, m)
 {
   m.doc() = "roscpp's images for robot_vision.transport, which is documented.";
   LeaveGil::endWithProcess();
-  py::class_<FrameDiagnostics, std::shared_ptr<FrameDiagnostics>>(m, "Diagnostics");
+  py::class_<FrameStatistics, std::shared_ptr<FrameStatistics>>(m, "Diagnostics");
   py::class_<LatestImageSubscriber, std::shared_ptr<LatestImageSubscriber>>(m, "Inbox")
       .def("open", &LatestImageSubscriber::open, Unlocked())
       .def("close", &LatestImageSubscriber::close, Unlocked())
@@ -110,17 +115,31 @@ PYBIND11_MODULE(_transport, m)
       .def("close", &PooledImagePublisher::close, Unlocked())
       .def("subscribers", &PooledImagePublisher::subscribers, Unlocked())
       .def("publish", publish, "pixels"_a, "encoding"_a, "seq"_a, "secs"_a, "nsecs"_a, "frame_id"_a);
+  py::class_<NodeQueue, std::shared_ptr<NodeQueue>>(m, "Queue")
+      .def("inbox", makeInbox, "topic"_a, "transport"_a, "parameters"_a, "encoding"_a, "camera_info_topic"_a,
+           "diagnostics"_a, Unlocked(), py::keep_alive<0, 1>())
+      .def("outbox", &NodeQueue::makeOutbox, "topic"_a, Unlocked(), py::keep_alive<0, 1>())
+      .def("diagnostics", &NodeQueue::makeStatistics, Unlocked())
+      .def("next", next, "timeout"_a)
+      .def("running", &NodeQueue::running)
+      .def("note_connections", &NodeQueue::noteConnections, Unlocked())
+      .def("connections_changed", &NodeQueue::connectionsChanged)
+      .def("close", &NodeQueue::close, Unlocked());
   py::class_<EmbeddedRoscppNode>(m, "Runtime")
       .def(py::init<const std::string&, const ros::M_string&, const std::string&, const std::string&>(), "name"_a,
            "options"_a, "node"_a, "node_uri"_a, Unlocked())
-      .def("inbox", makeInbox, "topic"_a, "transport"_a, "parameters"_a, "encoding"_a, "camera_info_topic"_a,
-           "diagnostics"_a, Unlocked())
-      .def("outbox", &EmbeddedRoscppNode::makeOutbox, "topic"_a, Unlocked())
-      .def("diagnostics", &EmbeddedRoscppNode::makeDiagnostics, "node"_a, Unlocked())
-      .def("next", next, "timeout"_a)
+      .def("queue", &EmbeddedRoscppNode::makeQueue, "node"_a, "diagnostics_topic"_a = "/diagnostics", Unlocked(),
+           py::keep_alive<0, 1>())
+      .def("load_nodelet", loadNodelet, "name"_a, "type"_a, "remappings"_a, "arguments"_a, Unlocked())
+      .def(
+          "unload_nodelet",
+          [](EmbeddedRoscppNode& runtime, const std::string& name) { return runtime.nodelets()->unload(name); },
+          "name"_a, Unlocked())
+      .def(
+          "nodelets", [](EmbeddedRoscppNode& runtime) { return runtime.nodelets()->names(); }, Unlocked())
+      .def(
+          "nodelet_types", [](EmbeddedRoscppNode& runtime) { return runtime.nodelets()->types(); }, Unlocked())
       .def("running", &EmbeddedRoscppNode::running)
-      .def("note_connections", &EmbeddedRoscppNode::noteConnections, Unlocked())
-      .def("connections_changed", &EmbeddedRoscppNode::connectionsChanged)
       .def("stop", &EmbeddedRoscppNode::stop, Unlocked());
   m.def("edit_params", edit, "path"_a, "text"_a, "values"_a,
         "The YAML text of the file `path` with the values in it; see save_params.hpp. Raises RuntimeError naming the "

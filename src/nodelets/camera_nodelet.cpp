@@ -99,6 +99,7 @@ private:
       controls_ = std::make_unique<ControlServer>(pnh, ControlDevice(capture), controls);
     const CameraOutputs::Params published = loadOutputParams(pnh, capture);
     outputs_ = std::make_unique<CameraOutputs>(pnh, published, [this] { updateDemand(); });
+    diagnostics_->statistics().countUnshared([topics = outputs_->sharedTopics()] { return droppedOf(topics); });
     reviewParams(pnh);
     CaptureListener& listener = *this;
     auto loop = std::make_unique<CaptureLoop>(capture, listener, [this](const CaptureParams& of) { return open(of); });

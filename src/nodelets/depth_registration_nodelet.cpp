@@ -55,6 +55,7 @@ public:
   {
     outputs_ = &outputs;
     outputs.advertiseImages(image_);
+    pool_.addTopic(outputs.shared(image_));
     outputs.advertise<sensor_msgs::CameraInfo>(info_);
     outputs.advertise<sensor_msgs::PointCloud2>(cloud_);
     points_.setPublish([this](const sensor_msgs::PointCloud2Ptr& cloud) { outputs_->publish(cloud_, cloud); });

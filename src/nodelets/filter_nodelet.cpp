@@ -93,7 +93,7 @@ private:
     const bool wanted = uses_second_ && listens_;
     if (wanted && !subscription_)
     {
-      const image_transport::TransportHints hints("raw", ros::TransportHints().tcpNoDelay(), pnh_);
+      const image_transport::TransportHints hints(kAutoTransport, ros::TransportHints().tcpNoDelay(), pnh_);
       subscription_ = ImageSubscription(nh_, it_, "second", hints,
                                         [this](const sensor_msgs::ImageConstPtr& message) { keep(message); });
     }

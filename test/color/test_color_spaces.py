@@ -7,7 +7,7 @@ import yaml
 
 import robot_vision as rv
 from robot_vision.color.color_file import save_colors
-from robot_vision.color.colors import as_yaml, bgr_of_hsv, median_color, outside, title_of
+from robot_vision.color.colors import as_yaml, median_color, outside, title_of
 
 CODES = {
     "hsv": cv2.COLOR_BGR2HSV,
@@ -117,8 +117,8 @@ def test_the_median_hue_of_hls_is_circular():
 
 
 def test_a_color_of_hsv_in_bgr_has_this_hsv():
-    assert bgr_of_hsv((120, 255, 255)) == (255, 0, 0)
-    assert np.allclose(rv.to_hsv(bgr_of_hsv((105, 225, 240))), (105, 225, 240), atol=1)
+    assert rv.bgr_of_hsv((120, 255, 255)) == (255, 0, 0)
+    assert np.allclose(rv.to_hsv(rv.bgr_of_hsv((105, 225, 240))), (105, 225, 240), atol=1)
 
 
 def test_a_range_of_another_space_names_it_in_yaml():

@@ -118,17 +118,17 @@ def test_without_a_viewer_nothing_is_subscribed_and_the_master_not_asked(hub, ro
 def test_viewers_of_a_topic_share_one_subscription_which_ends_after_the_last(hub, ros):
     handles = [hub.view("/eye", Wish(), Viewer()) for _ in range(3)]
     handles.append(hub.watch("/eye", print))
-    assert ros.log == ["+/eye raw"]
+    assert ros.log == ["+/eye auto"]
     for handle in handles:
         handle.close()
         handle.close()
-    support.wait_for(lambda: ros.log == ["+/eye raw", "-/eye"], "the end of the subscription")
+    support.wait_for(lambda: ros.log == ["+/eye auto", "-/eye"], "the end of the subscription")
 
 
 def test_who_comes_back_at_once_finds_the_subscription_there(hub, ros):
     for _ in range(5):
         hub.view("/eye", Wish(), Viewer()).close()
-    assert ros.log == ["+/eye raw"]
+    assert ros.log == ["+/eye auto"]
 
 
 def test_viewers_who_want_the_same_share_one_encoding(hub, ros, monkeypatch):
@@ -364,7 +364,7 @@ def test_a_topic_that_changes_its_type_is_followed(hub, ros):
     support.wait_for(lambda: "/eye" in ros.pixels, "the first type")
     ros.pixels["/eye"](Frame(image()))
     viewer.wait(2)
-    assert ros.log == ["+/eye raw", "-/eye", "+/eye", "-/eye", "+/eye raw"]
+    assert ros.log == ["+/eye auto", "-/eye", "+/eye", "-/eye", "+/eye auto"]
 
 
 def test_a_topic_that_is_not_there_yet_is_waited_for(hub, ros):
@@ -426,10 +426,10 @@ def test_an_image_without_pixels_is_not_subscribed_to_again_and_again(hub, ros):
     hub.view("/eye", Wish(), viewer, passed=True)
     asked = hub.topics.asked
     support.wait_for(lambda: hub.topics.asked > asked + 1, "another look")
-    assert ros.log == ["+/eye raw"]
+    assert ros.log == ["+/eye auto"]
     ros.pixels["/eye"](Frame(image()))
     viewer.wait(1)
-    assert len(ros._shared.take(("/eye", "raw"))._callbacks) == 2
+    assert len(ros._shared.take(("/eye", "auto"))._callbacks) == 2
 
 
 def test_images_come_while_another_topic_is_subscribed_to(hub, ros, monkeypatch):
@@ -503,19 +503,19 @@ def test_an_mjpeg_camera_passes_on_what_it_sends(monkeypatch):
     for _ in range(3):
         assert topics.route("/cam/image_raw", True) == Route("/cam/image_raw/compressed")
     assert asked == ["/cam/pixel_format"]
-    assert topics.route("/cam/image_raw", False) == Route("/cam/image_raw", "raw")
+    assert topics.route("/cam/image_raw", False) == Route("/cam/image_raw", "auto")
 
 
 @pytest.mark.parametrize("parameter", ["yuyv", None, 3])
 def test_of_another_camera_pixels_are_taken(monkeypatch, parameter):
     topics, _ = mjpeg_topics(parameter, monkeypatch)
-    assert topics.route("/cam/image_raw", True) == Route("/cam/image_raw", "raw")
+    assert topics.route("/cam/image_raw", True) == Route("/cam/image_raw", "auto")
 
 
 def test_a_compressed_topic_of_another_node_is_not_the_cameras(monkeypatch):
     topics, _ = mjpeg_topics("mjpeg", monkeypatch)
     topics._publishers["/cam/image_raw/compressed"] = frozenset(["/republish"])
-    assert topics.route("/cam/image_raw", True) == Route("/cam/image_raw", "raw")
+    assert topics.route("/cam/image_raw", True) == Route("/cam/image_raw", "auto")
 
 
 @pytest.mark.parametrize(

@@ -1,6 +1,7 @@
 """Drive stops the robot by the age of the frame, however long its processing takes."""
 
 import pytest
+import rospy
 
 from robot_vision.line import drive
 
@@ -12,8 +13,8 @@ class Robot:
         self.now = 100.0  # s
         self.sent = []
         monkeypatch.setattr(drive.time, "monotonic", lambda: self.now)
-        monkeypatch.setattr(drive.rospy, "Service", lambda *_: None)
-        monkeypatch.setattr(drive.rospy, "on_shutdown", lambda _: None)
+        monkeypatch.setattr(rospy, "Service", lambda *_: None)
+        monkeypatch.setattr(rospy, "on_shutdown", lambda _: None)
         monkeypatch.setattr(drive.threading.Thread, "start", lambda _: None)
         monkeypatch.setattr(drive.time, "sleep", self._sleep)
         self.drive = drive.Drive(self, timeout=10.0)

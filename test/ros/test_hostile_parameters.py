@@ -10,18 +10,16 @@ from unittest.mock import MagicMock
 import numpy as np
 import pytest
 import rospy
-import tf2_ros
 from hostile import DEEP, INF, NAN, is_flag, is_number
 from std_msgs.msg import Header
 
 from robot_vision.camera.camera_list import parse_cameras
 from robot_vision.color.named_colors import NamedColors
 from robot_vision.dashboard import dashboard
-from robot_vision.demo import demo_status
 from robot_vision.dnn import check_for_objects
 from robot_vision.line import line_follower
 from robot_vision.recognition import recognize_action
-from robot_vision.ros import params, transport
+from robot_vision.ros import context, params, transport
 from robot_vision.tags.bundle_files import parse_bundles
 from robot_vision.tags.tag_layout import TagLayout
 from robot_vision.viewer import simple_camera_view_node
@@ -253,8 +251,8 @@ AT_START = {
 # Parameters that are read later, when values are saved or periodically, or only make a difference
 # with a database, have their own tests.
 LATER = {"config_file", "cameras", "needs_models"}
-# These read all live parameters, those of a color, and all of a camera at once.
-ASK_BY_VARIABLE = {"params.py", "named_colors.py", "camera_loader.py"}
+# These read all live parameters, those of a color, all of a camera, and what others ask for.
+ASK_BY_VARIABLE = {"params.py", "named_colors.py", "camera_loader.py", "context.py"}
 
 
 @pytest.fixture
@@ -265,16 +263,15 @@ def alone(at_start, monkeypatch, tmp_path):
     monkeypatch.setattr(rospy, "core", nothing)
     for name in ("Publisher", "Subscriber", "on_shutdown", "get_name", "logwarn", "loginfo"):
         monkeypatch.setattr(rospy, name, nothing)
-    monkeypatch.setattr(transport, "_process", lambda: nothing)
+    monkeypatch.setattr(transport, "node_images", lambda: nothing)
     monkeypatch.setattr(line_follower, "Drive", nothing)
     for module in (recognize_action, check_for_objects):
-        monkeypatch.setattr(module, "actionlib", nothing)
-    monkeypatch.setattr(demo_status, "threading", nothing)
+        monkeypatch.setattr(module, "action_server", nothing)
+    monkeypatch.setattr(context.NodeContext, "thread", nothing)
     for name in ("Server", "bind", "make_features", "open_browser"):
         monkeypatch.setattr(dashboard, name, nothing)
     monkeypatch.setattr(simple_camera_view_node, "Window", nothing)
     monkeypatch.setattr(simple_camera_view_node, "require_display", nothing)
-    monkeypatch.setattr(tf2_ros, "TransformBroadcaster", nothing)
     return at_start
 
 

@@ -58,7 +58,13 @@ PYTHON_NODES = [
     "detections_3d.py",
     "tabletop.py",
 ]
-OTHER_NODES = ["camera_loader.py", "dashboard.py", "demo_status.py", "simple_camera_view_node.py"]
+OTHER_NODES = [
+    "camera_loader.py",
+    "dashboard.py",
+    "demo_status.py",
+    "python_manager.py",
+    "simple_camera_view_node.py",
+]
 BOARD = ["--size", "8x6", "--square", "0.05", "--output", "{folder}/{number}.yaml"]
 TAGS = ["--name", "a", "--ids", "0-3", "--size", "0.1", "--output", "{folder}/{number}.yaml"]
 TOOLS = {  # command: arguments

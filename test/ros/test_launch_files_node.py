@@ -395,6 +395,101 @@ def test_a_kinect_s_names_begin_with_that_of_its_camera():
     assert manager.args == "manager"
 
 
+OF_OTHERS = {  # nodes of other packages, viewers, and what has a manager already
+    *("calibrate", "calibrate_stereo", "cameracheck", "rectify", "simple_camera_view"),
+    *("usb_cam-test", "demo", "remote", "cameras", "freenect", "rgbd"),
+    *("light", "dashboard"),
+}
+NODES = sorted(path.stem for path in LAUNCH.glob("*.launch") if path.stem not in OF_OTHERS)
+
+
+@pytest.mark.parametrize("name", NODES)
+def test_a_node_is_a_process_or_loaded_into_a_manager(name):
+    """With the same name, parameters and remappings."""
+    alone, in_manager = (loaded(f"{name}.launch", *words) for words in ([], ["manager:=eyes"]))
+    (process,), (loader,) = alone.nodes, in_manager.nodes
+    kind = re.sub(r"(_node|\.py)$", "", process.type)
+    assert (process.package, process.args) == ("robot_vision", "")
+    assert (loader.package, loader.type) == ("nodelet", "nodelet")
+    assert loader.args == f"load robot_vision/{'camera' if kind == 'usb_cam' else kind} eyes"
+    assert loader.name == process.name and loader.remap_args == process.remap_args
+    values = [
+        {key: param.value for key, param in one.params.items()} for one in (alone, in_manager)
+    ]
+    assert values[0] == values[1]
+
+
+@pytest.mark.parametrize(
+    "name, words, loaders",
+    [
+        ("rgbd", [], {"camera", "depth_registration"}),
+        ("freenect", ["camera:=head"], {"head", "depth_registration"}),
+        ("stereo", ["camera:=true"], {"usb_cam", "stereo_matcher"}),
+        ("object_detector", ["depth:=/depth"], {"object_detector", "detections_3d"}),
+        ("remote", ["part:=capture"], {"usb_cam"}),
+        ("remote", ["part:=processing"], {"edge_detector"}),
+    ],
+)
+def test_what_a_launch_file_starts_besides_goes_into_the_same_manager(name, words, loaders):
+    nodes = loaded(f"{name}.launch", *words, "manager:=/eyes").nodes
+    args = {node.name: node.args for node in nodes if node.package == "nodelet"}
+    assert args.keys() == loaders
+    assert all(re.fullmatch(r"load robot_vision/\w+ /eyes", each) for each in args.values())
+
+
+def test_a_small_computer_runs_the_nodes_that_are_named():
+    words = "source:=synthetic", "image_width:=160"
+    config = loaded("light.launch", "nodes:=hsv_tracker,apriltag", *words)
+    nodes = {node.name: node for node in config.nodes}
+    assert nodes.keys() == {"vision", "usb_cam", "hsv_tracker", "apriltag_detector"}
+    assert nodes.pop("vision").type == "python_manager.py"
+    assert all(node.args.endswith(" vision") for node in nodes.values())
+    values = {name: param.value for name, param in config.params.items()}
+    sizes = [values[f"/usb_cam/{name}"] for name in ("image_width", "image_height", "framerate")]
+    assert sizes == [160, 240, 15]
+    assert values["/apriltag_detector/tag_size"] == 0.24
+    assert {node.name for node in loaded("light.launch", "dashboard:=true").nodes} == {
+        *("vision", "usb_cam", "line_follower", "dashboard")
+    }
+
+
+def test_a_node_that_light_launch_has_not_is_an_error():
+    # It runs in its own process, because it reads the process's command line.
+    command = ["roslaunch", "--nodes", LAUNCH / "light.launch", "nodes:=hsv_tracker,huogh"]
+    result = subprocess.run(command, stderr=subprocess.PIPE, text=True, timeout=60, check=False)
+    assert result.returncode != 0
+    assert "nodes without huogh, which light.launch does not have" in result.stderr
+
+
+def test_cameras_are_loaded_into_a_manager_that_is_there():
+    assert parameters_of("cameras.launch")["/camera_loader/manager"] == "camera_manager"
+    config = loaded("cameras.launch", "manager:=eyes")
+    assert {node.name for node in config.nodes} == {"camera_loader"}
+    assert config.params["/camera_loader/manager"].value == "eyes"
+
+
+@pytest.mark.parametrize("more", [[], ["basics:=true", "depth:=true", "recognition:=true"]])
+def test_the_demo_s_nodes_are_in_one_process_or_in_several(more):
+    one, several = (
+        {node.namespace + node.name: node for node in loaded("demo.launch", *more, word).nodes}
+        for word in ("one_process:=true", "one_process:=false")
+    )
+    managers = {"/vision"}
+    assert several.keys() - one.keys() == ({"/table/camera_nodelet_manager"} if more else set())
+    assert one.keys() <= several.keys()
+    # One ends when it has done its work, the other subscribes to topics of any type as bytes.
+    commands = {"/learn_samples", "/dashboard"}
+    assert {name for name, node in one.items() if node.package == "robot_vision"} - commands == (
+        managers
+    )
+    assert (one["/vision"].type, several["/vision"].type) == ("python_manager.py", "nodelet")
+    for name in one.keys() - managers - commands:
+        assert re.fullmatch(r"load robot_vision/\w+ /?vision", one[name].args), name
+        assert one[name].required == several[name].required
+    python = {name for name, node in several.items() if node.type.endswith(".py")}
+    assert {"/hsv_tracker", "/dashboard", "/demo_status"} <= python
+
+
 def test_every_color_is_a_range():
     files = sorted((LAUNCH.parent / "config" / "colors").glob("*.yaml"))
     assert {"blue", "red", "black"} <= {file.stem for file in files}
@@ -501,12 +596,16 @@ def test_depth_is_an_optional_part_of_the_demo():
     assert remapped(window)["/image"] == topic
 
 
-def test_recognition_is_an_optional_part_of_the_demo():
+@pytest.mark.parametrize("one_process", [False, True])
+def test_recognition_is_an_optional_part_of_the_demo(one_process):
+    way = f"one_process:={one_process}"
     nodes, more = (
-        {node.name for node in loaded("demo.launch", *words).nodes}
+        {node.name for node in loaded("demo.launch", way, *words).nodes}
         for words in ([], ["recognition:=true"])
     )
     table = {"camera_nodelet_manager", "camera", "depth_registration", "learn_samples"}
+    if one_process:
+        table.remove("camera_nodelet_manager")
     assert more - nodes == {*demo_status.RECOGNITION, *table} and nodes < more
     parameters = parameters_of("demo.launch", "recognition:=true")
     assert parameters["/table/camera/scene"] == "tabletop"

@@ -1,9 +1,5 @@
-"""remote.launch on two hosts, which are network namespaces, with a cable between them.
+"""remote.launch on two hosts, with a cable between them."""
 
-Only addresses inside these namespaces are used; they have no connection to the outside.
-"""
-
-import os
 import re
 import shutil
 import subprocess
@@ -11,67 +7,21 @@ import time
 
 import pytest
 from support import wait_for
+from two_hosts import DESK, ROBOT, network_of_two, runner
 
-ROBOT, DESK = "10.231.7.1", "10.231.7.2"
 CUT = 3.0  # s
 STAMP = "/edge_detector/processed_image/header/stamp"
 
 
-def ip(*words):
-    subprocess.run(["ip", *words], check=True, stderr=subprocess.PIPE)
-
-
-class Network:
-    """Two hosts with a cable that can be unplugged."""
-
-    def __init__(self):
-        self.names = {host: f"robot_vision_{os.getpid()}_{host[-1]}" for host in (ROBOT, DESK)}
-        self._ends = {host: f"rv{os.getpid()}_{host[-1]}" for host in (ROBOT, DESK)}
-
-    def connect(self):
-        for name in self.names.values():
-            ip("netns", "add", name)
-        robot, desk = (["name", self._ends[host], "netns", self.names[host]] for host in self.names)
-        ip("link", "add", *robot, "type", "veth", "peer", *desk)
-        for host, name in self.names.items():
-            ip("-n", name, "address", "add", host + "/30", "dev", self._ends[host])
-            for device in ("lo", self._ends[host]):
-                ip("-n", name, "link", "set", device, "up")
-
-    def cable(self, state):
-        """Unplugs the cable ("down") or plugs it in ("up")."""
-        ip("-n", self.names[ROBOT], "link", "set", self._ends[ROBOT], state)
-
-    def remove(self):
-        for name in self.names.values():
-            subprocess.run(["ip", "netns", "delete", name], check=False, stderr=subprocess.DEVNULL)
-
-
 @pytest.fixture
 def network():
-    if os.geteuid() != 0:
-        pytest.skip("network namespaces need root")
-    made = Network()
-    try:
-        made.connect()
-    except (FileNotFoundError, subprocess.CalledProcessError) as error:
-        made.remove()
-        pytest.skip(f"no network namespaces to be had here: {error}")
-    yield made
-    made.remove()
+    with network_of_two() as made:
+        yield made
 
 
 @pytest.fixture
 def run(network, start):
-    """run(host, command, ...) starts a command on a host; it ends before the network does."""
-
-    def on_host(host, command, *arguments):
-        addresses = {"ROS_MASTER_URI": f"http://{ROBOT}:11311", "ROS_HOSTNAME": host}
-        environment = {**addresses, "PYTHONUNBUFFERED": "1"}
-        command = ["netns", "exec", network.names[host], shutil.which(command), *arguments]
-        return start(shutil.which("ip"), *command, env=environment)
-
-    return on_host
+    return runner(network, start)
 
 
 def transport():

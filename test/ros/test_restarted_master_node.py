@@ -35,18 +35,21 @@ CAMERA = {"source": "synthetic", "image_width": 160, "image_height": 120}
         ("edge_detector_node", "blur_size", []),
         ("hsv_tracker.py", "opening", []),
         ("manager", "blur_size", ["camera", "edge_detector"]),
+        ("python_manager.py", "opening", ["camera", "hsv_tracker"]),
     ],
 )
 def test_nodes_register_again(start, run_script, tmp_path, node, key, nodelets):
     master = support.Master(start)
-    name = "/" + ("edge_detector" if nodelets else node.replace("_node", "").replace(".py", ""))
+    name = "/" + (nodelets[-1] if nodelets else node.replace("_node", "").replace(".py", ""))
     for parameter, value in CAMERA.items():
         master.api.setParam("/camera/" + parameter, value)
     file = tmp_path / "saved.yaml"
     master.api.setParam(name + "/config_file", str(file))
     commands = [["camera_node"], [node, "image:=/camera/image_raw"]]
     if nodelets:
-        commands = [["/usr/lib/nodelet/nodelet", "manager", "__name:=manager"]]
+        commands = [[node, "__name:=manager"]]
+        if node == "manager":
+            commands = [["/usr/lib/nodelet/nodelet", "manager", "__name:=manager"]]
     processes = [start(*command, env=master.env) for command in commands]
 
     def ask(value, *kinds):

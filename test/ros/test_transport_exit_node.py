@@ -9,6 +9,8 @@ HEAD = """
 import gc, os, signal, sys, threading, time
 import numpy as np
 import rospy
+from robot_vision.ros.context import LoadedContext, active
+from robot_vision.ros.node_images import process_runtime
 from robot_vision.ros.startup import run_node
 from robot_vision.transport import CameraSubscriber, ImagePublisher, ImageSubscriber
 
@@ -23,6 +25,11 @@ def wait():
     assert came.wait(30)
 """
 INIT = "rospy.init_node('ends', anonymous=True)\n"
+NODELET = f"""{INIT}
+runtime, eye = process_runtime(), rospy.resolve_name("~eye")
+rospy.set_param(eye, {{"source": "synthetic", "image_width": 160, "image_height": 120}})
+runtime.load_nodelet(eye, "robot_vision/camera", {{}}, [])
+"""
 SUBSCRIBE = INIT + "images = ImageSubscriber('image', keep)\n"
 CRIES = [
     "terminate called",
@@ -101,6 +108,40 @@ ENDS = {
     ),
     "frames kept where only the interpreter's end frees them": End(
         SUBSCRIBE + "wait(); sys.frames = frames; np.kept = [f.image[::2] for f in frames]"
+    ),
+    "decoded frames kept where only the interpreter's end frees them": End(
+        INIT + "images = ImageSubscriber('image', keep, transport='compressed')\n"
+        "wait(); sys.frames = frames"
+    ),
+    "a nodelet's frames kept where only the interpreter's end frees them": End(
+        NODELET + "ImageSubscriber('~eye/image_raw', keep); wait(); sys.frames = frames"
+    ),
+    "a nodelet unloaded, its frames freed later": End(
+        NODELET + "images = ImageSubscriber('~eye/image_raw', keep); wait()\n"
+        "assert runtime.unload_nodelet(eye); images.unregister(); frames.clear(); gc.collect()"
+    ),
+    "a nodelet and a callback that sleeps, SIGINT": End(
+        NODELET + "ImageSubscriber('~eye/image_raw', lambda f: (keep(f), time.sleep(60)))\n"
+        "wait(); os.kill(os.getpid(), signal.SIGINT); rospy.spin(); print('the end')",
+        output="the end",
+    ),
+    "many nodes, in one of which a callback sleeps": End(
+        INIT + "nodes = [LoadedContext(f'/n{i}', {}, print) for i in range(5)]\n"
+        "for i, node in enumerate(nodes):\n"
+        "    with active(node):\n"
+        "        output = ImagePublisher('~out')\n"
+        "        def work(frame, sleeps=not i):\n"
+        "            keep(frame)\n"
+        "            time.sleep(60 * sleeps)\n"
+        "        ImageSubscriber('/camera/image_raw', work, 'mono8')\n"
+        "wait()"
+    ),
+    "the end of each node before that of the process": End(
+        INIT + "nodes = [LoadedContext(f'/n{i}', {}, print) for i in range(5)]\n"
+        "for node in nodes:\n"
+        "    with active(node):\n"
+        "        ImageSubscriber('/camera/image_raw', keep, 'mono8')\n"
+        "wait(); [node.end() for node in nodes]; print(threading.active_count())",
     ),
     "subscribed after the shutdown": End(
         SUBSCRIBE + "rospy.signal_shutdown(''); ImageSubscriber('other', keep)",

@@ -138,6 +138,9 @@ class Process:
     def running(self) -> bool:
         return self._popen.poll() is None
 
+    def kill(self) -> None:
+        self._popen.send_signal(signal.SIGKILL)
+
     def interrupt(self) -> None:
         self._interrupted = True
         self._popen.send_signal(signal.SIGINT)
@@ -295,10 +298,15 @@ def node_api(name: str) -> xmlrpc.client.ServerProxy:
     return xmlrpc.client.ServerProxy(rosgraph.Master(rospy.get_name()).lookupNode(name))
 
 
-def receives(node: str, topic: str) -> bool:
-    """True as long as a running node has a connection to a publisher of a topic."""
+def receives_over(node: str, topic: str) -> bool:
+    """True as long as a running node has a connection to a publisher of this very topic."""
     _, _, connections = node_api(node).getBusInfo(rospy.get_name())
     return any((way, of) == ("i", topic) for _, _, way, _, of, *_ in connections)
+
+
+def receives(node: str, topic: str) -> bool:
+    """True as long as a running node has the messages of a topic, raw or over shm."""
+    return receives_over(node, topic) or receives_over(node, topic + "/shm")
 
 
 open_messages: "List[Messages]" = []  # closed at the end of each test

@@ -6,8 +6,8 @@ from typing import Any, Deque, Dict, Optional, Tuple
 
 import numpy as np
 import rospy
-import tf2_ros
 from geometry_msgs.msg import Point, PointStamped, TransformStamped, Vector3
+from tf2_msgs.msg import TFMessage
 
 from .. import (
     BallMeasurement,
@@ -28,6 +28,7 @@ from .. import BallTracker as Filter
 from ..msg import Detection, DetectionArray
 from ..ros.camera_info import camera_model
 from ..ros.configs import BallTrackerConfig
+from ..ros.context import current
 from ..ros.image_node import ImageNode
 from ..ros.messages import detection, detection_array
 from ..ros.params import LiveParams, filled, read_name, read_param
@@ -58,7 +59,7 @@ class BallTracker:
         self._processed = self._node.image_publisher("~processed_image")
         if self._diameter > 0.0:
             self._positions = self._node.publisher("~position", PointStamped)
-            self._tf = tf2_ros.TransformBroadcaster()
+            self._tf = current().publisher("/tf", TFMessage, queue_size=100)
         self._node.start()
 
     def _configure(self, config: Dict[str, Any]) -> None:
@@ -132,7 +133,7 @@ class BallTracker:
         transform = TransformStamped(header=frame.header, child_frame_id=self._ball_frame)
         transform.transform.translation = Vector3(*position)
         transform.transform.rotation.w = 1.0  # A ball looks the same from all sides.
-        self._tf.sendTransform(transform)
+        self._tf.publish(TFMessage([transform]))
 
 
 def ball_detection(state: BallState, region: Optional[Region]) -> Detection:

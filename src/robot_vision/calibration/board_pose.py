@@ -7,10 +7,10 @@ the rows, y up and z out of the board, for somebody who looks at it.
 import math
 from typing import List, NamedTuple, Optional
 
-import cv2
 import numpy as np
 
 from .. import CameraModel
+from ..common import opencv as cv2
 from .boards import Board, Observation
 
 MIN_POINTS = 4

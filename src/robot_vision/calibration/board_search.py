@@ -4,9 +4,9 @@ import math
 from dataclasses import dataclass
 from typing import Optional, Tuple
 
-import cv2
 import numpy as np
 
+from ..common import opencv as cv2
 from ..common.plain_text import brief
 from ..common.ranges import require_range
 from .boards import BOARDS, Board, Observation, charuco

@@ -3,12 +3,12 @@
 from dataclasses import dataclass, replace
 from typing import Callable, Dict, NamedTuple, Optional, Tuple
 
-import cv2
 import numpy as np
 
+from ..common import opencv as cv2
 from .charuco import Charuco
 
-SUB_PIXEL_END = (cv2.TERM_CRITERIA_COUNT | cv2.TERM_CRITERIA_EPS, 40, 0.001)
+SUB_PIXEL_END = (3, 40, 0.001)  # 3: after so many steps, or when they are shorter
 MAX_CORNER_WINDOW = 11  # px, half the side of the window in which a corner is refined
 
 

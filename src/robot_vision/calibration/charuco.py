@@ -2,9 +2,9 @@
 
 from typing import Optional, Sequence, Tuple
 
-import cv2
 import numpy as np
 
+from ..common import opencv as cv2
 from ..common.aruco import require_markers
 
 MIN_CORNERS = 6  # corners of a board that counts as seen

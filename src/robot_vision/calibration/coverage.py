@@ -2,9 +2,9 @@
 
 from typing import Sequence, Tuple
 
-import cv2
 import numpy as np
 
+from ..common import opencv as cv2
 from ..common.drawing import FRACTION_BITS, fixed_point
 from .boards import Observation
 

@@ -2,10 +2,10 @@
 
 from typing import List, Optional, Tuple
 
-import cv2
 import numpy as np
 
 from .. import CameraModel
+from ..common import opencv as cv2
 from ..common.drawing import FRACTION_BITS, fixed_point
 
 AXES = ((0, 0, 255), (0, 255, 0), (255, 0, 0))  # BGR: x red, y green, z blue

@@ -3,9 +3,9 @@
 from dataclasses import dataclass
 from typing import List, Sequence, Tuple
 
-import cv2
 import numpy as np
 
+from ..common import opencv as cv2
 from .boards import Observation
 
 MIN_VIEWS = 5

@@ -2,9 +2,9 @@
 
 from typing import List, NamedTuple, Optional, Tuple
 
-import cv2
 import numpy as np
 
+from ..common import opencv as cv2
 from .boards import Board, Observation
 
 MIN_DIFFERENCE = 0.2  # sum over a description, between different views; as in camera_calibration

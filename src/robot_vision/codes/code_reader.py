@@ -2,14 +2,14 @@
 
 from typing import Any, Dict, List
 
-import cv2
 import numpy as np
 import rospy
 from geometry_msgs.msg import Point
 
-from .. import Code, CodeReaderParams, draw_outline, keeps_bytes
+from .. import Code, CodeReaderParams, draw_outline, keeps_bytes, to_bgr
 from .. import CodeReader as Reader
 from ..common.plain_text import to_ascii
+from ..common.polygons import area_of
 from ..common.repeats import Repeats
 from ..msg import Detection, DetectionArray
 from ..ros.configs import CodeReaderConfig
@@ -62,7 +62,7 @@ class CodeReader:
             self._codes.publish(detection_array(frame, found))
 
     def _publish_overlay(self, frame: Frame, codes: List[Code]) -> None:
-        overlay = cv2.cvtColor(frame.image, cv2.COLOR_GRAY2BGR)
+        overlay = to_bgr(frame.image, "mono8")
         for code in codes:
             label = to_ascii(f"{code.type}: {text_of(code)}", MAX_LABEL_LENGTH)
             draw_outline(overlay, np.rint(code.polygon).astype(int), label)
@@ -83,7 +83,7 @@ def code_detection(code: Code, image: np.ndarray) -> Detection:
         box=box_around(code.polygon, image),
         center=Point(*code.polygon.mean(axis=0), 0.0),
         outline=points(code.polygon),
-        area=cv2.contourArea(code.polygon.astype(np.float32)),
+        area=area_of(code.polygon),
         code_type=code.type,
         code_data=code.data,
     )

@@ -2,7 +2,6 @@
 
 from typing import List, Sequence, Tuple, Union
 
-import cv2
 import numpy as np
 
 from .._core import ColorRange, HsvRange, color_channels, image_to_space
@@ -68,12 +67,6 @@ def _median_hue(hues: np.ndarray) -> int:
     apart = np.abs(np.subtract.outer(np.arange(HUES), np.arange(HUES)))
     costs = np.minimum(apart, HUES - apart) @ counts
     return int(np.argmin(np.where(counts > 0, costs, np.inf))) if hues.size else 0
-
-
-def bgr_of_hsv(hsv: Sequence[int]) -> Color:
-    """Returns a colour in BGR that has this HSV as nearly as 8 bits allow."""
-    pixel = np.array([[hsv]], np.uint8)
-    return tuple(cv2.cvtColor(pixel, cv2.COLOR_HSV2BGR)[0, 0].tolist())
 
 
 def outside(color: Sequence[int], colors: AnyRange) -> str:

@@ -7,6 +7,7 @@ import rospy
 from .. import ColorRange, HsvRange, color_channels, convert_range, validate
 from ..common.plain_text import brief, printable
 from ..ros.configs import HsvTrackerConfig
+from ..ros.context import current
 from ..ros.params import read_any, read_param
 from .color_entries import range_of
 from .color_file import is_color_name
@@ -103,7 +104,7 @@ class NamedColors:
         """Adds a colour to ~colors, where others look for the names."""
         entry = {"low": list(chosen.low), "high": list(chosen.high), SPACE: chosen.space}
         self._named[name] = entry
-        rospy.set_param("~colors", self._named)
+        current().set_param("~colors", self._named)
 
     def _drop_live(self, reason: str) -> None:
         """Takes live parameters from the server at start, and tells which have had no effect.
@@ -111,7 +112,10 @@ class NamedColors:
         Args:
             reason: Why they have none; "" if the limits of the space have one.
         """
-        there = {name: rospy.get_param("~" + name) for name in SHOWN if rospy.has_param("~" + name)}
+        params = current()
+        there = {
+            name: params.get_param("~" + name) for name in SHOWN if params.has_param("~" + name)
+        }
         first = next(iter(self.ranges.values()))
         shown = self.ranges.get(str(there.pop("color", "")), first)
         low, high = _live_names(shown.space)
@@ -125,7 +129,7 @@ class NamedColors:
             reason = reason or _limits_of(shown.space)
             rospy.logwarn("without effect: %s, because %s", ", ".join(ignored), reason)
         for name in there:
-            rospy.delete_param("~" + name)
+            params.delete_param("~" + name)
 
     def _in_space(self, name: str, space: str) -> ColorRange:
         """Returns the limits that a colour had in a space; else those that hold all of it."""

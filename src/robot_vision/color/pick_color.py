@@ -9,14 +9,14 @@ from typing import List, Optional, Sequence, Tuple
 import numpy as np
 import rospy
 
-from .. import color_spaces, range_around, to_space
+from .. import bgr_of_hsv, color_spaces, range_around, to_space
 from ..common.arguments import command_parser, number_within
 from ..common.commands import run_command
 from ..common.image_files import load_image, upright
 from ..ros.startup import become_node
 from ..ros.transport import ImageSubscriber
 from .color_file import save_colors
-from .colors import HUES, Color, as_yaml, bgr_of_hsv, median_color, outside, title_of
+from .colors import HUES, Color, as_yaml, median_color, outside, title_of
 
 EXAMPLES = """examples:
   pick_color.py --hex '#1e90ff'

@@ -1,7 +1,8 @@
 """The dictionaries of markers of OpenCV's ArUco module, whose interface changed with 4.7."""
 
-import cv2
 import numpy as np
+
+from . import opencv as cv2
 
 
 def aruco_dictionary(name: str) -> "cv2.aruco.Dictionary":

@@ -3,7 +3,6 @@
 import time
 from typing import Any, Dict, List, Optional, Tuple
 
-import cv2
 import numpy as np
 
 from ..calibration.board_search import BoardParams, BoardSearch, make_board
@@ -11,6 +10,7 @@ from ..calibration.boards import Observation
 from ..calibration.coverage import CELLS, seen_cells
 from ..calibration.view_progress import view_progress
 from ..calibration.views import ViewCollection
+from ..common import opencv as cv2
 from ..common.plain_text import error_text
 from ..recordings.gray_images import gray_pixels
 from ..ros.transport import Frame

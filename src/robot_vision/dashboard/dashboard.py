@@ -90,4 +90,4 @@ def _version() -> str:
 
 
 def main() -> None:
-    run_node("dashboard", Dashboard)
+    run_node("dashboard", Dashboard, own_process=True)

@@ -3,9 +3,9 @@
 import base64
 import os
 
-import cv2
 import rospkg
 
+from ..common import opencv as cv2
 from ..common.files import read_file
 from ..common.image_files import upright
 from ..common.plain_text import brief, printable

@@ -16,7 +16,7 @@ class Route(NamedTuple):
 
     Attributes:
         topic: What is subscribed to, or the base of it.
-        transport: The image_transport, or "" if messages are passed on as they are.
+        transport: That of an ImageSubscriber, or "" if messages are passed on as they are.
     """
 
     topic: str
@@ -76,7 +76,7 @@ class ImageTopics:
             return None
         if kind == IMAGE:
             jpeg = passed and self._is_mjpeg(topic)
-            return Route(topic + BESIDE) if jpeg else Route(topic, "raw")
+            return Route(topic + BESIDE) if jpeg else Route(topic, "auto")
         if kind != COMPRESSED_IMAGE:
             raise ValueError(
                 f"the topic is of {printable(kind)}, must be of {IMAGE} or {COMPRESSED_IMAGE}"

@@ -11,6 +11,7 @@ from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from std_srvs.srv import Trigger
 
 from ..common.throttle import Throttle
+from ..ros.context import current
 from ..ros.params import read_param
 from ..ros.startup import run_node
 from .window_tiles import Tiles
@@ -104,9 +105,7 @@ class DemoStatus:
             self._topics.update(RECOGNITION)
         self._wants_address = read_param("dashboard", False)
         if read_param("view", False):
-            windows = threading.Thread(target=tile_windows, args=(self._topics,), name="windows")
-            windows.daemon = True
-            windows.start()
+            current().thread(lambda: tile_windows(self._topics), "windows").start()
         elif not self._wants_address:
             none = "No windows (view:=windows)" if os.environ.get("DISPLAY") else "No display"
             print(f"{none}: look at these topics, for instance with")
@@ -116,7 +115,7 @@ class DemoStatus:
         self._rounds = 0
         self._lock = threading.Lock()  # guards the rounds: each publisher has its own thread
         self._round: Dict[str, DiagnosticStatus] = {}
-        self._subscriber = rospy.Subscriber("/diagnostics", DiagnosticArray, self._on_diagnostics)
+        current().subscriber("/diagnostics", DiagnosticArray, self._on_diagnostics)
 
     def _on_diagnostics(self, message: DiagnosticArray) -> None:
         with self._lock:
@@ -142,15 +141,16 @@ class DemoStatus:
             print("", *lines, sep="\n", flush=True)
         if ready and self._wants_address:
             self._wants_address = False
-            threading.Thread(target=print_address, name="address", daemon=True).start()
+            current().thread(print_address, "address").start()
         self._round.clear()
 
 
 def print_address() -> None:
     """Has the dashboard print its address; the address itself is a secret of that node."""
     with contextlib.suppress(rospy.ROSException, rospy.ServiceException):  # It may not be there.
-        rospy.wait_for_service(PRINT_ADDRESS, SERVICE_TIMEOUT)
-        rospy.ServiceProxy(PRINT_ADDRESS, Trigger)()
+        service = current().resolve(PRINT_ADDRESS)
+        rospy.wait_for_service(service, SERVICE_TIMEOUT)
+        rospy.ServiceProxy(service, Trigger)()
 
 
 def tile_windows(topics: Dict[str, str]) -> None:
@@ -161,7 +161,7 @@ def tile_windows(topics: Dict[str, str]) -> None:
         rospy.logwarn("windows stay where they open: %s", error)
         return
     deadline = time.monotonic() + WINDOWS_TIMEOUT
-    while tiles.place() and time.monotonic() < deadline and not rospy.is_shutdown():
+    while tiles.place() and time.monotonic() < deadline and not current().is_ending():
         time.sleep(POLL)
     tiles.close()
 

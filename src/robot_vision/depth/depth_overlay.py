@@ -3,10 +3,10 @@
 import math
 from typing import Iterable
 
-import cv2
 import numpy as np
 
 from .. import draw_outline, to_bgr, to_metres
+from ..common import opencv as cv2
 from ..msg import Detection3D
 from ..ros.messages import box_of, corners
 from .places import title

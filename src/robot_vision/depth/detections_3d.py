@@ -14,6 +14,7 @@ from ..common.throttle import Throttle
 from ..msg import Detection, Detection3DArray, DetectionArray
 from ..ros.camera_info import CameraInfoListener
 from ..ros.configs import Detections3dConfig
+from ..ros.context import current
 from ..ros.depth_frames import DepthLook
 from ..ros.frame_pairs import FramePairs
 from ..ros.image_node import ImageNode
@@ -158,7 +159,7 @@ class Detections3d:
             self._tf.publish(message)
 
     def _topics(self) -> str:
-        return f"{rospy.resolve_name('detections')} and {self._node.topic}"
+        return f"{current().resolve('detections')} and {self._node.topic}"
 
 
 def main() -> None:

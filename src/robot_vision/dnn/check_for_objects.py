@@ -2,7 +2,6 @@
 
 from typing import Callable
 
-import actionlib
 import rospy
 from sensor_msgs.msg import Image
 
@@ -13,6 +12,8 @@ from ..msg import (
     CheckForObjectsGoal,
     CheckForObjectsResult,
 )
+from ..ros.actions import SimpleActionServer, action_server
+from ..ros.context import current
 
 
 class CheckForObjects:
@@ -25,21 +26,18 @@ class CheckForObjects:
 
     def __init__(self, name: str, search: Callable[[Image], BoundingBoxes]):
         self._search = search
-        self._server = actionlib.SimpleActionServer(
-            name, CheckForObjectsAction, self._execute, False
-        )
-        self._server.start()
+        action_server(name, CheckForObjectsAction, self._execute)
 
-    def _execute(self, goal: CheckForObjectsGoal) -> None:
+    def _execute(self, server: SimpleActionServer, goal: CheckForObjectsGoal) -> None:
         try:
             boxes = self._search(goal.image)
         except Exception as error:  # Of any kind, because actionlib would answer without a reason.
             reason = error_text(error)
-            if not rospy.core.is_shutdown_requested():
+            if not current().is_ending():
                 rospy.logerr("no objects searched for: %s", reason)
-                self._server.set_aborted(text=reason)
+                server.set_aborted(text=reason)
             return
-        if self._server.is_preempt_requested():
-            self._server.set_preempted()
+        if server.is_preempt_requested():
+            server.set_preempted()
         else:
-            self._server.set_succeeded(CheckForObjectsResult(goal.id, boxes))
+            server.set_succeeded(CheckForObjectsResult(goal.id, boxes))

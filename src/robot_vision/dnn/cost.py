@@ -5,9 +5,9 @@ import statistics
 import time
 from typing import Any, Dict, Iterator, List, Optional, Sequence, Tuple
 
-import cv2
 import numpy as np
 
+from ..common import opencv as cv2
 from .model_facts import ModelFile
 from .network_input import NetworkInput
 from .onnx_file import load_onnx, parse

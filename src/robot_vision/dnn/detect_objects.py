@@ -11,6 +11,7 @@ from std_msgs.msg import Header
 from ..common.image_files import load_image, sensor_pixels
 from ..common.plain_text import error_text, printable
 from ..msg import DetectionArray
+from ..ros.context import current
 from ..ros.frame_calls import FrameCalls
 from ..srv import DetectObjects, DetectObjectsResponse
 
@@ -29,7 +30,7 @@ class DetectService:
         self._calls = calls
         self._search = search
         self._reading = threading.Lock()  # large images take much memory, so one is read at a time
-        rospy.Service("~detect", DetectObjects, self._on_detect)
+        current().service("~detect", DetectObjects, self._on_detect)
 
     def _on_detect(self, request: Any) -> DetectObjectsResponse:
         try:

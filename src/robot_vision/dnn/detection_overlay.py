@@ -2,11 +2,9 @@
 
 from typing import Sequence, Tuple
 
-import cv2
 import numpy as np
 
-from .. import draw_outline
-from ..common.drawing import fixed_point
+from .. import bgr_of_hsv, draw_dot, draw_outline
 from ..common.plain_text import to_ascii
 from ..ros.messages import corners
 from .detection_messages import CENTER, Seen, pixels_of
@@ -21,9 +19,7 @@ HUE_STEP = 67  # of OpenCV's 180: neighboring classes have colors that are far a
 
 def class_color(class_id: int) -> Tuple[int, int, int]:
     """Returns the color (BGR) of a class, always the same."""
-    hsv = np.uint8([[[class_id * HUE_STEP % 180, 200, 255]]])
-    blue, green, red = cv2.cvtColor(hsv, cv2.COLOR_HSV2BGR)[0, 0].tolist()
-    return blue, green, red
+    return bgr_of_hsv((class_id * HUE_STEP % 180, 200, 255))
 
 
 def draw_seen(bgr: np.ndarray, seen: Sequence[Seen]) -> None:
@@ -55,15 +51,15 @@ def _title(seen: Seen) -> str:
 def _tint(bgr: np.ndarray, seen: Seen, color: Tuple[int, int, int]) -> None:
     x, y, width, height = seen.found.box_pixels
     part = bgr[y : y + height, x : x + width]
-    mixed = cv2.addWeighted(part, 1.0 - MASK_OPACITY, np.full_like(part, color), MASK_OPACITY, 0.0)
     inside = seen.found.mask > 0
-    part[inside] = mixed[inside]
+    mixed = (1.0 - MASK_OPACITY) * part[inside] + MASK_OPACITY * np.array(color)
+    part[inside] = np.rint(mixed).astype(np.uint8)
 
 
 def _draw_keypoints(bgr: np.ndarray, seen: Seen, color: Tuple[int, int, int]) -> None:
     keypoints = seen.found.keypoints
-    for center in fixed_point(_places(keypoints[keypoints[:, 2] >= SURE_KEYPOINT, :2])).tolist():
-        cv2.circle(bgr, tuple(center), KEYPOINT_RADIUS << 4, color, cv2.FILLED, cv2.LINE_AA, 4)
+    for center in _places(keypoints[keypoints[:, 2] >= SURE_KEYPOINT, :2]).tolist():
+        draw_dot(bgr, center, KEYPOINT_RADIUS, color)
 
 
 def _places(positions: np.ndarray) -> np.ndarray:

@@ -4,6 +4,7 @@ import threading
 from typing import Any, Callable, List, NamedTuple, Optional, Sequence, Tuple
 
 from .. import BoxTrack, BoxTracker, BoxTrackerParams, CameraMotion, FoundObject
+from ..ros.context import current
 from ..ros.transport import Frame
 
 Look = Callable[[Frame], List[FoundObject]]
@@ -61,6 +62,8 @@ class FrameFollower:
         self._score: Score = lambda found: found.score
         self._worker: Optional[threading.Thread] = None
         self._forget()
+        self._ended = False
+        current().on_end(self._end_thread)
 
     def configure(self, params: BoxTrackerParams, period: float, score: Score) -> None:
         """Sets how things are followed.
@@ -106,7 +109,7 @@ class FrameFollower:
     def _begin(self, job: _Job, tracks: List[BoxTrack]) -> None:
         self._job, self._waiting = job, tracks
         if self._worker is None:
-            self._worker = threading.Thread(target=self._work, name="network", daemon=True)
+            self._worker = current().thread(self._work, "network")
             self._worker.start()
         self._changed.notify()
 
@@ -121,7 +124,9 @@ class FrameFollower:
     def _work(self) -> None:
         while True:
             with self._changed:
-                self._changed.wait_for(lambda: self._job is not None)
+                self._changed.wait_for(lambda: self._job is not None or self._ended)
+                if self._ended:
+                    return
                 job = self._job
             found: List[FoundObject] = []
             error: Optional[Exception] = None
@@ -132,6 +137,11 @@ class FrameFollower:
             with self._changed:
                 if self._job is job:
                     self._end(found, error)
+
+    def _end_thread(self) -> None:
+        with self._changed:
+            self._ended = True
+            self._changed.notify()
 
     def _end(self, found: List[FoundObject], error: Optional[Exception]) -> None:
         """Ends the job. Whatever is raised, the thread goes on, as nobody would start another."""

@@ -9,6 +9,7 @@ from diagnostic_msgs.msg import DiagnosticStatus
 
 from ..common.plain_text import error_text
 from ..common.throttle import Throttle
+from ..ros.context import current
 from ..ros.status_topic import Status, StatusTopic
 from .network import Network
 
@@ -62,7 +63,7 @@ class NetworkReport:
             self._failures += 1
             self._last_failure, self._last_error = time.monotonic(), text
             # A node that ends has closed the topics before its network is done.
-            due = not rospy.core.is_shutdown_requested() and self._throttle.due()
+            due = not current().is_ending() and self._throttle.due()
         if due:
             rospy.logerr("the network has failed, the next frame is tried: %s", text)
 

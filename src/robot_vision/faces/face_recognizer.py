@@ -11,6 +11,7 @@ from .. import draw_outline, draw_text
 from ..common.plain_text import to_ascii
 from ..msg import Detection, DetectionArray, FaceIdentity, FaceIdentityArray
 from ..ros.configs import FaceRecognizerConfig
+from ..ros.context import current
 from ..ros.frame_pairs import FramePairs
 from ..ros.image_node import ImageNode
 from ..ros.messages import box_of, corners
@@ -82,7 +83,7 @@ class FaceRecognizer:
         if frame:
             self._process(frame, faces)
         elif self._pairs.apart():
-            image, topic = rospy.resolve_name("image"), rospy.resolve_name("faces")
+            image, topic = current().resolve("image"), current().resolve("faces")
             rospy.logwarn_throttle(
                 10.0, f"no images on {image} have the stamps of {topic}: is it another camera's?"
             )

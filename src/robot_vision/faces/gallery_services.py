@@ -9,6 +9,7 @@ import rospkg
 import rospy
 
 from ..common.plain_text import printable
+from ..ros.context import current
 from ..ros.image_node import INPUT_TIMEOUT
 from ..ros.params import read_param
 from ..srv import EnrollFace, EnrollFolder, ForgetName, ListNames
@@ -61,7 +62,7 @@ class GalleryServices:
 
     def advertise(self) -> None:
         """Advertises the services."""
-        rospy.on_shutdown(self._finish)
+        current().on_end(self._finish)
         self._service("~enroll", EnrollFace, self._on_enroll)
         self._service("~enroll_folder", EnrollFolder, self._on_enroll_folder)
         self._service("~list_names", ListNames, self._on_list_names)
@@ -84,7 +85,7 @@ class GalleryServices:
                     self._working -= 1
                     self._ended.notify_all()
 
-        rospy.Service(name, kind, handle)
+        current().service(name, kind, handle)
 
     def _finish(self) -> None:
         """Waits for running calls, because the process would abort if one of them were in C++."""
@@ -93,7 +94,7 @@ class GalleryServices:
 
     def _learn(self) -> None:
         with self._learning:
-            if not rospy.core.is_shutdown_requested():
+            if not current().is_ending():
                 self._changed(self._gallery)
 
     def _on_enroll(self, request: Any) -> Tuple[bool, str, int]:
@@ -124,7 +125,7 @@ class GalleryServices:
         self._enrollment = enrollment
         self._keep_working(True)
         try:
-            if not enrollment.wait(timeout, rospy.core.is_shutdown_requested):
+            if not enrollment.wait(timeout, current().is_ending):
                 # Half of the timeout is enough, as the node has not been working all the time.
                 missing = self._missing(min(INPUT_TIMEOUT, timeout / 2))
                 reason = f": {missing}" if missing else ""
@@ -142,7 +143,7 @@ class GalleryServices:
                 )
             try:
                 added = self._gallery.import_folder(
-                    request.folder, request.name, rospy.core.is_shutdown_requested
+                    request.folder, request.name, current().is_ending
                 )
             finally:
                 self._learn()

@@ -1,11 +1,11 @@
 """Keypoints, their matches and the reference that is found, as messages."""
 
-import cv2
 import numpy as np
 import rospy
 from geometry_msgs.msg import Point
 
 from .. import _core
+from ..common import opencv as cv2
 from ..msg import Detection, KeypointMatches, Keypoints
 from ..ros.messages import box_around, points
 from ..ros.transport import Frame

@@ -1,9 +1,9 @@
 """Draws keypoints, matches and the reference that is found."""
 
-import cv2
 import numpy as np
 
 from .. import KeypointMatches, Keypoints, draw_outline
+from ..common import opencv as cv2
 from ..common.drawing import FRACTION_BITS, fixed_point
 from ..common.plain_text import to_ascii
 

@@ -8,6 +8,7 @@ import rospy
 from geometry_msgs.msg import Twist
 from std_srvs.srv import SetBool, SetBoolRequest, SetBoolResponse
 
+from ..ros.context import current
 from .line_control import must_stop
 
 PERIOD = 0.05  # s between two checks of the timeout, and between two zero commands
@@ -32,9 +33,9 @@ class Drive:
         self._lock = threading.Lock()  # so that no command overtakes a stop
         self._seen: Optional[float] = None  # s of the monotonic clock, the last observation
         self._ended = False
-        self._thread = threading.Thread(target=self._watch, name="watchdog", daemon=True)
-        rospy.Service("~enable", SetBool, self._on_enable)
-        rospy.on_shutdown(self._end)
+        self._thread = current().thread(self._watch, "watchdog")
+        current().service("~enable", SetBool, self._on_enable)
+        current().on_end(self._end)
         self._thread.start()
 
     def command(self, linear: float, angular: float, seen: float) -> None:

@@ -11,6 +11,7 @@ from .. import Motion, MotionParams, draw_outline, draw_text
 from .. import MotionDetector as Detector
 from ..msg import DetectionArray, MotionState
 from ..ros.configs import MotionDetectorConfig
+from ..ros.context import current
 from ..ros.image_node import ImageNode
 from ..ros.messages import corners, detection, detection_array
 from ..ros.params import LiveParams, filled
@@ -34,7 +35,7 @@ class MotionDetector:
         self._state = self._node.publisher("~state", MotionState)
         self._mask = self._node.image_publisher("~mask")
         self._processed = self._node.image_publisher("~processed_image")
-        rospy.Service("~reset_background", Trigger, self._on_reset)
+        current().service("~reset_background", Trigger, self._on_reset)
         self._node.start()
 
     def _configure(self, config: Dict[str, Any]) -> None:

@@ -6,6 +6,7 @@ import rospy
 
 from ..common.plain_text import printable
 from ..msg import ObjectInformation
+from ..ros.context import current
 from ..srv import GetObjectInformation, GetObjectInformationResponse
 from .database import Database
 from .mesh_data import unpack_mesh
@@ -23,7 +24,7 @@ class ObjectInfoService:
     def __init__(self, names: List[str], path: str) -> None:
         self._path = path
         for name in names:
-            rospy.Service(name, GetObjectInformation, self._on_call)
+            current().service(name, GetObjectInformation, self._on_call)
 
     def _on_call(self, request: Any) -> GetObjectInformationResponse:
         try:

@@ -13,6 +13,7 @@ from ..common.plain_text import printable, to_ascii
 from ..msg import DetectionArray, RecognizedObjectArray, TableArray
 from ..ros.camera_info import CameraInfoListener
 from ..ros.configs import ObjectRecognizerConfig
+from ..ros.context import current
 from ..ros.depth_input import DepthFrame, DepthInput
 from ..ros.frame_calls import FrameCalls
 from ..ros.image_node import ImageNode
@@ -79,7 +80,7 @@ class ObjectRecognizer:
             names("~recognize_objects"), self._calls, lambda: self._report.problem
         )
         self._info = ObjectInfoService(names("~get_object_info"), self._source.path)
-        rospy.Service("~reload", Trigger, self._on_reload)
+        current().service("~reload", Trigger, self._on_reload)
         self._node.start()
 
     def _outputs(self, names: Callable[[str], List[str]]) -> None:

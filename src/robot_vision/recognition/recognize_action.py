@@ -2,12 +2,13 @@
 
 from typing import Callable, List, Optional
 
-import actionlib
 import rospy
 
 from ..common.plain_text import error_text
 from ..msg import ObjectRecognitionAction, ObjectRecognitionGoal, ObjectRecognitionResult
 from ..msg import RecognizedObjectArray as Array
+from ..ros.actions import SimpleActionServer, action_server
+from ..ros.context import current
 from ..ros.frame_calls import FrameCalls
 from .found import Limits, limits_of
 
@@ -27,16 +28,10 @@ class RecognizeAction:
     def __init__(self, names: List[str], calls: FrameCalls, problem: Callable[[], str]):
         self._calls = calls
         self._problem = problem
-        self._servers = [self._started(name) for name in names]
+        for name in names:
+            action_server(name, ObjectRecognitionAction, self._execute)
 
-    def _started(self, name: str) -> actionlib.SimpleActionServer:
-        server: actionlib.SimpleActionServer = actionlib.SimpleActionServer(
-            name, ObjectRecognitionAction, lambda goal: self._execute(server, goal), False
-        )
-        server.start()
-        return server
-
-    def _execute(self, server: actionlib.SimpleActionServer, goal: ObjectRecognitionGoal) -> None:
+    def _execute(self, server: SimpleActionServer, goal: ObjectRecognitionGoal) -> None:
         try:
             limits = limits_of(goal.filter_limits) if goal.use_roi else None
             with self._calls.working():
@@ -49,10 +44,10 @@ class RecognizeAction:
             reason = error_text(error)
             if server.is_preempt_requested():
                 server.set_preempted(text=reason)
-            elif not rospy.core.is_shutdown_requested():
+            elif not current().is_ending():
                 rospy.logerr("no objects recognized: %s", reason)
                 server.set_aborted(text=reason)
 
 
-def _is_over(server: actionlib.SimpleActionServer) -> bool:
-    return server.is_preempt_requested() or rospy.core.is_shutdown_requested()
+def _is_over(server: SimpleActionServer) -> bool:
+    return server.is_preempt_requested() or current().is_ending()

@@ -3,11 +3,11 @@
 import re
 from typing import Any
 
-import cv2
 import numpy as np
 from sensor_msgs.msg import Image
 
 from .. import to_gray
+from ..common import opencv as cv2
 from ..common.image_files import sensor_pixels
 from ..common.plain_text import printable
 from .image_pixels import pixels_of

@@ -2,7 +2,6 @@
 
 from typing import Any, Tuple
 
-import cv_bridge
 import numpy as np
 
 from ..common.plain_text import printable
@@ -33,6 +32,8 @@ def pixels_of(message: Any) -> np.ndarray:
 
 def _sample_layout(encoding: str) -> Tuple[str, int]:
     """Returns the type of the samples, and their number per pixel."""
+    import cv_bridge  # It imports OpenCV's Python module, which few nodes need: see opencv.py.
+
     if encoding == "yuv422_yuy2":  # cv_bridge for Python knows only the same layout as yuv422.
         encoding = "yuv422"
     try:

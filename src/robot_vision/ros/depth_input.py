@@ -68,7 +68,7 @@ class DepthInput:
         self._first: Optional[float] = None  # s of the monotonic clock, of the first depth
         self._is_missing = False  # whether that was said
         self._missing, self._apart = Throttle(60.0), Throttle(10.0)
-        transport = read_param("depth_image_transport", "raw")
+        transport = read_param("depth_image_transport", "auto")
         if self.topic:
             node.image_subscriber("depth", self._on_depth, transport)
             node.subscriber(self.info_topic, CameraInfo, self._on_info)

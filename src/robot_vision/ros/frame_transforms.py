@@ -8,6 +8,7 @@ import rospy
 import tf2_ros
 
 from ..common.rotations import rotation_of
+from .context import current
 
 
 class FrameTransforms:
@@ -17,6 +18,7 @@ class FrameTransforms:
         self._listener: Optional[tf2_ros.TransformListener] = None
         self._buffer: Optional[tf2_ros.Buffer] = None
         self._since = 0.0  # s of the monotonic clock
+        current().on_end(self.forget)
 
     @property
     def age(self) -> float:

@@ -5,9 +5,10 @@ from typing import Any, Callable, Dict, List, Tuple
 
 import rospy
 
-from .. import set_threads
 from . import transport
+from .context import current
 from .params import read_param, review_params
+from .shared_threads import set_threads
 
 MAX_THREADS = 256
 INPUT_TIMEOUT = 5.0  # s without a message until an input counts as missing
@@ -43,6 +44,9 @@ class ImageNode:
         idle: Callable[[], Any] = lambda: None,
         name: str = "image",
     ):
+        self._context = current()
+        # Others' threads call it, as that of a subscriber which comes.
+        self._note_connections = self._context.bind(transport.note_connections)
         self._idle = idle
         self._name = name
         self._always = read_param("always_subscribe", False)
@@ -76,7 +80,8 @@ class ImageNode:
         self, name: str, kind: Any, counts: Callable[[], bool] = lambda: True
     ) -> rospy.Publisher:
         """Adds a topic of results; its subscribers make the node work while `counts()` is true."""
-        output = rospy.Publisher(name, kind, queue_size=1, subscriber_listener=_Listener())
+        listener = _Listener(self._note_connections)
+        output = self._context.publisher(name, kind, queue_size=1, subscriber_listener=listener)
         self._outputs.append((output, counts))
         return output
 
@@ -91,7 +96,7 @@ class ImageNode:
         self._inputs.append((name, kind, self._timed(name, callback)))
 
     def image_subscriber(
-        self, name: str, callback: transport.Callback, image_transport: str = "raw"
+        self, name: str, callback: transport.Callback, image_transport: str = "auto"
     ) -> transport.ImageSubscriber:
         """Adds another topic of images, which come as they are while the node works.
 
@@ -109,7 +114,7 @@ class ImageNode:
     def keep_working(self, wanted: bool) -> None:
         """Sets whether to work even if nobody subscribes. Thread-safe."""
         self._wanted = wanted
-        transport.note_connections()
+        self._note_connections()
 
     def missing(self, seconds: float = INPUT_TIMEOUT, only: str = "") -> str:
         """Returns which inputs had no message for `seconds`, in words. Thread-safe.
@@ -160,7 +165,7 @@ class ImageNode:
                 images.start()
             if not self._subscribers:
                 self._subscribers = [
-                    rospy.Subscriber(name, kind, callback, queue_size=1, tcp_nodelay=True)
+                    self._context.subscriber(name, kind, callback, queue_size=1, tcp_nodelay=True)
                     for name, kind, callback in self._inputs
                 ]
         else:
@@ -168,7 +173,7 @@ class ImageNode:
             for images in self._other_images.values():
                 images.unregister()
             while self._subscribers:
-                self._subscribers.pop().unregister()
+                self._context.close(self._subscribers.pop().unregister)
             self._working_since = float("inf")
             self._idle()
 
@@ -185,7 +190,10 @@ class ImageNode:
 class _Listener(rospy.SubscribeListener):
     """Only passes events on, because rospy calls it while it holds locks."""
 
+    def __init__(self, note_connections: Callable[[], Any]):
+        self._note_connections = note_connections
+
     def peer_subscribe(self, *_: Any) -> None:
-        transport.note_connections()
+        self._note_connections()
 
     peer_unsubscribe = peer_subscribe

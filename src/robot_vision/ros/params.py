@@ -17,14 +17,12 @@ from .. import _transport
 from ..common.files import read_text, replace_file
 from ..common.plain_text import NAME, brief, is_name, printable
 from ..common.ranges import require_range
+from .context import current
 
 Params = TypeVar("Params")
 
 # Parameters that the transports and LiveParams read in their own ways, and their defaults.
-READ_ELSEWHERE = {"config_file": "", "diagnostic_period": 1.0, "image_transport": "raw"}
-# The parameters that the node has read, and whether each differs from its default.
-_known: Dict[str, bool] = {}
-
+READ_ELSEWHERE = {"config_file": "", "diagnostic_period": 1.0, "image_transport": "auto"}
 OTHER_FILE_HINT = (
     "; ~config_file names the file, as config:=/absolute/path.yaml of the launch files does"
 )
@@ -67,7 +65,7 @@ def read_secret(name: str) -> str:
         ValueError: The parameter is not a string.
     """
     value = read_any(name, "")
-    _known[name] = False  # review_params() shows what has changed.
+    _known()[name] = False  # review_params() shows what has changed.
     if not isinstance(value, str):
         raise ValueError(f"{name} is of type {type(value).__name__}, must be a string")
     return value
@@ -99,8 +97,8 @@ def read_prefix() -> str:
 
 def read_any(name: str, default: Any) -> Any:
     """Returns the private parameter `name` of any type, or `default` if it is not set."""
-    value = rospy.get_param("~" + name, default)
-    _known[name] = value != default
+    value = current().get_param("~" + name, default)
+    _known()[name] = value != default
     return value
 
 
@@ -113,17 +111,26 @@ def review_params() -> None:
     """
     for name, default in READ_ELSEWHERE.items():
         read_any(name, default)
-    there = sorted(rospy.get_param("~", {}).items())
-    changed = [f"{name}: {brief(value)}" for name, value in there if _known.get(name)]
+    known = _known()
+    there = sorted(current().get_param("~", {}).items())
+    changed = [f"{name}: {brief(value)}" for name, value in there if known.get(name)]
     if changed:
-        rospy.loginfo("%s: set on the parameter server: %s", rospy.get_name(), ", ".join(changed))
+        rospy.loginfo("%s: set on the parameter server: %s", current().name, ", ".join(changed))
     for name, value in there:
-        path = rospy.resolve_name("~" + name)
-        if name in _known or (isinstance(value, dict) and _belongs_to_others(name, path)):
+        path = current().resolve("~" + name)
+        if name in known or (isinstance(value, dict) and _belongs_to_others(name, path)):
             continue
-        near = difflib.get_close_matches(name, _known, 1)
+        near = difflib.get_close_matches(name, known, 1)
         hint = f", is {near[0]} meant?" if near else ""
         rospy.logwarn("parameter %s is not known%s", path, hint)
+
+
+class _Known(Dict[str, bool]):
+    """The parameters that a node has read, and whether each differs from its default."""
+
+
+def _known() -> _Known:
+    return current().part(_Known)
 
 
 def _belongs_to_others(name: str, path: str) -> bool:
@@ -181,9 +188,9 @@ class LiveParams:
         self._accepted: Dict[str, Any] = {}
         for name, default in config_type.defaults.items():
             low, high = self._type.min[name], self._type.max[name]
-            rospy.set_param("~" + name, read_param(name, default, low, high))
+            current().set_param("~" + name, read_param(name, default, low, high))
         self._server = _Server(config_type, self._change)
-        rospy.Service("~save_parameters", Trigger, self._on_save)
+        current().service("~save_parameters", Trigger, self._on_save)
 
     def _change(self, config: Dict[str, Any], _level: int) -> Dict[str, Any]:
         try:
@@ -233,5 +240,24 @@ class LiveParams:
 
 
 class _Server(dynamic_reconfigure.server.Server):
+    def __init__(self, config_type: Any, change: Callable[[Dict[str, Any], int], Dict[str, Any]]):
+        context = current()
+        self._set = context.bind(super()._set_callback)
+        context.closes(self._close)
+        super().__init__(config_type, change, context.reconfigure_namespace)
+
+    def _set_callback(self, request: Any) -> Any:
+        return self._set(request)
+
+    def _close(self) -> None:
+        made = vars(self)  # by the constructor, unless the values were refused
+        for name, end in (
+            ("set_service", "shutdown"),
+            ("update_topic", "unregister"),
+            ("descr_topic", "unregister"),
+        ):
+            if name in made:
+                getattr(made[name], end)()
+
     def _clamp(self, config: Dict[str, Any]) -> None:
         """Keeps values out of range, so that the node refuses them instead of clamping them."""

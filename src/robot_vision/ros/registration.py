@@ -16,6 +16,8 @@ import rosgraph
 import rospy
 from rospy.impl.registration import get_service_manager
 
+from .context import loaded_names
+
 PERIOD = 5.0  # s between two checks of the master
 # The errors that calls of a master or a node raise if it is gone, or is something else.
 UNREACHABLE_ERRORS = (
@@ -27,27 +29,33 @@ UNREACHABLE_ERRORS = (
 )
 
 
-@functools.lru_cache(maxsize=None)
 def keep_registered() -> None:
     """Keeps topics and services of this process's node registered until it is shut down.
 
-    Existing connections stay. Private parameters that a new master does not have are set to their
-    last values.
+    Existing connections stay. Private parameters of this node, and of those that were loaded into
+    its process, are set to their last values if a new master does not have them. Another call has
+    those noted at once that a loaded node has now.
     """
-    registration = _Registration(rospy.get_name())
-    registration.check()
+    _registration().check()
+
+
+@functools.lru_cache(maxsize=None)
+def _registration() -> "_Registration":
+    registration = _Registration(rospy.names.get_name())
     # Has to end before the node unregisters itself.
     rospy.core.add_preshutdown_hook(lambda _reason: registration.ended.set())
     threading.Thread(target=registration.run, name="registration", daemon=True).start()
+    return registration
 
 
 class _Registration:
     def __init__(self, name: str):
         self.ended = threading.Event()
+        self._lock = threading.Lock()  # held while the master is asked
         self._name = name
         self._uri = rospy.get_node_uri()
         self._master_pid: Optional[int] = None  # process id of the master that knows the node
-        self._params: Dict[str, Any] = {}
+        self._params: Dict[str, Dict[str, Any]] = {}  # by node
 
     def run(self) -> None:
         while not self.ended.wait(PERIOD):
@@ -55,7 +63,8 @@ class _Registration:
 
     def check(self) -> None:
         """Asks the master whether it knows the node, and registers the node if not."""
-        with contextlib.suppress(*UNREACHABLE_ERRORS):  # There may be no master at the moment.
+        # There may be no master at the moment.
+        with self._lock, contextlib.suppress(*UNREACHABLE_ERRORS):
             self._check()
 
     def _check(self) -> None:
@@ -76,17 +85,19 @@ class _Registration:
                     flush=True,
                 )
         elif not forgotten:
-            params = master.getParam(self._name) if master.hasParam(self._name) else {}
-            self._params = params if isinstance(params, dict) else {}
+            self._params = {
+                name: _params_of(master, name) for name in (self._name, *loaded_names())
+            }
         elif not self.ended.is_set():
             self._register(master)
         self._master_pid = pid
 
     def _register(self, master: rosgraph.Master) -> None:
         rospy.loginfo("the master is another one: registering again")
-        for key, value in self._params.items():
-            if not master.hasParam(f"{self._name}/{key}"):
-                master.setParam(f"{self._name}/{key}", value)
+        for name, params in self._params.items():
+            for key, value in params.items():
+                if not master.hasParam(f"{name}/{key}"):
+                    master.setParam(f"{name}/{key}", value)
         for service, service_uri in get_service_manager().get_services():
             master.registerService(service, service_uri, self._uri)
         node = xmlrpc.client.ServerProxy(self._uri)
@@ -100,3 +111,8 @@ class _Registration:
                 peer for _, peer, way, _, of, *_ in connections if (way, of) == ("i", topic)
             )
             node.publisherUpdate(self._name, topic, sorted(publishers))
+
+
+def _params_of(master: rosgraph.Master, name: str) -> Dict[str, Any]:
+    params = master.getParam(name) if master.hasParam(name) else {}
+    return params if isinstance(params, dict) else {}

@@ -8,6 +8,7 @@ import rospy
 from sensor_msgs.msg import RegionOfInterest
 
 from ..common.throttle import Throttle
+from .context import current
 from .image_node import ImageNode
 from .messages import Box, clipped_box
 
@@ -63,7 +64,7 @@ class Selections:
 
     def subscribe(self) -> None:
         """Takes regions of ~select from now on."""
-        self._topic = rospy.Subscriber("~select", RegionOfInterest, self._on_region)
+        self._topic = current().subscriber("~select", RegionOfInterest, self._on_region)
 
     def add(self, selection: Selection) -> None:
         """Has a region wait for the next frame. The lock must be held."""

@@ -44,6 +44,7 @@ def run_node(
     start: Callable[[], Any],
     spin: Callable[[Any], object] = lambda _: rospy.spin(),
     has_file: bool = True,
+    own_process: bool = False,
 ) -> None:
     """Runs this process as the node `name` until it is shut down; SIGINT ends it with code 0.
 
@@ -63,6 +64,8 @@ def run_node(
         spin: A main loop that is called with the object. It returns when the node is shut down
             (rospy.is_shutdown()) or has done its work.
         has_file: Whether there is a file of the node's parameters, which --help then mentions.
+        own_process: Whether python_manager.py must not load it beside others; a node with a `spin`
+            of its own cannot be loaded either.
     """
     if {"-h", "--help"}.intersection(sys.argv[1:]):
         print(_usage(start) + (PARAMETERS if has_file else ""), end="")

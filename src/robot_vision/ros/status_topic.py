@@ -6,6 +6,7 @@ from typing import Callable, Mapping, Tuple
 import rospy
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 
+from .context import current
 from .params import read_param
 
 Status = Tuple[int, str, Mapping[str, str]]  # level of DiagnosticStatus, message, values by name
@@ -24,7 +25,7 @@ class StatusTopic:
     def __init__(self, name: str):
         self._name = name
         self._period = read_param("diagnostic_period", 1.0, 0.01, 3600.0)
-        self._publisher = rospy.Publisher("/diagnostics", DiagnosticArray, queue_size=1)
+        self._publisher = current().publisher("/diagnostics", DiagnosticArray, queue_size=1)
         self._last = float("-inf")  # s of the monotonic clock, of the newest status
 
     def publish(self, status: Callable[[], Status]) -> None:
@@ -39,7 +40,7 @@ class StatusTopic:
         message.status = [
             DiagnosticStatus(
                 level=level,
-                name=f"{rospy.get_name().lstrip('/')}: {self._name}",
+                name=f"{current().name.lstrip('/')}: {self._name}",
                 message=text,
                 hardware_id="none",
                 values=[KeyValue(name, value) for name, value in values.items()],

@@ -1,11 +1,8 @@
 """The implementation of robot_vision.transport."""
 
-import atexit
-import sys
-import threading
 import traceback
 from dataclasses import dataclass
-from typing import Any, Callable, Dict, List, Optional
+from typing import Any, Callable, Optional
 
 import numpy as np
 import rospy
@@ -13,10 +10,10 @@ from sensor_msgs.msg import CameraInfo
 from std_msgs.msg import Header
 
 from .. import _transport
-from ..common.files import ROS_HOME_NEEDED
 from ..common.plain_text import brief, printable
 from ..common.throttle import Throttle
-from .registration import keep_registered
+from .context import current
+from .node_images import node_images
 
 __all__ = [
     "Callback",
@@ -78,8 +75,9 @@ class ImageSubscriber:
         callback: The function that is called with each Frame.
         encoding: The encoding to which images are converted in C++: "bgr8", "mono8" or another one
             that cv_bridge can convert to. With None the image is a view of the message as it is.
-        transport: The transport: raw, compressed, ... None takes the parameter ~image_transport,
-            and raw if that is not set.
+        transport: The transport: raw, compressed, ..., or auto: shared memory where all publishers
+            offer it, else raw. None takes the parameter ~image_transport, and auto if that is not
+            set.
         diagnostics: The node's diagnostics, which count the images of one subscriber at most.
         start: Whether to subscribe at once. If not, start() subscribes.
 
@@ -97,16 +95,18 @@ class ImageSubscriber:
         diagnostics: Optional[_transport.Diagnostics] = None,
         start: bool = True,
     ):
-        self.topic = rospy.resolve_name(topic)
+        self._context = current()
+        self.topic = self._context.resolve(topic)
         self.failed = 0  # number of callbacks that raised an exception
         self._failure_throttle, self._refusal_throttle = Throttle(), Throttle()
         if transport is None:
             transport = _transport_parameter()
         self._callback = callback
-        self._inbox = _process().runtime.inbox(
+        self._images = node_images()
+        self._inbox = self._images.queue.inbox(
             self.topic,
             transport,
-            rospy.get_name(),
+            self._context.name,
             encoding or "",
             self._camera_info_topic(),
             diagnostics,
@@ -116,13 +116,13 @@ class ImageSubscriber:
 
     def start(self) -> None:
         """Subscribes to the topic."""
-        _process().subscribers[self._inbox] = self
+        self._images.subscribers[self._inbox] = self._receive
         self._inbox.open()
 
     def unregister(self) -> None:
         """Unsubscribes. A callback that is running goes on to its end, and frames stay valid."""
         self._inbox.close()
-        _process().subscribers.pop(self._inbox, None)
+        self._images.subscribers.pop(self._inbox, None)
 
     def get_num_connections(self) -> int:
         """Returns the number of connected publishers."""
@@ -146,6 +146,21 @@ class ImageSubscriber:
     def _camera_info_topic(self) -> str:
         return ""
 
+    def _receive(
+        self,
+        image: np.ndarray,
+        encoding: str,
+        seq: int,
+        secs: int,
+        nsecs: int,
+        frame_id: str,
+        info: Optional[bytes],
+    ) -> None:
+        frame = Frame(image, encoding, _header(seq, secs, nsecs, frame_id))
+        if info is not None:
+            frame.camera_info = CameraInfo().deserialize(info)
+        self._deliver(frame)
+
     def _deliver(self, frame: Frame) -> None:
         try:
             self._callback(frame)
@@ -157,8 +172,8 @@ class ImageSubscriber:
             if self._refusal_throttle.due():
                 rospy.logerr("refused a frame on %s %s", self.topic, what)
         except Exception as error:
-            if rospy.core.is_shutdown_requested():
-                return  # The shutdown closes topics that the callback uses.
+            if self._context.is_ending():
+                return  # The end closes topics that the callback uses.
             self.failed += 1
             self._inbox.failed(f"the callback failed: {printable(ascii(error), 300)}")
             if self._failure_throttle.due():
@@ -173,7 +188,8 @@ class CameraSubscriber(ImageSubscriber):
     """
 
     def _camera_info_topic(self) -> str:
-        return remapped_camera_info() or rospy.resolve_name(camera_info_beside(self.topic))
+        beside = camera_info_beside(self.topic)
+        return remapped_camera_info() or current().resolve(beside)
 
 
 class ImagePublisher:
@@ -186,11 +202,12 @@ class ImagePublisher:
     """
 
     def __init__(self, topic: str, on_connection: Optional[Callable[[], Any]] = None):
-        self.topic = rospy.resolve_name(topic)
+        self.topic = current().resolve(topic)
         self._on_connection = on_connection
-        self._outbox = _process().runtime.outbox(self.topic)
+        self._images = node_images()
+        self._outbox = self._images.queue.outbox(self.topic)
         if on_connection:
-            add_connection_listener(on_connection)
+            self._images.listeners.append(on_connection)
 
     def get_num_connections(self) -> int:
         """Returns the number of subscribers; while it is 0, images need not be made."""
@@ -217,84 +234,14 @@ class ImagePublisher:
     def unregister(self) -> None:
         """Stops publishing."""
         if self._on_connection:
-            _process().listeners.remove(self._on_connection)
+            self._images.listeners.remove(self._on_connection)
             self._on_connection = None
         self._outbox.close()
 
 
-class _Process:
-    """The roscpp node inside this process, and the thread that calls all callbacks."""
-
-    def __init__(self) -> None:
-        options = {
-            name: value
-            for name, value in rospy.names.load_mappings(sys.argv).items()
-            if name.startswith("__") and name not in ("__name", "__ns")
-        }
-        options["/diagnostics"] = rospy.resolve_name("/diagnostics")
-        node, uri = rospy.get_name(), rospy.get_node_uri()
-        try:
-            self.runtime = _transport.Runtime(node + "_images", options, node, uri)
-        except RuntimeError as error:  # A folder that roscpp needs cannot be made.
-            raise ValueError(f"{error}; {ROS_HOME_NEEDED}") from None
-        keep_registered()
-        self._stopped = False
-        # Each change of these two is a single step that the GIL makes atomic.
-        self.subscribers: Dict[_transport.Inbox, ImageSubscriber] = {}
-        self.listeners: List[Callable[[], Any]] = []
-        self._thread = threading.Thread(target=self._run, name="images", daemon=True)
-        self._thread.start()  # before the hook, which is called at once after a shutdown of rospy
-        # This hook runs after those of the node, which may publish a last image.
-        rospy.core.add_preshutdown_hook(lambda _reason: self.stop())
-        # For a process that never shuts rospy down: atexit calls the newest function first.
-        atexit.register(self.stop)
-
-    def stop(self) -> None:
-        """Ends the roscpp node; a callback that never returns is left behind."""
-        if self._stopped:  # At the end of a process there is another call, which need not wait.
-            return
-        self._stopped = True
-        self.runtime.stop()
-        if threading.current_thread() is not self._thread:
-            self._thread.join(1.0)
-
-    def _run(self) -> None:
-        try:
-            while self.runtime.running():
-                self._call(self._work)
-            if not self._stopped:
-                rospy.signal_shutdown("the node of its images was shut down")
-        except SystemExit:  # Only in the main thread would it end the process.
-            rospy.signal_shutdown("a callback has called sys.exit()")
-
-    def _work(self) -> None:
-        taken = self.runtime.next(1.0)
-        if taken is None:
-            if self.runtime.connections_changed():
-                for listener in list(self.listeners):
-                    self._call(listener)
-            return
-        inbox, image, encoding, seq, secs, nsecs, frame_id, info = taken
-        subscriber = self.subscribers.get(inbox)
-        if subscriber is None:  # It was unregistered a moment ago.
-            return
-        frame = Frame(image, encoding, _header(seq, secs, nsecs, frame_id))
-        if info is not None:
-            frame.camera_info = CameraInfo().deserialize(info)
-        subscriber._deliver(frame)
-
-    @staticmethod
-    def _call(function: Callable[[], Any]) -> None:
-        """Calls a function, and logs the exception if it raises one."""
-        try:
-            function()
-        except Exception:
-            rospy.logerr("a callback failed:\n%s", traceback.format_exc())
-
-
 def remapped(name: str) -> str:
     """Returns the topic that a name is remapped to, or "" if it is not remapped."""
-    return rospy.names.get_resolved_mappings().get(rospy.get_namespace() + name, "")
+    return current().remapped(name)
 
 
 def remapped_camera_info() -> str:
@@ -309,12 +256,12 @@ def camera_info_beside(topic: str) -> str:
 
 def add_connection_listener(listener: Callable[[], Any]) -> None:
     """Registers a function that is called when subscribers of any ImagePublisher come or go."""
-    _process().listeners.append(listener)
+    node_images().listeners.append(listener)
 
 
 def note_connections() -> None:
     """Has all connection listeners called, as when other topics got subscribers. Thread-safe."""
-    _process().runtime.note_connections()
+    node_images().queue.note_connections()
 
 
 def node_diagnostics() -> _transport.Diagnostics:
@@ -323,7 +270,7 @@ def node_diagnostics() -> _transport.Diagnostics:
     Raises:
         ValueError: ~diagnostic_period is out of range.
     """
-    return _process().runtime.diagnostics(rospy.get_name())
+    return node_images().queue.diagnostics()
 
 
 def _header(seq: int, secs: int, nsecs: int, frame_id: str) -> Header:
@@ -336,22 +283,7 @@ def _header(seq: int, secs: int, nsecs: int, frame_id: str) -> Header:
 
 
 def _transport_parameter() -> str:
-    name = rospy.get_param("~image_transport", "raw")
+    name = current().get_param("~image_transport", "auto")
     if not isinstance(name, str):
         raise ValueError(f"image_transport is {brief(name)}, must be a string")
     return name
-
-
-_the_process: Optional[_Process] = None
-_the_process_lock = threading.Lock()
-
-
-def _process() -> _Process:
-    """Returns the process's only roscpp node, which is started when it is first needed."""
-    global _the_process
-    with _the_process_lock:
-        if _the_process is None:
-            if not rospy.core.is_initialized():
-                raise rospy.ROSInitException("call rospy.init_node() first")
-            _the_process = _Process()
-        return _the_process

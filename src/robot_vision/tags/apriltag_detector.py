@@ -14,6 +14,7 @@ from .. import TagDetector as Detector
 from ..msg import TagDetectionArray
 from ..ros.camera_info import CameraInfoListener
 from ..ros.configs import ApriltagDetectorConfig
+from ..ros.context import current
 from ..ros.depth_input import DepthFrame, DepthInput
 from ..ros.image_node import ImageNode
 from ..ros.params import LiveParams, filled, read_any, read_param
@@ -73,7 +74,7 @@ class ApriltagDetector:
         self._processed = self._node.image_publisher("~processed_image")
         self._service = DetectService(self._node, self._calibration, self._detect)
         # A search of a large image takes longer than the time that a node has to end.
-        rospy.core.add_preshutdown_hook(lambda _reason: self._detector.abandon_search())
+        current().on_end(self._detector.abandon_search)
         self._node.start()
 
     def _configure(self, config: Dict[str, Any]) -> None:

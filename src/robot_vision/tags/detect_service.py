@@ -11,6 +11,7 @@ from ..common.image_files import load_image, sensor_pixels
 from ..common.plain_text import error_text, printable
 from ..msg import TagDetectionArray
 from ..ros.camera_info import CameraInfoListener
+from ..ros.context import current
 from ..ros.depth_input import DepthFrame
 from ..ros.frame_calls import FrameCalls
 from ..ros.image_node import ImageNode
@@ -38,7 +39,7 @@ class DetectService:
         self._calibration = calibration
         self._detect = detect
         self._calls = FrameCalls(node)
-        rospy.Service("~detect", DetectTags, self._on_detect)
+        current().service("~detect", DetectTags, self._on_detect)
 
     def offer(self, frame: Frame, depth: Optional[DepthFrame] = None) -> None:
         """Offers a frame, and its depth, to the calls that wait for one."""

@@ -4,10 +4,10 @@ import os
 from functools import partial
 from typing import List, NamedTuple, Optional
 
-import cv2
 import numpy as np
 
 from .._core import decode_image_file
+from ..common import opencv as cv2
 from ..common.image_files import has_image_suffix, load_parameter, name_of, upright
 from ..common.plain_text import brief
 

@@ -4,11 +4,11 @@ import collections
 import threading
 from typing import Deque, List, NamedTuple, Set, Tuple
 
-import cv2
 import numpy as np
 import rospy
 
 from .. import ObjectTracker, TrackedObject
+from ..common.polygons import is_inside
 from ..msg import Detection, DetectionArray
 from ..ros.messages import clipped_box
 from ..ros.transport import Frame
@@ -142,10 +142,7 @@ def is_same(before: Detection, now: Detection) -> bool:
 
 def is_covered(found: Detection, outlines: List[np.ndarray]) -> bool:
     """Returns whether the middle of a detection is inside an outline."""
-    return any(
-        cv2.pointPolygonTest(outline.astype(np.float32), middle_of(found), False) >= 0.0
-        for outline in outlines
-    )
+    return any(is_inside(outline, middle_of(found)) for outline in outlines)
 
 
 def middle_of(found: Detection) -> Tuple[float, float]:

@@ -10,6 +10,7 @@ from .. import ObjectTrackerParams, TrackedObject, draw_text
 from ..common.plain_text import to_ascii
 from ..msg import DetectionArray, Flow, TrackStateArray
 from ..ros.configs import ObjectTrackerConfig
+from ..ros.context import current
 from ..ros.image_node import ImageNode
 from ..ros.messages import detection_array
 from ..ros.params import LiveParams, filled
@@ -54,11 +55,11 @@ class ObjectTracker:
             self._selections.replaces = not config["several"]
             self._auto.configure(config["auto_label"], config["max_objects"], config["auto_after"])
             if config["auto_select"] and self._detections is None:
-                self._detections = rospy.Subscriber(
+                self._detections = current().subscriber(
                     "detections", DetectionArray, self._auto.add, queue_size=10, tcp_nodelay=True
                 )
             elif not config["auto_select"] and self._detections is not None:
-                self._detections.unregister()
+                current().close(self._detections.unregister)
                 self._detections = None
             self._selections.keep_working()
 

@@ -4,8 +4,7 @@ import contextlib
 import threading
 from typing import Any, Callable, Iterator, List, Optional, Sequence
 
-import rospy
-
+from ..ros.context import current
 from ..ros.image_node import ImageNode
 from ..ros.messages import Box, clipped_box
 from ..ros.selections import SELECT_TIMEOUT, Selection, Selections
@@ -67,8 +66,8 @@ class TrackSelections(Selections):
         """Takes regions from now on. `outputs` are all that the node publishes."""
         self._outputs = outputs
         self.subscribe()
-        rospy.Service("~select_object", SelectObject, self._on_select)
-        rospy.Service("~forget", ForgetObject, self._on_forget)
+        current().service("~select_object", SelectObject, self._on_select)
+        current().service("~forget", ForgetObject, self._on_forget)
 
     def add(self, selection: Selection) -> None:
         """Selects a region in the newest frame, or in the next one. The lock must be held."""

@@ -2,11 +2,10 @@
 
 from typing import Iterable, List, Union
 
-import cv2
 import numpy as np
 from geometry_msgs.msg import Point, Vector3
 
-from .. import TrackedObject, TrackedWindow, draw_outline, draw_text
+from .. import TrackedObject, TrackedWindow, draw_dot, draw_outline, draw_text
 from ..msg import Detection, Flow, TrackState, TrackStateArray
 from ..ros.messages import box_around, points
 from ..ros.transport import Frame
@@ -69,8 +68,8 @@ def draw_tracks(image: np.ndarray, tracks: List[TrackedObject]) -> None:
         if track.tracked:
             outline = np.rint(track.outline).astype(int)
             draw_outline(image, outline, f"{name}: {track.confidence:.0%}")
-            for x, y in np.rint(track.points).astype(int).tolist():
-                cv2.circle(image, (x, y), 2, YELLOW, cv2.FILLED)
+            for x, y in track.points.tolist():
+                draw_dot(image, (x, y), 2, YELLOW)
         else:
             draw_text(image, f"{name}: lost", (10, line), RED)
             line += 20
@@ -82,7 +81,7 @@ def draw_window(image: np.ndarray, window: TrackedWindow) -> None:
     outline = np.rint(window.outline).astype(int)
     if window.tracked:
         draw_outline(image, outline, f"{name}: {window.confidence:.0%}")
-        cv2.circle(image, tuple(np.rint(window.center).astype(int).tolist()), 3, RED, cv2.FILLED)
+        draw_dot(image, window.center, 3, RED)
     elif window.predicted:
         draw_outline(image, outline, f"{name}: expected", YELLOW)
     else:

@@ -93,6 +93,14 @@ bool CameraOutputs::wanted() const
   return truth_.getNumSubscribers() > 0 || std::any_of(views_.begin(), views_.end(), is_wanted);
 }
 
+std::vector<std::shared_ptr<SharedTopic>> CameraOutputs::sharedTopics() const
+{
+  std::vector<std::shared_ptr<SharedTopic>> all;
+  for (const std::unique_ptr<ViewOutputs>& view : views_)
+    all.insert(all.end(), view->sharedTopics().begin(), view->sharedTopics().end());
+  return all;
+}
+
 WantedViews CameraOutputs::wantedViews() const
 {
   if (views_.size() == 1) return {true, false};

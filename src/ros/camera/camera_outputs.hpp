@@ -49,6 +49,9 @@ public:
   /// Whether somebody subscribes to any of the topics.
   bool wanted() const;
 
+  /// What is shared of the topics of images.
+  std::vector<std::shared_ptr<SharedTopic>> sharedTopics() const;
+
   /// The views to which somebody subscribes. That of a camera with one view always counts as wanted.
   WantedViews wantedViews() const;
 

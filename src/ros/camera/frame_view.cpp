@@ -11,7 +11,7 @@ try
 {
   sensor_msgs::ImageConstPtr& made = images_[encoding];
   if (made) return made;
-  const sensor_msgs::ImagePtr image = makers_[encoding].make(
+  const sensor_msgs::ImagePtr image = makers_.of(encoding).make(
       [&](cv::Mat& pixels)
       {
         toEncoding(frame_.pixels, frame_.encoding, encoding, pixels);

@@ -6,8 +6,11 @@
 
 #include <exception>
 #include <map>
+#include <memory>
 #include <opencv2/core.hpp>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "robot_vision/image/encoding.hpp"
 #include "ros/images/image_message.hpp"
@@ -16,7 +19,26 @@ namespace robot_vision
 {
 
 /// The makers of a camera's image messages by encoding, as a maker expects each image to be like the last one.
-using ImageMakers = std::map<std::string, ImageMaker>;
+class ImageMakers
+{
+public:
+  /// Adds a topic on which the images are going to be published, see ImagePool.
+  void addTopic(std::shared_ptr<SharedTopic> topic) { topics_.push_back(std::move(topic)); }
+  const std::vector<std::shared_ptr<SharedTopic>>& topics() const { return topics_; }
+
+  ImageMaker& of(const std::string& encoding)
+  {
+    const auto [maker, is_new] = makers_.try_emplace(encoding);
+    if (is_new)
+      for (const std::shared_ptr<SharedTopic>& topic : topics_)
+        maker->second.addTopic(topic);
+    return maker->second;
+  }
+
+private:
+  std::vector<std::shared_ptr<SharedTopic>> topics_;
+  std::map<std::string, ImageMaker> makers_;
+};
 
 /// One image of a frame and the messages that are made of it. It is converted when that is first asked for, and only
 /// once.

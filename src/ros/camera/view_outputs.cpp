@@ -102,6 +102,7 @@ void ViewOutputs::advertise(ros::NodeHandle nh, bool depths, const std::function
   std::vector<std::string> not_by_plugins = {kCompressed, kDepth};
   if (depths) not_by_plugins.push_back(kTheora);
   raw_ = advertiseWithout(not_by_plugins, nh, topic, on_image);
+  makers_.addTopic(SharedTopic::of(raw_.getTopic()));
   // What is not advertised of these has no subscribers, and is never published.
   image_transport::Publisher mono;
   std::shared_ptr<CompressedOutput> compressed;
@@ -109,6 +110,7 @@ void ViewOutputs::advertise(ros::NodeHandle nh, bool depths, const std::function
   if (!depths)
   {
     mono = advertiseWithout({kDepth}, nh, nh.resolveName("image_mono"), on_image);
+    makers_.addTopic(SharedTopic::of(mono.getTopic()));
     compressed =
         advertiseEncoded<CompressedOutput>(nh, topic, kCompressed, toCompressionParams, compressMessage, on_other);
   }
@@ -149,7 +151,7 @@ bool ViewOutputs::wanted() const
 void ViewOutputs::prepare(cv::Mat& image)
 {
   const bool as_it_is = outputEncoding(output_encoding_, given_encoding_) == given_encoding_;
-  if (as_it_is && hasSubscribers(raw_)) image = makers_[given_encoding_].lend();
+  if (as_it_is && hasSubscribers(raw_)) image = makers_.of(given_encoding_).lend();
 }
 
 void ViewOutputs::publish(const EncodedImage& image, std_msgs::Header header)

@@ -45,6 +45,9 @@ public:
   /// Whether somebody subscribes to any of the topics.
   bool wanted() const;
 
+  /// What is shared of the topics of images.
+  const std::vector<std::shared_ptr<SharedTopic>>& sharedTopics() const { return makers_.topics(); }
+
   /// The calibration that the source knows, which is exact or that of its make, or null.
   void setModel(std::unique_ptr<sensor_msgs::CameraInfo> model, bool exact)
   {

@@ -27,7 +27,7 @@ void RegisteredPoints::listen(bool listens)
   subscription_.shutdown();
   pairs_.clear();
   if (!listens) return;
-  const image_transport::TransportHints hints("raw", ros::TransportHints().tcpNoDelay(), pnh_);
+  const image_transport::TransportHints hints(kAutoTransport, ros::TransportHints().tcpNoDelay(), pnh_);
   subscription_ =
       ImageSubscription(nh_, it_, "rgb/image_raw", hints,
                         [this](const sensor_msgs::ImageConstPtr& message) { publish(pairs_.addColor(message)); });

@@ -47,7 +47,7 @@ RegistrationInput::RegistrationInput(const ros::NodeHandle& nh, const ros::NodeH
     topics_(nh),
     subscriber_(nh, pnh, std::move(is_wanted), [this](bool wanted) { listen(wanted); })
 {
-  std::string transport = "raw", of_depth = "raw";
+  std::string transport = kAutoTransport, of_depth = kAutoTransport;
   readParam(pnh_, "image_transport", transport);
   readParam(pnh_, "depth_image_transport", of_depth);
   // At start, because later the exception would come with the first subscriber.
@@ -94,7 +94,8 @@ void RegistrationInput::subscribe()
   depth_info_subscription_ = subscribeTo(nh_, topics_.depth_info, depth_info_);
   color_info_subscription_ = subscribeTo(nh_, topics_.color_info, color_info_);
   // Without this option small packets would wait for each other.
-  const image_transport::TransportHints hints("raw", ros::TransportHints().tcpNoDelay(), pnh_, "depth_image_transport");
+  const image_transport::TransportHints hints(kAutoTransport, ros::TransportHints().tcpNoDelay(), pnh_,
+                                              "depth_image_transport");
   depth_subscription_ = ImageSubscription(nh_, it_, "depth/image_raw", hints,
                                           [this](const sensor_msgs::ImageConstPtr& message) { onDepth(message); });
 }

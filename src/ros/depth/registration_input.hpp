@@ -53,6 +53,8 @@ public:
       std::function<bool()> is_wanted, std::function<void(bool)> on_listen = [](bool /*listens*/) {});
   ~RegistrationInput();
 
+  FrameStatistics& statistics() { return diagnostics_.statistics(); }
+
   void start();
   /// Subscribes or not, as the results are wanted now. Thread-safe; to be called when their subscribers come or go.
   void update() { subscriber_.update(); }

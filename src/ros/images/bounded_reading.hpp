@@ -1,5 +1,6 @@
 #pragma once
 
+#include <robot_vision/ShmImage.h>
 #include <ros/advertise_service_options.h>
 #include <ros/serialization.h>
 #include <ros/subscribe_options.h>
@@ -74,6 +75,14 @@ auto clearContent(Message& message) -> decltype(message.data.clear())
 inline void clearContent(sensor_msgs::CameraInfo& info)
 {
   info = {};
+}
+
+/// Nothing of it says where its pixels would be; the header stays, as an image's does.
+inline void clearContent(ShmImage& image)
+{
+  const std_msgs::Header header = image.header;
+  image = {};
+  image.header = header;
 }
 
 inline void clearContent(tf2_msgs::TFMessage& message)

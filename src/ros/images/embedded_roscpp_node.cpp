@@ -1,22 +1,21 @@
 #include "embedded_roscpp_node.hpp"
 
+#include <ros/callback_queue.h>
+
 #include <algorithm>
 #include <stdexcept>
 #include <utility>
+
+#include "robot_vision/common/range.hpp"
+#include "ros/params/params.hpp"
 
 namespace robot_vision
 {
 namespace
 {
 
-template <class T>
-void closeAll(const std::vector<std::weak_ptr<T>>& all)
-{
-  for (const auto& one : all)
-    if (const auto alive = one.lock()) alive->close();
-}
-
 constexpr double kMaxWait = 1.0;  // s, while there is nothing to do
+constexpr int kMaxWorkers = 256;  // threads of nodelets
 
 /// Does nothing, but wakes a thread that waits for callbacks.
 struct WakeUp : ros::CallbackInterface
@@ -28,13 +27,13 @@ struct WakeUp : ros::CallbackInterface
 
 EmbeddedRoscppNode::EmbeddedRoscppNode(const std::string& name, const ros::M_string& options, const std::string& node,
                                        const std::string& node_uri)
+  : node_(node)
 {
   const std::size_t slash = name.rfind('/');
   ros::M_string remappings = options;
   remappings["__ns"] = slash == 0 ? "/" : name.substr(0, slash);
   ros::init(remappings, name.substr(slash + 1), ros::init_options::NoSigintHandler);
   nh_ = std::make_shared<ros::NodeHandle>();  // starts roscpp
-  nh_->setCallbackQueue(&queue_);
   gate_.guard(*nh_);
   it_ = std::make_shared<image_transport::ImageTransport>(*nh_);
   global_spinner_ = std::thread(
@@ -44,18 +43,6 @@ EmbeddedRoscppNode::EmbeddedRoscppNode(const std::string& name, const ros::M_str
           ros::getGlobalCallbackQueue()->callAvailable(ros::WallDuration(kMaxWait));
       });
   registration_ = std::make_shared<Registration>(name, node, node_uri);
-}
-
-/// Adds an object to those that stop() closes. Destroyed ones are removed, so that a process that makes and drops many
-/// does not grow.
-template <class T>
-std::shared_ptr<T> EmbeddedRoscppNode::add(std::vector<std::weak_ptr<T>>& all, std::shared_ptr<T> one)
-{
-  const std::lock_guard<std::mutex> lock(mutex_);
-  requireRunning();
-  all.erase(std::remove_if(all.begin(), all.end(), [](const auto& other) { return other.expired(); }), all.end());
-  all.push_back(one);
-  return one;
 }
 
 /// A copy of a pointer that stop() resets.
@@ -72,86 +59,56 @@ void EmbeddedRoscppNode::requireRunning() const
   if (stopped_) throw std::runtime_error("the node has been shut down");
 }
 
-std::shared_ptr<LatestImageSubscriber> EmbeddedRoscppNode::makeInbox(const LatestImageSubscriber::Params& params,
-                                                                     std::shared_ptr<FrameStatistics> statistics)
+std::shared_ptr<NodeQueue> EmbeddedRoscppNode::makeQueue(const std::string& node, const std::string& diagnostics_topic)
 {
-  return add(subscribers_, std::make_shared<LatestImageSubscriber>(params, *nh_, held(it_), std::move(statistics)));
-}
-
-std::shared_ptr<PooledImagePublisher> EmbeddedRoscppNode::makeOutbox(const std::string& topic)
-{
-  const auto changed = [this] { connections_changed_ = true; };
-  const auto publisher = add(publishers_, std::make_shared<PooledImagePublisher>(topic, *held(it_), changed));
-  held(registration_)->look();  // because the transports have advertised services
-  return publisher;
-}
-
-std::shared_ptr<FrameDiagnostics> EmbeddedRoscppNode::makeDiagnostics(const std::string& node)
-{
-  auto diagnostics = std::make_shared<FrameDiagnostics>(ros::NodeHandle(), ros::NodeHandle(node), node);
+  requireRunning();
+  const NodeQueue::Process process{subscriptions_, [this] { return held(it_); },
+                                   [this] { held(registration_)->look(); }};
+  const auto queue = std::make_shared<NodeQueue>(process, node, diagnostics_topic);
   const std::lock_guard<std::mutex> lock(mutex_);
   requireRunning();
-  diagnostics_.push_back(diagnostics);
-  return diagnostics;
+  // Destroyed ones are removed, so that a process in which many nodes come and go does not grow.
+  queues_.erase(std::remove_if(queues_.begin(), queues_.end(), [](const auto& other) { return other.expired(); }),
+                queues_.end());
+  queues_.push_back(queue);
+  return queue;
 }
 
-std::optional<EmbeddedRoscppNode::Delivery> EmbeddedRoscppNode::next(double timeout_s)
+std::shared_ptr<NodeletHost> EmbeddedRoscppNode::nodelets()
 {
-  for (const double wait_s : {0.0, timeout_s})
-  {
-    queue_.callAvailable(ros::WallDuration(wait_s));
-    if (!running() || connections_changed_) return std::nullopt;
-    std::optional<Delivery> delivery = takeNext();
-    if (delivery) return delivery;
-  }
-  return std::nullopt;
-}
-
-std::optional<EmbeddedRoscppNode::Delivery> EmbeddedRoscppNode::takeNext()
-{
+  if (const auto begun = held(nodelets_)) return begun;
+  int workers = 0;
+  readParam(ros::NodeHandle(node_), "num_worker_threads", workers);
+  requireRange("num_worker_threads", workers, 0, kMaxWorkers);
+  auto nodelets = std::make_shared<NodeletHost>(static_cast<std::uint32_t>(workers));
   const std::lock_guard<std::mutex> lock(mutex_);
-  for (std::size_t tried = 0; tried < subscribers_.size(); ++tried)
-  {
-    turn_ = (turn_ + 1) % subscribers_.size();
-    const std::shared_ptr<LatestImageSubscriber> subscriber = subscribers_[turn_].lock();
-    if (!subscriber) continue;
-    std::optional<ReceivedImage> image = subscriber->take();
-    if (image) return Delivery{subscriber, std::move(*image)};
-  }
-  return std::nullopt;
-}
-
-void EmbeddedRoscppNode::noteConnections()
-{
-  connections_changed_ = true;
-  queue_.addCallback(boost::make_shared<WakeUp>());
+  requireRunning();
+  if (!nodelets_) nodelets_ = nodelets;
+  return nodelets_;
 }
 
 void EmbeddedRoscppNode::stop()
 {
   if (stopped_.exchange(true)) return;
   std::shared_ptr<Registration> registration;
-  {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    registration.swap(registration_);
-  }
-  registration.reset();
-  queue_.disable();  // wakes the thread in next()
-  gate_.close();
-  decltype(subscribers_) subscribers;
-  decltype(publishers_) publishers;
+  std::shared_ptr<NodeletHost> nodelets;
+  decltype(queues_) queues;
   {
     const std::lock_guard<std::mutex> lock(mutex_);  // from now on nothing is added
-    std::swap(subscribers, subscribers_);
-    std::swap(publishers, publishers_);
+    registration.swap(registration_);
+    nodelets.swap(nodelets_);
+    queues.swap(queues_);
   }
-  closeAll(subscribers);
-  closeAll(publishers);
+  registration.reset();
+  if (nodelets) nodelets->close();
+  for (const auto& queue : queues)
+    if (const auto alive = queue.lock()) alive->close();
+  subscriptions_->close();
+  gate_.close();
   ros::getGlobalCallbackQueue()->addCallback(boost::make_shared<WakeUp>());
   global_spinner_.join();
   {
     const std::lock_guard<std::mutex> lock(mutex_);
-    diagnostics_.clear();
     it_.reset();  // unloads the transports, for which the end of the process would be too late
   }
   ros::shutdown();

@@ -81,6 +81,12 @@ void FrameStatistics::setIdle()
   setState(diagnostic_msgs::DiagnosticStatus::OK, "idle: nobody subscribes");
 }
 
+void FrameStatistics::countUnshared(std::function<std::uint64_t()> unshared)
+{
+  const std::lock_guard<std::mutex> lock(mutex_);
+  unshared_ = std::move(unshared);
+}
+
 FrameStatistics::Totals FrameStatistics::totals()
 {
   const std::lock_guard<std::mutex> lock(mutex_);
@@ -119,6 +125,7 @@ void FrameStatistics::report(diagnostic_updater::DiagnosticStatusWrapper& status
   status.add("frames published", totals_.published);
   status.add("frames dropped", totals_.dropped);
   status.add("frames refused", totals_.refused);
+  if (unshared_) status.add("frames not shared", unshared_());
   status.add("last error", last_error_);
   period_ = Period();
 }

@@ -6,6 +6,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <string>
@@ -33,6 +34,9 @@ public:
   /// The states of a node that processes the images of a topic.
   void setRunning(const std::string& topic);
   void setIdle();
+
+  /// Has reports count the frames that were not published over shm for want of memory, see SharedTopic.
+  void countUnshared(std::function<std::uint64_t()> unshared);
 
   struct Totals
   {
@@ -69,6 +73,7 @@ private:
   Clock::time_point last_active_ = Clock::now();  // time of the last report of a period with frames
   bool silence_reported_ = false;
   std::string last_error_ = "none";
+  std::function<std::uint64_t()> unshared_;
 };
 
 /// Publishes a node's FrameStatistics on /diagnostics, by wall time, so also while simulated time stands still.

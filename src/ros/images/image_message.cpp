@@ -102,7 +102,8 @@ void requireEncoding(const cv::Mat& pixels, const std::string& encoding)
                                 describePixels(pixels.type()));
 }
 
-cv::Mat convertPixels(const sensor_msgs::Image& message, const std::string& encoding)
+cv::Mat convertPixels(const sensor_msgs::Image& message, const std::string& encoding,
+                      const std::function<cv::Mat(cv::Size)>& make)
 {
   cv_bridge::CvImage source;
   source.image = viewAnyPixels(message);
@@ -113,7 +114,10 @@ cv::Mat convertPixels(const sensor_msgs::Image& message, const std::string& enco
     cv::Mat converted;
     const bool common = encoding == "bgr8" || encoding == "rgb8" || encoding == "mono8";
     if (common && isMessageEncoding(message.encoding))
+    {
+      if (make) converted = make(source.image.size());
       toEncoding(source.image, message.encoding, encoding, converted);
+    }
     else
       converted = cv_bridge::cvtColor(boost::make_shared<const cv_bridge::CvImage>(source), encoding)->image;
     return converted;
@@ -143,14 +147,18 @@ void layOut(cv::Size size, const std::string& encoding, sensor_msgs::Image& mess
   message.height = static_cast<std::uint32_t>(size.height);
   message.step = static_cast<std::uint32_t>(size.width * CV_ELEM_SIZE(anyMatType(encoding)));
   message.is_bigendian = isLittleEndianHost() ? 0 : 1;
-  message.data.resize(std::size_t{message.step} * message.height);
+  message.data.resize(std::size_t{message.step} * message.height);  // which does nothing to shared memory of that size
 }
 
 sensor_msgs::ImagePtr ImagePool::take(cv::Size size, const std::string& encoding) const
 {
-  sensor_msgs::ImagePtr free = take();
-  layOut(size, encoding, *free);
-  return free;
+  const std::size_t bytes = std::size_t{CV_ELEM_SIZE(anyMatType(encoding))} * size.width * size.height;
+  sensor_msgs::ImagePtr message;
+  for (auto topic = topics_.begin(); topic != topics_.end() && !message; ++topic)
+    message = (*topic)->make(bytes);
+  if (!message) message = take();
+  layOut(size, encoding, *message);
+  return message;
 }
 
 sensor_msgs::ImagePtr ImageMaker::make(const Fill& fill)

@@ -3,10 +3,14 @@
 #include <sensor_msgs/Image.h>
 
 #include <functional>
+#include <memory>
 #include <opencv2/core.hpp>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "message_pool.hpp"
+#include "shared_topic.hpp"
 
 namespace robot_vision
 {
@@ -24,9 +28,11 @@ int anyMatType(const std::string& encoding);
 /// Like viewPixels(), for all these encodings.
 cv::Mat viewAnyPixels(const sensor_msgs::Image& message);
 
-/// The image in `encoding`: a view if the message has this encoding, otherwise converted as cv_bridge does.
-/// Throws std::invalid_argument as viewPixels() does, and if there is no such conversion.
-cv::Mat convertPixels(const sensor_msgs::Image& message, const std::string& encoding);
+/// The image in `encoding`: a view if the message has this encoding, otherwise converted as cv_bridge does, to memory
+/// of its own, or that of `make(size)` if the conversion can write there. Throws std::invalid_argument as viewPixels()
+/// does, and if there is no such conversion.
+cv::Mat convertPixels(const sensor_msgs::Image& message, const std::string& encoding,
+                      const std::function<cv::Mat(cv::Size)>& make = nullptr);
 
 /// Throws std::invalid_argument naming the expected type and size unless `pixels` can be an image of `encoding` (any
 /// that cv_bridge knows).
@@ -42,14 +48,21 @@ bool isLittleEndianHost();
 /// header and pixels are undefined.
 void layOut(cv::Size size, const std::string& encoding, sensor_msgs::Image& message);
 
-/// A pool of images, see MessagePool.
+/// A pool of images, see MessagePool. Those that are made for certain topics stand in shared memory while somebody
+/// reads such a topic over shm, so that they are not copied when they are published.
 class ImagePool : public MessagePool<sensor_msgs::Image>
 {
 public:
   using MessagePool::take;
 
+  /// Adds a topic on which the images are going to be published.
+  void addTopic(std::shared_ptr<SharedTopic> topic) { topics_.push_back(std::move(topic)); }
+
   /// Takes a message for an image of this size and encoding; its header and pixels are undefined.
   sensor_msgs::ImagePtr take(cv::Size size, const std::string& encoding) const;
+
+private:
+  std::vector<std::shared_ptr<SharedTopic>> topics_;
 };
 
 /// Makes messages for a stream of images whose size is known only when they are there. Not thread-safe.
@@ -67,6 +80,7 @@ public:
   cv::Mat lend();
 
   /// See ImagePool.
+  void addTopic(const std::shared_ptr<SharedTopic>& topic) { pool_.addTopic(topic); }
   std::size_t kept() const { return pool_.kept(); }
 
 private:

@@ -48,6 +48,7 @@ private:
         getNodeHandle(), getPrivateNodeHandle(), getName(),
         [this](const auto&... frame) { work_->process(frame..., *outputs_); }, [this] { return outputs_->areWanted(); },
         [this](bool listens) { listen(*work_, listens, 0); });
+    input_->statistics().countUnshared([this] { return outputs_->unshared(); });
     work_->advertise(*outputs_);
     input_->start();
     reviewParams(getPrivateNodeHandle());

@@ -18,7 +18,8 @@ constexpr std::uint32_t kQueueSize = 1;  // so that after a slow frame the newes
 void requireTransport(const image_transport::ImageTransport& it, const std::string& transport,
                       const std::string& parameter)
 {
-  std::vector<std::string> known;
+  if (transport == kAutoTransport) return;
+  std::vector<std::string> known = {kAutoTransport};
   for (std::string name : it.getLoadableTransports())
   {
     name.erase(0, name.find('/') + 1);  // the names are like image_transport/raw
@@ -31,6 +32,12 @@ void requireTransport(const image_transport::ImageTransport& it, const std::stri
 ImageSubscription::ImageSubscription(ros::NodeHandle nh, image_transport::ImageTransport& it, const std::string& topic,
                                      const image_transport::TransportHints& hints, const Callback& callback)
 {
+  if (hints.getTransport() == kAutoTransport)
+  {
+    auto_ = std::make_shared<AutoSubscription>(nh, AutoSubscription::Params{topic, kQueueSize, hints.getRosHints(), {}},
+                                               callback);
+    return;
+  }
   if (hints.getTransport() != "raw")
   {
     // The plugin subscribes to `image/compressed`, to which a remapping of `image` would not apply.
@@ -43,8 +50,19 @@ ImageSubscription::ImageSubscription(ros::NodeHandle nh, image_transport::ImageT
   raw_ = nh.subscribe(options);
 }
 
+std::string ImageSubscription::topic() const
+{
+  return auto_ ? auto_->topic() : raw_ ? raw_.getTopic() : other_.getTopic();
+}
+
+std::uint32_t ImageSubscription::publishers() const
+{
+  return auto_ ? auto_->publishers() : raw_ ? raw_.getNumPublishers() : other_.getNumPublishers();
+}
+
 void ImageSubscription::shutdown()
 {
+  if (auto_) auto_->shutdown();
   raw_.shutdown();
   other_.shutdown();
 }

@@ -5,13 +5,20 @@
 
 #include <boost/function.hpp>
 #include <cstdint>
+#include <memory>
 #include <string>
+
+#include "auto_subscription.hpp"
 
 namespace robot_vision
 {
 
+/// The transport that is none of image_transport's: shared memory where all publishers offer it, else raw, see
+/// AutoSubscription. The default of this package's nodes.
+constexpr const char* kAutoTransport = "auto";
+
 /// Throws std::invalid_argument naming the parameter and the installed transports if `transport` ("raw", "compressed")
-/// is not among them.
+/// is not among them, and not "auto".
 void requireTransport(const image_transport::ImageTransport& it, const std::string& transport,
                       const std::string& parameter = "image_transport");
 
@@ -28,14 +35,15 @@ public:
   ImageSubscription(ros::NodeHandle nh, image_transport::ImageTransport& it, const std::string& topic,
                     const image_transport::TransportHints& hints, const Callback& callback);
 
-  explicit operator bool() const { return raw_ || other_; }
-  std::string topic() const { return raw_ ? raw_.getTopic() : other_.getTopic(); }
-  std::uint32_t publishers() const { return raw_ ? raw_.getNumPublishers() : other_.getNumPublishers(); }
+  explicit operator bool() const { return auto_ || raw_ || other_; }
+  std::string topic() const;
+  std::uint32_t publishers() const;
 
   /// Unsubscribes and waits for a running callback.
   void shutdown();
 
 private:
+  std::shared_ptr<AutoSubscription> auto_;
   ros::Subscriber raw_;
   image_transport::Subscriber other_;
 };

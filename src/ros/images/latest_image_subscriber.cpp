@@ -11,50 +11,46 @@ namespace robot_vision
 namespace
 {
 
-// TransportHints lets the parameter of this name override the given transport; there cannot be one of this name.
-constexpr const char* kNoParameter = "image_transport/none";
 constexpr std::size_t kMaxUnpaired = 10;  // messages by which images and camera_info may be ahead of each other
 
 }  // namespace
 
-LatestImageSubscriber::LatestImageSubscriber(const Params& params, const ros::NodeHandle& nh,
-                                             const std::shared_ptr<image_transport::ImageTransport>& it,
+LatestImageSubscriber::LatestImageSubscriber(const Params& params, Node node,
                                              std::shared_ptr<FrameStatistics> statistics)
-  : params_(params), nh_(nh), it_(it), statistics_(std::move(statistics))
+  : params_(params), node_(std::move(node)), statistics_(std::move(statistics))
 {
-  requireTransport(*it, params_.transport);
   if (!params_.encoding.empty()) anyMatType(params_.encoding);
   statistics_->setIdle();
 }
 
 void LatestImageSubscriber::open()
 {
-  const auto it = it_.lock();
   {
     const std::lock_guard<std::mutex> lock(mutex_);
-    if (open_ || !it) return;
+    if (open_) return;
+  }
+  const std::shared_ptr<ProcessImages> images = node_.subscriptions->take(params_.topic, params_.transport);
+  if (!images) return;  // the process ends
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    if (open_ || ended_) return;
+    images_ = images;
     open_ = true;
     statistics_->resumed();
     statistics_->setRunning(params_.topic);
   }
   // This is done without the lock, because it calls the master, and close() must not wait for that.
   ros::Subscriber info_subscriber;
-  ImageSubscription subscription;
   try
   {
-    // Without this option small packets would wait for each other.
-    const ros::TransportHints no_delay = ros::TransportHints().tcpNoDelay();
     if (!params_.camera_info_topic.empty())
     {
       ros::SubscribeOptions options = boundedOptions<sensor_msgs::CameraInfo>(
           params_.camera_info_topic, kMaxUnpaired, [this](const auto& info) { onCameraInfo(info); });
-      options.transport_hints = no_delay;
-      info_subscriber = nh_.subscribe(options);
+      options.transport_hints = ros::TransportHints().tcpNoDelay();  // otherwise small packets wait for each other
+      info_subscriber = node_.nh.subscribe(options);
     }
-    const image_transport::TransportHints hints(params_.transport, no_delay, ros::NodeHandle(params_.parameters),
-                                                kNoParameter);
-    subscription = ImageSubscription(nh_, *it, params_.topic, hints,
-                                     [this](const sensor_msgs::ImageConstPtr& message) { onImage(message); });
+    images->add(*this, params_.parameters);
   }
   catch (...)
   {
@@ -62,42 +58,55 @@ void LatestImageSubscriber::open()
     throw;
   }
   const std::lock_guard<std::mutex> lock(mutex_);
-  if (!open_) return;  // it was closed meanwhile
-  std::swap(subscription, subscription_);
-  std::swap(info_subscriber, info_subscriber_);
+  if (open_) std::swap(info_subscriber, info_subscriber_);  // else it was closed meanwhile
 }
 
 void LatestImageSubscriber::close()
 {
-  ImageSubscription subscription;
+  std::shared_ptr<ProcessImages> images;
   ros::Subscriber info_subscriber;
   {
     const std::lock_guard<std::mutex> lock(mutex_);
     if (!open_) return;
     open_ = false;
-    std::swap(subscription, subscription_);
+    std::swap(images, images_);
     std::swap(info_subscriber, info_subscriber_);
-    images_.clear();
+    frames_.clear();
     infos_.clear();
     statistics_->setIdle();
   }
-  subscription.shutdown();  // waits for a running callback, which needs the lock
-  info_subscriber.shutdown();
+  images->remove(*this);
+  info_subscriber.shutdown();  // waits for a running callback, which needs the lock
+}
+
+void LatestImageSubscriber::end()
+{
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    ended_ = true;
+  }
+  close();
+}
+
+std::shared_ptr<ProcessImages> LatestImageSubscriber::images() const
+{
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return images_;
 }
 
 std::uint32_t LatestImageSubscriber::publishers() const
 {
-  const std::lock_guard<std::mutex> lock(mutex_);
-  return open_ ? subscription_.publishers() : 0;
+  const std::shared_ptr<ProcessImages> open = images();
+  return open ? open->publishers() : 0;
 }
 
-void LatestImageSubscriber::onImage(const sensor_msgs::ImageConstPtr& message)
+void LatestImageSubscriber::onFrame(const std::shared_ptr<ProcessFrame>& frame)
 {
   const std::lock_guard<std::mutex> lock(mutex_);
   if (!open_) return;
-  images_.push_back(message);
-  if (images_.size() <= (params_.camera_info_topic.empty() ? 1 : kMaxUnpaired)) return;
-  images_.pop_front();
+  frames_.push_back(frame);
+  if (frames_.size() <= (params_.camera_info_topic.empty() ? 1 : kMaxUnpaired)) return;
+  frames_.pop_front();
   if (!params_.camera_info_topic.empty() && throttle_.due())
     ROS_WARN("images of %s without a camera_info of the same stamp on %s", params_.topic.c_str(),
              params_.camera_info_topic.c_str());
@@ -118,43 +127,43 @@ sensor_msgs::CameraInfoConstPtr LatestImageSubscriber::infoOf(const sensor_msgs:
   return found == infos_.rend() ? nullptr : *found;
 }
 
-std::optional<ReceivedImage> LatestImageSubscriber::takeNewest()
+/// The newest frame that can be taken, whose camera_info is put beside it; null if there is none.
+std::shared_ptr<ProcessFrame> LatestImageSubscriber::takeNewest(ReceivedImage& received)
 {
   const std::lock_guard<std::mutex> lock(mutex_);
-  for (auto image = images_.rbegin(); image != images_.rend(); ++image)
+  for (auto frame = frames_.rbegin(); frame != frames_.rend(); ++frame)
   {
-    ReceivedImage received;
-    received.message = *image;
     if (!params_.camera_info_topic.empty())
     {
-      received.camera_info = infoOf(**image);
+      received.camera_info = infoOf(*(*frame)->message());
       if (!received.camera_info) continue;  // its camera_info may still come
     }
-    images_.erase(images_.begin(), image.base());  // with all older ones
-    return received;
+    std::shared_ptr<ProcessFrame> newest = *frame;
+    frames_.erase(frames_.begin(), frame.base());  // with all older ones
+    return newest;
   }
-  return std::nullopt;
+  return nullptr;
 }
 
 std::optional<ReceivedImage> LatestImageSubscriber::take()
 {
-  std::optional<ReceivedImage> received = takeNewest();
-  if (!received) return std::nullopt;
-  const sensor_msgs::ImageConstPtr message = received->message;
-  received->header = message->header;
-  taken_stamp_ = message->header.stamp;
+  if (const std::shared_ptr<ProcessImages> open = images()) open->receive();
+  ReceivedImage received;
+  const std::shared_ptr<ProcessFrame> frame = takeNewest(received);
+  if (!frame) return std::nullopt;
+  const sensor_msgs::Image& message = *frame->message();
+  received.header = message.header;
+  taken_stamp_ = message.header.stamp;
   taken_at_ = FrameStatistics::Clock::now();
-  statistics_->received(message->header.seq);
+  statistics_->received(message.header.seq);
   try
   {
-    const bool unconverted = params_.encoding.empty();
-    received->encoding = unconverted ? message->encoding : params_.encoding;
-    received->pixels = unconverted ? viewAnyPixels(*message) : convertPixels(*message, params_.encoding);
-    if (received->pixels.u != nullptr) received->message.reset();
+    received.encoding = params_.encoding.empty() ? message.encoding : params_.encoding;
+    received.pixels = frame->pixels(params_.encoding);
   }
   catch (const std::exception& e)
   {
-    refuse(*message, e.what());
+    refuse(message, e.what());
     return std::nullopt;
   }
   return received;

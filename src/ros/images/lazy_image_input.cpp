@@ -19,7 +19,7 @@ LazyImageInput::LazyImageInput(const ros::NodeHandle& nh, const ros::NodeHandle&
     it_(nh),
     subscriber_(nh, pnh, std::move(is_wanted), [this](bool wanted) { listen(wanted); })
 {
-  std::string transport = "raw";
+  std::string transport = kAutoTransport;
   readParam(pnh_, "image_transport", transport);
   requireTransport(it_, transport);  // at start, because later the exception would come with the first subscriber
   if (nh.resolveName("image") == "/image")
@@ -43,7 +43,7 @@ void LazyImageInput::listen(bool wanted)
   if (wanted)
   {
     // Without this option small packets would wait for each other.
-    const image_transport::TransportHints hints("raw", ros::TransportHints().tcpNoDelay(), pnh_);
+    const image_transport::TransportHints hints(kAutoTransport, ros::TransportHints().tcpNoDelay(), pnh_);
     diagnostics_.statistics().resumed();
     subscription_ = ImageSubscription(nh_, it_, "image", hints,
                                       [this](const sensor_msgs::ImageConstPtr& message) { onImage(message); });

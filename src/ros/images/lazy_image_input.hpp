@@ -30,6 +30,8 @@ public:
       std::function<bool()> is_wanted, std::function<void(bool)> on_listen = [](bool /*listens*/) {});
   ~LazyImageInput();
 
+  FrameStatistics& statistics() { return diagnostics_.statistics(); }
+
   void start();
   /// As LazySubscriber's. Thread-safe; to be called when the results' subscribers come or go.
   void update() { subscriber_.update(); }

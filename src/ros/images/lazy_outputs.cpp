@@ -1,7 +1,10 @@
 #include "lazy_outputs.hpp"
 
 #include <algorithm>
+#include <numeric>
 #include <utility>
+
+#include "advertising_lock.hpp"
 
 namespace robot_vision
 {
@@ -18,13 +21,17 @@ void LazyOutputs::advertiseImages(const std::string& name)
     if (outputs_.count(name) > 0) return;
   }
   const auto on_connection = [this](const image_transport::SingleSubscriberPublisher&) { on_change_(); };
+  const AdvertisingLock advertising;
   const auto images = std::make_shared<ImageTopic>();
   images->publisher = it_.advertise(name, kQueueSize, on_connection, on_connection);
+  images->shared = SharedTopic::of(images->publisher.getTopic());
+  images->maker.addTopic(images->shared);
   add(name, {[images] { return images->publisher.getNumSubscribers() > 0; }, nullptr, images});
 }
 
 void LazyOutputs::withdraw(const std::string& name)
 {
+  const AdvertisingLock advertising;
   Output removed;  // outlives the lock, because its end waits for callbacks that ask for it
   const std::lock_guard<std::mutex> lock(mutex_);
   const auto found = outputs_.find(name);
@@ -42,6 +49,14 @@ bool LazyOutputs::areWanted() const
 bool LazyOutputs::isWanted(const std::string& name) const
 {
   return output(name).is_wanted();
+}
+
+std::uint64_t LazyOutputs::unshared() const
+{
+  const std::lock_guard<std::mutex> lock(mutex_);
+  const auto add = [](std::uint64_t sum, const auto& entry)
+  { return sum + (entry.second.images ? entry.second.images->shared->dropped() : 0); };
+  return std::accumulate(outputs_.begin(), outputs_.end(), std::uint64_t{0}, add);
 }
 
 void LazyOutputs::publishImage(const std::string& name, const std_msgs::Header& header, const ImageMaker::Fill& fill)

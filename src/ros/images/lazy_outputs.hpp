@@ -45,6 +45,12 @@ public:
   bool areWanted() const;
   bool isWanted(const std::string& name) const;
 
+  /// What is shared of a topic of images, for an ImagePool.
+  std::shared_ptr<SharedTopic> shared(const std::string& name) const { return output(name).images->shared; }
+
+  /// The frames of all topics that were not published over shm for want of memory.
+  std::uint64_t unshared() const;
+
   /// Publishes the image that `fill` writes (see ImageMaker) with this header.
   void publishImage(const std::string& name, const std_msgs::Header& header, const ImageMaker::Fill& fill);
 
@@ -64,6 +70,7 @@ private:
   struct ImageTopic
   {
     image_transport::Publisher publisher;
+    std::shared_ptr<SharedTopic> shared;
     ImageMaker maker;
   };
 

@@ -1,5 +1,7 @@
 #include "pooled_image_publisher.hpp"
 
+#include "advertising_lock.hpp"
+
 namespace robot_vision
 {
 
@@ -7,11 +9,15 @@ PooledImagePublisher::PooledImagePublisher(const std::string& topic, image_trans
                                            const std::function<void()>& on_connection)
 {
   const auto on_image = [on_connection](const image_transport::SingleSubscriberPublisher&) { on_connection(); };
+  const AdvertisingLock advertising;
   publisher_ = it.advertise(topic, 1, on_image, on_image);
+  shared_topic_ = SharedTopic::of(publisher_.getTopic());
+  pool_.addTopic(shared_topic_);
 }
 
 void PooledImagePublisher::close()
 {
+  const AdvertisingLock advertising;
   const std::lock_guard<std::mutex> lock(mutex_);
   publisher_.shutdown();
 }

@@ -4,6 +4,7 @@
 #include <std_msgs/Header.h>
 
 #include <functional>
+#include <memory>
 #include <mutex>
 #include <opencv2/core.hpp>
 #include <string>
@@ -26,12 +27,14 @@ public:
 
   void close();
   std::uint32_t subscribers() const;
+  const std::shared_ptr<SharedTopic>& sharedTopic() const { return shared_topic_; }
 
   /// Publishes a copy of the pixels if there are subscribers. Throws std::invalid_argument naming what was expected if
   /// the pixels cannot be an image of this encoding (any that cv_bridge knows).
   void publish(const cv::Mat& pixels, const std::string& encoding, const std_msgs::Header& header);
 
 private:
+  std::shared_ptr<SharedTopic> shared_topic_;
   mutable std::mutex mutex_;  // guards all below
   image_transport::Publisher publisher_;
   ImagePool pool_;

@@ -69,7 +69,7 @@ StereoInput::StereoInput(const ros::NodeHandle& nh, const ros::NodeHandle& pnh, 
     pairs_(readSlop(pnh, 0.0)),
     subscriber_(nh, pnh, std::move(is_wanted), [this](bool wanted) { listen(wanted); })
 {
-  std::string transport = "raw";
+  std::string transport = kAutoTransport;
   readParam(pnh_, "image_transport", transport);
   requireTransport(it_, transport);  // at start, because later the exception would come with the first subscriber
   for (const std::size_t side : {kLeft, kRight})
@@ -111,7 +111,7 @@ void StereoInput::subscribe()
 {
   // Without this option small packets would wait for each other.
   const ros::TransportHints no_delay = ros::TransportHints().tcpNoDelay();
-  const image_transport::TransportHints hints("raw", no_delay, pnh_);
+  const image_transport::TransportHints hints(kAutoTransport, no_delay, pnh_);
   for (const std::size_t side : {kLeft, kRight})
   {
     ros::SubscribeOptions options = boundedOptions<sensor_msgs::CameraInfo>(

@@ -1,8 +1,9 @@
 /** What is worth recording, and how sizes and times of bags are written. Nothing knows the page. */
 
 const COMPRESSED = "sensor_msgs/CompressedImage";
+const MEMORY = "robot_vision/ShmImage"; // which a bag cannot hold
 const OF_TRANSPORTS =
-  /\/(compressed|compressedDepth|theora)(\/|$)|\/parameter_(updates|descriptions)$/;
+  /\/(compressed|compressedDepth|theora|shm)(\/|$)|\/parameter_(updates|descriptions)$/;
 const FRAMES = ["/tf", "/tf_static"];
 const UNITS = ["bytes", "kB", "MB", "GB", "TB"];
 
@@ -39,7 +40,9 @@ export function timeText(seconds) {
  */
 export function offers(topics) {
   const published = new Map(
-    topics.filter((one) => one.publishers.length).map((one) => [one.name, one.type]),
+    topics
+      .filter((one) => one.publishers.length && one.type !== MEMORY)
+      .map((one) => [one.name, one.type]),
   );
   const images = [...published].filter(([, type]) => type === "sensor_msgs/Image");
   const rank = ({ label }) => (label.endsWith("/image_raw") ? 0 : 1);

@@ -1,0 +1,139 @@
+"""The images of each node of this process, and the thread that calls their callbacks.
+
+roscpp receives and publishes them, as one node for the whole process, into which C++ nodelets can
+be loaded, too.
+"""
+
+import atexit
+import sys
+import threading
+import time
+import traceback
+import weakref
+from typing import Any, Callable, Dict, List, Optional
+
+import rospy
+
+from .. import _transport
+from ..common.files import ROS_HOME_NEEDED
+from .context import current
+from .registration import keep_registered
+
+END_TIMEOUT = 1.0  # s that the end of a node waits for a callback that is running
+
+Deliver = Callable[..., Any]  # is called with what Queue.next() gives behind the inbox
+
+
+def node_images() -> "NodeImages":
+    """Returns the images of the current node, whose thread is started when it is first needed."""
+    return current().part(NodeImages)
+
+
+def process_runtime() -> _transport.Runtime:
+    """Returns the roscpp node of this process, which is started when it is first needed."""
+    return _process().runtime
+
+
+class NodeImages:
+    """The queue of a node's images, and the thread that works through it."""
+
+    def __init__(self) -> None:
+        self.context = current()
+        self._stopped = False
+        # Each change of these two is a single step that the GIL makes atomic.
+        self.subscribers: Dict[_transport.Inbox, Deliver] = {}
+        self.listeners: List[Callable[[], Any]] = []
+        name = self.context.name
+        diagnostics = self.context.resolve("/diagnostics")
+        self._process = _process()
+        self.queue = self._process.runtime.queue(name, diagnostics)
+        self._thread = self.context.thread(self._run, f"images of {name}")
+        self._thread.start()  # before the hook, which is called at once after a shutdown of rospy
+        self._process.nodes.add(self)
+        self.context.on_closing(self.stop)
+        if self.context.is_ending():
+            self.stop()
+
+    def stop(self, timeout: float = END_TIMEOUT) -> None:
+        """Closes all images of the node; a callback that never returns is left behind."""
+        if self._stopped:  # At the end of a process there is another call, which need not wait.
+            return
+        self._stopped = True
+        self.queue.close()
+        if threading.current_thread() is not self._thread:
+            self._thread.join(timeout)
+
+    def _run(self) -> None:
+        try:
+            while self.queue.running():
+                self._call(self._work)
+            if not self._stopped and not self._process.stopped:
+                rospy.signal_shutdown("the node of its images was shut down")
+        except SystemExit:  # Only in the main thread would it end the process.
+            self.context.exit("a callback has called sys.exit()")
+
+    def _work(self) -> None:
+        taken = self.queue.next(1.0)
+        if taken is None:
+            if self.queue.connections_changed():
+                for listener in list(self.listeners):
+                    self._call(listener)
+            return
+        inbox, *frame = taken
+        deliver = self.subscribers.get(inbox)
+        if deliver is not None:  # Otherwise it was unregistered a moment ago.
+            deliver(*frame)
+
+    @staticmethod
+    def _call(function: Callable[[], Any]) -> None:
+        """Calls a function, and logs the exception if it raises one."""
+        try:
+            function()
+        except Exception:
+            rospy.logerr("a callback failed:\n%s", traceback.format_exc())
+
+
+class _Process:
+    """The roscpp node inside this process."""
+
+    def __init__(self) -> None:
+        options = {
+            name: value
+            for name, value in rospy.names.load_mappings(sys.argv).items()
+            if name.startswith("__") and name not in ("__name", "__ns")
+        }
+        options["/diagnostics"] = rospy.resolve_name("/diagnostics")
+        node, uri = rospy.names.get_name(), rospy.get_node_uri()
+        try:
+            self.runtime = _transport.Runtime(node + "_images", options, node, uri)
+        except RuntimeError as error:  # A folder that roscpp needs cannot be made.
+            raise ValueError(f"{error}; {ROS_HOME_NEEDED}") from None
+        keep_registered()
+        self.stopped = False
+        self.nodes: weakref.WeakSet[NodeImages] = weakref.WeakSet()
+        # This hook runs after those of the node, which may publish a last image.
+        rospy.core.add_preshutdown_hook(lambda _reason: self.stop())
+        # For a process that never shuts rospy down: atexit calls the newest function first.
+        atexit.register(self.stop)
+
+    def stop(self) -> None:
+        """Ends the roscpp node, and with it the images of all nodes."""
+        self.stopped = True
+        self.runtime.stop()
+        deadline = time.monotonic() + END_TIMEOUT
+        for images in list(self.nodes):
+            images.stop(max(0.0, deadline - time.monotonic()))
+
+
+_the_process: Optional[_Process] = None
+_the_process_lock = threading.Lock()
+
+
+def _process() -> _Process:
+    global _the_process
+    with _the_process_lock:
+        if _the_process is None:
+            if not rospy.core.is_initialized():
+                raise rospy.ROSInitException("call rospy.init_node() first")
+            _the_process = _Process()
+        return _the_process

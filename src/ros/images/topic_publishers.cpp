@@ -1,0 +1,83 @@
+#include "topic_publishers.hpp"
+
+#include <ros/ros.h>
+#include <ros/xmlrpc_manager.h>
+
+#include <algorithm>
+#include <vector>
+
+namespace robot_vision
+{
+namespace
+{
+
+using XmlRpc::XmlRpcValue;
+
+bool contains(const std::vector<std::string>& names, const std::string& name)
+{
+  return std::find(names.begin(), names.end(), name) != names.end();
+}
+
+std::string uri()
+{
+  return ros::XMLRPCManager::instance()->getServerURI();
+}
+
+std::optional<XmlRpcValue> ask(const char* method, const std::vector<std::string>& arguments)
+{
+  XmlRpcValue request, response, payload;
+  request[0] = ros::this_node::getName();
+  for (const std::string& argument : arguments)
+    request[request.size()] = argument;
+  if (!ros::master::execute(method, request, response, payload, false)) return std::nullopt;
+  return payload;
+}
+
+bool isSubscribedHere(const std::string& topic)
+{
+  std::vector<std::string> topics;
+  ros::this_node::getSubscribedTopics(topics);
+  return contains(topics, topic);
+}
+
+/// A master that was started again may know another node of this name, which it would shut down for this one.
+bool isKnown()
+{
+  std::optional<XmlRpcValue> known = ask("lookupNode", {ros::this_node::getName()});
+  return known && static_cast<std::string>(*known) == uri();
+}
+
+}  // namespace
+
+bool isPublishedHere(const std::string& topic)
+{
+  std::vector<std::string> topics;
+  ros::this_node::getAdvertisedTopics(topics);
+  return contains(topics, topic);
+}
+
+std::optional<std::set<std::string>> publishersOf(const std::string& topic, const std::string& type)
+try
+{
+  if (!isKnown()) return std::nullopt;
+  std::optional<XmlRpcValue> answer = ask("registerSubscriber", {topic, type, uri()});
+  if (!answer) return std::nullopt;
+  std::set<std::string> publishers;
+  for (int i = 0; i < answer->size(); ++i)
+    publishers.insert(static_cast<std::string>((*answer)[i]));
+  return publishers;
+}
+catch (const XmlRpc::XmlRpcException&)  // an answer of an unexpected type
+{
+  return std::nullopt;
+}
+
+void forgetSubscription(const std::string& topic, const std::string& type)
+{
+  if (isSubscribedHere(topic)) return;
+  ask("unregisterSubscriber", {topic, uri()});
+  // Another thread may have subscribed meanwhile, whose registration this was then.
+  if (isSubscribedHere(topic)) ask("registerSubscriber", {topic, type, uri()});
+}
+
+}  // namespace robot_vision

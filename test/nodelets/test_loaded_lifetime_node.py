@@ -1,0 +1,90 @@
+"""Nodes come and go in a manager, with frames flowing, and leave nothing behind."""
+
+import threading
+
+import pytest
+import rospy
+import support
+from frames import Camera
+from python_manager import NAME, Counts, PythonManager, graph_of
+from std_msgs.msg import Header
+
+import robot_vision as rv
+from robot_vision.msg import DetectionArray
+
+LOADS = 100
+MAX_GROWTH = 6.0  # MB, in all loads behind the first ones: the allocator's own
+
+
+class Flow:
+    """Sends frames all the time."""
+
+    def __init__(self):
+        self.camera = Camera(rate=100.0)
+        self._ended = threading.Event()
+        self._image = rv.Scene().render(60)[::2, ::2].copy()
+        self._thread = threading.Thread(target=self._run, daemon=True)
+        self._thread.start()
+
+    def _run(self):
+        while not self._ended.wait(0.01):
+            self.camera.show(self._image)
+
+    def end(self):
+        self._ended.set()
+        self._thread.join()
+
+
+@pytest.fixture
+def flow():
+    made = Flow()
+    yield made
+    made.end()
+
+
+@pytest.mark.parametrize("kind", ["hsv_tracker", "object_tracker", "object_detector"])
+def test_a_hundred_loads_leave_all_as_it_was(start, flow, kind):
+    manager = PythonManager(start)
+    manager.load("/stays", "robot_vision/hsv_tracker", {"/image": flow.camera.topic})
+    stays = support.subscribed("/stays/objects", DetectionArray)
+    output = "/comes/" + ("object" if kind == "object_tracker" else "objects")
+    rospy.set_param("/comes/auto_select", True)
+
+    def come_and_go():
+        manager.load("/comes", "robot_vision/" + kind, {"/image": flow.camera.topic})
+        # A subscription that lasts may miss a topic of rospy that goes and is there again at once.
+        results = support.Messages(output, DetectionArray)
+        results.wait(1)
+        results.close()
+        manager.unload("/comes")
+
+    for _ in range(5):  # what is imported and made once
+        come_and_go()
+    graph = support.wait_for(lambda: graph_of(NAME, NAME + "_images"), "the graph")
+    before = settled(manager.process.pid)
+    loads = LOADS if kind == "hsv_tracker" else LOADS // 5
+    for _ in range(loads):
+        come_and_go()
+    after = settled(manager.process.pid)
+    assert graph_of(NAME, NAME + "_images") == graph
+    print(f"before {before}, after {after}")
+    assert after.threads <= before.threads + 2, (before, after)
+    assert after.descriptors <= before.descriptors + 2, (before, after)
+    assert after.memory <= before.memory + MAX_GROWTH, (before, after)
+    del stays.received[:]
+    stays.wait(5)
+    assert manager.loaded() == {"/stays"}
+
+
+def settled(pid):
+    """The smallest counts within some seconds: threads of connections end a bit later."""
+    counts = [Counts(pid)]
+    clock = support.Messages("/nothing", Header)
+    for _ in range(10):
+        threading.Event().wait(0.2)
+        counts.append(Counts(pid))
+    clock.close()
+    least = counts[-1]
+    least.threads = min(one.threads for one in counts)
+    least.descriptors = min(one.descriptors for one in counts)
+    return least

@@ -1,0 +1,184 @@
+#include <gtest/gtest.h>
+#include <ros/ros.h>
+
+#include <atomic>
+#include <boost/make_shared.hpp>
+#include <memory>
+#include <set>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "ros/images/embedded_roscpp_node.hpp"
+#include "support/receiver.hpp"
+
+using namespace robot_vision;
+
+namespace
+{
+
+EmbeddedRoscppNode* process = nullptr;  // there is one per process
+
+sensor_msgs::ImagePtr makeMessage(std::uint32_t seq)
+{
+  auto message = boost::make_shared<sensor_msgs::Image>();
+  message->header.seq = seq;
+  message->header.stamp = ros::Time(seq + 1, 0);
+  message->header.frame_id = "numbered";  // by what its pixels are
+  message->encoding = "bgr8";
+  message->width = 64;
+  message->height = 48;
+  message->step = 64 * 3 + 8;
+  message->data.assign(std::size_t{message->step} * message->height, static_cast<std::uint8_t>(seq));
+  return message;
+}
+
+/// A node whose thread takes images until it is told to end.
+class Taker
+{
+public:
+  Taker(const std::string& name, const std::string& topic, const std::string& encoding = "")
+    : queue_(process->makeQueue(name, "/diagnostics")),
+      inbox_(queue_->makeInbox({topic, "raw", name, encoding, ""}, std::make_shared<FrameStatistics>()))
+  {
+    inbox_->open();
+    thread_ = std::thread([this] { run(); });
+  }
+
+  ~Taker()
+  {
+    queue_->close();
+    thread_.join();
+  }
+
+  Taker(const Taker&) = delete;
+  Taker& operator=(const Taker&) = delete;
+
+  bool has(std::uint32_t seq) const { return taken_ > 0 && last_ == seq; }
+  const void* pixels() const { return pixels_; }
+  const void* message() const { return message_; }
+  std::uint32_t publishers() const { return inbox_->publishers(); }
+
+private:
+  void run()
+  {
+    while (queue_->running())
+    {
+      const auto delivery = queue_->next(1.0);
+      if (!delivery) continue;
+      const ReceivedImage& image = delivery->image;
+      if (image.header.frame_id == "numbered")
+        EXPECT_EQ(image.pixels.image.at<cv::Vec3b>(47, 63)[0], static_cast<std::uint8_t>(image.header.seq));
+      pixels_ = image.pixels.image.data;
+      message_ = image.pixels.owner.get();
+      last_ = image.header.seq;
+      ++taken_;
+    }
+  }
+
+  std::atomic<int> taken_{0};
+  std::atomic<std::uint32_t> last_{0};
+  std::atomic<const void*> pixels_{nullptr};
+  std::atomic<const void*> message_{nullptr};
+  std::shared_ptr<NodeQueue> queue_;
+  std::shared_ptr<LatestImageSubscriber> inbox_;
+  std::thread thread_;
+};
+
+}  // namespace
+
+TEST(NodeQueue, nodesOfAProcessGetTheBufferThatWasPublishedInIt)
+{
+  ros::Publisher publisher = ros::NodeHandle().advertise<sensor_msgs::Image>("/camera", 1);
+  Taker first("/first", "/camera");
+  Taker second("/second", "/camera", "bgr8");  // which it has already
+  ASSERT_TRUE(waitFor([&] { return publisher.getNumSubscribers() == 1 && first.publishers() == 1; }));
+  for (std::uint32_t seq = 1; seq < 50; ++seq)
+  {
+    const sensor_msgs::ImageConstPtr message = makeMessage(seq);
+    publisher.publish(message);
+    ASSERT_TRUE(waitFor([&] { return first.has(seq) && second.has(seq); }));
+    EXPECT_EQ(first.pixels(), message->data.data());
+    EXPECT_EQ(second.pixels(), message->data.data());
+    EXPECT_EQ(first.message(), message.get());
+  }
+}
+
+TEST(NodeQueue, nodesComeAndGoWhileFramesFlow)
+{
+  ros::Publisher publisher = ros::NodeHandle().advertise<sensor_msgs::Image>("/stream", 1);
+  std::atomic<bool> ends{false};
+  std::atomic<std::uint32_t> seq{0};
+  std::thread sender(
+      [&]
+      {
+        while (!ends)
+        {
+          publisher.publish(makeMessage(++seq % 200));
+          std::this_thread::yield();
+        }
+      });
+  Taker stays("/stays", "/stream", "rgb8");
+  std::vector<std::thread> others;
+  for (int i = 0; i < 3; ++i)
+    others.emplace_back(
+        [i]
+        {
+          for (int turn = 0; turn < 100; ++turn)
+          {
+            const Taker taker("/goes_" + std::to_string(i), "/stream", i == 0 ? "" : "rgb8");
+            if (turn % 10 == 0) EXPECT_TRUE(waitFor([&] { return taker.pixels() != nullptr; }));
+          }
+        });
+  for (std::thread& other : others)
+    other.join();
+  const std::uint32_t before = seq;
+  EXPECT_TRUE(waitFor([&] { return seq > before + 5; }));
+  ends = true;
+  sender.join();
+  publisher.publish(makeMessage(255));
+  EXPECT_TRUE(waitFor([&] { return stays.has(255); }));
+}
+
+TEST(ProcessFrame, thoseWhoAskForTheSameGetTheSameMemory)
+{
+  ProcessFrame frame(makeMessage(7), ImagePool());
+  std::vector<std::thread> threads;
+  std::vector<const void*> seen(8);
+  for (std::size_t i = 0; i < seen.size(); ++i)
+    threads.emplace_back([&, i] { seen[i] = frame.pixels(i % 2 == 0 ? "mono8" : "rgb8").image.data; });
+  for (std::thread& thread : threads)
+    thread.join();
+  EXPECT_EQ(std::set<const void*>(seen.begin(), seen.end()).size(), 2U);
+  EXPECT_EQ(frame.pixels("").image.data, frame.message()->data.data());
+  for (int turn = 0; turn < 2; ++turn)
+    EXPECT_THROW(frame.pixels("bayer_rggb8"), std::invalid_argument);
+}
+
+/// This must be the last test, because it ends the node.
+TEST(EmbeddedRoscppNode, endsWhileFramesFlowAndNodeletsAreLoaded)
+{
+  ros::param::set("/eye/source", "synthetic");
+  ros::param::set("/eye/framerate", 200.0);
+  process->nodelets()->load("/eye", "robot_vision/camera", {}, {});
+  Taker taker("/taker", "/eye/image_raw", "mono16");
+  Taker other("/other", "/nothing");
+  const auto queue = process->makeQueue("/idle", "/diagnostics");
+  const auto outbox = queue->makeOutbox("/out");
+  ASSERT_TRUE(waitFor([&] { return taker.pixels() != nullptr; }));
+  process->stop();
+  EXPECT_FALSE(queue->running());
+  EXPECT_FALSE(queue->next(1.0));
+  EXPECT_EQ(outbox->subscribers(), 0U);
+  EXPECT_THROW(queue->makeOutbox("/late"), std::runtime_error);
+  EXPECT_THROW(process->makeQueue("/late", "/diagnostics"), std::runtime_error);
+  EXPECT_THROW(process->nodelets(), std::runtime_error);
+}
+
+int main(int argc, char** argv)
+{
+  testing::InitGoogleTest(&argc, argv);
+  EmbeddedRoscppNode node("/test_images", {}, "/test", "");
+  process = &node;
+  return RUN_ALL_TESTS();
+}

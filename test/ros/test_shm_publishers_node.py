@@ -1,0 +1,151 @@
+"""Publishers of shm that come, go, are killed and start again: the images go on."""
+
+import numpy as np
+import pytest
+import rosgraph
+import rospy
+import support
+from frames import Frames, Source, message, new_topic, noise
+from sensor_msgs.msg import Image
+from shared_images import Reader, uses_raw, uses_shm
+
+ROUNDS = 5
+DROPPED = "frames not shared"  # on /diagnostics
+
+
+class CameraNode:
+    """A camera of the synthetic scene, which can be killed and started again."""
+
+    def __init__(self, start, name, *arguments):
+        self._start, self._words = start, [f"__name:={name}", "_source:=synthetic", *arguments]
+        self.topic = f"/{name}/image_raw"
+        self.process = None
+
+    def begin(self, width, height, encoding="bgr8", *arguments):
+        self.process = self._start(
+            "camera_node",
+            *self._words,
+            f"_image_width:={width}",
+            f"_image_height:={height}",
+            f"_output_encoding:={encoding}",
+            *arguments,
+        )
+
+    def kill(self):
+        self.process.kill()
+        self.process.exit_code()
+
+
+@pytest.fixture
+def camera(start):
+    return CameraNode(start, "shm_camera", "_framerate:=30")
+
+
+def shape(frame):
+    return frame.image.shape[1::-1], frame.encoding
+
+
+def wait_for_shape(frames, size, encoding):
+    support.wait_for(
+        lambda: frames.received and shape(frames.received[-1]) == (size, encoding),
+        f"a frame of {size}, {encoding}",
+    )
+
+
+def my_images():
+    return rospy.get_name() + "_images"
+
+
+def test_a_killed_camera_comes_back_with_another_size_and_encoding(camera):
+    frames = Frames(camera.topic)
+    for size, encoding in [((80, 64), "bgr8"), ((320, 240), "mono8"), ((96, 72), "rgb8")] * 2:
+        camera.begin(*size, encoding)
+        wait_for_shape(frames, size, encoding)
+        support.wait_for(lambda: uses_shm(my_images(), camera.topic), "frames over shm")
+        kept = frames.received[-1].image
+        before = kept.copy()
+        camera.kill()
+        assert np.array_equal(kept, before)  # what was held stays
+    sequences = [frame.header.seq for frame in frames.received]
+    stamps = [frame.header.stamp for frame in frames.received]
+    assert len(set(stamps)) == len(sequences)  # none came twice
+
+
+def test_killed_readers_cost_the_others_nothing(start, camera):
+    camera.begin(320, 240)
+    frames = Frames(camera.topic)
+    frames.wait()
+    for _ in range(ROUNDS):
+        reader = Reader(start, camera.topic)
+        out = support.Messages(reader.target, Image)
+        out.wait(3)
+        support.wait_for(lambda one=reader: uses_shm(one.node, camera.topic), "frames over shm")
+        reader.process.kill()
+        reader.process.exit_code()
+        count = len(frames.received)
+        frames.wait(count + 10)
+    assert support.Diagnostics().value("shm_camera", DROPPED) == "0"
+
+
+def test_a_publisher_without_shm_takes_the_place_of_one_that_was_killed(camera):
+    frames = Frames(camera.topic)
+    camera.begin(80, 64)
+    support.wait_for(lambda: frames.received and uses_shm(my_images(), camera.topic), "shm")
+    camera.kill()  # and the master still knows it
+    source = Source(camera.topic)
+    image = message(noise("mono8", 10, 20), "mono8")
+
+    def came():
+        source.send(image)
+        return shape(frames.received[-1]) == ((20, 10), "mono8")
+
+    support.wait_for(came, "frames of the other publisher")
+
+
+def test_two_publishers_of_which_one_has_no_shm(camera):
+    frames = Frames(camera.topic)
+    camera.begin(80, 64)
+    support.wait_for(lambda: frames.received and uses_shm(my_images(), camera.topic), "shm")
+    source = Source(camera.topic)
+    image = message(noise("mono8", 10, 20), "mono8")
+
+    def both():
+        source.send(image)
+        newest = [shape(frame) for frame in frames.received[-20:]]
+        return len(set(newest)) == 2 and uses_raw(my_images(), camera.topic)
+
+    support.wait_for(both, "frames of both publishers, over raw")
+    source.close()
+    support.wait_for(lambda: uses_shm(my_images(), camera.topic), "shm again")
+
+
+def test_two_cameras_on_one_topic_share_both(start):
+    topic = new_topic()
+    frames = Frames(topic)
+    for name, size in (("one", (80, 64)), ("two", (96, 72))):
+        CameraNode(start, name, f"/{name}/image_raw:={topic}", "_framerate:=10").begin(*size)
+    support.wait_for(lambda: uses_shm(my_images(), topic), "frames over shm")
+    begin = len(frames.received)
+    support.wait_for(
+        lambda: {shape(frame)[0] for frame in frames.received[begin:]} == {(80, 64), (96, 72)},
+        "frames of both cameras",
+    )
+
+
+def test_readers_that_come_and_go(camera):
+    camera.begin(80, 64)
+    for _ in range(ROUNDS):
+        frames = Frames(camera.topic)
+        support.wait_for(lambda: uses_shm(my_images(), camera.topic), "frames over shm")
+        count = len(frames.received)
+        frames.wait(count + 3)
+        frames.close()
+    support.wait_for(
+        lambda: not support.receives(my_images(), camera.topic), "the end of the subscription"
+    )
+    assert rospy.get_name() + "_images" not in subscribers(camera.topic)
+
+
+def subscribers(topic):
+    """The nodes that the master knows as subscribers of a topic."""
+    return dict(rosgraph.Master(rospy.get_name()).getSystemState()[1]).get(topic, [])

@@ -1,0 +1,126 @@
+"""The transport shm between processes: the images are those of raw, field by field."""
+
+import functools
+
+import numpy as np
+import pytest
+import rospy
+import support
+from frames import ENCODINGS, Frames, Source, damaged, message, new_topic, noise
+from sensor_msgs.msg import Image
+from shared_images import Reader, share, shared_files, uses_raw, uses_shm
+from std_msgs.msg import Header
+
+from robot_vision.transport import ImageSubscriber
+
+STEPS = (0, 1, 2, 7)  # bytes behind each row, as far as pixels of several bytes allow it
+
+
+def everything(width=7):
+    """Images of every encoding, with rows of odd lengths, in both byte orders."""
+    for encoding, (dtype, _) in ENCODINGS.items():
+        size = np.dtype(dtype).itemsize
+        for padding in {step * size for step in STEPS}:
+            for order in "<>" if size > 1 else "<":
+                yield message(noise(encoding, 6, width), encoding, padding, order)
+
+
+def fields(image):
+    """All of an Image but its header's sequence number, which rospy gives."""
+    own = [name for name in image.__slots__ if name != "header"]
+    return {name: getattr(image, name) for name in own}, image.header.stamp, image.header.frame_id
+
+
+@pytest.fixture
+def shared(start):
+    """A source of images, the topic on which another process shares them, and that process."""
+    source, topic = Source(new_topic()), new_topic()
+    process = share(start, source.topic, topic)
+    source.wait_for()
+    return source, topic, process
+
+
+def send_until(source, image, condition, what):
+    """Sends an image again and again: a change of transports needs one."""
+
+    def sent():
+        source.send(image)
+        return condition()
+
+    support.wait_for(sent, what)
+
+
+def stamped(image, number):
+    image.header = Header(stamp=rospy.Time(number, 5), frame_id=f"eye {number}")
+    return image
+
+
+def test_images_are_those_of_raw(start, shared):
+    source, topic, _ = shared
+    reader = Reader(start, topic)
+    out, raw = support.Messages(reader.target, Image), support.Messages(topic, Image)
+    support.wait_for(out.connected, "the reader")
+    first = stamped(message(noise("bgr8"), "bgr8"), 1)
+    send_until(source, first, lambda: uses_shm(reader.node, topic), "frames over shm")
+    images = [image for _, image in damaged(message(noise("mono16"), "mono16"))]
+    for number, image in enumerate([*everything(), *images], 2):
+        source.send(stamped(image, number))
+        assert fields(out.of(image.header.stamp)) == fields(image)
+        assert fields(raw.of(image.header.stamp)) == fields(image)
+    assert uses_shm(reader.node, topic)
+
+
+def test_python_s_frames_are_those_of_raw(shared):
+    source, topic, _ = shared
+    frames = {
+        name: Frames(topic, kind=functools.partial(ImageSubscriber, transport=name))
+        for name in ("raw", "shm", "auto")
+    }
+    first = stamped(message(noise("bgr8"), "bgr8"), 1)
+    send_until(
+        source, first, lambda: all(one.received for one in frames.values()), "the first frames"
+    )
+    node = rospy.get_name() + "_images"
+    for number, image in enumerate(everything(width=8), 2):  # of odd width is no yuv422
+        source.send(stamped(image, number))
+
+        def of(name, stamp=image.header.stamp):
+            return [frame for frame in frames[name].received if frame.header.stamp == stamp]
+
+        support.wait_for(lambda got=of: all(map(got, frames)), "the frame over each transport")
+        raw = of("raw")[0]
+        for name in ("shm", "auto"):
+            (frame,) = of(name)  # once
+            assert np.array_equal(frame.image, raw.image, equal_nan="C" not in frame.encoding)
+            assert frame.image.dtype == raw.image.dtype
+            assert (frame.encoding, frame.header) == (raw.encoding, raw.header)
+            assert not frame.image.flags.writeable
+    assert support.receives_over(node, topic + "/shm")
+
+
+def test_the_default_takes_shm_and_stays_with_raw_where_there_is_none(start, shared):
+    source, topic, _ = shared
+    for name, image in (("shared", topic), ("alone", source.topic)):
+        start("edge_detector_node", f"__name:={name}", f"image:={image}", "_always_subscribe:=true")
+    support.wait_for(lambda: uses_raw("/alone", source.topic), "the raw images alone")
+    image = stamped(message(noise("bgr8"), "bgr8"), 1)
+    send_until(source, image, lambda: uses_shm("/shared", topic), "frames over shm")
+    assert uses_raw("/alone", source.topic)
+
+
+def test_python_nodes_take_shm(start, shared):
+    source, topic, _ = shared
+    start("motion_detector.py", "__name:=python", f"image:={topic}", "_always_subscribe:=true")
+    image = stamped(message(noise("bgr8"), "bgr8"), 1)
+    send_until(source, image, lambda: uses_shm("/python_images", topic), "frames over shm")
+
+
+def test_nothing_is_shared_while_nobody_reads_over_shm(start, shared):
+    source, topic, process = shared
+    raw = support.subscribed(topic, Image)
+    source.send(stamped(message(noise("bgr8"), "bgr8"), 1))
+    raw.wait()
+    assert shared_files(process) == 0
+    Reader(start, topic)
+    image = stamped(message(noise("bgr8"), "bgr8"), 1)
+    send_until(source, image, lambda: shared_files(process) > 0, "shared memory")
