@@ -7,6 +7,7 @@ from typing import List, Tuple
 import depth_contenders
 import detection_contenders
 import filter_contenders
+import process_contenders
 import stereo_contenders
 import stream_contenders
 from measuring import HERE, RATE, Bench, Command, Contender, Contenders
@@ -184,6 +185,7 @@ COMPARISONS: Tuple[Tuple[str, Contenders, Sizes], ...] = (
         for cores in (1, 2)[: os.cpu_count()]
     ),
     (stereo_contenders.TITLE, stereo_contenders.nodes, SIZES[:1]),
+    (process_contenders.TITLE, process_contenders.nodes, SIZES),
     (stream_contenders.TITLE, stream_contenders.streams, SIZES),
     (stream_contenders.PASSED, stream_contenders.passed_on, SIZES),
     *(
@@ -213,6 +215,7 @@ TARGETS = (
     *stereo_contenders.targets(SIZES[:1]),
     *stream_contenders.targets(),
     *filter_contenders.targets(),
+    *process_contenders.targets(),
 )
 PARTS = (
     *(Parts(_EDGES, size, "edges of bgr8") for size in SIZES),

@@ -301,7 +301,10 @@ def say(text: str) -> None:
 def private_master(folder: Path) -> Iterator[None]:
     """A ROS master that nobody else knows of."""
     os.environ.update(
-        ROS_HOSTNAME="127.0.0.1", ROS_HOME=str(folder), ROS_LOG_DIR=str(folder / "log")
+        ROS_HOSTNAME="127.0.0.1",
+        ROS_HOME=str(folder),
+        ROS_LOG_DIR=str(folder / "log"),
+        ROSCONSOLE_STDOUT_LINE_BUFFERED="1",  # or lines of a log would come behind results
     )
     os.environ.pop("ROS_IP", None)
     with contextlib.ExitStack() as stack:

@@ -13,7 +13,7 @@ NODES = pages.nodes()
 # of actions, which pages name as a whole.
 UNNAMED = re.compile(
     r"/rosout|.*/(get_loggers|set_logger_level|set_parameters|parameter_(descriptions|updates))"
-    r"|.*/(compressed|compressedDepth|theora)(/.*)?"
+    r"|.*/(compressed|compressedDepth|theora|shm)(/.*)?"
     r"|.*/check_for_objects/(goal|cancel|status|feedback|result)"
 )
 

@@ -1,0 +1,82 @@
+"""What running processes hold, before and after something, and whether all was given back."""
+
+import contextlib
+import dataclasses
+from typing import Dict, List, Optional, Tuple
+
+import psutil
+from process_costs import LOADERS, memory_of, name_of
+from tables import table
+
+MAX_GROWTH = 0.1  # share of the memory, and MAX_MB: what an allocator may keep
+MAX_MB = 8.0
+WRITTEN = ("Pss_Anon", "Pss_Shmem")  # without files, which other processes may have mapped, too
+MIN_FRAMES = 0.3  # share of the results before that must still come: a machine may be busy
+MIN_COUNT = 30  # results before: fewer tell nothing
+
+
+@dataclasses.dataclass
+class Holdings:
+    """Of one process: what it has open, its threads, and MB that it has written to."""
+
+    descriptors: int
+    threads: int
+    memory: float
+
+
+def holdings_of(pid: int) -> Dict[str, Holdings]:
+    """Of a process and of all below it, by name; loaders, which are alike, are left out."""
+    root = psutil.Process(pid)
+    found = {}
+    for process in [root, *root.children(recursive=True)]:
+        with contextlib.suppress(psutil.NoSuchProcess, FileNotFoundError):
+            name = name_of(process.cmdline())
+            if name != LOADERS:
+                one = Holdings(
+                    process.num_fds(), process.num_threads(), memory_of(process.pid, WRITTEN)
+                )
+                found[name] = one
+    return found
+
+
+def not_given_back(
+    before: Dict[str, Holdings], after: Dict[str, Holdings], frames: Dict[str, Tuple[int, int]]
+) -> List[str]:
+    """Returns a line for each process that has gone or holds more, and each node that gives less.
+
+    Args:
+        before, after: By names of processes.
+        frames: Results of each node in the same time, before and after.
+    """
+    lines = [f"{name} has gone" for name in before if name not in after]
+    for name, now in after.items():
+        then = before.get(name, now)
+        if now.descriptors > then.descriptors:
+            lines.append(f"{name} has {now.descriptors} descriptors, {then.descriptors} before")
+        if now.threads > then.threads:
+            lines.append(f"{name} has {now.threads} threads, {then.threads} before")
+        if now.memory > then.memory * (1.0 + MAX_GROWTH) + MAX_MB:
+            lines.append(f"{name} has {now.memory:.1f} MB, {then.memory:.1f} before")
+    for node, (first, last) in frames.items():
+        if first >= MIN_COUNT and last < MIN_FRAMES * first:
+            lines.append(f"{node} gave {last} results, {first} before in the same time")
+    return lines
+
+
+def holdings_table(
+    before: Dict[str, Holdings], after: Dict[str, Holdings], frames: Dict[str, Tuple[int, int]]
+) -> str:
+    """Returns what each process held, and how many results each node gave, before and after."""
+    rows = []
+    for name, then in before.items():
+        pairs = zip(_cells(then), _cells(after.get(name)))
+        rows.append([name, *(cell for pair in pairs for cell in pair)])
+    columns = ["process", "descriptors", "after", "threads", "after", "MB", "after"]
+    results = [[node, f"{first}", f"{last}"] for node, (first, last) in frames.items()]
+    return table(columns, rows) + "\n" + table(["node", "results", "after"], results)
+
+
+def _cells(one: Optional[Holdings]) -> List[str]:
+    if one is None:
+        return ["-"] * 3
+    return [str(one.descriptors), str(one.threads), f"{one.memory:.1f}"]
