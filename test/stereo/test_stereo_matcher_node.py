@@ -344,7 +344,9 @@ def test_it_subscribes_while_somebody_subscribes(start):
     cameras = StereoCameras()
     start("stereo_matcher_node", "__name:=lazy", FAST, *cameras.arguments())
     diagnostics = support.Diagnostics()
-    assert diagnostics.next("lazy").message == "idle: nobody subscribes"
+    support.wait_for(  # The first status may be that of the start.
+        lambda: diagnostics.next("lazy").message == "idle: nobody subscribes", "the idle node"
+    )
     own = {cameras.topic(side, name) for side in SIDES for name in ("image_raw", "camera_info")}
     assert not subscriptions("/lazy") & own
     for topic, kind in (("left/image_rect_color", Image), ("points", PointCloud2)):

@@ -25,6 +25,7 @@ from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from nodelet.srv import NodeletList, NodeletLoad, NodeletUnload
 
 DEADLINE = 60.0  # s; on an idle machine everything takes a moment only
+RENEWAL_PERIOD = 2.0  # s
 
 
 arrived = threading.Event()  # set by each message, cleared by wait_for()
@@ -318,6 +319,7 @@ class Messages:
     def __init__(self, topic: str, kind: Any):
         open_messages.append(self)
         self.received: List[Any] = []
+        self._asked = time.monotonic()
         self._topic = topic
         self._subscriber = rospy.Subscriber(
             topic, kind, self._on_message, queue_size=100, buff_size=2**26, tcp_nodelay=True
@@ -345,6 +347,24 @@ class Messages:
 
     def connected(self) -> bool:
         """True if each publisher sends to this; rospy starts to a bit after it has said so."""
+        if self._is_connected():
+            return True
+        if time.monotonic() - self._asked > RENEWAL_PERIOD:
+            self._asked = time.monotonic()
+            self._renew()
+        return False
+
+    def _renew(self) -> None:
+        """Tells rospy of the publishers again, as the master knows them.
+
+        Where one registers while the master answers rospy's own question, and its news are there
+        before that answer, rospy takes the answer for what is newer, and never connects.
+        """
+        topic, me, uri = self._subscriber.resolved_name, rospy.get_name(), rospy.get_node_uri()
+        publishers = rosgraph.Master(me).registerSubscriber(topic, self._subscriber.type, uri)
+        xmlrpc.client.ServerProxy(uri).publisherUpdate(me, topic, publishers)
+
+    def _is_connected(self) -> bool:
         topic, me = self._subscriber.resolved_name, rospy.get_name()
         publishers = dict(rosgraph.Master(me).getSystemState()[0]).get(topic, [])
 
