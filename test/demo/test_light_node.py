@@ -5,7 +5,7 @@ import rospy
 import support
 from sensor_msgs.msg import CameraInfo, Image
 
-from robot_vision.msg import DetectionArray, GroundTruth, Line, MotionState, TagDetectionArray
+from robot_vision.msg import DetectionArray, GroundTruth, Line, TagDetectionArray
 
 SIZE = (320, 240)
 NODES = {  # with what each publishes
@@ -14,7 +14,7 @@ NODES = {  # with what each publishes
     "hsv_tracker": ("/hsv_tracker/objects", DetectionArray),
     "ball_tracker": ("/ball_tracker/objects", DetectionArray),
     "line_follower": ("/line_follower/line", Line),
-    "motion_detector": ("/motion_detector/motion", MotionState),
+    "motion_detector": ("/motion_detector/motion", DetectionArray),
     "object_tracker": ("/object_tracker/object", DetectionArray),
     "apriltag": ("/apriltag_detector/tags", TagDetectionArray),
     "code_reader": ("/code_reader/codes", DetectionArray),
