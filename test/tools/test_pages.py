@@ -9,7 +9,13 @@ import pytest
 
 README = pages.ROOT / "README.md"
 NODES = pages.nodes()
-COMMON = {"image", "view", "config", "synthetic"}  # arguments that docs/nodes.md describes
+COMMON = {
+    "image",
+    "view",
+    "config",
+    "synthetic",
+    "manager",
+}  # arguments that docs/nodes.md describes
 
 
 def test_the_readme_is_short():
@@ -33,8 +39,10 @@ def test_the_readme_lists_the_pages_of_all_nodes():
 def test_a_node_s_launch_file_is_what_its_page_says(name):
     node = NODES[name]
     launch = ElementTree.parse(pages.ROOT / "launch" / node.launch_file).getroot()
-    assert name in {started.get("type") for started in launch.iter("node")}
     arguments = {arg.get("name"): arg for arg in launch.findall("arg")}
+    loads = "manager" in arguments
+    program = f"$(eval 'nodelet' if manager != 'none' else '{name}')" if loads else name
+    assert program in {started.get("type") for started in launch.iter("node")}
     assert node.arguments == arguments.keys() - COMMON
     assert (pages.ROOT / node.config_file).is_file()
     assert arguments["config"].get("default") == f"$(find robot_vision)/{node.config_file}"
