@@ -195,6 +195,7 @@ TEST(HostileReaders, areDisconnectedForWhatTheySayAtFirst)
   SlotWriter writer;
   const SlotAddress address = publish(writer);
   const std::shared_ptr<WritableSlot> kept = writer.take(kBytes);
+  ASSERT_TRUE(becomes([&] { return writer.readers() == 0; }));  // those of other tests have gone
   const std::size_t descriptors = openDescriptors();
   SlotGreeting good;
   good.publisher = address.publisher;
@@ -250,6 +251,7 @@ TEST(HostileReaders, thatSendTwoDescriptorsAreDisconnectedAndLeaveNone)
 {
   SlotWriter writer;
   const Guest guest(publish(writer));
+  ASSERT_TRUE(becomes([&] { return writer.readers() == 1; }));  // those of other tests have gone
   const std::size_t before = openDescriptors();
   SlotRequest request;
   iovec vector{&request, sizeof(request)};
