@@ -31,7 +31,7 @@ def nodes(bench: Bench, size: Size) -> List[Contender]:
         *(contender(counted(count), [*own, str(count)]) for count in COUNTS),
         contender("one process, both C++", [*plain, f"_nodelet_source:={bench.image(size)}"]),
         contender("TCP: roscpp, does nothing", plain, camera),
-        contender("TCP: robot_vision.transport, a view", [*python, "transport"], camera),
+        contender("another process: robot_vision.transport, a view", [*python, "transport"], camera),
         contender("TCP: rospy + cv_bridge", [*python, "rospy"], camera),
     ]
 
@@ -39,5 +39,5 @@ def nodes(bench: Bench, size: Size) -> List[Contender]:
 def targets() -> List[Target]:
     return [
         Target(TITLE, (1920, 1080), "", "median", MAX_LATENCY),
-        Target(TITLE, (1920, 1080), "TCP: robot_vision.transport", "cpu_ms", 1.0),
+        Target(TITLE, (1920, 1080), "another process: robot_vision.transport", "cpu_ms", 1.0),
     ]
