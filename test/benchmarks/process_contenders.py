@@ -31,7 +31,9 @@ def nodes(bench: Bench, size: Size) -> List[Contender]:
         *(contender(counted(count), [*own, str(count)]) for count in COUNTS),
         contender("one process, both C++", [*plain, f"_nodelet_source:={bench.image(size)}"]),
         contender("TCP: roscpp, does nothing", plain, camera),
-        contender("another process: robot_vision.transport, a view", [*python, "transport"], camera),
+        contender(
+            "another process: robot_vision.transport, a view", [*python, "transport"], camera
+        ),
         contender("TCP: rospy + cv_bridge", [*python, "rospy"], camera),
     ]
 
