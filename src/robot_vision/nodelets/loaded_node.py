@@ -40,7 +40,7 @@ class LoadedNode:
             except BaseException as error:
                 self._context.end()
                 raise ValueError(_logged(self.name, error)) from None
-        keep_registered()
+        keep_registered().check()
 
     def finish(self) -> None:
         """Has the node end its work, when the process ends: all else is closed by then."""

@@ -29,19 +29,16 @@ UNREACHABLE_ERRORS = (
 )
 
 
-def keep_registered() -> None:
+@functools.lru_cache(maxsize=None)
+def keep_registered() -> "_Registration":
     """Keeps topics and services of this process's node registered until it is shut down.
 
     Existing connections stay. Private parameters of this node, and of those that were loaded into
-    its process, are set to their last values if a new master does not have them. Another call has
-    those noted at once that a loaded node has now.
+    its process, are set to their last values if a new master does not have them. The check() of
+    what is returned has those noted at once that a node has which was just loaded.
     """
-    _registration().check()
-
-
-@functools.lru_cache(maxsize=None)
-def _registration() -> "_Registration":
     registration = _Registration(rospy.names.get_name())
+    registration.check()
     # Has to end before the node unregisters itself.
     rospy.core.add_preshutdown_hook(lambda _reason: registration.ended.set())
     threading.Thread(target=registration.run, name="registration", daemon=True).start()
