@@ -7,6 +7,7 @@
 #include <mutex>
 #include <utility>
 
+#include "image_description.hpp"
 #include "robot_vision/common/shared_instance.hpp"
 #include "ros/shared_memory/adopted_vector.hpp"
 
@@ -66,16 +67,6 @@ struct HeldImage
   AdoptedVector pixels;
 };
 
-void describe(const ShmImage& from, sensor_msgs::Image& to)
-{
-  to.header = from.header;
-  to.height = from.height;
-  to.width = from.width;
-  to.encoding = from.encoding;
-  to.is_bigendian = from.is_bigendian;
-  to.step = from.step;
-}
-
 }  // namespace
 
 SharedImages::SharedImages(const std::string& topic) : held_(sharedInstance<HeldFrames>(topic))
@@ -92,11 +83,11 @@ sensor_msgs::ImagePtr SharedImages::hold(const ShmImage& message)
   if (memory && !AdoptedVector::kCopies && held_->add(slot))
   {
     const auto image = boost::make_shared<HeldImage>(held_, slot, std::move(memory));
-    describe(message, image->message);
+    copyDescription(message, image->message);
     return {image, &image->message};
   }
   const sensor_msgs::ImagePtr copy = copies_.take();
-  describe(message, *copy);
+  copyDescription(message, *copy);
   copy->data.clear();
   if (memory) copy->data.assign(memory->data(), memory->data() + memory->bytes());
   return copy;

@@ -9,6 +9,7 @@
 #include <numeric>
 #include <utility>
 
+#include "image_description.hpp"
 #include "robot_vision/common/shared_instance.hpp"
 #include "ros/shared_memory/adopted_vector.hpp"
 
@@ -100,13 +101,7 @@ bool SharedTopic::publish(const sensor_msgs::Image& image, const std::uint8_t* p
     }
     setAddress(published.slot->publish(), published.message);
   }
-  ShmImage& message = published.message;
-  message.header = image.header;
-  message.height = image.height;
-  message.width = image.width;
-  message.encoding = image.encoding;
-  message.is_bigendian = image.is_bigendian;
-  message.step = image.step;
+  copyDescription(image, published.message);
   return true;
 }
 
