@@ -41,8 +41,14 @@ def share(start: Callable[..., Any], source: str, target: str, *arguments: str) 
 
 def shared_files(process: support.Process) -> int:
     """How many files of memory a process has open."""
-    files = pathlib.Path(f"/proc/{process.pid}/fd")
-    return sum(os.readlink(str(file)).startswith("/memfd:") for file in files.iterdir())
+    return sum(map(_is_memory, pathlib.Path(f"/proc/{process.pid}/fd").iterdir()))
+
+
+def _is_memory(file: pathlib.Path) -> bool:
+    try:
+        return os.readlink(str(file)).startswith("/memfd:")
+    except FileNotFoundError:  # it was closed since the folder was listed
+        return False
 
 
 class Reader:
