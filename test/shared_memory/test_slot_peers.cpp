@@ -249,27 +249,31 @@ TEST(HostileReaders, thatAskForAnythingGetNothing)
 
 TEST(HostileReaders, thatSendTwoDescriptorsAreDisconnectedAndLeaveNone)
 {
+  constexpr std::size_t kAttacks = 20;
   SlotWriter writer;
-  const Guest guest(publish(writer));
-  ASSERT_TRUE(becomes([&] { return writer.readers() == 1; }));  // those of other tests have gone
   const std::size_t before = openDescriptors();
-  SlotRequest request;
-  iovec vector{&request, sizeof(request)};
-  alignas(cmsghdr) std::array<char, CMSG_SPACE(2 * sizeof(int))> control{};
-  msghdr header{};
-  header.msg_iov = &vector;
-  header.msg_iovlen = 1;
-  header.msg_control = control.data();
-  header.msg_controllen = control.size();
-  cmsghdr* item = CMSG_FIRSTHDR(&header);
-  item->cmsg_level = SOL_SOCKET;
-  item->cmsg_type = SCM_RIGHTS;
-  item->cmsg_len = CMSG_LEN(2 * sizeof(int));
-  const std::array<int, 2> numbers{guest.row.descriptor.get(), guest.row.descriptor.get()};
-  std::memcpy(CMSG_DATA(item), numbers.data(), sizeof(numbers));
-  ASSERT_EQ(sendmsg(guest.socket.get(), &header, 0), static_cast<ssize_t>(sizeof(request)));
-  EXPECT_TRUE(isClosed(guest.socket));
-  EXPECT_TRUE(becomes([&] { return openDescriptors() == before - 1; })) << openDescriptors();
+  for (std::size_t attack = 0; attack < kAttacks; ++attack)
+  {
+    const Guest guest(publish(writer));
+    SlotRequest request;
+    iovec vector{&request, sizeof(request)};
+    alignas(cmsghdr) std::array<char, CMSG_SPACE(2 * sizeof(int))> control{};
+    msghdr header{};
+    header.msg_iov = &vector;
+    header.msg_iovlen = 1;
+    header.msg_control = control.data();
+    header.msg_controllen = control.size();
+    cmsghdr* item = CMSG_FIRSTHDR(&header);
+    item->cmsg_level = SOL_SOCKET;
+    item->cmsg_type = SCM_RIGHTS;
+    item->cmsg_len = CMSG_LEN(2 * sizeof(int));
+    const std::array<int, 2> numbers{guest.row.descriptor.get(), guest.row.descriptor.get()};
+    std::memcpy(CMSG_DATA(item), numbers.data(), sizeof(numbers));
+    ASSERT_EQ(sendmsg(guest.socket.get(), &header, 0), static_cast<ssize_t>(sizeof(request)));
+    EXPECT_TRUE(isClosed(guest.socket));
+  }
+  // Half of them: the writer has memory and a socket of its own, and its thread may not yet have closed the last ones.
+  EXPECT_TRUE(becomes([&] { return openDescriptors() < before + kAttacks / 2; })) << openDescriptors() << " after " << before;
 }
 
 TEST(HostileReaders, thatDoNotReadAnswersAreDisconnected)
