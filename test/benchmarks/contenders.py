@@ -186,6 +186,7 @@ COMPARISONS: Tuple[Tuple[str, Contenders, Sizes], ...] = (
     ),
     (stereo_contenders.TITLE, stereo_contenders.nodes, SIZES[:1]),
     (process_contenders.TITLE, process_contenders.nodes, SIZES),
+    (process_contenders.DRAWN, process_contenders.drawn, SIZES),
     (stream_contenders.TITLE, stream_contenders.streams, SIZES),
     (stream_contenders.PASSED, stream_contenders.passed_on, SIZES),
     *(

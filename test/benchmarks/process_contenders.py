@@ -8,9 +8,19 @@ from results import Size, Target
 
 TITLE = "A camera and who receives its frames"
 OURS = "one process, {} in Python"
+DRAWN = "A camera that draws its frames where they are sent from, and a Python node in its process"
 COUNTS = (1, 4, 12)  # nodes of a process
+RECEIVER = str(HERE / "process_receiver")
 CAMERA = "image:=/camera/image_raw"
 MAX_LATENCY = 0.5  # ms, from the camera to the callback
+
+
+def contender(name: str, *commands: Command) -> Contender:
+    return Contender(name, list(commands), own_camera=True, warm_up=3)
+
+
+def drawn(_bench: Bench, size: Size) -> List[Contender]:
+    return [contender(counted(1), [RECEIVER, "{}x{}".format(*size), str(RATE), "1"])]
 
 
 def counted(nodes: int) -> str:
@@ -22,10 +32,7 @@ def nodes(bench: Bench, size: Size) -> List[Contender]:
     camera = node("robot_vision", "camera_node", "camera", *source)
     python = [str(HERE / "python_receiver"), CAMERA]
     plain = bench.program("plain_receiver", CAMERA)
-    own = [str(HERE / "process_receiver"), str(bench.image(size)), str(RATE)]
-
-    def contender(name: str, *commands: Command) -> Contender:
-        return Contender(name, list(commands), own_camera=True, warm_up=3)
+    own = [RECEIVER, str(bench.image(size)), str(RATE)]
 
     return [
         *(contender(counted(count), [*own, str(count)]) for count in COUNTS),
@@ -40,6 +47,6 @@ def nodes(bench: Bench, size: Size) -> List[Contender]:
 
 def targets() -> List[Target]:
     return [
-        Target(TITLE, (1920, 1080), "", "median", MAX_LATENCY),
+        *(Target(title, (1920, 1080), "", "median", MAX_LATENCY) for title in (TITLE, DRAWN)),
         Target(TITLE, (1920, 1080), "another process: robot_vision.transport", "cpu_ms", 1.0),
     ]
