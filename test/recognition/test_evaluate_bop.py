@@ -75,10 +75,56 @@ def test_figures_and_results_are_those_of_the_truth(folder, run, tmp_path):
 def test_what_is_wrong_is_told(folder, run, tmp_path):
     root, _ = folder
     assert "is no BOP data set" in run(tmp_path)[2]
-    scene = root / "test" / "000003"
-    (scene / "rgb" / "000001.png").unlink()
+    (root / "test" / "000003" / "rgb" / "000001.png").unlink()
     code, _, err = run(root)
     assert code == 1 and "000001.png" in err and err.count("\n") == 1
-    (scene / "scene_gt.json").write_text(json.dumps([1]))
+
+
+TRUTH, CAMERA = "scene_gt.json", "scene_camera.json"
+
+
+@pytest.mark.parametrize(
+    "file, change, told",
+    [
+        (TRUTH, lambda _: [1], "it is [1], must be an object of JSON"),
+        (TRUTH, lambda all_: {"a": all_["0"]}, "a frame is 'a', must be a number"),
+        (TRUTH, lambda _: {"0": 5}, "frame 0: it is 5, must be a list of poses"),
+        (TRUTH, lambda _: {"0": [{}]}, "frame 0: obj_id is None, must be a whole number"),
+        (TRUTH, lambda _: {"0": [{"obj_id": 5}]}, "frame 0: cam_R_m2c is None, must be 3 rows"),
+        (TRUTH, lambda _: {}, "no frames in "),
+        (CAMERA, lambda all_: {"0": all_["0"]}, "frame 1: scene_camera.json has no camera of it"),
+        (
+            CAMERA,
+            lambda _: {"0": {"cam_K": [1, "x"]}},
+            "frame 0: cam_K is [1, 'x'], must be 3 rows",
+        ),
+        (
+            CAMERA,
+            lambda all_: {"0": {**all_["0"], "depth_scale": 1e300}},
+            "frame 0: depth_scale is",
+        ),
+        (
+            CAMERA,
+            lambda all_: {"0": {**all_["0"], "depth_scale": -1}},
+            "frame 0: depth_scale is -1",
+        ),
+    ],
+)
+def test_damaged_json_is_told_before_anything_is_learned(
+    folder, run, monkeypatch, file, change, told
+):
+    root, _ = folder
+    path = root / "test" / "000003" / file
+    path.write_text(json.dumps(change(json.loads(path.read_text()))))
+    monkeypatch.setattr(evaluate_bop, "ViewTraining", None)
     code, _, err = run(root)
-    assert code == 1 and "scene_gt.json" in err and "must be an object of JSON" in err
+    assert code == 1 and told in err and err.count("\n") == 1
+
+
+@pytest.mark.parametrize("text", ["", "{", "[" * 100000, "\xff", "NaN"])
+def test_what_is_no_json_is_told(folder, run, text):
+    root, _ = folder
+    path = root / "test" / "000003" / TRUTH
+    path.write_text(text, "latin-1")
+    code, _, err = run(root)
+    assert code == 1 and str(path) in err and err.count("\n") == 1

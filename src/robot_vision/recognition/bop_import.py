@@ -159,7 +159,7 @@ def _observation(
         raise ValueError("scene_camera.json has no camera of it")
     pose = pose_of(truth)
     rgb = load_image(rgb_path(path, frame), _color)
-    depth = depth_in_mm(read_data(path, "depth", f"{frame:06d}.png"), number(camera, "depth_scale"))
+    depth = depth_in_mm(read_data(path, "depth", f"{frame:06d}.png"), depth_scale_of(camera))
     mask = read_data(path, "mask_visib", f"{frame:06d}_{index:06d}.png")
     return Observation(session, frame, rgb, depth, mask, matrix(camera, "cam_K", 3), pose)
 
@@ -170,6 +170,14 @@ def pose_of(truth: Dict[str, Any]) -> np.ndarray:
     pose[:3, :3] = matrix(truth, "cam_R_m2c", 3)
     pose[:3, 3] = MM * np.array(numbers(truth, "cam_t_m2c", 3))
     return pose
+
+
+def depth_scale_of(camera: Dict[str, Any]) -> float:
+    """Returns by what the numbers of depth images are to be multiplied for mm."""
+    scale = number(camera, "depth_scale")
+    if scale <= 0.0:
+        raise ValueError(f"depth_scale is {scale:g}, must be positive")
+    return scale
 
 
 def rgb_path(scene: str, frame: int) -> str:

@@ -4,7 +4,7 @@ import argparse
 import os
 import sys
 import time
-from typing import Any, Dict, List, NamedTuple, Sequence
+from typing import Dict, Iterator, List, NamedTuple, Sequence, Tuple
 
 import numpy as np
 
@@ -19,6 +19,7 @@ from .bop_export import MODELS_INFO
 from .bop_import import (
     MODEL,
     depth_in_mm,
+    depth_scale_of,
     frame_number,
     is_bop,
     optional_json,
@@ -28,8 +29,8 @@ from .bop_import import (
     truths_of,
 )
 from .database.folder_files import entries_of, read_data, read_json
-from .database.json_values import matrix, number
-from .found import KnownObject
+from .database.json_values import integer, matrix
+from .found import Found, KnownObject
 from .known_objects import corners_of
 from .mesh_data import unpack_mesh
 from .recognizer import RecognitionParams, Recognizer
@@ -50,6 +51,15 @@ class _Model(NamedTuple):
     points: np.ndarray
     diameter: float
     is_symmetric: bool
+
+
+class _Frame(NamedTuple):
+    folder: str  # of its scene
+    scene: int
+    number: int
+    camera_matrix: np.ndarray
+    depth_scale: float  # mm
+    truths: List[Tuple[int, np.ndarray]]  # numbers and poses of the objects in it
 
 
 def main() -> int:
@@ -77,33 +87,30 @@ def evaluate(arguments: argparse.Namespace) -> None:
     if not is_bop(arguments.folder):
         raise ValueError(f"{arguments.folder} is no BOP data set: no models/obj_000001.ply or such")
     split = os.path.join(arguments.folder, arguments.split)
-    scenes = list(entries_of(split))
-    if not scenes:
-        raise ValueError(f"no scenes in {split}")
+    frames = [frame for scene in entries_of(split) for frame in _frames(split, scene)]
+    if not frames:
+        raise ValueError(f"no frames in {split}")
     models = _models(os.path.join(arguments.folder, "models"))
     numbers = list(models)
     recognizer = Recognizer([models[one].known for one in numbers], RecognitionParams.defaults())
     counts = {one: [0, 0, 0] for one in numbers}  # there, right, false
     rows, times = ["scene_id,im_id,obj_id,score,R,t,time"], []
-    for scene in scenes:
-        path = os.path.join(split, scene)
-        cameras, truths = read_json(path, "scene_camera.json"), read_json(path, "scene_gt.json")
-        for frame in sorted(truths, key=frame_number):
-            with about(f"{path}: frame {frame}"):
-                seen = _seen(path, int(frame), cameras.get(frame))
-                there = [(one.get("obj_id"), pose_of(one)) for one in truths_of(truths[frame])]
-            begin = time.monotonic()
-            found, _ = recognizer.recognize(*seen)
-            times.append(time.monotonic() - begin)
-            by_object = [(int(one.object.id), one) for one in found]
-            rows += [_row(frame_number(scene), frame, *one, times[-1]) for one in by_object]
-            for index in numbers:
-                own = [one.pose for of, one in by_object if of == index]
-                _count(models[index], [p for of, p in there if of == index], own, counts[index])
+    for frame in frames:
+        with about(f"{frame.folder}: frame {frame.number}"):
+            seen = _seen(frame)
+        begin = time.monotonic()
+        found, _ = recognizer.recognize(*seen)
+        times.append(time.monotonic() - begin)
+        by_object = [(int(one.object.id), one) for one in found]
+        rows += [_row(frame, *one, times[-1]) for one in by_object]
+        for index in numbers:
+            there = [pose for of, pose in frame.truths if of == index]
+            own = [one.pose for of, one in by_object if of == index]
+            _count(models[index], there, own, counts[index])
     for index, (all_, right, wrong) in counts.items():
         recall = f"{right / all_:.1%}" if all_ else "-"
         print(f"object {index}: {right} of {all_} found, {recall}; {wrong} false")
-    print(f"{len(times)} images, {np.mean(times) if times else 0.0:.3f} s each")
+    print(f"{len(times)} images, {np.mean(times):.3f} s each")
     if arguments.output:
         replace_file(arguments.output, ("\n".join(rows) + "\n").encode())
 
@@ -126,17 +133,30 @@ def _models(folder: str) -> Dict[int, _Model]:
     return models
 
 
-def _seen(path: str, frame: int, camera: Any) -> Any:
-    if not isinstance(camera, dict):
-        raise ValueError("scene_camera.json has no camera of it")
-    bgr = load_image(rgb_path(path, frame), sensor_pixels)
-    data = read_data(path, "depth", f"{frame:06d}.png")
-    depth = sensor_pixels(depth_in_mm(data, number(camera, "depth_scale")), -1)
+def _frames(split: str, scene: str) -> Iterator[_Frame]:
+    folder = os.path.join(split, scene)
+    cameras, truths = read_json(folder, "scene_camera.json"), read_json(folder, "scene_gt.json")
+    for frame in sorted(truths, key=frame_number):
+        with about(f"{folder}: frame {frame}"):
+            there = [(integer(one, "obj_id"), pose_of(one)) for one in truths_of(truths[frame])]
+            camera = cameras.get(frame)
+            if not isinstance(camera, dict):
+                raise ValueError("scene_camera.json has no camera of it")
+            values = matrix(camera, "cam_K", 3), depth_scale_of(camera)
+            yield _Frame(folder, frame_number(scene), int(frame), *values, there)
+
+
+def _seen(frame: _Frame) -> Tuple[np.ndarray, np.ndarray, CameraModel]:
+    bgr = load_image(rgb_path(frame.folder, frame.number), sensor_pixels)
+    data = read_data(frame.folder, "depth", f"{frame.number:06d}.png")
+    depth = sensor_pixels(depth_in_mm(data, frame.depth_scale), -1)
     height, width = bgr.shape[:2]
-    return bgr, depth, CameraModel(width, height, matrix(camera, "cam_K", 3), [])
+    return bgr, depth, CameraModel(width, height, frame.camera_matrix, [])
 
 
-def _count(model: _Model, truths: List[Any], found: List[Any], counts: List[int]) -> None:
+def _count(
+    model: _Model, truths: List[np.ndarray], found: List[np.ndarray], counts: List[int]
+) -> None:
     """Gives each truth the first pose that is right, and counts those that are left as false."""
     left = list(found)
     for truth in truths:
@@ -148,7 +168,7 @@ def _count(model: _Model, truths: List[Any], found: List[Any], counts: List[int]
     counts[2] += len(left)
 
 
-def _distance(model: _Model, found: Any, truth: Any) -> float:
+def _distance(model: _Model, found: np.ndarray, truth: np.ndarray) -> float:
     """Returns ADD, or ADD-S of an object with symmetries, as a share of the diameter."""
     here, there = (model.points @ pose[:3, :3].T + pose[:3, 3] for pose in (found, truth))
     if not model.is_symmetric:
@@ -157,7 +177,9 @@ def _distance(model: _Model, found: Any, truth: Any) -> float:
     return float(apart.min(axis=1).mean() / model.diameter)
 
 
-def _row(scene: int, frame: str, index: int, one: Any, seconds: float) -> str:
+def _row(frame: _Frame, index: int, one: Found, seconds: float) -> str:
     turn = " ".join(f"{value:.8f}" for value in one.pose[:3, :3].ravel())
     place = " ".join(f"{value:.4f}" for value in one.pose[:3, 3] / MM)
-    return f"{scene},{int(frame)},{index},{one.probability:.4f},{turn},{place},{seconds:.4f}"
+    return (
+        f"{frame.scene},{frame.number},{index},{one.probability:.4f},{turn},{place},{seconds:.4f}"
+    )
