@@ -30,7 +30,13 @@ class Bonds:
             if counts:
                 threading.Thread(target=on_broken, name="unload", daemon=True).start()
 
-        bond = Bond(self._topic, bond_id, on_broken=broken)
+        def formed() -> None:
+            # A bond of Python waits for a second sign of life before it misses any: who was killed
+            # between the two would be taken for alive for ever. The lock is that of all restarts.
+            with bond.lock:
+                bond.heartbeat_timer.reset()
+
+        bond = Bond(self._topic, bond_id, on_broken=broken, on_formed=formed)
         with self._lock:
             self._bonds[name] = bond
         bond.start()
