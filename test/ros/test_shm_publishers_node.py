@@ -1,5 +1,7 @@
 """Publishers of shm that come, go, are killed and start again: the images go on."""
 
+import time
+
 import numpy as np
 import pytest
 import rosgraph
@@ -7,10 +9,11 @@ import rospy
 import support
 from frames import Frames, Source, message, new_topic, noise
 from sensor_msgs.msg import Image
-from shared_images import Reader, uses_raw, uses_shm
+from shared_images import REPUBLISH, Reader, uses_raw, uses_shm
 
 ROUNDS = 5
 DROPPED = "frames not shared"  # on /diagnostics
+RATE = 30.0  # Hz, at which images are sent at most, each when a plain subscriber has the one before
 
 
 class CameraNode:
@@ -69,6 +72,38 @@ def test_a_killed_camera_comes_back_with_another_size_and_encoding(camera):
     sequences = [frame.header.seq for frame in frames.received]
     stamps = [frame.header.stamp for frame in frames.received]
     assert len(set(stamps)) == len(sequences)  # none came twice
+
+
+def test_a_publisher_that_was_killed_and_started_again_is_read_within_a_second(start):
+    source, topic = Source(new_topic()), new_topic()
+    plain, frames = support.Messages(topic, Image), Frames(topic)
+    image = message(noise("bgr8"), "bgr8")
+
+    def images_until(condition):
+        """Starts the publisher, and kills it when its frames fulfil a condition.
+
+        Returns how many images the plain subscriber has then. None is sent before it has the last.
+        """
+        process = start(REPUBLISH, "raw", f"in:={source.topic}", f"out:={topic}", "__name:=again")
+        source.wait_for()
+        before, first = len(plain.received), len(frames.received)
+
+        def sent():
+            count = len(plain.received)
+            source.send(image)
+            time.sleep(1.0 / RATE)
+            if count > before:  # It is connected, so that nothing can be lost.
+                plain.wait(count + 1)
+            return condition(frames.received[first:])
+
+        support.wait_for(sent, "frames of the publisher")
+        process.kill()
+        process.exit_code()
+        return len(plain.received) - before
+
+    for _ in range(ROUNDS):
+        images_until(lambda frames: frames and uses_shm(my_images(), topic))
+        assert images_until(bool) <= RATE
 
 
 def test_killed_readers_cost_the_others_nothing(start, camera):

@@ -125,6 +125,8 @@ def test_nothing_is_shared_while_nobody_reads_over_shm(start, shared):
     source.send(stamped(message(noise("bgr8"), "bgr8"), 1))
     raw.wait()
     assert shared_files(process) == 0
-    Reader(start, topic)
+    reader = Reader(start, topic)
     image = stamped(message(noise("bgr8"), "bgr8"), 1)
     send_until(source, image, lambda: shared_files(process) > 0, "shared memory")
+    reader.process.kill()
+    support.wait_for(lambda: shared_files(process) == 0, "the end of shared memory")

@@ -247,6 +247,25 @@ TEST(Slots, memoryThatIsNeededNoLongerIsFreed)
   EXPECT_EQ(writer.counts().slots, SlotWriter::Limits().min_slots);
 }
 
+TEST(Slots, theMemoryOfAWriterThatRestsIsGivenBackButForWhatIsHeld)
+{
+  SlotWriter writer;
+  SlotReader reader;
+  const Held held = reader.hold(publish(writer, 1));
+  auto in_use = writer.take(kBytes);
+  publish(writer, 2);
+  EXPECT_EQ(writer.counts().slots, 3U);
+  writer.rest();
+  EXPECT_EQ(writer.counts().slots, 1U);
+  in_use.reset();
+  EXPECT_EQ(writer.counts().slots, 0U);
+  EXPECT_EQ(writer.counts().bytes, 0U);
+  EXPECT_TRUE(isFrame(*held, 1));
+  EXPECT_EQ(processes::mappedMemory(), 1U + 2U);  // what the reader holds, and the row
+  EXPECT_TRUE(isFrame(*reader.hold(publish(writer, 3)), 3));
+  EXPECT_EQ(writer.counts().slots, 1U);  // it rests no longer
+}
+
 TEST(Slots, aFrameOutlivesItsReaderAndItsWriter)
 {
   auto reader = std::make_unique<SlotReader>();

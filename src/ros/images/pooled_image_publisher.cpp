@@ -1,5 +1,7 @@
 #include "pooled_image_publisher.hpp"
 
+#include <utility>
+
 #include "advertising_lock.hpp"
 
 namespace robot_vision
@@ -18,8 +20,10 @@ PooledImagePublisher::PooledImagePublisher(const std::string& topic, image_trans
 void PooledImagePublisher::close()
 {
   const AdvertisingLock advertising;
-  const std::lock_guard<std::mutex> lock(mutex_);
+  image_transport::Publisher ending;  // with the settings of the transports, which have topics of their own
+  const std::lock_guard<std::mutex> lock(mutex_);  // which goes before they do, as their end waits for callbacks
   publisher_.shutdown();
+  std::swap(ending, publisher_);
 }
 
 std::uint32_t PooledImagePublisher::subscribers() const

@@ -72,6 +72,11 @@ bool SharedTopic::isRead() const
                      });
 }
 
+void SharedTopic::freeUnread()
+{
+  if (!isRead()) writer_.rest();
+}
+
 sensor_msgs::ImagePtr SharedTopic::make(std::size_t bytes)
 {
   if (AdoptedVector::kCopies || !isRead() || bytes == 0) return nullptr;

@@ -37,6 +37,8 @@ public:
   void addPublisher(const std::shared_ptr<IsRead>& is_read);
   /// Whether anybody reads the topic over shm.
   bool isRead() const;
+  /// Gives the memory back if the last reader has gone; frames that readers hold stay as they are.
+  void freeUnread();
 
   /// A message whose data has that many bytes of shared memory; the rest is empty. Null if nobody reads over shm, if
   /// readers hold all the memory there may be, or where a std::vector cannot stand on such memory.

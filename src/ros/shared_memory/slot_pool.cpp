@@ -39,7 +39,7 @@ SlotPool::SlotPool(const SlotWriter::Limits& limits, std::shared_ptr<SlotServer>
 
 SlotPool::~SlotPool()
 {
-  if (isOfThisProcess()) close();
+  if (isOfThisProcess()) rest();
 }
 
 /// How many slots of so many bytes one reader may hold.
@@ -53,6 +53,7 @@ std::shared_ptr<WritableSlot> SlotPool::take(std::size_t bytes)
   if (!isOfThisProcess()) return nullptr;
   const std::lock_guard<std::mutex> lock(mutex_);
   ++takes_;
+  rests_ = false;
   try
   {
     if (!server_) server_ = SlotServer::ofProcess();
@@ -213,16 +214,16 @@ void SlotPool::giveBack(PooledSlot& slot)
   if (!isOfThisProcess()) return;
   const std::lock_guard<std::mutex> lock(mutex_);
   slot.in_use = false;
-  if (!closed_) return;
+  if (!rests_) return;
   const auto is_it = [&slot](const PooledSlot& other) { return &other == &slot; };
   discard(std::find_if(slots_.begin(), slots_.end(), is_it));
 }
 
-void SlotPool::close()
+void SlotPool::rest()
 {
   if (!isOfThisProcess()) return;
   const std::lock_guard<std::mutex> lock(mutex_);
-  closed_ = true;
+  rests_ = true;
   for (auto slot = slots_.begin(); slot != slots_.end();)
     slot = slot->in_use ? std::next(slot) : discard(slot);
 }

@@ -43,8 +43,8 @@ public:
   std::shared_ptr<WritableSlot> take(std::size_t bytes);
   SlotAddress publish(PooledSlot& slot, std::size_t bytes);
   void giveBack(PooledSlot& slot);
-  /// Frees what is free, now and when it is given back.
-  void close();
+  /// Frees what is free, now and when it is given back, until the next take().
+  void rest();
 
   SlotWriter::Counts counts() const;
   std::size_t readers() const;
@@ -73,7 +73,7 @@ private:
   Slots slots_;
   std::size_t bytes_ = 0;  // of all memory
   std::uint64_t takes_ = 0;
-  bool closed_ = false;
+  bool rests_ = false;
   std::uint64_t dropped_ = 0;
   std::string reason_;
 };

@@ -65,7 +65,7 @@ SlotWriter::SlotWriter(const Limits& limits, std::shared_ptr<SlotServer> server)
 
 SlotWriter::~SlotWriter()
 {
-  pool_->close();
+  pool_->rest();
 }
 
 std::shared_ptr<WritableSlot> SlotWriter::take(std::size_t bytes)
@@ -76,6 +76,11 @@ std::shared_ptr<WritableSlot> SlotWriter::take(std::size_t bytes)
   const std::lock_guard<std::mutex> lock(in_use.mutex);
   in_use.slots[slot->data()] = slot;
   return slot;
+}
+
+void SlotWriter::rest()
+{
+  pool_->rest();
 }
 
 SlotWriter::Counts SlotWriter::counts() const

@@ -77,6 +77,9 @@ public:
   /// In a forked child it is always null: the slots are the parent's.
   std::shared_ptr<WritableSlot> take(std::size_t bytes);
 
+  /// Gives back what memory is not in use, and what is in use as soon as it is not, unless take() needs it by then.
+  void rest();
+
   Counts counts() const;
   /// Processes that are connected to this one's socket, whichever of its topics they read.
   std::size_t readers() const;

@@ -46,12 +46,14 @@ private:
                      bool latch) override
   {
     latch_ = latch;
-    Plugin::advertiseImpl(nh, base_topic, queue_size, on_connect, on_disconnect, tracked_object, latch);
     topic_ = SharedTopic::of(nh.resolveName(base_topic, /*remap=*/false));  // image_transport has remapped it
+    Plugin::advertiseImpl(nh, base_topic, queue_size, on_connect, on_disconnect, tracked_object, latch);
     is_read_ = std::make_shared<SharedTopic::IsRead>([publisher = getPublisher()]
                                                      { return publisher.getNumSubscribers() > 0; });
     topic_->addPublisher(is_read_);
   }
+
+  void disconnectCallback(const ros::SingleSubscriberPublisher& /*subscriber*/) override { topic_->freeUnread(); }
 
   /// For one new subscriber.
   void publish(const sensor_msgs::Image& message, const PublishFn& send) const override
