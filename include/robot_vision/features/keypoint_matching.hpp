@@ -110,8 +110,8 @@ public:
   explicit KeypointMatcher(const KeypointParams& keypoints = KeypointParams(),
                            const MatchParams& params = MatchParams());
   ~KeypointMatcher();
-  KeypointMatcher(KeypointMatcher&&) noexcept;
-  KeypointMatcher& operator=(KeypointMatcher&&) noexcept;
+  KeypointMatcher(KeypointMatcher&&);
+  KeypointMatcher& operator=(KeypointMatcher&&);
 
   /// Sets the reference, whose keypoints are found and described here once. One with a side of more than 1280 px is
   /// made smaller for it; positions are always those of `image`. Throws std::invalid_argument if it has too few

@@ -123,8 +123,8 @@ KeypointMatcher::KeypointMatcher(const KeypointParams& keypoints, const MatchPar
 }
 
 KeypointMatcher::~KeypointMatcher() = default;
-KeypointMatcher::KeypointMatcher(KeypointMatcher&&) noexcept = default;
-KeypointMatcher& KeypointMatcher::operator=(KeypointMatcher&&) noexcept = default;
+KeypointMatcher::KeypointMatcher(KeypointMatcher&&) = default;
+KeypointMatcher& KeypointMatcher::operator=(KeypointMatcher&&) = default;
 
 void KeypointMatcher::setReference(const cv::Mat& image, const std::string& encoding)
 {

@@ -5,7 +5,6 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
-#include <optional>
 #include <sstream>
 #include <stdexcept>
 #include <system_error>
@@ -23,19 +22,20 @@ constexpr std::uintmax_t kMaxFileSize = std::uintmax_t{1} << 30;  // bytes
 constexpr std::size_t kHeadSize = 65536;                          // bytes, in which PLY says what there is
 constexpr std::size_t kStlHeader = 80, kStlTriangle = 50;         // bytes
 
-/// How many triangles a binary STL file has, which is known by its size.
-std::optional<std::uint64_t> stlTriangles(const std::string& head, std::uintmax_t size)
+/// How many triangles a binary STL file has, which is known by its size; 0 of any other file.
+std::uint64_t stlTriangles(const std::string& head, std::uintmax_t size)
 {
   std::uint32_t count = 0;
-  if (head.size() < kStlHeader + sizeof(count)) return {};
+  if (head.size() < kStlHeader + sizeof(count)) return 0;
   std::memcpy(&count, head.data() + kStlHeader, sizeof(count));  // little-endian, as all of our machines
-  if (size != kStlHeader + sizeof(count) + std::uintmax_t{count} * kStlTriangle) return {};
+  if (size != kStlHeader + sizeof(count) + std::uintmax_t{count} * kStlTriangle) return 0;
   return count;
 }
 
-std::optional<std::uint64_t> plyTriangles(const std::string& head)
+/// How many faces a PLY file says that it has; 0 of any other file.
+std::uint64_t plyTriangles(const std::string& head)
 {
-  if (head.compare(0, 3, "ply") != 0) return {};
+  if (head.compare(0, 3, "ply") != 0) return 0;
   const std::size_t end = head.find("end_header");
   // assimp would look for it until its time is over.
   if (end == std::string::npos) throw std::invalid_argument("its header has no end_header");
@@ -43,7 +43,7 @@ std::optional<std::uint64_t> plyTriangles(const std::string& head)
   const std::string element = "element face ";
   for (std::string line; std::getline(lines, line);)
     if (line.compare(0, element.size(), element) == 0) return std::strtoull(line.c_str() + element.size(), nullptr, 10);
-  return {};
+  return 0;
 }
 
 }  // namespace
@@ -62,10 +62,10 @@ void checkMeshFile(const std::string& path)
   head.resize(static_cast<std::size_t>(file.gcount()));
   if (error || file.bad() || !file.is_open()) throw std::runtime_error("cannot be read: Permission denied");
   if (head.empty()) throw std::invalid_argument("it is empty");
-  std::optional<std::uint64_t> count = stlTriangles(head, size);
-  if (!count) count = plyTriangles(head);
-  if (count && *count > kMaxMeshTriangles)
-    throw std::invalid_argument("it has " + std::to_string(*count) + " triangles, must have at most " +
+  std::uint64_t count = stlTriangles(head, size);
+  if (count == 0) count = plyTriangles(head);
+  if (count > kMaxMeshTriangles)
+    throw std::invalid_argument("it has " + std::to_string(count) + " triangles, must have at most " +
                                 std::to_string(kMaxMeshTriangles));
   if (size > kMaxFileSize)
     throw std::invalid_argument("it has " + std::to_string(size >> 20) + " MB, must have at most " +
