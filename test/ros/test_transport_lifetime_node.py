@@ -219,8 +219,8 @@ def test_subscribing_and_unsubscribing_4000_times(start, run_script):
     *readings, files = [line.split() for line in process.output().splitlines()]
     assert int(readings[-1][0]) == CYCLES
     _, used, threads = np.array(readings, float).T
-    # Single readings differ by frames on their way and by threads that are about to end, so the lowest
-    # ones count. A leak of one frame per cycle would be 110 MiB.
+    # Single readings differ by frames on their way and by threads that are about to end, so the
+    # lowest ones count. A leak of one frame per cycle would be 110 MiB.
     quarter = len(used) // 4
     growth = min(used[-quarter:]) - min(used[quarter : 2 * quarter])
     assert growth < 1.6, f"{growth:.1f} MiB in {CYCLES // 2} cycles: {np.round(used, 1)}"
