@@ -31,19 +31,23 @@ FOUND = {
 OF_OTHER_INPUTS = {"demo_status", "detections_3d", "face_recognizer", "tabletop"}
 MIN_FRAMES = 6  # some nodes need more than one to be sure
 MAX_FRAMES = 60
-NODES = [name.partition("/")[2] for name in type_names()]
+NODES = sorted({name.partition("/")[2] for name in type_names()} - OF_OTHER_INPUTS)
 
 
 class BothWays:
     """A node that runs as /alone_NAME and as /loaded_NAME."""
 
-    def __init__(self, start, kind, image):
+    def __init__(self, start, manager, kind):
         self.kind = kind
-        manager = PythonManager(start)
-        before = graph_of(NAME, NAME + "_images")
-        start(kind + ".py", f"__name:=alone_{kind}", f"image:={image}")
-        manager.load(f"/loaded_{kind}", f"robot_vision/{kind}", {"/image": image})
-        self._before = before
+        self.image = f"/{kind}/image"
+        self._manager = manager
+        self._before = graph_of(NAME, NAME + "_images")
+        self._alone = start(kind + ".py", f"__name:=alone_{kind}", f"image:={self.image}")
+        manager.load(f"/loaded_{kind}", f"robot_vision/{kind}", {"/image": self.image})
+
+    def end(self):
+        self._alone.end()
+        self._manager.unload(f"/loaded_{self.kind}")
 
     def graph(self, way):
         """What it publishes, subscribes to and serves, without its namespace."""
@@ -63,13 +67,20 @@ class BothWays:
         return master.getParam(name) if master.hasParam(name) else {}
 
 
-@pytest.fixture
-def both(start, request):
-    camera = Camera(rate=30.0)
-    node = BothWays(start, request.param, camera.topic)
-    node.camera = camera
-    same(lambda way: node.graph(way))
-    return node
+@pytest.fixture(scope="module")
+def manager(start_once):
+    return PythonManager(start_once)
+
+
+@pytest.fixture(scope="module")
+def both(start_once, manager, request):
+    """All tests of a node, which follow each other, look at the same two."""
+    node = BothWays(start_once, manager, request.param)
+    try:
+        same(node.graph)
+        yield node
+    finally:
+        node.end()
 
 
 def same(look):
@@ -81,7 +92,8 @@ def same(look):
         raise
 
 
-@pytest.mark.parametrize("both", NODES, indirect=True)
+# pytest knows by their numbers which parameters of two tests are the same.
+@pytest.mark.parametrize("both", [*NODES, *sorted(OF_OTHER_INPUTS)], indirect=True)
 def test_names_types_and_parameters_are_the_same(both):
     same(lambda way: {"of it": both.params(way)})
     served = {name for what, name, _ in both.graph("loaded") if what == "serves"}
@@ -140,15 +152,16 @@ def text_of(messages, stamp, way):
     return ""
 
 
-@pytest.mark.parametrize("both", sorted({*NODES} - OF_OTHER_INPUTS), indirect=True)
+@pytest.mark.parametrize("both", NODES, indirect=True)
 def test_results_of_the_same_frames_are_the_same(both):
     alone, loaded = (results_of(way, both.kind) for way in ("alone", "loaded"))
     assert set(alone) == set(loaded) and alone
-    both.camera.wait_for(2)
+    camera = Camera(rate=30.0, topic=both.image)
+    camera.wait_for(2)
     image = rv.Scene().render(60)
     differing = []
     for count in range(MAX_FRAMES):
-        stamp = both.camera.show(image).stamp
+        stamp = camera.show(image).stamp
         for topics in (alone, loaded):
             if "processed_image" in topics:
                 topics["processed_image"].of(stamp)

@@ -97,7 +97,7 @@ def test_while_waiting_for_the_master(start, node, argument, waiting):
 
 @pytest.mark.parametrize("node", [*NODES, *PAIR_NODES, *PYTHON_NODES])
 def test_while_idle(start, diagnostics, node):
-    process = start(node, "__name:=idle", "_source:=synthetic", fork=False)
+    process = start(node, "__name:=idle", "_source:=synthetic")
     diagnostics.next("idle")
     process.interrupt()
     assert process.prompt_exit_code() == 0, process.output()

@@ -197,11 +197,15 @@ run_node("interrupted_{}", start)
 TOGETHER = 4  # processes at a time
 
 
+@pytest.fixture(scope="module")
+def camera(start_once):
+    size = ["_image_width:=160", "_image_height:=120"]
+    return start_once("camera_node", "__name:=camera", "_source:=synthetic", *size)
+
+
 @pytest.fixture
-def run(start, run_script):
+def run(camera, run_script):
     """run(script) starts a script as a node whose topic `image` is a camera's."""
-    size = ["_image_width:=640", "_image_height:=480"]
-    start("camera_node", "__name:=camera", "_source:=synthetic", "_always_subscribe:=true", *size)
     return lambda script: run_script(HEAD + script, "image:=/camera/image_raw")
 
 

@@ -142,8 +142,8 @@ class Source:
 class Camera(Source):
     """Publishes images with the stamps of a rate in Hz, however fast they are sent."""
 
-    def __init__(self, rate: float):
-        super().__init__(new_topic())
+    def __init__(self, rate: float, topic: Optional[str] = None):
+        super().__init__(topic or new_topic())
         self._stamps = (rospy.Time.from_sec(number / rate) for number in itertools.count(1))
 
     def show(self, pixels: np.ndarray, encoding: str = "bgr8", **options: Any) -> Header:

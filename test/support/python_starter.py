@@ -8,6 +8,7 @@ Each connection to the Unix socket SOCKET requests one program by a line of JSON
 and one with the exit code (as in subprocess) when the program has ended.
 """
 
+import gc
 import importlib
 import json
 import os
@@ -104,6 +105,7 @@ def become(program: Dict[str, Any]) -> None:
 
 
 import_all()
+gc.freeze()  # a fork would look through all of it, and copy it by that, each time and at its end
 program = Starter(sys.argv[1]).next_program()
 become(program)
 runpy.run_path(program["path"], run_name="__main__")

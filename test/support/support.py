@@ -34,15 +34,16 @@ arrived = threading.Event()  # set by each message, cleared by wait_for()
 def wait_for(condition: Callable[[], Any], what: str, seconds: float = DEADLINE) -> Any:
     """Waits for a true value of `condition`; fails the test naming `what` after `seconds`.
 
-    The condition is checked with each message that arrives, and now and then.
+    The condition is checked with each message that arrives, and now and then: the less often the
+    longer it takes, as many conditions ask the master and nodes.
     """
-    deadline = time.monotonic() + seconds
-    while time.monotonic() < deadline:
+    begin = time.monotonic()
+    while time.monotonic() < begin + seconds:
         arrived.clear()
         value = condition()
         if value:
             return value
-        arrived.wait(0.02)
+        arrived.wait(min(max(0.02, (time.monotonic() - begin) / 10), 0.2))
     raise AssertionError(f"not within {seconds:.0f} s: {what}")
 
 

@@ -32,10 +32,7 @@ public:
   LiveParams(const ros::NodeHandle& pnh, const Apply& apply, const Maps& maps = nullptr)
     : pnh_(pnh), apply_(apply), maps_(maps)
   {
-    dynamic_reconfigure::Config message;
-    Config::__getDefault__().__toMessage__(message);
-    readParams(pnh_, message);
-    config_.__fromMessage__(message);
+    readAll(pnh_, config_);
     apply_(config_);
     server_ = std::make_unique<dynamic_reconfigure::Server<Unclamped>>(mutex_, pnh_);
     server_->setCallback([this](Unclamped& config, std::uint32_t) { change(config); });
@@ -43,12 +40,28 @@ public:
   }
 
 private:
-  /// A Config that the server does not silently clamp to its ranges, because the node refuses such values.
+  static void readAll(const ros::NodeHandle& pnh, Config& config)
+  {
+    dynamic_reconfigure::Config message;
+    config.__toMessage__(message);
+    readParams(pnh, message);
+    config.__fromMessage__(message);
+  }
+
+  /// A Config that the server does not silently clamp to its ranges, because the node refuses such values. It asks the
+  /// master about all values at once: there are some hundred.
   struct Unclamped : Config
   {
     Unclamped() = default;
     Unclamped(const Config& config) : Config(config) {}  // NOLINT: the server relies on the conversion
     void __clamp__() {}
+    void __fromServer__(const ros::NodeHandle& pnh) { readAll(pnh, *this); }
+    void __toServer__(const ros::NodeHandle& pnh) const
+    {
+      dynamic_reconfigure::Config message;
+      this->__toMessage__(message);
+      writeParams(pnh, message);
+    }
   };
 
   void change(Unclamped& config)

@@ -27,6 +27,52 @@ std::string shown(const T& value)
   return text.str();
 }
 
+/// What the parameter server has of a node, which is one question, while each parameter would be one of its own.
+class PresentParams
+{
+public:
+  explicit PresentParams(const ros::NodeHandle& nh) : nh_(nh)
+  {
+    XmlRpc::XmlRpcValue found;
+    if (nh.getParam(nh.getNamespace(), found) && found.getType() == XmlRpc::XmlRpcValue::TypeStruct) all_ = found;
+  }
+
+  /// False if it does not have a parameter. If it has none, it may be that roscpp does not understand one of them.
+  bool mayHave(const std::string& name) const { return !isOwn(name) || !all_.valid() || all_.hasMember(name); }
+
+  bool has(const std::string& name, const XmlRpc::XmlRpcValue& value) const
+  {
+    if (!isOwn(name) || !all_.valid() || !all_.hasMember(name)) return false;
+    XmlRpc::XmlRpcValue all = all_;
+    return all[name] == value;
+  }
+
+private:
+  /// A parameter may be remapped to one of somebody else.
+  bool isOwn(const std::string& name) const { return nh_.resolveName(name) == nh_.getNamespace() + "/" + name; }
+
+  const ros::NodeHandle& nh_;
+  XmlRpc::XmlRpcValue all_;
+};
+
+/// Calls visit(name, value) for each parameter, with a bool for the integer that the message has of one.
+template <class Visit>
+void forEachParam(dynamic_reconfigure::Config& config, const Visit& visit)
+{
+  for (auto& p : config.bools)
+  {
+    bool value = p.value != 0;
+    visit(p.name, value);
+    p.value = value;
+  }
+  for (auto& p : config.ints)
+    visit(p.name, p.value);
+  for (auto& p : config.doubles)
+    visit(p.name, p.value);
+  for (auto& p : config.strs)
+    visit(p.name, p.value);
+}
+
 }  // namespace
 
 std::string valueText(const XmlRpc::XmlRpcValue& value)
@@ -61,18 +107,25 @@ template void readParam(const ros::NodeHandle& nh, const std::string& name, std:
 
 void readParams(const ros::NodeHandle& nh, dynamic_reconfigure::Config& config)
 {
-  for (auto& p : config.bools)
-  {
-    bool value = p.value != 0;  // the message's field is an integer
-    readParam(nh, p.name, value);
-    p.value = value;
-  }
-  for (auto& p : config.ints)
-    readParam(nh, p.name, p.value);
-  for (auto& p : config.doubles)
-    readParam(nh, p.name, p.value);
-  for (auto& p : config.strs)
-    readParam(nh, p.name, p.value);
+  const PresentParams present(nh);
+  forEachParam(config,
+               [&](const std::string& name, auto& value)
+               {
+                 if (present.mayHave(name))
+                   readParam(nh, name, value);
+                 else
+                   noteKnownParam(nh, name);
+               });
+}
+
+void writeParams(const ros::NodeHandle& nh, dynamic_reconfigure::Config config)
+{
+  const PresentParams present(nh);
+  forEachParam(config,
+               [&](const std::string& name, const auto& value)
+               {
+                 if (!present.has(name, XmlRpc::XmlRpcValue(value))) nh.setParam(name, value);
+               });
 }
 
 }  // namespace robot_vision

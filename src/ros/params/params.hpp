@@ -20,4 +20,7 @@ void readParam(const ros::NodeHandle& nh, const std::string& name, T& value);
 /// Reads all values of `config` by their names, as readParam() does.
 void readParams(const ros::NodeHandle& nh, dynamic_reconfigure::Config& config);
 
+/// Puts all values of `config` on the parameter server that it does not have yet.
+void writeParams(const ros::NodeHandle& nh, dynamic_reconfigure::Config config);
+
 }  // namespace robot_vision
