@@ -3,6 +3,7 @@
 #include <fcntl.h>
 #include <signal.h>
 #include <sys/mman.h>
+#include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -28,25 +29,28 @@ namespace processes
 using Clock = std::chrono::steady_clock;
 constexpr std::chrono::seconds kDeadline{60};
 
-/// Whether this became true before the deadline.
-inline bool becomes(const std::function<bool()>& condition, std::chrono::seconds deadline = kDeadline)
+/// Whether this became true before the deadline. It is looked at once in a period.
+inline bool becomes(const std::function<bool()>& condition, std::chrono::seconds deadline = kDeadline,
+                    std::chrono::microseconds period = std::chrono::microseconds(100))
 {
   const Clock::time_point end = Clock::now() + deadline;
   while (!condition())
   {
     if (Clock::now() > end) return false;
-    std::this_thread::sleep_for(std::chrono::microseconds(100));
+    std::this_thread::sleep_for(period);
   }
   return true;
 }
 
-/// A forked process that runs a function, whose result is its exit code, and is killed at the end of this.
+/// A forked process that runs a function, whose result is its exit code. It is killed at the end of this, and with the
+/// thread that has started it: a test that is killed leaves nothing running.
 class Child
 {
 public:
   explicit Child(const std::function<int()>& work) : process_(fork())
   {
     if (process_ != 0) return;
+    prctl(PR_SET_PDEATHSIG, SIGKILL);
     int code = 98;
     try
     {

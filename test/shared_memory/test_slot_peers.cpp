@@ -273,7 +273,8 @@ TEST(HostileReaders, thatSendTwoDescriptorsAreDisconnectedAndLeaveNone)
     EXPECT_TRUE(isClosed(guest.socket));
   }
   // Half of them: the writer has memory and a socket of its own, and its thread may not yet have closed the last ones.
-  EXPECT_TRUE(becomes([&] { return openDescriptors() < before + kAttacks / 2; })) << openDescriptors() << " after " << before;
+  EXPECT_TRUE(becomes([&] { return openDescriptors() < before + kAttacks / 2; }))
+      << openDescriptors() << " after " << before;
 }
 
 TEST(HostileReaders, thatDoNotReadAnswersAreDisconnected)
