@@ -19,7 +19,7 @@ namespace
 #ifdef __SANITIZE_ADDRESS__
 constexpr int kKills = 100;  // a fork takes ten times as long
 #else
-constexpr int kKills = 1000;
+constexpr int kKills = 400;
 #endif
 constexpr std::size_t kBytes = 32768;  // of a frame: a torn one is seen, and reading it does not take long
 
