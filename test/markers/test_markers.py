@@ -1,5 +1,6 @@
 """create_marker.py: what it prints is measured, detected and read."""
 
+import functools
 import os
 import pathlib
 import re
@@ -90,12 +91,18 @@ def cells_of(image, number):
     return image[np.ix_(places, places)] < 128
 
 
-def tags_in(image, family):
-    """Corners (4, 2) by id of the tags in an image, to which some white around it is added."""
+@functools.lru_cache(maxsize=None)
+def detector_of(family):
+    """The tables of a large family take longer to make than all searches."""
     params = rv.TagDetectorParams()
     params.families = [family]
+    return rv.TagDetector(params)
+
+
+def tags_in(image, family):
+    """Corners (4, 2) by id of the tags in an image, to which some white around it is added."""
     white = cv2.copyMakeBorder(image, *[20] * 4, cv2.BORDER_CONSTANT, value=255)
-    tags = rv.TagDetector(params).detect(white, "mono8")
+    tags = detector_of(family).detect(white, "mono8")
     assert all(tag.hamming == 0 for tag in tags)
     assert len({tag.id for tag in tags}) == len(tags)
     return {tag.id: tag.corners - 20 for tag in tags}

@@ -33,9 +33,12 @@ CameraModel depthCamera(int width = 640, int height = 480, double focal = kFocal
   return camera;
 }
 
-cv::Mat filled(double z)
+/// Enough pixels for most shares and deviations.
+const CameraModel kSmall = depthCamera(320, 240);
+
+cv::Mat filled(double z, const CameraModel& camera = depthCamera())
 {
-  return cv::Mat(480, 640, CV_32FC1, cv::Scalar(z));
+  return cv::Mat(camera.height, camera.width, CV_32FC1, cv::Scalar(z));
 }
 
 /// A plane at a distance z (m), whose 1/z changes by `change` (1/m) from the left border to the right one, so that its
@@ -56,9 +59,10 @@ cv::Mat measured(const DepthNoise& noise, const cv::Mat& exact, std::int64_t fra
   return noisy;
 }
 
+/// By a camera of the image's size.
 cv::Mat measured(DepthSensor sensor, const cv::Mat& exact, const cv::Mat& light = {})
 {
-  return measured(DepthNoise(sensor, depthCamera(), 1), exact, 0, light);
+  return measured(DepthNoise(sensor, depthCamera(exact.cols, exact.rows), 1), exact, 0, light);
 }
 
 /// The errors of what is measured of a plane, each divided by the deviation that is expected there.
@@ -134,7 +138,7 @@ TEST(DepthNoise, ofAKinectHasTheDeviationThatNguyenMeasured)
 {
   for (const double z : {0.8, 1.5, 3.0, 4.4})
   {
-    const cv::Mat exact = turnedPlane(depthCamera(), z, 0.02);
+    const cv::Mat exact = turnedPlane(kSmall, z, 0.02);
     const cv::Mat noisy = measured(DepthSensor::kKinect, exact);
     EXPECT_EQ(lost(noisy), 0.0) << z;
     expectUnitNormal(relativeErrors(noisy, exact, kinectDeviation), std::to_string(z) + " m");
@@ -156,7 +160,7 @@ TEST(DepthNoise, ofTofIsLargerOnDarkSurfaces)
   for (const double z : {0.8, 2.0, 4.0})
     for (const int brightness : {0, 64, 255})  // 0: it is not told, which means 128
     {
-      const cv::Mat exact = turnedPlane(depthCamera(), z, 0.02);
+      const cv::Mat exact = turnedPlane(kSmall, z, 0.02);
       const cv::Mat light = brightness > 0 ? cv::Mat(exact.size(), CV_8UC1, cv::Scalar(brightness)) : cv::Mat();
       const auto deviation = [=](double at) { return 0.001 + 0.064 * at * at / (brightness > 0 ? brightness : 128); };
       const cv::Mat noisy = measured(DepthSensor::kTof, exact, light);
@@ -309,11 +313,11 @@ TEST(DepthNoise, losesSurfacesAtAGrazingAngle)
 
 TEST(DepthNoise, losesDarkSurfaces)
 {
-  const cv::Mat exact = filled(1.5);
+  const cv::Mat exact = filled(1.5, kSmall);
   for (const DepthSensor sensor : kNoisy)
     for (const auto& [brightness, share] :
          {std::pair(0, 1.0), std::pair(10, 0.75), std::pair(28, 0.3), std::pair(40, 0.0), std::pair(255, 0.0)})
-      EXPECT_NEAR(lost(measured(sensor, exact, cv::Mat(480, 640, CV_8UC1, cv::Scalar(brightness)))), share, 0.01)
+      EXPECT_NEAR(lost(measured(sensor, exact, cv::Mat(exact.size(), CV_8UC1, cv::Scalar(brightness)))), share, 0.01)
           << brightness;
 }
 
@@ -329,9 +333,9 @@ TEST(DepthNoise, hasNothingOutOfTheRange)
   for (const auto& range : ranges)
   {
     for (const double z : {range.near, range.far})
-      EXPECT_EQ(lost(measured(range.sensor, filled(z))), 1.0) << z;
+      EXPECT_EQ(lost(measured(range.sensor, filled(z, kSmall))), 1.0) << z;
     for (const double z : {range.first, range.last})
-      EXPECT_LT(lost(measured(range.sensor, filled(z))), 0.02) << z;
+      EXPECT_LT(lost(measured(range.sensor, filled(z, kSmall))), 0.02) << z;
   }
 }
 

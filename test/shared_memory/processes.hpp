@@ -29,14 +29,15 @@ namespace processes
 using Clock = std::chrono::steady_clock;
 constexpr std::chrono::seconds kDeadline{60};
 
-/// Whether this became true before the deadline.
-inline bool becomes(const std::function<bool()>& condition, std::chrono::seconds deadline = kDeadline)
+/// Whether this became true before the deadline. It is looked at once in a period.
+inline bool becomes(const std::function<bool()>& condition, std::chrono::seconds deadline = kDeadline,
+                    std::chrono::microseconds period = std::chrono::microseconds(100))
 {
   const Clock::time_point end = Clock::now() + deadline;
   while (!condition())
   {
     if (Clock::now() > end) return false;
-    std::this_thread::sleep_for(std::chrono::microseconds(100));
+    std::this_thread::sleep_for(period);
   }
   return true;
 }

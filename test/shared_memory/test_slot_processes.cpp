@@ -23,6 +23,7 @@ using processes::Board;
 using processes::Child;
 using processes::fillFrame;
 using processes::isWhole;
+using processes::kDeadline;
 using processes::openDescriptors;
 using processes::Shared;
 
@@ -166,17 +167,21 @@ TEST(ManyReaders, areAllServed)
             SlotReader slots;
             Held held;
             int whole = 0;
-            while (board->torn == 0 && whole < 20)
+            const auto has_enough = [&]
+            {
               whole += readNewest(slots, *board, held) ? 1 : 0;
+              return whole >= kFrames;
+            };
             // It goes on holding the last until all are there.
-            return becomes([&] { return board->held >= 20 * kReaders || board->torn > 0; }) ? 0 : 1;
+            const auto all_have = [&] { return board->held >= kFrames * kReaders; };
+            return becomes(has_enough, kDeadline, kPeriod) && becomes(all_have, kDeadline, kPeriod) ? 0 : 1;
           });
     std::uint64_t number = 0;
     EXPECT_TRUE(becomes(
         [&]
         {
           publish(writer, *board, ++number);
-          return board->held >= 20 * kReaders;
+          return board->held >= kFrames * kReaders;
         }));
     for (Child& reader : readers)
       EXPECT_EQ(reader.wait(), 0);
@@ -265,6 +270,7 @@ TEST(ForkedChildren, doNotKeepTheirParentsConnected)
         Child child(
             [&]
             {
+              prctl(PR_SET_PDEATHSIG, 0);  // it outlives its parent
               board->held = static_cast<std::uint64_t>(getpid());
               return pause();
             });

@@ -59,6 +59,9 @@ def _is_ours(frame: Any) -> bool:
 
 
 def moments(calls: int) -> List[int]:
-    """Some of so many calls, with all of the first and the last ones, which handle files."""
-    step = max(7, calls // 25)
+    """Some of so many calls, with all of the first and the last ones, which handle files.
+
+    Those between compute: ten of them tell what such a call does.
+    """
+    step = max(7, calls // 10)
     return sorted({*range(1, 20), *range(20, calls, step), *range(calls - 25, calls + 2)})

@@ -31,21 +31,10 @@ cv::Mat imageOf(const Shot& shot, int id, const Corners& corners, cv::RNG& rando
   const TagFamily& facts = tagFamily(shot.family);
   const int border = (facts.width - facts.width_at_border) / 2 + 1;
   const cv::Mat paper = paperOf(shot.family, id);
-  std::vector<cv::Point2f> pixels, cells;
-  const auto near = static_cast<float>(border), far = static_cast<float>(paper.cols - border);
-  const cv::Matx33d H = cv::Mat(
-      cv::getPerspectiveTransform(std::vector<cv::Point2f>(corners.begin(), corners.end()),
-                                  std::vector<cv::Point2f>{{near, far}, {far, far}, {far, near}, {near, near}}));
-  cv::Mat fine(kSize * kFine, CV_32FC1, cv::Scalar(140.0));
-  for (int y = 0; y < fine.rows; ++y)
-    for (int x = 0; x < fine.cols; ++x)
-    {
-      const cv::Vec3d cell = H * cv::Vec3d((x + 0.5) / kFine - 0.5, (y + 0.5) / kFine - 0.5, 1.0);
-      const int column = cvFloor(cell[0] / cell[2]), row = cvFloor(cell[1] / cell[2]);
-      if (column < 0 || row < 0 || column >= paper.cols || row >= paper.rows) continue;
-      const uchar level = paper.at<uchar>(row, column);
-      fine.at<float>(y, x) = static_cast<float>(level == kFreeCell ? shot.free_level : 30 + (level == 255 ? 190 : 0));
-    }
+  cv::Mat levels, fine(kSize * kFine, CV_32FC1, cv::Scalar(140.0));
+  cv::Mat(paper == 255).convertTo(levels, CV_32F, 190.0 / 255.0, 30.0);
+  levels.setTo(shot.free_level, paper == kFreeCell);
+  drawCells(levels, pixelsToCells(corners, paper, border), {}, kFine, fine);
   cv::Mat image;
   if (shot.blur > 0.0) cv::GaussianBlur(fine, fine, {0, 0}, shot.blur * kFine);
   cv::resize(fine, image, kSize, 0, 0, cv::INTER_AREA);

@@ -4,6 +4,7 @@
 #include <cctype>
 #include <exception>
 #include <filesystem>
+#include <map>
 #include <set>
 #include <sstream>
 
@@ -52,6 +53,7 @@ try
   SceneMeshes result;
   if (trimmed(list).empty()) return {sampleTabletop(), ""};
   std::set<std::string> names;
+  std::map<std::string, Mesh> read;  // what is named again is the same
   std::istringstream words(list);
   for (std::string word; std::getline(words, word, ',');)
   {
@@ -59,7 +61,8 @@ try
     if (one.empty()) throw std::invalid_argument("there is nothing between two commas");
     const std::string name = frameName(one, names);
     names.insert(name);
-    result.meshes.push_back({name, readOne(one, result.remarks)});
+    if (read.count(one) == 0) read[one] = readOne(one, result.remarks);
+    result.meshes.push_back({name, read.at(one)});
   }
   return result;
 }

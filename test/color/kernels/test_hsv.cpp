@@ -59,9 +59,9 @@ protected:
     hsv_.release();
   }
 
-  static void expectEqual(const HsvRange& range)
+  static void expectEqual(const HsvRange& range, const cv::Mat& bgr = bgr_, const cv::Mat& hsv = hsv_)
   {
-    EXPECT_EQ(cv::norm(maskOf(bgr_, "bgr8", range), byOpenCv(hsv_, range), cv::NORM_INF), 0.0) << text(range);
+    EXPECT_EQ(cv::norm(maskOf(bgr, "bgr8", range), byOpenCv(hsv, range), cv::NORM_INF), 0.0) << text(range);
   }
 
   static cv::Mat_<cv::Vec3b> bgr_;
@@ -106,8 +106,11 @@ TEST_F(HsvMaskOfAllColors, equalsOpenCvForRandomRanges)
   {
     const int s = random.uniform(0, 256);
     const int v = random.uniform(0, 256);
-    expectEqual(hsvRange({random.uniform(0, 181), s, v},
-                         {random.uniform(0, 181), random.uniform(s, 256), random.uniform(v, 256)}));
+    const HsvRange range = hsvRange({random.uniform(0, 181), s, v},
+                                    {random.uniform(0, 181), random.uniform(s, 256), random.uniform(v, 256)});
+    const auto part = [i](const cv::Mat& all)  // every eighth row, which has all greens, and of each blue some
+    { return cv::Mat(all.rows / 8, all.cols, all.type(), const_cast<uchar*>(all.ptr(i % 8)), 8 * all.step); };
+    expectEqual(range, part(bgr_), part(hsv_));
   }
 }
 

@@ -38,26 +38,38 @@ std::vector<double> factorsOf(const cv::Size& window, const cv::Size& image, dou
   }
 }
 
-/// Searches with both, expects the same windows, and returns how many.
-std::size_t compare(const std::string& path, const cv::Mat& gray, double step = 1.2, int smallest = 1)
+/// A cascade for both, read once: that takes longer than a search.
+class Cascades
 {
-  const std::shared_ptr<const HaarCascade> cascade = readHaarCascade(path);
-  if (!cascade) throw std::runtime_error(path + " is not read");
-  const cv::Mat before = gray.clone();
-  cv::CascadeClassifier opencv(path);
-  std::vector<cv::Rect> expected;
-  const std::vector<double> factors = factorsOf(cascade->window, gray.size(), step, smallest);
-  if (!factors.empty()) opencv.detectMultiScale(gray, expected, step, 0, 0, {smallest, smallest});
-  HaarSearch search(cascade);
-  const std::vector<cv::Rect> found = search.find(gray, factors);
-  std::vector<cv::Rect> inside = found;  // OpenCV cuts off what sticks out
-  for (cv::Rect& box : inside)
-    box &= cv::Rect({}, gray.size());
-  EXPECT_EQ(sorted(inside), sorted(expected)) << path << ", " << gray.size() << ", " << step << ", " << smallest;
-  EXPECT_EQ(search.find(gray, factors), found) << "of the second search";
-  EXPECT_EQ(cv::norm(gray, before, cv::NORM_INF), 0.0);
-  return found.size();
-}
+public:
+  explicit Cascades(const std::string& path) : path_(path), opencv_(path), ours_(readHaarCascade(path))
+  {
+    if (!ours_) throw std::runtime_error(path + " is not read");
+  }
+
+  /// Searches with both, expects the same windows, and returns how many.
+  std::size_t compare(const cv::Mat& gray, double step = 1.2, int smallest = 1)
+  {
+    const cv::Mat before = gray.clone();
+    std::vector<cv::Rect> expected;
+    const std::vector<double> factors = factorsOf(ours_->window, gray.size(), step, smallest);
+    if (!factors.empty()) opencv_.detectMultiScale(gray, expected, step, 0, 0, {smallest, smallest});
+    HaarSearch search(ours_);
+    const std::vector<cv::Rect> found = search.find(gray, factors);
+    std::vector<cv::Rect> inside = found;  // OpenCV cuts off what sticks out
+    for (cv::Rect& box : inside)
+      box &= cv::Rect({}, gray.size());
+    EXPECT_EQ(sorted(inside), sorted(expected)) << path_ << ", " << gray.size() << ", " << step << ", " << smallest;
+    EXPECT_EQ(search.find(gray, factors), found) << "of the second search";
+    EXPECT_EQ(cv::norm(gray, before, cv::NORM_INF), 0.0);
+    return found.size();
+  }
+
+private:
+  std::string path_;
+  cv::CascadeClassifier opencv_;
+  std::shared_ptr<const HaarCascade> ours_;
+};
 
 /// A cascade of random features that many windows pass.
 class RandomCascade
@@ -164,11 +176,11 @@ TEST(HaarSearch, FindsTheWindowsThatOpenCvFindsWithItsCascades)
 {
   for (const char* name : {"frontalface_default", "profileface", "eye", "frontalface_alt", "frontalcatface"})
   {
-    const std::string path = kFolder + name + ".xml";
+    Cascades cascades(kFolder + name + ".xml");
     for (const cv::Size& size : {cv::Size(320, 240), cv::Size(211, 157), cv::Size(64, 150), cv::Size(25, 25)})
     {
-      compare(path, cloudy(size), 1.1);
-      compare(path, noise(size, CV_8UC1, 5), 1.3, 30);
+      cascades.compare(cloudy(size), 1.1);
+      cascades.compare(noise(size, CV_8UC1, 5), 1.3, 30);
     }
   }
 }
@@ -182,10 +194,11 @@ TEST(HaarSearch, FindsTheWindowsThatOpenCvFindsWithRandomCascades)
     const cv::Size window(9 + seed % 5 * 4, 8 + seed % 3 * 7);
     const std::string path = (folder.path() / "cascade.xml").string();
     RandomCascade(static_cast<std::uint64_t>(seed), window).write(path);
+    Cascades cascades(path);
     for (const cv::Size& size : {cv::Size(160, 120), cv::Size(97, 81), window, window + cv::Size(1, 2)})
       for (const double step : {1.05, 1.5})
       {
-        found += compare(path, cloudy(size), step);
+        found += cascades.compare(cloudy(size), step);
         searched += 1;
       }
   }
@@ -197,13 +210,14 @@ TEST(HaarSearch, FlatImagesHaveNothing)
   const TempFolder folder;
   const std::string path = (folder.path() / "cascade.xml").string();
   RandomCascade(1, {20, 20}).write(path);
+  Cascades cascades(path);
   for (const int gray : {0, 90, 255})
   {
     const cv::Mat flat(60, 80, CV_8UC1, cv::Scalar(gray));
-    EXPECT_EQ(compare(path, flat), 0U);
+    EXPECT_EQ(cascades.compare(flat), 0U);
     cv::Mat half = flat.clone();  // from windows with nothing to windows with some
     half.colRange(40, 80) += 3 * cloudy({40, 60}) / 255;
-    compare(path, half);
+    cascades.compare(half);
   }
 }
 
@@ -213,7 +227,7 @@ TEST(HaarSearch, SquaresMayOverflow)
   const std::string path = (folder.path() / "cascade.xml").string();
   RandomCascade(3, {20, 20}).write(path);
   const cv::Mat bright = cloudy({1280, 960}) / 2 + 127;  // 2^32 is reached after 120,000 of these pixels
-  EXPECT_GT(compare(path, bright, 1.9), 1000U);
+  EXPECT_GT(Cascades(path).compare(bright, 1.9), 1000U);
 }
 
 TEST(HaarSearch, EndsEarly)
