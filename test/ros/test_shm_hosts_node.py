@@ -51,7 +51,7 @@ def test_another_host_gets_raw_and_one_warning(run):
     run(ROBOT, "rosmaster", "--core", "-p", "11311")
     words = ["_source:=synthetic", "_image_width:=64", "_image_height:=64", "__name:=camera"]
     camera = run(ROBOT, support.executable("camera_node"), *words)
-    camera.wait_for_output("synthetic scene")  # the master is there, for which rostopic does not wait
+    camera.wait_for_output("synthetic scene")  # the master is there: rostopic waits for none
     words = ["shm", "in:=/camera/image_raw", "raw", "out:=/read", "__name:=reader"]
     reader = run(DESK, REPUBLISH, *words)
     stamps = run(DESK, "rostopic", "echo", "-n", "50", "/read/header/stamp")
