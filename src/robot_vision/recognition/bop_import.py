@@ -31,6 +31,11 @@ class _Model(NamedTuple):
     object: Object
 
 
+class _Camera(NamedTuple):
+    matrix: np.ndarray
+    depth_scale: float  # mm, by which the numbers of depth images are to be multiplied
+
+
 def is_bop(folder: str) -> bool:
     """Returns whether a folder has models as BOP's have them."""
     models = os.path.join(folder, "models")
@@ -133,7 +138,7 @@ def _import_scenes(
                     if model not in sessions:
                         new = Session(taken[model], f"{os.path.basename(folder)}/{scene}")
                         sessions[model] = database.observations.add_session(new).id
-                    camera = cameras.get(frame)
+                    camera = camera_of(cameras, frame)
                     seen = _observation(path, int(frame), index, truth, camera, sessions[model])
                     database.observations.add(seen)
                     count += 1
@@ -153,15 +158,13 @@ def truths_of(value: Any) -> List[Dict[str, Any]]:
 
 
 def _observation(
-    path: str, frame: int, index: int, truth: Dict[str, Any], camera: Any, session: str
+    path: str, frame: int, index: int, truth: Dict[str, Any], camera: _Camera, session: str
 ) -> Observation:
-    if not isinstance(camera, dict):
-        raise ValueError("scene_camera.json has no camera of it")
     pose = pose_of(truth)
     rgb = load_image(rgb_path(path, frame), _color)
-    depth = depth_in_mm(read_data(path, "depth", f"{frame:06d}.png"), depth_scale_of(camera))
+    depth = depth_in_mm(read_data(path, "depth", f"{frame:06d}.png"), camera.depth_scale)
     mask = read_data(path, "mask_visib", f"{frame:06d}_{index:06d}.png")
-    return Observation(session, frame, rgb, depth, mask, matrix(camera, "cam_K", 3), pose)
+    return Observation(session, frame, rgb, depth, mask, camera.matrix, pose)
 
 
 def pose_of(truth: Dict[str, Any]) -> np.ndarray:
@@ -172,12 +175,15 @@ def pose_of(truth: Dict[str, Any]) -> np.ndarray:
     return pose
 
 
-def depth_scale_of(camera: Dict[str, Any]) -> float:
-    """Returns by what the numbers of depth images are to be multiplied for mm."""
-    scale = number(camera, "depth_scale")
+def camera_of(cameras: Dict[str, Any], frame: str) -> _Camera:
+    """Returns the camera of a frame, by scene_camera.json."""
+    camera = cameras.get(frame)
+    if not isinstance(camera, dict):
+        raise ValueError("scene_camera.json has no camera of it")
+    camera_matrix, scale = matrix(camera, "cam_K", 3), number(camera, "depth_scale")
     if scale <= 0.0:
         raise ValueError(f"depth_scale is {scale:g}, must be positive")
-    return scale
+    return _Camera(camera_matrix, scale)
 
 
 def rgb_path(scene: str, frame: int) -> str:

@@ -18,8 +18,8 @@ from ..meshes import mesh_extent
 from .bop_export import MODELS_INFO
 from .bop_import import (
     MODEL,
+    camera_of,
     depth_in_mm,
-    depth_scale_of,
     frame_number,
     is_bop,
     optional_json,
@@ -29,7 +29,7 @@ from .bop_import import (
     truths_of,
 )
 from .database.folder_files import entries_of, read_data, read_json
-from .database.json_values import integer, matrix
+from .database.json_values import integer
 from .found import Found, KnownObject
 from .known_objects import corners_of
 from .mesh_data import unpack_mesh
@@ -139,11 +139,8 @@ def _frames(split: str, scene: str) -> Iterator[_Frame]:
     for frame in sorted(truths, key=frame_number):
         with about(f"{folder}: frame {frame}"):
             there = [(integer(one, "obj_id"), pose_of(one)) for one in truths_of(truths[frame])]
-            camera = cameras.get(frame)
-            if not isinstance(camera, dict):
-                raise ValueError("scene_camera.json has no camera of it")
-            values = matrix(camera, "cam_K", 3), depth_scale_of(camera)
-            yield _Frame(folder, frame_number(scene), int(frame), *values, there)
+            camera = camera_of(cameras, frame)
+            yield _Frame(folder, frame_number(scene), int(frame), *camera, there)
 
 
 def _seen(frame: _Frame) -> Tuple[np.ndarray, np.ndarray, CameraModel]:
