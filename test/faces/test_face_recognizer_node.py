@@ -425,14 +425,14 @@ def test_folders_are_enrolled_listed_and_forgotten(start, tmp_path):
     assert answer.message == "8 images of people added, 1 problems"
     assert answer.problems == [f"{course}/Anna/broken.jpg: no image that OpenCV can read"]
     assert known() == {"Anna": 4, "Zoë": 4}
-    assert [door.look(p) for p in (ANNA, BERT, CARLA)] == ["Anna", "Zoë", "unknown"]
+    assert [door.look(p, of=p) for p in (ANNA, BERT, CARLA)] == ["Anna", "Zoë", "unknown"]
     answer = call("enroll_folder", EnrollFolder, str(course / "Zoë"), "Bert")
     assert answer.success and known() == {"Anna": 4, "Bert": 4, "Zoë": 4}
     for name in ("Bert", "Zoë"):
         answer = call("forget_name", ForgetName, name)
         assert answer.success and answer.pictures == 4
     assert known() == {"Anna": 4} and os.listdir(str(tmp_path / "faces" / "Anna"))
-    assert [door.look(p) for p in (ANNA, BERT)] == ["Anna", "unknown"]
+    assert [door.look(p, of=p) for p in (ANNA, BERT)] == ["Anna", "unknown"]
     for name in ("Zoë", "..", "course"):
         assert not call("forget_name", ForgetName, name).success
     for folder, text in [
@@ -479,7 +479,7 @@ def test_damaged_gallery_is_told_mended_and_used(start, folder):
     door = Door(start, f"_gallery:={folder}", *AT_ONCE)
     door.process.wait_for_output(".faces is made anew from the images: it is damaged")
     door.process.wait_for_output("Anna/9.png is not used: PNG of 500 bytes is damaged or truncated")
-    assert [door.look(p) for p in (ANNA, BERT)] == ["Anna", "Zoë"]
+    assert [door.look(p, of=p) for p in (ANNA, BERT)] == ["Anna", "Zoë"]
 
 
 def test_gallery_that_cannot_be_made_is_told_when_it_is_needed(start):

@@ -1,11 +1,17 @@
 """Nodes and nodelets of a process come and go while frames flow; nothing is left of them."""
 
+import os
+
 import numpy as np
+import support
 
 CYCLES = 100
+SUPPORT = os.path.dirname(support.__file__)
 SCRIPT = f"""
-import gc, psutil, time
+import gc, psutil, sys, time
 import rospy
+sys.path.append({SUPPORT!r})
+from private_memory import private_memory
 from robot_vision.ros.context import LoadedContext, active
 from robot_vision.ros.node_images import process_runtime
 from robot_vision.ros.transport import node_diagnostics
@@ -45,7 +51,7 @@ for cycle in range({CYCLES} + 1):
     assert runtime.unload_nodelet("/filter")
     if cycle % 10 == 0:
         gc.collect()
-        memory = process.memory_full_info().uss / 2**20
+        memory = private_memory(process.pid)
         print(cycle, memory, process.num_threads(), process.num_fds(), flush=True)
 assert runtime.nodelets() == ["/eye"]
 """

@@ -1,13 +1,11 @@
 """Nodelets are loaded and unloaded in a running manager, which must not die or grow."""
 
-import pathlib
-import re
-
 import cv2
 import numpy as np
 import pytest
 import rospy
 import support
+from private_memory import private_memory
 from sensor_msgs.msg import Image
 
 # How often each is loaded and unloaded, and after how many of these cycles it has to make an image
@@ -25,13 +23,6 @@ def manager(start):
     # and other memory for each of the threads that come and go.
     env = {"MALLOC_MMAP_THRESHOLD_": "131072", "MALLOC_ARENA_MAX": "1"}
     return support.NodeletManager(start, env=env)
-
-
-def memory(process):
-    """The private dirty memory of a process in MiB; the kernel may drop other pages."""
-    rollup = pathlib.Path(f"/proc/{process.pid}/smaps_rollup").read_text()
-    sizes = re.findall(r"^(?:Private_Dirty|Swap): +(\d+) kB", rollup, re.MULTILINE)
-    return sum(map(int, sizes)) / 1024
 
 
 def growth_per_cycle(used):
@@ -61,7 +52,7 @@ def test_loads_and_unloads_under_traffic(manager, kind, tmp_path):
             frames.close()
         assert manager.unload("/cycled"), cycle
         assert manager.process.running(), manager.process.output()
-        used.append(memory(manager.process))
+        used.append(private_memory(manager.process.pid))
     # Single readings differ by frames on their way, and the heap grows in the first cycles. A leak
     # would show as a slope: 0.9 MiB for a 640x480 frame in each cycle.
     slope = growth_per_cycle(used[cycles // 3 :])

@@ -9,6 +9,7 @@ import rosgraph
 import rospy
 import support
 from nodelet.srv import NodeletList, NodeletLoad, NodeletUnload
+from private_memory import private_memory
 
 NAME = "/vision"
 TRIAL = str(pathlib.Path(__file__).with_name("trial_manager.py"))  # a manager with a trial_node
@@ -44,16 +45,16 @@ class PythonManager:
 
 
 class Counts:
-    """Threads, descriptors and memory in MB of a process."""
+    """Threads, descriptors and private memory in MiB of a process."""
 
     def __init__(self, pid: int):
         process = psutil.Process(pid)
         self.threads = process.num_threads()
         self.descriptors = process.num_fds()
-        self.memory = process.memory_full_info().uss / 1e6
+        self.memory = private_memory(pid)
 
     def __repr__(self) -> str:
-        return f"{self.threads} threads, {self.descriptors} files, {self.memory:.1f} MB"
+        return f"{self.threads} threads, {self.descriptors} files, {self.memory:.1f} MiB"
 
 
 Entry = Tuple[str, str, str]  # what it is, its name, its type
