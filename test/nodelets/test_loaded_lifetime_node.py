@@ -29,7 +29,7 @@ class Flow:
         self._thread.start()
 
     def _run(self):
-        while not self._ended.wait(0.01):
+        while not self._ended.wait(0.03):
             self.camera.show(self._image)
 
     def end(self):
