@@ -11,7 +11,7 @@
 using namespace robot_vision;
 using namespace py::literals;
 
-namespace
+namespace ball_bindings
 {
 
 using Pair = std::pair<double, double>;
@@ -90,4 +90,4 @@ void bindBall(py::module& m)
 
 const Bindings kBindings("ball", {"geometry"}, bindBall);
 
-}  // namespace
+}  // namespace ball_bindings

@@ -4,7 +4,7 @@
 
 using namespace robot_vision;
 
-namespace
+namespace camera_bindings
 {
 
 void bindCamera(py::module& m)
@@ -14,4 +14,4 @@ void bindCamera(py::module& m)
 
 const Bindings kBindings("camera", {}, bindCamera);
 
-}  // namespace
+}  // namespace camera_bindings

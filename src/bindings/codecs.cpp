@@ -8,7 +8,7 @@
 using namespace robot_vision;
 using namespace py::literals;
 
-namespace
+namespace codecs_bindings
 {
 
 /// Bytes of Python, which must outlive this.
@@ -66,4 +66,4 @@ void bindCodecs(py::module& m)
 
 const Bindings kBindings("codecs", {}, bindCodecs);
 
-}  // namespace
+}  // namespace codecs_bindings

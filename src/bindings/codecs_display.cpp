@@ -7,7 +7,7 @@
 using namespace robot_vision;
 using namespace py::literals;
 
-namespace
+namespace codecs_display_bindings
 {
 
 py::bytes encode(DisplayEncoder& encoder, const py::array& image, const std::string& encoding,
@@ -40,4 +40,4 @@ void bindDisplay(py::module& m)
 
 const Bindings kBindings("codecs_display", {}, bindDisplay);
 
-}  // namespace
+}  // namespace codecs_display_bindings

@@ -9,7 +9,7 @@
 using namespace robot_vision;
 using namespace py::literals;
 
-namespace
+namespace codes_bindings
 {
 
 void bindCodes(py::module& m)
@@ -39,4 +39,4 @@ void bindCodes(py::module& m)
 
 const Bindings kBindings("codes", {}, bindCodes);
 
-}  // namespace
+}  // namespace codes_bindings

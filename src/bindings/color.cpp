@@ -10,7 +10,7 @@
 using namespace robot_vision;
 using namespace py::literals;
 
-namespace
+namespace color_bindings
 {
 
 using Color = std::tuple<int, int, int>;
@@ -113,4 +113,4 @@ void bindColor(py::module& m)
 
 const Bindings kBindings("color", {}, bindColor);
 
-}  // namespace
+}  // namespace color_bindings

@@ -15,7 +15,7 @@
 using namespace robot_vision;
 using namespace py::literals;
 
-namespace
+namespace color_spaces_bindings
 {
 
 using Color = std::tuple<int, int, int>;
@@ -150,4 +150,4 @@ void bindColorSpaces(py::module& m)
 
 const Bindings kBindings("color/spaces", {"color"}, bindColorSpaces);
 
-}  // namespace
+}  // namespace color_spaces_bindings

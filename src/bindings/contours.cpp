@@ -10,7 +10,7 @@
 using namespace robot_vision;
 using namespace py::literals;
 
-namespace
+namespace contours_bindings
 {
 
 /// Reads a point of a defect as (x, y).
@@ -104,4 +104,4 @@ void bindContours(py::module& m)
 
 const Bindings kBindings("contours", {}, bindContours);
 
-}  // namespace
+}  // namespace contours_bindings

@@ -16,7 +16,7 @@
 using namespace robot_vision;
 using namespace py::literals;
 
-namespace
+namespace depth_bindings
 {
 
 void bindImages(py::module& m)
@@ -139,4 +139,4 @@ void bindDepth(py::module& m)
 
 const Bindings kBindings("depth", {"geometry"}, bindDepth);
 
-}  // namespace
+}  // namespace depth_bindings

@@ -16,7 +16,7 @@
 using namespace robot_vision;
 using namespace py::literals;
 
-namespace
+namespace depth_planes_bindings
 {
 
 /// (3,) array.
@@ -144,4 +144,4 @@ void bindDepthPlanes(py::module& m)
 
 const Bindings kBindings("depth_planes", {"geometry"}, bindDepthPlanes);
 
-}  // namespace
+}  // namespace depth_planes_bindings

@@ -15,7 +15,7 @@
 using namespace robot_vision;
 using namespace py::literals;
 
-namespace
+namespace depth_regions_bindings
 {
 
 std::vector<cv::Point2d> toOutline(const Matrix& points)
@@ -70,4 +70,4 @@ void bindDepthRegions(py::module& m)
 
 const Bindings kBindings("depth_regions", {"geometry", "depth"}, bindDepthRegions);
 
-}  // namespace
+}  // namespace depth_regions_bindings

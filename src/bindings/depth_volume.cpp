@@ -14,7 +14,7 @@
 using namespace robot_vision;
 using namespace py::literals;
 
-namespace
+namespace depth_volume_bindings
 {
 
 using Vector = std::array<double, 3>;
@@ -55,4 +55,4 @@ void bindVolume(py::module& m)
 
 const Bindings kBindings("depth_volume", {"geometry", "meshes"}, bindVolume);
 
-}  // namespace
+}  // namespace depth_volume_bindings

@@ -13,7 +13,7 @@
 using namespace robot_vision;
 using namespace py::literals;
 
-namespace
+namespace dnn_heads_bindings
 {
 
 using Numbers = py::array_t<float, py::array::c_style | py::array::forcecast>;
@@ -87,4 +87,4 @@ void bindHeads(py::module& m)
 
 const Bindings kBindings("dnn_heads", {"dnn_input"}, bindHeads);
 
-}  // namespace
+}  // namespace dnn_heads_bindings

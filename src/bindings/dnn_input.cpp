@@ -11,7 +11,7 @@
 using namespace robot_vision;
 using namespace py::literals;
 
-namespace
+namespace dnn_input_bindings
 {
 
 /// The array's own numbers.
@@ -64,4 +64,4 @@ void bindInput(py::module& m)
 
 const Bindings kBindings("dnn_input", {}, bindInput);
 
-}  // namespace
+}  // namespace dnn_input_bindings

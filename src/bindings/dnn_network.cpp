@@ -11,7 +11,7 @@
 using namespace robot_vision;
 using namespace py::literals;
 
-namespace
+namespace dnn_network_bindings
 {
 
 using Input = py::array_t<float, py::array::c_style>;
@@ -66,4 +66,4 @@ void bindNetwork(py::module& m)
 
 const Bindings kBindings("dnn_network", {}, bindNetwork);
 
-}  // namespace
+}  // namespace dnn_network_bindings

@@ -7,7 +7,7 @@
 using namespace robot_vision;
 using namespace py::literals;
 
-namespace
+namespace edges_bindings
 {
 
 void bindEdges(py::module& m)
@@ -21,4 +21,4 @@ void bindEdges(py::module& m)
 
 const Bindings kBindings("edges", {}, bindEdges);
 
-}  // namespace
+}  // namespace edges_bindings

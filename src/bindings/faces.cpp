@@ -9,7 +9,7 @@
 using namespace robot_vision;
 using namespace py::literals;
 
-namespace
+namespace faces_bindings
 {
 
 void bindFaces(py::module& m)
@@ -53,4 +53,4 @@ void bindFaces(py::module& m)
 
 const Bindings kBindings("faces", {}, bindFaces);
 
-}  // namespace
+}  // namespace faces_bindings

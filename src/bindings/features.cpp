@@ -12,7 +12,7 @@
 using namespace robot_vision;
 using namespace py::literals;
 
-namespace
+namespace features_bindings
 {
 
 /// (n,) array of what `value` gives of each keypoint.
@@ -140,4 +140,4 @@ void bindFeatures(py::module& m)
 
 const Bindings kBindings("features", {}, bindFeatures);
 
-}  // namespace
+}  // namespace features_bindings

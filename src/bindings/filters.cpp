@@ -10,7 +10,7 @@
 using namespace robot_vision;
 using namespace py::literals;
 
-namespace
+namespace filters_bindings
 {
 
 py::array applyChain(FilterChain& chain, const py::array& image, const std::string& encoding, const py::object& second,
@@ -71,4 +71,4 @@ void bindFilters(py::module& m)
 
 const Bindings kBindings("filters", {}, bindFilters);
 
-}  // namespace
+}  // namespace filters_bindings

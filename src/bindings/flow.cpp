@@ -12,7 +12,7 @@
 using namespace robot_vision;
 using namespace py::literals;
 
-namespace
+namespace flow_bindings
 {
 
 using FlowArray = py::array_t<float, py::array::c_style | py::array::forcecast>;
@@ -95,4 +95,4 @@ void bindFlow(py::module& m)
 
 const Bindings kBindings("flow", {}, bindFlow);
 
-}  // namespace
+}  // namespace flow_bindings

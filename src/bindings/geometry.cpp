@@ -12,7 +12,7 @@
 using namespace robot_vision;
 using namespace py::literals;
 
-namespace
+namespace geometry_bindings
 {
 
 cv::Matx33d toK(const Matrix& K)
@@ -92,4 +92,4 @@ void bindGeometry(py::module& m)
 
 const Bindings kBindings("geometry", {}, bindGeometry);
 
-}  // namespace
+}  // namespace geometry_bindings

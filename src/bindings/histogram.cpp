@@ -14,7 +14,7 @@
 using namespace robot_vision;
 using namespace py::literals;
 
-namespace
+namespace histogram_bindings
 {
 
 /// A two-dimensional histogram from Python, of any type that NumPy converts to float32.
@@ -138,4 +138,4 @@ void bindHistogram(py::module& m)
 
 const Bindings kBindings("histogram", {}, bindHistogram);
 
-}  // namespace
+}  // namespace histogram_bindings

@@ -10,7 +10,7 @@
 using namespace robot_vision;
 using namespace py::literals;
 
-namespace
+namespace hough_bindings
 {
 
 void bindResults(py::module& m)
@@ -61,4 +61,4 @@ void bindHough(py::module& m)
 
 const Bindings kBindings("hough", {}, bindHough);
 
-}  // namespace
+}  // namespace hough_bindings

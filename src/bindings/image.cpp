@@ -9,7 +9,7 @@
 using namespace robot_vision;
 using namespace py::literals;
 
-namespace
+namespace image_bindings
 {
 
 using Color = std::array<double, 3>;
@@ -141,4 +141,4 @@ void bindImage(py::module& m)
 
 const Bindings kBindings("image", {}, bindImage);
 
-}  // namespace
+}  // namespace image_bindings

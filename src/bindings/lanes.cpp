@@ -11,7 +11,7 @@
 using namespace robot_vision;
 using namespace py::literals;
 
-namespace
+namespace lanes_bindings
 {
 
 std::vector<cv::Point2d> toCurve(const Matrix& points)
@@ -85,4 +85,4 @@ void bindLanes(py::module& m)
 
 const Bindings kBindings("lanes", {"geometry"}, bindLanes);
 
-}  // namespace
+}  // namespace lanes_bindings

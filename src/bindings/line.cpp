@@ -8,7 +8,7 @@
 using namespace robot_vision;
 using namespace py::literals;
 
-namespace
+namespace line_bindings
 {
 
 void bindLine(py::module& m)
@@ -43,4 +43,4 @@ void bindLine(py::module& m)
 
 const Bindings kBindings("line", {}, bindLine);
 
-}  // namespace
+}  // namespace line_bindings

@@ -12,7 +12,7 @@
 using namespace robot_vision;
 using namespace py::literals;
 
-namespace
+namespace meshes_bindings
 {
 
 using Color = std::array<int, 3>;
@@ -149,4 +149,4 @@ void bindMeshes(py::module& m)
 
 const Bindings kBindings("meshes", {"geometry"}, bindMeshes);
 
-}  // namespace
+}  // namespace meshes_bindings

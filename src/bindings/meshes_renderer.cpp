@@ -11,7 +11,7 @@
 using namespace robot_vision;
 using namespace py::literals;
 
-namespace
+namespace meshes_renderer_bindings
 {
 
 using Vector = std::array<double, 3>;
@@ -95,4 +95,4 @@ void bindRenderer(py::module& m)
 
 const Bindings kBindings("meshes/renderer", {"geometry", "meshes"}, bindRenderer);
 
-}  // namespace
+}  // namespace meshes_renderer_bindings

@@ -9,7 +9,7 @@
 using namespace robot_vision;
 using namespace py::literals;
 
-namespace
+namespace motion_bindings
 {
 
 void bindMotion(py::module& m)
@@ -32,4 +32,4 @@ void bindMotion(py::module& m)
 
 const Bindings kBindings("motion", {"segmentation"}, bindMotion);
 
-}  // namespace
+}  // namespace motion_bindings

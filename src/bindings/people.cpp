@@ -9,7 +9,7 @@
 using namespace robot_vision;
 using namespace py::literals;
 
-namespace
+namespace people_bindings
 {
 
 void bindPeople(py::module& m)
@@ -38,4 +38,4 @@ void bindPeople(py::module& m)
 
 const Bindings kBindings("people", {}, bindPeople);
 
-}  // namespace
+}  // namespace people_bindings

@@ -16,7 +16,7 @@
 using namespace robot_vision;
 using namespace py::literals;
 
-namespace
+namespace recognition_objects_bindings
 {
 
 PoseCandidate makeCandidate(int model, const Matrix& pose, double score, const Box& box, int view)
@@ -154,4 +154,4 @@ void bindObjects(py::module& m)
 
 const Bindings kBindings("recognition_objects", {"recognition_poses", "meshes"}, bindObjects);
 
-}  // namespace
+}  // namespace recognition_objects_bindings

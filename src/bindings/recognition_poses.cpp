@@ -17,7 +17,7 @@
 using namespace robot_vision;
 using namespace py::literals;
 
-namespace
+namespace recognition_poses_bindings
 {
 
 using Symmetries = std::vector<std::pair<Vector, int>>;
@@ -139,4 +139,4 @@ void bindPoses(py::module& m)
 
 const Bindings kBindings("recognition_poses", {"geometry", "depth", "meshes"}, bindPoses);
 
-}  // namespace
+}  // namespace recognition_poses_bindings

@@ -18,7 +18,7 @@
 using namespace robot_vision;
 using namespace py::literals;
 
-namespace
+namespace recognition_textures_bindings
 {
 
 py::bytes toPythonBytes(const TextureModel& model)
@@ -175,4 +175,4 @@ void bindTextures(py::module& m)
 
 const Bindings kBindings("recognition_textures", {"geometry", "meshes", "depth"}, bindTextures);
 
-}  // namespace
+}  // namespace recognition_textures_bindings

@@ -18,7 +18,7 @@
 using namespace robot_vision;
 using namespace py::literals;
 
-namespace
+namespace recognition_views_bindings
 {
 
 using Symmetries = std::vector<std::pair<std::array<double, 3>, int>>;
@@ -119,4 +119,4 @@ void bindViews(py::module& m)
 
 const Bindings kBindings("recognition_views", {"recognition_objects", "meshes"}, bindViews);
 
-}  // namespace
+}  // namespace recognition_views_bindings

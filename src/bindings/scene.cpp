@@ -17,7 +17,7 @@
 using namespace robot_vision;
 using namespace py::literals;
 
-namespace
+namespace scene_bindings
 {
 
 void bindScenes(py::module& m)
@@ -151,4 +151,4 @@ void bindScene(py::module& m)
 
 const Bindings kBindings("scene", {"geometry", "meshes"}, bindScene);
 
-}  // namespace
+}  // namespace scene_bindings

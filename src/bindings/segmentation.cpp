@@ -9,7 +9,7 @@
 using namespace robot_vision;
 using namespace py::literals;
 
-namespace
+namespace segmentation_bindings
 {
 
 py::tuple findRegions(const RegionFinder& finder, const py::array& mask)
@@ -49,4 +49,4 @@ void bindSegmentation(py::module& m)
 
 const Bindings kBindings("segmentation", {}, bindSegmentation);
 
-}  // namespace
+}  // namespace segmentation_bindings

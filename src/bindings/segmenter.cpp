@@ -12,7 +12,7 @@
 using namespace robot_vision;
 using namespace py::literals;
 
-namespace
+namespace segmenter_bindings
 {
 
 void bindResults(py::module& m)
@@ -92,4 +92,4 @@ void bindAll(py::module& m)
 
 const Bindings kBindings("segmenter", {"segmentation"}, bindAll);
 
-}  // namespace
+}  // namespace segmenter_bindings

@@ -10,7 +10,7 @@
 using namespace robot_vision;
 using namespace py::literals;
 
-namespace
+namespace spectrum_bindings
 {
 
 using Size = std::pair<int, int>;  // height, width, as NumPy has them
@@ -92,4 +92,4 @@ void bindSpectrum(py::module& m)
 
 const Bindings kBindings("spectrum", {}, bindSpectrum);
 
-}  // namespace
+}  // namespace spectrum_bindings

@@ -13,7 +13,7 @@
 using namespace robot_vision;
 using namespace py::literals;
 
-namespace
+namespace stereo_bindings
 {
 
 template <class Result>
@@ -130,4 +130,4 @@ void bindStereo(py::module& m)
 
 const Bindings kBindings("stereo", {"geometry"}, bindStereo);
 
-}  // namespace
+}  // namespace stereo_bindings

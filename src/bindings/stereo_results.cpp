@@ -12,7 +12,7 @@
 using namespace robot_vision;
 using namespace py::literals;
 
-namespace
+namespace stereo_results_bindings
 {
 
 using FloatArray = py::array_t<float, py::array::c_style | py::array::forcecast>;
@@ -145,4 +145,4 @@ void bindStereoResults(py::module& m)
 
 const Bindings kBindings("stereo_results", {"stereo"}, bindStereoResults);
 
-}  // namespace
+}  // namespace stereo_results_bindings

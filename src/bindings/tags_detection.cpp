@@ -10,7 +10,7 @@
 using namespace robot_vision;
 using namespace py::literals;
 
-namespace
+namespace tags_detection_bindings
 {
 
 void bindFamilies(py::module& m)
@@ -82,4 +82,4 @@ void bindTags(py::module& m)
 
 const Bindings kBindings("tags/detection", {}, bindTags);
 
-}  // namespace
+}  // namespace tags_detection_bindings

@@ -9,7 +9,7 @@
 using namespace robot_vision;
 using namespace py::literals;
 
-namespace
+namespace tags_plane_bindings
 {
 
 DepthPlane makePlane(const Matrix& inverse_depth, const Matrix& covariance, int pixels)
@@ -52,4 +52,4 @@ void bindTagPlane(py::module& m)
 
 const Bindings kBindings("tags/plane", {"geometry", "depth"}, bindTagPlane);
 
-}  // namespace
+}  // namespace tags_plane_bindings

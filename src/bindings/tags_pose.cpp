@@ -16,7 +16,7 @@
 using namespace robot_vision;
 using namespace py::literals;
 
-namespace
+namespace tags_pose_bindings
 {
 
 using CornersById = std::map<int, std::variant<TagCorners, Matrix>>;
@@ -191,4 +191,4 @@ void bindTagPoses(py::module& m)
 
 const Bindings kBindings("tags/pose", {"geometry", "tags/plane"}, bindTagPoses);
 
-}  // namespace
+}  // namespace tags_pose_bindings

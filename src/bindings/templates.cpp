@@ -11,7 +11,7 @@
 using namespace robot_vision;
 using namespace py::literals;
 
-namespace
+namespace templates_bindings
 {
 
 /// The view of an array that may be None, which has to live as long.
@@ -110,4 +110,4 @@ void bindTemplates(py::module& m)
 
 const Bindings kBindings("templates", {}, bindTemplates);
 
-}  // namespace
+}  // namespace templates_bindings

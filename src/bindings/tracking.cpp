@@ -11,7 +11,7 @@
 using namespace robot_vision;
 using namespace py::literals;
 
-namespace
+namespace tracking_bindings
 {
 
 py::tuple toTuple(const std::vector<FlowPoint>& flow)
@@ -154,4 +154,4 @@ void bindTrackers(py::module& m)
 
 const Bindings kBindings("tracking", {}, bindTrackers);
 
-}  // namespace
+}  // namespace tracking_bindings

@@ -15,7 +15,7 @@
 using namespace robot_vision;
 using namespace py::literals;
 
-namespace
+namespace tracking_boxes_bindings
 {
 
 using Corners = std::array<double, 4>;  // x0, y0, x1, y1
@@ -153,4 +153,4 @@ void bindBoxes(py::module& m)
 
 const Bindings kBindings("tracking/boxes", {}, bindBoxes);
 
-}  // namespace
+}  // namespace tracking_boxes_bindings
