@@ -2,7 +2,7 @@
 
 import contextlib
 import dataclasses
-from typing import Dict, List, Optional, Tuple
+from typing import Dict, List, Optional, Sequence, Tuple
 
 import psutil
 from process_costs import LOADERS, memory_of, name_of
@@ -37,6 +37,20 @@ def holdings_of(pid: int) -> Dict[str, Holdings]:
                 )
                 found[name] = one
     return found
+
+
+def most_of(readings: Sequence[Dict[str, Holdings]]) -> Dict[str, Holdings]:
+    """Returns the most that each process held in any of these readings."""
+    most: Dict[str, Holdings] = {}
+    for reading in readings:
+        for name, one in reading.items():
+            known = most.get(name, one)
+            most[name] = Holdings(
+                max(known.descriptors, one.descriptors),
+                max(known.threads, one.threads),
+                max(known.memory, one.memory),
+            )
+    return most
 
 
 def not_given_back(
