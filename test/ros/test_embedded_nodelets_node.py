@@ -39,22 +39,24 @@ def test_frames_of_a_nodelet_come_to_all_nodes_and_to_other_processes(load):
     load("/camera")
     takers = [ImageTaker(f"/n{i}", "/camera/image_raw") for i in range(3)]
     outside = support.Messages("/camera/image_raw", Image)
-    frames = {frame.header.seq: frame for frame in takers[0].wait(10)}
+    frames = {frame.header.stamp: frame for frame in takers[0].wait(10)}
     for taker in takers[1:]:
         for frame in taker.wait(10):
-            if frame.header.seq in frames:
-                same = frames[frame.header.seq].image
+            if frame.header.stamp in frames:
+                same = frames[frame.header.stamp].image
                 assert frame.image.ctypes.data == same.ctypes.data
-    support.wait_for(
-        lambda: (
-            {m.header.seq for m in outside.received} & {f.header.seq for f in takers[0].received}
-        ),
-        "a frame that both have",
-    )
-    received = {frame.header.seq: frame for frame in list(takers[0].received)}
-    both = [m for m in outside.received if m.header.seq in received]
-    frame = received[both[0].header.seq]
-    assert np.array_equal(frame.image.ravel(), np.frombuffer(both[0].data, np.uint8))
+
+    def both():
+        """The pixels of frames that both have; header.seq is another for each way of an image."""
+        inside = {frame.header.stamp: frame.image for frame in list(takers[0].received)}
+        return [
+            (np.frombuffer(message.data, np.uint8), inside[message.header.stamp].ravel())
+            for message in list(outside.received)
+            if message.header.stamp in inside
+        ]
+
+    for theirs, ours in support.wait_for(both, "a frame that both have"):
+        assert np.array_equal(theirs, ours)
     assert publishers("/camera/image_raw") == ["/test_images"]
 
 
