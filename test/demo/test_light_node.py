@@ -1,7 +1,6 @@
 """light.launch: a camera and some nodes in one process, with small images."""
 
 import numpy as np
-import rosgraph
 import rospy
 import support
 from sensor_msgs.msg import CameraInfo, Image
@@ -35,11 +34,6 @@ def is_near(places, detections):
     )
 
 
-def bonded():
-    """The manager and those of the loaders that have told it of themselves."""
-    return dict(rosgraph.Master("/test").getSystemState()[0]).get("/vision/bond", [])
-
-
 def test_all_nodes_of_the_light_launch_find_what_is_in_the_scene(start):
     launch = start(
         *("/usr/bin/roslaunch", "robot_vision", "light.launch", "source:=synthetic"),
@@ -65,8 +59,10 @@ def test_all_nodes_of_the_light_launch_find_what_is_in_the_scene(start):
     support.wait_for(lambda: finds("apriltag", "tag_0"), "the tag")
     support.wait_for(lambda: any(line.found for line in results["line_follower"].received), "line")
     assert rospy.get_param("/usb_cam/framerate") == 15
-    # A loader that is interrupted while it asks the master says that it cannot reach it.
-    support.wait_for(lambda: len(bonded()) == len(NODES) + 2, "all loaders' bonds")
+    # The manager and all loaders, one of which is the camera's. A loader that is interrupted while
+    # it asks the master says that it cannot reach it.
+    bonded = len(NODES) + 2
+    support.wait_for(lambda: len(support.publishers_of("/vision/bond")) == bonded, "all bonds")
     launch.interrupt()
     assert launch.exit_code() == 0, launch.output()
     assert "[ERROR]" not in launch.output() and "Traceback" not in launch.output()

@@ -6,6 +6,7 @@ import pytest
 import rospy
 import support
 from frames import Camera
+from private_memory import GIVES_BACK
 from python_manager import NAME, Counts, PythonManager, graph_of
 from std_msgs.msg import Header
 
@@ -13,8 +14,7 @@ import robot_vision as rv
 from robot_vision.msg import DetectionArray
 
 LOADS = 100
-# Makes malloc return freed frames and networks to the kernel, which it otherwise may or may not.
-ENV = {"MALLOC_MMAP_THRESHOLD_": "131072", "MALLOC_ARENA_MAX": "1"}
+RATE = 30.0  # Hz
 MAX_GROWTH = 6.0  # MiB, in all loads behind the first ones: the allocator's own
 
 
@@ -22,14 +22,14 @@ class Flow:
     """Sends frames all the time."""
 
     def __init__(self):
-        self.camera = Camera(rate=100.0)
+        self.camera = Camera(RATE)
         self._ended = threading.Event()
         self._image = rv.Scene().render(60)[::2, ::2].copy()
         self._thread = threading.Thread(target=self._run, daemon=True)
         self._thread.start()
 
     def _run(self):
-        while not self._ended.wait(0.03):
+        while not self._ended.wait(1.0 / RATE):
             self.camera.show(self._image)
 
     def end(self):
@@ -47,7 +47,7 @@ def flow():
 @pytest.mark.parametrize("kind", ["hsv_tracker", "object_tracker", "object_detector"])
 def test_a_hundred_loads_leave_all_as_it_was(start, flow, kind):
     # A fork shares memory with its parent until it writes there, which would be growth as well.
-    manager = PythonManager(start, fork=False, env=ENV)
+    manager = PythonManager(start, fork=False, env=GIVES_BACK)
     manager.load("/stays", "robot_vision/hsv_tracker", {"/image": flow.camera.topic})
     stays = support.subscribed("/stays/objects", DetectionArray)
     output = "/comes/" + ("object" if kind == "object_tracker" else "objects")

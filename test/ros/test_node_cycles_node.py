@@ -1,17 +1,12 @@
 """Nodes and nodelets of a process come and go while frames flow; nothing is left of them."""
 
-import os
-
 import numpy as np
-import support
+from private_memory import IMPORT
 
 CYCLES = 100
-SUPPORT = os.path.dirname(support.__file__)
-SCRIPT = f"""
-import gc, psutil, sys, time
+SCRIPT = f"""{IMPORT}
+import gc, psutil, time
 import rospy
-sys.path.append({SUPPORT!r})
-from private_memory import private_memory
 from robot_vision.ros.context import LoadedContext, active
 from robot_vision.ros.node_images import process_runtime
 from robot_vision.ros.transport import node_diagnostics

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 import rospy
 import support
-from private_memory import private_memory
+from private_memory import GIVES_BACK, private_memory
 from sensor_msgs.msg import Image
 
 # How often each is loaded and unloaded, and after how many of these cycles it has to make an image
@@ -19,10 +19,7 @@ CYCLES = {
 
 @pytest.fixture
 def manager(start):
-    # Makes malloc return freed frames and textures to the kernel. Otherwise it keeps some of them,
-    # and other memory for each of the threads that come and go.
-    env = {"MALLOC_MMAP_THRESHOLD_": "131072", "MALLOC_ARENA_MAX": "1"}
-    return support.NodeletManager(start, env=env)
+    return support.NodeletManager(start, env=GIVES_BACK)
 
 
 def growth_per_cycle(used):

@@ -10,12 +10,12 @@ import rosgraph
 import rospy
 import support
 from frames import Frames, Source, message, new_topic
+from private_memory import IMPORT
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import Image
 
 IMAGE = np.random.default_rng(5).integers(0, 256, (48, 64, 3), np.uint8)
 CYCLES = 1500
-SUPPORT = os.path.dirname(support.__file__)
 
 HEAD = """
 import gc, os, psutil, sys, time
@@ -192,10 +192,7 @@ def test_a_master_that_is_restarted(start, run_script):
     assert "_images" not in str(master.api.getSystemState())
 
 
-CYCLE = f"""{HEAD}
-sys.path.append({SUPPORT!r})
-from private_memory import private_memory
-
+CYCLE = f"""{HEAD}{IMPORT}
 rospy.init_node("cycles")
 process = psutil.Process()
 came = []

@@ -300,6 +300,11 @@ def node_api(name: str) -> xmlrpc.client.ServerProxy:
     return xmlrpc.client.ServerProxy(rosgraph.Master(rospy.get_name()).lookupNode(name))
 
 
+def publishers_of(topic: str) -> List[str]:
+    """The nodes that publish a topic, as the master knows them."""
+    return dict(rosgraph.Master(rospy.get_name()).getSystemState()[0]).get(topic, [])
+
+
 def receives_over(node: str, topic: str) -> bool:
     """True as long as a running node has a connection to a publisher of this very topic."""
     _, _, connections = node_api(node).getBusInfo(rospy.get_name())
@@ -367,7 +372,7 @@ class Messages:
 
     def _is_connected(self) -> bool:
         topic, me = self._subscriber.resolved_name, rospy.get_name()
-        publishers = dict(rosgraph.Master(me).getSystemState()[0]).get(topic, [])
+        publishers = publishers_of(topic)
 
         def sends(node: str) -> bool:
             _, _, connections = node_api(node).getBusInfo(me)

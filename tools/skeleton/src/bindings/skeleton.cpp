@@ -8,7 +8,7 @@
 using namespace robot_vision;
 using namespace py::literals;
 
-namespace
+namespace skeleton_bindings
 {
 
 void bindSkeleton(py::module& m)
@@ -30,4 +30,4 @@ void bindSkeleton(py::module& m)
 
 const Bindings kBindings("skeleton", {}, bindSkeleton);
 
-}  // namespace
+}  // namespace skeleton_bindings
