@@ -35,19 +35,22 @@ def test_the_memory_of_a_process_has_its_parts():
 
 def test_a_table_has_a_line_for_each_process_of_any_way():
     first = DemoCost({"vision": ProcessCost(20.0, 70.0), "a": ProcessCost(1.0, 60.0)}, {"a": 7.0})
-    last = DemoCost({"vision": ProcessCost(40.0, 150.0)}, {"a": 3.0})
+    both = {"vision": ProcessCost(40.0, 150.0), "rosmaster": ProcessCost(2.0, 30.0)}
+    last = DemoCost(both, {"a": 3.0})
     costs = {"several": first, "one": last}
     lines = demo_cost.cost_table(costs).splitlines()
     assert lines[0] == "| process | CPU: several | PSS | CPU: one | PSS |"
     assert lines[2:] == [
         "| vision | 20.0 | 70.0 | 40.0 | 150.0 |",
         "| a | 1.0 | 60.0 | - | - |",
-        "| all, 2, 1 processes | 21.0 | 130.0 | 40.0 | 150.0 |",
+        "| rosmaster | - | - | 2.0 | 30.0 |",
+        "| all, 2, 2 processes | 21.0 | 130.0 | 42.0 | 180.0 |",
     ]
     assert "| a | 7.0 | 3.0 |" in demo_cost.start_table(costs)
     assert total(first.processes) == ProcessCost(21.0, 130.0, 2)
     assert [(one.value, one.most) for one in demo_cost.goals(last)] == [
-        (40.0, demo_cost.CORE),
+        (42.0, demo_cost.CORE),
+        (180.0, demo_cost.MEMORY),
         (150.0, demo_cost.MEMORY),
         (3.0, demo_cost.START),
     ]
