@@ -1,6 +1,5 @@
 """Servers of actions, which end with their node."""
 
-import contextlib
 from typing import Any, Callable
 
 from actionlib import SimpleActionServer
@@ -33,5 +32,17 @@ def action_server(
 def _close(server: SimpleActionServer) -> None:
     server.need_to_terminate = True
     server.execute_thread.join(END_TIMEOUT)
-    with contextlib.suppress(AttributeError):  # Of what start() did not come to make.
-        server.action_server.stop()
+    actions = server.action_server
+    with actions.lock:
+        actions.started = False
+        # Each is None if start() did not come to make it, and the timer at a status_frequency of 0.
+        if actions.status_timer:
+            actions.status_timer.shutdown()
+        ends = actions.goal_sub, actions.cancel_sub
+        ends += actions.status_pub, actions.feedback_pub, actions.result_pub
+        for topic in filter(None, ends):
+            topic.unregister()
+        # The timer's thread notices its end at the next period, or never while simulated time
+        # stands still. It keeps the server so long, which must not keep the node.
+        actions.register_goal_callback(None)
+        actions.register_cancel_callback(None)
