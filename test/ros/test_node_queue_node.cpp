@@ -3,6 +3,9 @@
 
 #include <atomic>
 #include <boost/make_shared.hpp>
+#include <chrono>
+#include <cstdint>
+#include <functional>
 #include <memory>
 #include <set>
 #include <string>
@@ -85,6 +88,36 @@ private:
   std::thread thread_;
 };
 
+/// A callback that stands still until it is told to go on.
+class Standstill
+{
+public:
+  void call()
+  {
+    begun_ = true;
+    waitFor([this] { return goes_on_.load(); });
+    ended_ = true;
+  }
+
+  /// Whether `end` waits for the callback, which has begun or is about to.
+  void expectWaitedFor(const std::function<void()>& end)
+  {
+    ASSERT_TRUE(waitFor([this] { return begun_.load(); }));
+    std::thread ending(
+        [&]
+        {
+          end();
+          EXPECT_TRUE(ended_);
+        });
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));  // in which it ends if it does not wait
+    goes_on_ = true;
+    ending.join();
+  }
+
+private:
+  std::atomic<bool> begun_{false}, goes_on_{false}, ended_{false};
+};
+
 }  // namespace
 
 TEST(NodeQueue, nodesOfAProcessGetTheBufferThatWasPublishedInIt)
@@ -138,6 +171,33 @@ TEST(NodeQueue, nodesComeAndGoWhileFramesFlow)
   sender.join();
   publisher.publish(makeMessage(255));
   EXPECT_TRUE(waitFor([&] { return stays.has(255); }));
+}
+
+TEST(NodeQueue, itsEndWaitsForAReport)
+{
+  ros::param::set("/reports/diagnostic_period", 0.01);
+  const auto queue = process->makeQueue("/reports", "/diagnostics");
+  Standstill report;
+  const auto count = [&report]
+  {
+    report.call();
+    return std::uint64_t{0};
+  };
+  queue->makeStatistics()->countUnshared(count);
+  report.expectWaitedFor([&queue] { queue->close(); });
+}
+
+TEST(PooledImagePublisher, itsEndWaitsForAConnection)
+{
+  CallbackGate gate;
+  ros::NodeHandle nh;
+  gate.guard(nh);
+  image_transport::ImageTransport it(nh);
+  Standstill connection;
+  PooledImagePublisher publisher(
+      "/watched", it, [&connection] { connection.call(); }, gate.between());
+  const Receiver<sensor_msgs::Image> reader("/watched");
+  connection.expectWaitedFor([&publisher] { publisher.close(); });
 }
 
 TEST(ProcessFrame, thoseWhoAskForTheSameGetTheSameMemory)

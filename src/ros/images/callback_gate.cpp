@@ -5,6 +5,7 @@
 #include <boost/make_shared.hpp>
 #include <condition_variable>
 #include <mutex>
+#include <shared_mutex>
 
 namespace robot_vision
 {
@@ -27,6 +28,20 @@ public:
     work();
   }
 
+  /// Does the work of a callback.
+  template <class Work>
+  void call(const Work& work)
+  {
+    const std::shared_lock<std::shared_mutex> lock(calls_);
+    pass(work);
+  }
+
+  void between(const Work& work)
+  {
+    const std::unique_lock<std::shared_mutex> lock(calls_);
+    work();
+  }
+
   void close()
   {
     std::unique_lock<std::mutex> lock(mutex_);
@@ -41,7 +56,8 @@ private:
     if (--running_ == 0) empty_.notify_all();
   }
 
-  std::mutex mutex_;  // guards all below
+  std::shared_mutex calls_;  // shared by the callbacks that run
+  std::mutex mutex_;         // guards all below
   std::condition_variable empty_;
   bool closed_ = false;
   int running_ = 0;
@@ -60,7 +76,7 @@ public:
   CallResult call() override
   {
     CallResult result = Invalid;
-    state_->pass([&] { result = callback_->call(); });
+    state_->call([&] { result = callback_->call(); });
     return result;
   }
 
@@ -112,6 +128,11 @@ void CallbackGate::guard(ros::NodeHandle& nh)
 void CallbackGate::close()
 {
   state_->close();
+}
+
+std::function<void(const CallbackGate::Work&)> CallbackGate::between() const
+{
+  return [state = state_](const Work& work) { state->between(work); };
 }
 
 }  // namespace robot_vision

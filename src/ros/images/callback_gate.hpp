@@ -2,18 +2,22 @@
 
 #include <ros/ros.h>
 
+#include <functional>
 #include <memory>
 #include <vector>
 
 namespace robot_vision
 {
 
-/// Protects an object from callbacks during its destruction. roscpp waits for a running callback when a subscription,
-/// service or timer is shut down, but no longer once roscpp itself is being shut down; and dynamic_reconfigure's server
-/// destroys what its service uses before the service.
+/// Protects an object from callbacks during its destruction. roscpp waits for a running callback when a subscription is
+/// shut down, but since 1.15.10 (https://github.com/ros/ros_comm/pull/2121) not when a timer, a service or a publisher
+/// is, whose connections have callbacks, and for none once roscpp itself is being shut down; and dynamic_reconfigure's
+/// server destroys what its service uses before the service.
 class CallbackGate
 {
 public:
+  using Work = std::function<void()>;
+
   CallbackGate();
   ~CallbackGate();
   CallbackGate(const CallbackGate&) = delete;
@@ -24,6 +28,9 @@ public:
   /// Waits for the running callbacks and drops those to come. To be called before anything else is destroyed, but not
   /// by a callback.
   void close();
+
+  /// A function that does work while none of the callbacks runs. It may outlive the gate. No callback may call it.
+  std::function<void(const Work&)> between() const;
 
 private:
   class State;

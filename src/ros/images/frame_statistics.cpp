@@ -135,8 +135,10 @@ FrameDiagnostics::FrameDiagnostics(const ros::NodeHandle& nh, const ros::NodeHan
 {
   updater_.setHardwareID("none");
   updater_.add("frames", [this](diagnostic_updater::DiagnosticStatusWrapper& status) { statistics_->report(status); });
-  timer_ =
-      nh.createWallTimer(ros::WallDuration(period_), [this](const ros::WallTimerEvent&) { updater_.force_update(); });
+  ros::NodeHandle guarded = nh;
+  gate_.guard(guarded);
+  const auto report = [this](const ros::WallTimerEvent&) { updater_.force_update(); };
+  timer_ = guarded.createWallTimer(ros::WallDuration(period_), report);
 }
 
 }  // namespace robot_vision

@@ -11,6 +11,8 @@
 #include <mutex>
 #include <string>
 
+#include "callback_gate.hpp"
+
 namespace robot_vision
 {
 
@@ -82,10 +84,15 @@ class FrameDiagnostics
 public:
   /// Throws std::invalid_argument if ~diagnostic_period (s) is out of range.
   FrameDiagnostics(const ros::NodeHandle& nh, const ros::NodeHandle& pnh, const std::string& name);
+  ~FrameDiagnostics() { gate_.close(); }
+  FrameDiagnostics(const FrameDiagnostics&) = delete;
+  FrameDiagnostics& operator=(const FrameDiagnostics&) = delete;
+
   FrameStatistics& statistics() { return *statistics_; }
   std::shared_ptr<FrameStatistics> shared() { return statistics_; }
 
 private:
+  CallbackGate gate_;  // to the queue of the timer
   std::shared_ptr<FrameStatistics> statistics_ = std::make_shared<FrameStatistics>();
   double period_;  // s
   diagnostic_updater::Updater updater_;

@@ -51,7 +51,7 @@ std::shared_ptr<PooledImagePublisher> NodeQueue::makeOutbox(const std::string& t
 {
   requireRunning();
   const auto changed = [connections = connections_] { connections->note(); };
-  const auto outbox = std::make_shared<PooledImagePublisher>(topic, *process_.transports(), changed);
+  const auto outbox = std::make_shared<PooledImagePublisher>(topic, *process_.transports(), changed, process_.between);
   add(publishers_, outbox);
   add(shared_topics_, outbox->sharedTopic());
   process_.advertised();  // because the transports have advertised services

@@ -8,7 +8,8 @@ namespace robot_vision
 {
 
 PooledImagePublisher::PooledImagePublisher(const std::string& topic, image_transport::ImageTransport& it,
-                                           const std::function<void()>& on_connection)
+                                           const std::function<void()>& on_connection, Between between)
+  : between_(std::move(between))
 {
   const auto on_image = [on_connection](const image_transport::SingleSubscriberPublisher&) { on_connection(); };
   const AdvertisingLock advertising;
@@ -21,9 +22,12 @@ void PooledImagePublisher::close()
 {
   const AdvertisingLock advertising;
   image_transport::Publisher ending;  // with the settings of the transports, which have topics of their own
-  const std::lock_guard<std::mutex> lock(mutex_);  // which goes before they do, as their end waits for callbacks
-  publisher_.shutdown();
-  std::swap(ending, publisher_);
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);  // which goes before they do, as their end waits for callbacks
+    std::swap(ending, publisher_);
+  }
+  // The transports are told of subscribers that come and go, also while they are destroyed.
+  between_([&ending] { ending.shutdown(); });
 }
 
 std::uint32_t PooledImagePublisher::subscribers() const

@@ -9,6 +9,7 @@
 #include <opencv2/core.hpp>
 #include <string>
 
+#include "callback_gate.hpp"
 #include "image_message.hpp"
 
 namespace robot_vision
@@ -18,13 +19,17 @@ namespace robot_vision
 class PooledImagePublisher
 {
 public:
-  /// `topic` is absolute. `on_connection` is called through the queue of `it` when subscribers come or go.
+  using Between = std::function<void(const CallbackGate::Work&)>;
+
+  /// `topic` is absolute. `on_connection` is called through the queue of `it` when subscribers come or go; `between` is
+  /// that of a gate to this queue.
   PooledImagePublisher(const std::string& topic, image_transport::ImageTransport& it,
-                       const std::function<void()>& on_connection);
+                       const std::function<void()>& on_connection, Between between);
   ~PooledImagePublisher() { close(); }
   PooledImagePublisher(const PooledImagePublisher&) = delete;
   PooledImagePublisher& operator=(const PooledImagePublisher&) = delete;
 
+  /// To be called by no callback of `it`.
   void close();
   std::uint32_t subscribers() const;
   const std::shared_ptr<SharedTopic>& sharedTopic() const { return shared_topic_; }
@@ -34,6 +39,7 @@ public:
   void publish(const cv::Mat& pixels, const std::string& encoding, const std_msgs::Header& header);
 
 private:
+  const Between between_;
   std::shared_ptr<SharedTopic> shared_topic_;
   mutable std::mutex mutex_;  // guards all below
   image_transport::Publisher publisher_;
