@@ -2,8 +2,8 @@
 
 #include <opencv2/imgproc.hpp>
 
-#include "core/camera/h264_decoder.hpp"
 #include "core/camera/v4l2_source.hpp"
+#include "core/camera/video_decoders.hpp"
 #include "support/fake_v4l2.hpp"
 #include "support/h264_stream.hpp"
 #include "support/images.hpp"
@@ -45,7 +45,7 @@ protected:
 
   const std::vector<cv::Mat> images_ = movingImages();
   const std::vector<cv::Mat> packets_ = H264Stream().encode(images_);
-  H264Decoder decoder_;
+  const std::unique_ptr<H264Decoder> decoder_ = makeH264Decoder();
   cv::Mat out_;
 };
 
@@ -55,7 +55,7 @@ TEST_F(H264, decodesEachFrameAtOnce)
 {
   for (int i = 0; i < kFrames; ++i)
   {
-    ASSERT_TRUE(decoder_.decode(packets_[i], out_)) << i;
+    ASSERT_TRUE(decoder_->decode(packets_[i], out_)) << i;
     EXPECT_LT(meanError(out_, images_[i]), kMaxMeanError) << i;
   }
   EXPECT_GT(meanError(images_[0], images_[1]), 5 * kMaxMeanError);
@@ -65,7 +65,7 @@ TEST_F(H264, beginsWithTheNextKeyframe)
 {
   for (int i = 3; i < kFrames; ++i)
   {
-    ASSERT_EQ(decoder_.decode(packets_[i], out_), i >= kKeyframeEvery) << i;
+    ASSERT_EQ(decoder_->decode(packets_[i], out_), i >= kKeyframeEvery) << i;
     if (i >= kKeyframeEvery) EXPECT_LT(meanError(out_, images_[i]), kMaxMeanError) << i;
   }
 }
@@ -89,12 +89,12 @@ TEST_F(H264, survivesDamagedData)
       default:  // noise after a start code
         random.fill(hostile.colRange(4, hostile.cols), cv::RNG::UNIFORM, 0, 256);
     }
-    refusal([&] { decoder_.decode(hostile, out_); });
+    refusal([&] { decoder_->decode(hostile, out_); });
   }
-  EXPECT_EQ(refusal([&] { decoder_.decode(cv::Mat(), out_); }), "H.264 frame is empty");
-  ASSERT_TRUE(decoder_.decode(packets_[0], out_));
-  EXPECT_NE(refusal([&] { decoder_.decode(cv::Mat(1, 100, CV_8UC1, cv::Scalar(0xFF)), out_); }), "");
-  ASSERT_TRUE(decoder_.decode(packets_[0], out_));
+  EXPECT_EQ(refusal([&] { decoder_->decode(cv::Mat(), out_); }), "H.264 frame is empty");
+  ASSERT_TRUE(decoder_->decode(packets_[0], out_));
+  EXPECT_NE(refusal([&] { decoder_->decode(cv::Mat(1, 100, CV_8UC1, cv::Scalar(0xFF)), out_); }), "");
+  ASSERT_TRUE(decoder_->decode(packets_[0], out_));
   EXPECT_LT(meanError(out_, images_[0]), kMaxMeanError);
 }
 
@@ -105,18 +105,18 @@ TEST_F(H264, convertsTheFullRangeToTheLimitedOne)
   const cv::Mat white(kSize.height * 3 / 2, kSize.width, CV_8UC1, cv::Scalar(255));
   cv::Mat black = white.clone();
   black = 0;
-  ASSERT_TRUE(decoder_.decode(stream.encode({white}).front(), out_));
+  ASSERT_TRUE(decoder_->decode(stream.encode({white}).front(), out_));
   EXPECT_NEAR(cv::mean(out_.rowRange(0, kSize.height))[0], 235.0, 1.0);
   EXPECT_NEAR(cv::mean(out_.rowRange(kSize.height, out_.rows))[0], 240.0, 1.0);
-  ASSERT_TRUE(decoder_.decode(stream.encode({black}).front(), out_));
+  ASSERT_TRUE(decoder_->decode(stream.encode({black}).front(), out_));
   EXPECT_NEAR(cv::mean(out_)[0], 16.0, 1.0);
 }
 
 TEST_F(H264, followsAChangeOfSize)
 {
   const std::vector<cv::Mat> larger = movingImages({320, 240});
-  ASSERT_TRUE(decoder_.decode(packets_[0], out_));
-  ASSERT_TRUE(decoder_.decode(H264Stream().encode(larger).front(), out_));
+  ASSERT_TRUE(decoder_->decode(packets_[0], out_));
+  ASSERT_TRUE(decoder_->decode(H264Stream().encode(larger).front(), out_));
   EXPECT_LT(meanError(out_, larger[0]), kMaxMeanError);
 }
 
@@ -124,7 +124,7 @@ TEST_F(H264, refusesOtherPixelFormats)
 {
   H264Stream stream;
   stream.chroma_422 = true;
-  EXPECT_EQ(refusal([&] { decoder_.decode(stream.encode(images_).front(), out_); }),
+  EXPECT_EQ(refusal([&] { decoder_->decode(stream.encode(images_).front(), out_); }),
             "H.264 image in the pixel format yuv422p, expected yuv420p or yuvj420p");
 }
 

@@ -8,6 +8,7 @@
 #include <limits>
 #include <opencv2/imgcodecs.hpp>
 
+#include "core/codecs/opencv_codecs.hpp"
 #include "robot_vision/codecs/image_file.hpp"
 #include "robot_vision/common/regular_file.hpp"
 #include "robot_vision/image/encoding.hpp"
@@ -69,7 +70,7 @@ cv::Mat decodeFile(const std::string& path, int flags)
 bool isImageFile(const std::string& path)
 {
   struct stat info;
-  return stat(path.c_str(), &info) == 0 && S_ISREG(info.st_mode) && cv::haveImageReader(path);
+  return stat(path.c_str(), &info) == 0 && S_ISREG(info.st_mode) && isReadByOpenCv(path);
 }
 
 cv::Mat readImage(const std::string& path)

@@ -11,7 +11,7 @@
 #include "side_by_side_source.hpp"
 #include "v4l2_cameras.hpp"
 #include "v4l2_source.hpp"
-#include "video_source.hpp"
+#include "video_decoders.hpp"
 #ifdef FREENECT_LIBRARY
 #include "freenect_source.hpp"
 #endif
@@ -60,7 +60,7 @@ std::unique_ptr<FrameSource> openVideoFile(const std::string& path, const Captur
   if (!S_ISREG(info.st_mode)) throw SourceError(path + " cannot be read: it is no file");  // reading a pipe would block
   if (info.st_size == 0) throw SourceError(path + ": the file is empty");
   if (params.views == "rgbd") throw SourceError(path + ": a video has no depths: views must be one or stereo");
-  return std::make_unique<VideoSource>(path);
+  return openVideo(path);
 }
 
 std::unique_ptr<FrameSource> openFrames(const CaptureParams& params)
@@ -75,7 +75,7 @@ std::unique_ptr<FrameSource> openFrames(const CaptureParams& params)
     case SourceKind::kKinect:
       return openKinect(params);
     case SourceKind::kUrl:
-      return std::make_unique<VideoSource>(source);
+      return openVideo(source);
     case SourceKind::kImages:
       return openImages(source, params);
     case SourceKind::kVideo:

@@ -43,7 +43,7 @@ V4l2Source::V4l2Source(std::shared_ptr<V4l2Device> device, const CaptureParams& 
   requireCapture();
   mode_ = negotiateFormat(*device_, params);
   if (!mode_.warning.empty()) warning_ += (warning_.empty() ? "" : "; ") + device_->path() + ": " + mode_.warning;
-  if (mode_.format->fourcc == V4L2_PIX_FMT_H264) decoder_ = std::make_unique<H264Decoder>();
+  if (mode_.format->fourcc == V4L2_PIX_FMT_H264) decoder_ = makeH264Decoder();
 }
 
 V4l2Source::~V4l2Source()

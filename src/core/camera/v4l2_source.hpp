@@ -6,10 +6,10 @@
 #include <string>
 #include <vector>
 
-#include "h264_decoder.hpp"
 #include "robot_vision/camera/open_source.hpp"
 #include "v4l2_device.hpp"
 #include "v4l2_mode.hpp"
+#include "video_decoders.hpp"
 
 namespace robot_vision
 {

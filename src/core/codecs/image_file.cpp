@@ -1,10 +1,13 @@
 #include "robot_vision/codecs/image_file.hpp"
 
+#include <cstdint>
 #include <limits>
 #include <opencv2/imgcodecs.hpp>
 #include <stdexcept>
+#include <vector>
 
 #include "image_header.hpp"
+#include "opencv_codecs.hpp"
 #include "png.hpp"
 #include "robot_vision/image/jpeg.hpp"
 
@@ -25,7 +28,8 @@ cv::Mat decodePngFile(const unsigned char* data, std::size_t size, int flags)
 {
   if (isPlain(flags)) return decodePng(data, size, flags);
   decodePng(data, size, cv::IMREAD_UNCHANGED);
-  return cv::imdecode(withoutMetadata(data, size), flags);
+  const std::vector<std::uint8_t> plain = withoutMetadata(data, size);
+  return decodeByOpenCv(cv::Mat(plain), flags);
 }
 
 }  // namespace
@@ -40,7 +44,7 @@ cv::Mat decodeImageFile(const unsigned char* data, std::size_t size, int flags)
     if (isPng(data, size)) return decodePngFile(data, size, flags);
     if (isJpeg(data, size)) requireSoundJpeg(data, size);
     const cv::Mat bytes(1, static_cast<int>(size), CV_8UC1, const_cast<unsigned char*>(data));
-    return cv::imdecode(bytes, flags);
+    return decodeByOpenCv(bytes, flags);
   }
   catch (const cv::Exception& e)  // for instance because a side is longer than OpenCV allows
   {

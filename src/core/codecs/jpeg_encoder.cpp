@@ -7,6 +7,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "opencv_codecs.hpp"
 #include "robot_vision/common/range.hpp"
 #include "robot_vision/image/jpeg.hpp"
 
@@ -44,7 +45,7 @@ TJPF pixelFormat(const cv::Mat& image, bool rgb)
 }
 
 /// Encodes with options that TurboJPEG does not have before version 3.
-void encodeByOpenCv(const cv::Mat& image, bool rgb, const JpegParams& params, std::vector<std::uint8_t>& out)
+void encodeWithOptions(const cv::Mat& image, bool rgb, const JpegParams& params, std::vector<std::uint8_t>& out)
 {
   cv::Mat bgr;
   if (image.channels() == 4)
@@ -53,10 +54,11 @@ void encodeByOpenCv(const cv::Mat& image, bool rgb, const JpegParams& params, st
     cv::cvtColor(image, bgr, cv::COLOR_RGB2BGR);
   else
     bgr = image;
-  cv::imencode(
-      ".jpg", bgr, out,
+  encodeByOpenCv(
+      ".jpg", bgr,
       {cv::IMWRITE_JPEG_QUALITY, params.quality, cv::IMWRITE_JPEG_PROGRESSIVE, params.progressive ? 1 : 0,
-       cv::IMWRITE_JPEG_OPTIMIZE, params.optimize ? 1 : 0, cv::IMWRITE_JPEG_RST_INTERVAL, params.restart_interval});
+       cv::IMWRITE_JPEG_OPTIMIZE, params.optimize ? 1 : 0, cv::IMWRITE_JPEG_RST_INTERVAL, params.restart_interval},
+      out);
 }
 
 }  // namespace
@@ -69,7 +71,7 @@ void encodeJpeg(const cv::Mat& image, bool rgb, const JpegParams& params, std::v
     throw std::invalid_argument("an image of " + toText(image.size()) +
                                 " cannot become JPEG: it has no or too many pixels");
   if (params.optimize || params.progressive || params.restart_interval != 0)
-    return encodeByOpenCv(image, rgb, params, out);
+    return encodeWithOptions(image, rgb, params, out);
 
   const int subsampling = format == TJPF_GRAY ? TJSAMP_GRAY : TJSAMP_420;
   thread_local Buffer buffer(nullptr, tjFree);

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "core/common/big_endian.hpp"
+#include "opencv_codecs.hpp"
 #include "robot_vision/image/jpeg.hpp"
 
 namespace robot_vision
@@ -84,7 +85,7 @@ std::vector<std::uint8_t> withoutMetadata(const unsigned char* data, std::size_t
 
 void encodePng(const cv::Mat& image, int level, std::vector<std::uint8_t>& out)
 {
-  cv::imencode(".png", image, out, {cv::IMWRITE_PNG_COMPRESSION, level});
+  encodeByOpenCv(".png", image, {cv::IMWRITE_PNG_COMPRESSION, level}, out);
 }
 
 }  // namespace robot_vision

@@ -1,7 +1,5 @@
 #include "image_message.hpp"
 
-#include <cv_bridge/cv_bridge.h>
-
 #include <algorithm>
 #include <boost/make_shared.hpp>
 #include <cstdint>
@@ -10,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "cv_bridge_calls.hpp"
 #include "robot_vision/common/printable.hpp"
 #include "robot_vision/common/range.hpp"
 #include "robot_vision/image/encoding.hpp"
@@ -66,16 +65,17 @@ cv::Mat view(const sensor_msgs::Image& message, int type)
 int anyMatType(const std::string& encoding)
 {
   if (isMessageEncoding(encoding)) return matType(encoding);
+  int type = 0;
   try
   {
-    const int type = cv_bridge::getCvType(encoding);
-    if (type == CV_MAT_TYPE(type)) return type;  // the types of 8UC0 and 8UC513 are not valid
-    throw std::invalid_argument("encoding '" + printable(encoding) + "' has a number of channels that no image has");
+    type = typeByCvBridge(encoding);
   }
-  catch (const cv_bridge::Exception& e)
+  catch (const std::exception& e)
   {
     throw std::invalid_argument("encoding '" + printable(encoding) + "' is unknown: " + printable(e.what()));
   }
+  if (type == CV_MAT_TYPE(type)) return type;  // the types of 8UC0 and 8UC513 are not valid
+  throw std::invalid_argument("encoding '" + printable(encoding) + "' has a number of channels that no image has");
 }
 
 cv::Mat viewPixels(const sensor_msgs::Image& message)
@@ -105,21 +105,19 @@ void requireEncoding(const cv::Mat& pixels, const std::string& encoding)
 cv::Mat convertPixels(const sensor_msgs::Image& message, const std::string& encoding,
                       const std::function<cv::Mat(cv::Size)>& make)
 {
-  cv_bridge::CvImage source;
-  source.image = viewAnyPixels(message);
-  source.encoding = message.encoding;
-  if (encoding == message.encoding) return source.image;
+  const cv::Mat pixels = viewAnyPixels(message);
+  if (encoding == message.encoding) return pixels;
   try
   {
     cv::Mat converted;
     const bool common = encoding == "bgr8" || encoding == "rgb8" || encoding == "mono8";
     if (common && isMessageEncoding(message.encoding))
     {
-      if (make) converted = make(source.image.size());
-      toEncoding(source.image, message.encoding, encoding, converted);
+      if (make) converted = make(pixels.size());
+      toEncoding(pixels, message.encoding, encoding, converted);
     }
     else
-      converted = cv_bridge::cvtColor(boost::make_shared<const cv_bridge::CvImage>(source), encoding)->image;
+      converted = convertByCvBridge(pixels, message.encoding, encoding);
     return converted;
   }
   catch (const std::exception& e)

@@ -1,4 +1,4 @@
-#include "h264_decoder.hpp"
+#include "ffmpeg_h264_decoder.hpp"
 
 extern "C"
 {
@@ -108,14 +108,14 @@ bool hasKeyframe(const cv::Mat& bytes)
 
 }  // namespace
 
-struct H264Decoder::Context
+struct FfmpegH264Decoder::Context
 {
   std::unique_ptr<AVCodecContext, Freer> codec;
   std::unique_ptr<AVPacket, Freer> packet;
   std::unique_ptr<AVFrame, Freer> frame;
 };
 
-H264Decoder::H264Decoder() : context_(std::make_unique<Context>())
+FfmpegH264Decoder::FfmpegH264Decoder() : context_(std::make_unique<Context>())
 {
   const AVCodec* decoder = avcodec_find_decoder(AV_CODEC_ID_H264);
   if (decoder == nullptr) throw SourceError("FFmpeg's libavcodec has no decoder for H.264 here");
@@ -133,15 +133,15 @@ H264Decoder::H264Decoder() : context_(std::make_unique<Context>())
   if (error != 0) throw SourceError("FFmpeg's decoder for H.264 cannot be opened: " + describe(error));
 }
 
-H264Decoder::~H264Decoder() = default;
+FfmpegH264Decoder::~FfmpegH264Decoder() = default;
 
-void H264Decoder::restart()
+void FfmpegH264Decoder::restart()
 {
   avcodec_flush_buffers(context_->codec.get());
   waiting_for_keyframe_ = true;
 }
 
-bool H264Decoder::decode(const cv::Mat& bytes, cv::Mat& yu12)
+bool FfmpegH264Decoder::decode(const cv::Mat& bytes, cv::Mat& yu12)
 {
   if (bytes.empty()) throw std::invalid_argument("H.264 frame is empty");
   if (waiting_for_keyframe_ && !hasKeyframe(bytes)) return false;
@@ -158,7 +158,7 @@ bool H264Decoder::decode(const cv::Mat& bytes, cv::Mat& yu12)
   }
 }
 
-void H264Decoder::send(const cv::Mat& bytes)
+void FfmpegH264Decoder::send(const cv::Mat& bytes)
 {
   AVPacket& packet = *context_->packet;
   int error = av_new_packet(&packet, static_cast<int>(bytes.total()));
@@ -172,7 +172,7 @@ void H264Decoder::send(const cv::Mat& bytes)
     throw std::invalid_argument("H.264 frame of " + std::to_string(bytes.total()) + " bytes: " + describe(error));
 }
 
-bool H264Decoder::receive(cv::Mat& yu12)
+bool FfmpegH264Decoder::receive(cv::Mat& yu12)
 {
   bool decoded = false;
   int error;
@@ -187,3 +187,8 @@ bool H264Decoder::receive(cv::Mat& yu12)
 }
 
 }  // namespace robot_vision
+
+robot_vision::H264Decoder* robot_vision_make_h264_decoder()
+{
+  return std::make_unique<robot_vision::FfmpegH264Decoder>().release();
+}

@@ -1,7 +1,9 @@
 #include "video_source.hpp"
 
 #include <algorithm>
+#include <memory>
 
+#include "core/camera/video_decoders.hpp"
 #include "robot_vision/common/range.hpp"
 
 namespace robot_vision
@@ -81,3 +83,8 @@ std::string VideoSource::description() const
 }
 
 }  // namespace robot_vision
+
+robot_vision::FrameSource* robot_vision_open_video(const std::string& path)
+{
+  return std::make_unique<robot_vision::VideoSource>(path).release();
+}
