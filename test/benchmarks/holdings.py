@@ -24,19 +24,34 @@ class Holdings:
     memory: float
 
 
-def holdings_of(pid: int) -> Dict[str, Holdings]:
-    """Of a process and of all below it, by name; loaders, which are alike, are left out."""
+def holdings_of(pid: int, master_port: int = 0) -> Dict[str, Holdings]:
+    """Of a process and of all below it, by name; loaders, which are alike, are left out.
+
+    Connections to the master do not count, nor the master's threads for them: a process keeps as
+    many as it once had calls at a time.
+    """
     root = psutil.Process(pid)
     found = {}
     for process in [root, *root.children(recursive=True)]:
         with contextlib.suppress(psutil.NoSuchProcess, FileNotFoundError):
             name = name_of(process.cmdline())
             if name != LOADERS:
-                one = Holdings(
-                    process.num_fds(), process.num_threads(), memory_of(process.pid, WRITTEN)
+                calling, called = master_connections(process, master_port)
+                found[name] = Holdings(
+                    process.num_fds() - calling - called,
+                    process.num_threads() - called,
+                    memory_of(process.pid, WRITTEN),
                 )
-                found[name] = one
     return found
+
+
+def master_connections(process: psutil.Process, port: int) -> Tuple[int, int]:
+    """Returns how many connections a process has to the master, and how many it has as it."""
+    open_ = [one for one in process.connections("tcp") if one.raddr]
+    return (
+        sum(one.raddr.port == port for one in open_),
+        sum(one.laddr.port == port for one in open_),
+    )
 
 
 def most_of(readings: Sequence[Dict[str, Holdings]]) -> Dict[str, Holdings]:

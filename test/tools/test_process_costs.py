@@ -1,12 +1,19 @@
 """The costs of processes, and what they hold: given figures, what is said of them."""
 
 import os
+import socket
 
 import demo_cost
 import psutil
 import pytest
 from demo_cost import DemoCost
-from holdings import Holdings, holdings_of, holdings_table, not_given_back
+from holdings import (
+    Holdings,
+    holdings_of,
+    holdings_table,
+    master_connections,
+    not_given_back,
+)
 from process_costs import LOADERS, ProcessCost, memory_of, name_of, total
 
 KEPT = {"vision": Holdings(40, 30, 120.0), "rosmaster": Holdings(20, 12, 30.0)}
@@ -96,3 +103,13 @@ def test_what_a_process_opens_is_counted():
     finally:
         for descriptor in opened:
             os.close(descriptor)
+
+
+def test_connections_to_the_master_do_not_count():
+    own = psutil.Process()
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        port = server.getsockname()[1]
+        before = master_connections(own, port)
+        with socket.create_connection(("127.0.0.1", port)), server.accept()[0]:
+            assert before == (0, 0) and master_connections(own, port) == (1, 1)
+            assert master_connections(own, port + 1) == (0, 0)

@@ -181,6 +181,7 @@ private:
   int master_pid_ = 0;    // process id of the master that knows this process; 0 if none was seen yet
   bool complete_ = true;  // false if registering again has failed in part
   Names services_;
+  std::vector<std::string> topics_;            // that the process advertised when these were its services
   std::map<std::string, XmlRpcValue> params_;  // by namespace
   std::map<std::string, std::string> nodes_;   // the nodes of this process and their URIs
   std::thread thread_;
@@ -243,7 +244,16 @@ bool Registration::Watch::namesAreTaken() const
 
 void Registration::Watch::remember()
 {
-  if (const std::optional<Names> services = registeredServices()) services_ = *services;
+  // Services come with topics. The master tells of those of all nodes at once, which takes the more the larger the
+  // system is, so it is asked when there is something new.
+  std::vector<std::string> topics;
+  ros::this_node::getAdvertisedTopics(topics);
+  if (topics != topics_)
+    if (const std::optional<Names> services = registeredServices())
+    {
+      services_ = *services;
+      topics_ = topics;
+    }
   for (auto& [ns, params] : params_)
   {
     std::optional<XmlRpcValue> has = ask("hasParam", {ns});
@@ -268,6 +278,7 @@ Registration::Registration(const std::string& ns, const std::string& node, const
   watch_->params_[ns_];
   watch_->nodes_[ros::this_node::getName()] = uri();
   if (!node.empty()) watch_->nodes_[node] = node_uri;
+  watch_->topics_.clear();
   watch_->look();
 }
 
@@ -280,6 +291,7 @@ Registration::~Registration()
 void Registration::look()
 {
   const std::lock_guard<std::mutex> lock(watch_->mutex_);
+  watch_->topics_.clear();  // so that it asks for services
   watch_->look();
 }
 
