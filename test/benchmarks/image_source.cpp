@@ -14,8 +14,11 @@ int main(int argc, char** argv)
   const ros::NodeHandle pnh("~");
   cv::Mat pixels(pnh.param("height", 480), pnh.param("width", 640), CV_8UC3);
   cv::randu(pixels, 0, 256);
+  robot_vision::CallbackGate gate;
+  gate.guard(nh);
   image_transport::ImageTransport it(nh);
-  robot_vision::PooledImagePublisher publisher(nh.resolveName("image"), it, [] {});
+  robot_vision::PooledImagePublisher publisher(
+      nh.resolveName("image"), it, [] {}, gate.between());
   ros::AsyncSpinner spinner(1);
   spinner.start();
   const double rate = pnh.param("rate", 30.0);

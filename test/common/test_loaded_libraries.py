@@ -18,7 +18,19 @@ print(loaded())
 {use}
 print(loaded())
 """
-READ = """
+READ_PNG = """
+import struct, zlib
+from robot_vision._core import decode_image_file
+
+def chunk(name, data):
+    return struct.pack(">I", len(data)) + name + data + struct.pack(">I", zlib.crc32(name + data))
+
+header, row = struct.pack(">IIBBBBB", 2, 1, 8, 0, 0, 0, 0), zlib.compress(bytes([0, 7, 9]))
+png = b"\\x89PNG\\r\\n\\x1a\\n" + chunk(b"IHDR", header) + chunk(b"IDAT", row) + chunk(b"IEND", b"")
+image = decode_image_file(png, 1)  # in color, and turned as its EXIF data says
+assert image.tolist() == [[[7] * 3, [9] * 3]], image
+"""
+READ_PGM = """
 from robot_vision._core import decode_image_file
 image = decode_image_file(b"P5 2 1 255 \\x07\\x09", 0)
 assert image.tolist() == [[7, 9]], image
@@ -36,6 +48,10 @@ def test_an_import_loads_no_readers_of_files_and_videos(module):
     assert printed(module) == "[]\n[]\n"
 
 
-def test_a_file_has_them_loaded():
-    before, after = printed("_core", READ).splitlines()
+def test_a_png_is_read_without_them():
+    assert printed("_core", READ_PNG) == "[]\n[]\n"
+
+
+def test_another_file_has_them_loaded():
+    before, after = printed("_core", READ_PGM).splitlines()
     assert before == "[]" and "opencv_imgcodecs" in after

@@ -17,16 +17,17 @@ namespace
 {
 
 /// Whether decodePng() gives the image that these flags of cv::imdecode ask for.
-bool isPlain(int flags)
+bool isPlain(const unsigned char* data, std::size_t size, int flags)
 {
   constexpr int kPlain = cv::IMREAD_COLOR | cv::IMREAD_ANYCOLOR | cv::IMREAD_ANYDEPTH | cv::IMREAD_IGNORE_ORIENTATION;
-  return flags == cv::IMREAD_UNCHANGED || ((flags & cv::IMREAD_IGNORE_ORIENTATION) != 0 && (flags & ~kPlain) == 0);
+  if (flags == cv::IMREAD_UNCHANGED) return true;
+  return (flags & ~kPlain) == 0 && ((flags & cv::IMREAD_IGNORE_ORIENTATION) != 0 || !hasExif(data, size));
 }
 
 /// The PNG is decoded by us first, as libpng would print what is wrong with it where OpenCV decodes it.
 cv::Mat decodePngFile(const unsigned char* data, std::size_t size, int flags)
 {
-  if (isPlain(flags)) return decodePng(data, size, flags);
+  if (isPlain(data, size, flags)) return decodePng(data, size, flags);
   decodePng(data, size, cv::IMREAD_UNCHANGED);
   const std::vector<std::uint8_t> plain = withoutMetadata(data, size);
   return decodeByOpenCv(cv::Mat(plain), flags);

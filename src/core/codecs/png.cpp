@@ -31,15 +31,15 @@ bool isPartOfTheImage(const unsigned char* name)
                      [name](const char* part) { return std::memcmp(name, part, 4) == 0; });
 }
 
-/// Whether the chunks follow each other up to the chunk that ends the image.
-bool isComplete(const unsigned char* data, std::size_t size)
+/// Whether the chunks follow each other up to one of this name.
+bool hasChunk(const unsigned char* data, std::size_t size, const char* name)
 {
   std::size_t i = kSignature.size();
   while (size - i >= kChunkOverhead)
   {
     const std::size_t length = bigEndian<4>(data + i);
     if (length > size - i - kChunkOverhead) return false;
-    if (std::memcmp(data + i + 4, "IEND", 4) == 0) return true;
+    if (std::memcmp(data + i + 4, name, 4) == 0) return true;
     i += kChunkOverhead + length;
   }
   return false;
@@ -52,11 +52,16 @@ bool isPng(const unsigned char* data, std::size_t size)
   return size >= kSignature.size() && std::equal(kSignature.begin(), kSignature.end(), data);
 }
 
+bool hasExif(const unsigned char* data, std::size_t size)
+{
+  return isPng(data, size) && hasChunk(data, size, "eXIf");
+}
+
 PngInfo readPngInfo(const unsigned char* data, std::size_t size)
 {
   if (!isPng(data, size)) refuse(size, "does not begin as a PNG");
   constexpr std::size_t kSizeOffset = kSignature.size() + 8;  // after the length and the name of the first chunk
-  if (size < kSizeOffset + 10 || std::memcmp(data + kSizeOffset - 4, "IHDR", 4) != 0 || !isComplete(data, size))
+  if (size < kSizeOffset + 10 || std::memcmp(data + kSizeOffset - 4, "IHDR", 4) != 0 || !hasChunk(data, size, "IEND"))
     refuse(size, "is damaged or truncated");
   requireDecodableSize("PNG of " + std::to_string(size) + " bytes ", bigEndian<4>(data + kSizeOffset),
                        bigEndian<4>(data + kSizeOffset + 4));

@@ -11,6 +11,9 @@ namespace robot_vision
 /// Whether the bytes begin with the signature of PNG.
 bool isPng(const unsigned char* data, std::size_t size);
 
+/// Whether a PNG has EXIF data, which may say how the image is turned.
+bool hasExif(const unsigned char* data, std::size_t size);
+
 struct PngInfo
 {
   bool color = false;  // otherwise gray; gray with alpha counts as colour, because OpenCV reads it so
