@@ -34,8 +34,19 @@ def serving(handler, kind=Trigger, name="/served/do"):
         service.shutdown()
 
 
+def say_no_more(connection):
+    # If it was closed, what the client still sends would be answered by a reset, which may come
+    # before the client has read all.
+    connection.shutdown(socket.SHUT_WR)
+
+
+def reset(connection):
+    connection.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, struct.pack("ii", 1, 0))
+    connection.close()
+
+
 @contextlib.contextmanager
-def pretending(*parts, ends=True):
+def pretending(*parts, end=say_no_more):
     """A service /hostile/do that sends these bytes to whoever connects, and may then end."""
     listener = socket.create_server(("127.0.0.1", 0))
     taken = []
@@ -48,8 +59,7 @@ def pretending(*parts, ends=True):
                 for part in parts:
                     connection.recv(1 << 16)
                     connection.sendall(part)
-                if ends:
-                    connection.close()
+                end(connection)
 
     threading.Thread(target=run, daemon=True).start()
     uri = f"rosrpc://127.0.0.1:{listener.getsockname()[1]}"
@@ -97,13 +107,20 @@ def test_fields_of_another_type_are_refused():
         call_node("/served", "do", SetBool, "x" * 3)
 
 
+@pytest.mark.parametrize("parts", [(), (HEADER,), (HEADER, b"\1")])
+def test_a_service_that_breaks_off_is_told(parts):
+    message = "/hostile/do cannot be called: it has ended the connection"
+    with pretending(*parts, end=reset), pytest.raises(OSError, match=message):
+        call_node("/hostile", "do", Trigger)
+
+
 @pytest.mark.parametrize(
     "parts",
     [(), (HEADER,), (HEADER, b"\1"), (HEADER, b"\1" + struct.pack("<I", 100) + b"x")],
 )
 def test_a_service_that_hangs_is_left_in_time(parts):
     message = "/hostile/do has not answered within 0.3 s"
-    with pretending(*parts, ends=False), pytest.raises(OSError, match=message):
+    with pretending(*parts, end=lambda _: None), pytest.raises(OSError, match=message):
         call_node("/hostile", "do", Trigger, timeout=0.3)
 
 

@@ -45,8 +45,10 @@ def call_node(node: str, service: str, kind: Any, *fields: Any, timeout: float =
         return call.run(where.hostname, where.port, kind._request_class(*fields))
     except socket.timeout:
         raise OSError(f"{name} has not answered within {call.timeout:g} s") from None
-    except (EOFError, OSError) as error:
-        if isinstance(error, OSError) and error.errno is None:  # said here
+    except (EOFError, ConnectionResetError, BrokenPipeError):
+        raise OSError(f"{name} cannot be called: it has ended the connection") from None
+    except OSError as error:
+        if error.errno is None:  # said here
             raise
         raise OSError(f"{name} cannot be called: {reason_of(error)}") from None
     except (genpy.SerializationError, struct.error) as error:
@@ -119,7 +121,7 @@ class _Call:
             self._socket.settimeout(self._left())
             part = self._socket.recv(min(count - len(data), 1 << 16))
             if not part:
-                raise EOFError("it has ended the connection")
+                raise EOFError
             data += part
         return bytes(data)
 
