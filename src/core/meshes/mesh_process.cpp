@@ -1,6 +1,5 @@
 #include "mesh_process.hpp"
 
-#include <dlfcn.h>
 #include <fcntl.h>
 #include <poll.h>
 #include <spawn.h>
@@ -13,6 +12,8 @@
 #include <csignal>
 #include <filesystem>
 #include <system_error>
+
+#include "core/common/library_folder.hpp"
 
 namespace robot_vision
 {
@@ -142,12 +143,8 @@ ProcessResult runProcess(const std::string& program, const std::vector<std::stri
 
 std::string programPath(const std::string& name)
 {
-  static const char somewhere_in_the_library = 0;
-  Dl_info info = {};
-  if (dladdr(&somewhere_in_the_library, &info) == 0 || info.dli_fname == nullptr) return name;
-  std::error_code error;
-  const std::filesystem::path library = std::filesystem::canonical(info.dli_fname, error);
-  return (error ? std::filesystem::path(info.dli_fname) : library).parent_path() / "robot_vision" / name;
+  const std::filesystem::path folder = libraryFolder();
+  return folder.empty() ? name : (folder / "robot_vision" / name).string();
 }
 
 }  // namespace robot_vision
