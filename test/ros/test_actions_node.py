@@ -6,7 +6,6 @@ import rospy
 SCRIPT = """
 import gc, weakref
 import rosgraph, rospy
-from std_msgs.msg import Header
 from robot_vision.msg import CheckForObjectsAction
 from robot_vision.ros.actions import action_server
 from robot_vision.ros.context import LoadedContext, active

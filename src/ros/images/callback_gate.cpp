@@ -130,7 +130,7 @@ void CallbackGate::close()
   state_->close();
 }
 
-std::function<void(const CallbackGate::Work&)> CallbackGate::between() const
+CallbackGate::Between CallbackGate::between() const
 {
   return [state = state_](const Work& work) { state->between(work); };
 }

@@ -17,6 +17,7 @@ class CallbackGate
 {
 public:
   using Work = std::function<void()>;
+  using Between = std::function<void(const Work&)>;
 
   CallbackGate();
   ~CallbackGate();
@@ -30,7 +31,7 @@ public:
   void close();
 
   /// A function that does work while none of the callbacks runs. It may outlive the gate. No callback may call it.
-  std::function<void(const Work&)> between() const;
+  Between between() const;
 
 private:
   class State;

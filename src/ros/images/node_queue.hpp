@@ -29,7 +29,7 @@ public:
   {
     std::shared_ptr<ProcessSubscriptions> subscriptions;
     std::function<std::shared_ptr<image_transport::ImageTransport>()> transports;  // throws once the process ends
-    PooledImagePublisher::Between between;                                         // of the gate to the queue of these
+    CallbackGate::Between between;                                                 // of the gate to the queue of these
     std::function<void()> advertised;  // to be called when services were advertised
   };
 

@@ -8,7 +8,7 @@ namespace robot_vision
 {
 
 PooledImagePublisher::PooledImagePublisher(const std::string& topic, image_transport::ImageTransport& it,
-                                           const std::function<void()>& on_connection, Between between)
+                                           const std::function<void()>& on_connection, CallbackGate::Between between)
   : between_(std::move(between))
 {
   const auto on_image = [on_connection](const image_transport::SingleSubscriberPublisher&) { on_connection(); };

@@ -19,12 +19,10 @@ namespace robot_vision
 class PooledImagePublisher
 {
 public:
-  using Between = std::function<void(const CallbackGate::Work&)>;
-
   /// `topic` is absolute. `on_connection` is called through the queue of `it` when subscribers come or go; `between` is
   /// that of a gate to this queue.
   PooledImagePublisher(const std::string& topic, image_transport::ImageTransport& it,
-                       const std::function<void()>& on_connection, Between between);
+                       const std::function<void()>& on_connection, CallbackGate::Between between);
   ~PooledImagePublisher() { close(); }
   PooledImagePublisher(const PooledImagePublisher&) = delete;
   PooledImagePublisher& operator=(const PooledImagePublisher&) = delete;
@@ -39,7 +37,7 @@ public:
   void publish(const cv::Mat& pixels, const std::string& encoding, const std_msgs::Header& header);
 
 private:
-  const Between between_;
+  const CallbackGate::Between between_;
   std::shared_ptr<SharedTopic> shared_topic_;
   mutable std::mutex mutex_;  // guards all below
   image_transport::Publisher publisher_;

@@ -171,6 +171,7 @@ private:
 
   void run();
   void look();
+  void lookForServices();
   bool namesAreTaken() const;
   void remember();
   bool registerAgain();
@@ -232,6 +233,13 @@ catch (const XmlRpc::XmlRpcException& e)  // an answer had an unexpected type
   ROS_WARN("%s: not registered again: %s", ros::this_node::getName().c_str(), e.getMessage().c_str());
 }
 
+/// Looks, and asks for services also if there are no new topics.
+void Registration::Watch::lookForServices()
+{
+  topics_.clear();
+  look();
+}
+
 bool Registration::Watch::namesAreTaken() const
 {
   return std::any_of(nodes_.begin(), nodes_.end(),
@@ -278,8 +286,7 @@ Registration::Registration(const std::string& ns, const std::string& node, const
   watch_->params_[ns_];
   watch_->nodes_[ros::this_node::getName()] = uri();
   if (!node.empty()) watch_->nodes_[node] = node_uri;
-  watch_->topics_.clear();
-  watch_->look();
+  watch_->lookForServices();
 }
 
 Registration::~Registration()
@@ -291,8 +298,7 @@ Registration::~Registration()
 void Registration::look()
 {
   const std::lock_guard<std::mutex> lock(watch_->mutex_);
-  watch_->topics_.clear();  // so that it asks for services
-  watch_->look();
+  watch_->lookForServices();
 }
 
 }  // namespace robot_vision
