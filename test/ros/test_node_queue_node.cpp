@@ -118,6 +118,33 @@ private:
   std::atomic<bool> begun_{false}, goes_on_{false}, ended_{false};
 };
 
+/// A queue whose callbacks have all been taken out to be called.
+struct TakenQueue : ros::CallbackQueueInterface
+{
+  void addCallback(const ros::CallbackInterfacePtr& callback, std::uint64_t /*owner*/) override
+  {
+    callbacks.push_back(callback);
+  }
+  void removeByID(std::uint64_t owner) override { removed.push_back(owner); }
+
+  std::vector<ros::CallbackInterfacePtr> callbacks;
+  std::vector<std::uint64_t> removed;
+};
+
+class Counting : public ros::CallbackInterface
+{
+public:
+  explicit Counting(int& calls) : calls_(calls) {}
+  CallResult call() override
+  {
+    ++calls_;
+    return Success;
+  }
+
+private:
+  int& calls_;
+};
+
 }  // namespace
 
 TEST(NodeQueue, nodesOfAProcessGetTheBufferThatWasPublishedInIt)
@@ -187,6 +214,33 @@ TEST(NodeQueue, itsEndWaitsForAReport)
   report.expectWaitedFor([&queue] { queue->close(); });
 }
 
+TEST(CallbackGate, whatWasRemovedIsNotCalledByAQueueThatHasTakenItOut)
+{
+  TakenQueue taken;
+  ros::NodeHandle nh;
+  nh.setCallbackQueue(&taken);
+  CallbackGate gate;
+  gate.guard(nh);
+  int stays = 0, goes = 0;
+  nh.getCallbackQueue()->addCallback(boost::make_shared<Counting>(stays), 1);
+  nh.getCallbackQueue()->addCallback(boost::make_shared<Counting>(goes), 2);
+  for (const auto& callback : taken.callbacks)
+    callback->call();
+  EXPECT_EQ(stays, 1);
+  EXPECT_EQ(goes, 1);
+
+  gate.between()([&nh] { nh.getCallbackQueue()->removeByID(2); });
+  for (const auto& callback : taken.callbacks)
+    callback->call();
+  EXPECT_EQ(stays, 2);
+  EXPECT_EQ(goes, 1);
+  EXPECT_EQ(taken.removed, std::vector<std::uint64_t>{2});
+
+  nh.getCallbackQueue()->addCallback(boost::make_shared<Counting>(goes), 2);  // another one of the same number
+  taken.callbacks.back()->call();
+  EXPECT_EQ(goes, 2);
+}
+
 TEST(PooledImagePublisher, itsEndWaitsForAConnection)
 {
   CallbackGate gate;
@@ -198,6 +252,19 @@ TEST(PooledImagePublisher, itsEndWaitsForAConnection)
       "/watched", it, [&connection] { connection.call(); }, gate.between());
   const Receiver<sensor_msgs::Image> reader("/watched");
   connection.expectWaitedFor([&publisher] { publisher.close(); });
+}
+
+TEST(PooledImagePublisher, itsEndIsSafeFromSubscribersThatLeave)
+{
+  const auto queue = process->makeQueue("/ending", "/diagnostics");
+  for (int turn = 0; turn < 100; ++turn)
+  {
+    auto publisher = queue->makeOutbox("/ending/image");
+    auto reader = std::make_unique<Receiver<sensor_msgs::Image>>("/ending/image");
+    ASSERT_TRUE(waitFor([&publisher] { return publisher->subscribers() == 1; }));
+    reader.reset();
+    publisher.reset();
+  }
 }
 
 TEST(ProcessFrame, thoseWhoAskForTheSameGetTheSameMemory)

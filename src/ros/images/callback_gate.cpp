@@ -2,8 +2,11 @@
 
 #include <ros/callback_queue_interface.h>
 
+#include <atomic>
 #include <boost/make_shared.hpp>
 #include <condition_variable>
+#include <cstdint>
+#include <map>
 #include <mutex>
 #include <shared_mutex>
 
@@ -63,11 +66,14 @@ private:
   int running_ = 0;
 };
 
+/// Whether the callbacks of a topic, a service or a timer have been removed from the queue.
+using Removed = std::atomic<bool>;
+
 class CallbackGate::Callback : public ros::CallbackInterface
 {
 public:
-  Callback(std::shared_ptr<State> state, ros::CallbackInterfacePtr callback)
-    : state_(std::move(state)), callback_(std::move(callback))
+  Callback(std::shared_ptr<State> state, std::shared_ptr<const Removed> removed, ros::CallbackInterfacePtr callback)
+    : state_(std::move(state)), removed_(std::move(removed)), callback_(std::move(callback))
   {
   }
 
@@ -76,16 +82,22 @@ public:
   CallResult call() override
   {
     CallResult result = Invalid;
-    state_->call([&] { result = callback_->call(); });
+    state_->call(
+        [&]
+        {
+          if (!*removed_) result = callback_->call();
+        });
     return result;
   }
 
 private:
   std::shared_ptr<State> state_;
+  std::shared_ptr<const Removed> removed_;
   ros::CallbackInterfacePtr callback_;
 };
 
-/// Passes callbacks on to the handle's own queue while the gate is open. Later that queue may no longer exist.
+/// Passes callbacks on to the handle's own queue while the gate is open. Later that queue may no longer exist. roscpp's
+/// queue still calls what it has taken out when it is removed, so the callbacks look for themselves.
 class CallbackGate::Queue : public ros::CallbackQueueInterface
 {
 public:
@@ -93,17 +105,41 @@ public:
 
   void addCallback(const ros::CallbackInterfacePtr& callback, std::uint64_t owner) override
   {
-    state_->pass([&] { queue_->addCallback(boost::make_shared<Callback>(state_, callback), owner); });
+    state_->pass([&] { queue_->addCallback(boost::make_shared<Callback>(state_, removed(owner), callback), owner); });
   }
 
   void removeByID(std::uint64_t owner) override
   {
-    state_->pass([&] { queue_->removeByID(owner); });
+    state_->pass(
+        [&]
+        {
+          remove(owner);
+          queue_->removeByID(owner);
+        });
   }
 
 private:
+  std::shared_ptr<Removed> removed(std::uint64_t owner)
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    std::shared_ptr<Removed>& removed = owners_[owner];
+    if (!removed) removed = std::make_shared<Removed>(false);
+    return removed;
+  }
+
+  void remove(std::uint64_t owner)
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    const auto found = owners_.find(owner);
+    if (found == owners_.end()) return;
+    *found->second = true;
+    owners_.erase(found);
+  }
+
   std::shared_ptr<State> state_;
   ros::CallbackQueueInterface* queue_;
+  std::mutex mutex_;                                          // guards owners_
+  std::map<std::uint64_t, std::shared_ptr<Removed>> owners_;  // that have had callbacks
 };
 
 CallbackGate::CallbackGate() : state_(std::make_shared<State>())

@@ -12,7 +12,7 @@ namespace robot_vision
 /// Protects an object from callbacks during its destruction. roscpp waits for a running callback when a subscription is
 /// shut down, but since 1.15.10 (https://github.com/ros/ros_comm/pull/2121) not when a timer, a service or a publisher
 /// is, whose connections have callbacks, and for none once roscpp itself is being shut down; and dynamic_reconfigure's
-/// server destroys what its service uses before the service.
+/// server destroys what its service uses before the service. What passes a gate is not called once it was removed.
 class CallbackGate
 {
 public:
@@ -30,7 +30,8 @@ public:
   /// by a callback.
   void close();
 
-  /// A function that does work while none of the callbacks runs. It may outlive the gate. No callback may call it.
+  /// A function that does work while none of the callbacks runs. If that ends a topic, a service or a timer, its
+  /// callbacks have ended and are called no more. It may outlive the gate. No callback may call it.
   Between between() const;
 
 private:
