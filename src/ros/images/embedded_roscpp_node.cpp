@@ -63,7 +63,7 @@ std::shared_ptr<NodeQueue> EmbeddedRoscppNode::makeQueue(const std::string& node
 {
   requireRunning();
   const NodeQueue::Process process{subscriptions_, [this] { return held(it_); }, gate_.between(),
-                                   [this] { held(registration_)->look(); }};
+                                   [this] { held(registration_)->noteServices(); }};
   const auto queue = std::make_shared<NodeQueue>(process, node, diagnostics_topic);
   const std::lock_guard<std::mutex> lock(mutex_);
   requireRunning();

@@ -16,6 +16,7 @@
 #include <optional>
 #include <set>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "robot_vision/common/shared_instance.hpp"
@@ -28,7 +29,8 @@ namespace
 using XmlRpc::XmlRpcValue;
 using Names = std::set<std::string>;
 
-constexpr std::chrono::seconds kPeriod(5);  // between two checks of the master
+constexpr std::chrono::seconds kPeriod(5);            // between two checks of the master
+constexpr std::chrono::milliseconds kGathering(500);  // in which a node that is loaded advertises its topics
 
 XmlRpcValue request(const std::vector<XmlRpcValue>& arguments)
 {
@@ -170,15 +172,19 @@ private:
   friend class Registration;
 
   void run();
+  void wake(bool& reason);
   void look();
   void lookForServices();
   bool namesAreTaken() const;
   void remember();
   bool registerAgain();
 
-  std::mutex mutex_;  // guards all below
-  std::condition_variable ended_;
+  std::mutex wake_mutex_;  // guards the next three
+  std::condition_variable woken_;
   bool end_ = false;
+  bool has_services_ = false;  // that were not looked for yet
+
+  std::mutex mutex_;      // guards all below
   int master_pid_ = 0;    // process id of the master that knows this process; 0 if none was seen yet
   bool complete_ = true;  // false if registering again has failed in part
   Names services_;
@@ -190,19 +196,38 @@ private:
 
 Registration::Watch::~Watch()
 {
-  {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    end_ = true;
-  }
-  ended_.notify_all();
+  wake(end_);
   thread_.join();
+}
+
+void Registration::Watch::wake(bool& reason)
+{
+  {
+    const std::lock_guard<std::mutex> lock(wake_mutex_);
+    reason = true;
+  }
+  woken_.notify_all();
 }
 
 void Registration::Watch::run()
 {
-  std::unique_lock<std::mutex> lock(mutex_);
-  while (!ended_.wait_for(lock, kPeriod, [this] { return end_; }))
-    look();
+  std::unique_lock<std::mutex> waking(wake_mutex_);
+  while (!end_)
+  {
+    woken_.wait_for(waking, kPeriod, [this] { return end_ || has_services_; });
+    if (has_services_) woken_.wait_for(waking, kGathering, [this] { return end_; });
+    if (end_) return;
+    const bool has_services = std::exchange(has_services_, false);
+    waking.unlock();
+    {
+      const std::lock_guard<std::mutex> lock(mutex_);
+      if (has_services)
+        lookForServices();
+      else
+        look();
+    }
+    waking.lock();
+  }
 }
 
 void Registration::Watch::look()
@@ -295,10 +320,9 @@ Registration::~Registration()
   watch_->params_.erase(ns_);
 }
 
-void Registration::look()
+void Registration::noteServices()
 {
-  const std::lock_guard<std::mutex> lock(watch_->mutex_);
-  watch_->lookForServices();
+  watch_->wake(watch_->has_services_);
 }
 
 }  // namespace robot_vision

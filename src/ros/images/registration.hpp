@@ -22,9 +22,9 @@ public:
   Registration(const Registration&) = delete;
   Registration& operator=(const Registration&) = delete;
 
-  /// Checks the master now. To be called after services were advertised, because the last check before the master ends
-  /// determines what is registered again.
-  void look();
+  /// Has the master checked soon. To be called after services were advertised, because the last check before the master
+  /// ends determines what is registered again.
+  void noteServices();
 
 private:
   class Watch;
