@@ -1,17 +1,20 @@
-"""Readers that cannot read a publisher's memory: another user's, and on another host."""
+"""Readers of another user and on another host, who cannot read the memory, and a small /dev/shm."""
 
 import os
 import shutil
+import subprocess
 
 import pytest
 import support
 from frames import Source, message, new_topic, noise
 from sensor_msgs.msg import Image
-from shared_images import REPUBLISH, Reader, share, uses_raw
+from shared_images import REPUBLISH, Reader, share, uses_raw, uses_shm
 from two_hosts import DESK, ROBOT, network_of_two, runner
 
 NOBODY = 65534
 BECOME_NOBODY = [f"--reuid={NOBODY}", f"--regid={NOBODY}", "--clear-groups"]
+MOUNT = 'mount -t tmpfs -o size=1m tmpfs /dev/shm && exec "$@"'
+LITTLE_SHM = ["unshare", "--mount", "sh", "-c", MOUNT, "sh"]
 WARNING = "images come over raw, not shm: "
 
 
@@ -58,3 +61,19 @@ def test_another_host_gets_raw_and_one_warning(run):
     assert stamps.exit_code(60.0) == 0, reader.output()
     reader.wait_for_output(WARNING)
     assert reader.output().count(WARNING) == 1
+
+
+def test_a_dev_shm_smaller_than_an_image_does_not_matter(start):
+    tried = subprocess.run([*LITTLE_SHM, "true"], check=False, stderr=subprocess.DEVNULL)
+    if tried.returncode != 0:
+        pytest.skip("no mount namespaces to be had here")
+    words = ["_source:=synthetic", "_image_width:=1920", "_image_height:=1080", "_framerate:=5"]
+    limited = [shutil.which(LITTLE_SHM[0]), *LITTLE_SHM[1:]]
+    start(*limited, support.executable("camera_node"), *words, "__name:=large")
+    readers = [Reader(start, "/large/image_raw", "shm", *limited) for _ in range(3)]
+    outputs = [support.Messages(reader.target, Image) for reader in readers]
+    for reader, out in zip(readers, outputs):
+        support.wait_for(lambda one=reader: uses_shm(one.node, "/large/image_raw"), "shm")
+        image = out.wait(len(out.received) + 5)[-1]
+        assert (image.width, image.height, len(image.data)) == (1920, 1080, 1920 * 1080 * 3)
+        assert WARNING not in reader.process.output()
