@@ -1,0 +1,143 @@
+#include "own_registrations.hpp"
+
+#include <ros/connection_manager.h>
+#include <ros/network.h>
+#include <ros/ros.h>
+#include <ros/service_manager.h>
+#include <ros/xmlrpc_manager.h>
+
+#include <cstdint>
+#include <map>
+
+namespace robot_vision
+{
+namespace
+{
+
+using XmlRpc::XmlRpcValue;
+
+XmlRpcValue request(const std::vector<XmlRpcValue>& arguments)
+{
+  XmlRpcValue all;
+  all[0] = ros::this_node::getName();
+  for (std::size_t i = 0; i < arguments.size(); ++i)
+    all[static_cast<int>(i) + 1] = arguments[i];
+  return all;
+}
+
+/// Calls this process's own XML-RPC interface (Slave API in the ROS wiki); empty if it does not answer any more.
+std::optional<XmlRpcValue> askSelf(const char* method, const std::vector<XmlRpcValue>& arguments = {})
+{
+  std::string host;
+  std::uint32_t port = 0;
+  if (!ros::network::splitURI(ownUri(), host, port)) return std::nullopt;
+  const auto manager = ros::XMLRPCManager::instance();
+  XmlRpc::XmlRpcClient* client = manager->getXMLRPCClient(host, static_cast<int>(port), "/");
+  XmlRpcValue response;
+  XmlRpcValue payload;
+  const bool answered = client->execute(method, request(arguments), response);
+  manager->releaseXMLRPCClient(client);
+  if (!answered || !manager->validateXmlrpcResponse(method, response, payload)) return std::nullopt;
+  return payload;
+}
+
+/// The nodes from which this one receives messages, by topic.
+std::map<std::string, std::set<std::string>> connectedPublishers()
+{
+  std::optional<XmlRpcValue> connections = askSelf("getBusInfo");
+  std::map<std::string, std::set<std::string>> publishers;
+  for (int i = 0; connections && i < connections->size(); ++i)
+  {
+    XmlRpcValue& connection = (*connections)[i];  // number, peer, direction, transport, topic
+    const std::string direction = connection[2];
+    const std::string topic = connection[4];
+    if (direction == "i") publishers[topic].insert(connection[1]);
+  }
+  return publishers;
+}
+
+}  // namespace
+
+std::optional<XmlRpcValue> askMaster(const char* method, const std::vector<XmlRpcValue>& arguments)
+{
+  XmlRpcValue response;
+  XmlRpcValue payload;
+  if (!ros::master::execute(method, request(arguments), response, payload, false)) return std::nullopt;
+  return payload;
+}
+
+std::string ownUri()
+{
+  return ros::XMLRPCManager::instance()->getServerURI();
+}
+
+bool registerPublishers()
+{
+  std::optional<XmlRpcValue> publications = askSelf("getPublications");  // topics and types
+  bool all = publications.has_value();
+  for (int i = 0; publications && i < publications->size(); ++i)
+    all = askMaster("registerPublisher", {(*publications)[i][0], (*publications)[i][1], ownUri()}) && all;
+  return all;
+}
+
+bool registerSubscribers()
+{
+  std::map<std::string, std::set<std::string>> publishers =
+      connectedPublishers();  // the update must list them, else they would be dropped
+  std::optional<XmlRpcValue> subscriptions = askSelf("getSubscriptions");  // topics and types
+  bool complete = subscriptions.has_value();
+  for (int i = 0; subscriptions && i < subscriptions->size(); ++i)
+  {
+    const std::string topic = (*subscriptions)[i][0];
+    std::optional<XmlRpcValue> known = askMaster("registerSubscriber", {topic, (*subscriptions)[i][1], ownUri()});
+    complete = known && complete;
+    if (!known) continue;
+    for (int n = 0; n < known->size(); ++n)
+      publishers[topic].insert((*known)[n]);
+    XmlRpcValue all;
+    all.setSize(0);
+    for (const std::string& publisher : publishers[topic])
+      all[all.size()] = publisher;
+    askSelf("publisherUpdate", {topic, all});
+  }
+  return complete;
+}
+
+bool registerServices(const ServiceNames& names)
+{
+  const std::uint32_t port = ros::ConnectionManager::instance()->getTCPPort();
+  const std::string address = "rosrpc://" + ros::network::getHost() + ":" + std::to_string(port);
+  bool all = true;
+  for (const std::string& name : names)
+    if (ros::ServiceManager::instance()->lookupServicePublication(name))
+      all = askMaster("registerService", {name, address, ownUri()}) && all;
+  return all;
+}
+
+std::optional<ServiceNames> registeredServices()
+{
+  std::optional<XmlRpcValue> state = askMaster("getSystemState");
+  if (!state) return std::nullopt;
+  ServiceNames names;
+  XmlRpcValue& services = (*state)[2];  // names and the nodes of each
+  for (int i = 0; i < services.size(); ++i)
+    for (int n = 0; n < services[i][1].size(); ++n)
+    {
+      const std::string node = services[i][1][n];
+      if (node == ros::this_node::getName()) names.insert(services[i][0]);
+    }
+  return names;
+}
+
+void setMissingParams(const std::string& ns, XmlRpcValue params)
+{
+  if (params.getType() != XmlRpcValue::TypeStruct) return;
+  for (const auto& [name, value] : params)
+  {
+    const std::string key = ns + "/" + name;
+    std::optional<XmlRpcValue> has = askMaster("hasParam", {key});
+    if (has && !static_cast<bool>(*has)) askMaster("setParam", {key, value});
+  }
+}
+
+}  // namespace robot_vision

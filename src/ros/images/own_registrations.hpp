@@ -1,0 +1,40 @@
+#pragma once
+
+#include <xmlrpcpp/XmlRpc.h>
+
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+namespace robot_vision
+{
+
+using ServiceNames = std::set<std::string>;
+
+// What the master knows, or shall know, of the roscpp node of this process (Master API in the ROS wiki).
+
+/// Calls a method of the master; empty if it does not answer or answers with an error. The first argument of each
+/// method, the name of the caller, is added.
+std::optional<XmlRpc::XmlRpcValue> askMaster(const char* method,
+                                             const std::vector<XmlRpc::XmlRpcValue>& arguments = {});
+
+/// The URI of this process's own XML-RPC interface.
+std::string ownUri();
+
+/// Register all publishers and all subscribers of this process. They return false if a call of the master failed, as
+/// the next function does.
+bool registerPublishers();
+bool registerSubscribers();
+
+/// Registers those of these services that exist. roscpp cannot list its services, only tell whether one exists, so the
+/// names have to come from registeredServices().
+bool registerServices(const ServiceNames& names);
+
+/// The services of this process that the master knows; empty if the master does not answer.
+std::optional<ServiceNames> registeredServices();
+
+/// Sets those members of `params` that the master does not have.
+void setMissingParams(const std::string& ns, XmlRpc::XmlRpcValue params);
+
+}  // namespace robot_vision
