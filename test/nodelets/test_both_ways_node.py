@@ -99,7 +99,7 @@ def test_names_types_and_parameters_are_the_same(both):
     served = {name for what, name, _ in both.graph("loaded") if what == "serves"}
     if f"/{both.kind}/set_parameters" in served:
         assert_same_live_parameters(both.kind)
-        assert status_names("alone", both.kind) == status_names("loaded", both.kind)
+        assert statuses("alone", both.kind) == statuses("loaded", both.kind)
 
 
 def assert_same_live_parameters(kind):
@@ -116,18 +116,20 @@ def assert_same_live_parameters(kind):
     assert "config_file" in answers[0].message
 
 
-def status_names(way, kind):
-    """The names of a node's statuses on /diagnostics, in two periods, without its namespace."""
-    names = support.Messages("/diagnostics", DiagnosticArray)
+def statuses(way, kind):
+    """What a node tells on /diagnostics in two periods, without its namespace: names and keys."""
+    received = support.Messages("/diagnostics", DiagnosticArray).received
     beginning = f"{way}_{kind}: "
 
     def own():
-        found = [status.name for one in names.received for status in one.status]
-        return [name[len(way) :] for name in found if name.startswith(beginning)]
+        found = [status for one in received for status in one.status]
+        return [
+            (status.name[len(way) :], tuple(value.key for value in status.values))
+            for status in found
+            if status.name.startswith(beginning)
+        ]
 
-    if f"/{way}/{kind}/set_parameters" not in str(graph_of(NAME, f"/{way}_{kind}")):
-        return set()
-    support.wait_for(lambda: any(own().count(name) >= 2 for name in own()), f"statuses of {kind}")
+    support.wait_for(lambda: any(own().count(one) >= 2 for one in own()), f"statuses of {kind}")
     return set(own())
 
 

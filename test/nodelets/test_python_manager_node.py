@@ -101,11 +101,27 @@ def test_a_refused_parameter_is_that_nodes_alone(start, camera):
     assert_works(camera, "/hsv")
 
 
-def test_failing_callbacks_harm_no_other_node(start, camera):
+def test_a_live_parameter_that_a_node_refuses_is_that_nodes_alone(start, camera):
+    manager = PythonManager(start, program=TRIAL)
+    manager.load("/hsv", "robot_vision/hsv_tracker", {"/image": camera.topic})
+    load_trial(manager, "/trial", "", camera.topic)
+    assert support.reconfigured("/trial", opening=3)["opening"] == 3
+    assert support.reconfigured("/trial", opening=7)["opening"] == 3
+    manager.process.wait_for_output("opening is 7, must not be")
+    assert support.reconfigured("/hsv", opening=7)["opening"] == 7
+    assert_works(camera, "/hsv", "/trial")
+
+
+@pytest.mark.parametrize("where", ["frame", "service"])
+def test_failing_callbacks_harm_no_other_node(start, camera, where):
     manager = PythonManager(start, program=TRIAL)
     manager.load("/hsv", "robot_vision/hsv_tracker", {"/image": camera.topic})
     rospy.set_param("/trial/always_subscribe", True)
-    load_trial(manager, "/trial", "raises at_frame", camera.topic)
+    load_trial(manager, "/trial", f"raises at_{where}", camera.topic)
+    if where == "service":
+        with pytest.raises(rospy.ServiceException, match="of the trial"):
+            rospy.ServiceProxy("/trial/release", Trigger)()
+        assert_works(camera, "/trial")
     assert_works(camera, "/hsv")
     manager.process.wait_for_output("KeyError: 'of the trial'")
     assert manager.loaded() == {"/hsv", "/trial"}

@@ -184,7 +184,7 @@ TEST(NodeQueue, nodesComeAndGoWhileFramesFlow)
     others.emplace_back(
         [i]
         {
-          for (int turn = 0; turn < 100; ++turn)
+          for (int turn = 0; turn < 40; ++turn)
           {
             const Taker taker("/goes_" + std::to_string(i), "/stream", i == 0 ? "" : "rgb8");
             if (turn % 10 == 0) EXPECT_TRUE(waitFor([&] { return taker.pixels() != nullptr; }));
@@ -257,7 +257,7 @@ TEST(PooledImagePublisher, itsEndWaitsForAConnection)
 TEST(PooledImagePublisher, itsEndIsSafeFromSubscribersThatLeave)
 {
   const auto queue = process->makeQueue("/ending", "/diagnostics");
-  for (int turn = 0; turn < 100; ++turn)
+  for (int turn = 0; turn < 40; ++turn)
   {
     auto publisher = queue->makeOutbox("/ending/image");
     auto reader = std::make_unique<Receiver<sensor_msgs::Image>>("/ending/image");

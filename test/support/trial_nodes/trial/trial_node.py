@@ -52,6 +52,7 @@ class TrialNode:
             self._released.wait()
 
     def _on_release(self, _request: Any) -> TriggerResponse:
+        self._do("at_service")
         self._released.set()
         return TriggerResponse(True, "")
 
