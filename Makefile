@@ -48,7 +48,7 @@ docs: deps build
 	@tools/env --source .ws/devel/setup.bash tools/docs/render $(ARGS)
 	@tools/env tools/parameters
 
-## make bench     measure speed and write BENCHMARKS.md; ARGS=kernels, nodes, depth, recognition or growth: only print that
+## make bench     measure speed and write BENCHMARKS.md; ARGS=nodes, demo or another part: only print that
 bench: deps build
 	@tools/env --source .ws/devel/setup.bash test/benchmarks/run $(ARGS)
 

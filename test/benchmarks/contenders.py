@@ -59,6 +59,19 @@ def chains(bench: Bench, size: Size) -> List[Contender]:
     ]
 
 
+def edges_of_a_camera(bench: Bench, size: Size) -> List[Contender]:
+    source = [f"_source:={bench.image(size)}", f"_framerate:={float(RATE)}"]
+    camera = node("robot_vision", "camera_node", "usb_cam", *source)
+    edges = node("robot_vision", "edge_detector_node", "edge_detector", "image:=/usb_cam/image_raw")
+    result = "/edge_detector/processed_image"
+    return [
+        Contender(
+            f"over {way}", [[*edges, f"_image_transport:={way}"], camera], result, own_camera=True
+        )
+        for way in ("shm", "raw")
+    ]
+
+
 def receivers(bench: Bench, size: Size) -> List[Contender]:
     python = [str(HERE / "python_receiver"), IMAGE]
     return [
@@ -166,18 +179,25 @@ def tag_nodes(bench: Bench, size: Size) -> List[Contender]:
     ]
 
 
+_EDGES = "Edge detector, a process of its own"
+_FACES = "Faces"
+_BOX = "Motion: a box before a still photograph"
+_ALL_MOVES = "Motion: the whole photograph moves"
+_TAGS = "AprilTag nodes: two tags, with poses"
+_OF_A_CAMERA = "Edges of a camera's images, two processes"
 COMPARISONS: Tuple[Tuple[str, Contenders, Sizes], ...] = (
-    ("Edge detector, a process of its own", edge_detectors, SIZES),
+    (_EDGES, edge_detectors, SIZES),
     ("Camera, brightness, edges", chains, SIZES),
+    (_OF_A_CAMERA, edges_of_a_camera, SIZES),
     ("Receiving in Python", receivers, SIZES),
     ("HSV mask in Python", masks, SIZES),
     ("HSV tracker: mask, regions, and the mask published", hsv_nodes, SIZES),
-    ("Faces", face_nodes, FACE_SIZES),
-    ("Motion: a box before a still photograph", motion_nodes(still=True), SIZES),
+    (_FACES, face_nodes, FACE_SIZES),
+    (_BOX, motion_nodes(still=True), SIZES),
     ("Motion: the same, and the mask published", motion_nodes(still=True, mask=True), SIZES),
-    ("Motion: the whole photograph moves", motion_nodes(still=False), SIZES),
+    (_ALL_MOVES, motion_nodes(still=False), SIZES),
     ("Object tracker: the photograph moves, an overlay is published", tracker_nodes, SIZES),
-    ("AprilTag nodes: two tags, with poses", tag_nodes, TAG_SIZES),
+    (_TAGS, tag_nodes, TAG_SIZES),
     (depth_contenders.IMAGE, depth_contenders.registrations(points=False), SIZES),
     (depth_contenders.POINTS, depth_contenders.registrations(points=True), SIZES),
     *(
@@ -196,13 +216,13 @@ COMPARISONS: Tuple[Tuple[str, Contenders, Sizes], ...] = (
 )
 
 # The figures to beat; apriltag_ros is no package of Debian, what it does is done beside.
-_EDGES, _FACES, _BOX, _ALL_MOVES, _TAGS = (COMPARISONS[i][0] for i in (0, 5, 6, 8, 10))
 _PLAIN_TAGS = "roscpp + cv_bridge + libapriltag + solvePnP"
 TARGETS = (
     Target(_EDGES, (1920, 1080), "opencv_apps edge_detection", "cpu_ms", 1 / 3),
     Target(_EDGES, (1920, 1080), "opencv_apps edge_detection", "median", 1 / 3),
     Target(_EDGES, (1920, 1080), "plain roscpp + OpenCV", "cpu_ms", 1 / 2),
     Target(_EDGES, (1920, 1080), "plain roscpp + OpenCV", "median", 1 / 2),
+    Target(_OF_A_CAMERA, (1920, 1080), "", "median", 4.5),
     Target("HSV mask in Python", (1920, 1080), "rospy + cv_bridge + cv2", "cpu_ms", 1 / 3),
     Target("HSV mask in Python", (1920, 1080), "rospy + cv_bridge + cv2", "median", 1 / 3),
     Target("Receiving in Python", (1920, 1080), "roscpp, does nothing", "cpu_ms", 1.2),

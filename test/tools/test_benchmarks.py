@@ -10,10 +10,12 @@ import numpy as np
 import plain_network
 import plot
 import pytest
+import receiving_figures
 import skimage.data
 import stereo_contenders
 import tables
 import yaml
+from receiving_figures import MANY, Costs, Receiving
 from results import (
     Accuracy,
     Comparison,
@@ -269,3 +271,24 @@ def test_depth_is_measured_for_each_sensor(part):
         sensor for sensor in depth_truth.SENSORS for _ in range(len(found) // 3)
     ]
     assert all(one.least or one.most for one in found)
+
+
+def test_what_receiving_costs_is_what_frames_cost_beyond_idle_processes():
+    of_frame = receiving_figures.above(Costs(0.09, 0.06, 2.0, 30.0), Costs(0.03, 0.03, 0.0, 0.0))
+    assert of_frame == pytest.approx((2.0, 1.0, 2.0, 30.0))
+    figures = {
+        size: {
+            ("raw", 1): Receiving(3.0, 2.0, 5.0, 30.0),
+            ("raw", MANY): Receiving(9.0, 2.0, 9.0, 25.0),
+            ("shm", 1): Receiving(1.0, of_each, 0.9, 30.0),
+            ("shm", MANY): Receiving(1.3, 1.0, 1.0, 30.0),
+        }
+        for size, of_each in zip(receiving_figures.SIZES, (0.08, 0.1, 0.12))
+    }
+    text = receiving_figures.costs_table(figures)
+    row = ["3.00", "1.00", "2.000", "0.100", "5.00", "0.90", "30.0", "30.0"]
+    assert cells(text, "1920x1080, 1 ") == ["1920x1080, 1", *row]
+    reached = cells(tables.accuracies_table(receiving_figures.goals(figures)), "p50 ms")
+    assert reached[-3:] == ["0.90", "<= 1", "yes"]
+    values = [goal.value for goal in receiving_figures.goals(figures)]
+    assert values == pytest.approx([0.1, 0.9, 1.5, 1.3, 10.0])
