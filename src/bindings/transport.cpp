@@ -93,6 +93,7 @@ void loadNodelet(EmbeddedRoscppNode& runtime, const std::string& name, const std
                  const nodelet::M_string& remappings, const nodelet::V_string& arguments)
 {
   runtime.nodelets()->load(name, type, remappings, arguments);
+  runtime.noteServices();  // which other packages' nodelets may have without a topic
 }
 
 }  // namespace

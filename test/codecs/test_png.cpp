@@ -111,6 +111,21 @@ TEST(Png, isDecodedAsOpenCvDoes)
     expectAsOpenCv(encoded(png), what);
 }
 
+TEST(Png, isTurnedAsItsExifSays)
+{
+  Bytes bytes = encoded({2, 1, 8, 0, 0, {0, 10, 200}, {}, {}});
+  Bytes chunk;  // whose only entry is the orientation 6: to be turned clockwise
+  putChunk(chunk, "eXIf", {'M', 'M', 0, 42, 0, 0, 0, 8, 0, 1, 1, 0x12, 0, 3, 0, 0, 0, 1, 0, 6, 0, 0, 0, 0, 0, 0});
+  const std::string idat = "IDAT";
+  bytes.insert(std::search(bytes.begin(), bytes.end(), idat.begin(), idat.end()) - 4, chunk.begin(), chunk.end());
+  for (const int flags : kFlags)
+  {
+    const cv::Mat expected = cv::imdecode(bytes, flags), found = decodeImageFile(bytes.data(), bytes.size(), flags);
+    ASSERT_EQ(found.size(), expected.size()) << flags;
+    EXPECT_EQ(cv::norm(found, expected, cv::NORM_INF), 0.0) << flags;
+  }
+}
+
 TEST(Png, isRefusedWithoutOutputIfItIsDamaged)
 {
   Png png = {2, 2, 8, 0, 0, {0, 10, 20, 0, 30, 40}, {}, {}};

@@ -293,7 +293,16 @@ TEST(EmbeddedRoscppNode, endsWhileFramesFlowAndNodeletsAreLoaded)
   const auto queue = process->makeQueue("/idle", "/diagnostics");
   const auto outbox = queue->makeOutbox("/out");
   ASSERT_TRUE(waitFor([&] { return taker.pixels() != nullptr; }));
+  int calls = 0;
+  TakenQueue taken;
+  ros::NodeHandle nh;
+  nh.setCallbackQueue(&taken);
+  CallbackGate gate;
+  gate.guard(nh);
+  nh.getCallbackQueue()->addCallback(boost::make_shared<Counting>(calls), 1);
   process->stop();
+  taken.callbacks.front()->call();
+  EXPECT_EQ(calls, 0);
   EXPECT_FALSE(queue->running());
   EXPECT_FALSE(queue->next(1.0));
   EXPECT_EQ(outbox->subscribers(), 0U);

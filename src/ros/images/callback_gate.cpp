@@ -85,7 +85,8 @@ public:
     state_->call(
         [&]
         {
-          if (!*removed_) result = callback_->call();
+          // During the shutdown nothing is removed, and what the callbacks use may be gone.
+          if (!*removed_ && !ros::isShuttingDown()) result = callback_->call();
         });
     return result;
   }

@@ -63,7 +63,7 @@ std::shared_ptr<NodeQueue> EmbeddedRoscppNode::makeQueue(const std::string& node
 {
   requireRunning();
   const NodeQueue::Process process{subscriptions_, [this] { return held(it_); }, gate_.between(),
-                                   [this] { held(registration_)->noteServices(); }};
+                                   [this] { noteServices(); }};
   const auto queue = std::make_shared<NodeQueue>(process, node, diagnostics_topic);
   const std::lock_guard<std::mutex> lock(mutex_);
   requireRunning();
@@ -85,6 +85,11 @@ std::shared_ptr<NodeletHost> EmbeddedRoscppNode::nodelets()
   requireRunning();
   if (!nodelets_) nodelets_ = nodelets;
   return nodelets_;
+}
+
+void EmbeddedRoscppNode::noteServices()
+{
+  held(registration_)->noteServices();
 }
 
 void EmbeddedRoscppNode::stop()

@@ -40,6 +40,8 @@ public:
   /// library's node, as of a nodelet manager. Throws std::runtime_error after stop(), std::invalid_argument for a bad
   /// parameter.
   std::shared_ptr<NodeletHost> nodelets();
+  /// To be called after services were advertised in this process; see Registration.
+  void noteServices();
   /// False when the node has ended, by stop() or by a shutdown request (rosnode kill).
   bool running() const { return !stopped_ && !ros::isShuttingDown(); }
   /// Unloads the nodelets, closes all queues and ends the node. The objects stay valid but do nothing any more.

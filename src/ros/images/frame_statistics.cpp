@@ -141,4 +141,10 @@ FrameDiagnostics::FrameDiagnostics(const ros::NodeHandle& nh, const ros::NodeHan
   timer_ = guarded.createWallTimer(ros::WallDuration(period_), report);
 }
 
+FrameDiagnostics::~FrameDiagnostics()
+{
+  timer_.stop();  // while the gate passes that on to the queue, which would remember the timer for ever
+  gate_.close();
+}
+
 }  // namespace robot_vision

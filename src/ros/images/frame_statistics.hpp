@@ -84,7 +84,7 @@ class FrameDiagnostics
 public:
   /// Throws std::invalid_argument if ~diagnostic_period (s) is out of range.
   FrameDiagnostics(const ros::NodeHandle& nh, const ros::NodeHandle& pnh, const std::string& name);
-  ~FrameDiagnostics() { gate_.close(); }
+  ~FrameDiagnostics();
   FrameDiagnostics(const FrameDiagnostics&) = delete;
   FrameDiagnostics& operator=(const FrameDiagnostics&) = delete;
 

@@ -1,7 +1,6 @@
 #include "image_message.hpp"
 
 #include <algorithm>
-#include <boost/make_shared.hpp>
 #include <cstdint>
 #include <limits>
 #include <stdexcept>
@@ -72,7 +71,7 @@ int anyMatType(const std::string& encoding)
   }
   catch (const std::exception& e)
   {
-    throw std::invalid_argument("encoding '" + printable(encoding) + "' is unknown: " + printable(e.what()));
+    throw std::invalid_argument("encoding '" + printable(encoding) + "' cannot be used: " + printable(e.what()));
   }
   if (type == CV_MAT_TYPE(type)) return type;  // the types of 8UC0 and 8UC513 are not valid
   throw std::invalid_argument("encoding '" + printable(encoding) + "' has a number of channels that no image has");

@@ -20,6 +20,10 @@ PooledImagePublisher::PooledImagePublisher(const std::string& topic, image_trans
 
 void PooledImagePublisher::close()
 {
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    if (!publisher_) return;  // so that the end of what is closed waits for nobody
+  }
   const AdvertisingLock advertising;
   image_transport::Publisher ending;  // with the settings of the transports, which have topics of their own
   {
