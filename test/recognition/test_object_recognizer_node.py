@@ -125,7 +125,8 @@ class Eyes:
     def show(self, image=None, depth=None):
         self.number += 1
         header = Header(stamp=rospy.Time(self.number), frame_id="eye")
-        self._infos.send(self.info)
+        if self.info is not None:
+            self._infos.send(self.info)
         if self.has_depth:
             depths = message(self.table.depth if depth is None else depth, "32FC1")
             depths.header = header
@@ -477,6 +478,23 @@ def test_the_action_without_subscribers(start, kitchen, table):
     support.wait_for(lambda: client.get_state() == actionlib.GoalStatus.ACTIVE, "the goal")
     client.cancel_goal()
     support.wait_for(lambda: client.get_state() == actionlib.GoalStatus.PREEMPTED, "its end")
+
+
+def test_the_action_tells_that_there_is_no_calibration(start, kitchen, table):
+    eyes = Eyes(start, table, kitchen)
+    eyes.info, known = None, eyes.info
+    client = actionlib.SimpleActionClient(
+        "/object_recognizer/recognize_objects", ObjectRecognitionAction
+    )
+    assert client.wait_for_server(rospy.Duration(support.DEADLINE))
+    client.send_goal(ObjectRecognitionGoal())
+    eyes.shown_until(client.get_result, "the result of the action")
+    support.wait_for(lambda: client.get_state() == actionlib.GoalStatus.ABORTED, "its state")
+    assert client.get_goal_status_text() == (
+        f"no objects: camera_info on {eyes.topic.rsplit('/', 1)[0]}/camera_info: there is none"
+    )
+    eyes.info = known
+    require_goal(client, ObjectRecognitionGoal, eyes, kitchen)
 
 
 def test_detection_tells_what_it_cannot_use(start, tmp_path, kitchen):

@@ -76,9 +76,7 @@ class ObjectRecognizer:
         self._source = ObjectSource(read_methods(), lambda: self._settings, self._report)
         self._calibration = CameraInfoListener(self._node, "objects")
         self._outputs(names)
-        self._action = RecognizeAction(
-            names("~recognize_objects"), self._calls, lambda: self._report.problem
-        )
+        self._action = RecognizeAction(names("~recognize_objects"), self._calls, self._calibration)
         self._info = ObjectInfoService(names("~get_object_info"), self._source.path)
         current().service("~reload", Trigger, self._on_reload)
         self._node.start()
@@ -117,7 +115,7 @@ class ObjectRecognizer:
         self._report.publish()
         if camera is None or recognizer is None:
             self._show_problem(frame, camera)
-            self._calls.offer(lambda: lambda limits: RecognizedObjectArray(header=frame.header))
+            self._calls.refuse(self._report.problem or self._calibration.problem)
             return
         if depth is None and self._depth.topic:
             return

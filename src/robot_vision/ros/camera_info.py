@@ -69,6 +69,11 @@ class CameraInfoListener:
         self._arrived.wait(seconds)
 
     @property
+    def problem(self) -> str:
+        """What is missing and why, when camera() has returned None."""
+        return f"no {self._missing}: camera_info on {self.topic}: {self._error or 'there is none'}"
+
+    @property
     def frame_id(self) -> str:
         """The frame_id of the camera by its camera_info, or "" if that is not known."""
         return self._info.header.frame_id if self._info else ""

@@ -29,14 +29,16 @@ class FrameCalls:
 
     def offer(self, result: Callable[[], Any]) -> None:
         """Offers what is made of a frame to the calls that wait: `result` makes it for each."""
-        with self._lock:
-            self._last_frame = time.monotonic()
-            ready, self._calls, self._later_calls = self._calls, self._later_calls, []
-        for call in ready:
+        for call in self._take():
             try:
                 call.set_result(result())
             except Exception as error:
                 call.set_exception(error)
+
+    def refuse(self, reason: str) -> None:
+        """Has the calls that wait raise RuntimeError, because a frame is of no use to them."""
+        for call in self._take():
+            call.set_exception(RuntimeError(reason))
 
     @contextlib.contextmanager
     def working(self) -> Iterator[None]:
@@ -75,6 +77,13 @@ class FrameCalls:
                 for calls in (self._calls, self._later_calls):
                     if call in calls:
                         calls.remove(call)
+
+    def _take(self) -> List[futures.Future]:
+        """Returns the calls that get the frame that there is now."""
+        with self._lock:
+            self._last_frame = time.monotonic()
+            ready, self._calls, self._later_calls = self._calls, self._later_calls, []
+        return ready
 
     def _count(self, change: int) -> None:
         with self._lock:
