@@ -1,10 +1,13 @@
 """Calls that take a while release the GIL, so that other Python threads run meanwhile."""
 
+import itertools
 import subprocess
 import sys
 import threading
 import time
+from functools import partial
 
+import cv2
 import numpy as np
 import pytest
 from tags import CAMERAS, SIZE, corners_of, matrix
@@ -56,6 +59,13 @@ def searching(detector):
     return detector
 
 
+SCENE = rv.Scene()
+BGR = SCENE.render(60)
+MASK = np.where(BGR[:, :, 0] > 128, 255, 0).astype(np.uint8)
+BALL = next(thing for thing in SCENE.truth(60).objects if thing.name == "ball")
+BOX = tuple(cv2.boundingRect(BALL.outline.astype(np.float32)))
+DEPTH = np.full((480, 640), 1.5, np.float32)
+PINHOLE = rv.CameraModel(640, 480, [500.0, 0.0, 320.0, 0.0, 500.0, 240.0, 0.0, 0.0, 1.0])
 TRACKER = rv.TagPoseTracker(TAG)
 DETECTOR = rv.TagDetector()
 CALLS = {
@@ -66,6 +76,41 @@ CALLS = {
     "tag_cells": lambda: rv.tag_cells("tagStandard52h13", 3),
     "TagDetector.detect": lambda: DETECTOR.detect(GRAY, "mono8"),
 }
+
+
+def updated(worker, *select):
+    """Gives a worker one frame after the other, with something selected in the first one."""
+    times = itertools.count()
+    worker.update(float(next(times)), BGR)
+    if select:
+        worker.select(*select)
+    return lambda: worker.update(float(next(times)), BGR)
+
+
+# What the nodes in Python do with each frame, so that those of one process do it side by side.
+CALLS.update(
+    {
+        "find_edges": partial(rv.find_edges, BGR),
+        "HsvMask.apply": partial(rv.HsvMask().apply, BGR),
+        "RegionFinder.apply": partial(rv.RegionFinder().apply, MASK),
+        "FilterChain.apply": partial(rv.FilterChain(["median"]).apply, BGR),
+        "MotionDetector.update": updated(rv.MotionDetector()),
+        "FaceDetector.update": updated(rv.FaceDetector()),
+        "CodeReader.update": updated(rv.CodeReader()),
+        "HoughTransform.apply": partial(rv.HoughTransform().apply, BGR),
+        "ContourFinder.apply": partial(rv.ContourFinder().apply, MASK, "mono8"),
+        "LaneDetector.update": partial(rv.LaneDetector().update, 0.0, BGR, "bgr8", PINHOLE),
+        "DenseFlow.update": updated(rv.DenseFlow()),
+        "WindowTracker.update": updated(rv.WindowTracker(), BOX),
+        "ObjectTracker.update": updated(rv.ObjectTracker(), BOX),
+        "Segmenter.apply": partial(rv.Segmenter().apply, BGR),
+        "PeopleDetector.detect": partial(rv.PeopleDetector().detect, BGR),
+        "KeypointMatcher.update": partial(rv.KeypointMatcher().update, BGR),
+        "StereoMatcher.match": partial(rv.StereoMatcher().match, BGR, BGR),
+        "PlaneFinder.find": partial(rv.PlaneFinder(PINHOLE).find, DEPTH),
+        "Scene.render": partial(SCENE.render, 60),
+    }
+)
 
 
 @pytest.mark.parametrize("name", CALLS)
