@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
+#include <map>
 #include <stdexcept>
 
 #include "core/recognition/verification_weights.hpp"
@@ -48,9 +49,10 @@ using Choice = std::array<bool, kKinds.size()>;                    // of kinds
 class Collector
 {
 public:
-  Collector(const trials::Object& object, const Choice& is_wanted)
-    : object_(object), is_wanted_(is_wanted), judges_{Judge(DepthSensor::kKinect), Judge(DepthSensor::kStereo)}
+  Collector(const trials::Object& object, const Choice& is_wanted) : object_(object), is_wanted_(is_wanted)
   {
+    for (const DepthSensor sensor : {DepthSensor::kKinect, DepthSensor::kStereo})
+      judges_.try_emplace(sensor, sensor);
     matcher_.add(trainViews(object.mesh, ViewParams(), object.symmetries));
   }
 
@@ -71,7 +73,7 @@ public:
       for (const PoseCandidate& candidate : matcher_.match(bgr, depth, "32FC1", seen.camera))
         if (poses.size() < disturbed.size() + kCandidates) poses.push_back(candidate.pose);
       for (const cv::Affine3d& pose : poses)
-        add(frame, pose, judges_[sensor == DepthSensor::kStereo ? 1 : 0], seen, is_there, examples[i]);
+        add(frame, pose, judges_.at(sensor), seen, is_there, examples[i]);
     }
   }
 
@@ -118,7 +120,7 @@ private:
   const trials::Object& object_;
   const Choice is_wanted_;
   ObjectMatcher matcher_;
-  std::array<Judge, 2> judges_;
+  std::map<DepthSensor, Judge> judges_;
 };
 
 /// Cameras have other colors than meshes: brighter or darker, of another light, and not as sharp.
