@@ -330,7 +330,8 @@ def test_what_cannot_be_recognized_is_told_until_it_can(start, tmp_path, table):
 
     told(DiagnosticStatus.ERROR, f"there is no database {path}: object_add.py makes it")
     eyes.process.wait_for_output(f"there is no database {path}")
-    assert shown.received and not arrays.received
+    eyes.shown_until(lambda: shown.received, "an overlay")
+    assert not arrays.received
     add(path, "duck")
     told(DiagnosticStatus.ERROR, f"no object in {path} was learned by PPF: training does it")
     learn(path, "duck")
