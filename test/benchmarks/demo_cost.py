@@ -28,7 +28,7 @@ RESULTS = {  # of each node; those that are drawn for a viewer only are not amon
 }
 AROUND = ("dashboard", "roslaunch", "rosmaster", "rosout")  # what runs beside these nodes
 ONE = "one process"
-WAYS = {"each node a process": ["one_process:=false"], ONE: ["one_process:=true"]}
+WAYS = {"each Python node a process": ["one_process:=false"], ONE: ["one_process:=true"]}
 START_TIMEOUT = 90.0  # s
 SETTLE = 6.0  # s, not counted, in which what the start has taken is given back
 WATCH = 8.0  # times the seconds of other measurements
