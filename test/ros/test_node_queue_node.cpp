@@ -184,7 +184,7 @@ TEST(NodeQueue, nodesComeAndGoWhileFramesFlow)
     others.emplace_back(
         [i]
         {
-          for (int turn = 0; turn < 40; ++turn)
+          for (int turn = 0; turn < 100; ++turn)
           {
             const Taker taker("/goes_" + std::to_string(i), "/stream", i == 0 ? "" : "rgb8");
             if (turn % 10 == 0) EXPECT_TRUE(waitFor([&] { return taker.pixels() != nullptr; }));
