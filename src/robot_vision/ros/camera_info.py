@@ -32,6 +32,7 @@ class CameraInfoListener:
     def __init__(self, node: ImageNode, missing: str):
         self.topic = remapped_camera_info() or camera_info_beside(node.topic)
         self._missing = missing
+        self._lack = f"no {missing}: camera_info on {self.topic}"
         self._info: Optional[CameraInfo] = None
         self._arrived = threading.Event()
         self._used: Tuple[Any, ...] = ()  # the values that the camera was made from
@@ -71,7 +72,7 @@ class CameraInfoListener:
     @property
     def problem(self) -> str:
         """What is missing and why, when camera() has returned None."""
-        return f"no {self._missing}: camera_info on {self.topic}: {self._error or 'there is none'}"
+        return f"{self._lack}: {self._error or 'there is none'}"
 
     @property
     def frame_id(self) -> str:
@@ -84,7 +85,7 @@ class CameraInfoListener:
         Raises:
             ValueError: The camera is not known; the message gives the reason.
         """
-        with about(f"no {self._missing}: camera_info on {self.topic}"):
+        with about(self._lack):
             if self._info is None:
                 raise ValueError("there is none")
             return camera_model(self._info, size)
@@ -105,7 +106,7 @@ class CameraInfoListener:
             return
         self._logged_problem = problem
         if problem:
-            rospy.logwarn("no %s: camera_info on %s: %s", self._missing, self.topic, problem)
+            rospy.logwarn("%s: %s", self._lack, problem)
         else:
             rospy.loginfo("%s from now on: camera_info on %s", self._missing, self.topic)
 
