@@ -92,6 +92,7 @@ def test_a_slow_node_holds_up_no_other_and_drops_are_its_own(source):
     for number in range(1, 21):
         source.send(message(np.full_like(IMAGE, number), "bgr8"))
         quick.wait(number)
+        support.wait_for(lambda: slow.threads, "the slow one's work on the first frame")
     assert not slow.received
     go_on.set()
     slow.wait(2)
