@@ -198,7 +198,7 @@ def test_images_of_two_folders_are_color_and_depth(start, tmp_path):
 def test_an_image_that_cannot_be_divided_is_refused(start, tmp_path):
     cv2.imwrite(str(tmp_path / "odd.png"), np.zeros((48, 127, 3), np.uint8))
     process = start("camera_node", f"_source:={tmp_path}/odd.png", "_views:=stereo")
-    images = support.Messages("/camera/left/image_raw", Image)
+    images = support.subscribed("/camera/left/image_raw", Image)
     process.wait_for_output("a bgr8 image of 127x48 cannot be divided into a left and a right one")
     assert not images.received
 

@@ -118,7 +118,7 @@ def test_a_kinect_that_is_not_there_is_looked_for(start, diagnostics):
     process = start("camera_node", "_source:=freenect:99")
     process.wait_for_output("freenect:99: ")
     process.wait_for_output("; trying again")
-    assert "freenect:99: " in diagnostics.next("camera").message
+    support.wait_for(lambda: "freenect:99: " in diagnostics.next("camera").message, "the error")
     assert process.running()
 
 

@@ -10,6 +10,7 @@ from dynamic_reconfigure.msg import Config, ConfigDescription, Group, ParamDescr
 from dynamic_reconfigure.srv import Reconfigure
 from feature_page import FeaturePage, RefusedError, subscribes
 
+from robot_vision.dashboard import parameter_node
 from robot_vision.dashboard.parameter_description import parameters_in
 from robot_vision.dashboard.parameter_feature import ParameterFeature
 from robot_vision.dashboard.settings import Settings
@@ -35,6 +36,13 @@ def motion(start):
     process = start("motion_detector.py", "__name:=motion", "image:=/nobody")
     rospy.wait_for_service("/motion/set_parameters", support.DEADLINE)
     return process
+
+
+@pytest.fixture
+def reasons(monkeypatch):
+    """reasons(node): waits until what a node logs is read, for which there is time from then on."""
+    monkeypatch.setattr(parameter_node, "REASON_TIMEOUT", support.DEADLINE)
+    return lambda node: support.wait_for(lambda: support.sends(node, "/rosout"), "its log")
 
 
 def by_name(told):
@@ -64,8 +72,9 @@ def test_values_are_set_and_pushed(page, motion):
     assert pushed["node"] == "/motion" and pushed["values"] == answer["values"]
 
 
-def test_a_refused_value_has_the_reason_that_the_node_logs(page, motion):
+def test_a_refused_value_has_the_reason_that_the_node_logs(page, motion, reasons):
     page.request("parameters", node="/motion")
+    reasons("/motion")
     answer = page.request("set_parameters", node="/motion", values={"blur_size": 20})
     assert answer["values"]["blur_size"] == 21
     assert answer["refused"]["blur_size"].startswith("blur_size is 20, must be odd")
@@ -98,10 +107,11 @@ def test_two_pages_share_a_subscription_that_ends_with_the_last(page, feature, m
     assert not subscribes("/motion/parameter_descriptions") and not subscribes("/rosout")
 
 
-def test_a_nodelet_tells_its_reasons_too(page, start):
+def test_a_nodelet_tells_its_reasons_too(page, start, reasons):
     start("edge_detector_node", "__name:=edges", "image:=/nobody")
     rospy.wait_for_service("/edges/set_parameters", support.DEADLINE)
     page.request("parameters", node="/edges")
+    reasons("/edges")
     answer = page.request("set_parameters", node="/edges", values={"aperture": 4})
     assert answer["values"]["aperture"] == 3
     assert answer["refused"]["aperture"].startswith("aperture is 4, must be")

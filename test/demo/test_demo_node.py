@@ -61,7 +61,11 @@ def test_edges_of_a_video_are_opencv_s(start, video):
     assert len(expected) == FRAMES
     edges = support.Messages("/edge_detector/processed_image", Image)
     start("/usr/bin/roslaunch", "robot_vision", "demo.launch", "source:=" + video)
-    received = edges.wait(2 * FRAMES)
+    edges.wait()
+    edges.wait(2 * FRAMES)
+    several = FRAMES // 2
+    support.wait_for(lambda: len({m.data for m in edges.received}) > several, "most frames")
+    received = list(edges.received)
     assert {(m.encoding, m.width, m.height, m.step) for m in received} == {
         ("mono8", WIDTH, HEIGHT, WIDTH)
     }
@@ -71,7 +75,6 @@ def test_edges_of_a_video_are_opencv_s(start, video):
     assert np.all(np.diff(stamps) > 0)
     late = np.diff(stamps) * 30 - np.diff(numbers) % FRAMES
     assert np.median(np.abs(late)) < 0.5
-    assert len(set(numbers)) > FRAMES // 2
 
 
 def test_make_demo_fails_when_its_source_is_wrong(start, tmp_path):
@@ -306,7 +309,8 @@ def test_what_the_network_finds_has_its_place_in_space(scene_demo, start):
 
 def test_the_portrait_is_enrolled_and_recognised(scene_demo, start, tmp_path):
     remapped = "image:=/usb_cam/image_raw", "faces:=/face_detector/faces"
-    start("face_recognizer.py", *remapped, f"_gallery:={tmp_path / 'gallery'}")
+    gallery = f"_gallery:={tmp_path / 'gallery'}"
+    start("face_recognizer.py", *remapped, gallery, f"_enroll_timeout:={support.DEADLINE}")
     rospy.wait_for_service("/face_recognizer/enroll", support.DEADLINE)
     answer = rospy.ServiceProxy("/face_recognizer/enroll", EnrollFace)("Eileen", 5)
     assert answer.success, answer.message

@@ -85,16 +85,26 @@ class Watched:
         self.found.send(detections)
         return stamp
 
+    def stamps_of(self, name):
+        """The stamps of what has come on an output."""
+        received = list(self.outputs[name].received)
+        if name == "/places/markers":
+            return {one.markers[0].header.stamp for one in received if one.markers}
+        return set(map(support.stamp_of, received))
+
     def answer(self, found, **options):
-        """What the node says of a frame, shown until the calibration is there."""
-        places, stamps = self.outputs["/places/detections"], []
+        """What the node says of a frame, shown until the calibration is there.
+
+        On each output a result gives way to the next one: it is of a frame that came on all.
+        """
+        stamps = []
 
         def answered():
             stamps.append(self.show(found, **options))
-            come = {support.stamp_of(array) for array in places.received}
+            come = set.intersection(*map(self.stamps_of, self.outputs))
             return [stamp for stamp in stamps if stamp in come]
 
-        array = places.of(support.wait_for(answered, "places")[-1])
+        array = self.outputs["/places/detections"].of(support.wait_for(answered, "places")[-1])
         assert array.header.frame_id == "eye"
         return array
 
@@ -161,10 +171,8 @@ def test_transforms_markers_and_overlay_are_of_the_same_places(start):
         moved, place = transform.transform.translation, one.pose.pose.position
         assert (moved.x, moved.y, moved.z) == (place.x, place.y, place.z)
         assert transform.transform.rotation == one.pose.pose.orientation
-    boxes = watched.outputs["/places/markers"]
-    made = support.wait_for(
-        lambda: [m.markers for m in boxes.received if m.markers[0].header.stamp == stamp], "markers"
-    )[0]
+    boxes = watched.outputs["/places/markers"].received
+    (made,) = [one.markers for one in boxes if one.markers[0].header.stamp == stamp]
     assert [one.type for one in made] == [Marker.CUBE, Marker.TEXT_VIEW_FACING] * 3
     assert len({(one.ns, one.id) for one in made}) == 6
     for marker, one in zip(made[::2], array.detections):
@@ -340,6 +348,7 @@ def test_it_subscribes_while_somebody_wants_what_it_publishes(start):
     support.reconfigured("/places", publish_tf=True)
     watched.wait_for()
     watched.listen("/places/detections")
+    watched.outputs["/tf"] = transforms
     stamp = watched.answer([face()]).header.stamp
     assert transforms.of(stamp).transforms[0].child_frame_id == "face_3"
 

@@ -195,6 +195,7 @@ def test_transforms_need_a_frame_id(start):
     kitchen.process.wait_for_output(
         f"no transforms: the images of {kitchen.camera.topic} have no frame_id"
     )
+    support.wait_for(lambda: transforms.received, "a transform")
     frames = [one for sent in transforms.received for one in sent.transforms]
     assert frames and all(one.header.frame_id == "eye" for one in frames)
 

@@ -117,13 +117,19 @@ class Door:
 
     @contextlib.contextmanager
     def showing(self, images, faces=faces_of):
-        """Shows images again and again."""
+        """Shows images again and again, of which no two are the same to the bit."""
         shown = [(image, faces(image)) for image in images]
         over = threading.Event()
 
         def play():
-            for image, detections in itertools.cycle(shown):
-                self.send(image, detections)
+            for number, (image, detections) in enumerate(itertools.cycle(shown)):
+                another = image.copy()
+                for face in detections:
+                    box = face.box
+                    another[box.y_offset + box.height // 2, box.x_offset + box.width // 2] = (
+                        number % 256
+                    )
+                self.send(another, detections)
                 if over.wait(0.05):
                     return
 

@@ -162,6 +162,7 @@ def test_a_region_is_remembered_while_nobody_subscribes(start, diagnostics):
     counter.camera.wait_for()  # and no longer: after some seconds the selection counts no more
     counter.camera.show(IMAGE)
     support.wait_for(lambda: diagnostics.next("count").message == idle, "the node to rest")
+    counter.camera.wait_for(0)
     counter.listen("histogram", Histogram)
     counter.listen("back_projection", Image)
     counter.camera.wait_for()

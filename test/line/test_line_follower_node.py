@@ -307,7 +307,7 @@ def test_robot_is_told_to_stop_when_the_node_ends(driven):
     robot.drive_on()
     robot.process.interrupt()
     assert robot.process.exit_code() == 0, robot.process.output()
-    assert robot.commands.received[-1] == Twist()
+    support.wait_for(lambda: robot.commands.received[-1] == Twist(), "the stop")
 
 
 def test_line_is_where_the_track_is(driven):

@@ -159,6 +159,8 @@ def test_results_of_the_same_frames_are_the_same(both):
     assert set(alone) == set(loaded) and alone
     camera = Camera(rate=30.0, topic=both.image)
     camera.wait_for(2)
+    for one in (*alone.values(), *loaded.values()):
+        support.wait_for(one.connected, "the publishers of the results")
     image = rv.Scene().render(60)
     shown, differing = [], ["the first frames"]
 

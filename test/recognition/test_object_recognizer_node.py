@@ -108,7 +108,7 @@ class Eyes:
         self.table = table
         topic = new_topic()
         self.topic, beside = topic, topic.rsplit("/", 1)[0]
-        self._images, self._depths = Source(topic), Source(f"{beside}/depth")
+        self.images, self._depths = Source(topic), Source(f"{beside}/depth")
         self._infos = Source(f"{beside}/camera_info", CameraInfo)
         self.info = info_of(table.camera)
         self.number = 0
@@ -119,7 +119,7 @@ class Eyes:
         self.process = start(program, *inputs, "_diagnostic_period:=0.05", *words)
 
     def wait_for(self):
-        for source in (self._images, self._infos) + (self._depths,) * self.has_depth:
+        for source in (self.images, self._infos) + (self._depths,) * self.has_depth:
             source.wait_for()
 
     def show(self, image=None, depth=None):
@@ -133,7 +133,7 @@ class Eyes:
             self._depths.send(depths)
         made = message(self.table.image if image is None else image, "bgr8")
         made.header = header
-        self._images.send(made)
+        self.images.send(made)
         return header
 
     def shown_until(self, condition, what):
@@ -475,6 +475,7 @@ def test_the_action_without_subscribers(start, kitchen, table):
         "/object_recognizer/recognize_objects", ObjectRecognitionAction
     )
     require_goal(client, ObjectRecognitionGoal, eyes, kitchen)
+    eyes.images.wait_for(0)  # no frame is in work
     client.send_goal(ObjectRecognitionGoal())
     support.wait_for(lambda: client.get_state() == actionlib.GoalStatus.ACTIVE, "the goal")
     client.cancel_goal()

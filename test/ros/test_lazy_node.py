@@ -87,8 +87,12 @@ def test_always_subscribe_runs_without_an_audience(start, diagnostics, node):
 def test_missing_frames_are_reported(start, diagnostics, node):
     process = start(node, "__name:=waits", "_always_subscribe:=true")
     process.wait_for_output("topic 'image' is not remapped")
-    status = diagnostics.next("waits")
-    assert (status.level, status.message) == (1, "no frames on /image")
+
+    def told():
+        status = diagnostics.next("waits")
+        return (status.level, status.message) == (1, "no frames on /image")
+
+    support.wait_for(told, "that there are no frames")
     start("camera_node", "__name:=source", "_source:=synthetic", "~image_raw:=/image")
     support.wait_for(lambda: diagnostics.next("waits").message == "running on /image", "frames")
 

@@ -122,6 +122,7 @@ def test_a_callback_that_exits_ends_its_node_alone(source):
     source.wait_for()
     source.send(message(IMAGE, "bgr8"))
     support.wait_for(lambda: leaver.exits, "the wish to end")
+    stayer.wait()
     leaver.close()
     source.send(message(IMAGE, "bgr8"))
     stayer.wait(2)
@@ -167,6 +168,8 @@ def test_a_node_that_ends_in_its_callback_ends_alone(source, kind):
     source.wait_for()
     source.send(message(IMAGE, "bgr8"))
     assert begun.wait(support.DEADLINE)
+    for other in others:
+        other.wait()
     hanging.close()  # waits a moment for the callback, and leaves it behind
     for number in range(2, 6):
         source.send(message(IMAGE, "bgr8"))

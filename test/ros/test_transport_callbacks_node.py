@@ -209,6 +209,7 @@ def test_unregister_inside_the_callback(source):
     for number in range(1, 6):
         source.send(numbered(number))
         others.wait(number)
+        support.wait_for(lambda: numbers, "the first frame")
     assert numbers == [1]
     assert images.get_num_connections() == 0
     images.start()  # subscribes again

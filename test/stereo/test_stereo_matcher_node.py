@@ -379,12 +379,20 @@ def test_camera_info_may_come_from_elsewhere(start):
 def test_the_scene_s_pair_has_depths_where_its_objects_are(start):
     """The camera node and this one, as the launch file starts them."""
     start("/usr/bin/roslaunch", "robot_vision", "stereo.launch", "camera:=true")
-    names = {"depth": Image, "camera_info": CameraInfo}
-    topics = [support.Messages(f"/stereo_matcher/{name}", kind) for name, kind in names.items()]
+    kinds = {"depth": Image, "camera_info": CameraInfo}
+    topics = [support.Messages(f"/stereo_matcher/{name}", kind) for name, kind in kinds.items()]
     truths = support.Messages("/usb_cam/ground_truth", GroundTruth)
-    image, info, truth = support.same_frame(*topics, truths)
+    names = ("poster", "tag_0", "tag_1")
+
+    def all_seen():
+        """The messages of a frame in which nothing is before what is looked at."""
+        *messages, truth = support.same_frame(*topics, truths)
+        seen = {one.name for one in truth.objects if one.visible}
+        return (*messages, truth) if seen.issuperset(names) else None
+
+    image, info, truth = support.wait_for(all_seen, "a frame with all in view")
     depth, projection = pixels(image), np.reshape(info.P, (3, 4))
-    for name in ("poster", "tag_0", "tag_1"):
+    for name in names:
         (place,) = (one.pose.position for one in truth.objects if one.name == name)
         x, y, z = projection @ (place.x, place.y, place.z, 1.0)
         column, row = round(x / z), round(y / z)

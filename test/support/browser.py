@@ -11,7 +11,7 @@ from typing import Any, Dict, Iterator, List, Set
 
 import pytest
 import support
-from browser_page import DEADLINE, Page
+from browser_page import Page
 
 OPTIONS = (
     "--headless=new",
@@ -72,8 +72,8 @@ class Browser:
         )
         chosen.set_capability("unhandledPromptBehavior", "ignore")
         self.driver = webdriver.Chrome(service=service, options=chosen)
-        self.driver.set_page_load_timeout(DEADLINE)
-        self.driver.set_script_timeout(DEADLINE)
+        self.driver.set_page_load_timeout(support.DEADLINE)
+        self.driver.set_script_timeout(support.DEADLINE)
         self._first = self.driver.current_window_handle
         self.origins: Set[str] = set()  # of all pages that have been opened
 

@@ -10,7 +10,6 @@ import cv2
 import numpy as np
 import support
 
-DEADLINE = 30.0  # s, for what takes a moment on an idle machine
 EVENTS = "Network.requestWillBeSent", "Network.dataReceived", "Network.webSocketCreated"
 CALL = "return (async () => { %s })()"
 
@@ -51,7 +50,7 @@ class Page:
     def value(self, expression: str, *arguments: Any) -> Any:
         return self.run(f"return {expression};", *arguments)
 
-    def wait(self, expression: str, *arguments: Any, seconds: float = DEADLINE) -> Any:
+    def wait(self, expression: str, *arguments: Any, seconds: float = support.DEADLINE) -> Any:
         """Waits until an expression is true in the page; returns its value."""
 
         def met() -> Any:
@@ -78,15 +77,23 @@ class Page:
         return self.value("document.querySelectorAll(arguments[0]).length", selector)
 
     def box(self, selector: str) -> Tuple[float, float, float, float]:
-        """x, y, width and height of an element that can be seen, in CSS px of the window."""
+        """x, y, width and height of an element that is seen and at rest, CSS px of the window."""
         return tuple(
             self.wait(
-                """(() => {
+                """(async () => {
                   const one = document.querySelector(arguments[0]);
                   if (!one) return null;
                   one.scrollIntoView({block: "nearest", inline: "nearest", behavior: "instant"});
-                  const box = one.getBoundingClientRect();
-                  return box.width && box.height && [box.x, box.y, box.width, box.height];
+                  const place = () => {
+                    const box = one.getBoundingClientRect();
+                    return [box.x, box.y, box.width, box.height];
+                  };
+                  const before = place();
+                  const drawn = (done) => requestAnimationFrame(() => requestAnimationFrame(done));
+                  const later = (done) => setTimeout(done, 1000);  // a hidden window draws nothing
+                  await Promise.race([new Promise(drawn), new Promise(later)]);
+                  const now = place();
+                  return now[2] && now[3] && String(now) === String(before) && now;
                 })()""",
                 selector,
             )
@@ -172,7 +179,7 @@ class Page:
     def halt(self) -> None:
         """Has the page wait for the user: it keeps its socket and reads nothing."""
         self.run("setTimeout(() => alert('halted'));")
-        support.wait_for(self._alert, "the page's dialog", DEADLINE)
+        support.wait_for(self._alert, "the page's dialog")
 
     def resume(self) -> None:
         """Lets a page go on that was halted."""

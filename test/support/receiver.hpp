@@ -11,10 +11,10 @@
 #include <thread>
 #include <vector>
 
-/// Waits for a condition; returns false if it is still false after half a minute.
+/// Waits for a condition; returns false if it is still false after a minute.
 inline bool waitFor(const std::function<bool()>& condition)
 {
-  const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(30);
+  const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(60);
   while (!condition() && std::chrono::steady_clock::now() < deadline)
     std::this_thread::sleep_for(std::chrono::milliseconds(2));
   return condition();

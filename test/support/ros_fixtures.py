@@ -59,16 +59,28 @@ def subscriptions_end():
 
 
 def forget(node):
-    """Makes the master forget an ended node, which it knows by a parameter that the log requested.
+    """Makes the master forget an ended node, as `rosnode cleanup` does.
 
-    Otherwise, if another program got the node's port, the master would shut that program down when
-    the next node of this name starts.
+    It knows one by a parameter that the log requested, and, if the machine was so busy that the
+    node had no time to say good-bye, by its topics and services: the next node would wait for
+    those. Otherwise, if another program got the node's port, the master would shut that program
+    down when the next node of this name starts.
     """
     import rosgraph
 
     master = rosgraph.Master(node)
-    with contextlib.suppress(rosgraph.MasterException):
-        master.unsubscribeParam(master.lookupNode(node), "/rosout_disable_topics_generation")
+    with contextlib.suppress(rosgraph.MasterException):  # nobody knows it
+        uri = master.lookupNode(node)
+        master.unsubscribeParam(uri, "/rosout_disable_topics_generation")
+        if support.is_running(node):
+            return
+        published, subscribed, services = master.getSystemState()
+        for topic in (topic for topic, nodes in published if node in nodes):
+            master.unregisterPublisher(topic, uri)
+        for topic in (topic for topic, nodes in subscribed if node in nodes):
+            master.unregisterSubscriber(topic, uri)
+        for service in (service for service, nodes in services if node in nodes):
+            master.unregisterService(service, master.lookupService(service))
 
 
 def namespaces(param):

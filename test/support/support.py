@@ -300,9 +300,27 @@ def node_api(name: str) -> xmlrpc.client.ServerProxy:
     return xmlrpc.client.ServerProxy(rosgraph.Master(rospy.get_name()).lookupNode(name))
 
 
+def is_running(node: str) -> bool:
+    """False if a node that the master knows is no more."""
+    try:
+        return bool(node_api(node).getPid(rospy.get_name()))
+    except OSError:
+        return False
+
+
 def publishers_of(topic: str) -> List[str]:
     """The nodes that publish a topic, as the master knows them."""
     return dict(rosgraph.Master(rospy.get_name()).getSystemState()[0]).get(topic, [])
+
+
+def sends(node: str, topic: str) -> bool:
+    """True as long as a running node has a connection to this process for this very topic."""
+    me = rospy.get_name()
+    try:
+        _, _, connections = node_api(node).getBusInfo(me)
+    except (OSError, rosgraph.MasterException):  # it has ended, or has not quite begun
+        return False
+    return any((to, way, of) == (me, "o", topic) for _, to, way, _, of, *_ in connections)
 
 
 def receives_over(node: str, topic: str) -> bool:
@@ -316,7 +334,7 @@ def receives(node: str, topic: str) -> bool:
     return receives_over(node, topic) or receives_over(node, topic + "/shm")
 
 
-open_messages: "List[Messages]" = []  # closed at the end of each test
+open_messages: List[Any] = []  # what subscribes: closed at the end of each test
 
 
 class Messages:
@@ -337,28 +355,42 @@ class Messages:
 
     def wait(self, count: int = 1, seconds: float = DEADLINE) -> List[Any]:
         """Waits for the first `count` messages."""
-        wait_for(
-            lambda: len(self.received) >= count,
-            f"{count} messages on {self._topic}",
-            seconds,
-        )
+
+        def found() -> bool:
+            self.renew_if_silent()
+            return len(self.received) >= count
+
+        wait_for(found, f"{count} messages on {self._topic}", seconds)
         return self.received[:count]
 
     def of(self, stamp: rospy.Time) -> Any:
         """Waits for the message with this stamp, such as the result of a frame."""
-        return wait_for(
-            lambda: [message for message in self.received if stamp_of(message) == stamp],
-            f"the message of {stamp.to_sec():.3f} s on {self._topic}",
-        )[0]
+
+        def found() -> List[Any]:
+            self.renew_if_silent()
+            return [message for message in self.received if stamp_of(message) == stamp]
+
+        return wait_for(found, f"the message of {stamp.to_sec():.3f} s on {self._topic}")[0]
 
     def connected(self) -> bool:
         """True if each publisher sends to this; rospy starts to a bit after it has said so."""
-        if self._is_connected():
+        topic = self._subscriber.resolved_name
+        publishers = publishers_of(topic)
+        if publishers and all(sends(node, topic) for node in publishers):
             return True
+        self._renew_now_and_then()
+        return False
+
+    def renew_if_silent(self) -> None:
+        """To be called while messages are waited for: see _renew()."""
+        if not self.received:
+            self._renew_now_and_then()
+
+    def _renew_now_and_then(self) -> None:
         if time.monotonic() - self._asked > RENEWAL_PERIOD:
             self._asked = time.monotonic()
-            self._renew()
-        return False
+            with contextlib.suppress(rosgraph.MasterException, OSError):  # if it is not there now
+                self._renew()
 
     def _renew(self) -> None:
         """Tells rospy of the publishers again, as the master knows them.
@@ -369,16 +401,6 @@ class Messages:
         topic, me, uri = self._subscriber.resolved_name, rospy.get_name(), rospy.get_node_uri()
         publishers = rosgraph.Master(me).registerSubscriber(topic, self._subscriber.type, uri)
         xmlrpc.client.ServerProxy(uri).publisherUpdate(me, topic, publishers)
-
-    def _is_connected(self) -> bool:
-        topic, me = self._subscriber.resolved_name, rospy.get_name()
-        publishers = publishers_of(topic)
-
-        def sends(node: str) -> bool:
-            _, _, connections = node_api(node).getBusInfo(me)
-            return any((to, way, of) == (me, "o", topic) for _, to, way, _, of, *_ in connections)
-
-        return bool(publishers) and all(map(sends, publishers))
 
     def close(self) -> None:
         open_messages.remove(self)
@@ -449,6 +471,8 @@ def same_frame(*topics: Messages) -> List[Any]:
     """Waits for one message of each topic, all with the same stamp."""
 
     def common() -> Set[Any]:
+        for topic in topics:
+            topic.renew_if_silent()
         return set.intersection(*({stamp_of(m) for m in t.received} for t in topics))
 
     stamp = max(wait_for(common, "a frame that has come on all topics"))
@@ -459,6 +483,7 @@ class Diagnostics:
     """Keeps the last status of the frames of every node on /diagnostics."""
 
     def __init__(self) -> None:
+        open_messages.append(self)
         self._statuses: Dict[str, DiagnosticStatus] = {}
         self._subscriber = rospy.Subscriber("/diagnostics", DiagnosticArray, self._on_message)
 
@@ -481,3 +506,7 @@ class Diagnostics:
             values = {pair.key: pair.value for pair in self.next(node).values}
             if values:
                 return values[key]
+
+    def close(self) -> None:
+        open_messages.remove(self)
+        self._subscriber.unregister()

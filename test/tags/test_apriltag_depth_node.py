@@ -316,7 +316,7 @@ def test_a_depth_camera_that_is_silent_is_told_once(start):
 
 def test_tags_of_the_scene_by_a_registered_kinect(start):
     """All nodes of docs/depth.md, in the frames that they themselves give."""
-    start("camera_node", "__name:=camera", "_source:=synthetic", "_views:=rgbd", "_framerate:=10")
+    start("camera_node", "__name:=camera", "_source:=synthetic", "_views:=rgbd", "_framerate:=3")
     start("depth_registration_node", "__name:=registration", "__ns:=/camera")
     words = "image:=/camera/rgb/image_raw", "_tag_size:=0.24"
     depth = "depth:=/camera/depth_registered/image_raw"

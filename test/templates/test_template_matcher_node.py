@@ -150,6 +150,7 @@ def test_a_region_is_cut_out_while_nobody_subscribes(start, diagnostics):
     desk.camera.wait_for()  # and no longer: after some seconds the selection counts no more
     desk.camera.show(IMAGE)
     support.wait_for(lambda: diagnostics.next("matcher").message == idle, "the node to rest")
+    desk.camera.wait_for(0)
     desk.objects = support.subscribed("/matcher/objects", DetectionArray)
     desk.camera.wait_for()
     assert box_of(desk.show(np.roll(IMAGE, 9, 1))["selected"]) == (49, 30, 24, 20)

@@ -86,6 +86,7 @@ class Scenarios:
         mono = Arrivals("/camera/image_mono", Image)
         raw.wait_for_more(5)
         mono.wait_for_more(5)
+        info.wait_for_more(2)  # so that those of the images have come, too
         images = {
             "image_raw": save_image(raw.last, self.out / "yuyv.image_raw"),
             "image_mono": save_image(mono.last, self.out / "yuyv.image_mono"),
