@@ -5,6 +5,7 @@
 #include "any_image.hpp"
 #include "arrays.hpp"
 #include "leave_gil.hpp"
+#include "ros/bonds/bonds.hpp"
 #include "ros/images/embedded_roscpp_node.hpp"
 #include "ros/params/package_file.hpp"
 #include "ros/params/save_params.hpp"
@@ -142,6 +143,17 @@ PYBIND11_MODULE(_transport, m)
           "nodelet_types", [](EmbeddedRoscppNode& runtime) { return runtime.nodelets()->types(); }, Unlocked())
       .def("running", &EmbeddedRoscppNode::running)
       .def("stop", &EmbeddedRoscppNode::stop, Unlocked());
+  py::class_<Bonds>(m, "Bonds")
+      .def(py::init(
+               [](const std::string& topic, double connect_timeout, double heartbeat_timeout, double period) {
+                 return std::make_unique<Bonds>(topic, BondTimes{connect_timeout, heartbeat_timeout, period});
+               }),
+           "topic"_a, "connect_timeout"_a = BondTimes().connect, "heartbeat_timeout"_a = BondTimes().heartbeat,
+           "period"_a = BondTimes().period, Unlocked())
+      .def("form", &Bonds::form, "id"_a, Unlocked())
+      .def("end", &Bonds::end, "id"_a, Unlocked())
+      .def("next_broken", &Bonds::nextBroken, Unlocked())
+      .def("close", &Bonds::close, Unlocked());
   m.def("edit_params", edit, "path"_a, "text"_a, "values"_a,
         "The YAML text of the file `path` with the values in it; see save_params.hpp. Raises RuntimeError naming the "
         "path.");

@@ -304,11 +304,11 @@ def test_live_parameters(start, kitchen, table):
 
 
 def statuses():
-    found = []
-    rospy.Subscriber("/diagnostics", DiagnosticArray, lambda one: found.extend(one.status))
+    arrays = support.Messages("/diagnostics", DiagnosticArray)
 
     def newest():
-        of_objects = [one for one in list(found) if one.name == "object_recognizer: objects"]
+        found = [one for array in list(arrays.received) for one in array.status]
+        of_objects = [one for one in found if one.name == "object_recognizer: objects"]
         return of_objects[-1] if of_objects else None
 
     return newest
