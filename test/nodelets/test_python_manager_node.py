@@ -249,15 +249,17 @@ def test_requests_that_cannot_be_met_are_refused_and_change_nothing(start, camer
     assert max(map(len, manager.process.output().splitlines())) < 5000
 
 
+@pytest.mark.parametrize("does", ["waits at_start", "outlasts at_start"])
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
-def test_a_signal_ends_it_in_the_middle_of_a_load(start, camera, number, run_script):
+def test_a_signal_ends_it_in_the_middle_of_a_load(start, camera, number, does):
     manager = PythonManager(start, program=TRIAL)
     manager.load("/hsv", "robot_vision/hsv_tracker", {"/image": camera.topic})
-    rospy.set_param("/trial/does", "waits at_start")
+    rospy.set_param("/trial/does", does)
     loader = start(
         "/usr/lib/nodelet/nodelet", "load", "robot_vision/trial_node", NAME, "__name:=trial"
     )
     manager.process.wait_for_output("waiting")
     manager.process._popen.send_signal(number)
     assert manager.process.prompt_exit_code() == 0, manager.process.output()
+    assert "FATAL" not in manager.process.output()
     loader.interrupt()

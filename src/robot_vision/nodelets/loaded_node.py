@@ -38,8 +38,10 @@ class LoadedNode:
             try:
                 self._node = kind.load()()
             except BaseException as error:
+                is_ending = self._context.is_ending()  # then nothing can be made any more
                 self._context.end()
-                raise ValueError(_logged(self.name, error)) from None
+                reason = "it ends" if is_ending else _logged(self.name, error)
+                raise ValueError(reason) from None
         keep_registered().check()
 
     def finish(self) -> None:

@@ -50,6 +50,11 @@ class TrialNode:
         if what == "waits":
             rospy.logwarn("waiting")
             self._released.wait()
+        if what == "outlasts":
+            rospy.logwarn("waiting")
+            while not rospy.is_shutdown():
+                rospy.rostime.wallsleep(0.01)
+            raise RuntimeError("the process has been shut down")
 
     def _on_release(self, _request: Any) -> TriggerResponse:
         self._do("at_service")
