@@ -77,3 +77,16 @@ def test_a_dev_shm_smaller_than_an_image_does_not_matter(start):
         image = out.wait(len(out.received) + 5)[-1]
         assert (image.width, image.height, len(image.data)) == (1920, 1080, 1920 * 1080 * 3)
         assert WARNING not in reader.process.output()
+
+
+def test_64_descriptors_are_enough(start):
+    """With some less roscpp takes no connections: it keeps 32 free."""
+    limited = shutil.which("prlimit"), "--nofile=64"
+    words = ["_source:=synthetic", "_image_width:=64", "_image_height:=64", "__name:=frugal"]
+    start(*limited, support.executable("camera_node"), *words)
+    readers = [Reader(start, "/frugal/image_raw", "shm", *limited) for _ in range(3)]
+    outputs = [support.Messages(reader.target, Image) for reader in readers]
+    for reader, out in zip(readers, outputs):
+        support.wait_for(lambda one=reader: uses_shm(one.node, "/frugal/image_raw"), "shm")
+        out.wait(len(out.received) + 5)
+        assert WARNING not in reader.process.output()

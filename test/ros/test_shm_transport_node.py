@@ -1,6 +1,8 @@
 """The transport shm between processes: the images are those of raw, field by field."""
 
+import copy
 import functools
+import itertools
 
 import numpy as np
 import pytest
@@ -11,6 +13,7 @@ from sensor_msgs.msg import Image
 from shared_images import Reader, share, shared_files, uses_raw, uses_shm
 from std_msgs.msg import Header
 
+from robot_vision.msg import ShmImage
 from robot_vision.transport import ImageSubscriber
 
 STEPS = (0, 1, 2, 7)  # bytes behind each row, as far as pixels of several bytes allow it
@@ -130,3 +133,65 @@ def test_nothing_is_shared_while_nobody_reads_over_shm(start, shared):
     send_until(source, image, lambda: shared_files(process) > 0, "shared memory")
     reader.process.kill()
     support.wait_for(lambda: shared_files(process) == 0, "the end of shared memory")
+
+
+HUGE = 2**64 - 1
+HOSTILE = [
+    {"bytes": HUGE},
+    {"bytes": 2**40, "height": 2**20, "step": 2**20},
+    {"bytes": 0},
+    {"height": 2**32 - 1},
+    {"width": 2**32 - 1},
+    {"step": 0},
+    {"slot": 2**32 - 1},
+    {"generation": HUGE},
+    {"generation": 0},
+    {"memory": HUGE},
+    {"publisher": 1},
+    {"socket": ""},
+    {"socket": "robot_vision_of_nobody"},
+    {"socket": 300 * "x"},
+    {"socket": "a\0b"},
+    {"boot_id": "elsewhere"},
+    {"boot_id": 5000 * "y"},
+    {"encoding": "\x1b[31mred"},
+    {"encoding": ""},
+]
+
+
+def test_a_hostile_publisher_harms_no_reader(start, shared):
+    """Messages that lie about the memory: none gives other pixels, and the true ones go on."""
+    source, topic, _ = shared
+    told = support.subscribed(topic + "/shm", ShmImage)
+    raw = Source(new_topic())  # who offers shm offers raw, too
+    hostile = Source(raw.topic + "/shm", ShmImage)
+    reader = Reader(start, raw.topic)
+    out = support.subscribed(reader.target, Image)
+    hostile.wait_for()
+    numbers = itertools.count(1)
+    sent = {}
+
+    def shown(**lies):
+        """Whether the true message of an image arrives, which a lying one is sent before."""
+        image = stamped(message(noise("bgr8", 48, 64), "bgr8"), next(numbers))
+        sent[image.header.stamp] = image
+        source.send(image)
+        true = told.of(image.header.stamp)
+        lie = copy.deepcopy(true)
+        lie.header.stamp.nsecs += 1
+        for name, value in lies.items():
+            setattr(lie, name, value)
+        hostile.send(lie)
+        hostile.send(true)
+        return any(support.stamp_of(one) in sent for one in out.received)
+
+    for lies in HOSTILE:
+        support.wait_for(functools.partial(shown, **lies), f"an image behind {lies}")
+        for one in out.received:
+            stamp = support.stamp_of(one)
+            if stamp in sent:
+                assert fields(one) == fields(sent[stamp]), lies
+            else:  # what it said of itself, and no pixels of anything else
+                assert one.data in (b"", message(noise("bgr8", 48, 64), "bgr8").data), lies
+        del out.received[:]
+    assert reader.process.running()
