@@ -137,7 +137,7 @@ Bonds::Clock::time_point Bonds::giveSigns()
   for (auto it = bonds_.begin(); it != bonds_.end();)
   {
     auto& [id, one] = *it;
-    if (now >= one.limit && (one.ended || !patient_))
+    if (counts(one) && now >= one.limit)
     {
       if (!one.ended)
       {
@@ -153,7 +153,8 @@ Bonds::Clock::time_point Bonds::giveSigns()
       publish(id, one, !one.ended);
       one.sign = now + nanoseconds(one.ended ? bond::Constants::DEAD_PUBLISH_PERIOD : times_.period);
     }
-    next = std::min({next, one.sign, std::max(one.limit, now + std::chrono::milliseconds(1))});
+    next = std::min(next, one.sign);
+    if (counts(one)) next = std::min(next, one.limit);
     ++it;
   }
   return next;

@@ -69,6 +69,8 @@ private:
   void work();
   void take(const bond::Status& status);
   Clock::time_point giveSigns();
+  /// Whether a sign of the other side is missed, or an answer.
+  bool counts(const Bond& one) const { return one.ended || !patient_; }
   void publish(const std::string& id, const Bond& one, bool active);
   void endAt(Bond& one, Clock::time_point now);
   void noteBroken(const std::string& id);
