@@ -97,11 +97,18 @@ void loadNodelet(EmbeddedRoscppNode& runtime, const std::string& name, const std
   runtime.noteServices();  // which other packages' nodelets may have without a topic
 }
 
+std::unique_ptr<Bonds> makeBonds(const std::string& topic, double connect_timeout, double heartbeat_timeout,
+                                 double disconnect_timeout, double period)
+{
+  const BondTimes times{connect_timeout, heartbeat_timeout, disconnect_timeout, period};
+  return withoutGil([&] { return std::make_unique<Bonds>(topic, times); });
+}
+
 }  // namespace
 
 PYBIND11_MODULE(_transport, m)
 {
-  m.doc() = "roscpp's images for robot_vision.transport, which is documented.";
+  m.doc() = "What nodes in Python have of roscpp: images for robot_vision.transport, which is documented, and bonds.";
   LeaveGil::endWithProcess();
   py::class_<FrameStatistics, std::shared_ptr<FrameStatistics>>(m, "Diagnostics");
   py::class_<LatestImageSubscriber, std::shared_ptr<LatestImageSubscriber>>(m, "Inbox")
@@ -143,13 +150,11 @@ PYBIND11_MODULE(_transport, m)
           "nodelet_types", [](EmbeddedRoscppNode& runtime) { return runtime.nodelets()->types(); }, Unlocked())
       .def("running", &EmbeddedRoscppNode::running)
       .def("stop", &EmbeddedRoscppNode::stop, Unlocked());
+  const BondTimes usual;
   py::class_<Bonds>(m, "Bonds")
-      .def(py::init(
-               [](const std::string& topic, double connect_timeout, double heartbeat_timeout, double period) {
-                 return std::make_unique<Bonds>(topic, BondTimes{connect_timeout, heartbeat_timeout, period});
-               }),
-           "topic"_a, "connect_timeout"_a = BondTimes().connect, "heartbeat_timeout"_a = BondTimes().heartbeat,
-           "period"_a = BondTimes().period, Unlocked())
+      .def(py::init(&makeBonds), "topic"_a, "connect_timeout"_a = usual.connect,
+           "heartbeat_timeout"_a = usual.heartbeat, "disconnect_timeout"_a = usual.disconnect,
+           "period"_a = usual.period)
       .def("form", &Bonds::form, "id"_a, Unlocked())
       .def("end", &Bonds::end, "id"_a, Unlocked())
       .def("next_broken", &Bonds::nextBroken, Unlocked())

@@ -86,6 +86,18 @@ def test_lost_cameras_are_loaded_again_until_ctrl_c(start):
     assert manager.running()
 
 
+def test_a_restarted_loader_takes_over_the_cameras_of_its_predecessor(start):
+    """Whether or not the manager has noticed yet that the first one is gone."""
+    start("/usr/lib/nodelet/nodelet", "manager", "__name:=camera_manager")
+    rospy.set_param("/camera_loader/cameras", [{"name": "front", **SMALL}])
+    start("camera_loader.py", env=PROMPT).wait_for_output("/front: loaded")
+    os.kill(process_of("/camera_loader"), signal.SIGKILL)
+    loader = start("camera_loader.py", env=PROMPT)
+    loader.wait_for_output("/front: loaded")
+    assert "not loaded" not in loader.output()
+    assert_frames("/front", 160, "front")
+
+
 def test_a_loader_takes_over_the_cameras_of_a_killed_one(start):
     """It does so before the manager has noticed that the first loader is gone."""
     start("/usr/lib/nodelet/nodelet", "manager", "__name:=camera_manager")

@@ -174,6 +174,7 @@ def test_a_rate_that_is_measured_holds_up_no_other_request(page, publish, monkey
     page.request("messages", channel=1, topic="/beside")
     page.wait_for_message(1)
     assert not page.has_answer_to(number)
+    support.wait_for(lambda: counters, "the measurement to begin")
     counters[0].enough.set()
     assert page.answer_to(number)["count"] == 0
 

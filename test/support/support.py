@@ -2,6 +2,7 @@
 
 import contextlib
 import functools
+import http.client
 import json
 import os
 import pathlib
@@ -14,6 +15,7 @@ import subprocess
 import sys
 import threading
 import time
+import xml.parsers.expat
 import xmlrpc.client
 from typing import Any, Callable, Dict, Iterator, List, Optional, Set
 
@@ -304,8 +306,8 @@ def is_running(node: str) -> bool:
     """False if a node that the master knows is no more."""
     try:
         return bool(node_api(node).getPid(rospy.get_name()))
-    except OSError:
-        return False
+    except (OSError, xmlrpc.client.Error, http.client.HTTPException, xml.parsers.expat.ExpatError):
+        return False  # nobody is there, or a program that has got its port
 
 
 def publishers_of(topic: str) -> List[str]:

@@ -28,6 +28,7 @@ class HeldNodes:
         keep_start()
         self._changed = threading.Condition()  # guards the nodes
         self._nodes: Dict[str, Node] = {}
+        self._finishing = False
 
     def load(self, request: LoadRequest) -> None:
         """Loads a node.
@@ -38,16 +39,21 @@ class HeldNodes:
         name = request.name
         with self._changed:
             self._changed.wait_for(lambda: self._nodes.get(name) != ENDING)
+            if self._finishing:
+                raise ValueError(f"{name}: the manager ends")
             if name in self._nodes:
                 raise ValueError(f"{name}: there is a node of this name already")
             self._nodes[name] = STARTING
         try:
+            if request.bond_id:
+                self._bonds.reserve(name, request.bond_id)
             node = self._started(request)
         except BaseException:
+            self._bonds.end(name)
             self._set(name, None)
             raise
         if request.bond_id:
-            self._bonds.form(name, request.bond_id, lambda: self._drop(name, node))
+            self._bonds.form(name, lambda: self._drop(name, node))
         self._set(name, node)
 
     def unload(self, name: str) -> None:
@@ -63,6 +69,7 @@ class HeldNodes:
     def finish(self) -> None:
         """Has all nodes finish at once, as the process ends; each has its time for it."""
         with self._changed:
+            self._finishing = True
             nodes = [node for node in self._nodes.values() if isinstance(node, LoadedNode)]
         threads = [threading.Thread(target=node.finish, daemon=True) for node in nodes]
         for thread in threads:

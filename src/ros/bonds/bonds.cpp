@@ -5,6 +5,8 @@
 #include <iomanip>
 #include <random>
 #include <sstream>
+#include <stdexcept>
+#include <utility>
 
 #include "ros/images/advertising_lock.hpp"
 
@@ -16,6 +18,7 @@ namespace
 // What waits for a connection are the signs of all bonds, in the seconds after which one is missed.
 constexpr std::uint32_t kQueueSize = 1000;
 constexpr std::chrono::milliseconds kLastWords(200);  // that close() waits for answers
+constexpr double kLongestWait = 1.0;                  // s, until it is seen that roscpp shuts down
 
 std::chrono::nanoseconds nanoseconds(double seconds)
 {
@@ -35,26 +38,36 @@ std::string uniqueName()
 
 }  // namespace
 
-Bonds::Bonds(const std::string& topic, const BondTimes& times) : times_(times)
+Bonds::Bonds(const std::string& topic, const BondTimes& times) : times_(times), instance_(uniqueName())
 {
   ros::NodeHandle nh;
   nh.setCallbackQueue(&queue_);
   gate_.guard(nh);
-  nh.param(bond::Constants::DISABLE_HEARTBEAT_TIMEOUT_PARAM, patient_, false);
+  bool is_disabled = false;
+  ros::param::getCached(bond::Constants::DISABLE_HEARTBEAT_TIMEOUT_PARAM, is_disabled);  // asks the master now
   {
     const AdvertisingLock advertising;
     publisher_ = nh.advertise<bond::Status>(topic, kQueueSize);
   }
   subscriber_ = nh.subscribe<bond::Status>(topic, kQueueSize, [this](const auto& status) { take(*status); });
+  if (!publisher_ || !subscriber_) throw std::runtime_error(topic + ": no bonds, as roscpp is shutting down");
   worker_ = std::thread([this] { work(); });
+}
+
+Bonds::~Bonds()
+{
+  close();
+  subscriber_.shutdown();
+  const AdvertisingLock advertising;
+  publisher_.shutdown();
 }
 
 void Bonds::form(const std::string& id)
 {
   const Clock::time_point now = Clock::now();
   const std::lock_guard<std::mutex> lock(mutex_);
-  if (closed_) return;
-  bonds_[id] = {uniqueName(), false, now, now + nanoseconds(times_.connect)};
+  if (closing_) return;
+  bonds_.insert({id, {now, now + nanoseconds(times_.connect), "", false}});
   waker_->wake();
 }
 
@@ -81,20 +94,18 @@ void Bonds::close()
 {
   {
     std::unique_lock<std::mutex> lock(mutex_);
-    if (closed_) return;
+    if (std::exchange(closing_, true)) return;
+    const Clock::time_point now = Clock::now();
     for (auto& [id, one] : bonds_)
-      endAt(one, Clock::now());
+      endAt(one, now);
     waker_->wake();
-    changed_.wait_for(lock, kLastWords, [this] { return bonds_.empty(); });
+    changed_.wait_for(lock, kLastWords, [this] { return closed_ || bonds_.empty(); });
     closed_ = true;
   }
   changed_.notify_all();
   waker_->wake();
   worker_.join();
   gate_.close();
-  subscriber_.shutdown();
-  const AdvertisingLock advertising;
-  publisher_.shutdown();
 }
 
 void Bonds::work()
@@ -102,46 +113,60 @@ void Bonds::work()
   for (;;)
   {
     queue_.callAvailable();
-    waker_->waitUntil(giveSigns());
-    const std::lock_guard<std::mutex> lock(mutex_);
-    if (closed_) return;
+    const Clock::time_point next = giveSigns();
+    publishNoted();
+    {
+      const std::lock_guard<std::mutex> lock(mutex_);
+      closed_ = closed_ || ros::isShuttingDown();
+      if (closed_) break;
+    }
+    waker_->waitUntil(next);
   }
+  changed_.notify_all();
 }
 
+/// Takes a sign of another side. To be called by the worker, as the next two.
 void Bonds::take(const bond::Status& status)
 {
+  if (status.instance_id == instance_) return;
+  const Clock::time_point now = Clock::now();
   const std::lock_guard<std::mutex> lock(mutex_);
   const auto found = bonds_.find(status.id);
-  if (found == bonds_.end() || status.instance_id == found->second.instance) return;
+  if (found == bonds_.end()) return;
   Bond& one = found->second;
+  const bool is_first = one.other.empty();
+  if (is_first) one.other = status.instance_id;
+  if (one.other != status.instance_id) return;  // a bond is of two
   if (status.active)
   {
-    if (!one.ended) one.limit = Clock::now() + nanoseconds(times_.heartbeat);
+    if (one.ended) return;
+    one.limit = now + nanoseconds(times_.heartbeat);
+    if (is_first) one.sign = now;  // who was waited for waits for us
     return;
   }
   if (!one.ended)
   {
-    publish(status.id, one, false);  // the answer
+    note(status.id, false);  // the answer
     noteBroken(status.id);
   }
   bonds_.erase(found);
   changed_.notify_all();
 }
 
-/// Gives the signs that are due, and drops the bonds whose other side has given none. Returns when the next ones are.
+/// Notes the signs that are due, and drops the bonds whose other side has given none. Returns when the next ones are.
 Bonds::Clock::time_point Bonds::giveSigns()
 {
   const Clock::time_point now = Clock::now();
-  Clock::time_point next = now + nanoseconds(times_.period);
+  Clock::time_point next = now + nanoseconds(std::min(times_.period, kLongestWait));
   const std::lock_guard<std::mutex> lock(mutex_);
   for (auto it = bonds_.begin(); it != bonds_.end();)
   {
     auto& [id, one] = *it;
-    if (counts(one) && now >= one.limit)
+    if (isMissed(id, one, now))
     {
       if (!one.ended)
       {
-        publish(id, one, false);
+        note(id, false);
         noteBroken(id);
       }
       it = bonds_.erase(it);
@@ -150,39 +175,64 @@ Bonds::Clock::time_point Bonds::giveSigns()
     }
     if (now >= one.sign)
     {
-      publish(id, one, !one.ended);
+      note(id, !one.ended);
       one.sign = now + nanoseconds(one.ended ? bond::Constants::DEAD_PUBLISH_PERIOD : times_.period);
     }
-    next = std::min(next, one.sign);
-    if (counts(one)) next = std::min(next, one.limit);
+    next = std::min({next, one.sign, one.limit});
     ++it;
   }
   return next;
 }
 
-void Bonds::publish(const std::string& id, const Bond& one, bool active)
+/// Whether the other side has not been heard in time. If nothing is to be missed it has more time.
+bool Bonds::isMissed(const std::string& id, Bond& one, Clock::time_point now) const
+{
+  if (now < one.limit) return false;
+  bool is_disabled = false;
+  if (one.ended || one.other.empty() ||
+      !ros::param::getCached(bond::Constants::DISABLE_HEARTBEAT_TIMEOUT_PARAM, is_disabled) || !is_disabled)
+    return true;
+  ROS_WARN_THROTTLE(10.0, "the bond %s is kept without signs of life, as %s is true", id.c_str(),
+                    bond::Constants::DISABLE_HEARTBEAT_TIMEOUT_PARAM.c_str());
+  one.limit = now + nanoseconds(times_.heartbeat);
+  return false;
+}
+
+void Bonds::note(const std::string& id, bool active)
 {
   bond::Status status;
   status.header.stamp = ros::Time::now();
   status.id = id;
-  status.instance_id = one.instance;
+  status.instance_id = instance_;
   status.active = active;
   status.heartbeat_timeout = static_cast<float>(times_.heartbeat);
   status.heartbeat_period = static_cast<float>(times_.period);
-  publisher_.publish(status);
-}
-
-void Bonds::endAt(Bond& one, Clock::time_point now)
-{
-  one.ended = true;
-  one.sign = now;
-  one.limit = now + nanoseconds(bond::Constants::DEFAULT_DISCONNECT_TIMEOUT);
+  noted_.push_back(std::move(status));
 }
 
 void Bonds::noteBroken(const std::string& id)
 {
   broken_.push(id);
   changed_.notify_all();
+}
+
+/// Publishes without the lock: while a topic of the process is withdrawn, roscpp makes this wait for the master.
+void Bonds::publishNoted()
+{
+  std::vector<bond::Status> noted;
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    noted.swap(noted_);
+  }
+  for (const bond::Status& status : noted)
+    publisher_.publish(status);
+}
+
+void Bonds::endAt(Bond& one, Clock::time_point now) const
+{
+  one.ended = true;
+  one.sign = now;
+  one.limit = now + nanoseconds(times_.disconnect);
 }
 
 }  // namespace robot_vision
