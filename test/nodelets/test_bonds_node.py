@@ -135,8 +135,12 @@ def test_an_id_is_of_one_node():
             bonds.reserve("/other", "its bond")
         bonds.end("/other")
         support.wait_for(lambda: loader.heard(active=True), "a sign of life")
-        bonds.end("/node")
+        bonds.end("/node")  # of which nobody has taken notice yet
+        support.wait_for(lambda: loader.heard(active=False), "that it has ended")
+        count = len(loader.heard(active=True))
         bonds.reserve("/other", "its bond")
+        bonds.form("/other", lambda: None)
+        support.wait_for(lambda: len(loader.heard(active=True)) > count, "signs of the other")
 
 
 def test_no_sign_is_missed_while_a_debugger_is_at_work():

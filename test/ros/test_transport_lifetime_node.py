@@ -63,14 +63,9 @@ def test_names_are_resolved_as_in_rospy(run_script, arguments, env, node, topics
     for source in sources:
         source.wait_for()
     frames = Frames(output)
-
-    def sends():
-        """Whether the publisher knows the subscriber, which knows the publisher a bit earlier."""
-        me = rospy.get_name() + "_images"
-        _, _, connections = support.node_api(node + "_images").getBusInfo(me)
-        return any((to, way, of) == (me, "o", output) for _, to, way, _, of, *_ in connections)
-
-    support.wait_for(sends, output)
+    # The publisher knows the subscriber a bit later than that knows the publisher.
+    receiver = rospy.get_name() + "_images"
+    support.wait_for(lambda: support.sends(node + "_images", output, receiver), output)
     sources[0].send(message(IMAGE, "bgr8"))
     assert np.array_equal(frames.wait()[0].image, IMAGE)
     registered = rosgraph.Master("/test").getSystemState()

@@ -32,7 +32,8 @@ class LoadedNode:
         """Makes the node.
 
         Raises:
-            ValueError: It cannot be made; the reason is in its log, and all is closed again.
+            ValueError: It cannot be made; all is closed again, and the reason is in its log, unless
+                that is the end of the process.
         """
         with self._lock, active(self._context):
             try:

@@ -66,8 +66,9 @@ void Bonds::form(const std::string& id)
 {
   const Clock::time_point now = Clock::now();
   const std::lock_guard<std::mutex> lock(mutex_);
-  if (closing_) return;
-  bonds_.insert({id, {now, now + nanoseconds(times_.connect), "", false}});
+  const auto found = bonds_.find(id);
+  if (closing_ || (found != bonds_.end() && !found->second.ended)) return;
+  bonds_[id] = {now, now + nanoseconds(times_.connect), "", false};
   waker_->wake();
 }
 

@@ -42,7 +42,8 @@ public:
   Bonds(const Bonds&) = delete;
   Bonds& operator=(const Bonds&) = delete;
 
-  /// Begins a bond. The other side knows the same `id`. Does nothing if there is one of that id, or after close().
+  /// Begins a bond. The other side knows the same `id`. Does nothing if there is one of that id that has not ended, or
+  /// after close().
   void form(const std::string& id);
   /// Ends a bond, if there is one of that id, and tells the other side until it answers, for at most a time.
   void end(const std::string& id);
