@@ -175,24 +175,29 @@ def test_a_hostile_publisher_harms_no_reader(start, shared):
     def pixels_of(number):
         return (noise("bgr8", 48, 64).astype(int) + number).astype(np.uint8)
 
-    def shown(**lies):
-        """Whether the true message of an image arrives, which a lying one is sent before."""
+    def shared_image():
+        """What is told of the memory of a new image, which is among those sent."""
         number = next(numbers)
         image = stamped(message(pixels_of(number), "bgr8"), number)
         sent[image.header.stamp] = image
         source.send(image)
-        true = told.of(image.header.stamp)
-        lie = copy.deepcopy(true)
+        return told.of(image.header.stamp)
+
+    def shown():
+        """Whether a true message has arrived, of which another one is sent."""
+        hostile.send(shared_image())
+        return any(support.stamp_of(one) in sent for one in list(out.received))
+
+    support.wait_for(shown, "an image over shm")
+    for lies in HOSTILE:
+        sent.clear()
+        lie = copy.deepcopy(shared_image())
         lie.header.stamp.nsecs += 1
         for name, value in lies.items():
             setattr(lie, name, value)
+        # Once: each lie at which the memory cannot be read doubles the pause before the next look.
         hostile.send(lie)
-        hostile.send(true)
-        return any(support.stamp_of(one) in sent for one in list(out.received))
-
-    for lies in HOSTILE:
-        sent.clear()
-        support.wait_for(functools.partial(shown, **lies), f"an image behind {lies}")
+        support.wait_for(shown, f"an image behind {lies}")
         for one in list(out.received):
             stamp = support.stamp_of(one)
             if stamp in sent:
