@@ -15,6 +15,7 @@ import select
 import struct
 import subprocess
 import sys
+import tempfile
 import time
 from typing import Iterator, List, Optional
 
@@ -50,8 +51,14 @@ class Worker:
             command = [program(), target]
         else:
             command = [sys.executable, os.path.join(HERE, "worker.py"), target]
+        # Where its temporary files are: being killed, it does not remove them itself.
+        self._folder = tempfile.TemporaryDirectory()
         self._process = subprocess.Popen(
-            command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL
+            command,
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.DEVNULL,
+            env=dict(os.environ, TMPDIR=self._folder.name),
         )
         self._answer()
         self._present = self._memory()
@@ -78,6 +85,7 @@ class Worker:
     def end(self) -> None:
         self._process.kill()
         self._process.communicate()
+        self._folder.cleanup()
 
     def _answer(self) -> str:
         began, cpu = time.monotonic(), self._cpu()
