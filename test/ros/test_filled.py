@@ -3,7 +3,7 @@
 import pytest
 
 from robot_vision import FaceParams, MotionParams
-from robot_vision.ros.params import attribute_of, filled
+from robot_vision.ros.live_params import attribute_of, filled
 
 
 @pytest.mark.parametrize(

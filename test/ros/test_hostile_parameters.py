@@ -19,7 +19,7 @@ from robot_vision.dashboard import dashboard
 from robot_vision.dnn import check_for_objects
 from robot_vision.line import line_follower
 from robot_vision.recognition import recognize_action
-from robot_vision.ros import context, params, transport
+from robot_vision.ros import context, live_params, params, transport
 from robot_vision.tags.bundle_files import parse_bundles
 from robot_vision.tags.tag_layout import TagLayout
 from robot_vision.viewer import simple_camera_view_node
@@ -69,19 +69,22 @@ assert len(CONFIGS) >= 9, "nodes with parameters are not found"
 class Server:
     """Starts like dynamic_reconfigure's server, but has no services."""
 
-    def __init__(self, config_type, callback):
-        config = dict(config_type.defaults)
-        config.update({name[1:]: value for name, value in server_values.items()})
-        callback(config, 0)
+    def __init__(self, _config_type, callback, values):
+        callback(dict(values), 0)
 
 
 server_values = {}
 
 
+def private_params(_context):
+    return {name[1:]: value for name, value in server_values.items()}
+
+
 @pytest.fixture
 def at_start(monkeypatch):
     """at_start(values) fakes a parameter server with these values, with names such as ~gain."""
-    monkeypatch.setattr(params, "_Server", Server)
+    monkeypatch.setattr(live_params, "_Server", Server)
+    monkeypatch.setattr(context.NodeContext, "private_params", private_params)
     monkeypatch.setattr(rospy, "Service", lambda *_: None)
     monkeypatch.setattr(rospy, "get_param", server_values.get)
     monkeypatch.setattr(rospy, "has_param", lambda name: name in server_values)
@@ -121,9 +124,9 @@ def test_live_parameters_at_start(at_start, node, what):
         name = parameter["name"]
         at_start({"~" + name: value})
         if fits(parameter, value):
-            params.LiveParams(config, lambda _: None)
+            live_params.LiveParams(config, lambda _: None)
         else:
-            refused(name, lambda: params.LiveParams(CONFIGS[node], lambda _: None))
+            refused(name, lambda: live_params.LiveParams(CONFIGS[node], lambda _: None))
 
 
 @pytest.mark.parametrize("node", CONFIGS)
@@ -133,7 +136,7 @@ def test_live_numbers(at_start, monkeypatch, node):
     monkeypatch.setattr(rospy, "logwarn", lambda text, error: told.append(text % error))
     at_start({})
     config = CONFIGS[node]
-    live = params.LiveParams(config, lambda _: None)
+    live = live_params.LiveParams(config, lambda _: None)
     for parameter in config.config_description["parameters"]:
         for what in NOWHERE:
             if parameter["type"] == "double":
@@ -252,7 +255,13 @@ AT_START = {
 # with a database, have their own tests.
 LATER = {"config_file", "cameras", "needs_models"}
 # These read all live parameters, those of a color, all of a camera, and what others ask for.
-ASK_BY_VARIABLE = {"params.py", "named_colors.py", "camera_loader.py", "context.py"}
+ASK_BY_VARIABLE = {
+    "params.py",
+    "live_params.py",
+    "named_colors.py",
+    "camera_loader.py",
+    "context.py",
+}
 
 
 @pytest.fixture
@@ -305,7 +314,7 @@ def test_parameters_that_are_read_only_at_start(alone, of):
 def test_an_unsuitable_file_for_saving_is_reported_in_one_line(at_start, monkeypatch, what):
     monkeypatch.setattr(rospy, "logerr", lambda *_: None)
     at_start({})
-    live = params.LiveParams(CONFIGS["code_reader"], lambda _: None)
+    live = live_params.LiveParams(CONFIGS["code_reader"], lambda _: None)
     values = [HOSTILE[what]]
     if isinstance(values[0], str):
         values.append("/" + values[0] + "/x.yaml")

@@ -14,7 +14,7 @@ import yaml
 import robot_vision as rv
 from robot_vision.color.named_colors import DEFAULT, SHOWN
 from robot_vision.faces.face_detector import COURSE
-from robot_vision.ros.params import attribute_of
+from robot_vision.ros.live_params import attribute_of
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 tool = SourceFileLoader("parameters", str(ROOT / "tools/parameters")).load_module()

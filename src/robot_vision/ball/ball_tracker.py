@@ -30,8 +30,9 @@ from ..ros.camera_info import camera_model
 from ..ros.configs import BallTrackerConfig
 from ..ros.context import current
 from ..ros.image_node import ImageNode
+from ..ros.live_params import LiveParams, filled
 from ..ros.messages import detection, detection_array
-from ..ros.params import LiveParams, filled, read_name, read_param
+from ..ros.params import read_name, read_param
 from ..ros.startup import run_node
 from ..ros.transport import Frame
 

@@ -13,7 +13,8 @@ from ..common.plain_text import brief
 from ..ros.camera_info import CameraInfoListener
 from ..ros.configs import CubeOverlayConfig
 from ..ros.image_node import ImageNode
-from ..ros.params import LiveParams, read_name
+from ..ros.live_params import LiveParams
+from ..ros.params import read_name
 from ..ros.poses import pose_of, transform_of
 from ..ros.startup import run_node
 from ..ros.transport import Frame, FrameError, note_connections

@@ -14,8 +14,8 @@ from ..common.repeats import Repeats
 from ..msg import Detection, DetectionArray
 from ..ros.configs import CodeReaderConfig
 from ..ros.image_node import ImageNode
+from ..ros.live_params import LiveParams, filled
 from ..ros.messages import box_around, detection_array, points
-from ..ros.params import LiveParams, filled
 from ..ros.startup import run_node
 from ..ros.transport import Frame
 

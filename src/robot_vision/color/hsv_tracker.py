@@ -16,8 +16,8 @@ from .. import (
 from ..msg import DetectionArray
 from ..ros.configs import HsvTrackerConfig
 from ..ros.image_node import ImageNode
+from ..ros.live_params import LiveParams, filled
 from ..ros.messages import detection, detection_array
-from ..ros.params import LiveParams, filled
 from ..ros.startup import run_node
 from ..ros.transport import Frame
 from .color_file import edit_colors

@@ -8,7 +8,7 @@ from .. import ColorRange, HsvRange, color_channels, convert_range, validate
 from ..common.plain_text import brief, printable
 from ..ros.configs import HsvTrackerConfig
 from ..ros.context import current
-from ..ros.params import read_any, read_param
+from ..ros.params import present_params, read_any, read_param
 from .color_entries import range_of
 from .color_file import is_color_name
 
@@ -112,10 +112,7 @@ class NamedColors:
         Args:
             reason: Why they have none; "" if the limits of the space have one.
         """
-        params = current()
-        there = {
-            name: params.get_param("~" + name) for name in SHOWN if params.has_param("~" + name)
-        }
+        there = present_params(SHOWN)
         first = next(iter(self.ranges.values()))
         shown = self.ranges.get(str(there.pop("color", "")), first)
         low, high = _live_names(shown.space)
@@ -129,7 +126,7 @@ class NamedColors:
             reason = reason or _limits_of(shown.space)
             rospy.logwarn("without effect: %s, because %s", ", ".join(ignored), reason)
         for name in there:
-            params.delete_param("~" + name)
+            current().delete_param("~" + name)
 
     def _in_space(self, name: str, space: str) -> ColorRange:
         """Returns the limits that a colour had in a space; else those that hold all of it."""

@@ -10,8 +10,8 @@ from ..common.plain_text import brief
 from ..msg import Click, ContourArray, DetectionArray
 from ..ros.configs import ContoursConfig
 from ..ros.image_node import ImageNode
+from ..ros.live_params import LiveParams, filled
 from ..ros.messages import detection_array
-from ..ros.params import LiveParams, filled
 from ..ros.startup import run_node
 from ..ros.transport import Frame
 from .contour_drawing import DRAWN, draw_contours

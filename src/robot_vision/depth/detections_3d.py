@@ -18,7 +18,8 @@ from ..ros.context import current
 from ..ros.depth_frames import DepthLook
 from ..ros.frame_pairs import FramePairs
 from ..ros.image_node import ImageNode
-from ..ros.params import LiveParams, filled, read_prefix
+from ..ros.live_params import LiveParams, filled
+from ..ros.params import read_prefix
 from ..ros.startup import run_node
 from ..ros.transport import Frame, note_connections
 from .depth_overlay import depth_colors, draw_places

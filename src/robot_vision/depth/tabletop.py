@@ -23,7 +23,8 @@ from ..ros.configs import TabletopConfig
 from ..ros.depth_frames import DepthLook
 from ..ros.frame_transforms import FrameTransforms
 from ..ros.image_node import ImageNode
-from ..ros.params import LiveParams, filled, read_name
+from ..ros.live_params import LiveParams, filled
+from ..ros.params import read_name
 from ..ros.startup import run_node
 from ..ros.transport import Frame, FrameError, note_connections
 from .depth_overlay import depth_gray

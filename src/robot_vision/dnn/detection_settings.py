@@ -5,7 +5,7 @@ from typing import Any, Dict, List, NamedTuple, Sequence
 import numpy as np
 
 from .. import BoxTrack, BoxTracker, BoxTrackerParams, FoundObject
-from ..ros.params import filled
+from ..ros.live_params import filled
 from .detector import DetectionSettings
 from .thresholds import SURE, ClassThresholds
 from .tiles import Region

@@ -16,8 +16,9 @@ from ..recordings.image_pixels import pixels_of
 from ..ros.configs import ObjectDetectorConfig
 from ..ros.frame_calls import FrameCalls
 from ..ros.image_node import ImageNode
+from ..ros.live_params import LiveParams
 from ..ros.messages import detection_array
-from ..ros.params import LiveParams, read_param
+from ..ros.params import read_param
 from ..ros.startup import run_node
 from ..ros.transport import Frame, FrameError
 from .check_for_objects import CheckForObjects

@@ -12,8 +12,8 @@ from .. import FaceDetector as Detector
 from ..msg import Detection, DetectionArray
 from ..ros.configs import FaceDetectorConfig
 from ..ros.image_node import ImageNode
+from ..ros.live_params import LiveParams, attribute_of, filled
 from ..ros.messages import Box, box_detection, corners, detection_array
-from ..ros.params import LiveParams, attribute_of, filled
 from ..ros.startup import run_node
 from ..ros.transport import Frame
 

@@ -14,8 +14,8 @@ from ..ros.configs import FaceRecognizerConfig
 from ..ros.context import current
 from ..ros.frame_pairs import FramePairs
 from ..ros.image_node import ImageNode
+from ..ros.live_params import LiveParams, filled
 from ..ros.messages import box_of, corners
-from ..ros.params import LiveParams, filled
 from ..ros.startup import run_node
 from ..ros.transport import Frame
 from .face_images import check_box, normalized

@@ -9,8 +9,8 @@ from ..common.image_files import name_of
 from ..msg import DetectionArray, KeypointMatches, Keypoints
 from ..ros.configs import FeaturesConfig
 from ..ros.image_node import ImageNode
+from ..ros.live_params import LiveParams, filled
 from ..ros.messages import detection_array
-from ..ros.params import LiveParams, filled
 from ..ros.startup import run_node
 from ..ros.transport import Frame
 from .feature_messages import keypoints_message, matches_message, reference_detection

@@ -27,8 +27,8 @@ from .. import (
 from ..msg import Histogram as HistogramMessage
 from ..ros.configs import HistogramConfig
 from ..ros.image_node import ImageNode
+from ..ros.live_params import LiveParams, filled
 from ..ros.messages import Box, corners, region_of
-from ..ros.params import LiveParams, filled
 from ..ros.selections import Selection, Selections
 from ..ros.startup import run_node
 from ..ros.transport import Frame, FrameError

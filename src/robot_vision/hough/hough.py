@@ -20,8 +20,8 @@ from ..common.drawing import CIRCLE
 from ..msg import Detection, DetectionArray
 from ..ros.configs import HoughConfig
 from ..ros.image_node import ImageNode
+from ..ros.live_params import LiveParams, filled
 from ..ros.messages import box_around, detection_array, points
-from ..ros.params import LiveParams, filled
 from ..ros.startup import run_node
 from ..ros.transport import Frame, FrameError
 

@@ -9,8 +9,8 @@ from ..msg import LaneBoundary, LaneState
 from ..ros.camera_info import CameraInfoListener
 from ..ros.configs import LaneDetectorConfig
 from ..ros.image_node import ImageNode
+from ..ros.live_params import LiveParams, filled
 from ..ros.messages import points
-from ..ros.params import LiveParams, filled
 from ..ros.startup import run_node
 from ..ros.transport import Frame, FrameError
 

@@ -10,7 +10,7 @@ from .. import HsvMask, HsvRange, Line, LineParams, draw_outline, draw_text, fin
 from ..msg import Line as LineMessage
 from ..ros.configs import LineFollowerConfig
 from ..ros.image_node import ImageNode
-from ..ros.params import LiveParams, filled
+from ..ros.live_params import LiveParams, filled
 from ..ros.startup import run_node
 from ..ros.transport import Frame
 from .drive import Drive

@@ -13,8 +13,8 @@ from ..msg import DetectionArray, MotionState
 from ..ros.configs import MotionDetectorConfig
 from ..ros.context import current
 from ..ros.image_node import ImageNode
+from ..ros.live_params import LiveParams, filled
 from ..ros.messages import corners, detection, detection_array
-from ..ros.params import LiveParams, filled
 from ..ros.startup import run_node
 from ..ros.transport import Frame
 

@@ -7,8 +7,8 @@ from .. import PeopleParams, Person, draw_outline
 from ..msg import DetectionArray
 from ..ros.configs import PeopleDetectorConfig
 from ..ros.image_node import ImageNode
+from ..ros.live_params import LiveParams, filled
 from ..ros.messages import box_detection, corners, detection_array
-from ..ros.params import LiveParams, filled
 from ..ros.startup import run_node
 from ..ros.transport import Frame
 

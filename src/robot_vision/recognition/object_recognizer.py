@@ -17,7 +17,8 @@ from ..ros.context import current
 from ..ros.depth_input import DepthFrame, DepthInput
 from ..ros.frame_calls import FrameCalls
 from ..ros.image_node import ImageNode
-from ..ros.params import LiveParams, read_param, read_prefix
+from ..ros.live_params import LiveParams
+from ..ros.params import read_param, read_prefix
 from ..ros.startup import run_node
 from ..ros.transport import Frame, note_connections
 from .found import Found, Limits, Look

@@ -15,7 +15,8 @@ from .. import (
     validate,
 )
 from ..common.plain_text import NAME, brief, is_name
-from ..ros.params import filled, read_param
+from ..ros.live_params import filled
+from ..ros.params import read_param
 from .found import Limits
 from .methods import known_methods, method_of
 from .recognizer import RecognitionParams

@@ -12,6 +12,9 @@ from typing import Any, Callable, Dict, Iterator, List, Optional, TypeVar
 
 import rosgraph.names
 import rospy
+import rospy.impl.paramserver
+
+from .master_calls import ask_master
 
 Part = TypeVar("Part")
 REQUIRED: Any = object()  # in place of a default: the parameter has to be set
@@ -57,11 +60,25 @@ class NodeContext:
         key = self.given(name)
         return rospy.get_param(key) if default is REQUIRED else rospy.get_param(key, default)
 
+    def private_params(self) -> Dict[str, Any]:
+        """Returns all private parameters that are set, by their names without ~."""
+        # rospy would answer with what it has been asked to keep, if that is anything.
+        ((code, _, params),) = ask_master([("getParam", rospy.get_name(), self.name)])
+        return params if code == 1 and isinstance(params, dict) else {}
+
     def has_param(self, name: str) -> bool:
         return rospy.has_param(self.given(name))
 
     def set_param(self, name: str, value: Any) -> None:
         rospy.set_param(self.given(name), value)
+
+    def set_params(self, values: Dict[str, Any]) -> None:
+        """Sets parameters by their names, all with one request to the master."""
+        resolved = {rospy.resolve_name(self.given(name)): value for name, value in values.items()}
+        ask_master([("setParam", rospy.get_name(), *item) for item in resolved.items()])
+        for name, value in resolved.items():
+            with contextlib.suppress(KeyError):  # It is not kept in this process.
+                rospy.impl.paramserver.get_param_server_cache().update(name, value)
 
     def delete_param(self, name: str) -> None:
         rospy.delete_param(self.given(name))

@@ -17,6 +17,7 @@ import rospy
 from rospy.impl.registration import get_service_manager
 
 from .context import loaded_names
+from .master_calls import ask_master
 
 PERIOD = 5.0  # s between two checks of the master
 # The errors that calls of a master or a node raise if it is gone, or is something else.
@@ -82,12 +83,18 @@ class _Registration:
                     flush=True,
                 )
         elif not forgotten:
-            self._params = {
-                name: _params_of(master, name) for name in (self._name, *loaded_names())
-            }
+            self._params = self._present()
         elif not self.ended.is_set():
             self._register(master)
         self._master_pid = pid
+
+    def _present(self) -> Dict[str, Dict[str, Any]]:
+        names = (self._name, *loaded_names())
+        answers = ask_master([("getParam", self._name, name) for name in names])
+        return {
+            name: value if code == 1 and isinstance(value, dict) else {}
+            for name, (code, _, value) in zip(names, answers)
+        }
 
     def _register(self, master: rosgraph.Master) -> None:
         rospy.loginfo("the master is another one: registering again")
@@ -108,8 +115,3 @@ class _Registration:
                 peer for _, peer, way, _, of, *_ in connections if (way, of) == ("i", topic)
             )
             node.publisherUpdate(self._name, topic, sorted(publishers))
-
-
-def _params_of(master: rosgraph.Master, name: str) -> Dict[str, Any]:
-    params = master.getParam(name) if master.hasParam(name) else {}
-    return params if isinstance(params, dict) else {}

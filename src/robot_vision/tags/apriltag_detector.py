@@ -17,7 +17,8 @@ from ..ros.configs import ApriltagDetectorConfig
 from ..ros.context import current
 from ..ros.depth_input import DepthFrame, DepthInput
 from ..ros.image_node import ImageNode
-from ..ros.params import LiveParams, filled, read_any, read_param
+from ..ros.live_params import LiveParams, filled
+from ..ros.params import read_any, read_param
 from ..ros.startup import run_node
 from ..ros.transport import Frame, FrameError, note_connections
 from .depth_report import DepthReport

@@ -15,8 +15,8 @@ from ..common.throttle import Throttle
 from ..msg import Detection, DetectionArray
 from ..ros.configs import TemplateMatcherConfig
 from ..ros.image_node import ImageNode
+from ..ros.live_params import LiveParams, filled
 from ..ros.messages import Box, box_detection, corners, detection_array
-from ..ros.params import LiveParams, filled
 from ..ros.selections import Selection, Selections
 from ..ros.startup import run_node
 from ..ros.transport import Frame

@@ -12,8 +12,8 @@ from ..msg import DetectionArray, Flow, TrackStateArray
 from ..ros.configs import ObjectTrackerConfig
 from ..ros.context import current
 from ..ros.image_node import ImageNode
+from ..ros.live_params import LiveParams, filled
 from ..ros.messages import detection_array
-from ..ros.params import LiveParams, filled
 from ..ros.startup import run_node
 from ..ros.transport import Frame
 from .auto_selection import AutoSelection

@@ -9,8 +9,8 @@ from .. import WindowTracker as Tracker
 from ..msg import Detection, DetectionArray, TrackStateArray
 from ..ros.configs import WindowTrackerConfig
 from ..ros.image_node import ImageNode
+from ..ros.live_params import LiveParams, filled
 from ..ros.messages import detection_array
-from ..ros.params import LiveParams, filled
 from ..ros.startup import run_node
 from ..ros.transport import Frame
 from .selections import TrackSelection, TrackSelections

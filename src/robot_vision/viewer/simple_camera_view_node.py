@@ -14,8 +14,9 @@ from ..common.files import add_file, reason
 from ..common.plain_text import brief, printable
 from ..msg import Click
 from ..ros.configs import SimpleCameraViewConfig
+from ..ros.live_params import LiveParams
 from ..ros.messages import region_of
-from ..ros.params import LiveParams, read_param, review_params
+from ..ros.params import read_param, review_params
 from ..ros.startup import run_node
 from ..ros.transport import Frame, ImageSubscriber
 from .channel_view import SHOWS, ChannelView

@@ -13,6 +13,7 @@
 #include "params.hpp"
 #include "robot_vision/common/printable.hpp"
 #include "save_params.hpp"
+#include "whole_config.hpp"
 
 namespace robot_vision
 {
@@ -30,9 +31,8 @@ public:
 
   /// Reads and applies the parameters of `pnh`; throws std::invalid_argument naming the first invalid one.
   LiveParams(const ros::NodeHandle& pnh, const Apply& apply, const Maps& maps = nullptr)
-    : pnh_(pnh), apply_(apply), maps_(maps)
+    : pnh_(pnh), apply_(apply), maps_(maps), config_(present(pnh))
   {
-    readAll(pnh_, config_);
     apply_(config_);
     server_ = std::make_unique<dynamic_reconfigure::Server<Unclamped>>(mutex_, pnh_);
     server_->setCallback([this](Unclamped& config, std::uint32_t) { change(config); });
@@ -40,29 +40,19 @@ public:
   }
 
 private:
-  static void readAll(const ros::NodeHandle& pnh, Config& config)
+  /// A Config that the server does not silently clamp to its ranges, because the node refuses such values.
+  struct Unclamped : WholeConfig<Config, readParams>
   {
-    dynamic_reconfigure::Config message;
-    config.__toMessage__(message);
-    readParams(pnh, message);
-    config.__fromMessage__(message);
-  }
-
-  /// A Config that the server does not silently clamp to its ranges, because the node refuses such values. It asks the
-  /// master about all values at once: there are some hundred.
-  struct Unclamped : Config
-  {
-    Unclamped() = default;
-    Unclamped(const Config& config) : Config(config) {}  // NOLINT: the server relies on the conversion
+    using WholeConfig<Config, readParams>::WholeConfig;
     void __clamp__() {}
-    void __fromServer__(const ros::NodeHandle& pnh) { readAll(pnh, *this); }
-    void __toServer__(const ros::NodeHandle& pnh) const
-    {
-      dynamic_reconfigure::Config message;
-      this->__toMessage__(message);
-      writeParams(pnh, message);
-    }
   };
+
+  static Config present(const ros::NodeHandle& pnh)
+  {
+    Unclamped config;
+    config.__fromServer__(pnh);
+    return config;
+  }
 
   void change(Unclamped& config)
   {
@@ -120,7 +110,7 @@ private:
   Apply apply_;
   Maps maps_;
   boost::recursive_mutex mutex_;  // guards config_, which two services use
-  Config config_ = Config::__getDefault__();
+  Config config_;
   std::unique_ptr<dynamic_reconfigure::Server<Unclamped>> server_;
   ros::ServiceServer save_;
 };

@@ -1,5 +1,9 @@
 #include "params.hpp"
 
+#include <ros/xmlrpc_manager.h>
+#include <xmlrpcpp/XmlRpc.h>
+
+#include <map>
 #include <sstream>
 #include <stdexcept>
 #include <type_traits>
@@ -37,14 +41,18 @@ public:
     if (nh.getParam(nh.getNamespace(), found) && found.getType() == XmlRpc::XmlRpcValue::TypeStruct) all_ = found;
   }
 
-  /// False if it does not have a parameter. If it has none, it may be that roscpp does not understand one of them.
-  bool mayHave(const std::string& name) const { return !isOwn(name) || !all_.valid() || all_.hasMember(name); }
-
-  bool has(const std::string& name, const XmlRpc::XmlRpcValue& value) const
+  /// Finds a parameter. If there are none, it may be that roscpp does not understand one of them.
+  bool find(const std::string& name, XmlRpc::XmlRpcValue& found)
   {
-    if (!isOwn(name) || !all_.valid() || !all_.hasMember(name)) return false;
-    XmlRpc::XmlRpcValue all = all_;
-    return all[name] == value;
+    if (!isOwn(name) || !all_.valid()) return nh_.getParam(name, found);
+    if (!all_.hasMember(name)) return false;
+    found = all_[name];
+    return true;
+  }
+
+  bool has(const std::string& name, const XmlRpc::XmlRpcValue& value)
+  {
+    return isOwn(name) && all_.valid() && all_.hasMember(name) && all_[name] == value;
   }
 
 private:
@@ -54,6 +62,78 @@ private:
   const ros::NodeHandle& nh_;
   XmlRpc::XmlRpcValue all_;
 };
+
+bool convert(XmlRpc::XmlRpcValue& found, bool& value)
+{
+  if (found.getType() != XmlRpc::XmlRpcValue::TypeBoolean) return false;
+  value = static_cast<bool&>(found);
+  return true;
+}
+
+bool convert(XmlRpc::XmlRpcValue& found, int& value)
+{
+  if (found.getType() != XmlRpc::XmlRpcValue::TypeInt) return false;
+  value = static_cast<int&>(found);
+  return true;
+}
+
+bool convert(XmlRpc::XmlRpcValue& found, double& value)
+{
+  int whole = 0;
+  if (convert(found, whole))
+    value = whole;
+  else if (found.getType() == XmlRpc::XmlRpcValue::TypeDouble)
+    value = static_cast<double&>(found);
+  else
+    return false;
+  return true;
+}
+
+bool convert(XmlRpc::XmlRpcValue& found, std::string& value)
+{
+  if (found.getType() != XmlRpc::XmlRpcValue::TypeString) return false;
+  value = static_cast<std::string&>(found);
+  return true;
+}
+
+/// Puts what was found into `value`; throws std::invalid_argument if it has another type.
+template <class T>
+void take(const ros::NodeHandle& nh, const std::string& name, XmlRpc::XmlRpcValue& found, T& value)
+{
+  constexpr const char* kType = std::is_same_v<T, bool>     ? "true or false"
+                                : std::is_same_v<T, int>    ? "an integer"
+                                : std::is_same_v<T, double> ? "a number"
+                                                            : "a string";
+  const T default_value = value;
+  if (!convert(found, value)) throw std::invalid_argument(name + " is " + valueText(found) + ", must be " + kType);
+  if (value != default_value) noteKnownParam(nh, name, shown(value));
+}
+
+/// Sets parameters with one question to the master, a list of calls, as roslaunch does. False if it takes no lists.
+bool setAtOnce(const ros::NodeHandle& nh, const std::map<std::string, XmlRpc::XmlRpcValue>& values)
+{
+  XmlRpc::XmlRpcValue calls, answers;
+  int number = 0;
+  for (const auto& [name, value] : values)
+  {
+    XmlRpc::XmlRpcValue& call = calls[0][number++];
+    call["methodName"] = "setParam";
+    // The master tells the one who sets a parameter no news of it. In the name of the nodelet it tells its manager,
+    // where others may keep the value; ros::param::set() would tell them itself.
+    call["params"][0] = nh.getNamespace();
+    call["params"][1] = nh.resolveName(name);
+    call["params"][2] = value;
+  }
+  const ros::XMLRPCManagerPtr& manager = ros::XMLRPCManager::instance();
+  XmlRpc::XmlRpcClient* const master =
+      manager->getXMLRPCClient(ros::master::getHost(), static_cast<int>(ros::master::getPort()), "/");
+  const bool answered = master->execute("system.multicall", calls, answers) && !master->isFault();
+  manager->releaseXMLRPCClient(master);
+  if (!answered || answers.getType() != XmlRpc::XmlRpcValue::TypeArray || answers.size() != number) return false;
+  for (int i = 0; i < number; ++i)  // a struct tells of an error
+    if (answers[i].getType() != XmlRpc::XmlRpcValue::TypeArray) return false;
+  return true;
+}
 
 /// Calls visit(name, value) for each parameter, with a bool for the integer that the message has of one.
 template <class Visit>
@@ -86,18 +166,9 @@ std::string valueText(const XmlRpc::XmlRpcValue& value)
 template <class T>
 void readParam(const ros::NodeHandle& nh, const std::string& name, T& value)
 {
-  constexpr const char* kType = std::is_same_v<T, bool>     ? "true or false"
-                                : std::is_same_v<T, int>    ? "an integer"
-                                : std::is_same_v<T, double> ? "a number"
-                                                            : "a string";
-  const T default_value = value;
   noteKnownParam(nh, name);
   XmlRpc::XmlRpcValue found;
-  if (!nh.getParam(name, found)) return;
-  const bool rounded = std::is_same_v<T, int> && found.getType() == XmlRpc::XmlRpcValue::TypeDouble;
-  if (rounded || !nh.getParam(name, value))
-    throw std::invalid_argument(name + " is " + valueText(found) + ", must be " + kType);
-  if (value != default_value) noteKnownParam(nh, name, shown(value));
+  if (nh.getParam(name, found)) take(nh, name, found, value);
 }
 
 template void readParam(const ros::NodeHandle& nh, const std::string& name, bool& value);
@@ -107,25 +178,39 @@ template void readParam(const ros::NodeHandle& nh, const std::string& name, std:
 
 void readParams(const ros::NodeHandle& nh, dynamic_reconfigure::Config& config)
 {
-  const PresentParams present(nh);
+  PresentParams present(nh);
   forEachParam(config,
                [&](const std::string& name, auto& value)
                {
-                 if (present.mayHave(name))
-                   readParam(nh, name, value);
-                 else
-                   noteKnownParam(nh, name);
+                 noteKnownParam(nh, name);
+                 XmlRpc::XmlRpcValue found;
+                 if (present.find(name, found)) take(nh, name, found, value);
+               });
+}
+
+void readFittingParams(const ros::NodeHandle& nh, dynamic_reconfigure::Config& config)
+{
+  PresentParams present(nh);
+  forEachParam(config,
+               [&](const std::string& name, auto& value)
+               {
+                 XmlRpc::XmlRpcValue found;
+                 if (present.find(name, found) && !convert(found, value)) nh.getParam(name, value);
                });
 }
 
 void writeParams(const ros::NodeHandle& nh, dynamic_reconfigure::Config config)
 {
-  const PresentParams present(nh);
+  PresentParams present(nh);
+  std::map<std::string, XmlRpc::XmlRpcValue> missing;
   forEachParam(config,
                [&](const std::string& name, const auto& value)
                {
-                 if (!present.has(name, XmlRpc::XmlRpcValue(value))) nh.setParam(name, value);
+                 if (const XmlRpc::XmlRpcValue wanted(value); !present.has(name, wanted)) missing[name] = wanted;
                });
+  if (missing.empty() || setAtOnce(nh, missing)) return;
+  for (const auto& [name, value] : missing)
+    nh.setParam(name, value);
 }
 
 }  // namespace robot_vision

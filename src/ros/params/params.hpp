@@ -20,6 +20,9 @@ void readParam(const ros::NodeHandle& nh, const std::string& name, T& value);
 /// Reads all values of `config` by their names, as readParam() does.
 void readParams(const ros::NodeHandle& nh, dynamic_reconfigure::Config& config);
 
+/// Reads those that have the right type, as dynamic_reconfigure does; the others stay as they are.
+void readFittingParams(const ros::NodeHandle& nh, dynamic_reconfigure::Config& config);
+
 /// Puts all values of `config` on the parameter server that it does not have yet.
 void writeParams(const ros::NodeHandle& nh, dynamic_reconfigure::Config config);
 

@@ -8,6 +8,7 @@
 #include <stdexcept>
 
 #include "ros/images/callback_gate.hpp"
+#include "ros/params/whole_config.hpp"
 
 namespace robot_vision
 {
@@ -24,7 +25,7 @@ public:
   TransportSettings(ros::NodeHandle nh, ToParams to_params)
     : name_(nh.getNamespace()), to_params_(to_params), server_(guarded(nh))
   {
-    server_.setCallback([this](Config& config, std::uint32_t) { change(config); });
+    server_.setCallback([this](Whole& config, std::uint32_t) { change(config); });
   }
 
   ~TransportSettings() { gate_.close(); }
@@ -36,6 +37,8 @@ public:
   }
 
 private:
+  using Whole = WholeConfig<Config, readFittingParams>;
+
   const ros::NodeHandle& guarded(ros::NodeHandle& nh)
   {
     gate_.guard(nh);
@@ -64,7 +67,7 @@ private:
   mutable std::mutex mutex_;  // guards params_, because publishing and reconfiguring may be in different threads
   Params params_;
   Config config_ = Config::__getDefault__();
-  dynamic_reconfigure::Server<Config> server_;
+  dynamic_reconfigure::Server<Whole> server_;
 };
 
 }  // namespace robot_vision

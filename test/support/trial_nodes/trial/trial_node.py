@@ -11,8 +11,9 @@ from ..msg import DetectionArray
 from ..ros.configs import HsvTrackerConfig
 from ..ros.context import current
 from ..ros.image_node import ImageNode
+from ..ros.live_params import LiveParams
 from ..ros.messages import detection_array
-from ..ros.params import LiveParams, read_param
+from ..ros.params import read_param
 from ..ros.startup import run_node
 from ..ros.transport import Frame
 

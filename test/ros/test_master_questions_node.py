@@ -1,0 +1,85 @@
+"""What nodes ask the master for when they start: their values in lists, not one by one."""
+
+import collections
+import importlib
+import threading
+import xmlrpc.client
+
+import pytest
+import rosgraph
+import rospy
+import support
+from rosgraph.xmlrpc import ThreadingXMLRPCServer
+
+NODES = {"edge_detector_node": "EdgeDetector", "motion_detector.py": "MotionDetector"}
+OUTPUT = "/asking/processed_image"
+
+
+class Between:
+    """Passes what nodes ask the master, and keeps it. It may be a master that takes no lists."""
+
+    def __init__(self, takes_lists):
+        self.asked = collections.defaultdict(list)  # arguments by method
+        self.takes_lists = takes_lists
+        self._server = ThreadingXMLRPCServer(("127.0.0.1", 0), False)
+        self._server.register_instance(self)
+        threading.Thread(target=self._server.serve_forever, daemon=True).start()
+
+    @property
+    def env(self):
+        return {"ROS_MASTER_URI": f"http://127.0.0.1:{self._server.server_address[1]}"}
+
+    def _dispatch(self, method, arguments):
+        self.asked[method].append(arguments)
+        if method == "system.multicall" and not self.takes_lists:
+            raise LookupError(method)
+        return getattr(xmlrpc.client.ServerProxy(rosgraph.get_master_uri()), method)(*arguments)
+
+    def names(self, method):
+        """The parameters that were asked for one by one."""
+        return {arguments[1] for arguments in self.asked[method]}
+
+    def end(self):
+        self._server.shutdown()
+        self._server.server_close()
+
+
+@pytest.fixture(params=[True, False], ids=["lists", "no lists"])
+def between(request):
+    made = Between(request.param)
+    yield made
+    made.end()
+
+
+@pytest.mark.parametrize("node", NODES)
+def test_all_values_are_on_the_master(between, start, node):
+    """Those of the node and of its transports; also where it takes no lists."""
+    config = importlib.import_module(f"robot_vision.cfg.{NODES[node]}Config")
+    name, value = next((k, v) for k, v in config.defaults.items() if isinstance(v, float))
+    live = {**config.defaults, name: value + 1.0}
+    rospy.set_param("/asking/" + name, live[name])
+    rospy.set_param(OUTPUT + "/compressed/jpeg_quality", 55)
+    rospy.set_param(OUTPUT + "/compressed/png_level", "high")  # It has another type.
+    start(node, "__name:=asking", env=between.env)
+    support.reconfigured("/asking")  # The node answers when it has started.
+    support.wait_for(lambda: rospy.has_param(OUTPUT + "/theora/quality"), "what theora has")
+    present = rospy.get_param("/asking")
+    assert {key: present[key] for key in live} == live
+    compressed = rospy.get_param(OUTPUT + "/compressed")
+    assert (compressed["jpeg_quality"], compressed["png_level"]) == (55, 9)
+    names = {f"/asking/{key}" for key in live}
+    assert not between.names("getParam") & names
+    missing = set() if between.takes_lists else names - {f"/asking/{name}"}
+    assert missing <= between.names("setParam")
+    assert not between.takes_lists or not between.names("setParam") & names
+
+
+def test_values_of_a_nodelet_are_not_set_in_the_name_of_its_manager(between, start):
+    """Else the master would not tell the manager, in which others may keep a parameter."""
+    manager = support.NodeletManager(start, env=between.env)
+    manager.load("/asking", "edge_detector")
+    support.reconfigured("/asking", blur_size=9, aperture=5)
+    assert rospy.get_param("/asking/blur_size") == 9
+    lists = [calls for (calls,) in between.asked["system.multicall"]]
+    assert any(call["params"][1:] == ["/asking/blur_size", 9] for calls in lists for call in calls)
+    assert all(call["params"][0] != manager.name for calls in lists for call in calls)
