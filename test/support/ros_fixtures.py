@@ -7,6 +7,7 @@ import os
 import re
 import shutil
 import sys
+import xmlrpc.client
 
 import pytest
 import support
@@ -58,8 +59,8 @@ def subscriptions_end():
         messages.close()
 
 
-def forget(node):
-    """Makes the master forget an ended node, as `rosnode cleanup` does.
+def forget(nodes):
+    """Makes the master forget ended nodes, as `rosnode cleanup` does.
 
     It knows one by a parameter that the log requested, and, if the machine was so busy that the
     node had no time to say good-bye, by its topics and services: the next node would wait for
@@ -68,19 +69,26 @@ def forget(node):
     """
     import rosgraph
 
-    master = rosgraph.Master(node)
-    with contextlib.suppress(rosgraph.MasterException):  # nobody knows it
-        uri = master.lookupNode(node)
-        master.unsubscribeParam(uri, "/rosout_disable_topics_generation")
-        if support.is_running(node):
-            return
-        published, subscribed, services = master.getSystemState()
-        for topic in (topic for topic, nodes in published if node in nodes):
-            master.unregisterPublisher(topic, uri)
-        for topic in (topic for topic, nodes in subscribed if node in nodes):
-            master.unregisterSubscriber(topic, uri)
-        for service in (service for service, nodes in services if node in nodes):
-            master.unregisterService(service, master.lookupService(service))
+    lookups = xmlrpc.client.MultiCall(xmlrpc.client.ServerProxy(rosgraph.get_master_uri()))
+    for name in nodes:
+        lookups.lookupNode("/test", name)
+    for name, (known, _, uri) in zip(nodes, lookups()):
+        with contextlib.suppress(rosgraph.MasterException):  # it ends at this moment
+            if known == 1:
+                forget_known(rosgraph.Master(name), name, uri)
+
+
+def forget_known(master, node, uri):
+    master.unsubscribeParam(uri, "/rosout_disable_topics_generation")
+    if support.is_running(node):
+        return
+    published, subscribed, services = master.getSystemState()
+    for topic in (topic for topic, by in published if node in by):
+        master.unregisterPublisher(topic, uri)
+    for topic in (topic for topic, by in subscribed if node in by):
+        master.unregisterSubscriber(topic, uri)
+    for service in (service for service, by in services if node in by):
+        master.unregisterService(service, master.lookupService(service))
 
 
 def namespaces(param):
@@ -119,9 +127,8 @@ def starting(folder, request):
         process.end()
         print(f"{process}:\n{process.output()[-4000:]}")  # pytest shows it if the test fails
     params = set(rospy.get_param_names()) - before
-    for node in nodes.union(*map(namespaces, params)):  # also those that have ended before
-        forget(node)
-        forget(node + "_images")
+    nodes = nodes.union(*map(namespaces, params))  # also those that have ended before
+    forget([*nodes, *(node + "_images" for node in nodes)])
     for name in {name.split("/")[1] for name in params}:
         rospy.delete_param("/" + name)  # with all below it, else empty maps stay
 

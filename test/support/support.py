@@ -34,16 +34,20 @@ arrived = threading.Event()  # set by each message, cleared by wait_for()
 def wait_for(condition: Callable[[], Any], what: str, seconds: float = DEADLINE) -> Any:
     """Waits for a true value of `condition`; fails the test naming `what` after `seconds`.
 
-    The condition is checked with each message that arrives, and now and then: the less often the
-    longer it takes, as many conditions ask the master and nodes.
+    The condition is checked when messages arrive, and now and then: the less often the longer it
+    is waited for. After each check there is a pause of its length, up to 0.2 s, because many ask
+    the master and nodes, whose answers others wait for, too.
     """
     begin = time.monotonic()
     while time.monotonic() < begin + seconds:
         arrived.clear()
+        asked = time.monotonic()
         value = condition()
         if value:
             return value
-        arrived.wait(min(max(0.02, (time.monotonic() - begin) / 10), 0.2))
+        now = time.monotonic()
+        time.sleep(min(now - asked, 0.2))
+        arrived.wait(min(max(0.02, (now - begin) / 10), 0.2))
     raise AssertionError(f"not within {seconds:.0f} s: {what}")
 
 
