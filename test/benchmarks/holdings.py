@@ -10,6 +10,8 @@ from tables import table
 
 MAX_GROWTH = 0.1  # share of the memory, and MAX_MB: what an allocator may keep
 MAX_MB = 8.0
+# They keep what they were told of each topic and node, however it ends, and connections to it.
+OF_ROS = ("rosmaster", "rosout")
 WRITTEN = ("Pss_Anon", "Pss_Shmem")  # without files, which other processes may have mapped, too
 MIN_FRAMES = 0.3  # share of the results before that must still come: a machine may be busy
 MIN_COUNT = 30  # results before: fewer tell nothing
@@ -73,6 +75,8 @@ def not_given_back(
 ) -> List[str]:
     """Returns a line for each process that has gone or holds more, and each node that gives less.
 
+    What the programs of ROS hold is not this package's.
+
     Args:
         before, after: By names of processes.
         frames: Results of each node in the same time, before and after.
@@ -80,6 +84,8 @@ def not_given_back(
     lines = [f"{name} has gone" for name in before if name not in after]
     for name, now in after.items():
         then = before.get(name, now)
+        if name in OF_ROS:
+            continue
         if now.descriptors > then.descriptors:
             lines.append(f"{name} has {now.descriptors} descriptors, {then.descriptors} before")
         if now.threads > then.threads:

@@ -79,6 +79,10 @@ def test_what_a_process_keeps_is_told(after, words):
     assert lines == [f"vision has {text}" for text in words]
 
 
+def test_what_the_master_keeps_is_not_told():
+    assert not not_given_back(KEPT, {**KEPT, "rosmaster": Holdings(21, 13, 60.0)}, {})
+
+
 def test_a_process_that_has_gone_and_a_node_that_stands_are_told():
     lines = not_given_back(
         KEPT, {"vision": KEPT["vision"]}, {"a": (180, 20), "b": (40, 39), "c": (6, 0)}
