@@ -4,6 +4,7 @@ import re
 
 import pytest
 import rospy
+from fake_params import use_params
 
 from robot_vision.color.named_colors import NamedColors
 from robot_vision.ros.configs import HsvTrackerConfig
@@ -17,8 +18,7 @@ def named(monkeypatch):
     """named(entry) is the colour that ~colors names a, without a parameter server."""
 
     def make(entry):
-        monkeypatch.setattr(rospy, "get_param", lambda *_: {"a": entry})
-        monkeypatch.setattr(rospy, "has_param", lambda _: False)
+        use_params(monkeypatch, {"~colors": {"a": entry}})
         return NamedColors().ranges["a"]
 
     return make
@@ -51,9 +51,7 @@ def server(monkeypatch):
 
     def start(params):
         there, warnings = {"~" + name: value for name, value in params.items()}, []
-        monkeypatch.setattr(rospy, "get_param", lambda name, default=None: there.get(name, default))
-        monkeypatch.setattr(rospy, "has_param", lambda name: name in there)
-        monkeypatch.setattr(rospy, "delete_param", there.pop)
+        use_params(monkeypatch, there)
         monkeypatch.setattr(rospy, "logwarn", lambda text, *values: warnings.append(text % values))
         NamedColors()
         assert there.keys() <= {"~colors", "~color"}
@@ -125,9 +123,7 @@ def colors(monkeypatch):
 
     def start(entries):
         there = {"~colors": entries}
-        monkeypatch.setattr(rospy, "get_param", lambda name, default=None: there.get(name, default))
-        monkeypatch.setattr(rospy, "has_param", lambda name: name in there)
-        monkeypatch.setattr(rospy, "set_param", there.__setitem__)
+        use_params(monkeypatch, there)
         return NamedColors(), there
 
     return start

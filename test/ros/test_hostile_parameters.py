@@ -10,6 +10,7 @@ from unittest.mock import MagicMock
 import numpy as np
 import pytest
 import rospy
+from fake_params import use_params
 from hostile import DEEP, INF, NAN, is_flag, is_number
 from std_msgs.msg import Header
 
@@ -76,20 +77,12 @@ class Server:
 server_values = {}
 
 
-def private_params(_context):
-    return {name[1:]: value for name, value in server_values.items()}
-
-
 @pytest.fixture
 def at_start(monkeypatch):
     """at_start(values) fakes a parameter server with these values, with names such as ~gain."""
     monkeypatch.setattr(live_params, "_Server", Server)
-    monkeypatch.setattr(context.NodeContext, "private_params", private_params)
     monkeypatch.setattr(rospy, "Service", lambda *_: None)
-    monkeypatch.setattr(rospy, "get_param", server_values.get)
-    monkeypatch.setattr(rospy, "has_param", lambda name: name in server_values)
-    monkeypatch.setattr(rospy, "delete_param", server_values.pop)
-    monkeypatch.setattr(rospy, "set_param", server_values.__setitem__)
+    use_params(monkeypatch, server_values)
 
     def start(values):
         server_values.clear()

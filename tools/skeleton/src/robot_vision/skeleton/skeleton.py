@@ -7,7 +7,7 @@ from std_msgs.msg import Float64
 from .. import SkeletonParams, draw_text, measure_skeleton
 from ..ros.configs import SkeletonConfig
 from ..ros.image_node import ImageNode
-from ..ros.params import LiveParams, filled
+from ..ros.live_params import LiveParams, filled
 from ..ros.startup import run_node
 from ..ros.transport import Frame
 
