@@ -15,6 +15,7 @@ from typing import Any, Callable, Dict
 
 import rosgraph
 import rospy
+import rospy.impl.tcpros_base
 from rosgraph.roslogging import RosStreamHandler
 from rospy.client import load_command_line_node_params
 
@@ -26,6 +27,9 @@ from .registration import UNREACHABLE_ERRORS, keep_registered
 SIGNALS = (signal.SIGINT, signal.SIGTERM)
 SHUTDOWN_GRACE = 2.0  # s of time on a core that a node has to end by itself after a signal
 MAX_SHUTDOWN_GRACE = 10.0  # s until it is ended by force, however busy the machine is
+# Connections to topics and services that wait until the node has time for them. rospy has room
+# for 5; Linux lets all others try again after a second.
+BACKLOG = 128
 START_GRACE = 0.5  # s after the shutdown that a node has to end by itself which was still starting
 USAGE = """usage: rosrun robot_vision {program} [TOPIC:=OTHER ...] [_PARAMETER:=VALUE ...]
 
@@ -160,6 +164,7 @@ def _init_node(name: str) -> None:
         rospy.init_node(name, disable_signals=True)
     except PermissionError as error:
         raise ValueError(f"{error.filename}: {error.strerror}; {ROS_HOME_NEEDED}") from None
+    rospy.impl.tcpros_base._tcpros_server.tcp_ros_server.server_sock.listen(BACKLOG)
 
 
 def _wait_for_master(name: str) -> None:
