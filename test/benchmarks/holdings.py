@@ -75,7 +75,7 @@ def not_given_back(
 ) -> List[str]:
     """Returns a line for each process that has gone or holds more, and each node that gives less.
 
-    What the programs of ROS hold is not this package's.
+    What rosmaster and rosout hold is not this package's.
 
     Args:
         before, after: By names of processes.
@@ -83,9 +83,9 @@ def not_given_back(
     """
     lines = [f"{name} has gone" for name in before if name not in after]
     for name, now in after.items():
-        then = before.get(name, now)
         if name in OF_ROS:
             continue
+        then = before.get(name, now)
         if now.descriptors > then.descriptors:
             lines.append(f"{name} has {now.descriptors} descriptors, {then.descriptors} before")
         if now.threads > then.threads:
