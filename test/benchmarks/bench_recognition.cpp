@@ -34,6 +34,8 @@ namespace
 {
 
 constexpr double kFound = 0.1;  // of the diameter: mean distance (ADD or ADD-S) of an object that was found
+constexpr double kTau = 0.05;   // of the diameter: distance of surfaces that are not alike
+constexpr double kAlike = 0.1;  // visible surface discrepancy of a pose that looks like the true one
 constexpr std::array<double, 4> kOcclusions = {0.0, 0.2, 0.4, 0.6};
 
 double now()
@@ -56,11 +58,14 @@ public:
   {
     match_.push_back(answer.match * 1e3);
     decide_.push_back(answer.decide * 1e3);
-    bool is_found = false;
+    bool is_found = false, is_alike = false;
+    const double diameter = object.shape->extent().diameter;
     for (const cv::Affine3d& pose : answer.poses)
     {
-      const bool is_right = params.with_object &&
-                            trials::meanDistance(object, pose, frame.pose) < kFound * object.shape->extent().diameter;
+      is_alike =
+          is_alike || (params.with_object && trials::visibleDiscrepancy(object, pose, frame.pose, frame.camera.K,
+                                                                        frame.exact_depth, kTau * diameter) < kAlike);
+      const bool is_right = params.with_object && trials::meanDistance(object, pose, frame.pose) < kFound * diameter;
       if (!is_right)
       {
         ++wrong_;
@@ -81,13 +86,15 @@ public:
                                                 kOcclusions.begin());
     ++frames_[which];
     found_[which] += is_found ? 1 : 0;
+    alike_[which] += is_found || is_alike ? 1 : 0;
   }
 
   void print(const std::string& name) const
   {
     std::printf("\"%s\": {\"recall\": [", name.c_str());
-    for (std::size_t i = 0; i < frames_.size(); ++i)
-      std::printf("%s%.3f", i > 0 ? ", " : "", frames_[i] > 0 ? static_cast<double>(found_[i]) / frames_[i] : -1.0);
+    printShares(found_);
+    std::printf("], \"recall_as_seen\": [");
+    printShares(alike_);
     const int all = static_cast<int>(match_.size());
     std::printf(
         "], \"wrong\": %.4f, \"false\": %.4f, \"mm\": %.3f, \"deg\": %.3f, \"match_ms\": %.2f, \"decide_ms\": %.2f}",
@@ -97,7 +104,15 @@ public:
   }
 
 private:
-  std::array<int, kOcclusions.size()> frames_{}, found_{};
+  using Counts = std::array<int, kOcclusions.size()>;
+
+  void printShares(const Counts& counts) const
+  {
+    for (std::size_t i = 0; i < frames_.size(); ++i)
+      std::printf("%s%.3f", i > 0 ? ", " : "", frames_[i] > 0 ? static_cast<double>(counts[i]) / frames_[i] : -1.0);
+  }
+
+  Counts frames_{}, found_{}, alike_{};  // alike: found, or in a pose that looks the same
   int wrong_ = 0, false_ = 0, without_ = 0;
   std::vector<double> shifts_, turns_, match_, decide_;
 };

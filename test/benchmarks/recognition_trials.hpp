@@ -87,6 +87,31 @@ inline double meanDistance(const Object& object, const cv::Affine3d& found, cons
   return sum / static_cast<double>(there.size());
 }
 
+/// The share of what is seen of an object in either of two poses, of the pixels that nothing in the scene hides, where
+/// its surfaces are more than `tau` (m) apart: 0 if nobody can tell the poses apart by their surfaces. `scene` are the
+/// exact depths (CV_32FC1, m) of the camera K's image.
+/// Source: Hodan, Michel, Brachmann, Kehl, Buch, Kraft, Drost et al.: BOP: Benchmark for 6D Object Pose Estimation,
+/// ECCV 2018 (visible surface discrepancy).
+inline double visibleDiscrepancy(const Object& object, const cv::Affine3d& found, const cv::Affine3d& truth,
+                                 const cv::Matx33d& K, const cv::Mat& scene, double tau)
+{
+  constexpr float kDelta = 0.015F;  // m, by which a surface may be behind what is seen there
+  robot_vision::MeshView first, second;
+  object.shape->renderer().render(K, found, {{0, 0}, scene.size()}, first);
+  object.shape->renderer().render(K, truth, {{0, 0}, scene.size()}, second);
+  int all = 0, alike = 0;
+  for (int y = 0; y < scene.rows; ++y)
+    for (int x = 0; x < scene.cols; ++x)
+    {
+      const float p = first.depth.at<float>(y, x), q = second.depth.at<float>(y, x), seen = scene.at<float>(y, x);
+      const auto isVisible = [&](float depth) { return depth > 0.0F && !(depth > seen + kDelta); };
+      const bool in_first = isVisible(p), in_second = isVisible(q);
+      all += in_first || in_second ? 1 : 0;
+      alike += in_first && in_second && static_cast<double>(std::abs(p - q)) <= tau ? 1 : 0;
+    }
+  return all > 0 ? 1.0 - static_cast<double>(alike) / all : 1.0;
+}
+
 /// How alike an object looks in two poses: the share of the pixels of either one where the depths are at most `gate`
 /// (m) apart and, if they count, the colors a quarter of their range.
 inline double likeness(const Object& object, const cv::Affine3d& a, const cv::Affine3d& b, const cv::Matx33d& K,

@@ -173,8 +173,8 @@ TEST(ObjectMatcher, hasThePoseAmongItsCandidatesByDepthsAndColors)
   EXPECT_GE(foundOf(duck(), Sees::kBoth, duckFrames()), 9);
   EXPECT_GE(foundOf(bottle(), Sees::kBoth, bottleFrames()), 9);
   ClutterParams hidden;
-  hidden.occlusion = 0.4;
-  EXPECT_GE(foundOf(duck(), Sees::kBoth, framesOf(duck(), 8, hidden)), 5);
+  hidden.occlusion = 0.5;
+  EXPECT_GE(foundOf(duck(), Sees::kBoth, framesOf(duck(), 12, hidden)), 11);
 }
 
 TEST(ObjectMatcher, hasThePoseAmongItsCandidatesByDepthsOnly)

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include "robot_vision/meshes/sample_meshes.hpp"
+#include "support/cluttered_scenes.hpp"
 #include "support/object_scenes.hpp"
 #include "support/refusal.hpp"
 
@@ -120,6 +122,30 @@ TEST(ObjectRecognizer, findsEachObjectOnceWhereItIs)
     EXPECT_EQ(report.found, 1);
     EXPECT_EQ(reasonText(report), "found");
   }
+}
+
+TEST(ObjectRecognizer, whatHidesAnObjectDoesNotPullItsPoseAway)
+{
+  // A few depths of what is before an object seem to be its own, some centimetres nearer.
+  std::vector<Mesh> others;
+  for (const std::string& name : sampleMeshNames())
+    if (name != "drill") others.push_back(sampleMesh(name).mesh);
+  const Mesh drill = sampleMesh("drill").mesh;
+  ClutterParams params;
+  params.occlusion = 0.4;
+  const ClutteredFrame seen = ClutteredScenes(drill, others, 11).frame(3, params);
+  RecognitionFrame frame(seen.camera);
+  frame.set(seen.bgr, seen.depth);
+  ObjectRecognizer recognizer;
+  const auto shape = std::make_shared<const ObjectShape>(drill);
+  recognizer.add(shape);
+  PoseCandidate candidate;
+  candidate.pose = seen.pose.translate(cv::Vec3d(0.002, -0.002, 0.001));
+  candidate.score = 0.9;
+  const Recognition found = recognizer.recognize(frame, {candidate});
+  ASSERT_EQ(found.objects.size(), 1u) << reasonText(found.reports[0]);
+  EXPECT_LT(distanceBetween(found.objects[0].pose, seen.pose, shape->extent().center), 5.0);
+  EXPECT_NEAR(found.objects[0].occlusion, 0.4, 0.15);  // of what has a depth, which is not all of it
 }
 
 TEST(ObjectRecognizer, aHandleIsTheOneThatIsSeenAndNotHidden)

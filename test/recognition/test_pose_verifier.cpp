@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "robot_vision/recognition/object_recognizer.hpp"
 #include "support/object_scenes.hpp"
 #include "support/refusal.hpp"
 
@@ -14,7 +15,7 @@ namespace
 {
 
 const CameraModel kCamera = objectCamera(240, 200);
-constexpr double kThreshold = 0.7;  // of RecognizerParams
+const double kThreshold = RecognizerParams().threshold;
 const cv::Vec3b kRed(40, 60, 200);
 
 /// Which images a frame has.

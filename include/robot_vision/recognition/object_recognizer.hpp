@@ -18,7 +18,7 @@ namespace robot_vision
 
 struct RecognizerParams
 {
-  double threshold = 0.7;
+  double threshold = 0.6;
   double sure = 0.98;
   int max_candidates = 100;
   int max_refined = 8;

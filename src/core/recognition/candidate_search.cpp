@@ -1,20 +1,36 @@
 #include "candidate_search.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <opencv2/core/affine.hpp>
 #include <opencv2/imgproc.hpp>
 #include <tuple>
 #include <unordered_set>
+#include <utility>
+
+#include "near_poses.hpp"
 
 namespace robot_vision
 {
 namespace
 {
 
-constexpr std::size_t kMaxHits = 4000;     // that are looked at closely
-constexpr std::size_t kMaxImproved = 500;  // of these, that are moved to where they fit best
-constexpr int kReaches[] = {5, 4, 3, 2};   // px, for edges, in one step after the other
+constexpr std::size_t kMaxHits = 4000;  // that are looked at closely
+
+/// Poses are moved to where they fit best by one stage after the other: fewer and fewer of them, by more and more
+/// features.
+struct Stage
+{
+  std::size_t poses;           // the best, that come so far
+  int features;                // of each kind, that are compared
+  std::array<int, 2> reaches;  // px, for edges, of each step; 0: there is no such step
+  double tolerance;            // of depths, as share of the diameter, while it is moved
+  double count_tolerance;      // the same, when what agrees is counted
+};
+constexpr std::array<Stage, 3> kStages = {
+    {{1500, 16, {5, 0}, 0.16, 0.12}, {400, 32, {4, 0}, 0.16, 0.06}, {150, 1000, {3, 2}, 0.06, 0.03}}};
+constexpr double kTolerance = 0.01, kCountTolerance = 0.005;  // m, in addition to these
 constexpr FitWeights kBefore{-7, 5.5F, 1, 3, 0.5F, 7.5F, 0, 3.5F}, kAfter{-26, 24, 17, 12, 14, 11, -2, 8};
 constexpr double kNear = 2.0;           // cells, side of the squares of which each has its best hits
 constexpr double kLookWindow = 0.8;     // cells, side of the square that a feature is looked for in
@@ -148,15 +164,25 @@ void CandidateSearch::look(const ViewHit& hit, const Place& place, Guess& guess)
   }
 }
 
-void CandidateSearch::improve(Guess& guess)
+/// Moves poses to where they fit best, and keeps the best of them.
+void CandidateSearch::improve(std::vector<Guess>& guesses)
 {
   const double diameter = model_.model().extent.diameter;
-  const double wide = 0.16 * diameter + 0.01, narrow = 0.06 * diameter + 0.01;
-  const FitLimits last{0.03 * diameter + 0.005, 0.004, 0.87F};
-  const ViewFeatures& features = model_.features(guess.view);
-  for (std::size_t i = 0; i < std::size(kReaches); ++i)
-    if (!fit_.improve(features, {i < 2 ? wide : narrow, 0.005, 0.8F, kReaches[i]}, guess.pose)) break;
-  guess.score = fit_.count(features, guess.pose, last).evidence(kAfter);
+  for (const Stage& stage : kStages)
+  {
+    const auto better = [](const Guess& a, const Guess& b) { return a.score > b.score; };
+    std::stable_sort(guesses.begin(), guesses.end(), better);
+    guesses.resize(std::min(guesses.size(), stage.poses));
+    const double tolerance = stage.tolerance * diameter + kTolerance;
+    const FitLimits last{stage.count_tolerance * diameter + kCountTolerance, 0.004, 0.87F, 0, stage.features};
+    for (Guess& guess : guesses)
+    {
+      const ViewFeatures& features = model_.features(guess.view);
+      for (const int reach : stage.reaches)
+        if (reach == 0 || !fit_.improve(features, {tolerance, 0.005, 0.8F, reach, stage.features}, guess.pose)) break;
+      guess.score = fit_.count(features, guess.pose, last).evidence(kAfter);
+    }
+  }
 }
 
 void CandidateSearch::locate(Guess& guess) const
@@ -169,20 +195,28 @@ void CandidateSearch::locate(Guess& guess) const
 std::vector<Guess> CandidateSearch::bestOf(std::vector<Guess> guesses, std::size_t count, double distance,
                                            double angle) const
 {
-  std::stable_sort(guesses.begin(), guesses.end(), [](const Guess& a, const Guess& b) { return a.score > b.score; });
+  std::vector<std::pair<float, std::size_t>> order;  // the best first, and of equal ones that which came first
+  for (std::size_t i = 0; i < guesses.size(); ++i)
+    order.emplace_back(-guesses[i].score, i);
+  std::sort(order.begin(), order.end());
+  NearPoses near(distance);
   std::vector<Guess> best;
-  for (Guess& guess : guesses)
+  for (const auto& [score, i] : order)
   {
     if (best.size() == count) break;
+    Guess& guess = guesses[i];
     locate(guess);
-    const bool known = std::any_of(best.begin(), best.end(),
-                                   [&](const Guess& better)
-                                   {
-                                     const cv::Vec3d gap = better.middle - guess.middle;
-                                     return gap.dot(gap) < distance * distance &&
-                                            model_.symmetries().angle(guess.rotation, better.rotation) < angle;
-                                   });
-    if (!known) best.push_back(guess);
+    const bool is_known = near.anyNear(guess.middle,
+                                       [&](std::size_t k)
+                                       {
+                                         const Guess& better = best[k];
+                                         const cv::Vec3d gap = better.middle - guess.middle;
+                                         return gap.dot(gap) < distance * distance &&
+                                                model_.symmetries().angle(guess.rotation, better.rotation) < angle;
+                                       });
+    if (is_known) continue;
+    near.add(guess.middle, best.size());
+    best.push_back(guess);
   }
   return best;
 }
@@ -221,9 +255,8 @@ std::vector<PoseCandidate> CandidateSearch::find(const std::vector<Place>& place
     guesses.push_back(guess);
   }
   const double diameter = model_.model().extent.diameter;
-  guesses = bestOf(std::move(guesses), kMaxImproved, kSimilarDistance * diameter, kSimilarAngle);
-  for (Guess& guess : guesses)
-    improve(guess);
+  guesses = bestOf(std::move(guesses), kStages.front().poses, kSimilarDistance * diameter, kSimilarAngle);
+  improve(guesses);
   std::vector<PoseCandidate> candidates;
   for (const Guess& guess :
        bestOf(std::move(guesses), static_cast<std::size_t>(count), kSameDistance * diameter, kSameAngle))

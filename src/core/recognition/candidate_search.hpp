@@ -70,7 +70,7 @@ private:
   void look(const ViewHit& hit, const Place& place, Guess& guess) const;
   void locate(Guess& guess) const;
   std::vector<Guess> bestOf(std::vector<Guess> guesses, std::size_t count, double distance, double angle) const;
-  void improve(Guess& guess);
+  void improve(std::vector<Guess>& guesses);
 
   const MatchedModel& model_;
   const ViewTemplates& templates_;

@@ -41,10 +41,22 @@ CoarseFit CoarseCheck::check(const RecognitionFrame& frame, const ObjectShape& s
                     residuals.add(points_, kNoContours, by.rotation(), by.translation(), tolerance, equations);
                     return equations;
                   });
+  // What hides a part of the object can pull it away from where it is.
+  const CoarseFit before = fitAt(residuals, {cv::Matx33d::eye(), center}, pose, extent);
+  CoarseFit after = fitAt(residuals, motion, pose, extent);
+  after.is_moved = true;
+  return after.quality > before.quality ? after : before;
+}
+
+/// What the points tell of a pose that moves as this: the rotation since `first`, and where the mesh's center is.
+CoarseFit CoarseCheck::fitAt(const PoseResiduals& residuals, const cv::Affine3d& motion, const cv::Affine3d& first,
+                             const MeshExtent& extent) const
+{
   CoarseFit fit;
-  const cv::Matx33d turned = motion.rotation() * rotation;
+  const cv::Matx33d turned = motion.rotation() * first.rotation();
   fit.pose = {turned, motion.translation() - turned * extent.center};
-  const double gate = kGate * depthDeviation(std::max(center[2], 0.0), errors_) + kShapeError * extent.diameter;
+  const double gate =
+      kGate * depthDeviation(std::max(motion.translation()[2], 0.0), errors_) + kShapeError * extent.diameter;
   int known = 0, agreeing = 0, pierced = 0;
   for (const SurfacePoint& point : points_)
   {

@@ -40,14 +40,17 @@ void Hypotheses::look(const RecognitionFrame& frame, const ObjectShape& shape, c
   const cv::Rect box = projectedBox(shape.extent(), candidate.pose, frame.camera().K, frame.size());
   if (box.empty()) return refuse(MissReason::kOutside);
   if (box.area() < kMinPixels) return refuse(MissReason::kTooSmall);
-  Hypothesis hypothesis{candidate.pose, candidate.pose, candidate.pose * shape.extent().center, candidate.score,
-                        candidate.score};
+  Hypothesis hypothesis;
+  hypothesis.first = hypothesis.pose = candidate.pose;
+  hypothesis.center = candidate.pose * shape.extent().center;
+  hypothesis.quality = hypothesis.score = candidate.score;
   if (frame.hasDepth())
   {
     const CoarseFit fit = coarse_.check(frame, shape, candidate.pose);
     if (fit.known < kMinKnown) return refuse(MissReason::kNoDepth);
     if (fit.quality < kMinQuality) return refuse(MissReason::kNotThere);
     hypothesis.pose = fit.pose;
+    hypothesis.is_moved = fit.is_moved;
     hypothesis.center = fit.pose * shape.extent().center;
     hypothesis.quality = fit.quality + candidate.score;
   }

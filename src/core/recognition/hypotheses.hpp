@@ -11,12 +11,13 @@ namespace robot_vision
 /// A candidate that may be worth to be refined.
 struct Hypothesis
 {
-  cv::Affine3d first;    // of the candidate
-  cv::Affine3d pose;     // after it was moved a little
-  cv::Vec3d center;      // m, of the mesh
-  double quality = 0.0;  // the more the better
-  double score = 0.0;    // of the candidate
-  double pixels = 0.0;   // px^2 of the image that agree with its depths, where those were compared
+  cv::Affine3d first;     // of the candidate
+  cv::Affine3d pose;      // after it was moved a little
+  bool is_moved = false;  // whether it was
+  cv::Vec3d center;       // m, of the mesh
+  double quality = 0.0;   // the more the better
+  double score = 0.0;     // of the candidate
+  double pixels = 0.0;    // px^2 of the image that agree with its depths, where those were compared
 };
 
 /// The hypotheses of one model, the best first, and why there are no others.

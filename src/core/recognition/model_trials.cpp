@@ -12,7 +12,8 @@ namespace
 constexpr double kPlace = 0.4;        // of the diameter: hypotheses that are nearer are at one place
 constexpr double kMinLogOdds = -3.0;  // of a pose whose look-alikes are tried
 constexpr int kQuickPixels = 500;     // that are looked at first
-constexpr double kMinQuick = -3.0;    // log odds by these, before a pose is refined
+constexpr double kMinQuick = -5.0;    // log odds by these, before a pose is refined
+constexpr double kOfMatch = 0.5;      // share of the log odds of the match that is added to these
 constexpr double kMaxGain = 4.0;      // by which they may become larger when it is
 constexpr double kMaxLoss = 1.5;      // of log odds by these, by which another pose than one that is sure may be worse
 constexpr double kOther = 0.35;       // rad, by which such a pose is turned
@@ -32,6 +33,13 @@ VerifierParams withFewPixels(VerifierParams params)
 double explained(double pixels, double weight)
 {
   return weight * std::log(std::max(pixels, 1.0));
+}
+
+double logOdds(double probability)
+{
+  constexpr double kSure = 0.999;
+  const double p = std::clamp(probability, 1.0 - kSure, kSure);
+  return std::log(p / (1.0 - p));
 }
 
 double preference(const PoseVerdict& verdict)
@@ -96,12 +104,17 @@ const std::vector<Hypothesis>& ModelTrials::promising(const RecognitionFrame& fr
   if (!frame.hasDepth()) return promising_;  // contours are not where they should be before a pose is refined
   for (Hypothesis& hypothesis : promising_)
   {
-    const PoseVerdict moved = quick_verifier_.verify(frame, shape, hypothesis.pose);
-    const PoseVerdict first = quick_verifier_.verify(frame, shape, hypothesis.first);
-    // What has moved it goes by a few depths, which noise can draw aside.
-    if (first.log_odds > moved.log_odds) hypothesis.pose = hypothesis.first;
-    hypothesis.quality = std::max(first.log_odds, moved.log_odds);
-    hypothesis.pixels = std::max(first.evidence.pixels, moved.evidence.pixels);
+    PoseVerdict verdict = quick_verifier_.verify(frame, shape, hypothesis.first);
+    if (hypothesis.is_moved)
+    {
+      const PoseVerdict moved = quick_verifier_.verify(frame, shape, hypothesis.pose);
+      // What has moved it goes by a few depths, which noise can draw aside.
+      if (verdict.log_odds > moved.log_odds) hypothesis.pose = hypothesis.first;
+      verdict.log_odds = std::max(verdict.log_odds, moved.log_odds);
+      verdict.evidence.pixels = std::max(verdict.evidence.pixels, moved.evidence.pixels);
+    }
+    hypothesis.quality = verdict.log_odds + kOfMatch * logOdds(hypothesis.score);
+    hypothesis.pixels = verdict.evidence.pixels;
   }
   const auto end = std::remove_if(promising_.begin(), promising_.end(),
                                   [](const Hypothesis& hypothesis) { return hypothesis.quality < kMinQuick; });

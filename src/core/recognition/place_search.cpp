@@ -18,6 +18,10 @@ constexpr float kSameSurface = 0.02F;  // of inverse depths, as share
 constexpr double kWindow = 0.8;        // side of the square that a cell looks at, in cells
 constexpr double kBehind = 1.5;  // how far behind its anchor an object reaches, in halves of the width of all cells
 
+constexpr double kDiagonal = 0.70710678118654752;
+const cv::Vec2d kDirections[] = {{1, 0},  {kDiagonal, kDiagonal},   {0, 1},  {-kDiagonal, kDiagonal},
+                                 {-1, 0}, {-kDiagonal, -kDiagonal}, {0, -1}, {kDiagonal, -kDiagonal}};
+
 /// The mean inverse depth of a surface around a pixel.
 float smoothed(const PaddedImage<float>& inverses, int x, int y)
 {
@@ -51,10 +55,10 @@ public:
     const float behind = seen > 0.0F ? 1.0F / (1.0F / seen + static_cast<float>(kLeastGap * reach_)) : 1e6F;
     float nearest = 0.0F, next = 0.0F;
     for (const double share : {0.35, 0.7})
-      for (int i = 0; i < kDirections; ++i)
+      for (const cv::Vec2d& direction : kDirections)
       {
-        const double angle = 2.0 * CV_PI * i / kDirections, radius = share * reach_ * camera_.focalLength() * inverse;
-        const float found = beside(x, y, cvRound(x + radius * std::cos(angle)), cvRound(y + radius * std::sin(angle)));
+        const double radius = share * reach_ * camera_.focalLength() * inverse;
+        const float found = beside(x, y, cvRound(x + radius * direction[0]), cvRound(y + radius * direction[1]));
         if (found >= behind || found <= 0.0F) continue;
         if (found > nearest)
         {
@@ -71,7 +75,6 @@ public:
   }
 
 private:
-  static constexpr int kDirections = 8;
   static constexpr double kLeastGap = 0.25;  // of the reach, between what hides and what is hidden
   static constexpr float kOther = 0.93F;     // of inverse depths of two surfaces that are not one
 
