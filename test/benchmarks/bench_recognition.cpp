@@ -35,7 +35,7 @@ namespace
 
 constexpr double kFound = 0.1;  // of the diameter: mean distance (ADD or ADD-S) of an object that was found
 constexpr double kTau = 0.05;   // of the diameter: distance of surfaces that are not alike
-constexpr double kAlike = 0.1;  // visible surface discrepancy of a pose that looks like the true one
+constexpr double kAlike = 0.1;  // visible discrepancy of a pose that looks like the true one
 constexpr std::array<double, 4> kOcclusions = {0.0, 0.2, 0.4, 0.6};
 
 double now()
@@ -50,6 +50,12 @@ struct Answer
   double match = 0.0, decide = 0.0;  // s
 };
 
+bool looksTrue(const trials::Object& object, const ClutteredFrame& frame, const cv::Affine3d& pose)
+{
+  const double tau = kTau * object.shape->extent().diameter;
+  return trials::visibleDiscrepancy(object, pose, frame.pose, frame.camera.K, frame.exact_depth, tau) < kAlike;
+}
+
 /// What a contender made of all frames of an object.
 class Score
 {
@@ -59,13 +65,11 @@ public:
     match_.push_back(answer.match * 1e3);
     decide_.push_back(answer.decide * 1e3);
     bool is_found = false, is_alike = false;
-    const double diameter = object.shape->extent().diameter;
+    const double near = kFound * object.shape->extent().diameter;
     for (const cv::Affine3d& pose : answer.poses)
     {
-      is_alike =
-          is_alike || (params.with_object && trials::visibleDiscrepancy(object, pose, frame.pose, frame.camera.K,
-                                                                        frame.exact_depth, kTau * diameter) < kAlike);
-      const bool is_right = params.with_object && trials::meanDistance(object, pose, frame.pose) < kFound * diameter;
+      const bool is_right = params.with_object && trials::meanDistance(object, pose, frame.pose) < near;
+      is_alike = is_alike || is_right || (params.with_object && looksTrue(object, frame, pose));
       if (!is_right)
       {
         ++wrong_;
@@ -86,7 +90,7 @@ public:
                                                 kOcclusions.begin());
     ++frames_[which];
     found_[which] += is_found ? 1 : 0;
-    alike_[which] += is_found || is_alike ? 1 : 0;
+    alike_[which] += is_alike ? 1 : 0;
   }
 
   void print(const std::string& name) const

@@ -13,6 +13,7 @@
 #include "core/recognition/verification_weights.hpp"
 #include "recognition_trials.hpp"
 #include "robot_vision/recognition/object_matcher.hpp"
+#include "robot_vision/recognition/object_recognizer.hpp"
 #include "robot_vision/recognition/pose_refiner.hpp"
 #include "robot_vision/recognition/pose_verifier.hpp"
 #include "robot_vision/recognition/view_trainer.hpp"
@@ -194,7 +195,7 @@ cv::Mat_<double> fit(const std::vector<Example>& examples)
 
 void tell(const std::vector<Example>& examples, const cv::Mat_<double>& weights)
 {
-  for (const double threshold : {0.3, 0.5, 0.7, 0.9})
+  for (const double threshold : {0.3, 0.5, RecognizerParams().threshold, 0.7, 0.9})
   {
     int right = 0, accepted = 0, wrong = 0, false_ones = 0;
     for (const Example& example : examples)

@@ -11,13 +11,13 @@ TEXT = """Sample meshes on a table among other things, drawn with the noise of a
 stereo: {scenes} frames of each of {objects} objects, a third of them without it; the same
 for all, on one thread. Found: the mean distance of the points (ADD, or ADD-S with
 symmetries) is below a tenth of the diameter: a mug whose handle nobody can see counts as
-wrong if its handle is elsewhere. "As seen" counts those, too: of what is seen of the object
-in the pose found or in the true one, at least 90 % is within a twentieth of the diameter of
-the other's surface (BOP's visible surface discrepancy). False: of a frame without the
-object; wrong, by the first of these measures: of all frames. What refines and verifies is
-told which of the two sensors it is. cv::linemod has the views and thresholds of
-object_recognition_core, and the ICP of cv::ppf_match_3d. Errors are medians of what was
-found.
+wrong if its handle is elsewhere. "As seen" counts that, too: of what is seen of the object
+in the pose found or in the true one, at least 90 % has the other's color and is within a
+twentieth of the diameter of its surface (after BOP's visible surface discrepancy). False:
+of a frame without the object; wrong, by the first of these measures: of all frames. What
+refines and verifies is told which of the two sensors it is. cv::linemod has the views and
+thresholds of object_recognition_core, and the ICP of cv::ppf_match_3d. Errors are medians of
+what was found.
 
 """
 

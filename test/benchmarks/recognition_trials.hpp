@@ -87,27 +87,43 @@ inline double meanDistance(const Object& object, const cv::Affine3d& found, cons
   return sum / static_cast<double>(there.size());
 }
 
-/// The share of what is seen of an object in either of two poses, of the pixels that nothing in the scene hides, where
-/// its surfaces are more than `tau` (m) apart: 0 if nobody can tell the poses apart by their surfaces. `scene` are the
-/// exact depths (CV_32FC1, m) of the camera K's image.
-/// Source: Hodan, Michel, Brachmann, Kehl, Buch, Kraft, Drost et al.: BOP: Benchmark for 6D Object Pose Estimation,
-/// ECCV 2018 (visible surface discrepancy).
+/// Whether two pixels of a drawn object are at most `gate` (m) apart and, if they count, have about the same color.
+inline bool isAlike(const robot_vision::MeshView& a, const robot_vision::MeshView& b, int x, int y, double gate,
+                    bool colors)
+{
+  if (!(static_cast<double>(std::abs(a.depth.at<float>(y, x) - b.depth.at<float>(y, x))) <= gate)) return false;
+  bool is_alike = true;
+  for (int i = 0; i < 3 && colors; ++i)  // a quarter of their range
+    is_alike = is_alike && std::abs(a.bgr.at<cv::Vec3b>(y, x)[i] - b.bgr.at<cv::Vec3b>(y, x)[i]) <= 64;
+  return is_alike;
+}
+
+/// The share of what is seen of an object in either of two poses, of the pixels that nothing in the scene hides, that
+/// differs in its surface by more than `tau` (m) or in its color: 0 if nobody can tell the poses apart, 1 also for a
+/// pose that is none. `scene` are the exact depths (CV_32FC1, m) of the camera K's image.
+/// Source: after the visible surface discrepancy of Hodan, Michel, Brachmann, Kehl, Buch, Kraft, Drost et al.: BOP:
+/// Benchmark for 6D Object Pose Estimation, ECCV 2018; colors are not in that.
 inline double visibleDiscrepancy(const Object& object, const cv::Affine3d& found, const cv::Affine3d& truth,
                                  const cv::Matx33d& K, const cv::Mat& scene, double tau)
 {
-  constexpr float kDelta = 0.015F;  // m, by which a surface may be behind what is seen there
+  constexpr float kDelta = 0.015F;     // m, by which a surface may be behind what is seen there
+  constexpr double kFarthest = 100.0;  // m
+  if (!(cv::norm(found.matrix) < kFarthest)) return 1.0;
   robot_vision::MeshView first, second;
-  object.shape->renderer().render(K, found, {{0, 0}, scene.size()}, first);
-  object.shape->renderer().render(K, truth, {{0, 0}, scene.size()}, second);
+  robot_vision::RenderParts parts;
+  parts.bgr = true;
+  object.shape->renderer().render(K, found, {{0, 0}, scene.size()}, first, parts);
+  object.shape->renderer().render(K, truth, {{0, 0}, scene.size()}, second, parts);
   int all = 0, alike = 0;
   for (int y = 0; y < scene.rows; ++y)
     for (int x = 0; x < scene.cols; ++x)
     {
       const float p = first.depth.at<float>(y, x), q = second.depth.at<float>(y, x), seen = scene.at<float>(y, x);
       const auto isVisible = [&](float depth) { return depth > 0.0F && !(depth > seen + kDelta); };
-      const bool in_first = isVisible(p), in_second = isVisible(q);
+      // Where the object is seen, it would be seen in the other pose, too.
+      const bool in_second = isVisible(q), in_first = isVisible(p) || (p > 0.0F && in_second);
       all += in_first || in_second ? 1 : 0;
-      alike += in_first && in_second && static_cast<double>(std::abs(p - q)) <= tau ? 1 : 0;
+      alike += in_first && in_second && isAlike(first, second, x, y, tau, true) ? 1 : 0;
     }
   return all > 0 ? 1.0 - static_cast<double>(alike) / all : 1.0;
 }
@@ -126,13 +142,9 @@ inline double likeness(const Object& object, const cv::Affine3d& a, const cv::Af
   for (int y = 0; y < image.height; ++y)
     for (int x = 0; x < image.width; ++x)
     {
-      const float p = first.depth.at<float>(y, x), q = second.depth.at<float>(y, x);
-      if (!(p > 0.0F) && !(q > 0.0F)) continue;
+      if (!(first.depth.at<float>(y, x) > 0.0F) && !(second.depth.at<float>(y, x) > 0.0F)) continue;
       ++all;
-      bool is_alike = static_cast<double>(std::abs(p - q)) <= gate;
-      for (int i = 0; i < 3 && is_alike && colors; ++i)
-        is_alike = std::abs(first.bgr.at<cv::Vec3b>(y, x)[i] - second.bgr.at<cv::Vec3b>(y, x)[i]) <= 64;
-      alike += is_alike ? 1 : 0;
+      alike += isAlike(first, second, x, y, gate, colors) ? 1 : 0;
     }
   return all > 0 ? static_cast<double>(alike) / all : 0.0;
 }

@@ -5,7 +5,9 @@
 #include <cmath>
 #include <limits>
 
+#include "core/recognition/coarse_check.hpp"
 #include "robot_vision/meshes/sample_meshes.hpp"
+#include "robot_vision/recognition/pose_refiner.hpp"
 #include "support/cluttered_scenes.hpp"
 #include "support/object_scenes.hpp"
 #include "support/refusal.hpp"
@@ -142,10 +144,33 @@ TEST(ObjectRecognizer, whatHidesAnObjectDoesNotPullItsPoseAway)
   PoseCandidate candidate;
   candidate.pose = seen.pose.translate(cv::Vec3d(0.002, -0.002, 0.001));
   candidate.score = 0.9;
+  EXPECT_FALSE(CoarseCheck(DepthErrorParams(), RefinerParams().search).check(frame, *shape, candidate.pose).is_moved);
   const Recognition found = recognizer.recognize(frame, {candidate});
   ASSERT_EQ(found.objects.size(), 1u) << reasonText(found.reports[0]);
   EXPECT_LT(distanceBetween(found.objects[0].pose, seen.pose, shape->extent().center), 5.0);
   EXPECT_NEAR(found.objects[0].occlusion, 0.4, 0.15);  // of what has a depth, which is not all of it
+}
+
+TEST(ObjectRecognizer, aPoseIsFoundWhateverItsScore)
+{
+  ObjectRecognizer recognizer;
+  recognizer.add(models().block);
+  for (const double score : {0.0, 0.1, 1.0})
+  {
+    PoseCandidate candidate;
+    candidate.pose = kitchen().block_pose.translate(cv::Vec3d(0.003, 0.0, 0.002));
+    candidate.score = score;
+    EXPECT_EQ(recognizer.recognize(kitchen().frame, {candidate}).objects.size(), 1u) << score;
+  }
+  PoseCandidate candidate;
+  candidate.pose = kitchen().block_pose;
+  for (const double score : {kNan, -0.1, 1.1})
+  {
+    candidate.score = score;
+    EXPECT_EQ(
+        refusal([&] { recognizer.recognize(kitchen().frame, {candidate}); }).rfind("the score of a candidate is", 0),
+        0u);
+  }
 }
 
 TEST(ObjectRecognizer, aHandleIsTheOneThatIsSeenAndNotHidden)

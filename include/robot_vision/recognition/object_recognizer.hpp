@@ -35,7 +35,7 @@ struct RecognizerParams
     visit("max_candidates", &RecognizerParams::max_candidates, Range{1, 100000}, "",
           "of each model that are looked at, those with the best scores");
     visit("max_refined", &RecognizerParams::max_refined, Range{1, 100000}, "",
-          "of them that are refined and verified, those that agree best with the depths");
+          "of them that are refined and verified, those that agree best with the depths and the matcher");
     visit("max_per_place", &RecognizerParams::max_per_place, Range{1, 1000}, "", "of those that are at one place");
     visit("min_unclaimed", &RecognizerParams::min_unclaimed, Range{0, 1}, "",
           "share of an object's pixels that no better one explains");
@@ -93,9 +93,9 @@ struct Recognition
 
 /// Tells which of the candidates of a matcher are objects, and where exactly.
 ///
-/// Each candidate is first compared with the depths at some points only, and moved a little; the best ones at each
-/// place are refined and verified, until one is sure. Of all that are probable enough, that which explains most comes
-/// first; another one that has too few pixels of its own left is dropped.
+/// Each candidate is first compared with the depths at some points only, and moved a little if it agrees better there;
+/// the best ones at each place are refined and verified, until one is sure. Of all that are probable enough, that which
+/// explains most comes first; another one that has too few pixels of its own left is dropped.
 ///
 /// Memory is kept from frame to frame. For one thread at a time.
 class ObjectRecognizer

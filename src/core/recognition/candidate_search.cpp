@@ -9,18 +9,14 @@
 #include <unordered_set>
 #include <utility>
 
-#include "near_poses.hpp"
+#include "near_places.hpp"
 
 namespace robot_vision
 {
-namespace
-{
-
-constexpr std::size_t kMaxHits = 4000;  // that are looked at closely
 
 /// Poses are moved to where they fit best by one stage after the other: fewer and fewer of them, by more and more
 /// features.
-struct Stage
+struct FitStage
 {
   std::size_t poses;           // the best, that come so far
   int features;                // of each kind, that are compared
@@ -28,8 +24,18 @@ struct Stage
   double tolerance;            // of depths, as share of the diameter, while it is moved
   double count_tolerance;      // the same, when what agrees is counted
 };
-constexpr std::array<Stage, 3> kStages = {
-    {{1500, 16, {5, 0}, 0.16, 0.12}, {400, 32, {4, 0}, 0.16, 0.06}, {150, 1000, {3, 2}, 0.06, 0.03}}};
+
+namespace
+{
+
+constexpr std::size_t kMaxHits = 4000;  // that are looked at closely
+constexpr int kAllFeatures = 1000;
+
+constexpr std::array<FitStage, 3> kStages = {
+    {{1500, 16, {5, 0}, 0.16, 0.12}, {400, 32, {4, 0}, 0.16, 0.06}, {150, kAllFeatures, {3, 2}, 0.06, 0.03}}};
+// Without depth there are only contours to move it by, and few of them say nothing.
+constexpr std::array<FitStage, 2> kStagesWithoutDepth = {
+    {{500, kAllFeatures, {5, 4}, 0.0, 0.0}, {500, kAllFeatures, {3, 2}, 0.0, 0.0}}};
 constexpr double kTolerance = 0.01, kCountTolerance = 0.005;  // m, in addition to these
 constexpr FitWeights kBefore{-7, 5.5F, 1, 3, 0.5F, 7.5F, 0, 3.5F}, kAfter{-26, 24, 17, 12, 14, 11, -2, 8};
 constexpr double kNear = 2.0;           // cells, side of the squares of which each has its best hits
@@ -40,6 +46,7 @@ constexpr double kWidthSteps = 1.12;    // between the widths of the series
 
 // Within which two poses are one: the distance as a share of the diameter, and the angle (rad).
 constexpr double kSimilarDistance = 0.06, kSimilarAngle = 8.0 * CV_PI / 180.0;
+constexpr double kOneDistance = 0.02, kOneAngle = 3.0 * CV_PI / 180.0;
 constexpr double kSameDistance = 0.1, kSameAngle = 15.0 * CV_PI / 180.0;
 
 Guess guessOf(const Place& place, const Template& found, const ViewCamera& camera)
@@ -164,25 +171,36 @@ void CandidateSearch::look(const ViewHit& hit, const Place& place, Guess& guess)
   }
 }
 
-/// Moves poses to where they fit best, and keeps the best of them.
-void CandidateSearch::improve(std::vector<Guess>& guesses)
+/// The best guesses, moved to where they fit best.
+std::vector<Guess> CandidateSearch::improved(std::vector<Guess> guesses, std::size_t count)
 {
   const double diameter = model_.model().extent.diameter;
-  for (const Stage& stage : kStages)
+  double distance = kSimilarDistance * diameter, angle = kSimilarAngle;
+  const auto pass = [&](const FitStage& stage)
   {
-    const auto better = [](const Guess& a, const Guess& b) { return a.score > b.score; };
-    std::stable_sort(guesses.begin(), guesses.end(), better);
-    guesses.resize(std::min(guesses.size(), stage.poses));
-    const double tolerance = stage.tolerance * diameter + kTolerance;
-    const FitLimits last{stage.count_tolerance * diameter + kCountTolerance, 0.004, 0.87F, 0, stage.features};
+    guesses = bestOf(std::move(guesses), std::max(stage.poses, count), distance, angle);
     for (Guess& guess : guesses)
-    {
-      const ViewFeatures& features = model_.features(guess.view);
-      for (const int reach : stage.reaches)
-        if (reach == 0 || !fit_.improve(features, {tolerance, 0.005, 0.8F, reach, stage.features}, guess.pose)) break;
-      guess.score = fit_.count(features, guess.pose, last).evidence(kAfter);
-    }
-  }
+      improve(stage, guess);
+    // Those of an object come to be one, and would leave no room for others.
+    distance = kOneDistance * diameter;
+    angle = kOneAngle;
+  };
+  if (frame_.hasDepth())
+    std::for_each(kStages.begin(), kStages.end(), pass);
+  else
+    std::for_each(kStagesWithoutDepth.begin(), kStagesWithoutDepth.end(), pass);
+  return guesses;
+}
+
+void CandidateSearch::improve(const FitStage& stage, Guess& guess)
+{
+  const double diameter = model_.model().extent.diameter;
+  const double tolerance = stage.tolerance * diameter + kTolerance;
+  const FitLimits last{stage.count_tolerance * diameter + kCountTolerance, 0.004, 0.87F, 0, stage.features};
+  const ViewFeatures& features = model_.features(guess.view);
+  for (const int reach : stage.reaches)
+    if (reach == 0 || !fit_.improve(features, {tolerance, 0.005, 0.8F, reach, stage.features}, guess.pose)) break;
+  guess.score = fit_.count(features, guess.pose, last).evidence(kAfter);
 }
 
 void CandidateSearch::locate(Guess& guess) const
@@ -199,7 +217,7 @@ std::vector<Guess> CandidateSearch::bestOf(std::vector<Guess> guesses, std::size
   for (std::size_t i = 0; i < guesses.size(); ++i)
     order.emplace_back(-guesses[i].score, i);
   std::sort(order.begin(), order.end());
-  NearPoses near(distance);
+  NearPlaces near(distance);
   std::vector<Guess> best;
   for (const auto& [score, i] : order)
   {
@@ -255,8 +273,7 @@ std::vector<PoseCandidate> CandidateSearch::find(const std::vector<Place>& place
     guesses.push_back(guess);
   }
   const double diameter = model_.model().extent.diameter;
-  guesses = bestOf(std::move(guesses), kStages.front().poses, kSimilarDistance * diameter, kSimilarAngle);
-  improve(guesses);
+  guesses = improved(std::move(guesses), static_cast<std::size_t>(count));
   std::vector<PoseCandidate> candidates;
   for (const Guess& guess :
        bestOf(std::move(guesses), static_cast<std::size_t>(count), kSameDistance * diameter, kSameAngle))

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <memory>
 #include <opencv2/core.hpp>
 #include <vector>
@@ -55,6 +56,8 @@ struct Guess
   cv::Vec3d middle;
 };
 
+struct FitStage;
+
 /// Makes candidates of what a ViewSearch has found of a model: the best by closer looks, one for each pose.
 class CandidateSearch
 {
@@ -70,7 +73,8 @@ private:
   void look(const ViewHit& hit, const Place& place, Guess& guess) const;
   void locate(Guess& guess) const;
   std::vector<Guess> bestOf(std::vector<Guess> guesses, std::size_t count, double distance, double angle) const;
-  void improve(std::vector<Guess>& guesses);
+  std::vector<Guess> improved(std::vector<Guess> guesses, std::size_t count);
+  void improve(const FitStage& stage, Guess& guess);
 
   const MatchedModel& model_;
   const ViewTemplates& templates_;

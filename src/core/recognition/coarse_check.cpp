@@ -45,7 +45,7 @@ CoarseFit CoarseCheck::check(const RecognitionFrame& frame, const ObjectShape& s
   const CoarseFit before = fitAt(residuals, {cv::Matx33d::eye(), center}, pose, extent);
   CoarseFit after = fitAt(residuals, motion, pose, extent);
   after.is_moved = true;
-  return after.quality > before.quality ? after : before;
+  return after.quality < before.quality ? before : after;
 }
 
 /// What the points tell of a pose that moves as this: the rotation since `first`, and where the mesh's center is.

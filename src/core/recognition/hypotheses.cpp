@@ -54,6 +54,7 @@ void Hypotheses::look(const RecognitionFrame& frame, const ObjectShape& shape, c
     hypothesis.center = fit.pose * shape.extent().center;
     hypothesis.quality = fit.quality + candidate.score;
   }
+  hypothesis.rank = hypothesis.quality;
   found_.push_back(hypothesis);
 }
 

@@ -12,10 +12,11 @@ namespace robot_vision
 struct Hypothesis
 {
   cv::Affine3d first;     // of the candidate
-  cv::Affine3d pose;      // after it was moved a little
-  bool is_moved = false;  // whether it was
+  cv::Affine3d pose;      // that, or one near it that agrees better with some depths
+  bool is_moved = false;  // whether it is another one
   cv::Vec3d center;       // m, of the mesh
   double quality = 0.0;   // the more the better
+  double rank = 0.0;      // the more the sooner it is tried
   double score = 0.0;     // of the candidate
   double pixels = 0.0;    // px^2 of the image that agree with its depths, where those were compared
 };

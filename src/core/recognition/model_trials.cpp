@@ -13,9 +13,9 @@ constexpr double kPlace = 0.4;        // of the diameter: hypotheses that are ne
 constexpr double kMinLogOdds = -3.0;  // of a pose whose look-alikes are tried
 constexpr int kQuickPixels = 500;     // that are looked at first
 constexpr double kMinQuick = -5.0;    // log odds by these, before a pose is refined
-constexpr double kOfMatch = 0.5;      // share of the log odds of the match that is added to these
-constexpr double kMaxGain = 4.0;      // by which they may become larger when it is
-constexpr double kMaxLoss = 1.5;      // of log odds by these, by which another pose than one that is sure may be worse
+constexpr double kOfMatch = 0.5;      // share of the log odds of its score that is added to these for its rank
+constexpr double kMaxGain = 4.0;      // by which the log odds of a pose that is refined may be above its rank
+constexpr double kMaxLoss = 1.5;      // of rank, by which another pose than one that is sure may be worse
 constexpr double kOther = 0.35;       // rad, by which such a pose is turned
 // What the logarithm of the pixels that a pose explains adds to its log odds, when it is refined and before: some
 // pixels more are chance then.
@@ -84,7 +84,7 @@ const std::vector<Trial>& ModelTrials::run(const RecognitionFrame& frame, const 
     ++place.tried;
     ++report.refined;
     Trial trial = tryPose(frame, shape, hypothesis.pose, hypothesis.score, report);
-    trial.quality = hypothesis.quality;
+    trial.rank = hypothesis.rank;
     if (!place.best || isBetter(trial.verdict, place.best->verdict)) place.best = std::move(trial);
   }
   for (Place& place : places_)
@@ -113,7 +113,8 @@ const std::vector<Hypothesis>& ModelTrials::promising(const RecognitionFrame& fr
       verdict.log_odds = std::max(verdict.log_odds, moved.log_odds);
       verdict.evidence.pixels = std::max(verdict.evidence.pixels, moved.evidence.pixels);
     }
-    hypothesis.quality = verdict.log_odds + kOfMatch * logOdds(hypothesis.score);
+    hypothesis.quality = verdict.log_odds;
+    hypothesis.rank = verdict.log_odds + kOfMatch * logOdds(hypothesis.score);
     hypothesis.pixels = verdict.evidence.pixels;
   }
   const auto end = std::remove_if(promising_.begin(), promising_.end(),
@@ -122,11 +123,11 @@ const std::vector<Hypothesis>& ModelTrials::promising(const RecognitionFrame& fr
   promising_.erase(end, promising_.end());
   preferWhatExplainsMost(shape.extent());
   std::stable_sort(promising_.begin(), promising_.end(),
-                   [](const Hypothesis& a, const Hypothesis& b) { return a.quality > b.quality; });
+                   [](const Hypothesis& a, const Hypothesis& b) { return a.rank > b.rank; });
   return promising_;
 }
 
-/// Lowers the quality of hypotheses that explain less than others at their place.
+/// Lowers the quality and the rank of hypotheses that explain less than others at their place.
 void ModelTrials::preferWhatExplainsMost(const MeshExtent& extent)
 {
   std::vector<double> most;
@@ -138,7 +139,11 @@ void ModelTrials::preferWhatExplainsMost(const MeshExtent& extent)
     most.push_back(pixels);
   }
   for (std::size_t i = 0; i < promising_.size(); ++i)
-    promising_[i].quality += explained(promising_[i].pixels, kQuickExplained) - explained(most[i], kQuickExplained);
+  {
+    const double less = explained(promising_[i].pixels, kQuickExplained) - explained(most[i], kQuickExplained);
+    promising_[i].quality += less;
+    promising_[i].rank += less;
+  }
 }
 
 /// Whether another pose need not be tried: it seems to be so much worse than the best one, or that one is sure and the
@@ -147,9 +152,9 @@ bool ModelTrials::isDecided(const Place& place, const Hypothesis& other, const O
 {
   if (!place.best) return false;
   const PoseVerdict& best = place.best->verdict;
-  if (best.log_odds > other.quality + kMaxGain) return true;
+  if (best.log_odds > other.rank + kMaxGain) return true;
   if (best.probability < params_.sure) return false;
-  return place.best->quality > other.quality + kMaxLoss ||
+  return place.best->rank > other.rank + kMaxLoss ||
          shape.symmetries().angle(place.best->refined.pose.rotation(), other.pose.rotation()) < kOther;
 }
 

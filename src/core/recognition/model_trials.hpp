@@ -15,7 +15,7 @@ struct Trial
   RefinedPose refined;
   PoseVerdict verdict;
   double match_score = 0.0;  // of its candidate
-  double quality = 0.0;      // of its hypothesis
+  double rank = 0.0;         // of its hypothesis
 };
 
 /// Refines and verifies what is most promising of a model, not much more than once at each place.

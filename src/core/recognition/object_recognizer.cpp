@@ -63,6 +63,7 @@ struct ObjectRecognizer::Impl
       require(candidate.model >= 0 && model < shapes.size(), "the model of a candidate", candidate.model,
               "one of those that were added, " + std::to_string(shapes.size()));
       requireRigid(candidate.pose, "the pose of a candidate");
+      requireRange("the score of a candidate", candidate.score, 0.0, 1.0);
       by_model[model].push_back(candidate);
     }
     for (std::vector<PoseCandidate>& of_model : by_model)

@@ -10,17 +10,17 @@
 namespace robot_vision
 {
 
-/// Indices by places, in cubes with sides as long as the distance within which they are near, so that few of many are
-/// compared with each other.
-class NearPoses
+/// Indices of places, by cubes with sides as long as the distance within which two are near: few of many are compared
+/// with each other.
+class NearPlaces
 {
 public:
   /// `distance` is above 0, in m.
-  explicit NearPoses(double distance) : distance_(distance) {}
+  explicit NearPlaces(double distance) : distance_(distance) {}
 
   void add(const cv::Vec3d& place, std::size_t index) { cubes_[keyOf(cubeAt(place))].push_back(index); }
 
-  /// Whether test(index) is true for one of those whose places are within the distance, and perhaps for others.
+  /// Calls test(index) for all within the distance, and for some that are farther away, until it returns true for one.
   template <class Test>
   bool anyNear(const cv::Vec3d& place, const Test& test) const
   {
@@ -36,14 +36,19 @@ public:
   }
 
 private:
+  static constexpr int kBits = 21;                             // of a cube's number along each axis
+  static constexpr double kFarthest = (1 << (kBits - 1)) - 2;  // cubes
+
   cv::Vec3i cubeAt(const cv::Vec3d& place) const
   {
-    return {cvFloor(place[0] / distance_), cvFloor(place[1] / distance_), cvFloor(place[2] / distance_)};
+    cv::Vec3i cube;
+    for (int i = 0; i < 3; ++i)  // also of what is too far away for an integer
+      cube[i] = cvFloor(std::clamp(place[i] / distance_, -kFarthest, kFarthest));
+    return cube;
   }
 
   static std::uint64_t keyOf(const cv::Vec3i& cube)
   {
-    constexpr int kBits = 21;
     const auto part = [](int number) { return static_cast<std::uint64_t>(number) & ((std::uint64_t{1} << kBits) - 1); };
     return part(cube[0]) << 2 * kBits | part(cube[1]) << kBits | part(cube[2]);
   }

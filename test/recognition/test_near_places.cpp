@@ -1,0 +1,48 @@
+#include <gtest/gtest.h>
+
+#include "core/recognition/near_places.hpp"
+
+using namespace robot_vision;
+
+TEST(NearPlaces, tellsAllThatAreWithinTheDistance)
+{
+  constexpr double kDistance = 0.03;
+  cv::RNG random(5);
+  std::vector<cv::Vec3d> places;
+  NearPlaces near(kDistance);
+  for (std::size_t i = 0; i < 300; ++i)
+  {
+    places.emplace_back(random.uniform(-0.2, 0.2), random.uniform(-0.2, 0.2), random.uniform(0.0, 0.2));
+    near.add(places.back(), i);
+  }
+  std::size_t tested = 0, all = 0;
+  for (int k = 0; k < 200; ++k)
+  {
+    const cv::Vec3d place(random.uniform(-0.2, 0.2), random.uniform(-0.2, 0.2), random.uniform(0.0, 0.2));
+    std::vector<bool> is_told(places.size());
+    EXPECT_FALSE(near.anyNear(place,
+                              [&](std::size_t i)
+                              {
+                                is_told[i] = true;
+                                ++tested;
+                                return false;
+                              }));
+    for (std::size_t i = 0; i < places.size(); ++i)
+    {
+      if (cv::norm(places[i] - place) >= kDistance) continue;
+      EXPECT_TRUE(is_told[i]) << place << places[i];
+      EXPECT_TRUE(near.anyNear(place, [&](std::size_t other) { return other == i; }));
+    }
+    all += places.size();
+  }
+  EXPECT_LT(tested, all / 4);
+}
+
+TEST(NearPlaces, takesPlacesThatAreFartherAwayThanItCanCount)
+{
+  NearPlaces near(1e-9);
+  const cv::Vec3d far(1e12, -1e12, 3.0);
+  near.add(far, 7);
+  EXPECT_TRUE(near.anyNear(far, [](std::size_t i) { return i == 7; }));
+  EXPECT_FALSE(near.anyNear(cv::Vec3d(0.0, 0.0, 3.0), [](std::size_t) { return true; }));
+}
