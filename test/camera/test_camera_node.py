@@ -139,14 +139,16 @@ def test_video_plays_at_its_rate_and_ends(start, gray_video):
     assert "the source has ended" in process.output()
 
     def to_the_end():
-        """The levels of all frames, but for the first few, which nobody has subscribed to yet."""
-        levels = [int(pixels(m).mean()) for m in images.received]
-        return levels if levels and levels[-1] in range(217, 224) else None
+        """Levels and stamps of all frames, but for the first, which nobody has subscribed to."""
+        frames = [(pixels(m).mean(), m.header.stamp.to_sec()) for m in images.received]
+        return frames if frames and 217 <= frames[-1][0] < 224 else None
 
-    levels = support.wait_for(to_the_end, "the last frame")
-    assert np.allclose(np.diff(levels), 20, atol=4)
-    stamps = [m.header.stamp.to_sec() for m in images.received]
-    assert np.median(np.diff(stamps)) == pytest.approx(0.1, abs=0.02)
+    levels, stamps = np.transpose(support.wait_for(to_the_end, "the last frame"))
+    steps = np.diff(levels) / 20
+    # The newest frame is sent where two wait, on a machine that stops for so long.
+    assert (np.round(steps) >= 1).all() and np.allclose(steps, np.round(steps), atol=0.2), levels
+    assert np.median(steps) == pytest.approx(1.0, abs=0.2)
+    assert np.median(np.diff(stamps) / np.round(steps)) == pytest.approx(0.1, abs=0.02)
 
 
 def test_video_plays_at_the_rate_asked_for_and_loops(start, gray_video):
