@@ -53,10 +53,8 @@ def contenders_table(objects: Sequence[Dict[str, Any]], scenes: int) -> str:
     columns += ["mm", "degrees", "CPU ms: match", "decide", "s to train"]
     rows = []
     for name in contender_names(objects):
-        recalls, as_seen = (
-            mean_recalls(objects, name),
-            mean_recalls(objects, name, "recall_as_seen"),
-        )
+        recalls = mean_recalls(objects, name)
+        as_seen = mean_recalls(objects, name, "recall_as_seen")
         cells = [name, *(f"{share:.1f} ({seen:.1f})" for share, seen in zip(recalls, as_seen))]
         cells += [f"{mean(objects, name, figure):.3f}" for figure in ("false", "wrong")]
         for figure in ("mm", "deg", "match_ms", "decide_ms"):
@@ -87,10 +85,8 @@ def growth_table(grown: Dict[str, Any]) -> str:
 
 def goals(objects: Sequence[Dict[str, Any]], grown: Dict[str, Any]) -> List[Accuracy]:
     """What is to be reached, and what was."""
-    recalls, as_seen = (
-        mean_recalls(objects, "views"),
-        mean_recalls(objects, "views", "recall_as_seen"),
-    )
+    recalls = mean_recalls(objects, "views")
+    as_seen = mean_recalls(objects, "views", "recall_as_seen")
     fifteen = next(one for one in grown["objects"] if one["number"] == 15)
     full = next(one for one in grown["templates"] if one["number"] > 5000)
     figures = [

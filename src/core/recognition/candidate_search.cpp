@@ -29,7 +29,7 @@ namespace
 {
 
 constexpr std::size_t kMaxHits = 4000;  // that are looked at closely
-constexpr int kAllFeatures = 1000;
+constexpr int kAllFeatures = FitLimits().most;
 
 constexpr std::array<FitStage, 3> kStages = {
     {{1500, 16, {5, 0}, 0.16, 0.12}, {400, 32, {4, 0}, 0.16, 0.06}, {150, kAllFeatures, {3, 2}, 0.06, 0.03}}};

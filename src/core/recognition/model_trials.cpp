@@ -127,7 +127,7 @@ const std::vector<Hypothesis>& ModelTrials::promising(const RecognitionFrame& fr
   return promising_;
 }
 
-/// Lowers the quality and the rank of hypotheses that explain less than others at their place.
+/// Lowers the rank of hypotheses that explain less than others at their place.
 void ModelTrials::preferWhatExplainsMost(const MeshExtent& extent)
 {
   std::vector<double> most;
@@ -139,11 +139,7 @@ void ModelTrials::preferWhatExplainsMost(const MeshExtent& extent)
     most.push_back(pixels);
   }
   for (std::size_t i = 0; i < promising_.size(); ++i)
-  {
-    const double less = explained(promising_[i].pixels, kQuickExplained) - explained(most[i], kQuickExplained);
-    promising_[i].quality += less;
-    promising_[i].rank += less;
-  }
+    promising_[i].rank += explained(promising_[i].pixels, kQuickExplained) - explained(most[i], kQuickExplained);
 }
 
 /// Whether another pose need not be tried: it seems to be so much worse than the best one, or that one is sure and the

@@ -18,6 +18,13 @@ public:
   /// `distance` is above 0, in m.
   explicit NearPlaces(double distance) : distance_(distance) {}
 
+  /// Forgets all, and has another distance.
+  void begin(double distance)
+  {
+    distance_ = distance;
+    cubes_.clear();
+  }
+
   void add(const cv::Vec3d& place, std::size_t index) { cubes_[keyOf(cubeAt(place))].push_back(index); }
 
   /// Calls test(index) for all within the distance, and for some that are farther away, until it returns true for one.

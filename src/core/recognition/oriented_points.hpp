@@ -1,10 +1,10 @@
 #pragma once
 
 #include <cstddef>
-#include <cstdint>
 #include <opencv2/core.hpp>
-#include <unordered_map>
 #include <vector>
+
+#include "near_places.hpp"
 
 namespace robot_vision
 {
@@ -34,7 +34,7 @@ public:
 private:
   double distance_ = 1.0;
   OrientedPoints taken_;
-  std::unordered_map<std::uint64_t, std::vector<std::uint32_t>> cells_;  // what was taken, by the place
+  NearPlaces near_{distance_};  // what was taken
 };
 
 }  // namespace robot_vision
