@@ -2,6 +2,8 @@
 
 import collections
 import importlib
+import pathlib
+import re
 import threading
 import xmlrpc.client
 
@@ -21,6 +23,8 @@ class Between:
     def __init__(self, takes_lists):
         self.asked = collections.defaultdict(list)  # arguments by method
         self.takes_lists = takes_lists
+        self.held = ""  # the method that is answered only when `released`
+        self.released = threading.Event()
         self._server = ThreadingXMLRPCServer(("127.0.0.1", 0), False)
         self._server.register_instance(self)
         threading.Thread(target=self._server.serve_forever, daemon=True).start()
@@ -33,15 +37,26 @@ class Between:
         self.asked[method].append(arguments)
         if method == "system.multicall" and not self.takes_lists:
             raise LookupError(method)
-        return getattr(xmlrpc.client.ServerProxy(rosgraph.get_master_uri()), method)(*arguments)
+        answer = getattr(xmlrpc.client.ServerProxy(rosgraph.get_master_uri()), method)(*arguments)
+        if method == self.held:
+            self.released.wait(support.DEADLINE)
+        return answer
 
     def names(self, method):
         """The parameters that were asked for one by one."""
         return {arguments[1] for arguments in self.asked[method]}
 
     def end(self):
+        self.released.set()
         self._server.shutdown()
         self._server.server_close()
+
+
+@pytest.fixture
+def slow():
+    made = Between(True)
+    yield made
+    made.end()
 
 
 @pytest.fixture(params=[True, False], ids=["lists", "no lists"])
@@ -83,3 +98,18 @@ def test_values_of_a_nodelet_are_not_set_in_the_name_of_its_manager(between, sta
     lists = [calls for (calls,) in between.asked["system.multicall"]]
     assert any(call["params"][1:] == ["/asking/blur_size", 9] for calls in lists for call in calls)
     assert all(call["params"][0] != manager.name for calls in lists for call in calls)
+
+
+def test_a_signal_does_not_break_off_what_the_master_is_asked(slow, start):
+    """Else roscpp would tell of a master that does not answer, and ask again."""
+    slow.held = "registerSubscriber"
+    process = start("pick_color.py", "--topic", "/silent", "--at", 1, 1, env=slow.env)
+    support.wait_for(lambda: slow.asked["registerSubscriber"], "a subscription")
+    process.interrupt()
+    status = pathlib.Path(f"/proc/{process.pid}/status")
+    support.wait_for(
+        lambda: re.search(r"^ShdPnd:\s*0+$", status.read_text(), re.MULTILINE), "a taken signal"
+    )
+    slow.released.set()
+    assert process.prompt_exit_code() == 130
+    assert process.output() == ""

@@ -2,7 +2,6 @@
 
 #include <fcntl.h>
 #include <poll.h>
-#include <signal.h>
 #include <sys/eventfd.h>
 #include <unistd.h>
 
@@ -15,6 +14,7 @@
 
 #include "seqpacket.hpp"
 #include "shared_memory_error.hpp"
+#include "signals_blocked.hpp"
 #include "slot_names.hpp"
 
 namespace robot_vision
@@ -31,24 +31,6 @@ std::uint64_t randomNumber()
   std::random_device device;
   return std::uint64_t{device()} << 32 | device();
 }
-
-/// Signals are for the threads of others: Python's and roscpp's handlers expect them there.
-class SignalsBlocked
-{
-public:
-  SignalsBlocked()
-  {
-    sigset_t all;
-    sigfillset(&all);
-    pthread_sigmask(SIG_SETMASK, &all, &before_);
-  }
-  ~SignalsBlocked() { pthread_sigmask(SIG_SETMASK, &before_, nullptr); }
-  SignalsBlocked(const SignalsBlocked&) = delete;
-  SignalsBlocked& operator=(const SignalsBlocked&) = delete;
-
-private:
-  sigset_t before_;
-};
 
 Descriptor openSpare()
 {
