@@ -43,7 +43,7 @@ def test_the_memory_of_a_process_has_its_parts():
 def test_a_table_has_a_line_for_each_process_of_any_way():
     first = DemoCost({"vision": ProcessCost(20.0, 70.0), "a": ProcessCost(1.0, 60.0)}, {"a": 7.0})
     both = {"vision": ProcessCost(40.0, 150.0), "rosmaster": ProcessCost(2.0, 30.0)}
-    last = DemoCost(both, {"a": 3.0})
+    last = DemoCost(both, {"a": 3.0}, {"vision": ProcessCost(35.0, 120.0)})
     costs = {"several": first, "one": last}
     lines = demo_cost.cost_table(costs).splitlines()
     assert lines[0] == "| process | CPU: several | PSS | CPU: one | PSS |"
@@ -58,6 +58,8 @@ def test_a_table_has_a_line_for_each_process_of_any_way():
     assert [(one.value, one.most) for one in demo_cost.goals(last)] == [
         (42.0, demo_cost.CORE),
         (180.0, demo_cost.MEMORY),
+        (35.0, demo_cost.CORE),
+        (120.0, demo_cost.MEMORY),
         (150.0, demo_cost.MEMORY),
         (3.0, demo_cost.START),
     ]
