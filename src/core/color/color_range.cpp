@@ -55,12 +55,16 @@ void compare(const cv::Mat& pixels, const ColorRange& range, bool through_red, c
   cv::bitwise_or(mask, rest, mask);
 }
 
-/// Has OpenCV make its tables for Lab, which several threads must not do at the same time.
-bool prepareLab()
+/// Has OpenCV make its tables for Lab, which several threads must not do at the same time, and which take 0.2 s.
+void prepareLab()
 {
-  cv::Mat lab;
-  cv::cvtColor(cv::Mat(1, 1, CV_8UC3, cv::Scalar::all(0)), lab, cv::COLOR_BGR2Lab);
-  return true;
+  static const bool prepared = []
+  {
+    cv::Mat lab;
+    cv::cvtColor(cv::Mat(1, 1, CV_8UC3, cv::Scalar::all(0)), lab, cv::COLOR_BGR2Lab);
+    return true;
+  }();
+  static_cast<void>(prepared);
 }
 
 }  // namespace
@@ -83,8 +87,7 @@ struct ColorMask::Impl
       from_bgr(colorCode(r.space, false)),
       from_rgb(colorCode(r.space, true))
   {
-    static const bool prepared = prepareLab();
-    static_cast<void>(prepared);
+    if (r.space == "lab") prepareLab();
     if (r.space == "hsv") hsv.emplace(toHsvRange(r));
   }
 
