@@ -3,10 +3,10 @@
 import os
 from typing import Dict
 
-import cv2
 import numpy as np
 
 from .. import Mesh
+from ..common import opencv as cv2
 from ..common.errors import about
 from ..common.files import create_file, replace_file
 from ..common.plain_text import printable

@@ -4,9 +4,9 @@ import os
 import re
 from typing import Any, Callable, Dict, List, NamedTuple
 
-import cv2
 import numpy as np
 
+from ..common import opencv as cv2
 from ..common.errors import about
 from ..common.image_files import load_image, sensor_pixels
 from ..common.plain_text import brief

@@ -2,10 +2,10 @@
 
 from typing import NamedTuple
 
-import cv2
 import numpy as np
 
 from .. import CameraModel
+from ..common import opencv as cv2
 
 MM = 0.001  # m
 CLOSED = 15  # px, width of holes without a depth that are the object's

@@ -4,10 +4,10 @@ from collections import Counter
 from typing import Counter as Counts
 from typing import Iterable, Optional
 
-import cv2
 import numpy as np
 
 from .. import CameraModel, to_gray
+from ..common import opencv as cv2
 from ..common.errors import about
 from ..common.progress import Progress
 from .capture_mask import PixelRays, Space, metres_of, object_mask, sharpness, touches_border

@@ -4,12 +4,12 @@ import functools
 import os
 from typing import Any, Callable, Iterator, NamedTuple, Sequence, Tuple
 
-import cv2
 import numpy as np
 from sensor_msgs.msg import Image
 
 from .. import CameraModel, to_bgr
 from ..calibration.known_cameras import known_camera
+from ..common import opencv as cv2
 from ..common.depth_encodings import require_depths
 from ..common.files import MAX_IMAGE, read_file
 from ..common.image_files import sensor_pixels

@@ -2,10 +2,10 @@
 
 from typing import Optional, Tuple
 
-import cv2
 import numpy as np
 
 from .. import CameraModel, MeshCamera
+from ..common import opencv as cv2
 from .found import Found, Look
 
 MARGIN = 2  # px around the projected box of an object

@@ -4,10 +4,10 @@ import io
 import zipfile
 from typing import Any, Dict
 
-import cv2
 import numpy as np
 
 from .. import Mesh
+from ..common import opencv as cv2
 from ..common.image_files import sensor_pixels
 
 MAX_ARRAYS = 300  # textures included

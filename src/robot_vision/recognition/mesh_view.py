@@ -5,8 +5,7 @@ import os
 import sys
 from typing import Sequence
 
-import cv2
-
+from ..common import opencv as cv2
 from ..common.arguments import number_within
 from ..common.commands import run_command
 from ..common.files import make_folder, replace_file, require_replaceable

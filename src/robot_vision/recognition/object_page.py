@@ -4,10 +4,10 @@ import base64
 import html
 from typing import Any, List, Tuple
 
-import cv2
 import numpy as np
 
 from .. import mesh_extent
+from ..common import opencv as cv2
 from ..meshes import mesh_sheet
 from .database import Database, Object
 from .mesh_data import unpack_mesh

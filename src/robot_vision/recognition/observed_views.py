@@ -2,10 +2,10 @@
 
 from typing import Iterable, List, NamedTuple, Tuple
 
-import cv2
 import numpy as np
 
 from .. import CameraModel
+from ..common import opencv as cv2
 from ..common.errors import about
 from ..common.image_files import sensor_pixels
 from .database import Database, Observation

@@ -2,10 +2,10 @@
 
 from typing import Sequence
 
-import cv2
 import numpy as np
 
 from .. import draw_outline
+from ..common import opencv as cv2
 from .found import Found, Look
 from .recognition_markers import title
 

@@ -3,9 +3,9 @@
 import math
 from typing import Any, Dict, List, Optional, Sequence
 
-import cv2
 import numpy as np
 
+from ..common import opencv as cv2
 from ..common.plain_text import brief
 from .database import Symmetry
 from .database.documents import MAX_FOLD, checked_symmetry

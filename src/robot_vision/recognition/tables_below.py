@@ -2,11 +2,11 @@
 
 from typing import Any, Optional, Tuple
 
-import cv2
 import numpy as np
 import rospy
 
 from .. import CameraModel, TabletopFinder
+from ..common import opencv as cv2
 from ..depth.table_messages import table_array
 from ..msg import TableArray
 from ..ros.frame_transforms import FrameTransforms

@@ -9,7 +9,6 @@
 from dataclasses import dataclass
 from typing import Any, Dict, Sequence
 
-import cv2
 import numpy as np
 
 from .. import (
@@ -23,6 +22,7 @@ from .. import (
     StereoParams,
     depth_from_disparity,
 )
+from ..common import opencv as cv2
 
 __all__ = ["Match", "calibrated_pair", "match", "match_rectified"]
 

@@ -3,10 +3,10 @@
 import collections
 from typing import Dict, List, NamedTuple, Optional
 
-import cv2
 import numpy as np
 
 from ... import CameraModel, TagDetector, TagDetectorParams, TagPoseParams
+from ...common import opencv as cv2
 from ...tags.tag_layout import TagLayout
 from ...tags.tag_poses import TagLocator
 from ..straight_images import StraightImages
