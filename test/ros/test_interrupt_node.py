@@ -11,6 +11,7 @@ import signal
 import socket
 import threading
 import time
+import types
 import xmlrpc.client
 
 import pytest
@@ -260,6 +261,16 @@ def test_a_node_that_waits_for_a_core_is_not_stuck(monkeypatch):
     monkeypatch.setattr(startup, "waited_for_cores", waited)
     assert not startup.is_stuck(thread.is_alive)
     thread.join()
+
+
+def test_a_node_that_was_stopped_is_not_stuck(monkeypatch):
+    times = itertools.count(step=1.5)  # s, as it is stopped again and again
+    clock = types.SimpleNamespace(monotonic=lambda: next(times), sleep=lambda _: None)
+    monkeypatch.setattr(startup, "time", clock)
+    monkeypatch.setattr(startup, "waited_for_cores", dict)
+    goes_on = iter([True, True, True, False])
+    assert not startup.is_stuck(lambda: next(goes_on))
+    assert startup.is_stuck(lambda: True)  # after MAX_SHUTDOWN_GRACE
 
 
 @pytest.mark.skipif(

@@ -30,6 +30,7 @@ MAX_SHUTDOWN_GRACE = 10.0  # s until it is ended by force, however busy the mach
 # Connections to topics and services that wait until the node has time for them. rospy has room
 # for 5; Linux lets all others try again after a second.
 BACKLOG = 128
+TURN, MAX_TURN = 0.05, 0.1  # s from one look at a node that ends to the next, and what of it counts
 START_GRACE = 0.5  # s after the shutdown that a node has to end by itself which was still starting
 USAGE = """usage: rosrun robot_vision {program} [TOPIC:=OTHER ...] [_PARAMETER:=VALUE ...]
 
@@ -187,17 +188,20 @@ def _wait_for_master(name: str) -> None:
 def is_stuck(goes_on: Callable[[], bool]) -> bool:
     """Waits while something goes on; returns whether it still does after SHUTDOWN_GRACE.
 
-    The time during which this process waits for a core of a busy machine does not count.
+    The time during which this process waits for a core of a busy machine does not count, nor that
+    during which it is stopped.
     """
-    begin, before, waited = time.monotonic(), waited_for_cores(), 0.0
+    begin = last = time.monotonic()
+    before, waited, passed = waited_for_cores(), 0.0, 0.0
     while goes_on():
-        now = waited_for_cores()
+        waits, now = waited_for_cores(), time.monotonic()
         # Threads end meanwhile: what they have waited before is not to be taken from the sum.
-        waited += sum(seconds - before.get(thread, 0.0) for thread, seconds in now.items())
-        before = now
-        if time.monotonic() - begin >= min(SHUTDOWN_GRACE + waited, MAX_SHUTDOWN_GRACE):
+        waited += sum(seconds - before.get(thread, 0.0) for thread, seconds in waits.items())
+        passed += min(now - last, MAX_TURN)
+        before, last = waits, now
+        if passed >= SHUTDOWN_GRACE + waited or now - begin >= MAX_SHUTDOWN_GRACE:
             return True
-        time.sleep(0.05)
+        time.sleep(TURN)
     return False
 
 

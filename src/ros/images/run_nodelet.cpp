@@ -25,6 +25,13 @@ std::atomic<int> exit_code{0};
 
 sem_t signalled;
 
+/// Waits for this many tenths of a second. The time in which the process is stopped does not count.
+void waitTenths(int count)
+{
+  for (int i = 0; i < 2 * count; ++i)
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+}
+
 void onSignal(int)
 {
   sem_post(&signalled);  // a signal handler may do little else
@@ -46,9 +53,9 @@ void endOnSignals()
         // not know this node yet.
         if (!initialized) std::_Exit(0);
         interrupted = true;
-        std::this_thread::sleep_for(std::chrono::milliseconds(300));
+        waitTenths(3);
         ros::requestShutdown();  // ends the wait of a thread for the master
-        std::this_thread::sleep_for(std::chrono::milliseconds(500));
+        waitTenths(5);
         std::_Exit(exit_code);
       })
       .detach();
@@ -71,7 +78,7 @@ void endWithinASecond()
   std::thread(
       []
       {
-        std::this_thread::sleep_for(std::chrono::milliseconds(800));
+        waitTenths(8);
         std::_Exit(exit_code);
       })
       .detach();
