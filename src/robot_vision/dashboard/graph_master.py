@@ -37,12 +37,12 @@ class MasterCalls:
     """Calls of the master over one connection, for one thread at a time.
 
     Args:
-        timeout: How long the master may be silent, in s.
+        timeout: How long the master may be silent, in s; 0 for TIMEOUT.
     """
 
-    def __init__(self, timeout: float = TIMEOUT):
+    def __init__(self, timeout: float = 0.0):
         self.uri = rosgraph.get_master_uri()
-        self._timeout = timeout
+        self._timeout = timeout or TIMEOUT
         self._lock = threading.Lock()  # guards the connection
         self._connection: Any = None
 

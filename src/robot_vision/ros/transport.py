@@ -174,8 +174,8 @@ class ImageSubscriber:
         except Exception as error:
             if self._context.is_ending():
                 return  # The end closes topics that the callback uses.
-            self.failed += 1
             self._inbox.failed(f"the callback failed: {printable(ascii(error), 300)}")
+            self.failed += 1
             if self._failure_throttle.due():
                 rospy.logerr("%s: the callback failed:\n%s", self.topic, traceback.format_exc())
 

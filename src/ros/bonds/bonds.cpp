@@ -111,17 +111,16 @@ void Bonds::close()
 
 void Bonds::work()
 {
-  for (;;)
+  for (bool closed = false; !closed;)
   {
+    {
+      const std::lock_guard<std::mutex> lock(mutex_);
+      closed = closed_ = closed_ || ros::isShuttingDown();
+    }
     queue_.callAvailable();
     const Clock::time_point next = giveSigns();
     publishNoted();
-    {
-      const std::lock_guard<std::mutex> lock(mutex_);
-      closed_ = closed_ || ros::isShuttingDown();
-      if (closed_) break;
-    }
-    waker_->waitUntil(next);
+    if (!closed) waker_->waitUntil(next);
   }
   changed_.notify_all();
 }
