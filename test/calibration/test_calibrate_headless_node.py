@@ -206,6 +206,7 @@ def test_live_and_given_to_the_camera(start, tmp_path):
     """From the running camera, and back to it; Ctrl-C ends the recording."""
     url = f"_camera_info_url:=file://{tmp_path}/kept.yaml"
     start("camera_node", "__name:=eye", "_source:=synthetic", "_scene:=calibration", url)
+    rospy.wait_for_service("/eye/set_camera_info", support.DEADLINE)
     command = [*BOARD, "--topic", IMAGE, "--set", "/eye", "--coverage", tmp_path / "seen.png"]
     process = start("calibrate_headless.py", *command)
     support.wait_for(lambda: re.search(r": ([6-9]|\d\d) used", process.output()), "six views")

@@ -172,6 +172,9 @@ def test_live_and_given_to_the_camera(start, tmp_path):
     scene = ["_source:=synthetic", "_scene:=calibration", "_views:=stereo"]
     start("camera_node", "__name:=eyes", "_camera_name:=eyes", *scene, url)
     known = [f"/eyes/{side}/camera_info" for side in SIDES]
+    for side, topic in zip(SIDES, known):
+        rospy.wait_for_service(f"/eyes/{side}/set_camera_info", support.DEADLINE)
+        support.Messages(topic, CameraInfo).wait()
     words = ["--keep", *known, "--set", "/eyes", "--output", tmp_path / "result.yaml"]
     command = [*BOARD, *LIVE, *words]
     process = start("calibrate_headless.py", *command)

@@ -291,6 +291,7 @@ def test_capture_stops_and_starts(start, diagnostics):
     start("camera_node", "_source:=synthetic")
     images = support.Messages("/camera/image_raw", Image)
     images.wait()
+    rospy.wait_for_service("/camera/stop_capture", support.DEADLINE)
     rospy.ServiceProxy("/camera/stop_capture", Empty)()
     support.wait_for(
         lambda: diagnostics.next("camera").message == "stopped: ~start_capture starts it again",

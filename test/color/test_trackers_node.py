@@ -343,22 +343,24 @@ def test_camera_info_of_another_size_gives_no_position(start):
     topic = new_topic()
     images, infos = Source(topic), Source(topic.replace("image", "camera_info"), CameraInfo)
     process = start("ball_tracker.py", "__name:=ball", f"image:={topic}", "_ball_diameter:=0.2")
-    objects = support.Messages("/ball/objects", DetectionArray)
+    objects = support.subscribed("/ball/objects", DetectionArray)
     positions = support.subscribed("/ball/position", PointStamped)
     images.wait_for()
     infos.wait_for()
     disc = np.zeros((480, 640, 3), np.uint8)
     cv2.circle(disc, (500, 240), 40, (255, 0, 0), -1)
-    for number in itertools.count(1):
+    numbers = itertools.count(1)
+
+    def has_objects_after_another():
         image = message(disc, "bgr8")
-        image.header.stamp = rospy.Time(number)
+        image.header.stamp = rospy.Time(next(numbers))
         info = CameraInfo(width=320, height=240, K=[300, 0, 160, 0, 300, 120, 0, 0, 1])
         info.header = image.header
         infos.send(info)
         images.send(image)
-        if len(objects.received) > 2:
-            break
-        rospy.sleep(0.05)
+        return len(objects.received) > 2
+
+    support.wait_for(has_objects_after_another, "three results")
     assert objects.received[-1].detections[0].circle_radius == pytest.approx(40.0, abs=0.6)
     process.wait_for_output("camera_info is of 320x240, the image 640x480")
     assert not positions.received

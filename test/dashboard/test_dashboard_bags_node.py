@@ -47,9 +47,10 @@ def texts():
 
     def publish():
         number = 0
-        while not ended.wait(0.01):
+        # rosbag's queue has room for ten seconds of them, should it have to wait.
+        while not ended.wait(0.1):
             if publisher.get_num_connections():
-                publisher.publish(f"{number} " + "x" * 1000)
+                publisher.publish(f"{number} " + "x" * 20000)
                 number += 1
 
     thread = threading.Thread(target=publish)

@@ -29,7 +29,7 @@ def gallery(start, tmp_path):
     folder = tmp_path / "gallery"
     Gallery(str(folder)).add("Anna", photographs(ANNA, 1))
     start("face_recognizer.py", "__name:=door", "image:=/nobody", f"_gallery:={folder}")
-    rospy.wait_for_service("/door/list_names", support.DEADLINE)
+    rospy.wait_for_service("/door/forget_name", support.DEADLINE)  # the last of all
     return folder
 
 

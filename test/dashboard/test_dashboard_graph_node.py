@@ -9,9 +9,10 @@ import rosgraph
 import rospy
 import support
 from feature_page import FeaturePage, subscribes
+from ros_fixtures import forget
 from std_msgs.msg import Float32, String
 
-from robot_vision.dashboard import graph_feature
+from robot_vision.dashboard import graph_feature, graph_master
 from robot_vision.dashboard.graph_feature import GraphFeature, KnownGraph
 from robot_vision.dashboard.graph_state import state_of
 from robot_vision.dashboard.settings import Settings
@@ -100,7 +101,7 @@ def test_a_node_has_its_topics_services_status_and_view(page, start):
 
 
 def test_nobody_who_looks_means_no_subscription(page):
-    assert not subscribes("/diagnostics")
+    support.wait_for(lambda: not subscribes("/diagnostics"), "the end of who looked before")
     page.request("graph")
     support.wait_for(lambda: subscribes("/diagnostics"), "a subscription")
     page.close()
@@ -114,6 +115,7 @@ def test_nodes_come_and_go(page, start):
     page.wait_for_push("graph", lambda graph: status_of(graph, "/motion"))
     process.interrupt()
     process.end()
+    forget(["/motion", "/motion_images"])  # as the master does, unless it was told too late
     page.wait_for_newest("graph", lambda graph: node_of(graph, "/motion") is None)
 
 
@@ -152,7 +154,12 @@ def stopped(process):
         os.kill(process, signal.SIGCONT)
 
 
-def test_a_master_that_hangs_blocks_nothing_and_is_told(page, master):
+@pytest.fixture
+def impatient(monkeypatch):
+    monkeypatch.setattr(graph_master, "TIMEOUT", 3.0)
+
+
+def test_a_master_that_hangs_blocks_nothing_and_is_told(impatient, page, master):
     page.request("graph")
     page.wait_for_push("graph")
     pid = rosgraph.Master("/test").getPid()

@@ -34,7 +34,7 @@ def page(feature):
 @pytest.fixture
 def motion(start):
     process = start("motion_detector.py", "__name:=motion", "image:=/nobody")
-    rospy.wait_for_service("/motion/set_parameters", support.DEADLINE)
+    rospy.wait_for_service("/motion/save_parameters", support.DEADLINE)  # the last of both
     return process
 
 
@@ -201,10 +201,17 @@ def test_a_value_that_a_foreign_node_clamps_is_told(page):
 
 def test_a_node_that_never_answers_holds_up_nobody_else(page, feature, motion, monkeypatch):
     monkeypatch.setattr("robot_vision.dashboard.graph_calls.TIMEOUT", 3.0)
-    hangs = threading.Event()
-    node = ForeignNode("/hung", lambda _: hangs.wait(support.DEADLINE) and None)
+    asked, hangs = threading.Event(), threading.Event()
+
+    def hang(_):
+        asked.set()
+        hangs.wait(support.DEADLINE)
+
+    node = ForeignNode("/hung", hang)
     page.request("parameters", node="/hung")
     number = page.start("set_parameters", node="/hung", values={"<b>gain": 2})
+    support.wait_for(asked.is_set, "the call")
+    monkeypatch.setattr("robot_vision.dashboard.graph_calls.TIMEOUT", support.DEADLINE)
     other = FeaturePage(feature)
     answer = other.request("set_parameters", node="/motion", values={"hold": 2.0})
     assert answer["values"]["hold"] == 2.0

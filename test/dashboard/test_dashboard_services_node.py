@@ -12,8 +12,7 @@ import rospy
 import support
 from std_srvs.srv import SetBool, Trigger, TriggerResponse
 
-from robot_vision.dashboard import graph_calls
-from robot_vision.dashboard.graph_calls import call_node
+from robot_vision.dashboard.graph_calls import TIMEOUT, call_node
 from robot_vision.dashboard.graph_master import (
     MasterCalls,
     graph_name,
@@ -190,4 +189,4 @@ def test_a_master_that_is_gone_or_silent_is_told(monkeypatch):
 
 
 def test_the_timeouts_are_those_of_people_who_wait():
-    assert 0.0 < graph_calls.TIMEOUT <= 5.0 < support.DEADLINE
+    assert 0.0 < TIMEOUT <= 5.0 < support.DEADLINE

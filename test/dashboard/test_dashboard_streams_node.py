@@ -36,9 +36,9 @@ def compressed(ending, image, form):
 class Topic:
     """A topic that this test publishes."""
 
-    def __init__(self, name, kind=Image):
+    def __init__(self, name, kind=Image, queue_size=10):
         self.name = name
-        self._publisher = publisher(name, kind)
+        self._publisher = publisher(name, kind, queue_size=queue_size)
 
     def send(self, sent, subscribed=True):
         if subscribed:
@@ -382,7 +382,7 @@ def test_what_a_client_does_wrong_is_told_and_the_connection_stays(client, topic
 
 def test_images_do_not_hold_up_small_topics_nor_wait_in_a_queue(client, topic):
     name = new_topic()
-    text = Topic(name, String)
+    text = Topic(name, String, queue_size=30)  # for all of them
     numbers = {topic.name: 1, name: 2}
     ids = {}
     while len(ids) < 2:

@@ -3,6 +3,7 @@
 import numpy as np
 import rospy
 import support
+from bond.msg import Status
 from sensor_msgs.msg import CameraInfo, Image
 
 from robot_vision.msg import DetectionArray, GroundTruth, Line, TagDetectionArray
@@ -60,9 +61,14 @@ def test_all_nodes_of_the_light_launch_find_what_is_in_the_scene(start):
     support.wait_for(lambda: any(line.found for line in results["line_follower"].received), "line")
     assert rospy.get_param("/usb_cam/framerate") == 15
     # The manager and all loaders, one of which is the camera's. A loader that is interrupted while
-    # it asks the master says that it cannot reach it.
+    # it asks the master says that it cannot reach it; its signs of life come when it has done so.
+    signs = support.Messages("/vision/bond", Status)
     bonded = len(NODES) + 2
-    support.wait_for(lambda: len(support.publishers_of("/vision/bond")) == bonded, "all bonds")
+
+    def senders():
+        return {sign._connection_header["callerid"] for sign in signs.received}
+
+    support.wait_for(lambda: len(senders()) == bonded, "the signs of life of all")
     launch.interrupt()
     assert launch.exit_code() == 0, launch.output()
     assert "[ERROR]" not in launch.output() and "Traceback" not in launch.output()

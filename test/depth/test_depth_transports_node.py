@@ -175,7 +175,7 @@ def test_a_bag_gives_the_depths_that_were_recorded(start, tmp_path):
     calibrations = [support.Messages(topic, CameraInfo) for topic in infos]
     targets = [start_registration(start, camera, way) for way in ("raw", "compressedDepth")]
     answers = [support.subscribed(topic, Image) for topic in targets]
-    play_until(start, path, lambda: all(one.received for one in answers))
+    play_until(start, path, lambda: all(one.received for one in (*answers, *calibrations)))
     own, color = (model_of(one.wait()[0]) for one in calibrations)
     registration = rv.DepthRegistration(own, color, rv.Scene().view_pose("depth"))
     for topic, messages in zip((raw, compressed), answers):

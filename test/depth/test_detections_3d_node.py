@@ -258,9 +258,8 @@ def test_nothing_found_is_published_too(start):
 
 def test_stamps_that_never_meet_are_told_with_both_topics(start):
     watched = Watched(start)
-    watched.shown_until("do not meet", face(), late=0.25)
     said = f"the stamps on {watched.topics()} do not meet: the nearest are 0.25 s apart, must be"
-    assert f"{said} at most slop, 0.02 s" in watched.process.output()
+    watched.shown_until(f"{said} at most slop, 0.02 s", face(), late=0.25)
     assert not watched.outputs["/places/detections"].received
     assert watched.answer([face()], late=0.015).detections
     support.reconfigured("/places", slop=0.3)

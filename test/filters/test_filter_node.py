@@ -35,10 +35,15 @@ class Chain:
         messages = [support.subscribed(f"/filter/{topic}", Image) for topic in topics]
         stamp = self.send(image, encoding)
         answers = [topic.of(stamp) for topic in messages]
-        for topic in messages:
-            topic.close()
+        for name, topic in zip(topics, messages):
+            self.close(name, topic)
         assert all(answer.header.frame_id == "eye" for answer in answers)
         return [(pixels(answer), answer.encoding) for answer in answers]
+
+    def close(self, name, topic):
+        """Ends a subscription, and waits until the node knows of it."""
+        topic.close()
+        support.wait_for(lambda: not support.sends("/filter", f"/filter/{name}"), "its end")
 
     def publishes(self, name):
         return support.publishers_of(f"/filter/{name}") == ["/filter"]
@@ -154,5 +159,5 @@ def test_a_frame_that_an_operation_cannot_take_is_refused_by_its_name(start):
     images = support.subscribed("/filter/processed_image", Image)
     chain.send(BGR[:, :40], "bgr8")
     chain.process.wait_for_output("roi: x, y are 50, 0, must be inside of the image of 40x48")
-    images.close()
+    chain.close("processed_image", images)
     assert chain.results(BGR, "bgr8", "processed_image")[0][0].shape == (48, 14, 3)

@@ -52,6 +52,7 @@ class Robot:
         support.wait_for(
             lambda: self.step() or self.commands.received[-1].linear.x == 0.2, "driving"
         )
+        self.newest_line()  # no frame is on its way
 
     def jump(self, seconds):
         """Advances the time at once, and waits until the follower has got it and drives by it.

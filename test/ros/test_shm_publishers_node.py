@@ -90,6 +90,7 @@ def test_a_publisher_that_was_killed_and_started_again_is_read_within_a_second(s
 
         def sent():
             count = len(plain.received)
+            rosgraph.Master("/test").getPid()  # which the reader asks, too
             source.send(image)
             time.sleep(1.0 / RATE)
             if count > before:  # It is connected, so that nothing can be lost.

@@ -18,12 +18,11 @@ HOLD = """
 import rospy
 from robot_vision.transport import ImageSubscriber
 rospy.init_node("hold")
-seen, held = [], []
+held = []
 number, holders = rospy.get_param("~number"), rospy.get_param("~holders")
 def take(frame):
-    seen.append(0)
     mine = round(frame.header.stamp.to_sec() * 30) % holders == number
-    if mine and len(seen) > 60 and len(held) < 8:
+    if mine and len(held) < 8 and rospy.get_param("/hold", False):
         held.append(frame)
 ImageSubscriber("image", take)
 rospy.spin()
@@ -92,13 +91,18 @@ def test_frames_for_which_there_is_no_memory_are_counted_and_come_again(run_scri
             f"_number:={number}",
             f"_holders:={HOLDERS}",
             fork=True,
-        )  # each other frames, and none of the first, which come over raw
+        )  # each other frames
         for number in range(HOLDERS)
     ]
+    for number in range(HOLDERS):  # The first frames come over raw.
+        node = f"/hold_{number}_images"
+        support.wait_for(lambda of=node: uses_shm(of, camera), f"frames of {node} over shm")
+    rospy.set_param("/hold", True)
     support.wait_for(
         lambda: int(diagnostics.value("shared_camera", "frames not shared")) > 0,
         "frames that were not shared",
     )
+    rospy.delete_param("/hold")
     for holder in holders:
         holder.kill()
         holder.exit_code()

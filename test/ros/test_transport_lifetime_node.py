@@ -68,10 +68,15 @@ def test_names_are_resolved_as_in_rospy(run_script, arguments, env, node, topics
     support.wait_for(lambda: support.sends(node + "_images", output, receiver), output)
     sources[0].send(message(IMAGE, "bgr8"))
     assert np.array_equal(frames.wait()[0].image, IMAGE)
-    registered = rosgraph.Master("/test").getSystemState()
-    names = {topic for topic, nodes in registered[1] if node + "_images" in nodes}
-    assert names == {name for topic in topics for name in (topic, topic + "/shm")}
-    assert node + "_images" in dict(registered[0])[output]
+    expected = {name for topic in topics for name in (topic, topic + "/shm")}
+
+    def registered():
+        publishers, subscribers, _ = rosgraph.Master("/test").getSystemState()
+        names = {topic for topic, nodes in subscribers if node + "_images" in nodes}
+        assert names <= expected
+        return names == expected and node + "_images" in dict(publishers)[output]
+
+    support.wait_for(registered, "its topics")
 
 
 def test_a_transport_that_is_not_installed(run_script):
@@ -130,7 +135,7 @@ def test_a_bag_recorded_and_played(start, tmp_path):
 
     played = topic + "_played"
     frames = Frames(played)
-    play = ["play", "--wait-for-subscribers", "-r", 0.4]
+    play = ["play", "--wait-for-subscribers", "--keep-alive", "-r", 0.4]
     start(shutil.which("rosbag"), *play, bag, f"{topic}:={played}")
     last = rospy.Time(104)  # on a busy machine it may take the place of one before it
     support.wait_for(

@@ -98,6 +98,8 @@ TEST(KilledProcesses, readersLeaveNothingBehind)
       std::swap(readers[victim], readers.back());
       EXPECT_FALSE(readers.back().kill()) << "it had ended by itself";
       readers.pop_back();
+      // What the dead ones hold comes back when the server's thread has a core.
+      ASSERT_TRUE(becomes([&] { return writer.readers() <= readers.size() + 2; }));
     }
     readers.clear();
     EXPECT_TRUE(becomes([&] { return writer.readers() == 0; }, std::chrono::seconds(10)));

@@ -100,5 +100,5 @@ def subscribers(topic: str) -> List[str]:
     return dict(rosgraph.Master("/test").getSystemState()[1]).get(topic, [])
 
 
-def publisher(topic: str, kind: Any, latch: bool = False) -> rospy.Publisher:
-    return rospy.Publisher(topic, kind, queue_size=10, latch=latch, tcp_nodelay=True)
+def publisher(topic: str, kind: Any, latch: bool = False, queue_size: int = 10) -> rospy.Publisher:
+    return rospy.Publisher(topic, kind, queue_size=queue_size, latch=latch, tcp_nodelay=True)

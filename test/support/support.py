@@ -26,6 +26,7 @@ from nodelet.srv import NodeletList, NodeletLoad, NodeletUnload
 
 DEADLINE = 60.0  # s; on an idle machine everything takes a moment only
 RENEWAL_PERIOD = 2.0  # s
+PARAMETER_TYPES = {"bool": bool, "int": int, "double": float, "str": str}
 
 
 arrived = threading.Event()  # set by each message, cleared by wait_for()
@@ -45,6 +46,9 @@ def wait_for(condition: Callable[[], Any], what: str, seconds: float = DEADLINE)
         value = condition()
         if value:
             return value
+        for subscription in list(open_messages):
+            if isinstance(subscription, _Subscription):
+                subscription.renew_if_silent()
         now = time.monotonic()
         time.sleep(min(now - asked, 0.2))
         arrived.wait(min(max(0.02, (now - begin) / 10), 0.2))
@@ -144,6 +148,13 @@ class Process:
     def running(self) -> bool:
         return self._popen.poll() is None
 
+    def _state(self) -> str:
+        """The kernel's letter for what its main thread does: R while it needs a core."""
+        with contextlib.suppress(OSError):
+            stat = pathlib.Path(f"/proc/{self.pid}/stat").read_text(errors="replace")
+            return stat.rpartition(")")[2].split()[0]
+        return ""
+
     def kill(self) -> None:
         self._popen.send_signal(signal.SIGKILL)
 
@@ -161,13 +172,19 @@ class Process:
     def prompt_exit_code(self) -> int:
         """The exit code of a process that was told to end, which must take at most a second.
 
-        On a busy machine it may take as long as this process takes for two seconds of computing.
+        On a busy machine it may take longer, but not while it waits for neither a core nor a master
+        that is as busy.
         """
         with contextlib.suppress(subprocess.TimeoutExpired):
             return self._popen.wait(1.0)
-        begin = time.thread_time()
+        turns = 0  # in which it could have ended, and the master has answered
+        deadline = time.monotonic() + DEADLINE
         while self.running():
-            assert time.thread_time() - begin < 2.0, f"still running:\n{self.output()}"
+            assert turns < 100 and time.monotonic() < deadline, f"still running:\n{self.output()}"
+            with contextlib.suppress(Exception):
+                rosgraph.Master("/test").getPid()
+            time.sleep(0.02)
+            turns += self._state() not in ("R", "T")
         # A stuck Python node is ended by its watchdog with the same code, but with a message.
         assert "did not end within" not in self.output(), self.output()
         return self.exit_code()
@@ -344,55 +361,24 @@ def receives(node: str, topic: str) -> bool:
 open_messages: List[Any] = []  # what subscribes: closed at the end of each test
 
 
-class Messages:
-    """Collects all messages of a topic from now on."""
+class _Subscription:
+    """Messages of a topic; how they are kept is the derived class's."""
 
-    def __init__(self, topic: str, kind: Any):
+    def __init__(self, topic: str, kind: Any, **options: Any):
         open_messages.append(self)
-        self.received: List[Any] = []
         self._asked = time.monotonic()
         self._topic = topic
-        self._subscriber = rospy.Subscriber(
-            topic, kind, self._on_message, queue_size=100, buff_size=2**26, tcp_nodelay=True
-        )
+        self._subscriber = rospy.Subscriber(topic, kind, self._on_message, **options)
 
     def _on_message(self, message: Any) -> None:
-        self.received.append(message)
-        arrived.set()
+        raise NotImplementedError
 
-    def wait(self, count: int = 1, seconds: float = DEADLINE) -> List[Any]:
-        """Waits for the first `count` messages."""
-        self._wait_for(
-            lambda: len(self.received) >= count, f"{count} messages on {self._topic}", seconds
-        )
-        return self.received[:count]
-
-    def of(self, stamp: rospy.Time) -> Any:
-        """Waits for the message with this stamp, such as the result of a frame."""
-        return self._wait_for(
-            lambda: [message for message in self.received if stamp_of(message) == stamp],
-            f"the message of {stamp.to_sec():.3f} s on {self._topic}",
-        )[0]
-
-    def _wait_for(self, condition: Callable[[], Any], what: str, seconds: float = DEADLINE) -> Any:
-        def found() -> Any:
-            self.renew_if_silent()
-            return condition()
-
-        return wait_for(found, what, seconds)
-
-    def connected(self) -> bool:
-        """True if each publisher sends to this; rospy starts to a bit after it has said so."""
-        topic = self._subscriber.resolved_name
-        publishers = publishers_of(topic)
-        if publishers and all(sends(node, topic) for node in publishers):
-            return True
-        self._renew_now_and_then()
-        return False
+    def is_silent(self) -> bool:
+        raise NotImplementedError
 
     def renew_if_silent(self) -> None:
-        """To be called while messages are waited for: see _renew()."""
-        if not self.received:
+        """What wait_for() calls while it waits: see _renew()."""
+        if self.is_silent():
             self._renew_now_and_then()
 
     def _renew_now_and_then(self) -> None:
@@ -416,6 +402,43 @@ class Messages:
         self._subscriber.unregister()
 
 
+class Messages(_Subscription):
+    """Collects all messages of a topic from now on."""
+
+    def __init__(self, topic: str, kind: Any):
+        self.received: List[Any] = []
+        super().__init__(topic, kind, queue_size=100, buff_size=2**26, tcp_nodelay=True)
+
+    def _on_message(self, message: Any) -> None:
+        self.received.append(message)
+        arrived.set()
+
+    def is_silent(self) -> bool:
+        return not self.received
+
+    def wait(self, count: int = 1, seconds: float = DEADLINE) -> List[Any]:
+        """Waits for the first `count` messages."""
+        what = f"{count} messages on {self._topic}"
+        wait_for(lambda: len(self.received) >= count, what, seconds)
+        return self.received[:count]
+
+    def of(self, stamp: rospy.Time) -> Any:
+        """Waits for the message with this stamp, such as the result of a frame."""
+        return wait_for(
+            lambda: [message for message in self.received if stamp_of(message) == stamp],
+            f"the message of {stamp.to_sec():.3f} s on {self._topic}",
+        )[0]
+
+    def connected(self) -> bool:
+        """True if each publisher sends to this; rospy starts to a bit after it has said so."""
+        topic = self._subscriber.resolved_name
+        publishers = publishers_of(topic)
+        if publishers and all(sends(node, topic) for node in publishers):
+            return True
+        self._renew_now_and_then()
+        return False
+
+
 def subscribed(topic: str, kind: Any) -> Messages:
     """All messages of a topic from now on, when its publishers are connected."""
     messages = Messages(topic, kind)
@@ -425,12 +448,30 @@ def subscribed(topic: str, kind: Any) -> Messages:
 
 def reconfigured(node: str, **values: Any) -> Dict[str, Any]:
     """Sets live parameters of a node, and returns all that it has then."""
-    from dynamic_reconfigure.client import Client  # its import takes long, and few tests need it
+    # Not dynamic_reconfigure's client, which may miss the only message of a node that starts now.
+    from dynamic_reconfigure.encoding import decode_config, decode_description, encode_config
+    from dynamic_reconfigure.msg import Config, ConfigDescription
+    from dynamic_reconfigure.srv import Reconfigure
 
-    client = Client(node, timeout=DEADLINE)
-    config = client.update_configuration(values) if values else client.get_configuration(DEADLINE)
-    client.close()
-    return config
+    described = Messages(node + "/parameter_descriptions", ConfigDescription)
+    description = decode_description(described.wait()[0])
+    described.close()
+    if values:
+        types = {one["name"]: PARAMETER_TYPES[one["type"]] for one in _parameters(description)}
+        config = encode_config({name: types[name](value) for name, value in values.items()})
+        rospy.wait_for_service(node + "/set_parameters", DEADLINE)
+        config = rospy.ServiceProxy(node + "/set_parameters", Reconfigure)(config).config
+    else:
+        updates = Messages(node + "/parameter_updates", Config)
+        config = updates.wait()[0]
+        updates.close()
+    return decode_config(config, description)
+
+
+def _parameters(group: Dict[str, Any]) -> List[Dict[str, Any]]:
+    """The parameters of a group of dynamic_reconfigure, and of all groups in it."""
+    groups = group["groups"].values()
+    return [*group["parameters"], *(one for other in groups for one in _parameters(other))]
 
 
 def windows() -> Dict[str, str]:
@@ -480,23 +521,25 @@ def same_frame(*topics: Messages) -> List[Any]:
     """Waits for one message of each topic, all with the same stamp."""
 
     def common() -> Set[Any]:
-        for topic in topics:
-            topic.renew_if_silent()
         return set.intersection(*({stamp_of(m) for m in t.received} for t in topics))
 
     stamp = max(wait_for(common, "a frame that has come on all topics"))
     return [next(m for m in t.received if stamp_of(m) == stamp) for t in topics]
 
 
-class Diagnostics:
+class Diagnostics(_Subscription):
     """Keeps the last status of the frames of every node on /diagnostics."""
 
     def __init__(self) -> None:
-        open_messages.append(self)
+        self._heard = False
         self._statuses: Dict[str, DiagnosticStatus] = {}
-        self._subscriber = rospy.Subscriber("/diagnostics", DiagnosticArray, self._on_message)
+        super().__init__("/diagnostics", DiagnosticArray)
+
+    def is_silent(self) -> bool:
+        return not self._heard
 
     def _on_message(self, message: DiagnosticArray) -> None:
+        self._heard = True
         for status in message.status:
             node, _, what = status.name.partition(": ")
             if what == "frames":  # Some nodes have statuses of something else, too.
@@ -515,7 +558,3 @@ class Diagnostics:
             values = {pair.key: pair.value for pair in self.next(node).values}
             if values:
                 return values[key]
-
-    def close(self) -> None:
-        open_messages.remove(self)
-        self._subscriber.unregister()

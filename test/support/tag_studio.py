@@ -111,8 +111,9 @@ class Studio:
 
     def show_until(self, condition, image):
         """Sends an image until the answer satisfies the condition; returns that answer."""
-        for _ in range(100):
-            answer = self.show(image)
-            if condition(answer):
-                return answer
-        raise AssertionError("not in 100 frames")
+
+        def answer():
+            one = self.show(image)
+            return one if condition(one) else None
+
+        return support.wait_for(answer, "such an answer")

@@ -67,8 +67,13 @@ def test_poses_follow_the_scene(start):
     start("apriltag_detector.py", "__name:=tag", "image:=/camera/image_raw", "_tag_size:=0.24")
     tags = support.Messages("/tag/tags", TagDetectionArray)
     truths = support.Messages("/camera/ground_truth", GroundTruth)
-    for count in range(1, 151):
-        tags.wait(count)
+
+    def common():
+        return {support.stamp_of(one) for one in tags.received} & {
+            support.stamp_of(one) for one in truths.received
+        }
+
+    support.wait_for(lambda: len(common()) >= 150, "tags and the truth of 150 frames")
     truth_of = {message.header.stamp: message for message in truths.received}
     seen, missed, pixels, places, turns = 0, 0, [], [], []
     for answer in tags.received:
@@ -120,14 +125,20 @@ def test_without_calibration_there_are_corners_and_one_warning(start):
     studio = Studio(start, info=calibrated(matrix=np.zeros((3, 3))))
     truth = facing(0.0, 0.0, 1.0)
     image = image_of([(3, truth)])
-    for _ in range(10):
+    reason = f"no poses of tags: camera_info on {studio.topic.replace('image', 'camera_info')}: "
+    reason += "the camera is not calibrated"
+
+    def is_told():  # An image may be there before its camera_info.
         (tag,) = studio.show(image).detections
         assert not tag.has_pose
         corners = np.array([(corner.x, corner.y) for corner in tag.corners])
         assert np.abs(corners - corners_of(truth)).max() < 0.3
-    reason = f"no poses of tags: camera_info on {studio.topic.replace('image', 'camera_info')}: "
-    studio.process.wait_for_output(reason + "the camera is not calibrated")
-    assert studio.process.output().count("no poses of tags") == 1
+        return reason in studio.process.output()
+
+    support.wait_for(is_told, "the reason")
+    for _ in range(10):
+        is_told()
+    assert studio.process.output().count(reason) == 1
     studio.info = calibrated()  # comes late
     answer = studio.show_until(with_poses, image)
     assert_near(matrix_of(answer.detections[0].pose.pose), truth)
