@@ -128,8 +128,7 @@ def test_a_drag_selects_in_pixels_of_the_image(view, camera, width, height, touc
         middle = (begin[0] + end[0]) / 2, (begin[1] + end[1]) / 2
         view.drag([begin, middle, end], touch)
         # In the panel if it is open, or else in a notice.
-        told = '[data-test="select-answer"], [data-test="notice"]'
-        view.wait_for_text("object 7 of /test is selected", told)
+        view.wait_for_notice("object 7 of /test is selected", '[data-test="select-answer"]')
     finally:
         service.shutdown()
     ((region, label),) = regions

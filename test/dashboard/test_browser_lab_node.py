@@ -176,16 +176,22 @@ def test_the_graph_has_rates(view, camera):
     open_tool(view, "graph")
     topic = f"t{camera.topic}"
     view.wait('document.querySelector(`[data-id="${arguments[0]}"]`)', topic)
-    view.run(
-        "[...document.querySelectorAll('#panel button')]"
-        ".find((one) => one.textContent === 'Measure rates').click();"
-    )
-    told = view.wait(
-        """(() => {
-          const one = document.querySelector(`[data-id="${arguments[0]}"]`);
-          return `${one.textContent} ${one.getAttribute("aria-label")}`.match(/([\\d.]+) Hz/)?.[1];
-        })()""",
-        topic,
-    )
-    assert 1.0 < float(told) < 12.0
+
+    def is_measured():
+        """Of two seconds, in which a busy machine may keep messages back."""
+        view.run(
+            "[...document.querySelectorAll('#panel button')]"
+            ".find((one) => one.textContent === 'Measure rates').click();"
+        )
+        told = view.wait(
+            """(() => {
+              const one = document.querySelector(`[data-id="${arguments[0]}"]`);
+              const text = `${one.textContent} ${one.getAttribute("aria-label")}`;
+              return text.match(/([\\d.]+) Hz|nothing in/)?.[0];
+            })()""",
+            topic,
+        )
+        return told.endswith("Hz") and 1.0 < float(told.split()[0]) < 12.0
+
+    support.wait_for(is_measured, "the rate")
     reader.close()

@@ -325,8 +325,8 @@ def test_a_camera_is_stopped_and_started(start, page, dashboard):
         page.run(f"{item}.click();", text)
 
     choose("Stop the camera")
-    page.wait_for_text("the capture of /room has stopped", '[data-test="notice"]')
+    page.wait_for_notice("the capture of /room has stopped")
     choose("Start the camera")
-    page.wait_for_text("the capture of /room goes on", '[data-test="notice"]')
+    page.wait_for_notice("the capture of /room goes on")
     before = page.value(frames)
     page.wait(f"{frames} > arguments[0] + 3", before)

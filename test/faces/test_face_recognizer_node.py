@@ -22,6 +22,7 @@ from sensor_msgs.msg import Image
 
 from robot_vision.faces.face_images import find_face
 from robot_vision.faces.gallery import CACHE, Gallery
+from robot_vision.faces.identities import MEMORY
 from robot_vision.msg import Detection, DetectionArray, FaceIdentityArray
 from robot_vision.ros.frame_pairs import MAX_BYTES, FramePairs
 from robot_vision.ros.messages import region_of
@@ -209,25 +210,46 @@ def test_outputs_agree_with_the_faces_that_came_in(start, folder):
     assert not faces.detections and not identities.identities
 
 
+def remembered(seen):
+    """What `seen` tells of a new face, by its id, if no face was forgotten meanwhile."""
+    ids = itertools.count(10, 2)
+
+    def told():
+        begin = time.monotonic()
+        names = seen(next(ids))
+        return names if time.monotonic() - begin < MEMORY else None
+
+    return support.wait_for(told, "faces without a pause")
+
+
 def test_name_is_voted_and_kept(start, folder):
     door = Door(start, f"_gallery:={folder}", "_votes:=5", "_rate:=100.0")
-    names = []
-    for number in range(20, 32):
-        names.append(door.look(ANNA if number != 27 else CARLA, number))
-        time.sleep(0.02)  # longer than between two looks
+
+    def seen(of):
+        names = []
+        for number in range(20, 32):
+            names.append(door.look(ANNA if number != 27 else CARLA, number, of))
+            time.sleep(0.02)  # longer than between two looks
+        names.append(door.look(BERT, 20, of + 1))  # another face, another vote
+        return [*names, door.look(ANNA, 33, of)]
+
+    *names, other, last = remembered(seen)
     assert names[0] == "unknown" and set(names[5:]) == {"Anna"}
-    assert door.look(BERT, 20, of=2) == "unknown"  # another face, another vote
-    assert door.look(ANNA, 33) == "Anna"
+    assert (other, last) == ("unknown", "Anna")
 
 
 def test_looks_are_limited(start, folder):
     door = Door(start, f"_gallery:={folder}", "_votes:=1", "_rate:=0.1")
-    assert door.look(ANNA) == "Anna"
-    assert door.look(CARLA) == "Anna"  # not looked at again
+
+    def seen(of):
+        return of, [door.look(ANNA, of=of), door.look(CARLA, of=of)]  # who is not looked at
+
+    of, names = remembered(seen)
+    assert names == ["Anna", "Anna"]
     assert door.look(CARLA, of=2) == "unknown"
     assert door.look(CARLA, of=-1) == "unknown" and door.look(ANNA, of=-1) == "Anna"
     assert call("forget_name", ForgetName, "Anna").success
-    assert door.look(ANNA) == "unknown"  # at once
+    assert door.look(ANNA, of=of) == "unknown"  # at once
 
 
 def test_names_are_not_handed_on_when_the_detector_begins_anew(start, folder):
@@ -241,10 +263,14 @@ def test_names_are_not_handed_on_when_the_detector_begins_anew(start, folder):
 
 def test_predicted_face_keeps_its_name_unseen(start, folder):
     door = Door(start, f"_gallery:={folder}", *AT_ONCE)
-    assert door.look(ANNA) == "Anna"
-    box = face((10, 10, 50, 50), 1, predicted=True), face((10, 10, 50, 50), 2, predicted=True)
-    _, identities, _ = door.answer(door.send(BLANK, list(box)))
-    assert [one.name for one in identities.identities] == ["Anna", "unknown"]
+
+    def seen(of):
+        name = door.look(ANNA, of=of)
+        unseen = [face((10, 10, 50, 50), one, predicted=True) for one in (of, of + 1)]
+        _, identities, _ = door.answer(door.send(BLANK, unseen))
+        return [name, *(one.name for one in identities.identities)]
+
+    assert remembered(seen) == ["Anna", "Anna", "unknown"]
 
 
 def test_faces_may_come_before_their_image_or_late(start, folder):

@@ -14,6 +14,19 @@ EVENTS = "Network.requestWillBeSent", "Network.dataReceived", "Network.webSocket
 CALL = "return (async () => { %s })()"
 
 
+KEEP_NOTICES = """
+const area = document.getElementById("notices");
+if (area && !window.keptNotices) {
+  window.keptNotices = [];
+  new MutationObserver((changes) => {
+    for (const change of changes) {
+      for (const notice of change.addedNodes) window.keptNotices.push(notice.textContent);
+    }
+  }).observe(area, { childList: true });
+}
+"""  # which go by themselves after some seconds
+
+
 class Page:
     """A window of the browser.
 
@@ -38,10 +51,12 @@ class Page:
     def open(self, address: str) -> "Page":
         self.browser.origins.add("/".join(address.split("/")[:3]))
         self.browser.driver.get(address)
+        self.run(KEEP_NOTICES)
         return self
 
     def reload(self) -> None:
         self.browser.driver.refresh()
+        self.run(KEEP_NOTICES)
 
     def run(self, script: str, *arguments: Any) -> Any:
         """Runs statements in the page, which may await; returns what they return as JSON."""
@@ -71,6 +86,16 @@ class Page:
             ".some((one) => one.innerText.includes(arguments[1]))",
             selector,
             text,
+        )
+
+    def wait_for_notice(self, text: str, selector: str = "") -> None:
+        """Waits for a notice, which may be gone by now; or for the text in the selector's."""
+        self.wait(
+            """window.keptNotices.some((one) => one.includes(arguments[0])) ||
+            (arguments[1] && [...document.querySelectorAll(arguments[1])]
+             .some((one) => one.innerText.includes(arguments[0])))""",
+            text,
+            selector,
         )
 
     def count(self, selector: str) -> int:
