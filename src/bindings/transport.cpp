@@ -16,7 +16,7 @@ namespace
 
 using namespace robot_vision;
 using namespace py::literals;
-using CallsRoscpp = py::call_guard<LeaveGil, SignalsBlocked>;
+using CallsMaster = py::call_guard<LeaveGil, SignalsBlocked>;
 
 py::bytes serialized(const sensor_msgs::CameraInfo& info)
 {
@@ -116,53 +116,53 @@ PYBIND11_MODULE(_transport, m)
   LeaveGil::endWithProcess();
   py::class_<FrameStatistics, std::shared_ptr<FrameStatistics>>(m, "Diagnostics");
   py::class_<LatestImageSubscriber, std::shared_ptr<LatestImageSubscriber>>(m, "Inbox")
-      .def("open", &LatestImageSubscriber::open, CallsRoscpp())
-      .def("close", &LatestImageSubscriber::close, CallsRoscpp())
-      .def("publishers", &LatestImageSubscriber::publishers, CallsRoscpp())
+      .def("open", &LatestImageSubscriber::open, CallsMaster())
+      .def("close", &LatestImageSubscriber::close, CallsMaster())
+      .def("publishers", &LatestImageSubscriber::publishers, Unlocked())
       .def("finished", &LatestImageSubscriber::finished)
-      .def("failed", &LatestImageSubscriber::failed, "why"_a, CallsRoscpp())
+      .def("failed", &LatestImageSubscriber::failed, "why"_a, Unlocked())
       .def_property_readonly("received", [](const LatestImageSubscriber& inbox) { return inbox.totals().received; })
       .def_property_readonly("dropped", [](const LatestImageSubscriber& inbox) { return inbox.totals().dropped; })
       .def_property_readonly("refused", [](const LatestImageSubscriber& inbox) { return inbox.totals().refused; });
   py::class_<PooledImagePublisher, std::shared_ptr<PooledImagePublisher>>(m, "Outbox")
-      .def("close", &PooledImagePublisher::close, CallsRoscpp())
-      .def("subscribers", &PooledImagePublisher::subscribers, CallsRoscpp())
+      .def("close", &PooledImagePublisher::close, CallsMaster())
+      .def("subscribers", &PooledImagePublisher::subscribers, Unlocked())
       .def("publish", publish, "pixels"_a, "encoding"_a, "seq"_a, "secs"_a, "nsecs"_a, "frame_id"_a);
   py::class_<NodeQueue, std::shared_ptr<NodeQueue>>(m, "Queue")
       .def("inbox", makeInbox, "topic"_a, "transport"_a, "parameters"_a, "encoding"_a, "camera_info_topic"_a,
-           "diagnostics"_a, CallsRoscpp(), py::keep_alive<0, 1>())
-      .def("outbox", &NodeQueue::makeOutbox, "topic"_a, CallsRoscpp(), py::keep_alive<0, 1>())
-      .def("diagnostics", &NodeQueue::makeStatistics, CallsRoscpp())
+           "diagnostics"_a, CallsMaster(), py::keep_alive<0, 1>())
+      .def("outbox", &NodeQueue::makeOutbox, "topic"_a, CallsMaster(), py::keep_alive<0, 1>())
+      .def("diagnostics", &NodeQueue::makeStatistics, CallsMaster())
       .def("next", next, "timeout"_a)
       .def("running", &NodeQueue::running)
-      .def("note_connections", &NodeQueue::noteConnections, CallsRoscpp())
+      .def("note_connections", &NodeQueue::noteConnections, Unlocked())
       .def("connections_changed", &NodeQueue::connectionsChanged)
-      .def("close", &NodeQueue::close, CallsRoscpp());
+      .def("close", &NodeQueue::close, CallsMaster());
   py::class_<EmbeddedRoscppNode>(m, "Runtime")
       .def(py::init<const std::string&, const ros::M_string&, const std::string&, const std::string&>(), "name"_a,
-           "options"_a, "node"_a, "node_uri"_a, CallsRoscpp())
-      .def("queue", &EmbeddedRoscppNode::makeQueue, "node"_a, "diagnostics_topic"_a = "/diagnostics", CallsRoscpp(),
+           "options"_a, "node"_a, "node_uri"_a, CallsMaster())
+      .def("queue", &EmbeddedRoscppNode::makeQueue, "node"_a, "diagnostics_topic"_a = "/diagnostics", CallsMaster(),
            py::keep_alive<0, 1>())
-      .def("load_nodelet", loadNodelet, "name"_a, "type"_a, "remappings"_a, "arguments"_a, CallsRoscpp())
+      .def("load_nodelet", loadNodelet, "name"_a, "type"_a, "remappings"_a, "arguments"_a, CallsMaster())
       .def(
           "unload_nodelet",
           [](EmbeddedRoscppNode& runtime, const std::string& name) { return runtime.nodelets()->unload(name); },
-          "name"_a, CallsRoscpp())
+          "name"_a, CallsMaster())
       .def(
-          "nodelets", [](EmbeddedRoscppNode& runtime) { return runtime.nodelets()->names(); }, CallsRoscpp())
+          "nodelets", [](EmbeddedRoscppNode& runtime) { return runtime.nodelets()->names(); }, CallsMaster())
       .def(
-          "nodelet_types", [](EmbeddedRoscppNode& runtime) { return runtime.nodelets()->types(); }, CallsRoscpp())
+          "nodelet_types", [](EmbeddedRoscppNode& runtime) { return runtime.nodelets()->types(); }, CallsMaster())
       .def("running", &EmbeddedRoscppNode::running)
-      .def("stop", &EmbeddedRoscppNode::stop, CallsRoscpp());
+      .def("stop", &EmbeddedRoscppNode::stop, CallsMaster());
   const BondTimes usual;
   py::class_<Bonds>(m, "Bonds")
       .def(py::init(&makeBonds), "topic"_a, "connect_timeout"_a = usual.connect,
            "heartbeat_timeout"_a = usual.heartbeat, "disconnect_timeout"_a = usual.disconnect,
            "period"_a = usual.period)
-      .def("form", &Bonds::form, "id"_a, CallsRoscpp())
-      .def("end", &Bonds::end, "id"_a, CallsRoscpp())
+      .def("form", &Bonds::form, "id"_a, Unlocked())
+      .def("end", &Bonds::end, "id"_a, Unlocked())
       .def("next_broken", &Bonds::nextBroken, Unlocked())
-      .def("close", &Bonds::close, CallsRoscpp());
+      .def("close", &Bonds::close, CallsMaster());
   m.def("edit_params", edit, "path"_a, "text"_a, "values"_a,
         "The YAML text of the file `path` with the values in it; see save_params.hpp. Raises RuntimeError naming the "
         "path.");
