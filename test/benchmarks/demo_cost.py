@@ -101,8 +101,16 @@ def first_results(demo: support.Process, begin: float, probe: support.Process) -
     return {**times, "dashboard": dashboard}
 
 
-def measure(bench: measuring.Bench, arguments: List[str], more: Sequence[str] = ()) -> DemoCost:
-    """Runs the demo once; `more` are nodes that are loaded into it afterwards, one by one."""
+def measure(
+    bench: measuring.Bench,
+    arguments: List[str],
+    more: Sequence[str] = (),
+    newer: Sequence[str] = (),
+) -> DemoCost:
+    """Runs the demo once; `more` are nodes that are loaded into it afterwards, one by one.
+
+    `newer` are nodes that are ended after that, to measure what is left.
+    """
     port = support.free_port()
     with running(bench, arguments, port) as (demo, times):
         time.sleep(SETTLE)
@@ -116,10 +124,10 @@ def measure(bench: measuring.Bench, arguments: List[str], more: Sequence[str] = 
                 time.sleep(2.0 * SETTLE)
                 grown = total(costs_of(demo.pid, 1.0)).memory - before
                 cost.more[name] = grown + memory_of(loader.pid)
-        for name in NEWER:
-            subprocess.run(["rosnode", "kill", name], env={**os.environ, **env}, check=True)
-        time.sleep(SETTLE)
-        cost.older = costs_of(demo.pid, WATCH * bench.seconds)
+        if newer:
+            subprocess.run(["rosnode", "kill", *newer], env={**os.environ, **env}, check=True)
+            time.sleep(SETTLE)
+            cost.older = costs_of(demo.pid, WATCH * bench.seconds)
         return cost
 
 
@@ -179,7 +187,7 @@ def all_tables(bench: measuring.Bench) -> str:
     costs = {}
     for way, arguments in WAYS.items():
         measuring.say(f"the demo, {way}")
-        costs[way] = measure(bench, arguments, MORE if way == ONE else ())
+        costs[way] = measure(bench, arguments, *((MORE, NEWER) if way == ONE else ()))
     last = list(costs.values())[-1]
     tables = [cost_table(costs), start_table(costs), accuracies_table(goals(last))]
     return TEXT + "\n".join(tables)
