@@ -1,6 +1,5 @@
 """Several cameras in one nodelet manager: each works whatever becomes of the others."""
 
-import contextlib
 import os
 import pathlib
 import re
@@ -23,19 +22,9 @@ BOND_TIMEOUT = 6.0  # s after which a bond surely breaks: 4 s after the last hea
 SMALL = {"source": "synthetic", "image_width": 160, "image_height": 120}
 
 
-@contextlib.contextmanager
-def missed_signs_allowed():
-    """No bond breaks because a process does not come to giving signs of life."""
-    rospy.set_param("/bond_disable_heartbeat_timeout", True)
-    try:
-        yield
-    finally:
-        rospy.delete_param("/bond_disable_heartbeat_timeout")
-
-
 @pytest.fixture
 def lasting_bonds():
-    with missed_signs_allowed():
+    with support.missed_signs_allowed():
         yield
 
 
@@ -126,7 +115,7 @@ def test_a_loader_takes_over_the_cameras_of_a_killed_one(start):
     rospy.set_param("/second/cameras", [])
     loader = start("camera_loader.py", "__name:=second", env=PROMPT)
     loader.wait_for_output("waiting for another list")  # there are seconds for what follows
-    with missed_signs_allowed():
+    with support.missed_signs_allowed():
         os.kill(process_of("/camera_loader"), signal.SIGKILL)
         rospy.set_param("/second/cameras", cameras)
         loader.wait_for_output("/front: unloaded, another loader has left it")

@@ -144,17 +144,13 @@ def test_an_id_is_of_one_node():
 
 
 def test_no_sign_is_missed_while_a_debugger_is_at_work():
-    name = "/bond_disable_heartbeat_timeout"
     with bound(connect_timeout=HOUR, heartbeat_timeout=0.1, period=0.02) as (_, loader, broken):
-        rospy.set_param(name, True)
-        try:
+        with support.missed_signs_allowed() as name:
             # The master tells the node later.
             support.node_api("/test_images").paramUpdate("/test", name, True)
             loader.say(active=True)
             support.wait_for(lambda: len(loader.heard(active=True)) > 20, "signs of life")
             assert not broken.is_set()
-        finally:
-            rospy.delete_param(name)
         support.wait_for(broken.is_set, "the end of the bond")
 
 

@@ -73,6 +73,17 @@ def has_service(master: rosgraph.Master, service: str) -> bool:
 
 
 @contextlib.contextmanager
+def missed_signs_allowed() -> Iterator[str]:
+    """No bond breaks because a process does not come to giving signs of life; the parameter."""
+    name = "/bond_disable_heartbeat_timeout"
+    rospy.set_param(name, True)
+    try:
+        yield name
+    finally:
+        rospy.delete_param(name)
+
+
+@contextlib.contextmanager
 def service_of(master: rosgraph.Master, service: str) -> Iterator[str]:
     """Makes a service of another master usable by rospy.ServiceProxy under the name it gives."""
     wait_for(lambda: has_service(master, service), f"the service {service}")

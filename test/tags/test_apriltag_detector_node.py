@@ -136,9 +136,11 @@ def test_without_calibration_there_are_corners_and_one_warning(start):
         return reason in studio.process.output()
 
     support.wait_for(is_told, "the reason")
+    told = studio.process.output().count("no poses of tags")
     for _ in range(10):
         is_told()
     assert studio.process.output().count(reason) == 1
+    assert studio.process.output().count("no poses of tags") == told
     studio.info = calibrated()  # comes late
     answer = studio.show_until(with_poses, image)
     assert_near(matrix_of(answer.detections[0].pose.pose), truth)
