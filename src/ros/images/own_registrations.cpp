@@ -6,6 +6,7 @@
 #include <ros/service_manager.h>
 #include <ros/xmlrpc_manager.h>
 
+#include <boost/algorithm/string/predicate.hpp>
 #include <cstdint>
 #include <map>
 
@@ -56,6 +57,20 @@ std::map<std::string, std::set<std::string>> connectedPublishers()
   return publishers;
 }
 
+/// What the services of dynamic_reconfigure in this process are named, of which each comes with a topic. The master may
+/// not have been asked for services since a transport began one.
+ServiceNames reconfigureServices()
+{
+  const std::string topic_ending = "/parameter_updates";
+  std::vector<std::string> topics;
+  ros::this_node::getAdvertisedTopics(topics);
+  ServiceNames names;
+  for (const std::string& topic : topics)
+    if (boost::algorithm::ends_with(topic, topic_ending))
+      names.insert(topic.substr(0, topic.size() - topic_ending.size()) + "/set_parameters");
+  return names;
+}
+
 }  // namespace
 
 std::optional<XmlRpcValue> askMaster(const char* method, const std::vector<XmlRpcValue>& arguments)
@@ -103,8 +118,9 @@ bool registerSubscribers()
   return complete;
 }
 
-bool registerServices(const ServiceNames& names)
+bool registerServices(ServiceNames names)
 {
+  names.merge(reconfigureServices());
   const std::uint32_t port = ros::ConnectionManager::instance()->getTCPPort();
   const std::string address = "rosrpc://" + ros::network::getHost() + ":" + std::to_string(port);
   bool all = true;

@@ -27,9 +27,9 @@ std::string ownUri();
 bool registerPublishers();
 bool registerSubscribers();
 
-/// Registers those of these services that exist. roscpp cannot list its services, only tell whether one exists, so the
-/// names have to come from registeredServices().
-bool registerServices(const ServiceNames& names);
+/// Registers those of these services that exist, and all of dynamic_reconfigure. roscpp cannot list its services, only
+/// tell whether one exists, so the names have to come from registeredServices().
+bool registerServices(ServiceNames names);
 
 /// The services of this process that the master knows; empty if the master does not answer.
 std::optional<ServiceNames> registeredServices();
