@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 import rospy
 import support
-from browser import missing
+from browser import missing, running
 from frames import message, new_topic
 from sensor_msgs.msg import CompressedImage, Image
 from std_msgs.msg import Header
@@ -336,13 +336,6 @@ def test_opencv_reads_a_stream(dashboard, camera):
 def test_a_browser_shows_a_stream(dashboard, camera, tmp_path):
     if missing():
         pytest.skip(missing())
-    from selenium import webdriver as selenium
-
-    options = selenium.ChromeOptions()
-    for word in ("--headless=new", "--no-sandbox", "--disable-gpu", f"--user-data-dir={tmp_path}"):
-        options.add_argument(word)
-    options.page_load_strategy = "none"  # the page of a stream never ends loading
-    browser = selenium.Chrome(options=options)
     script = """
         const image = document.querySelector("img");
         if (!image || !image.naturalWidth) return null;
@@ -354,14 +347,13 @@ def test_a_browser_shows_a_stream(dashboard, camera, tmp_path):
         return JSON.stringify([image.naturalWidth, image.naturalHeight, data[0]]);
     """
 
-    def shown():
-        return json.loads(browser.execute_script(script) or "[0, 0, 0]")
+    with running(tmp_path, loads="none") as browser:  # the page of a stream never ends loading
 
-    try:
-        browser.get(dashboard.url("/stream_viewer", topic=camera.topic, token=TOKEN))
+        def shown():
+            return json.loads(browser.driver.execute_script(script) or "[0, 0, 0]")
+
+        browser.driver.get(dashboard.url("/stream_viewer", topic=camera.topic, token=TOKEN))
         support.wait_for(lambda: shown()[:2] == [64, 48], "the image")
         assert abs(shown()[2] - 200) < 6
         camera.send(pattern(level=90), secs=78)
         support.wait_for(lambda: abs(shown()[2] - 90) < 6, "the next image")
-    finally:
-        browser.quit()

@@ -1,6 +1,5 @@
 """Readers of another user and on another host, who cannot read the memory, and a small /dev/shm."""
 
-import os
 import shutil
 import subprocess
 
@@ -10,21 +9,21 @@ from frames import Source, message, new_topic, noise
 from sensor_msgs.msg import Image
 from shared_images import REPUBLISH, Reader, share, uses_raw, uses_shm
 from two_hosts import DESK, ROBOT, network_of_two, runner
+from unprivileged import BECOME_NOBODY, needs_root, skip_unless_all_may_look
 
-NOBODY = 65534
-BECOME_NOBODY = [f"--reuid={NOBODY}", f"--regid={NOBODY}", "--clear-groups"]
 MOUNT = 'mount -t tmpfs -o size=1m tmpfs /dev/shm && exec "$@"'
 LITTLE_SHM = ["unshare", "--mount", "sh", "-c", MOUNT, "sh"]
 WARNING = "images come over raw, not shm: "
 
 
-@pytest.mark.skipif(os.geteuid() != 0, reason="only root can become another user")
-def test_another_user_gets_raw_and_one_warning(start, tmp_path_factory):
+@needs_root
+def test_another_user_gets_raw_and_one_warning(start):
+    skip_unless_all_may_look()
     source, topic = Source(new_topic()), new_topic()
     share(start, source.topic, topic)
     source.wait_for()
     image = message(noise("bgr8"), "bgr8")
-    reader = Reader(start, topic, "shm", shutil.which("setpriv"), *BECOME_NOBODY)
+    reader = Reader(start, topic, "shm", shutil.which("env"), *BECOME_NOBODY)
     out = support.Messages(reader.target, Image)
 
     def warned():

@@ -3,7 +3,6 @@
 import os
 import pathlib
 import shutil
-import subprocess
 import tempfile
 
 import cv2
@@ -13,15 +12,12 @@ import support
 from sensor_msgs.msg import CameraInfo, Image
 from sensor_msgs.srv import SetCameraInfo
 from std_srvs.srv import Trigger
+from unprivileged import BECOME_NOBODY, NOBODY, needs_root, skip_unless_all_may_look
 
-import robot_vision
 from robot_vision import CalibrationScene, SceneParams
 from robot_vision.msg import DetectionArray
 
-pytestmark = pytest.mark.skipif(os.geteuid() != 0, reason="only root can become another user")
-
-NOBODY = 65534
-BECOME_NOBODY = ["setpriv", f"--reuid={NOBODY}", f"--regid={NOBODY}", "--clear-groups"]
+pytestmark = needs_root
 DENIED = "cannot be written: Permission denied"
 HOMES = pytest.mark.parametrize("has_home", [False, True], ids=["no home", "locked home"])
 BOARD = ["--size", "8x6", "--square", "0.05"]
@@ -51,9 +47,7 @@ def start_as_nobody(start):
 
     If home is None, the command has none.
     """
-    for path in (support.executable("camera_node"), robot_vision.__file__):
-        if subprocess.run([*BECOME_NOBODY, "test", "-r", path], check=False).returncode:
-            pytest.skip(f"{path} is where only root may look")
+    skip_unless_all_may_look()
 
     def run(folder, home, name, *arguments):
         words = ["-C", folder, "-uROS_HOME", f"HOME={home}" if home else "-uHOME", *BECOME_NOBODY]

@@ -49,9 +49,13 @@ def missing() -> str:
 
 
 class Browser:
-    """A chromium whose profile is below `folder`; it ends with close()."""
+    """A chromium whose profile is below `folder`; it ends with close().
 
-    def __init__(self, folder: pathlib.Path, *options: str):
+    Args:
+        loads: the strategy of page loads, "none" for pages that never end loading.
+    """
+
+    def __init__(self, folder: pathlib.Path, *options: str, loads: str = "normal"):
         from selenium import webdriver
         from selenium.webdriver.chrome.options import Options
         from selenium.webdriver.chrome.service import Service
@@ -71,6 +75,7 @@ class Browser:
             env={**os.environ, **{name: str(path) for name, path in private.items()}},
         )
         chosen.set_capability("unhandledPromptBehavior", "ignore")
+        chosen.page_load_strategy = loads
         self.driver = webdriver.Chrome(service=service, options=chosen)
         self.driver.set_page_load_timeout(support.DEADLINE)
         self.driver.set_script_timeout(support.DEADLINE)
@@ -106,9 +111,9 @@ class Browser:
 
 
 @contextlib.contextmanager
-def running(folder: pathlib.Path, *options: str) -> Iterator[Browser]:
+def running(folder: pathlib.Path, *options: str, loads: str = "normal") -> Iterator[Browser]:
     """A browser for as long as the context lasts."""
-    browser = Browser(folder, *options)
+    browser = Browser(folder, *options, loads=loads)
     try:
         yield browser
     finally:
