@@ -128,6 +128,8 @@ def _circle_finder(
         params = cv2.SimpleBlobDetector_Params()
         params.minArea = 12.0
         params.maxArea = gray.size / (size[0] * size[1])  # OpenCV's limit suits small images only.
+        if params.maxArea < params.minArea:
+            return None  # In so small an image is no board.
         params.minDistBetweenBlobs = 3.0
         blobs = cv2.SimpleBlobDetector_create(params)
         found, pixels = cv2.findCirclesGrid(gray, size, flags=flags, blobDetector=blobs)
