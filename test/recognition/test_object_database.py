@@ -11,6 +11,7 @@ import threading
 
 import numpy as np
 import pytest
+from unprivileged import NOBODY, needs_root
 
 from robot_vision.recognition.database import (
     Database,
@@ -241,8 +242,8 @@ def test_a_full_disk_is_told_and_leaves_what_was_there(path):
 
 @contextlib.contextmanager
 def as_nobody():
-    os.setegid(65534)
-    os.seteuid(65534)
+    os.setegid(NOBODY)
+    os.seteuid(NOBODY)
     try:
         yield
     finally:
@@ -250,7 +251,7 @@ def as_nobody():
         os.setegid(0)
 
 
-@pytest.mark.skipif(os.geteuid() != 0, reason="only root can become another user")
+@needs_root
 @pytest.mark.parametrize("folder_mode", [0o755, 0o777], ids=["locked folder", "open folder"])
 def test_a_file_that_may_only_be_read(folder_mode):
     with tempfile.TemporaryDirectory() as folder:
@@ -271,7 +272,7 @@ def test_a_file_that_may_only_be_read(folder_mode):
             assert len(database.objects.all()) == 1
 
 
-@pytest.mark.skipif(os.geteuid() != 0, reason="only root can become another user")
+@needs_root
 def test_a_folder_where_none_may_be_made(tmp_path):
     with tempfile.TemporaryDirectory() as folder:
         os.chmod(folder, 0o755)

@@ -159,11 +159,9 @@ class Taker:
 
     def answer(self, depth: np.ndarray = MILLIMETRES, encoding: str = "16UC1") -> Any:
         """What it makes of a frame; the frame is shown again until that comes."""
-        shown = set()  # as answers to what was shown before may still come
+        first = self.show(depth, encoding)  # answers to what was shown before may still come
 
-        def answered() -> Any:
-            shown.add(self.show(depth, encoding))
-            answers = reversed(self.answers.received)
-            return next((one for one in answers if support.stamp_of(one) in shown), None)
+        def answers() -> List[Any]:
+            return [one for one in self.answers.received if support.stamp_of(one) >= first]
 
-        return support.wait_for(answered, "an answer")
+        return self.shows_until(answers, "an answer", depth, encoding)[-1]
