@@ -9,6 +9,7 @@ import shutil
 import sys
 import xmlrpc.client
 
+import private_master
 import pytest
 import support
 
@@ -32,7 +33,8 @@ def master(tmp_path_factory):
         ROS_HOME=str(folder),
         ROSCONSOLE_STDOUT_LINE_BUFFERED="1",
     )
-    process = support.Process(["rosmaster", "--core", "-p", str(port)], folder / "master.log")
+    private_master.mark_own_processes()
+    process = support.Process([*support.MASTER, "-p", str(port)], folder / "master.log")
 
     import rosgraph
     import rospy

@@ -7,7 +7,6 @@ import os
 import pathlib
 import random
 import select
-import shutil
 import signal
 import socket
 import subprocess
@@ -15,9 +14,10 @@ import sys
 import threading
 import time
 import xmlrpc.client
-from typing import Any, Callable, Dict, Iterator, List, Optional, Set
+from typing import Any, Callable, Dict, Iterator, List, Optional, Sequence, Set
 
 import numpy as np
+import private_master
 import rosgraph
 import roslib.packages
 import rospy
@@ -26,6 +26,7 @@ from nodelet.srv import NodeletList, NodeletLoad, NodeletUnload
 
 DEADLINE = 60.0  # s; on an idle machine everything takes a moment only
 RENEWAL_PERIOD = 2.0  # s
+MASTER = (sys.executable, private_master.__file__, "--core")
 PARAMETER_TYPES = {"bool": bool, "int": int, "double": float, "str": str}
 
 
@@ -221,17 +222,23 @@ class Process:
 
 
 class Master:
-    """A separate master, which can be ended and started again on the same port."""
+    """A separate master, started with a fixture's `start`, this command and these options.
 
-    def __init__(self, start: Callable[..., Process]):
-        self._start = start
+    It can be ended and started again on the same port.
+    """
+
+    def __init__(
+        self, start: Callable[..., Process], command: Sequence[str] = MASTER, **options: Any
+    ):
+        private_master.mark_own_processes()
+        self._start = functools.partial(start, *command, **options)
         self.port = free_port()
         self.env = {"ROS_MASTER_URI": f"http://127.0.0.1:{self.port}"}
         self.api = rosgraph.Master("/test", self.env["ROS_MASTER_URI"])
         self.begin()
 
     def begin(self) -> None:
-        self.process = self._start(shutil.which("rosmaster"), "--core", "-p", self.port)
+        self.process = self._start("-p", self.port)
         wait_for(lambda: rosgraph.is_master_online(self.env["ROS_MASTER_URI"]), "a master")
 
     def end(self) -> None:
