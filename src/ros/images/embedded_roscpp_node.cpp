@@ -62,8 +62,7 @@ void EmbeddedRoscppNode::requireRunning() const
 std::shared_ptr<NodeQueue> EmbeddedRoscppNode::makeQueue(const std::string& node, const std::string& diagnostics_topic)
 {
   requireRunning();
-  const NodeQueue::Process process{subscriptions_, [this] { return held(it_); }, gate_.between(),
-                                   [this] { noteServices(); }};
+  const NodeQueue::Process process{subscriptions_, [this] { return held(it_); }, gate_.between()};
   const auto queue = std::make_shared<NodeQueue>(process, node, diagnostics_topic);
   const std::lock_guard<std::mutex> lock(mutex_);
   requireRunning();

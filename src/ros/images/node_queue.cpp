@@ -54,7 +54,6 @@ std::shared_ptr<PooledImagePublisher> NodeQueue::makeOutbox(const std::string& t
   const auto outbox = std::make_shared<PooledImagePublisher>(topic, *process_.transports(), changed, process_.between);
   add(publishers_, outbox);
   add(shared_topics_, outbox->sharedTopic());
-  process_.advertised();  // because the transports have advertised services
   return outbox;
 }
 

@@ -30,7 +30,6 @@ public:
     std::shared_ptr<ProcessSubscriptions> subscriptions;
     std::function<std::shared_ptr<image_transport::ImageTransport>()> transports;  // throws once the process ends
     CallbackGate::Between between;                                                 // of the gate to the queue of these
-    std::function<void()> advertised;  // to be called when services were advertised
   };
 
   /// `node`: the name of the node; `diagnostics_topic`: where its statistics go to.

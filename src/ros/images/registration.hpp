@@ -8,8 +8,8 @@ namespace robot_vision
 
 /// Registers this process again with a restarted master, which has forgotten everything. It registers all topics and
 /// services of the process, because for the master a nodelet manager is one node, whatever package its nodelets are
-/// from; a service that comes without a topic, from the next topic or noteServices() on. Existing connections stay.
-/// Parameters of the namespace `ns` that the new master does not have are set to their last values.
+/// from; a service that comes without a topic, from the check after the next topic or after noteServices() on. Existing
+/// connections stay. Parameters of the namespace `ns` that the new master does not have are set to their last values.
 class Registration
 {
 public:
