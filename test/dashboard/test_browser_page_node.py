@@ -36,11 +36,16 @@ def cameras(master):
         camera.close()
 
 
-@pytest.fixture
-def view(page, dashboard, cameras):
+def opened(page, dashboard):
+    """The page, when it shows the images of the cameras."""
     page.open(dashboard.address)
     page.wait(f"{OPEN} && {KEYS}.length >= 3")
     return page
+
+
+@pytest.fixture
+def view(page, dashboard, cameras):
+    return opened(page, dashboard)
 
 
 def test_without_the_right_token_there_is_no_page(page, dashboard, cameras):
@@ -52,7 +57,10 @@ def test_without_the_right_token_there_is_no_page(page, dashboard, cameras):
     assert "import" not in page.text()
 
 
-def test_the_page_is_small_and_all_of_it_comes_from_the_node(view, dashboard):
+def test_the_page_is_small_and_all_of_it_comes_from_the_node(
+    browser_with_traffic, dashboard, cameras
+):
+    view = opened(browser_with_traffic.page(), dashboard)
     view.wait("performance.now() > 1000")
     addresses, size = view.traffic()
     assert f"{dashboard.origin}/page/main.js" in addresses

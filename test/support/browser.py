@@ -1,4 +1,4 @@
-"""Debian's chromium, driven for tests: one for all of them, with a fresh window for each.
+"""Debian's chromium, driven for tests: one for all of them, with an empty window for each.
 
 Errors on a page's console, violations of its Content-Security-Policy among them, fail the test.
 """
@@ -7,7 +7,7 @@ import contextlib
 import os
 import pathlib
 import shutil
-from typing import Any, Dict, Iterator, List, Set
+from typing import Any, Dict, Iterator, List, Optional, Set
 
 import pytest
 import support
@@ -53,9 +53,13 @@ class Browser:
 
     Args:
         loads: the strategy of page loads, "none" for pages that never end loading.
+        traffic: whether it keeps what Page.traffic() tells of. That is all that comes to pages,
+            each image among it, and takes as much time as the pages do.
     """
 
-    def __init__(self, folder: pathlib.Path, *options: str, loads: str = "normal"):
+    def __init__(
+        self, folder: pathlib.Path, *options: str, loads: str = "normal", traffic: bool = False
+    ):
         from selenium import webdriver
         from selenium.webdriver.chrome.options import Options
         from selenium.webdriver.chrome.service import Service
@@ -65,7 +69,8 @@ class Browser:
         root = ["--no-sandbox"] if os.geteuid() == 0 else []
         for option in (*OPTIONS, *options, *root, f"--user-data-dir={folder / 'profile'}"):
             chosen.add_argument(option)
-        chosen.set_capability("goog:loggingPrefs", {"browser": "ALL", "performance": "ALL"})
+        logs = ("browser", "performance") if traffic else ("browser",)
+        chosen.set_capability("goog:loggingPrefs", dict.fromkeys(logs, "ALL"))
         self.downloads = folder / "downloads"
         self.downloads.mkdir()
         private = {"HOME": folder, "XDG_CONFIG_HOME": folder, "XDG_CACHE_HOME": folder}
@@ -80,12 +85,18 @@ class Browser:
         self.driver.set_page_load_timeout(support.DEADLINE)
         self.driver.set_script_timeout(support.DEADLINE)
         self._first = self.driver.current_window_handle
+        self._empty: Optional[str] = None  # a window for the next page
         self.origins: Set[str] = set()  # of all pages that have been opened
 
     def page(self) -> Page:
-        """A new window. What earlier ones stored is forgotten."""
-        self.driver.switch_to.new_window("window")  # of two tabs one would be hidden
+        """An empty window. What earlier ones stored is forgotten."""
+        if self._empty:
+            self.driver.switch_to.window(self._empty)
+            self._empty = None
+        else:
+            self.driver.switch_to.new_window("window")  # of two tabs one would be hidden
         page = Page(self)
+        page.forget_emulation()
         page.command("Network.clearBrowserCookies")
         for origin in self.origins:
             page.command("Storage.clearDataForOrigin", origin=origin, storageTypes="all")
@@ -95,15 +106,23 @@ class Browser:
         return page
 
     def end_pages(self) -> None:
-        """Closes all windows but the first, which stays empty."""
+        """Empties a window for the next page, as a new one takes a second, and closes the others.
+
+        The browser's own first window stays as it is.
+        """
         for handle in self.driver.window_handles:
-            if handle != self._first:
-                self.driver.switch_to.window(handle)
+            if handle in (self._first, self._empty):
+                continue
+            self.driver.switch_to.window(handle)
+            if self._empty:
                 self.driver.close()
+            else:
+                self.driver.get("about:blank")
+                self._empty = handle
         self.driver.switch_to.window(self._first)
 
     def logs(self, kind: str) -> List[Dict[str, Any]]:
-        """What has been logged since the last call: "browser" or "performance"."""
+        """What has been logged since the last call: "browser", or "performance" for traffic."""
         return self.driver.get_log(kind)
 
     def close(self) -> None:
@@ -111,9 +130,9 @@ class Browser:
 
 
 @contextlib.contextmanager
-def running(folder: pathlib.Path, *options: str, loads: str = "normal") -> Iterator[Browser]:
+def running(folder: pathlib.Path, *options: str, **how: Any) -> Iterator[Browser]:
     """A browser for as long as the context lasts."""
-    browser = Browser(folder, *options, loads=loads)
+    browser = Browser(folder, *options, **how)
     try:
         yield browser
     finally:
@@ -131,11 +150,18 @@ def browser(tmp_path_factory: Any) -> Iterator[Browser]:
 
 
 @pytest.fixture
+def browser_with_traffic(browser: Browser, tmp_path: pathlib.Path) -> Iterator[Browser]:
+    """A browser that keeps what Page.traffic() tells of, for one test."""
+    with running(tmp_path, traffic=True) as made:
+        yield made
+
+
+@pytest.fixture
 def page(browser: Browser) -> Iterator[Page]:
     """A window of 1280x720 px, whose console must stay free of errors."""
     made = browser.page()
     made.size(1280, 720)
-    browser.logs("browser"), browser.logs("performance")
+    browser.logs("browser")
     yield made
     try:
         made.front().check()

@@ -192,6 +192,12 @@ class Page:
         features = [{"name": "prefers-color-scheme", "value": name}]
         self.command("Emulation.setEmulatedMedia", features=features)
 
+    def forget_emulation(self) -> None:
+        """Has the window be again as if size() and scheme() had not been called."""
+        self.command("Emulation.clearDeviceMetricsOverride")
+        self.command("Emulation.setTouchEmulationEnabled", enabled=False)
+        self.command("Emulation.setEmulatedMedia", features=[])
+
     def canvas(self, selector: str) -> np.ndarray:
         """The pixels of a canvas, (height, width, 3), BGR."""
         address = self.value("document.querySelector(arguments[0]).toDataURL()", selector)
@@ -217,13 +223,13 @@ class Page:
             return self.browser.driver.switch_to.alert
 
     def traffic(self) -> Tuple[List[str], float]:
-        """What has been asked for since the last call: addresses, and bytes that came for them.
+        """What this window has asked for since the last call: addresses, and bytes that came.
 
-        Sockets are among the addresses; neither what comes by them counts nor heads of answers.
+        Only of a browser that keeps its traffic. Sockets are among the addresses; neither what
+        comes by them counts nor heads of answers.
         """
-        events = [
-            json.loads(entry["message"])["message"] for entry in self.browser.logs("performance")
-        ]
+        logged = [json.loads(entry["message"]) for entry in self.browser.logs("performance")]
+        events = [one["message"] for one in logged if self._handle.endswith(one["webview"])]
         told = {kind: [one["params"] for one in events if one["method"] == kind] for kind in EVENTS}
         sent, received, sockets = (told[kind] for kind in EVENTS)
         addresses = [one["request"]["url"] for one in sent] + [one["url"] for one in sockets]
