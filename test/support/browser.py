@@ -53,8 +53,8 @@ class Browser:
 
     Args:
         loads: the strategy of page loads, "none" for pages that never end loading.
-        traffic: whether it keeps what Page.traffic() tells of. That is all that comes to pages,
-            each image among it, and takes as much time as the pages do.
+        traffic: whether it keeps what Page.traffic() tells of: all that comes to pages, each image
+            among it.
     """
 
     def __init__(
