@@ -314,5 +314,5 @@ def private_master(folder: Path) -> Iterator[None]:
             stack.callback(process.end)
             return process
 
-        os.environ.update(support.Master(start, ["rosmaster", "--core"]).env)
+        os.environ.update(support.Master(start, ["rosmaster"]).env)
         yield

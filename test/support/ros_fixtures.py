@@ -9,7 +9,6 @@ import shutil
 import sys
 import xmlrpc.client
 
-import private_master
 import pytest
 import support
 
@@ -26,24 +25,24 @@ def pytest_collection_modifyitems(items):
 def master(tmp_path_factory):
     """A private ROS master; this process becomes one of its nodes."""
     folder = tmp_path_factory.mktemp("ros")
-    port = support.free_port()
     os.environ.update(
-        ROS_MASTER_URI=f"http://127.0.0.1:{port}",
         ROS_HOSTNAME="127.0.0.1",
         ROS_HOME=str(folder),
         ROSCONSOLE_STDOUT_LINE_BUFFERED="1",
     )
-    private_master.mark_own_processes()
-    process = support.Process([*support.MASTER, "-p", str(port)], folder / "master.log")
 
-    import rosgraph
+    def start(*command):
+        return support.Process([*map(str, command)], folder / "master.log")
+
+    made = support.Master(start)
+    os.environ.update(made.env)
+
     import rospy
 
-    support.wait_for(rosgraph.is_master_online, "the master")
     rospy.init_node("test", disable_signals=True, disable_rosout=True)
-    yield process
+    yield made
     rospy.signal_shutdown("tests done")
-    process.end()
+    made.end()
 
 
 @pytest.fixture(scope="session")
@@ -66,8 +65,8 @@ def forget(nodes):
 
     It knows one by a parameter that the log requested, and, if the machine was so busy that the
     node had no time to say good-bye, by its topics and services: the next node would wait for
-    those. Otherwise, if another program got the node's port, the master would shut that program
-    down when the next node of this name starts.
+    those. Otherwise, if another program of this test got the node's port, the master would shut
+    that program down when the next node of this name starts.
     """
     import rosgraph
 

@@ -26,7 +26,7 @@ from nodelet.srv import NodeletList, NodeletLoad, NodeletUnload
 
 DEADLINE = 60.0  # s; on an idle machine everything takes a moment only
 RENEWAL_PERIOD = 2.0  # s
-MASTER = (sys.executable, private_master.__file__, "--core")
+MASTER = (sys.executable, private_master.__file__)
 PARAMETER_TYPES = {"bool": bool, "int": int, "double": float, "str": str}
 
 
@@ -238,7 +238,7 @@ class Master:
         self.begin()
 
     def begin(self) -> None:
-        self.process = self._start("-p", self.port)
+        self.process = self._start("--core", "-p", self.port)
         wait_for(lambda: rosgraph.is_master_online(self.env["ROS_MASTER_URI"]), "a master")
 
     def end(self) -> None:
