@@ -175,6 +175,54 @@ TEST(PoseVerifier, aPartOfALargerPlaneIsNoFlatObject)
   }
 }
 
+TEST(PoseVerifier, whatIsDrawnOnATableIsNoObjectWithinIt)
+{
+  // A sheet of paper has the depth, the color and most of the outline of a box that is in the table but for its top.
+  const cv::Vec3f size(0.12F, 0.08F, 0.05F);
+  const cv::Vec3b color(120, 190, 215);
+  const ObjectShape box(boxMesh(size, color));
+  const cv::Affine3d table(cv::Affine3d(cv::Vec3d(CV_PI - 0.8, 0.0, 0.0)).rotation(), cv::Vec3d(0.0, 0.0, 0.8));
+  PoseVerifier verifier;
+  for (int i = 0; i < 8; ++i)
+    for (const bool is_there : {true, false})
+    {
+      const double turn = 0.4 * i;
+      const cv::Affine3d place = table * cv::Affine3d(cv::Vec3d(0.0, 0.0, turn), cv::Vec3d());
+      const auto up = [&](double height) { return place * cv::Affine3d(cv::Vec3d(), cv::Vec3d(0.0, 0.0, height)); };
+      ObjectScene scene(kCamera);
+      scene.addTable(table.translation(), table.rotation() * cv::Vec3d(0.0, 0.0, 1.0));
+      const double half = 0.5 * static_cast<double>(size[2]);
+      if (is_there)
+        scene.add(boxMesh(size, color), up(half));
+      else
+        scene.add(boxMesh({size[0], size[1], 0.001F}, color), up(0.0005));
+      cv::Mat bgr, depth;
+      scene.draw(DepthSensor::kKinect, i, bgr, depth);
+      RecognitionFrame frame(kCamera);
+      frame.set(bgr, depth);
+      const PoseVerdict verdict = verifier.verify(frame, box, up(is_there ? half : -half));
+      EXPECT_EQ(verdict.probability > kThreshold, is_there) << i << " " << verdict.probability;
+      EXPECT_EQ(verdict.evidence.sunken > 0.1, !is_there) << i << " " << verdict.evidence.sunken;
+    }
+}
+
+TEST(PoseVerifier, aMeshWithoutColorsMayBeOfAPaintedObject)
+{
+  const cv::Vec3b unknown = Mesh().color;
+  const ObjectShape plain(lBlock(unknown)), mirror(mirrored(lBlock(unknown))),
+      rod(cylinderMesh(0.03F, 0.12F, 24, unknown));
+  PoseVerifier verifier;
+  for (int i = 0; i < 8; ++i)
+  {
+    const Shot open(i, DepthSensor::kKinect, {true, true}), hidden(i, DepthSensor::kKinect, {true, true}, 0.4);
+    EXPECT_GT(verifier.verify(open.frame, plain, open.truth).probability, kThreshold) << i;
+    EXPECT_GT(verifier.verify(hidden.frame, plain, hidden.truth).probability, kThreshold) << i;
+    EXPECT_LT(verifier.verify(open.frame, plain, inPlace(open, plain, {0.0, 0.6, 0.0})).probability, kThreshold) << i;
+    EXPECT_LT(verifier.verify(open.frame, mirror, inPlace(open, mirror)).probability, kThreshold) << i;
+    EXPECT_LT(verifier.verify(open.frame, rod, inPlace(open, rod)).probability, kThreshold) << i;
+  }
+}
+
 TEST(PoseVerifier, anotherColorIsAnotherObject)
 {
   const ObjectShape green(lBlock({60, 190, 60}));

@@ -30,6 +30,7 @@ struct ClutteredFrame
   robot_vision::CameraModel camera;
   cv::Mat bgr, depth, exact_depth, ids;  // ids: 1: table and wall, 2: the object, 3 and more: other things
   cv::Affine3d pose;                     // of the object in the camera's optical frame
+  cv::Affine3d table;                    // the pose of the table's middle there, z up
   double visible = 0.0;                  // share of its pixels that are seen
 };
 
@@ -77,6 +78,7 @@ public:
       placeBeside(random, view);
     if (params.with_object && params.occlusion > 0.0) placeOccluder(random, params.occlusion, view);
     draw(random, number, params, view, frame);
+    frame.table = view.world;
     return frame;
   }
 

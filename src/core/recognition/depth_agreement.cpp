@@ -11,6 +11,7 @@ namespace
 {
 
 constexpr double kGate = 3.0;            // standard deviations, by which a depth that agrees may be off
+constexpr double kClearlyBefore = 6.0;   // standard deviations, from which on what hides a surface is another thing
 constexpr double kSteepest = 5.0;        // tangent; steeper surfaces are not compared more loosely
 constexpr int kBlock = 8;                // px, side of the blocks whose normals are compared
 constexpr int kMinInBlock = 24;          // px
@@ -61,6 +62,7 @@ void DepthAgreement::compare(const RenderedRegion& region, const RecognitionFram
   count(depthDeviation(region.center[2], errors_), evidence);
   evidence.pixels *= region.step * region.step;
   evidence.normals = normalAgreement(region);
+  evidence.sunken = sunkenBorder();
 }
 
 void DepthAgreement::compareRow(const RenderedRegion& region, const RecognitionFrame& frame, int y)
@@ -151,6 +153,30 @@ double DepthAgreement::normalAgreement(const RenderedRegion& region) const
       alike += tilt[0] < kMaxTilt + kTiltDeviations * tilt[1] ? 1 : 0;
     }
   return all > 0 ? static_cast<double>(alike) / all : kNan;
+}
+
+/// The share of the sides of pixels, at the border of what agrees, behind which the surface is hidden but a little.
+double DepthAgreement::sunkenBorder() const
+{
+  int all = 0, sunken = 0;
+  const auto stateAt = [&](const cv::Point& p)
+  { return cv::Rect({}, states_.size()).contains(p) ? int{states_.at<std::uint8_t>(p)} : int{kEmpty}; };
+  for (int y = 0; y < states_.rows; ++y)
+    for (int x = 0; x < states_.cols; ++x)
+    {
+      if (states_.at<std::uint8_t>(y, x) != kAgreeing) continue;
+      for (const cv::Point& beside :
+           {cv::Point(x - 1, y), cv::Point(x + 1, y), cv::Point(x, y - 1), cv::Point(x, y + 1)})
+      {
+        const int state = stateAt(beside);
+        if (state == kAgreeing) continue;
+        ++all;
+        if (state != kHidden) continue;
+        const double before = -static_cast<double>(differences_.at<float>(beside));
+        sunken += before < kClearlyBefore * static_cast<double>(deviations_.at<float>(beside)) ? 1 : 0;
+      }
+    }
+  return all > 0 ? static_cast<double>(sunken) / all : kNan;
 }
 
 }  // namespace robot_vision

@@ -38,16 +38,17 @@ double logOddsOf(const PoseEvidence& evidence, const VerificationWeights& weight
   return std::clamp(sum, -30.0, 30.0);
 }
 
-const VerificationWeights& weightsFor(const RecognitionFrame& frame)
+const VerificationWeights& weightsFor(const RecognitionFrame& frame, const ObjectShape& shape)
 {
   if (!frame.hasDepth()) return kColorWeights;
-  return frame.hasColors() ? kColorAndDepthWeights : kDepthWeights;
+  if (!frame.hasColors()) return kDepthWeights;
+  return shape.hasColors() ? kColorAndDepthWeights : kShapeWeights;
 }
 
 PoseEvidence nothingKnown()
 {
   PoseEvidence evidence;
-  evidence.agreeing = evidence.pierced = evidence.hidden = kNan;
+  evidence.agreeing = evidence.pierced = evidence.hidden = evidence.sunken = kNan;
   evidence.misfit = evidence.noise = evidence.normals = kNan;
   evidence.outline = evidence.inner = evidence.colors = evidence.pattern = kNan;
   evidence.unknown = 1.0;
@@ -63,6 +64,7 @@ std::vector<double> evidenceFeatures(const PoseEvidence& evidence)
   const double visible = evidence.agreeing / std::max(1.0 - evidence.unknown, 1e-9);
   return {about(solid, 1.3),
           about(visible, 0.7),
+          about(evidence.sunken, 0.1),
           about(evidence.misfit - evidence.noise, 0.0),
           about(evidence.normals, 0.8),
           about(evidence.outline, 0.7),
@@ -108,7 +110,7 @@ struct PoseVerifier::Impl
     const ContourLimits limits = params.max_pixels < kFewPixels ? kFewContours : kContours;
     compareContours(region, frame, contours.find(region, parts.bgr, limits), errors, params, evidence);
     if (parts.bgr) compareColors(region, frame, verdict.explained, params.max_hue_error, evidence);
-    verdict.log_odds = logOddsOf(evidence, weightsFor(frame));
+    verdict.log_odds = logOddsOf(evidence, weightsFor(frame, shape));
     verdict.probability = 1.0 / (1.0 + std::exp(-verdict.log_odds));
     return verdict;
   }
