@@ -320,10 +320,13 @@ void measure(const trials::Object& object, int frames, const std::string& words)
 int main(int argc, char** argv)
 try
 {
-  if (argc < 2) throw std::invalid_argument("bench_recognition FRAMES [words of the contenders' names, with commas]");
+  if (argc < 2)
+    throw std::invalid_argument(
+        "bench_recognition FRAMES [words of the contenders' names, with commas [folder of assimp-testmodels]]");
   cv::setNumThreads(1);
+  const std::vector<trials::Thing> things = argc > 3 ? trials::testModels(argv[3]) : trials::samples();
   const char* comma = "[";
-  for (const trials::Object& object : trials::allObjects(3))
+  for (const trials::Object& object : trials::objectsOf(things, 3))
   {
     std::printf("%s", comma);
     measure(object, std::max(std::atoi(argv[1]), 3), argc > 2 ? argv[2] : "");

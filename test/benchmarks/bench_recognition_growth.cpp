@@ -94,7 +94,7 @@ int main()
 try
 {
   cv::setNumThreads(1);
-  const std::vector<trials::Object> objects = trials::allObjects(3);
+  const std::vector<trials::Object> objects = trials::objectsOf(trials::samples(), 3);
   std::vector<ClutteredFrame> frames;
   for (int i = 0; i <= kFrames; ++i)
     frames.push_back(objects[static_cast<std::size_t>(i) % objects.size()].scenes->frame(i));

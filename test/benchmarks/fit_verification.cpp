@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
+#include <limits>
 #include <map>
 #include <stdexcept>
 
@@ -28,6 +29,7 @@ constexpr double kRight = 0.85, kWrong = 0.6;           // likeness of what is s
 constexpr double kDepthGate = 0.02, kColorGate = 0.15;  // of the diameter: differences of depth that are alike, where
                                                         // depths are measured and where they are not
 constexpr int kCandidates = 6;                          // of a frame, that are refined
+constexpr int kSunken = 2;                              // poses in the table, whose depth and texture one side can have
 constexpr double kRidge = 0.5;                          // how much weights are held back, in examples
 
 struct Example
@@ -39,12 +41,25 @@ struct Example
 struct Kind
 {
   const char* name;
-  bool colors, depths;
+  bool colors, depths;  // of the frame
+  bool painted;         // whether the model has the object's colors
 };
-constexpr std::array<Kind, 3> kKinds = {
-    {{"kColorAndDepthWeights", true, true}, {"kDepthWeights", false, true}, {"kColorWeights", true, false}}};
-using Examples = std::array<std::vector<Example>, kKinds.size()>;  // of each kind of frames
+constexpr std::array<Kind, 4> kKinds = {{{"kColorAndDepthWeights", true, true, true},
+                                         {"kShapeWeights", true, true, false},
+                                         {"kDepthWeights", false, true, false},
+                                         {"kColorWeights", true, false, true}}};
+using Examples = std::array<std::vector<Example>, kKinds.size()>;  // of each kind of frames and models
 using Choice = std::array<bool, kKinds.size()>;                    // of kinds
+
+Mesh withoutColors(Mesh mesh)
+{
+  mesh.colors.clear();
+  mesh.texture_coordinates.clear();
+  mesh.textures.clear();
+  mesh.triangle_textures.clear();
+  mesh.color = Mesh().color;
+  return mesh;
+}
 
 /// Adds what the verifier sees of poses in frames.
 class Collector
@@ -55,30 +70,44 @@ public:
     for (const DepthSensor sensor : {DepthSensor::kKinect, DepthSensor::kStereo})
       judges_.try_emplace(sensor, sensor);
     matcher_.add(trainViews(object.mesh, ViewParams(), object.symmetries));
+    const Mesh plain = withoutColors(object.mesh);
+    plain_matcher_.add(trainViews(plain, ViewParams(), object.symmetries));
+    plain_shape_ = std::make_shared<ObjectShape>(plain, object.symmetries);
   }
 
   void look(const ClutteredFrame& seen, DepthSensor sensor, bool is_there, cv::RNG& random, Examples& examples)
   {
-    std::vector<cv::Affine3d> disturbed;
+    std::vector<Pose> chosen;
     for (const double error : {0.01, 0.02, 0.06})  // of the diameter
-      if (is_there && seen.visible > 0.3) disturbed.push_back(disturb(seen.pose, error, random));
+      if (is_there && seen.visible > 0.3) chosen.push_back({disturb(seen.pose, error, random)});
     for (const double share : {0.9, 1.12})  // of the distance: what is larger or smaller, and else alike
-      if (is_there && seen.visible > 0.3) disturbed.emplace_back(seen.pose.rotation(), share * seen.pose.translation());
+      if (is_there && seen.visible > 0.3) chosen.push_back({{seen.pose.rotation(), share * seen.pose.translation()}});
+    for (int i = 0; i < kSunken; ++i)
+      chosen.push_back({sunken(seen.table, random), true});
     for (std::size_t i = 0; i < kKinds.size(); ++i)
     {
-      if (!is_wanted_[i]) continue;
+      const bool painted = kKinds[i].painted;
+      if (!is_wanted_[i] || (painted && !object_.shape->hasColors())) continue;
       const cv::Mat bgr = kKinds[i].colors ? seen.bgr : cv::Mat(), depth = kKinds[i].depths ? seen.depth : cv::Mat();
       RecognitionFrame frame(seen.camera);
       frame.set(bgr, depth);
-      std::vector<cv::Affine3d> poses = disturbed;
-      for (const PoseCandidate& candidate : matcher_.match(bgr, depth, "32FC1", seen.camera))
-        if (poses.size() < disturbed.size() + kCandidates) poses.push_back(candidate.pose);
-      for (const cv::Affine3d& pose : poses)
-        add(frame, pose, judges_.at(sensor), seen, is_there, examples[i]);
+      std::vector<Pose> poses = chosen;
+      ObjectMatcher& matcher = painted ? matcher_ : plain_matcher_;
+      for (const PoseCandidate& candidate : matcher.match(bgr, depth, "32FC1", seen.camera))
+        if (poses.size() < chosen.size() + kCandidates) poses.push_back({candidate.pose});
+      const Looked looked{frame, judges_.at(sensor), kKinds[i], seen, is_there};
+      for (const Pose& pose : poses)
+        add(looked, pose, examples[i]);
     }
   }
 
 private:
+  struct Pose
+  {
+    cv::Affine3d first;
+    bool is_sunken = false;  // in the table
+  };
+
   /// What refines and verifies poses in frames of a sensor.
   struct Judge
   {
@@ -89,6 +118,16 @@ private:
 
     PoseRefiner refiner;
     PoseVerifier verifier;
+  };
+
+  /// What a frame of a kind shows.
+  struct Looked
+  {
+    const RecognitionFrame& frame;
+    Judge& judge;
+    const Kind& kind;
+    const ClutteredFrame& seen;
+    bool is_there;
   };
 
   cv::Affine3d disturb(const cv::Affine3d& pose, double error, cv::RNG& random) const
@@ -104,23 +143,44 @@ private:
     return {rotation, pose * center + shift - rotation * center};
   }
 
-  void add(const RecognitionFrame& frame, const cv::Affine3d& first, Judge& judge, const ClutteredFrame& seen,
-           bool is_there, std::vector<Example>& examples)
+  /// A pose in which the object is in the table but for its upper side, which is in its surface.
+  cv::Affine3d sunken(const cv::Affine3d& table, cv::RNG& random) const
   {
-    const cv::Affine3d pose = judge.refiner.refine(frame, *object_.shape, first).pose;
-    const PoseVerdict verdict = judge.verifier.verify(frame, *object_.shape, pose);
-    if (verdict.evidence.pixels == 0.0) return;
-    const double gate = (frame.hasDepth() ? kDepthGate : kColorGate) * object_.shape->extent().diameter;
+    const MeshExtent& extent = object_.shape->extent();
+    const int up = random.uniform(0, 3);
+    cv::Matx33d rotation = cv::Matx33d::zeros();
+    for (int i = 0; i < 3; ++i)
+      rotation(i, (up + 1 + i) % 3) = 1.0;
+    if (random.uniform(0, 2) == 1) rotation = cv::Matx33d(1, 0, 0, 0, -1, 0, 0, 0, -1) * rotation;
+    rotation = cv::Affine3d(cv::Vec3d(0.0, 0.0, random.uniform(0.0, 2.0 * CV_PI))).rotation() * rotation;
+    const cv::Vec3d middle(random.uniform(-0.3, 0.3), random.uniform(-0.2, 0.3), -0.5 * extent.size[up]);
+    return table * cv::Affine3d(rotation, middle - rotation * extent.center);
+  }
+
+  void add(const Looked& looked, const Pose& tried, std::vector<Example>& examples)
+  {
+    const auto& [frame, judge, kind, seen, is_there] = looked;
+    const ObjectShape& shape = kind.painted ? *object_.shape : *plain_shape_;
+    const cv::Affine3d pose = judge.refiner.refine(frame, shape, tried.first).pose;
+    PoseEvidence evidence = judge.verifier.verify(frame, shape, pose).evidence;
+    if (evidence.pixels == 0.0) return;
+    if (tried.is_sunken && kind.painted && kind.depths)
+    {
+      evidence.colors = 1.0;  // a table may have the object's color
+      evidence.pattern = std::numeric_limits<double>::quiet_NaN();
+    }
+    const double gate = (kind.depths ? kDepthGate : kColorGate) * object_.shape->extent().diameter;
+    const bool colors = kind.painted && kind.colors;
     const double alike =
-        is_there ? trials::likeness(object_, pose, seen.pose, seen.camera.K, frame.size(), gate, frame.hasColors())
-                 : 0.0;
+        is_there ? trials::likeness(object_, pose, seen.pose, seen.camera.K, frame.size(), gate, colors) : 0.0;
     if (alike > kWrong && alike < kRight) return;
-    examples.push_back({evidenceFeatures(verdict.evidence), alike >= kRight});
+    examples.push_back({evidenceFeatures(evidence), alike >= kRight});
   }
 
   const trials::Object& object_;
   const Choice is_wanted_;
-  ObjectMatcher matcher_;
+  ObjectMatcher matcher_, plain_matcher_;
+  std::shared_ptr<const ObjectShape> plain_shape_;
   std::map<DepthSensor, Judge> judges_;
 };
 
@@ -139,7 +199,7 @@ Examples collect(int frames, std::uint64_t seed, const Choice& is_wanted)
 {
   Examples examples;
   cv::RNG random(seed);
-  for (const trials::Object& object : trials::allObjects(seed))
+  for (const trials::Object& object : trials::objectsOf(trials::samples(), seed))
   {
     Collector collector(object, is_wanted);
     for (int i = 0; i < frames; ++i)

@@ -8,7 +8,7 @@ import statistics
 import subprocess
 import sys
 from pathlib import Path
-from typing import Any, Callable, Dict, Iterator, List, Sequence, Tuple
+from typing import Any, Callable, Dict, Iterator, List, Optional, Sequence, Tuple
 
 HERE = Path(__file__).resolve().parent
 sys.path[:0] = [str(HERE.parent / "support"), str(HERE.parent / "vivid")]
@@ -153,14 +153,18 @@ class Bench:
         say("poses of tags by depth")
         return self._run(self.program("bench_tag_depth", int(self.seconds * 200)), 300.0)
 
-    def recognition(self, frames: int, slow: bool) -> List[Dict[str, Any]]:
+    def recognition(
+        self, frames: int, slow: bool, models: Optional[Path] = None
+    ) -> List[Dict[str, Any]]:
         """For each object: its name, and what each contender has found in these frames.
 
-        With `slow` there is cv::ppf_match_3d, too, which takes some minutes for ten frames.
+        With `slow` there is cv::ppf_match_3d, too, which takes some minutes for ten frames. The
+        objects are the samples, or six `models` of the folder of assimp-testmodels.
         """
-        say(f"objects recognized, {frames} frames of each")
-        words = [] if slow else ["views,point pairs,cv::linemod"]
-        command = self.program("bench_recognition", frames, *words)
+        say(f"objects recognized, {frames} frames of each" + (f", {models}" if models else ""))
+        words = "" if slow else "views,point pairs,cv::linemod"
+        folder = [models] if models else []
+        command = self.program("bench_recognition", frames, words, *folder)
         return json.loads(self._output(command, 36000.0))
 
     def recognition_growth(self) -> Dict[str, Any]:

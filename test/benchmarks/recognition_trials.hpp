@@ -1,15 +1,18 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <memory>
 #include <opencv2/core.hpp>
 #include <opencv2/core/affine.hpp>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "robot_vision/depth/depth_error.hpp"
+#include "robot_vision/meshes/mesh_reader.hpp"
 #include "robot_vision/meshes/sample_meshes.hpp"
 #include "robot_vision/recognition/object_shape.hpp"
 #include "robot_vision/recognition/symmetry.hpp"
@@ -43,26 +46,69 @@ inline robot_vision::DepthErrorParams errorsOf(robot_vision::DepthSensor sensor)
   return errors;
 }
 
-/// All sample meshes, each in scenes of its own, which are the same for the same seed.
-inline std::vector<Object> allObjects(std::uint64_t seed)
+/// A mesh to look for.
+struct Thing
 {
-  std::vector<Object> objects;
+  std::string name;
+  robot_vision::Mesh mesh;
+  std::vector<robot_vision::Symmetry> symmetries;
+};
+
+inline std::vector<Thing> samples()
+{
+  std::vector<Thing> things;
   for (const std::string& name : robot_vision::sampleMeshNames())
   {
     const robot_vision::SampleMesh sample = robot_vision::sampleMesh(name);
-    Object object;
-    object.name = name;
-    object.mesh = sample.mesh;
+    Thing thing{name, sample.mesh, {}};
     for (const robot_vision::SampleSymmetry& symmetry : sample.symmetries)
-      object.symmetries.push_back({symmetry.axis, symmetry.fold});
-    object.shape = std::make_shared<robot_vision::ObjectShape>(sample.mesh, object.symmetries);
+      thing.symmetries.push_back({symmetry.axis, symmetry.fold});
+    things.push_back(std::move(thing));
+  }
+  return things;
+}
+
+/// Six of the models of Debian's package assimp-testmodels, in its folder: what nobody has made for us. They are of all
+/// sizes, and get the diameter (m) of a thing that one can handle.
+inline std::vector<Thing> testModels(const std::string& folder, double diameter = 0.2)
+{
+  const std::array<std::array<const char*, 3>, 6> files = {
+      {{"duck", "Collada/duck.dae", "m"},
+       {"spider", "OBJ/spider.obj", "mm"},
+       {"boar", "OBJ/WusonOBJ.obj", "cm"},
+       {"monkey", "BLEND/Suzanne_248.blend", "cm"},
+       {"engine", "glTF2/2CylinderEngine-glTF-Binary/2CylinderEngine.glb", "mm"},
+       {"truck", "glTF/CesiumMilkTruck/CesiumMilkTruck.gltf", "cm"}}};
+  std::vector<Thing> things;
+  for (const auto& [name, file, unit] : files)
+  {
+    Thing thing{name, robot_vision::readMesh(folder + "/" + file, unit).mesh, {}};
+    const auto scale = static_cast<float>(diameter / robot_vision::meshExtent(thing.mesh).diameter);
+    for (cv::Vec3f& vertex : thing.mesh.vertices)
+      vertex *= scale;
+    things.push_back(std::move(thing));
+  }
+  return things;
+}
+
+/// All things, each in scenes of its own among the others, which are the same for the same seed.
+inline std::vector<Object> objectsOf(const std::vector<Thing>& things, std::uint64_t seed)
+{
+  std::vector<Object> objects;
+  for (const Thing& thing : things)
+  {
+    Object object;
+    object.name = thing.name;
+    object.mesh = thing.mesh;
+    object.symmetries = thing.symmetries;
+    object.shape = std::make_shared<robot_vision::ObjectShape>(object.mesh, object.symmetries);
     std::vector<robot_vision::Mesh> others;
-    for (const std::string& other : robot_vision::sampleMeshNames())
-      if (other != name) others.push_back(robot_vision::sampleMesh(other).mesh);
-    object.scenes = std::make_unique<ClutteredScenes>(sample.mesh, others, seed);
-    const std::size_t step = std::max<std::size_t>(1, sample.mesh.vertices.size() / 300);
-    for (std::size_t i = 0; i < sample.mesh.vertices.size(); i += step)
-      object.points.push_back(sample.mesh.vertices[i]);
+    for (const Thing& other : things)
+      if (other.name != thing.name) others.push_back(other.mesh);
+    object.scenes = std::make_unique<ClutteredScenes>(object.mesh, others, seed);
+    const std::size_t step = std::max<std::size_t>(1, object.mesh.vertices.size() / 300);
+    for (std::size_t i = 0; i < object.mesh.vertices.size(); i += step)
+      object.points.push_back(object.mesh.vertices[i]);
     objects.push_back(std::move(object));
   }
   return objects;
