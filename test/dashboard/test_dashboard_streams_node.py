@@ -5,6 +5,7 @@ import contextlib
 import json
 import struct
 import threading
+import xmlrpc.client
 
 import cv2
 import numpy as np
@@ -238,9 +239,19 @@ def test_images_go_on_after_the_master_is_another_one(start):
     first.exit_code()
     begin = rospy.get_time()  # Only the camera that starts now sends images of a later time.
     start(*camera, env=master.env)
-    while page.frame().stamp < begin:
-        pass
+    try:
+        while page.frame().stamp < begin:
+            pass
+    except asyncio.TimeoutError:
+        told = [connections(master, name) for name in ("/dashboard_images", "/usb_cam")]
+        raise AssertionError(f"no new image; {page.pushes}; connections: {told}") from None
     page.end()
+
+
+def connections(master, node):
+    """What a node tells of its connections, and where the master says that it is."""
+    uri = master.api.lookupNode(node)
+    return uri, xmlrpc.client.ServerProxy(uri).getBusInfo("/test")
 
 
 def test_points_come_with_their_colors_and_as_many_as_wanted(page):
