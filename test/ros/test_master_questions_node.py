@@ -12,6 +12,7 @@ import rosgraph
 import rospy
 import support
 from rosgraph.xmlrpc import ThreadingXMLRPCServer
+from sensor_msgs.msg import Image
 
 NODES = {"edge_detector_node": "EdgeDetector", "motion_detector.py": "MotionDetector"}
 OUTPUT = "/asking/processed_image"
@@ -27,6 +28,7 @@ class Between:
         self.master = rosgraph.get_master_uri()
         self.answered_once = ("", "")  # a method and the node that has no other answer to it
         self.held = ""  # the method that is answered only when `released`
+        self.holds = threading.Event()  # set as soon as there is an answer that is held
         self.released = threading.Event()
         self._server = ThreadingXMLRPCServer(("127.0.0.1", 0), False)
         self._server.register_instance(self)
@@ -45,6 +47,7 @@ class Between:
             raise ConnectionError(method)
         answer = getattr(xmlrpc.client.ServerProxy(self.master), method)(*arguments)
         if method == self.held:
+            self.holds.set()
             self.released.wait(support.DEADLINE)
         return answer
 
@@ -131,6 +134,83 @@ def test_services_that_came_just_before_a_restart_are_registered_again(slow, sta
     restarted = support.Master(start)
     slow.master = restarted.env["ROS_MASTER_URI"]
     support.wait_for(lambda: services_of("asking", restarted.api) >= services, "all services")
+
+
+def test_a_publisher_that_comes_while_a_node_of_roscpp_registers_again_is_heard(slow, start):
+    edges = support.Messages("/asking/processed_image", Image)
+    start(
+        "edge_detector_node",
+        "__name:=asking",
+        "image:=/late",
+        "_image_transport:=raw",
+        env=slow.env,
+    )
+    support.wait_for(lambda: asked_for(slow, "/late"), "a subscription")
+    restarted = restart(slow, start)
+    camera = ["__name:=late", "_source:=synthetic", "_image_width:=160", "_image_height:=120"]
+    start("camera_node", *camera, "late/image_raw:=/late", env=restarted.env)
+    edges.wait()
+    answer_late(slow, "/late")
+    begin = rospy.get_rostime()
+    support.wait_for(lambda: edges.received[-1].header.stamp > begin, "an image from now on")
+
+
+LISTENER = """
+import rospy
+from std_msgs.msg import String
+from robot_vision.ros.registration import keep_registered
+
+rospy.init_node("asking")
+keep_registered()
+rospy.Subscriber("/late", String, lambda message: print(message.data, flush=True))
+rospy.spin()
+"""
+SPEAKER = """
+import sys
+import rospy
+from std_msgs.msg import String
+
+rospy.init_node("speaker")
+publisher = rospy.Publisher("/late", String, queue_size=1)
+while not rospy.is_shutdown():
+    publisher.publish(open(sys.argv[1]).read())
+    rospy.sleep(0.05)
+"""
+
+
+def test_a_publisher_that_comes_while_a_node_of_rospy_registers_again_is_heard(
+    slow, run_script, start, tmp_path
+):
+    listener = run_script(LISTENER, env=slow.env, fork=True)
+    support.wait_for(lambda: asked_for(slow, "/late"), "a subscription")
+    restarted = restart(slow, start)
+    words = tmp_path / "words"
+    words.write_text("early")
+    run_script(SPEAKER, words, env=restarted.env, fork=True)
+    listener.wait_for_output("early")
+    answer_late(slow, "/late")
+    words.write_text("late")
+    listener.wait_for_output("late")
+
+
+def asked_for(slow, topic):
+    """How many times a node has asked for the publishers of a topic."""
+    return sum(arguments[1] == topic for arguments in slow.asked["registerSubscriber"])
+
+
+def restart(slow, start):
+    """Another master; a node has asked it for publishers, of which it knows none, and waits."""
+    restarted = support.Master(start)
+    slow.held, slow.master = "registerSubscriber", restarted.env["ROS_MASTER_URI"]
+    support.wait_for(slow.holds.is_set, "a node that registers again")
+    return restarted
+
+
+def answer_late(slow, topic):
+    """Has the node get that answer now; it has to ask whether it still holds."""
+    before = asked_for(slow, topic)
+    slow.released.set()
+    support.wait_for(lambda: asked_for(slow, topic) > before, "another question")
 
 
 def services_of(node, master=None):

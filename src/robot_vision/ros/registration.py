@@ -9,7 +9,7 @@ import http.client
 import sys
 import threading
 import xmlrpc.client
-from typing import Any, Dict, Optional
+from typing import Any, Dict, Optional, Set
 from xml.parsers.expat import ExpatError
 
 import rosgraph
@@ -109,9 +109,25 @@ class _Registration:
             master.registerPublisher(topic, kind, self._uri)
         connections = node.getBusInfo(self._name)[2]
         for topic, kind in node.getSubscriptions(self._name)[2]:
-            publishers = set(master.registerSubscriber(topic, kind, self._uri))
-            # The node drops its connections to publishers that are not in this list.
-            publishers.update(
+            connected = {
                 peer for _, peer, way, _, of, *_ in connections if (way, of) == ("i", topic)
-            )
+            }
+            self._register_subscriber(master, topic, kind, connected)
+
+    def _register_subscriber(
+        self, master: rosgraph.Master, topic: str, kind: str, connected: Set[str]
+    ) -> None:
+        """Registers a subscriber, and tells the node of the publishers that the master knows.
+
+        Those that it is connected to are told again, as the master may not know them yet. It tells
+        of one that comes meanwhile, perhaps before its older answer is told, which rospy then
+        takes for what is newer: so it is asked until its answer stays the same.
+        """
+        node = xmlrpc.client.ServerProxy(self._uri)
+        told: Optional[Set[str]] = None
+        while True:
+            publishers = connected.union(master.registerSubscriber(topic, kind, self._uri))
+            if publishers == told:
+                return
             node.publisherUpdate(self._name, topic, sorted(publishers))
+            told = publishers

@@ -9,6 +9,7 @@
 #include <boost/algorithm/string/predicate.hpp>
 #include <cstdint>
 #include <map>
+#include <utility>
 
 namespace robot_vision
 {
@@ -57,6 +58,28 @@ std::map<std::string, std::set<std::string>> connectedPublishers()
   return publishers;
 }
 
+/// Registers a subscriber, and tells this process of the publishers that the master knows. `connected`, those that it
+/// has already, are told again, else it would drop them. The master tells of one that comes meanwhile, perhaps before
+/// its older answer is told, which has the process drop that one: so it is asked until its answer stays the same.
+bool registerSubscriber(const std::string& topic, const std::string& type, const std::set<std::string>& connected)
+{
+  for (std::optional<std::set<std::string>> told;;)
+  {
+    std::optional<XmlRpcValue> known = askMaster("registerSubscriber", {topic, type, ownUri()});
+    if (!known) return false;
+    std::set<std::string> publishers = connected;
+    for (int i = 0; i < known->size(); ++i)
+      publishers.insert((*known)[i]);
+    if (publishers == told) return true;
+    XmlRpcValue all;
+    all.setSize(0);
+    for (const std::string& publisher : publishers)
+      all[all.size()] = publisher;
+    askSelf("publisherUpdate", {topic, all});
+    told = std::move(publishers);
+  }
+}
+
 /// What the services of dynamic_reconfigure in this process are named, of which each comes with a topic. The master may
 /// not have been asked for services since a transport began one.
 ServiceNames reconfigureServices()
@@ -97,25 +120,15 @@ bool registerPublishers()
 
 bool registerSubscribers()
 {
-  std::map<std::string, std::set<std::string>> publishers =
-      connectedPublishers();  // the update must list them, else they would be dropped
+  std::map<std::string, std::set<std::string>> connected = connectedPublishers();
   std::optional<XmlRpcValue> subscriptions = askSelf("getSubscriptions");  // topics and types
-  bool complete = subscriptions.has_value();
+  bool all = subscriptions.has_value();
   for (int i = 0; subscriptions && i < subscriptions->size(); ++i)
   {
     const std::string topic = (*subscriptions)[i][0];
-    std::optional<XmlRpcValue> known = askMaster("registerSubscriber", {topic, (*subscriptions)[i][1], ownUri()});
-    complete = known && complete;
-    if (!known) continue;
-    for (int n = 0; n < known->size(); ++n)
-      publishers[topic].insert((*known)[n]);
-    XmlRpcValue all;
-    all.setSize(0);
-    for (const std::string& publisher : publishers[topic])
-      all[all.size()] = publisher;
-    askSelf("publisherUpdate", {topic, all});
+    all = registerSubscriber(topic, (*subscriptions)[i][1], connected[topic]) && all;
   }
-  return complete;
+  return all;
 }
 
 bool registerServices(ServiceNames names)
