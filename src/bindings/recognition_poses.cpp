@@ -95,7 +95,7 @@ void bindVerifier(py::module& m)
       .def_readonly("pierced", &PoseEvidence::pierced, "share where something behind its surface is seen")
       .def_readonly("hidden", &PoseEvidence::hidden, "share where something before it is seen")
       .def_readonly("sunken", &PoseEvidence::sunken,
-                    "share of the border of what agrees beyond which something is only a little before it")
+                    "share of the border of what agrees where what is seen goes straight on before the object")
       .def_readonly("unknown", &PoseEvidence::unknown, "share without a depth")
       .def_readonly("misfit", &PoseEvidence::misfit, "root mean square distance of what agrees, standard deviations")
       .def_readonly("noise", &PoseEvidence::noise, "what the misfit is if it is the sensor's noise alone")

@@ -178,31 +178,38 @@ TEST(PoseVerifier, aPartOfALargerPlaneIsNoFlatObject)
 TEST(PoseVerifier, whatIsDrawnOnATableIsNoObjectWithinIt)
 {
   // A sheet of paper has the depth, the color and most of the outline of a box that is in the table but for its top.
+  // A box that stands there may have a bar lying on it.
+  enum class Seen
+  {
+    kBox,
+    kBoxBelowABar,
+    kPaper
+  };
   const cv::Vec3f size(0.12F, 0.08F, 0.05F);
   const cv::Vec3b color(120, 190, 215);
   const ObjectShape box(boxMesh(size, color));
   const cv::Affine3d table(cv::Affine3d(cv::Vec3d(CV_PI - 0.8, 0.0, 0.0)).rotation(), cv::Vec3d(0.0, 0.0, 0.8));
   PoseVerifier verifier;
   for (int i = 0; i < 8; ++i)
-    for (const bool is_there : {true, false})
+    for (const Seen seen : {Seen::kBox, Seen::kBoxBelowABar, Seen::kPaper})
     {
-      const double turn = 0.4 * i;
-      const cv::Affine3d place = table * cv::Affine3d(cv::Vec3d(0.0, 0.0, turn), cv::Vec3d());
+      const cv::Affine3d place = table * cv::Affine3d(cv::Vec3d(0.0, 0.0, 0.4 * i + 0.2), cv::Vec3d());
       const auto up = [&](double height) { return place * cv::Affine3d(cv::Vec3d(), cv::Vec3d(0.0, 0.0, height)); };
+      const double half = 0.5 * static_cast<double>(size[2]);
+      const bool is_there = seen != Seen::kPaper;
       ObjectScene scene(kCamera);
       scene.addTable(table.translation(), table.rotation() * cv::Vec3d(0.0, 0.0, 1.0));
-      const double half = 0.5 * static_cast<double>(size[2]);
-      if (is_there)
-        scene.add(boxMesh(size, color), up(half));
-      else
-        scene.add(boxMesh({size[0], size[1], 0.001F}, color), up(0.0005));
+      if (is_there) scene.add(boxMesh(size, color), up(half));
+      if (seen == Seen::kBoxBelowABar) scene.add(boxMesh({0.03F, 0.2F, 0.02F}, {60, 60, 60}), up(2.0 * half + 0.01));
+      if (seen == Seen::kPaper) scene.add(boxMesh({size[0], size[1], 0.001F}, color), up(0.0005));
       cv::Mat bgr, depth;
       scene.draw(DepthSensor::kKinect, i, bgr, depth);
       RecognitionFrame frame(kCamera);
       frame.set(bgr, depth);
       const PoseVerdict verdict = verifier.verify(frame, box, up(is_there ? half : -half));
-      EXPECT_EQ(verdict.probability > kThreshold, is_there) << i << " " << verdict.probability;
-      EXPECT_EQ(verdict.evidence.sunken > 0.1, !is_there) << i << " " << verdict.evidence.sunken;
+      const std::string name = std::to_string(i) + " " + std::to_string(static_cast<int>(seen));
+      EXPECT_EQ(verdict.probability > kThreshold, is_there) << name << " " << verdict.probability;
+      EXPECT_EQ(verdict.evidence.sunken > 0.1, !is_there) << name << " " << verdict.evidence.sunken;
     }
 }
 

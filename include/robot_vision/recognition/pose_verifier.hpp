@@ -41,7 +41,7 @@ struct PoseEvidence
   double pierced = 0.0;   // where something behind its surface is seen
   double hidden = 0.0;    // where something before it is seen
   double unknown = 0.0;   // without a depth; with those above 1
-  double sunken = 0.0;    // share of the border of what agrees beyond which something is only a little before it
+  double sunken = 0.0;    // share of the border of what agrees where what is seen goes straight on before the object
   double misfit = 0.0;    // root mean square distance of what agrees, in standard deviations
   double noise = 0.0;     // what the misfit is if it is the sensor's noise alone
   double normals = 0.0;   // share of the parts of what agrees that have the surface's normal
@@ -68,9 +68,9 @@ struct PoseVerdict
 ///
 /// Each pixel's depth is compared by the noise of the sensor, the slopes of the differences are compared in blocks of
 /// pixels, which are small where the normals agree. Outlines need something behind them, or an edge in the image.
-/// Colors are compared in blocks, but for their brightness. What hides a part of the object must be clearly before it
-/// where the other part ends, or the object would be within another thing, as in a table whose surface one of its sides
-/// would share. All of it becomes a probability by logistic functions, whose weights the program fit_verification
+/// Colors are compared in blocks, but for their brightness. What hides a part of the object has an edge where the
+/// other part ends: if not, the object would be within another thing, as in a table that one of its sides is a part of.
+/// All of it becomes a probability by logistic functions, whose weights the program fit_verification
 /// (test/benchmarks) has found for frames with depths and colors, of objects with colors and without, and for frames
 /// with depths; for colors alone they are set with more weight on outlines.
 ///

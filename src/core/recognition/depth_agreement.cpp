@@ -11,7 +11,8 @@ namespace
 {
 
 constexpr double kGate = 3.0;            // standard deviations, by which a depth that agrees may be off
-constexpr double kClearlyBefore = 6.0;   // standard deviations, from which on what hides a surface is another thing
+constexpr int kReach = 6;                // px, along which a surface goes straight on or does not
+constexpr double kStraight = 2.0;        // standard deviations of the noise, by which it may bend then
 constexpr double kSteepest = 5.0;        // tangent; steeper surfaces are not compared more loosely
 constexpr int kBlock = 8;                // px, side of the blocks whose normals are compared
 constexpr int kMinInBlock = 24;          // px
@@ -49,6 +50,32 @@ struct Slopes
   }
 };
 
+/// The depth that is measured at a pixel of a region; NaN if there is none.
+double measuredAt(const RenderedRegion& region, const RecognitionFrame& frame, const cv::Point& p)
+{
+  const cv::Point pixel = region.inImage(p.x, p.y);
+  if (!cv::Rect({}, frame.size()).contains(pixel)) return kNan;
+  const auto depth = static_cast<double>(frame.depth().at<float>(pixel));
+  return depth > 0.0 ? depth : kNan;
+}
+
+/// Whether the surface that is measured goes on along `way` from a pixel of a region without an edge. There may be one
+/// before the pixel, too, as what touches an object has nearly its depth there.
+bool goesStraightOn(const RenderedRegion& region, const RecognitionFrame& frame, const cv::Point& here,
+                    const cv::Point& way, double noise)
+{
+  const int reach = std::max(1, kReach / region.step);
+  const double limit = kStraight * std::sqrt(6.0) * noise;  // of the sum of three depths, one of them twice
+  for (int back = 0; back <= reach; back += std::max(1, reach / 2))
+  {
+    const cv::Point middle = here - back * way;
+    const double ends =
+        measuredAt(region, frame, middle - reach * way) + measuredAt(region, frame, middle + reach * way);
+    if (!(std::abs(ends - 2.0 * measuredAt(region, frame, middle)) < limit)) return false;
+  }
+  return true;
+}
+
 }  // namespace
 
 void DepthAgreement::compare(const RenderedRegion& region, const RecognitionFrame& frame, PoseEvidence& evidence)
@@ -59,10 +86,11 @@ void DepthAgreement::compare(const RenderedRegion& region, const RecognitionFram
   deviations_.create(size, CV_32FC1);
   for (int y = 0; y < size.height; ++y)
     compareRow(region, frame, y);
-  count(depthDeviation(region.center[2], errors_), evidence);
+  const double noise = depthDeviation(region.center[2], errors_);
+  count(noise, evidence);
   evidence.pixels *= region.step * region.step;
   evidence.normals = normalAgreement(region);
-  evidence.sunken = sunkenBorder();
+  evidence.sunken = sunkenBorder(region, frame, noise);
 }
 
 void DepthAgreement::compareRow(const RenderedRegion& region, const RecognitionFrame& frame, int y)
@@ -155,25 +183,24 @@ double DepthAgreement::normalAgreement(const RenderedRegion& region) const
   return all > 0 ? static_cast<double>(alike) / all : kNan;
 }
 
-/// The share of the sides of pixels, at the border of what agrees, behind which the surface is hidden but a little.
-double DepthAgreement::sunkenBorder() const
+/// The share of the border of what agrees, of the sides of its pixels, where the surface that is measured goes straight
+/// on before the object's, as where the object is within another thing. What hides a part of the object has an edge
+/// there. `noise` is the standard deviation (m) of a depth there.
+double DepthAgreement::sunkenBorder(const RenderedRegion& region, const RecognitionFrame& frame, double noise) const
 {
+  const cv::Rect box({}, states_.size());
   int all = 0, sunken = 0;
-  const auto stateAt = [&](const cv::Point& p)
-  { return cv::Rect({}, states_.size()).contains(p) ? int{states_.at<std::uint8_t>(p)} : int{kEmpty}; };
   for (int y = 0; y < states_.rows; ++y)
     for (int x = 0; x < states_.cols; ++x)
     {
       if (states_.at<std::uint8_t>(y, x) != kAgreeing) continue;
-      for (const cv::Point& beside :
-           {cv::Point(x - 1, y), cv::Point(x + 1, y), cv::Point(x, y - 1), cv::Point(x, y + 1)})
+      const cv::Point here(x, y);
+      for (const cv::Point& way : {cv::Point(-1, 0), cv::Point(1, 0), cv::Point(0, -1), cv::Point(0, 1)})
       {
-        const int state = stateAt(beside);
+        const int state = box.contains(here + way) ? int{states_.at<std::uint8_t>(here + way)} : int{kEmpty};
         if (state == kAgreeing) continue;
         ++all;
-        if (state != kHidden) continue;
-        const double before = -static_cast<double>(differences_.at<float>(beside));
-        sunken += before < kClearlyBefore * static_cast<double>(deviations_.at<float>(beside)) ? 1 : 0;
+        sunken += state == kHidden && goesStraightOn(region, frame, here, way, noise) ? 1 : 0;
       }
     }
   return all > 0 ? static_cast<double>(sunken) / all : kNan;

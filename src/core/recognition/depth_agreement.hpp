@@ -36,12 +36,12 @@ private:
   void compareRow(const RenderedRegion& region, const RecognitionFrame& frame, int y);
   void count(double noise, PoseEvidence& evidence) const;
   double normalAgreement(const RenderedRegion& region) const;
-  double sunkenBorder() const;
+  double sunkenBorder(const RenderedRegion& region, const RecognitionFrame& frame, double noise) const;
 
   DepthErrorParams errors_;
   double tolerance_;
   cv::Mat states_;
-  cv::Mat differences_;  // CV_32FC1, m, measured minus drawn, where there is a depth
+  cv::Mat differences_;  // CV_32FC1, m, measured minus drawn, where they agree
   cv::Mat deviations_;   // CV_32FC1, m, of the differences
 };
 

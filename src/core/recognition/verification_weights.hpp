@@ -8,9 +8,9 @@ namespace robot_vision
 /// Of the constant 1 and evidenceFeatures(), in their order.
 using VerificationWeights = std::array<double, 11>;
 
-// What the program fit_verification (test/benchmarks) printed for 72 frames of each object,
-// but for some numbers. What is sunken counts for as much as where colors do not tell it as well, -12.00 for -6.67 (and
-// so -6.03 for -5.50): few of the tables that it was fitted to have the color of an object.
+// What the program fit_verification (test/benchmarks) printed for 72 frames of each object, but for two numbers: what
+// is sunken counts for about as much as it does without colors, -12.00 in place of -6.67 (and so the first number is
+// -6.03 in place of -5.50), as few of the tables that it was fitted to have the color of an object.
 constexpr VerificationWeights kColorAndDepthWeights = {-6.03, 4.34, -1.55, -12.00, -3.75, 0.25,
                                                        6.31,  2.92, 9.77,  1.10,   2.40};
 // Of objects without colors, and of frames without. Their first numbers were printed as -6.80 and -3.33. They are lower
