@@ -22,12 +22,17 @@
 namespace trials
 {
 
-/// An object that is looked for, among all other samples.
-struct Object
+/// A mesh to look for.
+struct Thing
 {
   std::string name;
   robot_vision::Mesh mesh;
   std::vector<robot_vision::Symmetry> symmetries;
+};
+
+/// One that is looked for, among others.
+struct Object : Thing
+{
   std::shared_ptr<const robot_vision::ObjectShape> shape;
   std::unique_ptr<ClutteredScenes> scenes;
   std::vector<cv::Vec3f> points;  // m, of its surface
@@ -45,14 +50,6 @@ inline robot_vision::DepthErrorParams errorsOf(robot_vision::DepthSensor sensor)
   errors.depth_correlation = 25;
   return errors;
 }
-
-/// A mesh to look for.
-struct Thing
-{
-  std::string name;
-  robot_vision::Mesh mesh;
-  std::vector<robot_vision::Symmetry> symmetries;
-};
 
 inline std::vector<Thing> samples()
 {
@@ -97,10 +94,7 @@ inline std::vector<Object> objectsOf(const std::vector<Thing>& things, std::uint
   std::vector<Object> objects;
   for (const Thing& thing : things)
   {
-    Object object;
-    object.name = thing.name;
-    object.mesh = thing.mesh;
-    object.symmetries = thing.symmetries;
+    Object object{thing, nullptr, nullptr, {}};
     object.shape = std::make_shared<robot_vision::ObjectShape>(object.mesh, object.symmetries);
     std::vector<robot_vision::Mesh> others;
     for (const Thing& other : things)

@@ -11,13 +11,13 @@ namespace
 {
 
 constexpr double kGate = 3.0;            // standard deviations, by which a depth that agrees may be off
-constexpr int kReach = 6;                // px, along which a surface goes straight on or does not
-constexpr double kStraight = 2.0;        // standard deviations of the noise, by which it may bend then
 constexpr double kSteepest = 5.0;        // tangent; steeper surfaces are not compared more loosely
 constexpr int kBlock = 8;                // px, side of the blocks whose normals are compared
 constexpr int kMinInBlock = 24;          // px
 constexpr double kMaxTilt = 0.35;        // rad, of a block against the surface drawn
 constexpr double kTiltDeviations = 2.0;  // of the noise, that are granted in addition
+constexpr int kReach = 6;                // px, along which a surface goes straight on or does not
+constexpr double kStraight = 2.0;        // standard deviations of the noise, by which it may bend then
 const double kNan = std::numeric_limits<double>::quiet_NaN();
 
 /// The plane through differences at pixels: sums for its slopes, and what they are.

@@ -112,10 +112,10 @@ class _Registration:
             connected = {
                 peer for _, peer, way, _, of, *_ in connections if (way, of) == ("i", topic)
             }
-            self._register_subscriber(master, topic, kind, connected)
+            self._register_subscriber(master, node, topic, kind, connected)
 
     def _register_subscriber(
-        self, master: rosgraph.Master, topic: str, kind: str, connected: Set[str]
+        self, master: rosgraph.Master, node: Any, topic: str, kind: str, connected: Set[str]
     ) -> None:
         """Registers a subscriber, and tells the node of the publishers that the master knows.
 
@@ -123,7 +123,6 @@ class _Registration:
         of one that comes meanwhile, perhaps before its older answer is told, which rospy then
         takes for what is newer: so it is asked until its answer stays the same.
         """
-        node = xmlrpc.client.ServerProxy(self._uri)
         told: Optional[Set[str]] = None
         while True:
             publishers = connected.union(master.registerSubscriber(topic, kind, self._uri))
