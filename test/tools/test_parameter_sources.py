@@ -23,7 +23,12 @@ CONFIGS = {config.node: config for config in tool.configs()}
 # What the launch files set otherwise: the course's node finds small faces only.
 CONFIGURED = {("face_detector", "haar_maxSize"): "0"}
 # Of groups of nodes in the table of what is read at start.
-SHARED = ("all", "all but the viewer", "Python but the viewer", "all but camera")
+SHARED = (
+    "all but the dashboard",
+    "all but the viewer and the dashboard",
+    "Python but the viewer and the dashboard",
+    "all but camera",
+)
 NOTHING_LIVE = ("dashboard",)  # nodes that read all their parameters at start
 
 
@@ -109,6 +114,20 @@ def test_config_files_have_the_defaults(node):
     of_colors = {*SHOWN} if colors else set()
     assert live - of_colors <= set(values)
     assert not of_colors & set(values)
+
+
+@pytest.mark.parametrize("node", [one for one in CONFIGS if file_of(one).exists()])
+def test_config_files_tell_the_ranges(node):
+    config = CONFIGS[node]
+    spans = {
+        one.name: one.span for one in (*tool.start_fields(config, STRUCTS), *config.parameters)
+    }
+    ends = r"^(\w+):.*#.*(?<!above) ([-.\d]+) to ([-.\d]+)$"  # not "above 0 to 1"
+    told = re.findall(ends, file_of(node).read_text(), re.MULTILINE)
+    for name, low, high in told:
+        expected = re.match(r"(\S+) to ([^ ,]+)", spans.get(name, ""))
+        if expected:
+            assert (float(low), float(high)) == tuple(map(float, expected.groups())), name
 
 
 @pytest.mark.parametrize("node", NOTHING_LIVE)

@@ -5,6 +5,7 @@ import pathlib
 import re
 import shutil
 import subprocess
+from importlib.machinery import SourceFileLoader
 
 import pytest
 
@@ -282,3 +283,16 @@ def test_help_names_every_command():
     assert {"help", "demo", "test", "fuzz"} < set(targets)
     for target in targets:
         assert f"make {target} " in printed or target == "help"
+
+
+def test_the_demo_s_source_is_a_path_from_here_or_a_camera_s_name(tmp_path, monkeypatch):
+    absolute = SourceFileLoader("demo", str(ROOT / "tools/demo")).load_module().absolute
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "some.mp4").touch()
+    (tmp_path / "synthetic").mkdir()
+    paths = ("some.mp4", "../x.png", "frames/*.png")
+    for name in paths:
+        assert absolute(f"source:={name}") == "source:=" + os.path.abspath(name)
+    for name in ("freenect:0", "c920", "usb-0000:00:14.0-1", "synthetic", "rtsp://host/a", ""):
+        assert absolute(f"source:={name}") == f"source:={name}"
+    assert absolute("other:=some.mp4") == "other:=some.mp4"
