@@ -4,6 +4,7 @@ import pytest
 
 from robot_vision.recognition.database import Database, Model, Object
 from robot_vision.recognition.ork_file import Cell, read_ork
+from robot_vision.recognition.ork_node import node_words, with_typed
 from robot_vision.recognition.ork_pipelines import (
     ALL,
     MISSING,
@@ -149,6 +150,16 @@ def test_of_linemod(tmp_path):
     }
     assert file.sources == [Cell("source1", "RosKinect", topics)]
     assert file.sinks == [Cell("sink1", "Publisher", {})]
+
+
+def test_images_are_rectified_if_the_topic_that_is_used_in_the_end_says_so(tmp_path):
+    words = node_words(read_ork(written(tmp_path, LINEMOD_DETECTION)))
+    rectified = "_rectified:=true"
+    assert words[0] == "image:=/camera/rgb/image_rect_color"
+    assert with_typed(words, []) == [*words, rectified]
+    assert with_typed(words, ["_rectified:=false"]) == [*words, rectified, "_rectified:=false"]
+    for topic, added in {"/camera/rgb/image_raw": [], "/left/image_rect": [rectified]}.items():
+        assert with_typed(words, [f"image:={topic}"]) == [*words, *added, f"image:={topic}"]
 
 
 def test_of_tod_and_tabletop(tmp_path):

@@ -12,7 +12,7 @@ from .database import Database
 from .database_arguments import database_parser
 from .object_recognizer import ObjectRecognizer
 from .ork_file import read_ork
-from .ork_node import node_words, parameter_word
+from .ork_node import node_words, parameter_word, with_typed
 from .ork_pipelines import (
     ALL,
     MISSING,
@@ -40,8 +40,7 @@ def main() -> int:
     code = run_command(PROGRAM, lambda: words.extend(words_of(arguments)))
     if code:
         return code
-    given = [word for word in sys.argv[1:] if ":=" in word]
-    sys.argv[1:] = [*words, *given]  # Of two words for the same, the last one counts.
+    sys.argv[1:] = with_typed(words, [word for word in sys.argv[1:] if ":=" in word])
     rospy.names.reload_mappings(sys.argv)  # rospy has read them when it was imported.
     run_node(arguments.node_name, ObjectRecognizer)
     return 0

@@ -46,6 +46,17 @@ def node_words(file: OrkFile) -> List[str]:
     return words
 
 
+def with_typed(words: Sequence[str], typed: Sequence[str]) -> List[str]:
+    """Returns the words of a file and then those that a user has typed, which count more.
+
+    The image that is looked at in the end is rectified if the name of its topic says so, as ORK's.
+    """
+    both = [*words, *typed]
+    image = [word.partition(":=")[2] for word in both if word.startswith("image:=")][-1]
+    rectified = "rect" in image.rsplit("/", 1)[-1]
+    return [*words, *([parameter_word("rectified", True)] if rectified else []), *typed]
+
+
 def parameter_word(name: str, value: Any) -> str:
     """Returns the word that sets a private parameter of a node."""
     return f"_{name}:={json.dumps(value)}"
@@ -69,7 +80,6 @@ def _source_words(sources: Sequence[Cell], warnings: List[str]) -> List[str]:
     words += [f"camera_info:={info}"] if info != camera_info_beside(image) else []
     if _topic(source, given.pop("depth_camera_info", "")) not in ("", camera_info_beside(depth)):
         warnings.append(f"{source.name}: depth_camera_info is not used: it is that beside {depth}")
-    words += [parameter_word("rectified", True)] if "rect" in image.rsplit("/", 1)[-1] else []
     words += _crop_words(source, given)
     _warn(source, given, warnings)
     return words
