@@ -342,7 +342,13 @@ def test_what_cannot_be_recognized_is_told_until_it_can(start, tmp_path, table):
     with Database(str(path), write=True) as database, database.transaction():
         one = database.objects.find("can")
         database.models.set(Model(one.id, "PPF", {}, "key", b"no model"))
-    told(DiagnosticStatus.ERROR, "")
+    told(DiagnosticStatus.WARN, "'can' is not recognized by PPF: the beginning of a trained model")
+
+    def duck():
+        return {one.key: one.value for one in newest().values}.get("duck", "")
+
+    eyes.shown_until(lambda: duck().startswith("found 1, probability"), "the duck")
+    eyes.process.wait_for_output("'can' is not recognized by PPF: the beginning of a trained model")
     with Database(str(path), write=True) as database, database.transaction():
         database.objects.delete(database.objects.find("can").id)
     told(DiagnosticStatus.OK, "1 recognized of 1 known objects")
@@ -350,10 +356,64 @@ def test_what_cannot_be_recognized_is_told_until_it_can(start, tmp_path, table):
 
     def not_found():
         eyes.show(blank, np.full_like(table.depth, 2.0))
-        values = {one.key: one.value for one in newest().values}
-        return values.get("duck", "").startswith("not found: ")
+        return duck().startswith("not found: ")
 
     support.wait_for(not_found, "the reason why the duck is not found")
+
+
+def test_tables_need_no_objects(start, tmp_path, table):
+    """Neither a database, nor methods, as of an .ork file with TabletopTableDetector alone."""
+    path = tmp_path / "objects.db"
+    eyes = Eyes(start, table, path)
+    (desk,) = eyes.answer(["tables"])["tables"].tables
+    assert len(desk.convex_hull) >= 4
+    eyes.process.wait_for_output(f"there is no database {path}")
+    eyes.process.interrupt()
+    assert eyes.process.exit_code() == 0
+    eyes = Eyes(start, table, path, "_methods:=''")
+    newest = statuses()
+    assert len(eyes.answer(["tables"])["tables"].tables) == 1
+    eyes.shown_until(newest, "a status")
+    assert newest().level == DiagnosticStatus.OK, newest()
+    assert newest().message == "0 recognized of 0 known objects"
+    assert "there is no database" not in eyes.process.output()
+
+
+def test_images_without_depth_are_a_problem(start, kitchen, table):
+    eyes = Eyes(start, table, kitchen)
+    newest = statuses()
+    client = actionlib.SimpleActionClient(
+        "/object_recognizer/recognize_objects", ObjectRecognitionAction
+    )
+    assert client.wait_for_server(rospy.Duration(support.DEADLINE))
+    arrays = support.subscribed("/object_recognizer/recognized_object_array", RecognizedObjectArray)
+    eyes.wait_for()
+
+    def told(level, text):
+        eyes.shown_until(
+            lambda: newest() and newest().level == level and text in newest().message,
+            f"'{text}' on /diagnostics, which has {newest()}",
+        )
+
+    told(DiagnosticStatus.OK, "3 recognized of 3 known objects")
+    eyes.info, known = CameraInfo(width=1, height=1, K=eyes.info.K), eyes.info
+    told(DiagnosticStatus.ERROR, "no objects: camera_info on ")
+    assert newest().values == []
+    eyes.info = known
+    told(DiagnosticStatus.OK, "3 recognized of 3 known objects")
+    eyes.has_depth = False
+    told(DiagnosticStatus.ERROR, ": nothing is recognized")
+    assert newest().message.startswith(f"no depth on {eyes.topic.rsplit('/', 1)[0]}/depth ")
+    client.send_goal(ObjectRecognitionGoal())
+    eyes.shown_until(client.get_result, "the result of the action")
+    support.wait_for(lambda: client.get_state() == actionlib.GoalStatus.ABORTED, "its state")
+    status = client.get_goal_status_text()
+    assert status.startswith("no depth on ") and status.endswith(": nothing is recognized")
+    eyes.has_depth = True
+    before = eyes.number
+    newer = lambda: [one for one in arrays.received if one.header.stamp.secs > before]  # noqa: E731
+    eyes.shown_until(newer, "an image with depth")
+    told(DiagnosticStatus.OK, "3 recognized of 3 known objects")
 
 
 def test_reload(start, tmp_path, table):

@@ -2,8 +2,12 @@
 
 import numpy as np
 import pytest
+from std_msgs.msg import Header
 
 import robot_vision as rv
+from robot_vision.recognition.found import Found, KnownObject
+from robot_vision.recognition.recognition_markers import ObjectMarkers
+from robot_vision.recognition.straight_images import StraightImages
 
 SIZE = (320, 240)
 K = np.array([[525.0, 0.0, 159.5], [0.0, 525.0, 119.5], [0.0, 0.0, 1.0]])
@@ -129,6 +133,40 @@ def test_point_pairs_find_it_and_come_back_from_bytes(bracket, scene, shape, fra
         rv.PointPairModel.from_bytes(data[:40])
     with pytest.raises(ValueError, match="the method of a trained model"):
         rv.PointPairModel.from_bytes(data.replace(b"PPF", b"XYZ"))
+
+
+@pytest.mark.parametrize("model", ["equidistant", "fisheye"])
+def test_a_fisheye_without_coefficients_bends_images_and_depths(model):
+    """A ray at the angle t from the axis is f * t pixels from the center, not f * tan(t)."""
+    focal, middle = 120.0, SIZE[0] / 2.0 - 0.5
+    matrix = np.array([[focal, 0.0, middle], [0.0, focal, 119.5], [0.0, 0.0, 1.0]])
+    fisheye = rv.CameraModel(*SIZE, matrix, [0.0] * 4, model)
+    columns = np.tile(np.arange(SIZE[0]), (SIZE[1], 1))
+    image = np.dstack([columns // 2] * 3).astype(np.uint8)
+    depth = (1000 + columns).astype(np.uint16)
+    for cameras in ((fisheye, None), (rv.CameraModel(*SIZE, matrix), fisheye)):
+        bgr, depths = StraightImages(*cameras).apply(image, depth)
+        for x in (20, 100, 200, 300):
+            expected = middle + focal * np.arctan((x - middle) / focal)
+            shown = expected if cameras[0] is fisheye else x
+            assert abs(float(bgr[120, x, 0]) - shown / 2.0) < 1.5
+            near = depths[115:126, x - 2 : x + 3]
+            assert abs(np.median(near[near > 0]) - 1000 - expected) < 4.0
+
+
+def test_markers_have_the_mesh_that_an_object_has_now():
+    meshes = [rv.sample_mesh(name).mesh for name in ("mug", "nut")]
+    markers, made = ObjectMarkers(), []
+    for mesh in (meshes[0], meshes[0], meshes[1]):
+        known = KnownObject("id", "thing", mesh, None, None, np.zeros((8, 3)), {})
+        found = [Found(known, np.eye(4), np.eye(6), 1.0)]
+        shape, text = markers.of(Header(frame_id="eye"), found).markers
+        assert shape.header.frame_id == text.header.frame_id == "eye"
+        made.append(shape.points)
+    assert made[0] is made[1]  # It is made once.
+    for points, mesh in zip(made[1:], meshes):
+        corners = np.array([[point.x, point.y, point.z] for point in points])
+        assert np.allclose(np.ptp(corners, axis=0), rv.mesh_extent(mesh).size, atol=0.01)
 
 
 def test_depths_of_millimetres_and_arrays_with_gaps_will_do(scene, shape):

@@ -1,17 +1,31 @@
 """The method TOD: what it learns by, interruptions, and what it says of what it cannot learn."""
 
+import os
+
 import cv2
 import numpy as np
 import pytest
+from fake_params import use_params
 from textured_boxes import CAMERA, box
 
-from robot_vision import TextureModel
+from robot_vision import PlaneParams, TabletopParams, TextureModel
 from robot_vision.meshes import MeshRenderer
-from robot_vision.recognition import training
-from robot_vision.recognition.database import Database, Mesh, Object, Observation, Session
+from robot_vision.recognition import object_source, training
+from robot_vision.recognition.database import (
+    Database,
+    Mesh,
+    Model,
+    Object,
+    Observation,
+    Session,
+)
+from robot_vision.recognition.known_objects import load_objects
 from robot_vision.recognition.mesh_data import pack_mesh
 from robot_vision.recognition.observed_views import ObservationSource, extent_of, seen_by
+from robot_vision.recognition.recognition_settings import Settings
+from robot_vision.recognition.recognizer import RecognitionParams
 from robot_vision.recognition.texture_method import TEXTURES, box_around
+from robot_vision.recognition.training_run import task_of, train
 
 SIZE = np.array([0.10, 0.15, 0.06])  # m
 FAST = {"subdivisions": 0, "scales": 2}
@@ -107,6 +121,17 @@ def test_observations_are_learned_rather_than_a_mesh_and_anew_when_there_are_mor
     assert run()[1].endswith("tea: TOD: 13 views learned\n")
 
 
+def test_observations_that_were_changed_meanwhile_are_not_learned(path, mesh):
+    one = add(path, "tea")
+    observe(path, one, mesh, 2)
+    with Database(path, write=True) as database:
+        task = task_of(database, one, TEXTURES, FAST)
+        observe(path, one, mesh, 1)
+        with pytest.raises(ValueError, match="tea: TOD: what it is learned by was changed just"):
+            train(database, task, False)
+        assert database.models.of(one.id, "TOD") is None
+
+
 def test_a_training_that_was_interrupted_ends_with_the_same_bytes(path, mesh):
     one = add(path, "tea")
     observe(path, one, mesh, 10)
@@ -192,3 +217,111 @@ def test_a_box_stands_for_what_has_no_mesh(path, mesh, run):
     assert np.abs(high - low - SIZE).max() < 0.015 and len(stands.triangles) == 12
     with pytest.raises(ValueError, match="it has no mesh"):
         box_around({"LINEMOD": b""})
+
+
+def cup(path, data=None, parameters=None, mesh=None):
+    """Stores another model or mesh of the cup than it has, as a file of others may have them."""
+    with Database(path, write=True) as database, database.transaction():
+        one = database.objects.find("cup")
+        model = database.models.of(one.id, "TOD")
+        given = model.parameters if parameters is None else parameters
+        database.models.set(Model(one.id, "TOD", given, model.key, data or model.data))
+        if mesh is not None:
+            database.meshes.set(one.id, Mesh("a.ply", b"file", mesh))
+
+
+@pytest.mark.parametrize(
+    "changes, said",
+    [
+        ({"data": b"no model"}, "by TOD: the beginning of a trained model is"),
+        ({"parameters": {"foo": 1}}, "by TOD: 'foo' is no parameter, must be one of "),
+        ({"parameters": {"scales": 10**30}}, "by TOD: scales is 1000000000000000000000000000000"),
+        ({"parameters": {"scales": [1]}}, "by TOD: scales is [1], must be of the type int"),
+        ({"parameters": {"scales": 99}}, "by TOD: scales is 99, must be from 1 to 4"),
+        ({"parameters": [1]}, "is damaged: parameters is [1]"),
+        ({"mesh": b"no mesh"}, ": it is no mesh: "),
+    ],
+)
+def test_what_of_an_object_cannot_be_used_is_told_and_the_others_are_there(
+    run, path, mesh, changes, said
+):
+    for name in ("tea", "cup"):
+        add(path, name, mesh)
+    assert run()[0] == 0
+    cup(path, **changes)
+    loaded = load_objects(path, [], ["TOD"])
+    assert ([one.name for one in loaded.objects], loaded.problem) == (["tea"], "")
+    (told,) = [line for line in loaded.lacks if said in line]
+    assert told.startswith("'cup' is not recognized")
+    assert load_objects(path, ["cup"], ["TOD"]) == (
+        [],
+        [],
+        f"no object in {path} can be used: {told}",
+    )
+
+
+class Report:
+    """Keeps what the report of a node would be told."""
+
+    def __init__(self):
+        self.told = []
+
+    def set_problem(self, problem, lacks=()):
+        self.told.append((problem, list(lacks)))
+
+
+@pytest.fixture
+def source_of(path, monkeypatch):
+    """source_of(Settings, ["TOD"]) makes the ObjectSource of a node: it, and how often it loads."""
+    use_params(monkeypatch, {"~database": path})
+    monkeypatch.setattr(object_source, "CHECK_PERIOD", 0.0)
+    loads = []
+
+    def load(*words):
+        loads.append(words)
+        return load_objects(*words)
+
+    monkeypatch.setattr(object_source, "load_objects", load)
+
+    def make(settings, methods):
+        return object_source.ObjectSource(methods, settings, Report()), loads
+
+    return make
+
+
+def settings_with(**changes):
+    defaults = RecognitionParams.defaults()
+    made = Settings(defaults, (), None, False, PlaneParams(), TabletopParams(), "", False, True)
+    return made._replace(**changes)
+
+
+def test_objects_are_loaded_anew_only_if_they_or_the_choice_have_changed(
+    run, path, mesh, source_of
+):
+    add(path, "tea", mesh)
+    assert run()[0] == 0
+    settings = [settings_with()]
+    source, loads = source_of(lambda: settings[0], ["TOD"])
+    first = source.recognizer()
+    assert first is not None and len(loads) == 1
+    with Database(path) as database:  # which makes a log beside it while it is open
+        assert database.objects.all() and os.path.exists(f"{path}-wal")
+        assert source.recognizer() is first
+    settings[0] = settings_with(publish_tf=False, on_tables=True)
+    assert source.recognizer() is first and len(loads) == 1
+    params = RecognitionParams.defaults()
+    params.decision.threshold = 0.9
+    settings[0] = settings_with(params=params)
+    second = source.recognizer()
+    assert second not in (None, first) and len(loads) == 1
+    settings[0] = settings_with(params=params, objects=("tea",))
+    assert source.recognizer() not in (None, second) and len(loads) == 2
+    add(path, "cup", mesh)
+    assert source.recognizer() is not None and len(loads) == 3
+    assert source.reload() == (True, "tea") and len(loads) == 4
+
+
+def test_without_methods_nothing_is_a_problem(path, source_of):
+    source, _ = source_of(settings_with, [])
+    assert source.recognizer() is None and source._report.told == [("", [])]
+    assert source.reload() == (False, "methods names none")

@@ -7,11 +7,13 @@ from ..common.plain_text import brief
 
 
 class CoreMethod:
-    """A method whose parameters are a struct of the core."""
+    """A method whose parameters, models and matcher are classes of the core."""
 
     name = ""
     version = 1
     kind: Any = None
+    model: Any = None
+    matcher: Any = None
 
     @property
     def parameters(self) -> Dict[str, Any]:
@@ -28,13 +30,24 @@ class CoreMethod:
         """The struct with these values in it; raises ValueError if one of them cannot be."""
         params = self.kind()
         for name, value in given.items():
-            number = float(value) if type(value) is int else value
+            if name not in self.parameters:
+                known = ", ".join(self.parameters)
+                raise ValueError(f"{brief(name)} is no parameter, must be one of {known}")
             kind = type(getattr(params, name))
-            if type(value) is not kind and not (kind is float and type(number) is float):
-                raise ValueError(f"{name} is {brief(value)}, must be of the type {kind.__name__}")
-            setattr(params, name, number if kind is float else value)
+            try:
+                number = float(value) if kind is float and type(value) is int else value
+                if type(number) is not kind:
+                    raise TypeError
+                setattr(params, name, number)
+            except (TypeError, OverflowError):
+                kinds = f"of the type {kind.__name__}"
+                raise ValueError(f"{name} is {brief(value)}, must be {kinds}") from None
         validate(params)
         return params
+
+    def check_model(self, data: bytes) -> None:
+        """Raises ValueError unless this is what it has learned, and all of it."""
+        with_models(self.matcher(), self.model, [(0, data)])
 
 
 def with_models(

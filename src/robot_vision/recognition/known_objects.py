@@ -1,17 +1,16 @@
 """The objects that a node is to recognize, loaded from the database."""
 
 import itertools
-from typing import Any, Dict, List, NamedTuple, Sequence
+from typing import Dict, List, NamedTuple, Optional, Sequence
 
 import numpy as np
 
 from .. import Mesh, MeshRenderer, ObjectShape
-from ..common.errors import about
 from ..meshes import mesh_extent
 from .database import Database, Object
 from .found import KnownObject
 from .mesh_data import unpack_mesh
-from .methods import method_of
+from .methods import Method, method_of
 from .texture_method import box_around
 from .training_run import task_of
 
@@ -30,57 +29,84 @@ class Loaded(NamedTuple):
     problem: str
 
 
+class _Part(NamedTuple):
+    """What was loaded of an object: itself if it has a model, and what there is to warn of."""
+
+    known: Optional[KnownObject]
+    lacks: List[str]  # what it was not learned by, or has changed since
+    failures: List[str]  # what of it cannot be used
+
+
 def load_objects(path: str, chosen: Sequence[str], methods: Sequence[str]) -> Loaded:
     """Loads objects, and what was learned of them.
 
     Args:
         path: The database.
         chosen: Ids and names; none: all objects.
-        methods: The names of the methods.
+        methods: The names of the methods; none: only tables are looked for, and nothing is loaded.
     """
+    if not methods:
+        return Loaded([], [], "")
     try:
         with Database(path) as database:
             there = list(map(database.objects.find, chosen)) if chosen else database.objects.all()
-            loaded = [_load(database, one, methods) for one in there]
+            parts = [_load(database, one, methods) for one in there]
     except (OSError, ValueError) as error:
         return Loaded([], [], str(error))
-    objects = [known for known, _ in loaded if known.models]
-    lacks = [lack for _, of_one in loaded for lack in of_one]
+    objects = [part.known for part in parts if part.known is not None]
+    failures = [line for part in parts for line in part.failures]
+    lacks = failures + [line for part in parts for line in part.lacks]
     problem = ""
     if not there:
         problem = f"no objects in {path}: object_add.py adds them"
+    elif not objects and failures:
+        problem = f"no object in {path} can be used: {failures[0]}"
     elif not objects:
         problem = f"no object in {path} was learned by {' or '.join(methods)}: training does it"
     return Loaded(objects, [] if problem else lacks, problem)
 
 
-def _load(database: Database, one: Object, methods: Sequence[str]) -> Any:
-    """Returns an object with its models, and what it lacks."""
+def _load(database: Database, one: Object, methods: Sequence[str]) -> _Part:
+    """Returns an object with those of its models that can be used, which may come from others."""
     models: Dict[str, bytes] = {}
-    lacks: List[str] = []
-    for method in methods:
-        model = database.models.of(one.id, method)
-        if model is None:
-            lacks.append(f"'{one.name}' was not learned by {method}: training does it")
-            continue
-        models[method] = model.data
-        task = task_of(database, one, method_of(method), model.parameters)
-        if task is not None and task.key != model.key:
-            lacks.append(
-                f"'{one.name}' has changed since {method} has learned it: training does it"
-            )
+    part = _Part(None, [], [])
+    for name in methods:
+        try:
+            lack = _load_model(database, one, method_of(name), models)
+            part.lacks.extend([lack] if lack else [])
+        except ValueError as error:
+            part.failures.append(f"'{one.name}' is not recognized by {name}: {error}")
     if not models:
-        return KnownObject(one.id, one.name, None, None, None, None, models), lacks
+        return part
+    try:
+        return part._replace(known=_known(database, one, models))
+    except ValueError as error:
+        part.failures.append(f"'{one.name}' is not recognized: {error}")
+        return part
+
+
+def _load_model(database: Database, one: Object, method: Method, models: Dict[str, bytes]) -> str:
+    """Adds what a method has learned of an object to its models; returns what it lacks, or ""."""
+    model = database.models.of(one.id, method.name)
+    if model is None:
+        return f"'{one.name}' was not learned by {method.name}: training does it"
+    method.check_model(model.data)
+    task = task_of(database, one, method, model.parameters)
+    models[method.name] = model.data
+    if task is None or task.key == model.key:
+        return ""
+    return f"'{one.name}' has changed since {method.name} has learned it: training does it"
+
+
+def _known(database: Database, one: Object, models: Dict[str, bytes]) -> KnownObject:
     entry = database.meshes.entry(one.id)
-    with about(f"'{one.name}'"):
-        if entry is None:
-            mesh, symmetries = box_around(models), []
-        else:
-            mesh = unpack_mesh(database.meshes.converted(one.id))
-            symmetries = [(tuple(known.axis), known.fold) for known in entry.symmetries]
-        shape = ObjectShape(mesh, symmetries)
-    known = (mesh, MeshRenderer(mesh), shape, corners_of(mesh), models, entry is None)
-    return KnownObject(one.id, one.name, *known), lacks
+    if entry is None:
+        mesh, symmetries = box_around(models), []
+    else:
+        mesh = unpack_mesh(database.meshes.converted(one.id))
+        symmetries = [(tuple(known.axis), known.fold) for known in entry.symmetries]
+    made = mesh, MeshRenderer(mesh), ObjectShape(mesh, symmetries), corners_of(mesh)
+    return KnownObject(one.id, one.name, *made, models, entry is None)
 
 
 def corners_of(mesh: Mesh) -> np.ndarray:

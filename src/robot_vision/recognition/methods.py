@@ -55,6 +55,9 @@ class Method(Protocol):
             ValueError: The mesh cannot be learned, or the state is damaged.
         """
 
+    def check_model(self, data: bytes) -> None:
+        """Raises ValueError unless this is what it has learned, and all of it."""
+
 
 @runtime_checkable
 class ObservingMethod(Protocol):

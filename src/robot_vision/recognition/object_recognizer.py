@@ -23,6 +23,7 @@ from ..ros.startup import run_node
 from ..ros.transport import Frame, note_connections
 from .found import Found, Limits, Look
 from .looks import Looks
+from .missing_depth import MissingDepth
 from .object_info_service import ObjectInfoService
 from .object_source import ObjectSource
 from .recognition_markers import ObjectMarkers
@@ -35,6 +36,8 @@ from .straight_images import StraightImages
 from .tables_below import TablesBelow
 
 WITHOUT_DEPTH = "nothing is recognized"
+WITHOUT_METHODS = "methods names none, so that nothing but tables is looked for"
+NOT_CALIBRATED = "no calibration: see what the node has printed"  # in the overlay
 ORK_NAMES = {  # of object_recognition_core, which are not private
     "~recognized_object_array": "recognized_object_array",
     "~tables": "table_array",
@@ -71,6 +74,7 @@ class ObjectRecognizer:
         self._straight: Optional[StraightImages] = None
         self._node = ImageNode(self._on_image, idle=self._on_idle)
         self._depth = DepthInput(self._node, self._process, WITHOUT_DEPTH)
+        self._missing_depth = MissingDepth(self._node, self._depth, WITHOUT_DEPTH)
         self._tables_of = TablesBelow()
         self._calls = FrameCalls(self._node)
         self._params = LiveParams(ObjectRecognizerConfig, self._configure)
@@ -101,6 +105,7 @@ class ObjectRecognizer:
 
     def _on_idle(self) -> None:
         self._depth.clear()
+        self._missing_depth.end()
         self._tables_of.clear()
 
     def _on_reload(self, _request: Any) -> TriggerResponse:
@@ -114,26 +119,42 @@ class ObjectRecognizer:
         camera = self._calibration.camera(frame.image.shape[1::-1], settings.rectified)
         recognizer = self._source.recognizer()
         self._report.publish()
-        if camera is None or recognizer is None:
-            self._show_problem(frame, camera)
-            self._calls.refuse(self._report.problem or self._calibration.problem)
+        if camera is None:
+            self._report.set_frame_problem(self._calibration.problem)
+            self._refuse(frame, self._calibration.problem, NOT_CALIBRATED)
             return
         if depth is None and self._depth.topic:
+            lack = self._missing_depth.reason()
+            if lack:
+                self._report.set_frame_problem(lack)
+            self._refuse(frame, self._report.problem or lack)
             return
+        self._missing_depth.end()
         straight = self._straighten(camera, depth and depth.camera)
         bgr, depths = straight.apply(frame.image, depth and depth.image)
-        wants_tables = any(one.get_num_connections() for one in self._tables)
-        tables, mask = None, None
-        if depths is not None and (wants_tables or settings.on_tables):
-            tables, mask = self._tables_of.find(depths, straight.camera, frame, settings)
-        only = mask if settings.on_tables else None
-        found, told = recognizer.recognize(bgr, depths, straight.camera, only)
+        on_tables = settings.on_tables and recognizer is not None
+        mask = self._find_tables(depths, straight.camera, frame, on_tables)
+        if recognizer is None:
+            self._report.set_frame({}, 0)
+            self._refuse(frame, self._report.problem or WITHOUT_METHODS)
+            return
+        found, told = recognizer.recognize(bgr, depths, straight.camera, mask)
         found = [one for one in found if settings.limits is None or settings.limits.holds(one.pose)]
         self._report.set_frame(told, len(found))
         looks = [self._looks.of(one, camera, self._shows()) for one in found]
         self._publish(Seen(frame, depths, straight.camera, found, looks))
-        for output in self._tables if tables is not None else ():
+
+    def _find_tables(
+        self, depths: Optional[np.ndarray], camera: CameraModel, frame: Frame, on_tables: bool
+    ) -> Optional[np.ndarray]:
+        """Publishes the tables; returns where objects may be, if they are to be on tables."""
+        wanted = any(one.get_num_connections() for one in self._tables)
+        if depths is None or not (wanted or on_tables):
+            return None
+        tables, mask = self._tables_of.find(depths, camera, frame, self._settings)
+        for output in self._tables:
             output.publish(tables)
+        return mask if on_tables else None
 
     def _straighten(
         self, camera: CameraModel, depth_camera: Optional[CameraModel]
@@ -177,14 +198,15 @@ class ObjectRecognizer:
             topic = self._node.topic
             rospy.logwarn_throttle(60.0, f"no transforms: the images of {topic} have no frame_id")
 
-    def _show_problem(self, frame: Frame, camera: Optional[CameraModel]) -> None:
+    def _refuse(self, frame: Frame, reason: str, shown: str = "") -> None:
+        """Tells all who wait for a frame why nothing is recognized in it, if there is a reason."""
+        if not reason:
+            return
         if self._shows():
             overlay = frame.image.copy()
-            text = "no calibration: see what the node has printed"
-            if camera is not None:
-                text = to_ascii(printable(self._report.problem))
-            draw_text(overlay, text, (10, 20))
+            draw_text(overlay, shown or to_ascii(printable(reason)), (10, 20))
             self._processed.publish(overlay, "bgr8", frame.header)
+        self._calls.refuse(reason)
 
 
 def _names(with_ork: bool) -> Callable[[str], List[str]]:

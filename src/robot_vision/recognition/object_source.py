@@ -10,7 +10,7 @@ import rospy
 from ..common.plain_text import brief
 from ..ros.params import read_param
 from .database import Database, default_path
-from .known_objects import load_objects
+from .known_objects import Loaded, load_objects
 from .recognition_report import RecognitionReport
 from .recognition_settings import Settings
 from .recognizer import Recognizer
@@ -19,7 +19,7 @@ CHECK_PERIOD = 1.0  # s between two looks whether the database has changed
 
 
 class ObjectSource:
-    """Makes a Recognizer of the objects in ~database, and anew when these or the settings change.
+    """Makes a Recognizer of the objects in ~database, and anew when these or its settings change.
 
     Args:
         methods: The names of the methods that have learned the objects.
@@ -40,8 +40,9 @@ class ObjectSource:
         self._report = report
         self._lock = threading.Lock()  # guards all below: ~reload comes in a thread of its own
         self._recognizer: Optional[Recognizer] = None
-        self._of: Optional[Settings] = None  # what the recognizer was made with
-        self._stamp: Tuple[int, ...] = ()  # of the file that it was made of
+        self._of = settings()  # what the recognizer was made with
+        self._loaded = Loaded([], [], "")  # what it was made of
+        self._stamp: Tuple[int, ...] = ()  # of the file that this is of
         self._looked = time.monotonic()  # s
         _require_database(self.path)
         done, text = self.reload()
@@ -53,35 +54,48 @@ class ObjectSource:
 
         The thread of the images calls it.
         """
-        now = time.monotonic()
         with self._lock:
-            if self._settings() is not self._of or now - self._looked >= CHECK_PERIOD:
-                self._looked = now
-                if self._settings() is not self._of or _stamp_of(self.path) != self._stamp:
-                    self._make()
+            settings = self._settings()
+            if settings.objects != self._of.objects or self._has_changed():
+                self._load(settings)
+            elif settings.params != self._of.params:
+                self._make(settings)
             return self._recognizer
 
     def reload(self) -> Tuple[bool, str]:
         """Loads the objects; returns whether there are any, and which, or the reason."""
         with self._lock:
-            return self._make()
+            return self._load(self._settings())
 
-    def _make(self) -> Tuple[bool, str]:
-        settings = self._settings()
+    def _has_changed(self) -> bool:
+        """Returns whether the database has changed, at which it looks now and then."""
+        now = time.monotonic()
+        if now - self._looked < CHECK_PERIOD:
+            return False
+        self._looked = now
+        return _stamp_of(self.path) != self._stamp
+
+    def _load(self, settings: Settings) -> Tuple[bool, str]:
         self._stamp, self._of, self._recognizer = _stamp_of(self.path), settings, None
-        loaded = load_objects(self.path, settings.objects, self._methods)
-        problem = loaded.problem
-        if not problem:
+        self._loaded = load_objects(self.path, settings.objects, self._methods)
+        problem = self._make(settings)
+        if problem or not self._loaded.objects:
+            return False, problem or "methods names none"
+        names = ", ".join(one.name for one in self._loaded.objects)
+        rospy.loginfo("%d objects of %s: %s", len(self._loaded.objects), self.path, names)
+        return True, names
+
+    def _make(self, settings: Settings) -> str:
+        """Makes the recognizer of what was loaded, and returns the reason if there is none."""
+        self._of, self._recognizer = settings, None
+        problem = self._loaded.problem
+        if self._loaded.objects:
             try:
-                self._recognizer = Recognizer(loaded.objects, settings.params)
+                self._recognizer = Recognizer(self._loaded.objects, settings.params)
             except ValueError as error:
                 problem = str(error)
-        self._report.set_problem(problem, loaded.lacks)
-        if problem:
-            return False, problem
-        names = ", ".join(one.name for one in loaded.objects)
-        rospy.loginfo("%d objects of %s: %s", len(loaded.objects), self.path, names)
-        return True, names
+        self._report.set_problem(problem, self._loaded.lacks)
+        return problem
 
 
 def _require_database(path: str) -> None:
@@ -103,12 +117,16 @@ def _read_path() -> str:
 
 
 def _stamp_of(path: str) -> Tuple[int, ...]:
-    """Returns numbers that are others after somebody has written to a database."""
+    """Returns numbers that are others after somebody has written to a database.
+
+    Who only reads it makes an empty log beside it, and removes that.
+    """
     stamp: List[int] = []
     for name in (path, path + "-wal"):
         try:
             status = os.stat(name)
-            stamp += [status.st_ino, status.st_size, status.st_mtime_ns]
+            size = status.st_size
+            stamp += [status.st_ino, size, status.st_mtime_ns] if size else [0, 0, 0]
         except OSError:
             stamp += [0, 0, 0]
     return tuple(stamp)

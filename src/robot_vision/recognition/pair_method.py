@@ -46,6 +46,8 @@ class PairTraining:
 class _PairMethod(CoreMethod):
     name = "PPF"
     kind = PointPairParams
+    model = PointPairModel
+    matcher = PointPairMatcher
 
     def trainer(
         self, mesh: Mesh, parameters: Mapping[str, Any], _state: Optional[bytes]

@@ -1,6 +1,6 @@
 """What was recognized as markers for rviz: the meshes themselves, which needs no file."""
 
-from typing import Dict, List, Sequence
+from typing import Dict, List, Sequence, Tuple
 
 import numpy as np
 import rospy
@@ -8,6 +8,7 @@ from geometry_msgs.msg import Point
 from std_msgs.msg import ColorRGBA, Header
 from visualization_msgs.msg import Marker, MarkerArray
 
+from .. import Mesh
 from ..common.plain_text import to_ascii
 from ..ros.poses import pose_of
 from .found import Found, KnownObject
@@ -22,7 +23,7 @@ class ObjectMarkers:
     """Makes markers of what was found; those of an object differ by their poses alone."""
 
     def __init__(self) -> None:
-        self._shapes: Dict[str, Marker] = {}  # by the ids of objects, without a header
+        self._shapes: Dict[str, Tuple[Mesh, Marker]] = {}  # by the ids of objects; no header
 
     def of(self, header: Header, found: Sequence[Found]) -> MarkerArray:
         """Returns a mesh and a text for each object that was found in an image."""
@@ -36,14 +37,11 @@ class ObjectMarkers:
             made[-2].pose = pose_of(one.pose)
         return MarkerArray(made)
 
-    def forget(self) -> None:
-        """Forgets all shapes, because the objects have changed."""
-        self._shapes.clear()
-
     def _shape(self, known: KnownObject) -> Marker:
-        if known.id not in self._shapes:
-            self._shapes[known.id] = _triangles(known)
-        shape = self._shapes[known.id]
+        mesh, shape = self._shapes.get(known.id, (None, None))
+        if mesh is not known.mesh:  # It was loaded anew.
+            shape = _triangles(known)
+            self._shapes[known.id] = known.mesh, shape
         return Marker(
             ns="meshes",
             type=Marker.TRIANGLE_LIST,

@@ -112,6 +112,8 @@ def _trainer(
 class _TextureMethod(CoreMethod):
     name = "TOD"
     kind = TextureParams
+    model = TextureModel
+    matcher = TextureMatcher
 
     def trainer(
         self, mesh: StoredMesh, parameters: Mapping[str, Any], state: Optional[bytes]

@@ -47,6 +47,8 @@ class ViewTraining:
 class _ViewMethod(CoreMethod):
     name = "LINEMOD"
     kind = ViewParams
+    model = ViewModel
+    matcher = ObjectMatcher
 
     def trainer(
         self, mesh: Mesh, parameters: Mapping[str, Any], state: Optional[bytes]
