@@ -49,6 +49,26 @@ def test_what_is_not_closed_or_has_no_area_is_told(tmp_path):
     ]
 
 
+def test_vertices_have_the_color_of_their_place_in_a_texture_that_repeats(tmp_path):
+    texture = np.zeros((2, 4, 3), np.uint8)
+    texture[:, :, 0] = 10 * np.arange(8).reshape(2, 4)  # 10 for each pixel, row by row
+    places = [(0.0, 0.0), (1.0, 1.0), (2.0, 0.3), (1.3, 0.6), (-0.2, -0.2), (-1.0, 5.6)]
+    pixels = [0, 7, 3, 5, 7, 4]
+    vertices = np.array([[0.1 * number, number % 2, 0.0] for number in range(6)], np.float32)
+    mesh = rv.Mesh(
+        vertices,
+        [(0, 1, 2), (3, 4, 5)],
+        texture_coordinates=np.array(places, np.float32),
+        textures=[texture],
+        triangle_textures=[0, 0],
+    )
+    write_mesh(str(tmp_path / "a.ply"), mesh)
+    read = read_mesh(str(tmp_path / "a.ply"), "m").mesh
+    for vertex, pixel in zip(vertices, pixels):
+        nearest = np.linalg.norm(read.vertices - vertex, axis=1).argmin()
+        assert read.colors[nearest].tolist() == [10 * pixel, 0, 0], vertex
+
+
 @pytest.mark.parametrize(
     ("scale", "unit", "reason"),
     [

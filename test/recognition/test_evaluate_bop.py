@@ -80,6 +80,24 @@ def test_what_is_wrong_is_told(folder, run, tmp_path):
     assert code == 1 and "000001.png" in err and err.count("\n") == 1
 
 
+def test_results_that_cannot_be_written_are_told_before_anything_is_learned(
+    folder, run, tmp_path, monkeypatch
+):
+    root, _ = folder
+    there = tmp_path / "results.csv"
+    there.write_text("those of yesterday")
+    with monkeypatch.context() as patch:
+        patch.setattr(evaluate_bop, "ViewTraining", None)
+        code, _, err = run(root, "--output", there)
+        said = f"evaluate_bop.py: {there} is there already; --force replaces it\n"
+        assert (code, err) == (1, said)
+        assert "Not a directory" in run(root, "--output", there / "x.csv")[2]
+    assert there.read_text() == "those of yesterday"
+    for words in ((there, "--force"), (tmp_path / "new" / "results.csv",)):
+        assert run(root, "--output", *words)[0] == 0
+        assert words[0].read_text().startswith("scene_id,")
+
+
 TRUTH, CAMERA = "scene_gt.json", "scene_camera.json"
 
 

@@ -1,9 +1,14 @@
 """Meshes in the database: mesh_add.py, mesh_view.py, pages, and the formats of others."""
 
 import base64
+import io
 import json
+import os
 import pathlib
 import re
+import subprocess
+import sys
+import zipfile
 
 import cv2
 import numpy as np
@@ -13,6 +18,7 @@ import robot_vision as rv
 from robot_vision.meshes import write_mesh
 from robot_vision.recognition import (
     mesh_add,
+    mesh_intake,
     mesh_view,
     object_add,
     object_export,
@@ -60,10 +66,10 @@ def box_file(box, tmp_path):
     return path
 
 
-def add(run, name, *words):
+def add(run, name, *words, commit=("--commit",)):
     assert run(object_add, "-n", name, "--commit")[0] == 0
     if words:
-        code, out, err = run(mesh_add, name, *words, "--commit")
+        code, out, err = run(mesh_add, name, *words, *commit)
         assert code == 0, err
         return out
     return ""
@@ -124,13 +130,47 @@ def test_what_is_no_packed_mesh(box, spoil):
         at = packed.index(np.asarray(box.triangles, "<i4").tobytes())
         spoil = packed[: at + 3] + b"\x7f" + packed[at + 4 :]
     elif spoil == "bomb":
-        import io
-
         file = io.BytesIO()
         np.savez_compressed(file, vertices=np.zeros((10**6, 3), np.float32))
         spoil = file.getvalue()
     with pytest.raises(ValueError):
         unpack_mesh(spoil)
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"vertices": np.zeros(3, np.float32)},
+        {"vertices": np.zeros((1, 1, 3), np.float32)},
+        {"vertices": np.zeros((9, 2), np.float32)},
+        {"color": np.zeros(4, np.uint8)},
+        {"color": np.zeros((1, 3), np.uint8)},
+        {"color": np.uint8(7)},
+        {"triangle_textures": np.zeros((2, 3), np.int32)},
+        {"triangle_textures": np.int32(0)},
+        {"texture_0": np.zeros((2, 2))},
+        {"texture_\u00b2": np.zeros(9, np.uint8)},
+    ],
+)
+def test_arrays_that_no_mesh_has(box, changes):
+    with np.load(io.BytesIO(pack_mesh(box))) as arrays:
+        changed = {**arrays, **changes}
+    file = io.BytesIO()
+    np.savez(file, **changed)
+    with pytest.raises(ValueError):
+        unpack_mesh(file.getvalue())
+
+
+@pytest.mark.parametrize("name", ["vertices", "color", "texture_0", "another"])
+def test_members_of_a_packed_mesh_that_are_no_arrays(box, name):
+    file = io.BytesIO()
+    with zipfile.ZipFile(io.BytesIO(pack_mesh(box))) as packed, zipfile.ZipFile(file, "w") as made:
+        for member in packed.namelist():
+            if member != f"{name}.npy":
+                made.writestr(member, packed.read(member))
+        made.writestr(f"{name}.npy", b"hello")
+    with pytest.raises(ValueError, match=f"it is no mesh: '{name}' is no array"):
+        unpack_mesh(file.getvalue())
 
 
 @pytest.mark.parametrize(
@@ -196,6 +236,67 @@ def test_files_that_cannot_be_taken(run, path, tmp_path, kind):
     assert err.startswith(f"mesh_add.py: {file}")
     with Database(path) as database:
         assert database.meshes.entry(database.objects.find("thing").id) is None
+
+
+@pytest.mark.parametrize(
+    "before",
+    [
+        "\n" * 10**6 + "#\n",
+        "# <init_from>" + " " * 10**5 + "\n",
+        "# " + "<init_from> " * 10**5 + "\n",
+    ],
+    ids=["empty lines", "white space", "openings"],
+)
+def test_names_are_found_at_once_in_a_file_made_to_take_for_ever(box_file, before):
+    box_file.write_text(before + box_file.read_text())
+    script = """
+import sys
+from robot_vision.recognition.mesh_intake import take_mesh
+print(*sorted(take_mesh(sys.argv[1]).stored.files))
+"""
+    command = [sys.executable, "-c", script, str(box_file)]
+    told = subprocess.run(command, stdout=subprocess.PIPE, check=True, timeout=60).stdout.decode()
+    beside = sorted(one.name for one in box_file.parent.glob("box*") if one != box_file)
+    assert told.split() == beside and "box.mtl" in beside
+
+
+def test_names_that_are_no_utf_8(run, path, box, box_file, tmp_path):
+    """Those of the mesh, of its materials and of their texture; files keep their bytes."""
+    latin = os.fsdecode(b"caf\xe9")
+    for name in ("box.mtl", "box_0.png"):
+        (tmp_path / name).rename(tmp_path / name.replace("box", latin))
+    for file in (tmp_path / f"{latin}.mtl", box_file):
+        file.write_bytes(re.sub(rb"\bbox(_0|\.mtl)", b"caf\xe9\\1", file.read_bytes()))
+    file = box_file.rename(tmp_path / f"{latin}.obj")
+    assert "would give 'box' the mesh caf\\udce9.obj\n" in add(run, "box", file, commit=[])
+    assert run(mesh_add, "box", file, "--commit")[0] == 0
+    mesh, drawn = stored(path, "box")
+    assert mesh.file_name == "caf?.obj" and mesh.original == file.read_bytes()
+    assert {"caf?.mtl", "caf?_0.png"} <= set(mesh.files)
+    assert same_shape(drawn, box) and len(drawn.textures) == len(box.textures)
+    assert run(object_export, tmp_path / "folder")[0] == 0
+    sheet = tmp_path / f"{latin}.png"
+    code, out, err = run(mesh_view, file, "--output", sheet)
+    assert (code, err) == (0, "") and "caf\\udce9.png\n" in out and sheet.exists()
+    for bad in (f"{latin}.stl", latin):
+        code, _, err = run(mesh_view, bad, "--output", tmp_path / "x.png")
+        assert code == 1 and "mesh_view.py: there is no object 'caf\\udce9" in err
+
+
+@pytest.mark.parametrize(
+    "names, taken",
+    [
+        ("mtllib a.mtl\r\n", ["a.mtl"]),
+        ("  mtllib\ta b.mtl  \nmtllib\nv 1 2 3\n", ["a b.mtl"]),
+        ("map_Kd -s 2 -o 1 c.png\nbump d.png\n", ["c.png", "d.png"]),
+        ('{"uri" : "e.bin"}, {"uri":"../f.bin"}', ["e.bin"]),
+        ("<init_from>\n g.png </init_from><init_from> </init_from>", ["g.png"]),
+    ],
+)
+def test_files_that_a_mesh_names(tmp_path, names, taken):
+    for name in ("a.mtl", "a b.mtl", "c.png", "d.png", "e.bin", "g.png", "other"):
+        (tmp_path / name).write_bytes(b"x")
+    assert sorted(mesh_intake.files_beside(str(tmp_path / "mesh"), names.encode())) == taken
 
 
 @pytest.mark.parametrize(
@@ -309,6 +410,39 @@ def test_a_data_set_of_bop_and_back(run, path, box, box_file, tmp_path):
     assert out.endswith("0 objects added\n")
 
 
+def test_a_data_set_has_no_distortion(run, path, box_file, tmp_path):
+    """As a camera without it would have seen what the camera of the observation has seen."""
+    add(run, "box", box_file)
+    width, height = 96, 64
+    matrix = np.array([[80.0, 0.0, 47.5], [0.0, 80.0, 31.5], [0.0, 0.0, 1.0]])
+    lens = np.array([0.3, 0.1, 0.0, 0.0])
+    columns, rows = np.meshgrid(np.arange(width), np.arange(height))
+    image = np.dstack([2 * columns, 3 * rows, columns + rows]).astype(np.uint8)
+    mask = np.where(np.hypot(columns - 60, rows - 30) < 20, 255, 0).astype(np.uint8)
+    depth = np.full((height, width), 700, np.uint16)
+    with Database(path, write=True) as database, database.transaction():
+        session = database.observations.add_session(Session(database.objects.find("box").id))
+        images = [cv2.imencode(".png", one)[1].tobytes() for one in (image, depth, mask)]
+        new = Observation(session.id, 0, *images, matrix, POSE, lens)
+        database.observations.add(new)
+    assert run(object_export, tmp_path / "bop", "--bop")[0] == 0
+    scene = tmp_path / "bop" / "train_real" / "000001"
+    maps = cv2.initUndistortRectifyMap(matrix, lens, None, matrix, (width, height), cv2.CV_32FC1)
+    inside = (maps[0] > 1) & (maps[0] < width - 2) & (maps[1] > 1) & (maps[1] < height - 2)
+    assert inside.mean() > 0.5 and np.abs(maps[0] - columns).max() > 5
+    straight = cv2.remap(image, *maps, cv2.INTER_LINEAR)
+    found = cv2.imread(str(scene / "rgb" / "000000.png"))
+    assert cv2.absdiff(found, straight)[inside].max() <= 2
+    there = cv2.imread(str(scene / "mask_visib" / "000000_000000.png"), cv2.IMREAD_UNCHANGED)
+    expected = cv2.remap(mask, *maps, cv2.INTER_LINEAR)
+    assert (there[(expected > 160) & inside] == 255).all() and there.ndim == 2
+    assert (there[(expected < 96) & inside] == 0).all()
+    depths = cv2.imread(str(scene / "depth" / "000000.png"), cv2.IMREAD_UNCHANGED)
+    assert depths.dtype == np.uint16 and (depths[inside] == 700).mean() > 0.95
+    camera = json.loads((scene / "scene_camera.json").read_text())["0"]
+    assert np.allclose(camera["cam_K"], matrix.ravel())
+
+
 def test_a_data_set_of_others(run, path, box, tmp_path):
     """Depths in tenths of mm, an axis that passes the middle, and no names."""
     folder = tmp_path / "lm"
@@ -342,6 +476,28 @@ def test_a_data_set_of_others(run, path, box, tmp_path):
     assert code == 1 and "frame 3: scene_camera.json has no camera of it" in err
     with Database(str(tmp_path / "x.db")) as database:
         assert database.objects.all() == []
+
+
+def test_a_split_that_is_not_there_is_told_before_anything_is_added(
+    run, path, box, box_file, tmp_path
+):
+    folder = tmp_path / "lm"
+    (folder / "models").mkdir(parents=True)
+    write_mesh(str(folder / "models" / "obj_000005.ply"), scaled(box, 1000.0))
+    (folder / "train" / "000001").mkdir(parents=True)
+    for split in ("trian", "train", "models"):
+        code, out, err = run(object_import, folder, "--split", split, "--commit")
+        said = f"{folder / split} has no scenes, which have a scene_gt.json each"
+        assert (code, out, err) == (1, "", f"object_import.py: {said}\n")
+    add(run, "box", box_file)
+    assert run(object_export, tmp_path / "ours")[0] == 0
+    file = tmp_path / "couch.json"
+    file.write_text(json.dumps(couch(box_file)))
+    for source in (tmp_path / "ours", file):
+        code, _, err = run(object_import, source, "--split", "train", "--replace", "--commit")
+        assert code == 1 and f"--split is of BOP data sets, {source} is none: no models" in err
+    with Database(path) as database:
+        assert [one.name for one in database.objects.all()] == ["box"]
 
 
 def couch(box_file, **changes):
@@ -390,6 +546,18 @@ def test_the_documents_of_a_couchdb(run, path, box, box_file, tmp_path):
         )
     mesh, drawn = stored(path, "coke")
     assert mesh.file_name == "original.obj" and same_shape(drawn, box)
+
+
+def test_the_documents_of_a_couchdb_may_be_large(run, path, tmp_path):
+    """Of 65 MB, above what any of our own JSON files has: what was learned is in it, too."""
+    row = {"id": "e" * 32, "doc": {"_id": "e" * 32, "method": "LINEMOD", "data": "A" * (65 << 20)}}
+    file = tmp_path / "couch.json"
+    file.write_text(json.dumps({"rows": [row]}))
+    assert run(object_import, file, "--commit")[:2] == (0, "0 objects added\n")
+    with open(file, "ab") as more:
+        more.truncate((1 << 30) + 1)  # of zeros that take no place
+    code, _, err = run(object_import, file, "--commit")
+    assert code == 1 and f"{file} cannot be read: it has 1024 MB, must have at most 1024" in err
 
 
 @pytest.mark.parametrize(

@@ -1,5 +1,6 @@
 """object_capture.py on a synthetic turntable: views, masks, poses, a mesh, and what is learned."""
 
+import os
 import pathlib
 
 import cv2
@@ -13,10 +14,11 @@ from sensor_msgs.msg import CameraInfo
 from textured_boxes import box, pose_error
 
 from robot_vision import CameraModel, TextureMatcher, TextureModel
-from robot_vision.meshes import Mesh, mesh_extent
-from robot_vision.recognition import object_capture, training
+from robot_vision.meshes import Mesh, mesh_extent, write_mesh
+from robot_vision.recognition import capture_run, captured_mesh, mesh_add, object_capture, training
 from robot_vision.recognition.capture_plate import plate_of, read_plate_bundle
 from robot_vision.recognition.database import Database, Object
+from robot_vision.recognition.database.observations import Observations
 from robot_vision.recognition.known_objects import load_objects
 from robot_vision.recognition.mesh_data import unpack_mesh
 from robot_vision.recognition.observed_views import seen_by
@@ -217,6 +219,29 @@ def test_without_a_mesh_it_is_judged_by_its_texture(run, path, folder, plate, ta
     assert_recognized(loaded, table)
 
 
+def test_a_mesh_that_somebody_gave_stays(run, path, folder, plate, tmp_path, monkeypatch):
+    given = standing_box()
+    file = tmp_path / "captured.ply"  # as those are called that are made of observations
+    write_mesh(str(file), given)
+    words = ("thing", plate, "--folder", folder, "--views", 4, "--commit")
+    assert run(mesh_add, "thing", file, "--commit")[0] == 0
+    code, out, _ = run(object_capture, *words)
+    assert code == 0 and "a mesh of" not in out
+    assert np.allclose(mesh_extent(mesh_in(path)).size, SIZE, atol=1e-6)
+    with Database(path, write=True) as database, database.transaction():
+        database.meshes.delete(database.objects.find("thing").id)
+    usual = captured_mesh.pack_mesh
+
+    def given_meanwhile(mesh):
+        mesh_add.add(mesh_add.parse_arguments(["--database", path, "thing", str(file), "--commit"]))
+        return usual(mesh)
+
+    monkeypatch.setattr(captured_mesh, "pack_mesh", given_meanwhile)
+    code, out, _ = run(object_capture, *words, "--replace")
+    assert code == 0 and out.endswith("'thing' was given a mesh meanwhile, which stays\n")
+    assert np.allclose(mesh_extent(mesh_in(path)).size, SIZE, atol=1e-6)
+
+
 def test_a_trial_stores_nothing(run, path, folder, plate):
     code, out, err = run(object_capture, "thing", plate, "--folder", folder, "--views", 4)
     assert (code, err) == (0, "")
@@ -250,6 +275,41 @@ def test_after_ctrl_c_what_was_taken_is_there(run, path, folder, plate, monkeypa
     assert code == 130 and f"interrupted; 5 of {VIEWS} views, missing at" in out
     assert len(observations_in(path)) == 5
     assert all(seen_by(one).mask.any() for one in observations_in(path))
+
+
+@pytest.mark.parametrize(
+    "error, code, said",
+    [
+        (OSError("No space left"), 1, "object_capture.py: No space left\n"),
+        (KeyboardInterrupt(), 130, ""),
+    ],
+)
+def test_why_the_first_view_was_not_stored_is_told(
+    run, path, folder, plate, monkeypatch, error, code, said
+):
+    usual, errors = Observations.add, [error] * (1 if code == 130 else 99)
+
+    def failing(self, new):
+        if errors:
+            raise errors.pop()
+        usual(self, new)
+
+    monkeypatch.setattr(Observations, "add", failing)
+    words = ("thing", plate, "--folder", folder, "--views", VIEWS, "--commit", "--no-mesh")
+    found, _, err = run(object_capture, *words)
+    assert (found, err) == (code, said)
+    assert len(observations_in(path)) == (1 if code == 130 else 0)
+
+
+def test_a_folder_whose_name_is_no_utf_8(run, path, plate, frames, tmp_path):
+    folder = tmp_path / os.fsdecode(b"caf\xe9")  # which cv2.imwrite() could not name
+    os.rename(turntable.write_frames(tmp_path / "frames", frames[:1]), folder)
+    words = ("thing", plate, "--folder", folder, "--commit", "--no-mesh")
+    code, _, err = run(object_capture, *words)
+    assert (code, err) == (0, "") and len(observations_in(path)) == 1
+    with Database(path) as database:
+        (session,) = database.observations.sessions(database.objects.find("thing").id)
+    assert session.source == str(tmp_path / "caf?")
 
 
 def test_a_bag_gives_the_same_views(run, path, plate, frames, tmp_path):
@@ -307,6 +367,28 @@ def test_what_is_missing_is_told(run, path, folder, plate, frames, tmp_path):
     assert observations_in(path) == []
 
 
+def test_frames_that_cannot_be_used_are_left_out(run, path, plate, frames, tmp_path, monkeypatch):
+    folder = pathlib.Path(turntable.write_frames(tmp_path / "frames", frames[:4]))
+    images = sorted((folder / "rgb").iterdir())
+    images[0].write_bytes(images[0].read_bytes()[:1000])
+    cv2.imwrite(str(images[2]), frames[2].image[:-1])
+    words = ("thing", plate, "--folder", folder, "--views", VIEWS, "--commit", "--no-mesh")
+    code, out, err = run(object_capture, *words)
+    assert (code, err) == (0, "") and f"2 of {VIEWS} views" in out and "; 2 frames were not" in out
+    assert [one.frame_number for one in observations_in(path)] == [2, 4]
+    for image in images:
+        cv2.imwrite(str(image), frames[2].image[:-1])
+    height, width = frames[2].image.shape[:2]
+    said = f"its image is of {width}x{height - 1}, camera_info of {width}x{height}\n"
+    code, _, err = run(object_capture, *words, "--add")
+    told = "no view of the object in 4 frames; 4 frames were not used, most (4)"
+    assert (code, err) == (1, f"object_capture.py: {told}: {said}")
+    monkeypatch.setattr(capture_run, "MAX_UNUSABLE", 2)  # as of topics, whose frames never end
+    code, _, err = run(object_capture, *words, "--add")
+    assert (code, err) == (1, f"object_capture.py: {images[1]}: {said}")
+    assert len(observations_in(path)) == 2
+
+
 @pytest.mark.parametrize(
     "words, code, message",
     [
@@ -318,6 +400,8 @@ def test_what_is_missing_is_told(run, path, folder, plate, frames, tmp_path):
         (("thing", "{plate}", "--folder", "{folder}", "--bundle-name", "x"), 1, "none of the name"),
         (("thing", "{plate}", "--folder", "{folder}", "--family", "x"), 2, "argument --family"),
         (("thing", "{plate}", "--folder", "{folder}", "--views", "2"), 2, "from 4 to 360"),
+        (("thing", "{plate}", "--folder", "{folder}", "--center", "0", "nan"), 2, "from -3 to 3 m"),
+        (("thing", "{plate}", "--folder", "{folder}", "--center", "inf", "0"), 2, "from -3 to 3 m"),
         (("thing", "{plate}", "--folder", "{folder}", "--floor", "0.6"), 2, "below --height"),
     ],
 )

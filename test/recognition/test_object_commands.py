@@ -1,12 +1,16 @@
 """object_add.py, object_search.py and object_delete.py, as object_recognition_core has them."""
 
+import contextlib
 import os
 import re
+import sqlite3
 
 import pytest
 
-from robot_vision.recognition import object_add, object_delete, object_search
-from robot_vision.recognition.database import Database, Mesh, Model
+from robot_vision.meshes import sample_mesh
+from robot_vision.recognition import object_add, object_delete, object_list, object_search
+from robot_vision.recognition.database import Database, Mesh, Model, Session
+from robot_vision.recognition.mesh_data import pack_mesh
 
 COMMIT = "Use the --commit option to commit the proposed change."
 
@@ -128,6 +132,25 @@ def test_all_that_is_of_an_object_is_deleted_and_told(run, add, path):
     assert (code, out) == (0, f"Deleted {said}\n")
     with Database(path) as database:
         assert [found.id for found in database.objects.all()] == [other]
+
+
+def test_text_of_others_does_not_reach_the_terminal_as_it_is(run, add, path):
+    one = add("-n", "coke")
+    with Database(path, write=True) as database, database.transaction():
+        database.meshes.set(one, Mesh("\x1b[2J.stl", b"", pack_mesh(sample_mesh("nut").mesh)))
+        database.models.set(Model(one, "\x1b[3J", {}, "key", b"learned"))
+        database.observations.add_session(Session(one, id="\x1b[4J"))
+    with contextlib.closing(sqlite3.connect(path)) as file, file:
+        file.execute("UPDATE objects SET added = ?", ("\x1b[5J",))
+    for module, words, parts in (
+        (object_list, [], "23"),
+        (object_search, [], "2345"),
+        (object_delete, ["coke"], "23"),
+        (object_delete, ["coke", "--commit"], "23"),
+    ):
+        code, out, _ = run(module, *words)
+        assert code == 0 and "\x1b" not in out
+        assert all(f"\\x1b[{part}J" in out for part in parts)
 
 
 @pytest.mark.parametrize(

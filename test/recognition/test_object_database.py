@@ -25,6 +25,7 @@ from robot_vision.recognition.database import (
     default_path,
     schema,
 )
+from robot_vision.recognition.database.blobs import digest_of
 from robot_vision.recognition.database.folder_export import export_folder
 from robot_vision.recognition.database.folder_import import import_folder
 
@@ -221,12 +222,21 @@ def test_who_has_waited_long_is_told(path, monkeypatch):
             raise AssertionError("two write at a time")
 
 
-def test_others_changes_are_noticed(path):
-    with Database(path, write=True) as database, Database(path) as reader:
-        before = reader.version()
-        assert reader.version() == before
-        fill(database)
-        assert reader.version() != before and len(reader.objects.all()) == 1
+def test_who_reads_sees_what_was_there_when_it_began(path, tmp_path):
+    with Database(path, write=True) as database:
+        one = fill(database)
+        with Database(path) as reader:
+            with database.transaction():
+                database.objects.delete(one.id)
+            assert reader.objects.all() == [one] and database.objects.all() == []
+            entry = reader.meshes.entry(one.id)
+            assert digest_of(reader.meshes.converted(one.id)) == entry.converted
+            export_folder(reader, reader.objects.all(), str(tmp_path / "folder"))
+        assert len(contents(tmp_path / "folder" / one.id / "sessions")) == 7
+        with pytest.raises(ValueError, match=f"has no mesh of {one.id} any more"):
+            database.meshes.converted(one.id)
+        with Database(path) as reader:
+            assert reader.objects.all() == []
 
 
 def test_a_full_disk_is_told_and_leaves_what_was_there(path):
@@ -454,6 +464,22 @@ def test_a_folder_of_it_gives_the_same_database(path, tmp_path):
     assert sorted(os.listdir(tmp_path)) == ["again", "folder", "new", "other.db"]
 
 
+def test_a_folder_gets_its_name_when_all_of_it_is_on_the_disk(path, tmp_path, monkeypatch):
+    synced, usual = set(), os.fsync
+
+    def fsync(file):
+        assert not (tmp_path / "folder").exists()
+        synced.add(os.fstat(file).st_ino)
+        usual(file)
+
+    with Database(path, write=True) as database:
+        fill(database)
+        monkeypatch.setattr(os, "fsync", fsync)
+        export_folder(database, database.objects.all(), str(tmp_path / "folder"))
+    files = [one for one in (tmp_path / "folder").rglob("*") if one.is_file()]
+    assert {one.stat().st_ino for one in files} <= synced and len(files) > 10
+
+
 @pytest.mark.parametrize(
     "name, old, new, said",
     [
@@ -471,6 +497,21 @@ def test_a_folder_of_it_gives_the_same_database(path, tmp_path):
         ("*/mesh/mesh.json", '"fold": 0', '"fold": 1', "fold is 1, must be 0 .*or from 2"),
         ("*/mesh/mesh.json", '"label.png"', '"gone.png"', "gone.png cannot be read: No such file"),
         ("*/sessions/*/session.json", "525.0", '"x"', "observation 0: K is 'x', must be a number"),
+        ("*/sessions/*/session.json", '"_id": "', '"_id": "/', "session.json: _id is '/.*, must"),
+        ("*/sessions/*/session.json", '_id": "', '_id": "../', r"session.json: _id is '\.\./"),
+        ("*/sessions/*/session.json", '3,\n   "K"', '3,\n   "_id": "x",\n   "K"', "0: _id is 'x'"),
+        (
+            "*/mesh/mesh.json",
+            '"coke.obj"',
+            r'"\udce9.obj"',
+            r"mesh.json: original is '\\udce9.obj'",
+        ),
+        (
+            "*/mesh/mesh.json",
+            '"label.png"',
+            r'"\ud800.png"',
+            "mesh.json: files is .*, must be a list",
+        ),
         ("*/models/LINEMOD.json", '"views": 3', '"views": [', "LINEMOD.json: "),
     ],
 )
@@ -488,6 +529,29 @@ def test_a_folder_with_something_wrong_adds_nothing(path, tmp_path, name, old, n
         with refused, database.transaction():
             import_folder(database, str(folder), False, lambda data: None)
         assert database.objects.all() == []
+
+
+@pytest.mark.parametrize("name", ["{}/taken", "../../../taken", "..", "a/b", ""])
+@pytest.mark.parametrize(
+    "changes",
+    [
+        ["UPDATE sessions SET id = ?", "UPDATE observations SET session_id = ?"],
+        ["UPDATE meshes SET file_name = ?"],
+        ["UPDATE mesh_files SET name = ? WHERE name = 'label.png'"],
+        ["UPDATE models SET method = ? || '/x'"],
+    ],
+    ids=["session", "mesh", "texture", "method"],
+)
+def test_names_of_others_lead_to_no_file_outside_of_the_folder(path, tmp_path, name, changes):
+    with Database(path, write=True) as database:
+        fill(database)
+    with contextlib.closing(sqlite3.connect(path)) as file, file:
+        for change in changes:
+            file.execute(change, (name.format(tmp_path),))
+    said = "'coke': a file is '.*', must be a name without a folder"
+    with Database(path) as database, pytest.raises(ValueError, match=said):
+        export_folder(database, database.objects.all(), str(tmp_path / "folder"))
+    assert os.listdir(tmp_path) == ["new"]
 
 
 def test_a_folder_that_cannot_be_finished_is_not_there(path, tmp_path):

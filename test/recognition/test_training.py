@@ -8,11 +8,12 @@ import re
 import pytest
 
 from robot_vision.recognition import methods, training, training_progress, training_run
-from robot_vision.recognition.database import Database, Mesh, Object, Symmetry
+from robot_vision.recognition.database import Database, Mesh, Object, Symmetry, models
 from robot_vision.recognition.training_progress import TrainingProgress
 
 TOTAL = 20
 STEP = 3
+AXIS = Symmetry((0.0, 0.0, 1.0))
 
 
 class Views:
@@ -144,6 +145,23 @@ def test_the_same_mesh_is_learned_once(run, path, method):
     assert model(path, "coke").data == model(path, "twin").data
 
 
+@pytest.mark.parametrize(
+    "changed", [None, Mesh("a.stl", b"", b"box"), Mesh("a.stl", b"", b"can", symmetries=[AXIS])]
+)
+def test_what_was_changed_meanwhile_gets_no_model_of_another_mesh(path, method, changed):
+    one = add(path, "coke", b"can")
+    with Database(path, write=True) as database:
+        task = training_run.task_of(database, one, method, {})
+        with database.transaction():
+            database.meshes.delete(one.id)
+            if changed is not None:
+                database.meshes.set(one.id, changed)
+        said = "coke: LINEMOD: what it is learned by was changed just now: train it again"
+        with pytest.raises(ValueError, match=said):
+            training_run.train(database, task, False)
+        assert database.models.of(one.id, "LINEMOD") is None and method.begun == []
+
+
 @pytest.mark.parametrize("interrupt_at", [0, 3, 18])
 def test_ctrl_c_loses_nothing(run, path, method, interrupt_at):
     add(path, "another", b"box")
@@ -164,6 +182,25 @@ def test_ctrl_c_loses_nothing(run, path, method, interrupt_at):
     assert method.begun == [0, interrupt_at] and model(path, "coke").data == whole
     with Database(path) as database:
         assert database.models.state(model(path, "coke").key) is None
+
+
+def test_of_trainings_that_nobody_goes_on_with_only_the_newest_are_kept(
+    run, path, method, monkeypatch
+):
+    monkeypatch.setattr(models, "MAX_STATES", 2)
+    one = add(path, "coke", b"can")
+    method.interrupt_at = 3
+    files = [f"pipeline1: {{type: LinemodTrainer, seed: {seed}}}" for seed in range(4)]
+    for file in (*files, files[2]):
+        assert run(text=file)[0] == 130
+    with Database(path) as database:
+        keys = [
+            training_run.task_of(database, one, method, {"seed": seed}).key for seed in range(4)
+        ]
+        there = [key for key in keys if database.models.state(key)]
+    assert there == keys[2:]
+    method.interrupt_at, method.begun = None, []
+    assert run(text=files[2])[0] == 0 and method.begun == [3]
 
 
 def test_what_was_stored_is_not_used_if_it_cannot_be(run, path, method, monkeypatch):

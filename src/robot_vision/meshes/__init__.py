@@ -7,6 +7,7 @@
 >>> meshes.write_mesh("/tmp/mug.ply", meshes.sample_mesh("mug").mesh)
 """
 
+import os
 from typing import Optional
 
 from .. import (
@@ -57,6 +58,6 @@ def read_mesh(path: str, unit: Optional[str] = None) -> LoadedMesh:
         OSError: The file cannot be read: it is not there, damaged, or takes too long.
     """
     try:
-        return _read_mesh(path, unit or "")
+        return _read_mesh(os.fsencode(path), unit or "")  # Its bytes may be no UTF-8.
     except RuntimeError as error:
         raise OSError(str(error)) from None

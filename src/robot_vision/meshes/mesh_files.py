@@ -78,9 +78,19 @@ def _vertex_colors(mesh: Mesh) -> np.ndarray:
     for index, texture in enumerate(mesh.textures):
         used = np.unique(mesh.triangles[mesh.triangle_textures == index])
         size = np.array([texture.shape[1], texture.shape[0]])
-        at = np.clip((mesh.texture_coordinates[used] * size).astype(int), 0, size - 1)
+        at = (_within_texture(mesh.texture_coordinates[used]) * size).astype(int)
+        at = np.clip(at, 0, size - 1)
         colors[used] = texture[at[:, 1], at[:, 0]]
     return colors
+
+
+def _within_texture(coordinates: np.ndarray) -> np.ndarray:
+    """Returns texture coordinates, of textures that repeat, as those of the first: from 0 to 1.
+
+    The far border stays one, as the vertices there are of what is before it.
+    """
+    inside = coordinates - np.floor(coordinates)
+    return np.where((inside == 0.0) & (coordinates > 0.0), 1.0, inside)
 
 
 def _stl(mesh: Mesh, stem: str) -> Dict[str, bytes]:

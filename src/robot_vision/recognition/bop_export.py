@@ -11,15 +11,19 @@ from typing import Any, Dict, List, Sequence
 import numpy as np
 
 from .. import Mesh, mesh_extent
+from ..common import opencv as cv2
 from ..meshes.mesh_files import ply_of
 from .database import Database, Object, Observation
 from .database.folder_files import new_folder, write_data, write_json
 from .mesh_data import unpack_mesh
+from .observed_views import seen_by
+from .straight_images import StraightImages
 from .symmetries import MM, to_bop
 
 SPLIT = "train_real"
 OBJECTS = "objects.json"
 MODELS_INFO = "models_info.json"
+SCENE_TRUTHS = "scene_gt.json"
 
 
 def export_bop(database: Database, objects: Sequence[Object], folder: str) -> List[Object]:
@@ -68,14 +72,27 @@ def _write_scene(database: Database, object_id: str, folder: str, number: int) -
     for session in database.observations.sessions(object_id):
         for one in database.observations.of(session.id):
             frame = len(cameras)
-            write_data(one.rgb, folder, "rgb", f"{frame:06d}.png")
-            write_data(one.depth, folder, "depth", f"{frame:06d}.png")
-            write_data(one.mask, folder, "mask_visib", f"{frame:06d}_000000.png")
+            rgb, depth, mask = _straight(one)
+            write_data(rgb, folder, "rgb", f"{frame:06d}.png")
+            write_data(depth, folder, "depth", f"{frame:06d}.png")
+            write_data(mask, folder, "mask_visib", f"{frame:06d}_000000.png")
             cameras[str(frame)] = {"cam_K": one.matrix.ravel().tolist(), "depth_scale": 1.0}
             truths[str(frame)] = [_truth(one, number)]
     if cameras:
         write_json(cameras, folder, "scene_camera.json")
-        write_json(truths, folder, "scene_gt.json")
+        write_json(truths, folder, SCENE_TRUTHS)
+
+
+def _straight(one: Observation) -> Sequence[bytes]:
+    """Returns the image, depth and mask without the distortion of the lens, which BOP lacks."""
+    if not any(one.distortion):
+        return [one.rgb, one.depth, one.mask]
+    seen = seen_by(one)
+    straight = StraightImages(seen.camera, None)
+    bgr, depth = straight.apply(seen.image, seen.depth)
+    mask, _ = straight.apply(np.dstack([seen.mask] * 3), None)
+    images = bgr, depth, (mask[:, :, 0] > 127) * np.uint8(255)
+    return [cv2.imencode(".png", pixels)[1].tobytes() for pixels in images]
 
 
 def _truth(one: Observation, number: int) -> Dict[str, Any]:

@@ -9,9 +9,9 @@ import numpy as np
 from ..common import opencv as cv2
 from ..common.errors import about
 from ..common.image_files import load_image, sensor_pixels
-from ..common.plain_text import brief
+from ..common.plain_text import brief, printable
 from ..meshes import mesh_extent
-from .bop_export import MODELS_INFO, OBJECTS
+from .bop_export import MODELS_INFO, OBJECTS, SCENE_TRUTHS
 from .database import Database, Mesh, Object, Observation, Session
 from .database.folder_files import entries_of, read_data, read_json
 from .database.json_values import integer, matrix, number, numbers, text
@@ -60,8 +60,9 @@ def import_bop(
 
     Raises:
         OSError: A file cannot be read, or the database not be written.
-        ValueError: A file is not what it must be.
+        ValueError: A file is not what it must be, or there are no observations of this split.
     """
+    scenes = _scenes_of(os.path.join(folder, split)) if split else []
     models = os.path.join(folder, "models")
     infos = optional_json(models, MODELS_INFO)
     names = optional_json(folder, OBJECTS)
@@ -79,9 +80,21 @@ def import_bop(
         taken[model.number] = added.id
         database.meshes.set(added.id, stored_model(models, model.number, infos, tell))
         tell(f"{added.id} added: '{added.name}'")
-    if split:
-        _import_scenes(database, os.path.join(folder, split), taken, tell)
+    _import_scenes(database, scenes, taken, tell)
     return len(taken)
+
+
+def _scenes_of(folder: str) -> List[str]:
+    """Returns the folders of the scenes of a split.
+
+    Raises:
+        OSError: The folder cannot be read.
+        ValueError: There are none.
+    """
+    scenes = [os.path.join(folder, scene) for scene in entries_of(folder)]
+    if not any(os.path.lexists(os.path.join(scene, SCENE_TRUTHS)) for scene in scenes):
+        raise ValueError(f"{folder} has no scenes, which have a {SCENE_TRUTHS} each")
+    return scenes
 
 
 def optional_json(*path: str) -> Dict[str, Any]:
@@ -122,11 +135,11 @@ def stored_model(
 
 
 def _import_scenes(
-    database: Database, folder: str, taken: Dict[int, str], tell: Callable[[str], None]
+    database: Database, scenes: List[str], taken: Dict[int, str], tell: Callable[[str], None]
 ) -> None:
-    for scene in entries_of(folder):
-        path = os.path.join(folder, scene)
-        cameras, truths = read_json(path, "scene_camera.json"), read_json(path, "scene_gt.json")
+    for path in scenes:
+        folder, scene = os.path.split(path)
+        cameras, truths = read_json(path, "scene_camera.json"), read_json(path, SCENE_TRUTHS)
         sessions: Dict[int, str] = {}
         count = 0
         for frame in sorted(truths, key=frame_number):
@@ -142,7 +155,7 @@ def _import_scenes(
                     seen = _observation(path, int(frame), index, truth, camera, sessions[model])
                     database.observations.add(seen)
                     count += 1
-        tell(f"{count} observations of {path}")
+        tell(f"{count} observations of {printable(path, 300)}")
 
 
 def frame_number(frame: str) -> int:

@@ -23,6 +23,7 @@ depth/NAME.png (16 bits, mm) and camera.yaml.
 """
 MAX_VIEWS = 360
 MAX_SLOP = 10.0  # s
+MAX_PLACE = 3.0  # m, of what is on the plate
 
 
 def parse_arguments(command: Sequence[str]) -> argparse.Namespace:
@@ -83,11 +84,14 @@ def _add_plate(group: argparse._ArgumentGroup) -> None:
     group.add_argument(
         "--center",
         nargs=2,
-        type=float,
+        type=number_within(float, -MAX_PLACE, MAX_PLACE, unit="m"),
         metavar=("X", "Y"),
         help="m, of the middle of the plate in the bundle's frame (default: between the tags)",
     )
-    length = {"type": number_within(float, 0.0, 3.0, above_low=True, unit="m"), "metavar": "M"}
+    length = {
+        "type": number_within(float, 0.0, MAX_PLACE, above_low=True, unit="m"),
+        "metavar": "M",
+    }
     group.add_argument(
         "--radius", help="m, of the place for the object (default: up to the nearest tag)", **length
     )

@@ -8,17 +8,17 @@ import numpy as np
 
 from .. import CameraModel, to_gray
 from ..common import opencv as cv2
-from ..common.errors import about
 from ..common.progress import Progress
 from .capture_mask import PixelRays, Space, metres_of, object_mask, sharpness, touches_border
 from .capture_plate import Plate
-from .capture_sources import Shot
+from .capture_sources import Images, Shot
 from .capture_views import View, ViewCollection
 from .database import Database, Observation, Session
 from .plate_finder import PlateFinder
 
 MIN_PIXELS = 400  # of an object in an image
 MAX_DEPTH = 65535  # mm
+MAX_UNUSABLE = 30  # frames from the beginning on, after which those that follow are so, too
 
 
 class CaptureRun:
@@ -58,6 +58,7 @@ class CaptureRun:
         self._replace = replace
         self._progress = progress
         self._frames = 0
+        self._usable = 0  # frames whose images could be read, and are of the camera's size
         self._problems: Counts[str] = Counter()
 
     def take(self, shots: Iterable[Shot]) -> None:
@@ -65,12 +66,11 @@ class CaptureRun:
 
         Raises:
             OSError: A file cannot be read, or the database not be written.
-            ValueError: An image cannot be used, or there is not one view.
+            ValueError: There is not one view, or not one image can be used.
         """
         try:
             for shot in shots:
-                with about(shot.name):
-                    view = self._view(shot)
+                view = self._view(shot)
                 if view is not None:
                     self._store(self._views.add(view))
                 self._progress.tell(self._views.summary())
@@ -97,12 +97,14 @@ class CaptureRun:
     def _view(self, shot: Shot) -> Optional[View]:
         """Returns a frame as a view, or None if it cannot be one."""
         self._frames += 1
-        image, depth = shot.read()
-        size = (self._camera.height, self._camera.width)
-        for name, pixels in (("image", image), ("depth", depth)):
-            if pixels.shape[:2] != size:
-                sizes = ["{1}x{0}".format(*one) for one in (pixels.shape, size)]
-                raise ValueError(f"its {name} is of {sizes[0]}, camera_info of {sizes[1]}")
+        try:
+            image, depth = self._images_of(shot)
+        except ValueError as error:
+            self._problems[str(error)] += 1
+            if not self._usable and self._frames >= MAX_UNUSABLE:
+                raise ValueError(f"{shot.name}: {error}") from None
+            return None
+        self._usable += 1
         found = self._finder.find(image, depth, self._camera)
         if found.pose is None:
             self._problems[found.problem] += 1
@@ -117,17 +119,28 @@ class CaptureRun:
         sharp = sharpness(to_gray(image, "bgr8"), mask)
         return View(shot.time, self._frames, image, depth, mask, self._camera, found.pose, sharp)
 
+    def _images_of(self, shot: Shot) -> Images:
+        """Returns the images of a frame; raises ValueError if they cannot be used."""
+        image, depth = shot.read()
+        size = (self._camera.height, self._camera.width)
+        for name, pixels in (("image", image), ("depth", depth)):
+            if pixels.shape[:2] != size:
+                sizes = ["{1}x{0}".format(*one) for one in (pixels.shape, size)]
+                raise ValueError(f"its {name} is of {sizes[0]}, camera_info of {sizes[1]}")
+        return image, depth
+
     def _store(self, view: Optional[View]) -> None:
         if view is None or self._database is None:
             return
-        observations = self._database.observations
+        observations, session = self._database.observations, self._session
         with self._database.transaction():
-            if not self._session.id:
+            if not session.id:
                 if self._replace:
-                    for one in observations.sessions(self._session.object_id):
+                    for one in observations.sessions(session.object_id):
                         observations.delete_session(one.id)
-                self._session = observations.add_session(self._session)
-            observations.add(_observation(view, self._session.id))
+                session = observations.add_session(session)
+            observations.add(_observation(view, session.id))
+        self._session = session  # which is there only now
 
     def _worst(self) -> str:
         """Why most frames that were not used were not."""

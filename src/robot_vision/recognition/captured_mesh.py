@@ -12,7 +12,7 @@ from .database import Database, Mesh, Object
 from .mesh_data import pack_mesh
 from .observed_views import ObservationSource, Seen, extent_of, seen_by
 
-CAPTURED = "captured.ply"  # the name of a mesh that was made here
+CAPTURED = "captured.ply"  # the name of a mesh that was made here, which no other one has
 MAX_VIEWS = 120  # that are used of an object, those that are spread best
 CELLS = 100  # voxels along the longest side
 MIN_VOXEL = 0.0015  # m; what is smaller is less than depth cameras tell
@@ -20,8 +20,16 @@ MARGIN = 4  # voxels around the object
 FLOOR = 0.005  # m above the plate, below which depths may be the plate's
 
 
+def wants_mesh(database: Database, one: Object) -> bool:
+    """Returns whether an object has no mesh but one that was made of observations."""
+    entry = database.meshes.entry(one.id)
+    return entry is None or entry.file_name == CAPTURED
+
+
 def make_mesh(database: Database, one: Object) -> str:
     """Makes a mesh of an object's observations, stores it, and returns what there is to say.
+
+    A mesh that somebody has given the object meanwhile stays.
 
     Raises:
         OSError: The database cannot be written.
@@ -34,6 +42,8 @@ def make_mesh(database: Database, one: Object) -> str:
     size = np.asarray(mesh_extent(mesh).size)
     stored = Mesh(CAPTURED, ply_of(mesh), pack_mesh(mesh))
     with database.transaction():
+        if not wants_mesh(database, one):
+            return f"'{one.name}' was given a mesh meanwhile, which stays"
         database.meshes.set(one.id, stored)
     sides = " x ".join(f"{1000.0 * side:.0f}" for side in size)
     return f"a mesh of {sides} mm, of {len(mesh.triangles)} triangles, by {len(chosen)} views"

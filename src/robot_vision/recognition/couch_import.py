@@ -15,7 +15,7 @@ from typing import Any, Callable, Dict, List, Mapping, Tuple
 from ..common.errors import about
 from ..common.plain_text import brief, printable
 from .database import Database
-from .database.folder_files import is_file_name, read_json
+from .database.folder_files import MAX_DATA, is_file_name, read_json
 from .database.folder_import import object_of
 from .database.json_values import text
 from .database.objects import is_id
@@ -42,7 +42,7 @@ def import_couch(
         OSError: The file cannot be read, or the database not be written.
         ValueError: The file is not what it must be.
     """
-    values = read_json(path)
+    values = read_json(path, max_size=MAX_DATA)  # It has the data of all meshes.
     with about(path):
         documents = _documents(values)
         objects = {one["_id"]: one for one in documents if one.get("Type") == "Object"}

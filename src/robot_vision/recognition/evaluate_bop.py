@@ -12,10 +12,10 @@ from .. import CameraModel, MeshRenderer, ObjectShape, ViewParams
 from ..common.arguments import command_parser
 from ..common.commands import run_command
 from ..common.errors import about
-from ..common.files import replace_file
+from ..common.files import make_folder, replace_file, require_replaceable
 from ..common.image_files import load_image, sensor_pixels
 from ..meshes import mesh_extent
-from .bop_export import MODELS_INFO
+from .bop_export import MODELS_INFO, SCENE_TRUTHS
 from .bop_import import (
     MODEL,
     camera_of,
@@ -74,6 +74,7 @@ def parse_arguments(command: Sequence[str]) -> argparse.Namespace:
     parser.add_argument("folder", metavar="FOLDER", help="the data set")
     parser.add_argument("--split", default="test", metavar="NAME", help="(default: %(default)s)")
     parser.add_argument("--output", default="", metavar="FILE", help="BOP's results, as CSV")
+    parser.add_argument("--force", action="store_true", help="replace FILE if it is there")
     return parser.parse_args(command)
 
 
@@ -84,6 +85,8 @@ def evaluate(arguments: argparse.Namespace) -> None:
         OSError: A file cannot be read or written.
         ValueError: A file is not what it must be.
     """
+    if arguments.output:
+        require_replaceable(arguments.output, arguments.force, new_folders=True)
     if not is_bop(arguments.folder):
         raise ValueError(f"{arguments.folder} is no BOP data set: no models/obj_000001.ply or such")
     split = os.path.join(arguments.folder, arguments.split)
@@ -112,6 +115,7 @@ def evaluate(arguments: argparse.Namespace) -> None:
         print(f"object {index}: {right} of {all_} found, {recall}; {wrong} false")
     print(f"{len(times)} images, {np.mean(times):.3f} s each")
     if arguments.output:
+        make_folder(arguments.output)
         replace_file(arguments.output, ("\n".join(rows) + "\n").encode())
 
 
@@ -135,7 +139,7 @@ def _models(folder: str) -> Dict[int, _Model]:
 
 def _frames(split: str, scene: str) -> Iterator[_Frame]:
     folder = os.path.join(split, scene)
-    cameras, truths = read_json(folder, "scene_camera.json"), read_json(folder, "scene_gt.json")
+    cameras, truths = read_json(folder, "scene_camera.json"), read_json(folder, SCENE_TRUTHS)
     for frame in sorted(truths, key=frame_number):
         with about(f"{folder}: frame {frame}"):
             there = [(integer(one, "obj_id"), pose_of(one)) for one in truths_of(truths[frame])]

@@ -6,6 +6,7 @@ from typing import Sequence
 
 from ..common.arguments import number_within, parse_completely
 from ..common.commands import run_command
+from ..common.plain_text import printable
 from .database_arguments import COMMIT, add_commit, database_parser, open_database
 from .mesh_intake import UNITS, take_mesh
 from .symmetries import FORM, parse_symmetries, symmetry_text
@@ -66,7 +67,8 @@ def add(arguments: argparse.Namespace) -> None:
         for symmetry in arguments.symmetries:
             print("symmetry:", symmetry_text(symmetry))
         if not arguments.commit:
-            print(f"would give '{one.name}' the mesh {taken.stored.file_name}\n{COMMIT}")
+            file_name = printable(taken.stored.file_name)
+            print(f"would give '{one.name}' the mesh {file_name}\n{COMMIT}")
             return
         with database.transaction():
             database.objects.find(one.id)  # which may have been deleted meanwhile

@@ -9,6 +9,7 @@ import numpy as np
 from .. import Mesh
 from ..common import opencv as cv2
 from ..common.image_files import sensor_pixels
+from ..common.plain_text import brief
 
 MAX_ARRAYS = 300  # textures included
 ARRAYS = {  # names and types of the arrays
@@ -20,6 +21,7 @@ ARRAYS = {  # names and types of the arrays
     "triangle_textures": np.int32,
     "color": np.uint8,
 }
+LISTS = ("triangle_textures", "color")  # the others have rows and columns
 TEXTURE = "texture_"
 
 
@@ -48,13 +50,18 @@ def unpack_mesh(data: bytes) -> Mesh:
     for name, kind in ARRAYS.items():
         if arrays[name].dtype != kind:
             raise ValueError(f"it is no mesh: {name} are {arrays[name].dtype}")
+        if arrays[name].ndim != (1 if name in LISTS else 2):
+            raise ValueError(f"it is no mesh: {name} are of the shape {arrays[name].shape}")
     textures = [arrays[name] for name in sorted(_textures(arrays), key=_index)]
-    return Mesh(
-        *(arrays[name] for name in list(ARRAYS)[:5]),
-        [sensor_pixels(texture.tobytes()) for texture in textures],
-        arrays["triangle_textures"],
-        tuple(arrays["color"].ravel().tolist()),
-    )
+    try:
+        return Mesh(
+            *(arrays[name] for name in list(ARRAYS)[:5]),
+            [sensor_pixels(texture.tobytes()) for texture in textures],
+            arrays["triangle_textures"],
+            tuple(arrays["color"].tolist()),
+        )
+    except (TypeError, RuntimeError):  # of the binding, whose text has all of the arrays
+        raise ValueError("it is no mesh: an array has a length that it cannot have") from None
 
 
 def _arrays(data: bytes) -> Dict[str, np.ndarray]:
@@ -65,11 +72,15 @@ def _arrays(data: bytes) -> Dict[str, np.ndarray]:
             if len(entries) > MAX_ARRAYS or sizes > len(data):  # Compressed ones might be huge.
                 raise ValueError("it has more than a mesh has")
         with np.load(io.BytesIO(data), allow_pickle=False) as arrays:
-            return {name: arrays[name] for name in arrays.files}
+            found = {name: arrays[name] for name in arrays.files}
     except ValueError:
         raise
     except Exception as error:  # zipfile and NumPy have many kinds
         raise ValueError(f"it is no mesh: {error}") from None
+    for name, array in found.items():
+        if not isinstance(array, np.ndarray):
+            raise ValueError(f"it is no mesh: {brief(name)} is no array")
+    return found
 
 
 def _textures(arrays: Dict[str, Any]) -> Any:

@@ -1,5 +1,6 @@
 """Mesh files as the database takes them: read, measured, and with the files that they name."""
 
+import itertools
 import os
 import re
 from typing import Any, Dict, List, NamedTuple, Optional, Sequence, Set
@@ -9,6 +10,7 @@ import numpy as np
 from .. import Mesh
 from ..common.files import MAX_IMAGE, read_file
 from ..meshes import mesh_extent, read_mesh
+from .captured_mesh import CAPTURED
 from .database import Mesh as StoredMesh
 from .database import Symmetry
 from .database.folder_files import MAX_DATA, is_file_name
@@ -17,10 +19,12 @@ from .mesh_data import pack_mesh
 UNITS = {"m": 1.0, "cm": 0.01, "mm": 0.001, "inch": 0.0254}  # m
 MIN_SIZE, MAX_SIZE = 0.005, 3.0  # m, of the largest side of an object
 MAX_FILES = 50  # that a mesh names
-# What names other files: of obj, mtl, ply, gltf and dae.
+MAX_SCANNED = 256 << 20  # bytes of a file that are looked through: 2 million triangles have less
+# What names other files: of obj, mtl, ply, gltf and dae. Nothing in it is looked for again from
+# each place of what was passed, so that any file takes a time in proportion to its size.
 NAMES = re.compile(
-    rb"^\s*(?:mtllib|map_\w+(?:\s+-\w+\s+\S+)*|bump|comment TextureFile)\s+(.+?)\s*$"
-    rb'|"uri"\s*:\s*"([^"]+)"|<init_from>\s*([^<]+?)\s*</init_from>',
+    rb"^[ \t]*(?:mtllib|map_\w+(?:[ \t]+-\w+[ \t]+\S+){0,20}|bump|comment TextureFile)"
+    rb'[ \t]([^\r\n]+)|"uri"\s*:\s*"([^"]+)"|<init_from>([^<]{1,1000})</init_from>',
     re.MULTILINE,
 )
 
@@ -72,16 +76,23 @@ def take_mesh(
     sides = " x ".join(f"{1000.0 * side:.1f}" for side in size)
     notes = [loaded.unit_reason, f"it is {sides} mm, of {len(mesh.triangles)} triangles"]
     stored = StoredMesh(
-        os.path.basename(path) if is_file_name(os.path.basename(path)) else "mesh",
+        _stored_name(os.path.basename(path)),
         original,
         pack_mesh(mesh),
-        _files_of(path, original),
+        files_beside(path, original),
         UNITS[loaded.unit],
         scale,
         tuple(offset.tolist()),
         symmetries,
     )
     return Intake(stored, notes + list(loaded.warnings))
+
+
+def _stored_name(name: str) -> str:
+    """Returns a file's name, or another one if that cannot be stored, or means something else."""
+    if not is_file_name(name):
+        return "mesh"
+    return name if name != CAPTURED else f"given_{name}"
 
 
 def _moved(mesh: Mesh, scale: float, offset: np.ndarray) -> Any:
@@ -97,7 +108,7 @@ def _moved(mesh: Mesh, scale: float, offset: np.ndarray) -> Any:
     )
 
 
-def _files_of(path: str, data: bytes) -> Dict[str, bytes]:
+def files_beside(path: str, data: bytes) -> Dict[str, bytes]:
     """Returns the files beside a mesh that it names, and that these name, by their names."""
     folder, found = os.path.dirname(path), {}
     waiting = _names_in(data)
@@ -118,5 +129,5 @@ def _files_of(path: str, data: bytes) -> Dict[str, bytes]:
 def _names_in(data: bytes) -> List[str]:
     if b"\0" in data[:10000] and not data.startswith(b"ply"):  # not text
         return []
-    names = (next(filter(None, match.groups())) for match in NAMES.finditer(data))
-    return [os.fsdecode(name) for name in names][:MAX_FILES]
+    found = itertools.islice(NAMES.finditer(data, 0, MAX_SCANNED), MAX_FILES)
+    return [os.fsdecode(match[match.lastindex].strip()) for match in found]

@@ -9,6 +9,7 @@ from ..common import opencv as cv2
 from ..common.arguments import number_within
 from ..common.commands import run_command
 from ..common.files import make_folder, replace_file, require_replaceable
+from ..common.plain_text import printable
 from ..meshes import mesh_sheet, read_mesh
 from .database_arguments import database_parser, open_database
 from .mesh_data import unpack_mesh
@@ -55,7 +56,7 @@ def view(arguments: argparse.Namespace) -> None:
     sheet = mesh_sheet(_mesh(arguments), side=arguments.side)
     make_folder(arguments.output)
     replace_file(arguments.output, cv2.imencode(".png", sheet)[1].tobytes())
-    print("written:", arguments.output)
+    print("written:", printable(arguments.output, 300))
 
 
 def _mesh(arguments: argparse.Namespace) -> object:

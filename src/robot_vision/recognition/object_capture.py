@@ -21,7 +21,7 @@ from .capture_sources import (
     shots_from_folder,
     shots_from_topics,
 )
-from .captured_mesh import CAPTURED, make_mesh
+from .captured_mesh import make_mesh, wants_mesh
 from .database import Database, Object, Session
 from .database_arguments import COMMIT, open_database
 
@@ -54,7 +54,7 @@ def capture(arguments: argparse.Namespace) -> None:
         print(run.result(), flush=True)
         if not arguments.commit:
             print(COMMIT)
-        elif not arguments.no_mesh and _wants_mesh(database, one):
+        elif not arguments.no_mesh and wants_mesh(database, one):
             print(make_mesh(database, one), flush=True)
 
 
@@ -97,9 +97,3 @@ def _shots(arguments: argparse.Namespace) -> Iterator[Shot]:
     if arguments.bag:
         return shots_from_bag(arguments.bag, topics, arguments.slop)
     return shots_from_topics(topics, arguments.slop)
-
-
-def _wants_mesh(database: Database, one: Object) -> bool:
-    """Returns whether an object has no mesh but one that was made of observations."""
-    entry = database.meshes.entry(one.id)
-    return entry is None or entry.file_name == CAPTURED

@@ -5,6 +5,7 @@ import sys
 from typing import Sequence
 
 from ..common.commands import run_command
+from ..common.plain_text import printable
 from .database import Database, Object
 from .database_arguments import COMMIT, add_commit, database_parser, open_database
 
@@ -53,8 +54,9 @@ def delete(arguments: argparse.Namespace) -> None:
 def described(database: Database, one: Object) -> str:
     """Returns an object and what is of it, in a line."""
     mesh = database.meshes.entry(one.id)
-    parts = [f"the mesh {mesh.file_name}"] if mesh else []
-    parts += [f"the model {model.method}" for model in database.models.entries_of(one.id)]
+    parts = [f"the mesh {printable(mesh.file_name)}"] if mesh else []
+    models = database.models.entries_of(one.id)
+    parts += [f"the model {printable(model.method)}" for model in models]
     count = database.observations.count(one.id)
     parts += [f"{count} observations"] if count else []
     return f"the object {one.id} '{one.name}'" + (f" with {', '.join(parts)}" if parts else "")

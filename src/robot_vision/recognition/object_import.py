@@ -44,6 +44,11 @@ def parse_arguments(command: Sequence[str]) -> argparse.Namespace:
 def add(arguments: argparse.Namespace) -> None:
     """Adds the objects, or tells which would be added."""
     path = database_path(arguments)
+    if arguments.split and not is_bop(arguments.source):
+        raise ValueError(
+            f"--split is of BOP data sets, {arguments.source} is none: no models/obj_000001.ply or "
+            "such"
+        )
     if not arguments.commit and not os.path.lexists(path):
         raise ValueError(f"there is no database {path} yet: --commit makes it")
     with Database(path, write=True) as database, database.transaction(arguments.commit):

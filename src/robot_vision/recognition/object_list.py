@@ -63,7 +63,7 @@ def list_objects(arguments: argparse.Namespace) -> None:
 def row_of(database: Database, one: Object) -> Sequence[str]:
     """Returns what the table says of an object."""
     entry = database.meshes.entry(one.id)
-    models = ", ".join(model.method for model in database.models.entries_of(one.id))
+    models = ", ".join(printable(model.method, 30) for model in database.models.entries_of(one.id))
     seen = database.observations.count(one.id)
     mesh, size, symmetries = "-", "-", "-"
     if entry is not None:

@@ -56,8 +56,8 @@ def has_words(one: Object, words: Sequence[str]) -> bool:
 def lines_of(database: Database, one: Object) -> List[str]:
     """Returns what is known of an object, as object_recognition_core prints it."""
     mesh = database.meshes.entry(one.id)
-    models = [model.method for model in database.models.entries_of(one.id)]
-    sessions = [session.id for session in database.observations.sessions(one.id)]
+    models = [printable(model.method) for model in database.models.entries_of(one.id)]
+    sessions = [printable(session.id) for session in database.observations.sessions(one.id)]
     return [
         "*" * 30,
         f"Object Name: {one.name}",
@@ -66,7 +66,7 @@ def lines_of(database: Database, one: Object) -> List[str]:
         f"Author: {printable(one.author)}",
         f"email: {printable(one.email)}",
         f"db id: {one.id}",
-        f"added: {one.added}",
+        f"added: {printable(one.added)}",
         f"mesh: {printable(mesh.file_name) if mesh else 'none'}",
         f"models: {', '.join(models) or 'none'}",
         f"session ids: {', '.join(sessions) or 'none'}",

@@ -10,7 +10,9 @@ import time
 from typing import Any, Dict, Mapping, NamedTuple, Optional
 
 from ..common.errors import about
+from ..common.plain_text import printable
 from .database import Database, Model, Object
+from .database.blobs import digest_of
 from .database.meshes import MeshEntry, to_json
 from .methods import Method, ObservingMethod, Trainer
 from .observed_views import ObservationSource
@@ -85,11 +87,14 @@ def _adopt(database: Database, task: Task, there: Model) -> bool:
     """Takes a model that is made of the same, unless the object has it."""
     own = database.models.of(task.object.id, task.method.name)
     if own is not None and own.key == there.key:
-        print(f"{task.title}: nothing has changed, the model of {own.added} stays", flush=True)
+        print(
+            f"{task.title}: nothing has changed, the model of {printable(own.added)} stays",
+            flush=True,
+        )
         return False
     with database.transaction():
         database.models.set(_model(task, there.key, there.data))
-    print(f"{task.title}: the model of {there.added} is of the same mesh and parameters")
+    print(f"{task.title}: the model of {printable(there.added)} is of the same mesh and parameters")
     return True
 
 
@@ -99,10 +104,15 @@ def _trainer(database: Database, task: Task, stored: Any) -> Trainer:
         if task.mesh is None:
             source: Any = ObservationSource(database, task.object.id)
             begin: Any = task.method.trainer_of_observations
+            is_same = database.observations.digest(task.object.id) == task.observed
         else:
             source, begin = database.meshes.of(task.object.id), task.method.trainer
-        if source is None:
-            raise ValueError("its mesh was deleted just now")
+            is_same = source is not None and (
+                (digest_of(source.converted), list(source.symmetries))
+                == (task.mesh.converted, task.mesh.symmetries)
+            )
+        if not is_same:  # Its model would get the key of what was there before.
+            raise ValueError("what it is learned by was changed just now: train it again")
         if stored is not None:
             try:
                 return begin(source, task.parameters, stored[1])

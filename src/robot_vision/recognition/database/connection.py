@@ -76,10 +76,6 @@ class Connection:
                 self._database.rollback()
             raise
 
-    def version(self) -> int:
-        """Returns a number that is another one after others have written."""
-        return self.rows("PRAGMA data_version")[0][0]
-
     def close(self) -> None:
         """Closes the file; what was written is then in the file itself, not beside it."""
         if self._write:
@@ -94,6 +90,8 @@ class Connection:
         self.execute("PRAGMA trusted_schema = OFF")  # The file may come from others.
         self.execute(f"PRAGMA query_only = {'OFF' if self._write else 'ON'}")
         self.execute("PRAGMA foreign_keys = ON")
+        if not self._write:
+            self.execute("BEGIN")  # What it reads from now on is of one time.
         if self.rows("PRAGMA application_id")[0][0] != APPLICATION:
             raise ValueError(f"{self.path} is no database of objects")
         version = self._version_of_file()

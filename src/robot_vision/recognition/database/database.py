@@ -52,10 +52,6 @@ class Database:
         """
         return self._connection.transaction(commit)
 
-    def version(self) -> int:
-        """Returns a number that is another one after others have written."""
-        return self._connection.version()
-
     def close(self) -> None:
         """Closes the file."""
         self._connection.close()

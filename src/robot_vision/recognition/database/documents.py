@@ -135,6 +135,11 @@ def checked_symmetry(symmetry: Symmetry) -> Symmetry:
     return Symmetry(axis, symmetry.fold)
 
 
+def storable(name: str) -> str:
+    """Returns the name of a file as the database holds it: with "?" for bytes that are no UTF-8."""
+    return name.encode(errors="replace").decode()
+
+
 def new_id() -> str:
     """Returns an id that no document has yet."""
     return uuid.uuid4().hex

@@ -10,6 +10,7 @@ database.json
 import os
 from typing import Callable, Sequence
 
+from ...common.errors import about
 from .database import Database
 from .documents import Mesh, Object, Observation
 from .folder_files import new_folder, write_data, write_json
@@ -37,17 +38,21 @@ def export_folder(
     """
     with new_folder(folder) as made:
         for one in objects:
-            path = os.path.join(made, one.id)
-            write_json(_object(one), path, OBJECT)
-            mesh = database.meshes.of(one.id)
-            if mesh is not None:
-                _write_mesh(os.path.join(path, "mesh"), one.id, mesh)
-            _write_sessions(database, one.id, path)
-            if with_models:
-                _write_models(database, one.id, os.path.join(path, "models"))
+            with about(f"'{one.name}'"):
+                _write_object(database, one, os.path.join(made, one.id), with_models)
             tell(f"{one.id} {one.name}")
         index = {"format": FORMAT, "version": VERSION, "objects": [one.id for one in objects]}
         write_json(index, made, INDEX)
+
+
+def _write_object(database: Database, one: Object, path: str, with_models: bool) -> None:
+    write_json(_object(one), path, OBJECT)
+    mesh = database.meshes.of(one.id)
+    if mesh is not None:
+        _write_mesh(os.path.join(path, "mesh"), one.id, mesh)
+    _write_sessions(database, one.id, path)
+    if with_models:
+        _write_models(database, one.id, os.path.join(path, "models"))
 
 
 def _object(one: Object) -> object:
@@ -83,9 +88,8 @@ def _write_mesh(folder: str, object_id: str, mesh: Mesh) -> None:
 
 def _write_sessions(database: Database, object_id: str, path: str) -> None:
     for session in database.observations.sessions(object_id):
-        folder = os.path.join(path, "sessions", session.id)
         frames = [
-            _write_observation(folder, number, one)
+            _write_observation(path, session.id, number, one)
             for number, one in enumerate(database.observations.of(session.id))
         ]
         document = {
@@ -96,12 +100,13 @@ def _write_sessions(database: Database, object_id: str, path: str) -> None:
             "added": session.added,
             "observations": frames,
         }
-        write_json(document, folder, SESSION)
+        write_json(document, path, "sessions", session.id, SESSION)
 
 
-def _write_observation(folder: str, number: int, one: Observation) -> object:
+def _write_observation(path: str, session_id: str, number: int, one: Observation) -> object:
     for kind in IMAGES:
-        write_data(getattr(one, kind), folder, f"{number:06d}_{kind}.png")
+        name = f"{number:06d}_{kind}.png"
+        write_data(getattr(one, kind), path, "sessions", session_id, name)
     return {
         "Type": "Observation",
         "_id": one.id,

@@ -38,33 +38,41 @@ def new_folder(path: str) -> Iterator[str]:
         shutil.rmtree(temporary, ignore_errors=True)
 
 
-def write_data(data: bytes, *path: str) -> None:
-    """Writes a file into a folder that new_folder() has given, with the folders above it.
+def write_data(data: bytes, folder: str, *names: str) -> None:
+    """Writes a file below a folder that new_folder() has given, with the folders above it.
+
+    Args:
+        data: What the file has.
+        folder: The folder.
+        names: Those of the folders below it and of the file, of which a database may have any.
 
     Raises:
         OSError: The file cannot be written.
+        ValueError: A name leads elsewhere.
     """
-    name = os.path.join(*path)
+    name = os.path.join(folder, *map(_file_name, names))
     with trying(name, "written"):
         os.makedirs(os.path.dirname(name), exist_ok=True)
         with open(name, "xb") as file:
             file.write(data)
+            file.flush()
+            os.fsync(file.fileno())  # The folder gets its name only when all is on the disk.
 
 
-def write_json(value: Any, *path: str) -> None:
+def write_json(value: Any, folder: str, *names: str) -> None:
     """Writes a JSON file likewise."""
-    write_data((json.dumps(value, indent=1, ensure_ascii=False) + "\n").encode(), *path)
+    write_data((json.dumps(value, indent=1, ensure_ascii=False) + "\n").encode(), folder, *names)
 
 
-def read_json(*path: str) -> Dict[str, Any]:
-    """Reads a JSON file with an object.
+def read_json(*path: str, max_size: int = MAX_JSON) -> Dict[str, Any]:
+    """Reads a JSON file with an object, of at most `max_size` bytes.
 
     Raises:
-        OSError: The file cannot be read.
+        OSError: The file cannot be read, or is larger.
         ValueError: It is something else.
     """
     name = os.path.join(*path)
-    data = read_file(name, MAX_JSON)
+    data = read_file(name, max_size)
     with about(name):
         try:
             value = json.loads(data.decode())
@@ -83,9 +91,13 @@ def read_data(*path: str) -> bytes:
         ValueError: The name leads elsewhere.
     """
     *folders, name = path
+    return read_file(os.path.join(*folders, _file_name(name)), MAX_DATA)
+
+
+def _file_name(name: str) -> str:
     if not is_file_name(name):
         raise ValueError(f"a file is {brief(name)}, must be a name without a folder")
-    return read_file(os.path.join(*folders, name), MAX_DATA)
+    return name
 
 
 def is_file_name(name: Any) -> bool:

@@ -22,7 +22,7 @@ from .folder_export import (
 from .folder_files import entries_of, is_file_name, read_data, read_json
 from .json_values import integer, matrix, number, numbers, text, texts
 from .meshes import from_json
-from .objects import is_id
+from .objects import ID_LENGTH, is_id
 
 
 def import_folder(
@@ -120,7 +120,7 @@ def _import_session(database: Database, folder: str, object_id: str) -> None:
     values = read_json(folder, SESSION)
     with about(os.path.join(folder, SESSION)):
         source, added = text(values, "bag_id", ""), text(values, "added", "")
-        session = Session(object_id, source, text(values, "_id", ""), added)
+        session = Session(object_id, source, _id(values), added)
         session = database.observations.add_session(session)
         frames = values.get("observations")
         if not isinstance(frames, list):
@@ -142,8 +142,16 @@ def _observation(folder: str, index: int, values: Dict[str, Any], session_id: st
         matrix(values, "K", 3),
         matrix(values, "pose", 4),
         np.asarray(numbers(values, "D", None), float).tolist(),
-        text(values, "_id", ""),
+        _id(values),
     )
+
+
+def _id(values: Mapping[str, Any]) -> str:
+    """Returns the id of a document, or "" if it has none."""
+    found = text(values, "_id", "")
+    if found and not is_id(found):
+        raise ValueError(f"_id is {brief(found)}, must have {ID_LENGTH} hexadecimal digits")
+    return found
 
 
 def _model(folder: str, name: str, object_id: str) -> Model:

@@ -6,6 +6,7 @@ from typing import Any, List, Mapping, Optional
 import numpy as np
 
 from ...common.plain_text import brief
+from .documents import storable
 
 MAX_NUMBER = 1e9
 
@@ -13,7 +14,7 @@ MAX_NUMBER = 1e9
 def text(values: Mapping[str, Any], key: str, default: Optional[str] = None) -> str:
     """Returns a text; without a default it has to be there."""
     value = values.get(key, default)
-    if not isinstance(value, str):
+    if not _is_text(value):
         raise ValueError(f"{key} is {brief(value)}, must be a text")
     return value
 
@@ -21,7 +22,7 @@ def text(values: Mapping[str, Any], key: str, default: Optional[str] = None) -> 
 def texts(values: Mapping[str, Any], key: str, default: Optional[List[str]] = None) -> List[str]:
     """Returns a list of texts; without a default it has to be there."""
     value = values.get(key, default)
-    if not isinstance(value, list) or not all(isinstance(one, str) for one in value):
+    if not isinstance(value, list) or not all(map(_is_text, value)):
         raise ValueError(f"{key} is {brief(value)}, must be a list of texts")
     return value
 
@@ -55,6 +56,11 @@ def matrix(values: Mapping[str, Any], key: str, size: int) -> np.ndarray:
     if len(flat) != size * size:
         raise ValueError(f"{key} is {brief(value)}, must be {size} rows of {size} numbers")
     return np.array([_number(one, key) for one in flat]).reshape(size, size)
+
+
+def _is_text(value: Any) -> bool:
+    """Returns whether a value is a text without halves of letters, which JSON can have."""
+    return isinstance(value, str) and storable(value) == value
 
 
 def _number(value: Any, key: str) -> float:

@@ -7,7 +7,7 @@ from typing import Any, Dict, List, NamedTuple, Optional, Sequence
 from ...common.plain_text import brief
 from .blobs import read_blob, store_blob
 from .connection import Connection
-from .documents import Mesh, Symmetry, checked_symmetry, now
+from .documents import Mesh, Symmetry, checked_symmetry, now, storable
 from .json_values import integer, numbers
 
 COLUMNS = "file_name, original, converted, unit, scale, origin_offset, symmetries, added"
@@ -37,11 +37,12 @@ class Meshes:
         self._connection.execute(
             f"INSERT INTO meshes (object_id, {COLUMNS}) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?)",
             (
-                *(object_id, mesh.file_name, original, converted),
+                *(object_id, storable(mesh.file_name), original, converted),
                 *(mesh.unit, mesh.scale, offset, symmetries, mesh.added or now()),
             ),
         )
-        for name, data in mesh.files.items():
+        files = {storable(name): data for name, data in mesh.files.items()}
+        for name, data in files.items():
             values = object_id, name, store_blob(self._connection, data)
             self._connection.execute("INSERT INTO mesh_files VALUES (?, ?, ?)", values)
 
@@ -57,8 +58,15 @@ class Meshes:
         return MeshEntry(row[0], row[2], row[3], from_json(json.loads(row[6])))
 
     def converted(self, object_id: str) -> bytes:
-        """Returns the mesh in m of an object that has one."""
-        return read_blob(self._connection, self._row(object_id)[2])
+        """Returns the mesh in m of an object that has one.
+
+        Raises:
+            ValueError: It has none any more, or the mesh is damaged.
+        """
+        row = self._row(object_id)
+        if row is None:
+            raise ValueError(f"{self._connection.path} has no mesh of {object_id} any more")
+        return read_blob(self._connection, row[2])
 
     def of(self, object_id: str) -> Optional[Mesh]:
         """Returns all of an object's mesh, or None if it has none."""

@@ -3,11 +3,13 @@
 import json
 from typing import Any, Dict, List, NamedTuple, Optional, Tuple
 
+from ...common.plain_text import brief
 from .blobs import read_blob, store_blob
 from .connection import Connection
 from .documents import Model, now
 
 COLUMNS = "object_id, method, parameters, key, data, added"
+MAX_STATES = 20  # of interrupted trainings
 
 
 class ModelEntry(NamedTuple):
@@ -61,9 +63,16 @@ class Models:
         self._connection.execute(where, (object_id, method))
 
     def set_state(self, key: str, done: int, state: bytes) -> None:
-        """Stores within a transaction what a training has done, in place of what was stored."""
+        """Stores within a transaction what a training has done, in place of what was stored.
+
+        Of trainings that nobody goes on with, as their objects have changed, the newest are kept.
+        """
         values = key, done, store_blob(self._connection, state)
         self._connection.execute("INSERT OR REPLACE INTO training VALUES (?, ?, ?)", values)
+        newest = "SELECT rowid FROM training ORDER BY rowid DESC LIMIT ?"
+        self._connection.execute(
+            f"DELETE FROM training WHERE rowid NOT IN ({newest})", (MAX_STATES,)
+        )
 
     def state(self, key: str) -> Optional[Tuple[int, bytes]]:
         """Returns what a training has done, and how many views that are, or None."""
@@ -77,7 +86,7 @@ class Models:
             (value,),
         )
         return [
-            ModelEntry(of, method, json.loads(parameters), key, added)
+            ModelEntry(of, method, self._parameters(parameters), key, added)
             for of, method, parameters, key, added in rows
         ]
 
@@ -89,4 +98,10 @@ class Models:
             return None
         object_id, method, parameters, key, data, added = row
         data = read_blob(self._connection, data)
-        return Model(object_id, method, json.loads(parameters), key, data, added)
+        return Model(object_id, method, self._parameters(parameters), key, data, added)
+
+    def _parameters(self, text: str) -> Dict[str, Any]:
+        values = json.loads(text)
+        if not isinstance(values, dict):
+            raise ValueError(f"{self._connection.path} is damaged: parameters is {brief(values)}")
+        return values

@@ -5,7 +5,7 @@ from typing import Any, List, Tuple
 from ...common.errors import about
 from ...common.plain_text import NAME, brief, is_name, printable
 from .connection import Connection
-from .documents import Object, new_id, now
+from .documents import Object, new_id, now, storable
 
 COLUMNS = "id, name, description, author, email, added"
 ID_LENGTH = 32  # hexadecimal digits
@@ -60,10 +60,7 @@ class Objects:
         Raises:
             ValueError: There is none, or more than one.
         """
-        where = "WHERE substr(id, 1, length(?)) = ?", (text.lower(), text.lower())
-        found = self._where("WHERE id = ?", (text.lower(),)) or self.named(text)
-        if not found and len(text) >= MIN_PREFIX:
-            found = self._where(*where)
+        found = self._meant(text) if _can_be_stored(text) else []
         if len(found) == 1:
             return found[0]
         shown = f"'{printable(text)}'"
@@ -73,6 +70,13 @@ class Objects:
             len(found) > MAX_SHOWN
         )
         raise ValueError(f"{shown} may be one of {len(found)} objects: {several}")
+
+    def _meant(self, text: str) -> List[Object]:
+        found = self._where("WHERE id = ?", (text.lower(),)) or self.named(text)
+        if found or len(text) < MIN_PREFIX:
+            return found
+        prefix = text.lower()
+        return self._where("WHERE substr(id, 1, length(?)) = ?", (prefix, prefix))
 
     def _where(self, condition: str, values: Tuple[Any, ...]) -> List[Object]:
         rows = self._connection.rows(
@@ -128,8 +132,4 @@ def is_id(text: str) -> bool:
 
 
 def _can_be_stored(text: str) -> bool:
-    try:
-        text.encode()
-    except UnicodeEncodeError:
-        return False
-    return "\0" not in text
+    return storable(text) == text and "\0" not in text

@@ -8,7 +8,7 @@ import numpy as np
 
 from .blobs import read_blob, store_blob
 from .connection import Connection
-from .documents import Observation, Session, new_id, now
+from .documents import Observation, Session, new_id, now, storable
 
 COLUMNS = "id, session_id, frame_number, rgb, depth, mask, matrix, distortion, pose"
 OF_OBJECT = (
@@ -25,7 +25,7 @@ class Observations:
 
     def add_session(self, session: Session) -> Session:
         """Adds a session within a transaction, and returns it with its id and time."""
-        object_id, source = session.object_id, session.source
+        object_id, source = session.object_id, storable(session.source)
         added = Session(object_id, source, session.id or new_id(), session.added or now())
         values = added.id, object_id, source, added.added
         self._connection.execute("INSERT INTO sessions VALUES (?, ?, ?, ?)", values)
