@@ -1,5 +1,6 @@
 #include "robot_vision/meshes/mesh_renderer.hpp"
 
+#include <algorithm>
 #include <array>
 #include <memory>
 #include <optional>
@@ -37,6 +38,8 @@ MeshView drawMeshes(const std::vector<const MeshRenderer*>& renderers, const std
 {
   if (renderers.size() != matrices.size() || renderers.empty())
     throw py::value_error("expected as many poses as renderers, and one at least");
+  if (std::find(renderers.begin(), renderers.end(), nullptr) != renderers.end())
+    throw py::value_error("expected renderers, not None");
   const Drawing drawing(camera, region, to_light, {bgr, normals, ids, {}});
   std::vector<cv::Affine3d> poses;
   for (const Matrix& matrix : matrices)

@@ -2,6 +2,7 @@
 
 import json
 import os
+import signal
 import struct
 
 import numpy as np
@@ -106,3 +107,21 @@ def test_other_paths_are_refused(tmp_path):
     ):
         with pytest.raises(OSError, match=f"{path} cannot be read: .*{words}"):
             read_mesh(str(path))
+
+
+def test_files_are_read_where_nobody_learns_how_a_process_has_ended(tmp_path):
+    """A program that ignores SIGCHLD, or was started so, cannot wait for its children."""
+    good, bad = obj(tmp_path / "good.obj"), tmp_path / "bad.obj"
+    bad.write_bytes(BAD_FILES["wrong.obj"][0])
+
+    def read():
+        with pytest.raises(ValueError) as error:
+            read_mesh(str(bad))
+        return str(error.value), read_mesh(good).mesh.triangles.tolist()
+
+    told = read()
+    before = signal.signal(signal.SIGCHLD, signal.SIG_IGN)
+    try:
+        assert read() == told
+    finally:
+        signal.signal(signal.SIGCHLD, before)

@@ -295,6 +295,28 @@ def test_what_cannot_be_drawn_is_refused(change, message):
     assert str(error.value) == message
 
 
+def test_renderers_are_no_none():
+    with pytest.raises(ValueError) as error:
+        rv.render_meshes([rv.MeshRenderer(square()), None], [np.eye(4)] * 2, K, IMAGE)
+    assert str(error.value) == "expected renderers, not None"
+
+
+@pytest.mark.parametrize(
+    ("part", "message"),
+    [
+        ({"triangles": [[0, 1, 2**32 + 2]]}, "from -2147483648 to 2147483647 as triangles"),
+        ({"triangles": [[0.0, 0.9, 2.0]]}, "from -2147483648 to 2147483647 as triangles"),
+        ({"colors": [[0, 0, 300]] * 3}, "from 0 to 255 as colors"),
+        ({"colors": np.full((3, 3), 0.5)}, "from 0 to 255 as colors"),
+    ],
+)
+def test_numbers_that_do_not_fit_are_refused(part, message):
+    corners = [[0, 0, 0], [1, 0, 0], [0, 1, 0]]
+    with pytest.raises(ValueError) as error:
+        rv.Mesh(**{"vertices": corners, "triangles": [[0, 1, 2]], **part})
+    assert str(error.value) == "expected whole numbers " + message
+
+
 def test_a_mesh_keeps_what_it_was_made_of():
     texture = np.arange(12, dtype=np.uint8).reshape(2, 2, 3)
     mesh = rv.Mesh(

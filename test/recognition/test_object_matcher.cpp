@@ -264,6 +264,20 @@ TEST(ObjectMatcher, findsTheSameWithTwoThreadsAndInAnotherOrderOfFrames)
   EXPECT_TRUE(equal(matchIn(one, second), of_second));
 }
 
+TEST(ObjectMatcher, seesThroughAnEquidistantLensWhateverItsCoefficients)
+{
+  ClutteredFrame frame = scenesOf(duck()).frame(2);
+  ObjectMatcher matcher;
+  matcher.add(duck().model);
+  const std::vector<PoseCandidate> of_pinhole = matchIn(matcher, frame);
+  frame.camera.distortion_model = "equidistant";
+  frame.camera.D = {1e-15, 0.0, 0.0, 0.0};
+  const std::vector<PoseCandidate> of_lens = matchIn(matcher, frame);
+  frame.camera.D = {0.0, 0.0, 0.0, 0.0};
+  EXPECT_TRUE(equal(matchIn(matcher, frame), of_lens));
+  EXPECT_FALSE(equal(of_lens, of_pinhole));
+}
+
 TEST(ObjectMatcher, takesMillimetresGrayImagesAndPartsOfLargerOnes)
 {
   const ClutteredFrame frame = scenesOf(duck()).frame(2);

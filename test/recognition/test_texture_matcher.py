@@ -257,6 +257,14 @@ def test_training_goes_on_where_it_was_interrupted(meshes):
     assert rest.model().to_bytes() == whole.model().to_bytes()
 
 
+def test_a_view_that_is_not_there_is_refused(meshes):
+    views = TextureViews(meshes[0], params_of(subdivisions=0))
+    trainer = TextureTrainer(params_of(subdivisions=0), views.extent.center, views.extent.size)
+    for index in (-1, len(views)):
+        with pytest.raises(ValueError, match=f"the index of a view is {index}, must be from 0 to"):
+            trainer.add_of(views, index)
+
+
 def test_a_view_that_cannot_be_is_refused():
     trainer = TextureTrainer(params_of(), (0.0, 0.0, 0.0), (0.1, 0.1, 0.1))
     image, depth = np.zeros((HEIGHT, WIDTH, 3), np.uint8), np.ones((HEIGHT, WIDTH), np.float32)

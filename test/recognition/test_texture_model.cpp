@@ -104,5 +104,7 @@ TEST(TextureModel, isRefusedIfNothingCanBeLikeThat)
   EXPECT_EQ(faultWith([](TextureModel& model) { model.points[2].position[1] = NAN; }),
             "the position of a keypoint is not finite or far away, must be within 1000 m");
   EXPECT_EQ(faultWith([](TextureModel& model) { model.params.detector = "sift"; }),
-            "the type of the descriptors is another one, must be that of sift");
+            "the type or length of the descriptors is another one, must be that of sift");
+  EXPECT_EQ(faultWith([](TextureModel& model) { model.descriptors.create(5, 512, CV_8UC1); }),
+            "the type or length of the descriptors is another one, must be that of orb");
 }

@@ -82,6 +82,28 @@ TEST(ViewTree, leavesOutWhatLooksTheSame)
   EXPECT_LE(farthest(of_round, round), 1.01 * largestGap(2));
 }
 
+TEST(SymmetryGroup, takesAxesForOneThatAreNearlyThat)
+{
+  const auto turnsOf = [](const std::vector<Symmetry>& symmetries)
+  {
+    const SymmetryGroup group(symmetries);
+    EXPECT_FALSE(group.isBall());
+    return group.turns().size();
+  };
+  EXPECT_EQ(turnsOf({{{0, 0, 1}, 0}, {{1, 0, 0.001}, 2}}), 2U);    // across the round axis, with three digits
+  EXPECT_EQ(turnsOf({{{0, 0, 1}, 0}, {{0.0015, 0, 1}, 2}}), 1U);   // along it: nothing new
+  EXPECT_EQ(turnsOf({{{0, 0, 1}, 2}, {{0.00157, 0, 1}, 2}}), 2U);  // one axis
+  EXPECT_EQ(turnsOf({{{0, 0, 1}, 4}, {{1, 0, 0.0015}, 2}}), 8U);
+  EXPECT_EQ(turnsOf({{{0, 0, 1}, 120}}), 120U);
+  for (const Symmetry& other : {Symmetry{{1, 0, 0.5}, 2}, Symmetry{{1, 0, 0}, 3}})
+    EXPECT_EQ(refusal(
+                  [&] {
+                    SymmetryGroup({{{0, 0, 1}, 0}, other});
+                  }),
+              "the axis of a symmetry is neither along nor across one with any angle, must be along it or, with a fold "
+              "of 2, across it: they do not belong to one object");
+}
+
 TEST(ViewTree, hasTheCameraWhereTheDirectionSays)
 {
   cv::RNG random(8);

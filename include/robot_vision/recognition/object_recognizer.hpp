@@ -62,8 +62,8 @@ enum class MissReason
   kNone,         // it was found
   kNoCandidate,  // nothing in the frame looks like it
   kOutside,      // its candidates are outside of the image, or behind the camera
-  kNoDepth,      // there is no depth where it may be
   kTooSmall,     // too far away: too few pixels
+  kNoDepth,      // there is no depth where it may be
   kNotThere,     // the depths are those of something else
   kImprobable,   // below the threshold
   kClaimed,      // something else explains the same pixels better

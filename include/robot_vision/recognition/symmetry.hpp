@@ -24,8 +24,9 @@ public:
   SymmetryGroup();
 
   /// Axes that are less than 0.1 degrees apart are one. Throws std::invalid_argument naming an axis that is not finite
-  /// or zero, a fold that cannot be, more than 20 symmetries, and those that make more than kMaxTurns turns together,
-  /// which axes do that are not where they should be. Two axes with any angle make all turns: the object is a ball.
+  /// or zero, a fold that cannot be, more than 20 symmetries, and axes that do not belong to one object: such that make
+  /// more than kMaxTurns turns together, and such that are neither along one with any angle nor, with a fold of 2,
+  /// across it. Two axes with any angle make all turns: the object is a ball.
   explicit SymmetryGroup(const std::vector<Symmetry>& symmetries);
 
   const std::vector<Symmetry>& symmetries() const { return symmetries_; }

@@ -104,6 +104,12 @@ bool isPolynomial(const std::string& distortion_model)
   return distortion_model == "plumb_bob" || distortion_model == "rational_polynomial";
 }
 
+bool isDistorted(const CameraModel& camera)
+{
+  return isEquidistant(camera.distortion_model) ||
+         std::any_of(camera.D.begin(), camera.D.end(), [](double coefficient) { return coefficient != 0.0; });
+}
+
 Distortion::Distortion(const CameraModel& camera) : equidistant_(isEquidistant(camera.distortion_model))
 {
   std::copy_n(camera.D.begin(), std::min(camera.D.size(), D_.size()), D_.begin());

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/geometry/distortion.hpp"
 #include "core/meshes/raster_kernels.hpp"
 
 namespace robot_vision
@@ -11,12 +12,6 @@ namespace
 {
 
 constexpr int kCells = 96;  // in both directions
-
-bool isDistorted(const CameraModel& camera)
-{
-  return std::any_of(camera.D.begin(), camera.D.end(), [](double d) { return d != 0.0; }) ||
-         camera.distortion_model == "equidistant" || camera.distortion_model == "fisheye";
-}
 
 double sineOf(double tangent)
 {

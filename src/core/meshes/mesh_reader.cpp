@@ -25,6 +25,8 @@ namespace
 constexpr std::size_t kMaxStream = std::size_t{1} << 30;  // bytes
 constexpr double kTimeout = 90.0;                         // s
 constexpr double kCrease = 40.0;                          // deg
+constexpr float kMaxCoordinate = 1000.0F;                 // of a texture, that a mesh may have
+constexpr float kRepeats = 16.0F;                         // of a texture, that are left of more
 
 ProcessResult runReader(const std::string& path)
 try
@@ -46,8 +48,11 @@ std::string outputOf(const std::string& path)
   if (result.too_long || result.exit_code == kMeshOutOfMemory || result.signal == SIGKILL)
     throw std::runtime_error("cannot be read: it takes too much memory" + limits);
   const std::string words = shortened(result.error.substr(0, result.error.find('\n')));
-  if (result.exit_code == kMeshRefused) throw std::invalid_argument(words.empty() ? "it is no mesh" : words);
-  if (result.exit_code != 0)
+  // Where this process ignores SIGCHLD nobody learns how that one has ended: what it wrote must do.
+  const bool is_unknown = result.exit_code < 0 && result.signal == 0;
+  if (result.exit_code == kMeshRefused || (is_unknown && result.output.empty()))
+    throw std::invalid_argument(words.empty() ? "it is no mesh" : words);
+  if (result.exit_code != 0 && !is_unknown)
     throw std::runtime_error("cannot be read, as it is damaged: the program that reads it has ended with " +
                              (result.signal != 0 ? "signal " + std::to_string(result.signal)
                                                  : "exit code " + std::to_string(result.exit_code)) +
@@ -68,7 +73,10 @@ void repairLook(Mesh& mesh, bool has_look)
     normal = has_look && isFinite(normal) ? cv::normalize(normal) : cv::Vec3f();
   for (cv::Vec2f& uv : mesh.texture_coordinates)
     for (float& number : uv.val)
-      number = std::isfinite(number) ? std::fmod(number, 16.0F) : 0.0F;
+    {
+      if (!std::isfinite(number)) number = 0.0F;
+      if (std::abs(number) > kMaxCoordinate) number = std::fmod(number, kRepeats);
+    }
   const bool textured =
       std::any_of(mesh.triangle_textures.begin(), mesh.triangle_textures.end(), [](int t) { return t >= 0; });
   if (!textured)

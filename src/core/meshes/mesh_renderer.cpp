@@ -42,9 +42,10 @@ void requirePose(const cv::Affine3d& pose)
     if (!(std::abs(value) <= kMaxPose)) require(false, "pose", value, "finite and at most 1e6");
 }
 
+/// Of an image that is drawn to: one that is `wanted`, and any that is there.
 void requireImage(const char* name, const cv::Mat& image, int type, const cv::Size& size, bool wanted)
 {
-  if (!wanted || (image.type() == type && image.size() == size)) return;
+  if (image.empty() ? !wanted : image.type() == type && image.size() == size) return;
   require(false, name, toText(image.size()), toText(size) + " of the type that render() makes");
 }
 

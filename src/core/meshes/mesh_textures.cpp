@@ -9,6 +9,9 @@ namespace robot_vision
 namespace
 {
 
+// Numbers that are larger, or none, come of triangles that are seen from the side: rounding is all that they have.
+constexpr float kMaxPosition = 1e6F;
+
 /// The texel at which interpolation begins, the one after it, and how far it is on the way from one to the other.
 struct Between
 {
@@ -26,6 +29,7 @@ int floorOf(float number)
 
 Between between(float position, int count)
 {
+  if (!(std::abs(position) < kMaxPosition)) position = 0.0F;
   const float share = position - static_cast<float>(floorOf(position));
   const float texels = share * static_cast<float>(count) - 0.5F;  // from the center of the first one
   const int first = floorOf(texels);

@@ -96,8 +96,9 @@ public:
 private:
   const std::uint8_t* take(std::size_t count)
   {
-    require(count <= size_ - at_, "the size of " + what_, std::to_string(size_) + " bytes",
-            "larger: it ends too early");
+    // No text is made where nothing is wrong: this is asked for each number of a model.
+    if (count > size_ - at_)
+      require(false, "the size of " + what_, std::to_string(size_) + " bytes", "larger: it ends too early");
     at_ += count;
     return bytes_ + at_ - count;
   }

@@ -166,7 +166,9 @@ std::vector<Place> findPlaces(const ObservedFrame& frame, const ViewCamera& came
 {
   const PaddedImage<float>& inverses = frame.inverses();
   const double pixels = step * camera.focalLength();  // from a place to the next at 1 m
-  const HiddenSurfaces hidden(frame, camera, reach, max_inverse > 1.0F ? 1.0F : max_inverse);
+  // Where there is no depth the object is as far away as it usually is, within the limits.
+  const float usual = std::max(min_inverse, std::min(1.0F, std::nextafter(max_inverse, 0.0F)));
+  const HiddenSurfaces hidden(frame, camera, reach, usual);
   std::vector<Place> places;
   const auto add = [&](const Place& place)
   {
@@ -185,7 +187,7 @@ std::vector<Place> findPlaces(const ObservedFrame& frame, const ViewCamera& came
       for (int x = stride / 2; x < frame.size().width; x += stride)
       {
         if (!isWanted(mask, x, y)) continue;
-        const bool unknown = row[x] == 0.0F && 1.0F >= low && 1.0F < high;
+        const bool unknown = row[x] == 0.0F && usual >= low && usual < high;
         if (!unknown && (row[x] < low || row[x] >= high)) continue;
         if (!unknown) add({x, y, smoothed(inverses, x, y)});
         hidden.at(x, y,

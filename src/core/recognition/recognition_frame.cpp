@@ -1,8 +1,7 @@
 #include "robot_vision/recognition/recognition_frame.hpp"
 
-#include <algorithm>
-
 #include "color_gradients.hpp"
+#include "core/geometry/distortion.hpp"
 #include "robot_vision/common/range.hpp"
 #include "robot_vision/depth/depth_image.hpp"
 #include "robot_vision/image/encoding.hpp"
@@ -12,10 +11,7 @@ namespace robot_vision
 
 RecognitionFrame::RecognitionFrame(const CameraModel& camera) : camera_((validate(camera), camera))
 {
-  const auto bends = [](double coefficient) { return coefficient != 0.0; };
-  const bool is_bent = camera.distortion_model == "equidistant" || camera.distortion_model == "fisheye" ||
-                       std::any_of(camera.D.begin(), camera.D.end(), bends);
-  require(!is_bent, "the distortion of the camera", "that of a lens", "none: its images must be rectified");
+  require(!isDistorted(camera), "the distortion of the camera", "that of a lens", "none: its images must be rectified");
 }
 
 void RecognitionFrame::set(const cv::Mat& bgr, const cv::Mat& depth, const std::string& encoding)

@@ -11,6 +11,7 @@ namespace
 
 constexpr int kFirstFeatures = kCodeFeatures / 2;  // after which most templates are known not to fit
 constexpr int kMore = kMaxScore / 2;               // what the others can add: each half has half of each kind
+constexpr int kMostOfByte = 255;
 
 /// Bins of the edges and surfaces that may be of an object there; where no depth is known, only those of the image.
 ROBOT_VISION_INLINE std::uint32_t usable(std::uint32_t bins, std::uint32_t range, std::uint32_t least,
@@ -45,6 +46,7 @@ void gather(const SearchedFrame& frame, const PlaceLanes& lanes, int column, int
   constexpr int kKind = kCellBins / 2;  // number of the bins of edges of depth, after those of the image
   std::uint32_t bins[kPlacesAtOnce];
   const auto find = frame.ranges == nullptr ? cellBins<false> : cellBins<true>;
+  const auto depth_edge_score = static_cast<std::uint32_t>(frame.ranges == nullptr ? kOnlyEdgeScore : kDepthEdgeScore);
   find(frame, lanes, static_cast<float>(column), static_cast<float>(row), bins);
   for (int k = 0; k < kKind; ++k)
   {
@@ -53,7 +55,7 @@ void gather(const SearchedFrame& frame, const PlaceLanes& lanes, int column, int
     for (int i = 0; i < kPlacesAtOnce; ++i)
     {
       const std::uint32_t edge = bins[i] >> k & 1, depth_edge = bins[i] >> (k + kKind) & 1;
-      edges[i] = static_cast<std::uint8_t>(depth_edge * kDepthEdgeScore + (edge & ~depth_edge) * kImageEdgeScore);
+      edges[i] = static_cast<std::uint8_t>(depth_edge * depth_edge_score + (edge & ~depth_edge) * kImageEdgeScore);
       surfaces[i] = static_cast<std::uint8_t>((bins[i] >> (k + 2 * kKind) & 1) * kSurfaceScore);
     }
   }
@@ -74,7 +76,7 @@ struct Sums
     {
       const std::uint8_t* const plane = planes + kPlacesAtOnce * features[f];
       for (int i = 0; i < kVectors; ++i)
-        parts[i] = Simd::addBytes(parts[i], Simd::load(plane + i * sizeof(Simd::Vector)));
+        parts[i] = Simd::addSaturated(parts[i], Simd::load(plane + i * sizeof(Simd::Vector)));
     }
   }
 
@@ -84,7 +86,7 @@ struct Sums
     std::uint64_t bits = 0;
     for (int i = 0; i < kVectors; ++i)
     {
-      const Simd::Vector most = Simd::addBytes(parts[i], Simd::bytes(more));
+      const Simd::Vector most = Simd::addSaturated(parts[i], Simd::bytes(more));
       const Simd::Vector floor = Simd::load(floors + i * sizeof(Simd::Vector));
       const std::uint64_t part = Simd::nonzeroBytes(Simd::subtractSaturated(most, floor));
       bits |= part << (i * static_cast<int>(sizeof(Simd::Vector)) & 63);
@@ -117,7 +119,7 @@ void add(const std::uint8_t* planes, const std::uint16_t* features, int count, s
   {
     const std::uint8_t* const plane = planes + kPlacesAtOnce * features[f];
     for (int i = 0; i < kPlacesAtOnce; ++i)
-      scores[i] = static_cast<std::uint8_t>(scores[i] + plane[i]);
+      scores[i] = static_cast<std::uint8_t>(lesser(scores[i] + plane[i], kMostOfByte));
   }
 }
 
@@ -125,7 +127,7 @@ std::uint64_t bitsAbove(const std::uint8_t* scores, const std::uint8_t* floors, 
 {
   std::uint64_t bits = 0;
   for (int i = 0; i < kPlacesAtOnce; ++i)
-    bits |= std::uint64_t{scores[i] + more > floors[i] ? 1U : 0U} << i;
+    bits |= std::uint64_t{lesser(scores[i] + more, kMostOfByte) > floors[i] ? 1U : 0U} << i;
   return bits;
 }
 

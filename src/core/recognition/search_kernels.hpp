@@ -15,7 +15,9 @@ constexpr int kCellBins = 16;       // of edges and of surfaces
 constexpr int kDepthEdgeScore = 3;  // what a feature adds to a score
 constexpr int kImageEdgeScore = 1;
 constexpr int kSurfaceScore = 1;
+constexpr int kOnlyEdgeScore = 2;  // the same where there are no depths, and all features of a code are edges
 constexpr int kMaxScore = kCodeContours * kDepthEdgeScore + kCodeSurfaces * kSurfaceScore;
+static_assert(kMaxScore < 255 && kCodeFeatures * kOnlyEdgeScore <= kMaxScore, "scores are bytes");
 
 /// Where the cells of some places are in the bins and ranges of an ObservedFrame, and the depths that belong to an
 /// object there.
@@ -47,8 +49,8 @@ struct SearchKernels
   /// Writes the planes of the cell in this column and row: kCellBins * kPlacesAtOnce bytes.
   void (*gather)(const SearchedFrame& frame, const PlaceLanes& lanes, int column, int row, std::uint8_t* planes);
 
-  /// A bit for each place whose score, the sum over the planes, is above its floor. The scores are written
-  /// only if there is one.
+  /// A bit for each place whose score, the sum over the planes and 255 at most, is above its floor. The scores are
+  /// written only if there is one. Half of a code's score is expected of its second half at most.
   std::uint64_t (*above)(const std::uint8_t* planes, const std::uint16_t* features, const std::uint8_t* floors,
                          std::uint8_t* scores);
 };

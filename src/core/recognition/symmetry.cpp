@@ -14,6 +14,8 @@ namespace
 
 constexpr std::size_t kMaxSymmetries = 20;
 constexpr double kSameAxis = 0.1 * CV_PI / 180.0;  // rad
+// Turns of an object differ by 3 degrees at least. A turn by half about an axis that is off moves others by twice that.
+constexpr double kSameTurn = 1.0 * CV_PI / 180.0;
 
 double angleOf(double cosine)
 {
@@ -25,9 +27,10 @@ cv::Matx33d turn(const cv::Vec3d& axis, double angle)
   return cv::Affine3d(axis * angle, cv::Vec3d()).rotation();
 }
 
-bool isParallel(const cv::Vec3d& a, const cv::Vec3d& b)
+/// Whether two directions are along the same line, but for a small angle.
+bool isParallel(const cv::Vec3d& a, const cv::Vec3d& b, double angle)
 {
-  return cv::norm(a.cross(b)) < std::sin(kSameAxis);
+  return cv::norm(a.cross(b)) < std::sin(angle);
 }
 
 cv::Vec3d checkedAxis(const Symmetry& symmetry)
@@ -70,7 +73,7 @@ SymmetryGroup::SymmetryGroup(const std::vector<Symmetry>& symmetries) : Symmetry
     const cv::Vec3d axis = checkedAxis(symmetry);
     if (symmetry.fold > 0)
       turns_.push_back(turn(axis, 2.0 * CV_PI / symmetry.fold));
-    else if (axis_ && !isParallel(*axis_, axis))
+    else if (axis_ && !isParallel(*axis_, axis, kSameAxis))
       ball_ = true;
     else if (!axis_)
       axis_ = axis;
@@ -85,7 +88,9 @@ void SymmetryGroup::reduce()
   bool turned = false;
   for (const cv::Matx33d& one : turns_)
   {
-    if (!isParallel(one * *axis_, *axis_)) ball_ = true;
+    require(ball_ || isParallel(one * *axis_, *axis_, kSameTurn), "the axis of a symmetry",
+            "neither along nor across one with any angle",
+            "along it or, with a fold of 2, across it: they do not belong to one object");
     turned = turned || axis_->dot(one * *axis_) < 0.0;
   }
   turns_ = {cv::Matx33d::eye()};
@@ -104,7 +109,7 @@ void SymmetryGroup::close()
       const cv::Matx33d product = generator * turns_[i];
       const bool known =
           std::any_of(turns_.begin(), turns_.end(),
-                      [&](const cv::Matx33d& one) { return rotationAngle(one.t() * product) < kSameAxis; });
+                      [&](const cv::Matx33d& one) { return rotationAngle(one.t() * product) < kSameTurn; });
       if (!known) turns_.push_back(product);
       require(turns_.size() <= static_cast<std::size_t>(kMaxTurns),
               "the number of turns that the symmetries make together", "more than " + std::to_string(kMaxTurns),

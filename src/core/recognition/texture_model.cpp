@@ -15,7 +15,13 @@ constexpr double kMinSize = 1e-6;                         // m, of a keypoint
 constexpr int kMaxViews = 1000000;
 constexpr double kMaxPlace = 1000.0;         // m, of a coordinate
 constexpr double kMaxDirectionError = 0.01;  // of its length
-constexpr int kMaxDescriptor = 512;          // bytes, or numbers of sift
+
+/// The bytes of a descriptor, of SIFT the numbers, by OpenCV's defaults.
+int descriptorLength(const std::string& detector)
+{
+  if (detector == "sift") return 128;
+  return detector == "akaze" ? 61 : 32;
+}
 
 bool isWithin(const cv::Vec3d& vector, double limit)
 {
@@ -56,9 +62,9 @@ void validate(const TextureModel& model)
   const int type = model.params.detector == "sift" ? CV_32FC1 : CV_8UC1;
   require(static_cast<std::size_t>(descriptors.rows) == model.points.size(), "the number of descriptors",
           descriptors.rows, std::to_string(model.points.size()) + " as of keypoints");
-  const bool has_length = descriptors.cols >= 1 && descriptors.cols <= kMaxDescriptor;
-  require(model.points.empty() || (descriptors.type() == type && has_length), "the type of the descriptors",
-          "another one", "that of " + model.params.detector);
+  const int columns = descriptorLength(model.params.detector);
+  require(model.points.empty() || (descriptors.type() == type && descriptors.cols == columns),
+          "the type or length of the descriptors", "another one", "that of " + model.params.detector);
   require(descriptors.type() != CV_32FC1 || cv::checkRange(descriptors), "a descriptor", "not finite", "numbers");
   for (const TexturePoint& point : model.points)
     checkPoint(point);

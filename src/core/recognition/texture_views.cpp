@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "robot_vision/common/range.hpp"
 #include "robot_vision/recognition/texture_trainer.hpp"
 #include "robot_vision/recognition/view_tree.hpp"
 
@@ -23,7 +24,8 @@ TextureViews::TextureViews(const Mesh& mesh, const TextureParams& params)
 
 TextureView TextureViews::view(int index) const
 {
-  const cv::Matx33d rotation = lookedAtFrom(directions_.at(static_cast<std::size_t>(index)));
+  requireRange("the index of a view", index, 0, static_cast<double>(directions_.size()) - 1.0);
+  const cv::Matx33d rotation = lookedAtFrom(directions_[static_cast<std::size_t>(index)]);
   const MeshExtent& extent = renderer_.extent();
   // What touches the sphere around the object just fits into an image of this focal length.
   const double size = params_.view_size * 2.0 * extent.radius / extent.diameter;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/geometry/distortion.hpp"
 #include "robot_vision/common/range.hpp"
 
 namespace robot_vision
@@ -40,8 +41,7 @@ ViewCamera::ViewCamera(const CameraModel& camera) : camera_(camera)
       inverse_lengths_[y][x] =
           1.0F / std::sqrt(ray_x_[static_cast<std::size_t>(x)] * ray_x_[static_cast<std::size_t>(x)] +
                            rayY(y) * rayY(y) + 1.0F);
-  const bool bent = std::any_of(camera.D.begin(), camera.D.end(), [](double k) { return k != 0.0; });
-  if (bent || camera.K(0, 1) != 0.0) findPlaces();
+  if (isDistorted(camera) || camera.K(0, 1) != 0.0) findPlaces();
 }
 
 void ViewCamera::findPlaces()

@@ -28,7 +28,7 @@ struct Simd
   static Vector bytes(int value) { return _mm512_set1_epi8(static_cast<char>(value)); }
   static Vector words(int value) { return _mm512_set1_epi16(static_cast<short>(value)); }
   static Vector integers(int value) { return _mm512_set1_epi32(value); }
-  static Vector addBytes(Vector a, Vector b) { return _mm512_add_epi8(a, b); }
+  static Vector addSaturated(Vector a, Vector b) { return _mm512_adds_epu8(a, b); }  // unsigned bytes, 255 at most
   static Vector addIntegers(Vector a, Vector b) { return _mm512_add_epi32(a, b); }
   static Vector subtractSaturated(Vector a, Vector b) { return _mm512_subs_epu8(a, b); }  // unsigned bytes, 0 at least
   static Vector lesserBytes(Vector a, Vector b) { return _mm512_min_epu8(a, b); }         // unsigned
@@ -89,7 +89,7 @@ struct Simd
   static Vector bytes(int value) { return _mm256_set1_epi8(static_cast<char>(value)); }
   static Vector words(int value) { return _mm256_set1_epi16(static_cast<short>(value)); }
   static Vector integers(int value) { return _mm256_set1_epi32(value); }
-  static Vector addBytes(Vector a, Vector b) { return _mm256_add_epi8(a, b); }
+  static Vector addSaturated(Vector a, Vector b) { return _mm256_adds_epu8(a, b); }
   static Vector addIntegers(Vector a, Vector b) { return _mm256_add_epi32(a, b); }
   static Vector subtractSaturated(Vector a, Vector b) { return _mm256_subs_epu8(a, b); }
   static Vector lesserBytes(Vector a, Vector b) { return _mm256_min_epu8(a, b); }
@@ -143,7 +143,7 @@ struct Simd
   static Vector bytes(int value) { return _mm_set1_epi8(static_cast<char>(value)); }
   static Vector words(int value) { return _mm_set1_epi16(static_cast<short>(value)); }
   static Vector integers(int value) { return _mm_set1_epi32(value); }
-  static Vector addBytes(Vector a, Vector b) { return _mm_add_epi8(a, b); }
+  static Vector addSaturated(Vector a, Vector b) { return _mm_adds_epu8(a, b); }
   static Vector addIntegers(Vector a, Vector b) { return _mm_add_epi32(a, b); }
   static Vector subtractSaturated(Vector a, Vector b) { return _mm_subs_epu8(a, b); }
   static Vector lesserBytes(Vector a, Vector b) { return _mm_min_epu8(a, b); }

@@ -5,10 +5,12 @@
 #include <cstring>
 #include <limits>
 
+#include "core/meshes/mesh_textures.hpp"
 #include "core/simd/instruction_sets.hpp"
 #include "robot_vision/meshes/mesh_renderer.hpp"
 #include "robot_vision/meshes/sample_meshes.hpp"
 #include "support/ray_caster.hpp"
+#include "support/refusal.hpp"
 
 using namespace robot_vision;
 
@@ -201,4 +203,29 @@ TEST(MeshRenderer, drawsTheRegionsOfAnImageAsTheWhole)
       EXPECT_LT(cv::norm(view.normals, whole.normals(region), cv::NORM_INF, seen), 1e-4);
     }
   }
+}
+
+TEST(MeshRenderer, drawsToNoImageOfAnotherSize)
+{
+  const MeshRenderer renderer(sampleMesh("box").mesh);
+  const cv::Affine3d pose(cv::Matx33d::eye(), cv::Vec3d(0.0, 0.0, 0.5));
+  MeshView view;
+  RenderParts parts;
+  parts.bgr = true;
+  renderer.render(kK, pose, cv::Rect(0, 0, 10, 10), view, parts);
+  view.depth = cv::Mat(kImage.size(), CV_32FC1, cv::Scalar::all(1.0));
+  EXPECT_EQ(refusal([&] { renderer.merge(kK, pose, kImage, view, RenderParts(), 1); }),
+            "bgr is 10x10, must be 67x49 of the type that render() makes");
+}
+
+TEST(MeshTexture, hasAColorForAnyNumber)
+{
+  const MeshTexture texture(cv::Mat(8, 6, CV_8UC3, cv::Scalar(10, 20, 30)));
+  constexpr float kNan = std::numeric_limits<float>::quiet_NaN(), kInfinity = std::numeric_limits<float>::infinity();
+  for (const float number : {3e9F, -3e9F, 5e8F, 1e30F, kInfinity, -kInfinity, kNan})
+    for (const float texels : {0.0F, 1e30F, kInfinity, kNan})
+    {
+      EXPECT_EQ(texture.color(number, 0.3F, texels), cv::Vec3f(10, 20, 30)) << number << " " << texels;
+      EXPECT_EQ(texture.color(0.3F, number, texels), cv::Vec3f(10, 20, 30)) << number << " " << texels;
+    }
 }

@@ -284,7 +284,7 @@ TEST(ViewKernels, gatherTheCellsOfPlaces)
     lanes.least[i] = static_cast<std::uint32_t>(random.uniform(1000, 6000));
     lanes.most[i] = static_cast<std::uint32_t>(random.uniform(2000, 9000));
   }
-  int scores[4] = {};
+  int scores[kDepthEdgeScore + 1] = {};
   for (const bool with_depth : {true, false})
     for (const auto& [column, row] : {std::pair(0, 0), std::pair(3, 11), std::pair(11, 2)})
     {
@@ -311,7 +311,8 @@ TEST(ViewKernels, gatherTheCellsOfPlaces)
         for (int bin = 0; bin < 8; ++bin)
         {
           const bool edge = (bins >> bin & 1) != 0, depth_edge = (bins >> (bin + 8) & 1) != 0;
-          const int expected = depth_edge ? kDepthEdgeScore : edge ? kImageEdgeScore : 0;
+          const int of_depth = with_depth ? kDepthEdgeScore : kOnlyEdgeScore;
+          const int expected = depth_edge ? of_depth : edge ? kImageEdgeScore : 0;
           ASSERT_EQ(planes[static_cast<std::size_t>(bin * kPlacesAtOnce + i)], expected) << i << " " << bin;
           const int surface = (bins >> (bin + 16) & 1) != 0 ? kSurfaceScore : 0;
           ASSERT_EQ(planes[static_cast<std::size_t>((bin + 8) * kPlacesAtOnce + i)], surface) << i << " " << bin;
@@ -319,8 +320,8 @@ TEST(ViewKernels, gatherTheCellsOfPlaces)
         }
       }
     }
-  for (const int score : {0, kImageEdgeScore, kDepthEdgeScore})
-    EXPECT_GT(scores[score], 200);
+  for (const int score : scores)
+    EXPECT_GT(score, 200);
 }
 
 TEST(ViewKernels, tellPlacesAboveTheirFloors)
@@ -359,6 +360,18 @@ TEST(ViewKernels, tellPlacesAboveTheirFloors)
   }
   EXPECT_GT(above, 50);
   EXPECT_GT(none, 20);
+}
+
+TEST(ViewKernels, doNotCountBeyondTheLargestByte)
+{
+  const std::vector<std::uint8_t> planes(kPlacesAtOnce, kDepthEdgeScore);
+  const std::vector<std::uint16_t> code(kCodeFeatures, 0);  // as of a view without surfaces: its score would be 288
+  std::vector<std::uint8_t> floors(kPlacesAtOnce, 254), scores(kPlacesAtOnce, 7);
+  const auto above = kernels<SearchKernels>().above;
+  EXPECT_EQ(above(planes.data(), code.data(), floors.data(), scores.data()), ~std::uint64_t{0});
+  EXPECT_EQ(scores, std::vector<std::uint8_t>(kPlacesAtOnce, 255));
+  floors.assign(kPlacesAtOnce, 255);
+  EXPECT_EQ(above(planes.data(), code.data(), floors.data(), scores.data()), 0U);
 }
 
 TEST(FrameKernels, makeInverseDepths)

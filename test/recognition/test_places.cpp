@@ -1,8 +1,33 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <utility>
+
 #include "core/recognition/near_places.hpp"
+#include "core/recognition/place_search.hpp"
 
 using namespace robot_vision;
+
+TEST(Places, areAlsoWhereThereIsNoDepth)
+{
+  CameraModel model;
+  model.width = 160;
+  model.height = 120;
+  model.K = {131.0, 0.0, 79.5, 0.0, 131.0, 59.5, 0.0, 0.0, 1.0};
+  const ViewCamera camera(model);
+  cv::Mat depth(120, 160, CV_32FC1, cv::Scalar(0.8));
+  const cv::Rect thing(60, 40, 30, 40), shadow(40, 40, 20, 40);
+  depth(thing) = 0.5;
+  depth(shadow) = 0.0;
+  ObservedFrame frame;
+  frame.observe(camera, cv::Mat(), depth, {30, 0.05F});
+  for (const auto& [nearest, farthest] : {std::pair(0.3F, 0.9F), std::pair(0.3F, 5.0F), std::pair(0.6F, 5.0F)})
+  {
+    const std::vector<Place> places = findPlaces(frame, camera, 0.02, 0.1, 1.0F / farthest, 1.0F / nearest, cv::Mat());
+    const auto inShadow = [&](const Place& place) { return shadow.contains({place.x, place.y}); };
+    EXPECT_GT(std::count_if(places.begin(), places.end(), inShadow), 5) << nearest << " " << farthest;
+  }
+}
 
 TEST(NearPlaces, tellsAllThatAreWithinTheDistance)
 {
