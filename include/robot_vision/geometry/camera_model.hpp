@@ -41,6 +41,8 @@ struct CameraModel
   cv::Point2d ray(const cv::Point2d& pixel) const;
 };
 
+bool operator==(const CameraModel& a, const CameraModel& b);
+
 /// Whether K is that of a calibrated camera. Drivers publish zeros as long as a camera is not calibrated; any other
 /// wrong K is an error that validate() reports.
 bool isCalibrated(const cv::Matx33d& K);

@@ -62,6 +62,12 @@ void requireFocalLength(const std::string& name, double value)
 
 }  // namespace
 
+bool operator==(const CameraModel& a, const CameraModel& b)
+{
+  return a.width == b.width && a.height == b.height && a.K == b.K && a.D == b.D &&
+         a.distortion_model == b.distortion_model;
+}
+
 bool isCalibrated(const cv::Matx33d& K)
 {
   return K != cv::Matx33d::zeros();

@@ -25,12 +25,6 @@ constexpr double kMaxOffset = 0.6;  // widths from its middle, at which the robo
 using lanes::LaneModel;
 using lanes::LineFit;
 
-bool isSame(const CameraModel& a, const CameraModel& b)
-{
-  return a.width == b.width && a.height == b.height && a.K == b.K && a.D == b.D &&
-         a.distortion_model == b.distortion_model;
-}
-
 std::vector<cv::Point2d> inImage(const GroundView& view, const std::vector<cv::Point2d>& places)
 {
   std::vector<cv::Point2d> pixels;
@@ -93,7 +87,7 @@ struct LaneDetector::Impl
   {
     const bool by_camera = ground.ground == "camera";
     if (by_camera) require(camera != nullptr, "the camera", "not known", "given, as ground is camera");
-    const bool known = by_camera ? isSame(*camera, seen_by) : size == seen_size;
+    const bool known = by_camera ? *camera == seen_by : size == seen_size;
     if (known && view) return;
     if (known && !refusal.empty()) throw std::invalid_argument(refusal);  // it takes long to find that out again
     forget();

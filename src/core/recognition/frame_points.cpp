@@ -13,11 +13,6 @@ namespace
 
 constexpr double kOffers = 0.4;  // of the distance between points that are kept, between those that are looked at
 
-bool isSame(const CameraModel& a, const CameraModel& b)
-{
-  return a.width == b.width && a.height == b.height && a.K == b.K;
-}
-
 double extentOf(const std::vector<cv::Point3d>& hull)
 {
   double largest = 0.0;
@@ -43,7 +38,7 @@ double medianDepth(const cv::Mat& depth)
 
 void FramePoints::begin(const RecognitionFrame& frame, bool with_planes)
 {
-  if (!normal_finder_ || !isSame(camera_, frame.camera()))
+  if (!normal_finder_ || !(camera_ == frame.camera()))
   {
     camera_ = frame.camera();
     normal_finder_ = std::make_unique<DepthNormals>(camera_);

@@ -19,19 +19,13 @@ constexpr double kStep = 1.0;            // between places, in cells
 constexpr double kDistanceRatio = 1.12;  // between the distances that are tried without depth
 constexpr SearchFloors kWithDepth{50, 65, 40}, kWithoutDepth{40, 53, 27};
 
-bool isSame(const CameraModel& a, const CameraModel& b)
-{
-  return a.width == b.width && a.height == b.height && a.K == b.K && a.D == b.D &&
-         a.distortion_model == b.distortion_model;
-}
-
 }  // namespace
 
 struct ObjectMatcher::Impl
 {
   void observe(const cv::Mat& image, const cv::Mat& depth, const std::string& encoding, const CameraModel& of_camera)
   {
-    if (!camera || !isSame(camera->camera(), of_camera)) camera.emplace(of_camera);
+    if (!camera || !(camera->camera() == of_camera)) camera.emplace(of_camera);
     const cv::Size size(of_camera.width, of_camera.height);
     require(!image.empty() || !depth.empty(), "the frame", "empty", "an image, depths, or both");
     if (!image.empty())

@@ -45,8 +45,7 @@ void requireEqual(const std::string& name, double left, double right)
 
 bool operator==(const RectifiedCamera& a, const RectifiedCamera& b)
 {
-  return sizeOf(a) == sizeOf(b) && a.model.K == b.model.K && a.model.D == b.model.D &&
-         a.model.distortion_model == b.model.distortion_model && a.R == b.R && a.P == b.P;
+  return a.model == b.model && a.R == b.R && a.P == b.P;
 }
 
 CameraModel rectifiedModel(const RectifiedCamera& camera)

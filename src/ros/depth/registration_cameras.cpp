@@ -9,12 +9,6 @@ namespace robot_vision
 namespace
 {
 
-bool same(const CameraModel& a, const CameraModel& b)
-{
-  return a.width == b.width && a.height == b.height && a.K == b.K && a.D == b.D &&
-         a.distortion_model == b.distortion_model;
-}
-
 /// The camera of images as they come, or of rectified ones. Throws std::invalid_argument naming the topic.
 CameraModel cameraOf(const sensor_msgs::CameraInfo& info, bool rectified, const std::string& topic)
 {
@@ -51,7 +45,7 @@ void RegistrationCameras::set(const RegistrationFrame& frame, const Registration
 {
   const CameraModel depth = cameraOf(*frame.depth_info, params_.depth_rectified, topics.depth_info);
   const CameraModel color = cameraOf(*frame.color_info, params_.color_rectified, topics.color_info);
-  if (!registration_ || !same(depth, depth_) || !same(color, color_))
+  if (!registration_ || !(depth == depth_) || !(color == color_))
   {
     registration_ = std::make_unique<DepthRegistration>(depth, color, depth_to_color, params_.registration);
     points_.reset();
