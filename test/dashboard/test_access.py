@@ -29,7 +29,7 @@ class Request:
         self.query_arguments = {} if token is None else {"token": [token.encode()]}
         self.cookies = SimpleCookie()
         if cookie is not None:
-            self.cookies["robot_vision_dashboard_8080"] = cookie
+            self.cookies[access().cookie] = cookie
         self.headers = headers
         self.connection = Connection(reached)
 
@@ -84,6 +84,14 @@ def test_a_local_dashboard_has_local_names_only(address):
     assert not made.host_allowed(Request())
     # An address by which others reach the machine is none of a dashboard that listens locally.
     assert not made.host_allowed(Request(Host="192.168.0.7", reached="192.168.0.7"))
+
+
+@pytest.mark.parametrize("address", ["127.0.0.2", "0:0:0:0:0:0:0:1", "127.0.0.1"])
+def test_the_address_that_is_printed_is_let_in(address):
+    made = access(address=address)
+    host = made.url(address).split("/")[2]
+    assert made.host_allowed(Request(Host=host))
+    assert not made.host_allowed(Request(Host="127.0.0.3:8080"))
 
 
 def test_a_dashboard_for_others_also_has_the_machine_s_names_and_the_address_that_was_reached():
@@ -164,6 +172,13 @@ def test_a_cookie_gives_the_role_it_was_made_for(role):
     assert made.role_of(Request(cookie=cookie)) == role
     assert made.role_of(Request(cookie=cookie, token="wrong")) == role
     assert made.role_of(Request(cookie=cookie), by_url_only=True) == ""
+
+
+def test_dashboards_behind_the_same_name_have_cookies_of_their_own():
+    """Tunnels lead from two ports of one machine to the same port of two others."""
+    names = [access(token=token).cookie for token in (TOKEN, TOKEN, "another-token")]
+    assert names[0] == names[1] != names[2]
+    assert not any(TOKEN in name or len(name) > 40 for name in names)
 
 
 @pytest.mark.parametrize("cookie", ["", TOKEN, "x", "é", "0" * 64])

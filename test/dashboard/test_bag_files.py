@@ -13,6 +13,7 @@ from robot_vision.dashboard import bag_files
 from robot_vision.dashboard.bag_files import MAX_NAME, BagFolder, require_bag_name, stem_of
 from robot_vision.dashboard.bag_format import MAX_HEADER
 from robot_vision.dashboard.bag_progress import BagProgress
+from robot_vision.dashboard.encoding import to_json
 
 
 @pytest.fixture
@@ -296,6 +297,20 @@ def test_bags_for_which_there_is_no_time_are_read_the_next_time(folder, monkeypa
     assert (bag["topics"], bag["problem"]) == (None, "not read yet")
     monkeypatch.undo()
     assert len(folder.bags()[0]["topics"]) == 2
+
+
+def test_the_topics_of_the_oldest_bags_are_left_out_of_a_list_that_would_be_too_long(
+    folder, monkeypatch
+):
+    for age, name in enumerate(["new.bag", "middle.bag", "old.bag"]):
+        os.utime(write_bag(in_folder(folder, name)), (1000 - age, 1000 - age))
+    size = len(to_json(folder.bags()[0]["topics"]))
+    monkeypatch.setattr(bag_files, "MAX_CONTENTS", 2 * size)
+    listed = folder.bags()
+    assert [bool(bag["topics"]) for bag in listed] == [True, True, False]
+    assert listed[2]["problem"] == bag_files.NOT_LISTED and listed[2]["duration"] == 9.0
+    folder.delete("new.bag")
+    assert [bag["problem"] for bag in folder.bags()] == ["", ""]
 
 
 def test_messages_are_counted_while_a_bag_is_written(folder):

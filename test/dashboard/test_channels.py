@@ -1,10 +1,12 @@
 """Channels to a page that reads slowly or lies: what they keep is bounded, and the newest."""
 
+import json
 import threading
 
 import pytest
 from slow_peer import Peer
 
+from robot_vision.dashboard import outbox
 from robot_vision.dashboard.channels import HEADER, Channel
 
 
@@ -60,6 +62,44 @@ def test_payloads_are_shared_while_they_wait(peer, channel):
     for one in (channel, *others):
         one.send_binary(1, 0.0, 0.0, 1, 1, payload)
     assert all(message.parts[1] is payload for message in peer.outbox._messages.values())
+
+
+def waiting(peer):
+    return sum(message.size for message in peer.outbox._messages.values())
+
+
+def test_what_all_channels_have_waiting_is_bounded(peer, monkeypatch):
+    size = 1000
+    monkeypatch.setattr(outbox, "MAX_PACED", 10 * size)
+    channels = [Channel(number, peer.outbox) for number in range(1, 65)]
+    for _ in range(3):
+        for one in channels:
+            if one.ready:
+                one.send_binary(1, 0.0, 0.0, 1, 1, bytes(size))
+        peer.turn()
+    assert 10 * size <= waiting(peer) <= 11 * (size + HEADER.size)
+    assert not any(one.ready for one in channels)
+
+
+def test_each_channel_has_its_turn_when_a_page_reads_again(peer, monkeypatch):
+    size = 1000
+    monkeypatch.setattr(outbox, "MAX_PACED", 10 * size)
+    channels = [Channel(number, peer.outbox) for number in range(1, 65)]
+    woken = set()
+    for one in channels:
+        one.on_ready(lambda one=one: woken.add(one))
+        one.send_message({"text": "old" + "x" * size}, 0.0, 0.0)
+        one.send_message({"text": "new" + "x" * size}, 0.0, 0.0)
+        one.send_message({"text": "newest"}, 0.0, 0.0)
+    peer.read_all()
+    got = {}
+    for message, _ in peer.taken:
+        told = json.loads(message)
+        got[told["channel"]] = told["data"]["text"]
+    begun = [one for one in channels if len(one._in_flight) == 2]  # before there was no room
+    assert len(got) == 64 and len(begun) < 12
+    assert all(text == "newest" or channels[number - 1] in begun for number, text in got.items())
+    assert woken == set(channels) - set(begun) and all(one.ready for one in woken)
 
 
 def test_what_waits_of_a_channel_that_is_closed_is_not_sent(peer, channel):

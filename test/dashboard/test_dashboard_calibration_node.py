@@ -155,6 +155,18 @@ def test_nobody_who_looks_is_no_subscription_and_loses_nothing(server, camera, h
     assert hub.watching == 0
 
 
+def test_who_only_looks_neither_goes_on_with_a_calibration_nor_keeps_others_from_it(server, hub):
+    page = server.page()
+    page.request("calibration_start", **BOARD)
+    viewer = server.page(VIEW_TOKEN)
+    assert viewer.request("calibration")["topic"] == IMAGE
+    page.request("close_calibration")
+    assert hub.watching == 0
+    assert viewer.request("calibration")["topic"] == IMAGE and hub.watching == 0
+    state = server.page().request("calibration_start", **{**BOARD, "topic": "/other/image_raw"})
+    assert state["topic"] == "/other/image_raw" and hub.watching == 1
+
+
 def test_an_abandoned_calibration_gives_way(server, hub):
     page = server.page()
     page.request("calibration_start", **BOARD)
@@ -193,6 +205,21 @@ def test_what_the_camera_says_against_it_is_told(server, camera):
     assert isinstance(info, CameraInfo) and info.distortion_model == "plumb_bob"
     assert np.array_equal(info.R, np.eye(3).ravel()) and info.P[0] > 100.0
     refusing.close()
+    taking.close()
+
+
+def test_a_camera_in_the_global_namespace_takes_its_calibration(server, camera):
+    page = server.page()
+    page.request("calibration_start", **BOARD)
+    solve(page)
+    (feature,) = server._features
+    feature._run.topic = "/image_raw"
+    with pytest.raises(ValueError, match="there is no service /set_camera_info"):
+        page.request("calibration_commit")
+    taking = Service("")
+    told = page.request("calibration_commit")
+    assert told == {"message": "the camera of /image_raw has the calibration now"}
+    assert len(taking.infos) == 1
     taking.close()
 
 

@@ -2,6 +2,7 @@
 
 import base64
 import os
+import threading
 
 import cv2
 import numpy as np
@@ -11,6 +12,7 @@ import support
 from feature_page import FeaturePage, RefusedError
 from people import ANNA, photographs
 
+from robot_vision.dashboard import face_feature
 from robot_vision.dashboard.face_feature import FaceFeature
 from robot_vision.dashboard.settings import Settings
 from robot_vision.faces.gallery import Gallery
@@ -77,3 +79,30 @@ def test_enrolling_says_what_is_missing(page, start, tmp_path):
         page.request("enroll", node="/door", name="a/b", pictures=1)
     with pytest.raises(RefusedError, match="/gone has no service enroll"):
         page.request("enroll", node="/gone", name="Bert")
+
+
+class Called:
+    """Plays the services of a node, whose enrolling lasts as long as a test wants."""
+
+    def __init__(self):
+        self.timeouts = []
+        self.go_on = threading.Event()
+
+    def __call__(self, _node, service, kind, *_fields, timeout=0.0):
+        if service == "list_names":
+            return kind._response_class()
+        self.timeouts.append(timeout)
+        assert self.go_on.wait(support.DEADLINE)
+        return kind._response_class(True, "enrolled", 1)
+
+
+def test_enrolling_may_take_as_long_as_the_node_says_and_holds_up_nothing(page, monkeypatch):
+    called = Called()
+    monkeypatch.setattr(face_feature, "call_node", called)
+    rospy.set_param("/slow/enroll_timeout", 123.0)
+    rospy.set_param("/odd/enroll_timeout", "soon")
+    asked = [page.start("enroll", node=node, name="Bert") for node in ("/slow", "/odd", "/none")]
+    assert page.request("faces", node="/slow") == {"people": []}
+    called.go_on.set()
+    assert [page.answer_to(number)["pictures"] for number in asked] == [1, 1, 1]
+    assert sorted(called.timeouts) == [20.0, 20.0, 133.0]

@@ -1,5 +1,7 @@
 """The log and the frames of tf in the dashboard."""
 
+from unittest.mock import Mock
+
 import pytest
 import rospy
 import support
@@ -8,8 +10,9 @@ from geometry_msgs.msg import TransformStamped
 from rosgraph_msgs.msg import Log
 from tf2_msgs.msg import TFMessage
 
+from robot_vision.dashboard.encoding import to_json
 from robot_vision.dashboard.frame_feature import FrameFeature
-from robot_vision.dashboard.log_feature import LogFeature, newest
+from robot_vision.dashboard.log_feature import MAX_KEPT, MAX_PUSH, LogFeature, newest
 from robot_vision.dashboard.log_lines import LogLine
 from robot_vision.dashboard.settings import Settings
 
@@ -118,6 +121,12 @@ def test_a_push_holds_the_newest_lines_that_fit():
     assert kept == lines[-len(kept) :] and 10 < len(kept) < 60
 
 
+def test_a_push_has_as_many_bytes_as_are_said_in_any_language():
+    lines = [LogLine(0.0, 1, "/x", "\U0001f916" * 4000, "", "", 0) for _ in range(100)]
+    kept = newest(lines)
+    assert kept and len(to_json([line._asdict() for line in kept])) < 1.01 * MAX_PUSH
+
+
 def transform(parent, child, x):
     made = TransformStamped()
     made.header.frame_id, made.child_frame_id = parent, child
@@ -135,3 +144,22 @@ def test_frames_come_in_the_frame_that_was_asked_for(page, publish):
     assert places == pytest.approx({"camera": 0.0, "base": -0.5, "map": -2.5})
     page._call(page.session.close_channel, 9)
     support.wait_for(lambda: not subscribes("/tf"), "the end of the subscription")
+
+
+def test_each_session_is_told_how_many_of_its_lines_are_missing(features, monkeypatch):
+    log = features[0]
+    log.close()
+    log._thread.join(support.DEADLINE)  # or it would push them
+    monkeypatch.setattr("robot_vision.dashboard.log_feature.LogTopic", Mock())
+    all_lines, later, errors = (FeaturePage(*features, role="view") for _ in range(3))
+    all_lines.request("log", level=1)
+    errors.request("log", level=8)
+    for number in range(MAX_KEPT + 10):
+        log._on_line(LogLine(0.0, 4 if number % 2 else 8, "/x", str(number), "", "", 0))
+    later.request("log", level=1)
+    with log._changed:
+        log._push(list(log._levels), list(log._new)[-1:])
+    told = [page.wait_for_push("log")["left_out"] for page in (all_lines, later, errors)]
+    assert told == [10, 0, 5]
+    for page in (all_lines, later, errors):
+        page.close()

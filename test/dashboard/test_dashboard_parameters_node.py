@@ -10,7 +10,7 @@ from dynamic_reconfigure.msg import Config, ConfigDescription, Group, ParamDescr
 from dynamic_reconfigure.srv import Reconfigure
 from feature_page import FeaturePage, RefusedError, subscribes
 
-from robot_vision.dashboard import parameter_node
+from robot_vision.dashboard import parameter_feature, parameter_node
 from robot_vision.dashboard.parameter_description import parameters_in
 from robot_vision.dashboard.parameter_feature import ParameterFeature
 from robot_vision.dashboard.settings import Settings
@@ -93,6 +93,26 @@ def test_what_others_change_is_pushed(page, motion):
     # The client of dynamic_reconfigure would take the dashboard's bytes in this process.
     rospy.ServiceProxy("/motion/set_parameters", Reconfigure)(encode_config({"dilate": 7}))
     page.wait_for_push("values", lambda data: data["values"]["dilate"] == 7)
+
+
+def test_what_changes_while_parameters_are_told_is_not_lost(page, motion, monkeypatch):
+    has_service = parameter_feature.has_service
+
+    def change(name):
+        rospy.ServiceProxy("/motion/set_parameters", Reconfigure)(encode_config({"dilate": 7}))
+        return has_service(name)
+
+    monkeypatch.setattr(parameter_feature, "has_service", change)
+    told = page.request("parameters", node="/motion")
+    assert told["values"]["dilate"] != 7  # It has changed after that.
+    page.wait_for_push("values", lambda data: data["values"]["dilate"] == 7)
+
+
+def test_a_node_that_tells_nothing_is_not_looked_at_any_more(page, feature, monkeypatch):
+    monkeypatch.setattr(parameter_node, "DESCRIPTION_TIMEOUT", 0.1)
+    with pytest.raises(RefusedError, match="has not told its parameters"):
+        page.request("parameters", node="/nobody")
+    assert not subscribes("/nobody/parameter_updates") and not feature._looking
 
 
 def test_two_pages_share_a_subscription_that_ends_with_the_last(page, feature, motion):

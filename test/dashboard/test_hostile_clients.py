@@ -191,6 +191,67 @@ def test_strangers_who_read_no_answer_keep_nobody_out(served, many_files):
         assert is_well(served)
 
 
+class LargeHandler(GuardedHandler):
+    """Answers everybody, with more than the buffers of served_large() hold."""
+
+    def is_open(self):
+        return True
+
+    def get(self):
+        self.finish("for all " * 10000)
+
+
+@contextlib.contextmanager
+def served_large():
+    made = Served(routes=[("/large", LargeHandler)])
+    made.server._sockets[0].setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, 4096)
+    yield made
+    made.server.close()
+
+
+def connected_and_answered(served, query=""):
+    """A connection with an answer of which only the first bytes have been read, if any."""
+    connection = socket.socket()
+    connection.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)
+    connection.settimeout(TIMEOUT)
+    connection.connect((served.address, served.port))
+    connection.sendall(f"GET /large{query} HTTP/1.1\r\nHost: {served.host}\r\n\r\n".encode())
+    assert connection.recv(12, socket.MSG_PEEK) == b"HTTP/1.1 200"
+    return connection
+
+
+def test_strangers_who_read_no_answer_that_is_for_everybody_keep_nobody_out(many_files):
+    with served_large() as served, contextlib.ExitStack() as stack:
+        for _ in range(http_server.MAX_CONNECTIONS + 20):
+            stack.enter_context(connected_and_answered(served))
+        assert is_well(served)
+
+
+def test_who_may_look_and_reads_no_answer_is_given_up(monkeypatch):
+    monkeypatch.setattr(http_server, "UNREAD_TIMEOUT", 0.1)
+    with served_large() as served:
+        with connected_and_answered(served, f"?token={TOKEN}") as connection:
+            connection.settimeout(0.05)
+            deadline = time.monotonic() + TIMEOUT
+            with pytest.raises(ConnectionError):  # what comes for a closed connection is refused
+                while time.monotonic() < deadline:
+                    with contextlib.suppress(socket.timeout):
+                        connection.sendall(b"x" * 1000)
+        assert is_well(served)
+
+
+def test_who_reads_an_answer_slowly_gets_all_of_it():
+    """The server looks after each part, of more bytes than the system's buffers hold."""
+    with served_large() as served, connected_and_answered(served, f"?token={TOKEN}") as connection:
+        answer = connection.makefile("rb")
+        for _ in range(3):
+            looked = threading.Event()
+            served.server._loop.add_callback(served.server._server._close_unread)
+            served.server._loop.add_callback(looked.set)
+            assert looked.wait(TIMEOUT)
+            assert len(answer.read(24000)) == 24000
+
+
 @pytest.mark.parametrize(
     "text",
     [

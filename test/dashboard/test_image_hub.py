@@ -541,3 +541,19 @@ def test_sizes_are_rounded_up_to_a_few(longest, size):
 def test_a_wish_becomes_a_size_with_the_images_shape(wish, size):
     picture = Picture(0.0, 0.0, 1920, 1080, Frame(image(0, 1920, 1080)))
     assert wish.of(picture) == Display(JPEG, *size, 80, False)
+
+
+@pytest.mark.parametrize(
+    "wish, source, size",
+    [
+        (Wish(width=8192, height=8192), (64, 64), (2048, 2048)),
+        (Wish(width=8192), (64, 16), (4096, 1024)),
+        (Wish(width=8000, height=4000), (4000, 2000), (4000, 2000)),  # no more than it came with
+        (Wish(width=4000, height=3000), (4000, 3000), (4000, 3000)),
+        (Wish(width=2048, height=2048), (64, 64), (2048, 2048)),
+        (Wish(), (8000, 6000), (8000, 6000)),
+    ],
+)
+def test_an_image_is_made_larger_up_to_4_megapixels(wish, source, size):
+    display = wish.of(Picture(0.0, 0.0, *source, object()))
+    assert (display.width, display.height) == size

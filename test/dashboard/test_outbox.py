@@ -3,7 +3,7 @@
 import pytest
 from slow_peer import Peer
 
-from robot_vision.dashboard.outbox import MAX_WAITING, Message
+from robot_vision.dashboard.outbox import MAX_PACED, MAX_WAITING, Message
 
 
 @pytest.fixture
@@ -74,6 +74,19 @@ def test_a_peer_that_reads_nothing_is_given_up_when_a_megabyte_waits(peer):
     assert len(peer.taken) == 1
 
 
+def test_a_peer_that_reads_gets_messages_of_any_size(peer):
+    peer.read_all()
+    large = "x" * (2 * MAX_WAITING)
+    for key in (None, "graph", "graph"):
+        peer.outbox.put(text(large), key)
+        peer.turn()
+    peer.outbox.put(text("small"))
+    peer.outbox.put(text(large))
+    peer.turn()
+    assert peer.events == []
+    assert [len(message) for message, _ in peer.taken] == [len(large)] * 3 + [5, len(large)]
+
+
 def test_what_replaces_others_can_wait_for_ever(peer):
     part = "x" * (MAX_WAITING // 3)
     for _ in range(20):
@@ -88,9 +101,32 @@ def test_what_replaces_others_can_wait_for_ever(peer):
 
 def test_frames_do_not_count_as_their_channels_bound_them(peer):
     for number in range(4):
-        peer.outbox.put(Message((b"", b"x" * MAX_WAITING), True), number)
+        peer.outbox.put(Message((b"", b"x" * MAX_WAITING), True, paced=True), number)
+        peer.outbox.put(Message(("x" * MAX_WAITING,), paced=True), ("message", number))
     peer.turn()
     assert peer.events == []
+
+
+def test_who_waits_for_room_is_told_once_when_there_is_some(peer):
+    frame = Message((b"", b"x" * MAX_PACED), True, paced=True)
+    told = []
+
+    def has_room():
+        told.append(len(peer.taken))
+
+    assert not peer.outbox.is_full(has_room)
+    peer.outbox.put(text("on its way"))
+    peer.turn()
+    for number in range(2):
+        peer.outbox.put(frame, number)
+    assert peer.outbox.is_full(has_room) and peer.outbox.is_full(has_room)
+    peer.turn()
+    assert told == []
+    peer.outbox.discard(lambda key: key == 0)
+    peer.read_all()
+    assert told == [1] and not peer.outbox.is_full(has_room)
+    peer.read_all()
+    assert told == [1]
 
 
 def test_nothing_waits_for_a_peer_that_is_gone(peer):

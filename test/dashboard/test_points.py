@@ -1,10 +1,18 @@
 """Points and colours of clouds, whatever their layout."""
 
+import threading
+
 import numpy as np
 import pytest
+import support
 from sensor_msgs.msg import PointCloud2, PointField
+from slow_peer import Peer
 
+from robot_vision.dashboard import outbox
+from robot_vision.dashboard.channels import Channel
 from robot_vision.dashboard.cloud_points import GRAY, points_of
+from robot_vision.dashboard.message_topics import RawMessage
+from robot_vision.dashboard.point_feature import CLOUD, MAX_MAKING, _Viewer
 
 FLOAT = {"f4": PointField.FLOAT32, "f8": PointField.FLOAT64, "i2": PointField.INT16}
 MANY = 10**6
@@ -187,3 +195,33 @@ def test_a_large_organized_cloud_gives_as_many_points_as_wanted():
     step = -(-640 * 480 // 50000)
     assert np.array_equal(points.xyz, xyz[::step])
     assert np.array_equal(points.colors[:, :3], colors[::step])
+
+
+def test_clouds_for_a_page_that_does_not_read_are_not_made_before_it_does(monkeypatch):
+    monkeypatch.setattr(outbox, "MAX_PACED", 1 << 20)
+    peer, making = Peer(), threading.Semaphore(0)
+    can_send, able = _Viewer._can_send, set()
+    monkeypatch.setattr(_Viewer, "_can_send", lambda one: can_send(one) and not able.add(one))
+    raw = RawMessage(CLOUD, "", b"", 0.0, "/eye", cloud(np.ones((10000, 3), np.float32)))
+    channels = [Channel(number, peer.outbox) for number in range(1, 41)]
+    viewers = [_Viewer("/cloud", None, channel, 10000, making) for channel in channels]
+    for channel, viewer in zip(channels, viewers):
+        channel.on_ready(viewer.wake)
+        viewer.offer(raw)
+    support.wait_for(lambda: len(able) == len(viewers), "viewers that all have room so far")
+    for _ in range(MAX_MAKING):
+        making.release()
+    support.wait_for(lambda: peer.outbox.is_full(lambda: None), "frames that wait")
+    for _ in range(MAX_MAKING):  # until those that were begun are made
+        assert making.acquire(timeout=support.DEADLINE)
+    size = 10000 * 16 + 32
+    waiting = sum(message.size for message in list(peer.outbox._messages.values()))
+    waiting += size * sum(channel._newest is not None for channel in channels)
+    assert 1 << 20 <= waiting <= (1 << 20) + MAX_MAKING * size
+    for _ in range(MAX_MAKING):
+        making.release()
+    support.wait_for(lambda: peer.read_all() or len(peer.taken) == len(viewers), "all frames")
+    for channel, viewer in zip(channels, viewers):
+        channel.close()
+        viewer.wake()
+    peer.end()

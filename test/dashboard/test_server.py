@@ -9,6 +9,7 @@ from served import TIMEOUT, TOKEN, VIEW_TOKEN, Page, Served
 from tornado.httpclient import HTTPClientError
 
 from robot_vision.dashboard import server as server_module
+from robot_vision.dashboard.access import COOKIES
 from robot_vision.dashboard.handlers import GuardedHandler, GuardedSocket, Refused
 from robot_vision.dashboard.page_files import FOLDER, file_table
 from robot_vision.dashboard.server import bind
@@ -91,6 +92,17 @@ def test_the_printed_address_gives_a_cookie_and_then_the_page(served):
         with open(f"{FOLDER}/index.html") as file:
             assert (status, body) == (200, file.read())
         assert served.get("/control", cookie=value)[0] == {"control": 200, "view": 403}[role]
+
+
+@pytest.mark.parametrize("count, cleared", [(0, 0), (3, 0), (15, 0), (16, 1), (20, 5)])
+def test_the_oldest_of_many_cookies_of_dashboards_are_cleared(served, count, cleared):
+    old = [f"{COOKIES}{number:08d}" for number in range(count)]
+    cookies = "; ".join(f"{name}=x" for name in ["other", *old, served.access.cookie])
+    request = f"GET /?token={TOKEN} HTTP/1.1\r\nHost: {served.host}\r\nConnection: close\r\n"
+    answer = served.say(f"{request}Cookie: {cookies}\r\n\r\n".encode()).decode()
+    given = re.findall("Set-Cookie: ([^=]+)=([^;]*);", answer)
+    assert [name for name, value in given if value in ("", '""')] == old[:cleared]
+    assert (served.access.cookie, served.access.cookie_of("control")) in given
 
 
 def test_a_link_of_another_site_leads_to_the_page_too(served):

@@ -1,5 +1,6 @@
 """web_video_server's URLs of a running dashboard, as programs and browsers read them."""
 
+import asyncio
 import contextlib
 import itertools
 import json
@@ -19,6 +20,13 @@ from frames import message, new_topic
 from sensor_msgs.msg import CompressedImage, Image
 from std_msgs.msg import Header
 from streamed import TOKEN, Dashboard, decoded, publisher, subscribers
+from tornado.ioloop import IOLoop
+from tornado.iostream import IOStream
+
+from robot_vision.dashboard import web_video_viewer
+from robot_vision.dashboard.channels import JPEG
+from robot_vision.dashboard.pictures import Picture
+from robot_vision.dashboard.web_video_viewer import HttpViewer, MultipartStream, keep_alive
 
 BOUNDARY = b"--boundarydonotcross\r\n"
 
@@ -62,11 +70,12 @@ def camera():
 class Reader:
     """Reads a stream from a socket, as slowly as a test wants."""
 
-    def __init__(self, dashboard, http="HTTP/1.1", **arguments):
+    def __init__(self, dashboard, http="HTTP/1.1", said="", **arguments):
         host, port = dashboard.host.split(":")
         self._socket = socket.create_connection((host, int(port)), support.DEADLINE)
         path = dashboard.url("/stream", token=TOKEN, **arguments).partition(dashboard.host)[2]
-        self._socket.sendall(f"GET {path} {http}\r\nHost: {dashboard.host}\r\n\r\n".encode())
+        request = f"GET {path} {http}\r\nHost: {dashboard.host}\r\n\r\n{said}"
+        self._socket.sendall(request.encode())
         self._rest, self._last = b"", ""
         self.head = self._until(b"\r\n\r\n").decode()
         if self.head.startswith("HTTP/1.1 200"):
@@ -283,6 +292,59 @@ def test_more_streams_than_allowed_are_refused_and_room_comes_back(start, camera
     support.wait_for(
         lambda: dashboard.get("/snapshot", topic=camera.topic).code == 200, "room for a stream"
     )
+
+
+def test_who_vanishes_while_no_image_comes_leaves_room(start):
+    """What was said behind the request is not read yet when the connection ends."""
+    dashboard = Dashboard(start, "__name:=silent", "_max_clients:=2")
+    silent = publisher(new_topic(), Image)
+    for _ in range(2):
+        reader = Reader(dashboard, said="X", topic=silent.name)
+        assert "200 OK" in reader.head
+        reader.close()
+
+    def has_room():
+        reader = Reader(dashboard, topic=silent.name)
+        reader.close()
+        return "200 OK" in reader.head
+
+    support.wait_for(has_room, "room for a stream")
+    silent.unregister()
+
+
+class Endless(HttpViewer):
+    """Has the next picture as soon as it can be sent."""
+
+    def go_on(self):
+        self.show(Picture(1.0, 1.0, 4, 4), JPEG, bytes(1 << 20))
+
+
+def test_a_reader_who_takes_nothing_any_more_is_gone(monkeypatch):
+    monkeypatch.setattr(web_video_viewer, "UNREAD_TIMEOUT", 0.05)
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        theirs = socket.create_connection(server.getsockname())
+        ours = server.accept()[0]
+
+    async def stream():
+        viewer = Endless(IOLoop.current())
+        viewer.go_on()
+        made = MultipartStream(IOStream(ours), b"", viewer)
+        await asyncio.wait_for(made.run(), support.DEADLINE)
+
+    asyncio.run(stream())
+    assert theirs.recv(len(BOUNDARY)) == BOUNDARY
+    theirs.close()
+
+
+def test_a_reader_whose_machine_is_gone_is_noticed():
+    with socket.socket() as connection:
+        keep_alive(connection)
+        assert connection.getsockopt(socket.SOL_SOCKET, socket.SO_KEEPALIVE) == 1
+        idle, period, count = (
+            connection.getsockopt(socket.IPPROTO_TCP, getattr(socket, name))
+            for name in ("TCP_KEEPIDLE", "TCP_KEEPINTVL", "TCP_KEEPCNT")
+        )
+        assert idle + period * count <= 60
 
 
 def test_the_node_ends_at_once_while_streams_are_open(start, camera):

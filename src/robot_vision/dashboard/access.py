@@ -12,6 +12,7 @@ from ..common.plain_text import brief
 
 LOOPBACK_NAMES = ("localhost", "127.0.0.1", "::1")
 RANDOM_BYTES = 16  # of a token that is made
+COOKIES = "robot_vision_dashboard_"  # what the names of the cookies of all dashboards begin with
 TOKEN = re.compile(r"[A-Za-z0-9._~-]{8,128}")
 TOKEN_WORDS = "8 to 128 letters of A-Z, a-z, 0-9, '.', '_', '~' and '-'"
 NO_TOKEN = "none"  # as token: nobody is asked for one, which is for the loopback address only
@@ -61,7 +62,9 @@ class Access:
         if not self.token and self.view_token:
             raise ValueError("view_token is set, but token is none: all pages may control")
         self._hosts: Set[str] = set(LOOPBACK_NAMES)
-        if not self.local:
+        if self.local:
+            self._hosts.add(_canonical(address.lower()))  # which may be another one of 127.0.0.0/8
+        else:
             self._hosts.update(machine_names(), {self.name.lower()})
         self._origins: Set[str] = set()
         for host in hosts:
@@ -70,8 +73,12 @@ class Access:
 
     @property
     def cookie(self) -> str:
-        """The name of the cookie; browsers give the cookies of a machine to all its ports."""
-        return f"robot_vision_dashboard_{self.port}"
+        """The name of the cookie, which does not tell the token.
+
+        Browsers give the cookies of a machine to all its ports, and tunnels may lead from them to
+        dashboards of several machines. So it is another one for each token.
+        """
+        return COOKIES + _digest(self.token, b"name")[:8]
 
     def role_of(self, request: Any, by_url_only: bool = False) -> str:
         """Returns "control", "view" or "" for a tornado request.
@@ -209,4 +216,8 @@ def _own_address(request: Any) -> Optional[str]:
 
 
 def _cookie_value(token: str) -> bytes:
-    return hmac.new(token.encode(), b"cookie", hashlib.sha256).hexdigest().encode()
+    return _digest(token, b"cookie").encode()
+
+
+def _digest(token: str, purpose: bytes) -> str:
+    return hmac.new(token.encode(), purpose, hashlib.sha256).hexdigest()

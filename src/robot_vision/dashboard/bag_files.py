@@ -14,13 +14,16 @@ from typing import Any, BinaryIO, Dict, Iterator, List, Tuple
 from ..common.files import trying
 from ..common.plain_text import brief
 from .bag_summary import summary_of
+from .encoding import to_json
 
 BAG_NAME = re.compile(r"[A-Za-z0-9_-][A-Za-z0-9_.-]*\.bag", re.ASCII)
 SUFFIX, UNFINISHED = ".bag", ".active"
 MAX_NAME = 100  # characters, with the ending
 MAX_LISTED = 1000  # bags, the newest
+MAX_CONTENTS = 512 << 10  # bytes of the topics of all bags in the list, as JSON
 READING_TIME = 2.0  # s, for which bags are read at a time; the next time others are read
 NOT_READ = "not read yet"
+NOT_LISTED = "its topics are not listed: with those of newer bags they are too many"
 
 
 def require_bag_name(name: str) -> str:
@@ -104,13 +107,19 @@ class BagFolder:
     def bags(self) -> List[Dict[str, Any]]:
         """Returns name, size (bytes), changed (s), start (s), duration (s), topics and problem.
 
-        The newest comes first. Of a bag that cannot be read `topics` is None, and `problem` says
-        the reason.
+        The newest comes first. Of a bag that cannot be read, or that comes after MAX_CONTENTS of
+        topics, `topics` is None, and `problem` says the reason.
         """
         end = time.monotonic() + READING_TIME
         with self._lock:
             found = [self._described(name, end) for name in self._names(SUFFIX)]
-        return [bag for bag in found if bag]
+        bags, size = [bag for bag in found if bag], 0
+        for bag in bags:
+            if size <= MAX_CONTENTS:
+                size += len(to_json(bag["topics"]))
+            if size > MAX_CONTENTS and bag["topics"]:
+                bag.update(topics=None, problem=NOT_LISTED)
+        return bags
 
     def unfinished(self) -> List[str]:
         """Returns the names of bags that somebody writes to, or whose recording was killed."""

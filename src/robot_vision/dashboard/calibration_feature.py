@@ -17,7 +17,9 @@ NOBODY = {"topic": "", "state": "nobody calibrates a camera"}
 
 
 class CalibrationFeature:
-    """Runs a calibration as long as pages want it; without one that looks it waits, with its views.
+    """Runs a calibration as long as pages want it; it waits, with its views, while none looks.
+
+    Pages that may only look are shown what there is, and change nothing by it.
 
     Args:
         settings: The node's parameters.
@@ -29,7 +31,8 @@ class CalibrationFeature:
         self._lock = threading.RLock()  # guards _run and _owner
         self._run: Optional[CalibrationRun] = None
         self._owner = 0  # id of the session that has started it
-        self._watchers = Watchers(self._on_nobody)
+        self._watchers = Watchers()  # all that are told
+        self._controllers = Watchers(self._on_nobody)  # those of them that may control
         board = {
             "topic": Text(),
             "kind": Choice(*BOARDS),
@@ -59,13 +62,14 @@ class CalibrationFeature:
 
     def _look(self, session: Any, _fields: Dict[str, Any]) -> State:
         """Has a session told of the calibration, and returns what is known of it now."""
-        self._watchers.add(session)
+        self._add(session)
         with self._lock:
             if self._run is None:
                 return NOBODY
             problem = ""
             try:
-                self._run.resume()
+                if session.role == "control":
+                    self._run.resume()
             except ValueError as error:  # The camera has gone; the views are still there.
                 problem = str(error)
             state = self._run.state()
@@ -73,6 +77,12 @@ class CalibrationFeature:
 
     def _leave(self, session: Any, _fields: Dict[str, Any]) -> None:
         self._watchers.remove(session)
+        self._controllers.remove(session)
+
+    def _add(self, session: Any) -> None:
+        self._watchers.add(session)
+        if session.role == "control":
+            self._controllers.add(session)
 
     def _start(self, session: Any, fields: Dict[str, Any]) -> State:
         topic = graph_name(fields["topic"])
@@ -83,7 +93,7 @@ class CalibrationFeature:
             },
         )
         with self._lock:
-            if self._run and len(self._watchers):
+            if self._run and len(self._controllers):
                 raise ValueError(
                     f"{self._run.topic} is being calibrated by page {self._owner}: one at a time"
                 )
@@ -95,7 +105,7 @@ class CalibrationFeature:
                 raise
             self.close()
             self._run, self._owner = run, session.id
-            self._watchers.add(session)
+            self._add(session)
             return self._known(run.state())
 
     def _commit(self, _session: Any, fields: Dict[str, Any]) -> Dict[str, str]:
@@ -120,5 +130,5 @@ class CalibrationFeature:
 
     def _on_nobody(self) -> None:
         with self._lock:
-            if self._run and not len(self._watchers):
+            if self._run and not len(self._controllers):
                 self._run.pause()

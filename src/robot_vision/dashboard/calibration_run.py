@@ -16,7 +16,7 @@ from ..common.plain_text import error_text, printable
 from ..ros.transport import Frame
 from .board_watch import MAX_VIEWS, BoardWatch
 from .calibration_result import result_of
-from .graph_calls import call_node
+from .graph_calls import call_service
 
 MIN_PERIOD = 0.1  # s between frames in which the board is looked for
 
@@ -105,10 +105,11 @@ class CalibrationRun:
         """Gives the result to a camera node, and returns a line that says so.
 
         Args:
-            node: Its name, or the namespace of its set_camera_info; "": beside the images.
+            node: Its name, or the namespace of its set_camera_info; "": beside the images, which
+                may be in the global namespace.
 
         Raises:
-            ValueError: There is no result yet, or `node` is no name.
+            ValueError: There is no result yet.
             OSError: There is no such service, or the camera does not take it.
         """
         found = self._found
@@ -117,10 +118,11 @@ class CalibrationRun:
         node = node or self.topic.rsplit("/", 1)[0]
         camera = CameraModel(*found.size, found.K, found.D, found.model)
         info = camera_info(camera, np.eye(3), found.P)
-        answer = call_node(node, "set_camera_info", SetCameraInfo, info)
+        answer = call_service(f"{node}/set_camera_info", SetCameraInfo, info)
+        camera_name = node or f"the camera of {self.topic}"
         if not answer.success:
-            raise OSError(f"{node}: {printable(answer.status_message, 300) or 'refused'}")
-        return f"{node} has the calibration now"
+            raise OSError(f"{camera_name}: {printable(answer.status_message, 300) or 'refused'}")
+        return f"{camera_name} has the calibration now"
 
     def close(self) -> None:
         """Ends all; nothing is told any more."""

@@ -15,6 +15,8 @@ JPEG, POINTS, PNG = 1, 2, 3  # kinds
 class Channel:
     """Sends frames to a page, at most two more than it has drawn; the newest replaces others.
 
+    While too much waits for the page in all, none is begun.
+
     Attributes:
         number: The number that the page has chosen.
         closed: Whether it is closed; what is sent then is dropped.
@@ -59,7 +61,7 @@ class Channel:
 
         def make(seq: int) -> Message:
             header = HEADER.pack(kind, 0, self.number, seq, stamp, received, width, height)
-            return Message((header, payload), True, lambda: self._hand_over(seq))
+            return Message((header, payload), True, lambda: self._hand_over(seq), paced=True)
 
         self._send(make)
 
@@ -75,7 +77,7 @@ class Channel:
 
         def make(seq: int) -> Message:
             head = f'{{"push":"message","channel":{self.number},"seq":{seq},'
-            return Message((head + tail,), False, lambda: self._hand_over(seq))
+            return Message((head + tail,), False, lambda: self._hand_over(seq), paced=True)
 
         self._send(make)
 
@@ -101,13 +103,7 @@ class Channel:
             if type(seq) is not int or not self._in_flight.get(seq):
                 return False
             del self._in_flight[seq]
-            newest, self._newest = self._newest, None
-            if newest:
-                self._start(newest)
-            ready = self._is_ready()
-        if ready:
-            for callback in self._on_ready:
-                callback()
+        self._go_on()
         return True
 
     def close(self) -> None:
@@ -122,7 +118,18 @@ class Channel:
             callback()
 
     def _is_ready(self) -> bool:
-        return not self.closed and len(self._in_flight) < MAX_IN_FLIGHT
+        can = not self.closed and len(self._in_flight) < MAX_IN_FLIGHT
+        return can and not self._outbox.is_full(self._go_on)
+
+    def _go_on(self) -> None:
+        """Sends what waits, and has others know if it is ready then; on the loop."""
+        with self._lock:
+            if self._newest and self._is_ready():
+                self._start(self._newest)
+            ready = self._is_ready()
+        if ready:
+            for callback in self._on_ready:
+                callback()
 
     def _send(self, make: Callable[[int], Message]) -> None:
         with self._lock:
@@ -132,6 +139,7 @@ class Channel:
                 self._newest = make
 
     def _start(self, make: Callable[[int], Message]) -> None:
+        self._newest = None  # what has waited longer
         self._seq = self._seq % 0xFFFFFFFF + 1
         self._in_flight[self._seq] = False
         self._outbox.put(make(self._seq), (self, self._seq))

@@ -8,11 +8,14 @@ from ..srv import EnrollFace, ForgetName, ListNames
 from .face_folder import gallery_of, small_picture
 from .fields import Number, Text
 from .graph_calls import call_node
+from .graph_master import graph_name, server_param
 from .operations import Operation
 from .sessions import Session
 from .settings import Settings
 
-ENROLL_TIMEOUT = 20.0  # s; the node itself ends after 10 s
+NODE_TIMEOUT = 10.0  # s that a node takes for enrolling at most, if it does not say
+MAX_NODE_TIMEOUT = 600.0  # s
+ENROLL_MARGIN = 10.0  # s until the node has ended and learnt whom it has enrolled
 FORGET_TIMEOUT = 10.0  # s, as the others are learnt anew
 MAX_PEOPLE = 1000
 MAX_PICTURES = 100  # that are taken of a person
@@ -28,7 +31,9 @@ class FaceFeature:
         count = Number(0, MAX_PICTURES, integer=True, default=0)
         self.operations = [
             Operation("faces", self._on_faces, "view", node),
-            Operation("enroll", self._on_enroll, "control", {**named, "pictures": count}),
+            Operation(
+                "enroll", self._on_enroll, "control", {**named, "pictures": count}, beside=True
+            ),
             Operation("forget_face", self._on_forget, "control", named),
             Operation(
                 "face_picture",
@@ -52,10 +57,9 @@ class FaceFeature:
 
     def _on_enroll(self, _session: Session, request: Dict[str, Any]) -> Dict[str, Any]:
         name = valid_name(request["name"])
-        answer = call_node(
-            request["node"], "enroll", EnrollFace, name, request["pictures"], timeout=ENROLL_TIMEOUT
-        )
-        return _done(answer)
+        node, pictures = request["node"], request["pictures"]
+        timeout = _node_timeout(node) + ENROLL_MARGIN
+        return _done(call_node(node, "enroll", EnrollFace, name, pictures, timeout=timeout))
 
     def _on_forget(self, _session: Session, request: Dict[str, Any]) -> Dict[str, Any]:
         name = valid_name(request["name"])
@@ -74,6 +78,13 @@ def _pictures_by_name(node: str) -> Dict[str, int]:
     """Returns the number of images of each person that a node knows."""
     answer = call_node(node, "list_names", ListNames)
     return dict(list(zip(answer.names, answer.pictures))[:MAX_PEOPLE])
+
+
+def _node_timeout(node: str) -> float:
+    """Returns the s that a node takes for enrolling, as its live parameter says."""
+    value = server_param(f"{graph_name(node)}/enroll_timeout")
+    is_time = isinstance(value, (int, float)) and 0.0 < value <= MAX_NODE_TIMEOUT
+    return float(value) if is_time else NODE_TIMEOUT
 
 
 def _done(answer: Any) -> Dict[str, Any]:

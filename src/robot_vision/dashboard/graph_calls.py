@@ -34,11 +34,18 @@ def call_node(node: str, service: str, kind: Any, *fields: Any, timeout: float =
         ValueError: `node` is no name, or the fields are not what the service takes.
         OSError: There is no such service, it has not answered in time, or answered an error.
     """
-    name = f"{graph_name(node)}/{service}"
+    return call_service(f"{graph_name(node)}/{service}", kind, *fields, timeout=timeout)
+
+
+def call_service(name: str, kind: Any, *fields: Any, timeout: float = 0.0) -> Any:
+    """Calls a service by its whole name: see call_node()."""
     with contextlib.closing(MasterCalls()) as master:
         code, _, uri = parsed(master.raw("lookupService", name))
     where = urllib.parse.urlparse(str(uri))
     if code != 1 or where.hostname is None or where.port is None:
+        node, _, service = name.rpartition("/")
+        if not node:
+            raise OSError(f"there is no service {name}")
         raise OSError(f"{node} has no service {service}: it has ended, or does not do this")
     call = _Call(name, kind, timeout or TIMEOUT)
     try:

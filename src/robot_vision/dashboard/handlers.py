@@ -84,7 +84,8 @@ class Guarded:
                 raise Refused(403, "For viewing only", "This address may look, but not control.")
             raise Refused(403, "Who is there?", OPEN_PRINTED)
         self._is_known = True
-        self.settings["keep"](self.request)
+        if self.role:
+            self.settings["keep"](self.request)
 
     def write_error(self, status_code: int, **kwargs: Any) -> None:
         error = kwargs.get("exc_info", (None, None))[1]

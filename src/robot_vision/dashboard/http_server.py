@@ -2,7 +2,7 @@
 
 import re
 from collections import OrderedDict
-from typing import Any, Awaitable, Optional, Tuple, Union
+from typing import Any, Awaitable, Dict, Optional, Tuple, Union
 
 from tornado.httpserver import HTTPServer
 from tornado.httputil import (
@@ -12,21 +12,29 @@ from tornado.httputil import (
     RequestStartLine,
     ResponseStartLine,
 )
+from tornado.ioloop import PeriodicCallback
 from tornado.iostream import IOStream
 
 MAX_CONNECTIONS = 256  # of HTTP; WebSockets have a limit of their own
 HEADER_TIMEOUT = 10.0  # s for the whole head of a request, and between two of them
 BODY_TIMEOUT = 10.0  # s for the body of a request
+UNREAD_TIMEOUT = 30.0  # s in which a client has to take something of an answer that waits for it
 MAX_HEADER = 16 << 10  # bytes
 MAX_BODY = 64 << 10  # bytes
 READ_SIZE = 8 << 10  # bytes that are read at once, and so of requests that wait in a closed stream
+
+
+def bytes_taken(stream: IOStream) -> int:
+    """Returns how much of what was written on a connection the system has taken so far."""
+    return int(stream._total_write_done_index)
 
 
 class BoundedServer(HTTPServer):
     """Closes the oldest connection of nobody in particular when there are too many.
 
     So connections that say nothing, say it slowly, or do not read what they are answered cannot
-    keep others out, nor use up the process's open files. What may stay is what keep() names.
+    keep others out, nor use up the process's open files. What may stay is what keep() names, as
+    long as it reads its answers.
     """
 
     def initialize(self, application: Any) -> None:
@@ -39,6 +47,8 @@ class BoundedServer(HTTPServer):
             chunk_size=READ_SIZE,
         )
         self._strangers: OrderedDict[IOStream, None] = OrderedDict()  # oldest first
+        self._taken: Dict[IOStream, int] = {}  # bytes, of connections with an answer that waits
+        PeriodicCallback(self._close_unread, UNREAD_TIMEOUT * 1000.0).start()
 
     def keep(self, request: HTTPServerRequest) -> None:
         """Keeps the connection of a request until the next one, as it is of somebody known."""
@@ -65,6 +75,15 @@ class BoundedServer(HTTPServer):
             if not stream.closed():
                 stream.close()
                 break
+
+    def _close_unread(self) -> None:
+        """Closes connections whose client has taken nothing of what waits since the last call."""
+        streams = [one.stream for one in self._connections]
+        taken = {one: bytes_taken(one) for one in streams if one.writing()}
+        for stream, count in taken.items():
+            if self._taken.get(stream) == count:
+                stream.close()
+        self._taken = taken
 
     def on_close(self, server_conn: Any) -> None:
         self._strangers.pop(server_conn.stream, None)

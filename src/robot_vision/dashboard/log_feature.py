@@ -11,7 +11,7 @@ from .sessions import Session
 from .settings import Settings
 
 MAX_KEPT = 1000  # lines
-MAX_PUSH = 200000  # characters of the lines in one push; a page gets a fifth of what may wait
+MAX_PUSH = 200000  # bytes of the lines in one push; a page gets a fifth of what may wait
 PERIOD = 0.1  # s between two pushes
 
 
@@ -32,7 +32,7 @@ class LogFeature:
         self._known: Set[Session] = set()  # those whose end is told to this object
         self._kept: Deque[LogLine] = collections.deque(maxlen=MAX_KEPT)
         self._new: Deque[LogLine] = collections.deque(maxlen=MAX_KEPT)
-        self._left_out = 0  # lines that came too fast to be pushed
+        self._left_out: Dict[Session, int] = {}  # lines that came too fast, not told yet
         self._pushes = 0
         self._closed = False
         self._subscribing = threading.Lock()  # held while the topic is made or closed
@@ -76,6 +76,7 @@ class LogFeature:
         with self._subscribing:
             with self._changed:
                 self._levels.pop(session, None)
+                self._left_out.pop(session, None)
                 if self._levels:
                     return
                 self._kept.clear()
@@ -87,10 +88,15 @@ class LogFeature:
     def _on_line(self, line: LogLine) -> None:
         with self._changed:
             if len(self._new) == MAX_KEPT:
-                self._left_out += 1
+                self._leave_out(self._new[0])
             self._new.append(line)
             self._kept.append(line)
             self._changed.notify()
+
+    def _leave_out(self, line: LogLine) -> None:
+        for session, level in self._levels.items():
+            if line.level >= level:
+                self._left_out[session] = self._left_out.get(session, 0) + 1
 
     def _run(self) -> None:
         pause = threading.Event()  # that is never set
@@ -104,17 +110,16 @@ class LogFeature:
             pause.wait(PERIOD)  # so that many lines go in one push
 
     def _push(self, sessions: Iterable[Session], lines: Iterable[LogLine]) -> None:
-        """Pushes the newest of the lines. The lock must be held."""
+        """Pushes the newest of the lines, and how many are left out. The lock must be held."""
         for session in sessions:
             level = self._levels[session]
             wanted = [line for line in lines if line.level >= level]
             entries = newest(wanted)
-            left_out = len(wanted) - len(entries) + self._left_out
-            if entries:
+            left_out = len(wanted) - len(entries) + self._left_out.pop(session, 0)
+            if entries or left_out:
                 self._pushes += 1
                 data = {"entries": [line._asdict() for line in entries], "left_out": left_out}
                 session.push("log", data, str(self._pushes))
-        self._left_out = 0
 
 
 def newest(lines: List[LogLine]) -> List[LogLine]:

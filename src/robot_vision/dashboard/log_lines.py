@@ -6,6 +6,7 @@ from typing import Any, Callable, NamedTuple
 from rosgraph_msgs.msg import Log
 
 from ..common.plain_text import printable
+from .encoding import to_json
 from .graph_master import MasterCalls
 from .message_topics import RawMessage, RawTopic
 
@@ -29,8 +30,8 @@ class LogLine(NamedTuple):
 
     @property
     def size(self) -> int:
-        """About how many characters it has as JSON."""
-        return len(self.text) + len(self.node) + len(self.function) + len(self.file) + 100
+        """How many bytes it has as JSON, where a letter that is not ASCII has 6 to 12."""
+        return len(to_json(self._asdict()))
 
 
 class LogTopic(RawTopic):

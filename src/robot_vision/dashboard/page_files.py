@@ -6,11 +6,13 @@ from typing import Dict, Tuple
 from tornado.web import HTTPError
 
 from ..common.files import read_file
+from .access import COOKIES
 from .handlers import GuardedHandler, require_room
 from .sessions import Sessions
 
 FOLDER = os.path.join(os.path.dirname(os.path.abspath(__file__)), "page")
 MAX_SIZE = 1 << 20  # bytes of a file
+MAX_COOKIES = 16  # of dashboards that a browser keeps: each start without a token makes another
 TYPES = {
     ".html": "text/html; charset=utf-8",
     ".js": "text/javascript; charset=utf-8",
@@ -71,6 +73,7 @@ class StartHandler(FileHandler):
                 httponly=True,
                 samesite="Strict",
             )
+            self._clear_old_cookies()
         if not self.request.query_arguments.keys() & {"token", "code"}:
             require_room(self._sessions)
             super().get()
@@ -86,6 +89,13 @@ class StartHandler(FileHandler):
         code = self.request.query_arguments.get("code", [b""])[0]
         self._code_role = self.access.role_of_code(code)
         return bool(self._code_role)
+
+    def _clear_old_cookies(self) -> None:
+        """Clears those that the browser has had longest: they come first."""
+        others = [name for name in self.request.cookies if name.startswith(COOKIES)]
+        others = [name for name in others if name != self.access.cookie]
+        for name in others[: max(len(others) + 1 - MAX_COOKIES, 0)]:
+            self.clear_cookie(name)
 
     def _role_of_address(self) -> str:
         token = self.request.query_arguments.get("token", [b""])[0]

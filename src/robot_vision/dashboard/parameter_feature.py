@@ -59,6 +59,8 @@ class ParameterFeature:
                 raise ValueError(f"the page looks at the parameters of {MAX_NODES} nodes already")
         looker = _Looker(session, self._nodes, name) if is_new else looked_at[name]
         try:
+            if is_new:
+                looker.begin()  # or what changes meanwhile would be neither told nor pushed
             told = looker.node.as_json()
             _add_choices(name, told["groups"])
             told["save"] = has_service(f"{name}/{SAVE}")
@@ -74,7 +76,6 @@ class ParameterFeature:
         with self._lock:
             is_first = session not in self._looking
             self._looking.setdefault(session, {})[name] = looker
-        looker.begin()
         if is_first:
             session.on_close(lambda: self._forget(session))
 

@@ -1,5 +1,6 @@
 """Images on their way from ROS to those who look at them, and how they want to see them."""
 
+import math
 import threading
 from dataclasses import dataclass
 from typing import NamedTuple, Optional, Tuple
@@ -9,6 +10,7 @@ from ..ros.transport import Frame
 from .channels import JPEG, PNG
 
 SIZES = (160, 240, 320, 480, 640, 960, 1280, 1920, 2560, 3840)  # px, of the longest side
+MAX_ENLARGED = 4 << 20  # px of an image that is made larger than it came
 FORMATS = {JPEG: "jpeg", PNG: "png"}
 
 
@@ -51,7 +53,8 @@ class Wish(NamedTuple):
     Attributes:
         longest: The longest side that is needed, in px; it is rounded up to one of SIZES, so that
             views of nearly the same size share an encoding. 0: as it is.
-        width: The width in px, 0: by the height, or as it is.
+        width: The width in px, 0: by the height, or as it is. Both together are made smaller where
+            the image would have more than MAX_ENLARGED px and more than it came with.
         height: The height in px, 0: by the width, or as it is.
         quality: Of JPEG, 1 to 100.
         kind: JPEG or PNG.
@@ -81,7 +84,9 @@ class Wish(NamedTuple):
         else:
             longest = max(width, height)
             scales = (min(1.0, (rounded_up(self.longest) or longest) / longest),) * 2
-        return max(1, round(width * scales[0])), max(1, round(height * scales[1]))
+        wide, high = width * scales[0], height * scales[1]
+        shrink = min(1.0, math.sqrt(max(width * height, MAX_ENLARGED) / (wide * high)))
+        return max(1, round(wide * shrink)), max(1, round(high * shrink))
 
 
 def rounded_up(longest: int) -> int:

@@ -17,6 +17,7 @@ from .settings import Settings
 
 CLOUD = "sensor_msgs/PointCloud2"
 MAX_POINTS = 200000  # of a frame: 3.2 MB
+MAX_MAKING = 4  # frames that are made at a time, so many may be more than a page has room for
 
 
 class _Cloud:
@@ -53,11 +54,19 @@ class _Cloud:
 class _Viewer:
     """A channel that clouds go to: a thread of its own chooses and sends points."""
 
-    def __init__(self, topic: str, session: Any, channel: Channel, max_points: int):
+    def __init__(
+        self,
+        topic: str,
+        session: Any,
+        channel: Channel,
+        max_points: int,
+        making: threading.Semaphore,
+    ):
         self._topic = topic
         self._session = session
         self._channel = channel
         self._max_points = max_points
+        self._making = making
         self._waiting: Optional[RawMessage] = None
         self._wanted = threading.Condition()  # guards what waits
         self._told = ""
@@ -76,16 +85,24 @@ class _Viewer:
     def _work(self) -> None:
         while True:
             with self._wanted:
-                self._wanted.wait_for(
-                    lambda: self._channel.closed or (self._waiting and self._channel.ready)
-                )
+                self._wanted.wait_for(lambda: self._channel.closed or self._can_send())
                 if self._channel.closed:
                     return
-                raw, self._waiting = self._waiting, None
-            try:
-                self._send(raw)
-            except Exception as error:  # Whatever it is, the next cloud may be better.
-                self._fail(error_text(error))
+            with self._making:
+                self._send_newest()
+
+    def _can_send(self) -> bool:
+        return self._waiting is not None and self._channel.ready
+
+    def _send_newest(self) -> None:
+        with self._wanted:
+            if not self._can_send():  # Others have taken the room meanwhile.
+                return
+            raw, self._waiting = self._waiting, None
+        try:
+            self._send(raw)
+        except Exception as error:  # Whatever it is, the next cloud may be better.
+            self._fail(error_text(error))
 
     def _send(self, raw: Any) -> None:
         if raw.type != CLOUD:
@@ -116,6 +133,7 @@ class PointFeature:
 
     def __init__(self, _settings: Settings):
         self._clouds = SharedTopics(_Cloud)
+        self._making = threading.Semaphore(MAX_MAKING)
         self.operations = [
             Operation(
                 "points",
@@ -140,7 +158,7 @@ class PointFeature:
         except BaseException:
             session.close_channel(number)
             raise
-        viewer = _Viewer(topic, session, channel, int(fields["max_points"]))
+        viewer = _Viewer(topic, session, channel, int(fields["max_points"]), self._making)
 
         def end() -> None:
             viewer.wake()

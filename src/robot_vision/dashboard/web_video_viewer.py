@@ -9,12 +9,16 @@ from tornado.ioloop import IOLoop
 from tornado.iostream import IOStream, StreamClosedError
 
 from .channels import PNG
+from .http_server import READ_SIZE, UNREAD_TIMEOUT, bytes_taken
 from .image_stream import Viewer
 from .pictures import Picture
 from .web_video_request import BOUNDARY, part_of
 
 REPEAT_AFTER = 0.25  # s without another image: Chromium shows one when the next one begins
 MAX_UNSENT = 128 << 10  # bytes that the kernel keeps for a reader who is slower
+READ_PERIOD = 0.1  # s between two looks at what a reader says, who should say nothing
+# s without a word of the reader's system until it is asked, between two questions, and their number
+KEEP_ALIVE = {"TCP_KEEPIDLE": 20, "TCP_KEEPINTVL": 10, "TCP_KEEPCNT": 4}
 MIMES = {PNG: "image/png"}
 Shown = Tuple[Picture, int, bytes]
 
@@ -86,7 +90,10 @@ class HttpViewer(Viewer):
 
 
 class MultipartStream:
-    """Sends the pictures of a viewer on a connection until that is gone.
+    """Sends the pictures of a viewer on a connection until that is gone, or not read any more.
+
+    Whatever the reader says is read and forgotten, as else the end of the connection behind it
+    would not be noticed.
 
     Args:
         stream: The connection, which has been taken from its handler.
@@ -100,23 +107,41 @@ class MultipartStream:
         self._viewer = viewer
         stream.set_close_callback(viewer.leave)
         limit_unsent(stream.socket)
+        keep_alive(stream.socket)
 
     async def run(self) -> None:
+        reading = asyncio.ensure_future(self._read())
         try:
-            await self._stream.write(self._head + b"--" + BOUNDARY + b"\r\n")
+            await self._write(self._head + b"--" + BOUNDARY + b"\r\n")
             while True:
                 picture, kind, data = await self._viewer.next()
                 part = b"".join(part_of(data, mime_of(kind), picture.stamp))
                 del picture, data  # or they would stay until the next one comes
-                await self._stream.write(part)
+                await self._write(part)
                 self._viewer.go_on()
                 if not await self._viewer.comes_within(REPEAT_AFTER):
-                    await self._stream.write(part)
+                    await self._write(part)
         except (StreamClosedError, ValueError):
             pass
         finally:
             self._viewer.ready = False
             self._stream.close()
+            await reading
+
+    async def _read(self) -> None:
+        with contextlib.suppress(StreamClosedError):
+            while True:
+                await self._stream.read_bytes(READ_SIZE, partial=True)
+                await asyncio.sleep(READ_PERIOD)
+
+    async def _write(self, data: bytes) -> None:
+        """Writes; raises StreamClosedError if nothing of it is taken for UNREAD_TIMEOUT."""
+        written, taken = self._stream.write(data), -1
+        while not (await asyncio.wait([written], timeout=UNREAD_TIMEOUT))[0]:
+            if bytes_taken(self._stream) == taken:
+                self._stream.close()
+            taken = bytes_taken(self._stream)
+        written.result()
 
     def close(self) -> None:
         self._stream.close()
@@ -126,3 +151,12 @@ def limit_unsent(connection: Any) -> None:
     """Has the kernel keep less that is not sent yet, so that what is newest does not wait long."""
     if connection is not None and hasattr(socket, "TCP_NOTSENT_LOWAT"):
         connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NOTSENT_LOWAT, MAX_UNSENT)
+
+
+def keep_alive(connection: Any) -> None:
+    """Has the system notice within a minute that the other one is gone without a word."""
+    if connection is not None:
+        connection.setsockopt(socket.SOL_SOCKET, socket.SO_KEEPALIVE, 1)
+        for name, value in KEEP_ALIVE.items():
+            if hasattr(socket, name):
+                connection.setsockopt(socket.IPPROTO_TCP, getattr(socket, name), value)

@@ -14,6 +14,8 @@ export class BagForm {
     this.app = app;
     this.chosen = new Set(app.storage.get("bags.topics", []));
     this.offered = new Set();
+    /** @type {import("./bag_offers.js").Offer[]} */
+    this.images = [];
     this.shown = "";
     this.recordTopics = record;
     this.build();
@@ -69,6 +71,7 @@ export class BagForm {
     const shown = JSON.stringify([first, others]);
     if (shown === this.shown && !anyway) return;
     this.shown = shown;
+    this.images = first;
     this.offered = new Set([...first, ...others].map((one) => one.topic));
     this.first.replaceChildren(...first.map((one) => this.row(one)));
     if (!first.length) this.first.append(el("p", { class: "dim" }, "No images are published now."));
@@ -84,7 +87,7 @@ export class BagForm {
       checked: this.chosen.has(topic),
       "data-test": "bag-topic",
       "data-name": topic,
-      onchange: () => this.choose([topic, ...beside], box.checked),
+      onchange: () => this.choose(topic, beside, box.checked),
     });
     return el(
       "label",
@@ -95,8 +98,19 @@ export class BagForm {
     );
   }
 
-  choose(topics, on) {
-    for (const topic of topics) this.chosen[on ? "add" : "delete"](topic);
+  /**
+   * @param {string} topic
+   * @param {string[]} beside topics that are chosen with it, and go unless another one needs them
+   * @param {boolean} on
+   */
+  choose(topic, beside, on) {
+    this.chosen[on ? "add" : "delete"](topic);
+    const images = this.images.filter((one) => this.chosen.has(one.topic));
+    const needed = new Set(images.flatMap((one) => one.beside));
+    for (const other of beside) {
+      if (on) this.chosen.add(other);
+      else if (!needed.has(other)) this.chosen.delete(other);
+    }
     for (const box of this.element.querySelectorAll("[data-test=bag-topic]")) {
       box.checked = this.chosen.has(box.dataset.name);
     }

@@ -11,7 +11,7 @@ import { el } from "./dom.js";
 export function bagRow(bag, remove) {
   const when = new Date((bag.start || bag.changed) * 1000);
   const date = when.toLocaleString([], { dateStyle: "medium", timeStyle: "short" });
-  const what = [sizeText(bag.size), bag.topics ? timeText(bag.duration) : "", date];
+  const what = [sizeText(bag.size), bag.topics || bag.duration ? timeText(bag.duration) : "", date];
   const row = el(
     "li",
     { class: "stack tight-stack", "data-test": "bag", "data-name": bag.name },

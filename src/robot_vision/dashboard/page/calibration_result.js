@@ -59,7 +59,7 @@ export function cameraStep(panel) {
     answer.className = kind;
   };
   const give = async () => {
-    say(`Asking ${node.value} ...`, "dim");
+    say(`Asking ${node.value || `the camera of ${topic}`} ...`, "dim");
     try {
       const fields = { node: node.value };
       const { message } = await panel.app.connection.request("calibration_commit", fields);

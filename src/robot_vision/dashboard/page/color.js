@@ -38,6 +38,7 @@ class ColorPanel {
     this.trackers = [];
     this.node = "";
     this.range = null; // that of the colour which is chosen
+    this.said = null; // what the node's parameters were last, as it told
     this.picked = null; // the range around a pixel that waits for the name of a new colour
     this.before = null; // as it was when it was chosen
     this.mask = null;
@@ -58,6 +59,7 @@ class ColorPanel {
       app.on("graph", () => this._look()),
       app.on("role", () => this._show()),
       app.connection.on("values", ({ node, values }) => this._changed(node, values)),
+      app.connection.on("state", (state) => state === "open" && this.node && this._load(false)),
     ];
     this._hint();
     this._look();
@@ -101,13 +103,19 @@ class ColorPanel {
   async _choose(node) {
     this.left = this.node;
     this.node = node;
-    this.range = null;
+    this.range = this.said = null;
     this._leave();
     this.mask = node ? liveMask(this.app, node) : null;
-    if (!node) return;
+    if (node) await this._load(true);
+  }
+
+  /** Asks what the node's parameters are, and is told from now on what changes. */
+  async _load(anew) {
+    const { node } = this;
+    this.said = null; // until something is pushed, which is newer than the answer
     await this._try(async () => {
       const { values } = await this.app.connection.request("parameters", { node });
-      this._take(values, true);
+      if (node === this.node) this._take({ ...values, ...this.said }, anew);
     });
   }
 
@@ -115,6 +123,7 @@ class ColorPanel {
   _take(values, anew) {
     const tracker = this.trackers.find((one) => one.node === this.node);
     if (!tracker || this.closed) return;
+    this.said = values;
     tracker.shown = values.color || tracker.shown;
     if (!tracker.names.includes(tracker.shown)) {
       tracker.names.push(tracker.shown); // it has just been added
@@ -128,7 +137,14 @@ class ColorPanel {
 
   /** Somebody has changed the node's parameters; what is being set here comes back by itself. */
   _changed(node, values) {
-    if (node === this.node && !this.waiting && !this.busy) this._take(values, false);
+    if (node !== this.node) return;
+    this.said = values;
+    if (!this.waiting && !this.busy) this._take(values, false);
+  }
+
+  /** Shows again what the node has, as it has not taken what was to be set. */
+  _restore() {
+    if (this.said && !this.waiting) this._take(this.said, false);
   }
 
   async _set(values, anew = false) {
@@ -138,7 +154,7 @@ class ColorPanel {
       const answer = await this.app.connection.request("set_parameters", fields);
       this._refused(answer);
       this._take(answer.values, anew);
-    });
+    }, () => this._restore());
   }
 
   /** Gives the colour that is chosen the range back that it had; a new one is not made at all. */
@@ -186,9 +202,12 @@ class ColorPanel {
     const { space, low, high } = this.waiting;
     this.waiting = null;
     const name = this.view.chosenName();
+    if (!name) {
+      this._say("Give the new colour a name first.", "bad");
+      return;
+    }
     this.busy = true;
     await this._try(async () => {
-      if (!name) throw new Error("Give the new colour a name first.");
       this.picked = null;
       const fields = { node: this.node, name, space, low, high };
       const answer = await this.app.connection.request("use_color", fields);
@@ -196,7 +215,7 @@ class ColorPanel {
       if (this.waiting) return;
       this._take(answer.values, false);
       this.view.endNaming(); // a name that is there already is taken, too
-    });
+    }, () => this._restore());
     this.busy = false;
   }
 
@@ -215,11 +234,12 @@ class ColorPanel {
     if (texts.length) this._say([...new Set(texts)].join("; "), "bad");
   }
 
-  async _try(work) {
+  async _try(work, otherwise = () => {}) {
     try {
       await work();
     } catch (error) {
       this._say(error.message, "bad");
+      otherwise();
     }
   }
 

@@ -169,8 +169,11 @@ class FacesPanel {
 
   /** s that the node takes for it at most. */
   async _timeout() {
+    const { connection } = this.app;
+    const { node } = this;
     try {
-      const { values } = await this.app.connection.request("parameters", { node: this.node });
+      const { values } = await connection.request("parameters", { node });
+      connection.request("close_parameters", { node }).catch(() => {});
       return values.enroll_timeout || TIMEOUT;
     } catch {
       return TIMEOUT;

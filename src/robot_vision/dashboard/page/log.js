@@ -2,29 +2,16 @@
 
 import { el, setText } from "./dom.js";
 import { ICONS } from "./icons.js";
+import { countOf, LEVELS, rowOf } from "./log_rows.js";
 
 const MAX_LINES = 1000;
-const LEVELS = {
-  1: ["debug", "dim"],
-  2: ["info", ""],
-  4: ["warning", "warn"],
-  8: ["error", "bad"],
-  16: ["fatal", "bad"],
-};
-
-/** @param {number} stamp s */
-function clockTime(stamp) {
-  const time = new Date(stamp * 1000);
-  const two = (value) => String(value).padStart(2, "0");
-  const ms = String(time.getMilliseconds()).padStart(3, "0");
-  return `${two(time.getHours())}:${two(time.getMinutes())}:${two(time.getSeconds())}.${ms}`;
-}
 
 class LogPanel {
   /** @param {HTMLElement} element @param {any} app */
   constructor(element, app) {
     this.app = app;
-    this.entries = []; // {entry, row}, the oldest first
+    // {entry, row}, the oldest first; an entry is a line, or {left_out}: as many are missing there
+    this.entries = [];
     this.paused = [];
     this.isPaused = false;
     this.follows = true;
@@ -83,7 +70,9 @@ class LogPanel {
         .request("log", { level: 1 })
         .catch((error) => app.notify(error.message, "bad"));
     this.offs = [
-      app.connection.on("log", (data) => this.add(data.entries)),
+      app.connection.on("log", ({ entries, left_out }) =>
+        this.add(left_out ? [{ left_out }, ...entries] : entries),
+      ),
       app.connection.on("state", (state) => {
         if (state !== "open") return;
         this.clear();
@@ -96,32 +85,20 @@ class LogPanel {
   add(entries) {
     if (this.isPaused) {
       this.paused.push(...entries);
-      this.paused.splice(0, this.paused.length - MAX_LINES);
+      const tooMany = this.paused.splice(0, Math.max(0, this.paused.length - MAX_LINES));
+      if (tooMany.length) this.paused[0] = { left_out: countOf([...tooMany, this.paused[0]]) };
       setText(this.pause, `Go on (${this.paused.length})`);
       return;
     }
     const fragment = document.createDocumentFragment();
     let unseen = 0;
     for (const entry of entries) {
-      const [name, kind] = LEVELS[entry.level] || LEVELS[2];
-      const row = el(
-        "div",
-        {
-          class: `log-line ${kind}`,
-          title: [entry.function, entry.file && `${entry.file}:${entry.line}`]
-            .filter(Boolean)
-            .join("  "),
-        },
-        el("time", {}, clockTime(entry.stamp)),
-        el("span", { class: "log-level" }, name),
-        el("span", { class: "log-node" }, entry.node.replace(/^\//, "")),
-        el("span", { class: "log-text" }, entry.text),
-      );
+      const row = rowOf(entry);
       row.hidden = !this.fits(entry);
       if (!row.hidden) unseen += 1;
       fragment.append(row);
       this.entries.push({ entry, row });
-      this.addNode(entry.node);
+      if (entry.node) this.addNode(entry.node);
     }
     this.list.append(fragment);
     this.trim();
@@ -145,7 +122,8 @@ class LogPanel {
     }
   }
 
-  fits({ level, node, text }) {
+  fits({ level, node, text, left_out }) {
+    if (left_out) return true;
     const word = this.text.value.trim().toLowerCase();
     return (
       level >= Number(this.level.value) &&

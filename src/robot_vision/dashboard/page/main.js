@@ -85,8 +85,8 @@ async function main() {
   shortcut("t", "Dark or light", switchTheme);
   shortcut(
     "Escape",
-    "Back: end the tool, shrink the image, close the panel",
-    () => app.tiles.endTool() || app.tiles.enlarge(null) || app.panels.close(),
+    "Back: shrink the image, close the panel",
+    () => app.tiles.enlarge(null) || app.panels.close(), // which takes its tool with it
   );
   listenToKeys();
 }

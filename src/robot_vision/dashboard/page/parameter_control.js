@@ -60,6 +60,7 @@ export class ParameterControl {
     const choice = (this.parameter.choices || []).find((one) => one.value === value);
     if (choice) return choice.name || choice.description;
     if (typeof value === "boolean") return value ? "on" : "off";
+    if (value === null) return "a number that is not finite";
     return typeof value === "number" ? shortNumber(value) : `"${value}"`;
   }
 
@@ -200,7 +201,8 @@ export class ParameterControl {
   }
 
   mark(value) {
-    const changed = !sameValue(value, this.parameter.default);
+    const normal = this.parameter.default; // null cannot be set again
+    const changed = normal !== null && !sameValue(value, normal);
     this.element.classList.toggle("changed", changed);
     this.reset.disabled = this.readOnly || !changed;
   }

@@ -11,7 +11,7 @@ const STEPS = 1000; // places of a slider
  * @property {"int"|"double"|"bool"|"str"} type
  * @property {number|null} min null: there is no limit
  * @property {number|null} max
- * @property {number} default
+ * @property {number|null} default null: it is not finite
  */
 
 /** @param {Range} range @returns {boolean} whether a slider can show it */
@@ -33,7 +33,7 @@ export function sliderSteps(range) {
 
 /**
  * @param {Range} range
- * @param {number} value
+ * @param {number|null} value null, which is not finite, is where 0 is
  * @returns {number} 0 to sliderSteps
  */
 export function toSlider(range, value) {
@@ -59,11 +59,11 @@ export function fromSlider(range, place) {
 }
 
 /**
- * @param {number} value
- * @returns {string} as short as it is exact enough for people
+ * @param {number|null} value null: it is not finite, which JSON cannot say
+ * @returns {string} as short as it is exact enough for people; "" for null
  */
 export function shortNumber(value) {
-  return String(Number(value.toPrecision(9)));
+  return value === null ? "" : String(Number(value.toPrecision(9)));
 }
 
 /**

@@ -27,8 +27,9 @@ class ParameterPanel {
       app.on("graph", () => this.listNodes()),
       app.connection.on(
         "values",
-        ({ node, values }) => node === this.node && this.list.show(values),
+        ({ node, values }) => node === this.node && this.changed(values),
       ),
+      app.connection.on("parameters", ({ node }) => node === this.node && this.load()),
       app.connection.on("state", (state) => state === "open" && this.load()),
     ];
     const nodes = nodesOf(app);
@@ -87,8 +88,14 @@ class ParameterPanel {
     this.app.connection.request("close_parameters", { node: this.node }).catch(() => {});
   }
 
+  changed(values) {
+    this.newer = values;
+    this.list.show(values);
+  }
+
   async load() {
     const { node } = this;
+    this.newer = {}; // what is pushed until the answer is there
     const isWanted = () => node === this.node && !this.closed;
     try {
       const told = await this.app.connection.request("parameters", { node });
@@ -126,7 +133,7 @@ class ParameterPanel {
     else if (!save) title = "This node cannot save its parameters.";
     this.saveButton.title = title;
     this.resetButton.disabled = readOnly;
-    list.show(values);
+    list.show({ ...values, ...this.newer });
     this.filter();
   }
 
@@ -143,14 +150,24 @@ class ParameterPanel {
   }
 
   async save() {
+    const { node } = this;
     this.saveButton.disabled = true;
     this.tell("Saving ...", "dim");
     try {
-      const { message } = await this.app.connection.request("save_parameters", { node: this.node });
-      this.tell(message || "Saved.", "good");
+      const { message } = await this.app.connection.request("save_parameters", { node });
+      this.saved(node, message || "Saved.", "good");
     } catch (error) {
-      this.tell(error.message, "bad");
+      this.saved(node, error.message, "bad");
     }
+  }
+
+  /** Tells the answer in a notice if another node is looked at meanwhile. */
+  saved(node, text, kind) {
+    if (node !== this.node || this.closed) {
+      this.app.notify(`${node}: ${text}`, kind);
+      return;
+    }
+    this.tell(text, kind);
     this.saveButton.disabled = false;
   }
 

@@ -29,6 +29,7 @@ export class TilePointer {
     this.tiles = tiles;
     this.tile = tile;
     this.start = null; // where the pointer went down
+    this.escape = (event) => this.cancel(event);
     const { element } = tile.view;
     element.addEventListener("pointerdown", (event) => this.down(event));
     element.addEventListener("pointermove", (event) => this.move(event));
@@ -59,6 +60,7 @@ export class TilePointer {
     event.preventDefault();
     this.tile.view.element.setPointerCapture(event.pointerId);
     this.start = { image: this.point(event), x: event.clientX, y: event.clientY };
+    document.addEventListener("keydown", this.escape, true); // before it is for anything else
   }
 
   /** @param {PointerEvent} event */
@@ -88,7 +90,16 @@ export class TilePointer {
     }
   }
 
+  /** @param {KeyboardEvent} event Escape, which ends a drag without effect */
+  cancel(event) {
+    if (event.key !== "Escape") return;
+    event.preventDefault();
+    event.stopPropagation();
+    this.end();
+  }
+
   end() {
+    document.removeEventListener("keydown", this.escape, true);
     this.start = null;
     if (this.tile.view.layers.delete("drag")) this.tile.view.redraw();
   }

@@ -14,7 +14,6 @@ const ARRANGED = 300; // ms, after which the images have made room for a panel
  * @property {string} [cursor]
  * @property {(tile: Tile, region: import("./geometry.js").Region) => any} [onDrag]
  * @property {(tile: Tile, pixel: import("./geometry.js").Point) => any} [onClick]
- * @property {() => void} [onEnd] it was taken away
  */
 
 export class TileTools {
@@ -39,7 +38,6 @@ export class TileTools {
     this.hint.hidden = !tool?.hint;
     document.body.dataset.tool = tool?.name || "";
     this.showTool();
-    if (before && before !== tool) before.onEnd?.();
     if (tool && before?.name !== tool.name) setTimeout(() => this.showTouched(), ARRANGED);
   }
 
@@ -79,13 +77,6 @@ export class TileTools {
   /** @param {Tile} tile @returns {string} what a drag on it does while there is no tool */
   idleHint(tile) {
     return !this.tool && this.idleTool?.touches(tile) ? this.idleTool.hint : "";
-  }
-
-  /** @returns {boolean} whether there was one */
-  endTool() {
-    if (!this.tool) return false;
-    this.setTool(null);
-    return true;
   }
 
   /**

@@ -1,0 +1,411 @@
+"""Panels of the page, in a real browser, with nodes that the test plays and that may fail."""
+
+import threading
+
+import cv2
+import numpy as np
+import pytest
+import support
+from served import TOKEN, Served
+
+from robot_vision.dashboard.channels import JPEG
+from robot_vision.dashboard.fields import Field
+from robot_vision.dashboard.operations import Operation
+
+pytest_plugins = ["browser"]  # its fixtures
+NODE, EYE = "/hsv_tracker", "/eye/image_raw"
+HSV = {"h_low": 0, "s_low": 50, "v_low": 60, "h_high": 10, "s_high": 250, "v_high": 255}
+
+
+class Anything(Field):
+    """A field that may hold whatever the page sends, or be left out."""
+
+    default = None
+
+    def check(self, name, value):
+        return value
+
+
+FIELDS = (
+    "node name values topic topics channel space low high x y width quality level rate region "
+    "label pictures index max_megabytes max_seconds"
+)  # of all requests
+
+
+def node(name, **more):
+    told = {"name": name, "package_node": True, "publishes": [], "subscribes": [], "services": []}
+    return {**told, "parameters": False, "status": None, **more}
+
+
+def topic(name):
+    kind = "CameraInfo" if name.endswith("camera_info") else "Image"
+    told = {"name": name, "type": f"sensor_msgs/{kind}", "image": kind == "Image"}
+    return {**told, "publishers": ["/eye"], "subscribers": []}
+
+
+class Played:
+    """A dashboard without ROS, whose operations answer what a test has said.
+
+    Attributes:
+        answers: What operations answer, by name: a function of the session and the fields.
+        asked: The name and fields of each request so far.
+        sessions: Those that have asked for the graph, as each page does first.
+    """
+
+    def __init__(self, nodes, views=(), topics=(EYE,), **answers):
+        self.graph = {"time": 0, "problem": "", "nodes": nodes, "views": list(views)}
+        self.graph["topics"] = [topic(name) for name in topics]
+        self.answers = {"graph": self._graph, "image": self._image, **answers}
+        self.asked = []
+        self.sessions = []
+        fields = {name: Anything() for name in FIELDS.split()}
+        operations = [
+            Operation(name, self._answer(name), "view", fields, beside=True)
+            for name in self.answers
+        ]
+        self.served = Served(*operations)
+        self.address = f"http://{self.served.host}/?token={TOKEN}"
+
+    def _answer(self, name):
+        def run(session, fields):
+            given = {key: value for key, value in fields.items() if value is not None}
+            self.asked.append((name, given))
+            return self.answers[name](session, given)
+
+        return run
+
+    def count(self, name):
+        return sum(asked == name for asked, _ in self.asked)
+
+    def _graph(self, session, _fields):
+        self.sessions.append(session)
+        session.push("graph", self.graph)
+        return {}
+
+    def _image(self, session, fields):
+        jpeg = cv2.imencode(".jpg", np.full((48, 64, 3), 128, np.uint8))[1].tobytes()
+        session.channel(fields["channel"]).send_binary(JPEG, 1.0, 1.0, 64, 48, jpeg)
+        return {}
+
+
+@pytest.fixture
+def play(page):
+    """play(nodes, ...): a Played, which the page shows."""
+    made = []
+
+    def begin(*arguments, **answers):
+        made.append(Played(*arguments, **answers))
+        page.open(made[-1].address)
+        page.wait("robotVision.graph && robotVision.panels.tabs.size > 8")
+        return made[-1]
+
+    yield begin
+    page.front().browser.driver.get("about:blank")  # or the page would look for its server
+    for one in made:
+        one.served.server.close()
+
+
+def open_tool(page, name):
+    page.run("robotVision.panels.open(arguments[0]);", name)
+
+
+class Tracker:
+    """Plays an hsv_tracker with the colour red."""
+
+    def __init__(self, play):
+        self.values = {**HSV, "space": "hsv", "color": "red"}
+        self.fails = False
+        view = {"node": NODE, "title": "hsv_tracker", "image": EYE, "overlays": ["/x"]}
+        self.played = play(
+            [node(NODE, publishes=[f"{NODE}/mask"], parameters=True)],
+            [{**view, "processed": ""}],
+            color_names=lambda *_: {"names": ["red", "blue"], "shown": self.values["color"]},
+            parameters=lambda *_: {"values": self.values},
+            set_parameters=self._set,
+            use_color=self._use,
+            messages=lambda *_: {},
+            close_parameters=lambda *_: {},
+        )
+
+    def _use(self, _session, fields):
+        low, high = fields["low"], fields["high"]
+        names = ("h_low", "s_low", "v_low", "h_high", "s_high", "v_high")
+        return self._set(_session, {"values": dict(zip(names, [*low, *high]))})
+
+    def _set(self, _session, fields):
+        if self.fails:
+            raise OSError("/hsv_tracker/set_parameters has not answered within 5 s")
+        self.values.update(fields["values"])
+        return {"values": self.values, "refused": {}}
+
+
+LIMIT = "document.querySelector('[data-test=range-1-low]')?.getAttribute('aria-valuenow')"
+
+
+def raise_limit(page):
+    """Moves the lower limit of the saturation by one."""
+    page.run("document.querySelector('[data-test=range-1-low]').focus();")
+    page.keys("\ue014")  # the right arrow
+
+
+def test_colours_are_those_of_the_node_after_a_new_connection(page, play):
+    tracker = Tracker(play)
+    open_tool(page, "color")
+    page.wait(f"{LIMIT} === '50'")
+    tracker.values["s_low"] = 77
+    page.run("robotVision.connection.socket.close();")
+    page.wait(f"{LIMIT} === '77'")
+
+
+def test_a_limit_that_was_not_taken_is_not_shown(page, play):
+    tracker = Tracker(play)
+    open_tool(page, "color")
+    page.wait(f"{LIMIT} === '50'")
+    tracker.fails = True
+    raise_limit(page)
+    page.wait_for_text("has not answered", '[data-test="color-answer"]')
+    assert page.value(LIMIT) == "50"
+    page.fill('[data-test="color-name"]', "blue")
+    support.wait_for(lambda: tracker.played.count("set_parameters") == 1, "the request")
+    page.wait("document.querySelector('[data-test=color-name]').value === 'red'")
+    tracker.fails = False
+    raise_limit(page)
+    support.wait_for(lambda: tracker.values["s_low"] == 51, "the limit")
+
+
+def test_enrolling_leaves_no_parameters_open(page, play):
+    played = play(
+        [node("/door", services=["/door/enroll"])],
+        faces=lambda *_: {"people": []},
+        parameters=lambda *_: {"values": {"enroll_timeout": 100.0}},
+        close_parameters=lambda *_: {},
+        enroll=lambda *_: {"message": "Ada is enrolled"},
+    )
+    open_tool(page, "faces")
+    page.fill('[data-test="face-name"]', "Ada")
+    page.click('[data-test="face-enroll"]')
+    page.wait_for_text("Ada is enrolled", '[data-test="face-answer"]')
+    assert played.count("parameters") == 1
+    support.wait_for(lambda: played.count("close_parameters") == 1, "the end of the look")
+
+
+ESCAPE = "\ue00c"
+FOLLOWER = '[data-test="tile"][data-node="/object_tracker"]'
+
+
+@pytest.fixture
+def follower(page, play):
+    """An object_tracker that is played, with the panel that selects what it follows."""
+    name = "/object_tracker"
+    view = {"node": name, "title": name, "image": EYE, "overlays": ["/x"], "processed": ""}
+    played = play(
+        [node(name, services=[f"{name}/select_object"])],
+        [view],
+        select_object=lambda *_: {"message": "followed"},
+        messages=lambda *_: {},
+    )
+    open_tool(page, "select")
+    page.wait("robotVision.tiles.list()[0]?.size[0] > 0")
+    return played
+
+
+def test_escape_ends_a_tool_together_with_its_panel_and_after_an_enlarged_image(page, follower):
+    page.run("robotVision.tiles.enlarge(robotVision.tiles.list()[0]);")
+    page.keys(ESCAPE)
+    page.wait("!document.querySelector('.tile.enlarged')")
+    assert page.value("document.body.dataset.tool") == "select"
+    assert not page.value("document.getElementById('panel').hidden")
+    page.keys(ESCAPE)
+    page.wait("document.getElementById('panel').hidden")
+    assert page.value("document.body.dataset.tool") == ""
+
+
+def test_escape_ends_a_drag_without_effect(page, follower):
+    page.run("document.querySelector('[data-test=select-label]').focus();")
+    left, top, width, height = page.box(f'{FOLLOWER} [data-test="image"]')
+    # Away from the middle, where the tile says that no other image comes.
+    begin, middle, end = ((left + part * width, top + part * height) for part in (0.1, 0.25, 0.3))
+    page._mouse("begin", *begin)
+    page._mouse("move", *middle)
+    page.command("Input.dispatchKeyEvent", type="keyDown", key="Escape")
+    page._mouse("move", *end)
+    page._mouse("end", *end)
+    assert not page.value("document.getElementById('panel').hidden")
+    page.drag([middle, end, end])
+    page.wait_for_text("followed", '[data-test="select-answer"]')
+    (asked,) = [fields for name, fields in follower.asked if name == "select_object"]
+    assert asked["region"]["x"] == 16 and follower.count("select_object") == 1
+
+
+def parameter(name, value, **more):
+    told = {"name": name, "type": "double", "min": 0.0, "max": 10.0, "default": value}
+    return {**told, "description": f"the {name}", "unit": "", "choices": [], **more}
+
+
+class Tuned:
+    """Plays nodes with live parameters, by their names."""
+
+    def __init__(self, play, **parameters):
+        self.parameters = {f"/{name}": entries for name, entries in parameters.items()}
+        self.values = {
+            name: {entry["name"]: entry["default"] for entry in entries}
+            for name, entries in self.parameters.items()
+        }
+        self.save = lambda _node: {"message": "saved"}
+        self.played = play(
+            [node(name, parameters=True) for name in self.parameters],
+            parameters=lambda _session, fields: self.told(fields["node"]),
+            set_parameters=self._set,
+            save_parameters=lambda _session, fields: self.save(fields["node"]),
+            close_parameters=lambda *_: {},
+        )
+
+    def told(self, name):
+        groups = [{"name": "Default", "parameters": self.parameters[name], "groups": []}]
+        return {"node": name, "groups": groups, "values": self.values[name], "save": True}
+
+    def _set(self, _session, fields):
+        self.values[fields["node"]].update(fields["values"])
+        return {"values": self.values[fields["node"]], "refused": {}}
+
+
+def number(name):
+    return f"document.querySelector('.number-field[data-name={name}]')?.value"
+
+
+def test_parameters_that_are_not_finite_leave_the_others_in_reach(page, play):
+    inf = float("inf")
+    limitless = parameter("limit", inf, min=None, max=None)
+    tuned = Tuned(play, eye=[limitless, parameter("gain", inf), parameter("size", 2.0)])
+    open_tool(page, "parameters")
+    page.wait(f"{number('size')} === '2'")
+    assert page.value(f"[{number('limit')}, {number('gain')}]") == ["", ""]
+    page.fill(".number-field[data-name=gain]", "3")
+    page.fill(".number-field[data-name=size]", "4")
+    support.wait_for(lambda: tuned.values["/eye"] == {"limit": inf, "gain": 3, "size": 4}, "both")
+    page.wait(f"{number('gain')} === '3'")
+
+
+def test_parameters_that_a_node_has_newly_are_shown(page, play):
+    tuned = Tuned(play, eye=[parameter("size", 2.0)])
+    open_tool(page, "parameters")
+    page.wait(f"{number('size')} === '2'")
+    tuned.parameters["/eye"] = [parameter("size", 3.0), parameter("gain", 1.0)]
+    tuned.values["/eye"] = {"size": 3.0, "gain": 1.0}
+    tuned.played.sessions[0].push("parameters", tuned.told("/eye"), "/eye")
+    page.wait(f"{number('gain')} === '1' && {number('size')} === '3'")
+
+
+def test_what_is_saved_is_told_of_the_node_that_has_saved(page, play):
+    tuned = Tuned(play, ear=[parameter("pitch", 1.0)], eye=[parameter("size", 2.0)])
+    go_on = threading.Event()
+
+    def save(name):
+        assert go_on.wait(support.DEADLINE)
+        return {"message": f"in the file of {name}"}
+
+    tuned.save = save
+    open_tool(page, "parameters")
+    page.wait(f"{number('pitch')} === '1'")
+    page.click('[data-test="save-parameters"]')
+    page.wait_for_text("Saving", '[data-test="save-answer"]')
+    page.fill('[data-test="parameter-node"]', "/eye")
+    page.wait(f"{number('size')} === '2'")
+    go_on.set()
+    page.wait_for_notice("/ear: in the file of /ear")
+    assert page.value("document.querySelector('[data-test=save-answer]').textContent") == ""
+    page.click('[data-test="save-parameters"]')
+    page.wait_for_text("in the file of /eye", '[data-test="save-answer"]')
+
+
+def test_an_image_that_is_still_chosen_keeps_its_camera_info(page, play):
+    folder = ["/eye/image_raw", "/eye/image_color", "/eye/camera_info"]
+    listed = {"folder": "/bags", "free": 1e9, "max_megabytes": 100, "bags": [], "unfinished": []}
+    recorded = []
+    play(
+        [],
+        topics=folder,
+        bags=lambda *_: {**listed, "recording": None},
+        bag_record=lambda _session, fields: recorded.append(sorted(fields["topics"])),
+    )
+    open_tool(page, "bags")
+
+    def choose(name, on):
+        page.fill(f'[data-test="bag-topic"][data-name="{name}"]', on)
+
+    def count(text):
+        page.wait_for_text(text, '[data-test="bag-record"]')
+
+    for name in folder[:2]:
+        choose(name, True)
+    count("Record 3 topics")
+    choose("/eye/image_color", False)
+    count("Record 2 topics")
+    page.click('[data-test="bag-record"]')
+    support.wait_for(lambda: recorded == [["/eye/camera_info", "/eye/image_raw"]], "the request")
+    choose("/eye/image_raw", False)
+    count("Choose what to record")
+
+
+def test_what_is_pushed_before_the_parameters_are_told_is_newer(page, play):
+    tuned = Tuned(play, eye=[parameter("size", 2.0)])
+
+    def tell(session, fields):
+        told = tuned.told(fields["node"])
+        session.push("values", {"node": "/eye", "values": {"size": 5.0}}, "/eye")
+        return told
+
+    tuned.played.answers["parameters"] = tell
+    open_tool(page, "parameters")
+    page.wait(f"{number('size')} && robotVision.connection.pending.size === 0")
+    assert page.value(number("size")) == "5"
+
+
+def test_what_is_pushed_before_the_colours_are_told_is_newer(page, play):
+    tracker = Tracker(play)
+
+    def tell(session, _fields):
+        newer = {**tracker.values, "s_low": 60}
+        session.push("values", {"node": NODE, "values": newer}, NODE)
+        return {"values": tracker.values}
+
+    tracker.played.answers["parameters"] = tell
+    open_tool(page, "color")
+    page.wait(f"{LIMIT} === '60'")
+    page.wait("robotVision.connection.pending.size === 0")
+    assert page.value(LIMIT) == "60"
+
+
+def line(text, level=4):
+    told = {"stamp": 5.0, "level": level, "node": "/eye", "text": text, "function": "f"}
+    return {**told, "file": "f.py", "line": 1}
+
+
+def test_the_log_says_where_lines_are_missing(page, play):
+    played = play([], log=lambda *_: {}, close_log=lambda *_: {})
+    open_tool(page, "log")
+    support.wait_for(lambda: played.count("log"), "the request")
+
+    def push(lines, left_out, key):
+        played.sessions[0].push("log", {"entries": lines, "left_out": left_out}, key)
+
+    push([line("first")], 0, "1")
+    push([line("second")], 1, "2")
+    push([line("third")], 70, "3")
+    page.wait_for_text("third", '[data-test="log"]')
+    shown = "[...document.querySelector('[data-test=log]').children].map((one) => one.innerText)"
+    texts = page.value(shown)
+    assert [one.splitlines()[-1] for one in texts] == [
+        "first",
+        "1 line is left out here: more came than is shown",
+        "second",
+        "70 lines are left out here: more came than is shown",
+        "third",
+    ]
+    page.run("document.querySelector('#panel [aria-pressed]').click();")  # pauses
+    for number in range(12):
+        push([line(f"{number} {index}") for index in range(100)], 0, f"paused {number}")
+    page.wait_for_text("Go on (1000)", "#panel button")
+    page.run("document.querySelector('#panel [aria-pressed]').click();")
+    page.wait_for_text("201 lines are left out", '[data-test="log-gap"]')
+    page.wait_for_text("11 99", '[data-test="log"]')
