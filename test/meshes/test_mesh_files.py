@@ -8,7 +8,6 @@ from mesh_files import PYRAMID, SIDES, obj, shape
 
 import robot_vision as rv
 from robot_vision.meshes import mesh_sheet, read_mesh, write_mesh
-from robot_vision.meshes.sample_mesh import main
 
 COURSE = pathlib.Path(__file__).resolve().parents[3] / "shared/recognition"
 
@@ -114,21 +113,6 @@ def test_other_suffixes_cannot_be_written(tmp_path):
     with pytest.raises(ValueError, match=r"the suffix is '\.xyz', must be \.ply, \.stl or \.obj"):
         write_mesh(str(tmp_path / "a.xyz"), rv.sample_mesh("nut").mesh)
     assert list(tmp_path.iterdir()) == []
-
-
-def test_the_command_writes_samples(tmp_path, monkeypatch, capsys):
-    path = tmp_path / "nut.stl"
-    monkeypatch.setattr("sys.argv", ["sample_mesh.py", "nut", str(path)])
-    assert main() == 0
-    assert capsys.readouterr().out == f"{path}: 0.060 x 0.052 x 0.022 m, 72 triangles\n"
-    before = path.read_bytes()
-    assert main() == 1
-    assert capsys.readouterr().err == (
-        f"sample_mesh.py: {path} is there already; --force replaces it\n"
-    )
-    assert path.read_bytes() == before
-    monkeypatch.setattr("sys.argv", ["sample_mesh.py", "can", str(path), "--force"])
-    assert main() == 0 and path.read_bytes() != before
 
 
 @pytest.mark.skipif(not COURSE.is_dir(), reason="the course's meshes are not beside this checkout")

@@ -6,7 +6,7 @@ import sys
 from .. import mesh_extent, sample_mesh, sample_mesh_names
 from ..common.arguments import command_parser
 from ..common.commands import run_command
-from .mesh_files import write_mesh
+from ..meshes import write_mesh
 
 PROGRAM = "sample_mesh.py"
 EXAMPLES = """examples:
