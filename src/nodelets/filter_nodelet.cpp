@@ -39,7 +39,9 @@ std::vector<std::string> stepTopics(const std::vector<std::string>& names)
 class ChainWork
 {
 public:
-  ChainWork(const ros::NodeHandle& nh, const ros::NodeHandle& pnh) : nh_(nh), pnh_(pnh), it_(nh) {}
+  ChainWork(const ros::NodeHandle& nh, const ros::NodeHandle& pnh) : nh_(nh), it_(nh), hints_(readTransport(it_, pnh))
+  {
+  }
 
   void configure(const FilterConfig& config)
   {
@@ -93,8 +95,7 @@ private:
     const bool wanted = uses_second_ && listens_;
     if (wanted && !subscription_)
     {
-      const image_transport::TransportHints hints(kAutoTransport, ros::TransportHints().tcpNoDelay(), pnh_);
-      subscription_ = ImageSubscription(nh_, it_, "second", hints,
+      subscription_ = ImageSubscription(nh_, it_, "second", hints_,
                                         [this](const sensor_msgs::ImageConstPtr& message) { keep(message); });
     }
     else if (!wanted)
@@ -142,8 +143,8 @@ private:
   }
 
   ros::NodeHandle nh_;
-  ros::NodeHandle pnh_;
   image_transport::ImageTransport it_;
+  const image_transport::TransportHints hints_;
   FilterChain chain_{{}};
   std::vector<std::string> topics_;  // of the steps
   LazyOutputs* outputs_ = nullptr;   // null before advertise()

@@ -1,4 +1,5 @@
 #include <gtest/gtest.h>
+#include <sensor_msgs/CameraInfo.h>
 #include <sensor_msgs/Image.h>
 
 #include <atomic>
@@ -44,6 +45,7 @@ sensor_msgs::ImagePtr ImageMaker::make(const Fill& fill)
 }  // namespace robot_vision
 
 using namespace robot_vision;
+using sensor_msgs::CameraInfoConstPtr;
 
 TEST(Filter, aStepIsMadeIntoAMessageOnlyWhileSomebodyLooksAtIt)
 {
@@ -85,6 +87,40 @@ TEST(LazyImageInput, aConnectionDoesNotWaitForOneThatAsksTheMaster)
   answer.set_value();
   first.get();
   EXPECT_FALSE(listens);  // it has looked again, and nobody wants the images any more
+}
+
+TEST(LazyImageInput, whatCannotBeSubscribedToIsToldAndTriedAgain)
+{
+  const ros::NodeHandle nh("/refused");
+  const boost::function<void(const CameraInfoConstPtr&)> ignore = [](const CameraInfoConstPtr&) {};
+  ros::Subscriber other = ros::NodeHandle(nh).subscribe<sensor_msgs::CameraInfo>("image", 1, ignore);
+  std::atomic<bool> wanted{false};
+  std::atomic<bool> listens{false};
+  LazyImageInput input(
+      nh, ros::NodeHandle(nh, "node"), "/refused/node", [](const sensor_msgs::ImageConstPtr&, const cv::Mat&) {},
+      [&] { return wanted.load(); }, [&](bool now) { listens = now; });
+  input.start();
+  wanted = true;
+  input.update();
+  diagnostic_updater::DiagnosticStatusWrapper status;
+  input.statistics().report(status);
+  EXPECT_EQ(status.level, diagnostic_msgs::DiagnosticStatus::ERROR);
+  EXPECT_EQ(status.message.find("cannot subscribe: "), 0U) << status.message;
+  other.shutdown();
+  EXPECT_TRUE(waitFor([&] { return listens.load(); }));
+  input.statistics().report(status);
+  EXPECT_EQ(status.message, "no frames on /refused/image");
+}
+
+TEST(LazyImageInput, aStartWithoutASubscriptionFails)
+{
+  const ros::NodeHandle nh("/unstarted");
+  const boost::function<void(const CameraInfoConstPtr&)> ignore = [](const CameraInfoConstPtr&) {};
+  const ros::Subscriber other = ros::NodeHandle(nh).subscribe<sensor_msgs::CameraInfo>("image", 1, ignore);
+  LazyImageInput input(
+      nh, ros::NodeHandle(nh, "node"), "/unstarted/node", [](const sensor_msgs::ImageConstPtr&, const cv::Mat&) {},
+      [] { return true; });
+  EXPECT_THROW(input.start(), ros::Exception);
 }
 
 int main(int argc, char** argv)

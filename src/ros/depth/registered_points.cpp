@@ -17,7 +17,12 @@ constexpr double kSlop = 0.02;  // s, unless ~slop is set
 }  // namespace
 
 RegisteredPoints::RegisteredPoints(const ros::NodeHandle& nh, const ros::NodeHandle& pnh, RegistrationTopics topics)
-  : nh_(nh), pnh_(pnh), it_(nh), topics_(std::move(topics)), pairs_(readSlop(pnh, kSlop))
+  : nh_(nh),
+    pnh_(pnh),
+    it_(nh),
+    hints_(readTransport(it_, pnh)),
+    topics_(std::move(topics)),
+    pairs_(readSlop(pnh, kSlop))
 {
 }
 
@@ -27,9 +32,8 @@ void RegisteredPoints::listen(bool listens)
   subscription_.shutdown();
   pairs_.clear();
   if (!listens) return;
-  const image_transport::TransportHints hints(kAutoTransport, ros::TransportHints().tcpNoDelay(), pnh_);
   subscription_ =
-      ImageSubscription(nh_, it_, "rgb/image_raw", hints,
+      ImageSubscription(nh_, it_, "rgb/image_raw", hints_,
                         [this](const sensor_msgs::ImageConstPtr& message) { publish(pairs_.addColor(message)); });
 }
 

@@ -29,7 +29,7 @@ class RegisteredPoints
 public:
   using Publish = std::function<void(const sensor_msgs::PointCloud2Ptr& cloud)>;
 
-  /// Reads ~slop. Throws std::invalid_argument if that is out of range.
+  /// Reads ~slop and ~image_transport. Throws std::invalid_argument if one of them is out of range.
   RegisteredPoints(const ros::NodeHandle& nh, const ros::NodeHandle& pnh, RegistrationTopics topics);
 
   /// What is to be done with a cloud; to be called before the first one is made.
@@ -51,6 +51,7 @@ private:
   ros::NodeHandle nh_;
   ros::NodeHandle pnh_;
   image_transport::ImageTransport it_;
+  const image_transport::TransportHints hints_;
   RegistrationTopics topics_;
   Publish publish_;
   Throttle throttle_;

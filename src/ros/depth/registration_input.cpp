@@ -6,7 +6,6 @@
 #include "ros/images/bounded_reading.hpp"
 #include "ros/images/camera_info.hpp"
 #include "ros/images/image_message.hpp"
-#include "ros/params/params.hpp"
 
 namespace robot_vision
 {
@@ -38,21 +37,15 @@ RegistrationInput::RegistrationInput(const ros::NodeHandle& nh, const ros::NodeH
                                      Process process, std::function<bool()> is_wanted,
                                      std::function<void(bool)> on_listen)
   : nh_(nh),
-    pnh_(pnh),
     name_(name),
     process_(std::move(process)),
     on_listen_(std::move(on_listen)),
     diagnostics_(nh, pnh, name),
     it_(nh),
+    hints_(readTransport(it_, pnh, "depth_image_transport")),
     topics_(nh),
-    subscriber_(nh, pnh, std::move(is_wanted), [this](bool wanted) { listen(wanted); })
+    subscriber_(nh, pnh, diagnostics_.statistics(), std::move(is_wanted), [this](bool wanted) { listen(wanted); })
 {
-  std::string transport = kAutoTransport, of_depth = kAutoTransport;
-  readParam(pnh_, "image_transport", transport);
-  readParam(pnh_, "depth_image_transport", of_depth);
-  // At start, because later the exception would come with the first subscriber.
-  requireTransport(it_, transport);
-  requireTransport(it_, of_depth, "depth_image_transport");
   if (topics_.depth_image == "/depth/image_raw")
     ROS_WARN(
         "%s: topic 'depth/image_raw' is not remapped, and the node is in no namespace; typical use is in that of a "
@@ -93,10 +86,7 @@ void RegistrationInput::subscribe()
   waiting_ = 0;
   depth_info_subscription_ = subscribeTo(nh_, topics_.depth_info, depth_info_);
   color_info_subscription_ = subscribeTo(nh_, topics_.color_info, color_info_);
-  // Without this option small packets would wait for each other.
-  const image_transport::TransportHints hints(kAutoTransport, ros::TransportHints().tcpNoDelay(), pnh_,
-                                              "depth_image_transport");
-  depth_subscription_ = ImageSubscription(nh_, it_, "depth/image_raw", hints,
+  depth_subscription_ = ImageSubscription(nh_, it_, "depth/image_raw", hints_,
                                           [this](const sensor_msgs::ImageConstPtr& message) { onDepth(message); });
 }
 

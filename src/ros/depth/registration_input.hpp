@@ -67,13 +67,13 @@ private:
   void process(const sensor_msgs::ImageConstPtr& message);
 
   ros::NodeHandle nh_;
-  ros::NodeHandle pnh_;
   std::string name_;
   Process process_;
   std::function<void(bool)> on_listen_;
   FrameDiagnostics diagnostics_;
   Throttle throttle_;
   image_transport::ImageTransport it_;
+  const image_transport::TransportHints hints_;
   RegistrationTopics topics_;
   std::size_t waiting_ = 0;  // depth images without a calibration, in a row
   sensor_msgs::CameraInfoConstPtr depth_info_;

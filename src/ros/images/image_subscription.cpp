@@ -5,6 +5,7 @@
 #include "bounded_reading.hpp"
 #include "image_message.hpp"
 #include "robot_vision/common/range.hpp"
+#include "ros/params/params.hpp"
 
 namespace robot_vision
 {
@@ -27,6 +28,17 @@ void requireTransport(const image_transport::ImageTransport& it, const std::stri
     known.push_back(name);
   }
   require(false, parameter, "'" + transport + "'", "one that is installed: " + joined(known));
+}
+
+image_transport::TransportHints readTransport(const image_transport::ImageTransport& it, const ros::NodeHandle& pnh,
+                                              const std::string& parameter)
+{
+  std::string transport;
+  readParam(pnh, parameter, transport);  // refuses another type, which the hints would take for no parameter
+  // Without this option small packets would wait for each other.
+  const image_transport::TransportHints hints(kAutoTransport, ros::TransportHints().tcpNoDelay(), pnh, parameter);
+  requireTransport(it, hints.getTransport(), parameter);
+  return hints;
 }
 
 ImageSubscription::ImageSubscription(ros::NodeHandle nh, image_transport::ImageTransport& it, const std::string& topic,
