@@ -55,10 +55,14 @@ void LatestImageSubscriber::open()
   catch (...)
   {
     close();
+    images->remove(*this);  // which close() has not done if it was closed meanwhile
     throw;
   }
-  const std::lock_guard<std::mutex> lock(mutex_);
-  if (open_) std::swap(info_subscriber, info_subscriber_);  // else it was closed meanwhile
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    if (open_) return std::swap(info_subscriber, info_subscriber_);
+  }
+  images->remove(*this);  // it was closed meanwhile, perhaps before it was added
 }
 
 void LatestImageSubscriber::close()
