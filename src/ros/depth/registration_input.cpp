@@ -3,7 +3,6 @@
 #include <stdexcept>
 #include <utility>
 
-#include "ros/images/bounded_reading.hpp"
 #include "ros/images/camera_info.hpp"
 #include "ros/images/image_message.hpp"
 
@@ -15,12 +14,11 @@ namespace
 constexpr std::uint32_t kQueueSize = 1;  // of camera_info, of which the newest one counts
 
 /// Subscribes to the newest calibration.
-ros::Subscriber subscribeTo(ros::NodeHandle& nh, const std::string& topic, sensor_msgs::CameraInfoConstPtr& newest)
+ros::Subscriber subscribeTo(const ros::NodeHandle& nh, const std::string& topic,
+                            sensor_msgs::CameraInfoConstPtr& newest)
 {
-  ros::SubscribeOptions options = boundedOptions<sensor_msgs::CameraInfo>(
-      topic, kQueueSize, [&newest](const sensor_msgs::CameraInfoConstPtr& info) { newest = info; });
-  options.transport_hints = ros::TransportHints().tcpNoDelay();
-  return nh.subscribe(options);
+  const auto keep = [&newest](const sensor_msgs::CameraInfoConstPtr& info) { newest = info; };
+  return subscribeToCameraInfo(nh, topic, kQueueSize, keep);
 }
 
 }  // namespace

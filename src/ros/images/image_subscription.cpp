@@ -52,8 +52,10 @@ ImageSubscription::ImageSubscription(ros::NodeHandle nh, image_transport::ImageT
   }
   if (hints.getTransport() != "raw")
   {
-    // The plugin subscribes to `image/compressed`, to which a remapping of `image` would not apply.
-    other_ = it.subscribe(nh.resolveName(topic), kQueueSize, callback, ros::VoidPtr(), hints);
+    // Plugins subscribe to `image/compressed`, to which a remapping of `image` would not apply; that of shm subscribes
+    // to `image`, too, which would be remapped twice.
+    const std::string base = hints.getTransport() == "shm" ? topic : nh.resolveName(topic);
+    other_ = it.subscribe(base, kQueueSize, callback, ros::VoidPtr(), hints);
     return;
   }
   ros::SubscribeOptions options =

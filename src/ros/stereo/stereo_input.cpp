@@ -5,7 +5,6 @@
 
 #include "robot_vision/common/printable.hpp"
 #include "robot_vision/common/range.hpp"
-#include "ros/images/bounded_reading.hpp"
 #include "ros/images/camera_info.hpp"
 #include "ros/images/image_message.hpp"
 #include "ros/images/stamps.hpp"
@@ -107,11 +106,9 @@ void StereoInput::subscribe()
 {
   for (const std::size_t side : {kLeft, kRight})
   {
-    ros::SubscribeOptions options = boundedOptions<sensor_msgs::CameraInfo>(
-        topics_.infos[side], kQueueSize,
-        [this, side](const sensor_msgs::CameraInfoConstPtr& info) { onPair(pairs_.add(side, info)); });
-    options.transport_hints = hints_.getRosHints();
-    infos_[side] = nh_.subscribe(options);
+    infos_[side] = subscribeToCameraInfo(nh_, topics_.infos[side], kQueueSize,
+                                         [this, side](const sensor_msgs::CameraInfoConstPtr& info)
+                                         { onPair(pairs_.add(side, info)); });
     images_[side] =
         ImageSubscription(nh_, it_, imageName(side), hints_,
                           [this, side](const sensor_msgs::ImageConstPtr& message) { onImage(side, message); });
