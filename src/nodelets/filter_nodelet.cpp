@@ -52,10 +52,11 @@ public:
     values.erase("use_second");
     const std::vector<std::string> names = chainNames(config.chain);
     FilterChain chain(names, values);
-    chain_ = std::move(chain);
-    uses_second_ = config.use_second && chain_.takesSecond();
-    subscribe();
+    const bool uses_second = config.use_second && chain.takesSecond();
+    subscribe(uses_second && listens_);  // may throw, so before anything changes
     setTopics(stepTopics(names));
+    chain_ = std::move(chain);
+    uses_second_ = uses_second;
   }
 
   void advertise(LazyOutputs& outputs)
@@ -67,8 +68,8 @@ public:
 
   void listen(bool listens)
   {
+    subscribe(uses_second_ && listens);
     listens_ = listens;
-    subscribe();
   }
 
   void process(const sensor_msgs::ImageConstPtr& message, const cv::Mat& image, LazyOutputs& outputs)
@@ -89,10 +90,9 @@ public:
   }
 
 private:
-  /// To the topic `second`, while it is needed.
-  void subscribe()
+  /// To the topic `second`, or ends that.
+  void subscribe(bool wanted)
   {
-    const bool wanted = uses_second_ && listens_;
     if (wanted && !subscription_)
     {
       subscription_ = ImageSubscription(nh_, it_, "second", hints_,

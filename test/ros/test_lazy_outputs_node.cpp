@@ -1,4 +1,6 @@
+#include <dynamic_reconfigure/Reconfigure.h>
 #include <gtest/gtest.h>
+#include <robot_vision/FilterConfig.h>
 #include <sensor_msgs/CameraInfo.h>
 #include <sensor_msgs/Image.h>
 
@@ -62,6 +64,46 @@ TEST(Filter, aStepIsMadeIntoAMessageOnlyWhileSomebodyLooksAtIt)
   ASSERT_TRUE(camera.showUntil([&] { return step.last() != nullptr; }));
   EXPECT_EQ(step.last()->width, SmallCamera::kWidth);
   EXPECT_GT(large_images, 0);
+}
+
+TEST(Filter, whatCannotBeSubscribedToChangesNothing)
+{
+  SmallCamera camera;
+  const boost::function<void(const CameraInfoConstPtr&)> ignore = [](const CameraInfoConstPtr&) {};
+  const ros::Subscriber other = ros::NodeHandle().subscribe<sensor_msgs::CameraInfo>("second", 1, ignore);
+  ros::param::set("/unchanged/chain", "");
+  const auto nodelet = makeFilter();
+  nodelet->init("/unchanged", {}, {});
+  const Receiver<sensor_msgs::Image> images("/unchanged/processed_image");
+  ASSERT_TRUE(camera.showUntil([&] { return images.last() != nullptr; }));
+  dynamic_reconfigure::Reconfigure change;
+  change.request.config.strs.resize(1);
+  change.request.config.strs[0].name = "chain";
+  change.request.config.strs[0].value = "resize, difference";
+  change.request.config.bools.resize(1);
+  change.request.config.bools[0].name = "use_second";
+  change.request.config.bools[0].value = true;
+  ASSERT_TRUE(ros::service::call("/unchanged/set_parameters", change));
+  FilterConfig config;
+  ASSERT_TRUE(config.__fromMessage__(change.response.config));
+  EXPECT_EQ(config.chain, "");
+  const std::size_t before = images.seconds().size();
+  ASSERT_TRUE(camera.showUntil([&] { return images.seconds().size() > before + 3; }));
+  EXPECT_EQ(images.last()->width, SmallCamera::kWidth);
+}
+
+TEST(ImageSubscription, isNoneAfterItsEnd)
+{
+  ros::NodeHandle nh;
+  image_transport::ImageTransport it(nh);
+  for (const std::string transport : {"auto", "raw", "compressed"})
+  {
+    const image_transport::TransportHints hints(transport, {}, nh, "none");
+    ImageSubscription subscription(nh, it, "image", hints, [](const sensor_msgs::ImageConstPtr&) {});
+    EXPECT_TRUE(subscription) << transport;
+    subscription.shutdown();
+    EXPECT_FALSE(subscription) << transport;
+  }
 }
 
 TEST(LazyImageInput, aConnectionDoesNotWaitForOneThatAsksTheMaster)

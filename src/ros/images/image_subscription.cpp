@@ -76,7 +76,8 @@ std::uint32_t ImageSubscription::publishers() const
 
 void ImageSubscription::shutdown()
 {
-  if (auto_) auto_->shutdown();
+  if (auto_) auto_->shutdown();  // its callback may use this meanwhile
+  auto_.reset();
   raw_.shutdown();
   other_.shutdown();
 }
