@@ -10,6 +10,7 @@
 #include <future>
 #include <opencv2/core.hpp>
 #include <string>
+#include <thread>
 
 #include "nodelets/factories.hpp"
 #include "ros/images/image_message.hpp"
@@ -104,6 +105,46 @@ TEST(ImageSubscription, isNoneAfterItsEnd)
     subscription.shutdown();
     EXPECT_FALSE(subscription) << transport;
   }
+}
+
+TEST(ImageSubscription, getsImagesAlthoughAnotherOneOfTheTopicEnds)
+{
+  ros::NodeHandle nh;
+  const ros::Publisher publisher = nh.advertise<sensor_msgs::Image>("/contested", 1);
+  const image_transport::TransportHints hints("auto", {}, nh, "none");
+  std::atomic<bool> ends{false};
+  std::thread other(
+      [&]
+      {
+        image_transport::ImageTransport it(nh);
+        while (!ends)
+          ImageSubscription(nh, it, "/contested", hints, [](const sensor_msgs::ImageConstPtr&) {}).shutdown();
+      });
+  std::thread asking(
+      [&]
+      {
+        std::vector<std::string> topics;
+        while (!ends)
+          ros::this_node::getSubscribedTopics(topics);  // holds the lock that the other one's end waits for
+      });
+  image_transport::ImageTransport it(nh);
+  for (int turn = 0; turn < 500 && !HasFailure(); ++turn)
+  {
+    std::atomic<bool> has_come{false};
+    ImageSubscription subscription(nh, it, "/contested", hints,
+                                   [&](const sensor_msgs::ImageConstPtr&) { has_come = true; });
+    const auto image = boost::make_shared<sensor_msgs::Image>();
+    const auto comes = [&]
+    {
+      publisher.publish(image);
+      return has_come.load();
+    };
+    EXPECT_TRUE(waitFor(comes)) << turn;
+    subscription.shutdown();
+  }
+  ends = true;
+  other.join();
+  asking.join();
 }
 
 TEST(LazyImageInput, aConnectionDoesNotWaitForOneThatAsksTheMaster)

@@ -5,6 +5,7 @@
 
 #include "ros/images/camera_info.hpp"
 #include "ros/images/image_message.hpp"
+#include "ros/images/subscribing_lock.hpp"
 
 namespace robot_vision
 {
@@ -91,8 +92,8 @@ void RegistrationInput::subscribe()
 void RegistrationInput::unsubscribe()
 {
   depth_subscription_.shutdown();
-  depth_info_subscription_.shutdown();
-  color_info_subscription_.shutdown();
+  endSubscription(depth_info_subscription_);
+  endSubscription(color_info_subscription_);
   depth_info_.reset();
   color_info_.reset();
 }

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "bounded_reading.hpp"
+#include "subscribing_lock.hpp"
 
 namespace robot_vision
 {
@@ -38,6 +39,7 @@ ros::Subscriber subscribeToCameraInfo(const ros::NodeHandle& nh, const std::stri
   // `nh` would remap the topic once more: to that of another camera where the names of two are exchanged.
   ros::NodeHandle exact("/", {{topic, topic}});
   exact.setCallbackQueue(nh.getCallbackQueue());
+  const SubscribingLock subscribing;
   return exact.subscribe(options);
 }
 

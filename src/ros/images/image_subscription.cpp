@@ -6,6 +6,7 @@
 #include "image_message.hpp"
 #include "robot_vision/common/range.hpp"
 #include "ros/params/params.hpp"
+#include "subscribing_lock.hpp"
 
 namespace robot_vision
 {
@@ -50,6 +51,7 @@ ImageSubscription::ImageSubscription(ros::NodeHandle nh, image_transport::ImageT
                                                callback);
     return;
   }
+  const SubscribingLock subscribing;
   if (hints.getTransport() != "raw")
   {
     // Plugins subscribe to `image/compressed`, to which a remapping of `image` would not apply; that of shm subscribes
@@ -78,6 +80,7 @@ void ImageSubscription::shutdown()
 {
   if (auto_) auto_->shutdown();  // its callback may use this meanwhile
   auto_.reset();
+  const SubscribingLock subscribing;
   raw_.shutdown();
   other_.shutdown();
 }

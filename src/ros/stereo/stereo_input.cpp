@@ -8,6 +8,7 @@
 #include "ros/images/camera_info.hpp"
 #include "ros/images/image_message.hpp"
 #include "ros/images/stamps.hpp"
+#include "ros/images/subscribing_lock.hpp"
 
 namespace robot_vision
 {
@@ -120,7 +121,7 @@ void StereoInput::unsubscribe()
   for (const std::size_t side : {kLeft, kRight})
   {
     images_[side].shutdown();
-    infos_[side].shutdown();
+    endSubscription(infos_[side]);
   }
   pairs_.clear();
 }
