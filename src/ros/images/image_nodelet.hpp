@@ -4,6 +4,7 @@
 
 #include <memory>
 
+#include "advertising_lock.hpp"
 #include "callback_gate.hpp"
 #include "lazy_image_input.hpp"
 #include "lazy_outputs.hpp"
@@ -40,6 +41,7 @@ private:
   {
     gate_.guard(getNodeHandle());
     gate_.guard(getPrivateNodeHandle());
+    const AdvertisingLock advertising;
     work_ = std::make_unique<Work>(getNodeHandle(), getPrivateNodeHandle());
     params_ = std::make_unique<LiveParams<Config>>(getPrivateNodeHandle(),
                                                    [this](const Config& config) { work_->configure(config); });
@@ -76,6 +78,7 @@ private:
   {
     registration_.reset();
     gate_.close();
+    const AdvertisingLock advertising;
     input_.reset();  // waits for a frame that is processed during the end of roscpp
     params_.reset();
     outputs_.reset();
