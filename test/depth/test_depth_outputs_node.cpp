@@ -166,6 +166,7 @@ TEST(RegistrationInput, exchangedCalibrationsAreNotExchangedAgain)
   {
     if (!has_come) frame = one;
     has_come = true;
+    return true;
   };
   RegistrationInput input(nh, ros::NodeHandle("/exchanged"), "/exchanged", keep, [] { return true; });
   input.start();

@@ -107,8 +107,7 @@ void RegistrationInput::onDepth(const sensor_msgs::ImageConstPtr& message)
   if (waits && waiting_ < kMaxWaiting) return;  // it may be on its way
   try
   {
-    process(message);
-    diagnostics_.statistics().published(begin, message->header.stamp);
+    if (process(message)) diagnostics_.statistics().published(begin, message->header.stamp);
   }
   catch (const std::exception& e)
   {
@@ -118,11 +117,11 @@ void RegistrationInput::onDepth(const sensor_msgs::ImageConstPtr& message)
   }
 }
 
-void RegistrationInput::process(const sensor_msgs::ImageConstPtr& message)
+bool RegistrationInput::process(const sensor_msgs::ImageConstPtr& message)
 {
   if (!depth_info_) throw std::invalid_argument("nothing has come on " + topics_.depth_info);
   if (!color_info_) throw std::invalid_argument("nothing has come on " + topics_.color_info);
-  process_({message, viewAnyPixels(*message), depth_info_, color_info_});
+  return process_({message, viewAnyPixels(*message), depth_info_, color_info_, &diagnostics_.statistics()});
 }
 
 }  // namespace robot_vision

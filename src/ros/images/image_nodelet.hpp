@@ -28,7 +28,7 @@ namespace robot_vision
 ///
 /// `image` views the pixels of the message; process() throws std::exception to refuse it. The manager of the nodelets
 /// calls these functions, and the callbacks of both handles, one after the other. `Input` may be another one with
-/// LazyImageInput's functions: process() takes what it gives, and the outputs.
+/// LazyImageInput's functions: process() takes what it gives, and the outputs, and returns what it wants.
 template <class Config, class Work, class Input = LazyImageInput>
 class ImageNodelet : public nodelet::Nodelet
 {
@@ -48,8 +48,8 @@ private:
     outputs_ = std::make_unique<LazyOutputs>(getPrivateNodeHandle(), [this] { input_->update(); });
     input_ = std::make_unique<Input>(
         getNodeHandle(), getPrivateNodeHandle(), getName(),
-        [this](const auto&... frame) { work_->process(frame..., *outputs_); }, [this] { return outputs_->areWanted(); },
-        [this](bool listens) { listen(*work_, listens, 0); });
+        [this](const auto&... frame) { return work_->process(frame..., *outputs_); },
+        [this] { return outputs_->areWanted(); }, [this](bool listens) { listen(*work_, listens, 0); });
     input_->statistics().countUnshared([this] { return outputs_->unshared(); });
     work_->advertise(*outputs_);
     input_->start();
