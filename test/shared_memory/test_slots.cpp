@@ -116,6 +116,26 @@ TEST(Slots, signalsDoNotKeepAFrameFromItsMemory)
   EXPECT_EQ(interruptions, 0);
 }
 
+TEST(Slots, whatAReaderHoldsOfATopicThatRestsDoesNotCountForAnother)
+{
+  const auto server = std::make_shared<SlotServer>();
+  SlotWriter resting(limits(4), server), other(limits(4), server);
+  SlotReader reader;
+  std::vector<Held> held;
+  for (std::uint64_t number = 0; number < 2; ++number)
+    held.push_back(reader.hold(publish(resting, number)));
+  resting.rest();
+  for (std::uint64_t number = 0; number < 2; ++number)
+    held.push_back(reader.hold(publish(other, number)));
+  EXPECT_EQ(faultOf(reader, publish(other, 2)), "too many");
+  std::vector<std::shared_ptr<WritableSlot>> writing;
+  while (const auto slot = other.take(kBytes))
+    writing.push_back(slot);
+  EXPECT_EQ(other.readers(), 1U);
+  for (std::size_t i = 0; i < held.size(); ++i)
+    EXPECT_TRUE(isFrame(*held[i], i % 2));
+}
+
 TEST(Slots, framesWithoutPixelsAreFrames)
 {
   SlotWriter writer;
