@@ -19,6 +19,7 @@
 #include "ros/camera/control_server.hpp"
 #include "ros/camera/steady_stamps.hpp"
 #include "ros/camera/usb_cam_params.hpp"
+#include "ros/images/advertising_lock.hpp"
 #include "ros/images/callback_gate.hpp"
 #include "ros/images/frame_statistics.hpp"
 #include "ros/images/registration.hpp"
@@ -76,6 +77,7 @@ private:
   {
     gate_.guard(getNodeHandle());
     gate_.guard(getPrivateNodeHandle());
+    const AdvertisingLock advertising;
     ros::NodeHandle& pnh = getPrivateNodeHandle();
     bool keep_streaming = false;
     readParam(pnh, "always_subscribe", always_wanted_);
@@ -136,6 +138,7 @@ private:
     start_.shutdown();
     stop_.shutdown();
     loop_.reset();  // waits for its thread, which uses all that is destroyed below
+    const AdvertisingLock advertising;
     params_.reset();
     controls_.reset();
     outputs_.reset();

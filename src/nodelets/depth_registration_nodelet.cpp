@@ -69,18 +69,20 @@ public:
     points_.listen(listens && needsColors());
   }
 
-  void process(const RegistrationFrame& frame, LazyOutputs& outputs)
+  /// Returns whether anything was published.
+  bool process(const RegistrationFrame& frame, LazyOutputs& outputs)
   {
-    const bool image = outputs.isWanted(image_), points = outputs.isWanted(cloud_);
+    const bool info = outputs.isWanted(info_), image = outputs.isWanted(image_), points = outputs.isWanted(cloud_);
     points_.listen(needsColors());
-    if (!prepare(frame)) return;
+    if (!prepare(frame)) return false;
     std_msgs::Header header = frame.depth->header;
     header.frame_id = frame.color_info->header.frame_id;
-    if (outputs.isWanted(info_)) publishInfo(*frame.color_info, header, outputs);
-    if (!image && !points) return;
+    if (info) publishInfo(*frame.color_info, header, outputs);
+    if (!image && !points) return info;
     const sensor_msgs::ImageConstPtr seen = registered(frame, header);
     if (image) outputs.publishImage(image_, seen);
-    if (points) points_.add(seen, cameras_.points());
+    const bool is_counted = info || image;
+    return (points && points_.add(seen, cameras_.points(), *frame.statistics, !is_counted)) || is_counted;
   }
 
 private:

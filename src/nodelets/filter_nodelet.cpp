@@ -39,7 +39,9 @@ std::vector<std::string> stepTopics(const std::vector<std::string>& names)
 class ChainWork
 {
 public:
-  ChainWork(const ros::NodeHandle& nh, const ros::NodeHandle& pnh) : nh_(nh), pnh_(pnh), it_(nh) {}
+  ChainWork(const ros::NodeHandle& nh, const ros::NodeHandle& pnh) : nh_(nh), it_(nh), hints_(readTransport(it_, pnh))
+  {
+  }
 
   void configure(const FilterConfig& config)
   {
@@ -50,10 +52,11 @@ public:
     values.erase("use_second");
     const std::vector<std::string> names = chainNames(config.chain);
     FilterChain chain(names, values);
-    chain_ = std::move(chain);
-    uses_second_ = config.use_second && chain_.takesSecond();
-    subscribe();
+    const bool uses_second = config.use_second && chain.takesSecond();
+    subscribe(uses_second && listens_);  // may throw, so before anything changes
     setTopics(stepTopics(names));
+    chain_ = std::move(chain);
+    uses_second_ = uses_second;
   }
 
   void advertise(LazyOutputs& outputs)
@@ -65,8 +68,8 @@ public:
 
   void listen(bool listens)
   {
+    subscribe(uses_second_ && listens);
     listens_ = listens;
-    subscribe();
   }
 
   void process(const sensor_msgs::ImageConstPtr& message, const cv::Mat& image, LazyOutputs& outputs)
@@ -87,14 +90,12 @@ public:
   }
 
 private:
-  /// To the topic `second`, while it is needed.
-  void subscribe()
+  /// To the topic `second`, or ends that.
+  void subscribe(bool wanted)
   {
-    const bool wanted = uses_second_ && listens_;
     if (wanted && !subscription_)
     {
-      const image_transport::TransportHints hints(kAutoTransport, ros::TransportHints().tcpNoDelay(), pnh_);
-      subscription_ = ImageSubscription(nh_, it_, "second", hints,
+      subscription_ = ImageSubscription(nh_, it_, "second", hints_,
                                         [this](const sensor_msgs::ImageConstPtr& message) { keep(message); });
     }
     else if (!wanted)
@@ -142,8 +143,8 @@ private:
   }
 
   ros::NodeHandle nh_;
-  ros::NodeHandle pnh_;
   image_transport::ImageTransport it_;
+  const image_transport::TransportHints hints_;
   FilterChain chain_{{}};
   std::vector<std::string> topics_;  // of the steps
   LazyOutputs* outputs_ = nullptr;   // null before advertise()

@@ -283,6 +283,40 @@ TEST_F(Outputs, keepTheListOfDisabledPlugins)
   pnh.deleteParam("image_raw/disable_pub_plugins");
 }
 
+TEST_F(Outputs, forgetWhatAKilledNodeHasDisabled)
+{
+  ros::NodeHandle pnh("~");
+  const std::string parameter = "image_raw/disable_pub_plugins", own = "robot_vision/own_from_here";
+  pnh.setParam(parameter, std::vector<std::string>{own, "image_transport/compressed", "image_transport/theora"});
+  make();
+  EXPECT_EQ(topics("image_raw/compressed"), 1);
+  EXPECT_EQ(topics("image_raw/theora"), 1);
+  EXPECT_FALSE(pnh.hasParam(parameter));
+
+  outputs_.reset();
+  const std::vector<std::string> of_user = {"image_transport/theora"};
+  pnh.setParam(parameter, std::vector<std::string>{of_user.front(), own, "image_transport/compressed"});
+  make();
+  EXPECT_EQ(topics("image_raw/compressed"), 1);
+  EXPECT_EQ(topics("image_raw/theora"), 0);
+  std::vector<std::string> after;
+  pnh.getParam(parameter, after);
+  EXPECT_EQ(after, of_user);
+  pnh.deleteParam(parameter);
+}
+
+TEST_F(Outputs, leaveAListOfDisabledPluginsThatIsNone)
+{
+  ros::NodeHandle pnh("~");
+  pnh.setParam("image_raw/disable_pub_plugins", 7);
+  make();
+  EXPECT_EQ(topics("image_raw/theora"), 1);
+  int after = 0;
+  pnh.getParam("image_raw/disable_pub_plugins", after);
+  EXPECT_EQ(after, 7);
+  pnh.deleteParam("image_raw/disable_pub_plugins");
+}
+
 namespace
 {
 

@@ -13,6 +13,7 @@
 #include "nodelets/factories.hpp"
 #include "robot_vision/depth/depth_points.hpp"
 #include "robot_vision/depth/depth_registration.hpp"
+#include "ros/depth/registration_input.hpp"
 #include "support/receiver.hpp"
 #include "support/run_tests.hpp"
 
@@ -152,6 +153,26 @@ TEST(DepthOutputs, onlyWhatIsSubscribedToIsMade)
   EXPECT_TRUE(cameras.isAskedForColors());
   EXPECT_GT(colored, 0);
   EXPECT_EQ(placed, 0);
+}
+
+TEST(RegistrationInput, exchangedCalibrationsAreNotExchangedAgain)
+{
+  Cameras cameras;
+  const ros::NodeHandle nh("/camera",
+                           {{"depth/camera_info", "rgb/camera_info"}, {"rgb/camera_info", "depth/camera_info"}});
+  RegistrationFrame frame;
+  std::atomic<bool> has_come{false};
+  const auto keep = [&](const RegistrationFrame& one)
+  {
+    if (!has_come) frame = one;
+    has_come = true;
+    return true;
+  };
+  RegistrationInput input(nh, ros::NodeHandle("/exchanged"), "/exchanged", keep, [] { return true; });
+  input.start();
+  ASSERT_TRUE(cameras.showUntil([&] { return has_come.load(); }));
+  EXPECT_EQ(frame.depth_info->header.frame_id, "rgb_eye");
+  EXPECT_EQ(frame.color_info->header.frame_id, "depth_eye");
 }
 
 int main(int argc, char** argv)

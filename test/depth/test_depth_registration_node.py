@@ -47,6 +47,7 @@ class Watched:
     def __init__(self, start, *arguments, topics=("image_raw",), placed=True):
         self.cameras = RgbdCameras()
         words = "__name:=registration", *self.cameras.arguments(), "_diagnostic_period:=0.02"
+        self.node = f"{self.cameras.namespace}/registration".lstrip("/")  # on /diagnostics
         self.process = start("depth_registration_node", *words, *arguments)
         self.topics = {
             name: support.subscribed(self.cameras.output(name), TOPICS[name]) for name in topics
@@ -288,7 +289,7 @@ def subscriptions(cameras):
     return {topic: nodes for topic, nodes in state if topic.startswith(cameras.namespace)}
 
 
-def test_colors_whose_stamps_never_meet_are_told(start):
+def test_colors_whose_stamps_never_meet_are_told(start, diagnostics):
     watched = Watched(start, "_slop:=0.01", topics=("points",))
 
     def told():
@@ -302,12 +303,17 @@ def test_colors_whose_stamps_never_meet_are_told(start):
     assert f"no colors of points: the stamps on {depth} and {color} do not meet: " in output
     assert " s, must be at most slop, 0.01 s, apart" in output
     assert not watched.topics["points"].received
+    assert "do not meet" in diagnostics.value(watched.node, "last error")
+    assert diagnostics.value(watched.node, "frames published") == "0"
     stamp = watched.show(MILLIMETRES, "16UC1")
     watched.cameras.send("rgb", COLORS, "bgr8", stamp + rospy.Duration(0.005))
     assert_cloud(watched.topics["points"].of(stamp), expected_of(MILLIMETRES), COLORS)
+    support.wait_for(
+        lambda: diagnostics.value(watched.node, "frames published") == "1", "the count"
+    )
 
 
-def test_colors_of_another_size_are_refused(start):
+def test_colors_of_another_size_are_refused(start, diagnostics):
     watched = Watched(start, topics=("points",))
 
     def told():
@@ -319,6 +325,8 @@ def test_colors_of_another_size_are_refused(start):
     color, of_info = (watched.cameras.topic("rgb", name) for name in ("image_raw", "camera_info"))
     said = f"{color} (bgr8, 95x72): its size is 95x72, must be 96x72 as on {of_info}"
     assert said in watched.process.output()
+    assert int(diagnostics.value(watched.node, "frames refused")) > 0
+    assert diagnostics.value(watched.node, "frames published") == "0"
     watched.answers()
 
 

@@ -38,6 +38,15 @@ TEST(FrameHandover, beginsWithRawAndLeavesTheOtherWayOut)
   EXPECT_TRUE(deliver(handover, Way::kRaw, 2));
 }
 
+TEST(FrameHandover, leavesOutWhatComesInTheThreadThatDelivers)
+{
+  FrameHandover handover;
+  ASSERT_TRUE(handover.begin(Way::kRaw, header(1)));
+  EXPECT_FALSE(deliver(handover, Way::kRaw, 2));  // of a callback that spins
+  handover.finish();
+  EXPECT_TRUE(deliver(handover, Way::kRaw, 3));
+}
+
 TEST(FrameHandover, deliversEachFrameOnceWhileBothWaysBringIt)
 {
   for (const std::uint32_t ahead : {0U, 1U, 20U})  // frames by which the old way is ahead

@@ -97,6 +97,14 @@ def test_missing_frames_are_reported(start, diagnostics, node):
     support.wait_for(lambda: diagnostics.next("waits").message == "running on /image", "frames")
 
 
+def test_the_transport_is_the_one_that_the_node_started_with(start):
+    start("camera_node", "__name:=source", "_source:=synthetic")
+    start("edge_detector_node", "__name:=lazy", "image:=/source/image_raw")
+    support.wait_for(lambda: support.publishers_of("/lazy/processed_image"), "the node")
+    rospy.set_param("/lazy/image_transport", "nonsense")
+    support.Messages("/lazy/processed_image", Image).wait(2)
+
+
 @pytest.mark.parametrize("node", ["camera_node", "brightness_node", "edge_detector_node"])
 def test_nodes_start_within_a_second(start, diagnostics, node):
     start("camera_node", "__name:=source", "_source:=synthetic", "_always_subscribe:=true")

@@ -1,4 +1,7 @@
+#include <dynamic_reconfigure/Reconfigure.h>
 #include <gtest/gtest.h>
+#include <robot_vision/FilterConfig.h>
+#include <sensor_msgs/CameraInfo.h>
 #include <sensor_msgs/Image.h>
 
 #include <atomic>
@@ -7,6 +10,7 @@
 #include <future>
 #include <opencv2/core.hpp>
 #include <string>
+#include <thread>
 
 #include "nodelets/factories.hpp"
 #include "ros/images/image_message.hpp"
@@ -44,6 +48,7 @@ sensor_msgs::ImagePtr ImageMaker::make(const Fill& fill)
 }  // namespace robot_vision
 
 using namespace robot_vision;
+using sensor_msgs::CameraInfoConstPtr;
 
 TEST(Filter, aStepIsMadeIntoAMessageOnlyWhileSomebodyLooksAtIt)
 {
@@ -60,6 +65,86 @@ TEST(Filter, aStepIsMadeIntoAMessageOnlyWhileSomebodyLooksAtIt)
   ASSERT_TRUE(camera.showUntil([&] { return step.last() != nullptr; }));
   EXPECT_EQ(step.last()->width, SmallCamera::kWidth);
   EXPECT_GT(large_images, 0);
+}
+
+TEST(Filter, whatCannotBeSubscribedToChangesNothing)
+{
+  SmallCamera camera;
+  const boost::function<void(const CameraInfoConstPtr&)> ignore = [](const CameraInfoConstPtr&) {};
+  const ros::Subscriber other = ros::NodeHandle().subscribe<sensor_msgs::CameraInfo>("second", 1, ignore);
+  ros::param::set("/unchanged/chain", "");
+  const auto nodelet = makeFilter();
+  nodelet->init("/unchanged", {}, {});
+  const Receiver<sensor_msgs::Image> images("/unchanged/processed_image");
+  ASSERT_TRUE(camera.showUntil([&] { return images.last() != nullptr; }));
+  dynamic_reconfigure::Reconfigure change;
+  change.request.config.strs.resize(1);
+  change.request.config.strs[0].name = "chain";
+  change.request.config.strs[0].value = "resize, difference";
+  change.request.config.bools.resize(1);
+  change.request.config.bools[0].name = "use_second";
+  change.request.config.bools[0].value = true;
+  ASSERT_TRUE(ros::service::call("/unchanged/set_parameters", change));
+  FilterConfig config;
+  ASSERT_TRUE(config.__fromMessage__(change.response.config));
+  EXPECT_EQ(config.chain, "");
+  const std::size_t before = images.seconds().size();
+  ASSERT_TRUE(camera.showUntil([&] { return images.seconds().size() > before + 3; }));
+  EXPECT_EQ(images.last()->width, SmallCamera::kWidth);
+}
+
+TEST(ImageSubscription, isNoneAfterItsEnd)
+{
+  ros::NodeHandle nh;
+  image_transport::ImageTransport it(nh);
+  for (const std::string transport : {"auto", "raw", "compressed"})
+  {
+    const image_transport::TransportHints hints(transport, {}, nh, "none");
+    ImageSubscription subscription(nh, it, "image", hints, [](const sensor_msgs::ImageConstPtr&) {});
+    EXPECT_TRUE(subscription) << transport;
+    subscription.shutdown();
+    EXPECT_FALSE(subscription) << transport;
+  }
+}
+
+TEST(ImageSubscription, getsImagesAlthoughAnotherOneOfTheTopicEnds)
+{
+  ros::NodeHandle nh;
+  const ros::Publisher publisher = nh.advertise<sensor_msgs::Image>("/contested", 1);
+  const image_transport::TransportHints hints("auto", {}, nh, "none");
+  std::atomic<bool> ends{false};
+  std::thread other(
+      [&]
+      {
+        image_transport::ImageTransport it(nh);
+        while (!ends)
+          ImageSubscription(nh, it, "/contested", hints, [](const sensor_msgs::ImageConstPtr&) {}).shutdown();
+      });
+  std::thread asking(
+      [&]
+      {
+        std::vector<std::string> topics;
+        while (!ends)
+          ros::this_node::getSubscribedTopics(topics);  // holds the lock that the other one's end waits for
+      });
+  image_transport::ImageTransport it(nh);
+  for (int turn = 0; turn < 500 && !HasFailure(); ++turn)
+  {
+    std::atomic<bool> has_come{false};
+    ImageSubscription subscription(nh, it, "/contested", hints,
+                                   [&](const sensor_msgs::ImageConstPtr&) { has_come = true; });
+    const auto image = boost::make_shared<sensor_msgs::Image>();
+    const auto comes = [&]
+    {
+      publisher.publish(image);
+      return has_come.load();
+    };
+    EXPECT_TRUE(waitFor(comes)) << turn;
+    subscription.shutdown();
+  }
+  ends = true;
+  other.join();
+  asking.join();
 }
 
 TEST(LazyImageInput, aConnectionDoesNotWaitForOneThatAsksTheMaster)
@@ -85,6 +170,40 @@ TEST(LazyImageInput, aConnectionDoesNotWaitForOneThatAsksTheMaster)
   answer.set_value();
   first.get();
   EXPECT_FALSE(listens);  // it has looked again, and nobody wants the images any more
+}
+
+TEST(LazyImageInput, whatCannotBeSubscribedToIsToldAndTriedAgain)
+{
+  const ros::NodeHandle nh("/refused");
+  const boost::function<void(const CameraInfoConstPtr&)> ignore = [](const CameraInfoConstPtr&) {};
+  ros::Subscriber other = ros::NodeHandle(nh).subscribe<sensor_msgs::CameraInfo>("image", 1, ignore);
+  std::atomic<bool> wanted{false};
+  std::atomic<bool> listens{false};
+  LazyImageInput input(
+      nh, ros::NodeHandle(nh, "node"), "/refused/node", [](const sensor_msgs::ImageConstPtr&, const cv::Mat&) {},
+      [&] { return wanted.load(); }, [&](bool now) { listens = now; });
+  input.start();
+  wanted = true;
+  input.update();
+  diagnostic_updater::DiagnosticStatusWrapper status;
+  input.statistics().report(status);
+  EXPECT_EQ(status.level, diagnostic_msgs::DiagnosticStatus::ERROR);
+  EXPECT_EQ(status.message.find("cannot subscribe: "), 0U) << status.message;
+  other.shutdown();
+  EXPECT_TRUE(waitFor([&] { return listens.load(); }));
+  input.statistics().report(status);
+  EXPECT_EQ(status.message, "no frames on /refused/image");
+}
+
+TEST(LazyImageInput, aStartWithoutASubscriptionFails)
+{
+  const ros::NodeHandle nh("/unstarted");
+  const boost::function<void(const CameraInfoConstPtr&)> ignore = [](const CameraInfoConstPtr&) {};
+  const ros::Subscriber other = ros::NodeHandle(nh).subscribe<sensor_msgs::CameraInfo>("image", 1, ignore);
+  LazyImageInput input(
+      nh, ros::NodeHandle(nh, "node"), "/unstarted/node", [](const sensor_msgs::ImageConstPtr&, const cv::Mat&) {},
+      [] { return true; });
+  EXPECT_THROW(input.start(), ros::Exception);
 }
 
 int main(int argc, char** argv)

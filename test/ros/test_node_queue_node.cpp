@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 #include <ros/ros.h>
+#include <sensor_msgs/CameraInfo.h>
 
 #include <atomic>
 #include <boost/make_shared.hpp>
@@ -10,6 +11,7 @@
 #include <set>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "ros/images/embedded_roscpp_node.hpp"
@@ -131,6 +133,25 @@ struct TakenQueue : ros::CallbackQueueInterface
   std::vector<std::uint64_t> removed;
 };
 
+/// A queue that does something else when a callback comes, in the thread that it comes from.
+struct ActingQueue : ros::CallbackQueueInterface
+{
+  explicit ActingQueue(std::function<void()> what) : act(std::move(what)) {}
+  void addCallback(const ros::CallbackInterfacePtr& /*callback*/, std::uint64_t /*owner*/) override { act(); }
+  void removeByID(std::uint64_t /*owner*/) override {}
+
+  const std::function<void()> act;
+};
+
+/// Counts what comes.
+struct CountingListener : ProcessImages::Listener
+{
+  void onComing() override { ++coming; }
+  void onFrame(const std::shared_ptr<ProcessFrame>& /*frame*/) override {}
+
+  std::atomic<int> coming{0};
+};
+
 class Counting : public ros::CallbackInterface
 {
 public:
@@ -198,6 +219,29 @@ TEST(NodeQueue, nodesComeAndGoWhileFramesFlow)
   sender.join();
   publisher.publish(makeMessage(255));
   EXPECT_TRUE(waitFor([&] { return stays.has(255); }));
+}
+
+TEST(LatestImageSubscriber, whatIsClosedBeforeItIsAddedGetsNoFrames)
+{
+  const auto subscriptions = std::make_shared<ProcessSubscriptions>();
+  const auto images = subscriptions->take("/closing/image", "raw");
+  const auto waker = std::make_shared<Waker>();
+  ros::Publisher publisher = ros::NodeHandle().advertise<sensor_msgs::Image>("/closing/image", 1);
+  LatestImageSubscriber inbox({"/closing/image", "raw", "~", "", "/closing/camera_info"},
+                              {ros::NodeHandle(), subscriptions, waker}, std::make_shared<FrameStatistics>());
+  ActingQueue closes([&inbox] { inbox.end(); });  // while it subscribes to the camera_info that is published here
+  ros::NodeHandle nh;
+  nh.setCallbackQueue(&closes);
+  const ros::SubscriberStatusCallback on_connection = [](const ros::SingleSubscriberPublisher&) {};
+  const ros::Publisher infos = nh.advertise<sensor_msgs::CameraInfo>("/closing/camera_info", 1, on_connection);
+  inbox.open();
+  CountingListener other;  // which is told after those that were added before
+  images->add(other, "~");
+  ASSERT_TRUE(waitFor([&] { return publisher.getNumSubscribers() == 1; }));
+  publisher.publish(makeMessage(1));
+  EXPECT_TRUE(waitFor([&] { return other.coming > 0; }));
+  EXPECT_FALSE(waker->waitUntil(Waker::Clock::now()));
+  images->remove(other);
 }
 
 TEST(NodeQueue, itsEndWaitsForAReport)

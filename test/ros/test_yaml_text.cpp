@@ -40,6 +40,16 @@ TEST(YamlText, spreadsAMapOfOneLineOverSeveral)
   EXPECT_EQ(editYamlMap("controls: {}\n", "controls", {{"gain", "2"}}), "controls:\n  gain: 2\n");
 }
 
+TEST(YamlText, replacesQuotedText)
+{
+  const std::string after = "name: 5" + std::string(8, ' ') + "# mine\n";
+  EXPECT_EQ(editYaml("name: 'it''s'  # mine\n", "name", "5"), after);
+  EXPECT_EQ(editYaml("name: 'back\\'  # mine\n", "name", "5"), after);
+  EXPECT_EQ(editYaml("name: \"a\\\"bc\"  # mine\n", "name", "5"), after);
+  EXPECT_EQ(editYaml("name: ''''\n", "name", "5"), "name: 5\n");
+  EXPECT_EQ(editYaml("name: ''\n", "name", "5"), "name: 5\n");
+}
+
 TEST(YamlText, keepsLineEndings)
 {
   EXPECT_EQ(editYaml("gain: 1 # high\r\noffset: 2\r\n", "gain", "5"), "gain: 5 # high\r\noffset: 2\r\n");

@@ -3,9 +3,12 @@
 #include <poll.h>
 #include <sys/mman.h>
 #include <sys/socket.h>
+#include <sys/syscall.h>
 #include <unistd.h>
 
 #include <array>
+#include <atomic>
+#include <cerrno>
 #include <cstring>
 #include <functional>
 #include <memory>
@@ -22,6 +25,23 @@
 #include "ros/shared_memory/slot_writer.hpp"
 
 /// Processes of the same user that do not keep to what they ought to do.
+
+namespace
+{
+
+std::atomic<bool> has_descriptors{true};
+std::atomic<int> accepts{0};  // calls of accept4()
+
+}  // namespace
+
+/// Takes the place of that of libc.
+int accept4(int socket, sockaddr* address, socklen_t* length, int flags)
+{
+  ++accepts;
+  if (has_descriptors) return static_cast<int>(syscall(SYS_accept4, socket, address, length, flags));
+  errno = EMFILE;
+  return -1;
+}
 
 using namespace robot_vision;
 using processes::becomes;
@@ -189,6 +209,31 @@ void expectReason(const std::string& said, const std::string& reason)
 }
 
 }  // namespace
+
+TEST(SlotServer, waitsWhileNoReaderCanBeAccepted)
+{
+  SlotWriter writer;
+  const SlotAddress address = publish(writer);
+  SlotReader reader;
+  const auto holds = [&]
+  {
+    try
+    {
+      return reader.hold(address) != nullptr;
+    }
+    catch (const SharedMemoryError&)
+    {
+      return false;
+    }
+  };
+  has_descriptors = false;
+  accepts = 0;
+  EXPECT_FALSE(holds());  // after kTimeout
+  EXPECT_GT(accepts, 0);
+  EXPECT_LT(accepts, 100);
+  has_descriptors = true;
+  EXPECT_TRUE(becomes(holds));
+}
 
 TEST(HostileReaders, areDisconnectedForWhatTheySayAtFirst)
 {

@@ -1,6 +1,10 @@
+#include <fcntl.h>
 #include <gtest/gtest.h>
 #include <sys/mman.h>
+#include <sys/syscall.h>
+#include <unistd.h>
 
+#include <cerrno>
 #include <cstring>
 #include <map>
 #include <memory>
@@ -12,6 +16,22 @@
 #include "ros/shared_memory/slot_pool.hpp"
 #include "ros/shared_memory/slot_reader.hpp"
 #include "ros/shared_memory/slot_writer.hpp"
+
+namespace
+{
+
+thread_local int interruptions = 0;  // of calls of fallocate() to come
+
+}  // namespace
+
+/// Takes the place of that of libc, which a signal interrupts.
+int fallocate(int number, int mode, off_t offset, off_t bytes)
+{
+  if (interruptions == 0) return static_cast<int>(syscall(SYS_fallocate, number, mode, offset, bytes));
+  --interruptions;
+  errno = EINTR;
+  return -1;
+}
 
 using namespace robot_vision;
 using processes::fillFrame;
@@ -84,6 +104,36 @@ TEST(Slots, readersSeeWhatWasWritten)
   }
   EXPECT_EQ(writer.counts().slots, SlotWriter::Limits().min_slots);
   EXPECT_EQ(writer.counts().dropped, 0U);
+}
+
+TEST(Slots, signalsDoNotKeepAFrameFromItsMemory)
+{
+  SlotWriter writer;
+  SlotReader reader;
+  constexpr std::size_t kLarge = (std::size_t{3} << 20) + 5;
+  interruptions = 3;
+  EXPECT_TRUE(isFrame(*reader.hold(publish(writer, 1, kLarge)), 1, kLarge));
+  EXPECT_EQ(interruptions, 0);
+}
+
+TEST(Slots, whatAReaderHoldsOfATopicThatRestsDoesNotCountForAnother)
+{
+  const auto server = std::make_shared<SlotServer>();
+  SlotWriter resting(limits(4), server), other(limits(4), server);
+  SlotReader reader;
+  std::vector<Held> held;
+  for (std::uint64_t number = 0; number < 2; ++number)
+    held.push_back(reader.hold(publish(resting, number)));
+  resting.rest();
+  for (std::uint64_t number = 0; number < 2; ++number)
+    held.push_back(reader.hold(publish(other, number)));
+  EXPECT_EQ(faultOf(reader, publish(other, 2)), "too many");
+  std::vector<std::shared_ptr<WritableSlot>> writing;
+  while (const auto slot = other.take(kBytes))
+    writing.push_back(slot);
+  EXPECT_EQ(other.readers(), 1U);
+  for (std::size_t i = 0; i < held.size(); ++i)
+    EXPECT_TRUE(isFrame(*held[i], i % 2));
 }
 
 TEST(Slots, framesWithoutPixelsAreFrames)

@@ -14,6 +14,7 @@
 #include "robot_vision/stereo/depth_from_disparity.hpp"
 #include "robot_vision/stereo/epipolar.hpp"
 #include "robot_vision/stereo/stereo_matcher.hpp"
+#include "ros/stereo/stereo_input.hpp"
 #include "support/receiver.hpp"
 #include "support/run_tests.hpp"
 
@@ -103,6 +104,7 @@ private:
     {
       const auto info = boost::make_shared<sensor_msgs::CameraInfo>();
       info->header.stamp = stamp;
+      info->header.frame_id = right ? "right" : "left";
       info->width = kWidth;
       info->height = kHeight;
       info->distortion_model = "plumb_bob";
@@ -111,7 +113,7 @@ private:
       info->P = {60, 0, 32, right ? -6.0 : 0.0, 0, 60, 24, 0, 0, 0, 1, 0};
       cameras_[right ? 1 : 0].infos.publish(info);
       const auto image = boost::make_shared<sensor_msgs::Image>();
-      image->header.stamp = stamp;
+      image->header = info->header;
       image->encoding = "mono8";
       image->width = image->step = kWidth;
       image->height = kHeight;
@@ -160,6 +162,38 @@ TEST(StereoOutputs, onlyWhatIsSubscribedToIsMade)
   const Receiver<sensor_msgs::Image> rows("/stereo_matcher/epipolar");
   ASSERT_TRUE(cameras.showUntil([&] { return rows.last() != nullptr; }));
   EXPECT_GT(drawn, 0);
+}
+
+TEST(StereoInput, exchangedCamerasKeepTheirCalibrations)
+{
+  Cameras cameras;
+  ros::M_string exchanged;
+  for (const std::string topic : {"image_raw", "camera_info"})
+  {
+    exchanged["left/" + topic] = "right/" + topic;
+    exchanged["right/" + topic] = "left/" + topic;
+  }
+  for (const std::string transport : {"auto", "raw", "shm"})
+  {
+    ros::param::set("/exchanged/image_transport", transport);
+    StereoPair pair;
+    std::atomic<bool> has_come{false};
+    const auto keep = [&](const StereoFrame& frame)
+    {
+      if (!has_come) pair = frame.messages;
+      has_come = true;
+    };
+    StereoInput input(ros::NodeHandle("/", exchanged), ros::NodeHandle("/exchanged"), "/exchanged", keep,
+                      [] { return true; });
+    input.start();
+    ASSERT_TRUE(cameras.showUntil([&] { return has_come.load(); })) << transport;
+    for (const std::size_t side : {kLeft, kRight})
+    {
+      const std::string expected = side == kLeft ? "right" : "left";
+      EXPECT_EQ(pair.images[side]->header.frame_id, expected) << transport;
+      EXPECT_EQ(pair.infos[side]->header.frame_id, expected) << transport;
+    }
+  }
 }
 
 int main(int argc, char** argv)

@@ -14,9 +14,14 @@ from .memory import give_memory_back, keep_start
 from .node_types import PACKAGE, find_type, type_names
 
 FINISH_TIMEOUT = 0.7  # s that nodes have to finish when the process ends
-# What stands for a node of which only the name is known here.
-CPP, STARTING, ENDING = "a nodelet in C++", "starting", "ending"
-Node = Union[LoadedNode, str]
+STARTING, ENDING = "starting", "ending"  # in place of a node
+
+
+class Nodelet:
+    """A nodelet in C++, of which only the name is known here."""
+
+
+Node = Union[LoadedNode, Nodelet, str]
 
 
 class HeldNodes:
@@ -84,7 +89,7 @@ class HeldNodes:
             kind = find_type(request.type)
         except KeyError:
             self._load_nodelet(request)
-            return CPP
+            return Nodelet()
         node = LoadedNode(request.name, request.remappings, lambda: self._drop(request.name, node))
         node.start(kind)
         return node

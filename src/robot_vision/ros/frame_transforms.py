@@ -1,45 +1,52 @@
 """Where frames are to each other, as /tf and /tf_static say."""
 
+import threading
 import time
-from typing import Optional
+from typing import List, Optional
 
 import numpy as np
 import rospy
 import tf2_ros
+from tf2_msgs.msg import TFMessage
 
 from ..common.rotations import rotation_of
 from .context import current
 
 
 class FrameTransforms:
-    """Listens to /tf and /tf_static from the first question on, until forget()."""
+    """Listens to the node's /tf and /tf_static from the first question on, until forget()."""
 
     def __init__(self) -> None:
-        self._listener: Optional[tf2_ros.TransformListener] = None
-        self._buffer: Optional[tf2_ros.Buffer] = None
+        self._context = current()
+        self._lock = threading.Lock()  # guards all below
+        self._ended = False
+        self._buffer: Optional[tf2_ros.Buffer] = None  # while it listens
+        self._topics: List[rospy.Subscriber] = []
         self._since = 0.0  # s of the monotonic clock
-        current().on_end(self.forget)
+        self._context.on_end(self._end)
 
     @property
     def age(self) -> float:
         """The time in s since it began to listen, in which not all has come yet."""
-        return time.monotonic() - self._since if self._listener else 0.0
+        return time.monotonic() - self._since if self._buffer else 0.0
 
     def rotation(self, to: str, of: str) -> Optional[np.ndarray]:
         """Returns the axes of the frame `of` in the frame `to`, (3, 3), by what was said last.
 
-        None is returned as long as they are not known. A slash that a name begins with, as in
-        times of tf_prefix, is left out.
+        None is returned as long as they are not known, and after the end of the node. A slash that
+        a name begins with, as in times of tf_prefix, is left out.
         """
-        if self._listener is None:
-            self._buffer = tf2_ros.Buffer(debug=False)  # It has no service for others.
-            self._listener = tf2_ros.TransformListener(self._buffer)
-            self._since = time.monotonic()
+        with self._lock:
+            if self._ended:
+                return None
+            if self._buffer is None:
+                self._listen()
+            buffer = self._buffer
         to, of = to.lstrip("/"), of.lstrip("/")
         if to == of:
             return np.eye(3)
         try:
-            found = self._buffer.lookup_transform_core(to, of, rospy.Time())
+            found = buffer.lookup_transform_core(to, of, rospy.Time())
         except tf2_ros.TransformException:
             return None
         turn = found.transform.rotation
@@ -47,6 +54,51 @@ class FrameTransforms:
 
     def forget(self) -> None:
         """Ends listening; what is static comes again when it begins anew."""
-        if self._listener is not None:
-            self._listener.unregister()
-            self._listener = None
+        with self._lock:
+            self._forget()
+
+    def _end(self) -> None:
+        with self._lock:
+            self._ended = True  # A frame may still be on its way, which would begin anew.
+            self._forget()
+
+    def _forget(self) -> None:
+        for topic in self._topics:
+            self._context.close(topic.unregister)
+        self._topics = []
+        self._buffer = None
+
+    def _listen(self) -> None:
+        self._buffer = tf2_ros.Buffer(debug=False)  # It has no service for others.
+        self._since = time.monotonic()
+        listener = _Listener(self._buffer)
+        # tf2's own listener would take the topics of the process, however a node's are remapped.
+        for name, take in ("/tf", listener.take), ("/tf_static", listener.take_static):
+            self._topics.append(self._context.subscriber(name, TFMessage, take))
+
+
+class _Listener:
+    """Puts what comes into a buffer, as tf2_ros.TransformListener does."""
+
+    def __init__(self, buffer: tf2_ros.Buffer) -> None:
+        self._buffer = buffer
+        self._lock = threading.Lock()  # guards the time, as each topic may have several threads
+        self._newest = rospy.Time()
+
+    def take(self, message: TFMessage) -> None:
+        self._look_at_clock()
+        for transform in message.transforms:
+            self._buffer.set_transform(transform, "tf")
+
+    def take_static(self, message: TFMessage) -> None:
+        self._look_at_clock()
+        for transform in message.transforms:
+            self._buffer.set_transform_static(transform, "tf")
+
+    def _look_at_clock(self) -> None:
+        """Forgets what is of a time to come, if the time went back, as when a bag begins anew."""
+        with self._lock:
+            now = rospy.Time.now()
+            if now < self._newest:
+                self._buffer.clear()
+            self._newest = now

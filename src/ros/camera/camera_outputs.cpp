@@ -8,6 +8,7 @@
 
 #include "robot_vision/common/fields.hpp"
 #include "robot_vision/common/range.hpp"
+#include "ros/images/advertising_lock.hpp"
 #include "scene_messages.hpp"
 
 namespace robot_vision
@@ -51,6 +52,14 @@ void requireTwoFiles(const CameraOutputs::Params& params, const std::vector<std:
   require(url.empty() || url.find(kName) != std::string::npos, "camera_info_url", "'" + url + "'",
           "empty or have " + kName + " in it, which becomes " + params.camera_name + "_" + views.front() + " and " +
               params.camera_name + "_" + views.back());
+}
+
+/// A broadcaster of transforms, made while frames flow.
+template <class Broadcaster>
+std::unique_ptr<Broadcaster> advertised()
+{
+  const AdvertisingLock advertising;
+  return std::make_unique<Broadcaster>();
 }
 
 /// The transforms from a frame to that of a camera with z up and x forward, and from there to its optical frame.
@@ -154,7 +163,7 @@ void CameraOutputs::publish(const Frame& frame, const ros::Time& stamp)
 
 void CameraOutputs::broadcast(const SceneTruth& truth, const std_msgs::Header& header)
 {
-  if (!tf_) tf_ = std::make_unique<tf2_ros::TransformBroadcaster>();
+  if (!tf_) tf_ = advertised<tf2_ros::TransformBroadcaster>();
   tf_->sendTransform(toTransforms(truth, header));
 }
 
@@ -180,7 +189,7 @@ void CameraOutputs::broadcastSecond(const cv::Affine3d& pose, const Housing* hou
         transforms.push_back(transform);
     }
   }
-  if (!static_tf_) static_tf_ = std::make_unique<tf2_ros::StaticTransformBroadcaster>();
+  if (!static_tf_) static_tf_ = advertised<tf2_ros::StaticTransformBroadcaster>();
   static_tf_->sendTransform(transforms);
 }
 

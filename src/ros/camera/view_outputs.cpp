@@ -21,11 +21,22 @@ const std::string kPluginPrefix = "image_transport/";
 const std::string kCompressed = "compressed";
 const std::string kDepth = "compressedDepth";
 const std::string kTheora = "theora";
+/// Stands before what is not the user's in a list of plugins, as a node that is killed leaves that behind.
+const std::string kOwnFromHere = "robot_vision/own_from_here";
 
-std::vector<std::string> disabledPlugins(const ros::NodeHandle& nh, const std::string& topic)
+std::string parameterOf(const std::string& topic)
+{
+  return topic + "/disable_pub_plugins";
+}
+
+/// The plugins that the user has disabled. `has_left`: whether a node that was killed has left others in the list.
+std::vector<std::string> disabledPlugins(const ros::NodeHandle& nh, const std::string& topic, bool* has_left = nullptr)
 {
   std::vector<std::string> names;
-  nh.getParam(topic + "/disable_pub_plugins", names);
+  nh.getParam(parameterOf(topic), names);
+  const auto own = std::find(names.begin(), names.end(), kOwnFromHere);
+  if (has_left) *has_left = own != names.end();
+  names.erase(own, names.end());
   return names;
 }
 
@@ -35,18 +46,23 @@ image_transport::Publisher advertiseWithout(const std::vector<std::string>& tran
                                             const std::string& topic,
                                             const image_transport::SubscriberStatusCallback& on_connection)
 {
-  const std::string parameter = topic + "/disable_pub_plugins";
-  const bool is_set = nh.hasParam(parameter);
-  const std::vector<std::string> before = disabledPlugins(nh, topic);
-  std::vector<std::string> disabled = before;
+  const std::string parameter = parameterOf(topic);
+  XmlRpc::XmlRpcValue before;  // also one that is no list
+  const bool is_set = nh.getParam(parameter, before);
+  bool has_left = false;
+  const std::vector<std::string> of_user = disabledPlugins(nh, topic, &has_left);
+  std::vector<std::string> disabled = of_user;
+  disabled.push_back(kOwnFromHere);
   for (const std::string& transport : transports)
     disabled.push_back(kPluginPrefix + transport);
   nh.setParam(parameter, disabled);
   const auto publisher = image_transport::ImageTransport(nh).advertise(topic, 1, on_connection, on_connection);
-  if (is_set)
-    nh.setParam(parameter, before);
-  else
+  if (!is_set || (has_left && of_user.empty()))
     nh.deleteParam(parameter);
+  else if (has_left)
+    nh.setParam(parameter, of_user);
+  else
+    nh.setParam(parameter, before);
   return publisher;
 }
 

@@ -9,6 +9,7 @@
 #include "robot_vision/common/printable.hpp"
 #include "robot_vision/common/range.hpp"
 #include "ros/images/bounded_reading.hpp"
+#include "ros/images/subscribing_lock.hpp"
 
 namespace robot_vision
 {
@@ -50,8 +51,8 @@ cv::Affine3d toAffine(const geometry_msgs::Transform& transform)
 
 void FrameTransforms::listen(bool listens)
 {
-  moving_ = ros::Subscriber();
-  static_ = ros::Subscriber();
+  endSubscription(moving_);
+  endSubscription(static_);
   buffer_.reset();  // tf2's clear() would keep the static transforms
   if (!listens) return;
   buffer_ = std::make_unique<tf2::BufferCore>();
@@ -75,6 +76,7 @@ ros::Subscriber FrameTransforms::subscribe(const std::string& topic, bool is_sta
     }
   };
   ros::SubscribeOptions options = boundedOptions<tf2_msgs::TFMessage>(topic, kQueueSize, take);
+  const SubscribingLock subscribing;
   return nh_.subscribe(options);
 }
 

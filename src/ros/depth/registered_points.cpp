@@ -17,7 +17,12 @@ constexpr double kSlop = 0.02;  // s, unless ~slop is set
 }  // namespace
 
 RegisteredPoints::RegisteredPoints(const ros::NodeHandle& nh, const ros::NodeHandle& pnh, RegistrationTopics topics)
-  : nh_(nh), pnh_(pnh), it_(nh), topics_(std::move(topics)), pairs_(readSlop(pnh, kSlop))
+  : nh_(nh),
+    pnh_(pnh),
+    it_(nh),
+    hints_(readTransport(it_, pnh)),
+    topics_(std::move(topics)),
+    pairs_(readSlop(pnh, kSlop))
 {
 }
 
@@ -27,15 +32,16 @@ void RegisteredPoints::listen(bool listens)
   subscription_.shutdown();
   pairs_.clear();
   if (!listens) return;
-  const image_transport::TransportHints hints(kAutoTransport, ros::TransportHints().tcpNoDelay(), pnh_);
-  subscription_ =
-      ImageSubscription(nh_, it_, "rgb/image_raw", hints,
-                        [this](const sensor_msgs::ImageConstPtr& message) { publish(pairs_.addColor(message)); });
+  subscription_ = ImageSubscription(nh_, it_, "rgb/image_raw", hints_,
+                                    [this](const sensor_msgs::ImageConstPtr& message) { onColor(message); });
 }
 
-void RegisteredPoints::add(const sensor_msgs::ImageConstPtr& depth, const std::shared_ptr<const DepthPoints>& maker)
+bool RegisteredPoints::add(const sensor_msgs::ImageConstPtr& depth, const std::shared_ptr<const DepthPoints>& maker,
+                           FrameStatistics& statistics, bool counts)
 {
   maker_ = maker;
+  statistics_ = &statistics;
+  counts_ = counts;
   if (listens()) return publish(pairs_.addDepth(depth));
   const cv::Mat pixels = viewAnyPixels(*depth);
   const auto cloud = pool_.take(pixels.size(), /*colored=*/false);
@@ -43,20 +49,31 @@ void RegisteredPoints::add(const sensor_msgs::ImageConstPtr& depth, const std::s
   cv::Mat points = writablePoints(*cloud);
   maker->cloud(pixels, depth->encoding, points);
   publish_(cloud);
+  return true;
 }
 
-void RegisteredPoints::publish(const std::optional<ColoredDepth>& pair)
+void RegisteredPoints::onColor(const sensor_msgs::ImageConstPtr& message)
+{
+  const auto begin = FrameStatistics::Clock::now();
+  const std::optional<ColoredDepth> pair = pairs_.addColor(message);
+  if (publish(pair) && counts_) statistics_->published(begin, pair->depth->header.stamp);
+}
+
+/// Returns whether it has.
+bool RegisteredPoints::publish(const std::optional<ColoredDepth>& pair)
 {
   const std::string problem = pairs_.problem(topics_.depth_image, topics_.color_image);
   if (!problem.empty()) tell("no colors of points: " + problem);
-  if (!pair) return;
+  if (!pair) return false;
   try
   {
     publishColored(*pair);
+    return true;
   }
   catch (const std::exception& e)
   {
     tell(describeRefusal(*pair->color, topics_.color_image, e.what()));
+    return false;
   }
 }
 
@@ -75,6 +92,7 @@ void RegisteredPoints::publishColored(const ColoredDepth& pair)
 
 void RegisteredPoints::tell(const std::string& what)
 {
+  statistics_->refused(what);
   if (throttle_.due()) ROS_ERROR("%s: %s", pnh_.getNamespace().c_str(), what.c_str());
 }
 

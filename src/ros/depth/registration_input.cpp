@@ -3,10 +3,9 @@
 #include <stdexcept>
 #include <utility>
 
-#include "ros/images/bounded_reading.hpp"
 #include "ros/images/camera_info.hpp"
 #include "ros/images/image_message.hpp"
-#include "ros/params/params.hpp"
+#include "ros/images/subscribing_lock.hpp"
 
 namespace robot_vision
 {
@@ -16,12 +15,11 @@ namespace
 constexpr std::uint32_t kQueueSize = 1;  // of camera_info, of which the newest one counts
 
 /// Subscribes to the newest calibration.
-ros::Subscriber subscribeTo(ros::NodeHandle& nh, const std::string& topic, sensor_msgs::CameraInfoConstPtr& newest)
+ros::Subscriber subscribeTo(const ros::NodeHandle& nh, const std::string& topic,
+                            sensor_msgs::CameraInfoConstPtr& newest)
 {
-  ros::SubscribeOptions options = boundedOptions<sensor_msgs::CameraInfo>(
-      topic, kQueueSize, [&newest](const sensor_msgs::CameraInfoConstPtr& info) { newest = info; });
-  options.transport_hints = ros::TransportHints().tcpNoDelay();
-  return nh.subscribe(options);
+  const auto keep = [&newest](const sensor_msgs::CameraInfoConstPtr& info) { newest = info; };
+  return subscribeToCameraInfo(nh, topic, kQueueSize, keep);
 }
 
 }  // namespace
@@ -38,21 +36,15 @@ RegistrationInput::RegistrationInput(const ros::NodeHandle& nh, const ros::NodeH
                                      Process process, std::function<bool()> is_wanted,
                                      std::function<void(bool)> on_listen)
   : nh_(nh),
-    pnh_(pnh),
     name_(name),
     process_(std::move(process)),
     on_listen_(std::move(on_listen)),
     diagnostics_(nh, pnh, name),
     it_(nh),
+    hints_(readTransport(it_, pnh, "depth_image_transport")),
     topics_(nh),
-    subscriber_(nh, pnh, std::move(is_wanted), [this](bool wanted) { listen(wanted); })
+    subscriber_(nh, pnh, diagnostics_.statistics(), std::move(is_wanted), [this](bool wanted) { listen(wanted); })
 {
-  std::string transport = kAutoTransport, of_depth = kAutoTransport;
-  readParam(pnh_, "image_transport", transport);
-  readParam(pnh_, "depth_image_transport", of_depth);
-  // At start, because later the exception would come with the first subscriber.
-  requireTransport(it_, transport);
-  requireTransport(it_, of_depth, "depth_image_transport");
   if (topics_.depth_image == "/depth/image_raw")
     ROS_WARN(
         "%s: topic 'depth/image_raw' is not remapped, and the node is in no namespace; typical use is in that of a "
@@ -93,18 +85,15 @@ void RegistrationInput::subscribe()
   waiting_ = 0;
   depth_info_subscription_ = subscribeTo(nh_, topics_.depth_info, depth_info_);
   color_info_subscription_ = subscribeTo(nh_, topics_.color_info, color_info_);
-  // Without this option small packets would wait for each other.
-  const image_transport::TransportHints hints(kAutoTransport, ros::TransportHints().tcpNoDelay(), pnh_,
-                                              "depth_image_transport");
-  depth_subscription_ = ImageSubscription(nh_, it_, "depth/image_raw", hints,
+  depth_subscription_ = ImageSubscription(nh_, it_, "depth/image_raw", hints_,
                                           [this](const sensor_msgs::ImageConstPtr& message) { onDepth(message); });
 }
 
 void RegistrationInput::unsubscribe()
 {
   depth_subscription_.shutdown();
-  depth_info_subscription_.shutdown();
-  color_info_subscription_.shutdown();
+  endSubscription(depth_info_subscription_);
+  endSubscription(color_info_subscription_);
   depth_info_.reset();
   color_info_.reset();
 }
@@ -118,8 +107,7 @@ void RegistrationInput::onDepth(const sensor_msgs::ImageConstPtr& message)
   if (waits && waiting_ < kMaxWaiting) return;  // it may be on its way
   try
   {
-    process(message);
-    diagnostics_.statistics().published(begin, message->header.stamp);
+    if (process(message)) diagnostics_.statistics().published(begin, message->header.stamp);
   }
   catch (const std::exception& e)
   {
@@ -129,11 +117,11 @@ void RegistrationInput::onDepth(const sensor_msgs::ImageConstPtr& message)
   }
 }
 
-void RegistrationInput::process(const sensor_msgs::ImageConstPtr& message)
+bool RegistrationInput::process(const sensor_msgs::ImageConstPtr& message)
 {
   if (!depth_info_) throw std::invalid_argument("nothing has come on " + topics_.depth_info);
   if (!color_info_) throw std::invalid_argument("nothing has come on " + topics_.color_info);
-  process_({message, viewAnyPixels(*message), depth_info_, color_info_});
+  return process_({message, viewAnyPixels(*message), depth_info_, color_info_, &diagnostics_.statistics()});
 }
 
 }  // namespace robot_vision

@@ -33,6 +33,7 @@ struct RegistrationFrame
   cv::Mat image;  // the pixels of `depth`, not to be written
   sensor_msgs::CameraInfoConstPtr depth_info;
   sensor_msgs::CameraInfoConstPtr color_info;
+  FrameStatistics* statistics;  // of the input, for what is published or refused later
 };
 
 /// The depth images on depth/image_raw, over ~depth_image_transport, and the calibrations on depth/camera_info and
@@ -44,8 +45,8 @@ class RegistrationInput
 public:
   static constexpr std::size_t kMaxWaiting = 20;  // depth images in a row without a calibration, until that is told
 
-  /// Processes a frame; it may throw std::exception to refuse it.
-  using Process = std::function<void(const RegistrationFrame& frame)>;
+  /// Processes a frame. Returns whether anything was published; it may throw std::exception to refuse it.
+  using Process = std::function<bool(const RegistrationFrame& frame)>;
 
   /// As LazyImageInput's.
   RegistrationInput(
@@ -64,16 +65,16 @@ private:
   void subscribe();
   void unsubscribe();
   void onDepth(const sensor_msgs::ImageConstPtr& message);
-  void process(const sensor_msgs::ImageConstPtr& message);
+  bool process(const sensor_msgs::ImageConstPtr& message);
 
   ros::NodeHandle nh_;
-  ros::NodeHandle pnh_;
   std::string name_;
   Process process_;
   std::function<void(bool)> on_listen_;
   FrameDiagnostics diagnostics_;
   Throttle throttle_;
   image_transport::ImageTransport it_;
+  const image_transport::TransportHints hints_;
   RegistrationTopics topics_;
   std::size_t waiting_ = 0;  // depth images without a calibration, in a row
   sensor_msgs::CameraInfoConstPtr depth_info_;

@@ -1,32 +1,14 @@
 #pragma once
 
-#include <chrono>
-#include <mutex>
+#include "topic_lock.hpp"
 
 namespace robot_vision
 {
 
 /// Held while topics of this process are advertised in roscpp, or withdrawn. TopicManager::unadvertise() keeps its
 /// place in the list of topics while that is not locked: if two threads change the list at a time, it forgets a topic
-/// of somebody else, and roscpp ends the process at the next message there. A thread may hold several.
-class AdvertisingLock
-{
-public:
-  AdvertisingLock() : lock_(mutex(), kTimeout) {}
-  AdvertisingLock(const AdvertisingLock&) = delete;
-  AdvertisingLock& operator=(const AdvertisingLock&) = delete;
-
-private:
-  /// Who holds it longer waits for a master, or is a nodelet that starts slowly: that must hold up nobody.
-  static constexpr std::chrono::seconds kTimeout{2};
-
-  static std::recursive_timed_mutex& mutex()
-  {
-    static auto* const mutex = new std::recursive_timed_mutex;  // outlives all that is withdrawn at the end
-    return *mutex;
-  }
-
-  std::unique_lock<std::recursive_timed_mutex> lock_;
-};
+/// of somebody else, and roscpp ends the process at the next message there. Nodelets of other packages do not hold it;
+/// those of this one hold it while they start and end.
+using AdvertisingLock = TopicLock<struct Advertising>;
 
 }  // namespace robot_vision

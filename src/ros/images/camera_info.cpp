@@ -6,6 +6,9 @@
 #include <cstdint>
 #include <limits>
 
+#include "bounded_reading.hpp"
+#include "subscribing_lock.hpp"
+
 namespace robot_vision
 {
 
@@ -26,6 +29,18 @@ std::string cameraInfoTopic(const ros::NodeHandle& nh, const std::string& camera
   const std::string name = camera + "/camera_info", resolved = nh.resolveName(name);
   if (resolved != nh.resolveName(name, /*remap=*/false)) return resolved;
   return image_transport::getCameraInfoTopic(nh.resolveName(camera + "/image_raw"));
+}
+
+ros::Subscriber subscribeToCameraInfo(const ros::NodeHandle& nh, const std::string& topic, std::uint32_t queue_size,
+                                      const boost::function<void(const sensor_msgs::CameraInfoConstPtr&)>& callback)
+{
+  ros::SubscribeOptions options = boundedOptions<sensor_msgs::CameraInfo>(topic, queue_size, callback);
+  options.transport_hints = ros::TransportHints().tcpNoDelay();  // otherwise small packets wait for each other
+  // `nh` would remap the topic once more: to that of another camera where the names of two are exchanged.
+  ros::NodeHandle exact("/", {{topic, topic}});
+  exact.setCallbackQueue(nh.getCallbackQueue());
+  const SubscribingLock subscribing;
+  return exact.subscribe(options);
 }
 
 }  // namespace robot_vision

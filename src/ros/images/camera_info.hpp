@@ -3,6 +3,8 @@
 #include <ros/node_handle.h>
 #include <sensor_msgs/CameraInfo.h>
 
+#include <boost/function.hpp>
+#include <cstdint>
 #include <string>
 
 #include "robot_vision/geometry/camera_model.hpp"
@@ -15,5 +17,9 @@ CameraModel cameraModel(const sensor_msgs::CameraInfo& info);
 
 /// Where the camera_info of CAMERA/image_raw is: as CAMERA/camera_info is remapped, or else beside the image.
 std::string cameraInfoTopic(const ros::NodeHandle& nh, const std::string& camera);
+
+/// Subscribes to what that has returned, through the queue of `nh`.
+ros::Subscriber subscribeToCameraInfo(const ros::NodeHandle& nh, const std::string& topic, std::uint32_t queue_size,
+                                      const boost::function<void(const sensor_msgs::CameraInfoConstPtr&)>& callback);
 
 }  // namespace robot_vision

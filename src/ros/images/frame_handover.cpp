@@ -14,6 +14,7 @@ constexpr std::size_t kMaxDelivered = 32;  // frames by which one way may be ahe
 bool FrameHandover::begin(Way way, const std_msgs::Header& header)
 {
   std::unique_lock<std::mutex> lock(mutex_);
+  if (deliverer_ == std::this_thread::get_id()) return false;  // a callback that spins would wait for itself
   changed_.wait(lock, [this] { return !deliverer_ || closed_; });
   if (closed_) return false;
   if (way != way_)

@@ -25,7 +25,8 @@ public:
     kShared
   };
 
-  /// Whether a frame is to be delivered; then finish() must follow, and until then other frames wait.
+  /// Whether a frame is to be delivered; then finish() must follow, and until then other frames wait. One that comes in
+  /// the thread that delivers is left out.
   bool begin(Way way, const std_msgs::Header& header);
   /// The number that a frame of the current way is to have: publishers count the frames of each way by themselves, and
   /// a gap in the numbers stands for frames that were lost.

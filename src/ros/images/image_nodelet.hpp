@@ -4,6 +4,7 @@
 
 #include <memory>
 
+#include "advertising_lock.hpp"
 #include "callback_gate.hpp"
 #include "lazy_image_input.hpp"
 #include "lazy_outputs.hpp"
@@ -27,7 +28,7 @@ namespace robot_vision
 ///
 /// `image` views the pixels of the message; process() throws std::exception to refuse it. The manager of the nodelets
 /// calls these functions, and the callbacks of both handles, one after the other. `Input` may be another one with
-/// LazyImageInput's functions: process() takes what it gives, and the outputs.
+/// LazyImageInput's functions: process() takes what it gives, and the outputs, and returns what it wants.
 template <class Config, class Work, class Input = LazyImageInput>
 class ImageNodelet : public nodelet::Nodelet
 {
@@ -40,14 +41,15 @@ private:
   {
     gate_.guard(getNodeHandle());
     gate_.guard(getPrivateNodeHandle());
+    const AdvertisingLock advertising;
     work_ = std::make_unique<Work>(getNodeHandle(), getPrivateNodeHandle());
     params_ = std::make_unique<LiveParams<Config>>(getPrivateNodeHandle(),
                                                    [this](const Config& config) { work_->configure(config); });
     outputs_ = std::make_unique<LazyOutputs>(getPrivateNodeHandle(), [this] { input_->update(); });
     input_ = std::make_unique<Input>(
         getNodeHandle(), getPrivateNodeHandle(), getName(),
-        [this](const auto&... frame) { work_->process(frame..., *outputs_); }, [this] { return outputs_->areWanted(); },
-        [this](bool listens) { listen(*work_, listens, 0); });
+        [this](const auto&... frame) { return work_->process(frame..., *outputs_); },
+        [this] { return outputs_->areWanted(); }, [this](bool listens) { listen(*work_, listens, 0); });
     input_->statistics().countUnshared([this] { return outputs_->unshared(); });
     work_->advertise(*outputs_);
     input_->start();
@@ -76,6 +78,7 @@ private:
   {
     registration_.reset();
     gate_.close();
+    const AdvertisingLock advertising;
     input_.reset();  // waits for a frame that is processed during the end of roscpp
     params_.reset();
     outputs_.reset();

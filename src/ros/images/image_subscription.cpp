@@ -5,6 +5,8 @@
 #include "bounded_reading.hpp"
 #include "image_message.hpp"
 #include "robot_vision/common/range.hpp"
+#include "ros/params/params.hpp"
+#include "subscribing_lock.hpp"
 
 namespace robot_vision
 {
@@ -29,6 +31,17 @@ void requireTransport(const image_transport::ImageTransport& it, const std::stri
   require(false, parameter, "'" + transport + "'", "one that is installed: " + joined(known));
 }
 
+image_transport::TransportHints readTransport(const image_transport::ImageTransport& it, const ros::NodeHandle& pnh,
+                                              const std::string& parameter)
+{
+  std::string transport;
+  readParam(pnh, parameter, transport);  // refuses another type, which the hints would take for no parameter
+  // Without this option small packets would wait for each other.
+  const image_transport::TransportHints hints(kAutoTransport, ros::TransportHints().tcpNoDelay(), pnh, parameter);
+  requireTransport(it, hints.getTransport(), parameter);
+  return hints;
+}
+
 ImageSubscription::ImageSubscription(ros::NodeHandle nh, image_transport::ImageTransport& it, const std::string& topic,
                                      const image_transport::TransportHints& hints, const Callback& callback)
 {
@@ -38,10 +51,13 @@ ImageSubscription::ImageSubscription(ros::NodeHandle nh, image_transport::ImageT
                                                callback);
     return;
   }
+  const SubscribingLock subscribing;
   if (hints.getTransport() != "raw")
   {
-    // The plugin subscribes to `image/compressed`, to which a remapping of `image` would not apply.
-    other_ = it.subscribe(nh.resolveName(topic), kQueueSize, callback, ros::VoidPtr(), hints);
+    // Plugins subscribe to `image/compressed`, to which a remapping of `image` would not apply; that of shm subscribes
+    // to `image`, too, which would be remapped twice.
+    const std::string base = hints.getTransport() == "shm" ? topic : nh.resolveName(topic);
+    other_ = it.subscribe(base, kQueueSize, callback, ros::VoidPtr(), hints);
     return;
   }
   ros::SubscribeOptions options =
@@ -62,7 +78,9 @@ std::uint32_t ImageSubscription::publishers() const
 
 void ImageSubscription::shutdown()
 {
-  if (auto_) auto_->shutdown();
+  if (auto_) auto_->shutdown();  // its callback may use this meanwhile
+  auto_.reset();
+  const SubscribingLock subscribing;
   raw_.shutdown();
   other_.shutdown();
 }

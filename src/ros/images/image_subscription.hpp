@@ -22,6 +22,11 @@ constexpr const char* kAutoTransport = "auto";
 void requireTransport(const image_transport::ImageTransport& it, const std::string& transport,
                       const std::string& parameter = "image_transport");
 
+/// The hints for subscriptions over the transport that a parameter of `pnh` names, "auto" without it. To be read at
+/// start, because later what cannot be loaded would be found by the first subscriber. Throws as requireTransport().
+image_transport::TransportHints readTransport(const image_transport::ImageTransport& it, const ros::NodeHandle& pnh,
+                                              const std::string& parameter = "image_transport");
+
 /// Subscribes to the newest image of a topic over the image_transport of the hints. Raw images come in messages from a
 /// pool: image_transport would allocate a new message for each image and set it to zero before it copies the pixels.
 class ImageSubscription

@@ -5,6 +5,7 @@
 
 #include "bounded_reading.hpp"
 #include "image_message.hpp"
+#include "subscribing_lock.hpp"
 
 namespace robot_vision
 {
@@ -48,6 +49,7 @@ void LatestImageSubscriber::open()
       ros::SubscribeOptions options = boundedOptions<sensor_msgs::CameraInfo>(
           params_.camera_info_topic, kMaxUnpaired, [this](const auto& info) { onCameraInfo(info); });
       options.transport_hints = ros::TransportHints().tcpNoDelay();  // otherwise small packets wait for each other
+      const SubscribingLock subscribing;
       info_subscriber = node_.nh.subscribe(options);
     }
     images->add(*this, params_.parameters);
@@ -55,10 +57,14 @@ void LatestImageSubscriber::open()
   catch (...)
   {
     close();
+    images->remove(*this);  // which close() has not done if it was closed meanwhile
     throw;
   }
-  const std::lock_guard<std::mutex> lock(mutex_);
-  if (open_) std::swap(info_subscriber, info_subscriber_);  // else it was closed meanwhile
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    if (open_) return std::swap(info_subscriber, info_subscriber_);
+  }
+  images->remove(*this);  // it was closed meanwhile, perhaps before it was added
 }
 
 void LatestImageSubscriber::close()
@@ -76,7 +82,7 @@ void LatestImageSubscriber::close()
     statistics_->setIdle();
   }
   images->remove(*this);
-  info_subscriber.shutdown();  // waits for a running callback, which needs the lock
+  endSubscription(info_subscriber);  // waits for a running callback, which needs the lock
 }
 
 void LatestImageSubscriber::end()

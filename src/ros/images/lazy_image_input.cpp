@@ -3,7 +3,6 @@
 #include <utility>
 
 #include "image_message.hpp"
-#include "ros/params/params.hpp"
 
 namespace robot_vision
 {
@@ -11,17 +10,14 @@ namespace robot_vision
 LazyImageInput::LazyImageInput(const ros::NodeHandle& nh, const ros::NodeHandle& pnh, const std::string& name,
                                Process process, std::function<bool()> is_wanted, std::function<void(bool)> on_listen)
   : nh_(nh),
-    pnh_(pnh),
     name_(name),
     process_(std::move(process)),
     on_listen_(std::move(on_listen)),
     diagnostics_(nh, pnh, name),
     it_(nh),
-    subscriber_(nh, pnh, std::move(is_wanted), [this](bool wanted) { listen(wanted); })
+    hints_(readTransport(it_, pnh)),
+    subscriber_(nh, pnh, diagnostics_.statistics(), std::move(is_wanted), [this](bool wanted) { listen(wanted); })
 {
-  std::string transport = kAutoTransport;
-  readParam(pnh_, "image_transport", transport);
-  requireTransport(it_, transport);  // at start, because later the exception would come with the first subscriber
   if (nh.resolveName("image") == "/image")
     ROS_WARN("%s: topic 'image' is not remapped; typical use is image:=/usb_cam/image_raw", name_.c_str());
 }
@@ -42,10 +38,8 @@ void LazyImageInput::listen(bool wanted)
 {
   if (wanted)
   {
-    // Without this option small packets would wait for each other.
-    const image_transport::TransportHints hints(kAutoTransport, ros::TransportHints().tcpNoDelay(), pnh_);
     diagnostics_.statistics().resumed();
-    subscription_ = ImageSubscription(nh_, it_, "image", hints,
+    subscription_ = ImageSubscription(nh_, it_, "image", hints_,
                                       [this](const sensor_msgs::ImageConstPtr& message) { onImage(message); });
     diagnostics_.statistics().setRunning(subscription_.topic());
   }

@@ -41,13 +41,13 @@ private:
   void onImage(const sensor_msgs::ImageConstPtr& message);
 
   ros::NodeHandle nh_;
-  ros::NodeHandle pnh_;
   std::string name_;
   Process process_;
   std::function<void(bool)> on_listen_;
   FrameDiagnostics diagnostics_;
   Throttle throttle_;
   image_transport::ImageTransport it_;
+  const image_transport::TransportHints hints_;
   ImageSubscription subscription_;
   LazySubscriber subscriber_;  // calls listen()
 };

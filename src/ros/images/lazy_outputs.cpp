@@ -4,8 +4,6 @@
 #include <numeric>
 #include <utility>
 
-#include "advertising_lock.hpp"
-
 namespace robot_vision
 {
 

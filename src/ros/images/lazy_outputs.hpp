@@ -11,6 +11,7 @@
 #include <mutex>
 #include <string>
 
+#include "advertising_lock.hpp"
 #include "image_message.hpp"
 
 namespace robot_vision
@@ -33,6 +34,7 @@ public:
   void advertise(const std::string& name)
   {
     const auto on_connection = [this](const ros::SingleSubscriberPublisher&) { on_change_(); };
+    const AdvertisingLock advertising;
     const auto publisher =
         std::make_shared<ros::Publisher>(pnh_.advertise<Message>(name, kQueueSize, on_connection, on_connection));
     add(name, {[publisher] { return publisher->getNumSubscribers() > 0; }, publisher, nullptr});

@@ -1,8 +1,8 @@
 #include "lazy_subscriber.hpp"
 
-#include <exception>
 #include <utility>
 
+#include "robot_vision/common/printable.hpp"
 #include "ros/params/params.hpp"
 
 namespace robot_vision
@@ -14,9 +14,13 @@ constexpr double kUpdatePeriod = 1.0;  // s
 
 }  // namespace
 
-LazySubscriber::LazySubscriber(const ros::NodeHandle& nh, const ros::NodeHandle& pnh, std::function<bool()> is_wanted,
-                               std::function<void(bool)> listen)
-  : nh_(nh), is_wanted_(std::move(is_wanted)), listen_(std::move(listen))
+LazySubscriber::LazySubscriber(const ros::NodeHandle& nh, const ros::NodeHandle& pnh, FrameStatistics& statistics,
+                               std::function<bool()> is_wanted, std::function<void(bool)> listen)
+  : nh_(nh),
+    name_(pnh.getNamespace()),
+    statistics_(statistics),
+    is_wanted_(std::move(is_wanted)),
+    listen_(std::move(listen))
 {
   readParam(pnh, "always_subscribe", always_subscribe_);
 }
@@ -27,7 +31,7 @@ void LazySubscriber::start()
     const std::lock_guard<std::mutex> lock(mutex_);
     running_ = true;
   }
-  update();
+  if (const std::exception_ptr error = look()) std::rethrow_exception(error);
   // The loader of nodelets drops callbacks until onInit() returns, also those of subscribers that come meanwhile; and a
   // topic that is withdrawn does not tell that its subscribers are gone.
   timer_ = nh_.createWallTimer(ros::WallDuration(kUpdatePeriod), [this](const ros::WallTimerEvent&) { update(); });
@@ -35,9 +39,15 @@ void LazySubscriber::start()
 
 void LazySubscriber::update()
 {
+  look();  // what that returns would end the process, as roscpp calls this
+}
+
+/// Subscribes or not. Returns what was thrown, which it has told, or null.
+std::exception_ptr LazySubscriber::look()
+{
   std::unique_lock<std::mutex> lock(mutex_);
   changed_ = true;
-  if (updating_) return;
+  if (updating_) return nullptr;
   updating_ = true;
   std::exception_ptr error;
   while (running_ && !error && std::exchange(changed_, false))
@@ -47,23 +57,32 @@ void LazySubscriber::update()
     {
       listenIfWanted();
     }
-    catch (...)
+    catch (const std::exception& e)
     {
       error = std::current_exception();
+      tell(e.what());
     }
     lock.lock();
   }
   updating_ = false;
   updated_.notify_all();
-  if (error) std::rethrow_exception(error);
+  return error;
 }
 
 void LazySubscriber::listenIfWanted()
 {
   const bool wanted = always_subscribe_ || is_wanted_();
-  if (wanted == listens_) return;
+  if (listens_ == wanted) return;
+  listens_.reset();
   listen_(wanted);
   listens_ = wanted;
+}
+
+void LazySubscriber::tell(const std::string& reason)
+{
+  const std::string what = "cannot subscribe: " + logLine(reason);
+  statistics_.setState(diagnostic_msgs::DiagnosticStatus::ERROR, what);
+  if (throttle_.due()) ROS_ERROR("%s: %s", name_.c_str(), what.c_str());
 }
 
 void LazySubscriber::stop()

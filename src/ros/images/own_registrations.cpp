@@ -131,6 +131,11 @@ bool registerSubscribers()
   return all;
 }
 
+bool registerSubscriber(const std::string& topic, const std::string& type)
+{
+  return registerSubscriber(topic, type, connectedPublishers()[topic]);
+}
+
 bool registerServices(ServiceNames names)
 {
   names.merge(reconfigureServices());

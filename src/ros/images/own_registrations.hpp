@@ -23,9 +23,12 @@ std::optional<XmlRpc::XmlRpcValue> askMaster(const char* method,
 std::string ownUri();
 
 /// Register all publishers and all subscribers of this process. They return false if a call of the master failed, as
-/// the next function does.
+/// the next two functions do.
 bool registerPublishers();
 bool registerSubscribers();
+
+/// The same for one topic to which roscpp subscribes.
+bool registerSubscriber(const std::string& topic, const std::string& type);
 
 /// Registers those of these services that exist, and all of dynamic_reconfigure. roscpp cannot list its services, only
 /// tell whether one exists, so the names have to come from registeredServices().

@@ -22,11 +22,13 @@ public:
 
   explicit HeldFrames(const std::string& /*topic*/) {}
 
-  /// Counts a message, unless it would be the first of one slot more than there may be: then it returns false.
-  bool add(const Slot& slot)
+  /// Counts a message, unless it would be the first of one slot more than there may be: then it returns false. One of
+  /// the quota is left for a frame that is held while it is copied.
+  bool add(const Slot& slot, std::uint64_t quota)
   {
     const std::lock_guard<std::mutex> lock(mutex_);
-    if (counts_.size() >= SharedImages::kMaxHeld && counts_.count(slot) == 0) return false;
+    const bool is_full = counts_.size() >= SharedImages::kMaxHeld || counts_.size() + 1 >= quota;
+    if (is_full && counts_.count(slot) == 0) return false;
     ++counts_[slot];
     return true;
   }
@@ -80,7 +82,7 @@ sensor_msgs::ImagePtr SharedImages::hold(const ShmImage& message)
     memory = reader_.hold({message.boot_id, message.socket, message.publisher, message.slot, message.memory,
                            message.generation, message.bytes});
   const HeldFrames::Slot slot(message.publisher, message.slot);
-  if (memory && !AdoptedVector::kCopies && held_->add(slot))
+  if (memory && !AdoptedVector::kCopies && held_->add(slot, memory->quota()))
   {
     const auto image = boost::make_shared<HeldImage>(held_, slot, std::move(memory));
     copyDescription(message, image->message);

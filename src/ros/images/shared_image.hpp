@@ -19,8 +19,8 @@ class HeldFrames;
 class SharedImages
 {
 public:
-  /// So many frames of a topic a process holds; then it copies them, so that somebody who keeps many takes no more of
-  /// the publisher's memory.
+  /// So many frames of a topic a process holds, fewer where the publisher allows no more; then it copies them, so that
+  /// somebody who keeps many takes no more of the publisher's memory.
   static constexpr std::size_t kMaxHeld = 8;
 
   explicit SharedImages(const std::string& topic);

@@ -4,6 +4,7 @@
 
 #include "bounded_reading.hpp"
 #include "image_message.hpp"
+#include "subscribing_lock.hpp"
 
 namespace robot_vision
 {
@@ -38,6 +39,7 @@ bool SubscriptionPair::open(Way way, ros::SubscribeOptions options)
   if (is_tracked_ && !tracked) return false;
   options.transport_hints = params_.hints;
   options.tracked_object = tracked;
+  const SubscribingLock subscribing;
   keep(way, nh_.subscribe(options));
   return true;
 }
@@ -62,7 +64,7 @@ bool SubscriptionPair::drop(Way way)
     std::swap(dropped, member(way));
   }
   const bool was_open = dropped;
-  dropped.shutdown();
+  endSubscription(dropped);
   return was_open;
 }
 

@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <vector>
 
+#include "own_registrations.hpp"
+
 namespace robot_vision
 {
 namespace
@@ -73,11 +75,16 @@ catch (const XmlRpc::XmlRpcException&)  // an answer of an unexpected type
 }
 
 void forgetSubscription(const std::string& topic, const std::string& type)
+try
 {
   if (isSubscribedHere(topic)) return;
   ask("unregisterSubscriber", {topic, uri()});
-  // Another thread may have subscribed meanwhile, whose registration this was then.
-  if (isSubscribedHere(topic)) ask("registerSubscriber", {topic, type, uri()});
+  // Another thread may have subscribed meanwhile, whose registration this was then. A publisher that has come since is
+  // told in no other answer.
+  if (isSubscribedHere(topic)) registerSubscriber(topic, type);
+}
+catch (const XmlRpc::XmlRpcException&)  // an answer of an unexpected type
+{
 }
 
 }  // namespace robot_vision

@@ -16,9 +16,11 @@ std::size_t scalarLength(const std::string& text)
   const char quote = text.front();
   if (quote == '"' || quote == '\'')
   {
+    // What stands for a quote inside: \" or ''.
+    const char escape = quote == '"' ? '\\' : '\'';
     std::size_t end = 1;
-    while (end < text.size() && text[end] != quote)
-      end += text[end] == '\\' ? 2 : 1;
+    while (end < text.size() && (text[end] != quote || (escape == quote && text[end + 1] == quote)))
+      end += text[end] == escape ? 2 : 1;
     return std::min(end + 1, text.size());
   }
   return text.substr(0, text.find(" #")).find_last_not_of(" \t") + 1;

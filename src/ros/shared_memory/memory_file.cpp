@@ -7,6 +7,7 @@
 #include <sys/vfs.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <string>
@@ -38,6 +39,17 @@ Descriptor openMemory(const char* name)
   if (number < 0 && errno == EINVAL) number = memfd_create(name, MFD_CLOEXEC | MFD_ALLOW_SEALING);
   if (number < 0) throwSystemError("no shared memory for images: memfd_create");
   return Descriptor(number);
+}
+
+/// Gives the file memory. A signal of the process takes back all that one call has got so far: so it is asked for in
+/// parts, of which some come through between signals.
+bool allocate(int number, off_t bytes)
+{
+  constexpr off_t kPart = 1 << 20;  // bytes
+  for (off_t begin = 0; begin < bytes; begin += kPart)
+    while (fallocate(number, 0, begin, std::min(kPart, bytes - begin)) != 0)
+      if (errno != EINTR) return false;
+  return true;
 }
 
 Mapping map(const Descriptor& descriptor, std::size_t bytes, int protection)
@@ -73,7 +85,7 @@ MemoryFile makeMemoryFile(const char* name, std::size_t bytes, WriteProtection p
   MemoryFile made{openMemory(name), {}};
   const int number = made.descriptor.get();
   const auto size = static_cast<off_t>(bytes);
-  if (ftruncate(number, size) != 0 || fallocate(number, 0, 0, size) != 0)
+  if (ftruncate(number, size) != 0 || !allocate(number, size))
     throwSystemError("no shared memory of " + std::to_string(bytes) + " bytes");
   made.mapping = map(made.descriptor, bytes, PROT_READ | PROT_WRITE);
   const int seals = F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_SEAL;

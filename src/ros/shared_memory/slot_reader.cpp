@@ -45,6 +45,11 @@ HeldSlot::~HeldSlot()
   connection_->release(*slot_);
 }
 
+std::uint64_t HeldSlot::quota() const
+{
+  return slot_->quota;
+}
+
 SlotReader::SlotReader() = default;
 SlotReader::~SlotReader() = default;
 

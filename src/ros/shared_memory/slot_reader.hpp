@@ -31,6 +31,8 @@ public:
   /// The pixels, at a multiple of 4096 bytes. The memory cannot be written.
   const std::uint8_t* data() const { return data_; }
   std::size_t bytes() const { return bytes_; }
+  /// How many frames of this topic the publisher lets a process hold, as it said at first.
+  std::uint64_t quota() const;
 
 private:
   std::shared_ptr<SlotConnection> connection_;

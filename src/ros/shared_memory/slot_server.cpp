@@ -23,7 +23,7 @@ namespace
 {
 
 using Clock = std::chrono::steady_clock;
-constexpr int kPollPeriod = 1000;              // ms, while readers have yet to greet
+constexpr int kPollPeriod = 1000;              // ms, while readers have yet to greet or to be accepted
 constexpr std::size_t kMaxRowBytes = 1 << 16;  // a page, of any machine
 
 std::uint64_t randomNumber()
@@ -120,23 +120,24 @@ void SlotServer::run()
 {
   Readers readers;
   std::vector<pollfd> polled;
+  bool can_accept = true;
   while (!isEnding(readers))
   {
-    polled = {{wakeup_.get(), POLLIN, 0}, {listening_.get(), POLLIN, 0}};
+    polled = {{wakeup_.get(), POLLIN, 0}, {can_accept ? listening_.get() : -1, POLLIN, 0}};
     bool all_greeted = true;
     for (const auto& [number, reader] : readers)
     {
       polled.push_back({reader.socket.get(), POLLIN, 0});
       all_greeted &= reader.greeted;
     }
-    poll(polled.data(), polled.size(), all_greeted ? -1 : kPollPeriod);
+    poll(polled.data(), polled.size(), all_greeted && can_accept ? -1 : kPollPeriod);
     auto entry = readers.begin();
     for (std::size_t i = 2; i < polled.size(); ++i)
     {
       Reader& reader = (entry++)->second;
       if (isLate(reader) || (polled[i].revents != 0 && !answer(reader))) leave(readers, reader.number);
     }
-    if (polled[1].revents != 0) accept(readers);
+    can_accept = polled[1].revents == 0 || accept(readers);
   }
 }
 
@@ -165,21 +166,25 @@ void SlotServer::leave(Readers& readers, std::uint64_t number)
   readers.erase(number);
 }
 
-void SlotServer::accept(Readers& readers)
+/// False if those who wait could not be accepted, of whom poll() would tell at once again.
+bool SlotServer::accept(Readers& readers)
 {
   Descriptor socket(accept4(listening_.get(), nullptr, nullptr, SOCK_CLOEXEC | SOCK_NONBLOCK));
   if (!socket && (errno == EMFILE || errno == ENFILE))
   {
-    // The reader is told at once, and the thread does not come back here for ever.
+    // The reader is told at once.
     spare_.reset();
     socket = Descriptor(accept4(listening_.get(), nullptr, nullptr, SOCK_CLOEXEC | SOCK_NONBLOCK));
+    const bool is_told = static_cast<bool>(socket);
     socket.reset();
     spare_ = openSpare();
-    return;
+    return is_told;
   }
-  if (!socket || readers.size() >= kMaxReaders || !isOfThisUser(socket)) return;
+  if (!socket) return errno != ENOBUFS && errno != ENOMEM;
+  if (readers.size() >= kMaxReaders || !isOfThisUser(socket)) return true;
   const std::uint64_t number = ++accepted_;
   readers[number] = {number, std::move(socket), Clock::now(), false};
+  return true;
 }
 
 /// Reads what a reader has sent and answers. False if it is to be disconnected.

@@ -46,7 +46,7 @@ private:
   bool isEnding(Readers& readers);
   static bool isLate(const Reader& reader);
   void leave(Readers& readers, std::uint64_t number);
-  void accept(Readers& readers);
+  bool accept(Readers& readers);
   bool answer(Reader& reader);
   bool greet(Reader& reader);
   void wake() const;

@@ -21,12 +21,13 @@ bool holds(const Mapping& row, std::uint32_t slot)
 std::optional<std::uint32_t> SlotTable::claim()
 {
   const std::lock_guard<std::mutex> lock(mutex_);
-  for (std::uint32_t slot = 0; slot < kMaxSlots; ++slot)
-  {
-    if (claimed_[slot]) continue;
-    claimed_.set(slot);
-    return slot;
-  }
+  for (const bool any : {false, true})  // else who sets all bits of its row would leave none to others
+    for (std::uint32_t slot = 0; slot < kMaxSlots; ++slot)
+    {
+      if (claimed_[slot] || (!any && isHeld(slot))) continue;
+      claimed_.set(slot);
+      return slot;
+    }
   return std::nullopt;
 }
 
@@ -60,9 +61,12 @@ std::shared_ptr<const MemoryFile> SlotTable::memory(std::uint64_t slot, std::uin
 bool SlotTable::take(std::uint32_t slot, SharedWord& generation, std::uint64_t published) const
 {
   const std::lock_guard<std::mutex> lock(mutex_);
-  const auto any_held = [&]
-  { return std::any_of(rows_.begin(), rows_.end(), [slot](const auto& row) { return holds(row.second, slot); }); };
-  return lease::take(generation, published, any_held);
+  return lease::take(generation, published, [&] { return isHeld(slot); });
+}
+
+bool SlotTable::isHeld(std::uint32_t slot) const
+{
+  return std::any_of(rows_.begin(), rows_.end(), [slot](const auto& row) { return holds(row.second, slot); });
 }
 
 std::uint64_t SlotTable::nextGeneration()

@@ -19,7 +19,8 @@ namespace robot_vision
 class SlotTable
 {
 public:
-  /// A slot that nobody else has, or none if there are kMaxSlots.
+  /// A slot that nobody else has, or none if there are kMaxSlots. If possible it is one that no reader holds for memory
+  /// that was there before, as that would count as one more of the new owner's.
   std::optional<std::uint32_t> claim();
   /// The slot is free for others again. No memory may be in it.
   void disclaim(std::uint32_t slot);
@@ -43,6 +44,8 @@ public:
   std::vector<std::uint64_t> greedyReaders(const std::vector<std::uint32_t>& slots, std::size_t quota) const;
 
 private:
+  bool isHeld(std::uint32_t slot) const;
+
   struct Placed
   {
     std::uint64_t number = 0;

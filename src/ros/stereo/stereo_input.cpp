@@ -5,11 +5,10 @@
 
 #include "robot_vision/common/printable.hpp"
 #include "robot_vision/common/range.hpp"
-#include "ros/images/bounded_reading.hpp"
 #include "ros/images/camera_info.hpp"
 #include "ros/images/image_message.hpp"
 #include "ros/images/stamps.hpp"
-#include "ros/params/params.hpp"
+#include "ros/images/subscribing_lock.hpp"
 
 namespace robot_vision
 {
@@ -59,19 +58,16 @@ cv::Mat viewOf(const StereoPair& pair, std::size_t side)
 StereoInput::StereoInput(const ros::NodeHandle& nh, const ros::NodeHandle& pnh, const std::string& name,
                          Process process, std::function<bool()> is_wanted, std::function<void(bool)> on_listen)
   : nh_(nh),
-    pnh_(pnh),
     name_(name),
     process_(std::move(process)),
     on_listen_(std::move(on_listen)),
     diagnostics_(nh, pnh, name),
     it_(nh),
+    hints_(readTransport(it_, pnh)),
     topics_(topicsOf(nh)),
     pairs_(readSlop(pnh, 0.0)),
-    subscriber_(nh, pnh, std::move(is_wanted), [this](bool wanted) { listen(wanted); })
+    subscriber_(nh, pnh, diagnostics_.statistics(), std::move(is_wanted), [this](bool wanted) { listen(wanted); })
 {
-  std::string transport = kAutoTransport;
-  readParam(pnh_, "image_transport", transport);
-  requireTransport(it_, transport);  // at start, because later the exception would come with the first subscriber
   for (const std::size_t side : {kLeft, kRight})
     if (topics_.images[side] == "/" + imageName(side))
       ROS_WARN("%s: topic '%s' is not remapped; typical use is %s:=/my_pair/%s", name_.c_str(), imageName(side).c_str(),
@@ -109,18 +105,13 @@ void StereoInput::listen(bool wanted)
 
 void StereoInput::subscribe()
 {
-  // Without this option small packets would wait for each other.
-  const ros::TransportHints no_delay = ros::TransportHints().tcpNoDelay();
-  const image_transport::TransportHints hints(kAutoTransport, no_delay, pnh_);
   for (const std::size_t side : {kLeft, kRight})
   {
-    ros::SubscribeOptions options = boundedOptions<sensor_msgs::CameraInfo>(
-        topics_.infos[side], kQueueSize,
-        [this, side](const sensor_msgs::CameraInfoConstPtr& info) { onPair(pairs_.add(side, info)); });
-    options.transport_hints = no_delay;
-    infos_[side] = nh_.subscribe(options);
+    infos_[side] = subscribeToCameraInfo(nh_, topics_.infos[side], kQueueSize,
+                                         [this, side](const sensor_msgs::CameraInfoConstPtr& info)
+                                         { onPair(pairs_.add(side, info)); });
     images_[side] =
-        ImageSubscription(nh_, it_, imageName(side), hints,
+        ImageSubscription(nh_, it_, imageName(side), hints_,
                           [this, side](const sensor_msgs::ImageConstPtr& message) { onImage(side, message); });
   }
 }
@@ -130,7 +121,7 @@ void StereoInput::unsubscribe()
   for (const std::size_t side : {kLeft, kRight})
   {
     images_[side].shutdown();
-    infos_[side].shutdown();
+    endSubscription(infos_[side]);
   }
   pairs_.clear();
 }

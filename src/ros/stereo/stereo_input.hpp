@@ -59,13 +59,13 @@ private:
   void refuse(const std::string& what);
 
   ros::NodeHandle nh_;
-  ros::NodeHandle pnh_;
   std::string name_;
   Process process_;
   std::function<void(bool)> on_listen_;
   FrameDiagnostics diagnostics_;
   Throttle throttle_;
   image_transport::ImageTransport it_;
+  const image_transport::TransportHints hints_;
   StereoTopics topics_;
   StereoPairs pairs_;
   std::array<ImageSubscription, 2> images_;

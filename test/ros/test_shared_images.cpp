@@ -1,0 +1,57 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "ros/images/shared_image.hpp"
+#include "ros/shared_memory/slot_writer.hpp"
+
+using namespace robot_vision;
+
+namespace
+{
+
+constexpr std::size_t kBytes = 10000;
+
+/// Publishes a frame of pixels of this value, and gives its slot back.
+ShmImage published(SlotWriter& writer, std::uint8_t value)
+{
+  const std::shared_ptr<WritableSlot> slot = writer.take(kBytes);
+  if (!slot) throw std::runtime_error("no slot: " + writer.counts().reason);
+  std::fill_n(slot->data(), kBytes, value);
+  const SlotAddress address = slot->publish();
+  ShmImage message;
+  message.boot_id = address.boot_id;
+  message.socket = address.socket;
+  message.publisher = address.publisher;
+  message.slot = address.slot;
+  message.memory = address.memory;
+  message.generation = address.generation;
+  message.bytes = address.bytes;
+  return message;
+}
+
+class SharedImagesOfSlots : public testing::TestWithParam<std::size_t>
+{
+};
+
+}  // namespace
+
+TEST_P(SharedImagesOfSlots, whoKeepsManyGetsAllFrames)
+{
+  SlotWriter::Limits limits;
+  limits.max_slots = GetParam();
+  SlotWriter writer(limits);
+  SharedImages images("/kept_" + std::to_string(GetParam()));
+  std::vector<sensor_msgs::ImagePtr> kept;
+  for (std::uint8_t value = 0; value < 40; ++value)
+    kept.push_back(images.hold(published(writer, value)));
+  for (std::uint8_t value = 0; value < 40; ++value)
+    EXPECT_EQ(kept[value]->data, std::vector<std::uint8_t>(kBytes, value));
+}
+
+INSTANTIATE_TEST_SUITE_P(SharedImages, SharedImagesOfSlots, testing::Values(2, 5, 16, 32));
