@@ -298,6 +298,8 @@ def test_all_parameters_are_tested():
         source = path.read_text()
         named |= set(re.findall(r'\b(?:readParam|readMap|getParam)\(\w+, "(\w+)"', source))
         named |= set(re.findall(r'\bgetParam\("(\w+)"', source))
+        transports = re.findall(r'\breadTransport\(\w+, \w+(?:, "(\w+)")?\)', source)
+        named |= {name or "image_transport" for name in transports}
     of_source = (ROOT / "include/robot_vision/camera/open_source.hpp").read_text()
     named |= set(re.findall(r'\bvisit\("(\w+)"', of_source))  # readFields() reads them
     of_controls = (ROOT / "src/ros/camera/control_params.cpp").read_text()
