@@ -154,6 +154,29 @@ def test_search_turns_to_where_the_line_was(mode, error, angular):
     assert controller.update(61.1, None) == (0.0, -angular)
 
 
+@pytest.mark.parametrize("timeout", [0.5, 2.0])
+def test_search_does_not_begin_after_a_pause(timeout):
+    """The robot has stood since then, and may be elsewhere."""
+    params = LineControlParams(search=True, timeout=timeout)
+    for pause, turns in (0.9 * timeout, True), (1.1 * timeout, False), (300.0, False):
+        controller = LineController(params)
+        controller.update(10.0, line(0.4))
+        assert (controller.update(10.0 + pause, None) != (0.0, 0.0)) is turns
+
+
+def test_terms_of_the_error_last_until_the_timeout():
+    for timeout, turn in (1.0, -0.75), (0.5, -0.5):
+        params = replace(PID, ki=0.0, kd=0.5, timeout=timeout)
+        _, (_, angular) = commands(params, (0.0, line(0.1)), (0.8, line(0.5)))
+        assert angular == pytest.approx(turn)
+
+
+def test_a_slow_robot_is_slower_than_min_speed():
+    slow = replace(PID, linear_speed=0.03)
+    assert commands(slow, (0.0, line(1.0)))[0][0] == pytest.approx(0.03)
+    assert commands(replace(COURSE, linear_speed=0.0), (0.0, line(0.0)))[0] == (0.0, 0.0)
+
+
 def test_reset_forgets_the_side():
     controller = LineController(LineControlParams(search=True))
     controller.update(0.0, line(0.4))
@@ -198,7 +221,7 @@ def test_watchdog_timeout():
         ({"ki": -1}, "ki is -1, must be from 0 to 100"),
         ({"kd": math.inf}, "kd is inf, must be from 0 to 100"),
         ({"min_speed": -0.1}, "min_speed is -0.1, must be from 0 to 5"),
-        ({"min_speed": 0.3}, "min_speed is 0.3, must be at most linear_speed, 0.2"),
+        ({"timeout": 11}, "timeout is 11, must be from 0.05 to 10"),
         ({"search_angular": 20}, "search_angular is 20, must be from 0 to 10"),
         ({"search_timeout": 61}, "search_timeout is 61, must be from 0 to 60"),
     ],

@@ -303,6 +303,57 @@ def test_robot_searches_where_it_last_saw_the_line(driven, side):
     assert robot.commands.received[-1] == Twist()
 
 
+def test_a_search_ends_although_the_time_of_ros_stands_still(follower):
+    """As with /use_sim_time of an old simulation, where frames have no stamps either."""
+    robot = Robot(course_track())
+    robot.now = rospy.Time()
+    robot.drive.pose = Pose(y=0.05)
+    follower("_search:=true", "_search_timeout:=0.3")
+
+    def comes(is_meant, what):
+        support.wait_for(
+            lambda: robot.publish_frame() or is_meant([*robot.commands.received, None][-2:][0]),
+            what,
+        )
+
+    comes(lambda last: last and last.linear.x > 0.0, "driving")
+    robot.drive.pose = Pose(y=20.0)
+    comes(lambda last: last.angular.z and not last.linear.x, "the search")
+    comes(lambda last: last == Twist(), "its end")
+
+
+def test_a_mask_that_fills_the_image_is_no_line(driven):
+    robot = driven("_min_confidence:=0.0")
+    robot.world.render = lambda pose, frame: np.full((240, 320, 3), LINE_COLOUR, np.uint8)
+    for _ in range(5):
+        robot.step()
+    assert robot.commands.received[-1] == Twist() and not robot.newest_line().found
+
+
+def test_a_line_of_long_ago_does_not_decide_which_one_is_followed(driven):
+    robot = driven("_timeout:=0.3")
+    image = robot.world.render(robot.drive.pose, 0)
+
+    def shown(*parts):
+        """An image of the floor with these columns in the line's colour."""
+        picture = np.full_like(image, image[0, 0])
+        for columns, rows in parts:
+            picture[rows, columns] = LINE_COLOUR
+        return picture
+
+    speck, line = (slice(24, 36), slice(200, 214)), (slice(270, 290), slice(60, 240))
+    robot.world.render = lambda pose, frame: shown((speck[0], line[1]))
+    robot.step()
+    assert robot.newest_line().center.x < 40
+    robot.world.render = lambda pose, frame: shown()
+    begin = time.monotonic()
+    while time.monotonic() - begin < 0.4:  # s, longer than the timeout
+        robot.step()
+    robot.world.render = lambda pose, frame: shown(speck, line)
+    robot.step()
+    assert robot.newest_line().center.x > 260
+
+
 def test_robot_is_told_to_stop_when_the_node_ends(driven):
     robot = driven("_timeout:=10.0")  # so long that the watchdog does not stop the robot
     robot.drive_on()

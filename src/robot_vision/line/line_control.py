@@ -9,7 +9,6 @@ from ..common.plain_text import printable
 from ..common.ranges import require_range
 
 MODES = ("course", "pid")
-MAX_GAP = 0.5  # s between two lines, after which integral and derivative of the error are void
 
 
 @dataclass(frozen=True)
@@ -28,7 +27,8 @@ class LineControlParams:
     kp: float = 1.0  # pid: rad/s for an error of 1, half an image width, 0 to 100
     ki: float = 0.0  # pid: rad/s for an error of 1 over 1 s, 0 to 100
     kd: float = 0.1  # pid: rad/s for an error that changes by 1 in 1 s, 0 to 100
-    min_speed: float = 0.05  # pid: m/s where the line is farthest off or across, 0 to linear_speed
+    min_speed: float = 0.05  # pid: m/s where the line is farthest off or across, 0 to 5
+    timeout: float = 0.5  # s after a line, in which its error still says something, 0.05 to 10
     search: bool = False  # whether to turn to where the line was lost, instead of stopping at once
     search_angular: float = 0.3  # rad/s, 0 to 10
     search_timeout: float = 3.0  # s, longest search before the robot stops, 0 to 60
@@ -43,11 +43,7 @@ class LineControlParams:
         for name in ("kp", "ki", "kd"):
             require_range(name, getattr(self, name), 0, 100)
         require_range("min_speed", self.min_speed, 0, 5)
-        if self.min_speed > self.linear_speed:
-            raise ValueError(
-                f"min_speed is {self.min_speed:g}, must be at most linear_speed,"
-                f" {self.linear_speed:g}"
-            )
+        require_range("timeout", self.timeout, 0.05, 10)
         require_range("search_angular", self.search_angular, 0, 10)
         require_range("search_timeout", self.search_timeout, 0, 60)
 
@@ -73,15 +69,17 @@ class LineController:
 
         Args:
             time: The time of the frame in s. An earlier time than the last one resets the
-                controller, and so does a line after a gap of more than 0.5 s.
+                controller, and so does a frame more than `timeout` after the last line: the
+                robot has stood since then, and may be elsewhere.
             line: The result of find_line(); None means the same as a line that was not found.
 
         Returns:
             The linear speed in m/s, and the angular speed in rad/s, counter-clockwise.
         """
         found = line is not None and line.found
-        after_gap = self._time is not None and time - self._time > MAX_GAP
-        if time < self._updated or (found and (self._lost_since is not None or after_gap)):
+        is_lost = self._lost_since is not None
+        after_gap = self._time is not None and time - self._time > self._params.timeout
+        if time < self._updated or (found if is_lost else after_gap):
             self.reset()
         self._updated = time
         if not found:
@@ -113,7 +111,8 @@ class LineController:
     def _speed(self, line: Line) -> float:
         """Returns the linear speed in m/s; it falls with the line's error and its angle."""
         askew = min(max(abs(line.error), abs(math.sin(line.angle))), 1.0)
-        fastest, slowest = self._params.linear_speed, self._params.min_speed
+        fastest = self._params.linear_speed
+        slowest = min(self._params.min_speed, fastest)
         return fastest - (fastest - slowest) * askew
 
     def _search(self, time: float) -> Tuple[float, float]:

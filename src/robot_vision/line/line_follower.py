@@ -28,7 +28,8 @@ class LineFollower:
 
     def __init__(self) -> None:
         self._control: Optional[LineControlParams] = None
-        self._followed = Line()  # the line that was seen last
+        self._followed = Line()  # the line that was seen last, unless that is too long ago
+        self._seen = 0.0  # s of the monotonic clock, when that was
         self._stamp = rospy.Time()  # of the last frame
         self._node = ImageNode(self._process)
         self._lines = self._node.publisher("~line", LineMessage)
@@ -57,15 +58,19 @@ class LineFollower:
         height = frame.image.shape[0]
         top = min(round(height * (1.0 - strip)), height - 1)
         mask = color.apply(frame.image[top:])
+        if began - self._seen > self._drive.timeout:
+            self._followed = Line()
         line = find_line(mask, params, self._followed)
-        if line.confidence < self._min_confidence:  # For instance, the mask may fill the image.
+        # Of a mask that fills the image it is 0, which is no line whatever the least may be.
+        if line.confidence == 0.0 or line.confidence < self._min_confidence:
             line = Line()
         if line.found:
-            self._followed = line
+            self._followed, self._seen = line, began
         if not self._drive.enabled:
             controller.reset()  # Its sums belong to another place when the robot drives again.
         elif self._is_fresh(frame.header.stamp, age):
-            stamp = frame.header.stamp.to_sec() or rospy.get_time()
+            # Where frames have no stamps the clock of ROS may stand still, too.
+            stamp = frame.header.stamp.to_sec() or began
             self._drive.command(*controller.update(stamp, line), began - age)
         self._publish(frame, line, top)
         self._roi.publish(frame.image[top:], "bgr8", frame.header)
@@ -75,7 +80,11 @@ class LineFollower:
         """Returns whether to drive on a frame: not if it is old, nor if it came before."""
         old, self._stamp = self._stamp, stamp
         late = must_stop(age, 0.0, True, self._drive.timeout)
-        if late:
+        if late and age < 0.0:
+            rospy.logwarn_throttle(
+                5.0, "stamps are %.2f s ahead of the clock: these frames are not driven on", -age
+            )
+        elif late:
             rospy.logwarn_throttle(5.0, "frames are %.2f s old: they are not driven on", age)
         return not late and (stamp.is_zero() or stamp != old)
 
