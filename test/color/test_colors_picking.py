@@ -10,7 +10,7 @@ import yaml
 
 from robot_vision import HsvRange, range_around
 from robot_vision.color.color_file import save_colors
-from robot_vision.color.colors import median_hsv
+from robot_vision.color.colors import median_color
 from robot_vision.common.files import add_file, create_file, replace_file
 from robot_vision.viewer.window_content import Rate, placeholder, title
 
@@ -56,7 +56,7 @@ def hues(*values, saturation=200, value=180):
 def test_median_hue_is_circular(values, median):
     region = hues(*values)
     before = region.copy()
-    found = median_hsv(region)
+    found = median_color(region, "hsv")
     assert found[0] == median
     assert abs(found[1] - 200) <= 1 and abs(found[2] - 180) <= 1  # rounding to BGR and back
     assert np.array_equal(region, before)
@@ -64,17 +64,18 @@ def test_median_hue_is_circular(values, median):
 
 def test_gray_pixels_have_no_hue():
     gray = np.full((1, 4, 3), 90, np.uint8)
-    assert median_hsv(np.concatenate([gray, hues(60, 60, 60)], axis=1))[0] == 60
-    assert median_hsv(gray) == (0, 0, 90)
+    mixed = np.concatenate([gray, hues(60, 60, 60)], axis=1)
+    assert median_color(mixed, "hsv")[0] == 60
+    assert median_color(gray, "hsv") == (0, 0, 90)
 
 
 def test_region_may_be_a_view_but_not_empty():
     image = np.zeros((20, 30, 3), np.uint8)
     image[4:8, 5:9] = (255, 0, 0)
-    assert median_hsv(image[4:8, 5:9]) == (120, 255, 255)
-    assert median_hsv(image[:, :, ::-1][4:8, 5:9]) == (0, 255, 255)
+    assert median_color(image[4:8, 5:9], "hsv") == (120, 255, 255)
+    assert median_color(image[:, :, ::-1][4:8, 5:9], "hsv") == (0, 255, 255)
     with pytest.raises(ValueError, match="empty"):
-        median_hsv(image[4:4])
+        median_color(image[4:4], "hsv")
 
 
 FILE = """\

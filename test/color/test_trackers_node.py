@@ -15,7 +15,14 @@ from geometry_msgs.msg import PointStamped
 from sensor_msgs.msg import CameraInfo, Image
 from std_srvs.srv import Trigger
 
-from robot_vision import ColorRange, Scene, SceneParams, convert_range
+from robot_vision import (
+    ColorRange,
+    Scene,
+    SceneParams,
+    convert_range,
+    draw_outline,
+    mask_picture,
+)
 from robot_vision.msg import DetectionArray
 
 COLORS = pathlib.Path(__file__).resolve().parents[2] / "config" / "colors"
@@ -92,6 +99,28 @@ def test_hsv_tracker_finds_several_colors_and_red_on_both_ends_of_the_hues(start
         ("red", 24.5, 29.5, 1200.0),
         ("red", 74.5, 29.5, 1200.0),
     ]
+
+
+def test_a_name_is_drawn_without_its_accents(start):
+    image = np.zeros((120, 160, 3), np.uint8)
+    image[60:100, 20:60] = (255, 0, 0)
+    blue = {"low": list(BLUE[0]), "high": list(BLUE[1])}
+    rospy.set_param("/tracker/colors", {"bleuë": blue})
+    topic = new_topic()
+    start("hsv_tracker.py", "__name:=tracker", f"image:={topic}")
+    images = Source(topic)
+    objects = support.subscribed("/tracker/objects", DetectionArray)
+    masks = support.subscribed("/tracker/mask", Image)
+    overlays = support.subscribed("/tracker/processed_image", Image)
+    images.wait_for()
+    sent = message(image, "bgr8")
+    sent.header.stamp = rospy.Time(1)
+    images.send(sent)
+    (found,) = objects.of(sent.header.stamp).detections
+    assert found.label == "bleuë"
+    expected = mask_picture(image, pixels(masks.of(sent.header.stamp)))
+    draw_outline(expected, np.array([(p.x, p.y) for p in found.outline], int), "bleue")
+    assert np.array_equal(pixels(overlays.of(sent.header.stamp)), expected)
 
 
 def test_colors_are_changed_live_and_saved(start, camera, tmp_path):

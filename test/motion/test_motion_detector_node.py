@@ -33,12 +33,22 @@ class Room:
         self._source = Source(topic)
         self._numbers = itertools.count(1)
         self.process = start("motion_detector.py", "__name:=motion", f"image:={topic}", *arguments)
+        self.listen()
+
+    def listen(self):
+        """Subscribes to what the node publishes, and waits until it takes frames."""
         self.motion = support.Messages("/motion/motion", DetectionArray)
         self.states = support.Messages("/motion/state", MotionState)
         self.overlays = support.Messages("/motion/processed_image", Image)
         self._source.wait_for()
         for messages in (self.motion, self.states, self.overlays):
             support.wait_for(messages.connected, "the node's topics")
+
+    def leave(self):
+        """Ends all subscriptions, and waits until the node takes no frames."""
+        for messages in (self.motion, self.states, self.overlays):
+            messages.close()
+        self._source.wait_for(0)
 
     def show(self, image, frames=1):
         """Shows an image; the last frame's detections, state and overlay."""
@@ -88,6 +98,21 @@ def test_background_can_be_taken_anew(start):
     assert not motion.detections
     motion, _, _ = room.show(EMPTY)
     assert len(motion.detections) == 1
+
+
+@pytest.mark.parametrize(
+    "method, moved",
+    [("first_frame", 1), ("previous_frame", 0), ("running_average", 0), ("mog2", 0)],
+)
+def test_what_changed_while_nobody_subscribed_is_motion_only_against_the_first_frame(
+    start, method, moved
+):
+    room = Room(start, f"_method:={method}")
+    room.show(EMPTY, 2)
+    room.leave()
+    room.listen()
+    motion, state, _ = room.show(with_box())
+    assert len(motion.detections) == moved and state.occupied == bool(moved)
 
 
 def test_light_is_reported_as_such(start):

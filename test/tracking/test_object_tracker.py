@@ -8,6 +8,7 @@ import pytest
 import skimage.data
 
 import robot_vision as rv
+from robot_vision.tracking.tracks import draw_tracks
 
 RATE = 30.0  # Hz
 FRAMES = 300
@@ -226,3 +227,14 @@ def test_selecting_in_other_encodings_and_bad_selections():
     positions, velocities = tracker.flow()
     assert positions.shape == velocities.shape and len(positions) > 50
     assert np.abs(velocities).max() < 1.0
+
+
+def test_a_label_is_drawn_without_its_accents():
+    image, drawn = photograph("astronaut", SIZE), []
+    for label in ("Zoë", "Zoe"):
+        tracker = rv.ObjectTracker()
+        tracker.update(0.0, image)
+        tracker.select((200, 50, 100, 100), label)
+        drawn.append(image.copy())
+        draw_tracks(drawn[-1], tracker.objects())
+    assert np.array_equal(*drawn) and not np.array_equal(drawn[0], image)

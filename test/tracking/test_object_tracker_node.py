@@ -3,6 +3,8 @@
 import concurrent.futures
 import copy
 import subprocess
+import threading
+import types
 
 import cv2
 import numpy as np
@@ -13,6 +15,7 @@ import support
 from frames import Camera, Source
 from geometry_msgs.msg import Point
 from sensor_msgs.msg import Image, RegionOfInterest
+from std_msgs.msg import Header
 
 from robot_vision.msg import (
     Detection,
@@ -23,7 +26,8 @@ from robot_vision.msg import (
     TrackStateArray,
 )
 from robot_vision.srv import ForgetObject, SelectObject
-from robot_vision.tracking.auto_selection import AutoSelection
+from robot_vision.tracking.auto_selection import AutoSelection, corners_of
+from robot_vision.tracking.selections import MAX_OBJECTS, TrackSelection, TrackSelections
 from robot_vision.transport import Frame
 
 RATE = 30.0  # Hz, by the stamps of the images
@@ -186,6 +190,37 @@ def test_bad_selections_are_answered_and_logged(start, where, text):
     desk.process.wait_for_output("nothing selected on " + desk.topic)
     assert desk.show(pixels) == ([], {})
     assert desk.select(region(100, 80), "face", pixels).success
+
+
+def test_a_label_that_is_too_long_is_refused_at_once(start):
+    desk = Desk(start, outputs=False)
+    answer = rospy.ServiceProxy("/eye/select_object", SelectObject)(region(40, 80), "x" * 256)
+    assert not answer.success and answer.id == -1
+    assert answer.message.startswith("label is 'xxxx")
+    assert answer.message.endswith("...: 256 letters, must be at most 255")
+    assert desk.select(region(40, 80), "x" * 255, view(40)).success
+
+
+def test_a_selection_beyond_the_largest_number_of_objects_is_refused():
+    node = types.SimpleNamespace(topic="/images", keep_working=lambda _wanted: None)
+    selector = Selector()
+    selections = TrackSelections(node, threading.Lock(), selector)
+
+    def select(count, replaces):
+        """What became of as many selections in a frame."""
+        made = [TrackSelection((0, 0, 20, 20), replaces=replaces) for _ in range(count)]
+        for one in made:
+            selections.add(one)
+        with selections.updating(1.0):
+            pass
+        return made
+
+    *taken, last = select(MAX_OBJECTS + 1, replaces=False)
+    assert [one.id for one in taken] == list(selector.boxes) == list(range(1, MAX_OBJECTS + 1))
+    assert last.id == -1
+    assert last.error == "there are 100 objects, which is the most: forget one before"
+    (only,) = select(1, replaces=True)  # it makes room
+    assert list(selector.boxes) == [only.id]
 
 
 def test_selection_is_followed_while_nobody_subscribes(start, diagnostics):
@@ -356,10 +391,27 @@ class Selector:
 
     def __init__(self):
         self.selected = []
+        self.images = []  # in which they were selected
+        self.boxes = {}  # by the ids of those that were not forgotten
 
-    def select_in(self, _image, box, _label):
+    def select_in(self, image, box, label):
+        self.images.append(image)
+        return self.select(box, label)
+
+    def select(self, box, _label):
         self.selected.append(box)
-        return len(self.selected)
+        number = len(self.selected)
+        self.boxes[number] = box
+        return number
+
+    def objects(self):
+        return [
+            types.SimpleNamespace(id=number, tracked=True, outline=corners_of(box))
+            for number, box in self.boxes.items()
+        ]
+
+    def forget(self, number):
+        del self.boxes[number]
 
 
 def test_only_the_best_of_thousands_of_detections_are_used(log):
@@ -373,12 +425,26 @@ def test_only_the_best_of_thousands_of_detections_are_used(log):
     selection.configure("", 3000, 0.1)
     for second in (1, 2, 3):
         array.header.stamp = rospy.Time(second)
-        selection.add(copy.deepcopy(array))
-        selection.select(Frame(BACKGROUND, "bgr8", array.header), [])
+        found = copy.deepcopy(array)
+        selection.add(found)
+        selection.select(Frame(BACKGROUND, "bgr8", found.header), selector.objects())
     best = {(box.x_offset, box.y_offset) for box, rank in zip(boxes, order) if rank < 100}
     assert {box[:2] for box in selector.selected} == best
     assert len(selector.selected) == len(best)
     assert "3000 detections in a message: only the 100 of the highest score" in log()
+
+
+def test_detections_of_images_without_stamps_are_those_of_the_newest_frame():
+    selector, found = Selector(), Detection(box=region(40, 80), id=-1)
+    selection = AutoSelection(selector)
+    selection.configure("", 1, 0.0)
+    frames = [Frame(view(x), "bgr8", Header()) for x in (0, 20, 40)]
+    for frame in frames[:2]:
+        selection.select(frame, [])
+    selection.add(DetectionArray(detections=[found]))
+    selection.select(frames[2], [])
+    (used,) = selector.images
+    assert used is frames[2].image
 
 
 @pytest.mark.parametrize("ids", [(), (7,)], ids=["followed by place", "followed by id"])

@@ -6,6 +6,7 @@ import pytest
 import skimage.data
 
 import robot_vision as rv
+from robot_vision.tracking.tracks import draw_window
 
 RATE = 30.0  # Hz
 SIZE = (320, 240)
@@ -402,3 +403,14 @@ def test_the_scene_s_ball_is_followed_for_its_whole_round(method, near):
     assert max(errors) < near and np.median(errors) < 0.5 * near
     if method == "camshift":
         assert min(ratios) > 0.93 and max(ratios) < 1.1
+
+
+def test_a_label_is_drawn_without_its_accents():
+    image, drawn = view((160.0, 120.0)), []
+    for label in ("Zoë", "Zoe"):
+        tracker = rv.WindowTracker()
+        tracker.update(0.0, image)
+        tracker.select(box((160.0, 120.0)), label)
+        drawn.append(image.copy())
+        draw_window(drawn[-1], *tracker.objects())
+    assert np.array_equal(*drawn) and not np.array_equal(drawn[0], image)

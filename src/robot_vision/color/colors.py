@@ -29,12 +29,6 @@ def limit_names(space: str) -> Tuple[Tuple[str, ...], Tuple[str, ...]]:
     return tuple(f"{name}_low" for name in names), tuple(f"{name}_high" for name in names)
 
 
-def median_hsv(bgr_region: np.ndarray) -> Tuple[int, int, int]:
-    """Returns the median colour of a part of an image in HSV, as median_color() does."""
-    hue, saturation, value = median_color(bgr_region, "hsv")
-    return hue, saturation, value
-
-
 def median_color(bgr_region: np.ndarray, space: str) -> Color:
     """Returns the median colour of a part of an image.
 

@@ -13,6 +13,7 @@ from .. import (
     draw_outline,
     mask_picture,
 )
+from ..common.plain_text import to_ascii
 from ..msg import DetectionArray
 from ..ros.configs import HsvTrackerConfig
 from ..ros.image_node import ImageNode
@@ -54,7 +55,7 @@ class HsvTracker:
         if self._processed.get_num_connections():
             overlay = mask_picture(frame.image, mask)
             for name, region in found:
-                draw_outline(overlay, region.outline, name)
+                draw_outline(overlay, region.outline, to_ascii(name))
             self._processed.publish(overlay, "bgr8", frame.header)
 
     def _find(self, image: np.ndarray) -> Tuple[np.ndarray, List[Tuple[str, Region]]]:

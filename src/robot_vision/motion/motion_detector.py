@@ -18,6 +18,8 @@ from ..ros.messages import corners, detection, detection_array
 from ..ros.startup import run_node
 from ..ros.transport import Frame
 
+KEPT_METHOD = "first_frame"  # its background stays while nobody subscribes
+
 
 class MotionDetector:
     """Publishes ~motion, ~state, ~mask (mono8) and ~processed_image (boxes, state and time).
@@ -30,7 +32,7 @@ class MotionDetector:
         self._shall_reset = False
         self._used: Optional[MotionParams] = None
         self._params = LiveParams(MotionDetectorConfig, self._configure)
-        self._node = ImageNode(self._process)
+        self._node = ImageNode(self._process, idle=self._on_idle)
         self._motion = self._node.publisher("~motion", DetectionArray)
         self._state = self._node.publisher("~state", MotionState)
         self._mask = self._node.image_publisher("~mask")
@@ -73,6 +75,11 @@ class MotionDetector:
         when = time.strftime("%A %d %B %Y %H:%M:%S", time.localtime(now))
         draw_text(overlay, when, (10, overlay.shape[0] - 10))
         self._processed.publish(overlay, "bgr8", frame.header)
+
+    def _on_idle(self) -> None:
+        # The next frame may come much later, and what has changed until then is no motion.
+        if self._used.method != KEPT_METHOD:
+            self._shall_reset = True
 
     def _on_reset(self, _request: Any) -> TriggerResponse:
         self._shall_reset = True  # Only the thread of the images may use the detector.

@@ -33,6 +33,7 @@ class HeldNodes:
         keep_start()
         self._changed = threading.Condition()  # guards the nodes
         self._nodes: Dict[str, Node] = {}
+        self._starting: Dict[str, LoadedNode] = {}  # they may work before they are among the nodes
         self._finishing = False
 
     def load(self, request: LoadRequest) -> None:
@@ -76,6 +77,7 @@ class HeldNodes:
         with self._changed:
             self._finishing = True
             nodes = [node for node in self._nodes.values() if isinstance(node, LoadedNode)]
+            nodes += self._starting.values()
         threads = [threading.Thread(target=node.finish, daemon=True) for node in nodes]
         for thread in threads:
             thread.start()
@@ -91,6 +93,8 @@ class HeldNodes:
             self._load_nodelet(request)
             return Nodelet()
         node = LoadedNode(request.name, request.remappings, lambda: self._drop(request.name, node))
+        with self._changed:
+            self._starting[request.name] = node
         node.start(kind)
         return node
 
@@ -134,6 +138,7 @@ class HeldNodes:
     def _set(self, name: str, node: Optional[Node]) -> None:
         with self._changed:
             self._nodes.pop(name)
+            self._starting.pop(name, None)
             if node is not None:
                 self._nodes[name] = node
             self._changed.notify_all()

@@ -26,6 +26,7 @@ class LoadedNode:
         self._on_exit = on_exit
         self._context = LoadedContext(name, remappings, self._exit)
         self._lock = threading.Lock()  # held while it starts or ends
+        self._finish_lock = threading.Lock()  # held while it finishes, which needs its topics
         self._node: Optional[Any] = None
 
     def start(self, kind: NodeType) -> None:
@@ -38,20 +39,27 @@ class LoadedNode:
         with self._lock, active(self._context):
             try:
                 self._node = kind.load()()
+                if self._context.is_ending():  # What was made last may not have been told yet.
+                    self.finish()
             except BaseException as error:
                 is_ending = self._context.is_ending()  # then nothing can be made any more
+                self.finish()
                 self._context.end()
                 reason = "it ends" if is_ending else _logged(self.name, error)
                 raise ValueError(reason) from None
         keep_registered().check()
 
     def finish(self) -> None:
-        """Has the node end its work, when the process ends: all else is closed by then."""
-        self._context.finish()
+        """Has the node, which may be starting, end its work when the process ends.
+
+        All else is closed by then.
+        """
+        with self._finish_lock:
+            self._context.finish()
 
     def end(self) -> None:
         """Ends the node and closes all that it has made."""
-        self._context.finish()
+        self.finish()
         with self._lock:
             self._context.end()
             self._node = None

@@ -76,7 +76,7 @@ class AutoSelection:
             if found.header.stamp > frame.header.stamp:
                 self.add(found)  # Its frame is still to come.
             elif found.header.stamp in stamps:
-                number = stamps.index(found.header.stamp)
+                number = max(i for i, stamp in enumerate(stamps) if stamp == found.header.stamp)
                 self._update_candidates(found.detections, self._frames[number][0].time)
                 self._select_uncovered(number)
 

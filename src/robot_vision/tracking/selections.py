@@ -4,6 +4,7 @@ import contextlib
 import threading
 from typing import Any, Callable, Iterator, List, Optional, Sequence
 
+from ..common.plain_text import MAX_NAME_LENGTH, brief
 from ..ros.context import current
 from ..ros.image_node import ImageNode
 from ..ros.messages import Box, clipped_box
@@ -11,6 +12,7 @@ from ..ros.selections import SELECT_TIMEOUT, Selection, Selections
 from ..srv import ForgetObject, ForgetObjectResponse, SelectObject, SelectObjectResponse
 
 MAX_FRAME_AGE = 1.0  # s; nobody selects something in a frame that is older
+MAX_OBJECTS = 100  # each is looked for in every frame
 
 
 class TrackSelection(Selection):
@@ -98,13 +100,17 @@ class TrackSelections(Selections):
 
     def _select_all(self, waiting: List[TrackSelection]) -> None:
         for selection in waiting:
-            others = [track.id for track in self._tracker.objects()] if selection.replaces else []
+            present = [track.id for track in self._tracker.objects()]
             try:
+                if not selection.replaces and len(present) >= MAX_OBJECTS:
+                    raise ValueError(
+                        f"there are {len(present)} objects, which is the most: forget one before"
+                    )
                 selection.id = self._tracker.select(selection.box, selection.label)
             except ValueError as error:
                 self.refuse(selection, error)
                 continue
-            for number in others:
+            for number in present if selection.replaces else []:
                 self._tracker.forget(number)
             selection.done.set()
 
@@ -112,6 +118,10 @@ class TrackSelections(Selections):
         return TrackSelection(box, replaces=self.replaces)
 
     def _on_select(self, request: Any) -> SelectObjectResponse:
+        length = len(request.label)
+        if length > MAX_NAME_LENGTH:  # It would be published with each frame.
+            error = f"label is {brief(request.label)}: {length} letters, must be at most"
+            return SelectObjectResponse(False, f"{error} {MAX_NAME_LENGTH}", -1)
         selection = TrackSelection(clipped_box(request.region), request.label, replaces=False)
         with self._lock:
             self.add(selection)

@@ -6,6 +6,7 @@ import numpy as np
 from geometry_msgs.msg import Point, Vector3
 
 from .. import TrackedObject, TrackedWindow, draw_dot, draw_outline, draw_text
+from ..common.plain_text import to_ascii
 from ..msg import Detection, Flow, TrackState, TrackStateArray
 from ..ros.messages import box_around, points
 from ..ros.transport import Frame
@@ -64,7 +65,7 @@ def draw_tracks(image: np.ndarray, tracks: List[TrackedObject]) -> None:
     """Draws outlines and points of tracked objects, and the names of lost ones in red."""
     line = 20
     for track in tracks:
-        name = f"{track.label} {track.id}".strip()
+        name = _drawn_name(track)
         if track.tracked:
             outline = np.rint(track.outline).astype(int)
             draw_outline(image, outline, f"{name}: {track.confidence:.0%}")
@@ -77,7 +78,7 @@ def draw_tracks(image: np.ndarray, tracks: List[TrackedObject]) -> None:
 
 def draw_window(image: np.ndarray, window: TrackedWindow) -> None:
     """Draws the outline and the center of a tracked object, yellow if it is only expected."""
-    name = f"{window.label} {window.id}".strip()
+    name = _drawn_name(window)
     outline = np.rint(window.outline).astype(int)
     if window.tracked:
         draw_outline(image, outline, f"{name}: {window.confidence:.0%}")
@@ -86,3 +87,7 @@ def draw_window(image: np.ndarray, window: TrackedWindow) -> None:
         draw_outline(image, outline, f"{name}: expected", YELLOW)
     else:
         draw_text(image, f"{name}: lost", (10, 20), RED)
+
+
+def _drawn_name(track: Union[TrackedObject, TrackedWindow]) -> str:
+    return to_ascii(f"{track.label} {track.id}".strip())
