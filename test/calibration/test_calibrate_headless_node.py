@@ -149,16 +149,18 @@ def test_from_a_bag(calibrate, images, tmp_path, compressed):
                 data = cv2.imencode(".png", image)[1].tobytes()
                 sent = CompressedImage(format="bgr8; png compressed bgr8", data=data)
             made.write(IMAGE, sent, rospy.Time(number + 1))
+        made.write("/\x1b[2J\n", sent, rospy.Time(number + 1))
     code, printed = calibrate("--bag", bag, "--image", IMAGE, "--output", output)
     assert code == 0, printed
     assert_found(output)
-    assert f"has no images on '/other', but on {IMAGE}" in refused(
+    assert f"has no images on '/other', but on /\\x1b[2J\\n, {IMAGE}" in refused(
         calibrate, "--bag", bag, "--image", "/other", "--output", tmp_path / "other.yaml"
     )
 
 
 def test_images_that_cannot_be_used_are_named_and_skipped(calibrate, images, folder, tmp_path):
-    small, broken, gone = (tmp_path / name for name in ("small.png", "broken.png", "gone.png"))
+    names = "small.png", "broken.png", "gone\x1b[2J\n.png"
+    small, broken, gone = (tmp_path / name for name in names)
     cv2.imwrite(str(small), images[0][::2, ::2])
     broken.write_bytes((folder / "00.png").read_bytes()[:1000])
     gone.symlink_to(tmp_path / "nowhere")
@@ -167,7 +169,7 @@ def test_images_that_cannot_be_used_are_named_and_skipped(calibrate, images, fol
     lines = printed.splitlines()
     assert f"skipped {small}: it has 320x240, the images before 640x480" in lines
     assert f"skipped {broken}: PNG of 1000 bytes is damaged or truncated" in lines
-    assert f"skipped {gone}: No such file or directory" in lines
+    assert f"skipped {tmp_path}/gone\\x1b[2J\\n.png: No such file or directory" in lines
     assert any(line.startswith(f"{COUNT + 3} images: {COUNT} used, ") for line in lines)
     assert "0 like others, 3 unusable" in printed
     assert_found(tmp_path / "eye.yaml")
@@ -260,6 +262,10 @@ def fail(_request):
     "handler, reason",
     [
         (lambda _: SetCameraInfoResponse(success=False, status_message="read only"), "read only"),
+        (
+            lambda _: SetCameraInfoResponse(success=False, status_message="\x1b[2J\nfull"),
+            "\\x1b[2J\\nfull",
+        ),
         (lambda _: SetCameraInfoResponse(success=False), "refused"),
         (fail, "disk full"),
     ],

@@ -200,6 +200,33 @@ def test_corners_found_in_a_small_image_are_as_exact():
     assert np.abs(found - expected).max() < 0.02
 
 
+def test_what_was_hidden_of_a_board_is_found_within_the_period():
+    board = make_board(params_of("charuco"))
+    search = BoardSearch(board, 320, 0.25)
+    shown = seen(IMAGES["charuco"], pose_of((0.2, 0.1, 0.0), (0.0, 0.0, 0.3)), noise=0.5)
+    hidden = shown.copy()
+    hidden[:185] = 150  # the upper two of five rows of corners
+    everything, part = len(board.points), len(board.find(hidden).points)
+    assert len(board.find(shown).points) == everything > part
+    counts = [
+        len(search.find(time, gray).points)
+        for time, gray in ((0.0, hidden), (0.1, hidden), (0.2, shown), (0.36, shown), (0.4, shown))
+    ]
+    assert counts[:2] == [part, part] and counts[2] < everything  # the full size is not due
+    assert counts[3:] == [everything, everything]
+
+
+def test_a_board_is_found_in_images_of_another_size_than_the_last():
+    board = boards.chessboard(8, 6, SQUARE)
+    large = np.full((960, 1280), 150, np.uint8)
+    small = seen(IMAGES["chessboard"], pose_of((0.2, 0.1, 0.0), (0.0, 0.0, 0.5)))
+    large[480:, 640:] = small
+    search = BoardSearch(board, 640, 60.0)
+    for gray in (large, small, large):
+        found = search.find(0.0, gray)
+        assert np.abs(found.pixels - board.find(gray).pixels).max() < 0.02
+
+
 @pytest.mark.parametrize("shape", [(1, 1), (1, 640), (7, 5), (481, 641)])
 def test_images_without_a_board_have_none(shape):
     noise = np.random.RandomState(1).randint(100, 110, shape).astype(np.uint8)

@@ -291,6 +291,16 @@ def test_a_file_that_is_no_calibration_is_named(tmp_path, text, reason):
     assert str(error.value).startswith(f"{path}: ") and reason in str(error.value)
 
 
+def test_the_file_of_a_camera_without_a_model_can_be_kept(tmp_path):
+    """Drivers leave the model empty where there is no distortion."""
+    path = tmp_path / "eye.yaml"
+    camera = rv.CameraModel(*SIZE, np.diag([500.0, 500.0, 1.0]), [], "")
+    projection = np.column_stack([np.reshape(camera.K, (3, 3)), np.zeros(3)])
+    path.write_text(camera_yaml(camera, np.eye(3), projection, "eye"))
+    kept = read_camera(str(path))
+    assert (kept.distortion_model, list(kept.D)) == ("plumb_bob", [])
+
+
 def test_a_file_of_a_camera_that_is_not_calibrated_is_named(tmp_path):
     path = tmp_path / "eye.yaml"
     found = calibrate(collected("circles", "plumb_bob").of_camera(0), SIZE, "plumb_bob")

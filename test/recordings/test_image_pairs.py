@@ -62,6 +62,16 @@ def test_two_videos_end_with_the_shorter_one(tmp_path):
     assert np.allclose(list(found.values()), [(50 * i, 50 * i) for i in range(3)], atol=2)
 
 
+def test_names_of_files_are_shown_so_that_they_control_no_terminal(tmp_path):
+    left = folder_of(tmp_path / "left", ["\x1b[2Jl.png"])
+    right = folder_of(tmp_path / "right", ["r\n.png"])
+    assert list(levels((left, right))) == [f"{left}/\\x1b[2Jl.png + {right}/r\\n.png"]
+    right = folder_of(tmp_path / "counted", ["\x1b7.png"])
+    with pytest.raises(ValueError) as error:
+        levels((left, right))
+    assert str(error.value).startswith(f"{left}/\\x1b[2Jl.png and {right}/\\x1b7.png are no pair: ")
+
+
 def test_what_is_no_pair_is_named(tmp_path):
     left = folder_of(tmp_path / "left", ["l_1.png", "l_2.png"])
     right = folder_of(tmp_path / "right", ["r_2.png", "r_3.png"])

@@ -196,6 +196,23 @@ def test_depths_in_another_unit_are_told_so(factor, said):
     assert summary(found.check, "/their/depth", 0.03) == (DiagnosticStatus.WARN, text)
 
 
+def test_of_depths_that_are_left_out_only_a_significant_error_is_told(exact):
+    check = DepthCheck()
+    left_out = [
+        tag._replace(
+            poses=rv.estimate_pose(
+                rv.single_tag(tag.tag.id, tag.size), {tag.tag.id: tag.corners.corners}, exact.camera
+            )
+        )
+        for tag in exact.tags
+    ]
+    while check.left_out()[1] < MIN_PLANES:
+        check.add(left_out, exact.camera, exact.params, exact.errors)
+    assert check.rejects() and check.estimate.errors().worst(0.0)[1] == 0.0
+    text = misfit(check, "/their/depth")
+    assert " in the depth on /their/depth do not fit their corners. They are left out" in text, text
+
+
 def test_tags_without_planes_are_not_counted(exact):
     check = DepthCheck()
     without = [

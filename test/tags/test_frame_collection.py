@@ -3,9 +3,11 @@
 import numpy as np
 import pytest
 
+import robot_vision as rv
 from robot_vision.tags.frame_collection import FrameCollection
 
-WIDTH = 640  # px
+K = np.array([[500.0, 0.0, 320.0], [0.0, 500.0, 240.0], [0.0, 0.0, 1.0]])
+CAMERA = rv.CameraModel(640, 480, K)
 SQUARE = np.array([[100.0, 200.0], [150.0, 200.0], [150.0, 150.0], [100.0, 150.0]])
 
 
@@ -20,7 +22,7 @@ def collection():
 
 def add(collection, *tags, shift=0.0):
     """Adds a frame of tags in a row, moved to the right by `shift` px."""
-    collection.add(WIDTH, [(tag, moved(60.0 * tag + shift)) for tag in tags])
+    collection.add(CAMERA, [(tag, moved(60.0 * tag + shift)) for tag in tags])
 
 
 def ids_of(collection):
@@ -38,7 +40,7 @@ def test_one_corner_that_has_moved_is_enough(collection):
     add(collection, 1, 2)
     turned = moved(120.0)
     turned[2, 1] += 11.0
-    collection.add(WIDTH, [(1, moved(60.0)), (2, turned)])
+    collection.add(CAMERA, [(1, moved(60.0)), (2, turned)])
     assert len(collection.frames()) == 2
     assert np.array_equal(collection.frames()[1][2], turned)
 
@@ -112,8 +114,22 @@ def test_skipped_frames_are_counted_and_the_last_problem_named(collection):
 )
 def test_impossible_corners_are_ignored(collection, corners):
     with np.errstate(all="raise"):
-        collection.add(WIDTH, [(1, SQUARE), (2, moved(60.0)), (3, corners)])
-        collection.add(WIDTH, [(7, corners)])
+        collection.add(CAMERA, [(1, SQUARE), (2, moved(60.0)), (3, corners)])
+        collection.add(CAMERA, [(7, corners)])
+    assert ids_of(collection) == [[1, 2]]
+    assert collection.summary().endswith("; 2 sightings left out, whose corners no camera sees")
+
+
+def test_corners_where_the_lens_has_no_ray_are_ignored(collection):
+    """They would have the layout refused, and with it all other frames."""
+    k1 = -0.3
+    lens = rv.CameraModel(640, 480, K, [k1, 0.0, 0.0, 0.0, 0.0])
+    bend = np.sqrt(-1.0 / (3.0 * k1))  # where the distorted radius, r + k1 r^3, is largest
+    right = 320.0 + 500.0 * (bend + k1 * bend**3)  # px, no ray is seen beyond
+    for left in (right - 40.0, right + 1.0):
+        beyond = moved(left - SQUARE[0, 0])
+        assert not np.isfinite(lens.rays(beyond)).all()
+        collection.add(lens, [(1, SQUARE), (2, moved(60.0)), (3, beyond)])
     assert ids_of(collection) == [[1, 2]]
     assert collection.summary().endswith("; 2 sightings left out, whose corners no camera sees")
 
@@ -121,5 +137,5 @@ def test_impossible_corners_are_ignored(collection, corners):
 def test_thousands_of_detections_in_a_frame(collection):
     others = [(id, SQUARE) for id in range(-(2**31), -(2**31) + 10000)]
     twice = [(7, SQUARE)] * 1000
-    collection.add(WIDTH, [*others, *twice, (1, SQUARE), (2, moved(60.0)), (2**31 - 1, SQUARE)])
+    collection.add(CAMERA, [*others, *twice, (1, SQUARE), (2, moved(60.0)), (2**31 - 1, SQUARE)])
     assert ids_of(collection) == [[1, 2]] and "left out" not in collection.summary()

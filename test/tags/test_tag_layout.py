@@ -49,6 +49,8 @@ def test_a_list_of_families():
     ("arguments", "text"),
     [
         (("", 0.1), "tag36h11"),
+        (([], 0.1, [{"id": 1}]), "families is empty, must be at least one"),
+        (([], 0.1, [], [BUNDLE]), "families is empty, must be at least one"),
         ((7, 0.1), "families is 7, must be names between commas"),
         (("tag36h11, tag36h11", 0.1), "families has 'tag36h11' twice"),
         (("tag36h11", 0), "tag_size is 0, must be above 0 and at most 100 m"),

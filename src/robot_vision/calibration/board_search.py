@@ -65,8 +65,9 @@ class BoardSearch:
     """Finds a board in one frame after the other.
 
     It is looked for where it was, then in the whole image; both are made smaller first if the
-    board's points can be refined in the full image. As small boards are lost so, the image is
-    searched in its full size now and then.
+    board's points can be refined in the full image. As small boards are lost so, and points that
+    come into sight beyond the place of those seen before, the image is searched in its full size
+    now and then.
 
     Args:
         board: The board to look for.
@@ -78,19 +79,26 @@ class BoardSearch:
         self._board = board
         self._search_size = search_size
         self._search_period = search_period
-        self._last: Optional[Tuple[slice, slice]] = None  # rows and columns around the board
+        self._shape: Optional[Tuple[int, int]] = None  # of the last frame
+        self._last: Optional[Tuple[slice, slice]] = None  # its rows and columns around the board
         self._last_full = -math.inf  # s, the last search of an image in its full size
 
     def find(self, time: float, gray: np.ndarray) -> Optional[Observation]:
         """Finds the board in the frame of a time in s, (height, width) uint8; None: not there."""
+        if gray.shape != self._shape:
+            self._shape, self._last = gray.shape, None
         whole = slice(0, gray.shape[0]), slice(0, gray.shape[1])
-        found = self._find_in(gray, self._last) if self._last else None
-        if found is None:
-            found = self._find_in(gray, whole)
         is_due = not 0.0 <= time - self._last_full < self._search_period
-        if found is None and is_due and self._scale(gray.shape) < 1.0:
-            self._last_full = time
-            found = self._board.find(gray)
+        found = self._find_in(gray, self._last) if self._last else None
+        if found is not None:
+            if is_due and len(found.points) < len(self._board.points):
+                self._last_full = time
+                found = max(found, self._board.find(gray) or found, key=_count)
+        else:
+            found = self._find_in(gray, whole)
+            if found is None and is_due and self._scale(gray.shape) < 1.0:
+                self._last_full = time
+                found = self._board.find(gray)
         self._last = _around(found.pixels, gray.shape) if found else None
         return found
 
@@ -120,6 +128,10 @@ def _around(pixels: np.ndarray, shape: Tuple[int, int]) -> Tuple[slice, slice]:
     left, top = np.maximum(low - margin, 0.0).astype(int)
     right, bottom = np.minimum(high + margin + 1.0, shape[::-1]).astype(int)
     return slice(top, bottom), slice(left, right)
+
+
+def _count(found: Observation) -> int:
+    return len(found.points)
 
 
 def _listed() -> str:

@@ -43,7 +43,7 @@ def camera_yaml(
         f"image_height: {camera.height}",
         "camera_name: " + yaml.safe_dump(camera_name, default_style='"').strip(),
         *_matrix("camera_matrix", np.reshape(camera.K, (3, 3))),
-        f"distortion_model: {camera.distortion_model}",
+        f"distortion_model: {camera.distortion_model or 'plumb_bob'}",
         *_matrix("distortion_coefficients", np.reshape(camera.D, (1, -1))),
         *_matrix("rectification_matrix", np.reshape(rotation, (3, 3))),
         *_matrix("projection_matrix", np.reshape(projection, (3, 4))),

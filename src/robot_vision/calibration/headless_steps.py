@@ -11,10 +11,12 @@ from sensor_msgs.srv import SetCameraInfo
 
 from .. import CameraModel
 from ..common.files import add_file, make_folder, reason, replace_file
+from ..common.plain_text import printable
 from .solving import COEFFICIENTS, PARAMETERS, Calibration
 
 PROGRESS = 1.0  # s between lines of progress
 SERVICE_TIMEOUT = 5.0  # s, longest wait for the camera's service
+MAX_PROBLEM = 500  # characters of what the service says that are shown
 MAX_REPORTED = 10  # unusable images that are reported; further ones are only counted
 MAX_FOCAL_DEVIATION = 0.005  # standard deviation of the focal length, as a share of it
 UNSURE = "the focal length is not sure: show the board tilted, and near the borders"
@@ -110,7 +112,7 @@ def set_camera_info(
     except (rospy.ROSException, rospy.ServiceException) as error:
         problem = str(error)
     if problem:
-        raise OSError(f"{name}: {problem}")
+        raise OSError(f"{name}: {printable(problem, MAX_PROBLEM)}")
 
 
 def camera_info(camera: CameraModel, rotation: np.ndarray, projection: np.ndarray) -> CameraInfo:

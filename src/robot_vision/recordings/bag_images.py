@@ -11,7 +11,8 @@ from ..common.files import require_file
 from ..common.plain_text import printable
 from .gray_images import gray_message
 
-# The name of an image, and a function that reads it as (height, width) uint8 or raises ValueError.
+# The name of an image, to be shown, and a function that reads it as (height, width) uint8 or
+# raises ValueError.
 NamedImage = Tuple[str, Callable[[], np.ndarray]]
 MAX_MESSAGE = 200  # characters of an error message
 IMAGE_TYPES = ("sensor_msgs/Image", "sensor_msgs/CompressedImage")
@@ -85,7 +86,7 @@ def require_topic(
 ) -> None:
     """Raises ValueError if the bag has no messages of the types `wanted` on the topic."""
     if kinds.get(topic) not in wanted:
-        there = sorted(name for name, kind in kinds.items() if kind in wanted)
+        there = sorted(printable(name) for name, kind in kinds.items() if kind in wanted)
         raise ValueError(
             f"{path} has no {what} on '{topic}', but on {', '.join(there) or 'no topic'}"
         )

@@ -9,10 +9,10 @@ import numpy as np
 
 from .gray_images import gray_message, gray_pixels
 from .paired_images import paired_frames, paired_messages
-from .recorded_images import images_in, paths_of
+from .recorded_images import images_in, paths_of, shown
 
 Images = Tuple[np.ndarray, np.ndarray]  # left and right, (height, width) uint8
-# The name of a pair, and a function that reads it or raises OSError or ValueError.
+# The name of a pair, to be shown, and a function that reads it or raises OSError or ValueError.
 NamedPair = Tuple[str, Callable[[], Images]]
 MAX_DIGITS = 6  # of a number that counts images; longer ones are times
 
@@ -36,7 +36,8 @@ def pairs_from_files(names: Sequence[str]) -> Iterator[NamedPair]:
         )
     for left, right in zip(*paths):
         if _count_apart(os.path.basename(left), os.path.basename(right)):
-            raise ValueError(f"{left} and {right} are no pair: no number in their names is equal")
+            names_of_both = f"{shown(left)} and {shown(right)}"
+            raise ValueError(f"{names_of_both} are no pair: no number in their names is equal")
         for (name, read_left), (other, read_right) in zip(images_in(left), images_in(right)):
             yield f"{name} + {other}", functools.partial(_both, read_left, read_right)
 

@@ -13,11 +13,13 @@ import rospy
 
 from ..common.files import MAX_IMAGE, read_file, require_file, trying
 from ..common.image_files import has_image_suffix
+from ..common.plain_text import printable
 from ..ros.transport import Frame, ImageSubscriber
 from .bag_images import IMAGE_TYPES, NamedImage, images_on, opened, require_topic, topics_of
 from .gray_images import gray_file, gray_pixels
 
 TIMEOUT = 2.0  # s without an image until that is reported
+MAX_PATH = 1000  # characters of a path that is shown
 
 Item = TypeVar("Item")
 
@@ -42,7 +44,7 @@ def images_in(path: str) -> Iterator[NamedImage]:
         ValueError, OSError: As from_files().
     """
     if has_image_suffix(path):
-        yield path, functools.partial(_read, path)
+        yield shown(path), functools.partial(_read, path)
     else:
         yield from _video(path)
 
@@ -124,6 +126,11 @@ def paths_of(name: str) -> List[str]:
     return found
 
 
+def shown(path: str) -> str:
+    """Returns a path as a name: who filled a folder has named its files."""
+    return printable(path, MAX_PATH)
+
+
 def _read(path: str) -> np.ndarray:
     return gray_file(read_file(path, MAX_IMAGE))
 
@@ -137,7 +144,7 @@ def _video(path: str) -> Iterator[NamedImage]:
     while found:
         found, image = video.read()
         if found:
-            yield f"{path}, frame {number}", functools.partial(gray_pixels, image, "bgr8")
+            yield f"{shown(path)}, frame {number}", functools.partial(gray_pixels, image, "bgr8")
             number += 1
     if not number:
         raise ValueError(f"{path}: no image and no video that OpenCV can read")

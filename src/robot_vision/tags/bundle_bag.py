@@ -78,7 +78,7 @@ def _collect(
                     f"camera_info is of {camera.width}x{camera.height}, "
                     f"{name} on {image} {size[0]}x{size[1]}"
                 )
-            collection.add(camera.width, [(tag.id, np.asarray(tag.corners)) for tag in tags])
+            collection.add(camera, [(tag.id, np.asarray(tag.corners)) for tag in tags])
             if collection.full:
                 return
             if time.monotonic() - last_progress > PROGRESS:

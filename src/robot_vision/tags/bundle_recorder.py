@@ -99,7 +99,7 @@ class BundleRecorder:
                 self._collection.skip(f"camera_info on {self._info_topic}: {error}")
                 return
             self._collection.add(
-                message.width,
+                self._camera,
                 [
                     (tag.id, np.array([(corner.x, corner.y) for corner in tag.corners]))
                     for tag in message.detections

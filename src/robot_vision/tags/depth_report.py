@@ -106,6 +106,7 @@ def misfit(check: DepthCheck, topic: str) -> str:
             text += f": it is {1.0 / ratio:.2g} times too small"
         else:
             depth, error = check.estimate.errors().worst(0.0)
-            text += f": it is off by {error:+.3f} m at {depth:.2f} m"
+            if error:
+                text += f": it is off by {error:+.3f} m at {depth:.2f} m"
     hint = "is the unit right, is tag_size, or has depth_bias to be larger?"
     return f"{text}. They are left out: {hint}"

@@ -5,9 +5,11 @@ from typing import Dict, Iterable, List, Set, Tuple
 
 import numpy as np
 
+from .. import CameraModel, without_bent_edges
+
 MIN_MOTION = 1.0 / 64.0  # of the image's width, of a corner between different frames
 MAX_COORDINATE = 4.0  # of the image's width, largest coordinate of a corner
-MIN_TURN = 1.0  # px^2, least cross product of two edges in a row
+MIN_TURN = 1.0  # px^2, what the cross product of two edges in a row must exceed
 
 
 class FrameCollection:
@@ -35,17 +37,18 @@ class FrameCollection:
         """Whether no more frames are kept."""
         return self._kept == len(self._corners)
 
-    def add(self, width: int, tags: Iterable[Tuple[int, np.ndarray]]) -> None:
-        """Offers a frame of `width` px: the ids and the corners, (4, 2) px, of its tags.
+    def add(self, camera: CameraModel, tags: Iterable[Tuple[int, np.ndarray]]) -> None:
+        """Offers a frame of a camera: the ids and the corners, (4, 2) px, of its tags.
 
         An id that is there twice is ignored, because nobody can tell which tag is which. Corners
-        that no camera can see are ignored too: with them the computation might never end.
+        that the camera cannot see are ignored too: with them the computation might never end, or
+        refuse all frames.
         """
         self.offered += 1
         tags = list(tags)
         times = Counter(tag for tag, _ in tags)
         once = {tag: corners for tag, corners in tags if times[tag] == 1 and tag in self._tags}
-        found = {tag: corners for tag, corners in once.items() if _is_plausible(corners, width)}
+        found = {tag: corners for tag, corners in once.items() if _is_plausible(corners, camera)}
         self._refused += len(once) - len(found)
         if len(found) == 1:
             self._alone.update(found)
@@ -54,7 +57,7 @@ class FrameCollection:
         seen = [self._tags.index(tag) for tag in found]
         corners = np.array(list(found.values()), float)
         moved = np.abs(self._corners[: self._kept, seen] - corners).max(axis=(1, 2, 3))
-        if not (moved < MIN_MOTION * width).any():
+        if not (moved < MIN_MOTION * camera.width).any():
             self._corners[self._kept, seen] = corners
             self._kept += 1
 
@@ -111,10 +114,23 @@ class FrameCollection:
         return {self._tags[i] for i in reached}
 
 
-def _is_plausible(corners: np.ndarray, width: int) -> bool:
-    """Returns whether corners may be a tag's: near the image, convex, and in a tag's order."""
-    if not (np.abs(corners) <= MAX_COORDINATE * width).all():  # This is also true if one is NaN.
+def _is_plausible(corners: np.ndarray, camera: CameraModel) -> bool:
+    """Returns whether corners may be a tag's: near the image, convex, and in a tag's order.
+
+    They must be so for estimate_pose(), too: without the bend of their edges, and as rays.
+    """
+    # The comparison is also false if a corner is NaN.
+    if not (np.abs(corners) <= MAX_COORDINATE * camera.width).all():
         return False
+    if not _is_convex(corners, MIN_TURN):
+        return False
+    straight = without_bent_edges(corners, camera)
+    return _is_convex(straight, MIN_TURN) and _is_convex(camera.rays(straight), 0.0)
+
+
+def _is_convex(corners: np.ndarray, min_turn: float) -> bool:
+    """Returns whether all cross products of two edges in a row exceed `min_turn`."""
     edges = np.roll(corners, -1, axis=0) - corners
     after = np.roll(edges, -1, axis=0)
-    return bool((edges[:, 1] * after[:, 0] - edges[:, 0] * after[:, 1] >= MIN_TURN).all())
+    turns = edges[:, 1] * after[:, 0] - edges[:, 0] * after[:, 1]
+    return bool((turns > min_turn).all())  # This is also false if a corner has no ray.

@@ -141,6 +141,8 @@ def _families(value: Any) -> List[str]:
     names = value.split(",") if isinstance(value, str) else value
     if not isinstance(names, list) or not all(isinstance(name, str) for name in names):
         raise ValueError(f"families is {brief(value)}, must be names between commas")
+    if not names:
+        raise ValueError("families is empty, must be at least one")
     names = [name.strip() for name in names]
     for name in names:
         with about("families"):
