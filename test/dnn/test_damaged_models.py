@@ -102,6 +102,39 @@ def test_a_convolution_by_nothing_is_refused(refusal):
         assert f"{name} of its convolution conv_0 is " in refusal(change)
 
 
+def empty_weights_of_a_node(_):
+    empty = onnx.numpy_helper.from_array(np.zeros((0, 3, 8, 8), np.float32))
+    return onnx.helper.make_node("Constant", [], ["other"], value=empty)
+
+
+def empty_weights_by_another_name(model):
+    weights_of(model).dims[0] = 0
+    weights_of(model).raw_data = b""
+    return onnx.helper.make_node("Identity", [weights_of(model).name], ["other"])
+
+
+@pytest.mark.parametrize("source", [empty_weights_of_a_node, empty_weights_by_another_name])
+def test_a_convolution_by_nothing_is_refused_wherever_that_is_from(refusal, source):
+    def change(model):
+        node_of(model, "Conv").input[1] = "other"
+        nodes = [source(model), *model.graph.node]
+        del model.graph.node[:]
+        model.graph.node.extend(nodes)
+
+    assert "the weights of its convolution conv_0 are empty" in refusal(change)
+
+
+def test_nothing_is_not_put_together_with_constants(refusal):
+    def change(model):
+        empty = np.zeros((0, 3, 8, 8), np.float32)
+        model.graph.initializer.append(onnx.numpy_helper.from_array(empty, "empty"))
+        model.graph.node.add(
+            op_type="Concat", name="both", input=["empty", weights_of(model).name], output=["other"]
+        ).attribute.append(onnx.helper.make_attribute("axis", 0))
+
+    assert "its node both (Concat) takes a constant that is empty" in refusal(change)
+
+
 def test_an_output_that_nothing_gives_is_told(refusal):
     def change(model):
         model.graph.output[0].name = "other"

@@ -6,8 +6,10 @@ import numpy as np
 import pytest
 
 import robot_vision as rv
-from robot_vision.dnn.detection_messages import Seen, object_detection, seen_track
+from robot_vision.dnn.compatible_messages import detections_2d
+from robot_vision.dnn.detection_messages import Seen, object_detection, seen_object, seen_track
 from robot_vision.dnn.detection_overlay import draw_seen
+from robot_vision.msg import DetectionArray
 
 SIZE = 160, 120
 BOX = 20.0, 30.0, 60.0, 70.0
@@ -37,6 +39,22 @@ def found(**details):
     plain = {"box_pixels": (20, 30, 40, 40), "mask": np.empty((0, 0), np.uint8)}
     plain.update(outline=np.empty((0, 2), np.float32), keypoints=np.empty((0, 3), np.float32))
     return SimpleNamespace(**{**plain, **details})
+
+
+def test_an_oriented_box_that_reaches_out_of_the_image_has_its_own_center():
+    params = rv.HeadParams()
+    params.head, params.task, params.classes = "yolov8", "oriented", 1
+    params.input_width, params.input_height = SIZE
+    # Centre, width, height, score and angle: a square on its corner, half of it left of the image.
+    values = np.float32([0.0, 60.0, 40.0, 40.0, 0.9, np.pi / 4]).reshape(1, 6, 1)
+    (one,) = rv.HeadDecoder(params).decode([values], rv.InputPlacement(), SIZE)
+    message = object_detection(seen_object(one, "ship"), SIZE)
+    assert (message.center.x, message.center.y) == pytest.approx((-0.5, 59.5), abs=1e-3)
+    assert message.box.x_offset == 0 and message.box.width == 29  # px, half of the diagonal
+    (other,) = detections_2d(DetectionArray(detections=[message])).detections
+    box = other.bbox
+    assert (box.center.x, box.center.y) == pytest.approx((-0.5, 59.5), abs=1e-3)
+    assert (box.size_x, box.size_y) == pytest.approx((40.0, 40.0), abs=1e-3)
 
 
 FAR = [1e6, 1e8, 1e9, 1e30, 3e38]

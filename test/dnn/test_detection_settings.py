@@ -1,5 +1,7 @@
 """What object_detector makes of its live parameters."""
 
+from types import SimpleNamespace
+
 import pytest
 
 from robot_vision.dnn.detection_settings import settings_of
@@ -23,3 +25,31 @@ def test_what_is_unsure_is_found_only_to_continue_tracks():
     assert (found.score_threshold, found.class_thresholds) == (0.2, {"fork": 0.1})
     found = settings(score_threshold=0.3, unsure_score=0.2, track=False).detection
     assert (found.score_threshold, found.class_thresholds) == (0.3, {})
+
+
+def found(*scores):
+    """Objects of class 0, 1, 0, ... with these scores."""
+    return [SimpleNamespace(class_id=i % 2, score=score) for i, score in enumerate(scores)]
+
+
+def test_what_is_left_out_takes_the_place_of_nothing():
+    """It is neither found, nor does it count if its score is above all thresholds."""
+    only = settings(only="fork", score_threshold=0.3, unsure_score=0.2, max_detections=1)
+    assert (only.detection.score_threshold, only.detection.class_thresholds) == (0.2, {"cup": 1.0})
+    assert only.detection.max_detections > 1
+    assert [one.score for one in only.sure(found(1.0, 0.9, 0.8, 0.7))] == [0.9]
+
+
+def test_what_is_unsure_takes_the_place_of_nothing():
+    scores = settings(class_scores="cup: 0.9", score_threshold=0.3, max_detections=2)
+    assert scores.detection.max_detections > 2
+    assert [one.score for one in scores.sure(found(0.8, 0.7, 0.6, 0.5, 0.4, 0.35))] == [0.7, 0.5]
+
+
+def test_of_classes_with_the_same_name_the_lowest_score_counts():
+    config = {**ObjectDetectorConfig.defaults, "only": "1", "score_threshold": 0.3, "track": False}
+    assert settings_of(config, ["cup", "fork", "fork"]).detection.class_thresholds == {"cup": 1.0}
+    config["class_scores"] = "0: 0.2"
+    config["only"] = ""
+    thresholds = settings_of(config, ["cup", "cup"]).detection.class_thresholds
+    assert thresholds == {"cup": 0.2}

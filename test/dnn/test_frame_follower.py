@@ -165,6 +165,18 @@ def test_it_looks_no_more_often_than_it_shall(rig):
     assert asked == [0, 6, 12, 18, 24, 30]
 
 
+def test_it_looks_at_once_at_a_frame_that_is_wanted(rig):
+    rig = rig(period=10.0)
+    for number, wanted in ((0, False), (1, True), (2, True)):
+        rig.follower.offer(frame_of(number), wanted)
+        assert rig.asked() == number
+        rig.answer([])
+        assert rig.next()[0] == number
+    rig.offer(3)
+    assert rig.next()[0] == 3
+    assert rig.network.asked.empty()
+
+
 def test_when_time_goes_back_it_looks_at_once(rig):
     rig = rig(period=10.0)
     for number in (300, 0):

@@ -49,6 +49,21 @@ def test_a_failure_is_logged_and_is_an_error_of_the_status(report, logged):
     assert values["failures"] == "2"
 
 
+def test_a_failure_counts_until_a_run_succeeds_and_a_while_longer(report, logged, monkeypatch):
+    monkeypatch.setattr(network_report, "RECENT", 0.0)
+    assert status_of(report)[:2] == (
+        DiagnosticStatus.OK,
+        "the network has not looked at a frame yet",
+    )
+    report.add_failure(RuntimeError("no memory"))
+    failed = DiagnosticStatus.ERROR, "the network has failed: no memory"
+    assert status_of(report)[:2] == failed
+    report.add_run(0.25)
+    assert status_of(report)[0] == DiagnosticStatus.OK
+    monkeypatch.setattr(network_report, "RECENT", float("inf"))
+    assert status_of(report)[:2] == failed
+
+
 def test_what_fails_because_the_node_ends_is_not_logged(report, logged, monkeypatch):
     monkeypatch.setattr(rospy.core, "is_shutdown_requested", lambda: True)
     report.add_failure(rospy.ROSException("publish() to a closed topic"))

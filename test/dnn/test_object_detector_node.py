@@ -288,10 +288,8 @@ def test_the_service_searches_a_file_and_the_next_frame(run, tmp_path):
         assert not answer.success and text in answer.message and not answer.objects.detections
 
 
-def test_a_call_for_a_frame_that_cannot_be_searched_says_why(run):
-    _, camera = run(region_x=1000)
-    service = rospy.ServiceProxy(f"{NAME}/detect", DetectObjects)
-    service.wait_for_service(TIMEOUT)
+def answer_to_call(service, camera):
+    """The answer to a call for the next frame; frames are shown until it comes."""
     with concurrent.futures.ThreadPoolExecutor() as pool:
         call = pool.submit(service, "")
 
@@ -300,9 +298,27 @@ def test_a_call_for_a_frame_that_cannot_be_searched_says_why(run):
             return call.done()
 
         support.wait_for(answered, "the answer")
-        answer = call.result()
+        return call.result()
+
+
+def test_a_call_for_a_frame_that_cannot_be_searched_says_why(run):
+    _, camera = run(region_x=1000)
+    service = rospy.ServiceProxy(f"{NAME}/detect", DetectObjects)
+    service.wait_for_service(TIMEOUT)
+    answer = answer_to_call(service, camera)
     assert not answer.success and not answer.objects.detections
     assert "region_x and region_y are 1000 and 0, outside of an image of 64x64" in answer.message
+
+
+@pytest.mark.parametrize("track", [True, False])
+def test_a_call_gets_the_next_frame_however_few_are_looked_at(run, track):
+    _, camera, objects = run(topics=(("objects", DetectionArray),), track=track, max_rate=0.001)
+    objects.of(camera.show(IMAGE).stamp)
+    service = rospy.ServiceProxy(f"{NAME}/detect", DetectObjects)
+    service.wait_for_service(TIMEOUT)
+    answer = answer_to_call(service, camera)
+    assert answer.success, answer.message
+    assert sorted(one.label for one in answer.objects.detections) == ["blue", "red"]
 
 
 def answer_to(client, goal):

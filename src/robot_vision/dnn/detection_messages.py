@@ -84,6 +84,8 @@ def pixels_of(
 def _add_details(message: Detection, found: FoundObject) -> None:
     """Adds the outline of a box that is turned, the mask with its outline, and the keypoints."""
     if len(found.outline):
+        x, y = found.center  # which is not that of its box, if it reaches out of the image
+        message.center = Point(x - CENTER, y - CENTER, 0.0)
         message.outline = points(found.outline - CENTER)
         message.area = float(np.prod(np.linalg.norm(np.diff(found.outline[:3], axis=0), axis=1)))
     if found.mask.size:

@@ -8,9 +8,10 @@ from .. import BoxTrack, BoxTracker, BoxTrackerParams, FoundObject
 from ..ros.live_params import filled
 from .detector import DetectionSettings
 from .thresholds import SURE, ClassThresholds
-from .tiles import Region
+from .tiles import MAX_FOUND, Region
 
 MAX_BOXES = 1000  # of the tracker
+NEVER = 1.0  # a threshold that hardly any score reaches
 
 
 class Settings(NamedTuple):
@@ -61,8 +62,9 @@ class Settings(NamedTuple):
         )
 
     def sure(self, found: Sequence[FoundObject]) -> List[FoundObject]:
-        """Returns those that are reported."""
-        return [one for one in found if self.thresholds.is_sure(one.class_id, one.score)]
+        """Returns those that are reported of what was found, the surest first."""
+        sure = [one for one in found if self.thresholds.is_sure(one.class_id, one.score)]
+        return sure[: self.config["max_detections"]]
 
 
 def settings_of(config: Dict[str, Any], names: Sequence[str]) -> Settings:
@@ -81,10 +83,16 @@ def settings_of(config: Dict[str, Any], names: Sequence[str]) -> Settings:
     unsure = config["unsure_score"] if config["track"] else 1.0
     detection = filled(DetectionSettings(), config)
     detection.score_threshold = min(config["score_threshold"], unsure)
-    lowest = (min(score, unsure) for score in thresholds.scores)
+    lowest: Dict[str, float] = {}  # by name, which classes may share
+    for number, (name, score) in enumerate(zip(names, thresholds.scores)):
+        score = min(score, unsure) if thresholds.wants(number) else NEVER
+        lowest[name] = min(score, lowest.get(name, NEVER))
     detection.class_thresholds = {
-        name: score for name, score in zip(names, lowest) if score != detection.score_threshold
+        name: score for name, score in lowest.items() if score != detection.score_threshold
     }
+    if config["only"].strip() or config["class_scores"].strip():
+        # What is not reported may be surer than what is, and must not take its place.
+        detection.max_detections = max(detection.max_detections, MAX_FOUND)
     tracker = filled(BoxTrackerParams(), config)
     tracker.low_score, tracker.high_score = 0.0, SURE  # on the scale of ClassThresholds
     tracker.max_boxes = min(config["max_detections"], MAX_BOXES)

@@ -23,9 +23,15 @@ class Pace:
         self.period = 0.0
         self._last: Optional[float] = None  # s, the time of the newest that was looked at
 
-    def is_due(self, now: float) -> bool:
-        """Returns whether the frame of this time is looked at; time may go back."""
-        if self._last is not None and 0.0 <= now - self._last < self.period:
+    def is_due(self, now: float, wanted: bool = False) -> bool:
+        """Returns whether the frame of this time is looked at; time may go back.
+
+        Args:
+            now: The time, s.
+            wanted: Whether it is looked at however short the time since the last one is.
+        """
+        early = self._last is not None and 0.0 <= now - self._last < self.period
+        if early and not wanted:
             return False
         self._last = now
         return True
@@ -81,15 +87,15 @@ class FrameFollower:
             self._pace.period = period
             self._score = score
 
-    def offer(self, frame: Frame) -> None:
-        """Takes the next frame."""
+    def offer(self, frame: Frame, wanted: bool = False) -> None:
+        """Takes the next frame, which is looked at sooner than `period` allows if it is wanted."""
         time = frame.time
         with self._changed:
             self._tell_waiting([])
             warp = self._motion.update(frame.image, frame.encoding, self._boxes)
             tracks = self._tracker.predict(time, warp)
             self._boxes = [one.box for one in tracks]
-            if self._job is None and self._pace.is_due(time):
+            if self._job is None and self._pace.is_due(time, wanted):
                 self._begin(_Job(frame, time), tracks)
             else:
                 self._tell(frame, tracks, [])

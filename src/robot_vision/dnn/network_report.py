@@ -14,7 +14,7 @@ from ..ros.status_topic import Status, StatusTopic
 from .network import Network
 
 SMOOTHING = 0.1  # share of the newest run in the mean time
-RECENT = 5.0  # s for which a failure counts
+RECENT = 5.0  # s for which a failure counts even if the next run succeeds
 MAX_ERROR_LENGTH = 300  # characters
 
 
@@ -47,12 +47,14 @@ class NetworkReport:
         self._runs, self._failures = 0, 0
         self._mean: Optional[float] = None  # s that a run takes
         self._last_failure = float("-inf")  # s of the monotonic clock
+        self._fails = False  # whether the newest run has failed
         self._last_error = ""
 
     def add_run(self, seconds: float) -> None:
         """Adds a run of the network on an image, and what is done before and after it."""
         with self._lock:
             self._runs += 1
+            self._fails = False
             mean = seconds if self._mean is None else self._mean
             self._mean = mean + SMOOTHING * (seconds - mean)
 
@@ -61,6 +63,7 @@ class NetworkReport:
         text = error_text(error, MAX_ERROR_LENGTH)
         with self._lock:
             self._failures += 1
+            self._fails = True
             self._last_failure, self._last_error = time.monotonic(), text
             # A node that ends has closed the topics before its network is done.
             due = not current().is_ending() and self._throttle.due()
@@ -79,7 +82,7 @@ class NetworkReport:
         values["last error"] = self._last_error
         if self._mean is not None:
             values["time of a frame (ms)"] = f"{1e3 * self._mean:.1f}"
-        if time.monotonic() - self._last_failure < RECENT:
+        if self._fails or time.monotonic() - self._last_failure < RECENT:
             return DiagnosticStatus.ERROR, f"the network has failed: {self._last_error}", values
         if self._mean is None:
             return DiagnosticStatus.OK, "the network has not looked at a frame yet", values

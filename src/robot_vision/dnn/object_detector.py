@@ -80,8 +80,8 @@ class ObjectDetector:
             raise FrameError(error) from None
         try:
             if settings.track:
-                self._follower.offer(frame)
-            elif self._pace.is_due(frame.time):
+                self._follower.offer(frame, self._calls.waiting)
+            elif self._pace.is_due(frame.time, self._calls.waiting):
                 self._look_at_once(frame)
         finally:
             self._report.publish()
@@ -100,10 +100,10 @@ class ObjectDetector:
         try:
             found = self._find(frame.image)
         except Exception as error:  # Of any kind, as the runtimes raise what they like.
-            self._calls.offer(functools.partial(_raise, error))
+            self._calls.offer(functools.partial(_raise, error), begin)
             raise
         self._report.add_run(time.monotonic() - begin)
-        self._calls.offer(lambda: self._array(frame, found))
+        self._calls.offer(lambda: self._array(frame, found), begin)
         if self._found.wanted:
             self._found.publish(self._array(frame, found))
         return found

@@ -53,13 +53,20 @@ def _require_count(tensor: Any, name: str, count: int) -> None:
         raise ValueError(f"its constant {name} has {has} {what}, must have {must}")
 
 
-def require_convolutions(graph: Any) -> None:
-    """Raises ValueError for convolutions by which OpenCV would divide by zero."""
+def require_operands(graph: Any) -> None:
+    """Raises ValueError for what OpenCV would divide by, or read, though it is not there.
+
+    These are convolutions, and constants that are put together.
+    """
     empty = {one.name for one in graph.initializer if 0 in one.dims}
     for node in nodes_of(graph):
+        if node.op_type == "Constant" and any(0 in one.t.dims for one in node.attribute):
+            empty.update(node.output)
+        name = printable(text_of(node.name))
+        if node.op_type == "Concat" and not empty.isdisjoint(node.input):
+            raise ValueError(f"its node {name} (Concat) takes a constant that is empty")
         if node.op_type not in ("Conv", "ConvTranspose"):
             continue
-        name = printable(text_of(node.name))
         if not empty.isdisjoint(node.input):
             raise ValueError(f"the weights of its convolution {name} are empty")
         for one in node.attribute:

@@ -7,7 +7,7 @@ import numpy as np
 from .._core import OpenCvNetwork
 from .model_facts import ModelFile
 from .network_input import NetworkInput
-from .onnx_check import require_convolutions, require_names
+from .onnx_check import require_names, require_operands
 from .onnx_file import parse
 from .onnx_rewrite import needs_rewriting, opencv_onnx
 from .runtime import Runtime, reason_of
@@ -48,9 +48,10 @@ def _read(model: ModelFile, network_input: NetworkInput) -> OpenCvNetwork:
     if model.kind == "onnx":
         graph = parse(data, "it is no ONNX file").graph
         require_names(graph)
-        require_convolutions(graph)
         if needs_rewriting(model):
             data = opencv_onnx(data, network_input.shape)
+            graph = parse(data, "it is no ONNX file").graph
+        require_operands(graph)  # of what OpenCV gets, where weights may have other names
     try:
         return OpenCvNetwork(model.kind, data, model.description)
     except ValueError as error:

@@ -1,5 +1,6 @@
 """The node object_recognizer, which recognizes learned objects and tells where they are."""
 
+import time
 from typing import Any, Callable, Dict, List, NamedTuple, Optional
 
 import numpy as np
@@ -54,6 +55,7 @@ class Seen(NamedTuple):
     camera: CameraModel
     found: List[Found]
     looks: List[Look]
+    taken: float  # s of the monotonic clock, of the frame
 
 
 class ObjectRecognizer:
@@ -115,6 +117,7 @@ class ObjectRecognizer:
         self._depth.offer(frame, frame.image.shape[1::-1])
 
     def _process(self, frame: Frame, depth: Optional[DepthFrame]) -> None:
+        taken = time.monotonic()
         settings = self._settings
         camera = self._calibration.camera(frame.image.shape[1::-1], settings.rectified)
         recognizer = self._source.recognizer()
@@ -142,7 +145,7 @@ class ObjectRecognizer:
         found = [one for one in found if settings.limits is None or settings.limits.holds(one.pose)]
         self._report.set_frame(told, len(found))
         looks = [self._looks.of(one, camera, self._shows()) for one in found]
-        self._publish(Seen(frame, depths, straight.camera, found, looks))
+        self._publish(Seen(frame, depths, straight.camera, found, looks, taken))
 
     def _find_tables(
         self, depths: Optional[np.ndarray], camera: CameraModel, frame: Frame, on_tables: bool
@@ -174,7 +177,7 @@ class ObjectRecognizer:
             clouds = clouds_of(found, seen.depth, seen.camera, self._straight_looks)
             return object_array(header, found, self._source.path, clouds)
 
-        self._calls.offer(lambda: array_of)
+        self._calls.offer(lambda: array_of, seen.taken)
         if any(output.get_num_connections() for output in self._arrays):
             array = array_of(None)
             for output in self._arrays:

@@ -4,12 +4,19 @@ import contextlib
 import threading
 import time
 from concurrent import futures
-from typing import Any, Callable, Iterator, List
+from typing import Any, Callable, Iterator, List, NamedTuple, Optional
 
 from .image_node import ImageNode
 
 FRAME_PERIOD = 1.0  # s after a frame during which the next one may be on its way already
 POLL_PERIOD = 0.05  # s between two questions whether a call waits no longer
+
+
+class _Call(NamedTuple):
+    """A call that waits."""
+
+    came: float  # s of the monotonic clock
+    result: futures.Future
 
 
 class FrameCalls:
@@ -22,14 +29,26 @@ class FrameCalls:
     def __init__(self, node: ImageNode):
         self._node = node
         self._lock = threading.Lock()  # guards all attributes below
-        self._calls: List[futures.Future] = []  # that get the next frame
-        self._later_calls: List[futures.Future] = []  # that get the one after it
+        self._calls: List[_Call] = []  # that get the next frame
+        self._later_calls: List[_Call] = []  # that get the one after it
         self._working = 0  # number of calls for which the node has to work
         self._last_frame = -FRAME_PERIOD  # s of the monotonic clock
 
-    def offer(self, result: Callable[[], Any]) -> None:
-        """Offers what is made of a frame to the calls that wait: `result` makes it for each."""
-        for call in self._take():
+    @property
+    def waiting(self) -> bool:
+        """Whether a call waits for a frame."""
+        with self._lock:
+            return bool(self._calls or self._later_calls)
+
+    def offer(self, result: Callable[[], Any], taken: Optional[float] = None) -> None:
+        """Offers what is made of a frame to the calls that wait for it.
+
+        Args:
+            result: A function that makes it, which is called for each.
+            taken: When the node took the frame, s of the monotonic clock, by default now; calls
+                that came later wait on.
+        """
+        for call in self._take(taken):
             try:
                 call.set_result(result())
             except Exception as error:
@@ -59,30 +78,33 @@ class FrameCalls:
         Raises:
             RuntimeError: There was no frame, or `given_up` returned a true value.
         """
-        call: futures.Future = futures.Future()
         with self._lock:
+            call = _Call(time.monotonic(), futures.Future())
             # A frame that was taken before the call may be on its way.
-            on_its_way = time.monotonic() - self._last_frame < FRAME_PERIOD
+            on_its_way = call.came - self._last_frame < FRAME_PERIOD
             (self._later_calls if on_its_way else self._calls).append(call)
-        deadline = time.monotonic() + timeout
         try:
-            while not futures.wait([call], POLL_PERIOD).done:
+            while not futures.wait([call.result], POLL_PERIOD).done:
                 if given_up():
                     raise RuntimeError("the call was ended")
-                if time.monotonic() > deadline:
+                if time.monotonic() > call.came + timeout:
                     raise RuntimeError(self._node.no_frame(timeout))
-            return call.result()
+            return call.result.result()
         finally:
             with self._lock:
                 for calls in (self._calls, self._later_calls):
                     if call in calls:
                         calls.remove(call)
 
-    def _take(self) -> List[futures.Future]:
-        """Returns the calls that get the frame that there is now."""
+    def _take(self, taken: Optional[float] = None) -> List[futures.Future]:
+        """Returns the calls that get the frame that was taken at that time, by default now."""
         with self._lock:
-            self._last_frame = time.monotonic()
-            ready, self._calls, self._later_calls = self._calls, self._later_calls, []
+            taken = time.monotonic() if taken is None else taken
+            self._last_frame = taken
+            ready = [call.result for call in self._calls if call.came <= taken]
+            promoted = [call for call in self._later_calls if call.came <= taken]
+            self._calls = [call for call in self._calls if call.came > taken] + promoted
+            self._later_calls = [call for call in self._later_calls if call.came > taken]
         return ready
 
     def _count(self, change: int) -> None:
