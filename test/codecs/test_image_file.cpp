@@ -156,6 +156,11 @@ TEST(ImageFile, givesAnEmptyImageForOtherAndTruncatedFiles)
     const Bytes file = bytesOf(text);
     EXPECT_TRUE(decodeImageFile(file.data(), file.size(), cv::IMREAD_COLOR).empty()) << text;
   }
+  std::string pam = "P7\n";  // of which a search for each of its words would never end
+  for (int i = 0; i < 2000000; ++i)
+    pam += "WIDTH#";
+  const Bytes endless = bytesOf(pam);
+  EXPECT_TRUE(decodeImageFile(endless.data(), endless.size(), cv::IMREAD_COLOR).empty());
   for (const auto& [name, bomb] : bombs())
     for (std::size_t size = 0; size < std::min<std::size_t>(bomb.size(), 200); ++size)
       refusal([&, &bytes = bomb, size]

@@ -9,6 +9,7 @@
 #include <boost/make_shared.hpp>
 #include <opencv2/core.hpp>
 #include <string>
+#include <vector>
 
 #include "nodelets/factories.hpp"
 #include "robot_vision/depth/depth_points.hpp"
@@ -86,6 +87,10 @@ public:
 
   bool isAskedForColors() const { return colors_.getNumSubscribers() > 0; }
 
+  std::string encoding = "bgr8";     // of the color images
+  std::uint8_t value = 3;            // of all bytes of images
+  sensor_msgs::ImageConstPtr color;  // the color image that was sent last
+
 private:
   void show()
   {
@@ -93,7 +98,7 @@ private:
     sendInfo(depth_info_, "depth_eye");
     sendInfo(color_info_, "rgb_eye");
     send(depths_, "depth_eye", "16UC1", 2, stamp);
-    send(colors_, "rgb_eye", "bgr8", 3, stamp);
+    color = send(colors_, "rgb_eye", encoding, 3, stamp);
   }
 
   static void sendInfo(const ros::Publisher& to, const std::string& frame)
@@ -107,18 +112,19 @@ private:
     to.publish(info);
   }
 
-  static void send(const ros::Publisher& to, const std::string& frame, const std::string& encoding, std::uint32_t bytes,
-                   const ros::Time& stamp)
+  sensor_msgs::ImageConstPtr send(const ros::Publisher& to, const std::string& frame, const std::string& layout,
+                                  std::uint32_t bytes, const ros::Time& stamp) const
   {
     const auto image = boost::make_shared<sensor_msgs::Image>();
     image->header.stamp = stamp;
     image->header.frame_id = frame;
-    image->encoding = encoding;
+    image->encoding = layout;
     image->width = kWidth;
     image->height = kHeight;
     image->step = bytes * kWidth;
-    image->data.resize(std::size_t{image->step} * kHeight, 3);
+    image->data.resize(std::size_t{image->step} * kHeight, value);
     to.publish(image);
+    return image;
   }
 
   ros::NodeHandle nh_{"/camera"};
@@ -153,6 +159,30 @@ TEST(DepthOutputs, onlyWhatIsSubscribedToIsMade)
   EXPECT_TRUE(cameras.isAskedForColors());
   EXPECT_GT(colored, 0);
   EXPECT_EQ(placed, 0);
+}
+
+TEST(DepthOutputs, imagesOfAnotherEncodingDoNotChangeThoseBefore)
+{
+  Cameras cameras;
+  const auto nodelet = makeDepthRegistration();
+  nodelet->init("/camera/registration", {}, {});
+  const Receiver<sensor_msgs::PointCloud2> points("/camera/depth_registered/points");
+  std::vector<sensor_msgs::ImageConstPtr> before;
+  const auto show = [&](std::size_t clouds)
+  {
+    return cameras.showUntil(
+        [&]
+        {
+          if (cameras.encoding == "bgr8") before.push_back(cameras.color);
+          return points.seconds().size() > clouds;
+        });
+  };
+  ASSERT_TRUE(show(3));
+  cameras.encoding = "rgb8";
+  cameras.value = 7;
+  ASSERT_TRUE(show(points.seconds().size() + 10));
+  for (const sensor_msgs::ImageConstPtr& image : before)
+    EXPECT_EQ(image->data, std::vector<std::uint8_t>(image->data.size(), 3));
 }
 
 TEST(RegistrationInput, exchangedCalibrationsAreNotExchangedAgain)

@@ -104,6 +104,24 @@ TEST(CameraModel, givesNanForPixelsThatNoRayReaches)
   EXPECT_FALSE(std::isnan(camera.ray({320.0 + furthest - 1.0, 240.0}).x));
   EXPECT_TRUE(std::isnan(camera.ray({320.0 + furthest + 1.0, 240.0}).x));
   EXPECT_TRUE(std::isnan(camera.ray({0.0, 0.0}).y));
+  // Beyond that the distortion shows points on the other side: they are no rays, nor a guess for those beside them.
+  camera.K = {300, 0, 320, 0, 300, 240, 0, 0, 1};
+  const RayTable table = rayTable(camera);
+  int beyond = 0;
+  for (int y = 0; y < camera.height; ++y)
+    for (int x = 0; x < camera.width; ++x)
+    {
+      const bool reached = std::hypot((x - 320.0) / 300.0, (y - 240.0) / 300.0) < 2.0 / 3.0 / std::sqrt(0.9);
+      const cv::Point2d ray(table.x.at<float>(y, x), table.y.at<float>(y, x)), alone = camera.ray(cv::Point2d(x, y));
+      ASSERT_EQ(std::isnan(ray.x), !reached) << x << " " << y;
+      ASSERT_EQ(std::isnan(alone.x), !reached) << x << " " << y;
+      beyond += reached ? 0 : 1;
+      if (reached)
+      {
+        ASSERT_LT(cv::norm(ray - alone), 1e-6) << x << " " << y;
+      }
+    }
+  EXPECT_GT(beyond, 1000);
   // What an ideal fisheye sees at 90 degrees or more is not in front of the camera.
   camera = cameraWith({0.0, 0.0, 0.0, 0.0}, "equidistant");
   EXPECT_FALSE(std::isnan(camera.ray({318.0 + 520.0 * 1.55, 243.0}).x));

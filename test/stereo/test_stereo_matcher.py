@@ -274,6 +274,11 @@ def test_parameters_out_of_range_are_refused(values, said):
             "the images' size is 20x40, must be at least 22 px wide and high",
         ),
         (
+            ((40, 60),) * 2,
+            {"method": "bm", "prefilter": "normalized_response", "prefilter_size": 89},
+            "the images' size is 60x40, must be at least 44 px wide and high",
+        ),
+        (
             ((40, 30),) * 2,
             {"full_image": False},
             "the images' width is 30, must be above 32 px, what disparities from min_disparity on",

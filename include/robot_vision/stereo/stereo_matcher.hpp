@@ -46,7 +46,7 @@ struct StereoParams
           "bm: side of the blocks that are compared");
     visit("prefilter", &StereoParams::prefilter, OneOf{"xsobel or normalized_response"}, "",
           "bm: what makes both images alike in brightness");
-    visit("prefilter_size", &StereoParams::prefilter_size, OddRange{5, 255}, "px",
+    visit("prefilter_size", &StereoParams::prefilter_size, OddRange{5, 89}, "px",
           "bm, normalized_response: side of the window that brightness is compared in");
     visit("texture_threshold", &StereoParams::texture_threshold, Range{0, 100000}, "",
           "bm: least sum of the prefiltered block's values");

@@ -86,6 +86,8 @@ std::optional<ClaimedSize> sizeOfPnm(const Bytes& file)
   return ClaimedSize{*width, *height};
 }
 
+constexpr std::size_t kMaxPamHeader = 4096;  // bytes; with some 100 lines more would take long to be looked through
+
 /// The largest number that follows a keyword in the header. OpenCV takes the last one.
 std::uint64_t maxPamNumber(const Bytes& file, const std::string& keyword, std::size_t end)
 {
@@ -103,8 +105,9 @@ std::optional<ClaimedSize> sizeOfPam(const Bytes& file)
 {
   const std::string last = "\nENDHDR";  // at the begin of a line, because a comment may contain the word
   std::size_t end = 0;
-  while (end < file.size() && !file.beginsWith(last.data(), last.size(), end))
+  while (end < kMaxPamHeader && !file.beginsWith(last.data(), last.size(), end))
     ++end;
+  if (end == kMaxPamHeader) return std::nullopt;
   return ClaimedSize{maxPamNumber(file, "WIDTH", end), maxPamNumber(file, "HEIGHT", end)};
 }
 

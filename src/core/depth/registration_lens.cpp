@@ -34,13 +34,6 @@ double widestAngle(const CameraModel& camera, double margin)
   return std::min(widest, kWidest);
 }
 
-/// Whether what is farther from the axis than a point is seen farther out in the image, too.
-bool holds(const Distortion& distortion, const cv::Point2d& point)
-{
-  const Distorted seen = distortion.distort(point);
-  return cv::determinant(seen.jacobian) > 0.0 && seen.point.dot(point) > 0.0;
-}
-
 LensKind kindOf(const CameraModel& camera)
 {
   if (isEquidistant(camera.distortion_model)) return LensKind::kEquidistant;
@@ -62,7 +55,8 @@ double lensRadius(const CameraModel& camera, double margin)
     for (int i = 0; i < kDirections; ++i)
     {
       const double direction = 2.0 * CV_PI * i / kDirections;
-      if (!holds(distortion, {next * std::cos(direction), next * std::sin(direction)})) return radius;
+      const cv::Point2d point(next * std::cos(direction), next * std::sin(direction));
+      if (!Distortion::holds(distortion.distort(point), point)) return radius;
     }
     radius = next;
   }

@@ -1,5 +1,6 @@
 #include "robot_vision/dnn/opencv_network.hpp"
 
+#include <mutex>
 #include <opencv2/core/utils/logger.hpp>
 #include <stdexcept>
 
@@ -10,17 +11,27 @@ namespace
 
 namespace logging = cv::utils::logging;
 
-/// Keeps OpenCV from printing errors that it throws as well.
+/// Keeps OpenCV from printing errors that it throws as well. The level is one for all threads.
 class QuietOpenCv
 {
 public:
-  QuietOpenCv() : before_(logging::setLogLevel(logging::LOG_LEVEL_SILENT)) {}
-  ~QuietOpenCv() { logging::setLogLevel(before_); }
+  QuietOpenCv()
+  {
+    const std::lock_guard<std::mutex> lock(mutex);
+    if (count++ == 0) before = logging::setLogLevel(logging::LOG_LEVEL_SILENT);
+  }
+  ~QuietOpenCv()
+  {
+    const std::lock_guard<std::mutex> lock(mutex);
+    if (--count == 0) logging::setLogLevel(before);
+  }
   QuietOpenCv(const QuietOpenCv&) = delete;
   QuietOpenCv& operator=(const QuietOpenCv&) = delete;
 
 private:
-  logging::LogLevel before_;
+  static inline std::mutex mutex;  // guards both
+  static inline int count = 0;
+  static inline logging::LogLevel before;  // the first of all that are there
 };
 
 /// What `work` returns; exceptions of OpenCV, which lets those of other libraries through, as std::invalid_argument.

@@ -84,7 +84,10 @@ std::vector<Operation> morphologyOperations()
        [](const OperationValues& v) -> Operation::Step
        {
          return [kernel = hitOrMissKernel(v.word("rows"))](const OperationInput& in, cv::Mat& out)
-         { cv::morphologyEx(in.image, out, cv::MORPH_HITMISS, kernel); };
+         {
+           requireWork("rows", cv::countNonZero(kernel), in.image.size(), kMaxComparisons);
+           cv::morphologyEx(in.image, out, cv::MORPH_HITMISS, kernel);
+         };
        }},
   };
 }

@@ -70,10 +70,12 @@ cv::Point2d undistortPolynomial(const Coefficients& D, const cv::Point2d& target
     const double det = J(0, 0) * J(1, 1) - J(0, 1) * J(1, 0);
     guess.x += (J(1, 1) * error.x - J(0, 1) * error.y) / det;
     guess.y += (J(0, 0) * error.y - J(1, 0) * error.x) / det;
-    if (error.dot(error) < kConvergedError * kConvergedError) return guess;
+    if (error.dot(error) < kConvergedError * kConvergedError) return Distortion::holds(now, guess) ? guess : kNoPoint;
   }
-  const cv::Point2d error = target - byPolynomial(D, guess).point;
-  return error.dot(error) < kMaxError * kMaxError ? guess : kNoPoint;
+  const Distorted reached = byPolynomial(D, guess);
+  const cv::Point2d error = target - reached.point;
+  const bool found = error.dot(error) < kMaxError * kMaxError && Distortion::holds(reached, guess);
+  return found ? guess : kNoPoint;
 }
 
 cv::Point2d undistortAngle(const Coefficients& D, const cv::Point2d& target)
@@ -113,6 +115,11 @@ bool isDistorted(const CameraModel& camera)
 Distortion::Distortion(const CameraModel& camera) : equidistant_(isEquidistant(camera.distortion_model))
 {
   std::copy_n(camera.D.begin(), std::min(camera.D.size(), D_.size()), D_.begin());
+}
+
+bool Distortion::holds(const Distorted& seen, const cv::Point2d& point)
+{
+  return cv::determinant(seen.jacobian) > 0.0 && seen.point.dot(point) >= 0.0;
 }
 
 Distorted Distortion::distort(const cv::Point2d& point) const

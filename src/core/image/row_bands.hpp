@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cstdint>
 #include <opencv2/core.hpp>
 
 namespace robot_vision
@@ -32,10 +33,12 @@ void parallelForRows(int rows, int threads, int min_rows, const Work& work)
     work(0, cv::Range(0, rows));
     return;
   }
+  // An image may have so many rows that their product with the number of bands is no int.
+  const auto begin = [&](int i) { return static_cast<int>(std::int64_t{rows} * i / count); };
   const auto run = [&](const cv::Range& bands)
   {
     for (int i = bands.start; i < bands.end; ++i)
-      work(i, cv::Range(rows * i / count, rows * (i + 1) / count));
+      work(i, cv::Range(begin(i), begin(i + 1)));
   };
   cv::parallel_for_({0, count}, run, count);
 }

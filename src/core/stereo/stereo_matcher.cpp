@@ -112,7 +112,8 @@ struct StereoMatcher::Impl
 
   void requireMatchable(const cv::Size& size) const
   {
-    const int smallest = isBm(params) ? std::max(kMinSide, params.bm_block_size + 1) : kMinSide;
+    const int window = params.prefilter == "normalized_response" ? params.prefilter_size / 2 : 0;
+    const int smallest = isBm(params) ? std::max({kMinSide, params.bm_block_size + 1, window}) : kMinSide;
     require(std::min(size.width, size.height) >= smallest, "the images' size", toText(size),
             "at least " + std::to_string(smallest) + " px wide and high");
     const int reach = std::max(0, params.min_disparity + params.disparities) + std::max(0, -params.min_disparity);

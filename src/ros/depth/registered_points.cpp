@@ -82,11 +82,13 @@ void RegisteredPoints::publishColored(const ColoredDepth& pair)
   const cv::Mat image = viewPixels(*pair.color), depth = viewAnyPixels(*pair.depth);
   require(image.size() == depth.size(), "its size", toText(image.size()),
           toText(depth.size()) + " as on " + topics_.color_info);
-  toBgr(image, pair.color->encoding, bgr_);
+  cv::Mat bgr = std::exchange(converted_, cv::Mat());
+  toBgr(image, pair.color->encoding, bgr);
   const auto cloud = pool_.take(image.size(), /*colored=*/true);
   cloud->header = pair.depth->header;
   cv::Mat points = writablePoints(*cloud);
-  maker_->cloud(depth, pair.depth->encoding, bgr_, points);
+  maker_->cloud(depth, pair.depth->encoding, bgr, points);
+  if (bgr.data != image.data) converted_ = bgr;  // not those of the message, which others have
   publish_(cloud);
 }
 

@@ -63,7 +63,7 @@ private:
   std::shared_ptr<const DepthPoints> maker_;  // these three are of the last depth image
   FrameStatistics* statistics_ = nullptr;
   bool counts_ = false;
-  cv::Mat bgr_;
+  cv::Mat converted_;  // memory for the next color image that is not bgr8
   ColorPairs pairs_;
   ImageSubscription subscription_;
 };
