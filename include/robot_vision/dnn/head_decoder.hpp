@@ -57,7 +57,7 @@ struct FoundObject
 /// - Of a box with scores for several classes, the class with the highest counts, of equals the first.
 /// - Its score must be at least the threshold of the class; an objectness, where there is one, the lowest threshold.
 /// - What is not finite is left out, be it a score or a coordinate of a box: such a class is none, such a box is none,
-///   and neither is a box of detr with such a logit, a box without area, and one outside of the image.
+///   and neither is a box of detr with a logit of NaN or infinity, a box without area, and one outside of the image.
 /// - Of more than kMaxCandidates boxes, those with the highest scores count; of equals, the first.
 /// - Then, except for ssd, yolov10, detr and rtdetr, whose networks do that, the surest box is kept, those of its class
 ///   that overlap it by an intersection over union above iou_threshold are left out, and so on. Oriented boxes overlap

@@ -34,7 +34,7 @@ struct KinectFrame
 };
 
 /// Images on their way from the thread that has them written to memory to the one that takes the newest. The cameras of
-/// a Kinect run freely: images of both belong together that are as near in time as they can be.
+/// a Kinect run freely: images of both belong together that are the first ones within kMaxKinectGap of each other.
 class KinectFrames
 {
 public:

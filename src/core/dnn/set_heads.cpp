@@ -92,7 +92,7 @@ void findDetr(const HeadParams& params, const HeadOutputs& outputs, Candidates& 
     double sum = 0.0;
     for (const float* logit = row; logit <= end; ++logit)
       sum += std::exp(*logit - highest);
-    // NaN where a logit is NaN or infinite: such a row has no score.
+    // NaN where a logit is NaN or infinity: such a row has no score. One of minus infinity is no more than none.
     const auto score = static_cast<float>(std::exp(*best - highest) / sum);
     const auto class_id = static_cast<int>(best - row);
     if (candidates.reaches(score, class_id)) addCenteredShare(params, score, class_id, i, boxes.row(i), candidates);
