@@ -259,7 +259,7 @@ def test_colors_of_several_spaces_are_found_changed_live_and_saved(start, tmp_pa
         ("hsv_tracker.py", "space", "cmyk", "space is 'cmyk', must be one of hsv, hls, lab"),
         ("ball_tracker.py", "h_low", 200, "h_low is 200, must be from 0 to 180"),
         ("ball_tracker.py", "ball_diameter", -1, "ball_diameter is -1, must be"),
-        ("line_follower.py", "min_speed", 0.3, "min_speed is 0.3, must be at most linear_speed"),
+        ("line_follower.py", "timeout", 11.0, "timeout is 11, must be from 0.05 to 10"),
         ("line_follower.py", "image_transport", "pigeon", "must be one that is installed: "),
     ],
 )
