@@ -45,7 +45,7 @@ def learn_a_bundle(folder, monkeypatch):
     def collect(_arguments, collection, _progress):
         for body in bodies:
             seen = [(tag, corners_of(body @ place, camera)) for tag, place in places.items()]
-            collection.add(camera.width, seen)
+            collection.add(camera, seen)
         return camera
 
     monkeypatch.setattr(calibrate_bundle, "_collect", collect)
