@@ -5,6 +5,7 @@ import http.server
 import itertools
 import os
 import pathlib
+import re
 import subprocess
 import threading
 import time
@@ -204,6 +205,53 @@ def test_network_stream_plays_and_is_waited_for(start):
     assert len(levels) > 10 and levels <= set(range(0, 200, 10))
     process.interrupt()
     assert process.exit_code() == 0, process.output()
+    server.shutdown()
+    server.server_close()
+
+
+class FailingServer(http.server.BaseHTTPRequestHandler):
+    """Has a video, of which it sends only the half to the first who asks."""
+
+    video = b""
+    asked = 0
+
+    def do_GET(self):
+        self.send_response(200)
+        self.send_header("Content-Type", "video/x-msvideo")
+        self.send_header("Content-Length", str(len(self.video)))
+        self.end_headers()
+        type(self).asked += 1
+        whole = self.asked > 1
+        with contextlib.suppress(OSError):
+            self.wfile.write(self.video if whole else self.video[: len(self.video) // 2])
+
+    def log_message(self, *_):
+        pass
+
+
+def test_video_of_a_server_that_fails_is_asked_for_again(start, tmp_path):
+    """Its frames are of noise, so that FFmpeg has not read most of them when it opens the video."""
+    path = str(tmp_path / "noise.avi")
+    writer = cv2.VideoWriter(path, cv2.CAP_FFMPEG, cv2.VideoWriter_fourcc(*"MJPG"), 50, (320, 240))
+    noise = np.random.default_rng(1).integers(0, 50, (240, 320, 3))
+    for i in range(24):
+        writer.write((noise + 8 * i).astype(np.uint8))
+    writer.release()
+    FailingServer.video = pathlib.Path(path).read_bytes()
+    server = http.server.ThreadingHTTPServer(("127.0.0.1", 0), FailingServer)
+    server.daemon_threads = True
+    threading.Thread(target=server.serve_forever, daemon=True).start()
+    url = f"http://127.0.0.1:{server.server_port}/noise.avi"
+    images = support.Messages("/camera/image_raw", Image)
+    process = start("camera_node", f"_source:={url}")
+    assert process.exit_code() == 0, process.output()
+    broke = re.search(
+        re.escape(url) + r": the stream broke off after (\d+) of 24 frames; trying",
+        process.output(),
+    )
+    assert broke, process.output()
+    assert 5 < int(broke[1]) < 15 and len(images.received) > 24
+    assert max(pixels(image).mean() for image in images.received) > 8 * 20
     server.shutdown()
     server.server_close()
 

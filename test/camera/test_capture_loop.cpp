@@ -65,6 +65,7 @@ public:
   }
 
   void demand(Demand demand) { loop_->setDemand(demand); }
+  void pace(double framerate) { loop_->setPace(framerate, /*loop=*/false); }
 
   /// Ends the test; to be called in the loop's thread.
   void finish()
@@ -303,6 +304,27 @@ TEST(CaptureLoop, waitsForTheKeyframeOfAStream)
   EXPECT_EQ(capture.loss, "");
   EXPECT_EQ(capture.opened, 1);
   EXPECT_GT(capture.prepared, 0);
+}
+
+TEST(CaptureLoop, opensForAnotherRateOnlyWhatTakesOneWhenItIsOpened)
+{
+  for (const bool stream : {false, true})
+  {
+    Capture capture;
+    if (stream)
+    {
+      capture.params.source = "rtsp://camera/live";
+      capture.open = [](const CaptureParams&) { return std::make_unique<LateKeyframe>(Clock::duration::zero()); };
+    }
+    int frames = 0;
+    capture.on_frame = [&](const Frame&)
+    {
+      if (++frames == 1) capture.pace(15.0);
+      if (frames == 5) capture.finish();
+    };
+    capture.runUntilFinished();
+    EXPECT_EQ(capture.opened, stream ? 1 : 2);
+  }
 }
 
 TEST(CaptureLoop, tellsTheSourceWhichViewsAreWanted)

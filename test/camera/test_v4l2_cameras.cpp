@@ -110,6 +110,16 @@ TEST_F(Machine, listsItsCamerasByNumberWithoutOtherDevices)
   EXPECT_EQ(describe(cameras[1]), node(10) + " (Microscope, usb-0000:00:14.0-4)");
 }
 
+/// A USB device chooses its names and its serial number.
+TEST_F(Machine, namesThatADeviceHasChosenCannotControlATerminal)
+{
+  plug(0, "Caméra\x1b[2J", "1", "1A\x1b]0;2B");
+  const std::vector<V4l2Camera> cameras = listV4l2Cameras(system_);
+  ASSERT_EQ(cameras.size(), 1U);
+  EXPECT_EQ(cameras[0].card, "Caméra\\x1b[2J");
+  EXPECT_EQ(cameras[0].serial, "1A\\x1b]0;2B");
+}
+
 TEST_F(Machine, findsACameraByEachOfItsNames)
 {
   plug(0, "Integrated Camera", "7");

@@ -116,8 +116,8 @@ private:
   void setPace(double framerate, bool loop)
   {
     next_frame_ = Clock::now();
-    // A device and the scene take their rate when they are opened.
-    const bool has_rate = source_ && (source_->rate() == 0.0 || params_.source == "synthetic");
+    // A device and the scene take their rate when they are opened; a stream and a Kinect have their own.
+    const bool has_rate = params_.kind == SourceKind::kDevice || params_.kind == SourceKind::kSynthetic;
     if (has_rate && framerate != params_.framerate) source_.reset();
     params_.framerate = framerate;
     if (!ended_ || !loop || !source_) return;

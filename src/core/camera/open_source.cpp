@@ -60,7 +60,7 @@ std::unique_ptr<FrameSource> openVideoFile(const std::string& path, const Captur
   if (!S_ISREG(info.st_mode)) throw SourceError(path + " cannot be read: it is no file");  // reading a pipe would block
   if (info.st_size == 0) throw SourceError(path + ": the file is empty");
   if (params.views == "rgbd") throw SourceError(path + ": a video has no depths: views must be one or stereo");
-  return openVideo(path);
+  return openVideo(path, params.timeout);
 }
 
 std::unique_ptr<FrameSource> openFrames(const CaptureParams& params)
@@ -75,7 +75,7 @@ std::unique_ptr<FrameSource> openFrames(const CaptureParams& params)
     case SourceKind::kKinect:
       return openKinect(params);
     case SourceKind::kUrl:
-      return openVideo(source);
+      return openVideo(source, params.timeout);
     case SourceKind::kImages:
       return openImages(source, params);
     case SourceKind::kVideo:

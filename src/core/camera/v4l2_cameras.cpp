@@ -10,6 +10,7 @@
 #include <optional>
 
 #include "robot_vision/camera/frame_source.hpp"
+#include "robot_vision/common/printable.hpp"
 #include "robot_vision/common/range.hpp"
 
 namespace robot_vision
@@ -26,7 +27,7 @@ std::string readLine(const fs::path& path)
   std::string line;
   std::ifstream file(path);
   std::getline(file, line);
-  return line.substr(0, line.find_last_not_of(" \t\r") + 1);
+  return shortened(line.substr(0, line.find_last_not_of(" \t\r") + 1));  // a device may have chosen it
 }
 
 std::vector<fs::path> entriesOf(const fs::path& folder)

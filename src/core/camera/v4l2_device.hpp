@@ -8,6 +8,8 @@
 #include <memory>
 #include <string>
 
+#include "robot_vision/common/printable.hpp"
+
 namespace robot_vision
 {
 
@@ -48,12 +50,13 @@ private:
 /// Describes a device. `capabilities` are those of this device file, not of all files of the device together.
 v4l2_capability queryCapability(V4l2Device& device);
 
-/// The text in a field of a driver's answer; a text that fills its field has no zero at its end.
+/// The text in a field of a driver's answer, which a USB device may have chosen, as shortened() makes it; a text that
+/// fills its field has no zero at its end.
 template <class Character, std::size_t size>
 std::string textOf(const Character (&field)[size])
 {
   const auto* begin = reinterpret_cast<const char*>(field);
-  return {begin, std::find(begin, begin + size, '\0')};
+  return shortened({begin, std::find(begin, begin + size, '\0')});
 }
 
 std::unique_ptr<V4l2Device> openV4l2Device(const std::string& path);

@@ -12,10 +12,10 @@ std::unique_ptr<H264Decoder> makeH264Decoder()
   return std::unique_ptr<H264Decoder>(make());
 }
 
-std::unique_ptr<FrameSource> openVideo(const std::string& path)
+std::unique_ptr<FrameSource> openVideo(const std::string& path, double timeout)
 {
   static auto* const open = onDemand<decltype(robot_vision_open_video)>("codecs", "robot_vision_open_video");
-  return std::unique_ptr<FrameSource>(open(path));
+  return std::unique_ptr<FrameSource>(open(path, timeout));
 }
 
 }  // namespace robot_vision

@@ -29,9 +29,9 @@ public:
 /// Throws SourceError if FFmpeg was built without an H.264 decoder.
 std::unique_ptr<H264Decoder> makeH264Decoder();
 
-/// A video file, or a stream by its URL. Throws SourceUnavailable if the stream does not answer, SourceError if the
-/// file cannot be read.
-std::unique_ptr<FrameSource> openVideo(const std::string& path);
+/// A video file, or a stream by its URL, which may leave its reader without data for `timeout` seconds. Throws
+/// SourceUnavailable if the stream does not answer, SourceError if the file cannot be read.
+std::unique_ptr<FrameSource> openVideo(const std::string& path, double timeout);
 
 }  // namespace robot_vision
 
@@ -39,5 +39,5 @@ extern "C"
 {
   // Those of the library "codecs"; the caller owns what they return.
   robot_vision::H264Decoder* robot_vision_make_h264_decoder();
-  robot_vision::FrameSource* robot_vision_open_video(const std::string& path);
+  robot_vision::FrameSource* robot_vision_open_video(const std::string& path, double timeout);
 }

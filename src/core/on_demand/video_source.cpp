@@ -11,6 +11,7 @@ namespace robot_vision
 namespace
 {
 
+constexpr int kOpeningTime = 5000;    // ms
 constexpr int kOrientationAuto = 49;  // cv::CAP_PROP_ORIENTATION_AUTO; versions of OpenCV without it turn no frames
 
 /// How many frames a video may be too short before it counts as truncated. The container's number of frames may be
@@ -22,7 +23,8 @@ std::int64_t tolerance(std::int64_t expected)
 
 }  // namespace
 
-VideoSource::VideoSource(const std::string& path) : path_(path), url_(path.find("://") != std::string::npos)
+VideoSource::VideoSource(const std::string& path, double timeout)
+  : path_(path), url_(path.find("://") != std::string::npos), timeout_(timeout)
 {
   open();
   rate_ = capture_.get(cv::CAP_PROP_FPS);
@@ -34,8 +36,10 @@ VideoSource::VideoSource(const std::string& path) : path_(path), url_(path.find(
 void VideoSource::open()
 {
 #if CV_VERSION_MAJOR > 4 || (CV_VERSION_MAJOR == 4 && CV_VERSION_MINOR >= 6)
-  // FFmpeg's own timeout is half a minute. With it, a server that does not answer would delay the node's shutdown.
-  const std::vector<int> limits = {cv::CAP_PROP_OPEN_TIMEOUT_MSEC, 5000, cv::CAP_PROP_READ_TIMEOUT_MSEC, 5000};
+  // FFmpeg's own timeouts are half a minute. With them, a server that does not answer would delay the node's shutdown.
+  // To open a stream takes FFmpeg a few seconds of it, to know what it is.
+  const int read_ms = static_cast<int>(timeout_ * 1e3), open_ms = std::max(kOpeningTime, read_ms);
+  const std::vector<int> limits = {cv::CAP_PROP_OPEN_TIMEOUT_MSEC, open_ms, cv::CAP_PROP_READ_TIMEOUT_MSEC, read_ms};
   const bool opened = capture_.open(path_, cv::CAP_FFMPEG, url_ ? limits : std::vector<int>{});
 #else
   const bool opened = capture_.open(path_, cv::CAP_FFMPEG);
@@ -64,10 +68,11 @@ ReadResult VideoSource::endOrThrow() const
   if (live_) throw SourceUnavailable(path_ + ": the stream has ended");
   const std::int64_t missing = expected_ - played_;
   const double missing_s = static_cast<double>(expected_) / rate_ - end_s_;
-  if (missing > tolerance(expected_) && missing_s * rate_ > static_cast<double>(tolerance(expected_)))
-    throw SourceError(path_ + ": truncated or damaged, only " + std::to_string(played_) + " of " +
-                      std::to_string(expected_) + " frames could be decoded");
-  return ReadResult::kEnd;
+  if (missing <= tolerance(expected_) || missing_s * rate_ <= static_cast<double>(tolerance(expected_)))
+    return ReadResult::kEnd;
+  const std::string part = std::to_string(played_) + " of " + std::to_string(expected_) + " frames";
+  if (url_) throw SourceUnavailable(path_ + ": the stream broke off after " + part);
+  throw SourceError(path_ + ": truncated or damaged, only " + part + " could be decoded");
 }
 
 void VideoSource::rewind()
@@ -84,7 +89,7 @@ std::string VideoSource::description() const
 
 }  // namespace robot_vision
 
-robot_vision::FrameSource* robot_vision_open_video(const std::string& path)
+robot_vision::FrameSource* robot_vision_open_video(const std::string& path, double timeout)
 {
-  return std::make_unique<robot_vision::VideoSource>(path).release();
+  return std::make_unique<robot_vision::VideoSource>(path, timeout).release();
 }

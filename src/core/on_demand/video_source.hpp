@@ -11,7 +11,8 @@ namespace robot_vision
 class VideoSource : public FrameSource
 {
 public:
-  explicit VideoSource(const std::string& path);
+  /// As openVideo().
+  VideoSource(const std::string& path, double timeout);
   ReadResult read(Frame& frame) override;
   void rewind() override;
   double rate() const override { return live_ ? 0.0 : rate_; }
@@ -23,7 +24,8 @@ private:
 
   std::string path_;
   bool url_;
-  bool live_;  // a stream without a length, whose sender determines the rate
+  double timeout_;  // s
+  bool live_;       // a stream without a length, whose sender determines the rate
   double rate_;
   std::int64_t expected_ = 0;  // number of frames that the container states; 0 if unknown
   std::int64_t played_ = 0;    // frames since the beginning of the video
