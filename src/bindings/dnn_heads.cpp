@@ -1,5 +1,6 @@
 #include <pybind11/stl.h>
 
+#include <algorithm>
 #include <array>
 #include <utility>
 #include <vector>
@@ -8,6 +9,7 @@
 #include "leave_gil.hpp"
 #include "params.hpp"
 #include "registry.hpp"
+#include "robot_vision/dnn/box_outline.hpp"
 #include "robot_vision/dnn/head_decoder.hpp"
 
 using namespace robot_vision;
@@ -26,6 +28,24 @@ std::vector<FoundObject> decode(const HeadDecoder& decoder, const std::vector<Nu
     views.push_back({{output.shape(), output.shape() + output.ndim()}, output.data()});
   const LeaveGil unlocked;
   return decoder.decode(views, placement, {image_size.first, image_size.second});
+}
+
+/// Of a (4, 2) array.
+using Corners = std::array<std::array<double, 2>, 4>;
+
+BoxOutline toOutline(const Corners& corners)
+{
+  BoxOutline outline;
+  for (std::size_t i = 0; i < outline.size(); ++i)
+    outline[i] = {corners[i][0], corners[i][1]};
+  return outline;
+}
+
+std::pair<double, double> overlapsOf(const Corners& first, const Corners& second)
+{
+  const BoxOutline a = toOutline(first), b = toOutline(second);
+  const double shared = sharedArea(a, b), area_a = areaOf(a), area_b = areaOf(b);
+  return {shared / (area_a + area_b - shared), shared / std::min(area_a, area_b)};
 }
 
 /// (k, 3) array.
@@ -75,6 +95,10 @@ void bindHeads(py::module& m)
       "box"_a,
       "x, y, width, height of the pixels that a box x0, y0, x1, y1 touches by more than a thousandth of a pixel; one "
       "at least.");
+
+  m.def("outline_overlaps", overlapsOf, "outline"_a, "other"_a,
+        "Of two oriented boxes, (4, 2) arrays of corners, clockwise: the intersection over union, and over the area of "
+        "the smaller one.");
 
   py::class_<HeadDecoder>(m, "HeadDecoder", "Makes objects of what a network gives.")
       .def(py::init<const HeadParams&>(), "params"_a = HeadParams(), "Raises ValueError for a parameter out of range.")

@@ -1,6 +1,6 @@
 """Large images are cut into tiles, and what is found in them is put together again."""
 
-from typing import NamedTuple, Tuple
+from typing import NamedTuple, Sequence, Tuple
 
 import pytest
 
@@ -11,6 +11,7 @@ class Found(NamedTuple):
     box: Tuple[float, float, float, float]
     score: float = 0.5
     class_id: int = 0
+    outline: Sequence[Tuple[float, float]] = ()
 
 
 CUTS = [
@@ -69,8 +70,27 @@ def test_a_small_thing_before_a_large_one_stays_in_the_same_tile():
 
 
 def test_the_edge_of_the_region_cuts_nothing():
-    at_edge, other = Found((0, 10, 30, 30), 0.9), Found((3, 10, 30, 30), 0.8)
-    assert together((other, LEFT), (at_edge, LEFT)) == [at_edge]
+    sure, other = Found((42, 0, 58, 30), 0.9), Found((43, 3, 58, 30), 0.8)
+    assert together((other, LEFT), (sure, RIGHT)) == [sure]
+
+
+def test_what_the_decoder_of_a_tile_has_kept_is_not_compared_again():
+    """Whether boxes of one tile may overlap is the network's matter, or that of its decoder."""
+    sure, other = Found((10, 10, 30, 30), 0.9), Found((12, 10, 30, 30), 0.8)
+    assert together((other, LEFT), (sure, LEFT)) == [sure, other]
+
+
+def turned(x, y, score):
+    """A slim box from (x, y) to 20 px below and to the right."""
+    corners = [(x, y), (x + 22, y + 20), (x + 20, y + 22), (x - 2, y + 2)]
+    return Found((x - 2, y, x + 22, y + 22), score, outline=corners)
+
+
+def test_turned_things_are_compared_by_their_outlines():
+    one, beside = turned(42, 10, 0.9), turned(47, 10, 0.8)
+    assert together((one, LEFT), (beside, RIGHT)) == [one, beside]
+    same = turned(42.2, 10, 0.8)
+    assert together((one, LEFT), (same, RIGHT)) == [one]
 
 
 def test_classes_are_apart_unless_told_otherwise():

@@ -7,6 +7,8 @@ from typing import Any, List, Sequence, Tuple
 
 import numpy as np
 
+from .. import outline_overlaps
+
 Region = Tuple[int, int, int, int]  # x, y, width, height, px
 MAX_TILES = 64
 MAX_OVERLAP = 0.9
@@ -53,7 +55,8 @@ def merged(
     Args:
         found: The objects, with the tiles in which they were found.
         region: The region that the tiles cover.
-        iou_threshold: Boxes that overlap a better one by more are left out, of one tile or of two.
+        iou_threshold: Boxes that overlap a better one of another tile by more are left out. Those
+            of one tile are as its decoder has left them.
         class_agnostic: Whether that holds for boxes of different classes.
         count: How many are returned at most.
     """
@@ -68,10 +71,13 @@ def merged(
     kept: List[int] = []
     for number in np.lexsort((-scores, _cut_boxes(boxes, tiles, region))):
         others = np.array(kept, int)
-        others = others[classes[others] == classes[number]]
-        iou, covered = _overlaps(boxes[number], boxes[others])
         elsewhere = (tiles[others] != tiles[number]).any(axis=1)
-        if not ((iou > iou_threshold) | (elsewhere & (covered > COVERED))).any():
+        others = others[elsewhere & (classes[others] == classes[number])]
+        iou, covered = _overlaps(boxes[number], boxes[others])
+        outline = found[number][0].outline
+        for at in np.flatnonzero(iou) if len(outline) else ():
+            iou[at], covered[at] = outline_overlaps(outline, found[others[at]][0].outline)
+        if not ((iou > iou_threshold) | (covered > COVERED)).any():
             kept.append(number)
     kept.sort(key=lambda number: -scores[number])
     return [found[number][0] for number in kept[:count]]
