@@ -54,7 +54,7 @@ class ApriltagDetector:
     """
 
     def __init__(self) -> None:
-        self._lock = threading.Lock()  # guards the tools, which frames and ~detect share
+        self._lock = threading.Lock()  # guards the tools
         self._layout = TagLayout(
             read_any("families", "tag36h11"),
             read_param("tag_size", 0.1),
@@ -84,6 +84,7 @@ class ApriltagDetector:
         params.background = True
         with self._lock:
             self._detector.configure(params)
+            self._detector_params = params
             poses = filled(TagPoseParams(), config), config["measure_corners"]
             if poses != self._poses:  # A new locator forgets all poses.
                 self._poses = poses
@@ -177,11 +178,13 @@ class ApriltagDetector:
         except ValueError as error:
             problem = str(error)
         with self._lock:
-            gray = to_gray(image, encoding)
-            found = self._detector.detect(gray, "mono8")
-            tags, bundles = self._locator.locate_at_once(
-                found, camera, self._for_corners(gray), self._of_tags(depth, camera)
-            )
+            params, locator = self._detector_params, self._locator
+        # A large image takes seconds, in which frames go on: this detector is of the call alone.
+        gray = to_gray(image, encoding)
+        found = Detector(params).detect(gray, "mono8")
+        tags, bundles = locator.locate_at_once(
+            found, camera, self._for_corners(gray), self._of_tags(depth, camera)
+        )
         return tag_array(header, size, tags, bundles), problem
 
 
