@@ -133,6 +133,16 @@ def test_only_what_tells_something_new_is_kept():
         views.offer("small", frame[::2, ::2])
 
 
+def test_an_image_without_the_board_does_not_say_which_size_the_others_have():
+    image, board = BOARDS["chessboard"]
+    views = ViewCollection(board, 3, 6.0)
+    views.offer("cover", np.full((100, 200), 128, np.uint8))
+    assert views.size is None
+    views.offer("frame", Studio(image, CAMERAS["plumb_bob"]).frame())
+    assert views.summary() == "2 images: 1 used, 1 without the board, 0 blurred, 0 like others"
+    assert views.size == SIZE
+
+
 @pytest.mark.parametrize("direction", [(1, 15), (15, 1)])
 def test_blur_is_measured_whatever_its_direction(direction):
     image, board = BOARDS["acircles"]

@@ -195,6 +195,20 @@ def test_pairs_are_counted_by_what_they_show():
         pairs.offer("small", (small, small))
 
 
+@pytest.mark.parametrize("side", [0, 1])
+def test_the_first_board_says_which_size_all_images_have(side):
+    pairs, gray = collection(), np.full(SIZE[::-1], 128, np.uint8)
+    small = gray[::2, ::2]
+    pairs.offer("without", (small, small))
+    board = BOARDS["chessboard"][0]
+    shown = [gray.copy(), gray.copy()]
+    shown[side][50 : 50 + board.shape[0], 60 : 60 + board.shape[1]] = board
+    pairs.offer("one", tuple(shown))
+    assert pairs.size == SIZE
+    with pytest.raises(ValueError, match="it has 320x240, the images before 640x480"):
+        pairs.offer("small", (small, small))
+
+
 def test_what_one_camera_sees_alone_tells_something_about_that_camera():
     pairs, gray = collection(), np.full(SIZE[::-1], 128, np.uint8)
     board = BOARDS["chessboard"][0]

@@ -92,7 +92,9 @@ def quarter_turns(kind: str, columns: int, rows: int, board: Board) -> List[int]
         return [0]
     flat = in_board_frame(board, board.points)[:, :2]
     step = np.abs(flat[1] - flat[0]).max()
-    same = [turns for turns in range(4) if _has_all(flat, flat @ _turn(turns)[:2, :2].T, step)]
+    same = [
+        turns for turns in range(4) if _has_all(flat, flat @ rotation_of(turns)[:2, :2].T, step)
+    ]
     if kind != "chessboard":
         return same
     # Between its corners a chessboard has black and white squares, which trade places.
@@ -110,7 +112,7 @@ class Orientation:
     """
 
     def __init__(self, turns: List[int]):
-        self._turns = [_turn(number) for number in turns]
+        self._turns = [rotation_of(number) for number in turns]
         self._last: Optional[np.ndarray] = None
         self._time = -math.inf  # s, of the last pose
 
@@ -129,7 +131,7 @@ class Orientation:
         return continued
 
 
-def _turn(quarters: int) -> np.ndarray:
+def rotation_of(quarters: int) -> np.ndarray:
     """Returns a rotation about z by so many quarter turns, (3, 3)."""
     cos, sin = ((1, 0), (0, 1), (-1, 0), (0, -1))[quarters]
     return np.array([[cos, -sin, 0.0], [sin, cos, 0.0], [0.0, 0.0, 1.0]])

@@ -53,7 +53,7 @@ def _calibrate(arguments: argparse.Namespace) -> None:
     views = ViewCollection(arguments.found, arguments.most, arguments.max_blur)
     collect(_images(arguments), views)
     print(views.summary(), flush=True)
-    if views.size is None:
+    if views.offered == views.unusable:
         raise ValueError("there were no images" + " that can be used" * (views.unusable > 0))
     if not views.views:
         raise ValueError(f"no image shows the board well: is --size {arguments.size} right?")

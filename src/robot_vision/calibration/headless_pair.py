@@ -51,7 +51,7 @@ def calibrate_two_cameras(arguments: argparse.Namespace) -> None:
     pairs = PairCollection(arguments.found, arguments.turns, arguments.most, arguments.max_blur)
     collect(_images(arguments), pairs)
     print(pairs.summary(), flush=True)
-    if pairs.size is None:
+    if pairs.offered == pairs.unusable:
         raise ValueError("there were no pairs" + " that can be used" * (pairs.unusable > 0))
     pairs.require_enough()
     cameras = _kept(arguments, known, pairs.size) if known else _found(arguments, pairs)

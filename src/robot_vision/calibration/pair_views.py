@@ -41,8 +41,8 @@ class PairCollection:
 
     @property
     def size(self) -> Optional[Tuple[int, int]]:
-        """The width and height of all images in px; None as long as there are none."""
-        return self._cameras[0].size
+        """The width and height of the images in px; None until one shows the board."""
+        return self._cameras[0].size or self._cameras[1].size
 
     @property
     def full(self) -> bool:
@@ -60,6 +60,8 @@ class PairCollection:
             raise ValueError(f"the left image has {left}, the right one {right}, must be equal")
         kept = self._kept()
         seen = [camera.offer(name, image) for camera, image in zip(self._cameras, images)]
+        for camera in self._cameras:
+            camera.size = self.size
         self.offered += 1
         both = self._same_points.of(*seen) if None not in seen else None
         if both and self._kept() > kept and len(self.pairs) < self._most:

@@ -4,6 +4,7 @@ from typing import Optional, Sequence, Tuple
 
 import numpy as np
 
+from .board_pose import rotation_of
 from .boards import Board, Observation
 
 MIN_POINTS = 6  # that both cameras have to see
@@ -27,7 +28,7 @@ class SamePoints:
         flat = board.points[:, :2]
         self._middle = (flat.min(axis=0) + flat.max(axis=0)) / 2.0
         self._step = np.abs(flat[1] - flat[0]).max() / STEPS
-        self._turns = [_turn(number) for number in turns]
+        self._turns = [rotation_of(number)[:2, :2] for number in turns]
 
     def of(
         self, left: Observation, right: Observation
@@ -61,9 +62,3 @@ def _axes(flat: np.ndarray, pixels: np.ndarray) -> np.ndarray:
     """Returns about where the x and y axis of a board point in an image: (2, 2) px/m."""
     design, seen = flat - flat.mean(axis=0), pixels - pixels.mean(axis=0)
     return np.linalg.lstsq(design, seen, rcond=None)[0]
-
-
-def _turn(quarters: int) -> np.ndarray:
-    """Returns the matrix of so many quarter turns, (2, 2)."""
-    cos, sin = ((1, 0), (0, 1), (-1, 0), (0, -1))[quarters]
-    return np.array([[cos, -sin], [sin, cos]], float)

@@ -31,7 +31,7 @@ class ViewCollection:
         self._most = most
         self._max_blur = max_blur
         self._descriptions = np.empty((0, 6))
-        self.size: Optional[Tuple[int, int]] = None  # px, width and height of all images
+        self.size: Optional[Tuple[int, int]] = None  # px, of the images, once one shows the board
         self.views: List[View] = []
         self.offered = self.unusable = self.without_board = self.blurred = self.alike = 0
 
@@ -47,11 +47,10 @@ class ViewCollection:
             The board if the image shows it sharply, whether it is kept or not.
 
         Raises:
-            ValueError: The image differs in size from those before.
+            ValueError: The image differs in size from those with the board before.
         """
         size = gray.shape[1], gray.shape[0]
-        self.size = self.size or size
-        if size != self.size:
+        if self.size and size != self.size:
             raise ValueError(
                 f"it has {size[0]}x{size[1]}, the images before {self.size[0]}x{self.size[1]}"
             )
@@ -60,6 +59,7 @@ class ViewCollection:
         if observation is None or not cv2.isContourConvex(outline(observation).astype(np.float32)):
             self.without_board += 1
             return None
+        self.size = size
         if edge_width(gray, observation.pixels) > self._max_blur:
             self.blurred += 1
             return None
