@@ -12,7 +12,7 @@ help:
 
 ## make demo      build and show the synthetic scene; source=/dev/video0 for a camera, ARGS="name:=value ..." for more
 demo: build
-	@tools/demo $(if $(source),"source:=$(if $(wildcard $(source)),$(abspath $(source)),$(source))") $(ARGS)
+	@tools/demo $(if $(source),"source:=$(source)") $(ARGS)
 
 ## make check     build, lint and all tests that need no ROS master: in minutes, while one works
 check: deps

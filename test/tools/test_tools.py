@@ -2,9 +2,13 @@
 
 import os
 import pathlib
+import pty
 import re
 import shutil
+import signal
 import subprocess
+import sys
+import time
 from importlib.machinery import SourceFileLoader
 
 import pytest
@@ -272,9 +276,79 @@ def test_a_word_may_be_a_file_that_ctest_does_not_know(checkout):
     assert "FAILED  pytest_python_word\n" in result.stdout
     assert result.stdout.endswith("\n1 passed, 1 failed\n")
 
+    test.write_text("def test_it():\n    pass\n")
+    test.with_name("test_word_node.py").write_text("def test_node():\n    pass\n")
+    result = run(checkout / "tools/test", "word", PATH=path)
+    assert "pytest-nodes_word: room.test_word_node.test_node\n" in result.stdout
+    assert result.stdout.endswith("\n2 passed, 0 failed\n")
+
     result = run(checkout / "tools/test", "wort", PATH=path)
     assert result.returncode == 2
     assert "no test has 'wort' in its name" in result.stderr
+
+
+LISTED = """7: Test command: pytest {root}/test/room/test_word_node.py
+  Test #7: _ctest_robot_vision_pytest_nodes_word
+"""
+
+
+def test_a_word_is_also_one_of_files_that_share_a_program(checkout):
+    """What ctest has by that name is run by it, and the rest of what has it in other programs."""
+    ctest = checkout / "bin/ctest"
+    listed = LISTED.format(root=checkout)
+    answer = f'case $* in *-N*) echo \'{listed}\';; *) echo ran "$@" of "$GTEST_FILTER";; esac'
+    ctest.write_text(f"#!/bin/sh\n{answer}\n")
+    (checkout / "test/room/kernels").mkdir()
+    for name, text in (
+        ("test_word_node.py", "broken"),
+        ("test_word.py", "def test_it():\n    pass\n"),
+        ("test_words.cpp", "TEST(Words, areRead)\nTEST_F(Letters, areRead)\n"),
+        ("test_words_node.cpp", "TEST(Node, runs)\n"),
+        ("kernels/test_word.cpp", "TEST_P(Kernel, isExact)\n"),
+    ):
+        (checkout / "test/room" / name).write_text(text)
+    result = run(checkout / "tools/test", "word", PATH=f"{checkout}/bin:{os.environ['PATH']}")
+    assert result.returncode == 0, result.stderr
+    ran = [line.partition("1800 ")[2] for line in result.stdout.splitlines() if "ran" in line]
+    filters = "*Kernel.*:*Kernel/*:*Letters.*:*Letters/*:*Words.*:*Words/*"
+    assert ran == ["-R word of ", f"-R gtest_(kernels|test_core) of {filters}"]
+    assert result.stdout.endswith("\n1 passed, 0 failed\n")
+
+
+IN_FOREGROUND = """
+import sys
+from importlib.machinery import SourceFileLoader
+demo = SourceFileLoader("demo", sys.argv[1]).load_module()
+sys.exit(demo.run_in_foreground(["sh", "-c", "echo begun; exec sleep 600"]))
+"""
+
+
+def test_the_demo_cannot_be_stopped_in_a_way_that_locks_the_terminal():
+    """Ctrl-Z does nothing, and Ctrl-C ends it all the same."""
+    process, terminal = pty.fork()
+    if process == 0:
+        os.execl(sys.executable, "python3", "-c", IN_FOREGROUND, str(ROOT / "tools/demo"))
+    try:
+        while b"begun" not in os.read(terminal, 1000):
+            pass
+        wait_until(lambda: os.tcgetpgrp(terminal) not in (0, process))
+        command = os.tcgetpgrp(terminal)
+        os.write(terminal, b"\x1a\x03")
+        wait_until(lambda: os.waitid(os.P_PID, process, os.WEXITED | os.WNOHANG | os.WNOWAIT))
+        assert os.waitpid(process, 0) == (process, 0)
+    except AssertionError:
+        for group in (command, process):
+            os.killpg(group, signal.SIGKILL)
+        raise
+    finally:
+        os.close(terminal)
+
+
+def wait_until(condition):
+    deadline = time.monotonic() + 60.0
+    while not condition():
+        assert time.monotonic() < deadline
+        time.sleep(0.01)
 
 
 def test_help_names_every_command():
@@ -290,9 +364,10 @@ def test_the_demo_s_source_is_a_path_from_here_or_a_camera_s_name(tmp_path, monk
     monkeypatch.chdir(tmp_path)
     (tmp_path / "some.mp4").touch()
     (tmp_path / "synthetic").mkdir()
-    paths = ("some.mp4", "../x.png", "frames/*.png")
+    paths = ("some.mp4", "*.mp4", "../x.png", "frames/*.png", "~/usb disk/a.mp4", "a b/../c.png")
     for name in paths:
-        assert absolute(f"source:={name}") == "source:=" + os.path.abspath(name)
+        path = os.path.abspath(os.path.expanduser(name))
+        assert absolute(f"source:={name}") == f"source:={path}"
     for name in ("freenect:0", "c920", "usb-0000:00:14.0-1", "synthetic", "rtsp://host/a", ""):
         assert absolute(f"source:={name}") == f"source:={name}"
     assert absolute("other:=some.mp4") == "other:=some.mp4"
