@@ -113,7 +113,7 @@ def projection_of(image, where, channels, hue_bins=16, saturation_bins=8, backgr
     if background:
         x, y, width, height = where
         around = counted((x - width, y - height, 3 * width, 3 * height)) - histogram
-        share = around / around.sum() * histogram.sum()
+        share = around / 8.0  # of as many pixels as the region has
         histogram = np.maximum(0.0, histogram - share).astype(np.float32)
     histogram *= 255.0 / histogram.max()
     return lambda other: cv2.bitwise_and(
@@ -205,6 +205,19 @@ def test_colors_of_the_background_do_not_count():
             (found,) = tracker.update(number / RATE, image)
         length = sides(found.outline)[0]
         assert (length < 64.0) == subtract, length
+
+
+@pytest.mark.parametrize("cut", [0, 1, 5])  # px
+def test_a_disc_on_a_gray_floor_may_stick_out_of_what_is_selected(cut):
+    center, radius = (160, 120), 40
+    image = np.full_like(BACKGROUND, 100)
+    cv2.circle(image, center, radius, BLUE, cv2.FILLED)
+    tracker = selected(image, box(center, (radius - cut, radius - cut)))
+    for number in range(1, 4):
+        (found,) = tracker.update(number / RATE, image)
+    assert found.tracked and found.confidence > 0.7
+    assert found.center == pytest.approx(center, abs=0.6)
+    assert sides(found.outline)[:2] == pytest.approx((80.0, 80.0), abs=2.0)
 
 
 def test_limits_of_saturation_and_value_leave_pixels_out():
