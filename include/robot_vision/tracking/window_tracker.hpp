@@ -92,7 +92,8 @@ public:
   WindowTracker(WindowTracker&&) noexcept;
   WindowTracker& operator=(WindowTracker&&) noexcept;
 
-  /// Sets the parameters from the next frame on. The object is kept: its histogram is counted anew.
+  /// Sets the parameters from the next frame on. The object is kept: its histogram is counted anew. With another method
+  /// its scale goes on from what it is, and its angle from 0.
   /// Throws std::invalid_argument as validate() does.
   void configure(const WindowTrackerParams& params);
 
