@@ -8,16 +8,11 @@
 #include "core/image/conversion_buffer.hpp"
 #include "core/image/rects.hpp"
 #include "robot_vision/common/range.hpp"
+#include "velocity.hpp"
 #include "window_fit.hpp"
 
 namespace robot_vision
 {
-namespace
-{
-
-constexpr double kMinInterval = 1e-3;  // s, the shortest time in which a velocity can be measured
-
-}  // namespace
 
 struct WindowTracker::Impl
 {
@@ -47,10 +42,7 @@ struct WindowTracker::Impl
     if (!is_shifted)
       velocity = {};
     else if (elapsed >= kMinInterval)
-    {
-      const double gain = params.smoothing > 0.0 ? 1.0 - std::exp(-elapsed / params.smoothing) : 1.0;
-      velocity += gain * ((fit.center - seen.center) / elapsed - velocity);
-    }
+      velocity += velocityGain(elapsed, params.smoothing) * ((fit.center - seen.center) / elapsed - velocity);
     if (measured_by != params.method) measureAnew(fit);
     // A rectangle looks the same after half a turn: of both rotations the smaller one is meant.
     const double turned = std::remainder(fit.direction - seen.direction, CV_PI);
