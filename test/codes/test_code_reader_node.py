@@ -71,9 +71,9 @@ def test_all_fields_of_a_code(start):
     assert (code.center.x, code.center.y) == pytest.approx(np.mean(outline, axis=0))
     assert code.area == pytest.approx(side**2, rel=0.05)
     box = code.box
-    assert (box.x_offset, box.y_offset) == tuple(np.floor(np.min(outline, axis=0)))
+    assert (box.x_offset, box.y_offset) == tuple(np.floor(np.min(outline, axis=0) + 0.5))
     assert (box.x_offset + box.width - 1, box.y_offset + box.height - 1) == tuple(
-        np.ceil(np.max(outline, axis=0))
+        np.ceil(np.max(outline, axis=0) - 0.5)
     )
     assert (overlay.encoding, overlay.width, overlay.height) == ("bgr8", 320, 240)
     pixels = np.frombuffer(overlay.data, np.uint8).reshape(240, 320, 3)

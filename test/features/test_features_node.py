@@ -104,8 +104,8 @@ def test_a_reference_is_found_by_its_file(start, portrait):
     assert (found.label, found.id) == ("portrait", -1)
     outline = [(point.x, point.y) for point in found.outline]
     assert np.abs(outline - OUTLINE).max() < 1.5
-    left, top = np.floor(np.min(outline, axis=0)).astype(int)
-    right, bottom = np.ceil(np.max(outline, axis=0)).astype(int)
+    left, top = np.floor(np.min(outline, axis=0) + 0.5).astype(int)
+    right, bottom = np.ceil(np.max(outline, axis=0) - 0.5).astype(int)
     assert (found.box.x_offset, found.box.y_offset) == (left, top)
     assert (found.box.width, found.box.height) == (right - left + 1, bottom - top + 1)
     assert found.area == pytest.approx(cv2.contourArea(OUTLINE.astype(np.float32)), rel=0.02)

@@ -12,6 +12,7 @@ from loaded_contexts import ImageTaker
 from sensor_msgs.msg import CompressedImage, Image
 
 from robot_vision.ros.context import LoadedContext, active
+from robot_vision.ros.image_node import ImageNode
 from robot_vision.ros.transport import node_diagnostics
 from robot_vision.transport import ImagePublisher
 
@@ -111,6 +112,31 @@ def test_a_callback_that_fails_is_the_error_of_its_node_alone(source, log):
         support.wait_for(lambda n=number: bad.images.failed == n, "the failure")
     assert (good.images.failed, good.images.refused, bad.images.refused) == (0, 0, 3)
     assert "ZeroDivisionError" in log()
+
+
+def test_a_node_that_cannot_subscribe_says_so_and_tries_again(diagnostics):
+    topic = new_topic()
+    other = ImageTaker("/other", topic, transport="compressed")
+    settings = {"diagnostic_period": 0.1, "always_subscribe": True, "image_transport": "raw"}
+    rospy.set_param("/refused", settings)
+    context = LoadedContext("/refused", {"/image": topic + "/compressed"}, print)
+    taken = []
+    with active(context):
+        ImageNode(taken.append).start()
+
+    def refused():
+        status = diagnostics.next("refused")
+        return status.message.startswith("cannot subscribe: ") and status.level == status.ERROR
+
+    support.wait_for(refused, "the error")
+    other.close()
+    source = Source(topic + "/compressed")
+    source.wait_for()
+    source.send(message(IMAGE, "bgr8"))
+    support.wait_for(lambda: taken, "the frame")
+    assert diagnostics.next("refused").message.endswith(f" on {source.topic}")  # running, no frames
+    context.end()
+    rospy.delete_param("/refused")
 
 
 def leave(_frame):

@@ -11,6 +11,7 @@ from sensor_msgs.msg import RegionOfInterest
 from robot_vision.ros.selections import SELECT_TIMEOUT, Selection, Selections
 
 BOX = (1, 2, 30, 40)
+DEADLINE = 20.0  # s
 
 
 class Node:
@@ -34,8 +35,13 @@ def node():
 
 
 @pytest.fixture
-def selections(node):
-    return Selections(node, threading.Lock())
+def lock():
+    return threading.Lock()
+
+
+@pytest.fixture
+def selections(node, lock):
+    return Selections(node, lock)
 
 
 @pytest.fixture
@@ -59,16 +65,42 @@ def test_the_newest_region_of_the_topic_waits_for_one_frame(monkeypatch, node, s
     assert node.working == [True, False] and not selections.take()
 
 
-def test_a_region_that_no_frame_came_for_is_refused(node, selections, logged):
+def test_a_frame_that_comes_too_late_selects_nothing(node, lock, selections, logged):
     old, patient = Selection(BOX, timeout=-1.0), Selection(BOX, timeout=math.inf)
-    selections.add(old)
-    assert not selections.take()
-    assert old.done.is_set() and old.error == "no frame within 5 s"
-    assert logged == ["nothing selected: no frame within 5 s"]
-    selections.keep_working()
-    assert node.working == [True, False]
-    selections.add(patient)
-    assert selections.take() == [patient] and len(logged) == 1
+    with lock:
+        selections.add(old)
+        assert not selections.take()
+        assert old.done.is_set() and old.error == "no frame within 5 s"
+        assert logged == ["nothing selected: no frame within 5 s"]
+        selections.keep_working()
+        assert node.working == [True, False]
+        selections.add(patient)
+        assert selections.take() == [patient] and len(logged) == 1
+
+
+def test_a_region_is_refused_in_time_though_no_frame_comes(node, lock, selections, logged):
+    short, patient = Selection(BOX, timeout=0.01), Selection(BOX, timeout=math.inf)
+    short.replaces = False
+    with lock:
+        selections.add(short)
+    assert short.done.wait(DEADLINE) and short.error == "no frame within 5 s"
+    with lock:  # held until all is told
+        assert logged == ["nothing selected: no frame within 5 s"]
+        assert node.working == [True, False]
+        selections.add(patient)
+        assert selections.take() == [patient]
+
+
+def test_one_thread_looks_after_all_regions(lock, selections):
+    before = set(threading.enumerate())
+    regions = [Selection(BOX, timeout=0.01) for _ in range(20)]
+    for one in regions:
+        one.replaces = False
+    with lock:
+        for one in regions:
+            selections.add(one)
+        assert len(set(threading.enumerate()) - before) == 1
+    assert all(one.done.wait(DEADLINE) for one in regions)
 
 
 def test_what_cannot_be_selected_is_logged_but_not_with_every_region(selections, logged):

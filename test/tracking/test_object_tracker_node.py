@@ -5,6 +5,7 @@ import copy
 import subprocess
 import threading
 import types
+import weakref
 
 import cv2
 import numpy as np
@@ -445,6 +446,60 @@ def test_detections_of_images_without_stamps_are_those_of_the_newest_frame():
     selection.select(frames[2], [])
     (used,) = selector.images
     assert used is frames[2].image
+
+
+def found_at(selection, selector, seconds, *boxes, image=BACKGROUND):
+    """Has detections in a frame of this time, and the frame itself, come to an AutoSelection."""
+    header = Header(stamp=rospy.Time.from_sec(seconds))
+    found = [Detection(box=box, id=-1) for box in boxes]
+    selection.add(DetectionArray(header=header, detections=found))
+    selection.select(Frame(image, "bgr8", header), selector.objects())
+
+
+def test_what_was_found_before_a_gap_is_found_anew():
+    selector = Selector()
+    selection = AutoSelection(selector)
+    selection.configure("", 1, 50.0)
+    place = region(40, 80)
+    for seconds in (1.0, 101.0, 60.0, 101.0):  # the clock of a recording may go back, too
+        found_at(selection, selector, seconds, place)
+    for seconds in np.arange(104.0, 151.0, 3.0):  # of a slow detector
+        found_at(selection, selector, seconds, place)
+    assert not selector.selected
+    found_at(selection, selector, 151.0, place)
+    assert len(selector.selected) == 1
+
+
+def test_what_was_found_before_automatic_selection_ended_is_found_anew():
+    selector = Selector()
+    selection = AutoSelection(selector)
+    selection.configure("", 1, 0.5)
+    place = region(40, 80)
+    image = BACKGROUND.copy()
+    found_at(selection, selector, 1.0, place, image=image)
+    held = weakref.ref(image)
+    del image
+    assert held() is not None
+    selection.clear()
+    assert held() is None
+    for seconds in (2.0, 2.4):
+        found_at(selection, selector, seconds, place)
+    assert not selector.selected
+    found_at(selection, selector, 2.5, place)
+    assert len(selector.selected) == 1
+
+
+def test_automatic_selection_ends_at_the_largest_number_of_objects():
+    selector = Selector()
+    for _ in range(MAX_OBJECTS - 1):
+        selector.select((0, 0, 20, 20), "")
+    selection = AutoSelection(selector)
+    selection.configure("", 100, 0.0)
+    found_at(selection, selector, 1.0, region(40, 80), region(140, 80))
+    assert len(selector.boxes) == MAX_OBJECTS and (40, 80, 64, 80) in selector.boxes.values()
+    selector.forget(1)
+    found_at(selection, selector, 2.0, region(40, 80), region(140, 80))
+    assert len(selector.boxes) == MAX_OBJECTS and (140, 80, 64, 80) in selector.boxes.values()
 
 
 @pytest.mark.parametrize("ids", [(), (7,)], ids=["followed by place", "followed by id"])

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "core/tracking/window_fit.hpp"
 #include "support/images.hpp"
 #include "support/refusal.hpp"
 
@@ -76,6 +77,14 @@ TEST(WindowTracker, AWindowAtTheBorderIsFollowedAlongIt)
     EXPECT_NEAR(found.center.x, x + 9.5, 0.01);
     EXPECT_NEAR(found.center.y, 9.5, 0.01);
   }
+}
+
+TEST(WindowTracker, TheDensestOfLargeWindowsIsFound)
+{
+  cv::Mat projection(2900, 2920, CV_8UC1, cv::Scalar(0));
+  const cv::Rect white(10, 0, 2910, 2900);  // whose sum is more than 2^31
+  projection(white).setTo(255);
+  EXPECT_EQ(densestWindow(projection, white.size()), white);
 }
 
 TEST(WindowTracker, refusesParametersOutOfRange)

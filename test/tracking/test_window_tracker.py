@@ -97,6 +97,33 @@ def test_meanshift_keeps_the_window_s_size():
     assert found.confidence == pytest.approx(np.pi / 4, abs=0.1)  # of an ellipse in its box
 
 
+@pytest.mark.parametrize("methods", [("camshift", "meanshift"), ("meanshift", "camshift")])
+def test_another_method_is_no_growth_and_no_turn(methods):
+    center, axes, angle = (160.0, 120.0), (45, 15), np.radians(30.0)
+    image = view(center, axes, angle)
+    tracker = selected(image, (116, 92, 89, 57), method=methods[0])
+    for number in range(1, 9):
+        tracker.configure(params(method=methods[number // 2 % 2]))
+        (found,) = tracker.update(number / RATE, image)
+        assert found.tracked and found.angle == pytest.approx(0.0, abs=0.02)
+        assert found.scale == pytest.approx(1.0, abs=0.02)
+
+
+def test_the_scale_goes_on_and_the_angle_begins_anew_with_another_method():
+    tracker = selected(view((160.0, 120.0)), box((160.0, 120.0)))
+    steps = [(1.2, 0.2, "camshift"), (1.4, 0.4, "camshift"), (1.4, 0.4, "meanshift")]
+    steps += [(1.4, 0.4, "camshift"), (1.5, 0.6, "camshift"), (1.6, 0.8, "camshift")]
+    scales, angles = [], []
+    for number, (scale, angle, method) in enumerate(steps, 1):
+        tracker.configure(params(method=method))
+        image = view((160.0, 120.0), (30 * scale, 16 * scale), angle)
+        (found,) = tracker.update(number / RATE, image)
+        scales.append(found.scale)
+        angles.append(found.angle)
+    assert scales == pytest.approx([1.2, 1.4, 1.4, 1.4, 1.5, 1.6], rel=0.05)
+    assert angles == pytest.approx([0.2, 0.4, 0.0, 0.0, 0.2, 0.4], abs=0.04)
+
+
 def projection_of(image, where, channels, hue_bins=16, saturation_bins=8, background=False):
     """The back projection as cv2 makes it."""
     hsv = cv2.cvtColor(image, cv2.COLOR_BGR2HSV)
@@ -113,7 +140,7 @@ def projection_of(image, where, channels, hue_bins=16, saturation_bins=8, backgr
     if background:
         x, y, width, height = where
         around = counted((x - width, y - height, 3 * width, 3 * height)) - histogram
-        share = around / around.sum() * histogram.sum()
+        share = around / 8.0  # of as many pixels as the region has
         histogram = np.maximum(0.0, histogram - share).astype(np.float32)
     histogram *= 255.0 / histogram.max()
     return lambda other: cv2.bitwise_and(
@@ -191,8 +218,10 @@ def test_the_time_goes_back_or_the_image_has_another_size():
     assert found.tracked and found.velocity == (0.0, 0.0)
     (found,) = tracker.update(-4.9, view((60.0, 80.0))[:160, :200])
     assert found.tracked and found.center == pytest.approx((60.0, 80.0), abs=0.6)
-    (found,) = tracker.update(-4.8, np.full((1, 1, 3), BLUE, np.uint8))
-    assert not found.tracked
+    for time in (-4.8, -4.7):
+        (lost,) = tracker.update(time, np.full((1, 1, 3), BLUE, np.uint8))
+        assert not lost.tracked and not lost.predicted and lost.velocity == (0.0, 0.0)
+        assert lost.center == found.center and np.array_equal(lost.outline, found.outline)
 
 
 def test_colors_of_the_background_do_not_count():
@@ -205,6 +234,19 @@ def test_colors_of_the_background_do_not_count():
             (found,) = tracker.update(number / RATE, image)
         length = sides(found.outline)[0]
         assert (length < 64.0) == subtract, length
+
+
+@pytest.mark.parametrize("cut", [0, 1, 5])  # px
+def test_a_disc_on_a_gray_floor_may_stick_out_of_what_is_selected(cut):
+    center, radius = (160, 120), 40
+    image = np.full_like(BACKGROUND, 100)
+    cv2.circle(image, center, radius, BLUE, cv2.FILLED)
+    tracker = selected(image, box(center, (radius - cut, radius - cut)))
+    for number in range(1, 4):
+        (found,) = tracker.update(number / RATE, image)
+    assert found.tracked and found.confidence > 0.7
+    assert found.center == pytest.approx(center, abs=0.6)
+    assert sides(found.outline)[:2] == pytest.approx((80.0, 80.0), abs=2.0)
 
 
 def test_limits_of_saturation_and_value_leave_pixels_out():

@@ -77,8 +77,8 @@ struct TrackedWindow
 ///
 /// cv::calcBackProject gives each pixel the frequency of its hue, or of its hue and saturation, in the object; from the
 /// window of the last frame cv::meanShift or cv::CamShift goes to where these are densest. With subtract_background
-/// each bin is multiplied by 1 - b / a, 0 at least, where a is the share that it has in the object, and b that in a
-/// region around it of three times the width and height.
+/// each bin is multiplied by 1 - b / a, 0 at least, where a is the share that it has of the object's pixels, and b that
+/// of the pixels around it, in three times the width and height.
 ///
 /// The object is lost if its colours are too few in the outline, or the outline is too small. Then the place in the
 /// whole image is tried, in every frame, where a window as large as the selection has most of them. What has the same
@@ -92,7 +92,8 @@ public:
   WindowTracker(WindowTracker&&) noexcept;
   WindowTracker& operator=(WindowTracker&&) noexcept;
 
-  /// Sets the parameters from the next frame on. The object is kept: its histogram is counted anew.
+  /// Sets the parameters from the next frame on. The object is kept: its histogram is counted anew. With another method
+  /// its scale goes on from what it is, and its angle from 0.
   /// Throws std::invalid_argument as validate() does.
   void configure(const WindowTrackerParams& params);
 

@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "distortion.hpp"
+#include "rigid_motion.hpp"
 #include "robot_vision/common/printable.hpp"
 #include "robot_vision/common/range.hpp"
 
@@ -17,7 +18,6 @@ const double kNan = std::numeric_limits<double>::quiet_NaN();
 
 constexpr int kMaxSide = 1 << 16;        // px
 constexpr double kMaxCoefficient = 1e6;  // in K, D and P; with this focal length in px one sees hundredths of a degree
-constexpr double kMaxRotationError = 1e-3;  // largest element of R * R^T - I
 
 template <int n>
 std::string listOf(const cv::Matx<double, 1, n>& row)
@@ -96,9 +96,7 @@ void validateRectification(const cv::Matx33d& R, const cv::Matx34d& P)
 {
   for (const double value : R.val)
     requireFinite("R", value);
-  const double error = cv::norm(R * R.t() - cv::Matx33d::eye(), cv::NORM_INF);
-  const bool is_rotation = error < kMaxRotationError && cv::determinant(R) > 0.0;
-  require(is_rotation || R == cv::Matx33d::zeros(), "R", "no rotation", "a rotation matrix");
+  require(isRotation(R) || R == cv::Matx33d::zeros(), "R", "no rotation", "a rotation matrix");
   for (const int row : {0, 1, 2})
     for (const int column : {0, 1, 2, 3})
       if (column < 3)

@@ -12,11 +12,14 @@ constexpr double kMaxDistance = 1000.0;     // m
 
 }  // namespace
 
+bool isRotation(const cv::Matx33d& R)
+{
+  return cv::norm(R * R.t() - cv::Matx33d::eye(), cv::NORM_INF) < kMaxRotationError && cv::determinant(R) > 0.0;
+}
+
 void requireRigid(const cv::Affine3d& transform, const std::string& name)
 {
-  const cv::Matx33d R = transform.rotation();
-  const bool rotates = cv::norm(R * R.t() - cv::Matx33d::eye(), cv::NORM_INF) < kMaxRotationError;  // not with NaN
-  require(rotates && cv::determinant(R) > 0.0, name, "no rotation and translation", "that of a rigid body");
+  require(isRotation(transform.rotation()), name, "no rotation and translation", "that of a rigid body");
   for (const double value : transform.translation().val)
     requireRange(name, value, -kMaxDistance, kMaxDistance);
 }

@@ -7,6 +7,9 @@
 namespace robot_vision
 {
 
+/// Whether a matrix is a rotation, up to 1e-3 in each element of R * R^T. False with NaN.
+bool isRotation(const cv::Matx33d& R);
+
 /// Throws std::invalid_argument naming the transform unless it is that of a rigid body by at most 1000 m along each
 /// axis.
 void requireRigid(const cv::Affine3d& transform, const std::string& name);

@@ -3,13 +3,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include "velocity.hpp"
+
 namespace robot_vision
 {
 namespace
 {
 
 constexpr double kInitialGrowth = 0.5;  // sides/s: standard deviation of how fast a new box grows in width and height
-constexpr double kMinInterval = 1e-3;   // s, in which a velocity can be measured
 constexpr double kMinSide = 1.0;        // px, to which a box may be predicted to shrink
 
 double square(double value)

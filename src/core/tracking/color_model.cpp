@@ -14,16 +14,16 @@ cv::Rect surroundings(const cv::Rect& region, const cv::Size& image)
   return around & cv::Rect({0, 0}, image);
 }
 
-/// Lets the bins of a histogram count less that have a share of the background as well.
-void subtract(const cv::Mat_<float>& background, cv::Mat_<float>& object)
+/// Lets the bins of a histogram count less that have a share of the background as well. Both are shares of all pixels,
+/// whose numbers these are: where little has a colour, each pixel that has one would count for much.
+void subtract(const cv::Mat_<float>& background, int background_pixels, int object_pixels, cv::Mat_<float>& object)
 {
-  const double of_object = cv::sum(object)[0], of_background = cv::sum(background)[0];
-  if (of_object <= 0.0 || of_background <= 0.0) return;
+  if (background_pixels == 0) return;
   auto behind = background.begin();
   for (float& count : object)
   {
-    const double share = *behind++ / of_background;
-    if (count > 0.0F) count = static_cast<float>(std::max(0.0, count - share * of_object));
+    const double expected = static_cast<double>(*behind++) * object_pixels / background_pixels;
+    count = static_cast<float>(std::max(0.0, count - expected));
   }
 }
 
@@ -47,7 +47,7 @@ void ColorModel::configure(const WindowTrackerParams& params)
   if (params.subtract_background)
   {
     const cv::Mat_<float> background = pixels.histogram(params.hue_bins, saturation_bins) - object;
-    subtract(background, object);
+    subtract(background, static_cast<int>(around_.total()) - region_.area(), region_.area(), object);
   }
   histogram_ = object;
 }

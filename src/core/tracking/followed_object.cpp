@@ -1,9 +1,10 @@
 #include "followed_object.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <numeric>
 #include <opencv2/imgproc.hpp>
+
+#include "velocity.hpp"
 
 namespace robot_vision
 {
@@ -107,8 +108,7 @@ cv::Point2d FollowedObject::velocityFrom(const Motion& last, double elapsed, dou
   const cv::Point2d error = state_.center - last.center - last.velocity * elapsed;
   const std::vector<cv::Point2f> outline(state_.outline.begin(), state_.outline.end());
   if (error.ddot(error) > cv::contourArea(outline)) return {};
-  const double gain = smoothing > 0.0 ? 1.0 - std::exp(-elapsed / smoothing) : 1.0;
-  return last.velocity + gain / elapsed * error;
+  return last.velocity + velocityGain(elapsed, smoothing) / elapsed * error;
 }
 
 /// Writes the pose into the state that users see.

@@ -13,8 +13,6 @@
 namespace robot_vision
 {
 
-constexpr double kMinInterval = 1e-3;  // s, the shortest time in which a velocity can be measured
-
 /// The last two frames, between which objects are followed.
 struct FramePair
 {

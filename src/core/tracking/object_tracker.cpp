@@ -10,6 +10,7 @@
 #include "followed_object.hpp"
 #include "robot_vision/common/range.hpp"
 #include "robot_vision/image/encoding.hpp"
+#include "velocity.hpp"
 
 namespace robot_vision
 {

@@ -92,12 +92,12 @@ std::optional<WindowFit> fitWindow(const cv::Mat& back_projection, const cv::Rec
 std::optional<cv::Rect> densestWindow(const cv::Mat& back_projection, const cv::Size& size)
 {
   const cv::Size window(std::min(size.width, back_projection.cols), std::min(size.height, back_projection.rows));
-  cv::Mat sums;
-  cv::boxFilter(back_projection, sums, CV_32F, window, {0, 0}, /*normalize=*/false, cv::BORDER_CONSTANT);
-  const cv::Rect inside(0, 0, sums.cols - window.width + 1, sums.rows - window.height + 1);
+  cv::Mat means;  // and not sums, which OpenCV makes of integers that overflow in a window of some megapixels
+  cv::boxFilter(back_projection, means, CV_32F, window, {0, 0}, /*normalize=*/true, cv::BORDER_CONSTANT);
+  const cv::Rect inside(0, 0, means.cols - window.width + 1, means.rows - window.height + 1);
   double max = 0.0;
   cv::Point place;
-  cv::minMaxLoc(sums(inside), nullptr, &max, nullptr, &place);
+  cv::minMaxLoc(means(inside), nullptr, &max, nullptr, &place);
   if (max <= 0.0) return std::nullopt;
   return cv::Rect(place, window);
 }

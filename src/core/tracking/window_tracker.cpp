@@ -8,16 +8,11 @@
 #include "core/image/conversion_buffer.hpp"
 #include "core/image/rects.hpp"
 #include "robot_vision/common/range.hpp"
+#include "velocity.hpp"
 #include "window_fit.hpp"
 
 namespace robot_vision
 {
-namespace
-{
-
-constexpr double kMinInterval = 1e-3;  // s, the shortest time in which a velocity can be measured
-
-}  // namespace
 
 struct WindowTracker::Impl
 {
@@ -25,6 +20,7 @@ struct WindowTracker::Impl
   void follow(bool is_comparable)
   {
     projection = model->backProject(newest);
+    is_expected = is_expected && is_comparable;
     const bool was_tracked = is_comparable && state.tracked;
     std::optional<WindowFit> fit;
     if (was_tracked) fit = fitWindow(projection, state.window, params);
@@ -46,10 +42,8 @@ struct WindowTracker::Impl
     if (!is_shifted)
       velocity = {};
     else if (elapsed >= kMinInterval)
-    {
-      const double gain = params.smoothing > 0.0 ? 1.0 - std::exp(-elapsed / params.smoothing) : 1.0;
-      velocity += gain * ((fit.center - seen.center) / elapsed - velocity);
-    }
+      velocity += velocityGain(elapsed, params.smoothing) * ((fit.center - seen.center) / elapsed - velocity);
+    if (measured_by != params.method) measureAnew(fit);
     // A rectangle looks the same after half a turn: of both rotations the smaller one is meant.
     const double turned = std::remainder(fit.direction - seen.direction, CV_PI);
     state.angle = std::remainder(state.angle + turned, 2.0 * CV_PI);
@@ -63,6 +57,16 @@ struct WindowTracker::Impl
     state.confidence = fit.similarity;
     seen = fit;
     seen_time = time;
+    is_expected = true;
+  }
+
+  /// Has the next sizes and directions compared with those of this fit: each method has its own of the same thing.
+  void measureAnew(const WindowFit& fit)
+  {
+    measured_by = params.method;
+    selected_area = fit.area / (state.scale * state.scale);
+    seen.direction = fit.direction;
+    state.angle = 0.0;
   }
 
   void lose()
@@ -70,7 +74,7 @@ struct WindowTracker::Impl
     const double elapsed = time - seen_time;
     state.tracked = false;
     state.confidence = 0.0;
-    state.predicted = elapsed >= 0.0 && elapsed <= params.max_prediction && params.max_prediction > 0.0;
+    state.predicted = is_expected && elapsed <= params.max_prediction && params.max_prediction > 0.0;
     state.velocity = state.predicted ? velocity : cv::Point2d();
     state.center = seen.center + state.velocity * elapsed;
     for (std::size_t i = 0; i < state.outline.size(); ++i)
@@ -85,7 +89,9 @@ struct WindowTracker::Impl
   TrackedWindow state;
   WindowFit seen;              // the last place
   double seen_time = 0.0;      // s, when it was there
+  bool is_expected = false;    // whether all frames since then are of the same size and in order
   cv::Point2d velocity;        // px/s, when it was there
+  std::string measured_by;     // the method that the next, and the direction there, are of
   double selected_area = 1.0;  // px^2, of the outline when it was selected
   int last_id = 0;
   double time = 0.0;  // s, of the newest frame
@@ -133,6 +139,7 @@ int WindowTracker::select(const cv::Rect& region, const std::string& label)
   me.state.id = ++me.last_id;
   me.state.label = label;
   me.seen = *fit;
+  me.measured_by = me.params.method;
   me.selected_area = fit->area;
   me.seen_time = me.time;
   me.accept(*fit, /*is_shifted=*/false);

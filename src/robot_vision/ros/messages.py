@@ -60,10 +60,15 @@ def clipped_box(region: RegionOfInterest) -> Box:
 
 
 def box_around(outline: np.ndarray, image: np.ndarray) -> RegionOfInterest:
-    """Returns the part of the image that the bounding box of an outline, (n, 2) px, covers."""
+    """Returns the part of the image that the bounding box of an outline, (n, 2) px, covers.
+
+    A pixel counts if more of it than its edge is covered; there is one at least in each direction.
+    """
     height, width = image.shape[:2]
-    left, top = np.maximum(np.floor(outline.min(axis=0)), 0).astype(int)
-    right, bottom = np.minimum(np.ceil(outline.max(axis=0)), (width - 1, height - 1)).astype(int)
+    first = np.floor(outline.min(axis=0) + 0.5)  # Positions are from the middle of the first pixel.
+    last = np.maximum(np.ceil(outline.max(axis=0) - 0.5), first)
+    left, top = np.maximum(first, 0).astype(int)
+    right, bottom = np.minimum(last, (width - 1, height - 1)).astype(int)
     return region_of((left, top, max(right - left + 1, 0), max(bottom - top + 1, 0)))
 
 

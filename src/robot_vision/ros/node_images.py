@@ -5,6 +5,7 @@ be loaded, too.
 """
 
 import atexit
+import math
 import sys
 import threading
 import time
@@ -16,10 +17,12 @@ import rospy
 
 from .. import _transport
 from ..common.files import ROS_HOME_NEEDED
+from ..common.throttle import Throttle
 from .context import current
 from .registration import keep_registered
 
 END_TIMEOUT = 1.0  # s that the end of a node waits for a callback that is running
+PERIOD = 1.0  # s that the thread waits for images, and until a listener that failed is called again
 
 Deliver = Callable[..., Any]  # is called with what Queue.next() gives behind the inbox
 
@@ -43,6 +46,8 @@ class NodeImages:
         # Each change of these two is a single step that the GIL makes atomic.
         self.subscribers: Dict[_transport.Inbox, Deliver] = {}
         self.listeners: List[Callable[[], Any]] = []
+        self._next_attempt = math.inf  # s of the monotonic clock, after a listener has failed
+        self._failure_throttle = Throttle()
         name = self.context.name
         diagnostics = self.context.resolve("/diagnostics")
         self._process = _process()
@@ -73,16 +78,28 @@ class NodeImages:
             self.context.exit("a callback has called sys.exit()")
 
     def _work(self) -> None:
-        taken = self.queue.next(1.0)
+        taken = self.queue.next(PERIOD)
+        if time.monotonic() >= self._next_attempt or (
+            taken is None and self.queue.connections_changed()
+        ):
+            self._call_listeners()
         if taken is None:
-            if self.queue.connections_changed():
-                for listener in list(self.listeners):
-                    self._call(listener)
             return
         inbox, *frame = taken
         deliver = self.subscribers.get(inbox)
         if deliver is not None:  # Otherwise it was unregistered a moment ago.
             deliver(*frame)
+
+    def _call_listeners(self) -> None:
+        """Tells of connections, and once more in a while if a listener cannot subscribe now."""
+        self._next_attempt = math.inf
+        for listener in list(self.listeners):
+            try:
+                listener()
+            except Exception:
+                self._next_attempt = time.monotonic() + PERIOD
+                if self._failure_throttle.due():
+                    rospy.logerr("a callback failed:\n%s", traceback.format_exc())
 
     @staticmethod
     def _call(function: Callable[[], Any]) -> None:

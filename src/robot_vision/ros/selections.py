@@ -1,5 +1,6 @@
 """Regions that people select in the image: they come on ~select, and wait for a frame."""
 
+import math
 import threading
 import time
 from typing import Any, Callable, List
@@ -58,7 +59,9 @@ class Selections:
         self._node = node
         self._lock = lock
         self._is_busy = is_busy
+        self._context = current()
         self._waiting: List[Any] = []
+        self._watched = False  # whether a thread fails what waits too long
         self._busy = False  # what the node was told last
         self._refusal_throttle, self._expiry_throttle = Throttle(), Throttle()
 
@@ -73,6 +76,9 @@ class Selections:
             self._waiting = [other for other in self._waiting if not other.replaces]
         self._waiting.append(selection)
         self.keep_working()
+        if not self._watched and selection.deadline < math.inf:
+            self._watched = True
+            self._context.thread(self._watch, "selections").start()
 
     def take(self) -> List[Any]:
         """Returns what has waited for this frame, but not too long. The lock must be held."""
@@ -92,6 +98,18 @@ class Selections:
         if busy != self._busy:
             self._busy = busy
             self._node.keep_working(busy)
+
+    def _watch(self) -> None:
+        """Fails what waits too long, also if no frame comes, until only that waits which may."""
+        while not self._context.is_ending():
+            with self._lock:
+                self._drop_expired()
+                self.keep_working()
+                deadline = min((one.deadline for one in self._waiting), default=math.inf)
+                if deadline == math.inf:
+                    self._watched = False
+                    return
+            time.sleep(max(0.0, deadline - time.monotonic()))
 
     def _on_region(self, region: RegionOfInterest) -> None:
         with self._lock:

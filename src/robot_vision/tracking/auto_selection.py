@@ -1,6 +1,7 @@
 """Selects what another node detects, for object_tracker to follow."""
 
 import collections
+import math
 import threading
 from typing import Deque, List, NamedTuple, Set, Tuple
 
@@ -10,15 +11,20 @@ import rospy
 from .. import ObjectTracker, TrackedObject
 from ..common.polygons import is_inside
 from ..msg import Detection, DetectionArray
+from ..ros.image_node import INPUT_TIMEOUT
 from ..ros.messages import clipped_box
 from ..ros.transport import Frame
+from .selections import MAX_OBJECTS
 
 HISTORY = 8  # frames by which a detection may be late
 MAX_CANDIDATES = 100  # detections of a message with the highest scores; each is compared with each
 
 
 class Candidate(NamedTuple):
-    """A detection of the last message, and the time in s since which it was in all messages."""
+    """A detection of the last message, and the time in s since which it was in all messages.
+
+    A pause of the detector counts as a message without detections.
+    """
 
     detection: Detection
     since: float
@@ -40,6 +46,7 @@ class AutoSelection:
         self._most = 1
         self._after = 0.0  # s
         self._candidates: List[Candidate] = []
+        self._looked_at = -math.inf  # s, the frame of the last message
         self._own: Set[int] = set()  # ids of the objects that were selected here
         self._lost: List[int] = []  # ids of those that are lost in this frame
         self._lock = threading.Lock()  # guards the received detections
@@ -64,6 +71,13 @@ class AutoSelection:
         with self._lock:
             self._come.append(detections)
 
+    def clear(self) -> None:
+        """Forgets frames and detections, but not which objects were selected here."""
+        self._frames.clear()
+        self._candidates = []
+        with self._lock:
+            self._come.clear()
+
     def select(self, frame: Frame, tracks: List[TrackedObject]) -> None:
         """Selects what was detected up to this frame, in which `tracks` are the objects."""
         self._frames.append((frame, [track.outline for track in tracks if track.tracked]))
@@ -81,7 +95,9 @@ class AutoSelection:
                 self._select_uncovered(number)
 
     def _update_candidates(self, detections: List[Detection], now: float) -> None:
-        before = self._candidates
+        has_paused = abs(now - self._looked_at) >= INPUT_TIMEOUT
+        before = [] if has_paused else self._candidates
+        self._looked_at = now
         self._candidates = [
             Candidate(
                 one, min([now, *(old.since for old in before if is_same(old.detection, one))])
@@ -105,7 +121,7 @@ class AutoSelection:
         for found, since in self._candidates:
             if frame.time - since < self._after or is_covered(found, outlines):
                 continue
-            full = len(self._own) >= self._most
+            full = len(self._own) >= self._most or len(self._tracker.objects()) >= MAX_OBJECTS
             if full and not self._lost:
                 return
             region = clipped_box(found.box)

@@ -61,6 +61,7 @@ class ObjectTracker:
             elif not config["auto_select"] and self._detections is not None:
                 current().close(self._detections.unregister)
                 self._detections = None
+                self._auto.clear()
             self._selections.keep_working()
 
     def _process(self, frame: Frame) -> None:

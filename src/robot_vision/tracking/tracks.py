@@ -17,16 +17,15 @@ YELLOW = (0, 255, 255)
 
 def detection_of(track: Union[TrackedObject, TrackedWindow], image: np.ndarray) -> Detection:
     """Returns a tracked object as a Detection, whose box is clipped to the image."""
-    center = Point(*track.center, 0.0)
     sides = np.hypot(*(track.outline[1:3] - track.outline[:2]).T)
     return Detection(
         label=track.label,
         id=track.id,
         score=track.confidence,
         box=box_around(track.outline, image),
-        center=center,
+        center=Point(*track.center, 0.0),
         outline=points(track.outline),
-        circle_center=center,
+        circle_center=Point(*track.outline.mean(axis=0), 0.0),
         circle_radius=np.hypot(*sides) / 2.0,
         area=np.prod(sides),
         has_velocity=True,

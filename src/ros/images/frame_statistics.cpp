@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "robot_vision/common/printable.hpp"
 #include "robot_vision/common/range.hpp"
 #include "ros/params/params.hpp"
 
@@ -79,6 +80,13 @@ void FrameStatistics::setRunning(const std::string& topic)
 void FrameStatistics::setIdle()
 {
   setState(diagnostic_msgs::DiagnosticStatus::OK, "idle: nobody subscribes");
+}
+
+std::string FrameStatistics::setUnsubscribed(const std::string& reason)
+{
+  std::string what = "cannot subscribe: " + logLine(reason);
+  setState(diagnostic_msgs::DiagnosticStatus::ERROR, what);
+  return what;
 }
 
 void FrameStatistics::countUnshared(std::function<std::uint64_t()> unshared)

@@ -36,6 +36,8 @@ public:
   /// The states of a node that processes the images of a topic.
   void setRunning(const std::string& topic);
   void setIdle();
+  /// That of a node that cannot subscribe, for a reason that may have any text. Returns what is reported.
+  std::string setUnsubscribed(const std::string& reason);
 
   /// Has reports count the frames that were not published over shm for want of memory, see SharedTopic.
   void countUnshared(std::function<std::uint64_t()> unshared);

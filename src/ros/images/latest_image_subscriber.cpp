@@ -1,6 +1,7 @@
 #include "latest_image_subscriber.hpp"
 
 #include <algorithm>
+#include <exception>
 #include <utility>
 
 #include "bounded_reading.hpp"
@@ -54,10 +55,11 @@ void LatestImageSubscriber::open()
     }
     images->add(*this, params_.parameters);
   }
-  catch (...)
+  catch (const std::exception& e)
   {
     close();
     images->remove(*this);  // which close() has not done if it was closed meanwhile
+    statistics_->setUnsubscribed(e.what());
     throw;
   }
   {
@@ -73,13 +75,13 @@ void LatestImageSubscriber::close()
   ros::Subscriber info_subscriber;
   {
     const std::lock_guard<std::mutex> lock(mutex_);
+    statistics_->setIdle();  // also in place of an error
     if (!open_) return;
     open_ = false;
     std::swap(images, images_);
     std::swap(info_subscriber, info_subscriber_);
     frames_.clear();
     infos_.clear();
-    statistics_->setIdle();
   }
   images->remove(*this);
   endSubscription(info_subscriber);  // waits for a running callback, which needs the lock

@@ -2,7 +2,6 @@
 
 #include <utility>
 
-#include "robot_vision/common/printable.hpp"
 #include "ros/params/params.hpp"
 
 namespace robot_vision
@@ -80,8 +79,7 @@ void LazySubscriber::listenIfWanted()
 
 void LazySubscriber::tell(const std::string& reason)
 {
-  const std::string what = "cannot subscribe: " + logLine(reason);
-  statistics_.setState(diagnostic_msgs::DiagnosticStatus::ERROR, what);
+  const std::string what = statistics_.setUnsubscribed(reason);
   if (throttle_.due()) ROS_ERROR("%s: %s", name_.c_str(), what.c_str());
 }
 

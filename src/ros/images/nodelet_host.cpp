@@ -1,6 +1,5 @@
 #include "nodelet_host.hpp"
 
-#include <nodelet/detail/callback_queue.h>
 #include <nodelet/detail/callback_queue_manager.h>
 #include <pluginlib/class_loader.hpp>
 
@@ -9,6 +8,7 @@
 #include <utility>
 
 #include "advertising_lock.hpp"
+#include "nodelet_queue.hpp"
 
 namespace robot_vision
 {
@@ -55,8 +55,8 @@ class NodeletHost::Loaded
 public:
   Loaded(boost::shared_ptr<nodelet::Nodelet> nodelet, nodelet::detail::CallbackQueueManager& manager)
     : manager_(manager),
-      one_(boost::make_shared<nodelet::detail::CallbackQueue>(&manager)),
-      several_(boost::make_shared<nodelet::detail::CallbackQueue>(&manager)),
+      one_(boost::make_shared<NodeletQueue>(manager)),
+      several_(boost::make_shared<NodeletQueue>(manager)),
       nodelet_(std::move(nodelet))
   {
   }
@@ -71,15 +71,14 @@ public:
   Loaded(const Loaded&) = delete;
   Loaded& operator=(const Loaded&) = delete;
 
-  /// Callbacks wait for the end of onInit(). A nodelet manager disables the queues until then, and so loses what comes
-  /// meanwhile: a subscription in onInit() to which a frame has come would never get another one.
+  /// Callbacks wait for the end of onInit().
   void start(const std::string& name, const nodelet::M_string& remappings, const nodelet::V_string& arguments)
   try
   {
     nodelet_->init(name, remappings, arguments, one_.get(), several_.get());
     started_ = true;
-    open(one_, false);
-    open(several_, true);
+    one_->open(false);
+    several_->open(true);
   }
   catch (const std::exception& e)
   {
@@ -91,18 +90,9 @@ public:
   }
 
 private:
-  /// From now on the workers call what is in the queue, and what waits there already.
-  void open(const nodelet::detail::CallbackQueuePtr& queue, bool threaded)
-  {
-    constexpr int kMaxWaiting = 64;  // callbacks; each call has one of them called, or finds none
-    manager_.addQueue(queue, threaded);
-    for (int i = 0; i < kMaxWaiting; ++i)
-      manager_.callbackAdded(queue);
-  }
-
   nodelet::detail::CallbackQueueManager& manager_;
-  nodelet::detail::CallbackQueuePtr one_;
-  nodelet::detail::CallbackQueuePtr several_;
+  boost::shared_ptr<NodeletQueue> one_;
+  boost::shared_ptr<NodeletQueue> several_;
   bool started_ = false;
   boost::shared_ptr<nodelet::Nodelet> nodelet_;  // goes first
 };

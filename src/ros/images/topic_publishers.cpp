@@ -1,7 +1,6 @@
 #include "topic_publishers.hpp"
 
 #include <ros/ros.h>
-#include <ros/xmlrpc_manager.h>
 
 #include <algorithm>
 #include <vector>
@@ -20,21 +19,6 @@ bool contains(const std::vector<std::string>& names, const std::string& name)
   return std::find(names.begin(), names.end(), name) != names.end();
 }
 
-std::string uri()
-{
-  return ros::XMLRPCManager::instance()->getServerURI();
-}
-
-std::optional<XmlRpcValue> ask(const char* method, const std::vector<std::string>& arguments)
-{
-  XmlRpcValue request, response, payload;
-  request[0] = ros::this_node::getName();
-  for (const std::string& argument : arguments)
-    request[request.size()] = argument;
-  if (!ros::master::execute(method, request, response, payload, false)) return std::nullopt;
-  return payload;
-}
-
 bool isSubscribedHere(const std::string& topic)
 {
   std::vector<std::string> topics;
@@ -45,8 +29,8 @@ bool isSubscribedHere(const std::string& topic)
 /// A master that was started again may know another node of this name, which it would shut down for this one.
 bool isKnown()
 {
-  std::optional<XmlRpcValue> known = ask("lookupNode", {ros::this_node::getName()});
-  return known && static_cast<std::string>(*known) == uri();
+  std::optional<XmlRpcValue> known = askMaster("lookupNode", {ros::this_node::getName()});
+  return known && static_cast<std::string>(*known) == ownUri();
 }
 
 }  // namespace
@@ -62,7 +46,7 @@ std::optional<std::set<std::string>> publishersOf(const std::string& topic, cons
 try
 {
   if (!isKnown()) return std::nullopt;
-  std::optional<XmlRpcValue> answer = ask("registerSubscriber", {topic, type, uri()});
+  std::optional<XmlRpcValue> answer = askMaster("registerSubscriber", {topic, type, ownUri()});
   if (!answer) return std::nullopt;
   std::set<std::string> publishers;
   for (int i = 0; i < answer->size(); ++i)
@@ -78,7 +62,7 @@ void forgetSubscription(const std::string& topic, const std::string& type)
 try
 {
   if (isSubscribedHere(topic)) return;
-  ask("unregisterSubscriber", {topic, uri()});
+  askMaster("unregisterSubscriber", {topic, ownUri()});
   // Another thread may have subscribed meanwhile, whose registration this was then. A publisher that has come since is
   // told in no other answer.
   if (isSubscribedHere(topic)) registerSubscriber(topic, type);
