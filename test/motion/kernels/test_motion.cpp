@@ -403,6 +403,33 @@ TEST(MotionDetector, whatStaysBecomesBackground)
   }
 }
 
+TEST(MotionDetector, whatStaysIsMotionForAsLongForBothMethodsThatLearn)
+{
+  const cv::Mat empty(32, 32, CV_8UC3, cv::Scalar::all(0));
+  cv::Mat full = empty.clone();
+  full(cv::Rect(8, 8, 16, 16)).setTo(255);
+  const auto framesOfMotion = [&](const char* method, double learning_rate)
+  {
+    MotionParams params{method};
+    params.learning_rate = learning_rate;
+    params.blur_size = 1;
+    params.min_area = 50;
+    MotionDetector detector(params);
+    detector.update(0.0, empty, "bgr8");
+    int frames = 0;
+    while (frames < 1000 && !detector.update(1.0, full, "bgr8").regions.empty())
+      ++frames;
+    return frames;
+  };
+  for (const double rate : {0.005, 0.05, 0.1, 0.3, 0.5, 0.9, 1.0})
+  {
+    const int average = framesOfMotion("running_average", rate), mog2 = framesOfMotion("mog2", rate);
+    EXPECT_GE(mog2, 1) << rate;
+    EXPECT_NEAR(mog2, average, 1.0 + 0.1 * average) << rate;
+  }
+  EXPECT_EQ(framesOfMotion("running_average", MotionParams().learning_rate), 45);  // as its description says
+}
+
 TEST(MotionDetector, aLampIsNoMotion)
 {
   const cv::Mat dark = smooth({160, 120}) * 0.5;
