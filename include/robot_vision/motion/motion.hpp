@@ -71,7 +71,7 @@ public:
 
   /// The motion in the frame of `time_s` (s, of any clock). Nothing moves in the first frame, in one of another size
   /// or encoding than the last, and when time has gone back: each is a new background. `image` is not modified.
-  /// Throws std::invalid_argument if `image` is not an image of `encoding` (see encoding.hpp).
+  /// Throws std::invalid_argument if `image` is not an image of `encoding` (see encoding.hpp), or `time_s` not finite.
   Motion update(double time_s, const cv::Mat& image, const std::string& encoding);
 
   /// Makes the next frame the background.

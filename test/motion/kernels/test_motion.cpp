@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <limits>
 #include <opencv2/imgproc.hpp>
 #include <optional>
 
@@ -467,6 +469,18 @@ TEST(MotionDetector, anImageOfAnotherSizeOrAnEarlierTimeIsABackground)
   EXPECT_EQ(detector.update(1.0, cv::Mat(41, 60, CV_8UC1, cv::Scalar(0)), "mono8").changed, 0.0);
   EXPECT_THROW(detector.update(8.0, cv::Mat(), "mono8"), std::invalid_argument);
   EXPECT_THROW(detector.update(8.0, cv::Mat(41, 60, CV_8UC1), "bgr8"), std::invalid_argument);
+}
+
+TEST(MotionDetector, refusesATimeThatIsNone)
+{
+  const cv::Mat empty(32, 32, CV_8UC3, cv::Scalar::all(0));
+  MotionDetector detector;
+  detector.update(5.0, empty, "bgr8");
+  for (const double time : {std::nan(""), std::numeric_limits<double>::infinity()})
+    EXPECT_THROW(detector.update(time, empty, "bgr8"), std::invalid_argument) << time;
+  cv::Mat full = empty.clone();
+  full(cv::Rect(8, 8, 16, 16)).setTo(255);
+  EXPECT_EQ(detector.update(1.0, full, "bgr8").changed, 0.0);  // still an earlier time
 }
 
 TEST(MotionDetector, refusesWhatIsOutOfRange)
