@@ -410,6 +410,16 @@ def test_a_long_pause_does_not_move_a_face():
     assert is_at(face, (270, 190, 100, 100))
 
 
+def test_after_a_pause_a_face_is_another_one():
+    detector = rv.FaceDetector(params(cascade_2=""))
+    image = crowd([(240, 160)])
+    ids = []
+    for time_s in (0.0, 0.1, 1.9, 4.0, 4.1, 600.0, 600.1):
+        (face,) = detector.update(time_s, image, "mono8")
+        ids.append(face.id)
+    assert ids == [0, 0, 0, 1, 1, 2, 2]
+
+
 @pytest.mark.parametrize(
     "name, value, text",
     [

@@ -220,7 +220,12 @@ def test_looks_are_limited_and_faces_forgotten():
     assert identities.of(1).name == "A"
     identities.see([2], 10.0 + MEMORY + 0.1)
     assert identities.of(1).name == UNKNOWN
-    voted(identities, *"AAA")
+    identities.vote(1, "A", 10.0, 10.0 + MEMORY + 0.2)
+    assert identities.of(1).name == UNKNOWN  # its votes are forgotten, too
+    voted(identities, *"AAA", start=100.0)
+    identities.see([1], 102.0 + MEMORY + 0.1)  # another person's, perhaps
+    assert identities.of(1).name == UNKNOWN and identities.due(1, 102.0 + MEMORY + 0.1)
+    voted(identities, *"AAA", start=200.0)
     identities.clear()
     assert identities.of(1).name == UNKNOWN and identities.due(1, 0.0)
 

@@ -70,7 +70,8 @@ struct Face
 /// detect() searches the whole image, as cv::CascadeClassifier::detectMultiScale does. update() does that every now
 /// and then, so that a new face is found within max_search_period; in the frames between it searches around the known
 /// faces, where a few windows of about the right size do, and where the image has changed. A face is reported when a
-/// cascade has seen it in this very frame, or within the last `hold` seconds and it still looks as it did then.
+/// cascade has seen it in this very frame, or within the last `hold` seconds and it still looks as it did then. After 2 s
+/// out of sight, or without a frame, a face gets another id.
 class FaceDetector
 {
 public:

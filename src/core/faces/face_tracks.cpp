@@ -146,6 +146,7 @@ void FaceTracks::follow(double time_s, const cv::Mat& gray, FaceSearch& search, 
   for (FaceTrack& track : tracks_)
   {
     if (!track.visible) continue;
+    if (time_s - track.time > kMaxAbsence) track.id = -1;  // there may be another face in its place
     const cv::Rect expected = expectedBox(track, time_s);
     const int margin = cvRound(uncertainty(time_s - track.time) * track.box.width);
     const auto found = findNear(track, grown(expected, margin, gray.size()), gray, search, params);

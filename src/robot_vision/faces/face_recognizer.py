@@ -104,8 +104,8 @@ class FaceRecognizer:
             return
         with self._lock:
             self._notice_other_ids(faces)
-            found = [self._identify(frame.image, face, now) for face in faces.detections]
             self._identities.see((face.id for face in faces.detections), now)
+            found = [self._identify(frame.image, face, now) for face in faces.detections]
             self._publish(frame, faces, found)
             seen = [box_of(face.box) for face in faces.detections if not face.predicted]
             self._services.offer(frame.image, seen, now)
