@@ -18,6 +18,7 @@ from ..ros.live_params import LiveParams, filled
 from ..ros.messages import box_of, corners
 from ..ros.startup import run_node
 from ..ros.transport import Frame
+from .enrollment import OfferedFace
 from .face_images import check_box, normalized
 from .gallery import Gallery
 from .gallery_services import GalleryServices
@@ -107,8 +108,10 @@ class FaceRecognizer:
             self._identities.see((face.id for face in faces.detections), now)
             found = [self._identify(frame.image, face, now) for face in faces.detections]
             self._publish(frame, faces, found)
-            seen = [box_of(face.box) for face in faces.detections if not face.predicted]
-            self._services.offer(frame.image, seen, now)
+            offered = [
+                OfferedFace(box_of(face.box), face.id, face.predicted) for face in faces.detections
+            ]
+            self._services.offer(frame.image, offered, now)
 
     def _notice_other_ids(self, faces: DetectionArray) -> None:
         """Forgets all identities when the detector was restarted, because its ids start anew."""
