@@ -1,6 +1,7 @@
 """The node face_recognizer, behind a face detector that this test plays."""
 
 import contextlib
+import copy
 import itertools
 import os
 import pathlib
@@ -21,8 +22,9 @@ from people import ANNA, BERT, CARLA, DORA, photograph, photographs
 from sensor_msgs.msg import Image
 
 from robot_vision.faces.face_images import find_face
+from robot_vision.faces.face_recognizer import messages_of
 from robot_vision.faces.gallery import CACHE, Gallery
-from robot_vision.faces.identities import MEMORY
+from robot_vision.faces.identities import MEMORY, Identity
 from robot_vision.msg import Detection, DetectionArray, FaceIdentityArray
 from robot_vision.ros.frame_pairs import MAX_BYTES, FramePairs
 from robot_vision.ros.messages import region_of
@@ -208,6 +210,18 @@ def test_outputs_agree_with_the_faces_that_came_in(start, folder):
     assert not outside.any()
     faces, identities, _ = door.answer(door.send(image, []))
     assert not faces.detections and not identities.identities
+
+
+def test_message_that_came_in_is_not_changed():
+    """Other nodes that share the process, and the message, still need the detector's words."""
+    header = stamped(DetectionArray, 3.5).header
+    faces = DetectionArray(header, 320, 240, [face((10, 20, 30, 40), 7, predicted=True)])
+    before = copy.deepcopy(faces)
+    named, whose = messages_of(faces, [Identity("Zoë", 50.0, 0.6)])
+    named.header.seq = whose.header.seq = 99  # as rospy does when it publishes
+    assert faces == before
+    (one,) = named.detections
+    assert (one.label, one.score, one.id, one.predicted) == ("Zoë", 0.6, 7, True)
 
 
 def remembered(seen):

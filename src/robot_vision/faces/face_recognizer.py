@@ -1,5 +1,6 @@
 """The node face_recognizer, which recognises the faces that another node detects."""
 
+import copy
 import threading
 import time
 from typing import Any, Dict, List, Tuple
@@ -135,13 +136,8 @@ class FaceRecognizer:
         return self._names[label] if label >= 0 else "", distance
 
     def _publish(self, frame: Frame, faces: DetectionArray, found: List[Identity]) -> None:
-        whose = FaceIdentityArray(header=faces.header)
-        for face, identity in zip(faces.detections, found):
-            face.label, face.score = identity.name, identity.score
-            whose.identities.append(
-                FaceIdentity(face.id, identity.name, identity.distance, identity.known)
-            )
-        self._faces.publish(faces)
+        named, whose = messages_of(faces, found)
+        self._faces.publish(named)
         self._whose.publish(whose)
         if self._processed.get_num_connections():
             overlay = frame.image.copy()
@@ -156,6 +152,25 @@ class FaceRecognizer:
             overlay = frame.image.copy()
             draw_text(overlay, to_ascii(text), (10, 20), RED)
             self._processed.publish(overlay, "bgr8", frame.header)
+
+
+def messages_of(
+    faces: DetectionArray, found: List[Identity]
+) -> Tuple[DetectionArray, FaceIdentityArray]:
+    """Returns the faces with their names, and the identities.
+
+    The message that came in stays as it is, because other nodes of the process look at it, too.
+    """
+    header = copy.copy(faces.header)  # rospy numbers what it publishes.
+    named = DetectionArray(header, faces.width, faces.height, [])
+    whose = FaceIdentityArray(header, [])
+    for face, identity in zip(faces.detections, found):
+        named.detections.append(copy.copy(face))
+        named.detections[-1].label, named.detections[-1].score = identity.name, identity.score
+        whose.identities.append(
+            FaceIdentity(face.id, identity.name, identity.distance, identity.known)
+        )
+    return named, whose
 
 
 def main() -> None:
