@@ -559,14 +559,18 @@ def test_boxes_that_cannot_be_used_are_refused(start, folder, box, predicted, te
     assert "Traceback" not in door.process.output()
 
 
-def test_faces_of_an_image_of_another_size_are_refused(start, folder):
-    door = Door(start, f"_gallery:={folder}", *AT_ONCE)
+@pytest.mark.parametrize("faces_first", [False, True])
+def test_faces_of_an_image_of_another_size_are_refused(start, folder, diagnostics, faces_first):
+    door = Door(start, f"_gallery:={folder}", "_diagnostic_period:=0.1", *AT_ONCE)
     anna = photograph(ANNA, 20)[0]
     image = message(anna, "bgr8")
     image.header.stamp = rospy.Time(500)
-    door.images.send(image)
-    door.faces.send(DetectionArray(image.header, 640, 480, faces_of(anna)))
+    faces = DetectionArray(image.header, 640, 480, faces_of(anna))
+    one, other = (door.images.send, image), (door.faces.send, faces)
+    for send, what in (other, one) if faces_first else (one, other):
+        send(what)
     door.process.wait_for_output("faces of an image of 640x480, not 320x240")
+    support.wait_for(lambda: diagnostics.value("door", "frames refused") == "1", "the refused one")
     assert door.look(ANNA) == "Anna"
 
 

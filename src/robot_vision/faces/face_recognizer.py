@@ -18,7 +18,7 @@ from ..ros.image_node import ImageNode
 from ..ros.live_params import LiveParams, filled
 from ..ros.messages import box_of, corners
 from ..ros.startup import run_node
-from ..ros.transport import Frame
+from ..ros.transport import Frame, FrameError
 from .enrollment import OfferedFace
 from .face_images import check_box, normalized
 from .gallery import Gallery
@@ -83,7 +83,10 @@ class FaceRecognizer:
     def _on_faces(self, faces: DetectionArray) -> None:
         frame = self._pairs.frame_of(faces)
         if frame:
-            self._process(frame, faces)
+            try:
+                self._process(frame, faces)
+            except FrameError as error:
+                self._node.refuse(frame, error)
         elif self._pairs.apart():
             image, topic = current().resolve("image"), current().resolve("faces")
             rospy.logwarn_throttle(
@@ -91,19 +94,9 @@ class FaceRecognizer:
             )
 
     def _process(self, frame: Frame, faces: DetectionArray) -> None:
+        """Recognises the faces in a frame; raises FrameError if they do not fit it."""
+        _check(frame, faces)
         now = time.monotonic()
-        height, width = frame.image.shape[:2]
-        if (faces.width, faces.height) != (width, height):
-            rospy.logerr_throttle(
-                5.0, f"faces of an image of {faces.width}x{faces.height}, not {width}x{height}"
-            )
-            return
-        try:
-            for face in faces.detections:
-                check_box(frame.image, box_of(face.box))
-        except ValueError as error:
-            rospy.logerr_throttle(5.0, f"faces that cannot be used: {error}")
-            return
         with self._lock:
             self._notice_other_ids(faces)
             self._identities.see((face.id for face in faces.detections), now)
@@ -152,6 +145,18 @@ class FaceRecognizer:
             overlay = frame.image.copy()
             draw_text(overlay, to_ascii(text), (10, 20), RED)
             self._processed.publish(overlay, "bgr8", frame.header)
+
+
+def _check(frame: Frame, faces: DetectionArray) -> None:
+    """Raises FrameError unless the faces may be in the frame's image."""
+    height, width = frame.image.shape[:2]
+    if (faces.width, faces.height) != (width, height):
+        raise FrameError(f"faces of an image of {faces.width}x{faces.height}, not {width}x{height}")
+    try:
+        for face in faces.detections:
+            check_box(frame.image, box_of(face.box))
+    except ValueError as error:
+        raise FrameError(f"faces that cannot be used: {error}") from None
 
 
 def messages_of(
