@@ -293,6 +293,22 @@ def test_a_face_that_no_cascade_sees_is_predicted_by_its_looks():
         assert iou(face.box, (270, 190, 100, 100)) > 0.5
 
 
+@pytest.mark.parametrize("rate", [10, 60])  # Hz
+@pytest.mark.parametrize("seen, part", [(12, 1.0), (5, 0.5)])  # frames, and the part of `hold`
+def test_hold_is_as_long_at_any_rate(rate, seen, part):
+    detector = rv.FaceDetector(params(cascade_2="", hold=1.0, max_search_period=2.0))
+    image = crowd([(240, 160)])
+    for number in range(seen):
+        (face,) = detector.update(number / rate, image, "mono8")
+        assert not face.predicted
+    image[214:238, 270:370] = 60  # a bar over the eyes
+    held = round(part * rate)  # frames
+    frames = range(seen, seen + held + 5)
+    states = [detector.update(number / rate, image, "mono8") for number in frames]
+    assert all(states[: held - 1]) and not any(states[held:])
+    assert all(face.predicted for (face,) in states[: held - 1])
+
+
 def test_velocity_is_that_of_the_face():
     detector = rv.FaceDetector(params(cascade_2=""))
     for number in range(30):
