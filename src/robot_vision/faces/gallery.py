@@ -159,8 +159,10 @@ class Gallery:
         Raises:
             ValueError: The name is not allowed, or the folder is inside the gallery, or it has no
                 subfolders although no name is given.
-            OSError: The folder cannot be read, the gallery cannot be written, or `given_up`
-                returned a true value; people who were complete by then have been added.
+            OSError: The folder cannot be read; or a name is given, and the gallery cannot be
+                written.
+            InterruptedError: `given_up` returned a true value; people who were complete by then
+                have been added.
         """
         if name:
             return self._import_images(name, folder, given_up)
@@ -180,7 +182,9 @@ class Gallery:
             path = os.path.join(folder, person)
             try:
                 added = self._import_images(person, path, given_up)
-            except ValueError as error:
+            except InterruptedError:
+                raise
+            except (OSError, ValueError) as error:  # The others may be better.
                 total.problems.append(f"{shown(path)}: {error}")
                 continue
             total.pictures += added.pictures
