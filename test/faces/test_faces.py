@@ -349,6 +349,16 @@ def test_a_pause_of_the_stream_is_no_long_search():
     assert 0.0 < detector.search_time < 10.0
 
 
+def test_time_of_a_search_is_that_of_a_slow_stream_too():
+    detector = rv.FaceDetector(params(background=True, cascade_2="", max_search_period=0.1))
+    for time_s in (100.0, 100.5, 101.0):
+        detector.update(time_s, crowd([]), "mono8")
+        detector.wait_for_search()
+    assert detector.search_time == 0.5
+    detector.update(161.0, crowd([]), "mono8")
+    assert detector.search_time == 1.0
+
+
 def test_frames_at_almost_the_same_time():
     detector = rv.FaceDetector(params(cascade_2=""))
     for number in range(20):
