@@ -527,6 +527,13 @@ def test_crash_while_adding_leaves_a_gallery_that_loads(folder, module, name, ca
     assert gallery.names() == {"Anna": 3, "Bert": 2, "Carla": images}
     assert gallery.add("Carla", photographs(CARLA, 4)).pictures == 4 - images
     assert same_faces(gallery, loaded(folder)[0])
+    assert gallery.forget("Carla") == Removed(4)  # whole and unfinished images, and faces
+    assert sorted(files(folder)) == [
+        CACHE,
+        *(f"Anna/{n}.png" for n in (1, 2, 3)),
+        "Bert/1.png",
+        "Bert/2.png",
+    ]
 
 
 def test_files_left_by_a_crash_of_a_process_of_the_same_number_are_in_nobodys_way(folder):
