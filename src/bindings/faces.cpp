@@ -23,7 +23,8 @@ void bindFaces(py::module& m)
       .def_property_readonly("velocity", attribute(&Face::velocity), "px/s, of its middle")
       .def_readonly("predicted", &Face::predicted, "followed by its looks: no cascade has seen it in this frame");
 
-  py::class_<FaceDetector>(m, "FaceDetector", "Finds faces with OpenCV's cascades, and follows them.")
+  py::class_<FaceDetector, std::unique_ptr<FaceDetector, DeleteUnlocked<FaceDetector>>>(
+      m, "FaceDetector", "Finds faces with OpenCV's cascades, and follows them.")
       .def(py::init<const FaceParams&>(), "params"_a = FaceParams(), Unlocked(),
            "Raises ValueError for a parameter out of range, and for a cascade that is not there or none.")
       .def("configure", &FaceDetector::configure, "params"_a, Unlocked(),

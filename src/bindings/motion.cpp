@@ -26,7 +26,8 @@ void bindMotion(py::module& m)
       .def(py::init<const MotionParams&>(), "params"_a = MotionParams())
       .def("update", withArray(&MotionDetector::update), "time"_a, "image"_a, "encoding"_a = "bgr8",
            "The Motion in the frame of a time, s. The first frame, one of another size and one of an earlier time are "
-           "new backgrounds.\n\nRaises ValueError for an image that is not of this encoding.")
+           "new backgrounds.\n\nRaises ValueError for an image that is not of this encoding, and for a time that is "
+           "not finite.")
       .def("reset", &MotionDetector::reset, "The next frame is the background.");
 }
 

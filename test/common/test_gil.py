@@ -122,12 +122,15 @@ def test_python_code_lets_nobody_run(never_switching):
     assert not lets_others_run(lambda: None, TRIES)
 
 
-def test_destroying_a_searching_detector_lets_others_run(never_switching):
-    params = rv.TagDetectorParams()
+@pytest.mark.parametrize(
+    "detector, params",
+    [(rv.TagDetector, rv.TagDetectorParams()), (rv.FaceDetector, rv.FaceParams())],
+)
+def test_destroying_a_searching_detector_lets_others_run(never_switching, detector, params):
     params.background = True
 
     def lets_others_run_once():
-        detectors = [searching(rv.TagDetector(params))]
+        detectors = [searching(detector(params))]
         return lets_others_run(detectors.pop, tries=1)
 
     assert any(lets_others_run_once() for _ in range(TRIES))

@@ -293,6 +293,22 @@ def test_a_face_that_no_cascade_sees_is_predicted_by_its_looks():
         assert iou(face.box, (270, 190, 100, 100)) > 0.5
 
 
+@pytest.mark.parametrize("rate", [10, 60])  # Hz
+@pytest.mark.parametrize("seen, part", [(12, 1.0), (5, 0.5)])  # frames, and the part of `hold`
+def test_hold_is_as_long_at_any_rate(rate, seen, part):
+    detector = rv.FaceDetector(params(cascade_2="", hold=1.0, max_search_period=2.0))
+    image = crowd([(240, 160)])
+    for number in range(seen):
+        (face,) = detector.update(number / rate, image, "mono8")
+        assert not face.predicted
+    image[214:238, 270:370] = 60  # a bar over the eyes
+    held = round(part * rate)  # frames
+    frames = range(seen, seen + held + 5)
+    states = [detector.update(number / rate, image, "mono8") for number in frames]
+    assert all(states[: held - 1]) and not any(states[held:])
+    assert all(face.predicted for (face,) in states[: held - 1])
+
+
 def test_velocity_is_that_of_the_face():
     detector = rv.FaceDetector(params(cascade_2=""))
     for number in range(30):
@@ -331,6 +347,16 @@ def test_a_pause_of_the_stream_is_no_long_search():
     detector.wait_for_search()
     detector.update(160.0, image, "mono8")
     assert 0.0 < detector.search_time < 10.0
+
+
+def test_time_of_a_search_is_that_of_a_slow_stream_too():
+    detector = rv.FaceDetector(params(background=True, cascade_2="", max_search_period=0.1))
+    for time_s in (100.0, 100.5, 101.0):
+        detector.update(time_s, crowd([]), "mono8")
+        detector.wait_for_search()
+    assert detector.search_time == 0.5
+    detector.update(161.0, crowd([]), "mono8")
+    assert detector.search_time == 1.0
 
 
 def test_frames_at_almost_the_same_time():
@@ -408,6 +434,16 @@ def test_a_long_pause_does_not_move_a_face():
         detector.update(number / RATE, crowd([(20 + 8 * number, 160)]), "mono8")
     (face,) = detector.update(1e9, crowd([(240, 160)]), "mono8")
     assert is_at(face, (270, 190, 100, 100))
+
+
+def test_after_a_pause_a_face_is_another_one():
+    detector = rv.FaceDetector(params(cascade_2=""))
+    image = crowd([(240, 160)])
+    ids = []
+    for time_s in (0.0, 0.1, 1.9, 4.0, 4.1, 600.0, 600.1):
+        (face,) = detector.update(time_s, image, "mono8")
+        ids.append(face.id)
+    assert ids == [0, 0, 0, 1, 1, 2, 2]
 
 
 @pytest.mark.parametrize(

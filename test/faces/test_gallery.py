@@ -333,6 +333,24 @@ def test_folders_of_images_are_imported_once(tmp_path):
         gallery.import_folder(str(tmp_path / "nowhere"))
 
 
+def test_a_folder_that_cannot_be_read_does_not_stop_the_import():
+    with tempfile.TemporaryDirectory() as place:  # tmp_path is closed to others
+        os.chmod(place, 0o777)
+        source = os.path.join(place, "photos")
+        for name in ("Anna", "Mia", "Zoë"):
+            os.makedirs(os.path.join(source, name))
+            path = os.path.join(source, name, "1.png")
+            cv2.imwrite(path, photograph(ANNA, 1)[0])
+        mia = os.path.join(source, "Mia")
+        os.chmod(mia, 0o000)
+        with somebody_else():
+            gallery = Gallery(os.path.join(place, "faces"))
+            added = gallery.import_folder(source)
+            told = [f"{mia}: {mia} cannot be read: Permission denied"]
+            assert added == Added(2, problems=told)
+            assert gallery.names() == {"Anna": 1, "Zoë": 1}
+
+
 def test_what_an_imported_folder_lacks_is_told(tmp_path):
     source = tmp_path / "photos"
     (source / "Anna").mkdir(parents=True)
@@ -509,6 +527,13 @@ def test_crash_while_adding_leaves_a_gallery_that_loads(folder, module, name, ca
     assert gallery.names() == {"Anna": 3, "Bert": 2, "Carla": images}
     assert gallery.add("Carla", photographs(CARLA, 4)).pictures == 4 - images
     assert same_faces(gallery, loaded(folder)[0])
+    assert gallery.forget("Carla") == Removed(4)  # whole and unfinished images, and faces
+    assert sorted(files(folder)) == [
+        CACHE,
+        *(f"Anna/{n}.png" for n in (1, 2, 3)),
+        "Bert/1.png",
+        "Bert/2.png",
+    ]
 
 
 def test_files_left_by_a_crash_of_a_process_of_the_same_number_are_in_nobodys_way(folder):

@@ -10,7 +10,7 @@ import pytest
 import skimage.data
 from people import ANNA, BERT, CARLA, KNOWN, STRANGERS, looks, photograph
 
-from robot_vision.faces.enrollment import PERIOD, Enrollment
+from robot_vision.faces.enrollment import PERIOD, Enrollment, OfferedFace
 from robot_vision.faces.face_images import (
     MARGIN,
     PORTRAIT_SIDE,
@@ -220,7 +220,12 @@ def test_looks_are_limited_and_faces_forgotten():
     assert identities.of(1).name == "A"
     identities.see([2], 10.0 + MEMORY + 0.1)
     assert identities.of(1).name == UNKNOWN
-    voted(identities, *"AAA")
+    identities.vote(1, "A", 10.0, 10.0 + MEMORY + 0.2)
+    assert identities.of(1).name == UNKNOWN  # its votes are forgotten, too
+    voted(identities, *"AAA", start=100.0)
+    identities.see([1], 102.0 + MEMORY + 0.1)  # another person's, perhaps
+    assert identities.of(1).name == UNKNOWN and identities.due(1, 102.0 + MEMORY + 0.1)
+    voted(identities, *"AAA", start=200.0)
     identities.clear()
     assert identities.of(1).name == UNKNOWN and identities.due(1, 0.0)
 
@@ -228,22 +233,43 @@ def test_looks_are_limited_and_faces_forgotten():
 def test_enrollment_takes_images_of_one_clear_face():
     image, head = photograph(CARLA, 0)
     blank = np.zeros_like(image)
+    face, other = OfferedFace(head), OfferedFace(head, predicted=True)
     enrollment = Enrollment(2)
-    for now, (offered, boxes) in enumerate(
-        [(image, []), (image, [head, head]), (blank, [head]), (image, [(900, 0, 9, 9)])]
+    for now, (offered, faces) in enumerate(
+        [
+            (image, []),
+            (image, [face, face]),
+            (image, [face, other]),
+            (image, [other]),
+            (blank, [face]),
+            (image, [OfferedFace((900, 0, 9, 9))]),
+        ]
     ):
-        enrollment.offer(offered, boxes, float(now))
+        enrollment.offer(offered, faces, float(now))
     assert not enrollment.wait(0.0, lambda: False)
     assert enrollment.outcome() == (
-        "took 0 of 2 images; 2 showed no clear face; 1 showed no face; 1 showed several faces"
+        "took 0 of 2 images; 3 showed no clear face; 1 showed no face; 2 showed several faces"
     )
     for now, taken in [(10.0, 1), (10.0 + PERIOD / 2, 1), (10.0 + 1.5 * PERIOD, 2), (20.0, 2)]:
-        enrollment.offer(image, [head], now)
+        enrollment.offer(image, [face], now)
         assert len(enrollment.portraits) == taken
     assert enrollment.wait(0.0, lambda: False)
     assert list(enrollment.portraits) == ["image 1", "image 2"]
     for taken in enrollment.portraits.values():
         assert np.array_equal(taken, portrait(image, head))
+
+
+def test_enrollment_begins_anew_when_another_face_comes():
+    enrollment = Enrollment(3)
+    portraits = []
+    for now, (person, number) in enumerate([(ANNA, 0), (ANNA, 1), (BERT, 0), (BERT, 1), (BERT, 2)]):
+        image, head = photograph(person, number)
+        enrollment.offer(image, [OfferedFace(head, id=person)], float(now))
+        portraits.append(portrait(image, head))
+    assert enrollment.wait(0.0, lambda: False)
+    assert enrollment.outcome() == "took 3 of 3 images; 2 showed another face"
+    for taken, expected in zip(enrollment.portraits.values(), portraits[2:]):
+        assert np.array_equal(taken, expected)
 
 
 def test_enrollment_ends_when_it_is_given_up():

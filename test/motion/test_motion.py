@@ -62,6 +62,24 @@ def test_box_is_found_when_and_where_it_is(method):
     assert right / (right + wrong) >= 0.95 and right / (right + missed) >= 0.95
 
 
+def walker(x):
+    """A room with somebody who is 80 px wide and looks the same all over, at x."""
+    image = np.full((240, 320, 3), 90, np.uint8)
+    image[80:200, max(x, 0) : max(x + 80, 0)] = 200
+    noise = np.random.default_rng(x + 1000).normal(0.0, 2.0, image.shape)
+    return np.clip(image + noise, 0, 255).astype(np.uint8)
+
+
+@pytest.mark.parametrize("speed", [2, 6])  # px per frame
+def test_a_walker_is_whole_for_mog2_by_default(speed):
+    detector = rv.MotionDetector(params(method="mog2"))
+    for frame in range(10):
+        detector.update(frame / RATE, walker(-100 - frame))
+    for frame, x in enumerate(range(0, 130, speed), 10):
+        (region,) = detector.update(frame / RATE, walker(x)).regions
+        assert iou(region.box, (x, 80, 80, 120)) > 0.85, x
+
+
 def test_previous_frame_sees_what_moves_now():
     detector = rv.MotionDetector(params(method="previous_frame"))
     moving, resting = [], []

@@ -122,6 +122,19 @@ def test_the_surest_are_kept():
     assert [one.weight for one in few] == weights[:3]
 
 
+@pytest.mark.parametrize(
+    "size, max_width", [((1280, 400), 400), ((320, 400), 64)], ids=["panorama", "small max_width"]
+)
+def test_no_image_is_shrunk_below_one_and_a_half_windows(size, max_width):
+    image = street(size, [(80, 100, 140, 280)])
+    small = round(size[0] * 192 / size[1]), 192
+    shrunk = cv2.resize(image, small, interpolation=cv2.INTER_AREA)
+    ((expected, weight),) = opencv_detects(shrunk)
+    (found,) = detect(image, max_width=max_width)
+    assert found.weight == pytest.approx(weight) and found.weight > 1.0
+    assert found.box == pytest.approx([side * size[1] / 192 for side in expected], abs=2)
+
+
 @pytest.mark.parametrize("model", ["default", "daimler"])
 @pytest.mark.parametrize("seed", range(2))
 def test_nobody_is_in_noise(model, seed):

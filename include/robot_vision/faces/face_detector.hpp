@@ -44,7 +44,7 @@ struct FaceParams
     visit("max_search_period", &FaceParams::max_search_period, Range{0, 60}, "s",
           "a new face is found within this; 0: one search after the other");
     visit("hold", &FaceParams::hold, Range{0, 60}, "s",
-          "a face is followed for so long by its looks alone, where no cascade sees it");
+          "a face is followed for at most so long by its looks alone, where no cascade sees it");
     visit("background", &FaceParams::background, Anything{}, "",
           "search whole images in a thread of its own, while update() goes on");
   }
@@ -70,7 +70,9 @@ struct Face
 /// detect() searches the whole image, as cv::CascadeClassifier::detectMultiScale does. update() does that every now
 /// and then, so that a new face is found within max_search_period; in the frames between it searches around the known
 /// faces, where a few windows of about the right size do, and where the image has changed. A face is reported when a
-/// cascade has seen it in this very frame, or within the last `hold` seconds and it still looks as it did then.
+/// cascade has seen it in this very frame, or within the last `hold` seconds and it still looks as it did then,
+/// unless it was seen too seldom, or by too few windows, before. After 2 s out of sight, or without a frame, a face
+/// gets another id.
 class FaceDetector
 {
 public:

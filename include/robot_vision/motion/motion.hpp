@@ -34,7 +34,7 @@ struct MotionParams
     visit("dilate", &MotionParams::dilate, Range{0, 50}, "px", "by how much what moves is grown");
     visit("min_area", &MotionParams::min_area, Range{0, 1e9}, "px^2", "smallest thing that moves");
     visit("learning_rate", &MotionParams::learning_rate, Above{0, 1}, "",
-          "running_average, mog2: share of the newest frame");
+          "running_average, mog2: share of the newest frame; at 0.05 what stays is background in 45 frames");
     visit("max_changed", &MotionParams::max_changed, Range{0, 1}, "",
           "share of the image above which it is no motion, but light or the camera");
     visit("settle", &MotionParams::settle, Range{0, 3600}, "s", "such a change becomes the background after this");
@@ -71,7 +71,7 @@ public:
 
   /// The motion in the frame of `time_s` (s, of any clock). Nothing moves in the first frame, in one of another size
   /// or encoding than the last, and when time has gone back: each is a new background. `image` is not modified.
-  /// Throws std::invalid_argument if `image` is not an image of `encoding` (see encoding.hpp).
+  /// Throws std::invalid_argument if `image` is not an image of `encoding` (see encoding.hpp), or `time_s` not finite.
   Motion update(double time_s, const cv::Mat& image, const std::string& encoding);
 
   /// Makes the next frame the background.

@@ -39,7 +39,8 @@ struct PeopleParams
           "windows that must agree on a person besides the first; 0: each window is one; mean_shift: least density");
     visit("mean_shift", &PeopleParams::mean_shift, Anything{}, "",
           "group windows by the densest places, not by overlap");
-    visit("max_width", &PeopleParams::max_width, Range{64, 8192}, "px", "wider images are shrunk to this first");
+    visit("max_width", &PeopleParams::max_width, Range{64, 8192}, "px",
+          "wider images are shrunk to this first, but not below one and a half windows");
     visit("min_height", &PeopleParams::min_height, Range{0, 8192}, "px",
           "lowest window in the whole image; larger ones are searched faster");
     visit("max_people", &PeopleParams::max_people, Range{1, 1000}, "", "so many are reported, the surest ones");
@@ -56,7 +57,8 @@ struct Person
 
 /// Finds people who stand or walk upright by histograms of oriented gradients and a support vector machine (Dalal,
 /// Triggs: Histograms of Oriented Gradients for Human Detection, CVPR 2005): cv::HOGDescriptor::detectMultiScale with
-/// the models that OpenCV brings, on the image shrunk to max_width.
+/// the models that OpenCV brings, on the image shrunk to max_width, or to one and a half windows if it would be smaller
+/// then.
 class PeopleDetector
 {
 public:
@@ -68,6 +70,8 @@ public:
   std::vector<Person> detect(const cv::Mat& image, const std::string& encoding) const;
 
 private:
+  double scaleOf(const cv::Size& image) const;
+
   PeopleParams params_;
   cv::HOGDescriptor hog_;
 };

@@ -24,7 +24,8 @@ constexpr int kCellSide = 8;                // px, of the cells that show where 
 constexpr double kMaxPartsArea = 0.3;       // of the image: if more has changed, its parts are not searched
 constexpr double kPauseRatio = 4.0;         // durations of the last search that pass until parts are searched again
 constexpr double kMinPause = 0.1;           // s that pass until then at least
-constexpr double kMaxFramePeriod = 0.1;     // s; a longer time between two frames is a pause of the stream
+constexpr double kMinPeriodOfPause = 0.1;   // s between two frames from which on it may be a pause of the stream
+constexpr double kMinRatioOfPause = 2.0;    // of that time to the one before, from which on it is a pause
 constexpr double kSearchTimeMargin = 1.25;  // times the duration of the last search that the next one may take
 
 }  // namespace
@@ -106,9 +107,15 @@ struct FaceDetector::Impl
       searched.reset();
       rest_until = 0.0;
       search_time = 0.0;
+      since_search = 0.0;
+      period = 0.0;
+    }
+    else
+    {
+      const double last_period = std::exchange(period, time_s - time);
+      since_search += std::min(period, std::max(kMinRatioOfPause * last_period, kMinPeriodOfPause));
     }
     size = gray.size();
-    since_search += std::min(time_s - time, kMaxFramePeriod);
     time = time_s;
   }
 
@@ -179,6 +186,7 @@ struct FaceDetector::Impl
   cv::Mat gray;                             // the newest image
   cv::Size size;                            // px, of the frames in which faces are followed
   double time = 0.0;                        // s, of the newest frame
+  double period = 0.0;                      // s between it and the one before; 0: there is none
   std::optional<double> searched;           // s, the newest frame of which the whole image was searched
   double search_time = 0.0;                 // s, that the last search of a whole image took
   double since_search = 0.0;                // s since the last search began, without pauses of the stream

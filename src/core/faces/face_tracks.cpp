@@ -21,8 +21,9 @@ constexpr double kVelocityGain = 0.15;    // weight of the newest motion in the 
 constexpr double kMinFramePeriod = 1e-3;  // s between frames from which a velocity is measured
 constexpr double kMaxAbsence = 2.0;       // s after which a face that comes back is another one
 constexpr double kMinOverlap = 0.5;       // of two boxes of one face, of the area of the smaller one
-constexpr int kMissWeight = 2;            // of a frame without the face in its trust, where a frame with it counts 1
+constexpr int kMissWeight = 2;            // of a frame in which a face is missed in its trust, where a sight counts 1
 constexpr int kMaxTrust = 30;             // frames
+constexpr int kTrustToHold = 10;          // frames, from which on a face is held for as long as it may be
 constexpr std::size_t kMaxHistory = 128;  // frames
 
 cv::Point2d middle(const cv::Rect& box)
@@ -146,11 +147,13 @@ void FaceTracks::follow(double time_s, const cv::Mat& gray, FaceSearch& search, 
   for (FaceTrack& track : tracks_)
   {
     if (!track.visible) continue;
+    if (time_s - track.time > kMaxAbsence) track.id = -1;  // there may be another face in its place
     const cv::Rect expected = expectedBox(track, time_s);
     const int margin = cvRound(uncertainty(time_s - track.time) * track.box.width);
     const auto found = findNear(track, grown(expected, margin, gray.size()), gray, search, params);
     const bool sure = found && isSure(*found, params);
-    track.trust = std::min(track.trust + (sure ? 1 : -kMissWeight), kMaxTrust);
+    // A face is missed once while no cascade sees it: `hold` says for how long, at any frame rate.
+    if (found || !track.predicted) track.trust = std::min(track.trust + (sure ? 1 : -kMissWeight), kMaxTrust);
     track.visible = track.trust > 0;
     if (!track.visible) continue;
     if (found)
@@ -162,7 +165,8 @@ void FaceTracks::follow(double time_s, const cv::Mat& gray, FaceSearch& search, 
       continue;
     }
     const auto located = locate(track.appearance, gray, expected, margin);
-    track.visible = located && located->second >= kMinCorrelation && time_s - track.seen <= params.hold;
+    const double hold = params.hold * std::min(track.trust, kTrustToHold) / kTrustToHold;
+    track.visible = located && located->second >= kMinCorrelation && time_s - track.seen <= hold;
     if (!track.visible) continue;
     move(track, time_s, located->first);
     track.predicted = true;

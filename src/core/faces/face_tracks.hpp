@@ -21,7 +21,7 @@ struct FaceTrack
   cv::Rect box;            // px
   double time = 0.0;       // s, of the box
   double seen = 0.0;       // s, when a cascade saw it last
-  int trust = 0;           // frames in which it was seen, less those in which it was not; above 0 it is believed
+  int trust = 0;           // frames in which it was seen, less twice how often it was missed; above 0 it is believed
   bool visible = true;     // false: it is only remembered, in case that it comes back
   bool predicted = false;  // not seen by a cascade at `time`
   double score = 0.0;

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "motion_background.hpp"
+#include "robot_vision/common/range.hpp"
 
 namespace robot_vision
 {
@@ -21,6 +22,7 @@ struct MotionDetector::Impl
 
   Motion update(double time_s, const cv::Mat& image, const std::string& encoding)
   {
+    requireFinite("time_s", time_s);
     const EncodedImage frame = background.prepare(image, encoding);
     const bool is_new = time_s < last_time || !background.fits(frame);
     last_time = time_s;

@@ -1,6 +1,7 @@
 #include "motion_background.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <opencv2/imgproc.hpp>
 #include <vector>
 
@@ -24,6 +25,18 @@ int brighterBy(const cv::Mat& gray, const cv::Mat& reference)
   const auto middle = differences.begin() + static_cast<std::ptrdiff_t>(differences.size() / 2);
   std::nth_element(differences.begin(), middle, differences.end());
   return *middle;
+}
+
+/// The learning rate by which MOG2 takes what is new for background after as many frames as a running average takes,
+/// in which so much of the old background is left by then.
+double modelRate(double learning_rate, double background_ratio)
+{
+  constexpr double kLastShare = 25.0 / 255.0;  // at which white on black is no longer above the default threshold
+  constexpr double kMaxRate = 0.9;             // of the one by which what is new would be background at once
+  // MOG2 takes it for background when what was there before, which loses a share of `rate` in each frame, weighs less
+  // than background_ratio.
+  const double rate = 1.0 - std::pow(1.0 - learning_rate, std::log(background_ratio) / std::log(kLastShare));
+  return std::min(rate, kMaxRate * (1.0 - background_ratio));
 }
 
 }  // namespace
@@ -70,7 +83,7 @@ cv::Rect MotionBackground::compare(const EncodedImage& image, cv::Mat& mask)
 /// MOG2 compares and learns at once.
 cv::Rect MotionBackground::compareWithModel(const EncodedImage& image, cv::Mat& mask)
 {
-  mog2_->apply(image.pixels, mask, params_.learning_rate);
+  mog2_->apply(image.pixels, mask, modelRate(params_.learning_rate, mog2_->getBackgroundRatio()));
   cv::compare(mask, 255.0, mask, cv::CMP_EQ);  // shadows are 127
   if (params_.dilate > 0) cv::dilate(mask, mask, cv::Mat(), {-1, -1}, params_.dilate);
   return fullRect(mask);

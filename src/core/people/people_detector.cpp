@@ -13,6 +13,8 @@ namespace robot_vision
 namespace
 {
 
+constexpr double kMinWindows = 1.5;  // that an image is shrunk to, along either side: a window alone fits nobody well
+
 cv::HOGDescriptor makeDescriptor(const PeopleParams& params)
 {
   validate(params);
@@ -49,13 +51,21 @@ PeopleDetector::PeopleDetector(const PeopleParams& params) : params_(params), ho
 {
 }
 
+/// How much smaller an image of this size is searched.
+double PeopleDetector::scaleOf(const cv::Size& image) const
+{
+  const cv::Size2d window = hog_.winSize;
+  const double smallest = kMinWindows * std::max(window.width / image.width, window.height / image.height);
+  const double by_width = std::max(static_cast<double>(params_.max_width) / image.width, smallest);
+  const double by_height = params_.min_height > 0 ? window.height / params_.min_height : 1.0;
+  return std::min({1.0, by_width, by_height});
+}
+
 std::vector<Person> PeopleDetector::detect(const cv::Mat& image, const std::string& encoding) const
 {
   cv::Mat bgr;
   toBgr(image, encoding, bgr);
-  double factor = std::min(1.0, static_cast<double>(params_.max_width) / bgr.cols);
-  if (params_.min_height > 0) factor = std::min(factor, static_cast<double>(hog_.winSize.height) / params_.min_height);
-  const cv::Size size = scaledSize(bgr.size(), factor);
+  const cv::Size size = scaledSize(bgr.size(), scaleOf(bgr.size()));
   // OpenCV would read beyond an image that is smaller than its window.
   if (size.width < hog_.winSize.width || size.height < hog_.winSize.height) return {};
   cv::Mat smaller = bgr;

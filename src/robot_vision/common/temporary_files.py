@@ -7,6 +7,8 @@ import secrets
 import stat
 from typing import Iterator, Optional, Tuple
 
+RANDOM = "[0-9a-f]{16}"  # regular expression of what random_name() returns
+
 
 def replaced_file(path: str) -> Tuple[str, Optional[os.stat_result]]:
     """Returns the path with all links resolved, and the file's status or None if it is missing."""

@@ -3,6 +3,7 @@
 import collections
 import threading
 import time
+from dataclasses import dataclass
 from typing import Any, Callable, Counter, Dict, Sequence
 
 import numpy as np
@@ -13,36 +14,56 @@ PERIOD = 0.2  # s, shortest time between two portraits, so that they differ
 POLL = 0.1  # s
 
 
+@dataclass(frozen=True)
+class OfferedFace:
+    """A face in an image, as its detector describes it."""
+
+    box: Box
+    id: int = -1  # -1: it is not followed
+    predicted: bool = False  # not seen in this image, in which something else may be in its place
+
+
 class Enrollment:
-    """Takes `count` portraits of the only face in the images that it is offered."""
+    """Takes `count` portraits of the only face in the images that it is offered.
+
+    They are all of one face: it begins anew when another one is there than before.
+    """
 
     def __init__(self, count: int):
         self.portraits: Dict[str, np.ndarray] = {}
         self._count = count
         self._taken = float("-inf")  # s, time of the last portrait
+        self._id = -1  # of the face in the portraits
         self._done = threading.Event()
         self._refused: Counter[str] = collections.Counter()  # number of refused images by reason
 
-    def offer(self, image: np.ndarray, boxes: Sequence[Box], now: float) -> None:
+    def offer(self, image: np.ndarray, faces: Sequence[OfferedFace], now: float) -> None:
         """Takes a portrait if the image shows exactly one face, and if it is found in the portrait.
 
         Args:
             image: (height, width, 3) BGR, uint8.
-            boxes: The boxes of the faces in the image.
+            faces: All faces in the image, also the predicted ones.
             now: The time in s of any clock that never goes back.
         """
         if self._done.is_set() or now - self._taken < PERIOD:
             return
-        if len(boxes) != 1:
+        if len(faces) != 1:
             # Nobody can tell whose face is meant, and a wrong portrait spoils a gallery.
-            self._refused["showed several faces" if boxes else "showed no face"] += 1
+            self._refused["showed several faces" if faces else "showed no face"] += 1
             return
+        (face,) = faces
         try:
-            taken = portrait(image, boxes[0])
+            if face.predicted:
+                raise ValueError("it is not seen")
+            taken = portrait(image, face.box)
             face_of(taken)
         except ValueError:
             self._refused["showed no clear face"] += 1
             return
+        if face.id != self._id and self.portraits:
+            self._refused["showed another face"] += len(self.portraits)
+            self.portraits.clear()
+        self._id = face.id
         self._taken = now
         self.portraits[f"image {len(self.portraits) + 1}"] = taken
         if len(self.portraits) == self._count:

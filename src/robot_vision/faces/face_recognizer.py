@@ -1,5 +1,6 @@
 """The node face_recognizer, which recognises the faces that another node detects."""
 
+import copy
 import threading
 import time
 from typing import Any, Dict, List, Tuple
@@ -17,7 +18,8 @@ from ..ros.image_node import ImageNode
 from ..ros.live_params import LiveParams, filled
 from ..ros.messages import box_of, corners
 from ..ros.startup import run_node
-from ..ros.transport import Frame
+from ..ros.transport import Frame, FrameError
+from .enrollment import OfferedFace
 from .face_images import check_box, normalized
 from .gallery import Gallery
 from .gallery_services import GalleryServices
@@ -81,7 +83,10 @@ class FaceRecognizer:
     def _on_faces(self, faces: DetectionArray) -> None:
         frame = self._pairs.frame_of(faces)
         if frame:
-            self._process(frame, faces)
+            try:
+                self._process(frame, faces)
+            except FrameError as error:
+                self._node.refuse(frame, error)
         elif self._pairs.apart():
             image, topic = current().resolve("image"), current().resolve("faces")
             rospy.logwarn_throttle(
@@ -89,26 +94,18 @@ class FaceRecognizer:
             )
 
     def _process(self, frame: Frame, faces: DetectionArray) -> None:
+        """Recognises the faces in a frame; raises FrameError if they do not fit it."""
+        _check(frame, faces)
         now = time.monotonic()
-        height, width = frame.image.shape[:2]
-        if (faces.width, faces.height) != (width, height):
-            rospy.logerr_throttle(
-                5.0, f"faces of an image of {faces.width}x{faces.height}, not {width}x{height}"
-            )
-            return
-        try:
-            for face in faces.detections:
-                check_box(frame.image, box_of(face.box))
-        except ValueError as error:
-            rospy.logerr_throttle(5.0, f"faces that cannot be used: {error}")
-            return
         with self._lock:
             self._notice_other_ids(faces)
-            found = [self._identify(frame.image, face, now) for face in faces.detections]
             self._identities.see((face.id for face in faces.detections), now)
+            found = [self._identify(frame.image, face, now) for face in faces.detections]
             self._publish(frame, faces, found)
-            seen = [box_of(face.box) for face in faces.detections if not face.predicted]
-            self._services.offer(frame.image, seen, now)
+            offered = [
+                OfferedFace(box_of(face.box), face.id, face.predicted) for face in faces.detections
+            ]
+            self._services.offer(frame.image, offered, now)
 
     def _notice_other_ids(self, faces: DetectionArray) -> None:
         """Forgets all identities when the detector was restarted, because its ids start anew."""
@@ -132,13 +129,8 @@ class FaceRecognizer:
         return self._names[label] if label >= 0 else "", distance
 
     def _publish(self, frame: Frame, faces: DetectionArray, found: List[Identity]) -> None:
-        whose = FaceIdentityArray(header=faces.header)
-        for face, identity in zip(faces.detections, found):
-            face.label, face.score = identity.name, identity.score
-            whose.identities.append(
-                FaceIdentity(face.id, identity.name, identity.distance, identity.known)
-            )
-        self._faces.publish(faces)
+        named, whose = messages_of(faces, found)
+        self._faces.publish(named)
         self._whose.publish(whose)
         if self._processed.get_num_connections():
             overlay = frame.image.copy()
@@ -153,6 +145,37 @@ class FaceRecognizer:
             overlay = frame.image.copy()
             draw_text(overlay, to_ascii(text), (10, 20), RED)
             self._processed.publish(overlay, "bgr8", frame.header)
+
+
+def _check(frame: Frame, faces: DetectionArray) -> None:
+    """Raises FrameError unless the faces may be in the frame's image."""
+    height, width = frame.image.shape[:2]
+    if (faces.width, faces.height) != (width, height):
+        raise FrameError(f"faces of an image of {faces.width}x{faces.height}, not {width}x{height}")
+    try:
+        for face in faces.detections:
+            check_box(frame.image, box_of(face.box))
+    except ValueError as error:
+        raise FrameError(f"faces that cannot be used: {error}") from None
+
+
+def messages_of(
+    faces: DetectionArray, found: List[Identity]
+) -> Tuple[DetectionArray, FaceIdentityArray]:
+    """Returns the faces with their names, and the identities.
+
+    The message that came in stays as it is, because other nodes of the process look at it, too.
+    """
+    header = copy.copy(faces.header)  # rospy numbers what it publishes.
+    named = DetectionArray(header, faces.width, faces.height, [])
+    whose = FaceIdentityArray(header, [])
+    for face, identity in zip(faces.detections, found):
+        named.detections.append(copy.copy(face))
+        named.detections[-1].label, named.detections[-1].score = identity.name, identity.score
+        whose.identities.append(
+            FaceIdentity(face.id, identity.name, identity.distance, identity.known)
+        )
+    return named, whose
 
 
 def main() -> None:

@@ -11,6 +11,7 @@ The image files are all that has to be kept, and may be added and removed by han
 import contextlib
 import errno
 import os
+import re
 import stat
 import threading
 from dataclasses import dataclass, field
@@ -31,6 +32,7 @@ from .gallery_files import (
     image_paths,
     inside,
     is_image_file,
+    left_over,
     names_in,
     shown,
     valid_name,
@@ -52,6 +54,16 @@ def _can_be_folder(path: str) -> bool:
         return error.errno not in (errno.ENAMETOOLONG, errno.ENOTDIR, errno.ELOOP)
     except ValueError:  # The path has a \0.
         return False
+
+
+def _removed(path: str, problems: List[str]) -> bool:
+    """Returns whether a file could be removed; adds the reason to `problems` if not."""
+    try:
+        os.unlink(path)
+    except OSError as error:
+        problems.append(f"{shown(path)} cannot be removed: {reason(error)}")
+        return False
+    return True
 
 
 @dataclass
@@ -159,8 +171,10 @@ class Gallery:
         Raises:
             ValueError: The name is not allowed, or the folder is inside the gallery, or it has no
                 subfolders although no name is given.
-            OSError: The folder cannot be read, the gallery cannot be written, or `given_up`
-                returned a true value; people who were complete by then have been added.
+            OSError: The folder cannot be read; or a name is given, and the gallery cannot be
+                written.
+            InterruptedError: `given_up` returned a true value; people who were complete by then
+                have been added.
         """
         if name:
             return self._import_images(name, folder, given_up)
@@ -180,7 +194,9 @@ class Gallery:
             path = os.path.join(folder, person)
             try:
                 added = self._import_images(person, path, given_up)
-            except ValueError as error:
+            except InterruptedError:
+                raise
+            except (OSError, ValueError) as error:  # The others may be better.
                 total.problems.append(f"{shown(path)}: {error}")
                 continue
             total.pictures += added.pictures
@@ -191,6 +207,8 @@ class Gallery:
     def forget(self, name: str) -> Removed:
         """Removes a person's images, including damaged ones; other files in the folder stay.
 
+        Images that were never completed, because of a crash, are removed as well.
+
         Raises:
             ValueError: Nobody has this name.
             OSError: The folder cannot be read.
@@ -200,14 +218,15 @@ class Gallery:
             folder = self._folder(name)
             if not os.path.isdir(folder) and name not in self._faces:
                 raise ValueError(f"nobody is called '{name}'")
-            paths = image_paths(folder) if os.path.isdir(folder) else []
+            paths, unfinished = [], []
+            if os.path.isdir(folder):
+                paths = image_paths(folder)
+                unfinished = left_over(folder, r"\.\d+") + left_over(self.folder, re.escape(CACHE))
             removed = Removed()
             for path in paths:
-                try:
-                    os.unlink(path)
-                    removed.pictures += 1
-                except OSError as error:
-                    removed.problems.append(f"{shown(path)} cannot be removed: {reason(error)}")
+                removed.pictures += _removed(path, removed.problems)
+            for path in unfinished:
+                _removed(path, removed.problems)
             left = self._load_faces(name, self._by_digest(), []) if removed.problems else {}
             self._faces.pop(name, None)
             if left:

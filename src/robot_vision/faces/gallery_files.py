@@ -1,12 +1,14 @@
 """The image files of a gallery, which has a folder for each name: finding, reading, writing."""
 
 import os
+import re
 import unicodedata
 from typing import List, Sequence
 
 from ..common.files import add_file, reason, trying
 from ..common.image_files import has_image_suffix
 from ..common.plain_text import printable
+from ..common.temporary_files import RANDOM
 from .identities import UNKNOWN
 
 MAX_NAME = 60  # characters, which fit into the 255 bytes of a file name in any script
@@ -89,6 +91,20 @@ def image_paths(folder: str) -> List[str]:
         OSError: The folder cannot be read.
     """
     return [os.path.join(folder, name) for name in entries(folder) if is_image_file(name)]
+
+
+def left_over(folder: str, stem: str) -> List[str]:
+    """Returns the paths of the files in a folder that a crash left before they had their names.
+
+    Args:
+        folder: The folder.
+        stem: A regular expression of what such a file is named before the random part.
+
+    Raises:
+        OSError: The folder cannot be read.
+    """
+    pattern = re.compile(rf"{stem}\.{RANDOM}\.tmp")
+    return [os.path.join(folder, name) for name in entries(folder) if pattern.fullmatch(name)]
 
 
 def entries(folder: str) -> List[str]:

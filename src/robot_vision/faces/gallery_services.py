@@ -13,8 +13,7 @@ from ..ros.context import current
 from ..ros.image_node import INPUT_TIMEOUT
 from ..ros.params import read_param
 from ..srv import EnrollFace, EnrollFolder, ForgetName, ListNames
-from .enrollment import Enrollment
-from .face_images import Box
+from .enrollment import Enrollment, OfferedFace
 from .gallery import Added, Gallery
 from .gallery_files import shown, valid_name
 
@@ -68,11 +67,11 @@ class GalleryServices:
         self._service("~list_names", ListNames, self._on_list_names)
         self._service("~forget_name", ForgetName, self._on_forget_name)
 
-    def offer(self, image: np.ndarray, boxes: Sequence[Box], now: float) -> None:
-        """Offers an image and the boxes of its faces to ~enroll: see Enrollment.offer()."""
+    def offer(self, image: np.ndarray, faces: Sequence[OfferedFace], now: float) -> None:
+        """Offers an image and its faces to ~enroll: see Enrollment.offer()."""
         enrollment = self._enrollment
         if enrollment:
-            enrollment.offer(image, boxes, now)
+            enrollment.offer(image, faces, now)
 
     def _service(self, name: str, kind: Any, handler: Callable[[Any], Any]) -> None:
         def handle(request: Any) -> Any:

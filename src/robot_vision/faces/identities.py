@@ -49,11 +49,15 @@ class Identities:
         self._faces: Dict[int, _Face] = {}
 
     def see(self, ids: Iterable[int], now: float) -> None:
-        """Notes that these faces are seen, and forgets those that were not seen for MEMORY."""
+        """Forgets faces that were not seen for MEMORY, and notes that these are seen.
+
+        It has to be called before the votes of the same image, because a face that comes back
+        after MEMORY may be another person's.
+        """
+        self._faces = {n: f for n, f in self._faces.items() if now - f.seen <= MEMORY}
         for number in ids:
             if number in self._faces:
                 self._faces[number].seen = now
-        self._faces = {n: f for n, f in self._faces.items() if now - f.seen <= MEMORY}
 
     def due(self, number: int, now: float) -> bool:
         """Returns whether a face has to be predicted again."""

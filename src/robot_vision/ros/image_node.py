@@ -147,6 +147,10 @@ class ImageNode:
         nobody = "" if self._images.get_num_connections() else "; nobody publishes there"
         return f"no frame on {self.topic} within {seconds:g} s{nobody}"
 
+    def refuse(self, frame: transport.Frame, error: transport.FrameError) -> None:
+        """Refuses a frame that `process` kept: it is counted, and logged. Thread-safe."""
+        self._images.refuse(frame, error)
+
     def start(self) -> None:
         """Starts the work. All outputs must have been added, and all parameters read."""
         review_params()

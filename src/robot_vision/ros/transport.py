@@ -143,6 +143,14 @@ class ImageSubscriber:
         """The number of images that could not be used, or whose callback raised an exception."""
         return self._inbox.refused
 
+    def refuse(self, frame: Frame, error: FrameError) -> None:
+        """Counts a frame as refused, and logs it, as when the callback raises this. Thread-safe."""
+        height, width = frame.image.shape[:2]
+        what = f"({printable(frame.encoding)}, {width}x{height}): {printable(str(error), 300)}"
+        self._inbox.failed(f"refused a frame on {self.topic} {what}")
+        if self._refusal_throttle.due():
+            rospy.logerr("refused a frame on %s %s", self.topic, what)
+
     def _camera_info_topic(self) -> str:
         return ""
 
@@ -166,11 +174,7 @@ class ImageSubscriber:
             self._callback(frame)
             self._inbox.finished()
         except FrameError as error:
-            height, width = frame.image.shape[:2]
-            what = f"({printable(frame.encoding)}, {width}x{height}): {printable(str(error), 300)}"
-            self._inbox.failed(f"refused a frame on {self.topic} {what}")
-            if self._refusal_throttle.due():
-                rospy.logerr("refused a frame on %s %s", self.topic, what)
+            self.refuse(frame, error)
         except Exception as error:
             if self._context.is_ending():
                 return  # The end closes topics that the callback uses.

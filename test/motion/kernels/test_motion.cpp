@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <limits>
 #include <opencv2/imgproc.hpp>
 #include <optional>
 
@@ -403,6 +405,33 @@ TEST(MotionDetector, whatStaysBecomesBackground)
   }
 }
 
+TEST(MotionDetector, whatStaysIsMotionForAsLongForBothMethodsThatLearn)
+{
+  const cv::Mat empty(32, 32, CV_8UC3, cv::Scalar::all(0));
+  cv::Mat full = empty.clone();
+  full(cv::Rect(8, 8, 16, 16)).setTo(255);
+  const auto framesOfMotion = [&](const char* method, double learning_rate)
+  {
+    MotionParams params{method};
+    params.learning_rate = learning_rate;
+    params.blur_size = 1;
+    params.min_area = 50;
+    MotionDetector detector(params);
+    detector.update(0.0, empty, "bgr8");
+    int frames = 0;
+    while (frames < 1000 && !detector.update(1.0, full, "bgr8").regions.empty())
+      ++frames;
+    return frames;
+  };
+  for (const double rate : {0.005, 0.05, 0.1, 0.3, 0.5, 0.9, 1.0})
+  {
+    const int average = framesOfMotion("running_average", rate), mog2 = framesOfMotion("mog2", rate);
+    EXPECT_GE(mog2, 1) << rate;
+    EXPECT_NEAR(mog2, average, 1.0 + 0.1 * average) << rate;
+  }
+  EXPECT_EQ(framesOfMotion("running_average", MotionParams().learning_rate), 45);  // as its description says
+}
+
 TEST(MotionDetector, aLampIsNoMotion)
 {
   const cv::Mat dark = smooth({160, 120}) * 0.5;
@@ -440,6 +469,18 @@ TEST(MotionDetector, anImageOfAnotherSizeOrAnEarlierTimeIsABackground)
   EXPECT_EQ(detector.update(1.0, cv::Mat(41, 60, CV_8UC1, cv::Scalar(0)), "mono8").changed, 0.0);
   EXPECT_THROW(detector.update(8.0, cv::Mat(), "mono8"), std::invalid_argument);
   EXPECT_THROW(detector.update(8.0, cv::Mat(41, 60, CV_8UC1), "bgr8"), std::invalid_argument);
+}
+
+TEST(MotionDetector, refusesATimeThatIsNone)
+{
+  const cv::Mat empty(32, 32, CV_8UC3, cv::Scalar::all(0));
+  MotionDetector detector;
+  detector.update(5.0, empty, "bgr8");
+  for (const double time : {std::nan(""), std::numeric_limits<double>::infinity()})
+    EXPECT_THROW(detector.update(time, empty, "bgr8"), std::invalid_argument) << time;
+  cv::Mat full = empty.clone();
+  full(cv::Rect(8, 8, 16, 16)).setTo(255);
+  EXPECT_EQ(detector.update(1.0, full, "bgr8").changed, 0.0);  // still an earlier time
 }
 
 TEST(MotionDetector, refusesWhatIsOutOfRange)
