@@ -2,6 +2,7 @@
 #include <opencv2/imgproc.hpp>
 #include <stdexcept>
 
+#include "core/common/work_limit.hpp"
 #include "operation_table.hpp"
 #include "robot_vision/common/range.hpp"
 

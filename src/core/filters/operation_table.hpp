@@ -32,11 +32,6 @@ cv::Mat parseKernel(const std::string& text);
 /// can be handled, of up to kMaxPixels.
 void requireResultSize(const cv::Size& size, double scale);
 
-/// Throws std::invalid_argument unless `steps` of work for each pixel of an image of `size` are at most `most` in sum,
-/// so that no image holds up those that come after it for many seconds. `params` names what the steps come from: "size
-/// is 99".
-void requireWork(const std::string& params, double steps, const cv::Size& size, double most);
-
 // The operations by their kinds.
 std::vector<Operation> arithmeticOperations();
 std::vector<Operation> blurOperations();
