@@ -397,6 +397,24 @@ def test_seeds_are_limited():
 
 @pytest.mark.parametrize(
     "name, value, text",
+@pytest.mark.parametrize(
+    "method, values, text",
+    [
+        ("mean_shift", {"spatial_radius": 50.0}, "spatial_radius is 50"),
+        ("k_means", {"clusters": 32, "attempts": 10}, "clusters, attempts are 32, 10"),
+        ("grab_cut", {"iterations": 10}, "iterations is 10"),
+    ],
+)
+def test_what_would_take_many_seconds_is_refused(method, values, text):
+    image = np.random.default_rng(1).integers(0, 256, (1080, 1920, 3), np.uint8)
+    made = segmenter(method, **values)
+    made.add_region((5, 5, 20, 16))
+    limit = r"must be less, or the image of 1920x1080 have at most \d+ pixels"
+    with pytest.raises(ValueError, match=f"^{text}, {limit}$"):
+        made.apply(image)
+    assert made.apply(image[:32, :48]).labels.shape == (32, 48)
+
+
     [
         ("method", "magic", "method is magic, must be watershed, grab_cut"),
         ("scale", 0.0, "scale is 0, must be from 0.05 to 1"),

@@ -136,7 +136,7 @@ public:
   const std::vector<SegmentSeed>& seeds() const;
 
   /// Divides an image, which is not modified. Throws std::invalid_argument if it is not an image of `encoding` (see
-  /// encoding.hpp).
+  /// encoding.hpp), or so large that the method would take many seconds.
   Segmentation apply(const cv::Mat& image, const std::string& encoding);
 
 private:
