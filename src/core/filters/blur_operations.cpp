@@ -87,7 +87,7 @@ std::vector<Operation> blurOperations()
            })},
       {"kernel",
        "A kernel of one's own: cv::filter2D.",
-       kAllPixels,
+       kOpaque,
        "",
        {{"rows", "0 -1 0; -1 5 -1; 0 -1 0"s, Anything{}, "", "numbers with spaces between, rows with semicolons"},
         {"offset", 0.0, Range{-255, 255}, "gray levels", "added to the result"}},
@@ -95,7 +95,7 @@ std::vector<Operation> blurOperations()
        {
          return [kernel = parseKernel(v.word("rows")), offset = v.number("offset")](const OperationInput& in,
                                                                                     cv::Mat& out) {
-           cv::filter2D(in.image, out, -1, kernel, {-1, -1}, offset);
+           cv::filter2D(in.image, out, -1, kernel, {-1, -1}, offset * grayLevel(in.image));
          };
        }},
       {"sharpen",

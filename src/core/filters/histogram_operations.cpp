@@ -47,12 +47,16 @@ std::vector<Operation> histogramOperations()
        }},
       {"normalize",
        "Values stretched from the least and the largest to a range: cv::normalize.",
-       kAllPixels,
+       kOpaque,
        "",
        {{"low", 0.0, Range{0, 255}, "gray levels", "of the least value"},
         {"high", 255.0, Range{0, 255}, "gray levels", "of the largest value"}},
-       eachTime([](const OperationValues& v, const OperationInput& in, cv::Mat& out)
-                { cv::normalize(in.image, out, v.number("low"), v.number("high"), cv::NORM_MINMAX); })},
+       eachTime(
+           [](const OperationValues& v, const OperationInput& in, cv::Mat& out)
+           {
+             const double level = grayLevel(in.image);
+             cv::normalize(in.image, out, v.number("low") * level, v.number("high") * level, cv::NORM_MINMAX);
+           })},
   };
 }
 

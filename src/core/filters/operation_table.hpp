@@ -16,6 +16,9 @@ const std::vector<std::string> kColors = {"bgr8", "rgb8", "bgra8", "rgba8"};
 const std::vector<std::string> kEightBits = {"bgr8", "rgb8", "bgra8", "rgba8", "mono8"};
 const std::vector<std::string> kAllPixels = {"bgr8", "rgb8", "bgra8", "rgba8", "mono8", "mono16"};
 
+// Without an opacity, of which some operations would make something without a meaning, as its negative or derivative.
+const std::vector<std::string> kOpaque = {"bgr8", "rgb8", "mono8", "mono16"};
+
 /// `make` of an operation that keeps nothing from image to image.
 template <class Apply>  // void(const OperationValues& values, const OperationInput& input, cv::Mat& out)
 auto eachTime(Apply apply)
@@ -23,6 +26,9 @@ auto eachTime(Apply apply)
   return [apply](const OperationValues& values) -> Operation::Step
   { return [apply, values](const OperationInput& input, cv::Mat& out) { apply(values, input, out); }; };
 }
+
+/// A gray level, of which white has 255, in values of an image.
+double grayLevel(const cv::Mat& image);
 
 /// A kernel as text, with rows between semicolons and numbers between spaces: "0 -1 0; -1 5 -1; 0 -1 0". Returns
 /// CV_64FC1 of up to 31x31. Throws std::invalid_argument that says what is wrong with the text.

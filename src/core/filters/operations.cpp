@@ -123,6 +123,11 @@ void checkValues(const ParamValues& values)
     if (known.count(name) == 0) throw std::invalid_argument("'" + printable(name) + "' is no operation's parameter");
 }
 
+double grayLevel(const cv::Mat& image)
+{
+  return image.depth() == CV_16U ? 257.0 : 1.0;
+}
+
 cv::Mat parseKernel(const std::string& text)
 {
   std::istringstream lines(text);
