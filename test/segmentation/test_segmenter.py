@@ -89,9 +89,11 @@ def test_what_counts_as_an_object_and_as_a_seed():
     assert iou(ground, owner < 0) > 0.999
     joined = labels_of("distance_transform", image, peak_height=0.2)
     assert joined[70, 70] == joined[70, 145] != joined[60, 250]
-    image[225:227, 30:32] = 255  # a speck
-    assert labels_of("distance_transform", image, opening=1).max() == len(DISCS) + 1
-    assert labels_of("distance_transform", image, opening=5).max() == len(DISCS)
+    image[224:226, 30:32] = 255  # a speck
+    for scale in (1.0, 0.5):
+        for opening, count in ((1, len(DISCS) + 1), (3, len(DISCS)), (5, len(DISCS))):
+            values = {"scale": scale, "opening": opening}
+            assert labels_of("distance_transform", image, **values).max() == count, values
 
 
 # Seeds.
@@ -396,8 +398,6 @@ def test_seeds_are_limited():
 
 
 @pytest.mark.parametrize(
-    "name, value, text",
-@pytest.mark.parametrize(
     "method, values, text",
     [
         ("mean_shift", {"spatial_radius": 50.0}, "spatial_radius is 50"),
@@ -415,6 +415,8 @@ def test_what_would_take_many_seconds_is_refused(method, values, text):
     assert made.apply(image[:32, :48]).labels.shape == (32, 48)
 
 
+@pytest.mark.parametrize(
+    "name, value, text",
     [
         ("method", "magic", "method is magic, must be watershed, grab_cut"),
         ("scale", 0.0, "scale is 0, must be from 0.05 to 1"),

@@ -79,8 +79,10 @@ struct SegmenterParams
           "flood_fill: compare with the seed, not with the neighbour");
     visit("objects", &SegmenterParams::objects, OneOf{"auto, bright or dark"}, "",
           "distance_transform, automatic: what objects are; auto goes by the edges of the image");
-    visit("opening", &SegmenterParams::opening, OddRange{1, 31}, "px",
-          "distance_transform, automatic: diameter of the opening, which removes specks; 1: none");
+    visit(
+        "opening", &SegmenterParams::opening, OddRange{1, 31}, "px",
+        "distance_transform, automatic: diameter of the opening, which removes specks, at least 3 px of the image that "
+        "is worked on; 1: none");
     visit("peak_height", &SegmenterParams::peak_height, Range{0.05, 1}, "",
           "distance_transform, automatic: a seed is where the distance to the outline is this share of the largest");
   }
