@@ -74,8 +74,8 @@ std::vector<Operation> gradientOperations()
        "Thin edges, by the hysteresis of two thresholds: cv::Canny.",
        kGrayOnly,
        "",
-       {{"low", 50.0, Range{0, 10000}, "", "gradient from which a pixel prolongs an edge"},
-        {"high", 150.0, Range{0, 10000}, "", "gradient from which a pixel begins an edge; at least low"},
+       {{"low", 50.0, Range{0, 10000}, "", "gradient above which a pixel prolongs an edge"},
+        {"high", 150.0, Range{0, 10000}, "", "gradient above which a pixel begins an edge; at least low"},
         {"aperture", 3, OddRange{3, 7}, "px", "side of the Sobel kernel"},
         {"l2_gradient", false, Anything{}, "", "Euclidean magnitude of the gradient"}},
        [](const OperationValues& v) -> Operation::Step
