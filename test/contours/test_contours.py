@@ -446,6 +446,24 @@ def test_what_is_measured_is_what_cv2_measures(approximation):
     assert not expected
 
 
+@pytest.mark.parametrize("approximation", ["none", "simple", "tc89_l1", "tc89_kcos"])
+@pytest.mark.parametrize("mode", ["external", "list", "ccomp", "tree"])
+def test_holes_are_what_goes_around_black_pixels(mode, approximation):
+    """Also by few points of a thin outline, which may go round the other way."""
+    noise = np.random.default_rng(1).integers(0, 2, (60, 80), np.uint8) * 255
+    found = contours_of(
+        noise, mode=mode, approximation=approximation, min_area=0.0, max_contours=1000
+    )
+    order = getattr(cv2, f"RETR_{mode.upper()}")
+    chain = getattr(cv2, f"CHAIN_APPROX_{approximation.upper()}")
+    outlines, _ = cv2.findContours(noise, order, chain)
+    borders, _ = cv2.findContours(noise, order, cv2.CHAIN_APPROX_NONE)
+    holes = [cv2.contourArea(border, True) > 0 for border in borders]
+    expected = [(outline[:, 0].tolist(), hole) for outline, hole in zip(outlines, holes)]
+    assert sorted((one.outline.tolist(), one.hole) for one in found) == sorted(expected)
+    assert any(holes) == (mode != "external") and len(holes) > 10
+
+
 def test_approximations_are_different_points_of_the_same_border():
     counts = [
         len(only(polygon(regular(40)), approximation=name).outline)

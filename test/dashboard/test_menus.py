@@ -65,6 +65,20 @@ def test_a_menu_has_the_values_that_the_core_takes(name):
             assert parameter.name not in menus
 
 
+@pytest.mark.parametrize(
+    "name, value, meaning",
+    [
+        ("flip_axis", "horizontal", "top and bottom change places"),
+        ("flip_axis", "vertical", "left and right change places"),  # as test_operations.py has it
+        ("resize_interpolation", "linear", "of 2x2 pixels"),
+    ],
+)
+def test_what_values_of_filters_mean(name, value, meaning):
+    parameters = {one["name"]: one for one in configs.FilterConfig.config_description["parameters"]}
+    choices = choices_of(parameters[name]["edit_method"], parameters[name]["type"])
+    assert {choice["value"]: choice["description"] for choice in choices}[value] == meaning
+
+
 def test_the_menus_of_filters_have_the_values_of_the_operations():
     menus = menus_of("Filter")
     expected = {

@@ -39,6 +39,22 @@ KINDS = {
     "tozero_inv": cv2.THRESH_TOZERO_INV,
 }
 OUTSIDE = {int: -5, float: -1e6, str: "magic", bool: None}  # of all limits
+WITHOUT_OPACITY = [
+    "add",
+    "bitwise",
+    "black_hat",
+    "difference",
+    "gradient",
+    "invert",
+    "kernel",
+    "laplacian",
+    "laplacian_pyramid",
+    "morphological_gradient",
+    "normalize",
+    "scharr",
+    "sobel",
+    "top_hat",
+]
 METHODS = {"fixed": 0, "otsu": cv2.THRESH_OTSU, "triangle": cv2.THRESH_TRIANGLE}
 
 
@@ -62,6 +78,10 @@ class Case:
     def middle(self):
         height, width = self.image.shape[:2]
         return ((width - 1) / 2, (height - 1) / 2)
+
+    @property
+    def gray_level(self):
+        return 257 if self.encoding == "mono16" else 1
 
     @property
     def width_height(self):
@@ -203,7 +223,7 @@ REFERENCES = {
         c.size,
         c.offset,
     ),
-    "add": lambda c: cv2.add(c.image, (c.value,) * 4),
+    "add": lambda c: cv2.add(c.image, (c.value * c.gray_level,) * 4),
     "affine": lambda c: cv2.warpAffine(
         c.image, np.float64([[1, c.shear_x, c.x], [c.shear_y, 1, c.y]]), c.width_height
     ),
@@ -236,7 +256,7 @@ REFERENCES = {
         c.image, cv2.MORPH_HITMISS, kernel_of(c.rows).astype(np.int32)
     ),
     "invert": lambda c: cv2.bitwise_not(c.image),
-    "kernel": lambda c: cv2.filter2D(c.image, -1, kernel_of(c.rows), delta=c.offset),
+    "kernel": lambda c: cv2.filter2D(c.image, -1, kernel_of(c.rows), delta=c.offset * c.gray_level),
     "laplacian": laplacian,
     "laplacian_pyramid": level_of,
     "mask": lambda c: c.second * (c.image[..., None] > 0),
@@ -245,7 +265,9 @@ REFERENCES = {
     "nl_means": lambda c: cv2.fastNlMeansDenoising(
         c.image, None, c.strength, c.patch_size, c.search_size
     ),
-    "normalize": lambda c: cv2.normalize(c.image, None, c.low, c.high, cv2.NORM_MINMAX),
+    "normalize": lambda c: cv2.normalize(
+        c.image, None, c.low * c.gray_level, c.high * c.gray_level, cv2.NORM_MINMAX
+    ),
     "open": morphology(cv2.MORPH_OPEN),
     "perspective": perspective,
     "polar": polar,
@@ -305,6 +327,10 @@ def random_case(random, operation):
 # What an operation refuses though OpenCV does not, or before it would: with these words.
 REFUSED = {
     "canny": (lambda c: c.low > c.high, "high is .*, must be at least low"),
+    "clahe": (
+        lambda c: c.encoding == "mono16" and c.tiles > 16,
+        "tiles is .*, must be at most 16 for mono16$",
+    ),
     "roi": (lambda c: c.x >= c.width_height[0] or c.y >= c.width_height[1], "must be inside of"),
     "sobel": (
         lambda c: c.dx + c.dy == 0 or (c.size == 1 and c.dx == c.dy == 2),
@@ -441,15 +467,42 @@ def test_images_that_cannot_be_are_refused():
         ),
         ("open", {"size": 99, "iterations": 20}, "size, iterations are 99, 20"),
         ("nl_means", {"search_size": 41}, "patch_size, search_size are 7, 41"),
+        ("bilateral", {"diameter": 31}, "diameter is 31"),
     ],
 )
 def test_what_would_take_many_seconds_is_refused(operation, values, text):
-    image = np.zeros((1080, 1920, 3), np.uint8)
-    limit = r"must be less, or the image of 1920x1080 have at most \d+ pixels"
+    image = np.zeros((2160, 3840, 3), np.uint8)
+    limit = r"must be less, or the image of 3840x2160 have at most \d+ pixels"
     apply = getattr(filters, operation)
     with pytest.raises(ValueError, match=f"^{operation}: {text}, {limit}$"):
         apply(image, **values)
     assert apply(image[:32, :48], **values).shape == (32, 48, 3)
+
+
+@pytest.mark.parametrize("encoding", ["bgra8", "rgba8"])
+def test_an_opacity_is_left_out_where_it_would_mean_nothing(encoding):
+    """As the least and the largest value of a normalized image, or with its derivatives."""
+    image = random_image(np.random.default_rng(3), (48, 64), encoding)
+    image[..., :3] //= 4
+    image[..., 3] = 255
+    colors = cv2.cvtColor(image, cv2.COLOR_RGBA2BGR) if encoding == "rgba8" else image[..., :3]
+    for name in WITHOUT_OPACITY:
+        apply = getattr(filters, name)
+        expected = apply(np.ascontiguousarray(colors))
+        np.testing.assert_array_equal(apply(image, encoding=encoding), expected, name)
+    assert filters.normalize(image, encoding=encoding).max() == 255
+
+
+def test_gray_levels_are_those_of_white_with_16_bits_too():
+    ramp = np.linspace(1000, 60000, 64).astype(np.uint16)[None]
+    stretched = filters.normalize(ramp, encoding="mono16")
+    assert (stretched.min(), stretched.max()) == (0, 65535)
+    level = np.full((1, 9), 20 * 257, np.uint16)
+    for result in (
+        filters.add(level, 50.0, encoding="mono16"),
+        filters.kernel(level, "1", 50.0, encoding="mono16"),
+    ):
+        assert (result == 70 * 257).all()
 
 
 def test_files_that_follow_from_the_operations_are_up_to_date():

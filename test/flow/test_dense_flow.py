@@ -245,6 +245,16 @@ def test_images_that_dis_cannot_have_are_refused():
     assert flow_of(long, long, scale=1.0, method="farneback").shape == (1, 16385, 2)
 
 
+def test_what_would_take_many_seconds_is_refused():
+    slow = {"window": 99, "iterations": 20, "levels": 10, "pyr_scale": 0.9, "gaussian_window": True}
+    image = np.zeros((1080, 1920), np.uint8)
+    limit = r"must be less, or the image of 1920x1080 have at most \d+ pixels"
+    with pytest.raises(ValueError, match=f"^window, iterations, levels are 99, 20, 10, {limit}$"):
+        flow_of(image, image, scale=1.0, method="farneback", **slow)
+    small = image[:32, :48]
+    assert flow_of(small, small, scale=1.0, method="farneback", **slow).shape == (32, 48, 2)
+
+
 @pytest.mark.parametrize("level", [0, 255])
 @pytest.mark.parametrize("method", METHODS)
 def test_nothing_moves_where_nothing_can_be_seen(method, level):

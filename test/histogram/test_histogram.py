@@ -260,8 +260,15 @@ def test_histograms_are_compared_as_opencv_does(method):
     assert rv.compare_histograms(a, b, method) == pytest.approx(expected, rel=1e-4)
     assert rv.compare_histograms(a, 3.0 * a, method) == pytest.approx(alike, abs=5e-3)
     nothing = {"correlation": 0.0, "chi_square": 1.0, "intersection": 0.0, "bhattacharyya": 1.0}
-    empty = rv.compare_histograms(a, np.zeros_like(a), method)
-    assert empty == pytest.approx(nothing[method], abs=1e-4)
+    empty = np.zeros_like(a)
+    for pair in ((a, empty), (empty, a), (empty, empty)):
+        assert rv.compare_histograms(*pair, method) == nothing[method]
+
+
+def test_a_flat_histogram_has_no_correlation_but_with_another():
+    flat, other = np.ones((1, 2)), np.float32([[10, 0]])
+    for pair, expected in (((flat, other), 0), ((other, flat), 0), ((flat, 3 * flat), 1)):
+        assert rv.compare_histograms(*pair, "correlation") == expected
 
 
 def test_histograms_that_cannot_be_compared_are_refused():

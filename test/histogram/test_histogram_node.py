@@ -115,6 +115,20 @@ def test_the_whole_image_then_a_selection(start):
     assert counter.selected(RegionOfInterest(width=320, height=240)).region.height == 240
 
 
+def test_a_selection_without_a_color_is_compared_with_nothing(start):
+    topics = {"histogram": Histogram, "back_projection": Image, "similarity": Float64}
+    counter = Counter(start, "_min_saturation:=80", "_comparison:=chi_square", topics=topics)
+    gray = np.full_like(IMAGE, 128)
+    assert counter.selected(LEFT, gray).region.width == 40
+    counter.process.wait_for_output(
+        "no pixel of the selection has min_saturation, 80, and min_value, 0"
+    )
+    counter.show(IMAGE, "histogram")
+    counter.show(IMAGE, "histogram")  # the one before is done with
+    for name in ("back_projection", "similarity"):
+        assert not counter.messages[name].received
+
+
 def test_sixteen_bits_and_live_parameters(start):
     counter = Counter(start, "_space:=gray", "_bins:=1024")
     wide = np.random.default_rng(1).integers(0, 65536, (240, 320), np.uint16)

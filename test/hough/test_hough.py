@@ -394,6 +394,13 @@ def test_what_cannot_be_is_refused_in_words(values, text):
         rv.HoughTransform(params(**values))
 
 
+def test_circles_need_no_canny_low():
+    result = rv.HoughTransform(params(method="circles", canny_low=200.0)).apply(IMAGE)
+    assert np.array_equal(
+        result.edges, rv.HoughTransform(params(method="circles")).apply(IMAGE).edges
+    )
+
+
 @pytest.mark.skipif(HAS_ALT, reason="this OpenCV has HOUGH_GRADIENT_ALT")
 def test_the_alternative_is_refused_where_opencv_does_not_have_it():
     with pytest.raises(ValueError, match="circle_method is gradient_alt, must be gradient: "):

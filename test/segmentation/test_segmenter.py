@@ -89,9 +89,11 @@ def test_what_counts_as_an_object_and_as_a_seed():
     assert iou(ground, owner < 0) > 0.999
     joined = labels_of("distance_transform", image, peak_height=0.2)
     assert joined[70, 70] == joined[70, 145] != joined[60, 250]
-    image[225:227, 30:32] = 255  # a speck
-    assert labels_of("distance_transform", image, opening=1).max() == len(DISCS) + 1
-    assert labels_of("distance_transform", image, opening=5).max() == len(DISCS)
+    image[224:226, 30:32] = 255  # a speck
+    for scale in (1.0, 0.5):
+        for opening, count in ((1, len(DISCS) + 1), (3, len(DISCS)), (5, len(DISCS))):
+            values = {"scale": scale, "opening": opening}
+            assert labels_of("distance_transform", image, **values).max() == count, values
 
 
 # Seeds.
@@ -393,6 +395,24 @@ def test_seeds_are_limited():
     with pytest.raises(ValueError, match="the pixel's y is 2"):
         made.add_point((0, far))
     assert len(made.seeds) == 100
+
+
+@pytest.mark.parametrize(
+    "method, values, text",
+    [
+        ("mean_shift", {"spatial_radius": 50.0}, "spatial_radius is 50"),
+        ("k_means", {"clusters": 32, "attempts": 10}, "clusters, attempts are 32, 10"),
+        ("grab_cut", {"iterations": 10}, "iterations is 10"),
+    ],
+)
+def test_what_would_take_many_seconds_is_refused(method, values, text):
+    image = np.random.default_rng(1).integers(0, 256, (1080, 1920, 3), np.uint8)
+    made = segmenter(method, **values)
+    made.add_region((5, 5, 20, 16))
+    limit = r"must be less, or the image of 1920x1080 have at most \d+ pixels"
+    with pytest.raises(ValueError, match=f"^{text}, {limit}$"):
+        made.apply(image)
+    assert made.apply(image[:32, :48]).labels.shape == (32, 48)
 
 
 @pytest.mark.parametrize(

@@ -213,6 +213,27 @@ def test_of_overlapping_results_the_better_stays(overlap, count):
     assert all(a.score >= b.score for a, b in zip(matches, matches[1:]))
 
 
+@pytest.mark.parametrize("overlap", [0.0, 0.3])
+def test_all_parts_of_a_flat_image_are_found(overlap):
+    """Where all places are alike, and those of the first rows are more than are compared."""
+    image = np.zeros((340, 240, 3), np.uint8)
+    image[20:120, 20:220] = 255
+    image[220:320, 20:120] = 255
+    template = np.full((20, 20, 3), 255, np.uint8)
+    values = {"method": "sqdiff", "threshold": 0.99, "max_results": 1000, "overlap": overlap}
+    matches = found(image, template, results="multiple", **values)
+    covered = np.zeros(image.shape[:2], bool)
+    for x, y, width, height in (match.box for match in matches):
+        covered[y : y + height, x : x + width] = True
+    assert not covered[image[..., 0] == 0].any()
+    # Not all of both, as the responses of OpenCV differ by what its sums are rounded to.
+    assert covered[20:120, 20:220].mean() > 0.6 and covered[220:320, 20:120].mean() > 0.6
+    places = np.array([match.box[:2] for match in matches])
+    common = np.maximum(20 - np.abs(places[:, None] - places), 0).prod(axis=2)
+    np.fill_diagonal(common, 0)
+    assert (common / (800 - common)).max() <= overlap
+
+
 def test_the_threshold_is_the_least_score():
     image = several([(50, 50)], cv2.GaussianBlur(STAR, (0, 0), 2.5))
     (match,) = found(image, STAR, threshold=0.0)

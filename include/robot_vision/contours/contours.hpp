@@ -44,9 +44,9 @@ struct ContourParams
     visit("offset", &ContourParams::offset, Range{-255, 255}, "gray levels",
           "adaptive: how far the threshold is below this mean");
     visit("canny_low", &ContourParams::canny_low, Range{0, 10000}, "",
-          "canny: gradient magnitude from which a pixel prolongs an edge");
+          "canny: gradient magnitude above which a pixel prolongs an edge");
     visit("canny_high", &ContourParams::canny_high, Range{0, 10000}, "",
-          "canny: gradient magnitude from which a pixel begins an edge");
+          "canny: gradient magnitude above which a pixel begins an edge");
     visit("mode", &ContourParams::mode, OneOf{"external, list, ccomp or tree"}, "",
           "which contours are taken, and which hierarchy they have");
     visit("approximation", &ContourParams::approximation, OneOf{"none, simple, tc89_l1 or tc89_kcos"}, "",

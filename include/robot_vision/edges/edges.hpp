@@ -23,9 +23,9 @@ struct EdgeParams
   {
     visit("blur_size", &EdgeParams::blur_size, OddRange{1, 31}, "px", "side of the box blur; 1: none");
     visit("low_threshold", &EdgeParams::low_threshold, Range{0, 10000}, "",
-          "gradient magnitude from which a pixel prolongs an edge");
+          "gradient magnitude above which a pixel prolongs an edge");
     visit("high_threshold", &EdgeParams::high_threshold, Range{0, 10000}, "",
-          "gradient magnitude from which a pixel begins an edge; at least low_threshold");
+          "gradient magnitude above which a pixel begins an edge; at least low_threshold");
     visit("aperture", &EdgeParams::aperture, OneOf{"3, 5 or 7"}, "px", "side of the Sobel kernel");
     visit("l2_gradient", &EdgeParams::l2_gradient, Anything{}, "",
           "Euclidean magnitude of the gradient, instead of the sum of its two absolute values");

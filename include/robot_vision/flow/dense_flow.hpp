@@ -70,7 +70,7 @@ public:
   /// right and down, at the place where a pixel was in the last frame. Empty for the first frame, one of another size,
   /// of an earlier time, or of more than max_gap later: each begins anew. `image` is not modified. Throws
   /// std::invalid_argument if `image` is not an image of `encoding` (see encoding.hpp), or, times the scale, longer
-  /// than DIS can have (16384 px).
+  /// than DIS can have (16384 px), or so large that farneback would take many seconds.
   cv::Mat update(double time_s, const cv::Mat& image, const std::string& encoding);
 
   /// The time between the two frames of the last flow, s; 0 if there was none.

@@ -51,9 +51,10 @@ void backProject(const cv::Mat& image, const std::string& encoding, const cv::Ma
                  const HueSaturationParams& params, cv::Mat& out);
 
 /// Compares two histograms of the same type and size, after each was divided by its sum, by a method of
-/// cv::compareHist: correlation (-1 to 1, 1 for equal ones; 0 if one of them has no pixels), chi_square (0 for equal
-/// ones; the differences are relative to `a`), intersection (0 to 1, 1 for equal ones) or bhattacharyya (0 to 1, 0 for
-/// equal ones). Throws std::invalid_argument for another method, and for histograms that cannot be compared.
+/// cv::compareHist: correlation (-1 to 1, 1 for equal ones; 0 if only one of them has the same in all bins), chi_square
+/// (0 for equal ones; the differences are relative to `a`), intersection (0 to 1, 1 for equal ones) or bhattacharyya (0
+/// to 1, 0 for equal ones). One without pixels has nothing in common with any: 0, 1, 0 and 1. Throws
+/// std::invalid_argument for another method, and for histograms that cannot be compared.
 double compareHistograms(const cv::Mat& a, const cv::Mat& b, const std::string& method);
 
 }  // namespace robot_vision

@@ -39,10 +39,10 @@ struct HoughParams
           "filter of the gray image before its edges are looked for");
     visit("blur_size", &HoughParams::blur_size, OddRange{3, 31}, "px", "side of this filter's window");
     visit("canny_low", &HoughParams::canny_low, Range{0, 10000}, "",
-          "lines, segments: gradient magnitude from which a pixel prolongs an edge; for circles it is half of "
+          "lines, segments: gradient magnitude above which a pixel prolongs an edge; for circles it is half of "
           "canny_high");
     visit("canny_high", &HoughParams::canny_high, Range{1, 10000}, "",
-          "gradient magnitude from which a pixel begins an edge; gradient_alt: by Scharr, whose magnitudes are about "
+          "gradient magnitude above which a pixel begins an edge; gradient_alt: by Scharr, whose magnitudes are about "
           "four times as high");
     visit("rho", &HoughParams::rho, Range{0.25, 100}, "px",
           "lines, segments: step of the distances from the top left pixel");

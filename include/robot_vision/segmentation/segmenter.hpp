@@ -79,8 +79,10 @@ struct SegmenterParams
           "flood_fill: compare with the seed, not with the neighbour");
     visit("objects", &SegmenterParams::objects, OneOf{"auto, bright or dark"}, "",
           "distance_transform, automatic: what objects are; auto goes by the edges of the image");
-    visit("opening", &SegmenterParams::opening, OddRange{1, 31}, "px",
-          "distance_transform, automatic: diameter of the opening, which removes specks; 1: none");
+    visit(
+        "opening", &SegmenterParams::opening, OddRange{1, 31}, "px",
+        "distance_transform, automatic: diameter of the opening, which removes specks, at least 3 px of the image that "
+        "is worked on; 1: none");
     visit("peak_height", &SegmenterParams::peak_height, Range{0.05, 1}, "",
           "distance_transform, automatic: a seed is where the distance to the outline is this share of the largest");
   }
@@ -136,7 +138,7 @@ public:
   const std::vector<SegmentSeed>& seeds() const;
 
   /// Divides an image, which is not modified. Throws std::invalid_argument if it is not an image of `encoding` (see
-  /// encoding.hpp).
+  /// encoding.hpp), or so large that the method would take many seconds.
   Segmentation apply(const cv::Mat& image, const std::string& encoding);
 
 private:

@@ -128,9 +128,7 @@ Contour measureContour(const std::vector<cv::Point>& outline, const ContourParam
   contour.convex = cv::isContourConvex(outline);
   cv::approxPolyDP(outline, contour.approximation, params.epsilon * contour.length, true);
 
-  const double area = cv::contourArea(outline, true);
-  contour.area = std::abs(area);
-  contour.hole = area > 0.0;  // OpenCV follows the border of a hole the other way round
+  contour.area = cv::contourArea(outline);
   const cv::Moments moments = cv::moments(outline);
   cv::HuMoments(moments, contour.hu.data());
   const bool has_area = std::abs(moments.m00) > 0.0;

@@ -36,6 +36,17 @@ struct FoundContours
     cv::findContours(mask, outlines, hierarchy, kModes.at(mode), kApproximations.at(params.approximation));
     for (const Outline& outline : outlines)
       areas.push_back(outline.empty() ? 0.0 : cv::contourArea(outline));
+    if (mode == "list") findHoles(mask);
+  }
+
+  /// Without a hierarchy: OpenCV follows the border of a hole the other way round. With few of its points a thin
+  /// outline may turn round, so it is asked for all corners.
+  void findHoles(const cv::Mat& mask)
+  {
+    std::vector<Outline> borders;  // in the order of `outlines`
+    cv::findContours(mask, borders, cv::RETR_LIST, cv::CHAIN_APPROX_SIMPLE);
+    for (const Outline& border : borders)
+      holes.push_back(cv::contourArea(border, true) > 0.0);
   }
 
   /// Indices of those of at least `min_area`, the largest first, `max_count` at most.
@@ -56,6 +67,7 @@ struct FoundContours
   std::vector<Outline> outlines;
   std::vector<cv::Vec4i> hierarchy;  // of each its next, previous, first child and parent; -1: there is none
   std::vector<double> areas;         // px^2
+  std::vector<bool> holes;           // of mode list only, where the hierarchy does not tell
 };
 
 }  // namespace
@@ -130,7 +142,7 @@ struct ContourFinder::Impl
     contour.matches = distance <= params.max_distance;
   }
 
-  /// Fills in where a contour is in the hierarchy.
+  /// Fills in where a contour is in the hierarchy, and whether it is a hole.
   static void setPlace(int index, const FoundContours& found, const std::map<int, int>& positions, Contour& contour)
   {
     for (int parent = found.parent(index); parent >= 0; parent = found.parent(parent))
@@ -139,6 +151,7 @@ struct ContourFinder::Impl
       if (contour.parent < 0 && taken != positions.end()) contour.parent = taken->second;
       ++contour.depth;
     }
+    contour.hole = found.holes.empty() ? contour.depth % 2 == 1 : found.holes[static_cast<std::size_t>(index)];
   }
 
   static EdgeParams edgeParams(const ContourParams& params)

@@ -49,11 +49,11 @@ std::vector<Operation> arithmeticOperations()
   return {
       {"add",
        "A value is added to every channel: cv::add.",
-       kAllPixels,
+       kOpaque,
        "",
        {{"value", 50.0, Range{-255, 255}, "gray levels", "that is added"}},
        eachTime([](const OperationValues& v, const OperationInput& in, cv::Mat& out)
-                { cv::add(in.image, cv::Scalar::all(v.number("value")), out); })},
+                { cv::add(in.image, cv::Scalar::all(v.number("value") * grayLevel(in.image)), out); })},
       {"blend",
        "A weighted sum with the other image: cv::addWeighted.",
        kAllPixels,
@@ -64,7 +64,7 @@ std::vector<Operation> arithmeticOperations()
        "input"},
       {"bitwise",
        "The bits of this image and of the other one: cv::bitwise_and, cv::bitwise_or, cv::bitwise_xor.",
-       kAllPixels,
+       kOpaque,
        "",
        {{"rule", "and"s, OneOf{"and, or or xor", "'"}, "", "which bits are set"}},
        eachTime([](const OperationValues& v, const OperationInput& in, cv::Mat& out)
@@ -94,7 +94,7 @@ std::vector<Operation> arithmeticOperations()
            })},
       {"difference",
        "How far this image is from the other one: cv::absdiff.",
-       kAllPixels,
+       kOpaque,
        "",
        {},
        eachTime([](const OperationValues&, const OperationInput& in, cv::Mat& out)
@@ -102,7 +102,7 @@ std::vector<Operation> arithmeticOperations()
        "input"},
       {"invert",
        "The negative: cv::bitwise_not.",
-       kAllPixels,
+       kOpaque,
        "",
        {},
        eachTime([](const OperationValues&, const OperationInput& in, cv::Mat& out)

@@ -2,6 +2,7 @@
 #include <opencv2/photo.hpp>
 
 #include "box_filter.hpp"
+#include "core/common/work_limit.hpp"
 #include "gaussian_filter.hpp"
 #include "median_filter.hpp"
 #include "operation_table.hpp"
@@ -14,6 +15,7 @@ namespace robot_vision
 namespace
 {
 
+constexpr double kMaxWeights = 4e9;     // of bilateral for an image, in colour some 0.5 ns each, shared by all cores
 constexpr double kMaxPatchSteps = 1e9;  // for an image, in colour some 5 ns each, shared by all cores
 
 /// How often nl_means compares a patch with another for each pixel. It does so anew where a row begins, and from there
@@ -61,9 +63,11 @@ std::vector<Operation> blurOperations()
         {"sigma_color", 75.0, Range{1, 255}, "gray levels", "how unlike pixels may be"},
         {"sigma_space", 75.0, Range{1, 255}, "px", "how far away they may be"}},
        eachTime(
-           [](const OperationValues& v, const OperationInput& in, cv::Mat& out) {
-             cv::bilateralFilter(in.image, out, v.integer("diameter"), v.number("sigma_color"),
-                                 v.number("sigma_space"));
+           [](const OperationValues& v, const OperationInput& in, cv::Mat& out)
+           {
+             const int diameter = v.integer("diameter");
+             requireWork("diameter is " + toText(diameter), diameter * diameter, in.image.size(), kMaxWeights);
+             cv::bilateralFilter(in.image, out, diameter, v.number("sigma_color"), v.number("sigma_space"));
            })},
       {"nl_means",
        "A mean of patches that look alike: cv::fastNlMeansDenoising.",
@@ -83,7 +87,7 @@ std::vector<Operation> blurOperations()
            })},
       {"kernel",
        "A kernel of one's own: cv::filter2D.",
-       kAllPixels,
+       kOpaque,
        "",
        {{"rows", "0 -1 0; -1 5 -1; 0 -1 0"s, Anything{}, "", "numbers with spaces between, rows with semicolons"},
         {"offset", 0.0, Range{-255, 255}, "gray levels", "added to the result"}},
@@ -91,7 +95,7 @@ std::vector<Operation> blurOperations()
        {
          return [kernel = parseKernel(v.word("rows")), offset = v.number("offset")](const OperationInput& in,
                                                                                     cv::Mat& out) {
-           cv::filter2D(in.image, out, -1, kernel, {-1, -1}, offset);
+           cv::filter2D(in.image, out, -1, kernel, {-1, -1}, offset * grayLevel(in.image));
          };
        }},
       {"sharpen",

@@ -18,7 +18,7 @@ std::vector<Operation> gradientOperations()
   return {
       {"sobel",
        "The magnitude of a derivative: cv::Sobel, cv::convertScaleAbs.",
-       kEightBits,
+       kGrayOrColor,
        "",
        {{"dx", 1, Range{0, 2}, "", "order of the derivative in x"},
         {"dy", 0, Range{0, 2}, "", "order of the derivative in y"},
@@ -35,7 +35,7 @@ std::vector<Operation> gradientOperations()
        }},
       {"scharr",
        "The magnitude of a first derivative that is the same in all directions: cv::Scharr, cv::convertScaleAbs.",
-       kEightBits,
+       kGrayOrColor,
        "",
        {{"direction", "x"s, OneOf{"x or y", "'"}, "", "of the derivative"}, scale},
        eachTime(
@@ -47,7 +47,7 @@ std::vector<Operation> gradientOperations()
       {"gradient",
        "How strong edges are, the mean of the magnitudes of the first derivatives in x and y: cv::Sobel, "
        "cv::convertScaleAbs, cv::addWeighted.",
-       kEightBits,
+       kGrayOrColor,
        "",
        {{"size", 3, OddRange{1, 7}, "px", "side of the kernel"}, scale},
        eachTime(
@@ -60,7 +60,7 @@ std::vector<Operation> gradientOperations()
            })},
       {"laplacian",
        "The magnitude of the sum of both second derivatives: cv::Laplacian, cv::convertScaleAbs.",
-       kEightBits,
+       kGrayOrColor,
        "",
        {{"size", 3, OddRange{1, 7}, "px", "side of the kernel"}, scale},
        eachTime(
@@ -74,8 +74,8 @@ std::vector<Operation> gradientOperations()
        "Thin edges, by the hysteresis of two thresholds: cv::Canny.",
        kGrayOnly,
        "",
-       {{"low", 50.0, Range{0, 10000}, "", "gradient from which a pixel prolongs an edge"},
-        {"high", 150.0, Range{0, 10000}, "", "gradient from which a pixel begins an edge; at least low"},
+       {{"low", 50.0, Range{0, 10000}, "", "gradient above which a pixel prolongs an edge"},
+        {"high", 150.0, Range{0, 10000}, "", "gradient above which a pixel begins an edge; at least low"},
         {"aperture", 3, OddRange{3, 7}, "px", "side of the Sobel kernel"},
         {"l2_gradient", false, Anything{}, "", "Euclidean magnitude of the gradient"}},
        [](const OperationValues& v) -> Operation::Step

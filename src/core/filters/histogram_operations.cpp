@@ -2,10 +2,17 @@
 
 #include "core/image/histogram_equalization.hpp"
 #include "operation_table.hpp"
+#include "robot_vision/common/range.hpp"
 #include "tile_equalization.hpp"
 
 namespace robot_vision
 {
+namespace
+{
+
+constexpr int kMaxWideTiles = 16;  // to each side, of mono16: each has a table of 128 KB, to be filled for each image
+
+}  // namespace
 
 std::vector<Operation> histogramOperations()
 {
@@ -29,17 +36,27 @@ std::vector<Operation> histogramOperations()
         {"tiles", 8, Range{1, 64}, "", "to each side of the image"}},
        [](const OperationValues& v) -> Operation::Step
        {
-         TileEqualizer equalizer(v.number("limit"), v.integer("tiles"));
-         return [equalizer](const OperationInput& in, cv::Mat& out) mutable { equalizer.apply(in.image, out); };
+         const int tiles = v.integer("tiles");
+         TileEqualizer equalizer(v.number("limit"), tiles);
+         return [equalizer, tiles](const OperationInput& in, cv::Mat& out) mutable
+         {
+           if (in.image.depth() == CV_16U)
+             require(tiles <= kMaxWideTiles, "tiles", tiles, "at most " + toText(kMaxWideTiles) + " for mono16");
+           equalizer.apply(in.image, out);
+         };
        }},
       {"normalize",
        "Values stretched from the least and the largest to a range: cv::normalize.",
-       kAllPixels,
+       kOpaque,
        "",
        {{"low", 0.0, Range{0, 255}, "gray levels", "of the least value"},
         {"high", 255.0, Range{0, 255}, "gray levels", "of the largest value"}},
-       eachTime([](const OperationValues& v, const OperationInput& in, cv::Mat& out)
-                { cv::normalize(in.image, out, v.number("low"), v.number("high"), cv::NORM_MINMAX); })},
+       eachTime(
+           [](const OperationValues& v, const OperationInput& in, cv::Mat& out)
+           {
+             const double level = grayLevel(in.image);
+             cv::normalize(in.image, out, v.number("low") * level, v.number("high") * level, cv::NORM_MINMAX);
+           })},
   };
 }
 

@@ -2,6 +2,7 @@
 #include <opencv2/imgproc.hpp>
 #include <stdexcept>
 
+#include "core/common/work_limit.hpp"
 #include "operation_table.hpp"
 #include "robot_vision/common/range.hpp"
 
@@ -30,9 +31,10 @@ double comparisonsOf(int rule, const cv::Mat& element, int iterations)
 /// An operation that cv::morphologyEx has.
 Operation morphology(const std::string& name, const std::string& meaning, int rule)
 {
+  const bool is_difference = rule == cv::MORPH_GRADIENT || rule == cv::MORPH_TOPHAT || rule == cv::MORPH_BLACKHAT;
   return {name,
           meaning + ": cv::morphologyEx.",
-          kAllPixels,
+          is_difference ? kOpaque : kAllPixels,
           "",
           {{"shape", "rect"s, OneOf{"rect, cross or ellipse", "'"}, "", "of the structuring element"},
            {"size", 3, OddRange{1, 99}, "px", "side of the structuring element"},

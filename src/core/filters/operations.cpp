@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
 #include <set>
 #include <sstream>
 #include <stdexcept>
@@ -124,6 +123,11 @@ void checkValues(const ParamValues& values)
     if (known.count(name) == 0) throw std::invalid_argument("'" + printable(name) + "' is no operation's parameter");
 }
 
+double grayLevel(const cv::Mat& image)
+{
+  return image.depth() == CV_16U ? 257.0 : 1.0;
+}
+
 cv::Mat parseKernel(const std::string& text)
 {
   std::istringstream lines(text);
@@ -147,14 +151,6 @@ void requireResultSize(const cv::Size& size, double scale)
   throw std::invalid_argument("the result would be " +
                               sizeText(std::llround(size.width * scale), std::llround(size.height * scale)) +
                               ", must have at most " + std::to_string(kMaxPixels) + " pixels");
-}
-
-void requireWork(const std::string& params, double steps, const cv::Size& size, double most)
-{
-  if (steps * size.width * size.height <= most) return;
-  throw std::invalid_argument(params + ", must be less, or the image of " + toText(size.width) + "x" +
-                              toText(size.height) + " have at most " +
-                              std::to_string(static_cast<std::int64_t>(most / steps)) + " pixels");
 }
 
 }  // namespace robot_vision

@@ -96,7 +96,7 @@ std::vector<Operation> pyramidOperations()
            })},
       {"laplacian_pyramid",
        "What one level of the pyramid has and the next one lacks, around middle gray: cv::pyrDown, cv::pyrUp.",
-       kEightBits,
+       kGrayOrColor,
        "",
        {{"level", 0, Range{0, 6}, "", "0 is the image's own size"}},
        eachTime(

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/common/in_this_thread.hpp"
+#include "core/common/work_limit.hpp"
 #include "core/image/conversion_buffer.hpp"
 #include "core/image/filled_up.hpp"
 #include "core/image/frame_sequence.hpp"
@@ -27,6 +28,8 @@ constexpr int kMinDisSide = 32;       // px, of the smaller side
 constexpr int kMinDisLength = 96;     // px, of the larger side
 constexpr int kMaxDisLength = 16384;  // px
 
+constexpr double kMaxFarnebackSteps = 5e9;  // for a frame
+
 cv::Ptr<cv::DISOpticalFlow> makeDis(const std::string& preset)
 {
   static const std::map<std::string, int> presets = {{"ultrafast", cv::DISOpticalFlow::PRESET_ULTRAFAST},
@@ -43,6 +46,16 @@ cv::Size disSize(const cv::Size& size)
   cv::Size larger(std::max(size.width, kMinDisSide), std::max(size.height, kMinDisSide));
   if (std::max(larger.width, larger.height) < kMinDisLength) larger.width = kMinDisLength;
   return larger;
+}
+
+/// What farneback does for each pixel of the image that is worked on, in all levels, in steps of 1 ns: an iteration has
+/// 30 of them, and one for each pixel of the side of a Gaussian window; a level begins with as much as 3 iterations.
+double farnebackSteps(const DenseFlowParams& params)
+{
+  double pixels = 0.0;
+  for (int level = 0; level <= params.levels; ++level)
+    pixels += std::pow(params.pyr_scale, 2 * level);
+  return pixels * (params.iterations + 3) * (30 + (params.gaussian_window ? params.window : 0));
 }
 
 /// The flow of a smaller image as one of this size.
@@ -113,6 +126,9 @@ struct DenseFlow::Impl
     cv::Mat flow;
     if (!dis)
     {
+      requireWork("window, iterations, levels are " + toText(params.window) + ", " + toText(params.iterations) + ", " +
+                      toText(params.levels),
+                  farnebackSteps(params), last.size(), kMaxFarnebackSteps);
       cv::calcOpticalFlowFarneback(last, next, flow, params.pyr_scale, params.levels, params.window, params.iterations,
                                    params.poly_n, params.poly_sigma,
                                    params.gaussian_window ? cv::OPTFLOW_FARNEBACK_GAUSSIAN : 0);

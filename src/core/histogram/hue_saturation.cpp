@@ -19,6 +19,20 @@ const std::map<std::string, cv::HistCompMethods> kMethods = {{"correlation", cv:
                                                              {"intersection", cv::HISTCMP_INTERSECT},
                                                              {"bhattacharyya", cv::HISTCMP_BHATTACHARYYA}};
 
+/// What a method says of histograms that have nothing in common.
+double nothingInCommon(cv::HistCompMethods method)
+{
+  return method == cv::HISTCMP_CHISQR || method == cv::HISTCMP_BHATTACHARYYA ? 1.0 : 0.0;
+}
+
+/// Whether all bins have the same.
+bool isFlat(const cv::Mat& histogram)
+{
+  double low = 0.0, high = 0.0;
+  cv::minMaxLoc(histogram, &low, &high);
+  return low >= high;
+}
+
 }  // namespace
 
 cv::Mat hueSaturationHistogram(const cv::Mat& image, const std::string& encoding, const HueSaturationParams& params,
@@ -56,9 +70,10 @@ double compareHistograms(const cv::Mat& a, const cv::Mat& b, const std::string& 
   require(a.type() == b.type() && a.size() == b.size(), "the second histogram",
           sizeText(b.rows, b.cols) + " bins of " + describePixels(b.type()),
           "as the first, of " + sizeText(a.rows, a.cols));
-  const double sum_a = cv::sum(a)[0], sum_b = cv::sum(b)[0];
-  // OpenCV takes the correlation of a histogram that is empty for 1.
-  if (found->second == cv::HISTCMP_CORREL && (sum_a <= 0.0 || sum_b <= 0.0)) return 0.0;
+  // OpenCV takes one without pixels for equal to any other by chi-square, and a flat one by correlation.
+  const bool is_empty = cv::sum(a)[0] <= 0.0 || cv::sum(b)[0] <= 0.0;
+  if (is_empty || (found->second == cv::HISTCMP_CORREL && isFlat(a) != isFlat(b)))
+    return nothingInCommon(found->second);
   cv::Mat shares_a, shares_b;
   cv::normalize(a, shares_a, 1.0, 0.0, cv::NORM_L1);
   cv::normalize(b, shares_b, 1.0, 0.0, cv::NORM_L1);

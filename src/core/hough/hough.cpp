@@ -90,7 +90,7 @@ std::vector<HoughCircle> findCircles(const cv::Mat& gray, const HoughParams& par
 void validate(const HoughParams& params)
 {
   checkFields(params);
-  require(params.canny_low <= params.canny_high, "canny_high", params.canny_high,
+  require(params.method == "circles" || params.canny_low <= params.canny_high, "canny_high", params.canny_high,
           "at least canny_low, " + toText(params.canny_low));
   require(params.max_radius == 0 || params.max_radius > params.min_radius, "max_radius", params.max_radius,
           "0 or above min_radius, " + toText(params.min_radius));

@@ -6,6 +6,8 @@
 #include <vector>
 
 #include "core/common/random_state.hpp"
+#include "core/common/work_limit.hpp"
+#include "robot_vision/common/range.hpp"
 
 namespace robot_vision
 {
@@ -14,6 +16,8 @@ namespace
 
 constexpr int kMaxSteps = 20;       // of one attempt
 constexpr double kMinMotion = 0.1;  // gray levels of the centres in a step, below which an attempt has ended
+
+constexpr double kMaxDistances = 5e7;  // from pixels to centres in a step of all attempts; some 80 ns for all steps
 
 /// The nearest centre of each colour (CV_32SC1), from 0.
 cv::Mat nearestCenters(const cv::Mat_<cv::Vec3f>& colors, const cv::Mat& centers)
@@ -51,6 +55,9 @@ cv::Mat ColorClusters::apply(const cv::Mat& bgr, const SegmenterParams& params)
 {
   const int count = std::min(params.clusters, static_cast<int>(bgr.total()));
   const bool kept = params.keep_centers && centers_.rows == count;
+  const int attempts = kept ? 1 : params.attempts;
+  requireWork("clusters, attempts are " + toText(count) + ", " + toText(attempts),
+              static_cast<double>(count) * attempts, bgr.size(), kMaxDistances);
   cv::Mat colors;
   bgr.convertTo(colors, CV_32F);
   colors = colors.reshape(3, static_cast<int>(bgr.total()));
@@ -59,7 +66,7 @@ cv::Mat ColorClusters::apply(const cv::Mat& bgr, const SegmenterParams& params)
   cv::Mat centers;
   const RandomState state(params.random_seed);
   cv::kmeans(colors, count, clusters, {cv::TermCriteria::COUNT + cv::TermCriteria::EPS, kMaxSteps, kMinMotion},
-             kept ? 1 : params.attempts, kept ? cv::KMEANS_USE_INITIAL_LABELS : cv::KMEANS_PP_CENTERS, centers);
+             attempts, kept ? cv::KMEANS_USE_INITIAL_LABELS : cv::KMEANS_PP_CENTERS, centers);
   std::vector<int> order(count), numbers(count);
   std::iota(order.begin(), order.end(), 0);
   if (!kept) order = bySize(clusters, count);

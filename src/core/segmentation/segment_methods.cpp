@@ -4,6 +4,8 @@
 #include <opencv2/imgproc.hpp>
 
 #include "core/common/random_state.hpp"
+#include "core/common/work_limit.hpp"
+#include "robot_vision/common/range.hpp"
 #include "similar_neighbors.hpp"
 #include "touching_objects.hpp"
 
@@ -13,6 +15,9 @@ namespace
 {
 
 constexpr int kMinSamples = 5;  // px that cv::grabCut needs of the object and of the background: one for each Gaussian
+
+constexpr double kMaxPixelsOfWindows = 1e9;  // of mean_shift for an image, up to 7 ns each
+constexpr double kMaxRefinements = 1e7;      // of pixels by grab_cut for an image, some 400 ns each
 
 /// A division into nothing.
 Division nothing(const cv::Mat& bgr, const std::string& hint)
@@ -59,6 +64,7 @@ Division grabCut(const cv::Mat& bgr, const SeedMap& seeds, const SegmenterParams
 {
   if (seeds.empty()) return nothing(bgr, "grab_cut has no seeds: drag a rectangle around an object, or click");
   cv::Mat mask = seeds.grabCutMask();
+  requireWork("iterations is " + toText(params.iterations), params.iterations, bgr.size(), kMaxRefinements);
   const std::string lack = lackOfSamples(mask);
   if (!lack.empty()) return nothing(bgr, lack);
   cv::Mat background, object;  // the Gaussians
@@ -93,8 +99,11 @@ Division floodFill(const cv::Mat& bgr, const SeedMap& seeds, const SegmenterPara
 
 Division meanShift(const cv::Mat& bgr, const SegmenterParams& params, double scale)
 {
+  const double radius = params.spatial_radius * scale;
+  const double side = 2.0 * radius + 1.0;
+  requireWork("spatial_radius is " + toText(params.spatial_radius), side * side, bgr.size(), kMaxPixelsOfWindows);
   cv::Mat flat;
-  cv::pyrMeanShiftFiltering(bgr, flat, params.spatial_radius * scale, params.color_radius, params.levels);
+  cv::pyrMeanShiftFiltering(bgr, flat, radius, params.color_radius, params.levels);
   return {similarNeighbors(flat, params.color_tolerance), true, ""};
 }
 

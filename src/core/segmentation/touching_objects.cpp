@@ -10,7 +10,8 @@ namespace robot_vision
 namespace
 {
 
-constexpr int kUnknown = 2;  // px around objects that may belong to them
+constexpr int kMinOpening = 3;  // px of the image that is worked on; a smaller one removes nothing
+constexpr int kUnknown = 2;     // px around objects that may belong to them
 
 /// Whether most of the pixels along the edges of a mask are white.
 bool isWhiteAround(const cv::Mat& mask)
@@ -26,8 +27,8 @@ cv::Mat findMask(const cv::Mat& bgr, const SegmenterParams& params, double scale
   cv::cvtColor(bgr, gray, cv::COLOR_BGR2GRAY);
   cv::threshold(gray, mask, 0, 255, cv::THRESH_BINARY | cv::THRESH_OTSU);
   if (params.objects == "dark" || (params.objects == "auto" && isWhiteAround(mask))) cv::bitwise_not(mask, mask);
-  const int opening = 2 * static_cast<int>(params.opening * scale / 2.0) + 1;
-  if (opening > 1)
+  const int opening = std::max(2 * static_cast<int>(params.opening * scale / 2.0) + 1, kMinOpening);
+  if (params.opening > 1)
     cv::morphologyEx(mask, mask, cv::MORPH_OPEN, cv::getStructuringElement(cv::MORPH_ELLIPSE, {opening, opening}));
   return mask;
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <opencv2/imgproc.hpp>
 #include <tuple>
 
@@ -35,6 +36,41 @@ cv::Point2d topOf(const cv::Mat_<float>& response, const cv::Point& at)
   if (at.x > 0 && at.x < response.cols - 1) top.x = topOf(response(at - right), response(at), response(at + right));
   if (at.y > 0 && at.y < response.rows - 1) top.y = topOf(response(at - below), response(at), response(at + below));
   return top;
+}
+
+/// How far to the left and right of a box others of its size overlap it too much, by how much lower or higher they are,
+/// px; -1: none does.
+std::vector<int> overlappingColumns(const cv::Size& box, double overlap)
+{
+  const double most = 2.0 * box.area() * overlap / (1.0 + overlap);  // px^2 that they may share
+  std::vector<int> columns;
+  for (int rows = box.height; rows > 0; --rows)
+    columns.push_back(std::max(cvCeil(box.width - most / rows) - 1, -1));
+  return columns;
+}
+
+/// The first kMaxPeaks that do not overlap a better one too much. Without this the first rows of a flat part of the
+/// image, where each place is a peak, would leave no room for those of other parts.
+std::vector<TemplatePeak> bestApart(const std::vector<TemplatePeak>& sorted, const cv::Size& places,
+                                    const cv::Size& box, double overlap)
+{
+  const std::vector<int> columns = overlappingColumns(box, overlap);
+  const int rows = static_cast<int>(columns.size()) - 1;
+  cv::Mat_<std::uint8_t> is_near = cv::Mat::zeros(places, CV_8UC1);
+  std::vector<TemplatePeak> apart;
+  for (const TemplatePeak& peak : sorted)
+  {
+    if (is_near(peak.place) != 0) continue;
+    if (apart.size() == kMaxPeaks) break;
+    apart.push_back(peak);
+    for (int y = std::max(peak.place.y - rows, 0); y <= std::min(peak.place.y + rows, places.height - 1); ++y)
+    {
+      const int reach = columns[static_cast<std::size_t>(std::abs(y - peak.place.y))];
+      const cv::Range near(std::max(peak.place.x - reach, 0), std::min(peak.place.x + reach + 1, places.width));
+      if (near.start < near.end) is_near.row(y).colRange(near).setTo(1);
+    }
+  }
+  return apart;
 }
 
 /// Sets what scores and checks need: sums over the pixels that count.
@@ -102,9 +138,8 @@ std::vector<TemplatePeak> TemplateVariant::peaks(const cv::Mat_<float>& response
       const double value = score(response(y, x), params.method);
       if (value >= params.threshold) found.push_back({value, number, {x, y}, {}});
     }
-  const std::size_t kept = std::min(found.size(), kMaxPeaks);
-  std::partial_sort(found.begin(), found.begin() + static_cast<std::ptrdiff_t>(kept), found.end(), isBetter);
-  found.resize(kept);
+  std::sort(found.begin(), found.end(), isBetter);
+  if (found.size() > kMaxPeaks) found = bestApart(found, response.size(), pixels.size(), params.overlap);
   for (TemplatePeak& peak : found)
     peak.offset = topOf(response, peak.place);
   return found;

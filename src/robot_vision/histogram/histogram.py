@@ -123,6 +123,13 @@ class Histogram:
             )
             return
         model = hue_saturation_histogram(self._selection, "bgr8", params)
+        if not model.any():
+            rospy.logwarn_throttle(
+                10.0,
+                "no ~back_projection and no ~similarity: no pixel of the selection has "
+                f"min_saturation, {params.min_saturation}, and min_value, {params.min_value}",
+            )
+            return
         if self._projection.get_num_connections():
             projection = back_project(bgr, model, "bgr8", params)
             self._projection.publish(projection, "mono8", frame.header)
