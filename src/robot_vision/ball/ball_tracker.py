@@ -5,7 +5,6 @@ import math
 from typing import Any, Deque, Dict, Optional, Tuple
 
 import numpy as np
-import rospy
 from geometry_msgs.msg import Point, PointStamped, TransformStamped, Vector3
 from tf2_msgs.msg import TFMessage
 
@@ -26,7 +25,7 @@ from .. import (
 )
 from .. import BallTracker as Filter
 from ..msg import Detection, DetectionArray
-from ..ros.camera_info import camera_model
+from ..ros.camera_info import CameraInfoListener
 from ..ros.configs import BallTrackerConfig
 from ..ros.context import current
 from ..ros.image_node import ImageNode
@@ -44,7 +43,7 @@ class BallTracker:
 
     Subscribes to image. If ~ball_diameter (m) is set, it also publishes ~position and, in /tf, the
     frame ~ball_frame_id. For these it needs camera_info, from the topic beside the image or from
-    the one that this name is remapped to.
+    the one that this name is remapped to; all else goes on without.
     """
 
     def __init__(self) -> None:
@@ -54,11 +53,12 @@ class BallTracker:
         self._diameter = read_param("ball_diameter", 0.0, 0.0, MAX_DIAMETER, zero="unknown")
         self._ball_frame = read_name("ball_frame_id", "ball")
         self._params = LiveParams(BallTrackerConfig, self._configure)
-        self._node = ImageNode(self._process, camera_info=self._diameter > 0.0)
+        self._node = ImageNode(self._process)
         self._objects = self._node.publisher("~objects", DetectionArray)
         self._mask = self._node.image_publisher("~mask")
         self._processed = self._node.image_publisher("~processed_image")
         if self._diameter > 0.0:
+            self._calibration = CameraInfoListener(self._node, "position of the ball")
             self._positions = self._node.publisher("~position", PointStamped)
             self._tf = current().publisher("/tf", TFMessage, queue_size=100)
         self._node.start()
@@ -79,7 +79,7 @@ class BallTracker:
         time = frame.time
         expected = tracker.predict(time)
         region = choose_ball(regions, min_roundness, expected.center if expected else None)
-        position = self._locate(frame, region) if region else None
+        position = self._locate(frame, region)
         measured = None
         if region:
             center = position.center if position else region.center
@@ -91,15 +91,12 @@ class BallTracker:
         self._publish(frame, state, region, position)
         self._mask.publish(mask, "mono8", frame.header)
 
-    def _locate(self, frame: Frame, region: Region) -> Optional[BallPosition]:
-        """Returns the position of the ball, or None if the camera is not known."""
-        info = frame.camera_info
-        if info is None:
+    def _locate(self, frame: Frame, region: Optional[Region]) -> Optional[BallPosition]:
+        """Returns the position of the ball, or None if its diameter or the camera is not known."""
+        if self._diameter == 0.0:
             return None
-        try:
-            camera = camera_model(info, frame.image.shape[1::-1])
-        except ValueError as error:
-            rospy.logwarn_throttle(5.0, "no position without a calibration: %s", error)
+        camera = self._calibration.camera(frame.image.shape[1::-1])  # It also says what is missing.
+        if camera is None or region is None:
             return None
         return ball_position(camera, region.outline, self._diameter)
 
