@@ -329,6 +329,25 @@ def test_smoothing_is_a_mean_with_a_time_constant():
         assert lane.offset == pytest.approx(expected, abs=0.002)
 
 
+def test_the_mean_begins_anew_in_another_lane():
+    """And it delays no change: the robot drifts to the right into it, and stops in its middle."""
+    road = road_of(0.0, LANES)
+    plain, smooth = detector(), detector(smoothing=0.5)
+    expected, before, changes = 0.0, 0.0, []
+    for step in range(20):
+        image = road.view(-min(0.025 * step, 0.4), 0.0)
+        seen, lane = (
+            tool.update(0.1 * step, image, camera=road.camera) for tool in (plain, smooth)
+        )
+        changes += [step] if seen.offset - before > WIDTH / 2.0 else []
+        is_first = step == 0 or step in changes
+        expected += (1.0 if is_first else 1.0 - math.exp(-0.1 / 0.5)) * (seen.offset - expected)
+        assert lane.offset == pytest.approx(expected, abs=1e-9), step
+        assert np.array_equal(lane.left.points, seen.left.points)
+        before = seen.offset
+    assert changes == [11]
+
+
 def test_the_same_frame_has_the_same_lane_and_is_not_changed():
     road = road_of(0.25)
     image = road.view(0.05, 0.1)
