@@ -56,6 +56,9 @@ void validate(const LaneParams& params)
   checkFields(params);
   require(params.yellow_high >= params.yellow_low, "yellow_high", params.yellow_high,
           "yellow_low or more, " + toText(params.yellow_low));
+  // Otherwise all that a window holds is within the tolerance, which tells nothing.
+  const double widest = params.window_width / 2.0;
+  require(params.tolerance < widest, "tolerance", params.tolerance, "below half of window_width, " + toText(widest));
 }
 
 struct LaneDetector::Impl
@@ -66,6 +69,11 @@ struct LaneDetector::Impl
     const int beside = lanes::floorDistance(ground.resolution, params);
     require(beside * ground.resolution <= widest + 2.0 * ground.resolution, "line_width", params.line_width,
             "at most a quarter of view_width, " + toText(widest));
+    const double length = ground.far - ground.near;
+    require(params.min_length < length, "min_length", params.min_length, "below far - near, " + toText(length));
+    const int rows = cvRound(length / ground.resolution) / params.windows;
+    require(params.min_rows <= rows, "min_rows", params.min_rows,
+            "at most the rows of a window, far - near by resolution and windows, " + toText(rows));
   }
 
   Lane update(double time_s, const cv::Mat& image, const std::string& encoding, const CameraModel* camera)
