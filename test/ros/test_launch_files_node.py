@@ -672,6 +672,35 @@ def test_a_camera_in_the_root_namespace_is_rectified(start):
     assert rectified.wait()[0].encoding == "bgr8"
 
 
+def resolved(node):
+    """What a node's names are remapped to, as it resolves that in its namespace."""
+    name = node.namespace + node.name
+    return {of: rosgraph.names.resolve_name(to, name) for of, to in node.remap_args}
+
+
+@pytest.mark.parametrize(
+    "image, namespace",
+    [
+        ("eyes/image_color", "/robot/eyes"),
+        ("/eyes/image_color", "/eyes"),
+        ("/image_color", ""),
+    ],
+)
+def test_a_camera_is_rectified_where_it_is(tmp_path, image, namespace):
+    """Also one that is named as other launch files take it, in a group of its robot."""
+    path = tmp_path / "robot.launch"
+    path.write_text(
+        f'<launch><group ns="robot"><include file="{LAUNCH}/cameracheck.launch">'
+        f'<arg name="image" value="{image}"/></include></group></launch>'
+    )
+    nodes = {node.name: node for node in loaded(path).nodes}
+    assert nodes["rectify"].namespace.rstrip("/") == namespace
+    names = resolved(nodes["rectify"])
+    assert names["image_raw"] == f"{namespace}/image_color"
+    assert names["camera_info"] == f"{namespace}/camera_info"
+    assert resolved(nodes["cameracheck"])["monocular"] == (namespace or "/")
+
+
 def test_a_remote_detector_has_its_camera_s_calibration():
     """As docs/several_machines.md starts it, by the names that a launch file remaps."""
     page = (LAUNCH.parent / "docs" / "several_machines.md").read_text()
@@ -679,8 +708,8 @@ def test_a_remote_detector_has_its_camera_s_calibration():
     name, *arguments = line.split()
     for launch_file in (name, "ball_tracker.launch", "rectify.launch"):
         (node,) = loaded(launch_file, *arguments).nodes
-        remapped = dict(node.remap_args)
-        assert remapped["camera_info"] == "/usb_cam/camera_info"
-        assert "/remote_camera/image_raw" in remapped.values()
+        names = resolved(node)
+        assert names["camera_info"] == "/usb_cam/camera_info"
+        assert "/remote_camera/image_raw" in names.values()
     (node,) = loaded(name, "image:=/front/image_raw").nodes
     assert "camera_info" not in dict(node.remap_args)  # the node finds camera_info beside the image
