@@ -73,6 +73,7 @@ def loaded(name, *arguments):
     """The configuration that roslaunch loads from one of our launch files."""
     config = roslaunch.config.ROSLaunchConfig()
     loader = roslaunch.xmlloader.XmlLoader()
+    loader.ignore_unset_args = False  # so that one that is required is an error
     loader.load(str(LAUNCH / name), config, argv=["roslaunch", *arguments], verbose=False)
     return config
 
@@ -358,12 +359,16 @@ def test_a_pair_of_cameras_is_started_where_it_is_asked_for():
     words = "camera:=true", "source:=/a.mp4"
     (matcher,) = (node for node in loaded("stereo.launch", *words).nodes if node.name != "usb_cam")
     names = ("left/image_raw", "left/camera_info", "right/image_raw", "right/camera_info")
-    assert dict(matcher.remap_args) == {name: "/usb_cam/" + name for name in names}
+    assert dict(matcher.remap_args) == {name: "usb_cam/" + name for name in names}
     parameters = parameters_of("stereo.launch", *words)
     assert (parameters["/usb_cam/source"], parameters["/usb_cam/views"]) == ("/a.mp4", "stereo")
     assert "/usb_cam/source" not in parameters_of("stereo.launch")
     (matcher,) = loaded("stereo.launch", "stereo:=/eyes").nodes
     assert dict(matcher.remap_args)["left/image_raw"] == "/eyes/left/image_raw"
+    (matcher,) = loaded("stereo.launch").nodes
+    assert dict(matcher.remap_args)["left/image_raw"] == "/usb_cam/left/image_raw"
+    with pytest.raises(roslaunch.RLException, match="whose pair is usb_cam and not /eyes,"):
+        loaded("stereo.launch", "stereo:=/eyes", *words)
 
 
 def test_a_camera_info_beside_the_depth_is_not_remapped():
