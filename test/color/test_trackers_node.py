@@ -11,7 +11,7 @@ import support
 import tf2_msgs.msg
 import yaml
 from calibrated_camera import CalibratedCamera
-from frames import Source, message, new_topic, pixels
+from frames import Camera, Source, message, new_topic, pixels
 from geometry_msgs.msg import PointStamped
 from sensor_msgs.msg import CameraInfo, Image
 from std_srvs.srv import Trigger
@@ -428,6 +428,29 @@ def test_the_newest_camera_info_counts_whatever_its_stamp_is(start):
         lambda: camera.shown() and camera.positions.received[:1], "a position"
     )
     assert position.point.x / position.point.z == pytest.approx(180.0 / 300.0, abs=0.02)
+
+
+def test_a_ball_in_images_of_another_size_is_another_one(start):
+    """What was in the images before neither is expected there, nor drawn as a trail."""
+    camera = Camera(10.0)
+    start("ball_tracker.py", "__name:=ball", f"image:={camera.topic}", "_max_prediction:=60.0")
+    objects = support.subscribed("/ball/objects", DetectionArray)
+    overlays = support.subscribed("/ball/processed_image", Image)
+    camera.wait_for()
+
+    def shown(width, height, center):
+        image = np.zeros((height, width, 3), np.uint8)
+        cv2.circle(image, center, 30, (255, 0, 0), -1)
+        stamp = camera.show(image).stamp
+        (ball,) = objects.of(stamp).detections
+        assert not ball.predicted
+        assert (ball.center.x, ball.center.y) == pytest.approx(center, abs=0.6)
+        return pixels(overlays.of(stamp))
+
+    for x in (280, 290, 300):
+        shown(640, 360, (x, 300))
+    overlay = shown(320, 240, (100, 100))
+    assert overlay[150:].max() == 0
 
 
 @pytest.mark.parametrize(

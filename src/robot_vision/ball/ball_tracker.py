@@ -22,6 +22,7 @@ from .. import (
     choose_ball,
     draw_ball,
     draw_trail,
+    validate,
 )
 from .. import BallTracker as Filter
 from ..msg import Detection, DetectionArray
@@ -49,7 +50,8 @@ class BallTracker:
     def __init__(self) -> None:
         self._trail: Deque[Tuple[float, float]] = collections.deque()
         self._time = 0.0  # s, the last frame
-        self._filter_params: Optional[BallTrackerParams] = None
+        self._size: Tuple[int, ...] = ()  # of the last image, px
+        self._filter_params: Optional[BallTrackerParams] = None  # of the filter
         self._diameter = read_param("ball_diameter", 0.0, 0.0, MAX_DIAMETER, zero="unknown")
         self._ball_frame = read_name("ball_frame_id", "ball")
         self._params = LiveParams(BallTrackerConfig, self._configure)
@@ -67,14 +69,13 @@ class BallTracker:
         mask = HsvMask(filled(HsvRange(), config))
         finder = RegionFinder(filled(RegionParams(), config))
         params = filled(BallTrackerParams(), config)
-        # A new filter has lost the ball, so it is made only when it has to be.
-        tracker = self._tools[2] if params == self._filter_params else Filter(params)
-        self._filter_params = params
+        validate(params)
         # Replaced in one step, because another thread may be processing a frame.
-        self._tools = mask, finder, tracker, config["min_roundness"], config["trail"]
+        self._tools = mask, finder, params, config["min_roundness"], config["trail"]
 
     def _process(self, frame: Frame) -> None:
-        mask_of, finder, tracker, min_roundness, trail = self._tools
+        mask_of, finder, params, min_roundness, trail = self._tools
+        tracker = self._filter_for(frame, params)
         mask, regions = finder.apply(mask_of.apply(frame.image))
         time = frame.time
         expected = tracker.predict(time)
@@ -90,6 +91,16 @@ class BallTracker:
         self._remember(time, state, trail)
         self._publish(frame, state, region, position)
         self._mask.publish(mask, "mono8", frame.header)
+
+    def _filter_for(self, frame: Frame, params: BallTrackerParams) -> Filter:
+        """Returns the filter; a new one has lost the ball, so it is made only when it has to be."""
+        size = frame.image.shape[:2]
+        if size != self._size:  # Places in images of another size say nothing of this one.
+            self._trail.clear()
+        if (size, params) != (self._size, self._filter_params):
+            self._filter = Filter(params)
+        self._size, self._filter_params = size, params
+        return self._filter
 
     def _locate(self, frame: Frame, region: Optional[Region]) -> Optional[BallPosition]:
         """Returns the position of the ball, or None if its diameter or the camera is not known."""
