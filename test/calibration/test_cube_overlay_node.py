@@ -79,9 +79,9 @@ def test_pose_transform_error_and_cube_of_a_frame(start):
     studio.process.wait_for_output("board is 'cheese', must be chessboard, circles")
 
 
-def test_a_camera_that_is_not_calibrated_has_no_poses_but_one_warning(start):
+def test_a_camera_that_is_not_calibrated_has_no_poses_but_one_warning(start, diagnostics):
     zeros = CameraInfo(width=640, height=480, distortion_model="plumb_bob", D=[0.0] * 5)
-    studio = Studio(start, "_board_frame_id:=wall", info=zeros)
+    studio = Studio(start, "_board_frame_id:=wall", "_diagnostic_period:=0.02", info=zeros)
     transforms = support.subscribed("/tf", TFMessage)
     image = SCENE.render(3)
     said = f"camera_info on {studio.camera.topic.replace('image', 'camera_info')}: "
@@ -96,6 +96,10 @@ def test_a_camera_that_is_not_calibrated_has_no_poses_but_one_warning(start):
     for _ in range(5):
         assert np.array_equal(studio.show(image)[1], not_calibrated(image))
     assert not studio.poses.received
+    support.wait_for(
+        lambda: int(diagnostics.value("cube", "frames refused")) >= 6, "six frames to be refused"
+    )
+    assert diagnostics.value("cube", "last error").endswith(warning)
     studio.camera.info = info_of(SCENE.camera)  # comes late
     stamp, _ = show_until_known(studio.show, image)
     assert studio.poses.of(stamp)

@@ -119,10 +119,10 @@ def test_what_is_mixed_or_wrong_is_refused_in_words(named, entry, error):
 
 @pytest.fixture
 def colors(monkeypatch):
-    """colors(named) starts NamedColors with ~colors; with it what the parameter server has then."""
+    """colors(entries, more) starts NamedColors; with it what the parameter server has then."""
 
-    def start(entries):
-        there = {"~colors": entries}
+    def start(entries, more=None):
+        there = {"~colors": entries, **({} if more is None else {"~more_colors": more})}
         use_params(monkeypatch, there)
         return NamedColors(), there
 
@@ -137,6 +137,22 @@ def shown(named):
 
 
 BLUE = {"low": [100, 1, 2], "high": [130, 250, 251]}
+
+
+@pytest.mark.parametrize("entry", [BLUE, {"space": "lab", **LAB}, {**HSV, "h_low": 9}])
+def test_a_color_of_more_colors_replaces_the_entry_of_its_name(colors, entry):
+    green = {"low": [40, 3, 4], "high": [80, 5, 6]}
+    named, there = colors({"blue": entry, "green": green}, {"blue": HSV, "red": HSV})
+    for name in ("blue", "red"):
+        found = named.ranges[name]
+        assert (found.space, found.low, found.high) == ("hsv", (170, 2, 3), (4, 5, 6))
+    assert there["~colors"] == {"blue": HSV, "green": green, "red": HSV}
+    assert list(named.ranges) == ["blue", "green", "red"]
+
+
+def test_more_colors_that_are_no_map_are_refused(colors):
+    with pytest.raises(ValueError, match=r"^more_colors is 3, must be a map of names to ranges$"):
+        colors({"blue": BLUE}, 3)
 
 
 def test_a_plus_adds_a_color_with_all_limits_that_are_given(colors):

@@ -10,7 +10,8 @@ import rospy
 import support
 import tf2_msgs.msg
 import yaml
-from frames import Source, message, new_topic, pixels
+from calibrated_camera import CalibratedCamera
+from frames import Camera, Source, message, new_topic, pixels
 from geometry_msgs.msg import PointStamped
 from sensor_msgs.msg import CameraInfo, Image
 from std_srvs.srv import Trigger
@@ -323,13 +324,21 @@ def test_ball_is_followed_as_it_moves(start):
     width, height = scene.camera.width, scene.camera.height
     calibration = {"K": scene.camera.K.ravel().tolist(), "D": scene.camera.D}
     info = CameraInfo(width=width, height=height, distortion_model="plumb_bob", **calibration)
+    numbers = itertools.count(1)
+
+    def is_calibrated():
+        infos.send(info)
+        image = message(scene.render(0), "bgr8")
+        image.header.stamp = rospy.Time(0, next(numbers))
+        images.send(image)
+        return objects.of(image.header.stamp) and positions.received
+
+    support.wait_for(is_calibrated, "camera_info to be used")
     centers, places, speeds, missed = [], [], [], 0
     for frame in range(200):
         image = message(scene.render(frame), "bgr8")
         image.header.stamp = rospy.Time.from_sec(1.0 + frame / 30.0)
         image.header.frame_id = "eye"
-        info.header = image.header
-        infos.send(info)
         images.send(image)
         (found,) = objects.of(image.header.stamp).detections
         ball = ball_in(scene, frame)
@@ -368,31 +377,80 @@ def test_ball_without_a_diameter_has_no_position(start, camera):
     assert "/ball/position" not in dict(rospy.get_published_topics())
 
 
+class BallCamera(CalibratedCamera):
+    """A camera that sees a disc, a ball_tracker that knows its diameter, and what that says."""
+
+    def __init__(self, start, info):
+        super().__init__(10.0, info)
+        words = "__name:=ball", f"image:={self.topic}", "_ball_diameter:=0.2"
+        self.process = start("ball_tracker.py", *words)
+        self.objects = support.subscribed("/ball/objects", DetectionArray)
+        self.positions = support.subscribed("/ball/position", PointStamped)
+        self.wait_for()
+
+    def shown(self):
+        """What is said of an image with a disc."""
+        disc = np.zeros((480, 640, 3), np.uint8)
+        cv2.circle(disc, (500, 240), 40, (255, 0, 0), -1)
+        return self.objects.of(self.show(disc).stamp)
+
+
 def test_camera_info_of_another_size_gives_no_position(start):
-    topic = new_topic()
-    images, infos = Source(topic), Source(topic.replace("image", "camera_info"), CameraInfo)
-    process = start("ball_tracker.py", "__name:=ball", f"image:={topic}", "_ball_diameter:=0.2")
+    info = CameraInfo(width=320, height=240, K=[300, 0, 160, 0, 300, 120, 0, 0, 1])
+    camera = BallCamera(start, info)
+    text = "no position of the ball: camera_info on "
+
+    def is_told():
+        found = camera.shown().detections[0]
+        assert found.circle_radius == pytest.approx(40.0, abs=0.6)
+        return text in camera.process.output()
+
+    support.wait_for(is_told, text)
+    camera.process.wait_for_output("camera_info is of 320x240, the image 640x480")
+    assert not camera.positions.received
+
+
+def test_a_ball_without_camera_info_is_found_and_what_is_missing_is_said(start):
+    camera = BallCamera(start, CameraInfo())
+    camera.show = super(CalibratedCamera, camera).show
+    support.wait_for(
+        lambda: camera.shown().detections and "there is none" in camera.process.output(),
+        "what is missing",
+    )
+    assert not camera.positions.received
+
+
+def test_the_newest_camera_info_counts_whatever_its_stamp_is(start):
+    info = CameraInfo(width=640, height=480, K=[300, 0, 320, 0, 300, 240, 0, 0, 1])
+    info.header.stamp = rospy.Time(12345)
+    camera = BallCamera(start, info)
+    (position,) = support.wait_for(
+        lambda: camera.shown() and camera.positions.received[:1], "a position"
+    )
+    assert position.point.x / position.point.z == pytest.approx(180.0 / 300.0, abs=0.02)
+
+
+def test_a_ball_in_images_of_another_size_is_another_one(start):
+    """What was in the images before neither is expected there, nor drawn as a trail."""
+    camera = Camera(10.0)
+    start("ball_tracker.py", "__name:=ball", f"image:={camera.topic}", "_max_prediction:=60.0")
     objects = support.subscribed("/ball/objects", DetectionArray)
-    positions = support.subscribed("/ball/position", PointStamped)
-    images.wait_for()
-    infos.wait_for()
-    disc = np.zeros((480, 640, 3), np.uint8)
-    cv2.circle(disc, (500, 240), 40, (255, 0, 0), -1)
-    numbers = itertools.count(1)
+    overlays = support.subscribed("/ball/processed_image", Image)
+    camera.wait_for()
 
-    def has_objects_after_another():
-        image = message(disc, "bgr8")
-        image.header.stamp = rospy.Time(next(numbers))
-        info = CameraInfo(width=320, height=240, K=[300, 0, 160, 0, 300, 120, 0, 0, 1])
-        info.header = image.header
-        infos.send(info)
-        images.send(image)
-        return len(objects.received) > 2
+    def shown(width, height, center):
+        image = np.zeros((height, width, 3), np.uint8)
+        cv2.circle(image, center, 30, (255, 0, 0), -1)
+        stamp = camera.show(image).stamp
+        (ball,) = objects.of(stamp).detections
+        assert not ball.predicted
+        assert (ball.center.x, ball.center.y) == pytest.approx(center, abs=0.6)
+        return pixels(overlays.of(stamp))
 
-    support.wait_for(has_objects_after_another, "three results")
-    assert objects.received[-1].detections[0].circle_radius == pytest.approx(40.0, abs=0.6)
-    process.wait_for_output("camera_info is of 320x240, the image 640x480")
-    assert not positions.received
+    for x in (280, 290, 300):
+        shown(640, 360, (x, 300))
+    overlay = shown(320, 240, (100, 100))
+    assert overlay[150:].max() == 0
 
 
 @pytest.mark.parametrize(

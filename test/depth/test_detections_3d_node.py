@@ -299,12 +299,16 @@ def spoil_k(info):
         (spoil_k, "the camera is not calibrated"),
     ],
 )
-def test_a_calibration_that_does_not_fit_is_told(start, spoil, said):
+def test_a_calibration_that_does_not_fit_is_told(start, diagnostics, spoil, said):
     watched = Watched(start)
     spoil(watched.info)
     watched.shown_until(said, face())
     output = watched.process.output()
     assert f"no places of detections: camera_info on {watched.infos.topic}: {said}" in output
+    support.wait_for(
+        lambda: said in diagnostics.value("places", "last error"), "the frame to be refused"
+    )
+    assert int(diagnostics.value("places", "frames refused")) > 0
     watched.info = info_of_camera()
     assert watched.answer([face()]).detections
 

@@ -257,7 +257,7 @@ def spoil_lens(info):
         (spoil_lens, "distortion_model is 'magic', must be plumb_bob"),
     ],
 )
-def test_calibrations_that_cannot_be_are_named(start, spoil, said):
+def test_calibrations_that_cannot_be_are_named(start, diagnostics, spoil, said):
     info = info_of(CAMERA)
     spoil(info)
     kitchen = Kitchen(start, info=info)
@@ -268,6 +268,11 @@ def test_calibrations_that_cannot_be_are_named(start, spoil, said):
     expected = not_calibrated(depth_gray(METRES, 5.0))
     assert np.array_equal(pixels(shown.of(header.stamp)), expected)
     assert not kitchen.topics["tables"].received
+    support.wait_for(
+        lambda: said in diagnostics.value("tabletop", "last error"), "the frame to be refused"
+    )
+    assert int(diagnostics.value("tabletop", "frames refused")) > 0
+    assert "ERROR" not in kitchen.process.output()
     kitchen.camera.info = info_of(CAMERA)
     assert len(kitchen.answers()["tables"].tables) == 1
 

@@ -240,9 +240,8 @@ def test_points_are_on_the_lines_and_where_the_camera_sees_them():
         ({"lane_width": 0.6}, True, False),  # alone: no other line is so far away
         ({"lane_width": 0.6, "width_tolerance": 0.5}, True, True),
         ({"min_rows": 15}, True, True),
-        ({"min_rows": 15, "windows": 50}, False, False),
-        ({"min_rows": 15, "window_width": 0.005}, False, False),
-        ({"min_length": 1.2}, False, False),
+        ({"min_rows": 15, "window_width": 0.005, "tolerance": 0.002}, False, False),
+        ({"min_length": 0.99}, False, False),
         ({"min_confidence": 1.0}, False, False),
         ({"tolerance": 0.001, "min_confidence": 0.7}, False, False),
     ],
@@ -329,6 +328,25 @@ def test_smoothing_is_a_mean_with_a_time_constant():
         assert lane.offset == pytest.approx(expected, abs=0.002)
 
 
+def test_the_mean_begins_anew_in_another_lane():
+    """And it delays no change: the robot drifts to the right into it, and stops in its middle."""
+    road = road_of(0.0, LANES)
+    plain, smooth = detector(), detector(smoothing=0.5)
+    expected, before, changes = 0.0, 0.0, []
+    for step in range(20):
+        image = road.view(-min(0.025 * step, 0.4), 0.0)
+        seen, lane = (
+            tool.update(0.1 * step, image, camera=road.camera) for tool in (plain, smooth)
+        )
+        changes += [step] if seen.offset - before > WIDTH / 2.0 else []
+        is_first = step == 0 or step in changes
+        expected += (1.0 if is_first else 1.0 - math.exp(-0.1 / 0.5)) * (seen.offset - expected)
+        assert lane.offset == pytest.approx(expected, abs=1e-9), step
+        assert np.array_equal(lane.left.points, seen.left.points)
+        before = seen.offset
+    assert changes == [11]
+
+
 def test_the_same_frame_has_the_same_lane_and_is_not_changed():
     road = road_of(0.25)
     image = road.view(0.05, 0.1)
@@ -405,6 +423,12 @@ def test_what_cannot_be_drawn_on_is_refused():
         ({"width_tolerance": 1.0}, "width_tolerance is 1, must be from 0.01 to 0.9"),
         ({"windows": 2}, "windows is 2, must be from 3 to 50"),
         ({"min_rows": 0}, "min_rows is 0, must be from 1 to 1000"),
+        ({"tolerance": 0.05}, "tolerance is 0.05, must be below half of window_width, 0.05"),
+        ({"window_width": 0.03}, "tolerance is 0.015, must be below half of window_width, 0.015"),
+        ({"min_length": 1.0}, "min_length is 1, must be below far - near, 1"),
+        ({"near": 0.3, "far": 0.6}, "min_length is 0.3, must be below far - near, 0.3"),
+        ({"min_rows": 21}, "min_rows is 21, must be at most the rows of a window, .*, 20"),
+        ({"windows": 50}, "min_rows is 5, must be at most the rows of a window, .*, 4"),
         ({"smoothing": -1.0}, "smoothing is -1, must be from 0 to 10"),
     ],
 )

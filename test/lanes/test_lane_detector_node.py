@@ -89,9 +89,9 @@ def test_the_lane_the_views_and_the_overlay_of_a_frame(start):
     assert np.array_equal(overlay, plain)
 
 
-def test_without_a_calibration_four_points_are_enough(start):
+def test_without_a_calibration_four_points_are_enough(start, diagnostics):
     zeros = CameraInfo(width=320, height=240, distortion_model="plumb_bob", D=[0.0] * 5)
-    robot = Robot(start, info=zeros)
+    robot = Robot(start, "_diagnostic_period:=0.02", info=zeros)
     road = Road(0.25)
     image = road.view(OFFSET, HEADING)
     said = f"camera_info on {robot.camera.topic.replace('image', 'camera_info')}: "
@@ -102,6 +102,9 @@ def test_without_a_calibration_four_points_are_enough(start):
 
     support.wait_for(is_told, "what is missing")
     assert not robot.lanes.received
+    robot.show(image)
+    assert int(diagnostics.value("lane", "frames refused")) > 0
+    assert said in diagnostics.value("lane", "last error")
     points = corners_in_image(0.3, 1.2)
     values = dict(ground="points", near=0.3, near_row=points[0, 1], far_row=points[2, 1])
     values.update(zip(("near_left", "near_right", "far_left", "far_right"), points[:, 0]))

@@ -145,8 +145,8 @@ def test_search_turns_to_where_the_line_was(mode, error, angular):
     controller = LineController(params)
     assert controller.update(9.0, None) == (0.0, 0.0)  # no line was seen, so there is no side
     controller.update(10.0, line(error))
-    assert controller.update(10.1, None) == (0.0, angular)
-    assert controller.update(12.0, None) == (0.0, angular)
+    for step in range(20):
+        assert controller.update(10.1 + 0.1 * step, None) == (0.0, angular)
     assert controller.update(12.2, None) == (0.0, 0.0)
     assert controller.update(60.0, None) == (0.0, 0.0)
     # The line was found and lost again: the timeout begins anew, on the other side.
@@ -162,6 +162,18 @@ def test_search_does_not_begin_after_a_pause(timeout):
         controller = LineController(params)
         controller.update(10.0, line(0.4))
         assert (controller.update(10.0 + pause, None) != (0.0, 0.0)) is turns
+
+
+def test_search_does_not_go_on_after_a_pause():
+    """Until a line has been seen again."""
+    for pause, turns in (0.4, True), (0.6, False), (5.9, False):
+        controller = LineController(LineControlParams(search=True, search_timeout=10.0))
+        controller.update(10.0, line(0.4))
+        assert controller.update(10.1, None) == (0.0, -0.3)
+        assert (controller.update(10.1 + pause, None) != (0.0, 0.0)) is turns
+        assert (controller.update(10.2 + pause, None) != (0.0, 0.0)) is turns
+        assert controller.update(10.3 + pause, line(-0.4)) == (0.2, 0.3)
+        assert controller.update(10.4 + pause, None) == (0.0, 0.3)
 
 
 def test_terms_of_the_error_last_until_the_timeout():

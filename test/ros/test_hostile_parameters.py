@@ -168,7 +168,11 @@ AT_START = {
         "gallery": lambda value: type(value) is str and len(value) < 256,
         **IMAGE_NODE,
     },
-    "color.hsv_tracker.HsvTracker": {"colors": lambda value: value is None, **IMAGE_NODE},
+    "color.hsv_tracker.HsvTracker": {
+        "colors": lambda value: value is None,
+        "more_colors": lambda value: value == {},
+        **IMAGE_NODE,
+    },
     "line.line_follower.LineFollower": IMAGE_NODE,
     "faces.face_detector.FaceDetector": IMAGE_NODE,
     "motion.motion_detector.MotionDetector": IMAGE_NODE,
@@ -385,8 +389,9 @@ def test_lists_and_maps(at_start, what):
         {str(value): 1},
         {"red": {"low": value, "high": [1, 2, 3]}},
     ):
-        at_start({"~colors": colors})
-        accepted_or_told("colors", NamedColors, what)
+        for name in ("colors", "more_colors"):
+            at_start({f"~{name}": colors})
+            accepted_or_told("colors", NamedColors, what)
     at_start({"~colors": {"red": {"low": [0, 0, value], "high": [1, 2, 3]}}})
     accepted_or_told("colors/red", NamedColors, what)
 

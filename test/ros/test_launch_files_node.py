@@ -4,6 +4,7 @@ import contextlib
 import io
 import pathlib
 import re
+import shlex
 import subprocess
 import sys
 from xml.etree import ElementTree
@@ -16,8 +17,10 @@ import roslaunch.xmlloader
 import rospy
 import support
 import yaml
+from fake_params import use_params
 from sensor_msgs.msg import CameraInfo, Image
 
+from robot_vision.color.named_colors import NamedColors
 from robot_vision.demo import demo_status
 
 LAUNCH = pathlib.Path(__file__).resolve().parents[2] / "launch"
@@ -71,6 +74,7 @@ def loaded(name, *arguments):
     """The configuration that roslaunch loads from one of our launch files."""
     config = roslaunch.config.ROSLaunchConfig()
     loader = roslaunch.xmlloader.XmlLoader()
+    loader.ignore_unset_args = False  # so that one that is required is an error
     loader.load(str(LAUNCH / name), config, argv=["roslaunch", *arguments], verbose=False)
     return config
 
@@ -356,12 +360,16 @@ def test_a_pair_of_cameras_is_started_where_it_is_asked_for():
     words = "camera:=true", "source:=/a.mp4"
     (matcher,) = (node for node in loaded("stereo.launch", *words).nodes if node.name != "usb_cam")
     names = ("left/image_raw", "left/camera_info", "right/image_raw", "right/camera_info")
-    assert dict(matcher.remap_args) == {name: "/usb_cam/" + name for name in names}
+    assert dict(matcher.remap_args) == {name: "usb_cam/" + name for name in names}
     parameters = parameters_of("stereo.launch", *words)
     assert (parameters["/usb_cam/source"], parameters["/usb_cam/views"]) == ("/a.mp4", "stereo")
     assert "/usb_cam/source" not in parameters_of("stereo.launch")
     (matcher,) = loaded("stereo.launch", "stereo:=/eyes").nodes
     assert dict(matcher.remap_args)["left/image_raw"] == "/eyes/left/image_raw"
+    (matcher,) = loaded("stereo.launch").nodes
+    assert dict(matcher.remap_args)["left/image_raw"] == "/usb_cam/left/image_raw"
+    with pytest.raises(roslaunch.RLException, match="whose pair is usb_cam and not /eyes,"):
+        loaded("stereo.launch", "stereo:=/eyes", *words)
 
 
 def test_a_camera_info_beside_the_depth_is_not_remapped():
@@ -495,11 +503,24 @@ def test_every_color_is_a_range():
     assert {"blue", "red", "black"} <= {file.stem for file in files}
     for file in files:
         values = yaml.safe_load(file.read_text())
-        tracker = parameters_of("hsv_tracker.launch", f"color:={file.stem}")
-        for name, value in values.items():
-            assert tracker[f"/hsv_tracker/colors/{file.stem}/{name}"] == value
         assert list(values) == ["h_low", "s_low", "v_low", "h_high", "s_high", "v_high"], file
         assert all(0 <= values[name] <= (180 if name[0] == "h" else 255) for name in values)
+
+
+def test_a_color_of_the_launch_file_is_that_of_its_file(monkeypatch):
+    """Also blue, of which config/hsv_tracker.yaml has limits in lists."""
+    for file in (LAUNCH.parent / "config" / "colors").glob("*.yaml"):
+        there = {}
+        for path, param in parameters_of("hsv_tracker.launch", f"color:={file.stem}").items():
+            *spaces, name = path.replace("/hsv_tracker/", "~").split("/")
+            place = there
+            for space in spaces:
+                place = place.setdefault(space, {})
+            place[name] = param
+        use_params(monkeypatch, there)
+        found = NamedColors().ranges[file.stem]
+        values = yaml.safe_load(file.read_text())
+        assert [*found.low, *found.high] == list(values.values())
 
 
 def test_demo_sets_the_parameters_of_its_launch_files():
@@ -510,6 +531,7 @@ def test_demo_sets_the_parameters_of_its_launch_files():
     device = parameters_of("demo.launch", "source:=/dev/video0")
     assert device["/apriltag_detector/tag_size"] == 0.1
     assert device["/motion_detector/method"] == "first_frame"
+    assert device["/ball_tracker/ball_diameter"] == 0.0
 
 
 def test_the_scene_s_things_are_detected_in_the_scene_alone():
@@ -597,7 +619,8 @@ def test_depth_is_an_optional_part_of_the_demo():
 
 
 @pytest.mark.parametrize("one_process", [False, True])
-def test_recognition_is_an_optional_part_of_the_demo(one_process):
+def test_recognition_is_an_optional_part_of_the_demo(monkeypatch, one_process):
+    monkeypatch.setenv("ROS_HOME", "/home/a robot/.ros")
     way = f"one_process:={one_process}"
     nodes, more = (
         {node.name for node in loaded("demo.launch", way, *words).nodes}
@@ -618,7 +641,7 @@ def test_recognition_is_an_optional_part_of_the_demo(one_process):
     )
     database = parameters["/object_recognizer/database"]
     things = parameters["/table/camera/meshes"].split(",")
-    assert learning.args.split() == ["--database", database, *things]
+    assert shlex.split(learning.args) == ["--database", database, *things]
 
 
 @pytest.mark.parametrize("name", ["demo", "rgbd"])
@@ -657,6 +680,35 @@ def test_a_camera_in_the_root_namespace_is_rectified(start):
     assert rectified.wait()[0].encoding == "bgr8"
 
 
+def resolved(node):
+    """What a node's names are remapped to, as it resolves that in its namespace."""
+    name = node.namespace + node.name
+    return {of: rosgraph.names.resolve_name(to, name) for of, to in node.remap_args}
+
+
+@pytest.mark.parametrize(
+    "image, namespace",
+    [
+        ("eyes/image_color", "/robot/eyes"),
+        ("/eyes/image_color", "/eyes"),
+        ("/image_color", ""),
+    ],
+)
+def test_a_camera_is_rectified_where_it_is(tmp_path, image, namespace):
+    """Also one that is named as other launch files take it, in a group of its robot."""
+    path = tmp_path / "robot.launch"
+    path.write_text(
+        f'<launch><group ns="robot"><include file="{LAUNCH}/cameracheck.launch">'
+        f'<arg name="image" value="{image}"/></include></group></launch>'
+    )
+    nodes = {node.name: node for node in loaded(path).nodes}
+    assert nodes["rectify"].namespace.rstrip("/") == namespace
+    names = resolved(nodes["rectify"])
+    assert names["image_raw"] == f"{namespace}/image_color"
+    assert names["camera_info"] == f"{namespace}/camera_info"
+    assert resolved(nodes["cameracheck"])["monocular"] == (namespace or "/")
+
+
 def test_a_remote_detector_has_its_camera_s_calibration():
     """As docs/several_machines.md starts it, by the names that a launch file remaps."""
     page = (LAUNCH.parent / "docs" / "several_machines.md").read_text()
@@ -664,8 +716,8 @@ def test_a_remote_detector_has_its_camera_s_calibration():
     name, *arguments = line.split()
     for launch_file in (name, "ball_tracker.launch", "rectify.launch"):
         (node,) = loaded(launch_file, *arguments).nodes
-        remapped = dict(node.remap_args)
-        assert remapped["camera_info"] == "/usb_cam/camera_info"
-        assert "/remote_camera/image_raw" in remapped.values()
+        names = resolved(node)
+        assert names["camera_info"] == "/usb_cam/camera_info"
+        assert "/remote_camera/image_raw" in names.values()
     (node,) = loaded(name, "image:=/front/image_raw").nodes
     assert "camera_info" not in dict(node.remap_args)  # the node finds camera_info beside the image

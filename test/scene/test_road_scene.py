@@ -79,6 +79,22 @@ def test_the_camera_is_on_a_robot_that_drives_around():
     assert offsets.min() == pytest.approx(-0.05, abs=0.002)
 
 
+@pytest.mark.parametrize("width, height, share", [(240, 320, 0.02), (320, 240, 0.0)])
+def test_the_sky_is_where_there_is_no_floor(width, height, share):
+    params = rv.SceneParams()
+    params.width, params.height = width, height
+    road = rv.RoadScene(params)
+    image, nothing = road.render(0).astype(int), np.isnan(road.render_depth(0, "color"))
+    assert (nothing.mean() > share) if share else not nothing.any()
+    sky = (np.abs(image - (222, 200, 172)) < 20).all(axis=2)
+    assert (sky & nothing).sum() == nothing.sum()
+    assert (sky & ~nothing).mean() < 0.01  # the lines are painted white
+
+
+def test_the_lane_is_visible_as_its_outline_is_cut_off_at_the_border():
+    assert all(lane_of(frame).visible for frame in range(0, 600, 20))
+
+
 def test_a_still_robot_stays():
     assert np.allclose(scene(True).truth(100).camera, scene().truth(0).camera)
     assert np.abs(scene(True).render(0).astype(int) - scene(True).render(100)).max() < 30

@@ -53,10 +53,11 @@ struct LaneParams
     visit("windows", &LaneParams::windows, Range{3, 50}, "", "one above the other in which a line is followed");
     visit("window_width", &LaneParams::window_width, Above{0, 10}, "m", "of such a window, and around the last line");
     visit("min_rows", &LaneParams::min_rows, Range{1, 1000}, "px",
-          "of a window that have a line in it, or it has none");
+          "of a window that have a line in it, or it has none; at most all that it has");
     visit("tolerance", &LaneParams::tolerance, Above{0, 10}, "m",
-          "by which the middle of a line may be beside its curve");
-    visit("min_length", &LaneParams::min_length, Above{0, 1000}, "m", "shortest piece of a line, gaps included");
+          "by which the middle of a line may be beside its curve, below half of window_width");
+    visit("min_length", &LaneParams::min_length, Above{0, 1000}, "m",
+          "shortest piece of a line, gaps included, below far - near");
     visit("max_curvature", &LaneParams::max_curvature, Above{0, 1000}, "1/m", "of a lane, 1 / its smallest radius");
     visit("min_confidence", &LaneParams::min_confidence, Range{0, 1}, "", "of a line that is one");
     visit("max_gap", &LaneParams::max_gap, Range{0, 60}, "s",
@@ -109,7 +110,8 @@ struct Lane
 class LaneDetector
 {
 public:
-  /// Throws std::invalid_argument as validate() of both does, or if the view from above is too narrow for the lines.
+  /// Throws std::invalid_argument as validate() of both does, or if the view from above is too narrow or too short for
+  /// the lines.
   explicit LaneDetector(const GroundParams& ground = GroundParams(), const LaneParams& params = LaneParams());
   ~LaneDetector();
 

@@ -56,6 +56,9 @@ void validate(const LaneParams& params)
   checkFields(params);
   require(params.yellow_high >= params.yellow_low, "yellow_high", params.yellow_high,
           "yellow_low or more, " + toText(params.yellow_low));
+  // Otherwise all that a window holds is within the tolerance, which tells nothing.
+  const double widest = params.window_width / 2.0;
+  require(params.tolerance < widest, "tolerance", params.tolerance, "below half of window_width, " + toText(widest));
 }
 
 struct LaneDetector::Impl
@@ -66,6 +69,11 @@ struct LaneDetector::Impl
     const int beside = lanes::floorDistance(ground.resolution, params);
     require(beside * ground.resolution <= widest + 2.0 * ground.resolution, "line_width", params.line_width,
             "at most a quarter of view_width, " + toText(widest));
+    const double length = ground.far - ground.near;
+    require(params.min_length < length, "min_length", params.min_length, "below far - near, " + toText(length));
+    const int rows = cvRound(length / ground.resolution) / params.windows;
+    require(params.min_rows <= rows, "min_rows", params.min_rows,
+            "at most the rows of a window, far - near by resolution and windows, " + toText(rows));
   }
 
   Lane update(double time_s, const cv::Mat& image, const std::string& encoding, const CameraModel* camera)
@@ -114,17 +122,17 @@ struct LaneDetector::Impl
   {
     const lanes::Middles middles = lanes::middlesOf(lane.mask);
     std::vector<LineFit> fits = aroundLast(middles);
-    lanes::LanePair pair = lanes::choosePair(fits, params, model);
-    const bool has_left = model && std::abs(model->offset) > kMaxOffset * model->width;
+    lanes::LanePair pair = lanes::choosePair(fits, params, last);
+    const bool has_left = last && std::abs(last->offset) > kMaxOffset * last->width;
     if (!pair.left || !pair.right || has_left)
     {
       fits.clear();
       const double half_width = params.window_width / ground.resolution / 2.0;
       for (const lanes::Places& line : lanes::followLines(middles, lane.mask.cols, half_width, params))
         if (const auto fit = lanes::fitLine(line, *view, params)) fits.push_back(*fit);
-      pair = lanes::choosePair(fits, params, model);
+      pair = lanes::choosePair(fits, params, last);
     }
-    const double width = model ? model->width : params.lane_width;
+    const double width = last ? last->width : params.lane_width;
     const std::optional<LaneModel> found = lanes::fitLane(pair, width, params);
     if (!found) return;
     keep(time_s, *found, pair);
@@ -157,14 +165,16 @@ struct LaneDetector::Impl
     return lanes::fitLine(lanes::middlesAround(middles, columns, half_width), *view, params);
   }
 
-  /// Remembers the lane, and takes the mean with those before.
+  /// Remembers the lane, and takes the mean with those before, unless they are of the lane beside it.
   void keep(double time_s, const LaneModel& found, const lanes::LanePair& pair)
   {
+    const bool is_same = last && std::abs(found.offset - last->offset) <= last->width / 2.0;
     const double share =
-        model && params.smoothing > 0.0 ? 1.0 - std::exp((last_time - time_s) / params.smoothing) : 1.0;
-    if (!model) model = found;
+        is_same && params.smoothing > 0.0 ? 1.0 - std::exp((last_time - time_s) / params.smoothing) : 1.0;
+    if (!is_same) mean = found;
     for (const auto member : {&LaneModel::offset, &LaneModel::heading, &LaneModel::curvature, &LaneModel::width})
-      (*model).*member += share * (found.*member - (*model).*member);
+      mean.*member += share * (found.*member - mean.*member);
+    last = found;
     lines.clear();
     for (const LineFit* line : {pair.left, pair.right})
       if (line) lines.push_back(*line);
@@ -174,20 +184,20 @@ struct LaneDetector::Impl
   void report(const lanes::LanePair& pair, Lane& lane) const
   {
     lane.found = true;
-    lane.offset = model->offset;
-    lane.heading = model->heading;
-    lane.curvature = model->curvature;
-    lane.width = model->width;
+    lane.offset = mean.offset;
+    lane.heading = mean.heading;
+    lane.curvature = mean.curvature;
+    lane.width = mean.width;
     lane.left = lineOf(pair.left, *view);
     lane.right = lineOf(pair.right, *view);
     for (int i = 0; i < kPoints; ++i)
-      lane.middle.push_back(model->middle(i * ground.far / (kPoints - 1)));
+      lane.middle.push_back(mean.middle(i * ground.far / (kPoints - 1)));
     lane.middle_in_image = inImage(*view, lane.middle);
   }
 
   void forget()
   {
-    model.reset();
+    last.reset();
     lines.clear();
     last_time = -std::numeric_limits<double>::infinity();
   }
@@ -198,7 +208,8 @@ struct LaneDetector::Impl
   CameraModel seen_by;                                          // for which `view` was made or refused
   cv::Size seen_size;                                           // px, likewise with points
   std::string refusal;                                          // why there is no view for them
-  std::optional<LaneModel> model;                               // the last lane
+  std::optional<LaneModel> last;                                // the last lane as it was seen
+  LaneModel mean;                                               // its mean over frames, which is behind when it moves
   std::vector<LineFit> lines;                                   // its lines
   double last_time = -std::numeric_limits<double>::infinity();  // s, when it was seen
 };

@@ -34,7 +34,7 @@ void DepthCanvas::background(const cv::Scalar& /*bgr*/)
   depth_.setTo(0.0);
 }
 
-void DepthCanvas::ground(const cv::Scalar& /*bgr*/, const cv::Affine3d& pose)
+void DepthCanvas::ground(const cv::Scalar& /*bgr*/, const cv::Scalar& /*sky*/, const cv::Affine3d& pose)
 {
   const double endless = std::numeric_limits<double>::infinity();
   depth_.setTo(0.0);

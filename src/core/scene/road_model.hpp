@@ -11,6 +11,7 @@ namespace robot_vision::scene
 {
 
 const cv::Scalar kGrass(70, 120, 85);  // BGR, around the road
+const cv::Scalar kSky(222, 200, 172);  // BGR, above the horizon, which high images show
 
 /// The size of the image of the road (m).
 cv::Size2d roadSize();

@@ -24,6 +24,7 @@ struct RoadScene::Drive : Content
     lane.name = "lane";
     lane.pose = world_in_camera * place.lane;
     lane.outline = scene::clipToImage(scene::project(scene::clipToView(ahead, lens), lens.camera, 1), lens.camera);
+    lane.visible = !lane.outline.empty();  // it ends at the border of the image, and nothing covers it
     lane.center = lens.camera.project(cv::Point3d(lane.pose.translation()));
     return {0, camera, {lane}};
   }
@@ -31,7 +32,7 @@ struct RoadScene::Drive : Content
   void draw(double seconds, const cv::Vec3d& offset, scene::Canvas& canvas) const override
   {
     const cv::Affine3d world = scene::mountedCamera(placeAt(seconds).robot).inv().translate(-offset);
-    canvas.ground(scene::kGrass, world);
+    canvas.ground(scene::kGrass, scene::kSky, world);
     canvas.board(texture, world * board.pose, board.size);
   }
 

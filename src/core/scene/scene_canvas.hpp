@@ -29,8 +29,8 @@ public:
   /// Fills the image with a color that is nowhere.
   virtual void background(const cv::Scalar& bgr) = 0;
 
-  /// Fills the image with the plane z = 0 of a pose, as far as it goes.
-  virtual void ground(const cv::Scalar& bgr, const cv::Affine3d& pose) = 0;
+  /// Fills the image with the plane z = 0 of a pose, as far as it goes, and above its horizon with what is nowhere.
+  virtual void ground(const cv::Scalar& bgr, const cv::Scalar& sky, const cv::Affine3d& pose) = 0;
 
   /// A textured rectangle of `size` (m), if the camera sees its front.
   virtual void board(const Texture& texture, const cv::Affine3d& pose, const cv::Size2d& size) = 0;
@@ -59,7 +59,11 @@ public:
   }
 
   void background(const cv::Scalar& bgr) override { bgr_.setTo(bgr); }
-  void ground(const cv::Scalar& bgr, const cv::Affine3d& /*pose*/) override { bgr_.setTo(bgr); }
+  void ground(const cv::Scalar& bgr, const cv::Scalar& sky, const cv::Affine3d& pose) override
+  {
+    bgr_.setTo(bgr);
+    paintSky(sky, pose, lens_, bgr_);
+  }
   void board(const Texture& texture, const cv::Affine3d& pose, const cv::Size2d& size) override
   {
     paintBoard(texture, pose, size, lens_, draw_, bgr_);
@@ -90,7 +94,7 @@ public:
   DepthCanvas(const Lens& lens, cv::Mat& depth) : lens_(lens), depth_(depth) {}
 
   void background(const cv::Scalar& bgr) override;
-  void ground(const cv::Scalar& bgr, const cv::Affine3d& pose) override;
+  void ground(const cv::Scalar& bgr, const cv::Scalar& sky, const cv::Affine3d& pose) override;
   void board(const Texture& texture, const cv::Affine3d& pose, const cv::Size2d& size) override;
   void shadow(const Texture& /*texture*/, const cv::Affine3d& /*pose*/, const cv::Size2d& /*size*/) override {}
   void line(const cv::Affine3d& /*world*/) override {}

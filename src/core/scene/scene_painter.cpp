@@ -79,6 +79,14 @@ RowSpans boardSpans(const cv::Affine3d& pose, const cv::Size2d& size, const Lens
   return rowSpans(project(clipToView(corners(pose, size), lens), lens.camera, pieces), lens.camera);
 }
 
+void paintSky(const cv::Scalar& color, const cv::Affine3d& ground, const Lens& lens, cv::Mat& bgr)
+{
+  const cv::Matx33d plane = rayToPlane(ground);
+  const double most = std::abs(plane(2, 0)) * lens.max_x + std::abs(plane(2, 1)) * lens.max_y;
+  if (plane(2, 2) > most) return;  // no ray is above the horizon
+  bgr.setTo(color, plane(2, 0) * lens.rays.x + plane(2, 1) * lens.rays.y <= -plane(2, 2));
+}
+
 void paintBoard(const Texture& texture, const cv::Affine3d& pose, const cv::Size2d& size, const Lens& lens,
                 DrawTexture draw, cv::Mat& bgr)
 {

@@ -44,6 +44,9 @@ RowSpans boardSpans(const cv::Affine3d& pose, const cv::Size2d& size, const Lens
 /// camera and seen from +z.
 cv::Matx33d rayToPlane(const cv::Affine3d& pose);
 
+/// Fills what is above the horizon of the plane z = 0 of `ground`, or on its other side.
+void paintSky(const cv::Scalar& color, const cv::Affine3d& ground, const Lens& lens, cv::Mat& bgr);
+
 /// Mixes a colour into a pixel with a weight `alpha` of 0 to 255.
 inline void blend(uchar* pixel, const uchar* color, int alpha)
 {

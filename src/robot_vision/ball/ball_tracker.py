@@ -5,7 +5,6 @@ import math
 from typing import Any, Deque, Dict, Optional, Tuple
 
 import numpy as np
-import rospy
 from geometry_msgs.msg import Point, PointStamped, TransformStamped, Vector3
 from tf2_msgs.msg import TFMessage
 
@@ -23,10 +22,11 @@ from .. import (
     choose_ball,
     draw_ball,
     draw_trail,
+    validate,
 )
 from .. import BallTracker as Filter
 from ..msg import Detection, DetectionArray
-from ..ros.camera_info import camera_model
+from ..ros.camera_info import CameraInfoListener
 from ..ros.configs import BallTrackerConfig
 from ..ros.context import current
 from ..ros.image_node import ImageNode
@@ -44,21 +44,23 @@ class BallTracker:
 
     Subscribes to image. If ~ball_diameter (m) is set, it also publishes ~position and, in /tf, the
     frame ~ball_frame_id. For these it needs camera_info, from the topic beside the image or from
-    the one that this name is remapped to.
+    the one that this name is remapped to; all else goes on without.
     """
 
     def __init__(self) -> None:
         self._trail: Deque[Tuple[float, float]] = collections.deque()
         self._time = 0.0  # s, the last frame
-        self._filter_params: Optional[BallTrackerParams] = None
+        self._size: Tuple[int, ...] = ()  # of the last image, px
+        self._filter_params: Optional[BallTrackerParams] = None  # of the filter
         self._diameter = read_param("ball_diameter", 0.0, 0.0, MAX_DIAMETER, zero="unknown")
         self._ball_frame = read_name("ball_frame_id", "ball")
         self._params = LiveParams(BallTrackerConfig, self._configure)
-        self._node = ImageNode(self._process, camera_info=self._diameter > 0.0)
+        self._node = ImageNode(self._process)
         self._objects = self._node.publisher("~objects", DetectionArray)
         self._mask = self._node.image_publisher("~mask")
         self._processed = self._node.image_publisher("~processed_image")
         if self._diameter > 0.0:
+            self._calibration = CameraInfoListener(self._node, "position of the ball")
             self._positions = self._node.publisher("~position", PointStamped)
             self._tf = current().publisher("/tf", TFMessage, queue_size=100)
         self._node.start()
@@ -67,19 +69,18 @@ class BallTracker:
         mask = HsvMask(filled(HsvRange(), config))
         finder = RegionFinder(filled(RegionParams(), config))
         params = filled(BallTrackerParams(), config)
-        # A new filter has lost the ball, so it is made only when it has to be.
-        tracker = self._tools[2] if params == self._filter_params else Filter(params)
-        self._filter_params = params
+        validate(params)
         # Replaced in one step, because another thread may be processing a frame.
-        self._tools = mask, finder, tracker, config["min_roundness"], config["trail"]
+        self._tools = mask, finder, params, config["min_roundness"], config["trail"]
 
     def _process(self, frame: Frame) -> None:
-        mask_of, finder, tracker, min_roundness, trail = self._tools
+        mask_of, finder, params, min_roundness, trail = self._tools
+        tracker = self._filter_for(frame, params)
         mask, regions = finder.apply(mask_of.apply(frame.image))
         time = frame.time
         expected = tracker.predict(time)
         region = choose_ball(regions, min_roundness, expected.center if expected else None)
-        position = self._locate(frame, region) if region else None
+        position = self._locate(frame, region)
         measured = None
         if region:
             center = position.center if position else region.center
@@ -91,15 +92,22 @@ class BallTracker:
         self._publish(frame, state, region, position)
         self._mask.publish(mask, "mono8", frame.header)
 
-    def _locate(self, frame: Frame, region: Region) -> Optional[BallPosition]:
-        """Returns the position of the ball, or None if the camera is not known."""
-        info = frame.camera_info
-        if info is None:
+    def _filter_for(self, frame: Frame, params: BallTrackerParams) -> Filter:
+        """Returns the filter; a new one has lost the ball, so it is made only when it has to be."""
+        size = frame.image.shape[:2]
+        if size != self._size:  # Places in images of another size say nothing of this one.
+            self._trail.clear()
+        if (size, params) != (self._size, self._filter_params):
+            self._filter = Filter(params)
+        self._size, self._filter_params = size, params
+        return self._filter
+
+    def _locate(self, frame: Frame, region: Optional[Region]) -> Optional[BallPosition]:
+        """Returns the position of the ball, or None if its diameter or the camera is not known."""
+        if self._diameter == 0.0:
             return None
-        try:
-            camera = camera_model(info, frame.image.shape[1::-1])
-        except ValueError as error:
-            rospy.logwarn_throttle(5.0, "no position without a calibration: %s", error)
+        camera = self._calibration.camera(frame.image.shape[1::-1])  # It also says what is missing.
+        if camera is None or region is None:
             return None
         return ball_position(camera, region.outline, self._diameter)
 

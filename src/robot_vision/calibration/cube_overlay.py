@@ -83,6 +83,8 @@ class CubeOverlay:
                 draw_text(overlay, f"x {x:+.3f} y {y:+.3f} z {z:.3f} m", (10, 20))
                 draw_text(overlay, f"error {found.error:.2f} px", (10, 40))
             self._processed.publish(overlay, "bgr8", frame.header)
+        if camera is None:
+            self._calibration.refuse()
 
     def _locate(self, frame: Frame, camera: CameraModel) -> Optional[BoardPose]:
         board, search, orientation = self._tools

@@ -1,4 +1,4 @@
-"""The entries of ~colors: ranges of colours in YAML."""
+"""The entries of ~colors and ~more_colors: ranges of colours in YAML."""
 
 import re
 from typing import Any, Tuple
@@ -9,17 +9,18 @@ from ..common.plain_text import brief, printable
 from .colors import limit_names
 
 
-def range_of(name: str, entry: Any) -> ColorRange:
-    """Returns the range of an entry of ~colors.
+def range_of(parameter: str, name: str, entry: Any) -> ColorRange:
+    """Returns the range of an entry of ~colors or ~more_colors.
 
     Args:
-        name: The name of the colour, for errors.
+        parameter: Which of them, for errors.
+        name: The name of the colour, likewise.
         entry: {low: [h, s, v], high: [h, s, v]}, {space: ...} with it, or with named limits.
 
     Raises:
         ValueError: It has another form, or a value is out of range.
     """
-    where = f"colors/{printable(name)}"
+    where = f"{parameter}/{printable(name)}"
     space = entry.get("space", "hsv") if isinstance(entry, dict) else "hsv"
     if not isinstance(space, str):
         raise ValueError(f"{where}: space is {brief(space)}, must be a string")

@@ -29,30 +29,39 @@ DEFAULT = {"blue": {"low": list(HsvRange().low), "high": list(HsvRange().high)}}
 class NamedColors:
     """The ranges in ~colors by name. The live parameter `color` names the one that is shown.
 
+    ~more_colors has further ones of the same form, which replace those of the same names.
+
     `space` is that of the range, whose limits are h_low .. v_high in HSV, and low_1 .. high_3 in
     the other spaces. In a new space the limits begin with those that hold all colours of the old
     ones. A colour keeps its limits in each space, for when it comes back to it.
 
     Raises:
-        ValueError: ~colors does not have the form {name: {low: [h, s, v], high: [h, s, v]}}, or
-            a value is out of range.
+        ValueError: One of them does not have the form {name: {low: [h, s, v], high: [h, s, v]}},
+            or a value is out of range.
     """
 
     def __init__(self) -> None:
-        self.ranges: Dict[str, ColorRange] = {}
-        named = read_any("colors", None)
+        named, more = read_any("colors", None), read_any("more_colors", {})
         given = _default() if named is None else named
         if not isinstance(given, dict) or not given:
             raise ValueError(
                 f"colors is {brief(given)}, must be a map of at least one name to a range"
             )
-        for name, entry in given.items():
-            self.ranges[str(name)] = range_of(str(name), entry)
-        self._named = {str(name): entry for name, entry in given.items()}  # as ~colors has them
+        if not isinstance(more, dict):
+            raise ValueError(f"more_colors is {brief(more)}, must be a map of names to ranges")
+        self._named: Dict[str, Any] = {}  # as ~colors has them
+        self.ranges: Dict[str, ColorRange] = {}
+        # Entries are replaced as a whole: one may have limits in lists, and the other named ones.
+        for parameter, entries in (("colors", given), ("more_colors", more)):
+            for name, entry in entries.items():
+                self._named[str(name)] = entry
+                self.ranges[str(name)] = range_of(parameter, str(name), entry)
         self._shown = ""
         self._values: Dict[str, Any] = {}  # of SHOWN but the colour, as they were shown last
         self._left: Dict[Tuple[str, str], ColorRange] = {}  # by the name and the space
         self._drop_live("~colors has all limits" if named is not None else "")
+        if more:
+            self._tell_names()
 
     def update(self, config: Dict[str, Any]) -> None:
         """Takes over the limits that have changed in `config`, and updates the rest of it.
@@ -101,9 +110,13 @@ class NamedColors:
         )
 
     def _announce(self, name: str, chosen: ColorRange) -> None:
-        """Adds a colour to ~colors, where others look for the names."""
+        """Adds a colour to ~colors."""
         entry = {"low": list(chosen.low), "high": list(chosen.high), SPACE: chosen.space}
         self._named[name] = entry
+        self._tell_names()
+
+    def _tell_names(self) -> None:
+        """Sets ~colors to all colours, because others look there for the names."""
         current().set_param("~colors", self._named)
 
     def _drop_live(self, reason: str) -> None:

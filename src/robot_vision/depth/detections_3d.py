@@ -70,6 +70,9 @@ class Detections3d:
         detections = self._pairs.message_of(depth)
         if detections:
             self._process(depth, detections)
+        with self._lock:
+            if self._camera_of(depth) is None:
+                self._calibration.refuse()
 
     def _on_detections(self, detections: DetectionArray) -> None:
         depth = self._pairs.frame_of(detections)
@@ -102,12 +105,15 @@ class Detections3d:
                 )
             if problem:
                 return
-            camera = self._calibration.camera(depth.image.shape[1::-1])
+            camera = self._camera_of(depth)
             if camera is None:
                 return
             if camera is not self._camera:
                 self._camera, self._locator = camera, RegionLocator(camera, *self._values)
             self._publish(depth, self._located(depth, detections))
+
+    def _camera_of(self, depth: Frame) -> Optional[CameraModel]:
+        return self._calibration.camera(depth.image.shape[1::-1])
 
     def _located(self, depth: Frame, detections: DetectionArray) -> Detection3DArray:
         header = detections.header

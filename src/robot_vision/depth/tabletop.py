@@ -92,6 +92,7 @@ class Tabletop:
                 overlay = depth_gray(frame.image, settings.max_distance)
                 draw_text(overlay, "no calibration: see what the node has printed", (10, 20))
                 self._processed.publish(overlay, "bgr8", frame.header)
+            self._calibration.refuse()
             return
         up = self._up(frame, settings.vertical_frame)
         if up is not None:

@@ -49,6 +49,7 @@ class LaneDetector:
             camera = self._calibration.camera(frame.image.shape[1::-1])
             if camera is None:
                 self._publish_overlay(frame, Lane(), NOT_CALIBRATED)
+                self._calibration.refuse()
                 return
         try:
             lane = detector.update(frame.time, frame.image, "bgr8", camera)

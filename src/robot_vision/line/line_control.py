@@ -69,17 +69,16 @@ class LineController:
 
         Args:
             time: The time of the frame in s. An earlier time than the last one resets the
-                controller, and so does a frame more than `timeout` after the last line: the
-                robot has stood since then, and may be elsewhere.
+                controller, and so does one that is more than `timeout` later: the robot has
+                stood meanwhile, and may be elsewhere.
             line: The result of find_line(); None means the same as a line that was not found.
 
         Returns:
             The linear speed in m/s, and the angular speed in rad/s, counter-clockwise.
         """
         found = line is not None and line.found
-        is_lost = self._lost_since is not None
-        after_gap = self._time is not None and time - self._time > self._params.timeout
-        if time < self._updated or (found if is_lost else after_gap):
+        is_found_again = found and self._lost_since is not None
+        if not 0.0 <= time - self._updated <= self._params.timeout or is_found_again:
             self.reset()
         self._updated = time
         if not found:

@@ -11,7 +11,7 @@ from .. import CameraModel, is_calibrated
 from ..common.errors import about
 from ..common.repeats import Repeats
 from .image_node import ImageNode
-from .transport import camera_info_beside, remapped_camera_info
+from .transport import ReportedFrameError, camera_info_beside, remapped_camera_info
 
 REPEAT_PERIOD = 5.0  # s until the same kind of problem is logged again
 TIMEOUT = 2.0  # s without camera_info until its lack is logged
@@ -39,6 +39,7 @@ class CameraInfoListener:
         self._camera: Optional[CameraModel] = None
         self._error = ""  # the problem of the newest camera_info
         self._logged_problem = ""  # the problem logged last
+        self._lacks = False  # whether camera() has returned None, and camera_info is not on its way
         self._reports = Repeats(REPEAT_PERIOD)
         self._first_asked = 0.0  # s of the monotonic clock
         node.subscriber(self.topic, CameraInfo, self._on_info)
@@ -64,6 +65,17 @@ class CameraInfoListener:
                 self._error = str(error)
         self._report(self._error)
         return self._camera
+
+    def refuse(self) -> None:
+        """Has a frame counted as refused for which camera() has returned None and said the reason.
+
+        It is not as long as nothing is said, because the first camera_info may still come.
+
+        Raises:
+            ReportedFrameError: The frame is refused.
+        """
+        if self._lacks:
+            raise ReportedFrameError(self.problem)
 
     def wait(self, seconds: float) -> None:
         """Waits at most `seconds` for the first camera_info; the node has to be working."""
@@ -101,6 +113,7 @@ class CameraInfoListener:
             self._report("there is none")
 
     def _report(self, problem: str) -> None:
+        self._lacks = bool(problem)
         kind = problem.split(" is ")[0]  # A value that follows may change with every message.
         if problem == self._logged_problem or not self._reports.news([kind], time.monotonic()):
             return

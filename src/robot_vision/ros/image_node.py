@@ -28,7 +28,6 @@ class ImageNode:
     Args:
         process: The function that processes a Frame and publishes the results.
         encoding: The encoding to which frames are converted.
-        camera_info: Whether frames come with their camera_info.
         idle: A function that is called when the work ends, to release what was kept for it.
         name: The name of the topic: image, or depth.
 
@@ -40,7 +39,6 @@ class ImageNode:
         self,
         process: Callable[[transport.Frame], Any],
         encoding: str = "bgr8",
-        camera_info: bool = False,
         idle: Callable[[], Any] = lambda: None,
         name: str = "image",
     ):
@@ -59,8 +57,7 @@ class ImageNode:
         self._other_images: Dict[str, transport.ImageSubscriber] = {}  # by name
         self._last_message: Dict[str, float] = {}  # s of the monotonic clock, by input
         self._working_since = float("inf")  # s of the monotonic clock
-        kind = transport.CameraSubscriber if camera_info else transport.ImageSubscriber
-        self._images = kind(
+        self._images = transport.ImageSubscriber(
             name,
             self._timed(name, process),
             encoding,

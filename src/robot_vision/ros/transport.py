@@ -63,6 +63,10 @@ class FrameError(ValueError):
     """Raised by a callback for a frame that it cannot use; the frame then counts as refused."""
 
 
+class ReportedFrameError(FrameError):
+    """A FrameError that is not logged for the frame, because the callback has logged the reason."""
+
+
 class ImageSubscriber:
     """Calls a function with the newest image of a topic.
 
@@ -148,7 +152,7 @@ class ImageSubscriber:
         height, width = frame.image.shape[:2]
         what = f"({printable(frame.encoding)}, {width}x{height}): {printable(str(error), 300)}"
         self._inbox.failed(f"refused a frame on {self.topic} {what}")
-        if self._refusal_throttle.due():
+        if not isinstance(error, ReportedFrameError) and self._refusal_throttle.due():
             rospy.logerr("refused a frame on %s %s", self.topic, what)
 
     def _camera_info_topic(self) -> str:
