@@ -167,6 +167,21 @@ def test_who_only_looks_neither_goes_on_with_a_calibration_nor_keeps_others_from
     assert state["topic"] == "/other/image_raw" and hub.watching == 1
 
 
+def test_who_only_looks_is_told_that_a_calibration_waits(server, camera, hub):
+    page, viewer = server.page(), server.page(VIEW_TOKEN)
+    page.request("calibration_start", **BOARD)
+    viewer.request("calibration")
+    viewer.wait("calibration", lambda state: state["corners"], "a board")
+    page.request("close_calibration")
+    waits = "it goes on when somebody looks who may control"
+    state = viewer.wait("calibration", lambda state: state["state"] == waits, waits)
+    assert (state["topic"], state["corners"], hub.watching) == (IMAGE, [], 0)
+    assert viewer.request("calibration")["state"] == waits
+    assert page.request("calibration")["state"] != waits
+    viewer.wait("calibration", lambda state: state["corners"], "a board again")
+    page.request("calibration_stop")
+
+
 def test_an_abandoned_calibration_gives_way(server, hub):
     page = server.page()
     page.request("calibration_start", **BOARD)

@@ -85,24 +85,35 @@ def test_the_printed_address_gives_a_cookie_and_then_the_page(served):
         assert (status, headers["Location"]) == (302, "/")
         given = headers["Set-Cookie"]
         assert token not in given
-        value = re.match(f"{served.access.cookie}=([0-9a-f]{{64}});", given)[1]
+        cookie = re.match("(robot_vision_dashboard_[0-9a-f]{8})=([0-9a-f]{64});", given).groups()
         flags = set(given.split("; ")[1:])
         assert flags == {"HttpOnly", "Path=/", "SameSite=Strict"}
-        status, _, body = served.get("/", cookie=value)
+        status, _, body = served.get("/", cookie=cookie)
         with open(f"{FOLDER}/index.html") as file:
             assert (status, body) == (200, file.read())
-        assert served.get("/control", cookie=value)[0] == {"control": 200, "view": 403}[role]
+        assert served.get("/control", cookie=cookie)[0] == {"control": 200, "view": 403}[role]
 
 
 @pytest.mark.parametrize("count, cleared", [(0, 0), (3, 0), (15, 0), (16, 1), (20, 5)])
 def test_the_oldest_of_many_cookies_of_dashboards_are_cleared(served, count, cleared):
     old = [f"{COOKIES}{number:08d}" for number in range(count)]
-    cookies = "; ".join(f"{name}=x" for name in ["other", *old, served.access.cookie])
+    cookie = served.access.cookie_of("control")
+    cookies = "; ".join(f"{name}=x" for name in ["other", *old, cookie[0]])
     request = f"GET /?token={TOKEN} HTTP/1.1\r\nHost: {served.host}\r\nConnection: close\r\n"
     answer = served.say(f"{request}Cookie: {cookies}\r\n\r\n".encode()).decode()
     given = re.findall("Set-Cookie: ([^=]+)=([^;]*);", answer)
     assert [name for name, value in given if value in ("", '""')] == old[:cleared]
-    assert (served.access.cookie, served.access.cookie_of("control")) in given
+    assert cookie in given
+
+
+@pytest.mark.parametrize("first, then", [("control", "view"), ("view", "control")])
+def test_the_address_that_was_opened_last_gives_the_role(served, first, then):
+    token = {"control": TOKEN, "view": VIEW_TOKEN}[then]
+    name, value = served.access.cookie_of(first)
+    request = f"GET /?token={token} HTTP/1.1\r\nHost: {served.host}\r\nConnection: close\r\n"
+    answer = served.say(f"{request}Cookie: {name}={value}\r\n\r\n".encode()).decode()
+    given = re.findall("Set-Cookie: ([^=]+)=([^;]*);", answer)
+    assert sorted(given) == sorted([(name, '""'), served.access.cookie_of(then)])
 
 
 def test_a_link_of_another_site_leads_to_the_page_too(served):
@@ -119,7 +130,7 @@ def test_a_code_opens_the_page_once(served, cookie):
     assert served.get(f"/?code={code}", Host="evil.example")[0] == 403
     assert served.get(f"/control?code={code}")[0] == 403
     status, headers, _ = served.get(f"/?code={code}")
-    assert status == 302 and cookie in headers["Set-Cookie"]
+    assert status == 302 and "=".join(cookie) in headers["Set-Cookie"]
     status, headers, _ = served.get(f"/?code={code}")
     assert status == 403 and "Set-Cookie" not in headers
 
@@ -176,7 +187,7 @@ def test_a_post_or_a_socket_with_the_cookie_but_no_origin_is_refused(served, coo
 
 @pytest.mark.parametrize("role", ["control", "view"])
 def test_our_own_page_opens_the_socket_by_its_cookie(served, role):
-    cookie = f"{served.access.cookie}={served.access.cookie_of(role)}"
+    cookie = "=".join(served.access.cookie_of(role))
     for name in ("127.0.0.1", "localhost"):
         origin = f"http://{name}:{served.port}"
         page = Page(f"ws://{name}:{served.port}/ws", {"Cookie": cookie, "Origin": origin})
@@ -186,7 +197,7 @@ def test_our_own_page_opens_the_socket_by_its_cookie(served, role):
 
 def test_a_socket_for_other_programs_takes_the_token_of_the_url_only(served, cookie):
     """Browsers send the cookie along with requests of pages of other ports of this machine."""
-    headers = {"Origin": "https://app.example", "Cookie": f"{served.access.cookie}={cookie}"}
+    headers = {"Origin": "https://app.example", "Cookie": "=".join(cookie)}
     with pytest.raises(HTTPClientError, match="403"):
         Page(f"ws://{served.host}/url", headers)
     loop_text = Page(f"ws://{served.host}/url?token={VIEW_TOKEN}", headers)
@@ -208,7 +219,7 @@ def test_what_is_open_needs_no_token_but_the_right_host(served, cookie):
 
 @pytest.mark.parametrize("path", [*PATHS, "/failing", "/page/../server.py"])
 def test_every_answer_has_the_headers_that_keep_a_browser_safe(served, cookie, path):
-    for given in (cookie, ""):
+    for given in (cookie, None):
         _, headers, _ = served.get(path, cookie=given, Accept="text/html")
         policy = dict(part.split(" ", 1) for part in headers["Content-Security-Policy"].split("; "))
         assert policy["default-src"] in ("'self'", "'none'")
@@ -333,7 +344,7 @@ def test_names_that_the_user_gives_lead_here():
     upgrade["Sec_WebSocket_Key"] = base64.b64encode(b"x" * 16).decode()
     for origin, status in (("https://proxy.example", 101), ("https://robot.example", 403)):
         head = f"GET /ws HTTP/1.1\r\nHost: robot.example\r\nOrigin: {origin}\r\n"
-        head += f"Cookie: {served.access.cookie}={cookie}\r\n"
+        head += f"Cookie: {'='.join(cookie)}\r\n"
         head += "".join(f"{key.replace('_', '-')}: {text}\r\n" for key, text in upgrade.items())
         with served.connect() as connection:
             connection.sendall(head.encode() + b"\r\n")

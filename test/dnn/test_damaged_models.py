@@ -90,7 +90,7 @@ def test_a_convolution_by_nothing_is_refused(refusal):
         weights_of(model).dims[0] = 0
         weights_of(model).raw_data = b""
 
-    assert "the weights of its convolution conv_0 are empty" in refusal(empty)
+    assert "its node conv_0 (Conv) takes a constant that is empty" in refusal(empty)
     for name, value in (("group", 0), ("strides", [8, 0]), ("dilations", [1 << 40, 1])):
 
         def change(model, name=name, value=value):
@@ -121,18 +121,63 @@ def test_a_convolution_by_nothing_is_refused_wherever_that_is_from(refusal, sour
         del model.graph.node[:]
         model.graph.node.extend(nodes)
 
-    assert "the weights of its convolution conv_0 are empty" in refusal(change)
+    assert "its node conv_0 (Conv) takes a constant that is empty" in refusal(change)
 
 
-def test_nothing_is_not_put_together_with_constants(refusal):
+def node_before_others(model, operator, *inputs, **attributes):
+    node = onnx.helper.make_node(operator, inputs, [f"{operator}_of_it"], operator, **attributes)
+    nodes = [node, *model.graph.node]
+    del model.graph.node[:]
+    model.graph.node.extend(nodes)
+    return node.output[0]
+
+
+def add_constant(model, name, values):
+    model.graph.initializer.append(onnx.numpy_helper.from_array(np.asarray(values), name))
+    return name
+
+
+@pytest.mark.parametrize(
+    "shape, operator, others, attributes",
+    [
+        ((0, 3, 8, 8), "Concat", ["constant_1"], {"axis": 0}),
+        ((1, 0), "Squeeze", [], {"axes": [0]}),
+        ((0,), "Gather", ["first"], {}),
+        ((0,), "Gemm", ["empty"], {}),
+        ((0,), "Mul", ["empty"], {}),
+        ((0,), "DequantizeLinear", ["empty", "empty"], {}),
+    ],
+)
+def test_no_node_works_on_nothing(refusal, shape, operator, others, attributes):
     def change(model):
-        empty = np.zeros((0, 3, 8, 8), np.float32)
-        model.graph.initializer.append(onnx.numpy_helper.from_array(empty, "empty"))
-        model.graph.node.add(
-            op_type="Concat", name="both", input=["empty", weights_of(model).name], output=["other"]
-        ).attribute.append(onnx.helper.make_attribute("axis", 0))
+        add_constant(model, "first", [0])
+        empty = add_constant(model, "empty", np.zeros(shape, np.float32))
+        node_before_others(model, operator, empty, *others, **attributes)
 
-    assert "its node both (Concat) takes a constant that is empty" in refusal(change)
+    said = f"its node {operator} ({operator}) takes a constant that is empty"
+    assert said in refusal(change)
+
+
+def test_nothing_of_another_type_is_nothing(refusal):
+    def change(model):
+        empty = add_constant(model, "empty", np.zeros(0, np.float32))
+        node_before_others(model, "Concat", "Cast_of_it", "constant_1", axis=0)
+        node_before_others(model, "Cast", empty, to=TensorProto.INT64)
+
+    assert "its node Concat (Concat) takes a constant that is empty" in refusal(change)
+
+
+def test_a_setting_may_be_empty(tmp_path):
+    """Exporters write such a one where the regions of a Resize are not given."""
+    model = onnx.ModelProto()
+    model.ParseFromString(yolov8(metadata=ULTRALYTICS))
+    scales = add_constant(model, "scales", np.array([1.0, 1.0, 2.0, 2.0], np.float32))
+    modes = {"mode": "nearest", "coordinate_transformation_mode": "asymmetric"}
+    node_before_others(model, "Resize", "images", "Identity_of_it", scales, **modes)
+    node_before_others(model, "Identity", add_constant(model, "empty", np.zeros(0, np.float32)))
+    path = tmp_path / "a.onnx"
+    path.write_bytes(model.SerializeToString())
+    assert open_network(NetworkSettings(str(path), backend="opencv")).head.head == "yolov8"
 
 
 def test_an_output_that_nothing_gives_is_told(refusal):

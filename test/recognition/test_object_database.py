@@ -357,6 +357,16 @@ def test_names_that_others_have_put_into_it_are_looked_at(path):
             database.objects.all()
 
 
+def test_text_that_is_no_utf8_is_damaged(path):
+    with Database(path, write=True) as database:
+        one = fill(database)
+        with contextlib.closing(sqlite3.connect(path)) as file, file:
+            file.execute("UPDATE meshes SET file_name = CAST(? AS TEXT)", (b"\xff\x1b",))
+        with pytest.raises(ValueError, match=r"is damaged: Could not decode to UTF-8") as error:
+            database.meshes.entry(one.id)
+        assert str(error.value).isprintable()
+
+
 def set_version(path, version):
     with contextlib.closing(sqlite3.connect(path)) as file:
         file.execute(f"PRAGMA user_version = {version}")

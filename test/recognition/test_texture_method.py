@@ -1,6 +1,8 @@
 """The method TOD: what it learns by, interruptions, and what it says of what it cannot learn."""
 
+import contextlib
 import os
+import sqlite3
 
 import cv2
 import numpy as np
@@ -260,6 +262,43 @@ def test_what_of_an_object_cannot_be_used_is_told_and_the_others_are_there(
     )
 
 
+ODD = {  # values of columns, and what is said of them
+    "models.parameters": [
+        ("[" * 100000, "parameters is no JSON: it is nested too deeply"),
+        (b"{}", "parameters is no JSON: it is b'{}'"),
+    ],
+    "models.data": [(b"\x1b[2J", r"its data b'\x1b[2J' is not as stored")],
+    "meshes.symmetries": [
+        ("[" * 100000, "symmetries is no JSON: it is nested too deeply"),
+        ('[{"fold": 2, "axis": [0, 0, 1%s]}]' % ("0" * 400), "axis is 1000"),
+    ],
+    "observations.matrix": [(b"[]", "an observation has b'[]'")],
+}
+
+
+def test_odd_rows_of_some_objects_leave_the_others(run, path, mesh):
+    odd = [(column, *one) for column, several in ODD.items() for one in several]
+    ids = [add(path, name, mesh).id for name in ("tea", *map(str, range(len(odd))))]
+    assert run()[0] == 0
+    with contextlib.closing(sqlite3.connect(path)) as file, file:
+        for (column, value, _), number in zip(odd, ids[1:]):
+            table, name = column.split(".")
+            if table == "observations":
+                add_observation(file, number, value)
+            else:
+                file.execute(f"UPDATE {table} SET {name} = ? WHERE object_id = ?", (value, number))
+    loaded = load_objects(path, [], ["TOD"])
+    assert ([one.name for one in loaded.objects], loaded.problem) == (["tea"], "")
+    for number, (_, _, said) in enumerate(odd):
+        assert any(line.startswith(f"'{number}' is not") and said in line for line in loaded.lacks)
+
+
+def add_observation(file, number, matrix):
+    file.execute("INSERT INTO sessions VALUES ('s', ?, '', '')", (number,))
+    values = "o", "s", 0, *["0" * 64] * 3, matrix, "[]", "[]"
+    file.execute("INSERT INTO observations VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?)", values)
+
+
 class Report:
     """Keeps what the report of a node would be told."""
 
@@ -319,6 +358,21 @@ def test_objects_are_loaded_anew_only_if_they_or_the_choice_have_changed(
     add(path, "cup", mesh)
     assert source.recognizer() is not None and len(loads) == 3
     assert source.reload() == (True, "tea") and len(loads) == 4
+
+
+def test_objects_that_could_not_be_loaded_are_tried_again(run, path, mesh, source_of, monkeypatch):
+    add(path, "tea", mesh)
+    assert run()[0] == 0
+    source, _ = source_of(settings_with, ["TOD"])
+    first, load = source.recognizer(), object_source.load_objects
+    add(path, "cup", mesh)
+    monkeypatch.setattr(object_source, "load_objects", lambda *_: 1 // 0)
+    for _ in range(2):
+        with pytest.raises(ZeroDivisionError):
+            source.recognizer()
+    monkeypatch.setattr(object_source, "load_objects", load)
+    assert source.recognizer() not in (None, first)
+    assert source.recognizer() is not None
 
 
 def test_without_methods_nothing_is_a_problem(path, source_of):

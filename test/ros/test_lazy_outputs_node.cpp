@@ -3,24 +3,31 @@
 #include <robot_vision/FilterConfig.h>
 #include <sensor_msgs/CameraInfo.h>
 #include <sensor_msgs/Image.h>
+#include <tf2_msgs/TFMessage.h>
 
 #include <atomic>
 #include <boost/make_shared.hpp>
 #include <chrono>
+#include <functional>
 #include <future>
 #include <opencv2/core.hpp>
 #include <string>
 #include <thread>
 
 #include "nodelets/factories.hpp"
+#include "ros/depth/frame_transforms.hpp"
 #include "ros/images/image_message.hpp"
 #include "ros/images/lazy_image_input.hpp"
+#include "ros/images/subscribing_lock.hpp"
+#include "ros/images/subscription_pair.hpp"
 #include "support/receiver.hpp"
 #include "support/run_tests.hpp"
 #include "support/small_camera.hpp"
 
 namespace
 {
+
+constexpr int kTurns = 200;  // of which each could show what goes wrong
 
 std::atomic<int> large_images{0};  // that were made into messages
 
@@ -97,7 +104,7 @@ TEST(ImageSubscription, isNoneAfterItsEnd)
 {
   ros::NodeHandle nh;
   image_transport::ImageTransport it(nh);
-  for (const std::string transport : {"auto", "raw", "compressed"})
+  for (const std::string transport : {"auto", "raw", "compressed", "shm"})
   {
     const image_transport::TransportHints hints(transport, {}, nh, "none");
     ImageSubscription subscription(nh, it, "image", hints, [](const sensor_msgs::ImageConstPtr&) {});
@@ -107,28 +114,73 @@ TEST(ImageSubscription, isNoneAfterItsEnd)
   }
 }
 
-TEST(ImageSubscription, getsImagesAlthoughAnotherOneOfTheTopicEnds)
+TEST(ImageSubscription, isOneAfterItWasMoved)
+{
+  ros::NodeHandle nh;
+  const ros::Publisher publisher = nh.advertise<sensor_msgs::Image>("/moved", 1);
+  image_transport::ImageTransport it(nh);
+  for (const std::string transport : {"auto", "raw"})
+  {
+    const image_transport::TransportHints hints(transport, {}, nh, "none");
+    std::atomic<bool> has_come{false};
+    ImageSubscription last;
+    {
+      ImageSubscription first(nh, it, "/moved", hints, [&](const sensor_msgs::ImageConstPtr&) { has_come = true; });
+      ImageSubscription second(std::move(first));
+      last = std::move(second);
+    }
+    const auto comes = [&]
+    {
+      publisher.publish(boost::make_shared<sensor_msgs::Image>());
+      return has_come.load();
+    };
+    EXPECT_TRUE(waitFor(comes)) << transport;
+    last = {};
+    EXPECT_EQ(publisher.getNumSubscribers(), 0U) << transport;
+  }
+}
+
+/// Has threads do something until this ends, while roscpp is asked for what the end of a subscription waits for.
+class Contest
+{
+public:
+  explicit Contest(const std::function<void()>& contend)
+    : contending_([this, contend] { repeat(contend); }),
+      asking_([this] { repeat([topics = ros::V_string()]() mutable { ros::this_node::getSubscribedTopics(topics); }); })
+  {
+  }
+
+  ~Contest()
+  {
+    ends_ = true;
+    contending_.join();
+    asking_.join();
+  }
+
+private:
+  void repeat(const std::function<void()>& work)
+  {
+    while (!ends_)
+      work();
+  }
+
+  std::atomic<bool> ends_{false};
+  std::thread contending_, asking_;
+};
+
+class EndOfAnotherOne : public ::testing::TestWithParam<const char*>
+{
+};
+
+TEST_P(EndOfAnotherOne, leavesASubscriptionToTheTopic)
 {
   ros::NodeHandle nh;
   const ros::Publisher publisher = nh.advertise<sensor_msgs::Image>("/contested", 1);
-  const image_transport::TransportHints hints("auto", {}, nh, "none");
-  std::atomic<bool> ends{false};
-  std::thread other(
-      [&]
-      {
-        image_transport::ImageTransport it(nh);
-        while (!ends)
-          ImageSubscription(nh, it, "/contested", hints, [](const sensor_msgs::ImageConstPtr&) {}).shutdown();
-      });
-  std::thread asking(
-      [&]
-      {
-        std::vector<std::string> topics;
-        while (!ends)
-          ros::this_node::getSubscribedTopics(topics);  // holds the lock that the other one's end waits for
-      });
+  const image_transport::TransportHints hints(GetParam(), {}, nh, "none");
   image_transport::ImageTransport it(nh);
-  for (int turn = 0; turn < 500 && !HasFailure(); ++turn)
+  const Contest contest([&]
+                        { ImageSubscription(nh, it, "/contested", hints, [](const sensor_msgs::ImageConstPtr&) {}); });
+  for (int turn = 0; turn < kTurns && !HasFailure(); ++turn)
   {
     std::atomic<bool> has_come{false};
     ImageSubscription subscription(nh, it, "/contested", hints,
@@ -140,11 +192,45 @@ TEST(ImageSubscription, getsImagesAlthoughAnotherOneOfTheTopicEnds)
       return has_come.load();
     };
     EXPECT_TRUE(waitFor(comes)) << turn;
-    subscription.shutdown();
   }
-  ends = true;
-  other.join();
-  asking.join();
+}
+
+INSTANTIATE_TEST_SUITE_P(ImageSubscription, EndOfAnotherOne, ::testing::Values("auto", "raw"));
+
+TEST(FrameTransforms, comeAlthoughAnotherOneEnds)
+{
+  ros::NodeHandle nh;
+  const ros::Publisher publisher = nh.advertise<tf2_msgs::TFMessage>("/tf_static", 1);
+  tf2_msgs::TFMessage message;
+  message.transforms.resize(1);
+  message.transforms[0].header.frame_id = "camera";
+  message.transforms[0].child_frame_id = "lens";
+  message.transforms[0].transform.rotation.w = 1.0;
+  const Contest contest([&] { FrameTransforms(nh).listen(true); });
+  for (int turn = 0; turn < kTurns && !HasFailure(); ++turn)
+  {
+    FrameTransforms transforms(nh);
+    transforms.listen(true);
+    const auto come = [&]
+    {
+      publisher.publish(message);
+      return transforms.find("camera", "lens").has_value();
+    };
+    EXPECT_TRUE(waitFor(come)) << turn;
+  }
+}
+
+TEST(SubscriptionPair, dropsNothingWithoutTheLock)
+{
+  SubscriptionPair pair(ros::NodeHandle(), {"/dropped"});
+  const SubscribingLock subscribing;
+  const auto drop = [&pair]
+  {
+    for (int i = 0; i < 30; ++i)
+      EXPECT_FALSE(pair.drop(SubscriptionPair::Way::kRaw));
+  };
+  const std::future<void> dropped = std::async(std::launch::async, drop);
+  EXPECT_EQ(dropped.wait_for(std::chrono::seconds(30)), std::future_status::ready);
 }
 
 TEST(LazyImageInput, aConnectionDoesNotWaitForOneThatAsksTheMaster)

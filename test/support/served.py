@@ -42,12 +42,16 @@ class Served:
             return b"".join(iter(lambda: connection.recv(65536), b""))
 
     def get(
-        self, path: str, method: str = "GET", cookie: str = "", **headers: str
+        self,
+        path: str,
+        method: str = "GET",
+        cookie: "Optional[Tuple[str, str]]" = None,
+        **headers: str,
     ) -> "Tuple[int, Dict[str, str], str]":
         """Status, headers and body of the answer to a request; Host is ours unless it is given."""
         lines = {"Host": self.host, "Connection": "close", **headers}
         if cookie:
-            lines["Cookie"] = f"{self.access.cookie}={cookie}"
+            lines["Cookie"] = "=".join(cookie)
         head = "".join(f"{name.replace('_', '-')}: {text}\r\n" for name, text in lines.items())
         answer = self.say(f"{method} {path} HTTP/1.1\r\n{head}\r\n".encode("latin-1"))
         start, _, body = answer.decode().partition("\r\n\r\n")

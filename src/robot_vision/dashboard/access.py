@@ -10,6 +10,7 @@ from typing import Any, Iterable, Optional, Set, Tuple
 
 from ..common.plain_text import brief
 
+ROLES = ("control", "view")
 LOOPBACK_NAMES = ("localhost", "127.0.0.1", "::1")
 RANDOM_BYTES = 16  # of a token that is made
 COOKIES = "robot_vision_dashboard_"  # what the names of the cookies of all dashboards begin with
@@ -71,15 +72,6 @@ class Access:
             self._add_host(host)
         self._code = ""  # that lets one browser in, once
 
-    @property
-    def cookie(self) -> str:
-        """The name of the cookie, which does not tell the token.
-
-        Browsers give the cookies of a machine to all its ports, and tunnels may lead from them to
-        dashboards of several machines. So it is another one for each token.
-        """
-        return COOKIES + _digest(self.token, b"name")[:8]
-
     def role_of(self, request: Any, by_url_only: bool = False) -> str:
         """Returns "control", "view" or "" for a tornado request.
 
@@ -92,13 +84,11 @@ class Access:
             return "control"
         given = request.query_arguments.get("token", [])
         role = self.role_of_token(given[0]) if given else ""
-        if not role and not by_url_only and self.cookie in request.cookies:
-            role = self._role_of_cookie(request.cookies[self.cookie].value)
-        return role
+        return role or ("" if by_url_only else self._role_of_cookies(request.cookies))
 
     def url(self, address: str, role: str = "control") -> str:
         """Returns the address of the page for a role, as it is printed."""
-        token = self.token if role == "control" else self.view_token
+        token = self._token_of(role)
         return self._url(address, f"?token={token}" if token else "")
 
     def url_with_code(self, address: str) -> str:
@@ -123,11 +113,21 @@ class Access:
 
     def role_of_token(self, token: bytes) -> str:
         """Returns "control", "view" or "" for a token of a URL."""
-        return self._match(token, lambda known: known.encode())
+        role = ""
+        for known, its_role in ((self.view_token, "view"), (self.token, "control")):
+            if known and hmac.compare_digest(token, known.encode()):
+                role = its_role
+        return role
 
-    def cookie_of(self, role: str) -> str:
-        """Returns the value of the cookie for a role, which does not tell the token."""
-        return _cookie_value(self.token if role == "control" else self.view_token).decode()
+    def cookie_of(self, role: str) -> Tuple[str, str]:
+        """Returns name and value of the cookie for a role, which do not tell the token.
+
+        Browsers give the cookies of a machine to all its ports, and tunnels may lead from them to
+        dashboards of several machines. So the name is another one for each token. It has nothing of
+        the other role's token, which could be tried by it until it is found.
+        """
+        token = self._token_of(role)
+        return COOKIES + _digest(token, b"name")[:8], _digest(token, b"cookie")
 
     def host_allowed(self, request: Any) -> bool:
         """Returns whether the Host header names this machine, at any port: there are tunnels."""
@@ -139,15 +139,16 @@ class Access:
         origin, host = (request.headers.get(name, "") for name in ("Origin", "Host"))
         return bool(host and origin == "http://" + host) or origin in self._origins
 
-    def _role_of_cookie(self, value: str) -> str:
-        return self._match(value.encode("utf-8", "replace"), _cookie_value)
+    def _token_of(self, role: str) -> str:
+        return self.token if role == "control" else self.view_token
 
-    def _match(self, given: bytes, of: Any) -> str:
-        role = ""
-        for known, its_role in ((self.view_token, "view"), (self.token, "control")):
-            if known and hmac.compare_digest(given, of(known)):
-                role = its_role
-        return role
+    def _role_of_cookies(self, cookies: Any) -> str:
+        for role in filter(self._token_of, ROLES):
+            name, value = self.cookie_of(role)
+            given = cookies[name].value if name in cookies else ""
+            if hmac.compare_digest(given.encode("utf-8", "replace"), value.encode()):
+                return role
+        return ""
 
     def _add_host(self, host: str) -> None:
         scheme, separator, name = host.rpartition("://")
@@ -213,10 +214,6 @@ def _own_address(request: Any) -> Optional[str]:
     except (AttributeError, OSError):
         return None
     return _canonical(str(address[0]).partition("%")[0].replace("::ffff:", ""))
-
-
-def _cookie_value(token: str) -> bytes:
-    return _digest(token, b"cookie").encode()
 
 
 def _digest(token: str, purpose: bytes) -> str:

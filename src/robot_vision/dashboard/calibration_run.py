@@ -56,6 +56,7 @@ class CalibrationRun:
         self._changed = threading.Condition()  # guards what follows
         self._newest: Optional[Frame] = None
         self._solving = self._closed = False
+        self._untold = False  # whether it was resumed or paused since the state was told
         self._found: Optional[Calibration] = None
         self._problem = ""
         self._thread = threading.Thread(target=self._work, name="calibration", daemon=True)
@@ -70,6 +71,7 @@ class CalibrationRun:
         with self._switch:
             if self._handle is None and self._found is None and not self._closed:
                 self._handle = self._hub.watch(self.topic, self._on_frame)
+                self._have_told()
 
     def pause(self) -> None:
         """Ends the subscription; what was found stays."""
@@ -79,6 +81,7 @@ class CalibrationRun:
                 handle.close()
         with self._changed:
             self._newest = None
+        self._have_told()
 
     def solve(self) -> None:
         """Has the camera computed.
@@ -139,7 +142,7 @@ class CalibrationRun:
             "topic": self.topic,
             "settings": self._settings,
             "size": list(size),
-            "corners": watch.corners,
+            "corners": [] if self._is_waiting() else watch.corners,
             "state": self._problem or self._words(),
             "views": views,
             "needed": MIN_VIEWS,
@@ -156,7 +159,18 @@ class CalibrationRun:
             return "computing the camera"
         if self._found:
             return "the camera is computed"
+        if self._is_waiting():
+            return "it goes on when somebody looks who may control"
         return self._watch.words or f"waiting for images of {self.topic}"
+
+    def _is_waiting(self) -> bool:
+        return self._handle is None and self._found is None
+
+    def _have_told(self) -> None:
+        """Has the state told by the thread, so that no older one comes after it."""
+        with self._changed:
+            self._untold = True
+            self._changed.notify()
 
     def _on_frame(self, frame: Frame) -> None:
         with self._changed:
@@ -166,10 +180,13 @@ class CalibrationRun:
     def _work(self) -> None:
         while True:
             with self._changed:
-                self._changed.wait_for(lambda: self._closed or self._solving or self._newest)
+                self._changed.wait_for(
+                    lambda: self._closed or self._solving or self._newest or self._untold
+                )
                 if self._closed:
                     return
                 frame, self._newest = self._newest, None
+                self._untold = False
             begin = time.monotonic()
             if self._solving:
                 self._solve()

@@ -6,7 +6,7 @@ from typing import Dict, Tuple
 from tornado.web import HTTPError
 
 from ..common.files import read_file
-from .access import COOKIES
+from .access import COOKIES, ROLES
 from .handlers import GuardedHandler, require_room
 from .sessions import Sessions
 
@@ -66,14 +66,9 @@ class StartHandler(FileHandler):
     def get(self) -> None:
         role = self._role_of_address()
         if role:
-            self.set_cookie(
-                self.access.cookie,
-                self.access.cookie_of(role),
-                path="/",
-                httponly=True,
-                samesite="Strict",
-            )
-            self._clear_old_cookies()
+            name, value = self.access.cookie_of(role)
+            self.set_cookie(name, value, path="/", httponly=True, samesite="Strict")
+            self._clear_other_cookies(role)
         if not self.request.query_arguments.keys() & {"token", "code"}:
             require_room(self._sessions)
             super().get()
@@ -90,11 +85,16 @@ class StartHandler(FileHandler):
         self._code_role = self.access.role_of_code(code)
         return bool(self._code_role)
 
-    def _clear_old_cookies(self) -> None:
-        """Clears those that the browser has had longest: they come first."""
-        others = [name for name in self.request.cookies if name.startswith(COOKIES)]
-        others = [name for name in others if name != self.access.cookie]
-        for name in others[: max(len(others) + 1 - MAX_COOKIES, 0)]:
+    def _clear_other_cookies(self, role: str) -> None:
+        """Clears that of another role here, as the address that was opened last gives the role.
+
+        Of those of other dashboards the first ones are cleared, which the browser has had longest.
+        """
+        ours = {one: self.access.cookie_of(one)[0] for one in ROLES}
+        there = [name for name in self.request.cookies if name.startswith(COOKIES)]
+        others = [name for name in there if name not in ours.values()]
+        old = others[: max(len(others) + 1 - MAX_COOKIES, 0)]
+        for name in old + [ours[one] for one in ROLES if one != role and ours[one] in there]:
             self.clear_cookie(name)
 
     def _role_of_address(self) -> str:

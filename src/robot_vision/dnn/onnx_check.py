@@ -6,7 +6,7 @@ in memory.
 """
 
 import math
-from typing import Any, Set
+from typing import Any, Sequence, Set
 
 from ..common.plain_text import brief, printable
 from .onnx_graph import graphs_of, nodes_of, tensors_of, text_of
@@ -21,6 +21,13 @@ MAX_AXES = 8
 MAX_SIDE = 1 << 20  # of what follows
 SIDES = ("group", "kernel_shape", "strides", "dilations", "pads", "output_padding")
 MAX_VALUES = 1 << 28  # numbers of a constant: what a model file has room for
+# Operators whose inputs but the first one are settings, of which one that is not given, or the
+# sides of a single number, may be an empty constant.
+WITH_SETTINGS = (
+    *("Clip", "Expand", "Pad", "ReduceSum", "Reshape", "Resize"),
+    *("Slice", "Split", "Squeeze", "Tile", "Unsqueeze", "Upsample"),
+)
+COPIES = ("Cast", "Identity")  # to OpenCV another constant, where its input is one
 
 
 def require_values(graph: Any) -> None:
@@ -56,27 +63,37 @@ def _require_count(tensor: Any, name: str, count: int) -> None:
 def require_operands(graph: Any) -> None:
     """Raises ValueError for what OpenCV would divide by, or read, though it is not there.
 
-    These are convolutions, and constants that are put together.
+    These are constants that are empty, and the numbers of convolutions.
     """
     empty = {one.name for one in graph.initializer if 0 in one.dims}
     for node in nodes_of(graph):
-        if node.op_type == "Constant" and any(0 in one.t.dims for one in node.attribute):
+        is_constant = node.op_type == "Constant" and any(0 in one.t.dims for one in node.attribute)
+        is_copy = node.op_type in COPIES and not empty.isdisjoint(node.input)
+        if is_constant or is_copy:
             empty.update(node.output)
-        name = printable(text_of(node.name))
-        if node.op_type == "Concat" and not empty.isdisjoint(node.input):
-            raise ValueError(f"its node {name} (Concat) takes a constant that is empty")
-        if node.op_type not in ("Conv", "ConvTranspose"):
-            continue
-        if not empty.isdisjoint(node.input):
-            raise ValueError(f"the weights of its convolution {name} are empty")
-        for one in node.attribute:
-            numbers = [one.i] if one.name == "group" else list(one.ints)
-            low = 0 if one.name in ("pads", "output_padding") else 1
-            if one.name in SIDES and any(not low <= number <= MAX_SIDE for number in numbers):
-                raise ValueError(
-                    f"{one.name} of its convolution {name} is {brief(numbers)}, must be from {low} "
-                    f"to {MAX_SIDE}"
-                )
+        elif not empty.isdisjoint(_operands_of(node)):
+            name, operator = printable(text_of(node.name)), printable(text_of(node.op_type))
+            raise ValueError(f"its node {name} ({operator}) takes a constant that is empty")
+        elif node.op_type in ("Conv", "ConvTranspose"):
+            _require_sides(node)
+
+
+def _operands_of(node: Any) -> Sequence[str]:
+    """Returns those inputs of a node that have to have values."""
+    if node.op_type == "ConstantOfShape":  # of a single number if its input is empty
+        return ()
+    return node.input[:1] if node.op_type in WITH_SETTINGS else node.input
+
+
+def _require_sides(node: Any) -> None:
+    for one in node.attribute:
+        numbers = [one.i] if one.name == "group" else list(one.ints)
+        low = 0 if one.name in ("pads", "output_padding") else 1
+        if one.name in SIDES and any(not low <= number <= MAX_SIDE for number in numbers):
+            raise ValueError(
+                f"{one.name} of its convolution {printable(text_of(node.name))} is "
+                f"{brief(numbers)}, must be from {low} to {MAX_SIDE}"
+            )
 
 
 def require_names(graph: Any) -> None:

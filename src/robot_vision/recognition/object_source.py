@@ -76,8 +76,10 @@ class ObjectSource:
         return _stamp_of(self.path) != self._stamp
 
     def _load(self, settings: Settings) -> Tuple[bool, str]:
-        self._stamp, self._of, self._recognizer = _stamp_of(self.path), settings, None
+        # If this fails, all is as it was, and is tried again. The file may change meanwhile.
+        stamp = _stamp_of(self.path)
         self._loaded = load_objects(self.path, settings.objects, self._methods)
+        self._stamp = stamp
         problem = self._make(settings)
         if problem or not self._loaded.objects:
             return False, problem or "methods names none"

@@ -21,6 +21,9 @@ class FrameTransforms
 {
 public:
   explicit FrameTransforms(const ros::NodeHandle& nh) : nh_(nh) {}
+  ~FrameTransforms() { listen(false); }
+  FrameTransforms(const FrameTransforms&) = delete;
+  FrameTransforms& operator=(const FrameTransforms&) = delete;
 
   /// Begins, and forgets what was before, or ends.
   void listen(bool listens);

@@ -1,5 +1,7 @@
 #include "image_subscription.hpp"
 
+#include <optional>
+#include <utility>
 #include <vector>
 
 #include "bounded_reading.hpp"
@@ -80,9 +82,19 @@ void ImageSubscription::shutdown()
 {
   if (auto_) auto_->shutdown();  // its callback may use this meanwhile
   auto_.reset();
-  const SubscribingLock subscribing;
-  raw_.shutdown();
+  if (raw_) endSubscription(raw_);
+  if (!other_) return;
+  std::optional<SubscribingLock> subscribing;
+  // That of shm waits for its review, which may wait for the lock, and it holds the lock by itself.
+  if (other_.getTransport() != "shm") subscribing.emplace();
   other_.shutdown();
+}
+
+void ImageSubscription::swap(ImageSubscription& other)
+{
+  std::swap(auto_, other.auto_);
+  std::swap(raw_, other.raw_);
+  std::swap(other_, other.other_);
 }
 
 }  // namespace robot_vision

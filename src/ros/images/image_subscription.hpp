@@ -29,12 +29,20 @@ image_transport::TransportHints readTransport(const image_transport::ImageTransp
 
 /// Subscribes to the newest image of a topic over the image_transport of the hints. Raw images come in messages from a
 /// pool: image_transport would allocate a new message for each image and set it to zero before it copies the pixels.
+/// Its end is a shutdown().
 class ImageSubscription
 {
 public:
   using Callback = boost::function<void(const sensor_msgs::ImageConstPtr&)>;
 
   ImageSubscription() = default;
+  ~ImageSubscription() { shutdown(); }
+  ImageSubscription(ImageSubscription&& other) noexcept { swap(other); }
+  ImageSubscription& operator=(ImageSubscription other) noexcept
+  {
+    swap(other);
+    return *this;
+  }
 
   /// Both `nh` and `it` must use the queue through which `callback` is to be called.
   ImageSubscription(ros::NodeHandle nh, image_transport::ImageTransport& it, const std::string& topic,
@@ -48,6 +56,8 @@ public:
   void shutdown();
 
 private:
+  void swap(ImageSubscription& other);  // roscpp's are not moved: the old one would end what both have
+
   std::shared_ptr<AutoSubscription> auto_;
   ros::Subscriber raw_;
   image_transport::Subscriber other_;

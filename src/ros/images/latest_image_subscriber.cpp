@@ -59,6 +59,7 @@ void LatestImageSubscriber::open()
   {
     close();
     images->remove(*this);  // which close() has not done if it was closed meanwhile
+    endSubscription(info_subscriber);
     statistics_->setUnsubscribed(e.what());
     throw;
   }
@@ -67,6 +68,7 @@ void LatestImageSubscriber::open()
     if (open_) return std::swap(info_subscriber, info_subscriber_);
   }
   images->remove(*this);  // it was closed meanwhile, perhaps before it was added
+  endSubscription(info_subscriber);
 }
 
 void LatestImageSubscriber::close()

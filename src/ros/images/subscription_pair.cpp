@@ -19,6 +19,12 @@ SubscriptionPair::SubscriptionPair(const ros::NodeHandle& nh, Params params)
   params_.tracked_object.reset();  // it may own this
 }
 
+SubscriptionPair::~SubscriptionPair()
+{
+  for (const Way way : {Way::kRaw, Way::kShared})
+    drop(way);
+}
+
 bool SubscriptionPair::openRaw(const Callback<sensor_msgs::Image>& callback)
 {
   if (!isWanted(Way::kRaw)) return false;
@@ -64,7 +70,7 @@ bool SubscriptionPair::drop(Way way)
     std::swap(dropped, member(way));
   }
   const bool was_open = dropped;
-  endSubscription(dropped);
+  if (was_open) endSubscription(dropped);  // else a review, which mostly drops nothing, would wait for the lock
   return was_open;
 }
 

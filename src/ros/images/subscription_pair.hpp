@@ -34,6 +34,9 @@ public:
 
   /// The callbacks are called through the queue of `nh`.
   SubscriptionPair(const ros::NodeHandle& nh, Params params);
+  ~SubscriptionPair();
+  SubscriptionPair(const SubscriptionPair&) = delete;
+  SubscriptionPair& operator=(const SubscriptionPair&) = delete;
 
   const std::string& topic() const { return topic_; }  // absolute
   std::string sharedTopic() const { return topic_ + "/shm"; }

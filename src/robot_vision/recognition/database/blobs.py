@@ -2,6 +2,7 @@
 
 import hashlib
 
+from ...common.plain_text import brief
 from .connection import Connection
 
 
@@ -30,5 +31,7 @@ def read_blob(connection: Connection, digest: str) -> bytes:
     found = connection.row("SELECT data FROM blobs WHERE sha256 = ?", (digest,))
     data = found[0] if found else None
     if not isinstance(data, bytes) or digest_of(data) != digest:
-        raise ValueError(f"{connection.path} is damaged: its data {digest[:12]} is not as stored")
+        raise ValueError(
+            f"{connection.path} is damaged: its data {brief(digest, 15)} is not as stored"
+        )
     return data

@@ -8,8 +8,11 @@ import time
 from typing import Any, Iterator, List, Optional, Sequence, Tuple
 from urllib.parse import quote
 
+from ...common.errors import about
 from ...common.files import make_folder, require_file, trying
+from ...common.plain_text import brief, error_text
 from ...common.temporary_files import give_name, random_name
+from .json_values import parsed
 from .schema import APPLICATION, BLOBS, MIGRATIONS, TABLES, VERSION
 
 TIMEOUT = 10.0  # s that one who writes waits for another one
@@ -55,6 +58,17 @@ class Connection:
         """Returns the first row that a query finds, or None."""
         found = self.rows(query, values)
         return found[0] if found else None
+
+    def document(self, column: str, value: Any) -> Any:
+        """Returns what the document of JSON in a column says.
+
+        Raises:
+            ValueError: It is none.
+        """
+        with about(f"{self.path} is damaged: {column} is no JSON"):
+            if not isinstance(value, str):
+                raise ValueError(f"it is {brief(value)}")
+            return parsed(value)
 
     @contextlib.contextmanager
     def transaction(self, commit: bool = True) -> Iterator[None]:
@@ -161,8 +175,8 @@ def translated(path: str) -> Iterator[None]:
             raise PermissionError(f"{path} cannot be written: it may only be read") from None
         if "not a database" in text:
             raise ValueError(f"{path} is no database of objects") from None
-        if "malformed" in text or "no such" in text or "corrupt" in text:
-            raise ValueError(f"{path} is damaged: {text}") from None
+        if any(word in text for word in ("malformed", "no such", "corrupt", "not decode")):
+            raise ValueError(f"{path} is damaged: {error_text(error)}") from None
         if isinstance(error, sqlite3.IntegrityError):
             raise ValueError(f"{path}: the object is not there any more ({text})") from None
         raise OSError(f"{path} cannot be used: {text}") from None

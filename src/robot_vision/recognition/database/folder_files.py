@@ -11,6 +11,7 @@ from ...common.errors import about
 from ...common.files import read_file, trying
 from ...common.plain_text import brief
 from ...common.temporary_files import random_name
+from .json_values import parsed
 
 MAX_JSON = 64 << 20  # bytes, the largest JSON file: the poses of a large scene
 MAX_DATA = 1 << 30  # bytes, the largest other file
@@ -74,10 +75,7 @@ def read_json(*path: str, max_size: int = MAX_JSON) -> Dict[str, Any]:
     name = os.path.join(*path)
     data = read_file(name, max_size)
     with about(name):
-        try:
-            value = json.loads(data.decode())
-        except RecursionError:
-            raise ValueError("it is nested too deeply") from None
+        value = parsed(data.decode())
         if not isinstance(value, dict):
             raise ValueError(f"it is {brief(value)}, must be an object of JSON")
     return value

@@ -1,6 +1,6 @@
 """Values of JSON documents that others may have written."""
 
-import math
+import json
 from typing import Any, List, Mapping, Optional
 
 import numpy as np
@@ -9,6 +9,14 @@ from ...common.plain_text import brief
 from .documents import storable
 
 MAX_NUMBER = 1e9
+
+
+def parsed(document: str) -> Any:
+    """Returns what a document says; raises ValueError if it is none, or is nested too deeply."""
+    try:
+        return json.loads(document)
+    except RecursionError:
+        raise ValueError("it is nested too deeply") from None
 
 
 def text(values: Mapping[str, Any], key: str, default: Optional[str] = None) -> str:
@@ -65,6 +73,6 @@ def _is_text(value: Any) -> bool:
 
 def _number(value: Any, key: str) -> float:
     is_number = isinstance(value, (int, float)) and not isinstance(value, bool)
-    if not is_number or not math.isfinite(value) or abs(value) > MAX_NUMBER:
+    if not is_number or not abs(value) <= MAX_NUMBER:  # nor for NaN
         raise ValueError(f"{key} is {brief(value)}, must be a number to {MAX_NUMBER:g}")
     return float(value)

@@ -55,7 +55,9 @@ class Meshes:
         row = self._row(object_id)
         if row is None:
             return None
-        return MeshEntry(row[0], row[2], row[3], from_json(json.loads(row[6])))
+        return MeshEntry(
+            row[0], row[2], row[3], from_json(self._connection.document("symmetries", row[6]))
+        )
 
     def converted(self, object_id: str) -> bytes:
         """Returns the mesh in m of an object that has one.
@@ -84,8 +86,8 @@ class Meshes:
             {name: read_blob(self._connection, digest) for name, digest in files},
             unit,
             scale,
-            tuple(json.loads(offset)),
-            from_json(json.loads(symmetries)),
+            tuple(self._connection.document("origin_offset", offset)),
+            from_json(self._connection.document("symmetries", symmetries)),
             added,
         )
 

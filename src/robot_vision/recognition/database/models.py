@@ -101,7 +101,7 @@ class Models:
         return Model(object_id, method, self._parameters(parameters), key, data, added)
 
     def _parameters(self, text: str) -> Dict[str, Any]:
-        values = json.loads(text)
+        values = self._connection.document("parameters", text)
         if not isinstance(values, dict):
             raise ValueError(f"{self._connection.path} is damaged: parameters is {brief(values)}")
         return values

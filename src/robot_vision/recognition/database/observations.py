@@ -6,6 +6,7 @@ from typing import Any, List, Tuple
 
 import numpy as np
 
+from ...common.plain_text import brief
 from .blobs import read_blob, store_blob
 from .connection import Connection
 from .documents import Observation, Session, new_id, now, storable
@@ -71,7 +72,9 @@ class Observations:
     def poses(self, object_id: str) -> List[Tuple[str, np.ndarray]]:
         """Returns the ids and the poses of all observations of an object, without their images."""
         rows = self._connection.rows(f"SELECT observations.id, pose {OF_OBJECT}", (object_id,))
-        return [(number, np.array(json.loads(pose))) for number, pose in rows]
+        return [
+            (number, np.array(self._connection.document("pose", pose))) for number, pose in rows
+        ]
 
     def one(self, number: str) -> Observation:
         """Returns the observation of this id.
@@ -86,9 +89,17 @@ class Observations:
         return self._observation(row)
 
     def digest(self, object_id: str) -> str:
-        """Returns a hash of all that was observed of an object; "" if it is nothing."""
+        """Returns a hash of all that was observed of an object; "" if it is nothing.
+
+        Raises:
+            ValueError: It is damaged: there is a value that is no text.
+        """
         columns = "rgb, depth, mask, matrix, distortion, pose"
         rows = self._connection.rows(f"SELECT {columns} {OF_OBJECT}", (object_id,))
+        odd = [value for row in rows for value in row if not isinstance(value, str)]
+        if odd:
+            path = self._connection.path
+            raise ValueError(f"{path} is damaged: an observation has {brief(odd[0])}")
         return hashlib.sha256(json.dumps(rows).encode()).hexdigest() if rows else ""
 
     def delete_session(self, session_id: str) -> None:
@@ -98,8 +109,11 @@ class Observations:
     def _observation(self, row: Any) -> Observation:
         number, session_id, frame_number, rgb, depth, mask, matrix, distortion, pose = row
         rgb, depth, mask = (read_blob(self._connection, one) for one in (rgb, depth, mask))
-        matrix, pose = np.array(json.loads(matrix)), np.array(json.loads(pose))
-        distortion = json.loads(distortion)
+        matrix, pose = (
+            np.array(self._connection.document(*one))
+            for one in (("matrix", matrix), ("pose", pose))
+        )
+        distortion = self._connection.document("distortion", distortion)
         return Observation(
             session_id, frame_number, rgb, depth, mask, matrix, pose, distortion, number
         )
