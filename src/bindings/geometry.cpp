@@ -8,6 +8,7 @@
 
 #include "arrays.hpp"
 #include "registry.hpp"
+#include "robot_vision/geometry/distortion_models.hpp"
 
 using namespace robot_vision;
 using namespace py::literals;
@@ -85,6 +86,10 @@ void bindGeometry(py::module& m)
         validateRectification(cv::Matx33d(R.data()), cv::Matx34d(P.data()));
       },
       "R"_a, "P"_a, "Raises ValueError for what no sensor_msgs/CameraInfo has there.");
+  m.def("is_distorted", &isDistorted, "camera"_a,
+        "Whether a CameraModel has a lens that a pinhole has not; an equidistant one is one without any D, too.");
+  m.def("is_equidistant", &isEquidistant, "distortion_model"_a,
+        "Whether the name of a distortion model is that of cv2.fisheye: equidistant or fisheye.");
   m.def(
       "is_calibrated", [](const Matrix& K) { return isCalibrated(toK(K)); }, "K"_a,
       "Whether a sensor_msgs/CameraInfo with this K (9 numbers) is of a calibrated camera: others have zeros there.");

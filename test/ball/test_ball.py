@@ -130,6 +130,24 @@ def test_camera_of_a_camera_info():
     assert rv.is_calibrated(matrix) and not rv.is_calibrated(np.zeros((3, 3)))
 
 
+@pytest.mark.parametrize(
+    "model, distortion, distorted",
+    [
+        ("plumb_bob", (), False),
+        ("", (), False),
+        ("plumb_bob", (0.0,) * 5, False),
+        ("plumb_bob", (0.0, 0.0, 0.0, 1e-9, 0.0), True),
+        ("rational_polynomial", (0.0,) * 7 + (0.1,), True),
+        ("equidistant", (0.0,) * 4, True),
+        ("fisheye", (0.0,) * 4, True),
+    ],
+)
+def test_lenses_that_distort_are_known(model, distortion, distorted):
+    camera = rv.CameraModel(640, 480, np.diag([500.0, 500.0, 1.0]), distortion, model)
+    assert rv.is_distorted(camera) is distorted
+    assert rv.is_equidistant(model) is (model in ("equidistant", "fisheye"))
+
+
 def test_position_of_few_points_is_none():
     camera = rv.CameraModel(640, 480, [500.0, 0, 320, 0, 500, 240, 0, 0, 1])
     assert rv.ball_position(camera, np.zeros((0, 2), int), 0.2) is None

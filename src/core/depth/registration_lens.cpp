@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/geometry/distortion.hpp"
+#include "robot_vision/geometry/distortion_models.hpp"
 
 namespace robot_vision
 {

@@ -7,6 +7,7 @@
 #include "rigid_motion.hpp"
 #include "robot_vision/common/printable.hpp"
 #include "robot_vision/common/range.hpp"
+#include "robot_vision/geometry/distortion_models.hpp"
 
 namespace robot_vision
 {

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "robot_vision/geometry/distortion_models.hpp"
+
 namespace robot_vision
 {
 
@@ -95,22 +97,6 @@ cv::Point2d undistortAngle(const Coefficients& D, const cv::Point2d& target)
 }
 
 }  // namespace
-
-bool isEquidistant(const std::string& distortion_model)
-{
-  return distortion_model == "equidistant" || distortion_model == "fisheye";
-}
-
-bool isPolynomial(const std::string& distortion_model)
-{
-  return distortion_model == "plumb_bob" || distortion_model == "rational_polynomial";
-}
-
-bool isDistorted(const CameraModel& camera)
-{
-  return isEquidistant(camera.distortion_model) ||
-         std::any_of(camera.D.begin(), camera.D.end(), [](double coefficient) { return coefficient != 0.0; });
-}
 
 Distortion::Distortion(const CameraModel& camera) : equidistant_(isEquidistant(camera.distortion_model))
 {

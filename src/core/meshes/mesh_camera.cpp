@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/geometry/distortion.hpp"
 #include "core/meshes/raster_kernels.hpp"
+#include "robot_vision/geometry/distortion_models.hpp"
 
 namespace robot_vision
 {

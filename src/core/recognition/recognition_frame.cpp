@@ -1,9 +1,9 @@
 #include "robot_vision/recognition/recognition_frame.hpp"
 
 #include "color_gradients.hpp"
-#include "core/geometry/distortion.hpp"
 #include "robot_vision/common/range.hpp"
 #include "robot_vision/depth/depth_image.hpp"
+#include "robot_vision/geometry/distortion_models.hpp"
 #include "robot_vision/image/encoding.hpp"
 
 namespace robot_vision

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/geometry/distortion.hpp"
 #include "robot_vision/common/range.hpp"
+#include "robot_vision/geometry/distortion_models.hpp"
 
 namespace robot_vision
 {

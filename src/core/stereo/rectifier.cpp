@@ -5,9 +5,9 @@
 #include <opencv2/imgproc.hpp>
 
 #include "core/common/in_this_thread.hpp"
-#include "core/geometry/distortion.hpp"
 #include "core/image/conversion_buffer.hpp"
 #include "robot_vision/common/range.hpp"
+#include "robot_vision/geometry/distortion_models.hpp"
 
 namespace robot_vision
 {

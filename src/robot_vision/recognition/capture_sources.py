@@ -7,7 +7,7 @@ from typing import Any, Callable, Iterator, NamedTuple, Sequence, Tuple
 import numpy as np
 from sensor_msgs.msg import Image
 
-from .. import CameraModel, to_bgr
+from .. import CameraModel, is_equidistant, to_bgr
 from ..calibration.known_cameras import known_camera
 from ..common import opencv as cv2
 from ..common.depth_encodings import require_depths
@@ -18,7 +18,6 @@ from ..recordings.image_pixels import pixels_of
 from ..recordings.paired_images import paired_frames, paired_messages
 from ..recordings.recorded_images import paths_of
 from ..ros.transport import Frame
-from .straight_images import EQUIDISTANT
 
 CAMERA_FILE = "camera.yaml"
 FRAME_PERIOD = 1.0  # s, between two files: they have no times, and none waits for the next one
@@ -50,7 +49,7 @@ def camera_of(camera_info: str, bag: str, folder: str) -> CameraModel:
     if folder and not camera_info:
         camera_info = os.path.join(folder, CAMERA_FILE)
     camera = known_camera(camera_info, bag or None)
-    if camera.distortion_model in EQUIDISTANT:
+    if is_equidistant(camera.distortion_model):
         raise ValueError(
             f"camera_info of {camera_info}: the lens is {camera.distortion_model}, must be "
             "plumb_bob or rational_polynomial: take rectified images"

@@ -4,10 +4,9 @@ from typing import Any, Optional, Tuple
 
 import numpy as np
 
-from .. import CameraModel, DepthRegistration, RectifiedCamera, Rectifier
+from .. import CameraModel, DepthRegistration, RectifiedCamera, Rectifier, is_distorted
 
 NOWHERE = np.eye(4)  # the camera stays where it is
-EQUIDISTANT = ("equidistant", "fisheye")  # models of lenses that bend the image without any D, too
 
 
 class StraightImages:
@@ -21,14 +20,14 @@ class StraightImages:
     def __init__(self, camera: CameraModel, depth_camera: Optional[CameraModel]) -> None:
         self.made_of = camera, depth_camera
         self.camera = CameraModel(camera.width, camera.height, camera.K)
-        bent = _is_bent(camera)
+        bent = is_distorted(camera)
         self._rectifier: Optional[Rectifier] = None
         if bent:
             matrix = np.column_stack([camera.K, np.zeros(3)])
             self._rectifier = Rectifier(RectifiedCamera(camera, np.eye(3), matrix))
         own = depth_camera or camera
         self._registration: Optional[DepthRegistration] = None
-        if bent or _is_bent(own) or not _same(own, camera):
+        if bent or is_distorted(own) or not _same(own, camera):
             self._registration = DepthRegistration(own, self.camera, NOWHERE)
 
     def apply(
@@ -40,10 +39,6 @@ class StraightImages:
         if self._registration is not None and depth is not None:
             depth = self._registration.apply(depth)
         return bgr, depth
-
-
-def _is_bent(camera: CameraModel) -> bool:
-    return any(camera.D) or camera.distortion_model in EQUIDISTANT
 
 
 def _same(one: Any, other: Any) -> bool:

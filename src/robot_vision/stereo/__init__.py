@@ -21,12 +21,11 @@ from .. import (
     StereoMatcher,
     StereoParams,
     depth_from_disparity,
+    is_equidistant,
 )
 from ..common import opencv as cv2
 
 __all__ = ["Match", "calibrated_pair", "match", "match_rectified"]
-
-EQUIDISTANT = ("equidistant", "fisheye")
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,7 +71,7 @@ def calibrated_pair(
         ValueError: The cameras are no pair: of two kinds of lenses, of images of two sizes, or the
             right one is not to the right.
     """
-    kinds = {model.distortion_model in EQUIDISTANT for model in (left, right)}
+    kinds = {is_equidistant(model.distortion_model) for model in (left, right)}
     if len(kinds) > 1:
         raise ValueError("one camera is equidistant, must be both or none")
     arguments = [
