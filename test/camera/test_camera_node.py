@@ -51,9 +51,9 @@ def test_scene_comes_with_its_ground_truth(start):
     assert info.header.frame_id == truth.header.frame_id == "eye"
     assert np.allclose(np.reshape(info.K, (3, 3)), scene.camera.K)
     assert np.allclose(info.D, scene.camera.D) and info.distortion_model == "plumb_bob"
-    for sent, transform, exact in zip(
-        truth.objects, tf.transforms, scene.truth(truth.frame).objects
-    ):
+    objects = scene.truth(truth.frame).objects
+    assert len(truth.objects) == len(tf.transforms) == len(objects) > 5
+    for sent, transform, exact in zip(truth.objects, tf.transforms, objects):
         assert transform.child_frame_id == "scene/" + exact.name == "scene/" + sent.name
         position = sent.pose.position
         assert np.allclose([position.x, position.y, position.z], exact.pose[:3, 3])

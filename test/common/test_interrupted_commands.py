@@ -128,9 +128,12 @@ def interrupted_by_itself(words, is_stuck, **options):
     own = {"stderr": subprocess.PIPE, "start_new_session": True, "text": True, **options}
     with subprocess.Popen(list(map(str, words)), **own) as process:
         deadline = time.monotonic() + 60.0
-        while not is_stuck(process.pid) and time.monotonic() < deadline:
-            time.sleep(0.01)
-        os.killpg(process.pid, signal.SIGINT)
+        try:
+            while not is_stuck(process.pid):
+                assert time.monotonic() < deadline, "it is not stuck"
+                time.sleep(0.01)
+        finally:
+            os.killpg(process.pid, signal.SIGINT)
         _, said = process.communicate(timeout=60.0)
     assert process.returncode == -signal.SIGINT  # shells show 130
     assert said == ""

@@ -1,7 +1,7 @@
 """The node dashboard: its address and its secret, its port, its end, and a restarted master."""
 
-import glob
 import os
+import pathlib
 import re
 import socket
 
@@ -81,10 +81,13 @@ def test_the_secret_is_printed_and_nowhere_else(start, dashboard):
     secrets = (token, "my-own-secret", "my-view-secret")
     assert not [one.msg for one in logs.received if any(secret in one.msg for secret in secrets)]
     assert "port: 0" in other.output() and "token:" not in other.output()
-    for path in glob.glob(os.path.join(os.environ["ROS_HOME"], "log", "**"), recursive=True):
-        if os.path.isfile(path) and "dashboard" in os.path.basename(path):
-            with open(path, errors="replace") as file:
-                assert token not in file.read(), path
+    files = [
+        path for path in pathlib.Path(os.environ["ROS_HOME"]).rglob("log/**/*") if path.is_file()
+    ]
+    assert all(any(node in path.name for path in files) for node in ("dashboard", "other"))
+    for path in files:
+        text = path.read_text(errors="replace")
+        assert not any(secret in text for secret in secrets), path
 
 
 @pytest.mark.parametrize(

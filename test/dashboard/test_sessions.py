@@ -4,6 +4,7 @@ import asyncio
 import json
 import struct
 import threading
+import time
 
 import pytest
 from served import TIMEOUT, VIEW_TOKEN, Served
@@ -407,8 +408,9 @@ def test_there_are_as_many_pages_as_there_may_be(served):
         assert status == 503 and "close another one" in text
         assert first.ask("note", value=1) == 1
         first.end_now()
+        deadline = time.monotonic() + TIMEOUT
         while served.get("/", cookie=served.access.cookie_of("view"))[0] != 200:
-            pass
+            assert time.monotonic() < deadline, "there is no room again"
 
 
 def test_the_end_of_the_server_is_told_to_its_pages(served):

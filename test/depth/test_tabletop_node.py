@@ -375,7 +375,6 @@ def test_what_is_too_small_is_left_out_live(start):
         ("max_tables", 0, "max_tables is 0, must be from 1 to 100"),
         ("vertical_frame", "a\nb", "vertical_frame is 'a\\nb', must be empty or a name"),
         ("table_frame_id", "", "table_frame_id is '', must be a name"),
-        ("image_transport", "pigeon", "must be one that is installed: "),
     ],
 )
 def test_bad_value_at_start_is_fatal(start, name, value, text):

@@ -181,14 +181,28 @@ def test_nothing_is_found_where_there_is_no_face(size, kind):
         assert detector.update(number / RATE, image, "mono8") == []
 
 
-@pytest.mark.parametrize("sizes", [(40, 60), (130, 0), (100, 125), (130, 135), (105, 120)])
-def test_sizes_are_kept(sizes):
-    smallest, largest = sizes
+@pytest.mark.parametrize(
+    "smallest, largest, is_any_found",
+    [
+        (40, 60, True),
+        (60, 100, True),
+        (100, 125, True),
+        (120, 0, True),
+        (120, 135, True),
+        (130, 0, False),  # the face is smaller
+        (130, 135, False),
+        (105, 120, False),  # between two sizes that are searched
+    ],
+)
+def test_sizes_are_kept(smallest, largest, is_any_found):
     detector = rv.FaceDetector(params(min_size=smallest, max_size=largest))
+    found = 0
     for number in range(8):
         image, _ = frame(number)
         for face in (*detector.update(number / RATE, image), *detector.detect(image)):
             assert smallest <= face.box[2] <= (largest or 480)
+            found += 1
+    assert (found > 0) == is_any_found
 
 
 def test_boxes_are_inside_of_the_image():

@@ -1,7 +1,5 @@
 """A short run of the fuzzer, the same every time; `make fuzz` is the long one."""
 
-import time
-
 import fuzz
 import pytest
 
@@ -25,7 +23,7 @@ SLOW = {
 @pytest.mark.parametrize("target", fuzz.ALL)
 def test_nothing_falls_over_hostile_inputs(target, tmp_path):
     count = SLOW.get(target, INPUTS)
-    failures = fuzz.fuzz(target, 1, count, time.monotonic() + 600.0, str(tmp_path))
+    failures = fuzz.fuzz(target, 1, count, float("inf"), str(tmp_path))
     assert not failures, "\n".join(failures)
 
 

@@ -4,6 +4,7 @@
 
 #include <numeric>
 #include <string>
+#include <vector>
 
 #include "robot_vision/histogram/histogram_plot.hpp"
 #include "robot_vision/histogram/hue_saturation.hpp"
@@ -36,7 +37,9 @@ TEST(Histogram, countsEveryPixelOfEveryEncodingOnceAndChangesNone)
       cv::Mat image = noise({38, 26}, matType(encoding), 3);  // with padded rows
       if (encoding == "mono10") image &= cv::Scalar::all(1023);
       const cv::Mat before = image.clone();
-      for (const ChannelHistogram& channel : computeHistogram(image, encoding, params(space, 33)))
+      const std::vector<ChannelHistogram> channels = computeHistogram(image, encoding, params(space, 33));
+      EXPECT_EQ(channels.size(), space == "gray" ? 1U : 3U);
+      for (const ChannelHistogram& channel : channels)
         EXPECT_EQ(std::accumulate(channel.counts.begin(), channel.counts.end(), 0), 38 * 26)
             << encoding << " " << space << " " << channel.name;
       EXPECT_TRUE(equal(image, before));

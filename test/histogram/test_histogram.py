@@ -83,6 +83,7 @@ def test_other_encodings_are_those_of_bgr():
     ):
         before = image.copy()
         found = rv.compute_histogram(image, encoding, channels(space="lab"))
+        assert len(found) == len(expected) == 3
         for one, other in zip(found, expected):
             assert np.array_equal(one.counts, other.counts)
         assert np.array_equal(image, before)
@@ -102,16 +103,16 @@ def test_a_region_and_a_mask_are_counted_alone(region, part):
     assert rv.part_of((80, 60), region) == part
     x, y, width, height = part
     inside = NOISE[y : y + height, x : x + width]
-    for channel, values in zip(
-        rv.compute_histogram(NOISE, "bgr8", channels(), region), np.moveaxis(inside, 2, 0)
-    ):
+    found = rv.compute_histogram(NOISE, "bgr8", channels(), region)
+    assert len(found) == 3
+    for channel, values in zip(found, np.moveaxis(inside, 2, 0)):
         assert np.array_equal(channel.counts, np.histogram(values, 64, (0, 256))[0])
     mask = np.zeros(NOISE.shape[:2], np.uint8)
     mask[::3, ::2] = 7  # whatever is not 0
     there = mask[y : y + height, x : x + width] > 0
-    for channel, values in zip(
-        rv.compute_histogram(NOISE, "bgr8", channels(), region, mask), np.moveaxis(inside, 2, 0)
-    ):
+    found = rv.compute_histogram(NOISE, "bgr8", channels(), region, mask)
+    assert len(found) == 3
+    for channel, values in zip(found, np.moveaxis(inside, 2, 0)):
         assert np.array_equal(channel.counts, np.histogram(values[there], 64, (0, 256))[0])
     counts = rv.hue_saturation_histogram(NOISE, "bgr8", colors(), region)
     assert np.array_equal(counts, rv.hue_saturation_histogram(inside))

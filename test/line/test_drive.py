@@ -1,9 +1,15 @@
 """Drive stops the robot by the age of the frame, however long its processing takes."""
 
+from unittest.mock import MagicMock
+
+import numpy as np
 import pytest
 import rospy
+from fake_params import use_params
+from std_msgs.msg import Header
 
-from robot_vision.line import drive
+from robot_vision.line import drive, line_follower
+from robot_vision.ros import live_params, transport
 
 
 class Robot:
@@ -65,3 +71,27 @@ def test_drives_only_while_it_is_enabled(robot):
     robot.drive.command(0.2, 0.0, seen=robot.now)
     assert robot.sent == []
     assert set(robot.watch(until=101.0)) == {0.0}
+
+
+class Server:
+    """Gives the live parameters at start, and changes none."""
+
+    def __init__(self, _config_type, callback, values):
+        callback(dict(values), 0)
+
+
+def test_the_follower_saw_a_frame_at_its_stamp_not_when_it_came(monkeypatch):
+    driven = MagicMock(enabled=True)
+    monkeypatch.setattr(line_follower, "Drive", lambda _: driven)
+    monkeypatch.setattr(live_params, "_Server", Server)
+    monkeypatch.setattr(transport, "node_images", MagicMock())
+    for name in ("Publisher", "Service", "get_name"):
+        monkeypatch.setattr(rospy, name, MagicMock())
+    use_params(monkeypatch, {"~timeout": 10.0})
+    follower = line_follower.LineFollower()
+    monkeypatch.setattr(rospy, "get_time", lambda: 108.9)
+    monkeypatch.setattr(line_follower.time, "monotonic", lambda: 50.0)
+    header = Header(stamp=rospy.Time(100))
+    follower._process(transport.Frame(np.zeros((48, 64, 3), np.uint8), "bgr8", header, None))
+    ((_, _, seen),) = (call[0] for call in driven.command.call_args_list)
+    assert seen == pytest.approx(50.0 - 8.9)

@@ -202,19 +202,6 @@ def test_robot_does_not_drive_on_old_frames(driven):
     support.wait_for(lambda: lag() or text in robot.process.output(), "the warning")
 
 
-def test_robot_stops_when_the_frame_is_old(driven):
-    """The timeout counts from the stamp of the frame, not from its arrival."""
-    robot = driven("_timeout:=10.0")
-    robot.jump(19.0)
-    old = robot.now - rospy.Duration(8.9)
-    robot.now = old
-    robot.publish_frame()
-    robot.lines.of(old)
-    begin = time.monotonic()
-    assert stands(robot)
-    assert time.monotonic() - begin < 8.0  # s; 1.1 s are left, another timeout would be 10 s
-
-
 def test_integral_does_not_grow_during_a_pause(driven):
     beside = Pose(y=0.03)
     robot = driven("_mode:=pid", "_kp:=0.1", "_ki:=0.2", "_kd:=0.0", pose=beside)

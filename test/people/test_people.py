@@ -86,6 +86,18 @@ def test_figures_are_found_where_they_are(model):
         assert one.score > 0.7
 
 
+@pytest.mark.parametrize("model", ["default", "daimler"])
+@pytest.mark.parametrize("max_width", [SIZE[0], SIZE[0] - 13])
+def test_boxes_of_figures_at_the_border_end_there(model, max_width):
+    """Also where the image was shrunk, and a side of it is no whole number of pixels then."""
+    for x, border in ((-12, 0), (300, SIZE[0])):
+        image = street(SIZE, [(x, 60, 80, 160)])
+        found = detect(image, model=model, hit_threshold=-0.5, padding=24, max_width=max_width)
+        assert all(one.box == clipped(one.box) for one in found)
+        left, _, width, _ = found[0].box
+        assert border in (left, pytest.approx(left + width, abs=1))
+
+
 def test_a_shrunk_image_is_searched_and_boxes_are_those_of_the_whole():
     large = cv2.resize(STREET, None, fx=2.0, fy=2.0, interpolation=cv2.INTER_LINEAR)
     found = detect(large, max_width=SIZE[0])

@@ -240,7 +240,9 @@ TEST(ObjectMatcher, tellsCandidatesOfEachModelTheBestFirst)
   EXPECT_LT(box.area(), 2.5 * truth.area()) << box << " " << truth;
   params.min_score = first->score;
   matcher.configure(params);
-  for (const PoseCandidate& one : matchIn(matcher, frame))
+  const std::vector<PoseCandidate> best = matchIn(matcher, frame);
+  EXPECT_FALSE(best.empty());
+  for (const PoseCandidate& one : best)
     EXPECT_GE(one.score, params.min_score);
 }
 

@@ -118,6 +118,7 @@ TEST(ObjectRecognizer, findsEachObjectOnceWhereItIs)
     EXPECT_TRUE(object.box.contains(cv::Point(middle))) << object.model;
   }
   EXPECT_EQ(seen, (std::vector<int>{1, 1, 1}));
+  ASSERT_EQ(found.reports.size(), 3u);
   for (const ModelReport& report : found.reports)
   {
     EXPECT_EQ(report.candidates, 12);

@@ -1,6 +1,8 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <chrono>
+#include <functional>
 #include <thread>
 #include <vector>
 
@@ -139,23 +141,28 @@ TEST(FrameHandover, aPermissionCanBeTakenBack)
 TEST(FrameHandover, deliversOneFrameAtATime)
 {
   FrameHandover handover;
-  std::atomic<int> inside{0}, delivered{0};
-  const auto run = [&](Way way, std::uint32_t first)
+  constexpr int kFrames = 500;
+  const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(60);
+  std::atomic<int> inside{0}, raw{0}, shared{0};
+  const auto run = [&](Way way, std::uint32_t seq, std::atomic<int>& delivered)
   {
-    for (std::uint32_t seq = first; seq < first + 2000; ++seq)
+    // Each goes on until the other is done, too, so that they meet.
+    while ((raw < kFrames || shared < kFrames) && std::chrono::steady_clock::now() < end)
     {
       handover.allow(way);
-      if (!handover.begin(way, header(seq))) continue;
+      if (!handover.begin(way, header(seq++))) continue;
       EXPECT_EQ(++inside, 1);
+      std::this_thread::yield();
       --inside;
       ++delivered;
       handover.finish();
     }
   };
-  std::thread other(run, Way::kShared, 100000);
-  run(Way::kRaw, 0);
+  std::thread other(run, Way::kShared, 1U << 31, std::ref(shared));
+  run(Way::kRaw, 0, raw);
   other.join();
-  EXPECT_GT(delivered, 0);
+  EXPECT_GE(raw, kFrames);
+  EXPECT_GE(shared, kFrames);
 }
 
 TEST(FrameHandover, itsEndWaitsForAFrameButNotInItsOwnCallback)

@@ -124,12 +124,18 @@ SEGMENTER = {
     "outlines": is_flag,
 }
 DEPTH_REGISTRATION = {
+    "image_transport": never,
     "depth_image_transport": never,
     "slop": is_number(0.0, 10.0),
     "max_jump": is_number(0.001, 1.0),
     "color": is_flag,
 }
-STEREO_MATCHER = {"slop": is_number(0.0, 10.0), "method": never, "full_image": is_flag}
+STEREO_MATCHER = {
+    "image_transport": never,
+    "slop": is_number(0.0, 10.0),
+    "method": never,
+    "full_image": is_flag,
+}
 OPERATION_PARAMS = {f"{one.name}_{param.name}" for one in operations() for param in one.params}
 USB_CAM_CONTROLS = (
     "brightness",

@@ -17,7 +17,6 @@ from std_srvs.srv import Empty, Trigger
     [
         ("brightness_node", "gain", -0.1, "gain is -0.1, must be from 0 to 10"),
         ("edge_detector_node", "aperture", 9, "aperture is 9, must be 3, 5 or 7"),
-        ("camera_node", "source", 7, "source is 7, must be a string"),
     ],
 )
 def test_bad_value_at_start_is_fatal(start, node, name, value, message):

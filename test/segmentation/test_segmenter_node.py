@@ -158,7 +158,6 @@ def test_parameters_are_changed_live(start):
     "name, value, text",
     [
         ("method", "magic", "method is magic, must be watershed, grab_cut"),
-        ("opening", 4, "opening is 4, must be odd and from 1 to 31"),
         ("paint", "red", "paint is red, must be distinct or mean"),
         ("clusters", 33, "clusters is 33, must be from 1 to 32"),
     ],

@@ -6,6 +6,7 @@
 #include <thread>
 #include <vector>
 
+#include "processes.hpp"
 #include "ros/shared_memory/lease_protocol.hpp"
 
 /// The leases between threads that write and read the very same memory: this is what ThreadSanitizer can watch.
@@ -84,14 +85,18 @@ TEST(LeaseThreads, neverReadWhatIsBeingWritten)
   std::array<std::uint64_t, kSlots> published;
   published.fill(lease::kBusy);
   std::uint64_t written = 0;
+  const processes::Clock::time_point end = processes::Clock::now() + processes::kDeadline;
   for (std::uint64_t turn = 0; written < kFrames || scene.read < kMinRead; ++turn)
   {
+    if (processes::Clock::now() > end) break;
     const std::size_t index = turn % kSlots;
     if (writeFrame(scene, index, published[index], 2 * written + 2)) ++written;
   }
   scene.ending = true;
   for (std::thread& thread : readers)
     thread.join();
+  EXPECT_GE(written, kFrames);
+  EXPECT_GE(scene.read, kMinRead);
   EXPECT_EQ(scene.torn, 0U);
   for (const Word& row : scene.rows)
     EXPECT_EQ(row, 0U);

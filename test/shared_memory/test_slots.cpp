@@ -435,10 +435,12 @@ TEST(Slots, areForAnyNumberOfThreads)
                 if (!error.concernsOneFrame()) ++board.torn;
               }
         });
-  for (std::uint64_t number = 0; board.held < 2000; ++number)
+  const processes::Clock::time_point end = processes::Clock::now() + processes::kDeadline;
+  for (std::uint64_t number = 0; board.held < 2000 && processes::Clock::now() < end; ++number)
     board.post(publish(writer, number));
   ending = true;
   for (std::thread& thread : readers)
     thread.join();
+  EXPECT_GE(board.held, 2000U);
   EXPECT_EQ(board.torn, 0U);
 }

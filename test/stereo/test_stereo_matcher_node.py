@@ -419,7 +419,6 @@ def test_it_is_a_nodelet_beside_others(start):
         ("method", "magic", "method is magic, must be bm, sgbm, sgbm_3way or hh"),
         ("p2", 100, "p2 is 100, must be above p1, 200"),
         ("slop", -1.0, "slop is -1, must be from 0 to 10"),
-        ("image_transport", "pigeon", "must be one that is installed: "),
     ],
 )
 def test_bad_value_at_start_is_fatal(start, name, value, text):

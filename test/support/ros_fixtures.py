@@ -30,6 +30,7 @@ def master(tmp_path_factory):
         ROS_HOME=str(folder),
         ROSCONSOLE_STDOUT_LINE_BUFFERED="1",
     )
+    os.environ.pop("ROS_LOG_DIR", None)  # which would take the logs from ROS_HOME
 
     def start(*command):
         return support.Process([*map(str, command)], folder / "master.log")

@@ -246,7 +246,9 @@ def test_a_bundle_is_read_as_it_was_written(tmp_path):
     ]
     write_bundles(str(path), bundles)
     assert [entry.name for entry in tmp_path.iterdir()] == ["bundles.yaml"]
-    for wrote, read in zip(bundles, read_bundles(path)):
+    as_read = read_bundles(path)
+    assert len(as_read) == len(bundles)
+    for wrote, read in zip(bundles, as_read):
         assert wrote.name == read.name
         assert [tag.id for tag in wrote.tags] == [tag.id for tag in read.tags]
         for one, two in zip(wrote.tags, read.tags):

@@ -32,6 +32,7 @@ def test_tags_and_their_bundle():
     other[:3, 3] = (body @ [0.4, 0.0, 0.0, 1.0])[:3]
     locator = TagLocator(layout(), TagPoseParams())
     tags, (bundle,) = locator.locate(0.0, [tag(1, body), tag(2, other)], CAMERA)
+    assert len(tags) == 2
     for located, truth in zip(tags, (body, other)):
         assert located.unique and np.allclose(located.poses.best.pose, truth, atol=1e-4)
     assert (bundle.name, bundle.ids) == ("body", [1, 2])
@@ -57,7 +58,7 @@ def test_a_tag_without_a_pose_does_not_take_its_bundle_along():
 def test_twins_are_in_no_bundle():
     twins = [tag(1, place(-0.3, 0.0, 1.5)), tag(1, place(0.3, 0.0, 1.5))]
     tags, bundles = TagLocator(layout(), TagPoseParams()).locate(0.0, twins, CAMERA)
-    assert bundles == []
+    assert bundles == [] and len(tags) == 2
     for located, x in zip(tags, (-0.3, 0.3)):
         assert not located.unique
         assert abs(located.poses.best.pose[0, 3] - x) < 1e-3

@@ -1,9 +1,11 @@
 """The two commands' promises: a clean environment, and a clear word on an unknown system."""
 
+import contextlib
 import os
 import pathlib
 import pty
 import re
+import select
 import shutil
 import signal
 import subprocess
@@ -328,17 +330,24 @@ def test_the_demo_cannot_be_stopped_in_a_way_that_locks_the_terminal():
     process, terminal = pty.fork()
     if process == 0:
         os.execl(sys.executable, "python3", "-c", IN_FOREGROUND, str(ROOT / "tools/demo"))
+    command, said = process, bytearray()
+
+    def has_begun():
+        if select.select([terminal], [], [], 0.0)[0]:
+            said.extend(os.read(terminal, 1000))
+        return b"begun" in said
+
     try:
-        while b"begun" not in os.read(terminal, 1000):
-            pass
+        wait_until(has_begun)
         wait_until(lambda: os.tcgetpgrp(terminal) not in (0, process))
         command = os.tcgetpgrp(terminal)
         os.write(terminal, b"\x1a\x03")
         wait_until(lambda: os.waitid(os.P_PID, process, os.WEXITED | os.WNOHANG | os.WNOWAIT))
         assert os.waitpid(process, 0) == (process, 0)
     except AssertionError:
-        for group in (command, process):
-            os.killpg(group, signal.SIGKILL)
+        for group in {command, process}:
+            with contextlib.suppress(ProcessLookupError):
+                os.killpg(group, signal.SIGKILL)
         raise
     finally:
         os.close(terminal)

@@ -271,12 +271,15 @@ TEST(ObjectTracker, seesNoPointsOutsideOfTheImage)
             {x + random.uniform(0, 14), y + random.uniform(0, 14), random.uniform(12, 24), random.uniform(12, 24)},
             cv::Scalar::all(random.uniform(150, 250)), cv::FILLED);
     ObjectTracker tracker = selected({}, label, {219.5, 119.5});
+    std::size_t seen = 0;
     for (int frame = 1; frame < 40; ++frame)
     {
       const cv::Mat image = with(label, {219.5 + 3.0 * frame, 119.5});
       const TrackedObject found = tracker.update(frame * kPeriod, image, "bgr8").at(0);
       for (const cv::Point2f& point : found.points)
         EXPECT_LT(point.x, 320.0F) << frame;
+      seen += found.points.size();
     }
+    EXPECT_GT(seen, 0U) << seed;
   }
 }

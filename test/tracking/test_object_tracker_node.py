@@ -243,7 +243,9 @@ def test_selection_is_followed_while_nobody_subscribes(start, diagnostics):
     assert found.center.x == pytest.approx(176.5, abs=0.5)
     desk.objects.close()
     desk.states.close()
-    rospy.sleep(0.3)
+    topics = "/eye/object", "/eye/state"
+    support.wait_for(lambda: not any(support.sends("/eye", one) for one in topics), "no subscriber")
+    diagnostics.next("eye")  # that of a period which had begun before
     assert diagnostics.next("eye").message != idle
     assert desk.forget(1).success
     support.wait_for(lambda: diagnostics.next("eye").message == idle, idle)
