@@ -143,6 +143,7 @@ LoadedMesh load(const std::string& path, const std::string& unit)
   loaded.open_edges = surface.open_edges;
   loaded.closed = surface.open_edges == 0;
   turnOutsideOut(mesh, surface.outsides);
+  turnNormals(mesh);
   addNormals(mesh, kCrease);
   tidy(mesh);
   validate(mesh);
