@@ -104,6 +104,18 @@ def test_a_texture_that_is_missing_is_a_warning(tmp_path):
     assert "skin.png cannot be read" in read_mesh(path).warnings[0]
 
 
+def test_a_texture_with_several_names_is_read_once(tmp_path):
+    cv2.imwrite(str(tmp_path / "skin.png"), np.full((2, 2, 3), 7, np.uint8))
+    names = [f"{'./' * number}skin.png" for number in range(4)]
+    materials = [f"newmtl skin{number}\nmap_Kd {name}\n" for number, name in enumerate(names)]
+    written(tmp_path / "a.mtl", "".join(materials))
+    vertices = "v 0 0 0\nv 0.3 0 0\nv 0 0.2 0\nv 0 0 0.1\nvt 0 0\nvt 1 0\nvt 0 1\n"
+    faces = ["f 1/1 3/2 2/3\n", "f 1/1 2/2 4/3\n", "f 1/1 4/2 3/3\n", "f 2/1 3/2 4/3\n"]
+    used = "".join(f"usemtl skin{number}\n{face}" for number, face in enumerate(faces))
+    mesh = read_mesh(written(tmp_path / "a.obj", "mtllib a.mtl\n" + vertices + used)).mesh
+    assert len(mesh.textures) == 1 and mesh.triangle_textures.tolist() == [0, 0, 0, 0]
+
+
 def test_a_collada_file_keeps_its_axes_and_has_its_unit_and_places(tmp_path):
     numbers = " ".join(map(str, (PYRAMID * 1000.0).ravel()))
     sides = " ".join(map(str, SIDES.ravel()))

@@ -2,9 +2,11 @@
 
 #include <assimp/scene.h>
 
+#include <cstdint>
 #include <map>
 #include <opencv2/core.hpp>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace robot_vision
@@ -27,14 +29,20 @@ public:
   const std::string& warnings() const { return warnings_; }
 
 private:
-  cv::Mat read(const std::string& name) const;
-  cv::Mat readFile(const std::string& name) const;
+  /// A part of the scene, or else the path of a file; neither: there is no such texture.
+  using Source = std::pair<const aiTexture*, std::string>;
+
+  Source sourceOf(const std::string& name) const;
+  std::string fileOf(const std::string& name) const;
+  int add(const std::string& name);
   void warn(const std::string& line);
 
   const aiScene& scene_;
   std::string folder_;
   std::map<std::string, int> known_;  // the indices of names, -1 of those that cannot be read
+  std::map<Source, int> indices_;     // of what has been read: one file may have several names
   std::vector<cv::Mat> images_;
+  std::uint64_t bytes_ = 0;  // of all images
   std::string warnings_;
 };
 
