@@ -174,6 +174,32 @@ def test_a_gltf_file_has_its_scene_and_materials(tmp_path, binary):
     assert tuple(loaded.mesh.color) == (255, 0, 0)
 
 
+@pytest.mark.parametrize("chosen", [0, 1, 5])
+def test_a_texture_of_a_gltf_file_has_the_coordinates_that_it_names(tmp_path, chosen):
+    cv2.imwrite(str(tmp_path / "skin.png"), np.full((2, 2, 3), 7, np.uint8))
+    document, data = gltf()
+    sets = [np.full((4, 2), value, "<f4") for value in (0.25, 0.75)]
+    for number, coordinates in enumerate(sets):
+        document["bufferViews"].append(
+            {"buffer": 0, "byteOffset": len(data), "byteLength": coordinates.nbytes}
+        )
+        document["accessors"].append(
+            {"bufferView": 2 + number, "componentType": 5126, "count": 4, "type": "VEC2"}
+        )
+        document["meshes"][0]["primitives"][0]["attributes"][f"TEXCOORD_{number}"] = 2 + number
+        data += coordinates.tobytes()
+    (tmp_path / "a.bin").write_bytes(data)
+    document["buffers"] = [{"byteLength": len(data), "uri": "a.bin"}]
+    document["images"], document["textures"] = [{"uri": "skin.png"}], [{"source": 0}]
+    texture = {"index": 0, "texCoord": chosen}
+    document["materials"] = [{"pbrMetallicRoughness": {"baseColorTexture": texture}}]
+    (tmp_path / "a.gltf").write_text(json.dumps(document))
+    mesh = read_mesh(str(tmp_path / "a.gltf")).mesh
+    assert (mesh.triangle_textures == 0).all()
+    # The first set stands in for one that is not there.
+    assert np.unique(mesh.texture_coordinates).tolist() == [0.75 if chosen == 1 else 0.25]
+
+
 def test_what_a_scene_mirrors_keeps_its_outside(tmp_path):
     path = tmp_path / "open.gltf"  # not closed, so that only the file can tell
     path.write_text(json.dumps(gltf(sides=SIDES[:3])[0]))

@@ -96,15 +96,17 @@ void SceneTextures::warn(const std::string& line)
   if (warnings_.size() + line.size() + 1 <= kMeshWarningBytes) warnings_ += line + "\n";
 }
 
-int SceneTextures::of(const aiMaterial& material)
+SceneTexture SceneTextures::of(const aiMaterial& material)
 {
   aiString name;
-  if (material.GetTexture(aiTextureType_BASE_COLOR, 0, &name) != AI_SUCCESS &&
-      material.GetTexture(aiTextureType_DIFFUSE, 0, &name) != AI_SUCCESS)
-    return -1;
+  SceneTexture texture;
+  const auto has = [&](aiTextureType type)
+  { return material.GetTexture(type, 0, &name, nullptr, &texture.coordinates) == AI_SUCCESS; };
+  if (!has(aiTextureType_BASE_COLOR) && !has(aiTextureType_DIFFUSE)) return {};
   const auto [known, is_new] = known_.try_emplace(name.C_Str(), -1);
   if (is_new) known->second = add(known->first);
-  return known->second;
+  texture.image = known->second;
+  return texture;
 }
 
 int SceneTextures::add(const std::string& name)

@@ -12,6 +12,12 @@
 namespace robot_vision
 {
 
+struct SceneTexture
+{
+  int image = -1;            // index; -1: there is none
+  unsigned coordinates = 0;  // which of a mesh's sets of coordinates it has
+};
+
 /// The textures of the materials of a scene, which are files beside it or parts of it. One that cannot be read is left
 /// out, with a warning.
 class SceneTextures
@@ -20,8 +26,8 @@ public:
   /// `path` is that of the file of the scene.
   SceneTextures(const aiScene& scene, const std::string& path);
 
-  /// The index of the image of a material's color; -1: it has none.
-  int of(const aiMaterial& material);
+  /// That of a material's color.
+  SceneTexture of(const aiMaterial& material);
 
   const std::vector<cv::Mat>& images() const { return images_; }
 

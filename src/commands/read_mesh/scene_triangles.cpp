@@ -41,6 +41,15 @@ public:
   }
 
 private:
+  struct Placed
+  {
+    const aiMesh& mesh;
+    const aiMatrix4x4& pose;
+    aiMatrix3x3 normal_pose;
+    cv::Vec3b color;       // of vertices without one
+    unsigned coordinates;  // the set of those of its texture
+  };
+
   void addNode(const aiNode& node, const aiMatrix4x4& parent)
   {
     const aiMatrix4x4 pose = parent * node.mTransformation;
@@ -59,17 +68,18 @@ private:
                                   " triangles, must have at most " + std::to_string(kMaxMeshTriangles));
     const aiMaterial* material =
         mesh.mMaterialIndex < scene_.mNumMaterials ? scene_.mMaterials[mesh.mMaterialIndex] : nullptr;
-    const int texture = mesh.HasTextureCoords(0) && material != nullptr ? textures_.of(*material) : -1;
-    const aiMatrix3x3 normal_pose = aiMatrix3x3(pose).Inverse().Transpose();
-    const cv::Vec3b color = toBgr(colorOf(material));
+    const SceneTexture texture =
+        mesh.GetNumUVChannels() > 0 && material != nullptr ? textures_.of(*material) : SceneTexture();
+    const unsigned coordinates = mesh.HasTextureCoords(texture.coordinates) ? texture.coordinates : 0;
+    const Placed placed = {mesh, pose, aiMatrix3x3(pose).Inverse().Transpose(), toBgr(colorOf(material)), coordinates};
     // What no triangle has is left out: it could be any number of vertices.
     std::vector<int> places(mesh.mNumVertices, -1);
     const auto place_of = [&](unsigned vertex)
     {
-      if (places[vertex] < 0) places[vertex] = addVertex(mesh, vertex, pose, normal_pose, color);
+      if (places[vertex] < 0) places[vertex] = addVertex(placed, vertex);
       return places[vertex];
     };
-    addFaces(mesh, place_of, pose.Determinant() < 0.0F, texture);
+    addFaces(mesh, place_of, pose.Determinant() < 0.0F, texture.image);
   }
 
   std::uint64_t countAll() const
@@ -87,15 +97,16 @@ private:
     return diffuse;
   }
 
-  /// Returns its index. `color` is that of vertices without one.
-  int addVertex(const aiMesh& mesh, unsigned i, const aiMatrix4x4& pose, const aiMatrix3x3& normal_pose,
-                const cv::Vec3b& color)
+  /// Returns its index.
+  int addVertex(const Placed& placed, unsigned i)
   {
-    result_.vertices.push_back(toVector(pose * mesh.mVertices[i]));
-    result_.normals.push_back(mesh.HasNormals() ? toVector(normal_pose * mesh.mNormals[i]) : cv::Vec3f());
-    const aiVector3D uv = mesh.HasTextureCoords(0) ? mesh.mTextureCoords[0][i] : aiVector3D();
+    const aiMesh& mesh = placed.mesh;
+    result_.vertices.push_back(toVector(placed.pose * mesh.mVertices[i]));
+    result_.normals.push_back(mesh.HasNormals() ? toVector(placed.normal_pose * mesh.mNormals[i]) : cv::Vec3f());
+    const unsigned set = placed.coordinates;
+    const aiVector3D uv = mesh.HasTextureCoords(set) ? mesh.mTextureCoords[set][i] : aiVector3D();
     result_.texture_coordinates.emplace_back(static_cast<float>(uv.x), static_cast<float>(uv.y));
-    result_.colors.push_back(mesh.HasVertexColors(0) ? toBgr(mesh.mColors[0][i]) : color);
+    result_.colors.push_back(mesh.HasVertexColors(0) ? toBgr(mesh.mColors[0][i]) : placed.color);
     return static_cast<int>(result_.vertices.size()) - 1;
   }
 
