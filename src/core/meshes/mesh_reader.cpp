@@ -143,7 +143,7 @@ LoadedMesh load(const std::string& path, const std::string& unit)
   loaded.closed = surface.open_edges == 0;
   turnOutsideOut(mesh, surface.outsides);
   turnNormals(mesh);
-  addNormals(mesh, kCrease);
+  addNormals(mesh, surface.places, kCrease);
   tidy(mesh);
   validate(mesh);
   addWarnings(loaded);
