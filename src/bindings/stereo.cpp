@@ -82,7 +82,7 @@ void bindRectifier(py::module& m)
       .def_property_readonly("camera", &Rectifier::camera, "the RectifiedCamera")
       .def_property_readonly(
           "seen", [](const Rectifier& rectifier) { return toPython(rectifier.seen().clone()); },
-          "(height, width) uint8, 255 where the camera sees something, else 0");
+          "(height, width) uint8, 255 where the camera sees something, else 0, also beyond what the lens shows");
 }
 
 py::array matched(StereoMatcher& matcher, const py::array& left, const py::array& right, const std::string& encoding,

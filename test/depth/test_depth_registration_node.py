@@ -7,8 +7,11 @@ import pytest
 import rosgraph
 import rospy
 import support
-from rgbd_cameras import SIZES, RgbdCameras, depth_to_color, info_of, model_of
+from geometry_msgs.msg import TransformStamped
+from rgbd_cameras import BASELINE, SIZES, RgbdCameras, depth_to_color, info_of, model_of
+from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import CameraInfo, Image, PointCloud2, PointField
+from tf2_msgs.msg import TFMessage
 
 import robot_vision as rv
 
@@ -148,6 +151,42 @@ def test_parameters_and_places_change_live(start):
         return not same(pixels(watched.answers()["image_raw"]), found)
 
     support.wait_for(moved, "the other place")
+
+
+@pytest.fixture
+def clock():
+    """clock(s) sets the simulated time."""
+    rospy.set_param("/use_sim_time", True)
+    publisher = rospy.Publisher("/clock", Clock, queue_size=1, latch=True)
+    yield lambda seconds: publisher.publish(Clock(clock=rospy.Time(seconds)))
+    publisher.unregister()
+    rospy.delete_param("/use_sim_time")
+
+
+def test_what_was_said_before_the_time_went_back_is_forgotten(start, clock):
+    watched = Watched(start, placed=False)
+    moving = rospy.Publisher("/tf", TFMessage, queue_size=1)
+
+    def shown(seconds, x):
+        """What the node makes of a frame at a time when the depth camera is at x."""
+        transform = TransformStamped(child_frame_id=watched.cameras.frames["depth"])
+        transform.header.frame_id = watched.cameras.frames["rgb"]
+        transform.header.stamp = rospy.Time(seconds)
+        transform.transform.translation.x = x
+        transform.transform.rotation.w = 1.0
+        clock(seconds)
+        moving.publish([transform])
+        watched.show(MILLIMETRES, "16UC1")
+        received = watched.topics["image_raw"].received
+        return pixels(received[-1]) if received else np.zeros(0)
+
+    def expects(depth, *situation):
+        support.wait_for(lambda: same(shown(*situation), depth), f"depth of {situation}")
+
+    expects(expected_of(MILLIMETRES), 1000, -BASELINE)
+    cameras = [model_of(info_of(camera)) for camera in SIZES]
+    expects(rv.DepthRegistration(*cameras, np.eye(4)).apply(MILLIMETRES), 500, 0.0)
+    moving.unregister()
 
 
 def test_cameras_without_frames_are_not_taken_for_one(start):

@@ -130,6 +130,51 @@ TEST(CameraModel, givesNanForPixelsThatNoRayReaches)
     EXPECT_TRUE(std::isnan(camera.project({0.1, 0.1, z}).x));
 }
 
+TEST(CameraModel, raysAreOfTheFirstBranchOfADistortion)
+{
+  // What these lenses show grows up to the radius `turn`, falls, and grows again: beyond `turn` in the image is no ray.
+  struct Lens
+  {
+    double focal_length;
+    std::vector<double> D;
+    std::string model;
+  };
+  for (const Lens& lens : {Lens{330, {0.05, -0.2, 0, 0, 0.04}, "plumb_bob"}, Lens{500, {-0.5, 0.1, 0, 0}, "plumb_bob"},
+                           Lens{360, {0.1, -0.3, 0, 0, 0.05}, "plumb_bob"},
+                           Lens{500, {-0.5, 0.1, 0, 0, 0, 0.02, 0, 0}, "rational_polynomial"},
+                           Lens{400, {-0.6, 0.14, 0.01, 0}, "equidistant"}})
+  {
+    CameraModel camera = cameraWith(lens.D, lens.model);
+    camera.K = {lens.focal_length, 0, 320, 0, lens.focal_length, 240, 0, 0, 1};
+    const auto shown = [&camera, &lens](double radius) {
+      return (camera.project({radius, 0.0, 1.0}).x - 320.0) / lens.focal_length;
+    };
+    double turn = 0.0;
+    while (shown(turn + 1e-4) > shown(turn))
+      turn += 1e-4;
+    ASSERT_GT(shown(20.0), shown(turn)) << "there must be a second branch";
+    const RayTable table = rayTable(camera);
+    int beyond = 0;
+    for (int y = 0; y < camera.height; y += 3)
+      for (int x = 0; x < camera.width; x += 3)
+      {
+        const cv::Point2d at((x - 320.0) / lens.focal_length, (y - 240.0) / lens.focal_length);
+        const cv::Point2d ray(table.x.at<float>(y, x), table.y.at<float>(y, x)), alone = camera.ray(cv::Point2d(x, y));
+        const double seen = cv::norm(at), radius = cv::norm(ray);
+        if (std::abs(seen - shown(turn)) < 1e-5) continue;
+        ASSERT_EQ(std::isnan(alone.x), seen > shown(turn)) << x << " " << y << " " << lens.D[0];
+        ASSERT_EQ(std::isnan(ray.x), seen > shown(turn)) << x << " " << y << " " << lens.D[0];
+        beyond += std::isnan(ray.x) ? 1 : 0;
+        if (std::isnan(ray.x)) continue;
+        ASSERT_LT(cv::norm(ray - alone), 1e-4 * (1.0 + radius)) << x << " " << y;
+        ASSERT_LT(radius, turn + 1e-4);
+        ASSERT_NEAR(shown(radius), seen, 1e-6) << x << " " << y;
+        ASSERT_GE(ray.dot(at), 0.0);
+      }
+    EXPECT_GT(beyond, 20) << lens.D[0];
+  }
+}
+
 TEST(CameraModel, namesWhatIsWrongWithARectification)
 {
   const cv::Matx33d R = cv::Matx33d::eye();

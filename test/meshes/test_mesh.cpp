@@ -161,7 +161,7 @@ TEST(Tidying, dropsWhatHasNoArea)
 TEST(AddedNormals, areSmoothButForSharpEdges)
 {
   Mesh mesh = cube(0.1F);
-  addNormals(mesh, 40.0);
+  addNormals(mesh, meshSurface(mesh).places, 40.0);
   tidy(mesh);
   EXPECT_EQ(mesh.vertices.size(), 24U);
   for (std::size_t i = 0; i < mesh.triangles.size(); ++i)
@@ -172,7 +172,7 @@ TEST(AddedNormals, areSmoothButForSharpEdges)
       EXPECT_NEAR(cv::norm(mesh.normals[static_cast<std::size_t>(vertex)] - normal), 0.0, 1e-6);
     }
   Mesh round = cube(0.1F);
-  addNormals(round, 100.0);
+  addNormals(round, meshSurface(round).places, 100.0);
   tidy(round);
   EXPECT_EQ(round.vertices.size(), 8U);
   for (std::size_t i = 0; i < 8; ++i)  // outwards along the diagonals

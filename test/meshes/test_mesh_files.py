@@ -4,7 +4,7 @@ import pathlib
 
 import numpy as np
 import pytest
-from mesh_files import PYRAMID, SIDES, obj, shape
+from mesh_files import PYRAMID, SIDES, obj, shape, written
 
 import robot_vision as rv
 from robot_vision.meshes import mesh_sheet, read_mesh, write_mesh
@@ -36,6 +36,29 @@ def test_points_and_lines_are_left_out(tmp_path):
 def test_what_is_inside_out_is_turned(tmp_path):
     loaded = read_mesh(obj(tmp_path / "a.obj", sides=SIDES[:, ::-1]))
     assert shape(loaded.mesh) == shape(rv.Mesh(PYRAMID, SIDES))
+
+
+@pytest.mark.parametrize("closed", [True, False])
+@pytest.mark.parametrize("winding", ["right", "turned"])
+@pytest.mark.parametrize("normals", ["right", "turned"])
+def test_normals_point_to_the_outside_whatever_the_file_has(tmp_path, closed, winding, normals):
+    sides = SIDES if closed else SIDES[:3]
+    if winding == "turned":
+        sides = sides[:, ::-1]
+    middle = PYRAMID.mean(axis=0)
+    out = (PYRAMID - middle) * (1 if normals == "right" else -1)
+    lines = ["v " + " ".join(map(str, place)) for place in PYRAMID]
+    lines += ["vn " + " ".join(map(str, normal)) for normal in out]
+    lines += ["f " + " ".join(f"{i + 1}//{i + 1}" for i in side) for side in sides]
+    mesh = read_mesh(written(tmp_path / "a.obj", "\n".join([*lines, ""]))).mesh
+    # No side of an open surface is the inside: its normals are those of its triangles.
+    sign = 1 if closed or winding == "right" else -1
+    assert shape(mesh) == shape(rv.Mesh(PYRAMID, SIDES if closed else sides))
+    expected = sign * (PYRAMID - middle)
+    expected /= np.linalg.norm(expected, axis=1, keepdims=True)
+    for place, normal in zip(mesh.vertices, mesh.normals):
+        nearest = np.linalg.norm(PYRAMID - place, axis=1).argmin()
+        assert np.allclose(normal, expected[nearest], atol=1e-5)
 
 
 def test_what_is_not_closed_or_has_no_area_is_told(tmp_path):

@@ -104,6 +104,18 @@ def test_a_texture_that_is_missing_is_a_warning(tmp_path):
     assert "skin.png cannot be read" in read_mesh(path).warnings[0]
 
 
+def test_a_texture_with_several_names_is_read_once(tmp_path):
+    cv2.imwrite(str(tmp_path / "skin.png"), np.full((2, 2, 3), 7, np.uint8))
+    names = [f"{'./' * number}skin.png" for number in range(4)]
+    materials = [f"newmtl skin{number}\nmap_Kd {name}\n" for number, name in enumerate(names)]
+    written(tmp_path / "a.mtl", "".join(materials))
+    vertices = "v 0 0 0\nv 0.3 0 0\nv 0 0.2 0\nv 0 0 0.1\nvt 0 0\nvt 1 0\nvt 0 1\n"
+    faces = ["f 1/1 3/2 2/3\n", "f 1/1 2/2 4/3\n", "f 1/1 4/2 3/3\n", "f 2/1 3/2 4/3\n"]
+    used = "".join(f"usemtl skin{number}\n{face}" for number, face in enumerate(faces))
+    mesh = read_mesh(written(tmp_path / "a.obj", "mtllib a.mtl\n" + vertices + used)).mesh
+    assert len(mesh.textures) == 1 and mesh.triangle_textures.tolist() == [0, 0, 0, 0]
+
+
 def test_a_collada_file_keeps_its_axes_and_has_its_unit_and_places(tmp_path):
     numbers = " ".join(map(str, (PYRAMID * 1000.0).ravel()))
     sides = " ".join(map(str, SIDES.ravel()))
@@ -160,6 +172,32 @@ def test_a_gltf_file_has_its_scene_and_materials(tmp_path, binary):
     )  # mirrored, and outside still out
     assert loaded.closed and loaded.unit == "m"
     assert tuple(loaded.mesh.color) == (255, 0, 0)
+
+
+@pytest.mark.parametrize("chosen", [0, 1, 5])
+def test_a_texture_of_a_gltf_file_has_the_coordinates_that_it_names(tmp_path, chosen):
+    cv2.imwrite(str(tmp_path / "skin.png"), np.full((2, 2, 3), 7, np.uint8))
+    document, data = gltf()
+    sets = [np.full((4, 2), value, "<f4") for value in (0.25, 0.75)]
+    for number, coordinates in enumerate(sets):
+        document["bufferViews"].append(
+            {"buffer": 0, "byteOffset": len(data), "byteLength": coordinates.nbytes}
+        )
+        document["accessors"].append(
+            {"bufferView": 2 + number, "componentType": 5126, "count": 4, "type": "VEC2"}
+        )
+        document["meshes"][0]["primitives"][0]["attributes"][f"TEXCOORD_{number}"] = 2 + number
+        data += coordinates.tobytes()
+    (tmp_path / "a.bin").write_bytes(data)
+    document["buffers"] = [{"byteLength": len(data), "uri": "a.bin"}]
+    document["images"], document["textures"] = [{"uri": "skin.png"}], [{"source": 0}]
+    texture = {"index": 0, "texCoord": chosen}
+    document["materials"] = [{"pbrMetallicRoughness": {"baseColorTexture": texture}}]
+    (tmp_path / "a.gltf").write_text(json.dumps(document))
+    mesh = read_mesh(str(tmp_path / "a.gltf")).mesh
+    assert (mesh.triangle_textures == 0).all()
+    # The first set stands in for one that is not there.
+    assert np.unique(mesh.texture_coordinates).tolist() == [0.75 if chosen == 1 else 0.25]
 
 
 def test_what_a_scene_mirrors_keeps_its_outside(tmp_path):

@@ -80,4 +80,11 @@ TEST(MeshStream, isRefusedForWhatReadMeshDoesNotWrite)
   for (const std::string& bytes : {stream() + "x", "x" + stream(), stream(3), stream(-1), stream(2, 1), stream(2, -2),
                                    stream(2, 0, 0), stream(2, 0, 5000)})
     EXPECT_EQ(refusal<std::runtime_error>([&] { parseMeshStream(bytes); }), unknown);
+  // It has no vertices but those of triangles: more of them are refused before they are read.
+  MeshStreamHeader header = {};
+  std::copy(std::begin(kMeshStreamMagic), std::end(kMeshStreamMagic), header.magic);
+  header.vertices = 3 * kMaxMeshTriangles + 1;
+  std::string many;
+  append(many, header);
+  EXPECT_EQ(refusal<std::runtime_error>([&] { parseMeshStream(many); }), unknown);
 }

@@ -58,6 +58,36 @@ def test_what_is_seen_is_what_lies_in_the_image(lens):
     assert np.array_equal(rv.Rectifier(camera(lens)).seen, np.where(inside, 255, 0))
 
 
+def test_what_the_lens_does_not_show_is_not_seen():
+    """OpenCV's maps lead back into the image there."""
+    lens = rv.CameraModel(
+        *SIZE, [[105, 0, 80], [0, 105, 60], [0, 0, 1]], [-0.35, 0.12, 0, 0, -0.02]
+    )
+    focal_length = 50.0  # px: the corners of the rectified image are at 2.0 on the plane z = 1
+    wide = [[focal_length, 0, 80, -5], [0, focal_length, 60, 0], [0, 0, 1, 0]]
+    rectified = rv.RectifiedCamera(lens, np.eye(3), wide)
+    radii = np.linspace(0.0, 2.5, 10001)
+    shown = lens.project(np.stack([radii, 0 * radii, radii**0], -1))[0][:, 0]
+    turn = radii[np.argmax(shown)]
+    rows, columns = np.mgrid[:HEIGHT, :WIDTH]
+    radius = np.hypot(columns - 80, rows - 60) / focal_length
+    x, y = cv2.convertMaps(
+        *cv2.initUndistortRectifyMap(
+            np.float64(lens.K),
+            np.float64(lens.D),
+            np.eye(3),
+            rectified.P[:, :3],
+            SIZE,
+            cv2.CV_16SC2,
+        ),
+        cv2.CV_32FC1,
+    )
+    inside = (x >= 0) & (x <= WIDTH - 1) & (y >= 0) & (y <= HEIGHT - 1)
+    assert (inside & (radius > turn)).sum() > 100
+    seen = rv.Rectifier(rectified).seen
+    assert np.array_equal(seen, np.where(inside & (radius < turn), 255, 0))
+
+
 def test_a_straight_line_through_a_bent_lens_is_straight_again():
     """The camera's own model, not OpenCV, says where the points of a line are seen."""
     lens = camera("plumb_bob")

@@ -28,7 +28,8 @@ public:
   /// modified. Throws std::invalid_argument if it is not of `encoding`, or not of the camera's size.
   void apply(const cv::Mat& image, const std::string& encoding, const std::string& wanted, cv::Mat& out);
 
-  /// CV_8UC1 of the rectified image's size: 255 where the camera sees something, else 0.
+  /// CV_8UC1 of the rectified image's size: 255 where the camera sees something, else 0. Beyond what the lens shows it
+  /// is 0, too, where the maps lead back into the image.
   const cv::Mat& seen() const;
 
 private:

@@ -50,6 +50,19 @@ cv::Mat reduced(const cv::Mat& image)
   return smaller;
 }
 
+/// Empty if it cannot be read. `source` is a part of the scene, or else the path of a file.
+cv::Mat read(const std::pair<const aiTexture*, std::string>& source)
+try
+{
+  const auto& [texture, path] = source;
+  return reduced(texture != nullptr ? embedded(*texture)
+                                    : cv::imread(path, cv::IMREAD_COLOR | cv::IMREAD_IGNORE_ORIENTATION));
+}
+catch (const cv::Exception&)
+{
+  return {};
+}
+
 bool isReadable(const fs::path& path)
 {
   std::error_code error;
@@ -83,47 +96,55 @@ void SceneTextures::warn(const std::string& line)
   if (warnings_.size() + line.size() + 1 <= kMeshWarningBytes) warnings_ += line + "\n";
 }
 
-int SceneTextures::of(const aiMaterial& material)
+SceneTexture SceneTextures::of(const aiMaterial& material)
 {
   aiString name;
-  if (material.GetTexture(aiTextureType_BASE_COLOR, 0, &name) != AI_SUCCESS &&
-      material.GetTexture(aiTextureType_DIFFUSE, 0, &name) != AI_SUCCESS)
-    return -1;
-  const auto known = known_.find(name.C_Str());
-  if (known != known_.end()) return known->second;
-  cv::Mat image;
-  if (images_.size() < kMaxMeshTextures) image = reduced(read(name.C_Str()));
-  if (image.empty())
-    warn(std::string("the texture ") + name.C_Str() +
-         (images_.size() < kMaxMeshTextures ? " cannot be read" : " is one too many") +
-         ": what has it is of one color");
-  const int index = image.empty() ? -1 : static_cast<int>(images_.size());
-  if (!image.empty()) images_.push_back(image.isContinuous() ? image : image.clone());
-  known_[name.C_Str()] = index;
-  return index;
+  SceneTexture texture;
+  const auto has = [&](aiTextureType type)
+  { return material.GetTexture(type, 0, &name, nullptr, &texture.coordinates) == AI_SUCCESS; };
+  if (!has(aiTextureType_BASE_COLOR) && !has(aiTextureType_DIFFUSE)) return {};
+  const auto [known, is_new] = known_.try_emplace(name.C_Str(), -1);
+  if (is_new) known->second = add(known->first);
+  texture.image = known->second;
+  return texture;
 }
 
-cv::Mat SceneTextures::read(const std::string& name) const
-try
+int SceneTextures::add(const std::string& name)
+{
+  const Source source = sourceOf(name);
+  const auto same = indices_.find(source);
+  if (same != indices_.end()) return same->second;
+  bool is_too_many = images_.size() >= kMaxMeshTextures;
+  const cv::Mat image = is_too_many ? cv::Mat() : read(source);
+  const std::uint64_t bytes = image.total() * image.elemSize();
+  is_too_many = is_too_many || bytes_ + bytes > kMaxTextureBytes;
+  if (is_too_many || image.empty())
+  {
+    warn("the texture " + name + (is_too_many ? " is one too many" : " cannot be read") +
+         ": what has it is of one color");
+    return -1;
+  }
+  bytes_ += bytes;
+  images_.push_back(image.isContinuous() ? image : image.clone());
+  return indices_[source] = static_cast<int>(images_.size()) - 1;
+}
+
+SceneTextures::Source SceneTextures::sourceOf(const std::string& name) const
 {
   const aiTexture* texture = scene_.GetEmbeddedTexture(name.c_str());
-  return texture != nullptr ? embedded(*texture) : readFile(name);
-}
-catch (const cv::Exception&)
-{
-  return {};
+  return {texture, texture != nullptr ? "" : fileOf(name)};
 }
 
 /// Many files name their textures as they were on the machine that made them. So a file of this name beside the mesh
 /// will do.
-cv::Mat SceneTextures::readFile(const std::string& name) const
+std::string SceneTextures::fileOf(const std::string& name) const
 {
   std::string path = unescaped(name);
   std::replace(path.begin(), path.end(), '\\', '/');
   const fs::path beside = fs::path(folder_) / fs::path(path).filename();
   for (const fs::path& candidate : {fs::path(folder_) / name, fs::path(folder_) / path, beside})
-    if (isReadable(candidate)) return cv::imread(candidate.string(), cv::IMREAD_COLOR | cv::IMREAD_IGNORE_ORIENTATION);
-  return {};
+    if (isReadable(candidate)) return fs::canonical(candidate).string();
+  return "";
 }
 
 }  // namespace robot_vision

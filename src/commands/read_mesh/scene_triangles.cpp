@@ -41,6 +41,15 @@ public:
   }
 
 private:
+  struct Placed
+  {
+    const aiMesh& mesh;
+    const aiMatrix4x4& pose;
+    aiMatrix3x3 normal_pose;
+    cv::Vec3b color;       // of vertices without one
+    unsigned coordinates;  // the set of those of its texture
+  };
+
   void addNode(const aiNode& node, const aiMatrix4x4& parent)
   {
     const aiMatrix4x4 pose = parent * node.mTransformation;
@@ -57,12 +66,20 @@ private:
     if (count_ > kMaxMeshTriangles)
       throw std::invalid_argument("it has " + std::to_string(std::max<std::uint64_t>(count_, countAll())) +
                                   " triangles, must have at most " + std::to_string(kMaxMeshTriangles));
-    const auto first = static_cast<int>(result_.vertices.size());
     const aiMaterial* material =
         mesh.mMaterialIndex < scene_.mNumMaterials ? scene_.mMaterials[mesh.mMaterialIndex] : nullptr;
-    const int texture = mesh.HasTextureCoords(0) && material != nullptr ? textures_.of(*material) : -1;
-    addVertices(mesh, pose, material);
-    addFaces(mesh, first, pose.Determinant() < 0.0F, texture);
+    const SceneTexture texture =
+        mesh.GetNumUVChannels() > 0 && material != nullptr ? textures_.of(*material) : SceneTexture();
+    const unsigned coordinates = mesh.HasTextureCoords(texture.coordinates) ? texture.coordinates : 0;
+    const Placed placed = {mesh, pose, aiMatrix3x3(pose).Inverse().Transpose(), toBgr(colorOf(material)), coordinates};
+    // What no triangle has is left out: it could be any number of vertices.
+    std::vector<int> places(mesh.mNumVertices, -1);
+    const auto place_of = [&](unsigned vertex)
+    {
+      if (places[vertex] < 0) places[vertex] = addVertex(placed, vertex);
+      return places[vertex];
+    };
+    addFaces(mesh, place_of, pose.Determinant() < 0.0F, texture.image);
   }
 
   std::uint64_t countAll() const
@@ -73,22 +90,28 @@ private:
     return count;
   }
 
-  void addVertices(const aiMesh& mesh, const aiMatrix4x4& pose, const aiMaterial* material)
+  static aiColor4D colorOf(const aiMaterial* material)
   {
-    const aiMatrix3x3 normal_pose = aiMatrix3x3(pose).Inverse().Transpose();
     aiColor4D diffuse(0.63F, 0.63F, 0.63F, 1.0F);
     if (material != nullptr) material->Get(AI_MATKEY_COLOR_DIFFUSE, diffuse);
-    for (unsigned i = 0; i < mesh.mNumVertices; ++i)
-    {
-      result_.vertices.push_back(toVector(pose * mesh.mVertices[i]));
-      result_.normals.push_back(mesh.HasNormals() ? toVector(normal_pose * mesh.mNormals[i]) : cv::Vec3f());
-      const aiVector3D uv = mesh.HasTextureCoords(0) ? mesh.mTextureCoords[0][i] : aiVector3D();
-      result_.texture_coordinates.emplace_back(static_cast<float>(uv.x), static_cast<float>(uv.y));
-      result_.colors.push_back(toBgr(mesh.HasVertexColors(0) ? mesh.mColors[0][i] : diffuse));
-    }
+    return diffuse;
   }
 
-  void addFaces(const aiMesh& mesh, int first, bool mirrored, int texture)
+  /// Returns its index.
+  int addVertex(const Placed& placed, unsigned i)
+  {
+    const aiMesh& mesh = placed.mesh;
+    result_.vertices.push_back(toVector(placed.pose * mesh.mVertices[i]));
+    result_.normals.push_back(mesh.HasNormals() ? toVector(placed.normal_pose * mesh.mNormals[i]) : cv::Vec3f());
+    const unsigned set = placed.coordinates;
+    const aiVector3D uv = mesh.HasTextureCoords(set) ? mesh.mTextureCoords[set][i] : aiVector3D();
+    result_.texture_coordinates.emplace_back(static_cast<float>(uv.x), static_cast<float>(uv.y));
+    result_.colors.push_back(mesh.HasVertexColors(0) ? toBgr(mesh.mColors[0][i]) : placed.color);
+    return static_cast<int>(result_.vertices.size()) - 1;
+  }
+
+  template <class PlaceOf>
+  void addFaces(const aiMesh& mesh, const PlaceOf& place_of, bool mirrored, int texture)
   {
     for (unsigned i = 0; i < mesh.mNumFaces; ++i)
     {
@@ -97,8 +120,7 @@ private:
       const unsigned a = face.mIndices[0], b = face.mIndices[mirrored ? 2 : 1], c = face.mIndices[mirrored ? 1 : 2];
       if (std::max({a, b, c}) >= mesh.mNumVertices)
         throw std::invalid_argument("a triangle has a vertex that is not there");
-      result_.triangles.emplace_back(first + static_cast<int>(a), first + static_cast<int>(b),
-                                     first + static_cast<int>(c));
+      result_.triangles.emplace_back(place_of(a), place_of(b), place_of(c));
       result_.triangle_textures.push_back(texture);
     }
   }

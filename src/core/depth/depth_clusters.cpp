@@ -6,6 +6,8 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "core/common/joined_sets.hpp"
+
 namespace robot_vision
 {
 namespace
@@ -46,7 +48,7 @@ std::vector<int> DepthClusters::find(const cv::Mat& depths, float gap, cv::Mat& 
     {
       auto& label = labels.at<std::int32_t>(y, x);
       if (label == 0) continue;
-      int& number = numbers[static_cast<std::size_t>(rootOf(label))];
+      int& number = numbers[static_cast<std::size_t>(rootOf(parents_, label))];
       if (number == 0)
       {
         pixels.push_back(0);
@@ -58,27 +60,16 @@ std::vector<int> DepthClusters::find(const cv::Mat& depths, float gap, cv::Mat& 
   return pixels;
 }
 
-int DepthClusters::rootOf(int label)
-{
-  while (parents_[static_cast<std::size_t>(label)] != label)
-  {
-    int& parent = parents_[static_cast<std::size_t>(label)];
-    parent = parents_[static_cast<std::size_t>(parent)];  // halves the way for the next one
-    label = parent;
-  }
-  return label;
-}
-
 /// Gives a pixel the label of a neighbour, or makes one tree of both.
 void DepthClusters::join(int& label, int other)
 {
-  const int root = rootOf(other);
+  const int root = rootOf(parents_, other);
   if (label == 0)
   {
     label = root;
     return;
   }
-  const int own = rootOf(label), least = std::min(own, root);
+  const int own = rootOf(parents_, label), least = std::min(own, root);
   parents_[static_cast<std::size_t>(own)] = parents_[static_cast<std::size_t>(root)] = least;
   label = least;
 }

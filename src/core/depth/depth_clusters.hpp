@@ -16,7 +16,6 @@ public:
   std::vector<int> find(const cv::Mat& depths, float gap, cv::Mat& labels);
 
 private:
-  int rootOf(int label);
   void join(int& label, int other);
 
   std::vector<int> parents_;  // of provisional labels; the root of a tree is its own

@@ -47,7 +47,7 @@ LensKind kindOf(const CameraModel& camera)
 
 double lensRadius(const CameraModel& camera, double margin)
 {
-  const Distortion distortion(camera);
+  const Undistortion lens(camera);
   const double widest = widestAngle(camera, margin);
   double radius = 0.0;
   for (int step = 1; step <= kAngles; ++step)
@@ -57,7 +57,7 @@ double lensRadius(const CameraModel& camera, double margin)
     {
       const double direction = 2.0 * CV_PI * i / kDirections;
       const cv::Point2d point(next * std::cos(direction), next * std::sin(direction));
-      if (!Distortion::holds(distortion.distort(point), point)) return radius;
+      if (!lens.holds(point)) return radius;
     }
     radius = next;
   }

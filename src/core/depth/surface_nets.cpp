@@ -6,6 +6,8 @@
 #include <numeric>
 #include <utility>
 
+#include "core/common/joined_sets.hpp"
+
 namespace robot_vision
 {
 namespace
@@ -102,18 +104,6 @@ private:
   std::vector<int> cells_;  // vertices
   NetSurface surface_;
 };
-
-/// The first vertex of the piece that a vertex is of.
-int rootOf(std::vector<int>& parents, int vertex)
-{
-  while (parents[static_cast<std::size_t>(vertex)] != vertex)
-  {
-    int& parent = parents[static_cast<std::size_t>(vertex)];
-    parent = parents[static_cast<std::size_t>(parent)];
-    vertex = parent;
-  }
-  return vertex;
-}
 
 }  // namespace
 

@@ -130,13 +130,13 @@ Projection CameraModel::projection(const cv::Point3d& point) const
 cv::Point2d CameraModel::ray(const cv::Point2d& pixel) const
 {
   const cv::Point2d target = normalized(*this, pixel);
-  return Distortion(*this).undistort(target, target);
+  return Undistortion(*this).undistort(target, target);
 }
 
 RayTable rayTable(const CameraModel& camera)
 {
   RayTable table{cv::Mat(camera.height, camera.width, CV_32FC1), cv::Mat(camera.height, camera.width, CV_32FC1)};
-  const Distortion distortion(camera);
+  const Undistortion lens(camera);
   for (int row = 0; row < camera.height; ++row)
   {
     float* xs = table.x.ptr<float>(row);
@@ -146,7 +146,9 @@ RayTable rayTable(const CameraModel& camera)
     {
       // The ray of the neighbouring pixel is a good first guess, which saves most iterations.
       const cv::Point2d target = normalized(camera, cv::Point2d(column, row));
-      ray = distortion.undistort(target, std::isnan(ray.x) ? target : ray);
+      const bool guided = !std::isnan(ray.x);
+      ray = lens.undistort(target, guided ? ray : target);
+      if (guided && std::isnan(ray.x)) ray = lens.undistort(target, target);
       xs[column] = static_cast<float>(ray.x);
       ys[column] = static_cast<float>(ray.y);
     }

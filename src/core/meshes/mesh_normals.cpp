@@ -2,7 +2,6 @@
 #include <cmath>
 
 #include "mesh_parts.hpp"
-#include "mesh_surface.hpp"
 
 namespace robot_vision
 {
@@ -26,7 +25,8 @@ struct Corner
 class NormalMaker
 {
 public:
-  NormalMaker(Mesh& mesh, double crease) : mesh_(mesh), min_cosine_(std::cos(crease * CV_PI / 180.0))
+  NormalMaker(Mesh& mesh, const std::vector<int>& places, double crease)
+    : mesh_(mesh), places_(places), min_cosine_(std::cos(crease * CV_PI / 180.0))
   {
     for (const cv::Vec3i& triangle : mesh.triangles)
     {
@@ -52,13 +52,12 @@ private:
   /// The corners of vertices without normals, by their places.
   std::vector<Corner> sortedCorners() const
   {
-    const std::vector<int> places = meshSurface(mesh_).places;
     std::vector<Corner> corners;
     for (std::size_t i = 0; i < mesh_.triangles.size(); ++i)
       for (int k = 0; k < 3; ++k)
       {
         const int vertex = mesh_.triangles[i][k];
-        if (mesh_.normals[at(vertex)] == cv::Vec3f()) corners.push_back({places[at(vertex)], static_cast<int>(i), k});
+        if (mesh_.normals[at(vertex)] == cv::Vec3f()) corners.push_back({places_[at(vertex)], static_cast<int>(i), k});
       }
     std::stable_sort(corners.begin(), corners.end(),
                      [](const Corner& a, const Corner& b) { return a.place < b.place; });
@@ -108,16 +107,17 @@ private:
   }
 
   Mesh& mesh_;
+  const std::vector<int>& places_;
   double min_cosine_;
   std::vector<cv::Vec3d> areas_;
 };
 
 }  // namespace
 
-void addNormals(Mesh& mesh, double crease)
+void addNormals(Mesh& mesh, const std::vector<int>& places, double crease)
 {
   mesh.normals.resize(mesh.vertices.size());
-  NormalMaker(mesh, crease).run();
+  NormalMaker(mesh, places, crease).run();
 }
 
 }  // namespace robot_vision

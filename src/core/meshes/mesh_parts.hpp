@@ -26,12 +26,16 @@ StreamedMesh parseMeshStream(const std::string& bytes);
 /// triangle has go.
 std::int64_t tidy(Mesh& mesh);
 
-/// Turns closed surfaces whose inside is out, normals as well. `outsides` is that of the mesh's MeshSurface.
+/// Turns the triangles of closed surfaces whose inside is out. `outsides` is that of the mesh's MeshSurface.
 void turnOutsideOut(Mesh& mesh, const std::vector<std::int8_t>& outsides);
 
+/// Turns the normals of vertices to the side from which their triangles are counter-clockwise.
+void turnNormals(Mesh& mesh);
+
 /// Gives normals to the vertices that have none (0, 0, 0): the mean of those triangles around them whose normals are
-/// less than `crease` (deg) from each other. A vertex that so gets several becomes several.
-void addNormals(Mesh& mesh, double crease);
+/// less than `crease` (deg) from each other. A vertex that so gets several becomes several. `places` are those of the
+/// mesh's MeshSurface.
+void addNormals(Mesh& mesh, const std::vector<int>& places, double crease);
 
 /// The unit of a mesh of this size (m if its numbers are m), and the sentence that says why.
 struct MeshUnit

@@ -22,16 +22,15 @@ namespace robot_vision
 namespace
 {
 
-constexpr std::size_t kMaxStream = std::size_t{1} << 30;  // bytes
-constexpr double kTimeout = 90.0;                         // s
-constexpr double kCrease = 40.0;                          // deg
-constexpr float kMaxCoordinate = 1000.0F;                 // of a texture, that a mesh may have
-constexpr float kRepeats = 16.0F;                         // of a texture, that are left of more
+constexpr double kTimeout = 90.0;          // s
+constexpr double kCrease = 40.0;           // deg
+constexpr float kMaxCoordinate = 1000.0F;  // of a texture, that a mesh may have
+constexpr float kRepeats = 16.0F;          // of a texture, that are left of more
 
 ProcessResult runReader(const std::string& path)
 try
 {
-  return runProcess(programPath("read_mesh"), {path}, kMaxStream, kTimeout);
+  return runProcess(programPath("read_mesh"), {path}, kMaxMeshStream, kTimeout);
 }
 catch (const std::system_error& e)
 {
@@ -41,7 +40,7 @@ catch (const std::system_error& e)
 /// The output of the program that reads the mesh. Throws, without the path in the text.
 std::string outputOf(const std::string& path)
 {
-  const ProcessResult result = runReader(path);
+  ProcessResult result = runReader(path);
   const std::string limits = " (a mesh of up to 2 million triangles takes less)";
   if (result.timed_out || result.signal == SIGXCPU)
     throw std::runtime_error("cannot be read: it takes too long" + limits);
@@ -57,7 +56,7 @@ std::string outputOf(const std::string& path)
                              (result.signal != 0 ? "signal " + std::to_string(result.signal)
                                                  : "exit code " + std::to_string(result.exit_code)) +
                              (words.empty() ? "" : ", " + words));
-  return result.output;
+  return std::move(result.output);
 }
 
 bool isFinite(const cv::Vec3f& v)
@@ -143,7 +142,8 @@ LoadedMesh load(const std::string& path, const std::string& unit)
   loaded.open_edges = surface.open_edges;
   loaded.closed = surface.open_edges == 0;
   turnOutsideOut(mesh, surface.outsides);
-  addNormals(mesh, kCrease);
+  turnNormals(mesh);
+  addNormals(mesh, surface.places, kCrease);
   tidy(mesh);
   validate(mesh);
   addWarnings(loaded);

@@ -47,14 +47,18 @@ void requireKnown(bool ok)
   if (!ok) throw std::runtime_error("cannot be read: what read_mesh wrote is no mesh");
 }
 
+std::uint64_t bytesOf(const cv::Mat& image)
+{
+  return image.total() * image.elemSize();
+}
+
 cv::Mat takeTexture(Reader& reader)
 {
   std::uint32_t size[2] = {};
   reader.take(size, sizeof(size));
   requireKnown(size[0] > 0 && size[1] > 0 && size[0] <= kMaxTextureSide && size[1] <= kMaxTextureSide);
-  const std::vector<cv::Vec3b> pixels = reader.list<cv::Vec3b>(std::uint64_t{size[0]} * size[1]);
   cv::Mat image(static_cast<int>(size[1]), static_cast<int>(size[0]), CV_8UC3);
-  std::memcpy(image.data, pixels.data(), pixels.size() * sizeof(cv::Vec3b));
+  reader.take(image.data, bytesOf(image));
   return image;
 }
 
@@ -66,7 +70,8 @@ StreamedMesh parseMeshStream(const std::string& bytes)
   MeshStreamHeader header = {};
   reader.take(&header, sizeof(header));
   requireKnown(std::memcmp(header.magic, kMeshStreamMagic, sizeof(header.magic)) == 0 && header.is_metric <= 1 &&
-               header.triangles <= kMaxMeshTriangles && header.textures <= kMaxMeshTextures);
+               header.vertices <= kMaxMeshVertices && header.triangles <= kMaxMeshTriangles &&
+               header.textures <= kMaxMeshTextures);
   StreamedMesh streamed;
   streamed.is_metric = header.is_metric == 1;
   Mesh& mesh = streamed.mesh;
@@ -76,8 +81,13 @@ StreamedMesh parseMeshStream(const std::string& bytes)
   mesh.colors = reader.list<cv::Vec3b>(header.vertices);
   mesh.triangles = reader.list<cv::Vec3i>(header.triangles);
   mesh.triangle_textures = reader.list<int>(header.triangles);
+  std::uint64_t texture_bytes = 0;
   for (std::uint64_t i = 0; i < header.textures; ++i)
+  {
     mesh.textures.push_back(takeTexture(reader));
+    texture_bytes += bytesOf(mesh.textures.back());
+    requireKnown(texture_bytes <= kMaxTextureBytes);
+  }
   const std::vector<char> warnings = reader.list<char>(header.warning_bytes);
   requireKnown(reader.ended());
   for (const cv::Vec3i& triangle : mesh.triangles)

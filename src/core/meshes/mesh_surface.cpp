@@ -4,6 +4,8 @@
 #include <numeric>
 #include <tuple>
 
+#include "core/common/joined_sets.hpp"
+
 namespace robot_vision
 {
 namespace
@@ -18,27 +20,6 @@ struct Side
   int triangle;
 
   auto key() const { return std::make_tuple(low, high); }
-};
-
-/// Sets of triangles that are joined one after the other.
-class Parts
-{
-public:
-  explicit Parts(std::size_t count) : parents_(count) { std::iota(parents_.begin(), parents_.end(), 0); }
-
-  int of(int one)
-  {
-    while (parents_[at(one)] != one)
-      one = parents_[at(one)] = parents_[at(parents_[at(one)])];
-    return one;
-  }
-
-  void join(int a, int b) { parents_[at(of(a))] = of(b); }
-
-private:
-  static std::size_t at(int i) { return static_cast<std::size_t>(i); }
-
-  std::vector<int> parents_;
 };
 
 std::vector<int> findPlaces(const std::vector<cv::Vec3f>& vertices)
@@ -109,26 +90,28 @@ MeshSurface meshSurface(const Mesh& mesh)
   MeshSurface surface;
   surface.places = findPlaces(mesh.vertices);
   const std::vector<Side> sides = findSides(mesh, surface.places);
-  Parts parts(mesh.triangles.size());
+  std::vector<int> parts(mesh.triangles.size());  // parents of triangles
+  std::iota(parts.begin(), parts.end(), 0);
+  const auto part_of = [&parts](int triangle) { return static_cast<std::size_t>(rootOf(parts, triangle)); };
   std::vector<int> seen_from_inside;  // a triangle of each part that has another beside it only on one side, or turned
   for (auto begin = sides.begin(); begin != sides.end();)
   {
     const auto end = std::find_if(begin, sides.end(), [&](const Side& side) { return side.key() != begin->key(); });
     const auto forward = std::count_if(begin, end, [](const Side& side) { return side.forward; });
     for (auto side = begin; side != end; ++side)
-      parts.join(side->triangle, begin->triangle);
+      parts[part_of(side->triangle)] = rootOf(parts, begin->triangle);
     if ((end - begin) % 2 != 0) ++surface.open_edges;
     if (2 * forward != end - begin) seen_from_inside.push_back(begin->triangle);
     begin = end;
   }
   std::vector<double> volumes(mesh.triangles.size());
   for (std::size_t i = 0; i < volumes.size(); ++i)
-    volumes[static_cast<std::size_t>(parts.of(static_cast<int>(i)))] += volumeBelow(mesh, mesh.triangles[i]);
+    volumes[part_of(static_cast<int>(i))] += volumeBelow(mesh, mesh.triangles[i]);
   for (const int triangle : seen_from_inside)
-    volumes[static_cast<std::size_t>(parts.of(triangle))] = 0.0;
+    volumes[part_of(triangle)] = 0.0;
   for (std::size_t i = 0; i < volumes.size(); ++i)
   {
-    const double volume = volumes[static_cast<std::size_t>(parts.of(static_cast<int>(i)))];
+    const double volume = volumes[part_of(static_cast<int>(i))];
     surface.outsides.push_back(static_cast<std::int8_t>(volume > 0.0 ? 1 : volume < 0.0 ? -1 : 0));
   }
   return surface;

@@ -109,18 +109,23 @@ std::int64_t tidy(Mesh& mesh)
 
 void turnOutsideOut(Mesh& mesh, const std::vector<std::int8_t>& outsides)
 {
-  std::vector<bool> turned(mesh.vertices.size());
   for (std::size_t i = 0; i < mesh.triangles.size(); ++i)
+    if (outsides[i] < 0) std::swap(mesh.triangles[i][1], mesh.triangles[i][2]);
+}
+
+void turnNormals(Mesh& mesh)
+{
+  std::vector<double> agreements(mesh.normals.size());
+  if (agreements.empty()) return;
+  for (const cv::Vec3i& triangle : mesh.triangles)
   {
-    if (outsides[i] >= 0) continue;
-    cv::Vec3i& triangle = mesh.triangles[i];
-    std::swap(triangle[1], triangle[2]);
+    const auto corner = [&](int k) { return cv::Vec3d(mesh.vertices[at(triangle[k])]); };
+    const cv::Vec3d area = (corner(1) - corner(0)).cross(corner(2) - corner(0));
     for (const int vertex : triangle.val)
-    {
-      if (!mesh.normals.empty() && !turned[at(vertex)]) mesh.normals[at(vertex)] *= -1.0F;
-      turned[at(vertex)] = true;
-    }
+      agreements[at(vertex)] += area.dot(cv::Vec3d(mesh.normals[at(vertex)]));
   }
+  for (std::size_t i = 0; i < agreements.size(); ++i)
+    if (agreements[i] < 0.0) mesh.normals[i] *= -1.0F;
 }
 
 }  // namespace robot_vision

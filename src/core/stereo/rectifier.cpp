@@ -5,6 +5,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "core/common/in_this_thread.hpp"
+#include "core/geometry/distortion.hpp"
 #include "core/image/conversion_buffer.hpp"
 #include "robot_vision/common/range.hpp"
 #include "robot_vision/geometry/distortion_models.hpp"
@@ -20,10 +21,13 @@ bool isInside(int place, int fraction, int size)
   return place >= 0 && place + (fraction > 0 ? 1 : 0) < size;
 }
 
-/// 255 where the maps lead into the image that they are for, which has their size.
-cv::Mat seenPixels(const cv::Mat& places, const cv::Mat& fractions)
+/// 255 where the maps of a camera lead into its image, which has their size. What the lens does not show they may lead
+/// back into the image.
+cv::Mat seenPixels(const RectifiedCamera& camera, const cv::Mat& places, const cv::Mat& fractions)
 {
   constexpr int kMask = cv::INTER_TAB_SIZE - 1;
+  const Undistortion lens(camera.model);
+  const cv::Matx33d to_ray = (camera.P.get_minor<3, 3>(0, 0) * camera.R).inv();
   cv::Mat seen(places.size(), CV_8UC1);
   for (int y = 0; y < seen.rows; ++y)
   {
@@ -34,7 +38,8 @@ cv::Mat seenPixels(const cv::Mat& places, const cv::Mat& fractions)
     {
       const bool inside = isInside(place[x][0], fraction[x] & kMask, seen.cols) &&
                           isInside(place[x][1], fraction[x] >> cv::INTER_BITS, seen.rows);
-      out[x] = inside ? 255 : 0;
+      const cv::Vec3d ray = to_ray * cv::Vec3d(x, y, 1.0);
+      out[x] = inside && ray[2] > 0.0 && lens.holds({ray[0] / ray[2], ray[1] / ray[2]}) ? 255 : 0;
     }
   }
   return seen;
@@ -57,7 +62,7 @@ struct Rectifier::Impl
           else
             cv::initUndistortRectifyMap(model.K, model.D, camera.R, P, size, CV_16SC2, places, fractions);
         });
-    seen = seenPixels(places, fractions);
+    seen = seenPixels(camera, places, fractions);
   }
 
   RectifiedCamera camera;

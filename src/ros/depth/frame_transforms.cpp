@@ -64,6 +64,7 @@ ros::Subscriber FrameTransforms::subscribe(const std::string& topic, bool is_sta
 {
   const auto take = [this, topic, is_static](const tf2_msgs::TFMessageConstPtr& message)
   {
+    lookAtClock();
     for (const geometry_msgs::TransformStamped& transform : message->transforms)
     {
       const std::string flaw = flawOf(transform);
@@ -78,6 +79,13 @@ ros::Subscriber FrameTransforms::subscribe(const std::string& topic, bool is_sta
   ros::SubscribeOptions options = boundedOptions<tf2_msgs::TFMessage>(topic, kQueueSize, take);
   const SubscribingLock subscribing;
   return nh_.subscribe(options);
+}
+
+void FrameTransforms::lookAtClock()
+{
+  const ros::Time now = ros::Time::now();
+  if (now < newest_) buffer_->clear();
+  newest_ = now;
 }
 
 std::optional<cv::Affine3d> FrameTransforms::find(const std::string& to, const std::string& from) const

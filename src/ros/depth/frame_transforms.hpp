@@ -35,8 +35,13 @@ public:
 private:
   ros::Subscriber subscribe(const std::string& topic, bool is_static);
 
+  /// Forgets what is of a time to come, if the time went back, as when a bag begins anew: tf2 would take it for the
+  /// newest, and leave out what is said from now on.
+  void lookAtClock();
+
   ros::NodeHandle nh_;
   std::unique_ptr<tf2::BufferCore> buffer_;  // while it listens
+  ros::Time newest_;                         // when the last message came
   Throttle throttle_;
   ros::Subscriber moving_;
   ros::Subscriber static_;
