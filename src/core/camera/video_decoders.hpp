@@ -29,8 +29,8 @@ public:
 /// Throws SourceError if FFmpeg was built without an H.264 decoder.
 std::unique_ptr<H264Decoder> makeH264Decoder();
 
-/// A video file, or a stream by its URL, which may leave its reader without data for `timeout` seconds. Throws
-/// SourceUnavailable if the stream does not answer, SourceError if the file cannot be read.
+/// A video file, or a stream by its URL, which may leave its reader without data for `timeout` seconds, 5 at least and
+/// 30 at most. Throws SourceUnavailable if the stream does not answer, SourceError if the file cannot be read.
 std::unique_ptr<FrameSource> openVideo(const std::string& path, double timeout);
 
 }  // namespace robot_vision

@@ -11,8 +11,9 @@ namespace robot_vision
 namespace
 {
 
-constexpr int kOpeningTime = 5000;    // ms
-constexpr int kOrientationAuto = 49;  // cv::CAP_PROP_ORIENTATION_AUTO; versions of OpenCV without it turn no frames
+constexpr double kShortestTimeout = 5.0;  // s, of a stream
+constexpr double kLongestTimeout = 30.0;  // s
+constexpr int kOrientationAuto = 49;      // cv::CAP_PROP_ORIENTATION_AUTO; versions of OpenCV without it turn no frames
 
 /// How many frames a video may be too short before it counts as truncated. The container's number of frames may be
 /// rounded from the duration, and its rate may be the mean of a varying one.
@@ -36,10 +37,10 @@ VideoSource::VideoSource(const std::string& path, double timeout)
 void VideoSource::open()
 {
 #if CV_VERSION_MAJOR > 4 || (CV_VERSION_MAJOR == 4 && CV_VERSION_MINOR >= 6)
-  // FFmpeg's own timeouts are half a minute. With them, a server that does not answer would delay the node's shutdown.
-  // To open a stream takes FFmpeg a few seconds of it, to know what it is.
-  const int read_ms = static_cast<int>(timeout_ * 1e3), open_ms = std::max(kOpeningTime, read_ms);
-  const std::vector<int> limits = {cv::CAP_PROP_OPEN_TIMEOUT_MSEC, open_ms, cv::CAP_PROP_READ_TIMEOUT_MSEC, read_ms};
+  // A server that does not answer delays the node's shutdown for so long, and FFmpeg's own timeouts are half a minute.
+  // It takes a few seconds of a stream to know what it is.
+  const int limit = static_cast<int>(std::clamp(timeout_, kShortestTimeout, kLongestTimeout) * 1e3);
+  const std::vector<int> limits = {cv::CAP_PROP_OPEN_TIMEOUT_MSEC, limit, cv::CAP_PROP_READ_TIMEOUT_MSEC, limit};
   const bool opened = capture_.open(path_, cv::CAP_FFMPEG, url_ ? limits : std::vector<int>{});
 #else
   const bool opened = capture_.open(path_, cv::CAP_FFMPEG);
