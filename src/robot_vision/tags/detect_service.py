@@ -1,6 +1,7 @@
 """The service ~detect, which searches a single image for tags."""
 
 import os
+import threading
 from typing import Any, Callable, Optional, Tuple
 
 import numpy as np
@@ -39,27 +40,30 @@ class DetectService:
         self._calibration = calibration
         self._detect = detect
         self._calls = FrameCalls(node)
+        self._searching = threading.Lock()  # Large images need much memory: one at a time.
         current().service("~detect", DetectTags, self._on_detect)
 
     def offer(self, frame: Frame, depth: Optional[DepthFrame] = None) -> None:
         """Offers a frame, and its depth, to the calls that wait for one."""
-        self._calls.offer(lambda: self._detect(frame.image, frame.encoding, frame.header, depth))
+        self._calls.offer(lambda: (frame.image, frame.encoding, frame.header, depth))
 
     def _on_detect(self, request: Any) -> DetectTagsResponse:
         try:
             with self._calls.working():
-                found = self._of_file(request.file) if request.file else self._calls.wait(TIMEOUT)
+                seen = None if request.file else self._calls.wait(TIMEOUT)
+                # In this thread, so that frames go on meanwhile.
+                with self._searching:
+                    tags, problem = self._detect(*(seen or self._of_file(request.file)))
         except Exception as error:  # Of any kind, because rospy would answer without a reason.
             reason = error_text(error)
             rospy.logerr("no tags detected: %s", reason)
             return DetectTagsResponse(False, reason, TagDetectionArray())
-        tags, problem = found
         return DetectTagsResponse(True, problem, tags)
 
-    def _of_file(self, path: str) -> Tuple[TagDetectionArray, str]:
+    def _of_file(self, path: str) -> Tuple[np.ndarray, str, Header, None]:
         if not os.path.isabs(path):  # A node and its caller run in different folders.
             raise ValueError(f"file is '{printable(path)}', must be an absolute path")
         image = load_image(path, sensor_pixels)
         self._calibration.wait(CALIBRATION_TIMEOUT)
         header = Header(stamp=rospy.Time.now(), frame_id=self._calibration.frame_id)
-        return self._detect(image, "bgr8", header, None)
+        return image, "bgr8", header, None
