@@ -259,6 +259,21 @@ def test_enrollment_takes_images_of_one_clear_face():
         assert np.array_equal(taken, portrait(image, head))
 
 
+def test_enrollment_begins_anew_when_ids_do():
+    image, head = photograph(ANNA, 0)
+    enrollment = Enrollment(2)
+    enrollment.begin_anew()
+    assert enrollment.outcome() == "took 0 of 2 images; saw no others"
+    enrollment.offer(image, [OfferedFace(head, id=1)], 0.0)
+    enrollment.begin_anew()
+    for now in (1.0, 2.0):
+        assert not enrollment.wait(0.0, lambda: False)
+        enrollment.offer(image, [OfferedFace(head, id=1)], now)
+    enrollment.begin_anew()  # All are there.
+    assert enrollment.wait(0.0, lambda: False) and len(enrollment.portraits) == 2
+    assert enrollment.outcome() == "took 2 of 2 images; 1 showed another face"
+
+
 def test_enrollment_begins_anew_when_another_face_comes():
     enrollment = Enrollment(3)
     portraits = []

@@ -26,7 +26,8 @@ class OfferedFace:
 class Enrollment:
     """Takes `count` portraits of the only face in the images that it is offered.
 
-    They are all of one face: it begins anew when another one is there than before.
+    They are all of one face: it begins anew when one with another id is there than before. Faces
+    that are not followed have the id -1, all of them.
     """
 
     def __init__(self, count: int):
@@ -60,14 +61,19 @@ class Enrollment:
         except ValueError:
             self._refused["showed no clear face"] += 1
             return
-        if face.id != self._id and self.portraits:
-            self._refused["showed another face"] += len(self.portraits)
-            self.portraits.clear()
+        if face.id != self._id:
+            self.begin_anew()
         self._id = face.id
         self._taken = now
         self.portraits[f"image {len(self.portraits) + 1}"] = taken
         if len(self.portraits) == self._count:
             self._done.set()
+
+    def begin_anew(self) -> None:
+        """Forgets the portraits, unless all are there: a face may be another one from now on."""
+        if self.portraits and not self._done.is_set():
+            self._refused["showed another face"] += len(self.portraits)
+            self.portraits.clear()
 
     def wait(self, seconds: float, given_up: Callable[[], Any]) -> bool:
         """Returns whether all portraits were taken within `seconds` of the wall clock."""

@@ -108,10 +108,11 @@ class FaceRecognizer:
             self._services.offer(frame.image, offered, now)
 
     def _notice_other_ids(self, faces: DetectionArray) -> None:
-        """Forgets all identities when the detector was restarted, because its ids start anew."""
+        """Forgets whose the ids are when the detector was restarted, because they start anew."""
         connection = getattr(faces, "_connection_header", None)  # one object per connection
         if connection is not self._connection or faces.header.stamp < self._stamp:
             self._identities.clear()
+            self._services.begin_anew()
         self._connection, self._stamp = connection, faces.header.stamp
 
     def _identify(self, image: np.ndarray, face: Detection, now: float) -> Identity:

@@ -73,6 +73,12 @@ class GalleryServices:
         if enrollment:
             enrollment.offer(image, faces, now)
 
+    def begin_anew(self) -> None:
+        """Has ~enroll take no more portraits of the face before: see Enrollment.begin_anew()."""
+        enrollment = self._enrollment
+        if enrollment:
+            enrollment.begin_anew()
+
     def _service(self, name: str, kind: Any, handler: Callable[[Any], Any]) -> None:
         def handle(request: Any) -> Any:
             with self._ended:
