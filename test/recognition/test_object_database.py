@@ -104,6 +104,27 @@ def test_what_was_stored_is_there_again(path):
         assert database.models.of(one.id, "PPF") is None and database.meshes.of("f" * 32) is None
 
 
+@pytest.mark.parametrize(
+    "column, value, said",
+    [
+        ("meshes.origin_offset", "5", "origin_offset is 5, must be a list of 3 numbers"),
+        ("observations.matrix", "[[1, 2], [3, 4]]", "matrix is .*, must be 3 rows of 3 numbers"),
+        ("observations.pose", "{}", "pose is {}, must be 4 rows of 4 numbers"),
+        ("observations.distortion", '"none"', "distortion is 'none', must be a list"),
+    ],
+)
+def test_documents_of_another_form_are_told(path, column, value, said):
+    with Database(path, write=True) as database:
+        one = fill(database)
+        (session,) = database.observations.sessions(one.id)
+    table, name = column.split(".")
+    with contextlib.closing(sqlite3.connect(path)) as file, file:
+        file.execute(f"UPDATE {table} SET {name} = ?", (value,))
+    with Database(path) as database, pytest.raises(ValueError, match=said):
+        database.meshes.of(one.id)
+        database.observations.of(session.id)
+
+
 def test_objects_are_found_by_id_name_and_first_digits(path):
     with Database(path, write=True) as database, database.transaction():
         one, other = (

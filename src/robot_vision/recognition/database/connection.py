@@ -5,7 +5,7 @@ import errno
 import os
 import sqlite3
 import time
-from typing import Any, Iterator, List, Optional, Sequence, Tuple
+from typing import Any, Dict, Iterator, List, Optional, Sequence, Tuple
 from urllib.parse import quote
 
 from ...common.errors import about
@@ -69,6 +69,10 @@ class Connection:
             if not isinstance(value, str):
                 raise ValueError(f"it is {brief(value)}")
             return parsed(value)
+
+    def values(self, column: str, value: Any) -> Dict[str, Any]:
+        """Returns what document() does by the name of the column, as json_values has values."""
+        return {column: self.document(column, value)}
 
     @contextlib.contextmanager
     def transaction(self, commit: bool = True) -> Iterator[None]:

@@ -86,7 +86,7 @@ class Meshes:
             {name: read_blob(self._connection, digest) for name, digest in files},
             unit,
             scale,
-            tuple(self._connection.document("origin_offset", offset)),
+            tuple(numbers(self._connection.values("origin_offset", offset), "origin_offset", 3)),
             from_json(self._connection.document("symmetries", symmetries)),
             added,
         )

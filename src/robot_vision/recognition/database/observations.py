@@ -10,6 +10,7 @@ from ...common.plain_text import brief
 from .blobs import read_blob, store_blob
 from .connection import Connection
 from .documents import Observation, Session, new_id, now, storable
+from .json_values import matrix, numbers
 
 COLUMNS = "id, session_id, frame_number, rgb, depth, mask, matrix, distortion, pose"
 OF_OBJECT = (
@@ -72,9 +73,7 @@ class Observations:
     def poses(self, object_id: str) -> List[Tuple[str, np.ndarray]]:
         """Returns the ids and the poses of all observations of an object, without their images."""
         rows = self._connection.rows(f"SELECT observations.id, pose {OF_OBJECT}", (object_id,))
-        return [
-            (number, np.array(self._connection.document("pose", pose))) for number, pose in rows
-        ]
+        return [(number, self._matrix("pose", pose, 4)) for number, pose in rows]
 
     def one(self, number: str) -> Observation:
         """Returns the observation of this id.
@@ -109,11 +108,12 @@ class Observations:
     def _observation(self, row: Any) -> Observation:
         number, session_id, frame_number, rgb, depth, mask, matrix, distortion, pose = row
         rgb, depth, mask = (read_blob(self._connection, one) for one in (rgb, depth, mask))
-        matrix, pose = (
-            np.array(self._connection.document(*one))
-            for one in (("matrix", matrix), ("pose", pose))
-        )
-        distortion = self._connection.document("distortion", distortion)
+        matrix, pose = self._matrix("matrix", matrix, 3), self._matrix("pose", pose, 4)
+        values = self._connection.values("distortion", distortion)
+        distortion = numbers(values, "distortion", None)
         return Observation(
             session_id, frame_number, rgb, depth, mask, matrix, pose, distortion, number
         )
+
+    def _matrix(self, column: str, value: Any, size: int) -> np.ndarray:
+        return matrix(self._connection.values(column, value), column, size)
