@@ -410,7 +410,7 @@ def test_what_would_take_many_seconds_is_refused(method, values, text):
     made = segmenter(method, **values)
     made.add_region((5, 5, 20, 16))
     limit = r"must be less, or the image of 1920x1080 have at most \d+ pixels"
-    with pytest.raises(ValueError, match=f"^{text}, {limit}$"):
+    with pytest.raises(ValueError, match=f"^{text} at scale 1, {limit}$"):
         made.apply(image)
     assert made.apply(image[:32, :48]).labels.shape == (32, 48)
 

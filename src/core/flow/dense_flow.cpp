@@ -127,7 +127,7 @@ struct DenseFlow::Impl
     if (!dis)
     {
       requireWork("window, iterations, levels are " + toText(params.window) + ", " + toText(params.iterations) + ", " +
-                      toText(params.levels),
+                      toText(params.levels) + " at scale " + toText(params.scale),
                   farnebackSteps(params), last.size(), kMaxFarnebackSteps);
       cv::calcOpticalFlowFarneback(last, next, flow, params.pyr_scale, params.levels, params.window, params.iterations,
                                    params.poly_n, params.poly_sigma,

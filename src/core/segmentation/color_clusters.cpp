@@ -56,7 +56,7 @@ cv::Mat ColorClusters::apply(const cv::Mat& bgr, const SegmenterParams& params)
   const int count = std::min(params.clusters, static_cast<int>(bgr.total()));
   const bool kept = params.keep_centers && centers_.rows == count;
   const int attempts = kept ? 1 : params.attempts;
-  requireWork("clusters, attempts are " + toText(count) + ", " + toText(attempts),
+  requireWork("clusters, attempts are " + toText(count) + ", " + toText(attempts) + " at scale " + toText(params.scale),
               static_cast<double>(count) * attempts, bgr.size(), kMaxDistances);
   cv::Mat colors;
   bgr.convertTo(colors, CV_32F);

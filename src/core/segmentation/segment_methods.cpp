@@ -17,7 +17,7 @@ namespace
 constexpr int kMinSamples = 5;  // px that cv::grabCut needs of the object and of the background: one for each Gaussian
 
 constexpr double kMaxPixelsOfWindows = 1e9;  // of mean_shift for an image, up to 7 ns each
-constexpr double kMaxRefinements = 1e7;      // of pixels by grab_cut for an image, some 400 ns each
+constexpr double kMaxRefinements = 2e7;      // of pixels by grab_cut for an image, some 400 ns each
 
 /// A division into nothing.
 Division nothing(const cv::Mat& bgr, const std::string& hint)
@@ -64,7 +64,8 @@ Division grabCut(const cv::Mat& bgr, const SeedMap& seeds, const SegmenterParams
 {
   if (seeds.empty()) return nothing(bgr, "grab_cut has no seeds: drag a rectangle around an object, or click");
   cv::Mat mask = seeds.grabCutMask();
-  requireWork("iterations is " + toText(params.iterations), params.iterations, bgr.size(), kMaxRefinements);
+  requireWork("iterations is " + toText(params.iterations) + " at scale " + toText(params.scale), params.iterations,
+              bgr.size(), kMaxRefinements);
   const std::string lack = lackOfSamples(mask);
   if (!lack.empty()) return nothing(bgr, lack);
   cv::Mat background, object;  // the Gaussians
@@ -101,7 +102,8 @@ Division meanShift(const cv::Mat& bgr, const SegmenterParams& params, double sca
 {
   const double radius = params.spatial_radius * scale;
   const double side = 2.0 * radius + 1.0;
-  requireWork("spatial_radius is " + toText(params.spatial_radius), side * side, bgr.size(), kMaxPixelsOfWindows);
+  requireWork("spatial_radius is " + toText(params.spatial_radius) + " at scale " + toText(params.scale), side * side,
+              bgr.size(), kMaxPixelsOfWindows);
   cv::Mat flat;
   cv::pyrMeanShiftFiltering(bgr, flat, radius, params.color_radius, params.levels);
   return {similarNeighbors(flat, params.color_tolerance), true, ""};
