@@ -368,6 +368,8 @@ def test_a_pair_of_cameras_is_started_where_it_is_asked_for():
     assert dict(matcher.remap_args)["left/image_raw"] == "/eyes/left/image_raw"
     (matcher,) = loaded("stereo.launch").nodes
     assert dict(matcher.remap_args)["left/image_raw"] == "/usb_cam/left/image_raw"
+    for name in ("/robot/usb_cam", "usb_cam/"):  # as included in a namespace
+        assert len(loaded("stereo.launch", f"stereo:={name}", *words).nodes) == 2
     with pytest.raises(roslaunch.RLException, match="whose pair is usb_cam and not /eyes,"):
         loaded("stereo.launch", "stereo:=/eyes", *words)
 
