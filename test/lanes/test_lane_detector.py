@@ -428,6 +428,10 @@ def test_what_cannot_be_drawn_on_is_refused():
         ({"min_length": 1.0}, "min_length is 1, must be below far - near, 1"),
         ({"near": 0.3, "far": 0.6}, "min_length is 0.3, must be below far - near, 0.3"),
         ({"min_rows": 21}, "min_rows is 21, must be at most the rows of a window, .*, 20"),
+        (
+            {"windows": 50, "resolution": 0.03},
+            "windows is 50, must be at most the rows of the view, ",
+        ),
         ({"windows": 50}, "min_rows is 5, must be at most the rows of a window, .*, 4"),
         ({"smoothing": -1.0}, "smoothing is -1, must be from 0 to 10"),
     ],

@@ -174,8 +174,13 @@ Undistortion::Undistortion(const CameraModel& camera) : lens_(camera)
 
 bool Undistortion::holds(const cv::Point2d& point) const
 {
-  const double r2 = point.dot(point), angle = std::atan(std::sqrt(r2));
-  return (lens_.equidistant_ ? angle * angle : r2) < turn_ && isOutward(lens_.distort(point), point);
+  double place = point.dot(point);
+  if (lens_.equidistant_)
+  {
+    const double angle = std::atan(std::sqrt(place));
+    place = angle * angle;
+  }
+  return place < turn_ && isOutward(lens_.distort(point), point);
 }
 
 cv::Point2d Undistortion::undistort(const cv::Point2d& target, const cv::Point2d& guess) const

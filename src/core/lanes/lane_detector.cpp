@@ -72,6 +72,7 @@ struct LaneDetector::Impl
     const double length = ground.far - ground.near;
     require(params.min_length < length, "min_length", params.min_length, "below far - near, " + toText(length));
     const int rows = cvRound(length / ground.resolution) / params.windows;
+    require(rows > 0, "windows", params.windows, "at most the rows of the view, far - near by resolution");
     require(params.min_rows <= rows, "min_rows", params.min_rows,
             "at most the rows of a window, far - near by resolution and windows, " + toText(rows));
   }

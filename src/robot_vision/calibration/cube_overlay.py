@@ -10,7 +10,7 @@ from tf2_msgs.msg import TFMessage
 
 from .. import CameraModel, draw_text, to_bgr, to_gray
 from ..common.plain_text import brief
-from ..ros.camera_info import CameraInfoListener
+from ..ros.camera_info import NOT_CALIBRATED, CameraInfoListener
 from ..ros.configs import CubeOverlayConfig
 from ..ros.image_node import ImageNode
 from ..ros.live_params import LiveParams
@@ -74,7 +74,7 @@ class CubeOverlay:
             except (TypeError, ValueError) as error:
                 raise FrameError(error) from None
             if camera is None:
-                draw_text(overlay, "no calibration: see what the node has printed", (10, 20))
+                draw_text(overlay, NOT_CALIBRATED, (10, 20))
             elif found:
                 kind, length = self._drawing
                 draw = draw_cube if kind == "cube" else draw_axes

@@ -27,7 +27,7 @@ class BoardWatch:
     All attributes are replaced, never changed, so that other threads may read them.
 
     Attributes:
-        size: The width and height of the images in px; None: none has come yet.
+        size: The width and height of the images in px; None: none has shown the board yet.
         corners: Where the board is in the newest frame, [x, y] px each; [] if it is not there.
         words: What was found of the newest frame, and what to do.
         observations: The views that are kept.

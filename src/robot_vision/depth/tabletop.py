@@ -18,7 +18,7 @@ from .. import (
 )
 from ..common.plain_text import NAME, brief, is_name, printable
 from ..msg import Detection3DArray, TableArray
-from ..ros.camera_info import CameraInfoListener
+from ..ros.camera_info import NOT_CALIBRATED, CameraInfoListener
 from ..ros.configs import TabletopConfig
 from ..ros.depth_frames import DepthLook
 from ..ros.frame_transforms import FrameTransforms
@@ -90,7 +90,7 @@ class Tabletop:
         if camera is None:
             if self._processed.get_num_connections():
                 overlay = depth_gray(frame.image, settings.max_distance)
-                draw_text(overlay, "no calibration: see what the node has printed", (10, 20))
+                draw_text(overlay, NOT_CALIBRATED, (10, 20))
                 self._processed.publish(overlay, "bgr8", frame.header)
             self._calibration.refuse()
             return

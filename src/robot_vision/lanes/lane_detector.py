@@ -6,7 +6,7 @@ from typing import Any, Dict, Sequence, Tuple
 from .. import GroundParams, Lane, LaneLine, LaneParams, draw_lane, draw_text
 from .. import LaneDetector as Detector
 from ..msg import LaneBoundary, LaneState
-from ..ros.camera_info import CameraInfoListener
+from ..ros.camera_info import NOT_CALIBRATED, CameraInfoListener
 from ..ros.configs import LaneDetectorConfig
 from ..ros.image_node import ImageNode
 from ..ros.live_params import LiveParams, filled
@@ -14,7 +14,6 @@ from ..ros.messages import points
 from ..ros.startup import run_node
 from ..ros.transport import Frame, FrameError
 
-NOT_CALIBRATED = ("no calibration: see what the node has printed",)
 STRAIGHT = 0.01  # a lane whose width is this share of its radius
 
 
@@ -48,7 +47,7 @@ class LaneDetector:
         if ground == "camera":
             camera = self._calibration.camera(frame.image.shape[1::-1])
             if camera is None:
-                self._publish_overlay(frame, Lane(), NOT_CALIBRATED)
+                self._publish_overlay(frame, Lane(), (NOT_CALIBRATED,))
                 self._calibration.refuse()
                 return
         try:

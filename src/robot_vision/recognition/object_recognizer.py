@@ -12,7 +12,7 @@ from visualization_msgs.msg import MarkerArray
 from .. import CameraModel, draw_text
 from ..common.plain_text import printable, to_ascii
 from ..msg import DetectionArray, RecognizedObjectArray, TableArray
-from ..ros.camera_info import CameraInfoListener
+from ..ros.camera_info import NOT_CALIBRATED, CameraInfoListener
 from ..ros.configs import ObjectRecognizerConfig
 from ..ros.context import current
 from ..ros.depth_input import DepthFrame, DepthInput
@@ -38,7 +38,6 @@ from .tables_below import TablesBelow
 
 WITHOUT_DEPTH = "nothing is recognized"
 WITHOUT_METHODS = "methods names none, so that nothing but tables is looked for"
-NOT_CALIBRATED = "no calibration: see what the node has printed"  # in the overlay
 ORK_NAMES = {  # of object_recognition_core, which are not private
     "~recognized_object_array": "recognized_object_array",
     "~tables": "table_array",

@@ -76,7 +76,7 @@ class ObjectSource:
         return _stamp_of(self.path) != self._stamp
 
     def _load(self, settings: Settings) -> Tuple[bool, str]:
-        # If this fails, all is as it was, and is tried again. The file may change meanwhile.
+        # The file may change meanwhile. What cannot be read is a problem of the file as it is now.
         stamp = _stamp_of(self.path)
         self._loaded = load_objects(self.path, settings.objects, self._methods)
         self._stamp = stamp

@@ -15,6 +15,7 @@ from .transport import ReportedFrameError, camera_info_beside, remapped_camera_i
 
 REPEAT_PERIOD = 5.0  # s until the same kind of problem is logged again
 TIMEOUT = 2.0  # s without camera_info until its lack is logged
+NOT_CALIBRATED = "no calibration: see what the node has printed"  # in overlays
 
 
 class CameraInfoListener:

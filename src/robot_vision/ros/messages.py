@@ -62,7 +62,8 @@ def clipped_box(region: RegionOfInterest) -> Box:
 def box_around(outline: np.ndarray, image: np.ndarray) -> RegionOfInterest:
     """Returns the part of the image that the bounding box of an outline, (n, 2) px, covers.
 
-    A pixel counts if more of it than its edge is covered; there is one at least in each direction.
+    A pixel counts if more of it than its edge is covered. Inside of the image there is one at least
+    in each direction.
     """
     height, width = image.shape[:2]
     first = np.floor(outline.min(axis=0) + 0.5)  # Positions are from the middle of the first pixel.
