@@ -65,13 +65,28 @@ def hub():
     return Hub()
 
 
+class Told(list):
+    """The states that were told, also when the run went on or paused."""
+
+    of_frame = (
+        None  # the number of the one that is told of the newest frame, after it was looked at
+    )
+
+
 @pytest.fixture
 def start(hub):
     runs = []
 
     def begin(params=BOARD, model="plumb_bob"):
-        told = []
+        told = Told()
         run = CalibrationRun(TOPIC, params, model, hub, told.append)
+        look = run._watch.look
+
+        def noted(frame):
+            look(frame)
+            told.of_frame = len(told)
+
+        run._watch.look = noted
         runs.append(run)
         run.resume()
         return run, told
@@ -83,10 +98,10 @@ def start(hub):
 
 def shown(run, told, hub, image, encoding="bgr8"):
     """The state after the run has looked at an image."""
-    before = len(told)
+    told.of_frame = None
     hub.give(image, encoding)
-    support.wait_for(lambda: len(told) > before, "a state")
-    return told[-1]
+    support.wait_for(lambda: told.of_frame is not None and told[told.of_frame :], "a state")
+    return told[told.of_frame]
 
 
 def solved(run, told):
