@@ -6,6 +6,7 @@
 #include <optional>
 #include <stdexcept>
 
+#include "core/common/smoothing.hpp"
 #include "lane_mask.hpp"
 #include "lane_model.hpp"
 #include "line_fit.hpp"
@@ -170,8 +171,7 @@ struct LaneDetector::Impl
   void keep(double time_s, const LaneModel& found, const lanes::LanePair& pair)
   {
     const bool is_same = last && std::abs(found.offset - last->offset) <= last->width / 2.0;
-    const double share =
-        is_same && params.smoothing > 0.0 ? 1.0 - std::exp((last_time - time_s) / params.smoothing) : 1.0;
+    const double share = is_same ? smoothingGain(time_s - last_time, params.smoothing) : 1.0;
     if (!is_same) mean = found;
     for (const auto member : {&LaneModel::offset, &LaneModel::heading, &LaneModel::curvature, &LaneModel::width})
       mean.*member += share * (found.*member - mean.*member);

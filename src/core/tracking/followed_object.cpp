@@ -4,6 +4,7 @@
 #include <numeric>
 #include <opencv2/imgproc.hpp>
 
+#include "core/common/smoothing.hpp"
 #include "velocity.hpp"
 
 namespace robot_vision
@@ -108,7 +109,7 @@ cv::Point2d FollowedObject::velocityFrom(const Motion& last, double elapsed, dou
   const cv::Point2d error = state_.center - last.center - last.velocity * elapsed;
   const std::vector<cv::Point2f> outline(state_.outline.begin(), state_.outline.end());
   if (error.ddot(error) > cv::contourArea(outline)) return {};
-  return last.velocity + velocityGain(elapsed, smoothing) / elapsed * error;
+  return last.velocity + smoothingGain(elapsed, smoothing) / elapsed * error;
 }
 
 /// Writes the pose into the state that users see.

@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "color_model.hpp"
+#include "core/common/smoothing.hpp"
 #include "core/image/conversion_buffer.hpp"
 #include "core/image/rects.hpp"
 #include "robot_vision/common/range.hpp"
@@ -42,7 +43,7 @@ struct WindowTracker::Impl
     if (!is_shifted)
       velocity = {};
     else if (elapsed >= kMinInterval)
-      velocity += velocityGain(elapsed, params.smoothing) * ((fit.center - seen.center) / elapsed - velocity);
+      velocity += smoothingGain(elapsed, params.smoothing) * ((fit.center - seen.center) / elapsed - velocity);
     if (measured_by != params.method) measureAnew(fit);
     // A rectangle looks the same after half a turn: of both rotations the smaller one is meant.
     const double turned = std::remainder(fit.direction - seen.direction, CV_PI);
