@@ -1,15 +1,14 @@
 """The node dashboard, which serves a page to see, tune, teach and record with a browser."""
 
-import os
 import time
 import xml.etree.ElementTree
 from typing import Any
 
 import rosgraph.network
-import rospkg
 import rospy
 from std_srvs.srv import Trigger, TriggerResponse
 
+from ..common.package_path import package_path
 from ..ros.params import review_params
 from ..ros.startup import run_node
 from .access import Access, is_loopback
@@ -85,8 +84,8 @@ def _name_for_others() -> str:
 
 def _version() -> str:
     """The package's version; rospkg's manifests take seconds, as they look for all of rosdep."""
-    path = os.path.join(rospkg.RosPack().get_path("robot_vision"), "package.xml")
-    return xml.etree.ElementTree.parse(path).findtext("version", "").strip()
+    root = xml.etree.ElementTree.parse(package_path("package.xml"))
+    return root.findtext("version", "").strip()
 
 
 def main() -> None:

@@ -3,8 +3,7 @@
 import os
 from typing import Any, Tuple
 
-import rospkg
-
+from ..common.package_path import package_path
 from ..common.plain_text import brief
 from ..common.ranges import require_range
 from ..ros.image_node import MAX_THREADS
@@ -26,7 +25,7 @@ def network_settings() -> NetworkSettings:
         ValueError: A parameter has the wrong type or is out of range.
     """
     return NetworkSettings(
-        model=_path("model", read_param("model", "")) or own_network(),
+        model=_path("model", read_param("model", "")) or package_path(OWN_NETWORK),
         weights=_path("weights", read_param("weights", "")),
         class_names=_names(read_param("class_names", "")),
         backend=_choice("backend", read_param("backend", "auto"), BACKENDS[1:]),
@@ -43,11 +42,6 @@ def network_settings() -> NetworkSettings:
         std=_numbers("std", read_any("std", [])),
         background=read_param("background", True),
     )
-
-
-def own_network() -> str:
-    """Returns the path of the network that is part of this package."""
-    return os.path.join(rospkg.RosPack().get_path("robot_vision"), OWN_NETWORK)
 
 
 def _path(name: str, path: str) -> str:

@@ -4,10 +4,9 @@ import os
 from dataclasses import dataclass, field
 from typing import Any, Dict, List, Mapping
 
-import rospkg
-
 from ..common.errors import about
 from ..common.files import MAX_TEXT, read_file
+from ..common.package_path import package_path
 from ..common.plain_text import brief, printable
 from ..common.yaml_text import load_yaml
 
@@ -68,7 +67,7 @@ def read_ork(path: str) -> OrkFile:
 def _found(path: str) -> str:
     if os.path.dirname(path) or os.path.lexists(path):
         return path
-    ours = os.path.join(rospkg.RosPack().get_path("robot_vision"), "config", path)
+    ours = package_path("config", path)
     return ours if os.path.exists(ours) else path
 
 
